@@ -1,0 +1,30 @@
+#pragma once
+
+#include <sstream>
+#include <stdexcept>
+#include <string>
+
+namespace veridyn {
+
+/// The caller's mistake, or a file that cannot be used: what() is one line that says where, what was
+/// found and what was expected.
+class InvalidInput : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// All arguments, streamed one after the other.
+template <typename... Parts>
+std::string text(const Parts&... parts) {
+  std::ostringstream out;
+  (out << ... << parts);
+  return out.str();
+}
+
+/// @throws InvalidInput  with the given parts as its message, unless the condition holds.
+template <typename... Parts>
+void require(bool condition, const Parts&... parts) {
+  if (!condition) throw InvalidInput(text(parts...));
+}
+
+}  // namespace veridyn

@@ -1,0 +1,12 @@
+#pragma once
+
+#include <Eigen/Core>
+
+namespace veridyn {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+using VectorRef = Eigen::Ref<const VectorXd>;
+using MatrixRef = Eigen::Ref<const MatrixXd>;
+
+}  // namespace veridyn
