@@ -1,0 +1,75 @@
+#pragma once
+
+#include <cmath>
+
+namespace veridyn {
+
+/// Eight samples side by side, so that one instruction works on several of them. The tag keeps the code of
+/// one instruction set apart from that of another in one program.
+///
+/// Compilers lower the vector to what the machine has: two, four or eight lanes an instruction.
+template <int kLanes, typename Isa>
+struct Pack {
+  typedef double Lanes __attribute__((vector_size(kLanes * sizeof(double))));
+  typedef long long Mask __attribute__((vector_size(kLanes * sizeof(long long))));
+  static constexpr int kSize = kLanes;
+
+  Lanes v;
+
+  Pack() = default;
+  Pack(double x) : v(Lanes{} + x) {}  // NOLINT: a constant is a pack of equals
+  explicit Pack(const Lanes& lanes) : v(lanes) {}
+
+  Pack& operator+=(const Pack& b) {
+    v += b.v;
+    return *this;
+  }
+  Pack& operator-=(const Pack& b) {
+    v -= b.v;
+    return *this;
+  }
+  friend Pack operator+(const Pack& a, const Pack& b) { return Pack(a.v + b.v); }
+  friend Pack operator-(const Pack& a, const Pack& b) { return Pack(a.v - b.v); }
+  friend Pack operator*(const Pack& a, const Pack& b) { return Pack(a.v * b.v); }
+  friend Pack operator/(const Pack& a, const Pack& b) { return Pack(a.v / b.v); }
+  friend Pack operator-(const Pack& a) { return Pack(-a.v); }
+};
+
+/// Sine and cosine of all lanes, to 2 units in the last place for |x| < 1e5 (Cody-Waite reduction in three parts, then the
+/// Taylor-like minimax polynomials of the Cephes library's published coefficients).
+template <int kLanes, typename Isa>
+inline void sine_cosine(const Pack<kLanes, Isa>& x, Pack<kLanes, Isa>& sine, Pack<kLanes, Isa>& cosine) {
+  using P = Pack<kLanes, Isa>;
+  using Lanes = typename P::Lanes;
+  using Mask = typename P::Mask;
+  // Adding and removing 1.5 * 2^52 rounds to the nearest integer; the low bits then hold the quadrant.
+  const Lanes magic = Lanes{} + 6755399441055744.0;
+  const Lanes shifted = x.v * (2.0 / M_PI) + magic;
+  const Lanes k = shifted - magic;
+  const Mask quadrant = reinterpret_cast<const Mask&>(shifted);
+  Lanes r = x.v - k * 1.57079632673412561417e+00;
+  r -= k * 6.07710050630396597660e-11;
+  r -= k * 2.02226624879595063154e-21;
+  const Lanes z = r * r;
+  Lanes s = z * 1.58962301576546568060e-10 - 2.50507477628578072866e-8;
+  s = s * z + 2.75573136213857245213e-6;
+  s = s * z - 1.98412698295895385996e-4;
+  s = s * z + 8.33333333332211858878e-3;
+  s = s * z - 1.66666666666666307295e-1;
+  s = r + r * z * s;
+  Lanes c = z * -1.13585365213876817300e-11 + 2.08757008419747316778e-9;
+  c = c * z - 2.75573141792967388112e-7;
+  c = c * z + 2.48015872888517045348e-5;
+  c = c * z - 1.38888888888730564116e-3;
+  c = c * z + 4.16666666666665929218e-2;
+  c = 1.0 - 0.5 * z + z * z * c;
+  const Mask odd = (quadrant & 1) != 0;
+  const Mask sine_negative = (quadrant & 2) != 0;
+  const Mask cosine_negative = ((quadrant + 1) & 2) != 0;
+  const Lanes s_swapped = odd ? c : s;
+  const Lanes c_swapped = odd ? s : c;
+  sine = P(sine_negative ? -s_swapped : s_swapped);
+  cosine = P(cosine_negative ? -c_swapped : c_swapped);
+}
+
+}  // namespace veridyn

@@ -1,0 +1,13 @@
+#pragma once
+
+#include <cmath>
+
+namespace veridyn {
+
+/// Sine and cosine in one call; packs and dual numbers have overloads of their own.
+inline void sine_cosine(double x, double& sine, double& cosine) {
+  sine = std::sin(x);
+  cosine = std::cos(x);
+}
+
+}  // namespace veridyn

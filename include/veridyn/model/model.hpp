@@ -1,0 +1,161 @@
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "veridyn/math/types.hpp"
+#include "veridyn/math/vector3.hpp"
+
+namespace veridyn {
+
+/// A joint variable or the line along which an effect acts: s = c . q + s0.
+struct Axis {
+  VectorXd coefficients;  ///< c, (n)
+  double offset = 0.0;    ///< s0 [rad] or [m]
+};
+
+enum class JointType { kFixed, kRevolute, kPrismatic };
+
+enum class DhConvention { kStandard, kModified };
+
+/// Four Denavit-Hartenberg numbers.
+///
+///   standard: T = Rz(theta) Tz(d) Tx(a) Rx(alpha)      modified: T = Rx(alpha) Tx(a) Rz(theta) Tz(d)
+struct DhRow {
+  DhConvention convention = DhConvention::kStandard;
+  double a = 0.0;      ///< [m]
+  double alpha = 0.0;  ///< [rad]
+  double d = 0.0;      ///< [m]
+  double theta = 0.0;  ///< [rad]
+};
+
+/// The ten inertial parameters of one body, linear in the torques. **This is where their order is written down:**
+///
+///   phi = [m, hx, hy, hz, Lxx, Lxy, Lyy, Lxz, Lyz, Lzz]
+///
+/// mass [kg], first moment h = m c [kg m], and the inertia tensor L [kg m^2] about the *origin* of the
+/// body's frame, all written in that frame.
+using InertialParameters = Eigen::Matrix<double, 10, 1>;
+constexpr int kBodyParameters = 10;
+
+/// From mass, centre of mass [m] and the inertia about that centre [kg m^2] (xx, xy, yy, xz, yz, zz).
+InertialParameters inertial_parameters(double mass, const Eigen::Vector3d& com,
+                                       const Eigen::Matrix<double, 6, 1>& inertia_com);
+
+/// Bounds that the file declares for every body (`box:`) or for one (`box:` in its body); feasible least squares
+/// keeps to them and needs them for a rigorous duality gap.
+struct ParameterBox {
+  double mass_max = 0.0;   ///< [kg]; 0: none
+  double com_reach = 0.0;  ///< [m] largest |c_x|, |c_y|, |c_z|; 0: none
+};
+
+/// A rigid body that moves with its frame.
+struct Body {
+  std::optional<InertialParameters> phi;       ///< known, started or identified values
+  std::optional<InertialParameters> std_phi;   ///< their standard deviations, where identified
+  bool fixed = false;                          ///< true: the values are facts and are not identified
+  ParameterBox box;                            ///< bounds of its own, where given
+};
+
+/// One frame of the tree. T_parent_frame = A * J(s) * B, where J turns about z or slides along z.
+struct Frame {
+  std::string name;
+  int parent = -1;  ///< index of the parent frame; -1: the world
+  JointType type = JointType::kFixed;
+  Axis variable;                  ///< s; coefficients are zero where fixed
+  Posed A = identity_pose();      ///< T_parent_joint
+  Posed B = identity_pose();      ///< T_joint_frame
+  std::optional<DhRow> dh;        ///< as it stands in the file, for hypotheses about wrong constants
+  std::optional<Body> body;
+};
+
+/// Range of one coordinate; infinite where the file gives none.
+struct Limits {
+  double lower;
+  double upper;
+  double velocity;
+  double acceleration;
+  double effort;
+};
+
+struct Coordinate {
+  std::string name;
+  Limits limits;
+  double drive_gain = 0.0;  ///< [N m/A] or [N/A]: torque per ampere of motor current; 0: not given
+  bool prismatic = false;   ///< true where it moves prismatic frames only: metres and newtons
+};
+
+/// One effect of the model, by its name in CONTRACT.md. What it does is in effects/.
+struct EffectTerm {
+  std::string effect;
+  Axis axis;                                 ///< along which it acts
+  std::optional<Axis> from;                  ///< the other coordinate of a coupling
+  std::string frame;                         ///< the frame that a payload sits on; empty otherwise
+  std::map<std::string, double> values;      ///< parameters and shape constants by name
+  std::map<std::string, double> deviations;  ///< standard deviations of identified parameters
+  std::string where;                         ///< file and line, for messages
+};
+
+/// Everything a robot file says.
+struct ModelDescription {
+  std::string name;
+  std::string source;  ///< where the numbers come from
+  Eigen::Vector3d gravity{0.0, 0.0, -9.81};
+  std::map<std::string, double> constants;
+  std::vector<Coordinate> coordinates;
+  std::vector<Frame> frames;  ///< parents before children
+  std::vector<EffectTerm> effects;
+  ParameterBox box;
+};
+
+/// An arm: frames, bodies and effects. Immutable.
+class Model {
+ public:
+  /// @throws InvalidInput  a parent does not stand before its child, names are not unique, sizes differ.
+  explicit Model(ModelDescription description);
+
+  const std::string& name() const { return description_.name; }
+  const ModelDescription& description() const { return description_; }
+  const Eigen::Vector3d& gravity() const { return description_.gravity; }
+  const std::vector<Coordinate>& coordinates() const { return description_.coordinates; }
+  const std::vector<Frame>& frames() const { return description_.frames; }
+  const std::vector<EffectTerm>& effects() const { return description_.effects; }
+
+  /// n, the number of generalized coordinates.
+  int joints() const { return static_cast<int>(description_.coordinates.size()); }
+
+  /// Indices of the frames that carry a body, in the order of their columns in the regressor.
+  const std::vector<int>& bodies() const { return bodies_; }
+
+  /// Index by name, or -1.
+  int find_frame(const std::string& name) const;
+  int find_coordinate(const std::string& name) const;
+
+  /// The inertial parameters of all bodies, (10 * bodies), or nothing if one of them has no values.
+  std::optional<VectorXd> inertial_values() const;
+
+  /// True if coordinate i moves frame k.
+  bool moves(int frame, int coordinate) const { return support_[frame][coordinate] != 0; }
+
+ private:
+  ModelDescription description_;
+  std::vector<int> bodies_;
+  std::vector<std::vector<char>> support_;
+};
+
+/// The constant parts A and B of a frame from its DH row.
+void place(Frame& frame, const DhRow& dh);
+
+/// "N m" or "N" for the coordinate, and likewise "rad" or "m".
+std::string effort_unit(const Coordinate& coordinate);
+std::string position_unit(const Coordinate& coordinate);
+
+/// Units of the axis' variable: metres if all coordinates with a coefficient are prismatic.
+bool is_prismatic(const Model& arm, const Axis& axis);
+
+/// The index of the coordinate with the largest share in the axis.
+int main_coordinate(const Axis& axis);
+
+}  // namespace veridyn
