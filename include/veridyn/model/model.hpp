@@ -95,6 +95,7 @@ struct EffectTerm {
   std::string frame;                         ///< the frame that a payload sits on; empty otherwise
   std::map<std::string, double> values;      ///< parameters and shape constants by name
   std::map<std::string, double> deviations;  ///< standard deviations of identified parameters
+  bool fixed = false;                        ///< true: the values are facts and are not identified
   std::string where;                         ///< file and line, for messages
 };
 
@@ -108,6 +109,7 @@ struct ModelDescription {
   std::vector<Frame> frames;  ///< parents before children
   std::vector<EffectTerm> effects;
   ParameterBox box;
+  std::map<std::string, std::string> formulas;  ///< arithmetic of the file by place, as "frames/elbow/dh/3"
 };
 
 /// An arm: frames, bodies and effects. Immutable.

@@ -1,0 +1,32 @@
+#pragma once
+
+#include "veridyn/model/model.hpp"
+
+namespace veridyn {
+
+/// Roll, pitch, yaw [rad]: R = Rz(yaw) Ry(pitch) Rx(roll), as in URDF.
+Mat3d rotation_from_rpy(const Vec3d& rpy);
+
+/// The inverse; where pitch is +-pi/2, yaw is 0.
+Vec3d rpy_from_rotation(const Mat3d& R);
+
+/// A frame that turns about, or slides along, any line, as URDF has it:
+///
+///   T_parent_frame = origin * J(s about axis) * Trans(tip)
+struct JointPlacement {
+  Posed origin = identity_pose();  ///< T_parent_joint
+  Vec3d axis{0, 0, 1};             ///< unit vector in the joint's frame
+  Vec3d tip{0, 0, 0};  ///< [m] origin of the frame in the joint's frame at s = 0; zero in URDF
+};
+
+/// The constant parts A and B of a frame; its type must be set.
+void place(Frame& frame, const JointPlacement& placement);
+
+/// The placement of any frame, also of one that came from a DH row. s keeps its offset.
+JointPlacement joint_placement(const Frame& frame);
+
+/// The same for s without its offset, which goes into the origin; and so does as much of the tip as
+/// can.
+JointPlacement joint_placement_with_offset(const Frame& frame);
+
+}  // namespace veridyn

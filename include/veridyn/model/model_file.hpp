@@ -1,0 +1,39 @@
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "veridyn/model/model.hpp"
+
+namespace veridyn {
+
+struct ModelFileOptions {
+  /// Values that replace constants of the file (`constants:`), for hypotheses about wrong ones.
+  std::map<std::string, double> constants;
+};
+
+/// Reads a robot, or a model (a robot with identified values), as described in CONTRACT.md.
+///
+/// @param robot  a path that ends in .yaml, .yml, .urdf or .xml, or the bare name of a file in
+///               data/robots/. Bare names are looked for in the folder $VERIDYN_ROBOTS, then in
+///               those that the build knows.
+/// @throws InvalidInput  "file:line:column: found ..., expected ...".
+Model read_model(const std::string& robot, const ModelFileOptions& options = {});
+
+/// Reads YAML from memory; `file` is what messages call it.
+Model read_yaml(const std::string& content, const std::string& file,
+                const ModelFileOptions& options = {});
+
+/// The robot file of a model, laid out like a hand-written one. read_yaml(to_yaml(m)) is m; numbers
+/// that came as arithmetic and still have that value stay arithmetic, so constants keep their
+/// effect.
+std::string to_yaml(const Model& arm);
+
+/// Writes to_yaml() to a file. @throws InvalidInput  the file cannot be written.
+void save_model(const Model& arm, const std::string& path);
+
+/// Bare names that read_model() knows, sorted.
+std::vector<std::string> robot_names();
+
+}  // namespace veridyn

@@ -1,0 +1,19 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace veridyn {
+
+/// The candidates, the most similar to `name` first (least number of inserted, deleted or replaced
+/// letters).
+std::vector<std::string> by_similarity(const std::string& name,
+                                       std::vector<std::string> candidates);
+
+/// " (did you mean 'x'?)" for the most similar candidate; empty if none is similar.
+std::string did_you_mean(const std::string& name, const std::vector<std::string>& candidates);
+
+/// "a, b, c".
+std::string listed(const std::vector<std::string>& names);
+
+}  // namespace veridyn

@@ -1,0 +1,90 @@
+#include "veridyn/model/model_file.hpp"
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+
+#include "veridyn/math/output_file.hpp"
+#include "veridyn/math/require.hpp"
+#include "veridyn/model/suggestion.hpp"
+#include "veridyn/model/urdf.hpp"
+
+namespace veridyn {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::vector<fs::path> robot_folders() {
+  std::vector<fs::path> folders;
+  if (const char* own = std::getenv("VERIDYN_ROBOTS")) folders.emplace_back(own);
+#ifdef VERIDYN_ROBOTS_SOURCE_DIR
+  folders.emplace_back(VERIDYN_ROBOTS_SOURCE_DIR);
+#endif
+#ifdef VERIDYN_ROBOTS_INSTALL_DIR
+  folders.emplace_back(VERIDYN_ROBOTS_INSTALL_DIR);
+#endif
+  return folders;
+}
+
+bool is_urdf(const fs::path& path) {
+  return path.extension() == ".urdf" || path.extension() == ".xml";
+}
+
+bool is_robot_file(const fs::path& path) {
+  return path.extension() == ".yaml" || path.extension() == ".yml" || is_urdf(path);
+}
+
+// The file of a bare name.
+fs::path find_robot(const std::string& name) {
+  std::error_code ignored;
+  for (const fs::path& folder : robot_folders()) {
+    for (const char* extension : {".yaml", ".yml", ".urdf", ".xml"}) {
+      const fs::path file = folder / (name + extension);
+      if (fs::is_regular_file(file, ignored)) return file;
+    }
+  }
+  const std::vector<std::string> known = by_similarity(name, robot_names());
+  throw InvalidInput(text(name, ": found no robot of this name", did_you_mean(name, known),
+                          ", expected a file that ends in .yaml, .yml, .urdf or .xml, or one of: ",
+                          listed(known), "."));
+}
+
+std::string content_of(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::error_code ignored;
+  require(file.is_open() && !fs::is_directory(path, ignored), path, ": found no such file",
+          did_you_mean(fs::path(path).stem().string(), robot_names()), ", expected a robot file.");
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+}  // namespace
+
+Model read_model(const std::string& robot, const ModelFileOptions& options) {
+  const bool names_a_file = is_robot_file(robot) || robot.find('/') != std::string::npos;
+  const std::string path = names_a_file ? robot : find_robot(robot).string();
+  if (!is_urdf(path)) return read_yaml(content_of(path), path, options);
+  require(options.constants.empty(), path,
+          ": found a URDF file, which has no constants, expected YAML.");
+  return read_urdf(path);
+}
+
+void save_model(const Model& arm, const std::string& path) {
+  write_file(path, to_yaml(arm));
+}
+
+std::vector<std::string> robot_names() {
+  std::vector<std::string> names;
+  std::error_code ignored;
+  for (const fs::path& folder : robot_folders()) {
+    for (const fs::directory_entry& entry : fs::directory_iterator(folder, ignored)) {
+      if (is_robot_file(entry.path())) names.push_back(entry.path().stem().string());
+    }
+  }
+  std::sort(names.begin(), names.end());
+  names.erase(std::unique(names.begin(), names.end()), names.end());
+  return names;
+}
+
+}  // namespace veridyn

@@ -1,0 +1,310 @@
+#include "veridyn/math/require.hpp"
+#include "veridyn/model/urdf.hpp"
+
+#ifdef VERIDYN_WITH_URDF
+
+#include <console_bridge/console.h>
+#include <tinyxml.h>
+#include <urdf_parser/urdf_parser.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <limits>
+#include <mutex>
+
+#include "veridyn/model/joint_placement.hpp"
+
+namespace veridyn {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kUnlimited =
+    1e9;  // what to_urdf() writes where URDF wants a number and there is none
+
+// What urdfdom says while it parses; it prints to the console otherwise.
+class ParserLog : public console_bridge::OutputHandler {
+ public:
+  ParserLog() { console_bridge::useOutputHandler(this); }
+  ~ParserLog() override { console_bridge::restorePreviousOutputHandler(); }
+  ParserLog(const ParserLog&) = delete;
+  ParserLog& operator=(const ParserLog&) = delete;
+  void log(const std::string& message, console_bridge::LogLevel level, const char* /*file*/,
+           int /*line*/) override {
+    if (level == console_bridge::CONSOLE_BRIDGE_LOG_ERROR && first_error.empty())
+      first_error = message;
+  }
+  std::string first_error;
+};
+
+std::string one_line(std::string message) {
+  for (char& c : message) {
+    if (c == '\n' || c == '\r') c = ' ';
+  }
+  return message;
+}
+
+Vec3d vector(const urdf::Vector3& v) {
+  return {v.x, v.y, v.z};
+}
+
+Mat3d rotation(const urdf::Rotation& r) {
+  const auto clean = [](double v) {
+    return std::abs(v) < std::numeric_limits<double>::epsilon() ? 0.0 : v;
+  };
+  const double xx = r.x * r.x, yy = r.y * r.y, zz = r.z * r.z;
+  const double xy = r.x * r.y, xz = r.x * r.z, yz = r.y * r.z;
+  const double wx = r.w * r.x, wy = r.w * r.y, wz = r.w * r.z;
+  // clang-format off
+  return {{clean(1 - 2 * (yy + zz)), clean(2 * (xy - wz)),     clean(2 * (xz + wy))},
+          {clean(2 * (xy + wz)),     clean(1 - 2 * (xx + zz)), clean(2 * (yz - wx))},
+          {clean(2 * (xz - wy)),     clean(2 * (yz + wx)),     clean(1 - 2 * (xx + yy))}};
+  // clang-format on
+}
+
+Eigen::Matrix3d matrix(const Mat3d& R) {
+  Eigen::Matrix3d M;
+  M << R.row0.x, R.row0.y, R.row0.z, R.row1.x, R.row1.y, R.row1.z, R.row2.x, R.row2.y, R.row2.z;
+  return M;
+}
+
+bool is_finite(const Vec3d& v) {
+  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+
+class UrdfReader {
+ public:
+  UrdfReader(std::string file, const std::string& content) : file_(std::move(file)) {
+    xml_.Parse(content.c_str());
+    if (xml_.Error()) {
+      fail(text(xml_.ErrorRow(), ":", xml_.ErrorCol(), ":"),
+           text("text that is not XML (", xml_.ErrorDesc(), ")"), "a URDF file");
+    }
+    parse(content);
+  }
+
+  Model model() {
+    model_.name = urdf_->getName();
+    model_.source = file_;
+    read_coordinates();
+    const urdf::LinkConstSharedPtr root = urdf_->getRoot();
+    if (root->name != "world") add_root(*root);
+    const TiXmlElement* element = xml_.RootElement()->FirstChildElement("link");
+    for (; element != nullptr; element = element->NextSiblingElement("link")) {
+      const urdf::LinkConstSharedPtr link = urdf_->getLink(element->Attribute("name"));
+      if (link->parent_joint) add_link_of(*link->parent_joint);
+    }
+    return Model(model_);
+  }
+
+ private:
+  [[noreturn]] void fail(const std::string& place, const std::string& found,
+                         const std::string& expected) const {
+    throw InvalidInput(text(file_, ":", place, " found ", found, ", expected ", expected, "."));
+  }
+
+  [[noreturn]] void fail_at(const std::string& tag, const std::string& name,
+                            const std::string& found, const std::string& expected) const {
+    const TiXmlElement* element = xml_.RootElement()->FirstChildElement(tag);
+    while (element != nullptr &&
+           name != text(element->Attribute("name") ? element->Attribute("name") : "")) {
+      element = element->NextSiblingElement(tag);
+    }
+    const std::string place =
+        element == nullptr ? "" : text(element->Row(), ":", element->Column(), ":");
+    fail(place, tag + " '" + name + "' with " + found, expected);
+  }
+
+  void parse(const std::string& content) {
+    static std::mutex one_at_a_time;  // the log handler is global
+    const std::lock_guard<std::mutex> lock(one_at_a_time);
+    ParserLog log;
+    try {
+      urdf_ = urdf::parseURDF(content);
+    } catch (const std::exception& error) {
+      log.first_error = error.what();
+    }
+    // urdfdom drops what it cannot read and goes on; a body that is silently missing is worse than
+    // no robot.
+    if (!urdf_ || !log.first_error.empty()) {
+      fail("", "no valid URDF (" + one_line(log.first_error) + ")", "a URDF file");
+    }
+  }
+
+  // In the order of the file, which urdfdom forgets: recordings number their columns in this order.
+  void read_coordinates() {
+    const TiXmlElement* element = xml_.RootElement()->FirstChildElement("joint");
+    for (; element != nullptr; element = element->NextSiblingElement("joint")) {
+      const urdf::JointConstSharedPtr joint = urdf_->getJoint(element->Attribute("name"));
+      if (joint->type == urdf::Joint::FLOATING || joint->type == urdf::Joint::PLANAR) {
+        fail_at("joint", joint->name, "a floating or planar type",
+                "revolute, continuous, prismatic or fixed");
+      }
+      if (moves(*joint) && !joint->mimic) model_.coordinates.push_back(coordinate(*joint));
+    }
+    if (model_.coordinates.empty()) fail("", "no joint that moves", "at least one");
+  }
+
+  static bool moves(const urdf::Joint& joint) { return joint.type != urdf::Joint::FIXED; }
+
+  Coordinate coordinate(const urdf::Joint& joint) const {
+    Coordinate c;
+    c.name = joint.name;
+    c.limits = {-kInfinity, kInfinity, kInfinity, kInfinity, kInfinity};
+    if (!joint.limits) return c;
+    const urdf::JointLimits& given = *joint.limits;
+    const bool ranged =
+        joint.type != urdf::Joint::CONTINUOUS && (given.lower != 0.0 || given.upper != 0.0);
+    if (ranged && !(given.lower < given.upper)) {
+      fail_at("joint", joint.name, text("limits [", given.lower, ", ", given.upper, "]"),
+              "lower < upper");
+    }
+    if (ranged && given.lower > -kUnlimited) c.limits.lower = given.lower;
+    if (ranged && given.upper < kUnlimited) c.limits.upper = given.upper;
+    if (given.velocity > 0.0 && given.velocity < kUnlimited) c.limits.velocity = given.velocity;
+    if (given.effort > 0.0 && given.effort < kUnlimited) c.limits.effort = given.effort;
+    return c;
+  }
+
+  // s = c . q + s0 of a joint; that of a mimic joint follows from the one that it mimics.
+  Axis variable(const urdf::Joint& joint, std::size_t depth) const {
+    Axis axis{VectorXd::Zero(static_cast<Eigen::Index>(model_.coordinates.size())), 0.0};
+    if (!moves(joint)) return axis;
+    if (!joint.mimic) {
+      for (std::size_t i = 0; i < model_.coordinates.size(); ++i) {
+        if (model_.coordinates[i].name == joint.name)
+          axis.coefficients[static_cast<Eigen::Index>(i)] = 1.0;
+      }
+      return axis;
+    }
+    const urdf::JointConstSharedPtr leader = urdf_->getJoint(joint.mimic->joint_name);
+    if (!leader) {
+      fail_at("joint", joint.name, "mimic of the unknown joint '" + joint.mimic->joint_name + "'",
+              "a joint");
+    }
+    if (depth > urdf_->joints_.size()) {
+      fail_at("joint", joint.name, "mimics in a cycle", "a joint that mimics none in the end");
+    }
+    axis = variable(*leader, depth + 1);
+    axis.coefficients *= joint.mimic->multiplier;
+    axis.offset = axis.offset * joint.mimic->multiplier + joint.mimic->offset;
+    return axis;
+  }
+
+  void add_root(const urdf::Link& link) {
+    Frame frame;
+    frame.name = link.name;
+    frame.body = body(link);
+    model_.frames.push_back(std::move(frame));
+  }
+
+  int find_frame(const std::string& name) const {
+    for (std::size_t k = 0; k < model_.frames.size(); ++k) {
+      if (model_.frames[k].name == name) return static_cast<int>(k);
+    }
+    return -1;
+  }
+
+  // The child link of a joint, after the links that carry it.
+  void add_link_of(const urdf::Joint& joint) {
+    if (find_frame(joint.child_link_name) >= 0) return;
+    const urdf::LinkConstSharedPtr parent = urdf_->getLink(joint.parent_link_name);
+    if (parent->parent_joint) add_link_of(*parent->parent_joint);
+    Frame frame;
+    frame.name = joint.child_link_name;
+    frame.parent = find_frame(joint.parent_link_name);
+    frame.type = !moves(joint)                          ? JointType::kFixed
+                 : joint.type == urdf::Joint::PRISMATIC ? JointType::kPrismatic
+                                                        : JointType::kRevolute;
+    frame.variable = variable(joint, 0);
+    place(frame, placement(joint));
+    frame.body = body(*urdf_->getLink(joint.child_link_name));
+    add_friction(joint, frame.variable);
+    model_.frames.push_back(std::move(frame));
+  }
+
+  JointPlacement placement(const urdf::Joint& joint) const {
+    const urdf::Pose& pose = joint.parent_to_joint_origin_transform;
+    JointPlacement placement{
+        {rotation(pose.rotation), vector(pose.position)}, {0, 0, 1}, {0, 0, 0}};
+    const Mat3d& R = placement.origin.R;
+    if (!is_finite(placement.origin.p) || !is_finite(R.row0) || !is_finite(R.row1) ||
+        !is_finite(R.row2)) {
+      fail_at("joint", joint.name, "an origin that is not finite", "finite numbers");
+    }
+    if (!moves(joint)) return placement;
+    const Vec3d axis = vector(joint.axis);
+    const double length = std::sqrt(dot(axis, axis));
+    if (!(length > 0.0) || !std::isfinite(length))
+      fail_at("joint", joint.name, "no direction of its axis", "one");
+    placement.axis = {axis.x / length, axis.y / length, axis.z / length};
+    return placement;
+  }
+
+  std::optional<Body> body(const urdf::Link& link) const {
+    if (!link.inertial) return std::nullopt;
+    const urdf::Inertial& given = *link.inertial;
+    const Eigen::Matrix3d R = matrix(rotation(given.origin.rotation));
+    Eigen::Matrix3d I;
+    I << given.ixx, given.ixy, given.ixz, given.ixy, given.iyy, given.iyz, given.ixz, given.iyz,
+        given.izz;
+    I = (R * I * R.transpose()).eval();
+    Eigen::Matrix<double, 6, 1> inertia;
+    inertia << I(0, 0), I(0, 1), I(1, 1), I(0, 2), I(1, 2), I(2, 2);
+    const Eigen::Vector3d com(given.origin.position.x, given.origin.position.y,
+                              given.origin.position.z);
+    Body body;
+    body.phi = inertial_parameters(given.mass, com, inertia);
+    if (!body.phi->allFinite())
+      fail_at("link", link.name, "an inertial that is not finite", "finite numbers");
+    return body;
+  }
+
+  void add_friction(const urdf::Joint& joint, const Axis& axis) {
+    if (!joint.dynamics || !moves(joint)) return;
+    const auto add = [&](const std::string& effect, const std::string& key, double value) {
+      if (value == 0.0) return;
+      EffectTerm term;
+      term.effect = effect;
+      term.axis.coefficients = axis.coefficients;
+      term.values[key] = value;
+      term.where = file_;
+      model_.effects.push_back(std::move(term));
+    };
+    add("viscous_friction", "coefficient", joint.dynamics->damping);
+    add("coulomb_friction", "level", joint.dynamics->friction);
+  }
+
+  std::string file_;
+  TiXmlDocument xml_;
+  urdf::ModelInterfaceSharedPtr urdf_;
+  ModelDescription model_;
+};
+
+}  // namespace
+
+Model read_urdf(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::error_code ignored;
+  require(file.is_open() && !std::filesystem::is_directory(path, ignored), path,
+          ": found no such file, expected a URDF file.");
+  const std::string content(std::istreambuf_iterator<char>(file), {});
+  return UrdfReader(path, content).model();
+}
+
+}  // namespace veridyn
+
+#else
+
+namespace veridyn {
+
+Model read_urdf(const std::string& path) {
+  throw InvalidInput(
+      path +
+      ": found a URDF file, expected YAML: veridyn was built without urdfdom (VERIDYN_URDF).");
+}
+
+}  // namespace veridyn
+
+#endif

@@ -1,0 +1,51 @@
+#include "veridyn/model/expression.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "veridyn/math/require.hpp"
+
+namespace veridyn {
+namespace {
+
+std::string reason(const std::string& expression, const Constants& constants = {}) {
+  try {
+    evaluate(expression, constants);
+  } catch (const InvalidInput& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(Expression, NumbersAreReadExactly) {
+  EXPECT_EQ(evaluate("0.1", {}), 0.1);
+  EXPECT_EQ(evaluate("-1.2345678901234567e-300", {}), -1.2345678901234567e-300);
+}
+
+TEST(Expression, KnowsPiFunctionsAndConstants) {
+  EXPECT_EQ(evaluate("-pi/2", {}), -M_PI / 2);
+  EXPECT_EQ(evaluate("atan(0.0430/0.1437)", {}), std::atan(0.0430 / 0.1437));
+  EXPECT_EQ(evaluate("2*l^2 + sqrt(l)", {{"l", 4.0}}), 34.0);
+}
+
+TEST(Expression, MistakesAreQuotedWithTheirReason) {
+  EXPECT_NE(reason("2*(3").find("'2*(3' ("), std::string::npos);
+  EXPECT_NE(reason("").find("''"), std::string::npos);
+  EXPECT_NE(reason("1, 2").find("several values"), std::string::npos);
+  EXPECT_NE(reason("betta/2", {{"beta", 1.0}}).find("did you mean 'beta'?"), std::string::npos);
+}
+
+TEST(Expression, WhatIsNotFiniteIsRejected) {
+  for (const char* expression : {"1/0", "sqrt(-1)", "nan", "inf", "1e999"})
+    EXPECT_NE(reason(expression), "") << expression;
+}
+
+TEST(Expression, ConstantsMustNotHideWhatHasAMeaning) {
+  for (const char* name : {"pi", "sin", "2x", "a-b", ""})
+    EXPECT_THROW(require_constant_name(name), InvalidInput) << name;
+  EXPECT_NO_THROW(require_constant_name("l_2"));
+}
+
+}  // namespace
+}  // namespace veridyn

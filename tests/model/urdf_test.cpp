@@ -1,0 +1,205 @@
+#include "veridyn/model/urdf.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+
+#include "support/near.hpp"
+#include "veridyn/kinematics/kinematics.hpp"
+#include "veridyn/math/output_file.hpp"
+#include "veridyn/math/require.hpp"
+#include "veridyn/model/model_file.hpp"
+
+#ifdef VERIDYN_WITH_URDF
+
+namespace veridyn {
+namespace {
+
+const char* const kGripper = R"(<?xml version="1.0"?>
+<robot name="gripper">
+  <link name="base"/>
+  <link name="turret">
+    <inertial>
+      <origin xyz="0.1 0 0" rpy="1.5707963267948966 0 1.5707963267948966"/>
+      <mass value="2"/>
+      <inertia ixx="0.03" ixy="0.001" ixz="0" iyy="0.02" iyz="0" izz="0.04"/>
+    </inertial>
+  </link>
+  <link name="left"/>
+  <link name="right"/>
+  <link name="tip"/>
+  <joint name="zeta" type="continuous">
+    <parent link="base"/> <child link="turret"/>
+    <origin xyz="0 0 0.5" rpy="0 0 0"/> <axis xyz="0 1 0"/>
+    <dynamics damping="0.7" friction="0.2"/>
+  </joint>
+  <joint name="alpha" type="prismatic">
+    <parent link="turret"/> <child link="left"/>
+    <origin xyz="0.3 0 0" rpy="0 0 0"/> <axis xyz="2 0 0"/>
+    <limit lower="0" upper="0.05" velocity="0.1" effort="30"/>
+  </joint>
+  <joint name="follower" type="prismatic">
+    <parent link="turret"/> <child link="right"/>
+    <axis xyz="1 0 0"/>
+    <limit lower="0" upper="0.05" velocity="0.1" effort="30"/>
+    <mimic joint="alpha" multiplier="-0.5" offset="0.2"/>
+  </joint>
+  <joint name="follower_of_follower" type="revolute">
+    <parent link="left"/> <child link="tip"/>
+    <limit lower="-1" upper="1" velocity="1" effort="1"/>
+    <mimic joint="follower" multiplier="10" offset="1"/>
+  </joint>
+</robot>
+)";
+
+class UrdfFile : public testing::Test {
+ protected:
+  void SetUp() override {
+    path_ = (std::filesystem::temp_directory_path() /
+             (std::string("veridyn_") +
+              testing::UnitTest::GetInstance()->current_test_info()->name() + ".urdf"))
+                .string();
+  }
+  void TearDown() override { std::remove(path_.c_str()); }
+
+  Model read(const std::string& content) {
+    write_file(path_, content);
+    return read_urdf(path_);
+  }
+
+  // The message after the file's name.
+  std::string error_of(const std::string& old_text, const std::string& new_text) {
+    std::string content = kGripper;
+    EXPECT_NE(content.find(old_text), std::string::npos) << old_text;
+    content.replace(content.find(old_text), old_text.size(), new_text);
+    try {
+      read(content);
+    } catch (const InvalidInput& error) {
+      const std::string message = error.what();
+      EXPECT_EQ(message.find(path_), 0U);
+      EXPECT_EQ(message.find('\n'), std::string::npos);
+      EXPECT_NE(message.find(", expected "), std::string::npos);
+      return message.substr(path_.size());
+    }
+    return "no error";
+  }
+
+  std::string path_;
+};
+
+TEST_F(UrdfFile, CoordinatesKeepTheOrderOfTheFile) {
+  const Model arm = read(kGripper);
+  ASSERT_EQ(arm.joints(), 2);
+  EXPECT_EQ(arm.coordinates()[0].name, "zeta");
+  EXPECT_EQ(arm.coordinates()[1].name, "alpha");
+  EXPECT_EQ(arm.coordinates()[1].limits.upper, 0.05);
+  EXPECT_EQ(arm.coordinates()[1].limits.effort, 30.0);
+  EXPECT_TRUE(std::isinf(arm.coordinates()[0].limits.upper));
+}
+
+TEST_F(UrdfFile, MimicJointsBecomeAffineJointVariables) {
+  const Model arm = read(kGripper);
+  const Frame& right = arm.frames()[static_cast<std::size_t>(arm.find_frame("right"))];
+  EXPECT_TRUE(near(right.variable.coefficients, Eigen::Vector2d(0, -0.5), 0.0));
+  EXPECT_EQ(right.variable.offset, 0.2);
+  const Frame& tip = arm.frames()[static_cast<std::size_t>(arm.find_frame("tip"))];
+  EXPECT_TRUE(near(tip.variable.coefficients, Eigen::Vector2d(0, -5), 0.0));
+  EXPECT_EQ(tip.variable.offset, 3.0);
+}
+
+TEST_F(UrdfFile, JointsTurnAndSlideAboutAnyAxis) {
+  const Model arm = read(kGripper);
+  const double q = 0.3;
+  const Eigen::Matrix4d T = frame_pose(arm, Eigen::Vector2d(q, 0.04), arm.find_frame("left"));
+  // About y: x goes to (cos, 0, -sin). The left finger stands 0.3 + 0.04 along it (URDF axes are
+  // directions).
+  EXPECT_TRUE(
+      near(T.col(3), Eigen::Vector4d(0.34 * std::cos(q), 0, 0.5 - 0.34 * std::sin(q), 1), 1e-15));
+  EXPECT_TRUE(near(T.col(0), Eigen::Vector4d(std::cos(q), 0, -std::sin(q), 0), 1e-15));
+}
+
+TEST_F(UrdfFile, InertialsAreTurnedIntoTheLinkFrame) {
+  const Model arm = read(kGripper);
+  InertialParameters phi;  // turned so that x goes to y, y to z and z to x
+  phi << 2, 0.2, 0, 0, 0.04, 0, 0.03 + 2 * 0.01, 0, 0.001, 0.02 + 2 * 0.01;
+  EXPECT_TRUE(near(*arm.frames()[static_cast<std::size_t>(arm.find_frame("turret"))].body->phi, phi,
+                   1e-15));
+}
+
+TEST_F(UrdfFile, DampingAndFrictionBecomeEffects) {
+  const Model arm = read(kGripper);
+  ASSERT_EQ(arm.effects().size(), 2U);
+  EXPECT_EQ(arm.effects()[0].effect, "viscous_friction");
+  EXPECT_EQ(arm.effects()[0].values.at("coefficient"), 0.7);
+  EXPECT_EQ(arm.effects()[1].effect, "coulomb_friction");
+  EXPECT_EQ(arm.effects()[1].values.at("level"), 0.2);
+  const Model again = read(to_urdf(arm));
+  ASSERT_EQ(again.effects().size(), 2U);
+  EXPECT_EQ(again.effects()[1].values.at("level"), 0.2);
+}
+
+TEST_F(UrdfFile, SeveralCoordinatesInOneFrameBecomeAChainOfMimicJoints) {
+  const std::string urdf = to_urdf(read_model("psm-wrist"));
+  EXPECT_NE(urdf.find("<joint name=\"yaw1__pitch_motor\" type=\"continuous\">"), std::string::npos);
+  EXPECT_NE(urdf.find("<mimic joint=\"yaw1_motor\" multiplier=\"1.2178\" offset=\"0\"/>"),
+            std::string::npos);
+}
+
+TEST_F(UrdfFile, IsAlsoARobotByItsPath) {
+  write_file(path_, kGripper);
+  EXPECT_EQ(read_model(path_).name(), "gripper");
+  ModelFileOptions options;
+  options.constants["l"] = 1.0;
+  EXPECT_THROW(read_model(path_, options), InvalidInput);
+}
+
+TEST_F(UrdfFile, MistakesNamePlaceFindingAndExpectation) {
+  EXPECT_EQ(error_of("type=\"continuous\"", "type=\"floating\"")
+                .find(":14:3: found joint 'zeta' with a floating"),
+            0U);
+  EXPECT_EQ(error_of("<axis xyz=\"0 1 0\"/>", "<axis xyz=\"0 0 0\"/>")
+                .find(":14:3: found joint 'zeta' with no direction"),
+            0U);
+  EXPECT_EQ(error_of("lower=\"0\" upper=\"0.05\"", "lower=\"1\" upper=\"0.05\"")
+                .find(":19:3: found joint 'alpha' with limits"),
+            0U);
+  EXPECT_EQ(error_of("mimic joint=\"alpha\"", "mimic joint=\"beta\"")
+                .find(":24:3: found joint 'follower' with mimic of"),
+            0U);
+  EXPECT_EQ(error_of("mimic joint=\"alpha\"", "mimic joint=\"follower\"")
+                .find(":24:3: found joint 'follower' with mimics in a cycle"),
+            0U);
+  EXPECT_EQ(error_of("</robot>", "").find(":36:1: found text that is not XML ("), 0U);
+  EXPECT_NE(error_of("<link name=\"tip\"/>", "<link/>").find("found no valid URDF ("),
+            std::string::npos);
+  EXPECT_NE(error_of("xyz=\"0.1 0 0\"", "xyz=\"0.1 nan 0\"").find("found no valid URDF ("),
+            std::string::npos);
+  EXPECT_NE(error_of("<mass value=\"2\"/>", "<mass value=\"two\"/>").find("found no valid URDF ("),
+            std::string::npos);
+  EXPECT_NE(
+      error_of("<child link=\"turret\"/>", "<child link=\"tower\"/>").find("found no valid URDF ("),
+      std::string::npos);
+  EXPECT_THROW(read_urdf("/no/such/file.urdf"), InvalidInput);
+}
+
+TEST_F(UrdfFile, DamagedFilesAreRefusedAndNeverCrash) {
+  const std::string whole = kGripper;
+  for (std::size_t k = 0; k < whole.size(); k += 7) {
+    for (const char c : {'<', '"', ' ', '\0', '\xff'}) {
+      std::string damaged = whole;
+      damaged[k] = c;
+      try {
+        read(damaged);
+      } catch (const InvalidInput&) {
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace veridyn
+
+#endif
