@@ -54,14 +54,14 @@ void RigidBodyDynamics::mass_matrix(const VectorRef& q, MatrixXd& M) {
     const int k = tree_.body_links[b];
     const double* p = phi_.data() + 10 * b;
     const Vec3d h{p[1], p[2], p[3]};
-    const auto* J = &recursion_.jacobian[static_cast<size_t>(k) * n];
-    for (const int i : tree_.links[k].support) {
-      // Momentum of the body per unit of dq_i, paired with the other columns.
-      const Vec3d force = p[0] * J[i].v + cross(J[i].w, h);
-      const Vec3d moment = inertia_times(p + 4, J[i].w) + cross(h, J[i].v);
-      for (const int j : tree_.links[k].support) {
-        if (j > i) break;
-        M(i, j) += dot(J[j].w, moment) + dot(J[j].v, force);
+    const Column<double>* J = recursion_.jacobian;
+    for (int m = tree_.links[k].first_mover; m < tree_.links[k].end_mover; ++m) {
+      // Momentum of the body per unit of dq_i, paired with the columns up to i.
+      const int i = tree_.movers[m].coordinate;
+      const Vec3d force = p[0] * J[m].v + cross(J[m].w, h);
+      const Vec3d moment = inertia_times(p + 4, J[m].w) + cross(h, J[m].v);
+      for (int o = tree_.links[k].first_mover; o <= m; ++o) {
+        M(i, tree_.movers[o].coordinate) += dot(J[o].w, moment) + dot(J[o].v, force);
       }
     }
   }
@@ -72,7 +72,6 @@ void RigidBodyDynamics::mass_matrix(const VectorRef& q, MatrixXd& M) {
 
 void RigidBodyDynamics::coriolis_matrix(const VectorRef& q, const VectorRef& dq, MatrixXd& C) {
   assert(q.size() == joints() && dq.size() == joints() && C.rows() == joints() && C.cols() == joints());
-  const int n = joints();
   forward_pass(tree_, q.data(), dq.data(), rest_.data(), kNoGravity, recursion_);
   jacobian_pass(tree_, recursion_);
   jacobian_rate_pass(tree_, recursion_);
@@ -81,22 +80,26 @@ void RigidBodyDynamics::coriolis_matrix(const VectorRef& q, const VectorRef& dq,
     const int k = tree_.body_links[b];
     const double* p = phi_.data() + 10 * b;
     const Vec3d h{p[1], p[2], p[3]};
-    const auto* J = &recursion_.jacobian[static_cast<size_t>(k) * n];
-    const auto* dJ = &recursion_.jacobian_rate[static_cast<size_t>(k) * n];
+    const Column<double>* J = recursion_.jacobian;
+    const Column<double>* dJ = recursion_.jacobian_rate;
+    const int first = tree_.links[k].first_mover;
+    const int end = tree_.links[k].end_mover;
     Vec3d omega{0, 0, 0};
     Vec3d v{0, 0, 0};
-    for (const int i : tree_.links[k].support) {
-      omega = omega + dq[i] * J[i].w;
-      v = v + dq[i] * J[i].v;
+    for (int m = first; m < end; ++m) {
+      omega = omega + dq[tree_.movers[m].coordinate] * J[m].w;
+      v = v + dq[tree_.movers[m].coordinate] * J[m].v;
     }
     const Vec3d momentum = p[0] * v + cross(omega, h);
     const Vec3d spin = inertia_times(p + 4, omega) + cross(h, v);
-    for (const int j : tree_.links[k].support) {
+    for (int m = first; m < end; ++m) {
       // C = J' (I dJ + B J); B is skew, with B [w; v] = [w x spin + v x momentum; w x momentum] for the body's own twist.
-      const Vec3d force = p[0] * dJ[j].v + cross(dJ[j].w, h) + cross(J[j].w, momentum);
-      const Vec3d moment = inertia_times(p + 4, dJ[j].w) + cross(h, dJ[j].v) + cross(J[j].w, spin) +
-                           cross(J[j].v, momentum);
-      for (const int i : tree_.links[k].support) C(i, j) += dot(J[i].w, moment) + dot(J[i].v, force);
+      const Vec3d force = p[0] * dJ[m].v + cross(dJ[m].w, h) + cross(J[m].w, momentum);
+      const Vec3d moment = inertia_times(p + 4, dJ[m].w) + cross(h, dJ[m].v) + cross(J[m].w, spin) +
+                           cross(J[m].v, momentum);
+      for (int o = first; o < end; ++o) {
+        C(tree_.movers[o].coordinate, tree_.movers[m].coordinate) += dot(J[o].w, moment) + dot(J[o].v, force);
+      }
     }
   }
 }
@@ -121,12 +124,13 @@ MatrixXd torque_regressor(const Model& arm, const VectorRef& q, const VectorRef&
   forward_pass(tree, q.data(), dq.data(), ddq.data(), tree.gravity, r);
   jacobian_pass(tree, r);
   MatrixXd Y = MatrixXd::Zero(arm.joints(), static_cast<Eigen::Index>(kBodyParameters * tree.body_links.size()));
-  double y[kBodyParameters];
   for (size_t b = 0; b < tree.body_links.size(); ++b) {
     const int k = tree.body_links[b];
-    for (const int i : tree.links[k].support) {
-      regressor_entries<double>(r.links[k], r.jacobian[static_cast<size_t>(k) * arm.joints() + i], y);
-      for (int c = 0; c < kBodyParameters; ++c) Y(i, static_cast<Eigen::Index>(10 * b + c)) = y[c];
+    const BodyMotion<double> motion = body_motion(r.link[k]);
+    for (int m = tree.links[k].first_mover; m < tree.links[k].end_mover; ++m) {
+      const int i = tree.movers[m].coordinate;
+      const auto first = static_cast<Eigen::Index>(kBodyParameters * b);
+      regressor_entries(motion, r.jacobian[m], [&](int c, double y) { Y(i, first + c) = y; });
     }
   }
   return Y;

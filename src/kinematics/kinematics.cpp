@@ -1,12 +1,11 @@
 #include "veridyn/kinematics/kinematics.hpp"
 
 #include "veridyn/kinematics/recursion.hpp"
+#include "veridyn/kinematics/tree.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn {
 namespace {
-
-using Columns = Recursion<double>;
 
 Eigen::Vector3d eigen(const Vec3d& a) { return {a.x, a.y, a.z}; }
 
@@ -17,13 +16,13 @@ void check(const char* where, const Model& arm, const VectorRef& q, int frame) {
           " is not one of the ", arm.frames().size(), " frames of arm '", arm.name(), "'.");
 }
 
-Posed world_pose(const Tree& tree, const Columns& r, int link) {
+Posed world_pose(const Tree& tree, const Workspace<double>& r, int link) {
   Posed T = identity_pose();
   for (int k = link; k >= 0; k = tree.links[k].parent) {
-    const Tree::Link& at = tree.links[k];
+    const Link& at = tree.links[k];
     Posed J = identity_pose();
-    if (at.type == JointType::kRevolute) J.R = rotation_z(r.links[k].s);
-    if (at.type == JointType::kPrismatic) J.p.z = r.links[k].s;
+    if (at.motion == Motion::kTurns) J.R = rotation_z(r.link[k].s);
+    if (at.motion == Motion::kSlides) J.p.z = r.link[k].s;
     T = at.A * J * at.B * T;
   }
   return T;
@@ -34,7 +33,7 @@ Posed world_pose(const Tree& tree, const Columns& r, int link) {
 Eigen::Matrix4d frame_pose(const Model& arm, const VectorRef& q, int frame) {
   check("frame_pose", arm, q, frame);
   const Tree tree(arm, Tree::Keep::kEveryFrame);
-  Columns r(tree);
+  Recursion<double> r(tree);
   const VectorXd rest = VectorXd::Zero(arm.joints());
   const VectorXd at = q;
   forward_pass(tree, at.data(), rest.data(), rest.data(), {0, 0, 0}, r);
@@ -52,7 +51,7 @@ Eigen::Matrix4d frame_pose(const Model& arm, const VectorRef& q, int frame) {
 MatrixXd frame_jacobian(const Model& arm, const VectorRef& q, int frame) {
   check("frame_jacobian", arm, q, frame);
   const Tree tree(arm, Tree::Keep::kEveryFrame);
-  Columns r(tree);
+  Recursion<double> r(tree);
   const VectorXd rest = VectorXd::Zero(arm.joints());
   const VectorXd at = q;
   forward_pass(tree, at.data(), rest.data(), rest.data(), {0, 0, 0}, r);
@@ -60,8 +59,9 @@ MatrixXd frame_jacobian(const Model& arm, const VectorRef& q, int frame) {
   const int link = tree.link_of_frame[frame];
   const Mat3d R_world_link = world_pose(tree, r, link).R;
   MatrixXd J = MatrixXd::Zero(6, arm.joints());
-  for (const int i : tree.links[link].support) {
-    const auto& c = r.jacobian[link * arm.joints() + i];
+  for (int m = tree.links[link].first_mover; m < tree.links[link].end_mover; ++m) {
+    const int i = tree.movers[m].coordinate;
+    const Column<double>& c = r.jacobian[m];
     J.block<3, 1>(0, i) = eigen(rotate(R_world_link, c.v));
     J.block<3, 1>(3, i) = eigen(rotate(R_world_link, c.w));
   }
@@ -73,7 +73,7 @@ MatrixXd frame_jacobian_rate(const Model& arm, const VectorRef& q, const VectorR
   require(dq.size() == arm.joints(), "frame_jacobian_rate: dq has ", dq.size(), " entries, but arm '",
           arm.name(), "' has ", arm.joints(), " joints.");
   const Tree tree(arm, Tree::Keep::kEveryFrame);
-  Columns r(tree);
+  Recursion<double> r(tree);
   const VectorXd rest = VectorXd::Zero(arm.joints());
   const VectorXd at = q;
   const VectorXd rate = dq;
@@ -82,12 +82,13 @@ MatrixXd frame_jacobian_rate(const Model& arm, const VectorRef& q, const VectorR
   jacobian_rate_pass(tree, r);
   const int link = tree.link_of_frame[frame];
   const Mat3d R_world_link = world_pose(tree, r, link).R;
-  const Vec3d omega = r.links[link].omega;
+  const Vec3d omega = r.link[link].omega;
   MatrixXd dJ = MatrixXd::Zero(6, arm.joints());
-  for (const int i : tree.links[link].support) {
+  for (int m = tree.links[link].first_mover; m < tree.links[link].end_mover; ++m) {
     // d(R c)/dt = R (dc/dt + omega x c), omega and c in the link's frame.
-    const auto& c = r.jacobian[link * arm.joints() + i];
-    const auto& rate_i = r.jacobian_rate[link * arm.joints() + i];
+    const int i = tree.movers[m].coordinate;
+    const Column<double>& c = r.jacobian[m];
+    const Column<double>& rate_i = r.jacobian_rate[m];
     dJ.block<3, 1>(0, i) = eigen(rotate(R_world_link, rate_i.v + cross(omega, c.v)));
     dJ.block<3, 1>(3, i) = eigen(rotate(R_world_link, rate_i.w + cross(omega, c.w)));
   }

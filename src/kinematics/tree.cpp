@@ -19,6 +19,34 @@ std::vector<char> needed_frames(const Model& arm) {
   return needed;
 }
 
+Motion motion_of(JointType type) {
+  if (type == JointType::kRevolute) return Motion::kTurns;
+  if (type == JointType::kPrismatic) return Motion::kSlides;
+  return Motion::kNone;
+}
+
+// Appends the shares and movers of the last link.
+void append_coordinates(const Model& arm, const Frame& frame, Tree& tree) {
+  Link& link = tree.links.back();
+  link.first_share = static_cast<int>(tree.shares.size());
+  link.first_mover = static_cast<int>(tree.movers.size());
+  for (int i = 0; i < tree.joints; ++i) {
+    const double share = link.motion == Motion::kNone ? 0.0 : frame.variable.coefficients[i];
+    if (share != 0.0) tree.shares.push_back({i, share});
+    if (!arm.moves(link.frame, i)) continue;
+    int above = -1;
+    if (link.parent >= 0) {
+      const Link& parent = tree.links[link.parent];
+      for (int m = parent.first_mover; m < parent.end_mover; ++m) {
+        if (tree.movers[m].coordinate == i) above = m;
+      }
+    }
+    tree.movers.push_back({i, above, share});
+  }
+  link.end_share = static_cast<int>(tree.shares.size());
+  link.end_mover = static_cast<int>(tree.movers.size());
+}
+
 }  // namespace
 
 Tree::Tree(const Model& arm, Keep keep) : joints(arm.joints()) {
@@ -40,30 +68,31 @@ Tree::Tree(const Model& arm, Keep keep) : joints(arm.joints()) {
       T_link_frame[k] = T_above_parent * frame.A * frame.B;
       continue;
     }
-    Link link;
+    Link link{};
     link.frame = k;
     link.parent = above;
-    link.type = frame.type;
+    link.body = -1;
+    link.motion = motion_of(frame.type);
     link.A = fixed ? T_above_parent * frame.A * frame.B : T_above_parent * frame.A;
     link.B = fixed ? identity_pose() : frame.B;
     link.A_is_identity = is_identity(link.A);
     link.B_is_identity = is_identity(link.B);
     link.offset = frame.variable.offset;
-    for (int i = 0; i < joints; ++i) {
-      const double c = frame.variable.coefficients[i];
-      if (!fixed && c != 0.0) link.shares.push_back({i, c});
-      if (arm.moves(k, i)) link.support.push_back(i);
-    }
-    link.body = -1;
     link_of_frame[k] = static_cast<int>(links.size());
     base[k] = link_of_frame[k];
     links.push_back(link);
+    append_coordinates(arm, frame, *this);
   }
   for (const int k : arm.bodies()) {
     const int l = link_of_frame[k];
     links[l].body = static_cast<int>(body_links.size());
     body_links.push_back(l);
   }
+}
+
+Tree::operator Links() const {
+  return {joints,       static_cast<int>(links.size()), static_cast<int>(movers.size()), links.data(),
+          shares.data(), movers.data(),                  gravity};
 }
 
 }  // namespace veridyn

@@ -22,26 +22,56 @@ inline void carry_back(const Posed& T, Vec3<S>& force, Vec3<S>& moment) {
 
 }  // namespace recursion_detail
 
-/// The ten entries of the regressor that belong to one body and one coordinate; needs forward_pass() and
-/// jacobian_pass(). Order: InertialParameters.
+/// What the regressor needs of one body's motion, for all coordinates that move it:
 ///
-///   tau_i = w_i . n + v_i . f,   f = m a + alpha x h + omega x (omega x h),   n = L alpha + omega x L omega + h x a
+///   f = m a + E h,   n = N L + h x a,   E = [alpha]x + [omega]x [omega]x,   N L = alpha-part + omega x L omega
+///
+/// The entries of N are those of E up to sign, and differences of squares.
 template <typename S>
-inline void regressor_entries(const typename Recursion<S>::LinkState& at,
-                              const typename Recursion<S>::Column& c, S* y) {
-  const Vec3<S> u = cross(c.w, at.omega);   // (w x omega): pairs with L omega
-  const Vec3<S> p = cross(c.v, at.omega);   // so that v . omega x (omega x h) = (v x omega) x omega . h
-  y[0] = dot(c.v, at.accel);
-  const Vec3<S> h = cross(c.v, at.alpha) + cross(p, at.omega) + cross(at.accel, c.w);
-  y[1] = h.x;
-  y[2] = h.y;
-  y[3] = h.z;
-  y[4] = c.w.x * at.alpha.x + u.x * at.omega.x;
-  y[5] = c.w.x * at.alpha.y + c.w.y * at.alpha.x + u.x * at.omega.y + u.y * at.omega.x;
-  y[6] = c.w.y * at.alpha.y + u.y * at.omega.y;
-  y[7] = c.w.x * at.alpha.z + c.w.z * at.alpha.x + u.x * at.omega.z + u.z * at.omega.x;
-  y[8] = c.w.y * at.alpha.z + c.w.z * at.alpha.y + u.y * at.omega.z + u.z * at.omega.y;
-  y[9] = c.w.z * at.alpha.z + u.z * at.omega.z;
+struct BodyMotion {
+  Vec3<S> accel, alpha;
+  Vec3<S> E_x, E_y, E_z;  ///< columns of E
+  Vec3<S> products;       ///< omega_y omega_z, omega_x omega_z, omega_x omega_y
+  Vec3<S> differences;    ///< omega_y^2 - omega_z^2, omega_z^2 - omega_x^2, omega_x^2 - omega_y^2
+};
+
+template <typename S>
+inline BodyMotion<S> body_motion(const LinkState<S>& at) {
+  const S xx = at.omega.x * at.omega.x;
+  const S yy = at.omega.y * at.omega.y;
+  const S zz = at.omega.z * at.omega.z;
+  const S yz = at.omega.y * at.omega.z;
+  const S xz = at.omega.x * at.omega.z;
+  const S xy = at.omega.x * at.omega.y;
+  const Vec3<S>& alpha = at.alpha;
+  // clang-format off
+  return {at.accel, alpha,
+          {-(yy + zz), xy + alpha.z, xz - alpha.y},
+          {xy - alpha.z, -(xx + zz), yz + alpha.x},
+          {xz + alpha.y, yz - alpha.x, -(xx + yy)},
+          {yz, xz, xy},
+          {yy - zz, zz - xx, xx - yy}};
+  // clang-format on
+}
+
+/// The ten entries of the regressor that belong to one body and one coordinate, tau_i = w_i . n + v_i . f; needs
+/// forward_pass() and jacobian_pass(). Order: InertialParameters.
+///
+/// @param put  called as put(k, entry) for k = 0 .. 9, so that entries go from registers to where they belong.
+template <typename S, typename Put>
+inline void regressor_entries(const BodyMotion<S>& b, const Column<S>& c, const Put& put) {
+  const Vec3<S>& w = c.w;
+  const Vec3<S> turned = cross(b.accel, w);  // w . (h x a) = h . (a x w)
+  put(0, dot(c.v, b.accel));
+  put(1, dot(c.v, b.E_x) + turned.x);
+  put(2, dot(c.v, b.E_y) + turned.y);
+  put(3, dot(c.v, b.E_z) + turned.z);
+  put(4, w.x * b.alpha.x + w.y * b.products.y - w.z * b.products.z);
+  put(5, w.y * b.E_y.z - w.x * b.E_x.z + w.z * b.differences.z);
+  put(6, w.y * b.alpha.y + w.z * b.products.z - w.x * b.products.x);
+  put(7, w.x * b.E_x.y - w.z * b.E_z.y + w.y * b.differences.y);
+  put(8, w.z * b.E_z.x - w.y * b.E_y.x + w.x * b.differences.x);
+  put(9, w.z * b.alpha.z + w.x * b.products.x - w.y * b.products.y);
 }
 
 /// L a for the six entries of a symmetric tensor in the order of InertialParameters.
@@ -51,47 +81,57 @@ inline Vec3<S> inertia_times(const P* L, const Vec3<S>& a) {
           L[3] * a.x + L[4] * a.y + L[5] * a.z};
 }
 
+/// Force and moment that one body needs for its motion; none where the link has no body.
+template <typename P, typename S>
+inline void body_force(const Links& tree, int k, const P* phi, const Workspace<S>& r) {
+  LinkState<S>& at = r.link[k];
+  at.force = recursion_detail::zero3<S>();
+  at.moment = recursion_detail::zero3<S>();
+  if (tree.link[k].body < 0) return;
+  const P* p = phi + 10 * tree.link[k].body;
+  const Vec3<P> h{p[1], p[2], p[3]};
+  const Vec3<S> swept = cross(at.omega, h);
+  const Vec3<S> spin = inertia_times(p + 4, at.omega);
+  const Vec3<S> weight{p[0] * at.accel.x, p[0] * at.accel.y, p[0] * at.accel.z};
+  at.force = weight + cross(at.alpha, h) + cross(at.omega, swept);
+  at.moment = inertia_times(p + 4, at.alpha) + cross(at.omega, spin) + cross(h, at.accel);
+}
+
+/// One link's share in the joint torques; its force and moment go on to its parent.
+template <typename S>
+inline void backward_step(const Links& tree, int k, const Workspace<S>& r, S* tau) {
+  namespace d = recursion_detail;
+  const Link& link = tree.link[k];
+  const LinkState<S>& at = r.link[k];
+  Vec3<S> force = at.force;
+  Vec3<S> moment = at.moment;
+  if (!link.B_is_identity) d::carry_back(link.B, force, moment);
+  const S along = link.motion == Motion::kTurns ? moment.z : force.z;
+  for (int e = link.first_share; e < link.end_share; ++e) {
+    tau[tree.share[e].coordinate] += S(tree.share[e].coefficient) * along;
+  }
+  if (link.parent < 0) return;
+  if (link.motion == Motion::kTurns) {
+    force = d::turn(at.sine, at.cosine, force);
+    moment = d::turn(at.sine, at.cosine, moment);
+  } else if (link.motion == Motion::kSlides) {
+    moment.x -= at.s * force.y;  // (s z) x force
+    moment.y += at.s * force.x;
+  }
+  if (!link.A_is_identity) d::carry_back(link.A, force, moment);
+  LinkState<S>& above = r.link[link.parent];
+  above.force = above.force + force;
+  above.moment = above.moment + moment;
+}
+
 /// Joint torques of rigid bodies with parameters phi (10 per body); needs forward_pass().
 ///
 /// @param tau  n entries, overwritten.
 template <typename P, typename S>
-void backward_pass(const Tree& tree, const P* phi, Recursion<S>& r, S* tau) {
-  namespace d = recursion_detail;
+void backward_pass(const Links& tree, const P* phi, const Workspace<S>& r, S* tau) {
   for (int i = 0; i < tree.joints; ++i) tau[i] = S(0.0);
-  for (size_t k = 0; k < tree.links.size(); ++k) {
-    auto& at = r.links[k];
-    at.force = d::zero3<S>();
-    at.moment = d::zero3<S>();
-    if (tree.links[k].body < 0) continue;
-    const P* p = phi + 10 * tree.links[k].body;
-    const Vec3<P> h{p[1], p[2], p[3]};
-    const Vec3<S> swept = cross(at.omega, h);
-    const Vec3<S> spin = inertia_times(p + 4, at.omega);
-    const Vec3<S> weight{p[0] * at.accel.x, p[0] * at.accel.y, p[0] * at.accel.z};
-    at.force = weight + cross(at.alpha, h) + cross(at.omega, swept);
-    at.moment = inertia_times(p + 4, at.alpha) + cross(at.omega, spin) + cross(h, at.accel);
-  }
-  for (size_t l = tree.links.size(); l-- > 0;) {
-    const Tree::Link& link = tree.links[l];
-    const auto& at = r.links[l];
-    Vec3<S> force = at.force;
-    Vec3<S> moment = at.moment;
-    if (!link.B_is_identity) d::carry_back(link.B, force, moment);
-    const S& along = link.type == JointType::kRevolute ? moment.z : force.z;
-    for (const Tree::Share& share : link.shares) tau[share.coordinate] += S(share.coefficient) * along;
-    if (link.parent < 0) continue;
-    if (link.type == JointType::kRevolute) {
-      force = d::turn(at.sine, at.cosine, force);
-      moment = d::turn(at.sine, at.cosine, moment);
-    } else if (link.type == JointType::kPrismatic) {
-      moment.x -= at.s * force.y;  // (s z) x force
-      moment.y += at.s * force.x;
-    }
-    if (!link.A_is_identity) d::carry_back(link.A, force, moment);
-    auto& above = r.links[link.parent];
-    above.force = above.force + force;
-    above.moment = above.moment + moment;
-  }
+  for (int k = 0; k < tree.count; ++k) body_force(tree, k, phi, r);
+  for (int k = tree.count - 1; k >= 0; --k) backward_step(tree, k, r, tau);
 }
 
 }  // namespace veridyn

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "veridyn/dynamics/recursion.hpp"
+#include "veridyn/kinematics/tree.hpp"
 #include "veridyn/math/types.hpp"
 #include "veridyn/model/model.hpp"
 

@@ -17,7 +17,7 @@ struct Pack {
   Lanes v;
 
   Pack() = default;
-  Pack(double x) : v(Lanes{} + x) {}  // NOLINT: a constant is a pack of equals
+  Pack(double x) : v(x - Lanes{}) {}  // NOLINT: a constant is a pack of equals; x - 0 costs nothing, 0 + x an addition
   explicit Pack(const Lanes& lanes) : v(lanes) {}
 
   Pack& operator+=(const Pack& b) {
@@ -46,10 +46,12 @@ inline void sine_cosine(const Pack<kLanes, Isa>& x, Pack<kLanes, Isa>& sine, Pac
   const Lanes magic = Lanes{} + 6755399441055744.0;
   const Lanes shifted = x.v * (2.0 / M_PI) + magic;
   const Lanes k = shifted - magic;
-  const Mask quadrant = reinterpret_cast<const Mask&>(shifted);
-  Lanes r = x.v - k * 1.57079632673412561417e+00;
-  r -= k * 6.07710050630396597660e-11;
-  r -= k * 2.02226624879595063154e-21;
+  const Mask quadrant = reinterpret_cast<Mask>(shifted);  // the same bits
+  // The first two products and the first difference are exact; what the second one rounds away goes into the third.
+  const Lanes first = x.v - k * 1.57079632673412561417e+00;
+  const Lanes second = k * 6.07710050630396597660e-11;
+  const Lanes head = first - second;
+  const Lanes r = head - (k * 2.02226624879595063154e-21 - ((first - head) - second));
   const Lanes z = r * r;
   Lanes s = z * 1.58962301576546568060e-10 - 2.50507477628578072866e-8;
   s = s * z + 2.75573136213857245213e-6;

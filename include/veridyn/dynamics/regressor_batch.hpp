@@ -1,0 +1,47 @@
+#pragma once
+
+#include <vector>
+
+#include "veridyn/kinematics/tree.hpp"
+#include "veridyn/math/types.hpp"
+#include "veridyn/model/model.hpp"
+
+namespace veridyn {
+
+/// The regressor and the torques of many samples at once, several samples per instruction. The widest vectors
+/// that the processor has are chosen at run time; results agree between machines to rounding only.
+///
+/// Immutable: one object serves several threads. Each call allocates a workspace of a few kilobytes.
+/// Rows should come in blocks of some hundred, so that what is written stays in the cache.
+class RegressorBatch {
+ public:
+  explicit RegressorBatch(const Model& arm);
+
+  int joints() const { return tree_.joints; }
+
+  /// Columns of the regressor that can differ from zero for a joint: ten for each body that it moves, ascending,
+  /// in 0 .. 10 * bodies - 1. See torque_regressor().
+  const std::vector<int>& columns(int joint) const { return columns_[static_cast<size_t>(joint)]; }
+
+  /// Y[i](r, c): torque of joint i in sample r per unit of inertial parameter columns(i)[c].
+  ///
+  /// @param q, dq, ddq  (rows x n) [rad, rad/s, rad/s^2], metres where the joint is prismatic.
+  /// @param Y           one matrix per joint, (rows x columns(i).size()); sized here, reused where the size is right.
+  /// @throws InvalidInput  the three do not have n columns and one number of rows.
+  void evaluate(const MatrixRef& q, const MatrixRef& dq, const MatrixRef& ddq, std::vector<MatrixXd>& Y) const;
+
+  /// Inverse dynamics of all samples.
+  ///
+  /// @param phi  (10 * bodies), in the order of InertialParameters.
+  /// @param tau  (rows x n) [N m, N]; sized here.
+  /// @throws InvalidInput  as above, or phi has the wrong size.
+  void torques(const MatrixRef& q, const MatrixRef& dq, const MatrixRef& ddq, const VectorRef& phi,
+               MatrixXd& tau) const;
+
+ private:
+  Tree tree_;
+  std::vector<std::vector<int>> columns_;
+  std::vector<int> column_of_mover_;  // first of a body's columns in its joint's matrix; -1: no body
+};
+
+}  // namespace veridyn

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "veridyn/math/types.hpp"
+
+namespace veridyn {
+
+/// All that least squares needs to know of any number of rows A x ~ b, in the square of the columns:
+///
+///   || A x - b ||^2  =  || R x - z ||^2 + rho^2
+///
+/// R is upper triangular (k x k). Rows are absorbed in blocks by QR; factors over the same columns merge by
+/// one more QR, in any order. Columns are known by name, so that a subset is a question and not a copy of the data.
+/// Source: Bierman, Factorization Methods for Discrete Sequential Estimation, 1977.
+class SquareRootInformation {
+ public:
+  SquareRootInformation() = default;
+  explicit SquareRootInformation(std::vector<std::string> columns);
+
+  const std::vector<std::string>& columns() const { return columns_; }
+  int size() const { return static_cast<int>(columns_.size()); }
+
+  const MatrixXd& R() const { return R_; }
+  const VectorXd& z() const { return z_; }
+
+  /// Squared residual that no x can remove.
+  double rho2() const { return rho2_; }
+
+  /// Rows absorbed so far.
+  double rows() const { return rows_; }
+
+  /// || b ||^2 of all rows.
+  double rhs_norm2() const { return z_.squaredNorm() + rho2_; }
+
+  /// Adds the rows of A x ~ b; A is (rows x size()).
+  void absorb(const MatrixRef& A, const VectorRef& b);
+
+  /// Adds the rows that another factor stands for, each scaled by `weight`. Columns that only the other one has
+  /// are appended.
+  void merge(const SquareRootInformation& other, double weight = 1.0);
+
+  /// || A x - b ||^2 for x in the order of columns().
+  double residual2(const VectorRef& x) const;
+
+  /// The same rows, seen through these columns only, in this order. A column that is not there is zero.
+  SquareRootInformation restricted(const std::vector<std::string>& columns) const;
+
+  /// The same rows after a change of variables x = T y: columns are named anew. T is (size() x new size).
+  SquareRootInformation transformed(const MatrixRef& T, std::vector<std::string> columns) const;
+
+  /// The norm of every column of A, (size()).
+  VectorXd column_norms() const;
+
+ private:
+  void absorb_stacked(MatrixXd stacked);
+
+  std::vector<std::string> columns_;
+  MatrixXd R_;
+  VectorXd z_;
+  double rho2_ = 0.0;
+  double rows_ = 0.0;
+};
+
+}  // namespace veridyn

@@ -1,0 +1,16 @@
+#include "veridyn/math/dense.hpp"
+
+#include <Eigen/QR>
+
+namespace veridyn {
+
+MatrixXd orthonormal_basis(const MatrixRef& columns) {
+  const Eigen::ColPivHouseholderQR<MatrixXd> qr(columns);
+  return MatrixXd(qr.householderQ()).leftCols(qr.rank());
+}
+
+VectorXd least_norm(const MatrixRef& A, const VectorRef& b) {
+  return Eigen::CompleteOrthogonalDecomposition<MatrixXd>(A).solve(b);
+}
+
+}  // namespace veridyn

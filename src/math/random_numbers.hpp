@@ -1,0 +1,34 @@
+#pragma once
+
+#include <cmath>
+#include <random>
+
+namespace veridyn {
+
+/// Random numbers that are the same on every machine for a seed (the distributions of the standard
+/// library are not).
+class RandomNumbers {
+ public:
+  /// @param stream  numbers of different streams of one seed are independent.
+  explicit RandomNumbers(unsigned seed, unsigned stream = 0) {
+    std::seed_seq sequence{seed, stream};
+    engine_.seed(sequence);
+  }
+
+  /// Uniform in [0, 1).
+  double uniform() { return engine_() * 0x1p-32; }
+
+  /// Uniform in [low, high).
+  double uniform(double low, double high) { return low + (high - low) * uniform(); }
+
+  /// Mean 0, variance 1; Box and Muller, Annals of Mathematical Statistics 29(2), 1958.
+  double normal() {
+    const double radius = std::sqrt(-2.0 * std::log(1.0 - uniform()));
+    return radius * std::cos(2.0 * M_PI * uniform());
+  }
+
+ private:
+  std::mt19937 engine_;
+};
+
+}  // namespace veridyn

@@ -1,0 +1,51 @@
+#include "veridyn/math/student_t.hpp"
+
+#include <cmath>
+
+namespace veridyn {
+namespace {
+
+// Continued fraction of the regularised incomplete beta function by Lentz's method (Abramowitz and Stegun 26.5.8).
+double incomplete_beta(double a, double b, double x) {
+  if (x <= 0.0) return 0.0;
+  if (x >= 1.0) return 1.0;
+  if (x > (a + 1.0) / (a + b + 2.0)) return 1.0 - incomplete_beta(b, a, 1.0 - x);
+  const double front =
+      std::exp(std::lgamma(a + b) - std::lgamma(a) - std::lgamma(b) + a * std::log(x) + b * std::log1p(-x)) / a;
+  constexpr double kTiny = 1e-300;
+  double f = 1.0;
+  double c = 1.0;
+  double d = 0.0;
+  for (int i = 0; i < 500; ++i) {
+    const int m = i / 2;
+    double term = 1.0;
+    if (i > 0) {
+      term = i % 2 == 0 ? m * (b - m) * x / ((a + 2.0 * m - 1.0) * (a + 2.0 * m))
+                        : -(a + m) * (a + b + m) * x / ((a + 2.0 * m) * (a + 2.0 * m + 1.0));
+    }
+    d = 1.0 + term * d;
+    d = 1.0 / (std::abs(d) < kTiny ? kTiny : d);
+    c = 1.0 + term / (std::abs(c) < kTiny ? kTiny : c);
+    f *= c * d;
+    if (std::abs(c * d - 1.0) < 1e-14) break;
+  }
+  return front * (f - 1.0);
+}
+
+}  // namespace
+
+double student_t_two_sided(double t, double degrees_of_freedom) {
+  return incomplete_beta(0.5 * degrees_of_freedom, 0.5, degrees_of_freedom / (degrees_of_freedom + t * t));
+}
+
+double student_t_quantile(double two_sided_probability, double degrees_of_freedom) {
+  double low = 0.0;
+  double high = 1e6;
+  for (int i = 0; i < 200; ++i) {
+    const double middle = 0.5 * (low + high);
+    (student_t_two_sided(middle, degrees_of_freedom) > two_sided_probability ? low : high) = middle;
+  }
+  return high;
+}
+
+}  // namespace veridyn
