@@ -1,0 +1,176 @@
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "veridyn/model/model.hpp"
+
+namespace veridyn {
+
+/// Below this speed friction without a memory has no direction: its sign is a straight line through
+/// zero.
+constexpr double kRestSpeed = 1e-4;  ///< [rad/s] or [m/s]
+
+/// One sample along an effect's axis s = c . q + s0.
+struct AxisSample {
+  double time = 0.0;    ///< [s] since the recording or the run began
+  double s = 0.0;       ///< [rad] or [m]
+  double ds = 0.0;      ///< [rad/s] or [m/s]
+  double dds = 0.0;     ///< [rad/s^2] or [m/s^2]
+  double from_s = 0.0;  ///< the same variable of the other coordinate, for couplings
+  double from_ds = 0.0;
+  double load = 0.0;  ///< effort that the rigid bodies ask for along the axis [N m] or [N]
+};
+
+/// What a parameter may be in nature.
+enum class ParameterSign { kAny, kNonnegative };
+
+/// In the units of a coupling's parameters: "rad" or "m", whichever the other coordinate has.
+constexpr const char* kSourceUnit = "(source unit)";
+
+/// A parameter in which the torque is linear.
+struct EffectParameter {
+  std::string name;
+  std::string unit_revolute;
+  std::string unit_prismatic;
+  ParameterSign sign = ParameterSign::kAny;
+};
+
+/// A constant that shapes the columns and in which the torque is not linear.
+struct EffectShape {
+  std::string name;
+  std::string unit_revolute;
+  std::string unit_prismatic;
+  double initial = 0.0;  ///< where the file gives none
+  double lower = 0.0;    ///< range of the search
+  double upper = 0.0;
+  bool logarithmic = true;  ///< search in the logarithm; a value from the file must be positive
+  bool searched = true;     ///< false: comes from the file or from the caller; see the effect
+  double initial_prismatic = 0.0;  ///< where metres need another start than radians; 0: the same
+};
+
+constexpr int kMaxEffectShapes = 6;
+constexpr int kMaxEffectParameters = 6;
+constexpr int kMaxEffectStates = 8;
+
+using ShapeValues = std::array<double, kMaxEffectShapes>;
+using EffectState = std::array<double, kMaxEffectStates>;
+using EffectColumns = std::array<double, kMaxEffectParameters>;
+
+/// One physical cause of joint torque beyond the rigid bodies, acting along an axis:
+///
+///   tau += c * (columns(sample) . parameters)
+///
+/// The sign convention is that of the motor's torque: friction is positive in the direction of
+/// motion (seed errata on thesis 4.10 to 4.16). The same columns serve identification (as
+/// regressor), simulation (as force) and control (as compensation), one sample at a time; memory,
+/// if any, is in the state.
+class Effect {
+ public:
+  virtual ~Effect() = default;
+
+  /// The name in CONTRACT.md.
+  virtual std::string name() const = 0;
+
+  virtual std::vector<EffectParameter> parameters() const = 0;
+  virtual std::vector<EffectShape> shapes() const { return {}; }
+
+  /// True if the columns depend on the past: the state must be advanced sample by sample, in order
+  /// of time.
+  virtual bool has_memory() const { return false; }
+
+  /// True if the columns need AxisSample::load or the from_ entries.
+  virtual bool needs_load() const { return false; }
+  virtual bool needs_source() const { return false; }
+
+  /// One row of columns, parameters().size() entries; a state of all NaN-free zeros is the start.
+  /// Never throws or allocates.
+  virtual void columns(const AxisSample& sample, const ShapeValues& shape, EffectState& state,
+                       EffectColumns& row) const noexcept = 0;
+
+  /// What was found, in a technician's words, to stand after "Joint 3 has": "0.50 N of friction
+  /// with memory: after a reversal it builds up over 0.14 mm".
+  ///
+  /// @param values  one for each of parameters().
+  /// @param type    kPrismatic for newtons and metres, anything else for newton metres and radians.
+  virtual std::string phrase(const std::vector<double>& values, const ShapeValues& shape,
+                             JointType type) const = 0;
+};
+
+/// The effect of that name. @throws InvalidInput  there is none.
+const Effect& find_effect(const std::string& name);
+
+/// True for names that find_effect() knows.
+bool has_effect(const std::string& name);
+
+/// All effects that act along an axis, in the order of CONTRACT.md.
+const std::vector<const Effect*>& all_effects();
+
+/// An effect of a model made ready for loops: shape constants looked up, axis copied, state owned.
+class BoundEffect {
+ public:
+  /// @throws InvalidInput  unknown effect, a key in the file that the effect does not have, a
+  ///                       number that is not finite, a shape constant that is not positive where
+  ///                       it must be, or a coupling without `from`.
+  BoundEffect(const Model& arm, const EffectTerm& term);
+
+  const Effect& effect() const { return *effect_; }
+  const EffectTerm& term() const { return term_; }
+  int parameter_count() const { return static_cast<int>(parameters_.size()); }
+  const std::vector<EffectParameter>& parameters() const { return parameters_; }
+
+  /// Unit of parameter p on this axis.
+  const std::string& unit(int p) const;
+
+  /// e.g. "viscous_friction(yaw).coefficient"; couplings read "(1.2178 yaw1 - 0.8306 pitch)". Where
+  /// the arm has the effect several times on one axis, its constants follow:
+  /// "presliding_hysteresis(yaw, distance 0.005).level".
+  std::string parameter_name(int p) const;
+
+  /// Values from the file, zero where it gives none.
+  const EffectColumns& values() const { return values_; }
+  bool has_values() const { return has_values_; }
+
+  /// Shape constants, from the file or else the effect's initial ones.
+  const ShapeValues& shape() const { return shape_; }
+
+  /// Effect::phrase() with this axis' units and constants.
+  std::string phrase(const std::vector<double>& values) const;
+
+  /// Forgets the past. @param start_time [s] what sample() counts time from.
+  void reset(double start_time = 0.0) {
+    state_ = {};
+    start_time_ = start_time;
+  }
+
+  /// s, ds, dds (and the source's) from one state; q, dq, ddq point at n entries `stride` apart.
+  AxisSample sample(double time, const double* q, const double* dq, const double* ddq,
+                    long stride) const noexcept;
+
+  /// One row of columns along the axis; advances the memory.
+  void columns(const AxisSample& sample, EffectColumns& row) noexcept {
+    effect_->columns(sample, shape_, state_, row);
+  }
+
+  /// The force along the axis with the values from the file; advances the memory.
+  double force(const AxisSample& sample) noexcept;
+
+ private:
+  const Effect* effect_;
+  EffectTerm term_;
+  std::vector<EffectParameter> parameters_;
+  std::string label_;  ///< what stands in parentheses in parameter_name()
+  std::string source_unit_;
+  JointType type_ = JointType::kRevolute;
+  bool has_values_ = false;
+  ShapeValues shape_{};
+  EffectColumns values_{};
+  EffectState state_{};
+  double start_time_ = 0.0;
+};
+
+/// "yaw" or "1.2178 yaw1 - 0.8306 pitch": the linear form in words.
+std::string axis_text(const Model& arm, const Axis& axis);
+
+}  // namespace veridyn

@@ -1,0 +1,57 @@
+#include <algorithm>
+#include <cmath>
+
+#include "contact_memory.hpp"
+#include "phrase.hpp"
+#include "registry.hpp"
+
+namespace veridyn {
+namespace {
+
+constexpr double kFree = 0.8;  // share of the gap without contact
+
+/// Friction behind a gap: after a reversal the motor crosses the gap without it, then meets it
+/// again.
+///
+///   p <- clamp(p + step / (gap / 2), -1, 1)                        place between the teeth (play
+///   operator) tau = level * sign(p) * max(0, |p| - free) / (1 - free)        free = 0.8: the teeth
+///   are not rigid
+///
+/// It is rate independent and passive: inside the gap a potential of p, at its ends friction. It
+/// differs from presliding_hysteresis by its dead zone. Limits: the friction behind the gap must
+/// outweigh gravity there; a load that presses the teeth to one side leaves no play in the torque.
+/// Impacts and the link's lag of half a gap, which are of second order in the gap, are left out.
+/// Place and gap start in the middle. Source: Nordin and Gutman, Automatica 38(10), 2002, for the
+/// play and its contact.
+class Backlash final : public Effect {
+ public:
+  std::string name() const override { return "backlash"; }
+  std::vector<EffectParameter> parameters() const override {
+    return {{"level", "N m", "N", ParameterSign::kNonnegative}};
+  }
+  std::vector<EffectShape> shapes() const override {
+    return {{"gap", "rad", "m", 5e-3, 1e-5, 1.0, true, true, 2e-4}};
+  }
+  bool has_memory() const override { return true; }
+  void columns(const AxisSample& x, const ShapeValues& shape, EffectState& state,
+               EffectColumns& row) const noexcept override {
+    const double place =
+        std::clamp(state[0] + 2.0 * step_since_last(x.s, state) / shape[0], -1.0, 1.0);
+    state[0] = place;
+    row[0] = std::copysign(std::max(0.0, std::abs(place) - kFree) / (1.0 - kFree), place);
+  }
+  std::string phrase(const std::vector<double>& values, const ShapeValues& shape,
+                     JointType type) const override {
+    return parameter_text(*this, values, 0, type) + " of friction behind a gap of " +
+           shape_text(*this, shape, 0, type);
+  }
+};
+
+}  // namespace
+
+const Effect& backlash() {
+  static const Backlash kEffect;
+  return kEffect;
+}
+
+}  // namespace veridyn

@@ -1,0 +1,171 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "veridyn/effects/effect.hpp"
+#include "veridyn/math/require.hpp"
+#include "veridyn/model/suggestion.hpp"
+
+namespace veridyn {
+namespace {
+
+bool same(const Axis& a, const Axis& b) {
+  return a.coefficients == b.coefficients && a.offset == b.offset;
+}
+
+bool same_place(const EffectTerm& a, const EffectTerm& b) {
+  if (a.effect != b.effect || !same(a.axis, b.axis) || a.from.has_value() != b.from.has_value())
+    return false;
+  return !a.from || same(*a.from, *b.from);
+}
+
+// ", distance 0.005" if the arm has the effect on this axis with other constants too; else nothing.
+std::string constants_text(const Model& arm, const EffectTerm& term,
+                           const std::vector<EffectShape>& shapes) {
+  const auto given = [](const EffectTerm& of, const std::string& key) {
+    const auto it = of.values.find(key);
+    return it == of.values.end() ? std::string() : fmt::format("{:.4g}", it->second);
+  };
+  std::string out;
+  for (const EffectShape& shape : shapes) {
+    bool differs = false;
+    for (const EffectTerm& other : arm.effects()) {
+      differs = differs ||
+                (same_place(other, term) && given(other, shape.name) != given(term, shape.name));
+    }
+    if (differs && term.values.count(shape.name) > 0)
+      out += ", " + shape.name + " " + given(term, shape.name);
+  }
+  return out;
+}
+
+void require_known_keys(const EffectTerm& term, const std::string& where,
+                        const std::vector<EffectShape>& shapes,
+                        const std::vector<EffectParameter>& parameters) {
+  std::vector<std::string> known;
+  known.reserve(parameters.size() + shapes.size());
+  for (const EffectParameter& p : parameters) known.push_back(p.name);
+  for (const EffectShape& s : shapes) known.push_back(s.name);
+  for (const auto& [key, value] : term.values) {
+    require(std::find(known.begin(), known.end(), key) != known.end(), where, "effect '",
+            term.effect, "' has no '", key, "'", did_you_mean(key, known),
+            "; it has: ", listed(known), ".");
+    require(std::isfinite(value), where, "effect '", term.effect, "': ", key, " is ", value,
+            ", expected a finite number.");
+  }
+}
+
+void replace_all(std::string& text, const std::string& what, const std::string& by) {
+  for (size_t at = text.find(what); at != std::string::npos; at = text.find(what, at + by.size())) {
+    text.replace(at, what.size(), by);
+  }
+}
+
+}  // namespace
+
+std::string axis_text(const Model& arm, const Axis& axis) {
+  std::string out;
+  for (int i = 0; i < arm.joints(); ++i) {
+    const double c = axis.coefficients[i];
+    if (c == 0.0) continue;
+    if (!out.empty()) out += c < 0.0 ? " - " : " + ";
+    if (out.empty() && c < 0.0) out += "-";
+    if (std::abs(c) != 1.0) out += fmt::format("{:.6g} ", std::abs(c));
+    out += arm.coordinates()[i].name;
+  }
+  if (axis.offset != 0.0)
+    out += fmt::format(" {} {:.6g}", axis.offset < 0.0 ? "-" : "+", std::abs(axis.offset));
+  return out.empty() ? "0" : out;
+}
+
+BoundEffect::BoundEffect(const Model& arm, const EffectTerm& term)
+    : effect_(&find_effect(term.effect)),
+      term_(term),
+      parameters_(effect_->parameters()),
+      label_(axis_text(arm, term.axis)),
+      type_(is_prismatic(arm, term.axis) ? JointType::kPrismatic : JointType::kRevolute) {
+  const std::string where = term.where.empty() ? "" : term.where + ": ";
+  const std::vector<EffectShape> shapes = effect_->shapes();
+  require_known_keys(term, where, shapes, parameters_);
+  require(!effect_->needs_source() || term.from.has_value(), where, "effect '", term.effect,
+          "' needs `from: {coordinate: 1}`, the coordinate that it comes from.");
+  for (size_t i = 0; i < shapes.size(); ++i) {
+    const EffectShape& s = shapes[i];
+    const bool metres = type_ == JointType::kPrismatic && s.initial_prismatic != 0.0;
+    shape_[i] = metres ? s.initial_prismatic : s.initial;
+    const auto given = term.values.find(s.name);
+    if (given == term.values.end()) continue;
+    shape_[i] = given->second;
+    require(!s.logarithmic || shape_[i] > 0.0 || shape_[i] == s.initial, where, "effect '",
+            term.effect, "': ", s.name, " is ", shape_[i], ", expected a number above 0.");
+  }
+  size_t used = 0;
+  for (size_t p = 0; p < parameters_.size(); ++p) {
+    const auto given = term.values.find(parameters_[p].name);
+    if (given == term.values.end()) continue;
+    values_[p] = given->second;
+    ++used;
+  }
+  has_values_ = used == parameters_.size();
+  if (effect_->needs_source()) {
+    label_ += " from " + axis_text(arm, *term.from);
+    source_unit_ = is_prismatic(arm, *term.from) ? "m" : "rad";
+    for (EffectParameter& p : parameters_) {
+      replace_all(p.unit_revolute, kSourceUnit, source_unit_);
+      replace_all(p.unit_prismatic, kSourceUnit, source_unit_);
+    }
+  }
+  label_ += constants_text(arm, term, shapes);
+}
+
+const std::string& BoundEffect::unit(int p) const {
+  const EffectParameter& parameter = parameters_[static_cast<size_t>(p)];
+  return type_ == JointType::kPrismatic ? parameter.unit_prismatic : parameter.unit_revolute;
+}
+
+std::string BoundEffect::parameter_name(int p) const {
+  return fmt::format("{}({}).{}", effect_->name(), label_,
+                     parameters_[static_cast<size_t>(p)].name);
+}
+
+std::string BoundEffect::phrase(const std::vector<double>& values) const {
+  require(values.size() == parameters_.size(), "phrase: ", values.size(), " values, but effect '",
+          effect_->name(), "' has ", parameters_.size(), " parameters.");
+  std::string out = effect_->phrase(values, shape_, type_);
+  replace_all(out, kSourceUnit, source_unit_);
+  return out;
+}
+
+AxisSample BoundEffect::sample(double time, const double* q, const double* dq, const double* ddq,
+                               long stride) const noexcept {
+  AxisSample x;
+  x.time = time - start_time_;
+  x.s = term_.axis.offset;
+  const auto n = static_cast<long>(term_.axis.coefficients.size());
+  for (long i = 0; i < n; ++i) {
+    const double c = term_.axis.coefficients[i];
+    if (c == 0.0) continue;
+    x.s += c * q[i * stride];
+    x.ds += c * dq[i * stride];
+    x.dds += c * ddq[i * stride];
+  }
+  if (!term_.from) return x;
+  x.from_s = term_.from->offset;
+  for (long i = 0; i < n; ++i) {
+    const double c = term_.from->coefficients[i];
+    x.from_s += c * q[i * stride];
+    x.from_ds += c * dq[i * stride];
+  }
+  return x;
+}
+
+double BoundEffect::force(const AxisSample& sample) noexcept {
+  EffectColumns row{};
+  columns(sample, row);
+  double sum = 0.0;
+  for (size_t p = 0; p < parameters_.size(); ++p) sum += row[p] * values_[p];
+  return sum;
+}
+
+}  // namespace veridyn

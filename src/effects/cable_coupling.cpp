@@ -1,0 +1,47 @@
+#include "phrase.hpp"
+#include "registry.hpp"
+#include "sliding_direction.hpp"
+
+namespace veridyn {
+namespace {
+
+/// What another coordinate does to this axis through a cable, hose or tendon that passes by:
+///
+///   tau = stiffness * from_s + curvature * from_s^2 + drag * sign(from_ds)
+///
+/// Its tension changes with the other coordinate's position, and its friction follows the other
+/// coordinate's motion (sign of sliding_direction(); thesis (4.14) as a sigmoid differs by less
+/// than the rest speed). The routing decides all signs. It is not a potential force: the reaction
+/// on the other coordinate is a term of its own.
+class CableCoupling final : public Effect {
+ public:
+  std::string name() const override { return "cable_coupling"; }
+  std::vector<EffectParameter> parameters() const override {
+    const std::string per = std::string("/") + kSourceUnit;
+    return {{"stiffness", "N m" + per, "N" + per, ParameterSign::kAny},
+            {"curvature", "N m" + per + "^2", "N" + per + "^2", ParameterSign::kAny},
+            {"drag", "N m", "N", ParameterSign::kAny}};
+  }
+  bool needs_source() const override { return true; }
+  void columns(const AxisSample& x, const ShapeValues& /*shape*/, EffectState& /*state*/,
+               EffectColumns& row) const noexcept override {
+    row[0] = x.from_s;
+    row[1] = x.from_s * x.from_s;
+    row[2] = sliding_direction(x.from_ds);
+  }
+  std::string phrase(const std::vector<double>& values, const ShapeValues& /*shape*/,
+                     JointType type) const override {
+    return "a cable from another joint: " + parameter_text(*this, values, 0, type) + " and " +
+           parameter_text(*this, values, 1, type) + " with its position, " +
+           parameter_text(*this, values, 2, type) + " of drag with its motion";
+  }
+};
+
+}  // namespace
+
+const Effect& cable_coupling() {
+  static const CableCoupling kEffect;
+  return kEffect;
+}
+
+}  // namespace veridyn

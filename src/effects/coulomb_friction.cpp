@@ -1,0 +1,41 @@
+#include <cmath>
+
+#include "phrase.hpp"
+#include "registry.hpp"
+#include "sliding_direction.hpp"
+
+namespace veridyn {
+namespace {
+
+/// tau = level * sign(ds), or level * tanh(slope ds / 2) where the file gives a slope: the sigmoid
+/// 2 / (1 + exp(-slope ds)) - 1 of thesis (4.14) with the errata's sign.
+///
+/// Without a slope the sign is that of sliding_direction(), a straight line at rest.
+class CoulombFriction final : public Effect {
+ public:
+  std::string name() const override { return "coulomb_friction"; }
+  std::vector<EffectParameter> parameters() const override {
+    return {{"level", "N m", "N", ParameterSign::kNonnegative}};
+  }
+  std::vector<EffectShape> shapes() const override {
+    return {{"slope", "s/rad", "s/m", 0.0, 10.0, 1e4, true, false}};
+  }
+  void columns(const AxisSample& x, const ShapeValues& shape, EffectState& /*state*/,
+               EffectColumns& row) const noexcept override {
+    const double slope = shape[0];
+    row[0] = slope > 0.0 ? std::tanh(0.5 * slope * x.ds) : sliding_direction(x.ds);
+  }
+  std::string phrase(const std::vector<double>& values, const ShapeValues& /*shape*/,
+                     JointType type) const override {
+    return parameter_text(*this, values, 0, type) + " of Coulomb friction";
+  }
+};
+
+}  // namespace
+
+const Effect& coulomb_friction() {
+  static const CoulombFriction kEffect;
+  return kEffect;
+}
+
+}  // namespace veridyn

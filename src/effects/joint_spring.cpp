@@ -1,0 +1,59 @@
+#include <cmath>
+
+#include "phrase.hpp"
+#include "registry.hpp"
+
+namespace veridyn {
+namespace {
+
+/// tau = stiffness * s, with its rest at s = 0 (the axis' offset moves it).
+///
+/// With a lever: a straight spring between a fixed anchor, `anchor` metres from the axis, and a pin
+/// on the moving part, `lever` metres from it; its length is l^2 = lever^2 + anchor^2 - 2 lever
+/// anchor cos(s + angle):
+///
+///   tau = stiffness * (l - rest_length) * dl/ds
+///
+/// The stiffness is then that of the spring, in N/m. The torque has a jump where the pin meets the
+/// anchor (l = 0).
+class JointSpring final : public Effect {
+ public:
+  std::string name() const override { return "joint_spring"; }
+  std::vector<EffectParameter> parameters() const override {
+    return {{"stiffness", "N m/rad", "N/m", ParameterSign::kNonnegative}};
+  }
+  std::vector<EffectShape> shapes() const override {
+    return {{"lever", "m", "m", 0.0, 1e-3, 1.0, true, false},
+            {"anchor", "m", "m", 0.0, 1e-3, 1.0, true, false},
+            {"rest_length", "m", "m", 0.0, 0.0, 1.0, false, false},
+            {"angle", "rad", "rad", 0.0, -3.2, 3.2, false, false}};
+  }
+  void columns(const AxisSample& x, const ShapeValues& shape, EffectState& /*state*/,
+               EffectColumns& row) const noexcept override {
+    const double lever = shape[0];
+    const double anchor = shape[1];
+    if (lever == 0.0) {
+      row[0] = x.s;
+      return;
+    }
+    const double angle = x.s + shape[3];
+    const double length =
+        std::sqrt(lever * lever + anchor * anchor - 2.0 * lever * anchor * std::cos(angle));
+    row[0] = length > 0.0 ? (length - shape[2]) * lever * anchor * std::sin(angle) / length : 0.0;
+  }
+  std::string phrase(const std::vector<double>& values, const ShapeValues& shape,
+                     JointType type) const override {
+    const std::string stiffness =
+        shape[0] == 0.0 ? parameter_text(*this, values, 0, type) : quantity(values[0], "N/m");
+    return "a spring of " + stiffness;
+  }
+};
+
+}  // namespace
+
+const Effect& joint_spring() {
+  static const JointSpring kEffect;
+  return kEffect;
+}
+
+}  // namespace veridyn

@@ -1,0 +1,47 @@
+#include <cmath>
+
+#include "contact_memory.hpp"
+#include "phrase.hpp"
+#include "registry.hpp"
+
+namespace veridyn {
+namespace {
+
+/// Friction that rises with what the gears or guides carry:
+///
+///   tau = coefficient * |load| * sign(ds)
+///
+/// where the load is the effort that the rigid bodies ask for along the axis. The sign is
+/// sliding_direction(), or with `distance` in the file the contact memory of presliding_hysteresis.
+/// Friction without load is coulomb_friction. Source: Hamon, Gautier, Garrec and Janot, IROS 2010;
+/// the load is known only where the bodies have values.
+class LoadDependentFriction final : public Effect {
+ public:
+  std::string name() const override { return "load_dependent_friction"; }
+  std::vector<EffectParameter> parameters() const override {
+    return {{"coefficient", "1", "1", ParameterSign::kNonnegative}};
+  }
+  std::vector<EffectShape> shapes() const override {
+    return {{"distance", "rad", "m", 0.0, 1e-5, 1.0, true, false}};
+  }
+  bool has_memory() const override { return true; }
+  bool needs_load() const override { return true; }
+  void columns(const AxisSample& x, const ShapeValues& shape, EffectState& state,
+               EffectColumns& row) const noexcept override {
+    row[0] = std::abs(x.load) * friction_direction(x, shape[0], state);
+  }
+  std::string phrase(const std::vector<double>& values, const ShapeValues& /*shape*/,
+                     JointType type) const override {
+    return "friction of " + quantity(100.0 * values[0], "%") + " of the " + effort_word(type) +
+           " that it carries";
+  }
+};
+
+}  // namespace
+
+const Effect& load_dependent_friction() {
+  static const LoadDependentFriction kEffect;
+  return kEffect;
+}
+
+}  // namespace veridyn

@@ -1,0 +1,56 @@
+#include "phrase.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace veridyn {
+namespace {
+
+constexpr double kSmall = 0.1;  // below it, thousandths
+
+std::string two_digits(double value) {
+  if (value == 0.0 || !std::isfinite(value)) return fmt::format("{}", value);
+  const int decimals = std::max(0, 1 - static_cast<int>(std::floor(std::log10(std::abs(value)))));
+  return fmt::format("{:.{}f}", value, decimals);
+}
+
+// A prefix before a power would read as part of what is raised to it: no "ms^2".
+bool takes_prefix(const std::string& unit) {
+  const std::string first = unit.substr(0, unit.find_first_of(" /"));
+  return first == "N" || first == "rad" || first == "m" || first == "s";
+}
+
+}  // namespace
+
+std::string quantity(double value, const std::string& unit) {
+  if (unit == "1") return two_digits(value);
+  const bool small = value != 0.0 && std::abs(value) < kSmall;
+  if (small && unit == "kg") return two_digits(1e3 * value) + " g";
+  if (small && takes_prefix(unit)) return two_digits(1e3 * value) + " m" + unit;
+  return two_digits(value) + " " + unit;
+}
+
+std::string parameter_text(const Effect& effect, const std::vector<double>& values, size_t p,
+                           JointType type) {
+  const EffectParameter parameter = effect.parameters()[p];
+  return quantity(values[p], type == JointType::kPrismatic ? parameter.unit_prismatic
+                                                           : parameter.unit_revolute);
+}
+
+std::string shape_text(const Effect& effect, const ShapeValues& shape, size_t i, JointType type) {
+  const EffectShape constant = effect.shapes()[i];
+  return quantity(shape[i],
+                  type == JointType::kPrismatic ? constant.unit_prismatic : constant.unit_revolute);
+}
+
+std::string effort_text(double effort, JointType type) {
+  return quantity(effort, type == JointType::kPrismatic ? "N" : "N m");
+}
+
+std::string effort_word(JointType type) {
+  return type == JointType::kPrismatic ? "force" : "torque";
+}
+
+}  // namespace veridyn

@@ -1,0 +1,44 @@
+#include "phrase.hpp"
+#include "registry.hpp"
+
+namespace veridyn {
+namespace {
+
+/// Viscous friction whose coefficient changes along the way:
+///
+///   tau = ds * (slope * (s - centre) + curvature * (s - centre)^2)
+///
+/// The coefficient at the centre is viscous_friction. Hoses and harnesses that bend do this; cross
+/// terms of the inertia in dq_i dq_j are other columns and no rivals while one joint moves alone.
+class PositionDependentViscosity final : public Effect {
+ public:
+  std::string name() const override { return "position_dependent_viscosity"; }
+  std::vector<EffectParameter> parameters() const override {
+    return {{"slope", "N m s/rad^2", "N s/m^2", ParameterSign::kAny},
+            {"curvature", "N m s/rad^3", "N s/m^3", ParameterSign::kAny}};
+  }
+  std::vector<EffectShape> shapes() const override {
+    return {{"centre", "rad", "m", 0.0, -10.0, 10.0, false, false}};
+  }
+  void columns(const AxisSample& x, const ShapeValues& shape, EffectState& /*state*/,
+               EffectColumns& row) const noexcept override {
+    const double way = x.s - shape[0];
+    row[0] = x.ds * way;
+    row[1] = x.ds * way * way;
+  }
+  std::string phrase(const std::vector<double>& values, const ShapeValues& shape,
+                     JointType type) const override {
+    return "viscous friction that changes with position, by " +
+           parameter_text(*this, values, 0, type) + " and " +
+           parameter_text(*this, values, 1, type) + " from " + shape_text(*this, shape, 0, type);
+  }
+};
+
+}  // namespace
+
+const Effect& position_dependent_viscosity() {
+  static const PositionDependentViscosity kEffect;
+  return kEffect;
+}
+
+}  // namespace veridyn

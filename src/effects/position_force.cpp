@@ -1,0 +1,74 @@
+#include <algorithm>
+
+#include "phrase.hpp"
+#include "registry.hpp"
+
+namespace veridyn {
+namespace {
+
+constexpr int kFirstTerm = 2;
+constexpr int kTerms = 4;
+
+// T_k = 2 x T_(k-1) - T_(k-2).
+void chebyshev_terms(double x, EffectColumns& row) noexcept {
+  double before = 1.0;
+  double now = x;
+  for (int k = kFirstTerm; k < kFirstTerm + kTerms; ++k) {
+    const double next = 2.0 * x * now - before;
+    row[static_cast<size_t>(k - kFirstTerm)] = next;
+    before = now;
+    now = next;
+  }
+}
+
+/// Any smooth force of position: harnesses, hoses, counter-springs, beyond a constant and a
+/// straight line.
+///
+///   tau = sum_k chebyshev_k T_k(x),   x = (s - centre) / half_range,   k = 2 ... 5
+///
+/// T_0 is torque_offset and T_1 is joint_spring with an offset. Outside centre +- half_range, which
+/// the caller takes from the data, it continues as a constant: polynomials must not be trusted
+/// there.
+class PositionForce final : public Effect {
+ public:
+  std::string name() const override { return "position_force"; }
+  std::vector<EffectParameter> parameters() const override {
+    return {{"chebyshev_2", "N m", "N", ParameterSign::kAny},
+            {"chebyshev_3", "N m", "N", ParameterSign::kAny},
+            {"chebyshev_4", "N m", "N", ParameterSign::kAny},
+            {"chebyshev_5", "N m", "N", ParameterSign::kAny}};
+  }
+  std::vector<EffectShape> shapes() const override {
+    return {{"centre", "rad", "m", 0.0, -10.0, 10.0, false, false},
+            {"half_range", "rad", "m", 1.0, 1e-3, 10.0, true, false, 0.1}};
+  }
+  void columns(const AxisSample& x, const ShapeValues& shape, EffectState& /*state*/,
+               EffectColumns& row) const noexcept override {
+    chebyshev_terms(std::clamp((x.s - shape[0]) / shape[1], -1.0, 1.0), row);
+  }
+  std::string phrase(const std::vector<double>& values, const ShapeValues& /*shape*/,
+                     JointType type) const override {
+    double lowest = 0.0;
+    double highest = 0.0;
+    constexpr int kPoints = 200;
+    for (int i = 0; i <= kPoints; ++i) {
+      EffectColumns row{};
+      chebyshev_terms(2.0 * i / kPoints - 1.0, row);
+      double effort = 0.0;
+      for (size_t k = 0; k < kTerms; ++k) effort += row[k] * values[k];
+      lowest = i == 0 ? effort : std::min(lowest, effort);
+      highest = i == 0 ? effort : std::max(highest, effort);
+    }
+    return "a " + effort_word(type) + " that depends on position, between " +
+           effort_text(lowest, type) + " and " + effort_text(highest, type);
+  }
+};
+
+}  // namespace
+
+const Effect& position_force() {
+  static const PositionForce kEffect;
+  return kEffect;
+}
+
+}  // namespace veridyn

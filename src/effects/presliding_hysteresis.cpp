@@ -1,0 +1,48 @@
+#include "contact_memory.hpp"
+#include "phrase.hpp"
+#include "registry.hpp"
+
+namespace veridyn {
+namespace {
+
+/// tau = level * z: friction with a memory z in [-1, 1] of the way since the last reversal, see
+/// advance_contact().
+///
+/// After a reversal out of full sliding, z = 1 - 2 (1 - exp(-way / distance)) in the direction
+/// left. Far beyond `distance` it is Coulomb friction; at rest it holds what it held. Several
+/// memories on one axis, each with its distance, are several terms. Back-and-forth noise of s draws
+/// z towards zero: smooth the position first.
+///
+/// It is passive: from z it gives back at most level * distance * (|z| - ln(1 + |z|)), less than it
+/// took to get there. Source: Dahl 1968, as in thesis 5.6 (z there), without the terms of its
+/// generalisations that depend on speed.
+class PreslidingHysteresis final : public Effect {
+ public:
+  std::string name() const override { return "presliding_hysteresis"; }
+  std::vector<EffectParameter> parameters() const override {
+    return {{"level", "N m", "N", ParameterSign::kNonnegative}};
+  }
+  std::vector<EffectShape> shapes() const override {
+    return {{"distance", "rad", "m", 5e-3, 1e-5, 1.0, true, true, 1.5e-4}};
+  }
+  bool has_memory() const override { return true; }
+  void columns(const AxisSample& x, const ShapeValues& shape, EffectState& state,
+               EffectColumns& row) const noexcept override {
+    row[0] = advance_contact(x.s, shape[0], state);
+  }
+  std::string phrase(const std::vector<double>& values, const ShapeValues& shape,
+                     JointType type) const override {
+    return parameter_text(*this, values, 0, type) +
+           " of friction with memory: after a reversal it builds up over " +
+           shape_text(*this, shape, 0, type);
+  }
+};
+
+}  // namespace
+
+const Effect& presliding_hysteresis() {
+  static const PreslidingHysteresis kEffect;
+  return kEffect;
+}
+
+}  // namespace veridyn

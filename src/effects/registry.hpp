@@ -1,0 +1,29 @@
+#pragma once
+
+#include "veridyn/effects/effect.hpp"
+
+namespace veridyn {
+
+// One line for each effect; each is defined in the file of its name.
+const Effect& rotor_inertia();
+const Effect& joint_spring();
+const Effect& viscous_friction();
+const Effect& coulomb_friction();
+const Effect& torque_offset();
+const Effect& stribeck_friction();
+const Effect& presliding_hysteresis();
+const Effect& asymmetric_friction();
+const Effect& position_dependent_friction();
+const Effect& position_dependent_viscosity();
+const Effect& load_dependent_friction();
+const Effect& quadratic_drag();
+const Effect& sublinear_viscous();
+const Effect& torque_ripple();
+const Effect& cable_coupling();
+const Effect& position_force();
+const Effect& backlash();
+const Effect& transmission_compliance();
+const Effect& torque_drift();
+const Effect& warm_up();
+
+}  // namespace veridyn

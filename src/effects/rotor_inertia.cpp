@@ -1,0 +1,31 @@
+#include "phrase.hpp"
+#include "registry.hpp"
+
+namespace veridyn {
+namespace {
+
+/// tau = inertia * dds: the motor's rotor and gears, reflected to the axis.
+class RotorInertia final : public Effect {
+ public:
+  std::string name() const override { return "rotor_inertia"; }
+  std::vector<EffectParameter> parameters() const override {
+    return {{"inertia", "kg m^2", "kg", ParameterSign::kNonnegative}};
+  }
+  void columns(const AxisSample& x, const ShapeValues& /*shape*/, EffectState& /*state*/,
+               EffectColumns& row) const noexcept override {
+    row[0] = x.dds;
+  }
+  std::string phrase(const std::vector<double>& values, const ShapeValues& /*shape*/,
+                     JointType type) const override {
+    return parameter_text(*this, values, 0, type) + " of reflected rotor inertia";
+  }
+};
+
+}  // namespace
+
+const Effect& rotor_inertia() {
+  static const RotorInertia kEffect;
+  return kEffect;
+}
+
+}  // namespace veridyn

@@ -1,0 +1,46 @@
+#include <cmath>
+
+#include "phrase.hpp"
+#include "registry.hpp"
+#include "sliding_direction.hpp"
+
+namespace veridyn {
+namespace {
+
+/// What friction at rest exceeds Coulomb friction by, fading with speed:
+///
+///   tau = level * sign(ds) * exp(-(|ds| / velocity)^2)
+///
+/// with the sign of sliding_direction(). It always opposes the motion; where it makes the whole
+/// friction fall as speed rises, a position loop may stick and slip. Source: Armstrong-Helouvry,
+/// Dupont and Canudas de Wit, Automatica 30(7), 1994; thesis 5.6 and its reference [50].
+class StribeckFriction final : public Effect {
+ public:
+  std::string name() const override { return "stribeck_friction"; }
+  std::vector<EffectParameter> parameters() const override {
+    return {{"level", "N m", "N", ParameterSign::kNonnegative}};
+  }
+  std::vector<EffectShape> shapes() const override {
+    return {{"velocity", "rad/s", "m/s", 0.05, 5e-3, 1.0, true, true, 0.02}};
+  }
+  void columns(const AxisSample& x, const ShapeValues& shape, EffectState& /*state*/,
+               EffectColumns& row) const noexcept override {
+    const double ratio = x.ds / shape[0];
+    row[0] = sliding_direction(x.ds) * std::exp(-ratio * ratio);
+  }
+  std::string phrase(const std::vector<double>& values, const ShapeValues& shape,
+                     JointType type) const override {
+    return parameter_text(*this, values, 0, type) +
+           " of extra friction near rest, gone above about " +
+           quantity(2.0 * shape[0], type == JointType::kPrismatic ? "m/s" : "rad/s");
+  }
+};
+
+}  // namespace
+
+const Effect& stribeck_friction() {
+  static const StribeckFriction kEffect;
+  return kEffect;
+}
+
+}  // namespace veridyn

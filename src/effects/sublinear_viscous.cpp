@@ -1,0 +1,46 @@
+#include <algorithm>
+#include <cmath>
+
+#include "phrase.hpp"
+#include "registry.hpp"
+#include "sliding_direction.hpp"
+
+namespace veridyn {
+namespace {
+
+/// Friction of lubricated gears, which grows slower than speed:
+///
+///   tau = coefficient * sign(ds) * |ds|^exponent,   0 < exponent < 1
+///
+/// Below kRestSpeed a straight line through zero, as the power has no slope there. The coefficient
+/// is the friction at 1 rad/s or 1 m/s.
+class SublinearViscous final : public Effect {
+ public:
+  std::string name() const override { return "sublinear_viscous"; }
+  std::vector<EffectParameter> parameters() const override {
+    return {
+        {"coefficient", "N m (s/rad)^exponent", "N (s/m)^exponent", ParameterSign::kNonnegative}};
+  }
+  std::vector<EffectShape> shapes() const override {
+    return {{"exponent", "1", "1", 0.5, 0.3, 0.9, false}};
+  }
+  void columns(const AxisSample& x, const ShapeValues& shape, EffectState& /*state*/,
+               EffectColumns& row) const noexcept override {
+    row[0] = sliding_direction(x.ds) * std::pow(std::max(std::abs(x.ds), kRestSpeed), shape[0]);
+  }
+  std::string phrase(const std::vector<double>& values, const ShapeValues& shape,
+                     JointType type) const override {
+    return effort_text(values[0], type) + " of friction at " +
+           (type == JointType::kPrismatic ? "1 m/s" : "1 rad/s") +
+           " that grows with speed to the power " + shape_text(*this, shape, 0, type);
+  }
+};
+
+}  // namespace
+
+const Effect& sublinear_viscous() {
+  static const SublinearViscous kEffect;
+  return kEffect;
+}
+
+}  // namespace veridyn

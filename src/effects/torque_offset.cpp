@@ -1,0 +1,32 @@
+#include "phrase.hpp"
+#include "registry.hpp"
+
+namespace veridyn {
+namespace {
+
+/// tau = offset: the zero of the torque measurement, or different friction in the two directions;
+/// one recording of motion cannot tell the two apart (seed errata on thesis 4.13).
+class TorqueOffset final : public Effect {
+ public:
+  std::string name() const override { return "torque_offset"; }
+  std::vector<EffectParameter> parameters() const override {
+    return {{"offset", "N m", "N", ParameterSign::kAny}};
+  }
+  void columns(const AxisSample& /*x*/, const ShapeValues& /*shape*/, EffectState& /*state*/,
+               EffectColumns& row) const noexcept override {
+    row[0] = 1.0;
+  }
+  std::string phrase(const std::vector<double>& values, const ShapeValues& /*shape*/,
+                     JointType type) const override {
+    return "a constant " + effort_word(type) + " of " + parameter_text(*this, values, 0, type);
+  }
+};
+
+}  // namespace
+
+const Effect& torque_offset() {
+  static const TorqueOffset kEffect;
+  return kEffect;
+}
+
+}  // namespace veridyn

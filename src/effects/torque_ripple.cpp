@@ -1,0 +1,48 @@
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "phrase.hpp"
+#include "registry.hpp"
+
+namespace veridyn {
+namespace {
+
+/// A wave along the way: cogging, current sensors, gear teeth.
+///
+///   tau = cosine * cos(order s) + sine * sin(order s)
+///
+/// The order counts waves per turn of a revolute axis (the gear ratio times a small integer, as a
+/// rule), and is the wave number [rad/m] of a prismatic one. Its evidence is a comb of sharp peaks:
+/// find it on a spectrum over s.
+class TorqueRipple final : public Effect {
+ public:
+  std::string name() const override { return "torque_ripple"; }
+  std::vector<EffectParameter> parameters() const override {
+    return {{"cosine", "N m", "N", ParameterSign::kAny}, {"sine", "N m", "N", ParameterSign::kAny}};
+  }
+  std::vector<EffectShape> shapes() const override {
+    return {{"order", "1/turn", "rad/m", 1.0, 1.0, 1e4, true, false, 100.0}};
+  }
+  void columns(const AxisSample& x, const ShapeValues& shape, EffectState& /*state*/,
+               EffectColumns& row) const noexcept override {
+    row[0] = std::cos(shape[0] * x.s);
+    row[1] = std::sin(shape[0] * x.s);
+  }
+  std::string phrase(const std::vector<double>& values, const ShapeValues& shape,
+                     JointType type) const override {
+    const std::string ripple = "a ripple of " + effort_text(std::hypot(values[0], values[1]), type);
+    if (type == JointType::kPrismatic)
+      return ripple + ", one wave every " + quantity(2.0 * M_PI / shape[0], "m");
+    return fmt::format("{}, {:.5g} waves per turn", ripple, shape[0]);
+  }
+};
+
+}  // namespace
+
+const Effect& torque_ripple() {
+  static const TorqueRipple kEffect;
+  return kEffect;
+}
+
+}  // namespace veridyn

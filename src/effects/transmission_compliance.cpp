@@ -1,0 +1,71 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "phrase.hpp"
+#include "registry.hpp"
+
+namespace veridyn {
+namespace {
+
+// Places in the state; 1 is the sample before, 2 the one before that.
+enum : size_t { kCount, kTime1, kLoad1, kTime2, kLoad2, kResult };
+
+/// An elastic transmission, to first order in its compliance:
+///
+///   tau = compliance_inertia * d^2 load / dt^2
+///
+/// Positive where the position is measured on the link: the rotor (inertia J) turns ahead by load /
+/// K and must be accelerated, J / K. Negative where it is measured on the motor: the link (inertia
+/// M) lags by load / K, - M / K. 1 / sqrt(|compliance_inertia|) is the resonance [rad/s] with the
+/// other side held; the motion must stay well below. Source: Spong, J. Dyn. Sys. Meas. Control
+/// 109(4), 1987, reduced to first order in 1/K.
+///
+/// The second derivative is the divided difference of the last three samples, and so that of the
+/// sample before: late by one time step. It is zero until there are three. For models of measured
+/// motion; fed back through the load in a forward simulation it is unstable, which needs the motor
+/// as a body of its own.
+class TransmissionCompliance final : public Effect {
+ public:
+  std::string name() const override { return "transmission_compliance"; }
+  std::vector<EffectParameter> parameters() const override {
+    return {{"compliance_inertia", "s^2", "s^2", ParameterSign::kAny}};
+  }
+  bool has_memory() const override { return true; }
+  bool needs_load() const override { return true; }
+  void columns(const AxisSample& x, const ShapeValues& /*shape*/, EffectState& state,
+               EffectColumns& row) const noexcept override {
+    const double dt = x.time - state[kTime1];
+    if (state[kCount] == 0.0 || dt > 0.0) {
+      if (state[kCount] == 2.0) {
+        const double slope_now = (x.load - state[kLoad1]) / dt;
+        const double slope_before =
+            (state[kLoad1] - state[kLoad2]) / (state[kTime1] - state[kTime2]);
+        state[kResult] = 2.0 * (slope_now - slope_before) / (x.time - state[kTime2]);
+      }
+      state[kTime2] = state[kTime1];
+      state[kLoad2] = state[kLoad1];
+      state[kTime1] = x.time;
+      state[kLoad1] = x.load;
+      state[kCount] = std::min(2.0, state[kCount] + 1.0);
+    }
+    row[0] = state[kResult];
+  }
+  std::string phrase(const std::vector<double>& values, const ShapeValues& /*shape*/,
+                     JointType /*type*/) const override {
+    if (values[0] == 0.0) return "a rigid transmission";
+    return "an elastic transmission: a resonance near " +
+           quantity(0.5 / (M_PI * std::sqrt(std::abs(values[0]))), "Hz") +
+           (values[0] > 0.0 ? ", measured on the link" : ", measured on the motor");
+  }
+};
+
+}  // namespace
+
+const Effect& transmission_compliance() {
+  static const TransmissionCompliance kEffect;
+  return kEffect;
+}
+
+}  // namespace veridyn
