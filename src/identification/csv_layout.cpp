@@ -29,7 +29,8 @@ struct ColumnName {
 ColumnName split(const std::string& name) {
   const std::size_t digits = name.find_last_not_of("0123456789") + 1;
   ColumnName parts{name.substr(0, digits)};
-  if (digits < name.size() && name.size() - digits < 6) parts.number = std::stoi(name.substr(digits));
+  if (digits < name.size() && name.size() - digits < 6)
+    parts.number = std::stoi(name.substr(digits));
   return parts;
 }
 
@@ -38,24 +39,23 @@ std::string lower(std::string text) {
   return text;
 }
 
-// The signal that a column name is likely meant to be, or -1: other case, `_` before the number, letters
-// swapped, or a common word.
+// The signal that a column name is likely meant to be, or -1: other case, `_` before the number,
+// letters swapped, or a common word.
 int likely_signal(const ColumnName& name) {
   static const std::pair<const char*, const char*> kWords[] = {
-      {"pos", "q"},      {"position", "q"}, {"angle", "q"},  {"vel", "dq"},    {"velocity", "dq"},
-      {"qdot", "dq"},    {"acc", "ddq"},    {"qddot", "ddq"}, {"torque", "tau"}, {"effort", "tau"},
-      {"taus", "tau"},   {"ta", "tau"},     {"tu", "tau"},   {"force", "tau"}, {"current", "i"}};
+      {"pos", "q"},    {"position", "q"}, {"angle", "q"},   {"vel", "dq"},     {"velocity", "dq"},
+      {"qdot", "dq"},  {"acc", "ddq"},    {"qddot", "ddq"}, {"torque", "tau"}, {"effort", "tau"},
+      {"taus", "tau"}, {"ta", "tau"},     {"tu", "tau"},    {"force", "tau"},  {"current", "i"}};
   if (name.number < 0) return -1;
   std::string base = lower(name.base);
-  while (!base.empty() && (base.back() == '_' || base.back() == '.' || base.back() == ' ')) base.pop_back();
+  while (!base.empty() && (base.back() == '_' || base.back() == '.' || base.back() == ' '))
+    base.pop_back();
   for (const auto& [word, meant] : kWords) {
     if (base == word) return signal_index(meant);
   }
   for (int s = 0; s < kSignals; ++s) {
-    if (std::is_permutation(base.begin(), base.end(), std::string(kRecordingSignals[s].name).begin(),
-                            std::string(kRecordingSignals[s].name).end())) {
-      return s;
-    }
+    const std::string known = kRecordingSignals[s].name;
+    if (std::is_permutation(base.begin(), base.end(), known.begin(), known.end())) return s;
   }
   return -1;
 }
@@ -66,9 +66,10 @@ void suggest_missing(const CsvLayout& layout, const std::string& where) {
     if (layout.slots[column] != CsvLayout::kIgnored) continue;
     const int meant = likely_signal(name);
     if (meant < 0 || layout.has_signal[meant]) continue;
-    throw InvalidInput(text(where, ":", column + 1, ": found column '", layout.names[column], "' and no ",
-                            kRecordingSignals[meant].name, ", expected '", kRecordingSignals[meant].name,
-                            std::max(name.number, 1), "' (rename the column if it is something else)."));
+    throw InvalidInput(text(where, ":", column + 1, ": found column '", layout.names[column],
+                            "' and no ", kRecordingSignals[meant].name, ", expected '",
+                            kRecordingSignals[meant].name, std::max(name.number, 1),
+                            "' (rename the column if it is something else)."));
   }
 }
 
@@ -89,8 +90,10 @@ int joints_of(int signal, const std::vector<ColumnName>& columns, const std::str
   std::sort(numbers.begin(), numbers.end());
   for (std::size_t k = 0; k < numbers.size(); ++k) {
     const int expected = static_cast<int>(k) + 1;
-    require(k == 0 || numbers[k] != numbers[k - 1], where, ": found column ", name, numbers[k], " twice, expected it once.");
-    require(numbers[0] != 0, where, ": found ", name, "0, expected joints to count from 1 (", name, "1, ", name, "2, ...).");
+    require(k == 0 || numbers[k] != numbers[k - 1], where, ": found column ", name, numbers[k],
+            " twice, expected it once.");
+    require(numbers[0] != 0, where, ": found ", name, "0, expected joints to count from 1 (", name,
+            "1, ", name, "2, ...).");
     require(numbers[k] == expected, where, ": found ", name, numbers[k], " but no ", name, expected,
             ", expected joints without a hole (", name, "1 to ", name, "n).");
   }
@@ -98,7 +101,8 @@ int joints_of(int signal, const std::vector<ColumnName>& columns, const std::str
 }
 
 // The number of joints, from q; the signals that are there must agree on it.
-void count_joints(const std::vector<ColumnName>& columns, const std::string& where, CsvLayout* layout) {
+void count_joints(const std::vector<ColumnName>& columns, const std::string& where,
+                  CsvLayout* layout) {
   std::vector<int> joints(kSignals);
   for (int s = 0; s < kSignals; ++s) {
     joints[s] = joints_of(s, columns, where);
@@ -106,8 +110,9 @@ void count_joints(const std::vector<ColumnName>& columns, const std::string& whe
   }
   layout->joints = joints[0];
   for (int s = 1; s < kSignals && joints[0] > 0; ++s) {
-    require(joints[s] == 0 || joints[s] == joints[0], where, ": found ", joints[0], " joints in q but ", joints[s],
-            " in ", kRecordingSignals[s].name, ", expected the same number in each signal.");
+    require(joints[s] == 0 || joints[s] == joints[0], where, ": found ", joints[0],
+            " joints in q but ", joints[s], " in ", kRecordingSignals[s].name,
+            ", expected the same number in each signal.");
   }
 }
 
@@ -176,11 +181,13 @@ CsvLayout layout_from_header(std::string_view header, const std::string& where) 
     }
   }
   suggest_missing(layout, where);
-  require(layout.joints > 0, where, ": found columns ", listed(layout.names), ", expected a header with t and q1 to qn.");
+  require(layout.joints > 0, where, ": found columns ", listed(layout.names),
+          ", expected a header with t and q1 to qn.");
   return layout;
 }
 
-CsvLayout layout_from_columns(const std::vector<std::string>& columns, std::string_view first_row, const std::string& where) {
+CsvLayout layout_from_columns(const std::vector<std::string>& columns, std::string_view first_row,
+                              const std::string& where) {
   CsvLayout layout;
   layout.separator = csv_separator(first_row);
   layout.has_signal.assign(kSignals, false);
@@ -188,15 +195,18 @@ CsvLayout layout_from_columns(const std::vector<std::string>& columns, std::stri
   std::vector<int> signals;
   for (std::size_t k = layout.has_time ? 1 : 0; k < columns.size(); ++k) {
     signals.push_back(signal_index(columns[k]));
-    require(signals.back() >= 0, "--columns: found '", columns[k], "', expected q, dq, ddq, tau or i (t only as the first).");
-    require(!layout.has_signal[signals.back()], "--columns: found '", columns[k], "' twice, expected it once.");
+    require(signals.back() >= 0, "--columns: found '", columns[k],
+            "', expected q, dq, ddq, tau or i (t only as the first).");
+    require(!layout.has_signal[signals.back()], "--columns: found '", columns[k],
+            "' twice, expected it once.");
     layout.has_signal[signals.back()] = true;
   }
   require(layout.has_signal[0], "--columns: found no q, expected positions among the signals.");
   const std::size_t fields = csv_fields(first_row, layout.separator).size();
   const std::size_t values = fields - (layout.has_time ? 1 : 0);
-  require(fields > signals.size() && values % signals.size() == 0, where, ": found ", fields, " columns, expected ",
-          layout.has_time ? "t and then " : "", "the same number of joints for each of the ", signals.size(), " signals of --columns.");
+  require(values >= signals.size() && values % signals.size() == 0, where, ": found ", fields,
+          " columns, expected ", layout.has_time ? "t and then " : "",
+          "the same number of joints for each of the ", signals.size(), " signals of --columns.");
   layout.joints = static_cast<int>(values / signals.size());
   if (layout.has_time) {
     layout.slots.push_back(CsvLayout::kTime);

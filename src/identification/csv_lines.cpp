@@ -17,10 +17,12 @@ constexpr std::size_t kLongestLine = 16 << 20;
 
 CsvLines::CsvLines(const std::string& path) : path_(path), buffer_(kBufferSize) {
   struct stat about {};
-  require(::stat(path.c_str(), &about) == 0, path, ": found ", std::strerror(errno), ", expected a recording (CSV).");
+  const bool there = ::stat(path.c_str(), &about) == 0;
+  require(there, path, ": found ", std::strerror(errno), ", expected a recording (CSV).");
   require(!S_ISDIR(about.st_mode), path, ": found a folder, expected a recording (CSV).");
   file_.reset(std::fopen(path.c_str(), "rb"));
-  require(file_ != nullptr, path, ": found ", std::strerror(errno), ", expected a recording (CSV).");
+  require(file_ != nullptr, path, ": found ", std::strerror(errno),
+          ", expected a recording (CSV).");
   std::setvbuf(file_.get(), nullptr, _IONBF, 0);
   require(refill(), path, ": found an empty file, expected a recording (CSV).");
   require(std::memchr(buffer_.data(), '\0', end_) == nullptr, path,
@@ -38,7 +40,8 @@ bool CsvLines::refill() {
     buffer_.resize(2 * buffer_.size());
   }
   const std::size_t got = std::fread(buffer_.data() + end_, 1, buffer_.size() - end_, file_.get());
-  require(std::ferror(file_.get()) == 0, path_, ": reading failed after line ", number_, ": ", std::strerror(errno), ".");
+  require(std::ferror(file_.get()) == 0, path_, ": reading failed after line ", number_, ": ",
+          std::strerror(errno), ".");
   end_ += got;
   at_end_ = got == 0;
   return got > 0;

@@ -36,12 +36,14 @@ bool is_row_of_numbers(std::string_view line);
 
 /// Layout from a header line.
 /// @param where  file and line, for messages.
-/// @throws InvalidInput  no q; joints that do not run 1..n, or not the same n for each signal; a column
+/// @throws InvalidInput  no q; joints that do not run 1..n, or not the same n for each signal; a
+/// column
 ///                       twice; a signal that is missing while a column looks like its misspelling.
 CsvLayout layout_from_header(std::string_view header, const std::string& where);
 
 /// Layout of a file without a header.
 /// @throws InvalidInput  an unknown signal, or columns that cannot be shared out among the signals.
-CsvLayout layout_from_columns(const std::vector<std::string>& columns, std::string_view first_row, const std::string& where);
+CsvLayout layout_from_columns(const std::vector<std::string>& columns, std::string_view first_row,
+                              const std::string& where);
 
 }  // namespace veridyn

@@ -10,18 +10,19 @@ namespace veridyn {
 
 /// Lines of a text file of any length, without a copy per line.
 ///
-/// Empty lines and lines that start with `#` are skipped; a byte-order mark and carriage returns are
-/// taken off. Cost: memory for the longest line or 1 MiB, whichever is more.
+/// Empty lines and lines that start with `#` are skipped; a byte-order mark and carriage returns
+/// are taken off. Cost: memory for the longest line or 1 MiB, whichever is more.
 class CsvLines {
  public:
   /// @throws InvalidInput  the file is missing, unreadable, a folder, or empty.
   explicit CsvLines(const std::string& path);
 
   /// The next line, valid until the next call. False at the end.
-  /// @throws InvalidInput  not text (a NUL in the first piece, or a line of 16 MiB), or reading fails.
+  /// @throws InvalidInput  not text (a NUL in the first piece, or a line of 16 MiB), or reading
+  /// fails.
   bool next(std::string_view* line);
 
-  long number() const { return number_; }                       ///< of the line last returned, from 1
+  long number() const { return number_; }  ///< of the line last returned, from 1
   const std::string& last_comment() const { return comment_; }  ///< without its `#`
   const std::string& path() const { return path_; }
 

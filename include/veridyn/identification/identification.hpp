@@ -1,0 +1,120 @@
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "veridyn/identification/base_parameters.hpp"
+#include "veridyn/identification/compressed_recording.hpp"
+#include "veridyn/identification/feasible_least_squares.hpp"
+
+namespace veridyn {
+
+enum class Method {
+  kOls,       ///< ordinary least squares on the base parameters
+  kWls,       ///< the rows of each joint weighted
+  kFeasible,  ///< weighted, and every body physically possible
+};
+
+/// How the joints' rows are weighted by kWls and kFeasible.
+enum class JointWeights {
+  kRange,     ///< 1 / (max - min) of the joint's torque
+  kResidual,  ///< 1 / standard deviation of the joint's residual after ordinary least squares
+};
+
+struct IdentificationOptions {
+  Method method = Method::kFeasible;
+  JointWeights weights = JointWeights::kRange;
+  PhysicalCondition condition = PhysicalCondition::kPseudoInertia;  ///< for kFeasible
+  PreprocessingOptions preprocessing;
+  std::optional<PreprocessingOptions> test_preprocessing;  ///< of held-out recordings; empty: the same
+  /// kFeasible: pull toward this model's inertial parameters by the entropic divergence; its bodies need values.
+  std::optional<Model> prior;
+  double prior_weight = 1e-3;  ///< of the pull, as a share of the weighted residual per body
+  int threads = 0;  ///< recordings are read in parallel; 0: one thread per core
+  /// Called with (what is being done, share done) between recordings.
+  std::function<void(const std::string&, double)> progress;
+};
+
+enum class IdentificationStatus {
+  kDone,
+  kRankDeficient,   ///< the recordings leave base parameters of the arm undetermined; see `undetermined`
+  kNoData,          ///< no usable samples are left
+  kNotConverged,    ///< the feasible solve did not reach its gap; the best point is given
+};
+
+struct BaseValue {
+  std::string name;
+  std::string expression;
+  std::string unit;
+  double value = 0.0;
+  double std = 0.0;  ///< block jackknife: autocorrelated samples do not count as independent
+};
+
+/// Errors of the identified model on one recording.
+struct RecordingError {
+  std::string source;
+  PredictionError error;
+  VectorXd noise_floor;  ///< relative, (n); empty where nothing repeats
+  PredictionSeries series;
+};
+
+struct StageSeconds {
+  double read = 0.0;      ///< reading, filtering and building columns of the training recordings included in compress
+  double compress = 0.0;
+  double solve = 0.0;
+  double validate = 0.0;
+};
+
+/// What identify() found. Plain data: report, JSON and page show nothing else.
+struct Identification {
+  IdentificationStatus status = IdentificationStatus::kNoData;
+  std::string reason;  ///< of a status other than kDone, one line
+  std::string robot;
+  Method method = Method::kFeasible;
+  JointWeights weights = JointWeights::kRange;
+  PhysicalCondition condition = PhysicalCondition::kPseudoInertia;
+  std::string prior;  ///< name of the prior's model; empty: none
+  PreprocessingOptions preprocessing, test_preprocessing;
+  double rows = 0.0;
+  std::vector<BaseValue> base;
+  double condition_number = 0.0;           ///< of the base columns, as they are
+  double condition_number_scaled = 0.0;    ///< of the base columns scaled to norm one (thesis 5.26)
+  double rank_gap = 0.0;
+  double effective_samples = 0.0;          ///< rows that count after autocorrelation
+  bool feasible = false;                   ///< every body's pseudo-inertia is positive definite
+  double objective = 0.0;                  ///< weighted sum of squares
+  double unconstrained_objective = 0.0;    ///< of the same rows without conditions: never above `objective`
+  double duality_gap = 0.0;
+  bool certified = false;                  ///< the gap is rigorous: the robot file bounds all parameters
+  std::vector<std::string> active_constraints;
+  std::vector<std::string> undetermined;   ///< standard parameters that these recordings leave open though the arm has them
+  std::vector<std::string> still_joints;   ///< coordinates that never move
+  std::vector<RecordingError> train, test;
+  PredictionError train_error, test_error;  ///< over all of them
+  VectorXd noise_floor;                     ///< relative, (n), of the training recordings
+  VectorXd parameters;                      ///< all standard parameters
+  VectorXd parameter_deviations;            ///< NaN where only a combination is known
+  std::optional<Model> model;               ///< the arm with these values
+  std::vector<CompressedRecording> factors;  ///< the training recordings, for further questions without their samples
+  StageSeconds seconds;
+
+  /// Status, rank gap, errors per joint, base parameters with standard deviations, as text.
+  std::string report() const;
+};
+
+/// Identifies the arm from training recordings and validates it on test recordings, which take no part in the fit.
+///
+/// @param train, test  paths of recordings.
+/// @throws InvalidInput  a file is bad or does not fit the arm. Data that cannot answer are a status.
+Identification identify(const Model& arm, const std::vector<std::string>& train, const std::vector<std::string>& test = {},
+                        const IdentificationOptions& options = {});
+
+/// One recording in memory, no test.
+Identification identify(const Model& arm, const Recording& recording, const IdentificationOptions& options = {});
+
+/// Writes the identified model as YAML. @throws InvalidInput  there is no model (see status), or the file cannot be written.
+void save(const Identification& id, const std::string& path);
+
+}  // namespace veridyn

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "veridyn/dynamics/regressor_batch.hpp"
+#include "veridyn/identification/parameter_set.hpp"
+#include "veridyn/identification/preprocessing.hpp"
+
+namespace veridyn {
+
+/// The rows of one joint over a stretch of samples: A * parameters ~ b.
+struct JointRows {
+  std::vector<int> parameters;  ///< indices of the standard parameters that act on this joint
+  MatrixXd A;                   ///< (samples x parameters)
+  VectorXd b;                   ///< (samples) torque [N m] or [N]
+};
+
+/// Turns stretches of samples into rows of least squares, filtered and decimated as the options say.
+///
+/// Parameters that the robot file declares as facts have no column: their torque is taken from b.
+class RegressorColumns {
+ public:
+  RegressorColumns(const Model& arm, const PreprocessingOptions& options);
+
+  const std::vector<StandardParameter>& parameters() const { return parameters_; }
+  const std::vector<int>& parameters_of(int joint) const { return of_joint_[static_cast<size_t>(joint)]; }
+
+  /// One JointRows per joint, from the usable samples of the stretch's core.
+  std::vector<JointRows> rows(const Stretch& stretch) const;
+
+  /// The measured torque as rows() and predict() see it, filtered, (rows x n).
+  MatrixXd filtered_torque(const Stretch& stretch) const;
+
+  /// Modelled torque for given parameters beside the measured one, both filtered alike; rows outside the core
+  /// or not to be used are there too. (rows x n) each.
+  struct Prediction {
+    MatrixXd measured;
+    MatrixXd modelled;
+  };
+  Prediction predict(const Stretch& stretch, const VectorRef& values) const;
+
+ private:
+  std::vector<MatrixXd> raw_columns(const Stretch& stretch) const;
+  void filter(MatrixXd& columns, double dt) const;
+
+  const Model& arm_;
+  PreprocessingOptions options_;
+  RegressorBatch bodies_;
+  std::vector<StandardParameter> parameters_;
+  std::vector<std::vector<int>> of_joint_;
+};
+
+}  // namespace veridyn

@@ -1,0 +1,140 @@
+#include "veridyn/identification/base_solution.hpp"
+
+#include <Eigen/QR>
+#include <Eigen/SVD>
+#include <algorithm>
+#include <cmath>
+#include <unordered_map>
+
+namespace veridyn {
+namespace {
+
+SquareRootInformation weighted_block(const std::vector<SquareRootInformation>& joints, const VectorRef& weights,
+                                     const std::vector<std::string>& columns) {
+  SquareRootInformation out(columns);
+  for (size_t i = 0; i < joints.size(); ++i) {
+    out.merge(joints[i].restricted(columns), weights[static_cast<Eigen::Index>(i)]);
+  }
+  return out;
+}
+
+VectorXd solve(const SquareRootInformation& factor) {
+  return Eigen::ColPivHouseholderQR<MatrixXd>(factor.R()).solve(factor.z());
+}
+
+double condition(const MatrixXd& A) {
+  const VectorXd s = Eigen::BDCSVD<MatrixXd>(A).singularValues();
+  return s[s.size() - 1] > 0.0 ? s[0] / s[s.size() - 1] : std::numeric_limits<double>::infinity();
+}
+
+// All solutions without one block: what stands before it merged with what stands after it.
+VectorXd jackknife(const std::vector<SquareRootInformation>& blocks, const std::vector<std::string>& columns) {
+  const size_t count = blocks.size();
+  const auto k = static_cast<Eigen::Index>(columns.size());
+  if (count < 3) return VectorXd::Constant(k, std::numeric_limits<double>::quiet_NaN());
+  std::vector<SquareRootInformation> after(count, SquareRootInformation(columns));
+  for (size_t b = count - 1; b > 0; --b) {
+    after[b - 1] = after[b];
+    after[b - 1].merge(blocks[b]);
+  }
+  SquareRootInformation before(columns);
+  MatrixXd solutions(k, static_cast<Eigen::Index>(count));
+  for (size_t b = 0; b < count; ++b) {
+    SquareRootInformation rest = before;
+    rest.merge(after[b]);
+    solutions.col(static_cast<Eigen::Index>(b)) = solve(rest);
+    before.merge(blocks[b]);
+  }
+  const VectorXd mean = solutions.rowwise().mean();
+  const auto g = static_cast<double>(count);
+  return ((solutions.colwise() - mean).rowwise().squaredNorm() * ((g - 1.0) / g)).cwiseSqrt();
+}
+
+double median(std::vector<double> values) {
+  if (values.empty()) return 0.0;
+  std::sort(values.begin(), values.end());
+  return values[values.size() / 2];
+}
+
+}  // namespace
+
+SquareRootInformation weighted_total(const std::vector<CompressedRecording>& recordings, const VectorRef& weights,
+                                     const std::vector<std::string>& columns) {
+  SquareRootInformation total(columns);
+  for (const CompressedRecording& recording : recordings) {
+    for (const auto& block : recording.blocks) {
+      for (size_t i = 0; i < block.size(); ++i) total.merge(block[i], weights[static_cast<Eigen::Index>(i)]);
+    }
+  }
+  return total;
+}
+
+BaseSolution solve_base(const std::vector<CompressedRecording>& recordings, const VectorRef& weights,
+                        const BaseParameters& base, const std::vector<std::string>& names) {
+  std::vector<std::string> columns;
+  for (const int j : base.independent) columns.push_back(names[static_cast<size_t>(j)]);
+  std::vector<SquareRootInformation> blocks;
+  SquareRootInformation total(columns);
+  for (const CompressedRecording& recording : recordings) {
+    for (const auto& block : recording.blocks) {
+      blocks.push_back(weighted_block(block, weights, columns));
+      total.merge(blocks.back());
+    }
+  }
+  BaseSolution out;
+  out.beta = solve(total);
+  out.residual2 = total.residual2(out.beta);
+  out.condition_number = condition(total.R());
+  MatrixXd scaled = total.R();
+  for (Eigen::Index j = 0; j < scaled.cols(); ++j) scaled.col(j) /= std::max(scaled.col(j).norm(), 1e-300);
+  out.condition_number_scaled = condition(scaled);
+  const double freedom = std::max(1.0, total.rows() - total.size());
+  const MatrixXd inverse = Eigen::ColPivHouseholderQR<MatrixXd>(total.R()).inverse();
+  out.white_std = inverse.rowwise().norm() * std::sqrt(out.residual2 / freedom);
+  out.std = jackknife(blocks, columns);
+  std::vector<double> ratios;
+  for (Eigen::Index j = 0; j < out.beta.size(); ++j) {
+    const double ratio = std::pow(out.white_std[j] / out.std[j], 2);
+    if (std::isfinite(ratio)) ratios.push_back(ratio);
+  }
+  out.effective_samples = total.rows() * std::min(1.0, median(ratios));
+  return out;
+}
+
+VectorXd range_weights(const std::vector<CompressedRecording>& recordings) {
+  const auto n = static_cast<Eigen::Index>(recordings.front().joints.size());
+  VectorXd weights = VectorXd::Ones(n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    double low = 1e300;
+    double high = -1e300;
+    for (const CompressedRecording& r : recordings) {
+      low = std::min(low, r.joints[static_cast<size_t>(i)].minimum);
+      high = std::max(high, r.joints[static_cast<size_t>(i)].maximum);
+    }
+    if (high > low) weights[i] = 1.0 / (high - low);
+  }
+  return weights;
+}
+
+VectorXd residual_weights(const std::vector<CompressedRecording>& recordings, const VectorRef& parameters,
+                          const std::vector<std::string>& names) {
+  std::unordered_map<std::string, Eigen::Index> index;
+  for (size_t j = 0; j < names.size(); ++j) index.emplace(names[j], static_cast<Eigen::Index>(j));
+  const auto n = static_cast<Eigen::Index>(recordings.front().joints.size());
+  VectorXd sum = VectorXd::Zero(n);
+  VectorXd rows = VectorXd::Zero(n);
+  for (const CompressedRecording& r : recordings) {
+    for (const auto& block : r.blocks) {
+      for (Eigen::Index i = 0; i < n; ++i) {
+        const SquareRootInformation& factor = block[static_cast<size_t>(i)];
+        VectorXd x(factor.size());
+        for (int j = 0; j < factor.size(); ++j) x[j] = parameters[index.at(factor.columns()[static_cast<size_t>(j)])];
+        sum[i] += factor.residual2(x);
+        rows[i] += factor.rows();
+      }
+    }
+  }
+  return (rows.array() / sum.array().max(1e-300)).sqrt();
+}
+
+}  // namespace veridyn

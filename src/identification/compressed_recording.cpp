@@ -1,0 +1,303 @@
+#include "veridyn/identification/compressed_recording.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "period_fold.hpp"
+#include "veridyn/math/require.hpp"
+
+namespace veridyn {
+namespace {
+
+constexpr size_t kMaxBlocks = 16;
+constexpr double kFirstBlock = 1.0;     // [s]; doubled whenever there are too many blocks
+constexpr double kPeriodSeconds = 125.0;  // of the file, looked at to find the period
+constexpr long kPeriodRows = 8192;        // of them, at most; more are thinned
+constexpr int kPieceRows = 2048;
+constexpr double kMovingShare = 0.02;   // of the largest speed, CONTRACT
+constexpr size_t kSeriesSamples = 3000;
+
+using Visit = std::function<void(const Stretch&)>;
+using Pass = std::function<PreparationFacts(const Visit&)>;
+
+// Blocks for the jackknife and for held-out folds. Where the motion repeats: phases of the period with the repeats
+// merged, for repeats share their systematic errors and are not independent evidence. Elsewhere: stretches of equal
+// duration, whose number stays between kMaxBlocks / 2 and kMaxBlocks.
+class Blocks {
+ public:
+  Blocks(const RegressorColumns& columns, int joints, double period) : period_(period) {
+    const std::vector<std::string> names = parameter_names(columns.parameters());
+    for (int i = 0; i < joints; ++i) {
+      std::vector<std::string> mine;
+      for (const int p : columns.parameters_of(i)) {
+        if (!columns.parameters()[static_cast<size_t>(p)].fixed) mine.push_back(names[static_cast<size_t>(p)]);
+      }
+      fresh_.emplace_back(mine);
+    }
+  }
+
+  void absorb(const std::vector<JointRows>& rows, const std::vector<double>& times) {
+    size_t at = 0;
+    while (at < times.size()) {
+      while (block_of(times[at]) >= kMaxBlocks) merge_pairs();
+      const size_t block = block_of(times[at]);
+      while (blocks_.size() <= block) blocks_.push_back(fresh_);
+      size_t end = at;
+      while (end < times.size() && block_of(times[end]) == block) ++end;
+      const auto from = static_cast<Eigen::Index>(at);
+      const auto count = static_cast<Eigen::Index>(end - at);
+      for (size_t i = 0; i < rows.size(); ++i) {
+        blocks_[block][i].absorb(rows[i].A.middleRows(from, count), rows[i].b.segment(from, count));
+      }
+      at = end;
+    }
+  }
+
+  std::vector<std::vector<SquareRootInformation>> take() {
+    const auto empty = [](const std::vector<SquareRootInformation>& b) { return b.front().rows() == 0.0; };
+    blocks_.erase(std::remove_if(blocks_.begin(), blocks_.end(), empty), blocks_.end());
+    return std::move(blocks_);
+  }
+
+ private:
+  size_t block_of(double time) const {
+    if (period_ <= 0.0) return static_cast<size_t>(time / duration_);
+    const double turns = time / period_;
+    return static_cast<size_t>(kPhases * (turns - std::floor(turns)));
+  }
+
+  void merge_pairs() {
+    for (size_t k = 0; 2 * k < blocks_.size(); ++k) {
+      std::vector<SquareRootInformation> pair = std::move(blocks_[2 * k]);
+      if (2 * k + 1 < blocks_.size()) {
+        for (size_t i = 0; i < pair.size(); ++i) pair[i].merge(blocks_[2 * k + 1][i]);
+      }
+      blocks_[k] = std::move(pair);
+    }
+    blocks_.resize((blocks_.size() + 1) / 2);
+    duration_ *= 2.0;
+  }
+
+  static constexpr double kPhases = 8.0;
+  double period_;
+  double duration_ = kFirstBlock;
+  std::vector<SquareRootInformation> fresh_;
+  std::vector<std::vector<SquareRootInformation>> blocks_;
+};
+
+std::vector<double> kept_times(const Stretch& s, const PreprocessingOptions& options, double start) {
+  const int step = decimation(options, s.dt);
+  std::vector<double> times;
+  for (Eigen::Index k = s.core_begin; k < s.core_end; ++k) {
+    const long index = std::lround(s.time[k] / s.dt);
+    if (s.use[static_cast<size_t>(k)] != 0 && index % step == 0) times.push_back(s.time[k] - start);
+  }
+  return times;
+}
+
+CompressedRecording run_compress(const Model& arm, const std::string& source, const PreprocessingOptions& options,
+                                 const MotionPeriod& period, const Pass& pass) {
+  CompressedRecording out;
+  out.source = source;
+  out.period = period;
+  const int n = arm.joints();
+  const RegressorColumns columns(arm, options);
+  Blocks blocks(columns, n, period.seconds);
+  PeriodFold fold(n, period.seconds);
+  out.joints.resize(static_cast<size_t>(n));
+  double start = -1.0;
+  bool first = true;
+  const VectorXd none = VectorXd::Zero(static_cast<Eigen::Index>(columns.parameters().size()));
+  out.facts = pass([&](const Stretch& s) {
+    if (start < 0.0) start = s.time[s.core_begin];
+    const std::vector<JointRows> rows = columns.rows(s);
+    blocks.absorb(rows, kept_times(s, options, start));
+    const MatrixXd tau = columns.filtered_torque(s);
+    for (Eigen::Index k = s.core_begin; k < s.core_end; ++k) {
+      if (s.use[static_cast<size_t>(k)] == 0) continue;
+      fold.add(s.time[k] - start, tau, k);
+      for (int i = 0; i < n; ++i) {
+        TorqueFacts& joint = out.joints[static_cast<size_t>(i)];
+        joint.minimum = first ? tau(k, i) : std::min(joint.minimum, tau(k, i));
+        joint.maximum = first ? tau(k, i) : std::max(joint.maximum, tau(k, i));
+        joint.largest_speed = std::max(joint.largest_speed, std::abs(s.dq(k, i)));
+        joint.lowest = first ? s.q(k, i) : std::min(joint.lowest, s.q(k, i));
+        joint.highest = first ? s.q(k, i) : std::max(joint.highest, s.q(k, i));
+      }
+      first = false;
+    }
+  });
+  out.blocks = blocks.take();
+  for (const auto& block : out.blocks) {
+    for (const SquareRootInformation& factor : block) out.rows += factor.rows();
+  }
+  out.noise_floor = fold.relative_floor();
+  return out;
+}
+
+// Time and positions of the first minutes, one row in so many: enough for the period, and no more memory for a file
+// that is longer or faster.
+class ThinnedPositions {
+ public:
+  void add(const Recording& piece, Eigen::Index row) {
+    if (index_++ % stride_ != 0) return;
+    time_.push_back(piece.time[row]);
+    q_.push_back(piece.q.row(row));
+    if (static_cast<long>(time_.size()) < kPeriodRows) return;
+    stride_ *= 2;
+    for (size_t k = 0; 2 * k < time_.size(); ++k) {
+      time_[k] = time_[2 * k];
+      q_[k] = q_[2 * k];
+    }
+    time_.resize((time_.size() + 1) / 2);
+    q_.resize(time_.size());
+  }
+
+  double duration() const { return time_.empty() ? 0.0 : time_.back() - time_.front(); }
+
+  Recording recording() const {
+    Recording out;
+    if (time_.empty()) return out;
+    const auto rows = static_cast<Eigen::Index>(time_.size());
+    out.time = Eigen::Map<const VectorXd>(time_.data(), rows);
+    out.q.resize(rows, q_.front().size());
+    for (Eigen::Index k = 0; k < rows; ++k) out.q.row(k) = q_[static_cast<size_t>(k)];
+    return out;
+  }
+
+ private:
+  long index_ = 0;
+  long stride_ = 1;
+  std::vector<double> time_;
+  std::vector<Eigen::RowVectorXd> q_;
+};
+
+Recording first_positions(const std::string& path, const PreprocessingOptions& options) {
+  RecordingOptions reading;
+  reading.columns = options.columns;
+  reading.rate = options.header_rate;
+  RecordingReader reader(path, reading);
+  ThinnedPositions positions;
+  while (positions.duration() < kPeriodSeconds) {
+    const Recording piece = reader.next(kPieceRows);
+    if (piece.rows() == 0) break;
+    for (Eigen::Index k = 0; k < piece.rows(); ++k) positions.add(piece, k);
+  }
+  return positions.recording();
+}
+
+// A series of kSeriesSamples to twice as many, however long the recording: full ones are thinned by half.
+class SeriesCollector {
+ public:
+  SeriesCollector(PredictionSeries* series, int joints) : series_(series) {
+    if (series == nullptr) return;
+    *series = {{}, {}, {}, {}, {}, {}};
+    for (auto* table : tables()) table->resize(static_cast<size_t>(joints));
+  }
+
+  void add(const Stretch& s, const RegressorColumns::Prediction& p, Eigen::Index row) {
+    if (series_ == nullptr || index_++ % stride_ != 0) return;
+    const MatrixXd* sources[] = {&s.q, &s.dq, &s.ddq, &p.measured, &p.modelled};
+    series_->time.push_back(s.time[row]);
+    for (size_t t = 0; t < tables().size(); ++t) {
+      std::vector<std::vector<double>>& table = *tables()[t];
+      for (size_t i = 0; i < table.size(); ++i) table[i].push_back((*sources[t])(row, static_cast<Eigen::Index>(i)));
+    }
+    if (series_->time.size() < 2 * kSeriesSamples) return;
+    stride_ *= 2;
+    halve(series_->time);
+    for (auto* table : tables()) {
+      for (std::vector<double>& column : *table) halve(column);
+    }
+  }
+
+ private:
+  using Table = std::vector<std::vector<double>>;
+
+  std::array<Table*, 5> tables() const {
+    return {&series_->q, &series_->dq, &series_->ddq, &series_->measured, &series_->modelled};
+  }
+
+  static void halve(std::vector<double>& column) {
+    for (size_t k = 0; 2 * k < column.size(); ++k) column[k] = column[2 * k];
+    column.resize((column.size() + 1) / 2);
+  }
+
+  PredictionSeries* series_;
+  long index_ = 0;
+  long stride_ = 1;
+};
+
+ErrorSums run_prediction(const Model& arm, const PreprocessingOptions& options, const VectorRef& values,
+                         const std::vector<TorqueFacts>& joints, PredictionSeries* series, const Pass& pass) {
+  const int n = arm.joints();
+  const RegressorColumns columns(arm, options);
+  ErrorSums sums(n);
+  SeriesCollector collector(series, n);
+  pass([&](const Stretch& s) {
+    const RegressorColumns::Prediction p = columns.predict(s, values);
+    for (Eigen::Index k = s.core_begin; k < s.core_end; ++k) {
+      if (s.use[static_cast<size_t>(k)] == 0) continue;
+      for (int i = 0; i < n; ++i) {
+        const double tau = p.measured(k, i);
+        const double e = tau - p.modelled(k, i);
+        sums.torque2[i] += tau * tau;
+        sums.error2[i] += e * e;
+        sums.torque_max[i] = std::max(sums.torque_max[i], std::abs(tau));
+        sums.error_max[i] = std::max(sums.error_max[i], std::abs(e));
+        if (std::abs(s.dq(k, i)) <= kMovingShare * joints[static_cast<size_t>(i)].largest_speed) continue;
+        sums.moving_torque2[i] += tau * tau;
+        sums.moving_error2[i] += e * e;
+      }
+      collector.add(s, p, k);
+    }
+  });
+  return sums;
+}
+
+}  // namespace
+
+CompressedRecording compress(const Model& arm, const std::string& path, const PreprocessingOptions& options) {
+  return run_compress(arm, path, options, detect_period(first_positions(path, options)),
+                      [&](const Visit& visit) { return for_each_stretch(arm, path, options, visit); });
+}
+
+CompressedRecording compress(const Model& arm, const Recording& recording, const PreprocessingOptions& options) {
+  return run_compress(arm, recording.source, options, detect_period(recording),
+                      [&](const Visit& visit) { return for_each_stretch(arm, recording, options, visit); });
+}
+
+ErrorSums::ErrorSums(int joints)
+    : torque2(VectorXd::Zero(joints)), error2(torque2), torque_max(torque2), error_max(torque2),
+      moving_torque2(torque2), moving_error2(torque2) {}
+
+void ErrorSums::add(const ErrorSums& other) {
+  torque2 += other.torque2;
+  error2 += other.error2;
+  torque_max = torque_max.cwiseMax(other.torque_max);
+  error_max = error_max.cwiseMax(other.error_max);
+  moving_torque2 += other.moving_torque2;
+  moving_error2 += other.moving_error2;
+}
+
+PredictionError ErrorSums::error() const {
+  const auto ratio = [](const VectorXd& a, const VectorXd& b) {
+    return VectorXd((b.array() > 0.0).select(a.array() / b.array().max(1e-300), 0.0));
+  };
+  return {ratio(error2, torque2).cwiseSqrt(), ratio(error_max, torque_max), ratio(moving_error2, moving_torque2).cwiseSqrt()};
+}
+
+ErrorSums prediction_error(const Model& arm, const std::string& path, const PreprocessingOptions& options,
+                           const VectorRef& values, const std::vector<TorqueFacts>& joints, PredictionSeries* series) {
+  return run_prediction(arm, options, values, joints, series,
+                        [&](const Visit& visit) { return for_each_stretch(arm, path, options, visit); });
+}
+
+ErrorSums prediction_error(const Model& arm, const Recording& recording, const PreprocessingOptions& options,
+                           const VectorRef& values, const std::vector<TorqueFacts>& joints, PredictionSeries* series) {
+  return run_prediction(arm, options, values, joints, series,
+                        [&](const Visit& visit) { return for_each_stretch(arm, recording, options, visit); });
+}
+
+}  // namespace veridyn

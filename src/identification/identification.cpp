@@ -1,0 +1,332 @@
+#include "veridyn/identification/identification.hpp"
+
+#include <chrono>
+#include <cmath>
+#include <limits>
+
+#include "veridyn/identification/base_solution.hpp"
+#include "veridyn/math/dense.hpp"
+#include "veridyn/math/parallel.hpp"
+#include "veridyn/math/require.hpp"
+#include "veridyn/model/model_file.hpp"
+
+namespace veridyn {
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kStillRevolute = 2e-3;   // [rad] a joint that travels less than this does not move
+constexpr double kStillPrismatic = 2e-4;  // [m]
+
+double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+std::vector<CompressedRecording> compress_all(const Model& arm, const std::vector<std::string>& paths,
+                                              const PreprocessingOptions& preprocessing, int threads) {
+  std::vector<CompressedRecording> out(paths.size());
+  parallel_for(static_cast<int>(paths.size()), threads, [&](int k) {
+    out[static_cast<size_t>(k)] = compress(arm, paths[static_cast<size_t>(k)], preprocessing);
+  });
+  return out;
+}
+
+void find_still_joints(const Model& arm, const std::vector<CompressedRecording>& recordings, Identification& id) {
+  for (int i = 0; i < arm.joints(); ++i) {
+    double travel = 0.0;
+    for (const CompressedRecording& r : recordings) travel = std::max(travel, r.joints[static_cast<size_t>(i)].travel());
+    if (travel < (arm.coordinates()[i].prismatic ? kStillPrismatic : kStillRevolute)) {
+      id.still_joints.push_back(arm.coordinates()[i].name);
+    }
+  }
+}
+
+// Base parameters of the arm outside the row space of the data.
+std::vector<std::string> undetermined_parameters(const BaseParameters& arm_base, const BaseParameters& data_base,
+                                                 const VectorXd& scale) {
+  // Rows of K span what is determined; both in columns scaled alike.
+  const MatrixXd determined = (data_base.K * scale.asDiagonal()).transpose();
+  const MatrixXd wanted = (arm_base.K * scale.asDiagonal()).transpose();
+  std::vector<std::string> out;
+  const MatrixXd Q = orthonormal_basis(determined);
+  for (int j = 0; j < arm_base.size(); ++j) {
+    const VectorXd row = wanted.col(j);
+    const VectorXd rest = row - Q * (Q.transpose() * row);
+    if (rest.norm() > 1e-5 * row.norm()) out.push_back(arm_base.expressions[static_cast<size_t>(j)]);
+  }
+  return out;
+}
+
+// True, and says so, if the recordings leave the arm's base parameters open.
+bool rank_deficient(const Model& arm, const BaseParameters& arm_base, const SquareRootInformation& total, Identification& id) {
+  const auto parameters = standard_parameters(arm);
+  const BaseParameters data_base = base_parameters(total, preferred_columns(parameters));
+  id.rank_gap = data_base.rank_gap;
+  if (data_base.size() >= arm_base.size() && id.still_joints.empty()) return false;
+  const SquareRootInformation structure = random_state_factor(arm, 200, 3, id.still_joints);
+  const BaseParameters& determined = id.still_joints.empty() ? data_base : base_parameters(structure, preferred_columns(parameters));
+  id.undetermined = undetermined_parameters(arm_base, determined, random_state_factor(arm, 200, 3).column_norms());
+  id.status = IdentificationStatus::kRankDeficient;
+  std::string still;
+  for (const std::string& name : id.still_joints) still += (still.empty() ? "joint " : ", ") + name;
+  std::string open;
+  for (const std::string& name : id.undetermined) open += (open.empty() ? "" : "; ") + name;
+  id.reason = still.empty() ? text("the recordings determine ", data_base.size(), " of ", arm_base.size(), " base parameters")
+                            : text(still, " never moves");
+  id.reason += "; undetermined: " + open;
+  return true;
+}
+
+struct Bounds {
+  std::vector<VectorXd> rows;
+  std::vector<double> limits;
+  std::vector<std::string> names;
+
+  void add(VectorXd row, double limit, std::string name) {
+    rows.push_back(std::move(row));
+    limits.push_back(limit);
+    names.push_back(std::move(name));
+  }
+};
+
+// Signs of effects and the boxes that the robot file declares.
+Bounds parameter_bounds(const Model& arm, const std::vector<StandardParameter>& parameters) {
+  Bounds bounds;
+  const auto count = static_cast<Eigen::Index>(parameters.size());
+  const auto unit = [count](Eigen::Index j, double sign) { return VectorXd(sign * VectorXd::Unit(count, j)); };
+  for (Eigen::Index j = 0; j < count; ++j) {
+    const StandardParameter& p = parameters[static_cast<size_t>(j)];
+    if (p.fixed || p.effect < 0) continue;
+    if (std::isfinite(p.lower)) bounds.add(unit(j, -1.0), -p.lower, text(p.name, " >= ", p.lower));
+  }
+  for (size_t b = 0; b < arm.bodies().size(); ++b) {
+    const Frame& frame = arm.frames()[arm.bodies()[b]];
+    if (frame.body->fixed) continue;
+    const ParameterBox& own = frame.body->box;
+    const ParameterBox& all = arm.description().box;
+    const double mass_max = own.mass_max > 0.0 ? own.mass_max : all.mass_max;
+    const double reach = own.com_reach > 0.0 ? own.com_reach : all.com_reach;
+    const auto first = static_cast<Eigen::Index>(kBodyParameters * b);
+    if (mass_max > 0.0) bounds.add(unit(first, 1.0), mass_max, text("m_", frame.name, " <= ", mass_max));
+    for (Eigen::Index c = 1; c <= 3 && reach > 0.0; ++c) {
+      for (const double sign : {1.0, -1.0}) {
+        bounds.add(unit(first + c, sign) - reach * unit(first, 1.0), 0.0, text("|com of ", frame.name, "| <= ", reach));
+      }
+    }
+  }
+  return bounds;
+}
+
+FeasibleProblem feasible_problem(const Model& arm, const SquareRootInformation& total, const Bounds& bounds) {
+  FeasibleProblem problem;
+  problem.R = total.R();
+  problem.z = total.z();
+  problem.rho2 = total.rho2();
+  for (size_t b = 0; b < arm.bodies().size(); ++b) {
+    if (!arm.frames()[arm.bodies()[b]].body->fixed) problem.body_columns.push_back(static_cast<int>(kBodyParameters * b));
+  }
+  problem.G.resize(static_cast<Eigen::Index>(bounds.rows.size()), total.size());
+  problem.h.resize(problem.G.rows());
+  for (Eigen::Index r = 0; r < problem.G.rows(); ++r) {
+    problem.G.row(r) = bounds.rows[static_cast<size_t>(r)].transpose();
+    problem.h[r] = bounds.limits[static_cast<size_t>(r)];
+  }
+  return problem;
+}
+
+void solve_feasible(const Model& arm, const SquareRootInformation& total, const IdentificationOptions& options, Identification& id) {
+  const auto parameters = standard_parameters(arm);
+  const Bounds bounds = parameter_bounds(arm, parameters);
+  const FeasibleProblem problem = feasible_problem(arm, total, bounds);
+  FeasibleOptions solver;
+  solver.condition = options.condition;
+  if (options.prior) {
+    const auto phi = options.prior->inertial_values();
+    require(phi && phi->size() == kBodyParameters * static_cast<int>(arm.bodies().size()),
+            "the prior '", options.prior->name(), "' does not give values to the same bodies as '", arm.name(), "'.");
+    for (const int first : problem.body_columns) solver.entropic_prior.phi.emplace_back(phi->segment<kBodyParameters>(first));
+    const double bodies = std::max<double>(1.0, static_cast<double>(problem.body_columns.size()));
+    solver.entropic_prior.weight = options.prior_weight * id.unconstrained_objective / bodies;
+  }
+  const FeasibleResult result = solve_feasible_least_squares(problem, solver);
+  id.parameters = result.x;
+  id.objective = result.objective;
+  id.duality_gap = result.duality_gap;
+  id.certified = result.certificate == Certificate::kRigorous;
+  for (const ActiveBody& active : result.active_bodies) {
+    const int body = problem.body_columns[static_cast<size_t>(active.body)] / kBodyParameters;
+    id.active_constraints.push_back("pseudo-inertia of " + arm.frames()[arm.bodies()[body]].name + " is singular");
+  }
+  for (const ActiveRow& active : result.active_rows) id.active_constraints.push_back(bounds.names[static_cast<size_t>(active.row)]);
+  if (result.status == FeasibleStatus::kOptimal) return;
+  id.status = IdentificationStatus::kNotConverged;
+  id.reason = result.report().substr(0, result.report().find('\n'));
+}
+
+// The shortest standard parameters (columns scaled) that have these base parameters.
+VectorXd shortest_parameters(const BaseParameters& base, const VectorXd& beta, const VectorXd& norms) {
+  VectorXd scale = norms;
+  for (Eigen::Index j = 0; j < scale.size(); ++j) scale[j] = norms[j] > 0.0 ? 1.0 / norms[j] : 0.0;
+  const MatrixXd A = base.K * scale.asDiagonal();
+  return scale.asDiagonal() * least_norm(A, beta);
+}
+
+bool all_bodies_possible(const Model& arm, const VectorXd& parameters) {
+  for (size_t b = 0; b < arm.bodies().size(); ++b) {
+    const InertialParameters phi = parameters.segment<kBodyParameters>(static_cast<Eigen::Index>(kBodyParameters * b));
+    if (smallest_eigenvalue(pseudo_inertia(phi)) <= 0.0) return false;
+  }
+  return true;
+}
+
+void keep_facts(const std::vector<StandardParameter>& parameters, VectorXd& values) {
+  for (size_t j = 0; j < parameters.size(); ++j) {
+    if (parameters[j].fixed) values[static_cast<Eigen::Index>(j)] = parameters[j].value;
+  }
+}
+
+void describe_base(const Model& arm, const BaseParameters& base, const VectorXd& beta, const VectorXd& std, Identification& id) {
+  const auto parameters = standard_parameters(arm);
+  id.parameter_deviations = VectorXd::Constant(static_cast<Eigen::Index>(parameters.size()), kNaN);
+  for (int j = 0; j < base.size(); ++j) {
+    const auto own = static_cast<size_t>(base.independent[static_cast<size_t>(j)]);
+    id.base.push_back({base.names[static_cast<size_t>(j)], base.expressions[static_cast<size_t>(j)], parameters[own].unit, beta[j], std[j]});
+    if (base.classes[own] == Identifiability::kAlone) id.parameter_deviations[static_cast<Eigen::Index>(own)] = std[j];
+  }
+}
+
+// Everything from factors to parameters.
+void solve(const Model& arm, const std::vector<CompressedRecording>& recordings, const IdentificationOptions& options, Identification& id) {
+  const auto parameters = standard_parameters(arm);
+  const std::vector<std::string> names = parameter_names(parameters);
+  const BaseParameters base = base_parameters(random_state_factor(arm, 200, 1), preferred_columns(parameters));
+  VectorXd weights = range_weights(recordings);
+  SquareRootInformation total = weighted_total(recordings, weights, names);
+  if (rank_deficient(arm, base, total, id)) return;
+  const VectorXd norms = total.column_norms();
+  if (options.method == Method::kOls || options.weights == JointWeights::kResidual) weights = VectorXd::Ones(weights.size());
+  BaseSolution solution = solve_base(recordings, weights, base, names);
+  if (options.method != Method::kOls && options.weights == JointWeights::kResidual) {
+    weights = residual_weights(recordings, shortest_parameters(base, solution.beta, norms), names);
+    solution = solve_base(recordings, weights, base, names);
+  }
+  id.status = IdentificationStatus::kDone;
+  id.condition_number = solution.condition_number;
+  id.condition_number_scaled = solution.condition_number_scaled;
+  id.effective_samples = solution.effective_samples;
+  id.unconstrained_objective = solution.residual2;
+  id.objective = solution.residual2;
+  if (options.method == Method::kFeasible) {
+    total = weighted_total(recordings, weights, names);
+    solve_feasible(arm, total, options, id);
+    solution.beta = base.K * id.parameters;
+  } else {
+    id.parameters = shortest_parameters(base, solution.beta, norms);
+  }
+  keep_facts(parameters, id.parameters);
+  id.feasible = all_bodies_possible(arm, id.parameters);
+  describe_base(arm, base, solution.beta, solution.std, id);
+  id.model = with_values(arm, id.parameters, id.parameter_deviations);
+}
+
+VectorXd mean_floor(const std::vector<CompressedRecording>& recordings, int joints) {
+  VectorXd sum = VectorXd::Zero(joints);
+  int count = 0;
+  for (const CompressedRecording& r : recordings) {
+    if (r.noise_floor.size() == 0) continue;
+    sum += r.noise_floor.cwiseAbs2();
+    ++count;
+  }
+  return count > 0 ? VectorXd((sum / count).cwiseSqrt()) : VectorXd();
+}
+
+Identification start(const Model& arm, const IdentificationOptions& options) {
+  Identification id;
+  id.robot = arm.name();
+  id.method = options.method;
+  id.weights = options.weights;
+  id.condition = options.condition;
+  if (options.prior) id.prior = options.prior->name();
+  id.preprocessing = options.preprocessing;
+  id.test_preprocessing = options.test_preprocessing.value_or(options.preprocessing);
+  return id;
+}
+
+// From factors to a model; false if there is none.
+bool fit(const Model& arm, const std::vector<CompressedRecording>& recordings, const IdentificationOptions& options, Identification& id) {
+  for (const CompressedRecording& r : recordings) {
+    id.rows += r.rows;
+    if (r.rows == 0.0) {
+      id.reason = r.source + ": no usable samples are left after gaps, edges and row limits";
+      return false;
+    }
+  }
+  find_still_joints(arm, recordings, id);
+  id.noise_floor = mean_floor(recordings, arm.joints());
+  const auto begin = std::chrono::steady_clock::now();
+  solve(arm, recordings, options, id);
+  id.seconds.solve = seconds_since(begin);
+  return id.model.has_value();
+}
+
+}  // namespace
+
+Identification identify(const Model& arm, const std::vector<std::string>& train, const std::vector<std::string>& test,
+                        const IdentificationOptions& options) {
+  require(!train.empty(), "identify: there is no recording to train on.");
+  Identification id = start(arm, options);
+  const auto say = [&options](const std::string& what, double share) {
+    if (options.progress) options.progress(what, share);
+  };
+  say("compressing", 0.0);
+  const auto begin = std::chrono::steady_clock::now();
+  const std::vector<CompressedRecording> recordings = compress_all(arm, train, id.preprocessing, options.threads);
+  id.seconds.compress = seconds_since(begin);
+  say("solving", 0.4);
+  if (!fit(arm, recordings, options, id)) return id;
+  say("validating", 0.6);
+  const auto validation = std::chrono::steady_clock::now();
+  const std::vector<CompressedRecording> held_out = compress_all(arm, test, id.test_preprocessing, options.threads);
+  id.train.resize(train.size());
+  id.test.resize(test.size());
+  std::vector<ErrorSums> sums(train.size() + test.size(), ErrorSums(arm.joints()));
+  parallel_for(static_cast<int>(sums.size()), options.threads, [&](int k) {
+    const auto t = static_cast<size_t>(k);
+    const bool is_train = t < train.size();
+    const CompressedRecording& recording = is_train ? recordings[t] : held_out[t - train.size()];
+    RecordingError& out = is_train ? id.train[t] : id.test[t - train.size()];
+    const PreprocessingOptions& preprocessing = is_train ? id.preprocessing : id.test_preprocessing;
+    sums[t] = prediction_error(arm, recording.source, preprocessing, id.parameters, recording.joints, &out.series);
+    out.source = recording.source;
+    out.noise_floor = recording.noise_floor;
+    out.error = sums[t].error();
+  });
+  ErrorSums train_sums(arm.joints());
+  ErrorSums test_sums(arm.joints());
+  for (size_t t = 0; t < sums.size(); ++t) (t < train.size() ? train_sums : test_sums).add(sums[t]);
+  id.train_error = train_sums.error();
+  if (!test.empty()) id.test_error = test_sums.error();
+  id.seconds.validate = seconds_since(validation);
+  id.factors = recordings;
+  say("done", 1.0);
+  return id;
+}
+
+Identification identify(const Model& arm, const Recording& recording, const IdentificationOptions& options) {
+  Identification id = start(arm, options);
+  const std::vector<CompressedRecording> recordings = {compress(arm, recording, options.preprocessing)};
+  if (!fit(arm, recordings, options, id)) return id;
+  id.train.resize(1);
+  id.train[0].source = recording.source;
+  id.train[0].noise_floor = recordings[0].noise_floor;
+  const ErrorSums sums = prediction_error(arm, recording, options.preprocessing, id.parameters, recordings[0].joints, &id.train[0].series);
+  id.train[0].error = sums.error();
+  id.train_error = sums.error();
+  return id;
+}
+
+void save(const Identification& id, const std::string& path) {
+  require(id.model.has_value(), path, ": there is no model to save: ", id.reason, ".");
+  save_model(*id.model, path);
+}
+
+}  // namespace veridyn

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <deque>
+
+#include "veridyn/math/types.hpp"
+
+namespace veridyn {
+
+/// Compares torques with those one period earlier; what differs between repeats is what no model can predict.
+/// Holds one period of samples.
+class PeriodFold {
+ public:
+  /// @param period  [s]; 0: nothing is compared.
+  PeriodFold(int joints, double period);
+
+  /// Row `row` of tau, at `time` [s]; times ascend.
+  void add(double time, const MatrixXd& tau, Eigen::Index row);
+
+  /// Per joint: standard deviation of one repeat over the root mean square of the torque, (joints); empty where
+  /// less than a quarter of a period repeats. The difference of two repeats has twice the variance of one.
+  VectorXd relative_floor() const;
+
+ private:
+  struct Sample {
+    double time;
+    VectorXd tau;
+  };
+  double period_;
+  std::deque<Sample> past_;
+  VectorXd difference2_;
+  VectorXd torque2_;
+  double compared_time_ = 0.0;
+  double last_time_ = 0.0;
+};
+
+}  // namespace veridyn

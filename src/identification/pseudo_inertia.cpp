@@ -1,0 +1,84 @@
+#include "veridyn/identification/pseudo_inertia.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <cmath>
+#include <limits>
+
+namespace veridyn {
+
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+double log_det(const Eigen::LLT<Eigen::Matrix4d>& factor) {
+  return 2.0 * factor.matrixLLT().diagonal().array().log().sum();
+}
+
+}  // namespace
+
+Eigen::Matrix4d pseudo_inertia(const Eigen::Ref<const InertialVector>& phi) {
+  const double half_trace = 0.5 * (phi(4) + phi(6) + phi(9));
+  Eigen::Matrix4d J;
+  // clang-format off
+  J << half_trace - phi(4), -phi(5),              -phi(7),              phi(1),
+       -phi(5),             half_trace - phi(6),  -phi(8),              phi(2),
+       -phi(7),             -phi(8),              half_trace - phi(9),  phi(3),
+       phi(1),              phi(2),               phi(3),               phi(0);
+  // clang-format on
+  return J;
+}
+
+InertialVector pseudo_inertia_adjoint(const Eigen::Matrix4d& Z) {
+  const double half_trace = 0.5 * (Z(0, 0) + Z(1, 1) + Z(2, 2));
+  InertialVector phi;
+  phi << Z(3, 3), Z(0, 3) + Z(3, 0), Z(1, 3) + Z(3, 1), Z(2, 3) + Z(3, 2),  //
+      half_trace - Z(0, 0), -(Z(0, 1) + Z(1, 0)), half_trace - Z(1, 1),     //
+      -(Z(0, 2) + Z(2, 0)), -(Z(1, 2) + Z(2, 1)), half_trace - Z(2, 2);
+  return phi;
+}
+
+InertialVector inertial_parameters(const Eigen::Matrix4d& J) {
+  const double trace = J(0, 0) + J(1, 1) + J(2, 2);
+  InertialVector phi;
+  phi << J(3, 3), J(0, 3), J(1, 3), J(2, 3),  //
+      trace - J(0, 0), -J(0, 1), trace - J(1, 1), -J(0, 2), -J(1, 2), trace - J(2, 2);
+  return phi;
+}
+
+Eigen::Matrix4d principal_moment_matrix(const Eigen::Ref<const InertialVector>& phi) {
+  Eigen::Matrix4d D;
+  // clang-format off
+  D << phi(4), phi(5), phi(7), 0.0,
+       phi(5), phi(6), phi(8), 0.0,
+       phi(7), phi(8), phi(9), 0.0,
+       0.0,    0.0,    0.0,    phi(0);
+  // clang-format on
+  return D;
+}
+
+InertialVector principal_moment_adjoint(const Eigen::Matrix4d& Z) {
+  InertialVector phi;
+  phi << Z(3, 3), 0.0, 0.0, 0.0,  //
+      Z(0, 0), Z(0, 1) + Z(1, 0), Z(1, 1), Z(0, 2) + Z(2, 0), Z(1, 2) + Z(2, 1), Z(2, 2);
+  return phi;
+}
+
+double smallest_eigenvalue(const Eigen::Matrix4d& J) {
+  return Eigen::SelfAdjointEigenSolver<Eigen::Matrix4d>(J, Eigen::EigenvaluesOnly).eigenvalues()(0);
+}
+
+double smallest_scaled_eigenvalue(const Eigen::Matrix4d& J) {
+  if (!(J.diagonal().minCoeff() > 0.0)) return -kInfinity;
+  const Eigen::Vector4d scale = J.diagonal().cwiseSqrt().cwiseInverse();
+  return smallest_eigenvalue(scale.asDiagonal() * J * scale.asDiagonal());
+}
+
+double entropic_divergence(const Eigen::Matrix4d& J, const Eigen::Matrix4d& J0) {
+  const Eigen::LLT<Eigen::Matrix4d> factor(J);
+  const Eigen::LLT<Eigen::Matrix4d> factor0(J0);
+  if (factor.info() != Eigen::Success || factor0.info() != Eigen::Success) return kInfinity;
+  return log_det(factor0) - log_det(factor) + factor0.solve(J).trace() - 4.0;
+}
+
+}  // namespace veridyn

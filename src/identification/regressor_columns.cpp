@@ -1,0 +1,133 @@
+#include "veridyn/identification/regressor_columns.hpp"
+
+#include <cmath>
+
+#include "veridyn/math/zero_phase_filter.hpp"
+
+namespace veridyn {
+namespace {
+
+// Effort that the arm's own rigid bodies ask for, where the file has their values; for load-dependent effects.
+MatrixXd rigid_torques(const RegressorBatch& bodies, const Model& arm, const Stretch& s) {
+  MatrixXd tau = MatrixXd::Zero(s.q.rows(), s.q.cols());
+  const auto phi = arm.inertial_values();
+  if (phi) bodies.torques(s.q, s.dq, s.ddq, *phi, tau);
+  return tau;
+}
+
+double along(const Axis& axis, const MatrixXd& tau, Eigen::Index row) {
+  // The effort along s that does the same work as tau: least squares of c f = tau.
+  return tau.row(row).dot(axis.coefficients) / axis.coefficients.squaredNorm();
+}
+
+}  // namespace
+
+RegressorColumns::RegressorColumns(const Model& arm, const PreprocessingOptions& options)
+    : arm_(arm), options_(options), bodies_(arm), parameters_(standard_parameters(arm)) {
+  for (int i = 0; i < arm.joints(); ++i) {
+    std::vector<int> mine = bodies_.columns(i);
+    for (size_t p = 0; p < parameters_.size(); ++p) {
+      const int e = parameters_[p].effect;
+      if (e >= 0 && arm.effects()[e].axis.coefficients[i] != 0.0) mine.push_back(static_cast<int>(p));
+    }
+    of_joint_.push_back(std::move(mine));
+  }
+}
+
+std::vector<MatrixXd> RegressorColumns::raw_columns(const Stretch& s) const {
+  const int n = arm_.joints();
+  const Eigen::Index rows = s.q.rows();
+  std::vector<MatrixXd> Y(static_cast<size_t>(n));
+  std::vector<MatrixXd> body_columns(static_cast<size_t>(n));
+  bodies_.evaluate(s.q, s.dq, s.ddq, body_columns);
+  for (int i = 0; i < n; ++i) {
+    Y[i].resize(rows, static_cast<Eigen::Index>(of_joint_[i].size()));
+    Y[i].leftCols(body_columns[i].cols()) = body_columns[i];
+  }
+  std::vector<Eigen::Index> at(static_cast<size_t>(n));
+  for (int i = 0; i < n; ++i) at[i] = body_columns[i].cols();
+  MatrixXd load;
+  for (const EffectTerm& term : arm_.effects()) {
+    BoundEffect effect(arm_, term);
+    if (effect.effect().needs_load() && load.size() == 0) load = rigid_torques(bodies_, arm_, s);
+    MatrixXd columns(rows, effect.parameter_count());
+    EffectColumns row{};
+    for (Eigen::Index k = 0; k < rows; ++k) {
+      AxisSample x = effect.sample(s.time[k], s.q.data() + k, s.dq.data() + k, s.ddq.data() + k, rows);
+      if (effect.effect().needs_load()) x.load = along(term.axis, load, k);
+      effect.columns(x, row);
+      for (int c = 0; c < effect.parameter_count(); ++c) columns(k, c) = row[c];
+    }
+    for (int i = 0; i < n; ++i) {
+      const double c = term.axis.coefficients[i];
+      if (c == 0.0) continue;
+      Y[i].middleCols(at[i], columns.cols()) = c * columns;
+      at[i] += columns.cols();
+    }
+  }
+  return Y;
+}
+
+void RegressorColumns::filter(MatrixXd& columns, double dt) const {
+  if (options_.filtering != Filtering::kMatched || options_.cutoff <= 0.0) return;
+  ZeroPhaseFilter(options_.cutoff, options_.order, 1.0 / dt).apply(columns);
+}
+
+std::vector<JointRows> RegressorColumns::rows(const Stretch& s) const {
+  const int step = decimation(options_, s.dt);
+  std::vector<Eigen::Index> kept;
+  // Counted on the time grid, so that it does not matter where a stretch begins.
+  for (Eigen::Index k = s.core_begin; k < s.core_end; ++k) {
+    const long index = std::lround(s.time[k] / s.dt);
+    if (s.use[static_cast<size_t>(k)] != 0 && index % step == 0) kept.push_back(k);
+  }
+  std::vector<MatrixXd> Y = raw_columns(s);
+  std::vector<JointRows> out(Y.size());
+  for (size_t i = 0; i < Y.size(); ++i) {
+    // Facts go to the other side.
+    MatrixXd both(Y[i].rows(), Y[i].cols() + 1);
+    both.rightCols(1) = s.tau.col(static_cast<Eigen::Index>(i));
+    Eigen::Index columns = 0;
+    for (size_t p = 0; p < of_joint_[i].size(); ++p) {
+      const StandardParameter& parameter = parameters_[static_cast<size_t>(of_joint_[i][p])];
+      if (parameter.fixed) {
+        both.rightCols(1) -= parameter.value * Y[i].col(static_cast<Eigen::Index>(p));
+      } else {
+        both.col(columns++) = Y[i].col(static_cast<Eigen::Index>(p));
+        out[i].parameters.push_back(of_joint_[i][p]);
+      }
+    }
+    both.col(columns) = VectorXd(both.rightCols(1));
+    both.conservativeResize(Eigen::NoChange, columns + 1);
+    filter(both, s.dt);
+    out[i].A.resize(static_cast<Eigen::Index>(kept.size()), columns);
+    out[i].b.resize(static_cast<Eigen::Index>(kept.size()));
+    for (Eigen::Index c = 0; c < columns; ++c) {
+      for (size_t k = 0; k < kept.size(); ++k) out[i].A(static_cast<Eigen::Index>(k), c) = both(kept[k], c);
+    }
+    for (size_t k = 0; k < kept.size(); ++k) out[i].b[static_cast<Eigen::Index>(k)] = both(kept[k], columns);
+    Y[i].resize(0, 0);
+  }
+  return out;
+}
+
+MatrixXd RegressorColumns::filtered_torque(const Stretch& s) const {
+  MatrixXd tau = s.tau;
+  filter(tau, s.dt);
+  return tau;
+}
+
+RegressorColumns::Prediction RegressorColumns::predict(const Stretch& s, const VectorRef& values) const {
+  const std::vector<MatrixXd> Y = raw_columns(s);
+  Prediction out{s.tau, MatrixXd::Zero(s.tau.rows(), s.tau.cols())};
+  for (size_t i = 0; i < Y.size(); ++i) {
+    VectorXd mine(static_cast<Eigen::Index>(of_joint_[i].size()));
+    for (size_t p = 0; p < of_joint_[i].size(); ++p) mine[static_cast<Eigen::Index>(p)] = values[of_joint_[i][p]];
+    out.modelled.col(static_cast<Eigen::Index>(i)) = Y[i] * mine;
+  }
+  filter(out.measured, s.dt);
+  filter(out.modelled, s.dt);
+  return out;
+}
+
+}  // namespace veridyn

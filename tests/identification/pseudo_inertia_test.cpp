@@ -1,0 +1,62 @@
+#include "veridyn/identification/pseudo_inertia.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+#include <limits>
+#include <random>
+
+namespace veridyn {
+namespace {
+
+using Eigen::Matrix4d;
+
+MatrixXd random_matrix(int rows, int columns, std::mt19937& generator) {
+  std::normal_distribution<double> normal;
+  return MatrixXd::NullaryExpr(rows, columns, [&]() { return normal(generator); });
+}
+
+// A body of positive mass: a cloud of 20 points.
+InertialVector random_body(std::mt19937& generator) {
+  Matrix4d J = Matrix4d::Zero();
+  for (int point = 0; point < 20; ++point) {
+    Eigen::Vector4d r;
+    r << 0.2 * random_matrix(3, 1, generator), 1.0;
+    J += 0.1 * r * r.transpose();
+  }
+  return inertial_parameters(J);
+}
+
+TEST(PseudoInertia, OfAPointMassIsItsOuterProduct) {
+  // m = 2 at (1, 2, 3): I = m*(r.r*1 - r*r').
+  InertialVector phi;
+  phi << 2.0, 2.0, 4.0, 6.0, 26.0, -4.0, 20.0, -6.0, -12.0, 10.0;
+  const Eigen::Vector4d r(1.0, 2.0, 3.0, 1.0);
+  EXPECT_LT((pseudo_inertia(phi) - 2.0 * r * r.transpose()).norm(), 1e-13);
+  EXPECT_NEAR(smallest_eigenvalue(pseudo_inertia(phi)), 0.0, 1e-13);
+}
+
+TEST(PseudoInertia, AdjointsAndInverseMatchTheMaps) {
+  std::mt19937 generator(5);
+  const InertialVector phi = random_matrix(10, 1, generator);
+  const Matrix4d Z = random_matrix(4, 4, generator);
+  EXPECT_NEAR(pseudo_inertia(phi).cwiseProduct(Z).sum(), phi.dot(pseudo_inertia_adjoint(Z)), 1e-13);
+  EXPECT_NEAR(principal_moment_matrix(phi).cwiseProduct(Z).sum(),
+              phi.dot(principal_moment_adjoint(Z)), 1e-13);
+  EXPECT_LT((inertial_parameters(pseudo_inertia(phi)) - phi).norm(), 1e-13);
+}
+
+TEST(PseudoInertia, EntropicDivergenceIsZeroOnlyAtThePriorAndFreeOfUnits) {
+  std::mt19937 generator(6);
+  const Matrix4d J = pseudo_inertia(random_body(generator));
+  const Matrix4d J0 = pseudo_inertia(random_body(generator));
+  EXPECT_NEAR(entropic_divergence(J, J), 0.0, 1e-10);
+  EXPECT_GT(entropic_divergence(J, J0), 0.0);
+  const Matrix4d T = random_matrix(4, 4, generator);
+  const double moved = entropic_divergence(T * J * T.transpose(), T * J0 * T.transpose());
+  EXPECT_NEAR(moved, entropic_divergence(J, J0), 1e-8 * moved);
+  EXPECT_EQ(entropic_divergence(-J, J0), std::numeric_limits<double>::infinity());
+}
+
+}  // namespace
+}  // namespace veridyn
