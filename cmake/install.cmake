@@ -1,0 +1,20 @@
+# Headers, library, tool and robots; others find them with find_package(veridyn).
+include(GNUInstallDirs)
+include(CMakePackageConfigHelpers)
+set(PACKAGE_DIR ${CMAKE_INSTALL_LIBDIR}/cmake/veridyn)
+
+install(TARGETS veridyn EXPORT veridynTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}
+        LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
+if(TARGET veridyn_tool)
+  install(TARGETS veridyn_tool RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+endif()
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/include/veridyn DESTINATION include)
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/data/robots DESTINATION share/veridyn)
+install(EXPORT veridynTargets NAMESPACE veridyn:: DESTINATION ${PACKAGE_DIR})
+
+configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/veridynConfig.cmake.in
+  ${CMAKE_CURRENT_BINARY_DIR}/veridynConfig.cmake INSTALL_DESTINATION ${PACKAGE_DIR})
+write_basic_package_version_file(${CMAKE_CURRENT_BINARY_DIR}/veridynConfigVersion.cmake
+  COMPATIBILITY SameMinorVersion)
+install(FILES ${CMAKE_CURRENT_BINARY_DIR}/veridynConfig.cmake ${CMAKE_CURRENT_BINARY_DIR}/veridynConfigVersion.cmake
+        DESTINATION ${PACKAGE_DIR})

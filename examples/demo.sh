@@ -1,0 +1,44 @@
+#!/bin/sh
+# The whole way on a built-in example: excite -> simulate -> identify -> compare with the truth.
+#
+#   demo.sh TOOL FOLDER      TOOL: the veridyn program; FOLDER: where the files go
+set -eu
+tool=$1
+out=$2
+robot=psm-3dof
+mkdir -p "$out"
+
+step() { printf '\n== %s\n' "$*"; }
+
+step "1. Two motions for $robot that tell its parameters apart: one to identify from, one held out"
+"$tool" excite "$robot" -o "$out/train-motion.csv" --frequency 0.13 --seed 1 --quiet --json "$out/excite.json"
+"$tool" excite "$robot" -o "$out/test-motion.csv" --frequency 0.17 --seed 2 --quiet | sed -n 2p
+
+step "2. A simulated arm makes them, with the noise of a da Vinci Research Kit arm"
+"$tool" simulate "$robot" --trajectory "$out/train-motion.csv" -o "$out/train.csv" \
+  --noise dvrk --seed 1 --model-out "$out/truth.yaml"
+"$tool" simulate "$out/truth.yaml" --trajectory "$out/test-motion.csv" -o "$out/test.csv" --noise dvrk --seed 2
+
+step "3. Identification, which sees the recordings and nothing of the truth"
+"$tool" identify "$robot" --train "$out/train.csv" --test "$out/test.csv" --quiet \
+  --model-out "$out/identified.yaml" --json "$out/identified.json" | sed -n '1,/noise floor/p'
+
+step "4. What was found, against the truth"
+"$tool" info "$out/truth.yaml" --quiet --json "$out/truth.json" >/dev/null
+# The base parameters of both files by name: those that are told best, relative to their error bars.
+awk '
+  /"base_parameters": \[/ { inside = 1 }
+  inside && /^  \]/ { inside = 0 }
+  inside && /^      "name": / { name = $0; sub(/.*"name": "/, "", name); sub(/",?$/, "", name) }
+  inside && /^      "value": / { value = $2; sub(/,/, "", value)
+    if (FILENAME == ARGV[1]) truth[name] = value; else found[name] = value }
+  inside && /^      "std": / && FILENAME != ARGV[1] { std = $2; sub(/,/, "", std); error[name] = std }
+  inside && /^      "unit": / && FILENAME != ARGV[1] { unit = $0; sub(/.*: "/, "", unit); sub(/".*/, "", unit)
+    if (!(name in truth)) next
+    size = found[name] < 0 ? -found[name] : found[name]
+    printf "%.6f\t%-34s %12.5f %12.5f +- %.5f  %s\n", error[name] / (size + 1e-12), name, truth[name], found[name], error[name], unit }
+' "$out/truth.json" "$out/identified.json" | sort -n | head -n 10 | cut -f 2- >"$out/compared.txt"
+printf '%-34s %12s %12s\n' "base parameter" "truth" "identified"
+cat "$out/compared.txt"
+
+printf '\nThe identified model: %s\n' "$out/identified.yaml"

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "veridyn/identification/identification.hpp"
+#include "veridyn/identification/recording_quality.hpp"
+#include "veridyn/report/robot_info.hpp"
+
+namespace veridyn {
+
+// What `veridyn COMMAND --json` writes, with the keys of CONTRACT.md. Numbers that are not finite
+// become null; numbers have all digits, so that reading gives the same double.
+
+/// Command "info".
+std::string to_json(const RobotInfo& info);
+
+/// Command "check": every recording with its findings, and all findings again under data_quality.
+std::string to_json(const std::vector<RecordingQuality>& recordings);
+
+/// Command "identify". condition_number is the one with columns scaled to norm one; `test` is null
+/// without test recordings; rank_gap is null where no column depends on others.
+std::string to_json(const Identification& id);
+
+}  // namespace veridyn

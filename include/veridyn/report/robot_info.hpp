@@ -1,0 +1,31 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "veridyn/identification/base_parameters.hpp"
+#include "veridyn/identification/parameter_set.hpp"
+#include "veridyn/model/model.hpp"
+
+namespace veridyn {
+
+/// What a robot file says, and what torques can say about that robot.
+struct RobotInfo {
+  Model arm;
+  std::vector<StandardParameter> parameters;
+  BaseParameters base;
+  std::optional<VectorXd> base_values;  ///< K phi, where the file gives all of phi
+
+  /// Coordinates, frames, effects, base parameters and the class of every standard parameter, as
+  /// aligned text of at most 100 columns.
+  std::string report() const;
+};
+
+/// @throws InvalidInput  an effect that the registry does not have along an axis.
+RobotInfo robot_info(const Model& arm);
+
+/// Names of the standard parameters of one class.
+std::vector<std::string> parameters_of_class(const RobotInfo& info, Identifiability class_wanted);
+
+}  // namespace veridyn

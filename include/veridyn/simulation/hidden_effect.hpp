@@ -1,0 +1,75 @@
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "veridyn/math/types.hpp"
+#include "veridyn/model/model.hpp"
+
+namespace veridyn {
+
+/// An effect that a simulated arm has and its robot file does not, as it is asked for:
+/// NAME:PLACE[:KEY=VALUE,...].
+///
+/// PLACE is a coordinate's name or its number from 1, for effects that act along an axis. Their
+/// keys are the parameters and shape constants of the effect, and `from=COORDINATE` for couplings.
+/// The others:
+///
+///   payload:FRAME            mass [kg], x, y, z [m]: a point mass on a frame
+///   gravity_tilt:arm         roll, pitch [rad]: the base stands turned, R = Ry(pitch) Rx(roll)
+///   coupling_error:CONSTANT  change: added to a constant of the robot file
+///   torque_gain:JOINT        gain: recorded torque per true torque
+///   time_delay:JOINT         seconds: the recorded torque is late
+///   encoder_offset:JOINT     offset [rad] or [m]: added to the recorded position
+///   external_contact:JOINT   from, to [s], effort [N m]: what the motor gives in addition
+///
+/// Values may be arithmetic. Those that are not given get sensible sizes, see plant_effects().
+struct HiddenEffect {
+  std::string asked;  ///< the text, for messages
+  std::string effect;
+  std::string place;
+  std::map<std::string, double> values;
+  std::string from;  ///< coordinate that a coupling comes from; empty otherwise
+};
+
+/// @throws InvalidInput  not of this form, no such effect (with a suggestion), a key twice, a value
+///                       that is no number.
+HiddenEffect parse_hidden_effect(const std::string& asked);
+
+/// A hidden effect with all its numbers.
+struct PlantedEffect {
+  std::string effect;
+  std::string place;  ///< name of the coordinate, frame or constant; "arm"
+  int joint = 0;      ///< from 1; 0 where it is not of one joint
+  std::map<std::string, double> values;
+};
+
+/// An arm with its hidden effects: physical ones are part of the model, the others act on what is
+/// recorded.
+struct PlantedArm {
+  Model arm;
+  std::vector<PlantedEffect> effects;
+  VectorXd torque_gain;     ///< (n)
+  VectorXd torque_delay;    ///< (n) [s]
+  VectorXd encoder_offset;  ///< (n) [rad] or [m]
+  struct Contact {
+    int coordinate;
+    double from, to, effort;
+  };
+  std::vector<Contact> contacts;
+};
+
+/// Puts effects into an arm with values.
+///
+/// What is not given: parameters of effects along an axis together make 10 % of the rms effort
+/// along it, over a standard motion that depends on the arm alone (slow waves of all joints), so
+/// that every recording of an arm has the same effect; shape constants as the effect has them,
+/// `centre` and `half_range` from the joint's limits. payload 10 % of the mean body mass, at the
+/// frame's origin; gain 1.05; delay 4 ms; offset 0.01 rad or 1 mm; tilt 30 and 20 mrad; contact
+/// half of the rms effort from 5 to 7 s; a constant changes by 10 %, a zero one by 0.05.
+/// @throws InvalidInput  no such coordinate, frame, constant or key (with a suggestion), or a value
+///                       that cannot be.
+PlantedArm plant_effects(const Model& arm, const std::vector<HiddenEffect>& hidden);
+
+}  // namespace veridyn

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "veridyn/kinematics/motion_samples.hpp"
+#include "veridyn/model/model.hpp"
+
+namespace veridyn {
+
+/// An amount for turning and for sliding joints.
+struct JointAmount {
+  double revolute = 0.0;   ///< [rad], [rad/s]
+  double prismatic = 0.0;  ///< [m], [m/s]
+};
+
+/// How far a controller and its sensors are from perfect. Noise of the torque is in shares of the
+/// joint's rms torque.
+struct SensorNoise {
+  /// Rms deviation from the wanted motion: twelve waves of 0.2 to 2 Hz, smooth.
+  JointAmount tracking;
+  JointAmount encoder_step;      ///< positions are multiples of it; 0: exact
+  JointAmount velocity;          ///< standard deviation of white noise
+  double torque_white = 0.0;     ///< standard deviation
+  double torque_coloured = 0.0;  ///< standard deviation of a first-order autoregressive process
+  double colour_seconds = 0.1;   ///< its correlation time [s]
+  double stale_rows = 0.0;  ///< share of rows that repeat the row before in all signals but time
+};
+
+/// none: ideal. low: a good laboratory arm. dvrk and ur: as the recordings of a da Vinci Research
+/// Kit arm and of a UR10e look (their encoder steps, high-frequency torque noise and stale rows).
+/// @throws InvalidInput  no such preset.
+SensorNoise sensor_noise(const std::string& preset);
+
+/// The names that sensor_noise() knows.
+const std::vector<std::string>& sensor_noise_names();
+
+/// "tracking 1 mrad, ..." in words, for help texts.
+std::string describe(const SensorNoise& noise);
+
+/// The motion that the arm really makes: the wanted one plus the tracking deviation, whose velocity
+/// and acceleration are its exact derivatives. Joints that stand still in the wanted motion stand
+/// still.
+MotionSamples with_tracking_deviation(const Model& arm, const MotionSamples& wanted,
+                                      const SensorNoise& noise, unsigned seed);
+
+/// What sensors make of true signals, in place: steps, noise, stale rows. tau (rows x n).
+void measure(const Model& arm, const SensorNoise& noise, unsigned seed, MotionSamples& motion,
+             MatrixXd& tau);
+
+}  // namespace veridyn

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <vector>
+
+#include "veridyn/kinematics/motion_samples.hpp"
+#include "veridyn/model/model.hpp"
+#include "veridyn/simulation/hidden_effect.hpp"
+#include "veridyn/simulation/sensor_noise.hpp"
+
+namespace veridyn {
+
+struct SimulationOptions {
+  std::vector<HiddenEffect> hidden;
+  SensorNoise noise;  ///< default: ideal
+  unsigned seed = 1;  ///< of the noise
+  int substeps = 4;   ///< states per row that effects with memory see
+};
+
+/// What a simulated arm did, and what its sensors say about it.
+struct SimulatedRecording {
+  Model truth;                         ///< the arm with its physical hidden effects
+  std::vector<PlantedEffect> planted;  ///< hidden effects with all numbers
+  MotionSamples actual;                ///< the true motion
+  MatrixXd actual_tau;                 ///< (rows x n) the true motor torques [N m], [N]
+  MotionSamples measured;              ///< q and dq as recorded; ddq is the true one
+  MatrixXd tau;                        ///< (rows x n) as recorded
+};
+
+/// Moves an arm with values along a motion and records it.
+///
+///   tau = M ddq + C dq + g + effects
+///
+/// at the actual motion, the wanted one plus the tracking deviation. Effects see it; the recording
+/// has what sensors make of it: offset and steps of the encoders, noise, gain and delay of the
+/// torques, stale rows.
+///
+/// @param wanted  rows in order of time, with velocity and acceleration that fit the positions.
+/// @throws InvalidInput  wanted does not fit the arm or its time does not rise; a body has no
+///                       values; as plant_effects().
+SimulatedRecording simulate_recording(const Model& arm, const MotionSamples& wanted,
+                                      const SimulationOptions& options = {});
+
+/// The motion through positions on the times of `given`, where its dq or ddq are empty: derivatives
+/// of fourth order.
+/// @throws InvalidInput  fewer than five rows, or times that are not evenly spaced though a
+/// derivative is missing.
+MotionSamples with_derivatives(const MotionSamples& given);
+
+}  // namespace veridyn

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+namespace veridyn::cli {
+
+/// Exit status of the tool; the numbers are a promise to scripts.
+enum ExitStatus {
+  kDone = 0,
+  kProgramFault = 1,
+  kWrongUsage = 2,
+  kBadInput = 3,
+  kDataCannotAnswer = 4,
+};
+
+/// What the command that ran leaves behind. A command that returns normally is done; bad input and
+/// wrong usage are thrown (InvalidInput, CLI::ParseError), and main.cpp turns them into a status.
+struct Outcome {
+  ExitStatus status = kDone;
+};
+
+// One per command, each in its own file `NAME_command.cpp`: adds the subcommand with its options
+// and a callback that does the work and sets the outcome. A new command needs a line here, one in
+// main.cpp and one in CMakeLists.txt.
+
+void add_info_command(CLI::App& tool, Outcome& outcome);
+void add_check_command(CLI::App& tool, Outcome& outcome);
+void add_identify_command(CLI::App& tool, Outcome& outcome);
+void add_export_command(CLI::App& tool, Outcome& outcome);
+void add_excite_command(CLI::App& tool, Outcome& outcome);
+void add_simulate_command(CLI::App& tool, Outcome& outcome);
+
+}  // namespace veridyn::cli

@@ -1,0 +1,97 @@
+#include <iostream>
+#include <memory>
+#include <optional>
+
+#include "choice.hpp"
+#include "commands.hpp"
+#include "common_options.hpp"
+#include "messages.hpp"
+#include "veridyn/math/output_file.hpp"
+#include "veridyn/model/model_file.hpp"
+#include "veridyn/report/json.hpp"
+#include "veridyn/report/setting_names.hpp"
+
+namespace veridyn::cli {
+namespace {
+
+struct Request {
+  std::string robot;
+  std::vector<std::string> train, test;
+  std::optional<RowRange> test_rows;
+  std::string prior;
+  std::string model_out;
+  IdentificationOptions options;
+  CommonOptions common;
+};
+
+IdentificationOptions identification_options(const Request& request) {
+  IdentificationOptions options = request.options;
+  options.threads = request.common.threads;
+  options.progress = progress(request.common);
+  if (!request.prior.empty()) options.prior = read_model(request.prior);
+  if (request.test_rows) {
+    options.test_preprocessing = options.preprocessing;
+    options.test_preprocessing->first_row = request.test_rows->first;
+    options.test_preprocessing->row_count = request.test_rows->count;
+  }
+  return options;
+}
+
+ExitStatus run(const Request& request) {
+  if (!request.model_out.empty() && request.model_out == request.common.json) {
+    throw CLI::ValidationError("--model-out", "found the same file as for --json");
+  }
+  if (!request.prior.empty() && request.options.method != Method::kFeasible) {
+    throw CLI::ValidationError("--prior", "works with --method feasible only");
+  }
+  require_writable(request.common.json);
+  require_writable(request.model_out);
+  const Model arm = read_model(request.robot);
+  const Identification id =
+      identify(arm, request.train, request.test, identification_options(request));
+  if (!id.model) {
+    say(id.reason);
+    return kDataCannotAnswer;
+  }
+  if (id.status == IdentificationStatus::kNotConverged) say("warning: " + id.reason);
+  if (!request.model_out.empty()) save(id, request.model_out);
+  if (!request.common.json.empty()) write_file(request.common.json, to_json(id));
+  std::cout << id.report();
+  return kDone;
+}
+
+void add_fit_options(CLI::App& command, Request& request) {
+  IdentificationOptions& options = request.options;
+  add_choice(command, "--method", options.method, {Method::kOls, Method::kWls, Method::kFeasible},
+             "Ordinary or weighted least squares, or weighted and physically feasible");
+  add_choice(command, "--weights", options.weights, {JointWeights::kRange, JointWeights::kResidual},
+             "Joints weighted by the range of their torque or by their residual");
+  add_choice(command, "--condition", options.condition,
+             {PhysicalCondition::kPseudoInertia, PhysicalCondition::kPrincipalMoments},
+             "What makes a body physical, with --method feasible");
+  command.add_option("--prior", request.prior, "Model to stay close to, with --method feasible")
+      ->option_text("MODEL");
+}
+
+}  // namespace
+
+void add_identify_command(CLI::App& tool, Outcome& outcome) {
+  const auto request = std::make_shared<Request>();
+  CLI::App& command = *tool.add_subcommand("identify", "Parameters of an arm from its recordings");
+  add_robot_argument(command, request->robot);
+  command.add_option("--train", request->train, "Recordings to identify from")
+      ->required()
+      ->option_text("REC...");
+  command.add_option("--test", request->test, "Recordings held out, to validate on")
+      ->option_text("REC...");
+  add_fit_options(command, *request);
+  command.add_option("--model-out", request->model_out, "Write the identified model as YAML")
+      ->option_text("FILE");
+  add_preprocessing_options(command, request->options.preprocessing);
+  add_row_range(command, "--test-rows", "Rows of the held-out recordings (default: as --rows)",
+                [request](RowRange rows) { request->test_rows = rows; });
+  add_common_options(command, request->common);
+  command.callback([request, &outcome] { outcome.status = run(*request); });
+}
+
+}  // namespace veridyn::cli

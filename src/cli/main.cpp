@@ -1,0 +1,55 @@
+#include <exception>
+#include <iostream>
+
+#include "commands.hpp"
+#include "messages.hpp"
+#include "usage.hpp"
+#include "veridyn/math/require.hpp"
+
+namespace veridyn::cli {
+namespace {
+
+ExitStatus run(int argc, char** argv) {
+  CLI::App tool("Dynamic models of real robot arms: identified, diagnosed, put to work.",
+                "veridyn");
+  tool.set_version_flag("--version", "veridyn " VERIDYN_VERSION);
+  tool.require_subcommand(1);
+  Outcome outcome;
+  add_info_command(tool, outcome);
+  add_check_command(tool, outcome);
+  add_identify_command(tool, outcome);
+  add_export_command(tool, outcome);
+  add_excite_command(tool, outcome);
+  add_simulate_command(tool, outcome);
+  try {
+    tool.parse(argc, argv);
+    return outcome.status;
+  } catch (const CLI::Success& help_or_version) {
+    tool.exit(help_or_version);
+    return kDone;
+  } catch (const CLI::ParseError& error) {
+    say(usage_message(tool, error));
+    return kWrongUsage;
+  }
+}
+
+ExitStatus run_and_explain(int argc, char** argv) {
+  try {
+    const ExitStatus status = run(argc, argv);
+    require(static_cast<bool>(std::cout.flush()), "standard output: writing failed.");
+    return status;
+  } catch (const InvalidInput& error) {
+    say(error.what());
+    return kBadInput;
+  } catch (const std::exception& error) {
+    say(std::string("internal fault: ") + error.what());
+    return kProgramFault;
+  }
+}
+
+}  // namespace
+}  // namespace veridyn::cli
+
+int main(int argc, char** argv) {
+  return veridyn::cli::run_and_explain(argc, argv);
+}

@@ -1,0 +1,43 @@
+#include "messages.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+
+namespace veridyn::cli {
+namespace {
+
+constexpr int kBarWidth = 30;
+const char* const kClearLine = "\r\033[K";
+
+bool on_terminal() {
+  return ::isatty(STDERR_FILENO) != 0;
+}
+
+void draw_bar(const std::string& what, double share) {
+  const int filled = static_cast<int>(kBarWidth * std::clamp(share, 0.0, 1.0));
+  fmt::print(stderr, "{}[{:<{}}] {:3.0f} % {}", kClearLine, std::string(filled, '#'), kBarWidth,
+             100.0 * share, what);
+  if (share >= 1.0) fmt::print(stderr, "{}", kClearLine);
+  std::fflush(stderr);
+}
+
+}  // namespace
+
+void say(const std::string& line) {
+  fmt::print(stderr, "{}veridyn: {}\n", on_terminal() ? kClearLine : "", line);
+}
+
+Progress progress(const CommonOptions& options) {
+  if (options.quiet) return {};
+  if (on_terminal()) return draw_bar;
+  return [last = std::string()](const std::string& what, double) mutable {
+    if (what == last) return;
+    last = what;
+    say(what);
+  };
+}
+
+}  // namespace veridyn::cli

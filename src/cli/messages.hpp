@@ -1,0 +1,20 @@
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include "common_options.hpp"
+
+namespace veridyn::cli {
+
+/// `veridyn: line` on standard error, in place of a progress bar if one stands there.
+void say(const std::string& line);
+
+/// Called with what is being done and the share that is done, 0 to 1.
+using Progress = std::function<void(const std::string&, double)>;
+
+/// A bar where standard error is a terminal, otherwise a plain line for every new thing done; empty
+/// with --quiet.
+Progress progress(const CommonOptions& options);
+
+}  // namespace veridyn::cli

@@ -1,0 +1,11 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <string>
+
+namespace veridyn::cli {
+
+/// What is wrong with the command line, in one line, with a suggestion for a misspelt word.
+std::string usage_message(const CLI::App& tool, const CLI::ParseError& error);
+
+}  // namespace veridyn::cli

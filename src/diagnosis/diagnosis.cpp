@@ -1,0 +1,192 @@
+#include "veridyn/diagnosis/diagnosis.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <set>
+#include <utility>
+
+#include "selection.hpp"
+#include "veridyn/effects/effect.hpp"
+#include "veridyn/math/parallel.hpp"
+#include "veridyn/math/student_t.hpp"
+
+namespace veridyn {
+namespace {
+
+constexpr int kListed = 40;  // of what the data rule out
+
+std::vector<CompressedRecording> compress_all(const Model& arm, const std::vector<std::string>& paths,
+                                              const PreprocessingOptions& preprocessing, int threads) {
+  std::vector<CompressedRecording> out(paths.size());
+  parallel_for(static_cast<int>(paths.size()), threads, [&](int k) {
+    out[static_cast<size_t>(k)] = compress(arm, paths[static_cast<size_t>(k)], preprocessing);
+  });
+  return out;
+}
+
+// All that one run of questions needs.
+struct Inquiry {
+  AugmentedModel augmented;
+  std::vector<CompressedRecording> train, test;
+  ColumnSet base;
+  std::vector<std::string> columns;
+};
+
+Inquiry prepare(const Identification& baseline, const std::vector<std::string>& train, const std::vector<std::string>& test,
+                const DiagnosisOptions& options) {
+  Inquiry q{augmented_model(*baseline.model, baseline.factors, options.effects), {}, {}, {}, {}};
+  const IdentificationOptions& how = options.identification;
+  q.train = compress_all(q.augmented.model, train, how.preprocessing, how.threads);
+  q.test = compress_all(q.augmented.model, test, how.test_preprocessing.value_or(how.preprocessing), how.threads);
+  const std::vector<std::string> names = parameter_names(standard_parameters(q.augmented.model));
+  const Model& arm = *baseline.model;
+  const BaseParameters base = base_parameters(arm);
+  for (const int j : base.independent) {
+    q.base.push_back(static_cast<int>(q.columns.size()));
+    q.columns.push_back(names[static_cast<size_t>(j)]);
+  }
+  for (const Hypothesis& h : q.augmented.hypotheses) q.columns.insert(q.columns.end(), h.columns.begin(), h.columns.end());
+  return q;
+}
+
+VectorXd relative_error(const NormalBlocks& test, const ColumnSet& set, const VectorXd& x) {
+  const VectorXd r2 = test.residual2(set, x, test.total());
+  return (r2.array() / test.total().b2.array().max(1e-300)).sqrt();
+}
+
+// Held-out error of the models that grow by one finding at a time.
+std::vector<VectorXd> errors_along_the_way(const Inquiry& q, const NormalBlocks& data, const Selection& selection) {
+  const NormalBlocks test(q.test, q.columns, data.scale());
+  std::vector<VectorXd> out;
+  ColumnSet set = q.base;
+  for (size_t k = 0; k <= selection.accepted.size(); ++k) {
+    VectorXd w = data.total().rows.array() / data.total().b2.array().max(1e-300);
+    for (int round = 0; round < 2; ++round) {
+      const VectorXd x = data.solve(set, w, data.total(), nullptr);
+      w = data.total().rows.array() / data.residual2(set, x, data.total()).array().max(1e-12 * data.total().b2.array().max(1e-290));
+    }
+    out.push_back(relative_error(test, set, data.solve(set, w, data.total(), nullptr)));
+    if (k == selection.accepted.size()) break;
+    const Hypothesis& h = q.augmented.hypotheses[static_cast<size_t>(selection.accepted[k].evidence.hypothesis)];
+    const ColumnSet own = columns_of(data, h);
+    set.insert(set.end(), own.begin(), own.end());
+  }
+  return out;
+}
+
+std::vector<FoundParameter> parameters_of(const Inquiry& q, const NormalBlocks& data, const Selection& selection, const Hypothesis& h) {
+  const EffectTerm& term = q.augmented.model.effects()[static_cast<size_t>(h.term)];
+  const BoundEffect bound(q.augmented.model, term);
+  const double t = student_t_quantile(0.05, selection.degrees_of_freedom);
+  std::vector<FoundParameter> out;
+  for (int p = 0; p < bound.parameter_count(); ++p) {
+    FoundParameter found{bound.parameters()[static_cast<size_t>(p)].name, bound.unit(p), 0.0, 0.0, 0.0};
+    for (size_t k = 0; k < selection.columns.size(); ++k) {
+      if (data.names()[static_cast<size_t>(selection.columns[k])] != h.columns[static_cast<size_t>(p)]) continue;
+      const auto at = static_cast<Eigen::Index>(k);
+      found.value = selection.values[at];
+      found.low = found.value - t * selection.standard_deviations[at];
+      found.high = found.value + t * selection.standard_deviations[at];
+    }
+    out.push_back(found);
+  }
+  return out;
+}
+
+std::string sentence(const Inquiry& q, const Hypothesis& h, const Finding& finding) {
+  const BoundEffect bound(q.augmented.model, q.augmented.model.effects()[static_cast<size_t>(h.term)]);
+  std::vector<double> values;
+  for (const FoundParameter& p : finding.parameters) values.push_back(p.value);
+  return "Joint " + std::to_string(finding.joint) + " (" + finding.coordinate + "): " + bound.phrase(values) + ".";
+}
+
+void add_findings(const Inquiry& q, const NormalBlocks& data, const Selection& selection, Diagnosis& d) {
+  const std::vector<VectorXd> errors = errors_along_the_way(q, data, selection);
+  const auto square_sum = [](const VectorXd& v) { return v.squaredNorm(); };
+  const VectorXd& floor = d.baseline.noise_floor;
+  const double removable = square_sum(errors.front()) - (floor.size() > 0 ? square_sum(floor) : 0.0);
+  for (size_t k = 0; k < selection.accepted.size(); ++k) {
+    const Accepted& a = selection.accepted[k];
+    const Hypothesis& h = q.augmented.hypotheses[static_cast<size_t>(a.evidence.hypothesis)];
+    Finding f;
+    f.rank = static_cast<int>(k) + 1;
+    f.effect = h.effect;
+    f.joint = h.joint + 1;
+    f.coordinate = q.augmented.model.coordinates()[static_cast<size_t>(h.joint)].name;
+    f.parameters = parameters_of(q, data, selection, h);
+    if (!f.parameters.empty()) f.unit = f.parameters.front().unit;
+    f.p_value = a.evidence.p_value;
+    f.gain = a.evidence.gain;
+    f.test_before = errors[k];
+    f.test_after = errors[k + 1];
+    if (removable > 0.0) f.explains = (square_sum(errors[k]) - square_sum(errors[k + 1])) / removable;
+    for (const Evidence& e : a.rivals) {
+      const Hypothesis& other = q.augmented.hypotheses[static_cast<size_t>(e.hypothesis)];
+      f.rivals.push_back({other.effect, other.joint + 1, q.augmented.model.coordinates()[static_cast<size_t>(other.joint)].name,
+                          "gains within 20 % as much on held-out data"});
+    }
+    f.sentence = sentence(q, h, f);
+    d.findings.push_back(std::move(f));
+  }
+}
+
+// One line for every family that was asked and not accepted.
+void add_the_rest(const Inquiry& q, const Selection& selection, Diagnosis& d) {
+  std::set<std::string> known;
+  for (const Accepted& a : selection.accepted) known.insert(q.augmented.hypotheses[static_cast<size_t>(a.evidence.hypothesis)].family);
+  std::vector<Evidence> rest = selection.last_asked;
+  std::sort(rest.begin(), rest.end(), [](const Evidence& a, const Evidence& b) { return a.gain > b.gain; });
+  for (const Evidence& e : rest) {
+    const Hypothesis& h = q.augmented.hypotheses[static_cast<size_t>(e.hypothesis)];
+    if (!known.insert(h.family).second) continue;
+    if (e.absorbed) {
+      d.cannot_tell.push_back({h.effect, h.joint + 1, "its torque is a combination of parameters that the model has already"});
+    } else if (static_cast<int>(d.not_supported.size()) < kListed) {
+      d.not_supported.push_back({h.effect, h.joint + 1, e.p_value});
+    }
+  }
+}
+
+Model extended_arm(const Identification& baseline, const Inquiry& q, const Selection& selection) {
+  ModelDescription description = baseline.model->description();
+  for (const Accepted& a : selection.accepted) {
+    const Hypothesis& h = q.augmented.hypotheses[static_cast<size_t>(a.evidence.hypothesis)];
+    description.effects.push_back(q.augmented.model.effects()[static_cast<size_t>(h.term)]);
+  }
+  return Model(description);
+}
+
+}  // namespace
+
+Diagnosis diagnose(const Model& arm, const std::vector<std::string>& train, const std::vector<std::string>& test,
+                   const DiagnosisOptions& options) {
+  const auto begin = std::chrono::steady_clock::now();
+  Diagnosis d;
+  d.provisional = train.size() == 1;
+  std::vector<std::string> all = train;
+  all.insert(all.end(), test.begin(), test.end());
+  const PreprocessingOptions& how = options.identification.preprocessing;
+  d.data_quality.resize(all.size());
+  parallel_for(static_cast<int>(all.size()), options.identification.threads, [&](int k) {
+    RecordingOptions reading;
+    reading.columns = how.columns;
+    reading.rate = how.header_rate;
+    d.data_quality[static_cast<size_t>(k)] = check_recording(all[static_cast<size_t>(k)], reading);
+  });
+  d.baseline = identify(arm, train, test, options.identification);
+  if (!d.baseline.model) return d;
+  const Inquiry q = prepare(d.baseline, train, test, options);
+  const NormalBlocks data(q.train, q.columns);
+  const Selection selection = select_effects(data, q.base, q.augmented.hypotheses, options);
+  std::set<std::string> families;
+  for (const Hypothesis& h : q.augmented.hypotheses) families.insert(h.family);
+  d.hypotheses = static_cast<int>(families.size());
+  if (!test.empty()) add_findings(q, data, selection, d);
+  add_the_rest(q, selection, d);
+  d.extended = selection.accepted.empty() ? d.baseline : identify(extended_arm(d.baseline, q, selection), train, test, options.identification);
+  d.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  return d;
+}
+
+}  // namespace veridyn

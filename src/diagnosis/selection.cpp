@@ -1,0 +1,329 @@
+#include "selection.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <string>
+#include <unordered_map>
+
+#include "veridyn/math/parallel.hpp"
+#include "veridyn/math/student_t.hpp"
+
+namespace veridyn {
+namespace {
+
+constexpr double kAbsorbed = 1e-6;   // share of a column's square that must be new for the data to answer
+constexpr int kTested = 6;           // best candidates that get a Wald test in every round
+
+// Clusters that are left out together.
+std::vector<std::vector<int>> make_folds(const NormalBlocks& data) {
+  int recordings = 0;
+  for (int c = 0; c < data.clusters(); ++c) recordings = std::max(recordings, data.recording_of(c) + 1);
+  std::vector<std::vector<int>> folds;
+  if (recordings == 1) {
+    for (int c = 0; c < data.clusters(); ++c) folds.push_back({c});
+    return folds;
+  }
+  folds.resize(static_cast<size_t>(recordings));
+  for (int c = 0; c < data.clusters(); ++c) folds[static_cast<size_t>(data.recording_of(c))].push_back(c);
+  return folds;
+}
+
+NormalBlocks::Sums summed(const NormalBlocks& data, const std::vector<int>& clusters) {
+  NormalBlocks::Sums out = data.cluster(clusters.front());
+  for (size_t k = 1; k < clusters.size(); ++k) {
+    const NormalBlocks::Sums& next = data.cluster(clusters[k]);
+    for (size_t j = 0; j < out.G.size(); ++j) {
+      out.G[j] += next.G[j];
+      out.g[j] += next.g[j];
+    }
+    out.b2 += next.b2;
+    out.rows += next.rows;
+  }
+  return out;
+}
+
+class Selector {
+ public:
+  Selector(const NormalBlocks& data, const ColumnSet& base, const std::vector<Hypothesis>& hypotheses,
+           const DiagnosisOptions& options)
+      : data_(data), base_(base), hypotheses_(hypotheses), options_(options) {
+    for (const auto& fold : make_folds(data)) folds_.push_back(summed(data, fold));
+    for (const Hypothesis& h : hypotheses) columns_.push_back(columns_of(data, h));
+    std::set<std::string> families;
+    for (const Hypothesis& h : hypotheses) families.insert(h.family);
+    families_ = static_cast<double>(std::max<size_t>(1, families.size()));
+  }
+
+  Selection run() {
+    while (static_cast<int>(accepted_.size()) < options_.max_effects && add_one()) swap_early_ones();
+    drop_superfluous();
+    return finish();
+  }
+
+ private:
+  struct Score {
+    std::vector<VectorXd> fold_errors;  // per fold: mean square per joint
+    VectorXd mean_square;               // over all folds
+  };
+
+  ColumnSet set_with(const std::vector<int>& chosen) const {
+    ColumnSet set = base_;
+    for (const int h : chosen) set.insert(set.end(), columns_[static_cast<size_t>(h)].begin(), columns_[static_cast<size_t>(h)].end());
+    return set;
+  }
+
+  VectorXd weights(const ColumnSet& set) const {
+    VectorXd w = data_.total().rows.array() / data_.total().b2.array().max(1e-300);
+    for (int round = 0; round < 2; ++round) {
+      const VectorXd x = data_.solve(set, w, data_.total(), nullptr);
+      w = data_.total().rows.array() / data_.residual2(set, x, data_.total()).array().max(1e-12 * data_.total().b2.array().max(1e-290));
+    }
+    return w;
+  }
+
+  Score score(const ColumnSet& set, const VectorXd& w) const {
+    Score out;
+    VectorXd sum = VectorXd::Zero(data_.joints());
+    VectorXd rows = sum;
+    for (const auto& fold : folds_) {
+      const VectorXd x = data_.solve(set, w, data_.total(), &fold);
+      const VectorXd r2 = data_.residual2(set, x, fold);
+      out.fold_errors.push_back(r2.array() / fold.rows.array().max(1.0));
+      sum += r2;
+      rows += fold.rows;
+    }
+    out.mean_square = sum.array() / rows.array().max(1.0);
+    return out;
+  }
+
+  static double fall(const VectorXd& before, const VectorXd& after) {
+    return (before.array().max(1e-300).log() - after.array().max(1e-300).log()).sum();
+  }
+
+  // Everything but the Wald test.
+  Evidence ask(int h, const std::vector<int>& chosen, const Score& before, const VectorXd& w) const {
+    Evidence e;
+    e.hypothesis = h;
+    std::vector<int> with = chosen;
+    with.push_back(h);
+    const ColumnSet set = set_with(with);
+    const ColumnSet& own = columns_[static_cast<size_t>(h)];
+    if (own.empty() || new_share(set_with(chosen), own, w) < kAbsorbed) {
+      e.absorbed = true;
+      return e;
+    }
+    const VectorXd x = data_.solve(set, w, data_.total(), nullptr);
+    for (size_t k = 0; k < own.size(); ++k) {
+      const double value = x[x.size() - static_cast<Eigen::Index>(own.size() - k)];
+      const bool nonnegative = hypotheses_[static_cast<size_t>(h)].signs[k] == ParameterSign::kNonnegative;
+      e.sign_broken = e.sign_broken || (nonnegative && value < 0.0);
+    }
+    const Score after = score(set, w);
+    e.gain = fall(before.mean_square, after.mean_square);
+    int better = 0;
+    for (size_t f = 0; f < folds_.size(); ++f) better += static_cast<int>(fall(before.fold_errors[f], after.fold_errors[f]) > 0.0);
+    e.fold_share = static_cast<double>(better) / static_cast<double>(folds_.size());
+    return e;
+  }
+
+  // Largest share of one of the columns that the others do not span.
+  double new_share(const ColumnSet& others, const ColumnSet& own, const VectorXd& w) const {
+    ColumnSet all = others;
+    all.insert(all.end(), own.begin(), own.end());
+    const auto n = static_cast<Eigen::Index>(others.size());
+    const auto k = static_cast<Eigen::Index>(own.size());
+    MatrixXd A = MatrixXd::Zero(n + k, n + k);
+    for (int j = 0; j < data_.joints(); ++j) {
+      const MatrixXd& G = data_.total().G[static_cast<size_t>(j)];
+      for (Eigen::Index c = 0; c < n + k; ++c) {
+        for (Eigen::Index r = c; r < n + k; ++r) A(r, c) += w[j] * G(all[static_cast<size_t>(r)], all[static_cast<size_t>(c)]);
+      }
+    }
+    A = A.selfadjointView<Eigen::Lower>();
+    MatrixXd S = A.topLeftCorner(n, n);
+    S.diagonal() *= 1.0 + 1e-11;
+    const MatrixXd C = A.topRightCorner(n, k);
+    const MatrixXd rest = A.bottomRightCorner(k, k) - C.transpose() * S.ldlt().solve(C);
+    double share = 0.0;
+    for (Eigen::Index c = 0; c < k; ++c) share = std::max(share, rest(c, c) / std::max(A(n + c, n + c), 1e-300));
+    return share;
+  }
+
+  // Solutions without one cluster each, over the set; (set x clusters).
+  MatrixXd jackknife(const ColumnSet& set, const VectorXd& w) const {
+    MatrixXd out(static_cast<Eigen::Index>(set.size()), data_.clusters());
+    for (int c = 0; c < data_.clusters(); ++c) out.col(c) = data_.solve(set, w, data_.total(), &data_.cluster(c));
+    return out;
+  }
+
+  static VectorXd deviations(const MatrixXd& solutions) {
+    const auto g = static_cast<double>(solutions.cols());
+    const VectorXd mean = solutions.rowwise().mean();
+    return ((solutions.colwise() - mean).rowwise().squaredNorm() * ((g - 1.0) / g)).cwiseSqrt();
+  }
+
+  double p_value(int h, const std::vector<int>& chosen, const VectorXd& w) const {
+    std::vector<int> with = chosen;
+    with.push_back(h);
+    const ColumnSet set = set_with(with);
+    const VectorXd x = data_.solve(set, w, data_.total(), nullptr);
+    const VectorXd std = deviations(jackknife(set, w));
+    const auto own = static_cast<Eigen::Index>(columns_[static_cast<size_t>(h)].size());
+    double best = 1.0;
+    for (Eigen::Index k = x.size() - own; k < x.size(); ++k) {
+      best = std::min(best, student_t_two_sided(x[k] / std::max(std[k], 1e-300), std::max(1, data_.clusters() - 1)));
+    }
+    return std::min(1.0, best * static_cast<double>(own));
+  }
+
+  std::vector<Evidence> ask_all(const std::vector<int>& chosen) const {
+    const ColumnSet set = set_with(chosen);
+    const VectorXd w = weights(set);
+    const Score before = score(set, w);
+    std::vector<Evidence> all(hypotheses_.size());
+    parallel_for(static_cast<int>(hypotheses_.size()), options_.identification.threads, [&](int h) {
+      const bool taken = std::find(chosen.begin(), chosen.end(), h) != chosen.end();
+      if (!taken) all[static_cast<size_t>(h)] = ask(h, chosen, before, w);
+      all[static_cast<size_t>(h)].hypothesis = h;
+      all[static_cast<size_t>(h)].absorbed = taken || all[static_cast<size_t>(h)].absorbed;
+    });
+    return all;
+  }
+
+  bool passes(const Evidence& e) const {
+    return !e.absorbed && !e.sign_broken && e.gain > options_.smallest_gain && e.fold_share >= options_.fold_share;
+  }
+
+  std::vector<int> chosen() const {
+    std::vector<int> out;
+    for (const Accepted& a : accepted_) out.push_back(a.evidence.hypothesis);
+    return out;
+  }
+
+  // Of candidates in a tie the earlier stage wins, then the fewer parameters.
+  bool before(const Evidence& a, const Evidence& b) const {
+    const Hypothesis& ha = hypotheses_[static_cast<size_t>(a.hypothesis)];
+    const Hypothesis& hb = hypotheses_[static_cast<size_t>(b.hypothesis)];
+    if (ha.stage != hb.stage) return ha.stage < hb.stage;
+    if (ha.columns.size() != hb.columns.size()) return ha.columns.size() < hb.columns.size();
+    return a.gain > b.gain;
+  }
+
+  bool add_one() {
+    std::vector<Evidence> all = ask_all(chosen());
+    last_ = all;
+    std::vector<Evidence> good;
+    for (const Evidence& e : all) {
+      if (passes(e)) good.push_back(e);
+    }
+    std::sort(good.begin(), good.end(), [](const Evidence& a, const Evidence& b) { return a.gain > b.gain; });
+    const ColumnSet set = set_with(chosen());
+    const VectorXd w = weights(set);
+    const double limit = options_.significance / families_;
+    std::vector<Evidence> sure;
+    int tested = 0;
+    for (Evidence& e : good) {
+      if (tested++ >= kTested + static_cast<int>(sure.size()) || (!sure.empty() && e.gain < options_.rival_share * sure.front().gain)) break;
+      e.p_value = p_value(e.hypothesis, chosen(), w);
+      if (e.p_value < limit) sure.push_back(e);
+    }
+    if (sure.empty()) return false;
+    Evidence best = sure.front();
+    for (const Evidence& e : sure) {
+      // A tie between families goes to the earlier question; within one family to the larger gain.
+      if (e.gain > 0.95 * sure.front().gain && before(e, best)) best = e;
+    }
+    Accepted accepted{best, {}};
+    const std::string& own = hypotheses_[static_cast<size_t>(best.hypothesis)].family;
+    std::set<std::string> named = {own};
+    for (const Evidence& e : good) {
+      if (e.gain < options_.rival_share * best.gain) continue;
+      if (named.insert(hypotheses_[static_cast<size_t>(e.hypothesis)].family).second) accepted.rivals.push_back(e);
+    }
+    accepted_.push_back(accepted);
+    return true;
+  }
+
+  // An early choice gives way if another hypothesis does clearly better beside the later ones.
+  void swap_early_ones() {
+    for (size_t k = 0; k + 1 < accepted_.size(); ++k) {
+      std::vector<int> others = chosen();
+      const int own = others[k];
+      others.erase(others.begin() + static_cast<long>(k));
+      const std::vector<Evidence> all = ask_all(others);
+      Evidence best = all[static_cast<size_t>(own)];
+      const double needed = std::max(best.gain, 0.0) + options_.smallest_gain;
+      for (const Evidence& e : all) {
+        if (passes(e) && e.gain > std::max(needed, best.gain)) best = e;
+      }
+      if (best.hypothesis == own) continue;
+      best.p_value = p_value(best.hypothesis, others, weights(set_with(others)));
+      if (best.p_value < options_.significance / families_) accepted_[k].evidence = best;
+    }
+  }
+
+  void drop_superfluous() {
+    for (size_t k = accepted_.size(); k-- > 0;) {
+      std::vector<int> others = chosen();
+      const int own = others[k];
+      others.erase(others.begin() + static_cast<long>(k));
+      const VectorXd w = weights(set_with(others));
+      const Evidence e = ask(own, others, score(set_with(others), w), w);
+      if (!passes(e)) {
+        accepted_.erase(accepted_.begin() + static_cast<long>(k));
+      } else {
+        accepted_[k].evidence.p_value = std::min(accepted_[k].evidence.p_value, p_value(own, others, w));
+      }
+    }
+  }
+
+  Selection finish() {
+    Selection out;
+    out.accepted = accepted_;
+    out.last_asked = ask_all(chosen());
+    out.columns = set_with(chosen());
+    const VectorXd w = weights(out.columns);
+    const VectorXd x = data_.solve(out.columns, w, data_.total(), nullptr);
+    const VectorXd std = deviations(jackknife(out.columns, w));
+    out.values.resize(x.size());
+    out.standard_deviations.resize(x.size());
+    for (Eigen::Index k = 0; k < x.size(); ++k) {
+      const double scale = std::max(data_.scale()[out.columns[static_cast<size_t>(k)]], 1e-300);
+      out.values[k] = x[k] / scale;
+      out.standard_deviations[k] = std[k] / scale;
+    }
+    out.degrees_of_freedom = std::max(1, data_.clusters() - 1);
+    return out;
+  }
+
+  const NormalBlocks& data_;
+  const ColumnSet& base_;
+  const std::vector<Hypothesis>& hypotheses_;
+  const DiagnosisOptions& options_;
+  std::vector<NormalBlocks::Sums> folds_;
+  std::vector<ColumnSet> columns_;
+  double families_ = 1.0;
+  std::vector<Accepted> accepted_;
+  std::vector<Evidence> last_;
+};
+
+}  // namespace
+
+ColumnSet columns_of(const NormalBlocks& data, const Hypothesis& hypothesis) {
+  ColumnSet out;
+  for (const std::string& name : hypothesis.columns) {
+    for (int k = 0; k < data.columns(); ++k) {
+      if (data.names()[static_cast<size_t>(k)] == name && data.scale()[k] > 0.0) out.push_back(k);
+    }
+  }
+  return out;
+}
+
+Selection select_effects(const NormalBlocks& data, const ColumnSet& base, const std::vector<Hypothesis>& hypotheses,
+                         const DiagnosisOptions& options) {
+  return Selector(data, base, hypotheses, options).run();
+}
+
+}  // namespace veridyn

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <vector>
+
+#include "hypotheses.hpp"
+#include "normal_blocks.hpp"
+#include "veridyn/diagnosis/diagnosis.hpp"
+
+namespace veridyn {
+
+/// What the data say of one hypothesis beside those already accepted.
+struct Evidence {
+  int hypothesis = -1;
+  double gain = 0.0;        ///< d: fall of the sum over joints of ln(held-out mean square error)
+  double fold_share = 0.0;  ///< of the folds, those that improve
+  double p_value = 1.0;
+  bool absorbed = false;    ///< its columns lie in the span of the others: these data cannot answer
+  bool sign_broken = false; ///< a parameter has a sign that nature forbids
+};
+
+struct Accepted {
+  Evidence evidence;
+  std::vector<Evidence> rivals;  ///< other families whose gain was within the tie
+};
+
+struct Selection {
+  std::vector<Accepted> accepted;       ///< in order of discovery
+  std::vector<Evidence> last_asked;     ///< of all hypotheses that were not accepted, beside the accepted ones
+  ColumnSet columns;                    ///< base columns and those of the accepted
+  VectorXd values;                      ///< unscaled, over `columns`
+  VectorXd standard_deviations;         ///< cluster jackknife
+  double degrees_of_freedom = 0.0;
+};
+
+/// Forward selection with swaps and a drop-one round at the end; weights follow the residual.
+///
+/// @param base  columns that are always there (independent ones).
+Selection select_effects(const NormalBlocks& data, const ColumnSet& base, const std::vector<Hypothesis>& hypotheses,
+                         const DiagnosisOptions& options);
+
+/// Column indices of a hypothesis.
+ColumnSet columns_of(const NormalBlocks& data, const Hypothesis& hypothesis);
+
+}  // namespace veridyn

@@ -1,0 +1,119 @@
+#include "json_value.hpp"
+#include "veridyn/report/json.hpp"
+#include "veridyn/report/setting_names.hpp"
+
+namespace veridyn {
+namespace {
+
+Json base_json(const std::vector<BaseValue>& base) {
+  Json out = Json::array();
+  for (const BaseValue& b : base) {
+    out.push_back({{"name", b.name},
+                   {"expression", b.expression},
+                   {"value", b.value},
+                   {"std", b.std},
+                   {"unit", b.unit}});
+  }
+  return out;
+}
+
+Json standard_json(const Identification& id) {
+  Json out = Json::array();
+  if (!id.model) return out;
+  const std::vector<StandardParameter> parameters = standard_parameters(*id.model);
+  for (std::size_t j = 0; j < parameters.size(); ++j) {
+    const auto at = static_cast<Eigen::Index>(j);
+    out.push_back({{"name", parameters[j].name},
+                   {"value", id.parameters[at]},
+                   {"std", id.parameter_deviations[at]},
+                   {"unit", parameters[j].unit}});
+  }
+  return out;
+}
+
+Json error_json(const PredictionError& error) {
+  return {{"relative_error", json_list(error.relative)},
+          {"max_error", json_list(error.maximum)},
+          {"moving", {{"relative_error", json_list(error.moving_relative)}}}};
+}
+
+Json errors_json(const PredictionError& total, const std::vector<RecordingError>& recordings) {
+  if (recordings.empty()) return nullptr;
+  Json out = error_json(total);
+  out["recordings"] = Json::array();
+  for (const RecordingError& recording : recordings) {
+    Json one = {{"source", recording.source}};
+    one.update(error_json(recording.error));
+    one["noise_floor"] = json_list(recording.noise_floor);
+    out["recordings"].push_back(std::move(one));
+  }
+  return out;
+}
+
+Json rows_json(const PreprocessingOptions& o) {
+  const Json end = o.row_count < 0 ? Json() : Json(o.first_row + o.row_count);
+  return Json::array({o.first_row, end});
+}
+
+// What it takes to repeat the run.
+Json settings_json(const Identification& id) {
+  const PreprocessingOptions& o = id.preprocessing;
+  const auto sources = [](const std::vector<RecordingError>& recordings) {
+    Json out = Json::array();
+    for (const RecordingError& r : recordings) out.push_back(r.source);
+    return out;
+  };
+  return {{"train", sources(id.train)},
+          {"test", sources(id.test)},
+          {"method", name_of(id.method)},
+          {"weights", id.method == Method::kOls ? Json() : Json(name_of(id.weights))},
+          {"condition", id.method == Method::kFeasible ? Json(name_of(id.condition)) : Json()},
+          {"prior", id.prior.empty() ? Json() : Json(id.prior)},
+          {"filter_cutoff", o.cutoff},
+          {"filter_order", o.order},
+          {"filtering", name_of(o.filtering)},
+          {"velocity", name_of(o.velocity)},
+          {"resample", o.rate},
+          {"decimation", o.decimation},
+          {"drop_start", o.drop_start},
+          {"drop_end", o.drop_end},
+          {"rows", rows_json(o)},
+          {"test_rows", rows_json(id.test_preprocessing)},
+          {"columns", o.columns},
+          {"rate", o.header_rate}};
+}
+
+}  // namespace
+
+std::string to_json(const Identification& id) {
+  Json out = json_head("identify");
+  out["robot"] = id.robot;
+  out["method"] = name_of(id.method);
+  out["status"] = name_of(id.status);
+  out["reason"] = id.reason;
+  out["rows"] = id.rows;
+  out["base_parameters"] = base_json(id.base);
+  out["condition_number"] = id.condition_number_scaled;
+  out["condition_number_unscaled"] = id.condition_number;
+  out["rank_gap"] = id.rank_gap;
+  out["feasible"] = id.feasible;
+  out["objective"] = id.objective;
+  out["unconstrained_objective"] = id.unconstrained_objective;
+  out["duality_gap"] = id.duality_gap;
+  out["certified"] = id.certified;
+  out["effective_samples"] = id.effective_samples;
+  out["active_constraints"] = id.active_constraints;
+  out["train"] = errors_json(id.train_error, id.train);
+  out["test"] = errors_json(id.test_error, id.test);
+  out["noise_floor"] = {{"relative_error", json_list(id.noise_floor)},
+                        {"source", id.noise_floor.size() > 0 ? "repeats" : "none"}};
+  out["seconds"] = {{"read", id.seconds.read},
+                    {"compress", id.seconds.compress},
+                    {"solve", id.seconds.solve},
+                    {"validate", id.seconds.validate}};
+  out["standard_parameters"] = standard_json(id);
+  out["settings"] = settings_json(id);
+  return written(out);
+}
+
+}  // namespace veridyn

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "veridyn/math/types.hpp"
+
+namespace veridyn {
+
+/// Keys stay in the order in which they are written.
+using Json = nlohmann::ordered_json;
+
+/// {"veridyn": version, "command": command}, to which a command adds.
+Json json_head(const std::string& command);
+
+/// A list; entries that are not finite become null when written.
+Json json_list(const VectorRef& values);
+
+/// Indented by two, with a line end. Bytes that are not UTF-8 (in file names) are replaced.
+std::string written(const Json& value);
+
+}  // namespace veridyn

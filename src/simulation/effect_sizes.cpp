@@ -1,0 +1,80 @@
+#include "effect_sizes.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "plant.hpp"
+#include "veridyn/kinematics/motion_limits.hpp"
+#include "veridyn/math/require.hpp"
+
+namespace veridyn {
+namespace {
+
+constexpr double kDuration = 30.0;  // [s]
+constexpr double kRate = 100.0;     // [Hz]
+constexpr int kSubsteps = 4;
+
+// One wave for every joint, at frequencies of their own, over at most 70 % of the range and half
+// the speed.
+MotionSamples standard_motion(const Model& arm) {
+  const MotionLimits limits = motion_limits(arm);
+  const auto rows = static_cast<Eigen::Index>(kDuration * kRate) + 1;
+  const Eigen::Index n = arm.joints();
+  MotionSamples out{VectorXd::LinSpaced(rows, 0.0, kDuration), MatrixXd(rows, n), MatrixXd(rows, n),
+                    MatrixXd(rows, n)};
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const double omega = 2.0 * M_PI * (0.2 + 0.07 * static_cast<double>(i));
+    const double size =
+        std::min(0.35 * (limits.upper[i] - limits.lower[i]), 0.5 * limits.velocity[i] / omega);
+    const double middle = 0.5 * (limits.lower[i] + limits.upper[i]);
+    const Eigen::ArrayXd angle = omega * out.time.array();
+    out.q.col(i) = middle + size * angle.sin();
+    out.dq.col(i) = size * omega * angle.cos();
+    out.ddq.col(i) = -size * omega * omega * angle.sin();
+  }
+  return out;
+}
+
+double rms(const VectorXd& x) {
+  return std::sqrt(x.squaredNorm() / static_cast<double>(std::max<Eigen::Index>(1, x.size())));
+}
+
+std::vector<std::string> missing_parameters(const EffectTerm& term) {
+  std::vector<std::string> missing;
+  for (const EffectParameter& p : find_effect(term.effect).parameters()) {
+    if (term.values.count(p.name) == 0) missing.push_back(p.name);
+  }
+  return missing;
+}
+
+}  // namespace
+
+Model with_sensible_effects(const Model& arm) {
+  const MotionSamples motion = standard_motion(arm);
+  const MatrixXd rigid = rigid_torques(arm, motion);
+  const MatrixXd tau = plant_torques(arm, motion, kSubsteps);
+  ModelDescription out = arm.description();
+  for (EffectTerm& term : out.effects) {
+    const std::vector<std::string> missing = missing_parameters(term);
+    if (missing.empty()) continue;
+    const std::vector<EffectParameter> parameters = find_effect(term.effect).parameters();
+    const double part =
+        kSensibleShare * rms(effort_along(term.axis, tau)) / static_cast<double>(missing.size());
+    const MatrixXd columns = effect_columns(arm, term, motion, rigid, kSubsteps);
+    for (size_t p = 0; p < parameters.size(); ++p) {
+      if (std::find(missing.begin(), missing.end(), parameters[p].name) == missing.end()) continue;
+      const double size = rms(columns.col(static_cast<Eigen::Index>(p)));
+      // An effect that this motion does not stir (a shape that needs more) is left without force.
+      term.values[parameters[p].name] = size > 0.0 ? part / size : 0.0;
+    }
+  }
+  return Model(std::move(out));
+}
+
+VectorXd standard_effort(const Model& arm) {
+  const MatrixXd tau = plant_torques(arm, standard_motion(arm), kSubsteps);
+  return (tau.colwise().squaredNorm() / static_cast<double>(tau.rows())).cwiseSqrt().transpose();
+}
+
+}  // namespace veridyn

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "veridyn/model/model.hpp"
+
+namespace veridyn {
+
+/// Gives every effect's missing parameters a sensible size: together they make kSensibleShare (10
+/// %) of the rms effort along the effect's axis, each an equal part, over a standard motion that
+/// depends on the arm alone.
+///
+/// So the same name means the same size in every recording of an arm, whatever its trajectory. The
+/// effort is that of the bodies and of the effects that have values. Parameters whose columns the
+/// standard motion leaves at zero become zero. @throws InvalidInput  a body has no values.
+constexpr double kSensibleShare = 0.1;
+Model with_sensible_effects(const Model& arm);
+
+/// The rms effort of every joint over the standard motion, (n) [N m] or [N].
+VectorXd standard_effort(const Model& arm);
+
+}  // namespace veridyn

@@ -1,0 +1,77 @@
+#include "veridyn/simulation/hidden_effect.hpp"
+
+#include <cmath>
+
+#include "veridyn/math/require.hpp"
+#include "veridyn/model/effect_names.hpp"
+#include "veridyn/model/expression.hpp"
+#include "veridyn/model/suggestion.hpp"
+
+namespace veridyn {
+namespace {
+
+const char* const kForm = "NAME:JOINT[:KEY=VALUE,...]";
+
+std::vector<std::string> split(const std::string& words, char separator) {
+  std::vector<std::string> parts{""};
+  for (const char c : words) {
+    if (c == separator) {
+      parts.emplace_back();
+    } else {
+      parts.back() += c;
+    }
+  }
+  return parts;
+}
+
+[[noreturn]] void fail(const std::string& asked, const std::string& found,
+                       const std::string& expected) {
+  throw InvalidInput(text("effect '", asked, "': found ", found, ", expected ", expected, "."));
+}
+
+void read_value(const std::string& pair, HiddenEffect& out) {
+  const auto equals = pair.find('=');
+  if (equals == std::string::npos || equals == 0 || equals + 1 == pair.size()) {
+    fail(out.asked, "'" + pair + "'", "KEY=VALUE");
+  }
+  const std::string key = pair.substr(0, equals);
+  const std::string value = pair.substr(equals + 1);
+  const bool twice = out.values.count(key) != 0 || (key == "from" && !out.from.empty());
+  if (twice) fail(out.asked, "the key '" + key + "' twice", "it once");
+  // A contact begins `from` a time; a coupling comes `from` a coordinate.
+  if (key == "from" && out.effect != "external_contact") {
+    out.from = value;
+    return;
+  }
+  try {
+    out.values[key] = evaluate(value, {});
+  } catch (const InvalidInput& error) {
+    throw InvalidInput(text("effect '", out.asked, "': ", error.what()));
+  }
+}
+
+}  // namespace
+
+HiddenEffect parse_hidden_effect(const std::string& asked) {
+  const std::vector<std::string> parts = split(asked, ':');
+  HiddenEffect out;
+  out.asked = asked;
+  out.effect = parts[0];
+  bool known = false;
+  for (const std::string& name : effect_names()) known = known || name == out.effect;
+  if (!known) {
+    fail(asked,
+         "the unknown effect '" + out.effect + "'" + did_you_mean(out.effect, effect_names()),
+         "one of: " + listed(effect_names()));
+  }
+  if (parts.size() > 3) fail(asked, "more than two ':'", kForm);
+  if (parts.size() > 1) out.place = parts[1];
+  if (out.place.empty() && out.effect == "gravity_tilt") out.place = "arm";
+  if (out.place.empty()) fail(asked, "no place", kForm);
+  if (parts.size() == 3) {
+    for (const std::string& pair : split(parts[2], ',')) read_value(pair, out);
+  }
+  return out;
+}
+
+}  // namespace veridyn

@@ -1,0 +1,28 @@
+#pragma once
+
+#include "veridyn/effects/effect.hpp"
+#include "veridyn/kinematics/motion_samples.hpp"
+#include "veridyn/model/model.hpp"
+
+namespace veridyn {
+
+/// Torques that an arm with values needs for a motion: rigid bodies and all effects with their
+/// values, (rows x n).
+///
+/// Effects with memory start fresh and see `substeps` states per row, on quintics through q, dq and
+/// ddq.
+/// @throws InvalidInput  a body has no values, or the registry does not know an effect.
+MatrixXd plant_torques(const Model& arm, const MotionSamples& motion, int substeps);
+
+/// The rigid bodies alone. @throws InvalidInput  a body has no values.
+MatrixXd rigid_torques(const Model& arm, const MotionSamples& motion);
+
+/// One row of columns per row of the motion, (rows x parameters). `rigid` are the torques of the
+/// rigid bodies.
+MatrixXd effect_columns(const Model& arm, const EffectTerm& term, const MotionSamples& motion,
+                        const MatrixXd& rigid, int substeps);
+
+/// The effort along s that does the same work as joint torques, one entry per row.
+VectorXd effort_along(const Axis& axis, const MatrixXd& tau);
+
+}  // namespace veridyn

@@ -1,0 +1,107 @@
+#include "veridyn/simulation/simulate_recording.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "plant.hpp"
+#include "veridyn/math/require.hpp"
+#include "veridyn/math/zero_phase_filter.hpp"
+
+namespace veridyn {
+namespace {
+
+constexpr double kContactRamp = 0.1;  // [s] in which a contact comes and goes
+
+void check(const Model& arm, const MotionSamples& wanted, const SimulationOptions& options) {
+  const Eigen::Index rows = wanted.rows();
+  const Eigen::Index n = arm.joints();
+  const auto fits = [&](const MatrixXd& m) { return m.rows() == rows && m.cols() == n; };
+  require(rows >= 1, "simulation: the motion has no rows.");
+  require(wanted.q.cols() == n, "simulation: the motion has ", wanted.q.cols(),
+          " joints, but arm '", arm.name(), "' has ", n, ".");
+  require(wanted.time.size() == rows && fits(wanted.dq) && fits(wanted.ddq),
+          "simulation: time has ", wanted.time.size(), " entries, dq is ", wanted.dq.rows(), " x ",
+          wanted.dq.cols(), " and ddq ", wanted.ddq.rows(), " x ", wanted.ddq.cols(), ", but q is ",
+          rows, " x ", n, ".");
+  require(wanted.time.allFinite() && wanted.q.allFinite() && wanted.dq.allFinite() &&
+              wanted.ddq.allFinite(),
+          "simulation: found a gap or a number that is not finite in the motion, expected none.");
+  for (Eigen::Index k = 1; k < rows; ++k) {
+    require(wanted.time[k] > wanted.time[k - 1], "simulation: time in row ", k, " is ",
+            wanted.time[k], " s, expected more than ", wanted.time[k - 1], " s, the row before.");
+  }
+  require(options.substeps >= 1, "simulation: found ", options.substeps,
+          " substeps, expected at least one.");
+}
+
+// 0 outside, 1 inside, half a cosine between.
+double contact_share(double t, const PlantedArm::Contact& contact) {
+  const double ramp = std::min(kContactRamp, 0.5 * (contact.to - contact.from));
+  const double inside = std::min(t - contact.from, contact.to - t);
+  if (inside <= 0.0) return 0.0;
+  return inside >= ramp ? 1.0 : 0.5 - 0.5 * std::cos(M_PI * inside / ramp);
+}
+
+// signal(t - delay) by linear interpolation; before the first row it had its first value.
+VectorXd delayed(const VectorXd& signal, const VectorXd& time, double delay) {
+  VectorXd out(signal.size());
+  Eigen::Index k = 0;
+  for (Eigen::Index row = 0; row < signal.size(); ++row) {
+    const double t = time[row] - delay;
+    while (k + 1 < row && time[k + 1] <= t) ++k;
+    const double u = k + 1 < signal.size() ? (t - time[k]) / (time[k + 1] - time[k]) : 0.0;
+    out[row] = t <= time[0] ? signal[0] : (1.0 - u) * signal[k] + u * signal[k + 1];
+  }
+  return out;
+}
+
+// What lies between the true torque and the one that would be recorded without noise.
+void record_torques(const PlantedArm& plant, const VectorXd& time, MatrixXd& tau) {
+  for (Eigen::Index i = 0; i < tau.cols(); ++i) {
+    if (plant.torque_delay[i] > 0.0) tau.col(i) = delayed(tau.col(i), time, plant.torque_delay[i]);
+    tau.col(i) *= plant.torque_gain[i];
+  }
+}
+
+}  // namespace
+
+SimulatedRecording simulate_recording(const Model& arm, const MotionSamples& wanted,
+                                      const SimulationOptions& options) {
+  check(arm, wanted, options);
+  const PlantedArm plant = plant_effects(arm, options.hidden);
+  const MotionSamples actual = with_tracking_deviation(arm, wanted, options.noise, options.seed);
+  SimulatedRecording out{plant.arm, plant.effects,
+                         actual,    plant_torques(plant.arm, actual, options.substeps),
+                         actual,    {}};
+  for (const PlantedArm::Contact& contact : plant.contacts) {
+    for (Eigen::Index k = 0; k < wanted.rows(); ++k) {
+      out.actual_tau(k, contact.coordinate) +=
+          contact.effort * contact_share(wanted.time[k] - wanted.time[0], contact);
+    }
+  }
+  out.measured.q.rowwise() += plant.encoder_offset.transpose();
+  out.tau = out.actual_tau;
+  record_torques(plant, wanted.time, out.tau);
+  measure(arm, options.noise, options.seed, out.measured, out.tau);
+  return out;
+}
+
+MotionSamples with_derivatives(const MotionSamples& given) {
+  MotionSamples out = given;
+  if (out.dq.size() > 0 && out.ddq.size() > 0) return out;
+  const Eigen::Index rows = given.rows();
+  require(rows >= 5, "simulation: found ", rows,
+          " rows of positions alone, expected at least 5 to derive from.");
+  const double dt = (given.time[rows - 1] - given.time[0]) / static_cast<double>(rows - 1);
+  for (Eigen::Index k = 1; k < rows; ++k) {
+    require(std::abs(given.time[k] - given.time[k - 1] - dt) <= 0.01 * dt,
+            "simulation: found a time step of ", given.time[k] - given.time[k - 1],
+            " s before row ", k, ", expected ", dt, " s in all rows, or dq and ddq in the file.");
+  }
+  if (out.dq.size() == 0) out.dq = differentiate(out.q, dt);
+  if (out.ddq.size() == 0) out.ddq = differentiate(out.dq, dt);
+  return out;
+}
+
+}  // namespace veridyn

@@ -1,0 +1,154 @@
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "cli/tool.hpp"
+
+// Bad input ends with status 3 and one line that names the file, the line and column where there is
+// one, what was found and what was expected. Nothing is written.
+
+namespace veridyn {
+namespace {
+
+class BadInput : public testing::Test {
+ protected:
+  // The good recording with line `number` (from 1, the header) replaced.
+  std::string with_line(int number, const std::string& line) const {
+    std::istringstream good(planar_recording(3.0));
+    std::string out;
+    int at = 0;
+    for (std::string old; std::getline(good, old);) out += (++at == number ? line : old) + "\n";
+    return folder_.write("recording.csv", out);
+  }
+
+  ToolRun identify(const std::string& robot, const std::string& recording) const {
+    return run_tool({"identify", robot, "--train", recording, "--json", folder_.path("out.json"),
+                     "--model-out", folder_.path("model.yaml"), "--quiet"});
+  }
+
+  void expect_refused(const ToolRun& run, int status, const Words& words) const {
+    EXPECT_EQ(run.status, status) << run.err;
+    EXPECT_EQ(run.error_lines(), 1) << run.err;
+    EXPECT_EQ(run.out, "");
+    EXPECT_EQ(run.err.rfind("veridyn: ", 0), 0u) << run.err;
+    for (const std::string& word : words) {
+      EXPECT_NE(run.err.find(word), std::string::npos) << word << " is not in: " << run.err;
+    }
+    for (const std::string& name : folder_.files()) EXPECT_EQ(name, "recording.csv");
+  }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(BadInput, MissingRecording) {
+  expect_refused(identify("planar-2r", folder_.path("missing.csv")), 3, {"missing.csv"});
+}
+
+TEST_F(BadInput, MissingRobotSuggestsOne) {
+  const std::string recording = folder_.write("recording.csv", planar_recording(3.0));
+  expect_refused(identify("planar-3r", recording), 3, {"planar-3r", "planar-2r"});
+}
+
+TEST_F(BadInput, EmptyRecording) {
+  expect_refused(identify("planar-2r", folder_.write("recording.csv", "")), 3, {"recording.csv"});
+}
+
+TEST_F(BadInput, RaggedRow) {
+  expect_refused(identify("planar-2r", with_line(57, "0.55,1,2,3,4,5")), 3,
+                 {"recording.csv:57", "6", "7"});
+}
+
+TEST_F(BadInput, TextInANumber) {
+  expect_refused(identify("planar-2r", with_line(57, "0.55,1,2,3,4x,5,6")), 3,
+                 {"recording.csv:57:5", "4x", "number"});
+}
+
+TEST_F(BadInput, TimeThatStandsStill) {
+  expect_refused(identify("planar-2r", with_line(57, "0.54,1,2,3,4,5,6")), 3,
+                 {"recording.csv:57", "0.54"});
+}
+
+TEST_F(BadInput, TimeThatRunsBack) {
+  expect_refused(identify("planar-2r", with_line(57, "0.2,1,2,3,4,5,6")), 3,
+                 {"recording.csv:57", "0.2"});
+}
+
+TEST_F(BadInput, NumberOfJointsThatTheRobotDoesNotHave) {
+  const std::string recording = folder_.write("recording.csv", planar_recording(3.0));
+  expect_refused(identify("elbow-6r", recording), 3,
+                 {"recording.csv", "2 joints", "elbow-6r", "6"});
+}
+
+TEST_F(BadInput, ColumnsOfAHeaderlessFileThatDoNotFit) {
+  std::string content = planar_recording(3.0);
+  const std::string recording =
+      folder_.write("recording.csv", content.substr(content.find('\n') + 1));
+  const ToolRun run = run_tool({"identify", "planar-2r", "--train", recording, "--quiet",
+                                "--columns", "q,dq,tau", "--rate", "100"});
+  expect_refused(run, 3, {"recording.csv", "7"});
+}
+
+TEST_F(BadInput, NothingButGaps) {
+  std::string content = "t,q1,q2,dq1,dq2,tau1,tau2\n";
+  for (int k = 0; k < 300; ++k) content += std::to_string(0.01 * k) + ",nan,nan,nan,nan,nan,nan\n";
+  const ToolRun run = identify("planar-2r", folder_.write("recording.csv", content));
+  expect_refused(run, 3, {"recording.csv"});
+}
+
+TEST_F(BadInput, PlacesThatCannotBeWrittenAreFoundBeforeTheWork) {
+  const std::string recording = folder_.write("recording.csv", planar_recording(3.0));
+  const std::string nowhere = folder_.path("no-such-folder/out");
+  for (const char* option : {"--json", "--model-out"}) {
+    const ToolRun run = run_tool({"identify", "planar-2r", "--train", recording, option, nowhere});
+    expect_refused(run, 3, {"no-such-folder"});
+  }
+  const ToolRun info = run_tool({"info", "planar-2r", "--json", folder_.path("")});
+  expect_refused(info, 3, {"folder"});
+}
+
+TEST_F(BadInput, AnOldResultSurvivesAFailure) {
+  const std::string old = folder_.write("out.json", "old");
+  const ToolRun run = run_tool(
+      {"identify", "planar-2r", "--train", folder_.path("missing.csv"), "--json", old, "--quiet"});
+  EXPECT_EQ(run.status, 3);
+  EXPECT_EQ(content_of(old), "old");
+}
+
+// Data that cannot answer: status 4, one line with the reason.
+
+TEST_F(BadInput, AJointThatNeverMovesNamesWhatStaysUnknown) {
+  const std::string recording = folder_.write("recording.csv", planar_recording(8.0, 1.0, 0.0));
+  expect_refused(identify("planar-2r", recording), 4,
+                 {"joint elbow never moves", "viscous_friction(elbow).coefficient"});
+}
+
+TEST_F(BadInput, AllZero) {
+  std::string content = "t,q1,q2,dq1,dq2,tau1,tau2\n";
+  for (int k = 0; k < 800; ++k) content += std::to_string(0.01 * k) + ",0,0,0,0,0,0\n";
+  const ToolRun run = identify("planar-2r", folder_.write("recording.csv", content));
+  expect_refused(run, 4, {"shoulder", "elbow", "never moves"});
+}
+
+TEST_F(BadInput, NoRowsLeft) {
+  const std::string recording = folder_.write("recording.csv", planar_recording(3.0));
+  const ToolRun run = run_tool({"identify", "planar-2r", "--train", recording, "--quiet",
+                                "--drop-start", "2", "--drop-end", "2"});
+  expect_refused(run, 4, {"recording.csv", "no usable samples"});
+}
+
+TEST_F(BadInput, CheckNamesTheUnreadableFile) {
+  const std::string recording = folder_.write("recording.csv", planar_recording(3.0));
+  const ToolRun run = run_tool(
+      {"check", recording, folder_.path("missing.csv"), "--json", folder_.path("out.json")});
+  expect_refused(run, 3, {"missing.csv"});
+}
+
+TEST(ProgramFault, AFullDiskBehindStandardOutputIsNotSuccess) {
+  if (!std::ofstream("/dev/full").is_open()) GTEST_SKIP() << "no /dev/full here";
+  const std::string command =
+      std::string(VERIDYN_TOOL) + " info planar-2r > /dev/full 2> /dev/null";
+  EXPECT_NE(std::system(command.c_str()), 0);
+}
+
+}  // namespace
+}  // namespace veridyn

@@ -1,0 +1,218 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <sstream>
+
+#include "cli/tool.hpp"
+#include "veridyn/identification/base_parameters.hpp"
+#include "veridyn/identification/parameter_set.hpp"
+#include "veridyn/model/model_file.hpp"
+
+// On a recording of planar-2r without noise the truth is known, and stands in the robot file.
+
+namespace veridyn {
+namespace {
+
+using nlohmann::json;
+
+class Identify : public testing::Test {
+ protected:
+  Identify() : train_(folder_.write("train.csv", planar_recording(20.0))) {
+    test_ = folder_.write("test.csv", planar_recording(10.0, 0.8, 1.2));
+  }
+
+  ToolRun run(const Words& more) const {
+    return run_tool(Words{"identify", "planar-2r", "--train", train_, "--test", test_, "--json",
+                          folder_.path("out.json")} +
+                    more);
+  }
+
+  json result(const Words& more) const {
+    const ToolRun done = run(more);
+    EXPECT_EQ(done.status, 0) << done.err;
+    return json_of(folder_.path("out.json"));
+  }
+
+  TemporaryFolder folder_;
+  std::string train_, test_;
+};
+
+TEST_F(Identify, JsonHasTheKeysThatArePromised) {
+  const json out = result({"--method", "feasible"});
+  EXPECT_EQ(out["veridyn"], "0.1.0");
+  EXPECT_EQ(out["command"], "identify");
+  EXPECT_EQ(out["robot"], "planar-2r");
+  EXPECT_EQ(out["method"], "feasible");
+  for (const char* key : {"rows", "condition_number", "condition_number_unscaled", "objective",
+                          "duality_gap", "effective_samples"}) {
+    EXPECT_TRUE(out[key].is_number()) << key << ": " << out[key];
+  }
+  EXPECT_TRUE(out["rank_gap"].is_number() || out["rank_gap"].is_null());
+  EXPECT_TRUE(out["feasible"].is_boolean());
+  EXPECT_TRUE(out["active_constraints"].is_array());
+  for (const json& b : out["base_parameters"]) {
+    for (const char* key : {"name", "expression", "unit"}) EXPECT_TRUE(b[key].is_string()) << b;
+    EXPECT_TRUE(b["value"].is_number()) << b;
+    EXPECT_TRUE(b.contains("std")) << b;
+  }
+  for (const char* set : {"train", "test"}) {
+    EXPECT_EQ(out[set]["relative_error"].size(), 2u);
+    EXPECT_EQ(out[set]["max_error"].size(), 2u);
+    EXPECT_EQ(out[set]["moving"]["relative_error"].size(), 2u);
+    ASSERT_EQ(out[set]["recordings"].size(), 1u);
+    for (const char* key : {"source", "relative_error", "max_error", "noise_floor"}) {
+      EXPECT_TRUE(out[set]["recordings"][0].contains(key)) << key;
+    }
+  }
+  EXPECT_EQ(out["test"]["recordings"][0]["source"], test_);
+  EXPECT_TRUE(out["noise_floor"]["source"] == "none" || out["noise_floor"]["source"] == "repeats");
+  for (const char* key : {"read", "compress", "solve"})
+    EXPECT_TRUE(out["seconds"][key].is_number());
+}
+
+TEST_F(Identify, WithoutATestRecordingThereIsNoTestError) {
+  const ToolRun done = run_tool(
+      {"identify", "planar-2r", "--train", train_, "--json", folder_.path("out.json"), "--quiet"});
+  EXPECT_EQ(done.status, 0);
+  EXPECT_EQ(done.err, "");
+  EXPECT_TRUE(json_of(folder_.path("out.json"))["test"].is_null());
+}
+
+// The low-pass at 20 Hz leaves of friction's steps what it leaves in the torque; the rest is
+// differentiation of 100 Hz samples: (2 pi f / rate)^2 / 6 of the fastest sine, about 0.4 %.
+TEST_F(Identify, EveryMethodFindsTheValuesThatMadeTheRecording) {
+  const Model arm = read_model("planar-2r");
+  const std::vector<StandardParameter> parameters = standard_parameters(arm);
+  VectorXd truth(static_cast<Eigen::Index>(parameters.size()));
+  for (std::size_t j = 0; j < parameters.size(); ++j) {
+    truth[static_cast<Eigen::Index>(j)] = parameters[j].value;
+  }
+  const VectorXd beta = base_parameters(arm).K * truth;
+  for (const char* method : {"ols", "wls", "feasible"}) {
+    const json out = result({"--method", method, "--filter-cutoff", "10", "--quiet"});
+    ASSERT_EQ(out["base_parameters"].size(), static_cast<std::size_t>(beta.size()));
+    for (Eigen::Index j = 0; j < beta.size(); ++j) {
+      const json& b = out["base_parameters"][static_cast<std::size_t>(j)];
+      EXPECT_NEAR(b["value"].get<double>(), beta[j], 0.01 * beta.cwiseAbs().maxCoeff())
+          << method << " " << b["expression"];
+    }
+    for (const json& e : out["test"]["relative_error"]) EXPECT_LT(e.get<double>(), 0.01) << method;
+  }
+}
+
+TEST_F(Identify, TheTextShowsTheNumbersOfTheJson) {
+  const ToolRun done = run({});
+  const json out = json_of(folder_.path("out.json"));
+  for (const json& b : out["base_parameters"]) {
+    char value[32];
+    std::snprintf(value, sizeof value, "%.6g", b["value"].get<double>());
+    EXPECT_NE(done.out.find(value), std::string::npos) << value;
+    EXPECT_NE(done.out.find(b["expression"].get<std::string>()), std::string::npos) << b;
+  }
+  for (const char* set : {"train", "test"}) {
+    std::string line;
+    for (const json& e : out[set]["relative_error"]) {
+      char value[32];
+      std::snprintf(value, sizeof value, "%8.2f", 100.0 * e.get<double>());
+      line += value;
+    }
+    EXPECT_NE(done.out.find(line), std::string::npos) << line << "\n" << done.out;
+  }
+}
+
+TEST_F(Identify, ProgressGoesToStandardErrorAndOnlyThere) {
+  const ToolRun loud = run({});
+  const ToolRun quiet = run({"--quiet"});
+  EXPECT_NE(loud.err.find("veridyn: "), std::string::npos);
+  EXPECT_EQ(loud.err.find('\r'), std::string::npos);
+  EXPECT_EQ(quiet.err, "");
+  EXPECT_EQ(loud.out, quiet.out);
+}
+
+TEST_F(Identify, TheModelIsARobotWithTheIdentifiedValues) {
+  const std::string path = folder_.path("model.yaml");
+  const json out = result({"--model-out", path});
+  const Model model = read_model(path);
+  const std::vector<StandardParameter> parameters = standard_parameters(model);
+  ASSERT_EQ(out["standard_parameters"].size(), parameters.size());
+  for (std::size_t j = 0; j < parameters.size(); ++j) {
+    const double value = out["standard_parameters"][j]["value"];
+    EXPECT_NEAR(parameters[j].value, value, 1e-9 * (1.0 + std::abs(value))) << parameters[j].name;
+  }
+  EXPECT_EQ(run_tool({"info", path}).status, 0);
+}
+
+TEST_F(Identify, FeasibleIsNeverBelowTheUnconstrainedObjective) {
+  const json free = result({"--method", "wls"});
+  const json feasible = result({"--method", "feasible"});
+  EXPECT_TRUE(feasible["feasible"].get<bool>());
+  const double objective = free["objective"];
+  EXPECT_GE(feasible["objective"].get<double>(), objective * (1.0 - 1e-9));
+}
+
+TEST_F(Identify, SettingsSayHowToRepeatTheRun) {
+  const json s = result({"--method",        "wls",     "--weights",      "residual",
+                         "--filter-cutoff", "7.5",     "--filter-order", "3",
+                         "--filtering",     "signals", "--velocity",     "derived",
+                         "--resample",      "90",      "--drop-start",   "1.5",
+                         "--drop-end",      "0.25",    "--rows",         "100:1800",
+                         "--test-rows",     "50:",     "--decimation",   "2"})["settings"];
+  EXPECT_EQ(s["method"], "wls");
+  EXPECT_EQ(s["weights"], "residual");
+  EXPECT_EQ(s["filter_cutoff"], 7.5);
+  EXPECT_EQ(s["filter_order"], 3);
+  EXPECT_EQ(s["filtering"], "signals");
+  EXPECT_EQ(s["velocity"], "derived");
+  EXPECT_EQ(s["resample"], 90.0);
+  EXPECT_EQ(s["drop_start"], 1.5);
+  EXPECT_EQ(s["drop_end"], 0.25);
+  EXPECT_EQ(s["decimation"], 2);
+  EXPECT_EQ(s["rows"], json::array({100, 1800}));
+  EXPECT_EQ(s["test_rows"], json::array({50, nullptr}));
+  EXPECT_EQ(s["train"], json::array({train_}));
+  EXPECT_EQ(s["test"], json::array({test_}));
+}
+
+TEST_F(Identify, TestRowsAreThoseOfTrainingUnlessGiven) {
+  const json s = result({"--rows", "100:1800"})["settings"];
+  EXPECT_EQ(s["test_rows"], json::array({100, 1800}));
+}
+
+TEST_F(Identify, AHeaderlessFileGivesTheSameNumbers) {
+  std::string bare;
+  std::istringstream lines(content_of(train_));
+  std::string line;
+  std::getline(lines, line);
+  while (std::getline(lines, line)) bare += line.substr(line.find(',') + 1) + "\n";
+  const std::string path = folder_.write("bare.csv", bare);
+  const std::string json_path = folder_.path("bare.json");
+  const ToolRun done = run_tool({"identify", "planar-2r", "--train", path, "--columns", "q,dq,tau",
+                                 "--rate", "100", "--json", json_path});
+  ASSERT_EQ(done.status, 0) << done.err;
+  const json a = json_of(json_path)["base_parameters"];
+  const json b = result({})["base_parameters"];
+  for (std::size_t j = 0; j < a.size(); ++j) {
+    EXPECT_NEAR(a[j]["value"].get<double>(), b[j]["value"].get<double>(), 1e-6) << a[j];
+  }
+}
+
+TEST_F(Identify, SeveralRecordingsAndThreadsChangeNothingButTheOrder) {
+  const json one = result({"--threads", "1"});
+  const json two = result({"--threads", "2"});
+  EXPECT_EQ(one["base_parameters"], two["base_parameters"]);
+  const ToolRun done = run_tool({"identify", "planar-2r", "--train", train_, test_, "--test", test_,
+                                 train_, "--json", folder_.path("both.json"), "--threads", "2"});
+  ASSERT_EQ(done.status, 0) << done.err;
+  const json both = json_of(folder_.path("both.json"));
+  EXPECT_EQ(both["train"]["recordings"].size(), 2u);
+  EXPECT_EQ(both["test"]["recordings"][1]["source"], train_);
+  EXPECT_GT(both["rows"].get<double>(), one["rows"].get<double>());
+}
+
+TEST_F(Identify, APriorOfTheSameRobotIsAccepted) {
+  const json out = result({"--prior", "planar-2r"});
+  EXPECT_EQ(out["settings"]["prior"], "planar-2r");
+}
+
+}  // namespace
+}  // namespace veridyn

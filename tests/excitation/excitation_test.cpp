@@ -1,0 +1,134 @@
+#include "veridyn/excitation/excitation.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/SVD>
+#include <cmath>
+
+#include "support/near.hpp"
+#include "support/sample_arms.hpp"
+#include "veridyn/dynamics/rigid_body_dynamics.hpp"
+#include "veridyn/excitation/base_regressor.hpp"
+#include "veridyn/kinematics/motion_limits.hpp"
+#include "veridyn/math/require.hpp"
+#include "veridyn/model/model_file.hpp"
+
+namespace veridyn {
+namespace {
+
+ExcitationOptions small_search() {
+  ExcitationOptions options;
+  options.starts = 2;
+  options.evaluations = 40;
+  return options;
+}
+
+class ExcitationOf : public testing::TestWithParam<std::string> {};
+
+// The grid is denser than any recording and does not match that of the search.
+TEST_P(ExcitationOf, KeepsWithinTheLimitsBetweenSamples) {
+  const Model arm = read_model(GetParam());
+  const Excitation e = optimise_excitation(arm, small_search());
+  const MotionLimits limits = motion_limits(arm);
+  const MotionSamples fine = e.trajectory.samples(period_instants(e.trajectory.frequency(), 30011));
+  for (int i = 0; i < arm.joints(); ++i) {
+    const double share = 0.95 * (1.0 + 1e-9);
+    const double edge = 0.025 * (limits.upper[i] - limits.lower[i]);
+    EXPECT_GE(fine.q.col(i).minCoeff(), limits.lower[i] + edge * (1.0 - 1e-9)) << i;
+    EXPECT_LE(fine.q.col(i).maxCoeff(), limits.upper[i] - edge * (1.0 - 1e-9)) << i;
+    EXPECT_LE(fine.dq.col(i).cwiseAbs().maxCoeff(), share * limits.velocity[i]) << i;
+    EXPECT_LE(fine.ddq.col(i).cwiseAbs().maxCoeff(), share * limits.acceleration[i]) << i;
+  }
+}
+
+TEST_P(ExcitationOf, StartsAndStopsAtRest) {
+  const Excitation e = optimise_excitation(read_model(GetParam()), small_search());
+  EXPECT_GE(e.periods, 2);
+  const MotionSamples m = e.trajectory.motion(e.periods, 200.0);
+  for (const Eigen::Index row : {Eigen::Index{0}, m.rows() - 1}) {
+    EXPECT_TRUE(near(m.dq.row(row), MatrixXd::Zero(1, m.joints()), 1e-10));
+    EXPECT_TRUE(near(m.ddq.row(row), MatrixXd::Zero(1, m.joints()), 1e-9));
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Robots, ExcitationOf, testing::Values("planar-2r", "scara", "psm-3dof"),
+                         [](const auto& info) {
+                           std::string name = info.param;
+                           for (char& c : name) c = c == '-' ? '_' : c;
+                           return name;
+                         });
+
+TEST(Excitation, TheSameSeedGivesTheSameMotionOnAnyNumberOfThreads) {
+  const Model arm = read_model("scara");
+  ExcitationOptions options = small_search();
+  options.threads = 1;
+  const Excitation one = optimise_excitation(arm, options);
+  options.threads = 2;
+  const Excitation two = optimise_excitation(arm, options);
+  EXPECT_TRUE(near(one.trajectory.a(), two.trajectory.a(), 0.0));
+  EXPECT_TRUE(near(one.trajectory.q0(), two.trajectory.q0(), 0.0));
+  options.seed = 2;
+  EXPECT_GT((optimise_excitation(arm, options).trajectory.a() - one.trajectory.a()).norm(), 1e-3);
+}
+
+TEST(Excitation, SearchingImprovesOnARandomMotion) {
+  ExcitationOptions options = small_search();
+  options.evaluations = 200;
+  const Excitation e = optimise_excitation(read_model("psm-3dof"), options);
+  EXPECT_EQ(e.status, ExcitationStatus::kDone);
+  EXPECT_LT(e.condition_number, 0.7 * e.start_condition_number);
+  options.criterion = ExcitationCriterion::kDOptimal;
+  const Excitation d = optimise_excitation(read_model("psm-3dof"), options);
+  EXPECT_GT(d.log_determinant, e.log_determinant);
+}
+
+// The regressor stacked and decomposed without any of the shortcuts.
+TEST(Excitation, ConditionNumberIsThatOfTheStackedScaledRegressor) {
+  const Model arm = sample_arms().at("spherical_RRP");
+  const BaseRegressor regressor(arm);
+  Random random(3);
+  const int rows = 60;
+  MotionSamples m{VectorXd::LinSpaced(rows, 0.0, 1.0), MatrixXd(rows, 3), MatrixXd(rows, 3),
+                  MatrixXd(rows, 3)};
+  MatrixXd W(3 * rows, 10 * static_cast<Eigen::Index>(arm.bodies().size()));
+  for (int k = 0; k < rows; ++k) {
+    m.q.row(k) = random.vector(3, -1, 1).transpose();
+    m.dq.row(k) = random.vector(3, -1, 1).transpose();
+    m.ddq.row(k) = random.vector(3, -1, 1).transpose();
+    W.middleRows(3 * k, 3) = torque_regressor(arm, m.q.row(k).transpose(), m.dq.row(k).transpose(),
+                                              m.ddq.row(k).transpose());
+  }
+  const MatrixXd gram = regressor.gram(m);
+  // Base columns are among the columns: their squared norms and products are found in W' W.
+  const MatrixXd all = W.transpose() * W;
+  for (int b = 0; b < regressor.size(); ++b) {
+    EXPECT_LT((all.diagonal().array() - gram(b, b)).abs().minCoeff(), 1e-10 * gram(b, b));
+  }
+  const int rank = static_cast<int>(
+      (Eigen::JacobiSVD<MatrixXd>(W).singularValues().array() > 1e-9 * W.norm()).count());
+  EXPECT_EQ(regressor.size(), rank);
+  MatrixXd scaled = gram;
+  for (int b = 0; b < rank; ++b) {
+    for (int c = 0; c < rank; ++c) scaled(b, c) /= std::sqrt(gram(b, b) * gram(c, c));
+  }
+  const VectorXd values = Eigen::JacobiSVD<MatrixXd>(scaled).singularValues();
+  const double expected = std::sqrt(values[0] / values[rank - 1]);
+  EXPECT_NEAR(scaled_condition_number(gram), expected, 1e-6 * expected);
+}
+
+TEST(Excitation, RefusesOptionsOutOfRange) {
+  const Model arm = read_model("planar-2r");
+  const auto with = [](auto change) {
+    ExcitationOptions options = small_search();
+    change(options);
+    return options;
+  };
+  EXPECT_THROW(optimise_excitation(arm, with([](auto& o) { o.harmonics = 1; })), InvalidInput);
+  EXPECT_THROW(optimise_excitation(arm, with([](auto& o) { o.frequency = 0.0; })), InvalidInput);
+  EXPECT_THROW(optimise_excitation(arm, with([](auto& o) { o.rate = 1.0; })), InvalidInput);
+  EXPECT_THROW(optimise_excitation(arm, with([](auto& o) { o.starts = 0; })), InvalidInput);
+  EXPECT_THROW(optimise_excitation(arm, with([](auto& o) { o.limit_share = 1.5; })), InvalidInput);
+}
+
+}  // namespace
+}  // namespace veridyn

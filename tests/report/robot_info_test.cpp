@@ -1,0 +1,38 @@
+#include "veridyn/report/robot_info.hpp"
+
+#include <gtest/gtest.h>
+
+#include <sstream>
+
+#include "veridyn/model/model_file.hpp"
+
+namespace veridyn {
+namespace {
+
+TEST(RobotInfoText, FitsATerminalUnlessOneWordDoesNot) {
+  for (const std::string& robot : robot_names()) {
+    std::istringstream lines(robot_info(read_model(robot)).report());
+    for (std::string line; std::getline(lines, line);) {
+      // A source is quoted as it stands.
+      if (line.rfind("source: ", 0) == 0) continue;
+      EXPECT_LE(line.size(), 120u) << robot << ": " << line;
+      EXPECT_TRUE(line.empty() || line.back() != ' ') << robot << ": '" << line << "'";
+    }
+  }
+}
+
+TEST(RobotInfoText, NamesEveryCoordinateFrameAndParameter) {
+  for (const std::string& robot : robot_names()) {
+    const RobotInfo info = robot_info(read_model(robot));
+    const std::string text = info.report();
+    for (const Coordinate& c : info.arm.coordinates())
+      EXPECT_NE(text.find(c.name), std::string::npos);
+    for (const Frame& f : info.arm.frames()) EXPECT_NE(text.find(f.name), std::string::npos);
+    for (const StandardParameter& p : info.parameters) {
+      EXPECT_NE(text.find(p.name), std::string::npos) << robot << ": " << p.name;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace veridyn

@@ -1,0 +1,129 @@
+#include "veridyn/simulation/sensor_noise.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "simulation_support.hpp"
+#include "support/near.hpp"
+#include "veridyn/math/require.hpp"
+
+namespace veridyn {
+namespace {
+
+double rms(const VectorXd& x) {
+  return std::sqrt(x.squaredNorm() / static_cast<double>(x.size()));
+}
+
+// Correlation of neighbours.
+double correlation(const VectorXd& x, Eigen::Index lag) {
+  const Eigen::Index n = x.size() - lag;
+  return x.head(n).dot(x.tail(n)) / x.head(n).squaredNorm();
+}
+
+SimulatedRecording with(const SensorNoise& noise) {
+  return simulated(read_model("scara"), {}, noise);
+}
+
+// 2001 samples: a standard deviation is known to 1 / sqrt(2 * 2001) = 1.6 %; four of these are
+// allowed.
+constexpr double kSpread = 0.065;
+
+TEST(SensorNoise, VelocityNoiseIsWhiteAndOfItsSize) {
+  SensorNoise noise;
+  noise.velocity = {0.02, 0.003};
+  const SimulatedRecording s = with(noise);
+  const MatrixXd e = s.measured.dq - s.actual.dq;
+  EXPECT_NEAR(rms(e.col(0)) / 0.02, 1.0, kSpread);
+  EXPECT_NEAR(rms(e.col(2)) / 0.003, 1.0, kSpread);  // the quill slides
+  EXPECT_NEAR(correlation(e.col(0), 1), 0.0, 4.0 / std::sqrt(2000.0));
+  EXPECT_TRUE(near(s.measured.q, s.actual.q, 0.0));
+  EXPECT_TRUE(near(s.tau, s.actual_tau, 0.0));
+}
+
+TEST(SensorNoise, WhiteTorqueNoiseIsAShareOfTheRmsTorque) {
+  SensorNoise noise;
+  noise.torque_white = 0.05;
+  const SimulatedRecording s = with(noise);
+  for (int i = 0; i < 4; ++i) {
+    const VectorXd e = s.tau.col(i) - s.actual_tau.col(i);
+    EXPECT_NEAR(rms(e) / (0.05 * rms(s.actual_tau.col(i))), 1.0, kSpread);
+    EXPECT_NEAR(correlation(e, 1), 0.0, 4.0 / std::sqrt(2000.0));
+  }
+}
+
+// Correlation exp(-dt / T). 10 s hold about 10 / (2 * 0.02) independent samples.
+TEST(SensorNoise, ColouredTorqueNoiseHasItsCorrelationTime) {
+  SensorNoise noise;
+  noise.torque_coloured = 0.05;
+  noise.colour_seconds = 0.02;
+  const SimulatedRecording s = with(noise);
+  const VectorXd e = s.tau.col(0) - s.actual_tau.col(0);
+  EXPECT_NEAR(rms(e) / (0.05 * rms(s.actual_tau.col(0))), 1.0, 4.0 / std::sqrt(2.0 * 250.0));
+  EXPECT_NEAR(correlation(e, 1), std::exp(-0.005 / 0.02), 0.06);
+}
+
+TEST(SensorNoise, PositionsAreMultiplesOfTheEncoderStep) {
+  SensorNoise noise;
+  noise.encoder_step = {1e-3, 1e-4};
+  const SimulatedRecording s = with(noise);
+  const Eigen::ArrayXd steps = s.measured.q.col(0).array() / 1e-3;
+  EXPECT_LT((steps - steps.round()).abs().maxCoeff(), 1e-9);
+  EXPECT_LE((s.measured.q - s.actual.q).col(0).cwiseAbs().maxCoeff(), 0.5e-3 + 1e-12);
+  EXPECT_LE((s.measured.q - s.actual.q).col(2).cwiseAbs().maxCoeff(), 0.5e-4 + 1e-12);
+}
+
+TEST(SensorNoise, StaleRowsRepeatEverythingButTime) {
+  SensorNoise noise;
+  noise.stale_rows = 0.1;
+  const SimulatedRecording s = with(noise);
+  int stale = 0;
+  for (Eigen::Index k = 1; k < s.tau.rows(); ++k) {
+    if (s.measured.q.row(k) != s.measured.q.row(k - 1)) continue;
+    ++stale;
+    EXPECT_EQ(s.tau.row(k), s.tau.row(k - 1));
+    EXPECT_EQ(s.measured.dq.row(k), s.measured.dq.row(k - 1));
+    EXPECT_GT(s.measured.time[k], s.measured.time[k - 1]);
+  }
+  EXPECT_NEAR(stale / 2000.0, 0.1, 4.0 * std::sqrt(0.1 * 0.9 / 2000.0));
+}
+
+// The deviation is smooth: velocity and acceleration are its derivatives (central differences;
+// waves of at most 2 Hz and 1 mrad have third derivatives below 12 * 0.4e-3 * 12.6^3 = 10
+// mrad/s^3).
+TEST(SensorNoise, TheTrackingDeviationIsASmoothMotion) {
+  SensorNoise noise;
+  noise.tracking = {1e-3, 1e-4};
+  const SimulatedRecording s = with(noise);
+  const MotionSamples wanted = waves(4);
+  const MatrixXd q = s.actual.q - wanted.q;
+  const MatrixXd dq = s.actual.dq - wanted.dq;
+  const MatrixXd ddq = s.actual.ddq - wanted.ddq;
+  const double h = 0.005;
+  EXPECT_TRUE(near((q.bottomRows(1999) - q.topRows(1999)) / (2 * h), dq.middleRows(1, 1999),
+                   h * h / 6 * 10));
+  EXPECT_TRUE(near((dq.bottomRows(1999) - dq.topRows(1999)) / (2 * h), ddq.middleRows(1, 1999),
+                   h * h / 6 * 130));
+  EXPECT_NEAR(rms(q.col(0)), 1e-3, 0.4e-3);
+  EXPECT_NEAR(rms(q.col(2)), 1e-4, 0.4e-4);
+}
+
+TEST(SensorNoise, JointsThatStandStillStandStill) {
+  const Model arm = read_model("scara");
+  MotionSamples wanted = waves(4);
+  wanted.q.col(1).setConstant(0.2);
+  wanted.dq.col(1).setZero();
+  wanted.ddq.col(1).setZero();
+  const MotionSamples actual = with_tracking_deviation(arm, wanted, sensor_noise("dvrk"), 1);
+  EXPECT_TRUE(near(actual.q.col(1), wanted.q.col(1), 0.0));
+  EXPECT_GT((actual.q.col(0) - wanted.q.col(0)).norm(), 0.0);
+}
+
+TEST(SensorNoise, EveryPresetIsDescribed) {
+  for (const std::string& name : sensor_noise_names())
+    EXPECT_FALSE(describe(sensor_noise(name)).empty());
+  EXPECT_THROW(sensor_noise("lo"), InvalidInput);
+}
+
+}  // namespace
+}  // namespace veridyn
