@@ -12,7 +12,8 @@ step() { printf '\n== %s\n' "$*"; }
 
 step "1. Two motions for $robot that tell its parameters apart: one to identify from, one held out"
 "$tool" excite "$robot" -o "$out/train-motion.csv" --frequency 0.13 --seed 1 --quiet --json "$out/excite.json"
-"$tool" excite "$robot" -o "$out/test-motion.csv" --frequency 0.17 --seed 2 --quiet | sed -n 2p
+"$tool" excite "$robot" -o "$out/test-motion.csv" --frequency 0.17 --seed 2 --quiet \
+  | sed -n 's/^Condition/The held-out one: condition/p'
 
 step "2. A simulated arm makes them, with the noise of a da Vinci Research Kit arm"
 "$tool" simulate "$robot" --trajectory "$out/train-motion.csv" -o "$out/train.csv" \

@@ -26,6 +26,7 @@ struct Outcome {
 void add_info_command(CLI::App& tool, Outcome& outcome);
 void add_check_command(CLI::App& tool, Outcome& outcome);
 void add_identify_command(CLI::App& tool, Outcome& outcome);
+void add_diagnose_command(CLI::App& tool, Outcome& outcome);
 void add_export_command(CLI::App& tool, Outcome& outcome);
 void add_excite_command(CLI::App& tool, Outcome& outcome);
 void add_simulate_command(CLI::App& tool, Outcome& outcome);

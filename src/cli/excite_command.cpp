@@ -84,7 +84,7 @@ void add_search_options(CLI::App& command, ExcitationOptions& o) {
       ->option_text("N")
       ->check(CLI::Range(1, 100000))
       ->group(group);
-  command.add_option("--evaluations", o.evaluations, "Motions looked at in each search (500)")
+  command.add_option("--evaluations", o.evaluations, "Motions looked at in each search (1500)")
       ->option_text("N")
       ->check(CLI::Range(1, 100000000))
       ->group(group);

@@ -18,6 +18,7 @@ ExitStatus run(int argc, char** argv) {
   add_info_command(tool, outcome);
   add_check_command(tool, outcome);
   add_identify_command(tool, outcome);
+  add_diagnose_command(tool, outcome);
   add_export_command(tool, outcome);
   add_excite_command(tool, outcome);
   add_simulate_command(tool, outcome);

@@ -6,6 +6,7 @@
 #include <set>
 #include <utility>
 
+#include "geometry.hpp"
 #include "selection.hpp"
 #include "veridyn/effects/effect.hpp"
 #include "veridyn/math/parallel.hpp"
@@ -14,7 +15,8 @@
 namespace veridyn {
 namespace {
 
-constexpr int kListed = 40;  // of what the data rule out
+constexpr int kListed = 40;        // of what the data rule out
+constexpr double kWeaker = 0.3;    // a cause that gains this share of a wrong constant's gain is named as its weaker rival
 
 std::vector<CompressedRecording> compress_all(const Model& arm, const std::vector<std::string>& paths,
                                               const PreprocessingOptions& preprocessing, int threads) {
@@ -110,7 +112,7 @@ void add_findings(const Inquiry& q, const NormalBlocks& data, const Selection& s
     const Accepted& a = selection.accepted[k];
     const Hypothesis& h = q.augmented.hypotheses[static_cast<size_t>(a.evidence.hypothesis)];
     Finding f;
-    f.rank = static_cast<int>(k) + 1;
+    f.rank = static_cast<int>(d.findings.size()) + 1;
     f.effect = h.effect;
     f.joint = h.joint + 1;
     f.coordinate = q.augmented.model.coordinates()[static_cast<size_t>(h.joint)].name;
@@ -157,6 +159,67 @@ Model extended_arm(const Identification& baseline, const Inquiry& q, const Selec
   return Model(description);
 }
 
+bool asks_for(const DiagnosisOptions& options, const std::string& effect) {
+  return options.effects.empty() || std::find(options.effects.begin(), options.effects.end(), effect) != options.effects.end();
+}
+
+// How well the best effect would do in place of a wrong constant, and which ones come near.
+std::vector<std::pair<Hypothesis, double>> effects_instead(const Inquiry& q, const NormalBlocks& data, const DiagnosisOptions& options) {
+  DiagnosisOptions none = options;
+  none.max_effects = 0;
+  const Selection asked = select_effects(data, q.base, q.augmented.hypotheses, none);
+  std::vector<Evidence> all = asked.last_asked;
+  std::sort(all.begin(), all.end(), [](const Evidence& a, const Evidence& b) { return a.gain > b.gain; });
+  std::vector<std::pair<Hypothesis, double>> out;
+  std::set<std::string> named;
+  for (const Evidence& e : all) {
+    const Hypothesis& h = q.augmented.hypotheses[static_cast<size_t>(e.hypothesis)];
+    if (e.absorbed || e.sign_broken || !named.insert(h.family).second) continue;
+    out.emplace_back(h, e.gain);
+  }
+  return out;
+}
+
+// A wrong constant goes before any effect that explains no more: asked the other way round it comes back as several effects.
+std::optional<Finding> wrong_constant(const Model& arm, const std::vector<GeometryFinding>& geometry, const Inquiry& q,
+                                      const NormalBlocks& data, const DiagnosisOptions& options) {
+  if (geometry.empty() || geometry.front().gain < 2.0 * options.smallest_gain) return std::nullopt;
+  const GeometryFinding& best = geometry.front();
+  const auto instead = effects_instead(q, data, options);
+  if (!instead.empty() && best.gain < options.rival_share * instead.front().second) return std::nullopt;
+  Finding f;
+  f.rank = 1;
+  f.effect = "coupling_error";
+  const Frame& frame = arm.frames()[static_cast<size_t>(best.constant.frame)];
+  f.frame = frame.name;
+  int joint = 0;
+  for (int i = 0; i < arm.joints(); ++i) {
+    if (arm.moves(best.constant.frame, i)) joint = i;
+  }
+  f.joint = joint + 1;
+  f.coordinate = arm.coordinates()[static_cast<size_t>(joint)].name;
+  f.unit = best.constant.kind == GeometryConstant::Kind::kCoefficient ? "1" : best.constant.angle ? "rad" : "m";
+  const double t = student_t_quantile(0.05, 7.0);
+  f.parameters.push_back({"value", f.unit, best.found, best.found - t * best.deviation, best.found + t * best.deviation});
+  f.parameters.push_back({"correction", f.unit, best.found - best.constant.value, best.found - best.constant.value - t * best.deviation,
+                          best.found - best.constant.value + t * best.deviation});
+  f.gain = best.gain;
+  f.p_value = best.deviation > 0.0 ? student_t_two_sided((best.found - best.constant.value) / best.deviation, 7.0) : 0.05;
+  for (size_t k = 1; k < geometry.size(); ++k) {
+    if (geometry[k].gain < options.rival_share * best.gain) continue;
+    f.rivals.push_back({"coupling_error", f.joint, f.coordinate, "another constant, " + geometry[k].constant.name + ", would explain as much"});
+  }
+  for (const auto& [h, gain] : instead) {
+    if (gain < kWeaker * best.gain || f.rivals.size() > 5) break;
+    f.rivals.push_back({h.effect, h.joint + 1, arm.coordinates()[static_cast<size_t>(h.joint)].name,
+                        "hides it: alone it gains " + std::to_string(static_cast<int>(100.0 * gain / best.gain)) + " % as much"});
+  }
+  const std::string number = f.unit == "rad" ? std::to_string(180.0 / M_PI * best.found) + " deg" : std::to_string(best.found) + " " + f.unit;
+  const std::string stands = f.unit == "rad" ? std::to_string(180.0 / M_PI * best.constant.value) + " deg" : std::to_string(best.constant.value) + " " + f.unit;
+  f.sentence = "The robot file has a wrong constant: " + best.constant.name + " is " + stands + " there; the recordings ask for " + number + ".";
+  return f;
+}
+
 }  // namespace
 
 Diagnosis diagnose(const Model& arm, const std::vector<std::string>& train, const std::vector<std::string>& test,
@@ -176,15 +239,27 @@ Diagnosis diagnose(const Model& arm, const std::vector<std::string>& train, cons
   });
   d.baseline = identify(arm, train, test, options.identification);
   if (!d.baseline.model) return d;
-  const Inquiry q = prepare(d.baseline, train, test, options);
-  const NormalBlocks data(q.train, q.columns);
-  const Selection selection = select_effects(data, q.base, q.augmented.hypotheses, options);
+  Identification start = d.baseline;
+  Inquiry q = prepare(start, train, test, options);
+  std::optional<NormalBlocks> data(std::in_place, q.train, q.columns);
+  if (asks_for(options, "coupling_error")) {
+    const std::vector<GeometryFinding> geometry = profile_geometry(arm, train, options.identification);
+    if (std::optional<Finding> wrong = wrong_constant(arm, geometry, q, *data, options)) {
+      start = identify(with_constant(arm, geometry.front().constant, geometry.front().found), train, test, options.identification);
+      wrong->test_before = d.baseline.test_error.relative;
+      wrong->test_after = start.test_error.relative;
+      d.findings.push_back(*wrong);
+      q = prepare(start, train, test, options);
+      data.emplace(q.train, q.columns);
+    }
+  }
+  const Selection selection = select_effects(*data, q.base, q.augmented.hypotheses, options);
   std::set<std::string> families;
   for (const Hypothesis& h : q.augmented.hypotheses) families.insert(h.family);
   d.hypotheses = static_cast<int>(families.size());
-  if (!test.empty()) add_findings(q, data, selection, d);
+  if (!test.empty()) add_findings(q, *data, selection, d);
   add_the_rest(q, selection, d);
-  d.extended = selection.accepted.empty() ? d.baseline : identify(extended_arm(d.baseline, q, selection), train, test, options.identification);
+  d.extended = selection.accepted.empty() ? start : identify(extended_arm(start, q, selection), train, test, options.identification);
   d.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return d;
 }

@@ -14,6 +14,12 @@ VectorXd harmonic_numbers(Eigen::Index harmonics) {
   return VectorXd::LinSpaced(harmonics, 1.0, static_cast<double>(harmonics));
 }
 
+// At rest the sums end near the rounding error, which has a sign that friction would follow.
+void zero_rounding(MatrixXd& signal) {
+  const double rounding = 1e-12 * signal.cwiseAbs().maxCoeff();
+  signal = (signal.array().abs() > rounding).select(signal, 0.0);
+}
+
 }  // namespace
 
 FourierBasis::FourierBasis(VectorXd instants, double frequency, int harmonics)
@@ -67,6 +73,8 @@ MotionSamples FourierTrajectory::motion(int periods, double rate) const {
   const VectorXd time = VectorXd::LinSpaced(last + 1, 0.0, static_cast<double>(last)) / rate;
   MotionSamples out = samples(time.cwiseMin(end));
   out.time = time;
+  zero_rounding(out.dq);
+  zero_rounding(out.ddq);
   return out;
 }
 

@@ -37,25 +37,19 @@ class Blocks {
     }
   }
 
-  void absorb(const std::vector<JointRows>& rows, const std::vector<double>& times) {
-    size_t at = 0;
-    while (at < times.size()) {
-      while (block_of(times[at]) >= kMaxBlocks) merge_pairs();
-      const size_t block = block_of(times[at]);
-      while (blocks_.size() <= block) blocks_.push_back(fresh_);
-      size_t end = at;
-      while (end < times.size() && block_of(times[end]) == block) ++end;
-      const auto from = static_cast<Eigen::Index>(at);
-      const auto count = static_cast<Eigen::Index>(end - at);
-      for (size_t i = 0; i < rows.size(); ++i) {
-        blocks_[block][i].absorb(rows[i].A.middleRows(from, count), rows[i].b.segment(from, count));
+  void absorb(const std::vector<JointRows>& rows) {
+    for (const JointRows& joint : rows) {
+      for (Eigen::Index k = 0; k < joint.time.size(); ++k) {
+        while (block_of(joint.time[k]) >= kMaxBlocks) merge_pairs();
       }
-      at = end;
     }
+    for (size_t i = 0; i < rows.size(); ++i) absorb(i, rows[i]);
   }
 
   std::vector<std::vector<SquareRootInformation>> take() {
-    const auto empty = [](const std::vector<SquareRootInformation>& b) { return b.front().rows() == 0.0; };
+    const auto empty = [](const std::vector<SquareRootInformation>& b) {
+      return std::all_of(b.begin(), b.end(), [](const SquareRootInformation& f) { return f.rows() == 0.0; });
+    };
     blocks_.erase(std::remove_if(blocks_.begin(), blocks_.end(), empty), blocks_.end());
     return std::move(blocks_);
   }
@@ -65,6 +59,18 @@ class Blocks {
     if (period_ <= 0.0) return static_cast<size_t>(time / duration_);
     const double turns = time / period_;
     return static_cast<size_t>(kPhases * (turns - std::floor(turns)));
+  }
+
+  void absorb(size_t joint, const JointRows& rows) {
+    Eigen::Index at = 0;
+    while (at < rows.time.size()) {
+      const size_t block = block_of(rows.time[at]);
+      while (blocks_.size() <= block) blocks_.push_back(fresh_);
+      Eigen::Index end = at;
+      while (end < rows.time.size() && block_of(rows.time[end]) == block) ++end;
+      blocks_[block][joint].absorb(rows.A.middleRows(at, end - at), rows.b.segment(at, end - at));
+      at = end;
+    }
   }
 
   void merge_pairs() {
@@ -86,16 +92,6 @@ class Blocks {
   std::vector<std::vector<SquareRootInformation>> blocks_;
 };
 
-std::vector<double> kept_times(const Stretch& s, const PreprocessingOptions& options, double start) {
-  const int step = decimation(options, s.dt);
-  std::vector<double> times;
-  for (Eigen::Index k = s.core_begin; k < s.core_end; ++k) {
-    const long index = std::lround(s.time[k] / s.dt);
-    if (s.use[static_cast<size_t>(k)] != 0 && index % step == 0) times.push_back(s.time[k] - start);
-  }
-  return times;
-}
-
 CompressedRecording run_compress(const Model& arm, const std::string& source, const PreprocessingOptions& options,
                                  const MotionPeriod& period, const Pass& pass) {
   CompressedRecording out;
@@ -106,17 +102,14 @@ CompressedRecording run_compress(const Model& arm, const std::string& source, co
   Blocks blocks(columns, n, period.seconds);
   PeriodFold fold(n, period.seconds);
   out.joints.resize(static_cast<size_t>(n));
-  double start = -1.0;
   bool first = true;
   const VectorXd none = VectorXd::Zero(static_cast<Eigen::Index>(columns.parameters().size()));
   out.facts = pass([&](const Stretch& s) {
-    if (start < 0.0) start = s.time[s.core_begin];
-    const std::vector<JointRows> rows = columns.rows(s);
-    blocks.absorb(rows, kept_times(s, options, start));
+    blocks.absorb(columns.rows(s));
     const MatrixXd tau = columns.filtered_torque(s);
     for (Eigen::Index k = s.core_begin; k < s.core_end; ++k) {
       if (s.use[static_cast<size_t>(k)] == 0) continue;
-      fold.add(s.time[k] - start, tau, k);
+      fold.add(s.time[k] - s.start, tau, k);
       for (int i = 0; i < n; ++i) {
         TorqueFacts& joint = out.joints[static_cast<size_t>(i)];
         joint.minimum = first ? tau(k, i) : std::min(joint.minimum, tau(k, i));

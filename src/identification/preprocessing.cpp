@@ -48,6 +48,7 @@ std::vector<char> widened(const std::vector<char>& sound, Eigen::Index margin) {
 Stretch make_stretch(const UniformStream& stream, Eigen::Index rows, int n, const PreprocessingOptions& o, const Filters& f) {
   Stretch s;
   s.dt = stream.dt();
+  s.start = stream.start();
   s.time.resize(rows);
   s.q.resize(rows, n);
   s.tau.resize(rows, n);

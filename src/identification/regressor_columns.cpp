@@ -49,6 +49,7 @@ std::vector<MatrixXd> RegressorColumns::raw_columns(const Stretch& s) const {
   MatrixXd load;
   for (const EffectTerm& term : arm_.effects()) {
     BoundEffect effect(arm_, term);
+    effect.reset(s.start);
     if (effect.effect().needs_load() && load.size() == 0) load = rigid_torques(bodies_, arm_, s);
     MatrixXd columns(rows, effect.parameter_count());
     EffectColumns row{};
@@ -73,14 +74,19 @@ void RegressorColumns::filter(MatrixXd& columns, double dt) const {
   ZeroPhaseFilter(options_.cutoff, options_.order, 1.0 / dt).apply(columns);
 }
 
-std::vector<JointRows> RegressorColumns::rows(const Stretch& s) const {
+std::vector<Eigen::Index> RegressorColumns::kept_samples(const Stretch& s, Eigen::Index joint) const {
   const int step = decimation(options_, s.dt);
   std::vector<Eigen::Index> kept;
-  // Counted on the time grid, so that it does not matter where a stretch begins.
   for (Eigen::Index k = s.core_begin; k < s.core_end; ++k) {
-    const long index = std::lround(s.time[k] / s.dt);
-    if (s.use[static_cast<size_t>(k)] != 0 && index % step == 0) kept.push_back(k);
+    // Counted on the time grid, so that it does not matter where a stretch begins.
+    const long index = std::lround((s.time[k] - s.start) / s.dt);
+    if (s.use[static_cast<size_t>(k)] == 0 || index % step != 0) continue;
+    if (std::abs(s.dq(k, joint)) >= options_.min_speed) kept.push_back(k);
   }
+  return kept;
+}
+
+std::vector<JointRows> RegressorColumns::rows(const Stretch& s) const {
   std::vector<MatrixXd> Y = raw_columns(s);
   std::vector<JointRows> out(Y.size());
   for (size_t i = 0; i < Y.size(); ++i) {
@@ -100,12 +106,17 @@ std::vector<JointRows> RegressorColumns::rows(const Stretch& s) const {
     both.col(columns) = VectorXd(both.rightCols(1));
     both.conservativeResize(Eigen::NoChange, columns + 1);
     filter(both, s.dt);
+    const std::vector<Eigen::Index> kept = kept_samples(s, static_cast<Eigen::Index>(i));
     out[i].A.resize(static_cast<Eigen::Index>(kept.size()), columns);
+    out[i].time.resize(static_cast<Eigen::Index>(kept.size()));
     out[i].b.resize(static_cast<Eigen::Index>(kept.size()));
     for (Eigen::Index c = 0; c < columns; ++c) {
       for (size_t k = 0; k < kept.size(); ++k) out[i].A(static_cast<Eigen::Index>(k), c) = both(kept[k], c);
     }
-    for (size_t k = 0; k < kept.size(); ++k) out[i].b[static_cast<Eigen::Index>(k)] = both(kept[k], columns);
+    for (size_t k = 0; k < kept.size(); ++k) {
+      out[i].b[static_cast<Eigen::Index>(k)] = both(kept[k], columns);
+      out[i].time[static_cast<Eigen::Index>(k)] = s.time[kept[k]] - s.start;
+    }
     Y[i].resize(0, 0);
   }
   return out;

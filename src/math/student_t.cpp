@@ -40,7 +40,8 @@ double student_t_two_sided(double t, double degrees_of_freedom) {
 
 double student_t_quantile(double two_sided_probability, double degrees_of_freedom) {
   double low = 0.0;
-  double high = 1e6;
+  double high = 1.0;
+  while (student_t_two_sided(high, degrees_of_freedom) > two_sided_probability && high < 1e300) high *= 2.0;
   for (int i = 0; i < 200; ++i) {
     const double middle = 0.5 * (low + high);
     (student_t_two_sided(middle, degrees_of_freedom) > two_sided_probability ? low : high) = middle;

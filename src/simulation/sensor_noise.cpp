@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "math/random_numbers.hpp"
@@ -12,8 +13,9 @@ namespace veridyn {
 namespace {
 
 constexpr int kWaves = 12;
-constexpr double kSlowestWave = 0.2;  // [Hz]
-constexpr double kFastestWave = 2.0;
+constexpr double kSlowestWave = 0.05;  // [Hz]
+constexpr double kFastestWave = 0.5;
+constexpr double kFadeSeconds = 1.0;
 
 // Streams of random numbers, one for each kind of noise and joint: changing one amount leaves the
 // others as they were.
@@ -31,6 +33,44 @@ RandomNumbers stream(unsigned seed, Stream kind, Eigen::Index joint) {
 
 double amount(const Model& arm, const JointAmount& of, Eigen::Index joint) {
   return arm.coordinates()[static_cast<size_t>(joint)].prismatic ? of.prismatic : of.revolute;
+}
+
+// A function of time with its first two derivatives.
+struct Wave {
+  Eigen::ArrayXd value, rate, bend;
+};
+
+Wave random_waves(const VectorXd& time, double rms, RandomNumbers& random) {
+  const Eigen::ArrayXd zero = Eigen::ArrayXd::Zero(time.size());
+  Wave sum{zero, zero, zero};
+  const double size = rms * std::sqrt(2.0 / kWaves);
+  for (int k = 0; k < kWaves; ++k) {
+    const double omega = 2.0 * M_PI * random.uniform(kSlowestWave, kFastestWave);
+    const double phase = random.uniform(0.0, 2.0 * M_PI);
+    const Eigen::ArrayXd angle = omega * time.array() + phase;
+    sum.value += size * angle.sin();
+    sum.rate += size * omega * angle.cos();
+    sum.bend -= size * omega * omega * angle.sin();
+  }
+  return sum;
+}
+
+// From 0 to 1 in the first second and back in the last one, without a jump up to the second
+// derivative: 10 u^3 - 15 u^4 + 6 u^5. Shorter recordings spend half on each.
+Wave fade_in_and_out(const VectorXd& time) {
+  const Eigen::Index rows = time.size();
+  const double end = time[rows - 1];
+  const double length = std::min(kFadeSeconds, 0.5 * (end - time[0]));
+  Wave fade{Eigen::ArrayXd::Ones(rows), Eigen::ArrayXd::Zero(rows), Eigen::ArrayXd::Zero(rows)};
+  for (Eigen::Index k = 0; k < rows; ++k) {
+    const bool starting = time[k] - time[0] < end - time[k];
+    const double u = (starting ? time[k] - time[0] : end - time[k]) / length;
+    if (!(u < 1.0)) continue;
+    fade.value[k] = u * u * u * (10.0 - 15.0 * u + 6.0 * u * u);
+    fade.rate[k] = (starting ? 30.0 : -30.0) * u * u * (1.0 - u) * (1.0 - u) / length;
+    fade.bend[k] = 60.0 * u * (1.0 - u) * (1.0 - 2.0 * u) / (length * length);
+  }
+  return fade;
 }
 
 void add_torque_noise(const SensorNoise& noise, unsigned seed, Eigen::Index joint,
@@ -80,19 +120,16 @@ std::string describe(const SensorNoise& noise) {
 MotionSamples with_tracking_deviation(const Model& arm, const MotionSamples& wanted,
                                       const SensorNoise& noise, unsigned seed) {
   MotionSamples actual = wanted;
+  const Wave fade = fade_in_and_out(wanted.time);
   for (Eigen::Index i = 0; i < wanted.joints(); ++i) {
     const double rms = amount(arm, noise.tracking, i);
     if (rms == 0.0 || wanted.dq.col(i).cwiseAbs().maxCoeff() == 0.0) continue;
     RandomNumbers random = stream(seed, kTracking, i);
-    for (int wave = 0; wave < kWaves; ++wave) {
-      const double omega = 2.0 * M_PI * random.uniform(kSlowestWave, kFastestWave);
-      const double phase = random.uniform(0.0, 2.0 * M_PI);
-      const double size = rms * std::sqrt(2.0 / kWaves);
-      const Eigen::ArrayXd angle = omega * wanted.time.array() + phase;
-      actual.q.col(i).array() += size * angle.sin();
-      actual.dq.col(i).array() += size * omega * angle.cos();
-      actual.ddq.col(i).array() -= size * omega * omega * angle.sin();
-    }
+    const Wave d = random_waves(wanted.time, rms, random);
+    actual.q.col(i).array() += fade.value * d.value;
+    actual.dq.col(i).array() += fade.rate * d.value + fade.value * d.rate;
+    actual.ddq.col(i).array() +=
+        fade.bend * d.value + 2.0 * fade.rate * d.rate + fade.value * d.bend;
   }
   return actual;
 }

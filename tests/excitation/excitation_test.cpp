@@ -52,11 +52,7 @@ TEST_P(ExcitationOf, StartsAndStopsAtRest) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Robots, ExcitationOf, testing::Values("planar-2r", "scara", "psm-3dof"),
-                         [](const auto& info) {
-                           std::string name = info.param;
-                           for (char& c : name) c = c == '-' ? '_' : c;
-                           return name;
-                         });
+                         sample_arm_name);
 
 TEST(Excitation, TheSameSeedGivesTheSameMotionOnAnyNumberOfThreads) {
   const Model arm = read_model("scara");

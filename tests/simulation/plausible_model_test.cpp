@@ -25,7 +25,7 @@ Eigen::Matrix4d pseudo_inertia(const InertialParameters& phi) {
 }
 
 TEST(PlausibleModel, EveryBodyCouldExist) {
-  for (const std::string& robot : {"psm-3dof", "psm-wrist", "mtm", "ur10e"}) {
+  for (const char* robot : {"psm-3dof", "psm-wrist", "mtm", "ur10e"}) {
     for (unsigned seed = 1; seed <= 20; ++seed) {
       const PlausibleModel plausible = plausible_model(read_model(robot), seed);
       const VectorXd phi = *plausible.arm.inertial_values();

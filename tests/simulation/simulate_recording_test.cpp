@@ -13,7 +13,7 @@ namespace {
 
 // Written out again from the formulas, one state at a time.
 TEST(SimulateRecording, IdealTorquesAreInverseDynamicsPlusEffects) {
-  for (const std::string& robot : {"planar-2r", "scara", "elbow-6r"}) {
+  for (const char* robot : {"planar-2r", "scara", "elbow-6r"}) {
     const Model arm = read_model(robot);
     const SimulatedRecording s = simulated(arm, {});
     for (const Eigen::Index k : {Eigen::Index{0}, Eigen::Index{77}, Eigen::Index{2000}}) {

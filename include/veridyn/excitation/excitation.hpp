@@ -28,7 +28,7 @@ struct ExcitationOptions {
   ExcitationCriterion criterion = ExcitationCriterion::kCondition;
   int starts = 4;  ///< independent searches, of which the best wins
   /// Of the criterion in each search; the result depends on this and not on the clock.
-  int evaluations = 500;
+  int evaluations = 1500;
   /// Of the range, the speed and the acceleration that may be used, above 0 and at most 1.
   double limit_share = 0.95;
   unsigned seed = 1;

@@ -34,6 +34,8 @@ struct PreprocessingOptions {
   double drop_end = 0.5;    ///< [s] left out at its end
   long first_row = 0;       ///< rows of the file to use; the filter sees what lies around them
   long row_count = -1;      ///< -1: to the end
+  /// [rad/s] or [m/s]: rows of a joint that moves slower are left out of the fit (errors are still measured on all).
+  double min_speed = 0.0;
   /// Keep one sample in so many after the filter; 0: as many as four times the cut-off needs.
   int decimation = 0;
   std::vector<std::string> columns;  ///< for files without a header, see RecordingOptions
@@ -43,6 +45,7 @@ struct PreprocessingOptions {
 /// A stretch of uniform samples, ready for the equations of motion. Matrices are (rows x n), one contiguous column a joint.
 struct Stretch {
   double dt = 0.0;           ///< [s]
+  double start = 0.0;        ///< [s] time of the recording's first sample
   VectorXd time;             ///< (rows) [s]
   MatrixXd q, dq, ddq, tau;  ///< tau is filtered in kSignals, as recorded in kMatched
   std::vector<char> use;     ///< (rows) 0: interpolated across a gap, dropped at an edge, or outside the rows wanted

@@ -15,6 +15,7 @@ struct JointRows {
   std::vector<int> parameters;  ///< indices of the standard parameters that act on this joint
   MatrixXd A;                   ///< (samples x parameters)
   VectorXd b;                   ///< (samples) torque [N m] or [N]
+  VectorXd time;                ///< (samples) [s] since the recording began
 };
 
 /// Turns stretches of samples into rows of least squares, filtered and decimated as the options say.
@@ -44,6 +45,7 @@ class RegressorColumns {
  private:
   std::vector<MatrixXd> raw_columns(const Stretch& stretch) const;
   void filter(MatrixXd& columns, double dt) const;
+  std::vector<Eigen::Index> kept_samples(const Stretch& stretch, Eigen::Index joint) const;
 
   const Model& arm_;
   PreprocessingOptions options_;

@@ -17,7 +17,7 @@ struct JointAmount {
 /// How far a controller and its sensors are from perfect. Noise of the torque is in shares of the
 /// joint's rms torque.
 struct SensorNoise {
-  /// Rms deviation from the wanted motion: twelve waves of 0.2 to 2 Hz, smooth.
+  /// Rms deviation from the wanted motion: twelve waves of 0.05 to 0.5 Hz.
   JointAmount tracking;
   JointAmount encoder_step;      ///< positions are multiples of it; 0: exact
   JointAmount velocity;          ///< standard deviation of white noise
@@ -39,8 +39,8 @@ const std::vector<std::string>& sensor_noise_names();
 std::string describe(const SensorNoise& noise);
 
 /// The motion that the arm really makes: the wanted one plus the tracking deviation, whose velocity
-/// and acceleration are its exact derivatives. Joints that stand still in the wanted motion stand
-/// still.
+/// and acceleration are its exact derivatives. It fades in and out within a second at either end.
+/// Joints that stand still in the wanted motion stand still.
 MotionSamples with_tracking_deviation(const Model& arm, const MotionSamples& wanted,
                                       const SensorNoise& noise, unsigned seed);
 

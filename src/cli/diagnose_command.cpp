@@ -1,0 +1,77 @@
+#include <iostream>
+#include <memory>
+
+#include "commands.hpp"
+#include "common_options.hpp"
+#include "messages.hpp"
+#include "veridyn/diagnosis/diagnosis.hpp"
+#include "veridyn/math/output_file.hpp"
+#include "veridyn/math/require.hpp"
+#include "veridyn/model/effect_names.hpp"
+#include "veridyn/model/model_file.hpp"
+#include "veridyn/model/suggestion.hpp"
+#include "veridyn/report/diagnosis_json.hpp"
+
+namespace veridyn::cli {
+namespace {
+
+struct Request {
+  std::string robot;
+  std::vector<std::string> train, test;
+  std::optional<RowRange> test_rows;
+  std::string model_out;
+  DiagnosisOptions options;
+  CommonOptions common;
+};
+
+void require_known_effects(const std::vector<std::string>& names) {
+  const std::vector<std::string>& known = effect_names();
+  for (const std::string& name : names) {
+    require(std::find(known.begin(), known.end(), name) != known.end(), "--effects: found '", name,
+            "', expected a name of an effect", did_you_mean(name, known), ".");
+  }
+}
+
+ExitStatus run(Request& request) {
+  require_writable(request.common.json);
+  require_writable(request.model_out);
+  require_known_effects(request.options.effects);
+  const Model arm = read_model(request.robot);
+  IdentificationOptions& how = request.options.identification;
+  how.threads = request.common.threads;
+  how.progress = progress(request.common);
+  if (request.test_rows) {
+    how.test_preprocessing = how.preprocessing;
+    how.test_preprocessing->first_row = request.test_rows->first;
+    how.test_preprocessing->row_count = request.test_rows->count;
+  }
+  const Diagnosis d = diagnose(arm, request.train, request.test, request.options);
+  if (!d.baseline.model) {
+    say(d.baseline.reason);
+    return kDataCannotAnswer;
+  }
+  if (!request.model_out.empty()) save(d.extended, request.model_out);
+  if (!request.common.json.empty()) write_file(request.common.json, to_json(d));
+  std::cout << d.report();
+  return kDone;
+}
+
+}  // namespace
+
+void add_diagnose_command(CLI::App& tool, Outcome& outcome) {
+  const auto request = std::make_shared<Request>();
+  CLI::App& command = *tool.add_subcommand("diagnose", "What the model gets wrong, why, and what that costs");
+  add_robot_argument(command, request->robot);
+  command.add_option("--train", request->train, "Recordings to learn from")->required()->option_text("REC...");
+  command.add_option("--test", request->test, "Recordings held out, to measure the gain on")->required()->option_text("REC...");
+  command.add_option("--effects", request->options.effects, "Ask about these effects only")->delimiter(',')->option_text("NAME,...");
+  command.add_option("--max-effects", request->options.max_effects, "Findings at most")->check(CLI::Range(0, 100));
+  command.add_option("--model-out", request->model_out, "Write the extended model as YAML")->option_text("FILE");
+  add_preprocessing_options(command, request->options.identification.preprocessing);
+  add_row_range(command, "--test-rows", "Rows of the held-out recordings (default: as --rows)",
+                [request](RowRange rows) { request->test_rows = rows; });
+  add_common_options(command, request->common);
+  command.callback([request, &outcome] { outcome.status = run(*request); });
+}
+
+}  // namespace veridyn::cli
