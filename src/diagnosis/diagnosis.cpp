@@ -103,11 +103,16 @@ std::string sentence(const Inquiry& q, const Hypothesis& h, const Finding& findi
   return "Joint " + std::to_string(finding.joint) + " (" + finding.coordinate + "): " + bound.phrase(values) + ".";
 }
 
+// Share of the removable error, the square sum over joints above the noise floor, between two held-out errors.
+double explained(const VectorXd& before, const VectorXd& after, const Identification& baseline) {
+  if (before.size() == 0 || after.size() == 0) return 0.0;
+  const double floor = baseline.noise_floor.size() > 0 ? baseline.noise_floor.squaredNorm() : 0.0;
+  const double removable = baseline.test_error.relative.squaredNorm() - floor;
+  return removable > 0.0 ? (before.squaredNorm() - after.squaredNorm()) / removable : 0.0;
+}
+
 void add_findings(const Inquiry& q, const NormalBlocks& data, const Selection& selection, Diagnosis& d) {
   const std::vector<VectorXd> errors = errors_along_the_way(q, data, selection);
-  const auto square_sum = [](const VectorXd& v) { return v.squaredNorm(); };
-  const VectorXd& floor = d.baseline.noise_floor;
-  const double removable = square_sum(errors.front()) - (floor.size() > 0 ? square_sum(floor) : 0.0);
   for (size_t k = 0; k < selection.accepted.size(); ++k) {
     const Accepted& a = selection.accepted[k];
     const Hypothesis& h = q.augmented.hypotheses[static_cast<size_t>(a.evidence.hypothesis)];
@@ -122,7 +127,7 @@ void add_findings(const Inquiry& q, const NormalBlocks& data, const Selection& s
     f.gain = a.evidence.gain;
     f.test_before = errors[k];
     f.test_after = errors[k + 1];
-    if (removable > 0.0) f.explains = (square_sum(errors[k]) - square_sum(errors[k + 1])) / removable;
+    f.explains = explained(errors[k], errors[k + 1], d.baseline);
     for (const Evidence& e : a.rivals) {
       const Hypothesis& other = q.augmented.hypotheses[static_cast<size_t>(e.hypothesis)];
       f.rivals.push_back({other.effect, other.joint + 1, q.augmented.model.coordinates()[static_cast<size_t>(other.joint)].name,
@@ -180,11 +185,28 @@ std::vector<std::pair<Hypothesis, double>> effects_instead(const Inquiry& q, con
   return out;
 }
 
+// The held-out gain of correcting a constant, measured as every other gain is.
+double correction_gain(const Model& corrected, const Inquiry& q, const NormalBlocks& data, const std::vector<std::string>& train,
+                       const IdentificationOptions& how) {
+  const std::vector<CompressedRecording> factors = compress_all(corrected, train, how.preprocessing, how.threads);
+  const std::vector<std::string> names = parameter_names(standard_parameters(corrected));
+  std::vector<std::string> columns;
+  ColumnSet base;
+  for (const int j : base_parameters(corrected).independent) {
+    base.push_back(static_cast<int>(columns.size()));
+    columns.push_back(names[static_cast<size_t>(j)]);
+  }
+  return fold_gain(data, q.base, NormalBlocks(factors, columns), base);
+}
+
 // A wrong constant goes before any effect that explains no more: asked the other way round it comes back as several effects.
 std::optional<Finding> wrong_constant(const Model& arm, const std::vector<GeometryFinding>& geometry, const Inquiry& q,
-                                      const NormalBlocks& data, const DiagnosisOptions& options) {
-  if (geometry.empty() || geometry.front().gain < 2.0 * options.smallest_gain) return std::nullopt;
-  const GeometryFinding& best = geometry.front();
+                                      const NormalBlocks& data, const std::vector<std::string>& train, const DiagnosisOptions& options) {
+  if (geometry.empty()) return std::nullopt;
+  GeometryFinding best = geometry.front();
+  const double profiled = best.gain;
+  best.gain = correction_gain(with_constant(arm, best.constant, best.found), q, data, train, options.identification);
+  if (best.gain < 2.0 * options.smallest_gain) return std::nullopt;
   const auto instead = effects_instead(q, data, options);
   if (!instead.empty() && best.gain < options.rival_share * instead.front().second) return std::nullopt;
   Finding f;
@@ -206,7 +228,7 @@ std::optional<Finding> wrong_constant(const Model& arm, const std::vector<Geomet
   f.gain = best.gain;
   f.p_value = best.deviation > 0.0 ? student_t_two_sided((best.found - best.constant.value) / best.deviation, 7.0) : 0.05;
   for (size_t k = 1; k < geometry.size(); ++k) {
-    if (geometry[k].gain < options.rival_share * best.gain) continue;
+    if (geometry[k].gain < options.rival_share * profiled) continue;
     f.rivals.push_back({"coupling_error", f.joint, f.coordinate, "another constant, " + geometry[k].constant.name + ", would explain as much"});
   }
   for (const auto& [h, gain] : instead) {
@@ -244,10 +266,11 @@ Diagnosis diagnose(const Model& arm, const std::vector<std::string>& train, cons
   std::optional<NormalBlocks> data(std::in_place, q.train, q.columns);
   if (asks_for(options, "coupling_error")) {
     const std::vector<GeometryFinding> geometry = profile_geometry(arm, train, options.identification);
-    if (std::optional<Finding> wrong = wrong_constant(arm, geometry, q, *data, options)) {
+    if (std::optional<Finding> wrong = wrong_constant(arm, geometry, q, *data, train, options)) {
       start = identify(with_constant(arm, geometry.front().constant, geometry.front().found), train, test, options.identification);
       wrong->test_before = d.baseline.test_error.relative;
       wrong->test_after = start.test_error.relative;
+      wrong->explains = explained(wrong->test_before, wrong->test_after, d.baseline);
       d.findings.push_back(*wrong);
       q = prepare(start, train, test, options);
       data.emplace(q.train, q.columns);

@@ -44,6 +44,27 @@ NormalBlocks::Sums summed(const NormalBlocks& data, const std::vector<int>& clus
   return out;
 }
 
+// One over the mean square residual of every joint, iterated twice.
+VectorXd joint_weights(const NormalBlocks& data, const ColumnSet& set) {
+  const NormalBlocks::Sums& all = data.total();
+  VectorXd w = all.rows.array() / all.b2.array().max(1e-300);
+  for (int round = 0; round < 2; ++round) {
+    const VectorXd x = data.solve(set, w, all, nullptr);
+    w = all.rows.array() / data.residual2(set, x, all).array().max(1e-12 * all.b2.array().max(1e-290));
+  }
+  return w;
+}
+
+// Mean square of every joint on a fold, from the others.
+VectorXd held_out_error(const NormalBlocks& data, const ColumnSet& set, const VectorXd& w, const NormalBlocks::Sums& fold) {
+  const VectorXd x = data.solve(set, w, data.total(), &fold);
+  return data.residual2(set, x, fold).array() / fold.rows.array().max(1.0);
+}
+
+double log_fall(const VectorXd& before, const VectorXd& after) {
+  return (before.array().max(1e-300).log() - after.array().max(1e-300).log()).sum();
+}
+
 class Selector {
  public:
   Selector(const NormalBlocks& data, const ColumnSet& base, const std::vector<Hypothesis>& hypotheses,
@@ -73,27 +94,12 @@ class Selector {
     return set;
   }
 
-  VectorXd weights(const ColumnSet& set) const {
-    VectorXd w = data_.total().rows.array() / data_.total().b2.array().max(1e-300);
-    for (int round = 0; round < 2; ++round) {
-      const VectorXd x = data_.solve(set, w, data_.total(), nullptr);
-      w = data_.total().rows.array() / data_.residual2(set, x, data_.total()).array().max(1e-12 * data_.total().b2.array().max(1e-290));
-    }
-    return w;
-  }
+  VectorXd weights(const ColumnSet& set) const { return joint_weights(data_, set); }
 
   Score score(const ColumnSet& set, const VectorXd& w) const {
     Score out;
-    for (const auto& fold : folds_) {
-      const VectorXd x = data_.solve(set, w, data_.total(), &fold);
-      const VectorXd r2 = data_.residual2(set, x, fold);
-      out.fold_errors.push_back(r2.array() / fold.rows.array().max(1.0));
-    }
+    for (const auto& fold : folds_) out.fold_errors.push_back(held_out_error(data_, set, w, fold));
     return out;
-  }
-
-  static double fall(const VectorXd& before, const VectorXd& after) {
-    return (before.array().max(1e-300).log() - after.array().max(1e-300).log()).sum();
   }
 
   // Everything but the Wald test.
@@ -118,7 +124,7 @@ class Selector {
     // The mean over folds and not the fall of the pooled error: one recording with a fault of its own must not outvote the others.
     int better = 0;
     for (size_t f = 0; f < folds_.size(); ++f) {
-      const double d = fall(before.fold_errors[f], after.fold_errors[f]);
+      const double d = log_fall(before.fold_errors[f], after.fold_errors[f]);
       e.gain += d / static_cast<double>(folds_.size());
       better += static_cast<int>(d > 0.0);
     }
@@ -311,6 +317,18 @@ class Selector {
 };
 
 }  // namespace
+
+double fold_gain(const NormalBlocks& before, const ColumnSet& base_before, const NormalBlocks& after, const ColumnSet& base_after) {
+  const VectorXd w_before = joint_weights(before, base_before);
+  const VectorXd w_after = joint_weights(after, base_after);
+  const auto folds = make_folds(before);
+  double sum = 0.0;
+  for (const auto& fold : folds) {
+    sum += log_fall(held_out_error(before, base_before, w_before, summed(before, fold)),
+                    held_out_error(after, base_after, w_after, summed(after, fold)));
+  }
+  return sum / static_cast<double>(folds.size());
+}
 
 ColumnSet columns_of(const NormalBlocks& data, const Hypothesis& hypothesis) {
   ColumnSet out;

@@ -38,6 +38,10 @@ struct Selection {
 Selection select_effects(const NormalBlocks& data, const ColumnSet& base, const std::vector<Hypothesis>& hypotheses,
                          const DiagnosisOptions& options);
 
+/// Mean over the held-out folds of the fall of the sum over joints of ln(mean square) from one model of the same
+/// recordings to another.
+double fold_gain(const NormalBlocks& before, const ColumnSet& base_before, const NormalBlocks& after, const ColumnSet& base_after);
+
 /// Column indices of a hypothesis.
 ColumnSet columns_of(const NormalBlocks& data, const Hypothesis& hypothesis);
 

@@ -56,15 +56,26 @@ std::vector<std::string> undetermined_parameters(const BaseParameters& arm_base,
   return out;
 }
 
+// The regressor at random states without the columns of facts, as the recordings' factors have it.
+SquareRootInformation identifiable_factor(const Model& arm, unsigned seed, const std::vector<std::string>& still = {}) {
+  constexpr int kStates = 200;
+  const SquareRootInformation all = random_state_factor(arm, kStates, seed, still);
+  std::vector<std::string> free;
+  for (const StandardParameter& p : standard_parameters(arm)) {
+    if (!p.fixed) free.push_back(p.name);
+  }
+  return static_cast<int>(free.size()) == all.size() ? all : all.restricted(free).restricted(all.columns());
+}
+
 // True, and says so, if the recordings leave the arm's base parameters open.
 bool rank_deficient(const Model& arm, const BaseParameters& arm_base, const SquareRootInformation& total, Identification& id) {
   const auto parameters = standard_parameters(arm);
   const BaseParameters data_base = base_parameters(total, preferred_columns(parameters));
   id.rank_gap = data_base.rank_gap;
   if (data_base.size() >= arm_base.size() && id.still_joints.empty()) return false;
-  const SquareRootInformation structure = random_state_factor(arm, 200, 3, id.still_joints);
+  const SquareRootInformation structure = identifiable_factor(arm, 3, id.still_joints);
   const BaseParameters& determined = id.still_joints.empty() ? data_base : base_parameters(structure, preferred_columns(parameters));
-  id.undetermined = undetermined_parameters(arm_base, determined, random_state_factor(arm, 200, 3).column_norms());
+  id.undetermined = undetermined_parameters(arm_base, determined, identifiable_factor(arm, 3).column_norms());
   id.status = IdentificationStatus::kRankDeficient;
   std::string still;
   for (const std::string& name : id.still_joints) still += (still.empty() ? "joint " : ", ") + name;
@@ -198,7 +209,7 @@ void describe_base(const Model& arm, const BaseParameters& base, const VectorXd&
 void solve(const Model& arm, const std::vector<CompressedRecording>& recordings, const IdentificationOptions& options, Identification& id) {
   const auto parameters = standard_parameters(arm);
   const std::vector<std::string> names = parameter_names(parameters);
-  const BaseParameters base = base_parameters(random_state_factor(arm, 200, 1), preferred_columns(parameters));
+  const BaseParameters base = base_parameters(identifiable_factor(arm, 1), preferred_columns(parameters));
   VectorXd weights = range_weights(recordings);
   SquareRootInformation total = weighted_total(recordings, weights, names);
   if (rank_deficient(arm, base, total, id)) return;

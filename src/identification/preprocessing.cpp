@@ -14,18 +14,19 @@ namespace {
 
 constexpr Eigen::Index kCore = 2048;        // samples of one stretch
 constexpr double kHaloRemainder = 1e-9;     // what a cut leaves of itself at the core
+constexpr Eigen::Index kDerivatives = 4;    // samples on either side that two central differences lean on
 constexpr double kNyquistShare = 0.45;      // a light filter above this share of the rate is left away
 
 struct Filters {
   std::optional<ZeroPhaseFilter> main;
   std::optional<ZeroPhaseFilter> light;
-  Eigen::Index halo = 0;
+  Eigen::Index halo = kDerivatives;
 
   Filters(const PreprocessingOptions& o, double dt) {
     const double rate = 1.0 / dt;
     if (o.cutoff <= 0.0) return;
     main.emplace(o.cutoff, o.order, rate);
-    halo = main->settling_samples(kHaloRemainder);
+    halo += main->settling_samples(kHaloRemainder);
     const double light_cutoff = o.signal_cutoff_ratio * o.cutoff;
     if (o.filtering == Filtering::kMatched && light_cutoff < kNyquistShare * rate) {
       light.emplace(light_cutoff, o.order, rate);
@@ -84,10 +85,12 @@ PreparationFacts run(const Model& arm, UniformStream& stream, const Preprocessin
   const Filters filters(o, dt);
   PreparationFacts facts;
   facts.dt = dt;
+  // So far is read ahead: the filters settle, and what is dropped at the end is known to be there.
+  const Eigen::Index ahead = std::max(filters.halo, static_cast<Eigen::Index>(std::ceil(o.drop_end / dt)));
   Eigen::Index behind = 0;  // settled samples held in front of the core
   Eigen::Index discard = 0;
   while (true) {
-    const Eigen::Index held = stream.hold(behind + kCore + filters.halo + 1, discard);
+    const Eigen::Index held = stream.hold(behind + kCore + ahead + 1, discard);
     const bool last = stream.ended() && held <= behind + kCore + filters.halo;
     const Eigen::Index rows = last ? held : behind + kCore + filters.halo;
     Stretch s = make_stretch(stream, rows, arm.joints(), o, filters);

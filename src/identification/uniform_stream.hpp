@@ -58,7 +58,7 @@ class UniformStream {
   double dt_ = 0.0;
   double step_ = 0.0;  ///< median step of the file [s]
   double t_first_ = 0.0;
-  double t_wanted_first_ = -1e300;
+  double t_wanted_first_ = 1e300;  ///< until the first wanted row is read, nothing is wanted
   double t_wanted_last_ = 1e300;
   long next_index_ = 0;
   long first_index_ = 0;

@@ -86,7 +86,7 @@ INSTANTIATE_TEST_SUITE_P(Arms, OfTextbookArms, testing::Values("planar-2r", "sca
 });
 
 // What is wrong without noise is the derivative of the velocity, (w h)^4 / 30 = 3e-8 at 1 Hz, and what the ends of the
-// light filter leave after 1.2 s and 0.5 s, about 1e-5 of a sample: 1e-4 of the largest of a base parameter's kind.
+// light filter leave after 1.2 s and 0.5 s, about 1e-5 of a sample. So: 1e-4 of itself, or 1e-6 of the largest of its unit.
 TEST_P(OfTextbookArms, CleanRecordingsGiveTheTruthBack) {
   const Recording r = synthetic_recording(arm_, lasting(30.0));
   const std::map<std::string, double> truth = true_base(arm_);
@@ -96,7 +96,12 @@ TEST_P(OfTextbookArms, CleanRecordingsGiveTheTruthBack) {
     ASSERT_EQ(id.base.size(), truth.size());
     for (const BaseValue& b : id.base) {
       ASSERT_EQ(truth.count(b.expression), 1U) << b.expression;
-      EXPECT_NEAR(b.value, truth.at(b.expression), 1e-4 * (std::abs(truth.at(b.expression)) + 1e-3)) << b.expression;
+      double largest = 0.0;
+      for (const BaseValue& other : id.base) {
+        if (other.unit == b.unit) largest = std::max(largest, std::abs(other.value));
+      }
+      const double expected = truth.at(b.expression);
+      EXPECT_NEAR(b.value, expected, std::max(1e-4 * std::abs(expected), 1e-6 * largest)) << b.expression;
     }
     EXPECT_LT(torque_difference(arm_, id.parameters, true_parameters(arm_)), 1e-4);
     EXPECT_LT(id.train_error.relative.maxCoeff(), 1e-4);
@@ -105,7 +110,6 @@ TEST_P(OfTextbookArms, CleanRecordingsGiveTheTruthBack) {
   }
 }
 
-// The signals filtered instead of the columns, but without a cut-off that hurts.
 TEST_P(OfTextbookArms, TheOptionsOfPreprocessingDoNotMoveTheTruth) {
   const Recording r = synthetic_recording(arm_, lasting(30.0));
   IdentificationOptions o = with(Method::kOls);
@@ -113,7 +117,8 @@ TEST_P(OfTextbookArms, TheOptionsOfPreprocessingDoNotMoveTheTruth) {
     for (const VelocitySource velocity : {VelocitySource::kRecorded, VelocitySource::kDerived}) {
       o.preprocessing.cutoff = cutoff;
       o.preprocessing.velocity = velocity;
-      // A derivative of a derivative loses twice.
+      // The ends' transients die away as fast as the cut-off is high. A derivative of a derivative loses twice.
+      o.preprocessing.drop_start = o.preprocessing.drop_end = cutoff > 0.0 ? std::max(1.2, 6.0 / cutoff) : 0.1;
       EXPECT_LT(torque_difference(arm_, identify(arm_, r, o).parameters, true_parameters(arm_)), 3e-4) << cutoff;
     }
   }
@@ -196,6 +201,9 @@ TEST(Coulomb, IsRightWithMatchedFilteringAndBiasedWithFilteredSignals) {
 
 // ---- feasible ------------------------------------------------------------------------------------------------------
 
+// Of one sum of squares over two sets of columns.
+constexpr double kRounding = 1e-12;
+
 class FeasibleFits : public testing::TestWithParam<std::string> {
  protected:
   const Model arm_ = robot(GetParam());
@@ -213,7 +221,7 @@ TEST_P(FeasibleFits, ArePossibleAndNeverBelowTheUnconstrainedOnes) {
   EXPECT_TRUE(id.feasible);
   EXPECT_TRUE(every_body_possible(arm_, id.parameters));
   EXPECT_EQ(free.feasible, every_body_possible(arm_, free.parameters));
-  EXPECT_GE(id.objective, id.unconstrained_objective);
+  EXPECT_GE(id.objective, id.unconstrained_objective * (1.0 - kRounding));
   EXPECT_DOUBLE_EQ(id.unconstrained_objective, free.objective);
   EXPECT_LE(id.duality_gap, 1e-8);
   // Signs of friction and boxes of the file hold as well.
@@ -233,7 +241,7 @@ TEST_P(FeasibleFits, OfTheWeakerConditionFitBetter) {
   o.condition = PhysicalCondition::kPrincipalMoments;
   const Identification weak = identify(arm_, noisy_, o);
   EXPECT_LE(weak.objective, strict.objective * (1.0 + 1e-8));
-  EXPECT_GE(weak.objective, weak.unconstrained_objective);
+  EXPECT_GE(weak.objective, weak.unconstrained_objective * (1.0 - kRounding));
   EXPECT_EQ(weak.feasible, every_body_possible(arm_, weak.parameters));
 }
 

@@ -12,8 +12,9 @@ namespace veridyn {
 struct DiagnosisOptions {
   IdentificationOptions identification;  ///< preprocessing, weights and threads are taken from here
   std::vector<std::string> effects;      ///< names to ask about; empty: all that the tool knows
-  int max_effects = 12;                  ///< findings at most
-  /// An effect is accepted when the sum over joints of ln(held-out mean square error) falls by more than this ...
+  int max_effects = 20;                  ///< findings at most
+  /// An effect is accepted when the sum over joints of ln(held-out mean square error) falls by more than this, in the
+  /// mean over the folds (recordings, or phases of the period of a single one), ...
   double smallest_gain = 0.03;
   /// ... in this share of the held-out folds (of four or more one may always disagree), and ...
   double fold_share = 0.8;
