@@ -12,8 +12,8 @@ step() { printf '\n== %s\n' "$*"; }
 
 step "1. Two motions for $robot that tell its parameters apart: one to identify from, one held out"
 "$tool" excite "$robot" -o "$out/train-motion.csv" --frequency 0.13 --seed 1 --quiet --json "$out/excite.json"
-"$tool" excite "$robot" -o "$out/test-motion.csv" --frequency 0.17 --seed 2 --quiet \
-  | sed -n 's/^Condition/The held-out one: condition/p'
+"$tool" excite "$robot" -o "$out/test-motion.csv" --frequency 0.17 --seed 2 --quiet >"$out/test-motion.txt"
+sed -n 's/^Condition/The held-out one: condition/p' "$out/test-motion.txt"
 
 step "2. A simulated arm makes them, with the noise of a da Vinci Research Kit arm"
 "$tool" simulate "$robot" --trajectory "$out/train-motion.csv" -o "$out/train.csv" \
@@ -22,7 +22,8 @@ step "2. A simulated arm makes them, with the noise of a da Vinci Research Kit a
 
 step "3. Identification, which sees the recordings and nothing of the truth"
 "$tool" identify "$robot" --train "$out/train.csv" --test "$out/test.csv" --quiet \
-  --model-out "$out/identified.yaml" --json "$out/identified.json" | sed -n '1,/noise floor/p'
+  --model-out "$out/identified.yaml" --json "$out/identified.json" >"$out/identified.txt"
+sed '/noise floor/q' "$out/identified.txt"
 
 step "4. What was found, against the truth"
 "$tool" info "$out/truth.yaml" --quiet --json "$out/truth.json" >/dev/null
@@ -38,8 +39,8 @@ awk '
     if (!(name in truth)) next
     size = found[name] < 0 ? -found[name] : found[name]
     printf "%.6f\t%-34s %12.5f %12.5f +- %.5f  %s\n", error[name] / (size + 1e-12), name, truth[name], found[name], error[name], unit }
-' "$out/truth.json" "$out/identified.json" | sort -n | head -n 10 | cut -f 2- >"$out/compared.txt"
+' "$out/truth.json" "$out/identified.json" >"$out/compared.txt"
 printf '%-34s %12s %12s\n' "base parameter" "truth" "identified"
-cat "$out/compared.txt"
+sort -n "$out/compared.txt" | head -n 10 | cut -f 2-
 
 printf '\nThe identified model: %s\n' "$out/identified.yaml"

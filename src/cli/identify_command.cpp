@@ -69,6 +69,8 @@ void add_fit_options(CLI::App& command, Request& request) {
   add_choice(command, "--condition", options.condition,
              {PhysicalCondition::kPseudoInertia, PhysicalCondition::kPrincipalMoments},
              "What makes a body physical, with --method feasible");
+  add_choice(command, "--signs", options.signs, {EffectSigns::kPhysical, EffectSigns::kAny},
+             "Signs of friction, inertia and stiffness, with --method feasible");
   command.add_option("--prior", request.prior, "Model to stay close to, with --method feasible")
       ->option_text("MODEL");
 }

@@ -74,7 +74,8 @@ class Selector {
     for (const Hypothesis& h : hypotheses) columns_.push_back(columns_of(data, h));
     std::set<std::string> families;
     for (const Hypothesis& h : hypotheses) families.insert(h.family);
-    families_ = static_cast<double>(std::max<size_t>(1, families.size()));
+    // One recording gives eight clusters only: the folds decide there, and the names are provisional.
+    families_ = several_recordings() ? static_cast<double>(std::max<size_t>(1, families.size())) : 1.0;
   }
 
   Selection run() {
@@ -87,6 +88,8 @@ class Selector {
   struct Score {
     std::vector<VectorXd> fold_errors;  // per fold: mean square per joint
   };
+
+  bool several_recordings() const { return data_.recording_of(data_.clusters() - 1) > 0; }
 
   ColumnSet set_with(const std::vector<int>& chosen) const {
     ColumnSet set = base_;

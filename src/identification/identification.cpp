@@ -15,6 +15,9 @@ namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kStillRevolute = 2e-3;   // [rad] a joint that travels less than this does not move
+// [kg, kg m^2] of every pseudo-inertia: a body is not only possible but has a size, so that simulations of it run.
+constexpr double kSmallestEigenvalue = 1e-8;
+constexpr double kGap = 1e-6;  // of the feasible solve; far below what a sample more or less changes
 constexpr double kStillPrismatic = 2e-4;  // [m]
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
@@ -100,14 +103,18 @@ struct Bounds {
 };
 
 // Signs of effects and the boxes that the robot file declares.
-Bounds parameter_bounds(const Model& arm, const std::vector<StandardParameter>& parameters) {
+Bounds parameter_bounds(const Model& arm, const std::vector<StandardParameter>& parameters, EffectSigns signs) {
   Bounds bounds;
   const auto count = static_cast<Eigen::Index>(parameters.size());
   const auto unit = [count](Eigen::Index j, double sign) { return VectorXd(sign * VectorXd::Unit(count, j)); };
   for (Eigen::Index j = 0; j < count; ++j) {
     const StandardParameter& p = parameters[static_cast<size_t>(j)];
     if (p.fixed || p.effect < 0) continue;
-    if (std::isfinite(p.lower)) bounds.add(unit(j, -1.0), -p.lower, text(p.name, " >= ", p.lower));
+    const double most = arm.description().box.effect_max;
+    const bool signed_by_nature = std::isfinite(p.lower) && signs == EffectSigns::kPhysical;
+    if (signed_by_nature) bounds.add(unit(j, -1.0), -p.lower, text(p.name, " >= ", p.lower));
+    if (most > 0.0) bounds.add(unit(j, 1.0), most, text(p.name, " <= ", most));
+    if (most > 0.0 && !signed_by_nature) bounds.add(unit(j, -1.0), most, text(p.name, " >= ", -most));
   }
   for (size_t b = 0; b < arm.bodies().size(); ++b) {
     const Frame& frame = arm.frames()[arm.bodies()[b]];
@@ -118,6 +125,13 @@ Bounds parameter_bounds(const Model& arm, const std::vector<StandardParameter>& 
     const double reach = own.com_reach > 0.0 ? own.com_reach : all.com_reach;
     const auto first = static_cast<Eigen::Index>(kBodyParameters * b);
     if (mass_max > 0.0) bounds.add(unit(first, 1.0), mass_max, text("m_", frame.name, " <= ", mass_max));
+    if (reach > 0.0) {
+      // No mass farther than twice the reach: trace of the second moments <= (2 reach)^2 m. It also keeps what the data leave open
+      // from drifting to infinity.
+      VectorXd row = -4.0 * reach * reach * unit(first, 1.0);
+      for (const int c : {4, 6, 9}) row[first + c] = 0.5;
+      bounds.add(row, 0.0, text("mass of ", frame.name, " lies within ", 2.0 * reach, " m"));
+    }
     for (Eigen::Index c = 1; c <= 3 && reach > 0.0; ++c) {
       for (const double sign : {1.0, -1.0}) {
         bounds.add(unit(first + c, sign) - reach * unit(first, 1.0), 0.0, text("|com of ", frame.name, "| <= ", reach));
@@ -146,10 +160,12 @@ FeasibleProblem feasible_problem(const Model& arm, const SquareRootInformation& 
 
 void solve_feasible(const Model& arm, const SquareRootInformation& total, const IdentificationOptions& options, Identification& id) {
   const auto parameters = standard_parameters(arm);
-  const Bounds bounds = parameter_bounds(arm, parameters);
+  const Bounds bounds = parameter_bounds(arm, parameters, options.signs);
   const FeasibleProblem problem = feasible_problem(arm, total, bounds);
   FeasibleOptions solver;
   solver.condition = options.condition;
+  solver.gap_tolerance = kGap;
+  solver.eigenvalue_margin = kSmallestEigenvalue;
   if (options.prior) {
     const auto phi = options.prior->inertial_values();
     require(phi && phi->size() == kBodyParameters * static_cast<int>(arm.bodies().size()),
@@ -256,6 +272,7 @@ Identification start(const Model& arm, const IdentificationOptions& options) {
   id.method = options.method;
   id.weights = options.weights;
   id.condition = options.condition;
+  id.signs = options.signs;
   if (options.prior) id.prior = options.prior->name();
   id.preprocessing = options.preprocessing;
   id.test_preprocessing = options.test_preprocessing.value_or(options.preprocessing);

@@ -92,6 +92,8 @@ class ModelWriter {
       parts.push_back("mass_max: " + numbers_.number(place + "/mass_max", box.mass_max));
     if (box.com_reach != 0.0)
       parts.push_back("com_reach: " + numbers_.number(place + "/com_reach", box.com_reach));
+    if (box.effect_max != 0.0)
+      parts.push_back("effect_max: " + numbers_.number(place + "/effect_max", box.effect_max));
     return parts.empty() ? "" : "box: {" + listed(parts) + "}";
   }
 

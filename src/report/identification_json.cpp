@@ -68,6 +68,7 @@ Json settings_json(const Identification& id) {
           {"method", name_of(id.method)},
           {"weights", id.method == Method::kOls ? Json() : Json(name_of(id.weights))},
           {"condition", id.method == Method::kFeasible ? Json(name_of(id.condition)) : Json()},
+          {"signs", id.method == Method::kFeasible ? Json(name_of(id.signs)) : Json()},
           {"prior", id.prior.empty() ? Json() : Json(id.prior)},
           {"filter_cutoff", o.cutoff},
           {"filter_order", o.order},

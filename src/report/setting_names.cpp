@@ -30,6 +30,10 @@ const char* name_of(PhysicalCondition condition) {
   return "";
 }
 
+const char* name_of(EffectSigns signs) {
+  return signs == EffectSigns::kPhysical ? "physical" : "any";
+}
+
 const char* name_of(Filtering filtering) {
   return filtering == Filtering::kMatched ? "matched" : "signals";
 }

@@ -23,10 +23,17 @@ enum class JointWeights {
   kResidual,  ///< 1 / standard deviation of the joint's residual after ordinary least squares
 };
 
+/// What feasible least squares asks of the effects' parameters.
+enum class EffectSigns {
+  kPhysical,  ///< friction, inertia and stiffness are not negative
+  kAny,       ///< their sign is free, as in most published identifications; for comparison
+};
+
 struct IdentificationOptions {
   Method method = Method::kFeasible;
   JointWeights weights = JointWeights::kRange;
   PhysicalCondition condition = PhysicalCondition::kPseudoInertia;  ///< for kFeasible
+  EffectSigns signs = EffectSigns::kPhysical;  ///< for kFeasible
   PreprocessingOptions preprocessing;
   std::optional<PreprocessingOptions> test_preprocessing;  ///< of held-out recordings; empty: the same
   /// kFeasible: pull toward this model's inertial parameters by the entropic divergence; its bodies need values.
@@ -75,6 +82,7 @@ struct Identification {
   Method method = Method::kFeasible;
   JointWeights weights = JointWeights::kRange;
   PhysicalCondition condition = PhysicalCondition::kPseudoInertia;
+  EffectSigns signs = EffectSigns::kPhysical;
   std::string prior;  ///< name of the prior's model; empty: none
   PreprocessingOptions preprocessing, test_preprocessing;
   double rows = 0.0;

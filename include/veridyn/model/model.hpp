@@ -48,7 +48,9 @@ InertialParameters inertial_parameters(double mass, const Eigen::Vector3d& com,
 /// keeps to them and needs them for a rigorous duality gap.
 struct ParameterBox {
   double mass_max = 0.0;   ///< [kg]; 0: none
-  double com_reach = 0.0;  ///< [m] largest |c_x|, |c_y|, |c_z|; 0: none
+  double com_reach = 0.0;  ///< [m] largest |c_x|, |c_y|, |c_z|; no mass lies twice as far from the origin; 0: none
+  /// Largest |value| of every parameter of every effect, in SI units (top level only); 0: none.
+  double effect_max = 0.0;
 };
 
 /// A rigid body that moves with its frame.

@@ -9,6 +9,7 @@ namespace veridyn {
 const char* name_of(Method method);                ///< ols, wls, feasible
 const char* name_of(JointWeights weights);         ///< range, residual
 const char* name_of(PhysicalCondition condition);  ///< pseudo-inertia, principal-moments, none
+const char* name_of(EffectSigns signs);            ///< physical, any
 const char* name_of(Filtering filtering);          ///< matched, signals
 const char* name_of(VelocitySource velocity);      ///< recorded, derived
 const char* name_of(IdentificationStatus status);  ///< done, rank-deficient, no-data, not-converged
