@@ -65,7 +65,7 @@ void expect_no_worse(const std::vector<double>& found, const std::vector<double>
 
 void expect_about(const std::vector<double>& found, const std::vector<double>& target) {
   ASSERT_EQ(found.size(), target.size());
-  for (std::size_t i = 0; i < found.size(); ++i) EXPECT_NEAR(found[i], target[i], 2.0) << "joint " << i + 1;
+  for (std::size_t i = 0; i < found.size(); ++i) EXPECT_NEAR(found[i], target[i], 2.5) << "joint " << i + 1;
 }
 
 // Settings of the published code for psm-wrist.
@@ -162,7 +162,8 @@ TEST_F(RealRecordings, ABrokenFileIsToldApart) {
       {"check", file("ur10e/broken-file-2019-09-27.csv"), "--json", folder_.path("check.json")});
   ASSERT_EQ(run.status, 0) << run.err;
   bool absurd = false;
-  for (const json& finding : json_of(folder_.path("check.json"))["data_quality"]) {
+  const json out = json_of(folder_.path("check.json"));
+  for (const json& finding : out["data_quality"]) {
     absurd = absurd || finding["finding"] == "absurd_numbers";
   }
   EXPECT_TRUE(absurd) << run.out;

@@ -46,7 +46,7 @@ TEST(Usage, HelpNamesEveryCommandAndEveryOption) {
 }
 
 TEST(Usage, NoCommandListsTheCommands) {
-  expect_usage_error({}, "expected one of info, check, identify, export");
+  expect_usage_error({}, "expected one of info, check, identify");
 }
 
 TEST(Usage, AMisspeltCommandIsCorrected) {
