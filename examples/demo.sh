@@ -1,5 +1,5 @@
 #!/bin/sh
-# The whole way on a built-in example: excite -> simulate -> identify -> compare with the truth.
+# The whole way on a built-in example: excite -> simulate -> identify -> compare with the truth -> diagnose a hidden effect.
 #
 #   demo.sh TOOL FOLDER      TOOL: the veridyn program; FOLDER: where the files go
 set -eu
@@ -43,4 +43,24 @@ awk '
 printf '%-34s %12s %12s\n' "base parameter" "truth" "identified"
 sort -n "$out/compared.txt" | head -n 10 | cut -f 2-
 
-printf '\nThe identified model: %s\n' "$out/identified.yaml"
+step "5. The same arm with something in it that the model does not know"
+# One of four, drawn at random, as a user would meet it.
+case $(($(date +%s) % 4)) in
+  0) hidden=presliding_hysteresis:insertion ;;
+  1) hidden=position_dependent_friction:yaw ;;
+  2) hidden=rotor_inertia:insertion ;;
+  *) hidden=position_dependent_viscosity:pitch ;;
+esac
+for k in 1 2 3; do
+  "$tool" excite "$robot" -o "$out/motion-$k.csv" --frequency "0.1$k" --seed "$k" --quiet >/dev/null
+  "$tool" simulate "$out/truth.yaml" --trajectory "$out/motion-$k.csv" -o "$out/changed-$k.csv" \
+    --noise dvrk --seed "$k" --effect "$hidden" --quiet >/dev/null
+done
+"$tool" simulate "$out/truth.yaml" --trajectory "$out/test-motion.csv" -o "$out/changed-test.csv" \
+  --noise dvrk --seed 9 --effect "$hidden" --quiet >/dev/null
+"$tool" diagnose "$robot" --train "$out/changed-1.csv" "$out/changed-2.csv" "$out/changed-3.csv" \
+  --test "$out/changed-test.csv" --quiet --model-out "$out/extended.yaml" --json "$out/diagnosis.json" >"$out/diagnosis.txt"
+sed -n '/^1\. /,/explains/p; /^verdict/p' "$out/diagnosis.txt"
+printf 'hidden was: %s\n' "$hidden"
+
+printf '\nThe identified model: %s\nThe diagnosis: %s\n' "$out/identified.yaml" "$out/diagnosis.txt"

@@ -125,7 +125,8 @@ void add_preprocessing_options(CLI::App& command, PreprocessingOptions& o) {
   number("--resample", o.rate, "HZ", "Uniform grid; 0: one over the median time step");
   number("--drop-start", o.drop_start, "S", "Left out at the start of each file");
   number("--drop-end", o.drop_end, "S", "Left out at the end of each file");
-  number("--min-speed", o.min_speed, "V", "Leave a joint's slower rows out of the fit, rad/s or m/s");
+  number("--min-speed", o.min_speed, "V",
+         "Leave a joint's slower rows out of the fit, rad/s or m/s");
   command
       .add_option("--decimation", o.decimation,
                   "Keep one filtered sample in N; 0: as the cut-off allows")

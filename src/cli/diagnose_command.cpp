@@ -60,13 +60,22 @@ ExitStatus run(Request& request) {
 
 void add_diagnose_command(CLI::App& tool, Outcome& outcome) {
   const auto request = std::make_shared<Request>();
-  CLI::App& command = *tool.add_subcommand("diagnose", "What the model gets wrong, why, and what that costs");
+  CLI::App& command =
+      *tool.add_subcommand("diagnose", "What the model gets wrong, why, and what that costs");
   add_robot_argument(command, request->robot);
-  command.add_option("--train", request->train, "Recordings to learn from")->required()->option_text("REC...");
-  command.add_option("--test", request->test, "Recordings held out, to measure the gain on")->required()->option_text("REC...");
-  command.add_option("--effects", request->options.effects, "Ask about these effects only")->delimiter(',')->option_text("NAME,...");
-  command.add_option("--max-effects", request->options.max_effects, "Findings at most")->check(CLI::Range(0, 100));
-  command.add_option("--model-out", request->model_out, "Write the extended model as YAML")->option_text("FILE");
+  command.add_option("--train", request->train, "Recordings to learn from")
+      ->required()
+      ->option_text("REC...");
+  command.add_option("--test", request->test, "Recordings held out, to measure the gain on")
+      ->required()
+      ->option_text("REC...");
+  command.add_option("--effects", request->options.effects, "Ask about these effects only")
+      ->delimiter(',')
+      ->option_text("NAME,...");
+  command.add_option("--max-effects", request->options.max_effects, "Findings at most")
+      ->check(CLI::Range(0, 100));
+  command.add_option("--model-out", request->model_out, "Write the extended model as YAML")
+      ->option_text("FILE");
   add_preprocessing_options(command, request->options.identification.preprocessing);
   add_row_range(command, "--test-rows", "Rows of the held-out recordings (default: as --rows)",
                 [request](RowRange rows) { request->test_rows = rows; });

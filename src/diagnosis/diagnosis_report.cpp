@@ -14,12 +14,16 @@ std::string percents(const VectorXd& v) {
 std::string finding_text(const Finding& f) {
   std::string out = fmt::format("{}. {}\n", f.rank, f.sentence);
   for (const FoundParameter& p : f.parameters) {
-    out += fmt::format("     {} = {:.4g} {} (95 %: {:.4g} to {:.4g})\n", p.name, p.value, p.unit, p.low, p.high);
+    out += fmt::format("     {} = {:.4g} {} (95 %: {:.4g} to {:.4g})\n", p.name, p.value, p.unit,
+                       p.low, p.high);
   }
-  out += fmt::format("     held-out error, %: {} -> {}\n", percents(f.test_before), percents(f.test_after));
-  out += fmt::format("     p = {:.1e}, explains {:.0f} % of the removable error\n", f.p_value, 100.0 * f.explains);
+  out += fmt::format("     held-out error, %: {} -> {}\n", percents(f.test_before),
+                     percents(f.test_after));
+  out += fmt::format("     p = {:.1e}, explains {:.0f} % of the removable error\n", f.p_value,
+                     100.0 * f.explains);
   for (const Rival& r : f.rivals) {
-    out += fmt::format("     rival: {} on joint {} ({}): {}\n", r.effect, r.joint, r.coordinate, r.why);
+    out += fmt::format("     rival: {} on joint {} ({}): {}\n", r.effect, r.joint, r.coordinate,
+                       r.why);
   }
   return out;
 }
@@ -28,14 +32,17 @@ std::string finding_text(const Finding& f) {
 
 std::string Diagnosis::report() const {
   if (!baseline.model) return baseline.report();
-  std::string out = fmt::format("{}: {} hypotheses asked in {:.1f} s\n", baseline.robot, hypotheses, seconds);
+  std::string out =
+      fmt::format("{}: {} hypotheses asked in {:.1f} s\n", baseline.robot, hypotheses, seconds);
   for (const RecordingQuality& q : data_quality) {
     for (const QualityFinding& f : q.findings) {
-      if (f.severity != Severity::kInfo) out += fmt::format("recording {}: {}\n", q.file, f.sentence);
+      if (f.severity != Severity::kInfo)
+        out += fmt::format("recording {}: {}\n", q.file, f.sentence);
     }
   }
   if (provisional) out += "one recording to learn from: names are provisional\n";
-  out += findings.empty() ? "\nverdict: none; the data support no further effect\n" : "\nwhat the model lacks:\n";
+  out += findings.empty() ? "\nverdict: none; the data support no further effect\n"
+                          : "\nwhat the model lacks:\n";
   for (const Finding& f : findings) out += finding_text(f);
   out += "\nerrors, % of the torque, per joint\n";
   const auto line = [&out](const char* name, const VectorXd& v) {
@@ -46,7 +53,8 @@ std::string Diagnosis::report() const {
   line("training, as it stands", baseline.train_error.relative);
   line("training, extended", extended.train_error.relative);
   line("noise floor", baseline.noise_floor);
-  for (const CannotTell& c : cannot_tell) out += fmt::format("cannot tell: {} on joint {}: {}\n", c.effect, c.joint, c.why);
+  for (const CannotTell& c : cannot_tell)
+    out += fmt::format("cannot tell: {} on joint {}: {}\n", c.effect, c.joint, c.why);
   return out;
 }
 

@@ -11,10 +11,10 @@
 namespace veridyn {
 namespace {
 
-constexpr double kSampleRate = 10.0;    // [Hz] enough for the motions of a rigid arm
-constexpr double kAngleStep = 0.05;     // [rad] first step of a profile
+constexpr double kSampleRate = 10.0;  // [Hz] enough for the motions of a rigid arm
+constexpr double kAngleStep = 0.05;   // [rad] first step of a profile
 constexpr double kAngleRange = 0.6;
-constexpr double kLengthStep = 0.01;    // [m]
+constexpr double kLengthStep = 0.01;  // [m]
 constexpr double kLengthRange = 0.15;
 constexpr double kRatioStep = 0.05;
 constexpr double kRatioRange = 0.6;
@@ -28,12 +28,14 @@ constexpr double kTie = 0.8;  // of the best gain
 struct Fold {
   MatrixXd q, dq, ddq;
   MatrixXd tau;
-  std::vector<MatrixXd> effects;  // per joint: columns of the model's effects, zero where another joint's
+  std::vector<MatrixXd>
+      effects;  // per joint: columns of the model's effects, zero where another joint's
 };
 
 class Profiler {
  public:
-  Profiler(const Model& arm, const std::vector<std::string>& train, const IdentificationOptions& options)
+  Profiler(const Model& arm, const std::vector<std::string>& train,
+           const IdentificationOptions& options)
       : arm_(arm) {
     PreprocessingOptions how = options.preprocessing;
     how.filtering = Filtering::kSignals;
@@ -57,11 +59,14 @@ class Profiler {
   }
 
   // Columns that are independent for this geometry.
-  static std::vector<int> independent(const Model& variant) { return base_parameters(variant).independent; }
+  static std::vector<int> independent(const Model& variant) {
+    return base_parameters(variant).independent;
+  }
 
  private:
   void append(const Stretch& s, Fold& fold) const {
-    const auto step = std::max<Eigen::Index>(1, static_cast<Eigen::Index>(1.0 / (kSampleRate * s.dt)));
+    const auto step =
+        std::max<Eigen::Index>(1, static_cast<Eigen::Index>(1.0 / (kSampleRate * s.dt)));
     std::vector<Eigen::Index> kept;
     for (Eigen::Index k = s.core_begin; k < s.core_end; ++k) {
       if (s.use[static_cast<size_t>(k)] != 0 && k % step == 0) kept.push_back(k);
@@ -69,7 +74,8 @@ class Profiler {
     const auto grow = [&kept](MatrixXd& to, const MatrixXd& from) {
       const Eigen::Index at = to.rows();
       to.conservativeResize(at + static_cast<Eigen::Index>(kept.size()), from.cols());
-      for (size_t k = 0; k < kept.size(); ++k) to.row(at + static_cast<Eigen::Index>(k)) = from.row(kept[k]);
+      for (size_t k = 0; k < kept.size(); ++k)
+        to.row(at + static_cast<Eigen::Index>(k)) = from.row(kept[k]);
     };
     grow(fold.q, s.q);
     grow(fold.dq, s.dq);
@@ -79,16 +85,20 @@ class Profiler {
 
   void fill_effects(Fold& fold) const {
     Eigen::Index count = 0;
-    for (const EffectTerm& term : arm_.effects()) count += BoundEffect(arm_, term).parameter_count();
+    for (const EffectTerm& term : arm_.effects())
+      count += BoundEffect(arm_, term).parameter_count();
     fold.effects.assign(static_cast<size_t>(arm_.joints()), MatrixXd::Zero(fold.q.rows(), count));
     Eigen::Index at = 0;
     for (const EffectTerm& term : arm_.effects()) {
       BoundEffect effect(arm_, term);
       EffectColumns row{};
       for (Eigen::Index k = 0; k < fold.q.rows(); ++k) {
-        effect.columns(effect.sample(0.0, fold.q.data() + k, fold.dq.data() + k, fold.ddq.data() + k, fold.q.rows()), row);
+        effect.columns(effect.sample(0.0, fold.q.data() + k, fold.dq.data() + k,
+                                     fold.ddq.data() + k, fold.q.rows()),
+                       row);
         for (int c = 0; c < effect.parameter_count(); ++c) {
-          for (int i = 0; i < arm_.joints(); ++i) fold.effects[static_cast<size_t>(i)](k, at + c) = row[c] * term.axis.coefficients[i];
+          for (int i = 0; i < arm_.joints(); ++i)
+            fold.effects[static_cast<size_t>(i)](k, at + c) = row[c] * term.axis.coefficients[i];
         }
       }
       at += effect.parameter_count();
@@ -133,7 +143,8 @@ class Profiler {
     for (size_t f = 0; f < folds_.size(); ++f) {
       if (A[f].empty()) continue;
       rows += static_cast<double>(folds_[f].q.rows());
-      for (int i = 0; i < variant.joints(); ++i) sum[i] += (folds_[f].tau.col(i) - A[f][static_cast<size_t>(i)] * x).squaredNorm();
+      for (int i = 0; i < variant.joints(); ++i)
+        sum[i] += (folds_[f].tau.col(i) - A[f][static_cast<size_t>(i)] * x).squaredNorm();
     }
     return sum / std::max(1.0, rows);
   }
@@ -150,7 +161,8 @@ struct SearchRange {
 };
 
 SearchRange search_range(const GeometryConstant& c) {
-  if (c.kind == GeometryConstant::Kind::kCoefficient) return {kRatioStep * std::abs(c.value), kRatioRange * std::abs(c.value)};
+  if (c.kind == GeometryConstant::Kind::kCoefficient)
+    return {kRatioStep * std::abs(c.value), kRatioRange * std::abs(c.value)};
   return c.angle ? SearchRange{kAngleStep, kAngleRange} : SearchRange{kLengthStep, kLengthRange};
 }
 
@@ -180,14 +192,17 @@ double minimum(double low, double high, const F& f) {
 }
 
 // The profile of one constant; gain 0 if there is nothing in it.
-GeometryFinding profile(const Model& arm, const GeometryConstant& constant, const Profiler& profiler, int base, int folds) {
+GeometryFinding profile(const Model& arm, const GeometryConstant& constant,
+                        const Profiler& profiler, int base, int folds) {
   GeometryFinding out;
   out.constant = constant;
   out.base_before = base;
   const SearchRange range = search_range(constant);
   const double v0 = constant.value;
   const auto columns = Profiler::independent(with_constant(arm, constant, v0 + 0.7 * range.step));
-  const auto at = [&](double v, int without) { return profiler.criterion(with_constant(arm, constant, v), columns, without); };
+  const auto at = [&](double v, int without) {
+    return profiler.criterion(with_constant(arm, constant, v), columns, without);
+  };
   const double centre = at(v0, -1);
   const double up = at(v0 + range.step, -1);
   const double down = at(v0 - range.step, -1);
@@ -197,7 +212,8 @@ GeometryFinding profile(const Model& arm, const GeometryConstant& constant, cons
   double middle = range.step;
   double best = std::min(up, down);
   double outer = 2.0 * range.step;
-  for (double next = at(v0 + sign * outer, -1); next < best && outer < range.reach; next = at(v0 + sign * outer, -1)) {
+  for (double next = at(v0 + sign * outer, -1); next < best && outer < range.reach;
+       next = at(v0 + sign * outer, -1)) {
     inner = middle;
     middle = outer;
     best = next;
@@ -208,14 +224,17 @@ GeometryFinding profile(const Model& arm, const GeometryConstant& constant, cons
     return v0 + sign * minimum(inner, outer, [&](double u) { return at(v0 + sign * u, without); });
   };
   out.found = search(-1);
-  out.base_after = static_cast<int>(Profiler::independent(with_constant(arm, constant, out.found)).size());
-  // A value at which the arm is simpler is taken exactly if it is as good: the wall of the base parameters' number.
+  out.base_after =
+      static_cast<int>(Profiler::independent(with_constant(arm, constant, out.found)).size());
+  // A value at which the arm is simpler is taken exactly if it is as good: the wall of the base
+  // parameters' number.
   if (static_cast<int>(columns.size()) > base) return out;
   out.gain = profiler.start() - at(out.found, -1);
   if (folds < 3) return out;
   VectorXd values(folds);
   for (int f = 0; f < folds; ++f) values[f] = search(f);
-  out.deviation = std::sqrt((values.array() - values.mean()).square().sum() * (folds - 1.0) / folds);
+  out.deviation =
+      std::sqrt((values.array() - values.mean()).square().sum() * (folds - 1.0) / folds);
   return out;
 }
 
@@ -225,11 +244,13 @@ std::vector<char> longest_chain(const Model& arm) {
   size_t last = 0;
   for (size_t k = 0; k < depth.size(); ++k) {
     const Frame& frame = arm.frames()[k];
-    depth[k] = (frame.parent < 0 ? 0 : depth[static_cast<size_t>(frame.parent)]) + static_cast<int>(frame.type != JointType::kFixed);
+    depth[k] = (frame.parent < 0 ? 0 : depth[static_cast<size_t>(frame.parent)]) +
+               static_cast<int>(frame.type != JointType::kFixed);
     if (depth[k] > depth[last]) last = k;
   }
   std::vector<char> out(depth.size(), 0);
-  for (int k = static_cast<int>(last); k >= 0; k = arm.frames()[static_cast<size_t>(k)].parent) out[static_cast<size_t>(k)] = 1;
+  for (int k = static_cast<int>(last); k >= 0; k = arm.frames()[static_cast<size_t>(k)].parent)
+    out[static_cast<size_t>(k)] = 1;
   return out;
 }
 
@@ -242,7 +263,8 @@ std::vector<GeometryConstant> geometry_constants(const Model& arm) {
   for (int k = static_cast<int>(arm.frames().size()) - 1; k >= 0; --k) {
     const Frame& frame = arm.frames()[static_cast<size_t>(k)];
     if (frame.body) carries[static_cast<size_t>(k)] = 1;
-    if (carries[static_cast<size_t>(k)] != 0 && frame.parent >= 0) carries[static_cast<size_t>(frame.parent)] = 1;
+    if (carries[static_cast<size_t>(k)] != 0 && frame.parent >= 0)
+      carries[static_cast<size_t>(frame.parent)] = 1;
   }
   for (int k = 0; k < static_cast<int>(arm.frames().size()); ++k) {
     const Frame& frame = arm.frames()[static_cast<size_t>(k)];
@@ -255,7 +277,9 @@ std::vector<GeometryConstant> geometry_constants(const Model& arm) {
     for (int i = 0; i < arm.joints(); ++i) {
       const double c = frame.variable.coefficients[i];
       if (c == 0.0 || std::abs(c) == 1.0) continue;
-      out.push_back({k, Kind::kCoefficient, i, c, false, "ratio of " + arm.coordinates()[static_cast<size_t>(i)].name + " in frame " + frame.name});
+      out.push_back({k, Kind::kCoefficient, i, c, false,
+                     "ratio of " + arm.coordinates()[static_cast<size_t>(i)].name + " in frame " +
+                         frame.name});
     }
   }
   return out;
@@ -276,27 +300,33 @@ Model with_constant(const Model& arm, const GeometryConstant& constant, double v
   return Model(std::move(d));
 }
 
-std::vector<GeometryFinding> profile_geometry(const Model& arm, const std::vector<std::string>& train,
+std::vector<GeometryFinding> profile_geometry(const Model& arm,
+                                              const std::vector<std::string>& train,
                                               const IdentificationOptions& options) {
   const Profiler profiler(arm, train, options);
   const std::vector<GeometryConstant> constants = geometry_constants(arm);
   const auto base = static_cast<int>(Profiler::independent(arm).size());
   std::vector<GeometryFinding> all(constants.size());
   parallel_for(static_cast<int>(constants.size()), options.threads, [&](int k) {
-    all[static_cast<size_t>(k)] = profile(arm, constants[static_cast<size_t>(k)], profiler, base, static_cast<int>(train.size()));
+    all[static_cast<size_t>(k)] = profile(arm, constants[static_cast<size_t>(k)], profiler, base,
+                                          static_cast<int>(train.size()));
   });
-  all.erase(std::remove_if(all.begin(), all.end(), [](const GeometryFinding& f) { return f.gain < kWorthRefining; }), all.end());
-  std::sort(all.begin(), all.end(), [](const GeometryFinding& a, const GeometryFinding& b) { return a.gain > b.gain; });
+  all.erase(std::remove_if(all.begin(), all.end(),
+                           [](const GeometryFinding& f) { return f.gain < kWorthRefining; }),
+            all.end());
+  std::sort(all.begin(), all.end(),
+            [](const GeometryFinding& a, const GeometryFinding& b) { return a.gain > b.gain; });
   if (all.size() > kKept) all.resize(kKept);
   if (all.empty()) return all;
-  // An angle between two branches may be wrong in either. The longest chain ends in the tool, where everyone would see it;
-  // the other branch goes first.
+  // An angle between two branches may be wrong in either. The longest chain ends in the tool, where
+  // everyone would see it; the other branch goes first.
   const std::vector<char> main_chain = longest_chain(arm);
   const double tie = kTie * all.front().gain;
   std::stable_sort(all.begin(), all.end(), [&](const GeometryFinding& a, const GeometryFinding& b) {
     const bool tied = a.gain > tie && b.gain > tie;
     if (!tied) return a.gain > b.gain;
-    return main_chain[static_cast<size_t>(a.constant.frame)] < main_chain[static_cast<size_t>(b.constant.frame)];
+    return main_chain[static_cast<size_t>(a.constant.frame)] <
+           main_chain[static_cast<size_t>(b.constant.frame)];
   });
   return all;
 }

@@ -15,28 +15,31 @@ struct GeometryConstant {
   int coordinate = -1;  ///< of a coefficient
   double value = 0.0;   ///< as it stands
   bool angle = false;
-  std::string name;     ///< "theta of frame counterweight_rail"
+  std::string name;  ///< "theta of frame counterweight_rail"
 };
 
 /// A wrong constant that the recordings ask for.
 struct GeometryFinding {
   GeometryConstant constant;
-  double found = 0.0;      ///< the value with the smallest error
-  double deviation = 0.0;  ///< standard deviation, jackknife over folds
-  double gain = 0.0;       ///< fall of the sum over joints of ln(mean square)
+  double found = 0.0;                   ///< the value with the smallest error
+  double deviation = 0.0;               ///< standard deviation, jackknife over folds
+  double gain = 0.0;                    ///< fall of the sum over joints of ln(mean square)
   int base_before = 0, base_after = 0;  ///< numbers of base parameters
 };
 
-/// All DH numbers and joint coefficients of frames that move a body. Constants that change nothing are left away.
+/// All DH numbers and joint coefficients of frames that move a body. Constants that change nothing
+/// are left away.
 std::vector<GeometryConstant> geometry_constants(const Model& arm);
 
 /// The arm with one constant replaced.
 Model with_constant(const Model& arm, const GeometryConstant& constant, double value);
 
-/// Profiles every constant: all parameters are fitted anew at every value. A constant counts if its optimum lies inside
-/// the search range, better than both sides, and does not ask for more base parameters than the arm as it stands
-/// (improvement that comes with more freedom is flexibility, not geometry). Best first; at most five.
-std::vector<GeometryFinding> profile_geometry(const Model& arm, const std::vector<std::string>& train,
+/// Profiles every constant: all parameters are fitted anew at every value. A constant counts if its
+/// optimum lies inside the search range, better than both sides, and does not ask for more base
+/// parameters than the arm as it stands (improvement that comes with more freedom is flexibility,
+/// not geometry). Best first; at most five.
+std::vector<GeometryFinding> profile_geometry(const Model& arm,
+                                              const std::vector<std::string>& train,
                                               const IdentificationOptions& options);
 
 }  // namespace veridyn

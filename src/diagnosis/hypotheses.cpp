@@ -45,8 +45,11 @@ Motion motion_along(const Axis& axis, const std::vector<CompressedRecording>& fa
 }
 
 int stage_of(const std::string& effect) {
-  if (effect == "torque_gain" || effect == "time_delay" || effect == "torque_drift" || effect == "torque_offset") return 0;
-  if (effect == "rotor_inertia" || effect == "joint_spring" || effect == "transmission_compliance") return 1;
+  if (effect == "torque_gain" || effect == "time_delay" || effect == "torque_drift" ||
+      effect == "torque_offset")
+    return 0;
+  if (effect == "rotor_inertia" || effect == "joint_spring" || effect == "transmission_compliance")
+    return 1;
   return 2;
 }
 
@@ -59,7 +62,8 @@ bool has_term(const Model& arm, const std::string& effect, const Axis& axis) {
 
 class Builder {
  public:
-  Builder(const Model& arm, const std::vector<CompressedRecording>& facts, const std::vector<std::string>& wanted)
+  Builder(const Model& arm, const std::vector<CompressedRecording>& facts,
+          const std::vector<std::string>& wanted)
       : arm_(arm), facts_(facts), wanted_(wanted), description_(arm.description()) {}
 
   void ask_all() {
@@ -88,7 +92,8 @@ class Builder {
     for (const EffectTerm& term : arm_.effects()) {
       const bool known = std::any_of(out.begin(), out.end(), [&term](const Axis& a) {
         return (a.coefficients - term.axis.coefficients).norm() < 1e-9 ||
-               std::abs(a.coefficients.normalized().dot(term.axis.coefficients.normalized())) > 1.0 - 1e-9;
+               std::abs(a.coefficients.normalized().dot(term.axis.coefficients.normalized())) >
+                   1.0 - 1e-9;
       });
       if (!known && term.effect == "coulomb_friction") out.push_back(term.axis);
     }
@@ -97,7 +102,8 @@ class Builder {
 
   void ask(const Effect& effect, const Axis& axis, const Motion& m) {
     const std::string name = effect.name();
-    if (!wanted_.empty() && std::find(wanted_.begin(), wanted_.end(), name) == wanted_.end()) return;
+    if (!wanted_.empty() && std::find(wanted_.begin(), wanted_.end(), name) == wanted_.end())
+      return;
     const bool plain = (axis.coefficients.array() != 0.0).count() == 1;
     if (!plain && name != "presliding_hysteresis") return;
     if (has_term(arm_, name, axis) && !effect.has_memory()) return;
@@ -126,7 +132,8 @@ class Builder {
     }
   }
 
-  void add(const std::string& effect, const Axis& axis, const std::map<std::string, double>& shape, int from = -1) {
+  void add(const std::string& effect, const Axis& axis, const std::map<std::string, double>& shape,
+           int from = -1) {
     EffectTerm term;
     term.effect = effect;
     term.axis = axis;
@@ -137,7 +144,8 @@ class Builder {
     h.joint = main_coordinate(axis);
     h.term = static_cast<int>(description_.effects.size());
     h.stage = stage_of(effect);
-    h.family = effect + " " + axis_text(arm_, axis) + (from >= 0 ? " from " + arm_.coordinates()[from].name : "");
+    h.family = effect + " " + axis_text(arm_, axis) +
+               (from >= 0 ? " from " + arm_.coordinates()[from].name : "");
     for (const EffectParameter& p : find_effect(effect).parameters()) h.signs.push_back(p.sign);
     description_.effects.push_back(std::move(term));
     hypotheses_.push_back(std::move(h));

@@ -8,7 +8,8 @@
 namespace veridyn {
 namespace {
 
-constexpr double kRidge = 1e-11;  // of a column's squared norm: keeps equal columns from dividing by zero
+constexpr double kRidge =
+    1e-11;  // of a column's squared norm: keeps equal columns from dividing by zero
 
 void add(NormalBlocks::Sums& to, const NormalBlocks::Sums& from) {
   for (size_t j = 0; j < to.G.size(); ++j) {
@@ -21,14 +22,14 @@ void add(NormalBlocks::Sums& to, const NormalBlocks::Sums& from) {
 
 NormalBlocks::Sums empty(int joints, Eigen::Index columns) {
   return {std::vector<MatrixXd>(static_cast<size_t>(joints), MatrixXd::Zero(columns, columns)),
-          std::vector<VectorXd>(static_cast<size_t>(joints), VectorXd::Zero(columns)), VectorXd::Zero(joints),
-          VectorXd::Zero(joints)};
+          std::vector<VectorXd>(static_cast<size_t>(joints), VectorXd::Zero(columns)),
+          VectorXd::Zero(joints), VectorXd::Zero(joints)};
 }
 
 }  // namespace
 
-NormalBlocks::NormalBlocks(const std::vector<CompressedRecording>& recordings, std::vector<std::string> columns,
-                           const VectorXd& scale)
+NormalBlocks::NormalBlocks(const std::vector<CompressedRecording>& recordings,
+                           std::vector<std::string> columns, const VectorXd& scale)
     : names_(std::move(columns)), joints_(static_cast<int>(recordings.front().joints.size())) {
   std::unordered_map<std::string, Eigen::Index> index;
   for (size_t k = 0; k < names_.size(); ++k) index.emplace(names_[k], static_cast<Eigen::Index>(k));
@@ -51,7 +52,8 @@ NormalBlocks::NormalBlocks(const std::vector<CompressedRecording>& recordings, s
           if (row < 0) continue;
           sums.g[static_cast<size_t>(j)][row] = g[a];
           for (Eigen::Index b = 0; b < G.cols(); ++b) {
-            if (at[static_cast<size_t>(b)] >= 0) sums.G[static_cast<size_t>(j)](row, at[static_cast<size_t>(b)]) = G(a, b);
+            if (at[static_cast<size_t>(b)] >= 0)
+              sums.G[static_cast<size_t>(j)](row, at[static_cast<size_t>(b)]) = G(a, b);
           }
         }
         sums.b2[j] = factor.rhs_norm2();
@@ -76,7 +78,8 @@ NormalBlocks::NormalBlocks(const std::vector<CompressedRecording>& recordings, s
   for (Sums& s : clusters_) rescale(s);
 }
 
-VectorXd NormalBlocks::solve(const ColumnSet& set, const VectorXd& weights, const Sums& sums, const Sums* without) const {
+VectorXd NormalBlocks::solve(const ColumnSet& set, const VectorXd& weights, const Sums& sums,
+                             const Sums* without) const {
   const auto k = static_cast<Eigen::Index>(set.size());
   MatrixXd A = MatrixXd::Zero(k, k);
   VectorXd b = VectorXd::Zero(k);
@@ -88,7 +91,8 @@ VectorXd NormalBlocks::solve(const ColumnSet& set, const VectorXd& weights, cons
       b[c] += w * (sums.g[at][column] - (without != nullptr ? without->g[at][column] : 0.0));
       for (Eigen::Index r = c; r < k; ++r) {
         const int row = set[static_cast<size_t>(r)];
-        A(r, c) += w * (sums.G[at](row, column) - (without != nullptr ? without->G[at](row, column) : 0.0));
+        A(r, c) += w * (sums.G[at](row, column) -
+                        (without != nullptr ? without->G[at](row, column) : 0.0));
       }
     }
   }
@@ -107,7 +111,8 @@ VectorXd NormalBlocks::residual2(const ColumnSet& set, const VectorXd& x, const 
       const int column = set[static_cast<size_t>(c)];
       linear += x[c] * sums.g[at][column];
       double sum = 0.5 * sums.G[at](column, column) * x[c];
-      for (Eigen::Index r = c + 1; r < k; ++r) sum += sums.G[at](set[static_cast<size_t>(r)], column) * x[r];
+      for (Eigen::Index r = c + 1; r < k; ++r)
+        sum += sums.G[at](set[static_cast<size_t>(r)], column) * x[r];
       quadratic += 2.0 * x[c] * sum;
     }
     out[j] = std::max(out[j] + quadratic - 2.0 * linear, 0.0);

@@ -10,13 +10,14 @@ namespace veridyn {
 /// Which columns, by global index.
 using ColumnSet = std::vector<int>;
 
-/// Normal equations of every joint and cluster over scaled columns: the form in which hundreds of questions
-/// about subsets of columns cost microseconds each. Made from the factors, which keep the accuracy; questions
-/// of evidence need no more than half the digits.
+/// Normal equations of every joint and cluster over scaled columns: the form in which hundreds of
+/// questions about subsets of columns cost microseconds each. Made from the factors, which keep the
+/// accuracy; questions of evidence need no more than half the digits.
 class NormalBlocks {
  public:
   /// @param columns  names; every factor's column that is not among them is left away.
-  /// @param scale    divisors of the columns, those of the training recordings; empty: the columns' own norms.
+  /// @param scale    divisors of the columns, those of the training recordings; empty: the columns'
+  /// own norms.
   NormalBlocks(const std::vector<CompressedRecording>& recordings, std::vector<std::string> columns,
                const VectorXd& scale = {});
 
@@ -31,16 +32,18 @@ class NormalBlocks {
 
   /// What one set of rows says about a set of columns; sums of clusters.
   struct Sums {
-    std::vector<MatrixXd> G;   ///< per joint: A'A over all columns
-    std::vector<VectorXd> g;   ///< A'b
-    VectorXd b2;               ///< b'b per joint
-    VectorXd rows;             ///< per joint
+    std::vector<MatrixXd> G;  ///< per joint: A'A over all columns
+    std::vector<VectorXd> g;  ///< A'b
+    VectorXd b2;              ///< b'b per joint
+    VectorXd rows;            ///< per joint
   };
   const Sums& total() const { return total_; }
   const Sums& cluster(int c) const { return clusters_[static_cast<size_t>(c)]; }
 
-  /// Least squares of the columns with joint weights; rows are `sums` minus `without` (if not null).
-  VectorXd solve(const ColumnSet& set, const VectorXd& weights, const Sums& sums, const Sums* without) const;
+  /// Least squares of the columns with joint weights; rows are `sums` minus `without` (if not
+  /// null).
+  VectorXd solve(const ColumnSet& set, const VectorXd& weights, const Sums& sums,
+                 const Sums* without) const;
 
   /// Squared residual per joint of x (over `set`) on the rows of `sums`.
   VectorXd residual2(const ColumnSet& set, const VectorXd& x, const Sums& sums) const;

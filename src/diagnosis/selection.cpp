@@ -13,20 +13,23 @@
 namespace veridyn {
 namespace {
 
-constexpr double kAbsorbed = 1e-6;   // share of a column's square that must be new for the data to answer
-constexpr int kTested = 6;           // best candidates that get a Wald test in every round
+constexpr double kAbsorbed =
+    1e-6;                   // share of a column's square that must be new for the data to answer
+constexpr int kTested = 6;  // best candidates that get a Wald test in every round
 
 // Clusters that are left out together.
 std::vector<std::vector<int>> make_folds(const NormalBlocks& data) {
   int recordings = 0;
-  for (int c = 0; c < data.clusters(); ++c) recordings = std::max(recordings, data.recording_of(c) + 1);
+  for (int c = 0; c < data.clusters(); ++c)
+    recordings = std::max(recordings, data.recording_of(c) + 1);
   std::vector<std::vector<int>> folds;
   if (recordings == 1) {
     for (int c = 0; c < data.clusters(); ++c) folds.push_back({c});
     return folds;
   }
   folds.resize(static_cast<size_t>(recordings));
-  for (int c = 0; c < data.clusters(); ++c) folds[static_cast<size_t>(data.recording_of(c))].push_back(c);
+  for (int c = 0; c < data.clusters(); ++c)
+    folds[static_cast<size_t>(data.recording_of(c))].push_back(c);
   return folds;
 }
 
@@ -50,13 +53,15 @@ VectorXd joint_weights(const NormalBlocks& data, const ColumnSet& set) {
   VectorXd w = all.rows.array() / all.b2.array().max(1e-300);
   for (int round = 0; round < 2; ++round) {
     const VectorXd x = data.solve(set, w, all, nullptr);
-    w = all.rows.array() / data.residual2(set, x, all).array().max(1e-12 * all.b2.array().max(1e-290));
+    w = all.rows.array() /
+        data.residual2(set, x, all).array().max(1e-12 * all.b2.array().max(1e-290));
   }
   return w;
 }
 
 // Mean square of every joint on a fold, from the others.
-VectorXd held_out_error(const NormalBlocks& data, const ColumnSet& set, const VectorXd& w, const NormalBlocks::Sums& fold) {
+VectorXd held_out_error(const NormalBlocks& data, const ColumnSet& set, const VectorXd& w,
+                        const NormalBlocks::Sums& fold) {
   const VectorXd x = data.solve(set, w, data.total(), &fold);
   return data.residual2(set, x, fold).array() / fold.rows.array().max(1.0);
 }
@@ -67,19 +72,22 @@ double log_fall(const VectorXd& before, const VectorXd& after) {
 
 class Selector {
  public:
-  Selector(const NormalBlocks& data, const ColumnSet& base, const std::vector<Hypothesis>& hypotheses,
-           const DiagnosisOptions& options)
+  Selector(const NormalBlocks& data, const ColumnSet& base,
+           const std::vector<Hypothesis>& hypotheses, const DiagnosisOptions& options)
       : data_(data), base_(base), hypotheses_(hypotheses), options_(options) {
     for (const auto& fold : make_folds(data)) folds_.push_back(summed(data, fold));
     for (const Hypothesis& h : hypotheses) columns_.push_back(columns_of(data, h));
     std::set<std::string> families;
     for (const Hypothesis& h : hypotheses) families.insert(h.family);
-    // One recording gives eight clusters only: the folds decide there, and the names are provisional.
-    families_ = several_recordings() ? static_cast<double>(std::max<size_t>(1, families.size())) : 1.0;
+    // One recording gives eight clusters only: the folds decide there, and the names are
+    // provisional.
+    families_ =
+        several_recordings() ? static_cast<double>(std::max<size_t>(1, families.size())) : 1.0;
   }
 
   Selection run() {
-    while (static_cast<int>(accepted_.size()) < options_.max_effects && add_one()) swap_early_ones();
+    while (static_cast<int>(accepted_.size()) < options_.max_effects && add_one())
+      swap_early_ones();
     drop_superfluous();
     return finish();
   }
@@ -93,7 +101,9 @@ class Selector {
 
   ColumnSet set_with(const std::vector<int>& chosen) const {
     ColumnSet set = base_;
-    for (const int h : chosen) set.insert(set.end(), columns_[static_cast<size_t>(h)].begin(), columns_[static_cast<size_t>(h)].end());
+    for (const int h : chosen)
+      set.insert(set.end(), columns_[static_cast<size_t>(h)].begin(),
+                 columns_[static_cast<size_t>(h)].end());
     return set;
   }
 
@@ -106,7 +116,8 @@ class Selector {
   }
 
   // Everything but the Wald test.
-  Evidence ask(int h, const std::vector<int>& chosen, const Score& before, const VectorXd& w) const {
+  Evidence ask(int h, const std::vector<int>& chosen, const Score& before,
+               const VectorXd& w) const {
     Evidence e;
     e.hypothesis = h;
     std::vector<int> with = chosen;
@@ -120,11 +131,13 @@ class Selector {
     const VectorXd x = data_.solve(set, w, data_.total(), nullptr);
     for (size_t k = 0; k < own.size(); ++k) {
       const double value = x[x.size() - static_cast<Eigen::Index>(own.size() - k)];
-      const bool nonnegative = hypotheses_[static_cast<size_t>(h)].signs[k] == ParameterSign::kNonnegative;
+      const bool nonnegative =
+          hypotheses_[static_cast<size_t>(h)].signs[k] == ParameterSign::kNonnegative;
       e.sign_broken = e.sign_broken || (nonnegative && value < 0.0);
     }
     const Score after = score(set, w);
-    // The mean over folds and not the fall of the pooled error: one recording with a fault of its own must not outvote the others.
+    // The mean over folds and not the fall of the pooled error: one recording with a fault of its
+    // own must not outvote the others.
     int better = 0;
     for (size_t f = 0; f < folds_.size(); ++f) {
       const double d = log_fall(before.fold_errors[f], after.fold_errors[f]);
@@ -145,7 +158,8 @@ class Selector {
     for (int j = 0; j < data_.joints(); ++j) {
       const MatrixXd& G = data_.total().G[static_cast<size_t>(j)];
       for (Eigen::Index c = 0; c < n + k; ++c) {
-        for (Eigen::Index r = c; r < n + k; ++r) A(r, c) += w[j] * G(all[static_cast<size_t>(r)], all[static_cast<size_t>(c)]);
+        for (Eigen::Index r = c; r < n + k; ++r)
+          A(r, c) += w[j] * G(all[static_cast<size_t>(r)], all[static_cast<size_t>(c)]);
       }
     }
     A = A.selfadjointView<Eigen::Lower>();
@@ -154,14 +168,16 @@ class Selector {
     const MatrixXd C = A.topRightCorner(n, k);
     const MatrixXd rest = A.bottomRightCorner(k, k) - C.transpose() * S.ldlt().solve(C);
     double share = 0.0;
-    for (Eigen::Index c = 0; c < k; ++c) share = std::max(share, rest(c, c) / std::max(A(n + c, n + c), 1e-300));
+    for (Eigen::Index c = 0; c < k; ++c)
+      share = std::max(share, rest(c, c) / std::max(A(n + c, n + c), 1e-300));
     return share;
   }
 
   // Solutions without one cluster each, over the set; (set x clusters).
   MatrixXd jackknife(const ColumnSet& set, const VectorXd& w) const {
     MatrixXd out(static_cast<Eigen::Index>(set.size()), data_.clusters());
-    for (int c = 0; c < data_.clusters(); ++c) out.col(c) = data_.solve(set, w, data_.total(), &data_.cluster(c));
+    for (int c = 0; c < data_.clusters(); ++c)
+      out.col(c) = data_.solve(set, w, data_.total(), &data_.cluster(c));
     return out;
   }
 
@@ -180,7 +196,8 @@ class Selector {
     const auto own = static_cast<Eigen::Index>(columns_[static_cast<size_t>(h)].size());
     double best = 1.0;
     for (Eigen::Index k = x.size() - own; k < x.size(); ++k) {
-      best = std::min(best, student_t_two_sided(x[k] / std::max(std[k], 1e-300), std::max(1, data_.clusters() - 1)));
+      best = std::min(best, student_t_two_sided(x[k] / std::max(std[k], 1e-300),
+                                                std::max(1, data_.clusters() - 1)));
     }
     return std::min(1.0, best * static_cast<double>(own));
   }
@@ -203,7 +220,8 @@ class Selector {
     // One fold may disagree: a recording can have a fault of its own.
     const auto folds = static_cast<double>(folds_.size());
     const double allowed = std::max(folds >= 4.0 ? 1.0 : 0.0, (1.0 - options_.fold_share) * folds);
-    return !e.absorbed && !e.sign_broken && e.gain > options_.smallest_gain && (1.0 - e.fold_share) * folds <= allowed + 1e-9;
+    return !e.absorbed && !e.sign_broken && e.gain > options_.smallest_gain &&
+           (1.0 - e.fold_share) * folds <= allowed + 1e-9;
   }
 
   std::vector<int> chosen() const {
@@ -228,14 +246,17 @@ class Selector {
     for (const Evidence& e : all) {
       if (passes(e)) good.push_back(e);
     }
-    std::sort(good.begin(), good.end(), [](const Evidence& a, const Evidence& b) { return a.gain > b.gain; });
+    std::sort(good.begin(), good.end(),
+              [](const Evidence& a, const Evidence& b) { return a.gain > b.gain; });
     const ColumnSet set = set_with(chosen());
     const VectorXd w = weights(set);
     const double limit = options_.significance / families_;
     std::vector<Evidence> sure;
     int tested = 0;
     for (Evidence& e : good) {
-      if (tested++ >= kTested + static_cast<int>(sure.size()) || (!sure.empty() && e.gain < options_.rival_share * sure.front().gain)) break;
+      if (tested++ >= kTested + static_cast<int>(sure.size()) ||
+          (!sure.empty() && e.gain < options_.rival_share * sure.front().gain))
+        break;
       e.p_value = p_value(e.hypothesis, chosen(), w);
       if (e.p_value < limit) sure.push_back(e);
     }
@@ -250,7 +271,8 @@ class Selector {
     std::set<std::string> named = {own};
     for (const Evidence& e : good) {
       if (e.gain < options_.rival_share * best.gain) continue;
-      if (named.insert(hypotheses_[static_cast<size_t>(e.hypothesis)].family).second) accepted.rivals.push_back(e);
+      if (named.insert(hypotheses_[static_cast<size_t>(e.hypothesis)].family).second)
+        accepted.rivals.push_back(e);
     }
     accepted_.push_back(accepted);
     return true;
@@ -284,7 +306,8 @@ class Selector {
       if (!passes(e)) {
         accepted_.erase(accepted_.begin() + static_cast<long>(k));
       } else {
-        accepted_[k].evidence.p_value = std::min(accepted_[k].evidence.p_value, p_value(own, others, w));
+        accepted_[k].evidence.p_value =
+            std::min(accepted_[k].evidence.p_value, p_value(own, others, w));
       }
     }
   }
@@ -321,7 +344,8 @@ class Selector {
 
 }  // namespace
 
-double fold_gain(const NormalBlocks& before, const ColumnSet& base_before, const NormalBlocks& after, const ColumnSet& base_after) {
+double fold_gain(const NormalBlocks& before, const ColumnSet& base_before,
+                 const NormalBlocks& after, const ColumnSet& base_after) {
   const VectorXd w_before = joint_weights(before, base_before);
   const VectorXd w_after = joint_weights(after, base_after);
   const auto folds = make_folds(before);
@@ -343,7 +367,8 @@ ColumnSet columns_of(const NormalBlocks& data, const Hypothesis& hypothesis) {
   return out;
 }
 
-Selection select_effects(const NormalBlocks& data, const ColumnSet& base, const std::vector<Hypothesis>& hypotheses,
+Selection select_effects(const NormalBlocks& data, const ColumnSet& base,
+                         const std::vector<Hypothesis>& hypotheses,
                          const DiagnosisOptions& options) {
   return Selector(data, base, hypotheses, options).run();
 }

@@ -14,8 +14,8 @@ struct Evidence {
   double gain = 0.0;        ///< d: fall of the sum over joints of ln(held-out mean square error)
   double fold_share = 0.0;  ///< of the folds, those that improve
   double p_value = 1.0;
-  bool absorbed = false;    ///< its columns lie in the span of the others: these data cannot answer
-  bool sign_broken = false; ///< a parameter has a sign that nature forbids
+  bool absorbed = false;  ///< its columns lie in the span of the others: these data cannot answer
+  bool sign_broken = false;  ///< a parameter has a sign that nature forbids
 };
 
 struct Accepted {
@@ -24,23 +24,26 @@ struct Accepted {
 };
 
 struct Selection {
-  std::vector<Accepted> accepted;       ///< in order of discovery
-  std::vector<Evidence> last_asked;     ///< of all hypotheses that were not accepted, beside the accepted ones
-  ColumnSet columns;                    ///< base columns and those of the accepted
-  VectorXd values;                      ///< unscaled, over `columns`
-  VectorXd standard_deviations;         ///< cluster jackknife
+  std::vector<Accepted> accepted;  ///< in order of discovery
+  std::vector<Evidence>
+      last_asked;     ///< of all hypotheses that were not accepted, beside the accepted ones
+  ColumnSet columns;  ///< base columns and those of the accepted
+  VectorXd values;    ///< unscaled, over `columns`
+  VectorXd standard_deviations;  ///< cluster jackknife
   double degrees_of_freedom = 0.0;
 };
 
 /// Forward selection with swaps and a drop-one round at the end; weights follow the residual.
 ///
 /// @param base  columns that are always there (independent ones).
-Selection select_effects(const NormalBlocks& data, const ColumnSet& base, const std::vector<Hypothesis>& hypotheses,
+Selection select_effects(const NormalBlocks& data, const ColumnSet& base,
+                         const std::vector<Hypothesis>& hypotheses,
                          const DiagnosisOptions& options);
 
-/// Mean over the held-out folds of the fall of the sum over joints of ln(mean square) from one model of the same
-/// recordings to another.
-double fold_gain(const NormalBlocks& before, const ColumnSet& base_before, const NormalBlocks& after, const ColumnSet& base_after);
+/// Mean over the held-out folds of the fall of the sum over joints of ln(mean square) from one
+/// model of the same recordings to another.
+double fold_gain(const NormalBlocks& before, const ColumnSet& base_before,
+                 const NormalBlocks& after, const ColumnSet& base_after);
 
 /// Column indices of a hypothesis.
 ColumnSet columns_of(const NormalBlocks& data, const Hypothesis& hypothesis);

@@ -12,7 +12,8 @@ namespace {
 BatchKernels widest_kernels() {
 #if defined(__x86_64__)
   const bool avx2 = __builtin_cpu_supports("avx2") != 0 && __builtin_cpu_supports("fma") != 0;
-  const bool avx512 = avx2 && __builtin_cpu_supports("avx512f") != 0 && __builtin_cpu_supports("avx512dq") != 0 &&
+  const bool avx512 = avx2 && __builtin_cpu_supports("avx512f") != 0 &&
+                      __builtin_cpu_supports("avx512dq") != 0 &&
                       __builtin_cpu_supports("avx512vl") != 0;
   if (avx512 && batch_kernels_avx512().regressor != nullptr) return batch_kernels_avx512();
   if (avx2 && batch_kernels_avx2().regressor != nullptr) return batch_kernels_avx2();
@@ -39,11 +40,13 @@ class AlignedMemory {
   void* bytes_;
 };
 
-BatchInput input(const char* where, int joints, const MatrixRef& q, const MatrixRef& dq, const MatrixRef& ddq) {
-  require(q.cols() == joints && dq.cols() == joints && ddq.cols() == joints, where, ": q, dq and ddq have ", q.cols(),
-          ", ", dq.cols(), " and ", ddq.cols(), " columns, but the arm has ", joints, " joints.");
-  require(q.rows() == dq.rows() && q.rows() == ddq.rows(), where, ": q, dq and ddq have ", q.rows(), ", ", dq.rows(),
-          " and ", ddq.rows(), " rows.");
+BatchInput input(const char* where, int joints, const MatrixRef& q, const MatrixRef& dq,
+                 const MatrixRef& ddq) {
+  require(q.cols() == joints && dq.cols() == joints && ddq.cols() == joints, where,
+          ": q, dq and ddq have ", q.cols(), ", ", dq.cols(), " and ", ddq.cols(),
+          " columns, but the arm has ", joints, " joints.");
+  require(q.rows() == dq.rows() && q.rows() == ddq.rows(), where, ": q, dq and ddq have ", q.rows(),
+          ", ", dq.rows(), " and ", ddq.rows(), " rows.");
   return {static_cast<int>(q.rows()),
           {q.data(), q.outerStride()},
           {dq.data(), dq.outerStride()},
@@ -53,13 +56,16 @@ BatchInput input(const char* where, int joints, const MatrixRef& q, const Matrix
 }  // namespace
 
 RegressorBatch::RegressorBatch(const Model& arm)
-    : tree_(arm), columns_(static_cast<size_t>(arm.joints())), column_of_mover_(tree_.movers.size(), -1) {
+    : tree_(arm),
+      columns_(static_cast<size_t>(arm.joints())),
+      column_of_mover_(tree_.movers.size(), -1) {
   for (size_t b = 0; b < tree_.body_links.size(); ++b) {
     const Link& link = tree_.links[tree_.body_links[b]];
     for (int m = link.first_mover; m < link.end_mover; ++m) {
       std::vector<int>& columns = columns_[tree_.movers[m].coordinate];
       column_of_mover_[m] = static_cast<int>(columns.size());
-      for (int c = 0; c < kBodyParameters; ++c) columns.push_back(static_cast<int>(kBodyParameters * b) + c);
+      for (int c = 0; c < kBodyParameters; ++c)
+        columns.push_back(static_cast<int>(kBodyParameters * b) + c);
     }
   }
 }
@@ -78,12 +84,13 @@ void RegressorBatch::evaluate(const MatrixRef& q, const MatrixRef& dq, const Mat
   kernels().regressor(tree, in, {data.data(), column_of_mover_.data()}, workspace.get());
 }
 
-void RegressorBatch::torques(const MatrixRef& q, const MatrixRef& dq, const MatrixRef& ddq, const VectorRef& phi,
-                             MatrixXd& tau) const {
+void RegressorBatch::torques(const MatrixRef& q, const MatrixRef& dq, const MatrixRef& ddq,
+                             const VectorRef& phi, MatrixXd& tau) const {
   const BatchInput in = input("RegressorBatch", joints(), q, dq, ddq);
   const auto expected = static_cast<Eigen::Index>(kBodyParameters * tree_.body_links.size());
-  require(phi.size() == expected, "RegressorBatch: phi has ", phi.size(), " entries, but the arm has ",
-          tree_.body_links.size(), " bodies with ", kBodyParameters, " each.");
+  require(phi.size() == expected, "RegressorBatch: phi has ", phi.size(),
+          " entries, but the arm has ", tree_.body_links.size(), " bodies with ", kBodyParameters,
+          " each.");
   tau.resize(in.rows, joints());
   const Links tree = tree_;
   const AlignedMemory workspace(kernels().workspace(tree));

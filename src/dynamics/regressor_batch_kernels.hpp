@@ -3,10 +3,11 @@
 #include "veridyn/dynamics/recursion.hpp"
 #include "veridyn/math/pack.hpp"
 
-// The inner loops of RegressorBatch, once per instruction set. Each regressor_batch_<isa>.cpp is compiled with flags
-// of its own, so nothing in here may be shared with the rest of the program: the linker keeps one copy of an inline
-// function, and an old processor would run into the new one. Hence raw pointers, no standard library, no Eigen, and
-// templates over a pack whose tag names the instruction set.
+// The inner loops of RegressorBatch, once per instruction set. Each regressor_batch_<isa>.cpp is
+// compiled with flags of its own, so nothing in here may be shared with the rest of the program:
+// the linker keeps one copy of an inline function, and an old processor would run into the new one.
+// Hence raw pointers, no standard library, no Eigen, and templates over a pack whose tag names the
+// instruction set.
 
 namespace veridyn {
 
@@ -24,16 +25,19 @@ struct BatchInput {
 /// Where the regressor goes: column c of joint i stands at Y[i] + c * rows.
 struct RegressorOutput {
   double* const* Y;
-  const int* column_of_mover;  ///< first of a body's ten columns in its joint's matrix; -1: the link has no body
+  const int* column_of_mover;  ///< first of a body's ten columns in its joint's matrix; -1: the
+                               ///< link has no body
 };
 
 /// Null where the compiler was not allowed to use the instruction set.
 struct BatchKernels {
   /// Bytes of workspace, aligned to 64.
   unsigned long (*workspace)(const Links& tree) = nullptr;
-  void (*regressor)(const Links& tree, const BatchInput& in, const RegressorOutput& out, void* workspace) = nullptr;
+  void (*regressor)(const Links& tree, const BatchInput& in, const RegressorOutput& out,
+                    void* workspace) = nullptr;
   /// phi: ten per body; tau: (rows x n), column-major without gaps.
-  void (*torques)(const Links& tree, const BatchInput& in, const double* phi, double* tau, void* workspace) = nullptr;
+  void (*torques)(const Links& tree, const BatchInput& in, const double* phi, double* tau,
+                  void* workspace) = nullptr;
 };
 
 BatchKernels batch_kernels_baseline();
@@ -51,14 +55,16 @@ struct BatchLoops {
   };
 
   static unsigned long workspace(const Links& tree) {
-    return sizeof(LinkState<P>) * tree.count + sizeof(Column<P>) * tree.movers + sizeof(P) * 4 * tree.joints;
+    return sizeof(LinkState<P>) * tree.count + sizeof(Column<P>) * tree.movers +
+           sizeof(P) * 4 * tree.joints;
   }
 
   static Memory divide(const Links& tree, void* memory) {
     LinkState<P>* link = static_cast<LinkState<P>*>(memory);
     Column<P>* jacobian = reinterpret_cast<Column<P>*>(link + tree.count);
     P* q = reinterpret_cast<P*>(jacobian + tree.movers);
-    return {{link, jacobian, nullptr}, q, q + tree.joints, q + 2 * tree.joints, q + 3 * tree.joints};
+    return {
+        {link, jacobian, nullptr}, q, q + tree.joints, q + 2 * tree.joints, q + 3 * tree.joints};
   }
 
   /// A pack in memory that is aligned for doubles only.
@@ -89,7 +95,8 @@ struct BatchLoops {
   }
 
   template <Rows kRows>
-  static void motion(const Links& tree, const BatchInput& in, int row, int count, const Memory& at) {
+  static void motion(const Links& tree, const BatchInput& in, int row, int count,
+                     const Memory& at) {
     load<kRows>(tree, in.q, row, count, at.q);
     load<kRows>(tree, in.dq, row, count, at.dq);
     load<kRows>(tree, in.ddq, row, count, at.ddq);
@@ -97,8 +104,8 @@ struct BatchLoops {
   }
 
   template <Rows kRows>
-  static void regressor_of(const Links& tree, const BatchInput& in, int row, int count, const RegressorOutput& out,
-                           const Memory& at) {
+  static void regressor_of(const Links& tree, const BatchInput& in, int row, int count,
+                           const RegressorOutput& out, const Memory& at) {
     motion<kRows>(tree, in, row, count, at);
     jacobian_pass(tree, at.passes);
     const long rows = in.rows;
@@ -114,27 +121,31 @@ struct BatchLoops {
   }
 
   template <Rows kRows>
-  static void torques_of(const Links& tree, const BatchInput& in, int row, int count, const double* phi, double* tau,
-                         const Memory& at) {
+  static void torques_of(const Links& tree, const BatchInput& in, int row, int count,
+                         const double* phi, double* tau, const Memory& at) {
     motion<kRows>(tree, in, row, count, at);
     backward_pass(tree, phi, at.passes, at.tau);
-    for (int i = 0; i < tree.joints; ++i) store<kRows>(at.tau[i], count, tau + long{i} * in.rows + row);
+    for (int i = 0; i < tree.joints; ++i)
+      store<kRows>(at.tau[i], count, tau + long{i} * in.rows + row);
   }
 
-  // Everything in one function each: the compiler's own choice leaves calls in the innermost loops (a third slower).
-  __attribute__((flatten)) static void regressor(const Links& tree, const BatchInput& in, const RegressorOutput& out,
-                                                 void* workspace) {
+  // Everything in one function each: the compiler's own choice leaves calls in the innermost loops
+  // (a third slower).
+  __attribute__((flatten)) static void regressor(const Links& tree, const BatchInput& in,
+                                                 const RegressorOutput& out, void* workspace) {
     const Memory at = divide(tree, workspace);
     int row = 0;
-    for (; row + P::kSize <= in.rows; row += P::kSize) regressor_of<Rows::kAll>(tree, in, row, P::kSize, out, at);
+    for (; row + P::kSize <= in.rows; row += P::kSize)
+      regressor_of<Rows::kAll>(tree, in, row, P::kSize, out, at);
     if (row < in.rows) regressor_of<Rows::kSome>(tree, in, row, in.rows - row, out, at);
   }
 
-  __attribute__((flatten)) static void torques(const Links& tree, const BatchInput& in, const double* phi,
-                                               double* tau, void* workspace) {
+  __attribute__((flatten)) static void torques(const Links& tree, const BatchInput& in,
+                                               const double* phi, double* tau, void* workspace) {
     const Memory at = divide(tree, workspace);
     int row = 0;
-    for (; row + P::kSize <= in.rows; row += P::kSize) torques_of<Rows::kAll>(tree, in, row, P::kSize, phi, tau, at);
+    for (; row + P::kSize <= in.rows; row += P::kSize)
+      torques_of<Rows::kAll>(tree, in, row, P::kSize, phi, tau, at);
     if (row < in.rows) torques_of<Rows::kSome>(tree, in, row, in.rows - row, phi, tau, at);
   }
 

@@ -11,13 +11,14 @@ namespace {
 constexpr Vec3d kNoGravity{0, 0, 0};
 
 void require_state(const char* where, const Model& arm, const VectorRef& v, const char* name) {
-  require(v.size() == arm.joints(), where, ": ", name, " has ", v.size(), " entries, but arm '", arm.name(),
-          "' has ", arm.joints(), " joints.");
+  require(v.size() == arm.joints(), where, ": ", name, " has ", v.size(), " entries, but arm '",
+          arm.name(), "' has ", arm.joints(), " joints.");
 }
 
 VectorXd own_values(const char* where, const Model& arm) {
   const auto phi = arm.inertial_values();
-  require(phi.has_value(), where, ": arm '", arm.name(), "' has bodies without mass, com and inertia.");
+  require(phi.has_value(), where, ": arm '", arm.name(),
+          "' has bodies without mass, com and inertia.");
   return *phi;
 }
 
@@ -31,18 +32,22 @@ RigidBodyDynamics::RigidBodyDynamics(const Model& arm, const VectorRef& phi)
       M_(MatrixXd::Zero(arm.joints(), arm.joints())),
       bias_(rest_) {
   const auto expected = static_cast<Eigen::Index>(kBodyParameters * tree_.body_links.size());
-  require(phi.size() == expected, "RigidBodyDynamics: phi has ", phi.size(), " entries, but arm '", arm.name(),
-          "' has ", tree_.body_links.size(), " bodies with ", kBodyParameters, " each.");
+  require(phi.size() == expected, "RigidBodyDynamics: phi has ", phi.size(), " entries, but arm '",
+          arm.name(), "' has ", tree_.body_links.size(), " bodies with ", kBodyParameters,
+          " each.");
 }
 
-void RigidBodyDynamics::inverse_dynamics(const VectorRef& q, const VectorRef& dq, const VectorRef& ddq,
-                                         VectorXd& tau) {
-  assert(q.size() == joints() && dq.size() == joints() && ddq.size() == joints() && tau.size() == joints());
+void RigidBodyDynamics::inverse_dynamics(const VectorRef& q, const VectorRef& dq,
+                                         const VectorRef& ddq, VectorXd& tau) {
+  assert(q.size() == joints() && dq.size() == joints() && ddq.size() == joints() &&
+         tau.size() == joints());
   forward_pass(tree_, q.data(), dq.data(), ddq.data(), tree_.gravity, recursion_);
   backward_pass(tree_, phi_.data(), recursion_, tau.data());
 }
 
-void RigidBodyDynamics::gravity_torques(const VectorRef& q, VectorXd& g) { inverse_dynamics(q, rest_, rest_, g); }
+void RigidBodyDynamics::gravity_torques(const VectorRef& q, VectorXd& g) {
+  inverse_dynamics(q, rest_, rest_, g);
+}
 
 void RigidBodyDynamics::mass_matrix(const VectorRef& q, MatrixXd& M) {
   assert(q.size() == joints() && M.rows() == joints() && M.cols() == joints());
@@ -71,7 +76,8 @@ void RigidBodyDynamics::mass_matrix(const VectorRef& q, MatrixXd& M) {
 }
 
 void RigidBodyDynamics::coriolis_matrix(const VectorRef& q, const VectorRef& dq, MatrixXd& C) {
-  assert(q.size() == joints() && dq.size() == joints() && C.rows() == joints() && C.cols() == joints());
+  assert(q.size() == joints() && dq.size() == joints() && C.rows() == joints() &&
+         C.cols() == joints());
   forward_pass(tree_, q.data(), dq.data(), rest_.data(), kNoGravity, recursion_);
   jacobian_pass(tree_, recursion_);
   jacobian_rate_pass(tree_, recursion_);
@@ -93,19 +99,21 @@ void RigidBodyDynamics::coriolis_matrix(const VectorRef& q, const VectorRef& dq,
     const Vec3d momentum = p[0] * v + cross(omega, h);
     const Vec3d spin = inertia_times(p + 4, omega) + cross(h, v);
     for (int m = first; m < end; ++m) {
-      // C = J' (I dJ + B J); B is skew, with B [w; v] = [w x spin + v x momentum; w x momentum] for the body's own twist.
+      // C = J' (I dJ + B J); B is skew, with B [w; v] = [w x spin + v x momentum; w x momentum] for
+      // the body's own twist.
       const Vec3d force = p[0] * dJ[m].v + cross(dJ[m].w, h) + cross(J[m].w, momentum);
       const Vec3d moment = inertia_times(p + 4, dJ[m].w) + cross(h, dJ[m].v) + cross(J[m].w, spin) +
                            cross(J[m].v, momentum);
       for (int o = first; o < end; ++o) {
-        C(tree_.movers[o].coordinate, tree_.movers[m].coordinate) += dot(J[o].w, moment) + dot(J[o].v, force);
+        C(tree_.movers[o].coordinate, tree_.movers[m].coordinate) +=
+            dot(J[o].w, moment) + dot(J[o].v, force);
       }
     }
   }
 }
 
-bool RigidBodyDynamics::forward_dynamics(const VectorRef& q, const VectorRef& dq, const VectorRef& tau,
-                                         VectorXd& ddq) {
+bool RigidBodyDynamics::forward_dynamics(const VectorRef& q, const VectorRef& dq,
+                                         const VectorRef& tau, VectorXd& ddq) {
   inverse_dynamics(q, dq, rest_, bias_);
   mass_matrix(q, M_);
   const Eigen::LLT<Eigen::Ref<MatrixXd>> factor(M_);  // in place: nothing allocates
@@ -115,7 +123,8 @@ bool RigidBodyDynamics::forward_dynamics(const VectorRef& q, const VectorRef& dq
   return true;
 }
 
-MatrixXd torque_regressor(const Model& arm, const VectorRef& q, const VectorRef& dq, const VectorRef& ddq) {
+MatrixXd torque_regressor(const Model& arm, const VectorRef& q, const VectorRef& dq,
+                          const VectorRef& ddq) {
   require_state("torque_regressor", arm, q, "q");
   require_state("torque_regressor", arm, dq, "dq");
   require_state("torque_regressor", arm, ddq, "ddq");
@@ -123,7 +132,8 @@ MatrixXd torque_regressor(const Model& arm, const VectorRef& q, const VectorRef&
   Recursion<double> r(tree);
   forward_pass(tree, q.data(), dq.data(), ddq.data(), tree.gravity, r);
   jacobian_pass(tree, r);
-  MatrixXd Y = MatrixXd::Zero(arm.joints(), static_cast<Eigen::Index>(kBodyParameters * tree.body_links.size()));
+  MatrixXd Y = MatrixXd::Zero(arm.joints(),
+                              static_cast<Eigen::Index>(kBodyParameters * tree.body_links.size()));
   for (size_t b = 0; b < tree.body_links.size(); ++b) {
     const int k = tree.body_links[b];
     const BodyMotion<double> motion = body_motion(r.link[k]);
@@ -136,7 +146,8 @@ MatrixXd torque_regressor(const Model& arm, const VectorRef& q, const VectorRef&
   return Y;
 }
 
-VectorXd inverse_dynamics(const Model& arm, const VectorRef& q, const VectorRef& dq, const VectorRef& ddq) {
+VectorXd inverse_dynamics(const Model& arm, const VectorRef& q, const VectorRef& dq,
+                          const VectorRef& ddq) {
   require_state("inverse_dynamics", arm, q, "q");
   require_state("inverse_dynamics", arm, dq, "dq");
   require_state("inverse_dynamics", arm, ddq, "ddq");

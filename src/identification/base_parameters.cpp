@@ -14,7 +14,8 @@
 namespace veridyn {
 namespace {
 
-constexpr double kNegligible = 1e-7;  // a coefficient below this share of its row's largest is rounding
+constexpr double kNegligible =
+    1e-7;  // a coefficient below this share of its row's largest is rounding
 
 // Columns to norm one; zero columns stay.
 MatrixXd scaled(const MatrixXd& R, VectorXd& norms) {
@@ -30,14 +31,18 @@ MatrixXd scaled(const MatrixXd& R, VectorXd& norms) {
 
 int rank_of(const VectorXd& singular_values, double tolerance, double& gap) {
   int rank = 0;
-  while (rank < singular_values.size() && singular_values[rank] > tolerance * singular_values[0]) ++rank;
+  while (rank < singular_values.size() && singular_values[rank] > tolerance * singular_values[0])
+    ++rank;
   const bool full = rank == singular_values.size() || singular_values[rank] == 0.0;
-  gap = rank == 0 ? 0.0 : full ? std::numeric_limits<double>::infinity() : singular_values[rank - 1] / singular_values[rank];
+  gap = rank == 0 ? 0.0
+        : full    ? std::numeric_limits<double>::infinity()
+                  : singular_values[rank - 1] / singular_values[rank];
   return rank;
 }
 
-// Gram-Schmidt in the preferred order, twice for accuracy: a column is independent if enough of it is left.
-// The threshold falls between the smallest kept and the largest dropped remainder, so that exactly `rank` are kept.
+// Gram-Schmidt in the preferred order, twice for accuracy: a column is independent if enough of it
+// is left. The threshold falls between the smallest kept and the largest dropped remainder, so that
+// exactly `rank` are kept.
 std::vector<int> independent_columns(const MatrixXd& A, const std::vector<int>& order, int rank) {
   for (double threshold = 1e-2; threshold > 1e-13; threshold *= 0.1) {
     MatrixXd Q(A.rows(), rank);
@@ -67,7 +72,9 @@ std::vector<int> independent_columns(const MatrixXd& A, const std::vector<int>& 
   return chosen;
 }
 
-std::string number(double x) { return fmt::format("{:.6g}", x); }
+std::string number(double x) {
+  return fmt::format("{:.6g}", x);
+}
 
 std::string expression(const VectorXd& row, const std::vector<std::string>& names) {
   std::string out;
@@ -120,7 +127,8 @@ std::vector<int> preferred_columns(const std::vector<StandardParameter>& paramet
   return order;
 }
 
-BaseParameters base_parameters(const SquareRootInformation& factor, const std::vector<int>& preference, double tolerance) {
+BaseParameters base_parameters(const SquareRootInformation& factor,
+                               const std::vector<int>& preference, double tolerance) {
   BaseParameters base;
   VectorXd norms;
   const MatrixXd A = scaled(factor.R(), norms);
@@ -129,7 +137,8 @@ BaseParameters base_parameters(const SquareRootInformation& factor, const std::v
   base.independent = independent_columns(A, preference, rank);
   base.K = MatrixXd::Zero(rank, A.cols());
   MatrixXd independent(A.rows(), rank);
-  for (int i = 0; i < rank; ++i) independent.col(i) = A.col(base.independent[static_cast<size_t>(i)]);
+  for (int i = 0; i < rank; ++i)
+    independent.col(i) = A.col(base.independent[static_cast<size_t>(i)]);
   const MatrixXd K = Eigen::HouseholderQR<MatrixXd>(independent).solve(A);
   for (Eigen::Index j = 0; j < A.cols(); ++j) {
     for (int i = 0; i < rank; ++i) {
@@ -163,28 +172,34 @@ BaseParameters base_parameters_by_svd(const SquareRootInformation& factor, doubl
       combined.push_back(j);
     }
   }
-  // Step two: among the others, a permutation with V22 regular; here by pivoting on the rows of V2'.
+  // Step two: among the others, a permutation with V22 regular; here by pivoting on the rows of
+  // V2'.
   MatrixXd others(A.rows(), static_cast<Eigen::Index>(combined.size()));
-  for (size_t j = 0; j < combined.size(); ++j) others.col(static_cast<Eigen::Index>(j)) = A.col(combined[j]);
+  for (size_t j = 0; j < combined.size(); ++j)
+    others.col(static_cast<Eigen::Index>(j)) = A.col(combined[j]);
   const int wanted = rank - base.size();
   if (!combined.empty()) {
     const Eigen::BDCSVD<MatrixXd> svd2(others, Eigen::ComputeFullV);
     const MatrixXd W2 = svd2.matrixV().rightCols(others.cols() - wanted);
     const Eigen::ColPivHouseholderQR<MatrixXd> pivots(W2.transpose());
     std::vector<char> dependent(combined.size(), 0);
-    for (Eigen::Index j = 0; j < others.cols() - wanted; ++j) dependent[static_cast<size_t>(pivots.colsPermutation().indices()[j])] = 1;
+    for (Eigen::Index j = 0; j < others.cols() - wanted; ++j)
+      dependent[static_cast<size_t>(pivots.colsPermutation().indices()[j])] = 1;
     for (size_t j = 0; j < combined.size(); ++j) {
       if (dependent[j] == 0) base.independent.push_back(combined[j]);
     }
   }
   std::sort(base.independent.begin(), base.independent.end());
   MatrixXd independent(A.rows(), rank);
-  for (int i = 0; i < rank; ++i) independent.col(i) = A.col(base.independent[static_cast<size_t>(i)]);
+  for (int i = 0; i < rank; ++i)
+    independent.col(i) = A.col(base.independent[static_cast<size_t>(i)]);
   base.K = Eigen::ColPivHouseholderQR<MatrixXd>(independent).solve(A);
   for (Eigen::Index j = 0; j < A.cols(); ++j) {
     for (int i = 0; i < rank; ++i) {
       const double k = base.K(i, j);
-      base.K(i, j) = std::abs(k) < kNegligible ? 0.0 : k * norms[j] / norms[base.independent[static_cast<size_t>(i)]];
+      base.K(i, j) = std::abs(k) < kNegligible
+                         ? 0.0
+                         : k * norms[j] / norms[base.independent[static_cast<size_t>(i)]];
     }
   }
   describe(base, norms, factor.columns());
@@ -223,8 +238,10 @@ SquareRootInformation random_state_factor(const Model& arm, int states, unsigned
 }
 
 BaseParameters base_parameters(const Model& arm) {
-  const int states = 20 + 4 * static_cast<int>(arm.bodies().size()) * kBodyParameters / arm.joints();
-  return base_parameters(random_state_factor(arm, states, 1), preferred_columns(standard_parameters(arm)));
+  const int states =
+      20 + 4 * static_cast<int>(arm.bodies().size()) * kBodyParameters / arm.joints();
+  return base_parameters(random_state_factor(arm, states, 1),
+                         preferred_columns(standard_parameters(arm)));
 }
 
 }  // namespace veridyn

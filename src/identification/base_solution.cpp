@@ -9,7 +9,8 @@
 namespace veridyn {
 namespace {
 
-SquareRootInformation weighted_block(const std::vector<SquareRootInformation>& joints, const VectorRef& weights,
+SquareRootInformation weighted_block(const std::vector<SquareRootInformation>& joints,
+                                     const VectorRef& weights,
                                      const std::vector<std::string>& columns) {
   SquareRootInformation out(columns);
   for (size_t i = 0; i < joints.size(); ++i) {
@@ -28,7 +29,8 @@ double condition(const MatrixXd& A) {
 }
 
 // All solutions without one block: what stands before it merged with what stands after it.
-VectorXd jackknife(const std::vector<SquareRootInformation>& blocks, const std::vector<std::string>& columns) {
+VectorXd jackknife(const std::vector<SquareRootInformation>& blocks,
+                   const std::vector<std::string>& columns) {
   const size_t count = blocks.size();
   const auto k = static_cast<Eigen::Index>(columns.size());
   if (count < 3) return VectorXd::Constant(k, std::numeric_limits<double>::quiet_NaN());
@@ -58,19 +60,22 @@ double median(std::vector<double> values) {
 
 }  // namespace
 
-SquareRootInformation weighted_total(const std::vector<CompressedRecording>& recordings, const VectorRef& weights,
+SquareRootInformation weighted_total(const std::vector<CompressedRecording>& recordings,
+                                     const VectorRef& weights,
                                      const std::vector<std::string>& columns) {
   SquareRootInformation total(columns);
   for (const CompressedRecording& recording : recordings) {
     for (const auto& block : recording.blocks) {
-      for (size_t i = 0; i < block.size(); ++i) total.merge(block[i], weights[static_cast<Eigen::Index>(i)]);
+      for (size_t i = 0; i < block.size(); ++i)
+        total.merge(block[i], weights[static_cast<Eigen::Index>(i)]);
     }
   }
   return total;
 }
 
-BaseSolution solve_base(const std::vector<CompressedRecording>& recordings, const VectorRef& weights,
-                        const BaseParameters& base, const std::vector<std::string>& names) {
+BaseSolution solve_base(const std::vector<CompressedRecording>& recordings,
+                        const VectorRef& weights, const BaseParameters& base,
+                        const std::vector<std::string>& names) {
   std::vector<std::string> columns;
   for (const int j : base.independent) columns.push_back(names[static_cast<size_t>(j)]);
   std::vector<SquareRootInformation> blocks;
@@ -86,7 +91,8 @@ BaseSolution solve_base(const std::vector<CompressedRecording>& recordings, cons
   out.residual2 = total.residual2(out.beta);
   out.condition_number = condition(total.R());
   MatrixXd scaled = total.R();
-  for (Eigen::Index j = 0; j < scaled.cols(); ++j) scaled.col(j) /= std::max(scaled.col(j).norm(), 1e-300);
+  for (Eigen::Index j = 0; j < scaled.cols(); ++j)
+    scaled.col(j) /= std::max(scaled.col(j).norm(), 1e-300);
   out.condition_number_scaled = condition(scaled);
   const double freedom = std::max(1.0, total.rows() - total.size());
   const MatrixXd inverse = Eigen::ColPivHouseholderQR<MatrixXd>(total.R()).inverse();
@@ -116,8 +122,8 @@ VectorXd range_weights(const std::vector<CompressedRecording>& recordings) {
   return weights;
 }
 
-VectorXd residual_weights(const std::vector<CompressedRecording>& recordings, const VectorRef& parameters,
-                          const std::vector<std::string>& names) {
+VectorXd residual_weights(const std::vector<CompressedRecording>& recordings,
+                          const VectorRef& parameters, const std::vector<std::string>& names) {
   std::unordered_map<std::string, Eigen::Index> index;
   for (size_t j = 0; j < names.size(); ++j) index.emplace(names[j], static_cast<Eigen::Index>(j));
   const auto n = static_cast<Eigen::Index>(recordings.front().joints.size());
@@ -128,7 +134,8 @@ VectorXd residual_weights(const std::vector<CompressedRecording>& recordings, co
       for (Eigen::Index i = 0; i < n; ++i) {
         const SquareRootInformation& factor = block[static_cast<size_t>(i)];
         VectorXd x(factor.size());
-        for (int j = 0; j < factor.size(); ++j) x[j] = parameters[index.at(factor.columns()[static_cast<size_t>(j)])];
+        for (int j = 0; j < factor.size(); ++j)
+          x[j] = parameters[index.at(factor.columns()[static_cast<size_t>(j)])];
         sum[i] += factor.residual2(x);
         rows[i] += factor.rows();
       }

@@ -11,19 +11,20 @@ namespace veridyn {
 namespace {
 
 constexpr size_t kMaxBlocks = 16;
-constexpr double kFirstBlock = 1.0;     // [s]; doubled whenever there are too many blocks
+constexpr double kFirstBlock = 1.0;       // [s]; doubled whenever there are too many blocks
 constexpr double kPeriodSeconds = 125.0;  // of the file, looked at to find the period
 constexpr long kPeriodRows = 8192;        // of them, at most; more are thinned
 constexpr int kPieceRows = 2048;
-constexpr double kMovingShare = 0.02;   // of the largest speed, CONTRACT
+constexpr double kMovingShare = 0.02;  // of the largest speed, CONTRACT
 constexpr size_t kSeriesSamples = 3000;
 
 using Visit = std::function<void(const Stretch&)>;
 using Pass = std::function<PreparationFacts(const Visit&)>;
 
-// Blocks for the jackknife and for held-out folds. Where the motion repeats: phases of the period with the repeats
-// merged, for repeats share their systematic errors and are not independent evidence. Elsewhere: stretches of equal
-// duration, whose number stays between kMaxBlocks / 2 and kMaxBlocks.
+// Blocks for the jackknife and for held-out folds. Where the motion repeats: phases of the period
+// with the repeats merged, for repeats share their systematic errors and are not independent
+// evidence. Elsewhere: stretches of equal duration, whose number stays between kMaxBlocks / 2 and
+// kMaxBlocks.
 class Blocks {
  public:
   Blocks(const RegressorColumns& columns, int joints, double period) : period_(period) {
@@ -31,7 +32,8 @@ class Blocks {
     for (int i = 0; i < joints; ++i) {
       std::vector<std::string> mine;
       for (const int p : columns.parameters_of(i)) {
-        if (!columns.parameters()[static_cast<size_t>(p)].fixed) mine.push_back(names[static_cast<size_t>(p)]);
+        if (!columns.parameters()[static_cast<size_t>(p)].fixed)
+          mine.push_back(names[static_cast<size_t>(p)]);
       }
       fresh_.emplace_back(mine);
     }
@@ -48,7 +50,8 @@ class Blocks {
 
   std::vector<std::vector<SquareRootInformation>> take() {
     const auto empty = [](const std::vector<SquareRootInformation>& b) {
-      return std::all_of(b.begin(), b.end(), [](const SquareRootInformation& f) { return f.rows() == 0.0; });
+      return std::all_of(b.begin(), b.end(),
+                         [](const SquareRootInformation& f) { return f.rows() == 0.0; });
     };
     blocks_.erase(std::remove_if(blocks_.begin(), blocks_.end(), empty), blocks_.end());
     return std::move(blocks_);
@@ -92,8 +95,9 @@ class Blocks {
   std::vector<std::vector<SquareRootInformation>> blocks_;
 };
 
-CompressedRecording run_compress(const Model& arm, const std::string& source, const PreprocessingOptions& options,
-                                 const MotionPeriod& period, const Pass& pass) {
+CompressedRecording run_compress(const Model& arm, const std::string& source,
+                                 const PreprocessingOptions& options, const MotionPeriod& period,
+                                 const Pass& pass) {
   CompressedRecording out;
   out.source = source;
   out.period = period;
@@ -129,8 +133,8 @@ CompressedRecording run_compress(const Model& arm, const std::string& source, co
   return out;
 }
 
-// Time and positions of the first minutes, one row in so many: enough for the period, and no more memory for a file
-// that is longer or faster.
+// Time and positions of the first minutes, one row in so many: enough for the period, and no more
+// memory for a file that is longer or faster.
 class ThinnedPositions {
  public:
   void add(const Recording& piece, Eigen::Index row) {
@@ -180,7 +184,8 @@ Recording first_positions(const std::string& path, const PreprocessingOptions& o
   return positions.recording();
 }
 
-// A series of kSeriesSamples to twice as many, however long the recording: full ones are thinned by half.
+// A series of kSeriesSamples to twice as many, however long the recording: full ones are thinned by
+// half.
 class SeriesCollector {
  public:
   SeriesCollector(PredictionSeries* series, int joints) : series_(series) {
@@ -195,7 +200,8 @@ class SeriesCollector {
     series_->time.push_back(s.time[row]);
     for (size_t t = 0; t < tables().size(); ++t) {
       std::vector<std::vector<double>>& table = *tables()[t];
-      for (size_t i = 0; i < table.size(); ++i) table[i].push_back((*sources[t])(row, static_cast<Eigen::Index>(i)));
+      for (size_t i = 0; i < table.size(); ++i)
+        table[i].push_back((*sources[t])(row, static_cast<Eigen::Index>(i)));
     }
     if (series_->time.size() < 2 * kSeriesSamples) return;
     stride_ *= 2;
@@ -222,8 +228,9 @@ class SeriesCollector {
   long stride_ = 1;
 };
 
-ErrorSums run_prediction(const Model& arm, const PreprocessingOptions& options, const VectorRef& values,
-                         const std::vector<TorqueFacts>& joints, PredictionSeries* series, const Pass& pass) {
+ErrorSums run_prediction(const Model& arm, const PreprocessingOptions& options,
+                         const VectorRef& values, const std::vector<TorqueFacts>& joints,
+                         PredictionSeries* series, const Pass& pass) {
   const int n = arm.joints();
   const RegressorColumns columns(arm, options);
   ErrorSums sums(n);
@@ -239,7 +246,8 @@ ErrorSums run_prediction(const Model& arm, const PreprocessingOptions& options, 
         sums.error2[i] += e * e;
         sums.torque_max[i] = std::max(sums.torque_max[i], std::abs(tau));
         sums.error_max[i] = std::max(sums.error_max[i], std::abs(e));
-        if (std::abs(s.dq(k, i)) <= kMovingShare * joints[static_cast<size_t>(i)].largest_speed) continue;
+        if (std::abs(s.dq(k, i)) <= kMovingShare * joints[static_cast<size_t>(i)].largest_speed)
+          continue;
         sums.moving_torque2[i] += tau * tau;
         sums.moving_error2[i] += e * e;
       }
@@ -251,19 +259,27 @@ ErrorSums run_prediction(const Model& arm, const PreprocessingOptions& options, 
 
 }  // namespace
 
-CompressedRecording compress(const Model& arm, const std::string& path, const PreprocessingOptions& options) {
-  return run_compress(arm, path, options, detect_period(first_positions(path, options)),
-                      [&](const Visit& visit) { return for_each_stretch(arm, path, options, visit); });
+CompressedRecording compress(const Model& arm, const std::string& path,
+                             const PreprocessingOptions& options) {
+  return run_compress(
+      arm, path, options, detect_period(first_positions(path, options)),
+      [&](const Visit& visit) { return for_each_stretch(arm, path, options, visit); });
 }
 
-CompressedRecording compress(const Model& arm, const Recording& recording, const PreprocessingOptions& options) {
-  return run_compress(arm, recording.source, options, detect_period(recording),
-                      [&](const Visit& visit) { return for_each_stretch(arm, recording, options, visit); });
+CompressedRecording compress(const Model& arm, const Recording& recording,
+                             const PreprocessingOptions& options) {
+  return run_compress(
+      arm, recording.source, options, detect_period(recording),
+      [&](const Visit& visit) { return for_each_stretch(arm, recording, options, visit); });
 }
 
 ErrorSums::ErrorSums(int joints)
-    : torque2(VectorXd::Zero(joints)), error2(torque2), torque_max(torque2), error_max(torque2),
-      moving_torque2(torque2), moving_error2(torque2) {}
+    : torque2(VectorXd::Zero(joints)),
+      error2(torque2),
+      torque_max(torque2),
+      error_max(torque2),
+      moving_torque2(torque2),
+      moving_error2(torque2) {}
 
 void ErrorSums::add(const ErrorSums& other) {
   torque2 += other.torque2;
@@ -278,19 +294,24 @@ PredictionError ErrorSums::error() const {
   const auto ratio = [](const VectorXd& a, const VectorXd& b) {
     return VectorXd((b.array() > 0.0).select(a.array() / b.array().max(1e-300), 0.0));
   };
-  return {ratio(error2, torque2).cwiseSqrt(), ratio(error_max, torque_max), ratio(moving_error2, moving_torque2).cwiseSqrt()};
+  return {ratio(error2, torque2).cwiseSqrt(), ratio(error_max, torque_max),
+          ratio(moving_error2, moving_torque2).cwiseSqrt()};
 }
 
-ErrorSums prediction_error(const Model& arm, const std::string& path, const PreprocessingOptions& options,
-                           const VectorRef& values, const std::vector<TorqueFacts>& joints, PredictionSeries* series) {
-  return run_prediction(arm, options, values, joints, series,
-                        [&](const Visit& visit) { return for_each_stretch(arm, path, options, visit); });
+ErrorSums prediction_error(const Model& arm, const std::string& path,
+                           const PreprocessingOptions& options, const VectorRef& values,
+                           const std::vector<TorqueFacts>& joints, PredictionSeries* series) {
+  return run_prediction(arm, options, values, joints, series, [&](const Visit& visit) {
+    return for_each_stretch(arm, path, options, visit);
+  });
 }
 
-ErrorSums prediction_error(const Model& arm, const Recording& recording, const PreprocessingOptions& options,
-                           const VectorRef& values, const std::vector<TorqueFacts>& joints, PredictionSeries* series) {
-  return run_prediction(arm, options, values, joints, series,
-                        [&](const Visit& visit) { return for_each_stretch(arm, recording, options, visit); });
+ErrorSums prediction_error(const Model& arm, const Recording& recording,
+                           const PreprocessingOptions& options, const VectorRef& values,
+                           const std::vector<TorqueFacts>& joints, PredictionSeries* series) {
+  return run_prediction(arm, options, values, joints, series, [&](const Visit& visit) {
+    return for_each_stretch(arm, recording, options, visit);
+  });
 }
 
 }  // namespace veridyn

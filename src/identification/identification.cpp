@@ -14,18 +14,22 @@ namespace veridyn {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kStillRevolute = 2e-3;   // [rad] a joint that travels less than this does not move
-// [kg, kg m^2] of every pseudo-inertia: a body is not only possible but has a size, so that simulations of it run.
+constexpr double kStillRevolute = 2e-3;  // [rad] a joint that travels less than this does not move
+// [kg, kg m^2] of every pseudo-inertia: a body is not only possible but has a size, so that
+// simulations of it run.
 constexpr double kSmallestEigenvalue = 1e-8;
-constexpr double kGap = 1e-6;  // of the feasible solve; far below what a sample more or less changes
+constexpr double kGap =
+    1e-6;  // of the feasible solve; far below what a sample more or less changes
 constexpr double kStillPrismatic = 2e-4;  // [m]
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-std::vector<CompressedRecording> compress_all(const Model& arm, const std::vector<std::string>& paths,
-                                              const PreprocessingOptions& preprocessing, int threads) {
+std::vector<CompressedRecording> compress_all(const Model& arm,
+                                              const std::vector<std::string>& paths,
+                                              const PreprocessingOptions& preprocessing,
+                                              int threads) {
   std::vector<CompressedRecording> out(paths.size());
   parallel_for(static_cast<int>(paths.size()), threads, [&](int k) {
     out[static_cast<size_t>(k)] = compress(arm, paths[static_cast<size_t>(k)], preprocessing);
@@ -33,10 +37,12 @@ std::vector<CompressedRecording> compress_all(const Model& arm, const std::vecto
   return out;
 }
 
-void find_still_joints(const Model& arm, const std::vector<CompressedRecording>& recordings, Identification& id) {
+void find_still_joints(const Model& arm, const std::vector<CompressedRecording>& recordings,
+                       Identification& id) {
   for (int i = 0; i < arm.joints(); ++i) {
     double travel = 0.0;
-    for (const CompressedRecording& r : recordings) travel = std::max(travel, r.joints[static_cast<size_t>(i)].travel());
+    for (const CompressedRecording& r : recordings)
+      travel = std::max(travel, r.joints[static_cast<size_t>(i)].travel());
     if (travel < (arm.coordinates()[i].prismatic ? kStillPrismatic : kStillRevolute)) {
       id.still_joints.push_back(arm.coordinates()[i].name);
     }
@@ -44,7 +50,8 @@ void find_still_joints(const Model& arm, const std::vector<CompressedRecording>&
 }
 
 // Base parameters of the arm outside the row space of the data.
-std::vector<std::string> undetermined_parameters(const BaseParameters& arm_base, const BaseParameters& data_base,
+std::vector<std::string> undetermined_parameters(const BaseParameters& arm_base,
+                                                 const BaseParameters& data_base,
                                                  const VectorXd& scale) {
   // Rows of K span what is determined; both in columns scaled alike.
   const MatrixXd determined = (data_base.K * scale.asDiagonal()).transpose();
@@ -54,37 +61,46 @@ std::vector<std::string> undetermined_parameters(const BaseParameters& arm_base,
   for (int j = 0; j < arm_base.size(); ++j) {
     const VectorXd row = wanted.col(j);
     const VectorXd rest = row - Q * (Q.transpose() * row);
-    if (rest.norm() > 1e-5 * row.norm()) out.push_back(arm_base.expressions[static_cast<size_t>(j)]);
+    if (rest.norm() > 1e-5 * row.norm())
+      out.push_back(arm_base.expressions[static_cast<size_t>(j)]);
   }
   return out;
 }
 
 // The regressor at random states without the columns of facts, as the recordings' factors have it.
-SquareRootInformation identifiable_factor(const Model& arm, unsigned seed, const std::vector<std::string>& still = {}) {
+SquareRootInformation identifiable_factor(const Model& arm, unsigned seed,
+                                          const std::vector<std::string>& still = {}) {
   constexpr int kStates = 200;
   const SquareRootInformation all = random_state_factor(arm, kStates, seed, still);
   std::vector<std::string> free;
   for (const StandardParameter& p : standard_parameters(arm)) {
     if (!p.fixed) free.push_back(p.name);
   }
-  return static_cast<int>(free.size()) == all.size() ? all : all.restricted(free).restricted(all.columns());
+  return static_cast<int>(free.size()) == all.size()
+             ? all
+             : all.restricted(free).restricted(all.columns());
 }
 
 // True, and says so, if the recordings leave the arm's base parameters open.
-bool rank_deficient(const Model& arm, const BaseParameters& arm_base, const SquareRootInformation& total, Identification& id) {
+bool rank_deficient(const Model& arm, const BaseParameters& arm_base,
+                    const SquareRootInformation& total, Identification& id) {
   const auto parameters = standard_parameters(arm);
   const BaseParameters data_base = base_parameters(total, preferred_columns(parameters));
   id.rank_gap = data_base.rank_gap;
   if (data_base.size() >= arm_base.size() && id.still_joints.empty()) return false;
   const SquareRootInformation structure = identifiable_factor(arm, 3, id.still_joints);
-  const BaseParameters& determined = id.still_joints.empty() ? data_base : base_parameters(structure, preferred_columns(parameters));
-  id.undetermined = undetermined_parameters(arm_base, determined, identifiable_factor(arm, 3).column_norms());
+  const BaseParameters& determined =
+      id.still_joints.empty() ? data_base
+                              : base_parameters(structure, preferred_columns(parameters));
+  id.undetermined =
+      undetermined_parameters(arm_base, determined, identifiable_factor(arm, 3).column_norms());
   id.status = IdentificationStatus::kRankDeficient;
   std::string still;
   for (const std::string& name : id.still_joints) still += (still.empty() ? "joint " : ", ") + name;
   std::string open;
   for (const std::string& name : id.undetermined) open += (open.empty() ? "" : "; ") + name;
-  id.reason = still.empty() ? text("the recordings determine ", data_base.size(), " of ", arm_base.size(), " base parameters")
+  id.reason = still.empty() ? text("the recordings determine ", data_base.size(), " of ",
+                                   arm_base.size(), " base parameters")
                             : text(still, " never moves");
   id.reason += "; undetermined: " + open;
   return true;
@@ -103,10 +119,13 @@ struct Bounds {
 };
 
 // Signs of effects and the boxes that the robot file declares.
-Bounds parameter_bounds(const Model& arm, const std::vector<StandardParameter>& parameters, EffectSigns signs) {
+Bounds parameter_bounds(const Model& arm, const std::vector<StandardParameter>& parameters,
+                        EffectSigns signs) {
   Bounds bounds;
   const auto count = static_cast<Eigen::Index>(parameters.size());
-  const auto unit = [count](Eigen::Index j, double sign) { return VectorXd(sign * VectorXd::Unit(count, j)); };
+  const auto unit = [count](Eigen::Index j, double sign) {
+    return VectorXd(sign * VectorXd::Unit(count, j));
+  };
   for (Eigen::Index j = 0; j < count; ++j) {
     const StandardParameter& p = parameters[static_cast<size_t>(j)];
     if (p.fixed || p.effect < 0) continue;
@@ -114,7 +133,8 @@ Bounds parameter_bounds(const Model& arm, const std::vector<StandardParameter>& 
     const bool signed_by_nature = std::isfinite(p.lower) && signs == EffectSigns::kPhysical;
     if (signed_by_nature) bounds.add(unit(j, -1.0), -p.lower, text(p.name, " >= ", p.lower));
     if (most > 0.0) bounds.add(unit(j, 1.0), most, text(p.name, " <= ", most));
-    if (most > 0.0 && !signed_by_nature) bounds.add(unit(j, -1.0), most, text(p.name, " >= ", -most));
+    if (most > 0.0 && !signed_by_nature)
+      bounds.add(unit(j, -1.0), most, text(p.name, " >= ", -most));
   }
   for (size_t b = 0; b < arm.bodies().size(); ++b) {
     const Frame& frame = arm.frames()[arm.bodies()[b]];
@@ -124,30 +144,34 @@ Bounds parameter_bounds(const Model& arm, const std::vector<StandardParameter>& 
     const double mass_max = own.mass_max > 0.0 ? own.mass_max : all.mass_max;
     const double reach = own.com_reach > 0.0 ? own.com_reach : all.com_reach;
     const auto first = static_cast<Eigen::Index>(kBodyParameters * b);
-    if (mass_max > 0.0) bounds.add(unit(first, 1.0), mass_max, text("m_", frame.name, " <= ", mass_max));
+    if (mass_max > 0.0)
+      bounds.add(unit(first, 1.0), mass_max, text("m_", frame.name, " <= ", mass_max));
     if (reach > 0.0) {
-      // No mass farther than twice the reach: trace of the second moments <= (2 reach)^2 m. It also keeps what the data leave open
-      // from drifting to infinity.
+      // No mass farther than twice the reach: trace of the second moments <= (2 reach)^2 m. It also
+      // keeps what the data leave open from drifting to infinity.
       VectorXd row = -4.0 * reach * reach * unit(first, 1.0);
       for (const int c : {4, 6, 9}) row[first + c] = 0.5;
       bounds.add(row, 0.0, text("mass of ", frame.name, " lies within ", 2.0 * reach, " m"));
     }
     for (Eigen::Index c = 1; c <= 3 && reach > 0.0; ++c) {
       for (const double sign : {1.0, -1.0}) {
-        bounds.add(unit(first + c, sign) - reach * unit(first, 1.0), 0.0, text("|com of ", frame.name, "| <= ", reach));
+        bounds.add(unit(first + c, sign) - reach * unit(first, 1.0), 0.0,
+                   text("|com of ", frame.name, "| <= ", reach));
       }
     }
   }
   return bounds;
 }
 
-FeasibleProblem feasible_problem(const Model& arm, const SquareRootInformation& total, const Bounds& bounds) {
+FeasibleProblem feasible_problem(const Model& arm, const SquareRootInformation& total,
+                                 const Bounds& bounds) {
   FeasibleProblem problem;
   problem.R = total.R();
   problem.z = total.z();
   problem.rho2 = total.rho2();
   for (size_t b = 0; b < arm.bodies().size(); ++b) {
-    if (!arm.frames()[arm.bodies()[b]].body->fixed) problem.body_columns.push_back(static_cast<int>(kBodyParameters * b));
+    if (!arm.frames()[arm.bodies()[b]].body->fixed)
+      problem.body_columns.push_back(static_cast<int>(kBodyParameters * b));
   }
   problem.G.resize(static_cast<Eigen::Index>(bounds.rows.size()), total.size());
   problem.h.resize(problem.G.rows());
@@ -158,7 +182,8 @@ FeasibleProblem feasible_problem(const Model& arm, const SquareRootInformation& 
   return problem;
 }
 
-void solve_feasible(const Model& arm, const SquareRootInformation& total, const IdentificationOptions& options, Identification& id) {
+void solve_feasible(const Model& arm, const SquareRootInformation& total,
+                    const IdentificationOptions& options, Identification& id) {
   const auto parameters = standard_parameters(arm);
   const Bounds bounds = parameter_bounds(arm, parameters, options.signs);
   const FeasibleProblem problem = feasible_problem(arm, total, bounds);
@@ -169,8 +194,10 @@ void solve_feasible(const Model& arm, const SquareRootInformation& total, const 
   if (options.prior) {
     const auto phi = options.prior->inertial_values();
     require(phi && phi->size() == kBodyParameters * static_cast<int>(arm.bodies().size()),
-            "the prior '", options.prior->name(), "' does not give values to the same bodies as '", arm.name(), "'.");
-    for (const int first : problem.body_columns) solver.entropic_prior.phi.emplace_back(phi->segment<kBodyParameters>(first));
+            "the prior '", options.prior->name(), "' does not give values to the same bodies as '",
+            arm.name(), "'.");
+    for (const int first : problem.body_columns)
+      solver.entropic_prior.phi.emplace_back(phi->segment<kBodyParameters>(first));
     const double bodies = std::max<double>(1.0, static_cast<double>(problem.body_columns.size()));
     solver.entropic_prior.weight = options.prior_weight * id.unconstrained_objective / bodies;
   }
@@ -181,16 +208,19 @@ void solve_feasible(const Model& arm, const SquareRootInformation& total, const 
   id.certified = result.certificate == Certificate::kRigorous;
   for (const ActiveBody& active : result.active_bodies) {
     const int body = problem.body_columns[static_cast<size_t>(active.body)] / kBodyParameters;
-    id.active_constraints.push_back("pseudo-inertia of " + arm.frames()[arm.bodies()[body]].name + " is singular");
+    id.active_constraints.push_back("pseudo-inertia of " + arm.frames()[arm.bodies()[body]].name +
+                                    " is singular");
   }
-  for (const ActiveRow& active : result.active_rows) id.active_constraints.push_back(bounds.names[static_cast<size_t>(active.row)]);
+  for (const ActiveRow& active : result.active_rows)
+    id.active_constraints.push_back(bounds.names[static_cast<size_t>(active.row)]);
   if (result.status == FeasibleStatus::kOptimal) return;
   id.status = IdentificationStatus::kNotConverged;
   id.reason = result.report().substr(0, result.report().find('\n'));
 }
 
 // The shortest standard parameters (columns scaled) that have these base parameters.
-VectorXd shortest_parameters(const BaseParameters& base, const VectorXd& beta, const VectorXd& norms) {
+VectorXd shortest_parameters(const BaseParameters& base, const VectorXd& beta,
+                             const VectorXd& norms) {
   VectorXd scale = norms;
   for (Eigen::Index j = 0; j < scale.size(); ++j) scale[j] = norms[j] > 0.0 ? 1.0 / norms[j] : 0.0;
   const MatrixXd A = base.K * scale.asDiagonal();
@@ -199,7 +229,8 @@ VectorXd shortest_parameters(const BaseParameters& base, const VectorXd& beta, c
 
 bool all_bodies_possible(const Model& arm, const VectorXd& parameters) {
   for (size_t b = 0; b < arm.bodies().size(); ++b) {
-    const InertialParameters phi = parameters.segment<kBodyParameters>(static_cast<Eigen::Index>(kBodyParameters * b));
+    const InertialParameters phi =
+        parameters.segment<kBodyParameters>(static_cast<Eigen::Index>(kBodyParameters * b));
     if (smallest_eigenvalue(pseudo_inertia(phi)) <= 0.0) return false;
   }
   return true;
@@ -211,26 +242,32 @@ void keep_facts(const std::vector<StandardParameter>& parameters, VectorXd& valu
   }
 }
 
-void describe_base(const Model& arm, const BaseParameters& base, const VectorXd& beta, const VectorXd& std, Identification& id) {
+void describe_base(const Model& arm, const BaseParameters& base, const VectorXd& beta,
+                   const VectorXd& std, Identification& id) {
   const auto parameters = standard_parameters(arm);
   id.parameter_deviations = VectorXd::Constant(static_cast<Eigen::Index>(parameters.size()), kNaN);
   for (int j = 0; j < base.size(); ++j) {
     const auto own = static_cast<size_t>(base.independent[static_cast<size_t>(j)]);
-    id.base.push_back({base.names[static_cast<size_t>(j)], base.expressions[static_cast<size_t>(j)], parameters[own].unit, beta[j], std[j]});
-    if (base.classes[own] == Identifiability::kAlone) id.parameter_deviations[static_cast<Eigen::Index>(own)] = std[j];
+    id.base.push_back({base.names[static_cast<size_t>(j)], base.expressions[static_cast<size_t>(j)],
+                       parameters[own].unit, beta[j], std[j]});
+    if (base.classes[own] == Identifiability::kAlone)
+      id.parameter_deviations[static_cast<Eigen::Index>(own)] = std[j];
   }
 }
 
 // Everything from factors to parameters.
-void solve(const Model& arm, const std::vector<CompressedRecording>& recordings, const IdentificationOptions& options, Identification& id) {
+void solve(const Model& arm, const std::vector<CompressedRecording>& recordings,
+           const IdentificationOptions& options, Identification& id) {
   const auto parameters = standard_parameters(arm);
   const std::vector<std::string> names = parameter_names(parameters);
-  const BaseParameters base = base_parameters(identifiable_factor(arm, 1), preferred_columns(parameters));
+  const BaseParameters base =
+      base_parameters(identifiable_factor(arm, 1), preferred_columns(parameters));
   VectorXd weights = range_weights(recordings);
   SquareRootInformation total = weighted_total(recordings, weights, names);
   if (rank_deficient(arm, base, total, id)) return;
   const VectorXd norms = total.column_norms();
-  if (options.method == Method::kOls || options.weights == JointWeights::kResidual) weights = VectorXd::Ones(weights.size());
+  if (options.method == Method::kOls || options.weights == JointWeights::kResidual)
+    weights = VectorXd::Ones(weights.size());
   BaseSolution solution = solve_base(recordings, weights, base, names);
   if (options.method != Method::kOls && options.weights == JointWeights::kResidual) {
     weights = residual_weights(recordings, shortest_parameters(base, solution.beta, norms), names);
@@ -280,7 +317,8 @@ Identification start(const Model& arm, const IdentificationOptions& options) {
 }
 
 // From factors to a model; false if there is none.
-bool fit(const Model& arm, const std::vector<CompressedRecording>& recordings, const IdentificationOptions& options, Identification& id) {
+bool fit(const Model& arm, const std::vector<CompressedRecording>& recordings,
+         const IdentificationOptions& options, Identification& id) {
   for (const CompressedRecording& r : recordings) {
     id.rows += r.rows;
     if (r.rows == 0.0) {
@@ -298,7 +336,8 @@ bool fit(const Model& arm, const std::vector<CompressedRecording>& recordings, c
 
 }  // namespace
 
-Identification identify(const Model& arm, const std::vector<std::string>& train, const std::vector<std::string>& test,
+Identification identify(const Model& arm, const std::vector<std::string>& train,
+                        const std::vector<std::string>& test,
                         const IdentificationOptions& options) {
   require(!train.empty(), "identify: there is no recording to train on.");
   Identification id = start(arm, options);
@@ -307,13 +346,15 @@ Identification identify(const Model& arm, const std::vector<std::string>& train,
   };
   say("compressing", 0.0);
   const auto begin = std::chrono::steady_clock::now();
-  const std::vector<CompressedRecording> recordings = compress_all(arm, train, id.preprocessing, options.threads);
+  const std::vector<CompressedRecording> recordings =
+      compress_all(arm, train, id.preprocessing, options.threads);
   id.seconds.compress = seconds_since(begin);
   say("solving", 0.4);
   if (!fit(arm, recordings, options, id)) return id;
   say("validating", 0.6);
   const auto validation = std::chrono::steady_clock::now();
-  const std::vector<CompressedRecording> held_out = compress_all(arm, test, id.test_preprocessing, options.threads);
+  const std::vector<CompressedRecording> held_out =
+      compress_all(arm, test, id.test_preprocessing, options.threads);
   id.train.resize(train.size());
   id.test.resize(test.size());
   std::vector<ErrorSums> sums(train.size() + test.size(), ErrorSums(arm.joints()));
@@ -323,7 +364,8 @@ Identification identify(const Model& arm, const std::vector<std::string>& train,
     const CompressedRecording& recording = is_train ? recordings[t] : held_out[t - train.size()];
     RecordingError& out = is_train ? id.train[t] : id.test[t - train.size()];
     const PreprocessingOptions& preprocessing = is_train ? id.preprocessing : id.test_preprocessing;
-    sums[t] = prediction_error(arm, recording.source, preprocessing, id.parameters, recording.joints, &out.series);
+    sums[t] = prediction_error(arm, recording.source, preprocessing, id.parameters,
+                               recording.joints, &out.series);
     out.source = recording.source;
     out.noise_floor = recording.noise_floor;
     out.error = sums[t].error();
@@ -339,14 +381,17 @@ Identification identify(const Model& arm, const std::vector<std::string>& train,
   return id;
 }
 
-Identification identify(const Model& arm, const Recording& recording, const IdentificationOptions& options) {
+Identification identify(const Model& arm, const Recording& recording,
+                        const IdentificationOptions& options) {
   Identification id = start(arm, options);
-  const std::vector<CompressedRecording> recordings = {compress(arm, recording, options.preprocessing)};
+  const std::vector<CompressedRecording> recordings = {
+      compress(arm, recording, options.preprocessing)};
   if (!fit(arm, recordings, options, id)) return id;
   id.train.resize(1);
   id.train[0].source = recording.source;
   id.train[0].noise_floor = recordings[0].noise_floor;
-  const ErrorSums sums = prediction_error(arm, recording, options.preprocessing, id.parameters, recordings[0].joints, &id.train[0].series);
+  const ErrorSums sums = prediction_error(arm, recording, options.preprocessing, id.parameters,
+                                          recordings[0].joints, &id.train[0].series);
   id.train[0].error = sums.error();
   id.train_error = sums.error();
   return id;

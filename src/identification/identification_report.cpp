@@ -14,7 +14,9 @@ std::string percent(const VectorXd& v) {
 }
 
 const char* method_name(Method m) {
-  return m == Method::kOls ? "ordinary least squares" : m == Method::kWls ? "weighted least squares" : "feasible least squares";
+  return m == Method::kOls   ? "ordinary least squares"
+         : m == Method::kWls ? "weighted least squares"
+                             : "feasible least squares";
 }
 
 }  // namespace
@@ -23,8 +25,9 @@ std::string Identification::report() const {
   std::string out = fmt::format("{}: {}, {:.0f} rows\n", robot, method_name(method), rows);
   if (!model) return out + "no model: " + reason + "\n";
   if (!reason.empty()) out += "warning: " + reason + "\n";
-  out += fmt::format("{} base parameters, rank gap {:.1e}, condition number {:.1f} ({:.1f} with columns scaled), ", base.size(),
-                     rank_gap, condition_number, condition_number_scaled);
+  out += fmt::format(
+      "{} base parameters, rank gap {:.1e}, condition number {:.1f} ({:.1f} with columns scaled), ",
+      base.size(), rank_gap, condition_number, condition_number_scaled);
   out += feasible ? "every body physically possible\n" : "NOT physically possible as it stands\n";
   out += "\nerrors, % of the torque, per joint\n";
   const auto line = [&out](const char* name, const VectorXd& v) {
@@ -35,14 +38,16 @@ std::string Identification::report() const {
   line("held out, moving", test_error.moving_relative);
   line("noise floor", noise_floor);
   for (const RecordingError& r : test) {
-    if (test.size() > 1) out += fmt::format("  {:<22}{}  {}\n", "held out", percent(r.error.relative), r.source);
+    if (test.size() > 1)
+      out += fmt::format("  {:<22}{}  {}\n", "held out", percent(r.error.relative), r.source);
   }
   if (!active_constraints.empty()) {
     out += "\nat the edge of what is physically possible:\n";
     for (const std::string& c : active_constraints) out += "  " + c + "\n";
   }
   out += fmt::format("\n  {:>13} {:>11}  {:<9} base parameter\n", "value", "std", "unit");
-  for (const BaseValue& b : base) out += fmt::format("  {:13.6g} {:11.2g}  {:<9} {}\n", b.value, b.std, b.unit, b.expression);
+  for (const BaseValue& b : base)
+    out += fmt::format("  {:13.6g} {:11.2g}  {:<9} {}\n", b.value, b.std, b.unit, b.expression);
   return out;
 }
 

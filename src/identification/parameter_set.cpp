@@ -14,7 +14,9 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr std::array<const char*, kBodyParameters> kSymbols = {"m",   "hx",  "hy",  "hz",  "Lxx",
                                                                "Lxy", "Lyy", "Lxz", "Lyz", "Lzz"};
 
-const char* inertial_unit(int component) { return component == 0 ? "kg" : component < 4 ? "kg m" : "kg m^2"; }
+const char* inertial_unit(int component) {
+  return component == 0 ? "kg" : component < 4 ? "kg m" : "kg m^2";
+}
 
 }  // namespace
 
@@ -61,7 +63,9 @@ std::vector<std::string> parameter_names(const std::vector<StandardParameter>& p
 
 Model with_values(const Model& arm, const VectorRef& values, const VectorRef& deviations) {
   ModelDescription d = arm.description();
-  const auto known = [&deviations](Eigen::Index i) { return i < deviations.size() && std::isfinite(deviations[i]); };
+  const auto known = [&deviations](Eigen::Index i) {
+    return i < deviations.size() && std::isfinite(deviations[i]);
+  };
   Eigen::Index at = 0;
   for (const int k : arm.bodies()) {
     Body& body = *d.frames[k].body;
@@ -82,7 +86,8 @@ Model with_values(const Model& arm, const VectorRef& values, const VectorRef& de
   return Model(d);
 }
 
-MatrixXd full_regressor(const Model& arm, const VectorRef& q, const VectorRef& dq, const VectorRef& ddq) {
+MatrixXd full_regressor(const Model& arm, const VectorRef& q, const VectorRef& dq,
+                        const VectorRef& ddq) {
   const MatrixXd bodies = torque_regressor(arm, q, dq, ddq);
   const std::vector<StandardParameter> parameters = standard_parameters(arm);
   MatrixXd Y = MatrixXd::Zero(arm.joints(), static_cast<Eigen::Index>(parameters.size()));
@@ -92,7 +97,8 @@ MatrixXd full_regressor(const Model& arm, const VectorRef& q, const VectorRef& d
     BoundEffect effect(arm, term);
     EffectColumns row{};
     effect.columns(effect.sample(0.0, q.data(), dq.data(), ddq.data(), 1), row);
-    for (int c = 0; c < effect.parameter_count(); ++c) Y.col(at++) = row[c] * term.axis.coefficients;
+    for (int c = 0; c < effect.parameter_count(); ++c)
+      Y.col(at++) = row[c] * term.axis.coefficients;
   }
   return Y;
 }

@@ -6,8 +6,8 @@
 
 namespace veridyn {
 
-/// Compares torques with those one period earlier; what differs between repeats is what no model can predict.
-/// Holds one period of samples.
+/// Compares torques with those one period earlier; what differs between repeats is what no model
+/// can predict. Holds one period of samples.
 class PeriodFold {
  public:
   /// @param period  [s]; 0: nothing is compared.
@@ -16,8 +16,9 @@ class PeriodFold {
   /// Row `row` of tau, at `time` [s]; times ascend.
   void add(double time, const MatrixXd& tau, Eigen::Index row);
 
-  /// Per joint: standard deviation of one repeat over the root mean square of the torque, (joints); empty where
-  /// less than a quarter of a period repeats. The difference of two repeats has twice the variance of one.
+  /// Per joint: standard deviation of one repeat over the root mean square of the torque, (joints);
+  /// empty where less than a quarter of a period repeats. The difference of two repeats has twice
+  /// the variance of one.
   VectorXd relative_floor() const;
 
  private:

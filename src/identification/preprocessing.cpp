@@ -12,10 +12,11 @@
 namespace veridyn {
 namespace {
 
-constexpr Eigen::Index kCore = 2048;        // samples of one stretch
-constexpr double kHaloRemainder = 1e-9;     // what a cut leaves of itself at the core
-constexpr Eigen::Index kDerivatives = 4;    // samples on either side that two central differences lean on
-constexpr double kNyquistShare = 0.45;      // a light filter above this share of the rate is left away
+constexpr Eigen::Index kCore = 2048;     // samples of one stretch
+constexpr double kHaloRemainder = 1e-9;  // what a cut leaves of itself at the core
+constexpr Eigen::Index kDerivatives =
+    4;  // samples on either side that two central differences lean on
+constexpr double kNyquistShare = 0.45;  // a light filter above this share of the rate is left away
 
 struct Filters {
   std::optional<ZeroPhaseFilter> main;
@@ -41,12 +42,15 @@ std::vector<char> widened(const std::vector<char>& sound, Eigen::Index margin) {
   const auto n = static_cast<Eigen::Index>(sound.size());
   for (Eigen::Index i = 0; i < n; ++i) {
     if (sound[static_cast<size_t>(i)] != 0) continue;
-    for (Eigen::Index j = std::max<Eigen::Index>(0, i - margin); j <= std::min(n - 1, i + margin); ++j) use[static_cast<size_t>(j)] = 0;
+    for (Eigen::Index j = std::max<Eigen::Index>(0, i - margin); j <= std::min(n - 1, i + margin);
+         ++j)
+      use[static_cast<size_t>(j)] = 0;
   }
   return use;
 }
 
-Stretch make_stretch(const UniformStream& stream, Eigen::Index rows, int n, const PreprocessingOptions& o, const Filters& f) {
+Stretch make_stretch(const UniformStream& stream, Eigen::Index rows, int n,
+                     const PreprocessingOptions& o, const Filters& f) {
   Stretch s;
   s.dt = stream.dt();
   s.start = stream.start();
@@ -65,7 +69,8 @@ Stretch make_stretch(const UniformStream& stream, Eigen::Index rows, int n, cons
     }
   }
   const bool signals = o.filtering == Filtering::kSignals;
-  const ZeroPhaseFilter* filter = signals ? (f.main ? &*f.main : nullptr) : (f.light ? &*f.light : nullptr);
+  const ZeroPhaseFilter* filter =
+      signals ? (f.main ? &*f.main : nullptr) : (f.light ? &*f.light : nullptr);
   if (filter != nullptr) filter->apply(s.q);
   if (!stream.has_velocity()) {
     s.dq = differentiate(s.q, s.dt);
@@ -75,7 +80,8 @@ Stretch make_stretch(const UniformStream& stream, Eigen::Index rows, int n, cons
   s.ddq = differentiate(s.dq, s.dt);
   if (signals && f.main) f.main->apply(s.tau);
   const double margin = o.cutoff > 0.0 ? 0.5 / o.cutoff : 0.0;
-  s.use = widened({stream.sound().begin(), stream.sound().begin() + rows}, static_cast<Eigen::Index>(margin / s.dt));
+  s.use = widened({stream.sound().begin(), stream.sound().begin() + rows},
+                  static_cast<Eigen::Index>(margin / s.dt));
   return s;
 }
 
@@ -86,7 +92,8 @@ PreparationFacts run(const Model& arm, UniformStream& stream, const Preprocessin
   PreparationFacts facts;
   facts.dt = dt;
   // So far is read ahead: the filters settle, and what is dropped at the end is known to be there.
-  const Eigen::Index ahead = std::max(filters.halo, static_cast<Eigen::Index>(std::ceil(o.drop_end / dt)));
+  const Eigen::Index ahead =
+      std::max(filters.halo, static_cast<Eigen::Index>(std::ceil(o.drop_end / dt)));
   Eigen::Index behind = 0;  // settled samples held in front of the core
   Eigen::Index discard = 0;
   while (true) {
@@ -96,13 +103,15 @@ PreparationFacts run(const Model& arm, UniformStream& stream, const Preprocessin
     Stretch s = make_stretch(stream, rows, arm.joints(), o, filters);
     s.core_begin = behind;
     s.core_end = last ? rows : behind + kCore;
-    const double t_end = stream.ended() ? s.time[0] + static_cast<double>(held - 1) * dt - o.drop_end : 1e300;
+    const double t_end =
+        stream.ended() ? s.time[0] + static_cast<double>(held - 1) * dt - o.drop_end : 1e300;
     const double t_begin = stream.start() + o.drop_start;
     for (Eigen::Index i = s.core_begin; i < s.core_end; ++i) {
       const double t = s.time[i];
       const double tolerance = 1e-6 * dt;
       facts.unused += static_cast<long>(s.use[static_cast<size_t>(i)] == 0);
-      if (t < t_begin - tolerance || t > t_end + tolerance || t < stream.first_wanted_time() - tolerance || t > stream.last_wanted_time() + tolerance) {
+      if (t < t_begin - tolerance || t > t_end + tolerance ||
+          t < stream.first_wanted_time() - tolerance || t > stream.last_wanted_time() + tolerance) {
         s.use[static_cast<size_t>(i)] = 0;
       }
     }
@@ -120,17 +129,20 @@ PreparationFacts run(const Model& arm, UniformStream& stream, const Preprocessin
 
 }  // namespace
 
-PreparationFacts for_each_stretch(const Model& arm, const std::string& path, const PreprocessingOptions& options,
+PreparationFacts for_each_stretch(const Model& arm, const std::string& path,
+                                  const PreprocessingOptions& options,
                                   const std::function<void(const Stretch&)>& visit) {
   RecordingOptions reading;
   reading.columns = options.columns;
   reading.rate = options.header_rate;
   RecordingReader reader(path, reading);
-  UniformStream stream(arm, path, [&reader](int rows) { return reader.next(rows); }, options);
+  UniformStream stream(
+      arm, path, [&reader](int rows) { return reader.next(rows); }, options);
   return run(arm, stream, options, visit);
 }
 
-PreparationFacts for_each_stretch(const Model& arm, const Recording& recording, const PreprocessingOptions& options,
+PreparationFacts for_each_stretch(const Model& arm, const Recording& recording,
+                                  const PreprocessingOptions& options,
                                   const std::function<void(const Stretch&)>& visit) {
   Eigen::Index at = 0;
   const auto rows_of = [](const MatrixXd& m, Eigen::Index from, Eigen::Index count) {

@@ -7,7 +7,8 @@
 namespace veridyn {
 namespace {
 
-// Effort that the arm's own rigid bodies ask for, where the file has their values; for load-dependent effects.
+// Effort that the arm's own rigid bodies ask for, where the file has their values; for
+// load-dependent effects.
 MatrixXd rigid_torques(const RegressorBatch& bodies, const Model& arm, const Stretch& s) {
   MatrixXd tau = MatrixXd::Zero(s.q.rows(), s.q.cols());
   const auto phi = arm.inertial_values();
@@ -28,7 +29,8 @@ RegressorColumns::RegressorColumns(const Model& arm, const PreprocessingOptions&
     std::vector<int> mine = bodies_.columns(i);
     for (size_t p = 0; p < parameters_.size(); ++p) {
       const int e = parameters_[p].effect;
-      if (e >= 0 && arm.effects()[e].axis.coefficients[i] != 0.0) mine.push_back(static_cast<int>(p));
+      if (e >= 0 && arm.effects()[e].axis.coefficients[i] != 0.0)
+        mine.push_back(static_cast<int>(p));
     }
     of_joint_.push_back(std::move(mine));
   }
@@ -54,7 +56,8 @@ std::vector<MatrixXd> RegressorColumns::raw_columns(const Stretch& s) const {
     MatrixXd columns(rows, effect.parameter_count());
     EffectColumns row{};
     for (Eigen::Index k = 0; k < rows; ++k) {
-      AxisSample x = effect.sample(s.time[k], s.q.data() + k, s.dq.data() + k, s.ddq.data() + k, rows);
+      AxisSample x =
+          effect.sample(s.time[k], s.q.data() + k, s.dq.data() + k, s.ddq.data() + k, rows);
       if (effect.effect().needs_load()) x.load = along(term.axis, load, k);
       effect.columns(x, row);
       for (int c = 0; c < effect.parameter_count(); ++c) columns(k, c) = row[c];
@@ -74,7 +77,8 @@ void RegressorColumns::filter(MatrixXd& columns, double dt) const {
   ZeroPhaseFilter(options_.cutoff, options_.order, 1.0 / dt).apply(columns);
 }
 
-std::vector<Eigen::Index> RegressorColumns::kept_samples(const Stretch& s, Eigen::Index joint) const {
+std::vector<Eigen::Index> RegressorColumns::kept_samples(const Stretch& s,
+                                                         Eigen::Index joint) const {
   const int step = decimation(options_, s.dt);
   std::vector<Eigen::Index> kept;
   for (Eigen::Index k = s.core_begin; k < s.core_end; ++k) {
@@ -111,7 +115,8 @@ std::vector<JointRows> RegressorColumns::rows(const Stretch& s) const {
     out[i].time.resize(static_cast<Eigen::Index>(kept.size()));
     out[i].b.resize(static_cast<Eigen::Index>(kept.size()));
     for (Eigen::Index c = 0; c < columns; ++c) {
-      for (size_t k = 0; k < kept.size(); ++k) out[i].A(static_cast<Eigen::Index>(k), c) = both(kept[k], c);
+      for (size_t k = 0; k < kept.size(); ++k)
+        out[i].A(static_cast<Eigen::Index>(k), c) = both(kept[k], c);
     }
     for (size_t k = 0; k < kept.size(); ++k) {
       out[i].b[static_cast<Eigen::Index>(k)] = both(kept[k], columns);
@@ -128,12 +133,14 @@ MatrixXd RegressorColumns::filtered_torque(const Stretch& s) const {
   return tau;
 }
 
-RegressorColumns::Prediction RegressorColumns::predict(const Stretch& s, const VectorRef& values) const {
+RegressorColumns::Prediction RegressorColumns::predict(const Stretch& s,
+                                                       const VectorRef& values) const {
   const std::vector<MatrixXd> Y = raw_columns(s);
   Prediction out{s.tau, MatrixXd::Zero(s.tau.rows(), s.tau.cols())};
   for (size_t i = 0; i < Y.size(); ++i) {
     VectorXd mine(static_cast<Eigen::Index>(of_joint_[i].size()));
-    for (size_t p = 0; p < of_joint_[i].size(); ++p) mine[static_cast<Eigen::Index>(p)] = values[of_joint_[i][p]];
+    for (size_t p = 0; p < of_joint_[i].size(); ++p)
+      mine[static_cast<Eigen::Index>(p)] = values[of_joint_[i][p]];
     out.modelled.col(static_cast<Eigen::Index>(i)) = Y[i] * mine;
   }
   filter(out.measured, s.dt);

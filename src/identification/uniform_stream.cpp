@@ -10,7 +10,7 @@ namespace veridyn {
 namespace {
 
 constexpr int kPiece = 4096;
-constexpr double kAbsurd = 1e6;     // no arm has positions, speeds or torques beyond this
+constexpr double kAbsurd = 1e6;      // no arm has positions, speeds or torques beyond this
 constexpr double kGapInSteps = 2.5;  // one lost row is interpolated, more are a gap
 
 double median_step(const VectorXd& time) {
@@ -22,17 +22,19 @@ double median_step(const VectorXd& time) {
 
 }  // namespace
 
-UniformStream::UniformStream(const Model& arm, std::string name, Source source, const PreprocessingOptions& options)
+UniformStream::UniformStream(const Model& arm, std::string name, Source source,
+                             const PreprocessingOptions& options)
     : arm_(arm), name_(std::move(name)), source_(std::move(source)), options_(options) {
   read_piece();
 }
 
 void UniformStream::check(const Recording& piece) const {
   const int n = arm_.joints();
-  require(piece.joints() == n, name_, ": found ", piece.joints(), " joints, but robot '", arm_.name(), "' has ", n,
-          " coordinates.");
+  require(piece.joints() == n, name_, ": found ", piece.joints(), " joints, but robot '",
+          arm_.name(), "' has ", n, " coordinates.");
   if (piece.tau.size() > 0) return;
-  require(piece.current.size() > 0, name_, ": found neither torques (tau1..tau", n, ") nor motor currents (i1..i", n, ").");
+  require(piece.current.size() > 0, name_, ": found neither torques (tau1..tau", n,
+          ") nor motor currents (i1..i", n, ").");
   for (const Coordinate& c : arm_.coordinates()) {
     require(c.drive_gain != 0.0, name_, ": found motor currents only, and robot '", arm_.name(),
             "' has no drive_gain for coordinate '", c.name, "'.");
@@ -46,7 +48,8 @@ bool UniformStream::usable(const Recording& piece, Eigen::Index row) const {
     }
     return true;
   };
-  return good(piece.q) && (!has_velocity_ || good(piece.dq)) && good(piece.tau.size() > 0 ? piece.tau : piece.current);
+  return good(piece.q) && (!has_velocity_ || good(piece.dq)) &&
+         good(piece.tau.size() > 0 ? piece.tau : piece.current);
 }
 
 UniformStream::Row UniformStream::make_row(const Recording& piece, Eigen::Index row) const {
@@ -56,7 +59,9 @@ UniformStream::Row UniformStream::make_row(const Recording& piece, Eigen::Index 
   for (int j = 0; j < n; ++j) out.values.push_back(piece.q(row, j));
   for (int j = 0; j < n && has_velocity_; ++j) out.values.push_back(piece.dq(row, j));
   for (int j = 0; j < n; ++j) {
-    out.values.push_back(piece.tau.size() > 0 ? piece.tau(row, j) : piece.current(row, j) * arm_.coordinates()[j].drive_gain);
+    out.values.push_back(piece.tau.size() > 0
+                             ? piece.tau(row, j)
+                             : piece.current(row, j) * arm_.coordinates()[j].drive_gain);
   }
   return out;
 }
@@ -78,7 +83,8 @@ void UniformStream::read_piece() {
   for (Eigen::Index i = 0; i < piece.rows(); ++i) {
     const long file_row = rows_read_++;
     if (file_row == std::max(0L, options_.first_row)) t_wanted_first_ = piece.time[i];
-    if (options_.row_count >= 0 && file_row == options_.first_row + options_.row_count - 1) t_wanted_last_ = piece.time[i];
+    if (options_.row_count >= 0 && file_row == options_.first_row + options_.row_count - 1)
+      t_wanted_last_ = piece.time[i];
     if (!usable(piece, i)) continue;
     Row row = make_row(piece, i);
     if (!started_) t_first_ = row.t;
@@ -99,7 +105,8 @@ void UniformStream::emit_until(const Row& row) {
     if (std::abs(t - row.t) > tolerance) {
       const double gap = row.t - previous_.t;
       const double share = (t - previous_.t) / gap;
-      for (size_t k = 0; k < values.size(); ++k) values[k] = previous_.values[k] + share * (row.values[k] - previous_.values[k]);
+      for (size_t k = 0; k < values.size(); ++k)
+        values[k] = previous_.values[k] + share * (row.values[k] - previous_.values[k]);
       good = gap < kGapInSteps * std::max(step_, dt_);
     }
     samples_.push_back(std::move(values));

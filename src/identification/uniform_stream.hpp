@@ -14,10 +14,11 @@ class UniformStream {
   using Source = std::function<Recording(int rows)>;  ///< the next rows, empty at the end
 
   /// @throws InvalidInput  wrong number of joints, no torques, fewer than two usable rows.
-  UniformStream(const Model& arm, std::string name, Source source, const PreprocessingOptions& options);
+  UniformStream(const Model& arm, std::string name, Source source,
+                const PreprocessingOptions& options);
 
-  /// Reads on until `rows` samples are held after `discard` of them were forgotten, or the recording ends.
-  /// Returns the number held.
+  /// Reads on until `rows` samples are held after `discard` of them were forgotten, or the
+  /// recording ends. Returns the number held.
   Eigen::Index hold(Eigen::Index rows, Eigen::Index discard);
 
   bool ended() const { return ended_; }

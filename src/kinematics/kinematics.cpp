@@ -7,11 +7,13 @@
 namespace veridyn {
 namespace {
 
-Eigen::Vector3d eigen(const Vec3d& a) { return {a.x, a.y, a.z}; }
+Eigen::Vector3d eigen(const Vec3d& a) {
+  return {a.x, a.y, a.z};
+}
 
 void check(const char* where, const Model& arm, const VectorRef& q, int frame) {
-  require(q.size() == arm.joints(), where, ": q has ", q.size(), " entries, but arm '", arm.name(), "' has ",
-          arm.joints(), " joints.");
+  require(q.size() == arm.joints(), where, ": q has ", q.size(), " entries, but arm '", arm.name(),
+          "' has ", arm.joints(), " joints.");
   require(frame >= 0 && frame < static_cast<int>(arm.frames().size()), where, ": frame ", frame,
           " is not one of the ", arm.frames().size(), " frames of arm '", arm.name(), "'.");
 }
@@ -70,8 +72,8 @@ MatrixXd frame_jacobian(const Model& arm, const VectorRef& q, int frame) {
 
 MatrixXd frame_jacobian_rate(const Model& arm, const VectorRef& q, const VectorRef& dq, int frame) {
   check("frame_jacobian_rate", arm, q, frame);
-  require(dq.size() == arm.joints(), "frame_jacobian_rate: dq has ", dq.size(), " entries, but arm '",
-          arm.name(), "' has ", arm.joints(), " joints.");
+  require(dq.size() == arm.joints(), "frame_jacobian_rate: dq has ", dq.size(),
+          " entries, but arm '", arm.name(), "' has ", arm.joints(), " joints.");
   const Tree tree(arm, Tree::Keep::kEveryFrame);
   Recursion<double> r(tree);
   const VectorXd rest = VectorXd::Zero(arm.joints());

@@ -91,8 +91,13 @@ Tree::Tree(const Model& arm, Keep keep) : joints(arm.joints()) {
 }
 
 Tree::operator Links() const {
-  return {joints,       static_cast<int>(links.size()), static_cast<int>(movers.size()), links.data(),
-          shares.data(), movers.data(),                  gravity};
+  return {joints,
+          static_cast<int>(links.size()),
+          static_cast<int>(movers.size()),
+          links.data(),
+          shares.data(),
+          movers.data(),
+          gravity};
 }
 
 }  // namespace veridyn

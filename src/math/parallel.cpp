@@ -10,7 +10,8 @@
 namespace veridyn {
 
 void parallel_for(int count, int threads, const std::function<void(int)>& body) {
-  const int wanted = threads > 0 ? threads : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  const int wanted =
+      threads > 0 ? threads : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   const int workers = std::min(count, wanted);
   std::atomic<int> next{0};
   std::exception_ptr first;

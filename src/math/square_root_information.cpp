@@ -10,9 +10,12 @@
 namespace veridyn {
 
 SquareRootInformation::SquareRootInformation(std::vector<std::string> columns)
-    : columns_(std::move(columns)), R_(MatrixXd::Zero(size(), size())), z_(VectorXd::Zero(size())) {}
+    : columns_(std::move(columns)),
+      R_(MatrixXd::Zero(size(), size())),
+      z_(VectorXd::Zero(size())) {}
 
-// Triangulates [A b] in place and keeps its first size() rows; what b has left below them goes into rho^2.
+// Triangulates [A b] in place and keeps its first size() rows; what b has left below them goes into
+// rho^2.
 void SquareRootInformation::absorb_stacked(MatrixXd stacked) {
   const int k = size();
   const Eigen::HouseholderQR<Eigen::Ref<MatrixXd>> qr(stacked);
@@ -26,8 +29,9 @@ void SquareRootInformation::absorb_stacked(MatrixXd stacked) {
 
 void SquareRootInformation::absorb(const MatrixRef& A, const VectorRef& b) {
   const int k = size();
-  require(A.cols() == k && A.rows() == b.size(), "SquareRootInformation::absorb: A is (", A.rows(), " x ",
-          A.cols(), ") and b has ", b.size(), " rows; expected ", k, " columns and equal rows.");
+  require(A.cols() == k && A.rows() == b.size(), "SquareRootInformation::absorb: A is (", A.rows(),
+          " x ", A.cols(), ") and b has ", b.size(), " rows; expected ", k,
+          " columns and equal rows.");
   // Blocks much taller than wide, so that the triangle on top costs little.
   const Eigen::Index block = std::max<Eigen::Index>(256, 4 * k);
   for (Eigen::Index at = 0; at < A.rows(); at += block) {
@@ -59,7 +63,8 @@ void SquareRootInformation::merge(const SquareRootInformation& other, double wei
   MatrixXd stacked = MatrixXd::Zero(before + m, k + 1);
   stacked.topLeftCorner(before, before) = R_;
   stacked.topRightCorner(before, 1) = z_;
-  for (int j = 0; j < m; ++j) stacked.col(place[static_cast<size_t>(j)]).tail(m) = weight * other.R_.col(j);
+  for (int j = 0; j < m; ++j)
+    stacked.col(place[static_cast<size_t>(j)]).tail(m) = weight * other.R_.col(j);
   stacked.col(k).tail(m) = weight * other.z_;
   R_.resize(k, k);
   z_.resize(k);
@@ -72,7 +77,8 @@ double SquareRootInformation::residual2(const VectorRef& x) const {
   return (R_ * x - z_).squaredNorm() + rho2_;
 }
 
-SquareRootInformation SquareRootInformation::restricted(const std::vector<std::string>& columns) const {
+SquareRootInformation SquareRootInformation::restricted(
+    const std::vector<std::string>& columns) const {
   std::unordered_map<std::string, int> index;
   for (int i = 0; i < size(); ++i) index.emplace(columns_[i], i);
   MatrixXd T = MatrixXd::Zero(size(), static_cast<Eigen::Index>(columns.size()));
@@ -83,7 +89,8 @@ SquareRootInformation SquareRootInformation::restricted(const std::vector<std::s
   return transformed(T, columns);
 }
 
-SquareRootInformation SquareRootInformation::transformed(const MatrixRef& T, std::vector<std::string> columns) const {
+SquareRootInformation SquareRootInformation::transformed(const MatrixRef& T,
+                                                         std::vector<std::string> columns) const {
   SquareRootInformation out(std::move(columns));
   out.absorb(R_.triangularView<Eigen::Upper>() * T, z_);
   out.rho2_ += rho2_;
@@ -91,6 +98,8 @@ SquareRootInformation SquareRootInformation::transformed(const MatrixRef& T, std
   return out;
 }
 
-VectorXd SquareRootInformation::column_norms() const { return R_.colwise().norm().transpose(); }
+VectorXd SquareRootInformation::column_norms() const {
+  return R_.colwise().norm().transpose();
+}
 
 }  // namespace veridyn

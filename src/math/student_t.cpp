@@ -5,13 +5,15 @@
 namespace veridyn {
 namespace {
 
-// Continued fraction of the regularised incomplete beta function by Lentz's method (Abramowitz and Stegun 26.5.8).
+// Continued fraction of the regularised incomplete beta function by Lentz's method (Abramowitz and
+// Stegun 26.5.8).
 double incomplete_beta(double a, double b, double x) {
   if (x <= 0.0) return 0.0;
   if (x >= 1.0) return 1.0;
   if (x > (a + 1.0) / (a + b + 2.0)) return 1.0 - incomplete_beta(b, a, 1.0 - x);
-  const double front =
-      std::exp(std::lgamma(a + b) - std::lgamma(a) - std::lgamma(b) + a * std::log(x) + b * std::log1p(-x)) / a;
+  const double front = std::exp(std::lgamma(a + b) - std::lgamma(a) - std::lgamma(b) +
+                                a * std::log(x) + b * std::log1p(-x)) /
+                       a;
   constexpr double kTiny = 1e-300;
   double f = 1.0;
   double c = 1.0;
@@ -35,13 +37,15 @@ double incomplete_beta(double a, double b, double x) {
 }  // namespace
 
 double student_t_two_sided(double t, double degrees_of_freedom) {
-  return incomplete_beta(0.5 * degrees_of_freedom, 0.5, degrees_of_freedom / (degrees_of_freedom + t * t));
+  return incomplete_beta(0.5 * degrees_of_freedom, 0.5,
+                         degrees_of_freedom / (degrees_of_freedom + t * t));
 }
 
 double student_t_quantile(double two_sided_probability, double degrees_of_freedom) {
   double low = 0.0;
   double high = 1.0;
-  while (student_t_two_sided(high, degrees_of_freedom) > two_sided_probability && high < 1e300) high *= 2.0;
+  while (student_t_two_sided(high, degrees_of_freedom) > two_sided_probability && high < 1e300)
+    high *= 2.0;
   for (int i = 0; i < 200; ++i) {
     const double middle = 0.5 * (low + high);
     (student_t_two_sided(middle, degrees_of_freedom) > two_sided_probability ? low : high) = middle;

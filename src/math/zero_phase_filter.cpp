@@ -17,9 +17,10 @@ using Lanes = std::array<double, kLanes>;
 
 ZeroPhaseFilter::ZeroPhaseFilter(double cutoff, int order, double rate) {
   require(order >= 1 && order <= 20, "filter order is ", order, "; expected 1 to 20.");
-  require(cutoff > 0.0 && cutoff < 0.5 * rate, "filter cut-off is ", cutoff, " Hz; expected above 0 and below ",
-          0.5 * rate, " Hz, half the sampling rate.");
-  const double warped = std::tan(M_PI * cutoff / rate);  // cut-off of the analogue prototype, times T/2
+  require(cutoff > 0.0 && cutoff < 0.5 * rate, "filter cut-off is ", cutoff,
+          " Hz; expected above 0 and below ", 0.5 * rate, " Hz, half the sampling rate.");
+  const double warped =
+      std::tan(M_PI * cutoff / rate);  // cut-off of the analogue prototype, times T/2
   for (int k = 0; k < order / 2; ++k) {
     const double damping = 2.0 * std::sin(M_PI * (2 * k + 1) / (2.0 * order));
     const double scale = 1.0 + damping * warped + warped * warped;
@@ -41,7 +42,8 @@ ZeroPhaseFilter::ZeroPhaseFilter(double cutoff, int order, double rate) {
     sections_.push_back(s);
   }
   for (Section& s : sections_) {
-    // Transposed direct form II at rest under a constant input of one; every section has gain one there.
+    // Transposed direct form II at rest under a constant input of one; every section has gain one
+    // there.
     s.start2 = s.b2 - s.a2;
     s.start1 = s.b1 - s.a1 + s.start2;
   }
@@ -82,13 +84,15 @@ void ZeroPhaseFilter::apply(MatrixXd& columns) const {
       for (Eigen::Index i = 0; i < rows; ++i) work[static_cast<size_t>(pad + i)][l] = column[i];
       for (Eigen::Index i = 1; i <= pad; ++i) {
         work[static_cast<size_t>(pad - i)][l] = 2.0 * column[0] - column[i];
-        work[static_cast<size_t>(pad + rows - 1 + i)][l] = 2.0 * column[rows - 1] - column[rows - 1 - i];
+        work[static_cast<size_t>(pad + rows - 1 + i)][l] =
+            2.0 * column[rows - 1] - column[rows - 1 - i];
       }
     }
     sweep(work.begin(), work.end());
     sweep(work.rbegin(), work.rend());
     for (int l = 0; l < lanes; ++l) {
-      for (Eigen::Index i = 0; i < rows; ++i) columns(i, c0 + l) = work[static_cast<size_t>(pad + i)][l];
+      for (Eigen::Index i = 0; i < rows; ++i)
+        columns(i, c0 + l) = work[static_cast<size_t>(pad + i)][l];
     }
   }
 }
@@ -99,7 +103,9 @@ MatrixXd differentiate(const MatrixRef& columns, double dt) {
   if (n < 2) return out;
   for (Eigen::Index i = 0; i < n; ++i) {
     if (i >= 2 && i + 2 < n) {
-      out.row(i) = (8.0 * (columns.row(i + 1) - columns.row(i - 1)) - (columns.row(i + 2) - columns.row(i - 2))) / (12.0 * dt);
+      out.row(i) = (8.0 * (columns.row(i + 1) - columns.row(i - 1)) -
+                    (columns.row(i + 2) - columns.row(i - 2))) /
+                   (12.0 * dt);
     } else {
       const Eigen::Index a = std::max<Eigen::Index>(i - 1, 0);
       const Eigen::Index b = std::min<Eigen::Index>(i + 1, n - 1);

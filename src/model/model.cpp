@@ -15,7 +15,7 @@ InertialParameters inertial_parameters(double mass, const Eigen::Vector3d& com,
   const double y = com.y();
   const double z = com.z();
   InertialParameters phi;
-  phi << mass, mass * x, mass * y, mass * z,                             //
+  phi << mass, mass * x, mass * y, mass * z,                                   //
       inertia_com[0] + mass * (y * y + z * z), inertia_com[1] - mass * x * y,  //
       inertia_com[2] + mass * (x * x + z * z), inertia_com[3] - mass * x * z,  //
       inertia_com[4] - mass * y * z, inertia_com[5] + mass * (x * x + y * y);
@@ -60,7 +60,8 @@ Model::Model(ModelDescription description) : description_(std::move(description)
             "' does not stand before it.");
     if (frame.variable.coefficients.size() == 0) frame.variable.coefficients = VectorXd::Zero(n);
     require(frame.variable.coefficients.size() == n, where, ": frame '", frame.name, "' has ",
-            frame.variable.coefficients.size(), " joint coefficients, but there are ", n, " coordinates.");
+            frame.variable.coefficients.size(), " joint coefficients, but there are ", n,
+            " coordinates.");
     std::vector<char> support(n, 0);
     if (frame.parent >= 0) support = support_[frame.parent];
     for (int i = 0; i < n; ++i) {
@@ -71,10 +72,12 @@ Model::Model(ModelDescription description) : description_(std::move(description)
     support_.push_back(std::move(support));
     if (frame.body) bodies_.push_back(k);
   }
-  for (int i = 0; i < n; ++i) description_.coordinates[i].prismatic = slides[i] != 0 && turns[i] == 0;
+  for (int i = 0; i < n; ++i)
+    description_.coordinates[i].prismatic = slides[i] != 0 && turns[i] == 0;
   for (const EffectTerm& term : description_.effects) {
     require(term.axis.coefficients.size() == n, where, ": effect '", term.effect, "' has ",
-            term.axis.coefficients.size(), " axis coefficients, but there are ", n, " coordinates.");
+            term.axis.coefficients.size(), " axis coefficients, but there are ", n,
+            " coordinates.");
   }
 }
 
@@ -102,9 +105,13 @@ std::optional<VectorXd> Model::inertial_values() const {
   return phi;
 }
 
-std::string effort_unit(const Coordinate& coordinate) { return coordinate.prismatic ? "N" : "N m"; }
+std::string effort_unit(const Coordinate& coordinate) {
+  return coordinate.prismatic ? "N" : "N m";
+}
 
-std::string position_unit(const Coordinate& coordinate) { return coordinate.prismatic ? "m" : "rad"; }
+std::string position_unit(const Coordinate& coordinate) {
+  return coordinate.prismatic ? "m" : "rad";
+}
 
 bool is_prismatic(const Model& arm, const Axis& axis) {
   return arm.coordinates()[static_cast<size_t>(main_coordinate(axis))].prismatic;

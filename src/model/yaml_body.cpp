@@ -110,7 +110,8 @@ std::optional<Body> read_body(const YamlNode& node) {
 
 ParameterBox read_box(const YamlNode& node) {
   node.allow_keys({"mass_max", "com_reach", "effect_max"});
-  return {read_bound(node, "mass_max"), read_bound(node, "com_reach"), read_bound(node, "effect_max")};
+  return {read_bound(node, "mass_max"), read_bound(node, "com_reach"),
+          read_bound(node, "effect_max")};
 }
 
 }  // namespace veridyn

@@ -1,5 +1,5 @@
-#include "json_value.hpp"
 #include "veridyn/report/diagnosis_json.hpp"
+#include "json_value.hpp"
 
 namespace veridyn {
 namespace {
@@ -10,25 +10,33 @@ Json error_pair(const Identification& id) {
                  {"moving", {{"relative_error", json_list(id.test_error.moving_relative)}}}};
   out["recordings"] = Json::array();
   for (const RecordingError& r : id.test) {
-    out["recordings"].push_back({{"source", r.source}, {"relative_error", json_list(r.error.relative)}});
+    out["recordings"].push_back(
+        {{"source", r.source}, {"relative_error", json_list(r.error.relative)}});
   }
   return out;
 }
 
 Json finding_json(const Finding& f) {
-  Json out = {{"rank", f.rank}, {"effect", f.effect}, {"joint", f.joint}, {"coordinate", f.coordinate}, {"unit", f.unit}};
+  Json out = {{"rank", f.rank},
+              {"effect", f.effect},
+              {"joint", f.joint},
+              {"coordinate", f.coordinate},
+              {"unit", f.unit}};
   if (!f.frame.empty()) out["frame"] = f.frame;
   out["parameters"] = Json::object();
   for (const FoundParameter& p : f.parameters) {
-    out["parameters"][p.name] = {{"value", p.value}, {"unit", p.unit}, {"ci95", Json::array({p.low, p.high})}};
+    out["parameters"][p.name] = {
+        {"value", p.value}, {"unit", p.unit}, {"ci95", Json::array({p.low, p.high})}};
   }
   out["p_value"] = f.p_value;
-  out["gain"] = {{"test_relative_error", {{"before", json_list(f.test_before)}, {"after", json_list(f.test_after)}}},
+  out["gain"] = {{"test_relative_error",
+                  {{"before", json_list(f.test_before)}, {"after", json_list(f.test_after)}}},
                  {"log_mean_square", f.gain}};
   out["explains"] = f.explains;
   out["rivals"] = Json::array();
   for (const Rival& r : f.rivals) {
-    out["rivals"].push_back({{"effect", r.effect}, {"joint", r.joint}, {"coordinate", r.coordinate}, {"why", r.why}});
+    out["rivals"].push_back(
+        {{"effect", r.effect}, {"joint", r.joint}, {"coordinate", r.coordinate}, {"why", r.why}});
   }
   out["sentence"] = f.sentence;
   return out;
@@ -39,7 +47,11 @@ Json quality_json(const std::vector<RecordingQuality>& recordings) {
   for (const RecordingQuality& r : recordings) {
     for (const QualityFinding& f : r.findings) {
       if (f.severity == Severity::kInfo) continue;
-      out.push_back({{"file", f.file}, {"finding", f.finding}, {"joint", f.joint}, {"share", f.share}, {"sentence", f.sentence}});
+      out.push_back({{"file", f.file},
+                     {"finding", f.finding},
+                     {"joint", f.joint},
+                     {"share", f.share},
+                     {"sentence", f.sentence}});
     }
   }
   return out;
@@ -58,7 +70,8 @@ std::string to_json(const Diagnosis& d) {
   for (const Finding& f : d.findings) out["findings"].push_back(finding_json(f));
   out["not_supported"] = Json::array();
   for (const NotSupported& n : d.not_supported) {
-    out["not_supported"].push_back({{"effect", n.effect}, {"joint", n.joint}, {"p_value", n.p_value}});
+    out["not_supported"].push_back(
+        {{"effect", n.effect}, {"joint", n.joint}, {"p_value", n.p_value}});
   }
   out["cannot_tell"] = Json::array();
   for (const CannotTell& c : d.cannot_tell) {

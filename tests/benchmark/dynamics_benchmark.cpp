@@ -6,8 +6,9 @@
 #include "veridyn/dynamics/regressor_batch.hpp"
 #include "veridyn/dynamics/rigid_body_dynamics.hpp"
 
-// Rigid-body dynamics of a seven-joint arm (modified DH, ten parameters on every link), nanoseconds per state over
-// a pool of moving states: one state again and again would stay in the branch predictor.
+// Rigid-body dynamics of a seven-joint arm (modified DH, ten parameters on every link), nanoseconds
+// per state over a pool of moving states: one state again and again would stay in the branch
+// predictor.
 
 namespace veridyn {
 namespace {
@@ -20,7 +21,8 @@ Model seven_joints() {
   const double alpha[] = {0, -M_PI / 2, M_PI / 2, M_PI / 2, -M_PI / 2, -M_PI / 2, M_PI / 2};
   const double d[] = {0.34, 0, 0.4, 0, 0.39, 0, 0.08};
   for (int i = 0; i < kJoints; ++i) {
-    builder.dh_link(JointType::kRevolute, i, {DhConvention::kModified, 0.01 * i, alpha[i], d[i], 0.0});
+    builder.dh_link(JointType::kRevolute, i,
+                    {DhConvention::kModified, 0.01 * i, alpha[i], d[i], 0.0});
   }
   return builder.build();
 }
@@ -34,7 +36,8 @@ struct Pool {
   Pool() {
     Random random(62);
     for (int k = 0; k < kPool; ++k) {
-      states.push_back({random.vector(kJoints, -3, 3), random.vector(kJoints, -2, 2), random.vector(kJoints, -5, 5)});
+      states.push_back({random.vector(kJoints, -3, 3), random.vector(kJoints, -2, 2),
+                        random.vector(kJoints, -5, 5)});
     }
   }
 

@@ -65,7 +65,8 @@ void expect_no_worse(const std::vector<double>& found, const std::vector<double>
 
 void expect_about(const std::vector<double>& found, const std::vector<double>& target) {
   ASSERT_EQ(found.size(), target.size());
-  for (std::size_t i = 0; i < found.size(); ++i) EXPECT_NEAR(found[i], target[i], 2.5) << "joint " << i + 1;
+  for (std::size_t i = 0; i < found.size(); ++i)
+    EXPECT_NEAR(found[i], target[i], 2.5) << "joint " << i + 1;
 }
 
 // Settings of the published code for psm-wrist.
@@ -84,12 +85,13 @@ TEST_F(RealRecordings, WristByWeightedLeastSquaresIsAsPublished) {
   expect_near(percent(out["test"]["relative_error"]), {10.3, 18.2, 19.8, 13.4, 23.9, 21.1, 26.6});
 }
 
-// Published: the same, feasible, of a solve that had not converged. Its rotor inertias carried no sign: compared alike.
+// Published: the same, feasible, of a solve that had not converged. Its rotor inertias carried no
+// sign: compared alike.
 TEST_F(RealRecordings, WristFeasibleIsNoWorseThanPublished) {
-  const json out = identify("psm-wrist", Words{"--train", file("psm-wrist/one.csv"), "--test",
-                                               file("psm-wrist/two.csv"), "--method", "feasible",
-                                               "--weights", "residual", "--signs", "any"} +
-                                             published_wrist_settings());
+  const json out = identify(
+      "psm-wrist", Words{"--train", file("psm-wrist/one.csv"), "--test", file("psm-wrist/two.csv"),
+                         "--method", "feasible", "--weights", "residual", "--signs", "any"} +
+                       published_wrist_settings());
   ASSERT_FALSE(out.is_null());
   EXPECT_TRUE(out["feasible"].get<bool>());
   EXPECT_TRUE(out["certified"].get<bool>());
@@ -97,8 +99,9 @@ TEST_F(RealRecordings, WristFeasibleIsNoWorseThanPublished) {
                   {9.3, 17.8, 19.1, 13.4, 23.9, 21.3, 26.4});
 }
 
-// With rotor inertias that are not negative joints 5 to 7 fit worse: the recordings ask for negative ones, which stand
-// for something else (a torque that lags). Measured with this tool: 25.3, 23.8, 29.4 %.
+// With rotor inertias that are not negative joints 5 to 7 fit worse: the recordings ask for
+// negative ones, which stand for something else (a torque that lags). Measured with this
+// tool: 25.3, 23.8, 29.4 %.
 TEST_F(RealRecordings, WristWithPhysicalRotorsCostsTheLastJointsAFewPoints) {
   const json out = identify("psm-wrist", Words{"--train", file("psm-wrist/one.csv"), "--test",
                                                file("psm-wrist/two.csv"), "--method", "feasible"} +
@@ -129,10 +132,9 @@ TEST_F(RealRecordings, ThesisArmWithItsErrata) {
 
 // With the constants as the thesis prints them, the errors are what the printed table gives.
 TEST_F(RealRecordings, ThesisArmAsPrinted) {
-  const json out = identify_thesis_arm(
-      [this](const Words& words) {
-        return identify("psm-3dof-printed", words + Words{"--method", "wls", "--filtering", "signals"});
-      });
+  const json out = identify_thesis_arm([this](const Words& words) {
+    return identify("psm-3dof-printed", words + Words{"--method", "wls", "--filtering", "signals"});
+  });
   ASSERT_FALSE(out.is_null());
   EXPECT_EQ(out["base_parameters"].size(), 28u);
   const json& tests = out["test"]["recordings"];
@@ -150,7 +152,8 @@ TEST_F(RealRecordings, IndustrialArmFromMotorCurrents) {
   std::vector<double> all = percent(out["test"]["relative_error"]);
   all.resize(4);
   expect_no_worse(all, {11.5, 3.9, 4.5, 8.0});
-  // Joints 5 and 6 rest for most of the file, where friction holds any torque; a model without memory cannot know it.
+  // Joints 5 and 6 rest for most of the file, where friction holds any torque; a model without
+  // memory cannot know it.
   const std::vector<double> moving = percent(out["test"]["moving"]["relative_error"]);
   EXPECT_LE(moving[4], 8.8 + kMargin);
   EXPECT_LE(moving[5], 11.0 + kMargin);

@@ -8,7 +8,8 @@ namespace veridyn {
 namespace {
 
 class AllocationOnEverySampleArm : public OnSampleArm {};
-INSTANTIATE_TEST_SUITE_P(Sample, AllocationOnEverySampleArm, testing::ValuesIn(sample_arm_names()), sample_arm_name);
+INSTANTIATE_TEST_SUITE_P(Sample, AllocationOnEverySampleArm, testing::ValuesIn(sample_arm_names()),
+                         sample_arm_name);
 
 TEST_P(AllocationOnEverySampleArm, NothingIsAllocatedAfterTheConstructor) {
   if (VERIDYN_COUNTS_MALLOC == 0) GTEST_SKIP() << "the sanitizer has a malloc of its own";

@@ -18,7 +18,8 @@ TEST(Pendulum, TorqueIsTheClosedForm) {
   const VectorXd phi = *arm.inertial_values();
   for (const State& s : test_states(1, 21)) {
     const double q = s.q[0];
-    const double expected = phi[9] * s.ddq[0] + kGravity * (phi[1] * std::cos(q) - phi[2] * std::sin(q));
+    const double expected =
+        phi[9] * s.ddq[0] + kGravity * (phi[1] * std::cos(q) - phi[2] * std::sin(q));
     EXPECT_NEAR(inverse_dynamics(arm, s.q, s.dq, s.ddq)[0], expected, 100 * kRounding);
     EXPECT_NEAR(mass_matrix(arm, s.q)(0, 0), phi[9], kRounding);
     EXPECT_NEAR(coriolis_matrix(arm, s.q, s.dq)(0, 0), 0.0, kRounding);
@@ -35,7 +36,8 @@ TEST(Pendulum, RegressorIsTheClosedForm) {
   }
 }
 
-// Lagrange's equations by hand. The second body's first moment enters through k(q2) = hx cos q2 - hy sin q2.
+// Lagrange's equations by hand. The second body's first moment enters through k(q2) = hx cos q2 -
+// hy sin q2.
 TEST(Planar2R, DynamicsAreTheClosedForm) {
   const Model arm = planar_2r();
   const VectorXd phi = *arm.inertial_values();
@@ -51,7 +53,8 @@ TEST(Planar2R, DynamicsAreTheClosedForm) {
     const double k = hx * std::cos(s.q[1]) - hy * std::sin(s.q[1]);
     const double dk = -hx * std::sin(s.q[1]) - hy * std::cos(s.q[1]);
     const double g2 = kGravity * (hx * std::cos(q12) - hy * std::sin(q12));
-    const double g1 = kGravity * (phi[1] * std::cos(q1) - phi[2] * std::sin(q1) + m2 * l * std::cos(q1)) + g2;
+    const double g1 =
+        kGravity * (phi[1] * std::cos(q1) - phi[2] * std::sin(q1) + m2 * l * std::cos(q1)) + g2;
     Eigen::Matrix2d M;
     M << L1 + m2 * l * l + L2 + 2 * l * k, L2 + l * k, L2 + l * k, L2;
     const double dq1 = s.dq[0];
@@ -72,7 +75,8 @@ TEST(Slider, CarriesItsWeight) {
   const Model arm = builder.build();
   const double mass = (*arm.inertial_values())[0];
   for (const State& s : test_states(1, 25)) {
-    EXPECT_NEAR(inverse_dynamics(arm, s.q, s.dq, s.ddq)[0], mass * (s.ddq[0] + kGravity), 100 * kRounding);
+    EXPECT_NEAR(inverse_dynamics(arm, s.q, s.dq, s.ddq)[0], mass * (s.ddq[0] + kGravity),
+                100 * kRounding);
   }
 }
 

@@ -17,11 +17,14 @@ namespace {
 
 constexpr double kRelative = 1e-9;
 
-KDL::Vector kdl(const Vec3d& a) { return {a.x, a.y, a.z}; }
+KDL::Vector kdl(const Vec3d& a) {
+  return {a.x, a.y, a.z};
+}
 
 KDL::Frame kdl(const Posed& T) {
   const Mat3d& R = T.R;
-  return {KDL::Rotation(R.row0.x, R.row0.y, R.row0.z, R.row1.x, R.row1.y, R.row1.z, R.row2.x, R.row2.y, R.row2.z),
+  return {KDL::Rotation(R.row0.x, R.row0.y, R.row0.z, R.row1.x, R.row1.y, R.row1.z, R.row2.x,
+                        R.row2.y, R.row2.z),
           kdl(T.p)};
 }
 
@@ -46,8 +49,8 @@ KDL::Chain kdl_chain(const Model& arm) {
     const bool turns = frame.type == JointType::kRevolute;
     const Posed at_zero = turns ? Posed{rotation_z(s0), {0, 0, 0}} : Posed{identity3(), {0, 0, s0}};
     chain.addSegment(KDL::Segment(KDL::Joint(KDL::Joint::None), kdl(frame.A)));
-    chain.addSegment(KDL::Segment(KDL::Joint(turns ? KDL::Joint::RotZ : KDL::Joint::TransZ), kdl(at_zero * frame.B),
-                                  kdl(*frame.body->phi)));
+    chain.addSegment(KDL::Segment(KDL::Joint(turns ? KDL::Joint::RotZ : KDL::Joint::TransZ),
+                                  kdl(at_zero * frame.B), kdl(*frame.body->phi)));
   }
   return chain;
 }
@@ -72,7 +75,8 @@ TEST_P(KdlOnSerialArms, InverseDynamicsAgree) {
   for (const State& s : states_) {
     KDL::JntArray tau(chain_.getNrOfJoints());
     ASSERT_EQ(solver.CartToJnt(kdl(s.q), kdl(s.dq), kdl(s.ddq), no_loads, tau), 0);
-    EXPECT_TRUE(near(inverse_dynamics(arm_, s.q, s.dq, s.ddq), tau.data, kRelative * tau.data.norm()));
+    EXPECT_TRUE(
+        near(inverse_dynamics(arm_, s.q, s.dq, s.ddq), tau.data, kRelative * tau.data.norm()));
   }
 }
 
@@ -92,7 +96,8 @@ TEST_P(KdlOnSerialArms, CoriolisAndGravityTorquesAgree) {
   for (const State& s : states_) {
     KDL::JntArray expected(chain_.getNrOfJoints());
     ASSERT_EQ(solver.JntToCoriolis(kdl(s.q), kdl(s.dq), expected), 0);
-    EXPECT_TRUE(near(coriolis_matrix(arm_, s.q, s.dq) * s.dq, expected.data, kRelative * (1e-6 + expected.data.norm())));
+    EXPECT_TRUE(near(coriolis_matrix(arm_, s.q, s.dq) * s.dq, expected.data,
+                     kRelative * (1e-6 + expected.data.norm())));
     ASSERT_EQ(solver.JntToGravity(kdl(s.q), expected), 0);
     dynamics.gravity_torques(s.q, g);
     EXPECT_TRUE(near(g, expected.data, kRelative * expected.data.norm()));
@@ -109,7 +114,8 @@ TEST_P(KdlOnSerialArms, JacobianAgrees) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Random, KdlOnSerialArms, testing::Values("R", "P", "RR", "RRP", "PRRPR", "RRRRRRR", "RPRPRPRR"),
+INSTANTIATE_TEST_SUITE_P(Random, KdlOnSerialArms,
+                         testing::Values("R", "P", "RR", "RRP", "PRRPR", "RRRRRRR", "RPRPRPRR"),
                          sample_arm_name);
 
 }  // namespace

@@ -5,14 +5,15 @@
 #include "support/sample_arms.hpp"
 #include "veridyn/dynamics/rigid_body_dynamics.hpp"
 
-// Energies from homogeneous poses and exact derivatives against the recursions: two derivations that share nothing
-// but the model.
+// Energies from homogeneous poses and exact derivatives against the recursions: two derivations
+// that share nothing but the model.
 
 namespace veridyn {
 namespace {
 
 class LagrangeOnEverySampleArm : public OnSampleArm {};
-INSTANTIATE_TEST_SUITE_P(Sample, LagrangeOnEverySampleArm, testing::ValuesIn(sample_arm_names()), sample_arm_name);
+INSTANTIATE_TEST_SUITE_P(Sample, LagrangeOnEverySampleArm, testing::ValuesIn(sample_arm_names()),
+                         sample_arm_name);
 
 constexpr double kRounding = 1e-13;  // relative; both sides add some thousand products
 
@@ -61,8 +62,8 @@ TEST_P(LagrangeOnEverySampleArm, GravityTorquesAreTheSlopeOfPotentialEnergy) {
   }
 }
 
-// Power in = dE/dt, summed over a motion that is integrated with the library's own forward dynamics (Runge-Kutta of
-// order four, the work of the drives as one more state).
+// Power in = dE/dt, summed over a motion that is integrated with the library's own forward dynamics
+// (Runge-Kutta of order four, the work of the drives as one more state).
 TEST_P(LagrangeOnEverySampleArm, WorkOfTheDrivesIsTheGainInEnergy) {
   const int n = joints();
   RigidBodyDynamics dynamics(arm(), phi());
@@ -79,7 +80,8 @@ TEST_P(LagrangeOnEverySampleArm, WorkOfTheDrivesIsTheGainInEnergy) {
     return Rate{dq, ddq, tau.dot(dq)};
   };
   const auto total = [&](const VectorXd& q, const VectorXd& dq) {
-    const Energy<double> e = energy(arm(), std::vector<double>(q.begin(), q.end()), std::vector<double>(dq.begin(), dq.end()));
+    const Energy<double> e = energy(arm(), std::vector<double>(q.begin(), q.end()),
+                                    std::vector<double>(dq.begin(), dq.end()));
     return e.kinetic + e.potential;
   };
   VectorXd q = random.vector(n, -1, 1);
@@ -97,7 +99,8 @@ TEST_P(LagrangeOnEverySampleArm, WorkOfTheDrivesIsTheGainInEnergy) {
     q += h / 6 * (k1.dq + 2 * k2.dq + 2 * k3.dq + k4.dq);
     dq += h / 6 * (k1.ddq + 2 * k2.ddq + 2 * k3.ddq + k4.ddq);
     work += h / 6 * (k1.power + 2 * k2.power + 2 * k3.power + k4.power);
-    turned_over += h * std::abs(k1.power) + h * std::abs(arm().gravity().norm() * phi()[0] * k1.dq.norm());
+    turned_over +=
+        h * std::abs(k1.power) + h * std::abs(arm().gravity().norm() * phi()[0] * k1.dq.norm());
   }
   EXPECT_GT(turned_over, 1e-3);
   // The global error of the method: h^4 / 120 times fifth derivatives, here rates of up to 50/s.

@@ -28,19 +28,21 @@ Eigen::Matrix3d eigen(const Mat3d& R) {
 std::string pose_attributes(const Posed& T) {
   const Eigen::Quaterniond q(eigen(T.R));
   std::ostringstream out;
-  out << std::setprecision(17) << " pos='" << T.p.x << ' ' << T.p.y << ' ' << T.p.z << "' quat='" << q.w() << ' '
-      << q.x() << ' ' << q.y() << ' ' << q.z() << '\'';
+  out << std::setprecision(17) << " pos='" << T.p.x << ' ' << T.p.y << ' ' << T.p.z << "' quat='"
+      << q.w() << ' ' << q.x() << ' ' << q.y() << ' ' << q.z() << '\'';
   return out.str();
 }
 
-/// Mass, centre and principal inertia in the joint's frame: MuJoCo's body frame turns with the joint and stands
-/// before B. (It would find the principal axes of `fullinertia` itself, but only to 1e-8.)
+/// Mass, centre and principal inertia in the joint's frame: MuJoCo's body frame turns with the
+/// joint and stands before B. (It would find the principal axes of `fullinertia` itself, but only
+/// to 1e-8.)
 std::string inertial_element(const InertialParameters& phi, const Posed& B) {
   const double m = phi[0];
   const Eigen::Vector3d c = phi.segment<3>(1) / m;
   Eigen::Matrix3d L;
   L << phi[4], phi[5], phi[7], phi[5], phi[6], phi[8], phi[7], phi[8], phi[9];
-  const Eigen::Matrix3d about_com = L - m * (c.dot(c) * Eigen::Matrix3d::Identity() - c * c.transpose());
+  const Eigen::Matrix3d about_com =
+      L - m * (c.dot(c) * Eigen::Matrix3d::Identity() - c * c.transpose());
   const Eigen::Matrix3d R = eigen(B.R);
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> principal(R * about_com * R.transpose());
   Eigen::Matrix3d axes = principal.eigenvectors();
@@ -49,9 +51,9 @@ std::string inertial_element(const InertialParameters& phi, const Posed& B) {
   const Eigen::Quaterniond q(axes);
   const Eigen::Vector3d& I = principal.eigenvalues();
   std::ostringstream out;
-  out << std::setprecision(17) << "<inertial pos='" << com.x() << ' ' << com.y() << ' ' << com.z() << "' quat='"
-      << q.w() << ' ' << q.x() << ' ' << q.y() << ' ' << q.z() << "' mass='" << m << "' diaginertia='" << I.x() << ' '
-      << I.y() << ' ' << I.z() << "'/>\n";
+  out << std::setprecision(17) << "<inertial pos='" << com.x() << ' ' << com.y() << ' ' << com.z()
+      << "' quat='" << q.w() << ' ' << q.x() << ' ' << q.y() << ' ' << q.z() << "' mass='" << m
+      << "' diaginertia='" << I.x() << ' ' << I.y() << ' ' << I.z() << "'/>\n";
   return out.str();
 }
 
@@ -63,9 +65,9 @@ void write_children(const Model& arm, int parent, const Posed& T_before, std::os
     const bool turns = frame.type == JointType::kRevolute;
     const double s0 = frame.variable.offset;
     const Posed at_zero = turns ? Posed{rotation_z(s0), {0, 0, 0}} : Posed{identity3(), {0, 0, s0}};
-    out << "<body name='" << frame.name << '\'' << pose_attributes(T_before * frame.A * at_zero) << ">\n<joint name='"
-        << arm.coordinates()[main_coordinate(frame.variable)].name << "' type='" << (turns ? "hinge" : "slide")
-        << "' axis='0 0 1'/>\n"
+    out << "<body name='" << frame.name << '\'' << pose_attributes(T_before * frame.A * at_zero)
+        << ">\n<joint name='" << arm.coordinates()[main_coordinate(frame.variable)].name
+        << "' type='" << (turns ? "hinge" : "slide") << "' axis='0 0 1'/>\n"
         << inertial_element(*frame.body->phi, frame.B);
     write_children(arm, k, frame.B, out);
     out << "</body>\n";
@@ -74,7 +76,8 @@ void write_children(const Model& arm, int parent, const Posed& T_before, std::os
 
 std::string mjcf(const Model& arm) {
   std::ostringstream out;
-  out << std::setprecision(17) << "<mujoco><compiler angle='radian' inertiafromgeom='false'/>\n<option gravity='"
+  out << std::setprecision(17)
+      << "<mujoco><compiler angle='radian' inertiafromgeom='false'/>\n<option gravity='"
       << arm.gravity().x() << ' ' << arm.gravity().y() << ' ' << arm.gravity().z()
       << "'><flag constraint='disable' contact='disable'/></option>\n<worldbody>\n";
   write_children(arm, -1, identity_pose(), out);
@@ -124,7 +127,8 @@ class Engine {
 
   // MuJoCo orders joints depth first.
   int index(int coordinate) const {
-    return model_->jnt_dofadr[mj_name2id(model_.get(), mjOBJ_JOINT, arm_.coordinates()[coordinate].name.c_str())];
+    return model_->jnt_dofadr[mj_name2id(model_.get(), mjOBJ_JOINT,
+                                         arm_.coordinates()[coordinate].name.c_str())];
   }
 
   void set(const State& s) {
@@ -156,7 +160,8 @@ class MujocoOnArms : public testing::TestWithParam<std::string> {
 TEST_P(MujocoOnArms, InverseDynamicsAgree) {
   for (const State& s : states_) {
     const VectorXd expected = engine_.inverse_dynamics(s);
-    EXPECT_TRUE(near(inverse_dynamics(arm_, s.q, s.dq, s.ddq), expected, kRelative * expected.norm()));
+    EXPECT_TRUE(
+        near(inverse_dynamics(arm_, s.q, s.dq, s.ddq), expected, kRelative * expected.norm()));
   }
 }
 
@@ -167,7 +172,9 @@ TEST_P(MujocoOnArms, MassMatrixAgrees) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Random, MujocoOnArms, testing::Values("branched", "R", "RR", "RRP", "PRRPR", "RRRRRRR", "RPRPRPRR"),
+INSTANTIATE_TEST_SUITE_P(Random, MujocoOnArms,
+                         testing::Values("branched", "R", "RR", "RRP", "PRRPR", "RRRRRRR",
+                                         "RPRPRPRR"),
                          sample_arm_name);
 
 }  // namespace

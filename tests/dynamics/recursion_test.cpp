@@ -16,14 +16,15 @@ namespace veridyn {
 namespace {
 
 class RecursionOnEverySampleArm : public OnSampleArm {};
-INSTANTIATE_TEST_SUITE_P(Sample, RecursionOnEverySampleArm, testing::ValuesIn(sample_arm_names()), sample_arm_name);
+INSTANTIATE_TEST_SUITE_P(Sample, RecursionOnEverySampleArm, testing::ValuesIn(sample_arm_names()),
+                         sample_arm_name);
 
 constexpr double kRounding = 1e-13;
 const double kStep = std::cbrt(std::numeric_limits<double>::epsilon());
 
 template <typename S>
-std::vector<S> torques(const Tree& tree, const VectorXd& phi, const std::vector<S>& q, const std::vector<S>& dq,
-                       const std::vector<S>& ddq) {
+std::vector<S> torques(const Tree& tree, const VectorXd& phi, const std::vector<S>& q,
+                       const std::vector<S>& dq, const std::vector<S>& ddq) {
   Recursion<S> r(tree);
   std::vector<S> tau(q.size());
   forward_pass(tree, q.data(), dq.data(), ddq.data(), tree.gravity, r);
@@ -36,7 +37,8 @@ TEST_P(RecursionOnEverySampleArm, DualsCarryTheDerivativeOfTheTorques) {
   const Tree tree(arm());
   Random random(81);
   for (const State& s : test_states(joints(), 82)) {
-    const State along{random.vector(joints(), -1, 1), random.vector(joints(), -1, 1), random.vector(joints(), -1, 1)};
+    const State along{random.vector(joints(), -1, 1), random.vector(joints(), -1, 1),
+                      random.vector(joints(), -1, 1)};
     std::vector<Dual<double>> q;
     std::vector<Dual<double>> dq;
     std::vector<Dual<double>> ddq;
@@ -47,13 +49,15 @@ TEST_P(RecursionOnEverySampleArm, DualsCarryTheDerivativeOfTheTorques) {
     }
     const std::vector<Dual<double>> tau = torques(tree, phi(), q, dq, ddq);
     const auto at = [&](double step) {
-      return inverse_dynamics(arm(), s.q + step * along.q, s.dq + step * along.dq, s.ddq + step * along.ddq);
+      return inverse_dynamics(arm(), s.q + step * along.q, s.dq + step * along.dq,
+                              s.ddq + step * along.ddq);
     };
     const VectorXd value = at(0.0);
     const VectorXd slope = (at(kStep) - at(-kStep)) / (2 * kStep);
     for (int i = 0; i < joints(); ++i) {
       EXPECT_NEAR(tau[i].value, value[i], kRounding * (10 + value.norm()));
-      // Central differences: h^2/6 f''', and f''' is below 1000 |tau| where a motor turns seven times as fast.
+      // Central differences: h^2/6 f''', and f''' is below 1000 |tau| where a motor turns seven
+      // times as fast.
       EXPECT_NEAR(tau[i].derivative, slope[i], 1000 * kStep * kStep * (10 + value.norm()));
     }
   }
@@ -78,11 +82,13 @@ TEST_P(RecursionOnEverySampleArm, PacksHoldTheTorquesOfEachLane) {
   for (int l = 0; l < P::kSize; ++l) {
     const State& s = states[2 * l];
     const VectorXd one = inverse_dynamics(arm(), s.q, s.dq, s.ddq);
-    for (int i = 0; i < joints(); ++i) EXPECT_NEAR(tau[i].v[l], one[i], kRounding * (10 + one.norm()));
+    for (int i = 0; i < joints(); ++i)
+      EXPECT_NEAR(tau[i].v[l], one[i], kRounding * (10 + one.norm()));
   }
 }
 
-// The velocity of each body is its Jacobian times dq; its acceleration is J ddq + dJ dq, in the link's frame.
+// The velocity of each body is its Jacobian times dq; its acceleration is J ddq + dJ dq, in the
+// link's frame.
 TEST_P(RecursionOnEverySampleArm, JacobiansAreTheMotionPerUnitOfTheCoordinates) {
   const Tree tree(arm());
   Recursion<double> r(tree);

@@ -11,9 +11,11 @@ namespace veridyn {
 namespace {
 
 class BatchOnEverySampleArm : public OnSampleArm {};
-INSTANTIATE_TEST_SUITE_P(Sample, BatchOnEverySampleArm, testing::ValuesIn(sample_arm_names()), sample_arm_name);
+INSTANTIATE_TEST_SUITE_P(Sample, BatchOnEverySampleArm, testing::ValuesIn(sample_arm_names()),
+                         sample_arm_name);
 
-constexpr double kRounding = 1e-13;  // relative to the largest entry; the order of the sums is the same
+constexpr double kRounding =
+    1e-13;  // relative to the largest entry; the order of the sums is the same
 
 struct Samples {
   MatrixXd q, dq, ddq;
@@ -22,7 +24,8 @@ struct Samples {
 Samples samples(int rows, int joints) {
   Random random(71);
   const auto matrix = [&](double size) -> MatrixXd {
-    return Eigen::Map<const MatrixXd>(random.vector(rows * joints, -size, size).data(), rows, joints);
+    return Eigen::Map<const MatrixXd>(random.vector(rows * joints, -size, size).data(), rows,
+                                      joints);
   };
   return {matrix(3), matrix(2), matrix(5)};
 }
@@ -36,7 +39,8 @@ TEST_P(BatchOnEverySampleArm, ColumnsAreThoseOfTheBodiesThatTheJointMoves) {
     std::vector<int> expected;
     for (size_t b = 0; b < arm().bodies().size(); ++b) {
       if (!arm().moves(arm().bodies()[b], i)) continue;
-      for (int c = 0; c < kBodyParameters; ++c) expected.push_back(static_cast<int>(b) * kBodyParameters + c);
+      for (int c = 0; c < kBodyParameters; ++c)
+        expected.push_back(static_cast<int>(b) * kBodyParameters + c);
     }
     EXPECT_EQ(batch.columns(i), expected);
   }
@@ -50,12 +54,15 @@ TEST_P(BatchOnEverySampleArm, RegressorIsThatOfEachState) {
     batch.evaluate(s.q, s.dq, s.ddq, Y);
     ASSERT_EQ(static_cast<int>(Y.size()), joints());
     for (int row = 0; row < rows; ++row) {
-      const MatrixXd one = torque_regressor(arm(), VectorXd(s.q.row(row)), VectorXd(s.dq.row(row)), VectorXd(s.ddq.row(row)));
+      const MatrixXd one = torque_regressor(arm(), VectorXd(s.q.row(row)), VectorXd(s.dq.row(row)),
+                                            VectorXd(s.ddq.row(row)));
       MatrixXd all = MatrixXd::Zero(joints(), one.cols());
       for (int i = 0; i < joints(); ++i) {
-        for (size_t c = 0; c < batch.columns(i).size(); ++c) all(i, batch.columns(i)[c]) = Y[i](row, static_cast<int>(c));
+        for (size_t c = 0; c < batch.columns(i).size(); ++c)
+          all(i, batch.columns(i)[c]) = Y[i](row, static_cast<int>(c));
       }
-      EXPECT_TRUE(near(all, one, kRounding * (1 + one.cwiseAbs().maxCoeff()))) << rows << " rows, row " << row;
+      EXPECT_TRUE(near(all, one, kRounding * (1 + one.cwiseAbs().maxCoeff())))
+          << rows << " rows, row " << row;
     }
   }
 }
@@ -67,8 +74,10 @@ TEST_P(BatchOnEverySampleArm, TorquesAreThoseOfEachState) {
     const Samples s = samples(rows, joints());
     batch.torques(s.q, s.dq, s.ddq, phi(), tau);
     for (int row = 0; row < rows; ++row) {
-      const VectorXd one = inverse_dynamics(arm(), VectorXd(s.q.row(row)), VectorXd(s.dq.row(row)), VectorXd(s.ddq.row(row)));
-      EXPECT_TRUE(near(tau.row(row).transpose(), one, kRounding * (10 + one.norm()))) << rows << " rows, row " << row;
+      const VectorXd one = inverse_dynamics(arm(), VectorXd(s.q.row(row)), VectorXd(s.dq.row(row)),
+                                            VectorXd(s.ddq.row(row)));
+      EXPECT_TRUE(near(tau.row(row).transpose(), one, kRounding * (10 + one.norm())))
+          << rows << " rows, row " << row;
     }
   }
 }
@@ -83,7 +92,8 @@ TEST(RegressorBatch, ReadsBlocksOfLargerMatrices) {
   batch.evaluate(s.q, s.dq, s.ddq, whole);
   batch.evaluate(s.q.middleRows(31, 20), s.dq.middleRows(31, 20), s.ddq.middleRows(31, 20), block);
   for (int i = 0; i < 6; ++i) {
-    EXPECT_TRUE(near(block[i], whole[i].middleRows(31, 20), kRounding * (1 + whole[i].cwiseAbs().maxCoeff())));
+    EXPECT_TRUE(near(block[i], whole[i].middleRows(31, 20),
+                     kRounding * (1 + whole[i].cwiseAbs().maxCoeff())));
   }
 }
 

@@ -15,7 +15,8 @@ namespace veridyn {
 namespace {
 
 class OnEverySampleArm : public OnSampleArm {};
-INSTANTIATE_TEST_SUITE_P(Sample, OnEverySampleArm, testing::ValuesIn(sample_arm_names()), sample_arm_name);
+INSTANTIATE_TEST_SUITE_P(Sample, OnEverySampleArm, testing::ValuesIn(sample_arm_names()),
+                         sample_arm_name);
 
 constexpr double kRounding = 1e-13;  // relative; both sides add some thousand products
 const double kStep = std::cbrt(std::numeric_limits<double>::epsilon());
@@ -36,7 +37,8 @@ VectorXd velocity_torques(const Model& arm, const State& s) {
 }
 
 MatrixXd mass_matrix_rate(const Model& arm, const State& s) {
-  return (mass_matrix(arm, s.q + kStep * s.dq) - mass_matrix(arm, s.q - kStep * s.dq)) / (2 * kStep);
+  return (mass_matrix(arm, s.q + kStep * s.dq) - mass_matrix(arm, s.q - kStep * s.dq)) /
+         (2 * kStep);
 }
 
 // c = dM/dt dq - 1/2 d(dq' M dq)/dq
@@ -47,7 +49,8 @@ VectorXd velocity_torques_from_mass_matrix(const Model& arm, const State& s) {
     VectorXd behind = s.q;
     ahead[i] += kStep;
     behind[i] -= kStep;
-    c[i] -= 0.5 * s.dq.dot((mass_matrix(arm, ahead) - mass_matrix(arm, behind)) * s.dq) / (2 * kStep);
+    c[i] -=
+        0.5 * s.dq.dot((mass_matrix(arm, ahead) - mass_matrix(arm, behind)) * s.dq) / (2 * kStep);
   }
   return c;
 }
@@ -130,7 +133,8 @@ TEST_P(OnEverySampleArm, CoriolisMatrixIsLinearInVelocity) {
 
 TEST_P(OnEverySampleArm, TorqueIsTheSumOfItsParts) {
   for (const State& s : test_states(joints(), 19)) {
-    const VectorXd parts = mass_matrix(arm(), s.q) * s.ddq + coriolis_matrix(arm(), s.q, s.dq) * s.dq + gravity(arm(), s.q);
+    const VectorXd parts = mass_matrix(arm(), s.q) * s.ddq +
+                           coriolis_matrix(arm(), s.q, s.dq) * s.dq + gravity(arm(), s.q);
     const VectorXd tau = torques(arm(), s.q, s.dq, s.ddq);
     EXPECT_TRUE(near(tau, parts, kRounding * (10 + 10 * tau.norm())));
   }
@@ -170,7 +174,8 @@ TEST(RigidBodyDynamics, WrongSizesAreNamed) {
     torque_regressor(arm, six, five, six);
     FAIL();
   } catch (const InvalidInput& error) {
-    EXPECT_STREQ(error.what(), "torque_regressor: dq has 5 entries, but arm 'elbow_6R' has 6 joints.");
+    EXPECT_STREQ(error.what(),
+                 "torque_regressor: dq has 5 entries, but arm 'elbow_6R' has 6 joints.");
   }
 }
 

@@ -7,7 +7,8 @@
 #include "veridyn/dynamics/rigid_body_dynamics.hpp"
 #include "veridyn/model/model_file.hpp"
 
-// The robots in data/robots/, with random bodies: what a file says about masses is nobody's business here.
+// The robots in data/robots/, with random bodies: what a file says about masses is nobody's
+// business here.
 
 namespace veridyn {
 namespace {
@@ -28,9 +29,12 @@ class OnEveryRobotFile : public testing::TestWithParam<std::string> {
   Model arm_ = robot();
   std::vector<State> states_ = test_states(arm_.joints(), 102);
 };
-INSTANTIATE_TEST_SUITE_P(Robot, OnEveryRobotFile, testing::ValuesIn(robot_names()), sample_arm_name);
+INSTANTIATE_TEST_SUITE_P(Robot, OnEveryRobotFile, testing::ValuesIn(robot_names()),
+                         sample_arm_name);
 
-TEST(RobotFiles, AreFound) { EXPECT_FALSE(robot_names().empty()); }
+TEST(RobotFiles, AreFound) {
+  EXPECT_FALSE(robot_names().empty());
+}
 
 TEST_P(OnEveryRobotFile, InverseDynamicsAreLagrangesEquations) {
   for (const State& s : states_) {
@@ -43,7 +47,8 @@ TEST_P(OnEveryRobotFile, TorqueIsTheSumOfItsParts) {
   const VectorXd rest = VectorXd::Zero(arm_.joints());
   for (const State& s : states_) {
     const VectorXd g = inverse_dynamics(arm_, s.q, rest, rest);
-    const VectorXd parts = mass_matrix(arm_, s.q) * s.ddq + coriolis_matrix(arm_, s.q, s.dq) * s.dq + g;
+    const VectorXd parts =
+        mass_matrix(arm_, s.q) * s.ddq + coriolis_matrix(arm_, s.q, s.dq) * s.dq + g;
     const VectorXd tau = inverse_dynamics(arm_, s.q, s.dq, s.ddq);
     EXPECT_TRUE(near(tau, parts, kRounding * (10 + 10 * tau.norm())));
   }
@@ -60,7 +65,8 @@ TEST_P(OnEveryRobotFile, RegressorsOfOneAndOfManyStatesAgreeWithTheTorques) {
     batch.evaluate(s.q.transpose(), s.dq.transpose(), s.ddq.transpose(), Y);
     for (int i = 0; i < arm_.joints(); ++i) {
       double sum = 0.0;
-      for (size_t c = 0; c < batch.columns(i).size(); ++c) sum += Y[i](0, static_cast<int>(c)) * phi[batch.columns(i)[c]];
+      for (size_t c = 0; c < batch.columns(i).size(); ++c)
+        sum += Y[i](0, static_cast<int>(c)) * phi[batch.columns(i)[c]];
       EXPECT_NEAR(sum, tau[i], tolerance);
     }
   }

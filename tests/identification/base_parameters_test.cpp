@@ -17,9 +17,13 @@
 namespace veridyn {
 namespace {
 
-Model robot(const std::string& name) { return read_model(VERIDYN_SOURCE_DIR "/data/robots/" + name + ".yaml"); }
+Model robot(const std::string& name) {
+  return read_model(VERIDYN_SOURCE_DIR "/data/robots/" + name + ".yaml");
+}
 
-SquareRootInformation factor_of(const Model& arm) { return random_state_factor(arm, 120, 17); }
+SquareRootInformation factor_of(const Model& arm) {
+  return random_state_factor(arm, 120, 17);
+}
 
 // Columns of one size, so that kilograms and inertias of a wrist count alike.
 VectorXd column_scale(const Model& arm) {
@@ -29,11 +33,14 @@ VectorXd column_scale(const Model& arm) {
 }
 
 // The row space of K, in scaled columns: an orthonormal basis (standard x base).
-MatrixXd row_space(const MatrixXd& K, const VectorXd& scale) { return orthonormal_basis((K * scale.asDiagonal()).transpose()); }
+MatrixXd row_space(const MatrixXd& K, const VectorXd& scale) {
+  return orthonormal_basis((K * scale.asDiagonal()).transpose());
+}
 
 MatrixXd independent_columns(const MatrixXd& Y, const BaseParameters& base) {
   MatrixXd out(Y.rows(), base.size());
-  for (int i = 0; i < base.size(); ++i) out.col(i) = Y.col(base.independent[static_cast<size_t>(i)]);
+  for (int i = 0; i < base.size(); ++i)
+    out.col(i) = Y.col(base.independent[static_cast<size_t>(i)]);
   return out;
 }
 
@@ -44,7 +51,8 @@ class OfEveryRobot : public testing::TestWithParam<std::string> {
 };
 
 std::vector<std::string> robots() {
-  return {"elbow-6r", "mtm", "planar-2r", "psm-3dof", "psm-3dof-printed", "psm-wrist", "scara", "ur10e"};
+  return {"elbow-6r",         "mtm",       "planar-2r", "psm-3dof",
+          "psm-3dof-printed", "psm-wrist", "scara",     "ur10e"};
 }
 
 std::string test_name(const testing::TestParamInfo<std::string>& info) {
@@ -58,7 +66,8 @@ INSTANTIATE_TEST_SUITE_P(Robots, OfEveryRobot, testing::ValuesIn(robots()), test
 // The list above is complete.
 TEST(BaseParametersOf, EveryRobotOfTheFolderAreTested) {
   const std::vector<std::string> here = robots();
-  for (const std::string& name : robot_names()) EXPECT_NE(std::find(here.begin(), here.end(), name), here.end()) << name;
+  for (const std::string& name : robot_names())
+    EXPECT_NE(std::find(here.begin(), here.end(), name), here.end()) << name;
 }
 
 // Y phi = Y(:, independent) K phi for every phi, at states that the reduction has not seen.
@@ -67,13 +76,15 @@ TEST_P(OfEveryRobot, TheyReproduceAllTorques) {
   const MatrixXd reproduced = independent_columns(Y, base_) * base_.K;
   for (Eigen::Index j = 0; j < Y.cols(); ++j) {
     // Coefficients below 1e-7 of a scaled column are dropped as rounding.
-    EXPECT_TRUE(near(reproduced.col(j), Y.col(j), 1e-6 * (1e-3 + Y.col(j).cwiseAbs().maxCoeff()))) << "column " << j;
+    EXPECT_TRUE(near(reproduced.col(j), Y.col(j), 1e-6 * (1e-3 + Y.col(j).cwiseAbs().maxCoeff())))
+        << "column " << j;
   }
 }
 
 TEST_P(OfEveryRobot, TheirOwnColumnsAreTheIdentity) {
   ASSERT_EQ(base_.K.rows(), base_.size());
-  EXPECT_TRUE(near(independent_columns(base_.K, base_), MatrixXd::Identity(base_.size(), base_.size()), 0.0));
+  EXPECT_TRUE(near(independent_columns(base_.K, base_),
+                   MatrixXd::Identity(base_.size(), base_.size()), 0.0));
 }
 
 TEST_P(OfEveryRobot, BothReductionsAgreeInRankAndSpan) {
@@ -87,7 +98,8 @@ TEST_P(OfEveryRobot, BothReductionsAgreeInRankAndSpan) {
   EXPECT_TRUE(near(P * P.transpose(), Q * Q.transpose(), 1e-6));
   EXPECT_EQ(by_svd.classes, base_.classes);
   const MatrixXd Y = random_regressor(arm_, 60, 5);
-  EXPECT_TRUE(near(independent_columns(Y, by_svd) * by_svd.K, Y, 1e-6 * (1e-3 + Y.cwiseAbs().maxCoeff())));
+  EXPECT_TRUE(
+      near(independent_columns(Y, by_svd) * by_svd.K, Y, 1e-6 * (1e-3 + Y.cwiseAbs().maxCoeff())));
 }
 
 // The tolerance of 1e-8 is not a matter of taste: nothing lies anywhere near it.
@@ -97,25 +109,32 @@ TEST_P(OfEveryRobot, TheRankIsBeyondDoubt) {
   EXPECT_GT(base_.singular_values[base_.size() - 1], 1e-5 * base_.singular_values[0]);
   for (const unsigned seed : {2U, 3U}) {
     const SquareRootInformation other = random_state_factor(arm_, 80, seed);
-    EXPECT_EQ(base_parameters(other, preferred_columns(standard_parameters(arm_))).size(), base_.size()) << "seed " << seed;
+    EXPECT_EQ(base_parameters(other, preferred_columns(standard_parameters(arm_))).size(),
+              base_.size())
+        << "seed " << seed;
   }
 }
 
-// kAlone: the torques determine the parameter itself, e_j lies in the row space of K. kNot: they do not depend on it.
+// kAlone: the torques determine the parameter itself, e_j lies in the row space of K. kNot: they do
+// not depend on it.
 TEST_P(OfEveryRobot, TheClassesSayWhatTheTorquesKnow) {
   const MatrixXd Y = random_regressor(arm_, 60, 6);
   const MatrixXd P = row_space(base_.K, column_scale(arm_));
   ASSERT_EQ(static_cast<Eigen::Index>(base_.classes.size()), Y.cols());
   for (Eigen::Index j = 0; j < Y.cols(); ++j) {
     const bool acts = Y.col(j).cwiseAbs().maxCoeff() > 1e-9;
-    const bool known = acts && (VectorXd::Unit(Y.cols(), j) - P * P.row(j).transpose()).norm() < 1e-6;
-    const Identifiability expected = !acts ? Identifiability::kNot : known ? Identifiability::kAlone : Identifiability::kInCombination;
+    const bool known =
+        acts && (VectorXd::Unit(Y.cols(), j) - P * P.row(j).transpose()).norm() < 1e-6;
+    const Identifiability expected = !acts   ? Identifiability::kNot
+                                     : known ? Identifiability::kAlone
+                                             : Identifiability::kInCombination;
     EXPECT_EQ(static_cast<int>(base_.classes[static_cast<size_t>(j)]), static_cast<int>(expected))
         << standard_parameters(arm_)[static_cast<size_t>(j)].name;
   }
 }
 
-// Effects are named themselves where they can be, and every expression begins with the parameter it is named after.
+// Effects are named themselves where they can be, and every expression begins with the parameter it
+// is named after.
 TEST_P(OfEveryRobot, TheyAreNamedAfterTheirIndependentParameter) {
   const std::vector<std::string> names = parameter_names(standard_parameters(arm_));
   ASSERT_EQ(base_.names.size(), static_cast<size_t>(base_.size()));
@@ -128,16 +147,21 @@ TEST_P(OfEveryRobot, TheyAreNamedAfterTheirIndependentParameter) {
   }
 }
 
-// Bodies and friction as the files declare them. psm and ur10e: counted by numpy's SVD of the same regressors in the
-// prototypes; planar-2r: 6 + 4 friction, closed form below.
+// Bodies and friction as the files declare them. psm and ur10e: counted by numpy's SVD of the same
+// regressors in the prototypes; planar-2r: 6 + 4 friction, closed form below.
 TEST(BaseParametersOf, TheRobotsAreAsManyAsKnown) {
-  const std::map<std::string, int> known{
-      {"psm-3dof", 25}, {"psm-3dof-printed", 28}, {"psm-wrist", 49}, {"ur10e", 58}, {"planar-2r", 10}};
-  for (const auto& [name, count] : known) EXPECT_EQ(base_parameters(robot(name)).size(), count) << name;
+  const std::map<std::string, int> known{{"psm-3dof", 25},
+                                         {"psm-3dof-printed", 28},
+                                         {"psm-wrist", 49},
+                                         {"ur10e", 58},
+                                         {"planar-2r", 10}};
+  for (const auto& [name, count] : known)
+    EXPECT_EQ(base_parameters(robot(name)).size(), count) << name;
 }
 
-// The six combinations of a planar 2R in a vertical plane, as in every textbook; here for frames at the far ends, so that
-// first moments and inertias about the joints are hx + l m and Lzz + 2 l hx + l^2 m:
+// The six combinations of a planar 2R in a vertical plane, as in every textbook; here for frames at
+// the far ends, so that first moments and inertias about the joints are hx + l m and Lzz + 2 l hx +
+// l^2 m:
 //   about joint 2:  Lzz2 + 2 l2 hx2 + l2^2 m2,              hx2 + l2 m2,        hy2
 //   about joint 1:  Lzz1 + 2 l1 hx1 + l1^2 (m1 + m2),       hx1 + l1 (m1 + m2), hy1
 TEST(BaseParametersOf, ThePlanar2RAreThoseOfTheTextbook) {
@@ -190,7 +214,8 @@ TEST(BaseParametersOf, AFactorWithoutDependenciesAreItsColumns) {
   EXPECT_EQ(base.size(), 2);
   EXPECT_EQ(base.rank_gap, std::numeric_limits<double>::infinity());
   EXPECT_TRUE(near(base.K, MatrixXd::Identity(2, 2), 0.0));
-  EXPECT_EQ(base.classes, (std::vector<Identifiability>{Identifiability::kAlone, Identifiability::kAlone}));
+  EXPECT_EQ(base.classes,
+            (std::vector<Identifiability>{Identifiability::kAlone, Identifiability::kAlone}));
 }
 
 // Three columns, the third 2 a - 0.5 b in other units: K says so in words.

@@ -18,7 +18,8 @@ namespace {
 
 using Names = std::vector<std::string>;
 
-// Rows of two joints over four parameters of which the last is twice the third; each joint sees three of them.
+// Rows of two joints over four parameters of which the last is twice the third; each joint sees
+// three of them.
 struct Data {
   std::vector<MatrixXd> A;  ///< [block * 2 + joint] (rows x 4), whole
   std::vector<VectorXd> b;
@@ -53,7 +54,8 @@ Data data(int blocks, double noise, unsigned seed) {
         A.col(i) = random.vector(rows, -1, 1);
         A.col(2) = random.vector(rows, -3, 3);
         A.col(3) = 2.0 * A.col(2);
-        const VectorXd b = A * Eigen::Vector4d(1.0, -2.0, 0.5, 0.0) + noise * random.vector(rows, -1, 1);
+        const VectorXd b =
+            A * Eigen::Vector4d(1.0, -2.0, 0.5, 0.0) + noise * random.vector(rows, -1, 1);
         SquareRootInformation f(Names{names()[static_cast<size_t>(i)], "p2", "p3"});
         MatrixXd mine(rows, 3);
         mine << A.col(i), A.rightCols(2);
@@ -100,7 +102,8 @@ TEST(TheBaseSolution, IsThatOfTheStackedWeightedRows) {
     EXPECT_TRUE(near(s.beta, x, 1e-12));
     EXPECT_NEAR(s.residual2, residual2, 1e-12 * direct.b.squaredNorm());
     const auto rows = static_cast<double>(direct.A.rows());
-    const MatrixXd covariance = (direct.A.transpose() * direct.A).inverse() * residual2 / (rows - 3.0);
+    const MatrixXd covariance =
+        (direct.A.transpose() * direct.A).inverse() * residual2 / (rows - 3.0);
     EXPECT_TRUE(near(s.white_std, covariance.diagonal().cwiseSqrt(), 1e-12));
     const VectorXd sv = Eigen::JacobiSVD<MatrixXd>(direct.A).singularValues();
     EXPECT_NEAR(s.condition_number, sv[0] / sv[2], 1e-10 * s.condition_number);
@@ -121,19 +124,21 @@ TEST(TheBaseSolution, HasTheStandardDeviationOfTheJackknife) {
   MatrixXd left_out(3, g);
   for (int k = 0; k < g; ++k) left_out.col(k) = stacked(d, weights, k).solution();
   const VectorXd mean = left_out.rowwise().mean();
-  const VectorXd expected = ((left_out.colwise() - mean).rowwise().squaredNorm() * (g - 1.0) / g).cwiseSqrt();
+  const VectorXd expected =
+      ((left_out.colwise() - mean).rowwise().squaredNorm() * (g - 1.0) / g).cwiseSqrt();
   EXPECT_TRUE(near(solve_base(d.recordings, weights, base(), names()).std, expected, 1e-11));
 }
 
-// With independent noise both standard deviations mean the same: over many draws their squares have one mean, and the
-// solutions scatter as they say.
+// With independent noise both standard deviations mean the same: over many draws their squares have
+// one mean, and the solutions scatter as they say.
 TEST(TheBaseSolution, HasHonestStandardDeviations) {
   const int draws = 200;
   Eigen::Vector3d jackknife2 = Eigen::Vector3d::Zero();
   Eigen::Vector3d white2 = Eigen::Vector3d::Zero();
   Eigen::Vector3d error2 = Eigen::Vector3d::Zero();
   for (int k = 0; k < draws; ++k) {
-    const BaseSolution s = solve_base(data(5, 0.3, 100 + k).recordings, Eigen::Vector2d(1, 1), base(), names());
+    const BaseSolution s =
+        solve_base(data(5, 0.3, 100 + k).recordings, Eigen::Vector2d(1, 1), base(), names());
     jackknife2 += s.std.cwiseAbs2() / draws;
     white2 += s.white_std.cwiseAbs2() / draws;
     error2 += (s.beta - Eigen::Vector3d(1.0, -2.0, 0.5)).cwiseAbs2() / draws;
@@ -187,7 +192,8 @@ TEST(ResidualWeights, AreOneOverTheStandardDeviationOfTheResiduals) {
     sum[static_cast<Eigen::Index>(k % 2)] += (d.A[k] * x - d.b[k]).squaredNorm();
     rows[static_cast<Eigen::Index>(k % 2)] += static_cast<double>(d.b[k].size());
   }
-  EXPECT_TRUE(near(residual_weights(d.recordings, x, names()), (rows.array() / sum.array()).sqrt().matrix(), 1e-11));
+  EXPECT_TRUE(near(residual_weights(d.recordings, x, names()),
+                   (rows.array() / sum.array()).sqrt().matrix(), 1e-11));
 }
 
 }  // namespace

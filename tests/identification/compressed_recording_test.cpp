@@ -17,7 +17,9 @@
 namespace veridyn {
 namespace {
 
-Model robot(const std::string& name) { return read_model(VERIDYN_SOURCE_DIR "/data/robots/" + name + ".yaml"); }
+Model robot(const std::string& name) {
+  return read_model(VERIDYN_SOURCE_DIR "/data/robots/" + name + ".yaml");
+}
 
 MotionShape lasting(double seconds, double period = 0.0) {
   MotionShape shape;
@@ -43,7 +45,8 @@ MatrixXd low_passed(MatrixXd columns, const PreprocessingOptions& o, double rate
   return columns;
 }
 
-// ---- factors -------------------------------------------------------------------------------------------------------
+// ---- factors
+// -------------------------------------------------------------------------------------------------------
 
 // The factors hold the sum of squares of all rows for any parameters, and nothing of the samples.
 TEST(ACompressedRecording, HoldsTheSumOfSquaresOfItsRows) {
@@ -54,14 +57,16 @@ TEST(ACompressedRecording, HoldsTheSumOfSquaresOfItsRows) {
   const RegressorColumns columns(arm, options);
   const std::vector<std::string> names = parameter_names(columns.parameters());
   Random random(2);
-  const VectorXd x = true_parameters(arm) + 0.1 * random.vector(static_cast<int>(names.size()), -1, 1);
+  const VectorXd x =
+      true_parameters(arm) + 0.1 * random.vector(static_cast<int>(names.size()), -1, 1);
   VectorXd direct = VectorXd::Zero(4);
   double rows = 0.0;
   for_each_stretch(arm, recording, options, [&](const Stretch& s) {
     const std::vector<JointRows> all = columns.rows(s);
     for (size_t i = 0; i < 4; ++i) {
       VectorXd mine(all[i].A.cols());
-      for (Eigen::Index p = 0; p < mine.size(); ++p) mine[p] = x[all[i].parameters[static_cast<size_t>(p)]];
+      for (Eigen::Index p = 0; p < mine.size(); ++p)
+        mine[p] = x[all[i].parameters[static_cast<size_t>(p)]];
       direct[static_cast<Eigen::Index>(i)] += (all[i].A * mine - all[i].b).squaredNorm();
       rows += static_cast<double>(all[i].b.size());
     }
@@ -102,7 +107,8 @@ TEST(ACompressedRecording, HasEightToSixteenBlocksHoweverLong) {
 // Repeats of a phase fall into one block, so that each of the eight holds every repeat.
 TEST(ACompressedRecording, HasTheEightPhasesOfAMotionThatRepeats) {
   const Model arm = robot("planar-2r");
-  const CompressedRecording c = compress(arm, synthetic_recording(arm, lasting(40.0, 8.0)), without_edges());
+  const CompressedRecording c =
+      compress(arm, synthetic_recording(arm, lasting(40.0, 8.0)), without_edges());
   EXPECT_NEAR(c.period.seconds, 8.0, 0.01);
   ASSERT_EQ(c.blocks.size(), 8U);
   for (const auto& block : c.blocks) EXPECT_NEAR(block[0].rows(), 100.0, 5.0);
@@ -114,7 +120,8 @@ TEST(ACompressedRecording, LeavesOutFixedParameters) {
   const Model arm{d};
   const CompressedRecording c = compress(arm, synthetic_recording(arm, lasting(12.0)), {});
   for (const SquareRootInformation& factor : c.blocks.front()) {
-    for (const std::string& name : factor.columns()) EXPECT_EQ(name.find("_fore"), std::string::npos) << name;
+    for (const std::string& name : factor.columns())
+      EXPECT_EQ(name.find("_fore"), std::string::npos) << name;
   }
 }
 
@@ -135,7 +142,8 @@ TEST(ACompressedRecording, LeavesOutSlowRows) {
   }
 }
 
-// ---- facts ---------------------------------------------------------------------------------------------------------
+// ---- facts
+// ---------------------------------------------------------------------------------------------------------
 
 TEST(ACompressedRecording, KnowsRangesOfTorqueSpeedAndPosition) {
   const Model arm = robot("scara");
@@ -167,7 +175,9 @@ TEST(TheNoiseFloor, IsTheNoiseThatWasPlanted) {
     ASSERT_EQ(floor.size(), 4);
     const MatrixXd tau = low_passed(r.tau, options, 200.0);
     const MatrixXd planted = low_passed(noise, options, 200.0);
-    for (int i = 0; i < 4; ++i) EXPECT_NEAR(floor[i] / (planted.col(i).norm() / tau.col(i).norm()), 1.0, 0.15) << "joint " << i << ", " << share;
+    for (int i = 0; i < 4; ++i)
+      EXPECT_NEAR(floor[i] / (planted.col(i).norm() / tau.col(i).norm()), 1.0, 0.15)
+          << "joint " << i << ", " << share;
   }
 }
 
@@ -176,7 +186,8 @@ TEST(TheNoiseFloor, IsUnknownWhereNothingRepeats) {
   EXPECT_EQ(compress(arm, noisy(arm, lasting(20.0), 0.1, 4), {}).noise_floor.size(), 0);
 }
 
-// ---- errors --------------------------------------------------------------------------------------------------------
+// ---- errors
+// --------------------------------------------------------------------------------------------------------
 
 // Without a filter the errors are sums over samples that anybody can form.
 TEST(PredictionErrors, AreThoseOfADirectComputation) {
@@ -190,30 +201,42 @@ TEST(PredictionErrors, AreThoseOfADirectComputation) {
   const MatrixXd ddq = differentiate(r.dq, 0.005);
   MatrixXd modelled(r.rows(), 4);
   for (Eigen::Index k = 0; k < r.rows(); ++k) {
-    modelled.row(k) = full_regressor(arm, r.q.row(k).transpose(), r.dq.row(k).transpose(), ddq.row(k).transpose()) * values;
+    modelled.row(k) = full_regressor(arm, r.q.row(k).transpose(), r.dq.row(k).transpose(),
+                                     ddq.row(k).transpose()) *
+                      values;
   }
   const MatrixXd error = r.tau - modelled;
   for (int i = 0; i < 4; ++i) {
     EXPECT_NEAR(e.relative[i], error.col(i).norm() / r.tau.col(i).norm(), 1e-9);
-    EXPECT_NEAR(e.maximum[i], error.col(i).cwiseAbs().maxCoeff() / r.tau.col(i).cwiseAbs().maxCoeff(), 1e-9);
-    const auto moving = (r.dq.col(i).array().abs() > 0.02 * r.dq.col(i).cwiseAbs().maxCoeff()).cast<double>();
-    EXPECT_NEAR(e.moving_relative[i], (moving * error.col(i).array()).matrix().norm() / (moving * r.tau.col(i).array()).matrix().norm(), 1e-9);
+    EXPECT_NEAR(e.maximum[i],
+                error.col(i).cwiseAbs().maxCoeff() / r.tau.col(i).cwiseAbs().maxCoeff(), 1e-9);
+    const auto moving =
+        (r.dq.col(i).array().abs() > 0.02 * r.dq.col(i).cwiseAbs().maxCoeff()).cast<double>();
+    EXPECT_NEAR(e.moving_relative[i],
+                (moving * error.col(i).array()).matrix().norm() /
+                    (moving * r.tau.col(i).array()).matrix().norm(),
+                1e-9);
     EXPECT_NE(e.moving_relative[i], e.relative[i]);
   }
 }
 
-// Both sides of the comparison go through the filter, all samples count and not only those kept for the fit.
+// Both sides of the comparison go through the filter, all samples count and not only those kept for
+// the fit.
 TEST(PredictionErrors, AreThoseOfFilteredTorques) {
   const Model arm = robot("scara");
   const PreprocessingOptions options = without_edges();
   const Recording clean = synthetic_recording(arm, lasting(22.0));
   Recording r = clean;
   r.tau += noise_like(clean.tau, 0.2, 6);
-  const PredictionError e = prediction_error(arm, r, options, true_parameters(arm), compress(arm, r, options).joints).error();
+  const PredictionError e =
+      prediction_error(arm, r, options, true_parameters(arm), compress(arm, r, options).joints)
+          .error();
   const MatrixXd tau = low_passed(r.tau, options, 200.0);
   const MatrixXd error = tau - low_passed(clean.tau, options, 200.0);
-  // The light filter's ends: a few per cent of the torque for 0.1 s of 22 s, beside an error of 5 %.
-  for (int i = 0; i < 4; ++i) EXPECT_NEAR(e.relative[i], error.col(i).norm() / tau.col(i).norm(), 0.1 * e.relative[i]);
+  // The light filter's ends: a few per cent of the torque for 0.1 s of 22 s, beside an error of 5
+  // %.
+  for (int i = 0; i < 4; ++i)
+    EXPECT_NEAR(e.relative[i], error.col(i).norm() / tau.col(i).norm(), 0.1 * e.relative[i]);
 }
 
 TEST(PredictionErrors, OfSeveralRecordingsAddUp) {
@@ -242,21 +265,25 @@ TEST(ThePredictionSeries, IsThinnedAndNotCutShort) {
     const Recording r = synthetic_recording(arm, lasting(seconds));
     PredictionSeries series;
     const PreprocessingOptions options = without_edges();
-    prediction_error(arm, r, options, true_parameters(arm), compress(arm, r, options).joints, &series);
+    prediction_error(arm, r, options, true_parameters(arm), compress(arm, r, options).joints,
+                     &series);
     EXPECT_LE(series.time.size(), 6000U);
     EXPECT_GE(series.time.size(), std::min<size_t>(3000U, static_cast<size_t>(r.rows())));
     EXPECT_EQ(series.time.front(), 0.0);
     EXPECT_NEAR(series.time.back(), seconds, 0.1);
-    for (const auto* table : {&series.q, &series.dq, &series.ddq, &series.measured, &series.modelled}) {
+    for (const auto* table :
+         {&series.q, &series.dq, &series.ddq, &series.measured, &series.modelled}) {
       ASSERT_EQ(table->size(), 2U);
       for (const auto& column : *table) EXPECT_EQ(column.size(), series.time.size());
     }
     const double step = series.time[1] - series.time[0];
-    for (size_t k = 1; k < series.time.size(); ++k) ASSERT_NEAR(series.time[k] - series.time[k - 1], step, 1e-9);
+    for (size_t k = 1; k < series.time.size(); ++k)
+      ASSERT_NEAR(series.time[k] - series.time[k - 1], step, 1e-9);
   }
 }
 
-// ---- files ---------------------------------------------------------------------------------------------------------
+// ---- files
+// ---------------------------------------------------------------------------------------------------------
 
 // A file is read in pieces and its numbers have ten digits; otherwise it is the same recording.
 TEST(ACompressedFile, IsTheCompressedRecording) {
@@ -274,7 +301,8 @@ TEST(ACompressedFile, IsTheCompressedRecording) {
     EXPECT_EQ(file.noise_floor.size(), memory.noise_floor.size());
     const VectorXd x = 1.1 * true_parameters(arm);
     const double expected = weighted_total({memory}, Eigen::Vector2d(1, 1), names).residual2(x);
-    EXPECT_NEAR(weighted_total({file}, Eigen::Vector2d(1, 1), names).residual2(x), expected, 1e-6 * expected);
+    EXPECT_NEAR(weighted_total({file}, Eigen::Vector2d(1, 1), names).residual2(x), expected,
+                1e-6 * expected);
     const VectorXd e = prediction_error(arm, path, {}, x, file.joints).error().relative;
     EXPECT_TRUE(near(e, prediction_error(arm, r, {}, x, memory.joints).error().relative, 1e-6));
     std::filesystem::remove(path);

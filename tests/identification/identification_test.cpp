@@ -21,7 +21,9 @@
 namespace veridyn {
 namespace {
 
-Model robot(const std::string& name) { return read_model(VERIDYN_SOURCE_DIR "/data/robots/" + name + ".yaml"); }
+Model robot(const std::string& name) {
+  return read_model(VERIDYN_SOURCE_DIR "/data/robots/" + name + ".yaml");
+}
 
 MotionShape lasting(double seconds, double period = 0.0, unsigned seed = 1) {
   MotionShape shape;
@@ -59,7 +61,9 @@ double torque_difference(const Model& arm, const VectorXd& a, const VectorXd& b)
   const VectorXd torque = Y * b;
   double worst = 0.0;
   for (int i = 0; i < arm.joints(); ++i) {
-    const auto of_joint = [&](const VectorXd& v) { return VectorXd(Eigen::Map<const MatrixXd>(v.data(), arm.joints(), 80).row(i)).norm(); };
+    const auto of_joint = [&](const VectorXd& v) {
+      return VectorXd(Eigen::Map<const MatrixXd>(v.data(), arm.joints(), 80).row(i)).norm();
+    };
     worst = std::max(worst, of_joint(error) / of_joint(torque));
   }
   return worst;
@@ -73,20 +77,24 @@ bool every_body_possible(const Model& arm, const VectorXd& parameters) {
   return true;
 }
 
-// ---- the truth comes back ------------------------------------------------------------------------------------------
+// ---- the truth comes back
+// ------------------------------------------------------------------------------------------
 
 class OfTextbookArms : public testing::TestWithParam<std::string> {
  protected:
   const Model arm_ = robot(GetParam());
 };
-INSTANTIATE_TEST_SUITE_P(Arms, OfTextbookArms, testing::Values("planar-2r", "scara", "elbow-6r"), [](const auto& test) {
-  std::string name = test.param;
-  for (char& c : name) c = std::isalnum(static_cast<unsigned char>(c)) != 0 ? c : '_';
-  return name;
-});
+INSTANTIATE_TEST_SUITE_P(Arms, OfTextbookArms, testing::Values("planar-2r", "scara", "elbow-6r"),
+                         [](const auto& test) {
+                           std::string name = test.param;
+                           for (char& c : name)
+                             c = std::isalnum(static_cast<unsigned char>(c)) != 0 ? c : '_';
+                           return name;
+                         });
 
-// What is wrong without noise is the derivative of the velocity, (w h)^4 / 30 = 3e-8 at 1 Hz, and what the ends of the
-// light filter leave after 1.2 s and 0.5 s, about 1e-5 of a sample. So: 1e-4 of itself, or 1e-6 of the largest of its unit.
+// What is wrong without noise is the derivative of the velocity, (w h)^4 / 30 = 3e-8 at 1 Hz, and
+// what the ends of the light filter leave after 1.2 s and 0.5 s, about 1e-5 of a sample. So: 1e-4
+// of itself, or 1e-6 of the largest of its unit.
 TEST_P(OfTextbookArms, CleanRecordingsGiveTheTruthBack) {
   const Recording r = synthetic_recording(arm_, lasting(30.0));
   const std::map<std::string, double> truth = true_base(arm_);
@@ -101,7 +109,8 @@ TEST_P(OfTextbookArms, CleanRecordingsGiveTheTruthBack) {
         if (other.unit == b.unit) largest = std::max(largest, std::abs(other.value));
       }
       const double expected = truth.at(b.expression);
-      EXPECT_NEAR(b.value, expected, std::max(1e-4 * std::abs(expected), 1e-6 * largest)) << b.expression;
+      EXPECT_NEAR(b.value, expected, std::max(1e-4 * std::abs(expected), 1e-6 * largest))
+          << b.expression;
     }
     EXPECT_LT(torque_difference(arm_, id.parameters, true_parameters(arm_)), 1e-4);
     EXPECT_LT(id.train_error.relative.maxCoeff(), 1e-4);
@@ -117,21 +126,27 @@ TEST_P(OfTextbookArms, TheOptionsOfPreprocessingDoNotMoveTheTruth) {
     for (const VelocitySource velocity : {VelocitySource::kRecorded, VelocitySource::kDerived}) {
       o.preprocessing.cutoff = cutoff;
       o.preprocessing.velocity = velocity;
-      // The ends' transients die away as fast as the cut-off is high. A derivative of a derivative loses twice.
-      o.preprocessing.drop_start = o.preprocessing.drop_end = cutoff > 0.0 ? std::max(1.2, 6.0 / cutoff) : 0.1;
-      EXPECT_LT(torque_difference(arm_, identify(arm_, r, o).parameters, true_parameters(arm_)), 3e-4) << cutoff;
+      // The ends' transients die away as fast as the cut-off is high. A derivative of a derivative
+      // loses twice.
+      o.preprocessing.drop_start = o.preprocessing.drop_end =
+          cutoff > 0.0 ? std::max(1.2, 6.0 / cutoff) : 0.1;
+      EXPECT_LT(torque_difference(arm_, identify(arm_, r, o).parameters, true_parameters(arm_)),
+                3e-4)
+          << cutoff;
     }
   }
 }
 
-// (value - truth) / std should scatter with standard deviation one; over all base parameters of three draws.
+// (value - truth) / std should scatter with standard deviation one; over all base parameters of
+// three draws.
 TEST_P(OfTextbookArms, StandardDeviationsCoverTheErrors) {
   const std::map<std::string, double> truth = true_base(arm_);
   for (const double period : {0.0, 7.5}) {
     double z2 = 0.0;
     int count = 0;
     for (unsigned seed = 1; seed <= 3; ++seed) {
-      const Identification id = identify(arm_, noisy(arm_, lasting(30.0, period, 4), 0.1, seed), with(Method::kWls));
+      const Identification id =
+          identify(arm_, noisy(arm_, lasting(30.0, period, 4), 0.1, seed), with(Method::kWls));
       ASSERT_EQ(id.status, IdentificationStatus::kDone);
       for (const BaseValue& b : id.base) {
         ASSERT_GT(b.std, 0.0);
@@ -155,11 +170,14 @@ TEST(ResidualWeights, HelpWhereJointsAreNotEquallyGood) {
   r.tau += noise;
   IdentificationOptions o = with(Method::kWls);
   o.weights = JointWeights::kResidual;
-  const double weighted = torque_difference(arm, identify(arm, r, o).parameters, true_parameters(arm));
-  EXPECT_LT(weighted, 0.5 * torque_difference(arm, identify(arm, r, with(Method::kOls)).parameters, true_parameters(arm)));
+  const double weighted =
+      torque_difference(arm, identify(arm, r, o).parameters, true_parameters(arm));
+  EXPECT_LT(weighted, 0.5 * torque_difference(arm, identify(arm, r, with(Method::kOls)).parameters,
+                                              true_parameters(arm)));
 }
 
-// ---- matched filtering: what goes wrong otherwise ------------------------------------------------------------------
+// ---- matched filtering: what goes wrong otherwise
+// ------------------------------------------------------------------
 
 // One joint with 2 N m of Coulomb friction that reverses about twice a second, low-passed at 4 Hz.
 Model one_joint() {
@@ -177,7 +195,8 @@ frames:
 effects:
   - {effect: viscous_friction, axis: {turn: 1}, coefficient: 0.5}
   - {effect: coulomb_friction, axis: {turn: 1}, level: 2.0}
-)", "one-joint.yaml");
+)",
+                   "one-joint.yaml");
 }
 
 TEST(Coulomb, IsRightWithMatchedFilteringAndBiasedWithFilteredSignals) {
@@ -191,7 +210,8 @@ TEST(Coulomb, IsRightWithMatchedFilteringAndBiasedWithFilteredSignals) {
     o.preprocessing.filtering = filtering;
     const Identification id = identify(arm, r, o);
     const std::vector<std::string> names = parameter_names(standard_parameters(arm));
-    const auto at = std::find(names.begin(), names.end(), "coulomb_friction(turn).level") - names.begin();
+    const auto at =
+        std::find(names.begin(), names.end(), "coulomb_friction(turn).level") - names.begin();
     EXPECT_LT(at, id.parameters.size());
     return id.parameters[at];
   };
@@ -199,7 +219,8 @@ TEST(Coulomb, IsRightWithMatchedFilteringAndBiasedWithFilteredSignals) {
   EXPECT_GT(std::abs(level(Filtering::kSignals) - 2.0), 0.05 * 2.0);
 }
 
-// ---- feasible ------------------------------------------------------------------------------------------------------
+// ---- feasible
+// ------------------------------------------------------------------------------------------------------
 
 // Of one sum of squares over two sets of columns.
 constexpr double kRounding = 1e-12;
@@ -210,9 +231,11 @@ class FeasibleFits : public testing::TestWithParam<std::string> {
   // Enough noise to push small bodies over the edge.
   const Recording noisy_ = noisy(arm_, lasting(25.0), 0.3, 7);
 };
-INSTANTIATE_TEST_SUITE_P(Arms, FeasibleFits, testing::Values("scara", "elbow-6r"), [](const auto& test) {
-  return test.param == "scara" ? std::string("scara") : std::string("elbow");
-});
+INSTANTIATE_TEST_SUITE_P(Arms, FeasibleFits, testing::Values("scara", "elbow-6r"),
+                         [](const auto& test) {
+                           return test.param == "scara" ? std::string("scara")
+                                                        : std::string("elbow");
+                         });
 
 TEST_P(FeasibleFits, ArePossibleAndNeverBelowTheUnconstrainedOnes) {
   const Identification free = identify(arm_, noisy_, with(Method::kWls));
@@ -227,14 +250,17 @@ TEST_P(FeasibleFits, ArePossibleAndNeverBelowTheUnconstrainedOnes) {
   // Signs of friction and boxes of the file hold as well.
   const std::vector<StandardParameter> parameters = standard_parameters(arm_);
   for (size_t j = 0; j < parameters.size(); ++j) {
-    EXPECT_GE(id.parameters[static_cast<Eigen::Index>(j)], parameters[j].lower) << parameters[j].name;
+    EXPECT_GE(id.parameters[static_cast<Eigen::Index>(j)], parameters[j].lower)
+        << parameters[j].name;
     if (parameters[j].component == 0 && parameters[j].effect < 0) {
-      EXPECT_LE(id.parameters[static_cast<Eigen::Index>(j)], arm_.description().box.mass_max) << parameters[j].name;
+      EXPECT_LE(id.parameters[static_cast<Eigen::Index>(j)], arm_.description().box.mass_max)
+          << parameters[j].name;
     }
   }
 }
 
-// Every body that is possible has positive moments, so that the weaker condition can only fit better.
+// Every body that is possible has positive moments, so that the weaker condition can only fit
+// better.
 TEST_P(FeasibleFits, OfTheWeakerConditionFitBetter) {
   IdentificationOptions o = with(Method::kFeasible);
   const Identification strict = identify(arm_, noisy_, o);
@@ -270,13 +296,15 @@ TEST_P(FeasibleFits, FollowAHeavyPriorAndNotALightOne) {
   EXPECT_LT((light.objective - none.objective), heavy.objective - none.objective);
 }
 
-// ---- facts ---------------------------------------------------------------------------------------------------------
+// ---- facts
+// ---------------------------------------------------------------------------------------------------------
 
 // A body whose values are facts keeps them, and the others are what they are beside it.
 TEST(Facts, AreKeptAndTheOthersIdentifiedBesideThem) {
   for (const char* name : {"planar-2r", "scara"}) {
     ModelDescription d = robot(name).description();
-    Frame& last = *std::find_if(d.frames.rbegin(), d.frames.rend(), [](const Frame& f) { return f.body.has_value(); });
+    Frame& last = *std::find_if(d.frames.rbegin(), d.frames.rend(),
+                                [](const Frame& f) { return f.body.has_value(); });
     last.body->fixed = true;
     const Model arm{d};
     const Recording r = synthetic_recording(arm, lasting(25.0));
@@ -286,7 +314,8 @@ TEST(Facts, AreKeptAndTheOthersIdentifiedBesideThem) {
       ASSERT_EQ(id.status, IdentificationStatus::kDone) << name << ": " << id.reason;
       EXPECT_TRUE(near(id.parameters.segment(at, 10), *last.body->phi, 0.0));
       EXPECT_LT(torque_difference(arm, id.parameters, true_parameters(arm)), 1e-4) << name;
-      EXPECT_TRUE(id.model->frames().back().body->fixed || id.model->description().frames.back().name != last.name);
+      EXPECT_TRUE(id.model->frames().back().body->fixed ||
+                  id.model->description().frames.back().name != last.name);
     }
   }
 }
@@ -302,12 +331,14 @@ TEST(Facts, MayBeEffectsToo) {
     const std::vector<StandardParameter> parameters = standard_parameters(arm);
     for (size_t j = 0; j < parameters.size(); ++j) {
       if (!parameters[j].fixed) continue;
-      EXPECT_EQ(id.parameters[static_cast<Eigen::Index>(j)], parameters[j].value) << parameters[j].name;
+      EXPECT_EQ(id.parameters[static_cast<Eigen::Index>(j)], parameters[j].value)
+          << parameters[j].name;
     }
   }
 }
 
-// ---- data that cannot answer ---------------------------------------------------------------------------------------
+// ---- data that cannot answer
+// ---------------------------------------------------------------------------------------
 
 TEST(AJointThatNeverMoves, IsNamedWithTheParametersItLeavesOpen) {
   for (const int still : {0, 5}) {
@@ -325,10 +356,13 @@ TEST(AJointThatNeverMoves, IsNamedWithTheParametersItLeavesOpen) {
     EXPECT_FALSE(id.model.has_value());
     EXPECT_NE(id.reason.find("joint " + joint + " never moves"), std::string::npos) << id.reason;
     const std::string friction = "viscous_friction(" + joint + ").coefficient";
-    EXPECT_NE(std::find(id.undetermined.begin(), id.undetermined.end(), friction), id.undetermined.end()) << id.reason;
+    EXPECT_NE(std::find(id.undetermined.begin(), id.undetermined.end(), friction),
+              id.undetermined.end())
+        << id.reason;
     EXPECT_NE(id.reason.find(friction), std::string::npos);
     // Another joint's friction is not open.
-    for (const std::string& open : id.undetermined) EXPECT_EQ(open.find("viscous_friction(elbow)"), std::string::npos) << open;
+    for (const std::string& open : id.undetermined)
+      EXPECT_EQ(open.find("viscous_friction(elbow)"), std::string::npos) << open;
     EXPECT_THROW(save(id, testing::TempDir() + "nothing.yaml"), InvalidInput);
   }
 }
@@ -362,7 +396,8 @@ TEST(ARecordingWithoutUsableSamples, IsAStatus) {
   EXPECT_THROW(identify(arm, std::vector<std::string>{}), InvalidInput);
 }
 
-// ---- what is reported ----------------------------------------------------------------------------------------------
+// ---- what is reported
+// ----------------------------------------------------------------------------------------------
 
 TEST(TheNoiseFloor, IsThatOfTheTrainingRecordings) {
   const Model arm = robot("scara");
@@ -420,16 +455,20 @@ TEST(Errors, AreThoseOfTheFittedModelOnEachRecording) {
     const MatrixXd ddq = differentiate(r.dq, 0.005);
     MatrixXd error = r.tau;
     for (Eigen::Index row = 0; row < r.rows(); ++row) {
-      error.row(row) -= full_regressor(arm, r.q.row(row).transpose(), r.dq.row(row).transpose(), ddq.row(row).transpose()) * id.parameters;
+      error.row(row) -= full_regressor(arm, r.q.row(row).transpose(), r.dq.row(row).transpose(),
+                                       ddq.row(row).transpose()) *
+                        id.parameters;
     }
     const RecordingError& reported = k < 2 ? id.train[k] : id.test[0];
     EXPECT_EQ(reported.source, k < 2 ? train[k] : test[0]);
-    for (int i = 0; i < 2; ++i) EXPECT_NEAR(reported.error.relative[i], error.col(i).norm() / r.tau.col(i).norm(), 1e-6);
+    for (int i = 0; i < 2; ++i)
+      EXPECT_NEAR(reported.error.relative[i], error.col(i).norm() / r.tau.col(i).norm(), 1e-6);
     if (k == 2) continue;
     train_error2 += error.colwise().squaredNorm().transpose();
     train_torque2 += r.tau.colwise().squaredNorm().transpose();
   }
-  EXPECT_TRUE(near(id.train_error.relative, (train_error2.array() / train_torque2.array()).sqrt().matrix(), 1e-6));
+  EXPECT_TRUE(near(id.train_error.relative,
+                   (train_error2.array() / train_torque2.array()).sqrt().matrix(), 1e-6));
   EXPECT_TRUE(near(id.test_error.relative, id.test[0].error.relative, 0.0));
   EXPECT_EQ(id.rows, 2 * 2 * 4000.0);
   // Held-out recordings take no part in the fit, nor does the number of threads.
@@ -445,7 +484,8 @@ TEST(TheReport, NamesStatusErrorsAndBaseParameters) {
   const Model arm = robot("planar-2r");
   const Identification id = identify(arm, noisy(arm, lasting(20.0), 0.05, 2));
   const std::string text = id.report();
-  for (const char* word : {"planar-2r", "feasible least squares", "10 base parameters", "rank gap", "training", "coulomb_friction(elbow).level"}) {
+  for (const char* word : {"planar-2r", "feasible least squares", "10 base parameters", "rank gap",
+                           "training", "coulomb_friction(elbow).level"}) {
     EXPECT_NE(text.find(word), std::string::npos) << word << " in\n" << text;
   }
 }

@@ -19,7 +19,9 @@ namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-Model robot(const std::string& name) { return read_model(VERIDYN_SOURCE_DIR "/data/robots/" + name + ".yaml"); }
+Model robot(const std::string& name) {
+  return read_model(VERIDYN_SOURCE_DIR "/data/robots/" + name + ".yaml");
+}
 
 PreprocessingOptions unfiltered() {
   PreprocessingOptions o;
@@ -81,7 +83,8 @@ Range used(const Pass& p) {
   return out;
 }
 
-// Joints move on straight lines, so that interpolation is exact: q_j = (j + 1) t, dq_j = j + 1, tau_j = 5 - t.
+// Joints move on straight lines, so that interpolation is exact: q_j = (j + 1) t, dq_j = j + 1,
+// tau_j = 5 - t.
 Recording lines(const VectorXd& time, int joints) {
   Recording r;
   r.source = "lines";
@@ -101,7 +104,8 @@ VectorXd even_time(Eigen::Index rows, double dt, double start = 0.0) {
   return VectorXd::LinSpaced(rows, start, start + static_cast<double>(rows - 1) * dt);
 }
 
-// ---- stretches -----------------------------------------------------------------------------------------------------
+// ---- stretches
+// -----------------------------------------------------------------------------------------------------
 
 // The whole recording as one stretch, by the definition: filters over everything, then derivatives.
 Stretch one_piece(const Recording& r, const PreprocessingOptions& o) {
@@ -113,7 +117,8 @@ Stretch one_piece(const Recording& r, const PreprocessingOptions& o) {
   s.dq = r.dq;
   s.tau = r.tau;
   const bool signals = o.filtering == Filtering::kSignals;
-  const ZeroPhaseFilter filter(signals ? o.cutoff : o.signal_cutoff_ratio * o.cutoff, o.order, 1.0 / s.dt);
+  const ZeroPhaseFilter filter(signals ? o.cutoff : o.signal_cutoff_ratio * o.cutoff, o.order,
+                               1.0 / s.dt);
   filter.apply(s.q);
   if (r.dq.size() > 0 && o.velocity == VelocitySource::kRecorded) {
     filter.apply(s.dq);
@@ -147,8 +152,10 @@ struct Variant {
 };
 
 std::vector<Variant> variants() {
-  return {{Filtering::kMatched, VelocitySource::kRecorded, 5.0, 6}, {Filtering::kMatched, VelocitySource::kDerived, 3.5, 3},
-          {Filtering::kSignals, VelocitySource::kRecorded, 5.0, 6}, {Filtering::kSignals, VelocitySource::kDerived, 12.0, 10}};
+  return {{Filtering::kMatched, VelocitySource::kRecorded, 5.0, 6},
+          {Filtering::kMatched, VelocitySource::kDerived, 3.5, 3},
+          {Filtering::kSignals, VelocitySource::kRecorded, 5.0, 6},
+          {Filtering::kSignals, VelocitySource::kDerived, 12.0, 10}};
 }
 
 PreprocessingOptions options_of(const Variant& v) {
@@ -161,7 +168,8 @@ PreprocessingOptions options_of(const Variant& v) {
   return o;
 }
 
-// A cut leaves 1e-9 of what the signals are in the core, beside the rounding of two derivatives over 5 ms.
+// A cut leaves 1e-9 of what the signals are in the core, beside the rounding of two derivatives
+// over 5 ms.
 TEST(Stretches, GiveTheSignalsOfOnePiece) {
   const Model arm = robot("scara");
   const Recording r = long_recording(arm);
@@ -172,7 +180,9 @@ TEST(Stretches, GiveTheSignalsOfOnePiece) {
     ASSERT_TRUE(near(p.time, whole.time, 1e-9));
     EXPECT_TRUE(near(p.q, whole.q, 1e-8));
     EXPECT_TRUE(near(p.dq, whole.dq, 1e-8 * (1.0 + whole.dq.cwiseAbs().maxCoeff())));
-    EXPECT_TRUE(near(p.ddq, whole.ddq, 1e-8 * (1.0 + whole.ddq.cwiseAbs().maxCoeff()) / (v.velocity == VelocitySource::kDerived ? 0.05 : 1.0)));
+    EXPECT_TRUE(near(p.ddq, whole.ddq,
+                     1e-8 * (1.0 + whole.ddq.cwiseAbs().maxCoeff()) /
+                         (v.velocity == VelocitySource::kDerived ? 0.05 : 1.0)));
     EXPECT_TRUE(near(p.tau, whole.tau, 1e-8 * whole.tau.cwiseAbs().maxCoeff()));
   }
 }
@@ -194,12 +204,14 @@ TEST(Stretches, GiveTheRowsOfOnePiece) {
       }
     });
     for (size_t i = 0; i < 4; ++i) {
-      // A sign decided by a filtered velocity within 1e-4 of rest moves by 1e-8 / 1e-4 of one in a sample, and by the
-      // filter's peak of 0.1 of that in the rows.
+      // A sign decided by a filtered velocity within 1e-4 of rest moves by 1e-8 / 1e-4 of one in a
+      // sample, and by the filter's peak of 0.1 of that in the rows.
       const double scale = 1.0 + whole[i].A.cwiseAbs().maxCoeff();
       ASSERT_EQ(pieces[i].rows(), whole[i].A.rows());
-      EXPECT_TRUE(near(pieces[i].leftCols(whole[i].A.cols()), whole[i].A, v.velocity == VelocitySource::kDerived ? 2e-7 * scale : 1e-8 * scale));
-      EXPECT_TRUE(near(pieces[i].rightCols(1), whole[i].b, 1e-8 * whole[i].b.cwiseAbs().maxCoeff()));
+      EXPECT_TRUE(near(pieces[i].leftCols(whole[i].A.cols()), whole[i].A,
+                       v.velocity == VelocitySource::kDerived ? 2e-7 * scale : 1e-8 * scale));
+      EXPECT_TRUE(
+          near(pieces[i].rightCols(1), whole[i].b, 1e-8 * whole[i].b.cwiseAbs().maxCoeff()));
     }
   }
 }
@@ -252,19 +264,24 @@ TEST(ARecordingTimedFromElsewhere, GivesTheSameRows) {
   }
 }
 
-// ---- time ----------------------------------------------------------------------------------------------------------
+// ---- time
+// ----------------------------------------------------------------------------------------------------------
 
 TEST(IrregularTime, IsResampledOnTrueTime) {
   const Model arm = robot("scara");
   Random random(5);
   VectorXd time(6000);
   time[0] = 100.0;
-  for (Eigen::Index k = 1; k < time.size(); ++k) time[k] = time[k - 1] + 0.005 * random.in(0.4, 1.6);
+  for (Eigen::Index k = 1; k < time.size(); ++k)
+    time[k] = time[k - 1] + 0.005 * random.in(0.4, 1.6);
   const Pass p = pass(arm, lines(time, 4), unfiltered());
   EXPECT_NEAR(p.facts.dt, 0.005, 1e-4);
   EXPECT_NEAR(p.facts.duration, time[5999] - time[0], p.facts.dt);
   EXPECT_EQ(p.facts.rows_read, 6000);
-  EXPECT_TRUE(near(p.time, VectorXd::LinSpaced(p.time.size(), 100.0, 100.0 + p.facts.dt * static_cast<double>(p.time.size() - 1)), 1e-9));
+  EXPECT_TRUE(near(p.time,
+                   VectorXd::LinSpaced(p.time.size(), 100.0,
+                                       100.0 + p.facts.dt * static_cast<double>(p.time.size() - 1)),
+                   1e-9));
   for (int j = 0; j < 4; ++j) {
     EXPECT_TRUE(near(p.q.col(j), (j + 1.0) * p.time, 1e-9));
     EXPECT_TRUE(near(p.tau.col(j), (5.0 - p.time.array()).matrix(), 1e-9));
@@ -285,7 +302,8 @@ TEST(TheRate, MayBeAskedFor) {
   }
 }
 
-// ---- gaps ----------------------------------------------------------------------------------------------------------
+// ---- gaps
+// ----------------------------------------------------------------------------------------------------------
 
 // One lost row is interpolated; of more, nothing between and within half a filter period is used.
 TEST(Gaps, AreNotUsedNorWhatLeansOnThem) {
@@ -294,17 +312,19 @@ TEST(Gaps, AreNotUsedNorWhatLeansOnThem) {
     PreprocessingOptions o = unfiltered();
     o.cutoff = cutoff;
     Recording r = lines(even_time(3000, 0.005), 2);
-    r.q(500, 0) = kNaN;                                        // one row
-    for (int k = 1000; k < 1003; ++k) r.tau(k, 1) = kNaN;      // three rows
-    for (int k = 2000; k < 2040; ++k) r.dq(k, 0) = 2e6;        // absurd
-    r.q(2500, 1) = std::numeric_limits<double>::infinity();    // two rows
+    r.q(500, 0) = kNaN;                                      // one row
+    for (int k = 1000; k < 1003; ++k) r.tau(k, 1) = kNaN;    // three rows
+    for (int k = 2000; k < 2040; ++k) r.dq(k, 0) = 2e6;      // absurd
+    r.q(2500, 1) = std::numeric_limits<double>::infinity();  // two rows
     r.q(2501, 1) = -std::numeric_limits<double>::infinity();
     const Pass p = pass(arm, r, o);
     ASSERT_EQ(p.time.size(), 3000);
     const double margin = cutoff > 0.0 ? 0.5 / cutoff : 0.0;
     long unused = 0;
     for (Eigen::Index k = 0; k < 3000; ++k) {
-      const auto within = [&](double first, double last) { return k >= first - margin / 0.005 - 1e-6 && k <= last + margin / 0.005 + 1e-6; };
+      const auto within = [&](double first, double last) {
+        return k >= first - margin / 0.005 - 1e-6 && k <= last + margin / 0.005 + 1e-6;
+      };
       const bool gap = within(1000, 1002) || within(2000, 2039) || within(2500, 2501);
       EXPECT_EQ(p.use[static_cast<size_t>(k)] == 0, gap) << "row " << k << ", cut-off " << cutoff;
       unused += gap ? 1 : 0;
@@ -338,7 +358,8 @@ TEST(Gaps, OfAnUnwantedSignalDoNotMatter) {
   EXPECT_EQ(pass(arm, r, o).facts.unused, 0);
 }
 
-// ---- edges and rows ------------------------------------------------------------------------------------------------
+// ---- edges and rows
+// ------------------------------------------------------------------------------------------------
 
 // Lengths that end shortly after a stretch does, and drops longer than a filter needs to settle.
 TEST(Edges, AreDroppedWhereverTheStretchesEnd) {
@@ -354,7 +375,8 @@ TEST(Edges, AreDroppedWhereverTheStretchesEnd) {
         const double end = 2.0 + dt * static_cast<double>(rows - 1);
         const Range r = used(pass(arm, lines(even_time(rows, dt, 2.0), 2), o));
         EXPECT_NEAR(r.first, 3.2, 1e-6);
-        EXPECT_NEAR(r.last, end - drop_end, 1e-6) << rows << " rows, cut-off " << cutoff << ", drop " << drop_end;
+        EXPECT_NEAR(r.last, end - drop_end, 1e-6)
+            << rows << " rows, cut-off " << cutoff << ", drop " << drop_end;
         EXPECT_TRUE(r.whole);
       }
     }
@@ -367,25 +389,37 @@ TEST(RowsOfAFile, MayBeChosen) {
     long first, count;
   };
   for (const double cutoff : {0.0, 5.0}) {
-    for (const Choice c : {Choice{0, 10}, {7, 1}, {100, 900}, {4000, 400}, {9000, 500}, {9000, -1}, {12999, -1}, {0, -1}, {0, 99999}}) {
+    for (const Choice c : {Choice{0, 10},
+                           {7, 1},
+                           {100, 900},
+                           {4000, 400},
+                           {9000, 500},
+                           {9000, -1},
+                           {12999, -1},
+                           {0, -1},
+                           {0, 99999}}) {
       PreprocessingOptions o = unfiltered();
       o.cutoff = cutoff;
       o.first_row = c.first;
       o.row_count = c.count;
       const Range r = used(pass(arm, lines(even_time(13000, 0.005), 2), o));
       const long last = c.count < 0 ? 12999 : std::min(12999L, c.first + c.count - 1);
-      EXPECT_NEAR(r.first, 0.005 * static_cast<double>(c.first), 1e-6) << c.first << ", " << c.count << ", cut-off " << cutoff;
-      EXPECT_NEAR(r.last, 0.005 * static_cast<double>(last), 1e-6) << c.first << ", " << c.count << ", cut-off " << cutoff;
+      EXPECT_NEAR(r.first, 0.005 * static_cast<double>(c.first), 1e-6)
+          << c.first << ", " << c.count << ", cut-off " << cutoff;
+      EXPECT_NEAR(r.last, 0.005 * static_cast<double>(last), 1e-6)
+          << c.first << ", " << c.count << ", cut-off " << cutoff;
       EXPECT_TRUE(r.whole);
     }
     PreprocessingOptions o = unfiltered();
     o.cutoff = cutoff;
     o.first_row = 13000;
-    EXPECT_TRUE(std::isnan(used(pass(arm, lines(even_time(13000, 0.005), 2), o)).first)) << "rows behind the end";
+    EXPECT_TRUE(std::isnan(used(pass(arm, lines(even_time(13000, 0.005), 2), o)).first))
+        << "rows behind the end";
   }
 }
 
-// ---- signals -------------------------------------------------------------------------------------------------------
+// ---- signals
+// -------------------------------------------------------------------------------------------------------
 
 TEST(Velocity, IsDerivedWhereItIsMissingOrNotTrusted) {
   const Model arm = robot("planar-2r");
@@ -431,12 +465,14 @@ TEST(Recordings, ThatDoNotFitTheArmAreRefused) {
     }
     return std::string("accepted");
   };
-  EXPECT_EQ(refused(lines(even_time(900, 0.005), 3)), "lines: found 3 joints, but robot 'planar-2r' has 2 coordinates.");
+  EXPECT_EQ(refused(lines(even_time(900, 0.005), 3)),
+            "lines: found 3 joints, but robot 'planar-2r' has 2 coordinates.");
   Recording r = lines(even_time(900, 0.005), 2);
   r.tau.resize(0, 0);
   EXPECT_NE(refused(r).find("neither torques"), std::string::npos) << refused(r);
   r.current = r.q;
-  EXPECT_NE(refused(r).find("no drive_gain for coordinate 'shoulder'"), std::string::npos) << refused(r);
+  EXPECT_NE(refused(r).find("no drive_gain for coordinate 'shoulder'"), std::string::npos)
+      << refused(r);
   r = lines(even_time(900, 0.005), 2);
   r.q.setConstant(kNaN);
   EXPECT_NE(refused(r).find("no usable rows"), std::string::npos) << refused(r);

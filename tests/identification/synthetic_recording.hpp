@@ -33,11 +33,15 @@ inline Recording sines(const Model& arm, const MotionShape& shape, MatrixXd& ddq
   for (int i = 0; i < arm.joints(); ++i) {
     const Coordinate& c = arm.coordinates()[i];
     const bool bounded = std::isfinite(c.limits.lower) && std::isfinite(c.limits.upper);
-    const double half = bounded ? std::min(1.5, 0.5 * (c.limits.upper - c.limits.lower)) : c.prismatic ? 0.1 : 1.0;
+    const double half = bounded       ? std::min(1.5, 0.5 * (c.limits.upper - c.limits.lower))
+                        : c.prismatic ? 0.1
+                                      : 1.0;
     r.q.col(i).setConstant(bounded ? 0.5 * (c.limits.lower + c.limits.upper) : 0.0);
     for (int k = 1; k <= 5; ++k) {
-      const double f = shape.period > 0.0 ? std::max(1.0, std::floor(shape.highest * shape.period * k / 5.0)) / shape.period
-                                          : random.in(0.1, 1.0) * shape.highest;
+      const double f =
+          shape.period > 0.0
+              ? std::max(1.0, std::floor(shape.highest * shape.period * k / 5.0)) / shape.period
+              : random.in(0.1, 1.0) * shape.highest;
       const double w = 2.0 * M_PI * f;
       const double size = half / 3.0 * random.in(0.2, 0.6);
       const Eigen::ArrayXd angle = w * r.time.array() + random.in(0.0, 2.0 * M_PI);
@@ -62,7 +66,8 @@ inline MatrixXd torques(const Model& arm, const Recording& r, const MatrixXd& dd
     const VectorXd a = ddq.row(k);
     dynamics.inverse_dynamics(q, dq, a, row);
     for (BoundEffect& e : effects) {
-      row += e.force(e.sample(r.time[k], q.data(), dq.data(), a.data(), 1)) * e.term().axis.coefficients;
+      row += e.force(e.sample(r.time[k], q.data(), dq.data(), a.data(), 1)) *
+             e.term().axis.coefficients;
     }
     tau.row(k) = row;
   }
@@ -93,7 +98,8 @@ inline MatrixXd noise_like(const MatrixXd& tau, double share, unsigned seed) {
 inline VectorXd true_parameters(const Model& arm) {
   const std::vector<StandardParameter> parameters = standard_parameters(arm);
   VectorXd out(static_cast<Eigen::Index>(parameters.size()));
-  for (size_t j = 0; j < parameters.size(); ++j) out[static_cast<Eigen::Index>(j)] = parameters[j].value;
+  for (size_t j = 0; j < parameters.size(); ++j)
+    out[static_cast<Eigen::Index>(j)] = parameters[j].value;
   return out;
 }
 

@@ -8,7 +8,8 @@ namespace veridyn {
 namespace {
 
 class TreeOnEverySampleArm : public OnSampleArm {};
-INSTANTIATE_TEST_SUITE_P(Sample, TreeOnEverySampleArm, testing::ValuesIn(sample_arm_names()), sample_arm_name);
+INSTANTIATE_TEST_SUITE_P(Sample, TreeOnEverySampleArm, testing::ValuesIn(sample_arm_names()),
+                         sample_arm_name);
 
 TEST_P(TreeOnEverySampleArm, MoversAreTheCoordinatesThatTheModelSaysMoveTheLink) {
   for (const Tree::Keep keep : {Tree::Keep::kEveryFrame, Tree::Keep::kBodiesOnly}) {
@@ -23,7 +24,8 @@ TEST_P(TreeOnEverySampleArm, MoversAreTheCoordinatesThatTheModelSaysMoveTheLink)
         movers.push_back(tree.movers[m].coordinate);
         const int above = tree.movers[m].above;
         EXPECT_TRUE(above < 0 || tree.movers[above].coordinate == tree.movers[m].coordinate);
-        EXPECT_TRUE(above >= 0 || tree.movers[m].share != 0.0) << "neither the parent nor the joint moves with it";
+        EXPECT_TRUE(above >= 0 || tree.movers[m].share != 0.0)
+            << "neither the parent nor the joint moves with it";
       }
       EXPECT_EQ(movers, expected);
     }
@@ -32,7 +34,8 @@ TEST_P(TreeOnEverySampleArm, MoversAreTheCoordinatesThatTheModelSaysMoveTheLink)
 
 TEST_P(TreeOnEverySampleArm, EveryFrameIsALinkIfAsked) {
   const Tree tree(arm(), Tree::Keep::kEveryFrame);
-  for (size_t k = 0; k < arm().frames().size(); ++k) EXPECT_EQ(tree.link_of_frame[k], static_cast<int>(k));
+  for (size_t k = 0; k < arm().frames().size(); ++k)
+    EXPECT_EQ(tree.link_of_frame[k], static_cast<int>(k));
 }
 
 TEST_P(TreeOnEverySampleArm, BodiesKeepTheirOrder) {
@@ -44,7 +47,8 @@ TEST_P(TreeOnEverySampleArm, BodiesKeepTheirOrder) {
   }
 }
 
-// Of the coupled wrist's frames the fixed base and stand and the empty last one are not needed for dynamics.
+// Of the coupled wrist's frames the fixed base and stand and the empty last one are not needed for
+// dynamics.
 TEST(Tree, FramesThatNeitherMoveNorCarryAreFoldedAway) {
   const Model arm = sample_arms().at("coupled_wrist");
   const Tree tree(arm);

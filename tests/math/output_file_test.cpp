@@ -28,7 +28,9 @@ class AnOutputFile : public testing::Test {
   void TearDown() override { fs::remove_all(folder_); }
 
   std::string path() const { return (folder_ / "result.txt").string(); }
-  long files() const { return std::distance(fs::directory_iterator(folder_), fs::directory_iterator()); }
+  long files() const {
+    return std::distance(fs::directory_iterator(folder_), fs::directory_iterator());
+  }
   std::string content() const {
     std::ifstream in(path(), std::ios::binary);
     return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};

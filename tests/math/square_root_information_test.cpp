@@ -39,10 +39,12 @@ SquareRootInformation factor_of(const Rows& rows, const Names& columns) {
   return f;
 }
 
-VectorXd solution(const SquareRootInformation& f) { return Eigen::HouseholderQR<MatrixXd>(f.R()).solve(f.z()); }
+VectorXd solution(const SquareRootInformation& f) {
+  return Eigen::HouseholderQR<MatrixXd>(f.R()).solve(f.z());
+}
 
-// Two factors say the same if they give the same sum of squares everywhere: R'R, R'z and z'z + rho^2 are equal.
-// (R itself is unique only up to the signs of its rows.)
+// Two factors say the same if they give the same sum of squares everywhere: R'R, R'z and z'z +
+// rho^2 are equal. (R itself is unique only up to the signs of its rows.)
 testing::AssertionResult same(const SquareRootInformation& a, const SquareRootInformation& b) {
   if (a.columns() != b.columns()) return testing::AssertionFailure() << "columns differ";
   const double scale = 1.0 + a.R().squaredNorm() + a.rhs_norm2();
@@ -51,9 +53,11 @@ testing::AssertionResult same(const SquareRootInformation& a, const SquareRootIn
   auto mixed = near(a.R().transpose() * a.z(), b.R().transpose() * b.z(), 1e-12 * scale);
   if (!mixed) return mixed << " in R'z";
   if (!(std::abs(a.rhs_norm2() - b.rhs_norm2()) <= 1e-12 * scale)) {
-    return testing::AssertionFailure() << "||b||^2 is " << a.rhs_norm2() << " and " << b.rhs_norm2();
+    return testing::AssertionFailure()
+           << "||b||^2 is " << a.rhs_norm2() << " and " << b.rhs_norm2();
   }
-  if (a.rows() != b.rows()) return testing::AssertionFailure() << a.rows() << " and " << b.rows() << " rows";
+  if (a.rows() != b.rows())
+    return testing::AssertionFailure() << a.rows() << " and " << b.rows() << " rows";
   return testing::AssertionSuccess();
 }
 
@@ -114,7 +118,8 @@ TEST(TheFactor, MergesInAnyOrder) {
   } while (std::next_permutation(order.begin(), order.end()));
 }
 
-// (a + b) + c = a + (b + c), with columns that only some have: those columns are zero in the others' rows.
+// (a + b) + c = a + (b + c), with columns that only some have: those columns are zero in the
+// others' rows.
 TEST(TheFactor, MergesByTheNamesOfColumns) {
   Random random(5);
   const Rows p = random_rows(40, 3, random);
@@ -162,7 +167,8 @@ TEST(TheFactor, RestrictedIsTheFactorOfTheseColumns) {
   Random random(8);
   const Rows p = random_rows(300, 6, random);
   const SquareRootInformation f = factor_of(p, names(6));
-  for (const std::vector<int>& wanted : {std::vector<int>{4, 0, 2}, {5}, {0, 1, 2, 3, 4, 5}, {5, 4, 3, 2, 1, 0}}) {
+  for (const std::vector<int>& wanted :
+       {std::vector<int>{4, 0, 2}, {5}, {0, 1, 2, 3, 4, 5}, {5, 4, 3, 2, 1, 0}}) {
     Rows some{MatrixXd(300, static_cast<Eigen::Index>(wanted.size())), p.b};
     Names columns;
     for (size_t j = 0; j < wanted.size(); ++j) {
@@ -184,17 +190,20 @@ TEST(TheFactor, FollowsAChangeOfVariables) {
   const SquareRootInformation f = factor_of(p, names(5));
   for (const int to : {2, 5, 9}) {
     const MatrixXd T = random_rows(5, to, random).A;
-    EXPECT_TRUE(same(f.transformed(T, names(to, "y")), factor_of({p.A * T, p.b}, names(to, "y")))) << to << " variables";
+    EXPECT_TRUE(same(f.transformed(T, names(to, "y")), factor_of({p.A * T, p.b}, names(to, "y"))))
+        << to << " variables";
   }
 }
 
 TEST(TheFactor, KnowsTheNormsOfItsColumns) {
   Random random(10);
   const Rows p = random_rows(500, 4, random);
-  EXPECT_TRUE(near(factor_of(p, names(4)).column_norms(), p.A.colwise().norm().transpose(), 1e-12 * 500));
+  EXPECT_TRUE(
+      near(factor_of(p, names(4)).column_norms(), p.A.colwise().norm().transpose(), 1e-12 * 500));
 }
 
-// What is kept is a square of the columns, however many rows went in, and no digits are lost on the way.
+// What is kept is a square of the columns, however many rows went in, and no digits are lost on the
+// way.
 TEST(TheFactor, DoesNotGrowWithTheRows) {
   Random random(11);
   const VectorXd truth = random.vector(4, -1, 1);
@@ -206,7 +215,8 @@ TEST(TheFactor, DoesNotGrowWithTheRows) {
   EXPECT_EQ(f.rows(), 1e5);
   EXPECT_EQ(f.R().size(), 16);
   EXPECT_EQ(f.z().size(), 4);
-  // A thousand steps of rounding, each eps ||b||: far below what normal equations leave, eps ||b||^2.
+  // A thousand steps of rounding, each eps ||b||: far below what normal equations leave, eps
+  // ||b||^2.
   EXPECT_LT(std::sqrt(f.rho2()), 1e-13 * std::sqrt(f.rhs_norm2()) * std::sqrt(1000.0));
   EXPECT_TRUE(near(solution(f), truth, 1e-12));
 }

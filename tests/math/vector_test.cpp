@@ -11,7 +11,9 @@ namespace {
 
 constexpr double kRounding = 1e-14;
 
-Eigen::Vector3d eigen(const Vec3d& a) { return {a.x, a.y, a.z}; }
+Eigen::Vector3d eigen(const Vec3d& a) {
+  return {a.x, a.y, a.z};
+}
 
 Eigen::Matrix3d eigen(const Mat3d& R) {
   Eigen::Matrix3d M;
@@ -19,7 +21,9 @@ Eigen::Matrix3d eigen(const Mat3d& R) {
   return M;
 }
 
-Vec3d random_vector(Random& random) { return {random.in(-1, 1), random.in(-1, 1), random.in(-1, 1)}; }
+Vec3d random_vector(Random& random) {
+  return {random.in(-1, 1), random.in(-1, 1), random.in(-1, 1)};
+}
 
 TEST(Vector, ProductsAreThoseOfEigen) {
   Random random(1);
@@ -39,9 +43,12 @@ TEST(Vector, ProductsAreThoseOfEigen) {
 }
 
 TEST(Rotation, TurnsByTheRightHandRule) {
-  EXPECT_TRUE(near(eigen(rotation_x(0.7)), Eigen::AngleAxisd(0.7, Eigen::Vector3d::UnitX()).matrix(), kRounding));
-  EXPECT_TRUE(near(eigen(rotation_y(0.7)), Eigen::AngleAxisd(0.7, Eigen::Vector3d::UnitY()).matrix(), kRounding));
-  EXPECT_TRUE(near(eigen(rotation_z(0.7)), Eigen::AngleAxisd(0.7, Eigen::Vector3d::UnitZ()).matrix(), kRounding));
+  EXPECT_TRUE(near(eigen(rotation_x(0.7)),
+                   Eigen::AngleAxisd(0.7, Eigen::Vector3d::UnitX()).matrix(), kRounding));
+  EXPECT_TRUE(near(eigen(rotation_y(0.7)),
+                   Eigen::AngleAxisd(0.7, Eigen::Vector3d::UnitY()).matrix(), kRounding));
+  EXPECT_TRUE(near(eigen(rotation_z(0.7)),
+                   Eigen::AngleAxisd(0.7, Eigen::Vector3d::UnitZ()).matrix(), kRounding));
 }
 
 TEST(Pose, ComposesLikeHomogeneousMatricesAndInverts) {

@@ -22,13 +22,15 @@ VectorXd impulse_response(const ZeroPhaseFilter& filter) {
   return x.col(0);
 }
 
-// Gain of both passes of a Butterworth low-pass by the bilinear transform, pre-warped at the cut-off.
+// Gain of both passes of a Butterworth low-pass by the bilinear transform, pre-warped at the
+// cut-off.
 double gain(double frequency, double cutoff, int order, double rate) {
   const double ratio = std::tan(M_PI * frequency / rate) / std::tan(M_PI * cutoff / rate);
   return 1.0 / (1.0 + std::pow(ratio, 2 * order));
 }
 
-// The filter's own gain: the Fourier sum of its impulse response about its middle. Imaginary part: any delay.
+// The filter's own gain: the Fourier sum of its impulse response about its middle. Imaginary part:
+// any delay.
 struct Response {
   double real = 0.0;
   double imaginary = 0.0;
@@ -44,7 +46,8 @@ Response response(const VectorXd& h, double frequency, double rate) {
   return out;
 }
 
-// Sections of order n round their gain by about n * eps / (1 - pole)^2, which is 1e-11 for the slowest here.
+// Sections of order n round their gain by about n * eps / (1 - pole)^2, which is 1e-11 for the
+// slowest here.
 constexpr double kGainRounding = 1e-9;
 
 TEST(TheZeroPhaseFilter, HasTheAnalyticGainOfTwoButterworthPasses) {
@@ -53,25 +56,29 @@ TEST(TheZeroPhaseFilter, HasTheAnalyticGainOfTwoButterworthPasses) {
       const VectorXd h = impulse_response(ZeroPhaseFilter(cutoff, order, kRate));
       for (const double f : {0.0, 0.3 * cutoff, 0.9 * cutoff, cutoff, 1.05 * cutoff, 60.0, 99.0}) {
         const Response r = response(h, f, kRate);
-        EXPECT_NEAR(r.real, gain(f, cutoff, order, kRate), kGainRounding) << "order " << order << ", cut-off " << cutoff << ", at " << f;
-        EXPECT_NEAR(r.imaginary, 0.0, kGainRounding) << "order " << order << ", cut-off " << cutoff << ", at " << f;
+        EXPECT_NEAR(r.real, gain(f, cutoff, order, kRate), kGainRounding)
+            << "order " << order << ", cut-off " << cutoff << ", at " << f;
+        EXPECT_NEAR(r.imaginary, 0.0, kGainRounding)
+            << "order " << order << ", cut-off " << cutoff << ", at " << f;
       }
     }
   }
 }
 
-// 3 dB per pass is half the power, and two passes are half the amplitude, whatever the order: cut-offs are in hertz of
-// the -3 dB point and not of another convention.
+// 3 dB per pass is half the power, and two passes are half the amplitude, whatever the order:
+// cut-offs are in hertz of the -3 dB point and not of another convention.
 TEST(TheZeroPhaseFilter, HalvesASineAtTheCutOffAndDoesNotShiftIt) {
   for (int order = 1; order <= 10; ++order) {
     for (const double rate : {50.0, 200.0, 1000.0}) {
       const double cutoff = 0.04 * rate;
       const Eigen::Index rows = 4000;
       MatrixXd x(rows, 1);
-      for (Eigen::Index k = 0; k < rows; ++k) x(k, 0) = std::sin(2.0 * M_PI * cutoff / rate * static_cast<double>(k) + 0.4);
+      for (Eigen::Index k = 0; k < rows; ++k)
+        x(k, 0) = std::sin(2.0 * M_PI * cutoff / rate * static_cast<double>(k) + 0.4);
       const MatrixXd expected = 0.5 * x;
       ZeroPhaseFilter(cutoff, order, rate).apply(x);
-      EXPECT_TRUE(near(x.middleRows(1000, 2000), expected.middleRows(1000, 2000), kGainRounding)) << order << " at " << rate;
+      EXPECT_TRUE(near(x.middleRows(1000, 2000), expected.middleRows(1000, 2000), kGainRounding))
+          << order << " at " << rate;
     }
   }
 }
@@ -84,8 +91,8 @@ TEST(TheZeroPhaseFilter, HasASymmetricImpulseResponse) {
   }
 }
 
-// The start-up settles to 1e-4 of its size over the reflected ends. What starts up is the lag of a pass on a line,
-// which is order / (2 pi cutoff) or less times 1.5 [s].
+// The start-up settles to 1e-4 of its size over the reflected ends. What starts up is the lag of a
+// pass on a line, which is order / (2 pi cutoff) or less times 1.5 [s].
 TEST(TheZeroPhaseFilter, LeavesAStraightLineAsItIsToItsVeryEnds) {
   for (int order = 1; order <= 10; ++order) {
     for (const double cutoff : {2.0, 5.0, 20.0}) {
@@ -98,13 +105,16 @@ TEST(TheZeroPhaseFilter, LeavesAStraightLineAsItIsToItsVeryEnds) {
       const MatrixXd line = x;
       ZeroPhaseFilter(cutoff, order, kRate).apply(x);
       const double lag = 1.5 * order / (2.0 * M_PI * cutoff);
-      EXPECT_TRUE(near(x.col(0), line.col(0), 2e-4 * slope * lag)) << "order " << order << ", cut-off " << cutoff;
-      EXPECT_TRUE(near(x.col(1), line.col(1), 1e-10)) << "a constant, order " << order << ", cut-off " << cutoff;
+      EXPECT_TRUE(near(x.col(0), line.col(0), 2e-4 * slope * lag))
+          << "order " << order << ", cut-off " << cutoff;
+      EXPECT_TRUE(near(x.col(1), line.col(1), 1e-10))
+          << "a constant, order " << order << ", cut-off " << cutoff;
     }
   }
 }
 
-// The worst that samples of size one can do from so many samples away: the sum of the impulse response beyond.
+// The worst that samples of size one can do from so many samples away: the sum of the impulse
+// response beyond.
 TEST(TheZeroPhaseFilter, HasSettledAfterItsSettlingSamples) {
   for (int order = 1; order <= 10; ++order) {
     for (const double cutoff : {0.5, 2.0, 5.0, 20.0, 60.0}) {
@@ -114,9 +124,11 @@ TEST(TheZeroPhaseFilter, HasSettledAfterItsSettlingSamples) {
       for (const double remainder : {1e-2, 1e-4, 1e-6, 1e-9}) {
         const Eigen::Index settled = filter.settling_samples(remainder);
         ASSERT_LT(settled, half);
-        EXPECT_LE(h.tail(half - settled).cwiseAbs().sum(), remainder) << "order " << order << ", cut-off " << cutoff << ", " << remainder;
+        EXPECT_LE(h.tail(half - settled).cwiseAbs().sum(), remainder)
+            << "order " << order << ", cut-off " << cutoff << ", " << remainder;
         // And not by waiting forever: half of it is not enough.
-        EXPECT_GT(h.tail(half - settled / 4).cwiseAbs().sum(), remainder) << "order " << order << ", cut-off " << cutoff << ", " << remainder;
+        EXPECT_GT(h.tail(half - settled / 4).cwiseAbs().sum(), remainder)
+            << "order " << order << ", cut-off " << cutoff << ", " << remainder;
       }
     }
   }
@@ -170,7 +182,8 @@ TEST(TheZeroPhaseFilter, RefusesWhatIsNoLowPass) {
   EXPECT_THROW(ZeroPhaseFilter(5.0, 21, kRate), InvalidInput);
 }
 
-// ---- differentiate -------------------------------------------------------------------------------------------------
+// ---- differentiate
+// -------------------------------------------------------------------------------------------------
 
 // Columns 1, t, t^2, t^3, t^4 and their derivatives.
 struct Powers {
@@ -201,9 +214,11 @@ TEST(Differentiate, FallsBackToLowerOrdersAtTheEnds) {
   for (const Eigen::Index rows : {2, 3, 4, 5, 9}) {
     const Powers p = powers(rows, dt);
     const MatrixXd d = differentiate(p.values, dt);
-    EXPECT_TRUE(near(d.leftCols(2), p.derivatives.leftCols(2), 1e-12)) << rows << " rows: lines are exact everywhere";
+    EXPECT_TRUE(near(d.leftCols(2), p.derivatives.leftCols(2), 1e-12))
+        << rows << " rows: lines are exact everywhere";
     if (rows < 3) continue;
-    EXPECT_TRUE(near(d.middleRows(1, rows - 2).leftCols(3), p.derivatives.middleRows(1, rows - 2).leftCols(3), 1e-12));
+    EXPECT_TRUE(near(d.middleRows(1, rows - 2).leftCols(3),
+                     p.derivatives.middleRows(1, rows - 2).leftCols(3), 1e-12));
   }
   EXPECT_TRUE(near(differentiate(MatrixXd::Ones(1, 2), dt), MatrixXd::Zero(1, 2), 0.0));
 }

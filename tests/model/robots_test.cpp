@@ -108,10 +108,9 @@ class PatientSideManipulator : public testing::TestWithParam<RemoteCentre> {
 // parallelogram.
 INSTANTIATE_TEST_SUITE_P(
     Robot, PatientSideManipulator,
-    testing::Values(
-        RemoteCentre{"psm-3dof", "tool", {0.516 - 0.0296, 0, 0.1524}},
-        RemoteCentre{"psm-wrist", "insertion", {0, 0.516, 0}},
-        RemoteCentre{"psm-wrist", "roll", {0, 0.516, 0}}),
+    testing::Values(RemoteCentre{"psm-3dof", "tool", {0.516 - 0.0296, 0, 0.1524}},
+                    RemoteCentre{"psm-wrist", "insertion", {0, 0.516, 0}},
+                    RemoteCentre{"psm-wrist", "roll", {0, 0.516, 0}}),
     [](const auto& test) { return std::to_string(test.index); });
 
 TEST_P(PatientSideManipulator, ShaftPassesThroughOneFixedPoint) {

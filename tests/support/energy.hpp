@@ -11,8 +11,8 @@
 //
 //   E_kin = 1/2 sum trace(dT/dt J dT/dt'),   E_pot = - sum m g' p_com
 //
-// T is the homogeneous pose of a body in the world, a product of 4 x 4 matrices, and J its pseudo-inertia (4 x 4).
-// Source: Uicker 1965; Paul, Robot Manipulators, 1981, ch. 6.
+// T is the homogeneous pose of a body in the world, a product of 4 x 4 matrices, and J its
+// pseudo-inertia (4 x 4). Source: Uicker 1965; Paul, Robot Manipulators, 1981, ch. 6.
 
 namespace veridyn {
 

@@ -2,8 +2,9 @@
 
 #include <cstddef>
 
-// Counts what is taken from the heap, inside compiled libraries too. Include it in exactly one source of a test
-// binary: it defines malloc. Under the address sanitizer, which brings its own malloc, counting is off.
+// Counts what is taken from the heap, inside compiled libraries too. Include it in exactly one
+// source of a test binary: it defines malloc. Under the address sanitizer, which brings its own
+// malloc, counting is off.
 
 #if defined(__SANITIZE_ADDRESS__)
 #define VERIDYN_COUNTS_MALLOC 0
@@ -22,7 +23,7 @@ inline long& malloc_count() {
 
 #if VERIDYN_COUNTS_MALLOC
 extern "C" {
-void* __libc_malloc(std::size_t size);                          // NOLINT: glibc's own name
+void* __libc_malloc(std::size_t size);                           // NOLINT: glibc's own name
 void* __libc_memalign(std::size_t alignment, std::size_t size);  // NOLINT
 
 void* malloc(std::size_t size) noexcept {

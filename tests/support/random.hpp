@@ -10,7 +10,8 @@
 
 namespace veridyn {
 
-/// Random numbers with a fixed seed, the same on every machine (std distributions differ between libraries).
+/// Random numbers with a fixed seed, the same on every machine (std distributions differ between
+/// libraries).
 class Random {
  public:
   explicit Random(unsigned seed) : engine_(seed) {}
@@ -38,8 +39,11 @@ class Random {
     const Eigen::Vector3d com = vector(3, -0.2, 0.2);
     const Mat3d R = pose(0.0).R;
     const Vec3d spread{in(1e-3, 4e-2), in(1e-3, 4e-2), in(1e-3, 4e-2)};
-    const Mat3d I = R * Mat3d{{spread.y + spread.z, 0, 0}, {0, spread.x + spread.z, 0}, {0, 0, spread.x + spread.y}} *
-                    transpose(R);
+    const Mat3d I =
+        R *
+        Mat3d{
+            {spread.y + spread.z, 0, 0}, {0, spread.x + spread.z, 0}, {0, 0, spread.x + spread.y}} *
+        transpose(R);
     Eigen::Matrix<double, 6, 1> inertia;
     inertia << I.row0.x, I.row0.y, I.row1.y, I.row0.z, I.row1.z, I.row2.z;
     return inertial_parameters(mass, com, mass * inertia);
@@ -62,7 +66,8 @@ inline std::vector<State> test_states(int joints, unsigned seed) {
                     random.vector(joints, -1e-8, 1e-8)});
   states.push_back({zero, random.vector(joints, -1, 1), zero});
   for (int k = 0; k < 5; ++k) {
-    states.push_back({random.vector(joints, -3, 3), random.vector(joints, -2, 2), random.vector(joints, -5, 5)});
+    states.push_back(
+        {random.vector(joints, -3, 3), random.vector(joints, -2, 2), random.vector(joints, -5, 5)});
   }
   return states;
 }

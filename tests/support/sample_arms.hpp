@@ -12,8 +12,9 @@
 #include "support/random.hpp"
 #include "veridyn/model/model.hpp"
 
-// Arms that between them have every feature of a model: both joint types, both DH conventions, general poses on
-// either side of a joint, branches, fixed frames with and without bodies, joints that follow several coordinates.
+// Arms that between them have every feature of a model: both joint types, both DH conventions,
+// general poses on either side of a joint, branches, fixed frames with and without bodies, joints
+// that follow several coordinates.
 
 namespace veridyn {
 
@@ -24,15 +25,16 @@ class ArmBuilder {
     arm_.name = std::move(name);
     constexpr double kInfinity = std::numeric_limits<double>::infinity();
     const Limits limits{-kInfinity, kInfinity, kInfinity, kInfinity, kInfinity};
-    for (int i = 0; i < joints; ++i) arm_.coordinates.push_back({text_of("q", i + 1), limits, 0.0, false});
+    for (int i = 0; i < joints; ++i)
+      arm_.coordinates.push_back({text_of("q", i + 1), limits, 0.0, false});
   }
 
   Random& random() { return random_; }
   ModelDescription& description() { return arm_; }
 
   /// A frame with a body. @returns its index.
-  int link(int parent, JointType type, const std::vector<double>& coefficients, double offset, const Posed& A,
-           const Posed& B) {
+  int link(int parent, JointType type, const std::vector<double>& coefficients, double offset,
+           const Posed& A, const Posed& B) {
     const int k = bare(parent, type, coefficients, offset, A, B);
     arm_.frames.back().body = Body{};
     arm_.frames.back().body->phi = random_.body();
@@ -40,8 +42,8 @@ class ArmBuilder {
   }
 
   /// A frame without one.
-  int bare(int parent, JointType type, const std::vector<double>& coefficients, double offset, const Posed& A,
-           const Posed& B) {
+  int bare(int parent, JointType type, const std::vector<double>& coefficients, double offset,
+           const Posed& A, const Posed& B) {
     Frame frame;
     frame.name = text_of("frame", static_cast<int>(arm_.frames.size()));
     frame.parent = parent;
@@ -81,10 +83,12 @@ class ArmBuilder {
   Random random_;
 };
 
-/// A rod that swings about a horizontal axis: z of the joint is -y of the world, q = 0 hangs along x.
+/// A rod that swings about a horizontal axis: z of the joint is -y of the world, q = 0 hangs along
+/// x.
 inline Model pendulum() {
   ArmBuilder arm("pendulum", 1, 1);
-  arm.link(-1, JointType::kRevolute, {1.0}, 0.0, {rotation_x(M_PI / 2), {0, 0, 0}}, identity_pose());
+  arm.link(-1, JointType::kRevolute, {1.0}, 0.0, {rotation_x(M_PI / 2), {0, 0, 0}},
+           identity_pose());
   return arm.build();
 }
 
@@ -93,8 +97,10 @@ constexpr double kPlanarLength1 = 0.4;
 /// Two links in a vertical plane; x of the world horizontal, y of the joints upwards.
 inline Model planar_2r() {
   ArmBuilder arm("planar_2R", 2, 2);
-  arm.link(-1, JointType::kRevolute, {1.0, 0.0}, 0.0, {rotation_x(M_PI / 2), {0, 0, 0}}, identity_pose());
-  arm.link(0, JointType::kRevolute, {0.0, 1.0}, 0.0, {identity3(), {kPlanarLength1, 0, 0}}, identity_pose());
+  arm.link(-1, JointType::kRevolute, {1.0, 0.0}, 0.0, {rotation_x(M_PI / 2), {0, 0, 0}},
+           identity_pose());
+  arm.link(0, JointType::kRevolute, {0.0, 1.0}, 0.0, {identity3(), {kPlanarLength1, 0, 0}},
+           identity_pose());
   return arm.build();
 }
 
@@ -123,7 +129,8 @@ inline Model random_serial(const std::string& types, unsigned seed) {
   ArmBuilder arm("serial_" + types, n, seed);
   arm.description().gravity = arm.random().vector(3, -6.0, 6.0);
   for (int i = 0; i < n; ++i) {
-    const JointType type = types[static_cast<size_t>(i)] == 'R' ? JointType::kRevolute : JointType::kPrismatic;
+    const JointType type =
+        types[static_cast<size_t>(i)] == 'R' ? JointType::kRevolute : JointType::kPrismatic;
     const Posed A = arm.random().pose(0.4);
     const Posed B = i % 2 == 0 ? identity_pose() : arm.random().pose(0.2);
     arm.link(i - 1, type, arm.unit(i), arm.random().in(-1, 1), A, B);
@@ -131,7 +138,8 @@ inline Model random_serial(const std::string& types, unsigned seed) {
   return arm.build();
 }
 
-/// Two chains from one trunk, each joint with a coordinate of its own; for engines that know no couplings.
+/// Two chains from one trunk, each joint with a coordinate of its own; for engines that know no
+/// couplings.
 inline Model branched_tree(unsigned seed) {
   ArmBuilder arm("branched_tree", 6, seed);
   Random& random = arm.random();
@@ -146,24 +154,29 @@ inline Model branched_tree(unsigned seed) {
   return arm.build();
 }
 
-/// A parallelogram, as remote-centre arms have it, with a counterweight that slides against the tool.
+/// A parallelogram, as remote-centre arms have it, with a counterweight that slides against the
+/// tool.
 inline Model parallelogram() {
   ArmBuilder arm("parallelogram", 3, 6);
   const auto R = JointType::kRevolute;
   const auto P = JointType::kPrismatic;
-  const int yaw = arm.link(-1, R, {1, 0, 0}, 0.0, {rotation_y(M_PI / 2), {0, 0, 0}}, identity_pose());
+  const int yaw =
+      arm.link(-1, R, {1, 0, 0}, 0.0, {rotation_y(M_PI / 2), {0, 0, 0}}, identity_pose());
   const Posed side{rotation_x(-M_PI / 2), {0.1, 0, 0}};
   const int front = arm.link(yaw, R, {0, 1, 0}, -M_PI / 2, side, {identity3(), {0.15, 0, 0}});
   arm.link(yaw, R, {0, 1, 0}, -M_PI / 2, {side.R, {0.25, 0, 0}}, identity_pose());
-  const int top = arm.link(front, R, {0, -1, 0}, M_PI / 2, {identity3(), {0.3, 0, 0}}, identity_pose());
-  const int carriage = arm.link(top, R, {0, 1, 0}, 0.0, {identity3(), {0.2, 0.05, 0}}, {rotation_x(M_PI / 2), {0, 0, 0}});
+  const int top =
+      arm.link(front, R, {0, -1, 0}, M_PI / 2, {identity3(), {0.3, 0, 0}}, identity_pose());
+  const int carriage = arm.link(top, R, {0, 1, 0}, 0.0, {identity3(), {0.2, 0.05, 0}},
+                                {rotation_x(M_PI / 2), {0, 0, 0}});
   arm.link(carriage, P, {0, 0, 1}, -0.4, {rotation_z(0.3), {0.02, 0, 0.01}}, identity_pose());
-  arm.link(carriage, P, {0, 0, -0.6}, 0.1, {rotation_z(-0.3), {-0.04, 0, 0}}, {rotation_y(0.2), {0, 0.01, 0}});
+  arm.link(carriage, P, {0, 0, -0.6}, 0.1, {rotation_z(-0.3), {-0.04, 0, 0}},
+           {rotation_y(0.2), {0, 0.01, 0}});
   return arm.build();
 }
 
-/// Joints that follow several coordinates, coordinates that move several joints of one chain and of another
-/// type, fixed frames with a body and without, and a last frame that carries nothing.
+/// Joints that follow several coordinates, coordinates that move several joints of one chain and of
+/// another type, fixed frames with a body and without, and a last frame that carries nothing.
 inline Model coupled_wrist() {
   ArmBuilder arm("coupled_wrist", 4, 7);
   Random& random = arm.random();
@@ -176,7 +189,8 @@ inline Model coupled_wrist() {
   const int motor = arm.link(screw, JointType::kFixed, {}, 0.0, random.pose(0.3), random.pose(0.2));
   const int second = arm.link(screw, R, {-0.3, 1.1, 0, 0}, 0.0, identity_pose(), random.pose(0.2));
   arm.link(motor, R, {0, 7.0, 0, 0}, 0.0, random.pose(0.1), identity_pose());
-  const int third = arm.link(second, R, {0, 0.7, -1.2, 0.4}, -0.2, random.pose(0.3), identity_pose());
+  const int third =
+      arm.link(second, R, {0, 0.7, -1.2, 0.4}, -0.2, random.pose(0.3), identity_pose());
   const int fourth = arm.link(third, R, {0, 0, 0.5, 0.5}, 0.0, random.pose(0.3), random.pose(0.2));
   arm.link(third, R, {0, 0, 0.5, -0.5}, 0.0, random.pose(0.3), random.pose(0.2));
   arm.bare(fourth, P, {0, 0, 0, 1.0}, 0.0, random.pose(0.3), random.pose(0.2));
@@ -187,8 +201,8 @@ inline const std::map<std::string, Model>& sample_arms() {
   static const std::map<std::string, Model> arms = [] {
     std::map<std::string, Model> all;
     for (const Model& arm :
-         {pendulum(), planar_2r(), spherical_rrp(), elbow_6r(), random_serial("RRPRRPR", 5), random_serial("PRPPR", 8),
-          branched_tree(9), parallelogram(), coupled_wrist()}) {
+         {pendulum(), planar_2r(), spherical_rrp(), elbow_6r(), random_serial("RRPRRPR", 5),
+          random_serial("PRPPR", 8), branched_tree(9), parallelogram(), coupled_wrist()}) {
       all.emplace(arm.name(), arm);
     }
     return all;
@@ -202,8 +216,9 @@ inline std::vector<std::string> sample_arm_names() {
   return names;
 }
 
-/// One property, claimed for every sample arm: a class with a name of its own per file derives from this one, with
-/// INSTANTIATE_TEST_SUITE_P(Sample, ThatClass, testing::ValuesIn(sample_arm_names()), sample_arm_name).
+/// One property, claimed for every sample arm: a class with a name of its own per file derives from
+/// this one, with INSTANTIATE_TEST_SUITE_P(Sample, ThatClass,
+/// testing::ValuesIn(sample_arm_names()), sample_arm_name).
 class OnSampleArm : public testing::TestWithParam<std::string> {
  protected:
   static const Model& arm() { return sample_arms().at(GetParam()); }

@@ -13,12 +13,14 @@ struct DiagnosisOptions {
   IdentificationOptions identification;  ///< preprocessing, weights and threads are taken from here
   std::vector<std::string> effects;      ///< names to ask about; empty: all that the tool knows
   int max_effects = 20;                  ///< findings at most
-  /// An effect is accepted when the sum over joints of ln(held-out mean square error) falls by more than this, in the
-  /// mean over the folds (recordings, or phases of the period of a single one), ...
+  /// An effect is accepted when the sum over joints of ln(held-out mean square error) falls by more
+  /// than this, in the mean over the folds (recordings, or phases of the period of a single one),
+  /// ...
   double smallest_gain = 0.03;
   /// ... in this share of the held-out folds (of four or more one may always disagree), and ...
   double fold_share = 0.8;
-  /// ... its Wald test over clusters (phases of the period, repeats merged) is below this over the number of hypotheses.
+  /// ... its Wald test over clusters (phases of the period, repeats merged) is below this over the
+  /// number of hypotheses.
   double significance = 0.05;
   /// Hypotheses whose gain is at least this share of the chosen one's are its rivals.
   double rival_share = 0.8;
@@ -29,7 +31,7 @@ struct FoundParameter {
   std::string name;
   std::string unit;
   double value = 0.0;
-  double low = 0.0;   ///< 95 % interval
+  double low = 0.0;  ///< 95 % interval
   double high = 0.0;
 };
 
@@ -42,16 +44,18 @@ struct Rival {
 
 struct Finding {
   int rank = 0;
-  std::string effect;      ///< name in CONTRACT.md
-  int joint = 0;           ///< from 1
+  std::string effect;  ///< name in CONTRACT.md
+  int joint = 0;       ///< from 1
   std::string coordinate;
-  std::string frame;       ///< of a payload or a wrong constant
-  std::string unit;        ///< of the first parameter
+  std::string frame;  ///< of a payload or a wrong constant
+  std::string unit;   ///< of the first parameter
   std::vector<FoundParameter> parameters;
   double p_value = 1.0;
-  double gain = 0.0;       ///< fall of the sum over joints of ln(mean square) on held-out folds of the training recordings
-  VectorXd test_before, test_after;  ///< (n) relative error on the test recordings without and with it, in order of discovery
-  double explains = 0.0;   ///< share of the removable held-out error
+  double gain = 0.0;  ///< fall of the sum over joints of ln(mean square) on held-out folds of the
+                      ///< training recordings
+  VectorXd test_before, test_after;  ///< (n) relative error on the test recordings without and with
+                                     ///< it, in order of discovery
+  double explains = 0.0;             ///< share of the removable held-out error
   std::vector<Rival> rivals;
   std::string sentence;
 };
@@ -70,8 +74,8 @@ struct CannotTell {
 
 /// What a diagnosis found. Plain data: text, JSON and page show exactly this.
 struct Diagnosis {
-  Identification baseline;   ///< the robot as it stands
-  Identification extended;   ///< with the findings
+  Identification baseline;  ///< the robot as it stands
+  Identification extended;  ///< with the findings
   std::vector<Finding> findings;
   std::vector<NotSupported> not_supported;
   std::vector<CannotTell> cannot_tell;
@@ -83,11 +87,12 @@ struct Diagnosis {
   std::string report() const;
 };
 
-/// Asks which physical causes the recordings accept beyond the robot's own model. Selection uses the training
-/// recordings only; the test recordings measure what it gained.
+/// Asks which physical causes the recordings accept beyond the robot's own model. Selection uses
+/// the training recordings only; the test recordings measure what it gained.
 ///
-/// @throws InvalidInput  as identify(). Where the robot cannot be identified, baseline.status says so and nothing else is filled.
-Diagnosis diagnose(const Model& arm, const std::vector<std::string>& train, const std::vector<std::string>& test,
-                   const DiagnosisOptions& options = {});
+/// @throws InvalidInput  as identify(). Where the robot cannot be identified, baseline.status says
+/// so and nothing else is filled.
+Diagnosis diagnose(const Model& arm, const std::vector<std::string>& train,
+                   const std::vector<std::string>& test, const DiagnosisOptions& options = {});
 
 }  // namespace veridyn

@@ -2,10 +2,12 @@
 
 #include "veridyn/kinematics/recursion.hpp"
 
-// Forces along the tree, over any scalar S: one source for single states, packs of samples and dual numbers.
+// Forces along the tree, over any scalar S: one source for single states, packs of samples and dual
+// numbers.
 //
-// Source of the forms: Featherstone, Rigid Body Dynamics Algorithms, 2008, ch. 5; regressor: Atkeson, An and
-// Hollerbach, IJRR 5(3), 1986; here written with body Jacobians, so that couplings cost nothing extra.
+// Source of the forms: Featherstone, Rigid Body Dynamics Algorithms, 2008, ch. 5; regressor:
+// Atkeson, An and Hollerbach, IJRR 5(3), 1986; here written with body Jacobians, so that couplings
+// cost nothing extra.
 
 namespace veridyn {
 
@@ -24,7 +26,8 @@ inline void carry_back(const Posed& T, Vec3<S>& force, Vec3<S>& moment) {
 
 /// What the regressor needs of one body's motion, for all coordinates that move it:
 ///
-///   f = m a + E h,   n = N L + h x a,   E = [alpha]x + [omega]x [omega]x,   N L = alpha-part + omega x L omega
+///   f = m a + E h,   n = N L + h x a,   E = [alpha]x + [omega]x [omega]x,   N L = alpha-part +
+///   omega x L omega
 ///
 /// The entries of N are those of E up to sign, and differences of squares.
 template <typename S>
@@ -54,10 +57,11 @@ inline BodyMotion<S> body_motion(const LinkState<S>& at) {
   // clang-format on
 }
 
-/// The ten entries of the regressor that belong to one body and one coordinate, tau_i = w_i . n + v_i . f; needs
-/// forward_pass() and jacobian_pass(). Order: InertialParameters.
+/// The ten entries of the regressor that belong to one body and one coordinate, tau_i = w_i . n +
+/// v_i . f; needs forward_pass() and jacobian_pass(). Order: InertialParameters.
 ///
-/// @param put  called as put(k, entry) for k = 0 .. 9, so that entries go from registers to where they belong.
+/// @param put  called as put(k, entry) for k = 0 .. 9, so that entries go from registers to where
+/// they belong.
 template <typename S, typename Put>
 inline void regressor_entries(const BodyMotion<S>& b, const Column<S>& c, const Put& put) {
   const Vec3<S>& w = c.w;

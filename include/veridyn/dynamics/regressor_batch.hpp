@@ -8,27 +8,31 @@
 
 namespace veridyn {
 
-/// The regressor and the torques of many samples at once, several samples per instruction. The widest vectors
-/// that the processor has are chosen at run time; results agree between machines to rounding only.
+/// The regressor and the torques of many samples at once, several samples per instruction. The
+/// widest vectors that the processor has are chosen at run time; results agree between machines to
+/// rounding only.
 ///
-/// Immutable: one object serves several threads. Each call allocates a workspace of a few kilobytes.
-/// Rows should come in blocks of some hundred, so that what is written stays in the cache.
+/// Immutable: one object serves several threads. Each call allocates a workspace of a few
+/// kilobytes. Rows should come in blocks of some hundred, so that what is written stays in the
+/// cache.
 class RegressorBatch {
  public:
   explicit RegressorBatch(const Model& arm);
 
   int joints() const { return tree_.joints; }
 
-  /// Columns of the regressor that can differ from zero for a joint: ten for each body that it moves, ascending,
-  /// in 0 .. 10 * bodies - 1. See torque_regressor().
+  /// Columns of the regressor that can differ from zero for a joint: ten for each body that it
+  /// moves, ascending, in 0 .. 10 * bodies - 1. See torque_regressor().
   const std::vector<int>& columns(int joint) const { return columns_[static_cast<size_t>(joint)]; }
 
   /// Y[i](r, c): torque of joint i in sample r per unit of inertial parameter columns(i)[c].
   ///
   /// @param q, dq, ddq  (rows x n) [rad, rad/s, rad/s^2], metres where the joint is prismatic.
-  /// @param Y           one matrix per joint, (rows x columns(i).size()); sized here, reused where the size is right.
+  /// @param Y           one matrix per joint, (rows x columns(i).size()); sized here, reused where
+  /// the size is right.
   /// @throws InvalidInput  the three do not have n columns and one number of rows.
-  void evaluate(const MatrixRef& q, const MatrixRef& dq, const MatrixRef& ddq, std::vector<MatrixXd>& Y) const;
+  void evaluate(const MatrixRef& q, const MatrixRef& dq, const MatrixRef& ddq,
+                std::vector<MatrixXd>& Y) const;
 
   /// Inverse dynamics of all samples.
   ///
@@ -41,7 +45,8 @@ class RegressorBatch {
  private:
   Tree tree_;
   std::vector<std::vector<int>> columns_;
-  std::vector<int> column_of_mover_;  // first of a body's columns in its joint's matrix; -1: no body
+  std::vector<int>
+      column_of_mover_;  // first of a body's columns in its joint's matrix; -1: no body
 };
 
 }  // namespace veridyn

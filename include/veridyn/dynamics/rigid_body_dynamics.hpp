@@ -11,9 +11,10 @@ namespace veridyn {
 ///
 ///   tau = M(q) ddq + C(q, dq) dq + g(q)
 ///
-/// Friction and the other effects are not in here. Owns its workspace: after the constructor nothing
-/// allocates, and one object serves one thread. Inputs must be stored vectors of n entries (an expression
-/// passed for a VectorRef allocates); sizes are asserted, not thrown about, because this runs in control loops.
+/// Friction and the other effects are not in here. Owns its workspace: after the constructor
+/// nothing allocates, and one object serves one thread. Inputs must be stored vectors of n entries
+/// (an expression passed for a VectorRef allocates); sizes are asserted, not thrown about, because
+/// this runs in control loops.
 class RigidBodyDynamics {
  public:
   /// @param phi  (10 * bodies) inertial parameters, in the order of InertialParameters.
@@ -23,7 +24,8 @@ class RigidBodyDynamics {
   int joints() const { return tree_.joints; }
 
   /// tau, (n) [N m, N]. Cost: O(frames).
-  void inverse_dynamics(const VectorRef& q, const VectorRef& dq, const VectorRef& ddq, VectorXd& tau);
+  void inverse_dynamics(const VectorRef& q, const VectorRef& dq, const VectorRef& ddq,
+                        VectorXd& tau);
 
   /// g(q), (n).
   void gravity_torques(const VectorRef& q, VectorXd& g);
@@ -35,7 +37,8 @@ class RigidBodyDynamics {
   void coriolis_matrix(const VectorRef& q, const VectorRef& dq, MatrixXd& C);
 
   /// ddq from torques that act on the rigid bodies. False if M is not positive definite there.
-  bool forward_dynamics(const VectorRef& q, const VectorRef& dq, const VectorRef& tau, VectorXd& ddq);
+  bool forward_dynamics(const VectorRef& q, const VectorRef& dq, const VectorRef& tau,
+                        VectorXd& ddq);
 
  private:
   Tree tree_;
@@ -56,10 +59,13 @@ class RigidBodyDynamics {
 /// @param q, dq, ddq  (n) [rad, rad/s, rad/s^2]; metres where the joint is prismatic.
 /// @returns Y (n x 10 bodies); row i is coordinate i, in [N m] ([N] if prismatic) per unit of phi.
 /// @throws InvalidInput  a vector does not have arm.joints() entries.
-MatrixXd torque_regressor(const Model& arm, const VectorRef& q, const VectorRef& dq, const VectorRef& ddq);
+MatrixXd torque_regressor(const Model& arm, const VectorRef& q, const VectorRef& dq,
+                          const VectorRef& ddq);
 
-/// Joint torques of the arm's own inertial parameters. @throws InvalidInput as above, or a body has no values.
-VectorXd inverse_dynamics(const Model& arm, const VectorRef& q, const VectorRef& dq, const VectorRef& ddq);
+/// Joint torques of the arm's own inertial parameters. @throws InvalidInput as above, or a body has
+/// no values.
+VectorXd inverse_dynamics(const Model& arm, const VectorRef& q, const VectorRef& dq,
+                          const VectorRef& ddq);
 
 /// M(q) of the arm's own parameters, (n x n).
 MatrixXd mass_matrix(const Model& arm, const VectorRef& q);

@@ -18,13 +18,14 @@ enum class Identifiability { kAlone, kInCombination, kNot };
 /// Row j of K has a one at independent[j], and what depends on it in the other columns.
 /// Source: Gautier, J. Robotic Systems 8(4), 1991; thesis 5.1.
 struct BaseParameters {
-  std::vector<int> independent;          ///< indices of standard parameters, one for each base parameter
-  MatrixXd K;                            ///< (base x standard)
+  std::vector<int> independent;  ///< indices of standard parameters, one for each base parameter
+  MatrixXd K;                    ///< (base x standard)
   std::vector<Identifiability> classes;  ///< of every standard parameter
   std::vector<std::string> names;        ///< "beta1 ..": named after their independent parameter
   std::vector<std::string> expressions;  ///< "m_tool + 0.25 m_counterweight"
   VectorXd singular_values;              ///< of the scaled columns, largest first
-  double rank_gap = 0.0;                 ///< last kept over first dropped singular value; infinite if none was dropped
+  double rank_gap =
+      0.0;  ///< last kept over first dropped singular value; infinite if none was dropped
 
   int size() const { return static_cast<int>(independent.size()); }
 };
@@ -32,18 +33,22 @@ struct BaseParameters {
 /// Of the arm itself: from the regressor at random states within its limits (fixed seed).
 BaseParameters base_parameters(const Model& arm);
 
-/// Of any factor over standard parameters. Columns are scaled to norm one first; singular values below `tolerance`
-/// times the largest are zero. Independent columns are those that come first in `preference`.
-BaseParameters base_parameters(const SquareRootInformation& factor, const std::vector<int>& preference,
-                               double tolerance = 1e-8);
+/// Of any factor over standard parameters. Columns are scaled to norm one first; singular values
+/// below `tolerance` times the largest are zero. Independent columns are those that come first in
+/// `preference`.
+BaseParameters base_parameters(const SquareRootInformation& factor,
+                               const std::vector<int>& preference, double tolerance = 1e-8);
 
-/// The order in which columns are preferred: effects, then for every body first moments and inertias, masses last.
+/// The order in which columns are preferred: effects, then for every body first moments and
+/// inertias, masses last.
 std::vector<int> preferred_columns(const std::vector<StandardParameter>& parameters);
 
-/// The two-step reduction of thesis 5.1 by singular value decompositions; for comparison. Same rank and span.
+/// The two-step reduction of thesis 5.1 by singular value decompositions; for comparison. Same rank
+/// and span.
 BaseParameters base_parameters_by_svd(const SquareRootInformation& factor, double tolerance = 1e-8);
 
-/// The factor of the regressor at random states within the arm's limits; joints without limits move within 1 rad or 0.1 m.
+/// The factor of the regressor at random states within the arm's limits; joints without limits move
+/// within 1 rad or 0.1 m.
 /// @param still  names of coordinates that stay where they are, at rest.
 SquareRootInformation random_state_factor(const Model& arm, int states, unsigned seed,
                                           const std::vector<std::string>& still = {});

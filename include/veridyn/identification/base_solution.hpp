@@ -9,29 +9,32 @@ namespace veridyn {
 
 /// Least squares on the base parameters, from factors alone.
 struct BaseSolution {
-  VectorXd beta;                     ///< (base)
-  VectorXd white_std;                ///< (base) if samples were independent
-  VectorXd std;                      ///< (base) block jackknife over the blocks of all recordings
-  double residual2 = 0.0;            ///< weighted sum of squares
-  double condition_number = 0.0;     ///< of the columns as they are
+  VectorXd beta;                  ///< (base)
+  VectorXd white_std;             ///< (base) if samples were independent
+  VectorXd std;                   ///< (base) block jackknife over the blocks of all recordings
+  double residual2 = 0.0;         ///< weighted sum of squares
+  double condition_number = 0.0;  ///< of the columns as they are
   double condition_number_scaled = 0.0;  ///< of the columns scaled to norm one
-  double effective_samples = 0.0;    ///< rows, times the median ratio of the two variances
+  double effective_samples = 0.0;        ///< rows, times the median ratio of the two variances
 };
 
 /// All blocks of all recordings, joint i weighted by weights[i], over the given columns.
-SquareRootInformation weighted_total(const std::vector<CompressedRecording>& recordings, const VectorRef& weights,
+SquareRootInformation weighted_total(const std::vector<CompressedRecording>& recordings,
+                                     const VectorRef& weights,
                                      const std::vector<std::string>& columns);
 
 /// @param base  of the arm; its independent columns are solved for.
-/// Source of the jackknife: Quenouille; Kuensch, Annals of Statistics 17(3), 1989 (blocks for dependent data).
-BaseSolution solve_base(const std::vector<CompressedRecording>& recordings, const VectorRef& weights,
-                        const BaseParameters& base, const std::vector<std::string>& names);
+/// Source of the jackknife: Quenouille; Kuensch, Annals of Statistics 17(3), 1989 (blocks for
+/// dependent data).
+BaseSolution solve_base(const std::vector<CompressedRecording>& recordings,
+                        const VectorRef& weights, const BaseParameters& base,
+                        const std::vector<std::string>& names);
 
 /// 1 / (max - min) of every joint's torque over all recordings; one where it never changes.
 VectorXd range_weights(const std::vector<CompressedRecording>& recordings);
 
 /// 1 / standard deviation of every joint's residual for these standard parameters.
-VectorXd residual_weights(const std::vector<CompressedRecording>& recordings, const VectorRef& parameters,
-                          const std::vector<std::string>& names);
+VectorXd residual_weights(const std::vector<CompressedRecording>& recordings,
+                          const VectorRef& parameters, const std::vector<std::string>& names);
 
 }  // namespace veridyn

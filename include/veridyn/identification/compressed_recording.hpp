@@ -11,7 +11,7 @@ namespace veridyn {
 
 /// What one joint's torque was like.
 struct TorqueFacts {
-  double minimum = 0.0;      ///< [N m] or [N], filtered
+  double minimum = 0.0;  ///< [N m] or [N], filtered
   double maximum = 0.0;
   double largest_speed = 0.0;  ///< [rad/s] or [m/s]
   double lowest = 0.0;         ///< position [rad] or [m]
@@ -24,24 +24,29 @@ struct TorqueFacts {
 struct CompressedRecording {
   std::string source;
   PreparationFacts facts;
-  /// blocks[k][i]: factor of joint i over the k-th phase of the period (eight, repeats merged) or, where nothing
-  /// repeats, over the k-th stretch of time (8 to 16 of them, however long the recording).
+  /// blocks[k][i]: factor of joint i over the k-th phase of the period (eight, repeats merged) or,
+  /// where nothing repeats, over the k-th stretch of time (8 to 16 of them, however long the
+  /// recording).
   std::vector<std::vector<SquareRootInformation>> blocks;
   std::vector<TorqueFacts> joints;
   MotionPeriod period;
-  VectorXd noise_floor;  ///< (n) relative error of a perfect model, from repeated periods; empty if none repeat
+  VectorXd noise_floor;  ///< (n) relative error of a perfect model, from repeated periods; empty if
+                         ///< none repeat
   double rows = 0.0;     ///< over all joints
 };
 
 /// @param path  a recording; read twice, its first minutes for the period and then all of it.
-CompressedRecording compress(const Model& arm, const std::string& path, const PreprocessingOptions& options);
-CompressedRecording compress(const Model& arm, const Recording& recording, const PreprocessingOptions& options);
+CompressedRecording compress(const Model& arm, const std::string& path,
+                             const PreprocessingOptions& options);
+CompressedRecording compress(const Model& arm, const Recording& recording,
+                             const PreprocessingOptions& options);
 
 /// Errors of a model on one recording, per joint.
 struct PredictionError {
-  VectorXd relative;         ///< ||tau - tau_model|| / ||tau|| over all filtered samples (edges dropped)
-  VectorXd maximum;          ///< max|tau - tau_model| / max|tau|
-  VectorXd moving_relative;  ///< relative, over samples at which the joint moves (above 2 % of its largest speed)
+  VectorXd relative;  ///< ||tau - tau_model|| / ||tau|| over all filtered samples (edges dropped)
+  VectorXd maximum;   ///< max|tau - tau_model| / max|tau|
+  VectorXd moving_relative;  ///< relative, over samples at which the joint moves (above 2 % of its
+                             ///< largest speed)
 };
 
 /// Sums behind PredictionError, which add up over recordings.
@@ -59,12 +64,15 @@ struct PredictionSeries {
   std::vector<std::vector<double>> q, dq, ddq, measured, modelled;  ///< [joint][sample]
 };
 
-/// Second pass: the errors of parameter values on a recording. A series of about `series_samples` is kept if asked for.
-ErrorSums prediction_error(const Model& arm, const std::string& path, const PreprocessingOptions& options,
-                           const VectorRef& values, const std::vector<TorqueFacts>& joints,
+/// Second pass: the errors of parameter values on a recording. A series of about `series_samples`
+/// is kept if asked for.
+ErrorSums prediction_error(const Model& arm, const std::string& path,
+                           const PreprocessingOptions& options, const VectorRef& values,
+                           const std::vector<TorqueFacts>& joints,
                            PredictionSeries* series = nullptr);
-ErrorSums prediction_error(const Model& arm, const Recording& recording, const PreprocessingOptions& options,
-                           const VectorRef& values, const std::vector<TorqueFacts>& joints,
+ErrorSums prediction_error(const Model& arm, const Recording& recording,
+                           const PreprocessingOptions& options, const VectorRef& values,
+                           const std::vector<TorqueFacts>& joints,
                            PredictionSeries* series = nullptr);
 
 }  // namespace veridyn

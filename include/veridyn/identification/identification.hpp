@@ -33,22 +33,25 @@ struct IdentificationOptions {
   Method method = Method::kFeasible;
   JointWeights weights = JointWeights::kRange;
   PhysicalCondition condition = PhysicalCondition::kPseudoInertia;  ///< for kFeasible
-  EffectSigns signs = EffectSigns::kPhysical;  ///< for kFeasible
+  EffectSigns signs = EffectSigns::kPhysical;                       ///< for kFeasible
   PreprocessingOptions preprocessing;
-  std::optional<PreprocessingOptions> test_preprocessing;  ///< of held-out recordings; empty: the same
-  /// kFeasible: pull toward this model's inertial parameters by the entropic divergence; its bodies need values.
+  std::optional<PreprocessingOptions>
+      test_preprocessing;  ///< of held-out recordings; empty: the same
+  /// kFeasible: pull toward this model's inertial parameters by the entropic divergence; its bodies
+  /// need values.
   std::optional<Model> prior;
   double prior_weight = 1e-3;  ///< of the pull, as a share of the weighted residual per body
-  int threads = 0;  ///< recordings are read in parallel; 0: one thread per core
+  int threads = 0;             ///< recordings are read in parallel; 0: one thread per core
   /// Called with (what is being done, share done) between recordings.
   std::function<void(const std::string&, double)> progress;
 };
 
 enum class IdentificationStatus {
   kDone,
-  kRankDeficient,   ///< the recordings leave base parameters of the arm undetermined; see `undetermined`
-  kNoData,          ///< no usable samples are left
-  kNotConverged,    ///< the feasible solve did not reach its gap; the best point is given
+  kRankDeficient,  ///< the recordings leave base parameters of the arm undetermined; see
+                   ///< `undetermined`
+  kNoData,         ///< no usable samples are left
+  kNotConverged,   ///< the feasible solve did not reach its gap; the best point is given
 };
 
 struct BaseValue {
@@ -68,7 +71,8 @@ struct RecordingError {
 };
 
 struct StageSeconds {
-  double read = 0.0;      ///< reading, filtering and building columns of the training recordings included in compress
+  double read = 0.0;  ///< reading, filtering and building columns of the training recordings
+                      ///< included in compress
   double compress = 0.0;
   double solve = 0.0;
   double validate = 0.0;
@@ -87,42 +91,50 @@ struct Identification {
   PreprocessingOptions preprocessing, test_preprocessing;
   double rows = 0.0;
   std::vector<BaseValue> base;
-  double condition_number = 0.0;           ///< of the base columns, as they are
-  double condition_number_scaled = 0.0;    ///< of the base columns scaled to norm one (thesis 5.26)
+  double condition_number = 0.0;         ///< of the base columns, as they are
+  double condition_number_scaled = 0.0;  ///< of the base columns scaled to norm one (thesis 5.26)
   double rank_gap = 0.0;
-  double effective_samples = 0.0;          ///< rows that count after autocorrelation
-  bool feasible = false;                   ///< every body's pseudo-inertia is positive definite
-  double objective = 0.0;                  ///< weighted sum of squares
-  double unconstrained_objective = 0.0;    ///< of the same rows without conditions: never above `objective`
+  double effective_samples = 0.0;  ///< rows that count after autocorrelation
+  bool feasible = false;           ///< every body's pseudo-inertia is positive definite
+  double objective = 0.0;          ///< weighted sum of squares
+  double unconstrained_objective =
+      0.0;  ///< of the same rows without conditions: never above `objective`
   double duality_gap = 0.0;
-  bool certified = false;                  ///< the gap is rigorous: the robot file bounds all parameters
+  bool certified = false;  ///< the gap is rigorous: the robot file bounds all parameters
   std::vector<std::string> active_constraints;
-  std::vector<std::string> undetermined;   ///< standard parameters that these recordings leave open though the arm has them
-  std::vector<std::string> still_joints;   ///< coordinates that never move
+  std::vector<std::string> undetermined;  ///< standard parameters that these recordings leave open
+                                          ///< though the arm has them
+  std::vector<std::string> still_joints;  ///< coordinates that never move
   std::vector<RecordingError> train, test;
   PredictionError train_error, test_error;  ///< over all of them
   VectorXd noise_floor;                     ///< relative, (n), of the training recordings
   VectorXd parameters;                      ///< all standard parameters
   VectorXd parameter_deviations;            ///< NaN where only a combination is known
   std::optional<Model> model;               ///< the arm with these values
-  std::vector<CompressedRecording> factors;  ///< the training recordings, for further questions without their samples
+  std::vector<CompressedRecording>
+      factors;  ///< the training recordings, for further questions without their samples
   StageSeconds seconds;
 
   /// Status, rank gap, errors per joint, base parameters with standard deviations, as text.
   std::string report() const;
 };
 
-/// Identifies the arm from training recordings and validates it on test recordings, which take no part in the fit.
+/// Identifies the arm from training recordings and validates it on test recordings, which take no
+/// part in the fit.
 ///
 /// @param train, test  paths of recordings.
-/// @throws InvalidInput  a file is bad or does not fit the arm. Data that cannot answer are a status.
-Identification identify(const Model& arm, const std::vector<std::string>& train, const std::vector<std::string>& test = {},
+/// @throws InvalidInput  a file is bad or does not fit the arm. Data that cannot answer are a
+/// status.
+Identification identify(const Model& arm, const std::vector<std::string>& train,
+                        const std::vector<std::string>& test = {},
                         const IdentificationOptions& options = {});
 
 /// One recording in memory, no test.
-Identification identify(const Model& arm, const Recording& recording, const IdentificationOptions& options = {});
+Identification identify(const Model& arm, const Recording& recording,
+                        const IdentificationOptions& options = {});
 
-/// Writes the identified model as YAML. @throws InvalidInput  there is no model (see status), or the file cannot be written.
+/// Writes the identified model as YAML. @throws InvalidInput  there is no model (see status), or
+/// the file cannot be written.
 void save(const Identification& id, const std::string& path);
 
 }  // namespace veridyn

@@ -21,8 +21,9 @@ struct StandardParameter {
   double upper = 0.0;
 };
 
-/// All standard parameters of an arm, bodies first (ten each, order of InertialParameters), then the effects in
-/// the order of the file. Effects that the registry does not have along an axis are refused here.
+/// All standard parameters of an arm, bodies first (ten each, order of InertialParameters), then
+/// the effects in the order of the file. Effects that the registry does not have along an axis are
+/// refused here.
 std::vector<StandardParameter> standard_parameters(const Model& arm);
 
 /// Their names.
@@ -31,7 +32,9 @@ std::vector<std::string> parameter_names(const std::vector<StandardParameter>& p
 /// The arm with these values (and standard deviations; NaN: none) in place of its own.
 Model with_values(const Model& arm, const VectorRef& values, const VectorRef& deviations);
 
-/// The regressor of bodies and memoryless effects at one state, (n x parameters); effects with memory start fresh.
-MatrixXd full_regressor(const Model& arm, const VectorRef& q, const VectorRef& dq, const VectorRef& ddq);
+/// The regressor of bodies and memoryless effects at one state, (n x parameters); effects with
+/// memory start fresh.
+MatrixXd full_regressor(const Model& arm, const VectorRef& q, const VectorRef& dq,
+                        const VectorRef& ddq);
 
 }  // namespace veridyn

@@ -18,7 +18,8 @@ struct JointRows {
   VectorXd time;                ///< (samples) [s] since the recording began
 };
 
-/// Turns stretches of samples into rows of least squares, filtered and decimated as the options say.
+/// Turns stretches of samples into rows of least squares, filtered and decimated as the options
+/// say.
 ///
 /// Parameters that the robot file declares as facts have no column: their torque is taken from b.
 class RegressorColumns {
@@ -26,7 +27,9 @@ class RegressorColumns {
   RegressorColumns(const Model& arm, const PreprocessingOptions& options);
 
   const std::vector<StandardParameter>& parameters() const { return parameters_; }
-  const std::vector<int>& parameters_of(int joint) const { return of_joint_[static_cast<size_t>(joint)]; }
+  const std::vector<int>& parameters_of(int joint) const {
+    return of_joint_[static_cast<size_t>(joint)];
+  }
 
   /// One JointRows per joint, from the usable samples of the stretch's core.
   std::vector<JointRows> rows(const Stretch& stretch) const;
@@ -34,8 +37,8 @@ class RegressorColumns {
   /// The measured torque as rows() and predict() see it, filtered, (rows x n).
   MatrixXd filtered_torque(const Stretch& stretch) const;
 
-  /// Modelled torque for given parameters beside the measured one, both filtered alike; rows outside the core
-  /// or not to be used are there too. (rows x n) each.
+  /// Modelled torque for given parameters beside the measured one, both filtered alike; rows
+  /// outside the core or not to be used are there too. (rows x n) each.
   struct Prediction {
     MatrixXd measured;
     MatrixXd modelled;

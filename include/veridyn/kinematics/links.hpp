@@ -2,8 +2,9 @@
 
 #include "veridyn/math/vector3.hpp"
 
-// A tree as the recursions read it: plain arrays and nothing that brings inline functions of its own. Kernels for
-// several instruction sets are compiled against this, and must not share code with the rest of the program.
+// A tree as the recursions read it: plain arrays and nothing that brings inline functions of its
+// own. Kernels for several instruction sets are compiled against this, and must not share code with
+// the rest of the program.
 
 namespace veridyn {
 

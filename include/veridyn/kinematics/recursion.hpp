@@ -102,7 +102,8 @@ inline void carry(const Posed& T, Vec3<S>& w, Vec3<S>& v) {
 
 /// One link's joint variable, its derivatives, and the sine and cosine.
 template <typename S>
-inline void joint_step(const Links& tree, int k, const S* q, const S* dq, const S* ddq, const Workspace<S>& r) {
+inline void joint_step(const Links& tree, int k, const S* q, const S* dq, const S* ddq,
+                       const Workspace<S>& r) {
   const Link& link = tree.link[k];
   S s(link.offset);
   S ds(0.0);

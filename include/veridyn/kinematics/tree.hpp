@@ -7,8 +7,8 @@
 
 namespace veridyn {
 
-/// What the recursions need of a model, laid out for them: frames that neither move nor carry a body are
-/// folded into their children.
+/// What the recursions need of a model, laid out for them: frames that neither move nor carry a
+/// body are folded into their children.
 struct Tree {
   /// Every frame as a link (for poses), or only what the dynamics need.
   enum class Keep { kEveryFrame, kBodiesOnly };

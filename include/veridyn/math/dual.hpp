@@ -4,8 +4,8 @@
 
 namespace veridyn {
 
-/// A number with its derivative: f(x + e dx) = f(x) + e f'(x) dx with e^2 = 0. Nests: Dual<Dual<double>>
-/// carries second derivatives.
+/// A number with its derivative: f(x + e dx) = f(x) + e f'(x) dx with e^2 = 0. Nests:
+/// Dual<Dual<double>> carries second derivatives.
 template <typename S>
 struct Dual {
   S value{};
@@ -17,8 +17,12 @@ struct Dual {
 
   Dual& operator+=(const Dual& b) { return *this = *this + b; }
   Dual& operator-=(const Dual& b) { return *this = *this - b; }
-  friend Dual operator+(const Dual& a, const Dual& b) { return {a.value + b.value, a.derivative + b.derivative}; }
-  friend Dual operator-(const Dual& a, const Dual& b) { return {a.value - b.value, a.derivative - b.derivative}; }
+  friend Dual operator+(const Dual& a, const Dual& b) {
+    return {a.value + b.value, a.derivative + b.derivative};
+  }
+  friend Dual operator-(const Dual& a, const Dual& b) {
+    return {a.value - b.value, a.derivative - b.derivative};
+  }
   friend Dual operator-(const Dual& a) { return {-a.value, -a.derivative}; }
   friend Dual operator*(const Dual& a, const Dual& b) {
     return {a.value * b.value, a.value * b.derivative + a.derivative * b.value};

@@ -4,8 +4,8 @@
 
 namespace veridyn {
 
-/// Eight samples side by side, so that one instruction works on several of them. The tag keeps the code of
-/// one instruction set apart from that of another in one program.
+/// Eight samples side by side, so that one instruction works on several of them. The tag keeps the
+/// code of one instruction set apart from that of another in one program.
 ///
 /// Compilers lower the vector to what the machine has: two, four or eight lanes an instruction.
 template <int kLanes, typename Isa>
@@ -17,7 +17,9 @@ struct Pack {
   Lanes v;
 
   Pack() = default;
-  Pack(double x) : v(x - Lanes{}) {}  // NOLINT: a constant is a pack of equals; x - 0 costs nothing, 0 + x an addition
+  Pack(double x)
+      : v(x - Lanes{}) {
+  }  // NOLINT: a constant is a pack of equals; x - 0 costs nothing, 0 + x an addition
   explicit Pack(const Lanes& lanes) : v(lanes) {}
 
   Pack& operator+=(const Pack& b) {
@@ -35,19 +37,23 @@ struct Pack {
   friend Pack operator-(const Pack& a) { return Pack(-a.v); }
 };
 
-/// Sine and cosine of all lanes, to 2 units in the last place for |x| < 1e5 (Cody-Waite reduction in three parts, then the
-/// Taylor-like minimax polynomials of the Cephes library's published coefficients).
+/// Sine and cosine of all lanes, to 2 units in the last place for |x| < 1e5 (Cody-Waite reduction
+/// in three parts, then the Taylor-like minimax polynomials of the Cephes library's published
+/// coefficients).
 template <int kLanes, typename Isa>
-inline void sine_cosine(const Pack<kLanes, Isa>& x, Pack<kLanes, Isa>& sine, Pack<kLanes, Isa>& cosine) {
+inline void sine_cosine(const Pack<kLanes, Isa>& x, Pack<kLanes, Isa>& sine,
+                        Pack<kLanes, Isa>& cosine) {
   using P = Pack<kLanes, Isa>;
   using Lanes = typename P::Lanes;
   using Mask = typename P::Mask;
-  // Adding and removing 1.5 * 2^52 rounds to the nearest integer; the low bits then hold the quadrant.
+  // Adding and removing 1.5 * 2^52 rounds to the nearest integer; the low bits then hold the
+  // quadrant.
   const Lanes magic = Lanes{} + 6755399441055744.0;
   const Lanes shifted = x.v * (2.0 / M_PI) + magic;
   const Lanes k = shifted - magic;
   const Mask quadrant = reinterpret_cast<Mask>(shifted);  // the same bits
-  // The first two products and the first difference are exact; what the second one rounds away goes into the third.
+  // The first two products and the first difference are exact; what the second one rounds away goes
+  // into the third.
   const Lanes first = x.v - k * 1.57079632673412561417e+00;
   const Lanes second = k * 6.07710050630396597660e-11;
   const Lanes head = first - second;

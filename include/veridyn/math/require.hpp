@@ -6,8 +6,8 @@
 
 namespace veridyn {
 
-/// The caller's mistake, or a file that cannot be used: what() is one line that says where, what was
-/// found and what was expected.
+/// The caller's mistake, or a file that cannot be used: what() is one line that says where, what
+/// was found and what was expected.
 class InvalidInput : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

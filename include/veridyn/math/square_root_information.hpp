@@ -7,13 +7,15 @@
 
 namespace veridyn {
 
-/// All that least squares needs to know of any number of rows A x ~ b, in the square of the columns:
+/// All that least squares needs to know of any number of rows A x ~ b, in the square of the
+/// columns:
 ///
 ///   || A x - b ||^2  =  || R x - z ||^2 + rho^2
 ///
-/// R is upper triangular (k x k). Rows are absorbed in blocks by QR; factors over the same columns merge by
-/// one more QR, in any order. Columns are known by name, so that a subset is a question and not a copy of the data.
-/// Source: Bierman, Factorization Methods for Discrete Sequential Estimation, 1977.
+/// R is upper triangular (k x k). Rows are absorbed in blocks by QR; factors over the same columns
+/// merge by one more QR, in any order. Columns are known by name, so that a subset is a question
+/// and not a copy of the data. Source: Bierman, Factorization Methods for Discrete Sequential
+/// Estimation, 1977.
 class SquareRootInformation {
  public:
   SquareRootInformation() = default;
@@ -37,17 +39,19 @@ class SquareRootInformation {
   /// Adds the rows of A x ~ b; A is (rows x size()).
   void absorb(const MatrixRef& A, const VectorRef& b);
 
-  /// Adds the rows that another factor stands for, each scaled by `weight`. Columns that only the other one has
-  /// are appended.
+  /// Adds the rows that another factor stands for, each scaled by `weight`. Columns that only the
+  /// other one has are appended.
   void merge(const SquareRootInformation& other, double weight = 1.0);
 
   /// || A x - b ||^2 for x in the order of columns().
   double residual2(const VectorRef& x) const;
 
-  /// The same rows, seen through these columns only, in this order. A column that is not there is zero.
+  /// The same rows, seen through these columns only, in this order. A column that is not there is
+  /// zero.
   SquareRootInformation restricted(const std::vector<std::string>& columns) const;
 
-  /// The same rows after a change of variables x = T y: columns are named anew. T is (size() x new size).
+  /// The same rows after a change of variables x = T y: columns are named anew. T is (size() x new
+  /// size).
   SquareRootInformation transformed(const MatrixRef& T, std::vector<std::string> columns) const;
 
   /// The norm of every column of A, (size()).

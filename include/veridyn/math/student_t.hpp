@@ -2,7 +2,8 @@
 
 namespace veridyn {
 
-/// Probability that |T| of Student's t distribution exceeds |t|. Source: Abramowitz and Stegun 26.7.
+/// Probability that |T| of Student's t distribution exceeds |t|. Source: Abramowitz and
+/// Stegun 26.7.
 double student_t_two_sided(double t, double degrees_of_freedom);
 
 /// The t that |T| exceeds with this probability (0.05 for 95 % intervals).

@@ -5,7 +5,8 @@
 namespace veridyn {
 
 // Three-dimensional vectors and rotations over any scalar: double, packs of samples, dual numbers.
-// Fixed-size and free of Eigen, so that kernels compiled for several instruction sets share no symbols.
+// Fixed-size and free of Eigen, so that kernels compiled for several instruction sets share no
+// symbols.
 
 template <typename S>
 struct Vec3 {
@@ -67,10 +68,14 @@ inline auto operator*(const Mat3<A>& R, const Mat3<B>& Q) -> Mat3<decltype(R.row
 
 template <typename S>
 inline Mat3<S> transpose(const Mat3<S>& R) {
-  return {{R.row0.x, R.row1.x, R.row2.x}, {R.row0.y, R.row1.y, R.row2.y}, {R.row0.z, R.row1.z, R.row2.z}};
+  return {{R.row0.x, R.row1.x, R.row2.x},
+          {R.row0.y, R.row1.y, R.row2.y},
+          {R.row0.z, R.row1.z, R.row2.z}};
 }
 
-inline Mat3d identity3() { return {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}; }
+inline Mat3d identity3() {
+  return {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+}
 
 inline Mat3d rotation_x(double angle) {
   const double c = std::cos(angle);
@@ -99,11 +104,14 @@ struct Pose {
 
 using Posed = Pose<double>;
 
-inline Posed identity_pose() { return {identity3(), {0, 0, 0}}; }
+inline Posed identity_pose() {
+  return {identity3(), {0, 0, 0}};
+}
 
 /// T_a_c = T_a_b * T_b_c.
 template <typename A, typename B>
-inline auto operator*(const Pose<A>& T_a_b, const Pose<B>& T_b_c) -> Pose<decltype(T_a_b.p.x * T_b_c.p.x)> {
+inline auto operator*(const Pose<A>& T_a_b, const Pose<B>& T_b_c)
+    -> Pose<decltype(T_a_b.p.x * T_b_c.p.x)> {
   const auto moved = rotate(T_a_b.R, T_b_c.p);
   return {T_a_b.R * T_b_c.R, {T_a_b.p.x + moved.x, T_a_b.p.y + moved.y, T_a_b.p.z + moved.z}};
 }

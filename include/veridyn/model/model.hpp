@@ -22,7 +22,8 @@ enum class DhConvention { kStandard, kModified };
 
 /// Four Denavit-Hartenberg numbers.
 ///
-///   standard: T = Rz(theta) Tz(d) Tx(a) Rx(alpha)      modified: T = Rx(alpha) Tx(a) Rz(theta) Tz(d)
+///   standard: T = Rz(theta) Tz(d) Tx(a) Rx(alpha)      modified: T = Rx(alpha) Tx(a) Rz(theta)
+///   Tz(d)
 struct DhRow {
   DhConvention convention = DhConvention::kStandard;
   double a = 0.0;      ///< [m]
@@ -31,34 +32,37 @@ struct DhRow {
   double theta = 0.0;  ///< [rad]
 };
 
-/// The ten inertial parameters of one body, linear in the torques. **This is where their order is written down:**
+/// The ten inertial parameters of one body, linear in the torques. **This is where their order is
+/// written down:**
 ///
 ///   phi = [m, hx, hy, hz, Lxx, Lxy, Lyy, Lxz, Lyz, Lzz]
 ///
-/// mass [kg], first moment h = m c [kg m], and the inertia tensor L [kg m^2] about the *origin* of the
-/// body's frame, all written in that frame.
+/// mass [kg], first moment h = m c [kg m], and the inertia tensor L [kg m^2] about the *origin* of
+/// the body's frame, all written in that frame.
 using InertialParameters = Eigen::Matrix<double, 10, 1>;
 constexpr int kBodyParameters = 10;
 
-/// From mass, centre of mass [m] and the inertia about that centre [kg m^2] (xx, xy, yy, xz, yz, zz).
+/// From mass, centre of mass [m] and the inertia about that centre [kg m^2] (xx, xy, yy, xz, yz,
+/// zz).
 InertialParameters inertial_parameters(double mass, const Eigen::Vector3d& com,
                                        const Eigen::Matrix<double, 6, 1>& inertia_com);
 
-/// Bounds that the file declares for every body (`box:`) or for one (`box:` in its body); feasible least squares
-/// keeps to them and needs them for a rigorous duality gap.
+/// Bounds that the file declares for every body (`box:`) or for one (`box:` in its body); feasible
+/// least squares keeps to them and needs them for a rigorous duality gap.
 struct ParameterBox {
-  double mass_max = 0.0;   ///< [kg]; 0: none
-  double com_reach = 0.0;  ///< [m] largest |c_x|, |c_y|, |c_z|; no mass lies twice as far from the origin; 0: none
+  double mass_max = 0.0;  ///< [kg]; 0: none
+  double com_reach =
+      0.0;  ///< [m] largest |c_x|, |c_y|, |c_z|; no mass lies twice as far from the origin; 0: none
   /// Largest |value| of every parameter of every effect, in SI units (top level only); 0: none.
   double effect_max = 0.0;
 };
 
 /// A rigid body that moves with its frame.
 struct Body {
-  std::optional<InertialParameters> phi;       ///< known, started or identified values
-  std::optional<InertialParameters> std_phi;   ///< their standard deviations, where identified
-  bool fixed = false;                          ///< true: the values are facts and are not identified
-  ParameterBox box;                            ///< bounds of its own, where given
+  std::optional<InertialParameters> phi;      ///< known, started or identified values
+  std::optional<InertialParameters> std_phi;  ///< their standard deviations, where identified
+  bool fixed = false;                         ///< true: the values are facts and are not identified
+  ParameterBox box;                           ///< bounds of its own, where given
 };
 
 /// One frame of the tree. T_parent_frame = A * J(s) * B, where J turns about z or slides along z.
@@ -66,10 +70,10 @@ struct Frame {
   std::string name;
   int parent = -1;  ///< index of the parent frame; -1: the world
   JointType type = JointType::kFixed;
-  Axis variable;                  ///< s; coefficients are zero where fixed
-  Posed A = identity_pose();      ///< T_parent_joint
-  Posed B = identity_pose();      ///< T_joint_frame
-  std::optional<DhRow> dh;        ///< as it stands in the file, for hypotheses about wrong constants
+  Axis variable;              ///< s; coefficients are zero where fixed
+  Posed A = identity_pose();  ///< T_parent_joint
+  Posed B = identity_pose();  ///< T_joint_frame
+  std::optional<DhRow> dh;    ///< as it stands in the file, for hypotheses about wrong constants
   std::optional<Body> body;
 };
 
@@ -111,13 +115,15 @@ struct ModelDescription {
   std::vector<Frame> frames;  ///< parents before children
   std::vector<EffectTerm> effects;
   ParameterBox box;
-  std::map<std::string, std::string> formulas;  ///< arithmetic of the file by place, as "frames/elbow/dh/3"
+  std::map<std::string, std::string>
+      formulas;  ///< arithmetic of the file by place, as "frames/elbow/dh/3"
 };
 
 /// An arm: frames, bodies and effects. Immutable.
 class Model {
  public:
-  /// @throws InvalidInput  a parent does not stand before its child, names are not unique, sizes differ.
+  /// @throws InvalidInput  a parent does not stand before its child, names are not unique, sizes
+  /// differ.
   explicit Model(ModelDescription description);
 
   const std::string& name() const { return description_.name; }
