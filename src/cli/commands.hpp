@@ -27,6 +27,7 @@ void add_info_command(CLI::App& tool, Outcome& outcome);
 void add_check_command(CLI::App& tool, Outcome& outcome);
 void add_identify_command(CLI::App& tool, Outcome& outcome);
 void add_diagnose_command(CLI::App& tool, Outcome& outcome);
+void add_payload_command(CLI::App& tool, Outcome& outcome);
 void add_export_command(CLI::App& tool, Outcome& outcome);
 void add_excite_command(CLI::App& tool, Outcome& outcome);
 void add_simulate_command(CLI::App& tool, Outcome& outcome);

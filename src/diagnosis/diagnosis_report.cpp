@@ -42,6 +42,7 @@ std::string Diagnosis::report() const {
   }
   if (provisional) out += "one recording to learn from: names are provisional\n";
   out += findings.empty() ? "\nverdict: none; the data support no further effect\n"
+         : changes        ? "\nwhat changed since the model was made:\n"
                           : "\nwhat the model lacks:\n";
   for (const Finding& f : findings) out += finding_text(f);
   out += "\nerrors, % of the torque, per joint\n";
@@ -53,6 +54,11 @@ std::string Diagnosis::report() const {
   line("training, as it stands", baseline.train_error.relative);
   line("training, extended", extended.train_error.relative);
   line("noise floor", baseline.noise_floor);
+  if (!next_experiment.separates.empty()) {
+    out += fmt::format("next experiment, to separate {} from {}:\n  {}\n",
+                       next_experiment.separates[0], next_experiment.separates[1],
+                       next_experiment.trajectory);
+  }
   for (const CannotTell& c : cannot_tell)
     out += fmt::format("cannot tell: {} on joint {}: {}\n", c.effect, c.joint, c.why);
   return out;

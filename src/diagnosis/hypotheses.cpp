@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "veridyn/effects/effect.hpp"
+#include "veridyn/identification/arm_effects.hpp"
 
 namespace veridyn {
 namespace {
@@ -45,31 +46,58 @@ Motion motion_along(const Axis& axis, const std::vector<CompressedRecording>& fa
 }
 
 int stage_of(const std::string& effect) {
-  if (effect == "torque_gain" || effect == "time_delay" || effect == "torque_drift" ||
-      effect == "torque_offset")
+  if (is_arm_effect(effect) || effect == "torque_drift" || effect == "torque_offset" ||
+      effect == "payload")
     return 0;
   if (effect == "rotor_inertia" || effect == "joint_spring" || effect == "transmission_compliance")
     return 1;
   return 2;
 }
 
-bool has_term(const Model& arm, const std::string& effect, const Axis& axis) {
-  for (const EffectTerm& term : arm.effects()) {
-    if (term.effect == effect && term.axis.coefficients == axis.coefficients) return true;
+// Columns of these are derivatives: a value beyond is outside of what they describe, and no fault
+// of this kind is so large without being noticed.
+double largest_value(const std::string& effect, bool slides) {
+  if (effect == "torque_gain") return 0.6;
+  if (effect == "time_delay") return 0.02;                     // [s]
+  if (effect == "encoder_offset") return slides ? 0.03 : 0.2;  // [m], [rad]
+  if (effect == "gravity_tilt") return 0.3;                    // [rad]
+  return 1e300;
+}
+
+// Index of the arm's own term, or -1.
+int own_term(const Model& arm, const std::string& effect, const Axis& axis) {
+  for (size_t k = 0; k < arm.effects().size(); ++k) {
+    const EffectTerm& term = arm.effects()[k];
+    if (term.effect == effect && term.axis.coefficients == axis.coefficients)
+      return static_cast<int>(k);
   }
-  return false;
+  return -1;
+}
+
+// The frame that a link's frames are fixed to, itself if it moves.
+int link_of(const Model& arm, int frame) {
+  while (frame >= 0 && arm.frames()[static_cast<size_t>(frame)].type == JointType::kFixed)
+    frame = arm.frames()[static_cast<size_t>(frame)].parent;
+  return frame;
 }
 
 class Builder {
  public:
-  Builder(const Model& arm, const std::vector<CompressedRecording>& facts,
-          const std::vector<std::string>& wanted)
-      : arm_(arm), facts_(facts), wanted_(wanted), description_(arm.description()) {}
+  Builder(const Model& arm, const std::vector<CompressedRecording>& facts, const QuestionList& list)
+      : arm_(arm), facts_(facts), list_(list), description_(arm.description()) {}
 
   void ask_all() {
+    if (wanted("gravity_tilt")) add("gravity_tilt", {VectorXd::Zero(arm_.joints()), 0.0}, {});
     for (const Axis& axis : axes()) {
       const Motion m = motion_along(axis, facts_);
       for (const Effect* effect : all_effects()) ask(*effect, axis, m);
+      const bool plain = (axis.coefficients.array() != 0.0).count() == 1;
+      for (const char* effect : {"torque_gain", "time_delay", "encoder_offset"}) {
+        if (plain && wanted(effect)) add(effect, axis, {});
+      }
+    }
+    if (list_.changes && wanted("payload")) {
+      for (const int frame : payload_frames(arm_)) add_payload(frame);
     }
   }
 
@@ -78,7 +106,7 @@ class Builder {
     const std::vector<StandardParameter> parameters = standard_parameters(out.model);
     for (Hypothesis& h : out.hypotheses) {
       for (const StandardParameter& p : parameters) {
-        if (p.effect == h.term) h.columns.push_back(p.name);
+        if (h.term >= 0 ? p.effect == h.term : p.body == h.body) h.columns.push_back(p.name);
       }
     }
     return out;
@@ -100,16 +128,29 @@ class Builder {
     return out;
   }
 
+  bool wanted(const std::string& name) const {
+    const std::vector<std::string>& some = list_.wanted;
+    return some.empty() || std::find(some.begin(), some.end(), name) != some.end();
+  }
+
   void ask(const Effect& effect, const Axis& axis, const Motion& m) {
     const std::string name = effect.name();
-    if (!wanted_.empty() && std::find(wanted_.begin(), wanted_.end(), name) == wanted_.end())
-      return;
+    if (!wanted(name)) return;
     const bool plain = (axis.coefficients.array() != 0.0).count() == 1;
     if (!plain && name != "presliding_hysteresis") return;
-    if (has_term(arm_, name, axis) && !effect.has_memory()) return;
-    if (name == "torque_ripple") return;  // its order comes from a spectrum, not from a grid
+    const bool has_shapes = !effect.shapes().empty();
+    const int own = own_term(arm_, name, axis);
+    if (own >= 0 && list_.changes && !effect.needs_source()) {
+      add(name, axis, arm_.effects()[static_cast<size_t>(own)].values, -1, own);
+      if (!has_shapes) return;
+    }
+    if (own >= 0 && !list_.changes && !effect.has_memory()) return;
     const auto add = [&](const char* key, double value) { this->add(name, axis, {{key, value}}); };
-    if (name == "presliding_hysteresis") {
+    if (name == "torque_ripple") {
+      const auto joint = static_cast<size_t>(main_coordinate(axis));
+      if (joint >= list_.ripple_orders.size()) return;
+      for (const double order : list_.ripple_orders[joint]) add("order", order);
+    } else if (name == "presliding_hysteresis") {
       for (const double share : kLengthShares) add("distance", share * m.travel);
     } else if (name == "backlash") {
       for (const double share : kGapShares) add("gap", share * m.travel);
@@ -133,36 +174,85 @@ class Builder {
   }
 
   void add(const std::string& effect, const Axis& axis, const std::map<std::string, double>& shape,
-           int from = -1) {
+           int from = -1, int changes = -1) {
     EffectTerm term;
     term.effect = effect;
     term.axis = axis;
     term.values = shape;
+    const std::vector<EffectParameter> parameters =
+        is_arm_effect(effect) ? arm_effect_parameters(effect) : find_effect(effect).parameters();
+    for (const EffectParameter& p : parameters) term.values.erase(p.name);
     if (from >= 0) term.from = Axis{VectorXd::Unit(arm_.joints(), from), 0.0};
     Hypothesis h;
     h.effect = effect;
-    h.joint = main_coordinate(axis);
+    h.joint = effect == "gravity_tilt" ? -1 : main_coordinate(axis);
+    h.changes = changes;
     h.term = static_cast<int>(description_.effects.size());
     h.stage = stage_of(effect);
-    h.family = effect + " " + axis_text(arm_, axis) +
+    h.largest_value = largest_value(effect, is_prismatic(arm_, axis));
+    h.family = (changes >= 0 ? "changed " : "") + effect + " " + axis_text(arm_, axis) +
                (from >= 0 ? " from " + arm_.coordinates()[from].name : "");
-    for (const EffectParameter& p : find_effect(effect).parameters()) h.signs.push_back(p.sign);
+    for (const EffectParameter& p : parameters)
+      h.signs.push_back(changes >= 0 ? ParameterSign::kAny : p.sign);
     description_.effects.push_back(std::move(term));
+    hypotheses_.push_back(std::move(h));
+  }
+
+  // One body more on the link, without mass as long as nobody fits it.
+  void add_payload(int frame) {
+    Frame load;
+    load.name = "payload@" + arm_.frames()[static_cast<size_t>(frame)].name;
+    load.parent = frame;
+    load.variable.coefficients = VectorXd::Zero(arm_.joints());
+    load.body = Body{};
+    load.body->phi = InertialParameters::Zero();
+    Hypothesis h;
+    h.effect = "payload";
+    h.frame = frame;
+    for (int i = 0; i < arm_.joints(); ++i) {
+      if (arm_.moves(frame, i)) h.joint = i;
+    }
+    h.body = static_cast<int>(arm_.bodies().size()) + payloads_++;
+    h.stage = stage_of("payload");
+    h.family = load.name;
+    h.signs.assign(kBodyParameters, ParameterSign::kAny);
+    description_.frames.push_back(std::move(load));
     hypotheses_.push_back(std::move(h));
   }
 
   const Model& arm_;
   const std::vector<CompressedRecording>& facts_;
-  const std::vector<std::string>& wanted_;
+  const QuestionList& list_;
+  int payloads_ = 0;
   ModelDescription description_;
   std::vector<Hypothesis> hypotheses_;
 };
 
 }  // namespace
 
+std::vector<int> payload_frames(const Model& arm) {
+  std::vector<int> out;
+  for (int k = 0; k < static_cast<int>(arm.frames().size()); ++k) {
+    const int link = link_of(arm, k);
+    if (link < 0) continue;
+    const auto same =
+        std::find_if(out.begin(), out.end(), [&](int other) { return same_link(arm, other, k); });
+    if (same == out.end()) {
+      out.push_back(k);
+    } else {
+      *same = k;
+    }
+  }
+  return out;
+}
+
+bool same_link(const Model& arm, int a, int b) {
+  return link_of(arm, a) == link_of(arm, b);
+}
+
 AugmentedModel augmented_model(const Model& arm, const std::vector<CompressedRecording>& facts,
-                               const std::vector<std::string>& wanted) {
-  Builder builder(arm, facts, wanted);
+                               const QuestionList& list) {
+  Builder builder(arm, facts, list);
   builder.ask_all();
   return builder.take();
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -11,10 +12,14 @@ namespace veridyn {
 /// shape constants.
 struct Hypothesis {
   std::string effect;
-  int joint = 0;  ///< coordinate, from 0
-  int term = 0;   ///< index among the augmented model's effects
+  int joint = 0;     ///< coordinate, from 0; -1: the whole arm
+  int term = -1;     ///< index among the augmented model's effects; -1: a payload
+  int frame = -1;    ///< of a payload: the link's frame in the arm asked about
+  int body = -1;     ///< of a payload: index among the augmented model's bodies
+  int changes = -1;  ///< index of the arm's own effect that has changed; -1: a new one
   std::vector<std::string> columns;
   std::vector<ParameterSign> signs;
+  double largest_value = 1e300;  ///< a parameter beyond this is no answer
   int stage =
       0;  ///< order of the questions: 0 channels, 1 inertia and elasticity, 2 friction and forces
   std::string family;  ///< hypotheses that differ in shape constants only share it
@@ -27,10 +32,24 @@ struct AugmentedModel {
   std::vector<Hypothesis> hypotheses;
 };
 
-/// @param arm     with values, so that effects that depend on the load have one.
-/// @param facts   of the training recordings: ranges of motion, for grids of lengths and speeds.
-/// @param wanted  names of effects; empty: all.
+/// What to ask.
+struct QuestionList {
+  std::vector<std::string> wanted;  ///< names of effects; empty: all
+  /// The arm's values are facts: ask what changed since they were identified. Its own effects may
+  /// have changed, and a payload may sit on every link.
+  bool changes = false;
+  std::vector<std::vector<double>> ripple_orders;  ///< per joint: waves to ask about
+};
+
+/// @param arm    with values, so that effects that depend on the load have one.
+/// @param facts  of the training recordings: ranges of motion, for grids of lengths and speeds.
 AugmentedModel augmented_model(const Model& arm, const std::vector<CompressedRecording>& facts,
-                               const std::vector<std::string>& wanted);
+                               const QuestionList& list);
+
+/// Frames on which a payload would make a difference: the last frame of every link that moves.
+std::vector<int> payload_frames(const Model& arm);
+
+/// True if the two frames are fixed to one link.
+bool same_link(const Model& arm, int a, int b);
 
 }  // namespace veridyn

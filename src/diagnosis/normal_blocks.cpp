@@ -81,6 +81,7 @@ NormalBlocks::NormalBlocks(const std::vector<CompressedRecording>& recordings,
 VectorXd NormalBlocks::solve(const ColumnSet& set, const VectorXd& weights, const Sums& sums,
                              const Sums* without) const {
   const auto k = static_cast<Eigen::Index>(set.size());
+  if (k == 0) return {};
   MatrixXd A = MatrixXd::Zero(k, k);
   VectorXd b = VectorXd::Zero(k);
   for (int j = 0; j < joints_; ++j) {

@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <set>
 #include <string>
 #include <unordered_map>
@@ -14,7 +15,8 @@ namespace veridyn {
 namespace {
 
 constexpr double kAbsorbed =
-    1e-6;                   // share of a column's square that must be new for the data to answer
+    1e-6;  // share of a column's square that must be new for the data to answer
+constexpr double kOwnCause = 0.5;
 constexpr int kTested = 6;  // best candidates that get a Wald test in every round
 
 // Clusters that are left out together.
@@ -47,7 +49,6 @@ NormalBlocks::Sums summed(const NormalBlocks& data, const std::vector<int>& clus
   return out;
 }
 
-// One over the mean square residual of every joint, iterated twice.
 VectorXd joint_weights(const NormalBlocks& data, const ColumnSet& set) {
   const NormalBlocks::Sums& all = data.total();
   VectorXd w = all.rows.array() / all.b2.array().max(1e-300);
@@ -70,6 +71,29 @@ double log_fall(const VectorXd& before, const VectorXd& after) {
   return (before.array().max(1e-300).log() - after.array().max(1e-300).log()).sum();
 }
 
+// Of the columns of a body those that the others do not span, first ones first.
+ColumnSet independent(const NormalBlocks& data, const ColumnSet& all) {
+  const auto k = static_cast<Eigen::Index>(all.size());
+  MatrixXd S = MatrixXd::Zero(k, k);
+  for (const MatrixXd& G : data.total().G) {
+    for (Eigen::Index r = 0; r < k; ++r) {
+      for (Eigen::Index c = 0; c < k; ++c)
+        S(r, c) += G(all[static_cast<size_t>(r)], all[static_cast<size_t>(c)]);
+    }
+  }
+  // First moments pin a small load best, then inertia, mass last.
+  ColumnSet out;
+  const VectorXd diagonal = S.diagonal();
+  for (Eigen::Index at = 1; at <= k; ++at) {
+    const Eigen::Index c = at % k;
+    if (S(c, c) <= kAbsorbed * diagonal[c]) continue;
+    out.push_back(all[static_cast<size_t>(c)]);
+    const VectorXd column = S.col(c);
+    S -= column * column.transpose() / column[c];
+  }
+  return out;
+}
+
 class Selector {
  public:
   Selector(const NormalBlocks& data, const ColumnSet& base,
@@ -83,6 +107,41 @@ class Selector {
     // provisional.
     families_ =
         several_recordings() ? static_cast<double>(std::max<size_t>(1, families.size())) : 1.0;
+  }
+
+  Selection accept_all() {
+    for (size_t h = 0; h < hypotheses_.size(); ++h) {
+      Evidence e;
+      e.hypothesis = static_cast<int>(h);
+      accepted_.push_back({e, {}});
+    }
+    return fitted();
+  }
+
+  std::vector<int> drop_until_needed() {
+    for (size_t h = 0; h < hypotheses_.size(); ++h) {
+      Evidence e;
+      e.hypothesis = static_cast<int>(h);
+      accepted_.push_back({e, {}});
+    }
+    while (!accepted_.empty()) {
+      size_t weakest = accepted_.size();
+      double least = 1e300;
+      for (size_t k = 0; k < accepted_.size(); ++k) {
+        std::vector<int> others = chosen();
+        const int own = others[k];
+        others.erase(others.begin() + static_cast<long>(k));
+        const VectorXd w = weights(set_with(others));
+        const Evidence e = ask(own, others, score(set_with(others), w), w);
+        const double worth = e.absorbed ? -1e300 : e.gain;
+        if (passes(e) || worth >= least) continue;
+        least = worth;
+        weakest = k;
+      }
+      if (weakest == accepted_.size()) break;
+      accepted_.erase(accepted_.begin() + static_cast<long>(weakest));
+    }
+    return chosen();
   }
 
   Selection run() {
@@ -132,8 +191,12 @@ class Selector {
     for (size_t k = 0; k < own.size(); ++k) {
       const double value = x[x.size() - static_cast<Eigen::Index>(own.size() - k)];
       const bool nonnegative =
+          hypotheses_[static_cast<size_t>(h)].body < 0 &&
           hypotheses_[static_cast<size_t>(h)].signs[k] == ParameterSign::kNonnegative;
-      e.sign_broken = e.sign_broken || (nonnegative && value < 0.0);
+      const double scale = std::max(data_.scale()[own[k]], 1e-300);
+      const bool absurd =
+          std::abs(value) / scale > hypotheses_[static_cast<size_t>(h)].largest_value;
+      e.sign_broken = e.sign_broken || (nonnegative && value < 0.0) || absurd;
     }
     const Score after = score(set, w);
     // The mean over folds and not the fall of the pooled error: one recording with a fault of its
@@ -166,7 +229,8 @@ class Selector {
     MatrixXd S = A.topLeftCorner(n, n);
     S.diagonal() *= 1.0 + 1e-11;
     const MatrixXd C = A.topRightCorner(n, k);
-    const MatrixXd rest = A.bottomRightCorner(k, k) - C.transpose() * S.ldlt().solve(C);
+    MatrixXd rest = A.bottomRightCorner(k, k);
+    if (n > 0) rest -= C.transpose() * S.ldlt().solve(C);
     double share = 0.0;
     for (Eigen::Index c = 0; c < k; ++c)
       share = std::max(share, rest(c, c) / std::max(A(n + c, n + c), 1e-300));
@@ -239,9 +303,22 @@ class Selector {
     return a.gain > b.gain;
   }
 
+  // A rival explains the same: once the chosen one is there, little of its gain is left. What still
+  // gains as much is a cause of its own.
+  void keep_true_rivals(const std::vector<Evidence>& now) {
+    if (accepted_.empty()) return;
+    std::vector<Evidence>& rivals = accepted_.back().rivals;
+    rivals.erase(std::remove_if(rivals.begin(), rivals.end(),
+                                [&](const Evidence& e) {
+                                  const Evidence& left = now[static_cast<size_t>(e.hypothesis)];
+                                  return !left.absorbed && left.gain > kOwnCause * e.gain;
+                                }),
+                 rivals.end());
+  }
+
   bool add_one() {
     std::vector<Evidence> all = ask_all(chosen());
-    last_ = all;
+    keep_true_rivals(all);
     std::vector<Evidence> good;
     for (const Evidence& e : all) {
       if (passes(e)) good.push_back(e);
@@ -312,10 +389,38 @@ class Selector {
     }
   }
 
+  // Of the best hypothesis of every family that was asked and not accepted.
+  void give_p_values(std::vector<Evidence>& asked) const {
+    std::map<std::string, Evidence*> best;
+    for (Evidence& e : asked) {
+      if (e.absorbed) continue;
+      Evidence*& of_family = best[hypotheses_[static_cast<size_t>(e.hypothesis)].family];
+      if (of_family == nullptr || of_family->gain < e.gain) of_family = &e;
+    }
+    std::vector<Evidence*> list;
+    for (const auto& [family, e] : best) list.push_back(e);
+    const std::vector<int> with = chosen();
+    const VectorXd w = weights(set_with(with));
+    parallel_for(static_cast<int>(list.size()), options_.identification.threads, [&](int k) {
+      Evidence& e = *list[static_cast<size_t>(k)];
+      e.p_value = p_value(e.hypothesis, with, w);
+    });
+  }
+
   Selection finish() {
+    Selection out = fitted();
+    out.last_asked = ask_all(chosen());
+    if (!out.accepted.empty() && out.accepted.size() == accepted_.size()) {
+      keep_true_rivals(out.last_asked);
+      out.accepted = accepted_;
+    }
+    give_p_values(out.last_asked);
+    return out;
+  }
+
+  Selection fitted() const {
     Selection out;
     out.accepted = accepted_;
-    out.last_asked = ask_all(chosen());
     out.columns = set_with(chosen());
     const VectorXd w = weights(out.columns);
     const VectorXd x = data_.solve(out.columns, w, data_.total(), nullptr);
@@ -339,7 +444,6 @@ class Selector {
   std::vector<ColumnSet> columns_;
   double families_ = 1.0;
   std::vector<Accepted> accepted_;
-  std::vector<Evidence> last_;
 };
 
 }  // namespace
@@ -364,7 +468,22 @@ ColumnSet columns_of(const NormalBlocks& data, const Hypothesis& hypothesis) {
       if (data.names()[static_cast<size_t>(k)] == name && data.scale()[k] > 0.0) out.push_back(k);
     }
   }
-  return out;
+  return hypothesis.body >= 0 ? independent(data, out) : out;
+}
+
+VectorXd residual_weights(const NormalBlocks& data, const ColumnSet& set) {
+  return joint_weights(data, set);
+}
+
+Selection refit(const NormalBlocks& data, const ColumnSet& base,
+                const std::vector<Hypothesis>& hypotheses, const DiagnosisOptions& options) {
+  return Selector(data, base, hypotheses, options).accept_all();
+}
+
+std::vector<int> still_needed(const NormalBlocks& data, const ColumnSet& base,
+                              const std::vector<Hypothesis>& hypotheses,
+                              const DiagnosisOptions& options) {
+  return Selector(data, base, hypotheses, options).drop_until_needed();
 }
 
 Selection select_effects(const NormalBlocks& data, const ColumnSet& base,

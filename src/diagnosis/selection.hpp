@@ -15,12 +15,20 @@ struct Evidence {
   double fold_share = 0.0;  ///< of the folds, those that improve
   double p_value = 1.0;
   bool absorbed = false;  ///< its columns lie in the span of the others: these data cannot answer
-  bool sign_broken = false;  ///< a parameter has a sign that nature forbids
+  bool sign_broken = false;  ///< a parameter has a sign that nature forbids, or is absurdly large
 };
 
 struct Accepted {
   Evidence evidence;
   std::vector<Evidence> rivals;  ///< other families whose gain was within the tie
+};
+
+/// Where a shape constant of an accepted hypothesis may lie.
+struct ShapeInterval {
+  int hypothesis = -1;
+  std::string shape;
+  double low = 0.0;
+  double high = 0.0;
 };
 
 struct Selection {
@@ -31,6 +39,7 @@ struct Selection {
   VectorXd values;    ///< unscaled, over `columns`
   VectorXd standard_deviations;  ///< cluster jackknife
   double degrees_of_freedom = 0.0;
+  std::vector<ShapeInterval> shapes;
 };
 
 /// Forward selection with swaps and a drop-one round at the end; weights follow the residual.
@@ -39,6 +48,19 @@ struct Selection {
 Selection select_effects(const NormalBlocks& data, const ColumnSet& base,
                          const std::vector<Hypothesis>& hypotheses,
                          const DiagnosisOptions& options);
+
+/// The same hypotheses, all of them accepted, fitted again: for other columns of theirs.
+Selection refit(const NormalBlocks& data, const ColumnSet& base,
+                const std::vector<Hypothesis>& hypotheses, const DiagnosisOptions& options);
+
+/// Of hypotheses that are all accepted, those that these columns no longer support beside the
+/// others, one after the other, the weakest first. Indices that stay, ascending.
+std::vector<int> still_needed(const NormalBlocks& data, const ColumnSet& base,
+                              const std::vector<Hypothesis>& hypotheses,
+                              const DiagnosisOptions& options);
+
+/// One over the mean square residual of every joint, iterated.
+VectorXd residual_weights(const NormalBlocks& data, const ColumnSet& set);
 
 /// Mean over the held-out folds of the fall of the sum over joints of ln(mean square) from one
 /// model of the same recordings to another.

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "period_fold.hpp"
+#include "veridyn/math/parallel.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn {
@@ -95,6 +96,15 @@ class Blocks {
   std::vector<std::vector<SquareRootInformation>> blocks_;
 };
 
+// What is left out of other recordings does not matter to this one.
+PreprocessingOptions of_this_source(PreprocessingOptions options, const std::string& source) {
+  std::vector<LeftOut>& parts = options.left_out;
+  parts.erase(std::remove_if(parts.begin(), parts.end(),
+                             [&](const LeftOut& part) { return part.source != source; }),
+              parts.end());
+  return options;
+}
+
 CompressedRecording run_compress(const Model& arm, const std::string& source,
                                  const PreprocessingOptions& options, const MotionPeriod& period,
                                  const Pass& pass) {
@@ -102,7 +112,7 @@ CompressedRecording run_compress(const Model& arm, const std::string& source,
   out.source = source;
   out.period = period;
   const int n = arm.joints();
-  const RegressorColumns columns(arm, options);
+  const RegressorColumns columns(arm, of_this_source(options, source));
   Blocks blocks(columns, n, period.seconds);
   PeriodFold fold(n, period.seconds);
   out.joints.resize(static_cast<size_t>(n));
@@ -197,7 +207,7 @@ class SeriesCollector {
   void add(const Stretch& s, const RegressorColumns::Prediction& p, Eigen::Index row) {
     if (series_ == nullptr || index_++ % stride_ != 0) return;
     const MatrixXd* sources[] = {&s.q, &s.dq, &s.ddq, &p.measured, &p.modelled};
-    series_->time.push_back(s.time[row]);
+    series_->time.push_back(s.time[row] - s.start);
     for (size_t t = 0; t < tables().size(); ++t) {
       std::vector<std::vector<double>>& table = *tables()[t];
       for (size_t i = 0; i < table.size(); ++i)
@@ -228,11 +238,12 @@ class SeriesCollector {
   long stride_ = 1;
 };
 
-ErrorSums run_prediction(const Model& arm, const PreprocessingOptions& options,
-                         const VectorRef& values, const std::vector<TorqueFacts>& joints,
-                         PredictionSeries* series, const Pass& pass) {
+ErrorSums run_prediction(const Model& arm, const std::string& source,
+                         const PreprocessingOptions& options, const VectorRef& values,
+                         const std::vector<TorqueFacts>& joints, PredictionSeries* series,
+                         const Pass& pass) {
   const int n = arm.joints();
-  const RegressorColumns columns(arm, options);
+  const RegressorColumns columns(arm, of_this_source(options, source));
   ErrorSums sums(n);
   SeriesCollector collector(series, n);
   pass([&](const Stretch& s) {
@@ -240,6 +251,7 @@ ErrorSums run_prediction(const Model& arm, const PreprocessingOptions& options,
     for (Eigen::Index k = s.core_begin; k < s.core_end; ++k) {
       if (s.use[static_cast<size_t>(k)] == 0) continue;
       for (int i = 0; i < n; ++i) {
+        if (columns.left_out(i, s.time[k] - s.start)) continue;
         const double tau = p.measured(k, i);
         const double e = tau - p.modelled(k, i);
         sums.torque2[i] += tau * tau;
@@ -273,6 +285,16 @@ CompressedRecording compress(const Model& arm, const Recording& recording,
       [&](const Visit& visit) { return for_each_stretch(arm, recording, options, visit); });
 }
 
+std::vector<CompressedRecording> compress_all(const Model& arm,
+                                              const std::vector<std::string>& paths,
+                                              const PreprocessingOptions& options, int threads) {
+  std::vector<CompressedRecording> out(paths.size());
+  parallel_for(static_cast<int>(paths.size()), threads, [&](int k) {
+    out[static_cast<size_t>(k)] = compress(arm, paths[static_cast<size_t>(k)], options);
+  });
+  return out;
+}
+
 ErrorSums::ErrorSums(int joints)
     : torque2(VectorXd::Zero(joints)),
       error2(torque2),
@@ -301,7 +323,7 @@ PredictionError ErrorSums::error() const {
 ErrorSums prediction_error(const Model& arm, const std::string& path,
                            const PreprocessingOptions& options, const VectorRef& values,
                            const std::vector<TorqueFacts>& joints, PredictionSeries* series) {
-  return run_prediction(arm, options, values, joints, series, [&](const Visit& visit) {
+  return run_prediction(arm, path, options, values, joints, series, [&](const Visit& visit) {
     return for_each_stretch(arm, path, options, visit);
   });
 }
@@ -309,9 +331,9 @@ ErrorSums prediction_error(const Model& arm, const std::string& path,
 ErrorSums prediction_error(const Model& arm, const Recording& recording,
                            const PreprocessingOptions& options, const VectorRef& values,
                            const std::vector<TorqueFacts>& joints, PredictionSeries* series) {
-  return run_prediction(arm, options, values, joints, series, [&](const Visit& visit) {
-    return for_each_stretch(arm, recording, options, visit);
-  });
+  return run_prediction(
+      arm, recording.source, options, values, joints, series,
+      [&](const Visit& visit) { return for_each_stretch(arm, recording, options, visit); });
 }
 
 }  // namespace veridyn

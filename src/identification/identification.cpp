@@ -4,9 +4,9 @@
 #include <cmath>
 #include <limits>
 
+#include "validation.hpp"
 #include "veridyn/identification/base_solution.hpp"
 #include "veridyn/math/dense.hpp"
-#include "veridyn/math/parallel.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/model_file.hpp"
 
@@ -24,17 +24,6 @@ constexpr double kStillPrismatic = 2e-4;  // [m]
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
-std::vector<CompressedRecording> compress_all(const Model& arm,
-                                              const std::vector<std::string>& paths,
-                                              const PreprocessingOptions& preprocessing,
-                                              int threads) {
-  std::vector<CompressedRecording> out(paths.size());
-  parallel_for(static_cast<int>(paths.size()), threads, [&](int k) {
-    out[static_cast<size_t>(k)] = compress(arm, paths[static_cast<size_t>(k)], preprocessing);
-  });
-  return out;
 }
 
 void find_still_joints(const Model& arm, const std::vector<CompressedRecording>& recordings,
@@ -292,30 +281,6 @@ void solve(const Model& arm, const std::vector<CompressedRecording>& recordings,
   id.model = with_values(arm, id.parameters, id.parameter_deviations);
 }
 
-VectorXd mean_floor(const std::vector<CompressedRecording>& recordings, int joints) {
-  VectorXd sum = VectorXd::Zero(joints);
-  int count = 0;
-  for (const CompressedRecording& r : recordings) {
-    if (r.noise_floor.size() == 0) continue;
-    sum += r.noise_floor.cwiseAbs2();
-    ++count;
-  }
-  return count > 0 ? VectorXd((sum / count).cwiseSqrt()) : VectorXd();
-}
-
-Identification start(const Model& arm, const IdentificationOptions& options) {
-  Identification id;
-  id.robot = arm.name();
-  id.method = options.method;
-  id.weights = options.weights;
-  id.condition = options.condition;
-  id.signs = options.signs;
-  if (options.prior) id.prior = options.prior->name();
-  id.preprocessing = options.preprocessing;
-  id.test_preprocessing = options.test_preprocessing.value_or(options.preprocessing);
-  return id;
-}
-
 // From factors to a model; false if there is none.
 bool fit(const Model& arm, const std::vector<CompressedRecording>& recordings,
          const IdentificationOptions& options, Identification& id) {
@@ -327,7 +292,7 @@ bool fit(const Model& arm, const std::vector<CompressedRecording>& recordings,
     }
   }
   find_still_joints(arm, recordings, id);
-  id.noise_floor = mean_floor(recordings, arm.joints());
+  id.noise_floor = mean_noise_floor(recordings, arm.joints());
   const auto begin = std::chrono::steady_clock::now();
   solve(arm, recordings, options, id);
   id.seconds.solve = seconds_since(begin);
@@ -340,7 +305,7 @@ Identification identify(const Model& arm, const std::vector<std::string>& train,
                         const std::vector<std::string>& test,
                         const IdentificationOptions& options) {
   require(!train.empty(), "identify: there is no recording to train on.");
-  Identification id = start(arm, options);
+  Identification id = described(arm, options);
   const auto say = [&options](const std::string& what, double share) {
     if (options.progress) options.progress(what, share);
   };
@@ -352,38 +317,15 @@ Identification identify(const Model& arm, const std::vector<std::string>& train,
   say("solving", 0.4);
   if (!fit(arm, recordings, options, id)) return id;
   say("validating", 0.6);
-  const auto validation = std::chrono::steady_clock::now();
-  const std::vector<CompressedRecording> held_out =
-      compress_all(arm, test, id.test_preprocessing, options.threads);
-  id.train.resize(train.size());
-  id.test.resize(test.size());
-  std::vector<ErrorSums> sums(train.size() + test.size(), ErrorSums(arm.joints()));
-  parallel_for(static_cast<int>(sums.size()), options.threads, [&](int k) {
-    const auto t = static_cast<size_t>(k);
-    const bool is_train = t < train.size();
-    const CompressedRecording& recording = is_train ? recordings[t] : held_out[t - train.size()];
-    RecordingError& out = is_train ? id.train[t] : id.test[t - train.size()];
-    const PreprocessingOptions& preprocessing = is_train ? id.preprocessing : id.test_preprocessing;
-    sums[t] = prediction_error(arm, recording.source, preprocessing, id.parameters,
-                               recording.joints, &out.series);
-    out.source = recording.source;
-    out.noise_floor = recording.noise_floor;
-    out.error = sums[t].error();
-  });
-  ErrorSums train_sums(arm.joints());
-  ErrorSums test_sums(arm.joints());
-  for (size_t t = 0; t < sums.size(); ++t) (t < train.size() ? train_sums : test_sums).add(sums[t]);
-  id.train_error = train_sums.error();
-  if (!test.empty()) id.test_error = test_sums.error();
-  id.seconds.validate = seconds_since(validation);
   id.factors = recordings;
+  validate(arm, test, options, id);
   say("done", 1.0);
   return id;
 }
 
 Identification identify(const Model& arm, const Recording& recording,
                         const IdentificationOptions& options) {
-  Identification id = start(arm, options);
+  Identification id = described(arm, options);
   const std::vector<CompressedRecording> recordings = {
       compress(arm, recording, options.preprocessing)};
   if (!fit(arm, recordings, options, id)) return id;

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "veridyn/dynamics/rigid_body_dynamics.hpp"
+#include "veridyn/identification/arm_effects.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn {
@@ -16,6 +17,26 @@ constexpr std::array<const char*, kBodyParameters> kSymbols = {"m",   "hx",  "hy
 
 const char* inertial_unit(int component) {
   return component == 0 ? "kg" : component < 4 ? "kg m" : "kg m^2";
+}
+
+}  // namespace
+
+namespace {
+
+void append_arm_effect(const Model& arm, int e, std::vector<StandardParameter>& out) {
+  const EffectTerm& term = arm.effects()[static_cast<size_t>(e)];
+  const std::vector<EffectParameter>& own = arm_effect_parameters(term.effect);
+  const bool metres = !term.axis.coefficients.isZero(0.0) && is_prismatic(arm, term.axis);
+  for (size_t c = 0; c < own.size(); ++c) {
+    StandardParameter p;
+    p.name = arm_effect_parameter_name(arm, term, static_cast<int>(c));
+    p.unit = metres ? own[c].unit_prismatic : own[c].unit_revolute;
+    p.component = static_cast<int>(c);
+    p.effect = e;
+    p.lower = -kInfinity;
+    p.upper = kInfinity;
+    out.push_back(p);
+  }
 }
 
 }  // namespace
@@ -38,6 +59,10 @@ std::vector<StandardParameter> standard_parameters(const Model& arm) {
     }
   }
   for (size_t e = 0; e < arm.effects().size(); ++e) {
+    if (is_arm_effect(arm.effects()[e].effect)) {
+      append_arm_effect(arm, static_cast<int>(e), out);
+      continue;
+    }
     const BoundEffect effect(arm, arm.effects()[e]);
     for (int c = 0; c < effect.parameter_count(); ++c) {
       StandardParameter p;

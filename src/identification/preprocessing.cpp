@@ -49,8 +49,22 @@ std::vector<char> widened(const std::vector<char>& sound, Eigen::Index margin) {
   return use;
 }
 
-Stretch make_stretch(const UniformStream& stream, Eigen::Index rows, int n,
+// A torque that was recorded late is brought forward, by straight lines between samples.
+void undo_delay(double delay, double dt, Eigen::Ref<VectorXd> tau) {
+  if (delay == 0.0) return;
+  const VectorXd recorded = tau;
+  const auto last = static_cast<double>(tau.size() - 1);
+  for (Eigen::Index k = 0; k < tau.size(); ++k) {
+    const double at = std::clamp(static_cast<double>(k) + delay / dt, 0.0, last);
+    const auto low = std::min<Eigen::Index>(static_cast<Eigen::Index>(at), tau.size() - 2);
+    if (low < 0) return;
+    tau[k] = recorded[low] + (at - static_cast<double>(low)) * (recorded[low + 1] - recorded[low]);
+  }
+}
+
+Stretch make_stretch(const Model& arm, const UniformStream& stream, Eigen::Index rows,
                      const PreprocessingOptions& o, const Filters& f) {
+  const int n = arm.joints();
   Stretch s;
   s.dt = stream.dt();
   s.start = stream.start();
@@ -68,6 +82,8 @@ Stretch make_stretch(const UniformStream& stream, Eigen::Index rows, int n,
       s.tau(i, j) = values[static_cast<size_t>((blocks - 1) * n + j)];
     }
   }
+  for (int j = 0; j < n; ++j)
+    undo_delay(arm.coordinates()[j].recorded.torque_delay, s.dt, s.tau.col(j));
   const bool signals = o.filtering == Filtering::kSignals;
   const ZeroPhaseFilter* filter =
       signals ? (f.main ? &*f.main : nullptr) : (f.light ? &*f.light : nullptr);
@@ -100,7 +116,7 @@ PreparationFacts run(const Model& arm, UniformStream& stream, const Preprocessin
     const Eigen::Index held = stream.hold(behind + kCore + ahead + 1, discard);
     const bool last = stream.ended() && held <= behind + kCore + filters.halo;
     const Eigen::Index rows = last ? held : behind + kCore + filters.halo;
-    Stretch s = make_stretch(stream, rows, arm.joints(), o, filters);
+    Stretch s = make_stretch(arm, stream, rows, o, filters);
     s.core_begin = behind;
     s.core_end = last ? rows : behind + kCore;
     const double t_end =

@@ -1,11 +1,17 @@
 #include "veridyn/identification/regressor_columns.hpp"
 
+#include <algorithm>
 #include <cmath>
 
+#include "veridyn/identification/arm_effects.hpp"
 #include "veridyn/math/zero_phase_filter.hpp"
 
 namespace veridyn {
 namespace {
+
+constexpr double kOffsetStep = 1e-5;      // [rad] or [m] of the derivative by position
+constexpr double kLoadCutoffShare = 0.5;  // of the filter's cut-off
+constexpr double kTiltStep = 1e-4;        // [rad]
 
 // Effort that the arm's own rigid bodies ask for, where the file has their values; for
 // load-dependent effects.
@@ -29,7 +35,10 @@ RegressorColumns::RegressorColumns(const Model& arm, const PreprocessingOptions&
     std::vector<int> mine = bodies_.columns(i);
     for (size_t p = 0; p < parameters_.size(); ++p) {
       const int e = parameters_[p].effect;
-      if (e >= 0 && arm.effects()[e].axis.coefficients[i] != 0.0)
+      if (e < 0) continue;
+      const EffectTerm& term = arm.effects()[e];
+      if (is_arm_effect(term.effect) ? arm_effect_acts_on(term, i)
+                                     : term.axis.coefficients[i] != 0.0)
         mine.push_back(static_cast<int>(p));
     }
     of_joint_.push_back(std::move(mine));
@@ -49,10 +58,24 @@ std::vector<MatrixXd> RegressorColumns::raw_columns(const Stretch& s) const {
   std::vector<Eigen::Index> at(static_cast<size_t>(n));
   for (int i = 0; i < n; ++i) at[i] = body_columns[i].cols();
   MatrixXd load;
+  ArmTerms of_arm;
   for (const EffectTerm& term : arm_.effects()) {
+    if (is_arm_effect(term.effect)) {
+      of_arm.emplace_back(&term, at);
+      for (int i = 0; i < n; ++i) {
+        if (!arm_effect_acts_on(term, i)) continue;
+        const auto own = static_cast<Eigen::Index>(arm_effect_parameters(term.effect).size());
+        Y[i].middleCols(at[i], own).setZero();
+        at[i] += own;
+      }
+      continue;
+    }
     BoundEffect effect(arm_, term);
     effect.reset(s.start);
-    if (effect.effect().needs_load() && load.size() == 0) load = rigid_torques(bodies_, arm_, s);
+    if (effect.effect().needs_load() && load.size() == 0) {
+      load = rigid_torques(bodies_, arm_, s);
+      smooth_load(load, s.dt);
+    }
     MatrixXd columns(rows, effect.parameter_count());
     EffectColumns row{};
     for (Eigen::Index k = 0; k < rows; ++k) {
@@ -69,12 +92,75 @@ std::vector<MatrixXd> RegressorColumns::raw_columns(const Stretch& s) const {
       at[i] += columns.cols();
     }
   }
+  if (!of_arm.empty()) fill_arm_effects(s, of_arm, Y);
   return Y;
+}
+
+// Derivatives of what the arm's own values ask for, which all other columns together give.
+void RegressorColumns::fill_arm_effects(const Stretch& s, const ArmTerms& terms,
+                                        std::vector<MatrixXd>& Y) const {
+  const auto n = static_cast<int>(Y.size());
+  const auto phi = arm_.inertial_values();
+  MatrixXd effort(s.q.rows(), n);
+  for (int i = 0; i < n; ++i) {
+    VectorXd mine(Y[i].cols());
+    for (Eigen::Index p = 0; p < mine.size(); ++p)
+      mine[p] = parameters_[static_cast<size_t>(of_joint_[i][static_cast<size_t>(p)])].value;
+    effort.col(i) = Y[i] * mine;
+  }
+  for (const auto& [term, at] : terms) {
+    if (!phi) continue;
+    if (term->effect == "gravity_tilt") {
+      fill_tilt(s, *phi, at, Y);
+      continue;
+    }
+    const int joint = main_coordinate(term->axis);
+    if (term->effect == "torque_gain") Y[joint].col(at[joint]) = effort.col(joint);
+    if (term->effect == "time_delay")
+      Y[joint].col(at[joint]) = -differentiate(effort.col(joint), s.dt);
+    if (term->effect != "encoder_offset") continue;
+    MatrixXd q = s.q;
+    MatrixXd up;
+    MatrixXd down;
+    q.col(joint).array() -= kOffsetStep;
+    bodies_.torques(q, s.dq, s.ddq, *phi, up);
+    q.col(joint).array() += 2.0 * kOffsetStep;
+    bodies_.torques(q, s.dq, s.ddq, *phi, down);
+    for (int i = 0; i < n; ++i) Y[i].col(at[i]) = (up.col(i) - down.col(i)) / (2.0 * kOffsetStep);
+  }
+}
+
+void RegressorColumns::fill_tilt(const Stretch& s, const VectorXd& phi,
+                                 const std::vector<Eigen::Index>& at,
+                                 std::vector<MatrixXd>& Y) const {
+  const MatrixXd rest = MatrixXd::Zero(s.q.rows(), s.q.cols());
+  for (int k = 0; k < 2; ++k) {
+    ModelDescription d = arm_.description();
+    const double roll = k == 0 ? kTiltStep : 0.0;
+    d.gravity = tilted_gravity_change(d.gravity, roll, kTiltStep - roll) / kTiltStep;
+    MatrixXd tau;
+    RegressorBatch(Model(std::move(d))).torques(s.q, rest, rest, phi, tau);
+    for (int i = 0; i < tau.cols(); ++i) Y[i].col(at[i] + k) = tau.col(i);
+  }
+}
+
+// The load carries the noise of the measured accelerations, as the inertias' own columns do.
+// Effects that differentiate it would cancel that noise and look like a cause; the motion itself
+// lies lower.
+void RegressorColumns::smooth_load(MatrixXd& load, double dt) const {
+  if (options_.filtering != Filtering::kMatched || options_.cutoff <= 0.0) return;
+  ZeroPhaseFilter(kLoadCutoffShare * options_.cutoff, options_.order, 1.0 / dt).apply(load);
 }
 
 void RegressorColumns::filter(MatrixXd& columns, double dt) const {
   if (options_.filtering != Filtering::kMatched || options_.cutoff <= 0.0) return;
   ZeroPhaseFilter(options_.cutoff, options_.order, 1.0 / dt).apply(columns);
+}
+
+bool RegressorColumns::left_out(int joint, double time) const {
+  return std::any_of(options_.left_out.begin(), options_.left_out.end(), [&](const LeftOut& part) {
+    return (part.joint < 0 || part.joint == joint) && time >= part.from && time <= part.to;
+  });
 }
 
 std::vector<Eigen::Index> RegressorColumns::kept_samples(const Stretch& s,
@@ -85,6 +171,7 @@ std::vector<Eigen::Index> RegressorColumns::kept_samples(const Stretch& s,
     // Counted on the time grid, so that it does not matter where a stretch begins.
     const long index = std::lround((s.time[k] - s.start) / s.dt);
     if (s.use[static_cast<size_t>(k)] == 0 || index % step != 0) continue;
+    if (left_out(static_cast<int>(joint), s.time[k] - s.start)) continue;
     if (std::abs(s.dq(k, joint)) >= options_.min_speed) kept.push_back(k);
   }
   return kept;

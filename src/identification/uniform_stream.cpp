@@ -56,12 +56,14 @@ UniformStream::Row UniformStream::make_row(const Recording& piece, Eigen::Index 
   const int n = arm_.joints();
   Row out{piece.time[row], {}};
   out.values.reserve(static_cast<size_t>(3 * n));
-  for (int j = 0; j < n; ++j) out.values.push_back(piece.q(row, j));
+  for (int j = 0; j < n; ++j)
+    out.values.push_back(piece.q(row, j) - arm_.coordinates()[j].recorded.position_offset);
   for (int j = 0; j < n && has_velocity_; ++j) out.values.push_back(piece.dq(row, j));
   for (int j = 0; j < n; ++j) {
-    out.values.push_back(piece.tau.size() > 0
-                             ? piece.tau(row, j)
-                             : piece.current(row, j) * arm_.coordinates()[j].drive_gain);
+    const Coordinate& c = arm_.coordinates()[j];
+    const double tau =
+        piece.tau.size() > 0 ? piece.tau(row, j) : piece.current(row, j) * c.drive_gain;
+    out.values.push_back(tau / c.recorded.torque_gain);
   }
   return out;
 }

@@ -83,19 +83,30 @@ class ModelReader {
   }
 
   void read_coordinate(const YamlNode& list_item) {
-    list_item.allow_keys({"name", "limits", "drive_gain"});
+    list_item.allow_keys({"name", "limits", "drive_gain", "recorded"});
     Coordinate c;
     c.name = list_item.at("name").word("the coordinate's name");
     const YamlNode node = list_item.placed("coordinates/" + c.name);
     c.limits = {-kInfinity, kInfinity, kInfinity, kInfinity, kInfinity};
     if (const auto limits = node.find("limits")) c.limits = read_limits(*limits);
     if (const auto gain = node.find("drive_gain")) c.drive_gain = gain->number();
+    if (const auto recorded = node.find("recorded")) c.recorded = read_channel(*recorded);
     for (const Coordinate& other : model_.coordinates) {
       if (other.name == c.name)
         list_item.fail("a second coordinate '" + c.name + "'", "unique names");
     }
     coordinate_names_.push_back(c.name);
     model_.coordinates.push_back(std::move(c));
+  }
+
+  static RecordedChannel read_channel(const YamlNode& node) {
+    node.allow_keys({"torque_gain", "torque_delay", "position_offset"});
+    RecordedChannel channel;
+    if (const auto gain = node.find("torque_gain")) channel.torque_gain = gain->positive_number();
+    if (const auto delay = node.find("torque_delay")) channel.torque_delay = delay->number();
+    if (const auto offset = node.find("position_offset"))
+      channel.position_offset = offset->number();
+    return channel;
   }
 
   static Limits read_limits(const YamlNode& node) {

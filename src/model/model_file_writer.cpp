@@ -106,8 +106,21 @@ class ModelWriter {
       if (!limits.empty()) parts.push_back("limits: {" + limits + "}");
       if (c.drive_gain != 0.0)
         parts.push_back("drive_gain: " + numbers_.number(place + "/drive_gain", c.drive_gain));
+      const std::string recorded = channel_text(place + "/recorded", c.recorded);
+      if (!recorded.empty()) parts.push_back("recorded: {" + recorded + "}");
       line("  - {" + listed(parts) + "}");
     }
+  }
+
+  std::string channel_text(const std::string& place, const RecordedChannel& channel) const {
+    std::vector<std::string> parts;
+    const auto add = [&](const std::string& key, double value, double usual) {
+      if (value != usual) parts.push_back(key + ": " + numbers_.number(place + "/" + key, value));
+    };
+    add("torque_gain", channel.torque_gain, 1.0);
+    add("torque_delay", channel.torque_delay, 0.0);
+    add("position_offset", channel.position_offset, 0.0);
+    return listed(parts);
   }
 
   std::string limits_text(const std::string& place, const Limits& limits) const {

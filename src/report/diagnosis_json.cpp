@@ -23,6 +23,7 @@ Json finding_json(const Finding& f) {
               {"coordinate", f.coordinate},
               {"unit", f.unit}};
   if (!f.frame.empty()) out["frame"] = f.frame;
+  if (!f.source.empty()) out["recording"] = f.source;
   out["parameters"] = Json::object();
   for (const FoundParameter& p : f.parameters) {
     out["parameters"][p.name] = {
@@ -37,6 +38,7 @@ Json finding_json(const Finding& f) {
   for (const Rival& r : f.rivals) {
     out["rivals"].push_back(
         {{"effect", r.effect}, {"joint", r.joint}, {"coordinate", r.coordinate}, {"why", r.why}});
+    if (!r.frame.empty()) out["rivals"].back()["frame"] = r.frame;
   }
   out["sentence"] = f.sentence;
   return out;
@@ -64,6 +66,7 @@ std::string to_json(const Diagnosis& d) {
   out["robot"] = d.baseline.robot;
   out["verdict"] = d.findings.empty() ? "none" : d.findings.front().sentence;
   out["provisional"] = d.provisional;
+  out["changes_since"] = d.changes;
   out["hypotheses"] = d.hypotheses;
   out["baseline"] = error_pair(d.baseline);
   out["findings"] = Json::array();
@@ -79,6 +82,16 @@ std::string to_json(const Diagnosis& d) {
   }
   out["noise_floor"] = {{"relative_error", json_list(d.baseline.noise_floor)}};
   out["extended"] = error_pair(d.extended);
+  out["next_experiment"] = {{"separates", d.next_experiment.separates},
+                            {"trajectory", d.next_experiment.trajectory}};
+  out["left_out"] = Json::array();
+  for (const LeftOut& part : d.left_out) {
+    out["left_out"].push_back({{"file", part.source},
+                               {"joint", part.joint + 1},
+                               {"from", part.from},
+                               {"to", part.to},
+                               {"why", part.why}});
+  }
   out["data_quality"] = quality_json(d.data_quality);
   out["seconds"] = d.seconds;
   return written(out);

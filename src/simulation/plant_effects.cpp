@@ -63,7 +63,14 @@ class Planter {
              VectorXd::Zero(arm.joints()),
              VectorXd::Zero(arm.joints()),
              {}},
-        effort_(standard_effort(arm)) {}
+        effort_(standard_effort(arm)) {
+    for (int i = 0; i < arm.joints(); ++i) {
+      const RecordedChannel& recorded = arm.coordinates()[static_cast<size_t>(i)].recorded;
+      out_.torque_gain[i] = recorded.torque_gain;
+      out_.torque_delay[i] = recorded.torque_delay;
+      out_.encoder_offset[i] = recorded.position_offset;
+    }
+  }
 
   void plant(const HiddenEffect& hidden) {
     if (hidden.effect == "payload") return plant_payload(hidden);

@@ -40,15 +40,17 @@ struct Rival {
   int joint = 0;  ///< from 1
   std::string coordinate;
   std::string why;
+  std::string frame;  ///< of a payload
 };
 
 struct Finding {
   int rank = 0;
   std::string effect;  ///< name in CONTRACT.md
-  int joint = 0;       ///< from 1
+  int joint = 0;       ///< from 1; 0: the whole arm
   std::string coordinate;
-  std::string frame;  ///< of a payload or a wrong constant
-  std::string unit;   ///< of the first parameter
+  std::string frame;   ///< of a payload or a wrong constant
+  std::string source;  ///< the recording that a contact is in
+  std::string unit;    ///< of the first parameter
   std::vector<FoundParameter> parameters;
   double p_value = 1.0;
   double gain = 0.0;  ///< fall of the sum over joints of ln(mean square) on held-out folds of the
@@ -72,16 +74,25 @@ struct CannotTell {
   std::string why;
 };
 
+/// The recording that would separate what these recordings cannot.
+struct NextExperiment {
+  std::vector<std::string> separates;  ///< "payload on wrist", "torque_gain on joint 2"
+  std::string trajectory;              ///< how to make it: a command, or what to move
+};
+
 /// What a diagnosis found. Plain data: text, JSON and page show exactly this.
 struct Diagnosis {
-  Identification baseline;  ///< the robot as it stands
+  bool changes = false;     ///< the robot was a MODEL: findings say what changed since
+  Identification baseline;  ///< the robot as it stands; a MODEL's values are not fitted anew
   Identification extended;  ///< with the findings
   std::vector<Finding> findings;
   std::vector<NotSupported> not_supported;
   std::vector<CannotTell> cannot_tell;
   std::vector<RecordingQuality> data_quality;
-  bool provisional = false;  ///< one training recording only: names are provisional
-  int hypotheses = 0;        ///< how many were asked
+  std::vector<LeftOut> left_out;   ///< moments that belong to a recording and not to the arm
+  NextExperiment next_experiment;  ///< empty where nothing is left to separate
+  bool provisional = false;        ///< one training recording only: names are provisional
+  int hypotheses = 0;              ///< how many were asked
   double seconds = 0.0;
 
   std::string report() const;
@@ -89,6 +100,13 @@ struct Diagnosis {
 
 /// Asks which physical causes the recordings accept beyond the robot's own model. Selection uses
 /// the training recordings only; the test recordings measure what it gained.
+///
+/// An arm without values is identified first, and every fit leaves its parameters free. An arm with
+/// values (a MODEL) is taken at its word, and findings say **what changed since**: a payload, a
+/// drive gain, an encoder's zero, friction that is not what it was.
+///
+/// Order of the questions: moments of a recording (contacts, snags), wrong constants of the robot
+/// file, and then all other causes together, the channels first where they explain as much.
 ///
 /// @throws InvalidInput  as identify(). Where the robot cannot be identified, baseline.status says
 /// so and nothing else is filled.

@@ -41,6 +41,11 @@ CompressedRecording compress(const Model& arm, const std::string& path,
 CompressedRecording compress(const Model& arm, const Recording& recording,
                              const PreprocessingOptions& options);
 
+/// Every recording of a list, in parallel. @param threads  0: one per core.
+std::vector<CompressedRecording> compress_all(const Model& arm,
+                                              const std::vector<std::string>& paths,
+                                              const PreprocessingOptions& options, int threads);
+
 /// Errors of a model on one recording, per joint.
 struct PredictionError {
   VectorXd relative;  ///< ||tau - tau_model|| / ||tau|| over all filtered samples (edges dropped)
@@ -60,7 +65,7 @@ struct ErrorSums {
 
 /// One decimated series for plots: measured and modelled torque with the motion.
 struct PredictionSeries {
-  std::vector<double> time;
+  std::vector<double> time;  ///< [s] since the recording began
   std::vector<std::vector<double>> q, dq, ddq, measured, modelled;  ///< [joint][sample]
 };
 

@@ -67,6 +67,7 @@ struct RecordingError {
   std::string source;
   PredictionError error;
   VectorXd noise_floor;  ///< relative, (n); empty where nothing repeats
+  double period = 0.0;   ///< [s] of the motion; 0: it does not repeat
   PredictionSeries series;
 };
 
@@ -126,6 +127,20 @@ struct Identification {
 /// @throws InvalidInput  a file is bad or does not fit the arm. Data that cannot answer are a
 /// status.
 Identification identify(const Model& arm, const std::vector<std::string>& train,
+                        const std::vector<std::string>& test = {},
+                        const IdentificationOptions& options = {});
+
+/// True if every body and every effect has values: a MODEL, in the words of the tool.
+bool has_all_values(const Model& arm);
+
+/// The arm with all its values declared as facts.
+Model frozen(const Model& arm);
+
+/// What an arm with values predicts of recordings; nothing is fitted. Errors, noise floors, series
+/// and factors are filled as by identify(); the factors' right-hand sides are what the arm leaves
+/// unexplained.
+/// @throws InvalidInput  a parameter has no value; as identify().
+Identification evaluate(const Model& arm, const std::vector<std::string>& train,
                         const std::vector<std::string>& test = {},
                         const IdentificationOptions& options = {});
 

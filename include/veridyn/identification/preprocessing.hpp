@@ -24,6 +24,16 @@ enum class Filtering {
 /// Where velocities come from.
 enum class VelocitySource { kRecorded, kDerived };
 
+/// Part of a recording that a joint's rows leave out, of the fit and of the errors: a contact, a
+/// snag.
+struct LeftOut {
+  std::string source;  ///< of the recording, its path
+  int joint = -1;      ///< from 0; -1: all joints
+  double from = 0.0;   ///< [s] since the recording began
+  double to = 0.0;
+  std::string why;
+};
+
 /// From a recording to samples.
 struct PreprocessingOptions {
   double cutoff = 5.0;  ///< [Hz] of the low-pass; 0: no filter
@@ -45,6 +55,7 @@ struct PreprocessingOptions {
   double min_speed = 0.0;
   /// Keep one sample in so many after the filter; 0: as many as four times the cut-off needs.
   int decimation = 0;
+  std::vector<LeftOut> left_out;
   std::vector<std::string> columns;  ///< for files without a header, see RecordingOptions
   double header_rate = 0.0;          ///< [Hz] time base of files without t
 };

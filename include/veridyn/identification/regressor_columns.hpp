@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "veridyn/dynamics/regressor_batch.hpp"
@@ -45,9 +46,19 @@ class RegressorColumns {
   };
   Prediction predict(const Stretch& stretch, const VectorRef& values) const;
 
+  /// True if the options leave this moment of the joint out; `left_out` in the options must be of
+  /// this recording only. @param time  [s] since the recording began.
+  bool left_out(int joint, double time) const;
+
  private:
+  using ArmTerms = std::vector<std::pair<const EffectTerm*, std::vector<Eigen::Index>>>;
   std::vector<MatrixXd> raw_columns(const Stretch& stretch) const;
+  void fill_arm_effects(const Stretch& stretch, const ArmTerms& terms,
+                        std::vector<MatrixXd>& Y) const;
+  void fill_tilt(const Stretch& stretch, const VectorXd& phi, const std::vector<Eigen::Index>& at,
+                 std::vector<MatrixXd>& Y) const;
   void filter(MatrixXd& columns, double dt) const;
+  void smooth_load(MatrixXd& load, double dt) const;
   std::vector<Eigen::Index> kept_samples(const Stretch& stretch, Eigen::Index joint) const;
 
   const Model& arm_;

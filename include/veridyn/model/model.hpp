@@ -86,11 +86,19 @@ struct Limits {
   double effort;
 };
 
+/// What the recordings of a joint get wrong, as diagnosed: undone when a recording is read.
+struct RecordedChannel {
+  double torque_gain = 1.0;      ///< recorded torque per true torque
+  double torque_delay = 0.0;     ///< [s] by which the recorded torque is late
+  double position_offset = 0.0;  ///< [rad] or [m] recorded position minus true position
+};
+
 struct Coordinate {
   std::string name;
   Limits limits;
   double drive_gain = 0.0;  ///< [N m/A] or [N/A]: torque per ampere of motor current; 0: not given
   bool prismatic = false;   ///< true where it moves prismatic frames only: metres and newtons
+  RecordedChannel recorded;
 };
 
 /// One effect of the model, by its name in CONTRACT.md. What it does is in effects/.

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "veridyn/identification/identification.hpp"
+
+namespace veridyn {
+
+/// A load that a model does not have, as if it sat on one link.
+struct PayloadEstimate {
+  std::string frame;                ///< of the link; what follows is written in it
+  std::vector<std::string> others;  ///< frames of links that move so alike that the torques cannot
+                                    ///< tell which one carries it
+  double mass = 0.0;                ///< [kg] of a point mass
+  double mass_low = 0.0;            ///< 95 % interval
+  double mass_high = 0.0;
+  Eigen::Vector3d com = Eigen::Vector3d::Zero();  ///< [m]
+  Eigen::Vector3d com_half_width = Eigen::Vector3d::Zero();
+  Eigen::Vector3d moment = Eigen::Vector3d::Zero();  ///< mass times centre [kg m]
+  Eigen::Vector3d moment_half_width = Eigen::Vector3d::Zero();
+  /// About the centre of mass (xx, xy, yy, xz, yz, zz) [kg m^2]: what the torques ask for beyond a
+  /// point mass; small loads leave it undetermined, see the half widths.
+  Eigen::Matrix<double, 6, 1> inertia = Eigen::Matrix<double, 6, 1>::Zero();
+  Eigen::Matrix<double, 6, 1> inertia_half_width = Eigen::Matrix<double, 6, 1>::Zero();
+  InertialParameters phi = InertialParameters::Zero();  ///< of the point mass
+  double gain = 0.0;       ///< fall of the sum over joints of ln(held-out mean square residual)
+  double explained = 0.0;  ///< share of what the model leaves unexplained, over all joints
+};
+
+struct PayloadReport {
+  std::string robot;
+  std::vector<PayloadEstimate> links;  ///< one for every class of links that move alike, best first
+  VectorXd error_before, error_after;  ///< (n) relative, with the best one
+  std::string reason;                  ///< why there is no answer; empty otherwise
+  double seconds = 0.0;
+
+  std::string report() const;
+};
+
+/// Mass, centre and inertia of an added load for every link that might carry it.
+///
+/// The load is taken for small: a point mass. Nothing else pins the mass on a link that turns about
+/// a fixed point, where torques know only mass times lever and the inertia. Friction and offsets of
+/// the joints that carry it may have changed with the load; that drift is fitted beside it and is
+/// in the intervals, together with the scatter between phases of the motion (jackknife).
+///
+/// @param model       an arm with values.
+/// @param recordings  with the load, all of them.
+/// @param link        name of a frame: only this link; empty: all.
+/// @throws InvalidInput  the model has no values; there is no such frame; as identify().
+PayloadReport find_payload(const Model& model, const std::vector<std::string>& recordings,
+                           const IdentificationOptions& options = {}, const std::string& link = {});
+
+}  // namespace veridyn

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "veridyn/identification/identification.hpp"
+
+namespace veridyn {
+
+/// A moment in which something outside the arm pushed or held it.
+struct Contact {
+  std::string source;  ///< the recording
+  double from = 0.0;   ///< [s] since the recording began
+  double to = 0.0;
+  int last_joint = 0;    ///< from 0: the last joint that feels it; the contact is on its link
+  VectorXd effort;       ///< (n) mean torque that the model does not explain [N m] or [N]
+  double deviation = 0;  ///< of the last joint's effort: scatter of the residual elsewhere
+  double peak = 0.0;     ///< largest residual over its scatter elsewhere
+};
+
+/// Bursts of torque that the model leaves unexplained: well above the residual of the rest of the
+/// recording, lasting, few, and not repeated with the motion's period. What comes back at every
+/// period or at every reversal is a property of the arm and no contact.
+std::vector<Contact> find_contacts(const Identification& id);
+
+/// The rows of these moments, for all joints.
+std::vector<LeftOut> left_out_rows(const std::vector<Contact>& contacts);
+
+}  // namespace veridyn

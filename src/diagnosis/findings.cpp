@@ -1,0 +1,352 @@
+#include "findings.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "payload_fit.hpp"
+#include "veridyn/effects/effect.hpp"
+#include "veridyn/identification/arm_effects.hpp"
+#include "veridyn/math/student_t.hpp"
+
+namespace veridyn {
+namespace {
+
+constexpr size_t kListed = 60;               // of what the data rule out
+constexpr double kFreedomOfContacts = 10.0;  // scatter of a residual is known from some tens of
+                                             // independent moments
+
+// Sum over joints of the squared error above the noise floor: what a better model could remove.
+double removable(const VectorXd& error, const VectorXd& floor) {
+  const VectorXd below =
+      floor.size() == error.size() ? VectorXd(floor.cwiseAbs2()) : VectorXd::Zero(error.size());
+  return (error.cwiseAbs2() - below).cwiseMax(0.0).sum();
+}
+
+const EffectTerm& term_of(const Inquiry& q, const Hypothesis& h) {
+  return q.augmented.model.effects()[static_cast<size_t>(h.term)];
+}
+
+std::string place_text(const Model& arm, const Hypothesis& h) {
+  if (h.body >= 0) return "on " + arm.frames()[static_cast<size_t>(h.frame)].name;
+  if (h.joint < 0) return "of the arm";
+  return "on joint " + std::to_string(h.joint + 1);
+}
+
+}  // namespace
+
+double explained_share(const VectorXd& before, const VectorXd& after,
+                       const Identification& baseline) {
+  if (before.size() == 0 || after.size() == 0) return 0.0;
+  const double all = removable(baseline.test_error.relative, baseline.noise_floor);
+  if (all <= 0.0) return 0.0;
+  return std::clamp(
+      (removable(before, baseline.noise_floor) - removable(after, baseline.noise_floor)) / all,
+      -1.0, 1.0);
+}
+
+FindingWriter::FindingWriter(const Inquiry& asked, const NormalBlocks& asked_data,
+                             const Selection& selection, const Fit& fit,
+                             const Identification& start, bool changes)
+    : asked_(asked),
+      asked_data_(asked_data),
+      selection_(selection),
+      fit_(fit),
+      q_(fit.inquiry),
+      data_(*fit.data),
+      start_(start),
+      changes_(changes) {
+  for (const Hypothesis& h : q_.augmented.hypotheses)
+    payloads_.push_back(h.body >= 0 ? fit_payload(asked_, asked_data_, asked_hypothesis(h))
+                                    : PayloadEstimate());
+}
+
+const Hypothesis& FindingWriter::accepted(size_t k) const {
+  return q_.augmented.hypotheses[k];
+}
+
+// The same payload among all that was asked: with the columns of what may have changed beside it.
+const Hypothesis& FindingWriter::asked_hypothesis(const Hypothesis& h) const {
+  return *std::find_if(asked_.augmented.hypotheses.begin(), asked_.augmented.hypotheses.end(),
+                       [&h](const Hypothesis& other) { return other.family == h.family; });
+}
+
+Rival FindingWriter::rival(const Hypothesis& h, const std::string& why) const {
+  const Model& arm = q_.augmented.model;
+  Rival out{h.effect, h.joint + 1,
+            h.joint < 0 ? "arm" : arm.coordinates()[static_cast<size_t>(h.joint)].name, why, ""};
+  if (h.body >= 0) out.frame = arm.frames()[static_cast<size_t>(h.frame)].name;
+  return out;
+}
+
+std::vector<double> FindingWriter::values_of(const Hypothesis& h) const {
+  std::vector<double> out;
+  for (const std::string& name : h.columns) {
+    double value = 0.0;
+    for (size_t k = 0; k < fit_.selection.columns.size(); ++k) {
+      if (data_.names()[static_cast<size_t>(fit_.selection.columns[k])] == name)
+        value = fit_.selection.values[static_cast<Eigen::Index>(k)];
+    }
+    out.push_back(value);
+  }
+  return out;
+}
+
+std::vector<FoundParameter> FindingWriter::payload_parameters(const Hypothesis& h) const {
+  for (size_t k = 0; k < payloads_.size(); ++k) {
+    if (&accepted(k) != &h) continue;
+    const PayloadEstimate& p = payloads_[k];
+    std::vector<FoundParameter> out = {{"mass", "kg", p.mass, p.mass_low, p.mass_high}};
+    for (int c = 0; c < 3; ++c)
+      out.push_back({std::string(1, "xyz"[c]), "m", p.com[c], p.com[c] - p.com_half_width[c],
+                     p.com[c] + p.com_half_width[c]});
+    const double lever = p.moment.norm();
+    const double half = p.moment_half_width.norm();
+    out.push_back({"moment", "kg m", lever, std::max(0.0, lever - half), lever + half});
+    return out;
+  }
+  return {};
+}
+
+std::vector<FoundParameter> FindingWriter::parameters_of(const Hypothesis& h) const {
+  if (h.body >= 0) return payload_parameters(h);
+  const EffectTerm& term = term_of(q_, h);
+  const std::vector<StandardParameter> all = standard_parameters(q_.augmented.model);
+  const double t = student_t_quantile(0.05, fit_.selection.degrees_of_freedom);
+  std::vector<FoundParameter> out;
+  for (const StandardParameter& parameter : all) {
+    if (parameter.effect != h.term) continue;
+    const auto at = static_cast<size_t>(parameter.component);
+    const std::string name = is_arm_effect(term.effect)
+                                 ? arm_effect_parameters(term.effect)[at].name
+                                 : find_effect(term.effect).parameters()[at].name;
+    FoundParameter found{name, parameter.unit, 0.0, 0.0, 0.0};
+    for (size_t k = 0; k < fit_.selection.columns.size(); ++k) {
+      if (data_.names()[static_cast<size_t>(fit_.selection.columns[k])] != parameter.name) continue;
+      const auto column = static_cast<Eigen::Index>(k);
+      found.value = fit_.selection.values[column];
+      found.low = found.value - t * fit_.selection.standard_deviations[column];
+      found.high = found.value + t * fit_.selection.standard_deviations[column];
+    }
+    out.push_back(found);
+  }
+  if (is_arm_effect(term.effect)) return out;
+  const bool slides = is_prismatic(q_.augmented.model, term.axis);
+  for (const EffectShape& shape : find_effect(term.effect).shapes()) {
+    const auto value = term.values.find(shape.name);
+    if (value == term.values.end()) continue;
+    FoundParameter found{shape.name, slides ? shape.unit_prismatic : shape.unit_revolute,
+                         value->second, value->second, value->second};
+    for (const ShapeInterval& interval : fit_.selection.shapes) {
+      if (&accepted(static_cast<size_t>(interval.hypothesis)) != &h || interval.shape != shape.name)
+        continue;
+      found.low = interval.low;
+      found.high = interval.high;
+    }
+    out.push_back(found);
+  }
+  return out;
+}
+
+std::string FindingWriter::change_text(const Hypothesis& h, const Finding& f) const {
+  const EffectTerm& own = q_.augmented.model.effects()[static_cast<size_t>(h.changes)];
+  std::string words = h.effect;
+  std::replace(words.begin(), words.end(), '_', ' ');
+  std::string out = words + " changed";
+  for (size_t p = 0; p < h.columns.size(); ++p) {
+    const FoundParameter& change = f.parameters[p];
+    const auto before = own.values.find(change.name);
+    const double from = before == own.values.end() ? 0.0 : before->second;
+    out += fmt::format("{} from {:.3g} to {:.3g} {}", p == 0 ? "" : ",", from, from + change.value,
+                       change.unit);
+  }
+  return out;
+}
+
+std::string FindingWriter::sentence(const Hypothesis& h, const Finding& f) const {
+  const Model& arm = q_.augmented.model;
+  const std::string joint =
+      h.joint < 0 ? "" : "Joint " + std::to_string(f.joint) + " (" + f.coordinate + ")";
+  if (h.body >= 0) {
+    return fmt::format("A load of {:.3g} kg (95 %: {:.3g} to {:.3g}) sits on {}.",
+                       f.parameters[0].value, f.parameters[0].low, f.parameters[0].high, f.frame);
+  }
+  if (h.changes >= 0) return joint + ": " + change_text(h, f) + ".";
+  std::vector<double> values;
+  for (size_t p = 0; p < h.columns.size(); ++p) values.push_back(f.parameters[p].value);
+  if (is_arm_effect(h.effect)) {
+    const std::string phrase = arm_effect_phrase(arm, term_of(q_, h), values);
+    return (joint.empty() ? "The arm has " : joint + " has ") + phrase + ".";
+  }
+  return joint + ": " + BoundEffect(arm, term_of(q_, h)).phrase(values) + ".";
+}
+
+// Held-out error of the models that grow by one finding at a time, relative to what `start` shows.
+std::vector<VectorXd> FindingWriter::errors_along_the_way() const {
+  std::vector<VectorXd> out;
+  if (q_.test.empty()) return out;
+  const NormalBlocks test(q_.test, q_.columns, data_.scale());
+  ColumnSet set = q_.base;
+  VectorXd first;
+  for (size_t k = 0; k <= selection_.accepted.size(); ++k) {
+    const VectorXd w = residual_weights(data_, set);
+    const VectorXd x = data_.solve(set, w, data_.total(), nullptr);
+    const VectorXd r2 = test.residual2(set, x, test.total());
+    if (k == 0) first = r2;
+    out.push_back(start_.test_error.relative.array() *
+                  (r2.array() / first.array().max(1e-300)).sqrt());
+    if (k == selection_.accepted.size()) break;
+    const ColumnSet own = columns_of(data_, accepted(k));
+    set.insert(set.end(), own.begin(), own.end());
+  }
+  return out;
+}
+
+Finding FindingWriter::finding(size_t k, const VectorXd& before, const VectorXd& after) const {
+  const Model& arm = q_.augmented.model;
+  const Accepted& a = selection_.accepted[k];
+  const Hypothesis& h = accepted(k);
+  Finding f;
+  f.effect = h.effect;
+  f.joint = h.joint + 1;
+  f.coordinate = h.joint < 0 ? "arm" : arm.coordinates()[static_cast<size_t>(h.joint)].name;
+  if (h.body >= 0) f.frame = arm.frames()[static_cast<size_t>(h.frame)].name;
+  f.parameters = parameters_of(h);
+  if (!f.parameters.empty()) f.unit = f.parameters.front().unit;
+  f.p_value = a.evidence.p_value;
+  f.gain = a.evidence.gain;
+  f.test_before = before;
+  f.test_after = after;
+  for (const Evidence& e : a.rivals) {
+    const Hypothesis& other = asked_.augmented.hypotheses[static_cast<size_t>(e.hypothesis)];
+    const bool same =
+        h.body >= 0 && other.body >= 0 && same_torques(asked_data_, asked_hypothesis(h), other);
+    f.rivals.push_back(
+        rival(other, same ? "moves so alike that torques cannot tell which link carries it"
+                          : fmt::format("gains {:.0f} % as much on held-out data",
+                                        100.0 * e.gain / std::max(1e-12, a.evidence.gain))));
+  }
+  if (h.effect == "encoder_offset" && !changes_) {
+    Rival same = rival(h, "a wrong zero of this joint in the robot file does exactly the same");
+    same.effect = "coupling_error";
+    f.rivals.push_back(same);
+  }
+  f.sentence = sentence(h, f);
+  return f;
+}
+
+void FindingWriter::add_findings(Diagnosis& d) const {
+  const std::vector<VectorXd> errors = errors_along_the_way();
+  for (size_t k = 0; k < selection_.accepted.size(); ++k) {
+    Finding f = errors.empty() ? finding(k, {}, {}) : finding(k, errors[k], errors[k + 1]);
+    f.rank = static_cast<int>(d.findings.size()) + 1;
+    f.explains = explained_share(f.test_before, f.test_after, d.baseline);
+    d.findings.push_back(std::move(f));
+  }
+}
+
+void FindingWriter::add_the_rest(Diagnosis& d) const {
+  std::set<std::string> known;
+  for (size_t k = 0; k < selection_.accepted.size(); ++k) known.insert(accepted(k).family);
+  std::vector<Evidence> rest = selection_.last_asked;
+  std::stable_sort(rest.begin(), rest.end(), [](const Evidence& a, const Evidence& b) {
+    return a.absorbed != b.absorbed ? b.absorbed : a.gain > b.gain;
+  });
+  for (const Evidence& e : rest) {
+    const Hypothesis& h = asked_.augmented.hypotheses[static_cast<size_t>(e.hypothesis)];
+    if (!known.insert(h.family).second) continue;
+    if (e.absorbed) {
+      const bool moves = !columns_of(asked_data_, h).empty();
+      d.cannot_tell.push_back(
+          {h.effect, h.joint + 1,
+           moves ? "its torque is a combination of parameters that the model has already"
+                 : "it never acts in these recordings"});
+      if (h.body >= 0)
+        d.cannot_tell.back().why += " (" + place_text(asked_.augmented.model, h) + ")";
+    } else if (d.not_supported.size() < kListed) {
+      d.not_supported.push_back({h.effect, h.joint + 1, e.p_value});
+    }
+  }
+  if (!changes_) {
+    d.cannot_tell.push_back(
+        {"payload", 0, "without a model from before, a load is part of the link it sits on"});
+  }
+}
+
+Model FindingWriter::extended_arm() const {
+  const std::string given = start_.model->name();
+  ModelDescription d = start_.model->description();
+  std::vector<std::pair<const EffectTerm*, std::vector<double>>> of_arm;
+  for (size_t k = 0; k < selection_.accepted.size(); ++k) {
+    const Hypothesis& h = accepted(k);
+    const std::vector<double> values = values_of(h);
+    if (h.body >= 0) {
+      Frame load;
+      load.name = "payload";
+      for (int count = 2; Model(d).find_frame(load.name) >= 0; ++count)
+        load.name = "payload_" + std::to_string(count);
+      load.parent = h.frame;
+      load.variable.coefficients = VectorXd::Zero(start_.model->joints());
+      load.body = Body{};
+      load.body->phi = payloads_[k].phi;
+      d.frames.push_back(std::move(load));
+      continue;
+    }
+    EffectTerm term = term_of(q_, h);
+    if (is_arm_effect(h.effect)) {
+      of_arm.emplace_back(&term_of(q_, h), values);
+      continue;
+    }
+    const std::vector<EffectParameter> parameters = find_effect(h.effect).parameters();
+    if (h.changes >= 0) {
+      EffectTerm& own = d.effects[static_cast<size_t>(h.changes)];
+      for (size_t p = 0; p < parameters.size(); ++p) {
+        double& value = own.values[parameters[p].name];
+        value += values[p];
+        if (parameters[p].sign == ParameterSign::kNonnegative) value = std::max(value, 0.0);
+      }
+      own.deviations.clear();
+      continue;
+    }
+    for (size_t p = 0; p < parameters.size(); ++p) {
+      if (changes_) term.values[parameters[p].name] = values[p];
+    }
+    d.effects.push_back(std::move(term));
+  }
+  Model out(std::move(d));
+  for (const auto& [term, values] : of_arm) out = with_arm_effect(out, *term, values);
+  return out;
+}
+
+void add_contacts(const std::vector<Contact>& contacts, const Identification& with,
+                  const Identification& without, Diagnosis& d) {
+  for (const Contact& c : contacts) {
+    Finding f;
+    f.rank = static_cast<int>(d.findings.size()) + 1;
+    f.effect = "external_contact";
+    f.joint = c.last_joint + 1;
+    const Coordinate& joint = with.model->coordinates()[static_cast<size_t>(c.last_joint)];
+    f.coordinate = joint.name;
+    f.source = c.source;
+    f.unit = effort_unit(joint);
+    const double effort = c.effort[c.last_joint];
+    const double half = student_t_quantile(0.05, kFreedomOfContacts) * c.deviation;
+    f.parameters = {{"effort", f.unit, effort, effort - half, effort + half},
+                    {"from", "s", c.from, c.from, c.from},
+                    {"to", "s", c.to, c.to, c.to}};
+    f.p_value = student_t_two_sided(c.peak, kFreedomOfContacts);
+    f.test_before = with.test_error.relative;
+    f.test_after = without.test_error.relative;
+    f.explains = explained_share(f.test_before, f.test_after, with);
+    f.sentence = fmt::format(
+        "{}: from {:.1f} to {:.1f} s something pushes; joint {} ({}) is the last that feels it, "
+        "with "
+        "{:.2g} {}. These rows are left out.",
+        c.source, c.from, c.to, f.joint, f.coordinate, effort, f.unit);
+    d.findings.push_back(std::move(f));
+  }
+}
+
+}  // namespace veridyn

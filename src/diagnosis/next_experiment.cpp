@@ -1,0 +1,35 @@
+#include "next_experiment.hpp"
+
+namespace veridyn {
+namespace {
+
+std::string cause_text(const std::string& effect, int joint, const std::string& frame) {
+  if (!frame.empty() && effect == "payload") return effect + " on " + frame;
+  return joint > 0 ? effect + " on joint " + std::to_string(joint) : effect;
+}
+
+// "payload:flange", "torque_gain:2"; as `excite --between` takes them.
+std::string asked_text(const std::string& effect, int joint, const std::string& frame) {
+  if (!frame.empty() && effect == "payload") return effect + ":" + frame;
+  return effect + ":" + (joint > 0 ? std::to_string(joint) : "arm");
+}
+
+}  // namespace
+
+NextExperiment next_experiment(const Diagnosis& d) {
+  for (const Finding& f : d.findings) {
+    for (const Rival& r : f.rivals) {
+      const bool can_be_planned = f.effect != "coupling_error" && r.effect != "coupling_error" &&
+                                  f.effect != "external_contact" && f.effect != r.effect;
+      if (!can_be_planned) continue;
+      return {{cause_text(f.effect, f.joint, f.frame), cause_text(r.effect, r.joint, r.frame)},
+              "veridyn excite " + d.baseline.robot +
+                  " -o next.csv --criterion discriminate --between " +
+                  asked_text(f.effect, f.joint, f.frame) + "," +
+                  asked_text(r.effect, r.joint, r.frame)};
+    }
+  }
+  return {};
+}
+
+}  // namespace veridyn

@@ -1,0 +1,11 @@
+#pragma once
+
+#include "veridyn/diagnosis/diagnosis.hpp"
+
+namespace veridyn {
+
+/// The first finding whose cause has a rival that these recordings cannot separate, and the command
+/// that designs the motion for it; failing that, nothing.
+NextExperiment next_experiment(const Diagnosis& diagnosis);
+
+}  // namespace veridyn

@@ -1,0 +1,131 @@
+#include "veridyn/diagnosis/payload.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "inquiry.hpp"
+#include "payload_fit.hpp"
+#include "veridyn/math/require.hpp"
+#include "veridyn/model/suggestion.hpp"
+
+namespace veridyn {
+namespace {
+
+// The link that carries the frame, named after that frame.
+void keep_only(const Model& arm, const std::string& link, AugmentedModel& augmented) {
+  std::vector<std::string> names;
+  for (const Frame& frame : arm.frames()) names.push_back(frame.name);
+  const int wanted = arm.find_frame(link);
+  require(wanted >= 0, "--link: found '", link, "', expected the name of a frame",
+          did_you_mean(link, names), ".");
+  auto& all = augmented.hypotheses;
+  all.erase(std::remove_if(all.begin(), all.end(),
+                           [&](const Hypothesis& h) {
+                             return h.body >= 0 && !same_link(arm, h.frame, wanted);
+                           }),
+            all.end());
+}
+
+// Fall of the held-out error (phases of the motion, or recordings) for every hypothesis, beside
+// changes of friction and offset: what more parameters explain in sample counts for nothing.
+std::vector<double> held_out_gains(const Inquiry& q, const NormalBlocks& data) {
+  ColumnSet base;
+  for (const Hypothesis& h : q.augmented.hypotheses) {
+    if (h.body >= 0) continue;
+    const ColumnSet own = columns_of(data, h);
+    base.insert(base.end(), own.begin(), own.end());
+  }
+  DiagnosisOptions none;
+  none.max_effects = 0;
+  const Selection asked = select_effects(data, base, q.augmented.hypotheses, none);
+  std::vector<double> out;
+  for (const Evidence& e : asked.last_asked) out.push_back(e.absorbed ? 0.0 : e.gain);
+  return out;
+}
+
+}  // namespace
+
+PayloadReport find_payload(const Model& model, const std::vector<std::string>& recordings,
+                           const IdentificationOptions& options, const std::string& link) {
+  const auto begin = std::chrono::steady_clock::now();
+  PayloadReport out;
+  out.robot = model.name();
+  require(has_all_values(model), "payload: robot '", model.name(),
+          "' has no values; expected a MODEL that identify or diagnose wrote.");
+  const Identification start = evaluate(model, recordings, {}, options);
+  if (!start.model) {
+    out.reason = start.reason;
+    return out;
+  }
+  QuestionList list;
+  list.wanted = {"payload", "torque_offset", "coulomb_friction", "viscous_friction"};
+  list.changes = true;
+  AugmentedModel augmented = augmented_model(frozen(model), start.factors, list);
+  if (!link.empty()) keep_only(model, link, augmented);
+  const Inquiry q = prepare(start, std::move(augmented), true, recordings, {}, options);
+  const NormalBlocks data(q.train, q.columns);
+  const std::vector<double> gains = held_out_gains(q, data);
+  std::vector<const Hypothesis*> asked;
+  for (const Hypothesis& h : q.augmented.hypotheses) {
+    if (h.body < 0 || columns_of(data, h).empty()) continue;
+    const auto twin = std::find_if(asked.begin(), asked.end(), [&](const Hypothesis* other) {
+      return same_torques(data, *other, h);
+    });
+    const std::string name = model.frames()[static_cast<size_t>(h.frame)].name;
+    if (twin != asked.end()) {
+      out.links[static_cast<size_t>(twin - asked.begin())].others.push_back(name);
+      continue;
+    }
+    asked.push_back(&h);
+    out.links.push_back(fit_payload(q, data, h));
+    out.links.back().gain = gains[static_cast<size_t>(&h - q.augmented.hypotheses.data())];
+  }
+  std::stable_sort(out.links.begin(), out.links.end(),
+                   [](const auto& a, const auto& b) { return a.gain > b.gain; });
+  out.error_before = start.train_error.relative;
+  if (!out.links.empty()) {
+    ModelDescription loaded = model.description();
+    Frame load;
+    load.name = "payload";
+    load.parent = model.find_frame(out.links.front().frame);
+    load.variable.coefficients = VectorXd::Zero(model.joints());
+    load.body = Body{};
+    load.body->phi = out.links.front().phi;
+    loaded.frames.push_back(std::move(load));
+    out.error_after = evaluate(Model(loaded), recordings, {}, options).train_error.relative;
+  } else {
+    out.reason = "no link moves enough in these recordings to feel a load";
+  }
+  out.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  return out;
+}
+
+std::string PayloadReport::report() const {
+  if (links.empty()) return robot + ": no payload: " + reason + "\n";
+  std::string out = fmt::format("{}: a load of {:.3g} kg on {} (95 %: {:.3g} to {:.3g} kg)\n",
+                                robot, links.front().mass, links.front().frame,
+                                links.front().mass_low, links.front().mass_high);
+  out += fmt::format("  {:<22}{:>9}  {:<19}{:>8}{:>8}{:>8}  {:>9}  {}\n", "if it is on", "mass kg",
+                     "  95 %", "x m", "y m", "z m", "explains", "");
+  for (const PayloadEstimate& link : links) {
+    out += fmt::format("  {:<22}{:>9.4g}  {:<19}{:>8.3f}{:>8.3f}{:>8.3f}  {:>7.1f} %\n", link.frame,
+                       link.mass, fmt::format("{:.4g} to {:.4g}", link.mass_low, link.mass_high),
+                       link.com.x(), link.com.y(), link.com.z(), 100.0 * link.explained);
+    for (const std::string& other : link.others)
+      out += fmt::format("    or on {}: it moves so alike that the torques cannot tell\n", other);
+  }
+  const auto line = [&out](const char* name, const VectorXd& v) {
+    out += fmt::format("  {:<22}", name);
+    for (Eigen::Index i = 0; i < v.size(); ++i) out += fmt::format("{:8.2f}", 100.0 * v[i]);
+    out += "\n";
+  };
+  out += "errors, % of the torque, per joint\n";
+  line("without the load", error_before);
+  line("with it", error_after);
+  return out;
+}
+
+}  // namespace veridyn
