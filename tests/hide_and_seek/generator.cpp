@@ -5,16 +5,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "hide_and_seek/places.hpp"
+
 namespace veridyn::seek {
 namespace {
 
 constexpr double kSeen = 0.1;         // share of a cause that must be left over
 constexpr double kHighestPeak = 0.4;  // of the rms torque at share 0.1: no narrow giants
 constexpr int kFirstChanged = 100;    // number of the first recording with causes in kChanged
-
-bool is_declared(const std::string& effect) {
-  return effect == "viscous_friction" || effect == "coulomb_friction" || effect == "torque_offset";
-}
 
 double rms(const VectorXd& x) {
   return std::sqrt(x.squaredNorm() / static_cast<double>(x.size()));
@@ -66,12 +64,12 @@ class Hider {
   }
 
   bool hide_one(const std::string& effect) {
-    std::vector<Cause> places = candidates(effect);
+    std::vector<Cause> places = places_for(effect, hidden_.bench, hidden_.causes);
     draw_.shuffle(places);
     if (places.size() > 12) places.resize(12);
     for (Cause& cause : places) {
       Bench bench = hidden_.bench;
-      if (is_declared(effect) && request_.mode == Mode::kBare) remove_term(bench, cause);
+      if (is_declared(effect) && request_.mode == Mode::kBare) forget_friction(bench, cause);
       draw_values(cause, bench);
       std::vector<Cause> all = hidden_.causes;
       const Visibility alone =
@@ -87,85 +85,6 @@ class Hider {
       return true;
     }
     return false;
-  }
-
-  std::vector<Cause> candidates(const std::string& effect) const {
-    const LagrangeArm& arm = hidden_.bench.arm;
-    std::vector<Cause> out;
-    if (effect == "gravity_tilt") return {Cause{effect, -1, -1, "", "", {}}};
-    if (effect == "payload") {
-      for (const Link& link : arm.links) {
-        if (link.has_body) out.push_back({effect, -1, -1, link.name, "", {}});
-      }
-      return out;
-    }
-    if (effect == "coupling_error") return wrong_constants();
-    for (int i = 0; i < arm.joints; ++i) {
-      const bool taken = std::any_of(hidden_.causes.begin(), hidden_.causes.end(),
-                                     [i](const Cause& c) { return c.joint == i; });
-      if (taken) continue;
-      if (effect != "cable_coupling") {
-        out.push_back({effect, i, -1, "", "", {}});
-        continue;
-      }
-      for (int from = 0; from < arm.joints; ++from) {
-        if (from != i) out.push_back({effect, i, from, "", "", {}});
-      }
-    }
-    return out;
-  }
-
-  // Numbers of links that carry a body or bear one that does. The zero of a joint's angle is left
-  // out where it is the zero of an encoder.
-  std::vector<Cause> wrong_constants() const {
-    const LagrangeArm& arm = hidden_.bench.arm;
-    std::vector<char> bears(arm.links.size(), 0);
-    for (size_t k = arm.links.size(); k-- > 0;) {
-      if (arm.links[k].has_body) bears[k] = 1;
-      if (bears[k] != 0 && arm.links[k].parent >= 0)
-        bears[static_cast<size_t>(arm.links[k].parent)] = 1;
-    }
-    std::vector<int> uses(static_cast<size_t>(arm.joints), 0);
-    for (const Link& link : arm.links) {
-      for (int i = 0; i < arm.joints; ++i)
-        uses[static_cast<size_t>(i)] += static_cast<int>(link.ratios[i] != 0.0);
-    }
-    std::vector<Cause> out;
-    for (size_t k = 0; k < arm.links.size(); ++k) {
-      const Link& link = arm.links[k];
-      if (bears[k] == 0 || link.parent < 0) continue;
-      const auto add = [&](const char* constant, int joint) {
-        out.push_back({"coupling_error", joint, -1, link.name, constant, {}});
-      };
-      bool zero_of_an_encoder = false;
-      for (int i = 0; i < arm.joints; ++i) {
-        const double c = link.ratios[i];
-        zero_of_an_encoder |= c != 0.0 && uses[static_cast<size_t>(i)] == 1;
-        if (c != 0.0 && std::abs(c) != 1.0) add("ratio", i);
-      }
-      add("a", -1);
-      add("alpha", -1);
-      if (!link.slides) add("d", -1);
-      if (!zero_of_an_encoder || link.slides) add("theta", -1);
-    }
-    return out;
-  }
-
-  // A robot file that does not know of the friction that is hidden, and an arm without other such
-  // friction on that joint.
-  static void remove_term(Bench& bench, const Cause& cause) {
-    ModelDescription d = bench.robot.description();
-    d.effects.erase(std::remove_if(d.effects.begin(), d.effects.end(),
-                                   [&](const EffectTerm& t) {
-                                     return t.effect == cause.effect &&
-                                            t.axis.coefficients[cause.joint] != 0.0;
-                                   }),
-                    d.effects.end());
-    bench.robot = Model(std::move(d));
-    JointFriction& f = bench.friction[static_cast<size_t>(cause.joint)];
-    if (cause.effect == "viscous_friction") f.viscous = 0.0;
-    if (cause.effect == "coulomb_friction") f.coulomb = 0.0;
-    if (cause.effect == "torque_offset") f.offset = 0.0;
   }
 
   double joint_rms(int joint) const {

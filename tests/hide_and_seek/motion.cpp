@@ -27,17 +27,15 @@ Value sum(const Waves& waves, double t) {
   return v;
 }
 
-// 0 at both ends and 1 between, by sin^4 (smooth to its third derivative).
+// 0 at both ends and 1 between: 35 u^4 - 84 u^5 + 70 u^6 - 20 u^7, smooth to its third derivative.
 Value fade(double t, double duration) {
-  const double end = duration - t;
-  const double near_end = std::min(t, end);
-  if (near_end >= kFade) return {1.0, 0.0, 0.0};
-  const double k = 0.5 * M_PI / kFade;
-  const double s = std::sin(k * near_end);
-  const double c = std::cos(k * near_end);
-  const double direction = t < end ? 1.0 : -1.0;
-  return {s * s * s * s, direction * 4.0 * k * s * s * s * c,
-          4.0 * k * k * s * s * (3.0 * c * c - s * s)};
+  const double direction = t < duration - t ? 1.0 : -1.0;
+  const double u = std::max(0.0, std::min(t, duration - t)) / kFade;
+  if (u >= 1.0) return {1.0, 0.0, 0.0};
+  const double v = 1.0 - u;
+  return {u * u * u * u * (35.0 - 84.0 * u + 70.0 * u * u - 20.0 * u * u * u),
+          direction * 140.0 * u * u * u * v * v * v / kFade,
+          420.0 * u * u * v * v * (1.0 - 2.0 * u) / (kFade * kFade)};
 }
 
 }  // namespace
