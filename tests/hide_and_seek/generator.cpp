@@ -1,0 +1,280 @@
+#include "hide_and_seek/generator.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "hide_and_seek/places.hpp"
+
+namespace veridyn::seek {
+namespace {
+
+constexpr double kSeen = 0.1;         // share of a cause that must be left over
+constexpr double kHighestPeak = 0.4;  // of the rms torque at share 0.1: no narrow giants
+constexpr int kFirstChanged = 100;    // number of the first recording with causes in kChanged
+
+double rms(const VectorXd& x) {
+  return std::sqrt(x.squaredNorm() / static_cast<double>(x.size()));
+}
+
+// Draws one cause after the other and measures what it does to the training recordings.
+class Hider {
+ public:
+  explicit Hider(const CaseRequest& request)
+      : request_(request),
+        draw_(request.seed, "case " + text_of(request)),
+        hidden_{request, make_bench(request.arm, seed_of(request)), {}, {}, {}, true} {
+    const int first = request.mode == Mode::kChanged ? kFirstChanged : 1;
+    const int count = request.mode == Mode::kChanged ? kChangedTrain : kBareTrain;
+    for (int k = first; k < first + count; ++k) {
+      numbers_.push_back(k);
+      motions_.emplace_back(hidden_.bench.robot, hidden_.bench.seed, k);
+    }
+    base_ = recordings(hidden_.bench, {});
+  }
+
+  HiddenCase run() {
+    for (const std::string& effect : request_.effects) {
+      if (!hide_one(effect)) hidden_.observable = false;
+    }
+    if (hidden_.causes.empty())
+      hidden_.visible = visibility(hidden_.bench, base_, request_.mode == Mode::kBare);
+    return std::move(hidden_);
+  }
+
+  static unsigned seed_of(const CaseRequest& request) {
+    return static_cast<unsigned>(Draw(request.seed, text_of(request)).below(1 << 30));
+  }
+
+ private:
+  static std::string text_of(const CaseRequest& request) {
+    std::string out = request.arm;
+    for (const std::string& e : request.effects) out += " " + e;
+    return out;
+  }
+
+  std::vector<IdealRecording> recordings(const Bench& bench, const std::vector<Cause>& causes) {
+    std::vector<IdealRecording> out;
+    for (size_t k = 0; k < motions_.size(); ++k) {
+      const MatrixXd* rigid = k < base_.size() ? &base_[k].rigid : nullptr;
+      out.push_back(ideal_recording(bench, causes, motions_[k], numbers_[k], rigid));
+    }
+    return out;
+  }
+
+  bool hide_one(const std::string& effect) {
+    std::vector<Cause> places = places_for(effect, hidden_.bench, hidden_.causes);
+    draw_.shuffle(places);
+    if (places.size() > 12) places.resize(12);
+    for (Cause& cause : places) {
+      Bench bench = hidden_.bench;
+      if (is_declared(effect) && request_.mode == Mode::kBare) forget_friction(bench, cause);
+      draw_values(cause, bench);
+      std::vector<Cause> all = hidden_.causes;
+      const Visibility alone =
+          visibility(bench, recordings(bench, {cause}), request_.mode == Mode::kBare);
+      if (alone.share < kSeen) continue;
+      all.push_back(cause);
+      hidden_.bench = bench;
+      hidden_.causes = all;
+      hidden_.visible =
+          all.size() == 1 ? alone
+                          : visibility(bench, recordings(bench, all), request_.mode == Mode::kBare);
+      hidden_.shares.push_back(share_of(bench, cause));
+      return true;
+    }
+    return false;
+  }
+
+  double joint_rms(int joint) const {
+    double sum = 0.0;
+    for (const IdealRecording& r : base_) sum += std::pow(rms(r.tau.col(joint)), 2);
+    return std::sqrt(sum / static_cast<double>(base_.size()));
+  }
+
+  Reach reach_of(int joint) const {
+    double low = INFINITY;
+    double high = -INFINITY;
+    Reach out;
+    for (size_t k = 0; k < base_.size(); ++k) {
+      low = std::min(low, base_[k].rows.q.col(joint).minCoeff());
+      high = std::max(high, base_[k].rows.q.col(joint).maxCoeff());
+      out.speed = std::max(out.speed, base_[k].rows.dq.col(joint).cwiseAbs().maxCoeff());
+      out.duration = std::max(out.duration, motions_[k].duration());
+    }
+    out.middle = 0.5 * (low + high);
+    out.travel = high - low;
+    out.slides = hidden_.bench.robot.coordinates()[static_cast<size_t>(joint)].prismatic;
+    return out;
+  }
+
+  void draw_values(Cause& cause, const Bench& bench) {
+    const double scale = request_.share / 0.1;
+    std::map<std::string, double>& v = cause.values;
+    const std::string& e = cause.effect;
+    const bool slides =
+        cause.joint >= 0 &&
+        hidden_.bench.robot.coordinates()[static_cast<size_t>(cause.joint)].prismatic;
+    if (e == "torque_gain") v["gain"] = 1.0 + draw_.sign() * draw_.in(0.05, 0.10) * scale;
+    if (e == "time_delay") v["seconds"] = draw_.in(3e-3, 8e-3) * scale;
+    if (e == "encoder_offset")
+      v["offset"] = draw_.sign() * draw_.in(0.010, 0.030) * scale * (slides ? 0.2 : 1.0);
+    if (e == "gravity_tilt") {
+      const double size = draw_.in(0.020, 0.040) * scale;
+      const double to = draw_.in(-M_PI, M_PI);
+      v["roll"] = size * std::cos(to);
+      v["pitch"] = size * std::sin(to);
+    }
+    if (e == "external_contact")
+      v["effort"] = draw_.sign() * draw_.in(0.3, 0.6) * scale * joint_rms(cause.joint);
+    if (e == "payload") draw_payload(cause, scale);
+    if (e == "coupling_error") draw_constant(cause, scale);
+    if (!linear_parameters(e).empty()) draw_additive(cause, bench);
+  }
+
+  void draw_payload(Cause& cause, double scale) {
+    for (const Link& link : hidden_.bench.arm.links) {
+      if (link.name != cause.frame) continue;
+      cause.values["mass"] = draw_.in(0.1, 0.3) * scale * link.moments(3, 3);
+      for (const char* axis : {"x", "y", "z"}) cause.values[axis] = 0.03 * draw_.normal();
+    }
+  }
+
+  void draw_constant(Cause& cause, double scale) {
+    for (const Link& link : hidden_.bench.arm.links) {
+      if (link.name != cause.frame) continue;
+      double stated = 0.0;
+      double change = draw_.sign() * scale;
+      if (cause.constant == "a" || cause.constant == "d") {
+        stated = cause.constant == "a" ? link.a : link.d;
+        change *= draw_.in(0.010, 0.030);
+      } else if (cause.constant == "ratio") {
+        stated = link.ratios[cause.joint];
+        change *= draw_.in(0.06, 0.15) * std::abs(stated);
+      } else {
+        stated = cause.constant == "alpha" ? link.alpha : link.theta;
+        change *= draw_.in(0.04, 0.10);
+      }
+      cause.values = {{"value", stated + change}, {"correction", change}};
+    }
+  }
+
+  // Linear parameters of equal weight that together have the wanted rms.
+  void draw_additive(Cause& cause, const Bench& bench) {
+    Reach reach = reach_of(cause.joint);
+    if (cause.effect == "cable_coupling") reach.middle = reach_of(cause.from).middle;
+    draw_shapes(cause, reach, draw_);
+    const std::vector<std::string> names = linear_parameters(cause.effect);
+    for (const std::string& name : names) cause.values[name] = 0.0;
+    const std::vector<MatrixXd> columns = columns_of(cause);
+    VectorXd weights(static_cast<Eigen::Index>(names.size()));
+    const bool any_sign =
+        cause.effect == "torque_ripple" || cause.effect == "cable_coupling" ||
+        cause.effect == "asymmetric_friction" || cause.effect == "position_dependent_friction" ||
+        cause.effect == "position_dependent_viscosity" || cause.effect == "torque_drift" ||
+        cause.effect == "torque_offset" || cause.effect == "position_force";
+    for (Eigen::Index p = 0; p < weights.size(); ++p) {
+      double square = 0.0;
+      for (const MatrixXd& c : columns) square += std::pow(rms(c.col(p)), 2);
+      weights[p] = draw_.in(0.6, 1.4) * (any_sign ? draw_.sign() : 1.0) /
+                   std::sqrt(square / static_cast<double>(columns.size()));
+    }
+    double square = 0.0;
+    double peak = 0.0;
+    for (const MatrixXd& c : columns) {
+      const VectorXd sum = c * weights;
+      square += sum.squaredNorm() / static_cast<double>(sum.size());
+      peak = std::max(peak, sum.cwiseAbs().maxCoeff());
+    }
+    const double wanted = request_.share * joint_rms(cause.joint);
+    const double size = std::min(
+        wanted / std::sqrt(square / static_cast<double>(columns.size())),
+        (cause.effect == "stribeck_friction" ? kHighestPeak / 0.1 : INFINITY) * wanted / peak);
+    for (Eigen::Index p = 0; p < weights.size(); ++p)
+      cause.values[names[static_cast<size_t>(p)]] = size * weights[p];
+    if (is_declared(cause.effect) && request_.mode == Mode::kChanged) keep_positive(cause, bench);
+  }
+
+  // Friction that changes may fall as well, but not below nothing.
+  void keep_positive(Cause& cause, const Bench& bench) {
+    const JointFriction& f = bench.friction[static_cast<size_t>(cause.joint)];
+    if (cause.effect == "torque_offset") return;
+    const bool viscous = cause.effect == "viscous_friction";
+    double& change = cause.values[viscous ? "coefficient" : "level"];
+    const double now = viscous ? f.viscous : f.coulomb;
+    if (draw_.sign() < 0.0 && change < 0.7 * now) change = -change;
+    cause.values["now"] = now + change;
+  }
+
+  std::vector<MatrixXd> columns_of(const Cause& cause) const {
+    std::vector<MatrixXd> out;
+    for (size_t k = 0; k < motions_.size(); ++k)
+      out.push_back(
+          cause_columns(cause, motions_[k], base_[k].rows, base_[k].rigid.col(cause.joint)));
+    return out;
+  }
+
+  // Rms of what a cause adds to the torque of its joint (of the joint that it changes most).
+  double share_of(const Bench& bench, const Cause& cause) {
+    const std::vector<IdealRecording> with = recordings(bench, {cause});
+    const std::vector<IdealRecording> without = recordings(bench, {});
+    double largest = 0.0;
+    for (int i = 0; i < bench.arm.joints; ++i) {
+      double square = 0.0;
+      for (size_t k = 0; k < with.size(); ++k)
+        square += std::pow(rms(with[k].tau.col(i) - without[k].tau.col(i)), 2);
+      largest =
+          std::max(largest, std::sqrt(square / static_cast<double>(with.size())) / joint_rms(i));
+    }
+    return largest;
+  }
+
+  CaseRequest request_;
+  Draw draw_;
+  HiddenCase hidden_;
+  std::vector<int> numbers_;
+  std::vector<Motion> motions_;
+  std::vector<IdealRecording> base_;
+};
+
+}  // namespace
+
+HiddenCase hide(const CaseRequest& request) {
+  return Hider(request).run();
+}
+
+CaseFiles write_case(const HiddenCase& hidden, const std::string& folder) {
+  const unsigned seed = hidden.bench.seed;
+  const auto write = [&](const std::vector<Cause>& causes, int number, const std::string& name) {
+    const Motion motion(hidden.bench.robot, seed, number);
+    std::string path = folder + "/" + name + ".csv";
+    write_recording(hidden.bench, ideal_recording(hidden.bench, causes, motion, number), seed,
+                    number, path);
+    return path;
+  };
+  CaseFiles out;
+  const bool changed = hidden.request.mode == Mode::kChanged;
+  for (int k = 1; changed && k <= kCleanRecordings; ++k)
+    out.clean.push_back(write({}, k, fmt::format("clean-{}", k)));
+  const int train = changed ? kChangedTrain : kBareTrain;
+  for (int k = 0; k <= train; ++k) {
+    const int number = (changed ? kFirstChanged : 1) + k;
+    (k < train ? out.train : out.test)
+        .push_back(write(hidden.causes, number, fmt::format("recording-{}", k + 1)));
+  }
+  return out;
+}
+
+std::string describe(const Cause& cause, const Model& robot) {
+  const auto name = [&](int i) { return robot.coordinates()[static_cast<size_t>(i)].name; };
+  std::string out = cause.effect;
+  if (!cause.frame.empty()) out += " on " + cause.frame;
+  if (!cause.constant.empty()) out += " (" + cause.constant + ")";
+  if (cause.joint >= 0) out += fmt::format(" on {} ({})", cause.joint + 1, name(cause.joint));
+  if (cause.from >= 0) out += fmt::format(" from {} ({})", cause.from + 1, name(cause.from));
+  for (const auto& [key, value] : cause.values) out += fmt::format(" {}={:.4g}", key, value);
+  return out;
+}
+
+}  // namespace veridyn::seek

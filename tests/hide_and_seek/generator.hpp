@@ -1,0 +1,57 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "hide_and_seek/bench.hpp"
+#include "hide_and_seek/visibility.hpp"
+
+namespace veridyn::seek {
+
+/// How the question is asked.
+enum class Mode {
+  kBare,  ///< the robot file has no values: `diagnose ROBOT`, trained on recordings with the causes
+  kChanged  ///< a MODEL of the clean arm, then recordings with the causes: what changed since?
+};
+
+struct CaseRequest {
+  std::string arm;
+  std::vector<std::string> effects;  ///< none, one or two names of CONTRACT.md
+  unsigned seed = 1;
+  double share = 0.1;  ///< rms torque of an additive cause per rms torque of its joint; causes
+                       ///< without such a size are scaled by share / 0.1 from plausible ones
+  Mode mode = Mode::kBare;
+};
+
+/// A case before its recordings are written: what is hidden, and how well it can be seen.
+struct HiddenCase {
+  CaseRequest request;
+  Bench bench;
+  std::vector<Cause> causes;
+  std::vector<double> shares;  ///< true rms share of each cause at its joint
+  Visibility visible;
+  bool observable = true;  ///< false: on no joint of this arm is more than a tenth of it left over
+};
+
+/// Draws causes on random joints (of pairs: on different ones), of the wanted size. Joints on which
+/// the robot's own parameters would absorb more than nine tenths of a cause are passed over: there
+/// nobody can find it.
+HiddenCase hide(const CaseRequest& request);
+
+/// Paths of the written recordings.
+struct CaseFiles {
+  std::vector<std::string> clean;  ///< of the arm without the causes, kChanged only
+  std::vector<std::string> train, test;
+};
+
+constexpr int kCleanRecordings = 4;
+constexpr int kBareTrain = 4;  ///< recordings with the causes to learn from, one more is the test
+constexpr int kChangedTrain = 3;  ///< in kChanged
+
+/// Writes all recordings of a case into a folder that exists.
+CaseFiles write_case(const HiddenCase& hidden, const std::string& folder);
+
+/// "torque_ripple on elbow: cosine 0.3, ..." for people.
+std::string describe(const Cause& cause, const Model& robot);
+
+}  // namespace veridyn::seek

@@ -1,0 +1,109 @@
+#include "hide_and_seek/judge.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "veridyn/math/require.hpp"
+#include "veridyn/model/model_file.hpp"
+
+namespace veridyn::seek {
+namespace {
+
+bool is_on_a_frame(const std::string& effect) {
+  return effect == "payload" || effect == "coupling_error";
+}
+
+bool matches(const Cause& cause, const Finding& f) {
+  if (f.effect != cause.effect) return false;
+  if (is_on_a_frame(cause.effect)) return f.frame == cause.frame;
+  return cause.joint < 0 || f.joint == cause.joint + 1;
+}
+
+// A rival has no frame of its own; its reason names it.
+bool matches(const Cause& cause, const Rival& r) {
+  if (r.effect != cause.effect) return false;
+  if (is_on_a_frame(cause.effect)) return r.why.find(cause.frame) != std::string::npos;
+  return cause.joint < 0 || r.joint == cause.joint + 1;
+}
+
+bool has_rival(const Cause& cause, const Finding& f) {
+  return std::any_of(f.rivals.begin(), f.rivals.end(),
+                     [&](const Rival& r) { return matches(cause, r); });
+}
+
+void compare_intervals(const Cause& cause, const Finding& f, Verdict& v) {
+  for (const FoundParameter& p : f.parameters) {
+    // Of friction that changed, the change and what it is now are both right answers.
+    std::vector<double> truths;
+    const auto found = cause.values.find(p.name);
+    if (found != cause.values.end()) truths.push_back(found->second);
+    const auto now = cause.values.find("now");
+    if (now != cause.values.end() && !truths.empty()) truths.push_back(now->second);
+    if (truths.empty() || p.name == "centre") continue;
+    ++v.intervals;
+    if (std::any_of(truths.begin(), truths.end(),
+                    [&](double x) { return p.low <= x && x <= p.high; })) {
+      ++v.covered;
+    } else {
+      v.outside += fmt::format("{} = {:.4g} not in [{:.4g}, {:.4g}]; ", p.name, truths.front(),
+                               p.low, p.high);
+    }
+  }
+}
+
+}  // namespace
+
+Verdict judge(const HiddenCase& hidden, const Diagnosis& d) {
+  Verdict v;
+  v.hidden = static_cast<int>(hidden.causes.size());
+  std::vector<char> right(d.findings.size(), 0);
+  for (const Cause& cause : hidden.causes) {
+    bool named = false;
+    bool loosely = false;
+    for (size_t k = 0; k < d.findings.size(); ++k) {
+      const Finding& f = d.findings[k];
+      loosely |= f.effect == cause.effect;
+      if (!matches(cause, f)) continue;
+      if (!named) compare_intervals(cause, f, v);
+      named = true;
+      right[k] = 1;
+      v.first |= k == 0;
+    }
+    bool stand_in = false;
+    for (size_t k = 0; k < d.findings.size(); ++k) {
+      if (!has_rival(cause, d.findings[k])) continue;
+      v.first_rival |= k == 0;
+      if (!named && !stand_in) right[k] = 1;
+      stand_in = true;
+    }
+    v.named += static_cast<int>(named);
+    v.named_rival += static_cast<int>(named || stand_in);
+    v.named_loosely += static_cast<int>(loosely);
+  }
+  v.first_rival |= v.first;
+  v.extras = static_cast<int>(std::count(right.begin(), right.end(), 0));
+  const VectorXd& before = d.baseline.test_error.relative;
+  const VectorXd& after = d.extended.test_error.relative;
+  if (!hidden.causes.empty() && before.size() > 0 && after.size() == before.size()) {
+    const int joint = hidden.causes.front().joint;
+    v.error_ratio = joint >= 0 ? after[joint] / before[joint] : after.norm() / before.norm();
+  }
+  return v;
+}
+
+Diagnosis seek_causes(const HiddenCase& hidden, const CaseFiles& files, const std::string& folder,
+                      const DiagnosisOptions& options) {
+  if (hidden.request.mode == Mode::kBare)
+    return diagnose(hidden.bench.robot, files.train, files.test, options);
+  const Identification clean =
+      identify(hidden.bench.robot, files.clean, {}, options.identification);
+  require(clean.model.has_value(), "hide and seek: ", hidden.request.arm,
+          " could not be identified: ", clean.reason);
+  const std::string model = folder + "/model.yaml";
+  save(clean, model);
+  return diagnose(read_model(model), files.train, files.test, options);
+}
+
+}  // namespace veridyn::seek

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <string>
+
+#include "hide_and_seek/generator.hpp"
+#include "veridyn/diagnosis/diagnosis.hpp"
+
+namespace veridyn::seek {
+
+/// How well a diagnosis fits what was hidden.
+struct Verdict {
+  int hidden = 0;            ///< causes
+  bool first = false;        ///< the first finding is one of them
+  bool first_rival = false;  ///< the first finding is one, or names one among its rivals
+  int named = 0;             ///< causes that a finding names
+  int named_rival = 0;       ///< causes that a finding names or has among its rivals
+  int named_loosely = 0;     ///< causes whose effect is named, on whatever joint or frame
+  int extras = 0;            ///< findings that are none of the causes and no stand-in for one
+  int intervals = 0;         ///< parameters of right findings whose truth is known
+  int covered = 0;           ///< of these, inside the 95 % interval
+  double error_ratio = 1.0;  ///< held-out error after / before, at the joint of the first cause
+  std::string outside;       ///< parameters that are not covered: name, truth and interval
+};
+
+Verdict judge(const HiddenCase& hidden, const Diagnosis& d);
+
+/// Identifies the clean arm first in kChanged, and diagnoses.
+Diagnosis seek_causes(const HiddenCase& hidden, const CaseFiles& files, const std::string& folder,
+                      const DiagnosisOptions& options);
+
+}  // namespace veridyn::seek
