@@ -17,7 +17,8 @@ constexpr double kGrid = 0.25;         // [s]
 constexpr double kShortest = 0.3;      // [s]
 constexpr double kJoin = 0.5;          // [s] bursts nearer than this are one
 constexpr double kMargin = 0.25;       // [s] left out on either side
-constexpr double kMostOfTime = 0.35;   // of a recording; more is no moment
+constexpr double kMostOfTime = 0.5;    // of a recording; more is no moment
+constexpr double kAlways = 5.0;        // bursts that a recording may have, however short
 constexpr double kPerMinute = 12.0;    // more bursts than this belong to the motion
 constexpr double kRepeats = 0.4;       // of the burst's size at the same phase of another period
 
@@ -174,7 +175,7 @@ void contacts_in(const Model& arm, const RecordingError& recording, std::vector<
     if (c.peak > 0.0 && !again) found.push_back(std::move(c));
   }
   if (share > kMostOfTime ||
-      static_cast<double>(found.size()) > std::max(2.0, kPerMinute * duration / 60.0))
+      static_cast<double>(found.size()) > std::max(kAlways, kPerMinute * duration / 60.0))
     return;
   out.insert(out.end(), found.begin(), found.end());
 }

@@ -14,11 +14,14 @@
 #include "refinement.hpp"
 #include "ripple.hpp"
 #include "snags.hpp"
+#include "veridyn/identification/arm_effects.hpp"
 #include "veridyn/math/parallel.hpp"
 #include "wrong_constant.hpp"
 
 namespace veridyn {
 namespace {
+
+constexpr int kChannels = 3;  // errors of channels that are corrected one after the other
 
 bool asks_for(const DiagnosisOptions& options, const std::string& effect) {
   return options.effects.empty() ||
@@ -137,6 +140,11 @@ class Investigation {
       data.emplace(q->train, q->columns);
     }
     Selection selection = select_effects(*data, q->base, q->augmented.hypotheses, options_);
+    for (int turn = 0; turn < kChannels && correct_channel(*q, *data, selection); ++turn) {
+      q.emplace(prepare(start_, train_, test_, list, how));
+      data.emplace(q->train, q->columns);
+      selection = select_effects(*data, q->base, q->augmented.hypotheses, options_);
+    }
     std::set<std::string> families;
     for (const Hypothesis& h : q->augmented.hypotheses) families.insert(h.family);
     d_.hypotheses = static_cast<int>(families.size());
@@ -146,6 +154,60 @@ class Investigation {
     writer.add_the_rest(d_);
     d_.extended = selection.accepted.empty() ? start_ : look(writer.extended_arm());
     d_.next_experiment = next_experiment(d_);
+  }
+
+  // A channel error or a tilt that comes first is applied to the arm before anything else is asked:
+  // its columns are right to first order only, and what they leave over would look like more
+  // causes.
+  bool correct_channel(const Inquiry& q, const NormalBlocks& data, const Selection& selection) {
+    if (selection.accepted.empty()) return false;
+    const Accepted& first = selection.accepted.front();
+    const Hypothesis& h = q.augmented.hypotheses[static_cast<size_t>(first.evidence.hypothesis)];
+    if (!is_arm_effect(h.effect)) return false;
+    Selection one;
+    one.accepted = {first};
+    const Fit fit = fit_accepted(start_, q, one, d_.changes, train_, test_, options_);
+    const FindingWriter writer(q, data, one, fit, start_, d_.changes);
+    const VectorXd before = start_.test_error.relative;
+    writer.add_findings(d_);
+    const Identification corrected = look(writer.extended_arm());
+    if (!corrected.model) {
+      d_.findings.pop_back();
+      return false;
+    }
+    start_ = corrected;
+    Finding& f = d_.findings.back();
+    polish(h, f);
+    f.test_before = before;
+    f.test_after = start_.test_error.relative;
+    f.explains = explained_share(before, f.test_after, d_.baseline);
+    return true;
+  }
+
+  // The same question once more, at the corrected arm: one step of Gauss and Newton.
+  void polish(const Hypothesis& h, Finding& f) {
+    QuestionList list;
+    list.wanted = {h.effect};
+    list.changes = d_.changes;
+    const IdentificationOptions& how = options_.identification;
+    Inquiry q = prepare(start_, train_, test_, list, how);
+    auto& all = q.augmented.hypotheses;
+    all.erase(std::remove_if(all.begin(), all.end(),
+                             [&h](const Hypothesis& other) { return other.family != h.family; }),
+              all.end());
+    const NormalBlocks data(q.train, q.columns);
+    if (all.size() != 1 || columns_of(data, all.front()).size() != all.front().columns.size())
+      return;
+    Selection one;
+    one.accepted = {Accepted{Evidence{0, 0.0, 0.0, 1.0, false, false}, {}}};
+    const Fit fit = fit_accepted(start_, q, one, d_.changes, train_, test_, options_);
+    const FindingWriter writer(q, data, one, fit, start_, d_.changes);
+    const Identification better = look(writer.extended_arm());
+    if (!better.model ||
+        better.train_error.relative.squaredNorm() > start_.train_error.relative.squaredNorm())
+      return;
+    start_ = better;
+    writer.add_step(f);
   }
 
   bool correct_constant(const Inquiry& q, const NormalBlocks& data) {

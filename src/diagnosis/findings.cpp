@@ -110,6 +110,14 @@ std::vector<FoundParameter> FindingWriter::payload_parameters(const Hypothesis& 
   return {};
 }
 
+// A change is no better known than what it is a change of.
+double FindingWriter::own_deviation(const Hypothesis& h, const std::string& parameter) const {
+  if (h.changes < 0) return 0.0;
+  const EffectTerm& own = q_.augmented.model.effects()[static_cast<size_t>(h.changes)];
+  const auto found = own.deviations.find(parameter);
+  return found == own.deviations.end() || !std::isfinite(found->second) ? 0.0 : found->second;
+}
+
 std::vector<FoundParameter> FindingWriter::parameters_of(const Hypothesis& h) const {
   if (h.body >= 0) return payload_parameters(h);
   const EffectTerm& term = term_of(q_, h);
@@ -127,8 +135,10 @@ std::vector<FoundParameter> FindingWriter::parameters_of(const Hypothesis& h) co
       if (data_.names()[static_cast<size_t>(fit_.selection.columns[k])] != parameter.name) continue;
       const auto column = static_cast<Eigen::Index>(k);
       found.value = fit_.selection.values[column];
-      found.low = found.value - t * fit_.selection.standard_deviations[column];
-      found.high = found.value + t * fit_.selection.standard_deviations[column];
+      const double half =
+          t * std::hypot(fit_.selection.standard_deviations[column], own_deviation(h, name));
+      found.low = found.value - half;
+      found.high = found.value + half;
     }
     out.push_back(found);
   }
@@ -245,6 +255,18 @@ void FindingWriter::add_findings(Diagnosis& d) const {
     f.explains = explained_share(f.test_before, f.test_after, d.baseline);
     d.findings.push_back(std::move(f));
   }
+}
+
+void FindingWriter::add_step(Finding& f) const {
+  const Hypothesis& h = accepted(0);
+  const std::vector<FoundParameter> step = parameters_of(h);
+  for (size_t p = 0; p < f.parameters.size() && p < step.size(); ++p) {
+    FoundParameter& total = f.parameters[p];
+    total.low = total.value + step[p].low;
+    total.high = total.value + step[p].high;
+    total.value += step[p].value;
+  }
+  f.sentence = sentence(h, f);
 }
 
 void FindingWriter::add_the_rest(Diagnosis& d) const {

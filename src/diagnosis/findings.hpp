@@ -29,12 +29,16 @@ class FindingWriter {
   /// One line for every family that was asked and not accepted.
   void add_the_rest(Diagnosis& d) const;
 
+  /// Adds the values of the one accepted hypothesis, a further step of the same one, to a finding.
+  void add_step(Finding& f) const;
+
   /// The arm with all that was found; what needs fitting has no values yet.
   Model extended_arm() const;
 
  private:
   Finding finding(size_t accepted, const VectorXd& before, const VectorXd& after) const;
   std::vector<FoundParameter> parameters_of(const Hypothesis& h) const;
+  double own_deviation(const Hypothesis& h, const std::string& parameter) const;
   std::vector<double> values_of(const Hypothesis& h) const;
   std::vector<FoundParameter> payload_parameters(const Hypothesis& h) const;
   std::string sentence(const Hypothesis& h, const Finding& f) const;

@@ -17,6 +17,9 @@ constexpr std::array<double, 3> kGapShares = {1e-3, 5e-3, 2e-2};
 constexpr std::array<double, 3> kSpeedShares = {0.02, 0.06, 0.2};
 constexpr std::array<double, 2> kExponents = {0.4, 0.7};
 
+constexpr double kStillRevolute = 5e-3;   // [rad] of travel
+constexpr double kStillPrismatic = 5e-4;  // [m]
+
 struct Motion {
   double travel = 0.0;
   double middle = 0.0;
@@ -87,16 +90,22 @@ class Builder {
       : arm_(arm), facts_(facts), list_(list), description_(arm.description()) {}
 
   void ask_all() {
-    if (wanted("gravity_tilt")) add("gravity_tilt", {VectorXd::Zero(arm_.joints()), 0.0}, {});
+    // Friction holds a joint at rest against anything: its torque says nothing about the arm.
+    int moving = 0;
+    for (int i = 0; i < arm_.joints(); ++i) moving += static_cast<int>(moves(i));
+    const bool whole_arm = 2 * moving >= arm_.joints();
+    if (whole_arm && wanted("gravity_tilt"))
+      add("gravity_tilt", {VectorXd::Zero(arm_.joints()), 0.0}, {});
     for (const Axis& axis : axes()) {
       const Motion m = motion_along(axis, facts_);
+      if (!moves(main_coordinate(axis))) continue;
       for (const Effect* effect : all_effects()) ask(*effect, axis, m);
       const bool plain = (axis.coefficients.array() != 0.0).count() == 1;
       for (const char* effect : {"torque_gain", "time_delay", "encoder_offset"}) {
         if (plain && wanted(effect)) add(effect, axis, {});
       }
     }
-    if (list_.changes && wanted("payload")) {
+    if (whole_arm && list_.changes && wanted("payload")) {
       for (const int frame : payload_frames(arm_)) add_payload(frame);
     }
   }
@@ -126,6 +135,14 @@ class Builder {
       if (!known && term.effect == "coulomb_friction") out.push_back(term.axis);
     }
     return out;
+  }
+
+  bool moves(int joint) const {
+    const double still =
+        arm_.coordinates()[static_cast<size_t>(joint)].prismatic ? kStillPrismatic : kStillRevolute;
+    return std::any_of(facts_.begin(), facts_.end(), [&](const CompressedRecording& r) {
+      return r.joints[static_cast<size_t>(joint)].travel() > still;
+    });
   }
 
   bool wanted(const std::string& name) const {

@@ -15,6 +15,7 @@ constexpr double kRidge = 1e-10;
 constexpr double kUnseen = 1e-7;    // of the best seen direction's square
 constexpr double kSameSpan = 1e-5;  // of a column's square that may lie outside the other's span
 constexpr int kSteps = 60;
+constexpr double kAsGood = 2e-3;  // of what the best solution explains
 constexpr std::array<double, 5> kFirstMasses = {0.03, 0.15, 0.6, 2.5, 10.0};  // [kg]
 
 // || phi ||: phi' A phi - 2 b' phi + c over the ten parameters of the load, nuisances fitted.
@@ -90,6 +91,23 @@ Solution descend(const Quadratic& f, double mass, Eigen::Vector3d h) {
   return best;
 }
 
+std::vector<Solution> all_solutions(const Quadratic& f, const Eigen::Vector3d& h) {
+  std::vector<Solution> out;
+  for (const double mass : kFirstMasses) {
+    for (const double share : {1.0, 0.3, -0.3}) out.push_back(descend(f, mass, share * h));
+  }
+  return out;
+}
+
+// What the torques ask for beyond the point mass, about its centre; least squares, made possible
+// (no negative moment of inertia).
+Eigen::Matrix<double, 6, 1> extent(const Quadratic& f, const Solution& s) {
+  MatrixXd A = f.A.bottomRightCorner(6, 6);
+  A.diagonal() *= 1.0 + 1e-6;
+  A.diagonal().array() += 1e-300;
+  return A.ldlt().solve((f.b - f.A * s.phi).tail(6));
+}
+
 Solution fit_point(const Quadratic& f, const Solution* near) {
   if (near != nullptr) return descend(f, near->mass(), near->moment());
   MatrixXd first = f.A.block(1, 1, 3, 3);
@@ -97,11 +115,23 @@ Solution fit_point(const Quadratic& f, const Solution* near) {
   first.diagonal().array() += 1e-300;
   const Eigen::Vector3d h = first.ldlt().solve(f.b.segment(1, 3));
   Solution best;
-  for (const double mass : kFirstMasses) {
-    const Solution s = descend(f, mass, h);
+  for (const Solution& s : all_solutions(f, h)) {
     if (s.cost < best.cost) best = s;
   }
   return best;
+}
+
+// Largest distance of solutions from other starts that fit as well: where the torques leave a
+// valley, every point of it is an answer.
+template <typename Numbers, typename ToNumbers>
+Numbers valley(const Quadratic& f, const Solution& best, const ToNumbers& numbers) {
+  Numbers widest = Numbers::Zero();
+  for (const Solution& s : all_solutions(f, best.moment())) {
+    if (s.cost > best.cost + kAsGood * std::abs(best.cost)) continue;
+    widest =
+        widest.cwiseMax((numbers(s, extent(f, s)) - numbers(best, extent(f, best))).cwiseAbs());
+  }
+  return widest;
 }
 
 // Weighted sums of all clusters but one, over the load's ten parameters with the nuisances
@@ -165,15 +195,6 @@ class LoadProblem {
   ColumnSet nuisances_;
   VectorXd weights_;
 };
-
-// What the torques ask for beyond the point mass, about its centre; least squares, made possible
-// (no negative moment of inertia).
-Eigen::Matrix<double, 6, 1> extent(const Quadratic& f, const Solution& s) {
-  MatrixXd A = f.A.bottomRightCorner(6, 6);
-  A.diagonal() *= 1.0 + 1e-6;
-  A.diagonal().array() += 1e-300;
-  return A.ldlt().solve((f.b - f.A * s.phi).tail(6));
-}
 
 Eigen::Matrix<double, 6, 1> possible(const Eigen::Matrix<double, 6, 1>& L) {
   Eigen::Matrix3d I;
@@ -242,7 +263,7 @@ PayloadEstimate fit_payload(const Inquiry& q, const NormalBlocks& data, const Hy
   Numbers variance = Numbers::Zero();
   for (const Numbers& v : jackknife)
     variance += (v - mean).cwiseAbs2() * (clusters - 1.0) / clusters;
-  Numbers drift = Numbers::Zero();
+  Numbers drift = valley<Numbers>(whole, main, numbers);
   for (size_t k = 0; k + 1 < sets.size(); ++k) {
     const Quadratic f = LoadProblem(data, payload, sets[k], w).without(-1);
     const Solution s = fit_point(f, &main);
