@@ -1,5 +1,6 @@
 #include "veridyn/report/diagnosis_json.hpp"
 #include "json_value.hpp"
+#include "settings_json.hpp"
 
 namespace veridyn {
 namespace {
@@ -80,6 +81,7 @@ std::string to_json(const Diagnosis& d) {
   out["noise_floor"] = {{"relative_error", json_list(d.baseline.noise_floor)}};
   out["extended"] = error_pair(d.extended);
   out["data_quality"] = quality_json(d.data_quality);
+  out["settings"] = settings_json(d.baseline);
   out["seconds"] = d.seconds;
   return written(out);
 }
