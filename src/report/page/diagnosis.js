@@ -6,17 +6,6 @@ function countOf(count, one, many) {
   return count + ' ' + (count === 1 ? one : many);
 }
 
-function verdictErrors() {
-  return element('ul', {class: 'errors-in-words'}, series.joints.map((joint, i) => {
-    const floor = '/noise_floor/relative_error/' + i;
-    const before = '/baseline/test/relative_error/' + i;
-    const change = result.findings.length ? fromTo(before, '/extended/test/relative_error/' + i) :
-      element('span', {class: 'change'}, number(before, 'percent'), '\u00a0%');
-    return element('li', {}, element('span', {class: 'name'}, joint.name), ' ', change,
-        isNumber(valueAt(floor)) ? [' ', element('span', {class: 'floor'}, '(noise floor ', number(floor, 'percent'), '\u00a0%)')] : null);
-  }));
-}
-
 function verdictItem(finding, k) {
   return element('li', {}, typeset(finding.sentence), ' ', element('span', {class: 'small'},
       'Explains ', number('/findings/' + k + '/explains', 'share'), '\u00a0%.'));
@@ -25,10 +14,11 @@ function verdictItem(finding, k) {
 function verdictFindings() {
   const findings = result.findings;
   if (!findings.length) {
-    return [element('p', {class: 'lead'}, 'Nothing found: the recordings support no further effect.')];
+    return [element('p', {class: 'lead'}, result.changes_since ? 'Nothing has changed since the model was made, as far as these recordings tell.' :
+      'Nothing found: the recordings support no further effect.')];
   }
-  const lead = findings.length === 1 ? 'The arm differs from the model in one point.' :
-    'The arm differs from the model in ' + findings.length + ' points.';
+  const points = findings.length === 1 ? 'one point' : findings.length + ' points';
+  const lead = (result.changes_since ? 'Since the model was made, the arm has changed in ' : 'The arm differs from the model in ') + points + '.';
   const more = findings.length - kSentences;
   return [element('p', {class: 'lead'}, lead), element('ol', {}, findings.slice(0, kSentences).map(verdictItem)),
     more > 0 ? element('p', {}, 'And ' + more + ' more in the ', element('a', {href: '#findings'}, 'table of findings'), '.') : null];
@@ -50,9 +40,10 @@ function verdictWarnings() {
 function fillDiagnosis() {
   byId('title').textContent = result.robot;
   byId('facts').append(number('/hypotheses', 'whole'), ' hypotheses asked in ', number('/seconds', 'plain', (v) => v.toFixed(1)), ' s');
-  byId('verdict').append(...verdictFindings().filter(Boolean), element('p', {class: 'small'},
-      result.findings.length ? 'Held-out error with all findings, per joint:' : 'Held-out error, per joint:'), verdictErrors(), ...verdictWarnings());
   const extended = result.findings.length > 0;
+  byId('verdict').append(...verdictFindings().filter(Boolean),
+      ...errorsInWords(extended ? 'Held-out error with all findings, per joint:' : 'Held-out error, per joint:',
+          '/baseline/test/relative_error/', extended && '/extended/test/relative_error/'), ...verdictWarnings());
   byId('error-table').append(errorTable([
     {name: 'Held out, as it stands', place: '/baseline/test/relative_error', kind: 'model'},
     extended && {name: 'Held out, extended', place: '/extended/test/relative_error', kind: 'extended'},
@@ -65,5 +56,6 @@ function fillDiagnosis() {
   fillWaterfalls();
   fillCannotTell();
   fillNotSupported();
+  fillLeftOut();
   fillQuality();
 }

@@ -9,6 +9,16 @@ function errorBars(bars, floor, largest) {
       isNumber(valueAt(floor)) ? element('b', {style: 'left:' + width(floor)}) : null);
 }
 
+/** One line: error of each joint at `place`, with where it goes to at `after` if that is given, and the noise floor. */
+function errorsInWords(title, place, after) {
+  return [element('p', {class: 'small'}, title), element('ul', {class: 'errors-in-words'}, series.joints.map((joint, i) => {
+    const floor = '/noise_floor/relative_error/' + i;
+    const error = after ? fromTo(place + i, after + i) : element('span', {class: 'change'}, number(place + i, 'percent'), '\u00a0%');
+    return element('li', {}, element('span', {class: 'name'}, joint.name), ' ', error,
+        isNumber(valueAt(floor)) ? [' ', element('span', {class: 'floor'}, '(noise floor ', number(floor, 'percent'), '\u00a0%)')] : null);
+  }))];
+}
+
 /**
  * @param columns  [{name, place, kind}]: place is the list of relative errors in the result; kind, if given, makes a bar.
  */

@@ -39,10 +39,20 @@ function fillCannotTell() {
       table([{name: 'Effect'}, {name: 'Joint'}, {name: 'Why'}], rows, 'cannot-tell'));
 }
 
+function fillLeftOut() {
+  const list = result.left_out || [];
+  if (!list.length) return;
+  const rows = list.map((part, k) => [element('strong', {}, fileName(part.file)), shortJoint(part.joint),
+    element('span', {}, number('/left_out/' + k + '/from', 'plain'), ' to ', number('/left_out/' + k + '/to', 'plain'), '\u00a0s'), typeset(part.why)]);
+  byId('quality-table').append(element('h3', {}, 'Left out'),
+      element('p', {class: 'note'}, 'Moments that belong to a recording and not to the arm; no fit and no error counts them. The plots over time mark them.'),
+      table([{name: 'Recording'}, {name: 'Joint'}, {name: 'Time'}, {name: 'Why'}], rows, 'left-out'));
+}
+
 function fillQuality() {
   const groups = groupBy(result.data_quality || [], (item) => item.file);
   if (!groups.length) {
-    byId('quality-table').append(element('p', {}, 'Nothing to remark.'));
+    if (!(result.left_out || []).length) byId('quality-table').append(element('p', {}, 'Nothing to remark.'));
     return;
   }
   const rows = groups.map((group) => [element('strong', {}, fileName(group[0].item.file)),

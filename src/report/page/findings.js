@@ -20,7 +20,7 @@ function heldOutChange(finding, k) {
 }
 
 function rivalWords(rival) {
-  return element('strong', {}, words(rival.effect) + ' (' + shortJoint(rival.joint) + ')');
+  return element('strong', {}, words(rival.effect) + ' (' + (rival.frame ? words(rival.frame) : shortJoint(rival.joint)) + ')');
 }
 
 // Rivals with one reason are named together.
@@ -43,7 +43,8 @@ function sentenceOf(finding) {
 
 function findingRow(finding, k) {
   const place = '/findings/' + k;
-  const where = finding.frame ? 'frame ' + finding.frame : jointName(finding.joint).toLowerCase();
+  const where = [finding.frame ? 'frame ' + finding.frame : jointName(finding.joint).toLowerCase(),
+    finding.recording && fileName(finding.recording)].filter(Boolean).join(', ');
   const cause = element('div', {}, element('strong', {class: 'cause'}, number(place + '/rank', 'whole'), '\u2002' + words(finding.effect)),
       element('span', {class: 'where'}, ', ' + where), element('p', {}, sentenceOf(finding)), rivalList(finding));
   return [cause, parameterList(finding, k), number(place + '/p_value', 'chance'),
@@ -62,9 +63,9 @@ function fillFindings() {
 // { separates: [a, b], trajectory: file or words, ... }; whatever else is there is text as well.
 function fillNextExperiment() {
   const next = result.next_experiment;
-  if (!next) return;
-  const rest = Object.entries(next).filter(([name, value]) => name !== 'separates' && typeof value === 'string');
+  if (!next || !(next.separates || []).length) return;
+  const rest = Object.entries(next).filter(([name, value]) => name !== 'separates' && value && typeof value === 'string');
   byId('next-experiment').append(element('h3', {}, 'The recording that would separate them'),
-      element('p', {}, [].concat(next.separates || []).join(' from ')),
+      element('p', {}, element('strong', {}, next.separates.map(words).join(' from '))),
       rest.map(([name, value]) => element('p', {}, element('span', {class: 'name'}, words(name) + ': '), value)));
 }

@@ -4,7 +4,8 @@ function identificationWords() {
   const feasible = result.feasible ? 'every body is physically possible' : 'not every body is physically possible';
   const lead = element('p', {class: 'lead'}, String(result.base_parameters.length), ' base parameters from ', number('/rows', 'whole'),
       ' rows; ' + feasible + '.');
-  const out = [lead];
+  const out = [lead, ...errorsInWords(result.test ? 'Held-out error, per joint:' : 'Error on the training recordings, per joint:',
+      result.test ? '/test/relative_error/' : '/train/relative_error/')];
   if (result.status !== 'done') out.push(element('p', {class: 'warning'}, result.reason));
   const facts = [['Condition number, columns scaled', '/condition_number'], ['Condition number, as they are', '/condition_number_unscaled'],
     ['Rank gap', '/rank_gap'], ['Rows that count after autocorrelation', '/effective_samples'], ['Weighted sum of squares', '/objective'],
@@ -37,7 +38,7 @@ function baseRow(one, k) {
   const place = '/base_parameters/' + k;
   const decimals = isNumber(one.std) && one.std > 1e-7 && Math.abs(one.value) < 1e5 ? Math.max(0, 1 - Math.floor(Math.log10(one.std))) : null;
   const write = decimals === null ? undefined : (v) => withMinus(v.toFixed(decimals));
-  return [element('span', {class: 'expression'}, one.expression || one.name), number(place + '/value', 'plain', write),
+  return [element('span', {class: 'expression'}, (one.expression || one.name).replace(/(^| )- ?/g, '$1\u2212 ')), number(place + '/value', 'plain', write),
     number(place + '/std', 'plain', write), typeset(one.unit)];
 }
 

@@ -126,11 +126,11 @@ function residualRow(recording, joint, mover, name, yRange) {
   const motion = recording.joints[mover - 1];
   const residual = residualOf(recording.joints[joint - 1], name);
   const units = series.joints[mover - 1];
-  return quantities.map(([key, words, per]) => {
-    const text = (name === 'extended' ? 'Extended: ' : result.command === 'identify' ? '' : 'As it stands: ') +
-        words + ' [' + units.unit + per + ']';
+  return quantities.map(([key, quantity, per]) => {
+    const caption = (name === 'extended' ? 'Extended: ' : result.command === 'identify' ? '' : 'As it stands: ') +
+        quantity + ' [' + units.unit + per + ']';
     const plot = element('div', {class: 'plot residual', 'data-plot': 'residual', 'data-joint': joint,
-      'data-model': name, 'data-against': key}, element('p', {class: 'caption'}, text), element('canvas'));
+      'data-model': name, 'data-against': key}, element('p', {class: 'caption'}, caption), element('canvas'));
     const draw = () => drawScatter(plot, rangeOf([motion[key]]), yRange, byDirection(motion[key], residual, motion.dq));
     return {plot, draw};
   });

@@ -10,7 +10,10 @@ const colours = {
   backward: '#b5179e',
 };
 const curveNames = {measured: 'measured', model: 'model as it stands', extended: 'extended model'};
-if (result.command === 'identify') curveNames.model = 'identified model';
+if (result.command === 'identify') {
+  curveNames.model = 'identified model';
+  colours.model = colours.extended;
+}
 
 const kGap = 2.5;  // median steps without a sample are a gap
 

@@ -1,18 +1,22 @@
 // Torque over time, one zoomable plot a joint with its error beneath; all share one stretch of time.
 
 const kPaperWidth = 690;  // [px] between the margins of A4 and of letter paper
+const widths = {measured: 5, model: 2.6, extended: 1.2};  // each line is seen on the one below it
 const timePlots = [];  // {graph, plot, curves}
 
 function noteTimePlot({graph, plot, curves}) {
   const [from, to] = graph.xAxisRange();
   const points = curves.map(() => 0);
+  let gaps = 0;
   for (let row = 0; row < graph.numRows(); ++row) {
     const t = graph.getValue(row, 0);
     if (t < from || t > to) continue;
+    if (curves.every((_, k) => !isNumber(graph.getValue(row, k + 1)))) ++gaps;
     curves.forEach((c, k) => {
       if (isNumber(graph.getValue(row, k + 1))) ++points[k];
     });
   }
+  plot.dataset.gaps = gaps;
   noteDrawn(plot, plot.querySelector('canvas'), curves.map((c, k) => ({...c, points: points[k]})));
 }
 
@@ -22,6 +26,18 @@ function showTime(range) {
     one.graph.updateOptions({dateWindow: range});
     noteTimePlot(one);
   }
+}
+
+// Moments that the result leaves out, as pale bands behind the curves.
+function markLeftOut(joint, recording) {
+  const parts = (result.left_out || []).filter((part) => part.file === recording.source && (!part.joint || part.joint === joint));
+  return (pen, area, graph) => {
+    pen.fillStyle = '#f3e3c8';
+    for (const part of parts) {
+      const [from, to] = [graph.toDomXCoord(part.from), graph.toDomXCoord(part.to)];
+      pen.fillRect(from, area.y, to - from, area.h);
+    }
+  };
 }
 
 function readoutText(graph, row, curves, unit) {
@@ -53,8 +69,7 @@ function timePlot(place, kind, joint, recording, curves, unit, readout) {
   const graph = new Dygraph(canvas, rowsOf(recording, curves.map((c) => c.values)), {
     labels: ['time'].concat(curves.map((c) => c.name)),
     colors: curves.map((c) => c.colour),
-    strokeWidth: 1.3,
-    series: {measured: {strokeWidth: 4}},  // a broad band, so that the models are seen on it
+    series: Object.fromEntries(curves.map((c) => [c.name, {strokeWidth: c.width}])),
     legend: 'never',
     axisLabelFontSize: 12,
     axisLineColor: '#9a9a95',
@@ -68,6 +83,7 @@ function timePlot(place, kind, joint, recording, curves, unit, readout) {
         axisLabelFormatter: (v) => withMinus(String(Number(v.toPrecision(4))))},
     },
     interactionModel: touchTwoFingers(),
+    underlayCallback: markLeftOut(joint, recording),
     zoomCallback: (from, to) => showTime([from, to]),
     highlightCallback: (event, x, points, row) => {
       readout.textContent = readoutText(graph, row, curves, unit);
@@ -102,9 +118,9 @@ function drawTimePlots(recording, joints) {
     const place = element('div', {class: 'joint'}, element('h3', {}, jointName(joint) + ' [' + unit + ']', readout));
     byId('time-plots').append(place);
     timePlot(place, 'time', joint, recording, names.map((name) => (
-      {name: curveNames[name], colour: colours[name], values: data[name]})), unit, readout);
+      {name: curveNames[name], colour: colours[name], width: widths[name], values: data[name]})), unit, readout);
     timePlot(place, 'error', joint, recording, names.slice(1).map((name) => (
-      {name: curveNames[name], colour: colours[name], values: residualOf(data, name)})), unit, readout);
+      {name: curveNames[name], colour: colours[name], width: widths[name], values: residualOf(data, name)})), unit, readout);
   }
   fitTimePlotsToPaper();
 }
