@@ -170,6 +170,31 @@ TEST_F(OpenedInMemory, NothingInTheResultIsTakenForMarkup) {
             d.findings[0].sentence);
 }
 
+// Parts of the result that most diagnoses do not have.
+TEST_F(OpenedInMemory, WhatChangedSinceAndWhatWasLeftOutIsShown) {
+  std::string page = to_page(diagnosis());
+  const std::string before = "\"seconds\": ";
+  const std::string added =
+      R"("changes_since": true,
+         "next_experiment": {"separates": ["payload on fore", "torque_gain on joint 2"],
+                             "trajectory": "veridyn excite planar-2r"},
+         "left_out": [{"file": "test.csv", "joint": 1, "from": 2.5, "to": 3.25, "why": "a contact"}],
+         )";
+  page.insert(page.rfind(before), added);
+  const OpenedPage opened = open(page);
+  expect_sound(opened, 800);
+  EXPECT_NE(opened.html.find("Since the model was made"), std::string::npos);
+  EXPECT_NE(opened.html.find("payload on fore from torque gain on joint 2"), std::string::npos);
+  EXPECT_NE(opened.html.find("</span>veridyn excite planar-2r</p>"), std::string::npos);
+  const json result = embedded(opened.html, "result");
+  int ends = 0;
+  for (const PageElement& n : opened.with("data-from")) {
+    expect_number(n, result);
+    if (n.at("data-from").rfind("/left_out/0/", 0) == 0) ++ends;
+  }
+  EXPECT_EQ(ends, 2);
+}
+
 TEST_F(OpenedInMemory, NothingFoundIsSaidInWords) {
   Diagnosis d = diagnosis();
   d.findings.clear();

@@ -12,7 +12,8 @@ function pixelsOf(canvas, colour) {
   const data = pen.getImageData(0, 0, copy.width, copy.height).data;
   let count = 0;
   for (let k = 0; k < data.length; k += 4) {
-    const away = Math.abs(data[k] - wanted[0]) + Math.abs(data[k + 1] - wanted[1]) + Math.abs(data[k + 2] - wanted[2]);
+    const away = Math.abs(data[k] - wanted[0]) + Math.abs(data[k + 1] - wanted[1]) +
+        Math.abs(data[k + 2] - wanted[2]);
     if (data[k + 3] > kVisible && away < kSameColour) ++count;
   }
   return count;

@@ -26,13 +26,15 @@ function drawing(tag, attributes, ...children) {
  * @param rows     lists of cells (nodes or text), one per column; null leaves a cell empty.
  */
 function table(columns, rows, className) {
-  const head = element('tr', {}, columns.map((c) => element('th', {scope: 'col', class: c.kind}, c.name)));
+  const head =
+      element('tr', {}, columns.map((c) => element('th', {scope: 'col', class: c.kind}, c.name)));
   const body = rows.map((cells) => element('tr', {}, cells.map((cell, k) => {
-    const place = {class: columns[k].kind, 'data-label': columns[k].name};
-    if (cell === null) place.class = (place.class || '') + ' empty';
-    return element('td', place, cell);
-  })));
-  return element('table', {class: className}, element('thead', {}, head), element('tbody', {}, body));
+                          const place = {class: columns[k].kind, 'data-label': columns[k].name};
+                          if (cell === null) place.class = (place.class || '') + ' empty';
+                          return element('td', place, cell);
+                        })));
+  return element(
+      'table', {class: className}, element('thead', {}, head), element('tbody', {}, body));
 }
 
 /** [[label, node], ...] as a select; `choose` is called with the value that the user picks. */
@@ -45,11 +47,17 @@ function chooser(label, groups, choose) {
   return element('label', {}, label + ' ', select);
 }
 
-/** A sentence of the result as it is set here: minus signs, powers, numbers that stay with their units. */
+/**
+ * A sentence of the result as it is set here: minus signs, powers, numbers that stay with their
+ * units.
+ */
 function typeset(sentence) {
   const powers = {1: '\u00b9', 2: '\u00b2', 3: '\u00b3', 4: '\u2074'};
-  return String(sentence).replace(/\^([1-4])\b/g, (_, power) => powers[power]).replace(/(^|[\s(])-(?=\d)/g, '$1\u2212')
-      .replace(/(\d) (?=[A-Za-z\u00b5%]{1,4}\b|%)/g, '$1\u00a0').replace(/N m\b/g, 'N\u00a0m');
+  return String(sentence)
+      .replace(/\^([1-4])\b/g, (_, power) => powers[power])
+      .replace(/(^|[\s(])-(?=\d)/g, '$1\u2212')
+      .replace(/(\d) (?=[A-Za-z\u00b5%]{1,4}\b|%)/g, '$1\u00a0')
+      .replace(/N m\b/g, 'N\u00a0m');
 }
 
 function words(name) {

@@ -3,8 +3,14 @@
 const kSteps = 25;        // of the horizontal axis, for the means
 const kFewest = 5;        // samples for a mean
 const kPlotHeight = 170;  // [px]
-const kMargin = {left: 50, right: 6, top: 6, bottom: 20};
-const quantities = [['q', 'position', ''], ['dq', 'velocity', '/s'], ['ddq', 'acceleration', '/s\u00b2']];
+const kMargin = {
+  left: 50,
+  right: 6,
+  top: 6,
+  bottom: 20
+};
+const quantities =
+    [['q', 'position', ''], ['dq', 'velocity', '/s'], ['ddq', 'acceleration', '/s\u00b2']];
 
 function rangeOf(lists) {
   let low = Infinity;
@@ -29,7 +35,10 @@ function ticks([low, high], most) {
   const decimals = Math.max(0, -Math.floor(Math.log10(step) + 1e-9));
   const out = [];
   for (let k = Math.ceil(low / step); k * step <= high; ++k) {
-    out.push({at: k * step, text: withMinus((k * step + 0).toFixed(decimals).replace(/^-(0\.?0*)$/, '$1'))});
+    out.push({
+      at: k * step,
+      text: withMinus((k * step + 0).toFixed(decimals).replace(/^-(0\.?0*)$/, '$1'))
+    });
   }
   return out;
 }
@@ -65,11 +74,14 @@ function drawAxes(pen, size, xRange, yRange, x, y) {
 function means(points, [low, high]) {
   const sums = Array.from({length: kSteps}, () => [0, 0]);
   for (const [a, b] of points) {
-    const sum = sums[Math.min(kSteps - 1, Math.max(0, Math.floor(kSteps * (a - low) / (high - low))))];
+    const sum =
+        sums[Math.min(kSteps - 1, Math.max(0, Math.floor(kSteps * (a - low) / (high - low))))];
     sum[0] += 1;
     sum[1] += b;
   }
-  return sums.map(([count, sum], k) => [low + (k + 0.5) * (high - low) / kSteps, count >= kFewest ? sum / count : null]);
+  return sums.map(
+      ([count, sum],
+       k) => [low + (k + 0.5) * (high - low) / kSteps, count >= kFewest ? sum / count : null]);
 }
 
 function drawMeans(pen, list, colour, x, y) {
@@ -98,8 +110,10 @@ function drawScatter(plot, xRange, yRange, groups) {
   canvas.height = Math.round(size.height * density);
   const pen = canvas.getContext('2d');
   pen.scale(density, density);
-  const x = (v) => kMargin.left + (size.width - kMargin.left - kMargin.right) * (v - xRange[0]) / (xRange[1] - xRange[0]);
-  const y = (v) => size.height - kMargin.bottom - (size.height - kMargin.top - kMargin.bottom) * (v - yRange[0]) / (yRange[1] - yRange[0]);
+  const x = (v) => kMargin.left +
+      (size.width - kMargin.left - kMargin.right) * (v - xRange[0]) / (xRange[1] - xRange[0]);
+  const y = (v) => size.height - kMargin.bottom -
+      (size.height - kMargin.top - kMargin.bottom) * (v - yRange[0]) / (yRange[1] - yRange[0]);
   drawAxes(pen, size, xRange, yRange, x, y);
   const drawn = groups.map((group) => {
     pen.fillStyle = group.colour;
@@ -127,18 +141,31 @@ function residualRow(recording, joint, mover, name, yRange) {
   const residual = residualOf(recording.joints[joint - 1], name);
   const units = series.joints[mover - 1];
   return quantities.map(([key, quantity, per]) => {
-    const caption = (name === 'extended' ? 'Extended: ' : result.command === 'identify' ? '' : 'As it stands: ') +
+    const caption = (name === 'extended'               ? 'Extended: ' :
+                         result.command === 'identify' ? '' :
+                                                         'As it stands: ') +
         quantity + ' [' + units.unit + per + ']';
-    const plot = element('div', {class: 'plot residual', 'data-plot': 'residual', 'data-joint': joint,
-      'data-model': name, 'data-against': key}, element('p', {class: 'caption'}, caption), element('canvas'));
-    const draw = () => drawScatter(plot, rangeOf([motion[key]]), yRange, byDirection(motion[key], residual, motion.dq));
+    const plot = element(
+        'div', {
+          class: 'plot residual',
+          'data-plot': 'residual',
+          'data-joint': joint,
+          'data-model': name,
+          'data-against': key
+        },
+        element('p', {class: 'caption'}, caption), element('canvas'));
+    const draw = () => drawScatter(
+        plot, rangeOf([motion[key]]), yRange, byDirection(motion[key], residual, motion.dq));
     return {plot, draw};
   });
 }
 
 let residualPlots = [];  // {plot, draw}
 
-/** Draws the chosen joints (from 1), against their own motion or that of joint `against` (from 1; 0: their own). */
+/**
+ * Draws the chosen joints (from 1), against their own motion or that of joint `against` (from 1;
+ * 0: their own).
+ */
 function drawResidualPlots(recording, joints, against) {
   const place = byId('residual-plots');
   place.replaceChildren();
@@ -149,9 +176,12 @@ function drawResidualPlots(recording, joints, against) {
     const names = curvesOf(data).slice(1);
     const yRange = rangeOf(names.map((name) => residualOf(data, name)));
     const parts = names.flatMap((name) => residualRow(recording, joint, mover, name, yRange));
-    const title = jointName(joint) + ': residual [' + series.joints[joint - 1].torque_unit + '] against the motion of ' +
+    const title = jointName(joint) + ': residual [' + series.joints[joint - 1].torque_unit +
+        '] against the motion of ' +
         (mover === joint ? 'the joint' : jointName(mover).toLowerCase());
-    place.append(element('h3', {}, title), element('div', {class: 'residual-grid models-' + names.length}, parts.map((p) => p.plot)));
+    place.append(
+        element('h3', {}, title),
+        element('div', {class: 'residual-grid models-' + names.length}, parts.map((p) => p.plot)));
     residualPlots.push(...parts);
   }
   redrawResidualPlots();

@@ -9,7 +9,11 @@ const colours = {
   forward: '#0d7a72',
   backward: '#b5179e',
 };
-const curveNames = {measured: 'measured', model: 'model as it stands', extended: 'extended model'};
+const curveNames = {
+  measured: 'measured',
+  model: 'model as it stands',
+  extended: 'extended model'
+};
 if (result.command === 'identify') {
   curveNames.model = 'identified model';
   colours.model = colours.extended;

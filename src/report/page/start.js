@@ -2,7 +2,11 @@
 
 const kStacked = 4;  // joints shown at once before one is chosen for a start
 
-const chosen = {recording: 0, joint: 0, against: 0};  // joint 0: all; against 0: the joint itself
+const chosen = {
+  recording: 0,
+  joint: 0,
+  against: 0
+};  // joint 0: all; against 0: the joint itself
 
 function chosenJoints() {
   return chosen.joint ? [chosen.joint] : series.joints.map((_, i) => i + 1);
@@ -15,10 +19,13 @@ function drawPlots() {
 }
 
 function recordingGroups() {
-  return ['held out', 'training'].map((role) => ({
-    name: role,
-    options: series.recordings.flatMap((r, k) => r.role === role ? [[k, fileName(r.source)]] : []),
-  })).filter((group) => group.options.length);
+  return ['held out', 'training']
+      .map((role) => ({
+             name: role,
+             options: series.recordings.flatMap(
+                 (r, k) => r.role === role ? [[k, fileName(r.source)]] : []),
+           }))
+      .filter((group) => group.options.length);
 }
 
 function fillChooser() {
@@ -35,10 +42,15 @@ function fillChooser() {
   joint.querySelector('select').value = chosen.joint;
   const whole = element('button', {type: 'button'}, 'Whole recording');
   whole.addEventListener('click', () => showTime(null));
-  byId('chooser').append(chooser('Recording', recordingGroups(), choose('recording')), joint,
-      chooser('Residual against', [{options: [[0, 'the joint itself']].concat(joints)}], choose('against')), whole);
+  byId('chooser').append(
+      chooser('Recording', recordingGroups(), choose('recording')), joint,
+      chooser(
+          'Residual against', [{options: [[0, 'the joint itself']].concat(joints)}],
+          choose('against')),
+      whole);
   if (series.left_out) {
-    byId('chooser').append(element('span', {class: 'small'}, series.left_out + ' more recordings are not in this page.'));
+    byId('chooser').append(element(
+        'span', {class: 'small'}, series.left_out + ' more recordings are not in this page.'));
   }
   const names = new Set(series.recordings.flatMap((r) => r.joints.flatMap(curvesOf)));
   byId('time-keys').append(...[...names].map(key));
@@ -53,8 +65,10 @@ function noteState() {
   root.dataset.width = window.innerWidth;
   root.dataset.overflow = Math.max(0, root.scrollWidth - root.clientWidth);
   if (root.scrollWidth <= root.clientWidth) return;
-  const wide = [...document.querySelectorAll('main *')].filter((node) => node.getBoundingClientRect().right > root.clientWidth + 0.5);
-  root.dataset.overflowBy = wide.slice(0, 8).map((node) => node.tagName + '.' + node.getAttribute('class')).join(' ');
+  const wide = [...document.querySelectorAll('main *')].filter(
+      (node) => node.getBoundingClientRect().right > root.clientWidth + 0.5);
+  root.dataset.overflowBy =
+      wide.slice(0, 8).map((node) => node.tagName + '.' + node.getAttribute('class')).join(' ');
 }
 
 function start() {

@@ -1,7 +1,12 @@
-// Torque over time, one zoomable plot a joint with its error beneath; all share one stretch of time.
+// Torque over time, one zoomable plot a joint with its error beneath; all share one stretch of
+// time.
 
 const kPaperWidth = 690;  // [px] between the margins of A4 and of letter paper
-const widths = {measured: 5, model: 2.6, extended: 1.2};  // each line is seen on the one below it
+// [px] Each line is seen on the one below it.
+const widths = {
+  time: {measured: 5, model: 2.6, extended: 1.2},
+  error: {model: 1.8, extended: 1.2}
+};
 const timePlots = [];  // {graph, plot, curves}
 
 function noteTimePlot({graph, plot, curves}) {
@@ -30,7 +35,10 @@ function showTime(range) {
 
 // Moments that the result leaves out, as pale bands behind the curves.
 function markLeftOut(joint, recording) {
-  const parts = (result.left_out || []).filter((part) => part.file === recording.source && (!part.joint || part.joint === joint));
+  const parts =
+      (result.left_out || [])
+          .filter(
+              (part) => part.file === recording.source && (!part.joint || part.joint === joint));
   return (pen, area, graph) => {
     pen.fillStyle = '#f3e3c8';
     for (const part of parts) {
@@ -45,8 +53,8 @@ function readoutText(graph, row, curves, unit) {
     const v = graph.getValue(row, k + 1);
     return isNumber(v) ? withMinus(v.toPrecision(3)) : '\u2013';
   };
-  return 't = ' + graph.getValue(row, 0).toFixed(2) + ' s: ' +
-      curves.map((c, k) => c.name + ' ' + value(k)).join(', ') + ' ' + unit;
+  return 't = ' + graph.getValue(row, 0).toFixed(2) +
+      ' s: ' + curves.map((c, k) => c.name + ' ' + value(k)).join(', ') + ' ' + unit;
 }
 
 // One finger scrolls the page, two zoom the plot.
@@ -79,8 +87,11 @@ function timePlot(place, kind, joint, recording, curves, unit, readout) {
     includeZero: kind === 'error',
     axes: {
       x: {drawAxis: kind === 'error'},
-      y: {axisLabelWidth: 56, pixelsPerLabel: kind === 'error' ? 20 : 36,
-        axisLabelFormatter: (v) => withMinus(String(Number(v.toPrecision(4))))},
+      y: {
+        axisLabelWidth: 56,
+        pixelsPerLabel: kind === 'error' ? 20 : 36,
+        axisLabelFormatter: (v) => withMinus(String(Number(v.toPrecision(4))))
+      },
     },
     interactionModel: touchTwoFingers(),
     underlayCallback: markLeftOut(joint, recording),
@@ -115,16 +126,31 @@ function drawTimePlots(recording, joints) {
     const unit = series.joints[joint - 1].torque_unit;
     const readout = element('span', {class: 'readout'});
     const names = curvesOf(data);
-    const place = element('div', {class: 'joint'}, element('h3', {}, jointName(joint) + ' [' + unit + ']', readout));
+    const place = element(
+        'div', {class: 'joint'}, element('h3', {}, jointName(joint) + ' [' + unit + ']', readout));
     byId('time-plots').append(place);
-    timePlot(place, 'time', joint, recording, names.map((name) => (
-      {name: curveNames[name], colour: colours[name], width: widths[name], values: data[name]})), unit, readout);
-    timePlot(place, 'error', joint, recording, names.slice(1).map((name) => (
-      {name: curveNames[name], colour: colours[name], width: widths[name], values: residualOf(data, name)})), unit, readout);
+    timePlot(
+        place, 'time', joint, recording, names.map((name) => ({
+                                                     name: curveNames[name],
+                                                     colour: colours[name],
+                                                     width: widths.time[name],
+                                                     values: data[name]
+                                                   })),
+        unit, readout);
+    timePlot(
+        place, 'error', joint, recording, names.slice(1).map((name) => ({
+                                                               name: curveNames[name],
+                                                               colour: colours[name],
+                                                               width: widths.error[name],
+                                                               values: residualOf(data, name)
+                                                             })),
+        unit, readout);
   }
   fitTimePlotsToPaper();
 }
 
 function key(name) {
-  return element('span', {class: 'key'}, element('i', {style: 'background:' + colours[name]}), curveNames[name] || name);
+  return element(
+      'span', {class: 'key'}, element('i', {style: 'background:' + colours[name]}),
+      curveNames[name] || name);
 }
