@@ -59,8 +59,26 @@ done
 "$tool" simulate "$out/truth.yaml" --trajectory "$out/test-motion.csv" -o "$out/changed-test.csv" \
   --noise dvrk --seed 9 --effect "$hidden" --quiet >/dev/null
 "$tool" diagnose "$robot" --train "$out/changed-1.csv" "$out/changed-2.csv" "$out/changed-3.csv" \
-  --test "$out/changed-test.csv" --quiet --model-out "$out/extended.yaml" --json "$out/diagnosis.json" >"$out/diagnosis.txt"
+  --test "$out/changed-test.csv" --quiet --model-out "$out/extended.yaml" --json "$out/diagnosis.json" \
+  --report "$out/diagnosis.html" >"$out/diagnosis.txt"
 sed -n '/^1\. /,/explains/p; /^verdict/p' "$out/diagnosis.txt"
-printf 'hidden was: %s\n' "$hidden"
 
-printf '\nThe identified model: %s\nThe diagnosis: %s\n' "$out/identified.yaml" "$out/diagnosis.txt"
+printf '\nThe identified model: %s\nThe extended model:   %s\n' "$out/identified.yaml" "$out/extended.yaml"
+# The first finding of the JSON, and what it gained on the held-out recording.
+awk -v hidden="$hidden" '
+  /^  "findings": \[/ { inside = 1 }
+  inside && /^  \]/ { inside = 0 }
+  !inside || done { next }
+  /^      "effect": / { effect = $2; gsub(/[",]/, "", effect) }
+  /^      "joint": / { joint = $2 + 0 }
+  /^      "coordinate": / { coordinate = $2; gsub(/[",]/, "", coordinate) }
+  /^          "before": \[/ { list = "before"; k = 0; next }
+  /^          "after": \[/ { list = "after"; k = 0; next }
+  list != "" && /\]/ { if (list == "after") done = 1; list = ""; next }
+  list != "" { k = k + 1; if (k == joint) error[list] = 100 * $1 }
+  END {
+    printf "Hidden was: %s\n", hidden
+    if (!done) { print "Found: nothing"; exit }
+    printf "Found first: %s:%s; held-out error of this joint: %.2f %% -> %.2f %%\n", effect, coordinate, error["before"], error["after"]
+  }' "$out/diagnosis.json"
+printf 'The report, for any browser: %s\n' "$out/diagnosis.html"

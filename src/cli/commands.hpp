@@ -1,6 +1,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <string>
 
 namespace veridyn::cli {
 
@@ -17,6 +18,7 @@ enum ExitStatus {
 /// wrong usage are thrown (InvalidInput, CLI::ParseError), and main.cpp turns them into a status.
 struct Outcome {
   ExitStatus status = kDone;
+  std::string command_line;  ///< what the user typed, as a shell reads it; there from the start
 };
 
 // One per command, each in its own file `NAME_command.cpp`: adds the subcommand with its options

@@ -64,6 +64,12 @@ void add_common_options(CLI::App& command, CommonOptions& options) {
   command.set_version_flag("--version", "veridyn " VERIDYN_VERSION)->group(group);
 }
 
+void add_report_option(CLI::App& command, CommonOptions& options) {
+  command.add_option("--report", options.report, "Write the result as one HTML page, with plots")
+      ->option_text("FILE")
+      ->group("Common");
+}
+
 void add_robot_argument(CLI::App& command, std::string& robot) {
   command
       .add_option("ROBOT", robot,
@@ -142,6 +148,15 @@ void require_writable(const std::string& path) {
   require(!exists || !S_ISDIR(there.st_mode), path,
           ": cannot be written: found a folder, expected a file name.");
   const OutputFile probe(path);
+}
+
+void require_different(const std::vector<std::pair<std::string, std::string>>& files) {
+  for (auto a = files.begin(); a != files.end(); ++a) {
+    for (auto b = files.begin(); b != a; ++b) {
+      if (a->second.empty() || a->second != b->second) continue;
+      throw CLI::ValidationError(a->first, "found the same file as for " + b->first);
+    }
+  }
 }
 
 }  // namespace veridyn::cli

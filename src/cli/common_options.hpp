@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "veridyn/identification/preprocessing.hpp"
@@ -12,8 +13,9 @@ namespace veridyn::cli {
 
 /// Options that every command has.
 struct CommonOptions {
-  std::string json;  ///< file for the machine-readable result; empty: none
-  int threads = 0;   ///< 0: one per core
+  std::string json;    ///< file for the machine-readable result; empty: none
+  std::string report;  ///< file for the HTML page; empty: none
+  int threads = 0;     ///< 0: one per core
   bool quiet = false;
 };
 
@@ -25,6 +27,9 @@ struct RowRange {
 
 /// Adds --json, --threads, --quiet and --version.
 void add_common_options(CLI::App& command, CommonOptions& options);
+
+/// Adds --report, for a command that has a page.
+void add_report_option(CLI::App& command, CommonOptions& options);
 
 /// Adds ROBOT, the first argument: a file or a bare name.
 void add_robot_argument(CLI::App& command, std::string& robot);
@@ -42,5 +47,10 @@ void add_preprocessing_options(CLI::App& command, PreprocessingOptions& options)
 /// Finds out before long work whether a file can be written. An empty path is no file.
 /// @throws InvalidInput  it cannot.
 void require_writable(const std::string& path);
+
+/// Two outputs must not go to one file. Empty paths are no files.
+/// @param files  option and path of each.
+/// @throws CLI::ValidationError  two of them are the same.
+void require_different(const std::vector<std::pair<std::string, std::string>>& files);
 
 }  // namespace veridyn::cli

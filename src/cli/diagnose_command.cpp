@@ -11,6 +11,7 @@
 #include "veridyn/model/model_file.hpp"
 #include "veridyn/model/suggestion.hpp"
 #include "veridyn/report/diagnosis_json.hpp"
+#include "veridyn/report/diagnosis_page.hpp"
 
 namespace veridyn::cli {
 namespace {
@@ -32,8 +33,12 @@ void require_known_effects(const std::vector<std::string>& names) {
   }
 }
 
-ExitStatus run(Request& request) {
+ExitStatus run(Request& request, const std::string& command_line) {
+  require_different({{"--json", request.common.json},
+                     {"--report", request.common.report},
+                     {"--model-out", request.model_out}});
   require_writable(request.common.json);
+  require_writable(request.common.report);
   require_writable(request.model_out);
   require_known_effects(request.options.effects);
   const Model arm = read_model(request.robot);
@@ -52,6 +57,9 @@ ExitStatus run(Request& request) {
   }
   if (!request.model_out.empty()) save(d.extended, request.model_out);
   if (!request.common.json.empty()) write_file(request.common.json, to_json(d));
+  if (!request.common.report.empty()) {
+    write_file(request.common.report, to_page(d, command_line));
+  }
   std::cout << d.report();
   return kDone;
 }
@@ -80,7 +88,8 @@ void add_diagnose_command(CLI::App& tool, Outcome& outcome) {
   add_row_range(command, "--test-rows", "Rows of the held-out recordings (default: as --rows)",
                 [request](RowRange rows) { request->test_rows = rows; });
   add_common_options(command, request->common);
-  command.callback([request, &outcome] { outcome.status = run(*request); });
+  add_report_option(command, request->common);
+  command.callback([request, &outcome] { outcome.status = run(*request, outcome.command_line); });
 }
 
 }  // namespace veridyn::cli

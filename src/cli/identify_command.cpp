@@ -8,6 +8,7 @@
 #include "messages.hpp"
 #include "veridyn/math/output_file.hpp"
 #include "veridyn/model/model_file.hpp"
+#include "veridyn/report/identification_page.hpp"
 #include "veridyn/report/json.hpp"
 #include "veridyn/report/setting_names.hpp"
 
@@ -37,14 +38,15 @@ IdentificationOptions identification_options(const Request& request) {
   return options;
 }
 
-ExitStatus run(const Request& request) {
-  if (!request.model_out.empty() && request.model_out == request.common.json) {
-    throw CLI::ValidationError("--model-out", "found the same file as for --json");
-  }
+ExitStatus run(const Request& request, const std::string& command_line) {
+  require_different({{"--json", request.common.json},
+                     {"--report", request.common.report},
+                     {"--model-out", request.model_out}});
   if (!request.prior.empty() && request.options.method != Method::kFeasible) {
     throw CLI::ValidationError("--prior", "works with --method feasible only");
   }
   require_writable(request.common.json);
+  require_writable(request.common.report);
   require_writable(request.model_out);
   const Model arm = read_model(request.robot);
   const Identification id =
@@ -56,6 +58,9 @@ ExitStatus run(const Request& request) {
   if (id.status == IdentificationStatus::kNotConverged) say("warning: " + id.reason);
   if (!request.model_out.empty()) save(id, request.model_out);
   if (!request.common.json.empty()) write_file(request.common.json, to_json(id));
+  if (!request.common.report.empty()) {
+    write_file(request.common.report, to_page(id, command_line));
+  }
   std::cout << id.report();
   return kDone;
 }
@@ -93,7 +98,8 @@ void add_identify_command(CLI::App& tool, Outcome& outcome) {
   add_row_range(command, "--test-rows", "Rows of the held-out recordings (default: as --rows)",
                 [request](RowRange rows) { request->test_rows = rows; });
   add_common_options(command, request->common);
-  command.callback([request, &outcome] { outcome.status = run(*request); });
+  add_report_option(command, request->common);
+  command.callback([request, &outcome] { outcome.status = run(*request, outcome.command_line); });
 }
 
 }  // namespace veridyn::cli

@@ -15,6 +15,7 @@ ExitStatus run(int argc, char** argv) {
   tool.set_version_flag("--version", "veridyn " VERIDYN_VERSION);
   tool.require_subcommand(1);
   Outcome outcome;
+  outcome.command_line = command_line(argc, argv);
   add_info_command(tool, outcome);
   add_check_command(tool, outcome);
   add_identify_command(tool, outcome);

@@ -24,7 +24,29 @@ void draw_bar(const std::string& what, double share) {
   std::fflush(stderr);
 }
 
+// Anything that a shell could read differently goes between quotes.
+std::string quoted(const std::string& word) {
+  const char* const plain =
+      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+=./,:@%";
+  if (!word.empty() && word.find_first_not_of(plain) == std::string::npos) return word;
+  std::string out = "'";
+  for (const char c : word) {
+    if (c == '\'') {
+      out += "'\\''";
+    } else {
+      out += c;
+    }
+  }
+  return out + "'";
+}
+
 }  // namespace
+
+std::string command_line(int argc, const char* const* argv) {
+  std::string out = "veridyn";  // wherever it was started from
+  for (int k = 1; k < argc; ++k) out += " " + quoted(argv[k]);
+  return out;
+}
 
 void say(const std::string& line) {
   fmt::print(stderr, "{}veridyn: {}\n", on_terminal() ? kClearLine : "", line);

@@ -10,6 +10,9 @@ namespace veridyn::cli {
 /// `veridyn: line` on standard error, in place of a progress bar if one stands there.
 void say(const std::string& line);
 
+/// The words as one line that a shell reads as these words again.
+std::string command_line(int argc, const char* const* argv);
+
 /// Called with what is being done and the share that is done, 0 to 1.
 using Progress = std::function<void(const std::string&, double)>;
 

@@ -1,5 +1,6 @@
 #include "veridyn/report/diagnosis_json.hpp"
 #include "json_value.hpp"
+#include "settings_json.hpp"
 
 namespace veridyn {
 namespace {
@@ -93,6 +94,7 @@ std::string to_json(const Diagnosis& d) {
                                {"why", part.why}});
   }
   out["data_quality"] = quality_json(d.data_quality);
+  out["settings"] = settings_json(d.baseline);
   out["seconds"] = d.seconds;
   return written(out);
 }

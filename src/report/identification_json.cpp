@@ -1,4 +1,5 @@
 #include "json_value.hpp"
+#include "settings_json.hpp"
 #include "veridyn/report/json.hpp"
 #include "veridyn/report/setting_names.hpp"
 
@@ -48,40 +49,6 @@ Json errors_json(const PredictionError& total, const std::vector<RecordingError>
     out["recordings"].push_back(std::move(one));
   }
   return out;
-}
-
-Json rows_json(const PreprocessingOptions& o) {
-  const Json end = o.row_count < 0 ? Json() : Json(o.first_row + o.row_count);
-  return Json::array({o.first_row, end});
-}
-
-// What it takes to repeat the run.
-Json settings_json(const Identification& id) {
-  const PreprocessingOptions& o = id.preprocessing;
-  const auto sources = [](const std::vector<RecordingError>& recordings) {
-    Json out = Json::array();
-    for (const RecordingError& r : recordings) out.push_back(r.source);
-    return out;
-  };
-  return {{"train", sources(id.train)},
-          {"test", sources(id.test)},
-          {"method", name_of(id.method)},
-          {"weights", id.method == Method::kOls ? Json() : Json(name_of(id.weights))},
-          {"condition", id.method == Method::kFeasible ? Json(name_of(id.condition)) : Json()},
-          {"signs", id.method == Method::kFeasible ? Json(name_of(id.signs)) : Json()},
-          {"prior", id.prior.empty() ? Json() : Json(id.prior)},
-          {"filter_cutoff", o.cutoff},
-          {"filter_order", o.order},
-          {"filtering", name_of(o.filtering)},
-          {"velocity", name_of(o.velocity)},
-          {"resample", o.rate},
-          {"decimation", o.decimation},
-          {"drop_start", o.drop_start},
-          {"drop_end", o.drop_end},
-          {"rows", rows_json(o)},
-          {"test_rows", rows_json(id.test_preprocessing)},
-          {"columns", o.columns},
-          {"rate", o.header_rate}};
 }
 
 }  // namespace

@@ -40,7 +40,7 @@ TEST(Usage, HelpNamesEveryCommandAndEveryOption) {
         "--model-out", "--prior",     "--json",       "--filter-cutoff", "--filter-order",
         "--filtering", "--velocity",  "--resample",   "--rate",          "--columns",
         "--rows",      "--test-rows", "--drop-start", "--drop-end",      "--decimation",
-        "--threads",   "--quiet",     "--version"}) {
+        "--threads",   "--quiet",     "--version",    "--report"}) {
     EXPECT_NE(identify.out.find(word), std::string::npos) << word;
   }
 }

@@ -1,0 +1,11 @@
+#pragma once
+
+#include "json_value.hpp"
+#include "veridyn/identification/identification.hpp"
+
+namespace veridyn {
+
+/// Recordings, method and preprocessing: what it takes to repeat an identification.
+Json settings_json(const Identification& id);
+
+}  // namespace veridyn

@@ -1,0 +1,287 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+
+#include "support/browser.hpp"
+#include "veridyn/identification/parameter_set.hpp"
+#include "veridyn/math/require.hpp"
+#include "veridyn/model/model_file.hpp"
+#include "veridyn/report/diagnosis_page.hpp"
+#include "veridyn/report/identification_page.hpp"
+
+// Pages of results that are out of the ordinary.
+
+namespace veridyn {
+namespace {
+
+using nlohmann::json;
+
+constexpr double kStep = 0.01;  // [s]
+
+double measured_at(double t) {
+  return 10.0 + std::sin(3.0 * t);
+}
+
+double modelled_at(double t) {
+  return 10.0 + 0.9 * std::sin(3.0 * t + 0.1);
+}
+
+// A recording of planar-2r; where the predicate holds, there are no samples.
+RecordingError recording(const std::string& source, int samples, bool (*in_gap)(double)) {
+  RecordingError out;
+  out.source = source;
+  out.error.relative = out.error.maximum = out.error.moving_relative = VectorXd::Constant(2, 0.1);
+  PredictionSeries& s = out.series;
+  for (auto* table : {&s.q, &s.dq, &s.ddq, &s.measured, &s.modelled}) table->resize(2);
+  for (int k = 0; k < samples; ++k) {
+    const double t = kStep * k;
+    if (in_gap(t)) continue;
+    s.time.push_back(t);
+    for (std::size_t i = 0; i < 2; ++i) {
+      const double phase = 10.0 * t + 1.0 * static_cast<double>(i);
+      s.q[i].push_back(std::sin(phase));
+      s.dq[i].push_back(10.0 * std::cos(phase));
+      s.ddq[i].push_back(-100.0 * std::sin(phase));
+      s.measured[i].push_back(measured_at(t));
+      s.modelled[i].push_back(modelled_at(t));
+    }
+  }
+  return out;
+}
+
+bool nowhere(double) {
+  return false;
+}
+
+Identification identification(const std::vector<RecordingError>& test) {
+  Identification id;
+  id.status = IdentificationStatus::kDone;
+  id.robot = "planar-2r";
+  id.model = read_model("planar-2r");
+  id.train = {recording("train.csv", 800, nowhere)};
+  id.test = test;
+  id.train_error = id.test_error = id.train[0].error;
+  const auto count = static_cast<Eigen::Index>(standard_parameters(*id.model).size());
+  id.parameters = id.parameter_deviations = VectorXd::Ones(count);
+  id.base = {{"m", "m_upper - 2 m_fore", "kg", 1.25, 0.031}};
+  return id;
+}
+
+// A change of the second joint's model that a finding brought about.
+Diagnosis diagnosis() {
+  Diagnosis d;
+  d.baseline = identification({recording("test.csv", 900, nowhere)});
+  d.extended = d.baseline;
+  for (double& tau : d.extended.test[0].series.modelled[1]) tau += 0.01;
+  Finding f;
+  f.rank = 1;
+  f.effect = "joint_spring";
+  f.joint = 2;
+  f.coordinate = "elbow";
+  f.parameters = {{"stiffness", "N m/rad", 0.5, 0.4, 0.6}};
+  f.p_value = 1e-9;
+  f.test_before = VectorXd::Constant(2, 0.2);
+  f.test_after = VectorXd::Constant(2, 0.1);
+  f.sentence = "Joint 2 (elbow): a spring of 0.5 N m/rad.";
+  d.findings = {f};
+  return d;
+}
+
+json series_of(const std::string& page) {
+  return embedded(page, "series");
+}
+
+// Opens a page that is not written by the tool.
+class OpenedInMemory : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (browser().empty()) GTEST_SKIP() << "no browser: chromium is not installed";
+  }
+
+  static OpenedPage open(const std::string& page, const std::string& script = "") {
+    const std::filesystem::path path =
+        std::filesystem::temp_directory_path() /
+        (std::string("veridyn-page-") +
+         testing::UnitTest::GetInstance()->current_test_info()->name() + ".html");
+    std::ofstream(path) << page;
+    const OpenedPage opened = open_page(path.string(), 800, script);
+    std::filesystem::remove(path);
+    return opened;
+  }
+};
+
+TEST_F(OpenedInMemory, NoLineCrossesAGap) {
+  const auto gaps = [](double t) { return (t > 2.0 && t < 3.0) || (t > 5.0 && t < 5.5); };
+  const OpenedPage page = open(to_page(identification({recording("gaps.csv", 800, gaps)})));
+  expect_sound(page, 800);
+  int plots = 0;
+  for (const PageElement& plot : page.with("data-gaps")) {
+    EXPECT_EQ(plot.at("data-gaps"), "2");
+    ++plots;
+  }
+  EXPECT_EQ(plots, 4);
+}
+
+TEST_F(OpenedInMemory, RecordingsOfAnyLengthAndNumbersThatAreMissing) {
+  RecordingError odd = recording("odd.csv", 40, nowhere);
+  odd.series.modelled[0][7] = std::nan("");
+  Identification id = identification({odd, recording("long.csv", 9000, nowhere)});
+  id.base[0].std = std::nan("");
+  id.rank_gap = INFINITY;
+  const OpenedPage page = open(to_page(id));
+  expect_sound(page, 800);
+  for (const PageElement& n : page.with("data-from"))
+    expect_number(n, embedded(page.html, "result"));
+  for (const PageElement& plot : page.with("data-plot")) {
+    if (plot.at("data-plot") != "time") continue;
+    const bool first = plot.at("data-joint") == "1";
+    EXPECT_EQ(counts(plot.at("data-points"))["measured"], 40);
+    EXPECT_EQ(counts(plot.at("data-points"))["identified model"], first ? 39 : 40);
+  }
+}
+
+TEST_F(OpenedInMemory, AJointAtRestIsAPlotAndNotAFault) {
+  Identification id = identification({});
+  for (auto* table : {&id.train[0].series.q, &id.train[0].series.dq, &id.train[0].series.ddq}) {
+    for (double& v : (*table)[1]) v = 0.0;
+  }
+  for (double& tau : id.train[0].series.measured[1]) tau = 0.5;
+  for (double& tau : id.train[0].series.modelled[1]) tau = 0.5;
+  const OpenedPage page = open(to_page(id));
+  EXPECT_EQ(page.root().at("data-errors"), "0") << page.console;
+  EXPECT_EQ(page.console, "");
+  EXPECT_EQ(page.root().at("data-plots"), "10");
+}
+
+// Names of files and words of findings come from outside.
+TEST_F(OpenedInMemory, NothingInTheResultIsTakenForMarkup) {
+  Diagnosis d = diagnosis();
+  const std::string name = "</script><b data-planted=\"1\">&amp; \\ \xff \u00e9.csv";
+  d.baseline.test[0].source = name;
+  d.findings[0].sentence = "<b data-planted=\"1\">bold</b> {{result}}";
+  d.findings[0].rivals = {{"payload", 0, "", "<i data-planted=\"1\">"}};
+  const OpenedPage page = open(to_page(d, "veridyn 'a</script>b'"));
+  expect_sound(page, 800);
+  EXPECT_TRUE(page.with("data-planted").empty());
+  EXPECT_EQ(embedded(page.html, "series")["command"].get<std::string>(), "veridyn 'a</script>b'");
+  EXPECT_EQ(embedded(page.html, "result")["findings"][0]["sentence"].get<std::string>(),
+            d.findings[0].sentence);
+}
+
+// Parts of the result that most diagnoses do not have.
+TEST_F(OpenedInMemory, WhatChangedSinceAndWhatWasLeftOutIsShown) {
+  std::string page = to_page(diagnosis());
+  const std::string before = "\"seconds\": ";
+  const std::string added =
+      R"("changes_since": true,
+         "next_experiment": {"separates": ["payload on fore", "torque_gain on joint 2"],
+                             "trajectory": "veridyn excite planar-2r"},
+         "left_out": [{"file": "test.csv", "joint": 1, "from": 2.5, "to": 3.25, "why": "a contact"}],
+         )";
+  page.insert(page.rfind(before), added);
+  const OpenedPage opened = open(page);
+  expect_sound(opened, 800);
+  EXPECT_NE(opened.html.find("Since the model was made"), std::string::npos);
+  EXPECT_NE(opened.html.find("payload on fore from torque gain on joint 2"), std::string::npos);
+  EXPECT_NE(opened.html.find("</span>veridyn excite planar-2r</p>"), std::string::npos);
+  const json result = embedded(opened.html, "result");
+  int ends = 0;
+  for (const PageElement& n : opened.with("data-from")) {
+    expect_number(n, result);
+    if (n.at("data-from").rfind("/left_out/0/", 0) == 0) ++ends;
+  }
+  EXPECT_EQ(ends, 2);
+}
+
+TEST_F(OpenedInMemory, NothingFoundIsSaidInWords) {
+  Diagnosis d = diagnosis();
+  d.findings.clear();
+  d.extended = d.baseline;
+  const OpenedPage page = open(to_page(d));
+  expect_sound(page, 800);
+  EXPECT_NE(page.html.find("Nothing found"), std::string::npos);
+  for (const PageElement& plot : page.with("data-plot")) {
+    EXPECT_NE(plot.at("data-plot"), "waterfall");
+    EXPECT_NE(plot.at("data-model"), "extended");
+  }
+}
+
+// A fault must not pass for an empty plot.
+TEST_F(OpenedInMemory, AFaultIsCountedAndShown) {
+  const OpenedPage page =
+      open(to_page(diagnosis()),
+           "page.dispatchEvent(new page.ErrorEvent('error', {message: 'planted'}));");
+  EXPECT_EQ(page.root().at("data-errors"), "1");
+  EXPECT_NE(page.html.find("This page is incomplete: planted"), std::string::npos);
+}
+
+// The curve of the extended model is its distance from what it was fitted to, on the same samples.
+TEST(PageSeries, TheExtendedModelStandsAtTheSamplesOfTheRecording) {
+  Diagnosis d = diagnosis();
+  PredictionSeries& s = d.extended.test[0].series;
+  const auto expected = [&](std::size_t joint, double t) {
+    return modelled_at(t) + (joint == 1 ? 0.01 : 0.0);
+  };
+  const auto expect_curve = [&](const Diagnosis& it) {
+    const json recordings = series_of(to_page(it))["recordings"];
+    EXPECT_EQ(recordings[0]["role"], "held out");
+    for (std::size_t joint : {0u, 1u}) {
+      const json& curve = recordings[0]["joints"][joint]["extended"];
+      ASSERT_EQ(curve.size(), 900u);
+      for (std::size_t k = 1; k + 1 < curve.size(); ++k) {
+        ASSERT_NEAR(curve[k].get<double>(), expected(joint, kStep * static_cast<double>(k)), 2e-4);
+      }
+    }
+  };
+  expect_curve(d);
+  // A finding that corrects the torque (twice what was recorded) ...
+  for (auto* table : {&s.measured, &s.modelled}) {
+    for (auto& column : *table) {
+      for (double& tau : column) tau += 5.0;
+    }
+  }
+  expect_curve(d);
+  // ... or that shifts the time grid (here by half a sample).
+  for (std::size_t k = 0; k < s.time.size(); ++k) {
+    s.time[k] += 0.5 * kStep;
+    for (std::size_t joint : {0u, 1u}) {
+      s.measured[joint][k] = measured_at(s.time[k]);
+      s.modelled[joint][k] = expected(joint, s.time[k]);
+    }
+  }
+  expect_curve(d);
+}
+
+TEST(PageSeries, LongRecordingsAreThinnedAndDigitsSuffice) {
+  const Identification id = identification({recording("long.csv", 20000, nowhere)});
+  const json shown = series_of(to_page(id))["recordings"][0];
+  EXPECT_GT(shown["time"].size(), 2000u);
+  EXPECT_LT(shown["time"].size(), 4500u);
+  const json& measured = shown["joints"][0]["measured"];
+  for (std::size_t k = 0; k < measured.size(); ++k) {
+    ASSERT_NEAR(measured[k].get<double>(), measured_at(shown["time"][k].get<double>()), 2e-4);
+  }
+}
+
+TEST(PageSeries, ManyRecordingsStayWithinAPage) {
+  std::vector<RecordingError> many;
+  for (int k = 0; k < 200; ++k) {
+    many.push_back(recording("test-" + std::to_string(k) + ".csv", 6000, nowhere));
+  }
+  const std::string page = to_page(identification(many));
+  EXPECT_LT(page.size(), 8000000u);
+  const json series = series_of(page);
+  const std::size_t shown = series["recordings"].size();
+  EXPECT_GT(shown, 20u);
+  EXPECT_EQ(shown + series["left_out"].get<std::size_t>(), 201u);
+}
+
+TEST(PageSeries, WithoutAModelThereIsNoPage) {
+  EXPECT_THROW(to_page(Identification()), InvalidInput);
+  EXPECT_THROW(to_page(Diagnosis()), InvalidInput);
+}
+
+}  // namespace
+}  // namespace veridyn

@@ -1,0 +1,215 @@
+#include "support/browser.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <regex>
+#include <sstream>
+
+namespace veridyn {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string read(const fs::path& path) {
+  std::ostringstream content;
+  content << std::ifstream(path, std::ios::binary).rdbuf();
+  return content.str();
+}
+
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  for (std::size_t at = text.find(from); at != std::string::npos;
+       at = text.find(from, at + to.size())) {
+    text.replace(at, from.size(), to);
+  }
+  return text;
+}
+
+// The page in a frame of the wanted width, for a window cannot be narrower than 500 pixels. When
+// all is drawn, the page takes the frame's place, and the browser writes it out.
+std::string frame_page(const std::string& path, int width, const std::string& script) {
+  return "<!DOCTYPE html><body style='margin:0'><iframe id='frame' style='border:0;width:" +
+         std::to_string(width) + "px;height:900px' src='file://" + path +
+         "'></iframe><script>window.onload = () => {\n"
+         "const page = document.getElementById('frame').contentWindow;\n" +
+         script +
+         "\nconst root = page.document.documentElement;\n"
+         "document.replaceChild(document.adoptNode(root), document.documentElement);\n"
+         "};</script>";
+}
+
+std::map<std::string, std::string> attributes_of(const std::string& tag) {
+  std::map<std::string, std::string> out;
+  static const std::regex kAttribute("([a-z-]+)=\"([^\"]*)\"");
+  for (std::sregex_iterator at(tag.begin(), tag.end(), kAttribute), end; at != end; ++at) {
+    out[(*at)[1]] = replaced(replaced((*at)[2], "&quot;", "\""), "&amp;", "&");
+  }
+  return out;
+}
+
+// What stands between an element's tags; `from` is behind its opening one.
+std::string content_at(const std::string& html, const std::string& tag, std::size_t from) {
+  int depth = 1;
+  for (std::size_t at = html.find('<', from); at != std::string::npos;
+       at = html.find('<', at + 1)) {
+    const bool closes = html.compare(at, tag.size() + 3, "</" + tag + ">") == 0;
+    const bool opens = html.compare(at, tag.size() + 1, "<" + tag) == 0 &&
+                       !std::isalnum(static_cast<unsigned char>(html[at + tag.size() + 1]));
+    depth += opens ? 1 : closes ? -1 : 0;
+    if (depth == 0) return html.substr(from, at - from);
+  }
+  return "";
+}
+
+}  // namespace
+
+std::string without_scripts(const std::string& html) {
+  std::string out;
+  std::size_t at = 0;
+  for (std::size_t open = html.find("<script"); open != std::string::npos;
+       open = html.find("<script", at)) {
+    out += html.substr(at, open - at);
+    at = html.find("</script>", open);
+    if (at == std::string::npos) return out;
+    at += 9;
+  }
+  return out + html.substr(at);
+}
+
+std::string PageElement::at(const std::string& attribute) const {
+  const auto found = attributes.find(attribute);
+  return found == attributes.end() ? "" : found->second;
+}
+
+std::string PageElement::text() const {
+  std::string out = replaced(content, "\u00d7\u202f10<sup>", "e");
+  out = std::regex_replace(out, std::regex("<[^>]*>"), "");
+  for (const char* space : {"\u202f", "&nbsp;", "\u00a0"}) out = replaced(out, space, "");
+  return replaced(out, "\u2212", "-");
+}
+
+std::vector<PageElement> OpenedPage::with(const std::string& attribute) const {
+  const std::string body = without_scripts(html);
+  std::vector<PageElement> out;
+  for (std::size_t at = body.find('<'); at != std::string::npos; at = body.find('<', at + 1)) {
+    const std::size_t end = body.find('>', at);
+    if (end == std::string::npos || !std::isalpha(static_cast<unsigned char>(body[at + 1])))
+      continue;
+    const std::string tag = body.substr(at + 1, end - at - 1);
+    if (tag.find(" " + attribute + "=\"") == std::string::npos) continue;
+    PageElement element;
+    element.tag = tag.substr(0, tag.find(' '));
+    element.attributes = attributes_of(tag);
+    element.content = content_at(body, element.tag, end + 1);
+    out.push_back(std::move(element));
+  }
+  return out;
+}
+
+PageElement OpenedPage::root() const {
+  const std::size_t at = html.find("<html");
+  PageElement out;
+  out.tag = "html";
+  if (at != std::string::npos) {
+    out.attributes = attributes_of(html.substr(at, html.find('>', at) - at));
+  }
+  return out;
+}
+
+std::string browser() {
+  const char* path = std::getenv("PATH");
+  std::istringstream folders(path != nullptr ? path : "/usr/bin");
+  for (std::string folder; std::getline(folders, folder, ':');) {
+    for (const char* name : {"chromium", "chromium-browser", "google-chrome"}) {
+      if (fs::exists(fs::path(folder) / name)) return name;
+    }
+  }
+  return "";
+}
+
+OpenedPage open_page(const std::string& path, int width, const std::string& script) {
+  std::string folder = (fs::temp_directory_path() / "veridyn-browser-XXXXXX").string();
+  if (::mkdtemp(folder.data()) == nullptr) throw std::runtime_error("no temporary folder");
+  const fs::path work(folder);
+  std::ofstream(work / "frame.html") << frame_page(path, width, script);
+  const std::string command =
+      "timeout 180 " + browser() +
+      " --headless=new --no-sandbox --disable-gpu --hide-scrollbars --allow-file-access-from-files"
+      " --enable-logging=stderr --window-size=1400,1000 --user-data-dir=" +
+      folder + "/profile --dump-dom file://" + folder + "/frame.html >" + folder + "/dom 2>" +
+      folder + "/log </dev/null";
+  OpenedPage page;
+  EXPECT_EQ(std::system(command.c_str()), 0) << read(work / "log");
+  page.html = read(work / "dom");
+  std::istringstream log(read(work / "log"));
+  for (std::string line; std::getline(log, line);) {
+    if (line.find("CONSOLE") != std::string::npos) page.console += line + "\n";
+  }
+  std::error_code ignored;
+  fs::remove_all(work, ignored);
+  return page;
+}
+
+void expect_sound(const OpenedPage& page, int width) {
+  const PageElement root = page.root();
+  EXPECT_EQ(root.at("data-errors"), "0") << page.console;
+  EXPECT_EQ(page.console, "");
+  EXPECT_EQ(root.at("data-width"), std::to_string(width));
+  EXPECT_EQ(root.at("data-overflow"), "0") << root.at("data-overflow-by");
+  const std::vector<PageElement> plots = page.with("data-plot");
+  EXPECT_EQ(root.at("data-plots"), std::to_string(plots.size()));
+  EXPECT_FALSE(plots.empty());
+  for (const PageElement& plot : plots) {
+    const std::string name = plot.at("data-plot") + " of joint " + plot.at("data-joint");
+    const bool is_svg = plot.at("data-plot") == "waterfall";
+    for (const char* what : {"data-points", "data-pixels"}) {
+      const std::map<std::string, long> curves = counts(plot.at(what));
+      if (is_svg && std::string(what) == "data-pixels") continue;
+      EXPECT_FALSE(curves.empty()) << name << " has no " << what;
+      for (const auto& [curve, count] : curves) {
+        EXPECT_GT(count, 0) << name << ", " << curve << ", " << what;
+      }
+    }
+  }
+}
+
+void expect_number(const PageElement& shown, const nlohmann::json& result) {
+  const std::string place = shown.at("data-from");
+  const std::string text = shown.text();
+  const nlohmann::json::json_pointer pointer(place);
+  if (text == "\u2013") {
+    EXPECT_TRUE(!result.contains(pointer) || result[pointer].is_null()) << place;
+    return;
+  }
+  ASSERT_TRUE(result.contains(pointer)) << place << " shows " << text;
+  ASSERT_TRUE(result[pointer].is_number()) << place << " shows " << text;
+  const double value = std::stod(shown.at("data-scale")) * result[pointer].get<double>();
+  static const std::regex kShown("(-?\\d+)(?:\\.(\\d+))?(?:e(-?\\d+))?");
+  std::smatch parts;
+  ASSERT_TRUE(std::regex_match(text, parts, kShown)) << place << " shows '" << text << "'";
+  const double exponent = parts[3].matched ? std::stod(parts[3]) : 0.0;
+  const double last_digit = std::pow(10.0, exponent - static_cast<double>(parts[2].length()));
+  EXPECT_NEAR(std::stod(text), value, 0.5 * last_digit * (1.0 + 1e-9)) << place;
+}
+
+nlohmann::json embedded(const std::string& html, const std::string& id) {
+  const std::string open = "<script type=\"application/json\" id=\"" + id + "\">";
+  const std::size_t at = html.find(open);
+  if (at == std::string::npos) return nullptr;
+  const std::size_t begin = at + open.size();
+  return nlohmann::json::parse(html.substr(begin, html.find("</script>", begin) - begin));
+}
+
+std::map<std::string, long> counts(const std::string& words) {
+  std::map<std::string, long> out;
+  static const std::regex kCount("([^:]+):(\\d+) ?");
+  for (std::sregex_iterator at(words.begin(), words.end(), kCount), end; at != end; ++at) {
+    out[(*at)[1]] = std::stol((*at)[2]);
+  }
+  return out;
+}
+
+}  // namespace veridyn
