@@ -23,6 +23,8 @@ constexpr std::array<std::array<double, 6>, 3> kRounds = {{{0.4, 0.6, 0.8, 1.25,
                                                            {0.7, 0.8, 0.9, 1.12, 1.25, 1.4},
                                                            {0.85, 0.9, 0.95, 1.05, 1.1, 1.15}}};
 
+constexpr double kWave = 0.4;  // of one wave per travel: steps of an order
+
 // One hypothesis with one choice of constants.
 struct Variant {
   Hypothesis hypothesis;
@@ -76,9 +78,9 @@ const EffectShape* shape_of(const std::string& effect, const std::string& key) {
 
 bool searched(const Hypothesis& h, const std::string& key) {
   if (h.changes >= 0) return false;
-  if (key == "order") return false;  // from a spectrum, which is finer than any grid
+  if (key == "order") return true;  // from a spectrum, near its peak already
   const EffectShape* shape = shape_of(h.effect, key);
-  return shape != nullptr && shape->searched && shape->logarithmic;
+  return shape != nullptr && shape->searched && shape->lower > 0.0;
 }
 
 // Residual per joint's weight of a choice of variants, one per accepted hypothesis.
@@ -133,6 +135,14 @@ class Refiner {
     return out;
   }
 
+  // One wave per travel, in the units of an order.
+  double one_wave(int joint) const {
+    double travel = 1e-6;
+    for (const CompressedRecording& r : start_.factors)
+      travel = std::max(travel, r.joints[static_cast<size_t>(joint)].travel());
+    return 2.0 * M_PI / travel;
+  }
+
   void run(const std::array<double, 6>& factors) {
     std::vector<Variant> variants = present();
     // Two memories of one joint may meet on their way; columns are known by name, so only one of
@@ -147,7 +157,11 @@ class Refiner {
     for (size_t k = 0; k < chosen_.size(); ++k) {
       for (const auto& [key, value] : shapes_[k]) {
         const EffectShape shape = *shape_of(chosen_[k].effect, key);
-        for (const double factor : factors) {
+        for (const double wide : factors) {
+          // An order is known to a share of one wave per travel.
+          const double factor =
+              key == "order" ? 1.0 + kWave * (wide - 1.0) * one_wave(chosen_[k].joint) / value
+                             : wide;
           const double moved = value * factor;
           if (moved < shape.lower || moved > shape.upper) continue;
           Variant v{chosen_[k], shapes_[k], k, key, factor};
@@ -244,6 +258,47 @@ class Refiner {
   std::vector<ShapeInterval> intervals_;
 };
 
+// Two memories of one joint between two values of the grid may be one memory in between: one of
+// them goes if the other, refined alone, predicts held-out data as well.
+void merge_twins(const Identification& start, const Inquiry& asked, Selection& selection,
+                 bool changes, const std::vector<std::string>& train,
+                 const DiagnosisOptions& options) {
+  const auto family = [&](size_t k) {
+    const int h = selection.accepted[k].evidence.hypothesis;
+    return asked.augmented.hypotheses[static_cast<size_t>(h)].family;
+  };
+  const IdentificationOptions& how = options.identification;
+  for (size_t second = 1; second < selection.accepted.size(); ++second) {
+    size_t first = 0;
+    while (first < second && family(first) != family(second)) ++first;
+    if (first == second) continue;
+    Selection merged = selection;
+    merged.accepted.erase(merged.accepted.begin() + static_cast<long>(second));
+    const auto refined = [&](const Selection& s) {
+      Refiner refiner(start, asked, s, changes, train, how, {});
+      if (refiner.anything()) refiner.descend();
+      return prepare(start, refiner.model(), changes, train, {}, how);
+    };
+    const Inquiry two = refined(selection);
+    const Inquiry one = refined(merged);
+    const auto all_columns = [](const Inquiry& q, const NormalBlocks& data) {
+      ColumnSet set = q.base;
+      for (const Hypothesis& h : q.augmented.hypotheses) {
+        const ColumnSet own = columns_of(data, h);
+        set.insert(set.end(), own.begin(), own.end());
+      }
+      return set;
+    };
+    const NormalBlocks two_data(two.train, two.columns);
+    const NormalBlocks one_data(one.train, one.columns);
+    if (fold_gain(one_data, all_columns(one, one_data), two_data, all_columns(two, two_data)) >
+        options.smallest_gain)
+      continue;
+    selection = merged;
+    --second;
+  }
+}
+
 }  // namespace
 
 Fit fit_accepted(const Identification& start, const Inquiry& asked, Selection& selection,
@@ -252,6 +307,7 @@ Fit fit_accepted(const Identification& start, const Inquiry& asked, Selection& s
   const IdentificationOptions& how = options.identification;
   std::optional<Fit> fit;
   std::vector<Shapes> known;
+  merge_twins(start, asked, selection, changes, train, options);
   while (true) {
     Refiner refiner(start, asked, selection, changes, train, how, known);
     if (refiner.anything()) refiner.descend();

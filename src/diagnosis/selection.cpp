@@ -256,14 +256,29 @@ class Selector {
     with.push_back(h);
     const ColumnSet set = set_with(with);
     const VectorXd x = data_.solve(set, w, data_.total(), nullptr);
-    const VectorXd std = deviations(jackknife(set, w));
+    const MatrixXd solutions = jackknife(set, w);
+    const VectorXd std = deviations(solutions);
     const auto own = static_cast<Eigen::Index>(columns_[static_cast<size_t>(h)].size());
     double best = 1.0;
     for (Eigen::Index k = x.size() - own; k < x.size(); ++k) {
       best = std::min(best, student_t_two_sided(x[k] / std::max(std[k], 1e-300),
                                                 std::max(1, data_.clusters() - 1)));
     }
-    return std::min(1.0, best * static_cast<double>(own));
+    best = std::min(1.0, best * static_cast<double>(own));
+    if (own == 1 || 3 * own >= data_.clusters()) return best;
+    return std::min(1.0, 2.0 * std::min(best, wald(x.tail(own), solutions.bottomRows(own))));
+  }
+
+  // All parameters together, by Hotelling's statistic: parameters that share one cause may each be
+  // uncertain while their sum is not.
+  static double wald(const VectorXd& x, const MatrixXd& solutions) {
+    const auto g = static_cast<double>(solutions.cols());
+    const auto k = static_cast<double>(x.size());
+    const MatrixXd centred = solutions.colwise() - solutions.rowwise().mean();
+    MatrixXd S = centred * centred.transpose() * ((g - 1.0) / g);
+    S.diagonal() *= 1.0 + 1e-9;
+    const double T2 = x.dot(S.ldlt().solve(x));
+    return fisher_f_upper_tail(T2 * (g - k) / (k * (g - 1.0)), k, g - k);
   }
 
   std::vector<Evidence> ask_all(const std::vector<int>& chosen) const {
@@ -424,7 +439,8 @@ class Selector {
     out.columns = set_with(chosen());
     const VectorXd w = weights(out.columns);
     const VectorXd x = data_.solve(out.columns, w, data_.total(), nullptr);
-    const VectorXd std = deviations(jackknife(out.columns, w));
+    out.degrees_of_freedom = std::max(1, data_.clusters() - 1);
+    const VectorXd std = safe_deviations(out.columns, w, out.degrees_of_freedom);
     out.values.resize(x.size());
     out.standard_deviations.resize(x.size());
     for (Eigen::Index k = 0; k < x.size(); ++k) {
@@ -432,8 +448,21 @@ class Selector {
       out.values[k] = x[k] / scale;
       out.standard_deviations[k] = std[k] / scale;
     }
-    out.degrees_of_freedom = std::max(1, data_.clusters() - 1);
     return out;
+  }
+
+  // The larger of two jackknifes: over clusters, and over whole recordings where there are several,
+  // for what is systematic to one motion shows only there. As deviations for t with `freedom`.
+  VectorXd safe_deviations(const ColumnSet& set, const VectorXd& w, double freedom) const {
+    VectorXd std = deviations(jackknife(set, w));
+    if (!several_recordings() || folds_.size() < 3) return std;
+    MatrixXd without(static_cast<Eigen::Index>(set.size()),
+                     static_cast<Eigen::Index>(folds_.size()));
+    for (size_t f = 0; f < folds_.size(); ++f)
+      without.col(static_cast<Eigen::Index>(f)) = data_.solve(set, w, data_.total(), &folds_[f]);
+    const double recordings = static_cast<double>(folds_.size()) - 1.0;
+    const double wider = student_t_quantile(0.05, recordings) / student_t_quantile(0.05, freedom);
+    return std.cwiseMax(wider * deviations(without));
   }
 
   const NormalBlocks& data_;

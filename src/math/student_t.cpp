@@ -41,6 +41,12 @@ double student_t_two_sided(double t, double degrees_of_freedom) {
                          degrees_of_freedom / (degrees_of_freedom + t * t));
 }
 
+double fisher_f_upper_tail(double f, double numerator, double denominator) {
+  if (f <= 0.0) return 1.0;
+  return incomplete_beta(0.5 * denominator, 0.5 * numerator,
+                         denominator / (denominator + numerator * f));
+}
+
 double student_t_quantile(double two_sided_probability, double degrees_of_freedom) {
   double low = 0.0;
   double high = 1.0;

@@ -16,7 +16,7 @@ struct DiagnosisOptions {
   /// An effect is accepted when the sum over joints of ln(held-out mean square error) falls by more
   /// than this, in the mean over the folds (recordings, or phases of the period of a single one),
   /// ...
-  double smallest_gain = 0.03;
+  double smallest_gain = 0.04;
   /// ... in this share of the held-out folds (of four or more one may always disagree), and ...
   double fold_share = 0.8;
   /// ... its Wald test over clusters (phases of the period, repeats merged) is below this over the
