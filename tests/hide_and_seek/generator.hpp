@@ -33,9 +33,9 @@ struct HiddenCase {
   bool observable = true;  ///< false: on no joint of this arm is enough of it left over
 };
 
-/// Draws causes on random joints (of pairs: on different ones), of the wanted size. Joints are passed
-/// over where the robot's own parameters would absorb more than nine tenths of a cause, or leave too
-/// little of it for any diagnosis to name.
+/// Draws causes on random joints (of pairs: on different ones), of the wanted size. Joints are
+/// passed over where the robot's own parameters would absorb more than nine tenths of a cause, or
+/// leave too little of it for any diagnosis to name.
 HiddenCase hide(const CaseRequest& request);
 
 /// Paths of the written recordings.
