@@ -10,9 +10,10 @@
 namespace veridyn::seek {
 namespace {
 
-constexpr double kSeen = 0.1;         // share of a cause that must be left over
-constexpr double kHighestPeak = 0.4;  // of the rms torque at share 0.1: no narrow giants
-constexpr int kFirstChanged = 100;    // number of the first recording with causes in kChanged
+constexpr double kSmallestGain = 0.03;  // of DiagnosisOptions: below it nobody is meant to name
+constexpr double kSeen = 0.1;           // share of a cause that must be left over
+constexpr double kHighestPeak = 0.4;    // of the rms torque at share 0.1: no narrow giants
+constexpr int kFirstChanged = 100;      // number of the first recording with causes in kChanged
 
 double rms(const VectorXd& x) {
   return std::sqrt(x.squaredNorm() / static_cast<double>(x.size()));
@@ -74,7 +75,7 @@ class Hider {
       std::vector<Cause> all = hidden_.causes;
       const Visibility alone =
           visibility(bench, recordings(bench, {cause}), request_.mode == Mode::kBare);
-      if (alone.share < kSeen) continue;
+      if (alone.share < kSeen || alone.best_gain < kSmallestGain) continue;
       all.push_back(cause);
       hidden_.bench = bench;
       hidden_.causes = all;

@@ -30,12 +30,12 @@ struct HiddenCase {
   std::vector<Cause> causes;
   std::vector<double> shares;  ///< true rms share of each cause at its joint
   Visibility visible;
-  bool observable = true;  ///< false: on no joint of this arm is more than a tenth of it left over
+  bool observable = true;  ///< false: on no joint of this arm is enough of it left over
 };
 
-/// Draws causes on random joints (of pairs: on different ones), of the wanted size. Joints on which
-/// the robot's own parameters would absorb more than nine tenths of a cause are passed over: there
-/// nobody can find it.
+/// Draws causes on random joints (of pairs: on different ones), of the wanted size. Joints are
+/// passed over where the robot's own parameters would absorb more than nine tenths of a cause, or
+/// leave too little of it for any diagnosis to name.
 HiddenCase hide(const CaseRequest& request);
 
 /// Paths of the written recordings.

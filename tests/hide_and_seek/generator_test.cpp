@@ -122,9 +122,9 @@ TEST(Causes, MeanWhatTheLibrarysEffectsMean) {
   for (const std::string& effect : all_causes()) {
     const std::vector<std::string> names = linear_parameters(effect);
     if (names.empty() || effect == "position_force") continue;  // any smooth function
-    Cause cause{effect, 1, effect == "cable_coupling" ? 2 : -1, "", "", {}};
+    Cause cause{effect, 1, effect == "cable_coupling" ? 0 : -1, "", "", {}};
     Draw draw(9, effect);
-    Reach reach{0.0, 3.0, 3.0, 25.0, false};
+    Reach reach{0.0, 30.0, 3.0, 25.0, false};  // gaps and distances of a good part of the way
     draw_shapes(cause, reach, draw);
     cause.values["centre"] = 0.0;
     const VectorXd load = plain.rigid.col(1);
@@ -136,7 +136,8 @@ TEST(Causes, MeanWhatTheLibrarysEffectsMean) {
         if (parameters[k].name != names[p]) continue;
         const VectorXd a = mine.col(static_cast<Eigen::Index>(p));
         const VectorXd b = theirs.col(static_cast<Eigen::Index>(k));
-        EXPECT_LT(rms(a - b), 0.05 * rms(b)) << effect << " " << names[p];
+        EXPECT_LT(rms(a - b), (effect == "transmission_compliance" ? 0.05 : 0.025) * rms(b))
+            << effect << " " << names[p];
         EXPECT_GT(rms(b), 0.0) << effect << " " << names[p];
       }
     }

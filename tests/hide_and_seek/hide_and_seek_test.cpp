@@ -1,11 +1,12 @@
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <filesystem>
 
 #include "hide_and_seek/judge.hpp"
 
-// A few cases of the scoreboard that must never be lost: different arms, different effects, one
-// with nothing hidden. The whole board is veridyn-hide-and-seek.
+// A few cases of the scoreboard that must never be lost: different arms, different effects, and
+// nothing hidden. The whole board is veridyn-hide-and-seek.
 
 namespace veridyn::seek {
 namespace {
@@ -19,9 +20,8 @@ struct Played {
 Played play(const CaseRequest& request) {
   namespace fs = std::filesystem;
   const fs::path folder =
-      fs::path(testing::TempDir()) /
-      ("hide-and-seek-" +
-       std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
+      fs::path(testing::TempDir()) / ("hide-and-seek-" + request.arm + "-" +
+                                      (request.effects.empty() ? "none" : request.effects.front()));
   fs::create_directories(folder);
   Played out{hide(request), {}, {}};
   const CaseFiles files = write_case(out.hidden, folder.string());
@@ -33,8 +33,80 @@ Played play(const CaseRequest& request) {
   return out;
 }
 
-TEST(HideAndSeek, NothingHiddenOnThePsm) {
-  EXPECT_TRUE(play({"psm-3dof", {}, 1, 0.1, Mode::kBare}).diagnosis.findings.empty());
+// Named first with joint, nothing else named, its size right to 15 %, and a smaller error on the
+// recording that took no part.
+void expect_found(const Played& played, const std::string& parameter) {
+  const std::string report = played.diagnosis.report();
+  ASSERT_TRUE(played.verdict.first) << report;
+  EXPECT_EQ(played.verdict.extras, 0) << report;
+  EXPECT_LT(played.verdict.error_ratio, 0.85) << report;
+  const double truth = played.hidden.causes.front().values.at(parameter);
+  for (const FoundParameter& p : played.diagnosis.findings.front().parameters) {
+    if (p.name != parameter) continue;
+    EXPECT_NEAR(p.value, truth, 0.15 * std::abs(truth)) << report;
+  }
+}
+
+TEST(HideAndSeek, DriftOnASixJointArm) {
+  expect_found(play({"bench-6r", {"torque_drift"}, 1, 0.1, Mode::kBare}), "rate");
+}
+
+TEST(HideAndSeek, FrictionThatDiffersByDirectionOnAScara) {
+  expect_found(play({"pick-scara", {"asymmetric_friction"}, 2, 0.1, Mode::kBare}),
+               "viscous_difference");
+}
+
+TEST(HideAndSeek, ACableOnAPalletizer) {
+  expect_found(play({"pallet-4", {"cable_coupling"}, 2, 0.1, Mode::kBare}), "drag");
+}
+
+TEST(HideAndSeek, ViscosityThatChangesAlongTheWayOnThePsm) {
+  expect_found(play({"psm-3dof", {"position_dependent_viscosity"}, 1, 0.1, Mode::kBare}), "slope");
+}
+
+TEST(HideAndSeek, NothingHiddenGivesNoName) {
+  for (const char* arm : {"psm-3dof", "bench-6r"}) {
+    const Played played = play({arm, {}, 1, 0.1, Mode::kBare});
+    EXPECT_TRUE(played.diagnosis.findings.empty()) << played.diagnosis.report();
+  }
+}
+
+// The judge itself: what it must and must not let pass.
+TEST(Judge, CountsRightNamesStandInsAndWrongOnes) {
+  HiddenCase hidden{{"psm-3dof", {"backlash"}, 1, 0.1, Mode::kBare},
+                    make_bench("psm-3dof", 1),
+                    {{"backlash", 1, -1, "", "", {{"level", 2.0}}}},
+                    {},
+                    {},
+                    true};
+  Diagnosis d;
+  Finding right;
+  right.effect = "backlash";
+  right.joint = 2;
+  right.parameters = {{"level", "N m", 2.1, 1.9, 2.3}};
+  Finding elsewhere = right;
+  elsewhere.joint = 1;
+  Finding stand_in;
+  stand_in.effect = "presliding_hysteresis";
+  stand_in.joint = 2;
+  stand_in.rivals = {{"backlash", 2, "pitch", ""}};
+
+  EXPECT_FALSE(judge(hidden, d).first_rival);
+  d.findings = {right};
+  Verdict v = judge(hidden, d);
+  EXPECT_TRUE(v.first && v.named == 1 && v.extras == 0 && v.intervals == 1 && v.covered == 1);
+  d.findings = {elsewhere};
+  v = judge(hidden, d);
+  EXPECT_TRUE(!v.first && v.named == 0 && v.named_loosely == 1 && v.extras == 1);
+  d.findings = {stand_in};
+  v = judge(hidden, d);
+  EXPECT_TRUE(!v.first && v.first_rival && v.named_rival == 1 && v.extras == 0);
+  d.findings = {stand_in, right};  // the stand-in is one too many
+  v = judge(hidden, d);
+  EXPECT_TRUE(!v.first && v.first_rival && v.named == 1 && v.extras == 1);
+  d.findings = {right};
+  d.findings[0].parameters[0].low = 2.05;
+  EXPECT_EQ(judge(hidden, d).covered, 0);
 }
 
 }  // namespace

@@ -33,6 +33,12 @@ bool has_rival(const Cause& cause, const Finding& f) {
                      [&](const Rival& r) { return matches(cause, r); });
 }
 
+// The straight part of a force of position is a spring of its own in CONTRACT.md.
+bool is_part_of(const Cause& cause, const Finding& f) {
+  return cause.effect == "position_force" && f.effect == "joint_spring" &&
+         f.joint == cause.joint + 1;
+}
+
 void compare_intervals(const Cause& cause, const Finding& f, Verdict& v) {
   for (const FoundParameter& p : f.parameters) {
     // Of friction that changed, the change and what it is now are both right answers.
@@ -65,6 +71,7 @@ Verdict judge(const HiddenCase& hidden, const Diagnosis& d) {
     for (size_t k = 0; k < d.findings.size(); ++k) {
       const Finding& f = d.findings[k];
       loosely |= f.effect == cause.effect;
+      if (is_part_of(cause, f)) right[k] = 1;
       if (!matches(cause, f)) continue;
       if (!named) compare_intervals(cause, f, v);
       named = true;

@@ -34,6 +34,8 @@ struct Request {
   std::string json;
   std::string keep;
   bool easy_only = false;
+  double cutoff = 0.0;
+  bool derived_velocity = false;
 };
 
 struct Outcome {
@@ -137,6 +139,9 @@ Outcome play(const CaseRequest& asked, const Request& request, const std::string
   const CaseFiles files = write_case(hidden, folder.string());
   DiagnosisOptions options;
   options.identification.threads = request.threads;
+  PreprocessingOptions& how = options.identification.preprocessing;
+  if (request.cutoff > 0.0) how.cutoff = request.cutoff;
+  if (request.derived_velocity) how.velocity = VelocitySource::kDerived;
   const Diagnosis d = seek_causes(hidden, files, folder.string(), options);
   if (request.keep.empty()) fs::remove_all(folder);
   out.verdict = judge(hidden, d);
@@ -265,6 +270,9 @@ int run(int argc, char** argv) {
   app.add_option("--keep", request.keep, "Keep the recordings in this folder");
   app.add_flag("--well-visible", request.easy_only,
                "Skip cases below three times the smallest detectable size");
+  app.add_option("--filter-cutoff", request.cutoff, "[Hz] instead of the default of diagnose");
+  app.add_flag("--derived-velocity", request.derived_velocity,
+               "Velocity from q instead of the recorded one");
   CLI11_PARSE(app, argc, argv);
   std::vector<Outcome> all;
   if (request.pairs > 0) {
