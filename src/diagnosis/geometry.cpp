@@ -19,6 +19,7 @@ constexpr double kLengthRange = 0.15;
 constexpr double kRatioStep = 0.05;
 constexpr double kRatioRange = 0.6;
 constexpr double kWorthRefining = 0.02;  // fall of the criterion at the first step
+constexpr double kSharp = 0.4;           // of the gain: by so much the mirrored value is worse
 constexpr int kRefinements = 14;
 constexpr size_t kKept = 5;
 constexpr double kGolden = 0.381966;
@@ -226,10 +227,13 @@ GeometryFinding profile(const Model& arm, const GeometryConstant& constant,
   out.found = search(-1);
   out.base_after =
       static_cast<int>(Profiler::independent(with_constant(arm, constant, out.found)).size());
-  // A value at which the arm is simpler is taken exactly if it is as good: the wall of the base
-  // parameters' number.
-  if (static_cast<int>(columns.size()) > base) return out;
-  out.gain = profiler.start() - at(out.found, -1);
+  const double found = at(out.found, -1);
+  // More base parameters than the arm as it stands are mere flexibility if the other side of the
+  // file's value does nearly as well.
+  if (static_cast<int>(columns.size()) > base &&
+      at(2.0 * v0 - out.found, -1) - found < kSharp * (profiler.start() - found))
+    return out;
+  out.gain = profiler.start() - found;
   if (folds < 3) return out;
   VectorXd values(folds);
   for (int f = 0; f < folds; ++f) values[f] = search(f);

@@ -27,23 +27,24 @@ struct Motion {
   double duration = 0.0;
 };
 
+// Over all recordings together: their ranges may differ.
 Motion motion_along(const Axis& axis, const std::vector<CompressedRecording>& facts) {
   Motion m;
-  for (const CompressedRecording& r : facts) {
-    double middle = axis.offset;
-    double travel = 0.0;
-    double speed = 0.0;
-    for (Eigen::Index i = 0; i < axis.coefficients.size(); ++i) {
+  m.middle = axis.offset;
+  for (const CompressedRecording& r : facts) m.duration = std::max(m.duration, r.facts.duration);
+  for (Eigen::Index i = 0; i < axis.coefficients.size(); ++i) {
+    const double c = axis.coefficients[i];
+    if (c == 0.0 || facts.empty()) continue;
+    TorqueFacts all = facts.front().joints[static_cast<size_t>(i)];
+    for (const CompressedRecording& r : facts) {
       const TorqueFacts& joint = r.joints[static_cast<size_t>(i)];
-      const double c = axis.coefficients[i];
-      middle += c * 0.5 * (joint.lowest + joint.highest);
-      travel += std::abs(c) * joint.travel();
-      speed += std::abs(c) * joint.largest_speed;
+      all.lowest = std::min(all.lowest, joint.lowest);
+      all.highest = std::max(all.highest, joint.highest);
+      all.largest_speed = std::max(all.largest_speed, joint.largest_speed);
     }
-    if (travel > m.travel) m.middle = middle;
-    m.travel = std::max(m.travel, travel);
-    m.speed = std::max(m.speed, speed);
-    m.duration = std::max(m.duration, r.facts.duration);
+    m.middle += 0.5 * c * (all.lowest + all.highest);
+    m.travel += std::abs(c) * all.travel();
+    m.speed += std::abs(c) * all.largest_speed;
   }
   return m;
 }

@@ -4,10 +4,12 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <memory>
 #include <set>
 #include <string>
 #include <unordered_map>
 
+#include "bordered_fit.hpp"
 #include "veridyn/math/parallel.hpp"
 #include "veridyn/math/student_t.hpp"
 
@@ -131,8 +133,7 @@ class Selector {
         std::vector<int> others = chosen();
         const int own = others[k];
         others.erase(others.begin() + static_cast<long>(k));
-        const VectorXd w = weights(set_with(others));
-        const Evidence e = ask(own, others, score(set_with(others), w), w);
+        const Evidence e = ask(own, *stand(others));
         const double worth = e.absorbed ? -1e300 : e.gain;
         if (passes(e) || worth >= least) continue;
         least = worth;
@@ -152,8 +153,12 @@ class Selector {
   }
 
  private:
-  struct Score {
-    std::vector<VectorXd> fold_errors;  // per fold: mean square per joint
+  // The accepted columns, factored on all rows and on the rows outside of every fold.
+  struct Stand {
+    ColumnSet set;
+    VectorXd weights;
+    std::unique_ptr<BorderedFit> all;
+    std::vector<BorderedFit> folds;
   };
 
   bool several_recordings() const { return data_.recording_of(data_.clusters() - 1) > 0; }
@@ -168,73 +173,51 @@ class Selector {
 
   VectorXd weights(const ColumnSet& set) const { return joint_weights(data_, set); }
 
-  Score score(const ColumnSet& set, const VectorXd& w) const {
-    Score out;
-    for (const auto& fold : folds_) out.fold_errors.push_back(held_out_error(data_, set, w, fold));
+  std::unique_ptr<Stand> stand(const std::vector<int>& chosen) const {
+    auto out = std::make_unique<Stand>();
+    out->set = set_with(chosen);
+    out->weights = weights(out->set);
+    out->all =
+        std::make_unique<BorderedFit>(out->set, out->weights, data_.total(), nullptr, nullptr);
+    out->folds.reserve(folds_.size());
+    for (const auto& fold : folds_)
+      out->folds.emplace_back(out->set, out->weights, data_.total(), &fold, &fold);
     return out;
   }
 
   // Everything but the Wald test.
-  Evidence ask(int h, const std::vector<int>& chosen, const Score& before,
-               const VectorXd& w) const {
+  Evidence ask(int h, const Stand& before) const {
     Evidence e;
     e.hypothesis = h;
-    std::vector<int> with = chosen;
-    with.push_back(h);
-    const ColumnSet set = set_with(with);
+    const Hypothesis& hypothesis = hypotheses_[static_cast<size_t>(h)];
     const ColumnSet& own = columns_[static_cast<size_t>(h)];
-    if (own.empty() || new_share(set_with(chosen), own, w) < kAbsorbed) {
+    if (own.empty()) {
       e.absorbed = true;
       return e;
     }
-    const VectorXd x = data_.solve(set, w, data_.total(), nullptr);
+    const BorderedFit::Border whole = before.all->with(own);
+    if (whole.new_share < kAbsorbed) {
+      e.absorbed = true;
+      return e;
+    }
     for (size_t k = 0; k < own.size(); ++k) {
-      const double value = x[x.size() - static_cast<Eigen::Index>(own.size() - k)];
+      const double value = whole.values[static_cast<Eigen::Index>(k)];
       const bool nonnegative =
-          hypotheses_[static_cast<size_t>(h)].body < 0 &&
-          hypotheses_[static_cast<size_t>(h)].signs[k] == ParameterSign::kNonnegative;
+          hypothesis.body < 0 && hypothesis.signs[k] == ParameterSign::kNonnegative;
       const double scale = std::max(data_.scale()[own[k]], 1e-300);
-      const bool absurd =
-          std::abs(value) / scale > hypotheses_[static_cast<size_t>(h)].largest_value;
+      const bool absurd = std::abs(value) / scale > hypothesis.largest_value;
       e.sign_broken = e.sign_broken || (nonnegative && value < 0.0) || absurd;
     }
-    const Score after = score(set, w);
     // The mean over folds and not the fall of the pooled error: one recording with a fault of its
     // own must not outvote the others.
     int better = 0;
-    for (size_t f = 0; f < folds_.size(); ++f) {
-      const double d = log_fall(before.fold_errors[f], after.fold_errors[f]);
+    for (const BorderedFit& fold : before.folds) {
+      const double d = log_fall(fold.residual2(), fold.with(own).residual2);
       e.gain += d / static_cast<double>(folds_.size());
       better += static_cast<int>(d > 0.0);
     }
     e.fold_share = static_cast<double>(better) / static_cast<double>(folds_.size());
     return e;
-  }
-
-  // Largest share of one of the columns that the others do not span.
-  double new_share(const ColumnSet& others, const ColumnSet& own, const VectorXd& w) const {
-    ColumnSet all = others;
-    all.insert(all.end(), own.begin(), own.end());
-    const auto n = static_cast<Eigen::Index>(others.size());
-    const auto k = static_cast<Eigen::Index>(own.size());
-    MatrixXd A = MatrixXd::Zero(n + k, n + k);
-    for (int j = 0; j < data_.joints(); ++j) {
-      const MatrixXd& G = data_.total().G[static_cast<size_t>(j)];
-      for (Eigen::Index c = 0; c < n + k; ++c) {
-        for (Eigen::Index r = c; r < n + k; ++r)
-          A(r, c) += w[j] * G(all[static_cast<size_t>(r)], all[static_cast<size_t>(c)]);
-      }
-    }
-    A = A.selfadjointView<Eigen::Lower>();
-    MatrixXd S = A.topLeftCorner(n, n);
-    S.diagonal() *= 1.0 + 1e-11;
-    const MatrixXd C = A.topRightCorner(n, k);
-    MatrixXd rest = A.bottomRightCorner(k, k);
-    if (n > 0) rest -= C.transpose() * S.ldlt().solve(C);
-    double share = 0.0;
-    for (Eigen::Index c = 0; c < k; ++c)
-      share = std::max(share, rest(c, c) / std::max(A(n + c, n + c), 1e-300));
-    return share;
   }
 
   // Solutions without one cluster each, over the set; (set x clusters).
@@ -251,22 +234,32 @@ class Selector {
     return ((solutions.colwise() - mean).rowwise().squaredNorm() * ((g - 1.0) / g)).cwiseSqrt();
   }
 
-  double p_value(int h, const std::vector<int>& chosen, const VectorXd& w) const {
-    std::vector<int> with = chosen;
-    with.push_back(h);
-    const ColumnSet set = set_with(with);
-    const VectorXd x = data_.solve(set, w, data_.total(), nullptr);
-    const MatrixXd solutions = jackknife(set, w);
+  // The accepted columns on the rows outside of every cluster.
+  std::vector<BorderedFit> without_clusters(const Stand& before) const {
+    std::vector<BorderedFit> out;
+    out.reserve(static_cast<size_t>(data_.clusters()));
+    for (int c = 0; c < data_.clusters(); ++c)
+      out.emplace_back(before.set, before.weights, data_.total(), &data_.cluster(c), nullptr);
+    return out;
+  }
+
+  double p_value(int h, const Stand& before, const std::vector<BorderedFit>& left_out) const {
+    const ColumnSet& columns = columns_[static_cast<size_t>(h)];
+    if (columns.empty()) return 1.0;
+    const VectorXd x = before.all->with(columns).values;
+    MatrixXd solutions(x.size(), data_.clusters());
+    for (int c = 0; c < data_.clusters(); ++c)
+      solutions.col(c) = left_out[static_cast<size_t>(c)].with(columns).values;
     const VectorXd std = deviations(solutions);
-    const auto own = static_cast<Eigen::Index>(columns_[static_cast<size_t>(h)].size());
+    const Eigen::Index own = x.size();
     double best = 1.0;
-    for (Eigen::Index k = x.size() - own; k < x.size(); ++k) {
+    for (Eigen::Index k = 0; k < own; ++k) {
       best = std::min(best, student_t_two_sided(x[k] / std::max(std[k], 1e-300),
                                                 std::max(1, data_.clusters() - 1)));
     }
     best = std::min(1.0, best * static_cast<double>(own));
     if (own == 1 || 3 * own >= data_.clusters()) return best;
-    return std::min(1.0, 2.0 * std::min(best, wald(x.tail(own), solutions.bottomRows(own))));
+    return std::min(1.0, 2.0 * std::min(best, wald(x, solutions)));
   }
 
   // All parameters together, by Hotelling's statistic: parameters that share one cause may each be
@@ -282,13 +275,11 @@ class Selector {
   }
 
   std::vector<Evidence> ask_all(const std::vector<int>& chosen) const {
-    const ColumnSet set = set_with(chosen);
-    const VectorXd w = weights(set);
-    const Score before = score(set, w);
+    const std::unique_ptr<Stand> before = stand(chosen);
     std::vector<Evidence> all(hypotheses_.size());
     parallel_for(static_cast<int>(hypotheses_.size()), options_.identification.threads, [&](int h) {
       const bool taken = std::find(chosen.begin(), chosen.end(), h) != chosen.end();
-      if (!taken) all[static_cast<size_t>(h)] = ask(h, chosen, before, w);
+      if (!taken) all[static_cast<size_t>(h)] = ask(h, *before);
       all[static_cast<size_t>(h)].hypothesis = h;
       all[static_cast<size_t>(h)].absorbed = taken || all[static_cast<size_t>(h)].absorbed;
     });
@@ -310,7 +301,7 @@ class Selector {
   }
 
   // Of candidates in a tie the earlier stage wins, then the fewer parameters.
-  bool before(const Evidence& a, const Evidence& b) const {
+  bool asked_earlier(const Evidence& a, const Evidence& b) const {
     const Hypothesis& ha = hypotheses_[static_cast<size_t>(a.hypothesis)];
     const Hypothesis& hb = hypotheses_[static_cast<size_t>(b.hypothesis)];
     if (ha.stage != hb.stage) return ha.stage < hb.stage;
@@ -318,30 +309,16 @@ class Selector {
     return a.gain > b.gain;
   }
 
-  // A rival explains the same: once the chosen one is there, little of its gain is left. What still
-  // gains as much is a cause of its own.
-  void keep_true_rivals(const std::vector<Evidence>& now) {
-    if (accepted_.empty()) return;
-    std::vector<Evidence>& rivals = accepted_.back().rivals;
-    rivals.erase(std::remove_if(rivals.begin(), rivals.end(),
-                                [&](const Evidence& e) {
-                                  const Evidence& left = now[static_cast<size_t>(e.hypothesis)];
-                                  return !left.absorbed && left.gain > kOwnCause * e.gain;
-                                }),
-                 rivals.end());
-  }
-
   bool add_one() {
     std::vector<Evidence> all = ask_all(chosen());
-    keep_true_rivals(all);
     std::vector<Evidence> good;
     for (const Evidence& e : all) {
       if (passes(e)) good.push_back(e);
     }
     std::sort(good.begin(), good.end(),
               [](const Evidence& a, const Evidence& b) { return a.gain > b.gain; });
-    const ColumnSet set = set_with(chosen());
-    const VectorXd w = weights(set);
+    const std::unique_ptr<Stand> before = stand(chosen());
+    const std::vector<BorderedFit> left_out = without_clusters(*before);
     const double limit = options_.significance / families_;
     std::vector<Evidence> sure;
     int tested = 0;
@@ -349,24 +326,16 @@ class Selector {
       if (tested++ >= kTested + static_cast<int>(sure.size()) ||
           (!sure.empty() && e.gain < options_.rival_share * sure.front().gain))
         break;
-      e.p_value = p_value(e.hypothesis, chosen(), w);
+      e.p_value = p_value(e.hypothesis, *before, left_out);
       if (e.p_value < limit) sure.push_back(e);
     }
     if (sure.empty()) return false;
     Evidence best = sure.front();
     for (const Evidence& e : sure) {
       // A tie between families goes to the earlier question; within one family to the larger gain.
-      if (e.gain > 0.95 * sure.front().gain && before(e, best)) best = e;
+      if (e.gain > 0.95 * sure.front().gain && asked_earlier(e, best)) best = e;
     }
-    Accepted accepted{best, {}};
-    const std::string& own = hypotheses_[static_cast<size_t>(best.hypothesis)].family;
-    std::set<std::string> named = {own};
-    for (const Evidence& e : good) {
-      if (e.gain < options_.rival_share * best.gain) continue;
-      if (named.insert(hypotheses_[static_cast<size_t>(e.hypothesis)].family).second)
-        accepted.rivals.push_back(e);
-    }
-    accepted_.push_back(accepted);
+    accepted_.push_back({best, {}});
     return true;
   }
 
@@ -383,7 +352,8 @@ class Selector {
         if (passes(e) && e.gain > std::max(needed, best.gain)) best = e;
       }
       if (best.hypothesis == own) continue;
-      best.p_value = p_value(best.hypothesis, others, weights(set_with(others)));
+      const std::unique_ptr<Stand> beside = stand(others);
+      best.p_value = p_value(best.hypothesis, *beside, without_clusters(*beside));
       if (best.p_value < options_.significance / families_) accepted_[k].evidence = best;
     }
   }
@@ -393,13 +363,13 @@ class Selector {
       std::vector<int> others = chosen();
       const int own = others[k];
       others.erase(others.begin() + static_cast<long>(k));
-      const VectorXd w = weights(set_with(others));
-      const Evidence e = ask(own, others, score(set_with(others), w), w);
+      const std::unique_ptr<Stand> beside = stand(others);
+      const Evidence e = ask(own, *beside);
       if (!passes(e)) {
         accepted_.erase(accepted_.begin() + static_cast<long>(k));
       } else {
-        accepted_[k].evidence.p_value =
-            std::min(accepted_[k].evidence.p_value, p_value(own, others, w));
+        accepted_[k].evidence.p_value = std::min(accepted_[k].evidence.p_value,
+                                                 p_value(own, *beside, without_clusters(*beside)));
       }
     }
   }
@@ -414,21 +384,47 @@ class Selector {
     }
     std::vector<Evidence*> list;
     for (const auto& [family, e] : best) list.push_back(e);
-    const std::vector<int> with = chosen();
-    const VectorXd w = weights(set_with(with));
+    const std::unique_ptr<Stand> with = stand(chosen());
+    const std::vector<BorderedFit> left_out = without_clusters(*with);
     parallel_for(static_cast<int>(list.size()), options_.identification.threads, [&](int k) {
       Evidence& e = *list[static_cast<size_t>(k)];
-      e.p_value = p_value(e.hypothesis, with, w);
+      e.p_value = p_value(e.hypothesis, *with, left_out);
     });
+  }
+
+  // Rivals of an accepted hypothesis gain as much in its place, beside all others, and little once
+  // it is there: they explain the same. What still gains is a cause of its own.
+  void find_rivals(Selection& out) const {
+    const std::vector<int> all = chosen();
+    for (size_t k = 0; k < all.size(); ++k) {
+      std::vector<int> others = all;
+      others.erase(others.begin() + static_cast<long>(k));
+      const std::vector<Evidence> instead = ask_all(others);
+      const double own = instead[static_cast<size_t>(all[k])].gain;
+      std::set<std::string> named = {hypotheses_[static_cast<size_t>(all[k])].family};
+      std::vector<Evidence> rivals;
+      for (const Evidence& e : instead) {
+        const Evidence& left = out.last_asked[static_cast<size_t>(e.hypothesis)];
+        const bool same = left.absorbed || left.gain < kOwnCause * e.gain;
+        const bool taken = std::find(all.begin(), all.end(), e.hypothesis) != all.end();
+        if (!taken && same && passes(e) && e.gain >= options_.rival_share * own)
+          rivals.push_back(e);
+      }
+      std::sort(rivals.begin(), rivals.end(),
+                [](const Evidence& a, const Evidence& b) { return a.gain > b.gain; });
+      out.accepted[k].rivals.clear();
+      out.accepted[k].evidence.gain = own;
+      for (const Evidence& e : rivals) {
+        if (named.insert(hypotheses_[static_cast<size_t>(e.hypothesis)].family).second)
+          out.accepted[k].rivals.push_back(e);
+      }
+    }
   }
 
   Selection finish() {
     Selection out = fitted();
     out.last_asked = ask_all(chosen());
-    if (!out.accepted.empty() && out.accepted.size() == accepted_.size()) {
-      keep_true_rivals(out.last_asked);
-      out.accepted = accepted_;
-    }
+    find_rivals(out);
     give_p_values(out.last_asked);
     return out;
   }
