@@ -77,14 +77,23 @@ void add_motion_options(CLI::App& command, ExcitationOptions& o) {
 void add_search_options(CLI::App& command, ExcitationOptions& o) {
   const char* const group = "Search";
   add_choice(command, "--criterion", o.criterion,
-             {ExcitationCriterion::kCondition, ExcitationCriterion::kDOptimal},
-             "Smallest condition number, or smallest confidence ellipsoid")
+             {ExcitationCriterion::kCondition, ExcitationCriterion::kDOptimal,
+              ExcitationCriterion::kDiscriminate},
+             "Smallest condition number or confidence ellipsoid, or two causes told apart")
       ->group(group);
-  command.add_option("--starts", o.starts, "Independent searches (4)")
+  add_choice(command, "--columns-scaled", o.scaling, {ColumnScaling::kNorm, ColumnScaling::kNone},
+             "Columns of the regressor before its condition number")
+      ->group(group);
+  add_choice(command, "--solver", o.solver,
+             {ExcitationSolver::kIpopt, ExcitationSolver::kNlopt, ExcitationSolver::kDerivativeFree,
+              ExcitationSolver::kRandom},
+             "Who searches")
+      ->group(group);
+  command.add_option("--starts", o.starts, "Independent searches (2)")
       ->option_text("N")
       ->check(CLI::Range(1, 100000))
       ->group(group);
-  command.add_option("--evaluations", o.evaluations, "Motions looked at in each search (1500)")
+  command.add_option("--iterations,--evaluations", o.iterations, "Of each search, at most (400)")
       ->option_text("N")
       ->check(CLI::Range(1, 100000000))
       ->group(group);
