@@ -17,10 +17,14 @@ MotionSamples random_states(const Model& arm, int count);
 /// Effects, then what is not a mass, then the masses: as base parameters are commonly given.
 std::vector<int> base_preference(int body_columns, int columns);
 
-/// The first columns of W in the given order of which none follows from those before it
-/// (Gram-Schmidt, twice for accuracy).
+/// Columns of W that span all of them: each time the one of which most is left (columns count as of
+/// norm one), the first of equals in the given order.
 /// @param taken  columns that count as there already; they are not among the result.
 std::vector<int> independent_columns(const MatrixXd& W, const std::vector<int>& order,
                                      const std::vector<int>& taken = {});
+
+/// Swaps columns until no single swap makes the volume of the chosen ones, of norm one, larger:
+/// about the best conditioned choice (Gu and Eisenstat, SIAM J. Scientific Computing 17(4), 1996).
+void improve_choice(const MatrixXd& W, std::vector<int>& chosen);
 
 }  // namespace veridyn

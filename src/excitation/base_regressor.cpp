@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -23,11 +24,15 @@ BaseRegressor::BaseRegressor(const Model& arm, double rounding)
   const int states = 20 + 2 * exact.count() / std::max(1, arm.joints());
   const MatrixXd W = exact.stacked(random_states(arm, states));
   base_ = independent_columns(W, base_preference(body_columns, exact.count()));
+  improve_choice(W, base_);
   scale_.resize(size());
   for (int b = 0; b < size(); ++b) {
     scale_[b] =
         W.col(base_[static_cast<size_t>(b)]).norm() / std::sqrt(static_cast<double>(states));
   }
+  const MatrixXd R = W(Eigen::all, base_).householderQr().matrixQR().topRows(size());
+  orthogonal_ = std::sqrt(static_cast<double>(states)) *
+                R.triangularView<Eigen::Upper>().solve(MatrixXd::Identity(size(), size()));
   auto chosen = std::make_shared<StackedColumns>(arm.joints(), arm_columns(arm, rounding));
   chosen->choose(base_);
   columns_ = std::move(chosen);

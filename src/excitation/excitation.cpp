@@ -146,6 +146,8 @@ Excitation optimise_excitation(const Model& arm, const ExcitationOptions& option
   out.condition_number = scaled_condition_number(gram);
   out.plain_condition_number = plain_condition_number(gram);
   out.range_condition_number = range_condition_number(exact.stacked(motion));
+  const MatrixXd& basis = exact.orthogonal_basis();
+  out.orthogonal_condition_number = scaled_condition_number(basis.transpose() * gram * basis);
   out.log_determinant = log_determinant(gram, exact.scale());
   const MotionSamples random = space.trajectory(found.front().start).motion(periods, options.rate);
   out.start_condition_number = scaled_condition_number(exact.gram(random));

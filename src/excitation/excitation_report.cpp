@@ -26,6 +26,7 @@ const char* name_of(ExcitationSolver solver) {
 }
 
 const char* name_of(ColumnScaling scaling) {
+  if (scaling == ColumnScaling::kOrthogonal) return "orthogonal";
   return scaling == ColumnScaling::kNorm ? "norm" : "none";
 }
 
@@ -54,9 +55,10 @@ std::string margin_line(const LimitMargin& m) {
 std::string quality_text(const Excitation& e) {
   std::string out = fmt::format(
       "Condition number {:.4g} for {} base parameters (a random motion: {:.4g}); columns as they "
-      "are {:.4g}, scaled by their range {:.4g}; ln det {:.4g}.\n",
+      "are {:.4g}, scaled by their range {:.4g}, orthogonal at random states {:.4g}; ln det "
+      "{:.4g}.\n",
       e.condition_number, e.base_parameters, e.start_condition_number, e.plain_condition_number,
-      e.range_condition_number, e.log_determinant);
+      e.range_condition_number, e.orthogonal_condition_number, e.log_determinant);
   if (!e.discrimination) return out;
   const Discrimination& d = *e.discrimination;
   out += fmt::format(

@@ -123,10 +123,10 @@ SolverResult solve_with_ipopt(NonlinearProgram& program, const VectorXd& start,
   const std::lock_guard<std::mutex> turn(baton());
   const Ipopt::SmartPtr<Ipopt::IpoptApplication> solver = new Ipopt::IpoptApplication(false);
   solver->Options()->SetStringValue("hessian_approximation", "limited-memory");
-  solver->Options()->SetIntegerValue("limited_memory_max_history", getenv("HIST")?atoi(getenv("HIST")):25);
-  if(getenv("MU")) solver->Options()->SetStringValue("mu_strategy", getenv("MU"));
- if(getenv("SC")) solver->Options()->SetIntegerValue("mumps_scaling",atoi(getenv("SC")));
- if(getenv("PO")) solver->Options()->SetIntegerValue("mumps_pivot_order",atoi(getenv("PO")));
+  // A longer history saves iterations and costs solves of the sparse solver; scaling of the matrix
+  // costs more than it brings, since the limits are scaled already.
+  solver->Options()->SetIntegerValue("limited_memory_max_history", 12);
+  solver->Options()->SetIntegerValue("mumps_scaling", 0);
   solver->Options()->SetStringValue("linear_solver", "mumps");
   solver->Options()->SetStringValue("mu_strategy", "adaptive");
   solver->Options()->SetStringValue("sb", "yes");

@@ -12,10 +12,10 @@
 namespace veridyn {
 namespace {
 
-const int kDraws = getenv("DR")?atoi(getenv("DR")):20;             // random motions of which the best begins a search
+constexpr int kDraws = 20;             // random motions of which the best begins a search
 constexpr int kInstantsPerWave = 24;   // of the shortest wave, for the criterion
-const int kLimitsPerWave = getenv("LPW")?atoi(getenv("LPW")):14;     // and for the limits; what is between is fitted afterwards
-const double kSharpness[] = {getenv("S1")?atof(getenv("S1")):4.0, getenv("S2")?atof(getenv("S2")):16.0};  // of the smooth condition number, one after the other
+constexpr int kLimitsPerWave = 14;     // and for the limits; what is between is fitted afterwards
+constexpr double kSharpness[] = {2.0, 16.0};  // of the smooth condition number, one after the other
 constexpr int kNarrowings = 5;         // rounds until limits hold between instants too
 constexpr double kHeld = 1e-9;         // of a limit's scale: rounding
 
@@ -130,7 +130,8 @@ VectorXd MotionSearch::into_limits(const VectorXd& from, const Bounds& bounds) c
   limits.set_bounds(bounds.lower, bounds.upper);
   WidestViolation program(limits, space_.size());
   VectorXd start(space_.size() + 1);
-  start << from, std::max(0.0, limits.violation(limits.values(from)).size);
+  start << fitted_to_joints(space_, from),
+      std::max(0.0, limits.violation(limits.values(from)).size);
   SolverOptions solver;
   solver.iterations = options_.iterations;
   solver.stop = options_.stop;

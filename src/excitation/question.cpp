@@ -51,6 +51,12 @@ SmoothValue Question::smooth(const MatrixXd& gram, double sharpness) const {
   if (criterion == ExcitationCriterion::kDOptimal) return smooth_d_optimality(gram, scale);
   if (criterion == ExcitationCriterion::kDiscriminate)
     return smooth_discrimination(gram, scale, rivals);
+  if (scaling == ColumnScaling::kOrthogonal) {
+    SmoothValue out =
+        smooth_condition(basis.transpose() * gram * basis, ColumnNorm::kOne, sharpness);
+    out.by_gram = basis * out.by_gram * basis.transpose();
+    return out;
+  }
   const bool norm = scaling == ColumnScaling::kNorm;
   return smooth_condition(gram, norm ? ColumnNorm::kOne : ColumnNorm::kAsTheyAre, sharpness);
 }
@@ -59,6 +65,8 @@ double Question::verdict(const MatrixXd& gram) const {
   if (criterion == ExcitationCriterion::kDOptimal) return -log_determinant(gram, scale);
   if (criterion == ExcitationCriterion::kDiscriminate)
     return smooth_discrimination(gram, scale, rivals).value;
+  if (scaling == ColumnScaling::kOrthogonal)
+    return std::log(scaled_condition_number(basis.transpose() * gram * basis));
   return std::log(scaling == ColumnScaling::kNorm ? scaled_condition_number(gram)
                                                   : plain_condition_number(gram));
 }
@@ -71,6 +79,7 @@ Question make_question(const Model& arm, const BaseRegressor& exact, const BaseR
   out.exact = exact.columns();
   out.rounded = rounded.columns();
   out.scale = exact.scale();
+  out.basis = exact.orthogonal_basis();
   // The thesis's condition number is that of rows as they are.
   out.row_weights = options.criterion == ExcitationCriterion::kCondition
                         ? VectorXd::Ones(arm.joints())

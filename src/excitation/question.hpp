@@ -19,6 +19,7 @@ struct Question {
   std::shared_ptr<const StackedColumns> exact;
   VectorXd row_weights;  ///< (n)
   VectorXd scale;        ///< of the columns
+  MatrixXd basis;        ///< of ColumnScaling::kOrthogonal
   RivalColumns rivals;   ///< for kDiscriminate
   bool bodies_known = false;
   MatrixXd rounded_given;  ///< information that is there already, per instant of the new motion

@@ -25,6 +25,7 @@ GridConstraints::GridConstraints(const MotionSpace& space, const LimitSignals& s
   std::vector<double> constant;
   int row = 0;
   for (const int k : kept_) {
+    if (k < 3 * n) joint_rows_ = row + instants;
     for (int t = 0; t < instants; ++t, ++row) {
       if (k >= 3 * n) {
         for (int c = 0; c < space.size(); ++c) pattern_.emplace_back(row, c);
@@ -150,7 +151,8 @@ WidestViolation::WidestViolation(const GridConstraints& limits, int variables)
   for (int side = 0; side < 2; ++side) {
     const int shift = side * static_cast<int>(rows);
     for (const auto& [row, column] : limits.pattern()) pattern_.emplace_back(row + shift, column);
-    for (int row = 0; row < rows; ++row) pattern_.emplace_back(row + shift, variables);
+    for (int row = limits.joint_rows(); row < rows; ++row)
+      pattern_.emplace_back(row + shift, variables);
   }
 }
 
@@ -167,13 +169,16 @@ VectorXd WidestViolation::gradient(const VectorXd& x) {
 VectorXd WidestViolation::constraints(const VectorXd& x) {
   const VectorXd values = limits_.values(x.head(variables_));
   VectorXd out(2 * values.size());
-  out << values.array() - x[variables_], values.array() + x[variables_];
+  out << values, values;
+  const Eigen::Index widened = values.size() - limits_.joint_rows();
+  out.segment(limits_.joint_rows(), widened).array() -= x[variables_];
+  out.tail(widened).array() += x[variables_];
   return out;
 }
 
 VectorXd WidestViolation::jacobian(const VectorXd& x) {
   const VectorXd inner = limits_.jacobian(x.head(variables_));
-  const Eigen::Index rows = limits_.lower().size();
+  const Eigen::Index rows = limits_.lower().size() - limits_.joint_rows();
   VectorXd out(static_cast<Eigen::Index>(pattern_.size()));
   out << inner, VectorXd::Constant(rows, -1.0), inner, VectorXd::Constant(rows, 1.0);
   return out;

@@ -20,6 +20,8 @@ class GridConstraints {
   const VectorXd& lower() const { return lower_; }
   const VectorXd& upper() const { return upper_; }
   const std::vector<std::pair<int, int>>& pattern() const { return pattern_; }
+  /// Rows of the joints' ranges, speeds and accelerations, which come first.
+  int joint_rows() const { return joint_rows_; }
   VectorXd values(const VectorXd& x) const;
   VectorXd jacobian(const VectorXd& x) const;
 
@@ -35,6 +37,7 @@ class GridConstraints {
   const LimitSignals& signals_;
   MotionSpace::Basis basis_;
   std::vector<int> kept_;  // signals with a bound
+  int joint_rows_ = 0;
   VectorXd lower_, upper_;
   std::vector<std::pair<int, int>> pattern_;
   VectorXd constant_;  // entries of the Jacobian that belong to q, dq, ddq
@@ -77,8 +80,8 @@ class SearchProgram final : public NonlinearProgram {
   int evaluations_ = 0;
 };
 
-/// The smallest t such that all limits hold when each is widened by t times its scale: whether they
-/// can be met at all, and by how much not. The last variable is t.
+/// The smallest t such that all limits hold when those of torques and places are widened by t times
+/// their scale: whether they can be met at all, and by how much not. The last variable is t.
 class WidestViolation final : public NonlinearProgram {
  public:
   explicit WidestViolation(const GridConstraints& limits, int variables);

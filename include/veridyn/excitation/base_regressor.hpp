@@ -13,9 +13,9 @@ class StackedColumns;
 /// What a motion says about the base parameters of an arm: the Gram matrix W' W of the stacked base
 /// regressor (thesis 5.24), bodies and effects.
 ///
-/// Base columns are the first independent ones in the order: effects, then first moments and
-/// inertias, then masses; independence is numerical, at random states within the limits. Immutable:
-/// serves several threads.
+/// Base columns are those of standard parameters that are best conditioned at random states within
+/// the limits; between equals effects come first and masses last. They span what the base columns
+/// of base_parameters() span. Immutable: serves several threads.
 class BaseRegressor {
  public:
   /// @param rounding  speeds, as a share of each joint's largest, within which columns that jump
@@ -41,6 +41,10 @@ class BaseRegressor {
   /// motion.
   const VectorXd& scale() const { return scale_; }
 
+  /// T (size x size, upper triangle): the columns of W T are orthonormal, per state, over the random
+  /// states.
+  const MatrixXd& orthogonal_basis() const { return orthogonal_; }
+
   /// W, (rows n x size), the rows of joint 1 first.
   MatrixXd stacked(const MotionSamples& motion) const;
 
@@ -52,6 +56,7 @@ class BaseRegressor {
   VectorXd ones_;
   std::vector<int> base_;  // base columns, in the order of preference
   VectorXd scale_;
+  MatrixXd orthogonal_;
 };
 
 /// Condition number of the base regressor with its columns scaled to norm one (thesis 5.26, 5.27),

@@ -41,9 +41,12 @@ bool has_solver(ExcitationSolver solver);
 enum class ColumnScaling {
   kNorm,  ///< to norm one (thesis 5.26)
   kNone,  ///< as they are
+  /// Combined first into a basis that is orthogonal at random states within the limits, then to
+  /// norm one: without what is near to dependent in the arm's geometry, which no motion can change.
+  kOrthogonal,
 };
 
-/// "norm", "none".
+/// "norm", "none", "orthogonal".
 const char* name_of(ColumnScaling scaling);
 
 /// A cause of torque: an effect of CONTRACT.md and its joint (name or number from 1) or frame.
@@ -63,7 +66,7 @@ struct ExcitationOptions {
   std::optional<std::pair<Rival, Rival>> between{};  ///< for kDiscriminate
   ColumnScaling scaling = ColumnScaling::kNorm;    ///< for kCondition
   ExcitationSolver solver = ExcitationSolver::kIpopt;
-  int starts = 2;  ///< independent searches, of which the best wins
+  int starts = 4;  ///< independent searches, of which the best wins
   /// Iterations of Ipopt, evaluations of NLopt, motions of kRandom in each search; the result
   /// depends on this and not on the clock.
   int iterations = 400;
@@ -123,6 +126,7 @@ struct Excitation {
   double condition_number = 0.0;        ///< of the base regressor, columns scaled to norm one
   double plain_condition_number = 0.0;  ///< columns as they are
   double range_condition_number = 0.0;  ///< columns divided by their largest minus smallest entry
+  double orthogonal_condition_number = 0.0;  ///< see ColumnScaling::kOrthogonal
   /// Of its Gram matrix per instant, columns scaled by their size at random states.
   double log_determinant = 0.0;
   double start_condition_number = 0.0;  ///< of the first random motion, for comparison
