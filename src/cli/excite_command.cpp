@@ -93,8 +93,9 @@ ExcitationOptions options_of(const Request& request, const Model& arm) {
   if (!request.model.empty()) o.powered = read_model(request.model);
   if (o.criterion == ExcitationCriterion::kDiscriminate && !o.powered && !arm.inertial_values()) {
     if (!request.common.quiet) {
-      say(text(request.robot, " has no values: the rivals are built from plausible ones (--model "
-                              "gives others)."));
+      say(text(request.robot,
+               " has no values: the rivals are built from plausible ones (--model "
+               "gives others)."));
     }
     o.powered = without_efforts(plausible_model(arm, 1).arm);
   }
@@ -186,7 +187,8 @@ void add_search_options(CLI::App& command, ExcitationOptions& o) {
               ExcitationCriterion::kDiscriminate},
              "Smallest condition number or confidence ellipsoid, or two causes told apart")
       ->group(group);
-  add_choice(command, "--columns-scaled", o.scaling, {ColumnScaling::kNorm, ColumnScaling::kNone, ColumnScaling::kOrthogonal},
+  add_choice(command, "--columns-scaled", o.scaling,
+             {ColumnScaling::kNorm, ColumnScaling::kNone, ColumnScaling::kOrthogonal},
              "Columns of the regressor before its condition number")
       ->group(group);
   add_choice(command, "--solver", o.solver,
@@ -194,7 +196,7 @@ void add_search_options(CLI::App& command, ExcitationOptions& o) {
               ExcitationSolver::kRandom},
              "Who searches")
       ->group(group);
-  command.add_option("--starts", o.starts, "Independent searches (4)")
+  command.add_option("--starts", o.starts, "Independent searches (2)")
       ->option_text("N")
       ->check(CLI::Range(1, 100000))
       ->group(group);

@@ -10,9 +10,9 @@ namespace veridyn {
 namespace {
 
 constexpr unsigned kStateSeed = 7;
-constexpr double kIndependent = 1e-6;  // what must be left of a column of norm one
+constexpr double kIndependent = 1e-6;     // what must be left of a column of norm one
 constexpr double kRoundingError = 1e-12;  // columns below this share of the largest are zero
-constexpr double kTie = 1e-9;          // between equals the first in the order is taken
+constexpr double kTie = 1e-9;             // between equals the first in the order is taken
 
 constexpr double kWorthSwapping = 1.01;
 constexpr int kMaxSwaps = 1000;  // each makes the volume larger, so that there is an end anyway

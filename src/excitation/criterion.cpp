@@ -32,8 +32,8 @@ double log_det(const MatrixXd& A, MatrixXd& inverse) {
   }
   const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(A);
   const VectorXd values = eigen.eigenvalues().cwiseMax(ridge);
-  inverse = eigen.eigenvectors() * values.cwiseInverse().asDiagonal() *
-            eigen.eigenvectors().transpose();
+  inverse =
+      eigen.eigenvectors() * values.cwiseInverse().asDiagonal() * eigen.eigenvectors().transpose();
   return values.array().log().sum();
 }
 
@@ -52,9 +52,9 @@ SmoothValue smooth_condition(const MatrixXd& gram, ColumnNorm norm, double sharp
   const Eigen::ArrayXd up = (e.array() / largest).pow(p);
   const Eigen::ArrayXd down = (smallest / e.array()).pow(p);
   SmoothValue out;
-  out.value = 0.5 * (std::log(largest / smallest) + (std::log(up.sum()) + std::log(down.sum())) / p);
-  const VectorXd slope =
-      (0.5 * (up / up.sum() - down / down.sum()) / e.array()).matrix();
+  out.value =
+      0.5 * (std::log(largest / smallest) + (std::log(up.sum()) + std::log(down.sum())) / p);
+  const VectorXd slope = (0.5 * (up / up.sum() - down / down.sum()) / e.array()).matrix();
   const MatrixXd& V = eigen.eigenvectors();
   const MatrixXd by_C = V * slope.asDiagonal() * V.transpose();
   out.by_gram = scaled_both_sides(by_C, d);

@@ -14,7 +14,8 @@ struct SmoothValue {
 /// Whether the columns of a regressor are divided by their norm (thesis 5.26).
 enum class ColumnNorm { kOne, kAsTheyAre };
 
-/// A smooth upper bound of ln(condition number), with the eigenvalues e of the (scaled) Gram matrix:
+/// A smooth upper bound of ln(condition number), with the eigenvalues e of the (scaled) Gram
+/// matrix:
 ///
 ///   1/(2p) ln(sum e^p) + 1/(2p) ln(sum e^-p)
 ///

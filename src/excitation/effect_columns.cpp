@@ -12,8 +12,8 @@ namespace {
 
 // What a column may depend on, one number each.
 using Input = double AxisSample::*;
-constexpr std::array<Input, 6> kInputs = {&AxisSample::s,      &AxisSample::ds,
-                                          &AxisSample::dds,    &AxisSample::from_s,
+constexpr std::array<Input, 6> kInputs = {&AxisSample::s,       &AxisSample::ds,
+                                          &AxisSample::dds,     &AxisSample::from_s,
                                           &AxisSample::from_ds, &AxisSample::load};
 constexpr size_t kVelocity = 1;
 
@@ -157,8 +157,8 @@ class EffectSource final : public ColumnSource {
     std::vector<AxisSample> out;
     out.reserve(static_cast<size_t>(m.rows()));
     for (Eigen::Index k = 0; k < m.rows(); ++k) {
-      out.push_back(effect.sample(m.time[k], m.q.data() + k, m.dq.data() + k, m.ddq.data() + k,
-                                  m.rows()));
+      out.push_back(
+          effect.sample(m.time[k], m.q.data() + k, m.dq.data() + k, m.ddq.data() + k, m.rows()));
       out.back().load = load[k];
     }
     return out;

@@ -35,7 +35,8 @@ void check(const ExcitationOptions& o) {
           "; random is always there.");
 }
 
-// What may be used of the joints' limits: a share of speed and acceleration, the middle of the range.
+// What may be used of the joints' limits: a share of speed and acceleration, the middle of the
+// range.
 MotionLimits share_of(MotionLimits limits, double share) {
   const VectorXd edge = 0.5 * (1.0 - share) * (limits.upper - limits.lower);
   limits.lower += edge;
@@ -130,8 +131,8 @@ Excitation optimise_excitation(const Model& arm, const ExcitationOptions& option
     if (own.x.size() > 0) own.cost = question.verdict(verdict(space.trajectory(own.x)));
   });
   if (options.progress) options.progress("searching", 1.0);
-  const Found& best = *std::min_element(
-      found.begin(), found.end(), [](const Found& a, const Found& b) {
+  const Found& best =
+      *std::min_element(found.begin(), found.end(), [](const Found& a, const Found& b) {
         return std::make_pair(a.x.size() == 0, a.cost) < std::make_pair(b.x.size() == 0, b.cost);
       });
 
@@ -146,6 +147,13 @@ Excitation optimise_excitation(const Model& arm, const ExcitationOptions& option
   out.condition_number = scaled_condition_number(gram);
   out.plain_condition_number = plain_condition_number(gram);
   out.range_condition_number = range_condition_number(exact.stacked(motion));
+  MatrixXd with_given = gram;
+  for (const MotionSamples& motion_before : options.given) {
+    const auto rows = static_cast<double>(motion_before.rows());
+    const double lasts = motion_before.time[motion_before.rows() - 1] - motion_before.time[0];
+    with_given += lasts / (periods / options.frequency) / rows * exact.gram(motion_before);
+  }
+  out.condition_number_with_given = scaled_condition_number(with_given);
   const MatrixXd& basis = exact.orthogonal_basis();
   out.orthogonal_condition_number = scaled_condition_number(basis.transpose() * gram * basis);
   out.log_determinant = log_determinant(gram, exact.scale());
@@ -165,8 +173,7 @@ Excitation optimise_excitation(const Model& arm, const ExcitationOptions& option
     out.joints.push_back(coordinate.name);
     out.units.push_back(position_unit(coordinate));
   }
-  out.seconds =
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
+  out.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
   return out;
 }
 

@@ -59,6 +59,10 @@ std::string quality_text(const Excitation& e) {
       "{:.4g}.\n",
       e.condition_number, e.base_parameters, e.start_condition_number, e.plain_condition_number,
       e.range_condition_number, e.orthogonal_condition_number, e.log_determinant);
+  if (e.condition_number_with_given != e.condition_number) {
+    out += fmt::format("Together with the given recordings the condition number is {:.4g}.\n",
+                       e.condition_number_with_given);
+  }
   if (!e.discrimination) return out;
   const Discrimination& d = *e.discrimination;
   out += fmt::format(

@@ -26,7 +26,8 @@ void FramePoints::move_to(const VectorXd& q) {
     if (link.motion == Motion::kTurns) J.R = rotation_z(recursion_.link[k].s);
     if (link.motion == Motion::kSlides) J.p.z = recursion_.link[k].s;
     const Posed T_parent = link.A * J * link.B;
-    T_world_[k] = link.parent < 0 ? T_parent : T_world_[static_cast<size_t>(link.parent)] * T_parent;
+    T_world_[k] =
+        link.parent < 0 ? T_parent : T_world_[static_cast<size_t>(link.parent)] * T_parent;
   }
 }
 
@@ -54,8 +55,7 @@ Eigen::Vector3d FramePoints::z_axis(int frame) const {
 }
 
 MatrixXd FramePoints::z_axis_slope(int frame) const {
-  return point_slope(frame, Eigen::Vector3d::UnitZ()) -
-         point_slope(frame, Eigen::Vector3d::Zero());
+  return point_slope(frame, Eigen::Vector3d::UnitZ()) - point_slope(frame, Eigen::Vector3d::Zero());
 }
 
 }  // namespace veridyn

@@ -37,8 +37,7 @@ std::vector<LimitMargin> limit_margins(const LimitSignals& signals,
   MatrixXd others;
   if (signals.count() > 3 * n) {
     const int instants = std::max(400, kInstantsPerWave * trajectory.harmonics());
-    others = signals.values(
-        trajectory.samples(period_instants(trajectory.frequency(), instants)));
+    others = signals.values(trajectory.samples(period_instants(trajectory.frequency(), instants)));
   }
   std::vector<LimitMargin> out;
   for (int k = 0; k < signals.count(); ++k) {

@@ -27,8 +27,8 @@ double MotionObjective::value(const VectorXd& x) const {
 VectorXd MotionObjective::gradient(const VectorXd& x) const {
   const auto instants = static_cast<double>(basis_.time.size());
   const SmoothValue at = criterion_(gram(x));
-  return space_.gradient(basis_, columns_->gradient(space_.samples(basis_, x), row_weights_,
-                                                    at.by_gram / instants));
+  return space_.gradient(
+      basis_, columns_->gradient(space_.samples(basis_, x), row_weights_, at.by_gram / instants));
 }
 
 }  // namespace veridyn

@@ -12,12 +12,12 @@
 namespace veridyn {
 namespace {
 
-constexpr int kDraws = 20;             // random motions of which the best begins a search
-constexpr int kInstantsPerWave = 24;   // of the shortest wave, for the criterion
-constexpr int kLimitsPerWave = 14;     // and for the limits; what is between is fitted afterwards
+constexpr int kDraws = 20;            // random motions of which the best begins a search
+constexpr int kInstantsPerWave = 24;  // of the shortest wave, for the criterion
+constexpr int kLimitsPerWave = 14;    // and for the limits; what is between is fitted afterwards
 constexpr double kSharpness[] = {2.0, 16.0};  // of the smooth condition number, one after the other
-constexpr int kNarrowings = 5;         // rounds until limits hold between instants too
-constexpr double kHeld = 1e-9;         // of a limit's scale: rounding
+constexpr int kNarrowings = 5;                // rounds until limits hold between instants too
+constexpr double kHeld = 1e-9;                // of a limit's scale: rounding
 
 }  // namespace
 
@@ -46,8 +46,7 @@ MotionSearch::Bounds MotionSearch::allowed() const {
 
 double MotionSearch::smooth_cost(const VectorXd& x) const {
   const int instants = kInstantsPerWave * space_.harmonics();
-  const MotionSpace::Basis basis =
-      space_.basis(period_instants(space_.frequency(), instants));
+  const MotionSpace::Basis basis = space_.basis(period_instants(space_.frequency(), instants));
   const MatrixXd gram =
       question_.rounded->gram(space_.samples(basis, x), question_.row_weights) / instants +
       question_.rounded_given;
@@ -112,9 +111,9 @@ VectorXd MotionSearch::descend(const VectorXd& from, const Bounds& bounds, doubl
     if (best) {
       news = condition ? fmt::format("condition number {:.4g}", std::exp(best->value))
                        : fmt::format("criterion {:.5g}", best->value);
-      news += fmt::format("; tightest limit: {}, {:.2f} % left",
-                          signals_[best->violation.signal].name,
-                          std::max(0.0, -100.0 * best->violation.size));
+      news +=
+          fmt::format("; tightest limit: {}, {:.2f} % left", signals_[best->violation.signal].name,
+                      std::max(0.0, -100.0 * best->violation.size));
     }
     progress_.step(start, news);
     return options_.stop && options_.stop();

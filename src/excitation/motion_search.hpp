@@ -5,8 +5,8 @@
 #include "limit_signals.hpp"
 #include "motion_space.hpp"
 #include "question.hpp"
-#include "search_progress.hpp"
 #include "search_program.hpp"
+#include "search_progress.hpp"
 
 namespace veridyn {
 

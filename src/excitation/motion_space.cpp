@@ -82,9 +82,10 @@ double MotionSpace::allowed(const VectorXd& x, int joint) const {
   for (int i = 0; i < joints(); ++i) still[i * per_joint()] = 0.0;
   const FourierTrajectory t = trajectory(still);
   const MotionBounds b = t.bounds();
-  return std::min({(limits_.upper[joint] - limits_.lower[joint]) / (b.upper[joint] - b.lower[joint]),
-                   limits_.velocity[joint] / b.velocity[joint],
-                   limits_.acceleration[joint] / b.acceleration[joint]});
+  return std::min(
+      {(limits_.upper[joint] - limits_.lower[joint]) / (b.upper[joint] - b.lower[joint]),
+       limits_.velocity[joint] / b.velocity[joint],
+       limits_.acceleration[joint] / b.acceleration[joint]});
 }
 
 VectorXd MotionSpace::random(RandomNumbers& numbers) const {

@@ -139,8 +139,7 @@ EffectTerm effect_term(const Model& arm, const Rival& rival, int joint) {
   return term;
 }
 
-std::vector<std::shared_ptr<const ColumnSource>> rival_columns(const Model& arm,
-                                                               const Rival& rival,
+std::vector<std::shared_ptr<const ColumnSource>> rival_columns(const Model& arm, const Rival& rival,
                                                                double rounding) {
   if (rival.effect == "payload") return {body_on_frame(arm, rival, {0})};
   if (rival.effect == "inertia") return {body_on_frame(arm, rival, {4, 6, 9})};
@@ -156,8 +155,8 @@ std::vector<std::shared_ptr<const ColumnSource>> rival_columns(const Model& arm,
   if (find_effect(rival.effect).needs_load()) own_values(arm, rival);
   require(!find_effect(rival.effect).needs_source(), "excitation: '", label(rival),
           "' needs another joint and cannot be a rival yet.");
-  return {effect_columns(arm, effect_term(arm, rival, joint),
-                         rounding * motion_limits(arm).velocity)};
+  return {
+      effect_columns(arm, effect_term(arm, rival, joint), rounding * motion_limits(arm).velocity)};
 }
 
 std::vector<int> numbers(int first, int count) {
@@ -231,8 +230,7 @@ void add_rivals(const Model& arm, const ExcitationOptions& options, double round
   question.exact = exact;
   question.rounded = rounded;
   question.rivals = {static_cast<int>(choice.nuisance.size()),
-                     static_cast<int>(choice.first.size()),
-                     static_cast<int>(choice.second.size())};
+                     static_cast<int>(choice.first.size()), static_cast<int>(choice.second.size())};
   question.scale = W(Eigen::all, taken).colwise().norm().transpose() / std::sqrt(states);
 }
 

@@ -7,7 +7,7 @@ namespace veridyn {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kHeld = 2e-6;    // of a limit's scale: what a solver leaves open
+constexpr double kHeld = 2e-6;      // of a limit's scale: what a solver leaves open
 constexpr double kPullBack = 1e-4;  // keeps the widest violation's motion from running away
 
 }  // namespace
@@ -39,7 +39,8 @@ GridConstraints::GridConstraints(const MotionSpace& space, const LimitSignals& s
       }
     }
   }
-  constant_ = Eigen::Map<const VectorXd>(constant.data(), static_cast<Eigen::Index>(constant.size()));
+  constant_ =
+      Eigen::Map<const VectorXd>(constant.data(), static_cast<Eigen::Index>(constant.size()));
   VectorXd low(signals.count());
   VectorXd high(signals.count());
   for (int k = 0; k < signals.count(); ++k) {
@@ -92,10 +93,10 @@ VectorXd GridConstraints::jacobian(const VectorXd& x) const {
     for (Eigen::Index t = 0; t < basis_.time.size(); ++t) {
       for (int i = 0; i < n; ++i) {
         const double unit = space_.size_of(i) / signals_[k].scale;
-        out.segment(next, p) = unit * (by_state(t, i) * basis_.q.row(t) +
-                                       by_state(t, n + i) * basis_.dq.row(t) +
-                                       by_state(t, 2 * n + i) * basis_.ddq.row(t))
-                                          .transpose();
+        out.segment(next, p) =
+            unit * (by_state(t, i) * basis_.q.row(t) + by_state(t, n + i) * basis_.dq.row(t) +
+                    by_state(t, 2 * n + i) * basis_.ddq.row(t))
+                       .transpose();
         next += p;
       }
     }

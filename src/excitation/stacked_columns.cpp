@@ -5,8 +5,7 @@
 
 namespace veridyn {
 
-StackedColumns::StackedColumns(int joints,
-                               std::vector<std::shared_ptr<const ColumnSource>> sources)
+StackedColumns::StackedColumns(int joints, std::vector<std::shared_ptr<const ColumnSource>> sources)
     : sources_(std::move(sources)), places_(static_cast<size_t>(joints)) {
   for (const auto& source : sources_) {
     columns_.emplace_back();
@@ -102,8 +101,8 @@ MatrixXd StackedColumns::gradient(const MotionSamples& motion, const VectorXd& r
     MatrixXd part(count, count);
     for (Eigen::Index c = 0; c < count; ++c) {
       for (Eigen::Index r = 0; r < count; ++r) {
-        part(r, c) = by_gram(places[static_cast<size_t>(r)].column,
-                             places[static_cast<size_t>(c)].column);
+        part(r, c) =
+            by_gram(places[static_cast<size_t>(r)].column, places[static_cast<size_t>(c)].column);
       }
     }
     const double weight = row_weights[static_cast<Eigen::Index>(i)];
@@ -113,7 +112,8 @@ MatrixXd StackedColumns::gradient(const MotionSamples& motion, const VectorXd& r
     }
   }
   MatrixXd slopes = MatrixXd::Zero(motion.rows(), 3 * motion.joints());
-  for (size_t s = 0; s < sources_.size(); ++s) sources_[s]->add_gradient(motion, weights[s], slopes);
+  for (size_t s = 0; s < sources_.size(); ++s)
+    sources_[s]->add_gradient(motion, weights[s], slopes);
   return slopes;
 }
 

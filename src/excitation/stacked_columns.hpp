@@ -36,7 +36,7 @@ class StackedColumns {
   // Where a chosen column of a joint's rows is found.
   struct Place {
     size_t source;
-    int local;  ///< among the source's columns of that joint
+    int local;   ///< among the source's columns of that joint
     int column;  ///< among the chosen ones
   };
 

@@ -49,6 +49,7 @@ std::string to_json(const Excitation& e) {
   out["plain_condition_number"] = e.plain_condition_number;
   out["range_condition_number"] = e.range_condition_number;
   out["orthogonal_condition_number"] = e.orthogonal_condition_number;
+  out["condition_number_with_given"] = e.condition_number_with_given;
   out["start_condition_number"] = e.start_condition_number;
   out["log_determinant"] = e.log_determinant;
   out["base_parameters"] = e.base_parameters;

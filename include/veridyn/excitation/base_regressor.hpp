@@ -41,8 +41,8 @@ class BaseRegressor {
   /// motion.
   const VectorXd& scale() const { return scale_; }
 
-  /// T (size x size, upper triangle): the columns of W T are orthonormal, per state, over the random
-  /// states.
+  /// T (size x size, upper triangle): the columns of W T are orthonormal, per state, over the
+  /// random states.
   const MatrixXd& orthogonal_basis() const { return orthogonal_; }
 
   /// W, (rows n x size), the rows of joint 1 first.

@@ -64,9 +64,9 @@ struct ExcitationOptions {
   double rate = 200.0;      ///< [Hz] of the samples
   ExcitationCriterion criterion = ExcitationCriterion::kCondition;
   std::optional<std::pair<Rival, Rival>> between{};  ///< for kDiscriminate
-  ColumnScaling scaling = ColumnScaling::kNorm;    ///< for kCondition
+  ColumnScaling scaling = ColumnScaling::kNorm;      ///< for kCondition
   ExcitationSolver solver = ExcitationSolver::kIpopt;
-  int starts = 4;  ///< independent searches, of which the best wins
+  int starts = 2;  ///< independent searches, of which the best wins
   /// Iterations of Ipopt, evaluations of NLopt, motions of kRandom in each search; the result
   /// depends on this and not on the clock.
   int iterations = 400;
@@ -127,6 +127,8 @@ struct Excitation {
   double plain_condition_number = 0.0;  ///< columns as they are
   double range_condition_number = 0.0;  ///< columns divided by their largest minus smallest entry
   double orthogonal_condition_number = 0.0;  ///< see ColumnScaling::kOrthogonal
+  /// As condition_number, of this motion and the given recordings together; equal without any.
+  double condition_number_with_given = 0.0;
   /// Of its Gram matrix per instant, columns scaled by their size at random states.
   double log_determinant = 0.0;
   double start_condition_number = 0.0;  ///< of the first random motion, for comparison

@@ -17,8 +17,8 @@ struct FrameBox {
 /// A sphere that moves with a frame, or stands in the world where `frame` is "world".
 struct Sphere {
   std::string frame;
-  double radius = 0.0;                ///< [m]
-  Eigen::Vector3d centre{0, 0, 0};    ///< in the frame [m]
+  double radius = 0.0;              ///< [m]
+  Eigen::Vector3d centre{0, 0, 0};  ///< in the frame [m]
 };
 
 /// Two spheres do not touch: the distance of their centres is at least the sum of the radii plus
