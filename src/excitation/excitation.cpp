@@ -111,9 +111,9 @@ Excitation optimise_excitation(const Model& arm, const ExcitationOptions& option
   const LimitSignals signals(arm, limits, options.workspace, with_values(arm, options));
   const Question question =
       make_question(arm, exact, rounded, options, periods / options.frequency);
-  const bool two_stages = options.criterion == ExcitationCriterion::kCondition;
+  const bool stages = options.criterion == ExcitationCriterion::kCondition;
   SearchProgress progress(options.progress, options.starts,
-                          (two_stages ? 2 : 1) * options.iterations);
+                          (stages ? kStages : 1) * options.iterations);
   const MotionSearch search(space, signals, question, options, progress);
 
   const auto verdict = [&](const FourierTrajectory& t) {

@@ -15,6 +15,7 @@ namespace {
 constexpr int kDraws = 20;            // random motions of which the best begins a search
 constexpr int kInstantsPerWave = 24;  // of the shortest wave, for the criterion
 constexpr int kLimitsPerWave = 14;    // and for the limits; what is between is fitted afterwards
+static_assert(kStages == 2, "one for each sharpness");
 constexpr double kSharpness[] = {2.0, 16.0};  // of the smooth condition number, one after the other
 constexpr int kNarrowings = 5;                // rounds until limits hold between instants too
 constexpr double kHeld = 1e-9;                // of a limit's scale: rounding

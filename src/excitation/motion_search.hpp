@@ -10,6 +10,9 @@
 
 namespace veridyn {
 
+/// Descents of one search for the condition number, each with a sharper stand-in.
+constexpr int kStages = 2;
+
 /// What one start found.
 struct Found {
   VectorXd x;  ///< empty: nothing within the limits
