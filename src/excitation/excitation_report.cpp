@@ -41,6 +41,12 @@ bool has_solver([[maybe_unused]] ExcitationSolver solver) {
   return true;
 }
 
+ExcitationSolver best_solver() {
+  if (has_solver(ExcitationSolver::kIpopt)) return ExcitationSolver::kIpopt;
+  return has_solver(ExcitationSolver::kNlopt) ? ExcitationSolver::kNlopt
+                                              : ExcitationSolver::kRandom;
+}
+
 namespace {
 
 std::string margin_line(const LimitMargin& m) {

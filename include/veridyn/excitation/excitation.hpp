@@ -37,6 +37,9 @@ enum class ExcitationSolver {
 const char* name_of(ExcitationSolver solver);
 bool has_solver(ExcitationSolver solver);
 
+/// The first of them that the build has.
+ExcitationSolver best_solver();
+
 /// How columns of the base regressor are scaled before the condition number.
 enum class ColumnScaling {
   kNorm,  ///< to norm one (thesis 5.26)
@@ -65,7 +68,7 @@ struct ExcitationOptions {
   ExcitationCriterion criterion = ExcitationCriterion::kCondition;
   std::optional<std::pair<Rival, Rival>> between{};  ///< for kDiscriminate
   ColumnScaling scaling = ColumnScaling::kNorm;      ///< for kCondition
-  ExcitationSolver solver = ExcitationSolver::kIpopt;
+  ExcitationSolver solver = best_solver();
   int starts = 2;  ///< independent searches, of which the best wins
   /// Iterations of Ipopt, evaluations of NLopt, motions of kRandom in each search; the result
   /// depends on this and not on the clock.
