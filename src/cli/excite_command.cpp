@@ -1,9 +1,14 @@
+#include <algorithm>
+#include <cmath>
+#include <csignal>
 #include <iostream>
+#include <limits>
 #include <memory>
 
 #include "choice.hpp"
 #include "commands.hpp"
 #include "common_options.hpp"
+#include "excite_options.hpp"
 #include "messages.hpp"
 #include "veridyn/excitation/excitation.hpp"
 #include "veridyn/identification/recording.hpp"
@@ -11,6 +16,8 @@
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/model_file.hpp"
 #include "veridyn/report/motion_json.hpp"
+#include "veridyn/simulation/plausible_model.hpp"
+#include "veridyn/simulation/simulate_recording.hpp"
 
 namespace veridyn::cli {
 namespace {
@@ -18,24 +25,122 @@ namespace {
 struct Request {
   std::string robot;
   std::string output;
+  std::string coefficients;
+  std::string model;
+  std::vector<std::string> given;
+  std::vector<std::string> boxes, spheres, obstacles, insertions;
+  std::string between;
+  double clearance = 0.0;
   ExcitationOptions options;
   CommonOptions common;
 };
 
+// Ctrl-C asks the search to end with the best motion so far; a second one ends the program.
+volatile std::sig_atomic_t interrupted = 0;
+
+class Interruptible {
+ public:
+  Interruptible() {
+    interrupted = 0;
+    struct sigaction action {};
+    action.sa_handler = [](int) { interrupted = 1; };
+    action.sa_flags = static_cast<int>(SA_RESETHAND);
+    ::sigaction(SIGINT, &action, &before_);
+  }
+  ~Interruptible() { ::sigaction(SIGINT, &before_, nullptr); }
+  Interruptible(const Interruptible&) = delete;
+  Interruptible& operator=(const Interruptible&) = delete;
+
+ private:
+  struct sigaction before_ {};
+};
+
+MotionSamples recorded_motion(const Model& arm, const std::string& path) {
+  const Recording rows = read_recording(path);
+  require(rows.joints() == arm.joints(), path, ": found ", rows.joints(), " joints, but '",
+          arm.name(), "' has ", arm.joints(), ".");
+  try {
+    return with_derivatives({rows.time, rows.q, rows.dq, rows.ddq});
+  } catch (const InvalidInput& error) {
+    throw InvalidInput(text(path, ": ", error.what()));
+  }
+}
+
+// Plausible values say how an arm behaves, and nothing about how strong it must be.
+Model without_efforts(const Model& arm) {
+  ModelDescription description = arm.description();
+  for (Coordinate& c : description.coordinates)
+    c.limits.effort = std::numeric_limits<double>::infinity();
+  return Model(std::move(description));
+}
+
+ExcitationOptions options_of(const Request& request, const Model& arm) {
+  ExcitationOptions o = request.options;
+  o.threads = request.common.threads;
+  o.progress = progress(request.common);
+  o.stop = [] { return interrupted != 0; };
+  for (const std::string& words : request.boxes) o.workspace.boxes.push_back(frame_box(words));
+  for (const std::string& words : request.insertions)
+    o.workspace.insertions.push_back(insertion_range(words));
+  std::vector<Sphere> spheres;
+  std::vector<Sphere> obstacles;
+  for (const std::string& words : request.spheres) spheres.push_back(sphere(words));
+  for (const std::string& words : request.obstacles) obstacles.push_back(obstacle(words));
+  o.workspace.pairs = sphere_pairs(spheres, obstacles, request.clearance);
+  for (const std::string& path : request.given) o.given.push_back(recorded_motion(arm, path));
+  if (!request.between.empty()) o.between = rivals(request.between);
+  if (o.between) o.criterion = ExcitationCriterion::kDiscriminate;
+  if (!request.model.empty()) o.powered = read_model(request.model);
+  if (o.criterion == ExcitationCriterion::kDiscriminate && !o.powered && !arm.inertial_values()) {
+    if (!request.common.quiet) {
+      say(text(request.robot,
+               " has no values: the rivals are built from plausible ones (--model "
+               "gives others)."));
+    }
+    o.powered = without_efforts(plausible_model(arm, 1).arm);
+  }
+  return o;
+}
+
+// The limit that is crossed most, as a share of its size.
+const LimitMargin& most_crossed(const Excitation& found) {
+  const auto share = [](const LimitMargin& m) {
+    const double size = std::isfinite(m.upper - m.lower) ? m.upper - m.lower : std::abs(m.lower);
+    return m.margin / std::max(size, 1e-9);
+  };
+  return *std::min_element(
+      found.margins.begin(), found.margins.end(),
+      [&](const LimitMargin& a, const LimitMargin& b) { return share(a) < share(b); });
+}
+
+// What stands in the way of a motion, or nothing.
+std::string why_not(const Excitation& found) {
+  if (found.status == ExcitationStatus::kRankDeficient) {
+    return text("no motion of ", found.trajectory.harmonics(),
+                " harmonics was found that excites all ", found.base_parameters,
+                " base parameters; more --harmonics or --starts may help.");
+  }
+  if (found.status != ExcitationStatus::kLimitsNotMet) return "";
+  const LimitMargin& m = most_crossed(found);
+  return text("the limits cannot be met: ", m.name, " must stay within ", m.lower, " .. ", m.upper,
+              " ", m.unit, ", the nearest motion found crosses that by ", -m.margin, " ", m.unit,
+              "; nothing is written.");
+}
+
 ExitStatus run(const Request& request) {
-  if (request.output == request.common.json) {
-    throw CLI::ValidationError("--output", "found the same file as for --json");
+  for (const std::string* path : {&request.common.json, &request.coefficients}) {
+    if (!path->empty() && *path == request.output)
+      throw CLI::ValidationError("--output", "found the same file for two results");
+    require_writable(*path);
   }
   require_writable(request.output);
-  require_writable(request.common.json);
-  ExcitationOptions options = request.options;
-  options.threads = request.common.threads;
-  options.progress = progress(request.common);
-  const Excitation found = optimise_excitation(read_model(request.robot), options);
-  if (found.status == ExcitationStatus::kRankDeficient) {
-    say(text("no motion of ", found.trajectory.harmonics(),
-             " harmonics was found that excites all ", found.base_parameters,
-             " base parameters; more --harmonics or --starts may help."));
+  const Model arm = read_model(request.robot);
+  const ExcitationOptions options = options_of(request, arm);
+  const Interruptible until_interrupted;
+  const Excitation found = optimise_excitation(arm, options);
+  const std::string problem = why_not(found);
+  if (!problem.empty()) {
+    say(problem);
     return kDataCannotAnswer;
   }
   const MotionSamples motion = found.trajectory.motion(found.periods, options.rate);
@@ -45,6 +150,7 @@ ExitStatus run(const Request& request) {
   rows.dq = motion.dq;
   rows.ddq = motion.ddq;
   write_recording(rows, request.output);
+  if (!request.coefficients.empty()) write_file(request.coefficients, coefficients_yaml(found));
   if (!request.common.json.empty()) write_file(request.common.json, to_json(found));
   std::cout << found.report();
   return kDone;
@@ -77,20 +183,57 @@ void add_motion_options(CLI::App& command, ExcitationOptions& o) {
 void add_search_options(CLI::App& command, ExcitationOptions& o) {
   const char* const group = "Search";
   add_choice(command, "--criterion", o.criterion,
-             {ExcitationCriterion::kCondition, ExcitationCriterion::kDOptimal},
-             "Smallest condition number, or smallest confidence ellipsoid")
+             {ExcitationCriterion::kCondition, ExcitationCriterion::kDOptimal,
+              ExcitationCriterion::kDiscriminate},
+             "Smallest condition number or confidence ellipsoid, or two causes told apart")
       ->group(group);
-  command.add_option("--starts", o.starts, "Independent searches (4)")
+  add_choice(command, "--columns-scaled", o.scaling,
+             {ColumnScaling::kNorm, ColumnScaling::kNone, ColumnScaling::kOrthogonal},
+             "Columns of the regressor before its condition number")
+      ->group(group);
+  add_choice(command, "--solver", o.solver,
+             {ExcitationSolver::kIpopt, ExcitationSolver::kNlopt, ExcitationSolver::kDerivativeFree,
+              ExcitationSolver::kRandom},
+             "Who searches")
+      ->group(group);
+  command.add_option("--starts", o.starts, "Independent searches (2)")
       ->option_text("N")
       ->check(CLI::Range(1, 100000))
       ->group(group);
-  command.add_option("--evaluations", o.evaluations, "Motions looked at in each search (1500)")
+  command.add_option("--iterations,--evaluations", o.iterations, "Of each search, at most (400)")
       ->option_text("N")
       ->check(CLI::Range(1, 100000000))
       ->group(group);
   command.add_option("--seed", o.seed, "The same seed gives the same motion (1)")
       ->option_text("N")
       ->group(group);
+}
+
+void add_limit_options(CLI::App& command, Request& r) {
+  const char* const group = "Limits beside those of the robot file";
+  const auto several = [&](const char* option, std::vector<std::string>& target, const char* form,
+                           const char* help) {
+    command.add_option(option, target, help)
+        ->option_text(form)
+        ->expected(1)
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
+        ->group(group);
+  };
+  command
+      .add_option("--model", r.model,
+                  "The arm with values: its efforts limit the torques, rivals follow from it")
+      ->option_text("FILE")
+      ->group(group);
+  several("--box", r.boxes, "FRAME:X,X,Y,Y,Z,Z", "A frame's origin stays in a box of the world");
+  several("--sphere", r.spheres, "FRAME:R[,X,Y,Z]",
+          "A sphere on a frame; it keeps away from the others and from obstacles");
+  several("--obstacle", r.obstacles, "X,Y,Z,R", "A sphere that stands in the world");
+  command.add_option("--clearance", r.clearance, "Between spheres [m]")
+      ->option_text("M")
+      ->check(CLI::NonNegativeNumber)
+      ->group(group);
+  several("--insertion", r.insertions, "FRAME:LOW,HIGH[,X,Y,Z]",
+          "How far a frame reaches through a remote centre (the world's origin), along its z axis");
 }
 
 }  // namespace
@@ -103,8 +246,20 @@ void add_excite_command(CLI::App& tool, Outcome& outcome) {
   command.add_option("-o,--output", request->output, "Write the motion as CSV: t, q, dq, ddq")
       ->required()
       ->option_text("FILE");
+  command
+      .add_option("--coefficients", request->coefficients, "Write the series' coefficients as YAML")
+      ->option_text("FILE");
   add_motion_options(command, request->options);
   add_search_options(command, request->options);
+  command
+      .add_option("--between", request->between,
+                  "The two causes of --criterion discriminate, as payload:tool,torque_gain:2")
+      ->option_text("EFFECT:PLACE,EFFECT:PLACE")
+      ->group("Search");
+  command.add_option("--given", request->given, "Recordings whose information counts")
+      ->option_text("FILE...")
+      ->group("Search");
+  add_limit_options(command, *request);
   add_common_options(command, request->common);
   command.callback([request, &outcome] { outcome.status = run(*request); });
 }

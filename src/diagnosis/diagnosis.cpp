@@ -42,6 +42,7 @@ class Investigation {
     check_quality();
     d_.baseline = look(arm_);
     if (!d_.baseline.model) return std::move(d_);
+    remember_periods();
     leave_out_snags();
     start_ = d_.baseline;
     investigate();
@@ -73,6 +74,16 @@ class Investigation {
   Identification look(const Model& arm) const {
     return d_.changes ? evaluate(arm, train_, test_, options_.identification)
                       : identify(arm, train_, test_, options_.identification);
+  }
+
+  // The recordings are read many times; their periods stay what they are.
+  void remember_periods() {
+    std::map<std::string, double>& known = options_.identification.preprocessing.known_periods;
+    for (const auto* list : {&d_.baseline.train, &d_.baseline.test}) {
+      for (const RecordingError& r : *list) known.emplace(r.source, r.period);
+    }
+    if (options_.identification.test_preprocessing)
+      options_.identification.test_preprocessing->known_periods = known;
   }
 
   void leave_out(const std::vector<LeftOut>& parts) {

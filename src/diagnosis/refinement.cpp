@@ -258,44 +258,65 @@ class Refiner {
   std::vector<ShapeInterval> intervals_;
 };
 
+constexpr double kTwins = 5.0;  // ratio of constants; memories farther apart are two
+
+// Two terms of one family whose constants lie near each other.
+std::optional<size_t> second_twin(const Inquiry& asked, const Selection& selection) {
+  const auto hypothesis = [&](size_t k) -> const Hypothesis& {
+    return asked.augmented
+        .hypotheses[static_cast<size_t>(selection.accepted[k].evidence.hypothesis)];
+  };
+  for (size_t second = 1; second < selection.accepted.size(); ++second) {
+    for (size_t first = 0; first < second; ++first) {
+      const Hypothesis& a = hypothesis(first);
+      const Hypothesis& b = hypothesis(second);
+      if (a.family != b.family || a.term < 0) continue;
+      const auto& effects = asked.augmented.model.effects();
+      bool near = true;
+      for (const auto& [key, value] : effects[static_cast<size_t>(a.term)].values) {
+        const auto other = effects[static_cast<size_t>(b.term)].values.find(key);
+        if (other == effects[static_cast<size_t>(b.term)].values.end() || value <= 0.0) continue;
+        near = near && std::abs(std::log(other->second / value)) < std::log(kTwins);
+      }
+      if (near) return second;
+    }
+  }
+  return std::nullopt;
+}
+
+ColumnSet all_columns(const Inquiry& q, const NormalBlocks& data) {
+  ColumnSet set = q.base;
+  for (const Hypothesis& h : q.augmented.hypotheses) {
+    const ColumnSet own = columns_of(data, h);
+    set.insert(set.end(), own.begin(), own.end());
+  }
+  return set;
+}
+
 // Two memories of one joint between two values of the grid may be one memory in between: one of
 // them goes if the other, refined alone, predicts held-out data as well.
 void merge_twins(const Identification& start, const Inquiry& asked, Selection& selection,
                  bool changes, const std::vector<std::string>& train,
                  const DiagnosisOptions& options) {
-  const auto family = [&](size_t k) {
-    const int h = selection.accepted[k].evidence.hypothesis;
-    return asked.augmented.hypotheses[static_cast<size_t>(h)].family;
-  };
   const IdentificationOptions& how = options.identification;
-  for (size_t second = 1; second < selection.accepted.size(); ++second) {
-    size_t first = 0;
-    while (first < second && family(first) != family(second)) ++first;
-    if (first == second) continue;
+  const auto refined = [&](const Selection& s) {
+    Refiner refiner(start, asked, s, changes, train, how, {});
+    if (refiner.anything()) refiner.descend();
+    return prepare(start, refiner.model(), changes, train, {}, how);
+  };
+  std::optional<Inquiry> two;
+  while (const std::optional<size_t> second = second_twin(asked, selection)) {
+    if (!two) two.emplace(refined(selection));
     Selection merged = selection;
-    merged.accepted.erase(merged.accepted.begin() + static_cast<long>(second));
-    const auto refined = [&](const Selection& s) {
-      Refiner refiner(start, asked, s, changes, train, how, {});
-      if (refiner.anything()) refiner.descend();
-      return prepare(start, refiner.model(), changes, train, {}, how);
-    };
-    const Inquiry two = refined(selection);
-    const Inquiry one = refined(merged);
-    const auto all_columns = [](const Inquiry& q, const NormalBlocks& data) {
-      ColumnSet set = q.base;
-      for (const Hypothesis& h : q.augmented.hypotheses) {
-        const ColumnSet own = columns_of(data, h);
-        set.insert(set.end(), own.begin(), own.end());
-      }
-      return set;
-    };
-    const NormalBlocks two_data(two.train, two.columns);
+    merged.accepted.erase(merged.accepted.begin() + static_cast<long>(*second));
+    Inquiry one = refined(merged);
+    const NormalBlocks two_data(two->train, two->columns);
     const NormalBlocks one_data(one.train, one.columns);
-    if (fold_gain(one_data, all_columns(one, one_data), two_data, all_columns(two, two_data)) >
+    if (fold_gain(one_data, all_columns(one, one_data), two_data, all_columns(*two, two_data)) >
         options.smallest_gain)
-      continue;
-    selection = merged;
-    --second;
+      return;
+    selection = std::move(merged);
+    two.emplace(std::move(one));
   }
 }
 

@@ -3,7 +3,7 @@
 #include <new>
 #include <vector>
 
-#include "regressor_batch_kernels.hpp"
+#include "motion_gradient_kernels.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn {
@@ -87,14 +87,49 @@ void RegressorBatch::evaluate(const MatrixRef& q, const MatrixRef& dq, const Mat
 void RegressorBatch::torques(const MatrixRef& q, const MatrixRef& dq, const MatrixRef& ddq,
                              const VectorRef& phi, MatrixXd& tau) const {
   const BatchInput in = input("RegressorBatch", joints(), q, dq, ddq);
-  const auto expected = static_cast<Eigen::Index>(kBodyParameters * tree_.body_links.size());
-  require(phi.size() == expected, "RegressorBatch: phi has ", phi.size(),
-          " entries, but the arm has ", tree_.body_links.size(), " bodies with ", kBodyParameters,
-          " each.");
+  require_inertias(phi);
   tau.resize(in.rows, joints());
   const Links tree = tree_;
   const AlignedMemory workspace(kernels().workspace(tree));
   kernels().torques(tree, in, phi.data(), tau.data(), workspace.get());
+}
+
+void RegressorBatch::gradient(const MatrixRef& q, const MatrixRef& dq, const MatrixRef& ddq,
+                              const std::vector<MatrixXd>& weights, MatrixXd& slopes) const {
+  const BatchInput in = input("RegressorBatch", joints(), q, dq, ddq);
+  require(weights.size() == columns_.size(), "RegressorBatch: found weights for ", weights.size(),
+          " joints, expected ", columns_.size(), ".");
+  std::vector<const double*> data;
+  for (int i = 0; i < joints(); ++i) {
+    const MatrixXd& w = weights[static_cast<size_t>(i)];
+    const auto expected = static_cast<Eigen::Index>(columns(i).size());
+    require(w.rows() == in.rows && w.cols() == expected, "RegressorBatch: the weights of joint ",
+            i + 1, " are ", w.rows(), " x ", w.cols(), ", expected ", in.rows, " x ", expected,
+            ".");
+    data.push_back(w.data());
+  }
+  slopes.resize(in.rows, Eigen::Index{3} * joints());
+  const Links tree = tree_;
+  const AlignedMemory workspace(kernels().gradient_workspace(tree));
+  kernels().gradient(tree, in, {data.data(), column_of_mover_.data()}, slopes.data(),
+                     workspace.get());
+}
+
+void RegressorBatch::torque_slopes(const MatrixRef& q, const MatrixRef& dq, const MatrixRef& ddq,
+                                   const VectorRef& phi, MatrixXd& slopes) const {
+  const BatchInput in = input("RegressorBatch", joints(), q, dq, ddq);
+  require_inertias(phi);
+  slopes.resize(in.rows, Eigen::Index{3} * joints() * joints());
+  const Links tree = tree_;
+  const AlignedMemory workspace(kernels().gradient_workspace(tree));
+  kernels().torque_slopes(tree, in, phi.data(), slopes.data(), workspace.get());
+}
+
+void RegressorBatch::require_inertias(const VectorRef& phi) const {
+  const auto expected = static_cast<Eigen::Index>(kBodyParameters * tree_.body_links.size());
+  require(phi.size() == expected, "RegressorBatch: phi has ", phi.size(),
+          " entries, but the arm has ", tree_.body_links.size(), " bodies with ", kBodyParameters,
+          " each.");
 }
 
 }  // namespace veridyn

@@ -1,4 +1,4 @@
-#include "regressor_batch_kernels.hpp"
+#include "motion_gradient_kernels.hpp"
 
 namespace veridyn {
 
@@ -6,7 +6,7 @@ namespace veridyn {
 BatchKernels batch_kernels_avx2() {
 #if defined(__AVX2__) && defined(__FMA__)
   struct Avx2;
-  return BatchLoops<Pack<4, Avx2>>::kernels();
+  return GradientLoops<Pack<4, Avx2>>::kernels();
 #else
   return {};
 #endif

@@ -1,4 +1,4 @@
-#include "regressor_batch_kernels.hpp"
+#include "motion_gradient_kernels.hpp"
 
 namespace veridyn {
 
@@ -6,7 +6,7 @@ namespace veridyn {
 BatchKernels batch_kernels_avx512() {
 #if defined(__AVX512F__) && defined(__AVX512DQ__) && defined(__AVX512VL__) && defined(__FMA__)
   struct Avx512;
-  return BatchLoops<Pack<8, Avx512>>::kernels();
+  return GradientLoops<Pack<8, Avx512>>::kernels();
 #else
   return {};
 #endif

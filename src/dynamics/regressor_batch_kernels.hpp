@@ -29,6 +29,8 @@ struct RegressorOutput {
                                ///< link has no body
 };
 
+struct RegressorWeights;
+
 /// Null where the compiler was not allowed to use the instruction set.
 struct BatchKernels {
   /// Bytes of workspace, aligned to 64.
@@ -38,6 +40,12 @@ struct BatchKernels {
   /// phi: ten per body; tau: (rows x n), column-major without gaps.
   void (*torques)(const Links& tree, const BatchInput& in, const double* phi, double* tau,
                   void* workspace) = nullptr;
+  // Derivatives, see motion_gradient_kernels.hpp.
+  unsigned long (*gradient_workspace)(const Links& tree) = nullptr;
+  void (*gradient)(const Links& tree, const BatchInput& in, const RegressorWeights& weights,
+                   double* out, void* workspace) = nullptr;
+  void (*torque_slopes)(const Links& tree, const BatchInput& in, const double* phi, double* slopes,
+                        void* workspace) = nullptr;
 };
 
 BatchKernels batch_kernels_baseline();
@@ -149,7 +157,13 @@ struct BatchLoops {
     if (row < in.rows) torques_of<Rows::kSome>(tree, in, row, in.rows - row, phi, tau, at);
   }
 
-  static BatchKernels kernels() { return {&workspace, &regressor, &torques}; }
+  static BatchKernels kernels() {
+    BatchKernels out;
+    out.workspace = &workspace;
+    out.regressor = &regressor;
+    out.torques = &torques;
+    return out;
+  }
 };
 
 }  // namespace veridyn

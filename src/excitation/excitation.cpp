@@ -1,25 +1,19 @@
 #include "veridyn/excitation/excitation.hpp"
 
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <limits>
+#include <tuple>
 
-#include "candidates.hpp"
-#include "math/random_numbers.hpp"
-#include "veridyn/excitation/base_regressor.hpp"
-#include "veridyn/kinematics/motion_limits.hpp"
+#include "motion_search.hpp"
 #include "veridyn/math/parallel.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn {
 namespace {
-
-constexpr int kInstants = 150;    // of one period, at which the criterion looks
-constexpr int kRandomDraws = 20;  // before each local search
-constexpr double kStepUp =
-    1.5;  // after a success; 1.5 * 0.9^4 is about one: one success in five keeps the step
-constexpr double kStepDown = 0.9;
-constexpr double kFewChanges = 8.0;  // variables that one step changes, on average
 
 void check(const ExcitationOptions& o) {
   require(o.frequency > 0.0 && std::isfinite(o.frequency), "excitation: found a frequency of ",
@@ -33,114 +27,153 @@ void check(const ExcitationOptions& o) {
           2.0 * o.frequency * o.harmonics, " Hz, and at most 1e5 Hz.");
   require(o.duration * o.rate <= 1e8, "excitation: ", o.duration, " s at ", o.rate,
           " Hz are too many rows.");
-  require(o.starts >= 1 && o.evaluations >= 1, "excitation: found ", o.starts, " starts of ",
-          o.evaluations, " evaluations, expected at least one of each.");
+  require(o.starts >= 1 && o.iterations >= 1, "excitation: found ", o.starts, " starts of ",
+          o.iterations, " iterations, expected at least one of each.");
   require(o.limit_share > 0.0 && o.limit_share <= 1.0, "excitation: found a limit share of ",
           o.limit_share, ", expected above 0 and at most 1.");
+  require(has_solver(o.solver), "excitation: this build has no ", name_of(o.solver),
+          "; random is always there.");
 }
 
-class Objective {
- public:
-  Objective(const Model& arm, const ExcitationOptions& options)
-      : regressor_(arm),
-        basis_(period_instants(options.frequency, kInstants), options.frequency, options.harmonics),
-        criterion_(options.criterion) {}
+// What may be used of the joints' limits: a share of speed and acceleration, the middle of the
+// range.
+MotionLimits share_of(MotionLimits limits, double share) {
+  const VectorXd edge = 0.5 * (1.0 - share) * (limits.upper - limits.lower);
+  limits.lower += edge;
+  limits.upper -= edge;
+  limits.velocity *= share;
+  limits.acceleration *= share;
+  return limits;
+}
 
-  int base_parameters() const { return regressor_.size(); }
-  MatrixXd gram(const FourierTrajectory& t) const {
-    return regressor_.gram(t.samples(basis_)) / kInstants;
-  }
-  double condition_number(const FourierTrajectory& t) const {
-    return scaled_condition_number(gram(t));
-  }
-  double log_determinant_of(const FourierTrajectory& t) const {
-    return log_determinant(gram(t), regressor_.scale());
-  }
+// The arm whose values are known, if one is.
+std::optional<Model> with_values(const Model& arm, const ExcitationOptions& options) {
+  if (options.powered) return options.powered;
+  if (arm.inertial_values()) return arm;
+  return std::nullopt;
+}
 
-  // Smaller is better.
-  double cost(const FourierTrajectory& t) const {
-    return criterion_ == ExcitationCriterion::kCondition ? std::log(condition_number(t))
-                                                         : -log_determinant_of(t);
-  }
+double range_condition_number(const MatrixXd& W) {
+  const VectorXd range = (W.colwise().maxCoeff() - W.colwise().minCoeff()).transpose();
+  if (!(range.minCoeff() > 0.0)) return std::numeric_limits<double>::infinity();
+  const MatrixXd scaled = W * range.cwiseInverse().asDiagonal();
+  return plain_condition_number(scaled.transpose() * scaled);
+}
 
- private:
-  BaseRegressor regressor_;
-  FourierBasis basis_;
-  ExcitationCriterion criterion_;
-};
-
-struct Found {
-  VectorXd x;
-  double cost = std::numeric_limits<double>::infinity();
-  double start_condition_number = 0.0;
-};
-
-Found search(const Candidates& candidates, const Objective& objective,
-             const ExcitationOptions& options, int start) {
-  RandomNumbers random(options.seed, static_cast<unsigned>(start));
-  Found best;
-  const int draws = std::min(kRandomDraws, options.evaluations);
-  for (int k = 0; k < draws; ++k) {
-    const VectorXd x = candidates.random(random);
-    const FourierTrajectory trajectory = candidates.trajectory(x);
-    const double cost = objective.cost(trajectory);
-    if (k == 0) best.start_condition_number = objective.condition_number(trajectory);
-    if (k == 0 || cost < best.cost) {
-      best.x = x;
-      best.cost = cost;
+Discrimination discrimination(const Question& question, const MatrixXd& gram,
+                              const ExcitationOptions& options) {
+  const auto label = [](const Rival& r) {
+    return r.place.empty() ? r.effect : r.effect + ":" + r.place;
+  };
+  const RivalColumns& r = question.rivals;
+  const auto left = [&](int columns, int others_before, int size) {
+    // One rival at a time: the other one counts as nuisance.
+    std::vector<Eigen::Index> order;
+    for (Eigen::Index k = 0; k < gram.rows(); ++k) {
+      if (k < others_before || k >= others_before + columns) order.push_back(k);
     }
-  }
-  double step = 0.5;
-  const double chance = std::min(1.0, kFewChanges / candidates.size());
-  for (int k = draws; k < options.evaluations; ++k) {
-    VectorXd x = best.x;
-    for (double& value : x) {
-      if (random.uniform() < chance) value += step * random.normal();
-    }
-    const double cost = objective.cost(candidates.trajectory(x));
-    const bool better = cost < best.cost;
-    step = std::clamp(step * (better ? kStepUp : kStepDown), 1e-3, 2.0);
-    if (!better) continue;
-    best.x = std::move(x);
-    best.cost = cost;
-  }
-  return best;
+    const auto nuisance = static_cast<Eigen::Index>(order.size());
+    for (Eigen::Index k = 0; k < columns; ++k) order.push_back(others_before + k);
+    const MatrixXd G = gram(order, order);
+    const MatrixXd corner = G.topLeftCorner(nuisance, nuisance);
+    const MatrixXd side = G.topRightCorner(nuisance, columns);
+    const MatrixXd own = G.bottomRightCorner(columns, columns);
+    const MatrixXd rest = own - side.transpose() * corner.ldlt().solve(side);
+    const auto root = [&](const MatrixXd& M) {
+      return std::pow(std::max(0.0, M.determinant()), 0.5 / size);
+    };
+    return std::make_pair(root(rest), root(rest) / root(own));
+  };
+  Discrimination out;
+  out.first = label(options.between->first);
+  out.second = label(options.between->second);
+  std::tie(out.first_left, out.first_share) = left(r.first, r.nuisance, r.first);
+  std::tie(out.second_left, out.second_share) = left(r.second, r.nuisance + r.first, r.second);
+  out.bodies_known = question.bodies_known;
+  return out;
 }
 
 }  // namespace
 
 Excitation optimise_excitation(const Model& arm, const ExcitationOptions& options) {
   check(options);
+  const auto begun = std::chrono::steady_clock::now();
   require(arm.joints() >= 1, "excitation: the arm '", arm.name(), "' has no coordinates.");
-  const Candidates candidates(arm, options);
-  const Objective objective(arm, options);
-  require(objective.base_parameters() >= 1, "excitation: the torques of '", arm.name(),
+  const BaseRegressor exact(arm);
+  const BaseRegressor rounded(arm, kRounding);
+  require(exact.size() >= 1, "excitation: the torques of '", arm.name(),
           "' depend on no parameters: it has neither bodies nor effects.");
+  const int periods =
+      std::max(2, static_cast<int>(std::lround(options.duration * options.frequency)));
+  const MotionLimits limits = motion_limits(arm);
+  const MotionSpace space(share_of(limits, options.limit_share), options.harmonics,
+                          options.frequency);
+  const LimitSignals signals(arm, limits, options.workspace, with_values(arm, options));
+  const Question question =
+      make_question(arm, exact, rounded, options, periods / options.frequency);
+  const bool stages = options.criterion == ExcitationCriterion::kCondition;
+  SearchProgress progress(options.progress, options.starts,
+                          (stages ? kStages : 1) * options.iterations);
+  const MotionSearch search(space, signals, question, options, progress);
+
+  const auto verdict = [&](const FourierTrajectory& t) {
+    const MotionSamples motion = t.motion(periods, options.rate);
+    return MatrixXd(question.exact->gram(motion, question.row_weights) /
+                        static_cast<double>(motion.rows()) +
+                    question.exact_given);
+  };
   std::vector<Found> found(static_cast<size_t>(options.starts));
   if (options.progress) options.progress("searching", 0.0);
   parallel_for(options.starts, options.threads, [&](int start) {
-    found[static_cast<size_t>(start)] = search(candidates, objective, options, start);
+    Found& own = found[static_cast<size_t>(start)];
+    own = search.run(start);
+    own.cost = std::numeric_limits<double>::infinity();
+    if (own.x.size() > 0) own.cost = question.verdict(verdict(space.trajectory(own.x)));
   });
   if (options.progress) options.progress("searching", 1.0);
-  const Found& best = *std::min_element(
-      found.begin(), found.end(), [](const Found& a, const Found& b) { return a.cost < b.cost; });
+  const Found& best =
+      *std::min_element(found.begin(), found.end(), [](const Found& a, const Found& b) {
+        return std::make_pair(a.x.size() == 0, a.cost) < std::make_pair(b.x.size() == 0, b.cost);
+      });
 
-  const MotionLimits limits = motion_limits(arm);
-  Excitation out{ExcitationStatus::kDone, arm.name(), options.criterion,
-                 candidates.trajectory(best.x)};
-  out.periods = std::max(2, static_cast<int>(std::lround(options.duration * options.frequency)));
-  out.base_parameters = objective.base_parameters();
-  out.condition_number = objective.condition_number(out.trajectory);
-  out.log_determinant = objective.log_determinant_of(out.trajectory);
-  out.start_condition_number = found.front().start_condition_number;
-  out.evaluations = static_cast<long>(options.starts) * options.evaluations;
-  if (!std::isfinite(out.condition_number)) out.status = ExcitationStatus::kRankDeficient;
+  const bool within = best.x.size() > 0;
+  Excitation out{within ? ExcitationStatus::kDone : ExcitationStatus::kLimitsNotMet, arm.name(),
+                 options.criterion, options.solver,
+                 space.trajectory(within ? best.x : best.nearest)};
+  out.periods = periods;
+  out.base_parameters = exact.size();
+  const MotionSamples motion = out.trajectory.motion(periods, options.rate);
+  const MatrixXd gram = exact.gram(motion) / static_cast<double>(motion.rows());
+  out.condition_number = scaled_condition_number(gram);
+  out.plain_condition_number = plain_condition_number(gram);
+  out.range_condition_number = range_condition_number(exact.stacked(motion));
+  MatrixXd with_given = gram;
+  for (const MotionSamples& motion_before : options.given) {
+    const auto rows = static_cast<double>(motion_before.rows());
+    const double lasts = motion_before.time[motion_before.rows() - 1] - motion_before.time[0];
+    with_given += lasts / (periods / options.frequency) / rows * exact.gram(motion_before);
+  }
+  out.condition_number_with_given = scaled_condition_number(with_given);
+  const MatrixXd& basis = exact.orthogonal_basis();
+  out.orthogonal_condition_number = scaled_condition_number(basis.transpose() * gram * basis);
+  out.log_determinant = log_determinant(gram, exact.scale());
+  const MotionSamples random = space.trajectory(found.front().start).motion(periods, options.rate);
+  out.start_condition_number = scaled_condition_number(exact.gram(random));
+  for (const Found& f : found) out.evaluations += f.evaluations;
+  if (options.between && options.criterion == ExcitationCriterion::kDiscriminate) {
+    out.discrimination = discrimination(question, verdict(out.trajectory), options);
+  }
+  if (within && !std::isfinite(best.cost)) out.status = ExcitationStatus::kRankDeficient;
+  out.interrupted = options.stop && options.stop();
+  out.converged = best.converged;
+  out.margins = limit_margins(signals, out.trajectory);
   out.bounds = out.trajectory.bounds();
   out.limits = {limits.lower, limits.upper, limits.velocity, limits.acceleration};
   for (const Coordinate& coordinate : arm.coordinates()) {
     out.joints.push_back(coordinate.name);
     out.units.push_back(position_unit(coordinate));
   }
+  out.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
   return out;
 }
 

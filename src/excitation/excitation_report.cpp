@@ -1,39 +1,104 @@
 #include <fmt/format.h>
 
+#include <cmath>
+
 #include "veridyn/excitation/excitation.hpp"
 
 namespace veridyn {
 
 const char* name_of(ExcitationCriterion criterion) {
+  if (criterion == ExcitationCriterion::kDiscriminate) return "discriminate";
   return criterion == ExcitationCriterion::kCondition ? "condition" : "d-optimal";
 }
 
+const char* name_of(ExcitationSolver solver) {
+  switch (solver) {
+    case ExcitationSolver::kIpopt:
+      return "ipopt";
+    case ExcitationSolver::kNlopt:
+      return "nlopt";
+    case ExcitationSolver::kDerivativeFree:
+      return "nlopt-derivative-free";
+    case ExcitationSolver::kRandom:
+      break;
+  }
+  return "random";
+}
+
+const char* name_of(ColumnScaling scaling) {
+  if (scaling == ColumnScaling::kOrthogonal) return "orthogonal";
+  return scaling == ColumnScaling::kNorm ? "norm" : "none";
+}
+
+bool has_solver([[maybe_unused]] ExcitationSolver solver) {
+#ifndef VERIDYN_WITH_IPOPT
+  if (solver == ExcitationSolver::kIpopt) return false;
+#endif
+#ifndef VERIDYN_WITH_NLOPT
+  if (solver == ExcitationSolver::kNlopt || solver == ExcitationSolver::kDerivativeFree)
+    return false;
+#endif
+  return true;
+}
+
+ExcitationSolver best_solver() {
+  if (has_solver(ExcitationSolver::kIpopt)) return ExcitationSolver::kIpopt;
+  return has_solver(ExcitationSolver::kNlopt) ? ExcitationSolver::kNlopt
+                                              : ExcitationSolver::kRandom;
+}
+
+namespace {
+
+std::string margin_line(const LimitMargin& m) {
+  const auto bound = [](double value) {
+    return std::isfinite(value) ? fmt::format("{:.4g}", value) : std::string("open");
+  };
+  return fmt::format("{:<28}{:>8} {:>21} {:>21} {:>10.3g}\n", m.name, m.unit,
+                     fmt::format("{:.4g} .. {:.4g}", m.lowest, m.highest),
+                     bound(m.lower) + " .. " + bound(m.upper), m.margin);
+}
+
+std::string quality_text(const Excitation& e) {
+  std::string out = fmt::format(
+      "Condition number {:.4g} for {} base parameters (a random motion: {:.4g}); columns as they "
+      "are {:.4g}, scaled by their range {:.4g}, orthogonal at random states {:.4g}; ln det "
+      "{:.4g}.\n",
+      e.condition_number, e.base_parameters, e.start_condition_number, e.plain_condition_number,
+      e.range_condition_number, e.orthogonal_condition_number, e.log_determinant);
+  if (e.condition_number_with_given != e.condition_number) {
+    out += fmt::format("Together with the given recordings the condition number is {:.4g}.\n",
+                       e.condition_number_with_given);
+  }
+  if (!e.discrimination) return out;
+  const Discrimination& d = *e.discrimination;
+  out += fmt::format(
+      "{} keeps {:.3g} % of its columns that nothing else explains, {} {:.3g} %{}.\n", d.first,
+      100.0 * d.first_share, d.second, 100.0 * d.second_share,
+      d.bodies_known ? ", with the bodies' parameters known (a change of an identified arm)" : "");
+  return out;
+}
+
+}  // namespace
+
 std::string Excitation::report() const {
-  const double seconds = periods * trajectory.period();
   std::string out = fmt::format(
       "Excitation of {}: {} periods of {:.4g} s, {} harmonics, {:.4g} s in all, from rest to "
       "rest.\n",
-      robot, periods, trajectory.period(), trajectory.harmonics(), seconds);
+      robot, periods, trajectory.period(), trajectory.harmonics(), periods * trajectory.period());
   if (status == ExcitationStatus::kRankDeficient) {
     out +=
         fmt::format("No motion was found that excites all {} base parameters.\n", base_parameters);
+  } else if (status == ExcitationStatus::kLimitsNotMet) {
+    out += "No motion was found within the limits; this one crosses them least.\n";
   } else {
-    out += fmt::format(
-        "Condition number {:.4g} for {} base parameters (a random motion: {:.4g}); ln det "
-        "{:.4g}.\n",
-        condition_number, base_parameters, start_condition_number, log_determinant);
+    out += quality_text(*this);
   }
-  out += fmt::format("{:<16}{:>5} {:>21} {:>21} {:>19} {:>21}\n", "joint", "unit", "position",
-                     "limits", "speed (limit)", "acceleration (limit)");
-  for (int i = 0; i < trajectory.joints(); ++i) {
-    const auto name = static_cast<size_t>(i);
-    out +=
-        fmt::format("{:<16}{:>5} {:>21} {:>21} {:>19} {:>21}\n", joints[name], units[name],
-                    fmt::format("{:.3f} .. {:.3f}", bounds.lower[i], bounds.upper[i]),
-                    fmt::format("{:.3f} .. {:.3f}", limits.lower[i], limits.upper[i]),
-                    fmt::format("{:.3f} ({:.3g})", bounds.velocity[i], limits.velocity[i]),
-                    fmt::format("{:.3f} ({:.3g})", bounds.acceleration[i], limits.acceleration[i]));
-  }
+  out += fmt::format("{}{}, {} evaluations, {:.1f} s.\n",
+                     interrupted ? "Interrupted; the best so far. " : "", name_of(solver),
+                     evaluations, seconds);
+  out += fmt::format("{:<28}{:>8} {:>21} {:>21} {:>10}\n", "limit", "unit", "motion", "limit",
+                     "margin");
+  for (const LimitMargin& m : margins) out += margin_line(m);
   return out;
 }
 

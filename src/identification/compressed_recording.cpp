@@ -273,8 +273,15 @@ ErrorSums run_prediction(const Model& arm, const std::string& source,
 
 CompressedRecording compress(const Model& arm, const std::string& path,
                              const PreprocessingOptions& options) {
+  MotionPeriod period;
+  const auto known = options.known_periods.find(path);
+  if (known != options.known_periods.end()) {
+    period.seconds = known->second;
+  } else {
+    period = detect_period(first_positions(path, options));
+  }
   return run_compress(
-      arm, path, options, detect_period(first_positions(path, options)),
+      arm, path, options, period,
       [&](const Visit& visit) { return for_each_stretch(arm, path, options, visit); });
 }
 

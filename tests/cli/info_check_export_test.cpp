@@ -30,8 +30,11 @@ TEST(Info, TextAndJsonAgreeOnEveryRobot) {
 // Published counts (README of the recordings) and those of the house's plan.
 TEST(Info, CountsTheBaseParametersThatArePublished) {
   const TemporaryFolder folder;
-  const std::pair<const char*, std::size_t> kCounts[] = {
-      {"psm-wrist", 49}, {"psm-3dof", 25}, {"psm-3dof-printed", 28}, {"ur10e", 58}};
+  const std::pair<const char*, std::size_t> kCounts[] = {{"psm-wrist", 49},
+                                                         {"psm-3dof", 25},
+                                                         {"psm-3dof-printed", 28},
+                                                         {"ur10e", 58},
+                                                         {"kuka-lwr4", 43}};
   for (const auto& [robot, count] : kCounts) {
     const ToolRun run = run_tool({"info", robot, "--json", folder.path("info.json")});
     ASSERT_EQ(run.status, 0) << run.err;

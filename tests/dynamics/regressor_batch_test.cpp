@@ -82,6 +82,67 @@ TEST_P(BatchOnEverySampleArm, TorquesAreThoseOfEachState) {
   }
 }
 
+// Central differences: their error is h^2 / 6 of the third derivative.
+constexpr double kStep = 6e-6;
+constexpr double kDifferenceError = 1e-7;
+
+TEST_P(BatchOnEverySampleArm, GradientIsThatOfTheWeightedRegressor) {
+  const RegressorBatch batch(arm());
+  const int n = joints();
+  for (const int rows : {3, 8, 11}) {
+    const Samples s = samples(rows, n);
+    Random random(72);
+    std::vector<MatrixXd> weights;
+    for (int i = 0; i < n; ++i) {
+      const auto columns = static_cast<int>(batch.columns(i).size());
+      const VectorXd w = random.vector(rows * columns, -1, 1);
+      weights.emplace_back(Eigen::Map<const MatrixXd>(w.data(), rows, columns));
+    }
+    const auto value = [&](const Samples& at) -> VectorXd {
+      std::vector<MatrixXd> Y;
+      batch.evaluate(at.q, at.dq, at.ddq, Y);
+      VectorXd f = VectorXd::Zero(rows);
+      for (size_t i = 0; i < Y.size(); ++i) f += Y[i].cwiseProduct(weights[i]).rowwise().sum();
+      return f;
+    };
+    MatrixXd slopes;
+    batch.gradient(s.q, s.dq, s.ddq, weights, slopes);
+    ASSERT_EQ(slopes.cols(), 3 * n);
+    for (int d = 0; d < 3 * n; ++d) {
+      Samples above = s;
+      Samples below = s;
+      MatrixXd Samples::*part = d < n ? &Samples::q : d < 2 * n ? &Samples::dq : &Samples::ddq;
+      (above.*part).col(d % n).array() += kStep;
+      (below.*part).col(d % n).array() -= kStep;
+      const VectorXd expected = (value(above) - value(below)) / (2 * kStep);
+      EXPECT_TRUE(near(slopes.col(d), expected, kDifferenceError * (1 + value(s).norm())))
+          << "direction " << d;
+    }
+  }
+}
+
+TEST_P(BatchOnEverySampleArm, TorqueSlopesAreThoseOfTheTorques) {
+  const RegressorBatch batch(arm());
+  const int n = joints();
+  const Samples s = samples(9, n);
+  MatrixXd slopes;
+  batch.torque_slopes(s.q, s.dq, s.ddq, phi(), slopes);
+  ASSERT_EQ(slopes.cols(), 3 * n * n);
+  MatrixXd high;
+  MatrixXd low;
+  for (int d = 0; d < 3 * n; ++d) {
+    Samples above = s;
+    Samples below = s;
+    MatrixXd Samples::*part = d < n ? &Samples::q : d < 2 * n ? &Samples::dq : &Samples::ddq;
+    (above.*part).col(d % n).array() += kStep;
+    (below.*part).col(d % n).array() -= kStep;
+    batch.torques(above.q, above.dq, above.ddq, phi(), high);
+    batch.torques(below.q, below.dq, below.ddq, phi(), low);
+    EXPECT_TRUE(near(slopes.middleCols(d * n, n), (high - low) / (2 * kStep),
+                     kDifferenceError * (10 + high.norm())));
+  }
+}
+
 // A block of rows within longer recordings, as a view.
 TEST(RegressorBatch, ReadsBlocksOfLargerMatrices) {
   const Model arm = elbow_6r();
@@ -119,6 +180,8 @@ TEST(RegressorBatch, WrongSizesAreNamed) {
   EXPECT_THROW(batch.evaluate(right, narrow, right, Y), InvalidInput);
   EXPECT_THROW(batch.evaluate(right, right, shorter, Y), InvalidInput);
   EXPECT_THROW(batch.torques(right, right, right, VectorXd::Zero(59), tau), InvalidInput);
+  EXPECT_THROW(batch.torque_slopes(right, right, right, VectorXd::Zero(59), tau), InvalidInput);
+  EXPECT_THROW(batch.gradient(right, right, right, {}, tau), InvalidInput);
 }
 
 }  // namespace

@@ -19,7 +19,7 @@ namespace {
 ExcitationOptions small_search() {
   ExcitationOptions options;
   options.starts = 2;
-  options.evaluations = 40;
+  options.iterations = 15;
   return options;
 }
 
@@ -67,15 +67,57 @@ TEST(Excitation, TheSameSeedGivesTheSameMotionOnAnyNumberOfThreads) {
   EXPECT_GT((optimise_excitation(arm, options).trajectory.a() - one.trajectory.a()).norm(), 1e-3);
 }
 
-TEST(Excitation, SearchingImprovesOnARandomMotion) {
+TEST(Excitation, EverySolverImprovesOnARandomMotion) {
+  const Model arm = read_model("planar-2r");
+  for (const auto solver : {ExcitationSolver::kIpopt, ExcitationSolver::kNlopt,
+                            ExcitationSolver::kDerivativeFree, ExcitationSolver::kRandom}) {
+    if (!has_solver(solver)) continue;
+    ExcitationOptions options = small_search();
+    options.solver = solver;
+    options.iterations = 60;
+    const Excitation e = optimise_excitation(arm, options);
+    EXPECT_EQ(e.status, ExcitationStatus::kDone) << name_of(solver);
+    EXPECT_LT(e.condition_number, 0.9 * e.start_condition_number) << name_of(solver);
+  }
+}
+
+TEST(Excitation, EveryCriterionIsServedBestByItsOwnMotion) {
+  const Model arm = read_model("psm-3dof");
   ExcitationOptions options = small_search();
-  options.evaluations = 200;
-  const Excitation e = optimise_excitation(read_model("psm-3dof"), options);
-  EXPECT_EQ(e.status, ExcitationStatus::kDone);
-  EXPECT_LT(e.condition_number, 0.7 * e.start_condition_number);
+  options.iterations = 100;
+  const Excitation c = optimise_excitation(arm, options);
   options.criterion = ExcitationCriterion::kDOptimal;
-  const Excitation d = optimise_excitation(read_model("psm-3dof"), options);
-  EXPECT_GT(d.log_determinant, e.log_determinant);
+  const Excitation d = optimise_excitation(arm, options);
+  EXPECT_GT(d.log_determinant, c.log_determinant);
+  EXPECT_LT(c.condition_number, d.condition_number);
+  options.criterion = ExcitationCriterion::kCondition;
+  options.scaling = ColumnScaling::kNone;
+  const Excitation plain = optimise_excitation(arm, options);
+  EXPECT_LT(plain.plain_condition_number, c.plain_condition_number);
+}
+
+// What is recorded already need not be recorded again.
+TEST(Excitation, GivenRecordingsCount) {
+  const Model arm = read_model("psm-3dof");
+  ExcitationOptions options = small_search();
+  options.iterations = 60;
+  const Excitation first = optimise_excitation(arm, options);
+  options.given = {first.trajectory.motion(first.periods, options.rate)};
+  const Excitation second = optimise_excitation(arm, options);
+  EXPECT_LT(second.condition_number_with_given, first.condition_number);
+  EXPECT_EQ(first.condition_number_with_given, first.condition_number);
+}
+
+TEST(Excitation, AnInterruptedSearchKeepsAMotionWithinTheLimits) {
+  ExcitationOptions options = small_search();
+  options.iterations = 100000;
+  options.threads = 1;
+  int asked = 0;
+  options.stop = [&asked] { return ++asked > 40; };
+  const Excitation e = optimise_excitation(read_model("psm-3dof"), options);
+  EXPECT_TRUE(e.interrupted);
+  EXPECT_EQ(e.status, ExcitationStatus::kDone);
+  for (const LimitMargin& m : e.margins) EXPECT_GE(m.margin, 0.0) << m.name;
 }
 
 // The regressor stacked and decomposed without any of the shortcuts.
@@ -124,6 +166,22 @@ TEST(Excitation, RefusesOptionsOutOfRange) {
   EXPECT_THROW(optimise_excitation(arm, with([](auto& o) { o.rate = 1.0; })), InvalidInput);
   EXPECT_THROW(optimise_excitation(arm, with([](auto& o) { o.starts = 0; })), InvalidInput);
   EXPECT_THROW(optimise_excitation(arm, with([](auto& o) { o.limit_share = 1.5; })), InvalidInput);
+}
+
+TEST(Excitation, RefusesRivalsThatNoMotionTellsApart) {
+  const Model arm = read_model("psm-3dof");
+  ExcitationOptions options = small_search();
+  options.criterion = ExcitationCriterion::kDiscriminate;
+  const auto refuses = [&](const Rival& a, const Rival& b) {
+    options.between = {a, b};
+    EXPECT_THROW(optimise_excitation(arm, options), InvalidInput) << a.effect << " " << b.effect;
+  };
+  EXPECT_THROW(optimise_excitation(arm, options), InvalidInput);  // no rivals
+  refuses({"viscous_friction", "1"}, {"rotor_inertia", "3"});     // in the model already
+  refuses({"joint_spring", "2"}, {"joint_spring", "pitch"});      // the same
+  refuses({"rotor_inertia", "4"}, {"joint_spring", "2"});         // no such joint
+  refuses({"torque_gain", "2"}, {"joint_spring", "2"});           // no values
+  refuses({"payload", "nowhere"}, {"joint_spring", "2"});         // no such frame
 }
 
 }  // namespace

@@ -42,7 +42,24 @@ class RegressorBatch {
   void torques(const MatrixRef& q, const MatrixRef& dq, const MatrixRef& ddq, const VectorRef& phi,
                MatrixXd& tau) const;
 
+  /// The derivatives of f = sum_i <weights[i], Y[i]> with respect to what each sample holds; the
+  /// way from a criterion of the regressor back to the motion.
+  ///
+  /// @param weights  one matrix per joint, of the size of Y[i].
+  /// @param slopes   (rows x 3 n): by the row's q (n columns), by its dq, by its ddq; sized here.
+  /// @throws InvalidInput  as above, or weights of another size. Cost: about 8 n regressors.
+  void gradient(const MatrixRef& q, const MatrixRef& dq, const MatrixRef& ddq,
+                const std::vector<MatrixXd>& weights, MatrixXd& slopes) const;
+
+  /// The derivatives of the torques: column d n + i holds dtau_i / dx_d, x = (q, dq, ddq).
+  ///
+  /// @param slopes  (rows x 3 n^2); sized here.
+  void torque_slopes(const MatrixRef& q, const MatrixRef& dq, const MatrixRef& ddq,
+                     const VectorRef& phi, MatrixXd& slopes) const;
+
  private:
+  void require_inertias(const VectorRef& phi) const;
+
   Tree tree_;
   std::vector<std::vector<int>> columns_;
   std::vector<int>

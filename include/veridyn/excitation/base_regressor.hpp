@@ -1,22 +1,27 @@
 #pragma once
 
+#include <memory>
 #include <vector>
 
-#include "veridyn/dynamics/regressor_batch.hpp"
-#include "veridyn/effects/effect.hpp"
 #include "veridyn/kinematics/motion_samples.hpp"
+#include "veridyn/model/model.hpp"
 
 namespace veridyn {
+
+class StackedColumns;
 
 /// What a motion says about the base parameters of an arm: the Gram matrix W' W of the stacked base
 /// regressor (thesis 5.24), bodies and effects.
 ///
-/// Base columns are the first independent ones in the order: effects, then first moments and
-/// inertias, then masses; independence is numerical, at random states within the limits. Immutable:
-/// serves several threads.
+/// Base columns are those of standard parameters that are best conditioned at random states within
+/// the limits; between equals effects come first and masses last. They span what the base columns
+/// of base_parameters() span. Immutable: serves several threads.
 class BaseRegressor {
  public:
-  explicit BaseRegressor(const Model& arm);
+  /// @param rounding  speeds, as a share of each joint's largest, within which columns that jump
+  ///                  with the sign of a velocity are rounded off, so that the Gram matrix has a
+  ///                  derivative; 0: the columns as they are. The base columns are the same.
+  explicit BaseRegressor(const Model& arm, double rounding = 0.0);
 
   /// Number of base parameters.
   int size() const { return static_cast<int>(base_.size()); }
@@ -25,27 +30,41 @@ class BaseRegressor {
   /// rows in order.
   MatrixXd gram(const MotionSamples& motion) const;
 
+  /// The derivatives of a function of the Gram matrix by the q, dq and ddq of every row,
+  /// (rows x 3 n). Bodies by dual numbers; effects, which are functions of a few numbers per
+  /// sample, by differences of fourth order. Effects with a memory are followed back through it.
+  ///
+  /// @param by_gram  (size x size), symmetric: the function's derivative by the Gram matrix.
+  MatrixXd gradient(const MotionSamples& motion, const MatrixXd& by_gram) const;
+
   /// The norm of every base column over the random states; a scale that does not depend on the
   /// motion.
   const VectorXd& scale() const { return scale_; }
 
- private:
-  std::vector<MatrixXd> columns_by_joint(const MotionSamples& motion) const;
+  /// T (size x size, upper triangle): the columns of W T are orthonormal, per state, over the
+  /// random states.
+  const MatrixXd& orthogonal_basis() const { return orthogonal_; }
+
+  /// W, (rows n x size), the rows of joint 1 first.
   MatrixXd stacked(const MotionSamples& motion) const;
 
-  Model arm_;
-  RegressorBatch bodies_;
-  std::vector<BoundEffect> effects_;
-  int column_count_ = 0;
-  std::vector<std::vector<int>> of_joint_;  // columns of every joint's rows, bodies first
-  std::vector<int> base_;                   // base columns, in the order of preference
-  std::vector<int> place_;                  // of a column among the base columns, or -1
+  /// The columns behind the Gram matrix, for criteria with weights of their own.
+  const std::shared_ptr<const StackedColumns>& columns() const { return columns_; }
+
+ private:
+  std::shared_ptr<const StackedColumns> columns_;
+  VectorXd ones_;
+  std::vector<int> base_;  // base columns, in the order of preference
   VectorXd scale_;
+  MatrixXd orthogonal_;
 };
 
 /// Condition number of the base regressor with its columns scaled to norm one (thesis 5.26, 5.27),
 /// from its Gram matrix; infinite above about 1e7, where that cannot tell.
 double scaled_condition_number(const MatrixXd& gram);
+
+/// The same with its columns as they are.
+double plain_condition_number(const MatrixXd& gram);
 
 /// ln det of the Gram matrix after dividing its columns by `scale`: twice the logarithm of what is
 /// left of the confidence ellipsoid's volume is its negative. Minus infinity where the motion

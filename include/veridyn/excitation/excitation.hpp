@@ -1,24 +1,64 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "veridyn/excitation/fourier_trajectory.hpp"
+#include "veridyn/excitation/workspace_limits.hpp"
 #include "veridyn/model/model.hpp"
 
 namespace veridyn {
 
 /// What a good motion is.
 enum class ExcitationCriterion {
-  /// Smallest condition number of the base regressor, columns scaled to norm one (thesis 5.27).
+  /// Smallest condition number of the base regressor (thesis 5.27).
   kCondition,
-  /// Largest ln det of its Gram matrix: the smallest volume of the confidence ellipsoid.
+  /// Largest ln det of its weighted Gram matrix: the smallest volume of the confidence ellipsoid.
   kDOptimal,
+  /// Two named causes told apart best, see Rival.
+  kDiscriminate,
 };
 
-/// "condition", "d-optimal".
+/// "condition", "d-optimal", "discriminate".
 const char* name_of(ExcitationCriterion criterion);
+
+/// Who searches. Ipopt and NLopt are there where the build has them, see has_solver().
+enum class ExcitationSolver {
+  kIpopt,           ///< interior point, exact gradient and Jacobian
+  kNlopt,           ///< augmented Lagrangian over L-BFGS, exact gradient
+  kDerivativeFree,  ///< augmented Lagrangian over Subplex (NLopt)
+  kRandom,          ///< random motions within the joints' limits; the best of them
+};
+
+/// "ipopt", "nlopt", "nlopt-derivative-free", "random".
+const char* name_of(ExcitationSolver solver);
+bool has_solver(ExcitationSolver solver);
+
+/// The first of them that the build has.
+ExcitationSolver best_solver();
+
+/// How columns of the base regressor are scaled before the condition number.
+enum class ColumnScaling {
+  kNorm,  ///< to norm one (thesis 5.26)
+  kNone,  ///< as they are
+  /// Combined first into a basis that is orthogonal at random states within the limits, then to
+  /// norm one: without what is near to dependent in the arm's geometry, which no motion can change.
+  kOrthogonal,
+};
+
+/// "norm", "none", "orthogonal".
+const char* name_of(ColumnScaling scaling);
+
+/// A cause of torque: an effect of CONTRACT.md and its joint (name or number from 1) or frame.
+/// `payload` and `inertia` (of a body that turns with the frame) stand on a frame; `gravity_tilt`
+/// needs no place; `torque_gain`, `payload` and `gravity_tilt` follow from the arm's own values.
+struct Rival {
+  std::string effect;
+  std::string place;
+};
 
 struct ExcitationOptions {
   double frequency = 0.13;  ///< [Hz] of the fundamental wave
@@ -26,20 +66,55 @@ struct ExcitationOptions {
   double duration = 30.0;   ///< [s] wanted; rounded to whole periods, at least two
   double rate = 200.0;      ///< [Hz] of the samples
   ExcitationCriterion criterion = ExcitationCriterion::kCondition;
-  int starts = 4;  ///< independent searches, of which the best wins
-  /// Of the criterion in each search; the result depends on this and not on the clock.
-  int evaluations = 1500;
-  /// Of the range, the speed and the acceleration that may be used, above 0 and at most 1.
+  std::optional<std::pair<Rival, Rival>> between{};  ///< for kDiscriminate
+  ColumnScaling scaling = ColumnScaling::kNorm;      ///< for kCondition
+  ExcitationSolver solver = best_solver();
+  int starts = 2;  ///< independent searches, of which the best wins
+  /// Iterations of Ipopt, evaluations of NLopt, motions of kRandom in each search; the result
+  /// depends on this and not on the clock.
+  int iterations = 400;
+  /// Of the limits of joints and torques that may be used, above 0 and at most 1.
   double limit_share = 0.95;
+  WorkspaceLimits workspace{};
+  /// The arm with values of its bodies (and effects, where it has them): its efforts limit the
+  /// torques, and rivals are built from it. Nothing: the arm itself, where it has values.
+  std::optional<Model> powered{};
+  /// Motions that are recorded already; their information counts. Samples of their own rate.
+  std::vector<MotionSamples> given{};
   unsigned seed = 1;
   int threads = 0;  ///< of the searches; 0: one per core; no matter for the result
-  /// Called with (what is being done, share done) from the calling thread.
-  std::function<void(const std::string&, double)> progress;
+  /// Called with (what is being done, share done), by one thread at a time.
+  std::function<void(const std::string&, double)> progress{};
+  /// Asked now and then by all searches; once true, the best motion so far is the result.
+  std::function<bool()> stop{};
 };
 
 enum class ExcitationStatus {
   kDone,
   kRankDeficient,  ///< no motion was found that excites all base parameters; the best one is given
+  kLimitsNotMet,   ///< no motion was found within the limits; `margins` say by how much not
+};
+
+/// How close a motion comes to one limit; also between samples.
+struct LimitMargin {
+  std::string name;  ///< "speed of yaw", "torque of pitch", "x of tool", ...
+  std::string unit;
+  double lowest = 0.0;  ///< the motion's range
+  double highest = 0.0;
+  double lower = 0.0;  ///< the limit
+  double upper = 0.0;
+  double margin = 0.0;  ///< to the nearer bound, negative where it is crossed
+};
+
+/// What the motion says about two rivals; roots of mean squares of torque in units of the
+/// rows' weights, per unit of the rival's parameter.
+struct Discrimination {
+  std::string first, second;
+  double first_left = 0.0;   ///< of the first's columns, after everything else
+  double second_left = 0.0;  ///< of the second's
+  double first_share = 0.0;  ///< the same as a share of the columns themselves, 0 to 1
+  double second_share = 0.0;
+  bool bodies_known = false;  ///< the rivals can only be told apart with known bodies
 };
 
 /// An excitation trajectory and how good it is.
@@ -47,14 +122,25 @@ struct Excitation {
   ExcitationStatus status = ExcitationStatus::kDone;
   std::string robot;
   ExcitationCriterion criterion = ExcitationCriterion::kCondition;
+  ExcitationSolver solver = ExcitationSolver::kIpopt;
   FourierTrajectory trajectory;
   int periods = 0;
   int base_parameters = 0;
-  double condition_number = 0.0;  ///< of the base regressor, columns scaled to norm one
+  double condition_number = 0.0;        ///< of the base regressor, columns scaled to norm one
+  double plain_condition_number = 0.0;  ///< columns as they are
+  double range_condition_number = 0.0;  ///< columns divided by their largest minus smallest entry
+  double orthogonal_condition_number = 0.0;  ///< see ColumnScaling::kOrthogonal
+  /// As condition_number, of this motion and the given recordings together; equal without any.
+  double condition_number_with_given = 0.0;
   /// Of its Gram matrix per instant, columns scaled by their size at random states.
   double log_determinant = 0.0;
   double start_condition_number = 0.0;  ///< of the first random motion, for comparison
+  std::optional<Discrimination> discrimination{};
   long evaluations = 0;
+  bool interrupted = false;
+  bool converged = false;  ///< the solver said so for the motion that won
+  double seconds = 0.0;
+  std::vector<LimitMargin> margins{};
   MotionBounds bounds{};              ///< of the motion
   MotionBounds limits{};              ///< of the arm, in the same order
   std::vector<std::string> joints{};  ///< names of the coordinates
@@ -65,13 +151,12 @@ struct Excitation {
 };
 
 /// Searches a Fourier trajectory that starts and stops at rest, repeats its period, keeps within
-/// the limits of the arm (between samples as well) and excites its base parameters.
+/// all limits (between samples as well) and excites what the criterion asks for.
 ///
-/// Random multi-start, then a random local search with step-size control (the one-fifth rule:
-/// Rechenberg, Evolutionsstrategie, 1973). Every candidate is scaled to the limits, so that all are
-/// feasible. The regressor is taken at 150 instants of one period. Cost: about 1 ms per evaluation
-/// for six joints.
-/// @throws InvalidInput  an option is out of range.
+/// Multi-start: each search begins at the best of some random motions and goes down a smooth
+/// stand-in of the criterion with exact gradients; the criterion itself, on the samples of the
+/// motion, says which search won. The same options give the same motion, on any number of threads.
+/// @throws InvalidInput  an option is out of range, or names what the arm does not have.
 Excitation optimise_excitation(const Model& arm, const ExcitationOptions& options = {});
 
 }  // namespace veridyn

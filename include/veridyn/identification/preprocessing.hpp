@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <map>
 #include <string>
 
 #include "veridyn/identification/recording.hpp"
@@ -56,6 +57,9 @@ struct PreprocessingOptions {
   /// Keep one sample in so many after the filter; 0: as many as four times the cut-off needs.
   int decimation = 0;
   std::vector<LeftOut> left_out;
+  /// [s] by source: periods of the motion that are known already (0: it does not repeat) and need
+  /// not be detected again.
+  std::map<std::string, double> known_periods;
   std::vector<std::string> columns;  ///< for files without a header, see RecordingOptions
   double header_rate = 0.0;          ///< [Hz] time base of files without t
 };

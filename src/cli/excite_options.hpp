@@ -1,0 +1,32 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "veridyn/excitation/excitation.hpp"
+
+namespace veridyn::cli {
+
+// The words behind the options of `excite`; each throws CLI::ValidationError with what was found
+// and what was expected.
+
+/// "EFFECT:PLACE,EFFECT:PLACE".
+std::pair<Rival, Rival> rivals(const std::string& words);
+
+/// "FRAME:X,X,Y,Y,Z,Z", from and to; "-inf" and "inf" leave a side open.
+FrameBox frame_box(const std::string& words);
+
+/// "FRAME:R" or "FRAME:R,X,Y,Z".
+Sphere sphere(const std::string& words);
+
+/// "X,Y,Z,R".
+Sphere obstacle(const std::string& words);
+
+/// "FRAME:LOW,HIGH" or "FRAME:LOW,HIGH,X,Y,Z".
+InsertionRange insertion_range(const std::string& words);
+
+/// Every sphere keeps away from every obstacle and from the spheres on other frames.
+std::vector<SpherePair> sphere_pairs(const std::vector<Sphere>& spheres,
+                                     const std::vector<Sphere>& obstacles, double clearance);
+
+}  // namespace veridyn::cli

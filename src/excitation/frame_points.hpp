@@ -1,0 +1,32 @@
+#pragma once
+
+#include "veridyn/kinematics/recursion.hpp"
+#include "veridyn/kinematics/tree.hpp"
+#include "veridyn/math/types.hpp"
+
+namespace veridyn {
+
+/// Where frames are, and how that changes with q. Owns its workspace: one object serves one thread.
+class FramePoints {
+ public:
+  explicit FramePoints(const Model& arm);
+
+  /// Poses of all frames at q.
+  void move_to(const VectorXd& q);
+
+  /// A point of a frame in the world, and its derivative by q; frame -1 is the world.
+  Eigen::Vector3d point(int frame, const Eigen::Vector3d& in_frame) const;
+  MatrixXd point_slope(int frame, const Eigen::Vector3d& in_frame) const;
+
+  /// The frame's z axis in the world, and its derivative by q.
+  Eigen::Vector3d z_axis(int frame) const;
+  MatrixXd z_axis_slope(int frame) const;
+
+ private:
+  Tree tree_;
+  Recursion<double> recursion_;
+  VectorXd rest_;
+  std::vector<Posed> T_world_;  // by link
+};
+
+}  // namespace veridyn

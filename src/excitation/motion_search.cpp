@@ -1,0 +1,218 @@
+#include "motion_search.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+#include <utility>
+
+#include "veridyn/math/require.hpp"
+
+namespace veridyn {
+namespace {
+
+constexpr int kDraws = 20;            // random motions of which the best begins a search
+constexpr int kInstantsPerWave = 24;  // of the shortest wave, for the criterion
+constexpr int kLimitsPerWave = 14;    // and for the limits; what is between is fitted afterwards
+static_assert(kStages == 2, "one for each sharpness");
+constexpr double kSharpness[] = {2.0, 16.0};  // of the smooth condition number, one after the other
+constexpr int kNarrowings = 5;                // rounds until limits hold between instants too
+constexpr double kHeld = 1e-9;                // of a limit's scale: rounding
+
+}  // namespace
+
+MotionSearch::MotionSearch(const MotionSpace& space, const LimitSignals& signals,
+                           const Question& question, const ExcitationOptions& options,
+                           SearchProgress& progress)
+    : space_(space),
+      signals_(signals),
+      question_(question),
+      options_(options),
+      progress_(progress) {}
+
+MotionSearch::Bounds MotionSearch::allowed() const {
+  const int n = space_.joints();
+  Bounds out{VectorXd(signals_.count()), VectorXd(signals_.count())};
+  for (int k = 0; k < signals_.count(); ++k) {
+    const bool torque = signals_[k].name.rfind("torque", 0) == 0;
+    out.lower[k] = (torque ? options_.limit_share : 1.0) * signals_[k].lower;
+    out.upper[k] = (torque ? options_.limit_share : 1.0) * signals_[k].upper;
+  }
+  const MotionLimits& own = space_.limits();
+  out.lower.head(3 * n) << own.lower, -own.velocity, -own.acceleration;
+  out.upper.head(3 * n) << own.upper, own.velocity, own.acceleration;
+  return out;
+}
+
+double MotionSearch::smooth_cost(const VectorXd& x) const {
+  const int instants = kInstantsPerWave * space_.harmonics();
+  const MotionSpace::Basis basis = space_.basis(period_instants(space_.frequency(), instants));
+  const MatrixXd gram =
+      question_.rounded->gram(space_.samples(basis, x), question_.row_weights) / instants +
+      question_.rounded_given;
+  return question_.smooth(gram, kSharpness[0]).value;
+}
+
+bool MotionSearch::keeps(const VectorXd& x, const Bounds& bounds) const {
+  if (!has_more_than_joints()) return true;
+  Bounds same = bounds;
+  return !narrow(x, same);
+}
+
+VectorXd MotionSearch::draw(int start, const Bounds& bounds, Found& found) const {
+  RandomNumbers random(options_.seed, static_cast<unsigned>(start));
+  const bool only = options_.solver == ExcitationSolver::kRandom;
+  const int draws = only ? options_.iterations : kDraws;
+  VectorXd best;
+  std::pair<bool, double> best_rank;
+  for (int k = 0; k < draws; ++k) {
+    const VectorXd x = fitted_to_joints(space_, space_.random(random));
+    if (k == 0) found.start = x;
+    if (k > 0 && options_.stop && options_.stop()) break;
+    ++found.evaluations;
+    const std::pair<bool, double> rank{!keeps(x, bounds), smooth_cost(x)};
+    if (best.size() == 0 || rank < best_rank) {
+      best = x;
+      best_rank = rank;
+    }
+    if (only) progress_.step(start, "random motions");
+  }
+  return best;
+}
+
+SolverResult MotionSearch::solve([[maybe_unused]] NonlinearProgram& program, const VectorXd& from,
+                                 [[maybe_unused]] const SolverOptions& options) const {
+#ifdef VERIDYN_WITH_IPOPT
+  if (options_.solver == ExcitationSolver::kIpopt) return solve_with_ipopt(program, from, options);
+#endif
+#ifdef VERIDYN_WITH_NLOPT
+  const bool exact = options_.solver == ExcitationSolver::kNlopt;
+  return solve_with_nlopt(program, from,
+                          exact ? NloptMethod::kGradient : NloptMethod::kDerivativeFree, options);
+#endif
+  return {from};
+}
+
+VectorXd MotionSearch::descend(const VectorXd& from, const Bounds& bounds, double sharpness,
+                               int start, Found& found) const {
+  GridConstraints limits(space_, signals_, kLimitsPerWave * space_.harmonics());
+  limits.set_bounds(bounds.lower, bounds.upper);
+  const MotionObjective objective(
+      space_, question_.rounded, question_.row_weights, question_.rounded_given,
+      [&](const MatrixXd& gram) { return question_.smooth(gram, sharpness); },
+      kInstantsPerWave * space_.harmonics());
+  SearchProgram program(objective, limits, space_.size());
+  SolverOptions solver;
+  solver.iterations = options_.iterations;
+  solver.stop = [&] {
+    const auto& best = program.best();
+    const bool condition = question_.criterion == ExcitationCriterion::kCondition;
+    std::string news = "no motion within the limits yet";
+    if (best) {
+      news = condition ? fmt::format("condition number {:.4g}", std::exp(best->value))
+                       : fmt::format("criterion {:.5g}", best->value);
+      news +=
+          fmt::format("; tightest limit: {}, {:.2f} % left", signals_[best->violation.signal].name,
+                      std::max(0.0, -100.0 * best->violation.size));
+    }
+    progress_.step(start, news);
+    return options_.stop && options_.stop();
+  };
+  const SolverResult result = solve(program, from, solver);
+  found.evaluations += program.evaluations();
+  found.converged = result.converged;
+  return program.best() ? program.best()->x : VectorXd();
+}
+
+VectorXd MotionSearch::into_limits(const VectorXd& from, const Bounds& bounds) const {
+  GridConstraints limits(space_, signals_, kLimitsPerWave * space_.harmonics());
+  limits.set_bounds(bounds.lower, bounds.upper);
+  WidestViolation program(limits, space_.size());
+  VectorXd start(space_.size() + 1);
+  start << fitted_to_joints(space_, from),
+      std::max(0.0, limits.violation(limits.values(from)).size);
+  SolverOptions solver;
+  solver.iterations = options_.iterations;
+  solver.stop = options_.stop;
+  return solve(program, start, solver).x.head(space_.size());
+}
+
+bool MotionSearch::narrow(const VectorXd& x, Bounds& bounds) const {
+  bool crossed = false;
+  const Bounds wide = allowed();
+  const std::vector<LimitMargin> margins = limit_margins(signals_, space_.trajectory(x));
+  for (int k = 3 * space_.joints(); k < signals_.count(); ++k) {
+    const auto m = std::find_if(margins.begin(), margins.end(), [&](const LimitMargin& margin) {
+      return margin.name == signals_[k].name;
+    });
+    if (m == margins.end()) continue;
+    const double room = kHeld * signals_[k].scale;
+    const double over = m->highest - wide.upper[k];
+    const double under = wide.lower[k] - m->lowest;
+    if (over > room) bounds.upper[k] -= 1.2 * over;
+    if (under > room) bounds.lower[k] += 1.2 * under;
+    crossed = crossed || over > room || under > room;
+  }
+  return crossed;
+}
+
+Found MotionSearch::run(int start) const {
+  Found found;
+  Bounds bounds = allowed();
+  VectorXd x = draw(start, bounds, found);
+  VectorXd good = keeps(x, bounds) ? x : VectorXd();
+  const bool random = options_.solver == ExcitationSolver::kRandom;
+  const auto accept = [&](const VectorXd& next) {
+    x = next;
+    if (!keeps(x, allowed())) return false;
+    good = x;
+    return true;
+  };
+  const bool condition = question_.criterion == ExcitationCriterion::kCondition;
+  for (const double sharpness : kSharpness) {
+    if (random || (!condition && sharpness != kSharpness[0])) break;
+    VectorXd next = descend(x, bounds, sharpness, start, found);
+    if (next.size() == 0 && good.size() == 0) {
+      x = into_limits(x, bounds);
+      next = descend(x, bounds, sharpness, start, found);
+    }
+    if (next.size() == 0) break;
+    bool held = accept(fitted_to_joints(space_, next));
+    for (int round = 0; !held && round < kNarrowings; ++round) {
+      narrow(x, bounds);
+      next = descend(x, bounds, sharpness, start, found);
+      if (next.size() == 0) break;
+      held = accept(fitted_to_joints(space_, next));
+    }
+  }
+  found.x = good;
+  found.nearest = x;
+  progress_.over(start);
+  return found;
+}
+
+VectorXd fitted_to_joints(const MotionSpace& space, const VectorXd& x) {
+  VectorXd out = x;
+  const MotionLimits& limits = space.limits();
+  const int p = space.per_joint();
+  const MotionBounds bounds = space.trajectory(x).bounds();
+  for (int i = 0; i < space.joints(); ++i) {
+    auto own = out.segment(i * p, p);
+    const double room = limits.upper[i] - limits.lower[i];
+    const double share = std::min({1.0, room / (bounds.upper[i] - bounds.lower[i]),
+                                   limits.velocity[i] / bounds.velocity[i],
+                                   limits.acceleration[i] / bounds.acceleration[i]}) *
+                         (1.0 - 1e-12);
+    own.tail(p - 1) *= share;
+    // The range about its mean position shrinks with the motion.
+    const double mean = space.middle_of(i) + space.size_of(i) * own[0];
+    const double low = share * (bounds.lower[i] - mean);
+    const double high = share * (bounds.upper[i] - mean);
+    const double moved = std::max(limits.lower[i] - low, std::min(mean, limits.upper[i] - high));
+    own[0] = (moved - space.middle_of(i)) / space.size_of(i);
+  }
+  return out;
+}
+
+}  // namespace veridyn

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <memory>
+
+#include "criterion.hpp"
+#include "stacked_columns.hpp"
+#include "veridyn/excitation/base_regressor.hpp"
+#include "veridyn/excitation/excitation.hpp"
+
+namespace veridyn {
+
+/// Share of the largest speed within which a search rounds signs off.
+constexpr double kRounding = 0.01;
+
+/// What a search is about: columns, weights and criterion, once rounded off for the search and once
+/// as they are for the verdict.
+struct Question {
+  std::shared_ptr<const StackedColumns> rounded;
+  std::shared_ptr<const StackedColumns> exact;
+  VectorXd row_weights;  ///< (n)
+  VectorXd scale;        ///< of the columns
+  MatrixXd basis;        ///< of ColumnScaling::kOrthogonal
+  RivalColumns rivals;   ///< for kDiscriminate
+  bool bodies_known = false;
+  MatrixXd rounded_given;  ///< information that is there already, per instant of the new motion
+  MatrixXd exact_given;
+
+  /// The smooth stand-in of the criterion; only kCondition has a sharpness.
+  SmoothValue smooth(const MatrixXd& gram, double sharpness) const;
+
+  /// The criterion itself; smaller is better.
+  double verdict(const MatrixXd& gram) const;
+
+  ExcitationCriterion criterion = ExcitationCriterion::kCondition;
+  ColumnScaling scaling = ColumnScaling::kNorm;
+};
+
+Question make_question(const Model& arm, const BaseRegressor& exact, const BaseRegressor& rounded,
+                       const ExcitationOptions& options, double seconds);
+
+/// The two rivals' part of the question. @throws InvalidInput  unknown effect, place, or no values.
+void add_rivals(const Model& arm, const ExcitationOptions& options, double rounding,
+                Question& question);
+
+}  // namespace veridyn

@@ -1,0 +1,237 @@
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "arm_columns.hpp"
+#include "question.hpp"
+#include "veridyn/kinematics/motion_limits.hpp"
+#include "veridyn/math/require.hpp"
+#include "veridyn/model/suggestion.hpp"
+
+namespace veridyn {
+namespace {
+
+std::string label(const Rival& rival) {
+  return rival.place.empty() ? rival.effect : rival.effect + ":" + rival.place;
+}
+
+int find_joint(const Model& arm, const Rival& rival) {
+  std::vector<std::string> names;
+  for (const Coordinate& c : arm.coordinates()) names.push_back(c.name);
+  int joint = arm.find_coordinate(rival.place);
+  const bool number = !rival.place.empty() && rival.place.size() < 4 &&
+                      rival.place.find_first_not_of("0123456789") == std::string::npos;
+  if (joint < 0 && number) joint = std::stoi(rival.place) - 1;
+  require(joint >= 0 && joint < arm.joints(), "excitation: '", label(rival), "': found the joint '",
+          rival.place, "'", did_you_mean(rival.place, names), ", expected a number from 1 to ",
+          arm.joints(), " or one of: ", listed(names), ".");
+  return joint;
+}
+
+VectorXd own_values(const Model& arm, const Rival& rival) {
+  const auto phi = arm.inertial_values();
+  require(phi.has_value(), "excitation: '", label(rival), "' follows from the arm's values, but '",
+          arm.name(), "' has bodies without mass, com and inertia.");
+  return *phi;
+}
+
+// Some columns of another source.
+class SomeColumns final : public ColumnSource {
+ public:
+  SomeColumns(std::unique_ptr<ColumnSource> from, std::vector<int> kept)
+      : from_(std::move(from)), kept_(std::move(kept)) {}
+
+  int count() const override { return static_cast<int>(kept_.size()); }
+  bool remembers() const override { return from_->remembers(); }
+  std::vector<int> columns(int joint) const override {
+    std::vector<int> out;
+    for (const auto& [own, theirs] : places(joint)) {
+      static_cast<void>(theirs);
+      out.push_back(own);
+    }
+    return out;
+  }
+  void evaluate(const MotionSamples& motion, std::vector<MatrixXd>& Y) const override {
+    std::vector<MatrixXd> all;
+    from_->evaluate(motion, all);
+    Y.resize(all.size());
+    for (size_t i = 0; i < all.size(); ++i) {
+      const auto of_joint = places(static_cast<int>(i));
+      Y[i].resize(motion.rows(), static_cast<Eigen::Index>(of_joint.size()));
+      for (size_t k = 0; k < of_joint.size(); ++k)
+        Y[i].col(static_cast<Eigen::Index>(k)) = all[i].col(of_joint[k].second);
+    }
+  }
+  void add_gradient(const MotionSamples& motion, const std::vector<MatrixXd>& weights,
+                    MatrixXd& slopes) const override {
+    std::vector<MatrixXd> all;
+    for (size_t i = 0; i < weights.size(); ++i) {
+      const int joint = static_cast<int>(i);
+      const auto width = static_cast<Eigen::Index>(from_->columns(joint).size());
+      all.push_back(MatrixXd::Zero(motion.rows(), width));
+      const auto of_joint = places(joint);
+      for (size_t k = 0; k < of_joint.size(); ++k)
+        all[i].col(of_joint[k].second) = weights[i].col(static_cast<Eigen::Index>(k));
+    }
+    from_->add_gradient(motion, all, slopes);
+  }
+
+ private:
+  // Own column, and where it stands among the source's columns of the joint.
+  std::vector<std::pair<int, int>> places(int joint) const {
+    const std::vector<int> theirs = from_->columns(joint);
+    std::vector<std::pair<int, int>> out;
+    for (size_t k = 0; k < kept_.size(); ++k) {
+      const auto at = std::find(theirs.begin(), theirs.end(), kept_[k]);
+      if (at != theirs.end()) out.emplace_back(static_cast<int>(k), at - theirs.begin());
+    }
+    return out;
+  }
+
+  std::unique_ptr<ColumnSource> from_;
+  std::vector<int> kept_;
+};
+
+// One body on the frame and no other.
+std::unique_ptr<ColumnSource> body_on_frame(const Model& arm, const Rival& rival,
+                                            const std::vector<int>& kept) {
+  std::vector<std::string> names;
+  for (const Frame& frame : arm.frames()) names.push_back(frame.name);
+  const int k = arm.find_frame(rival.place);
+  require(k >= 0, "excitation: '", label(rival), "': found the frame '", rival.place, "'",
+          did_you_mean(rival.place, names), ", expected one of: ", listed(names), ".");
+  ModelDescription only = arm.description();
+  for (Frame& frame : only.frames) frame.body.reset();
+  only.frames[static_cast<size_t>(k)].body = Body{};
+  only.effects.clear();
+  return std::make_unique<SomeColumns>(body_columns(Model(std::move(only))), kept);
+}
+
+std::vector<std::shared_ptr<const ColumnSource>> tilt_columns(const Model& arm,
+                                                              const Rival& rival) {
+  const VectorXd phi = own_values(arm, rival);
+  const Eigen::Vector3d g = arm.gravity();
+  require(g.norm() > 0.0, "excitation: '", label(rival), "': the arm has no gravity.");
+  const Eigen::Vector3d across = g.unitOrthogonal();
+  std::vector<std::shared_ptr<const ColumnSource>> out;
+  for (const Eigen::Vector3d& axis : {across, Eigen::Vector3d(g.normalized().cross(across))}) {
+    ModelDescription tilted = arm.description();
+    tilted.gravity = axis.cross(g);  // per radian
+    out.push_back(torque_column(Model(std::move(tilted)), phi, TorquePart::kGravityOnly,
+                                VectorXd::Ones(arm.joints())));
+  }
+  return out;
+}
+
+EffectTerm effect_term(const Model& arm, const Rival& rival, int joint) {
+  EffectTerm term;
+  term.effect = rival.effect;
+  term.axis.coefficients = VectorXd::Unit(arm.joints(), joint);
+  // Ranges that an effect wants to know are the joint's.
+  const MotionLimits limits = motion_limits(arm);
+  for (const EffectShape& shape : find_effect(rival.effect).shapes()) {
+    if (shape.name == "centre")
+      term.values["centre"] = 0.5 * (limits.lower[joint] + limits.upper[joint]);
+    if (shape.name == "half_range")
+      term.values["half_range"] = 0.5 * (limits.upper[joint] - limits.lower[joint]);
+  }
+  return term;
+}
+
+std::vector<std::shared_ptr<const ColumnSource>> rival_columns(const Model& arm, const Rival& rival,
+                                                               double rounding) {
+  if (rival.effect == "payload") return {body_on_frame(arm, rival, {0})};
+  if (rival.effect == "inertia") return {body_on_frame(arm, rival, {4, 6, 9})};
+  if (rival.effect == "gravity_tilt") return tilt_columns(arm, rival);
+  if (rival.effect == "torque_gain") {
+    const VectorXd joint = VectorXd::Unit(arm.joints(), find_joint(arm, rival));
+    return {torque_column(arm, own_values(arm, rival), TorquePart::kWhole, joint)};
+  }
+  require(has_effect(rival.effect), "excitation: '", label(rival), "': found '", rival.effect,
+          "', expected payload, inertia, gravity_tilt, torque_gain or an effect that acts along an "
+          "axis.");
+  const int joint = find_joint(arm, rival);
+  if (find_effect(rival.effect).needs_load()) own_values(arm, rival);
+  require(!find_effect(rival.effect).needs_source(), "excitation: '", label(rival),
+          "' needs another joint and cannot be a rival yet.");
+  return {
+      effect_columns(arm, effect_term(arm, rival, joint), rounding * motion_limits(arm).velocity)};
+}
+
+std::vector<int> numbers(int first, int count) {
+  std::vector<int> out(static_cast<size_t>(count));
+  std::iota(out.begin(), out.end(), first);
+  return out;
+}
+
+// The columns of a discrimination: first those of the arm, then A's, then B's.
+struct Choice {
+  std::vector<int> nuisance, first, second;
+};
+
+// Nuisance columns out of `candidates`; what of each rival does not follow from them.
+Choice choose(const MatrixXd& W, const std::vector<int>& candidates, const std::vector<int>& a,
+              const std::vector<int>& b) {
+  Choice out;
+  out.nuisance = independent_columns(W, candidates);
+  out.first = independent_columns(W, a, out.nuisance);
+  out.second = independent_columns(W, b, out.nuisance);
+  return out;
+}
+
+}  // namespace
+
+void add_rivals(const Model& arm, const ExcitationOptions& options, double rounding,
+                Question& question) {
+  const Model& known = options.powered ? *options.powered : arm;
+  const auto& [a, b] = *options.between;
+  int body_count = 0;
+  int arm_count = 0;
+  int first_count = 0;
+  const auto stack = [&](double round) {
+    auto sources = arm_columns(known, round);
+    body_count = sources.front()->count();
+    arm_count = 0;
+    for (const auto& source : sources) arm_count += source->count();
+    const auto first = rival_columns(known, a, round);
+    const auto second = rival_columns(known, b, round);
+    first_count = 0;
+    for (const auto& source : first) first_count += source->count();
+    sources.insert(sources.end(), first.begin(), first.end());
+    sources.insert(sources.end(), second.begin(), second.end());
+    return std::make_shared<StackedColumns>(known.joints(), sources);
+  };
+  const auto exact = stack(0.0);
+  const auto rounded = stack(rounding);
+  const int states = 40 + 2 * exact->count() / std::max(1, known.joints());
+  const MatrixXd W = exact->stacked(random_states(known, states));
+  const std::vector<int> of_a = numbers(arm_count, first_count);
+  const std::vector<int> of_b =
+      numbers(arm_count + first_count, exact->count() - arm_count - first_count);
+  Choice choice = choose(W, base_preference(body_count, arm_count), of_a, of_b);
+  if (choice.first.empty() || choice.second.empty()) {
+    // The bodies' own parameters can take the rival's place; it shows only where they are known.
+    question.bodies_known = true;
+    choice = choose(W, numbers(body_count, arm_count - body_count), of_a, of_b);
+  }
+  for (const auto& [rival, columns] : {std::make_pair(a, choice.first), {b, choice.second}}) {
+    require(!columns.empty(), "excitation: '", label(rival),
+            "' cannot be told from what the model has already, whatever the motion.");
+  }
+  std::vector<int> taken = choice.nuisance;
+  taken.insert(taken.end(), choice.first.begin(), choice.first.end());
+  const std::vector<int> own = independent_columns(W, choice.second, taken);
+  require(own.size() == choice.second.size(), "excitation: '", label(a), "' and '", label(b),
+          "' cannot be told apart, whatever the motion: they have the same columns.");
+  taken.insert(taken.end(), choice.second.begin(), choice.second.end());
+  exact->choose(taken);
+  rounded->choose(taken);
+  question.exact = exact;
+  question.rounded = rounded;
+  question.rivals = {static_cast<int>(choice.nuisance.size()),
+                     static_cast<int>(choice.first.size()), static_cast<int>(choice.second.size())};
+  question.scale = W(Eigen::all, taken).colwise().norm().transpose() / std::sqrt(states);
+}
+
+}  // namespace veridyn
