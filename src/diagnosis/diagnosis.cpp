@@ -21,11 +21,34 @@
 namespace veridyn {
 namespace {
 
+constexpr int kCycles = 2;
 constexpr int kChannels = 3;  // errors of channels that are corrected one after the other
 
 bool asks_for(const DiagnosisOptions& options, const std::string& effect) {
   return options.effects.empty() ||
          std::find(options.effects.begin(), options.effects.end(), effect) != options.effects.end();
+}
+
+std::vector<std::pair<Hypothesis, EffectTerm>> known_terms(const AugmentedModel& fitted) {
+  std::vector<std::pair<Hypothesis, EffectTerm>> out;
+  for (const Hypothesis& h : fitted.hypotheses) {
+    if (h.term >= 0) out.emplace_back(h, fitted.model.effects()[static_cast<size_t>(h.term)]);
+  }
+  return out;
+}
+
+// Where the fitted hypotheses stand in a longer list that begins with them.
+std::vector<int> same_ones(const AugmentedModel& fitted, const Inquiry& q) {
+  std::vector<int> out;
+  for (const Hypothesis& h : fitted.hypotheses) {
+    for (size_t k = 0; k < q.augmented.hypotheses.size(); ++k) {
+      if (q.augmented.hypotheses[k].family != h.family) continue;
+      if (std::find(out.begin(), out.end(), static_cast<int>(k)) != out.end()) continue;
+      out.push_back(static_cast<int>(k));
+      break;
+    }
+  }
+  return out;
 }
 
 // One run of the questions, from recordings to findings.
@@ -68,6 +91,24 @@ class Investigation {
       d_.data_quality[static_cast<size_t>(k)] =
           check_recording(all[static_cast<size_t>(k)], reading);
     });
+    choose_velocities();
+  }
+
+  // A velocity that is not the derivative of its position in scale is taken from the position.
+  void choose_velocities() {
+    std::set<int> wrong;
+    for (RecordingQuality& recording : d_.data_quality) {
+      for (QualityFinding& f : recording.findings) {
+        if (f.finding != "velocity_scale" || f.severity == Severity::kInfo || f.joint < 1) continue;
+        wrong.insert(f.joint - 1);
+        f.sentence += "; the velocity of this joint is taken from its position";
+      }
+    }
+    options_.identification.preprocessing.derive_velocity_of.assign(wrong.begin(), wrong.end());
+    if (options_.identification.test_preprocessing) {
+      options_.identification.test_preprocessing->derive_velocity_of =
+          options_.identification.preprocessing.derive_velocity_of;
+    }
   }
 
   // The arm on the recordings: identified, or as it stands if its values are facts.
@@ -156,11 +197,23 @@ class Investigation {
       data.emplace(q->train, q->columns);
       selection = select_effects(*data, q->base, q->augmented.hypotheses, options_);
     }
+    size_t selected = selection.accepted.size();
+    std::optional<Fit> fit(
+        fit_accepted(start_, *q, selection, d_.changes, train_, test_, options_));
+    // Refined constants made some findings superfluous: what stood behind them is asked once more.
+    for (int cycle = 0; cycle < kCycles && selection.accepted.size() < selected; ++cycle) {
+      list.known = known_terms(fit->inquiry.augmented);
+      q.emplace(prepare(start_, train_, test_, list, how));
+      data.emplace(q->train, q->columns);
+      selection = select_effects(*data, q->base, q->augmented.hypotheses, options_,
+                                 same_ones(fit->inquiry.augmented, *q));
+      selected = selection.accepted.size();
+      fit.emplace(fit_accepted(start_, *q, selection, d_.changes, train_, test_, options_));
+    }
     std::set<std::string> families;
     for (const Hypothesis& h : q->augmented.hypotheses) families.insert(h.family);
     d_.hypotheses = static_cast<int>(families.size());
-    const Fit fit = fit_accepted(start_, *q, selection, d_.changes, train_, test_, options_);
-    const FindingWriter writer(*q, *data, selection, fit, start_, d_.changes);
+    const FindingWriter writer(*q, *data, selection, *fit, start_, d_.changes);
     writer.add_findings(d_);
     writer.add_the_rest(d_);
     d_.extended = selection.accepted.empty() ? start_ : look(writer.extended_arm());

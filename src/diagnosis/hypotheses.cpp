@@ -1,8 +1,11 @@
 #include "hypotheses.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <set>
 #include <utility>
 
 #include "veridyn/effects/effect.hpp"
@@ -17,6 +20,7 @@ constexpr std::array<double, 3> kGapShares = {1e-3, 5e-3, 2e-2};
 constexpr std::array<double, 3> kSpeedShares = {0.02, 0.06, 0.2};
 constexpr std::array<double, 2> kExponents = {0.4, 0.7};
 
+constexpr double kRippleOrders = 600.0;   // waves per travel that a spectrum looks at
 constexpr double kStillRevolute = 5e-3;   // [rad] of travel
 constexpr double kStillPrismatic = 5e-4;  // [m]
 
@@ -58,6 +62,15 @@ int stage_of(const std::string& effect) {
   return 2;
 }
 
+// Effects whose torque is a function of positions; a single motion ties all positions together.
+bool depends_on_place(const std::string& effect) {
+  static const std::set<std::string> kNames = {
+      "joint_spring", "position_force", "position_dependent_friction",  "torque_ripple",
+      "gravity_tilt", "cable_coupling", "position_dependent_viscosity", "encoder_offset",
+      "torque_drift", "warm_up"};
+  return kNames.count(effect) != 0;
+}
+
 // Columns of these are derivatives: a value beyond is outside of what they describe, and no fault
 // of this kind is so large without being noticed.
 double largest_value(const std::string& effect, bool slides) {
@@ -91,6 +104,14 @@ class Builder {
       : arm_(arm), facts_(facts), list_(list), description_(arm.description()) {}
 
   void ask_all() {
+    for (const auto& [hypothesis, term] : list_.known) {
+      Hypothesis h = hypothesis;
+      h.term = static_cast<int>(description_.effects.size());
+      h.columns.clear();
+      asked_.insert(key(term));
+      description_.effects.push_back(term);
+      hypotheses_.push_back(std::move(h));
+    }
     // Friction holds a joint at rest against anything: its torque says nothing about the arm.
     int moving = 0;
     for (int i = 0; i < arm_.joints(); ++i) moving += static_cast<int>(moves(i));
@@ -135,6 +156,23 @@ class Builder {
       });
       if (!known && term.effect == "coulomb_friction") out.push_back(term.axis);
     }
+    // Joint variables that are mixtures of coordinates.
+    for (const Frame& frame : arm_.frames()) {
+      const VectorXd& c = frame.variable.coefficients;
+      if (frame.type == JointType::kFixed || c.isZero(0.0)) continue;
+      const bool known = std::any_of(out.begin(), out.end(), [&c](const Axis& a) {
+        return std::abs(a.coefficients.normalized().dot(c.normalized())) > 1.0 - 1e-9;
+      });
+      if (!known && (c.array() != 0.0).count() > 1) out.push_back({c, 0.0});
+    }
+    return out;
+  }
+
+  // What tells one term from another, to as many digits as its name shows.
+  std::string key(const EffectTerm& term) const {
+    std::string out = term.effect + " " + axis_text(arm_, term.axis);
+    if (term.from) out += " from " + axis_text(arm_, *term.from);
+    for (const auto& [name, value] : term.values) out += fmt::format(" {} {:.4g}", name, value);
     return out;
   }
 
@@ -155,7 +193,9 @@ class Builder {
     const std::string name = effect.name();
     if (!wanted(name)) return;
     const bool plain = (axis.coefficients.array() != 0.0).count() == 1;
-    if (!plain && name != "presliding_hysteresis") return;
+    if (!plain && name != "presliding_hysteresis" && name != "position_force" &&
+        name != "coulomb_friction" && name != "viscous_friction")
+      return;
     const bool has_shapes = !effect.shapes().empty();
     const int own = own_term(arm_, name, axis);
     if (own >= 0 && list_.changes && !effect.needs_source()) {
@@ -201,12 +241,15 @@ class Builder {
         is_arm_effect(effect) ? arm_effect_parameters(effect) : find_effect(effect).parameters();
     for (const EffectParameter& p : parameters) term.values.erase(p.name);
     if (from >= 0) term.from = Axis{VectorXd::Unit(arm_.joints(), from), 0.0};
+    if (!asked_.insert(key(term)).second) return;
     Hypothesis h;
     h.effect = effect;
     h.joint = effect == "gravity_tilt" ? -1 : main_coordinate(axis);
     h.changes = changes;
     h.term = static_cast<int>(description_.effects.size());
     h.stage = stage_of(effect);
+    h.extrapolates = depends_on_place(effect);
+    if (effect == "torque_ripple") h.tried = kRippleOrders;
     h.largest_value = largest_value(effect, is_prismatic(arm_, axis));
     h.family = (changes >= 0 ? "changed " : "") + effect + " " + axis_text(arm_, axis) +
                (from >= 0 ? " from " + arm_.coordinates()[from].name : "");
@@ -242,6 +285,7 @@ class Builder {
   const std::vector<CompressedRecording>& facts_;
   const QuestionList& list_;
   int payloads_ = 0;
+  std::set<std::string> asked_;
   ModelDescription description_;
   std::vector<Hypothesis> hypotheses_;
 };

@@ -2,6 +2,7 @@
 
 #include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "veridyn/identification/compressed_recording.hpp"
@@ -19,6 +20,8 @@ struct Hypothesis {
   int changes = -1;  ///< index of the arm's own effect that has changed; -1: a new one
   std::vector<std::string> columns;
   std::vector<ParameterSign> signs;
+  double tried = 1.0;            ///< how many constants were looked at before this one was proposed
+  bool extrapolates = false;     ///< it depends on where the arm is: one motion may mislead
   double largest_value = 1e300;  ///< a parameter beyond this is no answer
   int stage =
       0;  ///< order of the questions: 0 channels, 1 inertia and elasticity, 2 friction and forces
@@ -39,6 +42,9 @@ struct QuestionList {
   /// have changed, and a payload may sit on every link.
   bool changes = false;
   std::vector<std::vector<double>> ripple_orders;  ///< per joint: waves to ask about
+  /// Asked beside the grid, first: terms whose constants are refined already. With their
+  /// hypotheses.
+  std::vector<std::pair<Hypothesis, EffectTerm>> known;
 };
 
 /// @param arm    with values, so that effects that depend on the load have one.

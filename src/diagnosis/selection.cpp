@@ -105,10 +105,7 @@ class Selector {
     for (const Hypothesis& h : hypotheses) columns_.push_back(columns_of(data, h));
     std::set<std::string> families;
     for (const Hypothesis& h : hypotheses) families.insert(h.family);
-    // One recording gives eight clusters only: the folds decide there, and the names are
-    // provisional.
-    families_ =
-        several_recordings() ? static_cast<double>(std::max<size_t>(1, families.size())) : 1.0;
+    families_ = static_cast<double>(std::max<size_t>(1, families.size()));
   }
 
   Selection accept_all() {
@@ -145,7 +142,12 @@ class Selector {
     return chosen();
   }
 
-  Selection run() {
+  Selection run(const std::vector<int>& initial) {
+    for (const int h : initial) {
+      Evidence e;
+      e.hypothesis = h;
+      accepted_.push_back({e, {}});
+    }
     while (static_cast<int>(accepted_.size()) < options_.max_effects && add_one())
       swap_early_ones();
     drop_superfluous();
@@ -160,6 +162,14 @@ class Selector {
     std::unique_ptr<BorderedFit> all;
     std::vector<BorderedFit> folds;
   };
+
+  // The largest p value that counts. One recording gives eight clusters only: the folds decide
+  // there, except for what one motion cannot show; the names are provisional.
+  double limit(int h) const {
+    const Hypothesis& hypothesis = hypotheses_[static_cast<size_t>(h)];
+    const bool strict = several_recordings() || hypothesis.extrapolates;
+    return options_.significance / ((strict ? families_ : 1.0) * hypothesis.tried);
+  }
 
   bool several_recordings() const { return data_.recording_of(data_.clusters() - 1) > 0; }
 
@@ -319,7 +329,6 @@ class Selector {
               [](const Evidence& a, const Evidence& b) { return a.gain > b.gain; });
     const std::unique_ptr<Stand> before = stand(chosen());
     const std::vector<BorderedFit> left_out = without_clusters(*before);
-    const double limit = options_.significance / families_;
     std::vector<Evidence> sure;
     int tested = 0;
     for (Evidence& e : good) {
@@ -327,7 +336,7 @@ class Selector {
           (!sure.empty() && e.gain < options_.rival_share * sure.front().gain))
         break;
       e.p_value = p_value(e.hypothesis, *before, left_out);
-      if (e.p_value < limit) sure.push_back(e);
+      if (e.p_value < limit(e.hypothesis)) sure.push_back(e);
     }
     if (sure.empty()) return false;
     Evidence best = sure.front();
@@ -354,7 +363,7 @@ class Selector {
       if (best.hypothesis == own) continue;
       const std::unique_ptr<Stand> beside = stand(others);
       best.p_value = p_value(best.hypothesis, *beside, without_clusters(*beside));
-      if (best.p_value < options_.significance / families_) accepted_[k].evidence = best;
+      if (best.p_value < limit(best.hypothesis)) accepted_[k].evidence = best;
     }
   }
 
@@ -512,9 +521,9 @@ std::vector<int> still_needed(const NormalBlocks& data, const ColumnSet& base,
 }
 
 Selection select_effects(const NormalBlocks& data, const ColumnSet& base,
-                         const std::vector<Hypothesis>& hypotheses,
-                         const DiagnosisOptions& options) {
-  return Selector(data, base, hypotheses, options).run();
+                         const std::vector<Hypothesis>& hypotheses, const DiagnosisOptions& options,
+                         const std::vector<int>& initial) {
+  return Selector(data, base, hypotheses, options).run(initial);
 }
 
 }  // namespace veridyn

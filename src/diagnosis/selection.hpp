@@ -44,10 +44,11 @@ struct Selection {
 
 /// Forward selection with swaps and a drop-one round at the end; weights follow the residual.
 ///
-/// @param base  columns that are always there (independent ones).
+/// @param base     columns that are always there (independent ones).
+/// @param initial  hypotheses that are accepted to begin with; they may be swapped and dropped.
 Selection select_effects(const NormalBlocks& data, const ColumnSet& base,
-                         const std::vector<Hypothesis>& hypotheses,
-                         const DiagnosisOptions& options);
+                         const std::vector<Hypothesis>& hypotheses, const DiagnosisOptions& options,
+                         const std::vector<int>& initial = {});
 
 /// The same hypotheses, all of them accepted, fitted again: for other columns of theirs.
 Selection refit(const NormalBlocks& data, const ColumnSet& base,

@@ -93,6 +93,9 @@ Stretch make_stretch(const Model& arm, const UniformStream& stream, Eigen::Index
   } else if (filter != nullptr) {
     filter->apply(s.dq);
   }
+  for (const int j : o.derive_velocity_of) {
+    if (stream.has_velocity() && j < n) s.dq.col(j) = differentiate(s.q.col(j), s.dt);
+  }
   s.ddq = differentiate(s.dq, s.dt);
   if (signals && f.main) f.main->apply(s.tau);
   const double margin = o.cutoff > 0.0 ? 0.5 / o.cutoff : 0.0;

@@ -44,8 +44,9 @@ struct PreprocessingOptions {
   /// only).
   double signal_cutoff_ratio = 3.0;
   VelocitySource velocity =
-      VelocitySource::kRecorded;  ///< derived from q where the recording has none
-  double rate = 0.0;              ///< [Hz] of the uniform grid; 0: one over the median time step
+      VelocitySource::kRecorded;        ///< derived from q where the recording has none
+  std::vector<int> derive_velocity_of;  ///< joints from 0 whose recorded velocity is not to be used
+  double rate = 0.0;  ///< [Hz] of the uniform grid; 0: one over the median time step
   double drop_start =
       1.2;  ///< [s] left out at the start of the file: transients of the motion and of the filter
   double drop_end = 0.5;  ///< [s] left out at its end
