@@ -255,6 +255,13 @@ class Builder {
                (from >= 0 ? " from " + arm_.coordinates()[from].name : "");
     for (const EffectParameter& p : parameters)
       h.signs.push_back(changes >= 0 ? ParameterSign::kAny : p.sign);
+    for (const EffectParameter& p : parameters) {
+      if (changes < 0) break;
+      const auto& own = arm_.effects()[static_cast<size_t>(changes)].values;
+      const auto value = own.find(p.name);
+      h.lowest.push_back(p.sign == ParameterSign::kAny || value == own.end() ? -1e300
+                                                                             : -value->second);
+    }
     description_.effects.push_back(std::move(term));
     hypotheses_.push_back(std::move(h));
   }

@@ -18,6 +18,7 @@ namespace {
 
 constexpr double kAbsorbed =
     1e-6;  // share of a column's square that must be new for the data to answer
+constexpr double kImpossible = 1.2;  // a parameter may seem to fall by this share of itself
 constexpr double kOwnCause = 0.5;
 constexpr int kTested = 6;  // best candidates that get a Wald test in every round
 
@@ -216,7 +217,9 @@ class Selector {
           hypothesis.body < 0 && hypothesis.signs[k] == ParameterSign::kNonnegative;
       const double scale = std::max(data_.scale()[own[k]], 1e-300);
       const bool absurd = std::abs(value) / scale > hypothesis.largest_value;
-      e.sign_broken = e.sign_broken || (nonnegative && value < 0.0) || absurd;
+      const bool impossible =
+          k < hypothesis.lowest.size() && value / scale < kImpossible * hypothesis.lowest[k];
+      e.sign_broken = e.sign_broken || impossible || (nonnegative && value < 0.0) || absurd;
     }
     // The mean over folds and not the fall of the pooled error: one recording with a fault of its
     // own must not outvote the others.

@@ -18,8 +18,9 @@ inline Model bare_arm(const std::vector<EffectTerm>& effects) {
   const Limits limits{-kFar, kFar, kFar, kFar, kFar};
   ModelDescription d;
   d.name = "bare";
-  d.coordinates = {
-      {"yaw", limits, 0.0, false}, {"pitch", limits, 0.0, false}, {"insertion", limits, 0.0, true}};
+  d.coordinates = {{"yaw", limits, 0.0, false, {}},
+                   {"pitch", limits, 0.0, false, {}},
+                   {"insertion", limits, 0.0, true, {}}};
   Frame slide;
   slide.name = "slide";
   slide.type = JointType::kPrismatic;

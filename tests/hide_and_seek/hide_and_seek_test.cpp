@@ -89,7 +89,7 @@ TEST(Judge, CountsRightNamesStandInsAndWrongOnes) {
   Finding stand_in;
   stand_in.effect = "presliding_hysteresis";
   stand_in.joint = 2;
-  stand_in.rivals = {{"backlash", 2, "pitch", ""}};
+  stand_in.rivals = {{"backlash", 2, "pitch", "", ""}};
 
   EXPECT_FALSE(judge(hidden, d).first_rival);
   d.findings = {right};

@@ -51,8 +51,8 @@ class OfEveryRobot : public testing::TestWithParam<std::string> {
 };
 
 std::vector<std::string> robots() {
-  return {"elbow-6r",         "mtm",       "planar-2r", "psm-3dof",
-          "psm-3dof-printed", "psm-wrist", "scara",     "ur10e"};
+  return {"elbow-6r",         "kuka-lwr4", "mtm",   "planar-2r", "psm-3dof",
+          "psm-3dof-printed", "psm-wrist", "scara", "ur10e"};
 }
 
 std::string test_name(const testing::TestParamInfo<std::string>& info) {
@@ -150,10 +150,9 @@ TEST_P(OfEveryRobot, TheyAreNamedAfterTheirIndependentParameter) {
 // Bodies and friction as the files declare them. psm and ur10e: counted by numpy's SVD of the same
 // regressors in the prototypes; planar-2r: 6 + 4 friction, closed form below.
 TEST(BaseParametersOf, TheRobotsAreAsManyAsKnown) {
-  const std::map<std::string, int> known{{"psm-3dof", 25},
-                                         {"psm-3dof-printed", 28},
-                                         {"psm-wrist", 49},
-                                         {"ur10e", 58},
+  const std::map<std::string, int> known{{"psm-3dof", 25},  {"psm-3dof-printed", 28},
+                                         {"psm-wrist", 49}, {"ur10e", 58},
+                                         {"kuka-lwr4", 43},  // Gaz et al., ICRA 2014
                                          {"planar-2r", 10}};
   for (const auto& [name, count] : known)
     EXPECT_EQ(base_parameters(robot(name)).size(), count) << name;

@@ -161,7 +161,7 @@ TEST_F(OpenedInMemory, NothingInTheResultIsTakenForMarkup) {
   const std::string name = "</script><b data-planted=\"1\">&amp; \\ \xff \u00e9.csv";
   d.baseline.test[0].source = name;
   d.findings[0].sentence = "<b data-planted=\"1\">bold</b> {{result}}";
-  d.findings[0].rivals = {{"payload", 0, "", "<i data-planted=\"1\">"}};
+  d.findings[0].rivals = {{"payload", 0, "", "<i data-planted=\"1\">", ""}};
   const OpenedPage page = open(to_page(d, "veridyn 'a</script>b'"));
   expect_sound(page, 800);
   EXPECT_TRUE(page.with("data-planted").empty());

@@ -1,0 +1,89 @@
+#include "diagnosis/contacts.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "veridyn/model/model_file.hpp"
+
+// Residuals made by hand: a burst is a contact unless it belongs to the motion.
+
+namespace veridyn {
+namespace {
+
+constexpr double kRate = 100.0;
+constexpr double kPeriod = 10.0;
+
+class Residuals : public testing::Test {
+ protected:
+  Residuals() : id_() {
+    id_.model = read_model("planar-2r");
+    RecordingError r;
+    r.source = "push.csv";
+    r.period = kPeriod;
+    std::mt19937 random(3);
+    std::normal_distribution<double> noise(0.0, 0.05);
+    PredictionSeries& x = r.series;
+    for (auto* table : {&x.q, &x.dq, &x.ddq, &x.measured, &x.modelled}) table->resize(2);
+    for (int k = 0; k < 3000; ++k) {
+      const double t = k / kRate;
+      x.time.push_back(t);
+      for (size_t i = 0; i < 2; ++i) {
+        const double wave = std::sin(2.0 * M_PI * t / kPeriod + static_cast<double>(i));
+        x.q[i].push_back(wave);
+        x.dq[i].push_back(2.0 * M_PI / kPeriod * std::cos(2.0 * M_PI * t / kPeriod));
+        x.ddq[i].push_back(0.0);
+        x.modelled[i].push_back(3.0 * wave);
+        x.measured[i].push_back(3.0 * wave + noise(random));
+      }
+    }
+    id_.train.push_back(std::move(r));
+  }
+
+  void push(size_t joint, double from, double to, double effort) {
+    PredictionSeries& x = id_.train[0].series;
+    for (size_t k = 0; k < x.time.size(); ++k) {
+      if (x.time[k] >= from && x.time[k] <= to) x.measured[joint][k] += effort;
+    }
+  }
+
+  Identification id_;
+};
+
+TEST_F(Residuals, NoiseIsNoContact) {
+  EXPECT_TRUE(find_contacts(id_).empty());
+}
+
+TEST_F(Residuals, APushIsFoundWithItsTimeAndItsLastJoint) {
+  push(0, 12.0, 13.0, 1.5);
+  push(1, 12.0, 13.0, -0.8);
+  push(0, 21.0, 21.6, -1.0);
+  const std::vector<Contact> found = find_contacts(id_);
+  ASSERT_EQ(found.size(), 2U);
+  EXPECT_NEAR(found[0].from, 12.0, 0.05);
+  EXPECT_NEAR(found[0].to, 13.0, 0.05);
+  EXPECT_EQ(found[0].last_joint, 1);
+  EXPECT_NEAR(found[0].effort[0], 1.5, 0.1);
+  EXPECT_NEAR(found[0].effort[1], -0.8, 0.1);
+  EXPECT_EQ(found[1].last_joint, 0);
+}
+
+TEST_F(Residuals, WhatComesBackEveryPeriodBelongsToTheArm) {
+  for (const double turn : {0.0, 1.0, 2.0})
+    push(1, 3.0 + turn * kPeriod, 3.8 + turn * kPeriod, 1.0);
+  EXPECT_TRUE(find_contacts(id_).empty());
+}
+
+TEST_F(Residuals, RowsAroundTheContactAreLeftOut) {
+  push(1, 12.0, 13.0, 1.0);
+  const std::vector<LeftOut> rows = left_out_rows(find_contacts(id_));
+  ASSERT_EQ(rows.size(), 1U);
+  EXPECT_EQ(rows[0].source, "push.csv");
+  EXPECT_EQ(rows[0].joint, -1);
+  EXPECT_LT(rows[0].from, 12.0);
+  EXPECT_GT(rows[0].to, 13.0);
+}
+
+}  // namespace
+}  // namespace veridyn
