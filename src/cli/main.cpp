@@ -19,6 +19,7 @@ ExitStatus run(int argc, char** argv) {
   add_check_command(tool, outcome);
   add_identify_command(tool, outcome);
   add_diagnose_command(tool, outcome);
+  add_compare_command(tool, outcome);
   add_export_command(tool, outcome);
   add_excite_command(tool, outcome);
   add_simulate_command(tool, outcome);

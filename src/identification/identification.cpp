@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "identified_base.hpp"
 #include "veridyn/identification/base_solution.hpp"
 #include "veridyn/math/dense.hpp"
 #include "veridyn/math/parallel.hpp"
@@ -279,17 +280,21 @@ void solve(const Model& arm, const std::vector<CompressedRecording>& recordings,
   id.effective_samples = solution.effective_samples;
   id.unconstrained_objective = solution.residual2;
   id.objective = solution.residual2;
+  VectorXd beta = solution.beta;
   if (options.method == Method::kFeasible) {
     total = weighted_total(recordings, weights, names);
     solve_feasible(arm, total, options, id);
-    solution.beta = base.K * id.parameters;
+    beta = base.K * id.parameters;
   } else {
     id.parameters = shortest_parameters(base, solution.beta, norms);
   }
   keep_facts(parameters, id.parameters);
   id.feasible = all_bodies_possible(arm, id.parameters);
-  describe_base(arm, base, solution.beta, solution.std, id);
-  id.model = with_values(arm, id.parameters, id.parameter_deviations);
+  describe_base(arm, base, beta, solution.std, id);
+  ModelDescription description =
+      with_values(arm, id.parameters, id.parameter_deviations).description();
+  description.identified = identified_base(base, parameters, solution, beta, recordings);
+  id.model = Model(std::move(description));
 }
 
 VectorXd mean_floor(const std::vector<CompressedRecording>& recordings, int joints) {
@@ -314,6 +319,13 @@ Identification start(const Model& arm, const IdentificationOptions& options) {
   id.preprocessing = options.preprocessing;
   id.test_preprocessing = options.test_preprocessing.value_or(options.preprocessing);
   return id;
+}
+
+// The errors of training go into the MODEL file with the statistics.
+void keep_training_error(Identification& id) {
+  ModelDescription description = id.model->description();
+  description.identified->error = id.train_error.relative;
+  id.model = Model(std::move(description));
 }
 
 // From factors to a model; false if there is none.
@@ -374,6 +386,7 @@ Identification identify(const Model& arm, const std::vector<std::string>& train,
   ErrorSums test_sums(arm.joints());
   for (size_t t = 0; t < sums.size(); ++t) (t < train.size() ? train_sums : test_sums).add(sums[t]);
   id.train_error = train_sums.error();
+  keep_training_error(id);
   if (!test.empty()) id.test_error = test_sums.error();
   id.seconds.validate = seconds_since(validation);
   id.factors = recordings;
@@ -394,6 +407,7 @@ Identification identify(const Model& arm, const Recording& recording,
                                           recordings[0].joints, &id.train[0].series);
   id.train[0].error = sums.error();
   id.train_error = sums.error();
+  keep_training_error(id);
   return id;
 }
 
