@@ -300,6 +300,7 @@ void FindingWriter::add_the_rest(Diagnosis& d) const {
 Model FindingWriter::extended_arm() const {
   const std::string given = start_.model->name();
   ModelDescription d = start_.model->description();
+  if (changes_) d.identified.reset();  // statistics of values that are no longer there
   std::vector<std::pair<const EffectTerm*, std::vector<double>>> of_arm;
   for (size_t k = 0; k < selection_.accepted.size(); ++k) {
     const Hypothesis& h = accepted(k);

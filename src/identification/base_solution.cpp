@@ -28,12 +28,13 @@ double condition(const MatrixXd& A) {
   return s[s.size() - 1] > 0.0 ? s[0] / s[s.size() - 1] : std::numeric_limits<double>::infinity();
 }
 
-// All solutions without one block: what stands before it merged with what stands after it.
-VectorXd jackknife(const std::vector<SquareRootInformation>& blocks,
+// The factor of the covariance, from all solutions without one block: what stands before it merged
+// with what stands after it.
+MatrixXd jackknife(const std::vector<SquareRootInformation>& blocks,
                    const std::vector<std::string>& columns) {
   const size_t count = blocks.size();
   const auto k = static_cast<Eigen::Index>(columns.size());
-  if (count < 3) return VectorXd::Constant(k, std::numeric_limits<double>::quiet_NaN());
+  if (count < 3) return MatrixXd(k, 0);
   std::vector<SquareRootInformation> after(count, SquareRootInformation(columns));
   for (size_t b = count - 1; b > 0; --b) {
     after[b - 1] = after[b];
@@ -49,7 +50,7 @@ VectorXd jackknife(const std::vector<SquareRootInformation>& blocks,
   }
   const VectorXd mean = solutions.rowwise().mean();
   const auto g = static_cast<double>(count);
-  return ((solutions.colwise() - mean).rowwise().squaredNorm() * ((g - 1.0) / g)).cwiseSqrt();
+  return (solutions.colwise() - mean) * std::sqrt((g - 1.0) / g);
 }
 
 double median(std::vector<double> values) {
@@ -97,7 +98,11 @@ BaseSolution solve_base(const std::vector<CompressedRecording>& recordings,
   const double freedom = std::max(1.0, total.rows() - total.size());
   const MatrixXd inverse = Eigen::ColPivHouseholderQR<MatrixXd>(total.R()).inverse();
   out.white_std = inverse.rowwise().norm() * std::sqrt(out.residual2 / freedom);
-  out.std = jackknife(blocks, columns);
+  out.clusters = static_cast<int>(blocks.size());
+  out.scatter = jackknife(blocks, columns);
+  out.std = out.scatter.cols() > 0
+                ? VectorXd(out.scatter.rowwise().norm())
+                : VectorXd::Constant(out.beta.size(), std::numeric_limits<double>::quiet_NaN());
   std::vector<double> ratios;
   for (Eigen::Index j = 0; j < out.beta.size(); ++j) {
     const double ratio = std::pow(out.white_std[j] / out.std[j], 2);

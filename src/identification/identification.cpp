@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "identified_base.hpp"
 #include "validation.hpp"
 #include "veridyn/identification/base_solution.hpp"
 #include "veridyn/math/dense.hpp"
@@ -268,17 +269,28 @@ void solve(const Model& arm, const std::vector<CompressedRecording>& recordings,
   id.effective_samples = solution.effective_samples;
   id.unconstrained_objective = solution.residual2;
   id.objective = solution.residual2;
+  VectorXd beta = solution.beta;
   if (options.method == Method::kFeasible) {
     total = weighted_total(recordings, weights, names);
     solve_feasible(arm, total, options, id);
-    solution.beta = base.K * id.parameters;
+    beta = base.K * id.parameters;
   } else {
     id.parameters = shortest_parameters(base, solution.beta, norms);
   }
   keep_facts(parameters, id.parameters);
   id.feasible = all_bodies_possible(arm, id.parameters);
-  describe_base(arm, base, solution.beta, solution.std, id);
-  id.model = with_values(arm, id.parameters, id.parameter_deviations);
+  describe_base(arm, base, beta, solution.std, id);
+  ModelDescription description =
+      with_values(arm, id.parameters, id.parameter_deviations).description();
+  description.identified = identified_base(base, parameters, solution, beta, recordings);
+  id.model = Model(std::move(description));
+}
+
+// The errors of training go into the MODEL file with the statistics.
+void keep_training_error(Identification& id) {
+  ModelDescription description = id.model->description();
+  description.identified->error = id.train_error.relative;
+  id.model = Model(std::move(description));
 }
 
 // From factors to a model; false if there is none.
@@ -319,6 +331,7 @@ Identification identify(const Model& arm, const std::vector<std::string>& train,
   say("validating", 0.6);
   id.factors = recordings;
   validate(arm, test, options, id);
+  keep_training_error(id);
   say("done", 1.0);
   return id;
 }
@@ -336,6 +349,7 @@ Identification identify(const Model& arm, const Recording& recording,
                                           recordings[0].joints, &id.train[0].series);
   id.train[0].error = sums.error();
   id.train_error = sums.error();
+  keep_training_error(id);
   return id;
 }
 

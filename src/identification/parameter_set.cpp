@@ -88,6 +88,7 @@ std::vector<std::string> parameter_names(const std::vector<StandardParameter>& p
 
 Model with_values(const Model& arm, const VectorRef& values, const VectorRef& deviations) {
   ModelDescription d = arm.description();
+  d.identified.reset();
   const auto known = [&deviations](Eigen::Index i) {
     return i < deviations.size() && std::isfinite(deviations[i]);
   };

@@ -7,6 +7,7 @@
 #include "yaml_body.hpp"
 #include "yaml_effects.hpp"
 #include "yaml_frames.hpp"
+#include "yaml_identified.hpp"
 #include "yaml_node.hpp"
 
 namespace veridyn {
@@ -30,6 +31,9 @@ class ModelReader {
     if (const auto effects = root_.find("effects")) {
       model_.effects = read_effects(*effects, coordinate_names_, frame_names());
     }
+    if (const auto identified = root_.find("identified")) {
+      model_.identified = read_identified(*identified, static_cast<int>(coordinate_names_.size()));
+    }
     model_.constants = source_.constants;
     model_.formulas = source_.formulas;
     return model_;
@@ -42,7 +46,7 @@ class ModelReader {
     if (!version) root_.fail("no 'veridyn: 1'", "a robot file, which begins with it");
     if (version->number() != 1.0) version->fail("version " + version->found(), "'veridyn: 1'");
     root_.allow_keys({"veridyn", "name", "source", "gravity", "constants", "convention", "box",
-                      "coordinates", "frames", "effects"});
+                      "coordinates", "frames", "effects", "identified"});
     model_.name = root_.at("name").word("the robot's name");
     if (const auto source = root_.find("source"))
       model_.source = source->word("where the numbers come from");
@@ -83,7 +87,7 @@ class ModelReader {
   }
 
   void read_coordinate(const YamlNode& list_item) {
-    list_item.allow_keys({"name", "limits", "drive_gain", "recorded"});
+    list_item.allow_keys({"name", "limits", "drive_gain", "drive_gain_std", "recorded"});
     Coordinate c;
     c.name = list_item.at("name").word("the coordinate's name");
     const YamlNode node = list_item.placed("coordinates/" + c.name);
@@ -91,6 +95,11 @@ class ModelReader {
     if (const auto limits = node.find("limits")) c.limits = read_limits(*limits);
     if (const auto gain = node.find("drive_gain")) c.drive_gain = gain->number();
     if (const auto recorded = node.find("recorded")) c.recorded = read_channel(*recorded);
+    if (const auto std = node.find("drive_gain_std")) {
+      c.drive_gain_deviation = std->number_or_infinity();
+      if (c.drive_gain_deviation < 0.0)
+        std->fail("the negative standard deviation " + std->found(), "0 or more");
+    }
     for (const Coordinate& other : model_.coordinates) {
       if (other.name == c.name)
         list_item.fail("a second coordinate '" + c.name + "'", "unique names");

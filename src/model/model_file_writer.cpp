@@ -8,6 +8,7 @@
 #include "veridyn/model/joint_placement.hpp"
 #include "veridyn/model/model_file.hpp"
 #include "veridyn/model/suggestion.hpp"
+#include "yaml_identified.hpp"
 #include "yaml_text.hpp"
 
 namespace veridyn {
@@ -34,6 +35,7 @@ class ModelWriter {
     for (const Frame& frame : d_.frames) line("  - {" + frame_text(frame) + "}");
     if (!d_.effects.empty()) line("effects:");
     for (std::size_t i = 0; i < d_.effects.size(); ++i) line("  - {" + effect_text(i) + "}");
+    if (d_.identified) out_ += identified_text(*d_.identified);
     return std::move(out_);
   }
 
@@ -108,6 +110,8 @@ class ModelWriter {
         parts.push_back("drive_gain: " + numbers_.number(place + "/drive_gain", c.drive_gain));
       const std::string recorded = channel_text(place + "/recorded", c.recorded);
       if (!recorded.empty()) parts.push_back("recorded: {" + recorded + "}");
+      if (c.drive_gain_deviation != 0.0)
+        parts.push_back("drive_gain_std: " + deviation_text(c.drive_gain_deviation));
       line("  - {" + listed(parts) + "}");
     }
   }

@@ -5,36 +5,13 @@
 #include <utility>
 
 #include "plant.hpp"
-#include "veridyn/kinematics/motion_limits.hpp"
+#include "veridyn/kinematics/standard_motion.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn {
 namespace {
 
-constexpr double kDuration = 30.0;  // [s]
-constexpr double kRate = 100.0;     // [Hz]
 constexpr int kSubsteps = 4;
-
-// One wave for every joint, at frequencies of their own, over at most 70 % of the range and half
-// the speed.
-MotionSamples standard_motion(const Model& arm) {
-  const MotionLimits limits = motion_limits(arm);
-  const auto rows = static_cast<Eigen::Index>(kDuration * kRate) + 1;
-  const Eigen::Index n = arm.joints();
-  MotionSamples out{VectorXd::LinSpaced(rows, 0.0, kDuration), MatrixXd(rows, n), MatrixXd(rows, n),
-                    MatrixXd(rows, n)};
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const double omega = 2.0 * M_PI * (0.2 + 0.07 * static_cast<double>(i));
-    const double size =
-        std::min(0.35 * (limits.upper[i] - limits.lower[i]), 0.5 * limits.velocity[i] / omega);
-    const double middle = 0.5 * (limits.lower[i] + limits.upper[i]);
-    const Eigen::ArrayXd angle = omega * out.time.array();
-    out.q.col(i) = middle + size * angle.sin();
-    out.dq.col(i) = size * omega * angle.cos();
-    out.ddq.col(i) = -size * omega * omega * angle.sin();
-  }
-  return out;
-}
 
 double rms(const VectorXd& x) {
   return std::sqrt(x.squaredNorm() / static_cast<double>(std::max<Eigen::Index>(1, x.size())));

@@ -126,7 +126,13 @@ TEST(TheBaseSolution, HasTheStandardDeviationOfTheJackknife) {
   const VectorXd mean = left_out.rowwise().mean();
   const VectorXd expected =
       ((left_out.colwise() - mean).rowwise().squaredNorm() * (g - 1.0) / g).cwiseSqrt();
-  EXPECT_TRUE(near(solve_base(d.recordings, weights, base(), names()).std, expected, 1e-11));
+  const BaseSolution s = solve_base(d.recordings, weights, base(), names());
+  EXPECT_TRUE(near(s.std, expected, 1e-11));
+  // ... and the covariances that go with it.
+  const MatrixXd about = left_out.colwise() - mean;
+  EXPECT_TRUE(
+      near(s.scatter * s.scatter.transpose(), about * about.transpose() * ((g - 1.0) / g), 1e-11));
+  EXPECT_EQ(s.clusters, g);
 }
 
 // With independent noise both standard deviations mean the same: over many draws their squares have
@@ -155,6 +161,7 @@ TEST(TheBaseSolution, SaysThatTwoBlocksAreTooFewForAStandardDeviation) {
   d.recordings.pop_back();
   const BaseSolution s = solve_base(d.recordings, Eigen::Vector2d(1, 1), base(), names());
   EXPECT_TRUE(s.std.array().isNaN().all());
+  EXPECT_EQ(s.scatter.cols(), 0);
   EXPECT_TRUE(s.beta.allFinite());
 }
 

@@ -288,5 +288,42 @@ TEST(ModelFile, DamagedFilesAreRefusedAndNeverCrash) {
   }
 }
 
+// The section that statistics need says where it is broken.
+TEST(ModelFile, RefusesABrokenSectionOfStatistics) {
+  const auto with_section = [](const std::string& clusters, const std::string& more,
+                               const std::string& factor) {
+    return std::string(kArm) + "identified:\n  clusters: " + clusters + "\n" + more +
+           "  base:\n"
+           "    - {name: m_tool, unit: kg, value: 2, free: 2, of: {m_tool: 1}, factor: [1, 2, 3]}\n"
+           "    - {name: hx_tool, unit: kg m, value: 0, free: 0, of: {hx_tool: 1}, factor: " +
+           factor + "}\n";
+  };
+  EXPECT_EQ(error_of(with_section("3", "", "[1, 2, 3]")), "no error");
+  const std::pair<std::string, const char*> kBroken[] = {
+      {with_section("3", "", "[1, 2]"), "found a factor of 2 numbers, expected 3"},
+      {with_section("2.5", "", "[1, 2, 3]"), "found '2.5', expected the number of clusters"},
+      {with_section("-1", "", "[1, 2, 3]"), "found '-1', expected the number of clusters"},
+      {with_section("3", "  error: [0.1]\n", "[1, 2, 3]"), "each of the 2 joints"},
+      {with_section("3", "  motion: [[1, 2], [1, 2]]\n", "[1, 2, 3]"), "each of the 3 clusters"},
+      {with_section("3", "  motion: [[1, 2], [1, 2], [1]]\n", "[1, 2, 3]"), "2 numbers"},
+      {with_section("3", "  cluster: 3\n", "[1, 2, 3]"), "did you mean 'clusters'?"},
+  };
+  for (const auto& [content, words] : kBroken) {
+    EXPECT_NE(error_of(content).find(words), std::string::npos) << error_of(content);
+    EXPECT_EQ(error_of(content).rfind("arm.yaml:", 0), 0u) << error_of(content);
+  }
+  EXPECT_NE(error_of(std::string(kArm) +
+                     "identified: {clusters: 3, base: [{name: a, unit: kg, value: 1, free: 1, of: "
+                     "{b: 1}}]}\n")
+                .find("a combination without 'a: 1'"),
+            std::string::npos);
+}
+
+TEST(ModelFile, RefusesANegativeDeviationOfADriveGain) {
+  EXPECT_NE(error_of(arm_with("drive_gain: 12.5", "drive_gain: 12.5, drive_gain_std: -1"))
+                .find("negative standard deviation"),
+            std::string::npos);
+}
+
 }  // namespace
 }  // namespace veridyn

@@ -90,6 +90,22 @@ void expect_same_effect(const EffectTerm& a, const EffectTerm& b) {
   EXPECT_EQ(a.deviations, b.deviations);
 }
 
+void expect_same_identified(const IdentifiedBase& a, const IdentifiedBase& b) {
+  EXPECT_EQ(a.recordings, b.recordings);
+  EXPECT_EQ(a.clusters, b.clusters);
+  EXPECT_EQ(a.error, b.error);
+  EXPECT_EQ(a.motion, b.motion);
+  ASSERT_EQ(a.parameters.size(), b.parameters.size());
+  for (std::size_t j = 0; j < a.parameters.size(); ++j) {
+    EXPECT_EQ(a.parameters[j].name, b.parameters[j].name);
+    EXPECT_EQ(a.parameters[j].unit, b.parameters[j].unit);
+    EXPECT_EQ(a.parameters[j].combination, b.parameters[j].combination);
+    EXPECT_EQ(a.parameters[j].value, b.parameters[j].value);
+    EXPECT_EQ(a.parameters[j].free, b.parameters[j].free);
+    EXPECT_EQ(a.parameters[j].scatter, b.parameters[j].scatter);
+  }
+}
+
 void expect_same_description(const Model& a, const Model& b) {
   EXPECT_EQ(a.name(), b.name());
   EXPECT_EQ(a.description().source, b.description().source);
@@ -101,6 +117,7 @@ void expect_same_description(const Model& a, const Model& b) {
   for (std::size_t i = 0; i < a.coordinates().size(); ++i) {
     EXPECT_EQ(a.coordinates()[i].name, b.coordinates()[i].name);
     EXPECT_EQ(a.coordinates()[i].drive_gain, b.coordinates()[i].drive_gain);
+    EXPECT_EQ(a.coordinates()[i].drive_gain_deviation, b.coordinates()[i].drive_gain_deviation);
     expect_same_limits(a.coordinates()[i].limits, b.coordinates()[i].limits);
   }
   ASSERT_EQ(a.frames().size(), b.frames().size());
@@ -109,6 +126,9 @@ void expect_same_description(const Model& a, const Model& b) {
   ASSERT_EQ(a.effects().size(), b.effects().size());
   for (std::size_t e = 0; e < a.effects().size(); ++e)
     expect_same_effect(a.effects()[e], b.effects()[e]);
+  const std::optional<IdentifiedBase>& identified = a.description().identified;
+  ASSERT_EQ(identified.has_value(), b.description().identified.has_value());
+  if (identified) expect_same_identified(*identified, *b.description().identified);
 }
 
 // Every frame of b that a knows stands where it stands in a.
@@ -156,8 +176,30 @@ TEST(RobotFiles, AreWrittenLetterByLetterTheSameEachTime) {
   }
 }
 
+// Names with everything that could confuse YAML.
+IdentifiedBase random_identified(int joints, Random& random) {
+  IdentifiedBase out;
+  out.recordings = {"one.csv", "with space, comma: and #.csv", "yes"};
+  out.clusters = 4;
+  out.error = random.vector(joints, 0, 1);
+  out.motion = MatrixXd(4, joints);
+  for (double& x : out.motion.reshaped()) x = random.in(0, 1);
+  for (const std::string name :
+       {"m_tool", "viscous_friction(1.2178 yaw1 - 0.8306 pitch).coefficient",
+        "presliding_hysteresis(yaw, distance 0.005).level"}) {
+    out.parameters.push_back({name,
+                              "kg m^2",
+                              {{name, 1.0}, {"other", random.in(-1, 1)}},
+                              random.in(-1, 1),
+                              random.in(-1, 1),
+                              random.vector(4, -1, 1)});
+  }
+  return out;
+}
+
 Model identified(ModelDescription d) {
   Random random(31);
+  d.identified = random_identified(static_cast<int>(d.coordinates.size()), random);
   for (Frame& frame : d.frames) {
     if (!frame.body) continue;
     frame.body->phi = random.body();
@@ -173,6 +215,7 @@ Model identified(ModelDescription d) {
   if (!d.effects.empty()) d.effects.front().from = Axis{d.effects.back().axis.coefficients, 0.3};
   for (Coordinate& c : d.coordinates) {
     c.drive_gain = random.in(-9, 9);
+    c.drive_gain_deviation = random.in(0, 1);
     c.limits.lower = -kInfinity;
     c.limits.effort = random.in(1, 2);
   }

@@ -9,11 +9,15 @@ namespace veridyn {
 
 /// Least squares on the base parameters, from factors alone.
 struct BaseSolution {
-  VectorXd beta;                  ///< (base)
-  VectorXd white_std;             ///< (base) if samples were independent
-  VectorXd std;                   ///< (base) block jackknife over the blocks of all recordings
-  double residual2 = 0.0;         ///< weighted sum of squares
-  double condition_number = 0.0;  ///< of the columns as they are
+  VectorXd beta;       ///< (base)
+  VectorXd white_std;  ///< (base) if samples were independent
+  VectorXd std;        ///< (base) block jackknife over the blocks of all recordings
+  /// (base x clusters) F: the covariance of beta that std belongs to is F F'; (base x 0) where
+  /// there are fewer than three clusters.
+  MatrixXd scatter;
+  int clusters = 0;                      ///< blocks of all recordings
+  double residual2 = 0.0;                ///< weighted sum of squares
+  double condition_number = 0.0;         ///< of the columns as they are
   double condition_number_scaled = 0.0;  ///< of the columns scaled to norm one
   double effective_samples = 0.0;        ///< rows, times the median ratio of the two variances
 };

@@ -7,6 +7,7 @@
 
 #include "veridyn/math/types.hpp"
 #include "veridyn/math/vector3.hpp"
+#include "veridyn/model/identified_base.hpp"
 
 namespace veridyn {
 
@@ -98,7 +99,8 @@ struct Coordinate {
   Limits limits;
   double drive_gain = 0.0;  ///< [N m/A] or [N/A]: torque per ampere of motor current; 0: not given
   bool prismatic = false;   ///< true where it moves prismatic frames only: metres and newtons
-  RecordedChannel recorded;
+  double drive_gain_deviation = 0.0;  ///< standard deviation of an identified drive gain; 0: none
+  RecordedChannel recorded{};
 };
 
 /// One effect of the model, by its name in CONTRACT.md. What it does is in effects/.
@@ -125,6 +127,9 @@ struct ModelDescription {
   ParameterBox box;
   std::map<std::string, std::string>
       formulas;  ///< arithmetic of the file by place, as "frames/elbow/dh/3"
+  /// Of the identification that gave the values; empty in a robot file, and wherever values
+  /// changed.
+  std::optional<IdentifiedBase> identified;
 };
 
 /// An arm: frames, bodies and effects. Immutable.

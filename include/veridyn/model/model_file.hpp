@@ -25,6 +25,21 @@ Model read_model(const std::string& robot, const ModelFileOptions& options = {})
 Model read_yaml(const std::string& content, const std::string& file,
                 const ModelFileOptions& options = {});
 
+/// A model's file has, beside the values with their standard deviations (`std:` in bodies and
+/// effects, `drive_gain_std:` in coordinates), what later statistics need:
+///
+///   identified:
+///     recordings: [one.csv]         # it learned from
+///     clusters: 8                   # of the jackknife; degrees of freedom are one fewer
+///     error: [0.04, 0.12]           # relative, per joint, on these recordings
+///     motion: [[..], ..]            # IdentifiedBase::motion, a row for every cluster
+///     base:
+///       - {name: hx_upper, unit: kg m, value: 2.25, free: 2.26, std: 0.01,
+///          of: {hx_upper: 1, m_upper: 0.5}, factor: [..]}   # IdentifiedParameter
+///
+/// `value` is what the model's parameters have; statistics of a file whose parameters were changed
+/// since are not used. `std` follows from `factor` and is there for readers.
+///
 /// The robot file of a model, laid out like a hand-written one. read_yaml(to_yaml(m)) is m; numbers
 /// that came as arithmetic and still have that value stay arithmetic, so constants keep their
 /// effect.

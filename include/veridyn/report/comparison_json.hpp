@@ -1,0 +1,13 @@
+#pragma once
+
+#include <string>
+
+#include "veridyn/diagnosis/model_comparison.hpp"
+
+namespace veridyn {
+
+/// What `compare --json` writes: verdict, every parameter with its statistics and sentence, torques
+/// per joint, what is not built alike. Joints count from 1.
+std::string to_json(const ModelComparison& comparison);
+
+}  // namespace veridyn
