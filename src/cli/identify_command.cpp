@@ -20,6 +20,7 @@ struct Request {
   std::vector<std::string> train, test;
   std::optional<RowRange> test_rows;
   std::string prior;
+  std::vector<std::string> known_masses;
   std::string model_out;
   IdentificationOptions options;
   CommonOptions common;
@@ -30,6 +31,8 @@ IdentificationOptions identification_options(const Request& request) {
   options.threads = request.common.threads;
   options.progress = progress(request.common);
   if (!request.prior.empty()) options.prior = read_model(request.prior);
+  for (const std::string& asked : request.known_masses)
+    options.known_masses.push_back(parse_known_mass(asked));
   if (request.test_rows) {
     options.test_preprocessing = options.preprocessing;
     options.test_preprocessing->first_row = request.test_rows->first;
@@ -52,6 +55,9 @@ ExitStatus run(const Request& request, const std::string& command_line) {
   const Identification id =
       identify(arm, request.train, request.test, identification_options(request));
   if (!id.model) {
+    if (id.drive_gains && id.drive_gains->problem.empty()) std::cout << id.drive_gains->report();
+    if (id.drive_gains && !request.common.json.empty())
+      write_file(request.common.json, to_json(id));
     say(id.reason);
     return kDataCannotAnswer;
   }
@@ -78,6 +84,13 @@ void add_fit_options(CLI::App& command, Request& request) {
              "Signs of friction, inertia and stiffness, with --method feasible");
   command.add_option("--prior", request.prior, "Model to stay close to, with --method feasible")
       ->option_text("MODEL");
+  command
+      .add_option("--known-mass", request.known_masses,
+                  "Find the drive gains of an arm that reports currents: KG is mounted on FRAME in "
+                  "the training recordings REC; without REC the data tell which are heavier")
+      ->option_text("KG@FRAME[=REC,REC]")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
 }
 
 }  // namespace

@@ -311,12 +311,41 @@ bool fit(const Model& arm, const std::vector<CompressedRecording>& recordings,
   return id.model.has_value();
 }
 
+// Drive gains first, then the arm from the recordings that carry nothing.
+Identification identify_with_known_masses(const Model& arm, const std::vector<std::string>& train,
+                                          const std::vector<std::string>& test,
+                                          const IdentificationOptions& options) {
+  if (options.progress) options.progress("finding drive gains", 0.0);
+  const DriveGains gains =
+      find_drive_gains(arm, train, options.known_masses, options.preprocessing, options.threads);
+  std::string open = gains.problem;
+  for (size_t j = 0; j < gains.joints.size() && open.empty(); ++j) {
+    const DriveGain& gain = gains.joints[j];
+    if (gain.told || arm.coordinates()[j].drive_gain != 0.0) continue;
+    open = "the drive gain of " + gain.coordinate + " cannot be told and robot '" + arm.name() +
+           "' has none: " + gain.reason;
+  }
+  Identification id;
+  if (open.empty()) {
+    IdentificationOptions plain = options;
+    plain.known_masses.clear();
+    id = identify(with_drive_gains(arm, gains), gains.unloaded, test, plain);
+  } else {
+    id = described(arm, options);
+    id.status = IdentificationStatus::kNoDriveGains;
+    id.reason = open;
+  }
+  id.drive_gains = gains;
+  return id;
+}
+
 }  // namespace
 
 Identification identify(const Model& arm, const std::vector<std::string>& train,
                         const std::vector<std::string>& test,
                         const IdentificationOptions& options) {
   require(!train.empty(), "identify: there is no recording to train on.");
+  if (!options.known_masses.empty()) return identify_with_known_masses(arm, train, test, options);
   Identification id = described(arm, options);
   const auto say = [&options](const std::string& what, double share) {
     if (options.progress) options.progress(what, share);

@@ -24,6 +24,7 @@ const char* method_name(Method m) {
 std::string Identification::report() const {
   std::string out = fmt::format("{}: {}, {:.0f} rows\n", robot, method_name(method), rows);
   if (!model) return out + "no model: " + reason + "\n";
+  if (drive_gains) out += drive_gains->report() + "\n";
   if (!reason.empty()) out += "warning: " + reason + "\n";
   out += fmt::format(
       "{} base parameters, rank gap {:.1e}, condition number {:.1f} ({:.1f} with columns scaled), ",

@@ -51,6 +51,36 @@ Json errors_json(const PredictionError& total, const std::vector<RecordingError>
   return out;
 }
 
+Json drive_gains_json(const std::vector<DriveGain>& joints) {
+  Json out = Json::array();
+  for (std::size_t j = 0; j < joints.size(); ++j) {
+    const DriveGain& g = joints[j];
+    out.push_back({{"joint", j + 1},
+                   {"coordinate", g.coordinate},
+                   {"value", g.value},
+                   {"std", g.deviation},
+                   {"ci95", {g.low, g.high}},
+                   {"unit", g.unit},
+                   {"told", g.told},
+                   {"why", g.told ? Json() : Json(g.reason)},
+                   {"share", g.share}});
+  }
+  return out;
+}
+
+Json known_masses_json(const std::vector<MountedLoad>& loads) {
+  Json out = Json::array();
+  for (const MountedLoad& load : loads) {
+    out.push_back({{"mass", load.known.mass},
+                   {"frame", load.known.frame},
+                   {"recordings", load.known.recordings},
+                   {"told_by_data", load.told_by_data},
+                   {"centre", load.centre ? json_list(*load.centre) : Json()},
+                   {"centre_std", load.centre ? json_list(load.centre_deviation) : Json()}});
+  }
+  return out;
+}
+
 }  // namespace
 
 std::string to_json(const Identification& id) {
@@ -75,6 +105,10 @@ std::string to_json(const Identification& id) {
   out["test"] = errors_json(id.test_error, id.test);
   out["noise_floor"] = {{"relative_error", json_list(id.noise_floor)},
                         {"source", id.noise_floor.size() > 0 ? "repeats" : "none"}};
+  if (id.drive_gains) {
+    out["drive_gains"] = drive_gains_json(id.drive_gains->joints);
+    out["known_masses"] = known_masses_json(id.drive_gains->loads);
+  }
   out["seconds"] = {{"read", id.seconds.read},
                     {"compress", id.seconds.compress},
                     {"solve", id.seconds.solve},

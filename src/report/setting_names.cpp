@@ -52,6 +52,8 @@ const char* name_of(IdentificationStatus status) {
       return "no-data";
     case IdentificationStatus::kNotConverged:
       return "not-converged";
+    case IdentificationStatus::kNoDriveGains:
+      return "no-drive-gains";
   }
   return "";
 }

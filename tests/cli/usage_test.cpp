@@ -36,11 +36,11 @@ TEST(Usage, HelpNamesEveryCommandAndEveryOption) {
   const ToolRun identify = run_tool({"identify", "--help"});
   EXPECT_EQ(identify.status, 0);
   for (const char* word :
-       {"--train",     "--test",      "--method",     "--weights",       "--condition",
-        "--model-out", "--prior",     "--json",       "--filter-cutoff", "--filter-order",
-        "--filtering", "--velocity",  "--resample",   "--rate",          "--columns",
-        "--rows",      "--test-rows", "--drop-start", "--drop-end",      "--decimation",
-        "--threads",   "--quiet",     "--version",    "--report"}) {
+       {"--train",        "--test",      "--method",    "--weights",    "--condition",
+        "--known-mass",   "--model-out", "--prior",     "--json",       "--filter-cutoff",
+        "--filter-order", "--filtering", "--velocity",  "--resample",   "--rate",
+        "--columns",      "--rows",      "--test-rows", "--drop-start", "--drop-end",
+        "--decimation",   "--threads",   "--quiet",     "--version",    "--report"}) {
     EXPECT_NE(identify.out.find(word), std::string::npos) << word;
   }
 }

@@ -7,6 +7,7 @@
 
 #include "veridyn/identification/base_parameters.hpp"
 #include "veridyn/identification/compressed_recording.hpp"
+#include "veridyn/identification/drive_gains.hpp"
 #include "veridyn/identification/feasible_least_squares.hpp"
 
 namespace veridyn {
@@ -41,7 +42,10 @@ struct IdentificationOptions {
   /// need values.
   std::optional<Model> prior;
   double prior_weight = 1e-3;  ///< of the pull, as a share of the weighted residual per body
-  int threads = 0;             ///< recordings are read in parallel; 0: one thread per core
+  /// Loads that some training recordings carry: the drive gains are found first, see
+  /// find_drive_gains(), and the arm is then identified from the recordings without a load.
+  std::vector<KnownMass> known_masses;
+  int threads = 0;  ///< recordings are read in parallel; 0: one thread per core
   /// Called with (what is being done, share done) between recordings.
   std::function<void(const std::string&, double)> progress;
 };
@@ -52,6 +56,7 @@ enum class IdentificationStatus {
                    ///< `undetermined`
   kNoData,         ///< no usable samples are left
   kNotConverged,   ///< the feasible solve did not reach its gap; the best point is given
+  kNoDriveGains,   ///< the known masses do not tell the drive gains, and the robot file has none
 };
 
 struct BaseValue {
@@ -114,6 +119,7 @@ struct Identification {
   std::optional<Model> model;               ///< the arm with these values
   std::vector<CompressedRecording>
       factors;  ///< the training recordings, for further questions without their samples
+  std::optional<DriveGains> drive_gains;  ///< where known masses were given
   StageSeconds seconds;
 
   /// Status, rank gap, errors per joint, base parameters with standard deviations, as text.
