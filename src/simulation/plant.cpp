@@ -1,126 +1,419 @@
-#include "plant.hpp"
+#include "veridyn/simulation/plant.hpp"
 
 #include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <utility>
 
-#include "veridyn/dynamics/regressor_batch.hpp"
+#include "plant_forces.hpp"
+#include "small_cholesky.hpp"
+#include "sticking.hpp"
+#include "veridyn/dynamics/rigid_body_dynamics.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn {
 namespace {
 
-constexpr Eigen::Index kBlockRows = 512;
+constexpr double kLanded = 1e-7;     // of the velocity at the substep's start: close enough to zero
+constexpr double kStill = 1e-12;     // [rad/s] or [m/s] likewise
+constexpr int kMostLocations = 40;   // tries to hit a velocity of zero
+constexpr int kMostLoadRounds = 60;  // of forces that depend on the load, which depends on them
+constexpr double kLoadConverged = 1e-13;
+constexpr double kSmallestStep = 1e-6;  // of the step asked for: smaller ones are too stiff
 
-// Position, velocity and acceleration at a share u of the way from one row to the next: the quintic
-// through all three.
-struct Point {
-  double q, dq, ddq;
+// One instant of the motion, and what is known there before torques act.
+struct Instant {
+  explicit Instant(int n)
+      : q(VectorXd::Zero(n)), dq(q), ddq(q), h(q), bias(q), M(MatrixXd::Zero(n, n)), L(M) {}
+
+  double time = 0.0;
+  VectorXd q, dq, ddq;
+  VectorXd h;     // rigid bodies: C dq + g
+  VectorXd bias;  // h and the effects, without inertia and dry friction
+  MatrixXd M;     // rigid bodies
+  MatrixXd L;     // factor of M and the rotors
 };
 
-Point quintic(const Point& p0, const Point& p1, double h, double u) {
-  // In x = u: f = c0 + c1 u + ... + c5 u^5, with derivatives scaled by h.
-  const double v0 = h * p0.dq;
-  const double v1 = h * p1.dq;
-  const double a0 = h * h * p0.ddq;
-  const double a1 = h * h * p1.ddq;
-  const double rise = p1.q - p0.q - v0 - 0.5 * a0;
-  const double slope = v1 - v0 - a0;
-  const double bend = a1 - a0;
-  const double c3 = 10.0 * rise - 4.0 * slope + 0.5 * bend;
-  const double c4 = -15.0 * rise + 7.0 * slope - bend;
-  const double c5 = 6.0 * rise - 3.0 * slope + 0.5 * bend;
-  return {p0.q + u * (v0 + u * (0.5 * a0 + u * (c3 + u * (c4 + u * c5)))),
-          (v0 + u * (a0 + u * (3.0 * c3 + u * (4.0 * c4 + u * 5.0 * c5)))) / h,
-          (a0 + u * (6.0 * c3 + u * (12.0 * c4 + u * 20.0 * c5))) / (h * h)};
+VectorXd values_of(const Model& arm) {
+  const auto phi = arm.inertial_values();
+  require(phi.has_value(), "plant: the arm '", arm.name(), "' has bodies without values.");
+  return *phi;
 }
 
-// The same motion with `substeps` rows for each, so that row k is row k * substeps.
-MotionSamples refined(const MotionSamples& m, int substeps) {
-  const Eigen::Index rows = (m.rows() - 1) * substeps + 1;
-  const Eigen::Index n = m.joints();
-  MotionSamples out{VectorXd(rows), MatrixXd(rows, n), MatrixXd(rows, n), MatrixXd(rows, n)};
-  for (Eigen::Index row = 0; row < rows; ++row) {
-    const Eigen::Index k = std::min(row / substeps, std::max<Eigen::Index>(0, m.rows() - 2));
-    const Eigen::Index next = std::min(k + 1, m.rows() - 1);
-    const double u = static_cast<double>(row - k * substeps) / substeps;
-    const double h = m.time[next] - m.time[k];
-    out.time[row] = m.time[k] + u * h;
-    for (Eigen::Index i = 0; i < n; ++i) {
-      const Point from{m.q(k, i), m.dq(k, i), m.ddq(k, i)};
-      const Point to{m.q(next, i), m.dq(next, i), m.ddq(next, i)};
-      const Point p = u == 0.0 ? from : u == 1.0 ? to : quintic(from, to, h, u);
-      out.q(row, i) = p.q;
-      out.dq(row, i) = p.dq;
-      out.ddq(row, i) = p.ddq;
-    }
+int first_not_finite(const VectorRef& v) {
+  for (Eigen::Index i = 0; i < v.size(); ++i) {
+    if (!std::isfinite(v[i])) return static_cast<int>(i);
   }
-  return out;
-}
-
-// Row by row, in order of time.
-MatrixXd columns_along(const Model& arm, const EffectTerm& term, const MotionSamples& m,
-                       const VectorXd& load) {
-  BoundEffect effect(arm, term);
-  effect.reset(m.time[0]);
-  MatrixXd columns(m.rows(), effect.parameter_count());
-  EffectColumns row{};
-  for (Eigen::Index k = 0; k < m.rows(); ++k) {
-    AxisSample x =
-        effect.sample(m.time[k], m.q.data() + k, m.dq.data() + k, m.ddq.data() + k, m.rows());
-    x.load = load[k];
-    effect.columns(x, row);
-    for (int p = 0; p < effect.parameter_count(); ++p) columns(k, p) = row[static_cast<size_t>(p)];
-  }
-  return columns;
+  return -1;
 }
 
 }  // namespace
 
-VectorXd effort_along(const Axis& axis, const MatrixXd& tau) {
-  return tau * axis.coefficients / axis.coefficients.squaredNorm();
-}
-
-MatrixXd rigid_torques(const Model& arm, const MotionSamples& motion) {
-  const auto phi = arm.inertial_values();
-  require(phi.has_value(), "simulation: the arm '", arm.name(), "' has bodies without values.");
-  const RegressorBatch bodies(arm);
-  MatrixXd tau(motion.rows(), motion.joints());
-  MatrixXd block;
-  for (Eigen::Index first = 0; first < motion.rows(); first += kBlockRows) {
-    const Eigen::Index count = std::min(kBlockRows, motion.rows() - first);
-    bodies.torques(motion.q.middleRows(first, count), motion.dq.middleRows(first, count),
-                   motion.ddq.middleRows(first, count), *phi, block);
-    tau.middleRows(first, count) = block;
+const char* describe(StepStatus status) {
+  switch (status) {
+    case StepStatus::kOk:
+      return "moves";
+    case StepStatus::kNotFinite:
+      return "has a torque, position or velocity that is not finite";
+    case StepStatus::kNotPositive:
+      return "stands where the mass matrix has no inverse";
+    case StepStatus::kTooStiff:
+      return "moves faster than the smallest substep can follow";
   }
-  return tau;
+  return "";
 }
 
-MatrixXd effect_columns(const Model& arm, const EffectTerm& term, const MotionSamples& motion,
-                        const MatrixXd& rigid, int substeps) {
-  const Effect& effect = find_effect(term.effect);
-  const auto load_of = [&](const MatrixXd& tau) -> VectorXd {
-    return effect.needs_load() ? effort_along(term.axis, tau) : VectorXd::Zero(tau.rows());
-  };
-  if (!effect.has_memory() || substeps == 1)
-    return columns_along(arm, term, motion, load_of(rigid));
-  const MotionSamples fine = refined(motion, substeps);
-  const MatrixXd fine_rigid =
-      effect.needs_load() ? rigid_torques(arm, fine) : MatrixXd::Zero(fine.rows(), fine.joints());
-  const MatrixXd all = columns_along(arm, term, fine, load_of(fine_rigid));
-  MatrixXd columns(motion.rows(), all.cols());
-  for (Eigen::Index k = 0; k < motion.rows(); ++k) columns.row(k) = all.row(k * substeps);
-  return columns;
+struct Plant::State {
+  State(const Model& arm, const PlantOptions& asked)
+      : n(arm.joints()),
+        options(asked),
+        rigid(arm, values_of(arm)),
+        forces(arm),
+        sticking(forces, n),
+        here(n),
+        there(n),
+        stage(n),
+        k2(VectorXd::Zero(n)),
+        k3(k2),
+        k4(k2),
+        white(k2),
+        torques(k2),
+        effects(k2) {}
+
+  bool evaluate(Instant& at);
+  void add_biases(Instant& at);
+  enum class Friction { kDecide, kKeep };
+  void accelerate(Instant& at, const VectorRef& tau, Friction friction, VectorXd& ddq);
+  void begin(const VectorRef& tau);
+  bool runge_kutta(const VectorRef& tau, double h);
+  double error(const VectorRef& tau, double h);
+  double velocity(int axis, const VectorXd& dq) const;
+  int side(int axis) const;
+  double landing(int axis) const;
+  int first_reversal() const;
+  bool locate(const VectorRef& tau, double* h);
+  StepStatus substep(const VectorRef& tau, double* h, double smallest);
+  StepStatus why_not(bool finite, bool sound);
+  void commit();
+  void add_up_effects();
+
+  int n;
+  PlantOptions options;
+  RigidBodyDynamics rigid;
+  PlantForces forces;
+  Sticking sticking;
+  Instant here, there, stage;
+  VectorXd k2, k3, k4, white, torques, effects;
+  double next_h = 0.0;
+  Work work;
+  int failed = -1;
+};
+
+void Plant::State::add_biases(Instant& at) {
+  at.bias = at.h;
+  forces.add_smooth(at.time, at.q.data(), at.dq.data(), at.bias.data());
 }
 
-MatrixXd plant_torques(const Model& arm, const MotionSamples& motion, int substeps) {
-  const MatrixXd rigid = rigid_torques(arm, motion);
-  MatrixXd tau = rigid;
-  for (const EffectTerm& term : arm.effects()) {
-    const BoundEffect effect(arm, term);
-    const Eigen::Map<const VectorXd> values(effect.values().data(), effect.parameter_count());
-    const VectorXd force = effect_columns(arm, term, motion, rigid, substeps) * values;
-    tau += force * term.axis.coefficients.transpose();
+// False where the mass matrix has no inverse.
+bool Plant::State::evaluate(Instant& at) {
+  rigid.equation_of_motion(at.q, at.dq, at.M, at.h);
+  add_biases(at);
+  at.L = at.M;
+  at.L += forces.inertia();
+  return cholesky_in_place(at.L.data(), n);
+}
+
+void Plant::State::accelerate(Instant& at, const VectorRef& tau, Friction friction, VectorXd& ddq) {
+  sticking.keep();
+  for (int round = 0; round < kMostLoadRounds; ++round) {
+    sticking.restore();
+    for (int i = 0; i < n; ++i) white[i] = tau[i] - at.bias[i];
+    for (int k = 0; k < forces.dry(); ++k) {
+      const int direction = sticking.direction(k);
+      if (direction == 0) continue;
+      const double v = forces.velocity(k, at.dq.data());
+      add_scaled(-forces.sliding(k, at.time, at.q.data(), v, direction), forces.axis(k), n,
+                 white.data());
+    }
+    solve_lower(at.L.data(), n, white.data());
+    if (friction == Friction::kDecide) {
+      sticking.decide(forces, at.L.data(), at.time, at.q.data(), white.data());
+    } else {
+      sticking.hold(at.L.data(), white.data());
+    }
+    ddq = white;
+    solve_lower_transposed(at.L.data(), n, ddq.data());
+    if (forces.loads() == 0) return;
+    torques = at.h;
+    for (int j = 0; j < n; ++j) add_scaled(ddq[j], at.M.data() + j * n, n, torques.data());
+    const double change = forces.set_loads(torques.data());
+    add_biases(at);
+    if (!(change > kLoadConverged * (1.0 + torques.cwiseAbs().maxCoeff()))) return;
   }
-  return tau;
+}
+
+// The acceleration at the start of a substep, and which axes slide.
+void Plant::State::begin(const VectorRef& tau) {
+  for (int k = 0; k < forces.dry(); ++k) {
+    const double v = forces.velocity(k, here.dq.data());
+    sticking.set_direction(k, std::abs(v) <= kStill ? 0 : v > 0.0 ? 1 : -1);
+  }
+  accelerate(here, tau, Friction::kDecide, here.ddq);
+}
+
+// From here to there; false if the mass matrix has no inverse on the way.
+bool Plant::State::runge_kutta(const VectorRef& tau, double h) {
+  stage.time = here.time + 0.5 * h;
+  stage.q = here.q + 0.5 * h * here.dq;
+  stage.dq = here.dq + 0.5 * h * here.ddq;
+  if (!evaluate(stage)) return false;
+  accelerate(stage, tau, Friction::kKeep, k2);
+  stage.q += 0.25 * h * h * here.ddq;
+  stage.dq = here.dq + 0.5 * h * k2;
+  if (!evaluate(stage)) return false;
+  accelerate(stage, tau, Friction::kKeep, k3);
+  stage.time = here.time + h;
+  stage.q = here.q + h * here.dq + 0.5 * h * h * k2;
+  stage.dq = here.dq + h * k3;
+  if (!evaluate(stage)) return false;
+  accelerate(stage, tau, Friction::kKeep, k4);
+  there.time = stage.time;
+  there.q = here.q + h * here.dq + (h * h / 6.0) * (here.ddq + k2 + k3);
+  there.dq = here.dq + (h / 6.0) * (here.ddq + 2.0 * (k2 + k3) + k4);
+  return true;
+}
+
+// The estimated error per allowed error, the worst of all joints; needs runge_kutta() and
+// evaluate(there).
+double Plant::State::error(const VectorRef& tau, double h) {
+  accelerate(there, tau, Friction::kKeep, there.ddq);
+  double worst = 0.0;
+  for (int i = 0; i < n; ++i) {
+    const double speed = std::max(std::abs(here.dq[i]), std::abs(there.dq[i]));
+    const double of_dq = h * std::abs(k4[i] - there.ddq[i]);
+    const double of_q = std::abs(here.dq[i] + h * k3[i] - there.dq[i]);
+    const double ratio =
+        0.1 * h * std::max(of_dq, of_q) / (options.tolerance * (speed * h + options.rest));
+    if (ratio <= worst) continue;  // written so that a NaN goes on
+    worst = ratio;
+    failed = i;
+  }
+  return worst;
+}
+
+double Plant::State::velocity(int axis, const VectorXd& dq) const {
+  return axis < forces.dry() ? forces.velocity(axis, dq.data())
+                             : forces.memory_velocity(axis - forces.dry(), dq.data());
+}
+
+// The direction that an axis has during the substep; 0: any.
+int Plant::State::side(int axis) const {
+  if (axis < forces.dry()) return sticking.direction(axis);
+  const double v = velocity(axis, here.dq);
+  return std::abs(v) <= kStill ? 0 : v > 0.0 ? 1 : -1;
+}
+
+double Plant::State::landing(int axis) const {
+  return kLanded * std::abs(velocity(axis, here.dq)) + kStill;
+}
+
+// The axis that turns round first between here and there, or -1.
+int Plant::State::first_reversal() const {
+  int first = -1;
+  double least = 2.0;
+  for (int axis = 0; axis < forces.dry() + forces.memories(); ++axis) {
+    const int sign = side(axis);
+    const double after = sign * velocity(axis, there.dq);
+    if (sign == 0 || !(after < -landing(axis))) continue;
+    const double before = std::max(0.0, sign * velocity(axis, here.dq));
+    const double share = before / (before - after);
+    if (share >= least) continue;
+    least = share;
+    first = axis;
+  }
+  return first;
+}
+
+// Shortens h until no axis turns round within the substep: the first one that does has just come to
+// rest at its end. By the Illinois rule, since velocities are all but straight over a substep.
+bool Plant::State::locate(const VectorRef& tau, double* h) {
+  for (int axis = first_reversal(); axis >= 0; axis = first_reversal()) {
+    const int sign = side(axis);
+    double low = 0.0;
+    double high = *h;
+    double v_low = std::max(0.0, sign * velocity(axis, here.dq));
+    double v_high = sign * velocity(axis, there.dq);
+    int last = 0;
+    for (int tries = 0; tries < kMostLocations; ++tries) {
+      const bool straight = v_low > 0.0;
+      *h = straight ? (low * v_high - high * v_low) / (v_high - v_low) : 0.5 * (low + high);
+      if (!runge_kutta(tau, *h)) return false;
+      const double v = sign * velocity(axis, there.dq);
+      if (!(std::abs(v) > landing(axis))) break;
+      const int which = v > 0.0 ? 1 : -1;
+      if (which > 0) {
+        low = *h;
+        v_low = v;
+        if (last > 0) v_high *= 0.5;
+      } else {
+        high = *h;
+        v_high = v;
+        if (last < 0) v_low *= 0.5;
+      }
+      last = which;
+    }
+    if (sign * velocity(axis, there.dq) < -landing(axis)) return true;  // as near as it gets
+  }
+  return true;
+}
+
+// One substep of at most *h, committed; *h is what it became.
+StepStatus Plant::State::substep(const VectorRef& tau, double* h, double smallest) {
+  const double asked = *h;
+  for (;;) {
+    bool sound = runge_kutta(tau, *h) && locate(tau, h);
+    const bool finite = there.q.allFinite() && there.dq.allFinite();
+    sound = sound && finite && evaluate(there);
+    const double ratio = sound ? error(tau, *h) : 1e4;
+    if (ratio <= 1.0) {
+      const double factor = std::min(4.0, 0.9 / std::pow(std::max(ratio, 1e-12), 0.25));
+      // A substep that was cut short for other reasons says nothing against the longer one.
+      next_h = *h < asked ? std::max(asked, factor * *h) : factor * *h;
+      commit();
+      return StepStatus::kOk;
+    }
+    ++work.refused;
+    if (*h <= smallest) return why_not(finite, sound);
+    *h *= std::max(0.1, 0.9 / std::pow(ratio, 0.25));
+    if (!std::isfinite(*h)) *h = smallest;
+  }
+}
+
+StepStatus Plant::State::why_not(bool finite, bool sound) {
+  if (!finite) {
+    const int joint = first_not_finite(there.q);
+    failed = joint >= 0 ? joint : first_not_finite(there.dq);
+    return StepStatus::kNotFinite;
+  }
+  if (sound) return StepStatus::kTooStiff;
+  failed = -1;
+  return StepStatus::kNotPositive;
+}
+
+void Plant::State::commit() {
+  ++work.taken;
+  bool turned = false;
+  for (int k = 0; k < forces.dry(); ++k) {
+    const int sign = sticking.direction(k);
+    if (sign == 0 || sign * velocity(k, there.dq) > landing(k)) continue;
+    sticking.set_direction(k, 0);
+    turned = true;
+  }
+  std::swap(here, there);
+  sticking.land(forces, here.dq.data());
+  if (turned) evaluate(here);
+  forces.commit(here.time, here.q.data(), here.dq.data());
+}
+
+Plant::Plant(const Model& arm, const PlantOptions& options) {
+  require(options.tolerance > 0.0 && options.rest > 0.0 && options.most_substeps > 0,
+          "plant: found a tolerance, a rest or a number of substeps that is not above zero.");
+  state_ = std::make_unique<State>(arm, options);
+  const std::string trouble = infeasibility(arm);
+  require(trouble.empty(), "plant: ", trouble);
+  const VectorXd zero = VectorXd::Zero(arm.joints());
+  set_state(zero, zero);
+}
+
+Plant::~Plant() = default;
+Plant::Plant(Plant&&) noexcept = default;
+Plant& Plant::operator=(Plant&&) noexcept = default;
+
+int Plant::joints() const {
+  return state_->n;
+}
+double Plant::time() const {
+  return state_->here.time;
+}
+const VectorXd& Plant::q() const {
+  return state_->here.q;
+}
+const VectorXd& Plant::dq() const {
+  return state_->here.dq;
+}
+int Plant::failed_joint() const {
+  return state_->failed;
+}
+const VectorXd& Plant::effect_torques() const {
+  return state_->effects;
+}
+Plant::Work Plant::work() const {
+  return state_->work;
+}
+const std::vector<std::string>& Plant::left_out() const {
+  return state_->forces.left_out();
+}
+
+void Plant::set_state(const VectorRef& q, const VectorRef& dq) {
+  State& s = *state_;
+  require(q.size() == s.n && dq.size() == s.n, "plant: found a state of ", q.size(), " and ",
+          dq.size(), " entries, expected ", s.n, ".");
+  require(q.allFinite() && dq.allFinite(), "plant: found a state that is not finite.");
+  s.here.time = 0.0;
+  s.here.q = q;
+  s.here.dq = dq;
+  s.next_h = 0.0;
+  s.failed = -1;
+  s.work = {};
+  s.sticking.reset();
+  s.forces.reset(s.here.q.data(), s.here.dq.data());
+  require(s.evaluate(s.here), "plant: the mass matrix is not positive definite at the start.");
+}
+
+StepStatus Plant::accelerate(const VectorRef& tau, VectorXd& ddq) noexcept {
+  State& s = *state_;
+  assert(tau.size() == s.n && ddq.size() == s.n);
+  s.failed = first_not_finite(tau);
+  if (s.failed >= 0) return StepStatus::kNotFinite;
+  s.begin(tau);
+  ddq = s.here.ddq;
+  s.add_up_effects();
+  return StepStatus::kOk;
+}
+
+void Plant::State::add_up_effects() {
+  effects = here.bias - here.h;
+  for (int j = 0; j < n; ++j)
+    add_scaled(here.ddq[j], forces.inertia().data() + j * n, n, effects.data());
+  for (int k = 0; k < forces.dry(); ++k) {
+    const double v = forces.velocity(k, here.dq.data());
+    const double force =
+        sticking.decided(k) ? sticking.force(k)
+                            : forces.sliding(k, here.time, here.q.data(), v, sticking.direction(k));
+    add_scaled(force, forces.axis(k), n, effects.data());
+  }
+}
+
+StepStatus Plant::step(const VectorRef& tau, double dt) noexcept {
+  State& s = *state_;
+  assert(tau.size() == s.n && dt > 0.0);
+  s.failed = first_not_finite(tau);
+  if (s.failed >= 0) return StepStatus::kNotFinite;
+  const double end = s.here.time + dt;
+  if (!(s.next_h > 0.0)) s.next_h = dt;
+  double left = dt;
+  for (int k = 0; left > 0.0; ++k) {
+    if (k == s.options.most_substeps) return StepStatus::kTooStiff;
+    s.begin(tau);
+    // The last two substeps share what is left: no sliver at the end.
+    double h = s.next_h >= left ? left : std::min(s.next_h, 0.5 * left);
+    const StepStatus status = s.substep(tau, &h, kSmallestStep * dt);
+    if (status != StepStatus::kOk) return status;
+    left = left - h > 1e-12 * dt ? left - h : 0.0;
+  }
+  s.here.time = end;
+  s.failed = -1;
+  return StepStatus::kOk;
 }
 
 }  // namespace veridyn

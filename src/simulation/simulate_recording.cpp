@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "plant.hpp"
+#include "plant_torques.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/math/zero_phase_filter.hpp"
 

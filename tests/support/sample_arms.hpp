@@ -26,7 +26,7 @@ class ArmBuilder {
     constexpr double kInfinity = std::numeric_limits<double>::infinity();
     const Limits limits{-kInfinity, kInfinity, kInfinity, kInfinity, kInfinity};
     for (int i = 0; i < joints; ++i)
-      arm_.coordinates.push_back({text_of("q", i + 1), limits, 0.0, false});
+      arm_.coordinates.push_back({text_of("q", i + 1), limits, 0.0, false, {}});
   }
 
   Random& random() { return random_; }
