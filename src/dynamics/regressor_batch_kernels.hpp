@@ -44,6 +44,9 @@ BatchKernels batch_kernels_baseline();
 BatchKernels batch_kernels_avx2();
 BatchKernels batch_kernels_avx512();
 
+/// The widest that this processor has.
+const BatchKernels& widest_batch_kernels();
+
 template <typename P>
 struct BatchLoops {
   struct Memory {

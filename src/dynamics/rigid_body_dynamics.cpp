@@ -51,21 +51,9 @@ void RigidBodyDynamics::gravity_torques(const VectorRef& q, VectorXd& g) {
 
 void RigidBodyDynamics::mass_matrix(const VectorRef& q, MatrixXd& M) {
   assert(q.size() == joints() && M.rows() == joints() && M.cols() == joints());
+  const int n = joints();
   forward_pass(tree_, q.data(), rest_.data(), rest_.data(), kNoGravity, recursion_);
   jacobian_pass(tree_, recursion_);
-  add_up_mass(M);
-}
-
-void RigidBodyDynamics::equation_of_motion(const VectorRef& q, const VectorRef& dq, MatrixXd& M,
-                                           VectorXd& h) {
-  inverse_dynamics(q, dq, rest_, h);
-  assert(M.rows() == joints() && M.cols() == joints());
-  jacobian_pass(tree_, recursion_);
-  add_up_mass(M);
-}
-
-void RigidBodyDynamics::add_up_mass(MatrixXd& M) const {
-  const int n = joints();
   M.setZero();
   for (size_t b = 0; b < tree_.body_links.size(); ++b) {
     const int k = tree_.body_links[b];
@@ -126,7 +114,8 @@ void RigidBodyDynamics::coriolis_matrix(const VectorRef& q, const VectorRef& dq,
 
 bool RigidBodyDynamics::forward_dynamics(const VectorRef& q, const VectorRef& dq,
                                          const VectorRef& tau, VectorXd& ddq) {
-  equation_of_motion(q, dq, M_, bias_);
+  inverse_dynamics(q, dq, rest_, bias_);
+  mass_matrix(q, M_);
   const Eigen::LLT<Eigen::Ref<MatrixXd>> factor(M_);  // in place: nothing allocates
   if (factor.info() != Eigen::Success) return false;
   ddq = tau - bias_;

@@ -8,7 +8,7 @@
 #include "plant_forces.hpp"
 #include "small_cholesky.hpp"
 #include "sticking.hpp"
-#include "veridyn/dynamics/rigid_body_dynamics.hpp"
+#include "veridyn/dynamics/equation_of_motion.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn {
@@ -99,7 +99,7 @@ struct Plant::State {
 
   int n;
   PlantOptions options;
-  RigidBodyDynamics rigid;
+  EquationOfMotion rigid;
   PlantForces forces;
   Sticking sticking;
   Instant here, there, stage;
@@ -116,7 +116,7 @@ void Plant::State::add_biases(Instant& at) {
 
 // False where the mass matrix has no inverse.
 bool Plant::State::evaluate(Instant& at) {
-  rigid.equation_of_motion(at.q, at.dq, at.M, at.h);
+  rigid.evaluate(at.q, at.dq, at.M, at.h);
   add_biases(at);
   at.L = at.M;
   at.L += forces.inertia();
@@ -124,9 +124,9 @@ bool Plant::State::evaluate(Instant& at) {
 }
 
 void Plant::State::accelerate(Instant& at, const VectorRef& tau, Friction friction, VectorXd& ddq) {
-  sticking.keep();
+  if (forces.loads() > 0) sticking.keep();
   for (int round = 0; round < kMostLoadRounds; ++round) {
-    sticking.restore();
+    if (forces.loads() > 0) sticking.restore();
     for (int i = 0; i < n; ++i) white[i] = tau[i] - at.bias[i];
     for (int k = 0; k < forces.dry(); ++k) {
       const int direction = sticking.direction(k);
@@ -135,10 +135,10 @@ void Plant::State::accelerate(Instant& at, const VectorRef& tau, Friction fricti
       add_scaled(-forces.sliding(k, at.time, at.q.data(), v, direction), forces.axis(k), n,
                  white.data());
     }
-    solve_lower(at.L.data(), n, white.data());
     if (friction == Friction::kDecide) {
       sticking.decide(forces, at.L.data(), at.time, at.q.data(), white.data());
     } else {
+      solve_lower(at.L.data(), n, white.data());
       sticking.hold(at.L.data(), white.data());
     }
     ddq = white;
@@ -276,7 +276,7 @@ StepStatus Plant::State::substep(const VectorRef& tau, double* h, double smalles
     sound = sound && finite && evaluate(there);
     const double ratio = sound ? error(tau, *h) : 1e4;
     if (ratio <= 1.0) {
-      const double factor = std::min(4.0, 0.9 / std::pow(std::max(ratio, 1e-12), 0.25));
+      const double factor = ratio < 2e-3 ? 4.0 : std::min(4.0, 0.9 / std::pow(ratio, 0.25));
       // A substep that was cut short for other reasons says nothing against the longer one.
       next_h = *h < asked ? std::max(asked, factor * *h) : factor * *h;
       commit();
@@ -310,7 +310,7 @@ void Plant::State::commit() {
     turned = true;
   }
   std::swap(here, there);
-  sticking.land(forces, here.dq.data());
+  sticking.land(here.dq.data());
   if (turned) evaluate(here);
   forces.commit(here.time, here.q.data(), here.dq.data());
 }

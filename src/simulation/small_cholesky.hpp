@@ -34,6 +34,15 @@ inline void solve_lower(const double* L, int n, double* x) noexcept {
   }
 }
 
+/// x <- L x.
+inline void multiply_lower(const double* L, int n, double* x) noexcept {
+  for (int j = n - 1; j >= 0; --j) {
+    const double* column = L + j * n;
+    for (int i = j + 1; i < n; ++i) x[i] += column[i] * x[j];
+    x[j] *= column[j];
+  }
+}
+
 /// x <- L'^-1 x.
 inline void solve_lower_transposed(const double* L, int n, double* x) noexcept {
   for (int j = n - 1; j >= 0; --j) {

@@ -36,23 +36,35 @@ Sticking::Sticking(const PlantForces& forces, int joints)
       norms_(direction_.size()),
       basis_(static_cast<size_t>(joints) * static_cast<size_t>(joints)),
       held_(basis_.size()),
-      residual_(static_cast<size_t>(joints)) {
+      residual_(static_cast<size_t>(joints)),
+      axes_(white_.size()),
+      shares_(white_.size()),
+      square_(basis_.size()),
+      next_(direction_.size()),
+      free_(static_cast<size_t>(joints)) {
   rest_.reserve(direction_.size());
+  spanned_.reserve(direction_.size());
+  for (int k = 0; k < forces.dry(); ++k)
+    std::copy(forces.axis(k), forces.axis(k) + n_, axes_.begin() + k * n_);
 }
 
-void Sticking::collect(const PlantForces& forces) {
+void Sticking::collect() {
   rest_.clear();
-  for (int k = 0; k < forces.dry(); ++k) {
+  for (int k = 0; k < axes(); ++k) {
     if (direction(k) == 0) rest_.push_back(k);
   }
+  if (rest_ == spanned_) return;
+  spanned_ = rest_;
+  span();
+  invert();
 }
 
-void Sticking::span(const PlantForces& forces) {
+void Sticking::span() {
   rank_ = 0;
   for (const int k : rest_) {
     if (rank_ == static_cast<size_t>(n_)) return;
     double* column = basis(rank_);
-    std::copy(forces.axis(k), forces.axis(k) + n_, column);
+    std::copy(axis(k), axis(k) + n_, column);
     const double before = std::sqrt(dot(column, column, n_));
     take_out(basis_.data(), rank_, n_, column);
     const double after = std::sqrt(dot(column, column, n_));
@@ -62,13 +74,13 @@ void Sticking::span(const PlantForces& forces) {
   }
 }
 
-void Sticking::land(const PlantForces& forces, double* dq) {
-  collect(forces);
-  span(forces);
+void Sticking::land(double* dq) {
+  collect();
+  if (rank_ == 0) return;
   take_out(basis_.data(), rank_, n_, dq);
-  for (int k = 0; k < forces.dry(); ++k) {
+  for (int k = 0; k < axes(); ++k) {
     if (direction(k) == 0) continue;
-    std::copy(forces.axis(k), forces.axis(k) + n_, residual_.begin());
+    std::copy(axis(k), axis(k) + n_, residual_.begin());
     const double before = std::sqrt(dot(residual_.data(), residual_.data(), n_));
     take_out(basis_.data(), rank_, n_, residual_.data());
     if (std::sqrt(dot(residual_.data(), residual_.data(), n_)) <= kDependent * before)
@@ -95,17 +107,81 @@ void Sticking::solve_box(const double* y_free) {
   }
 }
 
+// The pseudo-inverse C+ = R' (R R')^-1 Q' of the axes C = Q R at rest, with Q the basis.
+void Sticking::invert() {
+  const auto n = static_cast<size_t>(n_);
+  const auto rank = static_cast<int>(rank_);
+  const auto at = [&](int i, int j) { return static_cast<size_t>(i + j * rank); };
+  for (int i = 0; i < rank; ++i) {
+    for (int j = 0; j < rank; ++j) {
+      double sum = 0.0;
+      for (size_t c = 0; c < rest_.size(); ++c)
+        sum += dot(basis(static_cast<size_t>(i)), axis(rest_[c]), n_) *
+               dot(basis(static_cast<size_t>(j)), axis(rest_[c]), n_);
+      square_[at(i, j)] = sum;
+    }
+  }
+  cholesky_in_place(square_.data(), rank);
+  for (size_t c = 0; c < rest_.size(); ++c) {
+    for (int i = 0; i < rank; ++i)
+      residual_[static_cast<size_t>(i)] = dot(basis(static_cast<size_t>(i)), axis(rest_[c]), n_);
+    solve_lower(square_.data(), rank, residual_.data());
+    solve_lower_transposed(square_.data(), rank, residual_.data());
+    double* share = shares_.data() + c * n;
+    std::fill(share, share + n, 0.0);
+    for (int i = 0; i < rank; ++i)
+      add_scaled(residual_[static_cast<size_t>(i)], basis(static_cast<size_t>(i)), n_, share);
+  }
+}
+
+// True if forces within the bounds hold all axes that are at rest: the last ones and the least
+// change that does it. Most instants at rest end here.
+//
+// @param held  what the axes must carry together, inertia of the others included.
+bool Sticking::stays(const double* held) {
+  std::copy(held, held + n_, residual_.begin());
+  for (const int k : rest_)
+    add_scaled(-lambda_[static_cast<size_t>(k)], axis(k), n_, residual_.data());
+  for (size_t c = 0; c < rest_.size(); ++c) {
+    next_[c] = lambda_[static_cast<size_t>(rest_[c])] +
+               dot(shares_.data() + c * static_cast<size_t>(n_), residual_.data(), n_);
+    if (!(next_[c] >= bounds_[c].lower && next_[c] <= bounds_[c].upper)) return false;
+  }
+  for (size_t c = 0; c < rest_.size(); ++c) lambda_[static_cast<size_t>(rest_[c])] = next_[c];
+  return true;
+}
+
 void Sticking::decide(const PlantForces& forces, const double* L, double time, const double* q,
-                      double* y) {
-  collect(forces);
+                      double* b) {
   std::fill(decided_.begin(), decided_.end(), 0);
+  collect();
+  if (rest_.empty()) {
+    solve_lower(L, n_, b);
+    return;
+  }
+  for (size_t c = 0; c < rest_.size(); ++c) {
+    decided_[static_cast<size_t>(rest_[c])] = 1;
+    bounds_[c] = forces.at_rest(rest_[c], time, q);
+  }
+  solve_lower(L, n_, b);
+  std::copy(b, b + n_, free_.begin());
+  hold(L, b);
+  for (int i = 0; i < n_; ++i) free_[static_cast<size_t>(i)] -= b[i];
+  multiply_lower(L, n_, free_.data());
+  if (stays(free_.data())) return;
+  solve_lower(L, n_, free_.data());
+  for (int i = 0; i < n_; ++i) b[i] += free_[static_cast<size_t>(i)];
+  release(L, b);
+  hold(L, b);
+}
+
+// Finds which axes cannot be held, and takes their forces out of y.
+void Sticking::release(const double* L, double* y) {
   const double size = std::sqrt(dot(y, y, n_));
   std::copy(y, y + n_, residual_.begin());
   for (size_t c = 0; c < rest_.size(); ++c) {
     const int k = rest_[c];
-    decided_[static_cast<size_t>(k)] = 1;
-    bounds_[c] = forces.at_rest(k, time, q);
-    std::copy(forces.axis(k), forces.axis(k) + n_, white(c));
+    std::copy(axis(k), axis(k) + n_, white(c));
     solve_lower(L, n_, white(c));
     norms_[c] = dot(white(c), white(c), n_);
     double& lambda = lambda_[static_cast<size_t>(k)];
@@ -124,9 +200,7 @@ void Sticking::decide(const PlantForces& forces, const double* L, double time, c
     direction_[k] = up ? 1 : -1;
     add_scaled(-lambda_[k], white(c), n_, y);
   }
-  collect(forces);
-  span(forces);
-  hold(L, y);
+  collect();
 }
 
 void Sticking::hold(const double* L, double* y) {

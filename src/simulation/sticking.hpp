@@ -37,11 +37,11 @@ class Sticking {
 
   /// Takes what is left of the velocity along axes at rest out of dq, exactly. Axes that cannot
   /// move then either come to rest too.
-  void land(const PlantForces& forces, double* dq);
+  void land(double* dq);
 
-  /// From the whitened other forces y = L^-1 b to the whitened acceleration: friction at rest is
-  /// subtracted, and axes that it cannot hold get a direction.
-  void decide(const PlantForces& forces, const double* L, double time, const double* q, double* y);
+  /// From the other forces b to the whitened acceleration: friction at rest is subtracted, and axes
+  /// that it cannot hold get a direction.
+  void decide(const PlantForces& forces, const double* L, double time, const double* q, double* b);
 
   /// The same while nothing begins to slide: axes at rest are held.
   void hold(const double* L, double* y);
@@ -51,9 +51,14 @@ class Sticking {
   double force(int k) const { return lambda_[static_cast<size_t>(k)]; }
 
  private:
-  void collect(const PlantForces& forces);  // rest_: the axes at rest
+  void collect();  // rest_ and what follows from it
+  bool stays(const double* held);
+  void release(const double* L, double* y);
+  void invert();  // shares_: from a force within the span to the least forces of the axes
   void solve_box(const double* y_free);
-  void span(const PlantForces& forces);  // basis_: of the axes at rest
+  void span();  // basis_: of the axes at rest
+  int axes() const { return static_cast<int>(direction_.size()); }
+  const double* axis(int k) const { return axes_.data() + k * n_; }
   double* white(size_t column) { return white_.data() + column * static_cast<size_t>(n_); }
   double* basis(size_t column) { return basis_.data() + column * static_cast<size_t>(n_); }
 
@@ -68,6 +73,12 @@ class Sticking {
   std::vector<double> basis_;  // orthonormal, rank_ columns
   std::vector<double> held_;   // its whitened columns, orthonormal
   std::vector<double> residual_;
+  std::vector<double> axes_;    // C of all axes
+  std::vector<double> shares_;  // pseudo-inverse of C, a column of n for each of rest_
+  std::vector<double> square_;  // scratch of invert()
+  std::vector<int> spanned_;    // the axes for which basis_ and shares_ hold
+  std::vector<double> next_;    // forces that stays() tries
+  std::vector<double> free_;    // the acceleration without friction at rest, and what holds it
   size_t rank_ = 0;
 };
 

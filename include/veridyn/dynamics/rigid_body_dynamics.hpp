@@ -33,9 +33,6 @@ class RigidBodyDynamics {
   /// M(q), (n x n), symmetric.
   void mass_matrix(const VectorRef& q, MatrixXd& M);
 
-  /// M(q) and the rest h = C dq + g of one state; cheaper than one after the other.
-  void equation_of_motion(const VectorRef& q, const VectorRef& dq, MatrixXd& M, VectorXd& h);
-
   /// C(q, dq), (n x n), the choice for which dM/dt - 2 C is skew symmetric.
   void coriolis_matrix(const VectorRef& q, const VectorRef& dq, MatrixXd& C);
 
@@ -44,9 +41,6 @@ class RigidBodyDynamics {
                         VectorXd& ddq);
 
  private:
-  // M from the body Jacobians that stand in the recursion.
-  void add_up_mass(MatrixXd& M) const;
-
   Tree tree_;
   VectorXd phi_;
   VectorXd rest_;
