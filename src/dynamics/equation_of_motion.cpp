@@ -16,7 +16,8 @@ struct EquationOfMotion::Lanes {
   Lanes(const Model& arm, const VectorRef& parameters)
       : tree(arm),
         phi(parameters),
-        q(MatrixXd::Zero(arm.joints() + 1, arm.joints())),
+        rows(full_lanes(arm.joints() + 1)),
+        q(MatrixXd::Zero(rows, arm.joints())),
         dq(q),
         ddq(q),
         tau(q),
@@ -27,8 +28,15 @@ struct EquationOfMotion::Lanes {
   Lanes(const Lanes&) = delete;
   Lanes& operator=(const Lanes&) = delete;
 
+  // Half-filled vectors cost more than full ones: they are loaded one by one.
+  static int full_lanes(int needed) {
+    const int lanes = widest_batch_kernels().lanes;
+    return (needed + lanes - 1) / lanes * lanes;
+  }
+
   Tree tree;
   VectorXd phi;
+  int rows;
   MatrixXd q, dq, ddq, tau;  // a row for rest and one for each unit acceleration
   void* workspace;
 };
@@ -48,7 +56,7 @@ void EquationOfMotion::evaluate(const VectorXd& q, const VectorXd& dq, MatrixXd&
                                 VectorXd& h) noexcept {
   Lanes& l = *lanes_;
   const int n = l.tree.joints;
-  const int rows = n + 1;
+  const int rows = l.rows;
   assert(q.size() == n && dq.size() == n && M.rows() == n && M.cols() == n && h.size() == n);
   for (int i = 0; i < n; ++i) {
     double* q_lanes = l.q.data() + i * rows;

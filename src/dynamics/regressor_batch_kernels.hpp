@@ -38,6 +38,7 @@ struct BatchKernels {
   /// phi: ten per body; tau: (rows x n), column-major without gaps.
   void (*torques)(const Links& tree, const BatchInput& in, const double* phi, double* tau,
                   void* workspace) = nullptr;
+  int lanes = 0;  ///< samples that are worked on at once
 };
 
 BatchKernels batch_kernels_baseline();
@@ -152,7 +153,7 @@ struct BatchLoops {
     if (row < in.rows) torques_of<Rows::kSome>(tree, in, row, in.rows - row, phi, tau, at);
   }
 
-  static BatchKernels kernels() { return {&workspace, &regressor, &torques}; }
+  static BatchKernels kernels() { return {&workspace, &regressor, &torques, P::kSize}; }
 };
 
 }  // namespace veridyn
