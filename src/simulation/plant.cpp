@@ -49,20 +49,6 @@ int first_not_finite(const VectorRef& v) {
 
 }  // namespace
 
-const char* describe(StepStatus status) {
-  switch (status) {
-    case StepStatus::kOk:
-      return "moves";
-    case StepStatus::kNotFinite:
-      return "has a torque, position or velocity that is not finite";
-    case StepStatus::kNotPositive:
-      return "stands where the mass matrix has no inverse";
-    case StepStatus::kTooStiff:
-      return "moves faster than the smallest substep can follow";
-  }
-  return "";
-}
-
 struct Plant::State {
   State(const Model& arm, const PlantOptions& asked)
       : n(arm.joints()),

@@ -16,6 +16,10 @@ bool is_dry_friction(const Effect& effect, const ShapeValues& shape) {
          name == "sublinear_viscous" || name == "warm_up";
 }
 
+bool describes_measured_motion(const EffectTerm& term) {
+  return term.effect == "transmission_compliance";
+}
+
 PlantForces::Line PlantForces::line_of(const Axis& axis) {
   Line line;
   for (Eigen::Index i = 0; i < axis.coefficients.size(); ++i) {
@@ -103,7 +107,7 @@ PlantForces::PlantForces(const Model& arm)
       constant_(VectorXd::Zero(n_)) {
   for (const EffectTerm& of : arm.effects()) {
     Term term = bound(arm, of);
-    if (of.effect == "transmission_compliance") {
+    if (describes_measured_motion(of)) {
       left_out_.push_back("transmission_compliance on " + axis_text(arm, of.axis) +
                           ": it describes measured motion; a forward simulation needs the motor as "
                           "a body of its own");

@@ -12,6 +12,10 @@ namespace veridyn {
 /// of them. A test asks every effect whether this list is right.
 bool is_dry_friction(const Effect& effect, const ShapeValues& shape);
 
+/// True for effects to first order along a given motion (an elastic transmission), which as a force
+/// in a forward simulation would be unstable.
+bool describes_measured_motion(const EffectTerm& term);
+
 /// Forces between which friction can choose at rest.
 struct Interval {
   double lower, upper;

@@ -1,0 +1,33 @@
+#include "veridyn/simulation/engine.hpp"
+
+#include "veridyn/math/require.hpp"
+#include "veridyn/model/suggestion.hpp"
+#include "veridyn/simulation/plant.hpp"
+
+namespace veridyn {
+
+const char* describe(StepStatus status) {
+  switch (status) {
+    case StepStatus::kOk:
+      return "moves";
+    case StepStatus::kNotFinite:
+      return "has a torque, position or velocity that is not finite";
+    case StepStatus::kNotPositive:
+      return "stands where the mass matrix has no inverse";
+    case StepStatus::kTooStiff:
+      return "moves faster than the smallest substep can follow";
+  }
+  return "";
+}
+
+std::vector<std::string> engine_names() {
+  return {"veridyn"};
+}
+
+std::unique_ptr<Engine> make_engine(const std::string& name, const Model& arm) {
+  if (name == "veridyn") return std::make_unique<Plant>(arm);
+  throw InvalidInput(text("found the engine '", name, "'", did_you_mean(name, engine_names()),
+                          ", expected one of: ", listed(engine_names()), "."));
+}
+
+}  // namespace veridyn
