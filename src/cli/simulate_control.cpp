@@ -100,7 +100,7 @@ std::string replay_report(const SimulateRequest& request, const Model& arm, cons
   for (int i = 0; i < arm.joints(); ++i) {
     const Coordinate& c = arm.coordinates()[static_cast<size_t>(i)];
     out += fmt::format("joint {} ({}): ", i + 1, c.name);
-    if (request.drive == "set-points") {
+    if (request.drive != "torques") {
       out += fmt::format(
           "torque off by {:.2f} % of the recorded one (the model alone, at the "
           "recorded motion: {:.2f} %); ",
@@ -137,11 +137,12 @@ void add_control_options(CLI::App& command, SimulateRequest& request) {
       ->option_text("REC")
       ->group(kControl);
   command
-      .add_option("--drive", request.drive,
-                  "What of the recording drives: its motion through the PID, or its torques "
-                  "(set-points)")
-      ->option_text("set-points|torques")
-      ->check(CLI::IsMember({"set-points", "torques"}))
+      .add_option(
+          "--drive", request.drive,
+          "What of the recording drives: the commands that its PD must have had, its motion "
+          "as set points, or its torques (commands)")
+      ->option_text("commands|set-points|torques")
+      ->check(CLI::IsMember({"commands", "set-points", "torques"}))
       ->group(kControl);
   command.add_option("--gains", request.gains, "YAML file with lists p, i and d")
       ->option_text("FILE")
@@ -154,6 +155,8 @@ void add_control_options(CLI::App& command, SimulateRequest& request) {
   number("--current-lag", request.loop.drive.lag, "S", "Time constant of the current loop (0)");
   number("--torque-step", request.loop.drive.step, "NM", "Quantum of the amplifiers (0)");
   number("--encoder-delay", request.loop.sensors.delay, "S", "Of what the controller sees (0)");
+  number("--set-point-cutoff", request.set_point_cutoff, "HZ",
+         "Low-pass of the recorded motion before it leads (3.5)");
   number("--filter-cutoff", request.preprocessing.cutoff, "HZ",
          "Low-pass of both torques before they are compared (5)");
 }
@@ -216,11 +219,16 @@ ExitStatus run_controlled(const SimulateRequest& request, const Model& arm,
 ExitStatus run_replay(const SimulateRequest& request, const Model& arm) {
   const auto engine = make_engine(request.engine, arm);
   ReplayOptions options;
-  options.drive = request.drive == "torques" ? ReplayDrive::kTorques : ReplayDrive::kSetPoints;
+  options.drive = request.drive == "torques"      ? ReplayDrive::kTorques
+                  : request.drive == "set-points" ? ReplayDrive::kSetPoints
+                                                  : ReplayDrive::kCommands;
+  options.set_point_cutoff = request.set_point_cutoff;
   options.loop = loop_of(request, arm);
   options.cutoff = request.preprocessing.cutoff;
   options.order = request.preprocessing.order;
-  const ReplayInput input = replay_input(arm, request.replay, request.preprocessing);
+  PreprocessingOptions how = request.preprocessing;
+  how.signal_cutoff_ratio = request.set_point_cutoff / how.cutoff;
+  const ReplayInput input = replay_input(arm, request.replay, how);
   const Replay done = replay(*engine, arm, input, options);
   tell_left_out(request, engine->left_out());
   if (!request.output.empty())

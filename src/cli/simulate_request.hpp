@@ -23,10 +23,11 @@ struct SimulateRequest {
   unsigned seed = 1;
   unsigned arm_seed = 1;
   std::string controller = "none";
-  std::string drive = "set-points";
+  std::string drive = "commands";
   std::string gains;
   std::vector<double> p, i, d, limit;
   LoopOptions loop;
+  double set_point_cutoff = 3.5;  // [Hz]
   PreprocessingOptions preprocessing;
   CommonOptions common;
 };

@@ -56,6 +56,25 @@ MatrixXd measured_motion_torques(const Model& arm, const MotionSamples& motion) 
   return tau;
 }
 
+// The motion that a PD of these gains was asked for when it gave tau: e = wanted - actual follows
+// de/dt = (tau - p e) / d, solved exactly for a torque that is constant over a row.
+MotionSamples commands(const MotionSamples& actual, const MatrixXd& tau, const PidGains& gains) {
+  MotionSamples wanted = actual;
+  for (Eigen::Index i = 0; i < tau.cols(); ++i) {
+    const double p = gains.p[i];
+    const double d = gains.d[i];
+    double e = p > 0.0 ? tau(0, i) / p : 0.0;
+    for (Eigen::Index k = 0; k < tau.rows() && p > 0.0; ++k) {
+      const double settled = tau(k, i) / p;
+      wanted.q(k, i) += e;
+      if (d > 0.0) wanted.dq(k, i) += (tau(k, i) - p * e) / d;
+      const double h = k + 1 < tau.rows() ? actual.time[k + 1] - actual.time[k] : 0.0;
+      e = d > 0.0 ? settled + (e - settled) * std::exp(-h * p / d) : settled;
+    }
+  }
+  return wanted;
+}
+
 MotionSamples first_rows(const MotionSamples& m, Eigen::Index rows) {
   return {m.time.head(rows), m.q.topRows(rows), m.dq.topRows(rows), m.ddq.topRows(rows)};
 }
@@ -73,22 +92,31 @@ Replay replay(Engine& engine, const Model& arm, const ReplayInput& input,
   Replay out;
   LoopOptions loop = options.loop;
   if (loop.gains.p.size() == 0) loop.gains = sensible_gains(arm);
+  // An integral would bring the motion to the commands, which lie ahead of it.
+  if (options.drive == ReplayDrive::kCommands) loop.gains.i.setZero();
   out.gains = loop.gains;
-  out.run = options.drive == ReplayDrive::kSetPoints
-                ? run_with_pid(engine, arm, input.motion, loop)
-                : run_with_torques(engine, input.motion, input.tau);
+  const double rate =
+      static_cast<double>(rows - 1) / (input.motion.time[rows - 1] - input.motion.time[0]);
+  const auto low_passed = [&](MatrixXd tau, double cutoff) {
+    if (cutoff > 0.0) ZeroPhaseFilter(cutoff, options.order, rate).apply(tau);
+    return tau;
+  };
+  if (options.drive == ReplayDrive::kTorques) {
+    out.run = run_with_torques(engine, input.motion, input.tau);
+  } else if (options.drive == ReplayDrive::kSetPoints) {
+    out.run = run_with_pid(engine, arm, input.motion, loop);
+  } else {
+    const MatrixXd tau = low_passed(input.tau, options.set_point_cutoff);
+    out.run = run_with_pid(engine, arm, commands(input.motion, tau, loop.gains), loop);
+  }
   const Eigen::Index done = out.run.motion.rows();
   require(done >= kFewestRows, "replay: ", out.run.why(arm), ", after ", done, " rows.");
   compare_motion(input, out);
-  const double rate =
-      static_cast<double>(rows - 1) / (input.motion.time[rows - 1] - input.motion.time[0]);
-  MatrixXd recorded = input.tau.topRows(done);
-  MatrixXd simulated = out.run.tau + measured_motion_torques(arm, out.run.motion);
-  MatrixXd predicted = plant_torques(arm, first_rows(input.motion, done), kSubsteps);
-  if (options.cutoff > 0.0) {
-    const ZeroPhaseFilter low_pass(options.cutoff, options.order, rate);
-    for (MatrixXd* columns : {&recorded, &simulated, &predicted}) low_pass.apply(*columns);
-  }
+  const MatrixXd recorded = low_passed(input.tau.topRows(done), options.cutoff);
+  const MatrixXd simulated =
+      low_passed(out.run.tau + measured_motion_torques(arm, out.run.motion), options.cutoff);
+  const MatrixXd predicted =
+      low_passed(plant_torques(arm, first_rows(input.motion, done), kSubsteps), options.cutoff);
   const std::vector<char> use(input.use.begin(), input.use.begin() + done);
   out.torque_error = relative_error(simulated, recorded, use);
   out.inverse_error = relative_error(predicted, recorded, use);

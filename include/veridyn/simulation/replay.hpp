@@ -11,15 +11,19 @@ struct ReplayInput {
   std::vector<char> use;  ///< (rows) 0: in a gap or at an edge, left out of the errors
 };
 
-/// What is given to the model, and what is compared.
+/// What of the recording is given to the model, and what is compared.
 enum class ReplayDrive {
+  /// The set points that the recorded controller must have had lead a PID: those for which
+  /// tau = p e + d de/dt gives the recorded torque at the recorded motion (gains.i is not used).
+  kCommands,
   kSetPoints,  ///< the recorded motion leads a PID: the torques that the model needs
   kTorques     ///< the recorded torques act: the motion that the model makes of them
 };
 
 struct ReplayOptions {
-  ReplayDrive drive = ReplayDrive::kSetPoints;
-  LoopOptions loop;     ///< for set points; empty gains: sensible_gains() of the arm
+  ReplayDrive drive = ReplayDrive::kCommands;
+  LoopOptions loop;               ///< for set points; empty gains: sensible_gains() of the arm
+  double set_point_cutoff = 3.5;  ///< [Hz] zero-phase low-pass of torques that make set points
   double cutoff = 5.0;  ///< [Hz] zero-phase low-pass of both torques before they are compared
   int order = 6;
 };
