@@ -1,5 +1,8 @@
 #include "veridyn/simulation/engine.hpp"
 
+#ifdef VERIDYN_WITH_MUJOCO
+#include "mujoco_engine.hpp"
+#endif
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/suggestion.hpp"
 #include "veridyn/simulation/plant.hpp"
@@ -26,6 +29,10 @@ std::vector<std::string> engine_names() {
 
 std::unique_ptr<Engine> make_engine(const std::string& name, const Model& arm) {
   if (name == "veridyn") return std::make_unique<Plant>(arm);
+#ifdef VERIDYN_WITH_MUJOCO
+  if (name == "mujoco") return make_mujoco_engine(arm);
+#endif
+  require(name != "mujoco", "engine mujoco: this veridyn was built without it (libmujoco-dev).");
   throw InvalidInput(text("found the engine '", name, "'", did_you_mean(name, engine_names()),
                           ", expected one of: ", listed(engine_names()), "."));
 }
