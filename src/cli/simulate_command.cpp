@@ -54,6 +54,7 @@ ExitStatus run(const Request& request) {
     if (asked != "none") options.hidden.push_back(parse_hidden_effect(asked));
   }
   const Model arm = arm_with_values(request);
+  if (!request.breakaway.empty()) return run_breakaway(request, arm);
   if (!request.replay.empty()) return run_replay(request, arm);
   const MotionSamples wanted = wanted_motion(request.trajectory);
   require(wanted.q.cols() == arm.joints(), request.trajectory, ": found ", wanted.q.cols(),

@@ -17,6 +17,7 @@ namespace veridyn::cli {
 namespace {
 
 const char* const kControl = "Control";
+constexpr double kRampCutoff = 20.0;  // [Hz] for positions of slow ramps
 
 VectorXd per_joint(const std::vector<double>& numbers, const Model& arm, const char* option) {
   if (numbers.empty()) return {};
@@ -144,6 +145,11 @@ void add_control_options(CLI::App& command, SimulateRequest& request) {
       ->option_text("commands|set-points|torques")
       ->check(CLI::IsMember({"commands", "set-points", "torques"}))
       ->group(kControl);
+  command
+      .add_option("--breakaway", request.breakaway,
+                  "With --replay of slow ramps: the effort at which this joint gives way")
+      ->option_text("JOINT")
+      ->group(kControl);
   command.add_option("--gains", request.gains, "YAML file with lists p, i and d")
       ->option_text("FILE")
       ->group(kControl);
@@ -165,6 +171,8 @@ void check_simulate_request(const SimulateRequest& request) {
   if (request.trajectory.empty() == request.replay.empty())
     throw CLI::ValidationError("simulate", "expected either --trajectory or --replay");
   if (request.output.empty() && request.replay.empty()) throw CLI::RequiredError("--output");
+  if (!request.breakaway.empty() && request.replay.empty())
+    throw CLI::ValidationError("--breakaway", "needs --replay");
   if (request.controller == "none" && request.replay.empty() && request.engine != "veridyn")
     throw CLI::ValidationError("--engine", "needs --controller pid or --replay");
   if (!request.gains.empty() && !request.p.empty())
@@ -237,6 +245,44 @@ ExitStatus run_replay(const SimulateRequest& request, const Model& arm) {
   if (!request.common.json.empty()) write_file(request.common.json, to_json(done, arm));
   std::cout << replay_report(request, arm, done);
   return ended(done.run, arm);
+}
+
+ExitStatus run_breakaway(const SimulateRequest& request, const Model& arm) {
+  BreakawayOptions options;
+  options.joint = arm.find_coordinate(request.breakaway);
+  for (int i = 0; i < arm.joints(); ++i) {
+    if (request.breakaway == std::to_string(i + 1)) options.joint = i;
+  }
+  require(options.joint >= 0, "--breakaway: found the joint '", request.breakaway,
+          "', expected a coordinate of ", arm.name(), " or its number.");
+  const Coordinate& c = arm.coordinates()[static_cast<size_t>(options.joint)];
+  const auto engine = make_engine(request.engine, arm);
+  PreprocessingOptions how = request.preprocessing;
+  how.signal_cutoff_ratio = kRampCutoff / how.cutoff;  // a step of position is a new start
+  const ReplayInput input = replay_input(arm, request.replay, how);
+  const Breakaway found = breakaway(*engine, arm, input, options);
+  tell_left_out(request, engine->left_out());
+  if (!request.common.json.empty()) write_file(request.common.json, to_json(found, arm));
+  if (!request.output.empty()) {
+    MotionSamples motion = input.motion;
+    motion.q.col(options.joint) = found.simulated_q;
+    write_recording(rows_of(motion, input.tau), request.output, "");
+  }
+  std::cout << fmt::format("Breakaway of {} in {}: {} ramps.\n", c.name, request.replay,
+                           found.events.size());
+  for (const BreakawayEvent& e : found.events) {
+    std::cout << fmt::format(
+        "  at rest from {:.2f} s: recorded {:+.3f} {u} at {:.2f} s, simulated "
+        "{:+.3f} {u} at {:.2f} s\n",
+        e.rest_from, e.recorded, e.recorded_at, e.simulated, e.simulated_at,
+        fmt::arg("u", effort_unit(c)));
+  }
+  std::cout << fmt::format(
+      "median forwards:  recorded {:+.3f} {u}, simulated {:+.3f} {u}\n"
+      "median backwards: recorded {:+.3f} {u}, simulated {:+.3f} {u}\n",
+      found.recorded_forward, found.simulated_forward, found.recorded_backward,
+      found.simulated_backward, fmt::arg("u", effort_unit(c)));
+  return found.events.empty() ? kDataCannotAnswer : kDone;
 }
 
 }  // namespace veridyn::cli

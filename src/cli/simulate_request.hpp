@@ -5,7 +5,7 @@
 
 #include "commands.hpp"
 #include "common_options.hpp"
-#include "veridyn/simulation/replay.hpp"
+#include "veridyn/simulation/breakaway.hpp"
 #include "veridyn/simulation/simulate_controlled.hpp"
 
 namespace veridyn::cli {
@@ -24,6 +24,7 @@ struct SimulateRequest {
   unsigned arm_seed = 1;
   std::string controller = "none";
   std::string drive = "commands";
+  std::string breakaway;  // a joint
   std::string gains;
   std::vector<double> p, i, d, limit;
   LoopOptions loop;
@@ -48,5 +49,7 @@ ExitStatus run_controlled(const SimulateRequest& request, const Model& arm,
                           const MotionSamples& wanted, const SimulationOptions& options);
 
 ExitStatus run_replay(const SimulateRequest& request, const Model& arm);
+
+ExitStatus run_breakaway(const SimulateRequest& request, const Model& arm);
 
 }  // namespace veridyn::cli

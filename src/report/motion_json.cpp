@@ -107,4 +107,23 @@ std::string to_json(const Replay& replay, const Model& arm) {
   return written(out);
 }
 
+std::string to_json(const Breakaway& found, const Model& arm) {
+  const auto number = [](double x) { return std::isfinite(x) ? Json(x) : Json(); };
+  Json out = json_head("simulate");
+  out["robot"] = arm.name();
+  out["ramps"] = Json::array();
+  for (const BreakawayEvent& e : found.events) {
+    out["ramps"].push_back(
+        {{"rest_from", e.rest_from},
+         {"direction", e.direction},
+         {"recorded", {{"time", e.recorded_at}, {"effort", e.recorded}}},
+         {"simulated", {{"time", number(e.simulated_at)}, {"effort", number(e.simulated)}}}});
+  }
+  out["forward"] = {{"recorded", number(found.recorded_forward)},
+                    {"simulated", number(found.simulated_forward)}};
+  out["backward"] = {{"recorded", number(found.recorded_backward)},
+                     {"simulated", number(found.simulated_backward)}};
+  return written(out);
+}
+
 }  // namespace veridyn

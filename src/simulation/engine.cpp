@@ -24,7 +24,11 @@ const char* describe(StepStatus status) {
 }
 
 std::vector<std::string> engine_names() {
+#ifdef VERIDYN_WITH_MUJOCO
+  return {"veridyn", "mujoco"};
+#else
   return {"veridyn"};
+#endif
 }
 
 std::unique_ptr<Engine> make_engine(const std::string& name, const Model& arm) {

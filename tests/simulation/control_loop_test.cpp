@@ -7,7 +7,7 @@
 #include "simulation/plant_support.hpp"
 #include "support/near.hpp"
 #include "veridyn/math/require.hpp"
-#include "veridyn/simulation/replay.hpp"
+#include "veridyn/simulation/breakaway.hpp"
 #include "veridyn/simulation/simulate_controlled.hpp"
 
 namespace veridyn {
@@ -164,6 +164,40 @@ TEST(Replay, TheArmThatWasRecordedReplaysItsRecording) {
   const Replay off = replay(other, wrong, input, how);
   EXPECT_GT(off.torque_error[0], 3.0 * commands.torque_error[0]);
   EXPECT_NEAR(off.torque_error[0], off.inverse_error[0], 0.3 * off.inverse_error[0]);
+}
+
+// Ramps of force on a block, up and down, each from a new start: it gives way at its level, and a
+// model with half the level at half.
+TEST(Breakaway, IsTheLevelOfCoulombFriction) {
+  const double level = 1.2;
+  const auto arm = [](double l) {
+    return with_effects(slide(), {effect(slide(), "coulomb_friction", 0, {{"level", l}})});
+  };
+  const Eigen::Index per_ramp = 800;  // 8 s at 100 Hz, 0.2 N/s
+  ReplayInput input;
+  input.motion.time = VectorXd::LinSpaced(4 * per_ramp, 0.0, (4.0 * per_ramp - 1.0) * 0.01);
+  input.motion.q = input.motion.dq = input.motion.ddq = input.tau = MatrixXd::Zero(4 * per_ramp, 1);
+  input.use.assign(static_cast<size_t>(4 * per_ramp), 1);
+  Plant plant(arm(level));
+  for (Eigen::Index k = 0; k < 4 * per_ramp; ++k) {
+    const Eigen::Index ramp = k / per_ramp;
+    if (k % per_ramp == 0) plant.set_state(one(0.1 * static_cast<double>(ramp)), one(0.0));
+    const double tau = (ramp % 2 == 0 ? 0.2 : -0.2) * 0.01 * static_cast<double>(k % per_ramp);
+    input.motion.q(k, 0) = plant.q()[0];
+    input.tau(k, 0) = tau;
+    ASSERT_EQ(plant.step(one(tau), 0.01), StepStatus::kOk);
+  }
+  const Breakaway same = breakaway(plant, arm(level), input, {});
+  ASSERT_EQ(same.events.size(), 4u);
+  EXPECT_NEAR(same.recorded_forward, level, 0.15);  // a millimetre after the onset
+  EXPECT_NEAR(same.simulated_forward, same.recorded_forward, 0.01);
+  EXPECT_NEAR(same.simulated_backward, same.recorded_backward, 0.01);
+  Plant smoother(arm(0.5 * level));
+  const Breakaway half = breakaway(smoother, arm(0.5 * level), input, {});
+  EXPECT_NEAR(half.simulated_forward, 0.5 * level, 0.15);
+  EXPECT_NEAR(half.simulated_backward, -0.5 * level, 0.15);
+  Plant rougher(arm(1.5 * level));  // gives way after the recorded one did
+  EXPECT_NEAR(breakaway(rougher, arm(1.5 * level), input, {}).simulated_forward, 1.5 * level, 0.15);
 }
 
 }  // namespace

@@ -3,7 +3,7 @@
 #include <string>
 
 #include "veridyn/excitation/excitation.hpp"
-#include "veridyn/simulation/replay.hpp"
+#include "veridyn/simulation/breakaway.hpp"
 #include "veridyn/simulation/simulate_controlled.hpp"
 
 namespace veridyn {
@@ -22,5 +22,8 @@ std::string to_json(const ControlledRecording& controlled, const MotionSamples& 
 
 /// What `veridyn simulate --replay --json` writes: errors of torque and motion per joint.
 std::string to_json(const Replay& replay, const Model& arm);
+
+/// What `veridyn simulate --breakaway --json` writes: every ramp, and the medians.
+std::string to_json(const Breakaway& found, const Model& arm);
 
 }  // namespace veridyn
