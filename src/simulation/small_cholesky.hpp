@@ -8,7 +8,7 @@ namespace veridyn {
 // (entry (i, j) at i + j n), which for a handful of joints beat a library's blocked code and never
 // allocate.
 
-/// A = L L' in place, in the lower triangle. False if A is not positive definite, or not a number.
+/// A = L L' in place, in the lower triangle, with one over its diagonal on the diagonal. False if A is not positive definite, or not a number.
 inline bool cholesky_in_place(double* A, int n) noexcept {
   for (int j = 0; j < n; ++j) {
     double* column = A + j * n;
@@ -20,7 +20,8 @@ inline bool cholesky_in_place(double* A, int n) noexcept {
     }
     if (!(column[j] > 0.0)) return false;
     const double inverse = 1.0 / std::sqrt(column[j]);
-    for (int i = j; i < n; ++i) column[i] *= inverse;
+    for (int i = j + 1; i < n; ++i) column[i] *= inverse;
+    column[j] = inverse;
   }
   return true;
 }
@@ -29,7 +30,8 @@ inline bool cholesky_in_place(double* A, int n) noexcept {
 inline void solve_lower(const double* L, int n, double* x) noexcept {
   for (int j = 0; j < n; ++j) {
     const double* column = L + j * n;
-    x[j] /= column[j];
+    if (x[j] == 0.0) continue;
+    x[j] *= column[j];
     for (int i = j + 1; i < n; ++i) x[i] -= column[i] * x[j];
   }
 }
@@ -39,7 +41,7 @@ inline void multiply_lower(const double* L, int n, double* x) noexcept {
   for (int j = n - 1; j >= 0; --j) {
     const double* column = L + j * n;
     for (int i = j + 1; i < n; ++i) x[i] += column[i] * x[j];
-    x[j] *= column[j];
+    x[j] /= column[j];
   }
 }
 
@@ -49,7 +51,7 @@ inline void solve_lower_transposed(const double* L, int n, double* x) noexcept {
     const double* column = L + j * n;
     double sum = x[j];
     for (int i = j + 1; i < n; ++i) sum -= column[i] * x[i];
-    x[j] = sum / column[j];
+    x[j] = sum * column[j];
   }
 }
 

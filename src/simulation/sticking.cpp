@@ -13,14 +13,18 @@ constexpr double kConverged = 1e-13;  // change of a sweep, relative to the free
 constexpr double kHolds = 1e-10;      // acceleration that still counts as none, likewise
 constexpr double kDependent = 1e-9;   // share of a vector outside a span that counts as none
 
-// Subtracts the orthonormal columns' parts from x, twice: once leaves the rounding of the first.
-void take_out(const double* columns, size_t count, int n, double* x) {
-  for (int pass = 0; pass < 2; ++pass) {
-    for (size_t c = 0; c < count; ++c) {
-      const double* column = columns + c * static_cast<size_t>(n);
-      add_scaled(-dot(column, x, n), column, n, x);
-    }
+// Subtracts the orthonormal columns' parts from x.
+void take_out_once(const double* columns, size_t count, int n, double* x) {
+  for (size_t c = 0; c < count; ++c) {
+    const double* column = columns + c * static_cast<size_t>(n);
+    add_scaled(-dot(column, x, n), column, n, x);
   }
+}
+
+// Twice: once leaves the rounding of the first.
+void take_out(const double* columns, size_t count, int n, double* x) {
+  take_out_once(columns, count, n, x);
+  take_out_once(columns, count, n, x);
 }
 
 }  // namespace
@@ -205,17 +209,19 @@ void Sticking::release(const double* L, double* y) {
 
 void Sticking::hold(const double* L, double* y) {
   const auto n = static_cast<size_t>(n_);
-  size_t rank = 0;
   for (size_t c = 0; c < rank_; ++c) {
-    double* column = held_.data() + rank * n;
+    double* column = held_.data() + c * n;
     std::copy(basis(c), basis(c) + n_, column);
     solve_lower(L, n_, column);
-    take_out(held_.data(), rank, n_, column);
-    const double length = std::sqrt(dot(column, column, n_));
-    for (int i = 0; i < n_; ++i) column[i] /= length;
-    ++rank;
+    take_out_once(held_.data(), c, n_, column);
+    const double inverse = 1.0 / std::sqrt(dot(column, column, n_));
+    for (int i = 0; i < n_; ++i) column[i] *= inverse;
   }
-  take_out(held_.data(), rank, n_, y);
+  if (rank_ == n) {
+    std::fill(y, y + n_, 0.0);
+    return;
+  }
+  take_out(held_.data(), rank_, n_, y);
 }
 
 }  // namespace veridyn
