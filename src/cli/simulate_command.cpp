@@ -6,30 +6,21 @@
 #include "commands.hpp"
 #include "common_options.hpp"
 #include "messages.hpp"
+#include "simulate_request.hpp"
 #include "veridyn/identification/recording.hpp"
 #include "veridyn/math/output_file.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/model_file.hpp"
 #include "veridyn/model/suggestion.hpp"
 #include "veridyn/report/motion_json.hpp"
+#include "veridyn/simulation/engine.hpp"
 #include "veridyn/simulation/plausible_model.hpp"
 #include "veridyn/simulation/simulate_recording.hpp"
 
 namespace veridyn::cli {
 namespace {
 
-struct Request {
-  std::string robot;
-  std::string trajectory;
-  std::string output;
-  std::vector<std::string> effects;
-  std::string noise = "low";
-  std::string engine = "veridyn";
-  std::string model_out;
-  unsigned seed = 1;
-  unsigned arm_seed = 1;
-  CommonOptions common;
-};
+using Request = SimulateRequest;
 
 MotionSamples wanted_motion(const std::string& path) {
   const Recording rows = read_recording(path);
@@ -51,24 +42,8 @@ Model arm_with_values(const Request& request) {
   return plausible.arm;
 }
 
-std::string report(const Request& request, const SimulatedRecording& simulated) {
-  const MotionSamples& m = simulated.measured;
-  std::string out =
-      fmt::format("Simulated {}: {} rows, {:.4g} s, noise {}.\n", simulated.truth.name(), m.rows(),
-                  m.time[m.rows() - 1] - m.time[0], request.noise);
-  for (const PlantedEffect& planted : simulated.planted) {
-    out += fmt::format("Hidden: {} on {}", planted.effect, planted.place);
-    if (planted.joint > 0) out += fmt::format(" (joint {})", planted.joint);
-    for (const auto& [key, value] : planted.values) out += fmt::format(", {} {:.5g}", key, value);
-    out += ".\n";
-  }
-  return out;
-}
-
 ExitStatus run(const Request& request) {
-  if (request.engine != "veridyn") {
-    throw CLI::ValidationError("--engine", "found '" + request.engine + "', expected veridyn");
-  }
+  check_simulate_request(request);
   for (const std::string& path : {request.output, request.model_out, request.common.json}) {
     require_writable(path);
   }
@@ -79,19 +54,16 @@ ExitStatus run(const Request& request) {
     if (asked != "none") options.hidden.push_back(parse_hidden_effect(asked));
   }
   const Model arm = arm_with_values(request);
+  if (!request.breakaway.empty()) return run_breakaway(request, arm);
+  if (!request.replay.empty()) return run_replay(request, arm);
   const MotionSamples wanted = wanted_motion(request.trajectory);
   require(wanted.q.cols() == arm.joints(), request.trajectory, ": found ", wanted.q.cols(),
           " joints, expected the ", arm.joints(), " of ", arm.name(), ".");
+  if (request.controller == "pid") return run_controlled(request, arm, wanted, options);
   const SimulatedRecording simulated = simulate_recording(arm, wanted, options);
-  Recording rows;
-  rows.time = simulated.measured.time;
-  rows.q = simulated.measured.q;
-  rows.dq = simulated.measured.dq;
-  rows.tau = simulated.tau;
-  write_recording(rows, request.output);
-  if (!request.model_out.empty()) save_model(simulated.truth, request.model_out);
+  write_simulated(request, simulated, "");
   if (!request.common.json.empty()) write_file(request.common.json, to_json(simulated));
-  std::cout << report(request, simulated);
+  std::cout << simulation_report(request, simulated);
   return kDone;
 }
 
@@ -120,10 +92,8 @@ void add_simulate_command(CLI::App& tool, Outcome& outcome) {
       *tool.add_subcommand("simulate", "A recording of an arm along a motion, with hidden effects");
   add_robot_argument(command, request->robot);
   command.add_option("--trajectory", request->trajectory, "CSV with t and q; dq and ddq if there")
-      ->required()
       ->option_text("TRAJ");
   command.add_option("-o,--output", request->output, "Write the recording as CSV: t, q, dq, tau")
-      ->required()
       ->option_text("FILE");
   command.add_option("--effect", request->effects, "What the arm has beyond its file; see below")
       ->option_text("NAME:JOINT[:KEY=VALUE,...]")
@@ -132,8 +102,8 @@ void add_simulate_command(CLI::App& tool, Outcome& outcome) {
   command.add_option("--noise", request->noise, "Sensors and controller; see below (low)")
       ->option_text(listed(sensor_noise_names()))
       ->check(CLI::IsMember(sensor_noise_names()));
-  command.add_option("--engine", request->engine, "What computes the rigid bodies (veridyn)")
-      ->option_text("veridyn");
+  command.add_option("--engine", request->engine, "What computes the motion (veridyn)")
+      ->option_text(listed(engine_names()));
   command.add_option("--seed", request->seed, "Of the noise (1)")->option_text("N");
   command
       .add_option("--arm-seed", request->arm_seed,
@@ -141,6 +111,7 @@ void add_simulate_command(CLI::App& tool, Outcome& outcome) {
       ->option_text("N");
   command.add_option("--model-out", request->model_out, "Write the true arm as YAML")
       ->option_text("FILE");
+  add_control_options(command, *request);
   add_common_options(command, request->common);
   command.footer(footer());
   command.callback([request, &outcome] { outcome.status = run(*request); });

@@ -21,11 +21,6 @@ BatchKernels widest_kernels() {
   return batch_kernels_baseline();
 }
 
-const BatchKernels& kernels() {
-  static const BatchKernels chosen = widest_kernels();
-  return chosen;
-}
-
 // Bytes aligned for the widest vectors.
 class AlignedMemory {
  public:
@@ -55,6 +50,11 @@ BatchInput input(const char* where, int joints, const MatrixRef& q, const Matrix
 
 }  // namespace
 
+const BatchKernels& widest_batch_kernels() {
+  static const BatchKernels chosen = widest_kernels();
+  return chosen;
+}
+
 RegressorBatch::RegressorBatch(const Model& arm)
     : tree_(arm),
       columns_(static_cast<size_t>(arm.joints())),
@@ -80,8 +80,9 @@ void RegressorBatch::evaluate(const MatrixRef& q, const MatrixRef& dq, const Mat
     data.push_back(Y[i].data());
   }
   const Links tree = tree_;
-  const AlignedMemory workspace(kernels().workspace(tree));
-  kernels().regressor(tree, in, {data.data(), column_of_mover_.data()}, workspace.get());
+  const AlignedMemory workspace(widest_batch_kernels().workspace(tree));
+  widest_batch_kernels().regressor(tree, in, {data.data(), column_of_mover_.data()},
+                                   workspace.get());
 }
 
 void RegressorBatch::torques(const MatrixRef& q, const MatrixRef& dq, const MatrixRef& ddq,
@@ -90,8 +91,8 @@ void RegressorBatch::torques(const MatrixRef& q, const MatrixRef& dq, const Matr
   require_inertias(phi);
   tau.resize(in.rows, joints());
   const Links tree = tree_;
-  const AlignedMemory workspace(kernels().workspace(tree));
-  kernels().torques(tree, in, phi.data(), tau.data(), workspace.get());
+  const AlignedMemory workspace(widest_batch_kernels().workspace(tree));
+  widest_batch_kernels().torques(tree, in, phi.data(), tau.data(), workspace.get());
 }
 
 void RegressorBatch::gradient(const MatrixRef& q, const MatrixRef& dq, const MatrixRef& ddq,

@@ -46,11 +46,15 @@ struct BatchKernels {
                    double* out, void* workspace) = nullptr;
   void (*torque_slopes)(const Links& tree, const BatchInput& in, const double* phi, double* slopes,
                         void* workspace) = nullptr;
+  int lanes = 0;  ///< samples that are worked on at once
 };
 
 BatchKernels batch_kernels_baseline();
 BatchKernels batch_kernels_avx2();
 BatchKernels batch_kernels_avx512();
+
+/// The widest that this processor has.
+const BatchKernels& widest_batch_kernels();
 
 template <typename P>
 struct BatchLoops {
@@ -162,6 +166,7 @@ struct BatchLoops {
     out.workspace = &workspace;
     out.regressor = &regressor;
     out.torques = &torques;
+    out.lanes = P::kSize;
     return out;
   }
 };

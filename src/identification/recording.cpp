@@ -4,6 +4,7 @@
 #include <charconv>
 #include <cmath>
 
+#include "veridyn/identification/remark.hpp"
 #include "veridyn/math/output_file.hpp"
 #include "veridyn/math/require.hpp"
 
@@ -78,6 +79,11 @@ Recording read_recording(const std::string& path, const RecordingOptions& option
 }
 
 void write_recording(const Recording& recording, const std::string& path) {
+  write_recording(recording, path, "");
+}
+
+void write_recording(const Recording& recording, const std::string& path,
+                     const std::string& remark) {
   for (const RecordingSignal& signal : kRecordingSignals) {
     const MatrixXd& values = recording.*signal.values;
     require(values.cols() == 0 ||
@@ -87,7 +93,7 @@ void write_recording(const Recording& recording, const std::string& path) {
             " joints.");
   }
   OutputFile file(path);
-  std::string line = header_of(recording);
+  std::string line = (remark.empty() ? "" : "# " + remark + "\n") + header_of(recording);
   for (int row = 0; row < recording.rows(); ++row) {
     append_number(recording.time[row], 15, &line);
     for (const RecordingSignal& signal : kRecordingSignals) {

@@ -79,7 +79,9 @@ std::string to_json(const Excitation& e) {
   return written(out);
 }
 
-std::string to_json(const SimulatedRecording& simulated) {
+namespace {
+
+Json recording_json(const SimulatedRecording& simulated) {
   Json out = json_head("simulate");
   out["robot"] = simulated.truth.name();
   out["rows"] = simulated.tau.rows();
@@ -92,6 +94,63 @@ std::string to_json(const SimulatedRecording& simulated) {
   }
   out["rms_effort"] = json_list(rms(simulated.actual_tau));
   out["rms_effort_error"] = json_list(rms(simulated.tau - simulated.actual_tau));
+  return out;
+}
+
+void add_run(const EngineRun& run, const PidGains& gains, const Model& arm, Json& out) {
+  out["complete"] = run.complete();
+  if (!run.complete()) {
+    out["stopped"] = {{"time", run.stopped_at},
+                      {"joint", run.joint >= 0 ? Json(run.joint + 1) : Json()},
+                      {"why", run.why(arm)}};
+  }
+  out["gains"] = {{"p", json_list(gains.p)}, {"i", json_list(gains.i)}, {"d", json_list(gains.d)}};
+}
+
+}  // namespace
+
+std::string to_json(const SimulatedRecording& simulated) {
+  return written(recording_json(simulated));
+}
+
+std::string to_json(const ControlledRecording& controlled, const MotionSamples& wanted) {
+  Json out = recording_json(controlled.recording);
+  add_run(controlled.run, controlled.gains, controlled.recording.truth, out);
+  const MatrixXd& q = controlled.run.motion.q;
+  out["largest_deviation"] =
+      json_list((q - wanted.q.topRows(q.rows())).cwiseAbs().colwise().maxCoeff().transpose());
+  out["left_out"] = controlled.left_out;
+  return written(out);
+}
+
+std::string to_json(const Replay& replay, const Model& arm) {
+  Json out = json_head("simulate");
+  out["robot"] = arm.name();
+  out["rows"] = replay.run.motion.rows();
+  add_run(replay.run, replay.gains, arm, out);
+  out["torque"] = {{"relative_error", json_list(replay.torque_error)},
+                   {"prediction_relative_error", json_list(replay.inverse_error)}};
+  out["motion"] = {{"rms_error", json_list(replay.motion_rms)},
+                   {"max_error", json_list(replay.motion_max)}};
+  return written(out);
+}
+
+std::string to_json(const Breakaway& found, const Model& arm) {
+  const auto number = [](double x) { return std::isfinite(x) ? Json(x) : Json(); };
+  Json out = json_head("simulate");
+  out["robot"] = arm.name();
+  out["ramps"] = Json::array();
+  for (const BreakawayEvent& e : found.events) {
+    out["ramps"].push_back(
+        {{"rest_from", e.rest_from},
+         {"direction", e.direction},
+         {"recorded", {{"time", e.recorded_at}, {"effort", e.recorded}}},
+         {"simulated", {{"time", number(e.simulated_at)}, {"effort", number(e.simulated)}}}});
+  }
+  out["forward"] = {{"recorded", number(found.recorded_forward)},
+                    {"simulated", number(found.simulated_forward)}};
+  out["backward"] = {{"recorded", number(found.recorded_backward)},
+                     {"simulated", number(found.simulated_backward)}};
   return written(out);
 }
 

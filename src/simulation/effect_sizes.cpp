@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "plant.hpp"
+#include "plant_torques.hpp"
 #include "veridyn/kinematics/standard_motion.hpp"
 #include "veridyn/math/require.hpp"
 
@@ -27,7 +27,7 @@ std::vector<std::string> missing_parameters(const EffectTerm& term) {
 
 }  // namespace
 
-Model with_sensible_effects(const Model& arm) {
+Model with_sensible_effects(const Model& arm, double least_effort) {
   const MotionSamples motion = standard_motion(arm);
   const MatrixXd rigid = rigid_torques(arm, motion);
   const MatrixXd tau = plant_torques(arm, motion, kSubsteps);
@@ -36,8 +36,8 @@ Model with_sensible_effects(const Model& arm) {
     const std::vector<std::string> missing = missing_parameters(term);
     if (missing.empty()) continue;
     const std::vector<EffectParameter> parameters = find_effect(term.effect).parameters();
-    const double part =
-        kSensibleShare * rms(effort_along(term.axis, tau)) / static_cast<double>(missing.size());
+    const double effort = std::max(least_effort, rms(effort_along(term.axis, tau)));
+    const double part = kSensibleShare * effort / static_cast<double>(missing.size());
     const MatrixXd columns = effect_columns(arm, term, motion, rigid, kSubsteps);
     for (size_t p = 0; p < parameters.size(); ++p) {
       if (std::find(missing.begin(), missing.end(), parameters[p].name) == missing.end()) continue;

@@ -15,7 +15,8 @@ namespace veridyn {
 /// effort is that of the bodies and of the effects that have values. Parameters whose columns the
 /// standard motion leaves at zero become zero. @throws InvalidInput  a body has no values.
 constexpr double kSensibleShare = 0.1;
-Model with_sensible_effects(const Model& arm);
+/// @param least_effort  [N m] or [N] taken where the effort is smaller.
+Model with_sensible_effects(const Model& arm, double least_effort = 0.0);
 
 /// The rms effort of every joint over the standard motion, (n) [N m] or [N].
 VectorXd standard_effort(const Model& arm);

@@ -12,6 +12,9 @@
 namespace veridyn {
 namespace {
 
+// Where no body loads a joint its rotor and friction are all there is; without them it has no mass.
+constexpr double kLeastEffort = 0.1;  // [N m] or [N]
+
 double tighter(double value, double bound) {
   return bound > 0.0 ? std::min(value, bound) : value;
 }
@@ -61,7 +64,7 @@ PlausibleModel plausible_model(const Model& arm, unsigned seed) {
   }
   out.effects = static_cast<int>(
       std::count_if(description.effects.begin(), description.effects.end(), lacks_values));
-  out.arm = with_sensible_effects(Model(std::move(description)));
+  out.arm = with_sensible_effects(Model(std::move(description)), kLeastEffort);
   return out;
 }
 

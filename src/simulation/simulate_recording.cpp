@@ -4,14 +4,14 @@
 #include <cmath>
 #include <utility>
 
-#include "plant.hpp"
+#include "plant_torques.hpp"
+#include "recorded.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/math/zero_phase_filter.hpp"
+#include "veridyn/simulation/control_loop.hpp"
 
 namespace veridyn {
 namespace {
-
-constexpr double kContactRamp = 0.1;  // [s] in which a contact comes and goes
 
 void check(const Model& arm, const MotionSamples& wanted, const SimulationOptions& options) {
   const Eigen::Index rows = wanted.rows();
@@ -33,14 +33,6 @@ void check(const Model& arm, const MotionSamples& wanted, const SimulationOption
   }
   require(options.substeps >= 1, "simulation: found ", options.substeps,
           " substeps, expected at least one.");
-}
-
-// 0 outside, 1 inside, half a cosine between.
-double contact_share(double t, const PlantedArm::Contact& contact) {
-  const double ramp = std::min(kContactRamp, 0.5 * (contact.to - contact.from));
-  const double inside = std::min(t - contact.from, contact.to - t);
-  if (inside <= 0.0) return 0.0;
-  return inside >= ramp ? 1.0 : 0.5 - 0.5 * std::cos(M_PI * inside / ramp);
 }
 
 // signal(t - delay) by linear interpolation; before the first row it had its first value.
@@ -66,6 +58,15 @@ void record_torques(const PlantedArm& plant, const VectorXd& time, MatrixXd& tau
 
 }  // namespace
 
+void record(const Model& arm, const PlantedArm& plant, const SimulationOptions& options,
+            SimulatedRecording& out) {
+  out.measured = out.actual;
+  out.measured.q.rowwise() += plant.encoder_offset.transpose();
+  out.tau = out.actual_tau;
+  record_torques(plant, out.actual.time, out.tau);
+  measure(arm, options.noise, options.seed, out.measured, out.tau);
+}
+
 SimulatedRecording simulate_recording(const Model& arm, const MotionSamples& wanted,
                                       const SimulationOptions& options) {
   check(arm, wanted, options);
@@ -77,13 +78,10 @@ SimulatedRecording simulate_recording(const Model& arm, const MotionSamples& wan
   for (const PlantedArm::Contact& contact : plant.contacts) {
     for (Eigen::Index k = 0; k < wanted.rows(); ++k) {
       out.actual_tau(k, contact.coordinate) +=
-          contact.effort * contact_share(wanted.time[k] - wanted.time[0], contact);
+          contact_effort(contact, wanted.time[k] - wanted.time[0]);
     }
   }
-  out.measured.q.rowwise() += plant.encoder_offset.transpose();
-  out.tau = out.actual_tau;
-  record_torques(plant, wanted.time, out.tau);
-  measure(arm, options.noise, options.seed, out.measured, out.tau);
+  record(arm, plant, options, out);
   return out;
 }
 

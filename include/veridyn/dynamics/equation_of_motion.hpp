@@ -1,0 +1,34 @@
+#pragma once
+
+#include <memory>
+
+#include "veridyn/math/types.hpp"
+#include "veridyn/model/model.hpp"
+
+namespace veridyn {
+
+/// M(q) and h(q, dq) = C(q, dq) dq + g(q) of one state, at the price of little more than one
+/// inverse dynamics: that of rest and those of all unit accelerations run side by side, one in each
+/// lane of a vector,
+///
+///   h = tau(q, dq, 0),   M e_j = tau(q, dq, e_j) - h
+///
+/// Owns its workspace: after the constructor nothing allocates, and one object serves one thread.
+class EquationOfMotion {
+ public:
+  /// @param phi  (10 * bodies) inertial parameters, in the order of InertialParameters.
+  /// @throws InvalidInput  phi has the wrong size.
+  EquationOfMotion(const Model& arm, const VectorRef& phi);
+  ~EquationOfMotion();
+  EquationOfMotion(EquationOfMotion&&) noexcept;
+  EquationOfMotion& operator=(EquationOfMotion&&) noexcept;
+
+  /// @param q, dq  n entries each. @param M (n x n), @param h (n): of the right size.
+  void evaluate(const VectorXd& q, const VectorXd& dq, MatrixXd& M, VectorXd& h) noexcept;
+
+ private:
+  struct Lanes;
+  std::unique_ptr<Lanes> lanes_;
+};
+
+}  // namespace veridyn

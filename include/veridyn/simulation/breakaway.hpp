@@ -1,0 +1,43 @@
+#pragma once
+
+#include <vector>
+
+#include "veridyn/simulation/replay.hpp"
+
+namespace veridyn {
+
+struct BreakawayOptions {
+  int joint = 0;      ///< from 0
+  double way = 0.0;   ///< [rad], [m] after which it counts as moving; 0: 10 mrad or 1 mm
+  double rest = 0.5;  ///< [s] for which it must have stood
+};
+
+/// One time at which the joint was at rest, was pushed more and more, and gave way.
+struct BreakawayEvent {
+  double rest_from = 0.0;  ///< [s] since the recording began
+  int direction = 0;       ///< in which it went: +1, -1
+  double recorded_at = 0.0;
+  double recorded = 0.0;  ///< [N m], [N] effort when it had gone the way
+  double simulated_at = 0.0;
+  double simulated = 0.0;  ///< NaN: the model did not move, though pushed as long
+};
+
+struct Breakaway {
+  std::vector<BreakawayEvent> events;
+  /// Medians of each direction, [N m], [N]; NaN where there are none.
+  double recorded_forward = 0.0, recorded_backward = 0.0;
+  double simulated_forward = 0.0, simulated_backward = 0.0;
+  VectorXd simulated_q;  ///< (rows) of the joint; NaN where nothing was simulated
+};
+
+/// The efforts at which one joint breaks away in a recording of slow ramps, and those at which a
+/// model does that is pushed alike: it starts from each rest at the recorded place, gets the
+/// recorded efforts on this joint, and its other joints are held where they were by a PID.
+///
+/// A jump of the recorded position (a new start) ends a ramp without an event. A ramp starts low:
+/// rests whose effort was above 60 % of that at the onset are leant against something, or pauses.
+/// @throws InvalidInput  sizes that do not fit, or no such joint.
+Breakaway breakaway(Engine& engine, const Model& arm, const ReplayInput& input,
+                    const BreakawayOptions& options);
+
+}  // namespace veridyn

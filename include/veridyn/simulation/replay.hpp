@@ -1,0 +1,47 @@
+#pragma once
+
+#include "veridyn/simulation/control_loop.hpp"
+
+namespace veridyn {
+
+/// A recording to drive a model with, on a uniform grid.
+struct ReplayInput {
+  MotionSamples motion;   ///< as recorded, lightly low-passed
+  MatrixXd tau;           ///< (rows x n) as recorded
+  std::vector<char> use;  ///< (rows) 0: in a gap or at an edge, left out of the errors
+};
+
+/// What of the recording is given to the model, and what is compared.
+enum class ReplayDrive {
+  /// The set points that the recorded controller must have had lead a PID: those for which
+  /// tau = p e + d de/dt gives the recorded torque at the recorded motion (gains.i is not used).
+  kCommands,
+  kSetPoints,  ///< the recorded motion leads a PID: the torques that the model needs
+  kTorques     ///< the recorded torques act: the motion that the model makes of them
+};
+
+struct ReplayOptions {
+  ReplayDrive drive = ReplayDrive::kCommands;
+  LoopOptions loop;               ///< for set points; empty gains: sensible_gains() of the arm
+  double set_point_cutoff = 3.5;  ///< [Hz] zero-phase low-pass of torques that make set points
+  double cutoff = 5.0;  ///< [Hz] zero-phase low-pass of both torques before they are compared
+  int order = 6;
+};
+
+/// Simulated against recorded, over the rows in use. (n) each.
+struct Replay {
+  EngineRun run;
+  PidGains gains;
+  VectorXd torque_error;   ///< || tau_sim - tau || / || tau ||, both low-passed; drive: set points
+  VectorXd inverse_error;  ///< the same for the model's torques at the recorded motion: its
+                           ///< prediction error, without any simulation
+  VectorXd motion_rms;     ///< [rad], [m] of q_sim - q
+  VectorXd motion_max;
+};
+
+/// Drives the engine of this arm with a recording.
+/// @throws InvalidInput  sizes that do not fit; the run ends before its tenth row.
+Replay replay(Engine& engine, const Model& arm, const ReplayInput& input,
+              const ReplayOptions& options);
+
+}  // namespace veridyn

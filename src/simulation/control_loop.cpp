@@ -1,0 +1,212 @@
+#include "veridyn/simulation/control_loop.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "veridyn/math/require.hpp"
+
+namespace veridyn {
+namespace {
+
+constexpr double kContactRamp = 0.1;  // [s] in which a contact comes and goes
+
+// Rows of what happened, cut where it stopped.
+class Log {
+ public:
+  Log(const VectorXd& time, Eigen::Index n)
+      : run_{{time, MatrixXd(time.size(), n), MatrixXd(time.size(), n), MatrixXd(time.size(), n)},
+             MatrixXd(time.size(), n)} {}
+
+  // The row at which the engine stands, under these torques of motors and all torques.
+  bool row(Eigen::Index k, Engine& engine, const VectorXd& motors, const VectorXd& all) {
+    VectorXd ddq(motors.size());
+    const StepStatus status = engine.accelerate(all, ddq);
+    if (status != StepStatus::kOk) return stop(k, status, engine);
+    run_.motion.q.row(k) = engine.q().transpose();
+    run_.motion.dq.row(k) = engine.dq().transpose();
+    run_.motion.ddq.row(k) = ddq.transpose();
+    run_.tau.row(k) = motors.transpose();
+    return true;
+  }
+
+  // Keeps the rows before `rows`.
+  bool stop(Eigen::Index rows, StepStatus status, const Engine& engine) {
+    run_.status = status;
+    run_.stopped_at = engine.time();
+    run_.joint = engine.failed_joint();
+    run_.motion.time.conservativeResize(rows);
+    for (MatrixXd* m : {&run_.motion.q, &run_.motion.dq, &run_.motion.ddq, &run_.tau})
+      m->conservativeResize(rows, m->cols());
+    return false;
+  }
+
+  EngineRun take() { return std::move(run_); }
+
+ private:
+  EngineRun run_;
+};
+
+// The controller and the motors, one period after the other.
+class Loop {
+ public:
+  Loop(const Model& arm, const LoopOptions& options)
+      : options_(options), n_(arm.joints()), limit_(options.drive.limit) {
+    if (limit_.size() == 0) {
+      limit_ = VectorXd(n_);
+      for (Eigen::Index i = 0; i < n_; ++i)
+        limit_[i] = arm.coordinates()[static_cast<size_t>(i)].limits.effort;
+    }
+    integral_ = velocity_ = motors_ = VectorXd::Zero(n_);
+  }
+
+  void start(const VectorXd& q, const VectorXd& dq) {
+    seen_.assign(static_cast<size_t>(std::lround(options_.sensors.delay * options_.rate)) + 1,
+                 measured(q));
+    last_ = seen_.front();
+    velocity_ = dq;
+  }
+
+  // The motors' torques for the next period of h seconds.
+  const VectorXd& torques(const VectorXd& q, const VectorXd& wanted, const VectorXd& wanted_dq,
+                          double h) {
+    std::rotate(seen_.begin(), seen_.begin() + 1, seen_.end());
+    seen_.back() = measured(q);
+    const VectorXd& now = seen_.front();
+    const double cutoff = options_.sensors.velocity_cutoff;
+    const double share = cutoff > 0.0 ? 1.0 - std::exp(-2.0 * M_PI * cutoff * h) : 1.0;
+    if (!first_) velocity_ += share * ((now - last_) / h - velocity_);
+    first_ = false;
+    last_ = now;
+    const PidGains& k = options_.gains;
+    const double follow = options_.drive.lag > 0.0 ? 1.0 - std::exp(-h / options_.drive.lag) : 1.0;
+    for (Eigen::Index i = 0; i < n_; ++i) {
+      const double e = wanted[i] - now[i];
+      const double whole =
+          k.p[i] * e + integral_[i] + k.i[i] * e * h + k.d[i] * (wanted_dq[i] - velocity_[i]);
+      const double bounded = std::clamp(whole, -limit_[i], limit_[i]);
+      // The integral rests while the motor gives all it has.
+      if (bounded == whole) integral_[i] += k.i[i] * e * h;
+      motors_[i] += follow * (in_steps(bounded) - motors_[i]);
+    }
+    return motors_;
+  }
+
+ private:
+  double in_steps(double tau) const {
+    const double step = options_.drive.step;
+    return step > 0.0 ? std::round(tau / step) * step : tau;
+  }
+
+  VectorXd measured(const VectorXd& q) const {
+    const VectorXd& step = options_.sensors.encoder_step;
+    if (step.size() == 0) return q;
+    VectorXd out = q;
+    for (Eigen::Index i = 0; i < n_; ++i) {
+      if (step[i] > 0.0) out[i] = std::round(q[i] / step[i]) * step[i];
+    }
+    return out;
+  }
+
+  const LoopOptions& options_;
+  Eigen::Index n_;
+  VectorXd limit_, integral_, velocity_, motors_, last_;
+  std::vector<VectorXd> seen_;
+  bool first_ = true;
+};
+
+void check(const Model& arm, const MotionSamples& m, const LoopOptions& o) {
+  const Eigen::Index n = arm.joints();
+  const Eigen::Index rows = m.rows();
+  require(rows >= 2 && m.q.cols() == n && m.dq.rows() == rows && m.dq.cols() == n &&
+              m.time.size() == rows,
+          "control loop: found set points of ", rows, " x ", m.q.cols(), " with velocities of ",
+          m.dq.rows(), " x ", m.dq.cols(), ", expected at least two rows of ", n, " joints each.");
+  for (const VectorXd* gain : {&o.gains.p, &o.gains.i, &o.gains.d}) {
+    require(gain->size() == n && gain->allFinite() && gain->minCoeff() >= 0.0,
+            "control loop: found gains that are not ", n, " finite numbers, none below zero.");
+  }
+  require(o.rate > 0.0 && o.drive.lag >= 0.0 && o.drive.step >= 0.0 && o.sensors.delay >= 0.0 &&
+              o.sensors.velocity_cutoff >= 0.0,
+          "control loop: found a rate that is not above zero, or a lag, step, delay or cut-off "
+          "below zero.");
+  require(
+      o.drive.limit.size() == 0 || (o.drive.limit.size() == n && o.drive.limit.minCoeff() > 0.0),
+      "control loop: found torque limits that are not ", n, " numbers above zero.");
+}
+
+}  // namespace
+
+std::string EngineRun::why(const Model& arm) const {
+  const std::string who =
+      joint >= 0 ? "joint " + arm.coordinates()[static_cast<size_t>(joint)].name : "the arm";
+  return fmt::format("stopped at {:.6g} s: {} {}", stopped_at, who, describe(status));
+}
+
+double contact_effort(const PlantedArm::Contact& contact, double t) {
+  const double ramp = std::min(kContactRamp, 0.5 * (contact.to - contact.from));
+  const double inside = std::min(t - contact.from, contact.to - t);
+  if (inside <= 0.0) return 0.0;
+  return contact.effort * (inside >= ramp ? 1.0 : 0.5 - 0.5 * std::cos(M_PI * inside / ramp));
+}
+
+EngineRun run_with_pid(Engine& engine, const Model& arm, const MotionSamples& set_points,
+                       const LoopOptions& options) {
+  check(arm, set_points, options);
+  const Eigen::Index rows = set_points.rows();
+  const VectorXd& time = set_points.time;
+  Log log(time, arm.joints());
+  VectorXd wanted = set_points.q.row(0).transpose();
+  VectorXd wanted_dq = set_points.dq.row(0).transpose();
+  engine.set_state(wanted, wanted_dq);
+  Loop loop(arm, options);
+  loop.start(wanted, wanted_dq);
+  VectorXd all(arm.joints());
+  for (Eigen::Index k = 0; k < rows; ++k) {
+    const bool last = k + 1 == rows;
+    const double whole = last ? 1.0 / options.rate : time[k + 1] - time[k];
+    const int periods = last ? 1 : std::max(1, static_cast<int>(std::lround(whole * options.rate)));
+    const double h = whole / periods;
+    for (int p = 0; p < periods; ++p) {
+      const double u = static_cast<double>(p) / periods;
+      const Eigen::Index next = last ? k : k + 1;
+      wanted = ((1.0 - u) * set_points.q.row(k) + u * set_points.q.row(next)).transpose();
+      wanted_dq = ((1.0 - u) * set_points.dq.row(k) + u * set_points.dq.row(next)).transpose();
+      const VectorXd& motors = loop.torques(engine.q(), wanted, wanted_dq, h);
+      all = motors;
+      for (const PlantedArm::Contact& contact : options.contacts)
+        all[contact.coordinate] -= contact_effort(contact, time[k] - time[0] + u * whole);
+      if (p == 0 && !log.row(k, engine, motors, all)) return log.take();
+      if (last) break;
+      const StepStatus status = engine.step(all, h);
+      if (status == StepStatus::kOk) continue;
+      log.stop(k + 1, status, engine);
+      return log.take();
+    }
+  }
+  return log.take();
+}
+
+EngineRun run_with_torques(Engine& engine, const MotionSamples& motion, const MatrixRef& tau) {
+  const Eigen::Index rows = motion.rows();
+  require(rows >= 2 && tau.rows() == rows && tau.cols() == engine.joints() &&
+              motion.q.cols() == tau.cols() && motion.dq.rows() == rows,
+          "replay: found ", rows, " rows of motion and ", tau.rows(), " x ", tau.cols(),
+          " torques, expected at least two rows and the same of both.");
+  Log log(motion.time, tau.cols());
+  engine.set_state(motion.q.row(0).transpose(), motion.dq.row(0).transpose());
+  VectorXd now(tau.cols());
+  for (Eigen::Index k = 0; k < rows; ++k) {
+    now = tau.row(k).transpose();
+    if (!log.row(k, engine, now, now)) break;
+    if (k + 1 == rows) break;
+    const StepStatus status = engine.step(now, motion.time[k + 1] - motion.time[k]);
+    if (status == StepStatus::kOk) continue;
+    log.stop(k + 1, status, engine);
+    break;
+  }
+  return log.take();
+}
+
+}  // namespace veridyn

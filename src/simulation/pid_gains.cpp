@@ -1,0 +1,56 @@
+#include <fstream>
+#include <sstream>
+
+#include "model/yaml_node.hpp"
+#include "plant_forces.hpp"
+#include "veridyn/dynamics/rigid_body_dynamics.hpp"
+#include "veridyn/kinematics/motion_limits.hpp"
+#include "veridyn/math/require.hpp"
+#include "veridyn/simulation/control_loop.hpp"
+
+namespace veridyn {
+namespace {
+
+constexpr double kIntegralShare = 0.1;  // of the bandwidth
+
+// The inertia that each joint feels alone, rotors included, in the middle of the range.
+VectorXd middle_inertia(const Model& arm) {
+  const MotionLimits limits = motion_limits(arm);
+  const VectorXd middle = 0.5 * (limits.lower + limits.upper);
+  return mass_matrix(arm, middle).diagonal() + PlantForces(arm).inertia().diagonal();
+}
+
+VectorXd list(const YamlNode& node, int joints) {
+  const std::vector<double> numbers =
+      node.numbers(static_cast<size_t>(joints), "one gain per joint");
+  return Eigen::Map<const VectorXd>(numbers.data(), joints);
+}
+
+}  // namespace
+
+VectorXd critical_damping(const Model& arm, const VectorXd& p) {
+  return 2.0 * (p.array() * middle_inertia(arm).array()).max(0.0).sqrt();
+}
+
+PidGains sensible_gains(const Model& arm, double frequency) {
+  const double omega = 2.0 * M_PI * frequency;
+  const VectorXd p = omega * omega * middle_inertia(arm);
+  return {p, kIntegralShare * omega * p, critical_damping(arm, p)};
+}
+
+PidGains read_gains(const std::string& path, const Model& arm) {
+  std::ifstream file(path);
+  require(file.good(), path, ": cannot be opened.");
+  std::ostringstream content;
+  content << file.rdbuf();
+  YamlSource source{path, {}, {}};
+  const YamlNode root = YamlNode::parse(content.str(), source);
+  root.allow_keys({"p", "i", "d"});
+  PidGains gains{list(root.at("p"), arm.joints()), VectorXd::Zero(arm.joints()), {}};
+  if (const auto i = root.find("i")) gains.i = list(*i, arm.joints());
+  const auto d = root.find("d");
+  gains.d = d ? list(*d, arm.joints()) : critical_damping(arm, gains.p);
+  return gains;
+}
+
+}  // namespace veridyn

@@ -1,0 +1,119 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "veridyn/effects/effect.hpp"
+#include "veridyn/model/model.hpp"
+
+namespace veridyn {
+
+/// True if the effect has a direction of sliding, and so at rest not one force but a whole interval
+/// of them. A test asks every effect whether this list is right.
+bool is_dry_friction(const Effect& effect, const ShapeValues& shape);
+
+/// True for effects to first order along a given motion (an elastic transmission), which as a force
+/// in a forward simulation would be unstable.
+bool describes_measured_motion(const EffectTerm& term);
+
+/// Forces between which friction can choose at rest.
+struct Interval {
+  double lower, upper;
+};
+
+/// The effects of a model, sorted by what a forward simulation must do with them.
+///
+///   affine   inertia ddq + damping dq + stiffness q + constant: folded into four arrays
+///   dry      an interval at rest; one entry for each direction in which friction acts
+///   smooth   the rest: any function of time, position and velocity, with memory or without
+///
+/// Nothing allocates after the constructor.
+class PlantForces {
+ public:
+  /// @throws InvalidInput  an effect has no values.
+  explicit PlantForces(const Model& arm);
+
+  const MatrixXd& inertia() const { return inertia_; }
+  const MatrixXd& damping() const { return damping_; }
+  const std::vector<std::string>& left_out() const { return left_out_; }
+
+  /// Starts the memories at this position, time zero.
+  void reset(const double* q, const double* dq);
+
+  /// Moves the memories on to this state.
+  void commit(double time, const double* q, const double* dq);
+
+  /// Adds affine (without inertia) and smooth forces to `sum` (n). Loads are those of set_load().
+  void add_smooth(double time, const double* q, const double* dq, double* sum) const;
+
+  /// Terms whose force grows with the load that the rigid bodies put on them.
+  int loads() const { return static_cast<int>(loads_.size()); }
+  /// Takes the rigid torques (n) as loads. @returns by how much the loads changed, at most.
+  double set_loads(const double* rigid_torques);
+
+  /// Directions of dry friction; entry k acts along axis(k).
+  int dry() const { return static_cast<int>(dry_.size()); }
+  const double* axis(int k) const { return dry_[static_cast<size_t>(k)].direction.data(); }
+  double velocity(int k, const double* dq) const;
+
+  /// The force of axis k sliding in `direction` (+1, -1) at this speed.
+  double sliding(int k, double time, const double* q, double velocity, int direction) const;
+  Interval at_rest(int k, double time, const double* q) const;
+
+  /// Power [W] that friction without memory takes out of joint i alone at this speed, in the worse
+  /// of both directions; below zero where it drives.
+  double friction_power(const VectorXd& q, int i, double speed) const;
+
+  /// Directions in which something remembers the path.
+  int memories() const { return static_cast<int>(memories_.size()); }
+  double memory_velocity(int k, const double* dq) const;
+
+ private:
+  struct Entry {
+    int coordinate;
+    double coefficient;
+  };
+  using Line = std::vector<Entry>;  // the entries of an axis that are not zero
+
+  struct Term {
+    const Effect* effect;
+    int parameters;
+    ShapeValues shape;
+    EffectColumns values;
+    Line axis, from;
+    double offset = 0.0, from_offset = 0.0;
+    int load = -1;  // index among the loads
+    EffectState state{};
+  };
+  struct Dry {
+    VectorXd direction;
+    Line line;
+    std::vector<Term> terms;
+    double constant = 0.0;  // Coulomb friction of any position and speed
+  };
+  struct Load {
+    VectorXd axis;  // the effort is axis . rigid torques
+    double value = 0.0;
+  };
+
+  static Line line_of(const Axis& axis);
+  static double along(const Line& line, const double* x);
+  static double force(const Term& term, const AxisSample& x, EffectState& state);
+  static bool fold(const Term& term, double* constant, double* s, double* ds, double* dds);
+  AxisSample sample(const Term& term, double time, const double* q, const double* dq) const;
+  Term bound(const Model& arm, const EffectTerm& of);
+  void add_affine(const EffectTerm& of, double constant, double s, double ds, double dds);
+  void add_dry(const EffectTerm& of, const Term& term);
+
+  int n_;
+  MatrixXd inertia_, damping_, stiffness_;
+  VectorXd constant_;
+  bool has_damping_ = false, has_stiffness_ = false;
+  std::vector<Term> smooth_;
+  std::vector<Dry> dry_;
+  std::vector<Load> loads_;
+  std::vector<Line> memories_;
+  std::vector<std::string> left_out_;
+};
+
+}  // namespace veridyn

@@ -1,0 +1,132 @@
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+
+#include "cli/tool.hpp"
+
+// `veridyn simulate` with a controller, a replay and ramps.
+
+namespace veridyn {
+namespace {
+
+using nlohmann::json;
+
+class Simulate : public testing::Test {
+ protected:
+  // A slow motion of planar-2r.
+  std::string trajectory() const { return folder_.write("traj.csv", planar_recording(6.0)); }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(Simulate, AControllerMovesTheArmAndTheRecordingReplays) {
+  const std::string recording = folder_.path("rec.csv");
+  const std::string model = folder_.path("model.yaml");
+  const std::string out = folder_.path("out.json");
+  ToolRun run =
+      run_tool({"simulate", "planar-2r", "--trajectory", trajectory(), "--controller", "pid", "-o",
+                recording, "--noise", "none", "--model-out", model, "--json", out, "--quiet"});
+  ASSERT_EQ(run.status, 0) << run.err;
+  const json made = json_of(out);
+  EXPECT_TRUE(made["complete"].get<bool>());
+  for (const json& deviation : made["largest_deviation"]) {
+    EXPECT_GT(deviation.get<double>(), 1e-6);  // a controller never follows exactly
+    EXPECT_LT(deviation.get<double>(), 0.2);
+  }
+  run = run_tool({"simulate", model, "--replay", recording, "--json", out, "--quiet"});
+  ASSERT_EQ(run.status, 0) << run.err;
+  for (const json& error : json_of(out)["torque"]["relative_error"])
+    EXPECT_LT(error.get<double>(), 0.1);
+}
+
+TEST_F(Simulate, EnginesAgree) {
+  std::vector<std::string> files;
+  for (const std::string engine : {"veridyn", "mujoco"}) {
+    files.push_back(folder_.path(engine + ".json"));
+    const ToolRun run =
+        run_tool({"simulate", "planar-2r", "--trajectory", trajectory(), "--controller", "pid",
+                  "--engine", engine, "-o", folder_.path("rec.csv"), "--noise", "none", "--json",
+                  files.back(), "--quiet"});
+    if (run.status != 0 && engine == "mujoco") GTEST_SKIP() << run.err;
+    ASSERT_EQ(run.status, 0) << run.err;
+  }
+  const json ours = json_of(files[0])["rms_effort"];
+  const json theirs = json_of(files[1])["rms_effort"];
+  for (size_t i = 0; i < ours.size(); ++i)
+    EXPECT_NEAR(ours[i].get<double>(), theirs[i].get<double>(), 1e-3 * ours[i].get<double>());
+}
+
+TEST_F(Simulate, MistakesGetOneLine) {
+  const std::string traj = trajectory();
+  const std::string rec = folder_.path("rec.csv");
+  const std::vector<Words> wrong_usage = {
+      {"--trajectory", traj},
+      {"-o", rec},
+      {"--trajectory", traj, "--replay", traj, "-o", rec},
+      {"--trajectory", traj, "-o", rec, "--controller", "pi"},
+      {"--trajectory", traj, "-o", rec, "--controller", "pid", "--kd", "1,1"},
+      {"--trajectory", traj, "-o", rec, "--breakaway", "elbow"},
+      {"--trajectory", traj, "-o", rec, "--controller", "pid", "--engine", "bullet"}};
+  for (const Words& words : wrong_usage) {
+    const ToolRun run = run_tool(Words{"simulate", "planar-2r"} + words);
+    EXPECT_EQ(run.status, 2) << run.err;
+    EXPECT_EQ(run.error_lines(), 1) << run.err;
+  }
+  const ToolRun gains = run_tool({"simulate", "planar-2r", "--trajectory", traj, "-o", rec,
+                                  "--controller", "pid", "--kp", "1,2,3", "--quiet"});
+  EXPECT_EQ(gains.status, 3);
+  EXPECT_NE(gains.err.find("--kp: found 3 numbers, expected 2"), std::string::npos) << gains.err;
+  EXPECT_FALSE(std::filesystem::exists(rec));
+}
+
+// A controller whose gains are far too high for its rate makes the arm fly apart.
+TEST_F(Simulate, ARunThatFailsIsKeptAndMarked) {
+  const std::string recording = folder_.path("rec.csv");
+  const std::string out = folder_.path("out.json");
+  const ToolRun run =
+      run_tool({"simulate", "planar-2r", "--trajectory", trajectory(), "-o", recording,
+                "--controller", "pid", "--kp", "1e9,1e9", "--kd", "1e7,1e7", "--torque-limit",
+                "1e300,1e300", "--noise", "none", "--json", out, "--quiet"});
+  EXPECT_EQ(run.status, 4) << run.err;
+  EXPECT_NE(run.err.find("stopped at"), std::string::npos) << run.err;
+  EXPECT_EQ(content_of(recording).rfind("# incomplete: the run stopped at", 0), 0u);
+  EXPECT_FALSE(json_of(out)["complete"].get<bool>());
+  EXPECT_EQ(run_tool({"check", recording}).status, 0) << "the kept rows are no recording";
+}
+
+std::string real_data(const std::string& name) {
+  const char* named = std::getenv("VERIDYN_REAL_DATA");
+  const std::string folder =
+      named != nullptr ? named : std::string(VERIDYN_SOURCE_DIR) + "/../shared/data";
+  return folder + "/psm1-thesis/" + name;
+}
+
+// The model that was identified on fourier-1 to 4, run on the real arm's fifth motion and ramps.
+TEST_F(Simulate, AnIdentifiedModelRunsLikeTheRealArm) {
+  if (!std::filesystem::exists(real_data("fourier-5.csv"))) GTEST_SKIP() << "no real recordings";
+  const std::string model = folder_.path("model.yaml");
+  const std::string out = folder_.path("out.json");
+  ASSERT_EQ(run_tool({"identify", "psm-3dof", "--train", real_data("fourier-1.csv"),
+                      real_data("fourier-2.csv"), real_data("fourier-3.csv"),
+                      real_data("fourier-4.csv"), "--model-out", model, "--quiet"})
+                .status,
+            0);
+  ToolRun run = run_tool({"simulate", model, "--replay", real_data("fourier-5.csv"), "--kp",
+                          "200,200,600", "--json", out, "--quiet"});
+  ASSERT_EQ(run.status, 0) << run.err;
+  const json replayed = json_of(out);
+  const std::vector<double> bound = {0.15, 0.20, 0.25};
+  for (size_t i = 0; i < 3; ++i)
+    EXPECT_LT(replayed["torque"]["relative_error"][i].get<double>(), bound[i]) << i;
+  run = run_tool({"simulate", model, "--replay", real_data("force-ramp.csv"), "--breakaway",
+                  "insertion", "--json", out, "--quiet"});
+  ASSERT_EQ(run.status, 0) << run.err;
+  const json ramps = json_of(out);
+  EXPECT_GT(ramps["ramps"].size(), 15u);
+  EXPECT_NEAR(ramps["forward"]["recorded"].get<double>(), 0.43, 0.08);
+  EXPECT_NEAR(ramps["backward"]["recorded"].get<double>(), -0.61, 0.08);
+}
+
+}  // namespace
+}  // namespace veridyn

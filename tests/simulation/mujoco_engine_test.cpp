@@ -1,0 +1,98 @@
+#include <gtest/gtest.h>
+
+#include "simulation/plant_support.hpp"
+#include "support/near.hpp"
+
+// The plant against an engine that nobody here wrote: M and bias from MuJoCo, another integrator,
+// another friction.
+
+namespace veridyn {
+namespace {
+
+class PlantAgainstMujoco : public testing::TestWithParam<std::string> {
+ protected:
+  static Model arm() {
+    const auto sample = sample_arms().find(GetParam());
+    return sample != sample_arms().end() ? sample->second : robot(GetParam());
+  }
+};
+
+TEST_P(PlantAgainstMujoco, AccelerationsAgree) {
+  const Model model = arm();
+  const int n = model.joints();
+  Plant plant(model);
+  const auto mujoco = make_engine("mujoco", model);
+  Random random(31);
+  VectorXd ours(n);
+  VectorXd theirs(n);
+  for (const State& s : test_states(n, 32)) {
+    if (s.dq.cwiseAbs().minCoeff() < 1e-3 && !model.effects().empty()) continue;  // dry friction
+    const VectorXd tau = random.vector(n, -5, 5);
+    plant.set_state(s.q, s.dq);
+    mujoco->set_state(s.q, s.dq);
+    ASSERT_EQ(plant.accelerate(tau, ours), StepStatus::kOk);
+    ASSERT_EQ(mujoco->accelerate(tau, theirs), StepStatus::kOk);
+    EXPECT_TRUE(near(ours, theirs, 1e-6 * theirs.norm()));
+  }
+}
+
+TEST_P(PlantAgainstMujoco, TrajectoriesWithoutFrictionAgree) {
+  const Model full = arm();
+  std::vector<EffectTerm> kept;
+  for (const EffectTerm& term : full.effects()) {
+    if (term.effect == "rotor_inertia" || term.effect == "joint_spring") kept.push_back(term);
+  }
+  const Model model = with_effects(full, kept);
+  const int n = model.joints();
+  Plant plant(model);
+  const auto mujoco = make_engine("mujoco", model);
+  const VectorXd start = VectorXd::Constant(n, 0.1);
+  const VectorXd zero = VectorXd::Zero(n);
+  plant.set_state(start, zero);
+  mujoco->set_state(start, zero);
+  double range = 0.0;
+  for (int k = 0; k < 2000; ++k) {
+    VectorXd tau(n);
+    for (int i = 0; i < n; ++i) tau[i] = 0.2 * std::sin(0.003 * k + i);
+    ASSERT_EQ(plant.step(tau, 1e-3), StepStatus::kOk);
+    ASSERT_EQ(mujoco->step(tau, 1e-3), StepStatus::kOk);
+    range = std::max(range, (plant.q() - start).cwiseAbs().maxCoeff());
+    ASSERT_TRUE(near(plant.q(), mujoco->q(), 1e-4 * range + 1e-9)) << k;
+  }
+  EXPECT_GT(range, 0.01);
+}
+
+INSTANTIATE_TEST_SUITE_P(Arms, PlantAgainstMujoco,
+                         testing::Values("pendulum", "planar_2R", "elbow_6R", "branched_tree",
+                                         "parallelogram", "coupled_wrist", "serial_PRPPR",
+                                         "psm-3dof", "psm-wrist", "ur10e"),
+                         sample_arm_name);
+
+// Two ways to treat friction, one motion: events and true rest here, a steep sign there.
+TEST(PlantAgainstMujocoWithFriction, MotionsAgree) {
+  const Model model = robot("psm-3dof");
+  Plant plant(model);
+  const auto mujoco = make_engine("mujoco", model);
+  VectorXd q(3);
+  q << 0.1, 0.2, 0.1;
+  const VectorXd zero = VectorXd::Zero(3);
+  plant.set_state(q, zero);
+  mujoco->set_state(q, zero);
+  double moved = 0.0;
+  for (int k = 0; k < 2000; ++k) {
+    for (Engine* engine : {static_cast<Engine*>(&plant), mujoco.get()}) {
+      VectorXd tau(3);  // a spring and damper for each joint, through reversals
+      for (int i = 0; i < 3; ++i) {
+        const double wanted = q[i] + 0.2 * std::sin(0.004 * k + i) * (i == 2 ? 0.2 : 1.0);
+        tau[i] = 200.0 * (wanted - engine->q()[i]) - 20.0 * engine->dq()[i];
+      }
+      ASSERT_EQ(engine->step(tau, 1e-3), StepStatus::kOk);
+    }
+    moved = std::max(moved, (plant.q() - q).cwiseAbs().maxCoeff());
+    ASSERT_TRUE(near(plant.q(), mujoco->q(), 1e-4)) << k;
+  }
+  EXPECT_GT(moved, 0.1);
+}
+
+}  // namespace
+}  // namespace veridyn
