@@ -111,9 +111,9 @@ void RegressorBatch::gradient(const MatrixRef& q, const MatrixRef& dq, const Mat
   }
   slopes.resize(in.rows, Eigen::Index{3} * joints());
   const Links tree = tree_;
-  const AlignedMemory workspace(kernels().gradient_workspace(tree));
-  kernels().gradient(tree, in, {data.data(), column_of_mover_.data()}, slopes.data(),
-                     workspace.get());
+  const AlignedMemory workspace(widest_batch_kernels().gradient_workspace(tree));
+  widest_batch_kernels().gradient(tree, in, {data.data(), column_of_mover_.data()}, slopes.data(),
+                                  workspace.get());
 }
 
 void RegressorBatch::torque_slopes(const MatrixRef& q, const MatrixRef& dq, const MatrixRef& ddq,
@@ -122,8 +122,8 @@ void RegressorBatch::torque_slopes(const MatrixRef& q, const MatrixRef& dq, cons
   require_inertias(phi);
   slopes.resize(in.rows, Eigen::Index{3} * joints() * joints());
   const Links tree = tree_;
-  const AlignedMemory workspace(kernels().gradient_workspace(tree));
-  kernels().torque_slopes(tree, in, phi.data(), slopes.data(), workspace.get());
+  const AlignedMemory workspace(widest_batch_kernels().gradient_workspace(tree));
+  widest_batch_kernels().torque_slopes(tree, in, phi.data(), slopes.data(), workspace.get());
 }
 
 void RegressorBatch::require_inertias(const VectorRef& phi) const {
