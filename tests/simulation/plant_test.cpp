@@ -187,7 +187,7 @@ TEST(Plant, KeepsTheEnergyOfAFrictionlessWrist) {
     drift =
         std::max(drift, std::abs(now.kinetic + now.potential - start.kinetic - start.potential));
   }
-  RecordProperty("drift_per_exchanged", std::to_string(drift / exchanged));
+  RecordProperty("drift_per_exchanged", text(drift / exchanged));
   EXPECT_GT(exchanged, 1.0);
   EXPECT_LT(drift, 1e-6 * exchanged) << drift / exchanged;
 }
