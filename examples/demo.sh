@@ -46,7 +46,7 @@ sort -n "$out/compared.txt" | head -n 10 | cut -f 2-
 step "5. The same arm with something in it that the model does not know"
 # One of four, drawn at random, as a user would meet it.
 case $(($(date +%s) % 4)) in
-  0) hidden=presliding_hysteresis:insertion ;;
+  0) hidden=position_dependent_friction:insertion ;;
   1) hidden=position_dependent_friction:yaw ;;
   2) hidden=rotor_inertia:insertion ;;
   *) hidden=position_dependent_viscosity:pitch ;;

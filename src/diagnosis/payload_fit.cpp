@@ -14,6 +14,8 @@ namespace {
 constexpr double kRidge = 1e-10;
 constexpr double kUnseen = 1e-7;    // of the best seen direction's square
 constexpr double kSameSpan = 1e-5;  // of a column's square that may lie outside the other's span
+constexpr double kLightest = 1e-4;  // [kg] where the torques see the moment only, any mass would do
+constexpr double kHeaviest = 200.0;
 constexpr int kSteps = 60;
 constexpr double kAsGood = 2e-3;  // of what the best solution explains
 constexpr std::array<double, 5> kFirstMasses = {0.03, 0.15, 0.6, 2.5, 10.0};  // [kg]
@@ -72,7 +74,8 @@ Solution descend(const Quadratic& f, double mass, Eigen::Vector3d h) {
     const Eigen::Vector4d scale = H.diagonal().cwiseMax(1e-12 * H.diagonal().maxCoeff() + 1e-300);
     H.diagonal() += damping * scale;
     const Eigen::Vector4d d = H.ldlt().solve(g);
-    const double next_mass = mass * std::exp(std::clamp(d[0], -1.0, 1.0));
+    const double next_mass =
+        std::clamp(mass * std::exp(std::clamp(d[0], -1.0, 1.0)), kLightest, kHeaviest);
     const Eigen::Vector3d next_h = h + d.tail<3>();
     const InertialParameters phi = point_mass(next_mass, next_h);
     const double cost = f.cost(phi);

@@ -78,6 +78,60 @@ TEST_F(SimulatedArm, NothingHiddenNothingFound) {
   EXPECT_EQ(out["verdict"].get<std::string>(), "none");
 }
 
+// A model of yesterday, an arm with a load and a stiffer gear today.
+TEST_F(SimulatedArm, WhatChangedSinceTheModelWasMadeIsNamed) {
+  const auto record = [&](const std::string& robot, const std::string& name,
+                          const std::string& seed, const Words& more) {
+    const std::string motion = folder_.path("motion" + seed + ".csv");
+    run({"excite", "psm-3dof", "-o", motion, "--frequency", "0.1" + seed, "--seed", seed,
+         "--solver", "random", "--quiet"});
+    run(Words{"simulate", robot, "--trajectory", motion, "-o", folder_.path(name), "--noise",
+              "dvrk", "--seed", seed, "--quiet"} +
+        more);
+    return folder_.path(name);
+  };
+  const std::string truth = folder_.path("truth.yaml");
+  const std::string first = record("psm-3dof", "one.csv", "1", {"--model-out", truth});
+  const std::string second = record(truth, "two.csv", "2", {});
+  const std::string model = folder_.path("model.yaml");
+  run({"identify", "psm-3dof", "--train", first, second, "--model-out", model, "--quiet"});
+  const Words load = {"--effect", "payload:tool:mass=0.4,x=0.02", "--effect",
+                      "viscous_friction:yaw:coefficient=0.5"};
+  const std::string three = record(truth, "three.csv", "3", load);
+  const std::string four = record(truth, "four.csv", "4", load);
+  run({"diagnose", model, "--train", three, "--test", four, "--quiet", "--json",
+       folder_.path("changed.json"), "--model-out", folder_.path("now.yaml")});
+  const json out = json_of(folder_.path("changed.json"));
+  EXPECT_TRUE(out["changes_since"].get<bool>());
+  bool on_tool = false;
+  bool friction = false;
+  for (const json& f : out["findings"]) {
+    if (f["effect"] == "payload") {
+      on_tool = f["frame"] == "tool";
+      for (const json& r : f["rivals"]) on_tool = on_tool || r.value("frame", "") == "tool";
+      EXPECT_LE(f["parameters"]["mass"]["ci95"][0].get<double>(), 0.4);
+      EXPECT_GE(f["parameters"]["mass"]["ci95"][1].get<double>(), 0.4);
+    }
+    if (f["effect"] == "viscous_friction" && f["coordinate"] == "yaw") {
+      friction = true;
+      EXPECT_NEAR(f["parameters"]["coefficient"]["value"].get<double>(), 0.5, 0.1);
+    }
+  }
+  EXPECT_TRUE(on_tool) << out["findings"];
+  EXPECT_TRUE(friction) << out["findings"];
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_LE(out["extended"]["test"]["relative_error"][i].get<double>(),
+              out["baseline"]["test"]["relative_error"][i].get<double>() + 0.005);
+  }
+  run({"info", folder_.path("now.yaml")});
+  run({"payload", model, "--recording", three, four, "--link", "tool", "--json",
+       folder_.path("load.json"), "--quiet"});
+  const json load_json = json_of(folder_.path("load.json"));
+  EXPECT_EQ(load_json["links"][0]["frame"], "tool");
+  EXPECT_LE(load_json["links"][0]["mass"]["ci95"][0].get<double>(), 0.4);
+  EXPECT_GE(load_json["links"][0]["mass"]["ci95"][1].get<double>(), 0.4);
+}
+
 // Seed errata: the counterweight's row is printed with -beta; its real direction is -90 deg.
 TEST(RealArm, TheWrongConstantOfThePrintedTableIsFoundFirst) {
   const char* named = std::getenv("VERIDYN_REAL_DATA");

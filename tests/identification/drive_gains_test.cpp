@@ -1,6 +1,7 @@
 #include "veridyn/identification/drive_gains.hpp"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <cmath>
 #include <filesystem>
@@ -56,8 +57,8 @@ class KnownMasses : public testing::Test {
     r.current = r.tau + noise_like(r.tau, noise, seed + 50);
     for (Eigen::Index j = 0; j < r.current.cols(); ++j) r.current.col(j) /= gains_[j];
     r.tau.resize(0, 0);
-    const std::string path =
-        testing::TempDir() + "drive_gains_test_" + std::to_string(written_.size()) + ".csv";
+    const std::string path = testing::TempDir() + "drive_gains_test_" + std::to_string(::getpid()) +
+                             "_" + std::to_string(written_.size()) + ".csv";
     write_recording(r, path);
     written_.push_back(path);
     return path;

@@ -1,4 +1,5 @@
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <cmath>
 #include <filesystem>
@@ -78,7 +79,8 @@ TEST(TheIdentifiedBase, SpreadsEachJointsInformationOverItsClusters) {
 
 TEST(TheIdentifiedBase, ComesBackFromTheFileAndGoesWhereValuesChange) {
   const Identification id = identified(Method::kFeasible);
-  const std::string path = testing::TempDir() + "identified_base_test.yaml";
+  const std::string path =
+      testing::TempDir() + "identified_base_test_" + std::to_string(::getpid()) + ".yaml";
   save(id, path);
   const Model read = read_model(path);
   std::filesystem::remove(path);
@@ -92,7 +94,8 @@ TEST(TheIdentifiedBase, ComesBackFromTheFileAndGoesWhereValuesChange) {
 TEST(TheIdentifiedBase, StaysSmallHoweverManyRecordings) {
   std::vector<std::string> paths;
   for (unsigned k = 0; k < 16; ++k) {
-    paths.push_back(testing::TempDir() + "identified_base_test_" + std::to_string(k) + ".csv");
+    paths.push_back(testing::TempDir() + "identified_base_test_" + std::to_string(::getpid()) +
+                    "_" + std::to_string(k) + ".csv");
     write_recording(noisy_planar(17.0, k + 1), paths.back());
   }
   IdentificationOptions options;
