@@ -9,18 +9,19 @@ namespace {
 constexpr double kThreshold = 5.0;     // of the residual's scatter elsewhere: a burst begins
 constexpr double kPeak = 8.0;          // a burst reaches this at least
 constexpr double kTorqueShare = 0.04;  // of the largest torque: smaller bursts are friction at rest
-constexpr double kRestShare = 1.6;     // of the friction of a joint at rest
-constexpr double kMovingShare = 0.02;  // of the largest speed
-constexpr double kMoves = 0.02;        // [rad/s] or [m/s]
-constexpr double kSlow = 4.0;          // [s] on either side, of the median that follows slow errors
-constexpr double kGrid = 0.25;         // [s]
-constexpr double kShortest = 0.3;      // [s]
-constexpr double kJoin = 0.5;          // [s] bursts nearer than this are one
-constexpr double kMargin = 0.25;       // [s] left out on either side
-constexpr double kMostOfTime = 0.5;    // of a recording; more is no moment
-constexpr double kAlways = 5.0;        // bursts that a recording may have, however short
-constexpr double kPerMinute = 12.0;    // more bursts than this belong to the motion
-constexpr double kRepeats = 0.4;       // of the burst's size at the same phase of another period
+constexpr double kFrictionShare = 1.0;  // of the friction of a joint that moves
+constexpr double kRestShare = 1.6;      // of the friction of a joint at rest
+constexpr double kMovingShare = 0.02;   // of the largest speed
+constexpr double kMoves = 0.02;         // [rad/s] or [m/s]
+constexpr double kSlow = 4.0;        // [s] on either side, of the median that follows slow errors
+constexpr double kGrid = 0.25;       // [s]
+constexpr double kShortest = 0.3;    // [s]
+constexpr double kJoin = 0.5;        // [s] bursts nearer than this are one
+constexpr double kMargin = 0.25;     // [s] left out on either side
+constexpr double kMostOfTime = 0.5;  // of a recording; more is no moment
+constexpr double kAlways = 5.0;      // bursts that a recording may have, however short
+constexpr double kPerMinute = 12.0;  // more bursts than this belong to the motion
+constexpr double kRepeats = 0.4;     // of the burst's size at the same phase of another period
 
 double median(std::vector<double> v) {
   if (v.empty()) return 0.0;
@@ -84,10 +85,12 @@ Residual residual_of(const Model& arm, const PredictionSeries& x, size_t joint) 
     fastest = std::max(fastest, std::abs(x.dq[joint][k]));
   }
   out.scatter = std::max(1.4826 * median(size), 1e-12);
-  const double level = std::max(kThreshold * out.scatter, kTorqueShare * most);
-  // Only where the joint moves at other times does rest differ from the rest of the recording.
-  const bool moves = fastest > kMoves;
-  const double at_rest = moves ? kRestShare * rest_friction(arm, joint) : 0.0;
+  // Where the joint moves, what its friction does at a start or a reversal is no contact; where it
+  // holds a pose, friction is part of what it holds.
+  const double friction = fastest > kMoves ? rest_friction(arm, joint) : 0.0;
+  const double level =
+      std::max({kThreshold * out.scatter, kTorqueShare * most, kFrictionShare * friction});
+  const double at_rest = kRestShare * friction;
   out.threshold.assign(n, level);
   for (size_t k = 0; k < n; ++k) {
     if (std::abs(x.dq[joint][k]) < kMovingShare * fastest)

@@ -147,15 +147,13 @@ std::vector<FoundParameter> FindingWriter::parameters_of(const Hypothesis& h) co
   for (const EffectShape& shape : find_effect(term.effect).shapes()) {
     const auto value = term.values.find(shape.name);
     if (value == term.values.end()) continue;
-    FoundParameter found{shape.name, slides ? shape.unit_prismatic : shape.unit_revolute,
-                         value->second, value->second, value->second};
+    // Constants that nobody searched (where a slope is counted from) are no findings.
     for (const ShapeInterval& interval : fit_.selection.shapes) {
       if (&accepted(static_cast<size_t>(interval.hypothesis)) != &h || interval.shape != shape.name)
         continue;
-      found.low = interval.low;
-      found.high = interval.high;
+      out.push_back({shape.name, slides ? shape.unit_prismatic : shape.unit_revolute, value->second,
+                     interval.low, interval.high});
     }
-    out.push_back(found);
   }
   return out;
 }

@@ -20,7 +20,9 @@ constexpr double kAbsorbed =
     1e-6;  // share of a column's square that must be new for the data to answer
 constexpr double kImpossible = 1.2;  // a parameter may seem to fall by this share of itself
 constexpr double kOwnCause = 0.5;
-constexpr int kTested = 6;  // best candidates that get a Wald test in every round
+constexpr double kListedOnJoint = 0.4;
+constexpr double kListed = 0.6;  // of the gain: rivals are named, with what they gain
+constexpr int kTested = 6;       // best candidates that get a Wald test in every round
 
 // Clusters that are left out together.
 std::vector<std::vector<int>> make_folds(const NormalBlocks& data) {
@@ -419,8 +421,10 @@ class Selector {
         const Evidence& left = out.last_asked[static_cast<size_t>(e.hypothesis)];
         const bool same = left.absorbed || left.gain < kOwnCause * e.gain;
         const bool taken = std::find(all.begin(), all.end(), e.hypothesis) != all.end();
-        if (!taken && same && passes(e) && e.gain >= options_.rival_share * own)
-          rivals.push_back(e);
+        const bool one_joint = hypotheses_[static_cast<size_t>(e.hypothesis)].joint ==
+                               hypotheses_[static_cast<size_t>(all[k])].joint;
+        const double least = one_joint ? kListedOnJoint : kListed;
+        if (!taken && same && passes(e) && e.gain >= least * own) rivals.push_back(e);
       }
       std::sort(rivals.begin(), rivals.end(),
                 [](const Evidence& a, const Evidence& b) { return a.gain > b.gain; });
