@@ -1,7 +1,12 @@
 #include "contacts.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
+
+#include "held_out.hpp"
+#include "veridyn/math/student_t.hpp"
 
 namespace veridyn {
 namespace {
@@ -22,6 +27,8 @@ constexpr double kMostOfTime = 0.5;  // of a recording; more is no moment
 constexpr double kAlways = 5.0;      // bursts that a recording may have, however short
 constexpr double kPerMinute = 12.0;  // more bursts than this belong to the motion
 constexpr double kRepeats = 0.4;     // of the burst's size at the same phase of another period
+constexpr double kFreedomOfContacts = 10.0;  // scatter of a residual is known from some tens of
+                                             // independent moments
 
 double median(std::vector<double> v) {
   if (v.empty()) return 0.0;
@@ -202,6 +209,35 @@ std::vector<LeftOut> left_out_rows(const std::vector<Contact>& contacts) {
   for (const Contact& c : contacts)
     out.push_back({c.source, -1, c.from - kMargin, c.to + kMargin, "external_contact"});
   return out;
+}
+
+void add_contacts(const std::vector<Contact>& contacts, const Identification& with,
+                  const Identification& without, Diagnosis& d) {
+  for (const Contact& c : contacts) {
+    Finding f;
+    f.rank = static_cast<int>(d.findings.size()) + 1;
+    f.effect = "external_contact";
+    f.joint = c.last_joint + 1;
+    const Coordinate& joint = with.model->coordinates()[static_cast<size_t>(c.last_joint)];
+    f.coordinate = joint.name;
+    f.source = c.source;
+    f.unit = effort_unit(joint);
+    const double effort = c.effort[c.last_joint];
+    const double half = student_t_quantile(0.05, kFreedomOfContacts) * c.deviation;
+    f.parameters = {{"effort", f.unit, effort, effort - half, effort + half},
+                    {"from", "s", c.from, c.from, c.from},
+                    {"to", "s", c.to, c.to, c.to}};
+    f.p_value = student_t_two_sided(c.peak, kFreedomOfContacts);
+    f.test_before = with.test_error.relative;
+    f.test_after = without.test_error.relative;
+    f.explains = explained_share(f.test_before, f.test_after, with);
+    f.sentence = fmt::format(
+        "{}: from {:.1f} to {:.1f} s something pushes; joint {} ({}) is the last that feels it, "
+        "with "
+        "{:.2g} {}. These rows are left out.",
+        c.source, c.from, c.to, f.joint, f.coordinate, effort, f.unit);
+    d.findings.push_back(std::move(f));
+  }
 }
 
 }  // namespace veridyn

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "veridyn/identification/identification.hpp"
+#include "veridyn/diagnosis/diagnosis.hpp"
 
 namespace veridyn {
 
@@ -25,5 +25,9 @@ std::vector<Contact> find_contacts(const Identification& id);
 
 /// The rows of these moments, for all joints.
 std::vector<LeftOut> left_out_rows(const std::vector<Contact>& contacts);
+
+/// A finding for every contact, with the held-out errors with and without these moments.
+void add_contacts(const std::vector<Contact>& contacts, const Identification& with,
+                  const Identification& without, Diagnosis& d);
 
 }  // namespace veridyn

@@ -22,9 +22,8 @@ std::string finding_text(const Finding& f) {
   out += fmt::format("     p = {:.1e}, explains {:.0f} % of the removable error\n", f.p_value,
                      100.0 * f.explains);
   for (const Rival& r : f.rivals) {
-    const std::string place = r.frame.empty()
-                                  ? fmt::format("joint {} ({})", r.joint, r.coordinate)
-                                  : r.frame;
+    const std::string place =
+        r.frame.empty() ? fmt::format("joint {} ({})", r.joint, r.coordinate) : r.frame;
     out += fmt::format("     rival: {} on {}: {}\n", r.effect, place, r.why);
   }
   return out;

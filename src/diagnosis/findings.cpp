@@ -6,6 +6,8 @@
 #include <cmath>
 #include <set>
 
+#include "extended_arm.hpp"
+#include "held_out.hpp"
 #include "payload_fit.hpp"
 #include "veridyn/effects/effect.hpp"
 #include "veridyn/identification/arm_effects.hpp"
@@ -14,16 +16,7 @@
 namespace veridyn {
 namespace {
 
-constexpr size_t kListed = 60;               // of what the data rule out
-constexpr double kFreedomOfContacts = 10.0;  // scatter of a residual is known from some tens of
-                                             // independent moments
-
-// Sum over joints of the squared error above the noise floor: what a better model could remove.
-double removable(const VectorXd& error, const VectorXd& floor) {
-  const VectorXd below =
-      floor.size() == error.size() ? VectorXd(floor.cwiseAbs2()) : VectorXd::Zero(error.size());
-  return (error.cwiseAbs2() - below).cwiseMax(0.0).sum();
-}
+constexpr size_t kListed = 60;  // of what the data rule out
 
 const EffectTerm& term_of(const Inquiry& q, const Hypothesis& h) {
   return q.augmented.model.effects()[static_cast<size_t>(h.term)];
@@ -35,21 +28,21 @@ std::string place_text(const Model& arm, const Hypothesis& h) {
   return "on joint " + std::to_string(h.joint + 1);
 }
 
-}  // namespace
-
-double explained_share(const VectorXd& before, const VectorXd& after,
-                       const Identification& baseline) {
-  if (before.size() == 0 || after.size() == 0) return 0.0;
-  const double all = removable(baseline.test_error.relative, baseline.noise_floor);
-  if (all <= 0.0) return 0.0;
-  return std::clamp(
-      (removable(before, baseline.noise_floor) - removable(after, baseline.noise_floor)) / all,
-      -1.0, 1.0);
+// Why a hypothesis that these data can answer was not accepted.
+std::string why_not(const Evidence& e, const DiagnosisOptions& limits) {
+  if (e.sign_broken) return "its value would have an impossible sign or size";
+  if (e.gain <= 0.0) return "held-out data are predicted no better";
+  if (e.gain <= limits.smallest_gain) return "held-out data gain too little from it";
+  if (!e.consistent) return "it helps in some of the held-out parts only";
+  return "its value is not certain enough among so many questions";
 }
+
+}  // namespace
 
 FindingWriter::FindingWriter(const Inquiry& asked, const NormalBlocks& asked_data,
                              const Selection& selection, const Fit& fit,
-                             const Identification& start, bool changes)
+                             const Identification& start, bool changes,
+                             const DiagnosisOptions& limits)
     : asked_(asked),
       asked_data_(asked_data),
       selection_(selection),
@@ -57,7 +50,8 @@ FindingWriter::FindingWriter(const Inquiry& asked, const NormalBlocks& asked_dat
       q_(fit.inquiry),
       data_(*fit.data),
       start_(start),
-      changes_(changes) {
+      changes_(changes),
+      limits_(limits) {
   for (const Hypothesis& h : q_.augmented.hypotheses)
     payloads_.push_back(h.body >= 0 ? fit_payload(asked_, asked_data_, asked_hypothesis(h))
                                     : PayloadEstimate());
@@ -199,7 +193,7 @@ std::vector<VectorXd> FindingWriter::errors_along_the_way() const {
   ColumnSet set = q_.base;
   VectorXd first;
   for (size_t k = 0; k <= selection_.accepted.size(); ++k) {
-    const VectorXd w = residual_weights(data_, set);
+    const VectorXd w = joint_weights(data_, set);
     const VectorXd x = data_.solve(set, w, data_.total(), nullptr);
     const VectorXd r2 = test.residual2(set, x, test.total());
     if (k == 0) first = r2;
@@ -271,13 +265,17 @@ void FindingWriter::add_the_rest(Diagnosis& d) const {
   std::set<std::string> known;
   for (size_t k = 0; k < selection_.accepted.size(); ++k) known.insert(accepted(k).family);
   std::vector<Evidence> rest = selection_.last_asked;
-  std::stable_sort(rest.begin(), rest.end(), [](const Evidence& a, const Evidence& b) {
-    return a.absorbed != b.absorbed ? b.absorbed : a.gain > b.gain;
+  const auto rank = [](const Evidence& e) { return e.taken ? 0 : e.absorbed ? 2 : 1; };
+  std::stable_sort(rest.begin(), rest.end(), [&rank](const Evidence& a, const Evidence& b) {
+    return rank(a) != rank(b) ? rank(a) < rank(b) : a.gain > b.gain;
   });
   for (const Evidence& e : rest) {
     const Hypothesis& h = asked_.augmented.hypotheses[static_cast<size_t>(e.hypothesis)];
     if (!known.insert(h.family).second) continue;
-    if (e.absorbed) {
+    if (e.taken) {
+      d.not_supported.push_back({h.effect, h.joint + 1, e.p_value,
+                                 "other findings explain it once their constants are refined"});
+    } else if (e.absorbed) {
       const bool moves = !columns_of(asked_data_, h).empty();
       d.cannot_tell.push_back(
           {h.effect, h.joint + 1,
@@ -286,7 +284,7 @@ void FindingWriter::add_the_rest(Diagnosis& d) const {
       if (h.body >= 0)
         d.cannot_tell.back().why += " (" + place_text(asked_.augmented.model, h) + ")";
     } else if (d.not_supported.size() < kListed) {
-      d.not_supported.push_back({h.effect, h.joint + 1, e.p_value});
+      d.not_supported.push_back({h.effect, h.joint + 1, e.p_value, why_not(e, limits_)});
     }
   }
   if (!changes_) {
@@ -296,78 +294,13 @@ void FindingWriter::add_the_rest(Diagnosis& d) const {
 }
 
 Model FindingWriter::extended_arm() const {
-  const std::string given = start_.model->name();
-  ModelDescription d = start_.model->description();
-  if (changes_) d.identified.reset();  // statistics of values that are no longer there
-  std::vector<std::pair<const EffectTerm*, std::vector<double>>> of_arm;
+  std::vector<FoundCause> found;
   for (size_t k = 0; k < selection_.accepted.size(); ++k) {
     const Hypothesis& h = accepted(k);
-    const std::vector<double> values = values_of(h);
-    if (h.body >= 0) {
-      Frame load;
-      load.name = "payload";
-      for (int count = 2; Model(d).find_frame(load.name) >= 0; ++count)
-        load.name = "payload_" + std::to_string(count);
-      load.parent = h.frame;
-      load.variable.coefficients = VectorXd::Zero(start_.model->joints());
-      load.body = Body{};
-      load.body->phi = payloads_[k].phi;
-      d.frames.push_back(std::move(load));
-      continue;
-    }
-    EffectTerm term = term_of(q_, h);
-    if (is_arm_effect(h.effect)) {
-      of_arm.emplace_back(&term_of(q_, h), values);
-      continue;
-    }
-    const std::vector<EffectParameter> parameters = find_effect(h.effect).parameters();
-    if (h.changes >= 0) {
-      EffectTerm& own = d.effects[static_cast<size_t>(h.changes)];
-      for (size_t p = 0; p < parameters.size(); ++p) {
-        double& value = own.values[parameters[p].name];
-        value += values[p];
-        if (parameters[p].sign == ParameterSign::kNonnegative) value = std::max(value, 0.0);
-      }
-      own.deviations.clear();
-      continue;
-    }
-    for (size_t p = 0; p < parameters.size(); ++p) {
-      if (changes_) term.values[parameters[p].name] = values[p];
-    }
-    d.effects.push_back(std::move(term));
+    found.push_back(
+        {h, h.body >= 0 ? EffectTerm() : term_of(q_, h), values_of(h), payloads_[k].phi});
   }
-  Model out(std::move(d));
-  for (const auto& [term, values] : of_arm) out = with_arm_effect(out, *term, values);
-  return out;
-}
-
-void add_contacts(const std::vector<Contact>& contacts, const Identification& with,
-                  const Identification& without, Diagnosis& d) {
-  for (const Contact& c : contacts) {
-    Finding f;
-    f.rank = static_cast<int>(d.findings.size()) + 1;
-    f.effect = "external_contact";
-    f.joint = c.last_joint + 1;
-    const Coordinate& joint = with.model->coordinates()[static_cast<size_t>(c.last_joint)];
-    f.coordinate = joint.name;
-    f.source = c.source;
-    f.unit = effort_unit(joint);
-    const double effort = c.effort[c.last_joint];
-    const double half = student_t_quantile(0.05, kFreedomOfContacts) * c.deviation;
-    f.parameters = {{"effort", f.unit, effort, effort - half, effort + half},
-                    {"from", "s", c.from, c.from, c.from},
-                    {"to", "s", c.to, c.to, c.to}};
-    f.p_value = student_t_two_sided(c.peak, kFreedomOfContacts);
-    f.test_before = with.test_error.relative;
-    f.test_after = without.test_error.relative;
-    f.explains = explained_share(f.test_before, f.test_after, with);
-    f.sentence = fmt::format(
-        "{}: from {:.1f} to {:.1f} s something pushes; joint {} ({}) is the last that feels it, "
-        "with "
-        "{:.2g} {}. These rows are left out.",
-        c.source, c.from, c.to, f.joint, f.coordinate, effort, f.unit);
-    d.findings.push_back(std::move(f));
-  }
+  return veridyn::extended_arm(*start_.model, found, changes_);
 }
 
 }  // namespace veridyn

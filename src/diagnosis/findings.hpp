@@ -2,17 +2,11 @@
 
 #include <vector>
 
-#include "contacts.hpp"
 #include "inquiry.hpp"
 #include "refinement.hpp"
 #include "veridyn/diagnosis/payload.hpp"
 
 namespace veridyn {
-
-/// Share of the removable error (held out, above the noise floor) that goes away between two
-/// held-out errors.
-double explained_share(const VectorXd& before, const VectorXd& after,
-                       const Identification& baseline);
 
 /// What a selection found, ready to be named: values, intervals, sentences, held-out errors.
 class FindingWriter {
@@ -21,7 +15,8 @@ class FindingWriter {
   /// @param fit    the accepted ones.
   /// @param start  what the questions stand on: its held-out errors are the first "before".
   FindingWriter(const Inquiry& asked, const NormalBlocks& asked_data, const Selection& selection,
-                const Fit& fit, const Identification& start, bool changes);
+                const Fit& fit, const Identification& start, bool changes,
+                const DiagnosisOptions& limits);
 
   /// The findings in order of discovery, appended to d.findings.
   void add_findings(Diagnosis& d) const;
@@ -56,11 +51,8 @@ class FindingWriter {
   const NormalBlocks& data_;
   const Identification& start_;
   bool changes_;
+  const DiagnosisOptions& limits_;
   std::vector<PayloadEstimate> payloads_;  ///< one for each accepted; without frame if it is none
 };
-
-/// A finding for every contact, with the held-out errors with and without these moments.
-void add_contacts(const std::vector<Contact>& contacts, const Identification& with,
-                  const Identification& without, Diagnosis& d);
 
 }  // namespace veridyn

@@ -20,7 +20,7 @@ struct Hypothesis {
   int changes = -1;  ///< index of the arm's own effect that has changed; -1: a new one
   std::vector<std::string> columns;
   std::vector<ParameterSign> signs;
-  std::vector<double> lowest;  ///< of a change: less would make the parameter impossible
+  std::vector<double> lowest;    ///< of a change: less would make the parameter impossible
   double tried = 1.0;            ///< how many constants were looked at before this one was proposed
   bool extrapolates = false;     ///< it depends on where the arm is: one motion may mislead
   double largest_value = 1e300;  ///< a parameter beyond this is no answer

@@ -86,18 +86,11 @@ PayloadReport find_payload(const Model& model, const std::vector<std::string>& r
   std::stable_sort(out.links.begin(), out.links.end(),
                    [](const auto& a, const auto& b) { return a.gain > b.gain; });
   out.error_before = start.train_error.relative;
-  if (!out.links.empty()) {
-    ModelDescription loaded = model.description();
-    Frame load;
-    load.name = "payload";
-    load.parent = model.find_frame(out.links.front().frame);
-    load.variable.coefficients = VectorXd::Zero(model.joints());
-    load.body = Body{};
-    load.body->phi = out.links.front().phi;
-    loaded.frames.push_back(std::move(load));
-    out.error_after = evaluate(Model(loaded), recordings, {}, options).train_error.relative;
-  } else {
+  if (out.links.empty()) {
     out.reason = "no link moves enough in these recordings to feel a load";
+  } else {
+    out.error_with_drift = out.error_before.cwiseProduct(out.links.front().error_with_drift);
+    out.error_after = out.error_before.cwiseProduct(out.links.front().error_with_load);
   }
   out.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return out;
@@ -123,8 +116,9 @@ std::string PayloadReport::report() const {
     out += "\n";
   };
   out += "errors, % of the torque, per joint\n";
-  line("without the load", error_before);
-  line("with it", error_after);
+  line("the model as it is", error_before);
+  line("friction, offset anew", error_with_drift);
+  line("and the load", error_after);
   return out;
 }
 

@@ -137,8 +137,7 @@ Numbers valley(const Quadratic& f, const Solution& best, const ToNumbers& number
   return widest;
 }
 
-// Weighted sums of all clusters but one, over the load's ten parameters with the nuisances
-// eliminated.
+// The fit of one load beside nuisances.
 class LoadProblem {
  public:
   LoadProblem(const NormalBlocks& data, const Hypothesis& payload, ColumnSet nuisances,
@@ -150,49 +149,83 @@ class LoadProblem {
     }
   }
 
+  // Over the load's ten parameters, nuisances eliminated.
   Quadratic without(int cluster) const {
-    ColumnSet all = load_;
-    all.insert(all.end(), nuisances_.begin(), nuisances_.end());
-    const auto k = static_cast<Eigen::Index>(all.size());
-    MatrixXd A = MatrixXd::Zero(k, k);
-    VectorXd b = VectorXd::Zero(k);
-    for (int j = 0; j < data_.joints(); ++j) {
-      const auto at = static_cast<size_t>(j);
-      for (Eigen::Index r = 0; r < k; ++r) {
-        const int row = all[static_cast<size_t>(r)];
-        b[r] += weights_[j] * (data_.total().g[at][row] -
-                               (cluster < 0 ? 0.0 : data_.cluster(cluster).g[at][row]));
-        for (Eigen::Index c = 0; c < k; ++c) {
-          const int column = all[static_cast<size_t>(c)];
-          A(r, c) +=
-              weights_[j] * (data_.total().G[at](row, column) -
-                             (cluster < 0 ? 0.0 : data_.cluster(cluster).G[at](row, column)));
-        }
-      }
-    }
-    const Eigen::Index n = k - kBodyParameters;
-    Quadratic out{A.topLeftCorner(kBodyParameters, kBodyParameters), b.head(kBodyParameters)};
+    const Quadratic sums = weighted(cluster);
+    const Eigen::Index n = sums.b.size() - kBodyParameters;
+    Quadratic out{sums.A.topLeftCorner(kBodyParameters, kBodyParameters),
+                  sums.b.head(kBodyParameters)};
     if (n > 0) {
-      MatrixXd N = A.bottomRightCorner(n, n);
-      N.diagonal() *= 1.0 + kRidge;
-      N.diagonal().array() += 1e-300;
-      const MatrixXd C = A.topRightCorner(kBodyParameters, n);
-      const Eigen::LDLT<MatrixXd> solver(N);
+      const MatrixXd C = sums.A.topRightCorner(kBodyParameters, n);
+      const Eigen::LDLT<MatrixXd> solver = nuisance_solver(sums);
       out.A -= C * solver.solve(C.transpose());
-      out.b -= C * solver.solve(b.tail(n));
+      out.b -= C * solver.solve(sums.b.tail(n));
     }
-    VectorXd scale(kBodyParameters);
-    for (int c = 0; c < kBodyParameters; ++c)
-      scale[c] = data_.scale()[load_[static_cast<size_t>(c)]];
-    out.A = scale.asDiagonal() * out.A * scale.asDiagonal();
-    out.b = scale.asDiagonal() * out.b;
+    const VectorXd s = scale();
+    out.A = s.asDiagonal() * out.A * s.asDiagonal();
+    out.b = s.asDiagonal() * out.b;
     // Where the torques see nothing of a direction, the load lies at its zero.
     const double most = out.A.diagonal().segment(1, 3).maxCoeff();
     out.A.diagonal().segment(1, 3).array() += kUnseen * most;
     return out;
   }
 
+  // Squared residual per joint with this load, nuisances fitted beside it.
+  VectorXd residual2(const InertialParameters& phi) const {
+    const Quadratic sums = weighted(-1);
+    const Eigen::Index n = sums.b.size() - kBodyParameters;
+    VectorXd x(sums.b.size());
+    x.head(kBodyParameters) = scale().cwiseProduct(phi);
+    if (n > 0) {
+      x.tail(n) = nuisance_solver(sums).solve(
+          sums.b.tail(n) - sums.A.bottomLeftCorner(n, kBodyParameters) * x.head(kBodyParameters));
+    }
+    return data_.residual2(all(), x, data_.total());
+  }
+
  private:
+  ColumnSet all() const {
+    ColumnSet out = load_;
+    out.insert(out.end(), nuisances_.begin(), nuisances_.end());
+    return out;
+  }
+
+  VectorXd scale() const {
+    VectorXd out(kBodyParameters);
+    for (int c = 0; c < kBodyParameters; ++c) out[c] = data_.scale()[load_[static_cast<size_t>(c)]];
+    return out;
+  }
+
+  static Eigen::LDLT<MatrixXd> nuisance_solver(const Quadratic& sums) {
+    const Eigen::Index n = sums.b.size() - kBodyParameters;
+    MatrixXd N = sums.A.bottomRightCorner(n, n);
+    N.diagonal() *= 1.0 + kRidge;
+    N.diagonal().array() += 1e-300;
+    return Eigen::LDLT<MatrixXd>(N);
+  }
+
+  // Weighted sums of all clusters but one (-1: of all), over load and nuisances, scaled columns.
+  Quadratic weighted(int cluster) const {
+    const ColumnSet columns = all();
+    const auto k = static_cast<Eigen::Index>(columns.size());
+    Quadratic out{MatrixXd::Zero(k, k), VectorXd::Zero(k)};
+    for (int j = 0; j < data_.joints(); ++j) {
+      const auto at = static_cast<size_t>(j);
+      for (Eigen::Index r = 0; r < k; ++r) {
+        const int row = columns[static_cast<size_t>(r)];
+        out.b[r] += weights_[j] * (data_.total().g[at][row] -
+                                   (cluster < 0 ? 0.0 : data_.cluster(cluster).g[at][row]));
+        for (Eigen::Index c = 0; c < k; ++c) {
+          const int column = columns[static_cast<size_t>(c)];
+          out.A(r, c) +=
+              weights_[j] * (data_.total().G[at](row, column) -
+                             (cluster < 0 ? 0.0 : data_.cluster(cluster).G[at](row, column)));
+        }
+      }
+    }
+    return out;
+  }
+
   const NormalBlocks& data_;
   ColumnSet load_;
   ColumnSet nuisances_;
@@ -233,7 +266,7 @@ PayloadEstimate fit_payload(const Inquiry& q, const NormalBlocks& data, const Hy
   const std::vector<ColumnSet> sets = nuisance_sets(q, data, payload.frame);
   ColumnSet all = columns_of(data, payload);
   all.insert(all.end(), sets.back().begin(), sets.back().end());
-  const VectorXd w = residual_weights(data, all);
+  const VectorXd w = joint_weights(data, all);
   const LoadProblem problem(data, payload, sets.back(), w);
   const Quadratic whole = problem.without(-1);
   const Solution main = fit_point(whole, nullptr);
@@ -279,14 +312,12 @@ PayloadEstimate fit_payload(const Inquiry& q, const NormalBlocks& data, const Hy
   out.moment_half_width = half.segment<3>(1);
   out.com_half_width = half.segment<3>(4);
   out.inertia_half_width = half.tail<6>();
-  // What it explains beside the nuisances alone.
-  const NormalBlocks::Sums& rows = data.total();
-  const VectorXd none = data.solve(sets.back(), w, rows, nullptr);
-  const VectorXd before = data.residual2(sets.back(), none, rows);
-  const double weighted = (w.array() * before.array()).sum();
+  const VectorXd drift_only = problem.residual2(InertialParameters::Zero());
+  const double weighted = w.dot(drift_only);
   out.explained = weighted > 0.0 ? -main.cost / weighted : 0.0;
-  const VectorXd with = data.residual2(all, data.solve(all, w, rows, nullptr), rows);
-  out.gain = (before.array().max(1e-300).log() - with.array().max(1e-300).log()).sum();
+  const VectorXd as_it_stands = data.total().b2.cwiseMax(1e-300);
+  out.error_with_drift = (drift_only.array() / as_it_stands.array()).sqrt();
+  out.error_with_load = (problem.residual2(main.phi).array() / as_it_stands.array()).sqrt();
   return out;
 }
 

@@ -183,7 +183,7 @@ class Refiner {
       for (const size_t v : choice) set.insert(set.end(), columns[v].begin(), columns[v].end());
       return set;
     };
-    const VectorXd w = residual_weights(data, set_of(pick));
+    const VectorXd w = joint_weights(data, set_of(pick));
     // Twice round the constants: a later one may move an earlier one again.
     for (int turn = 0; turn < 2; ++turn) {
       for (size_t v = chosen_.size(); v < variants.size(); ++v) {

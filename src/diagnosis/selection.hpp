@@ -2,21 +2,9 @@
 
 #include <vector>
 
-#include "hypotheses.hpp"
-#include "normal_blocks.hpp"
-#include "veridyn/diagnosis/diagnosis.hpp"
+#include "examiner.hpp"
 
 namespace veridyn {
-
-/// What the data say of one hypothesis beside those already accepted.
-struct Evidence {
-  int hypothesis = -1;
-  double gain = 0.0;        ///< d: fall of the sum over joints of ln(held-out mean square error)
-  double fold_share = 0.0;  ///< of the folds, those that improve
-  double p_value = 1.0;
-  bool absorbed = false;  ///< its columns lie in the span of the others: these data cannot answer
-  bool sign_broken = false;  ///< a parameter has a sign that nature forbids, or is absurdly large
-};
 
 struct Accepted {
   Evidence evidence;
@@ -32,12 +20,11 @@ struct ShapeInterval {
 };
 
 struct Selection {
-  std::vector<Accepted> accepted;  ///< in order of discovery
-  std::vector<Evidence>
-      last_asked;     ///< of all hypotheses that were not accepted, beside the accepted ones
-  ColumnSet columns;  ///< base columns and those of the accepted
-  VectorXd values;    ///< unscaled, over `columns`
-  VectorXd standard_deviations;  ///< cluster jackknife
+  std::vector<Accepted> accepted;    ///< in order of discovery
+  std::vector<Evidence> last_asked;  ///< of every hypothesis, beside the accepted ones
+  ColumnSet columns;                 ///< base columns and those of the accepted
+  VectorXd values;                   ///< unscaled, over `columns`
+  VectorXd standard_deviations;      ///< cluster jackknife
   double degrees_of_freedom = 0.0;
   std::vector<ShapeInterval> shapes;
 };
@@ -59,16 +46,5 @@ Selection refit(const NormalBlocks& data, const ColumnSet& base,
 std::vector<int> still_needed(const NormalBlocks& data, const ColumnSet& base,
                               const std::vector<Hypothesis>& hypotheses,
                               const DiagnosisOptions& options);
-
-/// One over the mean square residual of every joint, iterated.
-VectorXd residual_weights(const NormalBlocks& data, const ColumnSet& set);
-
-/// Mean over the held-out folds of the fall of the sum over joints of ln(mean square) from one
-/// model of the same recordings to another.
-double fold_gain(const NormalBlocks& before, const ColumnSet& base_before,
-                 const NormalBlocks& after, const ColumnSet& base_after);
-
-/// Column indices of a hypothesis.
-ColumnSet columns_of(const NormalBlocks& data, const Hypothesis& hypothesis);
 
 }  // namespace veridyn

@@ -75,7 +75,7 @@ std::string to_json(const Diagnosis& d) {
   out["not_supported"] = Json::array();
   for (const NotSupported& n : d.not_supported) {
     out["not_supported"].push_back(
-        {{"effect", n.effect}, {"joint", n.joint}, {"p_value", n.p_value}});
+        {{"effect", n.effect}, {"joint", n.joint}, {"p_value", n.p_value}, {"why", n.why}});
   }
   out["cannot_tell"] = Json::array();
   for (const CannotTell& c : d.cannot_tell) {

@@ -36,6 +36,7 @@ std::string to_json(const PayloadReport& report) {
   out["links"] = Json::array();
   for (const PayloadEstimate& link : report.links) out["links"].push_back(link_json(link));
   out["relative_error"] = {{"before", json_list(report.error_before)},
+                           {"with_drift", json_list(report.error_with_drift)},
                            {"after", json_list(report.error_after)}};
   out["reason"] = report.reason;
   out["seconds"] = report.seconds;

@@ -12,17 +12,20 @@ namespace veridyn {
 struct DiagnosisOptions {
   IdentificationOptions identification;  ///< preprocessing, weights and threads are taken from here
   std::vector<std::string> effects;      ///< names to ask about; empty: all that the tool knows
-  int max_effects = 20;                  ///< findings at most
+  int max_effects = 20;                  ///< findings at most; contacts do not count
   /// An effect is accepted when the sum over joints of ln(held-out mean square error) falls by more
   /// than this, in the mean over the folds (recordings, or phases of the period of a single one),
-  /// ...
+  /// ... An arm with values (a MODEL) is asked for 0.1 at least: its values are estimates.
   double smallest_gain = 0.04;
   /// ... in this share of the held-out folds (of four or more one may always disagree), and ...
   double fold_share = 0.8;
-  /// ... its Wald test over clusters (phases of the period, repeats merged) is below this over the
-  /// number of hypotheses.
+  /// ... the p value of its parameters over clusters (phases of the period, repeats merged) is
+  /// below this over the number of causes asked about, and over the number of orders that were
+  /// looked at for a ripple. With one recording only causes that depend on place are held to the
+  /// number of causes: names are provisional then.
   double significance = 0.05;
-  /// Hypotheses whose gain is at least this share of the chosen one's are its rivals.
+  /// Of causes whose gain is at least this share of the best one's the best tested and the earlier
+  /// question is chosen. (Rivals are listed from a gain of 60 %, on the same joint from 40 %.)
   double rival_share = 0.8;
 };
 
@@ -66,6 +69,7 @@ struct NotSupported {
   std::string effect;
   int joint = 0;
   double p_value = 1.0;
+  std::string why;
 };
 
 struct CannotTell {
@@ -98,8 +102,10 @@ struct Diagnosis {
   std::string report() const;
 };
 
-/// Asks which physical causes the recordings accept beyond the robot's own model. Selection uses
-/// the training recordings only; the test recordings measure what it gained.
+/// Asks which physical causes the recordings accept beyond the robot's own model. Causes are
+/// selected and fitted on the training recordings only; the test recordings measure what that
+/// gained. Of a test recording itself only faults are looked for: moments of contact, snags, a
+/// velocity that is not the derivative of its position (it is then taken from the position).
 ///
 /// An arm without values is identified first, and every fit leaves its parameters free. An arm with
 /// values (a MODEL) is taken at its word, and findings say **what changed since**: a payload, a

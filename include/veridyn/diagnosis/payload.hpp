@@ -26,13 +26,18 @@ struct PayloadEstimate {
   InertialParameters phi = InertialParameters::Zero();  ///< of the point mass
   double gain = 0.0;       ///< fall of the sum over joints of ln(held-out mean square residual)
   double explained = 0.0;  ///< share of what the model leaves unexplained, over all joints
+  /// Residual per joint as a share of what the model leaves as it stands, (n): with friction and
+  /// offsets of the joints that carry the load fitted anew, and with the load beside them.
+  VectorXd error_with_drift, error_with_load;
 };
 
 struct PayloadReport {
   std::string robot;
   std::vector<PayloadEstimate> links;  ///< one for every class of links that move alike, best first
-  VectorXd error_before, error_after;  ///< (n) relative, with the best one
-  std::string reason;                  ///< why there is no answer; empty otherwise
+  /// Relative errors, (n): of the model as it stands; with today's friction and offsets of the
+  /// joints that carry the best load; with that load beside them. Fitted to these recordings.
+  VectorXd error_before, error_with_drift, error_after;
+  std::string reason;  ///< why there is no answer; empty otherwise
   double seconds = 0.0;
 
   std::string report() const;

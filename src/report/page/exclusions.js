@@ -31,9 +31,9 @@ function fillNotSupported() {
                         element(
                             'span', {},
                             cells.flatMap(
-                                ({k}, at) =>
+                                ({k, item}, at) =>
                                     [at ? ', ' : '',
-                                     number('/not_supported/' + k + '/p_value', 'chance')])) :
+                                     element('span', {title: item.why}, number('/not_supported/' + k + '/p_value', 'chance'))])) :
                         null;
                   })));
   byId('not-supported')
@@ -41,7 +41,7 @@ function fillNotSupported() {
           element('h3', {}, 'Not supported'),
           element(
               'p', {class: 'note'},
-              'Effects that were asked and not accepted, with the p of the best evidence for each on each joint.'),
+              'Effects that were asked and not accepted, with the p of the best evidence for each on each joint; the reason shows under the pointer.'),
           table(columns, rows, 'excluded'));
 }
 

@@ -1,0 +1,12 @@
+#pragma once
+
+#include "veridyn/identification/identification.hpp"
+
+namespace veridyn {
+
+/// Share of the removable error (held out, above the noise floor) that goes away between two
+/// held-out errors, (n) each; negative where it grows.
+double explained_share(const VectorXd& before, const VectorXd& after,
+                       const Identification& baseline);
+
+}  // namespace veridyn

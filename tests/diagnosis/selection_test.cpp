@@ -1,0 +1,183 @@
+#include "diagnosis/selection.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <random>
+
+// Selection on made-up columns: what is in the torque is known, and so is what only looks like it.
+
+namespace veridyn {
+namespace {
+
+constexpr int kRecordings = 4;
+constexpr int kBlocks = 8;
+constexpr int kRows = 40;
+constexpr double kNoise = 0.3;
+
+// Columns of one joint: base, cause, alike (correlated with cause), other (a cause of its own),
+// idle, copy (of the base).
+const std::vector<std::string>& names() {
+  static const std::vector<std::string> kNames = {"base",  "cause", "alike",
+                                                  "other", "idle",  "copy"};
+  return kNames;
+}
+
+class Columns {
+ public:
+  /// Shares of the columns in the torque.
+  explicit Columns(std::map<std::string, double> torque) : torque_(std::move(torque)) {
+    for (int r = 0; r < kRecordings; ++r) recordings_.push_back(recording());
+  }
+
+  NormalBlocks blocks() const { return NormalBlocks(recordings_, names()); }
+
+ private:
+  CompressedRecording recording() {
+    CompressedRecording out;
+    out.joints.resize(1);
+    for (int b = 0; b < kBlocks; ++b) {
+      MatrixXd A(kRows, 6);
+      VectorXd tau(kRows);
+      for (int k = 0; k < kRows; ++k) {
+        const double base = gauss_(random_);
+        const double cause = gauss_(random_);
+        A.row(k) << base, cause, 0.9 * cause + 0.45 * gauss_(random_), gauss_(random_),
+            gauss_(random_), 2.0 * base;
+        tau[k] = kNoise * gauss_(random_);
+        for (const auto& [name, share] : torque_) {
+          const auto at = std::find(names().begin(), names().end(), name) - names().begin();
+          tau[k] += share * A(k, at);
+        }
+      }
+      SquareRootInformation factor(names());
+      factor.absorb(A, tau);
+      out.blocks.push_back({factor});
+    }
+    return out;
+  }
+
+  std::map<std::string, double> torque_;
+  std::mt19937 random_{5};
+  std::normal_distribution<double> gauss_;
+  std::vector<CompressedRecording> recordings_;
+};
+
+Hypothesis hypothesis(const std::string& column, ParameterSign sign = ParameterSign::kAny) {
+  Hypothesis h;
+  h.effect = column;
+  h.family = column;
+  h.columns = {column};
+  h.signs = {sign};
+  return h;
+}
+
+std::vector<Hypothesis> all_hypotheses() {
+  return {hypothesis("cause"), hypothesis("alike"), hypothesis("other"), hypothesis("idle"),
+          hypothesis("copy")};
+}
+
+Selection selected(const Columns& columns, const std::vector<Hypothesis>& asked,
+                   const DiagnosisOptions& options = {}) {
+  const NormalBlocks data = columns.blocks();
+  return select_effects(data, {0}, asked, options);
+}
+
+std::vector<std::string> accepted(const Selection& s, const std::vector<Hypothesis>& asked) {
+  std::vector<std::string> out;
+  for (const Accepted& a : s.accepted)
+    out.push_back(asked[static_cast<size_t>(a.evidence.hypothesis)].effect);
+  return out;
+}
+
+using Names = std::vector<std::string>;
+
+TEST(Selection, NamesWhatIsThereTheLargestFirst) {
+  const auto asked = all_hypotheses();
+  const Selection s = selected(Columns({{"base", 1.0}, {"cause", 0.3}, {"other", 0.6}}), asked);
+  EXPECT_EQ(accepted(s, asked), (Names{"other", "cause"}));
+}
+
+TEST(Selection, NamesNothingWhereNothingIs) {
+  const auto asked = all_hypotheses();
+  EXPECT_TRUE(accepted(selected(Columns({{"base", 1.0}}), asked), asked).empty());
+}
+
+TEST(Selection, WhatExplainsTheSameIsARivalAndACauseOfItsOwnIsNone) {
+  const auto asked = all_hypotheses();
+  const Selection s = selected(Columns({{"base", 1.0}, {"cause", 0.5}, {"other", 0.45}}), asked);
+  ASSERT_EQ(accepted(s, asked), (Names{"cause", "other"}));
+  ASSERT_EQ(s.accepted[0].rivals.size(), 1U);
+  EXPECT_EQ(asked[static_cast<size_t>(s.accepted[0].rivals[0].hypothesis)].effect, "alike");
+  EXPECT_LT(s.accepted[0].rivals[0].gain, s.accepted[0].evidence.gain);
+  EXPECT_TRUE(s.accepted[1].rivals.empty());
+}
+
+TEST(Selection, WhatStillGainsBesideTheFindingIsNoRival) {
+  const auto asked = all_hypotheses();
+  DiagnosisOptions one;
+  one.max_effects = 1;
+  const Selection s =
+      selected(Columns({{"base", 1.0}, {"cause", 0.5}, {"other", 0.45}}), asked, one);
+  ASSERT_EQ(accepted(s, asked), (Names{"cause"}));
+  ASSERT_EQ(s.accepted[0].rivals.size(), 1U);
+  EXPECT_EQ(asked[static_cast<size_t>(s.accepted[0].rivals[0].hypothesis)].effect, "alike");
+}
+
+TEST(Selection, StopsAtTheLargestNumber) {
+  const auto asked = all_hypotheses();
+  DiagnosisOptions options;
+  options.max_effects = 1;
+  const Selection s =
+      selected(Columns({{"base", 1.0}, {"cause", 0.3}, {"other", 0.6}}), asked, options);
+  EXPECT_EQ(accepted(s, asked), (Names{"other"}));
+}
+
+TEST(Selection, TellsWhatWasTakenFromWhatNoDataCanAnswer) {
+  const auto asked = all_hypotheses();
+  const Selection s = selected(Columns({{"base", 1.0}, {"cause", 0.5}}), asked);
+  ASSERT_EQ(s.last_asked.size(), asked.size());
+  EXPECT_TRUE(s.last_asked[0].taken);
+  EXPECT_FALSE(s.last_asked[0].absorbed);
+  EXPECT_TRUE(s.last_asked[4].absorbed);  // twice the base column
+  EXPECT_FALSE(s.last_asked[4].taken);
+  EXPECT_FALSE(s.last_asked[3].taken || s.last_asked[3].absorbed);
+}
+
+TEST(Selection, AnImpossibleSignIsNoAnswer) {
+  const std::vector<Hypothesis> asked = {hypothesis("cause", ParameterSign::kNonnegative)};
+  EXPECT_TRUE(selected(Columns({{"cause", -0.5}}), asked).accepted.empty());
+  EXPECT_EQ(selected(Columns({{"cause", 0.5}}), asked).accepted.size(), 1U);
+}
+
+TEST(Selection, AGainBelowTheLeastOneIsNotNamed) {
+  const std::vector<Hypothesis> asked = {hypothesis("cause")};
+  const Columns columns({{"cause", 0.09}});  // ln(1 + 0.09) = 0.086 of the noise's square
+  EXPECT_EQ(selected(columns, asked).accepted.size(), 1U);
+  DiagnosisOptions stricter;
+  stricter.smallest_gain = 0.1;
+  EXPECT_TRUE(selected(columns, asked, stricter).accepted.empty());
+}
+
+TEST(Selection, StillNeededDropsTheOneThatTheOtherCovers) {
+  const std::vector<Hypothesis> asked = {hypothesis("alike"), hypothesis("cause"),
+                                         hypothesis("other")};
+  const NormalBlocks data = Columns({{"cause", 0.5}, {"other", 0.5}}).blocks();
+  EXPECT_EQ(still_needed(data, {0}, asked, {}), (std::vector<int>{1, 2}));
+}
+
+TEST(Selection, IntervalsCoverWhatIsThere) {
+  const std::vector<Hypothesis> asked = {hypothesis("cause"), hypothesis("other")};
+  const NormalBlocks data = Columns({{"base", 1.0}, {"cause", 0.5}, {"other", 0.4}}).blocks();
+  const Selection s = refit(data, {0}, asked, {});
+  const VectorXd truth = (VectorXd(3) << 1.0, 0.5, 0.4).finished();
+  // 1280 rows of noise 0.3: deviations near 0.3 / sqrt(1280) = 0.0084; recordings widen them.
+  for (int k = 0; k < 3; ++k) {
+    EXPECT_NEAR(s.values[k], truth[k], 4.0 * 0.0084);
+    EXPECT_GT(s.standard_deviations[k], 0.5 * 0.0084);
+    EXPECT_LT(s.standard_deviations[k], 4.0 * 0.0084);
+  }
+}
+
+}  // namespace
+}  // namespace veridyn
