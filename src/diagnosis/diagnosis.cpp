@@ -72,12 +72,14 @@ class Investigation {
     d_.baseline = look(arm_);
     if (!d_.baseline.model) return std::move(d_);
     remember_periods();
-    leave_out_snags();
+    leave_out_snags(d_.baseline);
     start_ = d_.baseline;
     investigate();
-    // Contacts show once the model's own errors are out of the way; then all is asked anew without
-    // these moments.
-    if (leave_out_contacts(d_.extended)) investigate();
+    // Contacts and small snags show once the model's own errors are out of the way; then all is
+    // asked anew without these moments.
+    const bool snags = leave_out_snags(d_.extended);
+    if (snags) start_ = d_.baseline;
+    if (leave_out_contacts(d_.extended) || snags) investigate();
     for (size_t k = 0; k < d_.findings.size(); ++k) d_.findings[k].rank = static_cast<int>(k) + 1;
     return std::move(d_);
   }
@@ -143,13 +145,28 @@ class Investigation {
     d_.left_out.insert(d_.left_out.end(), parts.begin(), parts.end());
   }
 
-  void leave_out_snags() {
-    const std::vector<Snag> snags = find_snags(d_.baseline);
-    if (snags.empty()) return;
+  // True if there are any that were not known.
+  bool leave_out_snags(const Identification& seen) {
+    if (!seen.model) return false;
+    std::vector<Snag> snags = find_snags(seen);
+    snags.erase(std::remove_if(snags.begin(), snags.end(),
+                               [this](const Snag& snag) { return is_known(snag); }),
+                snags.end());
+    if (snags.empty()) return false;
     for (const Snag& snag : snags) report(snag);
-    leave_out(left_out_rows(snags, d_.baseline));
+    snags_.insert(snags_.end(), snags.begin(), snags.end());
+    leave_out(left_out_rows(snags, seen));
     const Identification again = look(arm_);
     if (again.model) d_.baseline = again;
+    return true;
+  }
+
+  // Rows that are left out still show their friction.
+  bool is_known(const Snag& snag) const {
+    return std::any_of(snags_.begin(), snags_.end(), [&snag](const Snag& other) {
+      return other.source == snag.source && other.joint == snag.joint && other.from < snag.to &&
+             snag.from < other.to;
+    });
   }
 
   void report(const Snag& snag) {
@@ -310,6 +327,7 @@ class Investigation {
   Diagnosis d_;
   Identification start_;
   size_t contacts_known_ = 0;
+  std::vector<Snag> snags_;  // known ones
 };
 
 }  // namespace

@@ -13,10 +13,9 @@ constexpr int kBins = 40;              // of the travel of all recordings
 constexpr int kFewest = 6;             // samples of a bin in either direction
 constexpr double kMovingShare = 0.03;  // of the largest speed: slower says nothing about friction
 constexpr double kProminence = 6.0;    // over the scatter between recordings
-constexpr double kTorqueShare =
-    0.12;                        // of the joint's rms torque: smaller is not worth leaving out
-constexpr double kWidest = 0.4;  // of the travel; wider is friction of its own
-constexpr double kMargin = 0.5;  // bins on either side
+constexpr double kTorqueShare = 0.2;   // of the joint's rms torque: smaller may be anything
+constexpr double kWidest = 0.4;        // of the travel; wider is friction of its own
+constexpr double kMargin = 0.5;        // bins on either side
 
 double median(std::vector<double> v) {
   if (v.empty()) return 0.0;
