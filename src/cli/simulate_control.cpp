@@ -12,6 +12,7 @@
 #include "veridyn/model/model_file.hpp"
 #include "veridyn/model/suggestion.hpp"
 #include "veridyn/report/motion_json.hpp"
+#include "veridyn/report/simulation_page.hpp"
 
 namespace veridyn::cli {
 namespace {
@@ -124,6 +125,8 @@ void check_simulate_request(const SimulateRequest& request) {
   if (request.output.empty() && request.replay.empty()) throw CLI::RequiredError("--output");
   if (!request.breakaway.empty() && request.replay.empty())
     throw CLI::ValidationError("--breakaway", "needs --replay");
+  if (request.controller == "none" && request.replay.empty() && !request.common.report.empty())
+    throw CLI::ValidationError("--report", "needs --controller pid or --replay");
   if (request.controller == "none" && request.replay.empty() && request.engine != "veridyn")
     throw CLI::ValidationError("--engine", "needs --controller pid or --replay");
   if (!request.gains.empty() && !request.p.empty())
@@ -157,21 +160,25 @@ std::string simulation_report(const SimulateRequest& request, const SimulatedRec
 }
 
 ExitStatus run_controlled(const SimulateRequest& request, const Model& arm,
-                          const MotionSamples& wanted, const SimulationOptions& options) {
+                          const MotionSamples& wanted, const SimulationOptions& options,
+                          const std::string& command_line) {
   const ControlledRecording done =
       simulate_controlled(arm, wanted, {options, loop_of(request, arm), request.engine});
   tell_left_out(request, done.left_out);
   write_simulated(request, done.recording, remark_of(done.run, arm));
   if (!request.common.json.empty()) write_file(request.common.json, to_json(done, wanted));
-  std::cout << simulation_report(request, done.recording);
+  std::string report = simulation_report(request, done.recording);
   const MatrixXd& q = done.run.motion.q;
   for (int i = 0; i < arm.joints(); ++i) {
     const Coordinate& c = arm.coordinates()[static_cast<size_t>(i)];
-    std::cout << fmt::format(
-        "joint {} ({}): at most {:.3g} {} off its set point\n", i + 1, c.name,
-        1e3 * (q.col(i) - wanted.q.col(i).head(q.rows())).cwiseAbs().maxCoeff(),
-        c.prismatic ? "mm" : "mrad");
+    report += fmt::format("joint {} ({}): at most {:.3g} {} off its set point\n", i + 1, c.name,
+                          1e3 * (q.col(i) - wanted.q.col(i).head(q.rows())).cwiseAbs().maxCoeff(),
+                          c.prismatic ? "mm" : "mrad");
   }
+  if (!request.common.report.empty())
+    write_file(request.common.report,
+               to_page(done, wanted, {request.trajectory, command_line, report}));
+  std::cout << report;
   return ended(done.run, arm);
 }
 

@@ -10,6 +10,7 @@
 #include "veridyn/math/output_file.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/report/motion_json.hpp"
+#include "veridyn/report/simulation_page.hpp"
 #include "veridyn/simulation/engine.hpp"
 
 namespace veridyn::cli {
@@ -76,9 +77,29 @@ std::string replay_report(const SimulateRequest& request, const Model& arm, cons
   return out;
 }
 
+std::string breakaway_report(const SimulateRequest& request, const Coordinate& c,
+                             const Breakaway& found) {
+  std::string out = fmt::format("Breakaway of {} in {}: {} ramps.\n", c.name, request.replay,
+                                found.events.size());
+  for (const BreakawayEvent& e : found.events) {
+    out += fmt::format(
+        "  at rest from {:.2f} s: recorded {:+.3f} {u} at {:.2f} s, simulated "
+        "{:+.3f} {u} at {:.2f} s\n",
+        e.rest_from, e.recorded, e.recorded_at, e.simulated, e.simulated_at,
+        fmt::arg("u", effort_unit(c)));
+  }
+  out += fmt::format(
+      "median forwards:  recorded {:+.3f} {u}, simulated {:+.3f} {u}\n"
+      "median backwards: recorded {:+.3f} {u}, simulated {:+.3f} {u}\n",
+      found.recorded_forward, found.simulated_forward, found.recorded_backward,
+      found.simulated_backward, fmt::arg("u", effort_unit(c)));
+  return out;
+}
+
 }  // namespace
 
-ExitStatus run_replay(const SimulateRequest& request, const Model& arm) {
+ExitStatus run_replay(const SimulateRequest& request, const Model& arm,
+                      const std::string& command_line) {
   const auto engine = make_engine(request.engine, arm);
   ReplayOptions options;
   options.drive = request.drive == "torques"      ? ReplayDrive::kTorques
@@ -95,11 +116,16 @@ ExitStatus run_replay(const SimulateRequest& request, const Model& arm) {
     write_recording(rows_of(done.run.motion, done.run.tau), request.output,
                     remark_of(done.run, arm));
   if (!request.common.json.empty()) write_file(request.common.json, to_json(done, arm));
-  std::cout << replay_report(request, arm, done);
+  const std::string report = replay_report(request, arm, done);
+  if (!request.common.report.empty())
+    write_file(request.common.report,
+               to_page(done, arm, input, {request.replay, command_line, report}));
+  std::cout << report;
   return ended(done.run, arm);
 }
 
-ExitStatus run_breakaway(const SimulateRequest& request, const Model& arm) {
+ExitStatus run_breakaway(const SimulateRequest& request, const Model& arm,
+                         const std::string& command_line) {
   BreakawayOptions options;
   options.joint = arm.find_coordinate(request.breakaway);
   for (int i = 0; i < arm.joints(); ++i) {
@@ -121,20 +147,11 @@ ExitStatus run_breakaway(const SimulateRequest& request, const Model& arm) {
     motion.q.col(options.joint) = found.simulated_q;
     write_recording(rows_of(motion, input.tau), request.output, "");
   }
-  std::cout << fmt::format("Breakaway of {} in {}: {} ramps.\n", c.name, request.replay,
-                           found.events.size());
-  for (const BreakawayEvent& e : found.events) {
-    std::cout << fmt::format(
-        "  at rest from {:.2f} s: recorded {:+.3f} {u} at {:.2f} s, simulated "
-        "{:+.3f} {u} at {:.2f} s\n",
-        e.rest_from, e.recorded, e.recorded_at, e.simulated, e.simulated_at,
-        fmt::arg("u", effort_unit(c)));
-  }
-  std::cout << fmt::format(
-      "median forwards:  recorded {:+.3f} {u}, simulated {:+.3f} {u}\n"
-      "median backwards: recorded {:+.3f} {u}, simulated {:+.3f} {u}\n",
-      found.recorded_forward, found.simulated_forward, found.recorded_backward,
-      found.simulated_backward, fmt::arg("u", effort_unit(c)));
+  const std::string report = breakaway_report(request, c, found);
+  if (!request.common.report.empty())
+    write_file(request.common.report,
+               to_page(found, arm, input, {request.replay, command_line, report}));
+  std::cout << report;
   return found.events.empty() ? kDataCannotAnswer : kDone;
 }
 

@@ -60,11 +60,15 @@ void tell_left_out(const SimulateRequest& request, const std::vector<std::string
 /// The exit status of a run, told to the user where it stopped early.
 ExitStatus ended(const EngineRun& run, const Model& arm);
 
+/// @param command_line  of the run, for its page.
 ExitStatus run_controlled(const SimulateRequest& request, const Model& arm,
-                          const MotionSamples& wanted, const SimulationOptions& options);
+                          const MotionSamples& wanted, const SimulationOptions& options,
+                          const std::string& command_line);
 
-ExitStatus run_replay(const SimulateRequest& request, const Model& arm);
+ExitStatus run_replay(const SimulateRequest& request, const Model& arm,
+                      const std::string& command_line);
 
-ExitStatus run_breakaway(const SimulateRequest& request, const Model& arm);
+ExitStatus run_breakaway(const SimulateRequest& request, const Model& arm,
+                         const std::string& command_line);
 
 }  // namespace veridyn::cli

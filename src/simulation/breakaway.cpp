@@ -116,6 +116,8 @@ Breakaway breakaway(Engine& engine, const Model& arm, const ReplayInput& input,
   const VectorXd& time = input.motion.time;
   const PidGains gains = sensible_gains(arm);
   Breakaway out;
+  out.joint = joint;
+  out.speed = speed;
   out.simulated_q = out.simulated_dq = VectorXd::Constant(rows, kNaN);
   std::vector<double> recorded[2];
   std::vector<double> simulated[2];

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "veridyn/simulation/breakaway.hpp"
+
 namespace veridyn {
 namespace {
 

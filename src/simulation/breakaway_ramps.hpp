@@ -27,7 +27,4 @@ struct RampThresholds {
 std::vector<Ramp> find_ramps(const Coordinate& joint, const VectorXd& time, const VectorXd& q,
                              const VectorXd& tau, const RampThresholds& limit);
 
-/// The mean effort of a tenth of a second around row k.
-double effort_at(const VectorXd& time, const VectorXd& tau, Eigen::Index k);
-
 }  // namespace veridyn

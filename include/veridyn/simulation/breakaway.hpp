@@ -26,6 +26,8 @@ struct BreakawayEvent {
 };
 
 struct Breakaway {
+  int joint = 0;       ///< from 0
+  double speed = 0.0;  ///< [rad/s], [m/s] above which it slides
   std::vector<BreakawayEvent> events;
   /// Medians of each direction, [N m], [N]; NaN where there are none.
   double recorded_forward = 0.0, recorded_backward = 0.0;
@@ -33,6 +35,9 @@ struct Breakaway {
   VectorXd simulated_q;   ///< (rows) of the joint; NaN where nothing was simulated
   VectorXd simulated_dq;  ///< likewise
 };
+
+/// The mean effort of a tenth of a second around row k.
+double effort_at(const VectorXd& time, const VectorXd& tau, Eigen::Index k);
 
 /// The efforts at which one joint breaks away in a recording of slow ramps, that is at which it
 /// begins to slide, and those at which a model does that is pushed alike: it starts from each rest
