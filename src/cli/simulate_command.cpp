@@ -42,9 +42,10 @@ Model arm_with_values(const Request& request) {
   return plausible.arm;
 }
 
-ExitStatus run(const Request& request) {
+ExitStatus run(const Request& request, const std::string& command_line) {
   check_simulate_request(request);
-  for (const std::string& path : {request.output, request.model_out, request.common.json}) {
+  for (const std::string& path :
+       {request.output, request.model_out, request.common.json, request.common.report}) {
     require_writable(path);
   }
   SimulationOptions options;
@@ -54,12 +55,13 @@ ExitStatus run(const Request& request) {
     if (asked != "none") options.hidden.push_back(parse_hidden_effect(asked));
   }
   const Model arm = arm_with_values(request);
-  if (!request.breakaway.empty()) return run_breakaway(request, arm);
-  if (!request.replay.empty()) return run_replay(request, arm);
+  if (!request.breakaway.empty()) return run_breakaway(request, arm, command_line);
+  if (!request.replay.empty()) return run_replay(request, arm, command_line);
   const MotionSamples wanted = wanted_motion(request.trajectory);
   require(wanted.q.cols() == arm.joints(), request.trajectory, ": found ", wanted.q.cols(),
           " joints, expected the ", arm.joints(), " of ", arm.name(), ".");
-  if (request.controller == "pid") return run_controlled(request, arm, wanted, options);
+  if (request.controller == "pid")
+    return run_controlled(request, arm, wanted, options, command_line);
   const SimulatedRecording simulated = simulate_recording(arm, wanted, options);
   write_simulated(request, simulated, "");
   if (!request.common.json.empty()) write_file(request.common.json, to_json(simulated));
@@ -113,8 +115,9 @@ void add_simulate_command(CLI::App& tool, Outcome& outcome) {
       ->option_text("FILE");
   add_control_options(command, *request);
   add_common_options(command, request->common);
+  add_report_option(command, request->common);
   command.footer(footer());
-  command.callback([request, &outcome] { outcome.status = run(*request); });
+  command.callback([request, &outcome] { outcome.status = run(*request, outcome.command_line); });
 }
 
 }  // namespace veridyn::cli

@@ -12,12 +12,12 @@
 #include "veridyn/model/model_file.hpp"
 #include "veridyn/model/suggestion.hpp"
 #include "veridyn/report/motion_json.hpp"
+#include "veridyn/report/simulation_page.hpp"
 
 namespace veridyn::cli {
 namespace {
 
 const char* const kControl = "Control";
-constexpr double kRampCutoff = 20.0;  // [Hz] for positions of slow ramps
 
 VectorXd per_joint(const std::vector<double>& numbers, const Model& arm, const char* option) {
   if (numbers.empty()) return {};
@@ -26,7 +26,8 @@ VectorXd per_joint(const std::vector<double>& numbers, const Model& arm, const c
   return Eigen::Map<const VectorXd>(numbers.data(), arm.joints());
 }
 
-// The loop that was asked for. Without gains in words or in a file it has none.
+}  // namespace
+
 LoopOptions loop_of(const SimulateRequest& request, const Model& arm) {
   LoopOptions loop = request.loop;
   loop.drive.limit = per_joint(request.limit, arm, "--torque-limit");
@@ -64,57 +65,6 @@ ExitStatus ended(const EngineRun& run, const Model& arm) {
   return kDataCannotAnswer;
 }
 
-// The recording on its uniform grid, lightly low-passed, as identification sees it.
-ReplayInput replay_input(const Model& arm, const std::string& path,
-                         const PreprocessingOptions& how) {
-  std::vector<double> time;
-  std::vector<char> use;
-  std::vector<MatrixXd> pieces[4];
-  for_each_stretch(arm, path, how, [&](const Stretch& s) {
-    const Eigen::Index first = s.core_begin;
-    const Eigen::Index count = s.core_end - s.core_begin;
-    for (Eigen::Index k = first; k < first + count; ++k) {
-      time.push_back(s.time[k]);
-      use.push_back(s.use[static_cast<size_t>(k)]);
-    }
-    const MatrixXd* all[] = {&s.q, &s.dq, &s.ddq, &s.tau};
-    for (size_t m = 0; m < 4; ++m) pieces[m].emplace_back(all[m]->middleRows(first, count));
-  });
-  MatrixXd whole[4];
-  for (size_t m = 0; m < 4; ++m) {
-    whole[m].resize(static_cast<Eigen::Index>(time.size()), arm.joints());
-    Eigen::Index row = 0;
-    for (const MatrixXd& piece : pieces[m]) {
-      whole[m].middleRows(row, piece.rows()) = piece;
-      row += piece.rows();
-    }
-  }
-  const auto rows = static_cast<Eigen::Index>(time.size());
-  return {
-      {Eigen::Map<const VectorXd>(time.data(), rows), whole[0], whole[1], whole[2]}, whole[3], use};
-}
-
-std::string replay_report(const SimulateRequest& request, const Model& arm, const Replay& r) {
-  std::string out = fmt::format("Replayed {} on {} with its {}: {} rows, {:.4g} s.\n",
-                                request.replay, arm.name(), request.drive, r.run.motion.rows(),
-                                r.run.motion.time[r.run.motion.rows() - 1] - r.run.motion.time[0]);
-  for (int i = 0; i < arm.joints(); ++i) {
-    const Coordinate& c = arm.coordinates()[static_cast<size_t>(i)];
-    out += fmt::format("joint {} ({}): ", i + 1, c.name);
-    if (request.drive != "torques") {
-      out += fmt::format(
-          "torque off by {:.2f} % of the recorded one (the model alone, at the "
-          "recorded motion: {:.2f} %); ",
-          100.0 * r.torque_error[i], 100.0 * r.inverse_error[i]);
-    }
-    out += fmt::format("motion off by {:.3g} {} rms, {:.3g} at most\n", 1e3 * r.motion_rms[i],
-                       c.prismatic ? "mm" : "mrad", 1e3 * r.motion_max[i]);
-  }
-  return out;
-}
-
-}  // namespace
-
 void add_control_options(CLI::App& command, SimulateRequest& request) {
   const auto numbers = [&](const char* name, std::vector<double>& target, const char* help) {
     command.add_option(name, target, help)->option_text("X,X,...")->delimiter(',')->group(kControl);
@@ -150,6 +100,8 @@ void add_control_options(CLI::App& command, SimulateRequest& request) {
                   "With --replay of slow ramps: the effort at which this joint gives way")
       ->option_text("JOINT")
       ->group(kControl);
+  number("--breakaway-speed", request.breakaway_speed, "M/S",
+         "Above which it slides and no longer creeps (5 mm/s, 50 mrad/s)");
   command.add_option("--gains", request.gains, "YAML file with lists p, i and d")
       ->option_text("FILE")
       ->group(kControl);
@@ -162,7 +114,7 @@ void add_control_options(CLI::App& command, SimulateRequest& request) {
   number("--torque-step", request.loop.drive.step, "NM", "Quantum of the amplifiers (0)");
   number("--encoder-delay", request.loop.sensors.delay, "S", "Of what the controller sees (0)");
   number("--set-point-cutoff", request.set_point_cutoff, "HZ",
-         "Low-pass of the recorded motion before it leads (3.5)");
+         "A further low-pass of the recorded motion and torque before they lead (none)");
   number("--filter-cutoff", request.preprocessing.cutoff, "HZ",
          "Low-pass of both torques before they are compared (5)");
 }
@@ -173,6 +125,8 @@ void check_simulate_request(const SimulateRequest& request) {
   if (request.output.empty() && request.replay.empty()) throw CLI::RequiredError("--output");
   if (!request.breakaway.empty() && request.replay.empty())
     throw CLI::ValidationError("--breakaway", "needs --replay");
+  if (request.controller == "none" && request.replay.empty() && !request.common.report.empty())
+    throw CLI::ValidationError("--report", "needs --controller pid or --replay");
   if (request.controller == "none" && request.replay.empty() && request.engine != "veridyn")
     throw CLI::ValidationError("--engine", "needs --controller pid or --replay");
   if (!request.gains.empty() && !request.p.empty())
@@ -206,83 +160,26 @@ std::string simulation_report(const SimulateRequest& request, const SimulatedRec
 }
 
 ExitStatus run_controlled(const SimulateRequest& request, const Model& arm,
-                          const MotionSamples& wanted, const SimulationOptions& options) {
+                          const MotionSamples& wanted, const SimulationOptions& options,
+                          const std::string& command_line) {
   const ControlledRecording done =
       simulate_controlled(arm, wanted, {options, loop_of(request, arm), request.engine});
   tell_left_out(request, done.left_out);
   write_simulated(request, done.recording, remark_of(done.run, arm));
   if (!request.common.json.empty()) write_file(request.common.json, to_json(done, wanted));
-  std::cout << simulation_report(request, done.recording);
+  std::string report = simulation_report(request, done.recording);
   const MatrixXd& q = done.run.motion.q;
   for (int i = 0; i < arm.joints(); ++i) {
     const Coordinate& c = arm.coordinates()[static_cast<size_t>(i)];
-    std::cout << fmt::format(
-        "joint {} ({}): at most {:.3g} {} off its set point\n", i + 1, c.name,
-        1e3 * (q.col(i) - wanted.q.col(i).head(q.rows())).cwiseAbs().maxCoeff(),
-        c.prismatic ? "mm" : "mrad");
+    report += fmt::format("joint {} ({}): at most {:.3g} {} off its set point\n", i + 1, c.name,
+                          1e3 * (q.col(i) - wanted.q.col(i).head(q.rows())).cwiseAbs().maxCoeff(),
+                          c.prismatic ? "mm" : "mrad");
   }
+  if (!request.common.report.empty())
+    write_file(request.common.report,
+               to_page(done, wanted, {request.trajectory, command_line, report}));
+  std::cout << report;
   return ended(done.run, arm);
-}
-
-ExitStatus run_replay(const SimulateRequest& request, const Model& arm) {
-  const auto engine = make_engine(request.engine, arm);
-  ReplayOptions options;
-  options.drive = request.drive == "torques"      ? ReplayDrive::kTorques
-                  : request.drive == "set-points" ? ReplayDrive::kSetPoints
-                                                  : ReplayDrive::kCommands;
-  options.set_point_cutoff = request.set_point_cutoff;
-  options.loop = loop_of(request, arm);
-  options.cutoff = request.preprocessing.cutoff;
-  options.order = request.preprocessing.order;
-  PreprocessingOptions how = request.preprocessing;
-  how.signal_cutoff_ratio = request.set_point_cutoff / how.cutoff;
-  const ReplayInput input = replay_input(arm, request.replay, how);
-  const Replay done = replay(*engine, arm, input, options);
-  tell_left_out(request, engine->left_out());
-  if (!request.output.empty())
-    write_recording(rows_of(done.run.motion, done.run.tau), request.output,
-                    remark_of(done.run, arm));
-  if (!request.common.json.empty()) write_file(request.common.json, to_json(done, arm));
-  std::cout << replay_report(request, arm, done);
-  return ended(done.run, arm);
-}
-
-ExitStatus run_breakaway(const SimulateRequest& request, const Model& arm) {
-  BreakawayOptions options;
-  options.joint = arm.find_coordinate(request.breakaway);
-  for (int i = 0; i < arm.joints(); ++i) {
-    if (request.breakaway == std::to_string(i + 1)) options.joint = i;
-  }
-  require(options.joint >= 0, "--breakaway: found the joint '", request.breakaway,
-          "', expected a coordinate of ", arm.name(), " or its number.");
-  const Coordinate& c = arm.coordinates()[static_cast<size_t>(options.joint)];
-  const auto engine = make_engine(request.engine, arm);
-  PreprocessingOptions how = request.preprocessing;
-  how.signal_cutoff_ratio = kRampCutoff / how.cutoff;  // a step of position is a new start
-  const ReplayInput input = replay_input(arm, request.replay, how);
-  const Breakaway found = breakaway(*engine, arm, input, options);
-  tell_left_out(request, engine->left_out());
-  if (!request.common.json.empty()) write_file(request.common.json, to_json(found, arm));
-  if (!request.output.empty()) {
-    MotionSamples motion = input.motion;
-    motion.q.col(options.joint) = found.simulated_q;
-    write_recording(rows_of(motion, input.tau), request.output, "");
-  }
-  std::cout << fmt::format("Breakaway of {} in {}: {} ramps.\n", c.name, request.replay,
-                           found.events.size());
-  for (const BreakawayEvent& e : found.events) {
-    std::cout << fmt::format(
-        "  at rest from {:.2f} s: recorded {:+.3f} {u} at {:.2f} s, simulated "
-        "{:+.3f} {u} at {:.2f} s\n",
-        e.rest_from, e.recorded, e.recorded_at, e.simulated, e.simulated_at,
-        fmt::arg("u", effort_unit(c)));
-  }
-  std::cout << fmt::format(
-      "median forwards:  recorded {:+.3f} {u}, simulated {:+.3f} {u}\n"
-      "median backwards: recorded {:+.3f} {u}, simulated {:+.3f} {u}\n",
-      found.recorded_forward, found.simulated_forward, found.recorded_backward,
-      found.simulated_backward, fmt::arg("u", effort_unit(c)));
-  return found.events.empty() ? kDataCannotAnswer : kDone;
 }
 
 }  // namespace veridyn::cli

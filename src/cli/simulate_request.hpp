@@ -24,11 +24,12 @@ struct SimulateRequest {
   unsigned arm_seed = 1;
   std::string controller = "none";
   std::string drive = "commands";
-  std::string breakaway;  // a joint
+  std::string breakaway;         // a joint
+  double breakaway_speed = 0.0;  // [rad/s], [m/s]; 0: the usual
   std::string gains;
   std::vector<double> p, i, d, limit;
   LoopOptions loop;
-  double set_point_cutoff = 3.5;  // [Hz]
+  double set_point_cutoff = 0.0;  // [Hz]; 0: none
   PreprocessingOptions preprocessing;
   CommonOptions common;
 };
@@ -45,11 +46,29 @@ void write_simulated(const SimulateRequest& request, const SimulatedRecording& s
 
 std::string simulation_report(const SimulateRequest& request, const SimulatedRecording& simulated);
 
+/// The loop that was asked for. Without gains in words or in a file it has none.
+LoopOptions loop_of(const SimulateRequest& request, const Model& arm);
+
+Recording rows_of(const MotionSamples& motion, const MatrixXd& tau);
+
+/// What a file says about a run that is not whole; empty where it is.
+std::string remark_of(const EngineRun& run, const Model& arm);
+
+/// Tells the user which effects an engine does not have.
+void tell_left_out(const SimulateRequest& request, const std::vector<std::string>& left_out);
+
+/// The exit status of a run, told to the user where it stopped early.
+ExitStatus ended(const EngineRun& run, const Model& arm);
+
+/// @param command_line  of the run, for its page.
 ExitStatus run_controlled(const SimulateRequest& request, const Model& arm,
-                          const MotionSamples& wanted, const SimulationOptions& options);
+                          const MotionSamples& wanted, const SimulationOptions& options,
+                          const std::string& command_line);
 
-ExitStatus run_replay(const SimulateRequest& request, const Model& arm);
+ExitStatus run_replay(const SimulateRequest& request, const Model& arm,
+                      const std::string& command_line);
 
-ExitStatus run_breakaway(const SimulateRequest& request, const Model& arm);
+ExitStatus run_breakaway(const SimulateRequest& request, const Model& arm,
+                         const std::string& command_line);
 
 }  // namespace veridyn::cli

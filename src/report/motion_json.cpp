@@ -139,6 +139,11 @@ std::string to_json(const Breakaway& found, const Model& arm) {
   const auto number = [](double x) { return std::isfinite(x) ? Json(x) : Json(); };
   Json out = json_head("simulate");
   out["robot"] = arm.name();
+  const Coordinate& c = arm.coordinates()[static_cast<std::size_t>(found.joint)];
+  out["joint"] = found.joint + 1;
+  out["coordinate"] = c.name;
+  out["unit"] = c.prismatic ? "N" : "N m";
+  out["sliding_speed"] = found.speed;
   out["ramps"] = Json::array();
   for (const BreakawayEvent& e : found.events) {
     out["ramps"].push_back(

@@ -134,6 +134,10 @@ std::string recording_json(const PlottedRecording& recording, std::size_t sample
 
 }  // namespace
 
+std::string number_list(const std::vector<double>& values) {
+  return list(values, decimals(values));
+}
+
 std::string series_json(const Model& arm, const std::vector<PlottedRecording>& recordings,
                         const std::string& command) {
   Json joints = Json::array();

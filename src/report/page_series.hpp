@@ -23,4 +23,7 @@ struct PlottedRecording {
 std::string series_json(const Model& arm, const std::vector<PlottedRecording>& recordings,
                         const std::string& command);
 
+/// A JSON list with as many digits as a plot of it can use; null where a value is not finite.
+std::string number_list(const std::vector<double>& values);
+
 }  // namespace veridyn

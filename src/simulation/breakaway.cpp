@@ -4,56 +4,18 @@
 #include <cmath>
 #include <limits>
 
+#include "breakaway_ramps.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kStillShare = 0.2;   // of the way that a joint at rest may creep
-constexpr double kJumpShare = 5.0;    // ways between two rows: a new start
-constexpr double kPeriod = 1e-3;      // [s] of the controller that holds the others
-constexpr double kStartsBelow = 0.6;  // of the effort at the onset: a ramp starts low
-constexpr double kLonger = 2.0;       // times the recorded ramp that the model is pushed
-
-struct Ramp {
-  Eigen::Index rest, onset;
-  Eigen::Index end;  // the row after the last one before the next jump
-};
-
-// Rests that end in motion.
-std::vector<Ramp> ramps_of(const VectorXd& time, const VectorXd& q, double way, double rest) {
-  std::vector<Ramp> ramps;
-  const Eigen::Index rows = q.size();
-  const auto jumps = [&](Eigen::Index k) { return std::abs(q[k] - q[k - 1]) > kJumpShare * way; };
-  Eigen::Index start = 0;
-  for (Eigen::Index k = 1; k < rows; ++k) {
-    const double off = std::abs(q[k] - q[start]);
-    const bool rested = time[k] - time[start] >= rest;
-    if (jumps(k) || (!rested && off > kStillShare * way)) {
-      start = k;
-      continue;
-    }
-    if (off <= way) continue;
-    Eigen::Index end = k + 1;
-    while (end < rows && !jumps(end)) ++end;
-    ramps.push_back({start, k, end});
-    start = k;
-  }
-  return ramps;
-}
-
-// The mean of a tenth of a second around row k.
-double effort_at(const VectorXd& time, const VectorXd& tau, Eigen::Index k) {
-  double sum = 0.0;
-  int count = 0;
-  for (Eigen::Index i = std::max<Eigen::Index>(0, k - 50); i < std::min(tau.size(), k + 50); ++i) {
-    if (std::abs(time[i] - time[k]) > 0.05) continue;
-    sum += tau[i];
-    ++count;
-  }
-  return sum / count;
-}
+constexpr double kPeriod = 1e-3;   // [s] of the controller that holds the others
+constexpr double kLonger = 2.0;    // times the recorded ramp that the model is pushed
+constexpr double kSettle = 3.0;    // [s] of creeping before a ramp
+constexpr double kHeavy = 3.0;     // times the damping of a held joint, while it creeps
+constexpr double kSettled = 0.02;  // of the speed of sliding, that still counts as rest
 
 double median(std::vector<double> values) {
   values.erase(std::remove_if(values.begin(), values.end(), [](double v) { return std::isnan(v); }),
@@ -71,40 +33,68 @@ class Push {
   Push(Engine& engine, const ReplayInput& input, const PidGains& gains, int joint)
       : engine_(engine), in_(input), gains_(gains), joint_(joint) {}
 
-  void run(const Ramp& ramp, double way, BreakawayEvent& event, VectorXd& q_out) {
+  // Writes the rows of the ramp; ends where the model slides.
+  void run(const Ramp& ramp, double speed, BreakawayEvent& event, Breakaway& out) {
     const VectorXd& time = in_.motion.time;
     const VectorXd home = in_.motion.q.row(ramp.rest).transpose();
     engine_.set_state(home, VectorXd::Zero(home.size()));
+    integral_ = VectorXd::Zero(home.size());
     const double length = time[ramp.onset] - time[ramp.rest];
     const double first = effort_at(time, in_.tau.col(joint_), ramp.rest);
     const double slope = (event.recorded - first) / length;
     event.simulated = kNaN;
+    if (!settle(home, first, speed)) {
+      event.simulated = first;
+      event.simulated_at = time[ramp.rest] - time[0];
+      return;
+    }
+    const double began = engine_.time();
+    const double crept = engine_.q()[joint_] - home[joint_];
     Eigen::Index row = ramp.rest;
-    VectorXd integral = VectorXd::Zero(home.size());
-    VectorXd tau(home.size());
-    while (engine_.time() < kLonger * length) {
-      const double t = engine_.time();
+    while (engine_.time() - began < kLonger * length) {
+      const double t = engine_.time() - began;
       while (row + 1 < ramp.onset && time[row + 1] - time[ramp.rest] <= t) ++row;
-      if (row < ramp.end) q_out[row] = engine_.q()[joint_];
-      for (Eigen::Index i = 0; i < tau.size(); ++i) {
-        const double e = home[i] - engine_.q()[i];
-        integral[i] += gains_.i[i] * e * kPeriod;
-        tau[i] = gains_.p[i] * e + integral[i] - gains_.d[i] * engine_.dq()[i];
-      }
-      tau[joint_] = t < length ? in_.tau(row, joint_) : event.recorded + slope * (t - length);
-      if (engine_.step(tau, kPeriod) != StepStatus::kOk) return;
-      if (std::abs(engine_.q()[joint_] - home[joint_]) <= way) continue;
-      event.simulated_at = time[ramp.rest] - time[0] + engine_.time();
-      event.simulated = t < length ? effort_at(time, in_.tau.col(joint_), row) : tau[joint_];
+      out.simulated_q[row] = engine_.q()[joint_] - crept;
+      out.simulated_dq[row] = engine_.dq()[joint_];
+      const double effort =
+          t < length ? in_.tau(row, joint_) : event.recorded + slope * (t - length);
+      if (!step(home, effort)) return;
+      if (std::abs(engine_.dq()[joint_]) <= speed) continue;
+      event.simulated_at = time[ramp.rest] - time[0] + engine_.time() - began;
+      event.simulated = t < length ? effort_at(time, in_.tau.col(joint_), row) : effort;
       return;
     }
   }
 
  private:
+  // Lets the joint creep, heavily damped, until it rests under the effort under which the recorded
+  // one rests: friction with a memory comes to the state that the recording shows it to be in.
+  // False if the model does not rest under it.
+  bool settle(const VectorXd& home, double effort, double speed) {
+    while (engine_.time() < kSettle) {
+      const double v = engine_.dq()[joint_];
+      if (!step(home, effort - kHeavy * gains_.d[joint_] * v)) return false;
+    }
+    return std::abs(engine_.dq()[joint_]) < kSettled * speed;
+  }
+
+  // One period: the others are held at home.
+  bool step(const VectorXd& home, double effort) {
+    VectorXd tau(home.size());
+    for (Eigen::Index i = 0; i < tau.size(); ++i) {
+      const double e = home[i] - engine_.q()[i];
+      integral_[i] += gains_.i[i] * e * kPeriod;
+      tau[i] = gains_.p[i] * e + integral_[i] - gains_.d[i] * engine_.dq()[i];
+    }
+    tau[joint_] = effort;
+    return engine_.step(tau, kPeriod) == StepStatus::kOk;
+  }
+
   Engine& engine_;
   const ReplayInput& in_;
   const PidGains& gains_;
   int joint_;
+  VectorXd integral_;
 };
 
 }  // namespace
@@ -122,21 +112,25 @@ Breakaway breakaway(Engine& engine, const Model& arm, const ReplayInput& input,
           " joints of both.");
   const bool slides = arm.coordinates()[static_cast<size_t>(joint)].prismatic;
   const double way = options.way > 0.0 ? options.way : slides ? 1e-3 : 1e-2;
+  const double speed = options.speed > 0.0 ? options.speed : slides ? 5e-3 : 5e-2;
   const VectorXd& time = input.motion.time;
   const PidGains gains = sensible_gains(arm);
   Breakaway out;
-  out.simulated_q = VectorXd::Constant(rows, kNaN);
+  out.joint = joint;
+  out.speed = speed;
+  out.simulated_q = out.simulated_dq = VectorXd::Constant(rows, kNaN);
   std::vector<double> recorded[2];
   std::vector<double> simulated[2];
-  for (const Ramp& ramp : ramps_of(time, input.motion.q.col(joint), way, options.rest)) {
+  const VectorXd q = input.motion.q.col(joint);
+  const VectorXd tau = input.tau.col(joint);
+  for (const Ramp& ramp : find_ramps(arm.coordinates()[static_cast<size_t>(joint)], time, q, tau,
+                                     {way, speed, options.rest})) {
     BreakawayEvent event;
     event.rest_from = time[ramp.rest] - time[0];
     event.recorded_at = time[ramp.onset] - time[0];
-    event.direction = input.motion.q(ramp.onset, joint) > input.motion.q(ramp.rest, joint) ? 1 : -1;
-    event.recorded = effort_at(time, input.tau.col(joint), ramp.onset);
-    const double first = effort_at(time, input.tau.col(joint), ramp.rest);
-    if (event.direction * first > kStartsBelow * event.direction * event.recorded) continue;
-    Push(engine, input, gains, joint).run(ramp, way, event, out.simulated_q);
+    event.direction = q[ramp.onset] > q[ramp.rest] ? 1 : -1;
+    event.recorded = effort_at(time, tau, ramp.onset);
+    Push(engine, input, gains, joint).run(ramp, speed, event, out);
     const size_t side = event.direction > 0 ? 0 : 1;
     recorded[side].push_back(event.recorded);
     simulated[side].push_back(event.simulated);

@@ -134,6 +134,8 @@ void check(const Model& arm, const MotionSamples& m, const LoopOptions& o) {
   require(
       o.drive.limit.size() == 0 || (o.drive.limit.size() == n && o.drive.limit.minCoeff() > 0.0),
       "control loop: found torque limits that are not ", n, " numbers above zero.");
+  require(o.start.size() == 0 || o.start.size() == n, "control loop: found a start of ",
+          o.start.size(), " joints, expected ", n, ".");
 }
 
 }  // namespace
@@ -159,9 +161,10 @@ EngineRun run_with_pid(Engine& engine, const Model& arm, const MotionSamples& se
   Log log(time, arm.joints());
   VectorXd wanted = set_points.q.row(0).transpose();
   VectorXd wanted_dq = set_points.dq.row(0).transpose();
-  engine.set_state(wanted, wanted_dq);
+  const VectorXd home = options.start.size() > 0 ? options.start : wanted;
+  engine.set_state(home, wanted_dq);
   Loop loop(arm, options);
-  loop.start(wanted, wanted_dq);
+  loop.start(home, wanted_dq);
   VectorXd all(arm.joints());
   for (Eigen::Index k = 0; k < rows; ++k) {
     const bool last = k + 1 == rows;

@@ -111,16 +111,23 @@ MatrixXd effect_columns(const Model& arm, const EffectTerm& term, const MotionSa
   return columns;
 }
 
-MatrixXd plant_torques(const Model& arm, const MotionSamples& motion, int substeps) {
-  const MatrixXd rigid = rigid_torques(arm, motion);
-  MatrixXd tau = rigid;
+MatrixXd effect_torques(const Model& arm, const MotionSamples& motion, const MatrixXd& load,
+                        int substeps, bool (*wanted)(const EffectTerm&)) {
+  MatrixXd tau = MatrixXd::Zero(motion.rows(), motion.joints());
   for (const EffectTerm& term : arm.effects()) {
+    if (!wanted(term)) continue;
     const BoundEffect effect(arm, term);
     const Eigen::Map<const VectorXd> values(effect.values().data(), effect.parameter_count());
-    const VectorXd force = effect_columns(arm, term, motion, rigid, substeps) * values;
+    const VectorXd force = effect_columns(arm, term, motion, load, substeps) * values;
     tau += force * term.axis.coefficients.transpose();
   }
   return tau;
+}
+
+MatrixXd plant_torques(const Model& arm, const MotionSamples& motion, int substeps) {
+  const MatrixXd rigid = rigid_torques(arm, motion);
+  return rigid + effect_torques(arm, motion, rigid, substeps,
+                                [](const EffectTerm& /*term*/) { return true; });
 }
 
 }  // namespace veridyn

@@ -11,8 +11,27 @@ namespace veridyn {
 namespace {
 
 constexpr Eigen::Index kFewestRows = 10;
-// As identification builds its columns: one state per row.
+// As identification builds its columns: one state per row, and loads that are low-passed below the
+// cut-off, since effects that differentiate them would blow up the noise of the motion.
 constexpr int kSubsteps = 1;
+constexpr double kLoadCutoffShare = 0.65;
+constexpr double kCrossover = 0.5;  // [Hz] between recorded positions and recorded velocities
+
+// A zero-phase low-pass on a grid of this rate [Hz].
+class LowPass {
+ public:
+  LowPass(int order, double rate) : order_(order), rate_(rate) {}
+
+  /// cutoff [Hz]; 0: none.
+  MatrixXd operator()(MatrixXd columns, double cutoff) const {
+    if (cutoff > 0.0) ZeroPhaseFilter(cutoff, order_, rate_).apply(columns);
+    return columns;
+  }
+
+ private:
+  int order_;
+  double rate_;
+};
 
 // Relative size of the difference, per joint, over the rows in use.
 VectorXd relative_error(const MatrixXd& found, const MatrixXd& expected,
@@ -41,38 +60,34 @@ void compare_motion(const ReplayInput& input, Replay& out) {
   out.motion_rms = (out.motion_rms / static_cast<double>(std::max(1L, count))).cwiseSqrt();
 }
 
-// What effects of measured motion, which a plant does not have, add to the torques along a motion:
-// to first order, the elastic transmission moves the arm by less than the controller can tell.
-MatrixXd measured_motion_torques(const Model& arm, const MotionSamples& motion) {
-  const MatrixXd rigid = rigid_torques(arm, motion);
-  MatrixXd tau = MatrixXd::Zero(motion.rows(), motion.joints());
-  for (const EffectTerm& term : arm.effects()) {
-    if (!describes_measured_motion(term)) continue;
-    const BoundEffect effect(arm, term);
-    const Eigen::Map<const VectorXd> values(effect.values().data(), effect.parameter_count());
-    tau += effect_columns(arm, term, motion, rigid, kSubsteps) * values *
-           term.axis.coefficients.transpose();
-  }
-  return tau;
+bool any(const EffectTerm& /*term*/) {
+  return true;
 }
 
 // The motion that a PD of these gains was asked for when it gave tau: e = wanted - actual follows
 // de/dt = (tau - p e) / d, solved exactly for a torque that is constant over a row.
-MotionSamples commands(const MotionSamples& actual, const MatrixXd& tau, const PidGains& gains) {
-  MotionSamples wanted = actual;
+void lead(MotionSamples& wanted, const MatrixXd& tau, const PidGains& gains) {
   for (Eigen::Index i = 0; i < tau.cols(); ++i) {
     const double p = gains.p[i];
     const double d = gains.d[i];
     double e = p > 0.0 ? tau(0, i) / p : 0.0;
     for (Eigen::Index k = 0; k < tau.rows() && p > 0.0; ++k) {
       const double settled = tau(k, i) / p;
+      const double h = k + 1 < tau.rows() ? wanted.time[k + 1] - wanted.time[k] : 0.0;
       wanted.q(k, i) += e;
-      if (d > 0.0) wanted.dq(k, i) += (tau(k, i) - p * e) / d;
-      const double h = k + 1 < tau.rows() ? actual.time[k + 1] - actual.time[k] : 0.0;
       e = d > 0.0 ? settled + (e - settled) * std::exp(-h * p / d) : settled;
     }
   }
-  return wanted;
+}
+
+// Positions whose slow part is the recorded one and whose fast part is the integral of the recorded
+// velocity: rows that came late by a share of their step make the derivative of q noisier than dq.
+MatrixXd fused_positions(const MotionSamples& m, const LowPass& low_pass) {
+  MatrixXd integral = m.q;
+  for (Eigen::Index k = 1; k < m.rows(); ++k)
+    integral.row(k) =
+        integral.row(k - 1) + 0.5 * (m.time[k] - m.time[k - 1]) * (m.dq.row(k) + m.dq.row(k - 1));
+  return integral + low_pass(m.q - integral, kCrossover);
 }
 
 MotionSamples first_rows(const MotionSamples& m, Eigen::Index rows) {
@@ -84,42 +99,52 @@ MotionSamples first_rows(const MotionSamples& m, Eigen::Index rows) {
 Replay replay(Engine& engine, const Model& arm, const ReplayInput& input,
               const ReplayOptions& options) {
   const Eigen::Index rows = input.motion.rows();
-  require(input.tau.rows() == rows && input.tau.cols() == arm.joints() &&
+  require(rows >= kFewestRows && input.tau.rows() == rows && input.tau.cols() == arm.joints() &&
               input.use.size() == static_cast<size_t>(rows),
           "replay: found ", rows, " rows of motion, ", input.tau.rows(), " x ", input.tau.cols(),
           " torques and ", input.use.size(), " marks, expected the same rows of ", arm.joints(),
-          " joints.");
+          " joints, ", kFewestRows, " at least.");
   Replay out;
   LoopOptions loop = options.loop;
   if (loop.gains.p.size() == 0) loop.gains = sensible_gains(arm);
   // An integral would bring the motion to the commands, which lie ahead of it.
   if (options.drive == ReplayDrive::kCommands) loop.gains.i.setZero();
   out.gains = loop.gains;
-  const double rate =
-      static_cast<double>(rows - 1) / (input.motion.time[rows - 1] - input.motion.time[0]);
-  const auto low_passed = [&](MatrixXd tau, double cutoff) {
-    if (cutoff > 0.0) ZeroPhaseFilter(cutoff, options.order, rate).apply(tau);
-    return tau;
-  };
+  const double dt =
+      (input.motion.time[rows - 1] - input.motion.time[0]) / static_cast<double>(rows - 1);
+  const LowPass low_pass(options.order, 1.0 / dt);
   if (options.drive == ReplayDrive::kTorques) {
     out.run = run_with_torques(engine, input.motion, input.tau);
-  } else if (options.drive == ReplayDrive::kSetPoints) {
-    out.run = run_with_pid(engine, arm, input.motion, loop);
   } else {
-    const MatrixXd tau = low_passed(input.tau, options.set_point_cutoff);
-    out.run = run_with_pid(engine, arm, commands(input.motion, tau, loop.gains), loop);
+    MotionSamples wanted = input.motion;
+    wanted.q = low_pass(fused_positions(wanted, low_pass), options.set_point_cutoff);
+    if (options.drive == ReplayDrive::kCommands)
+      lead(wanted, low_pass(input.tau, options.set_point_cutoff), loop.gains);
+    // A recorded velocity that is a little late or too large would act through the damping as a
+    // torque of its own: what leads must be the velocity of what leads.
+    wanted.dq = differentiate(wanted.q, dt);
+    loop.start = input.motion.q.row(0).transpose();
+    out.run = run_with_pid(engine, arm, wanted, loop);
   }
   const Eigen::Index done = out.run.motion.rows();
   require(done >= kFewestRows, "replay: ", out.run.why(arm), ", after ", done, " rows.");
   compare_motion(input, out);
-  const MatrixXd recorded = low_passed(input.tau.topRows(done), options.cutoff);
-  const MatrixXd simulated =
-      low_passed(out.run.tau + measured_motion_torques(arm, out.run.motion), options.cutoff);
-  const MatrixXd predicted =
-      low_passed(plant_torques(arm, first_rows(input.motion, done), kSubsteps), options.cutoff);
-  const std::vector<char> use(input.use.begin(), input.use.begin() + done);
-  out.torque_error = relative_error(simulated, recorded, use);
-  out.inverse_error = relative_error(predicted, recorded, use);
+  const auto load = [&](const MotionSamples& motion) {
+    return low_pass(rigid_torques(arm, motion), kLoadCutoffShare * options.cutoff);
+  };
+  // Effects of measured motion, which a plant does not have: to first order, the elastic
+  // transmission moves the arm by less than the controller can tell.
+  const MatrixXd unfelt = effect_torques(arm, out.run.motion, load(out.run.motion), kSubsteps,
+                                         describes_measured_motion);
+  const MotionSamples recorded = first_rows(input.motion, done);
+  out.recorded_tau = low_pass(input.tau.topRows(done), options.cutoff);
+  out.simulated_tau = low_pass(out.run.tau + unfelt, options.cutoff);
+  out.predicted_tau = low_pass(
+      rigid_torques(arm, recorded) + effect_torques(arm, recorded, load(recorded), kSubsteps, any),
+      options.cutoff);
+  out.use.assign(input.use.begin(), input.use.begin() + done);
+  out.torque_error = relative_error(out.simulated_tau, out.recorded_tau, out.use);
+  out.inverse_error = relative_error(out.predicted_tau, out.recorded_tau, out.use);
   return out;
 }
 

@@ -47,7 +47,8 @@ struct LoopOptions {
   PidGains gains;
   Drive drive;
   LoopSensors sensors;
-  double rate = 1000.0;                       ///< [Hz] of the controller
+  double rate = 1000.0;  ///< [Hz] of the controller
+  VectorXd start;        ///< (n) where the arm stands first; empty: at the first set point
   std::vector<PlantedArm::Contact> contacts;  ///< what the world does to the arm
 };
 

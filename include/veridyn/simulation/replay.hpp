@@ -22,8 +22,9 @@ enum class ReplayDrive {
 
 struct ReplayOptions {
   ReplayDrive drive = ReplayDrive::kCommands;
-  LoopOptions loop;               ///< for set points; empty gains: sensible_gains() of the arm
-  double set_point_cutoff = 3.5;  ///< [Hz] zero-phase low-pass of torques that make set points
+  LoopOptions loop;  ///< for set points; empty gains: sensible_gains() of the arm
+  /// [Hz] zero-phase low-pass of the motion and the torques that make set points; 0: none.
+  double set_point_cutoff = 0.0;
   double cutoff = 5.0;  ///< [Hz] zero-phase low-pass of both torques before they are compared
   int order = 6;
 };
@@ -37,6 +38,10 @@ struct Replay {
                            ///< prediction error, without any simulation
   VectorXd motion_rms;     ///< [rad], [m] of q_sim - q
   VectorXd motion_max;
+  /// Low-passed, (rows x n): what was recorded, what the run gave, and what the model alone asks
+  /// for at the recorded motion.
+  MatrixXd recorded_tau, simulated_tau, predicted_tau;
+  std::vector<char> use;  ///< (rows) of the run: 0 is left out of the errors
 };
 
 /// Drives the engine of this arm with a recording.

@@ -15,7 +15,7 @@ function fillSettings() {
         element('pre', {class: 'command'}, series.command));
   const files = (role, list) =>
       (list || []).map((file) => [role, element('span', {class: 'path'}, file)]);
-  place.append(table(
+  if (settings.train) place.append(table(
       [{name: 'Part'}, {name: 'Recording'}],
       files('training', settings.train).concat(files('held out', settings.test)), 'inputs'));
   const rest = Object.entries(settings).filter(([name]) => name !== 'train' && name !== 'test');

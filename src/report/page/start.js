@@ -74,8 +74,9 @@ function noteState() {
 function start() {
   if (result.command === 'diagnose') fillDiagnosis();
   if (result.command === 'identify') fillIdentification();
+  if (result.command === 'simulate') fillSimulation();
   fillSettings();
-  if (series.recordings.length) {
+  if (result.command !== 'simulate' && series.recordings.length) {
     fillChooser();
     drawPlots();
   }
@@ -84,6 +85,7 @@ function start() {
     clearTimeout(waiting);
     waiting = setTimeout(() => {
       redrawResidualPlots();
+      rampPlots.forEach(drawRamps);
       fitTimePlotsToPaper();
       noteState();
     }, 150);

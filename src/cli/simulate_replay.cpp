@@ -1,0 +1,158 @@
+#include <fmt/format.h>
+
+#include <iostream>
+
+#include "messages.hpp"
+#include "simulate_request.hpp"
+#include "veridyn/identification/preprocessing.hpp"
+#include "veridyn/identification/remark.hpp"
+#include "veridyn/identification/stale_rows.hpp"
+#include "veridyn/math/output_file.hpp"
+#include "veridyn/math/require.hpp"
+#include "veridyn/report/motion_json.hpp"
+#include "veridyn/report/simulation_page.hpp"
+#include "veridyn/simulation/engine.hpp"
+
+namespace veridyn::cli {
+namespace {
+
+constexpr double kRampCutoff = 20.0;  // [Hz] for positions of slow ramps
+
+// The recording on its uniform grid, lightly low-passed, as identification sees it, but without the
+// rows of a late publisher: a controller that is led by them leaps.
+ReplayInput replay_input(const SimulateRequest& request, const Model& arm,
+                         const PreprocessingOptions& how) {
+  RecordingOptions reading;
+  reading.columns = how.columns;
+  reading.rate = how.header_rate;
+  const RepairedRecording sound = without_stale_rows(read_recording(request.replay, reading));
+  if (sound.repaired > 0 && !request.common.quiet)
+    say(
+        fmt::format("{}: {} of {} rows repeat the row before although the arm moves; they are "
+                    "filled in.",
+                    request.replay, sound.repaired, sound.recording.rows()));
+  std::vector<double> time;
+  std::vector<char> use;
+  std::vector<MatrixXd> pieces[4];
+  for_each_stretch(arm, sound.recording, how, [&](const Stretch& s) {
+    const Eigen::Index first = s.core_begin;
+    const Eigen::Index count = s.core_end - s.core_begin;
+    for (Eigen::Index k = first; k < first + count; ++k) {
+      time.push_back(s.time[k]);
+      use.push_back(s.use[static_cast<size_t>(k)]);
+    }
+    const MatrixXd* all[] = {&s.q, &s.dq, &s.ddq, &s.tau};
+    for (size_t m = 0; m < 4; ++m) pieces[m].emplace_back(all[m]->middleRows(first, count));
+  });
+  MatrixXd whole[4];
+  for (size_t m = 0; m < 4; ++m) {
+    whole[m].resize(static_cast<Eigen::Index>(time.size()), arm.joints());
+    Eigen::Index row = 0;
+    for (const MatrixXd& piece : pieces[m]) {
+      whole[m].middleRows(row, piece.rows()) = piece;
+      row += piece.rows();
+    }
+  }
+  const auto rows = static_cast<Eigen::Index>(time.size());
+  return {
+      {Eigen::Map<const VectorXd>(time.data(), rows), whole[0], whole[1], whole[2]}, whole[3], use};
+}
+
+std::string replay_report(const SimulateRequest& request, const Model& arm, const Replay& r) {
+  std::string out = fmt::format("Replayed {} on {} with its {}: {} rows, {:.4g} s.\n",
+                                request.replay, arm.name(), request.drive, r.run.motion.rows(),
+                                r.run.motion.time[r.run.motion.rows() - 1] - r.run.motion.time[0]);
+  for (int i = 0; i < arm.joints(); ++i) {
+    const Coordinate& c = arm.coordinates()[static_cast<size_t>(i)];
+    out += fmt::format("joint {} ({}): ", i + 1, c.name);
+    if (request.drive != "torques") {
+      out += fmt::format(
+          "torque off by {:.2f} % of the recorded one (the model alone, at the "
+          "recorded motion: {:.2f} %); ",
+          100.0 * r.torque_error[i], 100.0 * r.inverse_error[i]);
+    }
+    out += fmt::format("motion off by {:.3g} {} rms, {:.3g} at most\n", 1e3 * r.motion_rms[i],
+                       c.prismatic ? "mm" : "mrad", 1e3 * r.motion_max[i]);
+  }
+  return out;
+}
+
+std::string breakaway_report(const SimulateRequest& request, const Coordinate& c,
+                             const Breakaway& found) {
+  std::string out = fmt::format("Breakaway of {} in {}: {} ramps.\n", c.name, request.replay,
+                                found.events.size());
+  for (const BreakawayEvent& e : found.events) {
+    out += fmt::format(
+        "  at rest from {:.2f} s: recorded {:+.3f} {u} at {:.2f} s, simulated "
+        "{:+.3f} {u} at {:.2f} s\n",
+        e.rest_from, e.recorded, e.recorded_at, e.simulated, e.simulated_at,
+        fmt::arg("u", effort_unit(c)));
+  }
+  out += fmt::format(
+      "median forwards:  recorded {:+.3f} {u}, simulated {:+.3f} {u}\n"
+      "median backwards: recorded {:+.3f} {u}, simulated {:+.3f} {u}\n",
+      found.recorded_forward, found.simulated_forward, found.recorded_backward,
+      found.simulated_backward, fmt::arg("u", effort_unit(c)));
+  return out;
+}
+
+}  // namespace
+
+ExitStatus run_replay(const SimulateRequest& request, const Model& arm,
+                      const std::string& command_line) {
+  const auto engine = make_engine(request.engine, arm);
+  ReplayOptions options;
+  options.drive = request.drive == "torques"      ? ReplayDrive::kTorques
+                  : request.drive == "set-points" ? ReplayDrive::kSetPoints
+                                                  : ReplayDrive::kCommands;
+  options.set_point_cutoff = request.set_point_cutoff;
+  options.loop = loop_of(request, arm);
+  options.cutoff = request.preprocessing.cutoff;
+  options.order = request.preprocessing.order;
+  const ReplayInput input = replay_input(request, arm, request.preprocessing);
+  const Replay done = replay(*engine, arm, input, options);
+  tell_left_out(request, engine->left_out());
+  if (!request.output.empty())
+    write_recording(rows_of(done.run.motion, done.run.tau), request.output,
+                    remark_of(done.run, arm));
+  if (!request.common.json.empty()) write_file(request.common.json, to_json(done, arm));
+  const std::string report = replay_report(request, arm, done);
+  if (!request.common.report.empty())
+    write_file(request.common.report,
+               to_page(done, arm, input, {request.replay, command_line, report}));
+  std::cout << report;
+  return ended(done.run, arm);
+}
+
+ExitStatus run_breakaway(const SimulateRequest& request, const Model& arm,
+                         const std::string& command_line) {
+  BreakawayOptions options;
+  options.joint = arm.find_coordinate(request.breakaway);
+  for (int i = 0; i < arm.joints(); ++i) {
+    if (request.breakaway == std::to_string(i + 1)) options.joint = i;
+  }
+  require(options.joint >= 0, "--breakaway: found the joint '", request.breakaway,
+          "', expected a coordinate of ", arm.name(), " or its number.");
+  const Coordinate& c = arm.coordinates()[static_cast<size_t>(options.joint)];
+  options.speed = request.breakaway_speed;
+  const auto engine = make_engine(request.engine, arm);
+  PreprocessingOptions how = request.preprocessing;
+  how.signal_cutoff_ratio = kRampCutoff / how.cutoff;  // a step of position is a new start
+  const ReplayInput input = replay_input(request, arm, how);
+  const Breakaway found = breakaway(*engine, arm, input, options);
+  tell_left_out(request, engine->left_out());
+  if (!request.common.json.empty()) write_file(request.common.json, to_json(found, arm));
+  if (!request.output.empty()) {
+    MotionSamples motion = input.motion;
+    motion.q.col(options.joint) = found.simulated_q;
+    write_recording(rows_of(motion, input.tau), request.output, "");
+  }
+  const std::string report = breakaway_report(request, c, found);
+  if (!request.common.report.empty())
+    write_file(request.common.report,
+               to_page(found, arm, input, {request.replay, command_line, report}));
+  std::cout << report;
+  return found.events.empty() ? kDataCannotAnswer : kDone;
+}
+
+}  // namespace veridyn::cli
