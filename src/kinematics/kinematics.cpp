@@ -1,5 +1,6 @@
 #include "veridyn/kinematics/kinematics.hpp"
 
+#include "veridyn/kinematics/link_pose.hpp"
 #include "veridyn/kinematics/recursion.hpp"
 #include "veridyn/kinematics/tree.hpp"
 #include "veridyn/math/require.hpp"
@@ -18,18 +19,6 @@ void check(const char* where, const Model& arm, const VectorRef& q, int frame) {
           " is not one of the ", arm.frames().size(), " frames of arm '", arm.name(), "'.");
 }
 
-Posed world_pose(const Tree& tree, const Workspace<double>& r, int link) {
-  Posed T = identity_pose();
-  for (int k = link; k >= 0; k = tree.links[k].parent) {
-    const Link& at = tree.links[k];
-    Posed J = identity_pose();
-    if (at.motion == Motion::kTurns) J.R = rotation_z(r.link[k].s);
-    if (at.motion == Motion::kSlides) J.p.z = r.link[k].s;
-    T = at.A * J * at.B * T;
-  }
-  return T;
-}
-
 }  // namespace
 
 Eigen::Matrix4d frame_pose(const Model& arm, const VectorRef& q, int frame) {
@@ -39,7 +28,7 @@ Eigen::Matrix4d frame_pose(const Model& arm, const VectorRef& q, int frame) {
   const VectorXd rest = VectorXd::Zero(arm.joints());
   const VectorXd at = q;
   forward_pass(tree, at.data(), rest.data(), rest.data(), {0, 0, 0}, r);
-  const Posed T = world_pose(tree, r, tree.link_of_frame[frame]);
+  const Posed T = link_pose(tree, r, tree.link_of_frame[frame]);
   Eigen::Matrix4d M;
   // clang-format off
   M << T.R.row0.x, T.R.row0.y, T.R.row0.z, T.p.x,
@@ -59,7 +48,7 @@ MatrixXd frame_jacobian(const Model& arm, const VectorRef& q, int frame) {
   forward_pass(tree, at.data(), rest.data(), rest.data(), {0, 0, 0}, r);
   jacobian_pass(tree, r);
   const int link = tree.link_of_frame[frame];
-  const Mat3d R_world_link = world_pose(tree, r, link).R;
+  const Mat3d R_world_link = link_pose(tree, r, link).R;
   MatrixXd J = MatrixXd::Zero(6, arm.joints());
   for (int m = tree.links[link].first_mover; m < tree.links[link].end_mover; ++m) {
     const int i = tree.movers[m].coordinate;
@@ -83,7 +72,7 @@ MatrixXd frame_jacobian_rate(const Model& arm, const VectorRef& q, const VectorR
   jacobian_pass(tree, r);
   jacobian_rate_pass(tree, r);
   const int link = tree.link_of_frame[frame];
-  const Mat3d R_world_link = world_pose(tree, r, link).R;
+  const Mat3d R_world_link = link_pose(tree, r, link).R;
   const Vec3d omega = r.link[link].omega;
   MatrixXd dJ = MatrixXd::Zero(6, arm.joints());
   for (int m = tree.links[link].first_mover; m < tree.links[link].end_mover; ++m) {

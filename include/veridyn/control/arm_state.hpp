@@ -1,0 +1,55 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "veridyn/control/tip_kinematics.hpp"
+#include "veridyn/dynamics/equation_of_motion.hpp"
+#include "veridyn/effects/effect.hpp"
+#include "veridyn/math/types.hpp"
+#include "veridyn/model/model.hpp"
+
+namespace veridyn {
+
+/// All that controllers ask of an arm at one instant, evaluated once per cycle (thesis 7.1, 7.2):
+///
+///   tau = M(q) ddq + bias(q, dq) + friction,    bias = C dq + g + springs, offsets, cables, ripple
+///
+/// M holds the rotors (rotor_inertia); friction is FrictionCompensation's. Effects that count time
+/// from the start of a recording or describe measured motion only are left out, see left_out().
+/// Nothing allocates after the constructor; one object serves one thread.
+///
+///   ArmState state(arm, {"tool"});
+///   state.update(q, dq);
+///   tau = state.mass_matrix() * ddq_wanted + state.bias();
+class ArmState {
+ public:
+  /// @throws InvalidInput  a body or an effect has no values, or the tip's frame is not there.
+  ArmState(const Model& arm, const Tip& tip);
+
+  /// @param q, dq  n entries each: [rad], [m] where a joint is prismatic.
+  void update(const VectorXd& q, const VectorXd& dq) noexcept;
+
+  int joints() const { return tip_.joints(); }
+  const VectorXd& q() const { return q_; }
+  const VectorXd& dq() const { return dq_; }
+
+  const TipKinematics& tip() const { return tip_; }
+  const MatrixXd& mass_matrix() const { return M_; }  ///< (n x n) [kg m^2], [kg m], [kg]
+  const VectorXd& bias() const { return bias_; }      ///< (n) [N m], [N]
+  const VectorXd& rigid_bias() const { return h_; }   ///< C dq + g alone, (n)
+
+  /// Effects of the model that no controller here takes into account, in words.
+  const std::vector<std::string>& left_out() const { return left_out_; }
+
+ private:
+  TipKinematics tip_;
+  EquationOfMotion rigid_;
+  MatrixXd rotors_;  // what effects add to M
+  std::vector<BoundEffect> forces_;
+  std::vector<std::string> left_out_;
+  VectorXd q_, dq_, rest_, h_, bias_;
+  MatrixXd M_;
+};
+
+}  // namespace veridyn

@@ -1,0 +1,58 @@
+#pragma once
+
+#include "veridyn/control/task_inverse.hpp"
+#include "veridyn/control/tip_kinematics.hpp"
+
+namespace veridyn {
+
+enum class ReachStatus {
+  kReached,
+  kNotReached  ///< out of reach, beyond the joints' limits, or in need of another start
+};
+
+struct InverseKinematicsOptions {
+  TaskRows rows = TaskRows::kPosition;
+  double position_tolerance = 1e-7;  ///< [m]: |p_d - p| <= this
+  double angle_tolerance = 1e-7;     ///< [rad]: the angle of R_d R' <= this
+  int most_iterations = 60;
+  double longest_step = 0.4;  ///< of any joint per iteration [rad], or characteristic lengths
+  TaskInverseOptions inverse{0.0, 0.02};
+};
+
+/// Joint positions for a pose of the tip, on any arm, within the limits of its file: Newton steps
+/// through TaskInverse, shortened until the error falls; joints at a limit that would leave it are
+/// held there and the others go on. Bounded in time and free of allocation, so that it may run in a
+/// loop from the joints' last positions. Closest to the start where solutions are many.
+///
+///   InverseKinematics inverse(arm, {"tool"});
+///   if (inverse.solve(position, rotation, q) == ReachStatus::kReached) ...   // q: start and
+///   result
+class InverseKinematics {
+ public:
+  /// @throws InvalidInput  as TaskInverse; tolerances or steps that are not above zero.
+  InverseKinematics(const Model& arm, const Tip& tip, const InverseKinematicsOptions& options = {});
+
+  /// @param position, R_world_tip  of the tip, in the world; the rotation counts for poses only.
+  /// @param q  (n) where to start, overwritten with the best positions found, within limits.
+  ReachStatus solve(const Eigen::Vector3d& position, const Eigen::Matrix3d& R_world_tip,
+                    VectorXd& q) noexcept;
+
+  int iterations() const { return iterations_; }             ///< of the last solve()
+  double position_error() const { return position_error_; }  ///< [m] that it left
+  double angle_error() const { return angle_error_; }        ///< [rad] that it left
+
+ private:
+  double measure(const Eigen::Vector3d& position, const Eigen::Matrix3d& R, const VectorXd& q,
+                 Vector6d& e) noexcept;
+  void step(const Vector6d& e, const VectorXd& q) noexcept;
+  bool reached() const;
+
+  InverseKinematicsOptions options_;
+  TipKinematics kinematics_;
+  TaskInverse inverse_;
+  VectorXd lower_, upper_, unit_, rest_, move_, trial_;
+  int iterations_ = 0;
+  double position_error_ = 0.0, angle_error_ = 0.0;
+};
+
+}  // namespace veridyn

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <string>
+
+#include "veridyn/kinematics/recursion.hpp"
+#include "veridyn/kinematics/tree.hpp"
+#include "veridyn/math/types.hpp"
+#include "veridyn/model/model.hpp"
+
+namespace veridyn {
+
+/// Linear entries first: [v; omega], [force; moment], [position; angles].
+using Vector6d = Eigen::Matrix<double, 6, 1>;
+
+/// The point of an arm that is controlled.
+struct Tip {
+  std::string frame;                                      ///< of the model
+  Eigen::Vector3d offset_frame{Eigen::Vector3d::Zero()};  ///< [m] of the point in that frame
+};
+
+/// Pose, geometric Jacobian and its rate of the tip, as frame_pose() and its neighbours give them,
+/// for control loops: only the frames above the tip are visited, and nothing allocates after the
+/// constructor.
+class TipKinematics {
+ public:
+  /// @throws InvalidInput  the arm has no such frame, or the offset is not finite.
+  TipKinematics(const Model& arm, const Tip& tip);
+
+  /// @param q, dq  n entries each.
+  void update(const VectorXd& q, const VectorXd& dq) noexcept;
+
+  int joints() const { return tree_.joints; }
+
+  /// T_world_tip: position [m] and rotation. The tip's axes are those of its frame.
+  const Eigen::Vector3d& position() const { return position_; }
+  const Eigen::Matrix3d& rotation() const { return rotation_; }
+
+  /// [v; omega] = J dq, (6 x n), written in the world, linear rows first; and dJ/dt.
+  const MatrixXd& jacobian() const { return J_; }
+  const MatrixXd& jacobian_rate() const { return dJ_; }
+
+  /// [v; omega] of the tip.
+  const Vector6d& twist() const { return twist_; }
+
+ private:
+  Tree tree_;
+  int link_;
+  Recursion<double> recursion_;
+  VectorXd rest_;
+  Eigen::Vector3d position_{Eigen::Vector3d::Zero()};
+  Eigen::Matrix3d rotation_{Eigen::Matrix3d::Identity()};
+  Vector6d twist_{Vector6d::Zero()};
+  MatrixXd J_, dJ_;
+};
+
+}  // namespace veridyn

@@ -1,0 +1,96 @@
+#include "veridyn/control/task_inverse.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+
+#include "veridyn/kinematics/motion_limits.hpp"
+#include "veridyn/math/require.hpp"
+
+namespace veridyn {
+
+double characteristic_length(const Model& arm, const Tip& tip) {
+  TipKinematics kinematics(arm, tip);
+  const MotionLimits limits = motion_limits(arm);
+  const VectorXd middle = 0.5 * (limits.lower + limits.upper);
+  kinematics.update(middle, VectorXd::Zero(arm.joints()));
+  const MatrixXd& J = kinematics.jacobian();
+  double sum = 0.0;
+  int count = 0;
+  for (int i = 0; i < arm.joints(); ++i) {
+    const double swept = J.col(i).head<3>().squaredNorm();
+    if (arm.coordinates()[static_cast<size_t>(i)].prismatic || swept < 1e-12) continue;
+    sum += swept;
+    ++count;
+  }
+  return count > 0 ? std::sqrt(sum / count) : 1.0;
+}
+
+TaskInverse::TaskInverse(const Model& arm, const Tip& tip, TaskRows rows,
+                         const TaskInverseOptions& options)
+    : rows_(static_cast<int>(rows)),
+      length_(options.length > 0.0 ? options.length : characteristic_length(arm, tip)),
+      threshold_(options.threshold),
+      unit_(VectorXd::Ones(arm.joints())),
+      held_(static_cast<size_t>(arm.joints()), 0),
+      J_(MatrixXd::Zero(static_cast<int>(rows), arm.joints())) {
+  require(options.length >= 0.0 && std::isfinite(options.length) && options.threshold > 0.0 &&
+              std::isfinite(options.threshold),
+          "TaskInverse: found a length of ", options.length, " m and a threshold of ",
+          options.threshold, ", expected none below zero and a threshold above it.");
+  for (int i = 0; i < arm.joints(); ++i) {
+    if (arm.coordinates()[static_cast<size_t>(i)].prismatic) unit_[i] = length_;
+  }
+  U_.setIdentity();
+  gain_.setZero();
+}
+
+template <int kRows>
+void TaskInverse::factor() noexcept {
+  Eigen::Matrix<double, kRows, kRows> square;
+  square.noalias() = J_.topRows<kRows>().lazyProduct(J_.topRows<kRows>().transpose());
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, kRows, kRows>> solver(square);
+  U_.template topLeftCorner<kRows, kRows>() = solver.eigenvectors();
+  for (int k = 0; k < kRows; ++k) {
+    const double s2 = std::max(solver.eigenvalues()[k], 0.0);
+    gain_[k] = 1.0 / std::max(s2, threshold_ * threshold_);
+    if (k == 0) smallest_ = std::sqrt(s2);
+  }
+}
+
+void TaskInverse::update(const MatrixXd& J) noexcept {
+  assert(J.rows() >= rows_ && J.cols() == J_.cols());
+  for (Eigen::Index i = 0; i < J_.cols(); ++i) {
+    const double unit = held(static_cast<int>(i)) ? 0.0 : unit_[i];
+    for (int r = 0; r < rows_; ++r) J_(r, i) = J(r, i) * (r < 3 ? unit / length_ : unit);
+  }
+  if (rows_ == 3)
+    factor<3>();
+  else
+    factor<6>();
+}
+
+void TaskInverse::solve(const Vector6d& a, const VectorXd& y0, VectorXd& y) noexcept {
+  assert(y0.size() == J_.cols() && y.size() == J_.cols());
+  // The posture's share of the task is taken out first: what is left of it is the free part.
+  Vector6d rest = a;
+  for (int r = 0; r < rows_; ++r) {
+    if (r < 3) rest[r] /= length_;
+    for (Eigen::Index i = 0; i < J_.cols(); ++i) rest[r] -= J_(r, i) * y0[i] / unit_[i];
+  }
+  Vector6d turned = Vector6d::Zero();
+  for (int k = 0; k < rows_; ++k) {
+    double along = 0.0;
+    for (int r = 0; r < rows_; ++r) along += U_(r, k) * rest[r];
+    along *= gain_[k];
+    for (int r = 0; r < rows_; ++r) turned[r] += along * U_(r, k);
+  }
+  for (Eigen::Index i = 0; i < J_.cols(); ++i) {
+    double sum = 0.0;
+    for (int r = 0; r < rows_; ++r) sum += J_(r, i) * turned[r];
+    y[i] = held(static_cast<int>(i)) ? 0.0 : y0[i] + unit_[i] * sum;
+  }
+}
+
+}  // namespace veridyn
