@@ -12,7 +12,8 @@ void Names::add(const std::string& name, const YamlNode& node) {
 }
 
 int Names::index(const YamlNode& node) const {
-  const std::string name = node.word("the name of " + std::string(what == "arm" ? "an " : "a ") + what);
+  const std::string name =
+      node.word("the name of " + std::string(what == "arm" ? "an " : "a ") + what);
   const auto at = std::find(all.begin(), all.end(), name);
   if (at == all.end())
     node.fail("no " + what + " " + node.found() + did_you_mean(name, all),
@@ -130,9 +131,9 @@ ScenarioFault read_fault(const YamlNode& node, const Names& arms, const Names& m
   using FaultKind = ScenarioFault::Kind;
   ScenarioFault fault;
   fault.kind = choice<FaultKind>(node.at("kind"), {{"arm_limp", FaultKind::kArmLimp},
-                                        {"arm_frozen", FaultKind::kArmFrozen},
-                                        {"sensor_stuck", FaultKind::kSensorStuck},
-                                        {"sensor_stale", FaultKind::kSensorStale}});
+                                                   {"arm_frozen", FaultKind::kArmFrozen},
+                                                   {"sensor_stuck", FaultKind::kSensorStuck},
+                                                   {"sensor_stale", FaultKind::kSensorStale}});
   const bool of_arm = fault.kind == FaultKind::kArmLimp || fault.kind == FaultKind::kArmFrozen;
   if (of_arm) {
     fault.arm = arms.index(node.at("arm"));

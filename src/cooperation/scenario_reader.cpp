@@ -44,8 +44,8 @@ ScenarioArm read_arm(const YamlNode& node, const std::string& scenario) {
   for (size_t i = 0; i < start.size(); ++i)
     arm.start[static_cast<Eigen::Index>(i)] = start[i].number();
   const YamlNode control = node.at("control");
-  arm.control = choice<ArmControl>(control, {{"position", ArmControl::kPosition},
-                                 {"impedance", ArmControl::kImpedance}});
+  arm.control = choice<ArmControl>(
+      control, {{"position", ArmControl::kPosition}, {"impedance", ArmControl::kImpedance}});
   return arm;
 }
 
@@ -53,8 +53,9 @@ ForceLaw read_law(const YamlNode& node, double stiffness) {
   node.allow_keys({"kind", "deadband", "increment", "gain", "proportional", "damping",
                    "feed_forward", "reach", "stiffness"});
   ForceLaw law;
-  law.kind = choice<ForceLaw::Kind>(node.at("kind"), {{"increment", ForceLaw::Kind::kIncrement},
-                                      {"proportional", ForceLaw::Kind::kProportional}});
+  law.kind = choice<ForceLaw::Kind>(
+      node.at("kind"),
+      {{"increment", ForceLaw::Kind::kIncrement}, {"proportional", ForceLaw::Kind::kProportional}});
   law.deadband = nonnegative_or(node, "deadband", 0.0);
   law.increment = nonnegative_or(node, "increment", 0.0);
   law.gain = nonnegative_or(node, "gain", 0.0);
@@ -81,9 +82,8 @@ ScenarioMember read_member(const YamlNode& node, const Names& arms) {
   ScenarioMember member;
   member.name = node.at("name").word("the member's name");
   enum class Kind { kSpring, kString, kBar };
-  const Kind kind = choice<Kind>(node.at("kind"), {{"spring", Kind::kSpring},
-                                             {"string", Kind::kString},
-                                             {"bar", Kind::kBar}});
+  const Kind kind = choice<Kind>(
+      node.at("kind"), {{"spring", Kind::kSpring}, {"string", Kind::kString}, {"bar", Kind::kBar}});
   const std::vector<YamlNode> ends = node.at("between").items("two arms");
   if (ends.size() != 2) node.at("between").fail(node.at("between").found(), "two arms");
   member.from = arms.index(ends[0]);
@@ -147,7 +147,8 @@ ScenarioSweep read_sweep(const YamlNode& node) {
 
 Scenario read(const YamlNode& root, const std::string& path) {
   if (!root.is_map() || !root.find("scenario"))
-    root.fail("no key 'scenario'", "a scenario, which begins with 'veridyn: 1' and 'scenario: NAME'");
+    root.fail("no key 'scenario'",
+              "a scenario, which begins with 'veridyn: 1' and 'scenario: NAME'");
   const auto version = root.find("veridyn");
   if (!version || version->number() != 1.0) root.fail("no 'veridyn: 1'", "it at the top");
   root.allow_keys({"veridyn", "scenario", "source", "seed", "model_error", "encoder", "arms",
@@ -168,7 +169,8 @@ Scenario read(const YamlNode& root, const std::string& path) {
     s.arms.push_back(read_arm(node, path));
     arms.add(s.arms.back().name, node.at("name"));
   }
-  if (s.arms.empty() || s.arms.size() > 8) root.at("arms").fail(root.at("arms").found(), "1 to 8 arms");
+  if (s.arms.empty() || s.arms.size() > 8)
+    root.at("arms").fail(root.at("arms").found(), "1 to 8 arms");
   if (const auto master = root.find("master")) s.master = arms.index(*master);
   Names members{"member", {}};
   if (const auto list = root.find("members")) {
