@@ -24,7 +24,7 @@ YamlNode YamlNode::parse(const std::string& content, YamlSource& source) {
     return {YAML::Load(content), source, ""};
   } catch (const YAML::Exception& error) {
     throw InvalidInput(text(position(source.file, error.mark), ": found text that is not YAML (",
-                            error.msg, "), expected a robot file."));
+                            error.msg, "), expected ", source.expected, "."));
   }
 }
 

@@ -15,6 +15,7 @@ struct YamlSource {
   std::string file;
   Constants constants;                          ///< known so far
   std::map<std::string, std::string> formulas;  ///< arithmetic met so far, by place
+  std::string expected = "a robot file";        ///< what the file shall be, for messages
 };
 
 /// A node that knows where it stands, so that each mistake can be shown. Every getter throws

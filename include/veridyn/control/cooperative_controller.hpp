@@ -1,0 +1,142 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <vector>
+
+#include "veridyn/control/force_law.hpp"
+#include "veridyn/control/quintic_interpolator.hpp"
+#include "veridyn/math/types.hpp"
+
+namespace veridyn {
+
+struct CooperativeOptions {
+  std::vector<Eigen::Matrix3d> R_world_arm;  ///< axes of each arm's base; one entry for each arm
+  int master = 0;
+  std::vector<CooperativeMember> members;
+  double period = 1e-3;  ///< [s] of update()
+
+  // What ends the task: every target is held where it is, see CooperativeState.
+  double largest_force = 20.0;  ///< [N] read at any member
+  double largest_age = 0.02;    ///< [s] of a reading
+  double largest_error = 0.02;  ///< [m] of any tip from its target
+  double stuck_force = 1.0;     ///< [N] by which a member's length says that its force changed,
+                                ///< while its samples stay the same to the last bit
+  double stop_duration = 0.1;   ///< [s] in which motion ends
+};
+
+/// What is measured, once per update(); sized by the controller's constructor.
+struct CooperativeInput {
+  CooperativeInput(int arms, int members)
+      : position(static_cast<size_t>(arms), Eigen::Vector3d::Zero()),
+        velocity(position),
+        healthy(static_cast<size_t>(arms), 1),
+        force(static_cast<size_t>(members)) {}
+  std::vector<Eigen::Vector3d> position;  ///< [m] of each tip in the world
+  std::vector<Eigen::Vector3d> velocity;  ///< [m/s]
+  std::vector<char> healthy;              ///< 0: this arm does not follow any more
+  std::vector<ForceReading> force;        ///< of each member
+};
+
+/// Where a tip shall be, in the world.
+struct TipTarget {
+  Eigen::Vector3d position{Eigen::Vector3d::Zero()};      ///< x_t of (7.11): motion and force [m]
+  Eigen::Vector3d motion{Eigen::Vector3d::Zero()};        ///< x_d: of the motion alone [m]
+  Eigen::Vector3d velocity{Eigen::Vector3d::Zero()};      ///< of x_d [m/s]
+  Eigen::Vector3d acceleration{Eigen::Vector3d::Zero()};  ///< of x_d [m/s^2]
+  Eigen::Vector3d force{Eigen::Vector3d::Zero()};         ///< wanted of the tip on the object [N]
+};
+
+/// kTracking; or why everything is held: a defined end that only restart() leaves.
+enum class CooperativeState {
+  kTracking,
+  kForceTooLarge,
+  kSensorStale,
+  kSensorStuck,
+  kArmLost,
+  kTargetMissed,
+  kNotFinite
+};
+
+/// "holds: a force sensor's samples are too old".
+const char* describe(CooperativeState state);
+
+/// Several arms move one object and keep the forces in it (thesis 6.2 to 6.4 and 7.10 to 7.12, with
+/// the errata). One arm is the master: it follows the motion alone. The others follow the same
+/// motion of the object and correct the lengths of its members for the forces in them.
+///
+/// All is kept in the world; commands come in the master's axes, as (6.2) has it, and the targets
+/// of an arm in its own base are R_world_arm' of these:
+///
+///   x_i = p + R r_i            the object's centroid p and orientation R move, r_i stand
+///   (6.2, 6.3) x_t,to   = x_to   + w u x_f,     u = (x_to - x_from) / |..| (7.10, 7.11) x_t,from =
+///   x_from - w' u x_f     w = 1 for the only slave of the two ends, 1/2 where both are
+///
+/// Nothing allocates after the constructor; update() and the commands never throw.
+///
+///   CooperativeController control(options, tips);
+///   control.set_force(0, 5.0, 1.0);  control.move({0, 0.01, 0}, 2.0);
+///   every cycle:  const auto& targets = control.update(input);
+class CooperativeController {
+ public:
+  /// @param tips  where the arms hold the object now [m], in the world.
+  /// @throws InvalidInput  fewer than one arm, a member between arms that are not there or are the
+  ///                       same, sizes that differ, numbers that cannot be.
+  CooperativeController(const CooperativeOptions& options,
+                        const std::vector<Eigen::Vector3d>& tips);
+
+  // Commands. False, and nothing changes, while the controller holds or for numbers that cannot be.
+
+  /// The object by `way` in the master's axes (6.2).
+  bool move(const Eigen::Vector3d& way, double duration) noexcept;
+  /// The object about its centroid (6.3), by Rz(gamma) Ry(beta) Rx(alpha) in the master's axes.
+  /// False while another turn is under way.
+  bool turn(const Eigen::Vector3d& alpha_beta_gamma, double duration) noexcept;
+  /// Every slave away from the centroid, (6.4) with the sign that pulls.
+  bool tighten(double by, double duration) noexcept;
+  /// One arm alone relative to the object, for regrasping; in the world [m].
+  bool move_arm(int arm, const Eigen::Vector3d& way, double duration) noexcept;
+  /// h_d of a member [N].
+  bool set_force(int member, double force, double duration) noexcept;
+  /// Tracks the force of a member or leaves it alone.
+  bool track(int member, bool on) noexcept;
+  /// Ends motion and holds what has been reached.
+  void stop() noexcept;
+
+  /// Forgets what ended the task; targets begin where the tips are.
+  void restart(const std::vector<Eigen::Vector3d>& tips) noexcept;
+
+  const std::vector<TipTarget>& update(const CooperativeInput& input) noexcept;
+
+  CooperativeState state() const { return state_; }
+  bool arrived() const { return centre_.arrived() && angle_.arrived(); }
+  double wanted_force(int member) const { return wanted_.x()[member]; }
+  double correction(int member) const { return trackers_[static_cast<size_t>(member)].value(); }
+  int arms() const { return static_cast<int>(targets_.size()); }
+
+ private:
+  struct Watch {  // over one sensor
+    double force = 0.0, length = 0.0;
+    long number = -1;
+  };
+
+  void plan() noexcept;
+  void correct(const CooperativeInput& input) noexcept;
+  CooperativeState judge(const CooperativeInput& input) noexcept;
+  bool is_stuck(size_t member, const ForceReading& reading, double length) noexcept;
+  bool commands_allowed() const { return state_ == CooperativeState::kTracking; }
+
+  CooperativeOptions options_;
+  std::vector<ForceTracker> trackers_;
+  std::vector<char> tracked_;
+  std::vector<Watch> watches_;
+  std::vector<TipTarget> targets_;
+  QuinticInterpolator centre_, angle_, wanted_;
+  std::vector<QuinticInterpolator> grips_;                // r_i
+  Eigen::Matrix3d R_start_{Eigen::Matrix3d::Identity()};  // of the turn under way
+  Eigen::Vector3d axis_{Eigen::Vector3d::UnitZ()};
+  VectorXd scratch3_, scratch1_, goal_;
+  CooperativeState state_ = CooperativeState::kTracking;
+};
+
+}  // namespace veridyn

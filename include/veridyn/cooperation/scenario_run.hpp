@@ -1,0 +1,90 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "veridyn/control/cooperative_controller.hpp"
+#include "veridyn/cooperation/scenario.hpp"
+#include "veridyn/simulation/engine.hpp"
+
+namespace veridyn {
+
+/// One arm over time; (rows x n) or (rows x 3).
+struct ArmTrace {
+  MatrixXd q, dq, tau;
+  MatrixXd tip;     ///< [m] in the world, true
+  MatrixXd motion;  ///< x_d
+  MatrixXd target;  ///< x_t
+};
+
+/// One member over time, (rows) each.
+struct MemberTrace {
+  VectorXd wanted;    ///< h_d [N]; 0 while it is let go
+  VectorXd force;     ///< true tension [N]
+  VectorXd measured;  ///< as the sensor says [N]
+  VectorXd x_f;       ///< [m]
+  VectorXd rate;      ///< dl/dt, true [m/s]
+  VectorXd tracked;   ///< 1 where the member is held and its force is tracked
+};
+
+/// What one member did in one phase.
+struct MemberFigures {
+  std::string member;
+  double wanted = 0.0;         ///< [N] at the phase's end
+  double largest_error = 0.0;  ///< [N] of the true force from h_d, at any time of the phase
+  double rms_error = 0.0;      ///< [N]
+  double steady_error = 0.0;   ///< [N] largest in the phase's last fifth
+  double mean_error = 0.0;     ///< [N] mean there
+  double overshoot = 0.0;      ///< [N] beyond the new h_d, where the phase changes it
+  double oscillation = 0.0;    ///< [N] from least to largest force in the last fifth
+  int corrections = 0;         ///< samples of the last fifth in which x_f changed
+  double generated = 0.0;      ///< [J] see PassivityMonitor, after the phase's commands have ended
+  bool tracked = false;        ///< all the time
+};
+
+struct PhaseFigures {
+  std::string phase;
+  double from = 0.0, to = 0.0;  ///< [s]
+  std::vector<MemberFigures> members;
+  double position_error = 0.0;        ///< [m] largest of the master's tip from x_d
+  double final_position_error = 0.0;  ///< [m] at the end
+  double asked_force_error = 0.0, asked_steady_error = 0.0;  ///< [N]; 0: nothing asked
+
+  double largest_force_error() const;   ///< [N] of the members that are tracked throughout
+  double largest_steady_error() const;  ///< [N] likewise
+  bool met() const;                     ///< both errors within what was asked
+};
+
+/// What became of a scenario.
+struct ScenarioRun {
+  std::string name;
+  std::string engine;
+  std::vector<std::string> arms, members;
+  std::vector<std::string> left_out;  ///< effects that the engine does not have
+  VectorXd time;                      ///< (rows) [s]
+  std::vector<ArmTrace> arm;
+  std::vector<MemberTrace> member;
+  std::vector<PhaseFigures> phases;
+  double largest_force = 0.0;  ///< [N] of any member at any time
+  CooperativeState state = CooperativeState::kTracking;
+  double held_at = 0.0;  ///< [s] where the state is not kTracking
+  StepStatus status = StepStatus::kOk;
+  double stopped_at = 0.0;  ///< [s] where the engine could not go on
+  double seconds = 0.0;     ///< of computing
+
+  bool complete() const { return status == StepStatus::kOk; }
+  std::string report() const;  ///< a table, for people
+};
+
+/// Runs it.
+/// @param engine  see make_engine(). @param progress  told the share that is done; may be empty.
+/// @throws InvalidInput  a model, a frame or a start that cannot be, as make_engine() and World.
+ScenarioRun run_scenario(const Scenario& scenario, const std::string& engine = "veridyn",
+                         const std::function<void(double)>& progress = {});
+
+/// Rows as CSV: t, q1.., dq1.., tau1.. of all arms one after the other, then tips and forces by
+/// name. Whole or not there.
+void write_scenario_rows(const ScenarioRun& run, const std::string& path);
+
+}  // namespace veridyn

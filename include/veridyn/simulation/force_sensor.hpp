@@ -1,0 +1,48 @@
+#pragma once
+
+#include <limits>
+#include <memory>
+#include <vector>
+
+namespace veridyn {
+
+/// A load cell and its converter.
+struct ForceSensorOptions {
+  double rate = 500.0;  ///< [Hz] of samples
+  double delay = 0.0;   ///< [s] from a sample to its arrival
+  double noise = 0.0;   ///< [N] standard deviation of white noise on every sample
+  double step = 0.0;    ///< [N] samples are multiples of it; 0: exact
+  unsigned seed = 1;
+  /// Faults, [s] since the start: from then on the reading stays what it was but keeps arriving
+  /// (stuck), or nothing arrives any more (stale).
+  double stuck_from = std::numeric_limits<double>::infinity();
+  double stale_from = std::numeric_limits<double>::infinity();
+};
+
+/// The latest sample that has arrived.
+struct ForceSample {
+  double force = 0.0;  ///< [N]
+  double time = 0.0;   ///< [s] at which it was taken
+  long number = -1;    ///< counts samples; -1: none has arrived
+};
+
+/// What a controller sees of a force. Call it once per control period, in order of time; nothing
+/// allocates after the constructor.
+class ForceSensor {
+ public:
+  /// @param longest_period  [s] between calls.
+  /// @throws InvalidInput  a rate that is not above zero, a delay, noise or step below zero.
+  explicit ForceSensor(const ForceSensorOptions& options, double longest_period = 0.01);
+  ~ForceSensor();
+  ForceSensor(ForceSensor&&) noexcept;
+  ForceSensor& operator=(ForceSensor&&) noexcept;
+
+  /// @param time, force  now [s], true [N].
+  ForceSample read(double time, double force) noexcept;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace veridyn

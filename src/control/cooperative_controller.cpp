@@ -1,0 +1,266 @@
+#include "veridyn/control/cooperative_controller.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "veridyn/math/require.hpp"
+
+namespace veridyn {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kShortest = 1e-9;  // [m] between tips that have a direction
+
+Vector3d centroid(const std::vector<Vector3d>& points) {
+  Vector3d sum = Vector3d::Zero();
+  for (const Vector3d& p : points) sum += p;
+  return points.empty() ? sum : Vector3d(sum / static_cast<double>(points.size()));
+}
+
+Vector3d direction(const Vector3d& way) {
+  const double length = way.norm();
+  return length > kShortest ? Vector3d(way / length) : Vector3d::Zero();
+}
+
+void check(const CooperativeOptions& o, std::size_t tips) {
+  const auto arms = static_cast<int>(o.R_world_arm.size());
+  require(arms >= 1 && o.R_world_arm.size() == tips, "cooperative controller: found ", tips,
+          " tips and ", arms, " bases, expected one of each for at least one arm.");
+  require(o.master >= 0 && o.master < arms, "cooperative controller: found the master ", o.master,
+          ", expected one of ", arms, " arms from 0.");
+  for (const CooperativeMember& m : o.members) {
+    require(m.from >= 0 && m.from < arms && m.to >= 0 && m.to < arms && m.from != m.to,
+            "cooperative controller: found a member between the arms ", m.from, " and ", m.to,
+            ", expected two different ones of ", arms, " from 0.");
+  }
+  for (const double value : {o.period, o.largest_force, o.largest_age, o.largest_error,
+                             o.stuck_force, o.stop_duration}) {
+    require(std::isfinite(value) && value > 0.0, "cooperative controller: found ", value,
+            " for a period or a bound, expected a number above zero.");
+  }
+}
+
+}  // namespace
+
+const char* describe(CooperativeState state) {
+  switch (state) {
+    case CooperativeState::kTracking:
+      return "tracks";
+    case CooperativeState::kForceTooLarge:
+      return "holds: a force is too large";
+    case CooperativeState::kSensorStale:
+      return "holds: a force sensor's samples are too old";
+    case CooperativeState::kSensorStuck:
+      return "holds: a force sensor repeats one value while its member changes its length";
+    case CooperativeState::kArmLost:
+      return "holds: an arm does not follow any more";
+    case CooperativeState::kTargetMissed:
+      return "holds: a tip is too far from its target";
+    case CooperativeState::kNotFinite:
+      return "holds: found a measurement that is not finite";
+  }
+  return "";
+}
+
+CooperativeController::CooperativeController(const CooperativeOptions& options,
+                                             const std::vector<Vector3d>& tips)
+    : options_(options),
+      tracked_(options.members.size(), 1),
+      watches_(options.members.size()),
+      targets_(tips.size()),
+      centre_(VectorXd(centroid(tips))),
+      angle_(VectorXd::Zero(1)),
+      wanted_(VectorXd::Zero(
+          std::max<Eigen::Index>(1, static_cast<Eigen::Index>(options.members.size())))),
+      scratch3_(VectorXd::Zero(3)),
+      scratch1_(VectorXd::Zero(1)),
+      goal_(wanted_.x()) {
+  check(options, tips.size());
+  for (const CooperativeMember& member : options.members) trackers_.emplace_back(member.law);
+  for (size_t i = 0; i < tips.size(); ++i) grips_.emplace_back(scratch3_);
+  restart(tips);
+}
+
+void CooperativeController::restart(const std::vector<Vector3d>& tips) noexcept {
+  const Vector3d centre = centroid(tips);
+  scratch3_ = centre;
+  centre_.reset(scratch3_);
+  scratch1_.setZero();
+  angle_.reset(scratch1_);
+  R_start_.setIdentity();
+  for (size_t i = 0; i < grips_.size(); ++i) {
+    scratch3_ = tips[i] - centre;
+    grips_[i].reset(scratch3_);
+  }
+  goal_.setZero();
+  wanted_.reset(goal_);
+  for (ForceTracker& tracker : trackers_) tracker.reset();
+  for (Watch& watch : watches_) watch = {};
+  state_ = CooperativeState::kTracking;
+  plan();
+}
+
+bool CooperativeController::move(const Vector3d& way, double duration) noexcept {
+  if (!commands_allowed()) return false;
+  scratch3_ =
+      centre_.goal() + options_.R_world_arm[static_cast<size_t>(options_.master)].lazyProduct(way);
+  return centre_.move_to(scratch3_, duration);
+}
+
+bool CooperativeController::turn(const Vector3d& euler, double duration) noexcept {
+  if (!commands_allowed() || !angle_.arrived() || !euler.allFinite() || !(duration > 0.0))
+    return false;
+  const Eigen::Matrix3d& R_master = options_.R_world_arm[static_cast<size_t>(options_.master)];
+  const Eigen::AngleAxisd whole(Eigen::AngleAxisd(euler.z(), Vector3d::UnitZ()) *
+                                Eigen::AngleAxisd(euler.y(), Vector3d::UnitY()) *
+                                Eigen::AngleAxisd(euler.x(), Vector3d::UnitX()));
+  R_start_ = Eigen::AngleAxisd(angle_.x()[0], axis_).toRotationMatrix() * R_start_;
+  axis_ = R_master * whole.axis();
+  scratch1_.setZero();
+  angle_.reset(scratch1_);
+  scratch1_[0] = whole.angle();
+  return angle_.move_to(scratch1_, duration);
+}
+
+bool CooperativeController::tighten(double by, double duration) noexcept {
+  if (!commands_allowed() || !std::isfinite(by) || !(duration > 0.0)) return false;
+  for (size_t i = 0; i < grips_.size(); ++i) {
+    if (static_cast<int>(i) == options_.master) continue;
+    const Vector3d out = direction(grips_[i].goal());
+    scratch3_ = grips_[i].goal() + by * out;
+    if (!grips_[i].move_to(scratch3_, duration)) return false;
+  }
+  return true;
+}
+
+bool CooperativeController::move_arm(int arm, const Vector3d& way, double duration) noexcept {
+  if (!commands_allowed() || arm < 0 || arm >= arms()) return false;
+  const Eigen::Matrix3d R = Eigen::AngleAxisd(angle_.x()[0], axis_).toRotationMatrix() * R_start_;
+  QuinticInterpolator& grip = grips_[static_cast<size_t>(arm)];
+  scratch3_ = grip.goal() + R.transpose().lazyProduct(way);
+  return grip.move_to(scratch3_, duration);
+}
+
+bool CooperativeController::set_force(int member, double force, double duration) noexcept {
+  if (!commands_allowed() || member < 0 || member >= static_cast<int>(trackers_.size()))
+    return false;
+  goal_ = wanted_.goal();
+  goal_[member] = force;
+  return wanted_.move_to(goal_, duration);
+}
+
+bool CooperativeController::track(int member, bool on) noexcept {
+  if (!commands_allowed() || member < 0 || member >= static_cast<int>(trackers_.size()))
+    return false;
+  const auto k = static_cast<size_t>(member);
+  if (on && tracked_[k] == 0) trackers_[k].reset();
+  tracked_[k] = on ? 1 : 0;
+  watches_[k] = {};
+  return true;
+}
+
+void CooperativeController::stop() noexcept {
+  centre_.stop(options_.stop_duration);
+  angle_.stop(options_.stop_duration);
+  for (QuinticInterpolator& grip : grips_) grip.stop(options_.stop_duration);
+}
+
+// x_d of every tip with its derivatives, from the object's motion.
+void CooperativeController::plan() noexcept {
+  const Eigen::Matrix3d R = Eigen::AngleAxisd(angle_.x()[0], axis_).toRotationMatrix() * R_start_;
+  const Vector3d omega = angle_.dx()[0] * axis_;
+  const Vector3d alpha = angle_.ddx()[0] * axis_;
+  const Vector3d p = centre_.x();
+  const Vector3d dp = centre_.dx();
+  const Vector3d ddp = centre_.ddx();
+  for (size_t i = 0; i < targets_.size(); ++i) {
+    const Vector3d r = R * Vector3d(grips_[i].x());
+    const Vector3d dr = R * Vector3d(grips_[i].dx());
+    const Vector3d ddr = R * Vector3d(grips_[i].ddx());
+    TipTarget& target = targets_[i];
+    target.motion = p + r;
+    target.velocity = dp + omega.cross(r) + dr;
+    target.acceleration =
+        ddp + alpha.cross(r) + omega.cross(omega.cross(r)) + 2.0 * omega.cross(dr) + ddr;
+    target.position = target.motion;
+    target.force.setZero();
+  }
+}
+
+// (7.10) to (7.12) for every member.
+void CooperativeController::correct(const CooperativeInput& input) noexcept {
+  const bool active = commands_allowed();
+  for (size_t k = 0; k < trackers_.size(); ++k) {
+    if (tracked_[k] == 0) continue;
+    const CooperativeMember& m = options_.members[k];
+    const auto from = static_cast<size_t>(m.from);
+    const auto to = static_cast<size_t>(m.to);
+    const Vector3d u = direction(input.position[to] - input.position[from]);
+    const double wanted = wanted_.x()[static_cast<Eigen::Index>(k)];
+    const double planned = u.dot(targets_[to].velocity - targets_[from].velocity);
+    const double rate = u.dot(input.velocity[to] - input.velocity[from]) - planned;
+    const double x_f = active ? trackers_[k].update(wanted, input.force[k], rate, options_.period)
+                              : trackers_[k].value();
+    const bool from_gives = m.from != options_.master;
+    const bool to_gives = m.to != options_.master;
+    const double share = from_gives && to_gives ? 0.5 : 1.0;
+    if (from_gives) targets_[from].position -= share * x_f * u;
+    if (to_gives) targets_[to].position += share * x_f * u;
+    targets_[from].force -= wanted * u;
+    targets_[to].force += wanted * u;
+  }
+}
+
+bool CooperativeController::is_stuck(size_t member, const ForceReading& reading,
+                                     double length) noexcept {
+  Watch& watch = watches_[member];
+  if (watch.number < 0 || reading.force != watch.force) {
+    watch = {reading.force, length, reading.number};
+    return false;
+  }
+  const double stiffness = options_.members[member].law.stiffness;
+  // Repeated zeros are those of a slack member.
+  return reading.number != watch.number && stiffness > 0.0 && reading.force != 0.0 &&
+         std::abs(length - watch.length) * stiffness > options_.stuck_force;
+}
+
+CooperativeState CooperativeController::judge(const CooperativeInput& input) noexcept {
+  for (size_t i = 0; i < targets_.size(); ++i) {
+    if (!input.position[i].allFinite() || !input.velocity[i].allFinite())
+      return CooperativeState::kNotFinite;
+    if (input.healthy[i] == 0) return CooperativeState::kArmLost;
+    if ((input.position[i] - targets_[i].motion).norm() > options_.largest_error)
+      return CooperativeState::kTargetMissed;
+  }
+  for (size_t k = 0; k < trackers_.size(); ++k) {
+    if (tracked_[k] == 0) continue;
+    const ForceReading& reading = input.force[k];
+    if (!std::isfinite(reading.force)) return CooperativeState::kNotFinite;
+    if (reading.age > options_.largest_age) return CooperativeState::kSensorStale;
+    if (std::abs(reading.force) > options_.largest_force) return CooperativeState::kForceTooLarge;
+    const CooperativeMember& m = options_.members[k];
+    const double length =
+        (input.position[static_cast<size_t>(m.to)] - input.position[static_cast<size_t>(m.from)])
+            .norm();
+    if (reading.number >= 0 && is_stuck(k, reading, length)) return CooperativeState::kSensorStuck;
+  }
+  return CooperativeState::kTracking;
+}
+
+const std::vector<TipTarget>& CooperativeController::update(
+    const CooperativeInput& input) noexcept {
+  if (state_ == CooperativeState::kTracking) {
+    state_ = judge(input);
+    if (state_ != CooperativeState::kTracking) stop();
+  }
+  centre_.advance(options_.period);
+  angle_.advance(options_.period);
+  if (commands_allowed()) wanted_.advance(options_.period);
+  for (QuinticInterpolator& grip : grips_) grip.advance(options_.period);
+  plan();
+  if (state_ != CooperativeState::kNotFinite) correct(input);
+  return targets_;
+}
+
+}  // namespace veridyn

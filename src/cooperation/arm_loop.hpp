@@ -1,0 +1,63 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "veridyn/control/arm_state.hpp"
+#include "veridyn/control/cooperative_controller.hpp"
+#include "veridyn/control/impedance.hpp"
+#include "veridyn/cooperation/scenario.hpp"
+#include "veridyn/effects/effect.hpp"
+#include "veridyn/math/vector3.hpp"
+
+namespace veridyn {
+
+/// What one arm's loop is made with.
+struct ArmLoopSetup {
+  Model model;  ///< as the controller knows it
+  Tip tip;
+  Eigen::Matrix3d R_world_base{Eigen::Matrix3d::Identity()};
+  Eigen::Vector3d p_world_base{Eigen::Vector3d::Zero()};
+  ArmControl kind = ArmControl::kImpedance;
+  ScenarioControl control;
+  VectorXd encoder_step;  ///< (n)
+  VectorXd start;         ///< (n) joints, which is also the posture
+};
+
+/// Sensors and controller of one arm: encoders, velocities, and either a position loop of the tip
+/// or an impedance, with compensation of friction and an observer of what the model gets wrong.
+/// Nothing allocates after the constructor.
+class ArmLoop {
+ public:
+  explicit ArmLoop(const ArmLoopSetup& setup);
+
+  /// Reads the encoders.
+  void measure(const VectorXd& q) noexcept;
+
+  const Eigen::Vector3d& position() const { return position_; }  ///< of the tip in the world
+  const Eigen::Vector3d& velocity() const { return velocity_; }
+
+  /// @param force  of the tip on the object as measured, in the world [N].
+  const VectorXd& torque(const TipTarget& target, const Eigen::Vector3d& force) noexcept;
+
+  /// From now on a position loop, as an arm has that stops where it stands.
+  void freeze() noexcept;
+
+ private:
+  void observe() noexcept;
+  void compensate_friction(const TipTarget& target) noexcept;
+  TaskReference reference(const TipTarget& target) const noexcept;
+
+  ArmLoopSetup setup_;
+  double period_;
+  ArmState state_;
+  Impedance impedance_, position_loop_;
+  TaskInverse inverse_;
+  std::vector<BoundEffect> friction_;
+  VectorXd q_, dq_, raw_, tau_, error_, momentum_, expected_, wanted_dq_;
+  bool started_ = false, frozen_ = false;
+  Eigen::Vector3d position_{Eigen::Vector3d::Zero()}, velocity_{Eigen::Vector3d::Zero()};
+  Eigen::Vector3d frozen_at_{Eigen::Vector3d::Zero()};
+};
+
+}  // namespace veridyn

@@ -1,0 +1,11 @@
+#pragma once
+
+#include "veridyn/cooperation/scenario_run.hpp"
+
+namespace veridyn {
+
+/// Figures of the rows [first, end) of a run.
+PhaseFigures phase_figures(const Scenario& scenario, const ScenarioPhase& phase,
+                           const ScenarioRun& run, Eigen::Index first, Eigen::Index end);
+
+}  // namespace veridyn

@@ -1,0 +1,211 @@
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+
+#include "model/yaml_node.hpp"
+#include "scenario_parts.hpp"
+#include "veridyn/cooperation/scenario.hpp"
+#include "veridyn/math/require.hpp"
+#include "veridyn/model/suggestion.hpp"
+#include "veridyn/simulation/sensor_noise.hpp"
+
+namespace veridyn {
+namespace {
+
+namespace fs = std::filesystem;
+
+double positive_or(const YamlNode& node, const std::string& key, double otherwise) {
+  const auto value = node.find(key);
+  return value ? value->positive_number() : otherwise;
+}
+
+// A model named by a path is sought beside the scenario; a bare name is one of the tool's.
+std::string model_path(const std::string& named, const std::string& scenario) {
+  const bool is_file = named.find('/') != std::string::npos || fs::path(named).has_extension();
+  if (!is_file || fs::path(named).is_absolute()) return named;
+  return (fs::path(scenario).parent_path() / named).string();
+}
+
+ScenarioArm read_arm(const YamlNode& node, const std::string& scenario) {
+  node.allow_keys(
+      {"name", "model", "seed", "position", "turn", "frame", "offset", "start", "control"});
+  ScenarioArm arm;
+  arm.name = node.at("name").word("the arm's name");
+  arm.model = model_path(node.at("model").word("a robot"), scenario);
+  if (const auto seed = node.find("seed")) arm.seed = static_cast<unsigned>(whole_number(*seed));
+  if (const auto position = node.find("position")) arm.position = vector3(*position, "m");
+  if (const auto turn = node.find("turn")) arm.turn = vector3(*turn, "rad");
+  if (const auto offset = node.find("offset")) arm.offset = vector3(*offset, "m");
+  arm.frame = node.at("frame").word("the frame that holds the object");
+  const std::vector<YamlNode> start = node.at("start").items("a list of joint positions");
+  arm.start = VectorXd(static_cast<Eigen::Index>(start.size()));
+  for (size_t i = 0; i < start.size(); ++i)
+    arm.start[static_cast<Eigen::Index>(i)] = start[i].number();
+  const YamlNode control = node.at("control");
+  arm.control = choice<ArmControl>(
+      control, {{"position", ArmControl::kPosition}, {"impedance", ArmControl::kImpedance}});
+  return arm;
+}
+
+ForceLaw read_law(const YamlNode& node, double stiffness) {
+  node.allow_keys({"kind", "deadband", "increment", "gain", "proportional", "damping",
+                   "feed_forward", "reach", "stiffness"});
+  ForceLaw law;
+  law.kind = choice<ForceLaw::Kind>(
+      node.at("kind"),
+      {{"increment", ForceLaw::Kind::kIncrement}, {"proportional", ForceLaw::Kind::kProportional}});
+  law.deadband = nonnegative_or(node, "deadband", 0.0);
+  law.increment = nonnegative_or(node, "increment", 0.0);
+  law.gain = nonnegative_or(node, "gain", 0.0);
+  law.proportional = nonnegative_or(node, "proportional", 0.0);
+  law.damping = nonnegative_or(node, "damping", 0.0);
+  law.feed_forward = nonnegative_or(node, "feed_forward", 0.0);
+  law.reach = positive_or(node, "reach", law.reach);
+  law.stiffness = nonnegative_or(node, "stiffness", stiffness);
+  return law;
+}
+
+ForceSensorOptions read_sensor(const YamlNode& node) {
+  node.allow_keys({"rate", "delay", "noise", "step"});
+  ForceSensorOptions sensor;
+  sensor.rate = positive_or(node, "rate", sensor.rate);
+  sensor.delay = nonnegative_or(node, "delay", 0.0);
+  sensor.noise = nonnegative_or(node, "noise", 0.0);
+  sensor.step = nonnegative_or(node, "step", 0.0);
+  return sensor;
+}
+
+ScenarioMember read_member(const YamlNode& node, const Names& arms) {
+  node.allow_keys({"name", "kind", "between", "stiffness", "damping", "slack", "sensor", "law"});
+  ScenarioMember member;
+  member.name = node.at("name").word("the member's name");
+  enum class Kind { kSpring, kString, kBar };
+  const Kind kind = choice<Kind>(
+      node.at("kind"), {{"spring", Kind::kSpring}, {"string", Kind::kString}, {"bar", Kind::kBar}});
+  const std::vector<YamlNode> ends = node.at("between").items("two arms");
+  if (ends.size() != 2) node.at("between").fail(node.at("between").found(), "two arms");
+  member.from = arms.index(ends[0]);
+  member.to = arms.index(ends[1]);
+  if (member.from == member.to) ends[1].fail("the same arm twice", "two arms");
+  if (kind == Kind::kBar) {
+    member.stiffness = positive_or(node, "stiffness", kRigidStiffness);
+    member.damping = nonnegative_or(node, "damping", kRigidDamping);
+  } else {
+    member.stiffness = node.at("stiffness").positive_number();
+    member.damping = nonnegative_or(node, "damping", 0.0);
+  }
+  member.pulls_only = kind == Kind::kString;
+  if (const auto slack = node.find("slack")) member.slack = slack->number();
+  if (const auto sensor = node.find("sensor")) member.sensor = read_sensor(*sensor);
+  member.law = read_law(node.at("law"), member.stiffness);
+  return member;
+}
+
+ScenarioControl read_control(const YamlNode& node) {
+  node.allow_keys({"rate", "position_frequency", "mass", "damping", "stiffness", "friction",
+                   "observer", "velocity_cutoff", "largest_force", "largest_error", "largest_age",
+                   "stuck_force"});
+  ScenarioControl c;
+  c.rate = positive_or(node, "rate", c.rate);
+  c.position_frequency = positive_or(node, "position_frequency", c.position_frequency);
+  if (const auto mass = node.find("mass")) c.mass = vector3(*mass, "kg");
+  if (const auto damping = node.find("damping")) c.damping = vector3(*damping, "N s/m");
+  if (const auto stiffness = node.find("stiffness")) c.stiffness = vector3(*stiffness, "N/m");
+  if (c.mass.minCoeff() <= 0.0) node.at("mass").fail("a mass that is not above zero", "kg");
+  c.friction = nonnegative_or(node, "friction", c.friction);
+  c.observer = nonnegative_or(node, "observer", c.observer);
+  c.velocity_cutoff = positive_or(node, "velocity_cutoff", c.velocity_cutoff);
+  c.largest_force = positive_or(node, "largest_force", c.largest_force);
+  c.largest_error = positive_or(node, "largest_error", c.largest_error);
+  c.largest_age = positive_or(node, "largest_age", c.largest_age);
+  c.stuck_force = positive_or(node, "stuck_force", c.stuck_force);
+  return c;
+}
+
+std::vector<double> read_grid(const YamlNode& node, const std::string& key) {
+  std::vector<double> values;
+  const auto list = node.find(key);
+  if (!list) return values;
+  for (const YamlNode& item : list->items("a list of numbers")) {
+    values.push_back(item.number());
+    if (values.back() < 0.0) item.fail(item.found(), "a number that is not below zero");
+  }
+  return values;
+}
+
+ScenarioSweep read_sweep(const YamlNode& node) {
+  node.allow_keys({"stiffness", "delay", "rate", "stable_error"});
+  ScenarioSweep sweep;
+  sweep.stiffness = read_grid(node, "stiffness");
+  sweep.delay = read_grid(node, "delay");
+  sweep.rate = read_grid(node, "rate");
+  sweep.stable_error = node.at("stable_error").positive_number();
+  return sweep;
+}
+
+Scenario read(const YamlNode& root, const std::string& path) {
+  if (!root.is_map() || !root.find("scenario"))
+    root.fail("no key 'scenario'",
+              "a scenario, which begins with 'veridyn: 1' and 'scenario: NAME'");
+  const auto version = root.find("veridyn");
+  if (!version || version->number() != 1.0) root.fail("no 'veridyn: 1'", "it at the top");
+  root.allow_keys({"veridyn", "scenario", "source", "seed", "model_error", "encoder", "arms",
+                   "master", "members", "control", "phases", "faults", "sweep"});
+  Scenario s;
+  s.name = root.at("scenario").word("the scenario's name");
+  if (const auto source = root.find("source")) s.source = source->word("where it comes from");
+  if (const auto seed = root.find("seed")) s.seed = static_cast<unsigned>(whole_number(*seed));
+  s.model_error = nonnegative_or(root, "model_error", 0.0);
+  if (const auto encoder = root.find("encoder")) {
+    s.encoder = encoder->word("a noise preset");
+    const std::vector<std::string>& known = sensor_noise_names();
+    if (std::find(known.begin(), known.end(), s.encoder) == known.end())
+      encoder->fail(encoder->found(), "one of: " + listed(known));
+  }
+  Names arms{"arm", {}};
+  for (const YamlNode& node : root.at("arms").items("a list of arms")) {
+    s.arms.push_back(read_arm(node, path));
+    arms.add(s.arms.back().name, node.at("name"));
+  }
+  if (s.arms.empty() || s.arms.size() > 8)
+    root.at("arms").fail(root.at("arms").found(), "1 to 8 arms");
+  if (const auto master = root.find("master")) s.master = arms.index(*master);
+  Names members{"member", {}};
+  if (const auto list = root.find("members")) {
+    for (const YamlNode& node : list->items("a list of members")) {
+      s.members.push_back(read_member(node, arms));
+      members.add(s.members.back().name, node.at("name"));
+    }
+  }
+  if (const auto control = root.find("control")) s.control = read_control(*control);
+  for (const YamlNode& node : root.at("phases").items("a list of phases"))
+    s.phases.push_back(read_phase(node, arms, members));
+  if (s.phases.empty()) root.at("phases").fail("no phases", "at least one");
+  if (const auto faults = root.find("faults")) {
+    for (const YamlNode& node : faults->items("a list of faults"))
+      s.faults.push_back(read_fault(node, arms, members));
+  }
+  if (const auto sweep = root.find("sweep")) s.sweep = read_sweep(*sweep);
+  return s;
+}
+
+}  // namespace
+
+Scenario parse_scenario(const std::string& content, const std::string& path) {
+  YamlSource source;
+  source.file = path;
+  source.expected = "a scenario";
+  return read(YamlNode::parse(content, source), path);
+}
+
+Scenario read_scenario(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::error_code ignored;
+  require(file.is_open() && !fs::is_directory(path, ignored), path,
+          ": found no such file, expected a scenario (YAML).");
+  return parse_scenario({std::istreambuf_iterator<char>(file), {}}, path);
+}
+
+}  // namespace veridyn

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "veridyn/kinematics/recursion.hpp"
+#include "veridyn/kinematics/tree.hpp"
+#include "veridyn/math/types.hpp"
+
+namespace veridyn {
+
+/// Points of an arm that stands somewhere: positions, velocities and Jacobians in the world.
+/// Nothing allocates after the constructor.
+class ArmPoints {
+ public:
+  ArmPoints(const Model& arm, const Posed& T_world_base);
+
+  void move_to(const VectorXd& q, const VectorXd& dq) noexcept;
+
+  struct Point {
+    Eigen::Vector3d position, velocity;
+  };
+  Point point(int frame, const Eigen::Vector3d& offset) const noexcept;
+
+  /// tau += J' f of the point, f in the world.
+  void add_force(int frame, const Eigen::Vector3d& offset, const Eigen::Vector3d& force,
+                 double share, VectorXd& tau) const noexcept;
+
+  /// (3 x n)
+  void jacobian(int frame, const Eigen::Vector3d& offset, MatrixXd& J) const noexcept;
+
+ private:
+  Tree tree_;
+  Recursion<double> recursion_;
+  Posed base_;
+  VectorXd rest_, dq_;
+  std::vector<Posed> T_world_;  // by link
+};
+
+}  // namespace veridyn

@@ -1,0 +1,74 @@
+#include "veridyn/simulation/force_sensor.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "math/random_numbers.hpp"
+#include "veridyn/math/require.hpp"
+
+namespace veridyn {
+namespace {
+
+constexpr double kSameTime = 1e-9;  // [s]
+
+}  // namespace
+
+struct ForceSensor::State {
+  State(const ForceSensorOptions& given, double longest_period)
+      : options(given), random(given.seed) {
+    const double on_the_way = (given.delay + longest_period) * given.rate;
+    ring.resize(static_cast<size_t>(std::ceil(on_the_way)) + 4);
+  }
+
+  double measured(double force) {
+    const double noisy = force + options.noise * random.normal();
+    return options.step > 0.0 ? std::round(noisy / options.step) * options.step : noisy;
+  }
+
+  ForceSensorOptions options;
+  RandomNumbers random;
+  std::vector<ForceSample> ring;  // samples on the way, by number
+  long taken = 0, arrived = 0;
+  ForceSample latest;
+};
+
+ForceSensor::ForceSensor(const ForceSensorOptions& options, double longest_period) {
+  require(std::isfinite(options.rate) && options.rate > 0.0, "force sensor: found a rate of ",
+          options.rate, " Hz, expected a number above zero.");
+  require(std::isfinite(options.delay) && options.delay >= 0.0 && options.noise >= 0.0 &&
+              options.step >= 0.0 && longest_period > 0.0,
+          "force sensor: found a delay, a noise or a step below zero.");
+  state_ = std::make_unique<State>(options, longest_period);
+}
+
+ForceSensor::~ForceSensor() = default;
+ForceSensor::ForceSensor(ForceSensor&&) noexcept = default;
+ForceSensor& ForceSensor::operator=(ForceSensor&&) noexcept = default;
+
+ForceSample ForceSensor::read(double time, double force) noexcept {
+  State& s = *state_;
+  const auto size = static_cast<long>(s.ring.size());
+  // A period of the loop that is longer than one of the sensor takes one sample, at its start.
+  if (time + kSameTime >= static_cast<double>(s.taken) / s.options.rate) {
+    const ForceSample sample{s.measured(force), time, s.taken};
+    s.ring[static_cast<size_t>(s.taken % size)] = sample;
+    const long due = static_cast<long>(std::floor((time + kSameTime) * s.options.rate));
+    for (long k = s.taken + 1; k <= due; ++k) {  // missed ones repeat it
+      s.ring[static_cast<size_t>(k % size)] = {sample.force, time, k};
+    }
+    s.taken = std::max(s.taken, due) + 1;
+    s.arrived = std::max(s.arrived, s.taken - size);
+  }
+  while (s.arrived < s.taken) {
+    const ForceSample& next = s.ring[static_cast<size_t>(s.arrived % size)];
+    if (next.time + s.options.delay > time + kSameTime) break;
+    if (next.time < s.options.stale_from) {
+      const bool stuck = next.time >= s.options.stuck_from && s.latest.number >= 0;
+      s.latest = {stuck ? s.latest.force : next.force, next.time, next.number};
+    }
+    ++s.arrived;
+  }
+  return s.latest;
+}
+
+}  // namespace veridyn

@@ -1,0 +1,86 @@
+#include "veridyn/simulation/force_sensor.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "veridyn/math/require.hpp"
+
+namespace veridyn {
+namespace {
+
+// A force that is the time: a sample says when it was taken.
+TEST(ForceSensor, SamplesComeAtItsRateAndLateByTheDelay) {
+  for (const double delay : {0.0, 0.003, 0.005}) {
+    ForceSensorOptions options;
+    options.rate = 500.0;
+    options.delay = delay;
+    ForceSensor sensor(options);
+    for (int k = 0; k < 100; ++k) {
+      const double t = 1e-3 * k;
+      const ForceSample s = sensor.read(t, t);
+      const double newest = std::floor((t - delay) * 500.0 + 1e-6) / 500.0;
+      if (newest < 0.0) {
+        EXPECT_EQ(s.number, -1);
+      } else {
+        EXPECT_NEAR(s.force, newest, 1e-12) << t;
+        EXPECT_NEAR(s.time, newest, 1e-12);
+        EXPECT_EQ(s.number, std::lround(newest * 500.0));
+      }
+    }
+  }
+}
+
+TEST(ForceSensor, ALoopThatIsSlowerThanItSeesEveryCall) {
+  ForceSensorOptions options;
+  options.rate = 500.0;
+  ForceSensor sensor(options);
+  for (int k = 0; k < 50; ++k) EXPECT_EQ(sensor.read(0.0025 * k, 0.0025 * k).force, 0.0025 * k);
+}
+
+TEST(ForceSensor, NoiseHasItsDeviationAndNoMean) {
+  ForceSensorOptions options;
+  options.noise = 0.05;
+  options.rate = 1000.0;
+  ForceSensor sensor(options);
+  double sum = 0.0;
+  double squares = 0.0;
+  for (int k = 0; k < 20000; ++k) {
+    const double e = sensor.read(1e-3 * k, 3.0).force - 3.0;
+    sum += e;
+    squares += e * e;
+  }
+  EXPECT_NEAR(sum / 20000, 0.0, 4.0 * 0.05 / std::sqrt(20000.0));
+  EXPECT_NEAR(std::sqrt(squares / 20000), 0.05, 0.002);
+}
+
+TEST(ForceSensor, StuckKeepsArrivingAndStaleDoesNot) {
+  ForceSensorOptions options;
+  options.stuck_from = 0.05;
+  ForceSensor stuck(options);
+  options.stuck_from = INFINITY;
+  options.stale_from = 0.05;
+  ForceSensor stale(options);
+  ForceSample a;
+  ForceSample b;
+  for (int k = 0; k < 100; ++k) {
+    a = stuck.read(1e-3 * k, 1e-3 * k);
+    b = stale.read(1e-3 * k, 1e-3 * k);
+  }
+  EXPECT_NEAR(a.force, 0.048, 1e-12);
+  EXPECT_NEAR(a.time, 0.098, 1e-12);
+  EXPECT_NEAR(b.force, 0.048, 1e-12);
+  EXPECT_NEAR(b.time, 0.048, 1e-12);
+}
+
+TEST(ForceSensor, RefusesWhatCannotBe) {
+  ForceSensorOptions options;
+  options.rate = 0.0;
+  EXPECT_THROW(ForceSensor{options}, InvalidInput);
+  options.rate = 500.0;
+  options.delay = -1e-3;
+  EXPECT_THROW(ForceSensor{options}, InvalidInput);
+}
+
+}  // namespace
+}  // namespace veridyn
