@@ -224,13 +224,13 @@ TEST(Feedback, SaysWhatTheTableOfTheSpecificationSays) {
   EXPECT_FALSE(f.digital.home(1));
   for (int k = 0; k < kChannels; ++k) {
     const ChannelFeedback& c = f.channel[static_cast<size_t>(k)];
-    EXPECT_EQ(c.encoder.counts(), 1000 * (k + 1));
+    EXPECT_EQ(encoder_counts(c.encoder.position), 1000 * (k + 1));
     EXPECT_EQ(c.pot, 0x8000 + 0x100 * k);
     EXPECT_EQ(c.current, 0x8010 + 0x10 * k);
     EXPECT_EQ(c.motor.command(), 0x8010 + 0x10 * k);
     EXPECT_TRUE(c.motor.amp_on() && c.motor.amp_requested() && f.status.amp_on(k));
     EXPECT_FALSE(c.motor.amp_fault() || c.motor.current_trip() || f.status.current_trip(k));
-    EXPECT_NEAR(encoder_motion(c.encoder, 8).velocity, k == 0 ? 4000.0 : 0.0, 1e-9);
+    EXPECT_NEAR(encoder_motion(c.encoder).velocity, k == 0 ? 4000.0 : 0.0, 1e-9);
   }
 }
 
@@ -249,22 +249,11 @@ TEST(Feedback, VelocitiesAreThoseOfTheHostsLibrary) {
       {0x48009C40, 0x60003000, 0x00000000, 0x40000010, 4915.2, 4915.2, 0}};
   for (const Row& row : rows) {
     const EncoderWords w = {0, row.period, row.quarter1, row.quarter5, row.running};
-    const EncoderMotion m = encoder_motion(w, 8, 1.0);
+    const EncoderMotion m = encoder_motion(w, 1.0);
     EXPECT_NEAR(m.velocity, row.velocity, 1e-6);
     EXPECT_NEAR(m.predicted, row.predicted, 1e-6);
     EXPECT_NEAR(m.acceleration, row.acceleration, 1e-6);
   }
-}
-
-// Rev 6: the same motion in its own words. A quarter of 20000 and 24000 ticks of 3.072 MHz.
-TEST(Feedback, Rev6HasItsQuarterInTwoWords) {
-  const std::uint32_t q1 = 20000, q5 = 24000, period = 80000;
-  const EncoderWords w = {0, 0x40000000U | ((q1 & 0xFF) << 22) | period, ((q1 >> 8) << 20) | q5, 0,
-                          0};
-  const EncoderMotion m = encoder_motion(w, 6, 1.0);
-  const double tick = 1.0 / 3.072e6;
-  EXPECT_NEAR(m.velocity, 4.0 / (period * tick), 1e-9);
-  EXPECT_NEAR(m.acceleration, 8.0 * (q5 - q1) / (80000.0 * 84000.0 * tick * tick * 44000.0), 1e-9);
 }
 
 TEST(Commands, AWalkOverBlocksStopsAtAMalformedOne) {

@@ -60,7 +60,7 @@ class QuadletSpan {
   explicit QuadletSpan(ByteSpan bytes) : bytes_(bytes) {}
 
   std::size_t size() const { return bytes_.size / 4; }
-  void set(std::size_t k, std::uint32_t value) {
+  void set(std::size_t k, std::uint32_t value) const {
     if (k < size()) store_quadlet(bytes_.data + 4 * k, value);
   }
   QuadletSpan part(std::size_t first, std::size_t count) const {

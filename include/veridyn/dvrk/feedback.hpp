@@ -4,7 +4,7 @@
 #include <cstdint>
 
 #include "veridyn/dvrk/bytes.hpp"
-#include "veridyn/dvrk/encoder.hpp"
+#include "veridyn/dvrk/encoder_words.hpp"
 #include "veridyn/dvrk/protocol.hpp"
 #include "veridyn/dvrk/status.hpp"
 

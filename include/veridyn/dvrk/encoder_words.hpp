@@ -1,0 +1,60 @@
+#pragma once
+
+#include <cstdint>
+
+namespace veridyn::dvrk {
+
+/// Ticks per second of the counters in firmware 7 and later, and in firmware 6.
+constexpr double kEncoderClock = 49.152e6;
+constexpr double kEncoderClockRev6 = 3.072e6;
+
+/// The counter that means zero.
+constexpr std::int32_t kEncoderZero = 0x800000;
+
+/// What the FPGA says about one encoder (firmware 7 and later), as it stands in the block read.
+/// The values here are those at power-up.
+struct EncoderWords {
+  std::uint32_t position = 0x800000;
+  std::uint32_t period = 0xCBFFFFFF;    ///< time of the last four edges
+  std::uint32_t quarter1 = 0x43FFFFFF;  ///< time of the last quarter
+  std::uint32_t quarter5 = 0x43FFFFFF;  ///< time of the quarter five edges ago
+  std::uint32_t running = 0x83FFFFFF;   ///< time since the last edge
+};
+
+/// Motion of one encoder in counts, counts/s, counts/s^2.
+struct EncoderMotion {
+  double velocity = 0.0;      ///< mean over the last four edges
+  double acceleration = 0.0;  ///< from two periods that are one edge apart
+  double predicted = 0.0;     ///< velocity carried on to now
+};
+
+/// The laboratory's host takes no acceleration when a quarter lasts less than this many clock
+/// ticks: 1/quarter > threshold.
+constexpr double kAccelerationThreshold = 0.0005;
+
+/// Counts, -2^23 .. 2^23 - 1.
+std::int32_t encoder_counts(std::uint32_t position) noexcept;
+
+/// True if the counter ran over its ends since it was loaded: positions mean nothing.
+bool encoder_overflow(std::uint32_t position) noexcept;
+
+/// True if the period word reports a transition that no encoder makes.
+bool encoder_error(std::uint32_t period) noexcept;
+
+/// The word that loads the counter with `counts`; counts beyond 24 bits are held at the ends.
+std::uint32_t preload_word(std::int64_t counts) noexcept;
+
+/// Velocity, acceleration and the velocity predicted for now.
+///
+///   v = +-4 / (P T),  a = +-8 (q5 - q1) / (P Pp T^2 (q1 + q5)),  Pp = P - q1 + q5
+///   predicted = v + a (P T/2 + r T), of v's sign and no faster than 1/(r T)
+///
+/// with T the clock's tick and P, q1, q5, r the 26-bit times. All zero at rest (overflow) and after
+/// a change of direction.
+EncoderMotion encoder_motion(const EncoderWords& words,
+                             double threshold = kAccelerationThreshold) noexcept;
+
+/// Velocity [counts/s] from the period word of firmware 6.
+double encoder_velocity_rev6(std::uint32_t period) noexcept;
+
+}  // namespace veridyn::dvrk
