@@ -62,7 +62,7 @@ double range_condition_number(const MatrixXd& W) {
 
 Discrimination discrimination(const Question& question, const MatrixXd& gram,
                               const ExcitationOptions& options) {
-  const auto label = [](const Rival& r) {
+  const auto label = [](const RivalCause& r) {
     return r.place.empty() ? r.effect : r.effect + ":" + r.place;
   };
   const RivalColumns& r = question.rivals;

@@ -12,11 +12,11 @@
 namespace veridyn {
 namespace {
 
-std::string label(const Rival& rival) {
+std::string label(const RivalCause& rival) {
   return rival.place.empty() ? rival.effect : rival.effect + ":" + rival.place;
 }
 
-int find_joint(const Model& arm, const Rival& rival) {
+int find_joint(const Model& arm, const RivalCause& rival) {
   std::vector<std::string> names;
   for (const Coordinate& c : arm.coordinates()) names.push_back(c.name);
   int joint = arm.find_coordinate(rival.place);
@@ -29,7 +29,7 @@ int find_joint(const Model& arm, const Rival& rival) {
   return joint;
 }
 
-VectorXd own_values(const Model& arm, const Rival& rival) {
+VectorXd own_values(const Model& arm, const RivalCause& rival) {
   const auto phi = arm.inertial_values();
   require(phi.has_value(), "excitation: '", label(rival), "' follows from the arm's values, but '",
           arm.name(), "' has bodies without mass, com and inertia.");
@@ -94,7 +94,7 @@ class SomeColumns final : public ColumnSource {
 };
 
 // One body on the frame and no other.
-std::unique_ptr<ColumnSource> body_on_frame(const Model& arm, const Rival& rival,
+std::unique_ptr<ColumnSource> body_on_frame(const Model& arm, const RivalCause& rival,
                                             const std::vector<int>& kept) {
   std::vector<std::string> names;
   for (const Frame& frame : arm.frames()) names.push_back(frame.name);
@@ -109,7 +109,7 @@ std::unique_ptr<ColumnSource> body_on_frame(const Model& arm, const Rival& rival
 }
 
 std::vector<std::shared_ptr<const ColumnSource>> tilt_columns(const Model& arm,
-                                                              const Rival& rival) {
+                                                              const RivalCause& rival) {
   const VectorXd phi = own_values(arm, rival);
   const Eigen::Vector3d g = arm.gravity();
   require(g.norm() > 0.0, "excitation: '", label(rival), "': the arm has no gravity.");
@@ -124,10 +124,19 @@ std::vector<std::shared_ptr<const ColumnSource>> tilt_columns(const Model& arm,
   return out;
 }
 
-EffectTerm effect_term(const Model& arm, const Rival& rival, int joint) {
+bool is_on(const EffectTerm& term, const RivalCause& rival, const Model& arm, int joint) {
+  return term.effect == rival.effect &&
+         term.axis.coefficients == VectorXd::Unit(arm.joints(), joint);
+}
+
+// The effect with the constants that the model found for it there, or else its usual ones.
+EffectTerm effect_term(const Model& arm, const RivalCause& rival, int joint) {
   EffectTerm term;
   term.effect = rival.effect;
   term.axis.coefficients = VectorXd::Unit(arm.joints(), joint);
+  for (const EffectTerm& own : arm.effects()) {
+    if (is_on(own, rival, arm, joint)) return own;
+  }
   // Ranges that an effect wants to know are the joint's.
   const MotionLimits limits = motion_limits(arm);
   for (const EffectShape& shape : find_effect(rival.effect).shapes()) {
@@ -139,7 +148,8 @@ EffectTerm effect_term(const Model& arm, const Rival& rival, int joint) {
   return term;
 }
 
-std::vector<std::shared_ptr<const ColumnSource>> rival_columns(const Model& arm, const Rival& rival,
+std::vector<std::shared_ptr<const ColumnSource>> rival_columns(const Model& arm,
+                                                               const RivalCause& rival,
                                                                double rounding) {
   if (rival.effect == "payload") return {body_on_frame(arm, rival, {0})};
   if (rival.effect == "inertia") return {body_on_frame(arm, rival, {4, 6, 9})};
@@ -165,6 +175,22 @@ std::vector<int> numbers(int first, int count) {
   return out;
 }
 
+// Without the rivals' own terms where they have values: what changed of them is asked then.
+Model without_rivals(const Model& arm, const std::pair<RivalCause, RivalCause>& rivals) {
+  ModelDescription rest = arm.description();
+  const auto is_rival = [&](const EffectTerm& term) {
+    if (!BoundEffect(arm, term).has_values()) return false;
+    for (const RivalCause& rival : {rivals.first, rivals.second}) {
+      if (rival.effect == term.effect && is_on(term, rival, arm, find_joint(arm, rival)))
+        return true;
+    }
+    return false;
+  };
+  rest.effects.erase(std::remove_if(rest.effects.begin(), rest.effects.end(), is_rival),
+                     rest.effects.end());
+  return Model(std::move(rest));
+}
+
 // The columns of a discrimination: first those of the arm, then A's, then B's.
 struct Choice {
   std::vector<int> nuisance, first, second;
@@ -186,11 +212,12 @@ void add_rivals(const Model& arm, const ExcitationOptions& options, double round
                 Question& question) {
   const Model& known = options.powered ? *options.powered : arm;
   const auto& [a, b] = *options.between;
+  const Model others = without_rivals(known, *options.between);
   int body_count = 0;
   int arm_count = 0;
   int first_count = 0;
   const auto stack = [&](double round) {
-    auto sources = arm_columns(known, round);
+    auto sources = arm_columns(others, round);
     body_count = sources.front()->count();
     arm_count = 0;
     for (const auto& source : sources) arm_count += source->count();
