@@ -148,10 +148,29 @@ EffectTerm effect_term(const Model& arm, const RivalCause& rival, int joint) {
   return term;
 }
 
+std::vector<int> numbers(int first, int count) {
+  std::vector<int> out(static_cast<size_t>(count));
+  std::iota(out.begin(), out.end(), first);
+  return out;
+}
+
+// How large the parameters are beside each other: 1 kg within 0.1 m, or equal torques.
+VectorXd sizes_of(const RivalCause& rival, const MatrixXd& W, const std::vector<int>& columns,
+                  int first) {
+  VectorXd out(static_cast<Eigen::Index>(columns.size()));
+  for (size_t k = 0; k < columns.size(); ++k) {
+    const int parameter = columns[k] - first;
+    const double of_load = parameter == 0 ? 1.0 : parameter < 4 ? 0.1 : 0.01;
+    const double of_effect = columns.size() == 1 ? 1.0 : 1.0 / W.col(columns[k]).norm();
+    out[static_cast<Eigen::Index>(k)] = rival.effect == "payload" ? of_load : of_effect;
+  }
+  return out;
+}
+
 std::vector<std::shared_ptr<const ColumnSource>> rival_columns(const Model& arm,
                                                                const RivalCause& rival,
                                                                double rounding) {
-  if (rival.effect == "payload") return {body_on_frame(arm, rival, {0})};
+  if (rival.effect == "payload") return {body_on_frame(arm, rival, numbers(0, kBodyParameters))};
   if (rival.effect == "inertia") return {body_on_frame(arm, rival, {4, 6, 9})};
   if (rival.effect == "gravity_tilt") return tilt_columns(arm, rival);
   if (rival.effect == "torque_gain") {
@@ -167,12 +186,6 @@ std::vector<std::shared_ptr<const ColumnSource>> rival_columns(const Model& arm,
           "' needs another joint and cannot be a rival yet.");
   return {
       effect_columns(arm, effect_term(arm, rival, joint), rounding * motion_limits(arm).velocity)};
-}
-
-std::vector<int> numbers(int first, int count) {
-  std::vector<int> out(static_cast<size_t>(count));
-  std::iota(out.begin(), out.end(), first);
-  return out;
 }
 
 // Without the rivals' own terms where they have values: what changed of them is asked then.
@@ -246,18 +259,26 @@ void add_rivals(const Model& arm, const ExcitationOptions& options, double round
     require(!columns.empty(), "excitation: '", label(rival),
             "' cannot be told from what the model has already, whatever the motion.");
   }
+  const auto beyond = [&](const std::vector<int>& own, const std::vector<int>& other) {
+    std::vector<int> rest = choice.nuisance;
+    rest.insert(rest.end(), other.begin(), other.end());
+    return !independent_columns(W, own, rest).empty();
+  };
+  const bool first_shows = beyond(choice.first, choice.second);
+  const bool second_shows = beyond(choice.second, choice.first);
+  require(first_shows || second_shows, "excitation: '", label(a), "' and '", label(b),
+          "' cannot be told apart, whatever the motion: they have the same columns.");
   std::vector<int> taken = choice.nuisance;
   taken.insert(taken.end(), choice.first.begin(), choice.first.end());
-  const std::vector<int> own = independent_columns(W, choice.second, taken);
-  require(own.size() == choice.second.size(), "excitation: '", label(a), "' and '", label(b),
-          "' cannot be told apart, whatever the motion: they have the same columns.");
   taken.insert(taken.end(), choice.second.begin(), choice.second.end());
   exact->choose(taken);
   rounded->choose(taken);
   question.exact = exact;
   question.rounded = rounded;
-  question.rivals = {static_cast<int>(choice.nuisance.size()),
-                     static_cast<int>(choice.first.size()), static_cast<int>(choice.second.size())};
+  question.rivals = {
+      static_cast<int>(choice.nuisance.size()),
+      (first_shows ? 1.0 : 0.0) * sizes_of(a, W, choice.first, arm_count),
+      (second_shows ? 1.0 : 0.0) * sizes_of(b, W, choice.second, arm_count + first_count)};
   question.scale = W(Eigen::all, taken).colwise().norm().transpose() / std::sqrt(states);
 }
 

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "hide_and_seek/judge.hpp"
+#include "veridyn/effects/effect.hpp"
 #include "veridyn/excitation/excitation.hpp"
 #include "veridyn/identification/recording.hpp"
 #include "veridyn/math/require.hpp"
@@ -29,7 +30,12 @@ bool lists(const Finding& f, const std::string& effect) {
 }
 
 bool is_at(const Cause& cause, const Finding& f) {
-  if (cause.effect == "payload") return f.frame == cause.frame;
+  if (cause.effect == "payload") {
+    return f.frame == cause.frame ||
+           std::any_of(f.rivals.begin(), f.rivals.end(), [&](const veridyn::Rival& r) {
+             return r.effect == cause.effect && r.frame == cause.frame;
+           });
+  }
   return cause.joint < 0 || f.joint == cause.joint + 1;
 }
 
@@ -50,6 +56,20 @@ Answer answer(const Diagnosis& d, const Cause& cause, const std::string& other) 
   if (right) return Answer::kRight;
   if (wrong) return Answer::kWrong;
   return right_elsewhere ? Answer::kElsewhere : Answer::kNothing;
+}
+
+// The kind that is named beside the hidden one, as far as a motion can be asked for it.
+std::string rival_of(const Diagnosis& d, const Cause& cause) {
+  for (const Finding& f : d.findings) {
+    if (f.effect != cause.effect || !is_at(cause, f)) continue;
+    for (const veridyn::Rival& r : f.rivals) {
+      const bool can = has_effect(r.effect) ? !find_effect(r.effect).needs_source()
+                                            : r.effect == "payload" || r.effect == "torque_gain" ||
+                                                  r.effect == "gravity_tilt";
+      if (can && r.effect != f.effect) return r.effect;
+    }
+  }
+  return "";
 }
 
 std::string words(const Diagnosis& d) {
@@ -140,12 +160,18 @@ class Fight {
     const Diagnosis before = ask(files);
     out.before = answer(before, cause, other);
     out.words_before = words(before);
-    if (out.before != Answer::kBoth) return out;
-    out.asked = between_of(before, request_.pair, out.from_tool);
+    Pair pair{cause.effect, other, request_.pair.mode};
+    if (out.before == Answer::kRight) {
+      // Not this pair, but perhaps the hidden cause and something else.
+      pair.second = rival_of(before, cause);
+      out.other = pair.second;
+    }
+    if (out.before != Answer::kBoth && out.other.empty()) return out;
+    out.asked = between_of(before, pair, out.from_tool);
     if (out.asked.empty()) return out;
     if (!design(before, files, out)) return out;
     const Diagnosis after = ask(files);
-    out.after = answer(after, cause, other);
+    out.after = answer(after, cause, pair.second);
     out.words_after = words(after);
     return out;
   }

@@ -43,6 +43,7 @@ struct Duel {
   bool observable = true;
   Answer before = Answer::kNothing;
   Answer after = Answer::kNothing;
+  std::string other;       ///< the rival of the hidden cause where it is not that of the pair
   bool planned = false;    ///< a motion was asked for and found
   std::string hidden;      ///< for people
   std::string asked;       ///< the --between of the next experiment
@@ -52,8 +53,9 @@ struct Duel {
   double design_seconds = 0.0;
 };
 
-/// Hides a cause, records ordinary motions, diagnoses; where both causes are named, designs
-/// motions that discriminate between them, records these too, and diagnoses again.
+/// Hides a cause, records ordinary motions, diagnoses; where both causes are named (or the hidden
+/// one and another rival, see Duel::other), designs motions that discriminate between them, records
+/// these too, and diagnoses again.
 /// @param folder  for the recordings; it exists.
 Duel fight(const DuelRequest& request, const std::string& folder);
 

@@ -16,11 +16,15 @@ namespace {
 struct Tally {
   int cases = 0, both = 0, planned = 0, from_tool = 0, alone = 0, still = 0, wrong = 0;
   int alone_before = 0, errors = 0;
+  int others = 0, others_alone = 0;
 };
 
 void count(const Duel& duel, Tally& t) {
   ++t.cases;
   t.alone_before += static_cast<int>(duel.before == Answer::kRight);
+  t.others += static_cast<int>(!duel.other.empty() && duel.planned);
+  t.others_alone +=
+      static_cast<int>(!duel.other.empty() && duel.planned && duel.after == Answer::kRight);
   if (duel.before != Answer::kBoth) return;
   ++t.both;
   t.from_tool += static_cast<int>(duel.from_tool);
@@ -34,10 +38,11 @@ void print(const DuelRequest& asked, const Duel& duel) {
   fmt::print("{:<11} {:>2} {}: ", asked.arm, asked.seed, duel.hidden);
   if (!duel.observable) {
     fmt::print("not observable on this arm\n");
-  } else if (duel.before != Answer::kBoth) {
+  } else if (duel.before != Answer::kBoth && duel.other.empty()) {
     fmt::print("{} | {}\n", name_of(duel.before), duel.words_before);
   } else {
-    fmt::print("both -> {} | {} | {}{} | {} | left {:.2g}, {:.1f} s\n",
+    fmt::print("{} -> {} | {} | {}{} | {} | left {:.2g}, {:.1f} s\n",
+               duel.other.empty() ? "both" : "other",
                duel.planned ? name_of(duel.after) : "NO MOTION", duel.words_before,
                duel.from_tool ? "" : "(not first asked) ", duel.asked, duel.words_after,
                duel.share_after, duel.design_seconds);
@@ -97,16 +102,20 @@ int run(int argc, char** argv) {
     }
     table.emplace_back(asked.pair.first + " / " + asked.pair.second, tally);
   }
-  fmt::print("\n{:<55} {:>5} {:>6} {:>5} {:>6} {:>8} {:>6} {:>6} {:>6} {:>6}\n", "pair", "cases",
-             "alone0", "both", "asked", "planned", "alone", "both", "wrong", "errors");
+  fmt::print("\n{:<55} {:>5} {:>6} {:>5} {:>6} {:>8} {:>6} {:>6} {:>6} {:>6} {:>9}\n", "pair",
+             "cases", "alone0", "both", "asked", "planned", "alone", "both", "wrong", "errors",
+             "others");
   for (const auto& [name, t] : table) {
-    fmt::print("{:<55} {:>5} {:>6} {:>5} {:>6} {:>8} {:>6} {:>6} {:>6} {:>6}\n", name, t.cases,
-               t.alone_before, t.both, t.from_tool, t.planned, t.alone, t.still, t.wrong, t.errors);
+    fmt::print("{:<55} {:>5} {:>6} {:>5} {:>6} {:>8} {:>6} {:>6} {:>6} {:>6} {:>9}\n", name,
+               t.cases, t.alone_before, t.both, t.from_tool, t.planned, t.alone, t.still, t.wrong,
+               t.errors, fmt::format("{}/{}", t.others_alone, t.others));
   }
   fmt::print(
       "\ncases: observable ones. alone0: the right one alone from ordinary recordings. both: both "
       "named there;\nof these: asked: the tool's next experiment is about the pair; planned: a "
-      "motion was found;\nalone, both, wrong: what is named after recording it too.\n");
+      "motion was found;\nalone, both, wrong: what is named after recording it too. others: the "
+      "hidden cause had a "
+      "rival beyond\nthe pair, and was freed of it / cases.\n");
   return 0;
 }
 

@@ -107,13 +107,14 @@ struct LimitMargin {
 };
 
 /// What the motion says about two rivals; roots of mean squares of torque in units of the
-/// rows' weights, per unit of the rival's parameter.
+/// rows' weights, per unit of the rival's parameter (of a payload: 1 kg within 0.1 m). Zero for a
+/// rival that does nothing which the other one cannot do as well, whatever the motion.
 struct Discrimination {
   std::string first, second;
-  double first_left = 0.0;   ///< of the first's columns, after everything else
+  double first_left = 0.0;   ///< of the first's torque, after everything else
   double second_left = 0.0;  ///< of the second's
-  double first_share = 0.0;  ///< the same as a share of the columns themselves, 0 to 1
-  double second_share = 0.0;
+  /// The same as a share of what the rest of the model leaves of it, 0 to 1.
+  double first_share = 0.0, second_share = 0.0;
   bool bodies_known = false;  ///< the rivals can only be told apart with known bodies
 };
 
