@@ -43,12 +43,12 @@ Named named(const std::string& option, const std::string& words, const std::vect
 
 }  // namespace
 
-std::pair<Rival, Rival> rivals(const std::string& words) {
+std::pair<RivalCause, RivalCause> rivals(const std::string& words) {
   const std::vector<std::string> two = CLI::detail::split(words, ',');
   if (two.size() != 2 || two[0].empty() || two[1].empty()) {
     fail("--between", words, "two causes EFFECT:PLACE,EFFECT:PLACE, as payload:tool,torque_gain:2");
   }
-  const auto one = [](const std::string& word) -> Rival {
+  const auto one = [](const std::string& word) -> RivalCause {
     const auto colon = word.find(':');
     if (colon == std::string::npos) return {word, ""};
     return {word.substr(0, colon), word.substr(colon + 1)};

@@ -11,7 +11,7 @@ namespace veridyn::cli {
 // and what was expected.
 
 /// "EFFECT:PLACE,EFFECT:PLACE".
-std::pair<Rival, Rival> rivals(const std::string& words);
+std::pair<RivalCause, RivalCause> rivals(const std::string& words);
 
 /// "FRAME:X,X,Y,Y,Z,Z", from and to; "-inf" and "inf" leave a side open.
 FrameBox frame_box(const std::string& words);

@@ -76,34 +76,80 @@ SmoothValue smooth_d_optimality(const MatrixXd& gram, const VectorXd& scale) {
   return out;
 }
 
+namespace {
+
+// A group of columns, and what their parameters may be.
+struct Group {
+  Eigen::Index first;
+  const VectorXd& sizes;
+  std::vector<Eigen::Index> columns() const {
+    std::vector<Eigen::Index> out;
+    for (Eigen::Index k = 0; k < sizes.size(); ++k) out.push_back(first + k);
+    return out;
+  }
+};
+
+// What `others` leave of a group, and its derivative by the Gram matrix G, scaled.
+double left_of(const MatrixXd& G, const VectorXd& scale, const Group& group,
+               const std::vector<Eigen::Index>& others, MatrixXd& by_gram) {
+  const MatrixXd side = G(others, group.columns());
+  MatrixXd inverse;
+  log_det(G(others, others), inverse);
+  const MatrixXd X = inverse * side;
+  by_gram = MatrixXd::Zero(G.rows(), G.cols());
+  double left = 0.0;
+  for (Eigen::Index k = 0; k < group.sizes.size(); ++k) {
+    const Eigen::Index own = group.first + k;
+    const double unit = std::pow(group.sizes[k] * scale[own], 2);
+    left += unit * std::max(G(own, own) - side.col(k).dot(X.col(k)), kSmallestShare * G(own, own));
+    VectorXd direction = VectorXd::Zero(G.rows());
+    direction[own] = 1.0;
+    direction(others) = -X.col(k);
+    by_gram += unit * direction * direction.transpose();
+  }
+  by_gram = scaled_both_sides(by_gram, scale.cwiseInverse());
+  return left;
+}
+
+RivalLeft rival_left(const MatrixXd& gram, const VectorXd& scale, Eigen::Index nuisance,
+                     const Group& group, const Group& other) {
+  const MatrixXd G = scaled_both_sides(gram, scale.cwiseInverse());
+  std::vector<Eigen::Index> others;
+  for (Eigen::Index k = 0; k < nuisance; ++k) others.push_back(k);
+  RivalLeft out;
+  out.alone = left_of(G, scale, group, others, out.alone_by_gram);
+  const std::vector<Eigen::Index> rival = other.columns();
+  others.insert(others.end(), rival.begin(), rival.end());
+  out.left = left_of(G, scale, group, others, out.left_by_gram);
+  return out;
+}
+
+}  // namespace
+
+std::pair<RivalLeft, RivalLeft> rivals_left(const MatrixXd& gram, const VectorXd& scale,
+                                            const RivalColumns& rivals) {
+  const Eigen::Index n = rivals.nuisance;
+  const Group first{n, rivals.first};
+  const Group second{n + rivals.first.size(), rivals.second};
+  return {rival_left(gram, scale, n, first, second), rival_left(gram, scale, n, second, first)};
+}
+
 SmoothValue smooth_discrimination(const MatrixXd& gram, const VectorXd& scale,
                                   const RivalColumns& rivals) {
-  const VectorXd d = scale.cwiseInverse();
-  const MatrixXd G = scaled_both_sides(gram, d);
-  const Eigen::Index n = rivals.nuisance;
-  const Eigen::Index a = rivals.first;
-  const Eigen::Index b = rivals.second;
+  const auto both = rivals_left(gram, scale, rivals);
+  const bool first = !rivals.first.isZero(0.0);
+  const bool second = !rivals.second.isZero(0.0);
+  const double weight = first && second ? 0.5 : 1.0;
   SmoothValue out;
-  MatrixXd by_scaled = MatrixXd::Zero(G.rows(), G.cols());
-  MatrixXd inverse;
-  const auto add = [&](const std::vector<Eigen::Index>& kept, double weight) {
-    out.value += weight * log_det(G(kept, kept), inverse);
-    by_scaled(kept, kept) += weight * inverse;
+  out.by_gram = MatrixXd::Zero(gram.rows(), gram.cols());
+  const auto add = [&](const RivalLeft& rival) {
+    const double left = std::max(rival.left, 1e-300);
+    const double alone = std::max(rival.alone, 1e-300);
+    out.value += weight * (-0.5 * std::log(left) + 0.25 * std::log(alone));
+    out.by_gram += weight * (-0.5 / left * rival.left_by_gram + 0.25 / alone * rival.alone_by_gram);
   };
-  std::vector<Eigen::Index> all;
-  std::vector<Eigen::Index> without_a;
-  std::vector<Eigen::Index> without_b;
-  for (Eigen::Index k = 0; k < n + a + b; ++k) {
-    all.push_back(k);
-    if (k < n || k >= n + a) without_a.push_back(k);
-    if (k < n + a) without_b.push_back(k);
-  }
-  const double weight_a = -0.25 / static_cast<double>(a);
-  const double weight_b = -0.25 / static_cast<double>(b);
-  add(all, weight_a + weight_b);
-  add(without_a, -weight_a);
-  add(without_b, -weight_b);
-  out.by_gram = scaled_both_sides(by_scaled, d);
+  if (first) add(both.first);
+  if (second) add(both.second);
   return out;
 }
 

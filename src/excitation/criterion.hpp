@@ -1,5 +1,7 @@
 #pragma once
 
+#include <utility>
+
 #include "veridyn/math/types.hpp"
 
 namespace veridyn {
@@ -30,13 +32,31 @@ SmoothValue smooth_d_optimality(const MatrixXd& gram, const VectorXd& scale);
 /// How columns of two rivals A and B stand among the nuisance columns, which come first.
 struct RivalColumns {
   int nuisance = 0;
-  int first = 0;   ///< columns of A
-  int second = 0;  ///< columns of B, last
+  /// One entry for each of A's columns: the size that its parameter may have. All zero where
+  /// nuisance and B explain whatever A does, so that A alone can never be seen.
+  VectorXd first;
+  VectorXd second;  ///< the same of B, whose columns are the last
 };
 
-/// What is left of each rival's columns when nuisance and the other rival have explained what they
-/// can: the geometric mean, over A's and B's columns, of the roots of the Schur complements (D_s
-/// optimality both ways: Atkinson and Fedorov, Biometrika 62(1), 1975). Minus its logarithm.
+/// The mean square torque of a rival whose parameters are drawn with the given sizes, when others
+/// have explained what they can:
+///
+///   S_A = sum over k of size_k^2 (G_AA - G_AO inv(G_OO) G_OA)_kk
+struct RivalLeft {
+  double left = 0.0;   ///< O: nuisance and B
+  double alone = 0.0;  ///< O: nuisance
+  MatrixXd left_by_gram, alone_by_gram;
+};
+
+/// Of A and of B.
+std::pair<RivalLeft, RivalLeft> rivals_left(const MatrixXd& gram, const VectorXd& scale,
+                                            const RivalColumns& rivals);
+
+/// Of each rival that can be seen, in the mean: - 1/2 ln(left) + 1/4 ln(alone), that is minus half
+/// the logarithm of how much of its torque tells it from the other (T optimality: Atkinson and
+/// Fedorov, Biometrika 62(1), 1975), and minus half of which share. The share counts because a
+/// diagnosis holds two causes for rivals when one gains nearly as much as the other, however large
+/// both are.
 SmoothValue smooth_discrimination(const MatrixXd& gram, const VectorXd& scale,
                                   const RivalColumns& rivals);
 

@@ -1,12 +1,9 @@
 #include "veridyn/excitation/excitation.hpp"
 
-#include <Eigen/Cholesky>
-#include <Eigen/LU>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <limits>
-#include <tuple>
 
 #include "motion_search.hpp"
 #include "veridyn/math/parallel.hpp"
@@ -62,33 +59,20 @@ double range_condition_number(const MatrixXd& W) {
 
 Discrimination discrimination(const Question& question, const MatrixXd& gram,
                               const ExcitationOptions& options) {
-  const auto label = [](const Rival& r) {
+  const auto label = [](const RivalCause& r) {
     return r.place.empty() ? r.effect : r.effect + ":" + r.place;
-  };
-  const RivalColumns& r = question.rivals;
-  const auto left = [&](int columns, int others_before, int size) {
-    // One rival at a time: the other one counts as nuisance.
-    std::vector<Eigen::Index> order;
-    for (Eigen::Index k = 0; k < gram.rows(); ++k) {
-      if (k < others_before || k >= others_before + columns) order.push_back(k);
-    }
-    const auto nuisance = static_cast<Eigen::Index>(order.size());
-    for (Eigen::Index k = 0; k < columns; ++k) order.push_back(others_before + k);
-    const MatrixXd G = gram(order, order);
-    const MatrixXd corner = G.topLeftCorner(nuisance, nuisance);
-    const MatrixXd side = G.topRightCorner(nuisance, columns);
-    const MatrixXd own = G.bottomRightCorner(columns, columns);
-    const MatrixXd rest = own - side.transpose() * corner.ldlt().solve(side);
-    const auto root = [&](const MatrixXd& M) {
-      return std::pow(std::max(0.0, M.determinant()), 0.5 / size);
-    };
-    return std::make_pair(root(rest), root(rest) / root(own));
   };
   Discrimination out;
   out.first = label(options.between->first);
   out.second = label(options.between->second);
-  std::tie(out.first_left, out.first_share) = left(r.first, r.nuisance, r.first);
-  std::tie(out.second_left, out.second_share) = left(r.second, r.nuisance + r.first, r.second);
+  const auto [first, second] = rivals_left(gram, question.scale, question.rivals);
+  const auto share = [](const RivalLeft& r) {
+    return r.alone > 0.0 ? std::sqrt(r.left / r.alone) : 0.0;
+  };
+  out.first_left = std::sqrt(first.left);
+  out.second_left = std::sqrt(second.left);
+  out.first_share = share(first);
+  out.second_share = share(second);
   out.bodies_known = question.bodies_known;
   return out;
 }

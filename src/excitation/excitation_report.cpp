@@ -72,8 +72,10 @@ std::string quality_text(const Excitation& e) {
   if (!e.discrimination) return out;
   const Discrimination& d = *e.discrimination;
   out += fmt::format(
-      "{} keeps {:.3g} % of its columns that nothing else explains, {} {:.3g} %{}.\n", d.first,
-      100.0 * d.first_share, d.second, 100.0 * d.second_share,
+      "Of what the rest of the model leaves of {}, {:.3g} % cannot be taken for the other cause; "
+      "of "
+      "{}, {:.3g} %{}.\n",
+      d.first, 100.0 * d.first_share, d.second, 100.0 * d.second_share,
       d.bodies_known ? ", with the bodies' parameters known (a change of an identified arm)" : "");
   return out;
 }

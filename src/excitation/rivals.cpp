@@ -12,11 +12,11 @@
 namespace veridyn {
 namespace {
 
-std::string label(const Rival& rival) {
+std::string label(const RivalCause& rival) {
   return rival.place.empty() ? rival.effect : rival.effect + ":" + rival.place;
 }
 
-int find_joint(const Model& arm, const Rival& rival) {
+int find_joint(const Model& arm, const RivalCause& rival) {
   std::vector<std::string> names;
   for (const Coordinate& c : arm.coordinates()) names.push_back(c.name);
   int joint = arm.find_coordinate(rival.place);
@@ -29,7 +29,7 @@ int find_joint(const Model& arm, const Rival& rival) {
   return joint;
 }
 
-VectorXd own_values(const Model& arm, const Rival& rival) {
+VectorXd own_values(const Model& arm, const RivalCause& rival) {
   const auto phi = arm.inertial_values();
   require(phi.has_value(), "excitation: '", label(rival), "' follows from the arm's values, but '",
           arm.name(), "' has bodies without mass, com and inertia.");
@@ -94,7 +94,7 @@ class SomeColumns final : public ColumnSource {
 };
 
 // One body on the frame and no other.
-std::unique_ptr<ColumnSource> body_on_frame(const Model& arm, const Rival& rival,
+std::unique_ptr<ColumnSource> body_on_frame(const Model& arm, const RivalCause& rival,
                                             const std::vector<int>& kept) {
   std::vector<std::string> names;
   for (const Frame& frame : arm.frames()) names.push_back(frame.name);
@@ -109,7 +109,7 @@ std::unique_ptr<ColumnSource> body_on_frame(const Model& arm, const Rival& rival
 }
 
 std::vector<std::shared_ptr<const ColumnSource>> tilt_columns(const Model& arm,
-                                                              const Rival& rival) {
+                                                              const RivalCause& rival) {
   const VectorXd phi = own_values(arm, rival);
   const Eigen::Vector3d g = arm.gravity();
   require(g.norm() > 0.0, "excitation: '", label(rival), "': the arm has no gravity.");
@@ -124,10 +124,19 @@ std::vector<std::shared_ptr<const ColumnSource>> tilt_columns(const Model& arm,
   return out;
 }
 
-EffectTerm effect_term(const Model& arm, const Rival& rival, int joint) {
+bool is_on(const EffectTerm& term, const RivalCause& rival, const Model& arm, int joint) {
+  return term.effect == rival.effect &&
+         term.axis.coefficients == VectorXd::Unit(arm.joints(), joint);
+}
+
+// The effect with the constants that the model found for it there, or else its usual ones.
+EffectTerm effect_term(const Model& arm, const RivalCause& rival, int joint) {
   EffectTerm term;
   term.effect = rival.effect;
   term.axis.coefficients = VectorXd::Unit(arm.joints(), joint);
+  for (const EffectTerm& own : arm.effects()) {
+    if (is_on(own, rival, arm, joint)) return own;
+  }
   // Ranges that an effect wants to know are the joint's.
   const MotionLimits limits = motion_limits(arm);
   for (const EffectShape& shape : find_effect(rival.effect).shapes()) {
@@ -139,9 +148,29 @@ EffectTerm effect_term(const Model& arm, const Rival& rival, int joint) {
   return term;
 }
 
-std::vector<std::shared_ptr<const ColumnSource>> rival_columns(const Model& arm, const Rival& rival,
+std::vector<int> numbers(int first, int count) {
+  std::vector<int> out(static_cast<size_t>(count));
+  std::iota(out.begin(), out.end(), first);
+  return out;
+}
+
+// How large the parameters are beside each other: 1 kg within 0.1 m, or equal torques.
+VectorXd sizes_of(const RivalCause& rival, const MatrixXd& W, const std::vector<int>& columns,
+                  int first) {
+  VectorXd out(static_cast<Eigen::Index>(columns.size()));
+  for (size_t k = 0; k < columns.size(); ++k) {
+    const int parameter = columns[k] - first;
+    const double of_load = parameter == 0 ? 1.0 : parameter < 4 ? 0.1 : 0.01;
+    const double of_effect = columns.size() == 1 ? 1.0 : 1.0 / W.col(columns[k]).norm();
+    out[static_cast<Eigen::Index>(k)] = rival.effect == "payload" ? of_load : of_effect;
+  }
+  return out;
+}
+
+std::vector<std::shared_ptr<const ColumnSource>> rival_columns(const Model& arm,
+                                                               const RivalCause& rival,
                                                                double rounding) {
-  if (rival.effect == "payload") return {body_on_frame(arm, rival, {0})};
+  if (rival.effect == "payload") return {body_on_frame(arm, rival, numbers(0, kBodyParameters))};
   if (rival.effect == "inertia") return {body_on_frame(arm, rival, {4, 6, 9})};
   if (rival.effect == "gravity_tilt") return tilt_columns(arm, rival);
   if (rival.effect == "torque_gain") {
@@ -159,10 +188,20 @@ std::vector<std::shared_ptr<const ColumnSource>> rival_columns(const Model& arm,
       effect_columns(arm, effect_term(arm, rival, joint), rounding * motion_limits(arm).velocity)};
 }
 
-std::vector<int> numbers(int first, int count) {
-  std::vector<int> out(static_cast<size_t>(count));
-  std::iota(out.begin(), out.end(), first);
-  return out;
+// Without the rivals' own terms where they have values: what changed of them is asked then.
+Model without_rivals(const Model& arm, const std::pair<RivalCause, RivalCause>& rivals) {
+  ModelDescription rest = arm.description();
+  const auto is_rival = [&](const EffectTerm& term) {
+    if (!BoundEffect(arm, term).has_values()) return false;
+    for (const RivalCause& rival : {rivals.first, rivals.second}) {
+      if (rival.effect == term.effect && is_on(term, rival, arm, find_joint(arm, rival)))
+        return true;
+    }
+    return false;
+  };
+  rest.effects.erase(std::remove_if(rest.effects.begin(), rest.effects.end(), is_rival),
+                     rest.effects.end());
+  return Model(std::move(rest));
 }
 
 // The columns of a discrimination: first those of the arm, then A's, then B's.
@@ -186,11 +225,12 @@ void add_rivals(const Model& arm, const ExcitationOptions& options, double round
                 Question& question) {
   const Model& known = options.powered ? *options.powered : arm;
   const auto& [a, b] = *options.between;
+  const Model others = without_rivals(known, *options.between);
   int body_count = 0;
   int arm_count = 0;
   int first_count = 0;
   const auto stack = [&](double round) {
-    auto sources = arm_columns(known, round);
+    auto sources = arm_columns(others, round);
     body_count = sources.front()->count();
     arm_count = 0;
     for (const auto& source : sources) arm_count += source->count();
@@ -219,18 +259,26 @@ void add_rivals(const Model& arm, const ExcitationOptions& options, double round
     require(!columns.empty(), "excitation: '", label(rival),
             "' cannot be told from what the model has already, whatever the motion.");
   }
+  const auto beyond = [&](const std::vector<int>& own, const std::vector<int>& other) {
+    std::vector<int> rest = choice.nuisance;
+    rest.insert(rest.end(), other.begin(), other.end());
+    return !independent_columns(W, own, rest).empty();
+  };
+  const bool first_shows = beyond(choice.first, choice.second);
+  const bool second_shows = beyond(choice.second, choice.first);
+  require(first_shows || second_shows, "excitation: '", label(a), "' and '", label(b),
+          "' cannot be told apart, whatever the motion: they have the same columns.");
   std::vector<int> taken = choice.nuisance;
   taken.insert(taken.end(), choice.first.begin(), choice.first.end());
-  const std::vector<int> own = independent_columns(W, choice.second, taken);
-  require(own.size() == choice.second.size(), "excitation: '", label(a), "' and '", label(b),
-          "' cannot be told apart, whatever the motion: they have the same columns.");
   taken.insert(taken.end(), choice.second.begin(), choice.second.end());
   exact->choose(taken);
   rounded->choose(taken);
   question.exact = exact;
   question.rounded = rounded;
-  question.rivals = {static_cast<int>(choice.nuisance.size()),
-                     static_cast<int>(choice.first.size()), static_cast<int>(choice.second.size())};
+  question.rivals = {
+      static_cast<int>(choice.nuisance.size()),
+      (first_shows ? 1.0 : 0.0) * sizes_of(a, W, choice.first, arm_count),
+      (second_shows ? 1.0 : 0.0) * sizes_of(b, W, choice.second, arm_count + first_count)};
   question.scale = W(Eigen::all, taken).colwise().norm().transpose() / std::sqrt(states);
 }
 

@@ -172,7 +172,7 @@ TEST(Excitation, RefusesRivalsThatNoMotionTellsApart) {
   const Model arm = read_model("psm-3dof");
   ExcitationOptions options = small_search();
   options.criterion = ExcitationCriterion::kDiscriminate;
-  const auto refuses = [&](const Rival& a, const Rival& b) {
+  const auto refuses = [&](const RivalCause& a, const RivalCause& b) {
     options.between = {a, b};
     EXPECT_THROW(optimise_excitation(arm, options), InvalidInput) << a.effect << " " << b.effect;
   };

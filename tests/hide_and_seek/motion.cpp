@@ -81,14 +81,33 @@ Motion::Motion(const Model& arm, unsigned seed, int number) {
     const double margin = 0.5 * (0.9 * range - scale * (high - low));
     joint.centre = 0.5 * (c.limits.lower + c.limits.upper) - 0.5 * scale * (high + low) +
                    draw.in(-margin, margin);
-    const double deviation = (c.prismatic ? 5e-4 : 3e-3) * draw.in(0.5, 1.5);
-    for (int h = 0; h < kDeviations; ++h) {
-      const double size = deviation * std::sqrt(2.0 / kDeviations);
-      const double phase = draw.in(0.0, 2.0 * M_PI);
-      joint.deviation.push_back(
-          {2.0 * M_PI * draw.in(0.05, 0.6), size * std::cos(phase), size * std::sin(phase)});
-    }
+    add_deviation(joint, c.prismatic, draw);
     joints_.push_back(std::move(joint));
+  }
+}
+
+Motion::Motion(const Model& arm, const Series& series, unsigned seed, int number)
+    : duration_(series.periods / series.frequency) {
+  Draw draw(seed, "deviation " + arm.name() + " " + std::to_string(number));
+  for (int i = 0; i < arm.joints(); ++i) {
+    Joint joint;
+    joint.centre = series.centre[i];
+    for (int h = 0; h < series.sine.cols(); ++h) {
+      const double omega = 2.0 * M_PI * series.frequency * (h + 1);
+      joint.wanted.push_back({omega, series.sine(i, h), series.cosine(i, h)});
+    }
+    add_deviation(joint, arm.coordinates()[static_cast<size_t>(i)].prismatic, draw);
+    joints_.push_back(std::move(joint));
+  }
+}
+
+void Motion::add_deviation(Joint& joint, bool prismatic, Draw& draw) const {
+  const double deviation = (prismatic ? 5e-4 : 3e-3) * draw.in(0.5, 1.5);
+  for (int h = 0; h < kDeviations; ++h) {
+    const double size = deviation * std::sqrt(2.0 / kDeviations);
+    const double phase = draw.in(0.0, 2.0 * M_PI);
+    joint.deviation.push_back(
+        {2.0 * M_PI * draw.in(0.05, 0.6), size * std::cos(phase), size * std::sin(phase)});
   }
 }
 

@@ -18,7 +18,7 @@ enum class ExcitationCriterion {
   kCondition,
   /// Largest ln det of its weighted Gram matrix: the smallest volume of the confidence ellipsoid.
   kDOptimal,
-  /// Two named causes told apart best, see Rival.
+  /// Two named causes told apart best, see RivalCause.
   kDiscriminate,
 };
 
@@ -55,7 +55,7 @@ const char* name_of(ColumnScaling scaling);
 /// A cause of torque: an effect of CONTRACT.md and its joint (name or number from 1) or frame.
 /// `payload` and `inertia` (of a body that turns with the frame) stand on a frame; `gravity_tilt`
 /// needs no place; `torque_gain`, `payload` and `gravity_tilt` follow from the arm's own values.
-struct Rival {
+struct RivalCause {
   std::string effect;
   std::string place;
 };
@@ -66,8 +66,8 @@ struct ExcitationOptions {
   double duration = 30.0;   ///< [s] wanted; rounded to whole periods, at least two
   double rate = 200.0;      ///< [Hz] of the samples
   ExcitationCriterion criterion = ExcitationCriterion::kCondition;
-  std::optional<std::pair<Rival, Rival>> between{};  ///< for kDiscriminate
-  ColumnScaling scaling = ColumnScaling::kNorm;      ///< for kCondition
+  std::optional<std::pair<RivalCause, RivalCause>> between{};  ///< for kDiscriminate
+  ColumnScaling scaling = ColumnScaling::kNorm;                ///< for kCondition
   ExcitationSolver solver = best_solver();
   int starts = 2;  ///< independent searches, of which the best wins
   /// Iterations of Ipopt, evaluations of NLopt, motions of kRandom in each search; the result
@@ -107,13 +107,14 @@ struct LimitMargin {
 };
 
 /// What the motion says about two rivals; roots of mean squares of torque in units of the
-/// rows' weights, per unit of the rival's parameter.
+/// rows' weights, per unit of the rival's parameter (of a payload: 1 kg within 0.1 m). Zero for a
+/// rival that does nothing which the other one cannot do as well, whatever the motion.
 struct Discrimination {
   std::string first, second;
-  double first_left = 0.0;   ///< of the first's columns, after everything else
+  double first_left = 0.0;   ///< of the first's torque, after everything else
   double second_left = 0.0;  ///< of the second's
-  double first_share = 0.0;  ///< the same as a share of the columns themselves, 0 to 1
-  double second_share = 0.0;
+  /// The same as a share of what the rest of the model leaves of it, 0 to 1.
+  double first_share = 0.0, second_share = 0.0;
   bool bodies_known = false;  ///< the rivals can only be told apart with known bodies
 };
 

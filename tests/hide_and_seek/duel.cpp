@@ -1,0 +1,264 @@
+#include "hide_and_seek/duel.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+
+#include "hide_and_seek/judge.hpp"
+#include "veridyn/effects/effect.hpp"
+#include "veridyn/excitation/excitation.hpp"
+#include "veridyn/identification/recording.hpp"
+#include "veridyn/math/require.hpp"
+#include "veridyn/model/model_file.hpp"
+#include "veridyn/simulation/simulate_recording.hpp"
+
+namespace veridyn::seek {
+namespace {
+
+constexpr int kFirstDesigned = 200;  // number of the first designed recording
+constexpr double kFrequencies[] = {0.1, 0.13, 0.08, 0.16};  // [Hz] of the designed motions
+
+// The other cause of a pair: a finding or a rival of this kind counts wherever it is.
+bool names(const Finding& f, const std::string& effect) {
+  return f.effect == effect;
+}
+
+bool lists(const Finding& f, const std::string& effect) {
+  return std::any_of(f.rivals.begin(), f.rivals.end(),
+                     [&](const veridyn::Rival& r) { return r.effect == effect; });
+}
+
+bool is_at(const Cause& cause, const Finding& f) {
+  if (cause.effect == "payload") {
+    return f.frame == cause.frame ||
+           std::any_of(f.rivals.begin(), f.rivals.end(), [&](const veridyn::Rival& r) {
+             return r.effect == cause.effect && r.frame == cause.frame;
+           });
+  }
+  return cause.joint < 0 || f.joint == cause.joint + 1;
+}
+
+// A rival stands where the finding does, or on a frame, or is of the whole arm.
+Answer answer(const Diagnosis& d, const Cause& cause, const std::string& other) {
+  bool right = false;
+  bool right_elsewhere = false;
+  bool both = false;
+  bool wrong = false;
+  for (const Finding& f : d.findings) {
+    const bool of_pair = names(f, cause.effect) || names(f, other);
+    if (names(f, cause.effect)) (is_at(cause, f) ? right : right_elsewhere) = true;
+    wrong |= names(f, other);
+    if (of_pair) both |= lists(f, names(f, other) ? cause.effect : other);
+  }
+  both |= right && wrong;
+  if (both) return Answer::kBoth;
+  if (right) return Answer::kRight;
+  if (wrong) return Answer::kWrong;
+  return right_elsewhere ? Answer::kElsewhere : Answer::kNothing;
+}
+
+// The kind that is named beside the hidden one, as far as a motion can be asked for it.
+std::string rival_of(const Diagnosis& d, const Cause& cause) {
+  for (const Finding& f : d.findings) {
+    if (f.effect != cause.effect || !is_at(cause, f)) continue;
+    for (const veridyn::Rival& r : f.rivals) {
+      const bool can = has_effect(r.effect) ? !find_effect(r.effect).needs_source()
+                                            : r.effect == "payload" || r.effect == "torque_gain" ||
+                                                  r.effect == "gravity_tilt";
+      if (can && r.effect != f.effect) return r.effect;
+    }
+  }
+  return "";
+}
+
+std::string words(const Diagnosis& d) {
+  std::string out;
+  for (const Finding& f : d.findings) {
+    out += fmt::format("{}{}@{}", out.empty() ? "" : ", ", f.effect,
+                       f.frame.empty() ? std::to_string(f.joint) : f.frame);
+    for (const veridyn::Rival& r : f.rivals)
+      out += fmt::format("/{}@{}", r.effect, r.frame.empty() ? std::to_string(r.joint) : r.frame);
+  }
+  return out.empty() ? "none" : out;
+}
+
+RivalCause cause_from(const std::string& word) {
+  const auto colon = word.find(':');
+  if (colon == std::string::npos) return {word, ""};
+  return {word.substr(0, colon), word.substr(colon + 1)};
+}
+
+std::string place_text(const std::string& effect, int joint, const std::string& frame) {
+  if (!frame.empty()) return effect + ":" + frame;
+  return joint > 0 ? effect + ":" + std::to_string(joint) : effect;
+}
+
+// The two causes as the tool prints them; where it asks about others first, from the findings.
+std::string between_of(const Diagnosis& d, const Pair& pair, bool& from_tool) {
+  const std::string& printed = d.next_experiment.trajectory;
+  const std::string key = "--between ";
+  const auto at = printed.find(key);
+  from_tool = false;
+  if (at != std::string::npos) {
+    std::string asked = printed.substr(at + key.size());
+    asked = asked.substr(0, asked.find(' '));
+    from_tool =
+        asked.find(pair.first) != std::string::npos && asked.find(pair.second) != std::string::npos;
+    if (from_tool) return asked;
+  }
+  for (const Finding& f : d.findings) {
+    for (const veridyn::Rival& r : f.rivals) {
+      const bool forth = f.effect == pair.first && r.effect == pair.second;
+      const bool back = f.effect == pair.second && r.effect == pair.first;
+      if (!forth && !back) continue;
+      return place_text(f.effect, f.joint, f.frame) + "," + place_text(r.effect, r.joint, r.frame);
+    }
+  }
+  return "";
+}
+
+// As with `--model M`: torques are not limited, for nobody knows how strong the arm is.
+Model without_efforts(const Model& arm) {
+  ModelDescription description = arm.description();
+  for (Coordinate& c : description.coordinates)
+    c.limits.effort = std::numeric_limits<double>::infinity();
+  return Model(std::move(description));
+}
+
+Motion::Series series_of(const Excitation& e) {
+  const FourierTrajectory& t = e.trajectory;
+  Motion::Series out{t.frequency(), e.periods, t.q0(), t.a(), -t.b()};
+  for (int h = 0; h < t.harmonics(); ++h) {
+    const double omega = 2.0 * M_PI * t.frequency() * (h + 1);
+    out.sine.col(h) /= omega;
+    out.cosine.col(h) /= omega;
+  }
+  return out;
+}
+
+class Fight {
+ public:
+  Fight(const DuelRequest& request, const std::string& folder)
+      : request_(request),
+        folder_(folder),
+        hidden_(hide({request.arm,
+                      {request.hide_second ? request.pair.second : request.pair.first},
+                      request.seed,
+                      request.share,
+                      request.pair.mode})) {}
+
+  Duel run() {
+    Duel out;
+    out.observable = hidden_.observable;
+    if (!hidden_.observable) return out;
+    const Cause& cause = hidden_.causes.front();
+    const std::string& other = request_.hide_second ? request_.pair.first : request_.pair.second;
+    out.hidden = describe(cause, hidden_.bench.robot);
+    CaseFiles files = write_case(hidden_, folder_);
+    files.train.resize(static_cast<size_t>(request_.ordinary), files.train.back());
+    const Diagnosis before = ask(files);
+    out.before = answer(before, cause, other);
+    out.words_before = words(before);
+    Pair pair{cause.effect, other, request_.pair.mode};
+    if (out.before == Answer::kRight) {
+      // Not this pair, but perhaps the hidden cause and something else.
+      pair.second = rival_of(before, cause);
+      out.other = pair.second;
+    }
+    if (out.before != Answer::kBoth && out.other.empty()) return out;
+    out.asked = between_of(before, pair, out.from_tool);
+    if (out.asked.empty()) return out;
+    if (!design(before, files, out)) return out;
+    const Diagnosis after = ask(files);
+    out.after = answer(after, cause, pair.second);
+    out.words_after = words(after);
+    return out;
+  }
+
+ private:
+  Diagnosis ask(const CaseFiles& files) {
+    DiagnosisOptions options;
+    options.identification.threads = request_.threads;
+    return seek_causes(hidden_, files, folder_, options);
+  }
+
+  // Adds recordings of designed motions to `files`.
+  bool design(const Diagnosis& before, CaseFiles& files, Duel& out) {
+    ExcitationOptions options;
+    options.criterion = ExcitationCriterion::kDiscriminate;
+    const auto comma = out.asked.find(',');
+    options.between = {cause_from(out.asked.substr(0, comma)),
+                       cause_from(out.asked.substr(comma + 1))};
+    options.threads = request_.threads;
+    options.powered = without_efforts(*before.extended.model);
+    for (const std::string& path : files.train) {
+      const Recording r = read_recording(path);
+      options.given.push_back(with_derivatives({r.time, r.q, r.dq, r.ddq}));
+    }
+    std::vector<std::string> recorded;
+    for (int k = 0; k < request_.designs; ++k) {
+      options.frequency = kFrequencies[k % 4];
+      options.seed = request_.seed + static_cast<unsigned>(k);
+      const Excitation found = optimise_excitation(hidden_.bench.robot, options);
+      out.design_seconds += found.seconds;
+      if (found.status == ExcitationStatus::kLimitsNotMet) return false;
+      if (k == 0 && found.discrimination) {
+        out.share_after =
+            std::min(found.discrimination->first_share, found.discrimination->second_share);
+      }
+      recorded.push_back(record(series_of(found), kFirstDesigned + 2 * k));
+      if (k == 0) files.test.push_back(record(series_of(found), kFirstDesigned + 1));
+    }
+    files.train.insert(files.train.end(), recorded.begin(), recorded.end());
+    out.planned = true;
+    return true;
+  }
+
+  std::string record(const Motion::Series& series, int number) {
+    const Motion motion(hidden_.bench.robot, series, hidden_.bench.seed, number);
+    const std::string path = folder_ + fmt::format("/designed-{}.csv", number);
+    write_recording(hidden_.bench, ideal_recording(hidden_.bench, hidden_.causes, motion, number),
+                    hidden_.bench.seed, number, path);
+    return path;
+  }
+
+  DuelRequest request_;
+  std::string folder_;
+  HiddenCase hidden_;
+};
+
+}  // namespace
+
+const std::vector<Pair>& rival_pairs() {
+  static const std::vector<Pair> kPairs = {
+      {"position_dependent_friction", "load_dependent_friction", Mode::kBare},
+      {"payload", "torque_gain", Mode::kChanged},
+      {"rotor_inertia", "payload", Mode::kChanged},
+      {"stribeck_friction", "presliding_hysteresis", Mode::kBare},
+      {"joint_spring", "gravity_tilt", Mode::kBare},
+      {"backlash", "transmission_compliance", Mode::kBare}};
+  return kPairs;
+}
+
+const char* name_of(Answer answer) {
+  switch (answer) {
+    case Answer::kNothing:
+      return "nothing";
+    case Answer::kBoth:
+      return "both";
+    case Answer::kRight:
+      return "right";
+    case Answer::kWrong:
+      return "wrong";
+    case Answer::kElsewhere:
+      break;
+  }
+  return "elsewhere";
+}
+
+Duel fight(const DuelRequest& request, const std::string& folder) {
+  return Fight(request, folder).run();
+}
+
+}  // namespace veridyn::seek
