@@ -41,6 +41,7 @@ struct Plant::State {
         here(n),
         there(n),
         stage(n),
+        slopes(MatrixXd::Zero(n, n)),
         k2(VectorXd::Zero(n)),
         k3(k2),
         k4(k2),
@@ -49,11 +50,14 @@ struct Plant::State {
         effects(k2) {}
 
   bool evaluate(Instant& at);
+  bool factor(Instant& at);
+  bool evaluate_middle();
+  void change_middle_velocity(double h);
   void add_biases(Instant& at);
   enum class Friction { kDecide, kKeep };
   void accelerate(Instant& at, const VectorRef& tau, Friction friction, VectorXd& ddq);
   void begin(const VectorRef& tau);
-  bool runge_kutta(const VectorRef& tau, double h);
+  bool nystroem(const VectorRef& tau, double h);
   double error(const VectorRef& tau, double h);
   double velocity(int axis, const VectorXd& dq) const;
   int side(int axis) const;
@@ -71,6 +75,7 @@ struct Plant::State {
   PlantForces forces;
   Sticking sticking;
   Instant here, there, stage;
+  MatrixXd slopes;  // of stage.h by its velocity, where they are free
   VectorXd k2, k3, k4, white, torques, effects;
   double next_h = 0.0;
   Work work;
