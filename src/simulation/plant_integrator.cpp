@@ -29,9 +29,11 @@ bool Plant::State::evaluate(Instant& at) {
 }
 
 bool Plant::State::factor(Instant& at) {
-  at.L = at.M;
-  at.L += forces.inertia();
-  return cholesky_in_place(at.L.data(), n);
+  const double* rotors = forces.inertia().data();
+  const double* bodies = at.M.data();
+  double* L = at.L.data();
+  for (int k = 0; k < n * n; ++k) L[k] = bodies[k] + rotors[k];
+  return cholesky_in_place(L, n);
 }
 
 // The stage in the middle of a substep, which two slopes share.
