@@ -41,6 +41,22 @@ TEST_F(Simulate, AControllerMovesTheArmAndTheRecordingReplays) {
     EXPECT_LT(error.get<double>(), 0.1);
 }
 
+TEST_F(Simulate, RecordsAtAnyRateWithTheFaultsOfRealRecordings) {
+  const std::string recording = folder_.path("rec.csv");
+  const std::string out = folder_.path("check.json");
+  for (const std::string controller : {"none", "pid"}) {
+    const ToolRun run = run_tool({"simulate", "planar-2r", "--trajectory", trajectory(), "-o",
+                                  recording, "--controller", controller, "--sample-rate", "137",
+                                  "--noise", "dvrk-late:dropouts=0.02,dropout_run=5", "--quiet"});
+    ASSERT_EQ(run.status, 0) << run.err;
+    ASSERT_EQ(run_tool({"check", recording, "--json", out, "--quiet"}).status, 0);
+    const std::string found = json_of(out).dump();
+    EXPECT_NE(found.find("stale_rows"), std::string::npos) << found;
+    EXPECT_NE(found.find("gaps"), std::string::npos) << found;
+    EXPECT_NE(found.find("137"), std::string::npos) << found;
+  }
+}
+
 TEST_F(Simulate, EnginesAgree) {
   std::vector<std::string> files;
   for (const std::string engine : {"veridyn", "mujoco"}) {
@@ -68,6 +84,8 @@ TEST_F(Simulate, MistakesGetOneLine) {
       {"--trajectory", traj, "-o", rec, "--controller", "pi"},
       {"--trajectory", traj, "-o", rec, "--controller", "pid", "--kd", "1,1"},
       {"--trajectory", traj, "-o", rec, "--breakaway", "elbow"},
+      {"--trajectory", traj, "-o", rec, "--noise", "dvrk:stale=0.1"},
+      {"--trajectory", traj, "-o", rec, "--sample-rate", "0"},
       {"--trajectory", traj, "-o", rec, "--report", folder_.path("page.html")},
       {"--trajectory", traj, "-o", rec, "--controller", "pid", "--engine", "bullet"}};
   for (const Words& words : wrong_usage) {
