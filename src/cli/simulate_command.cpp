@@ -17,6 +17,7 @@
 #include "veridyn/simulation/plant.hpp"
 #include "veridyn/simulation/plausible_model.hpp"
 #include "veridyn/simulation/resampled_motion.hpp"
+#include "veridyn/simulation/rotors_at_zero.hpp"
 #include "veridyn/simulation/simulate_recording.hpp"
 
 namespace veridyn::cli {
@@ -44,6 +45,15 @@ Model arm_with_values(const Request& request) {
   return plausible.arm;
 }
 
+// Forward dynamics need inertia.
+Model movable_arm(const Request& request, const Model& arm) {
+  const MovableArm movable = with_movable_rotors(arm);
+  for (const std::string& one : movable.changed) {
+    if (!request.common.quiet) say(one + ".");
+  }
+  return movable.arm;
+}
+
 ExitStatus run(const Request& request, const std::string& command_line) {
   check_simulate_request(request);
   for (const std::string& path :
@@ -56,7 +66,8 @@ ExitStatus run(const Request& request, const std::string& command_line) {
   for (const std::string& asked : request.effects) {
     if (asked != "none") options.hidden.push_back(parse_hidden_effect(asked));
   }
-  const Model arm = arm_with_values(request);
+  Model arm = arm_with_values(request);
+  if (!request.replay.empty() || request.controller == "pid") arm = movable_arm(request, arm);
   if (!request.breakaway.empty()) return run_breakaway(request, arm, command_line);
   if (!request.replay.empty()) return run_replay(request, arm, command_line);
   MotionSamples wanted = wanted_motion(request.trajectory);
