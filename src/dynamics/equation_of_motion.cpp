@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cmath>
 #include <new>
 #include <vector>
 
@@ -16,6 +17,7 @@ namespace {
 // [rad/s] or [m/s] of the differences for dh/ddq: h is quadratic in dq, so they are off by the step
 // times a product of inertia, and by rounding.
 constexpr double kVelocityStep = 1e-6;
+constexpr double kPositionStep = 1e-6;  // [rad] or [m]
 
 }  // namespace
 
@@ -67,6 +69,18 @@ struct EquationOfMotion::Lanes {
     }
   }
 
+  // The same, and dh/ddq.
+  void run_with_slopes(MatrixXd& M, VectorXd& h, MatrixXd& D) {
+    const int n = tree.joints;
+    for (int j = 0; j < n; ++j) dq.data()[j * rows + n + 1 + j] += kVelocityStep;
+    run(M, h);
+    for (int i = 0; i < n; ++i) {
+      const double* lane = tau.data() + i * rows;
+      for (int j = 0; j < n; ++j)
+        D.data()[j * n + i] = (lane[n + 1 + j] - lane[0]) * (1.0 / kVelocityStep);
+    }
+  }
+
   Tree tree;
   VectorXd phi;
   int rows;
@@ -99,15 +113,35 @@ bool EquationOfMotion::slopes_are_free() const noexcept {
 void EquationOfMotion::evaluate_with_slopes(const VectorXd& q, const VectorXd& dq, MatrixXd& M,
                                             VectorXd& h, MatrixXd& D) noexcept {
   assert(slopes_are_free());
+  lanes_->fill(q, dq);
+  lanes_->run_with_slopes(M, h, D);
+}
+
+bool EquationOfMotion::surroundings_are_free() const noexcept {
+  return 2 * lanes_->tree.joints + 2 <= lanes_->rows;
+}
+
+void EquationOfMotion::evaluate_surroundings(const VectorXd& q, const VectorXd& dq,
+                                             const VectorXd& ddq, const VectorXd& way, MatrixXd& M,
+                                             VectorXd& h, MatrixXd& D, VectorXd& change) noexcept {
+  assert(surroundings_are_free());
   Lanes& l = *lanes_;
   const int n = l.tree.joints;
+  const int last = 2 * n + 1;
+  double length = 0.0;
+  for (int i = 0; i < n; ++i) length = std::max(length, std::abs(way.data()[i]));
+  const double scale = length > 0.0 ? kPositionStep / length : 0.0;
   l.fill(q, dq);
-  for (int j = 0; j < n; ++j) l.dq.data()[j * l.rows + n + 1 + j] += kVelocityStep;
-  l.run(M, h);
   for (int i = 0; i < n; ++i) {
-    const double* lane = l.tau.data() + i * l.rows;
-    for (int j = 0; j < n; ++j)
-      D.data()[j * n + i] = (lane[n + 1 + j] - lane[0]) * (1.0 / kVelocityStep);
+    l.q.data()[i * l.rows + last] += scale * way.data()[i];
+    l.ddq.data()[i * l.rows + last] = ddq.data()[i];
+  }
+  l.run_with_slopes(M, h, D);
+  for (int i = 0; i < n; ++i) {
+    double here = h.data()[i];
+    for (int j = 0; j < n; ++j) here += M.data()[j * n + i] * ddq.data()[j];
+    const double there = l.tau.data()[i * l.rows + last];
+    change.data()[i] = scale > 0.0 ? (there - here) / scale : 0.0;
   }
 }
 

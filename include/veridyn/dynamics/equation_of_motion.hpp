@@ -33,6 +33,15 @@ class EquationOfMotion {
   void evaluate_with_slopes(const VectorXd& q, const VectorXd& dq, MatrixXd& M, VectorXd& h,
                             MatrixXd& D) noexcept;
 
+  /// The same for the next one.
+  bool surroundings_are_free() const noexcept;
+
+  /// Also by how much M ddq + h changes over a small way `way` to first order, (n). Only where
+  /// surroundings_are_free().
+  void evaluate_surroundings(const VectorXd& q, const VectorXd& dq, const VectorXd& ddq,
+                             const VectorXd& way, MatrixXd& M, VectorXd& h, MatrixXd& D,
+                             VectorXd& change) noexcept;
+
  private:
   struct Lanes;
   std::unique_ptr<Lanes> lanes_;
