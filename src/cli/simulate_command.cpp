@@ -14,7 +14,10 @@
 #include "veridyn/model/suggestion.hpp"
 #include "veridyn/report/motion_json.hpp"
 #include "veridyn/simulation/engine.hpp"
+#include "veridyn/simulation/plant.hpp"
 #include "veridyn/simulation/plausible_model.hpp"
+#include "veridyn/simulation/resampled_motion.hpp"
+#include "veridyn/simulation/rotors_at_zero.hpp"
 #include "veridyn/simulation/simulate_recording.hpp"
 
 namespace veridyn::cli {
@@ -42,6 +45,15 @@ Model arm_with_values(const Request& request) {
   return plausible.arm;
 }
 
+// Forward dynamics need inertia.
+Model movable_arm(const Request& request, const Model& arm) {
+  const MovableArm movable = with_movable_rotors(arm);
+  for (const std::string& one : movable.changed) {
+    if (!request.common.quiet) say(one + ".");
+  }
+  return movable.arm;
+}
+
 ExitStatus run(const Request& request, const std::string& command_line) {
   check_simulate_request(request);
   for (const std::string& path :
@@ -54,14 +66,18 @@ ExitStatus run(const Request& request, const std::string& command_line) {
   for (const std::string& asked : request.effects) {
     if (asked != "none") options.hidden.push_back(parse_hidden_effect(asked));
   }
-  const Model arm = arm_with_values(request);
+  Model arm = arm_with_values(request);
+  if (!request.replay.empty() || request.controller == "pid") arm = movable_arm(request, arm);
   if (!request.breakaway.empty()) return run_breakaway(request, arm, command_line);
   if (!request.replay.empty()) return run_replay(request, arm, command_line);
-  const MotionSamples wanted = wanted_motion(request.trajectory);
+  MotionSamples wanted = wanted_motion(request.trajectory);
   require(wanted.q.cols() == arm.joints(), request.trajectory, ": found ", wanted.q.cols(),
           " joints, expected the ", arm.joints(), " of ", arm.name(), ".");
+  if (request.sample_rate > 0.0) wanted = resampled(wanted, request.sample_rate);
   if (request.controller == "pid")
     return run_controlled(request, arm, wanted, options, command_line);
+  const std::string trouble = infeasibility(arm);
+  if (!trouble.empty()) say("warning: " + trouble);
   const SimulatedRecording simulated = simulate_recording(arm, wanted, options);
   write_simulated(request, simulated, "");
   if (!request.common.json.empty()) write_file(request.common.json, to_json(simulated));
@@ -76,6 +92,8 @@ std::string footer() {
     out += fmt::format("  {:<5} {}\n", name, words);
   }
   out +=
+      "KEYs of noise, in seconds and shares: stale_rows, stale_run (rows), dropouts, dropout_run\n"
+      "(rows), delay, late, torque_white, torque_coloured.\n"
       "Effects: JOINT is a coordinate's name or its number from 1; KEY is a parameter or a shape\n"
       "constant of the effect, and from=JOINT for couplings. Parameters that are not given make\n"
       "10 % of the joint's rms effort. Of other kinds:\n"
@@ -102,8 +120,22 @@ void add_simulate_command(CLI::App& tool, Outcome& outcome) {
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   command.add_option("--noise", request->noise, "Sensors and controller; see below (low)")
-      ->option_text(listed(sensor_noise_names()))
-      ->check(CLI::IsMember(sensor_noise_names()));
+      ->option_text(listed(sensor_noise_names()) + "[:KEY=VALUE,...]")
+      ->check(CLI::Validator(
+          [](const std::string& asked) {
+            try {
+              sensor_noise(asked);
+            } catch (const InvalidInput& error) {
+              return std::string(error.what());
+            }
+            return std::string();
+          },
+          ""));
+  command
+      .add_option("--sample-rate", request->sample_rate,
+                  "Of the recording, whatever that of the trajectory (the same)")
+      ->option_text("HZ")
+      ->check(CLI::PositiveNumber);
   command.add_option("--engine", request->engine, "What computes the motion (veridyn)")
       ->option_text(listed(engine_names()));
   command.add_option("--seed", request->seed, "Of the noise (1)")->option_text("N");

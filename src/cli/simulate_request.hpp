@@ -18,6 +18,7 @@ struct SimulateRequest {
   std::string output;
   std::vector<std::string> effects;
   std::string noise = "low";
+  double sample_rate = 0.0;  // [Hz]; 0: that of the trajectory
   std::string engine = "veridyn";
   std::string model_out;
   unsigned seed = 1;

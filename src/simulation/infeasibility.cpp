@@ -16,6 +16,7 @@ constexpr int kSpread = 2000;       // configurations all over the range
 constexpr int kMostCorners = 1024;  // of the range
 constexpr int kWorst = 8;           // of which the search goes downhill from
 constexpr double kTiny = 1e-12;     // smallest eigenvalue of M per largest: no inverse
+constexpr double kShortest = 1e-7;  // [s] in which viscous friction may stop a joint alone
 
 constexpr int kPrimes[] = {2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37, 41, 43, 47, 53};
 
@@ -109,6 +110,34 @@ double smallest_share(const MatrixXd& M, const VectorXd& size) {
   return solver.eigenvalues()[0];
 }
 
+// A joint whose friction stops it in no time: nothing that is identified has so little inertia.
+std::string without_inertia(const Model& arm, RigidBodyDynamics& rigid, const PlantForces& forces,
+                            const Range& range) {
+  MatrixXd M(arm.joints(), arm.joints());
+  int joint = 0;
+  const auto seconds = [&](const VectorXd& q) {
+    rigid.mass_matrix(q, M);
+    double least = 1.0;
+    for (int i = 0; i < arm.joints(); ++i) {
+      const double damping = forces.damping()(i, i);
+      if (!(damping > 0.0)) continue;
+      const double time = (M(i, i) + forces.inertia()(i, i)) / damping;
+      if (time >= least) continue;
+      least = time;
+      joint = i;
+    }
+    return least;
+  };
+  const Candidate found = range.lowest(seconds);
+  if (seconds(found.q) > kShortest) return "";
+  const Coordinate& c = arm.coordinates()[static_cast<size_t>(joint)];
+  return fmt::format(
+      "joint {} of '{}' has {:.2g} {} of inertia at {}, too little beside its friction; expected a "
+      "body or a rotor_inertia that is not zero.",
+      c.name, arm.name(), M(joint, joint) + forces.inertia()(joint, joint),
+      c.prismatic ? "kg" : "kg m^2", where(arm, found.q));
+}
+
 }  // namespace
 
 std::string infeasibility(const Model& arm) {
@@ -129,6 +158,8 @@ std::string infeasibility(const Model& arm) {
     return fmt::format("the mass matrix of '{}' is not positive definite at {}.", arm.name(),
                        where(arm, mass.q));
   }
+  const std::string massless = without_inertia(arm, rigid, forces, range);
+  if (!massless.empty()) return massless;
   const VectorXd zero = VectorXd::Zero(n);
   forces.reset(zero.data(), zero.data());
   const VectorXd speeds = motion_limits(arm).velocity;

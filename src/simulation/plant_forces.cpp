@@ -29,12 +29,6 @@ PlantForces::Line PlantForces::line_of(const Axis& axis) {
   return line;
 }
 
-double PlantForces::along(const Line& line, const double* x) {
-  double sum = 0.0;
-  for (const Entry& e : line) sum += e.coefficient * x[e.coordinate];
-  return sum;
-}
-
 double PlantForces::force(const Term& term, const AxisSample& x, EffectState& state) {
   EffectColumns row;
   term.effect->columns(x, term.shape, state, row);
@@ -206,14 +200,6 @@ double PlantForces::set_loads(const double* rigid_torques) {
     load.value = effort;
   }
   return change;
-}
-
-double PlantForces::velocity(int k, const double* dq) const {
-  return along(dry_[static_cast<size_t>(k)].line, dq);
-}
-
-double PlantForces::memory_velocity(int k, const double* dq) const {
-  return along(memories_[static_cast<size_t>(k)], dq);
 }
 
 double PlantForces::sliding(int k, double time, const double* q, double velocity,

@@ -54,7 +54,9 @@ class PlantForces {
   /// Directions of dry friction; entry k acts along axis(k).
   int dry() const { return static_cast<int>(dry_.size()); }
   const double* axis(int k) const { return dry_[static_cast<size_t>(k)].direction.data(); }
-  double velocity(int k, const double* dq) const;
+  double velocity(int k, const double* dq) const {
+    return along(dry_[static_cast<size_t>(k)].line, dq);
+  }
 
   /// The force of axis k sliding in `direction` (+1, -1) at this speed.
   double sliding(int k, double time, const double* q, double velocity, int direction) const;
@@ -66,7 +68,9 @@ class PlantForces {
 
   /// Directions in which something remembers the path.
   int memories() const { return static_cast<int>(memories_.size()); }
-  double memory_velocity(int k, const double* dq) const;
+  double memory_velocity(int k, const double* dq) const {
+    return along(memories_[static_cast<size_t>(k)], dq);
+  }
 
  private:
   struct Entry {
@@ -97,7 +101,11 @@ class PlantForces {
   };
 
   static Line line_of(const Axis& axis);
-  static double along(const Line& line, const double* x);
+  static double along(const Line& line, const double* x) {
+    double sum = 0.0;
+    for (const Entry& e : line) sum += e.coefficient * x[e.coordinate];
+    return sum;
+  }
   static double force(const Term& term, const AxisSample& x, EffectState& state);
   static bool fold(const Term& term, double* constant, double* s, double* ds, double* dds);
   AxisSample sample(const Term& term, double time, const double* q, const double* dq) const;

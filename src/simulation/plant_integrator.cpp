@@ -25,9 +25,37 @@ void Plant::State::add_biases(Instant& at) {
 bool Plant::State::evaluate(Instant& at) {
   rigid.evaluate(at.q, at.dq, at.M, at.h);
   add_biases(at);
-  at.L = at.M;
-  at.L += forces.inertia();
-  return cholesky_in_place(at.L.data(), n);
+  return factor(at);
+}
+
+bool Plant::State::factor(Instant& at) {
+  const double* rotors = forces.inertia().data();
+  const double* bodies = at.M.data();
+  double* L = at.L.data();
+  for (int k = 0; k < n * n; ++k) L[k] = bodies[k] + rotors[k];
+  return cholesky_in_place(L, n);
+}
+
+// The stage in the middle of a substep, which two slopes share.
+bool Plant::State::evaluate_middle() {
+  if (!rigid.slopes_are_free()) return evaluate(stage);
+  rigid.evaluate_with_slopes(stage.q, stage.dq, stage.M, stage.h, slopes);
+  add_biases(stage);
+  return factor(stage);
+}
+
+// From the velocity of the first slope in the middle to that of the second, at the same position.
+// They differ by O(h^2), so that the slope of h is enough for order four.
+void Plant::State::change_middle_velocity(double h) {
+  for (int i = 0; i < n; ++i) white[i] = here.dq[i] + 0.5 * h * k2[i] - stage.dq[i];
+  if (rigid.slopes_are_free()) {
+    for (int j = 0; j < n; ++j) add_scaled(white[j], slopes.data() + j * n, n, stage.h.data());
+    stage.dq += white;
+  } else {
+    stage.dq += white;
+    rigid.evaluate(stage.q, stage.dq, stage.M, stage.h);
+  }
+  add_biases(stage);
 }
 
 void Plant::State::accelerate(Instant& at, const VectorRef& tau, Friction friction, VectorXd& ddq) {
@@ -68,30 +96,63 @@ void Plant::State::begin(const VectorRef& tau) {
   accelerate(here, tau, Friction::kDecide, here.ddq);
 }
 
-// From here to there; false if the mass matrix has no inverse on the way.
-bool Plant::State::runge_kutta(const VectorRef& tau, double h) {
+// From here to there; false if the mass matrix has no inverse on the way. Nystroem's method: both
+// slopes in the middle stand at one position, and share its mass matrix.
+bool Plant::State::nystroem(const VectorRef& tau, double h) {
   stage.time = here.time + 0.5 * h;
-  stage.q = here.q + 0.5 * h * here.dq;
+  stage.q = here.q + 0.5 * h * here.dq + 0.125 * h * h * here.ddq;
   stage.dq = here.dq + 0.5 * h * here.ddq;
-  if (!evaluate(stage)) return false;
+  if (!evaluate_middle()) return false;
   accelerate(stage, tau, Friction::kKeep, k2);
-  stage.q += 0.25 * h * h * here.ddq;
-  stage.dq = here.dq + 0.5 * h * k2;
-  if (!evaluate(stage)) return false;
+  change_middle_velocity(h);
   accelerate(stage, tau, Friction::kKeep, k3);
-  stage.time = here.time + h;
-  stage.q = here.q + h * here.dq + 0.5 * h * h * k2;
+  there.time = here.time + h;
+  there.q = here.q + h * here.dq + (h * h / 6.0) * (here.ddq + k2 + k3);
+  return rigid.surroundings_are_free() ? last_stage_from_end(tau, h) : last_stage(tau, h);
+}
+
+// The last slope, and with it the velocity at the end.
+bool Plant::State::last_stage(const VectorRef& tau, double h) {
+  stage.time = there.time;
+  stage.q = here.q + h * here.dq + 0.5 * h * h * k3;
   stage.dq = here.dq + h * k3;
   if (!evaluate(stage)) return false;
   accelerate(stage, tau, Friction::kKeep, k4);
-  there.time = stage.time;
-  there.q = here.q + h * here.dq + (h * h / 6.0) * (here.ddq + k2 + k3);
   there.dq = here.dq + (h / 6.0) * (here.ddq + 2.0 * (k2 + k3) + k4);
   return true;
 }
 
-// The estimated error per allowed error, the worst of all joints; needs runge_kutta() and
-// evaluate(there).
+// The same, where one evaluation serves the last stage and the end. The end's position is known
+// before the last slope is, and the stage lies O(h^3) from it: first order there is order four. The
+// end's velocity lies O(h^3) from that of the stage, and h is quadratic in it: to first order it is
+// exact to rounding.
+bool Plant::State::last_stage_from_end(const VectorRef& tau, double h) {
+  way = (h * h / 6.0) * (2.0 * k3 - here.ddq - k2);
+  stage.time = there.time;
+  stage.q = there.q + way;
+  stage.dq = here.dq + h * k3;
+  rigid.evaluate_surroundings(there.q, stage.dq, k3, way, there.M, there.h, slopes, push);
+  if (!factor(there)) return false;
+  stage.M = there.M;
+  stage.L = there.L;
+  stage.h = there.h + push;
+  add_biases(stage);
+  accelerate(stage, tau, Friction::kKeep, k4);
+  there.dq = here.dq + (h / 6.0) * (here.ddq + 2.0 * (k2 + k3) + k4);
+  for (int j = 0; j < n; ++j)
+    add_scaled(there.dq[j] - stage.dq[j], slopes.data() + j * n, n, there.h.data());
+  return true;
+}
+
+// What is not yet known there after nystroem().
+bool Plant::State::evaluate_end() {
+  if (!rigid.surroundings_are_free()) return evaluate(there);
+  add_biases(there);
+  return true;
+}
+
+// The estimated error per allowed error, the worst of all joints; needs nystroem() and
+// evaluate_end().
 double Plant::State::error(const VectorRef& tau, double h) {
   accelerate(there, tau, Friction::kKeep, there.ddq);
   double worst = 0.0;
@@ -154,7 +215,7 @@ bool Plant::State::locate(const VectorRef& tau, double* h) {
     for (int tries = 0; tries < kMostLocations; ++tries) {
       const bool straight = v_low > 0.0;
       *h = straight ? (low * v_high - high * v_low) / (v_high - v_low) : 0.5 * (low + high);
-      if (!runge_kutta(tau, *h)) return false;
+      if (!nystroem(tau, *h)) return false;
       const double v = sign * velocity(axis, there.dq);
       if (!(std::abs(v) > landing(axis))) break;
       const int which = v > 0.0 ? 1 : -1;
@@ -178,9 +239,9 @@ bool Plant::State::locate(const VectorRef& tau, double* h) {
 StepStatus Plant::State::substep(const VectorRef& tau, double* h, double smallest) {
   const double asked = *h;
   for (;;) {
-    bool sound = runge_kutta(tau, *h) && locate(tau, h);
+    bool sound = nystroem(tau, *h) && locate(tau, h);
     const bool finite = there.q.allFinite() && there.dq.allFinite();
-    sound = sound && finite && evaluate(there);
+    sound = sound && finite && evaluate_end();
     const double ratio = sound ? error(tau, *h) : 1e4;
     if (ratio <= 1.0) {
       const double factor = ratio < 2e-3 ? 4.0 : std::min(4.0, 0.9 / std::pow(ratio, 0.25));

@@ -41,6 +41,9 @@ struct Plant::State {
         here(n),
         there(n),
         stage(n),
+        slopes(MatrixXd::Zero(n, n)),
+        way(VectorXd::Zero(n)),
+        push(way),
         k2(VectorXd::Zero(n)),
         k3(k2),
         k4(k2),
@@ -49,11 +52,17 @@ struct Plant::State {
         effects(k2) {}
 
   bool evaluate(Instant& at);
+  bool factor(Instant& at);
+  bool evaluate_middle();
+  bool last_stage(const VectorRef& tau, double h);
+  bool last_stage_from_end(const VectorRef& tau, double h);
+  bool evaluate_end();
+  void change_middle_velocity(double h);
   void add_biases(Instant& at);
   enum class Friction { kDecide, kKeep };
   void accelerate(Instant& at, const VectorRef& tau, Friction friction, VectorXd& ddq);
   void begin(const VectorRef& tau);
-  bool runge_kutta(const VectorRef& tau, double h);
+  bool nystroem(const VectorRef& tau, double h);
   double error(const VectorRef& tau, double h);
   double velocity(int axis, const VectorXd& dq) const;
   int side(int axis) const;
@@ -71,6 +80,8 @@ struct Plant::State {
   PlantForces forces;
   Sticking sticking;
   Instant here, there, stage;
+  MatrixXd slopes;     // of h by the velocity, where they are free
+  VectorXd way, push;  // from there to the last stage, and what that changes in M ddq + h
   VectorXd k2, k3, k4, white, torques, effects;
   double next_h = 0.0;
   Work work;

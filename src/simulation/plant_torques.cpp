@@ -4,56 +4,23 @@
 
 #include "veridyn/dynamics/regressor_batch.hpp"
 #include "veridyn/math/require.hpp"
+#include "veridyn/simulation/resampled_motion.hpp"
 
 namespace veridyn {
 namespace {
 
 constexpr Eigen::Index kBlockRows = 512;
 
-// Position, velocity and acceleration at a share u of the way from one row to the next: the quintic
-// through all three.
-struct Point {
-  double q, dq, ddq;
-};
-
-Point quintic(const Point& p0, const Point& p1, double h, double u) {
-  // In x = u: f = c0 + c1 u + ... + c5 u^5, with derivatives scaled by h.
-  const double v0 = h * p0.dq;
-  const double v1 = h * p1.dq;
-  const double a0 = h * h * p0.ddq;
-  const double a1 = h * h * p1.ddq;
-  const double rise = p1.q - p0.q - v0 - 0.5 * a0;
-  const double slope = v1 - v0 - a0;
-  const double bend = a1 - a0;
-  const double c3 = 10.0 * rise - 4.0 * slope + 0.5 * bend;
-  const double c4 = -15.0 * rise + 7.0 * slope - bend;
-  const double c5 = 6.0 * rise - 3.0 * slope + 0.5 * bend;
-  return {p0.q + u * (v0 + u * (0.5 * a0 + u * (c3 + u * (c4 + u * c5)))),
-          (v0 + u * (a0 + u * (3.0 * c3 + u * (4.0 * c4 + u * 5.0 * c5)))) / h,
-          (a0 + u * (6.0 * c3 + u * (12.0 * c4 + u * 20.0 * c5))) / (h * h)};
-}
-
 // The same motion with `substeps` rows for each, so that row k is row k * substeps.
 MotionSamples refined(const MotionSamples& m, int substeps) {
   const Eigen::Index rows = (m.rows() - 1) * substeps + 1;
-  const Eigen::Index n = m.joints();
-  MotionSamples out{VectorXd(rows), MatrixXd(rows, n), MatrixXd(rows, n), MatrixXd(rows, n)};
+  VectorXd times(rows);
   for (Eigen::Index row = 0; row < rows; ++row) {
-    const Eigen::Index k = std::min(row / substeps, std::max<Eigen::Index>(0, m.rows() - 2));
-    const Eigen::Index next = std::min(k + 1, m.rows() - 1);
-    const double u = static_cast<double>(row - k * substeps) / substeps;
-    const double h = m.time[next] - m.time[k];
-    out.time[row] = m.time[k] + u * h;
-    for (Eigen::Index i = 0; i < n; ++i) {
-      const Point from{m.q(k, i), m.dq(k, i), m.ddq(k, i)};
-      const Point to{m.q(next, i), m.dq(next, i), m.ddq(next, i)};
-      const Point p = u == 0.0 ? from : u == 1.0 ? to : quintic(from, to, h, u);
-      out.q(row, i) = p.q;
-      out.dq(row, i) = p.dq;
-      out.ddq(row, i) = p.ddq;
-    }
+    const Eigen::Index k = row / substeps;
+    const double h = k + 1 < m.rows() ? m.time[k + 1] - m.time[k] : 0.0;
+    times[row] = m.time[k] + h * static_cast<double>(row - k * substeps) / substeps;
   }
-  return out;
+  return motion_at(m, times);
 }
 
 // Row by row, in order of time.

@@ -1,13 +1,12 @@
 #include "veridyn/simulation/sensor_noise.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <utility>
 
 #include "math/random_numbers.hpp"
-#include "veridyn/math/require.hpp"
-#include "veridyn/model/suggestion.hpp"
+#include "veridyn/simulation/resampled_motion.hpp"
 
 namespace veridyn {
 namespace {
@@ -24,7 +23,9 @@ enum Stream : unsigned {
   kVelocity = 200,
   kTorqueWhite = 300,
   kTorqueColoured = 400,
-  kStale = 500
+  kStale = 500,
+  kLate = 600,
+  kDropouts = 700
 };
 
 RandomNumbers stream(unsigned seed, Stream kind, Eigen::Index joint) {
@@ -88,34 +89,50 @@ void add_torque_noise(const SensorNoise& noise, unsigned seed, Eigen::Index join
   }
 }
 
+// Every row holds what was true a little before its time.
+void come_late(const SensorNoise& noise, unsigned seed, MotionSamples& motion, MatrixXd& tau) {
+  const VectorXd time = motion.time;
+  VectorXd shown = time;
+  RandomNumbers random = stream(seed, kLate, 0);
+  for (Eigen::Index k = 0; k < time.size(); ++k) {
+    shown[k] -= noise.delay + noise.late * std::abs(random.normal());
+    // A later row never shows an earlier moment.
+    shown[k] = std::max(shown[k], k > 0 ? shown[k - 1] : time[0]);
+  }
+  motion = motion_at(motion, shown);
+  motion.time = time;
+  const MatrixXd true_tau = tau;
+  Eigen::Index from = 0;
+  for (Eigen::Index k = 0; k < time.size(); ++k) {
+    while (from + 1 < time.size() && time[from + 1] <= shown[k]) ++from;
+    const Eigen::Index to = std::min(from + 1, time.size() - 1);
+    const double u = to > from ? (shown[k] - time[from]) / (time[to] - time[from]) : 0.0;
+    tau.row(k) = (1.0 - u) * true_tau.row(from) + u * true_tau.row(to);
+  }
+}
+
+// Rows of a fault that comes in runs of some mean length and hits a share of all rows.
+class Runs {
+ public:
+  Runs(double share, double length, RandomNumbers random)
+      : stays_(1.0 - 1.0 / length), random_(std::move(random)) {
+    // In the long run share = begins / (begins + ends).
+    begins_ = length > 1.0 ? share / (length * (1.0 - share)) : share;
+    if (length == 1.0) stays_ = share;  // each row for itself
+  }
+
+  bool next() {
+    inside_ = random_.uniform() < (inside_ ? stays_ : begins_);
+    return inside_;
+  }
+
+ private:
+  double stays_, begins_ = 0.0;
+  RandomNumbers random_;
+  bool inside_ = false;
+};
+
 }  // namespace
-
-SensorNoise sensor_noise(const std::string& preset) {
-  if (preset == "none") return {};
-  if (preset == "low") return {{1e-3, 1e-4}, {1e-5, 1e-6}, {1e-3, 1e-4}, 0.005, 0.002, 0.1, 0.0};
-  if (preset == "dvrk")
-    return {{2e-3, 3e-4}, {7.72e-6, 1.29e-6}, {1e-2, 2e-3}, 0.03, 0.01, 0.1, 0.07};
-  if (preset == "ur") return {{1e-3, 1e-4}, {1e-5, 1e-6}, {2e-3, 2e-4}, 0.06, 0.01, 0.1, 0.0};
-  throw InvalidInput(text("found the noise preset '", preset, "'",
-                          did_you_mean(preset, sensor_noise_names()),
-                          ", expected one of: ", listed(sensor_noise_names()), "."));
-}
-
-const std::vector<std::string>& sensor_noise_names() {
-  static const std::vector<std::string> names{"none", "low", "dvrk", "ur"};
-  return names;
-}
-
-std::string describe(const SensorNoise& noise) {
-  return fmt::format(
-      "tracking {:g} mrad / {:g} mm, encoder step {:g} mrad / {:g} mm, velocity {:g} mrad/s / {:g} "
-      "mm/s, torque {:g} % "
-      "white and {:g} % coloured ({:g} s) of its rms, {:g} % stale rows",
-      1e3 * noise.tracking.revolute, 1e3 * noise.tracking.prismatic,
-      1e3 * noise.encoder_step.revolute, 1e3 * noise.encoder_step.prismatic,
-      1e3 * noise.velocity.revolute, 1e3 * noise.velocity.prismatic, 100 * noise.torque_white,
-      100 * noise.torque_coloured, noise.colour_seconds, 100 * noise.stale_rows);
-}
 
 MotionSamples with_tracking_deviation(const Model& arm, const MotionSamples& wanted,
                                       const SensorNoise& noise, unsigned seed) {
@@ -136,6 +153,7 @@ MotionSamples with_tracking_deviation(const Model& arm, const MotionSamples& wan
 
 void measure(const Model& arm, const SensorNoise& noise, unsigned seed, MotionSamples& motion,
              MatrixXd& tau) {
+  if (noise.delay > 0.0 || noise.late > 0.0) come_late(noise, seed, motion, tau);
   for (Eigen::Index i = 0; i < motion.joints(); ++i) {
     const double step = amount(arm, noise.encoder_step, i);
     if (step > 0.0) motion.q.col(i) = (motion.q.col(i).array() / step).round() * step;
@@ -147,12 +165,18 @@ void measure(const Model& arm, const SensorNoise& noise, unsigned seed, MotionSa
     if (noise.torque_white > 0.0 || noise.torque_coloured > 0.0)
       add_torque_noise(noise, seed, i, motion.time, tau);
   }
-  RandomNumbers random = stream(seed, kStale, 0);
+  Runs stale(noise.stale_rows, noise.stale_run, stream(seed, kStale, 0));
   for (Eigen::Index k = 1; k < motion.rows(); ++k) {
-    if (!(random.uniform() < noise.stale_rows)) continue;
+    if (!stale.next()) continue;
     motion.q.row(k) = motion.q.row(k - 1);
     motion.dq.row(k) = motion.dq.row(k - 1);
     tau.row(k) = tau.row(k - 1);
+  }
+  Runs missing(noise.dropouts, noise.dropout_run, stream(seed, kDropouts, 0));
+  for (Eigen::Index k = 1; k < motion.rows(); ++k) {
+    if (!missing.next()) continue;
+    for (MatrixXd* m : {&motion.q, &motion.dq, &tau})
+      m->row(k).setConstant(std::numeric_limits<double>::quiet_NaN());
   }
 }
 

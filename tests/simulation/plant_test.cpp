@@ -9,6 +9,7 @@
 #include "veridyn/dynamics/rigid_body_dynamics.hpp"
 #include "veridyn/effects/effect.hpp"
 #include "veridyn/math/require.hpp"
+#include "veridyn/simulation/rotors_at_zero.hpp"
 
 namespace veridyn {
 namespace {
@@ -252,6 +253,27 @@ TEST(Plant, RefusesAModelThatCannotBeAndSaysWhere) {
   const MatrixXd M = mass_matrix(arm, q);
   EXPECT_LE(M(0, 0) * M(1, 1) - M(0, 1) * M(1, 0), 0.0);
   EXPECT_EQ(refusal(planar_2r()), "");
+}
+
+TEST(Plant, RefusesAJointWithoutInertiaAndARotorAtItsBoundGetsSome) {
+  const Model full = robot("psm-wrist");
+  ModelDescription description = full.description();
+  for (EffectTerm& term : description.effects) {
+    if (term.effect != "rotor_inertia") continue;
+    term.values["inertia"] = 1e-13;
+    term.deviations["inertia"] = 2e-4;
+  }
+  const Model bound{ModelDescription(description)};
+  EXPECT_NE(refusal(bound).find("of inertia at yaw "), std::string::npos) << refusal(bound);
+  const MovableArm movable = with_movable_rotors(bound);
+  EXPECT_EQ(movable.changed.size(), 4u);
+  EXPECT_EQ(refusal(movable.arm), "");
+  for (const EffectTerm& term : movable.arm.effects()) {
+    if (term.effect != "rotor_inertia") continue;
+    EXPECT_DOUBLE_EQ(term.values.at("inertia"), 2e-5);
+  }
+  // What was identified above its bound stays.
+  EXPECT_TRUE(with_movable_rotors(full).changed.empty());
 }
 
 TEST(Plant, RefusesFrictionThatDrives) {

@@ -89,6 +89,86 @@ TEST(SensorNoise, StaleRowsRepeatEverythingButTime) {
   EXPECT_NEAR(stale / 2000.0, 0.1, 4.0 * std::sqrt(0.1 * 0.9 / 2000.0));
 }
 
+// How many of the rows after the first are `bad`, and in how many runs.
+template <typename Bad>
+std::pair<int, int> rows_and_runs(Eigen::Index rows, const Bad& bad) {
+  std::pair<int, int> out{0, 0};
+  for (Eigen::Index k = 1; k < rows; ++k) {
+    if (!bad(k)) continue;
+    ++out.first;
+    if (k == 1 || !bad(k - 1)) ++out.second;
+  }
+  return out;
+}
+
+TEST(SensorNoise, FaultsComeInRunsOfTheirMeanLength) {
+  SensorNoise noise;
+  noise.stale_rows = 0.2;
+  noise.stale_run = 4.0;
+  noise.dropouts = 0.1;
+  noise.dropout_run = 10.0;
+  std::pair<int, int> stale{0, 0};
+  std::pair<int, int> missing{0, 0};
+  for (unsigned seed = 1; seed <= 20; ++seed) {  // 40000 rows
+    const Model arm = read_model("scara");
+    MotionSamples m = waves(4);
+    MatrixXd tau = m.dq;
+    measure(arm, noise, seed, m, tau);
+    const auto gap = [&](Eigen::Index k) { return std::isnan(m.q(k, 0)); };
+    const auto repeats = [&](Eigen::Index k) { return k > 0 && m.q.row(k) == m.q.row(k - 1); };
+    const auto of_stale = rows_and_runs(m.rows(), repeats);
+    const auto of_missing = rows_and_runs(m.rows(), gap);
+    stale = {stale.first + of_stale.first, stale.second + of_stale.second};
+    missing = {missing.first + of_missing.first, missing.second + of_missing.second};
+    for (Eigen::Index k = 1; k < m.rows(); ++k) {
+      EXPECT_TRUE(!gap(k) || (std::isnan(m.dq(k, 1)) && std::isnan(tau(k, 2))));
+    }
+  }
+  // 400 runs of gaps: their number is known to about 5 %, and so is their length.
+  EXPECT_NEAR(missing.first / 40000.0, 0.1, 0.02);
+  EXPECT_NEAR(static_cast<double>(missing.first) / missing.second, 10.0, 1.5);
+  // Gaps hide a tenth of the repeats and cut some of their runs.
+  EXPECT_NEAR(stale.first / 36000.0, 0.2, 0.02);
+  EXPECT_NEAR(static_cast<double>(stale.first) / stale.second, 4.0, 0.5);
+}
+
+TEST(SensorNoise, ADelayShowsEverySignalOfAMomentBefore) {
+  SensorNoise noise;
+  noise.delay = 0.0123;
+  const SimulatedRecording s = with(noise);
+  for (const Eigen::Index k : {500, 1234, 1999}) {
+    const double shift = -noise.delay;
+    for (Eigen::Index i = 0; i < s.tau.cols(); ++i) {
+      const double q =
+          s.actual.q(k, i) + shift * s.actual.dq(k, i) + 0.5 * shift * shift * s.actual.ddq(k, i);
+      EXPECT_NEAR(s.measured.q(k, i), q, 1e-5);
+      EXPECT_NEAR(s.measured.dq(k, i), s.actual.dq(k, i) + shift * s.actual.ddq(k, i), 2e-3);
+    }
+  }
+}
+
+// A row that is late by d shows a position that is off by d times the velocity.
+TEST(SensorNoise, LateRowsAreOffAlongTheMotion) {
+  SensorNoise noise;
+  noise.late = 1e-3;
+  const SimulatedRecording s = with(noise);
+  const double fast = 0.5 * s.actual.dq.col(0).cwiseAbs().maxCoeff();
+  std::vector<double> late;
+  for (Eigen::Index k = 100; k < s.tau.rows(); ++k) {
+    const double v = s.actual.dq(k, 0);
+    if (std::abs(v) > fast) late.push_back((s.actual.q(k, 0) - s.measured.q(k, 0)) / v);
+  }
+  ASSERT_GT(late.size(), 500u);
+  double sum = 0.0;
+  for (const double d : late) {
+    EXPECT_GT(d, -1e-5);
+    sum += d;
+  }
+  // The mean size of a normal number is sqrt(2 / pi) = 0.80 of its deviation; rows in order are a
+  // little later still.
+  EXPECT_NEAR(sum / static_cast<double>(late.size()), 0.8e-3, 0.1e-3);
+}
+
 // Velocity and acceleration are derivatives, by central differences. At most 5 mrad of waves with
 // omega below 3.2 and a fade with derivatives below 6, 60 and 360 have third derivatives below 1
 // and fourth ones below 10. The fade's third derivative jumps where it begins and ends.
@@ -140,6 +220,17 @@ TEST(SensorNoise, EveryPresetIsDescribed) {
   for (const std::string& name : sensor_noise_names())
     EXPECT_FALSE(describe(sensor_noise(name)).empty());
   EXPECT_THROW(sensor_noise("lo"), InvalidInput);
+}
+
+TEST(SensorNoise, AmountsFollowThePreset) {
+  const SensorNoise noise = sensor_noise("dvrk:stale_rows=0.3,delay=5e-3,dropouts=1/100");
+  EXPECT_EQ(noise.stale_rows, 0.3);
+  EXPECT_EQ(noise.delay, 5e-3);
+  EXPECT_EQ(noise.dropouts, 0.01);
+  EXPECT_EQ(noise.torque_white, sensor_noise("dvrk").torque_white);
+  for (const char* wrong : {"dvrk:", "dvrk:stale=0.1", "dvrk:late", "dvrk:late=-1", "dvrk:late=x",
+                            "dvrk:stale_rows=1.5", "dvrk:stale_run=0", "dvrk:late=1,"})
+    EXPECT_THROW(sensor_noise(wrong), InvalidInput) << wrong;
 }
 
 }  // namespace

@@ -26,6 +26,22 @@ class EquationOfMotion {
   /// @param q, dq  n entries each. @param M (n x n), @param h (n): of the right size.
   void evaluate(const VectorXd& q, const VectorXd& dq, MatrixXd& M, VectorXd& h) noexcept;
 
+  /// True if evaluate_with_slopes() costs no more than evaluate(): its lanes would be idle.
+  bool slopes_are_free() const noexcept;
+
+  /// Also D = dh/ddq (n x n), from forward differences. Only where slopes_are_free().
+  void evaluate_with_slopes(const VectorXd& q, const VectorXd& dq, MatrixXd& M, VectorXd& h,
+                            MatrixXd& D) noexcept;
+
+  /// The same for the next one.
+  bool surroundings_are_free() const noexcept;
+
+  /// Also by how much M ddq + h changes over a small way `way` to first order, (n). Only where
+  /// surroundings_are_free().
+  void evaluate_surroundings(const VectorXd& q, const VectorXd& dq, const VectorXd& ddq,
+                             const VectorXd& way, MatrixXd& M, VectorXd& h, MatrixXd& D,
+                             VectorXd& change) noexcept;
+
  private:
   struct Lanes;
   std::unique_ptr<Lanes> lanes_;

@@ -1,0 +1,17 @@
+#pragma once
+
+#include "veridyn/kinematics/motion_samples.hpp"
+
+namespace veridyn {
+
+/// The motion at other instants, on quintics through q, dq and ddq of the rows around them, and
+/// with their derivatives. Before the first row and after the last one it stands where these are,
+/// with their velocities and accelerations as they are.
+/// @param times  (any number) [s], ascending.
+MotionSamples motion_at(const MotionSamples& motion, const VectorXd& times);
+
+/// The motion on a uniform grid of `rate` [Hz], from the first row on.
+/// @throws InvalidInput  the rate is not above zero and finite, or would make more than 1e8 rows.
+MotionSamples resampled(const MotionSamples& motion, double rate);
+
+}  // namespace veridyn

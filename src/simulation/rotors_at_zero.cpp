@@ -1,0 +1,36 @@
+#include "veridyn/simulation/rotors_at_zero.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <utility>
+
+#include "veridyn/effects/effect.hpp"
+
+namespace veridyn {
+namespace {
+
+constexpr double kShare = 0.1;  // of the standard deviation
+
+}  // namespace
+
+MovableArm with_movable_rotors(const Model& arm) {
+  ModelDescription description = arm.description();
+  std::vector<std::string> changed;
+  for (EffectTerm& term : description.effects) {
+    const auto value = term.values.find("inertia");
+    const auto deviation = term.deviations.find("inertia");
+    if (term.effect != "rotor_inertia" || value == term.values.end() ||
+        deviation == term.deviations.end() || !std::isfinite(deviation->second))
+      continue;
+    const double least = kShare * deviation->second;
+    if (value->second >= least) continue;
+    changed.push_back(fmt::format(
+        "rotor_inertia on {} was identified as {:.2g} +- {:.2g}, at its bound; it gets {:.2g}",
+        axis_text(arm, term.axis), value->second, deviation->second, least));
+    value->second = least;
+  }
+  return {Model(std::move(description)), changed};
+}
+
+}  // namespace veridyn
