@@ -47,6 +47,7 @@ MomentumObserver::MomentumObserver(const Model& arm, const Tip& tip,
       order_(static_cast<size_t>(arm.joints())),
       C_(MatrixXd::Zero(arm.joints(), arm.joints())),
       r_(VectorXd::Zero(arm.joints())),
+      threshold_(r_),
       sum_(r_),
       p_(r_),
       p_start_(r_),
@@ -68,6 +69,7 @@ void MomentumObserver::reset() noexcept {
   first_ = true;
   coordinate_ = -1;
   r_.setZero();
+  threshold_.setZero();
   wrench_.setZero();
   std::fill(above_.begin(), above_.end(), 0);
 }
@@ -76,7 +78,10 @@ const VectorXd& MomentumObserver::update(const ArmState& arm, const VectorXd& ta
                                          const VectorXd& ddq, double dt) noexcept {
   assert(arm.joints() == r_.size() && tau_motor.size() == r_.size() && ddq.size() == r_.size());
   p_.noalias() = arm.mass_matrix().lazyProduct(arm.dq());
-  const VectorXd& threshold = uncertainty_.update(arm, ddq);
+  // r still shows what was unknown a moment ago.
+  const double falls = std::exp(-options_.bandwidth * dt);
+  const VectorXd& now = uncertainty_.update(arm, ddq);
+  threshold_ = now.cwiseMax(now + falls * (threshold_ - now));
   const VectorXd& friction = friction_.update(arm, none_, none_, dt);
   if (first_) {
     first_ = false;
@@ -96,7 +101,7 @@ const VectorXd& MomentumObserver::update(const ArmState& arm, const VectorXd& ta
   coordinate_ = -1;
   for (const int i : order_) {
     int& count = above_[static_cast<size_t>(i)];
-    count = std::abs(r_[i]) > threshold[i] ? std::min(count + 1, options_.cycles) : 0;
+    count = std::abs(r_[i]) > threshold_[i] ? std::min(count + 1, options_.cycles) : 0;
     if (coordinate_ < 0 && count >= options_.cycles) coordinate_ = i;
   }
   return r_;

@@ -41,8 +41,8 @@ class MomentumObserver {
 
   void reset() noexcept;
 
-  const VectorXd& torque() const { return r_; }                        ///< r
-  const VectorXd& threshold() const { return uncertainty_.torque(); }  ///< (n)
+  const VectorXd& torque() const { return r_; }             ///< r
+  const VectorXd& threshold() const { return threshold_; }  ///< (n)
 
   /// The force [N] at the tip, in the world, that would explain r.
   Eigen::Vector3d force() const { return wrench_.head<3>(); }
@@ -62,7 +62,7 @@ class MomentumObserver {
   std::vector<int> frames_;  // by coordinate: the first frame with a body that it moves
   std::vector<int> order_;   // coordinates from the tip inwards
   MatrixXd C_;
-  VectorXd r_, sum_, p_, p_start_, none_;
+  VectorXd r_, threshold_, sum_, p_, p_start_, none_;
   Vector6d wrench_{Vector6d::Zero()};
   std::vector<int> above_;
   int coordinate_ = -1;
