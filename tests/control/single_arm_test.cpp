@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "control/arm_rig.hpp"
@@ -73,35 +74,56 @@ double side(int step) {
   return step / 3 % 4 < 2 ? 1.0 : -1.0;
 }
 
+// Steps of 0.05 rad and 5 mm with the gains of the thesis. @returns the largest error at the end of
+// any, in multiples of 5 mrad and 0.3 mm.
+double worst_step(const std::string& engine, const Model& real, const Model& wrong) {
+  ArmRig rig(real, kTip, engine);
+  Common common(wrong);
+  ComputedTorque control(3, {Eigen::Vector3d(25, 20, 75), Eigen::Vector3d(10, 11, 15)});
+  VectorXd goal = Eigen::Vector3d(0.1, 0.05, 0.12);
+  rig.place(goal);
+  QuinticInterpolator way(goal);
+  JointReference wanted(3);
+  VectorXd tau(3);
+  double worst = 0.0;
+  for (int step = 0; step < steps(engine); ++step) {
+    goal[step % 3] += side(step) * (step % 3 == 2 ? 0.005 : 0.05);
+    way.move_to(goal, 1.0);
+    for (int k = 0; k < cycles(engine); ++k) {
+      way.advance(kPeriod);
+      wanted.q = way.x();
+      wanted.dq = way.dx();
+      wanted.ddq = way.ddx();
+      common.state.update(rig.q(), rig.dq());
+      tau = control.update(common.state, wanted);
+      common.add(control.acceleration(), wanted.dq, wanted.q - rig.q(), tau);
+      if (rig.cycle(tau) != StepStatus::kOk) return 1e9;
+    }
+    const Eigen::Vector3d e = goal - rig.engine().q();
+    worst = std::max(worst,
+                     e.cwiseQuotient(Eigen::Vector3d(0.005, 0.005, 0.0003)).cwiseAbs().maxCoeff());
+  }
+  return worst;
+}
+
 TEST_P(SingleArm, ComputedTorqueStepsEndWithinFiveMilliradAndThreeTenthsOfAMillimetre) {
   const Model real = psm_like();
-  for (const unsigned seed : seeds(GetParam())) {
-    ArmRig rig(real, kTip, GetParam());
-    Common common(with_wrong_parameters(real, 0.1, seed));
-    ComputedTorque control(3, {Eigen::Vector3d(25, 20, 75), Eigen::Vector3d(10, 11, 15)});
-    VectorXd goal = Eigen::Vector3d(0.1, 0.05, 0.12);
-    rig.place(goal);
-    QuinticInterpolator way(goal);
-    JointReference wanted(3);
-    VectorXd tau(3);
-    for (int step = 0; step < steps(GetParam()); ++step) {
-      goal[step % 3] += side(step) * (step % 3 == 2 ? 0.005 : 0.05);
-      way.move_to(goal, 1.0);
-      for (int k = 0; k < cycles(GetParam()); ++k) {
-        way.advance(kPeriod);
-        wanted.q = way.x();
-        wanted.dq = way.dx();
-        wanted.ddq = way.ddx();
-        common.state.update(rig.q(), rig.dq());
-        tau = control.update(common.state, wanted);
-        common.add(control.acceleration(), wanted.dq, wanted.q - rig.q(), tau);
-        ASSERT_EQ(rig.cycle(tau), StepStatus::kOk);
-      }
-      const VectorXd e = (goal - rig.engine().q()).cwiseAbs();
-      EXPECT_LT(std::max(e[0], e[1]), 0.005) << "step " << step << " seed " << seed;
-      EXPECT_LT(e[2], 0.0003) << "step " << step << " seed " << seed;
-    }
-  }
+  for (const unsigned seed : seeds(GetParam()))
+    EXPECT_LT(worst_step(GetParam(), real, with_wrong_parameters(real, 0.1, seed)), 1.0) << seed;
+}
+
+// Friction that falls by a third as a joint begins to move, and of which the model knows nothing:
+// integral action has made joints hunt for less.
+TEST(SingleArmFriction, StepsEndAsCloselyWhereFrictionFallsWithSpeed) {
+  const Model model = psm_like();
+  ModelDescription description = model.description();
+  for (int i = 0; i < 3; ++i)
+    description.effects.push_back(
+        effect_on(model, "stribeck_friction", i,
+                  {{"level", i == 2 ? 0.30 : 0.08}, {"velocity", i == 2 ? 0.02 : 0.05}}));
+  const Model real(std::move(description));
+  for (const unsigned seed : {1U, 2U})
+    EXPECT_LT(worst_step("veridyn", real, with_wrong_parameters(model, 0.1, seed)), 1.0) << seed;
 }
 
 ImpedanceGains thesis_gains() {
