@@ -23,7 +23,10 @@ Impedance::Impedance(const Model& arm, const Tip& tip, const ImpedanceGains& gai
       inverse_(arm, tip, options.rows, options.inverse),
       y0_(VectorXd::Zero(arm.joints())),
       y_(y0_),
-      tau_(y0_) {
+      tau_(y0_),
+      error_(y0_),
+      velocity_(y0_),
+      none_(y0_) {
   require(sound(gains),
           "Impedance: found gains that are not finite, or a damping or stiffness below zero, or a "
           "mass that is not above it.");
@@ -47,14 +50,20 @@ const VectorXd& Impedance::update(const ArmState& arm, const TaskReference& want
   assert(arm.joints() == y_.size());
   task_.update(arm.tip());
   inverse_.update(task_.jacobian());
-  const Vector6d effort = gains_.stiffness.cwiseProduct(task_.difference(wanted.x)) +
-                          gains_.damping.cwiseProduct(wanted.dx - task_.dx()) -
-                          task_.wrench(wrench_world);
+  const Vector6d pull =
+      gains_.stiffness.cwiseProduct(task_.difference(wanted.x)) - task_.wrench(wrench_world);
+  const Vector6d effort = pull + gains_.damping.cwiseProduct(wanted.dx - task_.dx());
   Vector6d a = wanted.ddx + effort.cwiseQuotient(gains_.mass);
   a.noalias() -= task_.jacobian_rate().lazyProduct(arm.dq());
   y0_ = -options_.posture_d * arm.dq();
   if (options_.posture.size() != 0) y0_ += options_.posture_p * (options_.posture - arm.q());
   inverse_.solve(a, y0_, y_);
+  Vector6d lacking = Vector6d::Zero();
+  for (int r = 0; r < inverse_.rows(); ++r) {
+    if (gains_.stiffness[r] > 0.0) lacking[r] = pull[r] / gains_.stiffness[r];
+  }
+  inverse_.solve(lacking, none_, error_);
+  inverse_.solve(wanted.dx, none_, velocity_);
   tau_ = arm.bias();
   tau_.noalias() += arm.mass_matrix().lazyProduct(y_);
   tau_.noalias() += arm.tip().jacobian().transpose().lazyProduct(wrench_world);

@@ -60,6 +60,13 @@ class Impedance {
   /// y of the last update(), (n).
   const VectorXd& acceleration() const { return y_; }
 
+  /// How far the law would have the joints move at rest, (n): J_a# (x_d - x - K_p^-1 h_a), where
+  /// K_p is not zero. For FrictionCompensation.
+  const VectorXd& joint_error() const { return error_; }
+
+  /// J_a# dx_d, (n): the joints' share of the wanted velocity. For FrictionCompensation.
+  const VectorXd& joint_velocity() const { return velocity_; }
+
   /// x, dx, J_a and its rate at the last update().
   const AnalyticalTask& task() const { return task_; }
   const TaskInverse& inverse() const { return inverse_; }
@@ -73,7 +80,7 @@ class Impedance {
   ImpedanceOptions options_;
   AnalyticalTask task_;
   TaskInverse inverse_;
-  VectorXd y0_, y_, tau_;
+  VectorXd y0_, y_, tau_, error_, velocity_, none_;
 };
 
 }  // namespace veridyn

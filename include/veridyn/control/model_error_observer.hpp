@@ -1,0 +1,44 @@
+#pragma once
+
+#include "veridyn/control/arm_state.hpp"
+#include "veridyn/math/types.hpp"
+
+namespace veridyn {
+
+struct ModelErrorOptions {
+  double bandwidth = 10.0;  ///< [1/s]
+  VectorXd limit;           ///< (n) largest torque that it adds [N m], [N], finite
+};
+
+/// Integral action within the model: what the arm's acceleration lacks of the one that was asked
+/// for is a torque that the model does not know, and it is added,
+///
+///   d <- d + bandwidth * M(q) (y dt - change of dq),   |d_i| <= limit_i
+///
+/// a first-order observer of that torque. The same for joint and Cartesian control, gains
+/// unchanged: it makes ddq = y true, whatever y asks for, and at rest it raises the torque until
+/// friction gives way. Under a contact without a force sensor it pushes with up to `limit` more
+/// than the law wants, so the limit is what the model may be wrong by: TorqueUncertainty gives it.
+class ModelErrorObserver {
+ public:
+  /// @throws InvalidInput  limits that are not `joints` finite numbers, none below zero; a
+  /// bandwidth
+  ///                       that is not above zero.
+  ModelErrorObserver(int joints, const ModelErrorOptions& options);
+
+  /// @param y  (n) acceleration that the motors were told to make from now on. @param dt [s] since
+  /// the last update(). @returns d (n), to be added to the torque.
+  const VectorXd& update(const ArmState& arm, const VectorXd& y, double dt) noexcept;
+
+  /// Forgets everything: after a fault, or before the motors are switched on.
+  void reset() noexcept;
+
+  const VectorXd& torque() const { return d_; }
+
+ private:
+  ModelErrorOptions options_;
+  VectorXd d_, y_, dq_, lacking_;
+  bool first_ = true;
+};
+
+}  // namespace veridyn

@@ -1,0 +1,24 @@
+#pragma once
+
+#include "veridyn/math/types.hpp"
+
+namespace veridyn {
+
+/// The mean of the last `window` samples of each entry; of all so far while there are fewer. The
+/// thesis smooths joint velocities with ten (7.5). Late by (window - 1) / 2 samples.
+class MovingAverage {
+ public:
+  /// @throws InvalidInput  size or window below one.
+  explicit MovingAverage(int size, int window = 10);
+
+  const VectorXd& update(const VectorXd& sample) noexcept;
+  void reset() noexcept { seen_ = 0; }
+  const VectorXd& mean() const { return mean_; }
+
+ private:
+  MatrixXd samples_;  // (size x window), a ring
+  VectorXd mean_;
+  long seen_ = 0;
+};
+
+}  // namespace veridyn

@@ -1,0 +1,37 @@
+#pragma once
+
+#include "veridyn/math/types.hpp"
+
+namespace veridyn {
+
+/// Velocities from encoder positions: a tracking filter with both poles at -bandwidth, exact at any
+/// cycle time,
+///
+///   predict  q^ += dq^ dt + a dt^2 / 2,  dq^ += a dt
+///   correct  q^ += (1 - p^2)(q - q^),    dq^ += (1 - p)^2 (q - q^) / dt,   p = exp(-bandwidth dt)
+///
+/// Without the acceleration a the velocity is late by 2 / bandwidth; an encoder step becomes a
+/// pulse of step * bandwidth^2 dt at most. Source: the critically damped alpha-beta filter,
+/// Benedict and Bordner, IRE Trans. Automatic Control 7(4), 1962.
+class VelocityObserver {
+ public:
+  /// @param bandwidth  [1/s] @throws InvalidInput  not above zero.
+  explicit VelocityObserver(int joints, double bandwidth = 300.0);
+
+  /// @param ddq  (n) acceleration that is expected to act; zeros where not known.
+  /// @returns dq (n), zero at the first update(). Positions that are not finite are passed over.
+  const VectorXd& update(const VectorXd& q, const VectorXd& ddq, double dt) noexcept;
+
+  /// Starts afresh with the next position.
+  void reset() noexcept;
+
+  const VectorXd& dq() const { return dq_; }
+  const VectorXd& q() const { return q_; }  ///< smoothed positions
+
+ private:
+  double bandwidth_;
+  VectorXd q_, dq_;
+  bool first_ = true;
+};
+
+}  // namespace veridyn

@@ -1,0 +1,173 @@
+#include "veridyn/control/friction_compensation.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+
+#include "control/effect_kinds.hpp"
+#include "veridyn/math/require.hpp"
+
+namespace veridyn {
+namespace {
+
+constexpr double kFar = 1e3;  // [rad], [m]: every memory is sheared after this way
+
+double pick(const Deadband& deadband, bool prismatic) {
+  return prismatic ? deadband.prismatic : deadband.revolute;
+}
+
+double weighted(const BoundEffect& term, const EffectColumns& row) {
+  double sum = 0.0;
+  for (int p = 0; p < term.parameter_count(); ++p)
+    sum += row[static_cast<size_t>(p)] * term.values()[static_cast<size_t>(p)];
+  return sum;
+}
+
+}  // namespace
+
+FrictionCompensation::FrictionCompensation(const Model& arm, const FrictionOptions& options)
+    : options_(options), tau_(VectorXd::Zero(arm.joints())) {
+  for (const Deadband* d : {&options.velocity, &options.position, &options.reserve})
+    require(d->revolute > 0.0 && d->prismatic > 0.0,
+            "FrictionCompensation: found a deadband or reserve that is not above zero.");
+  require(options.share >= 0.0 && options.share <= 2.0, "FrictionCompensation: found a share of ",
+          options.share, ", expected one between 0 and 2.");
+  for (const EffectTerm& term : arm.effects()) {
+    if (effect_kind(term.effect) != EffectKind::kFriction) continue;
+    BoundEffect bound(arm, term);
+    require(bound.has_values(), "FrictionCompensation: effect ", bound.parameter_name(0),
+            " of arm '", arm.name(), "' has no value; identify it first.");
+    const auto known = std::find_if(axes_.begin(), axes_.end(), [&](const Axis& axis) {
+      return axis.c == term.axis.coefficients && axis.offset == term.axis.offset;
+    });
+    if (known != axes_.end()) {
+      known->terms.push_back(std::move(bound));
+      continue;
+    }
+    Axis axis;
+    axis.c = term.axis.coefficients;
+    axis.offset = term.axis.offset;
+    axis.prismatic = is_prismatic(arm, term.axis);
+    axis.velocity_deadband = pick(options.velocity, axis.prismatic);
+    axis.position_deadband = pick(options.position, axis.prismatic);
+    axis.reserve = pick(options.reserve, axis.prismatic);
+    axis.terms.push_back(std::move(bound));
+    axes_.push_back(std::move(axis));
+  }
+  reset();
+}
+
+void FrictionCompensation::reset() noexcept {
+  for (Axis& axis : axes_) {
+    for (BoundEffect& term : axis.terms) term.reset();
+    axis.first = true;
+    axis.force = 0.0;
+  }
+}
+
+bool FrictionCompensation::set_scale(int k, double scale) noexcept {
+  if (k < 0 || k >= axes() || !(scale >= 0.0 && scale <= 2.0)) return false;
+  axes_[static_cast<size_t>(k)].scale = scale;
+  return true;
+}
+
+double FrictionCompensation::sliding(const Axis& axis, double direction, double speed) noexcept {
+  AxisSample x;
+  x.ds = direction * std::max(std::abs(speed), 1.001 * kRestSpeed);
+  x.load = axis.load;
+  double sum = 0.0;
+  for (const BoundEffect& term : axis.terms) {
+    EffectColumns row{};
+    EffectState state{};
+    if (term.effect().has_memory()) {
+      x.s = axis.s - direction * kFar;
+      term.effect().columns(x, term.shape(), state, row);
+    }
+    x.s = axis.s;
+    term.effect().columns(x, term.shape(), state, row);
+    sum += weighted(term, row);
+  }
+  return sum;
+}
+
+double FrictionCompensation::sliding(int k, double direction, double speed) const noexcept {
+  return sliding(axes_[static_cast<size_t>(k)], direction, speed);
+}
+
+double FrictionCompensation::store(int k) const noexcept {
+  const Axis& axis = axes_[static_cast<size_t>(k)];
+  return axis.largest > 0.0 ? axis.energy / axis.largest : 1.0;
+}
+
+double FrictionCompensation::by_velocity(const Axis& axis, double v, double v_wanted,
+                                         double error) const noexcept {
+  if (std::abs(v) >= axis.velocity_deadband) {
+    const double direction = v < 0.0 ? -1.0 : 1.0;
+    return sliding(axis, direction, std::max(std::abs(v), direction * v_wanted));
+  }
+  if (options_.rule == FrictionRule::kVelocity || std::abs(error) <= axis.position_deadband)
+    return 0.0;
+  return sliding(axis, error < 0.0 ? -1.0 : 1.0, 0.0);
+}
+
+double FrictionCompensation::by_memory(Axis& axis, double v_wanted, double error,
+                                       double v) const noexcept {
+  // In full along a wanted motion, in proportion to the error within the deadband at rest.
+  const double will =
+      std::clamp(v_wanted / axis.velocity_deadband + error / axis.position_deadband, -1.0, 1.0);
+  const double direction = will < 0.0 ? -1.0 : 1.0;
+  const double speed = std::max(0.0, direction * v_wanted);
+  AxisSample x;
+  x.s = axis.s;
+  x.load = axis.load;
+  double sum = 0.0;
+  for (BoundEffect& term : axis.terms) {
+    const bool memory = term.effect().has_memory();
+    x.ds = memory ? v : direction * std::max(speed, 1.001 * kRestSpeed);
+    EffectColumns row{};
+    term.columns(x, row);
+    sum += (memory ? 1.0 : std::abs(will)) * weighted(term, row);
+  }
+  return sum;
+}
+
+void FrictionCompensation::supervise(Axis& axis, double v_wanted, double dt) const noexcept {
+  const double level =
+      options_.share * axis.scale *
+      std::max(std::abs(sliding(axis, 1.0, 0.0)), std::abs(sliding(axis, -1.0, 0.0)));
+  axis.largest = level * axis.reserve;
+  if (axis.first) {
+    axis.energy = axis.largest;
+    return;
+  }
+  const double wanted = options_.share * axis.scale *
+                        std::abs(sliding(axis, v_wanted < 0.0 ? -1.0 : 1.0, v_wanted) * v_wanted);
+  axis.energy += wanted * dt - axis.force * (axis.s - axis.before);
+  axis.energy = std::clamp(axis.energy, 0.0, axis.largest);
+}
+
+const VectorXd& FrictionCompensation::update(const ArmState& arm, const VectorXd& dq_wanted,
+                                             const VectorXd& error, double dt) noexcept {
+  assert(arm.joints() == tau_.size() && dq_wanted.size() == tau_.size() &&
+         error.size() == tau_.size());
+  tau_.setZero();
+  for (Axis& axis : axes_) {
+    axis.s = axis.offset + axis.c.dot(arm.q());
+    axis.load = axis.c.dot(arm.rigid_bias()) / axis.c.squaredNorm();
+    const double v = axis.c.dot(arm.dq());
+    const double v_wanted = axis.c.dot(dq_wanted);
+    const double e = axis.c.dot(error);
+    supervise(axis, v_wanted, dt);
+    const double whole = options_.rule == FrictionRule::kPresliding
+                             ? by_memory(axis, v_wanted, e, v)
+                             : by_velocity(axis, v, v_wanted, e);
+    const double left = axis.largest > 0.0 ? axis.energy / (0.1 * axis.largest) : 1.0;
+    axis.force = options_.share * axis.scale * std::min(1.0, left) * whole;
+    axis.before = axis.s;
+    axis.first = false;
+    tau_ += axis.force * axis.c;
+  }
+  return tau_;
+}
+
+}  // namespace veridyn
