@@ -5,8 +5,8 @@
 #include "common_options.hpp"
 #include "messages.hpp"
 #include "veridyn/cooperation/scenario_run.hpp"
-#include "veridyn/math/output_file.hpp"
 #include "veridyn/cooperation/scenario_sweep.hpp"
+#include "veridyn/math/output_file.hpp"
 #include "veridyn/model/suggestion.hpp"
 #include "veridyn/report/cooperation_json.hpp"
 #include "veridyn/simulation/engine.hpp"
@@ -68,7 +68,8 @@ void add_cooperate_command(CLI::App& tool, Outcome& outcome) {
   command.add_option("--engine", request->engine, "What computes the motion (veridyn)")
       ->option_text(listed(engine_names()))
       ->check(CLI::IsMember(engine_names()));
-  command.add_flag("--sweep", request->sweep, "Run the scenario's sweep instead: a map of stability");
+  command.add_flag("--sweep", request->sweep,
+                   "Run the scenario's sweep instead: a map of stability");
   add_common_options(command, request->common);
   add_report_option(command, request->common);
   command.callback([request, &outcome] { outcome.status = run(*request, outcome.command_line); });

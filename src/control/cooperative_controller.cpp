@@ -226,11 +226,18 @@ bool CooperativeController::is_stuck(size_t member, const ForceReading& reading,
 }
 
 CooperativeState CooperativeController::judge(const CooperativeInput& input) noexcept {
+  // A member stretches under its force, which takes its ends off the way of the motion alone.
+  double stretch = 0.0;
+  for (size_t k = 0; k < trackers_.size(); ++k) {
+    const double stiffness = options_.members[k].law.stiffness;
+    const double force = std::abs(wanted_.x()[static_cast<Eigen::Index>(k)]);
+    if (tracked_[k] != 0 && stiffness > 0.0) stretch += force / stiffness;
+  }
   for (size_t i = 0; i < targets_.size(); ++i) {
     if (!input.position[i].allFinite() || !input.velocity[i].allFinite())
       return CooperativeState::kNotFinite;
     if (input.healthy[i] == 0) return CooperativeState::kArmLost;
-    if ((input.position[i] - targets_[i].motion).norm() > options_.largest_error)
+    if ((input.position[i] - targets_[i].motion).norm() > options_.largest_error + stretch)
       return CooperativeState::kTargetMissed;
   }
   for (size_t k = 0; k < trackers_.size(); ++k) {

@@ -27,7 +27,8 @@ ImpedanceOptions options(const VectorXd& posture) {
   return o;
 }
 
-// Largest torque of the observer [N m], [N]: the arm is known to within a tenth, so this never binds.
+// Largest torque of the observer [N m], [N]: the arm is known to within a tenth, so this never
+// binds.
 constexpr double kObserverLimit = 20.0;
 
 ModelErrorOptions observer(const ScenarioControl& control, Eigen::Index joints) {

@@ -29,10 +29,10 @@ Json phase_json(const PhaseFigures& p) {
   return {{"phase", p.phase},
           {"from", p.from},
           {"to", p.to},
-          {"force_error", {{"reached", p.largest_force_error()},
-                           {"asked", asked_or_null(p.asked_force_error)}}},
-          {"steady_error", {{"reached", p.largest_steady_error()},
-                            {"asked", asked_or_null(p.asked_steady_error)}}},
+          {"force_error",
+           {{"reached", p.largest_force_error()}, {"asked", asked_or_null(p.asked_force_error)}}},
+          {"steady_error",
+           {{"reached", p.largest_steady_error()}, {"asked", asked_or_null(p.asked_steady_error)}}},
           {"met", p.met()},
           {"position_error", p.position_error},
           {"final_position_error", p.final_position_error},
@@ -87,7 +87,7 @@ std::string to_json(const ScenarioRun& run, const Scenario& scenario) {
   out["engine_left_out"] = list(run.left_out);
   out["arms"] = list(run.arms);
   out["members"] = list(run.members);
-  out["status"] = !run.complete() ? "stopped"
+  out["status"] = !run.complete()                            ? "stopped"
                   : run.state != CooperativeState::kTracking ? "held"
                                                              : "done";
   out["reason"] = !run.complete() ? describe(run.status) : describe(run.state);

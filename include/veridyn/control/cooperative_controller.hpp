@@ -19,7 +19,8 @@ struct CooperativeOptions {
   // What ends the task: every target is held where it is, see CooperativeState.
   double largest_force = 20.0;  ///< [N] read at any member
   double largest_age = 0.02;    ///< [s] of a reading
-  double largest_error = 0.02;  ///< [m] of any tip from its target
+  double largest_error = 0.02;  ///< [m] of any tip from its way, beyond what its members
+                                   ///< stretch under the wanted force, as far as known
   double stuck_force = 1.0;     ///< [N] by which a member's length says that its force changed,
                                 ///< while its samples stay the same to the last bit
   double stop_duration = 0.1;   ///< [s] in which motion ends

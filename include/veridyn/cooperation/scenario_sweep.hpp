@@ -11,14 +11,14 @@ namespace veridyn {
 /// One run of a sweep: the scenario with every member this stiff, every sensor this late, the loops
 /// this fast.
 struct SweepPoint {
-  double stiffness = 0.0;     ///< [N/m]
-  double delay = 0.0;         ///< [s]
-  double rate = 0.0;          ///< [Hz]
-  double steady_error = 0.0;  ///< [N] largest at the end of any phase
-  double force_error = 0.0;   ///< [N] largest at any time of the phases that ask for a bound
-  double oscillation = 0.0;   ///< [N] largest at the end of any phase
-  double largest_force = 0.0; ///< [N]
-  double generated = 0.0;     ///< [J] largest of any phase after its commands
+  double stiffness = 0.0;      ///< [N/m]
+  double delay = 0.0;          ///< [s]
+  double rate = 0.0;           ///< [Hz]
+  double steady_error = 0.0;   ///< [N] largest at the end of any phase
+  double force_error = 0.0;    ///< [N] largest at any time of the phases that ask for a bound
+  double oscillation = 0.0;    ///< [N] largest at the end of any phase
+  double largest_force = 0.0;  ///< [N]
+  double generated = 0.0;      ///< [J] largest of any phase after its commands
   bool stable = false;
   std::string ended;  ///< why it did not go on; empty where it did
 };
