@@ -105,8 +105,8 @@ ScenarioMember read_member(const YamlNode& node, const Names& arms) {
 
 ScenarioControl read_control(const YamlNode& node) {
   node.allow_keys({"rate", "position_frequency", "mass", "damping", "stiffness", "friction",
-                   "observer", "velocity_cutoff", "largest_force", "largest_error", "largest_age",
-                   "stuck_force"});
+                   "observer", "velocity_cutoff", "largest_force", "largest_force_error",
+                   "largest_error", "largest_age", "stuck_force"});
   ScenarioControl c;
   c.rate = positive_or(node, "rate", c.rate);
   c.position_frequency = positive_or(node, "position_frequency", c.position_frequency);
@@ -118,6 +118,7 @@ ScenarioControl read_control(const YamlNode& node) {
   c.observer = nonnegative_or(node, "observer", c.observer);
   c.velocity_cutoff = positive_or(node, "velocity_cutoff", c.velocity_cutoff);
   c.largest_force = positive_or(node, "largest_force", c.largest_force);
+  c.largest_force_error = positive_or(node, "largest_force_error", c.largest_force_error);
   c.largest_error = positive_or(node, "largest_error", c.largest_error);
   c.largest_age = positive_or(node, "largest_age", c.largest_age);
   c.stuck_force = positive_or(node, "stuck_force", c.stuck_force);

@@ -28,9 +28,9 @@ std::string quoted(const std::string& word) {
 // One plot: its title, unit and curves {name, colour, width, values}.
 class Plot {
  public:
-  Plot(const std::string& title, const char* unit, Eigen::Index step)
-      : head_(fmt::format("{{\"title\": {}, \"unit\": {}, \"curves\": [", quoted(title),
-                          quoted(unit))),
+  Plot(const std::string& title, const char* kind, const char* unit, Eigen::Index step)
+      : head_(fmt::format("{{\"title\": {}, \"kind\": {}, \"unit\": {}, \"curves\": [",
+                          quoted(title), quoted(kind), quoted(unit))),
         step_(step) {}
 
   Plot& curve(const char* name, const char* colour, double width, const VectorXd& values) {
@@ -54,12 +54,15 @@ std::string plots_of(const ScenarioRun& run) {
   std::vector<std::string> plots;
   for (std::size_t k = 0; k < run.member.size(); ++k) {
     const MemberTrace& m = run.member[k];
-    plots.push_back(Plot("Force in " + run.members[k], "N", step)
+    plots.push_back(Plot("Force in " + run.members[k], "time", "N", step)
                         .curve("measured", "#c9c9c3", 3.0, m.measured)
                         .curve("wanted", "#cf5b13", 2.4, m.wanted)
                         .curve("true", "#0f6ab4", 1.2, m.force)
                         .text());
-    plots.push_back(Plot("Correction x_f of " + run.members[k], "mm", step)
+    plots.push_back(Plot("", "error", "N", step)
+                        .curve("true minus wanted", "#0f6ab4", 1.2, m.force - m.wanted)
+                        .text());
+    plots.push_back(Plot("Correction x_f of " + run.members[k], "error", "mm", step)
                         .curve("x_f", "#0f6ab4", 1.2, 1e3 * m.x_f)
                         .text());
   }
@@ -70,13 +73,21 @@ std::string plots_of(const ScenarioRun& run) {
     const auto along = [&](const MatrixXd& of, Eigen::Index axis) {
       return VectorXd(1e3 * (of.col(axis).array() - from[axis]));
     };
-    plots.push_back(Plot("Tip of " + run.arms[k] + " since the start", "mm", step)
+    const auto off = [&](Eigen::Index axis) {
+      return VectorXd(1e3 * (a.tip.col(axis) - a.motion.col(axis)));
+    };
+    plots.push_back(Plot("Tip of " + run.arms[k] + " since the start", "time", "mm", step)
                         .curve("x wanted", "#e8b48f", 4.0, along(a.motion, 0))
                         .curve("y wanted", "#9fc6e6", 4.0, along(a.motion, 1))
                         .curve("z wanted", "#9fd4ce", 4.0, along(a.motion, 2))
                         .curve("x", "#cf5b13", 1.2, along(a.tip, 0))
                         .curve("y", "#0f6ab4", 1.2, along(a.tip, 1))
                         .curve("z", "#0d7a72", 1.2, along(a.tip, 2))
+                        .text());
+    plots.push_back(Plot("", "error", "mm", step)
+                        .curve("x off its way", "#cf5b13", 1.2, off(0))
+                        .curve("y off its way", "#0f6ab4", 1.2, off(1))
+                        .curve("z off its way", "#0d7a72", 1.2, off(2))
                         .text());
   }
   std::string out = fmt::format("\"time\": {}, \"plots\": [", numbers(run.time, step, 4));

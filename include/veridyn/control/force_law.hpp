@@ -27,6 +27,9 @@ struct ForceLaw {
 struct CooperativeMember {
   int from = 0, to = 1;  ///< arms, from 0
   ForceLaw law;
+  /// Of x_f for each end where both are slaves: 1/2 for position loops, which share a length; 1 for
+  /// impedances, which make forces of it, and the force is the same at both ends.
+  double share = 1.0;
 };
 
 /// What a controller knows of a member's force.

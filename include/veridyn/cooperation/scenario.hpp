@@ -71,13 +71,14 @@ struct ScenarioControl {
   Eigen::Vector3d mass{0.3, 0.3, 0.3};  ///< of impedances, in the arm's base [kg]
   Eigen::Vector3d damping{30.0, 30.0, 30.0};       ///< [N s/m]
   Eigen::Vector3d stiffness{300.0, 300.0, 300.0};  ///< [N/m]
-  double friction = 0.5;           ///< share of the friction known that is compensated
-  double observer = 5.0;           ///< [Hz] of the observer of model errors; 0: none
-  double velocity_cutoff = 250.0;  ///< [Hz] of the velocities from encoders
-  double largest_force = 20.0;     ///< [N] at which the task ends
-  double largest_error = 0.02;     ///< [m] likewise
-  double largest_age = 0.02;       ///< [s] likewise
-  double stuck_force = 1.0;        ///< [N] see CooperativeOptions
+  double friction = 0.5;              ///< share of the friction known that is compensated
+  double observer = 5.0;              ///< [Hz] of the observer of model errors; 0: none
+  double velocity_cutoff = 250.0;     ///< [Hz] of the velocities from encoders
+  double largest_force = 20.0;        ///< [N] at which the task ends
+  double largest_force_error = 20.0;  ///< [N] likewise, of a reading from h_d
+  double largest_error = 0.02;        ///< [m] likewise
+  double largest_age = 0.02;          ///< [s] likewise
+  double stuck_force = 1.0;           ///< [N] see CooperativeOptions
 };
 
 /// A grid of runs; empty lists keep the scenario's own value.

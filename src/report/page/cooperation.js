@@ -17,6 +17,11 @@ function askedRows() {
   }));
 }
 
+function curveKey(curve) {
+  return element(
+      'span', {class: 'key'}, element('i', {style: 'background:' + curve.colour}), curve.name);
+}
+
 function fillRun() {
   const asked = askedRows();
   const missed = asked.filter((row) => row[4].textContent !== 'met').length;
@@ -62,12 +67,17 @@ function fillRun() {
           [{name: 'Phase'}, {name: 'Member'}].concat(
               head.map((name) => ({name: name, kind: 'number'}))),
           rows, 'phases'));
+  // A plot without a title stands beneath the one before and has its time axis.
+  let place, readout;
   series.plots.forEach((one, k) => {
-    const readout = element('span', {class: 'readout'});
-    const place =
-        element('div', {class: 'joint'}, element('h3', {}, one.title + ' [' + one.unit + ']', readout));
-    byId('time-plots').append(place);
-    timePlot(place, 'time', k + 1, series, one.curves, one.unit, readout);
+    if (one.title) {
+      readout = element('span', {class: 'readout'});
+      place = element(
+          'div', {class: 'joint'}, element('h3', {}, one.title + ' [' + one.unit + ']', readout),
+          element('p', {class: 'keys'}, one.curves.map(curveKey)));
+      byId('time-plots').append(place);
+    }
+    timePlot(place, one.kind, k + 1, series, one.curves, one.unit, readout);
   });
   fitTimePlotsToPaper();
 }
