@@ -3,24 +3,16 @@
 #include <cassert>
 
 #include "control/effect_kinds.hpp"
+#include "control/static_forces.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn {
-namespace {
-
-VectorXd values_of(const Model& arm) {
-  const auto phi = arm.inertial_values();
-  require(phi.has_value(), "ArmState: arm '", arm.name(),
-          "' has bodies without mass, com and inertia; identify it first.");
-  return *phi;
-}
-
-}  // namespace
 
 ArmState::ArmState(const Model& arm, const Tip& tip)
     : tip_(arm, tip),
-      rigid_(arm, values_of(arm)),
+      rigid_(arm, control_parameters(arm, "ArmState")),
       rotors_(MatrixXd::Zero(arm.joints(), arm.joints())),
+      forces_(static_forces(arm)),
       q_(VectorXd::Zero(arm.joints())),
       dq_(q_),
       rest_(q_),
@@ -29,19 +21,14 @@ ArmState::ArmState(const Model& arm, const Tip& tip)
       M_(rotors_) {
   for (const EffectTerm& term : arm.effects()) {
     const EffectKind kind = effect_kind(term.effect);
-    if (kind == EffectKind::kFriction) continue;
-    BoundEffect effect(arm, term);
-    if (kind == EffectKind::kLeftOut) {
+    if (kind == EffectKind::kLeftOut)
       left_out_.push_back(term.effect + "(" + axis_text(arm, term.axis) + ")");
-      continue;
-    }
-    require(effect.has_values(), "ArmState: effect ", effect.parameter_name(0), " of arm '",
+    if (kind != EffectKind::kInertia) continue;
+    const BoundEffect rotor(arm, term);
+    require(rotor.has_values(), "ArmState: effect ", rotor.parameter_name(0), " of arm '",
             arm.name(), "' has no value; identify it first.");
     const VectorXd& c = term.axis.coefficients;
-    if (kind == EffectKind::kInertia)
-      rotors_ += effect.values()[0] * c * c.transpose();
-    else
-      forces_.push_back(std::move(effect));
+    rotors_ += rotor.values()[0] * c * c.transpose();
   }
 }
 
@@ -53,12 +40,7 @@ void ArmState::update(const VectorXd& q, const VectorXd& dq) noexcept {
   rigid_.evaluate(q_, dq_, M_, h_);
   M_ += rotors_;
   bias_ = h_;
-  for (BoundEffect& effect : forces_) {
-    const AxisSample sample = effect.sample(0.0, q_.data(), dq_.data(), rest_.data(), 1);
-    const double force = effect.force(sample);
-    const VectorXd& c = effect.term().axis.coefficients;
-    for (Eigen::Index i = 0; i < c.size(); ++i) bias_[i] += c[i] * force;
-  }
+  add_forces(forces_, q_, dq_, rest_, bias_);
 }
 
 }  // namespace veridyn

@@ -71,6 +71,28 @@ void TaskInverse::update(const MatrixXd& J) noexcept {
     factor<6>();
 }
 
+// (J~ J~')^-1 a, damped.
+Vector6d TaskInverse::weigh(const Vector6d& a) const noexcept {
+  Vector6d out = Vector6d::Zero();
+  for (int k = 0; k < rows_; ++k) {
+    double along = 0.0;
+    for (int r = 0; r < rows_; ++r) along += U_(r, k) * a[r];
+    along *= gain_[k];
+    for (int r = 0; r < rows_; ++r) out[r] += along * U_(r, k);
+  }
+  return out;
+}
+
+void TaskInverse::solve_wrench(const VectorXd& tau, Vector6d& h) noexcept {
+  assert(tau.size() == J_.cols());
+  Vector6d moved = Vector6d::Zero();
+  for (Eigen::Index i = 0; i < J_.cols(); ++i) {
+    for (int r = 0; r < rows_; ++r) moved[r] += J_(r, i) * unit_[i] * tau[i];
+  }
+  h = weigh(moved);
+  for (int r = 0; r < std::min(rows_, 3); ++r) h[r] /= length_;
+}
+
 void TaskInverse::solve(const Vector6d& a, const VectorXd& y0, VectorXd& y) noexcept {
   assert(y0.size() == J_.cols() && y.size() == J_.cols());
   // The posture's share of the task is taken out first: what is left of it is the free part.
@@ -79,13 +101,7 @@ void TaskInverse::solve(const Vector6d& a, const VectorXd& y0, VectorXd& y) noex
     if (r < 3) rest[r] /= length_;
     for (Eigen::Index i = 0; i < J_.cols(); ++i) rest[r] -= J_(r, i) * y0[i] / unit_[i];
   }
-  Vector6d turned = Vector6d::Zero();
-  for (int k = 0; k < rows_; ++k) {
-    double along = 0.0;
-    for (int r = 0; r < rows_; ++r) along += U_(r, k) * rest[r];
-    along *= gain_[k];
-    for (int r = 0; r < rows_; ++r) turned[r] += along * U_(r, k);
-  }
+  const Vector6d turned = weigh(rest);
   for (Eigen::Index i = 0; i < J_.cols(); ++i) {
     double sum = 0.0;
     for (int r = 0; r < rows_; ++r) sum += J_(r, i) * turned[r];

@@ -67,6 +67,9 @@ class FrictionCompensation {
   int axes() const { return static_cast<int>(axes_.size()); }
   const VectorXd& axis(int k) const { return axes_[static_cast<size_t>(k)].c; }
 
+  bool prismatic(int k) const { return axes_[static_cast<size_t>(k)].prismatic; }
+  double share() const { return options_.share; }
+
   /// Scales one axis' friction, see AdaptiveFriction. Between 0 and 2; others are refused: false.
   bool set_scale(int k, double scale) noexcept;
   double scale(int k) const { return axes_[static_cast<size_t>(k)].scale; }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <vector>
 
 #include "veridyn/control/tip_kinematics.hpp"
@@ -56,6 +57,10 @@ class TaskInverse {
   /// y (n) from a (first `rows` entries used) and a posture y0 (n).
   void solve(const Vector6d& a, const VectorXd& y0, VectorXd& y) noexcept;
 
+  /// The wrench that joint torques balance, J' h = tau in the least squares sense: h = J#' tau,
+  /// first `rows` entries; in lost directions it stays small, not large. Entries beyond are zero.
+  void solve_wrench(const VectorXd& tau, Vector6d& h) noexcept;
+
   /// Holds coordinate i: its column counts as zero from the next update() on, until release().
   void hold(int i) noexcept { held_[static_cast<size_t>(i)] = 1; }
   void release() noexcept { std::fill(held_.begin(), held_.end(), char{0}); }
@@ -70,6 +75,7 @@ class TaskInverse {
  private:
   template <int kRows>
   void factor() noexcept;
+  Vector6d weigh(const Vector6d& a) const noexcept;
 
   int rows_;
   double length_, threshold_;

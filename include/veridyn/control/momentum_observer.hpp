@@ -1,0 +1,72 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "veridyn/control/arm_state.hpp"
+#include "veridyn/control/friction_compensation.hpp"
+#include "veridyn/control/task_inverse.hpp"
+#include "veridyn/control/torque_uncertainty.hpp"
+#include "veridyn/dynamics/rigid_body_dynamics.hpp"
+
+namespace veridyn {
+
+struct MomentumObserverOptions {
+  double bandwidth = 30.0;         ///< [1/s]
+  UncertaintyOptions uncertainty;  ///< of the threshold
+  int cycles = 5;                  ///< above the threshold in a row, before it is a contact
+  TaskInverseOptions inverse;
+};
+
+/// What touches the arm, without a force sensor: from momentum p = M dq alone,
+///
+///   r = bandwidth (integral of (tau_motor - friction - g - forces + C' dq - r) dt - p + p(0))
+///
+/// follows the torque J' h that the arm spends on the world, with a lag of 1 / bandwidth; no
+/// acceleration is needed. A contact is where |r_i| exceeds what the model itself may be wrong by
+/// in this motion (TorqueUncertainty) for some cycles. It is named by link: torques of coordinates
+/// that lie beyond the touched link stay zero, so it sits on the first link that the outermost
+/// coordinate with a torque moves, or further out along the directions that no joint notices.
+/// Source: De Luca and Mattone, ICRA 2005. Nothing allocates after the constructor.
+class MomentumObserver {
+ public:
+  /// @throws InvalidInput  as ArmState and TorqueUncertainty; a bandwidth or number of cycles that
+  ///                       is not above zero.
+  MomentumObserver(const Model& arm, const Tip& tip, const MomentumObserverOptions& options = {});
+
+  /// @param tau_motor  (n) that acted since the last update(). @param ddq  (n) wanted, for the
+  /// threshold. @param dt  [s] since the last update(). @returns r (n) [N m], [N].
+  const VectorXd& update(const ArmState& arm, const VectorXd& tau_motor, const VectorXd& ddq,
+                         double dt) noexcept;
+
+  void reset() noexcept;
+
+  const VectorXd& torque() const { return r_; }             ///< r
+  const VectorXd& threshold() const { return threshold_; }  ///< (n)
+
+  /// The force [N] at the tip, in the world, that would explain r.
+  Eigen::Vector3d force() const { return wrench_.head<3>(); }
+
+  bool contact() const { return coordinate_ >= 0; }
+  /// The outermost coordinate whose torque is above its threshold; -1: no contact.
+  int coordinate() const { return coordinate_; }
+  /// Index in the model of the frame that is named, or -1.
+  int frame() const { return coordinate_ < 0 ? -1 : frames_[static_cast<size_t>(coordinate_)]; }
+
+ private:
+  MomentumObserverOptions options_;
+  RigidBodyDynamics dynamics_;
+  FrictionCompensation friction_;
+  TorqueUncertainty uncertainty_;
+  TaskInverse inverse_;
+  std::vector<int> frames_;  // by coordinate: the first frame with a body that it moves
+  std::vector<int> order_;   // coordinates from the tip inwards
+  MatrixXd C_;
+  VectorXd r_, threshold_, sum_, p_, p_start_, none_;
+  Vector6d wrench_{Vector6d::Zero()};
+  std::vector<int> above_;
+  int coordinate_ = -1;
+  bool first_ = true;
+};
+
+}  // namespace veridyn

@@ -1,0 +1,110 @@
+#include "veridyn/control/momentum_observer.hpp"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "control/static_forces.hpp"
+#include "veridyn/math/require.hpp"
+
+namespace veridyn {
+namespace {
+
+FrictionOptions whole_friction() {
+  FrictionOptions options;
+  options.rule = FrictionRule::kVelocity;
+  options.share = 1.0;
+  options.reserve.revolute = options.reserve.prismatic = std::numeric_limits<double>::infinity();
+  return options;
+}
+
+// By coordinate: the first frame with a body that it moves; the number of frames where there is
+// none.
+std::vector<int> first_frames(const Model& arm) {
+  std::vector<int> first(static_cast<size_t>(arm.joints()), static_cast<int>(arm.frames().size()));
+  for (int i = 0; i < arm.joints(); ++i) {
+    for (const int k : arm.bodies()) {
+      if (!arm.moves(k, i)) continue;
+      first[static_cast<size_t>(i)] = k;
+      break;
+    }
+  }
+  return first;
+}
+
+}  // namespace
+
+MomentumObserver::MomentumObserver(const Model& arm, const Tip& tip,
+                                   const MomentumObserverOptions& options)
+    : options_(options),
+      dynamics_(arm, control_parameters(arm, "MomentumObserver")),
+      friction_(arm, whole_friction()),
+      uncertainty_(arm, options.uncertainty),
+      inverse_(arm, tip, TaskRows::kPosition, options.inverse),
+      frames_(first_frames(arm)),
+      order_(static_cast<size_t>(arm.joints())),
+      C_(MatrixXd::Zero(arm.joints(), arm.joints())),
+      r_(VectorXd::Zero(arm.joints())),
+      threshold_(r_),
+      sum_(r_),
+      p_(r_),
+      p_start_(r_),
+      none_(r_),
+      above_(static_cast<size_t>(arm.joints()), 0) {
+  require(options.bandwidth > 0.0 && std::isfinite(options.bandwidth) && options.cycles > 0,
+          "MomentumObserver: found a bandwidth of ", options.bandwidth, " 1/s and ", options.cycles,
+          " cycles, expected both above zero.");
+  std::iota(order_.begin(), order_.end(), 0);
+  std::stable_sort(order_.begin(), order_.end(), [this](int a, int b) {
+    return frames_[static_cast<size_t>(a)] > frames_[static_cast<size_t>(b)];
+  });
+  for (int& frame : frames_) {
+    if (frame == static_cast<int>(arm.frames().size())) frame = -1;
+  }
+}
+
+void MomentumObserver::reset() noexcept {
+  first_ = true;
+  coordinate_ = -1;
+  r_.setZero();
+  threshold_.setZero();
+  wrench_.setZero();
+  std::fill(above_.begin(), above_.end(), 0);
+}
+
+const VectorXd& MomentumObserver::update(const ArmState& arm, const VectorXd& tau_motor,
+                                         const VectorXd& ddq, double dt) noexcept {
+  assert(arm.joints() == r_.size() && tau_motor.size() == r_.size() && ddq.size() == r_.size());
+  p_.noalias() = arm.mass_matrix().lazyProduct(arm.dq());
+  // r still shows what was unknown a moment ago.
+  const double falls = std::exp(-options_.bandwidth * dt);
+  const VectorXd& now = uncertainty_.update(arm, ddq);
+  threshold_ = now.cwiseMax(now + falls * (threshold_ - now));
+  const VectorXd& friction = friction_.update(arm, none_, none_, dt);
+  if (first_) {
+    first_ = false;
+    p_start_ = p_;
+    sum_.setZero();
+    r_.setZero();
+    return r_;
+  }
+  dynamics_.coriolis_matrix(arm.q(), arm.dq(), C_);
+  // bias = C dq + g + forces, so that g + forces = bias - C dq.
+  sum_ += dt * (tau_motor - friction - arm.bias() - r_);
+  sum_.noalias() += dt * C_.lazyProduct(arm.dq());
+  sum_.noalias() += dt * C_.transpose().lazyProduct(arm.dq());
+  r_ = options_.bandwidth * (sum_ - p_ + p_start_);
+  inverse_.update(arm.tip().jacobian());
+  inverse_.solve_wrench(r_, wrench_);
+  coordinate_ = -1;
+  for (const int i : order_) {
+    int& count = above_[static_cast<size_t>(i)];
+    count = std::abs(r_[i]) > threshold_[i] ? std::min(count + 1, options_.cycles) : 0;
+    if (coordinate_ < 0 && count >= options_.cycles) coordinate_ = i;
+  }
+  return r_;
+}
+
+}  // namespace veridyn

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <vector>
+
+#include "veridyn/effects/effect.hpp"
+#include "veridyn/math/types.hpp"
+#include "veridyn/model/model.hpp"
+
+namespace veridyn {
+
+/// The effects of a model that are neither friction nor inertia. @throws InvalidInput  one has no
+/// values.
+std::vector<BoundEffect> static_forces(const Model& arm);
+
+/// Adds their torques. @param rest  (n) zeros.
+void add_forces(std::vector<BoundEffect>& forces, const VectorXd& q, const VectorXd& dq,
+                const VectorXd& rest, VectorXd& tau) noexcept;
+
+/// The inertial parameters. @throws InvalidInput  a body has no values; the message begins with
+/// `where`.
+VectorXd control_parameters(const Model& arm, const char* where);
+
+}  // namespace veridyn

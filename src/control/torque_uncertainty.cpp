@@ -1,0 +1,125 @@
+#include "veridyn/control/torque_uncertainty.hpp"
+
+#include <array>
+#include <cassert>
+#include <cmath>
+#include <string>
+
+#include "control/static_forces.hpp"
+#include "veridyn/dynamics/recursion.hpp"
+#include "veridyn/math/require.hpp"
+
+namespace veridyn {
+namespace {
+
+// The names that base parameters carry, "hx_yaw": symbol and frame.
+constexpr std::array<const char*, 10> kSymbols = {"m",   "hx",  "hy",  "hz",  "Lxx",
+                                                  "Lxy", "Lyy", "Lxz", "Lyz", "Lzz"};
+
+int inertial_column(const Model& arm, const std::string& name) {
+  for (size_t b = 0; b < arm.bodies().size(); ++b) {
+    const std::string& frame = arm.frames()[static_cast<size_t>(arm.bodies()[b])].name;
+    for (size_t k = 0; k < kSymbols.size(); ++k) {
+      if (name == std::string(kSymbols[k]) + "_" + frame) return static_cast<int>(10 * b + k);
+    }
+  }
+  return -1;
+}
+
+}  // namespace
+
+TorqueUncertainty::TorqueUncertainty(const Model& arm, const UncertaintyOptions& options)
+    : options_(options),
+      tree_(arm),
+      recursion_(tree_),
+      friction_(arm),
+      error_(VectorXd::Zero(arm.joints())),
+      u_(VectorXd::Zero(arm.joints())),
+      none_(u_),
+      torque_(u_) {
+  require(options.relative > 0.0 && options.deviations > 0.0 && options.velocity.revolute > 0.0 &&
+              options.velocity.prismatic > 0.0,
+          "TorqueUncertainty: found an option that is not above zero.");
+  const VectorXd phi = control_parameters(arm, "TorqueUncertainty");
+  if (arm.description().identified && arm.description().identified->has_scatter())
+    read_identified(arm);
+  if (!identified_) {
+    factor_ = MatrixXd::Zero(phi.size(), phi.size());
+    for (Eigen::Index p = 0; p < phi.size(); ++p) {
+      column_.push_back(static_cast<int>(p));
+      factor_(p, p) = options.relative * std::abs(phi[p]);
+    }
+  }
+  sum_ = MatrixXd::Zero(arm.joints(), factor_.cols());
+}
+
+// Base parameters act through the column of the standard parameter that leads each of them.
+void TorqueUncertainty::read_identified(const Model& arm) {
+  const IdentifiedBase& base = *arm.description().identified;
+  std::vector<const IdentifiedParameter*> inertial;
+  Eigen::Index factors = 0;
+  for (const IdentifiedParameter& p : base.parameters) {
+    const int column = inertial_column(arm, p.name);
+    if (column < 0 || p.scatter.size() == 0) continue;
+    inertial.push_back(&p);
+    column_.push_back(column);
+    factors = std::max(factors, p.scatter.size());
+  }
+  if (inertial.empty()) return;
+  identified_ = true;
+  factor_ = MatrixXd::Zero(static_cast<Eigen::Index>(inertial.size()), factors);
+  for (size_t k = 0; k < inertial.size(); ++k)
+    factor_.row(static_cast<Eigen::Index>(k)).head(inertial[k]->scatter.size()) =
+        inertial[k]->scatter.transpose();
+  if (base.error.size() == arm.joints()) error_ = base.error;
+}
+
+const VectorXd& TorqueUncertainty::update(const ArmState& arm, const VectorXd& ddq) noexcept {
+  assert(ddq.size() == u_.size() && arm.joints() == u_.size());
+  const Links links = tree_;
+  forward_pass(links, arm.q().data(), arm.dq().data(), ddq.data(), tree_.gravity, recursion_);
+  jacobian_pass(links, recursion_);
+  sum_.setZero();
+  size_t next = 0;  // columns ascend within a body, but bodies may come in any order
+  for (size_t k = 0; k < column_.size(); k = next) {
+    const int body = column_[k] / 10;
+    for (next = k; next < column_.size() && column_[next] / 10 == body;) ++next;
+    const int link = tree_.body_links[static_cast<size_t>(body)];
+    const BodyMotion<double> motion = body_motion(recursion_.link[link]);
+    for (int m = links.link[link].first_mover; m < links.link[link].end_mover; ++m) {
+      std::array<double, 10> y{};
+      regressor_entries(motion, recursion_.jacobian[m],
+                        [&](int c, double value) { y[static_cast<size_t>(c)] = value; });
+      for (size_t at = k; at < next; ++at) {
+        const double entry = y[static_cast<size_t>(column_[at] % 10)];
+        const int i = links.mover[m].coordinate;
+        if (identified_)
+          sum_.row(i) += entry * factor_.row(static_cast<Eigen::Index>(at));
+        else
+          sum_(i, static_cast<Eigen::Index>(at)) +=
+              entry * factor_(static_cast<Eigen::Index>(at), static_cast<Eigen::Index>(at));
+      }
+    }
+  }
+  torque_ = arm.bias();
+  torque_.noalias() += arm.mass_matrix().lazyProduct(ddq);
+  for (Eigen::Index i = 0; i < u_.size(); ++i) {
+    const double unexplained = error_[i] * torque_[i];
+    u_[i] = options_.deviations * std::sqrt(sum_.row(i).squaredNorm() + unexplained * unexplained);
+  }
+  friction_.update(arm, none_, none_, 0.0);
+  for (int k = 0; k < friction_.axes(); ++k) {
+    const VectorXd& c = friction_.axis(k);
+    const double v = c.dot(arm.dq());
+    const double limit =
+        friction_.prismatic(k) ? options_.velocity.prismatic : options_.velocity.revolute;
+    const double share =
+        std::abs(v) < limit ? 1.0 : std::min(1.0, options_.relative * options_.deviations / 3.0);
+    const double level =
+        std::max(std::abs(friction_.sliding(k, 1.0, v)), std::abs(friction_.sliding(k, -1.0, v)));
+    for (Eigen::Index i = 0; i < u_.size(); ++i) u_[i] += std::abs(c[i]) * share * level;
+  }
+  return u_;
+}
+
+}  // namespace veridyn

@@ -1,0 +1,192 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include "control/control_support.hpp"
+#include "veridyn/control/safety_supervisor.hpp"
+#include "veridyn/math/require.hpp"
+#include "veridyn/model/model_file.hpp"
+#include "veridyn/simulation/plausible_model.hpp"
+
+namespace veridyn {
+namespace {
+
+constexpr double kTorque = 30.0;
+
+// An active supervisor that has seen one sound cycle.
+class Supervised {
+ public:
+  Supervised()
+      : arm_(plausible_model(read_model("psm-3dof"), 1).arm),
+        state_(arm_, {"tool"}),
+        safety_(arm_, safety_limits(arm_, kTorque)),
+        input_(3) {
+    q_ << 0.1, 0.2, 0.1;
+    tau_ << 1, 2, 3;
+    input_.q_wanted = q_;
+    EXPECT_TRUE(safety_.enable());
+    EXPECT_TRUE(safety_.activate());
+    run();
+    EXPECT_EQ(safety_.fault(), SafetyFault::kNone);
+  }
+
+  const VectorXd& run() {
+    state_.update(q_, dq_);
+    return safety_.update(state_, input_, tau_);
+  }
+
+  Model arm_;
+  ArmState state_;
+  SafetySupervisor safety_;
+  SafetyInput input_;
+  VectorXd q_{VectorXd::Zero(3)}, dq_{VectorXd::Zero(3)}, tau_{VectorXd::Zero(3)};
+};
+
+struct Wrong {
+  SafetyFault fault;
+  int joint;
+  SafetyAction action;
+  void (*make)(Supervised&);
+};
+
+const Wrong kWrongs[] = {
+    {SafetyFault::kNotFinite, 1, SafetyAction::kFreeze, [](Supervised& s) { s.q_[1] = NAN; }},
+    {SafetyFault::kNotFinite, 2, SafetyAction::kFreeze, [](Supervised& s) { s.dq_[2] = INFINITY; }},
+    {SafetyFault::kNotFinite, -1, SafetyAction::kFreeze, [](Supervised& s) { s.input_.dt = NAN; }},
+    {SafetyFault::kSensorAge, -1, SafetyAction::kFreeze,
+     [](Supervised& s) { s.input_.sensor_age = 0.004; }},
+    {SafetyFault::kEncoderJump, 0, SafetyAction::kFreeze, [](Supervised& s) { s.q_[0] += 0.05; }},
+    {SafetyFault::kController, 1, SafetyAction::kHold, [](Supervised& s) { s.tau_[1] = NAN; }},
+    {SafetyFault::kOverrun, -1, SafetyAction::kHold, [](Supervised& s) { s.input_.dt = 0.02; }},
+    {SafetyFault::kPosition, 2, SafetyAction::kHold,
+     [](Supervised& s) {
+       // Still inside, but it could not stop before the limit at 0.24 m.
+       for (; s.q_[2] < 0.2355; s.q_[2] += 1e-3) {
+         s.input_.q_wanted = s.q_;
+         s.run();
+       }
+       s.input_.q_wanted = s.q_;
+       s.dq_[2] = 0.2;
+     }},
+    {SafetyFault::kVelocity, 0, SafetyAction::kHold, [](Supervised& s) { s.dq_[0] = 2.1; }},
+    {SafetyFault::kTracking, 1, SafetyAction::kHold,
+     [](Supervised& s) { s.input_.q_wanted[1] += 0.1; }},
+    {SafetyFault::kTorque, 2, SafetyAction::kHold,
+     [](Supervised& s) {
+       s.tau_[2] = 1.5 * kTorque;
+       for (int k = 0; k < 199; ++k) s.run();
+       EXPECT_EQ(s.safety_.fault(), SafetyFault::kNone);
+       s.input_.dt = 0.002;
+     }},
+    {SafetyFault::kForce, -1, SafetyAction::kRelease,
+     [](Supervised& s) { s.input_.force << 10, 10, 10; }},
+    {SafetyFault::kForceSensor, -1, SafetyAction::kRelease,
+     [](Supervised& s) { s.input_.force[1] = NAN; }},
+    {SafetyFault::kForceSensor, -1, SafetyAction::kRelease,
+     [](Supervised& s) { s.input_.force_age = 0.02; }},
+    {SafetyFault::kForceSensor, -1, SafetyAction::kRelease,
+     [](Supervised& s) {
+       s.input_.force_expected << 0, 0, 8;
+       for (int k = 0; k < 99; ++k) s.run();
+       EXPECT_EQ(s.safety_.fault(), SafetyFault::kNone);
+       s.input_.dt = 0.002;
+     }},
+};
+
+TEST(SafetySupervisor, EveryFaultHasItsActionWithinOneCycleAndSaysWhy) {
+  for (const Wrong& wrong : kWrongs) {
+    Supervised s;
+    EXPECT_TRUE(near(s.run(), Eigen::Vector3d(1, 2, 3), 0.0));
+    wrong.make(s);
+    const VectorXd out = s.run();
+    EXPECT_EQ(s.safety_.fault(), wrong.fault) << describe(wrong.fault);
+    EXPECT_EQ(s.safety_.joint(), wrong.joint) << describe(wrong.fault);
+    EXPECT_EQ(s.safety_.state(), SafetyState::kFault);
+    EXPECT_EQ(s.safety_.action(), wrong.action) << describe(wrong.fault);
+    EXPECT_EQ(action_of(wrong.fault), wrong.action);
+    EXPECT_TRUE(out.allFinite());
+    EXPECT_LE(out.cwiseAbs().maxCoeff(), kTorque);
+    EXPECT_GT(std::string(describe(wrong.fault)).size(), 5U);
+    // It stays until it is reset, however sound the next cycles are.
+    s.dq_.setZero();
+    if (wrong.action == SafetyAction::kFreeze) s.q_ << 0.1, 0.2, 0.1;
+    s.run();
+    EXPECT_EQ(s.safety_.fault(), wrong.fault);
+    EXPECT_FALSE(s.safety_.activate());
+    EXPECT_FALSE(s.safety_.enable());
+    EXPECT_TRUE(s.safety_.reset());
+    EXPECT_EQ(s.run().norm(), 0.0);
+    EXPECT_TRUE(s.safety_.enable());
+  }
+}
+
+TEST(SafetySupervisor, StatesAllowTheirTransitionsAndNoOthers) {
+  Supervised s;
+  SafetySupervisor& safety = s.safety_;
+  EXPECT_FALSE(safety.home());
+  EXPECT_FALSE(safety.enable());
+  EXPECT_FALSE(safety.reset());
+  EXPECT_TRUE(safety.hold());
+  EXPECT_FALSE(safety.hold());
+  // Holding, the controller's torque does not count: what counts is what keeps the arm there.
+  s.tau_ << 9, 9, 9;
+  s.run();
+  EXPECT_EQ(safety.action(), SafetyAction::kHold);
+  EXPECT_TRUE(near(s.run(), s.state_.bias(), 1e-9));
+  EXPECT_TRUE(safety.activate());
+  safety.disable();
+  EXPECT_EQ(s.run().norm(), 0.0);
+  EXPECT_FALSE(safety.activate());
+  EXPECT_TRUE(safety.enable());
+  EXPECT_TRUE(safety.home());
+  // Homing is slow: a fifth of the velocity limit.
+  s.input_.q_wanted = s.q_;
+  s.dq_[0] = 0.3;
+  s.run();
+  EXPECT_EQ(safety.fault(), SafetyFault::kNone);
+  s.dq_[0] = 0.5;
+  s.run();
+  EXPECT_EQ(safety.fault(), SafetyFault::kVelocity);
+}
+
+// A lost encoder in motion: what is left brakes by what was last known, and ends in what holds.
+TEST(SafetySupervisor, BlindItBrakesByTheLastSoundMomentum) {
+  Supervised s;
+  VectorXd extra = Eigen::Vector3d(0.1, -0.2, 0.3);
+  s.safety_.set_holding_torque(extra);
+  s.dq_ << 0.5, -0.3, 0.1;
+  s.run();
+  const VectorXd p = s.state_.mass_matrix() * s.dq_;
+  s.q_.setConstant(NAN);
+  VectorXd impulse = VectorXd::Zero(3);
+  GravityCompensation gravity(s.arm_);
+  const VectorXd holds = gravity.update(Eigen::Vector3d(0.1, 0.2, 0.1)) + extra;
+  VectorXd out;
+  for (int k = 0; k < 1000; ++k) {
+    out = s.run();
+    impulse += 1e-3 * (out - holds);
+  }
+  EXPECT_TRUE(near(out, holds, 1e-6));
+  EXPECT_TRUE(near(impulse, -0.8 * p, 0.03 * p.norm()));
+}
+
+TEST(SafetySupervisor, BadLimitsAreRefused) {
+  const Model arm = plausible_model(read_model("psm-3dof"), 1).arm;
+  SafetyLimits limits = safety_limits(arm, kTorque);
+  limits.torque[1] = std::numeric_limits<double>::infinity();
+  EXPECT_THROW(SafetySupervisor(arm, limits), InvalidInput);
+  limits = safety_limits(arm, kTorque);
+  limits.upper[0] = limits.lower[0];
+  EXPECT_THROW(SafetySupervisor(arm, limits), InvalidInput);
+  limits = safety_limits(arm, kTorque);
+  limits.velocity.resize(2);
+  EXPECT_THROW(SafetySupervisor(arm, limits), InvalidInput);
+  limits = safety_limits(arm, kTorque);
+  limits.force = 0.0;
+  EXPECT_THROW(SafetySupervisor(arm, limits), InvalidInput);
+}
+
+}  // namespace
+}  // namespace veridyn
