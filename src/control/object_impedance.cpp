@@ -10,10 +10,8 @@ namespace {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
-using Matrix6d = Eigen::Matrix<double, 6, 6>;
-using Vector6 = Eigen::Matrix<double, 6, 1>;
 
-constexpr double kSingular = 1e-6;  // of the mean of W W', whose regular part is of order one
+constexpr double kSingular = 1e-6;  // of the grasps' mean distance squared
 constexpr int kSteps = 3;           // of Gauss and Newton in a cycle
 
 Matrix3d cross_matrix(const Vector3d& a) {
@@ -105,23 +103,22 @@ const ObjectMotion& ObjectImpedance::estimate(const std::vector<Vector3d>& posit
   return now_;
 }
 
-// The smallest forces of the hands that add up to F and N.
+// The smallest forces of the hands that add up to F and N: the same share of F for each, and
+// y x (r_i - r), which add up to nothing, for what is left of N.
 void ObjectImpedance::distribute(const ObjectMotion& now, const Vector3d& F,
                                  const Vector3d& N) noexcept {
-  Matrix6d S = kSingular * static_cast<double>(hands()) * Matrix6d::Identity();
+  const double share = 1.0 / static_cast<double>(hands());
+  Vector3d middle = Vector3d::Zero();
+  for (const Vector3d& grasp : options_.grasps) middle += share * (now.rotation * grasp);
+  Matrix3d S = kSingular * reach_ * reach_ * Matrix3d::Identity();
   for (const Vector3d& grasp : options_.grasps) {
-    const Matrix3d X = cross_matrix(now.rotation * grasp) / reach_;
-    S.topLeftCorner<3, 3>() += Matrix3d::Identity();
-    S.topRightCorner<3, 3>() -= X;
-    S.bottomLeftCorner<3, 3>() += X;
-    S.bottomRightCorner<3, 3>() -= X * X;
+    const Matrix3d X = cross_matrix(now.rotation * grasp - middle);
+    S -= X * X;
   }
-  Vector6 wrench;
-  wrench << F, N / reach_;
-  const Vector6 y = Eigen::LDLT<Matrix6d>(S).solve(wrench);
+  const Vector3d y = Eigen::LDLT<Matrix3d>(S).solve(Vector3d(N - middle.cross(F)));
   for (size_t i = 0; i < targets_.size(); ++i) {
-    const Vector3d r = now.rotation * options_.grasps[i] / reach_;
-    targets_[i].force = y.head<3>() - r.cross(Vector3d(y.tail<3>()));
+    const Vector3d lever = now.rotation * options_.grasps[i] - middle;
+    targets_[i].force = share * F + y.cross(lever);
   }
 }
 

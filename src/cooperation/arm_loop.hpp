@@ -17,13 +17,13 @@ namespace veridyn {
 /// What one arm's loop is made with.
 struct ArmLoopSetup {
   Model model;  ///< as the controller knows it
-  Tip tip;
+  Tip tip{};
   Eigen::Matrix3d R_world_base{Eigen::Matrix3d::Identity()};
   Eigen::Vector3d p_world_base{Eigen::Vector3d::Zero()};
   ArmControl kind = ArmControl::kImpedance;
-  ScenarioControl control;
-  VectorXd encoder_step;  ///< (n)
-  VectorXd start;         ///< (n) joints, which is also the posture
+  ScenarioControl control{};
+  VectorXd encoder_step{};  ///< (n)
+  VectorXd start{};         ///< (n) joints, which is also the posture
 };
 
 /// Sensors and controller of one arm: encoders, velocities, and either a position loop of the tip

@@ -235,6 +235,7 @@ struct Tracking {
     CooperativeOptions o = options(2);
     o.members = {{0, 1, law, 1.0}};
     o.largest_force_error = 8.0;
+    o.largest_error = 0.05;
     control = std::make_unique<CooperativeController>(o, tips(2));
     rest = (kTips[1] - kTips[0]).norm();
     control->set_force(0, 5.0, 0.1);

@@ -37,10 +37,12 @@ struct ObjectImpedanceOptions {
 ///
 ///   a   = a_d + (D (v_d - v) + K (x_d - x) + f_env) / M_d        and likewise for turning
 ///   F   = m (a - g) - f_env,   N = I alpha + omega x I omega - n_env
-///   f_i = W' (W W' + eps)^-1 [F; N] + internal forces along the lines between the hands
+///   f_i = F / hands + y x (r_i - mean r) + internal forces along the lines between the hands
 ///
-/// W (6 x 3 hands) adds up forces at the grasps, moments in units of the grasps' mean distance from
-/// the centre; eps serves two hands, which cannot turn the object about the line between them.
+/// with y such that the f_i turn with N as well: the smallest forces that add up to both. Two hands
+/// cannot turn the object about the line between them; what N asks for there is left undone, and F
+/// is not touched by it.
+///
 /// Targets hold x_i = x_d + R_d r_i and the force f_i; the hands' own impedance takes both in, as
 /// x_i + f_i / K_hand. Source: Moosavian and Papadopoulos, Robotica 16(4), 1998; the thesis names
 /// it as the better way. Nothing allocates after the constructor.
