@@ -23,6 +23,7 @@ Scenario at_point(Scenario scenario, const SweepPoint& point) {
     member.sensor.delay = point.delay;
   }
   scenario.control.rate = point.rate;
+  tune_force_laws(scenario);
   return scenario;
 }
 

@@ -53,7 +53,7 @@ TEST(ScenarioRun, AnImpedanceSlaveKeepsTheForceInASpringAndAString) {
 TEST(ScenarioRun, TheDampingOfTheForceLoopIsWhatHoldsTheString) {
   Scenario s = example("two-arms-string");
   s.phases.resize(2);
-  s.members[0].law.damping = 0.0;
+  s.members[0].law.damping = s.members[0].law.proportional = 0.0;
   const ScenarioRun run = run_scenario(s);
   EXPECT_TRUE(run.state != CooperativeState::kTracking ||
               phase(run, "move").largest_force_error() > 0.1);
