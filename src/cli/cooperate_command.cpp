@@ -5,8 +5,10 @@
 #include "common_options.hpp"
 #include "messages.hpp"
 #include "veridyn/cooperation/scenario_run.hpp"
+#include "veridyn/cooperation/scenario_sweep.hpp"
 #include "veridyn/math/output_file.hpp"
 #include "veridyn/model/suggestion.hpp"
+#include "veridyn/report/cooperation_json.hpp"
 #include "veridyn/simulation/engine.hpp"
 
 namespace veridyn::cli {
@@ -15,10 +17,22 @@ namespace {
 struct Request {
   std::string scenario, output;
   std::string engine = "veridyn";
+  bool sweep = false;
   CommonOptions common;
 };
 
-ExitStatus run(const Request& request) {
+template <typename Result>
+void write(const Request& request, const Result& done, const Scenario& scenario,
+           const std::string& command) {
+  if (!request.common.json.empty()) write_file(request.common.json, to_json(done, scenario));
+  if (!request.common.report.empty())
+    write_file(request.common.report, to_page(done, scenario, command));
+  std::cout << done.report();
+}
+
+ExitStatus run(const Request& request, const std::string& command) {
+  if (request.sweep && !request.output.empty())
+    throw CLI::ValidationError("--output", "found --sweep beside it, which has no rows");
   require_different({{"--output", request.output},
                      {"--json", request.common.json},
                      {"--report", request.common.report}});
@@ -29,9 +43,14 @@ ExitStatus run(const Request& request) {
   const auto told = [&](double share) {
     if (bar) bar("cooperating", share);
   };
+  if (request.sweep) {
+    write(request, sweep_scenario(scenario, request.engine, request.common.threads, told), scenario,
+          command);
+    return kDone;
+  }
   const ScenarioRun done = run_scenario(scenario, request.engine, told);
   if (!request.output.empty()) write_scenario_rows(done, request.output);
-  std::cout << done.report();
+  write(request, done, scenario, command);
   return done.complete() ? kDone : kDataCannotAnswer;
 }
 
@@ -49,9 +68,11 @@ void add_cooperate_command(CLI::App& tool, Outcome& outcome) {
   command.add_option("--engine", request->engine, "What computes the motion (veridyn)")
       ->option_text(listed(engine_names()))
       ->check(CLI::IsMember(engine_names()));
+  command.add_flag("--sweep", request->sweep,
+                   "Run the scenario's sweep instead: a map of stability");
   add_common_options(command, request->common);
   add_report_option(command, request->common);
-  command.callback([request, &outcome] { outcome.status = run(*request); });
+  command.callback([request, &outcome] { outcome.status = run(*request, outcome.command_line); });
 }
 
 }  // namespace veridyn::cli

@@ -33,9 +33,12 @@ void check(const CooperativeOptions& o, std::size_t tips) {
     require(m.from >= 0 && m.from < arms && m.to >= 0 && m.to < arms && m.from != m.to,
             "cooperative controller: found a member between the arms ", m.from, " and ", m.to,
             ", expected two different ones of ", arms, " from 0.");
+    require(m.share > 0.0 && m.share <= 1.0, "cooperative controller: found a share of ", m.share,
+            ", expected a number above zero and at most one.");
   }
-  for (const double value : {o.period, o.largest_force, o.largest_age, o.largest_error,
-                             o.stuck_force, o.stop_duration}) {
+  for (const double value :
+       {o.period, o.largest_force, o.largest_force_error, o.largest_age, o.largest_error,
+        o.stuck_force, o.stop_duration, o.relief_force, o.relief_gain, o.relief_speed}) {
     require(std::isfinite(value) && value > 0.0, "cooperative controller: found ", value,
             " for a period or a bound, expected a number above zero.");
   }
@@ -73,6 +76,7 @@ CooperativeController::CooperativeController(const CooperativeOptions& options,
       angle_(VectorXd::Zero(1)),
       wanted_(VectorXd::Zero(
           std::max<Eigen::Index>(1, static_cast<Eigen::Index>(options.members.size())))),
+      relief_(tips.size(), Vector3d::Zero()),
       scratch3_(VectorXd::Zero(3)),
       scratch1_(VectorXd::Zero(1)),
       goal_(wanted_.x()) {
@@ -97,6 +101,7 @@ void CooperativeController::restart(const std::vector<Vector3d>& tips) noexcept 
   wanted_.reset(goal_);
   for (ForceTracker& tracker : trackers_) tracker.reset();
   for (Watch& watch : watches_) watch = {};
+  for (Vector3d& relief : relief_) relief.setZero();
   state_ = CooperativeState::kTracking;
   plan();
 }
@@ -204,7 +209,7 @@ void CooperativeController::correct(const CooperativeInput& input) noexcept {
                               : trackers_[k].value();
     const bool from_gives = m.from != options_.master;
     const bool to_gives = m.to != options_.master;
-    const double share = from_gives && to_gives ? 0.5 : 1.0;
+    const double share = from_gives && to_gives ? m.share : 1.0;
     if (from_gives) targets_[from].position -= share * x_f * u;
     if (to_gives) targets_[to].position += share * x_f * u;
     targets_[from].force -= wanted * u;
@@ -226,11 +231,18 @@ bool CooperativeController::is_stuck(size_t member, const ForceReading& reading,
 }
 
 CooperativeState CooperativeController::judge(const CooperativeInput& input) noexcept {
+  // A member stretches under its force, which takes its ends off the way of the motion alone.
+  double stretch = 0.0;
+  for (size_t k = 0; k < trackers_.size(); ++k) {
+    const double stiffness = options_.members[k].law.stiffness;
+    const double force = std::abs(wanted_.x()[static_cast<Eigen::Index>(k)]);
+    if (tracked_[k] != 0 && stiffness > 0.0) stretch += force / stiffness;
+  }
   for (size_t i = 0; i < targets_.size(); ++i) {
     if (!input.position[i].allFinite() || !input.velocity[i].allFinite())
       return CooperativeState::kNotFinite;
     if (input.healthy[i] == 0) return CooperativeState::kArmLost;
-    if ((input.position[i] - targets_[i].motion).norm() > options_.largest_error)
+    if ((input.position[i] - targets_[i].motion).norm() > options_.largest_error + stretch)
       return CooperativeState::kTargetMissed;
   }
   for (size_t k = 0; k < trackers_.size(); ++k) {
@@ -238,7 +250,10 @@ CooperativeState CooperativeController::judge(const CooperativeInput& input) noe
     const ForceReading& reading = input.force[k];
     if (!std::isfinite(reading.force)) return CooperativeState::kNotFinite;
     if (reading.age > options_.largest_age) return CooperativeState::kSensorStale;
-    if (std::abs(reading.force) > options_.largest_force) return CooperativeState::kForceTooLarge;
+    const double wanted = wanted_.x()[static_cast<Eigen::Index>(k)];
+    if (reading.number >= 0 && (std::abs(reading.force) > options_.largest_force ||
+                                std::abs(reading.force - wanted) > options_.largest_force_error))
+      return CooperativeState::kForceTooLarge;
     const CooperativeMember& m = options_.members[k];
     const double length =
         (input.position[static_cast<size_t>(m.to)] - input.position[static_cast<size_t>(m.from)])
@@ -246,6 +261,25 @@ CooperativeState CooperativeController::judge(const CooperativeInput& input) noe
     if (reading.number >= 0 && is_stuck(k, reading, length)) return CooperativeState::kSensorStuck;
   }
   return CooperativeState::kTracking;
+}
+
+// While all is held: ends that still follow give way along members whose force is beyond the
+// bound, the master's too. Readings of failed sensors move nothing.
+void CooperativeController::relieve(const CooperativeInput& input) noexcept {
+  if (state_ == CooperativeState::kSensorStale || state_ == CooperativeState::kSensorStuck) return;
+  for (size_t k = 0; k < trackers_.size(); ++k) {
+    const ForceReading& reading = input.force[k];
+    const double beyond = std::abs(reading.force) - options_.relief_force;
+    if (tracked_[k] == 0 || reading.age > options_.largest_age || !(beyond > 0.0)) continue;
+    const auto from = static_cast<size_t>(options_.members[k].from);
+    const auto to = static_cast<size_t>(options_.members[k].to);
+    const double speed = std::min(options_.relief_speed, options_.relief_gain * beyond);
+    const Vector3d step = std::copysign(speed * options_.period, reading.force) *
+                          direction(input.position[to] - input.position[from]);
+    if (input.healthy[from] != 0) relief_[from] += step;
+    if (input.healthy[to] != 0) relief_[to] -= step;
+  }
+  for (size_t i = 0; i < targets_.size(); ++i) targets_[i].position += relief_[i];
 }
 
 const std::vector<TipTarget>& CooperativeController::update(
@@ -259,7 +293,10 @@ const std::vector<TipTarget>& CooperativeController::update(
   if (commands_allowed()) wanted_.advance(options_.period);
   for (QuinticInterpolator& grip : grips_) grip.advance(options_.period);
   plan();
-  if (state_ != CooperativeState::kNotFinite) correct(input);
+  if (state_ != CooperativeState::kNotFinite) {
+    correct(input);
+    if (state_ != CooperativeState::kTracking) relieve(input);
+  }
   return targets_;
 }
 

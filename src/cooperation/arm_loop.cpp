@@ -27,8 +27,22 @@ ImpedanceOptions options(const VectorXd& posture) {
   return o;
 }
 
-bool is_friction(const EffectTerm& term) {
-  return term.effect == "viscous_friction" || term.effect == "coulomb_friction";
+// Largest torque of the observer [N m], [N]: the arm is known to within a tenth, so this never
+// binds.
+constexpr double kObserverLimit = 20.0;
+
+ModelErrorOptions observer(const ScenarioControl& control, Eigen::Index joints) {
+  ModelErrorOptions o;
+  o.bandwidth = 2.0 * M_PI * std::max(control.observer, 1e-3);
+  o.limit = VectorXd::Constant(joints, control.observer > 0.0 ? kObserverLimit : 0.0);
+  return o;
+}
+
+FrictionOptions friction(const ScenarioControl& control) {
+  FrictionOptions o;
+  o.rule = FrictionRule::kPresliding;
+  o.share = control.friction;
+  return o;
 }
 
 }  // namespace
@@ -43,31 +57,24 @@ ArmLoop::ArmLoop(const ArmLoopSetup& setup)
       position_loop_(setup.model, setup.tip, position_gains(setup.control.position_frequency),
                      options(setup.start)),
       inverse_(setup.model, setup.tip, TaskRows::kPosition),
+      velocity_observer_(setup.model.joints(), 2.0 * M_PI * setup.control.velocity_cutoff),
+      model_error_(setup.model.joints(), observer(setup.control, setup.start.size())),
       q_(setup.start),
-      dq_(VectorXd::Zero(setup.start.size())),
-      raw_(q_),
-      tau_(dq_),
-      error_(dq_),
-      momentum_(dq_),
-      expected_(dq_),
-      wanted_dq_(dq_) {
-  for (const EffectTerm& term : setup.model.effects()) {
-    if (is_friction(term)) friction_.emplace_back(setup.model, term);
-  }
+      rest_(VectorXd::Zero(setup.start.size())),
+      tau_(rest_),
+      joint_error_(rest_),
+      wanted_dq_(rest_) {
+  if (setup.control.friction > 0.0) friction_.emplace(setup.model, friction(setup.control));
   measure(setup.start);
 }
 
 void ArmLoop::measure(const VectorXd& q) noexcept {
-  raw_ = q;
   for (Eigen::Index i = 0; i < q.size(); ++i) {
     const double step = setup_.encoder_step[i];
-    if (step > 0.0) raw_[i] = std::round(q[i] / step) * step;
+    q_[i] = step > 0.0 ? std::round(q[i] / step) * step : q[i];
   }
-  const double share = 1.0 - std::exp(-2.0 * M_PI * setup_.control.velocity_cutoff * period_);
-  if (started_) dq_ += share * ((raw_ - q_) / period_ - dq_);
-  started_ = true;
-  q_ = raw_;
-  state_.update(q_, dq_);
+  const Impedance& loop = gives_way() ? impedance_ : position_loop_;
+  state_.update(q_, velocity_observer_.update(q_, loop.acceleration(), period_));
   position_ = setup_.p_world_base + setup_.R_world_base * state_.tip().position();
   velocity_ = setup_.R_world_base * state_.tip().twist().head<3>();
 }
@@ -90,29 +97,14 @@ TaskReference ArmLoop::reference(const TipTarget& target) const noexcept {
   return wanted;
 }
 
-// What accelerates the arm beside the torques that the model explains, low-passed:
-//   d(M dq)/dt = tau - bias - J' h + error
-void ArmLoop::observe() noexcept {
-  const double omega = 2.0 * M_PI * setup_.control.observer;
-  if (!(omega > 0.0)) return;
-  momentum_.noalias() = state_.mass_matrix().lazyProduct(dq_);
-  error_ = omega * (momentum_ - expected_);
-}
-
 const VectorXd& ArmLoop::torque(const TipTarget& target, const Eigen::Vector3d& force) noexcept {
-  observe();
   const TaskReference wanted = reference(target);
   Vector6d wrench = Vector6d::Zero();
-  const bool gives_way = setup_.kind == ArmControl::kImpedance && !frozen_;
-  if (gives_way) wrench.head<3>() = setup_.R_world_base.transpose() * force;
-  tau_ = gives_way ? impedance_.update(state_, wanted, wrench)
-                   : position_loop_.update(state_, wanted, wrench);
-  compensate_friction(target);
-  if (setup_.control.observer > 0.0) {
-    tau_ -= error_;
-    expected_ += period_ * (tau_ - state_.bias() + error_);
-    expected_.noalias() -= period_ * state_.tip().jacobian().transpose().lazyProduct(wrench);
-  }
+  if (gives_way()) wrench.head<3>() = setup_.R_world_base.transpose() * force;
+  Impedance& loop = gives_way() ? impedance_ : position_loop_;
+  tau_ = loop.update(state_, wanted, wrench);
+  if (friction_ && !frozen_) compensate_friction(wanted);
+  tau_ += model_error_.update(state_, loop.acceleration(), period_);
   for (Eigen::Index i = 0; i < tau_.size(); ++i) {
     const double limit = setup_.model.coordinates()[static_cast<size_t>(i)].limits.effort;
     if (std::isfinite(limit)) tau_[i] = std::clamp(tau_[i], -limit, limit);
@@ -120,18 +112,13 @@ const VectorXd& ArmLoop::torque(const TipTarget& target, const Eigen::Vector3d& 
   return tau_;
 }
 
-// Friction at the velocity that is wanted, so that what moves by itself is never fed.
-void ArmLoop::compensate_friction(const TipTarget& target) noexcept {
-  if (frozen_ || !(setup_.control.friction > 0.0)) return;
-  Vector6d v = Vector6d::Zero();
-  v.head<3>() = setup_.R_world_base.transpose() * target.velocity;
-  momentum_.setZero();
+void ArmLoop::compensate_friction(const TaskReference& wanted) noexcept {
   inverse_.update(state_.tip().jacobian());
-  inverse_.solve(v, momentum_, wanted_dq_);
-  for (BoundEffect& effect : friction_) {
-    const AxisSample sample = effect.sample(0.0, q_.data(), wanted_dq_.data(), error_.data(), 1);
-    tau_ += setup_.control.friction * effect.force(sample) * effect.term().axis.coefficients;
-  }
+  inverse_.solve(wanted.dx, rest_, wanted_dq_);
+  Vector6d error = Vector6d::Zero();
+  error.head<3>() = wanted.x.head<3>() - state_.tip().position();
+  inverse_.solve(error, rest_, joint_error_);
+  tau_ += friction_->update(state_, wanted_dq_, joint_error_, period_);
 }
 
 }  // namespace veridyn

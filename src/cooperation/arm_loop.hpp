@@ -5,9 +5,11 @@
 
 #include "veridyn/control/arm_state.hpp"
 #include "veridyn/control/cooperative_controller.hpp"
+#include "veridyn/control/friction_compensation.hpp"
 #include "veridyn/control/impedance.hpp"
+#include "veridyn/control/model_error_observer.hpp"
+#include "veridyn/control/velocity_observer.hpp"
 #include "veridyn/cooperation/scenario.hpp"
-#include "veridyn/effects/effect.hpp"
 #include "veridyn/math/vector3.hpp"
 
 namespace veridyn {
@@ -15,13 +17,13 @@ namespace veridyn {
 /// What one arm's loop is made with.
 struct ArmLoopSetup {
   Model model;  ///< as the controller knows it
-  Tip tip;
+  Tip tip{};
   Eigen::Matrix3d R_world_base{Eigen::Matrix3d::Identity()};
   Eigen::Vector3d p_world_base{Eigen::Vector3d::Zero()};
   ArmControl kind = ArmControl::kImpedance;
-  ScenarioControl control;
-  VectorXd encoder_step;  ///< (n)
-  VectorXd start;         ///< (n) joints, which is also the posture
+  ScenarioControl control{};
+  VectorXd encoder_step{};  ///< (n)
+  VectorXd start{};         ///< (n) joints, which is also the posture
 };
 
 /// Sensors and controller of one arm: encoders, velocities, and either a position loop of the tip
@@ -44,8 +46,8 @@ class ArmLoop {
   void freeze() noexcept;
 
  private:
-  void observe() noexcept;
-  void compensate_friction(const TipTarget& target) noexcept;
+  void compensate_friction(const TaskReference& wanted) noexcept;
+  bool gives_way() const { return setup_.kind == ArmControl::kImpedance && !frozen_; }
   TaskReference reference(const TipTarget& target) const noexcept;
 
   ArmLoopSetup setup_;
@@ -53,9 +55,11 @@ class ArmLoop {
   ArmState state_;
   Impedance impedance_, position_loop_;
   TaskInverse inverse_;
-  std::vector<BoundEffect> friction_;
-  VectorXd q_, dq_, raw_, tau_, error_, momentum_, expected_, wanted_dq_;
-  bool started_ = false, frozen_ = false;
+  VelocityObserver velocity_observer_;
+  ModelErrorObserver model_error_;
+  std::optional<FrictionCompensation> friction_;
+  VectorXd q_, rest_, tau_, joint_error_, wanted_dq_;
+  bool frozen_ = false;
   Eigen::Vector3d position_{Eigen::Vector3d::Zero()}, velocity_{Eigen::Vector3d::Zero()};
   Eigen::Vector3d frozen_at_{Eigen::Vector3d::Zero()};
 };

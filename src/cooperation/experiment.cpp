@@ -74,9 +74,15 @@ Experiment::Experiment(const Scenario& scenario, const std::string& engine) : sc
   }
   const ScenarioControl& c = scenario.control;
   o.master = scenario.master;
-  for (const ScenarioMember& m : scenario.members) o.members.push_back({m.from, m.to, m.law});
+  for (const ScenarioMember& m : scenario.members) {
+    const bool stiff =
+        scenario.arms[static_cast<size_t>(m.from)].control == ArmControl::kPosition &&
+        scenario.arms[static_cast<size_t>(m.to)].control == ArmControl::kPosition;
+    o.members.push_back({m.from, m.to, m.law, stiff ? 0.5 : 1.0});
+  }
   o.period = 1.0 / c.rate;
   o.largest_force = c.largest_force;
+  o.largest_force_error = c.largest_force_error;
   o.largest_age = c.largest_age;
   o.largest_error = c.largest_error;
   o.stuck_force = c.stuck_force;

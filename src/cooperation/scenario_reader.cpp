@@ -53,9 +53,10 @@ ForceLaw read_law(const YamlNode& node, double stiffness) {
   node.allow_keys({"kind", "deadband", "increment", "gain", "proportional", "damping",
                    "feed_forward", "reach", "stiffness"});
   ForceLaw law;
-  law.kind = choice<ForceLaw::Kind>(
-      node.at("kind"),
-      {{"increment", ForceLaw::Kind::kIncrement}, {"proportional", ForceLaw::Kind::kProportional}});
+  law.kind =
+      choice<ForceLaw::Kind>(node.at("kind"), {{"increment", ForceLaw::Kind::kIncrement},
+                                               {"proportional", ForceLaw::Kind::kProportional},
+                                               {"tuned", ForceLaw::Kind::kProportional}});
   law.deadband = nonnegative_or(node, "deadband", 0.0);
   law.increment = nonnegative_or(node, "increment", 0.0);
   law.gain = nonnegative_or(node, "gain", 0.0);
@@ -99,25 +100,35 @@ ScenarioMember read_member(const YamlNode& node, const Names& arms) {
   member.pulls_only = kind == Kind::kString;
   if (const auto slack = node.find("slack")) member.slack = slack->number();
   if (const auto sensor = node.find("sensor")) member.sensor = read_sensor(*sensor);
-  member.law = read_law(node.at("law"), member.stiffness);
+  const YamlNode law = node.at("law");
+  member.tuned = law.is_map() && law.at("kind").word("a kind of law") == "tuned";
+  if (member.tuned) {
+    law.allow_keys({"kind"});
+  } else {
+    member.law = read_law(law, member.stiffness);
+  }
   return member;
 }
 
 ScenarioControl read_control(const YamlNode& node) {
   node.allow_keys({"rate", "position_frequency", "mass", "damping", "stiffness", "friction",
-                   "observer", "velocity_cutoff", "largest_force", "largest_error", "largest_age",
-                   "stuck_force"});
+                   "observer", "velocity_cutoff", "largest_force", "largest_force_error",
+                   "largest_error", "largest_age", "stuck_force"});
   ScenarioControl c;
   c.rate = positive_or(node, "rate", c.rate);
   c.position_frequency = positive_or(node, "position_frequency", c.position_frequency);
   if (const auto mass = node.find("mass")) c.mass = vector3(*mass, "kg");
   if (const auto damping = node.find("damping")) c.damping = vector3(*damping, "N s/m");
   if (const auto stiffness = node.find("stiffness")) c.stiffness = vector3(*stiffness, "N/m");
-  if (c.mass.minCoeff() <= 0.0) node.at("mass").fail("a mass that is not above zero", "kg");
+  if (c.mass.minCoeff() <= 0.0)
+    node.at("mass").fail("a mass that is not above zero", "three masses above zero [kg]");
+  if (c.stiffness.minCoeff() <= 0.0)
+    node.at("stiffness").fail("a stiffness that is not above zero", "three above zero [N/m]");
   c.friction = nonnegative_or(node, "friction", c.friction);
   c.observer = nonnegative_or(node, "observer", c.observer);
   c.velocity_cutoff = positive_or(node, "velocity_cutoff", c.velocity_cutoff);
   c.largest_force = positive_or(node, "largest_force", c.largest_force);
+  c.largest_force_error = positive_or(node, "largest_force_error", c.largest_force_error);
   c.largest_error = positive_or(node, "largest_error", c.largest_error);
   c.largest_age = positive_or(node, "largest_age", c.largest_age);
   c.stuck_force = positive_or(node, "stuck_force", c.stuck_force);
@@ -180,6 +191,7 @@ Scenario read(const YamlNode& root, const std::string& path) {
     }
   }
   if (const auto control = root.find("control")) s.control = read_control(*control);
+  tune_force_laws(s);
   for (const YamlNode& node : root.at("phases").items("a list of phases"))
     s.phases.push_back(read_phase(node, arms, members));
   if (s.phases.empty()) root.at("phases").fail("no phases", "at least one");
@@ -192,6 +204,13 @@ Scenario read(const YamlNode& root, const std::string& path) {
 }
 
 }  // namespace
+
+void tune_force_laws(Scenario& scenario) {
+  const ScenarioControl& c = scenario.control;
+  for (ScenarioMember& m : scenario.members) {
+    if (m.tuned) m.law = tuned_force_law(m.stiffness, c.stiffness.mean(), c.damping.mean());
+  }
+}
 
 Scenario parse_scenario(const std::string& content, const std::string& path) {
   YamlSource source;

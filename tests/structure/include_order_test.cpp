@@ -15,7 +15,7 @@ namespace fs = std::filesystem;
 
 // math < model < kinematics < dynamics < effects < {identification < diagnosis | excitation |
 // simulation | control}
-//      < dvrk, report < cli: what stands in a folder's set is what it may include beside itself.
+//      < cooperation < dvrk, report < cli: what stands in a folder's set is what it may include beside itself.
 const std::map<std::string, std::set<std::string>>& below() {
   static const std::map<std::string, std::set<std::string>> kBelow = [] {
     std::map<std::string, std::set<std::string>> all;
@@ -29,6 +29,8 @@ const std::map<std::string, std::set<std::string>>& below() {
     all["diagnosis"] = sofar;
     all["diagnosis"].insert("identification");
     sofar.insert({"identification", "diagnosis", "excitation", "simulation", "control"});
+    all["cooperation"] = sofar;
+    sofar.insert("cooperation");
     all["dvrk"] = sofar;
     all["report"] = sofar;
     sofar.insert({"dvrk", "report"});

@@ -17,12 +17,17 @@ struct CooperativeOptions {
   double period = 1e-3;  ///< [s] of update()
 
   // What ends the task: every target is held where it is, see CooperativeState.
-  double largest_force = 20.0;  ///< [N] read at any member
-  double largest_age = 0.02;    ///< [s] of a reading
-  double largest_error = 0.02;  ///< [m] of any tip from its target
-  double stuck_force = 1.0;     ///< [N] by which a member's length says that its force changed,
-                                ///< while its samples stay the same to the last bit
-  double stop_duration = 0.1;   ///< [s] in which motion ends
+  double largest_force = 20.0;        ///< [N] read at any member
+  double largest_force_error = 20.0;  ///< [N] of a reading from h_d
+  double largest_age = 0.02;          ///< [s] of a reading
+  double largest_error = 0.02;        ///< [m] of any tip from its way, beyond what its members
+                                      ///< stretch under the wanted force, as far as known
+  double stuck_force = 1.0;    ///< [N] by which a member's length says that its force changed,
+                               ///< while its samples stay the same to the last bit
+  double stop_duration = 0.1;  ///< [s] in which motion ends
+  double relief_force = 5.0;   ///< [N] while all is held, ends give way to readings beyond it,
+  double relief_gain = 0.02;   ///< [m/(N s)] so fast per newton beyond,
+  double relief_speed = 0.2;   ///< [m/s] and at most so fast; not where a sensor failed
 };
 
 /// What is measured, once per update(); sized by the controller's constructor.
@@ -123,6 +128,7 @@ class CooperativeController {
   void plan() noexcept;
   void correct(const CooperativeInput& input) noexcept;
   CooperativeState judge(const CooperativeInput& input) noexcept;
+  void relieve(const CooperativeInput& input) noexcept;
   bool is_stuck(size_t member, const ForceReading& reading, double length) noexcept;
   bool commands_allowed() const { return state_ == CooperativeState::kTracking; }
 
@@ -133,6 +139,7 @@ class CooperativeController {
   std::vector<TipTarget> targets_;
   QuinticInterpolator centre_, angle_, wanted_;
   std::vector<QuinticInterpolator> grips_;                // r_i
+  std::vector<Eigen::Vector3d> relief_;                   // [m] in the world, while all is held
   Eigen::Matrix3d R_start_{Eigen::Matrix3d::Identity()};  // of the turn under way
   Eigen::Vector3d axis_{Eigen::Vector3d::UnitZ()};
   VectorXd scratch3_, scratch1_, goal_;

@@ -36,6 +36,7 @@ struct ScenarioMember {
   double slack = 0.0;  ///< [m] by which it is longer than the distance of the arms at the start
   ForceSensorOptions sensor;
   ForceLaw law;
+  bool tuned = false;  ///< the law is tuned_force_law() of this member and the slaves' impedance
 };
 
 /// One command of a phase; they begin with it.
@@ -67,17 +68,18 @@ struct ScenarioFault {
 /// Settings of the loops.
 struct ScenarioControl {
   double rate = 1000.0;                 ///< [Hz]
-  double position_frequency = 8.0;      ///< [Hz] bandwidth of position loops, critically damped
-  Eigen::Vector3d mass{0.4, 0.4, 0.4};  ///< of impedances, in the arm's base [kg]
-  Eigen::Vector3d damping{40.0, 40.0, 40.0};       ///< [N s/m]
+  double position_frequency = 15.0;     ///< [Hz] bandwidth of position loops, critically damped
+  Eigen::Vector3d mass{0.3, 0.3, 0.3};  ///< of impedances, in the arm's base [kg]
+  Eigen::Vector3d damping{30.0, 30.0, 30.0};       ///< [N s/m]
   Eigen::Vector3d stiffness{300.0, 300.0, 300.0};  ///< [N/m]
-  double friction = 0.8;          ///< share of the friction known that is compensated
-  double observer = 0.0;          ///< [Hz] of the observer of model errors; 0: none
-  double velocity_cutoff = 80.0;  ///< [Hz] of the velocities from encoders
-  double largest_force = 20.0;    ///< [N] at which the task ends
-  double largest_error = 0.02;    ///< [m] likewise
-  double largest_age = 0.02;      ///< [s] likewise
-  double stuck_force = 1.0;       ///< [N] see CooperativeOptions
+  double friction = 0.5;              ///< share of the friction known that is compensated
+  double observer = 5.0;              ///< [Hz] of the observer of model errors; 0: none
+  double velocity_cutoff = 400.0;     ///< [Hz] of the velocities from encoders
+  double largest_force = 20.0;        ///< [N] at which the task ends
+  double largest_force_error = 20.0;  ///< [N] likewise, of a reading from h_d
+  double largest_error = 0.02;        ///< [m] likewise
+  double largest_age = 0.02;          ///< [s] likewise
+  double stuck_force = 1.0;           ///< [N] see CooperativeOptions
 };
 
 /// A grid of runs; empty lists keep the scenario's own value.
@@ -104,6 +106,9 @@ struct Scenario {
 /// Reads a scenario file (YAML).
 /// @throws InvalidInput  "file:line:column: found ..., expected ...".
 Scenario read_scenario(const std::string& path);
+
+/// Gives members with a tuned law the one for their stiffness.
+void tune_force_laws(Scenario& scenario);
 
 /// The same from text; `path` is for messages, and models named by relative paths are sought beside
 /// it.

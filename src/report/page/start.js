@@ -75,6 +75,7 @@ function start() {
   if (result.command === 'diagnose') fillDiagnosis();
   if (result.command === 'identify') fillIdentification();
   if (result.command === 'simulate') fillSimulation();
+  if (result.command === 'cooperate') fillCooperation();
   fillSettings();
   if (result.command !== 'simulate' && series.recordings.length) {
     fillChooser();

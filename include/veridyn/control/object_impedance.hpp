@@ -1,0 +1,84 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "veridyn/control/cooperative_controller.hpp"
+
+namespace veridyn {
+
+/// Where an object is and how it moves, in the world.
+struct ObjectMotion {
+  Eigen::Vector3d position{Eigen::Vector3d::Zero()};      ///< [m] of its centre of mass
+  Eigen::Matrix3d rotation{Eigen::Matrix3d::Identity()};  ///< R_world_object
+  Eigen::Vector3d velocity{Eigen::Vector3d::Zero()};      ///< [m/s]
+  Eigen::Vector3d spin{Eigen::Vector3d::Zero()};          ///< [rad/s]
+  Eigen::Vector3d acceleration{Eigen::Vector3d::Zero()};  ///< [m/s^2]; of references only
+  Eigen::Vector3d spin_rate{Eigen::Vector3d::Zero()};     ///< [rad/s^2]; of references only
+};
+
+struct ObjectImpedanceOptions {
+  double mass = 0.0;                                 ///< [kg] of the object, as known
+  Eigen::Vector3d inertia{Eigen::Vector3d::Zero()};  ///< [kg m^2] about its axes, as known
+  Eigen::Vector3d gravity{0.0, 0.0, -9.81};          ///< [m/s^2]
+  std::vector<Eigen::Vector3d> grasps;               ///< [m] held points, in the object
+  // The impedance that the object shall have, in all directions.
+  double wanted_mass = 1.0;        ///< M_d [kg]
+  double damping = 0.0;            ///< [N s/m]
+  double stiffness = 0.0;          ///< [N/m]
+  double wanted_inertia = 0.01;    ///< [kg m^2]
+  double angular_damping = 0.0;    ///< [N m s/rad]
+  double angular_stiffness = 0.0;  ///< [N m/rad]
+};
+
+/// Multiple impedance control: the object itself has an impedance, and so has each hand that holds
+/// it, about the same motion. What the object's inertia and weight take is fed forward to the
+/// hands, so that a heavy one does not lag or sag:
+///
+///   a   = a_d + (D (v_d - v) + K (x_d - x) + f_env) / M_d        and likewise for turning
+///   F   = m (a - g) - f_env,   N = I alpha + omega x I omega - n_env
+///   f_i = F / hands + y x (r_i - mean r) + internal forces along the lines between the hands
+///
+/// with y such that the f_i turn with N as well: the smallest forces that add up to both. Two hands
+/// cannot turn the object about the line between them; what N asks for there is left undone, and F
+/// is not touched by it.
+///
+/// Targets hold x_i = x_d + R_d r_i and the force f_i; the hands' own impedance takes both in, as
+/// x_i + f_i / K_hand. Source: Moosavian and Papadopoulos, Robotica 16(4), 1998; the thesis names
+/// it as the better way. Nothing allocates after the constructor.
+class ObjectImpedance {
+ public:
+  /// @throws InvalidInput  no grasps, numbers below zero or not finite, a wanted mass or inertia of
+  ///                       zero.
+  explicit ObjectImpedance(const ObjectImpedanceOptions& options);
+
+  /// Force with which two hands pull against each other [N]; pulling positive.
+  bool set_internal_force(int hand, int other, double force) noexcept;
+
+  /// The object's motion from where its hands are: Gauss-Newton steps from the last estimate.
+  /// Two hands do not see a turn about the line between them: it stays as it was.
+  const ObjectMotion& estimate(const std::vector<Eigen::Vector3d>& positions,
+                               const std::vector<Eigen::Vector3d>& velocities) noexcept;
+
+  /// Starts the estimate.
+  void reset(const ObjectMotion& motion) noexcept { now_ = motion; }
+
+  /// @param force, moment  of the environment on the object, where known [N, N m].
+  const std::vector<TipTarget>& update(const ObjectMotion& now, const ObjectMotion& wanted,
+                                       const Eigen::Vector3d& force,
+                                       const Eigen::Vector3d& moment) noexcept;
+
+  int hands() const { return static_cast<int>(targets_.size()); }
+
+ private:
+  void distribute(const ObjectMotion& now, const Eigen::Vector3d& F,
+                  const Eigen::Vector3d& N) noexcept;
+
+  ObjectImpedanceOptions options_;
+  double reach_;              // [m] mean distance of the grasps
+  Eigen::MatrixXd internal_;  // (hands x hands)
+  std::vector<TipTarget> targets_;
+  ObjectMotion now_;
+};
+
+}  // namespace veridyn

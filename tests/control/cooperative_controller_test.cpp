@@ -1,0 +1,330 @@
+#include "veridyn/control/cooperative_controller.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "veridyn/math/require.hpp"
+
+namespace veridyn {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+constexpr double kPeriod = 1e-3;
+
+Matrix3d about(double angle, const Vector3d& axis) {
+  return Eigen::AngleAxisd(angle, axis.normalized()).toRotationMatrix();
+}
+
+const std::vector<Vector3d> kTips{{0.1, 0.0, 0.05}, {0.2, 0.02, 0.04}, {0.16, 0.11, 0.06}};
+
+CooperativeOptions options(int arms) {
+  CooperativeOptions o;
+  for (int k = 0; k < arms; ++k) o.R_world_arm.push_back(about(0.7 * k, {0.1 * k, 0.2, 1.0}));
+  o.period = kPeriod;
+  return o;
+}
+
+std::vector<Vector3d> tips(int arms) {
+  return {kTips.begin(), kTips.begin() + arms};
+}
+
+// Tips that are exactly where they shall be, with ideal sensors of `force`.
+void follow(CooperativeController& control, CooperativeInput& input, int steps,
+            const std::function<double(const CooperativeInput&)>& force = {}) {
+  for (int k = 0; k < steps; ++k) {
+    for (ForceReading& reading : input.force) {
+      reading.force = force ? force(input) : 0.0;
+      ++reading.number;
+    }
+    const auto& targets = control.update(input);
+    for (size_t i = 0; i < targets.size(); ++i) {
+      input.velocity[i] = (targets[i].position - input.position[i]) / kPeriod;
+      input.position[i] = targets[i].position;
+    }
+  }
+}
+
+CooperativeInput at(const std::vector<Vector3d>& where, int members) {
+  CooperativeInput input(static_cast<int>(where.size()), members);
+  input.position = where;
+  return input;
+}
+
+// (6.2): every arm moves by (R_slave_master)' dx in its own axes, for dx in the master's.
+TEST(CooperativeController, MovesEveryArmByTheSameWayInItsOwnAxes) {
+  CooperativeOptions o = options(3);
+  o.master = 1;
+  CooperativeController control(o, kTips);
+  CooperativeInput input = at(kTips, 0);
+  const Vector3d dx(0.01, -0.004, 0.002);
+  ASSERT_TRUE(control.move(dx, 0.5));
+  follow(control, input, 600);
+  for (size_t i = 0; i < 3; ++i) {
+    const Matrix3d R_master_arm = o.R_world_arm[1].transpose() * o.R_world_arm[i];
+    const Vector3d moved = o.R_world_arm[i].transpose() * (input.position[i] - kTips[i]);
+    EXPECT_NEAR((moved - R_master_arm.transpose() * dx).norm(), 0.0, 1e-12) << i;
+  }
+}
+
+// (6.3) with the errata: x_d increases by (R - 1)(-c), where c points from the tip to the centroid
+// and R is Rz(c) Ry(b) Rx(a) in the master's axes.
+TEST(CooperativeController, TurnsTheObjectAboutItsCentroid) {
+  CooperativeOptions o = options(3);
+  CooperativeController control(o, kTips);
+  CooperativeInput input = at(kTips, 0);
+  const Vector3d euler(0.2, -0.3, 0.4);
+  ASSERT_TRUE(control.turn(euler, 0.5));
+  EXPECT_FALSE(control.turn(euler, 0.5));  // one after the other
+  follow(control, input, 600);
+  const Matrix3d R_master = about(0.4, {0, 0, 1}) * about(-0.3, {0, 1, 0}) * about(0.2, {1, 0, 0});
+  const Matrix3d R = o.R_world_arm[0] * R_master * o.R_world_arm[0].transpose();
+  const Vector3d centre = (kTips[0] + kTips[1] + kTips[2]) / 3.0;
+  for (size_t i = 0; i < 3; ++i) {
+    const Vector3d c = centre - kTips[i];
+    const Vector3d wanted = kTips[i] + (R - Matrix3d::Identity()) * (-c);
+    EXPECT_NEAR((input.position[i] - wanted).norm(), 0.0, 1e-12) << i;
+  }
+  ASSERT_TRUE(control.turn({0.0, 0.0, 0.1}, 0.5));  // a second one adds to the first
+  follow(control, input, 600);
+  const Matrix3d R2 =
+      o.R_world_arm[0] * about(0.1, {0, 0, 1}) * R_master * o.R_world_arm[0].transpose();
+  EXPECT_NEAR((input.position[2] - centre - R2 * (kTips[2] - centre)).norm(), 0.0, 1e-12);
+}
+
+// Targets' velocities and accelerations are those of their positions.
+TEST(CooperativeController, DerivativesBelongToThePositions) {
+  CooperativeController control(options(3), kTips);
+  CooperativeInput input = at(kTips, 0);
+  control.move({0.02, 0.01, -0.01}, 1.0);
+  control.turn({0.3, 0.2, -0.4}, 0.8);
+  control.move_arm(2, {0.01, 0.0, 0.005}, 0.6);
+  std::vector<TipTarget> before, here;
+  for (int k = 0; k < 900; ++k) {
+    const std::vector<TipTarget> next = control.update(input);
+    for (size_t i = 0; i < 3; ++i) input.position[i] = next[i].position;
+    if (!before.empty()) {
+      for (size_t i = 0; i < 3; ++i) {
+        const Vector3d v = (next[i].motion - before[i].motion) / (2.0 * kPeriod);
+        const Vector3d a =
+            (next[i].motion - 2.0 * here[i].motion + before[i].motion) / (kPeriod * kPeriod);
+        EXPECT_NEAR((v - here[i].velocity).norm(), 0.0, 2e-5) << k;
+        EXPECT_NEAR((a - here[i].acceleration).norm(), 0.0, 5e-3) << k;
+      }
+    }
+    before = here;
+    here = next;
+  }
+}
+
+// (6.4): along the object, and only slaves.
+TEST(CooperativeController, TightensAwayFromTheCentroid) {
+  CooperativeController control(options(2), tips(2));
+  CooperativeInput input = at(tips(2), 0);
+  ASSERT_TRUE(control.tighten(0.003, 0.2));
+  follow(control, input, 300);
+  const Vector3d u = (kTips[1] - kTips[0]).normalized();
+  EXPECT_NEAR((input.position[1] - kTips[1] - 0.003 * u).norm(), 0.0, 1e-12);
+  EXPECT_NEAR((input.position[0] - kTips[0]).norm(), 0.0, 1e-12);
+}
+
+// (7.12) with the errata: too little tension makes the slave pull away, whichever end it is on and
+// whoever the master is.
+TEST(CooperativeController, TooLittleTensionMakesTheSlavePullAway) {
+  for (const int master : {0, 1}) {
+    for (const bool turned : {false, true}) {
+      CooperativeOptions o = options(2);
+      o.master = master;
+      ForceLaw law;
+      law.gain = 0.01;
+      o.members = {turned ? CooperativeMember{1, 0, law, 1.0} : CooperativeMember{0, 1, law, 1.0}};
+      CooperativeController control(o, tips(2));
+      CooperativeInput input = at(tips(2), 1);
+      const double before = (kTips[1] - kTips[0]).norm();
+      ASSERT_TRUE(control.set_force(0, 5.0, 0.01));
+      follow(control, input, 100);  // the sensor says 0
+      EXPECT_GT((input.position[1] - input.position[0]).norm(), before + 1e-4);
+      const auto m = static_cast<size_t>(master);
+      EXPECT_EQ(input.position[m], kTips[m]);
+    }
+  }
+}
+
+// Ideal arms on a spring: the force reaches what is wanted, for both laws, and the time constant of
+// the proportional one is 1 / (gain * stiffness).
+TEST(CooperativeController, TracksTheForceOfASpring) {
+  for (const auto kind : {ForceLaw::Kind::kIncrement, ForceLaw::Kind::kProportional}) {
+    CooperativeOptions o = options(2);
+    ForceLaw law;
+    law.kind = kind;
+    law.gain = 0.01;
+    law.increment = 1e-5;
+    law.deadband = kind == ForceLaw::Kind::kIncrement ? 0.02 : 0.0;
+    o.members = {{0, 1, law, 1.0}};
+    CooperativeController control(o, tips(2));
+    CooperativeInput input = at(tips(2), 1);
+    const double rest = (kTips[1] - kTips[0]).norm();
+    const auto spring = [&](const CooperativeInput& now) {
+      return 1000.0 * ((now.position[1] - now.position[0]).norm() - rest);
+    };
+    control.set_force(0, 5.0, kPeriod);
+    follow(control, input, 101, spring);
+    if (kind == ForceLaw::Kind::kProportional) {
+      EXPECT_NEAR(spring(input), 5.0 * (1.0 - std::exp(-1.0)), 0.1);
+    }
+    follow(control, input, 2000, spring);
+    EXPECT_NEAR(spring(input), 5.0, 0.021);
+    EXPECT_EQ(control.state(), CooperativeState::kTracking);
+  }
+}
+
+// What the thesis saw: a step of 0.49 N cannot come to rest in a deadband 0.4 N wide.
+TEST(ForceTracker, StepsOverADeadbandThatIsNarrowerThanOneStep) {
+  for (const double deadband : {0.2, 0.4}) {
+    ForceLaw law;
+    law.kind = ForceLaw::Kind::kIncrement;
+    law.increment = 0.0002;
+    law.deadband = deadband;
+    ForceTracker tracker(law);
+    double x = 0.0;
+    int changes = 0;
+    for (int k = 0; k < 500; ++k) {
+      const double before = x;
+      x = tracker.update(5.0, {2450.0 * before - 0.12, 0.0, k}, 0.0, 0.002);
+      if (k > 250) changes += x != before ? 1 : 0;
+    }
+    EXPECT_EQ(changes > 0, deadband < 0.245) << deadband;
+  }
+}
+
+TEST(ForceTracker, CountsTheTimeBetweenSamplesAndStaysWithinItsReach) {
+  ForceLaw law;
+  law.gain = 0.1;
+  law.reach = 0.004;
+  ForceTracker fast(law);
+  ForceTracker slow(law);
+  double a = 0.0;
+  double b = 0.0;
+  for (int k = 0; k < 9; ++k) {
+    a = fast.update(2.0, {0.0, 0.0, k}, 0.0, kPeriod);
+    b = slow.update(2.0, {0.0, 0.0, k / 2}, 0.0, kPeriod);
+  }
+  EXPECT_NEAR(a, 9 * 0.2 * kPeriod, 1e-12);
+  EXPECT_NEAR(b, a, 1e-12);
+  for (int k = 9; k < 1000; ++k) a = fast.update(2.0, {0.0, 0.0, k}, 0.0, kPeriod);
+  EXPECT_EQ(a, 0.004);
+}
+
+TEST(ForceTracker, DampingGivesWayAgainstTheRate) {
+  ForceLaw law;
+  law.damping = 0.4;
+  ForceTracker tracker(law);
+  EXPECT_DOUBLE_EQ(tracker.update(5.0, {5.0, 0.0, 1}, 0.01, kPeriod), -0.004);
+}
+
+struct Tracking {
+  Tracking() {
+    ForceLaw law;
+    law.gain = 0.005;
+    law.stiffness = 1000.0;
+    CooperativeOptions o = options(2);
+    o.members = {{0, 1, law, 1.0}};
+    o.largest_force_error = 8.0;
+    o.largest_error = 0.05;
+    control = std::make_unique<CooperativeController>(o, tips(2));
+    rest = (kTips[1] - kTips[0]).norm();
+    control->set_force(0, 5.0, 0.1);
+    run(3000);
+  }
+  double spring(const CooperativeInput& now) const {
+    return 1000.0 * ((now.position[1] - now.position[0]).norm() - rest);
+  }
+  void run(int steps) {
+    follow(*control, input, steps, [&](const CooperativeInput& now) { return spring(now); });
+  }
+  std::unique_ptr<CooperativeController> control;
+  CooperativeInput input = at(tips(2), 1);
+  double rest = 0.0;
+};
+
+TEST(CooperativeController, HoldsWhenAnArmIsLostAndSaysSo) {
+  Tracking t;
+  t.control->move({0.02, 0.0, 0.0}, 1.0);
+  t.run(500);
+  t.input.healthy[1] = 0;
+  t.run(1);
+  EXPECT_EQ(t.control->state(), CooperativeState::kArmLost);
+  EXPECT_NE(std::string(describe(t.control->state())), "");
+  EXPECT_FALSE(t.control->move({0.01, 0.0, 0.0}, 1.0));
+  EXPECT_FALSE(t.control->set_force(0, 1.0, 1.0));
+  t.run(150);
+  const Vector3d here = t.input.position[0];
+  t.run(1000);
+  EXPECT_LT((t.input.position[0] - here).norm(), 1e-9);
+  EXPECT_LT((here - kTips[0]).norm(), 0.015);  // the rest of the way was not gone
+  t.input.healthy[1] = 1;
+  t.control->restart(t.input.position);
+  EXPECT_EQ(t.control->state(), CooperativeState::kTracking);
+}
+
+TEST(CooperativeController, HoldsOnOldSamplesAndOnOnesThatAreStuck) {
+  Tracking stale;
+  stale.input.force[0].age = 0.05;
+  stale.run(1);
+  EXPECT_EQ(stale.control->state(), CooperativeState::kSensorStale);
+
+  Tracking stuck;
+  stuck.control->set_force(0, 7.0, 0.5);
+  const double frozen = 5.0001;
+  for (int k = 0; k < 1000; ++k) {
+    follow(*stuck.control, stuck.input, 1, [&](const CooperativeInput&) { return frozen; });
+    if (stuck.control->state() != CooperativeState::kTracking) break;
+  }
+  EXPECT_EQ(stuck.control->state(), CooperativeState::kSensorStuck);
+  EXPECT_NEAR(stuck.spring(stuck.input), 5.0, 1.2);  // stuck_force of 1 N
+}
+
+TEST(CooperativeController, GivesWayToAForceThatIsTooLarge) {
+  Tracking t;
+  t.input.position[1] += Vector3d(0.03, 0.0, 0.0);  // pulled away: 30 N
+  const double before = t.spring(t.input);
+  ASSERT_GT(before, 25.0);
+  t.run(1);
+  EXPECT_EQ(t.control->state(), CooperativeState::kForceTooLarge);
+  t.run(1000);
+  EXPECT_LT(t.spring(t.input), 6.0);
+}
+
+TEST(CooperativeController, NotFiniteEndsTheTask) {
+  Tracking t;
+  t.input.position[1].x() = NAN;
+  const auto& targets = t.control->update(t.input);
+  EXPECT_EQ(t.control->state(), CooperativeState::kNotFinite);
+  for (const TipTarget& target : targets) EXPECT_TRUE(target.position.allFinite());
+}
+
+TEST(CooperativeController, RefusesWhatCannotBe) {
+  CooperativeOptions o = options(2);
+  EXPECT_THROW(CooperativeController(o, tips(1)), InvalidInput);
+  o.members = {{0, 0, {}, 1.0}};
+  EXPECT_THROW(CooperativeController(o, tips(2)), InvalidInput);
+  o.members = {{0, 2, {}, 1.0}};
+  EXPECT_THROW(CooperativeController(o, tips(2)), InvalidInput);
+  o.members = {};
+  o.master = 5;
+  EXPECT_THROW(CooperativeController(o, tips(2)), InvalidInput);
+  o.master = 0;
+  o.period = 0.0;
+  EXPECT_THROW(CooperativeController(o, tips(2)), InvalidInput);
+  ForceLaw law;
+  law.gain = -1.0;
+  EXPECT_THROW(ForceTracker{law}, InvalidInput);
+}
+
+}  // namespace
+}  // namespace veridyn

@@ -1,0 +1,109 @@
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <string>
+
+#include "veridyn/cooperation/scenario.hpp"
+#include "veridyn/math/require.hpp"
+
+namespace veridyn {
+namespace {
+
+const char* const kGood = R"(veridyn: 1
+scenario: two slides
+arms:
+  - {name: left, model: psm-3dof, frame: tool, start: [0, 0, 0.1], control: position}
+  - {name: right, model: psm-3dof, position: [1, 0, 0], turn: [0, 0, pi], frame: tool, start: [0, 0, 0.1], control: impedance}
+master: right
+members:
+  - {name: rope, kind: string, between: [left, right], stiffness: 2450, damping: 2, sensor: {rate: 500, delay: 0.002}, law: {kind: proportional, gain: 0.1}}
+phases:
+  - {name: pull, duration: 2, over: 1, force: 5, move: [0.01, 0, 0], ask: {force_error: 0.1}}
+  - {name: let go, duration: 1, release: [rope]}
+faults:
+  - {kind: sensor_stuck, member: rope, at: 1.5}
+sweep: {stiffness: [100, 200], delay: [0, 0.001], stable_error: 0.2}
+)";
+
+std::string message(const std::string& from, const std::string& to) {
+  std::string content = kGood;
+  const auto at = content.find(from);
+  EXPECT_NE(at, std::string::npos) << from;
+  content.replace(at, from.size(), to);
+  try {
+    parse_scenario(content, "s.yaml");
+  } catch (const InvalidInput& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(ScenarioReader, ReadsWhatIsThere) {
+  const Scenario s = parse_scenario(kGood, "s.yaml");
+  EXPECT_EQ(s.arms.size(), 2U);
+  EXPECT_EQ(s.master, 1);
+  EXPECT_NEAR(s.arms[1].turn.z(), M_PI, 1e-12);
+  EXPECT_TRUE(s.members[0].pulls_only);
+  EXPECT_EQ(s.members[0].law.stiffness, 2450.0);
+  EXPECT_EQ(s.phases[0].commands.size(), 2U);
+  EXPECT_EQ(s.phases[0].commands[0].over, 1.0);
+  EXPECT_EQ(s.phases[0].asked_force_error, 0.1);
+  EXPECT_EQ(s.phases[1].commands[0].kind, ScenarioCommand::Kind::kRelease);
+  EXPECT_EQ(s.faults[0].member, 0);
+  EXPECT_EQ(s.sweep.delay[1], 0.001);
+}
+
+// Place, what was found, what was expected.
+TEST(ScenarioReader, SaysWhereItIsWrong) {
+  const struct {
+    const char* from;
+    const char* to;
+    const char* place;
+    const char* words;
+  } cases[] = {
+      {"veridyn: 1", "veridyn: 2", "s.yaml:1", "veridyn: 1"},
+      {"scenario: two slides\n", "", "s.yaml:1", "scenario"},
+      {"control: position", "control: positon", "s.yaml:4", "did you mean 'position'"},
+      {"frame: tool, start: [0, 0, 0.1], control: position",
+       "start: [0, 0, 0.1], control: position", "s.yaml:4", "'frame'"},
+      {"start: [0, 0, 0.1], control: position", "start: [0, zero, 0.1], control: position",
+       "s.yaml:4", "zero"},
+      {"master: right", "master: rigth", "s.yaml:6", "did you mean 'right'"},
+      {"name: right", "name: left", "s.yaml:5", "twice"},
+      {"between: [left, right]", "between: [left, left]", "s.yaml:8", "the same arm twice"},
+      {"between: [left, right]", "between: [left]", "s.yaml:8", "two arms"},
+      {"kind: string", "kind: rope", "s.yaml:8", "string"},
+      {"stiffness: 2450", "stiffness: -1", "s.yaml:8", "positive"},
+      {"gain: 0.1", "gain: -0.1", "s.yaml:8", "below zero"},
+      {"rate: 500", "rates: 500", "s.yaml:8", "did you mean 'rate'"},
+      {"over: 1", "over: 3", "s.yaml:10", "at most the phase's duration"},
+      {"move: [0.01, 0, 0]", "move: [0.01, 0]", "s.yaml:10", "three numbers"},
+      {"force: 5", "force: {ropes: 5}", "s.yaml:10", "did you mean 'rope'"},
+      {"release: [rope]", "release: [string]", "s.yaml:11", "one of: rope"},
+      {"kind: sensor_stuck", "kind: sensor_stick", "s.yaml:13", "sensor_stuck"},
+      {"at: 1.5", "at: 0", "s.yaml:13", "positive"},
+      {", stable_error: 0.2", "", "s.yaml:14", "stable_error"},
+      {"phases:", "phases: [", "s.yaml", "expected a scenario"},
+  };
+  for (const auto& c : cases) {
+    const std::string said = message(c.from, c.to);
+    EXPECT_NE(said.find(c.place), std::string::npos) << c.to << ": " << said;
+    EXPECT_NE(said.find(c.words), std::string::npos) << c.to << ": " << said;
+    EXPECT_EQ(said.find('\n'), std::string::npos) << said;
+  }
+  EXPECT_THROW(read_scenario("no-such.yaml"), InvalidInput);
+}
+
+TEST(ScenarioReader, ReadsEveryExample) {
+  int count = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(
+           std::filesystem::path(VERIDYN_SOURCE_DIR) / "examples/cooperate")) {
+    if (entry.path().extension() != ".yaml") continue;
+    EXPECT_NO_THROW(read_scenario(entry.path().string())) << entry.path();
+    ++count;
+  }
+  EXPECT_GE(count, 10);
+}
+
+}  // namespace
+}  // namespace veridyn
