@@ -8,10 +8,8 @@
 namespace veridyn::dvrk {
 namespace {
 
-ArmSessionOptions guarded(const RobotConfig& robot, ArmSessionOptions options) {
-  options.session = guard(robot, options.session);
-  return options;
-}
+// Between two readings of the pots where no rate is given; the watchdog is quiet meanwhile.
+constexpr double kPotPeriod = 0.001;  // [s]
 
 Socket socket(const std::vector<int>& boards, int board, int axis) {
   const auto place = std::lower_bound(boards.begin(), boards.end(), board) - boards.begin();
@@ -63,7 +61,13 @@ std::vector<Socket> sockets_of(const RobotConfig& robot) {
   return sockets;
 }
 
-SessionOptions guard(const RobotConfig& robot, SessionOptions options) {
+SessionOptions session_options(const RobotConfig& robot, const ArmSessionOptions& how) {
+  require(how.rate >= 0.0, "robot '", robot.name, "': found a rate of ", how.rate,
+          " Hz, expected 0 or more.");
+  SessionOptions options;
+  options.bus.protocol = how.protocol;
+  options.bus.mtu = how.mtu;
+  options.bus.cycle_time = how.rate > 0.0 ? 1.0 / how.rate : 0.0;
   options.bus.boards = boards_of(robot);
   options.channels.assign(options.bus.boards.size(), {});
   const std::vector<Socket> sockets = sockets_of(robot);
@@ -91,11 +95,11 @@ SessionOptions guard(const RobotConfig& robot, SessionOptions options) {
 }
 
 ArmSession::ArmSession(DatagramLink& link, const RobotConfig& robot,
-                       const MatrixXd& actuator_to_joint, const ArmSessionOptions& options)
+                       const ArmSessionOptions& options)
     : link_(link),
-      options_(guarded(robot, options)),
-      units_(robot, actuator_to_joint),
-      session_(link, options_.session),
+      options_(options),
+      units_(robot, options.actuator_to_joint),
+      boards_(link, session_options(robot, options)),
       sockets_(sockets_of(robot)),
       raw_(robot.actuators.size()),
       state_(robot.size()),
@@ -105,26 +109,29 @@ ArmSession::ArmSession(DatagramLink& link, const RobotConfig& robot,
   for (const ActuatorConfig& actuator : robot.actuators) {
     if (!actuator.brake) continue;
     brakes_.emplace_back(*actuator.brake);
-    brake_sockets_.push_back(
-        socket(options_.session.bus.boards, actuator.brake->board, actuator.brake->axis));
+    brake_sockets_.push_back(socket(boards_of(robot), actuator.brake->board, actuator.brake->axis));
   }
 }
 
 void ArmSession::start() {
-  session_.start();
+  boards_.start();
   units_.reset();
   homed_ = !needs_homing();
+  if (homed_ || options_.homing == Homing::kNever) return;
+  const HomingReport report = home();
+  require(report.done, "robot '", robot().name, "': the encoders cannot be loaded: ", report.reason,
+          ".");
 }
 
 bool ArmSession::needs_homing() noexcept {
   for (const Socket& s : sockets_)
-    if (session_.needs_preload(s.place, s.channel)) return true;
+    if (boards_.needs_preload(s.place, s.channel)) return true;
   return false;
 }
 
 void ArmSession::read_raw() noexcept {
   for (std::size_t k = 0; k < raw_.size(); ++k) {
-    const BoardFeedback& board = session_.bus().feedback(sockets_[k].place);
+    const BoardFeedback& board = boards_.bus().feedback(sockets_[k].place);
     const ChannelFeedback& channel = board.channel[static_cast<std::size_t>(sockets_[k].channel)];
     raw_[k] = {channel.encoder, channel.pot, channel.current, board.seconds()};
   }
@@ -132,31 +139,34 @@ void ArmSession::read_raw() noexcept {
 
 bool ArmSession::update() noexcept {
   commanded_ = false;
-  if (!session_.update()) return false;
+  if (!boards_.update()) return false;
   read_raw();
   units_.read(raw_.data(), state_);
   return true;
 }
 
-const ArmCommand& ArmSession::command(const VectorXd& tau) noexcept {
+void ArmSession::set_torques(const VectorXd& tau) noexcept {
   units_.write(tau, command_);
   commanded_ = command_.valid;
-  return command_;
+}
+
+const BoardFeedback& ArmSession::board_of(int actuator) const {
+  return boards_.bus().feedback(sockets_[static_cast<std::size_t>(actuator)].place);
 }
 
 bool ArmSession::ready() const {
-  return session_.state() == PowerState::kOn &&
+  return boards_.state() == PowerState::kOn &&
          std::all_of(brakes_.begin(), brakes_.end(),
                      [](const BrakeDriver& brake) { return brake.released(); });
 }
 
 void ArmSession::command_brakes() noexcept {
-  const bool on = session_.state() == PowerState::kOn;
+  const bool on = boards_.state() == PowerState::kOn;
   for (std::size_t k = 0; k < brakes_.size(); ++k) {
     const auto wish = on ? BrakeDriver::Wish::kReleased : BrakeDriver::Wish::kEngaged;
     const double current = brakes_[k].current(wish, link_.now());
-    session_.set_command(brake_sockets_[k].place, brake_sockets_[k].channel,
-                         brakes_[k].config().amps_to_bits(current));
+    boards_.set_command(brake_sockets_[k].place, brake_sockets_[k].channel,
+                        brakes_[k].config().amps_to_bits(current));
   }
 }
 
@@ -164,15 +174,15 @@ void ArmSession::commit() noexcept {
   command_brakes();
   if (commanded_ && ready()) {
     for (std::size_t k = 0; k < sockets_.size(); ++k)
-      session_.set_command(sockets_[k].place, sockets_[k].channel, command_.bits[k]);
+      boards_.set_command(sockets_[k].place, sockets_[k].channel, command_.bits[k]);
   }
   commanded_ = false;
-  session_.commit();
+  boards_.commit();
 }
 
 const char* ArmSession::power_on() noexcept {
   if (!homed_) return "the encoders were never loaded: home first";
-  return session_.power_on();
+  return boards_.power_on();
 }
 
 bool ArmSession::average_pots(HomingReport& report, VectorXd& mean) {
@@ -182,7 +192,7 @@ bool ArmSession::average_pots(HomingReport& report, VectorXd& mean) {
   int readings = 0;
   for (int trial = 0; trial < 2 * options_.pot_readings && readings < options_.pot_readings;
        ++trial) {
-    if (session_.update()) {
+    if (boards_.update()) {
       read_raw();
       ++readings;
       for (int i = 0; i < size(); ++i) {
@@ -192,8 +202,8 @@ bool ArmSession::average_pots(HomingReport& report, VectorXd& mean) {
         high[i] = std::max(high[i], pot);
       }
     }
-    session_.commit();
-    link_.wait(options_.pot_period);
+    boards_.commit();
+    link_.wait(options_.rate > 0.0 ? 1.0 / options_.rate : kPotPeriod);
   }
   if (readings < options_.pot_readings) {
     report.reason = text("only ", readings, " of ", options_.pot_readings, " reads were valid");
@@ -223,7 +233,7 @@ bool ArmSession::load_encoders(HomingReport& report) {
     }
     // Zero counts would look like "never loaded" to whoever asks next: one count instead.
     const std::int32_t loaded = encoder_counts(words[k]) == 0 ? 1 : encoder_counts(words[k]);
-    if (session_.preload(sockets_[k].place, sockets_[k].channel, loaded)) continue;
+    if (boards_.preload(sockets_[k].place, sockets_[k].channel, loaded)) continue;
     report.reason = text("the encoder of actuator ", k, " does not take its preload");
     return false;
   }
@@ -233,11 +243,11 @@ bool ArmSession::load_encoders(HomingReport& report) {
 HomingReport ArmSession::home() {
   HomingReport report;
   const RobotConfig& robot = units_.robot();
-  homed_ = false;
+  homed_ = preloaded_ = false;
   if (!robot.has_encoder_preload) report.reason = "the configuration has no encoder preload";
   if (!robot.pot_lookup_table.empty())
     report.reason = "the pots need the lookup table " + robot.pot_lookup_table;
-  const PowerState power = session_.state();
+  const PowerState power = boards_.state();
   if (power != PowerState::kOff && power != PowerState::kFault) report.reason = "power is on";
   if (!report.reason.empty()) return report;
   VectorXd mean(size());
@@ -253,7 +263,7 @@ HomingReport ArmSession::home() {
     if (q < robot.actuators[k].lower - slack || q > robot.actuators[k].upper + slack)
       report.outside_limits.push_back(i);
   }
-  report.done = homed_ = true;
+  report.done = homed_ = preloaded_ = true;
   return report;
 }
 

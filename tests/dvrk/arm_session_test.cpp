@@ -2,114 +2,17 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/LU>
 #include <cmath>
 
+#include "dvrk/arm_bench.hpp"
 #include "support/near.hpp"
 #include "support/random.hpp"
-#include "veridyn/dvrk/arm_facts.hpp"
-#include "veridyn/dvrk/emulated_link.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn::dvrk {
 namespace {
 
 const char* const kNeedleDriver = "large-needle-driver-400006";
-constexpr double kCycle = 1.0 / 1500.0;
-
-// Motors that turn inertias against viscous friction, behind the calibration of a configuration.
-class Inertias final : public BoardLoad {
- public:
-  Inertias(const RobotConfig& robot, const VectorXd& start)
-      : robot_(robot), sockets_(sockets_of(robot)), q(start), dq(VectorXd::Zero(start.size())) {
-    current = effort = dq;
-    actuators_to_pots_ = MatrixXd::Identity(robot.size(), robot.size());
-    if (robot.pots_to_actuators.size() > 0) actuators_to_pots_ = robot.pots_to_actuators.inverse();
-  }
-
-  void advance(double seconds, const MotorDrive* drives, ChannelMotion* motions,
-               std::size_t) noexcept override {
-    brake_bits[0] = drives[kChannels].bits;
-    const VectorXd pots = actuators_to_pots_ * q;
-    for (std::size_t k = 0; k < sockets_.size(); ++k) {
-      const ActuatorConfig& a = robot_.actuators[k];
-      const auto i = static_cast<Eigen::Index>(k);
-      const auto at = static_cast<std::size_t>(kChannels * sockets_[k].place + sockets_[k].channel);
-      current[i] = drives[at].powered ? a.amps_to_bits.inverse(32768.0 + drives[at].bits) : 0.0;
-      effort[i] = current[i] / a.effort_to_amps;
-      dq[i] += seconds * (effort[i] - damping * dq[i]) / inertia;
-      q[i] += seconds * dq[i];
-      motions[at].counts = q[i] / a.bits_to_position + 1234.5;  // the encoder's zero is anywhere
-      motions[at].pot_bits = a.bits_to_volts.inverse(a.volts_to_position.inverse(pots[i] + shake));
-      motions[at].current_bits = a.bits_to_amps.inverse(current[i]) - 32768.0;
-    }
-    shake = -shake;
-  }
-
- private:
-  RobotConfig robot_;
-  std::vector<Socket> sockets_;
-  MatrixXd actuators_to_pots_;
-
- public:
-  VectorXd q, dq, current, effort;
-  double inertia = 0.02, damping = 0.05, shake = 0.0;
-  double brake_bits[1] = {0.0};
-};
-
-// An arm session on emulated boards in one process.
-struct Bench {
-  Bench(const RobotConfig& config, const MatrixXd& K, const VectorXd& start)
-      : robot(config),
-        load(config, start),
-        emulator(setups(config), 3),
-        link(emulator),
-        arm(link, config, K) {
-    emulator.attach(&load);
-    arm.start();
-  }
-
-  static std::vector<BoardSetup> setups(const RobotConfig& config) {
-    std::vector<BoardSetup> all;
-    for (const int id : boards_of(config)) {
-      all.emplace_back();
-      all.back().id = id;
-    }
-    return all;
-  }
-
-  template <typename Controller>
-  void run(double seconds, Controller controller) {
-    for (double t = 0.0; t < seconds; t += kCycle) {
-      arm.update();
-      controller();
-      arm.commit();
-      link.wait(kCycle);
-    }
-  }
-  void idle(double seconds) {
-    run(seconds, [] {});
-  }
-
-  RobotConfig robot;
-  Inertias load;
-  BoardEmulator emulator;
-  EmulatedLink link;
-  ArmSession arm;
-};
-
-RobotConfig example() {
-  return read_io_config(std::string(VERIDYN_SOURCE_DIR) +
-                        "/data/dvrk/sawRobotIO1394-PSM1-example.xml")
-      .robots.at(0);
-}
-
-VectorXd example_start() {
-  VectorXd q(7);
-  q << 0.3, -0.2, 0.12, 0.5, -0.4, 0.2, 0.1;
-  return q;
-}
-
 struct ArmCase {
   std::string arm;
   std::string instrument;
@@ -165,11 +68,11 @@ TEST(ArmSession, TorquesArriveAtTheJoints) {
   bench.idle(0.01);
   ASSERT_EQ(bench.arm.power_on(), nullptr);
   bench.idle(0.5);
-  ASSERT_TRUE(bench.arm.ready()) << describe(bench.arm.session().state())
-                                 << bench.arm.session().faults().report();
+  ASSERT_TRUE(bench.arm.ready()) << describe(bench.arm.boards().state())
+                                 << bench.arm.boards().faults().report();
   VectorXd tau(7);
   tau << 0.3, -0.2, 1.5, 0.02, 0.03, -0.02, 0.01;
-  bench.run(0.01, [&] { bench.arm.command(tau); });
+  bench.run(0.01, [&] { bench.arm.set_torques(tau); });
   const VectorXd at_joints = K.inverse().transpose() * bench.load.effort;
   for (int i = 0; i < 7; ++i) EXPECT_NEAR(at_joints[i], tau[i], 5e-3 * std::abs(tau[i]) + 2e-4);
   // And back: measured currents say the same. The example's feedback is calibrated apart from its
@@ -196,9 +99,9 @@ TEST(ArmSession, AControllerOfJointsHoldsTheArm) {
   bench.run(3.0, [&] {
     const ArmState& s = bench.arm.state();
     tau.noalias() = 1.0 * (goal - s.q) - 0.15 * s.dq;
-    bench.arm.command(tau);
+    bench.arm.set_torques(tau);
   });
-  EXPECT_TRUE(bench.arm.ready()) << bench.arm.session().faults().report();
+  EXPECT_TRUE(bench.arm.ready()) << bench.arm.boards().faults().report();
   EXPECT_TRUE(near(bench.arm.state().q, goal, 3e-3));
   EXPECT_TRUE(near(K * bench.load.q, bench.arm.state().q, 3e-3));
   bench.arm.power_off();
@@ -212,7 +115,7 @@ TEST(ArmSession, WithoutPowerNoCommandFlows) {
   bench.idle(0.01);
   ASSERT_TRUE(bench.arm.home().done);
   const VectorXd tau = VectorXd::Constant(7, 0.1);
-  bench.run(0.05, [&] { bench.arm.command(tau); });
+  bench.run(0.05, [&] { bench.arm.set_torques(tau); });
   EXPECT_EQ(bench.load.current.norm(), 0.0);
 }
 
@@ -225,10 +128,13 @@ TEST(ArmSession, TorquesThatAreNoNumbersStopTheCurrent) {
   ASSERT_EQ(bench.arm.power_on(), nullptr);
   bench.idle(0.5);
   VectorXd tau = VectorXd::Constant(7, 0.02);
-  bench.run(0.01, [&] { bench.arm.command(tau); });
+  bench.run(0.01, [&] { bench.arm.set_torques(tau); });
   EXPECT_GT(bench.load.current.cwiseAbs().minCoeff(), 1e-4);
   tau[3] = std::nan("");
-  bench.run(3 * kCycle, [&] { EXPECT_FALSE(bench.arm.command(tau).valid); });
+  bench.run(3 * kCycle, [&] {
+    bench.arm.set_torques(tau);
+    EXPECT_FALSE(bench.arm.command().valid);
+  });
   EXPECT_LT(bench.load.current.cwiseAbs().maxCoeff(), 0.6 / 5242.0);
 }
 
@@ -246,12 +152,12 @@ TEST(ArmSession, BrakesOpenBeforeTheArmMoves) {
   bench.idle(0.01);
   ASSERT_EQ(bench.arm.power_on(), nullptr);
   const VectorXd tau = VectorXd::Constant(4, 0.5);
-  bench.run(1.0, [&] { bench.arm.command(tau); });
-  EXPECT_EQ(bench.arm.session().state(), PowerState::kOn);
+  bench.run(1.0, [&] { bench.arm.set_torques(tau); });
+  EXPECT_EQ(bench.arm.boards().state(), PowerState::kOn);
   EXPECT_FALSE(bench.arm.ready());
   EXPECT_NEAR(bench.load.brake_bits[0], 0.25 * 5242.88, 1.0);
   EXPECT_LT(bench.load.current.cwiseAbs().maxCoeff(), 0.6 / 5242.0);
-  bench.run(2.0, [&] { bench.arm.command(tau); });
+  bench.run(2.0, [&] { bench.arm.set_torques(tau); });
   EXPECT_TRUE(bench.arm.ready());
   EXPECT_NEAR(bench.load.brake_bits[0], 0.08 * 5242.88, 1.0);
   EXPECT_GT(bench.load.current.cwiseAbs().minCoeff(), 1e-4);
@@ -296,11 +202,37 @@ TEST(ArmSession, HomingRefusesWhatItCannotTrust) {
   }
 }
 
-TEST(ArmSession, GuardsByHand) {
+TEST(ArmSession, StartHomesAnArmThatWokeUp) {
+  const RobotConfig robot = example();
+  Inertias load(robot, example_start());
+  BoardEmulator emulator(Bench::setups(robot), 3);
+  emulator.attach(&load);
+  EmulatedLink link(emulator);
+  {
+    ArmSession arm(link, robot);
+    arm.start();
+    EXPECT_TRUE(arm.preloaded());
+    arm.update();
+    EXPECT_TRUE(near(arm.state().q, example_start(), 5e-4));
+  }
+  // Who comes later finds the encoders loaded and leaves them.
+  ArmSession later(link, robot);
+  later.start();
+  EXPECT_FALSE(later.preloaded());
+  later.update();
+  EXPECT_TRUE(near(later.state().q, example_start(), 5e-4));
+  // An arm that swings is not started.
+  emulator.board(0).reboot(0);
+  load.shake = 0.05;
+  ArmSession swinging(link, robot);
+  EXPECT_THROW(swinging.start(), InvalidInput);
+}
+
+TEST(ArmSession, ChannelsAreGuardedByTheCalibration) {
   RobotConfig robot = example();
   robot.actuators[4].amps_to_bits = {-5242.88, 32850.0};
   robot.actuators[4].bits_to_amps = {-0.000190735, 6.26};
-  const SessionOptions options = guard(robot);
+  const SessionOptions options = session_options(robot);
   EXPECT_EQ(options.bus.boards, (std::vector<int>{6, 7}));
   const ChannelSafety& safety = options.channels.at(1).at(0);
   EXPECT_TRUE(safety.used);
@@ -314,9 +246,11 @@ TEST(ArmSession, GuardsByHand) {
   EXPECT_NEAR(safety.pot_to_position(30000.0), a.volts_to_position(a.bits_to_volts(30000.0)),
               1e-12);
   // Pots on joints cannot be compared channel by channel.
-  EXPECT_EQ(guard(nominal_config(read_arm("MTML")).robots[0]).channels[0][0].pot_tolerance, 0.0);
+  EXPECT_EQ(
+      session_options(nominal_config(read_arm("MTML")).robots[0]).channels[0][0].pot_tolerance,
+      0.0);
   robot.actuators[6].axis = 5;
-  EXPECT_THROW(guard(robot), InvalidInput);
+  EXPECT_THROW(session_options(robot), InvalidInput);
 }
 
 }  // namespace

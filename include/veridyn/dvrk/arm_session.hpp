@@ -21,20 +21,25 @@ struct Socket {
 std::vector<int> boards_of(const RobotConfig& robot);
 std::vector<Socket> sockets_of(const RobotConfig& robot);
 
-/// What a board session must know to guard an arm: zero currents and largest currents by the
-/// calibration, pots against encoders where pots sit on the actuators. Other settings stay.
-/// @throws InvalidInput  as boards_of().
-SessionOptions guard(const RobotConfig& robot, SessionOptions options = {});
+/// Whether start() loads encoders that nobody has loaded since their board woke up.
+enum class Homing { kIfNeeded, kNever };
 
 struct ArmSessionOptions {
-  SessionOptions session;
-  /// Reads whose pots are averaged before encoders are loaded.
-  int pot_readings = 100;
-  double pot_period = 1.0 / 1500.0;  ///< [s] between them
-  /// Largest motion of a pot, peak to peak, in which it counts as resting: this share of its
-  /// actuator's range.
+  MatrixXd actuator_to_joint;  ///< (n x n) K; empty: identity
+  CycleProtocol protocol = CycleProtocol::kAutomatic;
+  double rate = 1500.0;  ///< [Hz] nominal; 0: timestamps are not judged
+  std::size_t mtu = 1500;
+  Homing homing = Homing::kIfNeeded;
+  int pot_readings = 100;  ///< cycles of pots whose mean gives the encoders their start
+  /// Largest motion of a pot among them, peak to peak, in which it counts as resting: this share of
+  /// its actuator's range.
   double pot_unrest = 0.02;
 };
+
+/// The safety of a session as a configuration file has it: boards and channels in use, zero and
+/// largest currents by the calibration, pots beside encoders where pots sit on the actuators.
+/// @throws InvalidInput  as boards_of(); a rate that is negative.
+SessionOptions session_options(const RobotConfig& robot, const ArmSessionOptions& options = {});
 
 /// What became of the encoders when they were loaded from the pots.
 struct HomingReport {
@@ -48,18 +53,18 @@ struct HomingReport {
 
 /// One arm at the level of joints: state in, torques out, the boards' safety between. A cycle is
 ///
-///   arm.update();  ... controller on arm.state() ...  arm.command(tau);  arm.commit();
+///   arm.update();  ... controller on arm.state() ...  arm.set_torques(tau);  arm.commit();
 ///
-/// update(), command() and commit() never throw or allocate. Currents flow in PowerState::kOn
-/// alone; brakes open after power came up, and joints with a brake get torque only when all brakes
-/// are open. A controller that does not command in a cycle leaves the arm without current.
+/// None of the three throws or allocates. Currents flow in PowerState::kOn alone; brakes open after
+/// power came up, and torques count only when all of them are open. A cycle without set_torques()
+/// is one without current.
 class ArmSession {
  public:
-  /// @throws InvalidInput  as guard() and ArmUnits.
-  ArmSession(DatagramLink& link, const RobotConfig& robot,
-             const MatrixXd& actuator_to_joint = MatrixXd(), const ArmSessionOptions& options = {});
+  /// @throws InvalidInput  as session_options(), BoardSession and ArmUnits.
+  ArmSession(DatagramLink& link, const RobotConfig& robot, const ArmSessionOptions& options = {});
 
-  /// Finds the boards and sets the watchdogs. @throws InvalidInput  as BoardSession::start().
+  /// Finds the boards, sets the watchdogs, and loads encoders as the options ask.
+  /// @throws InvalidInput  as BoardSession::start(); the encoders cannot be loaded.
   void start();
 
   /// True if an encoder was never loaded since its board woke up: positions mean nothing.
@@ -69,25 +74,33 @@ class ArmSession {
   /// power. Blocks for about 0.1 s. A robot without encoder preload, or one with a lookup table for
   /// its pots, cannot.
   HomingReport home();
+  /// Were encoders loaded from pots by start() or home()?
+  bool preloaded() const { return preloaded_; }
 
   /// Reads the boards, checks them and moves on with power-up. @returns whether state() is new.
   bool update() noexcept;
   const ArmState& state() const { return state_; }
 
-  /// Torques [N m, N] of the joints for the next commit(); clipped to the largest currents.
-  const ArmCommand& command(const VectorXd& tau) noexcept;
+  /// Torques of the joints [N m, N] for the next commit(); (n), a stored vector. Held within the
+  /// largest currents.
+  void set_torques(const VectorXd& tau) noexcept;
+  /// What became of them.
+  const ArmCommand& command() const { return command_; }
   void commit() noexcept;
 
   /// Begins to power up. @returns nullptr, or why not.
   const char* power_on() noexcept;
-  void power_off() noexcept { session_.power_off(); }
+  void power_off() noexcept { boards_.power_off(); }
 
   /// Power is on, all brakes are open: torques count.
   bool ready() const;
   int size() const { return units_.size(); }
+  const RobotConfig& robot() const { return units_.robot(); }
   const ArmUnits& units() const { return units_; }
-  BoardSession& session() { return session_; }
-  const BoardSession& session() const { return session_; }
+  BoardSession& boards() { return boards_; }
+  const BoardSession& boards() const { return boards_; }
+  /// Feedback of the board behind an actuator, for tables.
+  const BoardFeedback& board_of(int actuator) const;
 
  private:
   void read_raw() noexcept;
@@ -98,7 +111,7 @@ class ArmSession {
   DatagramLink& link_;
   ArmSessionOptions options_;
   ArmUnits units_;
-  BoardSession session_;
+  BoardSession boards_;
   std::vector<Socket> sockets_;
   std::vector<BrakeDriver> brakes_;
   std::vector<Socket> brake_sockets_;
@@ -107,6 +120,7 @@ class ArmSession {
   ArmCommand command_;
   bool commanded_ = false;
   bool homed_ = false;
+  bool preloaded_ = false;
 };
 
 }  // namespace veridyn::dvrk
