@@ -166,6 +166,25 @@ TEST(ArmSession, BrakesOpenBeforeTheArmMoves) {
   EXPECT_EQ(bench.load.brake_bits[0], 0.0);
 }
 
+TEST(BrakeDriver, PushesThenHoldsAndEngagesAtOnce) {
+  BrakeConfig config;
+  config.release_current = 0.9;
+  config.release_time = 2.0;
+  config.released_current = 0.2;
+  config.engaged_current = -0.1;
+  BrakeDriver brake(config);
+  using Wish = BrakeDriver::Wish;
+  EXPECT_EQ(brake.current(Wish::kEngaged, 10.0), -0.1);
+  EXPECT_EQ(brake.current(Wish::kReleased, 11.0), 0.9);
+  EXPECT_EQ(brake.current(Wish::kReleased, 12.999), 0.9);
+  EXPECT_FALSE(brake.released());
+  EXPECT_EQ(brake.current(Wish::kReleased, 13.0), 0.2);
+  EXPECT_TRUE(brake.released());
+  EXPECT_EQ(brake.current(Wish::kEngaged, 14.0), -0.1);
+  EXPECT_FALSE(brake.released());
+  EXPECT_EQ(brake.current(Wish::kReleased, 15.0), 0.9);  // a push again
+}
+
 TEST(ArmSession, HomingRefusesWhatItCannotTrust) {
   {
     Bench bench(example(), MatrixXd(), example_start());
