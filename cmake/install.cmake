@@ -9,7 +9,7 @@ if(TARGET veridyn_tool)
   install(TARGETS veridyn_tool RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 endif()
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/include/veridyn DESTINATION include)
-install(DIRECTORY ${PROJECT_SOURCE_DIR}/data/robots DESTINATION share/veridyn)
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/data/robots ${PROJECT_SOURCE_DIR}/data/dvrk DESTINATION share/veridyn)
 install(EXPORT veridynTargets NAMESPACE veridyn:: DESTINATION ${PACKAGE_DIR})
 
 configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/veridynConfig.cmake.in

@@ -26,8 +26,7 @@ double acceleration_per_tick2(const EncoderWords& w, double threshold) {
   const double P = ticks(w.period);
   const double q1 = ticks(w.quarter1);
   const double q5 = ticks(w.quarter5);
-  const double previous =
-      (w.quarter5 & kOverflow) != 0 ? static_cast<double>(kTime) : P - q1 + q5;
+  const double previous = (w.quarter5 & kOverflow) != 0 ? static_cast<double>(kTime) : P - q1 + q5;
   const bool same_kind = ((w.quarter1 ^ w.quarter5) & (kEdgeKind | kPositive)) == 0;
   if (!same_kind || P <= 0.0 || q1 <= 0.0 || q5 <= 0.0 || previous <= 0.0) return 0.0;
   if (1.0 / q1 > threshold) return 0.0;

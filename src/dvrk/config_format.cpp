@@ -1,0 +1,199 @@
+#include <algorithm>
+#include <array>
+#include <nlohmann/json.hpp>
+#include <pugixml.hpp>
+#include <sstream>
+#include <utility>
+
+#include "config_tree.hpp"
+#include "veridyn/math/require.hpp"
+
+namespace veridyn::dvrk {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::array<std::pair<const char*, const char*>, 47> kNames{{
+    {"Robot", "robots"},
+    {"Name", "name"},
+    {"HardwareVersion", "hardware_version"},
+    {"NumOfActuator", "number_of_actuators"},
+    {"SN", "serial_number"},
+    {"OnlyIO", "only_IO"},
+    {"HasEncoderPreload", "has_encoder_preload"},
+    {"Actuator", "actuators"},
+    {"ActuatorID", "index"},
+    {"BoardID", "board_id"},
+    {"AxisID", "axis_id"},
+    {"JointType", "joint_type"},
+    {"Drive", "drive"},
+    {"AmpsToBits", "current_to_bits"},
+    {"BitsToFeedbackAmps", "bits_to_current"},
+    {"NmToAmps", "effort_to_current"},
+    {"MaxCurrent", "maximum_current"},
+    {"Encoder", "encoder"},
+    {"VelocitySource", "velocity_source"},
+    {"BitsToPosSI", "bits_to_position"},
+    {"PositionLimitsSoft", "position_limits_soft"},
+    {"AnalogIn", "potentiometer"},
+    {"BitsToVolts", "bits_to_voltage"},
+    {"VoltsToPosSI", "voltage_to_position"},
+    {"AnalogBrake", "brakes"},
+    {"ReleaseCurrent", "release_current"},
+    {"ReleaseTime", "release_time"},
+    {"ReleasedCurrent", "released_current"},
+    {"EngagedCurrent", "engaged_current"},
+    {"Potentiometers", "potentiometers"},
+    {"LookupTable", "lookup_table"},
+    {"JointToActuatorPosition", "joint_to_actuator_position"},
+    {"Tolerance", "tolerances"},
+    {"Axis", "axis"},
+    {"Distance", "distance"},
+    {"Latency", "latency"},
+    {"DigitalIn", "digital_inputs"},
+    {"BitID", "bit_id"},
+    {"DebounceClick", "debounce_click"},
+    {"SkipFirstRun", "skip_first_run"},
+    {"DigitalOut", "digital_outputs"},
+    {"HighDuration", "high_duration"},
+    {"LowDuration", "low_duration"},
+    {"DallasChip", "dallas_chips"},
+    {"Frequency", "frequency"},
+    {"Trigger", "trigger"},
+    {"Debounce", "debounce"},
+}};
+constexpr std::array<std::pair<const char*, const char*>, 8> kShortNames{{
+    {"Scale", "scale"},
+    {"Offset", "offset"},
+    {"Unit", "unit"},
+    {"Lower", "lower"},
+    {"Upper", "upper"},
+    {"Value", "value"},
+    {"Pressed", "pressed"},
+    {"Row", "rows"},
+}};
+
+int line_of(const std::string& content, std::ptrdiff_t offset) {
+  const auto end = content.begin() + std::clamp<std::ptrdiff_t>(offset, 0, content.size());
+  return 1 + static_cast<int>(std::count(content.begin(), end, '\n'));
+}
+
+ConfigTree tree_of(const pugi::xml_node& node, const std::string& content) {
+  ConfigTree tree;
+  tree.name = tree.written = node.name();
+  tree.line = line_of(content, node.offset_debug());
+  for (const pugi::xml_attribute& attribute : node.attributes()) {
+    ConfigTree& member = tree.members.emplace_back();
+    member.name = member.written = attribute.name();
+    member.line = tree.line;
+    member.scalar = true;
+    member.text = attribute.value();
+  }
+  for (const pugi::xml_node& child : node.children()) {
+    if (child.type() == pugi::node_element) tree.members.push_back(tree_of(child, content));
+  }
+  return tree;
+}
+
+ConfigTree tree_of(const std::string& name, const Json& value) {
+  ConfigTree tree;
+  tree.written = name;
+  tree.name = xml_name(name);
+  if (!value.is_object()) {
+    tree.scalar = true;
+    tree.quoted = value.is_string();
+    tree.text = value.is_string() ? value.get<std::string>() : value.dump();
+    return tree;
+  }
+  for (const auto& [key, member] : value.items()) {
+    const bool list_of_members = member.is_array() && !member.empty() && !member[0].is_number();
+    if (!list_of_members) {
+      tree.members.push_back(tree_of(key, member));
+      continue;
+    }
+    for (const Json& item : member) {
+      tree.members.push_back(tree_of(key, item));
+      tree.members.back().listed = true;
+    }
+  }
+  return tree;
+}
+
+ConfigTree parse_xml(const std::string& content, const std::string& file) {
+  pugi::xml_document document;
+  const pugi::xml_parse_result result = document.load_buffer(content.data(), content.size());
+  require(static_cast<bool>(result), file, ":", line_of(content, result.offset),
+          ": found text that is not XML (", result.description(), "), expected XML.");
+  return tree_of(document.document_element(), content);
+}
+
+ConfigTree parse_json(const std::string& content, const std::string& file) {
+  try {
+    // Comments are let pass: the laboratories' files begin with one for their editors.
+    return tree_of("", Json::parse(content, nullptr, true, true));
+  } catch (const Json::exception& error) {
+    throw InvalidInput(
+        text(file, ": found text that is not JSON (", error.what(), "), expected JSON."));
+  }
+}
+
+void write_xml(const ConfigTree& tree, pugi::xml_node parent) {
+  pugi::xml_node node = parent.append_child(tree.name.c_str());
+  for (const ConfigTree& member : tree.members) {
+    if (member.scalar)
+      node.append_attribute(member.name.c_str()) = member.text.c_str();
+    else
+      write_xml(member, node);
+  }
+}
+
+Json json_of(const ConfigTree& tree) {
+  if (tree.scalar) return tree.quoted ? Json(tree.text) : Json::parse(tree.text);
+  // <MaxCurrent Value="1"/> is "maximum_current": 1.
+  if (tree.members.size() == 1 && tree.members[0].name == "Value") return json_of(tree.members[0]);
+  Json object = Json::object();
+  for (const ConfigTree& member : tree.members) {
+    const std::string name = json_name(member.name);
+    if (member.listed)
+      object[name].push_back(json_of(member));
+    else
+      object[name] = json_of(member);
+  }
+  return object;
+}
+
+}  // namespace
+
+std::string json_name(const std::string& xml_name) {
+  for (const auto& [xml, json] : kNames)
+    if (xml_name == xml) return json;
+  for (const auto& [xml, json] : kShortNames)
+    if (xml_name == xml) return json;
+  return xml_name;
+}
+
+std::string xml_name(const std::string& json_name) {
+  for (const auto& [xml, json] : kNames)
+    if (json_name == json) return xml;
+  for (const auto& [xml, json] : kShortNames)
+    if (json_name == json) return xml;
+  return json_name;
+}
+
+ConfigTree parse_config(const std::string& content, const std::string& file, ConfigFormat format) {
+  return format == ConfigFormat::kXml ? parse_xml(content, file) : parse_json(content, file);
+}
+
+std::string print_config(const ConfigTree& tree, ConfigFormat format) {
+  if (format == ConfigFormat::kJson) return json_of(tree).dump(2) + "\n";
+  pugi::xml_document document;
+  pugi::xml_node declaration = document.append_child(pugi::node_declaration);
+  declaration.append_attribute("version") = "1.0";
+  declaration.append_attribute("encoding") = "utf-8";
+  write_xml(tree, document);
+  std::ostringstream out;
+  document.save(out, "  ");
+  return out.str();
+}
+
+}  // namespace veridyn::dvrk

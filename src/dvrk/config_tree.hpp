@@ -1,0 +1,89 @@
+#pragma once
+
+#include <set>
+#include <string>
+#include <vector>
+
+namespace veridyn::dvrk {
+
+/// A configuration file as a tree, the same for XML and JSON: attributes of XML and members of JSON
+/// are both members. Elements that repeat stand one after the other under one name (in JSON: the
+/// items of a list).
+struct ConfigTree {
+  std::string name;     ///< the name in XML; what JSON calls otherwise is translated
+  std::string written;  ///< as the file has it
+  int line = 0;         ///< 0 where the parser does not tell (JSON)
+  bool scalar = false;  ///< has text and no members
+  bool quoted = true;   ///< in JSON: text, not a number or true or false
+  bool listed = false;  ///< in JSON: an item of a list
+  std::string text;
+  std::vector<ConfigTree> members;
+};
+
+enum class ConfigFormat { kXml, kJson };
+
+/// @throws InvalidInput  the text is not XML or JSON.
+ConfigTree parse_config(const std::string& content, const std::string& file, ConfigFormat format);
+std::string print_config(const ConfigTree& tree, ConfigFormat format);
+
+/// What JSON calls an element of XML ("BoardID": "board_id"), and the way back; unchanged where
+/// they agree.
+std::string json_name(const std::string& xml_name);
+std::string xml_name(const std::string& json_name);
+
+/// One file while it is read.
+struct ConfigSource {
+  std::string file;
+  ConfigFormat format = ConfigFormat::kXml;
+  std::set<const ConfigTree*> used;
+};
+
+/// A node that knows where it stands. Every getter throws InvalidInput "file:line: place: found
+/// ..., expected ...". Names are those of XML; messages have those of the file.
+class ConfigNode {
+ public:
+  ConfigNode(const ConfigTree& tree, ConfigSource& source, std::string place)
+      : tree_(&tree), source_(&source), place_(std::move(place)) {
+    source.used.insert(&tree);
+  }
+
+  [[noreturn]] void fail(const std::string& found, const std::string& expected) const;
+
+  bool has(const std::string& name) const { return count(name) > 0; }
+  int count(const std::string& name) const;
+  /// The member of that name. Fails if there is none, or (unless it is asked for by number) more.
+  ConfigNode at(const std::string& name) const;
+  ConfigNode item(const std::string& name, int index) const;
+
+  /// The node's own text.
+  std::string word() const;
+  double number() const;
+
+  std::string word(const std::string& name) const { return at(name).word(); }
+  std::string word(const std::string& name, const std::string& fallback) const;
+  double number(const std::string& name) const { return at(name).number(); }
+  double number(const std::string& name, double fallback) const;
+  double positive(const std::string& name) const;
+  double not_negative(const std::string& name, double fallback) const;
+  double nonzero(const std::string& name) const;
+  int whole(const std::string& name, int lower, int upper) const;
+  bool flag(const std::string& name, bool fallback) const;
+  /// Its place among the words, which are compared without regard to case.
+  int choice(const std::string& name, const std::vector<std::string>& words, int fallback) const;
+
+  /// A number that XML has as <name Value="1"/> and JSON as "name": 1. Not negative.
+  double value(const std::string& name) const;
+
+ private:
+  ConfigNode inside(const ConfigTree& tree, int index) const;
+  std::string called(const std::string& name) const;
+
+  const ConfigTree* tree_;
+  ConfigSource* source_;
+  std::string place_;
+};
+
+/// Everything that nobody asked for, one line each.
+std::vector<std::string> unused(const ConfigTree& tree, const ConfigSource& source);
+
+}  // namespace veridyn::dvrk

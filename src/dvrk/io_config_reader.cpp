@@ -1,0 +1,279 @@
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <iterator>
+#include <sstream>
+
+#include "config_tree.hpp"
+#include "veridyn/dvrk/io_config.hpp"
+#include "veridyn/math/require.hpp"
+
+namespace veridyn::dvrk {
+namespace {
+
+constexpr int kBoards = 16;
+
+// Factor to rad or m. A joint that turns has no millimetres. Only JSON, which is in SI, may leave
+// the unit away.
+double unit_factor(const ConfigNode& node, bool prismatic, bool has_default) {
+  if (has_default && !node.has("Unit")) return 1.0;
+  node.word("Unit");
+  if (!prismatic) return node.choice("Unit", {"rad", "deg"}, 0) == 0 ? 1.0 : M_PI / 180.0;
+  constexpr double kFactors[] = {1e-3, 1e-2, 1.0};
+  return kFactors[node.choice("Unit", {"mm", "cm", "m"}, 0)];
+}
+
+LinearScale read_scale(const ConfigNode& node) {
+  return {node.nonzero("Scale"), node.number("Offset", 0.0)};
+}
+
+class Reader {
+ public:
+  explicit Reader(ConfigSource& source) : json_(source.format == ConfigFormat::kJson) {}
+
+  IoConfig read(const ConfigNode& root) const {
+    check_version(root);
+    IoConfig config;
+    for (int k = 0; k < root.count("Robot"); ++k)
+      config.robots.push_back(read_robot(root.item("Robot", k)));
+    for (int k = 0; k < root.count("DigitalIn"); ++k)
+      config.digital_inputs.push_back(read_input(root.item("DigitalIn", k)));
+    for (int k = 0; k < root.count("DigitalOut"); ++k)
+      config.digital_outputs.push_back(read_output(root.item("DigitalOut", k)));
+    for (int k = 0; k < root.count("DallasChip"); ++k) {
+      const ConfigNode chip = root.item("DallasChip", k);
+      config.dallas_chips.push_back({chip.word("Name"), board(chip)});
+    }
+    return config;
+  }
+
+ private:
+  static int board(const ConfigNode& node) { return node.whole("BoardID", 0, kBoards - 1); }
+
+  void check_version(const ConfigNode& root) const {
+    if (json_) {
+      root.word("$id", "");
+      if (root.word("$version", "6") != "6")
+        root.at("$version").fail("'" + root.word("$version") + "'", "version 6");
+    } else if (const double version = root.number("Version"); version != 5.0) {
+      root.at("Version").fail(text(version), "version 5 (older files use other names and units)");
+    }
+  }
+
+  RobotConfig read_robot(const ConfigNode& node) const {
+    RobotConfig robot;
+    robot.name = node.word("Name");
+    const std::vector<std::string> hardware{"QLA1", "DQLA", "dRA1"};
+    node.word("HardwareVersion");
+    robot.hardware =
+        hardware[static_cast<std::size_t>(node.choice("HardwareVersion", hardware, 0))];
+    robot.serial = node.word("SN", "");
+    robot.io_only =
+        json_ ? node.flag("OnlyIO", false) : node.choice("Type", {"robot", "io-only"}, 0) == 1;
+    robot.has_encoder_preload = node.flag("HasEncoderPreload", true);
+    node.number("NumOfJoint", 0.0);
+    read_actuators(node, robot);
+    if (node.has("Potentiometers")) read_potentiometers(node.at("Potentiometers"), robot);
+    return robot;
+  }
+
+  void read_actuators(const ConfigNode& node, RobotConfig& robot) const {
+    const int there = node.count("Actuator");
+    // In JSON the list tells.
+    if (!json_ || node.has("NumOfActuator")) {
+      const int promised = node.whole("NumOfActuator", 0, 4 * kBoards);
+      if (promised != there)
+        node.fail(text(there, there == 1 ? " actuator" : " actuators"),
+                  text(promised, ", as its number of actuators says"));
+    }
+    for (int k = 0; k < there; ++k)
+      robot.actuators.push_back(read_actuator(node.item("Actuator", k), robot.hardware));
+  }
+
+  ActuatorConfig read_actuator(const ConfigNode& node, const std::string& hardware) const {
+    ActuatorConfig actuator;
+    node.number("ActuatorID", 0.0);
+    actuator.board = board(node);
+    actuator.axis = node.whole("AxisID", 0, hardware == "QLA1" ? 3 : 9);
+    actuator.prismatic =
+        node.choice(json_ ? "JointType" : "Type", {"Revolute", "Prismatic"}, 0) == 1;
+    read_drive(node.at("Drive"), actuator);
+    read_encoder(node.at("Encoder"), actuator);
+    const ConfigNode pot = node.at("AnalogIn");
+    actuator.bits_to_volts = read_scale(pot.at("BitsToVolts"));
+    const ConfigNode volts = pot.at("VoltsToPosSI");
+    const double unit = unit_factor(volts, actuator.prismatic, json_);
+    actuator.volts_to_position = {unit * volts.nonzero("Scale"),
+                                  unit * volts.number("Offset", 0.0)};
+    if (node.has("AnalogBrake")) actuator.brake = read_brake(node.at("AnalogBrake"), hardware);
+    return actuator;
+  }
+
+  static void read_current(const ConfigNode& node, LinearScale& to_bits, LinearScale& to_amps,
+                           double& max_current) {
+    to_bits = read_scale(node.at("AmpsToBits"));
+    to_amps = read_scale(node.at("BitsToFeedbackAmps"));
+    if (to_bits.scale * to_amps.scale < 0.0)
+      node.at("BitsToFeedbackAmps")
+          .fail(text("the scale ", to_amps.scale, " beside ", to_bits.scale, " for the command"),
+                "two scales of one sign: measured and commanded current run the same way");
+    max_current = node.value("MaxCurrent");
+    if (!(max_current > 0.0)) node.at("MaxCurrent").fail("0", "a positive current");
+    if (!node.at("MaxCurrent").has("Unit")) return;
+    node.at("MaxCurrent").choice("Unit", {"A"}, 0);
+  }
+
+  static void read_drive(const ConfigNode& node, ActuatorConfig& actuator) {
+    read_current(node, actuator.amps_to_bits, actuator.bits_to_amps, actuator.max_current);
+    actuator.effort_to_amps = node.at("NmToAmps").positive("Scale");
+  }
+
+  void read_encoder(const ConfigNode& node, ActuatorConfig& actuator) const {
+    actuator.velocity_source =
+        static_cast<VelocitySource>(node.choice("VelocitySource", {"FIRMWARE", "SOFTWARE"}, 0));
+    const ConfigNode bits = node.at("BitsToPosSI");
+    actuator.bits_to_position =
+        unit_factor(bits, actuator.prismatic, json_) * bits.nonzero("Scale");
+    const ConfigNode limits = node.at("PositionLimitsSoft");
+    const double unit = unit_factor(limits, actuator.prismatic, json_);
+    actuator.lower = unit * limits.number("Lower");
+    actuator.upper = unit * limits.number("Upper");
+    if (!(actuator.lower < actuator.upper))
+      limits.fail(text("limits from ", actuator.lower, " to ", actuator.upper),
+                  "a lower limit below the upper one");
+  }
+
+  static BrakeConfig read_brake(const ConfigNode& node, const std::string& hardware) {
+    BrakeConfig brake;
+    brake.board = board(node);
+    brake.axis = node.whole("AxisID", 0, hardware == "QLA1" ? 3 : 9);
+    read_current(node, brake.amps_to_bits, brake.bits_to_amps, brake.max_current);
+    brake.release_current = node.value("ReleaseCurrent");
+    brake.release_time = node.value("ReleaseTime");
+    brake.released_current = node.value("ReleasedCurrent");
+    brake.engaged_current = node.value("EngagedCurrent");
+    if (std::max({brake.release_current, brake.released_current, brake.engaged_current}) >
+        brake.max_current)
+      node.fail("a current above the brake's MaxCurrent", "currents up to it");
+    return brake;
+  }
+
+  void read_potentiometers(const ConfigNode& node, RobotConfig& robot) const {
+    robot.pot_lookup_table = node.word("LookupTable", "");
+    if (node.has("JointToActuatorPosition"))
+      robot.pots_to_actuators =
+          json_ ? read_matrix(node, "JointToActuatorPosition", robot.size())
+                : read_matrix(node.at("JointToActuatorPosition"), "Row", robot.size());
+    for (int k = 0; k < node.count("Tolerance"); ++k) {
+      const ConfigNode item = node.item("Tolerance", k);
+      PotTolerance tolerance;
+      tolerance.axis = item.whole("Axis", 0, robot.size() - 1);
+      if (tolerance.axis != k) item.fail(text("axis ", tolerance.axis), text("axis ", k, " here"));
+      const bool prismatic = robot.actuators[static_cast<std::size_t>(k)].prismatic;
+      tolerance.distance = unit_factor(item, prismatic, json_) * item.not_negative("Distance", 0.0);
+      tolerance.latency = item.not_negative("Latency", 0.0);
+      robot.pot_tolerances.push_back(tolerance);
+    }
+    if (!robot.pot_tolerances.empty() && node.count("Tolerance") != robot.size())
+      node.fail(text(node.count("Tolerance"), " tolerances"), text(robot.size(), ", one per axis"));
+  }
+
+  // Rows of XML are <Row Val="1 0"/>, those of JSON lists of numbers.
+  static MatrixXd read_matrix(const ConfigNode& node, const std::string& rows, int size) {
+    MatrixXd matrix(size, size);
+    if (node.count(rows) != size)
+      node.fail(text("a matrix of ", node.count(rows), " rows"), text(size, ", one per actuator"));
+    for (int row = 0; row < size; ++row) {
+      const ConfigNode line = node.item(rows, row);
+      std::string numbers = line.has("Val") ? line.word("Val") : line.word();
+      for (char& letter : numbers)
+        if (letter == '[' || letter == ']' || letter == ',') letter = ' ';
+      std::istringstream values(numbers);
+      for (int column = 0; column < size; ++column) {
+        if (!(values >> matrix(row, column)))
+          line.fail(text("fewer than ", size, " numbers"), text(size, " numbers"));
+      }
+      std::string rest;
+      if (values >> rest) line.fail("'" + rest + "' behind the row", text(size, " numbers"));
+    }
+    if (Eigen::FullPivLU<MatrixXd>(matrix).rank() < size)
+      node.fail("a singular matrix", "one that can be inverted");
+    return matrix;
+  }
+
+  static double seconds(const ConfigNode& node, const std::string& name, double fallback) {
+    return node.not_negative(name, fallback);
+  }
+
+  static DigitalInputConfig read_input(const ConfigNode& node) {
+    DigitalInputConfig input;
+    input.name = node.word("Name");
+    input.board = board(node);
+    input.bit = node.whole("BitID", 0, 31);
+    input.pressed_when_low = node.flag("Pressed", true);
+    const std::vector<std::string> triggers{"all", "press", "release", "none"};
+    input.trigger = triggers[static_cast<std::size_t>(node.choice("Trigger", triggers, 0))];
+    input.debounce = seconds(node, "Debounce", 0.0);
+    input.debounce_click = seconds(node, "DebounceClick", 0.2 * input.debounce);
+    input.skip_first_run = node.flag("SkipFirstRun", false);
+    return input;
+  }
+
+  static DigitalOutputConfig read_output(const ConfigNode& node) {
+    DigitalOutputConfig output;
+    output.name = node.word("Name");
+    output.board = board(node);
+    output.bit = node.whole("BitID", 0, 31);
+    output.high_duration = seconds(node, "HighDuration", 0.0);
+    output.low_duration = seconds(node, "LowDuration", 0.0);
+    output.frequency = node.not_negative("Frequency", 0.0);
+    return output;
+  }
+
+  bool json_;
+};
+
+IoConfig read(const std::string& content, const std::string& file, ConfigFormat format) {
+  const ConfigTree tree = parse_config(content, file, format);
+  if (format == ConfigFormat::kXml)
+    require(tree.name == "Config", file, ": found the element <", tree.written,
+            ">, expected <Config Version=\"5\">.");
+  require(!tree.scalar, file, ": found JSON that is no object, expected {\"robots\": [...]}.");
+  ConfigSource source{file, format, {}};
+  IoConfig config = Reader(source).read(ConfigNode(tree, source, ""));
+  check_io_config(config, file);
+  config.remarks = unused(tree, source);
+  for (const RobotConfig& robot : config.robots) {
+    for (int k = 0; k < robot.size(); ++k) {
+      const ActuatorConfig& a = robot.actuators[static_cast<std::size_t>(k)];
+      if (a.amps_to_bits.scale * a.bits_to_position > 0.0) continue;
+      config.remarks.push_back(text(file, ": ", robot.name, " actuator ", k,
+                                    ": the scales of current and of position differ in sign; with "
+                                    "the usual wiring positive current then moves it backwards."));
+    }
+  }
+  return config;
+}
+
+}  // namespace
+
+IoConfig read_io_xml(const std::string& content, const std::string& file) {
+  return read(content, file, ConfigFormat::kXml);
+}
+
+IoConfig read_io_json(const std::string& content, const std::string& file) {
+  return read(content, file, ConfigFormat::kJson);
+}
+
+IoConfig read_io_config(const std::string& path) {
+  std::ifstream stream(path, std::ios::binary);
+  const std::string content{std::istreambuf_iterator<char>(stream), {}};
+  require(stream.is_open() && !content.empty(), path,
+          ": found no such file, or an empty one, expected a configuration (XML or JSON).");
+  const auto first = content.find_first_not_of(" \t\r\n\xEF\xBB\xBF");
+  const bool xml = first != std::string::npos && content[first] == '<';
+  return xml ? read_io_xml(content, path) : read_io_json(content, path);
+}
+
+}  // namespace veridyn::dvrk

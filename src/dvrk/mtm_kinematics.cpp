@@ -1,0 +1,116 @@
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "kinematic_form.hpp"
+
+namespace veridyn::dvrk {
+namespace {
+
+constexpr double kRight = M_PI / 2.0;
+
+Eigen::Matrix3d turn(double angle, const Eigen::Vector3d& axis) {
+  return Eigen::AngleAxisd(angle, axis).toRotationMatrix();
+}
+
+Eigen::Matrix3d turn_x(double angle) {
+  return turn(angle, Eigen::Vector3d::UnitX());
+}
+
+Eigen::Matrix3d turn_z(double angle) {
+  return turn(angle, Eigen::Vector3d::UnitZ());
+}
+
+// From the platform to the last axis but its own angle.
+Eigen::Matrix3d gimbal(double pitch, double yaw) {
+  return turn_x(kRight) * turn_z(pitch) * turn_x(-kRight) * turn_z(yaw + kRight) * turn_x(-kRight);
+}
+
+}  // namespace
+
+MtmKinematics::MtmKinematics(const ArmFacts& arm)
+    : T_last_tip_(arm.T_last_tip),
+      T_tip_last_(inverse_pose(arm.T_last_tip)),
+      ranges_(arm),
+      position_ranges_(arm) {
+  require_form(arm, {{0.0, 0.0, {}, 0.0},
+                     {0.0, -kRight, 0.0, kRight},
+                     {{}, 0.0, 0.0, kRight},
+                     {{}, -kRight, {}, 0.0},
+                     {0.0, kRight, 0.0, 0.0},
+                     {0.0, -kRight, 0.0, kRight},
+                     {0.0, -kRight, 0.0, M_PI}});
+  height_ = arm.joints[0].dh->d;
+  upper_ = arm.joints[2].dh->a;
+  forearm_ = arm.joints[3].dh->a;
+  offset_ = arm.joints[3].dh->d;
+}
+
+Eigen::Vector3d MtmKinematics::wrist_position(const Eigen::Vector3d& q) const noexcept {
+  const double reach = std::hypot(forearm_, offset_);
+  const double angle = q[1] + q[2] + M_PI + std::atan2(offset_, forearm_);
+  const double out = -upper_ * std::sin(q[1]) + reach * std::cos(angle);
+  const double down = upper_ * std::cos(q[1]) + reach * std::sin(angle);
+  return {out * std::cos(q[0]), out * std::sin(q[0]), height_ - down};
+}
+
+Eigen::Matrix3d MtmKinematics::platform_orientation(const Joints& q) const noexcept {
+  return turn_z(q[0]) * turn_x(-kRight) * turn_z(q[1] + q[2] + M_PI) * turn_x(-kRight) *
+         turn_z(q[3]);
+}
+
+Eigen::Matrix4d MtmKinematics::forward(const Joints& q) const noexcept {
+  Eigen::Matrix4d T = Eigen::Matrix4d::Identity();
+  T.topLeftCorner<3, 3>() = platform_orientation(q) * gimbal(q[4], q[5]) * turn_z(q[6] + M_PI);
+  T.topRightCorner<3, 1>() = wrist_position(q.head<3>());
+  return T * T_last_tip_;
+}
+
+InverseSolution<3> MtmKinematics::inverse_position(const Eigen::Vector3d& wrist,
+                                                   const Eigen::Vector3d& near) const noexcept {
+  Choice<3> choice(position_ranges_, near);
+  const double reach = std::hypot(forearm_, offset_);
+  const double bend = std::atan2(offset_, forearm_);
+  const double radius = std::hypot(wrist.x(), wrist.y());
+  const double down = height_ - wrist.z();
+  const double cosine =
+      (radius * radius + down * down - upper_ * upper_ - reach * reach) / (2.0 * upper_ * reach);
+  // Rounding may carry a stretched arm a little beyond its reach.
+  if (!(std::abs(cosine) <= 1.0 + 1e-12) || !near.allFinite()) return choice.best();
+  const double elbow = std::acos(std::clamp(cosine, -1.0, 1.0));
+  const bool on_axis = radius < kSingularDistance;
+  for (const double side : {1.0, -1.0}) {
+    const double yaw = on_axis ? near[0] : std::atan2(side * wrist.y(), side * wrist.x());
+    for (const double B : {elbow, -elbow}) {
+      const double A = std::atan2(down, side * radius) -
+                       std::atan2(reach * std::sin(B), upper_ + reach * std::cos(B));
+      choice.offer({yaw, A - kRight, B - kRight - bend}, on_axis);
+    }
+  }
+  return choice.best();
+}
+
+InverseSolution<7> MtmKinematics::inverse(const Eigen::Matrix4d& T_base_tip,
+                                          const Joints& near) const noexcept {
+  Choice<7> choice(ranges_, near);
+  if (!T_base_tip.allFinite() || !near.allFinite()) return choice.best();
+  const Eigen::Matrix4d T = T_base_tip * T_tip_last_;
+  const InverseSolution<3> place = inverse_position(T.topRightCorner<3, 1>(), near.head<3>());
+  if (place.status == InverseStatus::kOutOfReach) return choice.best();
+  Joints q = near;
+  q.head<3>() = place.q;
+  const Eigen::Matrix3d R47 = platform_orientation(q).transpose() * T.topLeftCorner<3, 3>();
+  // Its last column is (-c5 c6, -s6, -s5 c6).
+  const double across = std::hypot(R47(0, 2), R47(2, 2));
+  const bool singular = across < kSingularDistance || place.status == InverseStatus::kSingular;
+  for (const double side : {1.0, -1.0}) {
+    q[4] = across < kSingularDistance ? near[4] : std::atan2(-side * R47(2, 2), -side * R47(0, 2));
+    q[5] = std::atan2(-R47(1, 2), side * across);
+    const Eigen::Matrix3d roll = gimbal(q[4], q[5]).transpose() * R47;
+    q[6] = std::atan2(roll(1, 0), roll(0, 0)) - M_PI;
+    choice.offer(q, singular);
+  }
+  return choice.best();
+}
+
+}  // namespace veridyn::dvrk

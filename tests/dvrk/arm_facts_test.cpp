@@ -1,0 +1,134 @@
+#include "veridyn/dvrk/arm_facts.hpp"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+
+#include "support/near.hpp"
+#include "veridyn/math/require.hpp"
+
+namespace veridyn::dvrk {
+namespace {
+
+const std::string kFolder = std::string(VERIDYN_SOURCE_DIR) + "/data/dvrk/";
+
+TEST(ArmFacts, AllSixArmsAreThere) {
+  EXPECT_EQ(arm_names(), (std::vector<std::string>{"ECM", "MTML", "MTMR", "PSM1", "PSM2", "PSM3"}));
+  for (const std::string& name : arm_names()) {
+    const ArmFacts arm = read_arm(name);
+    EXPECT_EQ(arm.name, name);
+    EXPECT_EQ(arm.boards.size(), 2U);
+    EXPECT_EQ(arm.joints.size(), arm.actuators.size());
+    // Bad configurations would be refused on reading.
+    EXPECT_NO_THROW(check_io_config(nominal_config(arm), name));
+    EXPECT_TRUE(read_io_xml(to_io_xml(nominal_config(arm)), name).remarks.empty()) << name;
+  }
+}
+
+// Specification 12: what the laboratory's files have for these actuators.
+TEST(ArmFacts, NominalScalesArePublishedOnes) {
+  const std::vector<ActuatorConfig> psm = nominal_config(read_arm("PSM1")).robots[0].actuators;
+  const double bits_to_position[] = {-7.7226958e-6, -7.7226958e-6, 1.2962933e-6, -1.3414145e-4,
+                                     -1.3414145e-4, 1.3414145e-4,  1.3414145e-4};
+  const double effort_to_amps[] = {0.4040894, 0.4040894, 0.0678284, 1.9497054,
+                                   1.9497054, 1.9497054, 1.9497054};
+  const double max_current[] = {1.34, 1.34, 0.67, 0.67, 0.67, 0.67, 0.67};
+  for (std::size_t i = 0; i < 7; ++i) {
+    // To the digits that are printed there.
+    EXPECT_NEAR(psm[i].bits_to_position, bits_to_position[i], 5e-8 * std::abs(bits_to_position[i]))
+        << i;
+    EXPECT_NEAR(psm[i].effort_to_amps, effort_to_amps[i], 1e-6 * effort_to_amps[i]) << i;
+    EXPECT_EQ(psm[i].max_current, max_current[i]) << i;
+    const double sign = bits_to_position[i] < 0 ? -1.0 : 1.0;
+    EXPECT_NEAR(psm[i].amps_to_bits.scale, sign * 5242.88, 1e-9);
+    EXPECT_NEAR(psm[i].bits_to_amps.offset, -sign * 6.25, 1e-12);
+    EXPECT_EQ(psm[i].board, i < 4 ? 6 : 7);
+  }
+}
+
+// The example differs from the nominal arm by its calibration alone.
+TEST(ArmFacts, TheExampleIsANominalArmButForOffsets) {
+  const IoConfig example = read_io_config(kFolder + "sawRobotIO1394-PSM1-example.xml");
+  const IoConfig nominal = nominal_config(read_arm("PSM1"));
+  for (std::size_t i = 0; i < 7; ++i) {
+    const ActuatorConfig& a = example.robots[0].actuators[i];
+    const ActuatorConfig& b = nominal.robots[0].actuators[i];
+    EXPECT_EQ(a.board, b.board);
+    EXPECT_EQ(a.axis, b.axis);
+    EXPECT_NEAR(a.bits_to_position / b.bits_to_position, 1.0, 1e-9);
+    EXPECT_NEAR(a.effort_to_amps / b.effort_to_amps, 1.0, 1e-9);
+    EXPECT_NEAR(a.amps_to_bits.scale / b.amps_to_bits.scale, 1.0, 1e-9);
+    EXPECT_NEAR(a.amps_to_bits.offset, b.amps_to_bits.offset, 210);
+    EXPECT_NEAR(a.lower, b.lower, 1e-12);
+    EXPECT_NEAR(a.upper, b.upper, 1e-12);
+  }
+}
+
+TEST(ArmFacts, AnInstrumentCouplesTheLastFourActuators) {
+  const ArmFacts psm = read_arm("PSM1");
+  EXPECT_TRUE(near(psm.coupling(), MatrixXd::Identity(7, 7), 0.0));
+  const MatrixXd K = psm.coupling("large-needle-driver-400006");
+  EXPECT_EQ(K(0, 0), 1.0);
+  EXPECT_EQ(K(3, 3), -1.5632);
+  EXPECT_EQ(K(5, 4), -0.8306);
+  EXPECT_EQ(K(6, 6), 1.2177);
+  EXPECT_THROW(psm.coupling("needle"), InvalidInput);
+  EXPECT_THROW(read_arm("ECM").coupling("prograsp-400093"), InvalidInput);
+}
+
+// Pots on the joints: actuators from joints by the inverse of the coupling, in both notations.
+TEST(ArmFacts, TheMasterArmsTwoMatricesAreInverse) {
+  const ArmFacts mtm = read_arm("MTML");
+  EXPECT_TRUE(near(mtm.coupling() * mtm.pots_to_actuators, MatrixXd::Identity(7, 7), 1e-15));
+}
+
+TEST(ArmFacts, BoardsAreTheUsualOnes) {
+  EXPECT_EQ(read_arm("MTML").boards, (std::vector<int>{0, 1}));
+  EXPECT_EQ(read_arm("PSM3").boards, (std::vector<int>{10, 11}));
+  EXPECT_EQ(read_arm("ECM").actuators[2].brake->board, 5);
+  EXPECT_EQ(read_arm("ECM").actuators[2].brake->release_current, 0.9);
+}
+
+TEST(ArmFacts, WhatNobodyCheckedIsSaid) {
+  for (const char* name : {"PSM1", "MTML", "ECM"}) EXPECT_FALSE(read_arm(name).unsure.empty());
+}
+
+TEST(ArmFacts, AWrongFileNamesLineAndReason) {
+  std::ifstream file(kFolder + "psm.yaml");
+  const std::string yaml{std::istreambuf_iterator<char>(file), {}};
+  const std::filesystem::path path = std::filesystem::temp_directory_path() /
+                                     ("veridyn_arm_" + std::to_string(::getpid()) + ".yaml");
+  const auto message_of = [&](const std::string& from, const std::string& to) -> std::string {
+    std::string wrong = yaml;
+    const auto place = wrong.find(from);
+    if (place == std::string::npos) return "no '" + from + "' in the file";
+    std::ofstream(path) << wrong.replace(place, from.size(), to);
+    try {
+      read_arm(path.string() + ":PSM2");
+    } catch (const InvalidInput& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_EQ(message_of("PSM", "PSM"), "");
+  EXPECT_NE(message_of("gear: 56.50", "gear: 0").find("positive"), std::string::npos);
+  EXPECT_NE(message_of("[-1, -1, 1, -1, -1, 1, 1]}\n  - {name: PSM3",
+                       "[-1, -1, 0, -1, -1, 1, 1]}\n  - {name: PSM3")
+                .find("found 0, expected 1 or -1"),
+            std::string::npos);
+  EXPECT_NE(message_of("[-1.5632, 0, 0, 0]", "[0, 0, 0, 0]").find("singular"), std::string::npos);
+  EXPECT_NE(message_of("kp: 120", "kq: 120").find("unknown key 'kq'"), std::string::npos);
+  EXPECT_NE(message_of("[0, -1, 0], [0, 0, 1]", "[0, 1, 0], [0, 0, 1]").find("no rotation"),
+            std::string::npos);
+  EXPECT_NE(message_of("name: PSM2", "name: PSM9").find("no arm 'PSM2'"), std::string::npos);
+  EXPECT_THROW(read_arm("PSM4"), InvalidInput);
+  std::filesystem::remove(path);
+}
+
+}  // namespace
+}  // namespace veridyn::dvrk

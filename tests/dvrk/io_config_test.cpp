@@ -1,0 +1,299 @@
+#include "veridyn/dvrk/io_config.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+#include <iterator>
+
+#include "support/near.hpp"
+#include "veridyn/dvrk/arm_facts.hpp"
+#include "veridyn/math/require.hpp"
+
+namespace veridyn::dvrk {
+namespace {
+
+const std::string kExample =
+    std::string(VERIDYN_SOURCE_DIR) + "/data/dvrk/sawRobotIO1394-PSM1-example.xml";
+constexpr double kDegree = M_PI / 180.0;
+
+std::string content_of(const std::string& path) {
+  std::ifstream file(path);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+void expect_scale(const LinearScale& a, const LinearScale& b) {
+  EXPECT_NEAR(a.scale, b.scale, 1e-14 * std::abs(b.scale));
+  EXPECT_NEAR(a.offset, b.offset, 1e-14 * (1.0 + std::abs(b.offset)));
+}
+
+void expect_same(const ActuatorConfig& a, const ActuatorConfig& b) {
+  EXPECT_EQ(a.board, b.board);
+  EXPECT_EQ(a.axis, b.axis);
+  EXPECT_EQ(a.prismatic, b.prismatic);
+  EXPECT_EQ(a.velocity_source, b.velocity_source);
+  expect_scale(a.amps_to_bits, b.amps_to_bits);
+  expect_scale(a.bits_to_amps, b.bits_to_amps);
+  expect_scale(a.bits_to_volts, b.bits_to_volts);
+  expect_scale(a.volts_to_position, b.volts_to_position);
+  EXPECT_NEAR(a.effort_to_amps, b.effort_to_amps, 1e-15);
+  EXPECT_NEAR(a.max_current, b.max_current, 1e-15);
+  EXPECT_NEAR(a.bits_to_position, b.bits_to_position, 1e-15 * std::abs(b.bits_to_position));
+  EXPECT_NEAR(a.lower, b.lower, 1e-14);
+  EXPECT_NEAR(a.upper, b.upper, 1e-14);
+  ASSERT_EQ(a.brake.has_value(), b.brake.has_value());
+  if (!a.brake) return;
+  EXPECT_EQ(a.brake->board, b.brake->board);
+  EXPECT_EQ(a.brake->axis, b.brake->axis);
+  EXPECT_EQ(a.brake->release_current, b.brake->release_current);
+  EXPECT_EQ(a.brake->release_time, b.brake->release_time);
+  EXPECT_EQ(a.brake->released_current, b.brake->released_current);
+  EXPECT_EQ(a.brake->engaged_current, b.brake->engaged_current);
+  EXPECT_EQ(a.brake->max_current, b.brake->max_current);
+  expect_scale(a.brake->amps_to_bits, b.brake->amps_to_bits);
+}
+
+void expect_same(const IoConfig& a, const IoConfig& b) {
+  ASSERT_EQ(a.robots.size(), b.robots.size());
+  for (std::size_t r = 0; r < a.robots.size(); ++r) {
+    const RobotConfig& x = a.robots[r];
+    const RobotConfig& y = b.robots[r];
+    EXPECT_EQ(x.name, y.name);
+    EXPECT_EQ(x.hardware, y.hardware);
+    EXPECT_EQ(x.serial, y.serial);
+    EXPECT_EQ(x.io_only, y.io_only);
+    EXPECT_EQ(x.has_encoder_preload, y.has_encoder_preload);
+    EXPECT_EQ(x.pot_lookup_table, y.pot_lookup_table);
+    EXPECT_TRUE(near(x.pots_to_actuators, y.pots_to_actuators, 0.0));
+    ASSERT_EQ(x.size(), y.size());
+    for (std::size_t k = 0; k < x.actuators.size(); ++k)
+      expect_same(x.actuators[k], y.actuators[k]);
+    ASSERT_EQ(x.pot_tolerances.size(), y.pot_tolerances.size());
+    for (std::size_t k = 0; k < x.pot_tolerances.size(); ++k) {
+      EXPECT_EQ(x.pot_tolerances[k].axis, y.pot_tolerances[k].axis);
+      EXPECT_NEAR(x.pot_tolerances[k].distance, y.pot_tolerances[k].distance, 1e-15);
+      EXPECT_EQ(x.pot_tolerances[k].latency, y.pot_tolerances[k].latency);
+    }
+  }
+  ASSERT_EQ(a.digital_inputs.size(), b.digital_inputs.size());
+  for (std::size_t k = 0; k < a.digital_inputs.size(); ++k) {
+    const DigitalInputConfig& x = a.digital_inputs[k];
+    const DigitalInputConfig& y = b.digital_inputs[k];
+    EXPECT_EQ(x.name, y.name);
+    EXPECT_EQ(x.board, y.board);
+    EXPECT_EQ(x.bit, y.bit);
+    EXPECT_EQ(x.pressed_when_low, y.pressed_when_low);
+    EXPECT_EQ(x.trigger, y.trigger);
+    EXPECT_NEAR(x.debounce, y.debounce, 1e-15);
+    EXPECT_NEAR(x.debounce_click, y.debounce_click, 1e-15);
+    EXPECT_EQ(x.skip_first_run, y.skip_first_run);
+  }
+  ASSERT_EQ(a.digital_outputs.size(), b.digital_outputs.size());
+  for (std::size_t k = 0; k < a.digital_outputs.size(); ++k) {
+    EXPECT_EQ(a.digital_outputs[k].name, b.digital_outputs[k].name);
+    EXPECT_EQ(a.digital_outputs[k].bit, b.digital_outputs[k].bit);
+    EXPECT_EQ(a.digital_outputs[k].high_duration, b.digital_outputs[k].high_duration);
+    EXPECT_EQ(a.digital_outputs[k].frequency, b.digital_outputs[k].frequency);
+  }
+  ASSERT_EQ(a.dallas_chips.size(), b.dallas_chips.size());
+  for (std::size_t k = 0; k < a.dallas_chips.size(); ++k)
+    EXPECT_EQ(a.dallas_chips[k].board, b.dallas_chips[k].board);
+}
+
+// Everything that a configuration can have.
+IoConfig full_config() {
+  IoConfig config = read_io_config(kExample);
+  config.robots[0].serial = "4711";
+  config.robots[0].actuators[2].velocity_source = VelocitySource::kSoftware;
+  const IoConfig ecm = nominal_config(read_arm("ECM"));
+  const IoConfig mtm = nominal_config(read_arm("MTML"));
+  config.robots.push_back(ecm.robots[0]);
+  config.robots.push_back(mtm.robots[0]);
+  config.robots[2].has_encoder_preload = false;
+  config.robots[2].pot_lookup_table = "pots.json";
+  config.robots[2].io_only = true;
+  config.digital_inputs[1].skip_first_run = true;
+  config.digital_inputs[1].pressed_when_low = false;
+  config.digital_inputs[1].trigger = "press";
+  config.digital_outputs.push_back({"PSM1-lamp", 7, 2, 0.5, 1.5, 0.0});
+  config.digital_outputs.push_back({"PSM1-fan", 7, 3, 0.0, 0.0, 40.0});
+  return config;
+}
+
+TEST(IoConfig, TheExampleIsReadInSiUnits) {
+  const IoConfig config = read_io_config(kExample);
+  EXPECT_TRUE(config.remarks.empty()) << config.remarks.front();
+  const RobotConfig& psm = config.robot("PSM1");
+  EXPECT_EQ(&psm, &config.robot());
+  ASSERT_EQ(psm.size(), 7);
+  EXPECT_EQ(psm.actuators[3].board, 6);
+  EXPECT_EQ(psm.actuators[4].board, 7);
+  EXPECT_TRUE(psm.actuators[2].prismatic);
+  // Specification 12: SI values of the same numbers.
+  EXPECT_NEAR(psm.actuators[0].bits_to_position, -7.7226958e-6, 1e-13);
+  EXPECT_NEAR(psm.actuators[2].bits_to_position, 1.2962933e-6, 1e-13);
+  EXPECT_NEAR(psm.actuators[5].bits_to_position, 1.3414145e-4, 1e-11);
+  EXPECT_NEAR(psm.actuators[0].upper, 91.0 * kDegree, 1e-12);
+  EXPECT_NEAR(psm.actuators[2].upper, 0.24, 1e-12);
+  EXPECT_NEAR(psm.pot_tolerances[2].distance, 0.005, 1e-15);
+  EXPECT_NEAR(psm.pot_tolerances[6].distance, 5.0 * kDegree, 1e-15);
+  EXPECT_EQ(config.digital_inputs.size(), 4U);
+  EXPECT_NEAR(config.digital_inputs[0].debounce_click, 0.04, 1e-15);  // 20 % of 0.2 s
+}
+
+TEST(IoConfig, InputsArePressedWhenTheFileSaysSo) {
+  DigitalInputConfig input;
+  input.bit = 7;
+  input.pressed_when_low = true;
+  EXPECT_TRUE(input.value(0x00));
+  EXPECT_FALSE(input.value(0x80));
+  input.pressed_when_low = false;
+  EXPECT_TRUE(input.value(0x80));
+}
+
+TEST(IoConfig, XmlComesBack) {
+  const IoConfig config = full_config();
+  const IoConfig back = read_io_xml(to_io_xml(config), "back.xml");
+  expect_same(back, config);
+  EXPECT_TRUE(back.remarks.empty()) << back.remarks.front();
+}
+
+TEST(IoConfig, JsonComesBack) {
+  const IoConfig config = full_config();
+  const IoConfig back = read_io_json(to_io_json(config), "back.json");
+  expect_same(back, config);
+  EXPECT_TRUE(back.remarks.empty()) << back.remarks.front();
+}
+
+// By hand, with the names of specification 15.1, an editor's comment on top, and a member that
+// nobody knows.
+TEST(IoConfig, JsonByHandIsRead) {
+  const std::string json = R"(/* -*- Mode: Javascript -*- */
+{ "$id": "saw-robot-io.schema.json", "$version": "6",
+  "robots": [ { "name": "one", "hardware_version": "QLA1", "serial_number": "12", "colour": "red",
+    "actuators": [ { "board_id": 3, "axis_id": 1, "joint_type": "PRISMATIC",
+      "drive": { "current_to_bits": { "scale": 5242.88, "offset": 32800 },
+                 "bits_to_current": { "scale": 0.000190735, "offset": -6.25 },
+                 "effort_to_current": { "scale": 0.5 }, "maximum_current": 0.7 },
+      "encoder": { "velocity_source": "SOFTWARE", "bits_to_position": { "scale": 1e-6 },
+                   "position_limits_soft": { "lower": 0, "upper": 0.24 } },
+      "potentiometer": { "bits_to_voltage": { "scale": 6.8665e-5, "offset": 0.0 },
+                         "voltage_to_position": { "scale": 0.0592, "offset": -0.021 } } } ] } ] })";
+  const IoConfig config = read_io_json(json, "hand.json");
+  const ActuatorConfig& actuator = config.robot("one").actuators.at(0);
+  EXPECT_EQ(actuator.board, 3);
+  EXPECT_TRUE(actuator.prismatic);
+  EXPECT_EQ(actuator.max_current, 0.7);
+  EXPECT_EQ(actuator.upper, 0.24);
+  EXPECT_EQ(actuator.velocity_source, VelocitySource::kSoftware);
+  ASSERT_EQ(config.remarks.size(), 1U);
+  EXPECT_NE(config.remarks[0].find("robots/colour"), std::string::npos) << config.remarks[0];
+}
+
+// One change to the example, and what the message must name.
+struct Mistake {
+  std::string from, to;
+  std::vector<std::string> named;
+};
+
+class OnMistakes : public testing::TestWithParam<Mistake> {};
+
+TEST_P(OnMistakes, TheMessageNamesElementAndReason) {
+  std::string xml = content_of(kExample);
+  const auto place = xml.find(GetParam().from);
+  ASSERT_NE(place, std::string::npos);
+  xml.replace(place, GetParam().from.size(), GetParam().to);
+  try {
+    read_io_xml(xml, "io.xml");
+    FAIL() << "nothing was thrown";
+  } catch (const InvalidInput& error) {
+    const std::string message = error.what();
+    EXPECT_EQ(message.rfind("io.xml:", 0), 0U) << message;
+    EXPECT_EQ(message.find('\n'), std::string::npos) << message;
+    for (const std::string& word : GetParam().named)
+      EXPECT_NE(message.find(word), std::string::npos) << message << "\n  lacks: " << word;
+  }
+}
+
+std::vector<Mistake> mistakes() {
+  return {
+      {"Version=\"5\"", "Version=\"4\"", {":4:", "found 4", "version 5"}},
+      {"<Config", "<Konfig", {"XML"}},
+      {"NumOfActuator=\"7\"", "NumOfActuator=\"6\"", {"Robot PSM1", "7 actuators", "6"}},
+      {"NumOfActuator=\"7\"", "", {"Robot PSM1", "no NumOfActuator"}},
+      {"HardwareVersion=\"QLA1\"", "HardwareVersion=\"QLA9\"", {"QLA9", "QLA1, DQLA, dRA1"}},
+      {"BoardID=\"6\" AxisID=\"1\"",
+       "BoardID=\"6\" AxisID=\"0\"",
+       {"Robot PSM1/Actuator 1", "board 6 axis 0", "Actuator 0"}},
+      {"BoardID=\"6\" AxisID=\"1\"",
+       "BoardID=\"16\" AxisID=\"1\"",
+       {"Robot PSM1/Actuator 1/BoardID", "found 16", "0 to 15"}},
+      {"BoardID=\"6\" AxisID=\"1\"", "BoardID=\"6\" AxisID=\"4\"", {"AxisID", "0 to 3"}},
+      {"BoardID=\"6\" AxisID=\"1\"", "AxisID=\"1\"", {"Actuator 1", "no BoardID"}},
+      {"Type=\"Revolute\"", "Type=\"Screw\"", {"Actuator 0/Type", "Screw", "Revolute, Prismatic"}},
+      {"Unit=\"deg\"", "Unit=\"grad\"", {"Actuator 0", "grad", "rad, deg"}},
+      {"Unit=\"mm\"", "Unit=\"deg\"", {"Actuator 2", "deg", "mm, cm, m"}},
+      {"Unit=\"deg\"", "", {"Actuator 0", "no Unit"}},
+      {"<AmpsToBits Scale=\"",
+       "<AmpsToBits Scale=\"0\" Old=\"",
+       {"Actuator 0/Drive/AmpsToBits/Scale", "found 0", "other than 0"}},
+      {"<AmpsToBits Scale=\"-",
+       "<AmpsToBits Scale=\"",
+       {"Actuator 0/Drive/BitsToFeedbackAmps", "one sign"}},
+      {"<AmpsToBits Scale=\"-",
+       "<AmpsToBits Scale=\"x",
+       {"Actuator 0/Drive/AmpsToBits/Scale", "'x"}},
+      {"<AmpsToBits Scale=\"-", "<AmpsToBits Scale=\"1e999", {"finite"}},
+      {"<AmpsToBits", "<AmpsTwoBits", {"Drive", "no AmpsToBits", "AmpsTwoBits"}},
+      {"<NmToAmps Scale=\"", "<NmToAmps Scale=\"-", {"NmToAmps/Scale", "positive"}},
+      {"<MaxCurrent Value=\"1.340\"", "<MaxCurrent Value=\"0\"", {"Drive/MaxCurrent", "positive"}},
+      {"Lower=\"-91.0\"", "Lower=\"91.0\"", {"PositionLimitsSoft", "lower limit below"}},
+      {"<Tolerance Axis=\"1\"", "<Tolerance Axis=\"0\"", {"Tolerance 1", "axis 0", "axis 1 here"}},
+      {"<Tolerance Axis=\"6\"", "<Tolerance Axis=\"7\"", {"Tolerance 6", "0 to 6"}},
+      {"Name=\"PSM1-Tool\"", "Name=\"PSM1-Adapter\"", {"PSM1-Adapter", "unique"}},
+      {"Pressed=\"1\"", "Pressed=\"2\"", {"DigitalIn PSM1-SUJClutch/Pressed"}},
+      {"BitID=\"10\"", "BitID=\"32\"", {"DigitalIn PSM1-Adapter/BitID", "0 to 31"}},
+      {"<Potentiometers>",
+       "<Potentiometers><JointToActuatorPosition><Row Val=\"1 0\"/></JointToActuatorPosition>",
+       {"JointToActuatorPosition", "1 rows", "7"}},
+      {"</Config>", "", {"not XML"}},
+  };
+}
+
+INSTANTIATE_TEST_SUITE_P(InTheExample, OnMistakes, testing::ValuesIn(mistakes()),
+                         [](const auto& mistake) { return "m" + std::to_string(mistake.index); });
+
+TEST(IoConfig, ASingularCouplingOfPotsIsRefused) {
+  IoConfig config = nominal_config(read_arm("MTMR"));
+  config.robots[0].pots_to_actuators.row(2).setZero();
+  try {
+    read_io_xml(to_io_xml(config), "io.xml");
+    FAIL();
+  } catch (const InvalidInput& error) {
+    EXPECT_NE(std::string(error.what()).find("JointToActuatorPosition: found a singular matrix"),
+              std::string::npos)
+        << error.what();
+  }
+}
+
+TEST(IoConfig, CurrentAgainstPositionIsRemarked) {
+  IoConfig config = read_io_config(kExample);
+  config.robots[0].actuators[4].bits_to_position *= -1.0;
+  const IoConfig back = read_io_xml(to_io_xml(config), "io.xml");
+  ASSERT_EQ(back.remarks.size(), 1U);
+  EXPECT_NE(back.remarks[0].find("PSM1 actuator 4"), std::string::npos) << back.remarks[0];
+}
+
+TEST(IoConfig, TextThatIsNoConfigurationIsRefused) {
+  EXPECT_THROW(read_io_json("{", "f"), InvalidInput);
+  EXPECT_THROW(read_io_json("[1]", "f"), InvalidInput);
+  EXPECT_THROW(read_io_json("{\"robots\": 3}", "f"), InvalidInput);
+  EXPECT_THROW(read_io_json("{\"robots\": [[1]]}", "f"), InvalidInput);
+  EXPECT_THROW(read_io_json("{\"$version\": \"5\"}", "f"), InvalidInput);
+  EXPECT_THROW(read_io_xml("", "f"), InvalidInput);
+  EXPECT_THROW(read_io_config("/nowhere/io.xml"), InvalidInput);
+  EXPECT_THROW(read_io_config(kExample).robot("PSM2"), InvalidInput);
+}
+
+}  // namespace
+}  // namespace veridyn::dvrk
