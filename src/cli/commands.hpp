@@ -34,5 +34,6 @@ void add_payload_command(CLI::App& tool, Outcome& outcome);
 void add_export_command(CLI::App& tool, Outcome& outcome);
 void add_excite_command(CLI::App& tool, Outcome& outcome);
 void add_simulate_command(CLI::App& tool, Outcome& outcome);
+void add_dvrk_command(CLI::App& tool, Outcome& outcome);
 
 }  // namespace veridyn::cli

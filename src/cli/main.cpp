@@ -25,6 +25,7 @@ ExitStatus run(int argc, char** argv) {
   add_export_command(tool, outcome);
   add_excite_command(tool, outcome);
   add_simulate_command(tool, outcome);
+  add_dvrk_command(tool, outcome);
   try {
     tool.parse(argc, argv);
     return outcome.status;

@@ -18,7 +18,7 @@ Socket socket(const std::vector<int>& boards, int board, int axis) {
 
 void require_channel(const RobotConfig& robot, int board, int axis) {
   require(axis < kChannels, "robot '", robot.name, "': found board ", board, " axis ", axis,
-          ", expected axes 0 to ", kChannels - 1, ": only QLA boards can be driven.");
+          ", expected axes 0 to ", kChannels - 1, ".");
 }
 
 // Zero and largest current of a channel in bits.
@@ -62,6 +62,8 @@ std::vector<Socket> sockets_of(const RobotConfig& robot) {
 }
 
 SessionOptions session_options(const RobotConfig& robot, const ArmSessionOptions& how) {
+  require(robot.hardware == "QLA1", "robot '", robot.name, "': found hardware ", robot.hardware,
+          ", expected QLA1: other boards cannot be driven.");
   require(how.rate >= 0.0, "robot '", robot.name, "': found a rate of ", how.rate,
           " Hz, expected 0 or more.");
   SessionOptions options;
@@ -116,7 +118,9 @@ ArmSession::ArmSession(DatagramLink& link, const RobotConfig& robot,
 void ArmSession::start() {
   boards_.start();
   units_.reset();
-  homed_ = !needs_homing();
+  preloaded_ = false;
+  // Encoders that cannot be loaded stand where they stand.
+  homed_ = !robot().has_encoder_preload || !needs_homing();
   if (homed_ || options_.homing == Homing::kNever) return;
   const HomingReport report = home();
   require(report.done, "robot '", robot().name, "': the encoders cannot be loaded: ", report.reason,

@@ -38,6 +38,7 @@ void BoardBus::find_hub() {
   require(exchange_.read(hub, address::kStatus, timeout, status) == ReadResult::kOk &&
               exchange_.read(hub, address::kFirmware, timeout, firmware) == ReadResult::kOk,
           "boards: the hub does not tell its status and firmware.");
+  link_.hub_is(static_cast<int>(firmware), Status{status}.board());
   if (firmware >= 9) hub.to = Destination::kMulticast;  // section 2.3
   exchange_.read(hub, address::kEthernet, timeout, ethernet);
 }

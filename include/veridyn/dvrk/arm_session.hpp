@@ -38,7 +38,7 @@ struct ArmSessionOptions {
 
 /// The safety of a session as a configuration file has it: boards and channels in use, zero and
 /// largest currents by the calibration, pots beside encoders where pots sit on the actuators.
-/// @throws InvalidInput  as boards_of(); a rate that is negative.
+/// @throws InvalidInput  as boards_of(); other hardware than QLA boards; a rate that is negative.
 SessionOptions session_options(const RobotConfig& robot, const ArmSessionOptions& options = {});
 
 /// What became of the encoders when they were loaded from the pots.
@@ -97,6 +97,7 @@ class ArmSession {
   int size() const { return units_.size(); }
   const RobotConfig& robot() const { return units_.robot(); }
   const ArmUnits& units() const { return units_; }
+  const MatrixXd& coupling() const { return units_.actuator_to_joint(); }
   BoardSession& boards() { return boards_; }
   const BoardSession& boards() const { return boards_; }
   /// Feedback of the board behind an actuator, for tables.

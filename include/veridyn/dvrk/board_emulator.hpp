@@ -61,6 +61,8 @@ class BoardEmulator {
   /// Executes a datagram at a time that never runs back.
   Answer handle(ByteView datagram, Ticks now, ByteSpan reply) noexcept;
 
+  Ticks time() const { return now_; }
+
   /// Lets time pass.
   void advance(Ticks now) noexcept;
 
