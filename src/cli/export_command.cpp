@@ -2,6 +2,7 @@
 
 #include "commands.hpp"
 #include "common_options.hpp"
+#include "export_dvrk.hpp"
 #include "veridyn/model/model_file.hpp"
 #include "veridyn/model/urdf.hpp"
 
@@ -12,20 +13,24 @@ struct Request {
   std::string model;
   std::string urdf;
   std::string yaml;
+  DvrkExport dvrk;
 };
 
 void run(const Request& request) {
-  if (request.urdf.empty() && request.yaml.empty()) {
-    throw CLI::RequiredError("--urdf or --yaml");
-  }
-  if (request.urdf == request.yaml) {
-    throw CLI::ValidationError("--yaml", "found the same file as for --urdf");
-  }
-  require_writable(request.urdf);
-  require_writable(request.yaml);
+  const DvrkExport& dvrk = request.dvrk;
+  if ((request.urdf + request.yaml + dvrk.gravity + dvrk.scales).empty())
+    throw CLI::RequiredError("--urdf, --yaml, --dvrk-gravity or --dvrk-scales");
+  check_dvrk_export(dvrk);
+  require_different({{"--urdf", request.urdf},
+                     {"--yaml", request.yaml},
+                     {"--dvrk-gravity", dvrk.gravity},
+                     {"--dvrk-scales", dvrk.scales}});
+  for (const std::string& file : {request.urdf, request.yaml, dvrk.gravity, dvrk.scales})
+    require_writable(file);
   const Model model = read_model(request.model);
   if (!request.urdf.empty()) save_urdf(model, request.urdf);
   if (!request.yaml.empty()) save_model(model, request.yaml);
+  export_dvrk(model, dvrk);
 }
 
 }  // namespace
@@ -38,6 +43,7 @@ void add_export_command(CLI::App& tool, Outcome&) {
       ->option_text(" ");
   command.add_option("--urdf", request->urdf, "Write URDF")->option_text("FILE");
   command.add_option("--yaml", request->yaml, "Write YAML")->option_text("FILE");
+  add_dvrk_export_options(command, request->dvrk);
   command.set_version_flag("--version", "veridyn " VERIDYN_VERSION);
   command.callback([request] { run(*request); });
 }

@@ -26,6 +26,7 @@ ExitStatus run(int argc, char** argv) {
   add_excite_command(tool, outcome);
   add_simulate_command(tool, outcome);
   add_cooperate_command(tool, outcome);
+  add_dvrk_command(tool, outcome);
   try {
     tool.parse(argc, argv);
     return outcome.status;

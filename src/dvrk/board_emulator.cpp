@@ -251,7 +251,8 @@ void BoardEmulator::read_hub(QuadletSpan out) noexcept {
 Trailer BoardEmulator::trailer(std::uint8_t flags) const noexcept {
   Trailer t;
   t.flags = static_cast<std::uint8_t>(flags | faults.flags);
-  t.generation = generation_;
+  t.generation = static_cast<std::uint8_t>(generation_ + faults.generation_ahead);
+  t.packet_errors = faults.packet_errors;
   t.receive_ticks = receive_ticks;
   t.total_ticks = total_ticks;
   return t;

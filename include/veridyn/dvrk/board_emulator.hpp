@@ -35,6 +35,8 @@ struct EmulatorFaults {
   int node = -1;            ///< of this node alone; -1: any
   double delay = 0.005;     ///< [s] for kDelay
   std::uint8_t flags = 0;   ///< set in every trailer
+  std::uint8_t packet_errors = 0;     ///< the count in every trailer
+  std::uint8_t generation_ahead = 0;  ///< added to the generation in every trailer
 };
 
 /// One answer of the emulator; size 0: silence.
@@ -58,6 +60,8 @@ class BoardEmulator {
 
   /// Executes a datagram at a time that never runs back.
   Answer handle(ByteView datagram, Ticks now, ByteSpan reply) noexcept;
+
+  Ticks time() const { return now_; }
 
   /// Lets time pass.
   void advance(Ticks now) noexcept;

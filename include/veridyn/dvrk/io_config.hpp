@@ -54,7 +54,7 @@ struct RobotConfig {
   std::string name;
   std::string hardware;  ///< "QLA1", "DQLA" or "dRA1"
   std::string serial;
-  bool io_only = false;
+  bool io_only = false;  ///< its actuators may lack drive and encoder: zeros there
   bool has_encoder_preload = true;
   std::vector<ActuatorConfig> actuators;
   std::string pot_lookup_table;  ///< file of digital pots; kept, not read

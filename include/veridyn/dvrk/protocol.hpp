@@ -92,7 +92,7 @@ constexpr std::uint32_t kWatchdogTicks = 256;         ///< of the clock in one c
 constexpr std::uint32_t kWatchdogDefault = 0x1680;    ///< 30 ms
 constexpr std::uint32_t kMotorConfigDefault = 0x01780418;
 constexpr std::uint32_t kEthernetHealthy = 0xA01C0000;
-constexpr std::uint32_t kEthernetErrors = 0x1FC00000;  ///< bits 28 to 22
+constexpr std::uint32_t kEthernetErrors = 0x1FC00000;  ///< bits 28 to 22; V2
 
 // Section 7.3: the control word.
 namespace control {

@@ -1,0 +1,81 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "veridyn/dvrk/bytes.hpp"
+#include "veridyn/dvrk/datagram_link.hpp"
+#include "veridyn/dvrk/fault_log.hpp"
+#include "veridyn/dvrk/protocol.hpp"
+#include "veridyn/dvrk/reply.hpp"
+#include "veridyn/dvrk/request.hpp"
+
+namespace veridyn::dvrk {
+
+/// Which board, and on which way.
+struct Route {
+  std::uint8_t node = kBroadcastNode;
+  bool local = false;  ///< NOFORWARD: the receiving board alone
+  Destination to = Destination::kBoard;
+};
+
+enum class ReadResult {
+  kOk,
+  kNotSent,
+  kNoReply,
+  kWrongSize,
+  kWrongHeader,
+  kDropped  ///< the board answered with a trailer alone
+};
+
+/// Reads and writes of one session, one at a time: labels, generation, matching of replies, what
+/// trailers tell. Notes conditions 1 to 8 and 28 to 30. Fixed buffers.
+class Exchange {
+ public:
+  Exchange(DatagramLink& link, FaultLog& log) : link_(link), log_(log) {}
+
+  /// @param timeout  [s] for the reply.
+  ReadResult read(const Route& route, std::uint16_t address, double timeout,
+                  std::uint32_t& value) noexcept;
+  /// @param block  valid until the next read.
+  ReadResult read_block(const Route& route, std::uint16_t address, std::size_t quadlets,
+                        double timeout, QuadletView& block) noexcept;
+  /// @returns false: not sent. Boards never acknowledge a write.
+  bool write(const Route& route, std::uint16_t address, std::uint32_t value) noexcept;
+  bool write_block(const Route& route, std::uint16_t address, QuadletView block) noexcept;
+
+  std::uint8_t generation() const { return generation_; }
+  /// A trailer told another generation than ours: nodes may have other numbers now.
+  bool generation_changed() const { return learnt_ && told_ != generation_; }
+  void adopt_generation() noexcept { generation_ = told_; }
+  /// While set, silence is no condition: a scan asks nodes that may not exist.
+  void expect_silence(bool expected) noexcept { silence_expected_ = expected; }
+  /// The last trailer said that a bus reset is under way.
+  bool resetting() const { return resetting_; }
+
+ private:
+  Request request(const Route& route, Tcode tcode, std::uint16_t address) noexcept;
+  bool send(const Request& request, const Route& route) noexcept;
+  void drain() noexcept;
+  ReadResult read(const Request& request, const Route& route, double timeout,
+                  Reply& reply) noexcept;
+  ReadResult await(const Request& request, double timeout, Reply& reply) noexcept;
+  ReadResult judge(const Request& request, ByteView datagram, Malformed malformed,
+                   const Reply& reply) noexcept;
+  void take_trailer(const Trailer& trailer) noexcept;
+
+  DatagramLink& link_;
+  FaultLog& log_;
+  std::uint8_t label_ = 0;
+  std::uint8_t generation_ = 0;
+  std::uint8_t told_ = 0;
+  bool learnt_ = false;
+  bool resetting_ = false;
+  bool silence_expected_ = false;
+  int packet_errors_ = -1;
+  std::array<std::uint8_t, kDatagramBuffer> out_{};
+  std::array<std::uint8_t, kDatagramBuffer> in_{};
+};
+
+}  // namespace veridyn::dvrk

@@ -1,0 +1,73 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+
+namespace veridyn::dvrk {
+
+/// What an adapter must notice, with the numbers of section 17.
+enum class Condition : std::uint8_t {
+  kNoReply = 1,
+  kWrongSize = 2,
+  kDropped = 3,
+  kGenerationChanged = 4,
+  kBusReset = 5,
+  kWrongHeader = 6,
+  kStaleReply = 7,
+  kWrongCrc = 8,
+  kWrongBoard = 9,
+  kWrongHardware = 10,
+  kWrongFirmware = 11,
+  kDuplicateBoard = 12,
+  kStaleSequence = 13,
+  kMissingBoard = 14,
+  kWrongBlockSize = 15,
+  kTooLarge = 16,
+  kWatchdog = 17,
+  kNoSupply = 18,
+  kSupplyFault = 19,
+  kRelayOpen = 20,
+  kAmpOff = 21,
+  kCurrentTrip = 22,
+  kOutOfBounds = 23,
+  kEncoder = 24,
+  kRebooted = 25,
+  kTimestamp = 26,
+  kNotEffective = 27,
+  kEthernet = 28,
+  kNotSent = 29,
+  kForeignSender = 30
+};
+
+constexpr int kConditions = 30;
+
+/// A few words each: "no reply in time".
+const char* describe(Condition condition);
+
+/// One condition's history.
+struct FaultEntry {
+  long count = 0;
+  double last = 0.0;        ///< [s] of the link's clock
+  int board = -1;           ///< id, of the last one; -1: the bus
+  int channel = -1;         ///< from 0
+  std::uint32_t value = 0;  ///< what was found
+};
+
+/// Counts of all conditions. note() does not allocate.
+class FaultLog {
+ public:
+  void note(Condition condition, double now, int board = -1, int channel = -1,
+            std::uint32_t value = 0) noexcept;
+  const FaultEntry& operator[](Condition condition) const;
+  long count(Condition condition) const { return (*this)[condition].count; }
+  void clear() noexcept { *this = FaultLog(); }
+
+  /// One line for each condition that occurred; empty if none did.
+  std::string report() const;
+
+ private:
+  std::array<FaultEntry, kConditions> entries_;
+};
+
+}  // namespace veridyn::dvrk

@@ -1,0 +1,197 @@
+#include <algorithm>
+#include <csignal>
+#include <memory>
+#include <sstream>
+
+#include "dvrk_request.hpp"
+#include "messages.hpp"
+#include "veridyn/dvrk/arm_facts.hpp"
+#include "veridyn/math/require.hpp"
+
+namespace veridyn::cli {
+namespace {
+
+std::atomic<bool> stop_flag{false};
+static_assert(std::atomic<bool>::is_always_lock_free, "set by a signal handler");
+
+extern "C" void ask_to_stop(int) { stop_flag.store(true, std::memory_order_relaxed); }
+
+void add_arm_options(CLI::App& command, DvrkRequest& request) {
+  command.add_option("--config", request.config, "sawRobotIO1394 file of the arm, XML or JSON")
+      ->option_text("FILE");
+  command.add_option("--robot", request.robot, "The robot in it, where there are several")
+      ->option_text("NAME");
+  command
+      .add_option("--arm", request.arm,
+                  "A known arm, PSM1 to PSM3, MTML, MTMR, ECM: its nominal configuration where no "
+                  "--config is given")
+      ->option_text("NAME");
+  command.add_option("--instrument", request.instrument, "The instrument that couples the discs")
+      ->option_text("NAME");
+}
+
+void add_client_options(CLI::App& command, DvrkRequest& request) {
+  add_arm_options(command, request);
+  command.add_option("--host", request.host, "Address of the boards (127.0.0.1)")
+      ->option_text("HOST");
+  command.add_option("--port", request.port, "UDP port of the boards (1394)")->option_text("PORT");
+  command.add_option("--rate", request.rate, "Of the cycle (1500)")
+      ->option_text("HZ")
+      ->check(CLI::Range(1.0, 10000.0));
+  command.add_option("--mtu", request.mtu, "Of the network to the boards (1500)")
+      ->option_text("BYTES");
+  command
+      .add_option("--protocol", request.protocol,
+                  "sequential: one board after the other; broadcast-write: one write for all; "
+                  "broadcast: one read and one write for all (what the firmware allows)")
+      ->option_text("automatic|sequential|broadcast-write|broadcast")
+      ->check(CLI::IsMember({"automatic", "sequential", "broadcast-write", "broadcast"}));
+}
+
+void add_seconds(CLI::App& command, DvrkRequest& request, const char* help) {
+  command.add_option("--seconds", request.seconds, help)
+      ->option_text("S")
+      ->check(CLI::PositiveNumber);
+}
+
+using Action = ExitStatus (*)(const DvrkRequest&);
+
+CLI::App& add(CLI::App& dvrk, const char* name, const char* help, Action action, Outcome& outcome,
+              const std::shared_ptr<DvrkRequest>& request) {
+  CLI::App& command = *dvrk.add_subcommand(name, help);
+  add_common_options(command, request->common);
+  command.callback([=, &outcome] { outcome.status = action(*request); });
+  return command;
+}
+
+void add_emulate(CLI::App& dvrk, Outcome& outcome) {
+  const auto request = std::make_shared<DvrkRequest>();
+  CLI::App& command = add(dvrk, "emulate", "Boards with a simulated arm behind them, in real time",
+                          run_dvrk_emulate, outcome, request);
+  add_arm_options(command, *request);
+  command.add_option("--model", request->model, "What moves: a robot with values (nothing moves)")
+      ->option_text("MODEL");
+  command.add_option("--port", request->port, "UDP port to listen on; 0: any (1394)")
+      ->option_text("PORT");
+  command.add_option("--firmware", request->firmware, "Of the boards (8)")
+      ->option_text("6|7|8|9")
+      ->check(CLI::Range(6, 9));
+  command.add_option("--start", request->start, "Where the joints stand (0, or inside their limits)")
+      ->option_text("Q,Q,...")
+      ->delimiter(',');
+  command
+      .add_option("--event", request->events,
+                  "What happens at a time: emergency-stop@S, release@S, supply-off@S, supply-on@S, "
+                  "bus-reset@S, reboot:BOARD@S, amp-fault:BOARD.AXIS@S, silence@S")
+      ->option_text("EVENT@S");
+  command.add_option("--config-out", request->config_out, "Writes the configuration in use (XML)")
+      ->option_text("FILE");
+  add_seconds(command, *request, "Ends after so long (Ctrl-C)");
+}
+
+void add_clients(CLI::App& dvrk, Outcome& outcome) {
+  const auto monitor = std::make_shared<DvrkRequest>();
+  CLI::App& live = add(dvrk, "monitor", "Joints, currents, temperatures and faults, live",
+                       run_dvrk_monitor, outcome, monitor);
+  add_client_options(live, *monitor);
+  add_seconds(live, *monitor, "Ends after so long (Ctrl-C)");
+
+  const auto read = std::make_shared<DvrkRequest>();
+  read->seconds = 30.0;
+  CLI::App& recording = add(dvrk, "read", "Records positions, velocities and efforts; power stays off",
+                            run_dvrk_read, outcome, read);
+  add_client_options(recording, *read);
+  add_seconds(recording, *read, "How long (30)");
+  recording.add_option("-o,--output", read->output, "The recording")
+      ->option_text("REC.csv")
+      ->required();
+
+  const auto run = std::make_shared<DvrkRequest>();
+  CLI::App& motion = add(dvrk, "run", "Plays a motion with a PID per joint and records it",
+                         run_dvrk_run, outcome, run);
+  add_client_options(motion, *run);
+  motion.add_option("--trajectory", run->trajectory, "CSV with t and q; dq if there")
+      ->option_text("TRAJ.csv")
+      ->required();
+  motion.add_option("-o,--output", run->output, "The recording")
+      ->option_text("REC.csv")
+      ->required();
+  motion
+      .add_option("--model", run->model,
+                  "Gains that fit this robot with values (those of the laboratory for a known arm)")
+      ->option_text("MODEL");
+  motion.add_option("--gains", run->gains, "YAML file with lists p, i and d; needs --model")
+      ->option_text("FILE");
+  motion.add_option("--approach-speed", run->approach_speed, "To the first set point (0.25 rad/s)")
+      ->option_text("V")
+      ->check(CLI::PositiveNumber);
+  motion.add_option("--largest-error", run->largest_error,
+                    "Off a set point, then power goes off (0.35 rad, m)")
+      ->option_text("Q")
+      ->check(CLI::PositiveNumber);
+}
+
+}  // namespace
+
+const std::atomic<bool>& stop_asked() { return stop_flag; }
+
+void catch_signals() {
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+    struct sigaction action {};
+    action.sa_handler = ask_to_stop;
+    ::sigemptyset(&action.sa_mask);
+    ::sigaction(signal, &action, nullptr);
+  }
+}
+
+DvrkArm dvrk_arm(const DvrkRequest& request) {
+  if (request.config.empty() && request.arm.empty())
+    throw CLI::ValidationError("dvrk", "expected --config or --arm");
+  DvrkArm arm;
+  arm.config = request.config.empty() ? dvrk::nominal_config(dvrk::read_arm(request.arm))
+                                      : dvrk::read_io_config(request.config);
+  arm.robot = arm.config.robot(request.robot);
+  const std::vector<std::string> known = dvrk::arm_names();
+  const std::string name = request.arm.empty() ? arm.robot.name : request.arm;
+  const bool is_known = std::find(known.begin(), known.end(), name) != known.end();
+  require(is_known || request.instrument.empty(), "--instrument: '", name,
+          "' is no known arm; --arm names one.");
+  if (is_known || !request.arm.empty()) {
+    const dvrk::ArmFacts facts = dvrk::read_arm(name);
+    arm.coupling = facts.coupling(request.instrument);
+    require(arm.coupling.rows() == arm.robot.size(), "--arm: ", name, " has ",
+            arm.coupling.rows(), " actuators, but ", arm.robot.name, " has ", arm.robot.size(),
+            ".");
+  }
+  return arm;
+}
+
+dvrk::ArmSessionOptions session_options(const DvrkRequest& request, const DvrkArm& arm) {
+  dvrk::ArmSessionOptions options;
+  options.actuator_to_joint = arm.coupling;
+  options.rate = request.rate;
+  options.mtu = request.mtu;
+  options.protocol = request.protocol == "sequential" ? dvrk::CycleProtocol::kSequential
+                     : request.protocol == "broadcast-write"
+                         ? dvrk::CycleProtocol::kBroadcastWrite
+                     : request.protocol == "broadcast" ? dvrk::CycleProtocol::kBroadcast
+                                                       : dvrk::CycleProtocol::kAutomatic;
+  return options;
+}
+
+void say_faults(const dvrk::FaultLog& faults, const CommonOptions& common) {
+  if (common.quiet) return;
+  std::istringstream lines(faults.report());
+  for (std::string line; std::getline(lines, line);) say(line);
+}
+
+void add_dvrk_command(CLI::App& tool, Outcome& outcome) {
+  CLI::App& dvrk = *tool.add_subcommand(
+      "dvrk", "Speaks to the controller boards of a da Vinci Research Kit, or emulates them");
+  dvrk.require_subcommand(1);
+  add_emulate(dvrk, outcome);
+  add_clients(dvrk, outcome);
+  add_dvrk_config(dvrk);
+}
+
+}  // namespace veridyn::cli

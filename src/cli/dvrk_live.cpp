@@ -1,0 +1,163 @@
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <iostream>
+
+#include "dvrk_request.hpp"
+#include "messages.hpp"
+#include "veridyn/dvrk/arm_facts.hpp"
+#include "veridyn/dvrk/udp_link.hpp"
+#include "veridyn/identification/remark.hpp"
+#include "veridyn/math/require.hpp"
+#include "veridyn/model/model_file.hpp"
+#include "veridyn/simulation/simulate_recording.hpp"
+
+namespace veridyn::cli {
+namespace {
+
+using dvrk::ArmSession;
+
+constexpr double kForever = 1e9;     // [s]
+constexpr double kTableEvery = 0.5;         // [s]
+
+std::string flags_of(const dvrk::Status& s) {
+  std::string out;
+  const auto add = [&](bool set, const char* word) {
+    if (set) out += std::string(out.empty() ? "" : ", ") + word;
+  };
+  add(s.power_requested(), "power");
+  add(s.supply_good(), "supply");
+  add(s.relay_closed(), "relay");
+  add(s.watchdog(), "watchdog");
+  add(s.supply_fault(), "supply fault");
+  return out.empty() ? "off" : out;
+}
+
+std::string table(ArmSession& arm) {
+  const dvrk::ArmState& state = arm.state();
+  std::string out = fmt::format("{:>5} {:>12} {:>12} {:>12} {:>10} {:>12} {:>4}\n", "joint",
+                                "q [rad, m]", "dq [1/s]", "tau [N m, N]", "i [A]", "pot",
+                                "amp");
+  for (int j = 0; j < arm.size(); ++j) {
+    const dvrk::BoardFeedback& board = arm.board_of(j);
+    const int axis = arm.robot().actuators[static_cast<size_t>(j)].axis;
+    out += fmt::format("{:>5} {:>12.5f} {:>12.5f} {:>12.4f} {:>10.4f} {:>12.5f} {:>4}\n", j + 1,
+                       state.q[j], state.dq[j], state.tau[j], state.current[j], state.pot_q[j],
+                       board.status.amp_on(axis) ? "on" : "off");
+  }
+  dvrk::BoardBus& bus = arm.boards().bus();
+  for (int b = 0; b < bus.boards(); ++b) {
+    const dvrk::BoardFeedback& f = bus.feedback(b);
+    out += fmt::format("board {:>2}, firmware {}: {:.1f} C, {:.1f} C; {}\n", bus.info(b).id,
+                       bus.info(b).firmware, f.temperature.celsius(0), f.temperature.celsius(1),
+                       flags_of(f.status));
+  }
+  return out;
+}
+
+void tell_timing(const dvrk::LoopTiming& timing) {
+  std::cout << fmt::format("{} cycles, {} late; a cycle took {:.0f} us, at most {:.0f} us\n",
+                           timing.cycles, timing.late, 1e6 * timing.mean, 1e6 * timing.longest);
+}
+
+// The laboratory's gains of a known arm; those that fit a model in place of the first ones.
+PidGains gains_of(const DvrkRequest& request, const DvrkArm& arm) {
+  const int n = arm.robot.size();
+  PidGains gains{VectorXd::Zero(n), VectorXd::Zero(n), VectorXd::Zero(n)};
+  const std::vector<std::string> known = dvrk::arm_names();
+  const std::string name = request.arm.empty() ? arm.robot.name : request.arm;
+  const bool is_known = std::find(known.begin(), known.end(), name) != known.end();
+  require(is_known || !request.model.empty(), "gains: '", name,
+          "' is no known arm; --model names a robot that they shall fit.");
+  if (is_known) {
+    const dvrk::ArmFacts facts = dvrk::read_arm(name);
+    for (int j = 0; j < n; ++j) {
+      gains.p[j] = facts.actuators[static_cast<size_t>(j)].kp;
+      gains.d[j] = facts.actuators[static_cast<size_t>(j)].kd;
+    }
+  }
+  if (request.model.empty()) return gains;
+  const Model model = read_model(request.model);
+  require(model.joints() <= n, "--model: ", model.name(), " has ", model.joints(),
+          " joints, but the arm has ", n, " actuators.");
+  const PidGains fit =
+      request.gains.empty() ? sensible_gains(model) : read_gains(request.gains, model);
+  gains.p.head(model.joints()) = fit.p;
+  gains.i.head(model.joints()) = fit.i;
+  gains.d.head(model.joints()) = fit.d;
+  return gains;
+}
+
+MotionSamples motion_of(const std::string& path) {
+  const Recording rows = read_recording(path);
+  try {
+    return with_derivatives({rows.time, rows.q, rows.dq, rows.ddq});
+  } catch (const InvalidInput& error) {
+    throw InvalidInput(text(path, ": ", error.what()));
+  }
+}
+
+}  // namespace
+
+ExitStatus run_dvrk_monitor(const DvrkRequest& request) {
+  const DvrkArm arm = dvrk_arm(request);
+  dvrk::UdpLink link(request.host, request.port);
+  ArmSession session(link, arm.robot, session_options(request, arm));
+  catch_signals();
+  const bool terminal = ::isatty(STDOUT_FILENO) != 0;
+  double next = 0.0;
+  const auto show = [&](double t) {
+    if (t < next) return;
+    next = t + kTableEvery;
+    if (terminal) std::cout << "\033[H\033[J";
+    std::cout << table(session) << session.boards().faults().report() << std::flush;
+  };
+  const double seconds = request.seconds > 0.0 ? request.seconds : kForever;
+  tell_timing(dvrk::watch(session, link, seconds, request.rate, stop_asked(), show));
+  return kDone;
+}
+
+ExitStatus run_dvrk_read(const DvrkRequest& request) {
+  require_writable(request.output);
+  const DvrkArm arm = dvrk_arm(request);
+  dvrk::UdpLink link(request.host, request.port);
+  ArmSession session(link, arm.robot, session_options(request, arm));
+  catch_signals();
+  const dvrk::RunResult done =
+      dvrk::record_at_rest(session, link, request.seconds, request.rate, stop_asked());
+  require(done.rows.rows() > 0, "boards: not a single valid read.");
+  write_recording(done.rows, request.output, done.why.empty() ? "" : "incomplete: " + done.why);
+  std::cout << fmt::format("{}: {} rows, {:.4g} s.\n", arm.robot.name, done.rows.rows(),
+                           done.rows.time[done.rows.rows() - 1]);
+  tell_timing(done.timing);
+  say_faults(session.boards().faults(), request.common);
+  return done.complete ? kDone : kDataCannotAnswer;
+}
+
+ExitStatus run_dvrk_run(const DvrkRequest& request) {
+  require_writable(request.output);
+  const DvrkArm arm = dvrk_arm(request);
+  const MotionSamples motion = motion_of(request.trajectory);
+  const PidGains gains = gains_of(request, arm);
+  dvrk::RunOptions options;
+  options.rate = request.rate;
+  options.approach_speed = request.approach_speed;
+  options.largest_error = request.largest_error;
+  dvrk::UdpLink link(request.host, request.port);
+  ArmSession session(link, arm.robot, session_options(request, arm));
+  catch_signals();
+  const dvrk::RunResult done =
+      dvrk::run_motion(session, link, motion, gains, options, stop_asked());
+  if (done.rows.rows() > 0)
+    write_recording(done.rows, request.output, done.complete ? "" : "incomplete: " + done.why);
+  std::cout << fmt::format("{}: {} rows of {}.\n", arm.robot.name, done.rows.rows(),
+                           request.trajectory);
+  tell_timing(done.timing);
+  say_faults(session.boards().faults(), request.common);
+  if (done.complete) return kDone;
+  say("the run ended: " + done.why + "; power is off.");
+  return kDataCannotAnswer;
+}
+
+}  // namespace veridyn::cli

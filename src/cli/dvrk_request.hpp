@@ -1,0 +1,66 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "commands.hpp"
+#include "common_options.hpp"
+#include "veridyn/dvrk/arm_run.hpp"
+#include "veridyn/dvrk/arm_session.hpp"
+#include "veridyn/dvrk/io_config.hpp"
+
+namespace veridyn::cli {
+
+/// What the commands under `veridyn dvrk` are asked for; each uses a part of it.
+struct DvrkRequest {
+  std::string config;      ///< XML or JSON
+  std::string robot;       ///< name in it
+  std::string arm;         ///< PSM1, ...: nominal configuration, gains
+  std::string instrument;  ///< whose coupling
+  std::string model;
+  std::string host = "127.0.0.1";
+  std::uint16_t port = 1394;
+  std::string protocol = "automatic";
+  std::size_t mtu = 1500;
+  double rate = 1500.0;  ///< [Hz]
+  double seconds = 0.0;  ///< 0: until a signal
+  std::string output;
+  std::string trajectory;
+  std::string gains;
+  double approach_speed = 0.25;
+  double largest_error = 0.35;
+  int firmware = 8;
+  std::vector<double> start;  ///< joint positions of the emulated arm
+  std::string config_out;
+  std::vector<std::string> events;
+  CommonOptions common;
+};
+
+/// Set by SIGINT and SIGTERM from the first call of catch_signals() on.
+const std::atomic<bool>& stop_asked();
+void catch_signals();
+
+/// The arm's configuration: a file, or the nominal one of a known arm.
+struct DvrkArm {
+  dvrk::IoConfig config;
+  dvrk::RobotConfig robot;
+  MatrixXd coupling;
+};
+DvrkArm dvrk_arm(const DvrkRequest& request);
+
+dvrk::ArmSessionOptions session_options(const DvrkRequest& request, const DvrkArm& arm);
+
+/// What the session noticed, on standard error.
+void say_faults(const dvrk::FaultLog& faults, const CommonOptions& common);
+
+/// `veridyn dvrk config`.
+void add_dvrk_config(CLI::App& dvrk);
+
+ExitStatus run_dvrk_emulate(const DvrkRequest& request);
+ExitStatus run_dvrk_monitor(const DvrkRequest& request);
+ExitStatus run_dvrk_read(const DvrkRequest& request);
+ExitStatus run_dvrk_run(const DvrkRequest& request);
+
+}  // namespace veridyn::cli

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <string>
+
+#include "veridyn/model/model.hpp"
+
+namespace veridyn::cli {
+
+/// Files that laboratories with a da Vinci Research Kit use.
+struct DvrkExport {
+  std::string gravity;  ///< file for the rows of gravity compensation
+  std::string scales;   ///< file for current per effort
+  std::string arm;      ///< "PSM1"; empty: from the model's name
+  std::string config;   ///< configuration that scales correct; empty: the arm's nominal one
+  std::string torques;  ///< static torques to compare the rows with
+};
+
+/// Adds --dvrk-gravity, --dvrk-scales, --dvrk-arm, --dvrk-config, --static-torques.
+void add_dvrk_export_options(CLI::App& command, DvrkExport& request);
+
+/// @throws CLI::ValidationError  an option that belongs to an output which nobody asked for.
+void check_dvrk_export(const DvrkExport& request);
+
+/// Writes what is asked for and prints what it is worth.
+void export_dvrk(const Model& model, const DvrkExport& request);
+
+}  // namespace veridyn::cli

@@ -1,0 +1,272 @@
+#include "veridyn/dvrk/arm_run.hpp"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+#include "cycle_clock.hpp"
+#include "set_points.hpp"
+#include "veridyn/dvrk/joint_pid.hpp"
+#include "veridyn/math/require.hpp"
+
+namespace veridyn::dvrk {
+namespace {
+
+constexpr double kLooking = 0.1;      // [s] of reading before power is asked for
+constexpr double kSpare = 1.2;        // rows that are kept ready, beyond those expected
+constexpr double kIntegralShare = 0.5;  // of the largest torque
+
+// Rows are stored before the loop begins: it does not allocate.
+class RowKeeper {
+ public:
+  RowKeeper(int joints, double seconds, double rate) {
+    const auto most = static_cast<Eigen::Index>(kSpare * seconds * rate) + 1000;
+    rows_.time.resize(most);
+    for (const RecordingSignal& signal : kRecordingSignals) {
+      if (signal.values != &Recording::ddq) (rows_.*signal.values).resize(most, joints);
+    }
+  }
+
+  void keep(double t, const ArmState& state) noexcept {
+    if (count_ >= rows_.time.size() || (count_ > 0 && t <= rows_.time[count_ - 1])) return;
+    rows_.time[count_] = t;
+    rows_.q.row(count_) = state.q.transpose();
+    rows_.dq.row(count_) = state.dq.transpose();
+    rows_.tau.row(count_) = state.tau.transpose();
+    rows_.current.row(count_) = state.current.transpose();
+    ++count_;
+  }
+
+  Recording take(Eigen::Index joints) {
+    Recording out;
+    out.time = rows_.time.head(count_);
+    out.q = rows_.q.topLeftCorner(count_, joints);
+    out.dq = rows_.dq.topLeftCorner(count_, joints);
+    out.tau = rows_.tau.topLeftCorner(count_, joints);
+    return out;
+  }
+
+ private:
+  Recording rows_;
+  Eigen::Index count_ = 0;
+};
+
+// The largest torque of each joint, from largest currents alone, as if one motor worked at a time.
+VectorXd largest_torques(const ArmSession& arm, const MatrixXd& K) {
+  const int n = arm.size();
+  VectorXd effort(n);
+  for (int i = 0; i < n; ++i) {
+    const ActuatorConfig& a = arm.robot().actuators[static_cast<size_t>(i)];
+    effort[i] = a.max_current / std::abs(a.effort_to_amps);
+  }
+  const MatrixXd to_joint = (K.size() == 0 ? MatrixXd::Identity(n, n) : K).inverse().transpose();
+  return to_joint.cwiseAbs() * effort;
+}
+
+// A smooth way from where the arm stands to where the motion begins.
+struct Approach {
+  VectorXd from, to;
+  double duration = 0.0;
+
+  void at(double t, VectorXd& q, VectorXd& dq) const noexcept {
+    const double s = std::clamp(t / duration, 0.0, 1.0);
+    const double a = s * s * s * (10.0 - s * (15.0 - 6.0 * s));
+    const double da = 30.0 * s * s * (1.0 - s) * (1.0 - s) / duration;
+    q = from + a * (to - from);
+    dq = da * (to - from);
+  }
+};
+
+class MotionRun {
+ public:
+  MotionRun(ArmSession& arm, DatagramLink& link, const MotionSamples& motion,
+            const PidGains& gains, const RunOptions& options, const std::atomic<bool>& stop)
+      : arm_(arm),
+        options_(options),
+        stop_(stop),
+        joints_(motion.joints()),
+        points_(motion),
+        pid_(gains, kIntegralShare * largest_torques(arm, arm.coupling())),
+        keeper_(arm.size(), points_.duration(), options.rate),
+        clock_(link, options.rate),
+        wanted_q_(VectorXd::Zero(arm.size())),
+        wanted_dq_(wanted_q_),
+        tau_(wanted_q_) {}
+
+  RunResult run() {
+    const bool done = power_up() && approach() && play();
+    RunResult result;
+    result.timing = clock_.timing();
+    if (done) hold(options_.settle);
+    power_down();
+    result.rows = keeper_.take(joints_);
+    result.complete = done && why_.empty();
+    result.why = why_;
+    return result;
+  }
+
+ private:
+  // One cycle; set points were made for this time. @returns false: the run is over.
+  template <typename Make>
+  bool cycle(Make&& make) {
+    const double now = clock_.begin();
+    const bool valid = arm_.update();
+    const PowerState state = arm_.boards().state();
+    const bool ready = arm_.ready();  // brakes are open as well
+    if (valid && ready) {
+      make(now);
+      pid_.torques(arm_.state().q, arm_.state().dq, wanted_q_, wanted_dq_, 1.0 / options_.rate,
+                   tau_);
+      arm_.set_torques(tau_);
+    }
+    arm_.commit();
+    clock_.end();
+    if (stop_.load(std::memory_order_relaxed)) return end("stopped by a signal");
+    if (state == PowerState::kFault) return end(describe(arm_.boards().cause()));
+    if (valid && ready &&
+        (wanted_q_ - arm_.state().q).cwiseAbs().maxCoeff() > options_.largest_error)
+      return end("a joint is too far from its set point");
+    return true;
+  }
+
+  bool end(const char* why) {
+    if (why_.empty()) why_ = why;
+    return false;
+  }
+
+  bool power_up() {
+    for (int k = 0; k < static_cast<int>(kLooking * options_.rate); ++k) {
+      if (!cycle([](double) {})) return false;
+    }
+    if (const char* refused = arm_.power_on()) return end(refused);
+    for (int k = 0; k < static_cast<int>(options_.power_timeout * options_.rate); ++k) {
+      if (!cycle([this](double) { hold_here(); })) return false;
+      if (arm_.ready()) return true;
+    }
+    return end("power does not come up");
+  }
+
+  void hold_here() {
+    wanted_q_ = arm_.state().q;
+    wanted_dq_.setZero();
+  }
+
+  bool approach() {
+    Approach way;
+    way.from = way.to = arm_.state().q;
+    wanted_q_ = way.from;
+    points_.at(0.0, way.to, wanted_dq_);
+    wanted_dq_.setZero();
+    const double distance = (way.to - way.from).cwiseAbs().maxCoeff();
+    way.duration = std::max(options_.approach_time, 1.875 * distance / options_.approach_speed);
+    double start = -1.0;
+    bool there = false;
+    while (!there) {
+      const bool goes_on = cycle([&](double now) {
+        if (start < 0.0) start = now;
+        way.at(now - start, wanted_q_, wanted_dq_);
+        there = now - start > way.duration + options_.settle;
+      });
+      if (!goes_on) return false;
+    }
+    return true;
+  }
+
+  bool play() {
+    clock_.restart_count();
+    const double duration = points_.duration();
+    double start = -1.0;
+    double t = 0.0;
+    while (t < duration) {
+      const bool goes_on = cycle([&](double now) {
+        if (start < 0.0) start = now;
+        t = now - start;
+        points_.at(t, wanted_q_, wanted_dq_);
+        keeper_.keep(t, arm_.state());
+      });
+      if (!goes_on) return false;
+    }
+    return true;
+  }
+
+  void hold(double seconds) {
+    wanted_dq_.setZero();
+    for (int k = 0; k < static_cast<int>(seconds * options_.rate); ++k) {
+      if (!cycle([](double) {})) return;
+    }
+  }
+
+  void power_down() {
+    arm_.boards().power_off();
+    for (int k = 0; k < 10; ++k) {
+      clock_.begin();
+      arm_.update();
+      arm_.commit();
+    }
+    if (!arm_.boards().shutdown() && why_.empty())
+      why_ = "the boards did not confirm that they are off";
+  }
+
+  ArmSession& arm_;
+  RunOptions options_;
+  const std::atomic<bool>& stop_;
+  Eigen::Index joints_;
+  SetPoints points_;
+  JointPid pid_;
+  RowKeeper keeper_;
+  CycleClock clock_;
+  VectorXd wanted_q_, wanted_dq_, tau_;
+  std::string why_;
+};
+
+}  // namespace
+
+RunResult run_motion(ArmSession& arm, DatagramLink& link, const MotionSamples& motion,
+                     const PidGains& gains, const RunOptions& options,
+                     const std::atomic<bool>& stop) {
+  require(motion.rows() >= 2 && motion.joints() >= 1 && motion.joints() <= arm.size(), "arm '",
+          arm.robot().name, "': found a motion of ", motion.joints(), " joints and ",
+          motion.rows(), " rows, expected 1 to ", arm.size(), " joints and 2 rows.");
+  require(motion.dq.rows() == motion.rows() && motion.q.allFinite() && motion.dq.allFinite() &&
+              motion.time.allFinite(),
+          "arm '", arm.robot().name, "': found gaps in the motion, expected numbers.");
+  require(gains.p.size() == arm.size(), "arm '", arm.robot().name, "': found gains of ",
+          gains.p.size(), " joints, expected ", arm.size(), ".");
+  require(options.rate > 0.0, "arm '", arm.robot().name, "': expected a positive rate.");
+  MotionRun run(arm, link, motion, gains, options, stop);
+  arm.start();
+  return run.run();
+}
+
+LoopTiming watch(ArmSession& arm, DatagramLink& link, double seconds, double rate,
+                 const std::atomic<bool>& stop, const std::function<void(double)>& each) {
+  require(rate > 0.0 && seconds > 0.0, "arm '", arm.robot().name,
+          "': expected a positive rate and a positive time.");
+  arm.start();
+  CycleClock clock(link, rate);
+  const double start = link.now();
+  while (!stop.load(std::memory_order_relaxed)) {
+    const double t = clock.begin() - start;
+    if (t > seconds) break;
+    if (arm.update()) each(t);
+    arm.commit();
+    clock.end();
+  }
+  return clock.timing();
+}
+
+RunResult record_at_rest(ArmSession& arm, DatagramLink& link, double seconds, double rate,
+                         const std::atomic<bool>& stop) {
+  require(rate > 0.0 && seconds > 0.0, "arm '", arm.robot().name,
+          "': expected a positive rate and a positive time.");
+  RowKeeper keeper(arm.size(), seconds, rate);
+  RunResult result;
+  result.timing = watch(arm, link, seconds, rate, stop,
+                        [&](double t) { keeper.keep(t, arm.state()); });
+  result.complete = !stop.load(std::memory_order_relaxed);
+  if (!result.complete) result.why = "stopped by a signal";
+  result.rows = keeper.take(arm.size());
+  return result;
+}
+
+}  // namespace veridyn::dvrk

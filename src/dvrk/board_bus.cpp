@@ -1,0 +1,350 @@
+#include "veridyn/dvrk/board_bus.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "veridyn/math/require.hpp"
+
+namespace veridyn::dvrk {
+namespace {
+
+constexpr double kQueryLatency = 10e-6;   // [s] section 8.3, #3
+constexpr double kQueryPerBoard = 10e-6;
+constexpr double kShortestWait = 0.001;   // [s] that a reply gets when the cycle is late already
+constexpr double kLateCycles = 2.5;       // timestamps of so many cycles tell of missed ones
+constexpr double kJump = 0.005;           // [s] between timestamp and clock: look at the board
+constexpr int kWriteTries = 3;
+
+Route everyone() { return {kBroadcastNode, false, Destination::kBoard}; }
+
+}  // namespace
+
+BoardBus::BoardBus(DatagramLink& link, const BusOptions& options)
+    : link_(link), options_(options), exchange_(link, log_) {
+  require(!options.boards.empty() && options.boards.size() <= kMaxBoards, "boards: found ",
+          options.boards.size(), " in use, expected 1 to 16.");
+  require(options.reply_timeout > 0.0 && options.rescan_timeout > 0.0,
+          "boards: timeouts must be positive.");
+  require(options.mtu >= 576, "boards: found an MTU of ", options.mtu, ", expected 576 or more.");
+  const std::set<int> ids(options.boards.begin(), options.boards.end());
+  require(ids.size() == options.boards.size(), "boards: an id is given twice.");
+  for (const int id : ids) {
+    require(id >= 0 && id < kMaxBoards, "boards: found id ", id, ", expected 0 to 15.");
+    Board b;
+    b.info.id = id;
+    b.command.board = static_cast<std::uint8_t>(id);
+    b.zero.fill(kZeroCurrent);
+    boards_.push_back(b);
+  }
+}
+
+void BoardBus::note(Condition condition, int board, int channel, std::uint32_t value) noexcept {
+  log_.note(condition, link_.now(), board, channel, value);
+}
+
+Route BoardBus::route(const Board& b) const {
+  return {static_cast<std::uint8_t>(b.info.node), false, Destination::kBoard};
+}
+
+bool BoardBus::one_group() const noexcept {
+  const int group = firmware_group(boards_.front().info.firmware);
+  return std::all_of(boards_.begin(), boards_.end(), [&](const Board& b) {
+    return firmware_group(b.info.firmware) == group;
+  });
+}
+
+void BoardBus::set_zero(int b, int channel, std::uint16_t bits) noexcept {
+  boards_[static_cast<size_t>(b)].zero[static_cast<size_t>(channel)] = bits;
+}
+
+// ---- reading
+
+void BoardBus::lose(Board& b) noexcept {
+  b.valid = false;
+  ++b.lost_reads;
+}
+
+bool BoardBus::read() noexcept {
+  ++cycles_;
+  const double start = link_.now();
+  if (state_ == BusState::kRunning && exchange_.generation_changed()) begin_scan();
+  if (state_ != BusState::kRunning) {
+    for (Board& b : boards_) lose(b);
+    if (state_ == BusState::kScanning) scan_step();
+    return false;
+  }
+  if (protocol_ == CycleProtocol::kBroadcast) {
+    read_broadcast();
+  } else {
+    read_sequential();
+  }
+  read_seconds_ = link_.now() - start;
+  keep_house();
+  return std::all_of(boards_.begin(), boards_.end(), [](const Board& b) { return b.valid; });
+}
+
+void BoardBus::read_sequential() noexcept {
+  const double start = link_.now();
+  for (Board& b : boards_) {
+    const double left = options_.reply_timeout - (link_.now() - start);
+    QuadletView block;
+    const ReadResult result =
+        exchange_.read_block(route(b), address::kRealTime, read_quadlets(b.info.firmware),
+                             std::max(left, kShortestWait), block);
+    link_lost_ = result == ReadResult::kNotSent;
+    if (result == ReadResult::kOk) {
+      accept(b, block);
+    } else {
+      lose(b);
+    }
+    if (result == ReadResult::kDropped) {  // no more node-addressed traffic (section 17 #3)
+      for (Board* other = &b + 1; other < boards_.data() + boards_.size(); ++other) lose(*other);
+      if (state_ == BusState::kRunning) begin_scan();
+      return;
+    }
+  }
+}
+
+// Section 8.3.
+void BoardBus::read_broadcast() noexcept {
+  std::uint16_t mask = 0;
+  std::size_t quadlets = 1;
+  for (const Board& b : boards_) {
+    mask = static_cast<std::uint16_t>(mask | (1U << b.info.id));
+    quadlets += hub_quadlets(b.info.firmware);
+  }
+  sequence_ = next_sequence(sequence_);
+  link_lost_ = !exchange_.write(everyone(), address::kHubQuery, query_word(sequence_, mask));
+  link_.wait(kQueryLatency + kQueryPerBoard * static_cast<double>(boards_.size() - 1));
+  QuadletView data;
+  const ReadResult result =
+      exchange_.read_block({static_cast<std::uint8_t>(hub_node_), false, Destination::kBoard},
+                           address::kHub, quadlets, options_.reply_timeout, data);
+  if (result != ReadResult::kOk) {
+    for (Board& b : boards_) lose(b);
+    link_lost_ = link_lost_ || result == ReadResult::kNotSent;
+    if (result == ReadResult::kDropped) begin_scan();
+    return;
+  }
+  std::size_t at = 0;
+  for (Board& b : boards_) {
+    const int firmware = b.info.firmware;
+    const std::size_t size = read_quadlets(firmware);
+    const std::uint32_t word = data[at];
+    const HubHeader header = decode_hub_header(word, firmware);
+    const QuadletView block = data.part(at + 1, size);
+    at += 1 + size;
+    if (word == 0 || block[1] == 0) {
+      note(Condition::kMissingBoard, b.info.id, -1, word);
+      lose(b);
+    } else if (firmware >= 8 && header.quadlets != hub_quadlets(firmware)) {
+      note(Condition::kWrongBlockSize, b.info.id, -1, word);
+      lose(b);
+    } else if (!answers(header, sequence_, firmware)) {
+      note(Condition::kStaleSequence, b.info.id, -1, word);
+      lose(b);
+    } else {
+      accept(b, block);
+    }
+  }
+}
+
+void BoardBus::accept(Board& b, QuadletView block) noexcept {
+  const Status status{block[1]};
+  if (status.board() != b.info.id) {
+    note(Condition::kWrongBoard, b.info.id, -1, status.word);
+    lose(b);
+    if (state_ == BusState::kRunning) begin_scan();
+    return;
+  }
+  if (status.channels() != kChannels) {
+    note(Condition::kWrongHardware, b.info.id, -1, status.word);
+    lose(b);
+    return;
+  }
+  // A board that loses what it was told to switch on may have woken up anew (section 17 #25).
+  constexpr std::uint32_t kRequests = (1U << 18) | (1U << 16);
+  if (((b.feedback.status.word & ~status.word) & kRequests) != 0) b.suspect = true;
+  b.feedback = decode_feedback(block, b.info.firmware);
+  b.valid = true;
+  b.lost_reads = 0;
+  check_timestamp(b);
+  check_commands(b);
+}
+
+// Section 17 #26; a counter that disagrees with our clock may mean a reboot (#25).
+void BoardBus::check_timestamp(Board& b) noexcept {
+  const double now = link_.now();
+  const double passed = now - b.read_at;
+  const bool first = b.read_at < 0.0;
+  b.read_at = now;
+  if (first) return;
+  const double told = b.feedback.seconds();
+  const bool late = options_.cycle_time > 0.0 && told > kLateCycles * options_.cycle_time;
+  if (b.feedback.timestamp == 0 || late)
+    note(Condition::kTimestamp, b.info.id, -1, b.feedback.timestamp);
+  if (std::abs(told - passed) > kJump) b.suspect = true;
+}
+
+// Section 17 #27: the board shows the last command that it took.
+void BoardBus::check_commands(Board& b) noexcept {
+  if (b.info.firmware < 8) return;
+  for (size_t c = 0; c < kChannels; ++c) {
+    if (!b.has_sent[c] || b.feedback.channel[c].motor.command() == b.sent[c]) continue;
+    note(Condition::kNotEffective, b.info.id, static_cast<int>(c),
+         b.feedback.channel[c].motor.word);
+    ++b.lost_writes;
+    return;
+  }
+  b.lost_writes = 0;
+}
+
+// ---- slow registers
+
+void BoardBus::keep_house() noexcept {
+  if (state_ != BusState::kRunning || exchange_.generation_changed()) return;
+  for (Board& b : boards_) {
+    if (!b.suspect || !b.valid) continue;
+    b.suspect = false;
+    return look_at(b);
+  }
+  if (options_.housekeeping <= 0 || cycles_ % options_.housekeeping != 0) return;
+  const long turn = cycles_ / options_.housekeeping;
+  Board& b = boards_[static_cast<size_t>(turn) % boards_.size()];
+  if (b.valid) look_at(b);
+}
+
+// Sections 17 #25, #27 (Rev 7 shows its commands nowhere else) and #28.
+void BoardBus::look_at(Board& b) noexcept {
+  std::uint32_t value = 0;
+  const double timeout = options_.rescan_timeout;
+  if (watchdog_counts_ != 0 &&
+      exchange_.read(route(b), address::kWatchdog, timeout, value) == ReadResult::kOk &&
+      (value & 0xFFFF) != watchdog_counts_) {
+    b.rebooted = true;
+    note(Condition::kRebooted, b.info.id, -1, value);
+  }
+  if (exchange_.read(route(b), address::kEthernet, timeout, value) == ReadResult::kOk &&
+      (value >> 31) != 0 && (value & kEthernetErrors) != 0)
+    note(Condition::kEthernet, b.info.id, -1, value);
+  if (b.info.firmware >= 8) return;
+  for (int c = 0; c < kChannels; ++c) {
+    if (!b.has_sent[static_cast<size_t>(c)]) continue;
+    if (exchange_.read(route(b), address::of_channel(c, address::kDac), timeout, value) ==
+            ReadResult::kOk &&
+        (value & 0xFFFF) != b.sent[static_cast<size_t>(c)])
+      note(Condition::kNotEffective, b.info.id, c, value);
+  }
+}
+
+// ---- writing
+
+void BoardBus::remember(Board& b) noexcept {
+  for (size_t c = 0; c < kChannels; ++c) {
+    if (!b.command.channel[c].valid) continue;
+    b.sent[c] = b.command.channel[c].value;
+    b.has_sent[c] = true;
+  }
+  b.command = BoardCommand();
+  b.command.board = static_cast<std::uint8_t>(b.info.id);
+}
+
+void BoardBus::write() noexcept {
+  if (state_ != BusState::kRunning || exchange_.generation_changed()) {
+    switch_off(Off::kAmps);
+  } else {
+    write_blocks();
+  }
+  for (Board& b : boards_) remember(b);
+}
+
+void BoardBus::write_blocks() noexcept {
+  const QuadletSpan all({block_.data(), block_.size()});
+  const bool together = protocol_ != CycleProtocol::kSequential;
+  std::size_t at = 0;
+  bool sent = true;
+  for (Board& b : boards_) {
+    const int firmware = b.info.firmware;
+    const std::size_t size = write_quadlets(firmware);
+    const QuadletSpan block = all.part(at, size);
+    encode_command(b.command, firmware, block);
+    if (!together) sent = exchange_.write_block(route(b), address::kRealTime, block) && sent;
+    if (firmware == 6)  // section 10.4: control does not travel with the block
+      sent = exchange_.write(route(b), address::kStatus, control_word(b.command)) && sent;
+    if (together) at += size;
+  }
+  if (together)
+    sent = exchange_.write_block(everyone(), address::kRealTime, QuadletView(all).part(0, at)) &&
+           sent;
+  link_lost_ = !sent;
+}
+
+void BoardBus::switch_off(Off what) noexcept {
+  const std::uint32_t word =
+      control::kAmpsOff | (what == Off::kPower ? control::kPowerOff : 0U);
+  const QuadletSpan all({block_.data(), block_.size()});
+  std::size_t at = 0;
+  bool known = true;
+  for (Board& b : boards_) {
+    known = known && b.info.firmware > 0;
+    if (b.info.firmware == 0) continue;
+    BoardCommand& c = b.command;
+    c = BoardCommand();
+    c.board = static_cast<std::uint8_t>(b.info.id);
+    c.control = word;
+    for (size_t k = 0; k < kChannels; ++k) c.channel[k] = {true, false, AmpRequest::kOff, 0, b.zero[k]};
+    const std::size_t size = write_quadlets(b.info.firmware);
+    encode_command(c, b.info.firmware, all.part(at, size));
+    at += size;
+  }
+  bool sent = true;
+  if (known && one_group())
+    sent = exchange_.write_block(everyone(), address::kRealTime, QuadletView(all).part(0, at));
+  // A mix has no common block, and Rev 6 no control word in it: one word to every board.
+  if (!known || !one_group() || boards_.front().info.firmware == 6)
+    sent = exchange_.write(everyone(), address::kStatus, word) && sent;
+  link_lost_ = !sent;
+  for (Board& b : boards_) remember(b);
+}
+
+bool BoardBus::switch_off_by_register(int b, Off what) noexcept {
+  const std::uint32_t word = control::kAmpsOff | (what == Off::kPower ? control::kPowerOff : 0U);
+  return write_register(b, address::kStatus, word);
+}
+
+// ---- registers
+
+bool BoardBus::read_register(int b, std::uint16_t where, std::uint32_t& value) noexcept {
+  return exchange_.read(route(boards_[static_cast<size_t>(b)]), where, options_.reply_timeout,
+                        value) == ReadResult::kOk;
+}
+
+bool BoardBus::write_register(int b, std::uint16_t where, std::uint32_t value) noexcept {
+  return exchange_.write(route(boards_[static_cast<size_t>(b)]), where, value);
+}
+
+bool BoardBus::write_checked(int b, std::uint16_t where, std::uint32_t value) noexcept {
+  for (int k = 0; k < kWriteTries; ++k) {
+    std::uint32_t there = 0;
+    if (write_register(b, where, value) && read_register(b, where, there) && there == value)
+      return true;
+  }
+  note(Condition::kNotEffective, info(b).id, -1, where);
+  return false;
+}
+
+bool BoardBus::set_watchdog(double seconds) noexcept {
+  const double counts = std::round(seconds * kTicksPerSecond / kWatchdogTicks);
+  watchdog_counts_ = static_cast<std::uint32_t>(std::clamp(counts, 1.0, 65535.0));
+  // Never the value of power-up, so that a board that was rebooted gives itself away.
+  if (watchdog_counts_ == kWatchdogDefault) ++watchdog_counts_;
+  bool all = true;
+  for (int b = 0; b < boards(); ++b) {
+    all = write_checked(b, address::kWatchdog, watchdog_counts_) && all;
+    boards_[static_cast<size_t>(b)].rebooted = false;
+  }
+  return all;
+}
+
+}  // namespace veridyn::dvrk

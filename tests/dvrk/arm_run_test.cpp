@@ -1,0 +1,191 @@
+#include "veridyn/dvrk/arm_run.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "veridyn/dvrk/emulated_link.hpp"
+#include "veridyn/dvrk/simulated_arm.hpp"
+#include "veridyn/dynamics/rigid_body_dynamics.hpp"
+#include "veridyn/math/require.hpp"
+#include "veridyn/model/model_file.hpp"
+#include "veridyn/simulation/plant.hpp"
+
+// A whole arm in one process: client, boards, motors, encoders, with a clock of its own.
+
+namespace veridyn::dvrk {
+namespace {
+
+// Two motors for planar-2r on board 6; the second is mounted the other way round.
+RobotConfig planar_config() {
+  RobotConfig robot;
+  robot.name = "planar";
+  robot.hardware = "QLA1";
+  for (int k = 0; k < 2; ++k) {
+    const double sign = k == 0 ? 1.0 : -1.0;
+    ActuatorConfig a;
+    a.board = 6;
+    a.axis = k;
+    a.amps_to_bits = {sign * 5242.88, 32768.0 + 40.0 * (k + 1)};
+    a.bits_to_amps = {sign * 12.5 / 65536, -sign * 6.25 * (1.0 + 0.004 * k)};
+    a.effort_to_amps = 0.06;
+    a.max_current = 5.0;
+    a.bits_to_position = sign * 2.0 * M_PI / (14400.0 * 56.5);
+    a.lower = -2.5;
+    a.upper = 2.5;
+    a.bits_to_volts = {4.5 / 65536, 0.0};
+    a.volts_to_position = {sign * 1.2, -sign * 2.7};
+    robot.actuators.push_back(a);
+    robot.pot_tolerances.push_back({k, 0.1, 0.01});
+  }
+  return robot;
+}
+
+class ArmRun : public testing::Test {
+ protected:
+  static BoardSetup board() {
+    BoardSetup setup;
+    setup.id = 6;
+    return setup;
+  }
+
+  ArmRun()
+      : model_(read_model("planar-2r")),
+        plant_(model_),
+        emulator_({board()}),
+        link_(emulator_),
+        load_(plant_, planar_config(), MatrixXd(), {6}, Eigen::Vector2d(0.4, -0.7)) {
+    emulator_.attach(&load_);
+  }
+
+  // Starts and ends at rest.
+  static MotionSamples motion(double seconds) {
+    const int rows = static_cast<int>(200 * seconds) + 1;
+    MotionSamples m;
+    m.time.resize(rows);
+    m.q.resize(rows, 2);
+    m.dq.resize(rows, 2);
+    for (int k = 0; k < rows; ++k) {
+      const double t = seconds * k / (rows - 1);
+      m.time[k] = t;
+      for (int j = 0; j < 2; ++j) {
+        const double w = 2.0 * M_PI * (2 + j) / seconds;
+        m.q(k, j) = -0.5 + 0.6 * (1.0 - std::cos(w * t));
+        m.dq(k, j) = 0.6 * w * std::sin(w * t);
+      }
+    }
+    return m;
+  }
+
+  Model model_;
+  Plant plant_;
+  BoardEmulator emulator_;
+  EmulatedLink link_;
+  SimulatedArm load_;
+  std::atomic<bool> stop_{false};
+};
+
+TEST_F(ArmRun, EncodersStartFromPots) {
+  ArmSession arm(link_, planar_config());
+  arm.start();
+  EXPECT_TRUE(arm.preloaded());
+  ASSERT_TRUE(arm.update());
+  EXPECT_NEAR(arm.state().q[0], 0.4, 1e-4);  // one bit of a pot: 8e-5
+  EXPECT_NEAR(arm.state().q[1], -0.7, 1e-4);
+  arm.start();
+  EXPECT_FALSE(arm.preloaded());  // they have theirs
+}
+
+TEST_F(ArmRun, FollowsAMotionAndRecordsTheTorquesThatActed) {
+  ArmSession arm(link_, planar_config());
+  const MotionSamples wanted = motion(8.0);
+  const RunResult run =
+      run_motion(arm, link_, wanted, sensible_gains(model_), RunOptions(), stop_);
+  ASSERT_TRUE(run.complete) << run.why << "\n" << arm.boards().faults().report();
+  EXPECT_EQ(arm.boards().faults().report(), "");
+  EXPECT_NEAR(run.rows.rows(), 8.0 * 1500, 20);
+  EXPECT_EQ(run.timing.late, 0);
+  double worst = 0.0;
+  for (int k = 0; k < run.rows.rows(); ++k) {
+    const double w = 2.0 * M_PI * 2 / 8.0;
+    worst = std::max(worst, std::abs(run.rows.q(k, 0) + 0.5 -
+                                     0.6 * (1.0 - std::cos(w * run.rows.time[k]))));
+  }
+  EXPECT_LT(worst, 0.05);
+  EXPECT_GT(worst, 1e-6);
+  // Where both joints stand for an instant in the middle, torques are those of gravity and
+  // acceleration: the energy that the motors gave is kinetic, potential and friction. Here: the
+  // work of the recorded torques over the closed motion is the heat of friction, which is positive.
+  double work = 0.0;
+  for (int k = 1; k < run.rows.rows(); ++k)
+    work += run.rows.tau.row(k).dot(run.rows.q.row(k) - run.rows.q.row(k - 1));
+  double heat = 0.0;
+  const double viscous[] = {0.8, 0.4}, dry[] = {1.2, 0.6};
+  for (int k = 1; k < run.rows.rows(); ++k) {
+    const double dt = run.rows.time[k] - run.rows.time[k - 1];
+    for (int j = 0; j < 2; ++j) {
+      const double v = (run.rows.q(k, j) - run.rows.q(k - 1, j)) / dt;
+      heat += (viscous[j] * v * v + dry[j] * std::abs(v)) * dt;
+    }
+  }
+  EXPECT_NEAR(work, heat, 0.03 * heat);
+  EXPECT_FALSE(emulator_.board(0).status().power_requested());
+}
+
+TEST_F(ArmRun, ASignalEndsItWithPowerOff) {
+  ArmSession arm(link_, planar_config());
+  stop_ = true;
+  const RunResult run =
+      run_motion(arm, link_, motion(2.0), sensible_gains(model_), RunOptions(), stop_);
+  EXPECT_FALSE(run.complete);
+  EXPECT_EQ(run.why, "stopped by a signal");
+  EXPECT_EQ(run.rows.rows(), 0);
+  EXPECT_FALSE(emulator_.board(0).status().power_requested());
+}
+
+TEST_F(ArmRun, AFaultOnTheWayEndsItWithItsName) {
+  emulator_.board(0).faults.amp[1] = true;  // never comes up
+  ArmSession arm(link_, planar_config());
+  const RunResult run =
+      run_motion(arm, link_, motion(2.0), sensible_gains(model_), RunOptions(), stop_);
+  EXPECT_FALSE(run.complete);
+  EXPECT_EQ(run.why, describe(Condition::kAmpOff));
+  EXPECT_FALSE(emulator_.board(0).amp_on(0));
+}
+
+TEST_F(ArmRun, AJointThatDoesNotFollowEndsIt) {
+  ArmSession arm(link_, planar_config());
+  PidGains weak = sensible_gains(model_);
+  weak.p *= 0.01;
+  weak.i *= 0.0;
+  const RunResult run = run_motion(arm, link_, motion(2.0), weak, RunOptions(), stop_);
+  EXPECT_FALSE(run.complete);
+  EXPECT_EQ(run.why, "a joint is too far from its set point");
+  EXPECT_FALSE(emulator_.board(0).amp_on(0));
+}
+
+TEST_F(ArmRun, RecordsAtRestWithoutPower) {
+  ArmSession arm(link_, planar_config());
+  const RunResult run = record_at_rest(arm, link_, 0.5, 1000.0, stop_);
+  EXPECT_TRUE(run.complete);
+  EXPECT_NEAR(run.rows.rows(), 500, 3);
+  EXPECT_LT(run.rows.tau.cwiseAbs().maxCoeff(), 0.01);  // half a bit of current
+  EXPECT_EQ(run.rows.dq.cwiseAbs().maxCoeff(), 0.0);
+  EXPECT_FALSE(emulator_.board(0).status().power_requested());
+}
+
+TEST_F(ArmRun, WhatDoesNotFitIsRefused) {
+  ArmSession arm(link_, planar_config());
+  MotionSamples three = motion(1.0);
+  three.q.conservativeResize(Eigen::NoChange, 3);
+  EXPECT_THROW(run_motion(arm, link_, three, sensible_gains(model_), RunOptions(), stop_),
+               InvalidInput);
+  RobotConfig other = planar_config();
+  other.hardware = "DQLA";
+  EXPECT_THROW(ArmSession(link_, other), InvalidInput);
+  EXPECT_THROW(SimulatedArm(plant_, planar_config(), MatrixXd(), {5}, Eigen::Vector2d(0, 0)),
+               InvalidInput);
+}
+
+}  // namespace
+}  // namespace veridyn::dvrk

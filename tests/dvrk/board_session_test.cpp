@@ -1,0 +1,156 @@
+#include "veridyn/dvrk/board_session.hpp"
+
+#include <gtest/gtest.h>
+
+#include "dvrk/rig.hpp"
+#include "veridyn/math/require.hpp"
+
+namespace veridyn::dvrk {
+namespace {
+
+TEST(BoardSession, PowersUpInOrderAndDrivesWhatItIsTold) {
+  Rig rig;
+  rig.session.start();
+  EXPECT_STREQ(rig.session.power_on(), "the last read was not valid");
+  rig.cycles(5, 500.0);
+  EXPECT_EQ(rig.session.state(), PowerState::kOff);
+  EXPECT_FALSE(rig.currents_flow());
+  ASSERT_EQ(rig.session.power_on(), nullptr);
+  std::vector<PowerState> seen;
+  int on_cycles = 0;
+  for (int k = 0; k < 300; ++k) {
+    rig.cycle(500.0);
+    if (seen.empty() || seen.back() != rig.session.state()) seen.push_back(rig.session.state());
+    EXPECT_EQ(rig.currents_flow(), rig.session.state() == PowerState::kOn && seen.size() == 4 &&
+                                       ++on_cycles > 0);
+  }
+  EXPECT_EQ(seen, (std::vector<PowerState>{PowerState::kRelay, PowerState::kPower,
+                                           PowerState::kAmps, PowerState::kOn}));
+  for (int b = 0; b < 2; ++b) {
+    for (int c = 0; c < kChannels; ++c) EXPECT_EQ(rig.emulator.board(b).drive(c).bits, 500.0);
+  }
+  EXPECT_EQ(rig.session.faults().report(), "");
+}
+
+TEST(BoardSession, CommandsAreHeldWithinTheLimitAndNoNumberIsZero) {
+  Rig rig;
+  ASSERT_TRUE(rig.bring_up());
+  rig.cycle(1e9);
+  EXPECT_EQ(rig.emulator.board(0).drive(0).bits, Rig::kLargest);
+  rig.cycle(-1e9);
+  EXPECT_EQ(rig.emulator.board(1).drive(2).bits, -Rig::kLargest);
+  rig.cycle(std::nan(""));
+  EXPECT_FALSE(rig.currents_flow());
+  rig.session.update();  // nobody says anything
+  rig.session.commit();
+  EXPECT_FALSE(rig.currents_flow());
+}
+
+TEST(BoardSession, PowerDownTakesAmplifiersFirstAndIsSeen) {
+  Rig rig;
+  ASSERT_TRUE(rig.bring_up());
+  rig.cycles(3, 700.0);
+  rig.session.power_off();
+  rig.cycle(700.0);
+  EXPECT_FALSE(rig.any_amp_on());
+  EXPECT_TRUE(rig.emulator.board(0).status().power_requested());
+  rig.cycles(5);
+  EXPECT_FALSE(rig.emulator.board(0).status().power_requested());
+  ASSERT_TRUE(rig.power_up());
+  EXPECT_TRUE(rig.session.shutdown());
+  EXPECT_FALSE(rig.any_amp_on());
+}
+
+// Every way out leaves no current: the destructor, an exception through it, a client that dies.
+TEST(BoardSession, EveryExitLeavesNoCurrent) {
+  for (const bool by_exception : {false, true}) {
+    BoardEmulator emulator({Rig::setup(6), Rig::setup(7)}, 3);
+    EmulatedLink link(emulator);
+    try {
+      BoardSession session(link, Rig::options());
+      session.start();
+      const auto run = [&](int cycles) {
+        for (int k = 0; k < cycles; ++k) {
+          link.wait(Rig::kCycle);
+          session.update();
+          session.set_command(0, 0, 33000.0);
+          session.commit();
+        }
+      };
+      run(5);
+      ASSERT_EQ(session.power_on(), nullptr);
+      run(400);
+      ASSERT_NE(emulator.board(0).drive(0).bits, 0.0);
+      if (by_exception) throw std::runtime_error("a controller failed");
+    } catch (const std::runtime_error&) {
+    }
+    for (int b = 0; b < 2; ++b) {
+      for (int c = 0; c < kChannels; ++c) EXPECT_FALSE(emulator.board(b).amp_on(c));
+      EXPECT_FALSE(emulator.board(b).status().power_requested());
+      EXPECT_EQ(emulator.board(b).dac(0), kZeroCurrent);
+    }
+  }
+  Rig dead;
+  ASSERT_TRUE(dead.bring_up());
+  dead.cycles(3, 900.0);
+  EXPECT_TRUE(dead.currents_flow());
+  dead.link.wait(0.031);  // no more writes: the watchdog
+  EXPECT_FALSE(dead.currents_flow());
+}
+
+TEST(BoardSession, ANewGenerationDoesNotSwallowTheSwitchingOff) {
+  Rig rig;
+  ASSERT_TRUE(rig.bring_up());
+  rig.cycles(3, 900.0);
+  rig.emulator.bus_reset();  // node-addressed writes vanish now (section 6)
+  rig.session.shutdown();
+  EXPECT_FALSE(rig.any_amp_on());
+  EXPECT_FALSE(rig.emulator.board(0).status().power_requested());
+}
+
+TEST(BoardSession, ABoardThatIgnoresEverythingIsLeftToItsWatchdog) {
+  Rig rig;
+  ASSERT_TRUE(rig.bring_up());
+  rig.cycles(3, 900.0);
+  rig.emulator.board(1).faults.ignores_writes = true;
+  for (int k = 0; k < 10; ++k) rig.cycle(900.0 + k);
+  EXPECT_EQ(rig.session.state(), PowerState::kFault);
+  EXPECT_EQ(rig.session.cause(), Condition::kNotEffective);
+  rig.cycles(30);  // through the register
+  EXPECT_FALSE(rig.any_amp_on());
+}
+
+TEST(BoardSession, PreloadsAreVerifiedAndOnlyWhileOff) {
+  Rig rig;
+  rig.session.start();
+  rig.cycles(3);
+  EXPECT_TRUE(rig.session.needs_preload(1, 2));
+  EXPECT_TRUE(rig.session.preload(1, 2, -12345));
+  EXPECT_FALSE(rig.session.needs_preload(1, 2));
+  rig.cycle();
+  EXPECT_EQ(encoder_counts(rig.session.bus().feedback(1).channel[2].encoder.position), -12345);
+  rig.emulator.board(1).encoder(3).overflow_latched = true;
+  EXPECT_FALSE(rig.session.preload(1, 3, 0));
+  EXPECT_STREQ(rig.session.power_on(), nullptr);  // not read since
+  rig.session.power_off();
+  rig.cycle();
+  EXPECT_STREQ(rig.session.power_on(), "an encoder has run over");
+  rig.emulator.board(1).encoder(3).overflow_latched = false;
+  rig.cycle();
+  ASSERT_TRUE(rig.power_up());
+  EXPECT_FALSE(rig.session.preload(1, 2, 0));
+}
+
+TEST(BoardSession, BadOptionsAreRefused) {
+  BoardEmulator emulator({Rig::setup(6), Rig::setup(7)}, 3);
+  EmulatedLink link(emulator);
+  SessionOptions options = Rig::options();
+  options.watchdog = 0.0;
+  EXPECT_THROW(BoardSession(link, options), InvalidInput);
+  options = Rig::options();
+  options.channels[1][2].max_current = 0.0;
+  EXPECT_THROW(BoardSession(link, options), InvalidInput);
+}
+
+}  // namespace
+}  // namespace veridyn::dvrk

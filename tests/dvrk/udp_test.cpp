@@ -1,0 +1,78 @@
+#include <gtest/gtest.h>
+
+#include <thread>
+
+#include "dvrk/rig.hpp"
+#include "veridyn/dvrk/board_server.hpp"
+#include "veridyn/dvrk/udp_link.hpp"
+#include "veridyn/math/require.hpp"
+
+// The real sockets, over loopback, in real time.
+
+namespace veridyn::dvrk {
+namespace {
+
+class Served : public testing::Test {
+ protected:
+  Served() : emulator_({Rig::setup(6), Rig::setup(7)}), server_(emulator_, 0) {
+    thread_ = std::thread([this] { server_.run(stop_); });
+  }
+  ~Served() override {
+    stop_ = true;
+    if (thread_.joinable()) thread_.join();
+  }
+
+  BoardEmulator emulator_;
+  BoardServer server_;
+  std::atomic<bool> stop_{false};
+  std::thread thread_;
+};
+
+TEST_F(Served, ASessionComesUpDrivesAndGoesDown) {
+  for (const CycleProtocol protocol :
+       {CycleProtocol::kSequential, CycleProtocol::kBroadcastWrite, CycleProtocol::kBroadcast}) {
+    UdpLink link("127.0.0.1", server_.port());
+    SessionOptions options = Rig::options(protocol);
+    options.bus.cycle_time = 0.0;  // a busy machine misses some
+    options.watchdog = 0.3;
+    BoardSession session(link, options);
+    session.start();
+    bool asked = false;
+    long driven = 0;
+    const double until = link.now() + 5.0;
+    while (link.now() < until && driven < 50) {
+      const bool valid = session.update();
+      if (valid && !asked) asked = session.power_on() == nullptr;
+      for (int c = 0; c < kChannels; ++c) session.set_command(1, c, 33000.0);
+      session.commit();
+      if (valid && session.bus().feedback(1).channel[2].current == 33000) ++driven;
+      link.wait(0.001);
+    }
+    EXPECT_EQ(driven, 50) << describe(session.state()) << "\n" << session.faults().report();
+    EXPECT_TRUE(session.shutdown());
+  }
+}
+
+TEST_F(Served, ADeadServerIsNoticed) {
+  UdpLink link("localhost", server_.port());
+  SessionOptions options = Rig::options();
+  BoardSession session(link, options);
+  session.start();
+  ASSERT_TRUE(session.update());
+  stop_ = true;
+  thread_.join();
+  for (int k = 0; k < 3; ++k) EXPECT_FALSE(session.update());
+  EXPECT_GE(session.faults().count(Condition::kNoReply), 3);
+}
+
+TEST(Udp, WhatCannotBeIsRefused) {
+  EXPECT_THROW(UdpLink("no such host", 1394), InvalidInput);
+  BoardEmulator emulator({Rig::setup(6)});
+  BoardServer server(emulator, 0);
+  EXPECT_THROW(BoardServer(emulator, server.port()), InvalidInput);
+  UdpLink link("127.0.0.1", server.port());
+  EXPECT_EQ(link.address_word(), 0x0100007FU);  // section 5, #1
+}
+
+}  // namespace
+}  // namespace veridyn::dvrk
