@@ -1,16 +1,20 @@
 #include "veridyn/excitation/excitation.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <limits>
 
+#include "column_names.hpp"
 #include "motion_search.hpp"
 #include "veridyn/math/parallel.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn {
 namespace {
+
+constexpr double kNamedPart = 0.1;  // of a direction of norm one
 
 void check(const ExcitationOptions& o) {
   require(o.frequency > 0.0 && std::isfinite(o.frequency), "excitation: found a frequency of ",
@@ -55,6 +59,24 @@ double range_condition_number(const MatrixXd& W) {
   if (!(range.minCoeff() > 0.0)) return std::numeric_limits<double>::infinity();
   const MatrixXd scaled = W * range.cwiseInverse().asDiagonal();
   return plain_condition_number(scaled.transpose() * scaled);
+}
+
+// Of the smallest eigenvalue of the Gram matrix, columns of norm one.
+std::vector<std::pair<std::string, double>> weakest_direction(const MatrixXd& gram,
+                                                              const BaseRegressor& regressor,
+                                                              const Model& arm) {
+  const VectorXd d = gram.diagonal().cwiseSqrt().cwiseMax(1e-300).cwiseInverse();
+  const MatrixXd scaled = d.asDiagonal() * gram * d.asDiagonal();
+  const VectorXd direction = Eigen::SelfAdjointEigenSolver<MatrixXd>(scaled).eigenvectors().col(0);
+  const std::vector<ColumnName> names = column_names(arm);
+  std::vector<std::pair<std::string, double>> out;
+  for (int b = 0; b < regressor.size(); ++b) {
+    const auto column = static_cast<size_t>(regressor.base()[static_cast<size_t>(b)]);
+    if (std::abs(direction[b]) > kNamedPart) out.emplace_back(names[column].name, direction[b]);
+  }
+  std::sort(out.begin(), out.end(),
+            [](const auto& a, const auto& b) { return std::abs(a.second) > std::abs(b.second); });
+  return out;
 }
 
 Discrimination discrimination(const Question& question, const MatrixXd& gram,
@@ -126,7 +148,8 @@ Excitation optimise_excitation(const Model& arm, const ExcitationOptions& option
                  space.trajectory(within ? best.x : best.nearest)};
   out.periods = periods;
   out.base_parameters = exact.size();
-  const MotionSamples motion = out.trajectory.motion(periods, options.rate);
+  out.motion = out.trajectory.motion(periods, options.rate);
+  const MotionSamples& motion = out.motion;
   const MatrixXd gram = exact.gram(motion) / static_cast<double>(motion.rows());
   out.condition_number = scaled_condition_number(gram);
   out.plain_condition_number = plain_condition_number(gram);
@@ -141,6 +164,12 @@ Excitation optimise_excitation(const Model& arm, const ExcitationOptions& option
   const MatrixXd& basis = exact.orthogonal_basis();
   out.orthogonal_condition_number = scaled_condition_number(basis.transpose() * gram * basis);
   out.log_determinant = log_determinant(gram, exact.scale());
+  out.weakest = weakest_direction(gram, exact, arm);
+  const std::optional<Model> known = options.valued ? options.valued : with_values(arm, options);
+  if (known) {
+    out.prediction = predict_identification(
+        *known, motion, options.noise.value_or(usual_noise(*known)), options.given);
+  }
   const MotionSamples random = space.trajectory(found.front().start).motion(periods, options.rate);
   out.start_condition_number = scaled_condition_number(exact.gram(random));
   for (const Found& f : found) out.evaluations += f.evaluations;

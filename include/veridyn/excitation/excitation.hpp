@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "veridyn/excitation/fourier_trajectory.hpp"
+#include "veridyn/excitation/prediction.hpp"
 #include "veridyn/excitation/workspace_limits.hpp"
 #include "veridyn/model/model.hpp"
 
@@ -79,6 +80,10 @@ struct ExcitationOptions {
   /// The arm with values of its bodies (and effects, where it has them): its efforts limit the
   /// torques, and rivals are built from it. Nothing: the arm itself, where it has values.
   std::optional<Model> powered{};
+  /// Of the torques, for the prediction; nothing: usual_noise() of the arm with values.
+  std::optional<TorqueNoise> noise{};
+  /// The arm with values for the prediction only; nothing: `powered`, or the arm itself.
+  std::optional<Model> valued{};
   /// Motions that are recorded already; their information counts. Samples of their own rate.
   std::vector<MotionSamples> given{};
   unsigned seed = 1;
@@ -125,6 +130,7 @@ struct Excitation {
   ExcitationCriterion criterion = ExcitationCriterion::kCondition;
   ExcitationSolver solver = ExcitationSolver::kIpopt;
   FourierTrajectory trajectory;
+  MotionSamples motion{};  ///< all of it, from rest to rest, at ExcitationOptions::rate
   int periods = 0;
   int base_parameters = 0;
   double condition_number = 0.0;        ///< of the base regressor, columns scaled to norm one
@@ -137,6 +143,10 @@ struct Excitation {
   double log_determinant = 0.0;
   double start_condition_number = 0.0;  ///< of the first random motion, for comparison
   std::optional<Discrimination> discrimination{};
+  /// The base parameters that the motion tells least from each other: names and parts (of norm one)
+  /// of the weakest direction, columns scaled to norm one; the largest parts first.
+  std::vector<std::pair<std::string, double>> weakest{};
+  std::optional<Prediction> prediction{};  ///< where the arm's values are known
   long evaluations = 0;
   bool interrupted = false;
   bool converged = false;  ///< the solver said so for the motion that won

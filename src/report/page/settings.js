@@ -15,9 +15,10 @@ function fillSettings() {
         element('pre', {class: 'command'}, series.command));
   const files = (role, list) =>
       (list || []).map((file) => [role, element('span', {class: 'path'}, file)]);
-  place.append(table(
-      [{name: 'Part'}, {name: 'Recording'}],
-      files('training', settings.train).concat(files('held out', settings.test)), 'inputs'));
+  const inputs = files('training', settings.train).concat(files('held out', settings.test));
+  if (inputs.length) {
+    place.append(table([{name: 'Part'}, {name: 'Recording'}], inputs, 'inputs'));
+  }
   const rest = Object.entries(settings).filter(([name]) => name !== 'train' && name !== 'test');
   place.append(element(
       'dl', {class: 'facts-list'},

@@ -74,6 +74,7 @@ function noteState() {
 function start() {
   if (result.command === 'diagnose') fillDiagnosis();
   if (result.command === 'identify') fillIdentification();
+  if (result.command === 'excite') fillExcitation();
   fillSettings();
   if (series.recordings.length) {
     fillChooser();
