@@ -186,6 +186,12 @@ void add_motion_options(CLI::App& command, ExcitationOptions& o) {
       ->check(CLI::Range(2, 100))
       ->group(group);
   number("--duration", o.duration, "S", "Rounded to whole periods, at least two (30)");
+  command
+      .add_option("--slow-passes", o.slow_passes,
+                  "Of every joint afterwards, there and back at 1 to 10 % of its speed (0)")
+      ->option_text("N")
+      ->check(CLI::Range(0, 100))
+      ->group(group);
   number("--rate", o.rate, "HZ", "Rows per second (200)");
   command
       .add_option("--limit-share", o.limit_share,

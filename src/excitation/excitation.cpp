@@ -8,6 +8,7 @@
 
 #include "column_names.hpp"
 #include "motion_search.hpp"
+#include "slow_passes.hpp"
 #include "veridyn/math/parallel.hpp"
 #include "veridyn/math/require.hpp"
 
@@ -32,6 +33,8 @@ void check(const ExcitationOptions& o) {
           o.iterations, " iterations, expected at least one of each.");
   require(o.limit_share > 0.0 && o.limit_share <= 1.0, "excitation: found a limit share of ",
           o.limit_share, ", expected above 0 and at most 1.");
+  require(o.slow_passes >= 0 && o.slow_passes <= 100, "excitation: found ", o.slow_passes,
+          " slow passes, expected 0 to 100.");
   require(has_solver(o.solver), "excitation: this build has no ", name_of(o.solver),
           "; random is always there.");
 }
@@ -52,6 +55,15 @@ std::optional<Model> with_values(const Model& arm, const ExcitationOptions& opti
   if (options.powered) return options.powered;
   if (arm.inertial_values()) return arm;
   return std::nullopt;
+}
+
+// Whether a motion keeps all limits.
+std::function<bool(const MotionSamples&)> within_limits(const LimitSignals& signals) {
+  return [&signals](const MotionSamples& motion) {
+    const std::vector<LimitMargin> margins = limit_margins(signals, motion);
+    return std::all_of(margins.begin(), margins.end(),
+                       [](const LimitMargin& m) { return m.margin >= 0.0; });
+  };
 }
 
 double range_condition_number(const MatrixXd& W) {
@@ -148,8 +160,17 @@ Excitation optimise_excitation(const Model& arm, const ExcitationOptions& option
                  space.trajectory(within ? best.x : best.nearest)};
   out.periods = periods;
   out.base_parameters = exact.size();
-  out.motion = out.trajectory.motion(periods, options.rate);
-  const MotionSamples& motion = out.motion;
+  const MotionSamples motion = out.trajectory.motion(periods, options.rate);
+  out.margins = limit_margins(signals, out.trajectory);
+  const MotionSamples passes =
+      within ? slow_passes(space.limits(), motion.q.row(0).transpose(), options.slow_passes,
+                           options.rate, within_limits(signals))
+             : MotionSamples();
+  if (passes.rows() > 0) {
+    out.margins = joined(out.margins, limit_margins(signals, passes));
+    out.slow_seconds = passes.time[passes.rows() - 1];
+  }
+  out.motion = joined(motion, passes);
   const MatrixXd gram = exact.gram(motion) / static_cast<double>(motion.rows());
   out.condition_number = scaled_condition_number(gram);
   out.plain_condition_number = plain_condition_number(gram);
@@ -168,7 +189,7 @@ Excitation optimise_excitation(const Model& arm, const ExcitationOptions& option
   const std::optional<Model> known = options.valued ? options.valued : with_values(arm, options);
   if (known) {
     out.prediction = predict_identification(
-        *known, motion, options.noise.value_or(usual_noise(*known)), options.given);
+        *known, out.motion, options.noise.value_or(usual_noise(*known)), options.given);
   }
   const MotionSamples random = space.trajectory(found.front().start).motion(periods, options.rate);
   out.start_condition_number = scaled_condition_number(exact.gram(random));
@@ -179,7 +200,6 @@ Excitation optimise_excitation(const Model& arm, const ExcitationOptions& option
   if (within && !std::isfinite(best.cost)) out.status = ExcitationStatus::kRankDeficient;
   out.interrupted = options.stop && options.stop();
   out.converged = best.converged;
-  out.margins = limit_margins(signals, out.trajectory);
   out.bounds = out.trajectory.bounds();
   out.limits = {limits.lower, limits.upper, limits.velocity, limits.acceleration};
   for (const Coordinate& coordinate : arm.coordinates()) {

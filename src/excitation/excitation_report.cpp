@@ -119,6 +119,9 @@ std::string Excitation::report() const {
       "Excitation of {}: {} periods of {:.4g} s, {} harmonics, {:.4g} s in all, from rest to "
       "rest.\n",
       robot, periods, trajectory.period(), trajectory.harmonics(), periods * trajectory.period());
+  if (slow_seconds > 0.0)
+    out +=
+        fmt::format("Slow passes of one joint after the other follow: {:.4g} s.\n", slow_seconds);
   if (status == ExcitationStatus::kRankDeficient) {
     out +=
         fmt::format("No motion was found that excites all {} base parameters.\n", base_parameters);

@@ -78,6 +78,7 @@ std::string to_json(const Excitation& e) {
   out["harmonics"] = e.trajectory.harmonics();
   out["periods"] = e.periods;
   out["duration"] = e.periods * e.trajectory.period();
+  out["slow_seconds"] = e.slow_seconds;
   if (e.discrimination) {
     const Discrimination& d = *e.discrimination;
     out["discrimination"] = {{"between", {d.first, d.second}},

@@ -66,6 +66,9 @@ struct ExcitationOptions {
   int harmonics = 5;        ///< at least 2: one alone cannot start at rest
   double duration = 30.0;   ///< [s] wanted; rounded to whole periods, at least two
   double rate = 200.0;      ///< [Hz] of the samples
+  /// Of every joint after the last period, for friction: there and back at a slow, constant speed,
+  /// within all limits; the criterion does not know of them.
+  int slow_passes = 0;
   ExcitationCriterion criterion = ExcitationCriterion::kCondition;
   std::optional<std::pair<RivalCause, RivalCause>> between{};  ///< for kDiscriminate
   ColumnScaling scaling = ColumnScaling::kNorm;                ///< for kCondition
@@ -132,6 +135,7 @@ struct Excitation {
   FourierTrajectory trajectory;
   MotionSamples motion{};  ///< all of it, from rest to rest, at ExcitationOptions::rate
   int periods = 0;
+  double slow_seconds = 0.0;  ///< how long the slow passes last that follow
   int base_parameters = 0;
   double condition_number = 0.0;        ///< of the base regressor, columns scaled to norm one
   double plain_condition_number = 0.0;  ///< columns as they are
@@ -152,7 +156,7 @@ struct Excitation {
   bool converged = false;  ///< the solver said so for the motion that won
   double seconds = 0.0;
   std::vector<LimitMargin> margins{};
-  MotionBounds bounds{};              ///< of the motion
+  MotionBounds bounds{};              ///< of the periods
   MotionBounds limits{};              ///< of the arm, in the same order
   std::vector<std::string> joints{};  ///< names of the coordinates
   std::vector<std::string> units{};   ///< "rad" or "m"

@@ -23,7 +23,11 @@ function excitationWords() {
       'p', {class: 'lead'}, number('/periods', 'whole'), ' periods of ',
       number('/frequency', 'plain', (f) => significant(1 / f, 4)), '\u00a0s in ',
       number('/harmonics', 'whole'), ' harmonics, ', number('/duration', 'plain'),
-      '\u00a0s in all.');
+      '\u00a0s in all',
+      result.slow_seconds ?
+          ['; slow passes of one joint after the other follow for ',
+           number('/slow_seconds', 'plain'), '\u00a0s.'] :
+          '.');
   const facts = [
     ['Base parameters', '/base_parameters', 'whole'],
     ['Condition number, columns of norm one', '/condition_number', 'plain'],
@@ -100,7 +104,7 @@ function fillPrediction() {
           percent('/prediction/median_relative_std'), ', mean ',
           percent('/prediction/mean_relative_std'), '. Noise of the torques (' + p.noise.source +
               '): ',
-          p.noise.share_of_rms_torque.map(
+          ...p.noise.share_of_rms_torque.flatMap(
               (_, i) => [i ? ', ' : '', percent('/prediction/noise/share_of_rms_torque/' + i)]),
           ' of the rms torque of each joint, one independent sample in ',
           number('/prediction/noise/seconds_between_independent_samples', 'plain'),
