@@ -5,6 +5,7 @@
 #include <limits>
 #include <memory>
 #include <optional>
+#include <utility>
 
 #include "choice.hpp"
 #include "commands.hpp"
@@ -12,6 +13,7 @@
 #include "excite_options.hpp"
 #include "messages.hpp"
 #include "veridyn/excitation/excitation.hpp"
+#include "veridyn/identification/recorded_motion.hpp"
 #include "veridyn/identification/recording.hpp"
 #include "veridyn/math/output_file.hpp"
 #include "veridyn/math/require.hpp"
@@ -19,7 +21,6 @@
 #include "veridyn/report/excitation_page.hpp"
 #include "veridyn/report/motion_json.hpp"
 #include "veridyn/simulation/plausible_model.hpp"
-#include "veridyn/simulation/simulate_recording.hpp"
 
 namespace veridyn::cli {
 namespace {
@@ -58,17 +59,6 @@ class Interruptible {
   struct sigaction before_ {};
 };
 
-MotionSamples recorded_motion(const Model& arm, const std::string& path) {
-  const Recording rows = read_recording(path);
-  require(rows.joints() == arm.joints(), path, ": found ", rows.joints(), " joints, but '",
-          arm.name(), "' has ", arm.joints(), ".");
-  try {
-    return with_derivatives({rows.time, rows.q, rows.dq, rows.ddq});
-  } catch (const InvalidInput& error) {
-    throw InvalidInput(text(path, ": ", error.what()));
-  }
-}
-
 // Plausible values say how an arm behaves, and nothing about how strong it must be.
 Model without_efforts(const Model& arm) {
   ModelDescription description = arm.description();
@@ -90,7 +80,9 @@ ExcitationOptions options_of(const Request& request, const Model& arm) {
   for (const std::string& words : request.spheres) spheres.push_back(sphere(words));
   for (const std::string& words : request.obstacles) obstacles.push_back(obstacle(words));
   o.workspace.pairs = sphere_pairs(spheres, obstacles, request.clearance);
-  for (const std::string& path : request.given) o.given.push_back(recorded_motion(arm, path));
+  for (const std::string& path : request.given) {
+    for (MotionSamples& motion : recorded_motion(arm, path)) o.given.push_back(std::move(motion));
+  }
   if (!request.between.empty()) o.between = rivals(request.between);
   if (o.between) o.criterion = ExcitationCriterion::kDiscriminate;
   if (!request.model.empty()) o.powered = read_model(request.model);
