@@ -33,6 +33,19 @@ void require_known_effects(const std::vector<std::string>& names) {
   }
 }
 
+// The command with the robot as it was named here, with what is recorded and known already.
+void complete_next_experiment(const Request& request, Diagnosis& d) {
+  std::string& command = d.next_experiment.trajectory;
+  const std::string start = "veridyn excite " + d.baseline.robot + " ";
+  if (command.rfind(start, 0) != 0) return;
+  std::vector<std::string> words = {"veridyn", "excite", request.robot};
+  std::vector<std::string> more = {"--given"};
+  more.insert(more.end(), request.train.begin(), request.train.end());
+  if (!request.model_out.empty()) more.insert(more.end(), {"--model", request.model_out});
+  command =
+      cli::command_line(words) + " " + command.substr(start.size()) + " " + cli::command_line(more);
+}
+
 ExitStatus run(Request& request, const std::string& command_line) {
   require_different({{"--json", request.common.json},
                      {"--report", request.common.report},
@@ -50,11 +63,12 @@ ExitStatus run(Request& request, const std::string& command_line) {
     how.test_preprocessing->first_row = request.test_rows->first;
     how.test_preprocessing->row_count = request.test_rows->count;
   }
-  const Diagnosis d = diagnose(arm, request.train, request.test, request.options);
+  Diagnosis d = diagnose(arm, request.train, request.test, request.options);
   if (!d.baseline.model) {
     say(d.baseline.reason);
     return kDataCannotAnswer;
   }
+  complete_next_experiment(request, d);
   if (!request.model_out.empty()) save(d.extended, request.model_out);
   if (!request.common.json.empty()) write_file(request.common.json, to_json(d));
   if (!request.common.report.empty()) {

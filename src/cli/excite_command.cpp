@@ -4,6 +4,8 @@
 #include <iostream>
 #include <limits>
 #include <memory>
+#include <optional>
+#include <utility>
 
 #include "choice.hpp"
 #include "commands.hpp"
@@ -11,13 +13,14 @@
 #include "excite_options.hpp"
 #include "messages.hpp"
 #include "veridyn/excitation/excitation.hpp"
+#include "veridyn/identification/recorded_motion.hpp"
 #include "veridyn/identification/recording.hpp"
 #include "veridyn/math/output_file.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/model_file.hpp"
+#include "veridyn/report/excitation_page.hpp"
 #include "veridyn/report/motion_json.hpp"
 #include "veridyn/simulation/plausible_model.hpp"
-#include "veridyn/simulation/simulate_recording.hpp"
 
 namespace veridyn::cli {
 namespace {
@@ -31,6 +34,7 @@ struct Request {
   std::vector<std::string> boxes, spheres, obstacles, insertions;
   std::string between;
   double clearance = 0.0;
+  std::optional<double> torque_noise;
   ExcitationOptions options;
   CommonOptions common;
 };
@@ -55,17 +59,6 @@ class Interruptible {
   struct sigaction before_ {};
 };
 
-MotionSamples recorded_motion(const Model& arm, const std::string& path) {
-  const Recording rows = read_recording(path);
-  require(rows.joints() == arm.joints(), path, ": found ", rows.joints(), " joints, but '",
-          arm.name(), "' has ", arm.joints(), ".");
-  try {
-    return with_derivatives({rows.time, rows.q, rows.dq, rows.ddq});
-  } catch (const InvalidInput& error) {
-    throw InvalidInput(text(path, ": ", error.what()));
-  }
-}
-
 // Plausible values say how an arm behaves, and nothing about how strong it must be.
 Model without_efforts(const Model& arm) {
   ModelDescription description = arm.description();
@@ -87,10 +80,17 @@ ExcitationOptions options_of(const Request& request, const Model& arm) {
   for (const std::string& words : request.spheres) spheres.push_back(sphere(words));
   for (const std::string& words : request.obstacles) obstacles.push_back(obstacle(words));
   o.workspace.pairs = sphere_pairs(spheres, obstacles, request.clearance);
-  for (const std::string& path : request.given) o.given.push_back(recorded_motion(arm, path));
+  for (const std::string& path : request.given) {
+    for (MotionSamples& motion : recorded_motion(arm, path)) o.given.push_back(std::move(motion));
+  }
   if (!request.between.empty()) o.between = rivals(request.between);
   if (o.between) o.criterion = ExcitationCriterion::kDiscriminate;
   if (!request.model.empty()) o.powered = read_model(request.model);
+  if (request.torque_noise) {
+    o.noise = TorqueNoise();
+    o.noise->share = VectorXd::Constant(arm.joints(), *request.torque_noise);
+    o.noise->source = "as asked";
+  }
   if (o.criterion == ExcitationCriterion::kDiscriminate && !o.powered && !arm.inertial_values()) {
     if (!request.common.quiet) {
       say(text(request.robot,
@@ -99,6 +99,7 @@ ExcitationOptions options_of(const Request& request, const Model& arm) {
     }
     o.powered = without_efforts(plausible_model(arm, 1).arm);
   }
+  if (!o.powered && !arm.inertial_values()) o.valued = plausible_model(arm, 1).arm;
   return o;
 }
 
@@ -127,31 +128,37 @@ std::string why_not(const Excitation& found) {
               "; nothing is written.");
 }
 
-ExitStatus run(const Request& request) {
-  for (const std::string* path : {&request.common.json, &request.coefficients}) {
-    if (!path->empty() && *path == request.output)
-      throw CLI::ValidationError("--output", "found the same file for two results");
+ExitStatus run(const Request& request, const std::string& command_line) {
+  require_different({{"--output", request.output},
+                     {"--json", request.common.json},
+                     {"--report", request.common.report},
+                     {"--coefficients", request.coefficients}});
+  for (const std::string* path :
+       {&request.common.json, &request.common.report, &request.coefficients})
     require_writable(*path);
-  }
   require_writable(request.output);
   const Model arm = read_model(request.robot);
   const ExcitationOptions options = options_of(request, arm);
   const Interruptible until_interrupted;
-  const Excitation found = optimise_excitation(arm, options);
+  Excitation found = optimise_excitation(arm, options);
+  const bool known = arm.inertial_values() || !request.model.empty();
+  if (found.prediction && !known)
+    found.prediction->values = "of a plausible arm (" + request.robot + " has none)";
   const std::string problem = why_not(found);
   if (!problem.empty()) {
     say(problem);
     return kDataCannotAnswer;
   }
-  const MotionSamples motion = found.trajectory.motion(found.periods, options.rate);
   Recording rows;
-  rows.time = motion.time;
-  rows.q = motion.q;
-  rows.dq = motion.dq;
-  rows.ddq = motion.ddq;
+  rows.time = found.motion.time;
+  rows.q = found.motion.q;
+  rows.dq = found.motion.dq;
+  rows.ddq = found.motion.ddq;
   write_recording(rows, request.output);
   if (!request.coefficients.empty()) write_file(request.coefficients, coefficients_yaml(found));
   if (!request.common.json.empty()) write_file(request.common.json, to_json(found));
+  if (!request.common.report.empty())
+    write_file(request.common.report, to_page(found, command_line));
   std::cout << found.report();
   return kDone;
 }
@@ -171,6 +178,12 @@ void add_motion_options(CLI::App& command, ExcitationOptions& o) {
       ->check(CLI::Range(2, 100))
       ->group(group);
   number("--duration", o.duration, "S", "Rounded to whole periods, at least two (30)");
+  command
+      .add_option("--slow-passes", o.slow_passes,
+                  "Of every joint afterwards, there and back at 1 to 10 % of its speed (0)")
+      ->option_text("N")
+      ->check(CLI::Range(0, 100))
+      ->group(group);
   number("--rate", o.rate, "HZ", "Rows per second (200)");
   command
       .add_option("--limit-share", o.limit_share,
@@ -259,9 +272,16 @@ void add_excite_command(CLI::App& tool, Outcome& outcome) {
   command.add_option("--given", request->given, "Recordings whose information counts")
       ->option_text("FILE...")
       ->group("Search");
+  command
+      .add_option("--torque-noise", request->torque_noise,
+                  "Share of the rms torque, for what is predicted (the model's error, or 0.04)")
+      ->option_text("X")
+      ->check(CLI::Range(1e-6, 10.0))
+      ->group("Search");
   add_limit_options(command, *request);
+  add_report_option(command, request->common);
   add_common_options(command, request->common);
-  command.callback([request, &outcome] { outcome.status = run(*request); });
+  command.callback([request, &outcome] { outcome.status = run(*request, outcome.command_line); });
 }
 
 }  // namespace veridyn::cli

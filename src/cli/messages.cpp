@@ -48,6 +48,12 @@ std::string command_line(int argc, const char* const* argv) {
   return out;
 }
 
+std::string command_line(const std::vector<std::string>& words) {
+  std::string out;
+  for (const std::string& word : words) out += (out.empty() ? "" : " ") + quoted(word);
+  return out;
+}
+
 void say(const std::string& line) {
   fmt::print(stderr, "{}veridyn: {}\n", on_terminal() ? kClearLine : "", line);
 }

@@ -2,6 +2,7 @@
 
 #include <functional>
 #include <string>
+#include <vector>
 
 #include "common_options.hpp"
 
@@ -12,6 +13,8 @@ void say(const std::string& line);
 
 /// The words as one line that a shell reads as these words again.
 std::string command_line(int argc, const char* const* argv);
+
+std::string command_line(const std::vector<std::string>& words);
 
 /// Called with what is being done and the share that is done, 0 to 1.
 using Progress = std::function<void(const std::string&, double)>;

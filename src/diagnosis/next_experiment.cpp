@@ -1,5 +1,7 @@
 #include "next_experiment.hpp"
 
+#include "veridyn/effects/effect.hpp"
+
 namespace veridyn {
 namespace {
 
@@ -14,13 +16,20 @@ std::string asked_text(const std::string& effect, int joint, const std::string& 
   return effect + ":" + (joint > 0 ? std::to_string(joint) : "arm");
 }
 
+// What `excite` can tell apart from others by the motion of joints: its own words are in
+// ExcitationOptions::between.
+bool can_be_asked(const std::string& effect) {
+  if (has_effect(effect)) return !find_effect(effect).needs_source();
+  return effect == "payload" || effect == "torque_gain" || effect == "gravity_tilt";
+}
+
 }  // namespace
 
 NextExperiment next_experiment(const Diagnosis& d) {
   for (const Finding& f : d.findings) {
     for (const Rival& r : f.rivals) {
-      const bool can_be_planned = f.effect != "coupling_error" && r.effect != "coupling_error" &&
-                                  f.effect != "external_contact" && f.effect != r.effect;
+      const bool can_be_planned =
+          can_be_asked(f.effect) && can_be_asked(r.effect) && f.effect != r.effect;
       if (!can_be_planned) continue;
       return {{cause_text(f.effect, f.joint, f.frame), cause_text(r.effect, r.joint, r.frame)},
               "veridyn excite " + d.baseline.robot +

@@ -15,6 +15,8 @@ namespace {
 
 constexpr double kLargestCondition2 = 1e14;  // squared; eigenvalues of a Gram matrix know no more
 
+constexpr double kNoPart = 1e-9;  // of a standard parameter in a base parameter
+
 }  // namespace
 
 BaseRegressor::BaseRegressor(const Model& arm, double rounding)
@@ -33,6 +35,8 @@ BaseRegressor::BaseRegressor(const Model& arm, double rounding)
   const MatrixXd R = W(Eigen::all, base_).householderQr().matrixQR().topRows(size());
   orthogonal_ = std::sqrt(static_cast<double>(states)) *
                 R.triangularView<Eigen::Upper>().solve(MatrixXd::Identity(size(), size()));
+  combination_ = W(Eigen::all, base_).householderQr().solve(W);
+  combination_ = (combination_.array().abs() < kNoPart).select(0.0, combination_);
   auto chosen = std::make_shared<StackedColumns>(arm.joints(), arm_columns(arm, rounding));
   chosen->choose(base_);
   columns_ = std::move(chosen);

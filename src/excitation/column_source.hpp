@@ -58,4 +58,8 @@ enum class TorquePart {
 std::unique_ptr<ColumnSource> torque_column(const Model& arm, const VectorXd& phi, TorquePart part,
                                             const VectorXd& joints);
 
+/// Some columns of another source, in this order.
+std::unique_ptr<ColumnSource> some_columns(std::unique_ptr<ColumnSource> from,
+                                           std::vector<int> kept);
+
 }  // namespace veridyn

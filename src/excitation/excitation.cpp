@@ -1,16 +1,21 @@
 #include "veridyn/excitation/excitation.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <limits>
 
+#include "column_names.hpp"
 #include "motion_search.hpp"
+#include "slow_passes.hpp"
 #include "veridyn/math/parallel.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn {
 namespace {
+
+constexpr double kNamedPart = 0.1;  // of a direction of norm one
 
 void check(const ExcitationOptions& o) {
   require(o.frequency > 0.0 && std::isfinite(o.frequency), "excitation: found a frequency of ",
@@ -28,6 +33,8 @@ void check(const ExcitationOptions& o) {
           o.iterations, " iterations, expected at least one of each.");
   require(o.limit_share > 0.0 && o.limit_share <= 1.0, "excitation: found a limit share of ",
           o.limit_share, ", expected above 0 and at most 1.");
+  require(o.slow_passes >= 0 && o.slow_passes <= 100, "excitation: found ", o.slow_passes,
+          " slow passes, expected 0 to 100.");
   require(has_solver(o.solver), "excitation: this build has no ", name_of(o.solver),
           "; random is always there.");
 }
@@ -50,11 +57,38 @@ std::optional<Model> with_values(const Model& arm, const ExcitationOptions& opti
   return std::nullopt;
 }
 
+// Whether a motion keeps all limits.
+std::function<bool(const MotionSamples&)> within_limits(const LimitSignals& signals) {
+  return [&signals](const MotionSamples& motion) {
+    const std::vector<LimitMargin> margins = limit_margins(signals, motion);
+    return std::all_of(margins.begin(), margins.end(),
+                       [](const LimitMargin& m) { return m.margin >= 0.0; });
+  };
+}
+
 double range_condition_number(const MatrixXd& W) {
   const VectorXd range = (W.colwise().maxCoeff() - W.colwise().minCoeff()).transpose();
   if (!(range.minCoeff() > 0.0)) return std::numeric_limits<double>::infinity();
   const MatrixXd scaled = W * range.cwiseInverse().asDiagonal();
   return plain_condition_number(scaled.transpose() * scaled);
+}
+
+// Of the smallest eigenvalue of the Gram matrix, columns of norm one.
+std::vector<std::pair<std::string, double>> weakest_direction(const MatrixXd& gram,
+                                                              const BaseRegressor& regressor,
+                                                              const Model& arm) {
+  const VectorXd d = gram.diagonal().cwiseSqrt().cwiseMax(1e-300).cwiseInverse();
+  const MatrixXd scaled = d.asDiagonal() * gram * d.asDiagonal();
+  const VectorXd direction = Eigen::SelfAdjointEigenSolver<MatrixXd>(scaled).eigenvectors().col(0);
+  const std::vector<ColumnName> names = column_names(arm);
+  std::vector<std::pair<std::string, double>> out;
+  for (int b = 0; b < regressor.size(); ++b) {
+    const auto column = static_cast<size_t>(regressor.base()[static_cast<size_t>(b)]);
+    if (std::abs(direction[b]) > kNamedPart) out.emplace_back(names[column].name, direction[b]);
+  }
+  std::sort(out.begin(), out.end(),
+            [](const auto& a, const auto& b) { return std::abs(a.second) > std::abs(b.second); });
+  return out;
 }
 
 Discrimination discrimination(const Question& question, const MatrixXd& gram,
@@ -127,6 +161,16 @@ Excitation optimise_excitation(const Model& arm, const ExcitationOptions& option
   out.periods = periods;
   out.base_parameters = exact.size();
   const MotionSamples motion = out.trajectory.motion(periods, options.rate);
+  out.margins = limit_margins(signals, out.trajectory);
+  const MotionSamples passes =
+      within ? slow_passes(space.limits(), motion.q.row(0).transpose(), options.slow_passes,
+                           options.rate, within_limits(signals))
+             : MotionSamples();
+  if (passes.rows() > 0) {
+    out.margins = joined(out.margins, limit_margins(signals, passes));
+    out.slow_seconds = passes.time[passes.rows() - 1];
+  }
+  out.motion = joined(motion, passes);
   const MatrixXd gram = exact.gram(motion) / static_cast<double>(motion.rows());
   out.condition_number = scaled_condition_number(gram);
   out.plain_condition_number = plain_condition_number(gram);
@@ -141,6 +185,12 @@ Excitation optimise_excitation(const Model& arm, const ExcitationOptions& option
   const MatrixXd& basis = exact.orthogonal_basis();
   out.orthogonal_condition_number = scaled_condition_number(basis.transpose() * gram * basis);
   out.log_determinant = log_determinant(gram, exact.scale());
+  out.weakest = weakest_direction(gram, exact, arm);
+  const std::optional<Model> known = options.valued ? options.valued : with_values(arm, options);
+  if (known) {
+    out.prediction = predict_identification(
+        *known, out.motion, options.noise.value_or(usual_noise(*known)), options.given);
+  }
   const MotionSamples random = space.trajectory(found.front().start).motion(periods, options.rate);
   out.start_condition_number = scaled_condition_number(exact.gram(random));
   for (const Found& f : found) out.evaluations += f.evaluations;
@@ -150,7 +200,6 @@ Excitation optimise_excitation(const Model& arm, const ExcitationOptions& option
   if (within && !std::isfinite(best.cost)) out.status = ExcitationStatus::kRankDeficient;
   out.interrupted = options.stop && options.stop();
   out.converged = best.converged;
-  out.margins = limit_margins(signals, out.trajectory);
   out.bounds = out.trajectory.bounds();
   out.limits = {limits.lower, limits.upper, limits.velocity, limits.acceleration};
   for (const Coordinate& coordinate : arm.coordinates()) {

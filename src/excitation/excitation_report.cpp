@@ -1,5 +1,7 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "veridyn/excitation/excitation.hpp"
@@ -49,6 +51,8 @@ ExcitationSolver best_solver() {
 
 namespace {
 
+constexpr size_t kNamed = 5;  // the worst ones in the text; all stand in the JSON
+
 std::string margin_line(const LimitMargin& m) {
   const auto bound = [](double value) {
     return std::isfinite(value) ? fmt::format("{:.4g}", value) : std::string("open");
@@ -56,6 +60,32 @@ std::string margin_line(const LimitMargin& m) {
   return fmt::format("{:<28}{:>8} {:>21} {:>21} {:>10.3g}\n", m.name, m.unit,
                      fmt::format("{:.4g} .. {:.4g}", m.lowest, m.highest),
                      bound(m.lower) + " .. " + bound(m.upper), m.margin);
+}
+
+std::string weakest_text(const Excitation& e) {
+  std::string out = "Hardest to tell from each other:";
+  for (size_t k = 0; k < std::min(kNamed, e.weakest.size()); ++k)
+    out += fmt::format("{} {} ({:.2f})", k > 0 ? "," : "", e.weakest[k].first, e.weakest[k].second);
+  return out + ".\n";
+}
+
+std::string prediction_text(const Prediction& p) {
+  std::vector<std::string> shares;
+  for (const double share : p.noise.share) shares.push_back(fmt::format("{:.2g}", 100.0 * share));
+  std::string out = fmt::format(
+      "Predicted standard deviations of the base parameters ({}): median {:.3g} %, mean {:.3g} % "
+      "of the values {}, with torque noise of {} % of the rms torque ({}), one independent sample "
+      "in {:.2g} s.\n",
+      p.parameters.size(), 100.0 * p.median_relative, 100.0 * p.mean_relative, p.values,
+      fmt::join(shares, ", "), p.noise.source, p.noise.seconds);
+  std::vector<PredictedParameter> worst = p.parameters;
+  std::sort(worst.begin(), worst.end(),
+            [](const auto& a, const auto& b) { return a.relative > b.relative; });
+  for (size_t k = 0; k < std::min(kNamed, worst.size()); ++k) {
+    out += fmt::format("  {:<50} {:>10.3g} +- {:.3g} {}\n", worst[k].name, worst[k].value,
+                       worst[k].deviation, worst[k].unit);
+  }
+  return out;
 }
 
 std::string quality_text(const Excitation& e) {
@@ -69,6 +99,8 @@ std::string quality_text(const Excitation& e) {
     out += fmt::format("Together with the given recordings the condition number is {:.4g}.\n",
                        e.condition_number_with_given);
   }
+  out += weakest_text(e);
+  if (e.prediction) out += prediction_text(*e.prediction);
   if (!e.discrimination) return out;
   const Discrimination& d = *e.discrimination;
   out += fmt::format(
@@ -87,6 +119,9 @@ std::string Excitation::report() const {
       "Excitation of {}: {} periods of {:.4g} s, {} harmonics, {:.4g} s in all, from rest to "
       "rest.\n",
       robot, periods, trajectory.period(), trajectory.harmonics(), periods * trajectory.period());
+  if (slow_seconds > 0.0)
+    out +=
+        fmt::format("Slow passes of one joint after the other follow: {:.4g} s.\n", slow_seconds);
   if (status == ExcitationStatus::kRankDeficient) {
     out +=
         fmt::format("No motion was found that excites all {} base parameters.\n", base_parameters);

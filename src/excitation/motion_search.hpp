@@ -65,4 +65,11 @@ VectorXd fitted_to_joints(const MotionSpace& space, const VectorXd& x);
 std::vector<LimitMargin> limit_margins(const LimitSignals& signals,
                                        const FourierTrajectory& trajectory);
 
+/// The same of samples that need not repeat, by the curvature between them.
+std::vector<LimitMargin> limit_margins(const LimitSignals& signals, const MotionSamples& motion);
+
+/// Of one motion after the other.
+std::vector<LimitMargin> joined(const std::vector<LimitMargin>& first,
+                                const std::vector<LimitMargin>& second);
+
 }  // namespace veridyn

@@ -1,5 +1,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
 
@@ -36,63 +37,6 @@ VectorXd own_values(const Model& arm, const RivalCause& rival) {
   return *phi;
 }
 
-// Some columns of another source.
-class SomeColumns final : public ColumnSource {
- public:
-  SomeColumns(std::unique_ptr<ColumnSource> from, std::vector<int> kept)
-      : from_(std::move(from)), kept_(std::move(kept)) {}
-
-  int count() const override { return static_cast<int>(kept_.size()); }
-  bool remembers() const override { return from_->remembers(); }
-  std::vector<int> columns(int joint) const override {
-    std::vector<int> out;
-    for (const auto& [own, theirs] : places(joint)) {
-      static_cast<void>(theirs);
-      out.push_back(own);
-    }
-    return out;
-  }
-  void evaluate(const MotionSamples& motion, std::vector<MatrixXd>& Y) const override {
-    std::vector<MatrixXd> all;
-    from_->evaluate(motion, all);
-    Y.resize(all.size());
-    for (size_t i = 0; i < all.size(); ++i) {
-      const auto of_joint = places(static_cast<int>(i));
-      Y[i].resize(motion.rows(), static_cast<Eigen::Index>(of_joint.size()));
-      for (size_t k = 0; k < of_joint.size(); ++k)
-        Y[i].col(static_cast<Eigen::Index>(k)) = all[i].col(of_joint[k].second);
-    }
-  }
-  void add_gradient(const MotionSamples& motion, const std::vector<MatrixXd>& weights,
-                    MatrixXd& slopes) const override {
-    std::vector<MatrixXd> all;
-    for (size_t i = 0; i < weights.size(); ++i) {
-      const int joint = static_cast<int>(i);
-      const auto width = static_cast<Eigen::Index>(from_->columns(joint).size());
-      all.push_back(MatrixXd::Zero(motion.rows(), width));
-      const auto of_joint = places(joint);
-      for (size_t k = 0; k < of_joint.size(); ++k)
-        all[i].col(of_joint[k].second) = weights[i].col(static_cast<Eigen::Index>(k));
-    }
-    from_->add_gradient(motion, all, slopes);
-  }
-
- private:
-  // Own column, and where it stands among the source's columns of the joint.
-  std::vector<std::pair<int, int>> places(int joint) const {
-    const std::vector<int> theirs = from_->columns(joint);
-    std::vector<std::pair<int, int>> out;
-    for (size_t k = 0; k < kept_.size(); ++k) {
-      const auto at = std::find(theirs.begin(), theirs.end(), kept_[k]);
-      if (at != theirs.end()) out.emplace_back(static_cast<int>(k), at - theirs.begin());
-    }
-    return out;
-  }
-
-  std::unique_ptr<ColumnSource> from_;
-  std::vector<int> kept_;
-};
-
 // One body on the frame and no other.
 std::unique_ptr<ColumnSource> body_on_frame(const Model& arm, const RivalCause& rival,
                                             const std::vector<int>& kept) {
@@ -105,7 +49,7 @@ std::unique_ptr<ColumnSource> body_on_frame(const Model& arm, const RivalCause& 
   for (Frame& frame : only.frames) frame.body.reset();
   only.frames[static_cast<size_t>(k)].body = Body{};
   only.effects.clear();
-  return std::make_unique<SomeColumns>(body_columns(Model(std::move(only))), kept);
+  return some_columns(body_columns(Model(std::move(only))), kept);
 }
 
 std::vector<std::shared_ptr<const ColumnSource>> tilt_columns(const Model& arm,
@@ -129,23 +73,40 @@ bool is_on(const EffectTerm& term, const RivalCause& rival, const Model& arm, in
          term.axis.coefficients == VectorXd::Unit(arm.joints(), joint);
 }
 
-// The effect with the constants that the model found for it there, or else its usual ones.
-EffectTerm effect_term(const Model& arm, const RivalCause& rival, int joint) {
+// Lengths and speeds that a rival's constant may have, as shares of the joint's range and speed.
+constexpr std::array<double, 3> kLengthShares = {1e-3, 1e-2, 0.1};
+constexpr std::array<double, 3> kSpeedShares = {0.02, 0.06, 0.2};
+
+// The effect with the constants that the model found for it there. Without any, one term for each
+// of several lengths or speeds: a diagnosis may choose whichever suits it best.
+std::vector<EffectTerm> effect_terms(const Model& arm, const RivalCause& rival, int joint) {
   EffectTerm term;
   term.effect = rival.effect;
   term.axis.coefficients = VectorXd::Unit(arm.joints(), joint);
   for (const EffectTerm& own : arm.effects()) {
-    if (is_on(own, rival, arm, joint)) return own;
+    if (is_on(own, rival, arm, joint)) return {own};
   }
-  // Ranges that an effect wants to know are the joint's.
   const MotionLimits limits = motion_limits(arm);
+  const double range = limits.upper[joint] - limits.lower[joint];
+  std::vector<EffectTerm> out{term};
   for (const EffectShape& shape : find_effect(rival.effect).shapes()) {
-    if (shape.name == "centre")
-      term.values["centre"] = 0.5 * (limits.lower[joint] + limits.upper[joint]);
-    if (shape.name == "half_range")
-      term.values["half_range"] = 0.5 * (limits.upper[joint] - limits.lower[joint]);
+    // Ranges that an effect wants to know are the joint's.
+    const auto set = [&](double value) {
+      for (EffectTerm& one : out) one.values[shape.name] = value;
+    };
+    if (shape.name == "centre") set(0.5 * (limits.lower[joint] + limits.upper[joint]));
+    if (shape.name == "half_range") set(0.5 * range);
+    const bool speed = shape.unit_revolute == "rad/s";
+    if (!shape.searched || !shape.logarithmic || (!speed && shape.unit_revolute != "rad")) continue;
+    std::vector<EffectTerm> family;
+    for (const double share : speed ? kSpeedShares : kLengthShares) {
+      const double value = share * (speed ? limits.velocity[joint] : range);
+      set(std::clamp(value, shape.lower, shape.upper));
+      family.insert(family.end(), out.begin(), out.end());
+    }
+    out = std::move(family);
   }
-  return term;
+  return out;
 }
 
 std::vector<int> numbers(int first, int count) {
@@ -184,8 +145,10 @@ std::vector<std::shared_ptr<const ColumnSource>> rival_columns(const Model& arm,
   if (find_effect(rival.effect).needs_load()) own_values(arm, rival);
   require(!find_effect(rival.effect).needs_source(), "excitation: '", label(rival),
           "' needs another joint and cannot be a rival yet.");
-  return {
-      effect_columns(arm, effect_term(arm, rival, joint), rounding * motion_limits(arm).velocity)};
+  std::vector<std::shared_ptr<const ColumnSource>> out;
+  for (const EffectTerm& term : effect_terms(arm, rival, joint))
+    out.push_back(effect_columns(arm, term, rounding * motion_limits(arm).velocity));
+  return out;
 }
 
 // Without the rivals' own terms where they have values: what changed of them is asked then.

@@ -7,22 +7,12 @@
 #include "veridyn/dynamics/rigid_body_dynamics.hpp"
 #include "veridyn/identification/arm_effects.hpp"
 #include "veridyn/math/require.hpp"
+#include "veridyn/model/inertial_names.hpp"
 
 namespace veridyn {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr std::array<const char*, kBodyParameters> kSymbols = {"m",   "hx",  "hy",  "hz",  "Lxx",
-                                                               "Lxy", "Lyy", "Lxz", "Lyz", "Lzz"};
-
-const char* inertial_unit(int component) {
-  return component == 0 ? "kg" : component < 4 ? "kg m" : "kg m^2";
-}
-
-}  // namespace
-
-namespace {
-
 void append_arm_effect(const Model& arm, int e, std::vector<StandardParameter>& out) {
   const EffectTerm& term = arm.effects()[static_cast<size_t>(e)];
   const std::vector<EffectParameter>& own = arm_effect_parameters(term.effect);
@@ -47,7 +37,7 @@ std::vector<StandardParameter> standard_parameters(const Model& arm) {
     const Frame& frame = arm.frames()[arm.bodies()[b]];
     for (int c = 0; c < kBodyParameters; ++c) {
       StandardParameter p;
-      p.name = std::string(kSymbols[c]) + "_" + frame.name;
+      p.name = std::string(inertial_symbol(c)) + "_" + frame.name;
       p.unit = inertial_unit(c);
       p.body = static_cast<int>(b);
       p.component = c;

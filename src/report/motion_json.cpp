@@ -29,6 +29,26 @@ Json bounds_json(const Excitation& e, Eigen::Index i) {
           {"q0", e.trajectory.q0()[i]}};
 }
 
+Json prediction_json(const Prediction& p) {
+  Json out = {{"values", p.values},
+              {"noise",
+               {{"share_of_rms_torque", json_list(p.noise.share)},
+                {"source", p.noise.source},
+                {"seconds_between_independent_samples", p.noise.seconds}}},
+              {"rms_torque", json_list(p.rms_torque)},
+              {"mean_relative_std", p.mean_relative},
+              {"median_relative_std", p.median_relative}};
+  out["base_parameters"] = Json::array();
+  for (const PredictedParameter& one : p.parameters) {
+    out["base_parameters"].push_back({{"name", one.name},
+                                      {"unit", one.unit},
+                                      {"value", one.value},
+                                      {"std", one.deviation},
+                                      {"relative_std", one.relative}});
+  }
+  return out;
+}
+
 const char* status_name(ExcitationStatus status) {
   if (status == ExcitationStatus::kLimitsNotMet) return "limits-not-met";
   return status == ExcitationStatus::kDone ? "done" : "rank-deficient";
@@ -58,6 +78,7 @@ std::string to_json(const Excitation& e) {
   out["harmonics"] = e.trajectory.harmonics();
   out["periods"] = e.periods;
   out["duration"] = e.periods * e.trajectory.period();
+  out["slow_seconds"] = e.slow_seconds;
   if (e.discrimination) {
     const Discrimination& d = *e.discrimination;
     out["discrimination"] = {{"between", {d.first, d.second}},
@@ -65,6 +86,10 @@ std::string to_json(const Excitation& e) {
                              {"share_left", {d.first_share, d.second_share}},
                              {"bodies_known", d.bodies_known}};
   }
+  out["weakest"] = Json::array();
+  for (const auto& [name, part] : e.weakest)
+    out["weakest"].push_back({{"parameter", name}, {"part", part}});
+  if (e.prediction) out["prediction"] = prediction_json(*e.prediction);
   out["margins"] = Json::array();
   for (const LimitMargin& m : e.margins) {
     out["margins"].push_back({{"limit", m.name},

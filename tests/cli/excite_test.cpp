@@ -3,6 +3,7 @@
 #include <sstream>
 
 #include "cli/tool.hpp"
+#include "support/browser.hpp"
 
 namespace veridyn {
 namespace {
@@ -65,6 +66,65 @@ TEST(Excite, ToldRivalsItSaysWhatIsLeftOfThem) {
     EXPECT_GT(share, 0.2);
     EXPECT_LE(share, 1.0 + 1e-9);
   }
+}
+
+// Every number of the page's text is in the JSON, the plots are drawn, and nothing fails.
+TEST(Excite, ThePageShowsTheMotionItsLimitsAndWhatItWillIdentify) {
+  if (browser().empty()) GTEST_SKIP() << "no browser: chromium is not installed";
+  const TemporaryFolder folder;
+  const ToolRun run = run_tool(Words{"excite", "psm-3dof", "-o", folder.path("m.csv"), "--report",
+                                     folder.path("m.html"), "--json", folder.path("m.json"),
+                                     "--box", "tool:-1,1,-1,1,-inf,1", "--slow-passes", "1"} +
+                               kQuick);
+  ASSERT_EQ(run.status, 0) << run.err;
+  const nlohmann::json result = json_of(folder.path("m.json"));
+  EXPECT_EQ(result["prediction"]["base_parameters"].size(), result["base_parameters"]);
+  for (const int width : {400, 1200}) {
+    const OpenedPage page = open_page(folder.path("m.html"), width);
+    expect_sound(page, width);
+    EXPECT_EQ(page.with("data-plot").size(), 3U);
+    const auto numbers = page.with("data-from");
+    EXPECT_GT(numbers.size(),
+              4U * result["margins"].size() + 3U * result["base_parameters"].get<size_t>());
+    for (const PageElement& n : numbers) {
+      if (n.at("data-from") != "/frequency") expect_number(n, result);  // shown as a period
+    }
+    EXPECT_EQ(page.html.find("[object"), std::string::npos);
+  }
+}
+
+TEST(Excite, SlowPassesFollowInTheFile) {
+  const TemporaryFolder folder;
+  const ToolRun run = run_tool(Words{"excite", "psm-3dof", "-o", folder.path("m.csv"), "--json",
+                                     folder.path("m.json"), "--slow-passes", "2"} +
+                               kQuick);
+  ASSERT_EQ(run.status, 0) << run.err;
+  const nlohmann::json out = json_of(folder.path("m.json"));
+  EXPECT_GT(out["slow_seconds"], 30.0);
+  const std::string csv = content_of(folder.path("m.csv"));
+  const double last = std::stod(csv.substr(csv.rfind('\n', csv.size() - 2) + 1));
+  EXPECT_NEAR(last, out["duration"].get<double>() + out["slow_seconds"].get<double>(), 0.02);
+}
+
+// What is recorded with noisy velocities counts as what it is: half of the information is there
+// already, and not more.
+TEST(Excite, NoisyRecordingsThatAreGivenCountAsTheMotionThatTheyShow) {
+  const TemporaryFolder folder;
+  const auto path = [&](const char* name) { return folder.path(name); };
+  ASSERT_EQ(run_tool(Words{"excite", "psm-3dof", "-o", path("m.csv")} + kQuick).status, 0);
+  ASSERT_EQ(run_tool({"simulate", "psm-3dof", "--trajectory", path("m.csv"), "-o", path("r.csv"),
+                      "--noise", "dvrk", "--quiet"})
+                .status,
+            0);
+  const auto median = [&](const Words& more) {
+    const ToolRun run = run_tool(
+        Words{"excite", "psm-3dof", "-o", path("n.csv"), "--json", path("n.json")} + kQuick + more);
+    EXPECT_EQ(run.status, 0) << run.err;
+    return json_of(path("n.json"))["prediction"]["median_relative_std"].get<double>();
+  };
+  const double exact = median({"--given", path("m.csv")});
+  EXPECT_NEAR(median({"--given", path("r.csv")}) / exact, 1.0, 0.15);
+  EXPECT_GT(median({}), 1.1 * exact);
 }
 
 TEST(Excite, WordsThatMakeNoSenseAreUsageErrors) {

@@ -8,10 +8,9 @@
 #include "hide_and_seek/judge.hpp"
 #include "veridyn/effects/effect.hpp"
 #include "veridyn/excitation/excitation.hpp"
-#include "veridyn/identification/recording.hpp"
+#include "veridyn/identification/recorded_motion.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/model_file.hpp"
-#include "veridyn/simulation/simulate_recording.hpp"
 
 namespace veridyn::seek {
 namespace {
@@ -193,8 +192,8 @@ class Fight {
     options.threads = request_.threads;
     options.powered = without_efforts(*before.extended.model);
     for (const std::string& path : files.train) {
-      const Recording r = read_recording(path);
-      options.given.push_back(with_derivatives({r.time, r.q, r.dq, r.ddq}));
+      for (const MotionSamples& motion : recorded_motion(hidden_.bench.robot, path))
+        options.given.push_back(motion);
     }
     std::vector<std::string> recorded;
     for (int k = 0; k < request_.designs; ++k) {

@@ -48,6 +48,13 @@ class BaseRegressor {
   /// W, (rows n x size), the rows of joint 1 first.
   MatrixXd stacked(const MotionSamples& motion) const;
 
+  /// Which standard parameters lead the base parameters: indices among those of the bodies, ten
+  /// each, and of the effects.
+  const std::vector<int>& base() const { return base_; }
+
+  /// K, (size x standard parameters): the base parameters are K times the standard ones.
+  const MatrixXd& combination() const { return combination_; }
+
   /// The columns behind the Gram matrix, for criteria with weights of their own.
   const std::shared_ptr<const StackedColumns>& columns() const { return columns_; }
 
@@ -57,6 +64,7 @@ class BaseRegressor {
   std::vector<int> base_;  // base columns, in the order of preference
   VectorXd scale_;
   MatrixXd orthogonal_;
+  MatrixXd combination_;
 };
 
 /// Condition number of the base regressor with its columns scaled to norm one (thesis 5.26, 5.27),

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "veridyn/excitation/fourier_trajectory.hpp"
+#include "veridyn/excitation/prediction.hpp"
 #include "veridyn/excitation/workspace_limits.hpp"
 #include "veridyn/model/model.hpp"
 
@@ -65,6 +66,9 @@ struct ExcitationOptions {
   int harmonics = 5;        ///< at least 2: one alone cannot start at rest
   double duration = 30.0;   ///< [s] wanted; rounded to whole periods, at least two
   double rate = 200.0;      ///< [Hz] of the samples
+  /// Of every joint after the last period, for friction: there and back at a slow, constant speed,
+  /// within all limits; the criterion does not know of them.
+  int slow_passes = 0;
   ExcitationCriterion criterion = ExcitationCriterion::kCondition;
   std::optional<std::pair<RivalCause, RivalCause>> between{};  ///< for kDiscriminate
   ColumnScaling scaling = ColumnScaling::kNorm;                ///< for kCondition
@@ -79,6 +83,10 @@ struct ExcitationOptions {
   /// The arm with values of its bodies (and effects, where it has them): its efforts limit the
   /// torques, and rivals are built from it. Nothing: the arm itself, where it has values.
   std::optional<Model> powered{};
+  /// Of the torques, for the prediction; nothing: usual_noise() of the arm with values.
+  std::optional<TorqueNoise> noise{};
+  /// The arm with values for the prediction only; nothing: `powered`, or the arm itself.
+  std::optional<Model> valued{};
   /// Motions that are recorded already; their information counts. Samples of their own rate.
   std::vector<MotionSamples> given{};
   unsigned seed = 1;
@@ -125,7 +133,9 @@ struct Excitation {
   ExcitationCriterion criterion = ExcitationCriterion::kCondition;
   ExcitationSolver solver = ExcitationSolver::kIpopt;
   FourierTrajectory trajectory;
+  MotionSamples motion{};  ///< all of it, from rest to rest, at ExcitationOptions::rate
   int periods = 0;
+  double slow_seconds = 0.0;  ///< how long the slow passes last that follow
   int base_parameters = 0;
   double condition_number = 0.0;        ///< of the base regressor, columns scaled to norm one
   double plain_condition_number = 0.0;  ///< columns as they are
@@ -137,12 +147,16 @@ struct Excitation {
   double log_determinant = 0.0;
   double start_condition_number = 0.0;  ///< of the first random motion, for comparison
   std::optional<Discrimination> discrimination{};
+  /// The base parameters that the motion tells least from each other: names and parts (of norm one)
+  /// of the weakest direction, columns scaled to norm one; the largest parts first.
+  std::vector<std::pair<std::string, double>> weakest{};
+  std::optional<Prediction> prediction{};  ///< where the arm's values are known
   long evaluations = 0;
   bool interrupted = false;
   bool converged = false;  ///< the solver said so for the motion that won
   double seconds = 0.0;
   std::vector<LimitMargin> margins{};
-  MotionBounds bounds{};              ///< of the motion
+  MotionBounds bounds{};              ///< of the periods
   MotionBounds limits{};              ///< of the arm, in the same order
   std::vector<std::string> joints{};  ///< names of the coordinates
   std::vector<std::string> units{};   ///< "rad" or "m"

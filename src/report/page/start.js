@@ -76,6 +76,7 @@ function start() {
   if (result.command === 'identify') fillIdentification();
   if (result.command === 'simulate') fillSimulation();
   if (result.command === 'cooperate') fillCooperation();
+  if (result.command === 'excite') fillExcitation();
   fillSettings();
   if (result.command !== 'simulate' && series.recordings.length) {
     fillChooser();

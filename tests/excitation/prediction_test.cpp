@@ -1,0 +1,106 @@
+#include "veridyn/excitation/prediction.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/QR>
+#include <cmath>
+
+#include "excitation/stacked_columns.hpp"
+#include "support/random.hpp"
+#include "veridyn/excitation/base_regressor.hpp"
+#include "veridyn/excitation/fourier_trajectory.hpp"
+#include "veridyn/math/require.hpp"
+#include "veridyn/model/model_file.hpp"
+#include "veridyn/simulation/plausible_model.hpp"
+
+namespace veridyn {
+namespace {
+
+constexpr double kRate = 50.0;
+
+MotionSamples some_motion(int joints, unsigned seed) {
+  Random random(seed);
+  const auto matrix = [&](double size) -> MatrixXd {
+    const VectorXd v = random.vector(joints * 4, -size, size);
+    return Eigen::Map<const MatrixXd>(v.data(), joints, 4);
+  };
+  return FourierTrajectory(0.2, matrix(0.8), matrix(0.8), random.vector(joints, -0.3, 0.3))
+      .motion(2, kRate);
+}
+
+TorqueNoise noise(int joints, double share) {
+  return {VectorXd::Constant(joints, share), 1.0 / kRate, "assumed"};
+}
+
+// Weighted least squares on many noisy copies of the torques scatters as predicted.
+TEST(Prediction, IsTheScatterOfLeastSquares) {
+  const Model arm = plausible_model(read_model("planar-2r"), 2).arm;
+  const MotionSamples motion = some_motion(2, 3);
+  const TorqueNoise assumed = noise(2, 0.05);
+  const Prediction p = predict_identification(arm, motion, assumed);
+  const BaseRegressor regressor(arm);
+  ASSERT_EQ(static_cast<int>(p.parameters.size()), regressor.size());
+  MatrixXd W = regressor.stacked(motion);
+  VectorXd beta(regressor.size());
+  for (int b = 0; b < beta.size(); ++b) beta[b] = p.parameters[static_cast<size_t>(b)].value;
+  const VectorXd tau = W * beta;
+  VectorXd sigma(W.rows());
+  for (int i = 0; i < 2; ++i) {
+    const VectorXd own = tau.segment(i * motion.rows(), motion.rows());
+    const double rms = own.norm() / std::sqrt(static_cast<double>(motion.rows()));
+    EXPECT_NEAR(p.rms_torque[i], rms, 1e-9 * rms);
+    sigma.segment(i * motion.rows(), motion.rows()).setConstant(0.05 * rms);
+  }
+  const MatrixXd weighted = sigma.cwiseInverse().asDiagonal() * W;
+  const Eigen::HouseholderQR<MatrixXd> qr(weighted);
+  Random random(5);
+  const int copies = 400;
+  VectorXd square = VectorXd::Zero(beta.size());
+  for (int k = 0; k < copies; ++k) {
+    // Uniform noise of variance one is as good as any here.
+    const VectorXd error =
+        random.vector(static_cast<int>(W.rows()), -std::sqrt(3.0), std::sqrt(3.0));
+    square += qr.solve(error).cwiseAbs2();
+  }
+  for (int b = 0; b < beta.size(); ++b) {
+    // The scatter of 400 copies is known to 3.5 %; the last row shares an instant with the first.
+    const double scatter = std::sqrt(square[b] / copies);
+    EXPECT_NEAR(p.parameters[static_cast<size_t>(b)].deviation / scatter, 1.0, 0.13) << b;
+  }
+}
+
+// Twice the time, or the same recorded before, halves the variance.
+TEST(Prediction, GivenRecordingsCountAsMuchAsNewOnes) {
+  const Model arm = plausible_model(read_model("psm-3dof"), 2).arm;
+  const MotionSamples motion = some_motion(3, 3);
+  const Prediction alone = predict_identification(arm, motion, noise(3, 0.04));
+  const Prediction both = predict_identification(arm, motion, noise(3, 0.04), {motion});
+  EXPECT_NEAR(both.mean_relative / alone.mean_relative, std::sqrt(0.5), 1e-9);
+  const Prediction louder = predict_identification(arm, motion, noise(3, 0.08));
+  EXPECT_NEAR(louder.median_relative / alone.median_relative, 2.0, 1e-9);
+}
+
+// The base parameters are combinations of the standard ones: both give the same torques.
+TEST(Prediction, BaseParametersGiveTheTorquesOfTheArm) {
+  for (const char* name : {"psm-3dof", "psm-wrist", "ur10e"}) {
+    const Model arm = read_model(name);
+    const BaseRegressor regressor(arm);
+    const MotionSamples motion = some_motion(arm.joints(), 1);
+    Random random(2);
+    const VectorXd phi = random.vector(static_cast<int>(regressor.combination().cols()), -1.0, 1.0);
+    const MatrixXd all = regressor.columns()->stacked(motion);
+    const VectorXd expected = all * phi;
+    const VectorXd got = regressor.stacked(motion) * (regressor.combination() * phi);
+    EXPECT_LT((got - expected).norm(), 1e-7 * expected.norm()) << name;
+  }
+}
+
+TEST(Prediction, WithoutValuesThereIsNone) {
+  const Model arm = read_model("psm-3dof");
+  EXPECT_THROW(predict_identification(arm, some_motion(3, 1), noise(3, 0.04)), InvalidInput);
+  const Model known = plausible_model(arm, 1).arm;
+  EXPECT_THROW(predict_identification(known, some_motion(3, 1), noise(2, 0.04)), InvalidInput);
+}
+
+}  // namespace
+}  // namespace veridyn
