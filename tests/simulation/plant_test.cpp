@@ -148,6 +148,37 @@ TEST(Plant, ToleranceGovernsTheError) {
   }
 }
 
+// One substep a step: halving it divides the error by 2^4, whichever way the stages are evaluated.
+TEST(Plant, IsOfOrderFour) {
+  for (const char* name : {"psm-3dof", "psm-wrist", "ur10e"}) {
+    const Model full = robot(name);
+    const int n = full.joints();
+    std::vector<EffectTerm> smooth;
+    for (const EffectTerm& term : full.effects()) {
+      if (term.effect == "rotor_inertia" || term.effect == "viscous_friction")
+        smooth.push_back(term);
+    }
+    const Model arm = with_effects(full, smooth);
+    PlantOptions options;
+    options.tolerance = 1e9;
+    const auto end_of = [&](int steps) {
+      Plant plant(arm, options);
+      plant.set_state(VectorXd::Constant(n, 0.2), VectorXd::LinSpaced(n, 1.0, -0.5));
+      VectorXd tau = VectorXd::LinSpaced(n, 2.0, 0.01);
+      for (int k = 0; k < steps; ++k) EXPECT_EQ(plant.step(tau, 0.4 / steps), StepStatus::kOk);
+      EXPECT_EQ(plant.work().taken, steps);
+      VectorXd state(2 * n);
+      state << plant.q(), plant.dq();
+      return state;
+    };
+    const VectorXd exact = end_of(3200);
+    const double coarse = (end_of(100) - exact).norm();
+    const double fine = (end_of(200) - exact).norm();
+    EXPECT_GT(fine, 1e-13) << name;  // above rounding
+    EXPECT_NEAR(std::log2(coarse / fine), 4.0, 0.4) << name << ": " << coarse << ", " << fine;
+  }
+}
+
 TEST(Plant, KeepsTheEnergyOfAFrictionlessWrist) {
   const Model full = robot("psm-wrist");
   std::vector<EffectTerm> kept;
