@@ -1,10 +1,12 @@
 #include <fmt/format.h>
 
 #include <iostream>
+#include <set>
 
 #include "messages.hpp"
 #include "simulate_request.hpp"
 #include "veridyn/identification/preprocessing.hpp"
+#include "veridyn/identification/recording_quality.hpp"
 #include "veridyn/identification/remark.hpp"
 #include "veridyn/identification/stale_rows.hpp"
 #include "veridyn/math/output_file.hpp"
@@ -18,10 +20,24 @@ namespace {
 
 constexpr double kRampCutoff = 20.0;  // [Hz] for positions of slow ramps
 
+// Joints (from 0) whose recorded velocity is worse than the derivative of their position.
+std::vector<int> faulty_velocities(const SimulateRequest& request,
+                                   const RecordingOptions& reading) {
+  std::set<int> joints;
+  for (const QualityFinding& f : check_recording(request.replay, reading).findings) {
+    const bool velocity = f.finding == "velocity_scale" || f.finding == "velocity_quantised" ||
+                          f.finding == "velocity_delay";
+    if (!velocity || f.severity == Severity::kInfo || f.joint < 1) continue;
+    if (joints.insert(f.joint - 1).second && !request.common.quiet)
+      say(request.replay + ": " + f.sentence + " The replay takes it from the position.");
+  }
+  return {joints.begin(), joints.end()};
+}
+
 // The recording on its uniform grid, lightly low-passed, as identification sees it, but without the
 // rows of a late publisher: a controller that is led by them leaps.
 ReplayInput replay_input(const SimulateRequest& request, const Model& arm,
-                         const PreprocessingOptions& how) {
+                         PreprocessingOptions how) {
   RecordingOptions reading;
   reading.columns = how.columns;
   reading.rate = how.header_rate;
@@ -31,6 +47,7 @@ ReplayInput replay_input(const SimulateRequest& request, const Model& arm,
         fmt::format("{}: {} of {} rows repeat the row before although the arm moves; they are "
                     "filled in.",
                     request.replay, sound.repaired, sound.recording.rows()));
+  how.derive_velocity_of = faulty_velocities(request, reading);
   std::vector<double> time;
   std::vector<char> use;
   std::vector<MatrixXd> pieces[4];

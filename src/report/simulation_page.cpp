@@ -12,8 +12,7 @@ namespace {
 
 constexpr Eigen::Index kSamples = 3000;     // of a curve over time
 constexpr Eigen::Index kRampSamples = 250;  // of one ramp
-constexpr double kSeconds = 0.15;  // of a ramp that are shown after the joint began to slide
-constexpr double kLeap = 5e-3;     // [rad], [m] between rows: a new start
+constexpr double kLeap = 5e-3;              // [rad], [m] between rows: a new start
 constexpr double kMilli = 1e3;
 
 // One curve of a plot, a row for every row of the run.
@@ -117,7 +116,7 @@ std::vector<Plot> replay_plots(const Replay& r, const ReplayInput& input, const 
             {"simulated", "simulated", in_use(recorded - r.simulated_tau.col(i), r.use)}}}};
 }
 
-// The way over the effort of one ramp, from its rest until shortly after it slid. Efforts are means
+// The way over the effort of one ramp, from its rest until it slid. Efforts are means
 // of a tenth of a second, so that the noise of the current does not hide the curve.
 Json way_over_effort(const VectorXd& time, const VectorXd& q, const VectorXd& tau, double from,
                      double to) {
@@ -126,7 +125,7 @@ Json way_over_effort(const VectorXd& time, const VectorXd& q, const VectorXd& ta
   while (first < time.size() && time[first] - time[0] < from - 1e-9) ++first;
   Eigen::Index end = first;
   const auto leaps = [&](Eigen::Index k) { return k > first && std::abs(q[k] - q[k - 1]) > kLeap; };
-  while (end < time.size() && time[end] - time[0] <= to + kSeconds && !leaps(end)) ++end;
+  while (end < time.size() && time[end] - time[0] <= to && !leaps(end)) ++end;
   const Eigen::Index step = std::max<Eigen::Index>(1, (end - first) / kRampSamples);
   for (Eigen::Index k = first; k < end; k += step) {
     if (std::isfinite(q[k]))

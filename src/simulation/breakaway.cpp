@@ -55,7 +55,6 @@ class Push {
       const double t = engine_.time() - began;
       while (row + 1 < ramp.onset && time[row + 1] - time[ramp.rest] <= t) ++row;
       out.simulated_q[row] = engine_.q()[joint_] - crept;
-      out.simulated_dq[row] = engine_.dq()[joint_];
       const double effort =
           t < length ? in_.tau(row, joint_) : event.recorded + slope * (t - length);
       if (!step(home, effort)) return;
@@ -118,7 +117,7 @@ Breakaway breakaway(Engine& engine, const Model& arm, const ReplayInput& input,
   Breakaway out;
   out.joint = joint;
   out.speed = speed;
-  out.simulated_q = out.simulated_dq = VectorXd::Constant(rows, kNaN);
+  out.simulated_q = VectorXd::Constant(rows, kNaN);
   std::vector<double> recorded[2];
   std::vector<double> simulated[2];
   const VectorXd q = input.motion.q.col(joint);

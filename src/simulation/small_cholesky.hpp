@@ -8,7 +8,8 @@ namespace veridyn {
 // (entry (i, j) at i + j n), which for a handful of joints beat a library's blocked code and never
 // allocate.
 
-/// A = L L' in place, in the lower triangle, with one over its diagonal on the diagonal. False if A is not positive definite, or not a number.
+/// A = L L' in place, in the lower triangle, with one over its diagonal on the diagonal. False if A
+/// is not positive definite, or not a number.
 inline bool cholesky_in_place(double* A, int n) noexcept {
   for (int j = 0; j < n; ++j) {
     double* column = A + j * n;

@@ -33,5 +33,40 @@ TEST_P(EquationOfMotionOnEverySampleArm, IsThatOfTheScalarRecursions) {
   }
 }
 
+// What the idle lanes add, against central differences of the scalar recursion. Velocity torques
+// are quadratic, so that these are exact for the slopes.
+TEST_P(EquationOfMotionOnEverySampleArm, IdleLanesKnowWhatLiesAround) {
+  RigidBodyDynamics scalar(arm(), phi());
+  EquationOfMotion lanes(arm(), phi());
+  if (!lanes.surroundings_are_free()) GTEST_SKIP() << "no idle lanes for this arm here";
+  const int n = joints();
+  const VectorXd zero = VectorXd::Zero(n);
+  Random random(71);
+  VectorXd h(n), plain_h(n), change(n), up(n), down(n);
+  MatrixXd M(n, n), plain_M(n, n), D(n, n);
+  for (const State& s : test_states(n, 48)) {
+    const VectorXd direction = random.vector(n, -1, 1);
+    const VectorXd way = 1e-7 * direction;
+    lanes.evaluate(s.q, s.dq, plain_M, plain_h);
+    lanes.evaluate_surroundings(s.q, s.dq, s.ddq, way, M, h, D, change);
+    EXPECT_EQ(h, plain_h);
+    EXPECT_EQ(M, plain_M);
+    const double size = 1.0 + h.norm() + M.norm() * (1.0 + s.ddq.norm());
+    for (int j = 0; j < n; ++j) {
+      scalar.inverse_dynamics(s.q, s.dq + VectorXd::Unit(n, j), zero, up);
+      scalar.inverse_dynamics(s.q, s.dq - VectorXd::Unit(n, j), zero, down);
+      EXPECT_TRUE(near(D.col(j), 0.5 * (up - down), 1e-5 * size)) << j;
+    }
+    const double step = 1e-5;
+    scalar.inverse_dynamics(s.q + step * direction, s.dq, s.ddq, up);
+    scalar.inverse_dynamics(s.q - step * direction, s.dq, s.ddq, down);
+    EXPECT_TRUE(near(change, 1e-7 * (up - down) / (2.0 * step), 1e-12 * size));
+    lanes.evaluate_surroundings(s.q, s.dq, s.ddq, zero, M, h, D, change);
+    EXPECT_EQ(change, zero);
+    lanes.evaluate_with_slopes(s.q, s.dq, M, h, D);
+    EXPECT_EQ(h, plain_h);
+  }
+}
+
 }  // namespace
 }  // namespace veridyn

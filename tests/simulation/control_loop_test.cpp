@@ -179,13 +179,15 @@ TEST(Replay, RowsThatComeLateDoNotShakeTheArm) {
   ReplayInput input{made.run.motion, made.run.tau, std::vector<char>(static_cast<size_t>(rows), 1)};
   std::fill(input.use.begin(), input.use.begin() + 200, 0);
   std::fill(input.use.end() - 100, input.use.end(), 0);
+  Random random(3);
   for (Eigen::Index k = 0; k < rows; ++k) {
-    const double late = k % 7 == 3 ? 2e-3 : 0.0;
+    const double late = random.in(0.0, 0.02);
     input.motion.q.row(k) -= late * input.motion.dq.row(k);
   }
   Plant plant(arm);
   const Replay found = replay(plant, arm, input, {});
-  EXPECT_LT(found.torque_error.maxCoeff(), 0.03) << found.torque_error.transpose();
+  EXPECT_LT(found.torque_error[2], 0.01) << found.torque_error.transpose();
+  EXPECT_LT(found.torque_error.maxCoeff(), 0.05) << found.torque_error.transpose();
 }
 
 }  // namespace

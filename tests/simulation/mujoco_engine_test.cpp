@@ -2,6 +2,7 @@
 
 #include "simulation/plant_support.hpp"
 #include "support/near.hpp"
+#include "veridyn/math/require.hpp"
 
 // The plant against an engine that nobody here wrote: M and bias from MuJoCo, another integrator,
 // another friction.
@@ -51,14 +52,17 @@ TEST_P(PlantAgainstMujoco, TrajectoriesWithoutFrictionAgree) {
   plant.set_state(start, zero);
   mujoco->set_state(start, zero);
   double range = 0.0;
+  double apart = 0.0;
   for (int k = 0; k < 2000; ++k) {
     VectorXd tau(n);
     for (int i = 0; i < n; ++i) tau[i] = 0.2 * std::sin(0.003 * k + i);
     ASSERT_EQ(plant.step(tau, 1e-3), StepStatus::kOk);
     ASSERT_EQ(mujoco->step(tau, 1e-3), StepStatus::kOk);
     range = std::max(range, (plant.q() - start).cwiseAbs().maxCoeff());
+    apart = std::max(apart, (plant.q() - mujoco->q()).cwiseAbs().maxCoeff());
     ASSERT_TRUE(near(plant.q(), mujoco->q(), 1e-4 * range + 1e-9)) << k;
   }
+  RecordProperty("apart_per_range", text(apart / range));
   EXPECT_GT(range, 0.01);
 }
 

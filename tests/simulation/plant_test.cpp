@@ -63,6 +63,7 @@ TEST(Plant, InverseDynamicsOfItsMotionReturnTheTorque) {
     plant.set_state(zero, zero);
     VectorXd ddq(arm.joints());
     int compared = 0;
+    double largest = 0.0;  // of what is not returned
     bool reversed =
         false;  // the joint with a memory: then the samples no longer show its whole path
     for (int k = 0; k < 3000; ++k) {
@@ -84,67 +85,12 @@ TEST(Plant, InverseDynamicsOfItsMotionReturnTheTorque) {
       }
       const VectorXd own =
           inverse_dynamics(arm, plant.q(), plant.dq(), ddq) + plant.effect_torques();
+      largest = std::max(largest, (own - tau).norm() / size);
       ASSERT_TRUE(near(own, tau, 1e-9 * size)) << name << " at " << plant.time() << " s";
       ASSERT_EQ(plant.step(tau, kStep), StepStatus::kOk);
     }
+    RecordProperty(std::string("largest_") + name, text(largest));
     EXPECT_GT(compared, 1000) << name;
-  }
-}
-
-// Between samples the memory runs along the path that the plant really went: the inverse dynamics
-// above see every millisecond only, and still agree. Where the path turns round within a
-// millisecond the plant must be the better one: halving its steps changes nothing.
-TEST(Plant, MotionDoesNotDependOnTheStep) {
-  Model arm = robot("psm-3dof");
-  std::vector<EffectTerm> effects = arm.effects();
-  effects.push_back(effect(arm, "presliding_hysteresis", 2, {{"level", 0.4}, {"distance", 2e-4}}));
-  arm = with_effects(arm, effects);
-  const auto end_of = [&](double step, double tolerance) {
-    PlantOptions options;
-    options.tolerance = tolerance;
-    Plant plant(arm, options);
-    const VectorXd zero = VectorXd::Zero(3);
-    plant.set_state(zero, zero);
-    const auto steps = static_cast<int>(std::lround(2.0 / step));
-    for (int k = 0; k < steps; ++k) {
-      // Constant over 10 ms whatever the step, so that all plants see the same torques.
-      const double t = 0.01 * std::floor((k + 0.5) * step / 0.01);
-      EXPECT_EQ(plant.step(waves(3, t), step), StepStatus::kOk);
-    }
-    VectorXd state(6);
-    state << plant.q(), plant.dq();
-    return state;
-  };
-  const VectorXd exact = end_of(1e-4, 1e-10);
-  EXPECT_TRUE(near(end_of(1e-3, 1e-6), exact, 1e-6));
-  EXPECT_TRUE(near(end_of(1e-2, 1e-6), exact, 1e-5));
-}
-
-// The error falls with the tolerance, and is of its size.
-TEST(Plant, ToleranceGovernsTheError) {
-  const Model arm =
-      with_effects(planar_2r(), {effect(planar_2r(), "joint_spring", 0, {{"stiffness", 4000.0}}),
-                                 effect(planar_2r(), "joint_spring", 1, {{"stiffness", 900.0}})});
-  const auto end_of = [&](double tolerance) {
-    PlantOptions options;
-    options.tolerance = tolerance;
-    options.most_substeps = 1000000;
-    Plant plant(arm, options);
-    plant.set_state(VectorXd::Constant(2, 0.1), VectorXd::Zero(2));
-    for (int k = 0; k < 10; ++k) EXPECT_EQ(plant.step(VectorXd::Zero(2), 0.1), StepStatus::kOk);
-    return std::make_pair(VectorXd(plant.q()), plant.work().taken);
-  };
-  const VectorXd exact = end_of(1e-13).first;
-  double last = 1.0;
-  long work = 0;
-  for (const double tolerance : {1e-4, 1e-6, 1e-8, 1e-10}) {
-    const auto [q, taken] = end_of(tolerance);
-    const double error = (q - exact).cwiseAbs().maxCoeff() / 0.1;
-    EXPECT_LT(error, 300.0 * tolerance) << tolerance;  // some hundred substeps add up
-    EXPECT_LT(error, 0.2 * last) << tolerance;
-    EXPECT_GT(taken, work);
-    last = error;
-    work = taken;
   }
 }
 

@@ -32,8 +32,7 @@ struct Breakaway {
   /// Medians of each direction, [N m], [N]; NaN where there are none.
   double recorded_forward = 0.0, recorded_backward = 0.0;
   double simulated_forward = 0.0, simulated_backward = 0.0;
-  VectorXd simulated_q;   ///< (rows) of the joint; NaN where nothing was simulated
-  VectorXd simulated_dq;  ///< likewise
+  VectorXd simulated_q;  ///< (rows) of the joint; NaN where nothing was simulated
 };
 
 /// The mean effort of a tenth of a second around row k.

@@ -44,7 +44,12 @@ struct Replay {
   std::vector<char> use;  ///< (rows) of the run: 0 is left out of the errors
 };
 
-/// Drives the engine of this arm with a recording.
+/// Drives the engine of this arm with a recording, from its first row on.
+///
+/// What leads is slow as the recorded position and fast as the integral of the recorded velocity
+/// (they meet at 0.5 Hz), and its velocity is its own derivative: rows that came milliseconds late
+/// would act through the damping as torques. Effects of measured motion (transmission_compliance)
+/// are added to the simulated torque along the simulated motion.
 /// @throws InvalidInput  sizes that do not fit; the run ends before its tenth row.
 Replay replay(Engine& engine, const Model& arm, const ReplayInput& input,
               const ReplayOptions& options);
