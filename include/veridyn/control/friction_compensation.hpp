@@ -53,7 +53,7 @@ struct FrictionOptions {
 /// however wrong the identified friction is.
 ///
 ///   FrictionCompensation friction(arm);
-///   every cycle: tau += friction.update(state, wanted.dq, wanted.q - state.q(), 0.001);
+///   every cycle: tau += friction.update(state, wanted.dq, error, 0.001);  // stored vectors
 class FrictionCompensation {
  public:
   /// @throws InvalidInput  a friction effect has no values; an option that cannot be.
