@@ -41,11 +41,12 @@ int main() {
   input.q_wanted.setConstant(NAN);  // the arm may leave its path
   input.force_expected.setConstant(NAN);
   Vector6d wrench = Vector6d::Zero();
+  VectorXd tau(3);
   for (int k = 0; k < 3000; ++k) {
     wanted.x.x() = anchor.x() + 0.055 * std::min(1.0, 0.001 * k);  // pulls with about 5 N
     state.update(plant.q(), plant.dq());
     wrench.head<3>() = 1000.0 * (state.tip().position() - anchor);  // what a force sensor says
-    VectorXd tau = control.update(state, wanted, wrench);
+    tau = control.update(state, wanted, wrench);
     tau += friction.update(state, control.joint_velocity(), control.joint_error(), dt);
     tau += error.update(state, control.acceleration(), dt);
     input.force = wrench.head<3>();

@@ -10,7 +10,8 @@
 namespace veridyn {
 namespace {
 
-constexpr double kFar = 1e3;  // [rad], [m]: every memory is sheared after this way
+constexpr double kFadesBelow = 0.1;  // of the store
+constexpr double kFar = 1e3;         // [rad], [m]: every memory is sheared after this way
 
 double pick(const Deadband& deadband, bool prismatic) {
   return prismatic ? deadband.prismatic : deadband.revolute;
@@ -21,6 +22,23 @@ double weighted(const BoundEffect& term, const EffectColumns& row) {
   for (int p = 0; p < term.parameter_count(); ++p)
     sum += row[static_cast<size_t>(p)] * term.values()[static_cast<size_t>(p)];
   return sum;
+}
+
+// True if the force differs after ways to and fro that end in the same motion.
+bool remembers(const BoundEffect& term) {
+  if (!term.effect().has_memory()) return false;
+  EffectColumns rows[2]{};
+  for (int way = 0; way < 2; ++way) {
+    AxisSample x;
+    x.ds = 2.0 * kRestSpeed;
+    x.load = 1.0;
+    EffectState state{};
+    x.s = way == 0 ? -kFar : kFar;
+    term.effect().columns(x, term.shape(), state, rows[way]);
+    x.s = 0.0;
+    term.effect().columns(x, term.shape(), state, rows[way]);
+  }
+  return rows[0] != rows[1];
 }
 
 }  // namespace
@@ -41,6 +59,7 @@ FrictionCompensation::FrictionCompensation(const Model& arm, const FrictionOptio
       return axis.c == term.axis.coefficients && axis.offset == term.axis.offset;
     });
     if (known != axes_.end()) {
+      known->remembers.push_back(remembers(bound) ? 1 : 0);
       known->terms.push_back(std::move(bound));
       continue;
     }
@@ -51,6 +70,7 @@ FrictionCompensation::FrictionCompensation(const Model& arm, const FrictionOptio
     axis.velocity_deadband = pick(options.velocity, axis.prismatic);
     axis.position_deadband = pick(options.position, axis.prismatic);
     axis.reserve = pick(options.reserve, axis.prismatic);
+    axis.remembers.push_back(remembers(bound) ? 1 : 0);
     axis.terms.push_back(std::move(bound));
     axes_.push_back(std::move(axis));
   }
@@ -94,9 +114,13 @@ double FrictionCompensation::sliding(int k, double direction, double speed) cons
   return sliding(axes_[static_cast<size_t>(k)], direction, speed);
 }
 
+double FrictionCompensation::store(const Axis& axis) noexcept {
+  const bool supervised = std::isfinite(axis.reserve) && axis.largest > 0.0;
+  return supervised ? axis.energy / axis.largest : 1.0;
+}
+
 double FrictionCompensation::store(int k) const noexcept {
-  const Axis& axis = axes_[static_cast<size_t>(k)];
-  return axis.largest > 0.0 ? axis.energy / axis.largest : 1.0;
+  return store(axes_[static_cast<size_t>(k)]);
 }
 
 double FrictionCompensation::by_velocity(const Axis& axis, double v, double v_wanted,
@@ -118,8 +142,9 @@ double FrictionCompensation::by_memory(Axis& axis, double will, double speed, do
   x.s = axis.s;
   x.load = axis.load;
   double sum = 0.0;
-  for (BoundEffect& term : axis.terms) {
-    const bool memory = term.effect().has_memory();
+  for (size_t k = 0; k < axis.terms.size(); ++k) {
+    BoundEffect& term = axis.terms[k];
+    const bool memory = axis.remembers[k] != 0;
     x.ds = memory ? v : direction * std::max(speed, 1.001 * kRestSpeed);
     EffectColumns row{};
     term.columns(x, row);
@@ -144,6 +169,7 @@ void FrictionCompensation::supervise(Axis& axis, double v_wanted, double dt) con
       options_.share * axis.scale *
       std::max(std::abs(sliding(axis, 1.0, 0.0)), std::abs(sliding(axis, -1.0, 0.0)));
   axis.largest = level * axis.reserve;
+  if (!std::isfinite(axis.reserve)) return;
   if (axis.first) {
     axis.energy = axis.largest;
     return;
@@ -151,7 +177,8 @@ void FrictionCompensation::supervise(Axis& axis, double v_wanted, double dt) con
   const double wanted = options_.share * axis.scale *
                         std::abs(sliding(axis, v_wanted < 0.0 ? -1.0 : 1.0, v_wanted) * v_wanted);
   axis.energy += wanted * dt - axis.force * (axis.s - axis.before);
-  axis.energy = std::clamp(axis.energy, 0.0, axis.largest);
+  // A time that is no number leaves nothing to give away.
+  axis.energy = std::isnan(axis.energy) ? 0.0 : std::clamp(axis.energy, 0.0, axis.largest);
 }
 
 const VectorXd& FrictionCompensation::update(const ArmState& arm, const VectorXd& dq_wanted,
@@ -159,6 +186,8 @@ const VectorXd& FrictionCompensation::update(const ArmState& arm, const VectorXd
   assert(arm.joints() == tau_.size() && dq_wanted.size() == tau_.size() &&
          error.size() == tau_.size());
   tau_.setZero();
+  if (!arm.q().allFinite() || !arm.dq().allFinite() || !dq_wanted.allFinite() || !error.allFinite())
+    return tau_;
   for (Axis& axis : axes_) {
     axis.s = axis.offset + axis.c.dot(arm.q());
     axis.load = axis.c.dot(arm.rigid_bias()) / axis.c.squaredNorm();
@@ -167,8 +196,7 @@ const VectorXd& FrictionCompensation::update(const ArmState& arm, const VectorXd
     const double e = axis.c.dot(error);
     supervise(axis, v_wanted, dt);
     const double force = whole(axis, v, v_wanted, e);
-    const double left = axis.largest > 0.0 ? axis.energy / (0.1 * axis.largest) : 1.0;
-    axis.force = options_.share * axis.scale * std::min(1.0, left) * force;
+    axis.force = options_.share * axis.scale * std::min(1.0, store(axis) / kFadesBelow) * force;
     axis.before = axis.s;
     axis.first = false;
     tau_ += axis.force * axis.c;

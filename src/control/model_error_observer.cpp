@@ -32,6 +32,10 @@ bool ModelErrorObserver::set_limit(const VectorXd& limit) noexcept {
 const VectorXd& ModelErrorObserver::update(const ArmState& arm, const VectorXd& y,
                                            double dt) noexcept {
   assert(y.size() == d_.size() && arm.joints() == d_.size());
+  if (!arm.q().allFinite() || !arm.dq().allFinite() || !y.allFinite() || !std::isfinite(dt)) {
+    first_ = true;  // d stays; the change of velocity across the gap does not count
+    return d_;
+  }
   if (!first_) {
     lacking_ = y_ * dt - (arm.dq() - dq_);
     d_.noalias() += options_.bandwidth * arm.mass_matrix().lazyProduct(lacking_);

@@ -77,6 +77,11 @@ void MomentumObserver::reset() noexcept {
 const VectorXd& MomentumObserver::update(const ArmState& arm, const VectorXd& tau_motor,
                                          const VectorXd& ddq, double dt) noexcept {
   assert(arm.joints() == r_.size() && tau_motor.size() == r_.size() && ddq.size() == r_.size());
+  if (!arm.q().allFinite() || !arm.dq().allFinite() || !tau_motor.allFinite() || !ddq.allFinite() ||
+      !std::isfinite(dt)) {
+    reset();
+    return r_;
+  }
   p_.noalias() = arm.mass_matrix().lazyProduct(arm.dq());
   // r still shows what was unknown a moment ago.
   const double falls = std::exp(-options_.bandwidth * dt);

@@ -3,9 +3,11 @@
 #include <cmath>
 
 #include "control/control_support.hpp"
-#include "veridyn/control/computed_torque.hpp"
+#include "control/psm_like.hpp"
+#include "veridyn/control/friction_compensation.hpp"
 #include "veridyn/control/gravity_compensation.hpp"
 #include "veridyn/control/model_error_observer.hpp"
+#include "veridyn/control/momentum_observer.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/simulation/plant.hpp"
 
@@ -59,6 +61,34 @@ TEST(ModelErrorObserver, NeverAddsMoreThanItsLimit) {
   EXPECT_FALSE(error.set_limit(Eigen::Vector2d(0.1, 0.1)));
   EXPECT_THROW(ModelErrorObserver(3, {10.0, VectorXd::Ones(2)}), InvalidInput);
   EXPECT_THROW(ModelErrorObserver(3, {0.0, VectorXd::Ones(3)}), InvalidInput);
+}
+
+// One cycle that is no number leaves no trace in what remembers.
+TEST(WhatRemembers, ForgetsACycleThatIsNoNumber) {
+  const Model arm = psm_like();
+  const Tip tip{"tool"};
+  ArmState state(arm, tip);
+  FrictionOptions options;
+  options.rule = FrictionRule::kPresliding;
+  FrictionCompensation friction(arm, options);
+  ModelErrorObserver error(3, {10.0, VectorXd::Ones(3)});
+  MomentumObserver momentum(arm, tip);
+  const VectorXd y = Eigen::Vector3d(0.1, -0.1, 0.1);
+  const VectorXd none = VectorXd::Zero(3);
+  VectorXd q = Eigen::Vector3d(0.1, 0.2, 0.1);
+  VectorXd dq = Eigen::Vector3d(0.1, 0.1, 0.05);
+  for (int k = 0; k < 100; ++k) {
+    q += 1e-3 * dq;
+    const bool lost = k == 50;
+    state.update(lost ? VectorXd::Constant(3, NAN) : q, dq);
+    const VectorXd f = friction.update(state, dq, none, 1e-3);
+    const VectorXd d = error.update(state, y, 1e-3);
+    const VectorXd r = momentum.update(state, lost ? none : state.bias(), y, 1e-3);
+    EXPECT_TRUE(f.allFinite() && d.allFinite() && r.allFinite()) << k;
+    EXPECT_EQ(f.norm() > 0.0, !lost) << k;
+    EXPECT_EQ(std::isfinite(friction.store(0)), true);
+  }
+  EXPECT_LT(momentum.torque().norm(), 1.0);
 }
 
 // With springs and offsets in the model an arm stays where it is let go.

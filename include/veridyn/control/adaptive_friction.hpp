@@ -22,6 +22,9 @@ struct AdaptiveFrictionOptions {
 ///
 /// by normalised gradient steps, between physical bounds. The offset keeps errors of gravity out of
 /// it as long as the axis moves both ways.
+///
+///   AdaptiveFriction adaptive(friction, options);   // options.enabled = true
+///   every cycle: adaptive.update(state, error.torque(), 0.001, friction);
 class AdaptiveFriction {
  public:
   /// @throws InvalidInput  bounds that do not hold 1 between them, a rate below zero.

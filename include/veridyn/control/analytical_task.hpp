@@ -27,6 +27,9 @@ Eigen::Matrix3d angle_rates_to_omega_rate(const Eigen::Vector3d& roll_pitch_yaw,
 /// T has no inverse where pitch is +-90 degrees from home: choose home near the middle of the work.
 /// Within 3 degrees of it the inverse is damped, like TaskInverse's. With TaskRows::kPosition only
 /// the first three rows are filled and J_a = J. Nothing allocates after the constructor.
+///
+///   AnalyticalTask task(6, TaskRows::kPose, R_world_home);
+///   task.update(state.tip());   // then task.x(), task.jacobian(), task.wrench(h)
 class AnalyticalTask {
  public:
   /// @param home  R_world_home, orthonormal. @throws InvalidInput  it is not.

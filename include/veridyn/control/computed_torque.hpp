@@ -27,8 +27,8 @@ struct JointGains {
 ///
 ///   state.update(q, dq);
 ///   tau = control.update(state, wanted);
-///   tau += friction.update(state, wanted.dq, control.acceleration());
-///   tau += model_error.update(state, control.acceleration());
+///   tau += friction.update(state, wanted.dq, error, dt);  // stored vectors
+///   tau += model_error.update(state, control.acceleration(), dt);
 class ComputedTorque {
  public:
   /// @throws InvalidInput  gains that are not `joints` finite numbers, none below zero.

@@ -51,6 +51,9 @@ struct FrictionOptions {
 /// friction at rest would cost, up to `reserve`. Compensation fades out with the last tenth of the
 /// store, so that motion that nobody wants cannot go on: it may cost a single reserve and no more,
 /// however wrong the identified friction is.
+///
+///   FrictionCompensation friction(arm);
+///   every cycle: tau += friction.update(state, wanted.dq, error, 0.001);  // stored vectors
 class FrictionCompensation {
  public:
   /// @throws InvalidInput  a friction effect has no values; an option that cannot be.
@@ -60,7 +63,8 @@ class FrictionCompensation {
   /// @param error  (n) wanted minus measured position of the joints; in Cartesian control
   ///               Impedance::joint_error().
   /// @param dt  [s] since the last update().
-  /// @returns (n), valid until the next update(); to be added to the torque.
+  /// @returns (n), valid until the next update(); to be added to the torque. Zero, and nothing is
+  ///          remembered, where the arm's state is no number.
   const VectorXd& update(const ArmState& arm, const VectorXd& dq_wanted, const VectorXd& error,
                          double dt) noexcept;
 
@@ -90,6 +94,7 @@ class FrictionCompensation {
     double offset = 0.0;
     bool prismatic = false;
     std::vector<BoundEffect> terms;
+    std::vector<char> remembers;  // which terms depend on the past, as their constants are
     double velocity_deadband = 0.0, position_deadband = 0.0, reserve = 0.0;
     double scale = 1.0;
     double energy = 0.0;   // in the store [J]
@@ -100,6 +105,7 @@ class FrictionCompensation {
     bool first = true;
   };
   static double sliding(const Axis& axis, double direction, double speed) noexcept;
+  static double store(const Axis& axis) noexcept;
   double by_velocity(const Axis& axis, double v, double v_wanted, double error) const noexcept;
   static double by_memory(Axis& axis, double will, double speed, double v) noexcept;
   double whole(Axis& axis, double v, double v_wanted, double error) const noexcept;

@@ -20,6 +20,9 @@ struct ModelErrorOptions {
 /// friction gives way. Under a contact without a force sensor it pushes with up to `limit` more
 /// than the law wants, so the limit is what the model may be wrong by: TorqueUncertainty gives it,
 /// cycle by cycle where wanted.
+///
+///   ModelErrorObserver error(3, {10.0, limit});
+///   every cycle: tau += error.update(state, control.acceleration(), 0.001);
 class ModelErrorObserver {
  public:
   /// @throws InvalidInput  limits that are not `joints` finite numbers, none below zero; a
@@ -28,7 +31,8 @@ class ModelErrorObserver {
   ModelErrorObserver(int joints, const ModelErrorOptions& options);
 
   /// @param y  (n) acceleration that the motors were told to make from now on. @param dt [s] since
-  /// the last update(). @returns d (n), to be added to the torque.
+  /// the last update(). @returns d (n), to be added to the torque; as it was where a number is
+  /// none.
   const VectorXd& update(const ArmState& arm, const VectorXd& y, double dt) noexcept;
 
   /// Other limits from the next update() on; those that could not be are refused: false.

@@ -28,6 +28,10 @@ struct MomentumObserverOptions {
 /// that lie beyond the touched link stay zero, so it sits on the first link that the outermost
 /// coordinate with a torque moves, or further out along the directions that no joint notices.
 /// Source: De Luca and Mattone, ICRA 2005. Nothing allocates after the constructor.
+///
+///   MomentumObserver touch(arm, {"tool"});
+///   every cycle: touch.update(state, tau_of_last_cycle, control.acceleration(), 0.001);
+///   if (touch.contact()) ...   // touch.frame(), touch.force()
 class MomentumObserver {
  public:
   /// @throws InvalidInput  as ArmState and TorqueUncertainty; a bandwidth or number of cycles that
@@ -35,7 +39,8 @@ class MomentumObserver {
   MomentumObserver(const Model& arm, const Tip& tip, const MomentumObserverOptions& options = {});
 
   /// @param tau_motor  (n) that acted since the last update(). @param ddq  (n) wanted, for the
-  /// threshold. @param dt  [s] since the last update(). @returns r (n) [N m], [N].
+  /// threshold. @param dt  [s] since the last update(). @returns r (n) [N m], [N]; it
+  /// starts afresh where a number is none.
   const VectorXd& update(const ArmState& arm, const VectorXd& tau_motor, const VectorXd& ddq,
                          double dt) noexcept;
 

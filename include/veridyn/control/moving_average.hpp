@@ -6,6 +6,9 @@ namespace veridyn {
 
 /// The mean of the last `window` samples of each entry; of all so far while there are fewer. The
 /// thesis smooths joint velocities with ten (7.5). Late by (window - 1) / 2 samples.
+///
+///   MovingAverage smooth(3);
+///   every cycle: dq = smooth.update(dq_measured);
 class MovingAverage {
  public:
   /// @throws InvalidInput  size or window below one.

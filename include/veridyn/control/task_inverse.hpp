@@ -45,6 +45,10 @@ double characteristic_length(const Model& arm, const Tip& tip);
 ///
 /// Source: damped least squares with numerical filtering, Maciejewski and Klein, J. Robotic Systems
 /// 5(6), 1988; the choice of damping is ours. Nothing allocates after the constructor.
+///
+///   TaskInverse inverse(arm, {"tool"}, TaskRows::kPosition);
+///   inverse.update(tip.jacobian());
+///   inverse.solve(a, y0, y);
 class TaskInverse {
  public:
   /// @throws InvalidInput  a length or threshold below zero, a threshold of zero.

@@ -22,6 +22,9 @@ struct Tip {
 /// Pose, geometric Jacobian and its rate of the tip, as frame_pose() and its neighbours give them,
 /// for control loops: only the frames above the tip are visited, and nothing allocates after the
 /// constructor.
+///
+///   TipKinematics tip(arm, {"tool", {0, 0, 0.01}});
+///   tip.update(q, dq);  // then tip.position(), tip.jacobian()
 class TipKinematics {
  public:
   /// @throws InvalidInput  the arm has no such frame, or the offset is not finite.

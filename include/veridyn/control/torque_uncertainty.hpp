@@ -28,6 +28,9 @@ struct UncertaintyOptions {
 /// every inertial parameter is taken to be `relative` of its value uncertain, independently.
 /// Friction is uncertain by deviations / 3 times `relative`, and wholly so at rest. Nothing
 /// allocates after the constructor.
+///
+///   TorqueUncertainty uncertainty(arm);
+///   every cycle: error.set_limit(uncertainty.update(state, control.acceleration()));
 class TorqueUncertainty {
  public:
   /// @throws InvalidInput  an option that is not above zero; a body or a friction without values.

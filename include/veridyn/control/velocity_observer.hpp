@@ -13,6 +13,9 @@ namespace veridyn {
 /// Without the acceleration a the velocity is late by 2 / bandwidth; an encoder step becomes a
 /// pulse of step * bandwidth^2 dt at most. Source: the critically damped alpha-beta filter,
 /// Benedict and Bordner, IRE Trans. Automatic Control 7(4), 1962.
+///
+///   VelocityObserver velocity(3);
+///   every cycle: dq = velocity.update(q, zeros, 0.001);
 class VelocityObserver {
  public:
   /// @param bandwidth  [1/s] @throws InvalidInput  not above zero.
