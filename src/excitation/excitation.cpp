@@ -5,6 +5,8 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <numeric>
+#include <set>
 
 #include "column_names.hpp"
 #include "motion_search.hpp"
@@ -64,6 +66,15 @@ std::function<bool(const MotionSamples&)> within_limits(const LimitSignals& sign
     return std::all_of(margins.begin(), margins.end(),
                        [](const LimitMargin& m) { return m.margin >= 0.0; });
   };
+}
+
+// Those that the rivals are on, each once, or else all.
+std::vector<int> slow_joints(const Question& question, const Model& arm) {
+  const std::set<int> asked(question.rival_joints.begin(), question.rival_joints.end());
+  if (!asked.empty()) return {asked.begin(), asked.end()};
+  std::vector<int> all(static_cast<size_t>(arm.joints()));
+  std::iota(all.begin(), all.end(), 0);
+  return all;
 }
 
 double range_condition_number(const MatrixXd& W) {
@@ -163,8 +174,8 @@ Excitation optimise_excitation(const Model& arm, const ExcitationOptions& option
   const MotionSamples motion = out.trajectory.motion(periods, options.rate);
   out.margins = limit_margins(signals, out.trajectory);
   const MotionSamples passes =
-      within ? slow_passes(space.limits(), motion.q.row(0).transpose(), options.slow_passes,
-                           options.rate, within_limits(signals))
+      within ? slow_passes(space.limits(), motion.q.row(0).transpose(), slow_joints(question, arm),
+                           options.slow_passes, options.rate, within_limits(signals))
              : MotionSamples();
   if (passes.rows() > 0) {
     out.margins = joined(out.margins, limit_margins(signals, passes));
