@@ -88,7 +88,7 @@ double range_condition_number(const MatrixXd& W) {
 std::vector<std::pair<std::string, double>> weakest_direction(const MatrixXd& gram,
                                                               const BaseRegressor& regressor,
                                                               const Model& arm) {
-  const VectorXd d = gram.diagonal().cwiseSqrt().cwiseMax(1e-300).cwiseInverse();
+  const VectorXd d = gram.diagonal().cwiseSqrt().cwiseMax(1e-100).cwiseInverse();
   const MatrixXd scaled = d.asDiagonal() * gram * d.asDiagonal();
   const VectorXd direction = Eigen::SelfAdjointEigenSolver<MatrixXd>(scaled).eigenvectors().col(0);
   const std::vector<ColumnName> names = column_names(arm);
@@ -160,12 +160,20 @@ Excitation optimise_excitation(const Model& arm, const ExcitationOptions& option
     if (own.x.size() > 0) own.cost = question.verdict(verdict(space.trajectory(own.x)));
   });
   if (options.progress) options.progress("searching", 1.0);
-  const Found& best =
-      *std::min_element(found.begin(), found.end(), [](const Found& a, const Found& b) {
-        return std::make_pair(a.x.size() == 0, a.cost) < std::make_pair(b.x.size() == 0, b.cost);
-      });
+  Found& best = *std::min_element(found.begin(), found.end(), [](const Found& a, const Found& b) {
+    return std::make_pair(a.x.size() == 0, a.cost) < std::make_pair(b.x.size() == 0, b.cost);
+  });
 
   const bool within = best.x.size() > 0;
+  if (within && !(options.stop && options.stop())) {
+    const VectorXd last = search.polished(best);
+    const double cost =
+        last.size() > 0 ? question.verdict(verdict(space.trajectory(last))) : best.cost;
+    if (cost < best.cost) {
+      best.x = last;
+      best.cost = cost;
+    }
+  }
   Excitation out{within ? ExcitationStatus::kDone : ExcitationStatus::kLimitsNotMet, arm.name(),
                  options.criterion, options.solver,
                  space.trajectory(within ? best.x : best.nearest)};
