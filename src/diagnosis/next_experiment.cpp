@@ -23,6 +23,11 @@ bool can_be_asked(const std::string& effect) {
   return effect == "payload" || effect == "torque_gain" || effect == "gravity_tilt";
 }
 
+// Shows itself at low speed and after reversals.
+bool is_slow(const std::string& effect) {
+  return effect == "stribeck_friction" || effect == "presliding_hysteresis" || effect == "backlash";
+}
+
 }  // namespace
 
 NextExperiment next_experiment(const Diagnosis& d) {
@@ -35,7 +40,8 @@ NextExperiment next_experiment(const Diagnosis& d) {
               "veridyn excite " + d.baseline.robot +
                   " -o next.csv --criterion discriminate --between " +
                   asked_text(f.effect, f.joint, f.frame) + "," +
-                  asked_text(r.effect, r.joint, r.frame)};
+                  asked_text(r.effect, r.joint, r.frame) +
+                  (is_slow(f.effect) || is_slow(r.effect) ? " --slow-passes 2" : "")};
     }
   }
   return {};

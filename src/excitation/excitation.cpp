@@ -5,6 +5,8 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <numeric>
+#include <set>
 
 #include "column_names.hpp"
 #include "motion_search.hpp"
@@ -66,6 +68,15 @@ std::function<bool(const MotionSamples&)> within_limits(const LimitSignals& sign
   };
 }
 
+// Those that the rivals are on, each once, or else all.
+std::vector<int> slow_joints(const Question& question, const Model& arm) {
+  const std::set<int> asked(question.rival_joints.begin(), question.rival_joints.end());
+  if (!asked.empty()) return {asked.begin(), asked.end()};
+  std::vector<int> all(static_cast<size_t>(arm.joints()));
+  std::iota(all.begin(), all.end(), 0);
+  return all;
+}
+
 double range_condition_number(const MatrixXd& W) {
   const VectorXd range = (W.colwise().maxCoeff() - W.colwise().minCoeff()).transpose();
   if (!(range.minCoeff() > 0.0)) return std::numeric_limits<double>::infinity();
@@ -77,7 +88,7 @@ double range_condition_number(const MatrixXd& W) {
 std::vector<std::pair<std::string, double>> weakest_direction(const MatrixXd& gram,
                                                               const BaseRegressor& regressor,
                                                               const Model& arm) {
-  const VectorXd d = gram.diagonal().cwiseSqrt().cwiseMax(1e-300).cwiseInverse();
+  const VectorXd d = gram.diagonal().cwiseSqrt().cwiseMax(1e-100).cwiseInverse();
   const MatrixXd scaled = d.asDiagonal() * gram * d.asDiagonal();
   const VectorXd direction = Eigen::SelfAdjointEigenSolver<MatrixXd>(scaled).eigenvectors().col(0);
   const std::vector<ColumnName> names = column_names(arm);
@@ -149,12 +160,20 @@ Excitation optimise_excitation(const Model& arm, const ExcitationOptions& option
     if (own.x.size() > 0) own.cost = question.verdict(verdict(space.trajectory(own.x)));
   });
   if (options.progress) options.progress("searching", 1.0);
-  const Found& best =
-      *std::min_element(found.begin(), found.end(), [](const Found& a, const Found& b) {
-        return std::make_pair(a.x.size() == 0, a.cost) < std::make_pair(b.x.size() == 0, b.cost);
-      });
+  Found& best = *std::min_element(found.begin(), found.end(), [](const Found& a, const Found& b) {
+    return std::make_pair(a.x.size() == 0, a.cost) < std::make_pair(b.x.size() == 0, b.cost);
+  });
 
   const bool within = best.x.size() > 0;
+  if (within && !(options.stop && options.stop())) {
+    const VectorXd last = search.polished(best);
+    const double cost =
+        last.size() > 0 ? question.verdict(verdict(space.trajectory(last))) : best.cost;
+    if (cost < best.cost) {
+      best.x = last;
+      best.cost = cost;
+    }
+  }
   Excitation out{within ? ExcitationStatus::kDone : ExcitationStatus::kLimitsNotMet, arm.name(),
                  options.criterion, options.solver,
                  space.trajectory(within ? best.x : best.nearest)};
@@ -163,8 +182,8 @@ Excitation optimise_excitation(const Model& arm, const ExcitationOptions& option
   const MotionSamples motion = out.trajectory.motion(periods, options.rate);
   out.margins = limit_margins(signals, out.trajectory);
   const MotionSamples passes =
-      within ? slow_passes(space.limits(), motion.q.row(0).transpose(), options.slow_passes,
-                           options.rate, within_limits(signals))
+      within ? slow_passes(space.limits(), motion.q.row(0).transpose(), slow_joints(question, arm),
+                           options.slow_passes, options.rate, within_limits(signals))
              : MotionSamples();
   if (passes.rows() > 0) {
     out.margins = joined(out.margins, limit_margins(signals, passes));

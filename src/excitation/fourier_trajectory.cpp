@@ -8,7 +8,7 @@
 namespace veridyn {
 namespace {
 
-constexpr int kSamplesPerWave = 64;
+constexpr int kSamplesPerWave = 256;
 
 VectorXd harmonic_numbers(Eigen::Index harmonics) {
   return VectorXd::LinSpaced(harmonics, 1.0, static_cast<double>(harmonics));

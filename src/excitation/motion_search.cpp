@@ -17,6 +17,7 @@ constexpr int kInstantsPerWave = 24;  // of the shortest wave, for the criterion
 constexpr int kLimitsPerWave = 14;    // and for the limits; what is between is fitted afterwards
 static_assert(kStages == 2, "one for each sharpness");
 constexpr double kSharpness[] = {2.0, 16.0};  // of the smooth condition number, one after the other
+constexpr double kLastSharpness = 100.0;      // for the best motion of all searches
 constexpr int kNarrowings = 5;                // rounds until limits hold between instants too
 constexpr double kHeld = 1e-9;                // of a limit's scale: rounding
 
@@ -190,6 +191,16 @@ Found MotionSearch::run(int start) const {
   found.nearest = x;
   progress_.over(start);
   return found;
+}
+
+VectorXd MotionSearch::polished(Found& best) const {
+  const bool random = options_.solver == ExcitationSolver::kRandom;
+  if (random || question_.criterion != ExcitationCriterion::kCondition) return {};
+
+  const VectorXd next = descend(best.x, allowed(), kLastSharpness, 0, best);
+  if (next.size() == 0) return {};
+  const VectorXd fitted = fitted_to_joints(space_, next);
+  return keeps(fitted, allowed()) ? fitted : VectorXd();
 }
 
 VectorXd fitted_to_joints(const MotionSpace& space, const VectorXd& x) {

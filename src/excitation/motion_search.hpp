@@ -32,6 +32,10 @@ class MotionSearch {
 
   Found run(int start) const;
 
+  /// A last descent from the best motion, for the condition number: with a stand-in that is close
+  /// to it; counted with the others. Empty where nothing within the limits came of it.
+  VectorXd polished(Found& best) const;
+
  private:
   struct Bounds {
     VectorXd lower, upper;  ///< of every signal

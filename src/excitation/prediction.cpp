@@ -45,7 +45,7 @@ VectorXd rms_torque(const BaseRegressor& regressor, const MotionSamples& motion,
 
 // Diagonal of the inverse, columns scaled first; infinite where a parameter is left open.
 VectorXd variances(const MatrixXd& information) {
-  const VectorXd d = information.diagonal().cwiseSqrt().cwiseMax(1e-300).cwiseInverse();
+  const VectorXd d = information.diagonal().cwiseSqrt().cwiseMax(1e-100).cwiseInverse();
   const Eigen::LLT<MatrixXd> llt(d.asDiagonal() * information * d.asDiagonal());
   if (llt.info() != Eigen::Success)
     return VectorXd::Constant(d.size(), std::numeric_limits<double>::infinity());

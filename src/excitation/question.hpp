@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <vector>
 
 #include "criterion.hpp"
 #include "stacked_columns.hpp"
@@ -22,6 +23,7 @@ struct Question {
   MatrixXd basis;        ///< of ColumnScaling::kOrthogonal
   RivalColumns rivals;   ///< for kDiscriminate
   bool bodies_known = false;
+  std::vector<int> rival_joints;  ///< from 0, of the rivals that stand on one
   MatrixXd rounded_given;  ///< information that is there already, per instant of the new motion
   MatrixXd exact_given;
 

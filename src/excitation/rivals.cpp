@@ -234,6 +234,10 @@ void add_rivals(const Model& arm, const ExcitationOptions& options, double round
   std::vector<int> taken = choice.nuisance;
   taken.insert(taken.end(), choice.first.begin(), choice.first.end());
   taken.insert(taken.end(), choice.second.begin(), choice.second.end());
+  for (const RivalCause& rival : {a, b}) {
+    const bool on_joint = rival.effect == "torque_gain" || has_effect(rival.effect);
+    if (on_joint) question.rival_joints.push_back(find_joint(arm, rival));
+  }
   exact->choose(taken);
   rounded->choose(taken);
   question.exact = exact;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <vector>
 
 namespace veridyn {
 namespace {
@@ -86,10 +85,11 @@ std::vector<Part> fitted(double speed, double room, double acceleration) {
 
 }  // namespace
 
-MotionSamples slow_passes(const MotionLimits& limits, const VectorXd& rest, int passes, double rate,
+MotionSamples slow_passes(const MotionLimits& limits, const VectorXd& rest,
+                          const std::vector<int>& joints, int passes, double rate,
                           const std::function<bool(const MotionSamples&)>& keeps) {
   MotionSamples out;
-  for (Eigen::Index i = 0; i < rest.size(); ++i) {
+  for (const int i : joints) {
     const double above = limits.upper[i] - rest[i];
     const double below = limits.lower[i] - rest[i];
     for (int k = 0; k < passes; ++k) {

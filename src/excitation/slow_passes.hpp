@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <vector>
 
 #include "veridyn/kinematics/motion_limits.hpp"
 #include "veridyn/kinematics/motion_samples.hpp"
@@ -16,11 +17,13 @@ namespace veridyn {
 ///
 /// @param limits  of positions, speeds and accelerations.
 /// @param rest    (n) where all of it begins and ends.
-/// @param passes  of every joint, each with a speed of its own.
+/// @param joints  which of them, from 0.
+/// @param passes  of every one of these, each with a speed of its own.
 /// @param keeps   whether a motion is within all other limits; where it is not, the way is halved,
 ///                and the pass is left out where that does not help.
 /// @returns samples at `rate` [Hz], time from zero; no rows where nothing is possible.
-MotionSamples slow_passes(const MotionLimits& limits, const VectorXd& rest, int passes, double rate,
+MotionSamples slow_passes(const MotionLimits& limits, const VectorXd& rest,
+                          const std::vector<int>& joints, int passes, double rate,
                           const std::function<bool(const MotionSamples&)>& keeps);
 
 /// One motion after the other; the first row of the second is where the first one ends.

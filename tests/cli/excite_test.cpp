@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <sstream>
 
 #include "cli/tool.hpp"
@@ -117,14 +118,70 @@ TEST(Excite, NoisyRecordingsThatAreGivenCountAsTheMotionThatTheyShow) {
                 .status,
             0);
   const auto median = [&](const Words& more) {
-    const ToolRun run = run_tool(
-        Words{"excite", "psm-3dof", "-o", path("n.csv"), "--json", path("n.json")} + kQuick + more);
+    // A random motion: the same whatever is given.
+    const ToolRun run =
+        run_tool(Words{"excite", "psm-3dof", "-o", path("n.csv"), "--json", path("n.json"),
+                       "--solver", "random", "--iterations", "1", "--starts", "1", "--quiet"} +
+                 more);
     EXPECT_EQ(run.status, 0) << run.err;
     return json_of(path("n.json"))["prediction"]["median_relative_std"].get<double>();
   };
   const double exact = median({"--given", path("m.csv")});
   EXPECT_NEAR(median({"--given", path("r.csv")}) / exact, 1.0, 0.15);
   EXPECT_GT(median({}), 1.1 * exact);
+}
+
+// What `diagnose` prints as the next experiment is a command that runs as it stands, and its
+// recording settles the question.
+TEST(Excite, TheNextExperimentOfADiagnosisTellsItsRivalsApart) {
+  const TemporaryFolder folder;
+  const auto path = [&](const std::string& name) { return folder.path(name); };
+  const auto record = [&](const std::string& motion, const std::string& seed) {
+    const std::string recording = path("recording" + seed + ".csv");
+    EXPECT_EQ(run_tool({"simulate", "psm-3dof", "--trajectory", motion, "-o", recording, "--effect",
+                        "load_dependent_friction:yaw:coefficient=0.1", "--noise", "dvrk", "--seed",
+                        seed, "--quiet"})
+                  .status,
+              0);
+    return recording;
+  };
+  std::vector<std::string> recordings;
+  for (const char* seed : {"1", "2", "3"}) {
+    ASSERT_EQ(run_tool({"excite", "psm-3dof", "-o", path(seed), "--solver", "random",
+                        "--iterations", "1", "--starts", "1", "--seed", seed, "--quiet"})
+                  .status,
+              0);
+    recordings.push_back(record(path(seed), seed));
+  }
+  const auto diagnosis = [&](const Words& train) {
+    EXPECT_EQ(run_tool(Words{"diagnose", "psm-3dof", "--train"} + train +
+                       Words{"--test", recordings[2], "--json", path("why.json"), "--model-out",
+                             path("model.yaml"), "--quiet"})
+                  .status,
+              0);
+    return json_of(path("why.json"));
+  };
+  const nlohmann::json before = diagnosis({recordings[0], recordings[1]});
+  ASSERT_EQ(before["findings"].size(), 1U);
+  ASSERT_FALSE(before["findings"][0]["rivals"].empty());
+  std::istringstream command(before["next_experiment"]["trajectory"].get<std::string>());
+  Words words;
+  for (std::string word; command >> word;) words.push_back(word);
+  ASSERT_GT(words.size(), 5U);
+  EXPECT_EQ(words[0], "veridyn");
+  words.erase(words.begin());
+  const auto output = std::find(words.begin(), words.end(), "next.csv");
+  ASSERT_NE(output, words.end());
+  *output = path("next.csv");
+  const ToolRun excite = run_tool(words + Words{"--quiet"});
+  ASSERT_EQ(excite.status, 0) << excite.err;
+  const nlohmann::json after =
+      diagnosis({recordings[0], recordings[1], record(path("next.csv"), "4")});
+  ASSERT_EQ(after["findings"].size(), 1U);
+  EXPECT_EQ(after["findings"][0]["effect"], "load_dependent_friction");
+  EXPECT_EQ(after["findings"][0]["joint"], 1);
+  for (const auto& rival : after["findings"][0]["rivals"])
+    EXPECT_NE(rival["effect"], "position_dependent_friction") << rival;
 }
 
 TEST(Excite, WordsThatMakeNoSenseAreUsageErrors) {

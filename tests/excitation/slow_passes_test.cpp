@@ -23,7 +23,7 @@ bool always(const MotionSamples&) {
 }
 
 MotionSamples passes(const VectorXd& rest, int count) {
-  return slow_passes(limits(), rest, count, kRate, always);
+  return slow_passes(limits(), rest, {0, 1}, count, kRate, always);
 }
 
 TEST(SlowPasses, BeginAndEndAtRestWhereTheArmIs) {
@@ -91,11 +91,12 @@ TEST(SlowPasses, AreShortenedUntilOtherLimitsHold) {
   const auto near_home = [](const MotionSamples& m) {
     return (m.q.col(0).array() - 0.3).abs().maxCoeff() < 0.05;
   };
-  const MotionSamples m = slow_passes(limits(), Eigen::Vector2d(0.3, 0.1), 2, kRate, near_home);
+  const MotionSamples m =
+      slow_passes(limits(), Eigen::Vector2d(0.3, 0.1), {0, 1}, 2, kRate, near_home);
   EXPECT_TRUE(near_home(m));
   EXPECT_GT((m.q.col(0).array() - 0.3).abs().maxCoeff(), 0.01);
   const auto never = [](const MotionSamples&) { return false; };
-  EXPECT_EQ(slow_passes(limits(), Eigen::Vector2d(0.3, 0.1), 2, kRate, never).rows(), 0);
+  EXPECT_EQ(slow_passes(limits(), Eigen::Vector2d(0.3, 0.1), {0, 1}, 2, kRate, never).rows(), 0);
 }
 
 TEST(SlowPasses, FollowTheLastPeriodWithinItsLimits) {

@@ -15,7 +15,8 @@
 namespace veridyn::seek {
 namespace {
 
-constexpr int kFirstDesigned = 200;  // number of the first designed recording
+constexpr int kFirstDesigned = 200;   // number of the first designed recording
+constexpr double kFineRate = 1000.0;  // [Hz] of the designed motions before they are recorded
 constexpr double kFrequencies[] = {0.1, 0.13, 0.08, 0.16};  // [Hz] of the designed motions
 
 // The other cause of a pair: a finding or a rival of this kind counts wherever it is.
@@ -28,25 +29,37 @@ bool lists(const Finding& f, const std::string& effect) {
                      [&](const veridyn::Rival& r) { return r.effect == effect; });
 }
 
-bool is_at(const Cause& cause, const Finding& f) {
+// The name of the frame that moves a frame: all that are fixed to it carry the same loads.
+std::string link_of(const Model& arm, const std::string& frame) {
+  int k = arm.find_frame(frame);
+  while (k >= 0 && arm.frames()[static_cast<size_t>(k)].type == JointType::kFixed)
+    k = arm.frames()[static_cast<size_t>(k)].parent;
+  return k >= 0 ? arm.frames()[static_cast<size_t>(k)].name : "";
+}
+
+// A load's finding stands for all links that carry it alike: they are among its rivals.
+bool is_at(const Model& arm, const Cause& cause, const Finding& f) {
   if (cause.effect == "payload") {
-    return f.frame == cause.frame ||
+    const auto there = [&](const std::string& frame) {
+      return link_of(arm, frame) == link_of(arm, cause.frame);
+    };
+    return there(f.frame) ||
            std::any_of(f.rivals.begin(), f.rivals.end(), [&](const veridyn::Rival& r) {
-             return r.effect == cause.effect && r.frame == cause.frame;
+             return r.effect == cause.effect && there(r.frame);
            });
   }
   return cause.joint < 0 || f.joint == cause.joint + 1;
 }
 
 // A rival stands where the finding does, or on a frame, or is of the whole arm.
-Answer answer(const Diagnosis& d, const Cause& cause, const std::string& other) {
+Answer answer(const Model& arm, const Diagnosis& d, const Cause& cause, const std::string& other) {
   bool right = false;
   bool right_elsewhere = false;
   bool both = false;
   bool wrong = false;
   for (const Finding& f : d.findings) {
     const bool of_pair = names(f, cause.effect) || names(f, other);
-    if (names(f, cause.effect)) (is_at(cause, f) ? right : right_elsewhere) = true;
+    if (names(f, cause.effect)) (is_at(arm, cause, f) ? right : right_elsewhere) = true;
     wrong |= names(f, other);
     if (of_pair) both |= lists(f, names(f, other) ? cause.effect : other);
   }
@@ -58,9 +71,9 @@ Answer answer(const Diagnosis& d, const Cause& cause, const std::string& other) 
 }
 
 // The kind that is named beside the hidden one, as far as a motion can be asked for it.
-std::string rival_of(const Diagnosis& d, const Cause& cause) {
+std::string rival_of(const Model& arm, const Diagnosis& d, const Cause& cause) {
   for (const Finding& f : d.findings) {
-    if (f.effect != cause.effect || !is_at(cause, f)) continue;
+    if (f.effect != cause.effect || !is_at(arm, cause, f)) continue;
     for (const veridyn::Rival& r : f.rivals) {
       const bool can = has_effect(r.effect) ? !find_effect(r.effect).needs_source()
                                             : r.effect == "payload" || r.effect == "torque_gain" ||
@@ -125,15 +138,12 @@ Model without_efforts(const Model& arm) {
   return Model(std::move(description));
 }
 
-Motion::Series series_of(const Excitation& e) {
-  const FourierTrajectory& t = e.trajectory;
-  Motion::Series out{t.frequency(), e.periods, t.q0(), t.a(), -t.b()};
-  for (int h = 0; h < t.harmonics(); ++h) {
-    const double omega = 2.0 * M_PI * t.frequency() * (h + 1);
-    out.sine.col(h) /= omega;
-    out.cosine.col(h) /= omega;
+// Friction shows itself at low speed and after reversals.
+bool is_friction(const RivalCause& cause) {
+  for (const char* effect : {"stribeck_friction", "presliding_hysteresis", "backlash"}) {
+    if (cause.effect == effect) return true;
   }
-  return out;
+  return false;
 }
 
 class Fight {
@@ -153,16 +163,17 @@ class Fight {
     if (!hidden_.observable) return out;
     const Cause& cause = hidden_.causes.front();
     const std::string& other = request_.hide_second ? request_.pair.first : request_.pair.second;
-    out.hidden = describe(cause, hidden_.bench.robot);
+    const Model& robot = hidden_.bench.robot;
+    out.hidden = describe(cause, robot);
     CaseFiles files = write_case(hidden_, folder_);
     files.train.resize(static_cast<size_t>(request_.ordinary), files.train.back());
     const Diagnosis before = ask(files);
-    out.before = answer(before, cause, other);
+    out.before = answer(robot, before, cause, other);
     out.words_before = words(before);
     Pair pair{cause.effect, other, request_.pair.mode};
     if (out.before == Answer::kRight) {
       // Not this pair, but perhaps the hidden cause and something else.
-      pair.second = rival_of(before, cause);
+      pair.second = rival_of(robot, before, cause);
       out.other = pair.second;
     }
     if (out.before != Answer::kBoth && out.other.empty()) return out;
@@ -170,7 +181,7 @@ class Fight {
     if (out.asked.empty()) return out;
     if (!design(before, files, out)) return out;
     const Diagnosis after = ask(files);
-    out.after = answer(after, cause, pair.second);
+    out.after = answer(robot, after, cause, pair.second);
     out.words_after = words(after);
     return out;
   }
@@ -189,6 +200,9 @@ class Fight {
     const auto comma = out.asked.find(',');
     options.between = {cause_from(out.asked.substr(0, comma)),
                        cause_from(out.asked.substr(comma + 1))};
+    const auto& [first, second] = *options.between;
+    if (is_friction(first) || is_friction(second)) options.slow_passes = request_.slow_passes;
+    options.rate = kFineRate;
     options.threads = request_.threads;
     options.powered = without_efforts(*before.extended.model);
     for (const std::string& path : files.train) {
@@ -206,16 +220,17 @@ class Fight {
         out.share_after =
             std::min(found.discrimination->first_share, found.discrimination->second_share);
       }
-      recorded.push_back(record(series_of(found), kFirstDesigned + 2 * k));
-      if (k == 0) files.test.push_back(record(series_of(found), kFirstDesigned + 1));
+      recorded.push_back(record(found.motion, kFirstDesigned + 2 * k));
+      if (k == 0) files.test.push_back(record(found.motion, kFirstDesigned + 1));
     }
     files.train.insert(files.train.end(), recorded.begin(), recorded.end());
     out.planned = true;
     return true;
   }
 
-  std::string record(const Motion::Series& series, int number) {
-    const Motion motion(hidden_.bench.robot, series, hidden_.bench.seed, number);
+  std::string record(const MotionSamples& wanted, int number) {
+    const Motion motion(hidden_.bench.robot, {wanted.time, wanted.q, wanted.dq, wanted.ddq},
+                        hidden_.bench.seed, number);
     const std::string path = folder_ + fmt::format("/designed-{}.csv", number);
     write_recording(hidden_.bench, ideal_recording(hidden_.bench, hidden_.causes, motion, number),
                     hidden_.bench.seed, number, path);

@@ -23,9 +23,10 @@ struct DuelRequest {
   bool hide_second = false;  ///< otherwise the first is hidden
   std::string arm;
   unsigned seed = 1;
-  double share = 0.1;  ///< see CaseRequest
-  int ordinary = 2;    ///< recordings of random motions to learn from; one more is the test
-  int designs = 2;     ///< motions that are designed and recorded, with other frequencies
+  double share = 0.1;   ///< see CaseRequest
+  int ordinary = 2;     ///< recordings of random motions to learn from; one more is the test
+  int designs = 2;      ///< motions that are designed and recorded, with other frequencies
+  int slow_passes = 2;  ///< of the joints in question, where the pair is about friction
   int threads = 1;
 };
 

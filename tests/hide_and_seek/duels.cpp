@@ -68,6 +68,8 @@ int run(int argc, char** argv) {
       ->check(CLI::Range(1, 3));
   app.add_option("--designs", asked.designs, "Motions that are designed and recorded")
       ->check(CLI::Range(1, 4));
+  app.add_option("--slow-passes", asked.slow_passes, "Where the pair is about friction")
+      ->check(CLI::Range(0, 10));
   app.add_option("--threads", asked.threads, "Of diagnose and of the search");
   app.add_option("--keep", keep, "Keep the recordings in this folder");
   CLI11_PARSE(app, argc, argv);

@@ -1,7 +1,9 @@
 #include "hide_and_seek/motion.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <string>
+#include <utility>
 
 namespace veridyn::seek {
 namespace {
@@ -86,17 +88,12 @@ Motion::Motion(const Model& arm, unsigned seed, int number) {
   }
 }
 
-Motion::Motion(const Model& arm, const Series& series, unsigned seed, int number)
-    : duration_(series.periods / series.frequency) {
+Motion::Motion(const Model& arm, Rows wanted, unsigned seed, int number)
+    : given_(std::move(wanted)), duration_(given_.time[given_.time.size() - 1]) {
   Draw draw(seed, "deviation " + arm.name() + " " + std::to_string(number));
-  for (int i = 0; i < arm.joints(); ++i) {
+  for (const Coordinate& c : arm.coordinates()) {
     Joint joint;
-    joint.centre = series.centre[i];
-    for (int h = 0; h < series.sine.cols(); ++h) {
-      const double omega = 2.0 * M_PI * series.frequency * (h + 1);
-      joint.wanted.push_back({omega, series.sine(i, h), series.cosine(i, h)});
-    }
-    add_deviation(joint, arm.coordinates()[static_cast<size_t>(i)].prismatic, draw);
+    add_deviation(joint, c.prismatic, draw);
     joints_.push_back(std::move(joint));
   }
 }
@@ -111,13 +108,35 @@ void Motion::add_deviation(Joint& joint, bool prismatic, Draw& draw) const {
   }
 }
 
+namespace {
+
+// The polynomial of fifth order between two rows that has their values and derivatives.
+Value between(const Motion::Rows& rows, Eigen::Index joint, double t) {
+  const double h = rows.time[1] - rows.time[0];
+  const auto k = std::clamp<Eigen::Index>(static_cast<Eigen::Index>(t / h), 0, rows.q.rows() - 2);
+  const double u = std::clamp((t - rows.time[k]) / h, 0.0, 1.0);
+  const double v = rows.dq(k, joint) * h;
+  const double a = rows.ddq(k, joint) * h * h;
+  const double D = rows.q(k + 1, joint) - rows.q(k, joint) - v - 0.5 * a;
+  const double V = rows.dq(k + 1, joint) * h - v - a;
+  const double A = rows.ddq(k + 1, joint) * h * h - a;
+  const double c3 = 10.0 * D - 4.0 * V + 0.5 * A;
+  const double c4 = -15.0 * D + 7.0 * V - A;
+  const double c5 = 6.0 * D - 3.0 * V + 0.5 * A;
+  return {rows.q(k, joint) + u * (v + u * (0.5 * a + u * (c3 + u * (c4 + u * c5)))),
+          (v + u * (a + u * (3.0 * c3 + u * (4.0 * c4 + u * 5.0 * c5)))) / h,
+          (a + u * (6.0 * c3 + u * (12.0 * c4 + u * 20.0 * c5))) / (h * h)};
+}
+
+}  // namespace
+
 State Motion::at(double t) const {
   const auto n = static_cast<Eigen::Index>(joints_.size());
   State s{VectorXd(n), VectorXd(n), VectorXd(n)};
   const Value f = fade(t, duration_);
   for (Eigen::Index i = 0; i < n; ++i) {
     const Joint& joint = joints_[static_cast<size_t>(i)];
-    const Value v = sum(joint.wanted, t);
+    const Value v = given_.time.size() > 0 ? between(given_, i, t) : sum(joint.wanted, t);
     const Value e = sum(joint.deviation, t);
     s.q[i] = joint.centre + v.x + f.x * e.x;
     s.dq[i] = v.dx + f.x * e.dx + f.dx * e.x;

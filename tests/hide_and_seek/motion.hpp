@@ -18,24 +18,18 @@ class Motion {
   /// @param number  of the recording: every one has other coefficients and another frequency.
   Motion(const Model& arm, unsigned seed, int number);
 
-  /// The arm is asked to follow a given series, see Series, and deviates from it as above.
-  ///
-  ///   q_i = centre_i + sum_k  sine(i, k) sin(2 pi f k t) + cosine(i, k) cos(2 pi f k t),  k = 1 ..
-  struct Series {
-    double frequency = 0.0;  ///< f [Hz]
-    int periods = 2;
-    VectorXd centre;        ///< (n)
-    MatrixXd sine, cosine;  ///< (n x harmonics)
-  };
-  Motion(const Model& arm, const Series& series, unsigned seed, int number);
-
-  double duration() const { return duration_; }  ///< [s]
-  State at(double t) const;
-
   struct Rows {
     VectorXd time;
     MatrixXd q, dq, ddq;  ///< (rows x n)
   };
+
+  /// The arm is asked to follow given rows, evenly spaced from time zero on, and deviates from them
+  /// as above. Between the rows: polynomials of fifth order.
+  Motion(const Model& arm, Rows wanted, unsigned seed, int number);
+
+  double duration() const { return duration_; }  ///< [s]
+  State at(double t) const;
+
   Rows sampled(double rate) const;
 
  private:
@@ -50,6 +44,7 @@ class Motion {
   void add_deviation(Joint& joint, bool prismatic, Draw& draw) const;
 
   std::vector<Joint> joints_;
+  Rows given_;  ///< empty: the waves say it all
   double duration_ = 0.0;
 };
 

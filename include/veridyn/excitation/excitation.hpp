@@ -66,8 +66,9 @@ struct ExcitationOptions {
   int harmonics = 5;        ///< at least 2: one alone cannot start at rest
   double duration = 30.0;   ///< [s] wanted; rounded to whole periods, at least two
   double rate = 200.0;      ///< [Hz] of the samples
-  /// Of every joint after the last period, for friction: there and back at a slow, constant speed,
-  /// within all limits; the criterion does not know of them.
+  /// Of every joint (for kDiscriminate: of the rivals' joints, where they have some) after the last
+  /// period, for friction: there and back at a slow, constant speed, within all limits. The
+  /// criterion does not know of them.
   int slow_passes = 0;
   ExcitationCriterion criterion = ExcitationCriterion::kCondition;
   std::optional<std::pair<RivalCause, RivalCause>> between{};  ///< for kDiscriminate

@@ -65,7 +65,7 @@ class FourierTrajectory {
   /// after the end, and there the arm is where it began.
   MotionSamples motion(int periods, double rate) const;
 
-  /// From 64 samples per shortest wave and the largest curvature between them, h^2 / 8 max|f''|.
+  /// From 256 samples per shortest wave and the largest curvature between them, h^2 / 8 max|f''|.
   MotionBounds bounds() const;
 
  private:
