@@ -38,6 +38,11 @@ void add_client_options(CLI::App& command, DvrkRequest& request) {
   command.add_option("--rate", request.rate, "Of the cycle (1500)")
       ->option_text("HZ")
       ->check(CLI::Range(1.0, 10000.0));
+  command
+      .add_option("--watchdog", request.watchdog,
+                  "Amplifiers go off after so long without a word from here (0.03)")
+      ->option_text("S")
+      ->check(CLI::Range(0.001, 0.34));
   command.add_option("--mtu", request.mtu, "Of the network to the boards (1500)")
       ->option_text("BYTES");
   command
@@ -171,6 +176,7 @@ dvrk::ArmSessionOptions session_options(const DvrkRequest& request, const DvrkAr
   options.actuator_to_joint = arm.coupling;
   options.rate = request.rate;
   options.mtu = request.mtu;
+  options.watchdog = request.watchdog;
   options.protocol = request.protocol == "sequential" ? dvrk::CycleProtocol::kSequential
                      : request.protocol == "broadcast-write"
                          ? dvrk::CycleProtocol::kBroadcastWrite

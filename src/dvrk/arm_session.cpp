@@ -41,6 +41,7 @@ SessionOptions session_options(const RobotConfig& robot, const ArmSessionOptions
   session.bus.protocol = options.protocol;
   session.bus.cycle_time = options.rate > 0.0 ? 1.0 / options.rate : 0.0;
   session.bus.mtu = options.mtu;
+  session.watchdog = options.watchdog;
   session.channels.resize(session.bus.boards.size());
   for (int i = 0; i < robot.size(); ++i) {
     const ActuatorConfig& actuator = robot.actuators[static_cast<size_t>(i)];

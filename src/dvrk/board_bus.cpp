@@ -16,6 +16,18 @@ constexpr double kLateCycles = 2.5;       // timestamps of so many cycles tell o
 constexpr double kJump = 0.005;           // [s] between timestamp and clock: look at the board
 constexpr int kWriteTries = 3;
 
+Condition condition_of(ReadResult result) {
+  switch (result) {
+    case ReadResult::kNotSent: return Condition::kNotSent;
+    case ReadResult::kWrongSize: return Condition::kWrongSize;
+    case ReadResult::kWrongHeader: return Condition::kWrongHeader;
+    case ReadResult::kDropped: return Condition::kDropped;
+    case ReadResult::kNoReply:
+    case ReadResult::kOk: break;
+  }
+  return Condition::kNoReply;
+}
+
 Route everyone() { return {kBroadcastNode, false, Destination::kBoard}; }
 
 }  // namespace
@@ -60,9 +72,15 @@ void BoardBus::set_zero(int b, int channel, std::uint16_t bits) noexcept {
 
 // ---- reading
 
-void BoardBus::lose(Board& b) noexcept {
+void BoardBus::lose(Board& b, Condition why) noexcept {
   b.valid = false;
+  b.loss = why;
   ++b.lost_reads;
+}
+
+void BoardBus::lose_noted(Board& b, Condition why, std::uint32_t word) noexcept {
+  note(why, b.info.id, -1, word);
+  lose(b, why);
 }
 
 bool BoardBus::read() noexcept {
@@ -70,7 +88,7 @@ bool BoardBus::read() noexcept {
   const double start = link_.now();
   if (state_ == BusState::kRunning && exchange_.generation_changed()) begin_scan();
   if (state_ != BusState::kRunning) {
-    for (Board& b : boards_) lose(b);
+    for (Board& b : boards_) lose(b, Condition::kGenerationChanged);
     if (state_ == BusState::kScanning) scan_step();
     return false;
   }
@@ -96,10 +114,11 @@ void BoardBus::read_sequential() noexcept {
     if (result == ReadResult::kOk) {
       accept(b, block);
     } else {
-      lose(b);
+      lose(b, condition_of(result));
     }
     if (result == ReadResult::kDropped) {  // no more node-addressed traffic (section 17 #3)
-      for (Board* other = &b + 1; other < boards_.data() + boards_.size(); ++other) lose(*other);
+      for (Board* other = &b + 1; other < boards_.data() + boards_.size(); ++other)
+        lose(*other, Condition::kDropped);
       if (state_ == BusState::kRunning) begin_scan();
       return;
     }
@@ -122,7 +141,7 @@ void BoardBus::read_broadcast() noexcept {
       exchange_.read_block({static_cast<std::uint8_t>(hub_node_), false, Destination::kBoard},
                            address::kHub, quadlets, options_.reply_timeout, data);
   if (result != ReadResult::kOk) {
-    for (Board& b : boards_) lose(b);
+    for (Board& b : boards_) lose(b, condition_of(result));
     link_lost_ = link_lost_ || result == ReadResult::kNotSent;
     if (result == ReadResult::kDropped) begin_scan();
     return;
@@ -136,14 +155,11 @@ void BoardBus::read_broadcast() noexcept {
     const QuadletView block = data.part(at + 1, size);
     at += 1 + size;
     if (word == 0 || block[1] == 0) {
-      note(Condition::kMissingBoard, b.info.id, -1, word);
-      lose(b);
+      lose_noted(b, Condition::kMissingBoard, word);
     } else if (firmware >= 8 && header.quadlets != hub_quadlets(firmware)) {
-      note(Condition::kWrongBlockSize, b.info.id, -1, word);
-      lose(b);
+      lose_noted(b, Condition::kWrongBlockSize, word);
     } else if (!answers(header, sequence_, firmware)) {
-      note(Condition::kStaleSequence, b.info.id, -1, word);
-      lose(b);
+      lose_noted(b, Condition::kStaleSequence, word);
     } else {
       accept(b, block);
     }
@@ -153,14 +169,12 @@ void BoardBus::read_broadcast() noexcept {
 void BoardBus::accept(Board& b, QuadletView block) noexcept {
   const Status status{block[1]};
   if (status.board() != b.info.id) {
-    note(Condition::kWrongBoard, b.info.id, -1, status.word);
-    lose(b);
+    lose_noted(b, Condition::kWrongBoard, status.word);
     if (state_ == BusState::kRunning) begin_scan();
     return;
   }
   if (status.channels() != kChannels) {
-    note(Condition::kWrongHardware, b.info.id, -1, status.word);
-    lose(b);
+    lose_noted(b, Condition::kWrongHardware, status.word);
     return;
   }
   // A board that loses what it was told to switch on may have woken up anew (section 17 #25).

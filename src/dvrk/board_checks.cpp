@@ -28,7 +28,7 @@ void BoardSession::check_bus() noexcept {
   if (bus_.state() != BusState::kRunning)
     react(Reaction::kAmpsOff, Condition::kGenerationChanged);
   for (int b = 0; b < bus_.boards(); ++b) {
-    if (bus_.lost_reads(b) >= options_.lost_reads) react(Reaction::kPowerOff, Condition::kNoReply);
+    if (bus_.lost_reads(b) >= options_.lost_reads) react(Reaction::kPowerOff, bus_.loss(b));
     if (bus_.lost_writes(b) >= options_.lost_writes)
       react(Reaction::kAmpsOff, Condition::kNotEffective);
     if (bus_.rebooted(b)) react(Reaction::kPowerOff, Condition::kRebooted);

@@ -15,6 +15,7 @@ struct ArmSessionOptions {
   CycleProtocol protocol = CycleProtocol::kAutomatic;
   double rate = 1500.0;  ///< [Hz] nominal; 0: timestamps are not judged
   std::size_t mtu = 1500;
+  double watchdog = 0.030;  ///< [s]
   int pot_readings = 20;  ///< cycles of pots that give the encoders their start
 };
 

@@ -75,6 +75,8 @@ class BoardBus {
   const BoardFeedback& feedback(int b) const { return boards_[static_cast<size_t>(b)].feedback; }
   /// Cycles in a row without a valid read.
   int lost_reads(int b) const { return boards_[static_cast<size_t>(b)].lost_reads; }
+  /// Why the last one of them was lost.
+  Condition loss(int b) const { return boards_[static_cast<size_t>(b)].loss; }
   /// Cycles in a row in which a command was not found in the motor status (Rev 8 on).
   int lost_writes(int b) const { return boards_[static_cast<size_t>(b)].lost_writes; }
   /// The board has woken up anew: watchdog and preloads are those of power-up.
@@ -119,6 +121,7 @@ class BoardBus {
     bool rebooted = false;
     bool suspect = false;  ///< look at its registers soon
     int lost_reads = 0;
+    Condition loss = Condition::kNoReply;
     int lost_writes = 0;
   };
 
@@ -150,7 +153,8 @@ class BoardBus {
   void accept(Board& b, QuadletView block) noexcept;
   void check_timestamp(Board& b) noexcept;
   void check_commands(Board& b) noexcept;
-  void lose(Board& b) noexcept;
+  void lose(Board& b, Condition why) noexcept;
+  void lose_noted(Board& b, Condition why, std::uint32_t word) noexcept;
   void keep_house() noexcept;
   void look_at(Board& b) noexcept;
 
