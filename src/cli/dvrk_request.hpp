@@ -26,7 +26,7 @@ struct DvrkRequest {
   std::size_t mtu = 1500;
   double rate = 1500.0;     ///< [Hz]
   double watchdog = 0.030;  ///< [s]
-  double seconds = 0.0;  ///< 0: until a signal
+  double seconds = 0.0;     ///< 0: until a signal
   std::string output;
   std::string trajectory;
   std::string gains;

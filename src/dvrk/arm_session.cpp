@@ -47,10 +47,11 @@ SessionOptions session_options(const RobotConfig& robot, const ArmSessionOptions
     const ActuatorConfig& actuator = robot.actuators[static_cast<size_t>(i)];
     require(actuator.axis >= 0 && actuator.axis < kChannels, "arm '", robot.name, "': actuator ", i,
             ": found axis ", actuator.axis, ", expected 0 to 3.");
-    const auto place = std::find(session.bus.boards.begin(), session.bus.boards.end(),
-                                 actuator.board);
-    ChannelSafety& channel = session.channels[static_cast<size_t>(
-        place - session.bus.boards.begin())][static_cast<size_t>(actuator.axis)];
+    const auto place =
+        std::find(session.bus.boards.begin(), session.bus.boards.end(), actuator.board);
+    ChannelSafety& channel =
+        session.channels[static_cast<size_t>(place - session.bus.boards.begin())]
+                        [static_cast<size_t>(actuator.axis)];
     channel = safety_of(actuator);
     for (const PotTolerance& tolerance : robot.pot_tolerances) {
       if (tolerance.axis != i || robot.pots_to_actuators.size() > 0) continue;
@@ -83,7 +84,8 @@ void ArmSession::start() {
   units_.reset();
   bool needed = false;
   for (int i = 0; i < size(); ++i)
-    needed = needed || boards_.needs_preload(place(i), robot().actuators[static_cast<size_t>(i)].axis);
+    needed =
+        needed || boards_.needs_preload(place(i), robot().actuators[static_cast<size_t>(i)].axis);
   if (needed && robot().has_encoder_preload) preload_from_pots();
 }
 
@@ -124,8 +126,7 @@ bool ArmSession::update() noexcept {
   for (int i = 0; i < size(); ++i) {
     const auto k = static_cast<size_t>(i);
     const BoardFeedback& board = board_of(i);
-    const ChannelFeedback& channel =
-        board.channel[static_cast<size_t>(robot().actuators[k].axis)];
+    const ChannelFeedback& channel = board.channel[static_cast<size_t>(robot().actuators[k].axis)];
     raw_[k] = {channel.encoder, channel.pot, channel.current, board.seconds()};
   }
   units_.read(raw_.data(), state_);

@@ -9,26 +9,33 @@
 namespace veridyn::dvrk {
 namespace {
 
-constexpr double kQueryLatency = 10e-6;   // [s] section 8.3, #3
+constexpr double kQueryLatency = 10e-6;  // [s] section 8.3, #3
 constexpr double kQueryPerBoard = 10e-6;
-constexpr double kShortestWait = 0.001;   // [s] that a reply gets when the cycle is late already
-constexpr double kLateCycles = 2.5;       // timestamps of so many cycles tell of missed ones
-constexpr double kJump = 0.005;           // [s] between timestamp and clock: look at the board
+constexpr double kShortestWait = 0.001;  // [s] that a reply gets when the cycle is late already
+constexpr double kLateCycles = 2.5;      // timestamps of so many cycles tell of missed ones
+constexpr double kJump = 0.005;          // [s] between timestamp and clock: look at the board
 constexpr int kWriteTries = 3;
 
 Condition condition_of(ReadResult result) {
   switch (result) {
-    case ReadResult::kNotSent: return Condition::kNotSent;
-    case ReadResult::kWrongSize: return Condition::kWrongSize;
-    case ReadResult::kWrongHeader: return Condition::kWrongHeader;
-    case ReadResult::kDropped: return Condition::kDropped;
+    case ReadResult::kNotSent:
+      return Condition::kNotSent;
+    case ReadResult::kWrongSize:
+      return Condition::kWrongSize;
+    case ReadResult::kWrongHeader:
+      return Condition::kWrongHeader;
+    case ReadResult::kDropped:
+      return Condition::kDropped;
     case ReadResult::kNoReply:
-    case ReadResult::kOk: break;
+    case ReadResult::kOk:
+      break;
   }
   return Condition::kNoReply;
 }
 
-Route everyone() { return {kBroadcastNode, false, Destination::kBoard}; }
+Route everyone() {
+  return {kBroadcastNode, false, Destination::kBoard};
+}
 
 }  // namespace
 
@@ -61,9 +68,8 @@ Route BoardBus::route(const Board& b) const {
 
 bool BoardBus::one_group() const noexcept {
   const int group = firmware_group(boards_.front().info.firmware);
-  return std::all_of(boards_.begin(), boards_.end(), [&](const Board& b) {
-    return firmware_group(b.info.firmware) == group;
-  });
+  return std::all_of(boards_.begin(), boards_.end(),
+                     [&](const Board& b) { return firmware_group(b.info.firmware) == group; });
 }
 
 void BoardBus::set_zero(int b, int channel, std::uint16_t bits) noexcept {
@@ -289,14 +295,13 @@ void BoardBus::write_blocks() noexcept {
     if (together) at += size;
   }
   if (together)
-    sent = exchange_.write_block(everyone(), address::kRealTime, QuadletView(all).part(0, at)) &&
-           sent;
+    sent =
+        exchange_.write_block(everyone(), address::kRealTime, QuadletView(all).part(0, at)) && sent;
   link_lost_ = !sent;
 }
 
 void BoardBus::switch_off(Off what) noexcept {
-  const std::uint32_t word =
-      control::kAmpsOff | (what == Off::kPower ? control::kPowerOff : 0U);
+  const std::uint32_t word = control::kAmpsOff | (what == Off::kPower ? control::kPowerOff : 0U);
   const QuadletSpan all({block_.data(), block_.size()});
   std::size_t at = 0;
   bool known = true;
@@ -307,7 +312,8 @@ void BoardBus::switch_off(Off what) noexcept {
     c = BoardCommand();
     c.board = static_cast<std::uint8_t>(b.info.id);
     c.control = word;
-    for (size_t k = 0; k < kChannels; ++k) c.channel[k] = {true, false, AmpRequest::kOff, 0, b.zero[k]};
+    for (size_t k = 0; k < kChannels; ++k)
+      c.channel[k] = {true, false, AmpRequest::kOff, 0, b.zero[k]};
     const std::size_t size = write_quadlets(b.info.firmware);
     encode_command(c, b.info.firmware, all.part(at, size));
     at += size;

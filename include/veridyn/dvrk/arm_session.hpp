@@ -16,7 +16,7 @@ struct ArmSessionOptions {
   double rate = 1500.0;  ///< [Hz] nominal; 0: timestamps are not judged
   std::size_t mtu = 1500;
   double watchdog = 0.030;  ///< [s]
-  int pot_readings = 20;  ///< cycles of pots that give the encoders their start
+  int pot_readings = 20;    ///< cycles of pots that give the encoders their start
 };
 
 /// The safety of a session as a configuration file has it: channels in use, largest currents, zero

@@ -25,8 +25,8 @@ enum class CycleProtocol {
 struct BusOptions {
   std::vector<int> boards;  ///< ids of the boards in use
   CycleProtocol protocol = CycleProtocol::kAutomatic;
-  double reply_timeout = 0.020;   ///< [s]; that of a whole cycle too
-  double rescan_timeout = 0.005;  ///< [s] per node while the cycle runs on
+  double reply_timeout = 0.020;      ///< [s]; that of a whole cycle too
+  double rescan_timeout = 0.005;     ///< [s] per node while the cycle runs on
   double cycle_time = 1.0 / 1500.0;  ///< [s] nominal; 0: timestamps are not judged
   std::size_t mtu = 1500;            ///< of the way to the boards
   int housekeeping = 200;            ///< cycles between two reads of a slow register; 0: none
@@ -42,7 +42,7 @@ struct BoardInfo {
 };
 
 enum class BusState {
-  kClosed,    ///< start() was not called
+  kClosed,  ///< start() was not called
   kRunning,
   kScanning,  ///< nodes have changed; read() looks for the boards again, one node per call
   kRefused    ///< what was found then cannot be used: start() again
@@ -138,7 +138,8 @@ class BoardBus {
   };
 
   Route route(const Board& b) const;
-  void note(Condition condition, int board = -1, int channel = -1, std::uint32_t value = 0) noexcept;
+  void note(Condition condition, int board = -1, int channel = -1,
+            std::uint32_t value = 0) noexcept;
 
   void find_hub();
   void probe(int node, double timeout) noexcept;
