@@ -8,6 +8,7 @@
 #include "dvrk_request.hpp"
 #include "messages.hpp"
 #include "veridyn/dvrk/board_server.hpp"
+#include "veridyn/dvrk/real_time.hpp"
 #include "veridyn/dvrk/simulated_arm.hpp"
 #include "veridyn/math/output_file.hpp"
 #include "veridyn/math/require.hpp"
@@ -45,7 +46,8 @@ Event parse_event(const std::string& words) {
   const bool of_axis = event.what == "amp-fault" && event.board >= 0 && event.axis >= 0 &&
                        event.axis < dvrk::kChannels;
   if (!timed || (!plain && !of_board && !of_axis))
-    throw CLI::ValidationError("--event", "found '" + words + "', expected an event as --help has it");
+    throw CLI::ValidationError("--event",
+                               "found '" + words + "', expected an event as --help has it");
   return event;
 }
 
@@ -136,6 +138,7 @@ ExitStatus run_dvrk_emulate(const DvrkRequest& request) {
                            boards.size(), server.port(), request.firmware,
                            plant ? "" : ", nothing moves (no --model)")
             << std::flush;
+  dvrk::take_real_time_priority(40);
   size_t next = 0;
   double latest_said = 0.02;
   while (!stop_asked().load()) {

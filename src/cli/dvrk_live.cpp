@@ -7,6 +7,7 @@
 #include "dvrk_request.hpp"
 #include "messages.hpp"
 #include "veridyn/dvrk/arm_facts.hpp"
+#include "veridyn/dvrk/real_time.hpp"
 #include "veridyn/dvrk/udp_link.hpp"
 #include "veridyn/identification/remark.hpp"
 #include "veridyn/math/require.hpp"
@@ -19,7 +20,7 @@ namespace {
 using dvrk::ArmSession;
 
 constexpr double kForever = 1e9;     // [s]
-constexpr double kTableEvery = 0.5;         // [s]
+constexpr double kTableEvery = 0.5;  // [s]
 
 std::string flags_of(const dvrk::Status& s) {
   std::string out;
@@ -37,8 +38,7 @@ std::string flags_of(const dvrk::Status& s) {
 std::string table(ArmSession& arm) {
   const dvrk::ArmState& state = arm.state();
   std::string out = fmt::format("{:>5} {:>12} {:>12} {:>12} {:>10} {:>12} {:>4}\n", "joint",
-                                "q [rad, m]", "dq [1/s]", "tau [N m, N]", "i [A]", "pot",
-                                "amp");
+                                "q [rad, m]", "dq [1/s]", "tau [N m, N]", "i [A]", "pot", "amp");
   for (int j = 0; j < arm.size(); ++j) {
     const dvrk::BoardFeedback& board = arm.board_of(j);
     const int axis = arm.robot().actuators[static_cast<size_t>(j)].axis;
@@ -105,6 +105,7 @@ ExitStatus run_dvrk_monitor(const DvrkRequest& request) {
   dvrk::UdpLink link(request.host, request.port);
   ArmSession session(link, arm.robot, session_options(request, arm));
   catch_signals();
+  dvrk::take_real_time_priority(30);
   const bool terminal = ::isatty(STDOUT_FILENO) != 0;
   double next = 0.0;
   const auto show = [&](double t) {
@@ -124,6 +125,7 @@ ExitStatus run_dvrk_read(const DvrkRequest& request) {
   dvrk::UdpLink link(request.host, request.port);
   ArmSession session(link, arm.robot, session_options(request, arm));
   catch_signals();
+  dvrk::take_real_time_priority(30);
   const dvrk::RunResult done =
       dvrk::record_at_rest(session, link, request.seconds, request.rate, stop_asked());
   require(done.rows.rows() > 0, "boards: not a single valid read.");
@@ -147,6 +149,7 @@ ExitStatus run_dvrk_run(const DvrkRequest& request) {
   dvrk::UdpLink link(request.host, request.port);
   ArmSession session(link, arm.robot, session_options(request, arm));
   catch_signals();
+  dvrk::take_real_time_priority(30);
   const dvrk::RunResult done =
       dvrk::run_motion(session, link, motion, gains, options, stop_asked());
   if (done.rows.rows() > 0)

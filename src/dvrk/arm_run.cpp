@@ -12,8 +12,8 @@
 namespace veridyn::dvrk {
 namespace {
 
-constexpr double kLooking = 0.1;      // [s] of reading before power is asked for
-constexpr double kSpare = 1.2;        // rows that are kept ready, beyond those expected
+constexpr double kLooking = 0.1;        // [s] of reading before power is asked for
+constexpr double kSpare = 1.2;          // rows that are kept ready, beyond those expected
 constexpr double kIntegralShare = 0.5;  // of the largest torque
 
 // Rows are stored before the loop begins: it does not allocate.
@@ -63,6 +63,31 @@ VectorXd largest_torques(const ArmSession& arm, const MatrixXd& K) {
   return to_joint.cwiseAbs() * effort;
 }
 
+// Time of the instants at which the boards latched: their own counter where reads follow each
+// other, which no busy machine disturbs; the link's clock after a gap.
+class LatchTime {
+ public:
+  /// @param seconds  since the latch before, as the board says. @returns [s] since the first call.
+  double next(double now, double seconds) noexcept {
+    const double passed = now - last_;
+    if (!started_) {
+      time_ = 0.0;
+      started_ = true;
+    } else {
+      time_ += gap_ || std::abs(seconds - passed) > kClocksDiffer ? passed : seconds;
+    }
+    last_ = now;
+    gap_ = false;
+    return time_;
+  }
+  void lost() noexcept { gap_ = true; }
+
+ private:
+  static constexpr double kClocksDiffer = 0.05;  // [s]
+  double time_ = 0.0, last_ = 0.0;
+  bool started_ = false, gap_ = false;
+};
+
 // A smooth way from where the arm stands to where the motion begins.
 struct Approach {
   VectorXd from, to;
@@ -79,8 +104,8 @@ struct Approach {
 
 class MotionRun {
  public:
-  MotionRun(ArmSession& arm, DatagramLink& link, const MotionSamples& motion,
-            const PidGains& gains, const RunOptions& options, const std::atomic<bool>& stop)
+  MotionRun(ArmSession& arm, DatagramLink& link, const MotionSamples& motion, const PidGains& gains,
+            const RunOptions& options, const std::atomic<bool>& stop)
       : arm_(arm),
         options_(options),
         stop_(stop),
@@ -177,13 +202,19 @@ class MotionRun {
     const double duration = points_.duration();
     double start = -1.0;
     double t = 0.0;
+    LatchTime latch;
+    bool kept = false;
     while (t < duration) {
       const bool goes_on = cycle([&](double now) {
         if (start < 0.0) start = now;
         t = now - start;
         points_.at(t, wanted_q_, wanted_dq_);
-        keeper_.keep(t, arm_.state());
+        const double latched = latch.next(now, arm_.board_of(0).seconds());
+        keeper_.keep(latched, arm_.state());
+        kept = true;
       });
+      if (!kept) latch.lost();
+      kept = false;
       if (!goes_on) return false;
     }
     return true;
@@ -225,8 +256,8 @@ RunResult run_motion(ArmSession& arm, DatagramLink& link, const MotionSamples& m
                      const PidGains& gains, const RunOptions& options,
                      const std::atomic<bool>& stop) {
   require(motion.rows() >= 2 && motion.joints() >= 1 && motion.joints() <= arm.size(), "arm '",
-          arm.robot().name, "': found a motion of ", motion.joints(), " joints and ",
-          motion.rows(), " rows, expected 1 to ", arm.size(), " joints and 2 rows.");
+          arm.robot().name, "': found a motion of ", motion.joints(), " joints and ", motion.rows(),
+          " rows, expected 1 to ", arm.size(), " joints and 2 rows.");
   require(motion.dq.rows() == motion.rows() && motion.q.allFinite() && motion.dq.allFinite() &&
               motion.time.allFinite(),
           "arm '", arm.robot().name, "': found gaps in the motion, expected numbers.");
@@ -261,8 +292,8 @@ RunResult record_at_rest(ArmSession& arm, DatagramLink& link, double seconds, do
           "': expected a positive rate and a positive time.");
   RowKeeper keeper(arm.size(), seconds, rate);
   RunResult result;
-  result.timing = watch(arm, link, seconds, rate, stop,
-                        [&](double t) { keeper.keep(t, arm.state()); });
+  result.timing =
+      watch(arm, link, seconds, rate, stop, [&](double t) { keeper.keep(t, arm.state()); });
   result.complete = !stop.load(std::memory_order_relaxed);
   if (!result.complete) result.why = "stopped by a signal";
   result.rows = keeper.take(arm.size());

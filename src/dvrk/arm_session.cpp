@@ -69,6 +69,7 @@ SessionOptions session_options(const RobotConfig& robot, const ArmSessionOptions
   SessionOptions options;
   options.bus.protocol = how.protocol;
   options.bus.mtu = how.mtu;
+  options.watchdog = how.watchdog;
   options.bus.cycle_time = how.rate > 0.0 ? 1.0 / how.rate : 0.0;
   options.bus.boards = boards_of(robot);
   options.channels.assign(options.bus.boards.size(), {});

@@ -31,9 +31,8 @@ BoardEmulator::BoardEmulator(const std::vector<BoardSetup>& boards, std::uint8_t
     by_id_.push_back(static_cast<int>(by_id_.size()));
     boards_.emplace_back(setup);
   }
-  std::sort(by_id_.begin(), by_id_.end(), [&](int a, int b) {
-    return board(a).setup().id < board(b).setup().id;
-  });
+  std::sort(by_id_.begin(), by_id_.end(),
+            [&](int a, int b) { return board(a).setup().id < board(b).setup().id; });
   drives_.resize(boards_.size() * kChannels);
   motions_.resize(boards_.size() * kChannels);
   slots_.resize(boards_.size());
@@ -68,11 +67,10 @@ void BoardEmulator::advance(Ticks now) noexcept {
     now_ += step;
     for (int k = 0; k < boards() * kChannels; ++k)
       drives_[static_cast<size_t>(k)] = board(k / kChannels).drive(k % kChannels);
-    load_or_none().advance(static_cast<double>(step) / kTicksPerSecond, drives_.data(), motions_.data(),
-                   drives_.size());
-    chain.relays_closed = std::all_of(boards_.begin(), boards_.end(), [](const EmulatedBoard& b) {
-      return b.relay_closed();
-    });
+    load_or_none().advance(static_cast<double>(step) / kTicksPerSecond, drives_.data(),
+                           motions_.data(), drives_.size());
+    chain.relays_closed = std::all_of(boards_.begin(), boards_.end(),
+                                      [](const EmulatedBoard& b) { return b.relay_closed(); });
     for (int b = 0; b < boards(); ++b) {
       board(b).advance(now_, chain);
       for (int c = 0; c < kChannels; ++c)
@@ -103,8 +101,7 @@ Answer BoardEmulator::handle(ByteView datagram, Ticks now, ByteSpan reply) noexc
 Answer BoardEmulator::execute(const Request& request, ByteSpan reply) noexcept {
   const bool reads = request.tcode == Tcode::kQuadletRead || request.tcode == Tcode::kBlockRead;
   const bool broadcast = request.node == kBroadcastNode;
-  const bool exempt =
-      board(hub()).setup().firmware >= 9 && (request.flags & kNoForward) != 0;
+  const bool exempt = board(hub()).setup().firmware >= 9 && (request.flags & kNoForward) != 0;
   const bool stale = !broadcast && request.generation != generation_;
   if (!exempt && (resetting() || stale)) {
     ++counters_.dropped;
@@ -135,8 +132,7 @@ void BoardEmulator::write(const Request& request) noexcept {
   for (int b = 0; b < boards(); ++b) {
     if (b == hub() || forwards) write_to(board(b), request);
   }
-  if (request.tcode == Tcode::kQuadletWrite &&
-      (request.address & 0xFFFF) == address::kHubQuery)
+  if (request.tcode == Tcode::kQuadletWrite && (request.address & 0xFFFF) == address::kHubQuery)
     start_query(request.data);
 }
 
@@ -150,8 +146,9 @@ void BoardEmulator::write_to(EmulatedBoard& b, const Request& request) noexcept 
   if (where == address::kPhyRequest) {  // register 0: node id; register 1: gap count
     const std::uint32_t number = request.data & 0xF;
     const int place = static_cast<int>(&b - boards_.data());
-    b.phy_result = (number << 8) | (number == 0 ? static_cast<std::uint32_t>(node_of(place)) << 2
-                                                : number == 1 ? 7U : 0U);
+    b.phy_result = (number << 8) | (number == 0   ? static_cast<std::uint32_t>(node_of(place)) << 2
+                                    : number == 1 ? 7U
+                                                  : 0U);
   }
   if (b.reboot_requested) b.reboot(now_);
 }
@@ -204,8 +201,8 @@ void BoardEmulator::start_query(std::uint32_t word) noexcept {
       continue;
     }
     HubHeader header;
-    header.quadlets =
-        static_cast<std::uint8_t>(static_cast<int>(hub_quadlets(firmware)) + b.faults.wrong_block_size);
+    header.quadlets = static_cast<std::uint8_t>(static_cast<int>(hub_quadlets(firmware)) +
+                                                b.faults.wrong_block_size);
     header.sequence = static_cast<std::uint16_t>(sequence + b.faults.wrong_sequence);
     header.mismatch = b.faults.wrong_sequence != 0;
     header.update_ticks = static_cast<std::uint16_t>(at - now_);
@@ -275,18 +272,36 @@ Answer BoardEmulator::send(Reply& reply, int place, ByteSpan out) noexcept {
 Answer BoardEmulator::spoil(std::size_t size, ByteSpan out) const noexcept {
   const auto change = [&](std::size_t byte, std::uint8_t bits) { out.data[byte] ^= bits; };
   switch (faults.reply) {
-    case ReplyFault::kDrop: return {};
-    case ReplyFault::kDelay: return {size, faults.delay, false};
-    case ReplyFault::kTruncate: return {size - 4, 0.0, false};
-    case ReplyFault::kExtend: return {size + 4 <= out.size ? size + 4 : size, 0.0, false};
-    case ReplyFault::kLabel: change(2, 0x08); break;
-    case ReplyFault::kTcode: change(3, 0x10); break;
-    case ReplyFault::kNode: change(5, 0x07); break;
-    case ReplyFault::kLength: change(13, 0x04); break;
-    case ReplyFault::kBus: change(4, 0x80); break;
-    case ReplyFault::kCrc: change(19, 0x55); break;
-    case ReplyFault::kForeign: return {size, 0.0, true};
-    case ReplyFault::kNone: break;
+    case ReplyFault::kDrop:
+      return {};
+    case ReplyFault::kDelay:
+      return {size, faults.delay, false};
+    case ReplyFault::kTruncate:
+      return {size - 4, 0.0, false};
+    case ReplyFault::kExtend:
+      return {size + 4 <= out.size ? size + 4 : size, 0.0, false};
+    case ReplyFault::kLabel:
+      change(2, 0x08);
+      break;
+    case ReplyFault::kTcode:
+      change(3, 0x10);
+      break;
+    case ReplyFault::kNode:
+      change(5, 0x07);
+      break;
+    case ReplyFault::kLength:
+      change(13, 0x04);
+      break;
+    case ReplyFault::kBus:
+      change(4, 0x80);
+      break;
+    case ReplyFault::kCrc:
+      change(19, 0x55);
+      break;
+    case ReplyFault::kForeign:
+      return {size, 0.0, true};
+    case ReplyFault::kNone:
+      break;
   }
   return {size, 0.0, false};
 }

@@ -13,7 +13,9 @@ constexpr double kAfterIpAddress = 0.200;  // [s] section 5, #1
 constexpr double kAfterPhyRequest = 0.010;
 constexpr int kScannedNodes = 16;
 
-Route hub_route() { return {kBroadcastNode, true, Destination::kEveryone}; }
+Route hub_route() {
+  return {kBroadcastNode, true, Destination::kEveryone};
+}
 
 std::string hex(std::uint32_t value) {
   std::ostringstream out;

@@ -99,8 +99,7 @@ TEST_F(ArmRun, EncodersStartFromPots) {
 TEST_F(ArmRun, FollowsAMotionAndRecordsTheTorquesThatActed) {
   ArmSession arm(link_, planar_config());
   const MotionSamples wanted = motion(8.0);
-  const RunResult run =
-      run_motion(arm, link_, wanted, sensible_gains(model_), RunOptions(), stop_);
+  const RunResult run = run_motion(arm, link_, wanted, sensible_gains(model_), RunOptions(), stop_);
   ASSERT_TRUE(run.complete) << run.why << "\n" << arm.boards().faults().report();
   EXPECT_EQ(arm.boards().faults().report(), "");
   EXPECT_NEAR(run.rows.rows(), 8.0 * 1500, 20);
@@ -108,8 +107,8 @@ TEST_F(ArmRun, FollowsAMotionAndRecordsTheTorquesThatActed) {
   double worst = 0.0;
   for (int k = 0; k < run.rows.rows(); ++k) {
     const double w = 2.0 * M_PI * 2 / 8.0;
-    worst = std::max(worst, std::abs(run.rows.q(k, 0) + 0.5 -
-                                     0.6 * (1.0 - std::cos(w * run.rows.time[k]))));
+    worst = std::max(
+        worst, std::abs(run.rows.q(k, 0) + 0.5 - 0.6 * (1.0 - std::cos(w * run.rows.time[k]))));
   }
   EXPECT_LT(worst, 0.05);
   EXPECT_GT(worst, 1e-6);

@@ -21,8 +21,8 @@ class GuardedBuffer {
   GuardedBuffer() {
     page_ = static_cast<size_t>(::sysconf(_SC_PAGESIZE));
     room_ = 2 * page_;
-    void* at = ::mmap(nullptr, room_ + page_, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS,
-                      -1, 0);
+    void* at =
+        ::mmap(nullptr, room_ + page_, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
     if (at == MAP_FAILED) throw std::bad_alloc();
     begin_ = static_cast<std::uint8_t*>(at);
     ::mprotect(begin_ + room_, page_, PROT_NONE);
@@ -61,10 +61,18 @@ class Mutator {
 
   void mutate() {
     switch (pick(6)) {
-      case 0: bytes_[pick(bytes_.size())] ^= static_cast<std::uint8_t>(1U << pick(8)); break;
-      case 1: bytes_[pick(bytes_.size())] = static_cast<std::uint8_t>(random_()); break;
-      case 2: bytes_.resize(1 + pick(bytes_.size())); break;
-      case 3: bytes_.resize(bytes_.size() + pick(64), static_cast<std::uint8_t>(random_())); break;
+      case 0:
+        bytes_[pick(bytes_.size())] ^= static_cast<std::uint8_t>(1U << pick(8));
+        break;
+      case 1:
+        bytes_[pick(bytes_.size())] = static_cast<std::uint8_t>(random_());
+        break;
+      case 2:
+        bytes_.resize(1 + pick(bytes_.size()));
+        break;
+      case 3:
+        bytes_.resize(bytes_.size() + pick(64), static_cast<std::uint8_t>(random_()));
+        break;
       case 4: {  // another packet behind it
         const std::vector<std::uint8_t>& other = seeds_[pick(seeds_.size())];
         if (bytes_.size() + other.size() < 4000)

@@ -29,9 +29,9 @@ struct LoopTiming {
 };
 
 struct RunResult {
-  Recording rows;     ///< t, q, dq, tau, i of the motion itself; t = 0 at its first set point
+  Recording rows;  ///< t, q, dq, tau of the motion itself; t from the boards, 0 at its first row
   bool complete = false;
-  std::string why;    ///< what ended it, where it is not complete
+  std::string why;  ///< what ended it, where it is not complete
   LoopTiming timing;
 };
 

@@ -29,6 +29,7 @@ struct ArmSessionOptions {
   CycleProtocol protocol = CycleProtocol::kAutomatic;
   double rate = 1500.0;  ///< [Hz] nominal; 0: timestamps are not judged
   std::size_t mtu = 1500;
+  double watchdog = 0.030;  ///< [s]
   Homing homing = Homing::kIfNeeded;
   int pot_readings = 100;  ///< cycles of pots whose mean gives the encoders their start
   /// Largest motion of a pot among them, peak to peak, in which it counts as resting: this share of
