@@ -218,6 +218,10 @@ TEST(ArmSession, HomingRefusesWhatItCannotTrust) {
     ASSERT_EQ(bench.arm.power_on(), nullptr);
     bench.idle(0.5);
     EXPECT_EQ(bench.arm.home().reason, "power is on");
+    // A refusal changes nothing: what was loaded stays good.
+    bench.arm.power_off();
+    bench.idle(0.05);
+    EXPECT_EQ(bench.arm.power_on(), nullptr);
   }
 }
 
