@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "cycle_clock.hpp"
+#include "row_keeper.hpp"
 #include "set_points.hpp"
 #include "veridyn/dvrk/joint_pid.hpp"
 #include "veridyn/math/require.hpp"
@@ -13,43 +14,7 @@ namespace veridyn::dvrk {
 namespace {
 
 constexpr double kLooking = 0.1;        // [s] of reading before power is asked for
-constexpr double kSpare = 1.2;          // rows that are kept ready, beyond those expected
 constexpr double kIntegralShare = 0.5;  // of the largest torque
-
-// Rows are stored before the loop begins: it does not allocate.
-class RowKeeper {
- public:
-  RowKeeper(int joints, double seconds, double rate) {
-    const auto most = static_cast<Eigen::Index>(kSpare * seconds * rate) + 1000;
-    rows_.time.resize(most);
-    for (const RecordingSignal& signal : kRecordingSignals) {
-      if (signal.values != &Recording::ddq) (rows_.*signal.values).resize(most, joints);
-    }
-  }
-
-  void keep(double t, const ArmState& state) noexcept {
-    if (count_ >= rows_.time.size() || (count_ > 0 && t <= rows_.time[count_ - 1])) return;
-    rows_.time[count_] = t;
-    rows_.q.row(count_) = state.q.transpose();
-    rows_.dq.row(count_) = state.dq.transpose();
-    rows_.tau.row(count_) = state.tau.transpose();
-    rows_.current.row(count_) = state.current.transpose();
-    ++count_;
-  }
-
-  Recording take(Eigen::Index joints) {
-    Recording out;
-    out.time = rows_.time.head(count_);
-    out.q = rows_.q.topLeftCorner(count_, joints);
-    out.dq = rows_.dq.topLeftCorner(count_, joints);
-    out.tau = rows_.tau.topLeftCorner(count_, joints);
-    return out;
-  }
-
- private:
-  Recording rows_;
-  Eigen::Index count_ = 0;
-};
 
 // The largest torque of each joint, from largest currents alone, as if one motor worked at a time.
 VectorXd largest_torques(const ArmSession& arm, const MatrixXd& K) {
@@ -62,31 +27,6 @@ VectorXd largest_torques(const ArmSession& arm, const MatrixXd& K) {
   const MatrixXd to_joint = (K.size() == 0 ? MatrixXd::Identity(n, n) : K).inverse().transpose();
   return to_joint.cwiseAbs() * effort;
 }
-
-// Time of the instants at which the boards latched: their own counter where reads follow each
-// other, which no busy machine disturbs; the link's clock after a gap.
-class LatchTime {
- public:
-  /// @param seconds  since the latch before, as the board says. @returns [s] since the first call.
-  double next(double now, double seconds) noexcept {
-    const double passed = now - last_;
-    if (!started_) {
-      time_ = 0.0;
-      started_ = true;
-    } else {
-      time_ += gap_ || std::abs(seconds - passed) > kClocksDiffer ? passed : seconds;
-    }
-    last_ = now;
-    gap_ = false;
-    return time_;
-  }
-  void lost() noexcept { gap_ = true; }
-
- private:
-  static constexpr double kClocksDiffer = 0.05;  // [s]
-  double time_ = 0.0, last_ = 0.0;
-  bool started_ = false, gap_ = false;
-};
 
 // A smooth way from where the arm stands to where the motion begins.
 struct Approach {
@@ -148,13 +88,18 @@ class MotionRun {
     clock_.end();
     if (stop_.load(std::memory_order_relaxed)) return end("stopped by a signal");
     if (state == PowerState::kFault) return end(describe(arm_.boards().cause()));
-    if (valid && ready &&
-        (wanted_q_ - arm_.state().q).cwiseAbs().maxCoeff() > options_.largest_error)
-      return end("a joint is too far from its set point");
-    return true;
+    return !valid || !ready || follows();
   }
 
-  bool end(const char* why) {
+  bool follows() {
+    Eigen::Index joint = 0;
+    const double off = (wanted_q_ - arm_.state().q).cwiseAbs().maxCoeff(&joint);
+    if (!(off > options_.largest_error)) return true;
+    return end(text("joint ", joint + 1, " is ", off, " off its set point",
+                    arm_.command().clipped ? ", with a current at its limit" : ""));
+  }
+
+  bool end(const std::string& why) {
     if (why_.empty()) why_ = why;
     return false;
   }

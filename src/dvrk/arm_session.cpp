@@ -120,12 +120,24 @@ void ArmSession::start() {
   boards_.start();
   units_.reset();
   homing_ = {};
+  require_velocities();
   // Encoders that cannot be loaded stand where they stand.
   homed_ = !robot().has_encoder_preload || !needs_homing();
   if (homed_ || options_.homing == Homing::kNever) return;
   home();
   require(homing_.done, "robot '", robot().name,
           "': the encoders cannot be loaded: ", homing_.reason, ".");
+}
+
+void ArmSession::require_velocities() const {
+  for (std::size_t k = 0; k < sockets_.size(); ++k) {
+    const int firmware = boards_.bus().info(sockets_[k].place).firmware;
+    const bool own = robot().actuators[k].velocity_source == VelocitySource::kSoftware;
+    require(own || firmware >= 7, "robot '", robot().name, "': actuator ", k, ": found firmware ",
+            firmware,
+            ", whose velocities have another form, expected 7 or more, or VelocitySource ",
+            "SOFTWARE.");
+  }
 }
 
 bool ArmSession::needs_homing() noexcept {

@@ -17,6 +17,9 @@
 namespace veridyn::dvrk {
 namespace {
 
+constexpr double kUninterrupted = 2e-6;  // [s]
+constexpr double kLongestQueue = 0.1;    // [s]
+
 double seconds_of(const timespec& at) {
   return static_cast<double>(at.tv_sec) + 1e-9 * static_cast<double>(at.tv_nsec);
 }
@@ -85,6 +88,17 @@ Ticks BoardServer::now() const {
   return static_cast<Ticks>((seconds_now() - start_) * kTicksPerSecond);
 }
 
+// Datagrams carry CLOCK_REALTIME. Readings of both clocks between which nobody interrupted us tell
+// how far they are apart.
+Ticks BoardServer::time_of(double came) {
+  const double before = seconds_now();
+  const double real = seconds_now(CLOCK_REALTIME);
+  const double after = seconds_now();
+  if (after - before < kUninterrupted || apart_ == 0.0) apart_ = real - 0.5 * (before + after);
+  const double then = std::clamp(came - apart_, after - kLongestQueue, after);
+  return static_cast<Ticks>((then - start_) * kTicksPerSecond);
+}
+
 void BoardServer::serve(double seconds) {
   pollfd wanted{socket_, POLLIN, 0};
   const timespec most{static_cast<time_t>(seconds),
@@ -98,8 +112,7 @@ void BoardServer::serve(double seconds) {
     const ssize_t got = receive(socket_, {in.data(), in.size()}, from, came);
     if (got < 0) return;
     // It is executed at the time at which it came, as a board would that is never busy.
-    const double late = came > 0.0 ? std::clamp(seconds_now(CLOCK_REALTIME) - came, 0.0, 0.1) : 0.0;
-    const Ticks then = now() - static_cast<Ticks>(late * kTicksPerSecond);
+    const Ticks then = came > 0.0 ? time_of(came) : now();
     const Answer answer =
         emulator_.handle({in.data(), static_cast<std::size_t>(got)},
                          std::max(then, emulator_.time()), {out.data(), out.size()});

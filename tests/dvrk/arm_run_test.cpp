@@ -159,7 +159,7 @@ TEST_F(ArmRun, AJointThatDoesNotFollowEndsIt) {
   weak.i *= 0.0;
   const RunResult run = run_motion(arm, link_, motion(2.0), weak, RunOptions(), stop_);
   EXPECT_FALSE(run.complete);
-  EXPECT_EQ(run.why, "a joint is too far from its set point");
+  EXPECT_NE(run.why.find("off its set point"), std::string::npos) << run.why;
   EXPECT_FALSE(emulator_.board(0).amp_on(0));
 }
 

@@ -251,6 +251,23 @@ TEST(ArmSession, StartHomesAnArmThatWokeUp) {
   EXPECT_THROW(swinging.start(), InvalidInput);
 }
 
+// Velocity words of firmware 6 have another form: differences of counts, or nothing.
+TEST(ArmSession, OldFirmwareNeedsVelocitiesOfSoftware) {
+  RobotConfig robot = example();
+  std::vector<BoardSetup> boards = Bench::setups(robot);
+  for (BoardSetup& board : boards) board.firmware = 6;
+  Inertias load(robot, example_start());
+  BoardEmulator emulator(boards, 3);
+  emulator.attach(&load);
+  EmulatedLink link(emulator);
+  EXPECT_THROW(ArmSession(link, robot).start(), InvalidInput);
+  for (ActuatorConfig& a : robot.actuators) a.velocity_source = VelocitySource::kSoftware;
+  ArmSession arm(link, robot);
+  arm.start();
+  arm.update();
+  EXPECT_TRUE(near(arm.state().q, example_start(), 5e-4));
+}
+
 TEST(ArmSession, ChannelsAreGuardedByTheCalibration) {
   RobotConfig robot = example();
   robot.actuators[4].amps_to_bits = {-5242.88, 32850.0};

@@ -66,7 +66,9 @@ class ArmSession {
   ArmSession(DatagramLink& link, const RobotConfig& robot, const ArmSessionOptions& options = {});
 
   /// Finds the boards, sets the watchdogs, and loads encoders as the options ask.
-  /// @throws InvalidInput  as BoardSession::start(); the encoders cannot be loaded.
+  /// @throws InvalidInput  as BoardSession::start(); the encoders cannot be loaded; velocities
+  /// shall
+  ///                       come from a firmware older than 7.
   void start();
 
   /// True if an encoder was never loaded since its board woke up: positions mean nothing.
@@ -108,6 +110,7 @@ class ArmSession {
   const BoardFeedback& board_of(int actuator) const;
 
  private:
+  void require_velocities() const;
   void read_raw() noexcept;
   void command_brakes() noexcept;
   std::string average_pots(VectorXd& mean);
