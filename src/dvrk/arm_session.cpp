@@ -82,6 +82,13 @@ void ArmSession::start() {
   boards_.start();
   preloaded_ = false;
   units_.reset();
+  for (int i = 0; i < size(); ++i) {
+    const bool from_firmware =
+        robot().actuators[static_cast<size_t>(i)].velocity_source == VelocitySource::kFirmware;
+    const int firmware = boards_.bus().info(place(i)).firmware;
+    require(firmware >= 7 || !from_firmware, "arm '", robot().name, "': found firmware ", firmware,
+            ", whose velocities have another form; set VelocitySource to SOFTWARE.");
+  }
   bool needed = false;
   for (int i = 0; i < size(); ++i)
     needed =

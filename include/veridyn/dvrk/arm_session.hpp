@@ -32,7 +32,8 @@ class ArmSession {
   ArmSession(DatagramLink& link, const RobotConfig& robot, const ArmSessionOptions& options = {});
 
   /// Finds the boards; loads encoders that nobody has loaded yet, from the pots.
-  /// @throws InvalidInput  as BoardSession::start(); an encoder cannot be loaded.
+  /// @throws InvalidInput  as BoardSession::start(); an encoder cannot be loaded; velocities shall
+  ///                       come from a firmware older than 7.
   void start();
 
   bool update() noexcept;
