@@ -42,6 +42,23 @@ struct Approach {
   }
 };
 
+// Set points within the soft limits of every actuator whose position they decide alone.
+void require_within_limits(const ArmSession& arm, const MotionSamples& motion) {
+  const MatrixXd to_actuator = arm.coupling().inverse();
+  const Eigen::Index joints = motion.joints();
+  for (int i = 0; i < arm.size(); ++i) {
+    const ActuatorConfig& a = arm.robot().actuators[static_cast<size_t>(i)];
+    const auto row = to_actuator.row(i);
+    if (!(a.lower < a.upper) || row.head(joints).isZero() ||
+        !row.tail(arm.size() - joints).isZero())
+      continue;
+    const VectorXd q = motion.q * row.head(joints).transpose();
+    require(q.minCoeff() >= a.lower && q.maxCoeff() <= a.upper, "arm '", arm.robot().name,
+            "': the motion takes actuator ", i, " from ", q.minCoeff(), " to ", q.maxCoeff(),
+            ", expected ", a.lower, " to ", a.upper, " (soft limits).");
+  }
+}
+
 class MotionRun {
  public:
   MotionRun(ArmSession& arm, DatagramLink& link, const MotionSamples& motion, const PidGains& gains,
@@ -209,6 +226,7 @@ RunResult run_motion(ArmSession& arm, DatagramLink& link, const MotionSamples& m
   require(gains.p.size() == arm.size(), "arm '", arm.robot().name, "': found gains of ",
           gains.p.size(), " joints, expected ", arm.size(), ".");
   require(options.rate > 0.0, "arm '", arm.robot().name, "': expected a positive rate.");
+  require_within_limits(arm, motion);
   MotionRun run(arm, link, motion, gains, options, stop);
   arm.start();
   return run.run();

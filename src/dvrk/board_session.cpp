@@ -291,7 +291,7 @@ bool BoardSession::preload(int b, int c, std::int32_t counts) noexcept {
 
 bool BoardSession::needs_preload(int b, int c) noexcept {
   std::uint32_t word = 0;
-  return bus_.read_register(b, address::of_channel(c, address::kPreload), word) &&
+  return !bus_.read_register(b, address::of_channel(c, address::kPreload), word) ||
          (word & 0xFFFFFF) == kPreloadNever;
 }
 

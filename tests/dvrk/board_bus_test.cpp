@@ -8,6 +8,9 @@
 #include "veridyn/math/require.hpp"
 
 namespace veridyn::dvrk {
+
+long dvrk_malloc_count() { return VERIDYN_COUNTS_MALLOC == 0 ? -1 : malloc_count(); }
+
 namespace {
 
 // Keeps what the client sends.

@@ -25,6 +25,10 @@ struct Row {
   bool restart = false;  ///< start() is needed afterwards
 };
 
+void PrintTo(const Row& row, std::ostream* out) {
+  *out << row.name;
+}
+
 std::function<void(Rig&)> reply(ReplyFault fault, int count) {
   return [=](Rig& rig) {
     rig.emulator.faults.reply = fault;

@@ -90,7 +90,7 @@ class BoardSession {
 
   /// Loads an encoder and verifies it. @returns false: it is not there, or the overflow bit stays.
   bool preload(int board, int channel, std::int32_t counts) noexcept;
-  /// True if the board never got a preload since it woke up.
+  /// False only if the board says that it got a preload since it woke up.
   bool needs_preload(int board, int channel) noexcept;
 
   PowerState state() const { return state_; }
