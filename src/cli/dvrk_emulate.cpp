@@ -9,6 +9,7 @@
 #include "messages.hpp"
 #include "veridyn/dvrk/board_server.hpp"
 #include "veridyn/dvrk/real_time.hpp"
+#include "veridyn/dvrk/run_json.hpp"
 #include "veridyn/dvrk/simulated_arm.hpp"
 #include "veridyn/math/output_file.hpp"
 #include "veridyn/math/require.hpp"
@@ -107,6 +108,8 @@ std::vector<dvrk::BoardSetup> boards_of(const DvrkArm& arm, int firmware) {
 }  // namespace
 
 ExitStatus run_dvrk_emulate(const DvrkRequest& request) {
+  require_writable(request.common.json);
+  require_writable(request.config_out);
   const DvrkArm arm = dvrk_arm(request);
   std::vector<Event> events;
   for (const std::string& words : request.events) events.push_back(parse_event(words));
@@ -163,6 +166,8 @@ ExitStatus run_dvrk_emulate(const DvrkRequest& request) {
   const BoardEmulator::Counters& counters = emulator.counters();
   std::cout << fmt::format("{} requests, {} malformed, {} dropped\n", counters.requests,
                            counters.malformed, counters.dropped);
+  if (!request.common.json.empty())
+    write_file(request.common.json, dvrk::to_json(counters, arm.robot.name));
   return kDone;
 }
 

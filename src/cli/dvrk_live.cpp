@@ -8,8 +8,10 @@
 #include "messages.hpp"
 #include "veridyn/dvrk/arm_facts.hpp"
 #include "veridyn/dvrk/real_time.hpp"
+#include "veridyn/dvrk/run_json.hpp"
 #include "veridyn/dvrk/udp_link.hpp"
 #include "veridyn/identification/remark.hpp"
+#include "veridyn/math/output_file.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/model_file.hpp"
 #include "veridyn/simulation/simulate_recording.hpp"
@@ -61,6 +63,15 @@ void tell_timing(const dvrk::LoopTiming& timing) {
                            timing.cycles, timing.late, 1e6 * timing.mean, 1e6 * timing.longest);
 }
 
+void finish(const DvrkRequest& request, const char* command, const dvrk::RunResult& done,
+            ArmSession& session) {
+  tell_timing(done.timing);
+  const dvrk::FaultLog& faults = session.boards().faults();
+  say_faults(faults, request.common);
+  if (!request.common.json.empty())
+    write_file(request.common.json, to_json(done, faults, command, session.robot().name));
+}
+
 // The laboratory's gains of a known arm; those that fit a model in place of the first ones.
 PidGains gains_of(const DvrkRequest& request, const DvrkArm& arm) {
   const int n = arm.robot.size();
@@ -101,6 +112,7 @@ MotionSamples motion_of(const std::string& path) {
 }  // namespace
 
 ExitStatus run_dvrk_monitor(const DvrkRequest& request) {
+  require_writable(request.common.json);
   const DvrkArm arm = dvrk_arm(request);
   dvrk::UdpLink link(request.host, request.port);
   ArmSession session(link, arm.robot, session_options(request, arm));
@@ -115,12 +127,16 @@ ExitStatus run_dvrk_monitor(const DvrkRequest& request) {
     std::cout << table(session) << session.boards().faults().report() << std::flush;
   };
   const double seconds = request.seconds > 0.0 ? request.seconds : kForever;
-  tell_timing(dvrk::watch(session, link, seconds, request.rate, stop_asked(), show));
+  dvrk::RunResult done;
+  done.timing = dvrk::watch(session, link, seconds, request.rate, stop_asked(), show);
+  done.complete = true;
+  finish(request, "monitor", done, session);
   return kDone;
 }
 
 ExitStatus run_dvrk_read(const DvrkRequest& request) {
   require_writable(request.output);
+  require_writable(request.common.json);
   const DvrkArm arm = dvrk_arm(request);
   dvrk::UdpLink link(request.host, request.port);
   ArmSession session(link, arm.robot, session_options(request, arm));
@@ -132,13 +148,13 @@ ExitStatus run_dvrk_read(const DvrkRequest& request) {
   write_recording(done.rows, request.output, done.why.empty() ? "" : "incomplete: " + done.why);
   std::cout << fmt::format("{}: {} rows, {:.4g} s.\n", arm.robot.name, done.rows.rows(),
                            done.rows.time[done.rows.rows() - 1]);
-  tell_timing(done.timing);
-  say_faults(session.boards().faults(), request.common);
+  finish(request, "read", done, session);
   return done.complete ? kDone : kDataCannotAnswer;
 }
 
 ExitStatus run_dvrk_run(const DvrkRequest& request) {
   require_writable(request.output);
+  require_writable(request.common.json);
   const DvrkArm arm = dvrk_arm(request);
   const MotionSamples motion = motion_of(request.trajectory);
   const PidGains gains = gains_of(request, arm);
@@ -156,8 +172,7 @@ ExitStatus run_dvrk_run(const DvrkRequest& request) {
     write_recording(done.rows, request.output, done.complete ? "" : "incomplete: " + done.why);
   std::cout << fmt::format("{}: {} rows of {}.\n", arm.robot.name, done.rows.rows(),
                            request.trajectory);
-  tell_timing(done.timing);
-  say_faults(session.boards().faults(), request.common);
+  finish(request, "run", done, session);
   if (done.complete) return kDone;
   say("the run ended: " + done.why + "; power is off.");
   return kDataCannotAnswer;

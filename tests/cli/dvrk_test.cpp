@@ -154,10 +154,16 @@ TEST_F(Dvrk, AnEmergencyStopEndsARunAndTheRecordingSaysSo) {
   const Boards boards({"--config", config(), "--model", "planar-2r", "--event", "emergency-stop@6"},
                       folder_.path("boards.txt"));
   const std::string recording = folder_.path("rec.csv");
-  const ToolRun run = run_tool(client("run", boards) + Words{"--trajectory", trajectory, "--model",
-                                                             "planar-2r", "-o", recording});
+  const ToolRun run =
+      run_tool(client("run", boards) + Words{"--trajectory", trajectory, "--model", "planar-2r",
+                                             "-o", recording, "--json", folder_.path("run.json")});
   EXPECT_EQ(run.status, 4) << run.err;
   EXPECT_NE(run.err.find("emergency stop"), std::string::npos) << run.err;
+  const json told = json_of(folder_.path("run.json"));
+  EXPECT_FALSE(told["complete"].get<bool>());
+  bool listed = false;
+  for (const json& fault : told["faults"]) listed = listed || fault["condition"] == 18;
+  EXPECT_TRUE(listed);
   EXPECT_EQ(content_of(recording).rfind("# incomplete: no motor supply", 0), 0U);
 }
 
