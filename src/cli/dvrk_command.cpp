@@ -14,7 +14,9 @@ namespace {
 std::atomic<bool> stop_flag{false};
 static_assert(std::atomic<bool>::is_always_lock_free, "set by a signal handler");
 
-extern "C" void ask_to_stop(int) { stop_flag.store(true, std::memory_order_relaxed); }
+extern "C" void ask_to_stop(int) {
+  stop_flag.store(true, std::memory_order_relaxed);
+}
 
 void add_arm_options(CLI::App& command, DvrkRequest& request) {
   command.add_option("--config", request.config, "sawRobotIO1394 file of the arm, XML or JSON")
@@ -38,6 +40,11 @@ void add_client_options(CLI::App& command, DvrkRequest& request) {
   command.add_option("--rate", request.rate, "Of the cycle (1500)")
       ->option_text("HZ")
       ->check(CLI::Range(1.0, 10000.0));
+  command
+      .add_option("--watchdog", request.watchdog,
+                  "Amplifiers go off after so long without a word from here (0.03)")
+      ->option_text("S")
+      ->check(CLI::Range(0.001, 0.34));
   command.add_option("--mtu", request.mtu, "Of the network to the boards (1500)")
       ->option_text("BYTES");
   command
@@ -76,7 +83,8 @@ void add_emulate(CLI::App& dvrk, Outcome& outcome) {
   command.add_option("--firmware", request->firmware, "Of the boards (8)")
       ->option_text("6|7|8|9")
       ->check(CLI::Range(6, 9));
-  command.add_option("--start", request->start, "Where the joints stand (0, or inside their limits)")
+  command
+      .add_option("--start", request->start, "Where the joints stand (0, or inside their limits)")
       ->option_text("Q,Q,...")
       ->delimiter(',');
   command
@@ -98,8 +106,9 @@ void add_clients(CLI::App& dvrk, Outcome& outcome) {
 
   const auto read = std::make_shared<DvrkRequest>();
   read->seconds = 30.0;
-  CLI::App& recording = add(dvrk, "read", "Records positions, velocities and efforts; power stays off",
-                            run_dvrk_read, outcome, read);
+  CLI::App& recording =
+      add(dvrk, "read", "Records positions, velocities and efforts; power stays off", run_dvrk_read,
+          outcome, read);
   add_client_options(recording, *read);
   add_seconds(recording, *read, "How long (30)");
   recording.add_option("-o,--output", read->output, "The recording")
@@ -125,15 +134,18 @@ void add_clients(CLI::App& dvrk, Outcome& outcome) {
   motion.add_option("--approach-speed", run->approach_speed, "To the first set point (0.25 rad/s)")
       ->option_text("V")
       ->check(CLI::PositiveNumber);
-  motion.add_option("--largest-error", run->largest_error,
-                    "Off a set point, then power goes off (0.35 rad, m)")
+  motion
+      .add_option("--largest-error", run->largest_error,
+                  "Off a set point, then power goes off (0.35 rad, m)")
       ->option_text("Q")
       ->check(CLI::PositiveNumber);
 }
 
 }  // namespace
 
-const std::atomic<bool>& stop_asked() { return stop_flag; }
+const std::atomic<bool>& stop_asked() {
+  return stop_flag;
+}
 
 void catch_signals() {
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
@@ -159,9 +171,8 @@ DvrkArm dvrk_arm(const DvrkRequest& request) {
   if (is_known || !request.arm.empty()) {
     const dvrk::ArmFacts facts = dvrk::read_arm(name);
     arm.coupling = facts.coupling(request.instrument);
-    require(arm.coupling.rows() == arm.robot.size(), "--arm: ", name, " has ",
-            arm.coupling.rows(), " actuators, but ", arm.robot.name, " has ", arm.robot.size(),
-            ".");
+    require(arm.coupling.rows() == arm.robot.size(), "--arm: ", name, " has ", arm.coupling.rows(),
+            " actuators, but ", arm.robot.name, " has ", arm.robot.size(), ".");
   }
   return arm;
 }
@@ -171,11 +182,11 @@ dvrk::ArmSessionOptions session_options(const DvrkRequest& request, const DvrkAr
   options.actuator_to_joint = arm.coupling;
   options.rate = request.rate;
   options.mtu = request.mtu;
-  options.protocol = request.protocol == "sequential" ? dvrk::CycleProtocol::kSequential
-                     : request.protocol == "broadcast-write"
-                         ? dvrk::CycleProtocol::kBroadcastWrite
-                     : request.protocol == "broadcast" ? dvrk::CycleProtocol::kBroadcast
-                                                       : dvrk::CycleProtocol::kAutomatic;
+  options.watchdog = request.watchdog;
+  options.protocol = request.protocol == "sequential"        ? dvrk::CycleProtocol::kSequential
+                     : request.protocol == "broadcast-write" ? dvrk::CycleProtocol::kBroadcastWrite
+                     : request.protocol == "broadcast"       ? dvrk::CycleProtocol::kBroadcast
+                                                             : dvrk::CycleProtocol::kAutomatic;
   return options;
 }
 

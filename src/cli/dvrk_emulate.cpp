@@ -8,6 +8,8 @@
 #include "dvrk_request.hpp"
 #include "messages.hpp"
 #include "veridyn/dvrk/board_server.hpp"
+#include "veridyn/dvrk/real_time.hpp"
+#include "veridyn/dvrk/run_json.hpp"
 #include "veridyn/dvrk/simulated_arm.hpp"
 #include "veridyn/math/output_file.hpp"
 #include "veridyn/math/require.hpp"
@@ -45,7 +47,8 @@ Event parse_event(const std::string& words) {
   const bool of_axis = event.what == "amp-fault" && event.board >= 0 && event.axis >= 0 &&
                        event.axis < dvrk::kChannels;
   if (!timed || (!plain && !of_board && !of_axis))
-    throw CLI::ValidationError("--event", "found '" + words + "', expected an event as --help has it");
+    throw CLI::ValidationError("--event",
+                               "found '" + words + "', expected an event as --help has it");
   return event;
 }
 
@@ -105,6 +108,8 @@ std::vector<dvrk::BoardSetup> boards_of(const DvrkArm& arm, int firmware) {
 }  // namespace
 
 ExitStatus run_dvrk_emulate(const DvrkRequest& request) {
+  require_writable(request.common.json);
+  require_writable(request.config_out);
   const DvrkArm arm = dvrk_arm(request);
   std::vector<Event> events;
   for (const std::string& words : request.events) events.push_back(parse_event(words));
@@ -136,6 +141,7 @@ ExitStatus run_dvrk_emulate(const DvrkRequest& request) {
                            boards.size(), server.port(), request.firmware,
                            plant ? "" : ", nothing moves (no --model)")
             << std::flush;
+  dvrk::take_real_time_priority(40);
   size_t next = 0;
   double latest_said = 0.02;
   while (!stop_asked().load()) {
@@ -160,6 +166,8 @@ ExitStatus run_dvrk_emulate(const DvrkRequest& request) {
   const BoardEmulator::Counters& counters = emulator.counters();
   std::cout << fmt::format("{} requests, {} malformed, {} dropped\n", counters.requests,
                            counters.malformed, counters.dropped);
+  if (!request.common.json.empty())
+    write_file(request.common.json, dvrk::to_json(counters, arm.robot.name));
   return kDone;
 }
 

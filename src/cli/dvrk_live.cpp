@@ -7,8 +7,11 @@
 #include "dvrk_request.hpp"
 #include "messages.hpp"
 #include "veridyn/dvrk/arm_facts.hpp"
+#include "veridyn/dvrk/real_time.hpp"
+#include "veridyn/dvrk/run_json.hpp"
 #include "veridyn/dvrk/udp_link.hpp"
 #include "veridyn/identification/remark.hpp"
+#include "veridyn/math/output_file.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/model_file.hpp"
 #include "veridyn/simulation/simulate_recording.hpp"
@@ -19,7 +22,7 @@ namespace {
 using dvrk::ArmSession;
 
 constexpr double kForever = 1e9;     // [s]
-constexpr double kTableEvery = 0.5;         // [s]
+constexpr double kTableEvery = 0.5;  // [s]
 
 std::string flags_of(const dvrk::Status& s) {
   std::string out;
@@ -37,8 +40,7 @@ std::string flags_of(const dvrk::Status& s) {
 std::string table(ArmSession& arm) {
   const dvrk::ArmState& state = arm.state();
   std::string out = fmt::format("{:>5} {:>12} {:>12} {:>12} {:>10} {:>12} {:>4}\n", "joint",
-                                "q [rad, m]", "dq [1/s]", "tau [N m, N]", "i [A]", "pot",
-                                "amp");
+                                "q [rad, m]", "dq [1/s]", "tau [N m, N]", "i [A]", "pot", "amp");
   for (int j = 0; j < arm.size(); ++j) {
     const dvrk::BoardFeedback& board = arm.board_of(j);
     const int axis = arm.robot().actuators[static_cast<size_t>(j)].axis;
@@ -59,6 +61,15 @@ std::string table(ArmSession& arm) {
 void tell_timing(const dvrk::LoopTiming& timing) {
   std::cout << fmt::format("{} cycles, {} late; a cycle took {:.0f} us, at most {:.0f} us\n",
                            timing.cycles, timing.late, 1e6 * timing.mean, 1e6 * timing.longest);
+}
+
+void finish(const DvrkRequest& request, const char* command, const dvrk::RunResult& done,
+            ArmSession& session) {
+  tell_timing(done.timing);
+  const dvrk::FaultLog& faults = session.boards().faults();
+  say_faults(faults, request.common);
+  if (!request.common.json.empty())
+    write_file(request.common.json, to_json(done, faults, command, session.robot().name));
 }
 
 // The laboratory's gains of a known arm; those that fit a model in place of the first ones.
@@ -101,10 +112,12 @@ MotionSamples motion_of(const std::string& path) {
 }  // namespace
 
 ExitStatus run_dvrk_monitor(const DvrkRequest& request) {
+  require_writable(request.common.json);
   const DvrkArm arm = dvrk_arm(request);
   dvrk::UdpLink link(request.host, request.port);
   ArmSession session(link, arm.robot, session_options(request, arm));
   catch_signals();
+  dvrk::take_real_time_priority(30);
   const bool terminal = ::isatty(STDOUT_FILENO) != 0;
   double next = 0.0;
   const auto show = [&](double t) {
@@ -114,29 +127,34 @@ ExitStatus run_dvrk_monitor(const DvrkRequest& request) {
     std::cout << table(session) << session.boards().faults().report() << std::flush;
   };
   const double seconds = request.seconds > 0.0 ? request.seconds : kForever;
-  tell_timing(dvrk::watch(session, link, seconds, request.rate, stop_asked(), show));
+  dvrk::RunResult done;
+  done.timing = dvrk::watch(session, link, seconds, request.rate, stop_asked(), show);
+  done.complete = true;
+  finish(request, "monitor", done, session);
   return kDone;
 }
 
 ExitStatus run_dvrk_read(const DvrkRequest& request) {
   require_writable(request.output);
+  require_writable(request.common.json);
   const DvrkArm arm = dvrk_arm(request);
   dvrk::UdpLink link(request.host, request.port);
   ArmSession session(link, arm.robot, session_options(request, arm));
   catch_signals();
+  dvrk::take_real_time_priority(30);
   const dvrk::RunResult done =
       dvrk::record_at_rest(session, link, request.seconds, request.rate, stop_asked());
   require(done.rows.rows() > 0, "boards: not a single valid read.");
   write_recording(done.rows, request.output, done.why.empty() ? "" : "incomplete: " + done.why);
   std::cout << fmt::format("{}: {} rows, {:.4g} s.\n", arm.robot.name, done.rows.rows(),
                            done.rows.time[done.rows.rows() - 1]);
-  tell_timing(done.timing);
-  say_faults(session.boards().faults(), request.common);
+  finish(request, "read", done, session);
   return done.complete ? kDone : kDataCannotAnswer;
 }
 
 ExitStatus run_dvrk_run(const DvrkRequest& request) {
   require_writable(request.output);
+  require_writable(request.common.json);
   const DvrkArm arm = dvrk_arm(request);
   const MotionSamples motion = motion_of(request.trajectory);
   const PidGains gains = gains_of(request, arm);
@@ -147,14 +165,14 @@ ExitStatus run_dvrk_run(const DvrkRequest& request) {
   dvrk::UdpLink link(request.host, request.port);
   ArmSession session(link, arm.robot, session_options(request, arm));
   catch_signals();
+  dvrk::take_real_time_priority(30);
   const dvrk::RunResult done =
       dvrk::run_motion(session, link, motion, gains, options, stop_asked());
   if (done.rows.rows() > 0)
     write_recording(done.rows, request.output, done.complete ? "" : "incomplete: " + done.why);
   std::cout << fmt::format("{}: {} rows of {}.\n", arm.robot.name, done.rows.rows(),
                            request.trajectory);
-  tell_timing(done.timing);
-  say_faults(session.boards().faults(), request.common);
+  finish(request, "run", done, session);
   if (done.complete) return kDone;
   say("the run ended: " + done.why + "; power is off.");
   return kDataCannotAnswer;

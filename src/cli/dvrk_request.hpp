@@ -24,8 +24,9 @@ struct DvrkRequest {
   std::uint16_t port = 1394;
   std::string protocol = "automatic";
   std::size_t mtu = 1500;
-  double rate = 1500.0;  ///< [Hz]
-  double seconds = 0.0;  ///< 0: until a signal
+  double rate = 1500.0;     ///< [Hz]
+  double watchdog = 0.030;  ///< [s]
+  double seconds = 0.0;     ///< 0: until a signal
   std::string output;
   std::string trajectory;
   std::string gains;

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "cycle_clock.hpp"
+#include "row_keeper.hpp"
 #include "set_points.hpp"
 #include "veridyn/dvrk/joint_pid.hpp"
 #include "veridyn/math/require.hpp"
@@ -12,44 +13,8 @@
 namespace veridyn::dvrk {
 namespace {
 
-constexpr double kLooking = 0.1;      // [s] of reading before power is asked for
-constexpr double kSpare = 1.2;        // rows that are kept ready, beyond those expected
+constexpr double kLooking = 0.1;        // [s] of reading before power is asked for
 constexpr double kIntegralShare = 0.5;  // of the largest torque
-
-// Rows are stored before the loop begins: it does not allocate.
-class RowKeeper {
- public:
-  RowKeeper(int joints, double seconds, double rate) {
-    const auto most = static_cast<Eigen::Index>(kSpare * seconds * rate) + 1000;
-    rows_.time.resize(most);
-    for (const RecordingSignal& signal : kRecordingSignals) {
-      if (signal.values != &Recording::ddq) (rows_.*signal.values).resize(most, joints);
-    }
-  }
-
-  void keep(double t, const ArmState& state) noexcept {
-    if (count_ >= rows_.time.size() || (count_ > 0 && t <= rows_.time[count_ - 1])) return;
-    rows_.time[count_] = t;
-    rows_.q.row(count_) = state.q.transpose();
-    rows_.dq.row(count_) = state.dq.transpose();
-    rows_.tau.row(count_) = state.tau.transpose();
-    rows_.current.row(count_) = state.current.transpose();
-    ++count_;
-  }
-
-  Recording take(Eigen::Index joints) {
-    Recording out;
-    out.time = rows_.time.head(count_);
-    out.q = rows_.q.topLeftCorner(count_, joints);
-    out.dq = rows_.dq.topLeftCorner(count_, joints);
-    out.tau = rows_.tau.topLeftCorner(count_, joints);
-    return out;
-  }
-
- private:
-  Recording rows_;
-  Eigen::Index count_ = 0;
-};
 
 // The largest torque of each joint, from largest currents alone, as if one motor worked at a time.
 VectorXd largest_torques(const ArmSession& arm, const MatrixXd& K) {
@@ -77,10 +42,27 @@ struct Approach {
   }
 };
 
+// Set points within the soft limits of every actuator whose position they decide alone.
+void require_within_limits(const ArmSession& arm, const MotionSamples& motion) {
+  const MatrixXd to_actuator = arm.coupling().inverse();
+  const Eigen::Index joints = motion.joints();
+  for (int i = 0; i < arm.size(); ++i) {
+    const ActuatorConfig& a = arm.robot().actuators[static_cast<size_t>(i)];
+    const auto row = to_actuator.row(i);
+    if (!(a.lower < a.upper) || row.head(joints).isZero() ||
+        !row.tail(arm.size() - joints).isZero())
+      continue;
+    const VectorXd q = motion.q * row.head(joints).transpose();
+    require(q.minCoeff() >= a.lower && q.maxCoeff() <= a.upper, "arm '", arm.robot().name,
+            "': the motion takes actuator ", i, " from ", q.minCoeff(), " to ", q.maxCoeff(),
+            ", expected ", a.lower, " to ", a.upper, " (soft limits).");
+  }
+}
+
 class MotionRun {
  public:
-  MotionRun(ArmSession& arm, DatagramLink& link, const MotionSamples& motion,
-            const PidGains& gains, const RunOptions& options, const std::atomic<bool>& stop)
+  MotionRun(ArmSession& arm, DatagramLink& link, const MotionSamples& motion, const PidGains& gains,
+            const RunOptions& options, const std::atomic<bool>& stop)
       : arm_(arm),
         options_(options),
         stop_(stop),
@@ -123,13 +105,18 @@ class MotionRun {
     clock_.end();
     if (stop_.load(std::memory_order_relaxed)) return end("stopped by a signal");
     if (state == PowerState::kFault) return end(describe(arm_.boards().cause()));
-    if (valid && ready &&
-        (wanted_q_ - arm_.state().q).cwiseAbs().maxCoeff() > options_.largest_error)
-      return end("a joint is too far from its set point");
-    return true;
+    return !valid || !ready || follows();
   }
 
-  bool end(const char* why) {
+  bool follows() {
+    Eigen::Index joint = 0;
+    const double off = (wanted_q_ - arm_.state().q).cwiseAbs().maxCoeff(&joint);
+    if (!(off > options_.largest_error)) return true;
+    return end(text("joint ", joint + 1, " is ", off, " off its set point",
+                    arm_.command().clipped ? ", with a current at its limit" : ""));
+  }
+
+  bool end(const std::string& why) {
     if (why_.empty()) why_ = why;
     return false;
   }
@@ -177,13 +164,19 @@ class MotionRun {
     const double duration = points_.duration();
     double start = -1.0;
     double t = 0.0;
+    LatchTime latch;
+    bool kept = false;
     while (t < duration) {
       const bool goes_on = cycle([&](double now) {
         if (start < 0.0) start = now;
         t = now - start;
         points_.at(t, wanted_q_, wanted_dq_);
-        keeper_.keep(t, arm_.state());
+        const double latched = latch.next(now, arm_.board_of(0).seconds());
+        keeper_.keep(latched, arm_.state());
+        kept = true;
       });
+      if (!kept) latch.lost();
+      kept = false;
       if (!goes_on) return false;
     }
     return true;
@@ -225,14 +218,15 @@ RunResult run_motion(ArmSession& arm, DatagramLink& link, const MotionSamples& m
                      const PidGains& gains, const RunOptions& options,
                      const std::atomic<bool>& stop) {
   require(motion.rows() >= 2 && motion.joints() >= 1 && motion.joints() <= arm.size(), "arm '",
-          arm.robot().name, "': found a motion of ", motion.joints(), " joints and ",
-          motion.rows(), " rows, expected 1 to ", arm.size(), " joints and 2 rows.");
+          arm.robot().name, "': found a motion of ", motion.joints(), " joints and ", motion.rows(),
+          " rows, expected 1 to ", arm.size(), " joints and 2 rows.");
   require(motion.dq.rows() == motion.rows() && motion.q.allFinite() && motion.dq.allFinite() &&
               motion.time.allFinite(),
           "arm '", arm.robot().name, "': found gaps in the motion, expected numbers.");
   require(gains.p.size() == arm.size(), "arm '", arm.robot().name, "': found gains of ",
           gains.p.size(), " joints, expected ", arm.size(), ".");
   require(options.rate > 0.0, "arm '", arm.robot().name, "': expected a positive rate.");
+  require_within_limits(arm, motion);
   MotionRun run(arm, link, motion, gains, options, stop);
   arm.start();
   return run.run();
@@ -261,8 +255,8 @@ RunResult record_at_rest(ArmSession& arm, DatagramLink& link, double seconds, do
           "': expected a positive rate and a positive time.");
   RowKeeper keeper(arm.size(), seconds, rate);
   RunResult result;
-  result.timing = watch(arm, link, seconds, rate, stop,
-                        [&](double t) { keeper.keep(t, arm.state()); });
+  result.timing =
+      watch(arm, link, seconds, rate, stop, [&](double t) { keeper.keep(t, arm.state()); });
   result.complete = !stop.load(std::memory_order_relaxed);
   if (!result.complete) result.why = "stopped by a signal";
   result.rows = keeper.take(arm.size());

@@ -69,6 +69,7 @@ SessionOptions session_options(const RobotConfig& robot, const ArmSessionOptions
   SessionOptions options;
   options.bus.protocol = how.protocol;
   options.bus.mtu = how.mtu;
+  options.watchdog = how.watchdog;
   options.bus.cycle_time = how.rate > 0.0 ? 1.0 / how.rate : 0.0;
   options.bus.boards = boards_of(robot);
   options.channels.assign(options.bus.boards.size(), {});
@@ -118,13 +119,25 @@ ArmSession::ArmSession(DatagramLink& link, const RobotConfig& robot,
 void ArmSession::start() {
   boards_.start();
   units_.reset();
-  preloaded_ = false;
+  homing_ = {};
+  require_velocities();
   // Encoders that cannot be loaded stand where they stand.
   homed_ = !robot().has_encoder_preload || !needs_homing();
   if (homed_ || options_.homing == Homing::kNever) return;
-  const HomingReport report = home();
-  require(report.done, "robot '", robot().name, "': the encoders cannot be loaded: ", report.reason,
-          ".");
+  home();
+  require(homing_.done, "robot '", robot().name,
+          "': the encoders cannot be loaded: ", homing_.reason, ".");
+}
+
+void ArmSession::require_velocities() const {
+  for (std::size_t k = 0; k < sockets_.size(); ++k) {
+    const int firmware = boards_.bus().info(sockets_[k].place).firmware;
+    const bool own = robot().actuators[k].velocity_source == VelocitySource::kSoftware;
+    require(own || firmware >= 7, "robot '", robot().name, "': actuator ", k, ": found firmware ",
+            firmware,
+            ", whose velocities have another form, expected 7 or more, or VelocitySource ",
+            "SOFTWARE.");
+  }
 }
 
 bool ArmSession::needs_homing() noexcept {
@@ -189,7 +202,8 @@ const char* ArmSession::power_on() noexcept {
   return boards_.power_on();
 }
 
-bool ArmSession::average_pots(HomingReport& report, VectorXd& mean) {
+// @returns why it could not be done; empty if it was.
+std::string ArmSession::average_pots(VectorXd& mean) {
   VectorXd low = VectorXd::Constant(size(), 65535.0);
   VectorXd high = VectorXd::Zero(size());
   mean.setZero(size());
@@ -209,66 +223,65 @@ bool ArmSession::average_pots(HomingReport& report, VectorXd& mean) {
     boards_.commit();
     link_.wait(options_.rate > 0.0 ? 1.0 / options_.rate : kPotPeriod);
   }
-  if (readings < options_.pot_readings) {
-    report.reason = text("only ", readings, " of ", options_.pot_readings, " reads were valid");
-    return false;
-  }
+  if (readings < options_.pot_readings)
+    return text("only ", readings, " of ", options_.pot_readings, " reads were valid");
   for (int i = 0; i < size(); ++i) {
     const ActuatorConfig& actuator = units_.robot().actuators[static_cast<std::size_t>(i)];
     const double way = std::abs(actuator.volts_to_position.scale * actuator.bits_to_volts.scale) *
                        (high[i] - low[i]);
     if (way <= options_.pot_unrest * (actuator.upper - actuator.lower)) continue;
-    report.reason = text("the pot of actuator ", i, " moved by ", way, " (",
-                         actuator.prismatic ? "m" : "rad", ") while it should rest");
-    return false;
+    return text("the pot of actuator ", i, " moved by ", way, actuator.prismatic ? " m" : " rad",
+                " while it should rest");
   }
-  return true;
+  return "";
 }
 
-bool ArmSession::load_encoders(HomingReport& report) {
+std::string ArmSession::load_encoders(const VectorXd& actuator_q) {
   std::vector<std::uint32_t> words(sockets_.size());
-  units_.preload_words(report.actuator_q, words.data());
+  units_.preload_words(actuator_q, words.data());
   for (std::size_t k = 0; k < sockets_.size(); ++k) {
-    const double counts = report.actuator_q[static_cast<Eigen::Index>(k)] /
-                          units_.robot().actuators[k].bits_to_position;
-    if (!(std::abs(counts) < kEncoderZero - 1.0)) {
-      report.reason = text("actuator ", k, " stands at ", counts, " counts, more than 24 bits");
-      return false;
-    }
+    const double counts =
+        actuator_q[static_cast<Eigen::Index>(k)] / robot().actuators[k].bits_to_position;
+    if (!(std::abs(counts) < kEncoderZero - 1.0))
+      return text("actuator ", k, " stands at ", counts, " counts, more than 24 bits");
     // Zero counts would look like "never loaded" to whoever asks next: one count instead.
     const std::int32_t loaded = encoder_counts(words[k]) == 0 ? 1 : encoder_counts(words[k]);
-    if (boards_.preload(sockets_[k].place, sockets_[k].channel, loaded)) continue;
-    report.reason = text("the encoder of actuator ", k, " does not take its preload");
-    return false;
+    if (!boards_.preload(sockets_[k].place, sockets_[k].channel, loaded))
+      return text("the encoder of actuator ", k, " does not take its preload");
   }
-  return true;
+  return "";
 }
 
-HomingReport ArmSession::home() {
-  HomingReport report;
-  const RobotConfig& robot = units_.robot();
-  homed_ = preloaded_ = false;
-  if (!robot.has_encoder_preload) report.reason = "the configuration has no encoder preload";
-  if (!robot.pot_lookup_table.empty())
-    report.reason = "the pots need the lookup table " + robot.pot_lookup_table;
+std::string ArmSession::load_from_pots() {
+  if (!robot().has_encoder_preload) return "the configuration has no encoder preload";
+  if (!robot().pot_lookup_table.empty())
+    return "the pots need the lookup table " + robot().pot_lookup_table;
   const PowerState power = boards_.state();
-  if (power != PowerState::kOff && power != PowerState::kFault) report.reason = "power is on";
-  if (!report.reason.empty()) return report;
+  if (power != PowerState::kOff && power != PowerState::kFault) return "power is on";
+  homed_ = false;
   VectorXd mean(size());
-  if (!average_pots(report, mean)) return report;
-  report.actuator_q = VectorXd::Zero(size());
-  units_.pot_positions(mean, report.actuator_q);
-  if (!load_encoders(report)) return report;
+  const std::string unrest = average_pots(mean);
+  if (!unrest.empty()) return unrest;
+  homing_.actuator_q = VectorXd::Zero(size());
+  units_.pot_positions(mean, homing_.actuator_q);
+  return load_encoders(homing_.actuator_q);
+}
+
+const HomingReport& ArmSession::home() {
+  homing_ = {};
+  homing_.reason = load_from_pots();
+  if (!homing_.reason.empty()) return homing_;
   units_.reset();
   for (int i = 0; i < size(); ++i) {
     const auto k = static_cast<std::size_t>(i);
-    const double slack = k < robot.pot_tolerances.size() ? robot.pot_tolerances[k].distance : 0.0;
-    const double q = report.actuator_q[i];
-    if (q < robot.actuators[k].lower - slack || q > robot.actuators[k].upper + slack)
-      report.outside_limits.push_back(i);
+    const double slack =
+        k < robot().pot_tolerances.size() ? robot().pot_tolerances[k].distance : 0.0;
+    const double q = homing_.actuator_q[i];
+    if (q < robot().actuators[k].lower - slack || q > robot().actuators[k].upper + slack)
+      homing_.outside_limits.push_back(i);
   }
-  report.done = homed_ = preloaded_ = true;
-  return report;
+  homing_.done = homed_ = true;
+  return homing_;
 }
 
 }  // namespace veridyn::dvrk

@@ -9,14 +9,32 @@
 namespace veridyn::dvrk {
 namespace {
 
-constexpr double kQueryLatency = 10e-6;   // [s] section 8.3, #3
+constexpr double kQueryLatency = 10e-6;  // [s] section 8.3, #3
 constexpr double kQueryPerBoard = 10e-6;
-constexpr double kShortestWait = 0.001;   // [s] that a reply gets when the cycle is late already
-constexpr double kLateCycles = 2.5;       // timestamps of so many cycles tell of missed ones
-constexpr double kJump = 0.005;           // [s] between timestamp and clock: look at the board
-constexpr int kWriteTries = 3;
+constexpr double kShortestWait = 0.001;  // [s] that a reply gets when the cycle is late already
+constexpr double kLateCycles = 2.5;      // timestamps of so many cycles tell of missed ones
+constexpr double kJump = 0.005;          // [s] between timestamp and clock: look at the board
 
-Route everyone() { return {kBroadcastNode, false, Destination::kBoard}; }
+Condition condition_of(ReadResult result) {
+  switch (result) {
+    case ReadResult::kNotSent:
+      return Condition::kNotSent;
+    case ReadResult::kWrongSize:
+      return Condition::kWrongSize;
+    case ReadResult::kWrongHeader:
+      return Condition::kWrongHeader;
+    case ReadResult::kDropped:
+      return Condition::kDropped;
+    case ReadResult::kNoReply:
+    case ReadResult::kOk:
+      break;
+  }
+  return Condition::kNoReply;
+}
+
+Route everyone() {
+  return {kBroadcastNode, false, Destination::kBoard};
+}
 
 }  // namespace
 
@@ -49,9 +67,8 @@ Route BoardBus::route(const Board& b) const {
 
 bool BoardBus::one_group() const noexcept {
   const int group = firmware_group(boards_.front().info.firmware);
-  return std::all_of(boards_.begin(), boards_.end(), [&](const Board& b) {
-    return firmware_group(b.info.firmware) == group;
-  });
+  return std::all_of(boards_.begin(), boards_.end(),
+                     [&](const Board& b) { return firmware_group(b.info.firmware) == group; });
 }
 
 void BoardBus::set_zero(int b, int channel, std::uint16_t bits) noexcept {
@@ -60,9 +77,15 @@ void BoardBus::set_zero(int b, int channel, std::uint16_t bits) noexcept {
 
 // ---- reading
 
-void BoardBus::lose(Board& b) noexcept {
+void BoardBus::lose(Board& b, Condition why) noexcept {
   b.valid = false;
+  b.loss = why;
   ++b.lost_reads;
+}
+
+void BoardBus::lose_noted(Board& b, Condition why, std::uint32_t word) noexcept {
+  note(why, b.info.id, -1, word);
+  lose(b, why);
 }
 
 bool BoardBus::read() noexcept {
@@ -70,7 +93,7 @@ bool BoardBus::read() noexcept {
   const double start = link_.now();
   if (state_ == BusState::kRunning && exchange_.generation_changed()) begin_scan();
   if (state_ != BusState::kRunning) {
-    for (Board& b : boards_) lose(b);
+    for (Board& b : boards_) lose(b, Condition::kGenerationChanged);
     if (state_ == BusState::kScanning) scan_step();
     return false;
   }
@@ -96,10 +119,11 @@ void BoardBus::read_sequential() noexcept {
     if (result == ReadResult::kOk) {
       accept(b, block);
     } else {
-      lose(b);
+      lose(b, condition_of(result));
     }
     if (result == ReadResult::kDropped) {  // no more node-addressed traffic (section 17 #3)
-      for (Board* other = &b + 1; other < boards_.data() + boards_.size(); ++other) lose(*other);
+      for (Board* other = &b + 1; other < boards_.data() + boards_.size(); ++other)
+        lose(*other, Condition::kDropped);
       if (state_ == BusState::kRunning) begin_scan();
       return;
     }
@@ -122,7 +146,7 @@ void BoardBus::read_broadcast() noexcept {
       exchange_.read_block({static_cast<std::uint8_t>(hub_node_), false, Destination::kBoard},
                            address::kHub, quadlets, options_.reply_timeout, data);
   if (result != ReadResult::kOk) {
-    for (Board& b : boards_) lose(b);
+    for (Board& b : boards_) lose(b, condition_of(result));
     link_lost_ = link_lost_ || result == ReadResult::kNotSent;
     if (result == ReadResult::kDropped) begin_scan();
     return;
@@ -136,14 +160,11 @@ void BoardBus::read_broadcast() noexcept {
     const QuadletView block = data.part(at + 1, size);
     at += 1 + size;
     if (word == 0 || block[1] == 0) {
-      note(Condition::kMissingBoard, b.info.id, -1, word);
-      lose(b);
+      lose_noted(b, Condition::kMissingBoard, word);
     } else if (firmware >= 8 && header.quadlets != hub_quadlets(firmware)) {
-      note(Condition::kWrongBlockSize, b.info.id, -1, word);
-      lose(b);
+      lose_noted(b, Condition::kWrongBlockSize, word);
     } else if (!answers(header, sequence_, firmware)) {
-      note(Condition::kStaleSequence, b.info.id, -1, word);
-      lose(b);
+      lose_noted(b, Condition::kStaleSequence, word);
     } else {
       accept(b, block);
     }
@@ -153,14 +174,12 @@ void BoardBus::read_broadcast() noexcept {
 void BoardBus::accept(Board& b, QuadletView block) noexcept {
   const Status status{block[1]};
   if (status.board() != b.info.id) {
-    note(Condition::kWrongBoard, b.info.id, -1, status.word);
-    lose(b);
+    lose_noted(b, Condition::kWrongBoard, status.word);
     if (state_ == BusState::kRunning) begin_scan();
     return;
   }
   if (status.channels() != kChannels) {
-    note(Condition::kWrongHardware, b.info.id, -1, status.word);
-    lose(b);
+    lose_noted(b, Condition::kWrongHardware, status.word);
     return;
   }
   // A board that loses what it was told to switch on may have woken up anew (section 17 #25).
@@ -236,115 +255,6 @@ void BoardBus::look_at(Board& b) noexcept {
         (value & 0xFFFF) != b.sent[static_cast<size_t>(c)])
       note(Condition::kNotEffective, b.info.id, c, value);
   }
-}
-
-// ---- writing
-
-void BoardBus::remember(Board& b) noexcept {
-  for (size_t c = 0; c < kChannels; ++c) {
-    if (!b.command.channel[c].valid) continue;
-    b.sent[c] = b.command.channel[c].value;
-    b.has_sent[c] = true;
-  }
-  b.command = BoardCommand();
-  b.command.board = static_cast<std::uint8_t>(b.info.id);
-}
-
-void BoardBus::write() noexcept {
-  if (state_ != BusState::kRunning || exchange_.generation_changed()) {
-    switch_off(Off::kAmps);
-  } else {
-    write_blocks();
-  }
-  for (Board& b : boards_) remember(b);
-}
-
-void BoardBus::write_blocks() noexcept {
-  const QuadletSpan all({block_.data(), block_.size()});
-  const bool together = protocol_ != CycleProtocol::kSequential;
-  std::size_t at = 0;
-  bool sent = true;
-  for (Board& b : boards_) {
-    const int firmware = b.info.firmware;
-    const std::size_t size = write_quadlets(firmware);
-    const QuadletSpan block = all.part(at, size);
-    encode_command(b.command, firmware, block);
-    if (!together) sent = exchange_.write_block(route(b), address::kRealTime, block) && sent;
-    if (firmware == 6)  // section 10.4: control does not travel with the block
-      sent = exchange_.write(route(b), address::kStatus, control_word(b.command)) && sent;
-    if (together) at += size;
-  }
-  if (together)
-    sent = exchange_.write_block(everyone(), address::kRealTime, QuadletView(all).part(0, at)) &&
-           sent;
-  link_lost_ = !sent;
-}
-
-void BoardBus::switch_off(Off what) noexcept {
-  const std::uint32_t word =
-      control::kAmpsOff | (what == Off::kPower ? control::kPowerOff : 0U);
-  const QuadletSpan all({block_.data(), block_.size()});
-  std::size_t at = 0;
-  bool known = true;
-  for (Board& b : boards_) {
-    known = known && b.info.firmware > 0;
-    if (b.info.firmware == 0) continue;
-    BoardCommand& c = b.command;
-    c = BoardCommand();
-    c.board = static_cast<std::uint8_t>(b.info.id);
-    c.control = word;
-    for (size_t k = 0; k < kChannels; ++k) c.channel[k] = {true, false, AmpRequest::kOff, 0, b.zero[k]};
-    const std::size_t size = write_quadlets(b.info.firmware);
-    encode_command(c, b.info.firmware, all.part(at, size));
-    at += size;
-  }
-  bool sent = true;
-  if (known && one_group())
-    sent = exchange_.write_block(everyone(), address::kRealTime, QuadletView(all).part(0, at));
-  // A mix has no common block, and Rev 6 no control word in it: one word to every board.
-  if (!known || !one_group() || boards_.front().info.firmware == 6)
-    sent = exchange_.write(everyone(), address::kStatus, word) && sent;
-  link_lost_ = !sent;
-  for (Board& b : boards_) remember(b);
-}
-
-bool BoardBus::switch_off_by_register(int b, Off what) noexcept {
-  const std::uint32_t word = control::kAmpsOff | (what == Off::kPower ? control::kPowerOff : 0U);
-  return write_register(b, address::kStatus, word);
-}
-
-// ---- registers
-
-bool BoardBus::read_register(int b, std::uint16_t where, std::uint32_t& value) noexcept {
-  return exchange_.read(route(boards_[static_cast<size_t>(b)]), where, options_.reply_timeout,
-                        value) == ReadResult::kOk;
-}
-
-bool BoardBus::write_register(int b, std::uint16_t where, std::uint32_t value) noexcept {
-  return exchange_.write(route(boards_[static_cast<size_t>(b)]), where, value);
-}
-
-bool BoardBus::write_checked(int b, std::uint16_t where, std::uint32_t value) noexcept {
-  for (int k = 0; k < kWriteTries; ++k) {
-    std::uint32_t there = 0;
-    if (write_register(b, where, value) && read_register(b, where, there) && there == value)
-      return true;
-  }
-  note(Condition::kNotEffective, info(b).id, -1, where);
-  return false;
-}
-
-bool BoardBus::set_watchdog(double seconds) noexcept {
-  const double counts = std::round(seconds * kTicksPerSecond / kWatchdogTicks);
-  watchdog_counts_ = static_cast<std::uint32_t>(std::clamp(counts, 1.0, 65535.0));
-  // Never the value of power-up, so that a board that was rebooted gives itself away.
-  if (watchdog_counts_ == kWatchdogDefault) ++watchdog_counts_;
-  bool all = true;
-  for (int b = 0; b < boards(); ++b) {
-    all = write_checked(b, address::kWatchdog, watchdog_counts_) && all;
-    boards_[static_cast<size_t>(b)].rebooted = false;
-  }
-  return all;
 }
 
 }  // namespace veridyn::dvrk

@@ -9,11 +9,11 @@ namespace veridyn::dvrk {
 namespace {
 
 // Section 14.6: excess currents, in bits of the nominal 5242.88 per ampere.
-constexpr double kEnabledMargin = 262.0;      // 50 mA
-constexpr double kDisabledLimit = 524.0;      // 100 mA
-constexpr double kUnpoweredLimit = 1049.0;    // 200 mA
+constexpr double kEnabledMargin = 262.0;    // 50 mA
+constexpr double kDisabledLimit = 524.0;    // 100 mA
+constexpr double kUnpoweredLimit = 1049.0;  // 200 mA
 constexpr double kEnabledFactor = 1.2;
-constexpr double kRelayGrace = 0.050;         // [s] for the contacts
+constexpr double kRelayGrace = 0.050;  // [s] for the contacts
 
 }  // namespace
 
@@ -25,10 +25,9 @@ void BoardSession::note(Condition condition, Reaction reaction, int b, int c,
 
 void BoardSession::check_bus() noexcept {
   if (bus_.link_lost()) react(Reaction::kPowerOff, Condition::kNotSent);
-  if (bus_.state() != BusState::kRunning)
-    react(Reaction::kAmpsOff, Condition::kGenerationChanged);
+  if (bus_.state() != BusState::kRunning) react(Reaction::kAmpsOff, Condition::kGenerationChanged);
   for (int b = 0; b < bus_.boards(); ++b) {
-    if (bus_.lost_reads(b) >= options_.lost_reads) react(Reaction::kPowerOff, Condition::kNoReply);
+    if (bus_.lost_reads(b) >= options_.lost_reads) react(Reaction::kPowerOff, bus_.loss(b));
     if (bus_.lost_writes(b) >= options_.lost_writes)
       react(Reaction::kAmpsOff, Condition::kNotEffective);
     if (bus_.rebooted(b)) react(Reaction::kPowerOff, Condition::kRebooted);
@@ -103,7 +102,7 @@ void BoardSession::check_current(int b, int c, const BoardFeedback& f) noexcept 
   ChannelState& state = channel(b, c);
   const ChannelSafety& s = safety(b, c);
   const ChannelFeedback& one = f.channel[static_cast<size_t>(c)];
-  const double limit = f.status.amp_on(c)           ? kEnabledFactor * s.max_current + kEnabledMargin
+  const double limit = f.status.amp_on(c) ? kEnabledFactor * s.max_current + kEnabledMargin
                        : f.status.power_requested() ? kDisabledLimit
                                                     : kUnpoweredLimit;
   const bool excess = std::abs(one.current - s.zero_feedback) > limit;
@@ -128,8 +127,8 @@ void BoardSession::check_pot(int b, int c, const ChannelFeedback& one) noexcept 
   ChannelState& state = channel(b, c);
   const ChannelSafety& s = safety(b, c);
   const double now = link_.now();
-  const double difference = s.counts_to_position(encoder_counts(one.encoder.position)) -
-                            s.pot_to_position(one.pot);
+  const double difference =
+      s.counts_to_position(encoder_counts(one.encoder.position)) - s.pot_to_position(one.pot);
   if (s.pot_tolerance <= 0.0 || !on_the_way() || std::abs(difference) <= s.pot_tolerance) {
     state.pot_off_since = -1.0;
     return;

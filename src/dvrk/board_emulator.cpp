@@ -3,15 +3,11 @@
 #include <algorithm>
 #include <set>
 
-#include "veridyn/dvrk/hub_block.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn::dvrk {
 namespace {
 
-constexpr Ticks kFirstUpdate = 400;  // ticks from the query to the first block in the hub
-constexpr Ticks kNextUpdate = 300;   // and from one to the next
-constexpr Ticks kHubReadTicks = 200;
 constexpr double kLongestStep = 0.002;  // [s] of the load
 
 }  // namespace
@@ -31,9 +27,8 @@ BoardEmulator::BoardEmulator(const std::vector<BoardSetup>& boards, std::uint8_t
     by_id_.push_back(static_cast<int>(by_id_.size()));
     boards_.emplace_back(setup);
   }
-  std::sort(by_id_.begin(), by_id_.end(), [&](int a, int b) {
-    return board(a).setup().id < board(b).setup().id;
-  });
+  std::sort(by_id_.begin(), by_id_.end(),
+            [&](int a, int b) { return board(a).setup().id < board(b).setup().id; });
   drives_.resize(boards_.size() * kChannels);
   motions_.resize(boards_.size() * kChannels);
   slots_.resize(boards_.size());
@@ -68,11 +63,10 @@ void BoardEmulator::advance(Ticks now) noexcept {
     now_ += step;
     for (int k = 0; k < boards() * kChannels; ++k)
       drives_[static_cast<size_t>(k)] = board(k / kChannels).drive(k % kChannels);
-    load_or_none().advance(static_cast<double>(step) / kTicksPerSecond, drives_.data(), motions_.data(),
-                   drives_.size());
-    chain.relays_closed = std::all_of(boards_.begin(), boards_.end(), [](const EmulatedBoard& b) {
-      return b.relay_closed();
-    });
+    load_or_none().advance(static_cast<double>(step) / kTicksPerSecond, drives_.data(),
+                           motions_.data(), drives_.size());
+    chain.relays_closed = std::all_of(boards_.begin(), boards_.end(),
+                                      [](const EmulatedBoard& b) { return b.relay_closed(); });
     for (int b = 0; b < boards(); ++b) {
       board(b).advance(now_, chain);
       for (int c = 0; c < kChannels; ++c)
@@ -103,8 +97,7 @@ Answer BoardEmulator::handle(ByteView datagram, Ticks now, ByteSpan reply) noexc
 Answer BoardEmulator::execute(const Request& request, ByteSpan reply) noexcept {
   const bool reads = request.tcode == Tcode::kQuadletRead || request.tcode == Tcode::kBlockRead;
   const bool broadcast = request.node == kBroadcastNode;
-  const bool exempt =
-      board(hub()).setup().firmware >= 9 && (request.flags & kNoForward) != 0;
+  const bool exempt = board(hub()).setup().firmware >= 9 && (request.flags & kNoForward) != 0;
   const bool stale = !broadcast && request.generation != generation_;
   if (!exempt && (resetting() || stale)) {
     ++counters_.dropped;
@@ -135,8 +128,7 @@ void BoardEmulator::write(const Request& request) noexcept {
   for (int b = 0; b < boards(); ++b) {
     if (b == hub() || forwards) write_to(board(b), request);
   }
-  if (request.tcode == Tcode::kQuadletWrite &&
-      (request.address & 0xFFFF) == address::kHubQuery)
+  if (request.tcode == Tcode::kQuadletWrite && (request.address & 0xFFFF) == address::kHubQuery)
     start_query(request.data);
 }
 
@@ -150,8 +142,9 @@ void BoardEmulator::write_to(EmulatedBoard& b, const Request& request) noexcept 
   if (where == address::kPhyRequest) {  // register 0: node id; register 1: gap count
     const std::uint32_t number = request.data & 0xF;
     const int place = static_cast<int>(&b - boards_.data());
-    b.phy_result = (number << 8) | (number == 0 ? static_cast<std::uint32_t>(node_of(place)) << 2
-                                                : number == 1 ? 7U : 0U);
+    b.phy_result = (number << 8) | (number == 0   ? static_cast<std::uint32_t>(node_of(place)) << 2
+                                    : number == 1 ? 7U
+                                                  : 0U);
   }
   if (b.reboot_requested) b.reboot(now_);
 }
@@ -184,70 +177,6 @@ void BoardEmulator::read_block(const Request& request, int place, QuadletSpan ou
   }
 }
 
-// Section 8.3: every selected board latches now; its block comes to the hub a little later.
-void BoardEmulator::start_query(std::uint32_t word) noexcept {
-  settle_hub();
-  query_ = word;
-  query_at_ = now_;
-  const auto sequence = static_cast<std::uint16_t>(word >> 16);
-  Ticks at = now_ + kFirstUpdate;
-  for (const int place : by_id_) {
-    EmulatedBoard& b = board(place);
-    HubSlot& slot = slots_[static_cast<size_t>(place)];
-    if (((word >> b.setup().id) & 1U) == 0) continue;
-    const int firmware = b.setup().firmware;
-    const BoardFeedback feedback = b.latch();
-    if (b.faults.skips_query) {
-      slot.now.fill(0);
-      slot.pending = false;
-      slot.sequence = 0;
-      continue;
-    }
-    HubHeader header;
-    header.quadlets =
-        static_cast<std::uint8_t>(static_cast<int>(hub_quadlets(firmware)) + b.faults.wrong_block_size);
-    header.sequence = static_cast<std::uint16_t>(sequence + b.faults.wrong_sequence);
-    header.mismatch = b.faults.wrong_sequence != 0;
-    header.update_ticks = static_cast<std::uint16_t>(at - now_);
-    const QuadletSpan next({slot.next.data(), slot.next.size()});
-    next.set(0, encode_hub_header(header, firmware));
-    encode_feedback(feedback, firmware, next.part(1, read_quadlets(firmware)));
-    slot.at = at;
-    slot.pending = true;
-    slot.sequence = sequence;
-    at += kNextUpdate;
-  }
-}
-
-void BoardEmulator::settle_hub() noexcept {
-  for (HubSlot& slot : slots_) {
-    if (!slot.pending || now_ < slot.at) continue;
-    slot.now = slot.next;
-    slot.pending = false;
-  }
-}
-
-void BoardEmulator::read_hub(QuadletSpan out) noexcept {
-  settle_hub();
-  for (std::size_t k = 0; k < out.size(); ++k) out.set(k, 0);
-  const int hub_firmware = board(hub()).setup().firmware;
-  std::size_t at = 0;
-  bool all = true;
-  for (const int place : by_id_) {
-    const BoardSetup& setup = board(place).setup();
-    if (((query_ >> setup.id) & 1U) == 0) continue;
-    const HubSlot& slot = slots_[static_cast<size_t>(place)];
-    const QuadletView block(ByteView{slot.now.data(), slot.now.size()});
-    for (std::size_t k = 0; k < hub_quadlets(setup.firmware); ++k) out.set(at++, block[k]);
-    all = all && !slot.pending && slot.sequence == static_cast<std::uint16_t>(query_ >> 16);
-  }
-  if (hub_firmware >= 8 && !all) return;
-  const Ticks start = std::min<Ticks>(now_ - query_at_, hub_firmware >= 9 ? 0xFFFF : 0x3FFF);
-  out.set(at, encode_hub_timing({static_cast<std::uint16_t>(start),
-                                 static_cast<std::uint16_t>(start + kHubReadTicks)},
-                                hub_firmware));
-}
-
 Trailer BoardEmulator::trailer(std::uint8_t flags) const noexcept {
   Trailer t;
   t.flags = static_cast<std::uint8_t>(flags | faults.flags);
@@ -275,18 +204,36 @@ Answer BoardEmulator::send(Reply& reply, int place, ByteSpan out) noexcept {
 Answer BoardEmulator::spoil(std::size_t size, ByteSpan out) const noexcept {
   const auto change = [&](std::size_t byte, std::uint8_t bits) { out.data[byte] ^= bits; };
   switch (faults.reply) {
-    case ReplyFault::kDrop: return {};
-    case ReplyFault::kDelay: return {size, faults.delay, false};
-    case ReplyFault::kTruncate: return {size - 4, 0.0, false};
-    case ReplyFault::kExtend: return {size + 4 <= out.size ? size + 4 : size, 0.0, false};
-    case ReplyFault::kLabel: change(2, 0x08); break;
-    case ReplyFault::kTcode: change(3, 0x10); break;
-    case ReplyFault::kNode: change(5, 0x07); break;
-    case ReplyFault::kLength: change(13, 0x04); break;
-    case ReplyFault::kBus: change(4, 0x80); break;
-    case ReplyFault::kCrc: change(19, 0x55); break;
-    case ReplyFault::kForeign: return {size, 0.0, true};
-    case ReplyFault::kNone: break;
+    case ReplyFault::kDrop:
+      return {};
+    case ReplyFault::kDelay:
+      return {size, faults.delay, false};
+    case ReplyFault::kTruncate:
+      return {size - 4, 0.0, false};
+    case ReplyFault::kExtend:
+      return {size + 4 <= out.size ? size + 4 : size, 0.0, false};
+    case ReplyFault::kLabel:
+      change(2, 0x08);
+      break;
+    case ReplyFault::kTcode:
+      change(3, 0x10);
+      break;
+    case ReplyFault::kNode:
+      change(5, 0x07);
+      break;
+    case ReplyFault::kLength:
+      change(13, 0x04);
+      break;
+    case ReplyFault::kBus:
+      change(4, 0x80);
+      break;
+    case ReplyFault::kCrc:
+      change(19, 0x55);
+      break;
+    case ReplyFault::kForeign:
+      return {size, 0.0, true};
+    case ReplyFault::kNone:
+      break;
   }
   return {size, 0.0, false};
 }

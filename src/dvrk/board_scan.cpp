@@ -13,7 +13,9 @@ constexpr double kAfterIpAddress = 0.200;  // [s] section 5, #1
 constexpr double kAfterPhyRequest = 0.010;
 constexpr int kScannedNodes = 16;
 
-Route hub_route() { return {kBroadcastNode, true, Destination::kEveryone}; }
+Route hub_route() {
+  return {kBroadcastNode, true, Destination::kEveryone};
+}
 
 std::string hex(std::uint32_t value) {
   std::ostringstream out;
@@ -40,7 +42,9 @@ void BoardBus::find_hub() {
           "boards: the hub does not tell its status and firmware.");
   link_.hub_is(static_cast<int>(firmware), Status{status}.board());
   if (firmware >= 9) hub.to = Destination::kMulticast;  // section 2.3
+  exchange_.expect_silence(true);  // it is told again per node
   exchange_.read(hub, address::kEthernet, timeout, ethernet);
+  exchange_.expect_silence(false);
 }
 
 // Section 5 #7. A node that does not answer is not there.

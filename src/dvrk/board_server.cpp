@@ -17,10 +17,41 @@
 namespace veridyn::dvrk {
 namespace {
 
-double seconds_now() {
-  timespec at{};
-  ::clock_gettime(CLOCK_MONOTONIC, &at);
+constexpr double kUninterrupted = 2e-6;  // [s]
+constexpr double kLongestQueue = 0.1;    // [s]
+
+double seconds_of(const timespec& at) {
   return static_cast<double>(at.tv_sec) + 1e-9 * static_cast<double>(at.tv_nsec);
+}
+
+double seconds_now(clockid_t clock = CLOCK_MONOTONIC) {
+  timespec at{};
+  ::clock_gettime(clock, &at);
+  return seconds_of(at);
+}
+
+// One datagram with the time at which it came [s] (CLOCK_REALTIME), which on a busy machine is
+// well before now; 0 if the system does not tell.
+ssize_t receive(int socket, ByteSpan buffer, sockaddr_in& from, double& came) {
+  iovec where{buffer.data, buffer.size};
+  alignas(cmsghdr) char control[CMSG_SPACE(sizeof(timespec))];
+  msghdr message{};
+  message.msg_name = &from;
+  message.msg_namelen = sizeof from;
+  message.msg_iov = &where;
+  message.msg_iovlen = 1;
+  message.msg_control = control;
+  message.msg_controllen = sizeof control;
+  came = 0.0;
+  const ssize_t got = ::recvmsg(socket, &message, 0);
+  if (got < 0) return got;
+  for (cmsghdr* one = CMSG_FIRSTHDR(&message); one != nullptr; one = CMSG_NXTHDR(&message, one)) {
+    if (one->cmsg_level != SOL_SOCKET || one->cmsg_type != SCM_TIMESTAMPNS) continue;
+    timespec at{};
+    std::memcpy(&at, CMSG_DATA(one), sizeof at);
+    came = seconds_of(at);
+  }
+  return got;
 }
 
 }  // namespace
@@ -44,6 +75,8 @@ BoardServer::BoardServer(BoardEmulator& emulator, std::uint16_t port)
     throw InvalidInput(text("UDP port ", port, ": ", std::strerror(error), "."));
   }
   port_ = ntohs(at.sin_port);
+  const int yes = 1;
+  ::setsockopt(socket_, SOL_SOCKET, SO_TIMESTAMPNS, &yes, sizeof yes);
 }
 
 BoardServer::~BoardServer() {
@@ -55,6 +88,17 @@ Ticks BoardServer::now() const {
   return static_cast<Ticks>((seconds_now() - start_) * kTicksPerSecond);
 }
 
+// Datagrams carry CLOCK_REALTIME. Readings of both clocks between which nobody interrupted us tell
+// how far they are apart.
+Ticks BoardServer::time_of(double came) {
+  const double before = seconds_now();
+  const double real = seconds_now(CLOCK_REALTIME);
+  const double after = seconds_now();
+  if (after - before < kUninterrupted || apart_ == 0.0) apart_ = real - 0.5 * (before + after);
+  const double then = std::clamp(came - apart_, after - kLongestQueue, after);
+  return static_cast<Ticks>((then - start_) * kTicksPerSecond);
+}
+
 void BoardServer::serve(double seconds) {
   pollfd wanted{socket_, POLLIN, 0};
   const timespec most{static_cast<time_t>(seconds),
@@ -64,16 +108,18 @@ void BoardServer::serve(double seconds) {
   } else {
     std::array<std::uint8_t, kDatagramBuffer> in{}, out{};
     sockaddr_in from{};
-    socklen_t size = sizeof from;
-    const auto got =
-        ::recvfrom(socket_, in.data(), in.size(), 0, reinterpret_cast<sockaddr*>(&from), &size);
+    double came = 0.0;
+    const ssize_t got = receive(socket_, {in.data(), in.size()}, from, came);
     if (got < 0) return;
-    const Answer answer = emulator_.handle({in.data(), static_cast<std::size_t>(got)}, now(),
-                                           {out.data(), out.size()});
+    // It is executed at the time at which it came, as a board would that is never busy.
+    const Ticks then = came > 0.0 ? time_of(came) : now();
+    const Answer answer =
+        emulator_.handle({in.data(), static_cast<std::size_t>(got)},
+                         std::max(then, emulator_.time()), {out.data(), out.size()});
     if (answer.size > 0) {
       if (answer.delay > 0.0) ::usleep(static_cast<useconds_t>(1e6 * answer.delay));
       ::sendto(answer.foreign ? other_socket_ : socket_, out.data(), answer.size, MSG_NOSIGNAL,
-               reinterpret_cast<const sockaddr*>(&from), size);
+               reinterpret_cast<const sockaddr*>(&from), sizeof from);
     }
   }
   latest_ = std::max(latest_, static_cast<double>(now() - emulator_.time()) / kTicksPerSecond);

@@ -9,8 +9,8 @@ namespace veridyn::dvrk {
 namespace {
 
 constexpr int kOffRepeats = 3;
-constexpr double kOffPause = 0.001;  // [s] between repeats
-constexpr int kAmpsFirst = 2;        // cycles with amplifiers off before the supply goes
+constexpr double kOffPause = 0.001;       // [s] between repeats
+constexpr int kAmpsFirst = 2;             // cycles with amplifiers off before the supply goes
 constexpr double kObeyBlocks = 0.005;     // [s] in which "off" must show, else by register
 constexpr double kObeyRegisters = 0.020;  // else silence: the watchdog is left to bite
 
@@ -18,12 +18,18 @@ constexpr double kObeyRegisters = 0.020;  // else silence: the watchdog is left 
 
 const char* describe(PowerState state) {
   switch (state) {
-    case PowerState::kOff: return "off";
-    case PowerState::kRelay: return "closing the safety relay";
-    case PowerState::kPower: return "waiting for the motor supply";
-    case PowerState::kAmps: return "enabling the amplifiers";
-    case PowerState::kOn: return "on";
-    case PowerState::kFault: return "fault";
+    case PowerState::kOff:
+      return "off";
+    case PowerState::kRelay:
+      return "closing the safety relay";
+    case PowerState::kPower:
+      return "waiting for the motor supply";
+    case PowerState::kAmps:
+      return "enabling the amplifiers";
+    case PowerState::kOn:
+      return "on";
+    case PowerState::kFault:
+      return "fault";
   }
   return "";
 }
@@ -44,7 +50,9 @@ BoardSession::BoardSession(DatagramLink& link, const SessionOptions& options)
   }
 }
 
-BoardSession::~BoardSession() { shutdown(); }
+BoardSession::~BoardSession() {
+  shutdown();
+}
 
 void BoardSession::enter(PowerState state) noexcept {
   state_ = state;
@@ -178,7 +186,9 @@ void BoardSession::commit() noexcept {
     BoardCommand& command = bus_.command(b);
     switch (state_) {
       case PowerState::kOff:
-      case PowerState::kFault: command_off(b); break;
+      case PowerState::kFault:
+        command_off(b);
+        break;
       case PowerState::kRelay:
         command_off(b);
         command.control |= control::kRelayClose;
@@ -187,8 +197,12 @@ void BoardSession::commit() noexcept {
         command_off(b);
         command.control = control::kAmpsOff | control::kPowerOn;
         break;
-      case PowerState::kAmps: command_channels(b, AmpRequest::kOn); break;
-      case PowerState::kOn: command_channels(b, AmpRequest::kKeep); break;
+      case PowerState::kAmps:
+        command_channels(b, AmpRequest::kOn);
+        break;
+      case PowerState::kOn:
+        command_channels(b, AmpRequest::kKeep);
+        break;
     }
     for (int c = 0; c < kChannels; ++c) channel(b, c).asked = false;
   }
@@ -260,8 +274,7 @@ bool BoardSession::shutdown() noexcept {
   for (int b = 0; b < bus_.boards(); ++b) {
     std::uint32_t word = 0;
     bool seen = false;
-    if (bus_.state() == BusState::kRunning)
-      seen = bus_.read_register(b, address::kStatus, word);
+    if (bus_.state() == BusState::kRunning) seen = bus_.read_register(b, address::kStatus, word);
     const Status status{word};
     off = off && seen && (word & control::kAmpsOff) == 0 && !status.power_requested();
   }
@@ -278,7 +291,7 @@ bool BoardSession::preload(int b, int c, std::int32_t counts) noexcept {
 
 bool BoardSession::needs_preload(int b, int c) noexcept {
   std::uint32_t word = 0;
-  return bus_.read_register(b, address::of_channel(c, address::kPreload), word) &&
+  return !bus_.read_register(b, address::of_channel(c, address::kPreload), word) ||
          (word & 0xFFFFFF) == kPreloadNever;
 }
 

@@ -100,8 +100,8 @@ void encode_command(const BoardCommand& command, int firmware, QuadletSpan out) 
 bool decode_command(QuadletView block, int firmware, BoardCommand& command) noexcept {
   if (firmware >= 8) return decode_rev8(block, command);
   if (block.size() < write_quadlets(firmware)) return false;
-  return find_rev7(block.part(0, write_quadlets(firmware)), static_cast<int>((block[0] >> 24) & 0xF),
-                   firmware, command);
+  return find_rev7(block.part(0, write_quadlets(firmware)),
+                   static_cast<int>((block[0] >> 24) & 0xF), firmware, command);
 }
 
 bool find_command(QuadletView blocks, int board, int firmware, BoardCommand& command) noexcept {

@@ -7,11 +7,13 @@
 namespace veridyn::dvrk {
 namespace {
 
-constexpr Ticks ticks(double seconds) { return static_cast<Ticks>(seconds * kTicksPerSecond); }
+constexpr Ticks ticks(double seconds) {
+  return static_cast<Ticks>(seconds * kTicksPerSecond);
+}
 
-constexpr Ticks kAmpHold = ticks(0.040);      // section 14.2, after voltage came
-constexpr Ticks kAmpDelay = ticks(0.0025);    // the same, with an I/O expander
-constexpr Ticks kTripAfter = ticks(0.050);    // section 14.3
+constexpr Ticks kAmpHold = ticks(0.040);    // section 14.2, after voltage came
+constexpr Ticks kAmpDelay = ticks(0.0025);  // the same, with an I/O expander
+constexpr Ticks kTripAfter = ticks(0.050);  // section 14.3
 constexpr int kTripFloor = 0x300;
 constexpr int kTripMargin = 0x900;
 
@@ -23,7 +25,9 @@ void StandingLoad::advance(double, const MotorDrive* drives, ChannelMotion* moti
     motions[k].current_bits = drives[k].voltage_mode ? 0.0 : drives[k].bits;
 }
 
-EmulatedBoard::EmulatedBoard(const BoardSetup& setup) : setup_(setup) { reboot(0); }
+EmulatedBoard::EmulatedBoard(const BoardSetup& setup) : setup_(setup) {
+  reboot(0);
+}
 
 void EmulatedBoard::reboot(Ticks now) noexcept {
   for (Channel& c : channels_) {
@@ -122,7 +126,10 @@ void EmulatedBoard::apply_control(std::uint32_t word) noexcept {
     const bool masked = ((word >> (8 + k)) & 1U) != 0;
     const bool on = ((word >> k) & 1U) != 0;
     apply_amp(channels_[static_cast<size_t>(k)],
-              !masked ? AmpRequest::kKeep : on ? AmpRequest::kOn : AmpRequest::kOff, power_before);
+              !masked ? AmpRequest::kKeep
+              : on    ? AmpRequest::kOn
+                      : AmpRequest::kOff,
+              power_before);
   }
   if ((word & control::kPowerOff) != 0) power_requested_ = enables_power;
   if ((word & control::kRelayOpen) != 0)
@@ -215,8 +222,8 @@ BoardFeedback EmulatedBoard::latch() noexcept {
 }
 
 std::uint32_t EmulatedBoard::digital_word() const noexcept {
-  std::uint32_t word = (faults.encoder_supply ? 1U << 31 : 0U) | (outputs_ << 12) |
-                       (digital_inputs & 0xFFFU);
+  std::uint32_t word =
+      (faults.encoder_supply ? 1U << 31 : 0U) | (outputs_ << 12) | (digital_inputs & 0xFFFU);
   for (int k = 0; k < kChannels; ++k) {
     const EmulatedEncoder& e = channels_[static_cast<size_t>(k)].encoder;
     word |= (e.line_a() ? 1U << (24 + k) : 0U) | (e.line_b() ? 1U << (20 + k) : 0U);

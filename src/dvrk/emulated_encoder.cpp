@@ -117,8 +117,8 @@ EncoderWords EmulatedEncoder::words(int firmware, Ticks now) const noexcept {
   };
   w.quarter1 = quarter(recent_[0]);
   w.quarter5 = edges_ >= 5 ? quarter(recent_[4]) : 0x43FFFFFF;
-  w.running = (stale ? kOverflowBit : 0U) | (recent_[0].up ? kUpBit : 0U) |
-              saturated(std::max(0.0, since));
+  w.running =
+      (stale ? kOverflowBit : 0U) | (recent_[0].up ? kUpBit : 0U) | saturated(std::max(0.0, since));
   if (firmware >= 7) return w;
   // Rev 6: a slower clock, and the quarters packed into two words.
   const double period = (w.period & kMost) / kRev6Ratio;

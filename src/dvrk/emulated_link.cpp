@@ -12,8 +12,8 @@ void EmulatedLink::advance(double seconds) noexcept {
 }
 
 EmulatedLink::Waiting* EmulatedLink::free_place() noexcept {
-  const auto place = std::find_if(queue_.begin(), queue_.end(),
-                                  [](const Waiting& w) { return w.size == 0; });
+  const auto place =
+      std::find_if(queue_.begin(), queue_.end(), [](const Waiting& w) { return w.size == 0; });
   return place == queue_.end() ? nullptr : &*place;
 }
 

@@ -26,18 +26,30 @@ std::uint32_t EmulatedBoard::read_channel(int channel, int offset) const noexcep
   const Channel& c = channels_[static_cast<size_t>(channel)];
   const ChannelFeedback f = channel_feedback(channel);
   switch (offset) {
-    case address::kAnalog: return (static_cast<std::uint32_t>(f.pot) << 16) | f.current;
-    case address::kDac: return (setup_.firmware >= 8 ? 0U : 0x00300000U) | c.dac;
-    case address::kPreload: return c.encoder.last_preload();
-    case address::kPosition: return f.encoder.position;
-    case address::kPeriod: return f.encoder.period;
-    case address::kQuarter1: return f.encoder.quarter1;
-    case address::kDoutTiming: return c.dout_timing;
-    case address::kQuarter5: return setup_.firmware >= 7 ? f.encoder.quarter5 : 0;
-    case address::kRunning: return setup_.firmware >= 7 ? f.encoder.running : 0;
-    case address::kMotorConfig: return setup_.firmware >= 8 ? c.motor_config : 0;
-    case address::kMotorStatus: return setup_.firmware >= 8 ? f.motor.word : 0;
-    default: return 0;
+    case address::kAnalog:
+      return (static_cast<std::uint32_t>(f.pot) << 16) | f.current;
+    case address::kDac:
+      return (setup_.firmware >= 8 ? 0U : 0x00300000U) | c.dac;
+    case address::kPreload:
+      return c.encoder.last_preload();
+    case address::kPosition:
+      return f.encoder.position;
+    case address::kPeriod:
+      return f.encoder.period;
+    case address::kQuarter1:
+      return f.encoder.quarter1;
+    case address::kDoutTiming:
+      return c.dout_timing;
+    case address::kQuarter5:
+      return setup_.firmware >= 7 ? f.encoder.quarter5 : 0;
+    case address::kRunning:
+      return setup_.firmware >= 7 ? f.encoder.running : 0;
+    case address::kMotorConfig:
+      return setup_.firmware >= 8 ? c.motor_config : 0;
+    case address::kMotorStatus:
+      return setup_.firmware >= 8 ? f.motor.word : 0;
+    default:
+      return 0;
   }
 }
 
@@ -48,18 +60,30 @@ std::uint32_t EmulatedBoard::read(std::uint16_t where) const noexcept {
   const int channel = ((where >> 4) & 0xF) - 1;
   if (channel >= 0) return channel < kChannels ? read_channel(channel, where & 0xF) : 0;
   switch (where) {
-    case address::kStatus: return status().word;
-    case address::kPhyResult: return phy_result;
-    case address::kWatchdog: return watchdog_period_ | (watchdog_led_ ? 0x80000000U : 0U);
-    case address::kHardware: return setup_.hardware;
-    case address::kTemperature: return temperatures & 0xFFFF;
-    case address::kDigitalOut: return outputs_;
-    case address::kFirmware: return static_cast<std::uint32_t>(setup_.firmware);
-    case address::kFpgaPromResult: return fpga_prom_result_;
-    case address::kDigitalIn: return digital_word();
-    case address::kIpAddress: return setup_.firmware >= 7 ? ip_address : 0;
-    case address::kEthernet: return ethernet;
-    default: return 0;
+    case address::kStatus:
+      return status().word;
+    case address::kPhyResult:
+      return phy_result;
+    case address::kWatchdog:
+      return watchdog_period_ | (watchdog_led_ ? 0x80000000U : 0U);
+    case address::kHardware:
+      return setup_.hardware;
+    case address::kTemperature:
+      return temperatures & 0xFFFF;
+    case address::kDigitalOut:
+      return outputs_;
+    case address::kFirmware:
+      return static_cast<std::uint32_t>(setup_.firmware);
+    case address::kFpgaPromResult:
+      return fpga_prom_result_;
+    case address::kDigitalIn:
+      return digital_word();
+    case address::kIpAddress:
+      return setup_.firmware >= 7 ? ip_address : 0;
+    case address::kEthernet:
+      return ethernet;
+    default:
+      return 0;
   }
 }
 
@@ -76,8 +100,12 @@ void EmulatedBoard::write_channel(int channel, int offset, std::uint32_t data) n
       if (find_command(span, setup_.id, setup_.firmware, one)) apply_command(one);
       break;
     }
-    case address::kPreload: c.encoder.preload(data); break;
-    case address::kDoutTiming: c.dout_timing = data; break;
+    case address::kPreload:
+      c.encoder.preload(data);
+      break;
+    case address::kDoutTiming:
+      c.dout_timing = data;
+      break;
     case address::kMotorConfig: {  // section 7.4: what to load is marked
       if (setup_.firmware < 8) break;
       std::uint32_t kept = c.motor_config;
@@ -86,7 +114,8 @@ void EmulatedBoard::write_channel(int channel, int offset, std::uint32_t data) n
       c.motor_config = (kept & ~0xC0000000U) | (data & 0xC0000000U);
       break;
     }
-    default: break;
+    default:
+      break;
   }
 }
 
@@ -112,7 +141,9 @@ void EmulatedBoard::write(std::uint16_t where, std::uint32_t data) noexcept {
     return;
   }
   switch (where) {
-    case address::kStatus: apply_control(data); break;
+    case address::kStatus:
+      apply_control(data);
+      break;
     case address::kWatchdog:
       watchdog_period_ = data & 0xFFFF;
       watchdog_led_ = setup_.firmware >= 8 && (data >> 31) != 0;
@@ -122,8 +153,11 @@ void EmulatedBoard::write(std::uint16_t where, std::uint32_t data) noexcept {
       outputs_ = (outputs_ & ~mask) | (data & mask);
       break;
     }
-    case address::kIpAddress: ip_address = data; break;
-    default: break;
+    case address::kIpAddress:
+      ip_address = data;
+      break;
+    default:
+      break;
   }
 }
 

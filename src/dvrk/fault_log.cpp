@@ -6,36 +6,66 @@ namespace veridyn::dvrk {
 
 const char* describe(Condition condition) {
   switch (condition) {
-    case Condition::kNoReply: return "no reply in time";
-    case Condition::kWrongSize: return "a reply of the wrong size";
-    case Condition::kDropped: return "a read was dropped by the board";
-    case Condition::kGenerationChanged: return "the bus generation has changed";
-    case Condition::kBusReset: return "a bus reset is under way";
-    case Condition::kWrongHeader: return "a reply that does not fit its request";
-    case Condition::kStaleReply: return "a reply that nobody waited for";
-    case Condition::kWrongCrc: return "a reply with a wrong CRC";
-    case Condition::kWrongBoard: return "another board than expected";
-    case Condition::kWrongHardware: return "hardware that cannot be driven";
-    case Condition::kWrongFirmware: return "unsupported or mixed firmware";
-    case Condition::kDuplicateBoard: return "a board id on two nodes";
-    case Condition::kStaleSequence: return "an old block in the broadcast read";
-    case Condition::kMissingBoard: return "a board is missing";
-    case Condition::kWrongBlockSize: return "a block of the wrong size in the broadcast read";
-    case Condition::kTooLarge: return "a broadcast read that is too large for the network";
-    case Condition::kWatchdog: return "the watchdog has tripped";
-    case Condition::kNoSupply: return "no motor supply: emergency stop, or the supply is off";
-    case Condition::kSupplyFault: return "fault of the motor supply";
-    case Condition::kRelayOpen: return "the safety relay is open";
-    case Condition::kAmpOff: return "an amplifier is off that should be on";
-    case Condition::kCurrentTrip: return "the board's current check has tripped";
-    case Condition::kOutOfBounds: return "current, temperature or pot out of bounds";
-    case Condition::kEncoder: return "an encoder cannot be trusted";
-    case Condition::kRebooted: return "a board was rebooted";
-    case Condition::kTimestamp: return "an implausible timestamp: missed cycles";
-    case Condition::kNotEffective: return "a write had no effect";
-    case Condition::kEthernet: return "Ethernet errors on the board";
-    case Condition::kNotSent: return "sending failed";
-    case Condition::kForeignSender: return "a datagram from elsewhere";
+    case Condition::kNoReply:
+      return "no reply in time";
+    case Condition::kWrongSize:
+      return "a reply of the wrong size";
+    case Condition::kDropped:
+      return "a read was dropped by the board";
+    case Condition::kGenerationChanged:
+      return "the bus generation has changed";
+    case Condition::kBusReset:
+      return "a bus reset is under way";
+    case Condition::kWrongHeader:
+      return "a reply that does not fit its request";
+    case Condition::kStaleReply:
+      return "a reply that nobody waited for";
+    case Condition::kWrongCrc:
+      return "a reply with a wrong CRC";
+    case Condition::kWrongBoard:
+      return "another board than expected";
+    case Condition::kWrongHardware:
+      return "hardware that cannot be driven";
+    case Condition::kWrongFirmware:
+      return "unsupported or mixed firmware";
+    case Condition::kDuplicateBoard:
+      return "a board id on two nodes";
+    case Condition::kStaleSequence:
+      return "an old block in the broadcast read";
+    case Condition::kMissingBoard:
+      return "a board is missing";
+    case Condition::kWrongBlockSize:
+      return "a block of the wrong size in the broadcast read";
+    case Condition::kTooLarge:
+      return "a broadcast read that is too large for the network";
+    case Condition::kWatchdog:
+      return "the watchdog has tripped";
+    case Condition::kNoSupply:
+      return "no motor supply: emergency stop, or the supply is off";
+    case Condition::kSupplyFault:
+      return "fault of the motor supply";
+    case Condition::kRelayOpen:
+      return "the safety relay is open";
+    case Condition::kAmpOff:
+      return "an amplifier is off that should be on";
+    case Condition::kCurrentTrip:
+      return "the board's current check has tripped";
+    case Condition::kOutOfBounds:
+      return "current, temperature or pot out of bounds";
+    case Condition::kEncoder:
+      return "an encoder cannot be trusted";
+    case Condition::kRebooted:
+      return "a board was rebooted";
+    case Condition::kTimestamp:
+      return "an implausible timestamp: missed cycles";
+    case Condition::kNotEffective:
+      return "a write had no effect";
+    case Condition::kEthernet:
+      return "Ethernet errors on the board";
+    case Condition::kNotSent:
+      return "sending failed";
+    case Condition::kForeignSender:
+      return "a datagram from elsewhere";
   }
   return "";
 }

@@ -216,7 +216,12 @@ class Reader {
     input.bit = node.whole("BitID", 0, 31);
     input.pressed_when_low = node.flag("Pressed", true);
     const std::vector<std::string> triggers{"all", "press", "release", "none"};
-    input.trigger = triggers[static_cast<std::size_t>(node.choice("Trigger", triggers, 0))];
+    // Two flags may stand for the word: 1 pressed, 2 released.
+    const int flags = (node.flag("trigger_when_pressed", true) ? 1 : 0) +
+                      (node.flag("trigger_when_released", true) ? 2 : 0);
+    const int by_flags[] = {3, 1, 2, 0};
+    input.trigger =
+        triggers[static_cast<std::size_t>(node.choice("Trigger", triggers, by_flags[flags]))];
     input.debounce = seconds(node, "Debounce", 0.0);
     input.debounce_click = seconds(node, "DebounceClick", 0.2 * input.debounce);
     input.skip_first_run = node.flag("SkipFirstRun", false);

@@ -21,7 +21,11 @@ void put_trailer(const Trailer& trailer, std::uint8_t* at) noexcept {
 
 Trailer trailer_at(const std::uint8_t* at) noexcept {
   const std::uint32_t ticks = load_quadlet(at + 4);
-  return {at[0], at[1], at[2], at[3], static_cast<std::uint16_t>(ticks >> 16),
+  return {at[0],
+          at[1],
+          at[2],
+          at[3],
+          static_cast<std::uint16_t>(ticks >> 16),
           static_cast<std::uint16_t>(ticks)};
 }
 
@@ -35,7 +39,9 @@ void put_header(const Reply& reply, Tcode tcode, std::uint8_t* at) noexcept {
   store_quadlet(at + 8, 0);
 }
 
-bool crc_fits(std::uint32_t crc, ByteView over) noexcept { return crc == 0 || crc == crc32(over); }
+bool crc_fits(std::uint32_t crc, ByteView over) noexcept {
+  return crc == 0 || crc == crc32(over);
+}
 
 }  // namespace
 

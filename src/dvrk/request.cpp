@@ -66,8 +66,10 @@ Malformed decode_body(const std::uint8_t* packet, std::size_t size, Request& r) 
       if (r.bytes % 4 != 0) return Malformed::kLength;
       r.crc_right = crc_at(packet, 0, 16);
       return Malformed::kNone;
-    case Tcode::kBlockWrite: return decode_block_write(packet, size, r);
-    default: return Malformed::kTcode;
+    case Tcode::kBlockWrite:
+      return decode_block_write(packet, size, r);
+    default:
+      return Malformed::kTcode;
   }
 }
 
@@ -75,21 +77,30 @@ Malformed decode_body(const std::uint8_t* packet, std::size_t size, Request& r) 
 
 const char* describe(Malformed why) {
   switch (why) {
-    case Malformed::kNone: return "a whole packet";
-    case Malformed::kLength: return "a length that its fields do not explain";
-    case Malformed::kBus: return "a destination bus other than 0x3FF";
-    case Malformed::kTcode: return "an unknown transaction code";
+    case Malformed::kNone:
+      return "a whole packet";
+    case Malformed::kLength:
+      return "a length that its fields do not explain";
+    case Malformed::kBus:
+      return "a destination bus other than 0x3FF";
+    case Malformed::kTcode:
+      return "an unknown transaction code";
   }
   return "";
 }
 
 std::size_t encoded_size(const Request& request) noexcept {
   switch (request.tcode) {
-    case Tcode::kQuadletWrite: return 22;
-    case Tcode::kBlockWrite: return 26 + request.block.bytes().size;
-    case Tcode::kQuadletRead: return 18;
-    case Tcode::kBlockRead: return 22;
-    default: return 0;
+    case Tcode::kQuadletWrite:
+      return 22;
+    case Tcode::kBlockWrite:
+      return 26 + request.block.bytes().size;
+    case Tcode::kQuadletRead:
+      return 18;
+    case Tcode::kBlockRead:
+      return 22;
+    default:
+      return 0;
   }
 }
 

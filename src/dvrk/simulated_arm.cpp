@@ -39,8 +39,8 @@ SimulatedArm::SimulatedArm(Engine& engine, const RobotConfig& robot,
     require(place != boards.end() && actuator.axis < kChannels, "arm '", robot.name,
             "': found an actuator on board ", actuator.board, " axis ", actuator.axis,
             ", which is not emulated.");
-    motors_.push_back({actuator, static_cast<std::size_t>(kChannels * (place - boards.begin()) +
-                                                          actuator.axis)});
+    motors_.push_back(
+        {actuator, static_cast<std::size_t>(kChannels * (place - boards.begin()) + actuator.axis)});
   }
   joint_to_actuator_ = K.inverse();
   joint_torque_ = joint_to_actuator_.transpose();

@@ -17,6 +17,7 @@
 namespace veridyn::dvrk {
 namespace {
 
+constexpr double kSpun = 60e-6;                   // [s]
 constexpr std::uint32_t kMulticast = 0xE0000064;  // 224.0.0.100, section 1
 
 timespec span(double seconds) {
@@ -85,12 +86,11 @@ Arrival UdpLink::receive(ByteSpan buffer, double timeout) noexcept {
   }
   sockaddr_in from{};
   socklen_t size = sizeof from;
-  const auto got = ::recvfrom(socket_, buffer.data, buffer.size, 0,
-                              reinterpret_cast<sockaddr*>(&from), &size);
+  const auto got =
+      ::recvfrom(socket_, buffer.data, buffer.size, 0, reinterpret_cast<sockaddr*>(&from), &size);
   if (got < 0) return {};
   const std::uint32_t address = ntohl(from.sin_addr.s_addr);
-  const bool known =
-      ntohs(from.sin_port) == port_ && ((address ^ server_) & subnet_) == 0;
+  const bool known = ntohs(from.sin_port) == port_ && ((address ^ server_) & subnet_) == 0;
   return {true, static_cast<std::size_t>(got), known};
 }
 
@@ -102,12 +102,19 @@ double UdpLink::now() noexcept {
 
 void UdpLink::wait(double seconds) noexcept {
   if (!(seconds > 0.0)) return;
+  if (seconds < kSpun) {  // sleeping takes longer than that
+    for (const double until = now() + seconds; now() < until;) {
+    }
+    return;
+  }
   timespec left = span(seconds);
   while (::clock_nanosleep(CLOCK_MONOTONIC, 0, &left, &left) == EINTR) {
   }
 }
 
-std::uint32_t UdpLink::address_word() const noexcept { return __builtin_bswap32(server_); }
+std::uint32_t UdpLink::address_word() const noexcept {
+  return __builtin_bswap32(server_);
+}
 
 void UdpLink::hub_is(int firmware, int board) noexcept {
   board_ = firmware >= 9 ? server_ + static_cast<std::uint32_t>(board) : server_;

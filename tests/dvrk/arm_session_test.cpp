@@ -218,6 +218,10 @@ TEST(ArmSession, HomingRefusesWhatItCannotTrust) {
     ASSERT_EQ(bench.arm.power_on(), nullptr);
     bench.idle(0.5);
     EXPECT_EQ(bench.arm.home().reason, "power is on");
+    // A refusal changes nothing: what was loaded stays good.
+    bench.arm.power_off();
+    bench.idle(0.05);
+    EXPECT_EQ(bench.arm.power_on(), nullptr);
   }
 }
 
@@ -245,6 +249,23 @@ TEST(ArmSession, StartHomesAnArmThatWokeUp) {
   load.shake = 0.05;
   ArmSession swinging(link, robot);
   EXPECT_THROW(swinging.start(), InvalidInput);
+}
+
+// Velocity words of firmware 6 have another form: differences of counts, or nothing.
+TEST(ArmSession, OldFirmwareNeedsVelocitiesOfSoftware) {
+  RobotConfig robot = example();
+  std::vector<BoardSetup> boards = Bench::setups(robot);
+  for (BoardSetup& board : boards) board.firmware = 6;
+  Inertias load(robot, example_start());
+  BoardEmulator emulator(boards, 3);
+  emulator.attach(&load);
+  EmulatedLink link(emulator);
+  EXPECT_THROW(ArmSession(link, robot).start(), InvalidInput);
+  for (ActuatorConfig& a : robot.actuators) a.velocity_source = VelocitySource::kSoftware;
+  ArmSession arm(link, robot);
+  arm.start();
+  arm.update();
+  EXPECT_TRUE(near(arm.state().q, example_start(), 5e-4));
 }
 
 TEST(ArmSession, ChannelsAreGuardedByTheCalibration) {

@@ -8,6 +8,9 @@
 #include "veridyn/math/require.hpp"
 
 namespace veridyn::dvrk {
+
+long dvrk_malloc_count() { return VERIDYN_COUNTS_MALLOC == 0 ? -1 : malloc_count(); }
+
 namespace {
 
 // Keeps what the client sends.
@@ -61,8 +64,7 @@ TEST(BoardBus, StartsASessionWithTheBytesOfTheLaboratorysHost) {
   EXPECT_EQ(bus.protocol(), CycleProtocol::kBroadcastWrite);
 }
 
-class BusOfEveryKind
-    : public testing::TestWithParam<std::tuple<int, CycleProtocol>> {};
+class BusOfEveryKind : public testing::TestWithParam<std::tuple<int, CycleProtocol>> {};
 INSTANTIATE_TEST_SUITE_P(Kinds, BusOfEveryKind,
                          testing::Combine(testing::Values(6, 7, 8, 9),
                                           testing::Values(CycleProtocol::kSequential,
@@ -93,7 +95,8 @@ TEST_P(BusOfEveryKind, CommandsGoOutAndFeedbackComesBack) {
     ASSERT_TRUE(bus.read()) << bus.faults().report();
     for (int b = 0; b < 2; ++b) {
       for (size_t c = 0; c < kChannels; ++c) {
-        const auto value = static_cast<std::uint16_t>(0x8000 + 100 * k + 10 * b + static_cast<int>(c));
+        const auto value =
+            static_cast<std::uint16_t>(0x8000 + 100 * k + 10 * b + static_cast<int>(c));
         bus.command(b).channel[c] = {true, false, AmpRequest::kKeep, 0, value};
       }
     }

@@ -100,8 +100,7 @@ class Bench {
   BoardCommand amps_on(int node, std::uint16_t dac) {
     BoardCommand c;
     c.board = static_cast<std::uint8_t>(emulator.board(node).setup().id);
-    for (ChannelCommand& channel : c.channel)
-      channel = {true, false, AmpRequest::kOn, 0, dac};
+    for (ChannelCommand& channel : c.channel) channel = {true, false, AmpRequest::kOn, 0, dac};
     return c;
   }
 
@@ -128,8 +127,8 @@ TEST(BoardEmulator, ReplaysTheCapturedSessionStart) {
     if (v.section != "19.1" && v.section != "19.2" && v.section != "19.4") continue;
     if (v.direction == Direction::kToBoard) {
       if (v.section == "19.4") {
-        const auto prom = bytes_of(
-            vector_named("19.3", "QLA PROM read command (3 quadlets from 0)").hex);
+        const auto prom =
+            bytes_of(vector_named("19.3", "QLA PROM read command (3 quadlets from 0)").hex);
         EXPECT_FALSE(bench.raw({prom.data(), prom.size()}));
         bench.wait(0.001);
       }
@@ -141,8 +140,7 @@ TEST(BoardEmulator, ReplaysTheCapturedSessionStart) {
     }
     // Their responder writes no CRC for board 7 either, which a host does not look at.
     std::array<std::uint8_t, kDatagramBuffer> plain{};
-    const std::size_t size =
-        encode(bench.reply, Crc::kZero, {plain.data(), plain.size()});
+    const std::size_t size = encode(bench.reply, Crc::kZero, {plain.data(), plain.size()});
     EXPECT_EQ(hex_of({plain.data(), size}), v.hex) << "to " << request->hex;
     ++answers;
   }
@@ -301,7 +299,8 @@ TEST_P(BoardEmulatorOfEveryFirmware, TheHubHasTheBlocksOfAllBoardsInAscendingOrd
   for (std::size_t b = 0; b < 2; ++b) {
     const HubHeader h = decode_hub_header(bench.reply.block[b * each], firmware);
     EXPECT_TRUE(answers(h, 0x1234, firmware));
-    const BoardFeedback f = decode_feedback(bench.reply.block.part(b * each + 1, each - 1), firmware);
+    const BoardFeedback f =
+        decode_feedback(bench.reply.block.part(b * each + 1, each - 1), firmware);
     EXPECT_EQ(f.status.board(), b == 0 ? 4 : 9);
   }
   EXPECT_NEAR(decode_hub_timing(bench.reply.block[2 * each]).read_start, 983, 1);

@@ -21,8 +21,8 @@ TEST(BoardSession, PowersUpInOrderAndDrivesWhatItIsTold) {
   for (int k = 0; k < 300; ++k) {
     rig.cycle(500.0);
     if (seen.empty() || seen.back() != rig.session.state()) seen.push_back(rig.session.state());
-    EXPECT_EQ(rig.currents_flow(), rig.session.state() == PowerState::kOn && seen.size() == 4 &&
-                                       ++on_cycles > 0);
+    EXPECT_EQ(rig.currents_flow(),
+              rig.session.state() == PowerState::kOn && seen.size() == 4 && ++on_cycles > 0);
   }
   EXPECT_EQ(seen, (std::vector<PowerState>{PowerState::kRelay, PowerState::kPower,
                                            PowerState::kAmps, PowerState::kOn}));

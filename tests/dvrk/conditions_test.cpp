@@ -25,6 +25,10 @@ struct Row {
   bool restart = false;  ///< start() is needed afterwards
 };
 
+void PrintTo(const Row& row, std::ostream* out) {
+  *out << row.name;
+}
+
 std::function<void(Rig&)> reply(ReplyFault fault, int count) {
   return [=](Rig& rig) {
     rig.emulator.faults.reply = fault;
@@ -66,8 +70,8 @@ const std::vector<Row>& rows() {
          rig.emulator.faults.delay = 0.01996;
        },
        Asked::kGoOn, 0.0015, clean},
-      {"ShortReply", Condition::kWrongSize, kAuto, reply(ReplyFault::kTruncate, 1), Asked::kGoOn,
-       0, clean},
+      {"ShortReply", Condition::kWrongSize, kAuto, reply(ReplyFault::kTruncate, 1), Asked::kGoOn, 0,
+       clean},
       {"LongReplies", Condition::kWrongSize, kAuto, reply(ReplyFault::kExtend, -1),
        Asked::kPowerOff, 0.0025, clean},
       {"Dropped", Condition::kDropped, kAuto, [](Rig& rig) { rig.emulator.bus_reset(); },
@@ -77,7 +81,10 @@ const std::vector<Row>& rows() {
       {"BusReset", Condition::kBusReset, kAuto, [](Rig& rig) { rig.emulator.bus_reset(0.05); },
        Asked::kStop, 0.032, clean},
       {"BusResetBroadcast", Condition::kBusReset, kQuery,
-       [](Rig& rig) { rig.emulator.bus_reset(0.05, {1, 0}); }, Asked::kStop, 0.032, clean},
+       [](Rig& rig) {
+         rig.emulator.bus_reset(0.05, {1, 0});
+       },
+       Asked::kStop, 0.032, clean},
       {"WrongLabel", Condition::kWrongHeader, kAuto, reply(ReplyFault::kLabel, 1), Asked::kGoOn, 0,
        clean},
       {"WrongTcode", Condition::kWrongHeader, kAuto, reply(ReplyFault::kTcode, 1), Asked::kGoOn, 0,
@@ -105,8 +112,8 @@ const std::vector<Row>& rows() {
        on_board([](EmulatedBoard& b) { b.faults.skips_query = true; }), Asked::kPowerOff, 0.0025,
        clean},
       {"WrongBlockSize", Condition::kWrongBlockSize, kQuery,
-       on_board([](EmulatedBoard& b) { b.faults.wrong_block_size = 2; }), Asked::kPowerOff,
-       0.0025, clean},
+       on_board([](EmulatedBoard& b) { b.faults.wrong_block_size = 2; }), Asked::kPowerOff, 0.0025,
+       clean},
       {"Watchdog", Condition::kWatchdog, kAuto, [](Rig& rig) { rig.link.wait(0.031); },
        Asked::kStop, 0, clean},
       {"EmergencyStop", Condition::kNoSupply, kAuto,
@@ -160,8 +167,8 @@ const std::vector<Row>& rows() {
        [](Rig& rig) { rig.emulator.faults.packet_errors = 3; }, Asked::kGoOn, 0, clean},
       {"EthernetRegister", Condition::kEthernet, kAuto,
        on_board([](EmulatedBoard& b) { b.ethernet |= 1U << 28; }), Asked::kGoOn, 0.28, clean},
-      {"NotSent", Condition::kNotSent, kAuto, [](Rig& rig) { rig.link.cut = true; },
-       Asked::kStop, 0.032, clean},
+      {"NotSent", Condition::kNotSent, kAuto, [](Rig& rig) { rig.link.cut = true; }, Asked::kStop,
+       0.032, clean},
       {"ForeignSender", Condition::kForeignSender, kAuto,
        [](Rig& rig) {
          static const std::uint8_t kOther[28] = {1, 2, 3};
@@ -181,7 +188,9 @@ INSTANTIATE_TEST_SUITE_P(Rows, ConditionOfSection17, testing::ValuesIn(rows()),
 // While the bus is being reset no write gets through at all: the watchdog stops the motors.
 
 // Currents that change in every cycle, so that a write that is lost shows.
-double wave(int k) { return 1000.0 + (k % 50); }
+double wave(int k) {
+  return 1000.0 + (k % 50);
+}
 
 TEST_P(ConditionOfSection17, IsNoticedAnsweredAndSurvived) {
   const Row& row = GetParam();

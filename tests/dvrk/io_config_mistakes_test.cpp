@@ -3,6 +3,7 @@
 #include <fstream>
 #include <iterator>
 
+#include "support/random.hpp"
 #include "veridyn/dvrk/arm_facts.hpp"
 #include "veridyn/dvrk/io_config.hpp"
 #include "veridyn/math/require.hpp"
@@ -103,6 +104,55 @@ TEST(IoConfig, ASingularCouplingOfPotsIsRefused) {
               std::string::npos)
         << error.what();
   }
+}
+
+// Bytes changed, cut out and doubled at random: either a configuration, or one line that says why
+// not; never another exception.
+TEST(IoConfig, DamagedFilesAreReadOrRefused) {
+  const std::string xml = content_of(kExample);
+  const std::string json = to_io_json(read_io_xml(xml, "io.xml"));
+  Random random(11);
+  int refused = 0;
+  for (int trial = 0; trial < 3000; ++trial) {
+    std::string text = trial % 2 == 0 ? xml : json;
+    for (int change = 0; change < 1 + trial % 3; ++change) {
+      const auto at = static_cast<std::size_t>(random.in(0, static_cast<double>(text.size())));
+      const auto count = static_cast<std::size_t>(random.in(1, 40));
+      const double kind = random.in(0, 3);
+      if (kind < 1) {
+        text[at] = static_cast<char>(random.in(1, 127));
+      } else if (kind < 2) {
+        text.erase(at, count);
+      } else {
+        text.insert(at, text.substr(at, count));
+      }
+    }
+    try {
+      trial % 2 == 0 ? read_io_xml(text, "f") : read_io_json(text, "f");
+    } catch (const InvalidInput& error) {
+      EXPECT_EQ(std::string(error.what()).rfind("f", 0), 0U) << error.what();
+      ++refused;
+    }
+  }
+  EXPECT_GT(refused, 1000);
+  std::string deep = "<Config Version=\"5\">";
+  for (int k = 0; k < 100000; ++k) deep += "<a>";
+  for (int k = 0; k < 100000; ++k) deep += "</a>";
+  EXPECT_THROW(read_io_xml(deep + "</Config>", "f"), InvalidInput);
+}
+
+TEST(IoConfig, OtherNamesOfJsonAreRead) {
+  const std::string json = R"({"digital_inputs": [
+    {"name": "a", "board_id": 1, "bit_id": 2, "pressed_value": false, "trigger_when_pressed": true,
+     "trigger_when_released": false, "debounce_threshold": 0.1},
+    {"name": "b", "board_id": 1, "bit_id": 3, "trigger_when_pressed": false,
+     "trigger_when_released": false}]})";
+  const IoConfig config = read_io_json(json, "f");
+  EXPECT_TRUE(config.remarks.empty()) << config.remarks.front();
+  EXPECT_FALSE(config.digital_inputs[0].pressed_when_low);
+  EXPECT_EQ(config.digital_inputs[0].trigger, "press");
+  EXPECT_EQ(config.digital_inputs[0].debounce, 0.1);
+  EXPECT_EQ(config.digital_inputs[1].trigger, "none");
 }
 
 TEST(IoConfig, TextThatIsNoConfigurationIsRefused) {

@@ -3,10 +3,15 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <array>
+#include <cstdlib>
 #include <cstring>
-#include <random>
+#include <new>
 
+#include "dvrk/mutator.hpp"
 #include "dvrk/packet_probe.hpp"
+#include "dvrk/rig.hpp"
 #include "dvrk/vectors.hpp"
 #include "veridyn/dvrk/protocol.hpp"
 
@@ -21,8 +26,8 @@ class GuardedBuffer {
   GuardedBuffer() {
     page_ = static_cast<size_t>(::sysconf(_SC_PAGESIZE));
     room_ = 2 * page_;
-    void* at = ::mmap(nullptr, room_ + page_, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS,
-                      -1, 0);
+    void* at =
+        ::mmap(nullptr, room_ + page_, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
     if (at == MAP_FAILED) throw std::bad_alloc();
     begin_ = static_cast<std::uint8_t*>(at);
     ::mprotect(begin_ + room_, page_, PROT_NONE);
@@ -43,44 +48,6 @@ class GuardedBuffer {
   std::uint8_t* begin_ = nullptr;
 };
 
-class Mutator {
- public:
-  explicit Mutator(std::uint64_t seed) : random_(seed) {
-    for (const Vector& v : vectors()) seeds_.push_back(bytes_of(v.hex));
-    bytes_.reserve(4096);
-  }
-
-  const std::vector<std::uint8_t>& next() {
-    bytes_ = seeds_[pick(seeds_.size())];
-    for (size_t k = 1 + pick(4); k > 0; --k) mutate();
-    return bytes_;
-  }
-
- private:
-  size_t pick(size_t below) { return static_cast<size_t>(random_() % below); }
-
-  void mutate() {
-    switch (pick(6)) {
-      case 0: bytes_[pick(bytes_.size())] ^= static_cast<std::uint8_t>(1U << pick(8)); break;
-      case 1: bytes_[pick(bytes_.size())] = static_cast<std::uint8_t>(random_()); break;
-      case 2: bytes_.resize(1 + pick(bytes_.size())); break;
-      case 3: bytes_.resize(bytes_.size() + pick(64), static_cast<std::uint8_t>(random_())); break;
-      case 4: {  // another packet behind it
-        const std::vector<std::uint8_t>& other = seeds_[pick(seeds_.size())];
-        if (bytes_.size() + other.size() < 4000)
-          bytes_.insert(bytes_.end(), other.begin(), other.end());
-        break;
-      }
-      default:  // a length field
-        if (bytes_.size() > 15) bytes_[12 + pick(4)] = static_cast<std::uint8_t>(4 * pick(64));
-    }
-  }
-
-  std::mt19937_64 random_;
-  std::vector<std::vector<std::uint8_t>> seeds_;
-  std::vector<std::uint8_t> bytes_;
-};
-
 TEST(MutatedDatagrams, NothingIsReadOutsideAndNothingContradictsItself) {
   GuardedBuffer buffer;
   Mutator mutator(19);
@@ -98,6 +65,91 @@ TEST(MutatedDatagrams, EveryPrefixOfEveryVectorIsSafe) {
     const std::vector<std::uint8_t> bytes = bytes_of(v.hex);
     for (size_t size = 0; size <= bytes.size(); ++size)
       EXPECT_EQ(probe_packet(buffer.hold(bytes.data(), size)), nullptr);
+  }
+}
+
+// A board answers with what is a reply, or not at all; whatever comes, its currents stay within
+// what a well-formed command asked for.
+TEST(MutatedDatagrams, TheEmulatorSurvivesThem) {
+  GuardedBuffer buffer;
+  Mutator mutator(18);
+  BoardEmulator emulator({Rig::setup(6), Rig::setup(7)}, 3);
+  std::array<std::uint8_t, kDatagramBuffer> out{};
+  Ticks now = 0;
+  long answers = 0;
+  for (long k = 0; k < 300000; ++k) {
+    const std::vector<std::uint8_t>& bytes = mutator.next();
+    now += 1000;
+    const Answer answer =
+        emulator.handle(buffer.hold(bytes.data(), bytes.size()), now, {out.data(), out.size()});
+    if (answer.size == 0) continue;
+    Reply reply;
+    ASSERT_EQ(decode({out.data(), answer.size}, reply), Malformed::kNone) << k;
+    ++answers;
+  }
+  EXPECT_GT(answers, 1000);
+  EXPECT_GT(emulator.counters().malformed, 1000);
+}
+
+// Replies are changed at random on their way.
+class HostileLink final : public DatagramLink {
+ public:
+  explicit HostileLink(DatagramLink& link) : link_(link) {}
+  bool send(ByteView datagram, Destination to) noexcept override {
+    return link_.send(datagram, to);
+  }
+  Arrival receive(ByteSpan buffer, double timeout) noexcept override {
+    Arrival arrival = link_.receive(buffer, timeout);
+    if (!arrival.any || !hostile || mutator_.pick(10) != 0) return arrival;
+    const std::vector<std::uint8_t>& bytes = mutator_.changed({buffer.data, arrival.size});
+    arrival.size = std::min(bytes.size(), buffer.size);
+    std::memcpy(buffer.data, bytes.data(), arrival.size);
+    return arrival;
+  }
+  double now() noexcept override { return link_.now(); }
+  void wait(double seconds) noexcept override { link_.wait(seconds); }
+  std::uint32_t address_word() const noexcept override { return link_.address_word(); }
+
+  bool hostile = false;
+
+ private:
+  DatagramLink& link_;
+  Mutator mutator_{17};
+};
+
+TEST(MutatedDatagrams, ASessionSurvivesThemAndNeverExceedsItsCurrents) {
+  for (const CycleProtocol protocol : {CycleProtocol::kSequential, CycleProtocol::kBroadcast}) {
+    BoardEmulator emulator({Rig::setup(6), Rig::setup(7)}, 3);
+    EmulatedLink direct(emulator);
+    HostileLink link(direct);
+    BoardSession session(link, Rig::options(protocol));
+    session.start();
+    long runs = 0, faults = 0;
+    for (long k = 0; k < 60000; ++k) {
+      link.hostile = k % 2000 > 400;  // now and then there is peace, and power comes up again
+      link.wait(Rig::kCycle);
+      session.update();
+      for (int b = 0; b < 2; ++b) {
+        for (int c = 0; c < kChannels; ++c) session.set_command(b, c, 1e6);
+      }
+      session.commit();
+      const bool drives = session.state() == PowerState::kOn;
+      runs += drives ? 1 : 0;
+      faults += session.state() == PowerState::kFault ? 1 : 0;
+      for (int b = 0; b < 2; ++b) {
+        for (int c = 0; c < kChannels; ++c) {
+          ASSERT_LE(std::abs(emulator.board(b).dac(c) - kZeroCurrent), Rig::kLargest) << k;
+          if (session.state() == PowerState::kOff) {
+            ASSERT_EQ(emulator.board(b).drive(c).bits, 0.0) << k;
+          }
+        }
+      }
+      if (session.bus().state() == BusState::kRefused) session.start();
+      if (session.state() == PowerState::kFault) session.acknowledge();
+      if (session.state() == PowerState::kOff && !link.hostile) session.power_on();
+    }
+    EXPECT_GT(runs, 1000);
+    EXPECT_GT(faults, 10);
   }
 }
 

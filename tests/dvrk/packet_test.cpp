@@ -17,7 +17,9 @@ namespace {
 
 using Bytes = std::vector<std::uint8_t>;
 
-ByteView view(const Bytes& bytes) { return {bytes.data(), bytes.size()}; }
+ByteView view(const Bytes& bytes) {
+  return {bytes.data(), bytes.size()};
+}
 
 std::string encoded(const Request& request) {
   std::array<std::uint8_t, kDatagramBuffer> out{};

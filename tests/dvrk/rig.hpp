@@ -9,6 +9,9 @@
 
 namespace veridyn::dvrk {
 
+/// malloc_count() of this binary (its header stands in one source alone); -1: nothing is counted.
+long dvrk_malloc_count();
+
 /// A session with emulated boards 6 and 7, in one process, with a clock that tests move.
 class Rig {
  public:

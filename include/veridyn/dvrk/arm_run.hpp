@@ -29,9 +29,9 @@ struct LoopTiming {
 };
 
 struct RunResult {
-  Recording rows;     ///< t, q, dq, tau, i of the motion itself; t = 0 at its first set point
+  Recording rows;  ///< t, q, dq, tau of the motion itself; t from the boards, 0 at its first row
   bool complete = false;
-  std::string why;    ///< what ended it, where it is not complete
+  std::string why;  ///< what ended it, where it is not complete
   LoopTiming timing;
 };
 
@@ -42,7 +42,8 @@ struct RunResult {
 /// @param motion  rows of q and dq; between them a cubic.
 /// @param gains   one per joint of the arm.
 /// @param stop    set by a signal: ends the run with power off.
-/// @throws InvalidInput  sizes that do not fit; the session does not start.
+/// @throws InvalidInput  sizes that do not fit, set points beyond soft limits; the session does not
+///                       start.
 RunResult run_motion(ArmSession& arm, DatagramLink& link, const MotionSamples& motion,
                      const PidGains& gains, const RunOptions& options,
                      const std::atomic<bool>& stop);

@@ -29,6 +29,7 @@ struct ArmSessionOptions {
   CycleProtocol protocol = CycleProtocol::kAutomatic;
   double rate = 1500.0;  ///< [Hz] nominal; 0: timestamps are not judged
   std::size_t mtu = 1500;
+  double watchdog = 0.030;  ///< [s]
   Homing homing = Homing::kIfNeeded;
   int pot_readings = 100;  ///< cycles of pots whose mean gives the encoders their start
   /// Largest motion of a pot among them, peak to peak, in which it counts as resting: this share of
@@ -57,14 +58,17 @@ struct HomingReport {
 ///
 /// None of the three throws or allocates. Currents flow in PowerState::kOn alone; brakes open after
 /// power came up, and torques count only when all of them are open. A cycle without set_torques()
-/// is one without current.
+/// is one without current; only where a read was lost the session holds the last currents, for as
+/// many cycles as it allows.
 class ArmSession {
  public:
   /// @throws InvalidInput  as session_options(), BoardSession and ArmUnits.
   ArmSession(DatagramLink& link, const RobotConfig& robot, const ArmSessionOptions& options = {});
 
   /// Finds the boards, sets the watchdogs, and loads encoders as the options ask.
-  /// @throws InvalidInput  as BoardSession::start(); the encoders cannot be loaded.
+  /// @throws InvalidInput  as BoardSession::start(); the encoders cannot be loaded; velocities
+  /// shall
+  ///                       come from a firmware older than 7.
   void start();
 
   /// True if an encoder was never loaded since its board woke up: positions mean nothing.
@@ -73,9 +77,11 @@ class ArmSession {
   /// Loads all encoders from the mean of the pots, and looks whether they took it. Only without
   /// power. Blocks for about 0.1 s. A robot without encoder preload, or one with a lookup table for
   /// its pots, cannot.
-  HomingReport home();
+  const HomingReport& home();
+  /// What the last start() or home() did to the encoders; empty if start() found them loaded.
+  const HomingReport& homing() const { return homing_; }
   /// Were encoders loaded from pots by start() or home()?
-  bool preloaded() const { return preloaded_; }
+  bool preloaded() const { return homing_.done; }
 
   /// Reads the boards, checks them and moves on with power-up. @returns whether state() is new.
   bool update() noexcept;
@@ -104,10 +110,12 @@ class ArmSession {
   const BoardFeedback& board_of(int actuator) const;
 
  private:
+  void require_velocities() const;
   void read_raw() noexcept;
   void command_brakes() noexcept;
-  bool average_pots(HomingReport& report, VectorXd& mean);
-  bool load_encoders(HomingReport& report);
+  std::string average_pots(VectorXd& mean);
+  std::string load_encoders(const VectorXd& actuator_q);
+  std::string load_from_pots();
 
   DatagramLink& link_;
   ArmSessionOptions options_;
@@ -121,7 +129,7 @@ class ArmSession {
   ArmCommand command_;
   bool commanded_ = false;
   bool homed_ = false;
-  bool preloaded_ = false;
+  HomingReport homing_;
 };
 
 }  // namespace veridyn::dvrk

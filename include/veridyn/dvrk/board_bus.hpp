@@ -25,8 +25,8 @@ enum class CycleProtocol {
 struct BusOptions {
   std::vector<int> boards;  ///< ids of the boards in use
   CycleProtocol protocol = CycleProtocol::kAutomatic;
-  double reply_timeout = 0.020;   ///< [s]; that of a whole cycle too
-  double rescan_timeout = 0.005;  ///< [s] per node while the cycle runs on
+  double reply_timeout = 0.020;      ///< [s]; that of a whole cycle too
+  double rescan_timeout = 0.005;     ///< [s] per node while the cycle runs on
   double cycle_time = 1.0 / 1500.0;  ///< [s] nominal; 0: timestamps are not judged
   std::size_t mtu = 1500;            ///< of the way to the boards
   int housekeeping = 200;            ///< cycles between two reads of a slow register; 0: none
@@ -42,7 +42,7 @@ struct BoardInfo {
 };
 
 enum class BusState {
-  kClosed,    ///< start() was not called
+  kClosed,  ///< start() was not called
   kRunning,
   kScanning,  ///< nodes have changed; read() looks for the boards again, one node per call
   kRefused    ///< what was found then cannot be used: start() again
@@ -75,6 +75,8 @@ class BoardBus {
   const BoardFeedback& feedback(int b) const { return boards_[static_cast<size_t>(b)].feedback; }
   /// Cycles in a row without a valid read.
   int lost_reads(int b) const { return boards_[static_cast<size_t>(b)].lost_reads; }
+  /// Why the last one of them was lost.
+  Condition loss(int b) const { return boards_[static_cast<size_t>(b)].loss; }
   /// Cycles in a row in which a command was not found in the motor status (Rev 8 on).
   int lost_writes(int b) const { return boards_[static_cast<size_t>(b)].lost_writes; }
   /// The board has woken up anew: watchdog and preloads are those of power-up.
@@ -119,6 +121,7 @@ class BoardBus {
     bool rebooted = false;
     bool suspect = false;  ///< look at its registers soon
     int lost_reads = 0;
+    Condition loss = Condition::kNoReply;
     int lost_writes = 0;
   };
 
@@ -135,7 +138,8 @@ class BoardBus {
   };
 
   Route route(const Board& b) const;
-  void note(Condition condition, int board = -1, int channel = -1, std::uint32_t value = 0) noexcept;
+  void note(Condition condition, int board = -1, int channel = -1,
+            std::uint32_t value = 0) noexcept;
 
   void find_hub();
   void probe(int node, double timeout) noexcept;
@@ -150,7 +154,8 @@ class BoardBus {
   void accept(Board& b, QuadletView block) noexcept;
   void check_timestamp(Board& b) noexcept;
   void check_commands(Board& b) noexcept;
-  void lose(Board& b) noexcept;
+  void lose(Board& b, Condition why) noexcept;
+  void lose_noted(Board& b, Condition why, std::uint32_t word) noexcept;
   void keep_house() noexcept;
   void look_at(Board& b) noexcept;
 

@@ -17,24 +17,24 @@ namespace veridyn::dvrk {
 enum class ReplyFault {
   kNone,
   kDrop,
-  kDelay,        ///< by EmulatorFaults::delay
-  kTruncate,     ///< four bytes are missing
-  kExtend,       ///< four bytes too many
-  kLabel,        ///< of an earlier request
-  kTcode,        ///< that of the other kind of read
-  kNode,         ///< of another board
-  kLength,       ///< the length field is wrong, the datagram is not
-  kBus,          ///< source bus is not 0x3FF
-  kCrc,          ///< not zero and wrong
-  kForeign       ///< from an address nobody knows
+  kDelay,     ///< by EmulatorFaults::delay
+  kTruncate,  ///< four bytes are missing
+  kExtend,    ///< four bytes too many
+  kLabel,     ///< of an earlier request
+  kTcode,     ///< that of the other kind of read
+  kNode,      ///< of another board
+  kLength,    ///< the length field is wrong, the datagram is not
+  kBus,       ///< source bus is not 0x3FF
+  kCrc,       ///< not zero and wrong
+  kForeign    ///< from an address nobody knows
 };
 
 struct EmulatorFaults {
   ReplyFault reply = ReplyFault::kNone;
-  int replies = 0;          ///< so many; -1: all
-  int node = -1;            ///< of this node alone; -1: any
-  double delay = 0.005;     ///< [s] for kDelay
-  std::uint8_t flags = 0;   ///< set in every trailer
+  int replies = 0;                    ///< so many; -1: all
+  int node = -1;                      ///< of this node alone; -1: any
+  double delay = 0.005;               ///< [s] for kDelay
+  std::uint8_t flags = 0;             ///< set in every trailer
   std::uint8_t packet_errors = 0;     ///< the count in every trailer
   std::uint8_t generation_ahead = 0;  ///< added to the generation in every trailer
 };

@@ -31,6 +31,7 @@ class BoardServer {
 
  private:
   Ticks now() const;
+  Ticks time_of(double came);
 
   BoardEmulator& emulator_;
   int socket_ = -1;
@@ -38,6 +39,7 @@ class BoardServer {
   std::uint16_t port_ = 0;
   double start_ = 0.0;
   double latest_ = 0.0;
+  double apart_ = 0.0;  ///< [s] CLOCK_REALTIME minus CLOCK_MONOTONIC
 };
 
 }  // namespace veridyn::dvrk

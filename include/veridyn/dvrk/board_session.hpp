@@ -27,14 +27,14 @@ struct SessionOptions {
   BusOptions bus;
   /// By place of the board in ascending ids; missing ones have no channel in use.
   std::vector<std::array<ChannelSafety, kChannels>> channels;
-  double watchdog = 0.030;        ///< [s]; 0 is refused (section 14.1)
-  int lost_reads = 3;             ///< in a row, then power off
-  int lost_writes = 3;            ///< in a row, then amplifiers off
-  int current_cycles = 100;       ///< section 14.6
-  double relay_timeout = 0.2;     ///< [s]
-  double supply_timeout = 3.0;    ///< [s]
-  double amp_grace = 0.0455;      ///< [s] 40 ms, 2.5 ms and 3 for the way: section 14.2
-  double warm = 60.0, hot = 65.0; ///< [degC]
+  double watchdog = 0.030;         ///< [s]; 0 is refused (section 14.1)
+  int lost_reads = 3;              ///< in a row, then power off
+  int lost_writes = 3;             ///< in a row, then amplifiers off
+  int current_cycles = 100;        ///< section 14.6
+  double relay_timeout = 0.2;      ///< [s]
+  double supply_timeout = 3.0;     ///< [s]
+  double amp_grace = 0.0455;       ///< [s] 40 ms, 2.5 ms and 3 for the way: section 14.2
+  double warm = 60.0, hot = 65.0;  ///< [degC]
 };
 
 /// Where a session stands on the way to currents.
@@ -90,7 +90,7 @@ class BoardSession {
 
   /// Loads an encoder and verifies it. @returns false: it is not there, or the overflow bit stays.
   bool preload(int board, int channel, std::int32_t counts) noexcept;
-  /// True if the board never got a preload since it woke up.
+  /// False only if the board says that it got a preload since it woke up.
   bool needs_preload(int board, int channel) noexcept;
 
   PowerState state() const { return state_; }
@@ -120,9 +120,7 @@ class BoardSession {
   ChannelState& channel(int b, int c) {
     return states_[static_cast<size_t>(b)][static_cast<size_t>(c)];
   }
-  bool had_power() const {
-    return checked_ == PowerState::kAmps || checked_ == PowerState::kOn;
-  }
+  bool had_power() const { return checked_ == PowerState::kAmps || checked_ == PowerState::kOn; }
   bool on_the_way() const { return state_ != PowerState::kOff && state_ != PowerState::kFault; }
   void enter(PowerState state) noexcept;
   void react(Reaction reaction, Condition condition) noexcept;

@@ -19,16 +19,16 @@ struct BoardSetup {
   std::uint32_t hardware = kHardwareQla1;
   std::string qla_serial = "QLA 0000-00";
   std::string fpga_serial = "FPGA 0000-00";
-  bool io_expander = false;   ///< QLA 1.5: amplifiers come 2.5 ms late, voltage mode exists
-  bool senses_chain = true;   ///< Rev 8 on: status bit 14
+  bool io_expander = false;  ///< QLA 1.5: amplifiers come 2.5 ms late, voltage mode exists
+  bool senses_chain = true;  ///< Rev 8 on: status bit 14
 };
 
 /// The world around the boards: one power supply, one chain of switches.
 struct PowerChain {
   bool emergency_stop = false;  ///< pressed
   bool supply_on = true;
-  bool relays_closed = false;   ///< of all boards in series; kept by the emulator
-  Ticks rise = 983040;          ///< from power enabled to voltage present: 20 ms
+  bool relays_closed = false;  ///< of all boards in series; kept by the emulator
+  Ticks rise = 983040;         ///< from power enabled to voltage present: 20 ms
 };
 
 /// What can be wrong with a board.
@@ -36,13 +36,13 @@ struct BoardFaults {
   bool supply_fault = false;
   bool relay_stuck_open = false;
   bool encoder_supply = false;
-  bool ignores_writes = false;  ///< real-time writes change nothing
-  bool stops_clock = false;     ///< timestamps are zero
-  int wrong_id = -1;            ///< the status shows this id
-  int wrong_channels = -1;      ///< the status shows this many
-  bool skips_query = false;     ///< never writes into the hub
-  int wrong_sequence = 0;       ///< added to the sequence in its hub block
-  int wrong_block_size = 0;     ///< added to the size in its hub block; Rev 8 on
+  bool ignores_writes = false;                    ///< real-time writes change nothing
+  bool stops_clock = false;                       ///< timestamps are zero
+  int wrong_id = -1;                              ///< the status shows this id
+  int wrong_channels = -1;                        ///< the status shows this many
+  bool skips_query = false;                       ///< never writes into the hub
+  int wrong_sequence = 0;                         ///< added to the sequence in its hub block
+  int wrong_block_size = 0;                       ///< added to the size in its hub block; Rev 8 on
   std::array<bool, kChannels> amp{};              ///< amplifier fails
   std::array<std::int32_t, kChannels> current{};  ///< added to the measured current [bits]
 };
@@ -88,9 +88,9 @@ class EmulatedBoard {
   std::uint32_t temperatures = 0x3234;  ///< 25 and 26 degrees
   std::uint32_t digital_inputs = 0;     ///< bits 11:0 of section 13
   std::uint32_t ethernet = kEthernetHealthy;
-  std::uint32_t phy_result = 0;         ///< register 2
+  std::uint32_t phy_result = 0;  ///< register 2
   std::uint32_t ip_address = 0xFFFFFFFF;
-  std::uint32_t query = 0;              ///< register 0x1800
+  std::uint32_t query = 0;  ///< register 0x1800
   BoardFaults faults;
 
  private:

@@ -28,8 +28,8 @@ class EmulatedEncoder {
   bool line_b() const { return phase() == 1 || phase() == 2; }
 
   // Faults of the hardware, as long as they are set.
-  bool broken_lines = false;       ///< illegal transitions
-  bool overflow_latched = false;   ///< section 11.1: sticky; not cleared by a preload
+  bool broken_lines = false;      ///< illegal transitions
+  bool overflow_latched = false;  ///< section 11.1: sticky; not cleared by a preload
 
  private:
   struct Edge {
@@ -42,12 +42,12 @@ class EmulatedEncoder {
   void edge(std::int64_t crossed, bool up, double at) noexcept;
   std::uint32_t period_word(bool stale) const noexcept;
 
-  double counts_ = 0.0;        ///< of the shaft
-  std::int64_t count_ = 0;     ///< its whole part
-  std::int64_t offset_ = 0;    ///< counter minus count_
+  double counts_ = 0.0;      ///< of the shaft
+  std::int64_t count_ = 0;   ///< its whole part
+  std::int64_t offset_ = 0;  ///< counter minus count_
   std::uint32_t preload_ = 0x800000;
   Ticks moved_at_ = 0;
-  double last_edge_ = 0.0;     ///< [ticks]
+  double last_edge_ = 0.0;  ///< [ticks]
   std::int64_t edges_ = 0;
   Edge recent_[5];  ///< newest first
 };

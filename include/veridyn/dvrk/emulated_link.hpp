@@ -26,8 +26,8 @@ class EmulatedLink final : public DatagramLink {
   /// Puts a datagram into the queue that nobody asked for.
   void push(ByteView datagram, bool known_source = true) noexcept;
 
-  bool cut = false;          ///< sends fail
-  double round_trip = 50e-6; ///< [s] from a request to its answer
+  bool cut = false;           ///< sends fail
+  double round_trip = 50e-6;  ///< [s] from a request to its answer
 
  private:
   struct Waiting {

@@ -88,8 +88,8 @@ constexpr std::uint16_t of_channel(int channel, Offset offset) {
 constexpr std::uint32_t kHardwareQla1 = 0x514C4131;  ///< "QLA1", section 1
 constexpr std::uint32_t kPreloadNever = 0x800000;    ///< section 7.4; also the counter's zero
 constexpr double kTicksPerSecond = 49.152e6;
-constexpr std::uint32_t kWatchdogTicks = 256;         ///< of the clock in one count of register 3
-constexpr std::uint32_t kWatchdogDefault = 0x1680;    ///< 30 ms
+constexpr std::uint32_t kWatchdogTicks = 256;       ///< of the clock in one count of register 3
+constexpr std::uint32_t kWatchdogDefault = 0x1680;  ///< 30 ms
 constexpr std::uint32_t kMotorConfigDefault = 0x01780418;
 constexpr std::uint32_t kEthernetHealthy = 0xA01C0000;
 constexpr std::uint32_t kEthernetErrors = 0x1FC00000;  ///< bits 28 to 22; V2
@@ -107,16 +107,22 @@ constexpr std::uint32_t kRealTimeBits = 0x000FFFFF;  ///< what Rev 7 and 8 honou
 }  // namespace control
 
 // Sections 7.7, 8.3: sizes by firmware, in quadlets, for a QLA.
-constexpr bool firmware_supported(int firmware) { return firmware >= 6 && firmware <= 9; }
+constexpr bool firmware_supported(int firmware) {
+  return firmware >= 6 && firmware <= 9;
+}
 constexpr std::size_t read_quadlets(int firmware) {
   return firmware >= 8 ? 32 : firmware == 7 ? 28 : 20;
 }
 constexpr std::size_t write_quadlets(int firmware) {
   return firmware >= 8 ? 6 : firmware == 7 ? 5 : 4;
 }
-constexpr std::size_t hub_quadlets(int firmware) { return 1 + read_quadlets(firmware); }
+constexpr std::size_t hub_quadlets(int firmware) {
+  return 1 + read_quadlets(firmware);
+}
 /// Boards whose blocks may stand in one broadcast: 4-6, 7, 8-9 (sections 5 and 17 #11).
-constexpr int firmware_group(int firmware) { return firmware >= 8 ? 8 : firmware == 7 ? 7 : 6; }
+constexpr int firmware_group(int firmware) {
+  return firmware >= 8 ? 8 : firmware == 7 ? 7 : 6;
+}
 
 /// Section 3.2: the largest block that fits an Ethernet of this MTU, in bytes.
 constexpr std::size_t largest_read(std::size_t mtu) {

@@ -1,0 +1,10 @@
+#pragma once
+
+namespace veridyn::dvrk {
+
+/// Lets this thread run before all ordinary ones (first in, first out), where the system allows it:
+/// for loops that have a cycle to keep and give the processor back in every one.
+/// @param priority  1 to 99. @returns whether it was allowed.
+bool take_real_time_priority(int priority) noexcept;
+
+}  // namespace veridyn::dvrk

@@ -1,0 +1,200 @@
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <sstream>
+#include <thread>
+
+#include "cli/tool.hpp"
+
+// `veridyn dvrk`: emulated boards in one process, their client in another, over loopback, in real
+// time.
+
+namespace veridyn {
+namespace {
+
+using nlohmann::json;
+
+// Two motors for planar-2r on board 6; the second is mounted the other way round.
+std::string io_xml() {
+  std::ostringstream out;
+  out.precision(17);
+  out << "<?xml version=\"1.0\"?>\n<Config Version=\"5\">\n"
+         "<Robot Name=\"planar\" HardwareVersion=\"QLA1\" NumOfActuator=\"2\" SN=\"1\">\n";
+  for (int k = 0; k < 2; ++k) {
+    const double s = k == 0 ? 1.0 : -1.0;
+    out << "<Actuator ActuatorID=\"" << k << "\" BoardID=\"6\" AxisID=\"" << k
+        << "\" Type=\"Revolute\">\n<Drive><AmpsToBits Scale=\"" << s * 5242.88 << "\" Offset=\""
+        << 32808 + 40 * k << "\"/><BitsToFeedbackAmps Scale=\"" << s * 12.5 / 65536
+        << "\" Offset=\"" << -s * 6.25
+        << "\"/><NmToAmps Scale=\"0.06\"/><MaxCurrent Value=\"5.0\" Unit=\"A\"/></Drive>\n"
+        << "<Encoder VelocitySource=\"FIRMWARE\"><BitsToPosSI Scale=\"" << s * 360 / (14400 * 56.5)
+        << "\" Unit=\"deg\"/><PositionLimitsSoft Lower=\"-143\" Upper=\"143\" Unit=\"deg\"/>"
+        << "</Encoder>\n<AnalogIn><BitsToVolts Scale=\"6.866455078125e-05\" Offset=\"0\"/>"
+        << "<VoltsToPosSI Scale=\"" << s * 70 << "\" Offset=\"" << -s * 157
+        << "\" Unit=\"deg\"/></AnalogIn>\n</Actuator>\n";
+  }
+  out << "</Robot>\n</Config>\n";
+  return out.str();
+}
+
+// `veridyn dvrk emulate` as a process of its own.
+class Boards {
+ public:
+  Boards(Words words, const std::string& out) {
+    words = Words{VERIDYN_TOOL, "dvrk", "emulate", "--port", "0", "--quiet"} + words;
+    child_ = ::fork();
+    if (child_ == 0) {
+      if (std::freopen(out.c_str(), "w", stdout) == nullptr) ::_exit(126);
+      std::vector<char*> argv;
+      for (std::string& word : words) argv.push_back(word.data());
+      argv.push_back(nullptr);
+      ::execv(argv[0], argv.data());
+      ::_exit(127);
+    }
+    for (int k = 0; k < 1000 && port_.empty(); ++k) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+      const std::string said = content_of(out);
+      const auto at = said.find("port ");
+      if (said.find('\n') != std::string::npos && at != std::string::npos)
+        port_ = said.substr(at + 5, said.find(',', at) - at - 5);
+    }
+  }
+  ~Boards() {
+    if (child_ <= 0) return;
+    ::kill(child_, SIGTERM);
+    ::waitpid(child_, nullptr, 0);
+  }
+  Boards(const Boards&) = delete;
+  Boards& operator=(const Boards&) = delete;
+
+  const std::string& port() const { return port_; }
+
+ private:
+  pid_t child_ = -1;
+  std::string port_;
+};
+
+class Dvrk : public testing::Test {
+ protected:
+  std::string config() { return folder_.write("io.xml", io_xml()); }
+  Words client(const std::string& command, const Boards& boards) {
+    return {"dvrk", command, "--config", config(), "--port", boards.port(), "--watchdog", "0.3"};
+  }
+  TemporaryFolder folder_;
+};
+
+// From an experiment that was designed to a model that was identified, through boards that move a
+// simulated arm: what comes out is what went in.
+TEST_F(Dvrk, TheRecordingOfARunIdentifiesTheArmBehindTheBoards) {
+  const std::string trajectory = folder_.path("traj.csv");
+  ToolRun run = run_tool({"excite", "planar-2r", "-o", trajectory, "--duration", "6", "--frequency",
+                          "0.34", "--harmonics", "3", "--quiet"});
+  ASSERT_EQ(run.status, 0) << run.err;
+  const Boards boards({"--config", config(), "--model", "planar-2r"}, folder_.path("boards.txt"));
+  ASSERT_NE(boards.port(), "");
+  const std::string recording = folder_.path("rec.csv");
+  run = run_tool(client("run", boards) + Words{"--trajectory", trajectory, "--model", "planar-2r",
+                                               "-o", recording, "--approach-speed", "1", "--rate",
+                                               "500"});
+  ASSERT_EQ(run.status, 0) << run.err;
+  const std::string out = folder_.path("id.json");
+  run = run_tool({"identify", "planar-2r", "--train", recording, "--json", out, "--quiet"});
+  ASSERT_EQ(run.status, 0) << run.err;
+  // Of data/robots/planar-2r.yaml, by hand: rods of 4 kg, 0.5 m and 2.5 kg, 0.4 m.
+  const std::map<std::string, double> truth = {{"viscous_friction(shoulder)", 0.8},
+                                               {"coulomb_friction(shoulder)", 1.2},
+                                               {"viscous_friction(elbow)", 0.4},
+                                               {"coulomb_friction(elbow)", 0.6},
+                                               {"hx_upper", -1.0 + 0.5 * 6.5},
+                                               {"hx_fore", -0.5 + 0.4 * 2.5},
+                                               {"hy_upper", 0.0},
+                                               {"hy_fore", 0.0}};
+  int found = 0, inside = 0;
+  const json identified = json_of(out);
+  for (const json& parameter : identified["base_parameters"]) {
+    const std::string expression = parameter["expression"];
+    for (const auto& [name, value] : truth) {
+      if (expression.rfind(name, 0) != 0) continue;
+      const double off = std::abs(parameter["value"].get<double>() - value);
+      const double sigma = parameter["std"].get<double>();
+      EXPECT_LT(off, 5.0 * sigma) << expression;
+      inside += off < 1.96 * sigma ? 1 : 0;
+      ++found;
+      break;
+    }
+  }
+  EXPECT_EQ(found, 8);
+  EXPECT_GE(inside, 6);
+}
+
+TEST_F(Dvrk, MonitorAndReadSeeTheArmWithoutPower) {
+  const Boards boards({"--config", config(), "--model", "planar-2r", "--start", "0.5,-0.25"},
+                      folder_.path("boards.txt"));
+  ToolRun run = run_tool(client("monitor", boards) + Words{"--seconds", "0.3"});
+  ASSERT_EQ(run.status, 0) << run.err;
+  EXPECT_NE(run.out.find(" 0.4999"), std::string::npos) << run.out;
+  EXPECT_NE(run.out.find("-0.2499"), std::string::npos) << run.out;
+  EXPECT_NE(run.out.find("25.0 C, 26.0 C"), std::string::npos) << run.out;
+  const std::string recording = folder_.path("rec.csv");
+  run = run_tool(client("read", boards) + Words{"--seconds", "0.5", "--rate", "500", "-o",
+                                                recording, "--protocol", "broadcast"});
+  ASSERT_EQ(run.status, 0) << run.err;
+  EXPECT_EQ(content_of(recording).rfind("t,q1,q2,dq1,dq2,tau1,tau2\n", 0), 0U);
+}
+
+TEST_F(Dvrk, AnEmergencyStopEndsARunAndTheRecordingSaysSo) {
+  const std::string trajectory = folder_.path("traj.csv");
+  std::ofstream(trajectory) << "t,q1,q2\n0,0,0\n5,0.05,0.05\n10,0.1,0.1\n15,0.05,0.1\n20,0,0\n";
+  const Boards boards({"--config", config(), "--model", "planar-2r", "--event", "emergency-stop@6"},
+                      folder_.path("boards.txt"));
+  const std::string recording = folder_.path("rec.csv");
+  const ToolRun run =
+      run_tool(client("run", boards) + Words{"--trajectory", trajectory, "--model", "planar-2r",
+                                             "-o", recording, "--json", folder_.path("run.json")});
+  EXPECT_EQ(run.status, 4) << run.err;
+  EXPECT_NE(run.err.find("emergency stop"), std::string::npos) << run.err;
+  const json told = json_of(folder_.path("run.json"));
+  EXPECT_FALSE(told["complete"].get<bool>());
+  bool listed = false;
+  for (const json& fault : told["faults"]) listed = listed || fault["condition"] == 18;
+  EXPECT_TRUE(listed);
+  EXPECT_EQ(content_of(recording).rfind("# incomplete: no motor supply", 0), 0U);
+}
+
+TEST_F(Dvrk, MistakesGetOneLine) {
+  const std::string io = config();
+  const struct {
+    Words words;
+    int status;
+    const char* says;
+  } cases[] = {
+      {{"dvrk"}, 2, ""},
+      {{"dvrk", "read", "-o", folder_.path("r.csv")}, 2, "--config or --arm"},
+      {{"dvrk", "emulate", "--arm", "PSM9", "--port", "0"}, 3, "PSM9"},
+      {{"dvrk", "emulate", "--config", io, "--event", "flood@3", "--port", "0"}, 2, "flood@3"},
+      {{"dvrk", "emulate", "--config", io, "--event", "reboot:9@3", "--port", "0"}, 3, "board 9"},
+      {{"dvrk", "monitor", "--config", folder_.path("none.xml")}, 3, "none.xml"},
+      {{"dvrk", "read", "--config", io, "--port", "9", "-o", folder_.path("r.csv")},
+       3,
+       "no board answers"},
+      {{"dvrk", "run", "--config", io, "--trajectory", folder_.path("none.csv"), "-o",
+        folder_.path("r.csv")},
+       3,
+       "none.csv"},
+  };
+  for (const auto& one : cases) {
+    const ToolRun run = run_tool(one.words);
+    EXPECT_EQ(run.status, one.status) << run.err;
+    EXPECT_EQ(run.error_lines(), 1) << run.err;
+    EXPECT_NE(run.err.find(one.says), std::string::npos) << run.err;
+  }
+}
+
+}  // namespace
+}  // namespace veridyn
