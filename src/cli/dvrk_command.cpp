@@ -202,6 +202,7 @@ void add_dvrk_command(CLI::App& tool, Outcome& outcome) {
   dvrk.require_subcommand(1);
   add_emulate(dvrk, outcome);
   add_clients(dvrk, outcome);
+  add_dvrk_config(dvrk);
 }
 
 }  // namespace veridyn::cli

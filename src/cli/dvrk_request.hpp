@@ -56,6 +56,9 @@ dvrk::ArmSessionOptions session_options(const DvrkRequest& request, const DvrkAr
 /// What the session noticed, on standard error.
 void say_faults(const dvrk::FaultLog& faults, const CommonOptions& common);
 
+/// `veridyn dvrk config`.
+void add_dvrk_config(CLI::App& dvrk);
+
 ExitStatus run_dvrk_emulate(const DvrkRequest& request);
 ExitStatus run_dvrk_monitor(const DvrkRequest& request);
 ExitStatus run_dvrk_read(const DvrkRequest& request);

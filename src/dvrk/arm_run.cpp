@@ -48,8 +48,6 @@ void require_within_limits(const ArmSession& arm, const MotionSamples& motion) {
   const Eigen::Index joints = motion.joints();
   for (int i = 0; i < arm.size(); ++i) {
     const ActuatorConfig& a = arm.robot().actuators[static_cast<size_t>(i)];
-    require(!a.brake, "arm '", arm.robot().name, "': actuator ", i,
-            " has a brake, which is not driven; this arm can be read only.");
     const auto row = to_actuator.row(i);
     if (!(a.lower < a.upper) || row.head(joints).isZero() ||
         !row.tail(arm.size() - joints).isZero())
@@ -96,7 +94,8 @@ class MotionRun {
     const double now = clock_.begin();
     const bool valid = arm_.update();
     const PowerState state = arm_.boards().state();
-    if (valid && state == PowerState::kOn) {
+    const bool ready = arm_.ready();  // brakes are open as well
+    if (valid && ready) {
       make(now);
       pid_.torques(arm_.state().q, arm_.state().dq, wanted_q_, wanted_dq_, 1.0 / options_.rate,
                    tau_);
@@ -106,7 +105,7 @@ class MotionRun {
     clock_.end();
     if (stop_.load(std::memory_order_relaxed)) return end("stopped by a signal");
     if (state == PowerState::kFault) return end(describe(arm_.boards().cause()));
-    return !valid || state != PowerState::kOn || follows();
+    return !valid || !ready || follows();
   }
 
   bool follows() {
@@ -126,10 +125,10 @@ class MotionRun {
     for (int k = 0; k < static_cast<int>(kLooking * options_.rate); ++k) {
       if (!cycle([](double) {})) return false;
     }
-    if (const char* refused = arm_.boards().power_on()) return end(refused);
+    if (const char* refused = arm_.power_on()) return end(refused);
     for (int k = 0; k < static_cast<int>(options_.power_timeout * options_.rate); ++k) {
       if (!cycle([this](double) { hold_here(); })) return false;
-      if (arm_.boards().state() == PowerState::kOn) return true;
+      if (arm_.ready()) return true;
     }
     return end("power does not come up");
   }

@@ -12,6 +12,12 @@ namespace {
 MatrixXd checked_coupling(const MatrixXd& K, const RobotConfig& robot) {
   const int n = robot.size();
   require(n > 0, "arm '", robot.name, "': found no actuators, expected at least one.");
+  for (const ActuatorConfig& actuator : robot.actuators) {
+    require(actuator.effort_to_amps > 0.0 && actuator.max_current > 0.0 &&
+                actuator.bits_to_position != 0.0,
+            "arm '", robot.name,
+            "': found an actuator without drive or encoder, expected an arm that can be driven.");
+  }
   if (K.size() == 0) return MatrixXd::Identity(n, n);
   require(K.rows() == n && K.cols() == n, "arm '", robot.name, "': found a coupling of ", K.rows(),
           " x ", K.cols(), ", expected ", n, " x ", n, ".");

@@ -62,6 +62,13 @@ constexpr std::array<std::pair<const char*, const char*>, 47> kNames{{
     {"Trigger", "trigger"},
     {"Debounce", "debounce"},
 }};
+// Other names that are read, not written: those of the structures behind the JSON, as remembered.
+constexpr std::array<std::pair<const char*, const char*>, 4> kOtherNames{{
+    {"Pressed", "pressed_value"},
+    {"Debounce", "debounce_threshold"},
+    {"DebounceClick", "debounce_threshold_click"},
+    {"AnalogBrake", "brake"},
+}};
 constexpr std::array<std::pair<const char*, const char*>, 8> kShortNames{{
     {"Scale", "scale"},
     {"Offset", "offset"},
@@ -78,7 +85,17 @@ int line_of(const std::string& content, std::ptrdiff_t offset) {
   return 1 + static_cast<int>(std::count(content.begin(), end, '\n'));
 }
 
-ConfigTree tree_of(const pugi::xml_node& node, const std::string& content) {
+// No configuration is nested deeper than a few levels; a file that is would fill the stack.
+constexpr int kDeepest = 30;
+
+void require_depth(int depth, const std::string& file) {
+  require(depth < kDeepest, file, ": found elements nested ", depth,
+          " deep, expected a configuration.");
+}
+
+ConfigTree tree_of(const pugi::xml_node& node, const std::string& content, const std::string& file,
+                   int depth = 0) {
+  require_depth(depth, file);
   ConfigTree tree;
   tree.name = tree.written = node.name();
   tree.line = line_of(content, node.offset_debug());
@@ -90,12 +107,15 @@ ConfigTree tree_of(const pugi::xml_node& node, const std::string& content) {
     member.text = attribute.value();
   }
   for (const pugi::xml_node& child : node.children()) {
-    if (child.type() == pugi::node_element) tree.members.push_back(tree_of(child, content));
+    if (child.type() == pugi::node_element)
+      tree.members.push_back(tree_of(child, content, file, depth + 1));
   }
   return tree;
 }
 
-ConfigTree tree_of(const std::string& name, const Json& value) {
+ConfigTree tree_of(const std::string& name, const Json& value, const std::string& file,
+                   int depth = 0) {
+  require_depth(depth, file);
   ConfigTree tree;
   tree.written = name;
   tree.name = xml_name(name);
@@ -108,11 +128,11 @@ ConfigTree tree_of(const std::string& name, const Json& value) {
   for (const auto& [key, member] : value.items()) {
     const bool list_of_members = member.is_array() && !member.empty() && !member[0].is_number();
     if (!list_of_members) {
-      tree.members.push_back(tree_of(key, member));
+      tree.members.push_back(tree_of(key, member, file, depth + 1));
       continue;
     }
     for (const Json& item : member) {
-      tree.members.push_back(tree_of(key, item));
+      tree.members.push_back(tree_of(key, item, file, depth + 1));
       tree.members.back().listed = true;
     }
   }
@@ -124,13 +144,13 @@ ConfigTree parse_xml(const std::string& content, const std::string& file) {
   const pugi::xml_parse_result result = document.load_buffer(content.data(), content.size());
   require(static_cast<bool>(result), file, ":", line_of(content, result.offset),
           ": found text that is not XML (", result.description(), "), expected XML.");
-  return tree_of(document.document_element(), content);
+  return tree_of(document.document_element(), content, file);
 }
 
 ConfigTree parse_json(const std::string& content, const std::string& file) {
   try {
     // Comments are let pass: the laboratories' files begin with one for their editors.
-    return tree_of("", Json::parse(content, nullptr, true, true));
+    return tree_of("", Json::parse(content, nullptr, true, true), file);
   } catch (const Json::exception& error) {
     throw InvalidInput(
         text(file, ": found text that is not JSON (", error.what(), "), expected JSON."));
@@ -176,6 +196,8 @@ std::string xml_name(const std::string& json_name) {
   for (const auto& [xml, json] : kNames)
     if (json_name == json) return xml;
   for (const auto& [xml, json] : kShortNames)
+    if (json_name == json) return xml;
+  for (const auto& [xml, json] : kOtherNames)
     if (json_name == json) return xml;
   return json_name;
 }

@@ -17,6 +17,7 @@ constexpr int kSamples = 300;
 constexpr double kTolerance = 0.05;    // of a joint's largest torque
 constexpr double kIndependent = 1e-9;  // of a column's length, what may be left of a dependent one
 constexpr double kNothing = 1e-12;     // kg or kg m that are rounding
+constexpr double kNoTorque = 1e-9;     // N m or N that are rounding
 constexpr double kCentreOffset = 0.1;  // m, where a mass may be chosen
 constexpr int kMoments = 4;            // per link: hx, hy, hz, m
 constexpr int kInBody[kMoments] = {1, 2, 3, 0};  // places in InertialParameters
@@ -245,7 +246,7 @@ GravityChain fit_gravity_chain(const Model& model, const ArmFacts& arm) {
   for (std::size_t k = 0; k < match.rows.size(); ++k) {
     const auto i = static_cast<Eigen::Index>(k);
     result.joints.push_back(model.coordinates()[static_cast<size_t>(match.coordinates[k])].name);
-    require(result.largest_error[i] <= kTolerance * result.largest_torque[i] + kNothing, "model '",
+    require(result.largest_error[i] <= kTolerance * result.largest_torque[i] + kNoTorque, "model '",
             model.name(), "': gravity of ", result.joints.back(), " differs by ",
             result.largest_error[i], " of ", result.largest_torque[i], " from any chain of the ",
             arm.name, "'s links, expected at most 5 %.");

@@ -88,18 +88,21 @@ class Reader {
                   text(promised, ", as its number of actuators says"));
     }
     for (int k = 0; k < there; ++k)
-      robot.actuators.push_back(read_actuator(node.item("Actuator", k), robot.hardware));
+      robot.actuators.push_back(read_actuator(node.item("Actuator", k), robot));
   }
 
-  ActuatorConfig read_actuator(const ConfigNode& node, const std::string& hardware) const {
+  // Robots that are inputs and outputs only (grippers with a pot) may come without motor and
+  // encoder.
+  ActuatorConfig read_actuator(const ConfigNode& node, const RobotConfig& robot) const {
+    const std::string& hardware = robot.hardware;
     ActuatorConfig actuator;
     node.number("ActuatorID", 0.0);
     actuator.board = board(node);
     actuator.axis = node.whole("AxisID", 0, hardware == "QLA1" ? 3 : 9);
     actuator.prismatic =
         node.choice(json_ ? "JointType" : "Type", {"Revolute", "Prismatic"}, 0) == 1;
-    read_drive(node.at("Drive"), actuator);
-    read_encoder(node.at("Encoder"), actuator);
+    if (!robot.io_only || node.has("Drive")) read_drive(node.at("Drive"), actuator);
+    if (!robot.io_only || node.has("Encoder")) read_encoder(node.at("Encoder"), actuator);
     const ConfigNode pot = node.at("AnalogIn");
     actuator.bits_to_volts = read_scale(pot.at("BitsToVolts"));
     const ConfigNode volts = pot.at("VoltsToPosSI");
@@ -213,7 +216,12 @@ class Reader {
     input.bit = node.whole("BitID", 0, 31);
     input.pressed_when_low = node.flag("Pressed", true);
     const std::vector<std::string> triggers{"all", "press", "release", "none"};
-    input.trigger = triggers[static_cast<std::size_t>(node.choice("Trigger", triggers, 0))];
+    // Two flags may stand for the word: 1 pressed, 2 released.
+    const int flags = (node.flag("trigger_when_pressed", true) ? 1 : 0) +
+                      (node.flag("trigger_when_released", true) ? 2 : 0);
+    const int by_flags[] = {3, 1, 2, 0};
+    input.trigger =
+        triggers[static_cast<std::size_t>(node.choice("Trigger", triggers, by_flags[flags]))];
     input.debounce = seconds(node, "Debounce", 0.0);
     input.debounce_click = seconds(node, "DebounceClick", 0.2 * input.debounce);
     input.skip_first_run = node.flag("SkipFirstRun", false);
@@ -247,7 +255,7 @@ IoConfig read(const std::string& content, const std::string& file, ConfigFormat 
   for (const RobotConfig& robot : config.robots) {
     for (int k = 0; k < robot.size(); ++k) {
       const ActuatorConfig& a = robot.actuators[static_cast<std::size_t>(k)];
-      if (a.amps_to_bits.scale * a.bits_to_position > 0.0) continue;
+      if (robot.io_only || a.amps_to_bits.scale * a.bits_to_position > 0.0) continue;
       config.remarks.push_back(text(file, ": ", robot.name, " actuator ", k,
                                     ": the scales of current and of position differ in sign; with "
                                     "the usual wiring positive current then moves it backwards."));

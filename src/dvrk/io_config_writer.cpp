@@ -115,11 +115,8 @@ class Writer {
     add_text(tree, json_ ? "JointType" : "Type",
              json_ ? (actuator.prismatic ? "PRISMATIC" : "REVOLUTE")
                    : (actuator.prismatic ? "Prismatic" : "Revolute"));
-    ConfigTree drive = element("Drive");
-    add_current(drive, actuator.amps_to_bits, actuator.bits_to_amps, actuator.max_current);
-    add_number(drive.members.emplace_back(element("NmToAmps")), "Scale", actuator.effort_to_amps);
-    tree.members.push_back(std::move(drive));
-    tree.members.push_back(encoder(actuator));
+    if (actuator.max_current > 0.0) tree.members.push_back(drive(actuator));
+    if (actuator.bits_to_position != 0.0) tree.members.push_back(encoder(actuator));
     ConfigTree pot = element("AnalogIn");
     add_scale(pot, "BitsToVolts", actuator.bits_to_volts);
     const LinearScale& volts = actuator.volts_to_position;
@@ -129,6 +126,13 @@ class Writer {
     add_unit(pot.members.back(), actuator.prismatic);
     tree.members.push_back(std::move(pot));
     if (actuator.brake) add_item(tree, brake_tree(*actuator.brake));
+    return tree;
+  }
+
+  static ConfigTree drive(const ActuatorConfig& actuator) {
+    ConfigTree tree = element("Drive");
+    add_current(tree, actuator.amps_to_bits, actuator.bits_to_amps, actuator.max_current);
+    add_number(tree.members.emplace_back(element("NmToAmps")), "Scale", actuator.effort_to_amps);
     return tree;
   }
 

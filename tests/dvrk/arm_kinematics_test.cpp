@@ -165,6 +165,23 @@ TEST(ArmKinematics, MtmInverseFindsTheJoints) {
   EXPECT_LT(others, 20);
 }
 
+// Beyond the limits the nearest of all solutions is given, whichever way the elbow bends and
+// whether the arm reaches forwards or over its own base.
+TEST(ArmKinematics, MtmKnowsItsOtherSolutions) {
+  const ArmFacts arm = read_arm("MTML");
+  const MtmKinematics kinematics(arm);
+  Random random(8);
+  int outside = 0;
+  for (int trial = 0; trial < 500; ++trial) {
+    const Eigen::Vector3d q = random.vector(3, -3.0, 3.0);
+    const InverseSolution<3> found = kinematics.inverse_position(kinematics.wrist_position(q), q);
+    if (found.status != InverseStatus::kOutsideLimits) continue;
+    ++outside;
+    EXPECT_TRUE(near(found.q, q, 1e-6));
+  }
+  EXPECT_GT(outside, 250);
+}
+
 TEST(ArmKinematics, MtmOutOfReachAndStretched) {
   const ArmFacts arm = read_arm("MTML");
   const MtmKinematics kinematics(arm);
@@ -226,6 +243,24 @@ TEST(ArmKinematics, ThePsmMovesAsThePublishedModelDoes) {
     EXPECT_NEAR(way(T1, T2), way(P1, P2), 1e-9) << q.transpose();
     before = q;
   }
+}
+
+// Angles of more than a turn: the turn nearest to where the arm is, unless it is out of range.
+TEST(ArmKinematics, WholeTurnsKeepToTheRange) {
+  const JointRanges<6> ranges(read_arm("PSM1"));  // roll: 272 degrees either way
+  using Joints = PsmKinematics::Joints;
+  const double limit = ranges.upper[3];
+  const auto wrapped = [&](double roll, double near_roll) {
+    Joints q = Joints::Unit(3) * roll;
+    ranges.wrap(q, Joints::Unit(3) * near_roll);
+    return q[3];
+  };
+  EXPECT_NEAR(wrapped(-1.0, 0.0), -1.0, 1e-15);
+  EXPECT_NEAR(wrapped(-3.0, 2.0), -3.0 + 2.0 * M_PI, 1e-15);  // 3.28, nearer
+  EXPECT_NEAR(wrapped(-1.0, 4.0), -1.0, 1e-15);               // 5.28 is beyond the limit
+  EXPECT_NEAR(wrapped(1.0, -4.0), 1.0, 1e-15);                // and so is -5.28
+  EXPECT_NEAR(wrapped(limit + 1e-12, limit), limit, 1e-11);   // rounding is no turn
+  EXPECT_NEAR(wrapped(1.0 + 6.0 * M_PI, 0.0), 1.0, 1e-13);
 }
 
 TEST(ArmKinematics, ChainsOfAnotherFormAreRefused) {

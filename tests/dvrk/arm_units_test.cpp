@@ -1,4 +1,3 @@
-#include "support/malloc_count.hpp"
 
 #include "veridyn/dvrk/arm_units.hpp"
 
@@ -232,28 +231,6 @@ TEST(ArmUnits, OverflowAndImpossibleTransitionsMakeEncodersInvalid) {
   raw[1].encoder.period |= 1U << 28;
   units.read(raw.data(), state);
   EXPECT_FALSE(state.encoders_valid);
-}
-
-TEST(ArmUnits, NeitherReadNorWriteAllocates) {
-#if VERIDYN_COUNTS_MALLOC
-  ArmUnits units(example(), read_arm("PSM1").coupling(kNeedleDriver));
-  PotCheck check(example());
-  ArmState state(7);
-  ArmCommand command(7);
-  const std::vector<RawActuator> raw(7);
-  const VectorXd tau = VectorXd::Constant(7, 0.01);
-  const VectorXd pots = VectorXd::Constant(7, 30000.0);
-  VectorXd q(7);
-  std::vector<std::uint32_t> words(7);
-  const long before = malloc_count();
-  units.read(raw.data(), state);
-  units.write(tau, command);
-  units.write_zero(command);
-  units.pot_positions(pots, q);
-  units.preload_words(q, words.data());
-  check.update(state, 0.001);
-  EXPECT_EQ(malloc_count(), before);
-#endif
 }
 
 TEST(PotCheck, ADifferenceCountsWhenItLasts) {

@@ -9,7 +9,7 @@ namespace veridyn::dvrk {
 
 // Closed forms of the arms' kinematics, for control loops: constructors throw InvalidInput where an
 // arm's DH rows have another form; the functions never throw or allocate. They return the same
-// poses as frame_pose() of arm_model().
+// poses as frame_pose() of arm_model(). Poses that go in must be rigid; that is not checked.
 
 enum class InverseStatus {
   kDone,           ///< q reaches the pose, within the limits

@@ -48,7 +48,8 @@ struct ArmCommand {
 class ArmUnits {
  public:
   /// @param actuator_to_joint  (n x n) K; empty: identity.
-  /// @throws InvalidInput  no actuators, K is singular or of the wrong size.
+  /// @throws InvalidInput  no actuators, one without drive or encoder, K is singular or of the
+  /// wrong size.
   explicit ArmUnits(const RobotConfig& robot, const MatrixXd& actuator_to_joint = MatrixXd());
 
   int size() const { return static_cast<int>(actuators_.size()); }

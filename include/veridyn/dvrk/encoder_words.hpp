@@ -28,8 +28,8 @@ struct EncoderMotion {
   double predicted = 0.0;     ///< velocity carried on to now
 };
 
-/// The laboratory's host takes no acceleration when a quarter lasts less than this many clock
-/// ticks: 1/quarter > threshold.
+/// The laboratory's host takes no acceleration when 1/quarter (in clock ticks) is above this: from
+/// quarters shorter than 2000 ticks, 41 us.
 constexpr double kAccelerationThreshold = 0.0005;
 
 /// Counts, -2^23 .. 2^23 - 1.

@@ -50,7 +50,8 @@ GravityChain fit_gravity_chain(const Model& model, const ArmFacts& arm);
 VectorXd gravity_torques(const GravityChain& chain, const VectorRef& q);
 
 /// The rows as the laboratory's kinematics files have them ("DH": {"convention": "modified",
-/// "joints": [...]} with mass, cx, cy, cz), and beside them what they were made from.
+/// "joints": [...]} with mass, cx, cy, cz; names as remembered, no sample file was at hand), and
+/// beside them what they were made from.
 std::string to_gravity_json(const GravityChain& chain, const std::string& model);
 
 /// The rows of such a file. @throws InvalidInput  the file, the row, what was found and expected.
@@ -63,7 +64,8 @@ struct StaticTorques {
 };
 
 /// Reads a static gravity recording: a header q1..qn,tau1..taun in any order (other columns are
-/// ignored), or no header, positions first and efforts behind them.
+/// ignored), or no header, positions first and efforts behind them (the latter is an assumption
+/// about the laboratories' files; none was at hand).
 /// @throws InvalidInput  file and line, what was found and expected.
 StaticTorques read_static_torques(const std::string& path);
 

@@ -54,7 +54,7 @@ struct RobotConfig {
   std::string name;
   std::string hardware;  ///< "QLA1", "DQLA" or "dRA1"
   std::string serial;
-  bool io_only = false;
+  bool io_only = false;  ///< its actuators may lack drive and encoder: zeros there
   bool has_encoder_preload = true;
   std::vector<ActuatorConfig> actuators;
   std::string pot_lookup_table;  ///< file of digital pots; kept, not read
@@ -116,8 +116,10 @@ IoConfig read_io_config(const std::string& path);
 IoConfig read_io_xml(const std::string& content, const std::string& file);
 
 /// The JSON form is known by its names only (no sample file was at hand). Assumed here: members as
-/// in to_io_json(), SI units, "number_of_actuators" may be missing; "index" and unknown members are
-/// listed in IoConfig::remarks.
+/// to_io_json() writes them, SI units where no unit is given, "number_of_actuators" may be missing,
+/// rows of matrices are lists. Also read: "trigger_when_pressed", "trigger_when_released",
+/// "pressed_value", "debounce_threshold", "debounce_threshold_click", "brake". Members that are
+/// unknown are listed in IoConfig::remarks.
 IoConfig read_io_json(const std::string& content, const std::string& file);
 
 /// The file's text; reading it gives the same values up to 1e-15 (XML: degrees and millimetres).

@@ -1,0 +1,170 @@
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <iterator>
+
+#include "support/random.hpp"
+#include "veridyn/dvrk/arm_facts.hpp"
+#include "veridyn/dvrk/io_config.hpp"
+#include "veridyn/math/require.hpp"
+
+namespace veridyn::dvrk {
+namespace {
+
+const std::string kExample =
+    std::string(VERIDYN_SOURCE_DIR) + "/data/dvrk/sawRobotIO1394-PSM1-example.xml";
+
+std::string content_of(const std::string& path) {
+  std::ifstream file(path);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+// One change to the example, and what the message must name.
+struct Mistake {
+  std::string from, to;
+  std::vector<std::string> named;
+};
+
+class OnMistakes : public testing::TestWithParam<Mistake> {};
+
+TEST_P(OnMistakes, TheMessageNamesElementAndReason) {
+  std::string xml = content_of(kExample);
+  const auto place = xml.find(GetParam().from);
+  ASSERT_NE(place, std::string::npos);
+  xml.replace(place, GetParam().from.size(), GetParam().to);
+  try {
+    read_io_xml(xml, "io.xml");
+    FAIL() << "nothing was thrown";
+  } catch (const InvalidInput& error) {
+    const std::string message = error.what();
+    EXPECT_EQ(message.rfind("io.xml:", 0), 0U) << message;
+    EXPECT_EQ(message.find('\n'), std::string::npos) << message;
+    for (const std::string& word : GetParam().named)
+      EXPECT_NE(message.find(word), std::string::npos) << message << "\n  lacks: " << word;
+  }
+}
+
+std::vector<Mistake> mistakes() {
+  return {
+      {"Version=\"5\"", "Version=\"4\"", {":4:", "found 4", "version 5"}},
+      {"<Config", "<Konfig", {"XML"}},
+      {"NumOfActuator=\"7\"", "NumOfActuator=\"6\"", {"Robot PSM1", "7 actuators", "6"}},
+      {"NumOfActuator=\"7\"", "", {"Robot PSM1", "no NumOfActuator"}},
+      {"HardwareVersion=\"QLA1\"", "HardwareVersion=\"QLA9\"", {"QLA9", "QLA1, DQLA, dRA1"}},
+      {"BoardID=\"6\" AxisID=\"1\"",
+       "BoardID=\"6\" AxisID=\"0\"",
+       {"Robot PSM1/Actuator 1", "board 6 axis 0", "Actuator 0"}},
+      {"BoardID=\"6\" AxisID=\"1\"",
+       "BoardID=\"16\" AxisID=\"1\"",
+       {"Robot PSM1/Actuator 1/BoardID", "found 16", "0 to 15"}},
+      {"BoardID=\"6\" AxisID=\"1\"", "BoardID=\"6\" AxisID=\"4\"", {"AxisID", "0 to 3"}},
+      {"BoardID=\"6\" AxisID=\"1\"", "AxisID=\"1\"", {"Actuator 1", "no BoardID"}},
+      {"Type=\"Revolute\"", "Type=\"Screw\"", {"Actuator 0/Type", "Screw", "Revolute, Prismatic"}},
+      {"Unit=\"deg\"", "Unit=\"grad\"", {"Actuator 0", "grad", "rad, deg"}},
+      {"Unit=\"mm\"", "Unit=\"deg\"", {"Actuator 2", "deg", "mm, cm, m"}},
+      {"Unit=\"deg\"", "", {"Actuator 0", "no Unit"}},
+      {"<AmpsToBits Scale=\"",
+       "<AmpsToBits Scale=\"0\" Old=\"",
+       {"Actuator 0/Drive/AmpsToBits/Scale", "found 0", "other than 0"}},
+      {"<AmpsToBits Scale=\"-",
+       "<AmpsToBits Scale=\"",
+       {"Actuator 0/Drive/BitsToFeedbackAmps", "one sign"}},
+      {"<AmpsToBits Scale=\"-",
+       "<AmpsToBits Scale=\"x",
+       {"Actuator 0/Drive/AmpsToBits/Scale", "'x"}},
+      {"<AmpsToBits Scale=\"-", "<AmpsToBits Scale=\"1e999", {"finite"}},
+      {"<AmpsToBits", "<AmpsTwoBits", {"Drive", "no AmpsToBits", "AmpsTwoBits"}},
+      {"<NmToAmps Scale=\"", "<NmToAmps Scale=\"-", {"NmToAmps/Scale", "positive"}},
+      {"<MaxCurrent Value=\"1.340\"", "<MaxCurrent Value=\"0\"", {"Drive/MaxCurrent", "positive"}},
+      {"Lower=\"-91.0\"", "Lower=\"91.0\"", {"PositionLimitsSoft", "lower limit below"}},
+      {"<Tolerance Axis=\"1\"", "<Tolerance Axis=\"0\"", {"Tolerance 1", "axis 0", "axis 1 here"}},
+      {"<Tolerance Axis=\"6\"", "<Tolerance Axis=\"7\"", {"Tolerance 6", "0 to 6"}},
+      {"Name=\"PSM1-Tool\"", "Name=\"PSM1-Adapter\"", {"PSM1-Adapter", "unique"}},
+      {"Pressed=\"1\"", "Pressed=\"2\"", {"DigitalIn PSM1-SUJClutch/Pressed"}},
+      {"BitID=\"10\"", "BitID=\"32\"", {"DigitalIn PSM1-Adapter/BitID", "0 to 31"}},
+      {"<Potentiometers>",
+       "<Potentiometers><JointToActuatorPosition><Row Val=\"1 0\"/></JointToActuatorPosition>",
+       {"JointToActuatorPosition", "1 rows", "7"}},
+      {"Debounce=\"0.2\"", "Debounce=\"0.2s\"", {"PSM1-SUJClutch/Debounce", "'0.2s'"}},
+      {"</Config>", "", {"not XML"}},
+  };
+}
+
+INSTANTIATE_TEST_SUITE_P(InTheExample, OnMistakes, testing::ValuesIn(mistakes()),
+                         [](const auto& mistake) { return "m" + std::to_string(mistake.index); });
+
+TEST(IoConfig, ASingularCouplingOfPotsIsRefused) {
+  IoConfig config = nominal_config(read_arm("MTMR"));
+  config.robots[0].pots_to_actuators.row(2).setZero();
+  try {
+    read_io_xml(to_io_xml(config), "io.xml");
+    FAIL();
+  } catch (const InvalidInput& error) {
+    EXPECT_NE(std::string(error.what()).find("JointToActuatorPosition: found a singular matrix"),
+              std::string::npos)
+        << error.what();
+  }
+}
+
+// Bytes changed, cut out and doubled at random: either a configuration, or one line that says why
+// not; never another exception.
+TEST(IoConfig, DamagedFilesAreReadOrRefused) {
+  const std::string xml = content_of(kExample);
+  const std::string json = to_io_json(read_io_xml(xml, "io.xml"));
+  Random random(11);
+  int refused = 0;
+  for (int trial = 0; trial < 3000; ++trial) {
+    std::string text = trial % 2 == 0 ? xml : json;
+    for (int change = 0; change < 1 + trial % 3; ++change) {
+      const auto at = static_cast<std::size_t>(random.in(0, static_cast<double>(text.size())));
+      const auto count = static_cast<std::size_t>(random.in(1, 40));
+      const double kind = random.in(0, 3);
+      if (kind < 1) {
+        text[at] = static_cast<char>(random.in(1, 127));
+      } else if (kind < 2) {
+        text.erase(at, count);
+      } else {
+        text.insert(at, text.substr(at, count));
+      }
+    }
+    try {
+      trial % 2 == 0 ? read_io_xml(text, "f") : read_io_json(text, "f");
+    } catch (const InvalidInput& error) {
+      EXPECT_EQ(std::string(error.what()).rfind("f", 0), 0U) << error.what();
+      ++refused;
+    }
+  }
+  EXPECT_GT(refused, 1000);
+  std::string deep = "<Config Version=\"5\">";
+  for (int k = 0; k < 100000; ++k) deep += "<a>";
+  for (int k = 0; k < 100000; ++k) deep += "</a>";
+  EXPECT_THROW(read_io_xml(deep + "</Config>", "f"), InvalidInput);
+}
+
+TEST(IoConfig, OtherNamesOfJsonAreRead) {
+  const std::string json = R"({"digital_inputs": [
+    {"name": "a", "board_id": 1, "bit_id": 2, "pressed_value": false, "trigger_when_pressed": true,
+     "trigger_when_released": false, "debounce_threshold": 0.1},
+    {"name": "b", "board_id": 1, "bit_id": 3, "trigger_when_pressed": false,
+     "trigger_when_released": false}]})";
+  const IoConfig config = read_io_json(json, "f");
+  EXPECT_TRUE(config.remarks.empty()) << config.remarks.front();
+  EXPECT_FALSE(config.digital_inputs[0].pressed_when_low);
+  EXPECT_EQ(config.digital_inputs[0].trigger, "press");
+  EXPECT_EQ(config.digital_inputs[0].debounce, 0.1);
+  EXPECT_EQ(config.digital_inputs[1].trigger, "none");
+}
+
+TEST(IoConfig, TextThatIsNoConfigurationIsRefused) {
+  EXPECT_THROW(read_io_json("{", "f"), InvalidInput);
+  EXPECT_THROW(read_io_json("[1]", "f"), InvalidInput);
+  EXPECT_THROW(read_io_json("{\"robots\": 3}", "f"), InvalidInput);
+  EXPECT_THROW(read_io_json("{\"robots\": [[1]]}", "f"), InvalidInput);
+  EXPECT_THROW(read_io_json("{\"$version\": \"5\"}", "f"), InvalidInput);
+  EXPECT_THROW(read_io_xml("", "f"), InvalidInput);
+  EXPECT_THROW(read_io_config("/nowhere/io.xml"), InvalidInput);
+  EXPECT_THROW(read_io_config(kExample).robot("PSM2"), InvalidInput);
+}
+
+}  // namespace
+}  // namespace veridyn::dvrk
