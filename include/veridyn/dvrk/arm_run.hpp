@@ -42,8 +42,8 @@ struct RunResult {
 /// @param motion  rows of q and dq; between them a cubic.
 /// @param gains   one per joint of the arm.
 /// @param stop    set by a signal: ends the run with power off.
-/// @throws InvalidInput  sizes that do not fit, set points beyond soft limits; the session
-///                       does not start.
+/// @throws InvalidInput  sizes that do not fit, set points beyond soft limits; the session does not
+///                       start.
 RunResult run_motion(ArmSession& arm, DatagramLink& link, const MotionSamples& motion,
                      const PidGains& gains, const RunOptions& options,
                      const std::atomic<bool>& stop);
