@@ -93,10 +93,8 @@ VectorXd start_of(const DvrkRequest& request, const Model& model) {
 }
 
 std::vector<dvrk::BoardSetup> boards_of(const DvrkArm& arm, int firmware) {
-  std::set<int> ids;
-  for (const dvrk::ActuatorConfig& a : arm.robot.actuators) ids.insert(a.board);
   std::vector<dvrk::BoardSetup> boards;
-  for (const int id : ids) {
+  for (const int id : dvrk::boards_of(arm.robot)) {
     dvrk::BoardSetup setup;
     setup.id = id;
     setup.firmware = firmware;

@@ -42,7 +42,7 @@ void BoardBus::find_hub() {
           "boards: the hub does not tell its status and firmware.");
   link_.hub_is(static_cast<int>(firmware), Status{status}.board());
   if (firmware >= 9) hub.to = Destination::kMulticast;  // section 2.3
-  exchange_.expect_silence(true);  // it is told again per node
+  exchange_.expect_silence(true);                       // it is told again per node
   exchange_.read(hub, address::kEthernet, timeout, ethernet);
   exchange_.expect_silence(false);
 }

@@ -9,7 +9,9 @@
 
 namespace veridyn::dvrk {
 
-long dvrk_malloc_count() { return VERIDYN_COUNTS_MALLOC == 0 ? -1 : malloc_count(); }
+long dvrk_malloc_count() {
+  return VERIDYN_COUNTS_MALLOC == 0 ? -1 : malloc_count();
+}
 
 namespace {
 

@@ -65,6 +65,26 @@ TEST_F(Served, ADeadServerIsNoticed) {
   EXPECT_GE(session.faults().count(Condition::kNoReply), 3);
 }
 
+// From Rev 9 on the hub's board id is part of its address (section 2.3): 127.0.0.1 + 6 here.
+TEST(Udp, ARev9HubIsFoundAtItsOwnAddress) {
+  BoardEmulator emulator({Rig::setup(6, 9), Rig::setup(7, 9)});
+  BoardServer server(emulator, 0);
+  std::atomic<bool> stop{false};
+  std::thread thread([&] { server.run(stop); });
+  UdpLink link("127.0.0.1", server.port());
+  BoardBus bus(link, Rig::options(CycleProtocol::kBroadcast).bus);
+  bus.start();
+  int valid = 0;
+  for (int k = 0; k < 20; ++k) {
+    valid += bus.read() ? 1 : 0;
+    bus.write();
+  }
+  stop = true;
+  thread.join();
+  EXPECT_GE(valid, 18) << bus.faults().report();
+  EXPECT_EQ(bus.faults().count(Condition::kForeignSender), 0);
+}
+
 TEST(Udp, WhatCannotBeIsRefused) {
   EXPECT_THROW(UdpLink("no such host", 1394), InvalidInput);
   BoardEmulator emulator({Rig::setup(6)});
