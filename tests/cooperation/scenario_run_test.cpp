@@ -126,7 +126,7 @@ TEST(ScenarioSweep, FindsWhereTheLoopIsStable) {
   s.sweep.stiffness = {2450.0, 50000.0};
   s.sweep.delay = {0.0, 0.005};
   s.sweep.rate = {1000.0};
-  const ScenarioSweepResult map = sweep_scenario(s, "veridyn", 1);
+  const ScenarioSweepResult map = sweep_scenario(s, "veridyn", 2);
   EXPECT_EQ(map.points.size(), 4U);
   EXPECT_TRUE(map.at(0, 0, 0).stable);
   EXPECT_TRUE(map.at(0, 1, 0).stable);

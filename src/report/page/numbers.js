@@ -52,6 +52,7 @@ const styles = {
                                        significant(v, 2)
   },
   plain: {scale: 1, write: (v) => significant(v, 4)},
+  milli: {scale: 1000, write: (v) => significant(v, 2)},
   whole: {scale: 1, write: (v) => withMinus(v.toFixed(0))},
 };
 
