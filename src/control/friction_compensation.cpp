@@ -110,13 +110,10 @@ double FrictionCompensation::by_velocity(const Axis& axis, double v, double v_wa
   return sliding(axis, error < 0.0 ? -1.0 : 1.0, 0.0);
 }
 
-double FrictionCompensation::by_memory(Axis& axis, double v_wanted, double error,
-                                       double v) const noexcept {
-  // In full along a wanted motion, in proportion to the error within the deadband at rest.
-  const double will =
-      std::clamp(v_wanted / axis.velocity_deadband + error / axis.position_deadband, -1.0, 1.0);
+// Terms with a memory by their state; the others sliding at `speed` in the direction of `will`, in
+// proportion to it, -1 to 1.
+double FrictionCompensation::by_memory(Axis& axis, double will, double speed, double v) noexcept {
   const double direction = will < 0.0 ? -1.0 : 1.0;
-  const double speed = std::max(0.0, direction * v_wanted);
   AxisSample x;
   x.s = axis.s;
   x.load = axis.load;
@@ -129,6 +126,17 @@ double FrictionCompensation::by_memory(Axis& axis, double v_wanted, double error
     sum += (memory ? 1.0 : std::abs(will)) * weighted(term, row);
   }
   return sum;
+}
+
+double FrictionCompensation::whole(Axis& axis, double v, double v_wanted,
+                                   double error) const noexcept {
+  if (options_.rule == FrictionRule::kMeasured)
+    return by_memory(axis, std::clamp(v / axis.velocity_deadband, -1.0, 1.0), std::abs(v), v);
+  if (options_.rule != FrictionRule::kPresliding) return by_velocity(axis, v, v_wanted, error);
+  // In full along a wanted motion, in proportion to the error within the deadband at rest.
+  const double will =
+      std::clamp(v_wanted / axis.velocity_deadband + error / axis.position_deadband, -1.0, 1.0);
+  return by_memory(axis, will, std::max(0.0, will < 0.0 ? -v_wanted : v_wanted), v);
 }
 
 void FrictionCompensation::supervise(Axis& axis, double v_wanted, double dt) const noexcept {
@@ -158,11 +166,9 @@ const VectorXd& FrictionCompensation::update(const ArmState& arm, const VectorXd
     const double v_wanted = axis.c.dot(dq_wanted);
     const double e = axis.c.dot(error);
     supervise(axis, v_wanted, dt);
-    const double whole = options_.rule == FrictionRule::kPresliding
-                             ? by_memory(axis, v_wanted, e, v)
-                             : by_velocity(axis, v, v_wanted, e);
+    const double force = whole(axis, v, v_wanted, e);
     const double left = axis.largest > 0.0 ? axis.energy / (0.1 * axis.largest) : 1.0;
-    axis.force = options_.share * axis.scale * std::min(1.0, left) * whole;
+    axis.force = options_.share * axis.scale * std::min(1.0, left) * force;
     axis.before = axis.s;
     axis.first = false;
     tau_ += axis.force * axis.c;

@@ -23,6 +23,12 @@ void ModelErrorObserver::reset() noexcept {
   first_ = true;
 }
 
+bool ModelErrorObserver::set_limit(const VectorXd& limit) noexcept {
+  if (limit.size() != d_.size() || !limit.allFinite() || limit.minCoeff() < 0.0) return false;
+  options_.limit = limit;
+  return true;
+}
+
 const VectorXd& ModelErrorObserver::update(const ArmState& arm, const VectorXd& y,
                                            double dt) noexcept {
   assert(y.size() == d_.size() && arm.joints() == d_.size());

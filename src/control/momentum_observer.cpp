@@ -14,7 +14,7 @@ namespace {
 
 FrictionOptions whole_friction() {
   FrictionOptions options;
-  options.rule = FrictionRule::kVelocity;
+  options.rule = FrictionRule::kMeasured;
   options.share = 1.0;
   options.reserve.revolute = options.reserve.prismatic = std::numeric_limits<double>::infinity();
   return options;

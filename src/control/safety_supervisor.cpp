@@ -108,6 +108,7 @@ bool SafetySupervisor::reset() noexcept {
 
 void SafetySupervisor::set_holding_torque(const VectorXd& extra) noexcept {
   assert(extra.size() == extra_.size());
+  if (state_ == SafetyState::kFault) return;  // what a controller out of work makes up counts not
   for (Eigen::Index i = 0; i < extra_.size(); ++i)
     extra_[i] = std::isfinite(extra[i]) ? extra[i] : 0.0;
 }
@@ -213,8 +214,9 @@ void SafetySupervisor::act(const ArmState& arm, const VectorXd& tau, double dt) 
       brake(arm);
       break;
     case SafetyAction::kRelease:
+      // Without the torque beyond the model: that may be what presses.
       y_ = -limits_.braking * arm.dq();
-      out_ = arm.bias() + extra_;
+      out_ = arm.bias();
       out_.noalias() += arm.mass_matrix().lazyProduct(y_);
       break;
     case SafetyAction::kFreeze:
@@ -244,7 +246,10 @@ const VectorXd& SafetySupervisor::update(const ArmState& arm, const SafetyInput&
       state_ = SafetyState::kFault;
       stopped_ = false;
     }
-    if (trusted) trust(arm);
+    // Only what was measured anew counts; and once blind, blind until reset: velocities are wrong
+    // for a while after a jump.
+    const bool fresh = input.sensor_age < input.dt || !seen_;
+    if (trusted && fresh && action_of(fault_) != SafetyAction::kFreeze) trust(arm);
   }
   switch (state_) {
     case SafetyState::kDisabled:

@@ -1,5 +1,6 @@
 #include "veridyn/control/torque_uncertainty.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cassert>
 #include <cmath>
@@ -7,6 +8,7 @@
 
 #include "control/static_forces.hpp"
 #include "veridyn/dynamics/recursion.hpp"
+#include "veridyn/kinematics/standard_motion.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn {
@@ -26,6 +28,26 @@ int inertial_column(const Model& arm, const std::string& name) {
   return -1;
 }
 
+// Rms of each joint in the standard motion, friction included.
+VectorXd standard_torque(const Model& arm, FrictionCompensation& friction) {
+  const MotionSamples motion = standard_motion(arm);
+  ArmState state(arm, {arm.frames().back().name});
+  const VectorXd none = VectorXd::Zero(arm.joints());
+  VectorXd squares = none;
+  for (Eigen::Index k = 0; k < motion.rows(); ++k) {
+    state.update(motion.q.row(k).transpose(), motion.dq.row(k).transpose());
+    VectorXd tau = state.mass_matrix() * motion.ddq.row(k).transpose() + state.bias();
+    friction.update(state, none, none, 0.0);
+    for (int a = 0; a < friction.axes(); ++a) {
+      const double v = friction.axis(a).dot(state.dq());
+      tau += friction.sliding(a, v < 0.0 ? -1.0 : 1.0, v) * friction.axis(a);
+    }
+    squares += tau.cwiseAbs2();
+  }
+  friction.reset();
+  return (squares / static_cast<double>(motion.rows())).cwiseSqrt();
+}
+
 }  // namespace
 
 TorqueUncertainty::TorqueUncertainty(const Model& arm, const UncertaintyOptions& options)
@@ -33,10 +55,9 @@ TorqueUncertainty::TorqueUncertainty(const Model& arm, const UncertaintyOptions&
       tree_(arm),
       recursion_(tree_),
       friction_(arm),
-      error_(VectorXd::Zero(arm.joints())),
+      unexplained_(VectorXd::Zero(arm.joints())),
       u_(VectorXd::Zero(arm.joints())),
-      none_(u_),
-      torque_(u_) {
+      none_(u_) {
   require(options.relative > 0.0 && options.deviations > 0.0 && options.velocity.revolute > 0.0 &&
               options.velocity.prismatic > 0.0,
           "TorqueUncertainty: found an option that is not above zero.");
@@ -71,7 +92,50 @@ void TorqueUncertainty::read_identified(const Model& arm) {
   for (size_t k = 0; k < inertial.size(); ++k)
     factor_.row(static_cast<Eigen::Index>(k)).head(inertial[k]->scatter.size()) =
         inertial[k]->scatter.transpose();
-  if (base.error.size() == arm.joints()) error_ = base.error;
+  if (base.error.size() == arm.joints())
+    unexplained_ = base.error.cwiseProduct(standard_torque(arm, friction_));
+}
+
+// Y F, body by body.
+void TorqueUncertainty::add_parameters() noexcept {
+  const Links links = tree_;
+  sum_.setZero();
+  std::array<double, 10> y{};
+  size_t next = 0;
+  for (size_t k = 0; k < column_.size(); k = next) {
+    const int body = column_[k] / 10;
+    for (next = k; next < column_.size() && column_[next] / 10 == body;) ++next;
+    const int link = tree_.body_links[static_cast<size_t>(body)];
+    const BodyMotion<double> motion = body_motion(recursion_.link[link]);
+    for (int m = links.link[link].first_mover; m < links.link[link].end_mover; ++m) {
+      regressor_entries(motion, recursion_.jacobian[m],
+                        [&](int c, double value) { y[static_cast<size_t>(c)] = value; });
+      const int i = links.mover[m].coordinate;
+      for (size_t at = k; at < next; ++at) {
+        const auto row = static_cast<Eigen::Index>(at);
+        const double entry = y[static_cast<size_t>(column_[at] % 10)];
+        if (identified_)
+          sum_.row(i) += entry * factor_.row(row);
+        else
+          sum_(i, row) += entry * factor_(row, row);  // independent
+      }
+    }
+  }
+}
+
+void TorqueUncertainty::add_friction(const ArmState& arm) noexcept {
+  friction_.update(arm, none_, none_, 0.0);
+  const double moving = std::min(1.0, options_.relative * options_.deviations / 3.0);
+  for (int k = 0; k < friction_.axes(); ++k) {
+    const VectorXd& c = friction_.axis(k);
+    const double v = c.dot(arm.dq());
+    const double slow =
+        friction_.prismatic(k) ? options_.velocity.prismatic : options_.velocity.revolute;
+    const double level =
+        std::max(std::abs(friction_.sliding(k, 1.0, v)), std::abs(friction_.sliding(k, -1.0, v)));
+    const double unknown = (std::abs(v) < slow ? 1.0 : moving) * level;
+    for (Eigen::Index i = 0; i < u_.size(); ++i) u_[i] += std::abs(c[i]) * unknown;
+  }
 }
 
 const VectorXd& TorqueUncertainty::update(const ArmState& arm, const VectorXd& ddq) noexcept {
@@ -79,46 +143,11 @@ const VectorXd& TorqueUncertainty::update(const ArmState& arm, const VectorXd& d
   const Links links = tree_;
   forward_pass(links, arm.q().data(), arm.dq().data(), ddq.data(), tree_.gravity, recursion_);
   jacobian_pass(links, recursion_);
-  sum_.setZero();
-  size_t next = 0;  // columns ascend within a body, but bodies may come in any order
-  for (size_t k = 0; k < column_.size(); k = next) {
-    const int body = column_[k] / 10;
-    for (next = k; next < column_.size() && column_[next] / 10 == body;) ++next;
-    const int link = tree_.body_links[static_cast<size_t>(body)];
-    const BodyMotion<double> motion = body_motion(recursion_.link[link]);
-    for (int m = links.link[link].first_mover; m < links.link[link].end_mover; ++m) {
-      std::array<double, 10> y{};
-      regressor_entries(motion, recursion_.jacobian[m],
-                        [&](int c, double value) { y[static_cast<size_t>(c)] = value; });
-      for (size_t at = k; at < next; ++at) {
-        const double entry = y[static_cast<size_t>(column_[at] % 10)];
-        const int i = links.mover[m].coordinate;
-        if (identified_)
-          sum_.row(i) += entry * factor_.row(static_cast<Eigen::Index>(at));
-        else
-          sum_(i, static_cast<Eigen::Index>(at)) +=
-              entry * factor_(static_cast<Eigen::Index>(at), static_cast<Eigen::Index>(at));
-      }
-    }
-  }
-  torque_ = arm.bias();
-  torque_.noalias() += arm.mass_matrix().lazyProduct(ddq);
-  for (Eigen::Index i = 0; i < u_.size(); ++i) {
-    const double unexplained = error_[i] * torque_[i];
-    u_[i] = options_.deviations * std::sqrt(sum_.row(i).squaredNorm() + unexplained * unexplained);
-  }
-  friction_.update(arm, none_, none_, 0.0);
-  for (int k = 0; k < friction_.axes(); ++k) {
-    const VectorXd& c = friction_.axis(k);
-    const double v = c.dot(arm.dq());
-    const double limit =
-        friction_.prismatic(k) ? options_.velocity.prismatic : options_.velocity.revolute;
-    const double share =
-        std::abs(v) < limit ? 1.0 : std::min(1.0, options_.relative * options_.deviations / 3.0);
-    const double level =
-        std::max(std::abs(friction_.sliding(k, 1.0, v)), std::abs(friction_.sliding(k, -1.0, v)));
-    for (Eigen::Index i = 0; i < u_.size(); ++i) u_[i] += std::abs(c[i]) * share * level;
-  }
+  add_parameters();
+  for (Eigen::Index i = 0; i < u_.size(); ++i)
+    u_[i] = options_.deviations *
+            std::sqrt(sum_.row(i).squaredNorm() + unexplained_[i] * unexplained_[i]);
+  add_friction(arm);
   return u_;
 }
 

@@ -4,10 +4,18 @@
 
 #include "control/control_support.hpp"
 #include "support/malloc_count.hpp"
+#include "veridyn/control/adaptive_friction.hpp"
 #include "veridyn/control/computed_torque.hpp"
+#include "veridyn/control/friction_compensation.hpp"
+#include "veridyn/control/gravity_compensation.hpp"
 #include "veridyn/control/impedance.hpp"
 #include "veridyn/control/inverse_kinematics.hpp"
+#include "veridyn/control/model_error_observer.hpp"
+#include "veridyn/control/momentum_observer.hpp"
+#include "veridyn/control/moving_average.hpp"
 #include "veridyn/control/quintic_interpolator.hpp"
+#include "veridyn/control/safety_supervisor.hpp"
+#include "veridyn/control/velocity_observer.hpp"
 #include "veridyn/model/model_file.hpp"
 #include "veridyn/simulation/plausible_model.hpp"
 
@@ -76,6 +84,48 @@ TEST(Allocation, NoUpdateTakesMemory) {
       inverse.solve(c.x.head<3>(), state.tip().rotation(), q);
     });
   }
+
+  FrictionCompensation friction(arm);
+  AdaptiveFrictionOptions adapting;
+  adapting.enabled = true;
+  AdaptiveFriction adaptive(friction, adapting);
+  ModelErrorObserver error(n, {10.0, ones});
+  MomentumObserver momentum(arm, tip);
+  for (const FrictionRule rule :
+       {FrictionRule::kVelocity, FrictionRule::kStickSlip, FrictionRule::kPresliding}) {
+    FrictionOptions friction_options;
+    friction_options.rule = rule;
+    friction = FrictionCompensation(arm, friction_options);
+    expect_no_allocation("what makes up for the model", n, [&](const Cycle& c) {
+      at(c);
+      friction.update(state, c.dq, c.q, 1e-3);
+      error.update(state, c.q, 1e-3);
+      error.set_limit(ones);
+      adaptive.update(state, error.torque(), 1e-3, friction);
+      momentum.update(state, c.q, c.dq, 1e-3);
+    });
+  }
+
+  GravityCompensation gravity(arm);
+  MovingAverage mean(n);
+  VelocityObserver velocity(n);
+  expect_no_allocation("filters", n, [&](const Cycle& c) {
+    gravity.update(c.q);
+    mean.update(c.q);
+    velocity.update(c.q, c.dq, 1e-3);
+  });
+
+  SafetySupervisor safety(arm, safety_limits(arm, 10.0));
+  safety.enable();
+  safety.activate();
+  SafetyInput input(n);
+  int cycle = 0;
+  expect_no_allocation("SafetySupervisor", n, [&](const Cycle& c) {
+    at(c);
+    if (++cycle % 20 == 0) input.force.setConstant(cycle % 40 == 0 ? NAN : 0.0);
+    if (cycle % 10 == 0 && safety.reset() && safety.enable()) safety.activate();
+    safety.update(state, input, c.q);
+  });
 
   QuinticInterpolator way(ones);
   expect_no_allocation("QuinticInterpolator", n, [&](const Cycle& c) {

@@ -14,7 +14,7 @@
 #include "veridyn/simulation/engine.hpp"
 
 // A simulated arm as a controller sees it: encoder steps, velocities from them, a force sensor that
-// is one cycle late, motors that hold their torque for a cycle and have limits.
+// is noisy and one cycle late, motors that hold their torque for a cycle and have limits.
 
 namespace veridyn {
 
@@ -51,13 +51,13 @@ class ArmRig {
     force_.setZero();
     read();
     force_ = exerted();
-    sensed_ = force_;
+    sensed_ = force_sensor_ = force_;
   }
 
   /// One cycle under these torques.
   StepStatus cycle(const VectorXd& tau) {
     motors_ = tau.cwiseMin(limit_).cwiseMax(-limit_);
-    sensed_ = force_;
+    sensed_ = force_sensor_;
     const int steps = world_ ? 8 : 1;
     for (int k = 0; k < steps; ++k) {
       all_ = motors_;
@@ -68,6 +68,10 @@ class ArmRig {
     }
     read();
     force_ = exerted();
+    if (world_) {
+      for (double& f : force_sensor_) f = force_noise_ * (noise_.in(-1, 1) + noise_.in(-1, 1));
+      force_sensor_ += force_;
+    }
     return StepStatus::kOk;
   }
 
@@ -101,7 +105,9 @@ class ArmRig {
   TipKinematics tip_;
   VelocityObserver velocity_;
   VectorXd step_, limit_, q_, none_, motors_, all_;
-  Eigen::Vector3d force_{0, 0, 0}, sensed_{0, 0, 0};
+  Eigen::Vector3d force_{0, 0, 0}, force_sensor_{0, 0, 0}, sensed_{0, 0, 0};
+  double force_noise_ = 0.02;  // [N]
+  Random noise_{77};
   World world_;
 };
 

@@ -8,6 +8,7 @@
 #include "veridyn/control/friction_compensation.hpp"
 #include "veridyn/control/momentum_observer.hpp"
 #include "veridyn/dynamics/rigid_body_dynamics.hpp"
+#include "veridyn/kinematics/standard_motion.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/model_file.hpp"
 #include "veridyn/simulation/plant.hpp"
@@ -96,11 +97,20 @@ TEST(TorqueUncertainty, AnIdentifiedModelIsAskedForItsCovariance) {
   const State s = test_states(2, 32).back();
   state.update(s.q, s.dq);
   const MatrixXd Y = torque_regressor(arm, s.q, s.dq, s.ddq);
-  const VectorXd tau = inverse_dynamics(arm, s.q, s.dq, s.ddq);
+  // Rms torque in the standard motion: no friction on this arm.
+  const MotionSamples motion = standard_motion(arm);
+  VectorXd squares = VectorXd::Zero(2);
+  for (Eigen::Index k = 0; k < motion.rows(); ++k) {
+    const VectorXd q = motion.q.row(k).transpose();
+    const VectorXd dq = motion.dq.row(k).transpose();
+    const VectorXd ddq = motion.ddq.row(k).transpose();
+    squares += inverse_dynamics(arm, q, dq, ddq).cwiseAbs2();
+  }
+  const VectorXd rms = (squares / static_cast<double>(motion.rows())).cwiseSqrt();
   const VectorXd& u = uncertainty.update(state, s.ddq);
   for (int i = 0; i < 2; ++i) {
     const Eigen::Vector3d YF = Y(i, 11) * first.scatter + Y(i, 19) * second.scatter;
-    const double left = base.error[i] * tau[i];
+    const double left = base.error[i] * rms[i];
     EXPECT_NEAR(u[i], 3.0 * std::sqrt(YF.squaredNorm() + left * left), 1e-9);
   }
 }

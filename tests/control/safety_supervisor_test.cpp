@@ -172,6 +172,25 @@ TEST(SafetySupervisor, BlindItBrakesByTheLastSoundMomentum) {
   EXPECT_TRUE(near(impulse, -0.8 * p, 0.03 * p.norm()));
 }
 
+// What a controller makes of samples that did not come anew is not kept for the fault.
+TEST(SafetySupervisor, OldSamplesLeaveNoTraceInWhatIsHeld) {
+  Supervised s;
+  s.safety_.set_holding_torque(Eigen::Vector3d(0.1, 0.2, 0.3));
+  s.run();
+  for (const double age : {0.001, 0.002, 0.003}) {
+    s.input_.sensor_age = age;
+    s.safety_.set_holding_torque(Eigen::Vector3d(3, 3, 3));
+    s.run();
+    EXPECT_EQ(s.safety_.fault(), SafetyFault::kNone);
+  }
+  s.input_.sensor_age = 0.004;
+  const VectorXd out = s.run();
+  EXPECT_EQ(s.safety_.fault(), SafetyFault::kSensorAge);
+  GravityCompensation gravity(s.arm_);
+  const VectorXd holds = gravity.update(s.q_) + Eigen::Vector3d(0.1, 0.2, 0.3);
+  EXPECT_TRUE(near(out, holds, 1e-9));
+}
+
 TEST(SafetySupervisor, BadLimitsAreRefused) {
   const Model arm = plausible_model(read_model("psm-3dof"), 1).arm;
   SafetyLimits limits = safety_limits(arm, kTorque);

@@ -16,7 +16,10 @@ enum class FrictionRule {
   kStickSlip,
   /// Friction with a memory by its state along the measured path, the rest in the direction in
   /// which motion is wanted, without jumps.
-  kPresliding
+  kPresliding,
+  /// No compensation but the best guess of what friction does now, for observers: memories by their
+  /// state, the rest in the direction of the measured velocity, in proportion within its deadband.
+  kMeasured
 };
 
 /// Deadbands of turning and of sliding axes.
@@ -98,7 +101,8 @@ class FrictionCompensation {
   };
   static double sliding(const Axis& axis, double direction, double speed) noexcept;
   double by_velocity(const Axis& axis, double v, double v_wanted, double error) const noexcept;
-  double by_memory(Axis& axis, double v_wanted, double error, double v) const noexcept;
+  static double by_memory(Axis& axis, double will, double speed, double v) noexcept;
+  double whole(Axis& axis, double v, double v_wanted, double error) const noexcept;
   void supervise(Axis& axis, double v_wanted, double dt) const noexcept;
 
   FrictionOptions options_;

@@ -18,7 +18,8 @@ struct ModelErrorOptions {
 /// a first-order observer of that torque. The same for joint and Cartesian control, gains
 /// unchanged: it makes ddq = y true, whatever y asks for, and at rest it raises the torque until
 /// friction gives way. Under a contact without a force sensor it pushes with up to `limit` more
-/// than the law wants, so the limit is what the model may be wrong by: TorqueUncertainty gives it.
+/// than the law wants, so the limit is what the model may be wrong by: TorqueUncertainty gives it,
+/// cycle by cycle where wanted.
 class ModelErrorObserver {
  public:
   /// @throws InvalidInput  limits that are not `joints` finite numbers, none below zero; a
@@ -29,6 +30,9 @@ class ModelErrorObserver {
   /// @param y  (n) acceleration that the motors were told to make from now on. @param dt [s] since
   /// the last update(). @returns d (n), to be added to the torque.
   const VectorXd& update(const ArmState& arm, const VectorXd& y, double dt) noexcept;
+
+  /// Other limits from the next update() on; those that could not be are refused: false.
+  bool set_limit(const VectorXd& limit) noexcept;
 
   /// Forgets everything: after a fault, or before the motors are switched on.
   void reset() noexcept;

@@ -39,7 +39,8 @@ enum class SafetyAction {
   kHold,       ///< brakes with the model's help, then stays where it stopped
   kRelease,    ///< gravity and damping alone: gives way to what presses
   kFreeze      ///< the torque that held the arm at its last sound position and, fading with
-               ///< `braking`, most of what stops its last sound momentum; no feedback
+               ///< `braking`, most of what stops its last sound momentum; no feedback.
+               ///< For arms that are counterbalanced; others need their brakes
 };
 
 /// Fixed words: "position limit".
@@ -109,7 +110,8 @@ class SafetySupervisor {
                          const VectorXd& tau) noexcept;
 
   /// The torque beyond the model that holds the arm (ModelErrorObserver::torque()), (n): kept for
-  /// kFreeze, kRelease and kHold. Entries that are not finite are taken for zero.
+  /// kFreeze and kHold, and no longer taken once there is a fault. Entries that are not
+  /// finite are taken for zero.
   void set_holding_torque(const VectorXd& extra) noexcept;
 
   SafetyState state() const { return state_; }

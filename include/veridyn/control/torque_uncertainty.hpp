@@ -20,10 +20,11 @@ struct UncertaintyOptions {
 
 /// By how much the torque of a model may be wrong, joint by joint, in this motion:
 ///
-///   u_i = deviations * sqrt( sum over parameters (Y_i sigma)^2 ) + friction
+///   u_i = deviations * sqrt( sum over parameters (Y_i sigma)^2 + unexplained_i^2 ) + friction
 ///
-/// A MODEL with a covariance of its base parameters is asked for it (and for its relative error on
-/// the recordings that it learned from, which says what no parameter explains); of any other model
+/// A MODEL with a covariance of its base parameters is asked for it; what no parameter explains is
+/// its relative error on the recordings that it learned from times the joint's rms torque in the
+/// standard motion. Of any other model nothing is unexplained, and
 /// every inertial parameter is taken to be `relative` of its value uncertain, independently.
 /// Friction is uncertain by deviations / 3 times `relative`, and wholly so at rest. Nothing
 /// allocates after the constructor.
@@ -42,17 +43,19 @@ class TorqueUncertainty {
 
  private:
   void read_identified(const Model& arm);
+  void add_parameters() noexcept;
+  void add_friction(const ArmState& arm) noexcept;
 
   UncertaintyOptions options_;
   Tree tree_;
   Recursion<double> recursion_;
   FrictionCompensation friction_;
   bool identified_ = false;
-  VectorXd error_;           // (n) relative error of the identification
+  VectorXd unexplained_;     // (n) [N m], [N] rms
   std::vector<int> column_;  // columns of Y that are uncertain
   MatrixXd factor_;          // (columns x factors) F, covariance F F'
   MatrixXd sum_;             // (n x factors) Y F
-  VectorXd u_, none_, torque_;
+  VectorXd u_, none_;
 };
 
 }  // namespace veridyn

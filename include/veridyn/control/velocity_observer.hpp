@@ -19,7 +19,9 @@ class VelocityObserver {
   explicit VelocityObserver(int joints, double bandwidth = 300.0);
 
   /// @param ddq  (n) acceleration that is expected to act; zeros where not known.
-  /// @returns dq (n), zero at the first update(). Positions that are not finite are passed over.
+  /// @returns dq (n), zero at the first update(). Positions that are not finite are passed over:
+  /// give
+  ///          NaN where no new sample came, and the velocity goes on as it was.
   const VectorXd& update(const VectorXd& q, const VectorXd& ddq, double dt) noexcept;
 
   /// Starts afresh with the next position.

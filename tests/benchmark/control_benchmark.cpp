@@ -1,0 +1,165 @@
+#include <benchmark/benchmark.h>
+
+#include <time.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "support/malloc_count.hpp"
+#include "support/random.hpp"
+#include "veridyn/control/friction_compensation.hpp"
+#include "veridyn/control/impedance.hpp"
+#include "veridyn/control/inverse_kinematics.hpp"
+#include "veridyn/control/model_error_observer.hpp"
+#include "veridyn/control/momentum_observer.hpp"
+#include "veridyn/control/safety_supervisor.hpp"
+#include "veridyn/model/model_file.hpp"
+#include "veridyn/simulation/plausible_model.hpp"
+
+// One cycle of control of the seven-joint psm-wrist, from measured positions to torques. What
+// counts in a loop is the worst, so every cycle is timed by itself.
+
+namespace veridyn {
+namespace {
+
+constexpr int kPool = 512;
+
+struct Cycle {
+  VectorXd q, dq;
+};
+
+struct Wrist {
+  Model arm = plausible_model(read_model("psm-wrist"), 1).arm;
+  Tip tip{"yaw1"};
+  ArmState state{arm, tip};
+  std::vector<Cycle> cycles;
+  TaskReference wanted;
+  Vector6d wrench{Vector6d::Zero()};
+  VectorXd tau{VectorXd::Zero(arm.joints())};
+
+  Wrist() {
+    Random random(91);
+    for (int k = 0; k < kPool; ++k) {
+      VectorXd q = random.vector(arm.joints(), -0.6, 0.6);
+      q[2] = random.in(0.08, 0.22);
+      cycles.push_back({q, random.vector(arm.joints(), -0.5, 0.5)});
+    }
+  }
+};
+
+double microseconds(clockid_t clock) {
+  timespec now{};
+  clock_gettime(clock, &now);
+  return 1e6 * static_cast<double>(now.tv_sec) + 1e-3 * static_cast<double>(now.tv_nsec);
+}
+
+// The times of single cycles, sorted; as many as there is room for.
+class Times {
+ public:
+  Times() { us_.reserve(1U << 21); }
+  void add(double us) {
+    if (us_.size() < us_.capacity()) us_.push_back(us);
+  }
+  void report(benchmark::State& state, const std::string& clock) {
+    std::sort(us_.begin(), us_.end());
+    state.counters[clock + "_median_us"] = at(0.5);
+    state.counters[clock + "_99.99_us"] = at(0.9999);
+  }
+
+ private:
+  double at(double share) const {
+    const auto rank = static_cast<size_t>(share * static_cast<double>(us_.size()));
+    return us_[std::min(us_.size() - 1, rank)];
+  }
+  std::vector<double> us_;
+};
+
+// Runs `cycle` over the pool. "wall" holds whatever else the machine does in between, "cpu" the
+// cycle alone (and 0.3 us of asking for that clock); "allocations" are those of all cycles.
+template <typename Update>
+void time_cycles(benchmark::State& state, Wrist& wrist, const Update& cycle) {
+  Times wall;
+  Times cpu;
+  size_t at = 0;
+  long allocations = 0;
+  for (auto _ : state) {
+    const Cycle& now = wrist.cycles[at++ % kPool];
+    const long before = malloc_count();
+    const double wall_start = microseconds(CLOCK_MONOTONIC);
+    const double cpu_start = microseconds(CLOCK_THREAD_CPUTIME_ID);
+    cycle(now);
+    cpu.add(microseconds(CLOCK_THREAD_CPUTIME_ID) - cpu_start);
+    wall.add(microseconds(CLOCK_MONOTONIC) - wall_start);
+    allocations += malloc_count() - before;
+    benchmark::DoNotOptimize(wrist.tau.data());
+    benchmark::ClobberMemory();
+  }
+  wall.report(state, "wall");
+  cpu.report(state, "cpu");
+  state.counters["allocations"] = static_cast<double>(allocations);
+}
+
+void arm_state(benchmark::State& state) {
+  Wrist wrist;
+  time_cycles(state, wrist, [&](const Cycle& c) { wrist.state.update(c.q, c.dq); });
+}
+BENCHMARK(arm_state)->MinTime(1.0);
+
+void impedance_cycle(benchmark::State& state, TaskRows rows) {
+  Wrist wrist;
+  ImpedanceOptions options;
+  options.rows = rows;
+  options.posture = VectorXd::Zero(wrist.arm.joints());
+  Impedance control(wrist.arm, wrist.tip, {}, options);
+  time_cycles(state, wrist, [&](const Cycle& c) {
+    wrist.state.update(c.q, c.dq);
+    wrist.tau = control.update(wrist.state, wrist.wanted, wrist.wrench);
+  });
+}
+BENCHMARK_CAPTURE(impedance_cycle, position, TaskRows::kPosition)->MinTime(1.0);
+BENCHMARK_CAPTURE(impedance_cycle, pose, TaskRows::kPose)->MinTime(1.0);
+
+void whole_cycle(benchmark::State& state) {
+  Wrist wrist;
+  const int n = wrist.arm.joints();
+  ImpedanceOptions options;
+  options.rows = TaskRows::kPose;
+  options.posture = VectorXd::Zero(n);
+  Impedance control(wrist.arm, wrist.tip, {}, options);
+  FrictionCompensation friction(wrist.arm);
+  ModelErrorObserver error(n, {10.0, VectorXd::Ones(n)});
+  MomentumObserver momentum(wrist.arm, wrist.tip);
+  SafetySupervisor safety(wrist.arm, safety_limits(wrist.arm, 10.0));
+  SafetyInput input(n);
+  time_cycles(state, wrist, [&](const Cycle& c) {
+    wrist.state.update(c.q, c.dq);
+    momentum.update(wrist.state, wrist.tau, control.acceleration(), 1e-3);
+    wrist.tau = control.update(wrist.state, wrist.wanted, wrist.wrench);
+    wrist.tau +=
+        friction.update(wrist.state, control.joint_velocity(), control.joint_error(), 1e-3);
+    wrist.tau += error.update(wrist.state, control.acceleration(), 1e-3);
+    wrist.tau = safety.update(wrist.state, input, wrist.tau);
+  });
+}
+BENCHMARK(whole_cycle)->MinTime(1.0);
+
+void inverse_kinematics_step(benchmark::State& state) {
+  Wrist wrist;
+  InverseKinematicsOptions options;
+  options.rows = TaskRows::kPose;
+  InverseKinematics inverse(wrist.arm, wrist.tip, options);
+  VectorXd q = wrist.cycles.front().q;
+  wrist.state.update(q, wrist.tau);
+  const Eigen::Vector3d position = wrist.state.tip().position();
+  const Eigen::Matrix3d rotation = wrist.state.tip().rotation();
+  time_cycles(state, wrist, [&](const Cycle& c) {
+    q = wrist.cycles.front().q;
+    q += 1e-3 * c.dq;  // where a cycle of motion leaves it
+    inverse.solve(position, rotation, q);
+  });
+}
+BENCHMARK(inverse_kinematics_step)->MinTime(1.0);
+
+}  // namespace
+}  // namespace veridyn

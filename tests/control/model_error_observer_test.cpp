@@ -1,0 +1,82 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "control/control_support.hpp"
+#include "veridyn/control/computed_torque.hpp"
+#include "veridyn/control/gravity_compensation.hpp"
+#include "veridyn/control/model_error_observer.hpp"
+#include "veridyn/math/require.hpp"
+#include "veridyn/simulation/plant.hpp"
+
+namespace veridyn {
+namespace {
+
+// A torque that the model does not know, on an arm in motion: d(t) = unknown (1 - exp(-b t)),
+// whatever acceleration is asked for meanwhile.
+TEST(ModelErrorObserver, FindsWhatTheModelLacksAsAFirstOrderLag) {
+  for (const char* name : {"spherical_RRP", "elbow_6R", "parallelogram"}) {
+    const Model& arm = sample_arms().at(name);
+    const int n = arm.joints();
+    const double dt = 2e-4;
+    const double bandwidth = 20.0;
+    ArmState state(arm, {last_frame(arm)});
+    ModelErrorObserver error(n, {bandwidth, VectorXd::Constant(n, 100.0)});
+    Plant plant(arm);
+    Random random(12);
+    const VectorXd unknown = random.vector(n, -3, 3);
+    plant.set_state(random.vector(n, -1, 1), random.vector(n, -0.3, 0.3));
+    VectorXd y(n);
+    VectorXd tau(n);
+    for (int k = 0; k <= 1500; ++k) {
+      const double t = dt * k;
+      state.update(plant.q(), plant.dq());
+      y = 0.5 * std::sin(9.0 * t) * VectorXd::Ones(n) - 2.0 * plant.dq();
+      tau = state.bias() + state.mass_matrix() * y + error.update(state, y, dt) - unknown;
+      if (k % 300 == 0) {
+        const VectorXd expected = (1.0 - std::exp(-bandwidth * t)) * unknown;
+        EXPECT_TRUE(near(error.torque(), expected, 0.02 * (0.1 + unknown.norm()))) << name << k;
+      }
+      ASSERT_EQ(plant.step(tau, dt), StepStatus::kOk);
+    }
+    error.reset();
+    EXPECT_EQ(error.update(state, y, dt).norm(), 0.0);
+  }
+}
+
+TEST(ModelErrorObserver, NeverAddsMoreThanItsLimit) {
+  const Model& arm = sample_arms().at("spherical_RRP");
+  ArmState state(arm, {last_frame(arm)});
+  state.update(Eigen::Vector3d(0.1, 0.2, 0.3), Eigen::Vector3d::Zero());
+  ModelErrorObserver error(3, {10.0, Eigen::Vector3d(0.5, 0.2, 0.0)});
+  const VectorXd y = Eigen::Vector3d(5, -5, 5);
+  for (int k = 0; k < 2000; ++k) error.update(state, y, 1e-3);
+  EXPECT_LE((error.torque().cwiseAbs() - Eigen::Vector3d(0.5, 0.2, 0.0)).maxCoeff(), 0.0);
+  EXPECT_TRUE(error.set_limit(Eigen::Vector3d(0.1, 0.1, 0.1)));
+  error.update(state, y, 1e-3);
+  EXPECT_LE(error.torque().cwiseAbs().maxCoeff(), 0.1);
+  EXPECT_FALSE(error.set_limit(Eigen::Vector3d(0.1, NAN, 0.1)));
+  EXPECT_FALSE(error.set_limit(Eigen::Vector2d(0.1, 0.1)));
+  EXPECT_THROW(ModelErrorObserver(3, {10.0, VectorXd::Ones(2)}), InvalidInput);
+  EXPECT_THROW(ModelErrorObserver(3, {0.0, VectorXd::Ones(3)}), InvalidInput);
+}
+
+// With springs and offsets in the model an arm stays where it is let go.
+TEST(GravityCompensation, AnArmThatIsLetGoStays) {
+  const Model bare = sample_arms().at("coupled_wrist");
+  const Model arm = with_effects(bare, {effect_on(bare, "joint_spring", 1, {{"stiffness", 3.0}}),
+                                        effect_on(bare, "torque_offset", 0, {{"offset", 0.4}})});
+  GravityCompensation gravity(arm);
+  Plant plant(arm);
+  VectorXd ddq(arm.joints());
+  for (const State& s : test_states(arm.joints(), 55)) {
+    plant.set_state(s.q, VectorXd::Zero(arm.joints()));
+    ASSERT_EQ(plant.accelerate(gravity.update(s.q), ddq), StepStatus::kOk);
+    EXPECT_LT(ddq.norm(), 1e-8);
+  }
+  EXPECT_THROW(GravityCompensation(with_effects(bare, {effect_on(bare, "joint_spring", 0, {})})),
+               InvalidInput);
+}
+
+}  // namespace
+}  // namespace veridyn
