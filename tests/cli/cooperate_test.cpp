@@ -122,7 +122,7 @@ TEST_F(Cooperate, MistakesGetOneLine) {
   expect_line({folder_.write("b.yaml", content)}, 3, "tolo");
   expect_line({example("gazebo-y"), "--sweep"}, 3, "no sweep");
   expect_line({example("gazebo-y"), "--engine", "bullet"}, 2, "bullet");
-  expect_line({example("gazebo-y"), "--json", "x", "--report", "x"}, 2, "x");
+  expect_line({example("gazebo-y"), "--json", "x", "--report", "x"}, 2, "the same file");
   expect_line({}, 2, "SCENARIO");
 }
 

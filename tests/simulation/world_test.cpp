@@ -16,7 +16,7 @@ namespace {
 constexpr double kStep = 1e-3;
 // A substep of u radians moves the phase by u^3 / 12 at most; u is 1/12 in the world or less.
 constexpr double kPhaseDrift = 1.0 / 12.0 / 12.0 / 12.0;
-const std::vector<double> kStiffnesses{200.0, 2450.0, 50000.0};
+const std::vector<double> kStiffnesses{200.0, 2450.0, 50000.0, kRigidStiffness};
 
 Model weightless(const Model& arm) {
   ModelDescription d = arm.description();
