@@ -206,7 +206,7 @@ void CooperativeController::correct(const CooperativeInput& input) noexcept {
     const double planned = u.dot(targets_[to].velocity - targets_[from].velocity);
     const double rate = u.dot(input.velocity[to] - input.velocity[from]) - planned;
     const double x_f = active ? trackers_[k].update(wanted, input.force[k], rate, options_.period)
-                              : trackers_[k].value();
+                              : trackers_[k].hold(wanted, rate);
     const bool from_gives = m.from != options_.master;
     const bool to_gives = m.to != options_.master;
     const double share = from_gives && to_gives ? m.share : 1.0;

@@ -47,7 +47,6 @@ double ForceTracker::update(double wanted, const ForceReading& reading, double r
                             double dt) noexcept {
   clock_ += dt;
   const double e = wanted - reading.force;
-  double now = 0.0;
   if (reading.number >= 0 && reading.number != number_) {
     // Time between samples, so that a lost one counts for the next.
     const double since = number_ < 0 ? dt : clock_ - last_time_;
@@ -61,9 +60,16 @@ double ForceTracker::update(double wanted, const ForceReading& reading, double r
     number_ = reading.number;
     last_time_ = clock_;
   }
-  now = x_f_ + law_.feed_forward * wanted - law_.damping * rate;
+  double now = x_f_ + law_.feed_forward * wanted - law_.damping * rate;
   if (number_ >= 0 && law_.kind == ForceLaw::Kind::kProportional) now += law_.proportional * e;
   value_ = std::clamp(now, -law_.reach, law_.reach);
+  return value_;
+}
+
+double ForceTracker::hold(double wanted, double rate) noexcept {
+  const double now = x_f_ + law_.feed_forward * wanted - law_.damping * rate;
+  value_ = std::clamp(now, -law_.reach, law_.reach);
+  velocity_ = 0.0;
   return value_;
 }
 

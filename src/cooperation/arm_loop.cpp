@@ -80,6 +80,7 @@ void ArmLoop::measure(const VectorXd& q) noexcept {
 }
 
 void ArmLoop::freeze() noexcept {
+  if (frozen_) return;
   frozen_ = true;
   frozen_at_ = position_;
 }

@@ -219,6 +219,10 @@ bool Experiment::step() {
   apply_faults();
   read_sensors();
   targets_ = control_->update(*input_);
+  // An impedance that is lighter than its arm needs the force: without a sensor all stand still.
+  if (control_->sensor_failed()) {
+    for (ArmLoop& loop : loops_) loop.freeze();
+  }
   for (size_t k = 0; k < loops_.size(); ++k) {
     tau_[k] = loops_[k].torque(targets_[k], forces_[k]);
     if (limp_[k] == 1) tau_[k].setZero();

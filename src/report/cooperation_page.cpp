@@ -55,8 +55,8 @@ std::string plots_of(const ScenarioRun& run) {
   for (std::size_t k = 0; k < run.member.size(); ++k) {
     const MemberTrace& m = run.member[k];
     plots.push_back(Plot("Force in " + run.members[k], "time", "N", step)
-                        .curve("measured", "#c9c9c3", 3.0, m.measured)
-                        .curve("wanted", "#cf5b13", 2.4, m.wanted)
+                        .curve("measured", "#c9c9c3", 5.0, m.measured)
+                        .curve("wanted", "#cf5b13", 2.6, m.wanted)
                         .curve("true", "#0f6ab4", 1.2, m.force)
                         .text());
     plots.push_back(Plot("", "error", "N", step)
@@ -77,9 +77,9 @@ std::string plots_of(const ScenarioRun& run) {
       return VectorXd(1e3 * (a.tip.col(axis) - a.motion.col(axis)));
     };
     plots.push_back(Plot("Tip of " + run.arms[k] + " since the start", "time", "mm", step)
-                        .curve("x wanted", "#e8b48f", 4.0, along(a.motion, 0))
-                        .curve("y wanted", "#9fc6e6", 4.0, along(a.motion, 1))
-                        .curve("z wanted", "#9fd4ce", 4.0, along(a.motion, 2))
+                        .curve("x wanted", "#e8b48f", 5.0, along(a.motion, 0))
+                        .curve("y wanted", "#9fc6e6", 5.0, along(a.motion, 1))
+                        .curve("z wanted", "#9fd4ce", 5.0, along(a.motion, 2))
                         .curve("x", "#cf5b13", 1.2, along(a.tip, 0))
                         .curve("y", "#0f6ab4", 1.2, along(a.tip, 1))
                         .curve("z", "#0d7a72", 1.2, along(a.tip, 2))

@@ -49,6 +49,9 @@ World::State::Arm::Arm(WorldArm&& given)
 
 World::State::State(std::vector<WorldArm> given, WorldObjects things) : objects(std::move(things)) {
   require(!given.empty(), "world: found no arms, expected at least one.");
+  const Eigen::Vector3d& g = given.front().model.gravity();
+  const Vec3d g_world = rotate(given.front().T_world_base.R, Vec3d{g.x(), g.y(), g.z()});
+  gravity = {g_world.x, g_world.y, g_world.z};
   arms.reserve(given.size());
   for (WorldArm& arm : given) {
     require(arm.engine != nullptr && arm.engine->joints() == arm.model.joints(),
@@ -57,7 +60,6 @@ World::State::State(std::vector<WorldArm> given, WorldObjects things) : objects(
             "' has bodies without values.");
     arms.emplace_back(std::move(arm));
   }
-  gravity = arms.front().model.gravity();
   check();
   members.resize(objects.members.size());
   for (const HeldBody& body : objects.bodies) {

@@ -183,50 +183,6 @@ TEST(CooperativeController, TracksTheForceOfASpring) {
   }
 }
 
-// What the thesis saw: a step of 0.49 N cannot come to rest in a deadband 0.4 N wide.
-TEST(ForceTracker, StepsOverADeadbandThatIsNarrowerThanOneStep) {
-  for (const double deadband : {0.2, 0.4}) {
-    ForceLaw law;
-    law.kind = ForceLaw::Kind::kIncrement;
-    law.increment = 0.0002;
-    law.deadband = deadband;
-    ForceTracker tracker(law);
-    double x = 0.0;
-    int changes = 0;
-    for (int k = 0; k < 500; ++k) {
-      const double before = x;
-      x = tracker.update(5.0, {2450.0 * before - 0.12, 0.0, k}, 0.0, 0.002);
-      if (k > 250) changes += x != before ? 1 : 0;
-    }
-    EXPECT_EQ(changes > 0, deadband < 0.245) << deadband;
-  }
-}
-
-TEST(ForceTracker, CountsTheTimeBetweenSamplesAndStaysWithinItsReach) {
-  ForceLaw law;
-  law.gain = 0.1;
-  law.reach = 0.004;
-  ForceTracker fast(law);
-  ForceTracker slow(law);
-  double a = 0.0;
-  double b = 0.0;
-  for (int k = 0; k < 9; ++k) {
-    a = fast.update(2.0, {0.0, 0.0, k}, 0.0, kPeriod);
-    b = slow.update(2.0, {0.0, 0.0, k / 2}, 0.0, kPeriod);
-  }
-  EXPECT_NEAR(a, 9 * 0.2 * kPeriod, 1e-12);
-  EXPECT_NEAR(b, a, 1e-12);
-  for (int k = 9; k < 1000; ++k) a = fast.update(2.0, {0.0, 0.0, k}, 0.0, kPeriod);
-  EXPECT_EQ(a, 0.004);
-}
-
-TEST(ForceTracker, DampingGivesWayAgainstTheRate) {
-  ForceLaw law;
-  law.damping = 0.4;
-  ForceTracker tracker(law);
-  EXPECT_DOUBLE_EQ(tracker.update(5.0, {5.0, 0.0, 1}, 0.01, kPeriod), -0.004);
-}
-
 struct Tracking {
   Tracking() {
     ForceLaw law;
@@ -321,9 +277,6 @@ TEST(CooperativeController, RefusesWhatCannotBe) {
   o.master = 0;
   o.period = 0.0;
   EXPECT_THROW(CooperativeController(o, tips(2)), InvalidInput);
-  ForceLaw law;
-  law.gain = -1.0;
-  EXPECT_THROW(ForceTracker{law}, InvalidInput);
 }
 
 }  // namespace

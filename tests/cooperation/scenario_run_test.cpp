@@ -109,6 +109,24 @@ TEST(ScenarioRun, FaultsEndInAHoldBelowTheStatedForce) {
   }
 }
 
+// Whenever the sensor fails, on a spring and on a string: while the force rises, at rest, on the
+// way.
+TEST(ScenarioRun, ASensorMayFailAtAnyTime) {
+  for (const char* name : {"fault-stuck", "fault-stale"}) {
+    for (const double at : {0.3, 0.8, 4.5}) {
+      Scenario s = example(name);
+      s.faults[0].at = at;
+      s.members[0].stiffness = 20000.0;
+      s.members[0].pulls_only = true;
+      tune_force_laws(s);
+      const ScenarioRun run = run_scenario(s);
+      EXPECT_TRUE(run.complete());
+      EXPECT_NE(run.state, CooperativeState::kTracking) << name << " at " << at;
+      EXPECT_LT(run.largest_force, 7.0) << name << " at " << at;
+    }
+  }
+}
+
 TEST(ScenarioRun, TheSameSeedGivesTheSameRun) {
   Scenario s = example("two-arms-spring");
   s.phases.resize(1);
@@ -126,7 +144,7 @@ TEST(ScenarioSweep, FindsWhereTheLoopIsStable) {
   s.sweep.stiffness = {2450.0, 50000.0};
   s.sweep.delay = {0.0, 0.005};
   s.sweep.rate = {1000.0};
-  const ScenarioSweepResult map = sweep_scenario(s, "veridyn", 1);
+  const ScenarioSweepResult map = sweep_scenario(s, "veridyn", 2);
   EXPECT_EQ(map.points.size(), 4U);
   EXPECT_TRUE(map.at(0, 0, 0).stable);
   EXPECT_TRUE(map.at(0, 1, 0).stable);

@@ -16,7 +16,7 @@ namespace {
 constexpr double kStep = 1e-3;
 // A substep of u radians moves the phase by u^3 / 12 at most; u is 1/12 in the world or less.
 constexpr double kPhaseDrift = 1.0 / 12.0 / 12.0 / 12.0;
-const std::vector<double> kStiffnesses{200.0, 2450.0, 50000.0};
+const std::vector<double> kStiffnesses{200.0, 2450.0, 50000.0, kRigidStiffness};
 
 Model weightless(const Model& arm) {
   ModelDescription d = arm.description();
@@ -215,9 +215,12 @@ TEST(World, AWallStopsASlideAndGivesItsMotionBack) {
 // A body on three grasps of the world settles where they carry its weight, and swings with its
 // energy kept until then.
 TEST(World, ABodyHangsInItsGrasps) {
-  const Model arm = slide();  // its model brings gravity
+  // The arm's model brings gravity, in the axes of its base, which lies on its side.
+  ModelDescription on_its_side = slide().description();
+  on_its_side.gravity = {-9.81, 0, 0};
+  const Model arm(on_its_side);
   std::vector<WorldArm> arms;
-  arms.push_back(standing(arm));
+  arms.push_back(standing(arm, {rotation_y(-M_PI / 2), {0, 0, 0}}));
   HeldBody body;
   body.mass = 0.2;
   body.inertia = {1e-4, 2e-4, 1.5e-4};

@@ -114,6 +114,12 @@ class CooperativeController {
   const std::vector<TipTarget>& update(const CooperativeInput& input) noexcept;
 
   CooperativeState state() const { return state_; }
+  /// Forces are not known any more: each arm shall keep its place with a position loop. (An
+  /// impedance with a wanted mass below the arm's own is many times stiffer without its sensor.)
+  bool sensor_failed() const {
+    return state_ == CooperativeState::kSensorStale || state_ == CooperativeState::kSensorStuck ||
+           state_ == CooperativeState::kNotFinite;
+  }
   bool arrived() const { return centre_.arrived() && angle_.arrived(); }
   double wanted_force(int member) const { return wanted_.x()[member]; }
   double correction(int member) const { return trackers_[static_cast<size_t>(member)].value(); }

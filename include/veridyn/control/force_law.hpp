@@ -64,8 +64,10 @@ class ForceTracker {
   /// @returns what is to be added to the distance of the ends [m].
   double update(double wanted, const ForceReading& reading, double rate, double dt) noexcept;
 
-  /// The correction as it stands, moved on no further: for what holds.
-  double value() const { return value_; }
+  /// For what holds, without a sensor: x_f stands, the damping goes on.
+  double hold(double wanted, double rate) noexcept;
+
+  double value() const { return value_; }        ///< of the last update() or hold()
   double velocity() const { return velocity_; }  ///< [m/s] of x_f
   const ForceLaw& law() const { return law_; }
 

@@ -12,8 +12,8 @@
 
 namespace veridyn {
 
-/// An arm of a World and where it stands. Its gravity is that of its own model: the caller turns it
-/// with the base.
+/// An arm of a World and where it stands. Its gravity is that of its own model, in its base: turn
+/// it with the base (R_world_base' g). Held bodies feel the gravity of the first arm.
 struct WorldArm {
   Model model;                     ///< true values, as the engine has them
   std::unique_ptr<Engine> engine;  ///< that moves it
@@ -28,7 +28,7 @@ struct WorldObjects {
 };
 
 /// Arms that are coupled by objects, moved on together. A step is cut into substeps that are short
-/// for the stiffest object (a fifteenth of a radian of its fastest oscillation); over each, the
+/// for the stiffest object (a twelfth of a radian of its fastest oscillation); over each, the
 /// engines see the mean of the objects' forces along the motion that is to be expected (Simpson's
 /// rule), so that a spring neither makes nor loses energy but for terms of third order.
 ///
@@ -71,7 +71,7 @@ class World {
   };
   const MemberState& member(int index) const;
 
-  /// Lets a member go, or takes it up again; with `at_rest_length` > 0 as its new rest length.
+  /// Lets a member go, or takes it up again with a new rest length [m] above zero.
   void detach(int member);
   void attach(int member, double rest_length);
 

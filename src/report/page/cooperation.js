@@ -1,8 +1,6 @@
 // What arms did that held one object, in words, tables and plots; or the map of a sweep.
 
-function newtons(pointer) {
-  return number(pointer, 'plain', (v) => withMinus(v.toFixed(3)));
-}
+function newtons(pointer) { return number(pointer, 'plain', (v) => withMinus(v.toFixed(3))); }
 
 function askedRows() {
   return result.phases.flatMap((phase, k) => ['force_error', 'steady_error'].flatMap((what) => {
@@ -44,8 +42,8 @@ function fillRun() {
         ],
         asked, 'asked'));
   }
-  byId('verdict').append(
-      element('p', {class: 'small'}, 'Largest force at any time: ', newtons('/largest_force'), ' N.'));
+  byId('verdict').append(element(
+      'p', {class: 'small'}, 'Largest force at any time: ', newtons('/largest_force'), ' N.'));
   byId('phases-title').textContent = 'Phases';
   byId('phases-note').textContent =
       'True force against the force wanted [N]: its largest error in the phase, the largest and the mean in ' +
@@ -55,10 +53,9 @@ function fillRun() {
   const rows = result.phases.flatMap((phase, k) => phase.members.map((member, m) => {
     const place = '/phases/' + k + '/members/' + m + '/';
     return [
-      phase.phase, member.member, newtons(place + 'wanted_force'),
-      newtons(place + 'largest_error'), newtons(place + 'steady_error'),
-      newtons(place + 'mean_error'), newtons(place + 'overshoot'), newtons(place + 'oscillation'),
-      number(place + 'generated_energy', 'plain', (v) => (1e3 * v).toPrecision(2))
+      phase.phase, member.member, newtons(place + 'wanted_force'), newtons(place + 'largest_error'),
+      newtons(place + 'steady_error'), newtons(place + 'mean_error'), newtons(place + 'overshoot'),
+      newtons(place + 'oscillation'), number(place + 'generated_energy', 'milli')
     ];
   }));
   const head = ['Wanted', 'Largest', 'At rest', 'Mean', 'Overshoot', 'Swing', 'Made [mJ]'];
@@ -86,13 +83,10 @@ function fillRun() {
 function fillSweep() {
   const stable = result.points.filter((p) => p.stable).length;
   byId('verdict').append(
-      element(
-          'p', {class: 'lead'}, stable + ' of ' + result.points.length + ' points are stable.'),
+      element('p', {class: 'lead'}, stable + ' of ' + result.points.length + ' points are stable.'),
       element(
           'p', {class: 'small'}, 'Where a point is stable, the arms made at most ',
-          number(
-              '/generated_energy_where_stable', 'plain', (v) => (1e3 * v).toPrecision(2)),
-          ' mJ at the object.'));
+          number('/generated_energy_where_stable', 'milli'), ' mJ at the object.'));
   byId('phases-title').textContent = 'Stable region';
   byId('phases-note').textContent =
       'Largest force error [N] in the phases that ask for a bound, by the stiffness of the object ' +
@@ -100,15 +94,22 @@ function fillSweep() {
       ' N of error or swing at rest, or ended by a bound.';
   result.rate.forEach((rate, r) => {
     const columns = [{name: 'Stiffness [N/m]'}].concat(
-        result.delay.map((d) => ({name: (1e3 * d).toPrecision(2) + ' ms', kind: 'number'})));
+        result.delay.map((d) => ({
+                           name: withMinus(String(Number((1e3 * d).toPrecision(3)))) + ' ms',
+                           kind: 'number'
+                         })),
+        [{name: 'Stable up to [ms]', kind: 'number'}]);
     const rows = result.stiffness.map(
-        (stiffness, s) => [String(stiffness)].concat(result.delay.map((_, d) => {
-          const k = s + result.stiffness.length * (d + result.delay.length * r);
-          const point = result.points[k];
-          return element(
-              'span', {class: point.stable ? 'stable' : 'unstable', title: point.ended},
-              point.stable ? newtons('/points/' + k + '/force_error') : '×');
-        })));
+        (stiffness, s) => [String(stiffness)].concat(
+            result.delay.map((_, d) => {
+              const k = s + result.stiffness.length * (d + result.delay.length * r);
+              const point = result.points[k];
+              return element(
+                  'span', {class: point.stable ? 'stable' : 'unstable', title: point.ended},
+                  point.stable ? newtons('/points/' + k + '/force_error') : '×');
+            }),
+            [number(
+                '/stable_region/' + (s + r * result.stiffness.length) + '/delay_up_to', 'milli')]));
     byId('phase-tables')
         .append(element('h3', {}, 'Loops at ' + rate + ' Hz'), table(columns, rows, 'sweep'));
   });

@@ -53,6 +53,7 @@ const styles = {
   },
   milli: {scale: 1000, write: (v) => significant(v, 3)},
   plain: {scale: 1, write: (v) => significant(v, 4)},
+  milli: {scale: 1000, write: (v) => significant(v, 2)},
   whole: {scale: 1, write: (v) => withMinus(v.toFixed(0))},
 };
 

@@ -1,0 +1,82 @@
+#include "veridyn/control/force_law.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "veridyn/math/require.hpp"
+
+namespace veridyn {
+namespace {
+
+constexpr double kPeriod = 1e-3;
+
+// What the thesis saw: a step of 0.49 N cannot come to rest in a deadband 0.4 N wide.
+TEST(ForceTracker, StepsOverADeadbandThatIsNarrowerThanOneStep) {
+  for (const double deadband : {0.2, 0.4}) {
+    ForceLaw law;
+    law.kind = ForceLaw::Kind::kIncrement;
+    law.increment = 0.0002;
+    law.deadband = deadband;
+    ForceTracker tracker(law);
+    double x = 0.0;
+    int changes = 0;
+    for (int k = 0; k < 500; ++k) {
+      const double before = x;
+      x = tracker.update(5.0, {2450.0 * before - 0.12, 0.0, k}, 0.0, 0.002);
+      if (k > 250) changes += x != before ? 1 : 0;
+    }
+    EXPECT_EQ(changes > 0, deadband < 0.245) << deadband;
+  }
+}
+
+TEST(ForceTracker, CountsTheTimeBetweenSamplesAndStaysWithinItsReach) {
+  ForceLaw law;
+  law.gain = 0.1;
+  law.reach = 0.004;
+  ForceTracker fast(law);
+  ForceTracker slow(law);
+  double a = 0.0;
+  double b = 0.0;
+  for (int k = 0; k < 9; ++k) {
+    a = fast.update(2.0, {0.0, 0.0, k}, 0.0, kPeriod);
+    b = slow.update(2.0, {0.0, 0.0, k / 2}, 0.0, kPeriod);
+  }
+  EXPECT_NEAR(a, 9 * 0.2 * kPeriod, 1e-12);
+  EXPECT_NEAR(b, a, 1e-12);
+  for (int k = 9; k < 1000; ++k) a = fast.update(2.0, {0.0, 0.0, k}, 0.0, kPeriod);
+  EXPECT_EQ(a, 0.004);
+}
+
+TEST(ForceTracker, DampingGivesWayAgainstTheRate) {
+  ForceLaw law;
+  law.damping = 0.4;
+  ForceTracker tracker(law);
+  EXPECT_DOUBLE_EQ(tracker.update(5.0, {5.0, 0.0, 1}, 0.01, kPeriod), -0.004);
+}
+
+// The gains that tuned_force_law() promises: crossover, damping within bounds, zero on the pole.
+TEST(TunedForceLaw, SuitsTheStiffness) {
+  for (const double K : {200.0, 2450.0, 50000.0}) {
+    const ForceLaw law = tuned_force_law(K, 300.0, 30.0);
+    EXPECT_DOUBLE_EQ(law.gain * 300.0, 30.0);
+    const double damping = law.damping * 300.0;
+    EXPECT_LE(damping, 120.0);
+    EXPECT_LE(damping, 2.0 * std::sqrt(1.4 * K) + 1e-9);
+    EXPECT_DOUBLE_EQ(law.proportional / law.gain, (damping + 30.0) / K);
+    EXPECT_DOUBLE_EQ(law.feed_forward, 1.0 / 300.0);
+    EXPECT_GT(law.reach, 10.0 * (1.0 / 300.0 + 1.0 / K));
+  }
+  EXPECT_THROW(tuned_force_law(0.0, 300.0, 30.0), InvalidInput);
+}
+
+TEST(ForceTracker, RefusesWhatCannotBe) {
+  ForceLaw law;
+  law.gain = -1.0;
+  EXPECT_THROW(ForceTracker{law}, InvalidInput);
+  law.gain = NAN;
+  EXPECT_THROW(ForceTracker{law}, InvalidInput);
+}
+
+}  // namespace
+}  // namespace veridyn
