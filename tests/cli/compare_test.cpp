@@ -89,9 +89,12 @@ TEST_F(Compare, AnUnchangedArmIsSeldomCalledDifferent) {
   EXPECT_LE(different, 2);
 }
 
-// The file of the arm gives its wrist 0.08 N m of Coulomb friction, its elbow 1 N m.
+// The file of the arm gives its wrist 0.08 N m of Coulomb friction, its elbow 1 N m. Of four
+// intervals of 95 % two or more miss in one case in a hundred.
 TEST_F(Compare, FrictionThatGrewByAFifthIsNamed) {
   const std::string before = scara(1, 1);
+  int intervals = 0;
+  int missed = 0;
   for (const int motion : {1, 2}) {
     for (const auto& [joint, level] : {std::pair("elbow", "0.2"), std::pair("wrist", "0.016")}) {
       const std::string hidden = std::string("coulomb_friction:") + joint + ":level=" + level;
@@ -102,11 +105,15 @@ TEST_F(Compare, FrictionThatGrewByAFifthIsNamed) {
       EXPECT_TRUE(has(all, std::string("friction ") + joint));
       for (const json& d : out["parameters"]) {
         if (d["name"] != std::string("coulomb_friction(") + joint + ").level") continue;
-        EXPECT_LT(d["ci95"][0].get<double>(), std::stod(level));
-        EXPECT_GT(d["ci95"][1].get<double>(), std::stod(level));
+        const double truth = std::stod(level);
+        missed += static_cast<int>(d["ci95"][0].get<double>() > truth ||
+                                   d["ci95"][1].get<double>() < truth);
+        ++intervals;
       }
     }
   }
+  EXPECT_EQ(intervals, 4);
+  EXPECT_LE(missed, 1);
 }
 
 TEST_F(Compare, APayloadShowsInWeightAndInertia) {
