@@ -150,13 +150,4 @@ void require_writable(const std::string& path) {
   const OutputFile probe(path);
 }
 
-void require_different(const std::vector<std::pair<std::string, std::string>>& files) {
-  for (auto a = files.begin(); a != files.end(); ++a) {
-    for (auto b = files.begin(); b != a; ++b) {
-      if (a->second.empty() || a->second != b->second) continue;
-      throw CLI::ValidationError(a->first, "found the same file as for " + b->first);
-    }
-  }
-}
-
 }  // namespace veridyn::cli

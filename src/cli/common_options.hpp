@@ -48,9 +48,4 @@ void add_preprocessing_options(CLI::App& command, PreprocessingOptions& options)
 /// @throws InvalidInput  it cannot.
 void require_writable(const std::string& path);
 
-/// Two outputs must not go to one file. Empty paths are no files.
-/// @param files  option and path of each.
-/// @throws CLI::ValidationError  two of them are the same.
-void require_different(const std::vector<std::pair<std::string, std::string>>& files);
-
 }  // namespace veridyn::cli

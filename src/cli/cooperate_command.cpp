@@ -33,9 +33,6 @@ void write(const Request& request, const Result& done, const Scenario& scenario,
 ExitStatus run(const Request& request, const std::string& command) {
   if (request.sweep && !request.output.empty())
     throw CLI::ValidationError("--output", "found --sweep beside it, which has no rows");
-  require_different({{"--output", request.output},
-                     {"--json", request.common.json},
-                     {"--report", request.common.report}});
   for (const std::string& path : {request.output, request.common.json, request.common.report})
     require_writable(path);
   const Scenario scenario = read_scenario(request.scenario);

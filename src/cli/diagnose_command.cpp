@@ -47,9 +47,6 @@ void complete_next_experiment(const Request& request, Diagnosis& d) {
 }
 
 ExitStatus run(Request& request, const std::string& command_line) {
-  require_different({{"--json", request.common.json},
-                     {"--report", request.common.report},
-                     {"--model-out", request.model_out}});
   require_writable(request.common.json);
   require_writable(request.common.report);
   require_writable(request.model_out);

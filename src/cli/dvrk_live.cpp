@@ -22,6 +22,7 @@ namespace {
 using dvrk::ArmSession;
 
 constexpr double kForever = 1e9;     // [s]
+constexpr double kSilence = 0.5;     // [s] without a valid read: the boards are gone
 constexpr double kTableEvery = 0.5;  // [s]
 
 std::string flags_of(const dvrk::Status& s) {
@@ -120,18 +121,24 @@ ExitStatus run_dvrk_monitor(const DvrkRequest& request) {
   dvrk::take_real_time_priority(30);
   const bool terminal = ::isatty(STDOUT_FILENO) != 0;
   double next = 0.0;
+  double last_read = 0.0;
   const auto show = [&](double t) {
+    last_read = t;
     if (t < next) return;
     next = t + kTableEvery;
     if (terminal) std::cout << "\033[H\033[J";
     std::cout << table(session) << session.boards().faults().report() << std::flush;
   };
   const double seconds = request.seconds > 0.0 ? request.seconds : kForever;
+  const double started = link.now();
   dvrk::RunResult done;
   done.timing = dvrk::watch(session, link, seconds, request.rate, stop_asked(), show);
-  done.complete = true;
+  done.complete = link.now() - started - last_read < kSilence;
+  if (!done.complete) done.why = fmt::format("no valid read after {:.3g} s", last_read);
   finish(request, "monitor", done, session);
-  return kDone;
+  if (done.complete) return kDone;
+  say("monitor: " + done.why + ".");
+  return kDataCannotAnswer;
 }
 
 ExitStatus run_dvrk_read(const DvrkRequest& request) {
@@ -149,7 +156,9 @@ ExitStatus run_dvrk_read(const DvrkRequest& request) {
   std::cout << fmt::format("{}: {} rows, {:.4g} s.\n", arm.robot.name, done.rows.rows(),
                            done.rows.time[done.rows.rows() - 1]);
   finish(request, "read", done, session);
-  return done.complete ? kDone : kDataCannotAnswer;
+  if (done.complete) return kDone;
+  say("read: the recording is incomplete: " + done.why + ".");
+  return kDataCannotAnswer;
 }
 
 ExitStatus run_dvrk_run(const DvrkRequest& request) {

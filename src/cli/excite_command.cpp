@@ -129,10 +129,6 @@ std::string why_not(const Excitation& found) {
 }
 
 ExitStatus run(const Request& request, const std::string& command_line) {
-  require_different({{"--output", request.output},
-                     {"--json", request.common.json},
-                     {"--report", request.common.report},
-                     {"--coefficients", request.coefficients}});
   for (const std::string* path :
        {&request.common.json, &request.common.report, &request.coefficients})
     require_writable(*path);

@@ -21,10 +21,6 @@ void run(const Request& request) {
   if ((request.urdf + request.yaml + dvrk.gravity + dvrk.scales).empty())
     throw CLI::RequiredError("--urdf, --yaml, --dvrk-gravity or --dvrk-scales");
   check_dvrk_export(dvrk);
-  require_different({{"--urdf", request.urdf},
-                     {"--yaml", request.yaml},
-                     {"--dvrk-gravity", dvrk.gravity},
-                     {"--dvrk-scales", dvrk.scales}});
   for (const std::string& file : {request.urdf, request.yaml, dvrk.gravity, dvrk.scales})
     require_writable(file);
   const Model model = read_model(request.model);

@@ -42,9 +42,6 @@ IdentificationOptions identification_options(const Request& request) {
 }
 
 ExitStatus run(const Request& request, const std::string& command_line) {
-  require_different({{"--json", request.common.json},
-                     {"--report", request.common.report},
-                     {"--model-out", request.model_out}});
   if (!request.prior.empty() && request.options.method != Method::kFeasible) {
     throw CLI::ValidationError("--prior", "works with --method feasible only");
   }

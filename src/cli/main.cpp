@@ -3,6 +3,7 @@
 
 #include "commands.hpp"
 #include "messages.hpp"
+#include "sound_arguments.hpp"
 #include "usage.hpp"
 #include "veridyn/math/require.hpp"
 
@@ -27,6 +28,7 @@ ExitStatus run(int argc, char** argv) {
   add_simulate_command(tool, outcome);
   add_cooperate_command(tool, outcome);
   add_dvrk_command(tool, outcome);
+  expect_sound_arguments(tool);
   try {
     tool.parse(argc, argv);
     return outcome.status;

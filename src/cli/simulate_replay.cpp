@@ -105,6 +105,7 @@ std::string breakaway_report(const SimulateRequest& request, const Coordinate& c
         e.rest_from, e.recorded, e.recorded_at, e.simulated, e.simulated_at,
         fmt::arg("u", effort_unit(c)));
   }
+  if (found.events.empty()) return out;
   out += fmt::format(
       "median forwards:  recorded {:+.3f} {u}, simulated {:+.3f} {u}\n"
       "median backwards: recorded {:+.3f} {u}, simulated {:+.3f} {u}\n",

@@ -1,5 +1,6 @@
 #include "usage.hpp"
 
+#include <regex>
 #include <vector>
 
 #include "veridyn/model/suggestion.hpp"
@@ -35,6 +36,9 @@ std::string one_line(std::string words) {
   for (char& c : words) {
     if (c == '\n') c = ' ';
   }
+  // The largest number there is, written out, means that there is no bound.
+  static const std::regex kNoBound(" to [0-9]{100,}(\\.0*)?");
+  words = std::regex_replace(words, kNoBound, " to any");
   return words.substr(0, words.find_last_not_of(" .") + 1);
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "veridyn/control/passivity_monitor.hpp"
 
@@ -48,6 +49,15 @@ MemberFigures figures_of(const MemberTrace& m, Eigen::Index first, Eigen::Index 
   return f;
 }
 
+// NaN where no member is tracked: nothing is met then.
+double worst_of_tracked(const std::vector<MemberFigures>& members, double MemberFigures::*figure) {
+  double worst = std::numeric_limits<double>::quiet_NaN();
+  for (const MemberFigures& m : members) {
+    if (m.tracked) worst = std::fmax(worst, m.*figure);
+  }
+  return worst;
+}
+
 }  // namespace
 
 PhaseFigures phase_figures(const Scenario& scenario, const ScenarioPhase& phase,
@@ -74,19 +84,11 @@ PhaseFigures phase_figures(const Scenario& scenario, const ScenarioPhase& phase,
 }
 
 double PhaseFigures::largest_force_error() const {
-  double worst = 0.0;
-  for (const MemberFigures& m : members) {
-    if (m.tracked) worst = std::max(worst, m.largest_error);
-  }
-  return worst;
+  return worst_of_tracked(members, &MemberFigures::largest_error);
 }
 
 double PhaseFigures::largest_steady_error() const {
-  double worst = 0.0;
-  for (const MemberFigures& m : members) {
-    if (m.tracked) worst = std::max(worst, m.steady_error);
-  }
-  return worst;
+  return worst_of_tracked(members, &MemberFigures::steady_error);
 }
 
 bool PhaseFigures::met() const {

@@ -103,6 +103,11 @@ std::string ScenarioRun::report() const {
     }
   }
   for (const PhaseFigures& p : phases) {
+    const bool asked = p.asked_force_error > 0.0 || p.asked_steady_error > 0.0;
+    if (asked && std::isnan(p.largest_force_error())) {
+      out += fmt::format("{}: no force was tracked throughout: NOT met\n", p.phase);
+      continue;
+    }
     if (p.asked_force_error > 0.0)
       out += fmt::format("{}: force within {:.3g} N, asked {:.3g} N: {}\n", p.phase,
                          p.largest_force_error(), p.asked_force_error,

@@ -13,6 +13,7 @@
 namespace veridyn::dvrk {
 namespace {
 
+constexpr double kSilence = 0.5;        // [s] without a valid read at the end: the boards are gone
 constexpr double kLooking = 0.1;        // [s] of reading before power is asked for
 constexpr double kIntegralShare = 0.5;  // of the largest torque
 
@@ -111,7 +112,7 @@ class MotionRun {
   bool follows() {
     Eigen::Index joint = 0;
     const double off = (wanted_q_ - arm_.state().q).cwiseAbs().maxCoeff(&joint);
-    if (!(off > options_.largest_error)) return true;
+    if (off <= options_.largest_error) return true;
     return end(text("joint ", joint + 1, " is ", off, " off its set point",
                     arm_.command().clipped ? ", with a current at its limit" : ""));
   }
@@ -226,6 +227,8 @@ RunResult run_motion(ArmSession& arm, DatagramLink& link, const MotionSamples& m
   require(gains.p.size() == arm.size(), "arm '", arm.robot().name, "': found gains of ",
           gains.p.size(), " joints, expected ", arm.size(), ".");
   require(options.rate > 0.0, "arm '", arm.robot().name, "': expected a positive rate.");
+  require(options.largest_error > 0.0 && options.approach_speed > 0.0, "arm '", arm.robot().name,
+          "': expected a positive largest error and approach speed.");
   require_within_limits(arm, motion);
   MotionRun run(arm, link, motion, gains, options, stop);
   arm.start();
@@ -260,6 +263,12 @@ RunResult record_at_rest(ArmSession& arm, DatagramLink& link, double seconds, do
   result.complete = !stop.load(std::memory_order_relaxed);
   if (!result.complete) result.why = "stopped by a signal";
   result.rows = keeper.take(arm.size());
+  const Eigen::Index rows = result.rows.rows();
+  const double last = rows > 0 ? result.rows.time[rows - 1] : 0.0;
+  if (result.complete && seconds - last > kSilence) {
+    result.complete = false;
+    result.why = text("no valid read after ", last, " s");
+  }
   return result;
 }
 

@@ -1,6 +1,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <sstream>
@@ -275,6 +276,9 @@ IoConfig read_io_json(const std::string& content, const std::string& file) {
 }
 
 IoConfig read_io_config(const std::string& path) {
+  std::error_code error;
+  require(!std::filesystem::is_directory(path, error), path,
+          ": found a folder, expected a configuration (XML or JSON).");
   std::ifstream stream(path, std::ios::binary);
   const std::string content{std::istreambuf_iterator<char>(stream), {}};
   require(stream.is_open() && !content.empty(), path,

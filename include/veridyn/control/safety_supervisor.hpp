@@ -15,7 +15,7 @@ enum class SafetyState {
   kFault      ///< the safe action of the fault, until reset()
 };
 
-/// Why. The checks run in this order, and the first that fails is the fault.
+/// Why. The first check that fails is the fault: sensors first, then motors, motion, force.
 enum class SafetyFault {
   kNone,
   kNotFinite,    ///< a position, a velocity or a time is no number

@@ -51,7 +51,7 @@ struct PhaseFigures {
   double final_position_error = 0.0;  ///< [m] at the end
   double asked_force_error = 0.0, asked_steady_error = 0.0;  ///< [N]; 0: nothing asked
 
-  double largest_force_error() const;   ///< [N] of the members that are tracked throughout
+  double largest_force_error() const;   ///< [N] of the members tracked throughout; NaN: none
   double largest_steady_error() const;  ///< [N] likewise
   bool met() const;                     ///< both errors within what was asked
 };

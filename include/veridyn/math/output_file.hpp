@@ -6,6 +6,7 @@
 namespace veridyn {
 
 /// A file that is either whole or not there: written aside, renamed by commit(), removed otherwise.
+/// What is no regular file (a device, a pipe) is written through.
 ///
 /// @throws InvalidInput  the place cannot be written (constructor), or the disk is full (commit).
 class OutputFile {
@@ -22,6 +23,7 @@ class OutputFile {
   std::string path_;
   std::string aside_;
   std::ofstream stream_;
+  bool through_ = false;
   bool committed_ = false;
 };
 

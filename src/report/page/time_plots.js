@@ -114,6 +114,7 @@ function timePlot(place, kind, joint, recording, curves, unit, readout) {
 // On paper the plots are scaled as they stand: the style sheet multiplies by this.
 function fitTimePlotsToPaper() {
   const place = byId('time-plots');
+  if (!place) return;
   place.style.setProperty('--to-paper', (kPaperWidth / Math.max(1, place.clientWidth)).toFixed(3));
 }
 
