@@ -151,8 +151,9 @@ void add_run(CLI::App& dvrk, Outcome& outcome) {
       ->option_text("V")
       ->check(CLI::PositiveNumber);
   motion
-      .add_option("--largest-error", run->largest_error,
-                  "Off a set point, then power goes off (0.35 rad, m)")
+      .add_option(
+          "--largest-error", run->largest_error,
+          "Of a joint from its set point, then power goes off (0.35 rad, m); not for gravity")
       ->option_text("Q")
       ->check(CLI::PositiveNumber);
 }

@@ -66,6 +66,10 @@ void require_inputs(const DvrkRequest& request) {
     throw CLI::ValidationError("--trajectory", "--controller gravity plays none");
   if (name != "pid" && request.model.empty())
     throw CLI::ValidationError("--model", "--controller " + name + " needs a model with values");
+  if (name != "pid" && !request.gains.empty())
+    throw CLI::ValidationError("--gains", "--controller " + name + " has none");
+  if (name != "impedance" && !request.tip.empty())
+    throw CLI::ValidationError("--tip", "--controller " + name + " leads no tip");
 }
 
 std::unique_ptr<dvrk::ModelController> controller_of(const DvrkRequest& request,

@@ -269,7 +269,10 @@ RunResult run_in_place(ArmSession& arm, DatagramLink& link, double seconds, int 
   MotionSamples none;
   none.time = Eigen::Vector2d(0.0, seconds);
   none.q = none.dq = MatrixXd(2, 0);
-  return run_checked(arm, link, none, joints, controller, options, stop);
+  RunOptions at_once = options;  // there is no way to go first
+  at_once.approach_time = 1.0 / options.rate;
+  at_once.settle = 0.0;
+  return run_checked(arm, link, none, joints, controller, at_once, stop);
 }
 
 LoopTiming watch(ArmSession& arm, DatagramLink& link, double seconds, double rate,
