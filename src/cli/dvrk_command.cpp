@@ -114,29 +114,46 @@ void add_clients(CLI::App& dvrk, Outcome& outcome) {
   recording.add_option("-o,--output", read->output, "The recording")
       ->option_text("REC.csv")
       ->required();
+}
 
+void add_run(CLI::App& dvrk, Outcome& outcome) {
   const auto run = std::make_shared<DvrkRequest>();
-  CLI::App& motion = add(dvrk, "run", "Plays a motion with a PID per joint and records it",
+  run->seconds = 30.0;
+  CLI::App& motion = add(dvrk, "run", "Plays a motion with a controller and records it",
                          run_dvrk_run, outcome, run);
   add_client_options(motion, *run);
+  motion
+      .add_option("--controller", run->controller,
+                  "pid: one per joint; computed-torque: the joints follow, with the model as "
+                  "feed-forward; impedance: the tip follows like a spring; gravity: the arm is "
+                  "weightless, without a trajectory. All but pid need --model (pid)")
+      ->option_text("pid|computed-torque|impedance|gravity")
+      ->check(CLI::IsMember({"pid", "computed-torque", "impedance", "gravity"}));
   motion.add_option("--trajectory", run->trajectory, "CSV with t and q; dq if there")
-      ->option_text("TRAJ.csv")
-      ->required();
+      ->option_text("TRAJ.csv");
   motion.add_option("-o,--output", run->output, "The recording")
       ->option_text("REC.csv")
       ->required();
   motion
       .add_option("--model", run->model,
-                  "Gains that fit this robot with values (those of the laboratory for a known arm)")
+                  "A robot with values: the controller's, or the one whose inertia the PID's gains "
+                  "shall fit (those of the laboratory for a known arm)")
       ->option_text("MODEL");
   motion.add_option("--gains", run->gains, "YAML file with lists p, i and d; needs --model")
       ->option_text("FILE");
+  motion.add_option("--tip", run->tip, "Frame of the impedance (the one behind most joints)")
+      ->option_text("FRAME");
+  motion.add_option("--stiffness", run->stiffness, "Of the impedance (800 N/m)")
+      ->option_text("K")
+      ->check(CLI::PositiveNumber);
+  add_seconds(motion, *run, "How long the arm is weightless (30)");
   motion.add_option("--approach-speed", run->approach_speed, "To the first set point (0.25 rad/s)")
       ->option_text("V")
       ->check(CLI::PositiveNumber);
   motion
-      .add_option("--largest-error", run->largest_error,
-                  "Off a set point, then power goes off (0.35 rad, m)")
+      .add_option(
+          "--largest-error", run->largest_error,
+          "Of a joint from its set point, then power goes off (0.35 rad, m); not for gravity")
       ->option_text("Q")
       ->check(CLI::PositiveNumber);
 }
@@ -202,6 +219,7 @@ void add_dvrk_command(CLI::App& tool, Outcome& outcome) {
   dvrk.require_subcommand(1);
   add_emulate(dvrk, outcome);
   add_clients(dvrk, outcome);
+  add_run(dvrk, outcome);
   add_dvrk_config(dvrk);
 }
 

@@ -1,20 +1,16 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <iostream>
 
 #include "dvrk_request.hpp"
 #include "messages.hpp"
-#include "veridyn/dvrk/arm_facts.hpp"
 #include "veridyn/dvrk/real_time.hpp"
 #include "veridyn/dvrk/run_json.hpp"
 #include "veridyn/dvrk/udp_link.hpp"
 #include "veridyn/identification/remark.hpp"
 #include "veridyn/math/output_file.hpp"
 #include "veridyn/math/require.hpp"
-#include "veridyn/model/model_file.hpp"
-#include "veridyn/simulation/simulate_recording.hpp"
 
 namespace veridyn::cli {
 namespace {
@@ -64,53 +60,16 @@ void tell_timing(const dvrk::LoopTiming& timing) {
                            timing.cycles, timing.late, 1e6 * timing.mean, 1e6 * timing.longest);
 }
 
-void finish(const DvrkRequest& request, const char* command, const dvrk::RunResult& done,
-            ArmSession& session) {
+}  // namespace
+
+void finish_dvrk(const DvrkRequest& request, const char* command, const dvrk::RunResult& done,
+                 const ArmSession& session) {
   tell_timing(done.timing);
   const dvrk::FaultLog& faults = session.boards().faults();
   say_faults(faults, request.common);
   if (!request.common.json.empty())
     write_file(request.common.json, to_json(done, faults, command, session.robot().name));
 }
-
-// The laboratory's gains of a known arm; those that fit a model in place of the first ones.
-PidGains gains_of(const DvrkRequest& request, const DvrkArm& arm) {
-  const int n = arm.robot.size();
-  PidGains gains{VectorXd::Zero(n), VectorXd::Zero(n), VectorXd::Zero(n)};
-  const std::vector<std::string> known = dvrk::arm_names();
-  const std::string name = request.arm.empty() ? arm.robot.name : request.arm;
-  const bool is_known = std::find(known.begin(), known.end(), name) != known.end();
-  require(is_known || !request.model.empty(), "gains: '", name,
-          "' is no known arm; --model names a robot that they shall fit.");
-  if (is_known) {
-    const dvrk::ArmFacts facts = dvrk::read_arm(name);
-    for (int j = 0; j < n; ++j) {
-      gains.p[j] = facts.actuators[static_cast<size_t>(j)].kp;
-      gains.d[j] = facts.actuators[static_cast<size_t>(j)].kd;
-    }
-  }
-  if (request.model.empty()) return gains;
-  const Model model = read_model(request.model);
-  require(model.joints() <= n, "--model: ", model.name(), " has ", model.joints(),
-          " joints, but the arm has ", n, " actuators.");
-  const PidGains fit =
-      request.gains.empty() ? sensible_gains(model) : read_gains(request.gains, model);
-  gains.p.head(model.joints()) = fit.p;
-  gains.i.head(model.joints()) = fit.i;
-  gains.d.head(model.joints()) = fit.d;
-  return gains;
-}
-
-MotionSamples motion_of(const std::string& path) {
-  const Recording rows = read_recording(path);
-  try {
-    return with_derivatives({rows.time, rows.q, rows.dq, rows.ddq});
-  } catch (const InvalidInput& error) {
-    throw InvalidInput(text(path, ": ", error.what()));
-  }
-}
-
-}  // namespace
 
 ExitStatus run_dvrk_monitor(const DvrkRequest& request) {
   require_writable(request.common.json);
@@ -135,7 +94,7 @@ ExitStatus run_dvrk_monitor(const DvrkRequest& request) {
   done.timing = dvrk::watch(session, link, seconds, request.rate, stop_asked(), show);
   done.complete = link.now() - started - last_read < kSilence;
   if (!done.complete) done.why = fmt::format("no valid read after {:.3g} s", last_read);
-  finish(request, "monitor", done, session);
+  finish_dvrk(request, "monitor", done, session);
   if (done.complete) return kDone;
   say("monitor: " + done.why + ".");
   return kDataCannotAnswer;
@@ -155,35 +114,9 @@ ExitStatus run_dvrk_read(const DvrkRequest& request) {
   write_recording(done.rows, request.output, done.why.empty() ? "" : "incomplete: " + done.why);
   std::cout << fmt::format("{}: {} rows, {:.4g} s.\n", arm.robot.name, done.rows.rows(),
                            done.rows.time[done.rows.rows() - 1]);
-  finish(request, "read", done, session);
+  finish_dvrk(request, "read", done, session);
   if (done.complete) return kDone;
   say("read: the recording is incomplete: " + done.why + ".");
-  return kDataCannotAnswer;
-}
-
-ExitStatus run_dvrk_run(const DvrkRequest& request) {
-  require_writable(request.output);
-  require_writable(request.common.json);
-  const DvrkArm arm = dvrk_arm(request);
-  const MotionSamples motion = motion_of(request.trajectory);
-  const PidGains gains = gains_of(request, arm);
-  dvrk::RunOptions options;
-  options.rate = request.rate;
-  options.approach_speed = request.approach_speed;
-  options.largest_error = request.largest_error;
-  dvrk::UdpLink link(request.host, request.port);
-  ArmSession session(link, arm.robot, session_options(request, arm));
-  catch_signals();
-  dvrk::take_real_time_priority(30);
-  const dvrk::RunResult done =
-      dvrk::run_motion(session, link, motion, gains, options, stop_asked());
-  if (done.rows.rows() > 0)
-    write_recording(done.rows, request.output, done.complete ? "" : "incomplete: " + done.why);
-  std::cout << fmt::format("{}: {} rows of {}.\n", arm.robot.name, done.rows.rows(),
-                           request.trajectory);
-  finish(request, "run", done, session);
-  if (done.complete) return kDone;
-  say("the run ended: " + done.why + "; power is off.");
   return kDataCannotAnswer;
 }
 

@@ -30,6 +30,9 @@ struct DvrkRequest {
   std::string output;
   std::string trajectory;
   std::string gains;
+  std::string controller = "pid";  ///< or computed-torque, impedance, gravity
+  std::string tip;                 ///< frame of the impedance
+  double stiffness = 800.0;        ///< [N/m] of it
   double approach_speed = 0.25;
   double largest_error = 0.35;
   int firmware = 8;
@@ -55,6 +58,10 @@ dvrk::ArmSessionOptions session_options(const DvrkRequest& request, const DvrkAr
 
 /// What the session noticed, on standard error.
 void say_faults(const dvrk::FaultLog& faults, const CommonOptions& common);
+
+/// Timing, faults and the JSON file of a client's command.
+void finish_dvrk(const DvrkRequest& request, const char* command, const dvrk::RunResult& done,
+                 const dvrk::ArmSession& session);
 
 /// `veridyn dvrk config`.
 void add_dvrk_config(CLI::App& dvrk);

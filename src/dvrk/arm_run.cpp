@@ -4,10 +4,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "approach.hpp"
 #include "cycle_clock.hpp"
+#include "pid_controller.hpp"
 #include "row_keeper.hpp"
 #include "set_points.hpp"
-#include "veridyn/dvrk/joint_pid.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn::dvrk {
@@ -16,32 +17,6 @@ namespace {
 constexpr double kSilence = 0.5;        // [s] without a valid read at the end: the boards are gone
 constexpr double kLooking = 0.1;        // [s] of reading before power is asked for
 constexpr double kIntegralShare = 0.5;  // of the largest torque
-
-// The largest torque of each joint, from largest currents alone, as if one motor worked at a time.
-VectorXd largest_torques(const ArmSession& arm, const MatrixXd& K) {
-  const int n = arm.size();
-  VectorXd effort(n);
-  for (int i = 0; i < n; ++i) {
-    const ActuatorConfig& a = arm.robot().actuators[static_cast<size_t>(i)];
-    effort[i] = a.max_current / std::abs(a.effort_to_amps);
-  }
-  const MatrixXd to_joint = (K.size() == 0 ? MatrixXd::Identity(n, n) : K).inverse().transpose();
-  return to_joint.cwiseAbs() * effort;
-}
-
-// A smooth way from where the arm stands to where the motion begins.
-struct Approach {
-  VectorXd from, to;
-  double duration = 0.0;
-
-  void at(double t, VectorXd& q, VectorXd& dq) const noexcept {
-    const double s = std::clamp(t / duration, 0.0, 1.0);
-    const double a = s * s * s * (10.0 - s * (15.0 - 6.0 * s));
-    const double da = 30.0 * s * s * (1.0 - s) * (1.0 - s) / duration;
-    q = from + a * (to - from);
-    dq = da * (to - from);
-  }
-};
 
 // Set points within the soft limits of every actuator whose position they decide alone.
 void require_within_limits(const ArmSession& arm, const MotionSamples& motion) {
@@ -62,19 +37,19 @@ void require_within_limits(const ArmSession& arm, const MotionSamples& motion) {
 
 class MotionRun {
  public:
-  MotionRun(ArmSession& arm, DatagramLink& link, const MotionSamples& motion, const PidGains& gains,
-            const RunOptions& options, const std::atomic<bool>& stop)
+  MotionRun(ArmSession& arm, DatagramLink& link, const MotionSamples& motion, Eigen::Index recorded,
+            MotionController& controller, const RunOptions& options, const std::atomic<bool>& stop)
       : arm_(arm),
+        link_(link),
         options_(options),
         stop_(stop),
-        joints_(motion.joints()),
+        recorded_(recorded),
         points_(motion),
-        pid_(gains, kIntegralShare * largest_torques(arm, arm.coupling())),
+        controller_(controller),
         keeper_(arm.size(), points_.duration(), options.rate),
         clock_(link, options.rate),
-        wanted_q_(VectorXd::Zero(arm.size())),
-        wanted_dq_(wanted_q_),
-        tau_(wanted_q_) {}
+        wanted_(arm.size()),
+        tau_(VectorXd::Zero(arm.size())) {}
 
   RunResult run() {
     const bool done = power_up() && approach() && play();
@@ -82,7 +57,7 @@ class MotionRun {
     result.timing = clock_.timing();
     if (done) hold(options_.settle);
     power_down();
-    result.rows = keeper_.take(joints_);
+    result.rows = keeper_.take(recorded_);
     result.complete = done && why_.empty();
     result.why = why_;
     return result;
@@ -96,22 +71,37 @@ class MotionRun {
     const bool valid = arm_.update();
     const PowerState state = arm_.boards().state();
     const bool ready = arm_.ready();  // brakes are open as well
+    bool sound = true;
     if (valid && ready) {
       make(now);
-      pid_.torques(arm_.state().q, arm_.state().dq, wanted_q_, wanted_dq_, 1.0 / options_.rate,
-                   tau_);
-      arm_.set_torques(tau_);
+      sound = control(now);
     }
-    arm_.commit();
+    if (!ready) forget();
+    arm_.commit();  // without torques: without currents
     clock_.end();
+    if (!sound) return end(controller_.why());
     if (stop_.load(std::memory_order_relaxed)) return end("stopped by a signal");
     if (state == PowerState::kFault) return end(describe(arm_.boards().cause()));
     return !valid || !ready || follows();
   }
 
+  bool control(double now) noexcept {
+    const CycleTimes times{before_ < 0.0 ? 1.0 / options_.rate : now - before_, link_.now() - now};
+    before_ = now;
+    if (!controller_.torques(arm_.state(), wanted_, times, tau_)) return false;
+    arm_.set_torques(tau_);
+    return true;
+  }
+
+  void forget() noexcept {
+    controller_.reset();
+    before_ = -1.0;
+  }
+
   bool follows() {
+    if (!controller_.follows()) return true;
     Eigen::Index joint = 0;
-    const double off = (wanted_q_ - arm_.state().q).cwiseAbs().maxCoeff(&joint);
+    const double off = (wanted_.q - arm_.state().q).cwiseAbs().maxCoeff(&joint);
     if (off <= options_.largest_error) return true;
     return end(text("joint ", joint + 1, " is ", off, " off its set point",
                     arm_.command().clipped ? ", with a current at its limit" : ""));
@@ -135,16 +125,23 @@ class MotionRun {
   }
 
   void hold_here() {
-    wanted_q_ = arm_.state().q;
-    wanted_dq_.setZero();
+    wanted_.q = arm_.state().q;
+    rest();
+  }
+
+  void rest() {
+    wanted_.dq.setZero();
+    wanted_.ddq.setZero();
   }
 
   bool approach() {
     Approach way;
     way.from = way.to = arm_.state().q;
-    wanted_q_ = way.from;
-    points_.at(0.0, way.to, wanted_dq_);
-    wanted_dq_.setZero();
+    wanted_.q = way.from;
+    points_.at(0.0, wanted_);
+    way.to = wanted_.q;
+    wanted_.q = way.from;
+    rest();
     const double distance = (way.to - way.from).cwiseAbs().maxCoeff();
     way.duration = std::max(options_.approach_time, 1.875 * distance / options_.approach_speed);
     double start = -1.0;
@@ -152,7 +149,7 @@ class MotionRun {
     while (!there) {
       const bool goes_on = cycle([&](double now) {
         if (start < 0.0) start = now;
-        way.at(now - start, wanted_q_, wanted_dq_);
+        way.at(now - start, wanted_);
         there = now - start > way.duration + options_.settle;
       });
       if (!goes_on) return false;
@@ -162,6 +159,7 @@ class MotionRun {
 
   bool play() {
     clock_.restart_count();
+    controller_.motion_begins();
     const double duration = points_.duration();
     double start = -1.0;
     double t = 0.0;
@@ -171,7 +169,7 @@ class MotionRun {
       const bool goes_on = cycle([&](double now) {
         if (start < 0.0) start = now;
         t = now - start;
-        points_.at(t, wanted_q_, wanted_dq_);
+        points_.at(t, wanted_);
         const double latched = latch.next(now, arm_.board_of(0).seconds());
         keeper_.keep(latched, arm_.state());
         kept = true;
@@ -184,7 +182,7 @@ class MotionRun {
   }
 
   void hold(double seconds) {
-    wanted_dq_.setZero();
+    rest();
     for (int k = 0; k < static_cast<int>(seconds * options_.rate); ++k) {
       if (!cycle([](double) {})) return;
     }
@@ -202,21 +200,48 @@ class MotionRun {
   }
 
   ArmSession& arm_;
+  DatagramLink& link_;
   RunOptions options_;
   const std::atomic<bool>& stop_;
-  Eigen::Index joints_;
+  Eigen::Index recorded_;  // joints
   SetPoints points_;
-  JointPid pid_;
+  MotionController& controller_;
   RowKeeper keeper_;
   CycleClock clock_;
-  VectorXd wanted_q_, wanted_dq_, tau_;
+  JointReference wanted_;
+  VectorXd tau_;
+  double before_ = -1.0;  // [s] when torques were last asked for
   std::string why_;
 };
 
+RunResult run_checked(ArmSession& arm, DatagramLink& link, const MotionSamples& motion,
+                      Eigen::Index recorded, MotionController& controller,
+                      const RunOptions& options, const std::atomic<bool>& stop) {
+  require(options.rate > 0.0, "arm '", arm.robot().name, "': expected a positive rate.");
+  require(options.largest_error > 0.0 && options.approach_speed > 0.0, "arm '", arm.robot().name,
+          "': expected a positive largest error and approach speed.");
+  MotionRun run(arm, link, motion, recorded, controller, options, stop);
+  arm.start();
+  return run.run();
+}
+
 }  // namespace
 
+// As if one motor worked at a time.
+VectorXd largest_torques(const ArmSession& arm) {
+  const int n = arm.size();
+  VectorXd effort(n);
+  for (int i = 0; i < n; ++i) {
+    const ActuatorConfig& a = arm.robot().actuators[static_cast<size_t>(i)];
+    effort[i] = a.max_current / std::abs(a.effort_to_amps);
+  }
+  const MatrixXd& K = arm.coupling();
+  const MatrixXd to_joint = (K.size() == 0 ? MatrixXd::Identity(n, n) : K).inverse().transpose();
+  return to_joint.cwiseAbs() * effort;
+}
+
 RunResult run_motion(ArmSession& arm, DatagramLink& link, const MotionSamples& motion,
-                     const PidGains& gains, const RunOptions& options,
+                     MotionController& controller, const RunOptions& options,
                      const std::atomic<bool>& stop) {
   require(motion.rows() >= 2 && motion.joints() >= 1 && motion.joints() <= arm.size(), "arm '",
           arm.robot().name, "': found a motion of ", motion.joints(), " joints and ", motion.rows(),
@@ -224,15 +249,33 @@ RunResult run_motion(ArmSession& arm, DatagramLink& link, const MotionSamples& m
   require(motion.dq.rows() == motion.rows() && motion.q.allFinite() && motion.dq.allFinite() &&
               motion.time.allFinite(),
           "arm '", arm.robot().name, "': found gaps in the motion, expected numbers.");
+  require_within_limits(arm, motion);
+  controller.require_possible(motion);
+  return run_checked(arm, link, motion, motion.joints(), controller, options, stop);
+}
+
+RunResult run_motion(ArmSession& arm, DatagramLink& link, const MotionSamples& motion,
+                     const PidGains& gains, const RunOptions& options,
+                     const std::atomic<bool>& stop) {
   require(gains.p.size() == arm.size(), "arm '", arm.robot().name, "': found gains of ",
           gains.p.size(), " joints, expected ", arm.size(), ".");
-  require(options.rate > 0.0, "arm '", arm.robot().name, "': expected a positive rate.");
-  require(options.largest_error > 0.0 && options.approach_speed > 0.0, "arm '", arm.robot().name,
-          "': expected a positive largest error and approach speed.");
-  require_within_limits(arm, motion);
-  MotionRun run(arm, link, motion, gains, options, stop);
-  arm.start();
-  return run.run();
+  PidController pid(gains, kIntegralShare * largest_torques(arm), 1.0 / options.rate);
+  return run_motion(arm, link, motion, pid, options, stop);
+}
+
+RunResult run_in_place(ArmSession& arm, DatagramLink& link, double seconds, int joints,
+                       MotionController& controller, const RunOptions& options,
+                       const std::atomic<bool>& stop) {
+  require(seconds > 0.0 && std::isfinite(seconds) && joints >= 1 && joints <= arm.size(), "arm '",
+          arm.robot().name, "': found ", seconds, " s and ", joints,
+          " joints, expected a positive time and 1 to ", arm.size(), " joints.");
+  MotionSamples none;
+  none.time = Eigen::Vector2d(0.0, seconds);
+  none.q = none.dq = MatrixXd(2, 0);
+  RunOptions at_once = options;  // there is no way to go first
+  at_once.approach_time = 1.0 / options.rate;
+  at_once.settle = 0.0;
+  return run_checked(arm, link, none, joints, controller, at_once, stop);
 }
 
 LoopTiming watch(ArmSession& arm, DatagramLink& link, double seconds, double rate,

@@ -1,27 +1,29 @@
 #pragma once
 
+#include "veridyn/control/computed_torque.hpp"
 #include "veridyn/kinematics/motion_samples.hpp"
 
 namespace veridyn::dvrk {
 
-/// A motion at any time: cubics through q and dq of the rows, at rest outside of them. Asked in
-/// ascending time; no allocation after the constructor.
+/// A motion at any time: cubics through q and dq of the rows, at rest outside of them; ddq is that
+/// of the cubics, straight between rows, with steps at them. Asked in ascending time; no allocation
+/// after the constructor.
 class SetPoints {
  public:
   explicit SetPoints(const MotionSamples& motion) : motion_(motion) {}
 
   double duration() const { return motion_.time[motion_.rows() - 1] - motion_.time[0]; }
 
-  /// @param t  [s] since the first row. @param q, dq  the first columns are written.
-  void at(double t, VectorXd& q, VectorXd& dq) noexcept {
+  /// @param t  [s] since the first row. @param point  the motion's joints are written.
+  void at(double t, JointReference& point) noexcept {
     const Eigen::Index last = motion_.rows() - 1;
     const double time = motion_.time[0] + t;
     while (row_ < last && motion_.time[row_ + 1] <= time) ++row_;
     if (row_ >= last || t <= 0.0) {
       const Eigen::Index r = t <= 0.0 ? 0 : last;
       for (Eigen::Index j = 0; j < motion_.joints(); ++j) {
-        q[j] = motion_.q(r, j);
-        dq[j] = 0.0;
+        point.q[j] = motion_.q(r, j);
+        point.dq[j] = point.ddq[j] = 0.0;
       }
       return;
     }
@@ -31,9 +33,11 @@ class SetPoints {
     for (Eigen::Index j = 0; j < motion_.joints(); ++j) {
       const double q0 = motion_.q(row_, j), q1 = motion_.q(row_ + 1, j);
       const double v0 = motion_.dq(row_, j), v1 = motion_.dq(row_ + 1, j);
-      q[j] = q0 + a * (q1 - q0) + h * s * (1.0 - s) * ((1.0 - s) * v0 - s * v1);
-      dq[j] = 6.0 * s * (1.0 - s) * (q1 - q0) / h + (1.0 - s) * (1.0 - 3.0 * s) * v0 +
-              s * (3.0 * s - 2.0) * v1;
+      point.q[j] = q0 + a * (q1 - q0) + h * s * (1.0 - s) * ((1.0 - s) * v0 - s * v1);
+      point.dq[j] = 6.0 * s * (1.0 - s) * (q1 - q0) / h + (1.0 - s) * (1.0 - 3.0 * s) * v0 +
+                    s * (3.0 * s - 2.0) * v1;
+      point.ddq[j] =
+          (6.0 * (1.0 - 2.0 * s) * (q1 - q0) / h + (6.0 * s - 4.0) * v0 + (6.0 * s - 2.0) * v1) / h;
     }
   }
 

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "dvrk/planar_arm.hpp"
 #include "dvrk/rig.hpp"
 #include "veridyn/dvrk/emulated_link.hpp"
 #include "veridyn/dvrk/joint_pid.hpp"
@@ -17,31 +18,6 @@
 
 namespace veridyn::dvrk {
 namespace {
-
-// Two motors for planar-2r on board 6; the second is mounted the other way round.
-RobotConfig planar_config() {
-  RobotConfig robot;
-  robot.name = "planar";
-  robot.hardware = "QLA1";
-  for (int k = 0; k < 2; ++k) {
-    const double sign = k == 0 ? 1.0 : -1.0;
-    ActuatorConfig a;
-    a.board = 6;
-    a.axis = k;
-    a.amps_to_bits = {sign * 5242.88, 32768.0 + 40.0 * (k + 1)};
-    a.bits_to_amps = {sign * 12.5 / 65536, -sign * 6.25 * (1.0 + 0.004 * k)};
-    a.effort_to_amps = 0.06;
-    a.max_current = 5.0;
-    a.bits_to_position = sign * 2.0 * M_PI / (14400.0 * 56.5);
-    a.lower = -2.5;
-    a.upper = 2.5;
-    a.bits_to_volts = {4.5 / 65536, 0.0};
-    a.volts_to_position = {sign * 1.2, -sign * 2.7};
-    robot.actuators.push_back(a);
-    robot.pot_tolerances.push_back({k, 0.1, 0.01});
-  }
-  return robot;
-}
 
 class ArmRun : public testing::Test {
  protected:

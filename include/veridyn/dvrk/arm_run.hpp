@@ -5,6 +5,7 @@
 #include <string>
 
 #include "veridyn/dvrk/arm_session.hpp"
+#include "veridyn/dvrk/motion_controller.hpp"
 #include "veridyn/identification/recording.hpp"
 #include "veridyn/kinematics/motion_samples.hpp"
 #include "veridyn/simulation/control_loop.hpp"
@@ -47,6 +48,23 @@ struct RunResult {
 RunResult run_motion(ArmSession& arm, DatagramLink& link, const MotionSamples& motion,
                      const PidGains& gains, const RunOptions& options,
                      const std::atomic<bool>& stop);
+
+/// The same with any controller.
+/// @throws InvalidInput  as above, and as MotionController::require_possible().
+RunResult run_motion(ArmSession& arm, DatagramLink& link, const MotionSamples& motion,
+                     MotionController& controller, const RunOptions& options,
+                     const std::atomic<bool>& stop);
+
+/// Lets a controller without set points act for so long, for example ControlLaw::kGravity, and
+/// records the first `joints`; the set point of every joint is where it stood when power came up.
+/// @throws InvalidInput  a time that is not positive, joints that are not there; the session does
+///                       not start.
+RunResult run_in_place(ArmSession& arm, DatagramLink& link, double seconds, int joints,
+                       MotionController& controller, const RunOptions& options,
+                       const std::atomic<bool>& stop);
+
+/// The largest torque of each joint [N m], [N] by the motors' largest currents, (n).
+VectorXd largest_torques(const ArmSession& arm);
 
 /// Reads for so long without power, and calls `each` with the time [s] after every valid read.
 /// @throws InvalidInput  the session does not start.

@@ -1,0 +1,133 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <iostream>
+#include <memory>
+
+#include "dvrk_request.hpp"
+#include "messages.hpp"
+#include "veridyn/dvrk/arm_facts.hpp"
+#include "veridyn/dvrk/model_controller.hpp"
+#include "veridyn/dvrk/real_time.hpp"
+#include "veridyn/dvrk/udp_link.hpp"
+#include "veridyn/identification/remark.hpp"
+#include "veridyn/math/output_file.hpp"
+#include "veridyn/math/require.hpp"
+#include "veridyn/model/model_file.hpp"
+#include "veridyn/simulation/simulate_recording.hpp"
+
+namespace veridyn::cli {
+namespace {
+
+using dvrk::ArmSession;
+
+// The laboratory's gains of a known arm; those that fit a model in place of the first ones.
+PidGains gains_of(const DvrkRequest& request, const DvrkArm& arm) {
+  const int n = arm.robot.size();
+  PidGains gains{VectorXd::Zero(n), VectorXd::Zero(n), VectorXd::Zero(n)};
+  const std::vector<std::string> known = dvrk::arm_names();
+  const std::string name = request.arm.empty() ? arm.robot.name : request.arm;
+  const bool is_known = std::find(known.begin(), known.end(), name) != known.end();
+  require(is_known || !request.model.empty(), "gains: '", name,
+          "' is no known arm; --model names a robot that they shall fit.");
+  if (is_known) {
+    const dvrk::ArmFacts facts = dvrk::read_arm(name);
+    for (int j = 0; j < n; ++j) {
+      gains.p[j] = facts.actuators[static_cast<size_t>(j)].kp;
+      gains.d[j] = facts.actuators[static_cast<size_t>(j)].kd;
+    }
+  }
+  if (request.model.empty()) return gains;
+  const Model model = read_model(request.model);
+  require(model.joints() <= n, "--model: ", model.name(), " has ", model.joints(),
+          " joints, but the arm has ", n, " actuators.");
+  const PidGains fit =
+      request.gains.empty() ? sensible_gains(model) : read_gains(request.gains, model);
+  gains.p.head(model.joints()) = fit.p;
+  gains.i.head(model.joints()) = fit.i;
+  gains.d.head(model.joints()) = fit.d;
+  return gains;
+}
+
+MotionSamples motion_of(const std::string& path) {
+  const Recording rows = read_recording(path);
+  try {
+    return with_derivatives({rows.time, rows.q, rows.dq, rows.ddq});
+  } catch (const InvalidInput& error) {
+    throw InvalidInput(text(path, ": ", error.what()));
+  }
+}
+
+void require_inputs(const DvrkRequest& request) {
+  const std::string& name = request.controller;
+  if (name != "gravity" && request.trajectory.empty())
+    throw CLI::ValidationError("--trajectory", "expected a motion for --controller " + name);
+  if (name == "gravity" && !request.trajectory.empty())
+    throw CLI::ValidationError("--trajectory", "--controller gravity plays none");
+  if (name != "pid" && request.model.empty())
+    throw CLI::ValidationError("--model", "--controller " + name + " needs a model with values");
+  if (name != "pid" && !request.gains.empty())
+    throw CLI::ValidationError("--gains", "--controller " + name + " has none");
+  if (name != "impedance" && !request.tip.empty())
+    throw CLI::ValidationError("--tip", "--controller " + name + " leads no tip");
+}
+
+std::unique_ptr<dvrk::ModelController> controller_of(const DvrkRequest& request,
+                                                     const PidGains& gains, const ArmSession& arm) {
+  if (request.controller == "pid") return nullptr;
+  dvrk::ModelControlOptions options;
+  options.law = request.controller == "gravity"     ? dvrk::ControlLaw::kGravity
+                : request.controller == "impedance" ? dvrk::ControlLaw::kImpedance
+                                                    : dvrk::ControlLaw::kComputedTorque;
+  options.tip = request.tip;
+  options.stiffness = request.stiffness;
+  options.longest_gap = request.watchdog;  // later, the boards have switched off
+  auto controller = std::make_unique<dvrk::ModelController>(read_model(request.model), gains,
+                                                            dvrk::largest_torques(arm), options);
+  if (!request.common.quiet) {
+    for (const std::string& effect : controller->left_out())
+      say("the controller leaves out " + effect);
+  }
+  return controller;
+}
+
+dvrk::RunOptions run_options(const DvrkRequest& request) {
+  dvrk::RunOptions options;
+  options.rate = request.rate;
+  options.approach_speed = request.approach_speed;
+  options.largest_error = request.largest_error;
+  return options;
+}
+
+}  // namespace
+
+ExitStatus run_dvrk_run(const DvrkRequest& request) {
+  require_inputs(request);
+  require_writable(request.output);
+  require_writable(request.common.json);
+  const DvrkArm arm = dvrk_arm(request);
+  const bool in_place = request.controller == "gravity";
+  const MotionSamples motion = in_place ? MotionSamples() : motion_of(request.trajectory);
+  const PidGains gains = gains_of(request, arm);
+  const dvrk::RunOptions options = run_options(request);
+  dvrk::UdpLink link(request.host, request.port);
+  ArmSession session(link, arm.robot, session_options(request, arm));
+  const auto controller = controller_of(request, gains, session);
+  catch_signals();
+  dvrk::take_real_time_priority(30);
+  const dvrk::RunResult done =
+      in_place     ? dvrk::run_in_place(session, link, request.seconds, controller->joints(),
+                                        *controller, options, stop_asked())
+      : controller ? dvrk::run_motion(session, link, motion, *controller, options, stop_asked())
+                   : dvrk::run_motion(session, link, motion, gains, options, stop_asked());
+  if (done.rows.rows() > 0)
+    write_recording(done.rows, request.output, done.complete ? "" : "incomplete: " + done.why);
+  std::cout << fmt::format("{}: {} rows of {}.\n", arm.robot.name, done.rows.rows(),
+                           in_place ? "a weightless arm" : request.trajectory);
+  finish_dvrk(request, "run", done, session);
+  if (done.complete) return kDone;
+  say("the run ended: " + done.why + "; power is off.");
+  return kDataCannotAnswer;
+}
+
+}  // namespace veridyn::cli
