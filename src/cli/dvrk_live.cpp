@@ -89,10 +89,10 @@ ExitStatus run_dvrk_monitor(const DvrkRequest& request) {
     std::cout << table(session) << session.boards().faults().report() << std::flush;
   };
   const double seconds = request.seconds > 0.0 ? request.seconds : kForever;
-  const double started = link.now();
   dvrk::RunResult done;
   done.timing = dvrk::watch(session, link, seconds, request.rate, stop_asked(), show);
-  done.complete = link.now() - started - last_read < kSilence;
+  const double watched = static_cast<double>(done.timing.cycles) / request.rate;
+  done.complete = watched - last_read < kSilence;
   if (!done.complete) done.why = fmt::format("no valid read after {:.3g} s", last_read);
   finish_dvrk(request, "monitor", done, session);
   if (done.complete) return kDone;

@@ -16,7 +16,7 @@ OutputFile::OutputFile(std::string path) : path_(std::move(path)) {
   // The file that a link points to is replaced, not the link.
   if (std::filesystem::is_symlink(path_, error)) {
     const auto target = std::filesystem::weakly_canonical(path_, error);
-    if (!error) path_ = target.string();
+    if (!error && std::filesystem::is_regular_file(target, error)) path_ = target.string();
   }
   through_ = std::filesystem::exists(path_, error) && std::filesystem::is_other(path_, error);
   aside_ = through_ ? path_ : text(path_, ".part-", ::getpid());
