@@ -2,10 +2,12 @@
 
 #include <sys/stat.h>
 
+#include <algorithm>
 #include <charconv>
 #include <utility>
 
 #include "choice.hpp"
+#include "messages.hpp"
 #include "veridyn/math/output_file.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/report/setting_names.hpp"
@@ -148,6 +150,14 @@ void require_writable(const std::string& path) {
   require(!exists || !S_ISDIR(there.st_mode), path,
           ": cannot be written: found a folder, expected a file name.");
   const OutputFile probe(path);
+}
+
+void warn_of_shared_recordings(const std::vector<std::string>& train,
+                               const std::vector<std::string>& test) {
+  for (const std::string& path : test) {
+    if (std::find(train.begin(), train.end(), path) != train.end())
+      say("warning: " + path + " is both learned from and tested on: its error is not held out.");
+  }
 }
 
 }  // namespace veridyn::cli

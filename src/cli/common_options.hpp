@@ -48,4 +48,8 @@ void add_preprocessing_options(CLI::App& command, PreprocessingOptions& options)
 /// @throws InvalidInput  it cannot.
 void require_writable(const std::string& path);
 
+/// Says so where a recording is learned from and tested on.
+void warn_of_shared_recordings(const std::vector<std::string>& train,
+                               const std::vector<std::string>& test);
+
 }  // namespace veridyn::cli

@@ -50,6 +50,7 @@ ExitStatus run(Request& request, const std::string& command_line) {
   require_writable(request.common.json);
   require_writable(request.common.report);
   require_writable(request.model_out);
+  if (!request.test_rows) warn_of_shared_recordings(request.train, request.test);
   require_known_effects(request.options.effects);
   const Model arm = read_model(request.robot);
   IdentificationOptions& how = request.options.identification;

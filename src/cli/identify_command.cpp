@@ -48,6 +48,7 @@ ExitStatus run(const Request& request, const std::string& command_line) {
   require_writable(request.common.json);
   require_writable(request.common.report);
   require_writable(request.model_out);
+  if (!request.test_rows) warn_of_shared_recordings(request.train, request.test);
   const Model arm = read_model(request.robot);
   const Identification id =
       identify(arm, request.train, request.test, identification_options(request));

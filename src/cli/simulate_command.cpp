@@ -36,7 +36,10 @@ MotionSamples wanted_motion(const std::string& path) {
 
 Model arm_with_values(const Request& request) {
   PlausibleModel plausible = plausible_model(read_model(request.robot), request.arm_seed);
-  if (plausible.bodies + plausible.effects > 0 && !request.common.quiet) {
+  const bool made_up = plausible.bodies + plausible.effects > 0;
+  require(!made_up || request.replay.empty(), "simulate --replay: robot '", request.robot,
+          "' has no values; expected a MODEL that identify or diagnose wrote.");
+  if (made_up && !request.common.quiet) {
     say(
         fmt::format("{} has no values for {} bodies and {} effects: they get plausible ones "
                     "(--arm-seed {}); --model-out writes them.",

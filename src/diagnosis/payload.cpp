@@ -14,6 +14,9 @@
 namespace veridyn {
 namespace {
 
+// Of the best link, as diagnose asks of a change: a model's values are estimates.
+constexpr double kSmallestGain = 0.1;
+
 // The link that carries the frame, named after that frame.
 void keep_only(const Model& arm, const std::string& link, AugmentedModel& augmented) {
   std::vector<std::string> names;
@@ -96,11 +99,20 @@ PayloadReport find_payload(const Model& model, const std::vector<std::string>& r
   return out;
 }
 
+bool PayloadReport::found() const {
+  if (links.empty() || links.front().gain < kSmallestGain) return false;
+  const PayloadEstimate& best = links.front();
+  const bool has_moment = (best.moment.cwiseAbs() - best.moment_half_width).maxCoeff() > 0.0;
+  return best.mass_low > 0.0 || has_moment;
+}
+
 std::string PayloadReport::report() const {
   if (links.empty()) return robot + ": no payload: " + reason + "\n";
-  std::string out = fmt::format("{}: a load of {:.3g} kg on {} (95 %: {:.3g} to {:.3g} kg)\n",
-                                robot, links.front().mass, links.front().frame,
-                                links.front().mass_low, links.front().mass_high);
+  std::string out = found()
+                        ? fmt::format("{}: a load of {:.3g} kg on {} (95 %: {:.3g} to {:.3g} kg)\n",
+                                      robot, links.front().mass, links.front().frame,
+                                      links.front().mass_low, links.front().mass_high)
+                        : robot + ": no load that these recordings could be sure of\n";
   out += fmt::format("  {:<22}{:>9}  {:<19}{:>8}{:>8}{:>8}  {:>9}  {}\n", "if it is on", "mass kg",
                      "  95 %", "x m", "y m", "z m", "explains", "");
   for (const PayloadEstimate& link : links) {

@@ -25,6 +25,7 @@ Json link_json(const PayloadEstimate& p) {
                                           p.inertia[c] + p.inertia_half_width[c], "kg m^2");
   }
   out["explained"] = p.explained;
+  out["gain"] = p.gain;
   return out;
 }
 
@@ -33,6 +34,7 @@ Json link_json(const PayloadEstimate& p) {
 std::string to_json(const PayloadReport& report) {
   Json out = json_head("payload");
   out["robot"] = report.robot;
+  out["verdict"] = report.found() ? "payload" : "none";
   out["links"] = Json::array();
   for (const PayloadEstimate& link : report.links) out["links"].push_back(link_json(link));
   out["relative_error"] = {{"before", json_list(report.error_before)},

@@ -40,6 +40,10 @@ struct PayloadReport {
   std::string reason;  ///< why there is no answer; empty otherwise
   double seconds = 0.0;
 
+  /// The best one predicts held-out torque better, by more than a model's own errors explain, and
+  /// its mass or its moment is surely there.
+  bool found() const;
+
   std::string report() const;
 };
 
