@@ -204,6 +204,9 @@ TEST(ModelController, WhatCannotBeIsRefused) {
   fast.motion.dq *= 3.0;
   EXPECT_THROW(fast.run(), InvalidInput);
   EXPECT_FALSE(fast.bench.emulator.board(0).status().power_requested());
+  Trial stretched(ControlLaw::kImpedance);
+  stretched.motion = swinging(kSeconds, {-0.4, 0.3}, kAmplitude);
+  EXPECT_THROW(stretched.run(), InvalidInput);
   EXPECT_EQ(default_tip(model), "fore");
   EXPECT_EQ(default_tip(read_model("psm-3dof")), "tool");
 }
