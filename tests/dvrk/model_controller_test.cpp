@@ -184,7 +184,7 @@ TEST(ModelController, TheSupervisorEndsARunByName) {
   };
   const RunResult run = trial.run();
   EXPECT_FALSE(run.complete);
-  EXPECT_LE(cycles, 2);  // one to see it, one on the way
+  EXPECT_LE(cycles, 2);  // velocities come from encoder edges, a cycle late
   EXPECT_EQ(run.why, "safety supervisor: a velocity limit (joint elbow)");
   EXPECT_FALSE(trial.bench.currents_flow());
   EXPECT_FALSE(trial.bench.emulator.board(0).amp_on(1));
