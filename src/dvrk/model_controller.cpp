@@ -1,5 +1,7 @@
 #include "veridyn/dvrk/model_controller.hpp"
 
+#include <Eigen/SVD>
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -50,12 +52,6 @@ PidGains without_first(PidGains gains, int joints) {
   return gains;
 }
 
-std::vector<std::string> names_of(const Model& model) {
-  std::vector<std::string> names;
-  for (const Coordinate& c : model.coordinates()) names.push_back(c.name);
-  return names;
-}
-
 Tip tip_of(const ModelControlOptions& options, const Model& model) {
   return {options.tip.empty() ? default_tip(model) : options.tip};
 }
@@ -79,7 +75,7 @@ std::string default_tip(const Model& model) {
 ModelController::ModelController(const Model& model, const PidGains& rest, const VectorXd& largest,
                                  const ModelControlOptions& options)
     : options_(checked(options, model, rest, largest)),
-      names_(names_of(model)),
+      model_(model),
       limits_(limits_of(model, largest, options.longest_gap)),
       state_(model, tip_of(options, model)),
       computed_torque_(model.joints(), joint_gains(model.joints(), options.frequency)),
@@ -161,13 +157,44 @@ std::string ModelController::why() const {
   if (safety_.fault() == SafetyFault::kNone) return "";
   const int joint = safety_.joint();
   return text("safety supervisor: ", describe(safety_.fault()),
-              joint < 0 ? "" : " (joint " + names_[static_cast<size_t>(joint)] + ")");
+              joint < 0 ? "" : " (joint " + name_of(joint) + ")");
+}
+
+const std::string& ModelController::name_of(Eigen::Index joint) const {
+  return model_.coordinates()[static_cast<size_t>(joint)].name;
+}
+
+// Singular values are those of TaskInverse: metres count in characteristic lengths.
+void ModelController::require_tip_led(const MotionSamples& motion) const {
+  const Eigen::Index n = q_.size(), directions = std::min<Eigen::Index>(3, n);
+  VectorXd unit = VectorXd::Constant(n, 1.0 / impedance_.inverse().length());
+  for (Eigen::Index j = 0; j < n; ++j) {
+    if (model_.coordinates()[static_cast<size_t>(j)].prismatic) unit[j] = 1.0;
+  }
+  TipKinematics path = path_;
+  VectorXd q = VectorXd::Zero(n);
+  MatrixXd values(motion.rows(), directions);
+  for (Eigen::Index row = 0; row < motion.rows(); ++row) {
+    q = motion.q.row(row).head(n).transpose();
+    path.update(q, dq_);
+    const MatrixXd J = path.jacobian().topRows(3) * unit.asDiagonal();
+    values.row(row) = Eigen::JacobiSVD<MatrixXd>(J).singularValues().transpose();
+  }
+  const double threshold = TaskInverseOptions().threshold;
+  for (Eigen::Index d = 0; d < directions; ++d) {
+    if (values.col(d).maxCoeff() < threshold) continue;  // never led there, as out of a plane
+    Eigen::Index row = 0;
+    const double least = values.col(d).minCoeff(&row);
+    require(least >= threshold, "motion: leads the tip through a singular pose at ",
+            motion.time[row] - motion.time[0], " s (singular value ", least, ", expected ",
+            threshold, " or more); computed torque can follow there.");
+  }
 }
 
 void ModelController::require_possible(const MotionSamples& motion) const {
   const auto n = std::min<Eigen::Index>(motion.joints(), q_.size());
   for (Eigen::Index j = 0; j < n; ++j) {
-    const std::string& name = names_[static_cast<size_t>(j)];
+    const std::string& name = name_of(j);
     const double low = motion.q.col(j).minCoeff(), high = motion.q.col(j).maxCoeff();
     require(low >= limits_.lower[j] && high <= limits_.upper[j], "motion: takes joint ", name,
             " from ", low, " to ", high, ", expected ", limits_.lower[j], " to ", limits_.upper[j],
@@ -176,6 +203,10 @@ void ModelController::require_possible(const MotionSamples& motion) const {
     require(fastest <= limits_.velocity[j], "motion: moves joint ", name, " with ", fastest,
             ", expected at most ", limits_.velocity[j], " (limits of the robot file).");
   }
+  if (options_.law != ControlLaw::kImpedance) return;
+  require(motion.joints() >= q_.size(), "motion: found ", motion.joints(), " joints, expected ",
+          q_.size(), " of the model, which move the tip.");
+  require_tip_led(motion);
 }
 
 }  // namespace veridyn::dvrk

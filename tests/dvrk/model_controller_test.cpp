@@ -184,7 +184,7 @@ TEST(ModelController, TheSupervisorEndsARunByName) {
   };
   const RunResult run = trial.run();
   EXPECT_FALSE(run.complete);
-  EXPECT_LE(cycles, 2);  // one to see it, one on the way
+  EXPECT_LE(cycles, 2);  // velocities come from encoder edges, a cycle late
   EXPECT_EQ(run.why, "safety supervisor: a velocity limit (joint elbow)");
   EXPECT_FALSE(trial.bench.currents_flow());
   EXPECT_FALSE(trial.bench.emulator.board(0).amp_on(1));
@@ -204,6 +204,9 @@ TEST(ModelController, WhatCannotBeIsRefused) {
   fast.motion.dq *= 3.0;
   EXPECT_THROW(fast.run(), InvalidInput);
   EXPECT_FALSE(fast.bench.emulator.board(0).status().power_requested());
+  Trial stretched(ControlLaw::kImpedance);
+  stretched.motion = swinging(kSeconds, {-0.4, 0.3}, kAmplitude);
+  EXPECT_THROW(stretched.run(), InvalidInput);
   EXPECT_EQ(default_tip(model), "fore");
   EXPECT_EQ(default_tip(read_model("psm-3dof")), "tool");
 }

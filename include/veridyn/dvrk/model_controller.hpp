@@ -16,6 +16,8 @@ enum class ControlLaw {
   kComputedTorque,  ///< joints follow, with the model as feed-forward
   /// The tip follows the path that the joints' set points give, as a spring does. The way to the
   /// first set point is kComputedTorque's: on it the arm may stretch, where a tip cannot be led.
+  /// Motions with a pose in which the tip can be led in fewer directions than elsewhere on the way
+  /// are refused: what a joint lost there would come back with a jerk.
   kImpedance,
   kGravity  ///< the arm is weightless; set points do not count
 };
@@ -68,11 +70,13 @@ class ModelController final : public MotionController {
   const SafetySupervisor& safety() const { return safety_; }
 
  private:
+  const std::string& name_of(Eigen::Index joint) const;
+  void require_tip_led(const MotionSamples& motion) const;
   void computed_torque(double dt) noexcept;
   void impedance(double dt) noexcept;
 
   ModelControlOptions options_;
-  std::vector<std::string> names_;  // of the model's joints
+  Model model_;
   SafetyLimits limits_;
   veridyn::ArmState state_;
   ComputedTorque computed_torque_;
