@@ -36,7 +36,9 @@ function excitationWords() {
     ['Columns scaled by their range', '/range_condition_number', 'plain'],
     ['Together with given recordings', '/condition_number_with_given', 'plain'],
     ['Search [s]', '/seconds', 'plain']
-  ].filter(([, place]) => isNumber(valueAt(place)));
+  ].filter(([, place]) => isNumber(valueAt(place)) &&
+               (place !== '/condition_number_with_given' ||
+                result.condition_number_with_given !== result.condition_number));
   return [
     lead, ...discriminationWords(),
     element(

@@ -69,7 +69,8 @@ function drawRamps({plot, ramps}) {
   const pen = canvas.getContext('2d');
   pen.scale(density, density);
   const all = ramps.flatMap((r) => [...r.recorded, ...r.simulated]);
-  const xRange = rangeOf([all.map((p) => p[0])]);
+  const marks = ramps.flatMap((r) => [r.at.recorded, r.at.simulated]).filter(isNumber);
+  const xRange = rangeOf([all.map((p) => p[0]).concat(marks)]);
   const yRange = rangeOf([all.map((p) => p[1])]);
   const x = (v) => kMargin.left +
       (size.width - kMargin.left - kMargin.right) * (v - xRange[0]) / (xRange[1] - xRange[0]);
