@@ -54,7 +54,7 @@ TEST_F(Served, ASessionComesUpDrivesAndGoesDown) {
 }
 
 TEST_F(Served, ADeadServerIsNoticed) {
-  UdpLink link("localhost", server_.port());
+  UdpLink link("127.0.0.1", server_.port());
   SessionOptions options = Rig::options();
   BoardSession session(link, options);
   session.start();
