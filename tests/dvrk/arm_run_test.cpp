@@ -36,23 +36,8 @@ class ArmRun : public testing::Test {
     emulator_.attach(&load_);
   }
 
-  // Starts and ends at rest.
   static MotionSamples motion(double seconds) {
-    const int rows = static_cast<int>(200 * seconds) + 1;
-    MotionSamples m;
-    m.time.resize(rows);
-    m.q.resize(rows, 2);
-    m.dq.resize(rows, 2);
-    for (int k = 0; k < rows; ++k) {
-      const double t = seconds * k / (rows - 1);
-      m.time[k] = t;
-      for (int j = 0; j < 2; ++j) {
-        const double w = 2.0 * M_PI * (2 + j) / seconds;
-        m.q(k, j) = -0.5 + 0.6 * (1.0 - std::cos(w * t));
-        m.dq(k, j) = 0.6 * w * std::sin(w * t);
-      }
-    }
-    return m;
+    return swinging(seconds, Eigen::Vector2d(0.1, 0.1), 0.6);
   }
 
   Model model_;

@@ -236,28 +236,6 @@ TEST(Feedback, SaysWhatTheTableOfTheSpecificationSays) {
   }
 }
 
-TEST(Feedback, VelocitiesAreThoseOfTheHostsLibrary) {
-  struct Row {
-    std::uint32_t period, quarter1, quarter5, running;
-    double velocity, predicted, acceleration;
-  };
-  const Row rows[] = {
-      {0x4000C000, 0x60003000, 0x60003000, 0x40000064, 4000, 4000, 0},
-      {0x0000C000, 0x20003000, 0x20003000, 0x00000064, -4000, -4000, 0},
-      {0x40013880, 0x50004E20, 0x50005DC0, 0x40000FA0, 2457.6, 2691.657143, 261463.106494},
-      {0x40013880, 0x50004E20, 0x50005DC0, 0x40009C40, 2457.6, 1228.8, 261463.106494},
-      {0x6000C000, 0x60003000, 0x20003000, 0x40000064, 0, 0, 0},
-      {0x8BFFFFFF, 0x83FFFFFF, 0x83FFFFFF, 0x83FFFFFF, 0, 0, 0},
-      {0x48009C40, 0x60003000, 0x00000000, 0x40000010, 4915.2, 4915.2, 0}};
-  for (const Row& row : rows) {
-    const EncoderWords w = {0, row.period, row.quarter1, row.quarter5, row.running};
-    const EncoderMotion m = encoder_motion(w, 1.0);
-    EXPECT_NEAR(m.velocity, row.velocity, 1e-6);
-    EXPECT_NEAR(m.predicted, row.predicted, 1e-6);
-    EXPECT_NEAR(m.acceleration, row.acceleration, 1e-6);
-  }
-}
-
 TEST(Commands, AWalkOverBlocksStopsAtAMalformedOne) {
   const Bytes bytes = bytes_of(hex("19.7", "3 write all"));
   Request r;

@@ -44,7 +44,7 @@ bool encoder_error(std::uint32_t period) noexcept;
 /// The word that loads the counter with `counts`; counts beyond 24 bits are held at the ends.
 std::uint32_t preload_word(std::int64_t counts) noexcept;
 
-/// Velocity, acceleration and the velocity predicted for now.
+/// Velocity, acceleration, and the velocity extrapolated to the present.
 ///
 ///   v = +-4 / (P T),  a = +-8 (q5 - q1) / (P Pp T^2 (q1 + q5)),  Pp = P - q1 + q5
 ///   predicted = v + a (P T/2 + r T), of v's sign and no faster than 1/(r T)
