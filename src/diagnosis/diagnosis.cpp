@@ -199,6 +199,39 @@ class Investigation {
     return true;
   }
 
+  struct Questions {
+    Inquiry q;
+    NormalBlocks data;
+  };
+
+  // One round of questions and what was accepted of them.
+  struct Round : Questions {
+    Selection selection;
+    bool changed = true;  // from what it began with
+  };
+
+  Questions questions(const QuestionList& list) const {
+    Inquiry q = prepare(start_, train_, test_, list, options_.identification);
+    NormalBlocks data(q.train, q.columns);
+    return {std::move(q), std::move(data)};
+  }
+
+  // `accepted`: to begin with; their terms are among those that the questions know.
+  Round answer(Questions asked, const AugmentedModel* accepted = nullptr) const {
+    const Inquiry& q = asked.q;
+    const std::vector<int> initial =
+        accepted == nullptr ? std::vector<int>() : same_ones(*accepted, q);
+    Selection selection =
+        select_effects(asked.data, q.base, q.augmented.hypotheses, for_the_rest(), initial);
+    std::vector<int> chosen;
+    for (const Accepted& a : selection.accepted) chosen.push_back(a.evidence.hypothesis);
+    return {std::move(asked), std::move(selection), chosen != initial};
+  }
+
+  Fit fitted(Round& round) const {
+    return fit_accepted(start_, round.q, round.selection, d_.changes, train_, test_, options_);
+  }
+
   void investigate() {
     d_.findings.resize(contacts_known_);
     d_.not_supported.clear();
@@ -207,39 +240,45 @@ class Investigation {
     list.wanted = options_.effects;
     list.changes = d_.changes;
     if (asks_for(options_, "torque_ripple")) list.ripple_orders = ripple_orders(start_);
-    const IdentificationOptions& how = options_.identification;
-    std::optional<Inquiry> q(prepare(start_, train_, test_, list, how));
-    std::optional<NormalBlocks> data(std::in_place, q->train, q->columns);
-    if (!d_.changes && asks_for(options_, "coupling_error") && correct_constant(*q, *data)) {
-      q.emplace(prepare(start_, train_, test_, list, how));
-      data.emplace(q->train, q->columns);
-    }
-    Selection selection = select_effects(*data, q->base, q->augmented.hypotheses, for_the_rest());
-    for (int turn = 0; turn < kChannels && correct_channel(*q, *data, selection); ++turn) {
-      q.emplace(prepare(start_, train_, test_, list, how));
-      data.emplace(q->train, q->columns);
-      selection = select_effects(*data, q->base, q->augmented.hypotheses, for_the_rest());
-    }
-    size_t selected = selection.accepted.size();
-    std::optional<Fit> fit(
-        fit_accepted(start_, *q, selection, d_.changes, train_, test_, options_));
+    std::optional<Questions> first(questions(list));
+    if (!d_.changes && asks_for(options_, "coupling_error") && correct_constant(*first))
+      first.emplace(questions(list));
+    std::optional<Round> round(answer(std::move(*first)));
+    for (int turn = 0; turn < kChannels && correct_channel(*round); ++turn)
+      round.emplace(answer(questions(list)));
+    size_t selected = round->selection.accepted.size();
+    std::optional<Fit> fit(fitted(*round));
     // Refined constants made some findings superfluous: what stood behind them is asked once more.
-    for (int cycle = 0; cycle < kCycles && selection.accepted.size() < selected; ++cycle) {
+    for (int cycle = 0; cycle < kCycles && round->selection.accepted.size() < selected; ++cycle) {
       list.known = known_terms(fit->inquiry.augmented);
-      q.emplace(prepare(start_, train_, test_, list, how));
-      data.emplace(q->train, q->columns);
-      selection = select_effects(*data, q->base, q->augmented.hypotheses, for_the_rest(),
-                                 same_ones(fit->inquiry.augmented, *q));
-      selected = selection.accepted.size();
-      fit.emplace(fit_accepted(start_, *q, selection, d_.changes, train_, test_, options_));
+      round.emplace(answer(questions(list), &fit->inquiry.augmented));
+      selected = round->selection.accepted.size();
+      fit.emplace(fitted(*round));
     }
+    challenge(list, round, fit);
+    write_down(*round, *fit);
+  }
+
+  // The accepted ones against their rivals, all with refined constants.
+  void challenge(QuestionList& list, std::optional<Round>& round, std::optional<Fit>& fit) const {
+    const auto rivals = refined_rivals(start_, round->q, round->selection, d_.changes, train_,
+                                       options_.identification);
+    if (rivals.empty()) return;
+    list.known = known_terms(fit->inquiry.augmented);
+    list.known.insert(list.known.end(), rivals.begin(), rivals.end());
+    round.emplace(answer(questions(list), &fit->inquiry.augmented));
+    if (round->changed) fit.emplace(fitted(*round));
+  }
+
+  void write_down(const Round& round, const Fit& fit) {
     std::set<std::string> families;
-    for (const Hypothesis& h : q->augmented.hypotheses) families.insert(h.family);
+    for (const Hypothesis& h : round.q.augmented.hypotheses) families.insert(h.family);
     d_.hypotheses = static_cast<int>(families.size());
-    const FindingWriter writer(*q, *data, selection, *fit, start_, d_.changes, options_);
+    const FindingWriter writer(round.q, round.data, round.selection, fit, start_, d_.changes,
+                               options_);
     writer.add_findings(d_);
     writer.add_the_rest(d_);
-    d_.extended = selection.accepted.empty() ? start_ : look(writer.extended_arm());
+    d_.extended = round.selection.accepted.empty() ? start_ : look(writer.extended_arm());
     d_.next_experiment = next_experiment(d_);
   }
 
@@ -253,15 +292,16 @@ class Investigation {
   // A channel error or a tilt that comes first is applied to the arm before anything else is asked:
   // its columns are right to first order only, and what they leave over would look like more
   // causes.
-  bool correct_channel(const Inquiry& q, const NormalBlocks& data, const Selection& selection) {
-    if (selection.accepted.empty()) return false;
-    const Accepted& first = selection.accepted.front();
+  bool correct_channel(const Round& round) {
+    const Inquiry& q = round.q;
+    if (round.selection.accepted.empty()) return false;
+    const Accepted& first = round.selection.accepted.front();
     const Hypothesis& h = q.augmented.hypotheses[static_cast<size_t>(first.evidence.hypothesis)];
     if (!is_arm_effect(h.effect)) return false;
     Selection one;
     one.accepted = {first};
     const Fit fit = fit_accepted(start_, q, one, d_.changes, train_, test_, options_);
-    const FindingWriter writer(q, data, one, fit, start_, d_.changes, options_);
+    const FindingWriter writer(q, round.data, one, fit, start_, d_.changes, options_);
     const VectorXd before = start_.test_error.relative;
     writer.add_findings(d_);
     const Identification corrected = look(writer.extended_arm());
@@ -305,10 +345,11 @@ class Investigation {
     writer.add_step(f);
   }
 
-  bool correct_constant(const Inquiry& q, const NormalBlocks& data) {
+  bool correct_constant(const Questions& asked) {
     const std::vector<GeometryFinding> geometry =
         profile_geometry(arm_, train_, options_.identification);
-    std::optional<Finding> wrong = wrong_constant(arm_, geometry, q, data, train_, options_);
+    std::optional<Finding> wrong =
+        wrong_constant(arm_, geometry, asked.q, asked.data, train_, options_);
     if (!wrong) return false;
     const VectorXd before = start_.test_error.relative;
     start_ = look(with_constant(arm_, geometry.front().constant, geometry.front().found));

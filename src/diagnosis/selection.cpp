@@ -14,8 +14,9 @@ namespace {
 
 constexpr double kOwnCause = 0.5;
 constexpr double kListedOnJoint = 0.4;
-constexpr double kListed = 0.6;  // of the gain: rivals are named, with what they gain
-constexpr int kTested = 6;       // best candidates that get a Wald test in every round
+constexpr double kListed = 0.6;    // of the gain: rivals are named, with what they gain
+constexpr double kRefuting = 0.1;  // gain of a cause beside its rival that speaks against the rival
+constexpr int kTested = 6;         // best candidates that get a Wald test in every round
 
 class Selector {
  public:
@@ -26,7 +27,7 @@ class Selector {
     for (const int h : initial) {
       Evidence e;
       e.hypothesis = h;
-      accepted_.push_back({e, {}});
+      accepted_.push_back({e});
     }
   }
 
@@ -71,8 +72,9 @@ class Selector {
   }
 
   Selection run() {
+    swap(accepted_.size());
     while (static_cast<int>(accepted_.size()) < options_.max_effects && add_one())
-      swap_early_ones();
+      swap(accepted_.size() - 1);
     drop_superfluous();
     return finish();
   }
@@ -118,13 +120,13 @@ class Selector {
       // A tie between families goes to the earlier question; within one family to the larger gain.
       if (e.gain > 0.95 * sure.front().gain && asked_earlier(e, best)) best = e;
     }
-    accepted_.push_back({best, {}});
+    accepted_.push_back({best});
     return true;
   }
 
   // An early choice gives way if another hypothesis does clearly better beside the later ones.
-  void swap_early_ones() {
-    for (size_t k = 0; k + 1 < accepted_.size(); ++k) {
+  void swap(size_t early) {
+    for (size_t k = 0; k < early; ++k) {
       std::vector<int> others = chosen();
       const int own = others[k];
       others.erase(others.begin() + static_cast<long>(k));
@@ -177,6 +179,17 @@ class Selector {
     });
   }
 
+  // Whether the accepted one is needed beside its rival as well, beyond doubt: the rival, which
+  // adds nothing beside it, is not the cause then (encompassing of models that are not nested).
+  bool refuted(const Evidence& rival, int own, std::vector<int> others) const {
+    others.push_back(rival.hypothesis);
+    const std::unique_ptr<Examiner::Stand> beside = examiner_.stand(others);
+    const Evidence e = examiner_.ask(own, *beside);
+    return examiner_.passes(e) && e.gain > kRefuting &&
+           examiner_.p_value(own, *beside, examiner_.without_clusters(*beside)) <
+               examiner_.limit(own);
+  }
+
   // Rivals of an accepted hypothesis gain as much in its place, beside all others, and little once
   // it is there: they explain the same. What still gains is a cause of its own.
   void find_rivals(Selection& out) const {
@@ -185,7 +198,7 @@ class Selector {
       std::vector<int> others = all;
       others.erase(others.begin() + static_cast<long>(k));
       const std::vector<Evidence> instead = examiner_.ask_all(others);
-      const double own = instead[static_cast<size_t>(all[k])].gain;
+      const double own_gain = instead[static_cast<size_t>(all[k])].gain;
       std::set<std::string> named = {examiner_.hypothesis(all[k]).family};
       std::vector<Evidence> rivals;
       for (const Evidence& e : instead) {
@@ -194,16 +207,19 @@ class Selector {
         const bool one_joint =
             examiner_.hypothesis(e.hypothesis).joint == examiner_.hypothesis(all[k]).joint;
         const double least = one_joint ? kListedOnJoint : kListed;
-        if (!left.taken && same && examiner_.passes(e) && e.gain >= least * own)
+        if (!left.taken && same && examiner_.passes(e) && e.gain >= least * own_gain)
           rivals.push_back(e);
       }
       std::sort(rivals.begin(), rivals.end(),
                 [](const Evidence& a, const Evidence& b) { return a.gain > b.gain; });
       out.accepted[k].rivals.clear();
-      out.accepted[k].evidence.gain = own;
+      out.accepted[k].refuted.clear();
+      out.accepted[k].evidence.gain = own_gain;
       for (const Evidence& e : rivals) {
-        if (named.insert(examiner_.hypothesis(e.hypothesis).family).second)
-          out.accepted[k].rivals.push_back(e);
+        // The best of a family speaks for it.
+        if (!named.insert(examiner_.hypothesis(e.hypothesis).family).second) continue;
+        Accepted& own = out.accepted[k];
+        (refuted(e, all[k], others) ? own.refuted : own.rivals).push_back(e);
       }
     }
   }

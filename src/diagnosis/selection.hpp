@@ -8,7 +8,8 @@ namespace veridyn {
 
 struct Accepted {
   Evidence evidence;
-  std::vector<Evidence> rivals;  ///< other families whose gain was within the tie
+  std::vector<Evidence> rivals{};   ///< other families that explain as much, the best of each
+  std::vector<Evidence> refuted{};  ///< that seem to, but leave something that this one explains
 };
 
 /// Where a shape constant of an accepted hypothesis may lie.

@@ -139,29 +139,31 @@ TEST(Excite, TheNextExperimentOfADiagnosisTellsItsRivalsApart) {
   const auto record = [&](const std::string& motion, const std::string& seed) {
     const std::string recording = path("recording" + seed + ".csv");
     EXPECT_EQ(run_tool({"simulate", "psm-3dof", "--trajectory", motion, "-o", recording, "--effect",
-                        "load_dependent_friction:yaw:coefficient=0.1", "--noise", "dvrk", "--seed",
+                        "load_dependent_friction:yaw:coefficient=0.05", "--noise", "dvrk", "--seed",
                         seed, "--quiet"})
                   .status,
               0);
     return recording;
   };
+  // Motions that go half as far as they could: where the load hardly changes.
   std::vector<std::string> recordings;
-  for (const char* seed : {"1", "2", "3"}) {
-    ASSERT_EQ(run_tool({"excite", "psm-3dof", "-o", path(seed), "--solver", "random",
-                        "--iterations", "1", "--starts", "1", "--seed", seed, "--quiet"})
-                  .status,
-              0);
+  for (const char* seed : {"3", "5"}) {
+    ASSERT_EQ(
+        run_tool({"excite", "psm-3dof", "-o", path(seed), "--solver", "random", "--iterations", "1",
+                  "--starts", "1", "--limit-share", "0.5", "--seed", seed, "--quiet"})
+            .status,
+        0);
     recordings.push_back(record(path(seed), seed));
   }
   const auto diagnosis = [&](const Words& train) {
     EXPECT_EQ(run_tool(Words{"diagnose", "psm-3dof", "--train"} + train +
-                       Words{"--test", recordings[2], "--json", path("why.json"), "--model-out",
+                       Words{"--test", recordings[1], "--json", path("why.json"), "--model-out",
                              path("model.yaml"), "--quiet"})
                   .status,
               0);
     return json_of(path("why.json"));
   };
-  const nlohmann::json before = diagnosis({recordings[0], recordings[1]});
+  const nlohmann::json before = diagnosis({recordings[0]});
   ASSERT_EQ(before["findings"].size(), 1U);
   ASSERT_FALSE(before["findings"][0]["rivals"].empty());
   std::istringstream command(before["next_experiment"]["trajectory"].get<std::string>());
@@ -175,8 +177,7 @@ TEST(Excite, TheNextExperimentOfADiagnosisTellsItsRivalsApart) {
   *output = path("next.csv");
   const ToolRun excite = run_tool(words + Words{"--quiet"});
   ASSERT_EQ(excite.status, 0) << excite.err;
-  const nlohmann::json after =
-      diagnosis({recordings[0], recordings[1], record(path("next.csv"), "4")});
+  const nlohmann::json after = diagnosis({recordings[0], record(path("next.csv"), "4")});
   ASSERT_EQ(after["findings"].size(), 1U);
   EXPECT_EQ(after["findings"][0]["effect"], "load_dependent_friction");
   EXPECT_EQ(after["findings"][0]["joint"], 1);

@@ -25,8 +25,9 @@ const std::vector<std::string>& names() {
 
 class Columns {
  public:
-  /// Shares of the columns in the torque.
-  explicit Columns(std::map<std::string, double> torque) : torque_(std::move(torque)) {
+  /// Shares of the columns in the torque; what of `alike` is not `cause`.
+  explicit Columns(std::map<std::string, double> torque, double unlike = 0.45)
+      : torque_(std::move(torque)), unlike_(unlike) {
     for (int r = 0; r < kRecordings; ++r) recordings_.push_back(recording());
   }
 
@@ -42,7 +43,7 @@ class Columns {
       for (int k = 0; k < kRows; ++k) {
         const double base = gauss_(random_);
         const double cause = gauss_(random_);
-        A.row(k) << base, cause, 0.9 * cause + 0.45 * gauss_(random_), gauss_(random_),
+        A.row(k) << base, cause, 0.9 * cause + unlike_ * gauss_(random_), gauss_(random_),
             gauss_(random_), 2.0 * base;
         tau[k] = kNoise * gauss_(random_);
         for (const auto& [name, share] : torque_) {
@@ -58,6 +59,7 @@ class Columns {
   }
 
   std::map<std::string, double> torque_;
+  double unlike_;
   std::mt19937 random_{5};
   std::normal_distribution<double> gauss_;
   std::vector<CompressedRecording> recordings_;
@@ -105,20 +107,34 @@ TEST(Selection, NamesNothingWhereNothingIs) {
 
 TEST(Selection, WhatExplainsTheSameIsARivalAndACauseOfItsOwnIsNone) {
   const auto asked = all_hypotheses();
-  const Selection s = selected(Columns({{"base", 1.0}, {"cause", 0.5}, {"other", 0.45}}), asked);
+  const Columns columns({{"base", 1.0}, {"cause", 0.5}, {"other", 0.45}}, 0.1);
+  const Selection s = selected(columns, asked);
   ASSERT_EQ(accepted(s, asked), (Names{"cause", "other"}));
   ASSERT_EQ(s.accepted[0].rivals.size(), 1U);
   EXPECT_EQ(asked[static_cast<size_t>(s.accepted[0].rivals[0].hypothesis)].effect, "alike");
   EXPECT_LT(s.accepted[0].rivals[0].gain, s.accepted[0].evidence.gain);
+  EXPECT_TRUE(s.accepted[0].refuted.empty());
   EXPECT_TRUE(s.accepted[1].rivals.empty());
+}
+
+// It gains most of what the cause gains, but the cause is needed beside it, beyond doubt.
+TEST(Selection, ARivalThatLeavesAClearPartToTheCauseIsRefuted) {
+  const auto asked = all_hypotheses();
+  const Selection s = selected(Columns({{"base", 1.0}, {"cause", 0.5}}), asked);
+  ASSERT_EQ(accepted(s, asked), Names{"cause"});
+  EXPECT_TRUE(s.accepted[0].rivals.empty());
+  ASSERT_EQ(s.accepted[0].refuted.size(), 1U);
+  const Evidence& alike = s.accepted[0].refuted[0];
+  EXPECT_EQ(asked[static_cast<size_t>(alike.hypothesis)].effect, "alike");
+  EXPECT_GT(alike.gain, 0.6 * s.accepted[0].evidence.gain);
 }
 
 TEST(Selection, WhatStillGainsBesideTheFindingIsNoRival) {
   const auto asked = all_hypotheses();
   DiagnosisOptions one;
   one.max_effects = 1;
-  const Selection s =
-      selected(Columns({{"base", 1.0}, {"cause", 0.5}, {"other", 0.45}}), asked, one);
+  const Columns columns({{"base", 1.0}, {"cause", 0.5}, {"other", 0.45}}, 0.1);
+  const Selection s = selected(columns, asked, one);
   ASSERT_EQ(accepted(s, asked), (Names{"cause"}));
   ASSERT_EQ(s.accepted[0].rivals.size(), 1U);
   EXPECT_EQ(asked[static_cast<size_t>(s.accepted[0].rivals[0].hypothesis)].effect, "alike");

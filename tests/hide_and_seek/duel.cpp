@@ -165,7 +165,7 @@ class Fight {
     const std::string& other = request_.hide_second ? request_.pair.first : request_.pair.second;
     const Model& robot = hidden_.bench.robot;
     out.hidden = describe(cause, robot);
-    CaseFiles files = write_case(hidden_, folder_);
+    CaseFiles files = write_case(hidden_, folder_, request_.reach);
     files.train.resize(static_cast<size_t>(request_.ordinary), files.train.back());
     const Diagnosis before = ask(files);
     out.before = answer(robot, before, cause, other);

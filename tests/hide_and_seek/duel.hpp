@@ -24,6 +24,7 @@ struct DuelRequest {
   std::string arm;
   unsigned seed = 1;
   double share = 0.1;   ///< see CaseRequest
+  double reach = 1.0;   ///< of the ordinary motions, see Motion
   int ordinary = 2;     ///< recordings of random motions to learn from; one more is the test
   int designs = 2;      ///< motions that are designed and recorded, with other frequencies
   int slow_passes = 2;  ///< of the joints in question, where the pair is about friction

@@ -64,6 +64,8 @@ int run(int argc, char** argv) {
       ->delimiter(',')
       ->check(CLI::Range(1, 6));
   app.add_option("--size", asked.share, "Rms of the effect, share of its joint's rms torque");
+  app.add_option("--reach", asked.reach, "Of the ordinary motions, share of usual ones")
+      ->check(CLI::Range(0.01, 1.0));
   app.add_option("--ordinary", asked.ordinary, "Recordings of ordinary motions to learn from")
       ->check(CLI::Range(1, 3));
   app.add_option("--designs", asked.designs, "Motions that are designed and recorded")

@@ -245,10 +245,10 @@ HiddenCase hide(const CaseRequest& request) {
   return Hider(request).run();
 }
 
-CaseFiles write_case(const HiddenCase& hidden, const std::string& folder) {
+CaseFiles write_case(const HiddenCase& hidden, const std::string& folder, double reach) {
   const unsigned seed = hidden.bench.seed;
   const auto write = [&](const std::vector<Cause>& causes, int number, const std::string& name) {
-    const Motion motion(hidden.bench.robot, seed, number);
+    const Motion motion(hidden.bench.robot, seed, number, causes.empty() ? 1.0 : reach);
     std::string path = folder + "/" + name + ".csv";
     write_recording(hidden.bench, ideal_recording(hidden.bench, causes, motion, number), seed,
                     number, path);

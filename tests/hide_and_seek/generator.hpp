@@ -49,7 +49,8 @@ constexpr int kBareTrain = 4;  ///< recordings with the causes to learn from, on
 constexpr int kChangedTrain = 3;  ///< in kChanged
 
 /// Writes all recordings of a case into a folder that exists.
-CaseFiles write_case(const HiddenCase& hidden, const std::string& folder);
+/// @param reach  of the motions with the causes, see Motion.
+CaseFiles write_case(const HiddenCase& hidden, const std::string& folder, double reach = 1.0);
 
 /// "torque_ripple on elbow: cosine 0.3, ..." for people.
 std::string describe(const Cause& cause, const Model& robot);

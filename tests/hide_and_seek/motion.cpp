@@ -42,7 +42,7 @@ Value fade(double t, double duration) {
 
 }  // namespace
 
-Motion::Motion(const Model& arm, unsigned seed, int number) {
+Motion::Motion(const Model& arm, unsigned seed, int number, double reach) {
   Draw draw(seed, "motion " + arm.name() + " " + std::to_string(number));
   const double frequency = draw.in(0.075, 0.1);  // [Hz]: 20 to 27 s for two periods
   duration_ = 2.0 / frequency;
@@ -74,8 +74,8 @@ Motion::Motion(const Model& arm, unsigned seed, int number) {
       speed = std::max(speed, std::abs(v.dx));
     }
     const double range = c.limits.upper - c.limits.lower;
-    const double scale = std::min(draw.in(0.6, 0.85) * range / (high - low),
-                                  draw.in(0.65, 0.9) * c.limits.velocity / speed);
+    const double scale = reach * std::min(draw.in(0.6, 0.85) * range / (high - low),
+                                          draw.in(0.65, 0.9) * c.limits.velocity / speed);
     for (Wave& wave : joint.wanted) {
       wave.sine *= scale;
       wave.cosine *= scale;

@@ -16,7 +16,8 @@ struct State {
 class Motion {
  public:
   /// @param number  of the recording: every one has other coefficients and another frequency.
-  Motion(const Model& arm, unsigned seed, int number);
+  /// @param reach   of a usual motion's amplitude and speed, above 0 and at most 1.
+  Motion(const Model& arm, unsigned seed, int number, double reach = 1.0);
 
   struct Rows {
     VectorXd time;
