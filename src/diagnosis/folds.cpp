@@ -1,6 +1,7 @@
 #include "folds.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace veridyn {
 namespace {
@@ -10,6 +11,19 @@ VectorXd held_out_error(const NormalBlocks& data, const ColumnSet& set, const Ve
                         const NormalBlocks::Sums& fold) {
   const VectorXd x = data.solve(set, w, data.total(), &fold);
   return data.residual2(set, x, fold).array() / fold.rows.array().max(1.0);
+}
+
+// The first and the second half of every recording's clusters.
+std::vector<std::vector<int>> halves(const std::vector<std::vector<int>>& recordings) {
+  std::vector<std::vector<int>> out;
+  for (const std::vector<int>& clusters : recordings) {
+    const auto middle = clusters.begin() + static_cast<long>(clusters.size() / 2);
+    for (const auto& [first, last] :
+         {std::make_pair(clusters.begin(), middle), {middle, clusters.end()}}) {
+      if (first != last) out.emplace_back(first, last);
+    }
+  }
+  return out;
 }
 
 }  // namespace
@@ -26,7 +40,7 @@ std::vector<std::vector<int>> make_folds(const NormalBlocks& data) {
   folds.resize(static_cast<size_t>(recordings));
   for (int c = 0; c < data.clusters(); ++c)
     folds[static_cast<size_t>(data.recording_of(c))].push_back(c);
-  return folds;
+  return recordings == 2 ? halves(folds) : folds;
 }
 
 NormalBlocks::Sums summed(const NormalBlocks& data, const std::vector<int>& clusters) {

@@ -6,7 +6,8 @@
 
 namespace veridyn {
 
-/// Clusters that are held out together: whole recordings, or the phases of the period of a single
+/// Clusters that are held out together: whole recordings, of two only the halves of each (one alone
+/// may move too little to say anything about the other), or the phases of the period of a single
 /// one.
 std::vector<std::vector<int>> make_folds(const NormalBlocks& data);
 
