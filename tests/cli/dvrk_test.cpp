@@ -142,6 +142,40 @@ TEST_F(Dvrk, TheRecordingOfARunIdentifiesTheArmBehindTheBoards) {
   }
 }
 
+// The arm of README's example: the motors of a nominal PSM1 carry and move it.
+TEST_F(Dvrk, TheLightArmMovesOnTheNominalBoardsOfPsm1) {
+  const std::string arm = VERIDYN_SOURCE_DIR "/examples/dvrk/light-psm.yaml";
+  const std::string trajectory = folder_.path("traj.csv");
+  std::ofstream(trajectory) << "t,q1,q2,q3\n0,0,0,0.1\n0.5,0.2,-0.3,0.12\n1,0.6,-0.8,0.16\n"
+                               "1.5,0.8,-0.9,0.2\n";
+  const Boards boards({"--arm", "PSM1", "--model", arm, "--config-out", folder_.path("io.xml")},
+                      folder_.path("boards.txt"));
+  ASSERT_NE(boards.port(), "");
+  for (const char* controller : {"pid", "computed-torque"}) {
+    const ToolRun run = run_tool({"dvrk",
+                                  "run",
+                                  "--config",
+                                  folder_.path("io.xml"),
+                                  "--port",
+                                  boards.port(),
+                                  "--trajectory",
+                                  trajectory,
+                                  "--model",
+                                  arm,
+                                  "-o",
+                                  folder_.path("rec.csv"),
+                                  "--approach-speed",
+                                  "1",
+                                  "--rate",
+                                  "500",
+                                  "--controller",
+                                  controller,
+                                  "--largest-error",
+                                  "0.1"});
+    EXPECT_EQ(run.status, 0) << controller << ": " << run.err;
+  }
+}
+
 TEST_F(Dvrk, MonitorAndReadSeeTheArmWithoutPower) {
   const Boards boards({"--config", config(), "--model", "planar-2r", "--start", "0.5,-0.25"},
                       folder_.path("boards.txt"));
