@@ -4,6 +4,7 @@
 #include <set>
 
 #include "messages.hpp"
+#include "option_checks.hpp"
 #include "simulate_request.hpp"
 #include "veridyn/identification/preprocessing.hpp"
 #include "veridyn/identification/recording_quality.hpp"
@@ -149,8 +150,8 @@ ExitStatus run_breakaway(const SimulateRequest& request, const Model& arm,
   for (int i = 0; i < arm.joints(); ++i) {
     if (request.breakaway == std::to_string(i + 1)) options.joint = i;
   }
-  require(options.joint >= 0, "--breakaway: found the joint '", request.breakaway,
-          "', expected a coordinate of ", arm.name(), " or its number.");
+  expect_value(options.joint >= 0, "--breakaway", "found the joint '", request.breakaway,
+               "', expected a coordinate of ", arm.name(), " or its number");
   const Coordinate& c = arm.coordinates()[static_cast<size_t>(options.joint)];
   options.speed = request.breakaway_speed;
   const auto engine = make_engine(request.engine, arm);

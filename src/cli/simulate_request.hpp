@@ -12,6 +12,7 @@ namespace veridyn::cli {
 
 /// What `veridyn simulate` was asked.
 struct SimulateRequest {
+  const CLI::App* command = nullptr;  // where the options were given
   std::string robot;
   std::string trajectory;
   std::string replay;

@@ -95,7 +95,7 @@ TEST_F(Simulate, MistakesGetOneLine) {
   }
   const ToolRun gains = run_tool({"simulate", "planar-2r", "--trajectory", traj, "-o", rec,
                                   "--controller", "pid", "--kp", "1,2,3", "--quiet"});
-  EXPECT_EQ(gains.status, 3);
+  EXPECT_EQ(gains.status, 2);
   EXPECT_NE(gains.err.find("--kp: found 3 numbers, expected 2"), std::string::npos) << gains.err;
   EXPECT_FALSE(std::filesystem::exists(rec));
 }
