@@ -86,7 +86,7 @@ ExitStatus run(const Request& request, const std::string& command_line) {
   const std::string trouble = infeasibility(arm);
   if (!trouble.empty()) say("warning: " + trouble);
   const SimulatedRecording simulated = simulate_recording(arm, wanted, options);
-  write_simulated(request, simulated, "");
+  write_simulated(request, simulated);
   if (!request.common.json.empty()) write_file(request.common.json, to_json(simulated));
   std::cout << simulation_report(request, simulated);
   return kDone;

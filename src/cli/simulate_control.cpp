@@ -7,7 +7,6 @@
 #include "option_checks.hpp"
 #include "simulate_request.hpp"
 #include "veridyn/identification/preprocessing.hpp"
-#include "veridyn/identification/remark.hpp"
 #include "veridyn/math/output_file.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/model_file.hpp"
@@ -55,19 +54,15 @@ Recording rows_of(const MotionSamples& motion, const MatrixXd& tau) {
   return rows;
 }
 
-std::string remark_of(const EngineRun& run, const Model& arm) {
-  return run.complete() ? "" : "incomplete: the run " + run.why(arm);
-}
-
 void tell_left_out(const SimulateRequest& request, const std::vector<std::string>& left_out) {
   if (request.common.quiet) return;
   for (const std::string& one : left_out) say("left out: " + one + ".");
 }
 
-ExitStatus ended(const EngineRun& run, const Model& arm) {
-  if (run.complete()) return kDone;
-  say("the run " + run.why(arm) + "; what was recorded until then is kept, marked as incomplete.");
-  return kDataCannotAnswer;
+bool stopped(const EngineRun& run, const Model& arm) {
+  if (run.complete()) return false;
+  say("the run " + run.why(arm) + "; nothing is written.");
+  return true;
 }
 
 void add_control_options(CLI::App& command, SimulateRequest& request) {
@@ -165,9 +160,8 @@ void check_simulate_request(const SimulateRequest& request) {
   expect_one_of("--engine", request.engine, engine_names());
 }
 
-void write_simulated(const SimulateRequest& request, const SimulatedRecording& simulated,
-                     const std::string& remark) {
-  write_recording(rows_of(simulated.measured, simulated.tau), request.output, remark);
+void write_simulated(const SimulateRequest& request, const SimulatedRecording& simulated) {
+  write_recording(rows_of(simulated.measured, simulated.tau), request.output);
   if (!request.model_out.empty()) save_model(simulated.truth, request.model_out);
 }
 
@@ -188,10 +182,15 @@ std::string simulation_report(const SimulateRequest& request, const SimulatedRec
 ExitStatus run_controlled(const SimulateRequest& request, const Model& arm,
                           const MotionSamples& wanted, const SimulationOptions& options,
                           const std::string& command_line) {
+  const double lasts = wanted.time[wanted.rows() - 1] - wanted.time[0];
+  expect_value(request.loop.sensors.delay < lasts, "--encoder-delay", "found ",
+               request.loop.sensors.delay, " s, expected less than the ", lasts,
+               " s of the motion");
   const ControlledRecording done =
       simulate_controlled(arm, wanted, {options, loop_of(request, arm), request.engine});
   tell_left_out(request, done.left_out);
-  write_simulated(request, done.recording, remark_of(done.run, arm));
+  if (stopped(done.run, arm)) return kDataCannotAnswer;
+  write_simulated(request, done.recording);
   if (!request.common.json.empty()) write_file(request.common.json, to_json(done, wanted));
   std::string report = simulation_report(request, done.recording);
   const MatrixXd& q = done.run.motion.q;
@@ -205,7 +204,7 @@ ExitStatus run_controlled(const SimulateRequest& request, const Model& arm,
     write_file(request.common.report,
                to_page(done, wanted, {request.trajectory, command_line, report}));
   std::cout << report;
-  return ended(done.run, arm);
+  return kDone;
 }
 
 }  // namespace veridyn::cli
