@@ -77,6 +77,9 @@ ExitStatus run(const Request& request, const std::string& command_line) {
   const Model arm = read_model(request.robot);
   const IdentificationOptions options = identification_options(request);
   expect_known_masses(request, arm, options.known_masses);
+  std::vector<std::string> recordings = request.train;
+  recordings.insert(recordings.end(), request.test.begin(), request.test.end());
+  warn_of_degrees(recordings, options.preprocessing, options.threads);
   const Identification id = identify(arm, request.train, request.test, options);
   if (!id.model) {
     if (id.drive_gains && id.drive_gains->problem.empty()) std::cout << id.drive_gains->report();

@@ -26,6 +26,7 @@ ExitStatus run(Request& request) {
   const Model model = read_model(request.model);
   if (!request.link.empty()) expect_one_of("--link", request.link, frame_names(model));
   request.options.threads = request.common.threads;
+  warn_of_degrees(request.recordings, request.options.preprocessing, request.options.threads);
   const PayloadReport report =
       find_payload(model, request.recordings, request.options, request.link);
   if (report.links.empty()) {
