@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <map>
 #include <set>
 #include <utility>
 
@@ -233,14 +234,31 @@ class Investigation {
       selected = selection.accepted.size();
       fit.emplace(fit_accepted(start_, *q, selection, d_.changes, train_, test_, options_));
     }
+    const std::map<std::string, double> unconfirmed = drop_unconfirmed(*q, *data, selection, fit);
     std::set<std::string> families;
     for (const Hypothesis& h : q->augmented.hypotheses) families.insert(h.family);
     d_.hypotheses = static_cast<int>(families.size());
     const FindingWriter writer(*q, *data, selection, *fit, start_, d_.changes, options_);
     writer.add_findings(d_);
-    writer.add_the_rest(d_);
+    writer.add_the_rest(d_, unconfirmed);
     d_.extended = selection.accepted.empty() ? start_ : look(writer.extended_arm());
     d_.next_experiment = next_experiment(d_);
+  }
+
+  // What the held-out recordings do not confirm is no finding, and the extended model goes without.
+  std::map<std::string, double> drop_unconfirmed(const Inquiry& q, const NormalBlocks& data,
+                                                 Selection& selection,
+                                                 std::optional<Fit>& fit) const {
+    std::map<std::string, double> dropped;
+    while (
+        const auto k =
+            FindingWriter(q, data, selection, *fit, start_, d_.changes, options_).unconfirmed()) {
+      dropped[fit->inquiry.augmented.hypotheses[*k].family] =
+          selection.accepted[*k].evidence.p_value;
+      selection.accepted.erase(selection.accepted.begin() + static_cast<long>(*k));
+      fit.emplace(fit_accepted(start_, q, selection, d_.changes, train_, test_, options_));
+    }
+    return dropped;
   }
 
   // What was found before (constants, channels) counts; contacts are moments and no effects.

@@ -249,6 +249,19 @@ void FindingWriter::add_findings(Diagnosis& d) const {
   }
 }
 
+std::optional<size_t> FindingWriter::unconfirmed() const {
+  const std::vector<VectorXd> errors = errors_along_the_way();
+  std::optional<size_t> worst;
+  double most = 0.0;
+  for (size_t k = 0; k + 1 < errors.size(); ++k) {
+    const double growth = errors[k + 1].squaredNorm() - errors[k].squaredNorm();
+    if (growth < most) continue;
+    worst = k;
+    most = growth;
+  }
+  return worst;
+}
+
 void FindingWriter::add_step(Finding& f) const {
   const Hypothesis& h = accepted(0);
   const std::vector<FoundParameter> step = parameters_of(h);
@@ -261,7 +274,8 @@ void FindingWriter::add_step(Finding& f) const {
   f.sentence = sentence(h, f);
 }
 
-void FindingWriter::add_the_rest(Diagnosis& d) const {
+void FindingWriter::add_the_rest(Diagnosis& d,
+                                 const std::map<std::string, double>& unconfirmed) const {
   std::set<std::string> known;
   for (size_t k = 0; k < selection_.accepted.size(); ++k) known.insert(accepted(k).family);
   std::vector<Evidence> rest = selection_.last_asked;
@@ -272,7 +286,11 @@ void FindingWriter::add_the_rest(Diagnosis& d) const {
   for (const Evidence& e : rest) {
     const Hypothesis& h = asked_.augmented.hypotheses[static_cast<size_t>(e.hypothesis)];
     if (!known.insert(h.family).second) continue;
-    if (e.taken) {
+    const auto refuted = unconfirmed.find(h.family);
+    if (refuted != unconfirmed.end()) {
+      d.not_supported.push_back({h.effect, h.joint + 1, refuted->second,
+                                 "it helps in training, but not on the held-out recordings"});
+    } else if (e.taken) {
       d.not_supported.push_back({h.effect, h.joint + 1, e.p_value,
                                  "other findings explain it once their constants are refined"});
     } else if (e.absorbed) {

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <map>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "inquiry.hpp"
@@ -21,8 +24,14 @@ class FindingWriter {
   /// The findings in order of discovery, appended to d.findings.
   void add_findings(Diagnosis& d) const;
 
+  /// The accepted hypothesis that makes the held-out errors largest, or at least no smaller; none
+  /// where all of them help or nothing is held out.
+  std::optional<size_t> unconfirmed() const;
+
   /// One line for every family that was asked and not accepted.
-  void add_the_rest(Diagnosis& d) const;
+  /// @param unconfirmed  families that were accepted until the held-out recordings spoke, and
+  ///                     their p values.
+  void add_the_rest(Diagnosis& d, const std::map<std::string, double>& unconfirmed) const;
 
   /// Adds the values of the one accepted hypothesis, a further step of the same one, to a finding.
   void add_step(Finding& f) const;
