@@ -15,6 +15,7 @@
 #include "next_experiment.hpp"
 #include "refinement.hpp"
 #include "ripple.hpp"
+#include "ruled_out.hpp"
 #include "snags.hpp"
 #include "veridyn/identification/arm_effects.hpp"
 #include "veridyn/math/parallel.hpp"
@@ -238,9 +239,9 @@ class Investigation {
     std::set<std::string> families;
     for (const Hypothesis& h : q->augmented.hypotheses) families.insert(h.family);
     d_.hypotheses = static_cast<int>(families.size());
-    const FindingWriter writer(*q, *data, selection, *fit, start_, d_.changes, options_);
+    const FindingWriter writer(*q, *data, selection, *fit, start_, d_.changes);
     writer.add_findings(d_);
-    writer.add_the_rest(d_, unconfirmed);
+    add_ruled_out(*q, *data, selection, *fit, unconfirmed, options_, d_);
     d_.extended = selection.accepted.empty() ? start_ : look(writer.extended_arm());
     d_.next_experiment = next_experiment(d_);
   }
@@ -250,9 +251,8 @@ class Investigation {
                                                  Selection& selection,
                                                  std::optional<Fit>& fit) const {
     std::map<std::string, double> dropped;
-    while (
-        const auto k =
-            FindingWriter(q, data, selection, *fit, start_, d_.changes, options_).unconfirmed()) {
+    while (const auto k =
+               FindingWriter(q, data, selection, *fit, start_, d_.changes).unconfirmed()) {
       dropped[fit->inquiry.augmented.hypotheses[*k].family] =
           selection.accepted[*k].evidence.p_value;
       selection.accepted.erase(selection.accepted.begin() + static_cast<long>(*k));
@@ -279,7 +279,7 @@ class Investigation {
     Selection one;
     one.accepted = {first};
     const Fit fit = fit_accepted(start_, q, one, d_.changes, train_, test_, options_);
-    const FindingWriter writer(q, data, one, fit, start_, d_.changes, options_);
+    const FindingWriter writer(q, data, one, fit, start_, d_.changes);
     const VectorXd before = start_.test_error.relative;
     writer.add_findings(d_);
     const Identification corrected = look(writer.extended_arm());
@@ -314,7 +314,7 @@ class Investigation {
     one.accepted.emplace_back();
     one.accepted.front().evidence.hypothesis = 0;
     const Fit fit = fit_accepted(start_, q, one, d_.changes, train_, test_, options_);
-    const FindingWriter writer(q, data, one, fit, start_, d_.changes, options_);
+    const FindingWriter writer(q, data, one, fit, start_, d_.changes);
     const Identification better = look(writer.extended_arm());
     if (!better.model ||
         better.train_error.relative.squaredNorm() > start_.train_error.relative.squaredNorm())

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
 
 #include "extended_arm.hpp"
 #include "held_out.hpp"
@@ -16,33 +15,15 @@
 namespace veridyn {
 namespace {
 
-constexpr size_t kListed = 60;  // of what the data rule out
-
 const EffectTerm& term_of(const Inquiry& q, const Hypothesis& h) {
   return q.augmented.model.effects()[static_cast<size_t>(h.term)];
-}
-
-std::string place_text(const Model& arm, const Hypothesis& h) {
-  if (h.body >= 0) return "on " + arm.frames()[static_cast<size_t>(h.frame)].name;
-  if (h.joint < 0) return "of the arm";
-  return "on joint " + std::to_string(h.joint + 1);
-}
-
-// Why a hypothesis that these data can answer was not accepted.
-std::string why_not(const Evidence& e, const DiagnosisOptions& limits) {
-  if (e.sign_broken) return "its value would have an impossible sign or size";
-  if (e.gain <= 0.0) return "held-out data are predicted no better";
-  if (e.gain <= limits.smallest_gain) return "held-out data gain too little from it";
-  if (!e.consistent) return "it helps in some of the held-out parts only";
-  return "its value is not certain enough among so many questions";
 }
 
 }  // namespace
 
 FindingWriter::FindingWriter(const Inquiry& asked, const NormalBlocks& asked_data,
                              const Selection& selection, const Fit& fit,
-                             const Identification& start, bool changes,
-                             const DiagnosisOptions& limits)
+                             const Identification& start, bool changes)
     : asked_(asked),
       asked_data_(asked_data),
       selection_(selection),
@@ -50,8 +31,7 @@ FindingWriter::FindingWriter(const Inquiry& asked, const NormalBlocks& asked_dat
       q_(fit.inquiry),
       data_(*fit.data),
       start_(start),
-      changes_(changes),
-      limits_(limits) {
+      changes_(changes) {
   for (const Hypothesis& h : q_.augmented.hypotheses)
     payloads_.push_back(h.body >= 0 ? fit_payload(asked_, asked_data_, asked_hypothesis(h))
                                     : PayloadEstimate());
@@ -272,43 +252,6 @@ void FindingWriter::add_step(Finding& f) const {
     total.value += step[p].value;
   }
   f.sentence = sentence(h, f);
-}
-
-void FindingWriter::add_the_rest(Diagnosis& d,
-                                 const std::map<std::string, double>& unconfirmed) const {
-  std::set<std::string> known;
-  for (size_t k = 0; k < selection_.accepted.size(); ++k) known.insert(accepted(k).family);
-  std::vector<Evidence> rest = selection_.last_asked;
-  const auto rank = [](const Evidence& e) { return e.taken ? 0 : e.absorbed ? 2 : 1; };
-  std::stable_sort(rest.begin(), rest.end(), [&rank](const Evidence& a, const Evidence& b) {
-    return rank(a) != rank(b) ? rank(a) < rank(b) : a.gain > b.gain;
-  });
-  for (const Evidence& e : rest) {
-    const Hypothesis& h = asked_.augmented.hypotheses[static_cast<size_t>(e.hypothesis)];
-    if (!known.insert(h.family).second) continue;
-    const auto refuted = unconfirmed.find(h.family);
-    if (refuted != unconfirmed.end()) {
-      d.not_supported.push_back({h.effect, h.joint + 1, refuted->second,
-                                 "it helps in training, but not on the held-out recordings"});
-    } else if (e.taken) {
-      d.not_supported.push_back({h.effect, h.joint + 1, e.p_value,
-                                 "other findings explain it once their constants are refined"});
-    } else if (e.absorbed) {
-      const bool moves = !columns_of(asked_data_, h).empty();
-      d.cannot_tell.push_back(
-          {h.effect, h.joint + 1,
-           moves ? "its torque is a combination of parameters that the model has already"
-                 : "it never acts in these recordings"});
-      if (h.body >= 0)
-        d.cannot_tell.back().why += " (" + place_text(asked_.augmented.model, h) + ")";
-    } else if (d.not_supported.size() < kListed) {
-      d.not_supported.push_back({h.effect, h.joint + 1, e.p_value, why_not(e, limits_)});
-    }
-  }
-  if (!changes_) {
-    d.cannot_tell.push_back(
-        {"payload", 0, "without a model from before, a load is part of the link it sits on"});
-  }
 }
 
 Model FindingWriter::extended_arm() const {

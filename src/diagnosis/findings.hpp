@@ -1,6 +1,5 @@
 #pragma once
 
-#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -18,8 +17,7 @@ class FindingWriter {
   /// @param fit    the accepted ones.
   /// @param start  what the questions stand on: its held-out errors are the first "before".
   FindingWriter(const Inquiry& asked, const NormalBlocks& asked_data, const Selection& selection,
-                const Fit& fit, const Identification& start, bool changes,
-                const DiagnosisOptions& limits);
+                const Fit& fit, const Identification& start, bool changes);
 
   /// The findings in order of discovery, appended to d.findings.
   void add_findings(Diagnosis& d) const;
@@ -27,11 +25,6 @@ class FindingWriter {
   /// The accepted hypothesis that makes the held-out errors largest, or at least no smaller; none
   /// where all of them help or nothing is held out.
   std::optional<size_t> unconfirmed() const;
-
-  /// One line for every family that was asked and not accepted.
-  /// @param unconfirmed  families that were accepted until the held-out recordings spoke, and
-  ///                     their p values.
-  void add_the_rest(Diagnosis& d, const std::map<std::string, double>& unconfirmed) const;
 
   /// Adds the values of the one accepted hypothesis, a further step of the same one, to a finding.
   void add_step(Finding& f) const;
@@ -60,7 +53,6 @@ class FindingWriter {
   const NormalBlocks& data_;
   const Identification& start_;
   bool changes_;
-  const DiagnosisOptions& limits_;
   std::vector<PayloadEstimate> payloads_;  ///< one for each accepted; without frame if it is none
 };
 
