@@ -60,9 +60,8 @@ MotionSamples resampled(const MotionSamples& motion, double rate) {
   const double length = motion.time[motion.rows() - 1] - motion.time[0];
   // Motion wanted, done and measured: positions, velocities, accelerations and torques of each.
   const double most = std::floor(most_rows(12.0 * static_cast<double>(motion.joints())));
-  require(rate > 0.0 && std::isfinite(rate) && length * rate < most,
-          "simulation: found a sample rate of ", rate, " Hz for ", length,
-          " s, expected one above zero that makes fewer than ", most,
+  require(length * rate >= 1.0 && length * rate < most, "simulation: found a sample rate of ", rate,
+          " Hz for ", length, " s, expected one that makes two rows at least and fewer than ", most,
           " rows, what this machine holds.");
   const auto rows = static_cast<Eigen::Index>(std::floor(length * rate * (1.0 + 1e-12) + 1e-9)) + 1;
   VectorXd times(rows);

@@ -215,6 +215,15 @@ TEST_F(Identify, APriorOfTheSameRobotIsAccepted) {
   EXPECT_EQ(out["settings"]["prior"], "planar-2r");
 }
 
+// A held-out recording of which nothing is left has no error; 0 % would be a lie.
+TEST_F(Identify, AnEmptyHeldOutRecordingIsRefused) {
+  const ToolRun done = run({"--test-rows", "5000:6000", "--quiet"});
+  EXPECT_EQ(done.status, 3);
+  EXPECT_EQ(done.error_lines(), 1) << done.err;
+  EXPECT_NE(done.err.find("test.csv: found no usable samples"), std::string::npos) << done.err;
+  EXPECT_EQ(done.out, "");
+}
+
 // Units are looked at wherever a recording is learned from.
 TEST_F(Identify, ARecordingInDegreesIsWarnedOf) {
   EXPECT_EQ(run({"--quiet"}).err, "");

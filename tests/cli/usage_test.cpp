@@ -169,6 +169,7 @@ TEST(Usage, ValuesThatDoNotFitTheArmAreWrongUsage) {
       {simulate + Words{"--effect", "backlash:3"}, "found the joint '3'"},
       {simulate + Words{"--effect", "payload:hand"}, "found the frame 'hand'"},
       {simulate + Words{"--sample-rate", "1e12"}, "--sample-rate: "},
+      {simulate + Words{"--sample-rate", "0.01"}, "two rows at least"},
       {pid + Words{"--kp", "1"}, "--kp: found 1 numbers, expected 2"},
       {pid + Words{"--kp", "-1,1"}, "--kp: found -1"},
       {pid + Words{"--torque-limit", "0,1"}, "--torque-limit: found 0"},
