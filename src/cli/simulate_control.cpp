@@ -137,8 +137,8 @@ std::vector<OptionNeed> simulate_needs(const SimulateRequest& request) {
       {"--set-point-cutoff", replay && loop, "--replay led by commands or set-points"},
       {"--report", moves, "--controller pid or --replay"},
       {"--engine", moves, "--controller pid or --replay"}};
-  for (const char* option : {"--effect", "--noise", "--sample-rate", "--seed", "--arm-seed",
-                             "--model-out", "--controller"})
+  for (const char* option :
+       {"--effect", "--noise", "--sample-rate", "--seed", "--arm-seed", "--model-out"})
     needs.push_back({option, !replay, "--trajectory"});
   for (const char* option : {"--gains", "--kp", "--ki", "--kd", "--control-rate", "--torque-limit",
                              "--current-lag", "--torque-step", "--encoder-delay"})
