@@ -8,7 +8,9 @@
 
 #include "choice.hpp"
 #include "messages.hpp"
+#include "veridyn/identification/recording_quality.hpp"
 #include "veridyn/math/output_file.hpp"
+#include "veridyn/math/parallel.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/report/setting_names.hpp"
 
@@ -16,6 +18,7 @@ namespace veridyn::cli {
 namespace {
 
 const char* const kInput = "Recordings";
+constexpr long kLookedAt = 20000;  // rows of a recording that show its units
 
 // A whole number that is not negative, or -1.
 long row_number(const std::string& digits) {
@@ -157,6 +160,29 @@ void warn_of_shared_recordings(const std::vector<std::string>& train,
   for (const std::string& path : test) {
     if (std::find(train.begin(), train.end(), path) != train.end())
       say("warning: " + path + " is both learned from and tested on: its error is not held out.");
+  }
+}
+
+void warn_of_degrees(const std::vector<std::string>& recordings, const PreprocessingOptions& how,
+                     int threads) {
+  std::vector<RecordingQuality> seen(recordings.size());
+  parallel_for(static_cast<int>(recordings.size()), threads, [&](int k) {
+    RecordingOptions reading;
+    reading.columns = how.columns;
+    reading.rate = how.header_rate;
+    reading.first_row = std::max(0L, how.first_row);
+    reading.row_count = how.row_count < 0 ? kLookedAt : std::min(how.row_count, kLookedAt);
+    const auto at = static_cast<std::size_t>(k);
+    try {
+      seen[at] = check_recording(recordings[at], reading);
+    } catch (const InvalidInput&) {
+      // Whoever reads it in earnest tells why it cannot be read.
+    }
+  });
+  for (const RecordingQuality& quality : seen) {
+    for (const QualityFinding& f : quality.findings) {
+      if (f.finding == "degrees") say("warning: " + quality.file + ": " + f.sentence);
+    }
   }
 }
 

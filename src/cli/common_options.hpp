@@ -52,4 +52,8 @@ void require_writable(const std::string& path);
 void warn_of_shared_recordings(const std::vector<std::string>& train,
                                const std::vector<std::string>& test);
 
+/// Says so where a recording looks as if it were in degrees or millimetres.
+void warn_of_degrees(const std::vector<std::string>& recordings, const PreprocessingOptions& how,
+                     int threads);
+
 }  // namespace veridyn::cli

@@ -4,6 +4,7 @@
 #include "commands.hpp"
 #include "common_options.hpp"
 #include "messages.hpp"
+#include "option_checks.hpp"
 #include "veridyn/cooperation/scenario_run.hpp"
 #include "veridyn/cooperation/scenario_sweep.hpp"
 #include "veridyn/math/output_file.hpp"
@@ -15,6 +16,7 @@ namespace veridyn::cli {
 namespace {
 
 struct Request {
+  const CLI::App* command = nullptr;  // where the options were given
   std::string scenario, output;
   std::string engine = "veridyn";
   bool sweep = false;
@@ -31,8 +33,8 @@ void write(const Request& request, const Result& done, const Scenario& scenario,
 }
 
 ExitStatus run(const Request& request, const std::string& command) {
-  if (request.sweep && !request.output.empty())
-    throw CLI::ValidationError("--output", "found --sweep beside it, which has no rows");
+  expect_needs(*request.command,
+               {{"--output", !request.sweep, "a run: --sweep beside it has no rows"}});
   for (const std::string& path : {request.output, request.common.json, request.common.report})
     require_writable(path);
   const Scenario scenario = read_scenario(request.scenario);
@@ -57,6 +59,7 @@ void add_cooperate_command(CLI::App& tool, Outcome& outcome) {
   const auto request = std::make_shared<Request>();
   CLI::App& command =
       *tool.add_subcommand("cooperate", "Arms that hold one object together, in simulation");
+  request->command = &command;
   command.add_option("SCENARIO", request->scenario, "YAML: arms, object, loops, phases")
       ->required()
       ->option_text(" ");

@@ -4,12 +4,11 @@
 #include "commands.hpp"
 #include "common_options.hpp"
 #include "messages.hpp"
+#include "option_checks.hpp"
 #include "veridyn/diagnosis/diagnosis.hpp"
 #include "veridyn/math/output_file.hpp"
-#include "veridyn/math/require.hpp"
 #include "veridyn/model/effect_names.hpp"
 #include "veridyn/model/model_file.hpp"
-#include "veridyn/model/suggestion.hpp"
 #include "veridyn/report/diagnosis_json.hpp"
 #include "veridyn/report/diagnosis_page.hpp"
 
@@ -25,12 +24,8 @@ struct Request {
   CommonOptions common;
 };
 
-void require_known_effects(const std::vector<std::string>& names) {
-  const std::vector<std::string>& known = effect_names();
-  for (const std::string& name : names) {
-    require(std::find(known.begin(), known.end(), name) != known.end(), "--effects: found '", name,
-            "', expected a name of an effect", did_you_mean(name, known), ".");
-  }
+void expect_known_effects(const std::vector<std::string>& names) {
+  for (const std::string& name : names) expect_one_of("--effects", name, effect_names());
 }
 
 // The command with the robot as it was named here, with what is recorded and known already.
@@ -47,11 +42,11 @@ void complete_next_experiment(const Request& request, Diagnosis& d) {
 }
 
 ExitStatus run(Request& request, const std::string& command_line) {
+  expect_known_effects(request.options.effects);
   require_writable(request.common.json);
   require_writable(request.common.report);
   require_writable(request.model_out);
   if (!request.test_rows) warn_of_shared_recordings(request.train, request.test);
-  require_known_effects(request.options.effects);
   const Model arm = read_model(request.robot);
   IdentificationOptions& how = request.options.identification;
   how.threads = request.common.threads;

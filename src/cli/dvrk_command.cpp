@@ -5,6 +5,7 @@
 
 #include "dvrk_request.hpp"
 #include "messages.hpp"
+#include "option_checks.hpp"
 #include "veridyn/dvrk/arm_facts.hpp"
 #include "veridyn/math/require.hpp"
 
@@ -24,9 +25,10 @@ void add_arm_options(CLI::App& command, DvrkRequest& request) {
   command.add_option("--robot", request.robot, "The robot in it, where there are several")
       ->option_text("NAME");
   command
-      .add_option("--arm", request.arm,
-                  "A known arm, PSM1 to PSM3, MTML, MTMR, ECM: its nominal configuration where no "
-                  "--config is given")
+      .add_option(
+          "--arm", request.arm,
+          "A known arm, PSM1 to PSM3, MTML, MTMR, ECM: its nominal configuration, or beside "
+          "--config the arm whose coupling and gains hold for a robot of another name")
       ->option_text("NAME");
   command.add_option("--instrument", request.instrument, "The instrument that couples the discs")
       ->option_text("NAME");
@@ -46,7 +48,8 @@ void add_client_options(CLI::App& command, DvrkRequest& request) {
       ->option_text("S")
       ->check(CLI::Range(0.001, 0.34));
   command.add_option("--mtu", request.mtu, "Of the network to the boards (1500)")
-      ->option_text("BYTES");
+      ->option_text("BYTES")
+      ->check(CLI::Range(576, 65535));
   command
       .add_option("--protocol", request.protocol,
                   "sequential: one board after the other; broadcast-write: one write for all; "
@@ -67,6 +70,7 @@ CLI::App& add(CLI::App& dvrk, const char* name, const char* help, Action action,
               const std::shared_ptr<DvrkRequest>& request) {
   CLI::App& command = *dvrk.add_subcommand(name, help);
   add_common_options(command, request->common);
+  request->command = &command;
   command.callback([=, &outcome] { outcome.status = action(*request); });
   return command;
 }
@@ -176,20 +180,32 @@ void catch_signals() {
 DvrkArm dvrk_arm(const DvrkRequest& request) {
   if (request.config.empty() && request.arm.empty())
     throw CLI::ValidationError("dvrk", "expected --config or --arm");
+  expect_needs(*request.command, {{"--robot", !request.config.empty(), "--config"}});
+  const std::vector<std::string> known = dvrk::arm_names();
+  if (!request.arm.empty()) expect_one_of("--arm", request.arm, known);
   DvrkArm arm;
   arm.config = request.config.empty() ? dvrk::nominal_config(dvrk::read_arm(request.arm))
                                       : dvrk::read_io_config(request.config);
+  if (!request.robot.empty()) {
+    std::vector<std::string> robots;
+    for (const dvrk::RobotConfig& robot : arm.config.robots) robots.push_back(robot.name);
+    expect_one_of("--robot", request.robot, robots);
+  }
   arm.robot = arm.config.robot(request.robot);
-  const std::vector<std::string> known = dvrk::arm_names();
+  const auto is_known = [&](const std::string& name) {
+    return std::find(known.begin(), known.end(), name) != known.end();
+  };
+  expect_value(request.arm.empty() || request.arm == arm.robot.name || !is_known(arm.robot.name),
+               "--arm", "found ", request.arm, ", but the robot of ", request.config, " is ",
+               arm.robot.name);
   const std::string name = request.arm.empty() ? arm.robot.name : request.arm;
-  const bool is_known = std::find(known.begin(), known.end(), name) != known.end();
-  require(is_known || request.instrument.empty(), "--instrument: '", name,
-          "' is no known arm; --arm names one.");
-  if (is_known || !request.arm.empty()) {
+  expect_needs(*request.command, {{"--instrument", is_known(name), "--arm with a known arm"}});
+  if (is_known(name)) {
     const dvrk::ArmFacts facts = dvrk::read_arm(name);
-    arm.coupling = facts.coupling(request.instrument);
-    require(arm.coupling.rows() == arm.robot.size(), "--arm: ", name, " has ", arm.coupling.rows(),
-            " actuators, but ", arm.robot.name, " has ", arm.robot.size(), ".");
+    arm.coupling = value_of("--instrument", [&] { return facts.coupling(request.instrument); });
+    expect_value(arm.coupling.rows() == arm.robot.size(), "--arm", name, " has ",
+                 arm.coupling.rows(), " actuators, but ", arm.robot.name, " has ",
+                 arm.robot.size());
   }
   return arm;
 }

@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "dvrk_request.hpp"
+#include "option_checks.hpp"
 #include "veridyn/dvrk/arm_facts.hpp"
 #include "veridyn/math/output_file.hpp"
 #include "veridyn/math/require.hpp"
@@ -60,6 +61,7 @@ void run(const Request& request) {
   require_writable(request.output);
   dvrk::IoConfig config;
   if (request.config.empty()) {
+    expect_one_of("--arm", request.arm, dvrk::arm_names());
     const dvrk::ArmFacts arm = dvrk::read_arm(request.arm);
     config = dvrk::nominal_config(arm);
     for (const std::string& line : arm.unsure)

@@ -7,6 +7,7 @@
 
 #include "dvrk_request.hpp"
 #include "messages.hpp"
+#include "option_checks.hpp"
 #include "veridyn/dvrk/board_server.hpp"
 #include "veridyn/dvrk/real_time.hpp"
 #include "veridyn/dvrk/run_json.hpp"
@@ -56,7 +57,7 @@ int place_of(const BoardEmulator& emulator, int id) {
   for (int b = 0; b < emulator.boards(); ++b) {
     if (const_cast<BoardEmulator&>(emulator).board(b).setup().id == id) return b;
   }
-  throw InvalidInput(text("--event: board ", id, " is not emulated."));
+  throw CLI::ValidationError("--event", text("board ", id, " is not emulated"));
 }
 
 void happen(const Event& event, BoardEmulator& emulator) {
@@ -80,8 +81,15 @@ void happen(const Event& event, BoardEmulator& emulator) {
 VectorXd start_of(const DvrkRequest& request, const Model& model) {
   const int n = model.joints();
   if (!request.start.empty()) {
-    require(static_cast<int>(request.start.size()) == n, "--start: found ", request.start.size(),
-            " numbers, expected ", n, ", one per joint of ", model.name(), ".");
+    expect_value(static_cast<int>(request.start.size()) == n, "--start", "found ",
+                 request.start.size(), " numbers, expected ", n, ", one per joint of ",
+                 model.name());
+    for (int j = 0; j < n; ++j) {
+      const Coordinate& c = model.coordinates()[static_cast<size_t>(j)];
+      const double q = request.start[static_cast<size_t>(j)];
+      expect_value(!(q < c.limits.lower || q > c.limits.upper), "--start", "found ", q, " for ",
+                   c.name, ", expected ", c.limits.lower, " to ", c.limits.upper, ", its limits");
+    }
     return Eigen::Map<const VectorXd>(request.start.data(), n);
   }
   VectorXd q = VectorXd::Zero(n);
@@ -108,15 +116,12 @@ std::vector<dvrk::BoardSetup> boards_of(const DvrkArm& arm, int firmware) {
 ExitStatus run_dvrk_emulate(const DvrkRequest& request) {
   require_writable(request.common.json);
   require_writable(request.config_out);
+  expect_needs(*request.command, {{"--start", !request.model.empty(), "--model"}});
   const DvrkArm arm = dvrk_arm(request);
   std::vector<Event> events;
   for (const std::string& words : request.events) events.push_back(parse_event(words));
   std::sort(events.begin(), events.end(),
             [](const Event& a, const Event& b) { return a.time < b.time; });
-  if (!request.config_out.empty()) {
-    dvrk::IoConfig one = arm.config;
-    write_file(request.config_out, dvrk::to_io_xml(one));
-  }
   const std::vector<dvrk::BoardSetup> boards = boards_of(arm, request.firmware);
   BoardEmulator emulator(boards);
   for (const Event& event : events) {
@@ -132,6 +137,7 @@ ExitStatus run_dvrk_emulate(const DvrkRequest& request) {
     load = std::make_unique<dvrk::SimulatedArm>(*plant, arm.robot, arm.coupling, ids,
                                                 start_of(request, model));
   }
+  if (!request.config_out.empty()) write_file(request.config_out, dvrk::to_io_xml(arm.config));
   catch_signals();
   dvrk::BoardServer server(emulator, request.port);
   emulator.attach(load.get());

@@ -15,10 +15,11 @@ namespace veridyn::cli {
 
 /// What the commands under `veridyn dvrk` are asked for; each uses a part of it.
 struct DvrkRequest {
-  std::string config;      ///< XML or JSON
-  std::string robot;       ///< name in it
-  std::string arm;         ///< PSM1, ...: nominal configuration, gains
-  std::string instrument;  ///< whose coupling
+  const CLI::App* command = nullptr;  ///< where the options were given
+  std::string config;                 ///< XML or JSON
+  std::string robot;                  ///< name in it
+  std::string arm;                    ///< PSM1, ...: nominal configuration, gains
+  std::string instrument;             ///< whose coupling
   std::string model;
   std::string host = "127.0.0.1";
   std::uint16_t port = 1394;

@@ -6,6 +6,7 @@
 
 #include "dvrk_request.hpp"
 #include "messages.hpp"
+#include "option_checks.hpp"
 #include "veridyn/dvrk/arm_facts.hpp"
 #include "veridyn/dvrk/model_controller.hpp"
 #include "veridyn/dvrk/real_time.hpp"
@@ -60,16 +61,20 @@ MotionSamples motion_of(const std::string& path) {
 
 void require_inputs(const DvrkRequest& request) {
   const std::string& name = request.controller;
-  if (name != "gravity" && request.trajectory.empty())
-    throw CLI::ValidationError("--trajectory", "expected a motion for --controller " + name);
-  if (name == "gravity" && !request.trajectory.empty())
-    throw CLI::ValidationError("--trajectory", "--controller gravity plays none");
-  if (name != "pid" && request.model.empty())
-    throw CLI::ValidationError("--model", "--controller " + name + " needs a model with values");
-  if (name != "pid" && !request.gains.empty())
-    throw CLI::ValidationError("--gains", "--controller " + name + " has none");
-  if (name != "impedance" && !request.tip.empty())
-    throw CLI::ValidationError("--tip", "--controller " + name + " leads no tip");
+  const bool pid = name == "pid";
+  const bool plays = name != "gravity";
+  expect_needs(*request.command,
+               {{"--gains", pid && !request.model.empty(), "--controller pid and --model"},
+                {"--tip", name == "impedance", "--controller impedance"},
+                {"--stiffness", name == "impedance", "--controller impedance"},
+                {"--seconds", !plays, "--controller gravity"},
+                {"--trajectory", plays, "another controller than gravity"},
+                {"--approach-speed", plays, "another controller than gravity"},
+                {"--largest-error", plays, "another controller than gravity"}});
+  expect_value(!plays || !request.trajectory.empty(), "--trajectory",
+               "expected a motion for --controller ", name);
+  expect_value(pid || !request.model.empty(), "--model", "--controller ", name,
+               " needs a model with values");
 }
 
 std::unique_ptr<dvrk::ModelController> controller_of(const DvrkRequest& request,
@@ -82,8 +87,10 @@ std::unique_ptr<dvrk::ModelController> controller_of(const DvrkRequest& request,
   options.tip = request.tip;
   options.stiffness = request.stiffness;
   options.longest_gap = request.watchdog;  // later, the boards have switched off
-  auto controller = std::make_unique<dvrk::ModelController>(read_model(request.model), gains,
-                                                            dvrk::largest_torques(arm), options);
+  const Model model = read_model(request.model);
+  if (!request.tip.empty()) expect_one_of("--tip", request.tip, frame_names(model));
+  auto controller =
+      std::make_unique<dvrk::ModelController>(model, gains, dvrk::largest_torques(arm), options);
   if (!request.common.quiet) {
     for (const std::string& effect : controller->left_out())
       say("the controller leaves out " + effect);

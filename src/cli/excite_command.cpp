@@ -12,6 +12,7 @@
 #include "common_options.hpp"
 #include "excite_options.hpp"
 #include "messages.hpp"
+#include "option_checks.hpp"
 #include "veridyn/excitation/excitation.hpp"
 #include "veridyn/identification/recorded_motion.hpp"
 #include "veridyn/identification/recording.hpp"
@@ -26,6 +27,7 @@ namespace veridyn::cli {
 namespace {
 
 struct Request {
+  const CLI::App* command = nullptr;  // where the options were given
   std::string robot;
   std::string output;
   std::string coefficients;
@@ -133,10 +135,20 @@ ExitStatus run(const Request& request, const std::string& command_line) {
        {&request.common.json, &request.common.report, &request.coefficients})
     require_writable(*path);
   require_writable(request.output);
+  const bool discriminates = request.options.criterion == ExcitationCriterion::kDiscriminate;
+  expect_needs(*request.command,
+               {{"--between", discriminates || request.command->count("--criterion") == 0,
+                 "--criterion discriminate"},
+                {"--obstacle", !request.spheres.empty(), "--sphere"},
+                {"--clearance", !request.spheres.empty(), "--sphere"}});
+  expect_value(!discriminates || !request.between.empty(), "--criterion",
+               "discriminate needs --between");
   const Model arm = read_model(request.robot);
+  require(arm.joints() > 0, request.robot, ": found no coordinates, expected some to move.");
   const ExcitationOptions options = options_of(request, arm);
   const Interruptible until_interrupted;
-  Excitation found = optimise_excitation(arm, options);
+  // What it refuses is what an option asks of this arm.
+  Excitation found = value_of("excite", [&] { return optimise_excitation(arm, options); });
   const bool known = arm.inertial_values() || !request.model.empty();
   if (found.prediction && !known)
     found.prediction->values = "of a plausible arm (" + request.robot + " has none)";
@@ -277,6 +289,7 @@ void add_excite_command(CLI::App& tool, Outcome& outcome) {
   add_limit_options(command, *request);
   add_report_option(command, request->common);
   add_common_options(command, request->common);
+  request->command = &command;
   command.callback([request, &outcome] { outcome.status = run(*request, outcome.command_line); });
 }
 

@@ -6,6 +6,7 @@
 #include <cctype>
 #include <iostream>
 
+#include "option_checks.hpp"
 #include "veridyn/dvrk/effort_scales.hpp"
 #include "veridyn/dvrk/gravity_chain.hpp"
 #include "veridyn/math/output_file.hpp"
@@ -17,7 +18,10 @@ namespace {
 
 // The arm that a model is about, from the first letters of its name.
 dvrk::ArmFacts find_arm(const Model& model, const std::string& name) {
-  if (!name.empty()) return dvrk::read_arm(name);
+  if (!name.empty()) {
+    expect_one_of("--dvrk-arm", name, dvrk::arm_names());
+    return dvrk::read_arm(name);
+  }
   std::string start = model.name().substr(0, 3);
   for (char& letter : start)
     letter = static_cast<char>(std::toupper(static_cast<unsigned char>(letter)));

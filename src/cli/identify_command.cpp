@@ -6,6 +6,7 @@
 #include "commands.hpp"
 #include "common_options.hpp"
 #include "messages.hpp"
+#include "option_checks.hpp"
 #include "veridyn/math/output_file.hpp"
 #include "veridyn/model/model_file.hpp"
 #include "veridyn/report/identification_page.hpp"
@@ -16,6 +17,7 @@ namespace veridyn::cli {
 namespace {
 
 struct Request {
+  const CLI::App* command = nullptr;  // where the options were given
   std::string robot;
   std::vector<std::string> train, test;
   std::optional<RowRange> test_rows;
@@ -32,7 +34,8 @@ IdentificationOptions identification_options(const Request& request) {
   options.progress = progress(request.common);
   if (!request.prior.empty()) options.prior = read_model(request.prior);
   for (const std::string& asked : request.known_masses)
-    options.known_masses.push_back(parse_known_mass(asked));
+    options.known_masses.push_back(
+        value_of("--known-mass", [&] { return parse_known_mass(asked); }));
   if (request.test_rows) {
     options.test_preprocessing = options.preprocessing;
     options.test_preprocessing->first_row = request.test_rows->first;
@@ -41,17 +44,43 @@ IdentificationOptions identification_options(const Request& request) {
   return options;
 }
 
-ExitStatus run(const Request& request, const std::string& command_line) {
-  if (!request.prior.empty() && request.options.method != Method::kFeasible) {
-    throw CLI::ValidationError("--prior", "works with --method feasible only");
+void expect_options_that_mean_something(const Request& request) {
+  const bool feasible = request.options.method == Method::kFeasible;
+  expect_needs(*request.command,
+               {{"--prior", feasible, "--method feasible"},
+                {"--condition", feasible, "--method feasible"},
+                {"--signs", feasible, "--method feasible"},
+                {"--weights", request.options.method != Method::kOls, "--method wls or feasible"},
+                {"--test-rows", !request.test.empty(), "--test"}});
+  expect_value(request.known_masses.empty() || request.train.size() > 1, "--known-mass",
+               "found one recording, expected one at least with the load and one without");
+}
+
+// On frames of this arm, in recordings to learn from.
+void expect_known_masses(const Request& request, const Model& arm,
+                         const std::vector<KnownMass>& masses) {
+  std::vector<std::string> recordings = request.train;
+  for (const std::string& path : request.train)
+    recordings.push_back(path.substr(path.find_last_of('/') + 1));
+  for (const KnownMass& mass : masses) {
+    expect_one_of("--known-mass", mass.frame, frame_names(arm));
+    for (const std::string& name : mass.recordings) expect_one_of("--known-mass", name, recordings);
   }
+}
+
+ExitStatus run(const Request& request, const std::string& command_line) {
+  expect_options_that_mean_something(request);
   require_writable(request.common.json);
   require_writable(request.common.report);
   require_writable(request.model_out);
   if (!request.test_rows) warn_of_shared_recordings(request.train, request.test);
   const Model arm = read_model(request.robot);
-  const Identification id =
-      identify(arm, request.train, request.test, identification_options(request));
+  const IdentificationOptions options = identification_options(request);
+  expect_known_masses(request, arm, options.known_masses);
+  std::vector<std::string> recordings = request.train;
+  recordings.insert(recordings.end(), request.test.begin(), request.test.end());
+  warn_of_degrees(recordings, options.preprocessing, options.threads);
+  const Identification id = identify(arm, request.train, request.test, options);
   if (!id.model) {
     if (id.drive_gains && id.drive_gains->problem.empty()) std::cout << id.drive_gains->report();
     if (id.drive_gains && !request.common.json.empty())
@@ -96,6 +125,7 @@ void add_fit_options(CLI::App& command, Request& request) {
 void add_identify_command(CLI::App& tool, Outcome& outcome) {
   const auto request = std::make_shared<Request>();
   CLI::App& command = *tool.add_subcommand("identify", "Parameters of an arm from its recordings");
+  request->command = &command;
   add_robot_argument(command, request->robot);
   command.add_option("--train", request->train, "Recordings to identify from")
       ->required()

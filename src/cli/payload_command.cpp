@@ -4,6 +4,7 @@
 #include "commands.hpp"
 #include "common_options.hpp"
 #include "messages.hpp"
+#include "option_checks.hpp"
 #include "veridyn/diagnosis/payload.hpp"
 #include "veridyn/math/output_file.hpp"
 #include "veridyn/model/model_file.hpp"
@@ -23,7 +24,9 @@ struct Request {
 ExitStatus run(Request& request) {
   require_writable(request.common.json);
   const Model model = read_model(request.model);
+  if (!request.link.empty()) expect_one_of("--link", request.link, frame_names(model));
   request.options.threads = request.common.threads;
+  warn_of_degrees(request.recordings, request.options.preprocessing, request.options.threads);
   const PayloadReport report =
       find_payload(model, request.recordings, request.options, request.link);
   if (report.links.empty()) {

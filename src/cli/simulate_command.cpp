@@ -6,6 +6,7 @@
 #include "commands.hpp"
 #include "common_options.hpp"
 #include "messages.hpp"
+#include "option_checks.hpp"
 #include "simulate_request.hpp"
 #include "veridyn/identification/recording.hpp"
 #include "veridyn/math/output_file.hpp"
@@ -67,22 +68,25 @@ ExitStatus run(const Request& request, const std::string& command_line) {
   options.noise = sensor_noise(request.noise);
   options.seed = request.seed;
   for (const std::string& asked : request.effects) {
-    if (asked != "none") options.hidden.push_back(parse_hidden_effect(asked));
+    if (asked == "none") continue;
+    options.hidden.push_back(value_of("--effect", [&] { return parse_hidden_effect(asked); }));
   }
   Model arm = arm_with_values(request);
   if (!request.replay.empty() || request.controller == "pid") arm = movable_arm(request, arm);
   if (!request.breakaway.empty()) return run_breakaway(request, arm, command_line);
   if (!request.replay.empty()) return run_replay(request, arm, command_line);
+  value_of("--effect", [&] { plant_effects(arm, options.hidden); });
   MotionSamples wanted = wanted_motion(request.trajectory);
   require(wanted.q.cols() == arm.joints(), request.trajectory, ": found ", wanted.q.cols(),
           " joints, expected the ", arm.joints(), " of ", arm.name(), ".");
-  if (request.sample_rate > 0.0) wanted = resampled(wanted, request.sample_rate);
+  if (request.sample_rate > 0.0)
+    wanted = value_of("--sample-rate", [&] { return resampled(wanted, request.sample_rate); });
   if (request.controller == "pid")
     return run_controlled(request, arm, wanted, options, command_line);
   const std::string trouble = infeasibility(arm);
   if (!trouble.empty()) say("warning: " + trouble);
   const SimulatedRecording simulated = simulate_recording(arm, wanted, options);
-  write_simulated(request, simulated, "");
+  write_simulated(request, simulated);
   if (!request.common.json.empty()) write_file(request.common.json, to_json(simulated));
   std::cout << simulation_report(request, simulated);
   return kDone;
@@ -113,6 +117,7 @@ void add_simulate_command(CLI::App& tool, Outcome& outcome) {
   const auto request = std::make_shared<Request>();
   CLI::App& command =
       *tool.add_subcommand("simulate", "A recording of an arm along a motion, with hidden effects");
+  request->command = &command;
   add_robot_argument(command, request->robot);
   command.add_option("--trajectory", request->trajectory, "CSV with t and q; dq and ddq if there")
       ->option_text("TRAJ");

@@ -4,9 +4,9 @@
 #include <iostream>
 
 #include "messages.hpp"
+#include "option_checks.hpp"
 #include "simulate_request.hpp"
 #include "veridyn/identification/preprocessing.hpp"
-#include "veridyn/identification/remark.hpp"
 #include "veridyn/math/output_file.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/model_file.hpp"
@@ -21,8 +21,12 @@ const char* const kControl = "Control";
 
 VectorXd per_joint(const std::vector<double>& numbers, const Model& arm, const char* option) {
   if (numbers.empty()) return {};
-  require(static_cast<int>(numbers.size()) == arm.joints(), option, ": found ", numbers.size(),
-          " numbers, expected ", arm.joints(), ", one per joint of ", arm.name(), ".");
+  expect_value(static_cast<int>(numbers.size()) == arm.joints(), option, "found ", numbers.size(),
+               " numbers, expected ", arm.joints(), ", one per joint of ", arm.name());
+  const bool limits = std::string(option) == "--torque-limit";
+  for (const double x : numbers)
+    expect_value(x > 0.0 || (x == 0.0 && !limits), option, "found ", x, ", expected ",
+                 limits ? "numbers above zero" : "no number below zero");
   return Eigen::Map<const VectorXd>(numbers.data(), arm.joints());
 }
 
@@ -50,19 +54,15 @@ Recording rows_of(const MotionSamples& motion, const MatrixXd& tau) {
   return rows;
 }
 
-std::string remark_of(const EngineRun& run, const Model& arm) {
-  return run.complete() ? "" : "incomplete: the run " + run.why(arm);
-}
-
 void tell_left_out(const SimulateRequest& request, const std::vector<std::string>& left_out) {
   if (request.common.quiet) return;
   for (const std::string& one : left_out) say("left out: " + one + ".");
 }
 
-ExitStatus ended(const EngineRun& run, const Model& arm) {
-  if (run.complete()) return kDone;
-  say("the run " + run.why(arm) + "; what was recorded until then is kept, marked as incomplete.");
-  return kDataCannotAnswer;
+bool stopped(const EngineRun& run, const Model& arm) {
+  if (run.complete()) return false;
+  say("the run " + run.why(arm) + "; nothing is written.");
+  return true;
 }
 
 void add_control_options(CLI::App& command, SimulateRequest& request) {
@@ -108,7 +108,10 @@ void add_control_options(CLI::App& command, SimulateRequest& request) {
   numbers("--kp", request.p, "Gains of position (6 Hz of bandwidth)");
   numbers("--ki", request.i, "Gains of its integral (none with --kp)");
   numbers("--kd", request.d, "Gains of velocity (critical damping)");
-  number("--control-rate", request.loop.rate, "HZ", "Of the controller (1000)");
+  command.add_option("--control-rate", request.loop.rate, "Of the controller (1000)")
+      ->option_text("HZ")
+      ->check(CLI::Range(1.0, 1e6))
+      ->group(kControl);
   numbers("--torque-limit", request.limit, "Of the motors (the robot file's)");
   number("--current-lag", request.loop.drive.lag, "S", "Time constant of the current loop (0)");
   number("--torque-step", request.loop.drive.step, "NM", "Quantum of the amplifiers (0)");
@@ -119,29 +122,46 @@ void add_control_options(CLI::App& command, SimulateRequest& request) {
          "Low-pass of both torques before they are compared (5)");
 }
 
+namespace {
+
+std::vector<OptionNeed> simulate_needs(const SimulateRequest& request) {
+  const bool replay = !request.replay.empty();
+  const bool ramps = !request.breakaway.empty();
+  const bool moves = replay || request.controller == "pid";
+  const bool loop = replay ? request.drive != "torques" && !ramps : moves;
+  std::vector<OptionNeed> needs = {
+      {"--breakaway", replay, "--replay"},
+      {"--drive", replay && !ramps, "--replay without --breakaway"},
+      {"--breakaway-speed", ramps, "--breakaway"},
+      {"--filter-cutoff", replay, "--replay"},
+      {"--set-point-cutoff", replay && loop, "--replay led by commands or set-points"},
+      {"--report", moves, "--controller pid or --replay"},
+      {"--engine", moves, "--controller pid or --replay"}};
+  for (const char* option :
+       {"--effect", "--noise", "--sample-rate", "--seed", "--arm-seed", "--model-out"})
+    needs.push_back({option, !replay, "--trajectory"});
+  for (const char* option : {"--gains", "--kp", "--ki", "--kd", "--control-rate", "--torque-limit",
+                             "--current-lag", "--torque-step", "--encoder-delay"})
+    needs.push_back({option, loop, "--controller pid, or --replay led by commands or set-points"});
+  return needs;
+}
+
+}  // namespace
+
 void check_simulate_request(const SimulateRequest& request) {
   if (request.trajectory.empty() == request.replay.empty())
     throw CLI::ValidationError("simulate", "expected either --trajectory or --replay");
   if (request.output.empty() && request.replay.empty()) throw CLI::RequiredError("--output");
-  if (!request.breakaway.empty() && request.replay.empty())
-    throw CLI::ValidationError("--breakaway", "needs --replay");
-  if (request.controller == "none" && request.replay.empty() && !request.common.report.empty())
-    throw CLI::ValidationError("--report", "needs --controller pid or --replay");
-  if (request.controller == "none" && request.replay.empty() && request.engine != "veridyn")
-    throw CLI::ValidationError("--engine", "needs --controller pid or --replay");
+  expect_needs(*request.command, simulate_needs(request));
   if (!request.gains.empty() && !request.p.empty())
     throw CLI::ValidationError("--gains", "found --kp beside it, expected one of them");
   if (request.p.empty() && (!request.i.empty() || !request.d.empty()))
     throw CLI::ValidationError("--kp", "found --ki or --kd without it");
-  const std::vector<std::string> known = engine_names();
-  if (std::find(known.begin(), known.end(), request.engine) == known.end())
-    throw CLI::ValidationError("--engine",
-                               "found '" + request.engine + "', expected " + listed(known));
+  expect_one_of("--engine", request.engine, engine_names());
 }
 
-void write_simulated(const SimulateRequest& request, const SimulatedRecording& simulated,
-                     const std::string& remark) {
-  write_recording(rows_of(simulated.measured, simulated.tau), request.output, remark);
+void write_simulated(const SimulateRequest& request, const SimulatedRecording& simulated) {
+  write_recording(rows_of(simulated.measured, simulated.tau), request.output);
   if (!request.model_out.empty()) save_model(simulated.truth, request.model_out);
 }
 
@@ -162,10 +182,15 @@ std::string simulation_report(const SimulateRequest& request, const SimulatedRec
 ExitStatus run_controlled(const SimulateRequest& request, const Model& arm,
                           const MotionSamples& wanted, const SimulationOptions& options,
                           const std::string& command_line) {
+  const double lasts = wanted.time[wanted.rows() - 1] - wanted.time[0];
+  expect_value(request.loop.sensors.delay < lasts, "--encoder-delay", "found ",
+               request.loop.sensors.delay, " s, expected less than the ", lasts,
+               " s of the motion");
   const ControlledRecording done =
       simulate_controlled(arm, wanted, {options, loop_of(request, arm), request.engine});
   tell_left_out(request, done.left_out);
-  write_simulated(request, done.recording, remark_of(done.run, arm));
+  if (stopped(done.run, arm)) return kDataCannotAnswer;
+  write_simulated(request, done.recording);
   if (!request.common.json.empty()) write_file(request.common.json, to_json(done, wanted));
   std::string report = simulation_report(request, done.recording);
   const MatrixXd& q = done.run.motion.q;
@@ -179,7 +204,7 @@ ExitStatus run_controlled(const SimulateRequest& request, const Model& arm,
     write_file(request.common.report,
                to_page(done, wanted, {request.trajectory, command_line, report}));
   std::cout << report;
-  return ended(done.run, arm);
+  return kDone;
 }
 
 }  // namespace veridyn::cli

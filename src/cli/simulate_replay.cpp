@@ -4,10 +4,10 @@
 #include <set>
 
 #include "messages.hpp"
+#include "option_checks.hpp"
 #include "simulate_request.hpp"
 #include "veridyn/identification/preprocessing.hpp"
 #include "veridyn/identification/recording_quality.hpp"
-#include "veridyn/identification/remark.hpp"
 #include "veridyn/identification/stale_rows.hpp"
 #include "veridyn/math/output_file.hpp"
 #include "veridyn/math/require.hpp"
@@ -130,16 +130,16 @@ ExitStatus run_replay(const SimulateRequest& request, const Model& arm,
   const ReplayInput input = replay_input(request, arm, request.preprocessing);
   const Replay done = replay(*engine, arm, input, options);
   tell_left_out(request, engine->left_out());
+  if (stopped(done.run, arm)) return kDataCannotAnswer;
   if (!request.output.empty())
-    write_recording(rows_of(done.run.motion, done.run.tau), request.output,
-                    remark_of(done.run, arm));
+    write_recording(rows_of(done.run.motion, done.run.tau), request.output);
   if (!request.common.json.empty()) write_file(request.common.json, to_json(done, arm));
   const std::string report = replay_report(request, arm, done);
   if (!request.common.report.empty())
     write_file(request.common.report,
                to_page(done, arm, input, {request.replay, command_line, report}));
   std::cout << report;
-  return ended(done.run, arm);
+  return kDone;
 }
 
 ExitStatus run_breakaway(const SimulateRequest& request, const Model& arm,
@@ -149,8 +149,8 @@ ExitStatus run_breakaway(const SimulateRequest& request, const Model& arm,
   for (int i = 0; i < arm.joints(); ++i) {
     if (request.breakaway == std::to_string(i + 1)) options.joint = i;
   }
-  require(options.joint >= 0, "--breakaway: found the joint '", request.breakaway,
-          "', expected a coordinate of ", arm.name(), " or its number.");
+  expect_value(options.joint >= 0, "--breakaway", "found the joint '", request.breakaway,
+               "', expected a coordinate of ", arm.name(), " or its number");
   const Coordinate& c = arm.coordinates()[static_cast<size_t>(options.joint)];
   options.speed = request.breakaway_speed;
   const auto engine = make_engine(request.engine, arm);
@@ -163,7 +163,7 @@ ExitStatus run_breakaway(const SimulateRequest& request, const Model& arm,
   if (!request.output.empty()) {
     MotionSamples motion = input.motion;
     motion.q.col(options.joint) = found.simulated_q;
-    write_recording(rows_of(motion, input.tau), request.output, "");
+    write_recording(rows_of(motion, input.tau), request.output);
   }
   const std::string report = breakaway_report(request, c, found);
   if (!request.common.report.empty())

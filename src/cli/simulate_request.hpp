@@ -12,6 +12,7 @@ namespace veridyn::cli {
 
 /// What `veridyn simulate` was asked.
 struct SimulateRequest {
+  const CLI::App* command = nullptr;  // where the options were given
   std::string robot;
   std::string trajectory;
   std::string replay;
@@ -42,8 +43,7 @@ void add_control_options(CLI::App& command, SimulateRequest& request);
 void check_simulate_request(const SimulateRequest& request);
 
 /// The recording and, if asked for, the true model.
-void write_simulated(const SimulateRequest& request, const SimulatedRecording& simulated,
-                     const std::string& remark);
+void write_simulated(const SimulateRequest& request, const SimulatedRecording& simulated);
 
 std::string simulation_report(const SimulateRequest& request, const SimulatedRecording& simulated);
 
@@ -52,14 +52,11 @@ LoopOptions loop_of(const SimulateRequest& request, const Model& arm);
 
 Recording rows_of(const MotionSamples& motion, const MatrixXd& tau);
 
-/// What a file says about a run that is not whole; empty where it is.
-std::string remark_of(const EngineRun& run, const Model& arm);
-
 /// Tells the user which effects an engine does not have.
 void tell_left_out(const SimulateRequest& request, const std::vector<std::string>& left_out);
 
-/// The exit status of a run, told to the user where it stopped early.
-ExitStatus ended(const EngineRun& run, const Model& arm);
+/// Tells the user where a run stopped early; nothing of it is written then.
+bool stopped(const EngineRun& run, const Model& arm);
 
 /// @param command_line  of the run, for its page.
 ExitStatus run_controlled(const SimulateRequest& request, const Model& arm,

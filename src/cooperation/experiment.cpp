@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "model_errors.hpp"
+#include "scenario_parts.hpp"
 #include "veridyn/kinematics/kinematics.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/model_file.hpp"
@@ -45,19 +46,6 @@ VectorXd encoder_steps(const Model& model, const std::string& preset) {
                                                                    : noise.encoder_step.revolute;
   }
   return out;
-}
-
-void check_start(const ScenarioArm& arm, const Model& model) {
-  require(arm.start.size() == model.joints(), "scenario: arm '", arm.name, "': found a start of ",
-          arm.start.size(), " joints, expected the ", model.joints(), " of ", model.name(), ".");
-  for (int i = 0; i < model.joints(); ++i) {
-    const Coordinate& c = model.coordinates()[static_cast<size_t>(i)];
-    require(arm.start[i] >= c.limits.lower && arm.start[i] <= c.limits.upper, "scenario: arm '",
-            arm.name, "': found joint ", c.name, " at ", arm.start[i], ", expected it within ",
-            c.limits.lower, " to ", c.limits.upper, ".");
-  }
-  require(model.find_frame(arm.frame) >= 0, "scenario: arm '", arm.name, "': found the frame '",
-          arm.frame, "', expected one of ", model.name(), ".");
 }
 
 }  // namespace
@@ -102,7 +90,7 @@ Experiment::Experiment(const Scenario& scenario, const std::string& engine) : sc
 void Experiment::add_arm(const ScenarioArm& arm, const std::string& engine, unsigned seed) {
   const Mat3d R = rotation(arm.turn);
   const Model model = true_arm(arm, eigen(R));
-  check_start(arm, model);
+  check_arm(arm, model);
   const Posed base{R, {arm.position.x(), arm.position.y(), arm.position.z()}};
   world_arms_.push_back({model, make_engine(engine, model), base});
   tips_.push_back({static_cast<int>(tips_.size()), model.find_frame(arm.frame), arm.offset});

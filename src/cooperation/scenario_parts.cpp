@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "veridyn/math/require.hpp"
+
 namespace veridyn {
 
 void Names::add(const std::string& name, const YamlNode& node) {
@@ -19,6 +21,22 @@ int Names::index(const YamlNode& node) const {
     node.fail("no " + what + " " + node.found() + did_you_mean(name, all),
               "one of: " + listed(all));
   return static_cast<int>(at - all.begin());
+}
+
+void check_arm(const ScenarioArm& arm, const Model& model) {
+  require(arm.start.size() == model.joints(), "arm '", arm.name, "': found a start of ",
+          arm.start.size(), " joints, expected the ", model.joints(), " of ", model.name(), ".");
+  for (int i = 0; i < model.joints(); ++i) {
+    const Coordinate& c = model.coordinates()[static_cast<size_t>(i)];
+    require(arm.start[i] >= c.limits.lower && arm.start[i] <= c.limits.upper, "arm '", arm.name,
+            "': found joint ", c.name, " at ", arm.start[i], ", expected it within ",
+            c.limits.lower, " to ", c.limits.upper, ".");
+  }
+  std::vector<std::string> frames;
+  for (const Frame& frame : model.frames()) frames.push_back(frame.name);
+  require(model.find_frame(arm.frame) >= 0, "arm '", arm.name, "': found the frame '", arm.frame,
+          "'", did_you_mean(arm.frame, frames), ", expected one of ", model.name(), ": ",
+          listed(frames), ".");
 }
 
 Eigen::Vector3d vector3(const YamlNode& node, const std::string& unit) {

@@ -6,10 +6,12 @@
 
 #include "model/yaml_node.hpp"
 #include "veridyn/cooperation/scenario.hpp"
+#include "veridyn/model/model.hpp"
 #include "veridyn/model/suggestion.hpp"
 #include "veridyn/simulation/object.hpp"
 
-// Parts of the scenario reader; all fail with "file:line:column: found ..., expected ...".
+// Parts of the scenario reader; those that take nodes fail with "file:line:column: found ...,
+// expected ...".
 
 namespace veridyn {
 
@@ -21,6 +23,9 @@ struct Names {
   void add(const std::string& name, const YamlNode& node);
   int index(const YamlNode& node) const;
 };
+
+/// @throws InvalidInput  the robot has other joints, limits or frames than the arm is given.
+void check_arm(const ScenarioArm& arm, const Model& model);
 
 Eigen::Vector3d vector3(const YamlNode& node, const std::string& unit);
 double nonnegative_or(const YamlNode& node, const std::string& key, double otherwise);

@@ -7,7 +7,9 @@
 #include "model/yaml_node.hpp"
 #include "scenario_parts.hpp"
 #include "veridyn/cooperation/scenario.hpp"
+#include "veridyn/math/most_rows.hpp"
 #include "veridyn/math/require.hpp"
+#include "veridyn/model/model_file.hpp"
 #include "veridyn/model/suggestion.hpp"
 #include "veridyn/simulation/sensor_noise.hpp"
 
@@ -46,6 +48,11 @@ ScenarioArm read_arm(const YamlNode& node, const std::string& scenario) {
   const YamlNode control = node.at("control");
   arm.control = choice<ArmControl>(
       control, {{"position", ArmControl::kPosition}, {"impedance", ArmControl::kImpedance}});
+  try {
+    check_arm(arm, read_model(arm.model));
+  } catch (const InvalidInput& error) {
+    throw InvalidInput(text(node.where(), ": ", error.what()));
+  }
   return arm;
 }
 
@@ -156,6 +163,18 @@ ScenarioSweep read_sweep(const YamlNode& node) {
   return sweep;
 }
 
+// All that a run records must fit into memory.
+void expect_room(const Scenario& s, const YamlNode& phases) {
+  double seconds = 0.0;
+  for (const ScenarioPhase& phase : s.phases) seconds += phase.duration;
+  double numbers = 1.0 + 6.0 * static_cast<double>(s.members.size());
+  for (const ScenarioArm& arm : s.arms) numbers += 3.0 * static_cast<double>(arm.start.size() + 3);
+  const double most = std::floor(most_rows(numbers));
+  if (seconds * s.control.rate < most) return;
+  phases.fail(text(seconds, " s at ", s.control.rate, " Hz in all"),
+              text("fewer than ", most, " cycles, what this machine holds"));
+}
+
 Scenario read(const YamlNode& root, const std::string& path) {
   if (!root.is_map() || !root.find("scenario"))
     root.fail("no key 'scenario'",
@@ -195,6 +214,7 @@ Scenario read(const YamlNode& root, const std::string& path) {
   for (const YamlNode& node : root.at("phases").items("a list of phases"))
     s.phases.push_back(read_phase(node, arms, members));
   if (s.phases.empty()) root.at("phases").fail("no phases", "at least one");
+  expect_room(s, root.at("phases"));
   if (const auto faults = root.find("faults")) {
     for (const YamlNode& node : faults->items("a list of faults"))
       s.faults.push_back(read_fault(node, arms, members));

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "config_tree.hpp"
+#include "json_text.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn::dvrk {
@@ -148,13 +149,7 @@ ConfigTree parse_xml(const std::string& content, const std::string& file) {
 }
 
 ConfigTree parse_json(const std::string& content, const std::string& file) {
-  try {
-    // Comments are let pass: the laboratories' files begin with one for their editors.
-    return tree_of("", Json::parse(content, nullptr, true, true), file);
-  } catch (const Json::exception& error) {
-    throw InvalidInput(
-        text(file, ": found text that is not JSON (", error.what(), "), expected JSON."));
-  }
+  return tree_of("", parse_json_text(content, file), file);
 }
 
 void write_xml(const ConfigTree& tree, pugi::xml_node parent) {

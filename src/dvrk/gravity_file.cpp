@@ -3,6 +3,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "json_text.hpp"
 #include "veridyn/dvrk/gravity_chain.hpp"
 #include "veridyn/identification/csv_layout.hpp"
 #include "veridyn/identification/csv_lines.hpp"
@@ -37,11 +38,18 @@ double number_at(const Json& row, const std::string& key, const std::string& whe
   return value->get<double>();
 }
 
+std::string word_at(const Json& row, const std::string& key, const std::string& where) {
+  const auto value = row.find(key);
+  require(value != row.end() && value->is_string(), where, ": found no text '", key,
+          "', expected one.");
+  return value->get<std::string>();
+}
+
 GravityRow row_of(const Json& json, const std::string& where) {
   require(json.is_object(), where, ": found no object, expected a joint.");
   GravityRow row;
-  row.joint = json.value("name", "");
-  const std::string type = json.value("type", "");
+  row.joint = word_at(json, "name", where);
+  const std::string type = word_at(json, "type", where);
   require(type == "revolute" || type == "prismatic", where, ": found the type '", type,
           "', expected revolute or prismatic.");
   row.prismatic = type == "prismatic";
@@ -130,30 +138,21 @@ std::string to_gravity_json(const GravityChain& chain, const std::string& model)
 }
 
 GravityChain read_gravity_json(const std::string& content, const std::string& file) {
-  Json json;
-  try {
-    json = Json::parse(content, nullptr, true, true);
-  } catch (const Json::exception& error) {
-    throw InvalidInput(
-        text(file, ": found text that is not JSON (", error.what(), "), expected JSON."));
-  }
+  Json json = parse_json_text(content, file);
   require(json.is_object() && json.contains("DH") && json["DH"].is_object() &&
               json["DH"].contains("joints") && json["DH"]["joints"].is_array(),
           file, ": found no DH/joints, expected a list of joints.");
   require(json["DH"].contains("convention") && json["DH"]["convention"] == "modified", file,
           ": found another DH convention, expected \"modified\".");
   GravityChain chain;
-  try {
-    for (const Json& joint : json["DH"]["joints"])
-      chain.rows.push_back(row_of(joint, text(file, ": DH/joints/", chain.rows.size())));
-    if (json.contains("veridyn")) {
-      chain.arm = json["veridyn"].value("arm", "");
-      chain.gravity = json["veridyn"].value("gravity", chain.gravity);
-    }
-  } catch (const Json::exception& error) {
-    throw InvalidInput(text(file, ": DH/joints/", chain.rows.size(), ": found ", error.what(),
-                            ", expected text for names and numbers for values."));
-  }
+  for (const Json& joint : json["DH"]["joints"])
+    chain.rows.push_back(row_of(joint, text(file, ": DH/joints/", chain.rows.size())));
+  if (!json.contains("veridyn")) return chain;
+  const Json& about = json["veridyn"];
+  const std::string where = file + ": veridyn";
+  require(about.is_object(), where, ": found no object, expected one.");
+  if (about.contains("arm")) chain.arm = word_at(about, "arm", where);
+  if (about.contains("gravity")) chain.gravity = number_at(about, "gravity", where);
   return chain;
 }
 

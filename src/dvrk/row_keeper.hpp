@@ -4,13 +4,20 @@
 
 #include "veridyn/dvrk/arm_units.hpp"
 #include "veridyn/identification/recording.hpp"
+#include "veridyn/math/most_rows.hpp"
+#include "veridyn/math/require.hpp"
 
 namespace veridyn::dvrk {
 
 /// The rows of a recording. Room is made before the loop begins: keep() does not allocate.
 class RowKeeper {
  public:
+  /// @throws InvalidInput  more rows than the machine holds.
   RowKeeper(int joints, double seconds, double rate) {
+    const double most_held = most_rows(1.0 + 4.0 * joints);
+    require(kSpare * seconds * rate < most_held, "recording: found ", seconds, " s at ", rate,
+            " Hz, expected fewer than ", std::floor(most_held / kSpare),
+            " rows, what this machine holds.");
     const auto most = static_cast<Eigen::Index>(kSpare * seconds * rate) + 1000;
     rows_.time.resize(most);
     for (const RecordingSignal& signal : kRecordingSignals) {

@@ -11,6 +11,7 @@
 #include "column_names.hpp"
 #include "motion_search.hpp"
 #include "slow_passes.hpp"
+#include "veridyn/math/most_rows.hpp"
 #include "veridyn/math/parallel.hpp"
 #include "veridyn/math/require.hpp"
 
@@ -29,8 +30,6 @@ void check(const ExcitationOptions& o) {
   require(o.rate > 2.0 * o.frequency * o.harmonics && o.rate <= 1e5, "excitation: found a rate of ",
           o.rate, " Hz, expected more than twice the highest harmonic, ",
           2.0 * o.frequency * o.harmonics, " Hz, and at most 1e5 Hz.");
-  require(o.duration * o.rate <= 1e8, "excitation: ", o.duration, " s at ", o.rate,
-          " Hz are too many rows.");
   require(o.starts >= 1 && o.iterations >= 1, "excitation: found ", o.starts, " starts of ",
           o.iterations, " iterations, expected at least one of each.");
   require(o.limit_share > 0.0 && o.limit_share <= 1.0, "excitation: found a limit share of ",
@@ -132,6 +131,10 @@ Excitation optimise_excitation(const Model& arm, const ExcitationOptions& option
   const BaseRegressor rounded(arm, kRounding);
   require(exact.size() >= 1, "excitation: the torques of '", arm.name(),
           "' depend on no parameters: it has neither bodies nor effects.");
+  // The regressor of the whole motion: base columns, and perhaps three times as many others.
+  const double most = std::floor(most_rows(4.0 * arm.joints() * exact.size()));
+  require(options.duration * options.rate < most, "excitation: found ", options.duration, " s at ",
+          options.rate, " Hz, expected fewer than ", most, " rows, what this machine holds.");
   const int periods =
       std::max(2, static_cast<int>(std::lround(options.duration * options.frequency)));
   const MotionLimits limits = motion_limits(arm);

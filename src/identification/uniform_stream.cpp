@@ -4,12 +4,14 @@
 #include <cmath>
 #include <utility>
 
+#include "veridyn/math/most_rows.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn {
 namespace {
 
 constexpr int kPiece = 4096;
+constexpr double kOverhead = 8.0;    // numbers that a held sample takes beside its values
 constexpr double kAbsurd = 1e6;      // no arm has positions, speeds or torques beyond this
 constexpr double kGapInSteps = 2.5;  // one lost row is interpolated, more are a gap
 
@@ -81,6 +83,7 @@ void UniformStream::read_piece() {
     has_velocity_ = piece.dq.size() > 0 && options_.velocity == VelocitySource::kRecorded;
     step_ = median_step(piece.time);
     dt_ = options_.rate > 0.0 ? 1.0 / options_.rate : step_;
+    most_held_ = most_rows(3.0 * arm_.joints() + kOverhead);
   }
   for (Eigen::Index i = 0; i < piece.rows(); ++i) {
     const long file_row = rows_read_++;
@@ -99,6 +102,11 @@ void UniformStream::read_piece() {
 // All grid points between the previous row and this one (the grid starts at the first row).
 void UniformStream::emit_until(const Row& row) {
   const double tolerance = 1e-6 * dt_;
+  const double wanted = static_cast<double>(samples_.size()) + (row.t - t_first_) / dt_ -
+                        static_cast<double>(next_index_);
+  require(wanted < most_held_, name_, ": found ", std::floor(wanted), " samples at ", 1.0 / dt_,
+          " Hz up to ", row.t, " s, expected fewer than ", std::floor(most_held_),
+          ", what this machine holds: a lower --resample, or times without such a gap.");
   while (true) {
     const double t = t_first_ + static_cast<double>(next_index_) * dt_;
     if (t > row.t + tolerance) return;

@@ -65,6 +65,7 @@ class UniformStream {
   long first_index_ = 0;
   long rows_read_ = 0;
   Row previous_{0.0, {}};
+  double most_held_ = 0.0;  ///< samples
   std::vector<std::vector<double>> samples_;
   std::vector<char> sound_;
 };

@@ -38,6 +38,10 @@ void validate(const Model& arm, const std::vector<std::string>& test,
   const std::vector<CompressedRecording>& trained = id.factors;
   const std::vector<CompressedRecording> held_out =
       compress_all(arm, test, id.test_preprocessing, options.threads);
+  for (const CompressedRecording& r : held_out)
+    require(
+        r.rows > 0.0, r.source,
+        ": found no usable samples after gaps, edges and row limits, expected some to test on.");
   id.train.resize(trained.size());
   id.test.resize(test.size());
   std::vector<ErrorSums> sums(trained.size() + test.size(), ErrorSums(arm.joints()));

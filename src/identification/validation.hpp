@@ -15,6 +15,7 @@ VectorXd mean_noise_floor(const std::vector<CompressedRecording>& recordings, in
 
 /// Fills train, test and their errors: those of id.parameters on the recordings of id.factors and
 /// on held-out ones.
+/// @throws InvalidInput  a held-out recording has no usable samples: no error is not an error of 0.
 void validate(const Model& arm, const std::vector<std::string>& test,
               const IdentificationOptions& options, Identification& id);
 

@@ -5,12 +5,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "veridyn/kinematics/motion_limits.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn {
 namespace {
 
 constexpr double kContactRamp = 0.1;  // [s] in which a contact comes and goes
+constexpr double kFar = 10.0;         // times a joint's range: no controller brings it back
 
 // Rows of what happened, cut where it stopped.
 class Log {
@@ -31,11 +33,15 @@ class Log {
     return true;
   }
 
-  // Keeps the rows before `rows`.
   bool stop(Eigen::Index rows, StepStatus status, const Engine& engine) {
+    return stop(rows, status, engine, engine.failed_joint());
+  }
+
+  // Keeps the rows before `rows`.
+  bool stop(Eigen::Index rows, StepStatus status, const Engine& engine, int joint) {
     run_.status = status;
     run_.stopped_at = engine.time();
-    run_.joint = engine.failed_joint();
+    run_.joint = joint;
     run_.motion.time.conservativeResize(rows);
     for (MatrixXd* m : {&run_.motion.q, &run_.motion.dq, &run_.motion.ddq, &run_.tau})
       m->conservativeResize(rows, m->cols());
@@ -68,9 +74,21 @@ class Loop {
     velocity_ = dq;
   }
 
-  // The motors' torques for the next period of h seconds.
+  // The motors' torques for the next h seconds; a controller that is slower than that leaves them
+  // until its own period has passed.
   const VectorXd& torques(const VectorXd& q, const VectorXd& wanted, const VectorXd& wanted_dq,
                           double h) {
+    if (first_ || since_ > 1.0 / options_.rate - 0.5 * h) {
+      update(q, wanted, wanted_dq, first_ ? h : since_);
+      since_ = 0.0;
+    }
+    since_ += h;
+    return motors_;
+  }
+
+ private:
+  // h: since the update before [s].
+  void update(const VectorXd& q, const VectorXd& wanted, const VectorXd& wanted_dq, double h) {
     std::rotate(seen_.begin(), seen_.begin() + 1, seen_.end());
     seen_.back() = measured(q);
     const VectorXd& now = seen_.front();
@@ -90,10 +108,8 @@ class Loop {
       if (bounded == whole) integral_[i] += k.i[i] * e * h;
       motors_[i] += follow * (in_steps(bounded) - motors_[i]);
     }
-    return motors_;
   }
 
- private:
   double in_steps(double tau) const {
     const double step = options_.drive.step;
     return step > 0.0 ? std::round(tau / step) * step : tau;
@@ -114,6 +130,7 @@ class Loop {
   VectorXd limit_, integral_, velocity_, motors_, last_;
   std::vector<VectorXd> seen_;
   bool first_ = true;
+  double since_ = 0.0;  // [s] since the last update
 };
 
 void check(const Model& arm, const MotionSamples& m, const LoopOptions& o) {
@@ -136,6 +153,14 @@ void check(const Model& arm, const MotionSamples& m, const LoopOptions& o) {
       "control loop: found torque limits that are not ", n, " numbers above zero.");
   require(o.start.size() == 0 || o.start.size() == n, "control loop: found a start of ",
           o.start.size(), " joints, expected ", n, ".");
+}
+
+// The joint that has left all bounds, or -1.
+int run_away(const VectorXd& q, const VectorXd& wanted, const VectorXd& range) {
+  for (Eigen::Index i = 0; i < q.size(); ++i) {
+    if (std::abs(q[i] - wanted[i]) > kFar * range[i]) return static_cast<int>(i);
+  }
+  return -1;
 }
 
 }  // namespace
@@ -166,6 +191,8 @@ EngineRun run_with_pid(Engine& engine, const Model& arm, const MotionSamples& se
   Loop loop(arm, options);
   loop.start(home, wanted_dq);
   VectorXd all(arm.joints());
+  const MotionLimits limits = motion_limits(arm);
+  const VectorXd range = limits.upper - limits.lower;
   for (Eigen::Index k = 0; k < rows; ++k) {
     const bool last = k + 1 == rows;
     const double whole = last ? 1.0 / options.rate : time[k + 1] - time[k];
@@ -183,8 +210,13 @@ EngineRun run_with_pid(Engine& engine, const Model& arm, const MotionSamples& se
       if (p == 0 && !log.row(k, engine, motors, all)) return log.take();
       if (last) break;
       const StepStatus status = engine.step(all, h);
-      if (status == StepStatus::kOk) continue;
-      log.stop(k + 1, status, engine);
+      if (status != StepStatus::kOk) {
+        log.stop(k + 1, status, engine);
+        return log.take();
+      }
+      const int lost = run_away(engine.q(), wanted, range);
+      if (lost < 0) continue;
+      log.stop(k + 1, StepStatus::kRanAway, engine, lost);
       return log.take();
     }
   }

@@ -19,6 +19,8 @@ const char* describe(StepStatus status) {
       return "stands where the mass matrix has no inverse";
     case StepStatus::kTooStiff:
       return "moves faster than the smallest substep can follow";
+    case StepStatus::kRanAway:
+      return "is more than ten times its range off its set point";
   }
   return "";
 }

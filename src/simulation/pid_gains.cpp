@@ -44,6 +44,7 @@ PidGains read_gains(const std::string& path, const Model& arm) {
   std::ostringstream content;
   content << file.rdbuf();
   YamlSource source{path, {}, {}};
+  source.expected = "lists p, i and d";
   const YamlNode root = YamlNode::parse(content.str(), source);
   root.allow_keys({"p", "i", "d"});
   PidGains gains{list(root.at("p"), arm.joints()), VectorXd::Zero(arm.joints()), {}};

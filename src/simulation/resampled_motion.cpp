@@ -3,12 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "veridyn/math/most_rows.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn {
 namespace {
-
-constexpr double kMostRows = 1e8;
 
 // Position, velocity and acceleration at a share u of the way from one row to the next: the quintic
 // through all three.
@@ -59,9 +58,11 @@ MotionSamples motion_at(const MotionSamples& m, const VectorXd& times) {
 
 MotionSamples resampled(const MotionSamples& motion, double rate) {
   const double length = motion.time[motion.rows() - 1] - motion.time[0];
-  require(rate > 0.0 && std::isfinite(rate) && length * rate < kMostRows,
-          "simulation: found a sample rate of ", rate, " Hz for ", length,
-          " s, expected one above zero that makes fewer than ", kMostRows, " rows.");
+  // Motion wanted, done and measured: positions, velocities, accelerations and torques of each.
+  const double most = std::floor(most_rows(12.0 * static_cast<double>(motion.joints())));
+  require(length * rate >= 1.0 && length * rate < most, "simulation: found a sample rate of ", rate,
+          " Hz for ", length, " s, expected one that makes two rows at least and fewer than ", most,
+          " rows, what this machine holds.");
   const auto rows = static_cast<Eigen::Index>(std::floor(length * rate * (1.0 + 1e-12) + 1e-9)) + 1;
   VectorXd times(rows);
   for (Eigen::Index k = 0; k < rows; ++k) times[k] = motion.time[0] + static_cast<double>(k) / rate;

@@ -49,6 +49,26 @@ TEST_F(BadInput, MissingRobotSuggestsOne) {
   expect_refused(identify("planar-3r", recording), 3, {"planar-3r", "planar-2r"});
 }
 
+// What no machine could hold is refused before it is begun, with the number of rows.
+TEST_F(BadInput, MoreRowsThanTheMachineHolds) {
+  const std::string recording = folder_.write("recording.csv", planar_recording(3.0));
+  const Words too_many[] = {
+      {"identify", "planar-2r", "--train", recording, "--resample", "1e12"},
+      {"excite", "planar-2r", "-o", folder_.path("m.csv"), "--duration", "999999", "--rate", "1e5"},
+      {"simulate", "planar-2r", "--trajectory", recording, "-o", folder_.path("o.csv"),
+       "--sample-rate", "1e11"}};
+  for (const Words& words : too_many) {
+    const ToolRun run = run_tool(words + Words{"--quiet"});
+    EXPECT_GE(run.status, 2) << words[0];
+    EXPECT_LE(run.status, 3) << words[0];
+    EXPECT_NE(run.err.find("what this machine holds"), std::string::npos) << run.err;
+    EXPECT_EQ(run.error_lines(), 1) << run.err;
+  }
+  // One wrong time stamp asks for as much.
+  expect_refused(identify("planar-2r", with_line(301, "1e9,0,0,0,0,0,0")), 3,
+                 {"recording.csv", "what this machine holds"});
+}
+
 TEST_F(BadInput, EmptyRecording) {
   expect_refused(identify("planar-2r", folder_.write("recording.csv", "")), 3, {"recording.csv"});
 }

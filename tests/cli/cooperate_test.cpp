@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <fstream>
 #include <sstream>
 #include <string>
@@ -119,7 +120,14 @@ TEST_F(Cooperate, MistakesGetOneLine) {
   std::string content = content_of(example("gazebo-y"));
   const auto at = content.find("frame: tool");
   content.replace(at, 11, "frame: tolo");
-  expect_line({folder_.write("b.yaml", content)}, 3, "tolo");
+  const std::string line =
+      std::to_string(1 + std::count(content.begin(), content.begin() + at, '\n'));
+  expect_line({folder_.write("b.yaml", content)}, 3, "b.yaml:" + line + ": arm '");
+  expect_line({path("b.yaml")}, 3, "(did you mean 'tool'?), expected one of psm-3dof: mount, yaw");
+  content = content_of(example("gazebo-y"));
+  const auto duration = content.find("duration: ");
+  content.replace(duration, 11, "duration: 1e9");
+  expect_line({folder_.write("c.yaml", content)}, 3, "what this machine holds");
   expect_line({example("gazebo-y"), "--sweep"}, 3, "no sweep");
   expect_line({example("gazebo-y"), "--engine", "bullet"}, 2, "bullet");
   expect_line({example("gazebo-y"), "--json", "x", "--report", "x"}, 2, "the same file");

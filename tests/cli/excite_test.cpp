@@ -199,7 +199,7 @@ TEST(Excite, WordsThatMakeNoSenseAreUsageErrors) {
     EXPECT_EQ(run.status, 2) << wrong[0] << run.err;
     EXPECT_EQ(run.error_lines(), 1) << run.err;
   }
-  EXPECT_EQ(run_tool(base + Words{"--box", "nowhere:0,1,0,1,0,1"}).status, 3);
+  EXPECT_EQ(run_tool(base + Words{"--box", "nowhere:0,1,0,1,0,1"}).status, 2);
   EXPECT_TRUE(folder.files().empty());
 }
 

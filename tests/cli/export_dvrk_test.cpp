@@ -101,7 +101,7 @@ TEST(ExportDvrk, BadInputAndWrongUsageAreTold) {
   };
   fails({"psm-3dof", "--dvrk-gravity", out}, 3, "without values");
   fails({"ur10e", "--dvrk-gravity", out}, 3, "--dvrk-arm");
-  fails({model, "--dvrk-gravity", out, "--dvrk-arm", "PSM7"}, 3, "did you mean");
+  fails({model, "--dvrk-gravity", out, "--dvrk-arm", "PSM7"}, 2, "did you mean");
   fails({model, "--dvrk-gravity", out, "--dvrk-arm", "MTML"}, 3, "expected a PSM or ECM");
   const std::string broken = folder.write("io.xml", "<Config Version=\"5\">\n<Robot/>\n</Config>");
   fails({model, "--dvrk-scales", out, "--dvrk-config", broken}, 3, "io.xml:2: Robot");

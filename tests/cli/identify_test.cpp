@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdio>
 #include <sstream>
 
 #include "cli/tool.hpp"
@@ -212,6 +213,40 @@ TEST_F(Identify, SeveralRecordingsAndThreadsChangeNothingButTheOrder) {
 TEST_F(Identify, APriorOfTheSameRobotIsAccepted) {
   const json out = result({"--prior", "planar-2r"});
   EXPECT_EQ(out["settings"]["prior"], "planar-2r");
+}
+
+// A held-out recording of which nothing is left has no error; 0 % would be a lie.
+TEST_F(Identify, AnEmptyHeldOutRecordingIsRefused) {
+  const ToolRun done = run({"--test-rows", "5000:6000", "--quiet"});
+  EXPECT_EQ(done.status, 3);
+  EXPECT_EQ(done.error_lines(), 1) << done.err;
+  EXPECT_NE(done.err.find("test.csv: found no usable samples"), std::string::npos) << done.err;
+  EXPECT_EQ(done.out, "");
+}
+
+// Units are looked at wherever a recording is learned from.
+TEST_F(Identify, ARecordingInDegreesIsWarnedOf) {
+  EXPECT_EQ(run({"--quiet"}).err, "");
+  std::istringstream rad(content_of(train_));
+  std::ostringstream deg;
+  std::string line;
+  std::getline(rad, line);
+  deg << line << "\n";
+  while (std::getline(rad, line)) {
+    double t = 0.0, q1 = 0.0, q2 = 0.0, dq1 = 0.0, dq2 = 0.0, tau1 = 0.0, tau2 = 0.0;
+    std::sscanf(line.c_str(), "%lf,%lf,%lf,%lf,%lf,%lf,%lf", &t, &q1, &q2, &dq1, &dq2, &tau1,
+                &tau2);
+    const double k = 180.0 / M_PI;
+    deg << t << "," << k * q1 << "," << k * q2 << "," << k * dq1 << "," << k * dq2 << "," << tau1
+        << "," << tau2 << "\n";
+  }
+  const std::string train = folder_.write("degrees.csv", deg.str());
+  const ToolRun done = run_tool({"identify", "planar-2r", "--train", train, "--quiet"});
+  EXPECT_EQ(done.status, 0) << done.err;
+  EXPECT_EQ(done.error_lines(), 2) << done.err;
+  EXPECT_NE(done.err.find("warning: " + train + ": The position of joint 1"), std::string::npos)
+      << done.err;
+  EXPECT_NE(done.err.find("degrees or millimetres"), std::string::npos) << done.err;
 }
 
 }  // namespace

@@ -101,7 +101,7 @@ TEST_F(KnownMass, OfTheWrongFormIsRefusedInOneLine) {
         std::pair("2.8@flange=other.csv", "'other.csv'")}) {
     const ToolRun run =
         run_tool({"identify", "ur10e", "--train", any, any, "--known-mass", asked, "--quiet"});
-    EXPECT_EQ(run.status, 3);
+    EXPECT_EQ(run.status, 2);
     EXPECT_EQ(run.error_lines(), 1) << run.err;
     EXPECT_NE(run.err.find(words), std::string::npos) << run.err;
   }

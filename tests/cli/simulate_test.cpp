@@ -95,24 +95,34 @@ TEST_F(Simulate, MistakesGetOneLine) {
   }
   const ToolRun gains = run_tool({"simulate", "planar-2r", "--trajectory", traj, "-o", rec,
                                   "--controller", "pid", "--kp", "1,2,3", "--quiet"});
-  EXPECT_EQ(gains.status, 3);
+  EXPECT_EQ(gains.status, 2);
   EXPECT_NE(gains.err.find("--kp: found 3 numbers, expected 2"), std::string::npos) << gains.err;
   EXPECT_FALSE(std::filesystem::exists(rec));
 }
 
-// A controller whose gains are far too high for its rate makes the arm fly apart.
-TEST_F(Simulate, ARunThatFailsIsKeptAndMarked) {
-  const std::string recording = folder_.path("rec.csv");
-  const std::string out = folder_.path("out.json");
-  const ToolRun run =
-      run_tool({"simulate", "planar-2r", "--trajectory", trajectory(), "-o", recording,
-                "--controller", "pid", "--kp", "1e9,1e9", "--kd", "1e7,1e7", "--torque-limit",
-                "1e300,1e300", "--noise", "none", "--json", out, "--quiet"});
-  EXPECT_EQ(run.status, 4) << run.err;
-  EXPECT_NE(run.err.find("stopped at"), std::string::npos) << run.err;
-  EXPECT_EQ(content_of(recording).rfind("# incomplete: the run stopped at", 0), 0u);
-  EXPECT_FALSE(json_of(out)["complete"].get<bool>());
-  EXPECT_EQ(run_tool({"check", recording}).status, 0) << "the kept rows are no recording";
+// A controller whose gains are far too high for its rate makes the arm fly apart, and one that sees
+// the arm too late makes it run away.
+TEST_F(Simulate, ARunThatFailsWritesNothing) {
+  const std::string traj = trajectory();
+  const Words files = folder_.files();
+  const Words base = {"simulate",     "planar-2r",
+                      "--trajectory", traj,
+                      "-o",           folder_.path("rec.csv"),
+                      "--controller", "pid",
+                      "--noise",      "none",
+                      "--json",       folder_.path("out.json"),
+                      "--model-out",  folder_.path("truth.yaml"),
+                      "--quiet"};
+  for (const Words& wild :
+       {Words{"--kp", "1e9,1e9", "--kd", "1e7,1e7", "--torque-limit", "1e300,1e300"},
+        Words{"--encoder-delay", "0.5", "--torque-limit", "1e4,1e4"}}) {
+    const ToolRun run = run_tool(base + wild);
+    EXPECT_EQ(run.status, 4) << run.err;
+    EXPECT_EQ(run.error_lines(), 1) << run.err;
+    EXPECT_EQ(run.out, "");
+    EXPECT_NE(run.err.find("the run stopped at"), std::string::npos) << run.err;
+    EXPECT_EQ(folder_.files(), files);
+  }
 }
 
 std::string real_data(const std::string& name) {

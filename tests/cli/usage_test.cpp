@@ -85,5 +85,114 @@ TEST(Usage, BadValuesAreNamedWithWhatIsExpected) {
   expect_usage_error(identify + Words{"--method", "wls", "--prior", "planar-2r"}, "--prior");
 }
 
+// Options that nothing would use are refused, before any file is read.
+TEST(Usage, OptionsThatMeanNothingAreRefused) {
+  const Words identify = {"identify", "planar-2r", "--train", "a.csv"};
+  const Words simulate = {"simulate", "planar-2r", "--trajectory", "a.csv", "-o", "b.csv"};
+  const Words replay = {"simulate", "planar-2r", "--replay", "a.csv"};
+  const Words excite = {"excite", "planar-2r", "-o", "b.csv"};
+  const Words run = {"dvrk", "run", "--arm", "PSM1", "--trajectory", "a.csv", "-o", "b.csv"};
+  const Words weightless = {"dvrk",  "run",          "--arm",   "PSM1",    "-o",
+                            "b.csv", "--controller", "gravity", "--model", "no.yaml"};
+  const struct {
+    Words words;
+    const char* option;
+    const char* value;
+    const char* needs;
+  } cases[] = {
+      {identify + Words{"--method", "ols"}, "--weights", "range", "--method wls or feasible"},
+      {identify + Words{"--method", "wls"}, "--signs", "any", "--method feasible"},
+      {identify + Words{"--method", "ols"}, "--condition", "pseudo-inertia", "--method feasible"},
+      {identify, "--test-rows", "1:9", "--test"},
+      {simulate, "--kp", "1,1", "--controller pid"},
+      {simulate, "--gains", "g.yaml", "--controller pid"},
+      {simulate, "--control-rate", "500", "--controller pid"},
+      {simulate, "--encoder-delay", "0.1", "--controller pid"},
+      {simulate, "--torque-limit", "1,1", "--controller pid"},
+      {simulate, "--drive", "torques", "--replay"},
+      {simulate, "--filter-cutoff", "3", "--replay"},
+      {simulate, "--set-point-cutoff", "3", "--replay"},
+      {simulate, "--breakaway-speed", "3", "--breakaway"},
+      {replay, "--noise", "low", "--trajectory"},
+      {replay, "--effect", "backlash:1", "--trajectory"},
+      {replay, "--seed", "3", "--trajectory"},
+      {replay, "--model-out", "c.yaml", "--trajectory"},
+      {replay + Words{"--drive", "torques"}, "--kp", "1,1", "--replay led by"},
+      {replay + Words{"--breakaway", "elbow"}, "--drive", "torques", "without --breakaway"},
+      {excite + Words{"--criterion", "condition"}, "--between", "payload:fore,torque_gain:1",
+       "--criterion discriminate"},
+      {excite, "--clearance", "0.1", "--sphere"},
+      {excite, "--obstacle", "0,0,0,1", "--sphere"},
+      {run, "--gains", "g.yaml", "--model"},
+      {run, "--stiffness", "300", "--controller impedance"},
+      {run, "--tip", "wrist", "--controller impedance"},
+      {run, "--seconds", "3", "--controller gravity"},
+      {run, "--robot", "PSM2", "--config"},
+      {weightless, "--largest-error", "1", "another controller"},
+      {weightless, "--gains", "g.yaml", "--controller pid"},
+      {{"dvrk", "emulate", "--arm", "PSM1", "--port", "0"}, "--start", "1,1,1", "--model"},
+  };
+  for (const auto& one : cases) {
+    SCOPED_TRACE(std::string(one.option) + " of " + one.words[0]);
+    const std::string says = std::string(one.option) + ": means nothing here, it needs ";
+    expect_usage_error(one.words + Words{one.option, one.value}, says);
+    expect_usage_error(one.words + Words{one.option, one.value}, one.needs);
+  }
+}
+
+// A value that an option cannot have is wrong usage also where only the arm tells.
+TEST(Usage, ValuesThatDoNotFitTheArmAreWrongUsage) {
+  const TemporaryFolder folder;
+  const std::string rec = folder.write("rec.csv", planar_recording(3.0));
+  const std::string out = folder.path("out.csv");
+  const Words identify = {"identify", "planar-2r", "--quiet", "--train", rec};
+  const Words simulate = {"simulate", "planar-2r", "--quiet", "--trajectory", rec, "-o", out};
+  const Words pid = simulate + Words{"--controller", "pid"};
+  const Words excite = {"excite", "planar-2r", "--quiet", "-o", out};
+  const Words emulate = {"dvrk", "emulate", "--port", "0", "--seconds", "0.1"};
+  const Words psm1 = emulate + Words{"--arm", "PSM1"};
+  const std::string io = folder.path("io.xml");
+  ASSERT_EQ(run_tool({"dvrk", "config", "--arm", "PSM1", "-o", io}).status, 0);
+  const struct {
+    Words words;
+    const char* says;
+  } cases[] = {
+      {identify + Words{"--known-mass", "1kg"}, "--known-mass: "},
+      {identify + Words{"--known-mass", "1@fore"}, "found one recording"},
+      {identify + Words{rec, "--known-mass", "1@for"}, "did you mean 'fore'?"},
+      {identify + Words{"--test", rec, "--signs", "some"}, "--signs"},
+      {{"diagnose", "planar-2r", "--train", rec, "--test", rec, "--effects", "backlsh"},
+       "did you mean 'backlash'?"},
+      {{"payload", "planar-2r", "--recording", rec, "--link", "for"}, "did you mean 'fore'?"},
+      {{"export", "planar-2r", "--dvrk-gravity", out, "--dvrk-arm", "PSM9"}, "--dvrk-arm: "},
+      {simulate + Words{"--effect", "backlsh:1"}, "did you mean 'backlash'?"},
+      {simulate + Words{"--effect", "backlash:3"}, "found the joint '3'"},
+      {simulate + Words{"--effect", "payload:hand"}, "found the frame 'hand'"},
+      {simulate + Words{"--sample-rate", "1e12"}, "--sample-rate: "},
+      {simulate + Words{"--sample-rate", "0.01"}, "two rows at least"},
+      {pid + Words{"--kp", "1"}, "--kp: found 1 numbers, expected 2"},
+      {pid + Words{"--kp", "-1,1"}, "--kp: found -1"},
+      {pid + Words{"--torque-limit", "0,1"}, "--torque-limit: found 0"},
+      {pid + Words{"--control-rate", "1e12"}, "--control-rate: "},
+      {{"simulate", "planar-2r", "--quiet", "--replay", rec, "--breakaway", "wrist"},
+       "--breakaway: "},
+      {excite + Words{"--duration", "1e12"}, "found a duration of 1e+12"},
+      {excite + Words{"--box", "hand:0,1,0,1,0,1"}, "found the frame 'hand'"},
+      {excite + Words{"--between", "payload:hand,torque_gain:1"}, "found the frame 'hand'"},
+      {excite + Words{"--criterion", "discriminate"}, "needs --between"},
+      {{"dvrk", "config", "--arm", "PSM9"}, "did you mean 'PSM1'?"},
+      {emulate + Words{"--arm", "PSM9"}, "did you mean 'PSM1'?"},
+      {psm1 + Words{"--instrument", "scissors"}, "--instrument: "},
+      {psm1 + Words{"--event", "reboot:3@1"}, "board 3 is not emulated"},
+      {psm1 + Words{"--model", "planar-2r", "--start", "1"}, "--start: found 1 numbers"},
+      {psm1 + Words{"--model", "planar-2r", "--start", "9,0", "--config-out", out},
+       "--start: found 9 for shoulder"},
+      {emulate + Words{"--config", io, "--robot", "PSM2"}, "--robot: found 'PSM2'"},
+      {emulate + Words{"--config", io, "--arm", "PSM2"}, "--arm: found PSM2, but the robot"},
+  };
+  for (const auto& one : cases) expect_usage_error(one.words, one.says);
+  EXPECT_EQ(folder.files(), (Words{"io.xml", "rec.csv"}));
+}
+
 }  // namespace
 }  // namespace veridyn

@@ -167,7 +167,11 @@ TEST(GravityChain, BadFilesNameRowAndReason) {
   EXPECT_NE(message_of("\"mass\"", "\"maas\"").find("DH/joints/0: found no number 'mass'"),
             std::string::npos);
   EXPECT_NE(message_of("\"revolute\"", "\"screw\"").find("'screw'"), std::string::npos);
-  EXPECT_NE(message_of("\"revolute\"", "7").find("f.json"), std::string::npos);
+  EXPECT_NE(message_of("\"revolute\"", "7").find("f.json: DH/joints/0: found no text 'type'"),
+            std::string::npos);
+  EXPECT_NE(
+      message_of("\"arm\": \"ECM\"", "\"arm\": 7").find("f.json: veridyn: found no text 'arm'"),
+      std::string::npos);
   EXPECT_NE(message_of("modified", "standard").find("convention"), std::string::npos);
   EXPECT_THROW(read_gravity_json("{}", "f"), InvalidInput);
   EXPECT_THROW(read_gravity_json("[", "f"), InvalidInput);

@@ -25,6 +25,33 @@ struct Mistake {
   std::vector<std::string> named;
 };
 
+// JSON that breaks off, or goes wrong, is shown where it does, in words of this library.
+TEST(IoConfig, JsonThatIsNoneIsShownWhereItGoesWrong) {
+  const struct {
+    const char* content;
+    const char* says;
+  } cases[] = {
+      {"{\"robots\": [", "io.json:1:13: found the end of the file, expected the JSON to go on."},
+      {"{\"a\": nan}", "io.json:1:7: found 'nan', expected JSON"},
+      {"{\"a\":\n 1}}", "io.json:2:4: found '}', expected JSON"},
+      {"{\"a\": 1,\n \"b\" 2}", "io.json:2:6: found '2', expected JSON"},
+      {"{\"a\": \"\xff\"}", "io.json:1:8: found a character that is not UTF-8"},
+      {"{\"a\": \"x\ny\"}", "io.json:1:9: found the end of the line"},
+      {"  ", "io.json:1:1: found nothing"},
+      {"{\"a\": 1e999}", "found a number too large to hold"},
+      {"42", "expected {\"robots\""},
+  };
+  for (const auto& one : cases) {
+    try {
+      read_io_json(one.content, "io.json");
+      ADD_FAILURE() << one.content;
+    } catch (const InvalidInput& error) {
+      EXPECT_NE(std::string(error.what()).find(one.says), std::string::npos) << error.what();
+      EXPECT_EQ(std::string(error.what()).find("json.exception"), std::string::npos);
+    }
+  }
+}
+
 class OnMistakes : public testing::TestWithParam<Mistake> {};
 
 TEST_P(OnMistakes, TheMessageNamesElementAndReason) {

@@ -114,6 +114,34 @@ TEST(ControlLoop, ARunThatStopsKeepsItsRowsAndSaysWhere) {
   EXPECT_NE(run.why(arm).find("1 s: joint q2"), std::string::npos) << run.why(arm);
 }
 
+// At 50 Hz, motors under rows at 200 Hz hold what they give for four rows.
+TEST(ControlLoop, AControllerMayBeSlowerThanTheRows) {
+  const Model arm = planar_2r();
+  ControlledOptions options;
+  options.loop.rate = 50.0;
+  options.loop.gains = sensible_gains(arm, 1.0);
+  options.recording.noise = sensor_noise("none");
+  const EngineRun run =
+      simulate_controlled(arm, slow_waves(VectorXd::Constant(2, 0.1), 0.4, 1.0), options).run;
+  ASSERT_TRUE(run.complete());
+  for (Eigen::Index k = 1; k < run.tau.rows(); ++k)
+    EXPECT_EQ(run.tau.row(k) == run.tau.row(k - 1), k % 4 != 0) << k;
+}
+
+// What the controller sees is too old: each swing becomes larger than the one before.
+TEST(ControlLoop, AnArmThatRunsAwayIsStopped) {
+  const Model arm = planar_2r();
+  ControlledOptions options;
+  options.loop.sensors.delay = 0.5;
+  options.loop.drive.limit = VectorXd::Constant(2, 1e4);
+  const EngineRun run =
+      simulate_controlled(arm, slow_waves(VectorXd::Constant(2, 0.1), 0.4, 60.0), options).run;
+  ASSERT_EQ(run.status, StepStatus::kRanAway);
+  EXPECT_LT(run.motion.time[run.motion.rows() - 1], 59.0);
+  EXPECT_TRUE(run.motion.q.allFinite());
+  EXPECT_NE(run.why(arm).find("more than ten times its range"), std::string::npos) << run.why(arm);
+}
+
 TEST(ControlLoop, GainsComeFromAFile) {
   const Model arm = planar_2r();
   const std::string path = testing::TempDir() + "gains.yaml";

@@ -47,8 +47,10 @@ struct LoopOptions {
   PidGains gains;
   Drive drive;
   LoopSensors sensors;
-  double rate = 1000.0;  ///< [Hz] of the controller
-  VectorXd start;        ///< (n) where the arm stands first; empty: at the first set point
+  /// [Hz] of the controller, whatever the rows' rate: between two rows it acts a whole number of
+  /// times, or once in a whole number of rows, whichever comes closest.
+  double rate = 1000.0;
+  VectorXd start;  ///< (n) where the arm stands first; empty: at the first set point
   std::vector<PlantedArm::Contact> contacts;  ///< what the world does to the arm
 };
 
@@ -66,7 +68,8 @@ struct EngineRun {
 };
 
 /// Lets a PID follow set points, from the first one on; rows are recorded at their times. Between
-/// them set points run straight, with their velocities.
+/// them set points run straight, with their velocities. Ends with kRanAway where a joint is more
+/// than ten times its range off its set point.
 /// @throws InvalidInput  sizes that do not fit, a rate or a lag that cannot be.
 EngineRun run_with_pid(Engine& engine, const Model& arm, const MotionSamples& set_points,
                        const LoopOptions& options);

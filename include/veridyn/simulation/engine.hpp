@@ -14,7 +14,8 @@ enum class StepStatus {
   kOk,
   kNotFinite,    ///< a torque, a position or a velocity is not a number any more
   kNotPositive,  ///< the mass matrix has no inverse where the arm stands
-  kTooStiff      ///< the error asks for more substeps than allowed
+  kTooStiff,     ///< the error asks for more substeps than allowed
+  kRanAway       ///< a controlled joint is far beyond all that it could be asked for
 };
 
 /// A phrase that stands after "the run stopped at 1.2 s: joint insertion": "has a position that is

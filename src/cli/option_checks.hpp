@@ -1,0 +1,50 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "veridyn/math/require.hpp"
+#include "veridyn/model/model.hpp"
+
+namespace veridyn::cli {
+
+/// What an option needs beside it to mean anything.
+struct OptionNeed {
+  const char* option;  ///< as "--kp"
+  bool met;            ///< whether it is there
+  const char* needs;   ///< what it is, in words: "--controller pid"
+};
+
+/// Refuses options that were given though nothing would use them.
+/// @throws CLI::ValidationError  names the first of them and what it needs.
+void expect_needs(const CLI::App& command, const std::vector<OptionNeed>& needs);
+
+/// make(). What it refuses is a value that the option cannot have: wrong usage, not bad input.
+/// Files are read elsewhere.
+/// @throws CLI::ValidationError  in place of InvalidInput, with the option named first.
+template <typename Make>
+auto value_of(const std::string& option, Make&& make) {
+  try {
+    return std::forward<Make>(make)();
+  } catch (const InvalidInput& error) {
+    throw CLI::ValidationError(option, error.what());
+  }
+}
+
+/// @throws CLI::ValidationError  the option's value is none of the names; with a suggestion.
+void expect_one_of(const std::string& option, const std::string& value,
+                   const std::vector<std::string>& names);
+
+/// The names of an arm's frames, for expect_one_of().
+std::vector<std::string> frame_names(const Model& arm);
+
+/// @throws CLI::ValidationError  with the given parts behind the option, unless the condition
+/// holds.
+template <typename... Parts>
+void expect_value(bool condition, const std::string& option, const Parts&... parts) {
+  if (!condition) throw CLI::ValidationError(option, text(parts...));
+}
+
+}  // namespace veridyn::cli
