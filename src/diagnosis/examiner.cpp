@@ -6,6 +6,7 @@
 #include <set>
 #include <string>
 
+#include "payload_fit.hpp"
 #include "veridyn/math/parallel.hpp"
 #include "veridyn/math/student_t.hpp"
 
@@ -14,6 +15,9 @@ namespace {
 
 constexpr double kAbsorbed =
     1e-6;  // share of a column's square that must be new for the data to answer
+// Share of what a payload's columns explain that a point mass must explain. Chosen on 40 simulated
+// arms: 0.93 and more where there was a load, often below 0.6 where there was none.
+constexpr double kCompact = 0.7;
 constexpr double kImpossible = 1.2;  // a parameter may seem to fall by this share of itself
 
 // Of the columns of a body those that the others do not span, first ones first.
@@ -144,6 +148,9 @@ Evidence Examiner::ask(int h, const Stand& before) const {
   // One fold of four or more may disagree: a recording can have a fault of its own.
   const double allowed = std::max(folds >= 4.0 ? 1.0 : 0.0, (1.0 - options_.fold_share) * folds);
   e.consistent = (1.0 - e.fold_share) * folds <= allowed + 1e-9;
+  if (hypothesis(h).body >= 0 && passes(e)) {
+    e.sign_broken = compact_share(data_, hypothesis(h), before.set, before.weights) < kCompact;
+  }
   return e;
 }
 

@@ -282,6 +282,7 @@ class Builder {
     }
     h.body = static_cast<int>(arm_.bodies().size()) + payloads_++;
     h.stage = stage_of("payload");
+    if (description_.box.com_reach > 0.0) h.reach = description_.box.com_reach;
     h.family = load.name;
     h.signs.assign(kBodyParameters, ParameterSign::kAny);
     description_.frames.push_back(std::move(load));

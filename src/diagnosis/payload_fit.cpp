@@ -16,6 +16,7 @@ constexpr double kUnseen = 1e-7;    // of the best seen direction's square
 constexpr double kSameSpan = 1e-5;  // of a column's square that may lie outside the other's span
 constexpr double kLightest = 1e-4;  // [kg] where the torques see the moment only, any mass would do
 constexpr double kHeaviest = 200.0;
+constexpr double kAnywhere = 1e6;  // [m]
 constexpr int kSteps = 60;
 constexpr double kAsGood = 2e-3;  // of what the best solution explains
 constexpr std::array<double, 5> kFirstMasses = {0.03, 0.15, 0.6, 2.5, 10.0};  // [kg]
@@ -62,8 +63,12 @@ Eigen::Matrix<double, 10, 4> slopes(double mass, const Eigen::Vector3d& h) {
   return J;
 }
 
-// Levenberg and Marquardt from one start.
-Solution descend(const Quadratic& f, double mass, Eigen::Vector3d h) {
+// Levenberg and Marquardt from one start; the centre stays within `reach` of the frame.
+Solution descend(const Quadratic& f, double mass, Eigen::Vector3d h, double reach) {
+  const auto within = [&](const Eigen::Vector3d& moment, double of) -> Eigen::Vector3d {
+    return moment.cwiseMin(of * reach).cwiseMax(-of * reach);
+  };
+  h = within(h, mass);
   Solution best{point_mass(mass, h), 0.0};
   best.cost = f.cost(best.phi);
   double damping = 1e-3;
@@ -76,7 +81,7 @@ Solution descend(const Quadratic& f, double mass, Eigen::Vector3d h) {
     const Eigen::Vector4d d = H.ldlt().solve(g);
     const double next_mass =
         std::clamp(mass * std::exp(std::clamp(d[0], -1.0, 1.0)), kLightest, kHeaviest);
-    const Eigen::Vector3d next_h = h + d.tail<3>();
+    const Eigen::Vector3d next_h = within(h + d.tail<3>(), next_mass);
     const InertialParameters phi = point_mass(next_mass, next_h);
     const double cost = f.cost(phi);
     if (!(cost < best.cost)) {
@@ -94,10 +99,11 @@ Solution descend(const Quadratic& f, double mass, Eigen::Vector3d h) {
   return best;
 }
 
-std::vector<Solution> all_solutions(const Quadratic& f, const Eigen::Vector3d& h) {
+std::vector<Solution> all_solutions(const Quadratic& f, const Eigen::Vector3d& h,
+                                    double reach = kAnywhere) {
   std::vector<Solution> out;
   for (const double mass : kFirstMasses) {
-    for (const double share : {1.0, 0.3, -0.3}) out.push_back(descend(f, mass, share * h));
+    for (const double share : {1.0, 0.3, -0.3}) out.push_back(descend(f, mass, share * h, reach));
   }
   return out;
 }
@@ -111,14 +117,14 @@ Eigen::Matrix<double, 6, 1> extent(const Quadratic& f, const Solution& s) {
   return A.ldlt().solve((f.b - f.A * s.phi).tail(6));
 }
 
-Solution fit_point(const Quadratic& f, const Solution* near) {
-  if (near != nullptr) return descend(f, near->mass(), near->moment());
+Solution fit_point(const Quadratic& f, const Solution* near, double reach = kAnywhere) {
+  if (near != nullptr) return descend(f, near->mass(), near->moment(), reach);
   MatrixXd first = f.A.block(1, 1, 3, 3);
   first.diagonal() *= 1.0 + kRidge;
   first.diagonal().array() += 1e-300;
   const Eigen::Vector3d h = first.ldlt().solve(f.b.segment(1, 3));
   Solution best;
-  for (const Solution& s : all_solutions(f, h)) {
+  for (const Solution& s : all_solutions(f, h, reach)) {
     if (s.cost < best.cost) best = s;
   }
   return best;
@@ -319,6 +325,16 @@ PayloadEstimate fit_payload(const Inquiry& q, const NormalBlocks& data, const Hy
   out.error_with_drift = (drift_only.array() / as_it_stands.array()).sqrt();
   out.error_with_load = (problem.residual2(main.phi).array() / as_it_stands.array()).sqrt();
   return out;
+}
+
+double compact_share(const NormalBlocks& data, const Hypothesis& payload, const ColumnSet& beside,
+                     const VectorXd& weights) {
+  const Quadratic f = LoadProblem(data, payload, beside, weights).without(-1);
+  MatrixXd A = f.A;
+  A.diagonal() *= 1.0 + kRidge;
+  A.diagonal().array() += 1e-300;
+  const double free = f.b.dot(A.ldlt().solve(f.b));
+  return free > 0.0 ? std::clamp(-fit_point(f, nullptr, payload.reach).cost / free, 0.0, 1.0) : 0.0;
 }
 
 bool same_torques(const NormalBlocks& data, const Hypothesis& a, const Hypothesis& b) {

@@ -16,6 +16,14 @@ PayloadEstimate fit_payload(const Inquiry& inquiry, const NormalBlocks& data,
 /// that carry it; growing sets, the first one empty.
 std::vector<ColumnSet> nuisance_sets(const Inquiry& inquiry, const NormalBlocks& data, int frame);
 
+/// Of what the ten parameters of a payload explain when they may be anything, the share that they
+/// explain as those of a point mass within the hypothesis's reach; 0 to 1. A rotor's inertia and a
+/// wrong gravity look like a load as long as it need not be one.
+/// @param beside   columns that are fitted with it.
+/// @param weights  of the joints.
+double compact_share(const NormalBlocks& data, const Hypothesis& payload, const ColumnSet& beside,
+                     const VectorXd& weights);
+
 /// True if the columns of two payloads span the same torques.
 bool same_torques(const NormalBlocks& data, const Hypothesis& a, const Hypothesis& b);
 

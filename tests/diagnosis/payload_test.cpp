@@ -6,6 +6,7 @@
 
 #include "cli/tool.hpp"
 #include "simulation/simulation_support.hpp"
+#include "veridyn/diagnosis/diagnosis.hpp"
 #include "veridyn/math/output_file.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/simulation/plausible_model.hpp"
@@ -57,6 +58,17 @@ TEST_F(Payload, MassAndCentreOnTheLastLinkAreFound) {
   EXPECT_LT(report.error_after.norm(), 0.5 * report.error_with_drift.norm());
   for (Eigen::Index i = 0; i < report.error_before.size(); ++i)
     EXPECT_LE(report.error_after[i], report.error_before[i] + 0.01);
+}
+
+// Ten free parameters of a body can follow a rotor's inertia; a load of whatever mass cannot.
+TEST_F(Payload, ARotorsInertiaIsNotTakenForALoad) {
+  const std::string hidden = "rotor_inertia:3:inertia=0.6";
+  const Diagnosis d = diagnose(arm_, {recording_with(hidden, 3), recording_with(hidden, 4)},
+                               {recording_with(hidden, 5)});
+  ASSERT_FALSE(d.findings.empty());
+  EXPECT_EQ(d.findings[0].effect, "rotor_inertia");
+  EXPECT_EQ(d.findings[0].joint, 3);
+  for (const Rival& r : d.findings[0].rivals) EXPECT_NE(r.effect, "payload") << r.frame;
 }
 
 TEST_F(Payload, OneLinkOnlyIfAskedSo) {
