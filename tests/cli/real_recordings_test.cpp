@@ -143,12 +143,14 @@ TEST_F(RealRecordings, ThesisArmsLateRowsAreFilledIn) {
     EXPECT_LT(floors(filled)[2], 0.9 * floors(kept)[2]);
     for (int joint : {0, 1}) EXPECT_LT(floors(filled)[joint], 1.05 * floors(kept)[joint]);
     const json& recording = filled["train"]["recordings"][0];
+    ASSERT_TRUE(recording.contains("filled_rows"));
     EXPECT_NEAR(recording["filled_rows"]["share"].get<double>(), 0.13, 0.01);
   }
   const json out =
       identify_thesis_arm([this](const Words& words) { return identify("psm-3dof", words); });
   ASSERT_FALSE(out.is_null());
   for (const json& recording : out["test"]["recordings"]) {
+    ASSERT_TRUE(recording.contains("as_recorded"));
     const std::vector<double> filled = percent(recording["relative_error"]);
     const std::vector<double> kept = percent(recording["as_recorded"]["relative_error"]);
     for (std::size_t joint = 0; joint < 3; ++joint) EXPECT_LT(filled[joint], kept[joint] + 0.1);

@@ -106,8 +106,10 @@ TEST_F(LateRecordings, ErrorsAreToldOnRowsAsRecordedToo) {
   EXPECT_EQ(out["settings"]["stale_rows"], "filled");
   EXPECT_EQ(kept["settings"]["stale_rows"], "kept");
   EXPECT_EQ(out["standard_parameters"], kept["standard_parameters"]);
+  ASSERT_TRUE(out["test"].contains("as_recorded"));
   EXPECT_EQ(out["test"]["as_recorded"]["relative_error"], kept["test"]["relative_error"]);
   const json& late = out["test"]["recordings"][0];
+  ASSERT_TRUE(late.contains("filled_rows"));
   EXPECT_EQ(late["as_recorded"]["relative_error"], kept["test"]["recordings"][0]["relative_error"]);
   EXPECT_NE(late["relative_error"], late["as_recorded"]["relative_error"]);
   EXPECT_NEAR(late["filled_rows"]["share"].get<double>(), 0.12, 0.03);
@@ -132,6 +134,7 @@ TEST_F(LateRecordings, DiagnoseSaysWhatItFilledIn) {
     if (finding["finding"] != "stale_rows") continue;
     ++remarks;
     EXPECT_EQ(finding["file"], train);
+    ASSERT_TRUE(finding.contains("filled_rows"));
     EXPECT_NEAR(finding["filled_rows"]["share"].get<double>(), finding["share"].get<double>(),
                 0.03);
     EXPECT_GT(finding["filled_rows"]["lateness"].get<double>(), 0.005);
