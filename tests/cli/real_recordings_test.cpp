@@ -33,9 +33,16 @@ class RealRecordings : public testing::Test {
   static std::string file(const std::string& name) { return data_folder() + "/" + name; }
 
   json identify(const std::string& robot, const Words& arguments) const {
+    return result({"identify", robot}, arguments);
+  }
+
+  json diagnose(const std::string& robot, const Words& arguments) const {
+    return result({"diagnose", robot}, arguments);
+  }
+
+  json result(const Words& command, const Words& arguments) const {
     const std::string out = folder_.path("out.json");
-    const ToolRun run =
-        run_tool(Words{"identify", robot} + arguments + Words{"--json", out, "--quiet"});
+    const ToolRun run = run_tool(command + arguments + Words{"--json", out, "--quiet"});
     EXPECT_EQ(run.status, 0) << run.err;
     return run.status == 0 ? json_of(out) : json();
   }
@@ -170,6 +177,23 @@ TEST_F(RealRecordings, ThesisArmAsPrinted) {
   const json& tests = out["test"]["recordings"];
   expect_about(percent(tests[0]["relative_error"]), {13.0, 14.6, 28.5});
   expect_about(percent(tests[1]["relative_error"]), {13.8, 22.9, 43.9});
+}
+
+// Targets that were set for the extended model, from one recording.
+TEST_F(RealRecordings, DiagnosisOfTheWristPredictsAnotherMotion) {
+  const json out = diagnose("psm-wrist", {"--train", file("psm-wrist/one.csv"), "--test",
+                                          file("psm-wrist/two.csv"), "--filter-cutoff", "5.4"});
+  ASSERT_FALSE(out.is_null());
+  expect_no_worse(percent(out["extended"]["test"]["relative_error"]),
+                  {4.5, 11.5, 14.5, 10, 10.5, 13.5, 15.5});
+}
+
+TEST_F(RealRecordings, DiagnosisOfTheMasterArmPredictsAnotherMotion) {
+  const json out = diagnose("mtm", {"--train", file("mtm/one.csv"), "--test", file("mtm/two.csv"),
+                                    "--filter-cutoff", "5.65"});
+  ASSERT_FALSE(out.is_null());
+  expect_no_worse(percent(out["extended"]["test"]["relative_error"]),
+                  {6.5, 14.5, 13.5, 12.5, 23, 28, 32});
 }
 
 TEST_F(RealRecordings, IndustrialArmFromMotorCurrents) {
