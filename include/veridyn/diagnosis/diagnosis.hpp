@@ -10,10 +10,12 @@
 namespace veridyn {
 
 struct DiagnosisOptions {
+  DiagnosisOptions() { identification.weights = JointWeights::kResidual; }
+
   /// Preprocessing, weights and threads are taken from here. Joints are weighted by their residual:
   /// what the model lacks on one joint would otherwise spoil the parameters that it shares with
   /// others.
-  IdentificationOptions identification = weighted_by_residual();
+  IdentificationOptions identification;
   std::vector<std::string> effects;  ///< names to ask about; empty: all that the tool knows
   int max_effects = 20;              ///< findings at most; contacts do not count
   /// An effect is accepted when the sum over joints of ln(held-out mean square error) falls by more
@@ -30,13 +32,6 @@ struct DiagnosisOptions {
   /// Of causes whose gain is at least this share of the best one's the best tested and the earlier
   /// question is chosen. (Rivals are listed from a gain of 60 %, on the same joint from 40 %.)
   double rival_share = 0.8;
-
- private:
-  static IdentificationOptions weighted_by_residual() {
-    IdentificationOptions out;
-    out.weights = JointWeights::kResidual;
-    return out;
-  }
 };
 
 /// One number of a finding.
