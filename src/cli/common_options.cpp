@@ -133,6 +133,9 @@ void add_preprocessing_options(CLI::App& command, PreprocessingOptions& o) {
   add_choice(command, "--velocity", o.velocity,
              {VelocitySource::kRecorded, VelocitySource::kDerived}, "Where velocities come from")
       ->group(kInput);
+  add_choice(command, "--stale-rows", o.stale_rows, {StaleRows::kFilled, StaleRows::kKept},
+             "Rows that a late publisher wrote twice: filled in, or kept as recorded")
+      ->group(kInput);
   number("--resample", o.rate, "HZ", "Uniform grid; 0: one over the median time step");
   number("--drop-start", o.drop_start, "S", "Left out at the start of each file");
   number("--drop-end", o.drop_end, "S", "Left out at the end of each file");

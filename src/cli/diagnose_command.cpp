@@ -1,6 +1,7 @@
 #include <iostream>
 #include <memory>
 
+#include "choice.hpp"
 #include "commands.hpp"
 #include "common_options.hpp"
 #include "messages.hpp"
@@ -11,6 +12,7 @@
 #include "veridyn/model/model_file.hpp"
 #include "veridyn/report/diagnosis_json.hpp"
 #include "veridyn/report/diagnosis_page.hpp"
+#include "veridyn/report/setting_names.hpp"
 
 namespace veridyn::cli {
 namespace {
@@ -91,6 +93,9 @@ void add_diagnose_command(CLI::App& tool, Outcome& outcome) {
       ->check(CLI::Range(0, 100));
   command.add_option("--model-out", request->model_out, "Write the extended model as YAML")
       ->option_text("FILE");
+  add_choice(command, "--weights", request->options.identification.weights,
+             {JointWeights::kResidual, JointWeights::kRange},
+             "Joints weighted by their residual or by the range of their torque");
   add_preprocessing_options(command, request->options.identification.preprocessing);
   add_row_range(command, "--test-rows", "Rows of the held-out recordings (default: as --rows)",
                 [request](RowRange rows) { request->test_rows = rows; });

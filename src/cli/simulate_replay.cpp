@@ -8,7 +8,7 @@
 #include "simulate_request.hpp"
 #include "veridyn/identification/preprocessing.hpp"
 #include "veridyn/identification/recording_quality.hpp"
-#include "veridyn/identification/stale_rows.hpp"
+#include "veridyn/identification/remark.hpp"
 #include "veridyn/math/output_file.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/report/motion_json.hpp"
@@ -34,24 +34,17 @@ std::vector<int> faulty_velocities(const SimulateRequest& request,
   return {joints.begin(), joints.end()};
 }
 
-// The recording on its uniform grid, lightly low-passed, as identification sees it, but without the
-// rows of a late publisher: a controller that is led by them leaps.
+// The recording on its uniform grid, lightly low-passed, as identification sees it.
 ReplayInput replay_input(const SimulateRequest& request, const Model& arm,
                          PreprocessingOptions how) {
   RecordingOptions reading;
   reading.columns = how.columns;
   reading.rate = how.header_rate;
-  const RepairedRecording sound = without_stale_rows(read_recording(request.replay, reading));
-  if (sound.repaired > 0 && !request.common.quiet)
-    say(
-        fmt::format("{}: {} of {} rows repeat the row before although the arm moves; they are "
-                    "filled in.",
-                    request.replay, sound.repaired, sound.recording.rows()));
   how.derive_velocity_of = faulty_velocities(request, reading);
   std::vector<double> time;
   std::vector<char> use;
   std::vector<MatrixXd> pieces[4];
-  for_each_stretch(arm, sound.recording, how, [&](const Stretch& s) {
+  const auto collect = [&](const Stretch& s) {
     const Eigen::Index first = s.core_begin;
     const Eigen::Index count = s.core_end - s.core_begin;
     for (Eigen::Index k = first; k < first + count; ++k) {
@@ -60,7 +53,10 @@ ReplayInput replay_input(const SimulateRequest& request, const Model& arm,
     }
     const MatrixXd* all[] = {&s.q, &s.dq, &s.ddq, &s.tau};
     for (size_t m = 0; m < 4; ++m) pieces[m].emplace_back(all[m]->middleRows(first, count));
-  });
+  };
+  const PreparationFacts facts = for_each_stretch(arm, request.replay, how, collect);
+  if (facts.filled.count > 0 && !request.common.quiet)
+    say(request.replay + ": " + filled_text(facts.filled, facts.rows_read) + ".");
   MatrixXd whole[4];
   for (size_t m = 0; m < 4; ++m) {
     whole[m].resize(static_cast<Eigen::Index>(time.size()), arm.joints());

@@ -41,6 +41,12 @@ std::string Diagnosis::report() const {
         out += fmt::format("recording {}: {}\n", q.file, f.sentence);
     }
   }
+  for (const auto* list : {&baseline.train, &baseline.test}) {
+    for (const RecordingError& r : *list) {
+      if (r.filled.count > r.rows / 1000)  // fewer are not worth a line
+        out += fmt::format("recording {}: {}\n", r.source, filled_text(r.filled, r.rows));
+    }
+  }
   if (provisional) out += "one recording to learn from: names are provisional\n";
   out += findings.empty() ? "\nverdict: none; the data support no further effect\n"
          : changes        ? "\nwhat changed since the model was made:\n"
@@ -52,6 +58,7 @@ std::string Diagnosis::report() const {
   };
   line("held out, as it stands", baseline.test_error.relative);
   line("held out, extended", extended.test_error.relative);
+  line("extended, as recorded", extended.test_as_recorded.relative);
   line("training, as it stands", baseline.train_error.relative);
   line("training, extended", extended.train_error.relative);
   line("noise floor", baseline.noise_floor);

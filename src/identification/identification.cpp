@@ -372,12 +372,12 @@ Identification identify(const Model& arm, const Recording& recording,
       compress(arm, recording, options.preprocessing)};
   if (!fit(arm, recordings, options, id)) return id;
   id.train.resize(1);
-  id.train[0].source = recording.source;
-  id.train[0].noise_floor = recordings[0].noise_floor;
-  const ErrorSums sums = prediction_error(arm, recording, options.preprocessing, id.parameters,
-                                          recordings[0].joints, &id.train[0].series);
-  id.train[0].error = sums.error();
-  id.train_error = sums.error();
+  const auto predict = [&](const PreprocessingOptions& how, PredictionSeries* series) {
+    return prediction_error(arm, recording, how, id.parameters, recordings[0].joints, series);
+  };
+  measure_errors(recordings[0], options.preprocessing, predict, id.train[0]);
+  id.train_error = id.train[0].error;
+  id.train_as_recorded = id.train[0].as_recorded;
   keep_training_error(id);
   return id;
 }

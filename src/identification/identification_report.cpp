@@ -36,11 +36,18 @@ std::string Identification::report() const {
   };
   line("training", train_error.relative);
   line("held out", test_error.relative);
+  line("held out, as recorded", test_as_recorded.relative);
   line("held out, moving", test_error.moving_relative);
   line("noise floor", noise_floor);
   for (const RecordingError& r : test) {
     if (test.size() > 1)
       out += fmt::format("  {:<22}{}  {}\n", "held out", percent(r.error.relative), r.source);
+  }
+  for (const auto* list : {&train, &test}) {
+    for (const RecordingError& r : *list) {
+      if (r.filled.count > r.rows / 1000)  // fewer are not worth a line
+        out += fmt::format("{}: {}\n", r.source, filled_text(r.filled, r.rows));
+    }
   }
   if (!active_constraints.empty()) {
     out += "\nat the edge of what is physically possible:\n";

@@ -104,8 +104,13 @@ Stretch make_stretch(const Model& arm, const UniformStream& stream, Eigen::Index
   return s;
 }
 
-PreparationFacts run(const Model& arm, UniformStream& stream, const PreprocessingOptions& o,
+PreparationFacts run(const Model& arm, const std::string& name, UniformStream::Source source,
+                     const PreprocessingOptions& o,
                      const std::function<void(const Stretch&)>& visit) {
+  SoundRows sound(source);
+  if (o.stale_rows == StaleRows::kFilled)
+    source = [&sound](int wanted) { return sound.next(wanted); };
+  UniformStream stream(arm, name, std::move(source), o);
   const double dt = stream.dt();
   const Filters filters(o, dt);
   PreparationFacts facts;
@@ -143,6 +148,7 @@ PreparationFacts run(const Model& arm, UniformStream& stream, const Preprocessin
     behind = s.core_end - keep_from;
   }
   facts.rows_read = stream.rows_read();
+  facts.filled = sound.filled();
   return facts;
 }
 
@@ -155,31 +161,20 @@ PreparationFacts for_each_stretch(const Model& arm, const std::string& path,
   reading.columns = options.columns;
   reading.rate = options.header_rate;
   RecordingReader reader(path, reading);
-  UniformStream stream(
-      arm, path, [&reader](int rows) { return reader.next(rows); }, options);
-  return run(arm, stream, options, visit);
+  return run(
+      arm, path, [&reader](int rows) { return reader.next(rows); }, options, visit);
 }
 
 PreparationFacts for_each_stretch(const Model& arm, const Recording& recording,
                                   const PreprocessingOptions& options,
                                   const std::function<void(const Stretch&)>& visit) {
-  Eigen::Index at = 0;
-  const auto rows_of = [](const MatrixXd& m, Eigen::Index from, Eigen::Index count) {
-    return m.size() == 0 ? MatrixXd() : MatrixXd(m.middleRows(from, count));
-  };
+  int at = 0;
   const auto source = [&](int rows) {
-    Recording piece;
-    const Eigen::Index count = std::min<Eigen::Index>(rows, recording.rows() - at);
-    piece.time = recording.time.segment(at, count);
-    piece.q = rows_of(recording.q, at, count);
-    piece.dq = rows_of(recording.dq, at, count);
-    piece.tau = rows_of(recording.tau, at, count);
-    piece.current = rows_of(recording.current, at, count);
+    const int count = std::min(rows, recording.rows() - at);
     at += count;
-    return piece;
+    return rows_of(recording, at - count, count);
   };
-  UniformStream stream(arm, recording.source, source, options);
-  return run(arm, stream, options, visit);
+  return run(arm, recording.source, source, options, visit);
 }
 
 int decimation(const PreprocessingOptions& options, double dt) {

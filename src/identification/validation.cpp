@@ -1,5 +1,6 @@
 #include "validation.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <utility>
 
@@ -7,6 +8,20 @@
 #include "veridyn/math/require.hpp"
 
 namespace veridyn {
+namespace {
+
+PredictionError total(const std::vector<ErrorSums>& all, int joints) {
+  ErrorSums out(joints);
+  for (const ErrorSums& one : all) out.add(one);
+  return out.error();
+}
+
+bool any_filled(const std::vector<RecordingError>& recordings) {
+  return std::any_of(recordings.begin(), recordings.end(),
+                     [](const RecordingError& r) { return r.filled.count > 0; });
+}
+
+}  // namespace
 
 Identification described(const Model& arm, const IdentificationOptions& options) {
   Identification id;
@@ -32,6 +47,23 @@ VectorXd mean_noise_floor(const std::vector<CompressedRecording>& recordings, in
   return count > 0 ? VectorXd((sum / count).cwiseSqrt()) : VectorXd();
 }
 
+MeasuredErrors measure_errors(const CompressedRecording& recording, const PreprocessingOptions& how,
+                              const Predict& predict, RecordingError& out) {
+  const ErrorSums prepared = predict(how, &out.series);
+  out.source = recording.source;
+  out.error = prepared.error();
+  out.filled = recording.facts.filled;
+  out.rows = recording.facts.rows_read;
+  out.noise_floor = recording.noise_floor;
+  out.period = recording.period.seconds;
+  if (out.filled.count == 0) return {prepared, prepared};
+  PreprocessingOptions kept = how;
+  kept.stale_rows = StaleRows::kKept;
+  const ErrorSums as_recorded = predict(kept, nullptr);
+  out.as_recorded = as_recorded.error();
+  return {prepared, as_recorded};
+}
+
 void validate(const Model& arm, const std::vector<std::string>& test,
               const IdentificationOptions& options, Identification& id) {
   const auto begin = std::chrono::steady_clock::now();
@@ -42,28 +74,36 @@ void validate(const Model& arm, const std::vector<std::string>& test,
     require(
         r.rows > 0.0, r.source,
         ": found no usable samples after gaps, edges and row limits, expected some to test on.");
-  id.train.resize(trained.size());
-  id.test.resize(test.size());
-  std::vector<ErrorSums> sums(trained.size() + test.size(), ErrorSums(arm.joints()));
-  parallel_for(static_cast<int>(sums.size()), options.threads, [&](int k) {
+  // Of the training recordings and of the held-out ones.
+  struct Part {
+    const std::vector<CompressedRecording>& recordings;
+    const PreprocessingOptions& how;
+    std::vector<RecordingError>& out;
+    std::vector<ErrorSums> prepared, as_recorded;
+  };
+  Part parts[] = {{trained, id.preprocessing, id.train, {}, {}},
+                  {held_out, id.test_preprocessing, id.test, {}, {}}};
+  for (Part& part : parts) {
+    part.out.resize(part.recordings.size());
+    part.prepared.assign(part.recordings.size(), ErrorSums(arm.joints()));
+    part.as_recorded = part.prepared;
+  }
+  parallel_for(static_cast<int>(trained.size() + test.size()), options.threads, [&](int k) {
     const auto t = static_cast<size_t>(k);
-    const bool is_train = t < trained.size();
-    const CompressedRecording& recording = is_train ? trained[t] : held_out[t - trained.size()];
-    RecordingError& out = is_train ? id.train[t] : id.test[t - trained.size()];
-    const PreprocessingOptions& how = is_train ? id.preprocessing : id.test_preprocessing;
-    sums[t] =
-        prediction_error(arm, recording.source, how, id.parameters, recording.joints, &out.series);
-    out.source = recording.source;
-    out.noise_floor = recording.noise_floor;
-    out.period = recording.period.seconds;
-    out.error = sums[t].error();
+    Part& part = parts[t < trained.size() ? 0 : 1];
+    const size_t at = t < trained.size() ? t : t - trained.size();
+    const CompressedRecording& recording = part.recordings[at];
+    const auto predict = [&](const PreprocessingOptions& how, PredictionSeries* series) {
+      return prediction_error(arm, recording.source, how, id.parameters, recording.joints, series);
+    };
+    MeasuredErrors found = measure_errors(recording, part.how, predict, part.out[at]);
+    part.prepared[at] = std::move(found.prepared);
+    part.as_recorded[at] = std::move(found.as_recorded);
   });
-  ErrorSums train_sums(arm.joints());
-  ErrorSums test_sums(arm.joints());
-  for (size_t t = 0; t < sums.size(); ++t)
-    (t < trained.size() ? train_sums : test_sums).add(sums[t]);
-  id.train_error = train_sums.error();
-  if (!test.empty()) id.test_error = test_sums.error();
+  id.train_error = total(parts[0].prepared, arm.joints());
+  if (any_filled(id.train)) id.train_as_recorded = total(parts[0].as_recorded, arm.joints());
+  if (!test.empty()) id.test_error = total(parts[1].prepared, arm.joints());
+  if (any_filled(id.test)) id.test_as_recorded = total(parts[1].as_recorded, arm.joints());
   id.seconds.validate =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
 }

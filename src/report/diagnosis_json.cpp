@@ -9,10 +9,15 @@ Json error_pair(const Identification& id) {
   Json out = {{"train", {{"relative_error", json_list(id.train_error.relative)}}}};
   out["test"] = {{"relative_error", json_list(id.test_error.relative)},
                  {"moving", {{"relative_error", json_list(id.test_error.moving_relative)}}}};
+  const VectorXd& as_recorded = id.test_as_recorded.relative;
+  if (as_recorded.size() > 0)
+    out["test"]["as_recorded"] = {{"relative_error", json_list(as_recorded)}};
   out["recordings"] = Json::array();
   for (const RecordingError& r : id.test) {
-    out["recordings"].push_back(
-        {{"source", r.source}, {"relative_error", json_list(r.error.relative)}});
+    Json one = {{"source", r.source}, {"relative_error", json_list(r.error.relative)}};
+    if (r.filled.count > 0)
+      one["as_recorded"] = {{"relative_error", json_list(r.as_recorded.relative)}};
+    out["recordings"].push_back(std::move(one));
   }
   return out;
 }
@@ -45,9 +50,18 @@ Json finding_json(const Finding& f) {
   return out;
 }
 
-Json quality_json(const std::vector<RecordingQuality>& recordings) {
+const RecordingError* with_filled_rows(const Identification& id, const std::string& file) {
+  for (const auto* list : {&id.train, &id.test}) {
+    for (const RecordingError& r : *list) {
+      if (r.source == file && r.filled.count > 0) return &r;
+    }
+  }
+  return nullptr;
+}
+
+Json quality_json(const Diagnosis& d) {
   Json out = Json::array();
-  for (const RecordingQuality& r : recordings) {
+  for (const RecordingQuality& r : d.data_quality) {
     for (const QualityFinding& f : r.findings) {
       if (f.severity == Severity::kInfo) continue;
       out.push_back({{"file", f.file},
@@ -55,6 +69,9 @@ Json quality_json(const std::vector<RecordingQuality>& recordings) {
                      {"joint", f.joint},
                      {"share", f.share},
                      {"sentence", f.sentence}});
+      if (f.finding != "stale_rows") continue;
+      const RecordingError* filled = with_filled_rows(d.baseline, f.file);
+      if (filled != nullptr) out.back()["filled_rows"] = filled_json(*filled);
     }
   }
   return out;
@@ -93,7 +110,7 @@ std::string to_json(const Diagnosis& d) {
                                {"to", part.to},
                                {"why", part.why}});
   }
-  out["data_quality"] = quality_json(d.data_quality);
+  out["data_quality"] = quality_json(d);
   out["settings"] = settings_json(d.baseline);
   out["seconds"] = d.seconds;
   return written(out);

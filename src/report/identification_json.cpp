@@ -38,14 +38,20 @@ Json error_json(const PredictionError& error) {
           {"moving", {{"relative_error", json_list(error.moving_relative)}}}};
 }
 
-Json errors_json(const PredictionError& total, const std::vector<RecordingError>& recordings) {
+Json errors_json(const PredictionError& total, const PredictionError& as_recorded,
+                 const std::vector<RecordingError>& recordings) {
   if (recordings.empty()) return nullptr;
   Json out = error_json(total);
+  if (as_recorded.relative.size() > 0) out["as_recorded"] = error_json(as_recorded);
   out["recordings"] = Json::array();
   for (const RecordingError& recording : recordings) {
     Json one = {{"source", recording.source}};
     one.update(error_json(recording.error));
     one["noise_floor"] = json_list(recording.noise_floor);
+    if (recording.filled.count > 0) {
+      one["as_recorded"] = error_json(recording.as_recorded);
+      one["filled_rows"] = filled_json(recording);
+    }
     out["recordings"].push_back(std::move(one));
   }
   return out;
@@ -101,8 +107,8 @@ std::string to_json(const Identification& id) {
   out["certified"] = id.certified;
   out["effective_samples"] = id.effective_samples;
   out["active_constraints"] = id.active_constraints;
-  out["train"] = errors_json(id.train_error, id.train);
-  out["test"] = errors_json(id.test_error, id.test);
+  out["train"] = errors_json(id.train_error, id.train_as_recorded, id.train);
+  out["test"] = errors_json(id.test_error, id.test_as_recorded, id.test);
   out["noise_floor"] = {{"relative_error", json_list(id.noise_floor)},
                         {"source", id.noise_floor.size() > 0 ? "repeats" : "none"}};
   if (id.drive_gains) {

@@ -42,6 +42,10 @@ const char* name_of(VelocitySource velocity) {
   return velocity == VelocitySource::kRecorded ? "recorded" : "derived";
 }
 
+const char* name_of(StaleRows stale_rows) {
+  return stale_rows == StaleRows::kFilled ? "filled" : "kept";
+}
+
 const char* name_of(IdentificationStatus status) {
   switch (status) {
     case IdentificationStatus::kDone:

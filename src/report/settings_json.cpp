@@ -30,6 +30,7 @@ Json settings_json(const Identification& id) {
           {"filter_order", o.order},
           {"filtering", name_of(o.filtering)},
           {"velocity", name_of(o.velocity)},
+          {"stale_rows", name_of(o.stale_rows)},
           {"resample", o.rate},
           {"decimation", o.decimation},
           {"drop_start", o.drop_start},
@@ -39,6 +40,12 @@ Json settings_json(const Identification& id) {
           {"test_rows", rows_json(id.test_preprocessing)},
           {"columns", o.columns},
           {"rate", o.header_rate}};
+}
+
+Json filled_json(const RecordingError& recording) {
+  return {
+      {"share", static_cast<double>(recording.filled.count) / static_cast<double>(recording.rows)},
+      {"lateness", recording.filled.lateness()}};
 }
 
 }  // namespace veridyn

@@ -8,4 +8,7 @@ namespace veridyn {
 /// Recordings, method and preprocessing: what it takes to repeat an identification.
 Json settings_json(const Identification& id);
 
+/// {"share", "lateness"}: rows of a recording that were filled in.
+Json filled_json(const RecordingError& recording);
+
 }  // namespace veridyn

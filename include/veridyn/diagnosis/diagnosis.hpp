@@ -10,9 +10,14 @@
 namespace veridyn {
 
 struct DiagnosisOptions {
-  IdentificationOptions identification;  ///< preprocessing, weights and threads are taken from here
-  std::vector<std::string> effects;      ///< names to ask about; empty: all that the tool knows
-  int max_effects = 20;                  ///< findings at most; contacts do not count
+  DiagnosisOptions() { identification.weights = JointWeights::kResidual; }
+
+  /// Preprocessing, weights and threads are taken from here. Joints are weighted by their residual:
+  /// what the model lacks on one joint would otherwise spoil the parameters that it shares with
+  /// others.
+  IdentificationOptions identification;
+  std::vector<std::string> effects;  ///< names to ask about; empty: all that the tool knows
+  int max_effects = 20;              ///< findings at most; contacts do not count
   /// An effect is accepted when the sum over joints of ln(held-out mean square error) falls by more
   /// than this, in the mean over the folds (recordings, or phases of the period of a single one),
   /// ... An arm with values (a MODEL) is asked for 0.1 at least: its values are estimates.

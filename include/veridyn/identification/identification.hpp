@@ -71,6 +71,11 @@ struct BaseValue {
 struct RecordingError {
   std::string source;
   PredictionError error;
+  /// The same values on the rows as recorded, those included that were filled in for `error`; empty
+  /// where there are none.
+  PredictionError as_recorded;
+  FilledRows filled;
+  long rows = 0;         ///< of the file
   VectorXd noise_floor;  ///< relative, (n); empty where nothing repeats
   double period = 0.0;   ///< [s] of the motion; 0: it does not repeat
   PredictionSeries series;
@@ -113,10 +118,12 @@ struct Identification {
   std::vector<std::string> still_joints;  ///< coordinates that never move
   std::vector<RecordingError> train, test;
   PredictionError train_error, test_error;  ///< over all of them
-  VectorXd noise_floor;                     ///< relative, (n), of the training recordings
-  VectorXd parameters;                      ///< all standard parameters
-  VectorXd parameter_deviations;            ///< NaN where only a combination is known
-  std::optional<Model> model;               ///< the arm with these values
+  PredictionError train_as_recorded,
+      test_as_recorded;           ///< where rows of them were filled in, see RecordingError
+  VectorXd noise_floor;           ///< relative, (n), of the training recordings
+  VectorXd parameters;            ///< all standard parameters
+  VectorXd parameter_deviations;  ///< NaN where only a combination is known
+  std::optional<Model> model;     ///< the arm with these values
   std::vector<CompressedRecording>
       factors;  ///< the training recordings, for further questions without their samples
   std::optional<DriveGains> drive_gains;  ///< where known masses were given

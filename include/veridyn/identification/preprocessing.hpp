@@ -5,6 +5,7 @@
 #include <string>
 
 #include "veridyn/identification/recording.hpp"
+#include "veridyn/identification/stale_rows.hpp"
 #include "veridyn/model/model.hpp"
 
 namespace veridyn {
@@ -24,6 +25,9 @@ enum class Filtering {
 
 /// Where velocities come from.
 enum class VelocitySource { kRecorded, kDerived };
+
+/// What becomes of rows that a late publisher wrote twice, see SoundRows.
+enum class StaleRows { kFilled, kKept };
 
 /// Part of a recording that a joint's rows leave out, of the fit and of the errors: a contact, a
 /// snag.
@@ -46,6 +50,7 @@ struct PreprocessingOptions {
   VelocitySource velocity =
       VelocitySource::kRecorded;        ///< derived from q where the recording has none
   std::vector<int> derive_velocity_of;  ///< joints from 0 whose recorded velocity is not to be used
+  StaleRows stale_rows = StaleRows::kFilled;
   double rate = 0.0;  ///< [Hz] of the uniform grid; 0: one over the median time step
   double drop_start =
       1.2;  ///< [s] left out at the start of the file: transients of the motion and of the filter
@@ -86,6 +91,7 @@ struct PreparationFacts {
   long samples = 0;  ///< on the uniform grid
   long unused = 0;   ///< of these, in or near gaps
   long rows_read = 0;
+  FilledRows filled;
 };
 
 /// Reads a recording once, in stretches of a few thousand samples, whatever its length; calls
@@ -93,7 +99,7 @@ struct PreparationFacts {
 ///
 /// Samples are interpolated linearly on their true time; rows with NaN or with numbers above 1e6
 /// are left out, and what lies within half a filter period of a gap of more than two steps is not
-/// used.
+/// used. Before all this rows that a late publisher wrote twice are filled in (options.stale_rows).
 ///
 /// @throws InvalidInput  the file is bad, or has another number of joints than the arm, or neither
 /// torques nor

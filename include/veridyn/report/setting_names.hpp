@@ -12,6 +12,7 @@ const char* name_of(PhysicalCondition condition);  ///< pseudo-inertia, principa
 const char* name_of(EffectSigns signs);            ///< physical, any
 const char* name_of(Filtering filtering);          ///< matched, signals
 const char* name_of(VelocitySource velocity);      ///< recorded, derived
+const char* name_of(StaleRows stale_rows);         ///< filled, kept
 /// done, rank-deficient, no-data, not-converged, no-drive-gains
 const char* name_of(IdentificationStatus status);
 const char* name_of(Identifiability class_of_one);  ///< alone, in-combination, not

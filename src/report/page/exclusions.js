@@ -80,6 +80,14 @@ function fillLeftOut() {
               'left-out'));
 }
 
+function filledRows(place) {
+  const share = number(place + '/share', 'share');
+  const late = number(place + '/lateness', 'milli');
+  return element(
+      'span', {}, ' Of the rows ', share, '\u00a0% are filled in; what they showed was ', late,
+      '\u00a0ms old on average.');
+}
+
 function fillQuality() {
   const groups = groupBy(result.data_quality || [], (item) => item.file);
   if (!groups.length) {
@@ -92,6 +100,10 @@ function fillQuality() {
           [element('strong', {}, fileName(group[0].item.file)),
            element(
                'ul', {class: 'remarks'},
-               group.map(({item}) => element('li', {}, typeset(item.sentence))))]);
+               group.map(
+                   ({item, k}) => element(
+                       'li', {}, typeset(item.sentence),
+                       item.filled_rows ? filledRows('/data_quality/' + k + '/filled_rows') :
+                                          null)))]);
   byId('quality-table').append(table([{name: 'Recording'}, {name: 'Remarks'}], rows, 'quality'));
 }
