@@ -201,7 +201,7 @@ void add_search_options(CLI::App& command, ExcitationOptions& o) {
              "Columns of the regressor before its condition number")
       ->group(group);
   add_choice(command, "--solver", o.solver,
-             {ExcitationSolver::kIpopt, ExcitationSolver::kNlopt, ExcitationSolver::kDerivativeFree,
+             {ExcitationSolver::kInteriorPoint, ExcitationSolver::kIpopt, ExcitationSolver::kNlopt, ExcitationSolver::kDerivativeFree,
               ExcitationSolver::kRandom},
              "Who searches")
       ->group(group);

@@ -15,6 +15,8 @@ const char* name_of(ExcitationCriterion criterion) {
 
 const char* name_of(ExcitationSolver solver) {
   switch (solver) {
+    case ExcitationSolver::kInteriorPoint:
+      return "interior-point";
     case ExcitationSolver::kIpopt:
       return "ipopt";
     case ExcitationSolver::kNlopt:

@@ -84,6 +84,8 @@ VectorXd MotionSearch::draw(int start, const Bounds& bounds, Found& found) const
 
 SolverResult MotionSearch::solve([[maybe_unused]] NonlinearProgram& program, const VectorXd& from,
                                  [[maybe_unused]] const SolverOptions& options) const {
+  if (options_.solver == ExcitationSolver::kInteriorPoint)
+    return solve_with_interior_point(program, from, options);
 #ifdef VERIDYN_WITH_IPOPT
   if (options_.solver == ExcitationSolver::kIpopt) return solve_with_ipopt(program, from, options);
 #endif

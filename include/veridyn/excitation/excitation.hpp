@@ -28,13 +28,14 @@ const char* name_of(ExcitationCriterion criterion);
 
 /// Who searches. Ipopt and NLopt are there where the build has them, see has_solver().
 enum class ExcitationSolver {
+  kInteriorPoint,   ///< interior point of our own, exact gradient and Jacobian; always there
   kIpopt,           ///< interior point, exact gradient and Jacobian
   kNlopt,           ///< augmented Lagrangian over L-BFGS, exact gradient
   kDerivativeFree,  ///< augmented Lagrangian over Subplex (NLopt)
   kRandom,          ///< random motions within the joints' limits; the best of them
 };
 
-/// "ipopt", "nlopt", "nlopt-derivative-free", "random".
+/// "interior-point", "ipopt", "nlopt", "nlopt-derivative-free", "random".
 const char* name_of(ExcitationSolver solver);
 bool has_solver(ExcitationSolver solver);
 
