@@ -183,7 +183,7 @@ void add_motion_options(CLI::App& command, ExcitationOptions& o) {
   number("--rate", o.rate, "HZ", "Rows per second (200)");
   command
       .add_option("--limit-share", o.limit_share,
-                  "Share of range, speed and acceleration to use (0.95)")
+                  "Share of range, speed, acceleration and torque to use (1)")
       ->option_text("X")
       ->check(CLI::Range(0.01, 1.0))
       ->group(group);
@@ -199,6 +199,12 @@ void add_search_options(CLI::App& command, ExcitationOptions& o) {
   add_choice(command, "--columns-scaled", o.scaling,
              {ColumnScaling::kNorm, ColumnScaling::kNone, ColumnScaling::kOrthogonal},
              "Columns of the regressor before its condition number")
+      ->group(group);
+  command
+      .add_option("--essential", o.essential,
+                  "Ask only for base parameters of which so much is told from the others (0: all)")
+      ->option_text("SHARE")
+      ->check(CLI::Range(0.0, 0.99))
       ->group(group);
   add_choice(command, "--solver", o.solver,
              {ExcitationSolver::kInteriorPoint, ExcitationSolver::kIpopt, ExcitationSolver::kNlopt, ExcitationSolver::kDerivativeFree,

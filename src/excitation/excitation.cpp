@@ -1,14 +1,14 @@
 #include "veridyn/excitation/excitation.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <numeric>
 #include <set>
 
-#include "column_names.hpp"
+#include "motion_quality.hpp"
 #include "motion_search.hpp"
 #include "slow_passes.hpp"
 #include "veridyn/math/parallel.hpp"
@@ -17,7 +17,7 @@
 namespace veridyn {
 namespace {
 
-constexpr double kNamedPart = 0.1;  // of a direction of norm one
+constexpr int kRounds = 3;  // of new base columns and descents, at most
 
 void check(const ExcitationOptions& o) {
   require(o.frequency > 0.0 && std::isfinite(o.frequency), "excitation: found a frequency of ",
@@ -35,6 +35,11 @@ void check(const ExcitationOptions& o) {
           o.iterations, " iterations, expected at least one of each.");
   require(o.limit_share > 0.0 && o.limit_share <= 1.0, "excitation: found a limit share of ",
           o.limit_share, ", expected above 0 and at most 1.");
+  require(o.essential >= 0.0 && o.essential < 1.0, "excitation: found an essential share of ",
+          o.essential, ", expected 0 to 1.");
+  require(o.essential == 0.0 || o.criterion != ExcitationCriterion::kDiscriminate,
+          "excitation: found essential parameters with the criterion discriminate, which asks about "
+          "rivals.");
   require(o.slow_passes >= 0 && o.slow_passes <= 100, "excitation: found ", o.slow_passes,
           " slow passes, expected 0 to 100.");
   require(has_solver(o.solver), "excitation: this build has no ", name_of(o.solver),
@@ -77,48 +82,179 @@ std::vector<int> slow_joints(const Question& question, const Model& arm) {
   return all;
 }
 
-double range_condition_number(const MatrixXd& W) {
-  const VectorXd range = (W.colwise().maxCoeff() - W.colwise().minCoeff()).transpose();
-  if (!(range.minCoeff() > 0.0)) return std::numeric_limits<double>::infinity();
-  const MatrixXd scaled = W * range.cwiseInverse().asDiagonal();
-  return plain_condition_number(scaled.transpose() * scaled);
-}
+// Columns and what is asked about them.
+struct Asked {
+  Asked(const Model& arm, const std::vector<int>& columns, const ExcitationOptions& options,
+        double seconds)
+      : exact(arm, columns),
+        rounded(arm, exact.base(), kRounding),
+        question(make_question(arm, exact, rounded, options, seconds)) {}
 
-// Of the smallest eigenvalue of the Gram matrix, columns of norm one.
-std::vector<std::pair<std::string, double>> weakest_direction(const MatrixXd& gram,
-                                                              const BaseRegressor& regressor,
-                                                              const Model& arm) {
-  const VectorXd d = gram.diagonal().cwiseSqrt().cwiseMax(1e-100).cwiseInverse();
-  const MatrixXd scaled = d.asDiagonal() * gram * d.asDiagonal();
-  const VectorXd direction = Eigen::SelfAdjointEigenSolver<MatrixXd>(scaled).eigenvectors().col(0);
-  const std::vector<ColumnName> names = column_names(arm);
-  std::vector<std::pair<std::string, double>> out;
-  for (int b = 0; b < regressor.size(); ++b) {
-    const auto column = static_cast<size_t>(regressor.base()[static_cast<size_t>(b)]);
-    if (std::abs(direction[b]) > kNamedPart) out.emplace_back(names[column].name, direction[b]);
+  BaseRegressor exact, rounded;
+  Question question;
+};
+
+// All that one search after the other needs.
+class Design {
+ public:
+  Design(const Model& arm, const ExcitationOptions& options)
+      : arm_(arm),
+        options_(options),
+        periods_(std::max(2, static_cast<int>(std::lround(options.duration * options.frequency)))),
+        limits_(motion_limits(arm)),
+        space_(share_of(limits_, options.limit_share), options.harmonics, options.frequency),
+        signals_(arm, limits_, options.workspace, with_values(arm, options)),
+        progress_(options.progress, options.starts, steps()) {}
+
+  Excitation run();
+
+ private:
+  int steps() const {
+    const bool stages = options_.criterion == ExcitationCriterion::kCondition;
+    return (stages ? kStages : 1) * options_.iterations;
   }
-  std::sort(out.begin(), out.end(),
-            [](const auto& a, const auto& b) { return std::abs(a.second) > std::abs(b.second); });
-  return out;
+  double seconds() const { return periods_ / options_.frequency; }
+  bool stopped() const { return options_.stop && options_.stop(); }
+  // Whether the choice of base columns matters to the criterion.
+  bool choice_matters() const {
+    return options_.criterion == ExcitationCriterion::kCondition &&
+           options_.scaling == ColumnScaling::kNorm;
+  }
+  MotionSamples samples(const VectorXd& x) const {
+    return space_.trajectory(x).motion(periods_, options_.rate);
+  }
+  MatrixXd gram(const Asked& asked, const MotionSamples& motion) const {
+    return asked.question.exact->gram(motion, asked.question.row_weights) /
+               static_cast<double>(motion.rows()) +
+           asked.question.exact_given;
+  }
+  double cost(const Asked& asked, const VectorXd& x) const {
+    return x.size() > 0 ? asked.question.verdict(gram(asked, samples(x))) : kInfinity;
+  }
+  template <typename Search>
+  void each(const Asked& asked, const Search& search);
+  Found& best() {
+    return *std::min_element(found_.begin(), found_.end(), [](const Found& a, const Found& b) {
+      return std::make_pair(a.x.size() == 0, a.cost) < std::make_pair(b.x.size() == 0, b.cost);
+    });
+  }
+  std::vector<int> chosen_along(const Asked& asked, const VectorXd& x) const;
+  void polish(std::unique_ptr<Asked>& asked);
+  void describe(const Asked& asked, const Found& best, Excitation& out) const;
+
+  static constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  const Model& arm_;
+  const ExcitationOptions& options_;
+  int periods_;
+  MotionLimits limits_;
+  MotionSpace space_;
+  LimitSignals signals_;
+  SearchProgress progress_;
+  std::vector<Found> found_;
+};
+
+// Runs search(searcher, own, start) for every start, and takes what it returns where it is better.
+template <typename Search>
+void Design::each(const Asked& asked, const Search& search) {
+  const MotionSearch searcher(space_, signals_, asked.question, options_, progress_);
+  parallel_for(options_.starts, options_.threads, [&](int start) {
+    Found& own = found_[static_cast<size_t>(start)];
+    const VectorXd x = search(searcher, own, start);
+    const double reached = cost(asked, x);
+    own.cost = cost(asked, own.x);
+    if (x.size() == 0 || (own.x.size() > 0 && own.cost <= reached)) return;
+    own.x = x;
+    own.cost = reached;
+  });
 }
 
-Discrimination discrimination(const Question& question, const MatrixXd& gram,
-                              const ExcitationOptions& options) {
-  const auto label = [](const RivalCause& r) {
-    return r.place.empty() ? r.effect : r.effect + ":" + r.place;
-  };
-  Discrimination out;
-  out.first = label(options.between->first);
-  out.second = label(options.between->second);
-  const auto [first, second] = rivals_left(gram, question.scale, question.rivals);
-  const auto share = [](const RivalLeft& r) {
-    return r.alone > 0.0 ? std::sqrt(r.left / r.alone) : 0.0;
-  };
-  out.first_left = std::sqrt(first.left);
-  out.second_left = std::sqrt(second.left);
-  out.first_share = share(first);
-  out.second_share = share(second);
-  out.bodies_known = question.bodies_known;
+std::vector<int> Design::chosen_along(const Asked& asked, const VectorXd& x) const {
+  if (!choice_matters() || x.size() == 0) return asked.exact.base();
+  return best_conditioned_columns(arm_, asked.exact.base(), samples(x));
+}
+
+// The base columns that suit the best motion, and last descents of all motions in terms of them.
+void Design::polish(std::unique_ptr<Asked>& asked) {
+  for (int round = 0; round < kRounds && best().x.size() > 0 && !stopped(); ++round) {
+    const std::vector<int> columns = chosen_along(*asked, best().x);
+    const bool same = columns == asked->exact.base();
+    if (!same) asked = std::make_unique<Asked>(arm_, columns, options_, seconds());
+    each(*asked, [](const MotionSearch& search, Found& own, int start) {
+      return search.polished(own, start);
+    });
+    if (same) break;
+  }
+}
+
+void Design::describe(const Asked& asked, const Found& best, Excitation& out) const {
+  const MotionSamples motion = out.trajectory.motion(periods_, options_.rate);
+  const bool within = best.x.size() > 0;
+  out.margins = limit_margins(signals_, out.trajectory);
+  const MotionSamples passes =
+      within
+          ? slow_passes(space_.limits(), motion.q.row(0).transpose(),
+                        slow_joints(asked.question, arm_), options_.slow_passes, options_.rate,
+                        within_limits(signals_))
+          : MotionSamples();
+  if (passes.rows() > 0) {
+    out.margins = joined(out.margins, limit_margins(signals_, passes));
+    out.slow_seconds = passes.time[passes.rows() - 1];
+  }
+  out.motion = joined(motion, passes);
+  const MotionSamples random = samples(found_.front().start);
+  const BaseRegressor all(arm_);
+  out.log_determinant =
+      log_determinant(all.gram(motion) / static_cast<double>(motion.rows()), all.scale());
+  if (options_.essential > 0.0) {
+    const std::vector<int> base =
+        choice_matters() ? best_conditioned_columns(arm_, all.base(), motion) : all.base();
+    judge_motion(arm_, BaseRegressor(arm_, base), motion, random, options_, out);
+    out.essential = judge_essential(arm_, essential_columns(arm_, options_.essential),
+                                    options_.essential, asked.exact, motion);
+  } else {
+    judge_motion(arm_, asked.exact, motion, random, options_, out);
+  }
+  const std::optional<Model> known = options_.valued ? options_.valued : with_values(arm_, options_);
+  if (known) {
+    out.prediction = predict_identification(
+        *known, out.motion, options_.noise.value_or(usual_noise(*known)), options_.given);
+  }
+  if (options_.between && options_.criterion == ExcitationCriterion::kDiscriminate)
+    out.discrimination = judge_rivals(asked.question, gram(asked, motion), options_);
+  if (within && !std::isfinite(best.cost)) out.status = ExcitationStatus::kRankDeficient;
+}
+
+Excitation Design::run() {
+  const std::vector<int> columns = options_.essential > 0.0
+                                       ? essential_columns(arm_, options_.essential).kept
+                                       : std::vector<int>();
+  auto asked = std::make_unique<Asked>(arm_, columns, options_, seconds());
+  require(asked->exact.size() >= 1, "excitation: the torques of '", arm_.name(),
+          "' depend on no parameters: it has neither bodies nor effects.");
+  found_.resize(static_cast<size_t>(options_.starts));
+  if (options_.progress) options_.progress("searching", 0.0);
+  each(*asked, [](const MotionSearch& search, Found& own, int start) {
+    own = search.run(start);
+    return own.x;
+  });
+  polish(asked);
+  if (options_.progress) options_.progress("searching", 1.0);
+  const Found& last = best();
+  const bool within = last.x.size() > 0;
+  Excitation out{within ? ExcitationStatus::kDone : ExcitationStatus::kLimitsNotMet, arm_.name(),
+                 options_.criterion, options_.solver,
+                 space_.trajectory(within ? last.x : last.nearest)};
+  out.periods = periods_;
+  describe(*asked, last, out);
+  for (const Found& f : found_) out.evaluations += f.evaluations;
+  out.interrupted = stopped();
+  out.converged = last.converged;
+  out.bounds = out.trajectory.bounds();
+  out.limits = {limits_.lower, limits_.upper, limits_.velocity, limits_.acceleration};
+  for (const Coordinate& coordinate : arm_.coordinates()) {
+    out.joints.push_back(coordinate.name);
+    out.units.push_back(position_unit(coordinate));
+  }
   return out;
 }
 
@@ -128,103 +264,7 @@ Excitation optimise_excitation(const Model& arm, const ExcitationOptions& option
   check(options);
   const auto begun = std::chrono::steady_clock::now();
   require(arm.joints() >= 1, "excitation: the arm '", arm.name(), "' has no coordinates.");
-  const BaseRegressor exact(arm);
-  const BaseRegressor rounded(arm, kRounding);
-  require(exact.size() >= 1, "excitation: the torques of '", arm.name(),
-          "' depend on no parameters: it has neither bodies nor effects.");
-  const int periods =
-      std::max(2, static_cast<int>(std::lround(options.duration * options.frequency)));
-  const MotionLimits limits = motion_limits(arm);
-  const MotionSpace space(share_of(limits, options.limit_share), options.harmonics,
-                          options.frequency);
-  const LimitSignals signals(arm, limits, options.workspace, with_values(arm, options));
-  const Question question =
-      make_question(arm, exact, rounded, options, periods / options.frequency);
-  const bool stages = options.criterion == ExcitationCriterion::kCondition;
-  SearchProgress progress(options.progress, options.starts,
-                          (stages ? kStages : 1) * options.iterations);
-  const MotionSearch search(space, signals, question, options, progress);
-
-  const auto verdict = [&](const FourierTrajectory& t) {
-    const MotionSamples motion = t.motion(periods, options.rate);
-    return MatrixXd(question.exact->gram(motion, question.row_weights) /
-                        static_cast<double>(motion.rows()) +
-                    question.exact_given);
-  };
-  std::vector<Found> found(static_cast<size_t>(options.starts));
-  if (options.progress) options.progress("searching", 0.0);
-  parallel_for(options.starts, options.threads, [&](int start) {
-    Found& own = found[static_cast<size_t>(start)];
-    own = search.run(start);
-    own.cost = std::numeric_limits<double>::infinity();
-    if (own.x.size() > 0) own.cost = question.verdict(verdict(space.trajectory(own.x)));
-  });
-  if (options.progress) options.progress("searching", 1.0);
-  Found& best = *std::min_element(found.begin(), found.end(), [](const Found& a, const Found& b) {
-    return std::make_pair(a.x.size() == 0, a.cost) < std::make_pair(b.x.size() == 0, b.cost);
-  });
-
-  const bool within = best.x.size() > 0;
-  if (within && !(options.stop && options.stop())) {
-    const VectorXd last = search.polished(best);
-    const double cost =
-        last.size() > 0 ? question.verdict(verdict(space.trajectory(last))) : best.cost;
-    if (cost < best.cost) {
-      best.x = last;
-      best.cost = cost;
-    }
-  }
-  Excitation out{within ? ExcitationStatus::kDone : ExcitationStatus::kLimitsNotMet, arm.name(),
-                 options.criterion, options.solver,
-                 space.trajectory(within ? best.x : best.nearest)};
-  out.periods = periods;
-  out.base_parameters = exact.size();
-  const MotionSamples motion = out.trajectory.motion(periods, options.rate);
-  out.margins = limit_margins(signals, out.trajectory);
-  const MotionSamples passes =
-      within ? slow_passes(space.limits(), motion.q.row(0).transpose(), slow_joints(question, arm),
-                           options.slow_passes, options.rate, within_limits(signals))
-             : MotionSamples();
-  if (passes.rows() > 0) {
-    out.margins = joined(out.margins, limit_margins(signals, passes));
-    out.slow_seconds = passes.time[passes.rows() - 1];
-  }
-  out.motion = joined(motion, passes);
-  const MatrixXd gram = exact.gram(motion) / static_cast<double>(motion.rows());
-  out.condition_number = scaled_condition_number(gram);
-  out.plain_condition_number = plain_condition_number(gram);
-  out.range_condition_number = range_condition_number(exact.stacked(motion));
-  MatrixXd with_given = gram;
-  for (const MotionSamples& motion_before : options.given) {
-    const auto rows = static_cast<double>(motion_before.rows());
-    const double lasts = motion_before.time[motion_before.rows() - 1] - motion_before.time[0];
-    with_given += lasts / (periods / options.frequency) / rows * exact.gram(motion_before);
-  }
-  out.condition_number_with_given = scaled_condition_number(with_given);
-  const MatrixXd& basis = exact.orthogonal_basis();
-  out.orthogonal_condition_number = scaled_condition_number(basis.transpose() * gram * basis);
-  out.log_determinant = log_determinant(gram, exact.scale());
-  out.weakest = weakest_direction(gram, exact, arm);
-  const std::optional<Model> known = options.valued ? options.valued : with_values(arm, options);
-  if (known) {
-    out.prediction = predict_identification(
-        *known, out.motion, options.noise.value_or(usual_noise(*known)), options.given);
-  }
-  const MotionSamples random = space.trajectory(found.front().start).motion(periods, options.rate);
-  out.start_condition_number = scaled_condition_number(exact.gram(random));
-  for (const Found& f : found) out.evaluations += f.evaluations;
-  if (options.between && options.criterion == ExcitationCriterion::kDiscriminate) {
-    out.discrimination = discrimination(question, verdict(out.trajectory), options);
-  }
-  if (within && !std::isfinite(best.cost)) out.status = ExcitationStatus::kRankDeficient;
-  out.interrupted = options.stop && options.stop();
-  out.converged = best.converged;
-  out.bounds = out.trajectory.bounds();
-  out.limits = {limits.lower, limits.upper, limits.velocity, limits.acceleration};
-  for (const Coordinate& coordinate : arm.coordinates()) {
-    out.joints.push_back(coordinate.name);
-    out.units.push_back(position_unit(coordinate));
-  }
+  Excitation out = Design(arm, options).run();
   out.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
   return out;
 }

@@ -1,3 +1,4 @@
+#include <cstdlib>
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
@@ -8,14 +9,16 @@
 namespace veridyn {
 namespace {
 
-constexpr double kFirstBarrier = 1e-2;
-constexpr double kBarrierShrinks = 0.6;  // at most, per iteration
-constexpr double kToTheEdge = 0.99;      // of the way to a bound, in one step
+static double env(const char*n,double d){const char*v=getenv(n);return v?atof(v):d;}
+const double kFirstBarrier = env("FB",1e-2);
+const double kBarrierShrinks = env("BS",0.6);  // at most, per iteration
+const double kC = env("KC",0.2);
+const double kToTheEdge = 0.99;      // of the way to a bound, in one step
 constexpr double kEnough = 1e-4;         // of the decrease that the slope promises
 constexpr int kHalvings = 12;
-constexpr double kFirstStep = 0.1;  // of the variables, before anything of the curvature is known
-constexpr int kPatience = 8;        // iterations with hardly any gain
-constexpr double kHardlyAny = 1e-4;
+const double kFirstStep = env("FS",0.1);  // of the variables, before anything of the curvature is known
+const int kPatience = env("PA",8);        // iterations with hardly any gain
+const double kHardlyAny = env("HA",1e-4);
 
 // The rows of a sparse Jacobian.
 class SparseRows {
@@ -291,7 +294,7 @@ class InteriorPoint {
     keep(above_);
     if (share > 0.3) {
       barrier_ = std::max({least_barrier(), kBarrierShrinks * barrier_,
-                           std::min(barrier_, 0.2 * complementarity())});
+                           std::min(barrier_, kC * complementarity())});
     }
   }
 

@@ -2,8 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <cstdlib>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <tuple>
 #include <utility>
 
@@ -12,12 +14,16 @@
 namespace veridyn {
 namespace {
 
-constexpr int kDraws = 20;            // random motions of which the best begins a search
+static double env(const char*n,double d){const char*v=getenv(n);return v?atof(v):d;}
+const int kDraws = env("DR",20);            // random motions of which the best begins a search
+const int kTrials = env("TR",10);            // of which short descents begin
+const int kTrialIterations = env("TI",30);  //
+const int kFollowed = env("FO",3);           // of which the best are followed to the end
 constexpr int kInstantsPerWave = 24;  // of the shortest wave, for the criterion
 constexpr int kLimitsPerWave = 14;    // and for the limits; what is between is fitted afterwards
 static_assert(kStages == 2, "one for each sharpness");
-constexpr double kSharpness[] = {2.0, 16.0};  // of the smooth condition number, one after the other
-constexpr double kLastSharpness = 100.0;      // for the best motion of all searches
+const double kSharpness[] = {env("S1",2.0), env("S2",16.0)};  // of the smooth condition number, one after the other
+const double kLastSharpness = env("SL",100.0);      // for the best motion of all searches
 constexpr int kNarrowings = 5;                // rounds until limits hold between instants too
 constexpr double kHeld = 1e-9;                // of a limit's scale: rounding
 
@@ -46,13 +52,13 @@ MotionSearch::Bounds MotionSearch::allowed() const {
   return out;
 }
 
-double MotionSearch::smooth_cost(const VectorXd& x) const {
+double MotionSearch::smooth_cost(const VectorXd& x, double sharpness) const {
   const int instants = kInstantsPerWave * space_.harmonics();
   const MotionSpace::Basis basis = space_.basis(period_instants(space_.frequency(), instants));
   const MatrixXd gram =
       question_.rounded->gram(space_.samples(basis, x), question_.row_weights) / instants +
       question_.rounded_given;
-  return question_.smooth(gram, kSharpness[0]).value;
+  return question_.smooth(gram, sharpness).value;
 }
 
 bool MotionSearch::keeps(const VectorXd& x, const Bounds& bounds) const {
@@ -61,25 +67,43 @@ bool MotionSearch::keeps(const VectorXd& x, const Bounds& bounds) const {
   return !narrow(x, same);
 }
 
-VectorXd MotionSearch::draw(int start, const Bounds& bounds, Found& found) const {
+std::vector<VectorXd> MotionSearch::draw(int start, const Bounds& bounds, Found& found) const {
   RandomNumbers random(options_.seed, static_cast<unsigned>(start));
   const bool only = options_.solver == ExcitationSolver::kRandom;
   const int draws = only ? options_.iterations : kDraws;
-  VectorXd best;
-  std::pair<bool, double> best_rank;
+  using Ranked = std::pair<std::pair<bool, double>, VectorXd>;
+  std::vector<Ranked> best;
   for (int k = 0; k < draws; ++k) {
     const VectorXd x = fitted_to_joints(space_, space_.random(random));
     if (k == 0) found.start = x;
     if (k > 0 && options_.stop && options_.stop()) break;
     ++found.evaluations;
-    const std::pair<bool, double> rank{!keeps(x, bounds), smooth_cost(x)};
-    if (best.size() == 0 || rank < best_rank) {
-      best = x;
-      best_rank = rank;
-    }
+    best.push_back({{!keeps(x, bounds), smooth_cost(x, kSharpness[0])}, x});
+    std::stable_sort(best.begin(), best.end(),
+                     [](const Ranked& a, const Ranked& b) { return a.first < b.first; });
+    if (best.size() > static_cast<size_t>(kTrials)) best.pop_back();
     if (only) progress_.step(start, "random motions");
   }
-  return best;
+  std::vector<VectorXd> out;
+  for (Ranked& ranked : best) out.push_back(std::move(ranked.second));
+  return out;
+}
+
+std::vector<VectorXd> MotionSearch::tried(const std::vector<VectorXd>& from, const Bounds& bounds,
+                                          int start, Found& found) const {
+  std::vector<std::pair<double, VectorXd>> ends;
+  for (const VectorXd& x : from) {
+    const VectorXd end = descend(x, bounds, {kSharpness[0], kTrialIterations}, start, found);
+    if (end.size() > 0) ends.emplace_back(smooth_cost(end, kSharpness[0]), end);
+    if (options_.stop && options_.stop()) break;
+  }
+  if (ends.empty()) return {from.front()};
+  std::stable_sort(ends.begin(), ends.end(),
+                   [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::vector<VectorXd> out;
+  for (size_t k = 0; k < std::min(ends.size(), static_cast<size_t>(kFollowed)); ++k)
+    out.push_back(std::move(ends[k].second));
+  return out;
 }
 
 SolverResult MotionSearch::solve([[maybe_unused]] NonlinearProgram& program, const VectorXd& from,
@@ -97,17 +121,17 @@ SolverResult MotionSearch::solve([[maybe_unused]] NonlinearProgram& program, con
   return {from};
 }
 
-VectorXd MotionSearch::descend(const VectorXd& from, const Bounds& bounds, double sharpness,
-                               int start, Found& found) const {
+VectorXd MotionSearch::descend(const VectorXd& from, const Bounds& bounds,
+                               const Descent& descent, int start, Found& found) const {
   GridConstraints limits(space_, signals_, kLimitsPerWave * space_.harmonics());
   limits.set_bounds(bounds.lower, bounds.upper);
   const MotionObjective objective(
       space_, question_.rounded, question_.row_weights, question_.rounded_given,
-      [&](const MatrixXd& gram) { return question_.smooth(gram, sharpness); },
+      [&](const MatrixXd& gram) { return question_.smooth(gram, descent.sharpness); },
       kInstantsPerWave * space_.harmonics());
   SearchProgram program(objective, limits, space_.size());
   SolverOptions solver;
-  solver.iterations = options_.iterations;
+  solver.iterations = std::min(options_.iterations, descent.iterations);
   solver.stop = [&] {
     const auto& best = program.best();
     const bool condition = question_.criterion == ExcitationCriterion::kCondition;
@@ -160,12 +184,9 @@ bool MotionSearch::narrow(const VectorXd& x, Bounds& bounds) const {
   return crossed;
 }
 
-Found MotionSearch::run(int start) const {
-  Found found;
+VectorXd MotionSearch::follow(VectorXd x, int start, Found& found) const {
   Bounds bounds = allowed();
-  VectorXd x = draw(start, bounds, found);
-  VectorXd good = keeps(x, bounds) ? x : VectorXd();
-  const bool random = options_.solver == ExcitationSolver::kRandom;
+  VectorXd good = keeps(x, bounds) ? fitted_to_joints(space_, x) : VectorXd();
   const auto accept = [&](const VectorXd& next) {
     x = next;
     if (!keeps(x, allowed())) return false;
@@ -174,32 +195,58 @@ Found MotionSearch::run(int start) const {
   };
   const bool condition = question_.criterion == ExcitationCriterion::kCondition;
   for (const double sharpness : kSharpness) {
-    if (random || (!condition && sharpness != kSharpness[0])) break;
-    VectorXd next = descend(x, bounds, sharpness, start, found);
+    if (!condition && sharpness != kSharpness[0]) break;
+    const Descent descent{sharpness, options_.iterations};
+    VectorXd next = descend(x, bounds, descent, start, found);
     if (next.size() == 0 && good.size() == 0) {
       x = into_limits(x, bounds);
-      next = descend(x, bounds, sharpness, start, found);
+      next = descend(x, bounds, descent, start, found);
     }
     if (next.size() == 0) break;
     bool held = accept(fitted_to_joints(space_, next));
     for (int round = 0; !held && round < kNarrowings; ++round) {
       narrow(x, bounds);
-      next = descend(x, bounds, sharpness, start, found);
+      next = descend(x, bounds, descent, start, found);
       if (next.size() == 0) break;
       held = accept(fitted_to_joints(space_, next));
     }
   }
-  found.x = good;
   found.nearest = x;
+  return good;
+}
+
+Found MotionSearch::run(int start) const {
+  Found found;
+  const Bounds bounds = allowed();
+  std::vector<VectorXd> from = draw(start, bounds, found);
+  found.nearest = from.front();
+  if (options_.solver == ExcitationSolver::kRandom) {
+    if (keeps(from.front(), bounds)) found.x = from.front();
+  } else {
+    from = options_.solver == ExcitationSolver::kInteriorPoint
+               ? tried(from, bounds, start, found)
+               : std::vector<VectorXd>{from.front()};
+    double least = std::numeric_limits<double>::infinity();
+    for (const VectorXd& x : from) {
+      const VectorXd end = follow(x, start, found);
+      const double cost = end.size() > 0 ? smooth_cost(end, kLastSharpness) : least;
+      if (cost < least) {
+        found.x = end;
+        least = cost;
+      }
+    }
+  }
   progress_.over(start);
   return found;
 }
 
-VectorXd MotionSearch::polished(Found& best) const {
+VectorXd MotionSearch::polished(Found& found, int start) const {
   const bool random = options_.solver == ExcitationSolver::kRandom;
-  if (random || question_.criterion != ExcitationCriterion::kCondition) return {};
-
-  const VectorXd next = descend(best.x, allowed(), kLastSharpness, 0, best);
+  const bool over = options_.stop && options_.stop();
+  const bool condition = question_.criterion == ExcitationCriterion::kCondition;
+  if (random || over || !condition || found.x.size() == 0) return {};
+  const Descent descent{kLastSharpness, options_.iterations};
+  const VectorXd next = descend(found.x, allowed(), descent, start, found);
   if (next.size() == 0) return {};
   const VectorXd fitted = fitted_to_joints(space_, next);
   return keeps(fitted, allowed()) ? fitted : VectorXd();

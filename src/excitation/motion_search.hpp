@@ -32,9 +32,9 @@ class MotionSearch {
 
   Found run(int start) const;
 
-  /// A last descent from the best motion, for the condition number: with a stand-in that is close
-  /// to it; counted with the others. Empty where nothing within the limits came of it.
-  VectorXd polished(Found& best) const;
+  /// A last descent from the motion of a start, for the condition number: with a stand-in that is
+  /// close to it; counted with the others. Empty where nothing within the limits came of it.
+  VectorXd polished(Found& found, int start) const;
 
  private:
   struct Bounds {
@@ -42,10 +42,17 @@ class MotionSearch {
   };
   Bounds allowed() const;
   bool has_more_than_joints() const { return signals_.count() > 3 * space_.joints(); }
-  double smooth_cost(const VectorXd& x) const;
+  double smooth_cost(const VectorXd& x, double sharpness) const;
   bool keeps(const VectorXd& x, const Bounds& bounds) const;
-  VectorXd draw(int start, const Bounds& bounds, Found& found) const;
-  VectorXd descend(const VectorXd& from, const Bounds& bounds, double sharpness, int start,
+  struct Descent {
+    double sharpness;
+    int iterations;
+  };
+  std::vector<VectorXd> draw(int start, const Bounds& bounds, Found& found) const;
+  std::vector<VectorXd> tried(const std::vector<VectorXd>& from, const Bounds& bounds, int start,
+                              Found& found) const;
+  VectorXd follow(VectorXd x, int start, Found& found) const;
+  VectorXd descend(const VectorXd& from, const Bounds& bounds, const Descent& descent, int start,
                    Found& found) const;
   SolverResult solve(NonlinearProgram& program, const VectorXd& from,
                      const SolverOptions& options) const;

@@ -39,7 +39,7 @@ enum class ExcitationSolver {
 const char* name_of(ExcitationSolver solver);
 bool has_solver(ExcitationSolver solver);
 
-/// The first of them that the build has.
+/// The one that is quickest to a good motion: kInteriorPoint.
 ExcitationSolver best_solver();
 
 /// How columns of the base regressor are scaled before the condition number.
@@ -74,13 +74,16 @@ struct ExcitationOptions {
   ExcitationCriterion criterion = ExcitationCriterion::kCondition;
   std::optional<std::pair<RivalCause, RivalCause>> between{};  ///< for kDiscriminate
   ColumnScaling scaling = ColumnScaling::kNorm;                ///< for kCondition
+  /// Above zero: the criterion is about the essential parameters only, see EssentialParameters;
+  /// below 1. Not for kDiscriminate, which asks about rivals.
+  double essential = 0.0;
   ExcitationSolver solver = best_solver();
   int starts = 2;  ///< independent searches, of which the best wins
   /// Iterations of Ipopt, evaluations of NLopt, motions of kRandom in each search; the result
   /// depends on this and not on the clock.
   int iterations = 400;
   /// Of the limits of joints and torques that may be used, above 0 and at most 1.
-  double limit_share = 0.95;
+  double limit_share = 1.0;
   WorkspaceLimits workspace{};
   /// The arm with values of its bodies (and effects, where it has them): its efforts limit the
   /// torques, and rivals are built from it. Nothing: the arm itself, where it has values.
@@ -128,6 +131,19 @@ struct Discrimination {
   bool bodies_known = false;  ///< the rivals can only be told apart with known bodies
 };
 
+/// Base parameters that motions tell from each other. A column (of norm one, at random states
+/// within the limits) that adds less than `share` to those chosen before it is regrouped with them:
+/// its parameter acts as a part of theirs and is not asked for.
+struct EssentialParameters {
+  double share = 0.0;
+  int count = 0;
+  double condition_number = 0.0;        ///< of their columns scaled to norm one
+  double plain_condition_number = 0.0;  ///< columns as they are
+  double range_condition_number = 0.0;  ///< columns divided by their range
+  /// Names, and what their columns would add; the largest first.
+  std::vector<std::pair<std::string, double>> left_out{};
+};
+
 /// An excitation trajectory and how good it is.
 struct Excitation {
   ExcitationStatus status = ExcitationStatus::kDone;
@@ -139,6 +155,10 @@ struct Excitation {
   int periods = 0;
   double slow_seconds = 0.0;  ///< how long the slow passes last that follow
   int base_parameters = 0;
+  /// The standard parameters that lead them. A base is a choice among columns that say the same
+  /// together; where the condition number of scaled columns is the criterion it is the choice which
+  /// is best conditioned along this motion, otherwise that at random states.
+  std::vector<std::string> base{};
   double condition_number = 0.0;        ///< of the base regressor, columns scaled to norm one
   double plain_condition_number = 0.0;  ///< columns as they are
   double range_condition_number = 0.0;  ///< columns divided by their largest minus smallest entry
@@ -147,7 +167,8 @@ struct Excitation {
   double condition_number_with_given = 0.0;
   /// Of its Gram matrix per instant, columns scaled by their size at random states.
   double log_determinant = 0.0;
-  double start_condition_number = 0.0;  ///< of the first random motion, for comparison
+  double start_condition_number = 0.0;  ///< of the first random motion, in the same columns
+  std::optional<EssentialParameters> essential{};  ///< where they were asked for
   std::optional<Discrimination> discrimination{};
   /// The base parameters that the motion tells least from each other: names and parts (of norm one)
   /// of the weakest direction, columns scaled to norm one; the largest parts first.
