@@ -207,8 +207,8 @@ void add_search_options(CLI::App& command, ExcitationOptions& o) {
       ->check(CLI::Range(0.0, 0.99))
       ->group(group);
   add_choice(command, "--solver", o.solver,
-             {ExcitationSolver::kInteriorPoint, ExcitationSolver::kIpopt, ExcitationSolver::kNlopt, ExcitationSolver::kDerivativeFree,
-              ExcitationSolver::kRandom},
+             {ExcitationSolver::kInteriorPoint, ExcitationSolver::kIpopt, ExcitationSolver::kNlopt,
+              ExcitationSolver::kDerivativeFree, ExcitationSolver::kRandom},
              "Who searches")
       ->group(group);
   command.add_option("--starts", o.starts, "Independent searches (2)")

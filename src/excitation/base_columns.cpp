@@ -43,14 +43,16 @@ EssentialColumns essential_columns(const Model& arm, double share) {
   return out;
 }
 
-std::vector<int> best_conditioned_columns(const Model& arm, const std::vector<int>& base,
-                                          const MotionSamples& motion) {
+MatrixXd gram_of_all_columns(const Model& arm, const MotionSamples& motion) {
   const StackedColumns all(arm.joints(), arm_columns(arm, 0.0));
-  MatrixXd gram = all.gram(motion, VectorXd::Ones(arm.joints()));
+  return all.gram(motion, VectorXd::Ones(arm.joints())) / static_cast<double>(motion.rows());
+}
+
+std::vector<int> best_conditioned_columns(const std::vector<int>& base, MatrixXd gram) {
   const VectorXd norms = gram.diagonal().cwiseSqrt();
   const double smallest = kNothing * norms.maxCoeff();
   std::vector<int> others;
-  for (int c = 0; c < all.count(); ++c) {
+  for (int c = 0; c < static_cast<int>(gram.rows()); ++c) {
     if (norms[c] > smallest && std::find(base.begin(), base.end(), c) == base.end())
       others.push_back(c);
   }

@@ -25,7 +25,10 @@ EssentialColumns essential_columns(const Model& arm, double share);
 /// Another choice of as many columns for the same base parameters: single swaps, as long as they
 /// make the condition number along the motion smaller, columns of norm one.
 /// @param base  the choice to begin with.
-std::vector<int> best_conditioned_columns(const Model& arm, const std::vector<int>& base,
-                                          const MotionSamples& motion);
+/// @param gram  of all columns of the arm, along the motion.
+std::vector<int> best_conditioned_columns(const std::vector<int>& base, MatrixXd gram);
+
+/// The Gram matrix of all columns of an arm per row of a motion.
+MatrixXd gram_of_all_columns(const Model& arm, const MotionSamples& motion);
 
 }  // namespace veridyn

@@ -7,6 +7,7 @@
 #include <memory>
 #include <numeric>
 #include <set>
+#include <utility>
 
 #include "motion_quality.hpp"
 #include "motion_search.hpp"
@@ -17,7 +18,8 @@
 namespace veridyn {
 namespace {
 
-constexpr int kRounds = 3;  // of new base columns and descents, at most
+constexpr double kUsualShare = 0.01;  // of essential parameters, where nobody asks
+constexpr int kRounds = 3;            // of new base columns and descents, at most
 
 void check(const ExcitationOptions& o) {
   require(o.frequency > 0.0 && std::isfinite(o.frequency), "excitation: found a frequency of ",
@@ -37,9 +39,10 @@ void check(const ExcitationOptions& o) {
           o.limit_share, ", expected above 0 and at most 1.");
   require(o.essential >= 0.0 && o.essential < 1.0, "excitation: found an essential share of ",
           o.essential, ", expected 0 to 1.");
-  require(o.essential == 0.0 || o.criterion != ExcitationCriterion::kDiscriminate,
-          "excitation: found essential parameters with the criterion discriminate, which asks about "
-          "rivals.");
+  require(
+      o.essential == 0.0 || o.criterion != ExcitationCriterion::kDiscriminate,
+      "excitation: found essential parameters with the criterion discriminate, which asks about "
+      "rivals.");
   require(o.slow_passes >= 0 && o.slow_passes <= 100, "excitation: found ", o.slow_passes,
           " slow passes, expected 0 to 100.");
   require(has_solver(o.solver), "excitation: this build has no ", name_of(o.solver),
@@ -104,15 +107,11 @@ class Design {
         limits_(motion_limits(arm)),
         space_(share_of(limits_, options.limit_share), options.harmonics, options.frequency),
         signals_(arm, limits_, options.workspace, with_values(arm, options)),
-        progress_(options.progress, options.starts, steps()) {}
+        progress_(options.progress, options.starts, MotionSearch::most_steps(options)) {}
 
   Excitation run();
 
  private:
-  int steps() const {
-    const bool stages = options_.criterion == ExcitationCriterion::kCondition;
-    return (stages ? kStages : 1) * options_.iterations;
-  }
   double seconds() const { return periods_ / options_.frequency; }
   bool stopped() const { return options_.stop && options_.stop(); }
   // Whether the choice of base columns matters to the criterion.
@@ -138,7 +137,7 @@ class Design {
       return std::make_pair(a.x.size() == 0, a.cost) < std::make_pair(b.x.size() == 0, b.cost);
     });
   }
-  std::vector<int> chosen_along(const Asked& asked, const VectorXd& x) const;
+  std::vector<int> best_choice(const std::vector<int>& base, const VectorXd& x) const;
   void polish(std::unique_ptr<Asked>& asked);
   void describe(const Asked& asked, const Found& best, Excitation& out) const;
 
@@ -168,15 +167,20 @@ void Design::each(const Asked& asked, const Search& search) {
   });
 }
 
-std::vector<int> Design::chosen_along(const Asked& asked, const VectorXd& x) const {
-  if (!choice_matters() || x.size() == 0) return asked.exact.base();
-  return best_conditioned_columns(arm_, asked.exact.base(), samples(x));
+std::vector<int> Design::best_choice(const std::vector<int>& base, const VectorXd& x) const {
+  if (!choice_matters() || x.size() == 0) return base;
+  MatrixXd gram = gram_of_all_columns(arm_, samples(x));
+  for (const MotionSamples& before : options_.given) {
+    const double lasts = before.time[before.rows() - 1] - before.time[0];
+    gram += lasts / seconds() * gram_of_all_columns(arm_, before);
+  }
+  return best_conditioned_columns(base, std::move(gram));
 }
 
 // The base columns that suit the best motion, and last descents of all motions in terms of them.
 void Design::polish(std::unique_ptr<Asked>& asked) {
   for (int round = 0; round < kRounds && best().x.size() > 0 && !stopped(); ++round) {
-    const std::vector<int> columns = chosen_along(*asked, best().x);
+    const std::vector<int> columns = best_choice(asked->exact.base(), best().x);
     const bool same = columns == asked->exact.base();
     if (!same) asked = std::make_unique<Asked>(arm_, columns, options_, seconds());
     each(*asked, [](const MotionSearch& search, Found& own, int start) {
@@ -191,11 +195,10 @@ void Design::describe(const Asked& asked, const Found& best, Excitation& out) co
   const bool within = best.x.size() > 0;
   out.margins = limit_margins(signals_, out.trajectory);
   const MotionSamples passes =
-      within
-          ? slow_passes(space_.limits(), motion.q.row(0).transpose(),
-                        slow_joints(asked.question, arm_), options_.slow_passes, options_.rate,
-                        within_limits(signals_))
-          : MotionSamples();
+      within ? slow_passes(space_.limits(), motion.q.row(0).transpose(),
+                           slow_joints(asked.question, arm_), options_.slow_passes, options_.rate,
+                           within_limits(signals_))
+             : MotionSamples();
   if (passes.rows() > 0) {
     out.margins = joined(out.margins, limit_margins(signals_, passes));
     out.slow_seconds = passes.time[passes.rows() - 1];
@@ -206,15 +209,20 @@ void Design::describe(const Asked& asked, const Found& best, Excitation& out) co
   out.log_determinant =
       log_determinant(all.gram(motion) / static_cast<double>(motion.rows()), all.scale());
   if (options_.essential > 0.0) {
-    const std::vector<int> base =
-        choice_matters() ? best_conditioned_columns(arm_, all.base(), motion) : all.base();
+    const std::vector<int> base = best_choice(all.base(), best.x);
     judge_motion(arm_, BaseRegressor(arm_, base), motion, random, options_, out);
     out.essential = judge_essential(arm_, essential_columns(arm_, options_.essential),
                                     options_.essential, asked.exact, motion);
   } else {
     judge_motion(arm_, asked.exact, motion, random, options_, out);
+    const EssentialColumns usual = essential_columns(arm_, kUsualShare);
+    if (!usual.left_out.empty()) {
+      out.essential =
+          judge_essential(arm_, usual, kUsualShare, BaseRegressor(arm_, usual.kept), motion);
+    }
   }
-  const std::optional<Model> known = options_.valued ? options_.valued : with_values(arm_, options_);
+  const std::optional<Model> known =
+      options_.valued ? options_.valued : with_values(arm_, options_);
   if (known) {
     out.prediction = predict_identification(
         *known, out.motion, options_.noise.value_or(usual_noise(*known)), options_.given);

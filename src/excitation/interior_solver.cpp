@@ -1,89 +1,23 @@
-#include <cstdlib>
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "nonlinear_program.hpp"
+#include "sparse_rows.hpp"
 
 namespace veridyn {
 namespace {
 
-static double env(const char*n,double d){const char*v=getenv(n);return v?atof(v):d;}
-const double kFirstBarrier = env("FB",1e-2);
-const double kBarrierShrinks = env("BS",0.6);  // at most, per iteration
-const double kC = env("KC",0.2);
-const double kToTheEdge = 0.99;      // of the way to a bound, in one step
+constexpr double kFirstBarrier = 1e-2;
+constexpr double kBarrierShrinks = 0.9;  // with every step that is not
+constexpr double kLongStep = 0.3;        // shorter than this share of the way
+constexpr double kToTheEdge = 0.99;      // of the way to a bound, in one step
 constexpr double kEnough = 1e-4;         // of the decrease that the slope promises
 constexpr int kHalvings = 12;
-const double kFirstStep = env("FS",0.1);  // of the variables, before anything of the curvature is known
-const int kPatience = env("PA",8);        // iterations with hardly any gain
-const double kHardlyAny = env("HA",1e-4);
-
-// The rows of a sparse Jacobian.
-class SparseRows {
- public:
-  SparseRows(const std::vector<std::pair<int, int>>& pattern, Eigen::Index rows)
-      : begin_(static_cast<size_t>(rows) + 1, 0) {
-    for (const auto& entry : pattern) ++begin_[static_cast<size_t>(entry.first) + 1];
-    for (size_t r = 1; r < begin_.size(); ++r) begin_[r] += begin_[r - 1];
-    std::vector<size_t> next(begin_.begin(), begin_.end() - 1);
-    place_.resize(pattern.size());
-    column_.resize(pattern.size());
-    for (size_t e = 0; e < pattern.size(); ++e) {
-      const size_t to = next[static_cast<size_t>(pattern[e].first)]++;
-      place_[e] = static_cast<Eigen::Index>(to);
-      column_[to] = pattern[e].second;
-    }
-    values_.resize(static_cast<Eigen::Index>(pattern.size()));
-  }
-
-  void set(const VectorXd& values) {
-    for (size_t e = 0; e < place_.size(); ++e)
-      values_[place_[e]] = values[static_cast<Eigen::Index>(e)];
-  }
-
-  VectorXd times(const VectorXd& x) const {
-    VectorXd out = VectorXd::Zero(static_cast<Eigen::Index>(begin_.size()) - 1);
-    for (size_t r = 0; r + 1 < begin_.size(); ++r) {
-      double sum = 0.0;
-      for (size_t e = begin_[r]; e < begin_[r + 1]; ++e)
-        sum += values_[static_cast<Eigen::Index>(e)] * x[column_[e]];
-      out[static_cast<Eigen::Index>(r)] = sum;
-    }
-    return out;
-  }
-
-  // J' y.
-  VectorXd transposed_times(const VectorXd& y, Eigen::Index columns) const {
-    VectorXd out = VectorXd::Zero(columns);
-    for (size_t r = 0; r + 1 < begin_.size(); ++r) {
-      const double share = y[static_cast<Eigen::Index>(r)];
-      for (size_t e = begin_[r]; e < begin_[r + 1]; ++e)
-        out[column_[e]] += share * values_[static_cast<Eigen::Index>(e)];
-    }
-    return out;
-  }
-
-  // A += J' diag(weights) J, the lower triangle; columns ascend within a row.
-  void add_normal(const VectorXd& weights, MatrixXd& A) const {
-    for (size_t r = 0; r + 1 < begin_.size(); ++r) {
-      const double weight = weights[static_cast<Eigen::Index>(r)];
-      for (size_t b = begin_[r]; b < begin_[r + 1]; ++b) {
-        const double share = weight * values_[static_cast<Eigen::Index>(b)];
-        double* to = &A(0, column_[b]);
-        for (size_t a = b; a < begin_[r + 1]; ++a)
-          to[column_[a]] += share * values_[static_cast<Eigen::Index>(a)];
-      }
-    }
-  }
-
- private:
-  std::vector<size_t> begin_;
-  std::vector<Eigen::Index> place_;  // of an entry of the pattern
-  std::vector<int> column_;
-  VectorXd values_;
-};
+constexpr double kFirstStep = 0.1;  // of the variables, before anything of the curvature is known
+constexpr int kPatience = 8;        // iterations with hardly any gain
+constexpr double kHardlyAny = 1e-4;
 
 // One side of the bounds: the room that is left to them and the pressure on them; nothing where
 // the bound is infinite.
@@ -134,9 +68,7 @@ class InteriorPoint {
         J_(program.pattern(), rows_),
         below_(program.lower(), -1.0),
         above_(program.upper(), 1.0),
-        x_(start) {
-    bounds_ = std::max(1.0, below_.there.sum() + above_.there.sum());
-  }
+        x_(start) {}
 
   SolverResult run() {
     look(x_);
@@ -179,6 +111,7 @@ class InteriorPoint {
 
  private:
   double least_barrier() const { return 0.1 * options_.tolerance; }
+  // Of the bounds on the constraints: their multipliers.
   VectorXd pressure() const { return (above_.pressure - below_.pressure).matrix(); }
 
   void look(const VectorXd& x) {
@@ -200,10 +133,6 @@ class InteriorPoint {
     }
     below_.pressure = below_.there * barrier_ / below_.room(s_);
     above_.pressure = above_.there * barrier_ / above_.room(s_);
-  }
-
-  double complementarity() const {
-    return (below_.pressure * below_.room(s_) + above_.pressure * above_.room(s_)).sum() / bounds_;
   }
 
   double error() const {
@@ -241,10 +170,9 @@ class InteriorPoint {
   // Along the direction, until the merit is smaller by what its slope promises.
   bool advance() {
     const double open = (c_ - s_).lpNorm<1>();
-    const double barrier_slope =
-        barrier_ *
-        (above_.there * ds_.array() / above_.room(s_) - below_.there * ds_.array() / below_.room(s_))
-            .sum();
+    const double barrier_slope = barrier_ * (above_.there * ds_.array() / above_.room(s_) -
+                                             below_.there * ds_.array() / below_.room(s_))
+                                                .sum();
     const double slope = g_.dot(dx_) + barrier_slope;
     if (open > 0.0) {
       const double wanted = (slope + 0.5 * dx_.dot(H_ * dx_)) / (0.9 * open);
@@ -259,8 +187,8 @@ class InteriorPoint {
       const VectorXd c = program_.constraints(x);
       const double f = program_.objective(x);
       const double then = merit(f, s, c);
-      if (!(then <= now + kEnough * share * std::min(0.0, promised) +
-                        1e-12 * std::max(1.0, std::abs(now))))
+      if (!(then <=
+            now + kEnough * share * std::min(0.0, promised) + 1e-12 * std::max(1.0, std::abs(now))))
         continue;
       x_ = x;
       s_ = s;
@@ -277,8 +205,8 @@ class InteriorPoint {
   void press(double share) {
     const auto step = [](Side& side, const Eigen::ArrayXd& next) {
       // Where there is no bound nothing moves.
-      const Eigen::ArrayXd falls = side.there * (side.pressure - next) /
-                                   (side.pressure + (1.0 - side.there));
+      const Eigen::ArrayXd falls =
+          side.there * (side.pressure - next) / (side.pressure + (1.0 - side.there));
       const double speed = falls.maxCoeff();
       const double part = speed > kToTheEdge ? kToTheEdge / speed : 1.0;
       side.pressure += part * (next - side.pressure);
@@ -292,10 +220,7 @@ class InteriorPoint {
     };
     keep(below_);
     keep(above_);
-    if (share > 0.3) {
-      barrier_ = std::max({least_barrier(), kBarrierShrinks * barrier_,
-                           std::min(barrier_, kC * complementarity())});
-    }
+    if (share > kLongStep) barrier_ = std::max(least_barrier(), kBarrierShrinks * barrier_);
   }
 
   NonlinearProgram& program_;
@@ -303,7 +228,6 @@ class InteriorPoint {
   Eigen::Index n_, rows_;
   SparseRows J_;
   Side below_, above_;
-  double bounds_ = 1.0;
   double barrier_ = kFirstBarrier;
   double penalty_ = 1.0;
   VectorXd x_, s_, c_, g_, dx_, ds_;

@@ -20,9 +20,8 @@ double range_condition_number(const MatrixXd& W) {
 }
 
 // Of the smallest eigenvalue of the Gram matrix, columns of norm one.
-std::vector<std::pair<std::string, double>> weakest_direction(const MatrixXd& gram,
-                                                              const BaseRegressor& regressor,
-                                                              const std::vector<ColumnName>& names) {
+std::vector<std::pair<std::string, double>> weakest_direction(
+    const MatrixXd& gram, const BaseRegressor& regressor, const std::vector<ColumnName>& names) {
   const VectorXd d = gram.diagonal().cwiseSqrt().cwiseMax(1e-100).cwiseInverse();
   const MatrixXd scaled = d.asDiagonal() * gram * d.asDiagonal();
   const VectorXd direction = Eigen::SelfAdjointEigenSolver<MatrixXd>(scaled).eigenvectors().col(0);
@@ -76,7 +75,7 @@ EssentialParameters judge_essential(const Model& arm, const EssentialColumns& co
 }
 
 Discrimination judge_rivals(const Question& question, const MatrixXd& gram,
-                              const ExcitationOptions& options) {
+                            const ExcitationOptions& options) {
   const auto label = [](const RivalCause& r) {
     return r.place.empty() ? r.effect : r.effect + ":" + r.place;
   };

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <cstdlib>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -14,18 +13,19 @@
 namespace veridyn {
 namespace {
 
-static double env(const char*n,double d){const char*v=getenv(n);return v?atof(v):d;}
-const int kDraws = env("DR",20);            // random motions of which the best begins a search
-const int kTrials = env("TR",10);            // of which short descents begin
-const int kTrialIterations = env("TI",30);  //
-const int kFollowed = env("FO",3);           // of which the best are followed to the end
+constexpr int kDraws = 32;            // random motions of which the best begins a search
+constexpr int kTrials = 16;           // of which short descents begin
+constexpr int kTrialIterations = 30;  // each
+constexpr int kFollowed = 3;          // of which the best are followed to the end
 constexpr int kInstantsPerWave = 24;  // of the shortest wave, for the criterion
 constexpr int kLimitsPerWave = 14;    // and for the limits; what is between is fitted afterwards
 static_assert(kStages == 2, "one for each sharpness");
-const double kSharpness[] = {env("S1",2.0), env("S2",16.0)};  // of the smooth condition number, one after the other
-const double kLastSharpness = env("SL",100.0);      // for the best motion of all searches
+constexpr double kSharpness[] = {2.0, 16.0};  // of the smooth condition number, one after the other
+constexpr double kLastSharpness = 100.0;      // for the best motion of all searches
 constexpr int kNarrowings = 5;                // rounds until limits hold between instants too
-constexpr double kHeld = 1e-9;                // of a limit's scale: rounding
+constexpr double kInside = 1e-7;              // of a limit's scale: against rounding
+
+constexpr double kRoundingShare = 1e-12;  // of a joint's limits, that is left free
 
 }  // namespace
 
@@ -37,6 +37,15 @@ MotionSearch::MotionSearch(const MotionSpace& space, const LimitSignals& signals
       question_(question),
       options_(options),
       progress_(progress) {}
+
+int MotionSearch::most_steps(const ExcitationOptions& options) {
+  if (options.solver == ExcitationSolver::kRandom) return options.iterations;
+  const bool condition = options.criterion == ExcitationCriterion::kCondition;
+  const int descents = condition ? kStages + 1 : 1;
+  if (options.solver != ExcitationSolver::kInteriorPoint) return descents * options.iterations;
+  return kTrials * std::min(kTrialIterations, options.iterations) +
+         kFollowed * descents * options.iterations;
+}
 
 MotionSearch::Bounds MotionSearch::allowed() const {
   const int n = space_.joints();
@@ -121,8 +130,8 @@ SolverResult MotionSearch::solve([[maybe_unused]] NonlinearProgram& program, con
   return {from};
 }
 
-VectorXd MotionSearch::descend(const VectorXd& from, const Bounds& bounds,
-                               const Descent& descent, int start, Found& found) const {
+VectorXd MotionSearch::descend(const VectorXd& from, const Bounds& bounds, const Descent& descent,
+                               int start, Found& found) const {
   GridConstraints limits(space_, signals_, kLimitsPerWave * space_.harmonics());
   limits.set_bounds(bounds.lower, bounds.upper);
   const MotionObjective objective(
@@ -174,12 +183,12 @@ bool MotionSearch::narrow(const VectorXd& x, Bounds& bounds) const {
       return margin.name == signals_[k].name;
     });
     if (m == margins.end()) continue;
-    const double room = kHeld * signals_[k].scale;
+    const double inside = kInside * signals_[k].scale;
     const double over = m->highest - wide.upper[k];
     const double under = wide.lower[k] - m->lowest;
-    if (over > room) bounds.upper[k] -= 1.2 * over;
-    if (under > room) bounds.lower[k] += 1.2 * under;
-    crossed = crossed || over > room || under > room;
+    if (over > 0.0) bounds.upper[k] -= 1.2 * over + inside;
+    if (under > 0.0) bounds.lower[k] += 1.2 * under + inside;
+    crossed = crossed || over > 0.0 || under > 0.0;
   }
   return crossed;
 }
@@ -263,13 +272,15 @@ VectorXd fitted_to_joints(const MotionSpace& space, const VectorXd& x) {
     const double share = std::min({1.0, room / (bounds.upper[i] - bounds.lower[i]),
                                    limits.velocity[i] / bounds.velocity[i],
                                    limits.acceleration[i] / bounds.acceleration[i]}) *
-                         (1.0 - 1e-12);
+                         (1.0 - kRoundingShare);
     own.tail(p - 1) *= share;
     // The range about its mean position shrinks with the motion.
     const double mean = space.middle_of(i) + space.size_of(i) * own[0];
     const double low = share * (bounds.lower[i] - mean);
     const double high = share * (bounds.upper[i] - mean);
-    const double moved = std::max(limits.lower[i] - low, std::min(mean, limits.upper[i] - high));
+    const double edge = 0.2 * kRoundingShare * room;
+    const double moved =
+        std::max(limits.lower[i] + edge - low, std::min(mean, limits.upper[i] - edge - high));
     own[0] = (moved - space.middle_of(i)) / space.size_of(i);
   }
   return out;

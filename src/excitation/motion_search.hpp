@@ -32,6 +32,9 @@ class MotionSearch {
 
   Found run(int start) const;
 
+  /// Iterations of one start, about; descents that are repeated come on top.
+  static int most_steps(const ExcitationOptions& options);
+
   /// A last descent from the motion of a start, for the condition number: with a stand-in that is
   /// close to it; counted with the others. Empty where nothing within the limits came of it.
   VectorXd polished(Found& found, int start) const;

@@ -40,9 +40,9 @@ struct SolverResult {
   int iterations = 0;
 };
 
-/// Primal-dual interior point with slacks, a line search and a dense, damped BFGS Hessian; each step
-/// is one Cholesky factor of the size of the variables, however many constraints there are. For up
-/// to some hundred variables (Nocedal and Wright, Numerical Optimization, 2006, chapter 19).
+/// Primal-dual interior point with slacks, a line search and a dense, damped BFGS Hessian; each
+/// step is one Cholesky factor of the size of the variables, however many constraints there are.
+/// For up to some hundred variables (Nocedal and Wright, Numerical Optimization, 2006, chapter 19).
 SolverResult solve_with_interior_point(NonlinearProgram& program, const VectorXd& start,
                                        const SolverOptions& options);
 

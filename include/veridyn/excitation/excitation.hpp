@@ -168,7 +168,8 @@ struct Excitation {
   /// Of its Gram matrix per instant, columns scaled by their size at random states.
   double log_determinant = 0.0;
   double start_condition_number = 0.0;  ///< of the first random motion, in the same columns
-  std::optional<EssentialParameters> essential{};  ///< where they were asked for
+  /// Of the share asked for; of 0.01 where none was, if that leaves any out.
+  std::optional<EssentialParameters> essential{};
   std::optional<Discrimination> discrimination{};
   /// The base parameters that the motion tells least from each other: names and parts (of norm one)
   /// of the weakest direction, columns scaled to norm one; the largest parts first.
