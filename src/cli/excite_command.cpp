@@ -13,6 +13,7 @@
 #include "excite_options.hpp"
 #include "messages.hpp"
 #include "veridyn/excitation/excitation.hpp"
+#include "veridyn/identification/base_parameters.hpp"
 #include "veridyn/identification/recorded_motion.hpp"
 #include "veridyn/identification/recording.hpp"
 #include "veridyn/math/output_file.hpp"
@@ -83,6 +84,7 @@ ExcitationOptions options_of(const Request& request, const Model& arm) {
   for (const std::string& path : request.given) {
     for (MotionSamples& motion : recorded_motion(arm, path)) o.given.push_back(std::move(motion));
   }
+  o.reported_base = base_parameters(arm).independent;
   if (!request.between.empty()) o.between = rivals(request.between);
   if (o.between) o.criterion = ExcitationCriterion::kDiscriminate;
   if (!request.model.empty()) o.powered = read_model(request.model);
@@ -193,8 +195,9 @@ void add_search_options(CLI::App& command, ExcitationOptions& o) {
   const char* const group = "Search";
   add_choice(command, "--criterion", o.criterion,
              {ExcitationCriterion::kCondition, ExcitationCriterion::kDOptimal,
-              ExcitationCriterion::kDiscriminate},
-             "Smallest condition number or confidence ellipsoid, or two causes told apart")
+              ExcitationCriterion::kAOptimal, ExcitationCriterion::kDiscriminate},
+             "Smallest condition number, confidence ellipsoid or mean relative deviation, or two "
+             "causes told apart")
       ->group(group);
   add_choice(command, "--columns-scaled", o.scaling,
              {ColumnScaling::kNorm, ColumnScaling::kNone, ColumnScaling::kOrthogonal},

@@ -122,13 +122,8 @@ class Design {
   MotionSamples samples(const VectorXd& x) const {
     return space_.trajectory(x).motion(periods_, options_.rate);
   }
-  MatrixXd gram(const Asked& asked, const MotionSamples& motion) const {
-    return asked.question.exact->gram(motion, asked.question.row_weights) /
-               static_cast<double>(motion.rows()) +
-           asked.question.exact_given;
-  }
   double cost(const Asked& asked, const VectorXd& x) const {
-    return x.size() > 0 ? asked.question.verdict(gram(asked, samples(x))) : kInfinity;
+    return x.size() > 0 ? asked.question.cost(samples(x)) : kInfinity;
   }
   template <typename Search>
   void each(const Asked& asked, const Search& search);
@@ -208,34 +203,31 @@ void Design::describe(const Asked& asked, const Found& best, Excitation& out) co
   const BaseRegressor all(arm_);
   out.log_determinant =
       log_determinant(all.gram(motion) / static_cast<double>(motion.rows()), all.scale());
-  if (options_.essential > 0.0) {
-    const std::vector<int> base = best_choice(all.base(), best.x);
-    judge_motion(arm_, BaseRegressor(arm_, base), motion, random, options_, out);
-    out.essential = judge_essential(arm_, essential_columns(arm_, options_.essential),
-                                    options_.essential, asked.exact, motion);
-  } else {
-    judge_motion(arm_, asked.exact, motion, random, options_, out);
-    const EssentialColumns usual = essential_columns(arm_, kUsualShare);
-    if (!usual.left_out.empty()) {
-      out.essential =
-          judge_essential(arm_, usual, kUsualShare, BaseRegressor(arm_, usual.kept), motion);
-    }
+  const bool part = options_.essential > 0.0;
+  const bool own = !part && options_.criterion != ExcitationCriterion::kAOptimal;
+  const BaseRegressor whole(arm_, own ? asked.exact.base() : best_choice(all.base(), best.x));
+  judge_motion(arm_, whole, motion, random, options_, out);
+  const double share = part ? options_.essential : kUsualShare;
+  const EssentialColumns essential = essential_columns(arm_, share);
+  if (part || !essential.left_out.empty()) {
+    const BaseRegressor kept(arm_, choice_matters() && part ? asked.exact.base() : essential.kept);
+    out.essential = judge_essential(arm_, essential, share, kept, motion);
   }
-  const std::optional<Model> known =
-      options_.valued ? options_.valued : with_values(arm_, options_);
+  const std::optional<Model> known = values_of(arm_, options_);
   if (known) {
-    out.prediction = predict_identification(
-        *known, out.motion, options_.noise.value_or(usual_noise(*known)), options_.given);
+    out.prediction =
+        predict_identification(*known, out.motion, options_.noise.value_or(usual_noise(*known)),
+                               options_.given, options_.reported_base);
   }
   if (options_.between && options_.criterion == ExcitationCriterion::kDiscriminate)
-    out.discrimination = judge_rivals(asked.question, gram(asked, motion), options_);
+    out.discrimination = judge_rivals(asked.question, asked.question.exact_gram(motion), options_);
   if (within && !std::isfinite(best.cost)) out.status = ExcitationStatus::kRankDeficient;
 }
 
 Excitation Design::run() {
-  const std::vector<int> columns = options_.essential > 0.0
-                                       ? essential_columns(arm_, options_.essential).kept
-                                       : std::vector<int>();
+  std::vector<int> columns;
+  if (options_.criterion == ExcitationCriterion::kAOptimal) columns = options_.reported_base;
+  if (options_.essential > 0.0) columns = essential_columns(arm_, options_.essential).kept;
   auto asked = std::make_unique<Asked>(arm_, columns, options_, seconds());
   require(asked->exact.size() >= 1, "excitation: the torques of '", arm_.name(),
           "' depend on no parameters: it has neither bodies nor effects.");

@@ -10,6 +10,7 @@ namespace veridyn {
 
 const char* name_of(ExcitationCriterion criterion) {
   if (criterion == ExcitationCriterion::kDiscriminate) return "discriminate";
+  if (criterion == ExcitationCriterion::kAOptimal) return "a-optimal";
   return criterion == ExcitationCriterion::kCondition ? "condition" : "d-optimal";
 }
 

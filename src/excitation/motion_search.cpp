@@ -62,12 +62,7 @@ MotionSearch::Bounds MotionSearch::allowed() const {
 }
 
 double MotionSearch::smooth_cost(const VectorXd& x, double sharpness) const {
-  const int instants = kInstantsPerWave * space_.harmonics();
-  const MotionSpace::Basis basis = space_.basis(period_instants(space_.frequency(), instants));
-  const MatrixXd gram =
-      question_.rounded->gram(space_.samples(basis, x), question_.row_weights) / instants +
-      question_.rounded_given;
-  return question_.smooth(gram, sharpness).value;
+  return question_.objective(space_, sharpness, kInstantsPerWave * space_.harmonics()).value(x);
 }
 
 bool MotionSearch::keeps(const VectorXd& x, const Bounds& bounds) const {
@@ -134,10 +129,8 @@ VectorXd MotionSearch::descend(const VectorXd& from, const Bounds& bounds, const
                                int start, Found& found) const {
   GridConstraints limits(space_, signals_, kLimitsPerWave * space_.harmonics());
   limits.set_bounds(bounds.lower, bounds.upper);
-  const MotionObjective objective(
-      space_, question_.rounded, question_.row_weights, question_.rounded_given,
-      [&](const MatrixXd& gram) { return question_.smooth(gram, descent.sharpness); },
-      kInstantsPerWave * space_.harmonics());
+  const MotionObjective objective =
+      question_.objective(space_, descent.sharpness, kInstantsPerWave * space_.harmonics());
   SearchProgram program(objective, limits, space_.size());
   SolverOptions solver;
   solver.iterations = std::min(options_.iterations, descent.iterations);

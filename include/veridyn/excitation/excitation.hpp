@@ -19,11 +19,14 @@ enum class ExcitationCriterion {
   kCondition,
   /// Largest ln det of its weighted Gram matrix: the smallest volume of the confidence ellipsoid.
   kDOptimal,
+  /// Smallest mean of the base parameters' predicted standard deviations, each relative to the
+  /// parameter's value; one that is nearly nothing counts as one that makes 0.1 % of the torques.
+  kAOptimal,
   /// Two named causes told apart best, see RivalCause.
   kDiscriminate,
 };
 
-/// "condition", "d-optimal", "discriminate".
+/// "condition", "d-optimal", "a-optimal", "discriminate".
 const char* name_of(ExcitationCriterion criterion);
 
 /// Who searches. Ipopt and NLopt are there where the build has them, see has_solver().
@@ -90,8 +93,12 @@ struct ExcitationOptions {
   std::optional<Model> powered{};
   /// Of the torques, for the prediction; nothing: usual_noise() of the arm with values.
   std::optional<TorqueNoise> noise{};
-  /// The arm with values for the prediction only; nothing: `powered`, or the arm itself.
+  /// The arm with values for the prediction and kAOptimal only; nothing: `powered`, or the arm
+  /// itself.
   std::optional<Model> valued{};
+  /// Which standard parameters lead the base parameters of the prediction and of kAOptimal, as in
+  /// BaseRegressor: those of an identification, so that both speak of the same. None: own ones.
+  std::vector<int> reported_base{};
   /// Motions that are recorded already; their information counts. Samples of their own rate.
   std::vector<MotionSamples> given{};
   unsigned seed = 1;

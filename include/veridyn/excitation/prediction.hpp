@@ -47,9 +47,13 @@ struct Prediction {
 ///
 /// @param arm    with values: they give the torques and what a deviation is relative to.
 /// @param given  motions recorded before, with the same noise.
+/// @param base   which standard parameters lead the base parameters, as in BaseRegressor; none:
+/// those
+///               that are best conditioned at random states.
 /// @throws InvalidInput  a body has no values, or sizes differ.
 Prediction predict_identification(const Model& arm, const MotionSamples& motion,
                                   const TorqueNoise& noise,
-                                  const std::vector<MotionSamples>& given = {});
+                                  const std::vector<MotionSamples>& given = {},
+                                  const std::vector<int>& base = {});
 
 }  // namespace veridyn
