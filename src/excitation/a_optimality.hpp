@@ -35,6 +35,9 @@ class RelativeDeviations {
   RelativeDeviations(const Model& arm, const BaseRegressor& regressor, VectorXd share,
                      std::vector<MatrixXd> given);
 
+  /// What the deviations are relative to.
+  const VectorXd& size() const { return size_; }
+
   SmoothJointValue operator()(const std::vector<MatrixXd>& grams) const;
 
  private:

@@ -12,6 +12,7 @@
 #include "veridyn/kinematics/motion_limits.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/model_file.hpp"
+#include "veridyn/simulation/plausible_model.hpp"
 
 namespace veridyn {
 namespace {
@@ -99,6 +100,41 @@ TEST(Excitation, EveryCriterionIsServedBestByItsOwnMotion) {
   EXPECT_LT(plain.plain_condition_number, c.plain_condition_number);
 }
 
+// Thesis table of optimised condition numbers; one search is enough here.
+TEST(Excitation, ConditionNumbersAreBelowThoseOfTheThesis) {
+  ExcitationOptions options;
+  options.starts = 1;
+  for (const auto& [frequency, thesis] : {std::pair{0.13, 128.74}, std::pair{0.20, 110.87}}) {
+    options.frequency = frequency;
+    const Excitation e = optimise_excitation(read_model("psm-3dof"), options);
+    EXPECT_LT(e.condition_number, thesis) << frequency;
+    EXPECT_EQ(e.base_parameters, 25);
+    EXPECT_EQ(e.base.size(), 25u);
+  }
+}
+
+// A random motion with the same values and noise would leave twice the deviation and more.
+TEST(Excitation, RelativeDeviationsAreHalfOfThoseOfARandomMotion) {
+  const Model arm = read_model("psm-3dof");
+  ExcitationOptions options = small_search();
+  options.iterations = 60;
+  options.valued = plausible_model(arm, 1).arm;
+  options.criterion = ExcitationCriterion::kAOptimal;
+  const Excitation best = optimise_excitation(arm, options);
+  const Excitation d = optimise_excitation(arm, [&] {
+    ExcitationOptions other = options;
+    other.criterion = ExcitationCriterion::kDOptimal;
+    return other;
+  }());
+  options.solver = ExcitationSolver::kRandom;
+  options.iterations = 1;
+  const Excitation random = optimise_excitation(arm, options);
+  EXPECT_LT(best.prediction->mean_relative, 0.5 * random.prediction->mean_relative);
+  EXPECT_LT(best.prediction->mean_relative, d.prediction->mean_relative);
+  options.valued.reset();
+  EXPECT_THROW(optimise_excitation(arm, options), InvalidInput);  // relative to what?
+}
+
 // What is recorded already need not be recorded again.
 TEST(Excitation, GivenRecordingsCount) {
   const Model arm = read_model("psm-3dof");
@@ -169,6 +205,7 @@ TEST(Excitation, RefusesOptionsOutOfRange) {
   EXPECT_THROW(optimise_excitation(arm, with([](auto& o) { o.rate = 1.0; })), InvalidInput);
   EXPECT_THROW(optimise_excitation(arm, with([](auto& o) { o.starts = 0; })), InvalidInput);
   EXPECT_THROW(optimise_excitation(arm, with([](auto& o) { o.limit_share = 1.5; })), InvalidInput);
+  EXPECT_THROW(optimise_excitation(arm, with([](auto& o) { o.essential = 1.0; })), InvalidInput);
 }
 
 TEST(Excitation, RefusesRivalsThatNoMotionTellsApart) {
