@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -40,10 +41,11 @@ RelativeDeviations::RelativeDeviations(const Model& arm, const BaseRegressor& re
   VectorXd square(arm.joints());
   for (Eigen::Index i = 0; i < square.size(); ++i)
     square[i] = beta_.dot(grams[static_cast<size_t>(i)] * beta_) / kStates;
-  least_square_ = std::max(1e-300, kNoTorque2 * square.maxCoeff());
+  const double none = std::max(1e-300, kNoTorque2 * square.maxCoeff());
+  least_square_ = (std::pow(kLeastTorque, 2) * square).cwiseMax(none);
   VectorXd by_one = VectorXd::Zero(beta_.size());  // squared torque of one unit, relative
   for (Eigen::Index i = 0; i < square.size(); ++i)
-    by_one += grams[static_cast<size_t>(i)].diagonal() / kStates / (square[i] + least_square_);
+    by_one += grams[static_cast<size_t>(i)].diagonal() / kStates / (square[i] + least_square_[i]);
   size_ = beta_.cwiseAbs().cwiseMax(kFloorOfTorque *
                                     by_one.cwiseMax(1e-300).cwiseSqrt().cwiseInverse());
 }
@@ -54,7 +56,8 @@ SmoothJointValue RelativeDeviations::operator()(const std::vector<MatrixXd>& gra
   VectorXd weight(static_cast<Eigen::Index>(grams.size()));
   for (size_t i = 0; i < grams.size(); ++i) {
     const auto at = static_cast<Eigen::Index>(i);
-    weight[at] = 1.0 / (share_[at] * share_[at] * (beta_.dot(grams[i] * beta_) + least_square_));
+    weight[at] =
+        1.0 / (share_[at] * share_[at] * (beta_.dot(grams[i] * beta_) + least_square_[at]));
     M += weight[at] * (grams[i] + given_[i]);
   }
   const MatrixXd P = inverse_of(M);

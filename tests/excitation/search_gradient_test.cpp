@@ -109,7 +109,7 @@ TEST_P(SearchGradient, OfTheRelativeDeviations) {
 }
 
 // The criterion is what the prediction says, up to a factor that is the same for all motions; only
-// what is nearly nothing is taken relative to more than itself.
+// what is nearly nothing is taken relative to more than itself, and noise does not vanish.
 TEST_P(SearchGradient, TheRelativeDeviationsAreThoseOfThePrediction) {
   const Search s(plausible_model(read_model("psm-3dof"), 2).arm);
   ExcitationOptions options;
@@ -119,7 +119,12 @@ TEST_P(SearchGradient, TheRelativeDeviationsAreThoseOfThePrediction) {
   RandomNumbers random(6);
   const auto difference = [&] {
     const MotionSamples motion = s.space.trajectory(s.space.random(random)).motion(2, 100.0);
-    const Prediction p = predict_identification(s.arm, motion, usual_noise(s.arm), options.given);
+    TorqueNoise noise = usual_noise(s.arm);
+    const VectorXd rms = predict_identification(s.arm, motion, noise).rms_torque;
+    const VectorXd least = question.exact_deviations->least_square();
+    EXPECT_LT(least.cwiseQuotient(rms.cwiseAbs2()).minCoeff(), 0.5);
+    noise.share.array() *= (1.0 + least.array() / rms.array().square()).sqrt();
+    const Prediction p = predict_identification(s.arm, motion, noise, options.given);
     double sum = 0.0;
     int floored = 0;
     for (size_t b = 0; b < p.parameters.size(); ++b) {
