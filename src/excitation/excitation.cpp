@@ -125,16 +125,17 @@ class Design {
   double cost(const Asked& asked, const VectorXd& x) const {
     return x.size() > 0 ? asked.question.cost(samples(x)) : kInfinity;
   }
-  template <typename Search>
-  void each(const Asked& asked, const Search& search);
-  Found& best() {
-    return *std::min_element(found_.begin(), found_.end(), [](const Found& a, const Found& b) {
-      return std::make_pair(a.x.size() == 0, a.cost) < std::make_pair(b.x.size() == 0, b.cost);
-    });
-  }
   std::vector<int> best_choice(const std::vector<int>& base, const VectorXd& x) const;
-  void polish(std::unique_ptr<Asked>& asked);
-  void describe(const Asked& asked, const Found& best, Excitation& out) const;
+  // The best that one start came to, in the base columns that suit it; x is empty where nothing is
+  // within the limits.
+  struct Candidate {
+    std::shared_ptr<const Asked> asked;
+    VectorXd x{};
+    double cost = kInfinity;
+  };
+  Candidate polished(Candidate best, int start, Found& found) const;
+  Candidate search(const std::shared_ptr<const Asked>& asked, int start, Found& found) const;
+  void describe(const Candidate& best, const VectorXd& random, Excitation& out) const;
 
   static constexpr double kInfinity = std::numeric_limits<double>::infinity();
   const Model& arm_;
@@ -143,24 +144,8 @@ class Design {
   MotionLimits limits_;
   MotionSpace space_;
   LimitSignals signals_;
-  SearchProgress progress_;
-  std::vector<Found> found_;
+  mutable SearchProgress progress_;  // it guards itself
 };
-
-// Runs search(searcher, own, start) for every start, and takes what it returns where it is better.
-template <typename Search>
-void Design::each(const Asked& asked, const Search& search) {
-  const MotionSearch searcher(space_, signals_, asked.question, options_, progress_);
-  parallel_for(options_.starts, options_.threads, [&](int start) {
-    Found& own = found_[static_cast<size_t>(start)];
-    const VectorXd x = search(searcher, own, start);
-    const double reached = cost(asked, x);
-    own.cost = cost(asked, own.x);
-    if (x.size() == 0 || (own.x.size() > 0 && own.cost <= reached)) return;
-    own.x = x;
-    own.cost = reached;
-  });
-}
 
 std::vector<int> Design::best_choice(const std::vector<int>& base, const VectorXd& x) const {
   if (!choice_matters() || x.size() == 0) return base;
@@ -172,20 +157,42 @@ std::vector<int> Design::best_choice(const std::vector<int>& base, const VectorX
   return best_conditioned_columns(base, std::move(gram));
 }
 
-// The base columns that suit the best motion, and last descents of all motions in terms of them.
-void Design::polish(std::unique_ptr<Asked>& asked) {
-  for (int round = 0; round < kRounds && best().x.size() > 0 && !stopped(); ++round) {
-    const std::vector<int> columns = best_choice(asked->exact.base(), best().x);
-    const bool same = columns == asked->exact.base();
-    if (!same) asked = std::make_unique<Asked>(arm_, columns, options_, seconds());
-    each(*asked, [](const MotionSearch& search, Found& own, int start) {
-      return search.polished(own, start);
-    });
+// In turn: the base columns that suit the motion, and a last descent in terms of them.
+Design::Candidate Design::polished(Candidate best, int start, Found& found) const {
+  best.cost = cost(*best.asked, best.x);
+  for (int round = 0; round < kRounds && best.x.size() > 0 && !stopped(); ++round) {
+    const std::vector<int> columns = best_choice(best.asked->exact.base(), best.x);
+    const bool same = columns == best.asked->exact.base();
+    if (!same) {
+      best.asked = std::make_shared<Asked>(arm_, columns, options_, seconds());
+      best.cost = cost(*best.asked, best.x);
+    }
+    const MotionSearch searcher(space_, signals_, best.asked->question, options_, progress_);
+    const VectorXd next = searcher.polished(best.x, start, found);
+    const double reached = cost(*best.asked, next);
+    if (reached < best.cost) {
+      best.x = next;
+      best.cost = reached;
+    }
     if (same) break;
   }
+  return best;
 }
 
-void Design::describe(const Asked& asked, const Found& best, Excitation& out) const {
+Design::Candidate Design::search(const std::shared_ptr<const Asked>& asked, int start,
+                                 Found& found) const {
+  found = MotionSearch(space_, signals_, asked->question, options_, progress_).run(start);
+  Candidate best{asked};
+  for (const VectorXd& end : found.ends) {
+    Candidate next = polished({asked, end}, start, found);
+    if (best.x.size() == 0 || next.cost < best.cost) best = std::move(next);
+  }
+  progress_.over(start);
+  return best;
+}
+
+void Design::describe(const Candidate& best, const VectorXd& random, Excitation& out) const {
+  const Asked& asked = *best.asked;
   const MotionSamples motion = out.trajectory.motion(periods_, options_.rate);
   const bool within = best.x.size() > 0;
   out.margins = limit_margins(signals_, out.trajectory);
@@ -199,14 +206,13 @@ void Design::describe(const Asked& asked, const Found& best, Excitation& out) co
     out.slow_seconds = passes.time[passes.rows() - 1];
   }
   out.motion = joined(motion, passes);
-  const MotionSamples random = samples(found_.front().start);
   const BaseRegressor all(arm_);
   out.log_determinant =
       log_determinant(all.gram(motion) / static_cast<double>(motion.rows()), all.scale());
   const bool part = options_.essential > 0.0;
   const bool own = !part && options_.criterion != ExcitationCriterion::kAOptimal;
   const BaseRegressor whole(arm_, own ? asked.exact.base() : best_choice(all.base(), best.x));
-  judge_motion(arm_, whole, motion, random, options_, out);
+  judge_motion(arm_, whole, motion, samples(random), options_, out);
   const double share = part ? options_.essential : kUsualShare;
   const EssentialColumns essential = essential_columns(arm_, share);
   if (part || !essential.left_out.empty()) {
@@ -228,27 +234,31 @@ Excitation Design::run() {
   std::vector<int> columns;
   if (options_.criterion == ExcitationCriterion::kAOptimal) columns = options_.reported_base;
   if (options_.essential > 0.0) columns = essential_columns(arm_, options_.essential).kept;
-  auto asked = std::make_unique<Asked>(arm_, columns, options_, seconds());
+  const auto asked = std::make_shared<const Asked>(arm_, columns, options_, seconds());
   require(asked->exact.size() >= 1, "excitation: the torques of '", arm_.name(),
           "' depend on no parameters: it has neither bodies nor effects.");
-  found_.resize(static_cast<size_t>(options_.starts));
+  std::vector<Found> found(static_cast<size_t>(options_.starts));
+  std::vector<Candidate> ends(found.size());
   if (options_.progress) options_.progress("searching", 0.0);
-  each(*asked, [](const MotionSearch& search, Found& own, int start) {
-    own = search.run(start);
-    return own.x;
+  parallel_for(options_.starts, options_.threads, [&](int start) {
+    const auto own = static_cast<size_t>(start);
+    ends[own] = search(asked, start, found[own]);
   });
-  polish(asked);
   if (options_.progress) options_.progress("searching", 1.0);
-  const Found& last = best();
-  const bool within = last.x.size() > 0;
+  const auto rank = [](const Candidate& c) { return std::make_pair(c.x.size() == 0, c.cost); };
+  const auto last =
+      std::min_element(ends.begin(), ends.end(),
+                       [&](const Candidate& a, const Candidate& b) { return rank(a) < rank(b); });
+  const Found& of_last = found[static_cast<size_t>(last - ends.begin())];
+  const bool within = last->x.size() > 0;
   Excitation out{within ? ExcitationStatus::kDone : ExcitationStatus::kLimitsNotMet, arm_.name(),
                  options_.criterion, options_.solver,
-                 space_.trajectory(within ? last.x : last.nearest)};
+                 space_.trajectory(within ? last->x : of_last.nearest)};
   out.periods = periods_;
-  describe(*asked, last, out);
-  for (const Found& f : found_) out.evaluations += f.evaluations;
+  describe(*last, found.front().start, out);
+  for (const Found& f : found) out.evaluations += f.evaluations;
   out.interrupted = stopped();
-  out.converged = last.converged;
+  out.converged = of_last.converged;
   out.bounds = out.trajectory.bounds();
   out.limits = {limits_.lower, limits_.upper, limits_.velocity, limits_.acceleration};
   for (const Coordinate& coordinate : arm_.coordinates()) {

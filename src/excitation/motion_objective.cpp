@@ -44,15 +44,14 @@ std::vector<MatrixXd> MotionObjective::grams(const MotionSamples& motion) const 
   return out;
 }
 
-double MotionObjective::value(const VectorXd& x) const {
-  return criterion_(grams(space_.samples(basis_, x))).value;
+SmoothJointValue MotionObjective::at(const VectorXd& x) const {
+  return criterion_(grams(space_.samples(basis_, x)));
 }
 
-VectorXd MotionObjective::gradient(const VectorXd& x) const {
-  const MotionSamples motion = space_.samples(basis_, x);
-  SmoothJointValue at = criterion_(grams(motion));
-  for (MatrixXd& one : at.by_gram) one /= static_cast<double>(motion.rows());
-  return space_.gradient(basis_, columns_->gradient(motion, at.by_gram));
+VectorXd MotionObjective::gradient(const VectorXd& x, const SmoothJointValue& at_x) const {
+  std::vector<MatrixXd> by_gram = at_x.by_gram;
+  for (MatrixXd& one : by_gram) one /= static_cast<double>(basis_.time.size());
+  return space_.gradient(basis_, columns_->gradient(space_.samples(basis_, x), by_gram));
 }
 
 }  // namespace veridyn

@@ -26,8 +26,12 @@ class MotionObjective {
   MotionObjective(const MotionSpace& space, std::shared_ptr<const StackedColumns> columns,
                   JointCriterion criterion, int instants);
 
-  double value(const VectorXd& x) const;
-  VectorXd gradient(const VectorXd& x) const;
+  double value(const VectorXd& x) const { return at(x).value; }
+  VectorXd gradient(const VectorXd& x) const { return gradient(x, at(x)); }
+
+  /// The value, and what the gradient needs beside x.
+  SmoothJointValue at(const VectorXd& x) const;
+  VectorXd gradient(const VectorXd& x, const SmoothJointValue& at_x) const;
 
  private:
   std::vector<MatrixXd> grams(const MotionSamples& motion) const;

@@ -223,32 +223,28 @@ Found MotionSearch::run(int start) const {
   std::vector<VectorXd> from = draw(start, bounds, found);
   found.nearest = from.front();
   if (options_.solver == ExcitationSolver::kRandom) {
-    if (keeps(from.front(), bounds)) found.x = from.front();
-  } else {
-    from = options_.solver == ExcitationSolver::kInteriorPoint
-               ? tried(from, bounds, start, found)
-               : std::vector<VectorXd>{from.front()};
-    double least = std::numeric_limits<double>::infinity();
-    for (const VectorXd& x : from) {
-      const VectorXd end = follow(x, start, found);
-      const double cost = end.size() > 0 ? smooth_cost(end, kLastSharpness) : least;
-      if (cost < least) {
-        found.x = end;
-        least = cost;
-      }
-    }
+    if (keeps(from.front(), bounds)) found.ends = {from.front()};
+    return found;
   }
-  progress_.over(start);
+  if (options_.solver == ExcitationSolver::kInteriorPoint) {
+    from = tried(from, bounds, start, found);
+  } else {
+    from.resize(1);
+  }
+  for (const VectorXd& x : from) {
+    const VectorXd end = follow(x, start, found);
+    if (end.size() > 0) found.ends.push_back(end);
+  }
   return found;
 }
 
-VectorXd MotionSearch::polished(Found& found, int start) const {
+VectorXd MotionSearch::polished(const VectorXd& from, int start, Found& found) const {
   const bool random = options_.solver == ExcitationSolver::kRandom;
   const bool over = options_.stop && options_.stop();
   const bool condition = question_.criterion == ExcitationCriterion::kCondition;
-  if (random || over || !condition || found.x.size() == 0) return {};
+  if (random || over || !condition) return {};
   const Descent descent{kLastSharpness, options_.iterations};
-  const VectorXd next = descend(found.x, allowed(), descent, start, found);
+  const VectorXd next = descend(from, allowed(), descent, start, found);
   if (next.size() == 0) return {};
   const VectorXd fitted = fitted_to_joints(space_, next);
   return keeps(fitted, allowed()) ? fitted : VectorXd();

@@ -15,9 +15,8 @@ constexpr int kStages = 2;
 
 /// What one start found.
 struct Found {
-  VectorXd x;  ///< empty: nothing within the limits
-  double cost = 0.0;
-  bool converged = false;
+  std::vector<VectorXd> ends;  ///< of its descents; empty: nothing within the limits
+  bool converged = false;      ///< the last descent
   long evaluations = 0;
   VectorXd start;    ///< the first random motion
   VectorXd nearest;  ///< where nothing is within the limits: the motion that crosses them least
@@ -35,9 +34,9 @@ class MotionSearch {
   /// Iterations of one start, about; descents that are repeated come on top.
   static int most_steps(const ExcitationOptions& options);
 
-  /// A last descent from the motion of a start, for the condition number: with a stand-in that is
-  /// close to it; counted with the others. Empty where nothing within the limits came of it.
-  VectorXd polished(Found& found, int start) const;
+  /// A last descent, for the condition number: with a stand-in that is close to it. Empty where
+  /// nothing within the limits came of it, and for other criteria.
+  VectorXd polished(const VectorXd& from, int start, Found& found) const;
 
  private:
   struct Bounds {
