@@ -16,8 +16,8 @@ constexpr double kToTheEdge = 0.99;      // of the way to a bound, in one step
 constexpr double kEnough = 1e-4;         // of the decrease that the slope promises
 constexpr int kHalvings = 12;
 constexpr double kFirstStep = 0.1;  // of the variables, before anything of the curvature is known
-constexpr int kPatience = 8;        // iterations with hardly any gain
-constexpr double kHardlyAny = 1e-4;
+constexpr int kPatience = 15;       // iterations with hardly any gain
+constexpr double kHardlyAny = 3e-5;
 
 // One side of the bounds: the room that is left to them and the pressure on them; nothing where
 // the bound is infinite.
