@@ -204,8 +204,9 @@ void add_search_options(CLI::App& command, ExcitationOptions& o) {
              "Columns of the regressor before its condition number")
       ->group(group);
   command
-      .add_option("--essential", o.essential,
-                  "Ask only for base parameters of which so much is told from the others (0: all)")
+      .add_option(
+          "--essential", o.essential,
+          "Regroup base parameters whose columns add less than this to the others' (0: keep all)")
       ->option_text("SHARE")
       ->check(CLI::Range(0.0, 0.99))
       ->group(group);

@@ -15,6 +15,8 @@
 namespace veridyn {
 namespace {
 
+constexpr double kNothing = 1e9;  // deviations in units of a value that is zero
+
 double lasts(const MotionSamples& motion) {
   require(motion.rows() >= 2, "prediction: found a motion of ", motion.rows(),
           " rows, expected two or more.");
@@ -97,8 +99,9 @@ Prediction predict_identification(const Model& arm, const MotionSamples& motion,
     const ColumnName& name = names[static_cast<size_t>(regressor.base()[static_cast<size_t>(b)])];
     const double share = deviations[b] / std::abs(beta[b]);
     out.parameters.push_back({name.name, name.unit, beta[b], deviations[b], share});
-    relative.push_back(share);
+    if (share < kNothing) relative.push_back(share);
   }
+  if (relative.empty()) relative.push_back(std::numeric_limits<double>::infinity());
   const auto middle = relative.begin() + static_cast<long>(relative.size() / 2);
   out.mean_relative =
       std::accumulate(relative.begin(), relative.end(), 0.0) / static_cast<double>(relative.size());

@@ -38,7 +38,7 @@ struct Prediction {
   VectorXd rms_torque;  ///< (n) along the motion
   std::string values;   ///< whose values these are, in words
   std::vector<PredictedParameter> parameters;
-  double mean_relative = 0.0;  ///< of `relative`
+  double mean_relative = 0.0;  ///< of `relative`, without values that are zero
   double median_relative = 0.0;
 };
 
