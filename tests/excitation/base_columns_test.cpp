@@ -71,9 +71,9 @@ TEST(BaseColumns, TheBestConditionedOnesSpanTheSameAndAreNoWorse) {
 
 // A choice that is spoilt on purpose is repaired.
 TEST(BaseColumns, SwapsMakeTheConditionNumberSmaller) {
-  // Columns a, b and a + 0.1 b: the pair (a, a + 0.1 b) is ill conditioned, (a, b) is not.
+  // Columns a, b and a + b: the pair (a, a + b) is worse conditioned than (a, b).
   MatrixXd W(2, 3);
-  W << 1.0, 0.0, 1.0, 0.0, 1.0, 0.1;
+  W << 1.0, 0.0, 1.0, 0.0, 1.0, 1.0;
   const std::vector<int> chosen = best_conditioned_columns({0, 2}, W.transpose() * W);
   EXPECT_NE(std::find(chosen.begin(), chosen.end(), 1), chosen.end());
 }
