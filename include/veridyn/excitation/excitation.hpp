@@ -82,8 +82,8 @@ struct ExcitationOptions {
   double essential = 0.0;
   ExcitationSolver solver = best_solver();
   int starts = 2;  ///< independent searches, of which the best wins
-  /// Iterations of Ipopt, evaluations of NLopt, motions of kRandom in each search; the result
-  /// depends on this and not on the clock.
+  /// Iterations of each descent of an interior point, evaluations of NLopt, motions of kRandom in
+  /// each search; the result depends on this and not on the clock.
   int iterations = 400;
   /// Of the limits of joints and torques that may be used, above 0 and at most 1.
   double limit_share = 1.0;
@@ -199,9 +199,11 @@ struct Excitation {
 /// Searches a Fourier trajectory that starts and stops at rest, repeats its period, keeps within
 /// all limits (between samples as well) and excites what the criterion asks for.
 ///
-/// Multi-start: each search begins at the best of some random motions and goes down a smooth
-/// stand-in of the criterion with exact gradients; the criterion itself, on the samples of the
-/// motion, says which search won. The same options give the same motion, on any number of threads.
+/// Multi-start: each search makes short descents from some random motions (kInteriorPoint only) and
+/// follows the best of them down a smooth stand-in of the criterion with exact gradients; for the
+/// condition number of scaled columns the base columns are then chosen along the motion, and the
+/// descent goes on. The criterion itself, on the samples of the motion, says which search won. The
+/// same options give the same motion, on any number of threads.
 /// @throws InvalidInput  an option is out of range, or names what the arm does not have.
 Excitation optimise_excitation(const Model& arm, const ExcitationOptions& options = {});
 
