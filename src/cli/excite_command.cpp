@@ -14,6 +14,7 @@
 #include "messages.hpp"
 #include "option_checks.hpp"
 #include "veridyn/excitation/excitation.hpp"
+#include "veridyn/identification/base_parameters.hpp"
 #include "veridyn/identification/recorded_motion.hpp"
 #include "veridyn/identification/recording.hpp"
 #include "veridyn/math/output_file.hpp"
@@ -85,6 +86,7 @@ ExcitationOptions options_of(const Request& request, const Model& arm) {
   for (const std::string& path : request.given) {
     for (MotionSamples& motion : recorded_motion(arm, path)) o.given.push_back(std::move(motion));
   }
+  o.reported_base = base_parameters(arm).independent;
   if (!request.between.empty()) o.between = rivals(request.between);
   if (o.between) o.criterion = ExcitationCriterion::kDiscriminate;
   if (!request.model.empty()) o.powered = read_model(request.model);
@@ -195,7 +197,7 @@ void add_motion_options(CLI::App& command, ExcitationOptions& o) {
   number("--rate", o.rate, "HZ", "Rows per second (200)");
   command
       .add_option("--limit-share", o.limit_share,
-                  "Share of range, speed and acceleration to use (0.95)")
+                  "Share of range, speed, acceleration and torque to use (1)")
       ->option_text("X")
       ->check(CLI::Range(0.01, 1.0))
       ->group(group);
@@ -205,16 +207,24 @@ void add_search_options(CLI::App& command, ExcitationOptions& o) {
   const char* const group = "Search";
   add_choice(command, "--criterion", o.criterion,
              {ExcitationCriterion::kCondition, ExcitationCriterion::kDOptimal,
-              ExcitationCriterion::kDiscriminate},
-             "Smallest condition number or confidence ellipsoid, or two causes told apart")
+              ExcitationCriterion::kAOptimal, ExcitationCriterion::kDiscriminate},
+             "Smallest condition number, confidence ellipsoid or mean relative deviation, or two "
+             "causes told apart")
       ->group(group);
   add_choice(command, "--columns-scaled", o.scaling,
              {ColumnScaling::kNorm, ColumnScaling::kNone, ColumnScaling::kOrthogonal},
              "Columns of the regressor before its condition number")
       ->group(group);
+  command
+      .add_option(
+          "--essential", o.essential,
+          "Regroup base parameters whose columns add less than this to the others' (0: keep all)")
+      ->option_text("SHARE")
+      ->check(CLI::Range(0.0, 0.99))
+      ->group(group);
   add_choice(command, "--solver", o.solver,
-             {ExcitationSolver::kIpopt, ExcitationSolver::kNlopt, ExcitationSolver::kDerivativeFree,
-              ExcitationSolver::kRandom},
+             {ExcitationSolver::kInteriorPoint, ExcitationSolver::kIpopt, ExcitationSolver::kNlopt,
+              ExcitationSolver::kDerivativeFree, ExcitationSolver::kRandom},
              "Who searches")
       ->group(group);
   command.add_option("--starts", o.starts, "Independent searches (2)")

@@ -10,7 +10,6 @@ namespace veridyn {
 namespace {
 
 constexpr unsigned kStateSeed = 7;
-constexpr double kIndependent = 1e-6;     // what must be left of a column of norm one
 constexpr double kRoundingError = 1e-12;  // columns below this share of the largest are zero
 constexpr double kTie = 1e-9;             // between equals the first in the order is taken
 
@@ -42,6 +41,10 @@ MotionSamples random_states(const Model& arm, int count) {
   return out;
 }
 
+int state_count(int columns, int joints) {
+  return 20 + 2 * columns / std::max(1, joints);
+}
+
 std::vector<int> base_preference(int body_columns, int columns) {
   std::vector<int> order;
   for (int c = body_columns; c < columns; ++c) order.push_back(c);
@@ -53,7 +56,7 @@ std::vector<int> base_preference(int body_columns, int columns) {
 }
 
 std::vector<int> independent_columns(const MatrixXd& W, const std::vector<int>& order,
-                                     const std::vector<int>& taken) {
+                                     const std::vector<int>& taken, double least) {
   const VectorXd norms = W.colwise().norm().transpose();
   const double smallest = kRoundingError * norms.maxCoeff();
   MatrixXd left(W.rows(), W.cols());
@@ -70,7 +73,7 @@ std::vector<int> independent_columns(const MatrixXd& W, const std::vector<int>& 
   std::vector<char> there(static_cast<size_t>(W.cols()), 0);
   while (chosen.size() < order.size()) {
     int best = -1;
-    double most = kIndependent;
+    double most = std::max(least, kIndependent);
     for (const int c : order) {
       const double norm = there[static_cast<size_t>(c)] ? 0.0 : left.col(c).norm();
       if (norm > (1.0 + kTie) * most) {

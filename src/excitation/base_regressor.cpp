@@ -20,13 +20,18 @@ constexpr double kNoPart = 1e-9;  // of a standard parameter in a base parameter
 }  // namespace
 
 BaseRegressor::BaseRegressor(const Model& arm, double rounding)
-    : ones_(VectorXd::Ones(arm.joints())) {
+    : BaseRegressor(arm, {}, rounding) {}
+
+BaseRegressor::BaseRegressor(const Model& arm, const std::vector<int>& base, double rounding)
+    : ones_(VectorXd::Ones(arm.joints())), base_(base) {
   const StackedColumns exact(arm.joints(), arm_columns(arm, 0.0));
   const int body_columns = kBodyParameters * static_cast<int>(arm.bodies().size());
-  const int states = 20 + 2 * exact.count() / std::max(1, arm.joints());
+  const int states = state_count(exact.count(), arm.joints());
   const MatrixXd W = exact.stacked(random_states(arm, states));
-  base_ = independent_columns(W, base_preference(body_columns, exact.count()));
-  improve_choice(W, base_);
+  if (base_.empty()) {
+    base_ = independent_columns(W, base_preference(body_columns, exact.count()));
+    improve_choice(W, base_);
+  }
   scale_.resize(size());
   for (int b = 0; b < size(); ++b) {
     scale_[b] =

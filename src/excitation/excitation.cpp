@@ -1,14 +1,15 @@
 #include "veridyn/excitation/excitation.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <numeric>
 #include <set>
+#include <utility>
 
-#include "column_names.hpp"
+#include "motion_quality.hpp"
 #include "motion_search.hpp"
 #include "slow_passes.hpp"
 #include "veridyn/math/most_rows.hpp"
@@ -18,7 +19,8 @@
 namespace veridyn {
 namespace {
 
-constexpr double kNamedPart = 0.1;  // of a direction of norm one
+constexpr double kUsualShare = 0.01;  // of essential parameters, where nobody asks
+constexpr int kRounds = 3;            // of new base columns and descents, at most
 
 void check(const ExcitationOptions& o) {
   require(o.frequency > 0.0 && std::isfinite(o.frequency), "excitation: found a frequency of ",
@@ -34,6 +36,12 @@ void check(const ExcitationOptions& o) {
           o.iterations, " iterations, expected at least one of each.");
   require(o.limit_share > 0.0 && o.limit_share <= 1.0, "excitation: found a limit share of ",
           o.limit_share, ", expected above 0 and at most 1.");
+  require(o.essential >= 0.0 && o.essential < 1.0, "excitation: found an essential share of ",
+          o.essential, ", expected 0 to 1.");
+  require(
+      o.essential == 0.0 || o.criterion != ExcitationCriterion::kDiscriminate,
+      "excitation: found essential parameters with the criterion discriminate, which asks about "
+      "rivals.");
   require(o.slow_passes >= 0 && o.slow_passes <= 100, "excitation: found ", o.slow_passes,
           " slow passes, expected 0 to 100.");
   require(has_solver(o.solver), "excitation: this build has no ", name_of(o.solver),
@@ -76,48 +84,191 @@ std::vector<int> slow_joints(const Question& question, const Model& arm) {
   return all;
 }
 
-double range_condition_number(const MatrixXd& W) {
-  const VectorXd range = (W.colwise().maxCoeff() - W.colwise().minCoeff()).transpose();
-  if (!(range.minCoeff() > 0.0)) return std::numeric_limits<double>::infinity();
-  const MatrixXd scaled = W * range.cwiseInverse().asDiagonal();
-  return plain_condition_number(scaled.transpose() * scaled);
-}
+// Columns and what is asked about them.
+struct Asked {
+  Asked(const Model& arm, const std::vector<int>& columns, const ExcitationOptions& options,
+        double seconds)
+      : exact(arm, columns),
+        rounded(arm, exact.base(), kRounding),
+        question(make_question(arm, exact, rounded, options, seconds)) {}
 
-// Of the smallest eigenvalue of the Gram matrix, columns of norm one.
-std::vector<std::pair<std::string, double>> weakest_direction(const MatrixXd& gram,
-                                                              const BaseRegressor& regressor,
-                                                              const Model& arm) {
-  const VectorXd d = gram.diagonal().cwiseSqrt().cwiseMax(1e-100).cwiseInverse();
-  const MatrixXd scaled = d.asDiagonal() * gram * d.asDiagonal();
-  const VectorXd direction = Eigen::SelfAdjointEigenSolver<MatrixXd>(scaled).eigenvectors().col(0);
-  const std::vector<ColumnName> names = column_names(arm);
-  std::vector<std::pair<std::string, double>> out;
-  for (int b = 0; b < regressor.size(); ++b) {
-    const auto column = static_cast<size_t>(regressor.base()[static_cast<size_t>(b)]);
-    if (std::abs(direction[b]) > kNamedPart) out.emplace_back(names[column].name, direction[b]);
+  BaseRegressor exact, rounded;
+  Question question;
+};
+
+// All that one search after the other needs.
+class Design {
+ public:
+  Design(const Model& arm, const ExcitationOptions& options)
+      : arm_(arm),
+        options_(options),
+        periods_(std::max(2, static_cast<int>(std::lround(options.duration * options.frequency)))),
+        limits_(motion_limits(arm)),
+        space_(share_of(limits_, options.limit_share), options.harmonics, options.frequency),
+        signals_(arm, limits_, options.workspace, with_values(arm, options)),
+        progress_(options.progress, options.starts, MotionSearch::most_steps(options)) {}
+
+  Excitation run();
+
+ private:
+  double seconds() const { return periods_ / options_.frequency; }
+  bool stopped() const { return options_.stop && options_.stop(); }
+  // Whether the choice of base columns matters to the criterion.
+  bool choice_matters() const {
+    return options_.criterion == ExcitationCriterion::kCondition &&
+           options_.scaling == ColumnScaling::kNorm;
   }
-  std::sort(out.begin(), out.end(),
-            [](const auto& a, const auto& b) { return std::abs(a.second) > std::abs(b.second); });
-  return out;
+  MotionSamples samples(const VectorXd& x) const {
+    return space_.trajectory(x).motion(periods_, options_.rate);
+  }
+  double cost(const Asked& asked, const VectorXd& x) const {
+    return x.size() > 0 ? asked.question.cost(samples(x)) : kInfinity;
+  }
+  std::vector<int> best_choice(const std::vector<int>& base, const VectorXd& x) const;
+  // The best that one start came to, in the base columns that suit it; x is empty where nothing is
+  // within the limits.
+  struct Candidate {
+    std::shared_ptr<const Asked> asked;
+    VectorXd x{};
+    double cost = kInfinity;
+  };
+  Candidate polished(Candidate best, int start, Found& found) const;
+  Candidate search(const std::shared_ptr<const Asked>& asked, int start, Found& found) const;
+  void describe(const Candidate& best, const VectorXd& random, Excitation& out) const;
+
+  static constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  const Model& arm_;
+  const ExcitationOptions& options_;
+  int periods_;
+  MotionLimits limits_;
+  MotionSpace space_;
+  LimitSignals signals_;
+  mutable SearchProgress progress_;  // it guards itself
+};
+
+std::vector<int> Design::best_choice(const std::vector<int>& base, const VectorXd& x) const {
+  if (!choice_matters() || x.size() == 0) return base;
+  MatrixXd gram = gram_of_all_columns(arm_, samples(x));
+  for (const MotionSamples& before : options_.given) {
+    const double lasts = before.time[before.rows() - 1] - before.time[0];
+    gram += lasts / seconds() * gram_of_all_columns(arm_, before);
+  }
+  return best_conditioned_columns(base, std::move(gram));
 }
 
-Discrimination discrimination(const Question& question, const MatrixXd& gram,
-                              const ExcitationOptions& options) {
-  const auto label = [](const RivalCause& r) {
-    return r.place.empty() ? r.effect : r.effect + ":" + r.place;
-  };
-  Discrimination out;
-  out.first = label(options.between->first);
-  out.second = label(options.between->second);
-  const auto [first, second] = rivals_left(gram, question.scale, question.rivals);
-  const auto share = [](const RivalLeft& r) {
-    return r.alone > 0.0 ? std::sqrt(r.left / r.alone) : 0.0;
-  };
-  out.first_left = std::sqrt(first.left);
-  out.second_left = std::sqrt(second.left);
-  out.first_share = share(first);
-  out.second_share = share(second);
-  out.bodies_known = question.bodies_known;
+// In turn: the base columns that suit the motion, and a last descent in terms of them.
+Design::Candidate Design::polished(Candidate best, int start, Found& found) const {
+  best.cost = cost(*best.asked, best.x);
+  for (int round = 0; round < kRounds && best.x.size() > 0 && !stopped(); ++round) {
+    const std::vector<int> columns = best_choice(best.asked->exact.base(), best.x);
+    const bool same = columns == best.asked->exact.base();
+    if (!same) {
+      best.asked = std::make_shared<Asked>(arm_, columns, options_, seconds());
+      best.cost = cost(*best.asked, best.x);
+    }
+    const MotionSearch searcher(space_, signals_, best.asked->question, options_, progress_);
+    const VectorXd next = searcher.polished(best.x, start, found);
+    const double reached = cost(*best.asked, next);
+    if (reached < best.cost) {
+      best.x = next;
+      best.cost = reached;
+    }
+    if (same) break;
+  }
+  return best;
+}
+
+Design::Candidate Design::search(const std::shared_ptr<const Asked>& asked, int start,
+                                 Found& found) const {
+  found = MotionSearch(space_, signals_, asked->question, options_, progress_).run(start);
+  Candidate best{asked};
+  for (const VectorXd& end : found.ends) {
+    Candidate next = polished({asked, end}, start, found);
+    if (best.x.size() == 0 || next.cost < best.cost) best = std::move(next);
+  }
+  progress_.over(start);
+  return best;
+}
+
+void Design::describe(const Candidate& best, const VectorXd& random, Excitation& out) const {
+  const Asked& asked = *best.asked;
+  const MotionSamples motion = out.trajectory.motion(periods_, options_.rate);
+  const bool within = best.x.size() > 0;
+  out.margins = limit_margins(signals_, out.trajectory);
+  const MotionSamples passes =
+      within ? slow_passes(space_.limits(), motion.q.row(0).transpose(),
+                           slow_joints(asked.question, arm_), options_.slow_passes, options_.rate,
+                           within_limits(signals_))
+             : MotionSamples();
+  if (passes.rows() > 0) {
+    out.margins = joined(out.margins, limit_margins(signals_, passes));
+    out.slow_seconds = passes.time[passes.rows() - 1];
+  }
+  out.motion = joined(motion, passes);
+  const BaseRegressor all(arm_);
+  out.log_determinant =
+      log_determinant(all.gram(motion) / static_cast<double>(motion.rows()), all.scale());
+  const bool part = options_.essential > 0.0;
+  const bool own = !part && options_.criterion != ExcitationCriterion::kAOptimal;
+  const BaseRegressor whole(arm_, own ? asked.exact.base() : best_choice(all.base(), best.x));
+  judge_motion(arm_, whole, motion, samples(random), options_, out);
+  const double share = part ? options_.essential : kUsualShare;
+  const EssentialColumns essential = essential_columns(arm_, share);
+  if (part || !essential.left_out.empty()) {
+    const BaseRegressor kept(arm_, choice_matters() && part ? asked.exact.base() : essential.kept);
+    out.essential = judge_essential(arm_, essential, share, kept, motion);
+  }
+  const std::optional<Model> known = values_of(arm_, options_);
+  if (known) {
+    out.prediction =
+        predict_identification(*known, out.motion, options_.noise.value_or(usual_noise(*known)),
+                               options_.given, options_.reported_base);
+  }
+  if (options_.between && options_.criterion == ExcitationCriterion::kDiscriminate)
+    out.discrimination = judge_rivals(asked.question, asked.question.exact_gram(motion), options_);
+  if (within && !std::isfinite(best.cost)) out.status = ExcitationStatus::kRankDeficient;
+}
+
+Excitation Design::run() {
+  std::vector<int> columns;
+  if (options_.criterion == ExcitationCriterion::kAOptimal) columns = options_.reported_base;
+  if (options_.essential > 0.0) columns = essential_columns(arm_, options_.essential).kept;
+  const auto asked = std::make_shared<const Asked>(arm_, columns, options_, seconds());
+  require(asked->exact.size() >= 1, "excitation: the torques of '", arm_.name(),
+          "' depend on no parameters: it has neither bodies nor effects.");
+  // The regressor of the whole motion: base columns, and perhaps three times as many others.
+  const double most = std::floor(most_rows(4.0 * arm_.joints() * asked->exact.size()));
+  require(options_.duration * options_.rate < most, "excitation: found ", options_.duration,
+          " s at ", options_.rate, " Hz, expected fewer than ", most,
+          " rows, what this machine holds.");
+  std::vector<Found> found(static_cast<size_t>(options_.starts));
+  std::vector<Candidate> ends(found.size());
+  if (options_.progress) options_.progress("searching", 0.0);
+  parallel_for(options_.starts, options_.threads, [&](int start) {
+    const auto own = static_cast<size_t>(start);
+    ends[own] = search(asked, start, found[own]);
+  });
+  if (options_.progress) options_.progress("searching", 1.0);
+  const auto rank = [](const Candidate& c) { return std::make_pair(c.x.size() == 0, c.cost); };
+  const auto last =
+      std::min_element(ends.begin(), ends.end(),
+                       [&](const Candidate& a, const Candidate& b) { return rank(a) < rank(b); });
+  const Found& of_last = found[static_cast<size_t>(last - ends.begin())];
+  const bool within = last->x.size() > 0;
+  Excitation out{within ? ExcitationStatus::kDone : ExcitationStatus::kLimitsNotMet, arm_.name(),
+                 options_.criterion, options_.solver,
+                 space_.trajectory(within ? last->x : of_last.nearest)};
+  out.periods = periods_;
+  describe(*last, found.front().start, out);
+  for (const Found& f : found) out.evaluations += f.evaluations;
+  out.interrupted = stopped();
+  out.converged = of_last.converged;
+  out.bounds = out.trajectory.bounds();
+  out.limits = {limits_.lower, limits_.upper, limits_.velocity, limits_.acceleration};
+  for (const Coordinate& coordinate : arm_.coordinates()) {
+    out.joints.push_back(coordinate.name);
+    out.units.push_back(position_unit(coordinate));
+  }
   return out;
 }
 
@@ -127,107 +278,7 @@ Excitation optimise_excitation(const Model& arm, const ExcitationOptions& option
   check(options);
   const auto begun = std::chrono::steady_clock::now();
   require(arm.joints() >= 1, "excitation: the arm '", arm.name(), "' has no coordinates.");
-  const BaseRegressor exact(arm);
-  const BaseRegressor rounded(arm, kRounding);
-  require(exact.size() >= 1, "excitation: the torques of '", arm.name(),
-          "' depend on no parameters: it has neither bodies nor effects.");
-  // The regressor of the whole motion: base columns, and perhaps three times as many others.
-  const double most = std::floor(most_rows(4.0 * arm.joints() * exact.size()));
-  require(options.duration * options.rate < most, "excitation: found ", options.duration, " s at ",
-          options.rate, " Hz, expected fewer than ", most, " rows, what this machine holds.");
-  const int periods =
-      std::max(2, static_cast<int>(std::lround(options.duration * options.frequency)));
-  const MotionLimits limits = motion_limits(arm);
-  const MotionSpace space(share_of(limits, options.limit_share), options.harmonics,
-                          options.frequency);
-  const LimitSignals signals(arm, limits, options.workspace, with_values(arm, options));
-  const Question question =
-      make_question(arm, exact, rounded, options, periods / options.frequency);
-  const bool stages = options.criterion == ExcitationCriterion::kCondition;
-  SearchProgress progress(options.progress, options.starts,
-                          (stages ? kStages : 1) * options.iterations);
-  const MotionSearch search(space, signals, question, options, progress);
-
-  const auto verdict = [&](const FourierTrajectory& t) {
-    const MotionSamples motion = t.motion(periods, options.rate);
-    return MatrixXd(question.exact->gram(motion, question.row_weights) /
-                        static_cast<double>(motion.rows()) +
-                    question.exact_given);
-  };
-  std::vector<Found> found(static_cast<size_t>(options.starts));
-  if (options.progress) options.progress("searching", 0.0);
-  parallel_for(options.starts, options.threads, [&](int start) {
-    Found& own = found[static_cast<size_t>(start)];
-    own = search.run(start);
-    own.cost = std::numeric_limits<double>::infinity();
-    if (own.x.size() > 0) own.cost = question.verdict(verdict(space.trajectory(own.x)));
-  });
-  if (options.progress) options.progress("searching", 1.0);
-  Found& best = *std::min_element(found.begin(), found.end(), [](const Found& a, const Found& b) {
-    return std::make_pair(a.x.size() == 0, a.cost) < std::make_pair(b.x.size() == 0, b.cost);
-  });
-
-  const bool within = best.x.size() > 0;
-  if (within && !(options.stop && options.stop())) {
-    const VectorXd last = search.polished(best);
-    const double cost =
-        last.size() > 0 ? question.verdict(verdict(space.trajectory(last))) : best.cost;
-    if (cost < best.cost) {
-      best.x = last;
-      best.cost = cost;
-    }
-  }
-  Excitation out{within ? ExcitationStatus::kDone : ExcitationStatus::kLimitsNotMet, arm.name(),
-                 options.criterion, options.solver,
-                 space.trajectory(within ? best.x : best.nearest)};
-  out.periods = periods;
-  out.base_parameters = exact.size();
-  const MotionSamples motion = out.trajectory.motion(periods, options.rate);
-  out.margins = limit_margins(signals, out.trajectory);
-  const MotionSamples passes =
-      within ? slow_passes(space.limits(), motion.q.row(0).transpose(), slow_joints(question, arm),
-                           options.slow_passes, options.rate, within_limits(signals))
-             : MotionSamples();
-  if (passes.rows() > 0) {
-    out.margins = joined(out.margins, limit_margins(signals, passes));
-    out.slow_seconds = passes.time[passes.rows() - 1];
-  }
-  out.motion = joined(motion, passes);
-  const MatrixXd gram = exact.gram(motion) / static_cast<double>(motion.rows());
-  out.condition_number = scaled_condition_number(gram);
-  out.plain_condition_number = plain_condition_number(gram);
-  out.range_condition_number = range_condition_number(exact.stacked(motion));
-  MatrixXd with_given = gram;
-  for (const MotionSamples& motion_before : options.given) {
-    const auto rows = static_cast<double>(motion_before.rows());
-    const double lasts = motion_before.time[motion_before.rows() - 1] - motion_before.time[0];
-    with_given += lasts / (periods / options.frequency) / rows * exact.gram(motion_before);
-  }
-  out.condition_number_with_given = scaled_condition_number(with_given);
-  const MatrixXd& basis = exact.orthogonal_basis();
-  out.orthogonal_condition_number = scaled_condition_number(basis.transpose() * gram * basis);
-  out.log_determinant = log_determinant(gram, exact.scale());
-  out.weakest = weakest_direction(gram, exact, arm);
-  const std::optional<Model> known = options.valued ? options.valued : with_values(arm, options);
-  if (known) {
-    out.prediction = predict_identification(
-        *known, out.motion, options.noise.value_or(usual_noise(*known)), options.given);
-  }
-  const MotionSamples random = space.trajectory(found.front().start).motion(periods, options.rate);
-  out.start_condition_number = scaled_condition_number(exact.gram(random));
-  for (const Found& f : found) out.evaluations += f.evaluations;
-  if (options.between && options.criterion == ExcitationCriterion::kDiscriminate) {
-    out.discrimination = discrimination(question, verdict(out.trajectory), options);
-  }
-  if (within && !std::isfinite(best.cost)) out.status = ExcitationStatus::kRankDeficient;
-  out.interrupted = options.stop && options.stop();
-  out.converged = best.converged;
-  out.bounds = out.trajectory.bounds();
-  out.limits = {limits.lower, limits.upper, limits.velocity, limits.acceleration};
-  for (const Coordinate& coordinate : arm.coordinates()) {
-    out.joints.push_back(coordinate.name);
-    out.units.push_back(position_unit(coordinate));
-  }
+  Excitation out = Design(arm, options).run();
   out.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
   return out;
 }

@@ -10,11 +10,14 @@ namespace veridyn {
 
 const char* name_of(ExcitationCriterion criterion) {
   if (criterion == ExcitationCriterion::kDiscriminate) return "discriminate";
+  if (criterion == ExcitationCriterion::kAOptimal) return "a-optimal";
   return criterion == ExcitationCriterion::kCondition ? "condition" : "d-optimal";
 }
 
 const char* name_of(ExcitationSolver solver) {
   switch (solver) {
+    case ExcitationSolver::kInteriorPoint:
+      return "interior-point";
     case ExcitationSolver::kIpopt:
       return "ipopt";
     case ExcitationSolver::kNlopt:
@@ -44,9 +47,7 @@ bool has_solver([[maybe_unused]] ExcitationSolver solver) {
 }
 
 ExcitationSolver best_solver() {
-  if (has_solver(ExcitationSolver::kIpopt)) return ExcitationSolver::kIpopt;
-  return has_solver(ExcitationSolver::kNlopt) ? ExcitationSolver::kNlopt
-                                              : ExcitationSolver::kRandom;
+  return ExcitationSolver::kInteriorPoint;
 }
 
 namespace {
@@ -88,6 +89,21 @@ std::string prediction_text(const Prediction& p) {
   return out;
 }
 
+std::string essential_text(const EssentialParameters& p) {
+  std::string out = fmt::format(
+      "Condition number {:.4g} for {} essential parameters; columns as they are {:.4g}, scaled by "
+      "their range {:.4g}.\n",
+      p.condition_number, p.count, p.plain_condition_number, p.range_condition_number);
+  if (p.left_out.empty()) return out;
+  out +=
+      fmt::format("Regrouped with them, since they would add less than {:.3g} %:", 100.0 * p.share);
+  for (size_t k = 0; k < p.left_out.size(); ++k) {
+    out += fmt::format("{} {} ({:.2g} %)", k > 0 ? "," : "", p.left_out[k].first,
+                       100.0 * p.left_out[k].second);
+  }
+  return out + ".\n";
+}
+
 std::string quality_text(const Excitation& e) {
   std::string out = fmt::format(
       "Condition number {:.4g} for {} base parameters (a random motion: {:.4g}); columns as they "
@@ -99,6 +115,7 @@ std::string quality_text(const Excitation& e) {
     out += fmt::format("Together with the given recordings the condition number is {:.4g}.\n",
                        e.condition_number_with_given);
   }
+  if (e.essential) out += essential_text(*e.essential);
   out += weakest_text(e);
   if (e.prediction) out += prediction_text(*e.prediction);
   if (!e.discrimination) return out;

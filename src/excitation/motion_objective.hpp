@@ -3,6 +3,7 @@
 #include <functional>
 #include <memory>
 
+#include "a_optimality.hpp"
 #include "criterion.hpp"
 #include "motion_space.hpp"
 #include "stacked_columns.hpp"
@@ -20,18 +21,24 @@ class MotionObjective {
   MotionObjective(const MotionSpace& space, std::shared_ptr<const StackedColumns> columns,
                   VectorXd row_weights, MatrixXd given, Criterion criterion, int instants);
 
-  double value(const VectorXd& x) const;
-  VectorXd gradient(const VectorXd& x) const;
+  /// @param criterion  of the Gram matrices of every joint's rows, per instant.
+  using JointCriterion = std::function<SmoothJointValue(const std::vector<MatrixXd>& grams)>;
+  MotionObjective(const MotionSpace& space, std::shared_ptr<const StackedColumns> columns,
+                  JointCriterion criterion, int instants);
 
-  /// The Gram matrix per instant, with what is given.
-  MatrixXd gram(const VectorXd& x) const;
+  double value(const VectorXd& x) const { return at(x).value; }
+  VectorXd gradient(const VectorXd& x) const { return gradient(x, at(x)); }
+
+  /// The value, and what the gradient needs beside x.
+  SmoothJointValue at(const VectorXd& x) const;
+  VectorXd gradient(const VectorXd& x, const SmoothJointValue& at_x) const;
 
  private:
+  std::vector<MatrixXd> grams(const MotionSamples& motion) const;
+
   const MotionSpace& space_;
   std::shared_ptr<const StackedColumns> columns_;
-  VectorXd row_weights_;
-  MatrixXd given_;
-  Criterion criterion_;
+  JointCriterion criterion_;
   MotionSpace::Basis basis_;
 };
 

@@ -15,9 +15,8 @@ constexpr int kStages = 2;
 
 /// What one start found.
 struct Found {
-  VectorXd x;  ///< empty: nothing within the limits
-  double cost = 0.0;
-  bool converged = false;
+  std::vector<VectorXd> ends;  ///< of its descents; empty: nothing within the limits
+  bool converged = false;      ///< the last descent
   long evaluations = 0;
   VectorXd start;    ///< the first random motion
   VectorXd nearest;  ///< where nothing is within the limits: the motion that crosses them least
@@ -32,9 +31,12 @@ class MotionSearch {
 
   Found run(int start) const;
 
-  /// A last descent from the best motion, for the condition number: with a stand-in that is close
-  /// to it; counted with the others. Empty where nothing within the limits came of it.
-  VectorXd polished(Found& best) const;
+  /// Iterations of one start, about; descents that are repeated come on top.
+  static int most_steps(const ExcitationOptions& options);
+
+  /// A last descent, for the condition number: with a stand-in that is close to it. Empty where
+  /// nothing within the limits came of it, and for other criteria.
+  VectorXd polished(const VectorXd& from, int start, Found& found) const;
 
  private:
   struct Bounds {
@@ -42,10 +44,17 @@ class MotionSearch {
   };
   Bounds allowed() const;
   bool has_more_than_joints() const { return signals_.count() > 3 * space_.joints(); }
-  double smooth_cost(const VectorXd& x) const;
+  double smooth_cost(const VectorXd& x, double sharpness) const;
   bool keeps(const VectorXd& x, const Bounds& bounds) const;
-  VectorXd draw(int start, const Bounds& bounds, Found& found) const;
-  VectorXd descend(const VectorXd& from, const Bounds& bounds, double sharpness, int start,
+  struct Descent {
+    double sharpness;
+    int iterations;
+  };
+  std::vector<VectorXd> draw(int start, const Bounds& bounds, Found& found) const;
+  std::vector<VectorXd> tried(const std::vector<VectorXd>& from, const Bounds& bounds, int start,
+                              Found& found) const;
+  VectorXd follow(VectorXd x, int start, Found& found) const;
+  VectorXd descend(const VectorXd& from, const Bounds& bounds, const Descent& descent, int start,
                    Found& found) const;
   SolverResult solve(NonlinearProgram& program, const VectorXd& from,
                      const SolverOptions& options) const;

@@ -8,25 +8,14 @@
 
 #include "column_names.hpp"
 #include "stacked_columns.hpp"
+#include "standard_values.hpp"
 #include "veridyn/excitation/base_regressor.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn {
 namespace {
 
-// Bodies, then effects; zero where an effect has none.
-VectorXd standard_values(const Model& arm) {
-  const auto phi = arm.inertial_values();
-  require(phi.has_value(), "prediction: '", arm.name(),
-          "' has bodies without mass, com and inertia; what they are says how large an error is.");
-  std::vector<double> out(phi->data(), phi->data() + phi->size());
-  for (const EffectTerm& term : arm.effects()) {
-    const BoundEffect effect(arm, term);
-    for (int p = 0; p < effect.parameter_count(); ++p)
-      out.push_back(effect.values()[static_cast<size_t>(p)]);
-  }
-  return Eigen::Map<const VectorXd>(out.data(), static_cast<Eigen::Index>(out.size()));
-}
+constexpr double kNothing = 1e9;  // deviations in units of a value that is zero
 
 double lasts(const MotionSamples& motion) {
   require(motion.rows() >= 2, "prediction: found a motion of ", motion.rows(),
@@ -55,6 +44,19 @@ VectorXd variances(const MatrixXd& information) {
 
 }  // namespace
 
+VectorXd standard_values(const Model& arm) {
+  const auto phi = arm.inertial_values();
+  require(phi.has_value(), "prediction: '", arm.name(),
+          "' has bodies without mass, com and inertia; what they are says how large an error is.");
+  std::vector<double> out(phi->data(), phi->data() + phi->size());
+  for (const EffectTerm& term : arm.effects()) {
+    const BoundEffect effect(arm, term);
+    for (int p = 0; p < effect.parameter_count(); ++p)
+      out.push_back(effect.values()[static_cast<size_t>(p)]);
+  }
+  return Eigen::Map<const VectorXd>(out.data(), static_cast<Eigen::Index>(out.size()));
+}
+
 TorqueNoise usual_noise(const Model& arm) {
   const auto& identified = arm.description().identified;
   TorqueNoise out;
@@ -69,12 +71,12 @@ TorqueNoise usual_noise(const Model& arm) {
 }
 
 Prediction predict_identification(const Model& arm, const MotionSamples& motion,
-                                  const TorqueNoise& noise,
-                                  const std::vector<MotionSamples>& given) {
+                                  const TorqueNoise& noise, const std::vector<MotionSamples>& given,
+                                  const std::vector<int>& base) {
   require(noise.share.size() == arm.joints() && noise.share.minCoeff() > 0.0 && noise.seconds > 0.0,
           "prediction: found noise of ", noise.share.size(), " joints, expected ", arm.joints(),
           " positive shares.");
-  const BaseRegressor regressor(arm);
+  const BaseRegressor regressor(arm, base);
   const VectorXd beta = regressor.combination() * standard_values(arm);
   Prediction out;
   out.noise = noise;
@@ -97,8 +99,9 @@ Prediction predict_identification(const Model& arm, const MotionSamples& motion,
     const ColumnName& name = names[static_cast<size_t>(regressor.base()[static_cast<size_t>(b)])];
     const double share = deviations[b] / std::abs(beta[b]);
     out.parameters.push_back({name.name, name.unit, beta[b], deviations[b], share});
-    relative.push_back(share);
+    if (share < kNothing) relative.push_back(share);
   }
+  if (relative.empty()) relative.push_back(std::numeric_limits<double>::infinity());
   const auto middle = relative.begin() + static_cast<long>(relative.size() / 2);
   out.mean_relative =
       std::accumulate(relative.begin(), relative.end(), 0.0) / static_cast<double>(relative.size());

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "arm_columns.hpp"
 #include "veridyn/kinematics/motion_limits.hpp"
@@ -47,6 +48,13 @@ MatrixXd given_information(const StackedColumns& columns, const VectorXd& row_we
 
 }  // namespace
 
+std::optional<Model> values_of(const Model& arm, const ExcitationOptions& options) {
+  if (options.valued) return options.valued;
+  if (options.powered) return options.powered;
+  if (arm.inertial_values()) return arm;
+  return std::nullopt;
+}
+
 SmoothValue Question::smooth(const MatrixXd& gram, double sharpness) const {
   if (criterion == ExcitationCriterion::kDOptimal) return smooth_d_optimality(gram, scale);
   if (criterion == ExcitationCriterion::kDiscriminate)
@@ -71,6 +79,43 @@ double Question::verdict(const MatrixXd& gram) const {
                                                   : plain_condition_number(gram));
 }
 
+MotionObjective Question::objective(const MotionSpace& space, double sharpness,
+                                    int instants) const {
+  if (rounded_deviations) return {space, rounded, *rounded_deviations, instants};
+  const auto smoothed = [this, sharpness](const MatrixXd& gram) { return smooth(gram, sharpness); };
+  return {space, rounded, row_weights, rounded_given, smoothed, instants};
+}
+
+MatrixXd Question::exact_gram(const MotionSamples& motion) const {
+  return exact->gram(motion, row_weights) / static_cast<double>(motion.rows()) + exact_given;
+}
+
+double Question::cost(const MotionSamples& motion) const {
+  if (!exact_deviations) return verdict(exact_gram(motion));
+  std::vector<MatrixXd> grams = exact->joint_grams(motion);
+  for (MatrixXd& one : grams) one /= static_cast<double>(motion.rows());
+  return (*exact_deviations)(grams).value;
+}
+
+namespace {
+
+RelativeDeviations relative_deviations(const BaseRegressor& regressor,
+                                       const ExcitationOptions& options, const Model& known,
+                                       double seconds) {
+  const TorqueNoise noise = options.noise.value_or(usual_noise(known));
+  require(noise.share.size() == known.joints() && noise.share.minCoeff() > 0.0,
+          "excitation: found noise of ", noise.share.size(), " joints, expected ", known.joints(),
+          " positive shares.");
+  std::vector<MatrixXd> given;
+  for (int i = 0; i < known.joints(); ++i) {
+    const VectorXd own = VectorXd::Unit(known.joints(), i);
+    given.push_back(given_information(*regressor.columns(), own, options.given, seconds));
+  }
+  return {known, regressor, noise.share, std::move(given)};
+}
+
+}  // namespace
+
 Question make_question(const Model& arm, const BaseRegressor& exact, const BaseRegressor& rounded,
                        const ExcitationOptions& options, double seconds) {
   Question out;
@@ -88,6 +133,15 @@ Question make_question(const Model& arm, const BaseRegressor& exact, const BaseR
     require(options.between.has_value(),
             "excitation: found the criterion discriminate without two rivals.");
     add_rivals(arm, options, kRounding, out);
+  }
+  if (options.criterion == ExcitationCriterion::kAOptimal) {
+    const std::optional<Model> known = values_of(arm, options);
+    require(known.has_value(),
+            "excitation: the criterion a-optimal is about deviations relative to "
+            "the arm's values, but '",
+            arm.name(), "' has none and no other model is given.");
+    out.exact_deviations = relative_deviations(exact, options, *known, seconds);
+    out.rounded_deviations = relative_deviations(rounded, options, *known, seconds);
   }
   out.exact_given = given_information(*out.exact, out.row_weights, options.given, seconds);
   out.rounded_given = given_information(*out.rounded, out.row_weights, options.given, seconds);

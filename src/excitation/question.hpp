@@ -1,9 +1,11 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "criterion.hpp"
+#include "motion_objective.hpp"
 #include "stacked_columns.hpp"
 #include "veridyn/excitation/base_regressor.hpp"
 #include "veridyn/excitation/excitation.hpp"
@@ -27,15 +29,30 @@ struct Question {
   MatrixXd rounded_given;  ///< information that is there already, per instant of the new motion
   MatrixXd exact_given;
 
+  /// For kAOptimal, as rounded and exact.
+  std::optional<RelativeDeviations> rounded_deviations{}, exact_deviations{};
+
+  /// What a search goes down, at some instants of a period.
+  MotionObjective objective(const MotionSpace& space, double sharpness, int instants) const;
+
+  /// Weighted, per row, with what is given.
+  MatrixXd exact_gram(const MotionSamples& motion) const;
+
+  /// The criterion itself, of the samples of a motion; smaller is better.
+  double cost(const MotionSamples& motion) const;
+
   /// The smooth stand-in of the criterion; only kCondition has a sharpness.
   SmoothValue smooth(const MatrixXd& gram, double sharpness) const;
 
-  /// The criterion itself; smaller is better.
+  /// The criterion itself, of the exact columns' Gram matrix per row; not for kAOptimal.
   double verdict(const MatrixXd& gram) const;
 
   ExcitationCriterion criterion = ExcitationCriterion::kCondition;
   ColumnScaling scaling = ColumnScaling::kNorm;
 };
+
+/// The arm whose values a prediction takes, if there is one.
+std::optional<Model> values_of(const Model& arm, const ExcitationOptions& options);
 
 Question make_question(const Model& arm, const BaseRegressor& exact, const BaseRegressor& rounded,
                        const ExcitationOptions& options, double seconds);

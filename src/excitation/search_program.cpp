@@ -121,10 +121,15 @@ SearchProgram::SearchProgram(const MotionObjective& objective, const GridConstra
 
 double SearchProgram::objective(const VectorXd& x) {
   ++evaluations_;
-  value_ = objective_.value(x);
+  there_ = objective_.at(x);
   objective_at_ = x;
   look();
-  return value_;
+  return there_.value;
+}
+
+VectorXd SearchProgram::gradient(const VectorXd& x) {
+  if (x.size() != objective_at_.size() || x != objective_at_) return objective_.gradient(x);
+  return objective_.gradient(x, there_);
 }
 
 VectorXd SearchProgram::constraints(const VectorXd& x) {
@@ -137,8 +142,8 @@ VectorXd SearchProgram::constraints(const VectorXd& x) {
 
 void SearchProgram::look() {
   if (objective_at_.size() != constraints_at_.size() || objective_at_ != constraints_at_) return;
-  if (violation_.size > kHeld || (best_ && best_->value <= value_)) return;
-  best_ = Best{objective_at_, value_, violation_};
+  if (violation_.size > kHeld || (best_ && best_->value <= there_.value)) return;
+  best_ = Best{objective_at_, there_.value, violation_};
 }
 
 WidestViolation::WidestViolation(const GridConstraints& limits, int variables)

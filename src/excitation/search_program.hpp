@@ -51,7 +51,7 @@ class SearchProgram final : public NonlinearProgram {
 
   int variables() const override { return variables_; }
   double objective(const VectorXd& x) override;
-  VectorXd gradient(const VectorXd& x) override { return objective_.gradient(x); }
+  VectorXd gradient(const VectorXd& x) override;
   const VectorXd& lower() const override { return limits_.lower(); }
   const VectorXd& upper() const override { return limits_.upper(); }
   VectorXd constraints(const VectorXd& x) override;
@@ -74,7 +74,7 @@ class SearchProgram final : public NonlinearProgram {
   const GridConstraints& limits_;
   int variables_;
   VectorXd objective_at_, constraints_at_;
-  double value_ = 0.0;
+  SmoothJointValue there_;  // at objective_at_
   GridConstraints::Violation violation_{};
   std::optional<Best> best_;
   int evaluations_ = 0;

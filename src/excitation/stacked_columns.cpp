@@ -1,5 +1,6 @@
 #include "stacked_columns.hpp"
 
+#include <cmath>
 #include <numeric>
 #include <utility>
 
@@ -70,24 +71,38 @@ MatrixXd StackedColumns::stacked(const MotionSamples& motion) const {
 }
 
 MatrixXd StackedColumns::gram(const MotionSamples& motion, const VectorXd& row_weights) const {
-  const auto Y = evaluate(motion);
+  const std::vector<MatrixXd> grams = joint_grams(motion);
   MatrixXd G = MatrixXd::Zero(chosen_, chosen_);
+  for (size_t i = 0; i < grams.size(); ++i)
+    G += std::pow(row_weights[static_cast<Eigen::Index>(i)], 2) * grams[i];
+  return G;
+}
+
+std::vector<MatrixXd> StackedColumns::joint_grams(const MotionSamples& motion) const {
+  const auto Y = evaluate(motion);
+  std::vector<MatrixXd> out(places_.size(), MatrixXd::Zero(chosen_, chosen_));
   for (size_t i = 0; i < places_.size(); ++i) {
     const MatrixXd W = rows_of(i, Y, motion.rows());
-    const double weight = row_weights[static_cast<Eigen::Index>(i)];
-    const MatrixXd part = weight * weight * (W.transpose() * W);
+    const MatrixXd part = W.transpose() * W;
     for (Eigen::Index c = 0; c < part.cols(); ++c) {
       for (Eigen::Index r = 0; r < part.rows(); ++r) {
-        G(places_[i][static_cast<size_t>(r)].column, places_[i][static_cast<size_t>(c)].column) +=
-            part(r, c);
+        out[i](places_[i][static_cast<size_t>(r)].column,
+               places_[i][static_cast<size_t>(c)].column) = part(r, c);
       }
     }
   }
-  return G;
+  return out;
 }
 
 MatrixXd StackedColumns::gradient(const MotionSamples& motion, const VectorXd& row_weights,
                                   const MatrixXd& by_gram) const {
+  std::vector<MatrixXd> by_grams;
+  for (const double weight : row_weights) by_grams.push_back(weight * weight * by_gram);
+  return gradient(motion, by_grams);
+}
+
+MatrixXd StackedColumns::gradient(const MotionSamples& motion,
+                                  const std::vector<MatrixXd>& by_gram) const {
   const auto Y = evaluate(motion);
   std::vector<std::vector<MatrixXd>> weights(sources_.size());
   for (size_t s = 0; s < sources_.size(); ++s) {
@@ -101,12 +116,11 @@ MatrixXd StackedColumns::gradient(const MotionSamples& motion, const VectorXd& r
     MatrixXd part(count, count);
     for (Eigen::Index c = 0; c < count; ++c) {
       for (Eigen::Index r = 0; r < count; ++r) {
-        part(r, c) =
-            by_gram(places[static_cast<size_t>(r)].column, places[static_cast<size_t>(c)].column);
+        part(r, c) = by_gram[i](places[static_cast<size_t>(r)].column,
+                                places[static_cast<size_t>(c)].column);
       }
     }
-    const double weight = row_weights[static_cast<Eigen::Index>(i)];
-    const MatrixXd by_row = 2.0 * weight * weight * (rows_of(i, Y, motion.rows()) * part);
+    const MatrixXd by_row = 2.0 * (rows_of(i, Y, motion.rows()) * part);
     for (size_t k = 0; k < places.size(); ++k) {
       weights[places[k].source][i].col(places[k].local) = by_row.col(static_cast<Eigen::Index>(k));
     }

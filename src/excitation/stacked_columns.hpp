@@ -27,6 +27,13 @@ class StackedColumns {
   /// @param row_weights  (n) w.
   MatrixXd gram(const MotionSamples& motion, const VectorXd& row_weights) const;
 
+  /// W_i' W_i of every joint's rows.
+  std::vector<MatrixXd> joint_grams(const MotionSamples& motion) const;
+
+  /// The derivatives of f(joint_grams) by q, dq, ddq of every row, (rows x 3 n).
+  /// @param by_gram  (n of chosen x chosen) df/dG_i, symmetric.
+  MatrixXd gradient(const MotionSamples& motion, const std::vector<MatrixXd>& by_gram) const;
+
   /// The derivatives of f(gram) by q, dq, ddq of every row, (rows x 3 n).
   /// @param by_gram  (chosen x chosen) df/dgram, symmetric.
   MatrixXd gradient(const MotionSamples& motion, const VectorXd& row_weights,

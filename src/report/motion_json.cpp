@@ -49,6 +49,18 @@ Json prediction_json(const Prediction& p) {
   return out;
 }
 
+Json essential_json(const EssentialParameters& p) {
+  Json out = {{"share", p.share},
+              {"count", p.count},
+              {"condition_number", p.condition_number},
+              {"plain_condition_number", p.plain_condition_number},
+              {"range_condition_number", p.range_condition_number}};
+  out["left_out"] = Json::array();
+  for (const auto& [name, share] : p.left_out)
+    out["left_out"].push_back({{"parameter", name}, {"share", share}});
+  return out;
+}
+
 const char* status_name(ExcitationStatus status) {
   if (status == ExcitationStatus::kLimitsNotMet) return "limits-not-met";
   return status == ExcitationStatus::kDone ? "done" : "rank-deficient";
@@ -73,6 +85,8 @@ std::string to_json(const Excitation& e) {
   out["start_condition_number"] = e.start_condition_number;
   out["log_determinant"] = e.log_determinant;
   out["base_parameters"] = e.base_parameters;
+  out["base"] = e.base;
+  if (e.essential) out["essential"] = essential_json(*e.essential);
   out["evaluations"] = e.evaluations;
   out["frequency"] = e.trajectory.frequency();
   out["harmonics"] = e.trajectory.harmonics();

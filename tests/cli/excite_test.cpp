@@ -94,6 +94,36 @@ TEST(Excite, ThePageShowsTheMotionItsLimitsAndWhatItWillIdentify) {
   }
 }
 
+// The prediction speaks of the base parameters that an identification lists.
+TEST(Excite, RelativeDeviationsAndEssentialParametersAreInTheFile) {
+  const TemporaryFolder folder;
+  const auto path = [&](const char* name) { return folder.path(name); };
+  const ToolRun run =
+      run_tool(Words{"excite", "psm-3dof", "-o", path("m.csv"), "--json", path("m.json"),
+                     "--criterion", "a-optimal", "--essential", "0.1"} +
+               kQuick);
+  ASSERT_EQ(run.status, 0) << run.err;
+  const nlohmann::json out = json_of(path("m.json"));
+  EXPECT_EQ(out["criterion"], "a-optimal");
+  EXPECT_EQ(out["base"].size(), 25U);
+  EXPECT_EQ(out["essential"]["count"], 24);
+  ASSERT_EQ(out["essential"]["left_out"].size(), 1U);
+  EXPECT_LT(out["essential"]["left_out"][0]["share"], 0.1);
+  EXPECT_LT(out["essential"]["condition_number"], out["condition_number"]);
+  ASSERT_EQ(run_tool({"simulate", "psm-3dof", "--trajectory", path("m.csv"), "-o", path("r.csv"),
+                      "--quiet"})
+                .status,
+            0);
+  const ToolRun identify = run_tool({"identify", "psm-3dof", "--train", path("r.csv"), "--method",
+                                     "wls", "--json", path("i.json"), "--quiet"});
+  ASSERT_EQ(identify.status, 0) << identify.err;
+  const nlohmann::json identified = json_of(path("i.json"))["base_parameters"];
+  const nlohmann::json predicted = out["prediction"]["base_parameters"];
+  ASSERT_EQ(identified.size(), predicted.size());
+  for (size_t b = 0; b < identified.size(); ++b)
+    EXPECT_EQ(identified[b]["name"].get<std::string>(), predicted[b]["name"].get<std::string>());
+}
+
 TEST(Excite, SlowPassesFollowInTheFile) {
   const TemporaryFolder folder;
   const ToolRun run = run_tool(Words{"excite", "psm-3dof", "-o", folder.path("m.csv"), "--json",

@@ -59,9 +59,7 @@ struct Search {
 
 void expect_exact(const Search& s, const ExcitationOptions& options, double sharpness) {
   const Question question = s.question(options);
-  const MotionObjective objective(
-      s.space, question.rounded, question.row_weights, question.rounded_given,
-      [&](const MatrixXd& gram) { return question.smooth(gram, sharpness); }, kInstants);
+  const MotionObjective objective = question.objective(s.space, sharpness, kInstants);
   const VectorXd slope = objective.gradient(s.start);
   const double size = slope.cwiseAbs().maxCoeff();
   ASSERT_GT(size, 1e-6);
@@ -95,6 +93,52 @@ TEST_P(SearchGradient, OfTheConfidenceEllipsoid) {
   if (GetParam()) options.given = {recorded(s)};
   options.criterion = ExcitationCriterion::kDOptimal;
   expect_exact(s, options, 0.0);
+}
+
+TEST_P(SearchGradient, OfTheRelativeDeviations) {
+  for (const char* name : {"scara", "psm-3dof"}) {
+    const Search s(read_model(name));
+    ExcitationOptions options;
+    if (GetParam()) options.given = {recorded(s)};
+    options.criterion = ExcitationCriterion::kAOptimal;
+    options.valued = plausible_model(s.arm, 1).arm;
+    options.noise = TorqueNoise();
+    options.noise->share = VectorXd::LinSpaced(s.arm.joints(), 0.02, 0.07);
+    expect_exact(s, options, 0.0);
+  }
+}
+
+// The criterion is what the prediction says, up to a factor that is the same for all motions; only
+// what is nearly nothing is taken relative to more than itself, and noise does not vanish.
+TEST_P(SearchGradient, TheRelativeDeviationsAreThoseOfThePrediction) {
+  const Search s(plausible_model(read_model("psm-3dof"), 2).arm);
+  ExcitationOptions options;
+  if (GetParam()) options.given = {recorded(s)};
+  options.criterion = ExcitationCriterion::kAOptimal;
+  const Question question = s.question(options);
+  RandomNumbers random(6);
+  const auto difference = [&] {
+    const MotionSamples motion = s.space.trajectory(s.space.random(random)).motion(2, 100.0);
+    TorqueNoise noise = usual_noise(s.arm);
+    const VectorXd rms = predict_identification(s.arm, motion, noise).rms_torque;
+    const VectorXd least = question.exact_deviations->least_square();
+    EXPECT_LT(least.cwiseQuotient(rms.cwiseAbs2()).minCoeff(), 0.5);
+    noise.share.array() *= (1.0 + least.array() / rms.array().square()).sqrt();
+    const Prediction p = predict_identification(s.arm, motion, noise, options.given);
+    double sum = 0.0;
+    int floored = 0;
+    for (size_t b = 0; b < p.parameters.size(); ++b) {
+      const double size = question.exact_deviations->size()[static_cast<Eigen::Index>(b)];
+      const double value = std::abs(p.parameters[b].value);
+      sum += p.parameters[b].deviation / size;
+      EXPECT_GE(size, value * (1.0 - 1e-12));
+      if (size > value * (1.0 + 1e-12)) ++floored;
+    }
+    EXPECT_LE(floored, 2);
+    return std::log(sum / static_cast<double>(p.parameters.size())) - question.cost(motion);
+  };
+  const double first = difference();
+  for (int k = 0; k < 3; ++k) EXPECT_NEAR(difference(), first, 1e-6);
 }
 
 TEST_P(SearchGradient, OfTheDiscriminationOfRivals) {

@@ -23,6 +23,11 @@ class BaseRegressor {
   ///                  derivative; 0: the columns as they are. The base columns are the same.
   explicit BaseRegressor(const Model& arm, double rounding = 0.0);
 
+  /// The same with other base columns, among those of the bodies, ten each, and of the effects;
+  /// none: the choice above. Where they span less than all columns, the others are regrouped as
+  /// well as they can at random states.
+  BaseRegressor(const Model& arm, const std::vector<int>& base, double rounding = 0.0);
+
   /// Number of base parameters.
   int size() const { return static_cast<int>(base_.size()); }
 

@@ -19,26 +19,30 @@ enum class ExcitationCriterion {
   kCondition,
   /// Largest ln det of its weighted Gram matrix: the smallest volume of the confidence ellipsoid.
   kDOptimal,
+  /// Smallest mean of the base parameters' predicted standard deviations, each relative to the
+  /// parameter's value; one that is nearly nothing counts as one that makes 0.1 % of the torques.
+  kAOptimal,
   /// Two named causes told apart best, see RivalCause.
   kDiscriminate,
 };
 
-/// "condition", "d-optimal", "discriminate".
+/// "condition", "d-optimal", "a-optimal", "discriminate".
 const char* name_of(ExcitationCriterion criterion);
 
 /// Who searches. Ipopt and NLopt are there where the build has them, see has_solver().
 enum class ExcitationSolver {
+  kInteriorPoint,   ///< interior point of our own, exact gradient and Jacobian; always there
   kIpopt,           ///< interior point, exact gradient and Jacobian
   kNlopt,           ///< augmented Lagrangian over L-BFGS, exact gradient
   kDerivativeFree,  ///< augmented Lagrangian over Subplex (NLopt)
   kRandom,          ///< random motions within the joints' limits; the best of them
 };
 
-/// "ipopt", "nlopt", "nlopt-derivative-free", "random".
+/// "interior-point", "ipopt", "nlopt", "nlopt-derivative-free", "random".
 const char* name_of(ExcitationSolver solver);
 bool has_solver(ExcitationSolver solver);
 
-/// The first of them that the build has.
+/// The one that is quickest to a good motion: kInteriorPoint.
 ExcitationSolver best_solver();
 
 /// How columns of the base regressor are scaled before the condition number.
@@ -73,21 +77,28 @@ struct ExcitationOptions {
   ExcitationCriterion criterion = ExcitationCriterion::kCondition;
   std::optional<std::pair<RivalCause, RivalCause>> between{};  ///< for kDiscriminate
   ColumnScaling scaling = ColumnScaling::kNorm;                ///< for kCondition
+  /// Above zero: the criterion is about the essential parameters only, see EssentialParameters;
+  /// below 1. Not for kDiscriminate, which asks about rivals.
+  double essential = 0.0;
   ExcitationSolver solver = best_solver();
   int starts = 2;  ///< independent searches, of which the best wins
-  /// Iterations of Ipopt, evaluations of NLopt, motions of kRandom in each search; the result
-  /// depends on this and not on the clock.
+  /// Iterations of each descent of an interior point, evaluations of NLopt, motions of kRandom in
+  /// each search; the result depends on this and not on the clock.
   int iterations = 400;
   /// Of the limits of joints and torques that may be used, above 0 and at most 1.
-  double limit_share = 0.95;
+  double limit_share = 1.0;
   WorkspaceLimits workspace{};
   /// The arm with values of its bodies (and effects, where it has them): its efforts limit the
   /// torques, and rivals are built from it. Nothing: the arm itself, where it has values.
   std::optional<Model> powered{};
   /// Of the torques, for the prediction; nothing: usual_noise() of the arm with values.
   std::optional<TorqueNoise> noise{};
-  /// The arm with values for the prediction only; nothing: `powered`, or the arm itself.
+  /// The arm with values for the prediction and kAOptimal only; nothing: `powered`, or the arm
+  /// itself.
   std::optional<Model> valued{};
+  /// Which standard parameters lead the base parameters of the prediction and of kAOptimal, as in
+  /// BaseRegressor: those of an identification, so that both speak of the same. None: own ones.
+  std::vector<int> reported_base{};
   /// Motions that are recorded already; their information counts. Samples of their own rate.
   std::vector<MotionSamples> given{};
   unsigned seed = 1;
@@ -127,6 +138,19 @@ struct Discrimination {
   bool bodies_known = false;  ///< the rivals can only be told apart with known bodies
 };
 
+/// Base parameters that motions tell from each other. A column (of norm one, at random states
+/// within the limits) that adds less than `share` to those chosen before it is regrouped with them:
+/// its parameter acts as a part of theirs and is not asked for.
+struct EssentialParameters {
+  double share = 0.0;
+  int count = 0;
+  double condition_number = 0.0;        ///< of their columns scaled to norm one
+  double plain_condition_number = 0.0;  ///< columns as they are
+  double range_condition_number = 0.0;  ///< columns divided by their range
+  /// Names, and what their columns would add; the largest first.
+  std::vector<std::pair<std::string, double>> left_out{};
+};
+
 /// An excitation trajectory and how good it is.
 struct Excitation {
   ExcitationStatus status = ExcitationStatus::kDone;
@@ -138,6 +162,10 @@ struct Excitation {
   int periods = 0;
   double slow_seconds = 0.0;  ///< how long the slow passes last that follow
   int base_parameters = 0;
+  /// The standard parameters that lead them. A base is a choice among columns that say the same
+  /// together; where the condition number of scaled columns is the criterion it is the choice which
+  /// is best conditioned along this motion, otherwise that at random states.
+  std::vector<std::string> base{};
   double condition_number = 0.0;        ///< of the base regressor, columns scaled to norm one
   double plain_condition_number = 0.0;  ///< columns as they are
   double range_condition_number = 0.0;  ///< columns divided by their largest minus smallest entry
@@ -146,7 +174,9 @@ struct Excitation {
   double condition_number_with_given = 0.0;
   /// Of its Gram matrix per instant, columns scaled by their size at random states.
   double log_determinant = 0.0;
-  double start_condition_number = 0.0;  ///< of the first random motion, for comparison
+  double start_condition_number = 0.0;  ///< of the first random motion, in the same columns
+  /// Of the share asked for; of 0.01 where none was, if that leaves any out.
+  std::optional<EssentialParameters> essential{};
   std::optional<Discrimination> discrimination{};
   /// The base parameters that the motion tells least from each other: names and parts (of norm one)
   /// of the weakest direction, columns scaled to norm one; the largest parts first.
@@ -169,9 +199,11 @@ struct Excitation {
 /// Searches a Fourier trajectory that starts and stops at rest, repeats its period, keeps within
 /// all limits (between samples as well) and excites what the criterion asks for.
 ///
-/// Multi-start: each search begins at the best of some random motions and goes down a smooth
-/// stand-in of the criterion with exact gradients; the criterion itself, on the samples of the
-/// motion, says which search won. The same options give the same motion, on any number of threads.
+/// Multi-start: each search makes short descents from some random motions (kInteriorPoint only) and
+/// follows the best of them down a smooth stand-in of the criterion with exact gradients; for the
+/// condition number of scaled columns the base columns are then chosen along the motion, and the
+/// descent goes on. The criterion itself, on the samples of the motion, says which search won. The
+/// same options give the same motion, on any number of threads.
 /// @throws InvalidInput  an option is out of range, or names what the arm does not have.
 Excitation optimise_excitation(const Model& arm, const ExcitationOptions& options = {});
 

@@ -38,7 +38,7 @@ struct Prediction {
   VectorXd rms_torque;  ///< (n) along the motion
   std::string values;   ///< whose values these are, in words
   std::vector<PredictedParameter> parameters;
-  double mean_relative = 0.0;  ///< of `relative`
+  double mean_relative = 0.0;  ///< of `relative`, without values that are zero
   double median_relative = 0.0;
 };
 
@@ -47,9 +47,13 @@ struct Prediction {
 ///
 /// @param arm    with values: they give the torques and what a deviation is relative to.
 /// @param given  motions recorded before, with the same noise.
+/// @param base   which standard parameters lead the base parameters, as in BaseRegressor; none:
+/// those
+///               that are best conditioned at random states.
 /// @throws InvalidInput  a body has no values, or sizes differ.
 Prediction predict_identification(const Model& arm, const MotionSamples& motion,
                                   const TorqueNoise& noise,
-                                  const std::vector<MotionSamples>& given = {});
+                                  const std::vector<MotionSamples>& given = {},
+                                  const std::vector<int>& base = {});
 
 }  // namespace veridyn

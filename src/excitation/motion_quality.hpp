@@ -1,0 +1,21 @@
+#pragma once
+
+#include "base_columns.hpp"
+#include "question.hpp"
+
+namespace veridyn {
+
+/// What the samples of a motion say about the arm, written into the result.
+/// @param chosen  the base columns of all base parameters.
+void judge_motion(const Model& arm, const BaseRegressor& chosen, const MotionSamples& motion,
+                  const MotionSamples& random, const ExcitationOptions& options, Excitation& out);
+
+/// Condition numbers of the essential parameters alone.
+EssentialParameters judge_essential(const Model& arm, const EssentialColumns& columns, double share,
+                                    const BaseRegressor& chosen, const MotionSamples& motion);
+
+/// How a motion tells two rivals apart. @param gram  of the question's exact columns.
+Discrimination judge_rivals(const Question& question, const MatrixXd& gram,
+                            const ExcitationOptions& options);
+
+}  // namespace veridyn
