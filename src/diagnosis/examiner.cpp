@@ -17,7 +17,7 @@ constexpr double kAbsorbed =
     1e-6;  // share of a column's square that must be new for the data to answer
 // Share of what a payload's columns explain that a point mass must explain. Chosen on 40 simulated
 // arms: 0.93 and more where there was a load, often below 0.6 where there was none.
-constexpr double kCompact = 0.7;
+constexpr double kCompact = 0.8;
 constexpr double kImpossible = 1.2;  // a parameter may seem to fall by this share of itself
 
 // Of the columns of a body those that the others do not span, first ones first.
