@@ -19,9 +19,14 @@ constexpr int kFirstDesigned = 200;   // number of the first designed recording
 constexpr double kFineRate = 1000.0;  // [Hz] of the designed motions before they are recorded
 constexpr double kFrequencies[] = {0.1, 0.13, 0.08, 0.16};  // [Hz] of the designed motions
 
-// The other cause of a pair: a finding or a rival of this kind counts wherever it is.
 bool names(const Finding& f, const std::string& effect) {
   return f.effect == effect;
+}
+
+// The other cause of a pair; where both are of a joint, one elsewhere is no rival but a mistake of
+// its own.
+bool is_other(const Finding& f, const std::string& other, const Cause& cause) {
+  return names(f, other) && (cause.joint < 0 || f.joint < 1 || f.joint == cause.joint + 1);
 }
 
 bool lists(const Finding& f, const std::string& effect) {
@@ -58,9 +63,9 @@ Answer answer(const Model& arm, const Diagnosis& d, const Cause& cause, const st
   bool both = false;
   bool wrong = false;
   for (const Finding& f : d.findings) {
-    const bool of_pair = names(f, cause.effect) || names(f, other);
+    const bool of_pair = names(f, cause.effect) || is_other(f, other, cause);
     if (names(f, cause.effect)) (is_at(arm, cause, f) ? right : right_elsewhere) = true;
-    wrong |= names(f, other);
+    wrong |= is_other(f, other, cause);
     if (of_pair) both |= lists(f, names(f, other) ? cause.effect : other);
   }
   both |= right && wrong;
