@@ -10,7 +10,7 @@ namespace veridyn {
 namespace {
 
 constexpr double kOffsetStep = 1e-5;      // [rad] or [m] of the derivative by position
-constexpr double kLoadCutoffShare = 0.65;  // of the filter's cut-off
+constexpr double kLoadCutoffShare = 0.5;  // of the filter's cut-off
 constexpr double kTiltStep = 1e-4;        // [rad]
 
 // Effort that the arm's own rigid bodies ask for, where the file has their values; for
