@@ -11,7 +11,8 @@ mkdir -p "$out"
 step() { printf '\n== %s\n' "$*"; }
 
 step "1. Two motions for $robot that tell its parameters apart: one to identify from, one held out"
-"$tool" excite "$robot" -o "$out/train-motion.csv" --frequency 0.13 --seed 1 --quiet --json "$out/excite.json"
+"$tool" excite "$robot" -o "$out/train-motion.csv" --criterion d-optimal --frequency 0.13 --seed 1 \
+  --quiet --json "$out/excite.json"
 "$tool" excite "$robot" -o "$out/test-motion.csv" --frequency 0.17 --seed 2 --quiet >"$out/test-motion.txt"
 sed -n 's/^Condition/The held-out one: condition/p' "$out/test-motion.txt"
 
@@ -52,7 +53,8 @@ case $(($(date +%s) % 4)) in
   *) hidden=position_dependent_viscosity:pitch ;;
 esac
 for k in 1 2 3; do
-  "$tool" excite "$robot" -o "$out/motion-$k.csv" --frequency "0.1$k" --seed "$k" --quiet >/dev/null
+  "$tool" excite "$robot" -o "$out/motion-$k.csv" --criterion d-optimal --frequency "0.1$k" --seed "$k" \
+    --quiet >/dev/null
   "$tool" simulate "$out/truth.yaml" --trajectory "$out/motion-$k.csv" -o "$out/changed-$k.csv" \
     --noise dvrk --seed "$k" --effect "$hidden" --quiet >/dev/null
 done
