@@ -34,6 +34,8 @@ function excitationWords() {
     ['The same of a random motion', '/start_condition_number', 'plain'],
     ['Columns as they are', '/plain_condition_number', 'plain'],
     ['Columns scaled by their range', '/range_condition_number', 'plain'],
+    ['Essential parameters', '/essential/count', 'whole'],
+    ['Condition number of these', '/essential/condition_number', 'plain'],
     ['Together with given recordings', '/condition_number_with_given', 'plain'],
     ['Search [s]', '/seconds', 'plain']
   ].filter(([, place]) => isNumber(valueAt(place)) &&
