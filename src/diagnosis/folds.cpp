@@ -6,6 +6,8 @@
 namespace veridyn {
 namespace {
 
+constexpr int kMany = 4;  // recordings: enough to hold out one as a whole
+
 // Mean square of every joint on a fold, from the others.
 VectorXd held_out_error(const NormalBlocks& data, const ColumnSet& set, const VectorXd& w,
                         const NormalBlocks::Sums& fold) {
@@ -40,7 +42,7 @@ std::vector<std::vector<int>> make_folds(const NormalBlocks& data) {
   folds.resize(static_cast<size_t>(recordings));
   for (int c = 0; c < data.clusters(); ++c)
     folds[static_cast<size_t>(data.recording_of(c))].push_back(c);
-  return recordings == 2 ? halves(folds) : folds;
+  return recordings < kMany ? halves(folds) : folds;
 }
 
 NormalBlocks::Sums summed(const NormalBlocks& data, const std::vector<int>& clusters) {

@@ -6,9 +6,9 @@
 
 namespace veridyn {
 
-/// Clusters that are held out together: whole recordings, of two only the halves of each (one alone
-/// may move too little to say anything about the other), or the phases of the period of a single
-/// one.
+/// Clusters that are held out together: whole recordings, of fewer than four the halves of each
+/// (the rest may move too little to say anything about a whole one), or the phases of the period of
+/// a single one.
 std::vector<std::vector<int>> make_folds(const NormalBlocks& data);
 
 /// What the clusters say together.
