@@ -13,6 +13,7 @@ namespace {
 
 constexpr double kThreshold = 5.0;     // of the residual's scatter elsewhere: a burst begins
 constexpr double kPeak = 8.0;          // a burst reaches this at least
+constexpr double kPush = 0.3;          // of the peak, in the mean: a push has a direction
 constexpr double kTorqueShare = 0.04;  // of the largest torque: smaller bursts are friction at rest
 constexpr double kFrictionShare = 1.0;  // of the friction of a joint that moves
 constexpr double kRestShare = 1.6;      // of the friction of a joint at rest
@@ -175,8 +176,10 @@ void contacts_in(const Model& arm, const RecordingError& recording, std::vector<
         excess = std::max(excess, size - joints[i].threshold[k]);
         sum += joints[i].r[k];
       }
-      c.effort[static_cast<Eigen::Index>(i)] = sum / static_cast<double>(span.end - span.begin);
-      if (excess <= 0.0 || most < kPeak * joints[i].scatter) continue;
+      const double mean = sum / static_cast<double>(span.end - span.begin);
+      c.effort[static_cast<Eigen::Index>(i)] = mean;
+      if (excess <= 0.0 || most < kPeak * joints[i].scatter || std::abs(mean) < kPush * most)
+        continue;
       again = again || repeats(x, joints, span, recording.period, most, i);
       c.last_joint = static_cast<int>(i);
       c.deviation = joints[i].scatter;

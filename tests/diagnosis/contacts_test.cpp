@@ -75,6 +75,17 @@ TEST_F(Residuals, WhatFrictionMayDoIsNoContact) {
   EXPECT_TRUE(find_contacts(id_).empty());
 }
 
+// As large as a push, but it swings both ways.
+TEST_F(Residuals, WhatHasNoDirectionIsNoContact) {
+  PredictionSeries& x = id_.train[0].series;
+  for (size_t k = 0; k < x.time.size(); ++k) {
+    const double t = x.time[k] - 12.0;
+    if (t >= 0.0 && t <= 1.0)
+      x.measured[1][k] += 1.4 * std::copysign(1.0, std::sin(8.0 * M_PI * t));
+  }
+  EXPECT_TRUE(find_contacts(id_).empty());
+}
+
 TEST_F(Residuals, WhatComesBackEveryPeriodBelongsToTheArm) {
   for (const double turn : {0.0, 1.0, 2.0})
     push(1, 3.0 + turn * kPeriod, 3.8 + turn * kPeriod, 1.0);
