@@ -64,6 +64,15 @@ TEST(HideAndSeek, BacklashIsNotTakenForPreslidingOnOneNarrowRecording) {
   EXPECT_TRUE(played.verdict.first) << played.diagnosis.report();
 }
 
+// Where a motion is narrow, the noise of the accelerations is large: an elastic transmission, made
+// of their derivatives, would cancel some of it.
+TEST(HideAndSeek, NoiseOfAccelerationsIsNoElasticTransmission) {
+  const Played played =
+      play({"pick-scara", {"load_dependent_friction"}, 19, 0.1, Mode::kBare}, 0, 0.4);
+  EXPECT_TRUE(played.verdict.first) << played.diagnosis.report();
+  EXPECT_EQ(played.verdict.extras, 0) << played.diagnosis.report();
+}
+
 // The ten columns of a load can follow a rotor; a compact load cannot.
 TEST(HideAndSeek, ARotorsInertiaIsNotTakenForALoadOnOneNarrowRecording) {
   const Played played = play({"pallet-4", {"rotor_inertia"}, 2, 0.1, Mode::kChanged}, 1, 0.4);
