@@ -7,7 +7,6 @@
 
 #include "axis_results.hpp"
 #include "hinges.hpp"
-#include "veridyn/model/suggestion.hpp"
 
 namespace veridyn {
 namespace {

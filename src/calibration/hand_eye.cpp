@@ -19,6 +19,7 @@ constexpr double kAsGood = 1.5;       // a form whose noise is no more than this
 constexpr double kRounding = 2e-6;    // [m], [rad] what files with six digits leave over
 constexpr double kCloseFit = 0.005;   // [m] common poses that cannot be compared with another form
 constexpr double kCloseTurn = 2.0 * kDegree;
+constexpr double kNoTurn = 5.0 * kDegree;  // orientations that differ by more do not go together
 
 // Fewest unknowns first.
 constexpr HandEyeForm kForms[] = {HandEyeForm::kCommonPoses, HandEyeForm::kHandEye,
@@ -42,9 +43,12 @@ int chosen(const std::vector<PairFit>& fits) {
     return f.reason.empty() && f.noise <= kAsGood * noise + kRounding &&
            f.noise_angle <= kAsGood * angle + kRounding;
   };
-  // Tips that touch with any orientation: positions agree far better alone.
+  // Tips that touch with any orientation: only positions agree.
+  const bool any = std::any_of(fits.begin(), fits.end() - 1, [&](const PairFit& f) {
+    return fits_as(f) && f.noise_angle < kNoTurn;
+  });
   const bool points_alone =
-      points.reason.empty() && 3.0 * points.noise + kRounding < noise && noise > 1e-3;
+      points.reason.empty() && !any && points.noise <= kAsGood * noise + kRounding;
   if (points_alone || (!compared && points.reason.empty() && !fits[0].reason.empty()))
     return static_cast<int>(fits.size()) - 1;
   if (!compared) {

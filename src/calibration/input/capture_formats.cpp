@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstdlib>
 
-#include "veridyn/identification/csv_layout.hpp"
+#include "recordings/csv_layout.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn::internal {
