@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "column_source.hpp"
-#include "math/random_numbers.hpp"
 
 namespace veridyn {
 namespace {
@@ -47,7 +46,10 @@ class EffectSource final : public ColumnSource {
     const VectorXd& c = axis();
     rounding_ = c.cwiseAbs().dot(rounding);
     step_ = is_prismatic(arm, term.axis) ? 0.1 * kStep : kStep;
-    probe();
+    const EffectTraits& traits = bound_.traits();
+    remembers_ = traits.memory;
+    matters_ = {traits.uses_position, traits.uses_velocity, traits.uses_acceleration,
+                traits.uses_source,   traits.uses_source,   traits.uses_load};
     if (remembers_) rounding_ = 0.0;
   }
 
@@ -96,7 +98,7 @@ class EffectSource final : public ColumnSource {
 
  private:
   const VectorXd& axis() const { return bound_.term().axis.coefficients; }
-  bool uses_load() const { return bound_.effect().needs_load() && phi_.has_value(); }
+  bool uses_load() const { return bound_.traits().uses_load && phi_.has_value(); }
 
   EffectColumns plain(const AxisSample& x, EffectState& state) const {
     EffectColumns row{};
@@ -120,29 +122,6 @@ class EffectSource final : public ColumnSource {
       row[p] = 0.5 * ((1.0 + x.ds / r) * forth[p] + (1.0 - x.ds / r) * back[p]);
     }
     return row;
-  }
-
-  // Which inputs matter, and whether the state ever leaves zero.
-  void probe() {
-    RandomNumbers random(1);
-    EffectState state{};
-    AxisSample x;
-    x.time = 0.01;
-    const auto shake = [&](Input input) { x.*input = random.uniform(-1.0, 1.0); };
-    for (int trial = 0; trial < 20; ++trial) {
-      x.time += 0.01;
-      for (const Input input : kInputs) shake(input);
-      for (size_t k = 0; k < kInputs.size(); ++k) {
-        EffectState one = state;
-        EffectState two = state;
-        const EffectColumns before = plain(x, one);
-        AxisSample moved = x;
-        moved.*kInputs[k] += random.uniform(-1.0, 1.0);
-        if (plain(moved, two) != before || one != two) matters_[k] = true;
-      }
-      plain(x, state);
-      remembers_ = remembers_ || state != EffectState{};
-    }
   }
 
   std::vector<AxisSample> along(const MotionSamples& m) const {
@@ -269,7 +248,7 @@ class EffectSource final : public ColumnSource {
   std::optional<VectorXd> phi_;
   double rounding_ = 0.0;
   double step_ = kStep;
-  std::array<bool, kInputs.size()> matters_{};
+  std::array<bool, kInputs.size()> matters_{};  // of kInputs
   bool remembers_ = false;
 };
 

@@ -76,12 +76,9 @@ EssentialParameters judge_essential(const Model& arm, const EssentialColumns& co
 
 Discrimination judge_rivals(const Question& question, const MatrixXd& gram,
                             const ExcitationOptions& options) {
-  const auto label = [](const RivalCause& r) {
-    return r.place.empty() ? r.effect : r.effect + ":" + r.place;
-  };
   Discrimination out;
-  out.first = label(options.between->first);
-  out.second = label(options.between->second);
+  out.first = to_text(options.between->first);
+  out.second = to_text(options.between->second);
   const auto [first, second] = rivals_left(gram, question.scale, question.rivals);
   const auto share = [](const RivalLeft& r) {
     return r.alone > 0.0 ? std::sqrt(r.left / r.alone) : 0.0;

@@ -63,15 +63,15 @@ MatrixXd rigid_torques(const Model& arm, const MotionSamples& motion) {
 
 MatrixXd effect_columns(const Model& arm, const EffectTerm& term, const MotionSamples& motion,
                         const MatrixXd& rigid, int substeps) {
-  const Effect& effect = find_effect(term.effect);
+  const EffectTraits traits = BoundEffect(arm, term).traits();
   const auto load_of = [&](const MatrixXd& tau) -> VectorXd {
-    return effect.needs_load() ? effort_along(term.axis, tau) : VectorXd::Zero(tau.rows());
+    return traits.uses_load ? effort_along(term.axis, tau) : VectorXd::Zero(tau.rows());
   };
-  if (!effect.has_memory() || substeps == 1)
+  if (!traits.memory || substeps == 1)
     return columns_along(arm, term, motion, load_of(rigid));
   const MotionSamples fine = refined(motion, substeps);
   const MatrixXd fine_rigid =
-      effect.needs_load() ? rigid_torques(arm, fine) : MatrixXd::Zero(fine.rows(), fine.joints());
+      traits.uses_load ? rigid_torques(arm, fine) : MatrixXd::Zero(fine.rows(), fine.joints());
   const MatrixXd all = columns_along(arm, term, fine, load_of(fine_rigid));
   MatrixXd columns(motion.rows(), all.cols());
   for (Eigen::Index k = 0; k < motion.rows(); ++k) columns.row(k) = all.row(k * substeps);

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "veridyn/effects/cause.hpp"
 #include "veridyn/excitation/fourier_trajectory.hpp"
 #include "veridyn/excitation/prediction.hpp"
 #include "veridyn/excitation/workspace_limits.hpp"
@@ -60,10 +61,7 @@ const char* name_of(ColumnScaling scaling);
 /// A cause of torque: an effect of CONTRACT.md and its joint (name or number from 1) or frame.
 /// `payload` and `inertia` (of a body that turns with the frame) stand on a frame; `gravity_tilt`
 /// needs no place; `torque_gain`, `payload` and `gravity_tilt` follow from the arm's own values.
-struct RivalCause {
-  std::string effect;
-  std::string place;
-};
+using RivalCause = CauseText;
 
 struct ExcitationOptions {
   double frequency = 0.13;  ///< [Hz] of the fundamental wave
