@@ -16,7 +16,8 @@ void add_load(const FoundCause& found, int joints, ModelDescription& d) {
   };
   Frame load;
   load.name = AddedLoad::kName;
-  for (int count = 2; known(load.name); ++count) load.name = std::string(AddedLoad::kName) + "_" + std::to_string(count);
+  for (int count = 2; known(load.name); ++count)
+    load.name = std::string(AddedLoad::kName) + "_" + std::to_string(count);
   load.parent = found.hypothesis.frame;
   load.variable.coefficients = VectorXd::Zero(joints);
   load.body = Body{};

@@ -177,8 +177,8 @@ std::string FindingWriter::sentence(const Hypothesis& h, const Finding& f) const
   for (size_t p = 0; p < h.columns.size(); ++p) values.push_back(f.parameters[p].value);
   if (const ChannelEffect* channel = channel_effect(h.effect)) {
     const bool slides = is_prismatic(arm, term_of(q_, h).axis);
-    const std::string phrase = channel->phrase(
-        values, {}, slides ? JointType::kPrismatic : JointType::kRevolute);
+    const std::string phrase =
+        channel->phrase(values, {}, slides ? JointType::kPrismatic : JointType::kRevolute);
     return (joint.empty() ? "The arm has " : joint + " has ") + phrase + ".";
   }
   return joint + ": " + BoundEffect(arm, term_of(q_, h)).phrase(values) + ".";
@@ -287,8 +287,8 @@ void FindingWriter::add_the_rest(Diagnosis& d) const {
     }
   }
   if (!changes_) {
-    d.cannot_tell.push_back(
-        {AddedLoad::kName, 0, "without a model from before, a load is part of the link it sits on"});
+    d.cannot_tell.push_back({AddedLoad::kName, 0,
+                             "without a model from before, a load is part of the link it sits on"});
   }
 }
 

@@ -219,7 +219,8 @@ class Builder {
   // One body more on the link, without mass as long as nobody fits it.
   void add_payload(int frame) {
     Frame load;
-    load.name = std::string(AddedLoad::kName) + "@" + arm_.frames()[static_cast<size_t>(frame)].name;
+    load.name =
+        std::string(AddedLoad::kName) + "@" + arm_.frames()[static_cast<size_t>(frame)].name;
     load.parent = frame;
     load.variable.coefficients = VectorXd::Zero(arm_.joints());
     load.body = Body{};
@@ -259,9 +260,8 @@ std::vector<std::string> elementary_effects() {
     const EffectTraits traits = effect->traits();
     return std::make_pair(traits.stage, traits.dry == DryFriction::kNone);
   };
-  std::stable_sort(found.begin(), found.end(), [&rank](const AxisEffect* a, const AxisEffect* b) {
-    return rank(a) < rank(b);
-  });
+  std::stable_sort(found.begin(), found.end(),
+                   [&rank](const AxisEffect* a, const AxisEffect* b) { return rank(a) < rank(b); });
   std::vector<std::string> out;
   for (const AxisEffect* effect : found) out.push_back(effect->name());
   return out;

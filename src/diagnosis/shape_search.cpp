@@ -159,7 +159,7 @@ class Refiner {
           const double factor =
               shape.scale == ShapeScale::kWaves
                   ? 1.0 + kWave * (wide - 1.0) * one_wave(chosen_[k].joint) / value
-                             : wide;
+                  : wide;
           const double moved = value * factor;
           if (moved < shape.lower || moved > shape.upper) continue;
           Variant v{chosen_[k], shapes_[k], k, key, factor};

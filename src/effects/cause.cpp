@@ -96,8 +96,7 @@ Cause find_cause(const Model& arm, const CauseText& cause, const std::string& wh
     return ChannelError{effect, find_joint(arm, place, where)};
   }
   require(has_axis_effect(effect), where, ": found the unknown effect '", effect, "'",
-          did_you_mean(effect, effect_names()), ", expected one of: ", listed(effect_names()),
-          ".");
+          did_you_mean(effect, effect_names()), ", expected one of: ", listed(effect_names()), ".");
   return NewEffect{effect, find_joint(arm, place, where)};
 }
 
@@ -110,13 +109,12 @@ std::string to_text(const Model& arm, const Cause& cause) {
 }
 
 std::string effect_of(const Cause& cause) {
-  return std::visit(Overloaded{[](const NewEffect& c) { return c.effect; },
-                               [](const ChangedEffect& c) { return c.effect; },
-                               [](const ChannelError& c) { return c.effect; },
-                               [](const auto& c) {
-                                 return std::string(std::decay_t<decltype(c)>::kName);
-                               }},
-                    cause);
+  return std::visit(
+      Overloaded{[](const NewEffect& c) { return c.effect; },
+                 [](const ChangedEffect& c) { return c.effect; },
+                 [](const ChannelError& c) { return c.effect; },
+                 [](const auto& c) { return std::string(std::decay_t<decltype(c)>::kName); }},
+      cause);
 }
 
 std::optional<JointIndex> joint_of(const Cause& cause) {

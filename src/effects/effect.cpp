@@ -26,9 +26,8 @@ std::vector<double> scaled(std::vector<double> shares, double by) {
 std::vector<double> spread(const EffectShape& shape) {
   std::vector<double> out;
   for (const double share : {1.0 / 6.0, 0.5, 5.0 / 6.0}) {
-    out.push_back(shape.logarithmic
-                      ? shape.lower * std::pow(shape.upper / shape.lower, share)
-                      : shape.lower + share * (shape.upper - shape.lower));
+    out.push_back(shape.logarithmic ? shape.lower * std::pow(shape.upper / shape.lower, share)
+                                    : shape.lower + share * (shape.upper - shape.lower));
   }
   return out;
 }

@@ -15,14 +15,30 @@ namespace {
 class Registry {
  public:
   Registry() {
-    for (const Effect* effect :
-         {&rotor_inertia(), &joint_spring(), &viscous_friction(), &coulomb_friction(),
-          &torque_offset(), &stribeck_friction(), &presliding_hysteresis(), &asymmetric_friction(),
-          &position_dependent_friction(), &position_dependent_viscosity(),
-          &load_dependent_friction(), &quadratic_drag(), &sublinear_viscous(), &torque_ripple(),
-          &cable_coupling(), &position_force(), &backlash(), &transmission_compliance(),
-          &torque_gain(), &torque_drift(), &time_delay(), &gravity_tilt(), &encoder_offset(),
-          &warm_up()}) {
+    for (const Effect* effect : {&rotor_inertia(),
+                                 &joint_spring(),
+                                 &viscous_friction(),
+                                 &coulomb_friction(),
+                                 &torque_offset(),
+                                 &stribeck_friction(),
+                                 &presliding_hysteresis(),
+                                 &asymmetric_friction(),
+                                 &position_dependent_friction(),
+                                 &position_dependent_viscosity(),
+                                 &load_dependent_friction(),
+                                 &quadratic_drag(),
+                                 &sublinear_viscous(),
+                                 &torque_ripple(),
+                                 &cable_coupling(),
+                                 &position_force(),
+                                 &backlash(),
+                                 &transmission_compliance(),
+                                 &torque_gain(),
+                                 &torque_drift(),
+                                 &time_delay(),
+                                 &gravity_tilt(),
+                                 &encoder_offset(),
+                                 &warm_up()}) {
       add(effect);
     }
     for (const std::string& cause : names_of_causes()) file_names_.push_back(cause);
@@ -104,8 +120,8 @@ void check(const Effect& effect) {
   for (const EffectShape& s : shapes) {
     require(!is_key(s.name), "register_effect: '", name, "': '", s.name,
             "' is a key of robot files.");
-    require(!s.searched || (s.lower < s.upper && s.lower > 0.0), "register_effect: '", name, "': ",
-            s.name, " is searched from ", s.lower, " to ", s.upper,
+    require(!s.searched || (s.lower < s.upper && s.lower > 0.0), "register_effect: '", name,
+            "': ", s.name, " is searched from ", s.lower, " to ", s.upper,
             ", expected a range above zero.");
   }
 }

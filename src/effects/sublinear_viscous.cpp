@@ -22,8 +22,8 @@ class SublinearViscous final : public AxisEffect {
         {"coefficient", "N m (s/rad)^exponent", "N (s/m)^exponent", ParameterSign::kNonnegative}};
   }
   std::vector<EffectShape> shapes() const override {
-    return {{"exponent", "1", "1", 0.5, 0.3, 0.9, false, true, 0.0, ShapeScale::kAbsolute,
-             {0.4, 0.7}}};
+    return {
+        {"exponent", "1", "1", 0.5, 0.3, 0.9, false, true, 0.0, ShapeScale::kAbsolute, {0.4, 0.7}}};
   }
   EffectTraits traits(const ShapeValues& /*shape*/) const override {
     EffectTraits t;

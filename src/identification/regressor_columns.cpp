@@ -97,7 +97,7 @@ std::vector<MatrixXd> RegressorColumns::raw_columns(const Stretch& s) const {
 
 // Derivatives of what the arm's own values ask for, which all other columns together give.
 void RegressorColumns::fill_channel_errors(const Stretch& s, const ArmTerms& terms,
-                                        std::vector<MatrixXd>& Y) const {
+                                           std::vector<MatrixXd>& Y) const {
   const auto n = static_cast<int>(Y.size());
   const auto phi = arm_.inertial_values();
   MatrixXd effort(s.q.rows(), n);

@@ -179,8 +179,7 @@ class Planter {
   // The text form of a cause has these only where a diagnosis wrote them.
   void plant(const HiddenEffect& hidden, const AddedInertia& /*cause*/) {
     throw InvalidInput(text("effect '", hidden.asked, "': found '", hidden.effect,
-                            "', which is a load without mass, expected '", AddedLoad::kName,
-                            "'."));
+                            "', which is a load without mass, expected '", AddedLoad::kName, "'."));
   }
 
   void plant(const HiddenEffect& hidden, const ChangedEffect& cause) {
@@ -204,13 +203,12 @@ class Planter {
       keys.emplace_back("from");
       require(!hidden.from.empty(), "effect '", hidden.asked,
               "': found no source, expected from=JOINT.");
-      term.from =
-          Axis{VectorXd::Unit(out_.arm.joints(), 
-                       find_joint(out_.arm, hidden.from, "effect '" + hidden.asked + "'").value),
-                       0.0};
+      term.from = Axis{
+          VectorXd::Unit(out_.arm.joints(),
+                         find_joint(out_.arm, hidden.from, "effect '" + hidden.asked + "'").value),
+          0.0};
     }
-    const std::string extra =
-        !hidden.from.empty() && !coupled ? "from" : unknown_key(hidden, keys);
+    const std::string extra = !hidden.from.empty() && !coupled ? "from" : unknown_key(hidden, keys);
     require(extra.empty(), "effect '", hidden.asked, "': found the key '", extra, "'",
             did_you_mean(extra, keys), ", expected one of: ", listed(keys), ".");
     fill_shapes(effect, joint, term);

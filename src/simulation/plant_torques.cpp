@@ -67,8 +67,7 @@ MatrixXd effect_columns(const Model& arm, const EffectTerm& term, const MotionSa
   const auto load_of = [&](const MatrixXd& tau) -> VectorXd {
     return traits.uses_load ? effort_along(term.axis, tau) : VectorXd::Zero(tau.rows());
   };
-  if (!traits.memory || substeps == 1)
-    return columns_along(arm, term, motion, load_of(rigid));
+  if (!traits.memory || substeps == 1) return columns_along(arm, term, motion, load_of(rigid));
   const MotionSamples fine = refined(motion, substeps);
   const MatrixXd fine_rigid =
       traits.uses_load ? rigid_torques(arm, fine) : MatrixXd::Zero(fine.rows(), fine.joints());

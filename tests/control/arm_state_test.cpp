@@ -105,10 +105,9 @@ TEST(ArmState, LeavesOutWhatHasNoMeaningInControl) {
   for (const Effect* e : all_effects()) {
     if (control_part(e->traits()) == ControlPart::kLeftOut) left_out.push_back(e->name());
   }
-  const std::vector<std::string> expected{"transmission_compliance", "torque_gain",
-                                          "torque_drift",            "time_delay",
-                                          "gravity_tilt",            "encoder_offset",
-                                          "warm_up"};
+  const std::vector<std::string> expected{
+      "transmission_compliance", "torque_gain", "torque_drift", "time_delay", "gravity_tilt",
+      "encoder_offset",          "warm_up"};
   EXPECT_EQ(left_out, expected);
 }
 

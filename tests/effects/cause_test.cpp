@@ -29,7 +29,8 @@ TEST(Cause, PrintsWhatItReads) {
   const Model arm = psm();
   std::vector<Cause> causes;
   for (int i = 0; i < arm.joints(); ++i) {
-    for (const AxisEffect* effect : axis_effects()) causes.emplace_back(NewEffect{effect->name(), {i}});
+    for (const AxisEffect* effect : axis_effects())
+      causes.emplace_back(NewEffect{effect->name(), {i}});
     for (const ChannelEffect* effect : channel_effects()) {
       if (!effect->whole_arm()) causes.emplace_back(ChannelError{effect->name(), JointIndex{i}});
     }

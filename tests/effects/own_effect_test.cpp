@@ -147,8 +147,7 @@ TEST_F(OwnEffect, IsIdentified) {
 }
 
 TEST_F(OwnEffect, IsDiagnosedWithItsConstantRefined) {
-  const Diagnosis d =
-      diagnose(unknown(plain()), {recording(1), recording(2)}, {recording(3)});
+  const Diagnosis d = diagnose(unknown(plain()), {recording(1), recording(2)}, {recording(3)});
   ASSERT_FALSE(d.findings.empty()) << d.report();
   const Finding& first = d.findings.front();
   EXPECT_EQ(first.effect, "eddy_current_brake") << d.report();
@@ -165,8 +164,7 @@ TEST_F(OwnEffect, IsDiagnosedWithItsConstantRefined) {
 
 // A request without numbers makes a tenth of the joint's effort, as for every other effect.
 TEST_F(OwnEffect, IsInjectedWithASensibleSize) {
-  const PlantedArm arm =
-      plant_effects(plain(), {parse_hidden_effect("eddy_current_brake:1")});
+  const PlantedArm arm = plant_effects(plain(), {parse_hidden_effect("eddy_current_brake:1")});
   ASSERT_EQ(arm.effects.size(), 1U);
   EXPECT_GT(arm.effects[0].values.at("level"), 0.0);
   EXPECT_EQ(arm.effects[0].values.at("peak_speed"), 0.5);
@@ -196,10 +194,10 @@ TEST_F(OwnEffect, IsSimulatedForward) {
     ASSERT_LT(plant.time(), 10.0);
   }
   const double v = plant.dq()[0];
-  EXPECT_NEAR(plant.time(),
-              J * kPeak / (2.0 * kLevel) *
-                  (std::log(v0 / v) + (v0 * v0 - v * v) / (2.0 * kPeak * kPeak)),
-              1e-5);
+  EXPECT_NEAR(
+      plant.time(),
+      J * kPeak / (2.0 * kLevel) * (std::log(v0 / v) + (v0 * v0 - v * v) / (2.0 * kPeak * kPeak)),
+      1e-5);
 }
 
 TEST_F(OwnEffect, IsToldApartByAMotion) {

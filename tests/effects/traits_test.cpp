@@ -109,7 +109,8 @@ TEST_P(EveryEffect, IsAffineIfItSaysSo) {
       const double expected = constant + (at(0, 1, 0, 0) - constant) * x.s +
                               (at(0, 0, 1, 0) - constant) * x.ds +
                               (at(0, 0, 0, 1) - constant) * x.dds;
-      affine = affine && std::abs(at(x.time, x.s, x.ds, x.dds) - expected) < 1e-12 * (1 + std::abs(expected));
+      affine = affine &&
+               std::abs(at(x.time, x.s, x.ds, x.dds) - expected) < 1e-12 * (1 + std::abs(expected));
     }
   }
   EXPECT_EQ(affine, traits().affine);
@@ -184,10 +185,12 @@ TEST_P(EveryEffect, FrictionOpposesTheMotion) {
     back.ds = -x.ds;
     const EffectColumns other = columns(back);
     for (size_t p = 0; p < count(); ++p) {
-      if (traits().role == EffectRole::kFriction && parameters[p].sign == ParameterSign::kNonnegative)
+      const bool friction = traits().role == EffectRole::kFriction;
+      if (friction && parameters[p].sign == ParameterSign::kNonnegative) {
         EXPECT_GE(row[p] * x.ds, 0.0) << parameters[p].name;
-      if (traits().role != EffectRole::kFriction)
+      } else if (!friction) {
         EXPECT_EQ(row[p], other[p]) << parameters[p].name;
+      }
     }
   }
 }
@@ -232,9 +235,9 @@ TEST(Grid, FollowsTheMotionOfTheAxis) {
   motion.duration = 100.0;
   const auto of = [&](const char* name) { return find_effect(name).grid(motion); };
   EXPECT_EQ(of("viscous_friction"), std::vector<ShapeChoice>{{}});
-  EXPECT_EQ(of("stribeck_friction"),
-            (std::vector<ShapeChoice>{
-                {{"velocity", 0.08}}, {{"velocity", 0.24}}, {{"velocity", 0.8}}}));
+  EXPECT_EQ(
+      of("stribeck_friction"),
+      (std::vector<ShapeChoice>{{{"velocity", 0.08}}, {{"velocity", 0.24}}, {{"velocity", 0.8}}}));
   EXPECT_EQ(of("position_force"),
             (std::vector<ShapeChoice>{{{"centre", 0.1}, {"half_range", 1.0}}}));
   EXPECT_EQ(of("warm_up"), (std::vector<ShapeChoice>{{{"time_constant", 50.0}}}));

@@ -80,9 +80,10 @@ std::string rival_of(const Model& arm, const Diagnosis& d, const Cause& cause) {
   for (const Finding& f : d.findings) {
     if (f.effect != cause.effect || !is_at(arm, cause, f)) continue;
     for (const veridyn::Rival& r : f.rivals) {
-      const bool can = has_axis_effect(r.effect) ? !find_effect(r.effect).traits().uses_source
-                                                 : r.effect == "payload" || r.effect == "torque_gain" ||
-                                                  r.effect == "gravity_tilt";
+      const bool can =
+          has_axis_effect(r.effect)
+              ? !find_effect(r.effect).traits().uses_source
+              : r.effect == "payload" || r.effect == "torque_gain" || r.effect == "gravity_tilt";
       if (can && r.effect != f.effect) return r.effect;
     }
   }

@@ -19,10 +19,18 @@ struct FrameIndex {
   int value = 0;
 };
 
-inline bool operator==(JointIndex a, JointIndex b) { return a.value == b.value; }
-inline bool operator!=(JointIndex a, JointIndex b) { return a.value != b.value; }
-inline bool operator==(FrameIndex a, FrameIndex b) { return a.value == b.value; }
-inline bool operator!=(FrameIndex a, FrameIndex b) { return a.value != b.value; }
+inline bool operator==(JointIndex a, JointIndex b) {
+  return a.value == b.value;
+}
+inline bool operator!=(JointIndex a, JointIndex b) {
+  return a.value != b.value;
+}
+inline bool operator==(FrameIndex a, FrameIndex b) {
+  return a.value == b.value;
+}
+inline bool operator!=(FrameIndex a, FrameIndex b) {
+  return a.value != b.value;
+}
 
 /// An effect along an axis that the model does not have.
 struct NewEffect {

@@ -43,10 +43,11 @@ struct EffectTraits {
   bool depends_on_time = false;      ///< counted from the start of the recording
   /// A wrong constant of the robot file does exactly the same, and data cannot tell which it is.
   bool same_as_wrong_constant = false;
-  bool slow = false;                 ///< seen at low speed and after reversals
-  bool holds_at_rest = false;        ///< moves a joint at rest, like a spring or a cable
-  bool lasting = false;              ///< the same on every day; friction and offsets are not
-  bool elementary = false;  ///< part of every joint, and different on every day: level, damping, zero
+  bool slow = false;           ///< seen at low speed and after reversals
+  bool holds_at_rest = false;  ///< moves a joint at rest, like a spring or a cable
+  bool lasting = false;        ///< the same on every day; friction and offsets are not
+  bool elementary =
+      false;  ///< part of every joint, and different on every day: level, damping, zero
   bool mixed_axes = false;  ///< plausible along a combination of coordinates (a tendon, a wrist)
   /// False: describes measured motion to first order, and would be unstable as a force in a forward
   /// simulation.
