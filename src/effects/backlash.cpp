@@ -30,17 +30,10 @@ class Backlash final : public AxisEffect {
     return {{"level", "N m", "N", ParameterSign::kNonnegative}};
   }
   std::vector<EffectShape> shapes() const override {
-    return {{"gap",
-             "rad",
-             "m",
-             5e-3,
-             1e-5,
-             1.0,
-             true,
-             true,
-             2e-4,
-             ShapeScale::kTravel,
-             {1e-3, 5e-3, 2e-2}}};
+    EffectShape gap{"gap", "rad", "m", 5e-3, 1e-5, 1.0, true, true, 2e-4};
+    gap.scale = ShapeScale::kTravel;
+    gap.grid = {1e-3, 5e-3, 2e-2};
+    return {gap};
   }
   EffectTraits traits(const ShapeValues& /*shape*/) const override {
     EffectTraits t;

@@ -21,8 +21,9 @@ class PositionDependentFriction final : public AxisEffect {
             {"curvature", "N m/rad^2", "N/m^2", ParameterSign::kAny}};
   }
   std::vector<EffectShape> shapes() const override {
-    return {{"centre", "rad", "m", 0.0, -10.0, 10.0, false, false, 0.0, ShapeScale::kMiddle},
-            {"distance", "rad", "m", 0.0, 1e-5, 1.0, true, false}};
+    EffectShape centre{"centre", "rad", "m", 0.0, -10.0, 10.0, false, false};
+    centre.scale = ShapeScale::kMiddle;
+    return {centre, {"distance", "rad", "m", 0.0, 1e-5, 1.0, true, false}};
   }
   EffectTraits traits(const ShapeValues& shape) const override {
     EffectTraits t;

@@ -18,7 +18,9 @@ class PositionDependentViscosity final : public AxisEffect {
             {"curvature", "N m s/rad^3", "N s/m^3", ParameterSign::kAny}};
   }
   std::vector<EffectShape> shapes() const override {
-    return {{"centre", "rad", "m", 0.0, -10.0, 10.0, false, false, 0.0, ShapeScale::kMiddle}};
+    EffectShape centre{"centre", "rad", "m", 0.0, -10.0, 10.0, false, false};
+    centre.scale = ShapeScale::kMiddle;
+    return {centre};
   }
   EffectTraits traits(const ShapeValues& /*shape*/) const override {
     EffectTraits t;

@@ -39,9 +39,12 @@ class PositionForce final : public AxisEffect {
             {"chebyshev_5", "N m", "N", ParameterSign::kAny}};
   }
   std::vector<EffectShape> shapes() const override {
-    return {
-        {"centre", "rad", "m", 0.0, -10.0, 10.0, false, false, 0.0, ShapeScale::kMiddle},
-        {"half_range", "rad", "m", 1.0, 1e-3, 10.0, true, false, 0.1, ShapeScale::kTravel, {0.5}}};
+    EffectShape centre{"centre", "rad", "m", 0.0, -10.0, 10.0, false, false};
+    centre.scale = ShapeScale::kMiddle;
+    EffectShape half_range{"half_range", "rad", "m", 1.0, 1e-3, 10.0, true, false, 0.1};
+    half_range.scale = ShapeScale::kTravel;
+    half_range.grid = {0.5};
+    return {centre, half_range};
   }
   EffectTraits traits(const ShapeValues& /*shape*/) const override {
     EffectTraits t;

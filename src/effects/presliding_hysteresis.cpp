@@ -23,17 +23,10 @@ class PreslidingHysteresis final : public AxisEffect {
     return {{"level", "N m", "N", ParameterSign::kNonnegative}};
   }
   std::vector<EffectShape> shapes() const override {
-    return {{"distance",
-             "rad",
-             "m",
-             5e-3,
-             1e-5,
-             1.0,
-             true,
-             true,
-             1.5e-4,
-             ShapeScale::kTravel,
-             {3e-4, 1e-3, 3e-3, 1e-2, 3e-2, 0.1, 0.25}}};
+    EffectShape distance{"distance", "rad", "m", 5e-3, 1e-5, 1.0, true, true, 1.5e-4};
+    distance.scale = ShapeScale::kTravel;
+    distance.grid = {3e-4, 1e-3, 3e-3, 1e-2, 3e-2, 0.1, 0.25};
+    return {distance};
   }
   EffectTraits traits(const ShapeValues& /*shape*/) const override {
     EffectTraits t;

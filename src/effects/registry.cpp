@@ -15,32 +15,18 @@ namespace {
 class Registry {
  public:
   Registry() {
-    for (const Effect* effect : {&rotor_inertia(),
-                                 &joint_spring(),
-                                 &viscous_friction(),
-                                 &coulomb_friction(),
-                                 &torque_offset(),
-                                 &stribeck_friction(),
-                                 &presliding_hysteresis(),
-                                 &asymmetric_friction(),
-                                 &position_dependent_friction(),
-                                 &position_dependent_viscosity(),
-                                 &load_dependent_friction(),
-                                 &quadratic_drag(),
-                                 &sublinear_viscous(),
-                                 &torque_ripple(),
-                                 &cable_coupling(),
-                                 &position_force(),
-                                 &backlash(),
-                                 &transmission_compliance(),
-                                 &torque_gain(),
-                                 &torque_drift(),
-                                 &time_delay(),
-                                 &gravity_tilt(),
-                                 &encoder_offset(),
-                                 &warm_up()}) {
+    // clang-format off
+    for (const Effect* effect :
+         {&rotor_inertia(), &joint_spring(), &viscous_friction(), &coulomb_friction(),
+          &torque_offset(), &stribeck_friction(), &presliding_hysteresis(), &asymmetric_friction(),
+          &position_dependent_friction(), &position_dependent_viscosity(),
+          &load_dependent_friction(), &quadratic_drag(), &sublinear_viscous(), &torque_ripple(),
+          &cable_coupling(), &position_force(), &backlash(), &transmission_compliance(),
+          &torque_gain(), &torque_drift(), &time_delay(), &gravity_tilt(), &encoder_offset(),
+          &warm_up()}) {
       add(effect);
     }
+    // clang-format on
     for (const std::string& cause : names_of_causes()) file_names_.push_back(cause);
   }
 

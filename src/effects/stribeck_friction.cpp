@@ -21,17 +21,10 @@ class StribeckFriction final : public AxisEffect {
     return {{"level", "N m", "N", ParameterSign::kNonnegative}};
   }
   std::vector<EffectShape> shapes() const override {
-    return {{"velocity",
-             "rad/s",
-             "m/s",
-             0.05,
-             5e-3,
-             1.0,
-             true,
-             true,
-             0.02,
-             ShapeScale::kSpeed,
-             {0.02, 0.06, 0.2}}};
+    EffectShape velocity{"velocity", "rad/s", "m/s", 0.05, 5e-3, 1.0, true, true, 0.02};
+    velocity.scale = ShapeScale::kSpeed;
+    velocity.grid = {0.02, 0.06, 0.2};
+    return {velocity};
   }
   EffectTraits traits(const ShapeValues& /*shape*/) const override {
     EffectTraits t;

@@ -22,8 +22,10 @@ class SublinearViscous final : public AxisEffect {
         {"coefficient", "N m (s/rad)^exponent", "N (s/m)^exponent", ParameterSign::kNonnegative}};
   }
   std::vector<EffectShape> shapes() const override {
-    return {
-        {"exponent", "1", "1", 0.5, 0.3, 0.9, false, true, 0.0, ShapeScale::kAbsolute, {0.4, 0.7}}};
+    EffectShape exponent{"exponent", "1", "1", 0.5, 0.3, 0.9, false};
+    exponent.scale = ShapeScale::kAbsolute;
+    exponent.grid = {0.4, 0.7};
+    return {exponent};
   }
   EffectTraits traits(const ShapeValues& /*shape*/) const override {
     EffectTraits t;

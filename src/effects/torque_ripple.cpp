@@ -22,7 +22,9 @@ class TorqueRipple final : public AxisEffect {
     return {{"cosine", "N m", "N", ParameterSign::kAny}, {"sine", "N m", "N", ParameterSign::kAny}};
   }
   std::vector<EffectShape> shapes() const override {
-    return {{"order", "1/turn", "rad/m", 1.0, 1.0, 1e4, true, false, 100.0, ShapeScale::kWaves}};
+    EffectShape order{"order", "1/turn", "rad/m", 1.0, 1.0, 1e4, true, false, 100.0};
+    order.scale = ShapeScale::kWaves;
+    return {order};
   }
   EffectTraits traits(const ShapeValues& /*shape*/) const override {
     EffectTraits t;

@@ -22,17 +22,10 @@ class WarmUp final : public AxisEffect {
             {"viscosity", "N m s/rad", "N s/m", ParameterSign::kNonnegative}};
   }
   std::vector<EffectShape> shapes() const override {
-    return {{"time_constant",
-             "s",
-             "s",
-             60.0,
-             5.0,
-             2000.0,
-             true,
-             true,
-             0.0,
-             ShapeScale::kDuration,
-             {0.5}}};
+    EffectShape time_constant{"time_constant", "s", "s", 60.0, 5.0, 2000.0, true};
+    time_constant.scale = ShapeScale::kDuration;
+    time_constant.grid = {0.5};
+    return {time_constant};
   }
   EffectTraits traits(const ShapeValues& /*shape*/) const override {
     EffectTraits t;

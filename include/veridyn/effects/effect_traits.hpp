@@ -46,9 +46,8 @@ struct EffectTraits {
   bool slow = false;           ///< seen at low speed and after reversals
   bool holds_at_rest = false;  ///< moves a joint at rest, like a spring or a cable
   bool lasting = false;        ///< the same on every day; friction and offsets are not
-  bool elementary =
-      false;  ///< part of every joint, and different on every day: level, damping, zero
-  bool mixed_axes = false;  ///< plausible along a combination of coordinates (a tendon, a wrist)
+  bool elementary = false;     ///< in every joint, different every day: level, damping, zero
+  bool mixed_axes = false;     ///< plausible along a combination of coordinates (a tendon, a wrist)
   /// False: describes measured motion to first order, and would be unstable as a force in a forward
   /// simulation.
   bool forward_simulable = true;
