@@ -3,8 +3,8 @@
 #include "veridyn/effects/channel_effect.hpp"
 #include "veridyn/effects/effect.hpp"
 #include "veridyn/math/require.hpp"
-#include "veridyn/model/effect_names.hpp"
-#include "veridyn/model/suggestion.hpp"
+#include "model/effect_names.hpp"
+#include "model/suggestion.hpp"
 
 namespace veridyn {
 namespace {

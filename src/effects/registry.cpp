@@ -5,8 +5,8 @@
 
 #include "veridyn/effects/cause.hpp"
 #include "veridyn/math/require.hpp"
-#include "veridyn/model/effect_names.hpp"
-#include "veridyn/model/suggestion.hpp"
+#include "model/suggestion.hpp"
+#include "model/effect_names.hpp"
 
 namespace veridyn {
 namespace {

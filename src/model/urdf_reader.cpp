@@ -14,8 +14,8 @@
 #include <limits>
 #include <mutex>
 
-#include "veridyn/model/effect_names.hpp"
-#include "veridyn/model/joint_placement.hpp"
+#include "model/joint_placement.hpp"
+#include "model/effect_names.hpp"
 
 namespace veridyn {
 namespace {

@@ -4,9 +4,9 @@
 #include <cmath>
 
 #include "physical_body.hpp"
-#include "veridyn/math/output_file.hpp"
-#include "veridyn/model/effect_names.hpp"
-#include "veridyn/model/joint_placement.hpp"
+#include "math/output_file.hpp"
+#include "model/joint_placement.hpp"
+#include "model/effect_names.hpp"
 #include "veridyn/model/urdf.hpp"
 
 namespace veridyn {

@@ -5,9 +5,9 @@
 #include "veridyn/effects/cause.hpp"
 #include "veridyn/effects/channel_effect.hpp"
 #include "veridyn/math/require.hpp"
-#include "veridyn/model/effect_names.hpp"
-#include "veridyn/model/expression.hpp"
-#include "veridyn/model/suggestion.hpp"
+#include "model/effect_names.hpp"
+#include "model/expression.hpp"
+#include "model/suggestion.hpp"
 
 namespace veridyn {
 namespace {

@@ -9,7 +9,7 @@
 #include "veridyn/kinematics/motion_limits.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/model_file.hpp"
-#include "veridyn/model/suggestion.hpp"
+#include "model/suggestion.hpp"
 #include "veridyn/simulation/hidden_effect.hpp"
 
 namespace veridyn {
