@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "excitation/columns/column_names.hpp"
+#include "veridyn/regressor/standard_parameters.hpp"
 
 namespace veridyn {
 namespace {
@@ -39,7 +39,7 @@ std::vector<std::pair<std::string, double>> weakest_direction(
 
 void judge_motion(const Model& arm, const BaseRegressor& chosen, const MotionSamples& motion,
                   const MotionSamples& random, const ExcitationOptions& options, Excitation& out) {
-  const std::vector<ColumnName> names = column_names(arm);
+  const std::vector<StandardParameter> names = standard_parameters(arm);
   out.base_parameters = chosen.size();
   for (const int c : chosen.base()) out.base.push_back(names[static_cast<size_t>(c)].name);
   const MatrixXd gram = chosen.gram(motion) / static_cast<double>(motion.rows());
@@ -61,7 +61,7 @@ void judge_motion(const Model& arm, const BaseRegressor& chosen, const MotionSam
 
 EssentialParameters judge_essential(const Model& arm, const EssentialColumns& columns, double share,
                                     const BaseRegressor& chosen, const MotionSamples& motion) {
-  const std::vector<ColumnName> names = column_names(arm);
+  const std::vector<StandardParameter> names = standard_parameters(arm);
   EssentialParameters out;
   out.share = share;
   out.count = chosen.size();

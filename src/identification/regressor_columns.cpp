@@ -3,30 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "regressor/effect_along.hpp"
 #include "veridyn/effects/channel_effect.hpp"
 #include "veridyn/math/zero_phase_filter.hpp"
 
 namespace veridyn {
-namespace {
-
-constexpr double kLoadCutoffShare = 0.5;  // of the filter's cut-off
-
-// Effort that the arm's own rigid bodies ask for, where the file has their values; for
-// load-dependent effects.
-MatrixXd rigid_torques(const RegressorBatch& bodies, const Model& arm, const Stretch& s) {
-  MatrixXd tau = MatrixXd::Zero(s.q.rows(), s.q.cols());
-  const auto phi = arm.inertial_values();
-  if (phi) bodies.torques(s.q, s.dq, s.ddq, *phi, tau);
-  return tau;
-}
-
-double along(const Axis& axis, const MatrixXd& tau, Eigen::Index row) {
-  // The effort along s that does the same work as tau: least squares of c f = tau.
-  return tau.row(row).dot(axis.coefficients) / axis.coefficients.squaredNorm();
-}
-
-}  // namespace
-
 RegressorColumns::RegressorColumns(const Model& arm, const PreprocessingOptions& options)
     : arm_(arm), options_(options), bodies_(arm), parameters_(standard_parameters(arm)) {
   for (int i = 0; i < arm.joints(); ++i) {
@@ -69,21 +50,13 @@ std::vector<MatrixXd> RegressorColumns::raw_columns(const Stretch& s) const {
       }
       continue;
     }
-    BoundEffect effect(arm_, term);
-    effect.reset(s.start);
+    const BoundEffect effect(arm_, term);
+    const MotionView motion(s.time, s.q, s.dq, s.ddq);
     if (effect.traits().uses_load && load.size() == 0) {
-      load = rigid_torques(bodies_, arm_, s);
+      load = rigid_load(arm_, bodies_, motion);
       smooth_load(load, s.dt);
     }
-    MatrixXd columns(rows, effect.parameter_count());
-    EffectColumns row{};
-    for (Eigen::Index k = 0; k < rows; ++k) {
-      AxisSample x =
-          effect.sample(s.time[k], s.q.data() + k, s.dq.data() + k, s.ddq.data() + k, rows);
-      if (effect.traits().uses_load) x.load = along(term.axis, load, k);
-      effect.columns(x, row);
-      for (int c = 0; c < effect.parameter_count(); ++c) columns(k, c) = row[c];
-    }
+    const MatrixXd columns = columns_along(effect, motion, load, s.start);
     for (int i = 0; i < n; ++i) {
       const double c = term.axis.coefficients[i];
       if (c == 0.0) continue;
@@ -121,9 +94,7 @@ void RegressorColumns::fill_channel_errors(const Stretch& s, const ArmTerms& ter
   }
 }
 
-// The load carries the noise of the measured accelerations, as the inertias' own columns do.
-// Effects that differentiate it would cancel that noise and look like a cause; the motion itself
-// lies lower.
+// See rigid_load().
 void RegressorColumns::smooth_load(MatrixXd& load, double dt) const {
   if (options_.filtering != Filtering::kMatched || options_.cutoff <= 0.0) return;
   ZeroPhaseFilter(kLoadCutoffShare * options_.cutoff, options_.order, 1.0 / dt).apply(load);

@@ -94,9 +94,6 @@ struct ExcitationOptions {
   /// The arm with values for the prediction and kAOptimal only; nothing: `powered`, or the arm
   /// itself.
   std::optional<Model> valued{};
-  /// Which standard parameters lead the base parameters of the prediction and of kAOptimal, as in
-  /// BaseRegressor: those of an identification, so that both speak of the same. None: own ones.
-  std::vector<int> reported_base{};
   /// Motions that are recorded already; their information counts. Samples of their own rate.
   std::vector<MotionSamples> given{};
   unsigned seed = 1;

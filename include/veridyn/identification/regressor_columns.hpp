@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "veridyn/dynamics/regressor_batch.hpp"
-#include "veridyn/identification/parameter_set.hpp"
+#include "veridyn/regressor/standard_parameters.hpp"
 #include "veridyn/recordings/preprocessing.hpp"
 
 namespace veridyn {

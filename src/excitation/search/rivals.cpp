@@ -4,7 +4,10 @@
 #include <numeric>
 #include <variant>
 
-#include "excitation/columns/arm_columns.hpp"
+#include "regressor/arm_columns.hpp"
+#include "regressor/column_choice.hpp"
+#include "regressor/random_states.hpp"
+#include "veridyn/regressor/base_parameters.hpp"
 #include "excitation/search/question.hpp"
 #include "veridyn/kinematics/motion_limits.hpp"
 #include "veridyn/math/require.hpp"
@@ -219,7 +222,7 @@ void add_rivals(const Model& arm, const ExcitationOptions& options, double round
   const std::vector<int> of_a = numbers(arm_count, first_count);
   const std::vector<int> of_b =
       numbers(arm_count + first_count, exact->count() - arm_count - first_count);
-  Choice choice = choose(W, base_preference(body_count, arm_count), of_a, of_b);
+  Choice choice = choose(W, preferred_columns(standard_parameters(others)), of_a, of_b);
   if (choice.first.empty() || choice.second.empty()) {
     // The bodies' own parameters can take the rival's place; it shows only where they are known.
     question.bodies_known = true;

@@ -6,7 +6,7 @@
 
 #include "veridyn/dynamics/rigid_body_dynamics.hpp"
 #include "veridyn/effects/effect.hpp"
-#include "veridyn/identification/base_parameters.hpp"
+#include "veridyn/regressor/base_parameters.hpp"
 #include "math/parallel.hpp"
 #include "veridyn/math/require.hpp"
 

@@ -4,7 +4,8 @@
 #include <functional>
 #include <utility>
 
-#include "excitation/columns/column_source.hpp"
+#include "regressor/column_source.hpp"
+#include "regressor/effect_along.hpp"
 
 namespace veridyn {
 namespace {
@@ -42,7 +43,7 @@ double weighted(const EffectColumns& row, const double* weights, Eigen::Index st
 class EffectSource final : public ColumnSource {
  public:
   EffectSource(const Model& arm, const EffectTerm& term, const VectorXd& rounding)
-      : bound_(arm, term), batch_(arm), phi_(arm.inertial_values()) {
+      : arm_(arm), bound_(arm, term), batch_(arm), phi_(arm.inertial_values()) {
     const VectorXd& c = axis();
     rounding_ = c.cwiseAbs().dot(rounding);
     step_ = is_prismatic(arm, term.axis) ? 0.1 * kStep : kStep;
@@ -125,22 +126,8 @@ class EffectSource final : public ColumnSource {
   }
 
   std::vector<AxisSample> along(const MotionSamples& m) const {
-    BoundEffect effect = bound_;
-    effect.reset(m.rows() > 0 ? m.time[0] : 0.0);
-    VectorXd load = VectorXd::Zero(m.rows());
-    if (uses_load()) {
-      MatrixXd tau;
-      batch_.torques(m.q, m.dq, m.ddq, *phi_, tau);
-      load = tau * axis() / axis().squaredNorm();
-    }
-    std::vector<AxisSample> out;
-    out.reserve(static_cast<size_t>(m.rows()));
-    for (Eigen::Index k = 0; k < m.rows(); ++k) {
-      out.push_back(
-          effect.sample(m.time[k], m.q.data() + k, m.dq.data() + k, m.ddq.data() + k, m.rows()));
-      out.back().load = load[k];
-    }
-    return out;
+    const MatrixXd load = uses_load() ? rigid_load(arm_, batch_, m) : MatrixXd();
+    return axis_samples(bound_, m, load, m.rows() > 0 ? m.time[0] : 0.0);
   }
 
   double step_of(size_t input, const AxisSample& x) const {
@@ -243,6 +230,7 @@ class EffectSource final : public ColumnSource {
     }
   }
 
+  Model arm_;
   BoundEffect bound_;
   RegressorBatch batch_;
   std::optional<VectorXd> phi_;

@@ -1,4 +1,4 @@
-#include "veridyn/identification/parameter_set.hpp"
+#include "veridyn/regressor/standard_parameters.hpp"
 
 #include <array>
 #include <cmath>
@@ -102,6 +102,16 @@ Model with_values(const Model& arm, const VectorRef& values, const VectorRef& de
   }
   require(at == values.size(), "with_values: found ", values.size(), " values, expected ", at, ".");
   return Model(d);
+}
+
+VectorXd standard_values(const Model& arm) {
+  require(arm.inertial_values().has_value(), "'", arm.name(),
+          "' has bodies without mass, com and inertia; what they are says how large an error is.");
+  const std::vector<StandardParameter> parameters = standard_parameters(arm);
+  VectorXd out(static_cast<Eigen::Index>(parameters.size()));
+  for (size_t k = 0; k < parameters.size(); ++k)
+    out[static_cast<Eigen::Index>(k)] = parameters[k].value;
+  return out;
 }
 
 MatrixXd full_regressor(const Model& arm, const VectorRef& q, const VectorRef& dq,
