@@ -21,7 +21,7 @@ double range_condition_number(const MatrixXd& W) {
 
 // Of the smallest eigenvalue of the Gram matrix, columns of norm one.
 std::vector<std::pair<std::string, double>> weakest_direction(
-    const MatrixXd& gram, const BaseRegressor& regressor, const std::vector<ColumnName>& names) {
+    const MatrixXd& gram, const BaseRegressor& regressor, const std::vector<StandardParameter>& names) {
   const VectorXd d = gram.diagonal().cwiseSqrt().cwiseMax(1e-100).cwiseInverse();
   const MatrixXd scaled = d.asDiagonal() * gram * d.asDiagonal();
   const VectorXd direction = Eigen::SelfAdjointEigenSolver<MatrixXd>(scaled).eigenvectors().col(0);

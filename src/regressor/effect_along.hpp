@@ -4,7 +4,7 @@
 
 #include "veridyn/dynamics/regressor_batch.hpp"
 #include "veridyn/effects/effect.hpp"
-#include "kinematics/motion_samples.hpp"
+#include "veridyn/math/motion_samples.hpp"
 
 namespace veridyn {
 

@@ -7,6 +7,8 @@
 #include <cmath>
 
 #include "regressor/arm_columns.hpp"
+#include "regressor/column_choice.hpp"
+#include "regressor/random_states.hpp"
 #include "regressor/stacked_columns.hpp"
 #include "veridyn/excitation/base_regressor.hpp"
 #include "veridyn/excitation/excitation.hpp"
