@@ -15,9 +15,10 @@
 #include "diagnosis/shapes/refinement.hpp"
 #include "diagnosis/causes/ripple.hpp"
 #include "diagnosis/causes/snags.hpp"
-#include "veridyn/identification/arm_effects.hpp"
 #include "math/parallel.hpp"
 #include "diagnosis/causes/wrong_constant.hpp"
+#include "veridyn/effects/cause.hpp"
+#include "veridyn/effects/channel_effect.hpp"
 
 namespace veridyn {
 namespace {
@@ -32,6 +33,16 @@ constexpr int kChannels = 3;  // errors of channels that are corrected one after
 bool asks_for(const DiagnosisOptions& options, const std::string& effect) {
   return options.effects.empty() ||
          std::find(options.effects.begin(), options.effects.end(), effect) != options.effects.end();
+}
+
+// True if an effect is asked for whose constant a spectrum proposes.
+bool asks_for_waves(const DiagnosisOptions& options) {
+  for (const AxisEffect* effect : axis_effects()) {
+    for (const EffectShape& shape : effect->shapes()) {
+      if (shape.scale == ShapeScale::kWaves && asks_for(options, effect->name())) return true;
+    }
+  }
+  return false;
 }
 
 std::vector<std::pair<Hypothesis, EffectTerm>> known_terms(const AugmentedModel& fitted) {
@@ -187,7 +198,7 @@ class Investigation {
 
   // True if there are any that were not known.
   bool leave_out_contacts(const Identification& seen) {
-    if (!asks_for(options_, "external_contact") || !seen.model) return false;
+    if (!asks_for(options_, ExternalContact::kName) || !seen.model) return false;
     const std::vector<Contact> contacts = find_contacts(seen);
     if (contacts.empty()) return false;
     contacts_known_ = contacts.size();
@@ -239,9 +250,9 @@ class Investigation {
     QuestionList list;
     list.wanted = options_.effects;
     list.changes = d_.changes;
-    if (asks_for(options_, "torque_ripple")) list.ripple_orders = ripple_orders(start_);
+    if (asks_for_waves(options_)) list.ripple_orders = ripple_orders(start_);
     std::optional<Questions> first(questions(list));
-    if (!d_.changes && asks_for(options_, "coupling_error") && correct_constant(*first))
+    if (!d_.changes && asks_for(options_, KinematicError::kName) && correct_constant(*first))
       first.emplace(questions(list));
     std::optional<Round> round(answer(std::move(*first)));
     for (int turn = 0; turn < kChannels && correct_channel(*round); ++turn)
@@ -297,7 +308,7 @@ class Investigation {
     if (round.selection.accepted.empty()) return false;
     const Accepted& first = round.selection.accepted.front();
     const Hypothesis& h = q.augmented.hypotheses[static_cast<size_t>(first.evidence.hypothesis)];
-    if (!is_arm_effect(h.effect)) return false;
+    if (channel_effect(h.effect) == nullptr) return false;
     Selection one;
     one.accepted = {first};
     const Fit fit = fit_accepted(start_, q, one, d_.changes, train_, test_, options_);

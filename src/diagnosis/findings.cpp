@@ -9,8 +9,8 @@
 #include "diagnosis/causes/extended_arm.hpp"
 #include "diagnosis/evidence/held_out.hpp"
 #include "diagnosis/causes/payload_fit.hpp"
-#include "veridyn/effects/effect.hpp"
-#include "veridyn/identification/arm_effects.hpp"
+#include "veridyn/effects/cause.hpp"
+#include "veridyn/effects/channel_effect.hpp"
 #include "veridyn/math/student_t.hpp"
 
 namespace veridyn {
@@ -121,9 +121,7 @@ std::vector<FoundParameter> FindingWriter::parameters_of(const Hypothesis& h) co
   for (const StandardParameter& parameter : all) {
     if (parameter.effect != h.term) continue;
     const auto at = static_cast<size_t>(parameter.component);
-    const std::string name = is_arm_effect(term.effect)
-                                 ? arm_effect_parameters(term.effect)[at].name
-                                 : find_effect(term.effect).parameters()[at].name;
+    const std::string name = find_effect(term.effect).parameters()[at].name;
     FoundParameter found{name, parameter.unit, 0.0, 0.0, 0.0};
     for (size_t k = 0; k < fit_.selection.columns.size(); ++k) {
       if (data_.names()[static_cast<size_t>(fit_.selection.columns[k])] != parameter.name) continue;
@@ -136,7 +134,6 @@ std::vector<FoundParameter> FindingWriter::parameters_of(const Hypothesis& h) co
     }
     out.push_back(found);
   }
-  if (is_arm_effect(term.effect)) return out;
   const bool slides = is_prismatic(q_.augmented.model, term.axis);
   for (const EffectShape& shape : find_effect(term.effect).shapes()) {
     const auto value = term.values.find(shape.name);
@@ -178,8 +175,10 @@ std::string FindingWriter::sentence(const Hypothesis& h, const Finding& f) const
   if (h.changes >= 0) return joint + ": " + change_text(h, f) + ".";
   std::vector<double> values;
   for (size_t p = 0; p < h.columns.size(); ++p) values.push_back(f.parameters[p].value);
-  if (is_arm_effect(h.effect)) {
-    const std::string phrase = arm_effect_phrase(arm, term_of(q_, h), values);
+  if (const ChannelEffect* channel = channel_effect(h.effect)) {
+    const bool slides = is_prismatic(arm, term_of(q_, h).axis);
+    const std::string phrase =
+        channel->phrase(values, {}, slides ? JointType::kPrismatic : JointType::kRevolute);
     return (joint.empty() ? "The arm has " : joint + " has ") + phrase + ".";
   }
   return joint + ": " + BoundEffect(arm, term_of(q_, h)).phrase(values) + ".";
@@ -230,9 +229,9 @@ Finding FindingWriter::finding(size_t k, const VectorXd& before, const VectorXd&
                           : fmt::format("gains {:.0f} % as much on held-out data",
                                         100.0 * e.gain / std::max(1e-12, a.evidence.gain))));
   }
-  if (h.effect == "encoder_offset" && !changes_) {
+  if (h.body < 0 && find_effect(h.effect).traits().same_as_wrong_constant && !changes_) {
     Rival same = rival(h, "a wrong zero of this joint in the robot file does exactly the same");
-    same.effect = "coupling_error";
+    same.effect = KinematicError::kName;
     f.rivals.push_back(same);
   }
   f.sentence = sentence(h, f);
@@ -288,8 +287,8 @@ void FindingWriter::add_the_rest(Diagnosis& d) const {
     }
   }
   if (!changes_) {
-    d.cannot_tell.push_back(
-        {"payload", 0, "without a model from before, a load is part of the link it sits on"});
+    d.cannot_tell.push_back({AddedLoad::kName, 0,
+                             "without a model from before, a load is part of the link it sits on"});
   }
 }
 

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "diagnosis/evidence/held_out.hpp"
+#include "veridyn/effects/cause.hpp"
 #include "veridyn/math/student_t.hpp"
 
 namespace veridyn {
@@ -210,7 +211,7 @@ std::vector<Contact> find_contacts(const Identification& id) {
 std::vector<LeftOut> left_out_rows(const std::vector<Contact>& contacts) {
   std::vector<LeftOut> out;
   for (const Contact& c : contacts)
-    out.push_back({c.source, -1, c.from - kMargin, c.to + kMargin, "external_contact"});
+    out.push_back({c.source, -1, c.from - kMargin, c.to + kMargin, ExternalContact::kName});
   return out;
 }
 
@@ -219,7 +220,7 @@ void add_contacts(const std::vector<Contact>& contacts, const Identification& wi
   for (const Contact& c : contacts) {
     Finding f;
     f.rank = static_cast<int>(d.findings.size()) + 1;
-    f.effect = "external_contact";
+    f.effect = ExternalContact::kName;
     f.joint = c.last_joint + 1;
     const Coordinate& joint = with.model->coordinates()[static_cast<size_t>(c.last_joint)];
     f.coordinate = joint.name;

@@ -54,6 +54,10 @@ struct QuestionList {
 AugmentedModel augmented_model(const Model& arm, const std::vector<CompressedRecording>& facts,
                                const QuestionList& list);
 
+/// What every joint has and what differs from one day to another, in the order of questions: a
+/// zero, a level, a damping. A load must be told from them.
+std::vector<std::string> elementary_effects();
+
 /// Frames on which a payload would make a difference: the last frame of every link that moves.
 std::vector<int> payload_frames(const Model& arm);
 

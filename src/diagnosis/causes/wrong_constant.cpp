@@ -7,6 +7,8 @@
 #include <set>
 #include <utility>
 
+#include "veridyn/effects/cause.hpp"
+#include "veridyn/effects/effect.hpp"
 #include "veridyn/math/student_t.hpp"
 
 namespace veridyn {
@@ -69,11 +71,12 @@ std::optional<Finding> wrong_constant(const Model& arm,
   if (!instead.empty() && best.gain < options.rival_share * instead.front().second)
     return std::nullopt;
   for (const auto& [h, gain] : instead) {
-    if (h.effect == "encoder_offset" && gain > kSameAsZero * best.gain) return std::nullopt;
+    const bool same = h.body < 0 && find_effect(h.effect).traits().same_as_wrong_constant;
+    if (same && gain > kSameAsZero * best.gain) return std::nullopt;
   }
   Finding f;
   f.rank = 1;
-  f.effect = "coupling_error";
+  f.effect = KinematicError::kName;
   const Frame& frame = arm.frames()[static_cast<size_t>(best.constant.frame)];
   f.frame = frame.name;
   int joint = 0;
@@ -98,7 +101,7 @@ std::optional<Finding> wrong_constant(const Model& arm,
   for (size_t k = 1; k < geometry.size(); ++k) {
     if (geometry[k].gain < options.rival_share * profiled) continue;
     f.rivals.push_back(
-        {"coupling_error", f.joint, f.coordinate,
+        {KinematicError::kName, f.joint, f.coordinate,
          "another constant, " + geometry[k].constant.name + ", would explain as much", ""});
   }
   for (const auto& [h, gain] : instead) {
