@@ -7,8 +7,8 @@
 #include "messages.hpp"
 #include "option_checks.hpp"
 #include "veridyn/diagnosis/diagnosis.hpp"
-#include "veridyn/math/output_file.hpp"
-#include "veridyn/model/effect_names.hpp"
+#include "math/output_file.hpp"
+#include "model/effect_names.hpp"
 #include "veridyn/model/model_file.hpp"
 #include "veridyn/report/diagnosis_json.hpp"
 #include "veridyn/report/diagnosis_page.hpp"
@@ -22,9 +22,19 @@ struct Request {
   std::vector<std::string> train, test;
   std::optional<RowRange> test_rows;
   std::string model_out;
+  std::string values;
   DiagnosisOptions options;
   CommonOptions common;
 };
+
+// A maker's file is no MODEL of this very arm.
+bool is_makers_file(const std::string& robot) {
+  const auto ends_with = [&robot](const std::string& ending) {
+    return robot.size() >= ending.size() &&
+           robot.compare(robot.size() - ending.size(), ending.size(), ending) == 0;
+  };
+  return ends_with(".urdf") || ends_with(".xml");
+}
 
 void expect_known_effects(const std::vector<std::string>& names) {
   for (const std::string& name : names) expect_one_of("--effects", name, effect_names());
@@ -50,6 +60,9 @@ ExitStatus run(Request& request, const std::string& command_line) {
   require_writable(request.model_out);
   if (!request.test_rows) warn_of_shared_recordings(request.train, request.test);
   const Model arm = read_model(request.robot);
+  const bool prior =
+      request.values.empty() ? is_makers_file(request.robot) : request.values == "prior";
+  if (prior) request.options.values = RobotValues::kPrior;
   IdentificationOptions& how = request.options.identification;
   how.threads = request.common.threads;
   how.progress = progress(request.common);
@@ -91,6 +104,16 @@ void add_diagnose_command(CLI::App& tool, Outcome& outcome) {
       ->option_text("NAME,...");
   command.add_option("--max-effects", request->options.max_effects, "Findings at most")
       ->check(CLI::Range(0, 100));
+  command.add_flag_callback(
+      "--confirmed-only",
+      [request] { request->options.extended = ExtendedModel::kConfirmedOnly; },
+      "Leave what the held-out recordings contradict out of the extended model");
+  command
+      .add_option("--values", request->values,
+                  "What values in the robot file are: facts of a MODEL (what changed since?) or a "
+                  "prior, as in a maker's file (identified first; default of URDF)")
+      ->check(CLI::IsMember({"facts", "prior"}))
+      ->option_text("facts|prior");
   command.add_option("--model-out", request->model_out, "Write the extended model as YAML")
       ->option_text("FILE");
   add_choice(command, "--weights", request->options.identification.weights,

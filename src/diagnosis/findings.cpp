@@ -8,12 +8,12 @@
 #include <numeric>
 #include <set>
 
-#include "extended_arm.hpp"
 #include "diagnosis/causes/effect_facts.hpp"
+#include "diagnosis/causes/extended_arm.hpp"
+#include "diagnosis/causes/payload_fit.hpp"
+#include "diagnosis/evidence/held_out.hpp"
 #include "diagnosis/finding_words.hpp"
 #include "diagnosis/numerics.hpp"
-#include "held_out.hpp"
-#include "payload_fit.hpp"
 #include "veridyn/effects/effect.hpp"
 #include "veridyn/identification/arm_effects.hpp"
 #include "veridyn/math/student_t.hpp"

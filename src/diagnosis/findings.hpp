@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "inquiry.hpp"
-#include "refinement.hpp"
+#include "diagnosis/shapes/inquiry.hpp"
+#include "diagnosis/shapes/refinement.hpp"
 #include "veridyn/diagnosis/payload.hpp"
 
 namespace veridyn {

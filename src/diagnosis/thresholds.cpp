@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "veridyn/math/require.hpp"
-#include "veridyn/model/suggestion.hpp"
+#include "model/suggestion.hpp"
 
 namespace veridyn {
 

@@ -6,7 +6,7 @@
 
 #include "veridyn/diagnosis/thresholds.hpp"
 #include "veridyn/identification/identification.hpp"
-#include "veridyn/identification/recording_quality.hpp"
+#include "veridyn/recordings/recording_quality.hpp"
 
 namespace veridyn {
 

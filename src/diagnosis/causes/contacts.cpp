@@ -1,0 +1,252 @@
+#include "diagnosis/causes/contacts.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "diagnosis/evidence/clustered_fit.hpp"
+#include "diagnosis/numerics.hpp"
+#include "veridyn/math/student_t.hpp"
+
+namespace veridyn {
+namespace {
+
+constexpr double kAlways = 5;          // bursts that a recording may have, however short
+constexpr size_t kFewestSamples = 50;
+constexpr int kPeriods = 20;  // to either side, in which a burst may come back
+
+struct Residual {
+  std::vector<double> r;          ///< without what changes slowly
+  std::vector<double> threshold;  ///< above it a burst begins
+  double scatter = 0.0;
+};
+
+// The median over some seconds around, at grid points and linear in between: what a contact is too
+// short to move.
+std::vector<double> slow_part(const std::vector<double>& time, const std::vector<double>& r) {
+  std::vector<double> at;
+  std::vector<double> level;
+  for (double t = time.front();; t += numerics::kContactGrid) {
+    const auto begin = std::lower_bound(time.begin(), time.end(), t - numerics::kContactMedian) - time.begin();
+    const auto end = std::upper_bound(time.begin(), time.end(), t + numerics::kContactMedian) - time.begin();
+    at.push_back(t);
+    level.push_back(median({r.begin() + begin, r.begin() + end}));
+    if (t >= time.back()) break;
+  }
+  std::vector<double> out(r.size());
+  for (size_t k = 0; k < r.size(); ++k) {
+    const double u = (time[k] - time.front()) / numerics::kContactGrid;
+    const size_t low = std::min(static_cast<size_t>(u), at.size() - 1);
+    const size_t high = std::min(low + 1, at.size() - 1);
+    out[k] = level[low] + (u - static_cast<double>(low)) * (level[high] - level[low]);
+  }
+  return out;
+}
+
+// Friction of a joint at rest is anything between its two directions; the model cannot know it.
+double rest_friction(const Model& arm, size_t joint) {
+  double sum = 0.0;
+  for (const EffectTerm& term : arm.effects()) {
+    const auto level = term.values.find("level");
+    if (level == term.values.end()) continue;
+    sum += std::abs(term.axis.coefficients[static_cast<Eigen::Index>(joint)] * level->second);
+  }
+  return sum;
+}
+
+Residual residual_of(const Model& arm, const PredictionSeries& x, size_t joint,
+                     const Thresholds& limits) {
+  Residual out;
+  const size_t n = x.time.size();
+  out.r.resize(n);
+  for (size_t k = 0; k < n; ++k) out.r[k] = x.measured[joint][k] - x.modelled[joint][k];
+  const std::vector<double> slow = slow_part(x.time, out.r);
+  std::vector<double> size(n);
+  double most = 0.0;
+  double fastest = 0.0;
+  for (size_t k = 0; k < n; ++k) {
+    out.r[k] -= slow[k];
+    size[k] = std::abs(out.r[k]);
+    most = std::max(most, std::abs(x.measured[joint][k]));
+    fastest = std::max(fastest, std::abs(x.dq[joint][k]));
+  }
+  out.scatter = std::max(numerics::kMadToDeviation * median(size), numerics::kNoise);
+  // Where the joint moves, what its friction does at a start or a reversal is no contact; where it
+  // holds a pose, friction is part of what it holds.
+  const double friction = fastest > numerics::kMoves ? rest_friction(arm, joint) : 0.0;
+  const double level =
+      std::max({limits.contact_threshold * out.scatter, limits.contact_torque_share * most, friction});
+  const double at_rest = limits.contact_rest_share * friction;
+  out.threshold.assign(n, level);
+  for (size_t k = 0; k < n; ++k) {
+    if (std::abs(x.dq[joint][k]) < numerics::kMovingShare * fastest)
+      out.threshold[k] = std::max(level, at_rest);
+  }
+  return out;
+}
+
+struct Span {
+  size_t begin, end;
+};
+
+// Runs of samples at which a joint is above its threshold.
+std::vector<Span> bursts(const PredictionSeries& x, const std::vector<Residual>& joints) {
+  std::vector<Span> out;
+  for (size_t k = 0; k < x.time.size(); ++k) {
+    const bool above = std::any_of(joints.begin(), joints.end(), [k](const Residual& j) {
+      return std::abs(j.r[k]) > j.threshold[k];
+    });
+    if (!above) continue;
+    if (!out.empty() && x.time[k] - x.time[out.back().end - 1] < numerics::kContactJoin) {
+      out.back().end = k + 1;
+    } else {
+      out.push_back({k, k + 1});
+    }
+  }
+  return out;
+}
+
+bool repeats(const PredictionSeries& x, const std::vector<Residual>& joints, const Span& span,
+             double period, double size, size_t joint, const Thresholds& limits) {
+  if (period <= 0.0) return false;
+  const double first = x.time.front();
+  const double last = x.time.back();
+  for (int turn = -kPeriods; turn <= kPeriods; ++turn) {
+    if (turn == 0) continue;
+    const double from = x.time[span.begin] + turn * period;
+    const double to = x.time[span.end - 1] + turn * period;
+    if (from < first || to > last) continue;
+    double there = 0.0;
+    const auto begin = std::lower_bound(x.time.begin(), x.time.end(), from) - x.time.begin();
+    const auto end = std::upper_bound(x.time.begin(), x.time.end(), to) - x.time.begin();
+    for (auto k = begin; k < end; ++k)
+      there = std::max(there, std::abs(joints[joint].r[static_cast<size_t>(k)]));
+    if (there > limits.contact_repeats * size) return true;
+  }
+  return false;
+}
+
+void contacts_in(const Model& arm, const RecordingError& recording, const Thresholds& limits,
+                 std::vector<Contact>& out) {
+  const PredictionSeries& x = recording.series;
+  const size_t n = x.measured.size();
+  if (x.time.size() < kFewestSamples || n == 0) return;
+  std::vector<Residual> joints;
+  for (size_t i = 0; i < n; ++i) joints.push_back(residual_of(arm, x, i, limits));
+  std::vector<Contact> found;
+  double share = 0.0;
+  const double duration = x.time.back() - x.time.front();
+  for (const Span& span : bursts(x, joints)) {
+    Contact c;
+    c.source = recording.source;
+    c.from = x.time[span.begin];
+    c.to = x.time[span.end - 1];
+    if (c.to - c.from < limits.contact_shortest) continue;
+    share += (c.to - c.from) / duration;
+    c.effort = VectorXd::Zero(static_cast<Eigen::Index>(n));
+    bool again = false;
+    for (size_t i = 0; i < n; ++i) {
+      double most = 0.0;
+      double sum = 0.0;
+      double excess = 0.0;
+      for (size_t k = span.begin; k < span.end; ++k) {
+        const double size = std::abs(joints[i].r[k]);
+        most = std::max(most, size);
+        excess = std::max(excess, size - joints[i].threshold[k]);
+        sum += joints[i].r[k];
+      }
+      const double mean = sum / static_cast<double>(span.end - span.begin);
+      c.effort[static_cast<Eigen::Index>(i)] = mean;
+      if (excess <= 0.0 || most < limits.contact_peak * joints[i].scatter || std::abs(mean) < limits.contact_direction * most)
+        continue;
+      again = again || repeats(x, joints, span, recording.period, most, i, limits);
+      c.last_joint = static_cast<int>(i);
+      c.deviation = joints[i].scatter;
+      c.peak = std::max(c.peak, most / joints[i].scatter);
+    }
+    if (c.peak > 0.0 && !again) found.push_back(std::move(c));
+  }
+  if (share > limits.contact_most_of_time ||
+      static_cast<double>(found.size()) > std::max<double>(kAlways, limits.contact_per_minute * duration / numerics::kMinute))
+    return;
+  out.insert(out.end(), found.begin(), found.end());
+}
+
+}  // namespace
+
+std::vector<Contact> find_contacts(const Identification& id, const Thresholds& limits) {
+  std::vector<Contact> out;
+  for (const RecordingError& r : id.train) contacts_in(*id.model, r, limits, out);
+  for (const RecordingError& r : id.test) {
+    const bool trained =
+        std::any_of(id.train.begin(), id.train.end(),
+                    [&](const RecordingError& other) { return other.source == r.source; });
+    if (!trained) contacts_in(*id.model, r, limits, out);
+  }
+  return out;
+}
+
+std::vector<LeftOut> left_out_rows(const std::vector<Contact>& contacts) {
+  std::vector<LeftOut> out;
+  for (const Contact& c : contacts)
+    out.push_back({c.source, -1, c.from - numerics::kContactMargin, c.to + numerics::kContactMargin, "external_contact"});
+  return out;
+}
+
+namespace {
+
+// The links that the last joint moves, nearest first: "fore", or "fore and what it carries".
+std::string link_words(const Model& arm, int joint) {
+  for (size_t k = 0; k < arm.frames().size(); ++k) {
+    if (arm.moves(static_cast<int>(k), joint)) return arm.frames()[k].name;
+  }
+  return arm.coordinates()[static_cast<size_t>(joint)].name;
+}
+
+std::string efforts_words(const Model& arm, const Contact& c) {
+  std::string out;
+  for (Eigen::Index i = 0; i <= c.last_joint; ++i) {
+    const Coordinate& joint = arm.coordinates()[static_cast<size_t>(i)];
+    out += fmt::format("{}{:.2g} {} on joint {} ({})", i == 0 ? "" : ", ", c.effort[i],
+                       effort_unit(joint), i + 1, joint.name);
+  }
+  return out;
+}
+
+}  // namespace
+
+void add_contacts(const std::vector<Contact>& contacts, const Identification& seen, Diagnosis& d) {
+  const Model& arm = *seen.model;
+  for (const Contact& c : contacts) {
+    Finding f;
+    f.rank = static_cast<int>(d.findings.size()) + 1;
+    f.effect = "external_contact";
+    f.joint = c.last_joint + 1;
+    const Coordinate& joint = arm.coordinates()[static_cast<size_t>(c.last_joint)];
+    f.coordinate = joint.name;
+    f.frame = link_words(arm, c.last_joint);
+    f.source = c.source;
+    f.unit = effort_unit(joint);
+    const double effort = c.effort[c.last_joint];
+    const double half =
+        student_t_quantile(numerics::kOutside, numerics::kContactFreedom) * c.deviation;
+    f.parameters = {{"effort", f.unit, effort, effort - half, effort + half},
+                    {"from", "s", c.from, c.from, c.from},
+                    {"to", "s", c.to, c.to, c.to}};
+    f.p_value = student_t_two_sided(c.peak, numerics::kContactFreedom);
+    // A push says nothing about the model: the held-out error with these moments and without them.
+    f.test_before = seen.test_error.relative;
+    f.test_after = seen.test_error.relative;
+    f.test_outside = seen.test_without_excluded.relative.size() > 0
+                         ? seen.test_without_excluded.relative
+                         : seen.test_error.relative;
+    f.sentence = fmt::format(
+        "{}: from {:.1f} to {:.1f} s something pushes the arm on link {} or beyond it: {} (mean "
+        "torque that the model does not explain). These {:.1f} s are left out of the fit.",
+        c.source, c.from, c.to, f.frame, efforts_words(arm, c), c.to - c.from);
+    d.findings.push_back(std::move(f));
+  }
+}
+
+}  // namespace veridyn

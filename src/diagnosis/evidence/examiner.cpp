@@ -1,0 +1,205 @@
+#include "diagnosis/evidence/examiner.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <string>
+
+#include "diagnosis/causes/payload_fit.hpp"
+#include "diagnosis/evidence/clustered_fit.hpp"
+#include "diagnosis/numerics.hpp"
+#include "math/parallel.hpp"
+#include "veridyn/math/student_t.hpp"
+
+namespace veridyn {
+namespace {
+
+// Of the columns of a body those that the others do not span, first ones first.
+ColumnSet independent(const NormalBlocks& data, const ColumnSet& all, double new_share) {
+  const auto k = static_cast<Eigen::Index>(all.size());
+  MatrixXd S = MatrixXd::Zero(k, k);
+  for (const MatrixXd& G : data.total().G) {
+    for (Eigen::Index r = 0; r < k; ++r) {
+      for (Eigen::Index c = 0; c < k; ++c)
+        S(r, c) += G(all[static_cast<size_t>(r)], all[static_cast<size_t>(c)]);
+    }
+  }
+  // First moments pin a small load best, then inertia, mass last.
+  ColumnSet out;
+  const VectorXd diagonal = S.diagonal();
+  for (Eigen::Index at = 1; at <= k; ++at) {
+    const Eigen::Index c = at % k;
+    if (S(c, c) <= new_share * diagonal[c]) continue;
+    out.push_back(all[static_cast<size_t>(c)]);
+    const VectorXd column = S.col(c);
+    S -= column * column.transpose() / column[c];
+  }
+  return out;
+}
+
+}  // namespace
+
+ColumnSet columns_of(const NormalBlocks& data, const Hypothesis& hypothesis) {
+  ColumnSet out;
+  for (const std::string& name : hypothesis.columns) {
+    for (int k = 0; k < data.columns(); ++k) {
+      if (data.names()[static_cast<size_t>(k)] == name && data.scale()[k] > 0.0) out.push_back(k);
+    }
+  }
+  return hypothesis.body >= 0 ? independent(data, out, Thresholds().new_share) : out;
+}
+
+Examiner::Examiner(const NormalBlocks& data, const ColumnSet& base,
+                   const std::vector<Hypothesis>& hypotheses, const DiagnosisOptions& options)
+    : data_(data), base_(base), hypotheses_(hypotheses), options_(options) {
+  for (const auto& fold : make_folds(data)) folds_.push_back(summed(data, fold));
+  std::set<std::string> families;
+  for (const Hypothesis& h : hypotheses) {
+    columns_.push_back(columns_of(data, h));
+    families.insert(h.family);
+  }
+  families_ = static_cast<double>(std::max<size_t>(1, families.size()));
+}
+
+// One recording gives eight clusters only: the folds decide
+// there, except for what one motion cannot show; the names are provisional.
+double Examiner::limit(int h) const {
+  const Hypothesis& hypothesis = hypotheses_[static_cast<size_t>(h)];
+  const bool strict = several_recordings() || hypothesis.extrapolates;
+  return options_.thresholds.significance / ((strict ? families_ : 1.0) * hypothesis.tried);
+}
+
+ColumnSet Examiner::set_with(const std::vector<int>& chosen) const {
+  ColumnSet set = base_;
+  for (const int h : chosen)
+    set.insert(set.end(), columns_[static_cast<size_t>(h)].begin(),
+               columns_[static_cast<size_t>(h)].end());
+  return set;
+}
+
+std::unique_ptr<Examiner::Stand> Examiner::stand(const std::vector<int>& chosen) const {
+  auto out = std::make_unique<Stand>();
+  out->set = set_with(chosen);
+  out->weights = joint_weights(data_, out->set);
+  out->all = std::make_unique<BorderedFit>(out->set, out->weights, data_.total(), nullptr, nullptr);
+  out->folds.reserve(folds_.size());
+  for (const auto& fold : folds_)
+    out->folds.emplace_back(out->set, out->weights, data_.total(), &fold, &fold);
+  return out;
+}
+
+// A sign that nature forbids counts where it is beyond the scatter between folds: one of two
+// parameters may well be nothing.
+bool Examiner::impossible(const Hypothesis& h, const ColumnSet& own, const VectorXd& values,
+                          const VectorXd& deviations) const {
+  if (h.body >= 0) return false;
+  for (size_t k = 0; k < own.size(); ++k) {
+    const auto at = static_cast<Eigen::Index>(k);
+    const double value = values[at];
+    const double scale = std::max(data_.scale()[own[k]], numerics::kTiny);
+    const bool negative =
+        h.signs[k] == ParameterSign::kNonnegative && value < -2.0 * deviations[at];
+    const bool too_low = k < h.lowest.size() &&
+                         value / scale < options_.thresholds.impossible_fall * h.lowest[k];
+    if (negative || too_low) return true;
+  }
+  return false;
+}
+
+Evidence Examiner::ask(int h, const Stand& before) const {
+  Evidence e;
+  e.hypothesis = h;
+  const ColumnSet& own = columns_[static_cast<size_t>(h)];
+  e.absorbed = own.empty();
+  if (e.absorbed) return e;
+  const BorderedFit::Border whole = before.all->with(own);
+  e.absorbed = whole.new_share < options_.thresholds.new_share;
+  if (e.absorbed) return e;
+  // The mean over folds and not the fall of the pooled error: one recording with a fault of its
+  // own must not outvote the others.
+  int better = 0;
+  MatrixXd without(whole.values.size(), static_cast<Eigen::Index>(before.folds.size()));
+  for (size_t f = 0; f < before.folds.size(); ++f) {
+    const BorderedFit::Border held_out = before.folds[f].with(own);
+    const double d = log_fall(before.folds[f].residual2(), held_out.residual2);
+    without.col(static_cast<Eigen::Index>(f)) = held_out.values;
+    e.gain += d / static_cast<double>(folds_.size());
+    better += static_cast<int>(d > 0.0);
+  }
+  e.sign_broken = impossible(hypothesis(h), own, whole.values, jackknife_deviations(without));
+  const auto folds = static_cast<double>(folds_.size());
+  e.fold_share = static_cast<double>(better) / folds;
+  // One fold of four or more may disagree: a recording can have a fault of its own.
+  const double allowed =
+      std::max(folds_.size() >= 4 ? 1.0 : 0.0, (1.0 - options_.thresholds.fold_share) * folds);
+  e.consistent = folds - better <= allowed + 0.5 * numerics::kNoise;
+  if (hypothesis(h).body >= 0 && passes(e)) {
+    e.sign_broken = compact_share(data_, hypothesis(h), before.set, before.weights) <
+                    options_.thresholds.compact_load;
+  }
+  return e;
+}
+
+std::vector<BorderedFit> Examiner::without_clusters(const Stand& before) const {
+  std::vector<BorderedFit> out;
+  out.reserve(static_cast<size_t>(data_.clusters()));
+  for (int c = 0; c < data_.clusters(); ++c)
+    out.emplace_back(before.set, before.weights, data_.total(), &data_.cluster(c), nullptr);
+  return out;
+}
+
+double Examiner::p_value(int h, const Stand& before,
+                         const std::vector<BorderedFit>& left_out) const {
+  const ColumnSet& columns = columns_[static_cast<size_t>(h)];
+  if (columns.empty()) return 1.0;
+  const VectorXd x = before.all->with(columns).values;
+  MatrixXd solutions(x.size(), data_.clusters());
+  for (int c = 0; c < data_.clusters(); ++c)
+    solutions.col(c) = left_out[static_cast<size_t>(c)].with(columns).values;
+  const VectorXd std = jackknife_deviations(solutions);
+  const Eigen::Index own = x.size();
+  double best = 1.0;
+  for (Eigen::Index k = 0; k < own; ++k) {
+    best = std::min(best, student_t_two_sided(x[k] / std::max(std[k], numerics::kTiny),
+                                              std::max(1, data_.clusters() - 1)));
+  }
+  best = std::min(1.0, best * static_cast<double>(own));
+  if (own == 1 || 3 * own >= data_.clusters()) return best;
+  return std::min(1.0, 2.0 * std::min(best, wald_p_value(x, solutions)));
+}
+
+std::vector<Evidence> Examiner::ask_all(const std::vector<int>& chosen) const {
+  const std::unique_ptr<Stand> before = stand(chosen);
+  std::vector<Evidence> all(hypotheses_.size());
+  parallel_for(hypotheses(), options_.identification.threads, [&](int h) {
+    Evidence& e = all[static_cast<size_t>(h)];
+    e.hypothesis = h;
+    e.taken = std::find(chosen.begin(), chosen.end(), h) != chosen.end();
+    if (!e.taken) e = ask(h, *before);
+  });
+  return all;
+}
+
+bool Examiner::passes(const Evidence& e) const {
+  return !e.taken && !e.absorbed && !e.sign_broken && e.consistent &&
+         e.gain > options_.thresholds.smallest_gain;
+}
+
+VectorXd Examiner::deviations(const ColumnSet& set, const VectorXd& weights, double freedom) const {
+  const auto rows = static_cast<Eigen::Index>(set.size());
+  MatrixXd without(rows, data_.clusters());
+  for (int c = 0; c < data_.clusters(); ++c)
+    without.col(c) = data_.solve(set, weights, data_.total(), &data_.cluster(c));
+  const VectorXd of_clusters = jackknife_deviations(without);
+  if (!several_recordings() || folds_.size() < 3) return of_clusters;
+  without.resize(rows, static_cast<Eigen::Index>(folds_.size()));
+  for (size_t f = 0; f < folds_.size(); ++f)
+    without.col(static_cast<Eigen::Index>(f)) =
+        data_.solve(set, weights, data_.total(), &folds_[f]);
+  const double recordings = static_cast<double>(folds_.size()) - 1.0;
+  const double wider = student_t_quantile(numerics::kOutside, recordings) /
+                       student_t_quantile(numerics::kOutside, freedom);
+  return of_clusters.cwiseMax(wider * jackknife_deviations(without));
+}
+
+}  // namespace veridyn
