@@ -74,7 +74,7 @@ std::vector<Rival> rivals_of(const Inquiry& asked, const NormalBlocks& data, con
         rival(arm, other,
               same ? "moves so alike that torques cannot tell which link carries it"
                    : fmt::format("gains {:.0f} % as much on held-out data",
-                                 100.0 * e.gain /
+                                 numerics::kPercent * e.gain /
                                      std::max(numerics::kNoise, accepted.evidence.gain))));
   }
   if (h.effect == "encoder_offset" && !changes) {

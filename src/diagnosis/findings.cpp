@@ -113,7 +113,7 @@ std::vector<FoundParameter> FindingWriter::parameters_of(const Hypothesis& h) co
   if (h.body >= 0) return payload_parameters(h);
   const EffectTerm& term = term_of(q_, h);
   const std::vector<StandardParameter> all = standard_parameters(q_.augmented.model);
-  const double t = student_t_quantile(0.05, fit_.selection.degrees_of_freedom);
+  const double t = student_t_quantile(numerics::kOutside, fit_.selection.degrees_of_freedom);
   std::vector<FoundParameter> out;
   for (const StandardParameter& parameter : all) {
     if (parameter.effect != h.term) continue;

@@ -30,12 +30,6 @@ struct Thresholds {
   // What counts as motion.
   double still_revolute = 5e-3;
   double still_prismatic = 5e-4;
-  // Sizes that are named with a remark.
-  double unusual_gain = 0.6;
-  double unusual_delay = 0.02;
-  double unusual_zero_revolute = 0.2;
-  double unusual_zero_prismatic = 0.03;
-  double unusual_tilt = 0.3;
   // Wrong constants of the robot file.
   double constant_gain = 2.0;
   double constant_worth = 0.02;

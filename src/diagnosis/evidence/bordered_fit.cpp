@@ -73,7 +73,7 @@ BorderedFit::Border BorderedFit::with(const ColumnSet& more) const {
   MatrixXd D;
   if (!set_.empty()) {
     const MatrixXd C = weighted(set_, more);
-    D = solver_.solve(C);
+    D = solver_.solve_columns(C);
     S -= C.transpose() * D;
     rest -= C.transpose() * x_;
   }

@@ -18,7 +18,8 @@ class RidgedSolver {
   RidgedSolver() = default;
   /// @param A  (k x k) its lower triangle is read.
   explicit RidgedSolver(MatrixXd A);
-  MatrixXd solve(const MatrixXd& b) const { return factor_.solve(b); }
+  VectorXd solve(const VectorXd& b) const { return factor_.solve(b); }
+  MatrixXd solve_columns(const MatrixXd& B) const { return factor_.solve(B); }
 
  private:
   Eigen::LDLT<MatrixXd> factor_;
