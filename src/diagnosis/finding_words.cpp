@@ -9,8 +9,8 @@
 #include "diagnosis/causes/payload_fit.hpp"
 #include "diagnosis/evidence/folds.hpp"
 #include "diagnosis/numerics.hpp"
-#include "veridyn/effects/effect.hpp"
-#include "veridyn/identification/arm_effects.hpp"
+#include "veridyn/effects/cause.hpp"
+#include "veridyn/effects/channel_effect.hpp"
 #include "veridyn/math/student_t.hpp"
 
 namespace veridyn {
@@ -49,7 +49,7 @@ Finding channel_finding(const Inquiry& asked, const Hypothesis& h,
   const Model& arm = asked.augmented.model;
   const EffectTerm& term = arm.effects()[static_cast<size_t>(h.term)];
   Finding f = finding_at(arm, h);
-  const std::vector<EffectParameter>& parameters = arm_effect_parameters(h.effect);
+  const std::vector<EffectParameter> parameters = find_effect(h.effect).parameters();
   const bool slides = h.joint >= 0 && is_prismatic(arm, term.axis);
   for (size_t p = 0; p < values.size(); ++p) {
     const double half = half_widths[static_cast<Eigen::Index>(p)];
@@ -77,9 +77,9 @@ std::vector<Rival> rivals_of(const Inquiry& asked, const NormalBlocks& data, con
                                  numerics::kPercent * e.gain /
                                      std::max(numerics::kNoise, accepted.evidence.gain))));
   }
-  if (h.effect == "encoder_offset" && !changes) {
+  if (h.body < 0 && !changes && find_effect(h.effect).traits().same_as_wrong_constant) {
     Rival same = rival(arm, h, "a wrong zero of this joint in the robot file does exactly the same");
-    same.effect = "coupling_error";
+    same.effect = KinematicError::kName;
     out.push_back(same);
   }
   return out;

@@ -14,8 +14,8 @@
 #include "diagnosis/evidence/held_out.hpp"
 #include "diagnosis/finding_words.hpp"
 #include "diagnosis/numerics.hpp"
-#include "veridyn/effects/effect.hpp"
-#include "veridyn/identification/arm_effects.hpp"
+#include "veridyn/effects/cause.hpp"
+#include "veridyn/effects/channel_effect.hpp"
 #include "veridyn/math/student_t.hpp"
 
 namespace veridyn {
@@ -118,9 +118,7 @@ std::vector<FoundParameter> FindingWriter::parameters_of(const Hypothesis& h) co
   for (const StandardParameter& parameter : all) {
     if (parameter.effect != h.term) continue;
     const auto at = static_cast<size_t>(parameter.component);
-    const std::string name = is_arm_effect(term.effect)
-                                 ? arm_effect_parameters(term.effect)[at].name
-                                 : find_effect(term.effect).parameters()[at].name;
+    const std::string name = find_effect(term.effect).parameters()[at].name;
     FoundParameter found{name, parameter.unit, 0.0, 0.0, 0.0};
     for (size_t k = 0; k < fit_.selection.columns.size(); ++k) {
       if (data_.names()[static_cast<size_t>(fit_.selection.columns[k])] != parameter.name) continue;
@@ -133,7 +131,6 @@ std::vector<FoundParameter> FindingWriter::parameters_of(const Hypothesis& h) co
     }
     out.push_back(found);
   }
-  if (is_arm_effect(term.effect)) return out;
   const bool slides = is_prismatic(q_.augmented.model, term.axis);
   for (const EffectShape& shape : find_effect(term.effect).shapes()) {
     const auto value = term.values.find(shape.name);
@@ -304,8 +301,8 @@ void FindingWriter::add_the_rest(Diagnosis& d) const {
     }
   }
   if (!changes_) {
-    d.cannot_tell.push_back(
-        {"payload", 0, "without a model from before, a load is part of the link it sits on"});
+    d.cannot_tell.push_back({AddedLoad::kName, 0,
+                             "without a model from before, a load is part of the link it sits on"});
   }
 }
 

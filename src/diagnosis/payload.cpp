@@ -9,6 +9,7 @@
 #include "diagnosis/shapes/inquiry.hpp"
 #include "diagnosis/causes/payload_fit.hpp"
 #include "diagnosis/numerics.hpp"
+#include "veridyn/effects/cause.hpp"
 #include "veridyn/math/require.hpp"
 #include "model/suggestion.hpp"
 
@@ -62,7 +63,8 @@ PayloadReport find_payload(const Model& model, const std::vector<std::string>& r
     return out;
   }
   QuestionList list;
-  list.wanted = {"payload", "torque_offset", "coulomb_friction", "viscous_friction"};
+  list.wanted = {AddedLoad::kName};
+  for (const std::string& effect : elementary_effects()) list.wanted.push_back(effect);
   list.changes = true;
   AugmentedModel augmented = augmented_model(frozen(model), start.factors, list);
   if (!link.empty()) keep_only(model, link, augmented);

@@ -57,20 +57,6 @@ std::vector<std::string> undetermined_parameters(const BaseParameters& arm_base,
   return out;
 }
 
-// The regressor at random states without the columns of facts, as the recordings' factors have it.
-SquareRootInformation identifiable_factor(const Model& arm, unsigned seed,
-                                          const std::vector<std::string>& still = {}) {
-  constexpr int kStates = 200;
-  const SquareRootInformation all = random_state_factor(arm, kStates, seed, still);
-  std::vector<std::string> free;
-  for (const StandardParameter& p : standard_parameters(arm)) {
-    if (!p.fixed) free.push_back(p.name);
-  }
-  return static_cast<int>(free.size()) == all.size()
-             ? all
-             : all.restricted(free).restricted(all.columns());
-}
-
 // True, and says so, if the recordings leave the arm's base parameters open.
 bool rank_deficient(const Model& arm, const BaseParameters& arm_base,
                     const SquareRootInformation& total, Identification& id) {
@@ -250,8 +236,7 @@ void solve(const Model& arm, const std::vector<CompressedRecording>& recordings,
            const IdentificationOptions& options, Identification& id) {
   const auto parameters = standard_parameters(arm);
   const std::vector<std::string> names = parameter_names(parameters);
-  const BaseParameters base =
-      base_parameters(identifiable_factor(arm, 1), preferred_columns(parameters));
+  const BaseParameters base = identifiable_base_parameters(arm);
   VectorXd weights = range_weights(recordings);
   SquareRootInformation total = weighted_total(recordings, weights, names);
   if (rank_deficient(arm, base, total, id)) return;

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "veridyn/identification/base_parameters.hpp"
+#include "veridyn/regressor/base_parameters.hpp"
 #include "veridyn/identification/compressed_recording.hpp"
 #include "veridyn/identification/drive_gains.hpp"
 #include "veridyn/identification/feasible_least_squares.hpp"

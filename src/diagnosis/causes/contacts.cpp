@@ -7,6 +7,7 @@
 
 #include "diagnosis/evidence/clustered_fit.hpp"
 #include "diagnosis/numerics.hpp"
+#include "veridyn/effects/cause.hpp"
 #include "veridyn/math/student_t.hpp"
 
 namespace veridyn {
@@ -190,7 +191,8 @@ std::vector<Contact> find_contacts(const Identification& id, const Thresholds& l
 std::vector<LeftOut> left_out_rows(const std::vector<Contact>& contacts) {
   std::vector<LeftOut> out;
   for (const Contact& c : contacts)
-    out.push_back({c.source, -1, c.from - numerics::kContactMargin, c.to + numerics::kContactMargin, "external_contact"});
+    out.push_back({c.source, -1, c.from - numerics::kContactMargin,
+                   c.to + numerics::kContactMargin, ExternalContact::kName});
   return out;
 }
 
@@ -221,7 +223,7 @@ void add_contacts(const std::vector<Contact>& contacts, const Identification& se
   for (const Contact& c : contacts) {
     Finding f;
     f.rank = static_cast<int>(d.findings.size()) + 1;
-    f.effect = "external_contact";
+    f.effect = ExternalContact::kName;
     f.joint = c.last_joint + 1;
     const Coordinate& joint = arm.coordinates()[static_cast<size_t>(c.last_joint)];
     f.coordinate = joint.name;

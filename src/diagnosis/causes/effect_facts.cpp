@@ -2,31 +2,35 @@
 
 #include <algorithm>
 
-#include "veridyn/effects/effect.hpp"
-#include "veridyn/identification/arm_effects.hpp"
+#include "veridyn/effects/channel_effect.hpp"
 
 namespace veridyn {
 
 bool is_friction(const std::string& effect) {
-  return effect == "viscous_friction" || effect == "coulomb_friction";
+  return has_effect(effect) && find_effect(effect).traits().role == EffectRole::kFriction;
 }
 
 bool is_channel(const Hypothesis& h) {
-  return h.term >= 0 && is_arm_effect(h.effect);
+  return h.term >= 0 && h.changes < 0 && channel_effect(h.effect) != nullptr;
 }
 
 std::string channel_phrase(const Model& arm, const EffectTerm& term,
                            const std::vector<double>& values) {
-  return arm_effect_phrase(arm, term, values);
-}
-
-std::vector<std::string> elementary_effects() {
-  return {"viscous_friction", "coulomb_friction", "torque_offset"};
+  const bool slides = !term.axis.coefficients.isZero(0.0) && is_prismatic(arm, term.axis);
+  return channel_effect(term.effect)
+      ->phrase(values, {}, slides ? JointType::kPrismatic : JointType::kRevolute);
 }
 
 bool asks_for_waves(const std::vector<std::string>& wanted) {
-  return wanted.empty() ||
-         std::find(wanted.begin(), wanted.end(), "torque_ripple") != wanted.end();
+  const auto is_wanted = [&wanted](const std::string& name) {
+    return wanted.empty() || std::find(wanted.begin(), wanted.end(), name) != wanted.end();
+  };
+  for (const AxisEffect* effect : axis_effects()) {
+    for (const EffectShape& shape : effect->shapes()) {
+      if (shape.scale == ShapeScale::kWaves && is_wanted(effect->name())) return true;
+    }
+  }
+  return false;
 }
 
 }  // namespace veridyn

@@ -19,9 +19,6 @@ bool is_channel(const Hypothesis& h);
 std::string channel_phrase(const Model& arm, const EffectTerm& term,
                            const std::vector<double>& values);
 
-/// What every joint has and what differs from one day to another: a damping, a level, a zero.
-std::vector<std::string> elementary_effects();
-
 /// True if an effect is asked for whose constant a spectrum proposes. @param wanted  empty: all.
 bool asks_for_waves(const std::vector<std::string>& wanted);
 

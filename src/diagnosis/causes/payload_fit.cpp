@@ -246,7 +246,7 @@ Eigen::Matrix<double, 6, 1> possible(const Eigen::Matrix<double, 6, 1>& L) {
 
 std::vector<ColumnSet> nuisance_sets(const Inquiry& q, const NormalBlocks& data, int frame) {
   std::vector<ColumnSet> out(1);
-  for (const char* effect : {"torque_offset", "coulomb_friction", "viscous_friction"}) {
+  for (const std::string& effect : elementary_effects()) {
     ColumnSet next = out.back();
     for (const Hypothesis& h : q.augmented.hypotheses) {
       if (h.effect != effect || h.joint < 0 || h.term < 0) continue;

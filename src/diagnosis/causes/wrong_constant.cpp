@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "diagnosis/numerics.hpp"
+#include "veridyn/effects/cause.hpp"
 #include "veridyn/math/student_t.hpp"
 
 namespace veridyn {
@@ -70,7 +71,7 @@ std::optional<WrongConstant> wrong_constant(const Model& arm,
     return std::nullopt;
   Finding& f = out.finding;
   f.rank = 1;
-  f.effect = "coupling_error";
+  f.effect = KinematicError::kName;
   const Frame& frame = arm.frames()[static_cast<size_t>(best.constant.frame)];
   f.frame = frame.name;
   int joint = 0;
@@ -95,7 +96,7 @@ std::optional<WrongConstant> wrong_constant(const Model& arm,
   for (size_t k = 1; k < geometry.size(); ++k) {
     if (geometry[k].gain < limits.rival_share * profiled) continue;
     f.rivals.push_back(
-        {"coupling_error", f.joint, f.coordinate,
+        {KinematicError::kName, f.joint, f.coordinate,
          "another constant, " + geometry[k].constant.name + ", would explain as much", ""});
   }
   for (const auto& [h, gain] : instead) {

@@ -11,7 +11,6 @@
 #include <utility>
 
 #include "veridyn/effects/effect.hpp"
-#include "veridyn/identification/arm_effects.hpp"
 #include "diagnosis/evidence/clustered_fit.hpp"
 #include "diagnosis/numerics.hpp"
 #include "veridyn/math/student_t.hpp"
@@ -60,21 +59,20 @@ AugmentedModel model_with(const Model& arm, const AugmentedModel& asked,
   return out;
 }
 
-const EffectShape* shape_of(const std::string& effect, const std::string& key) {
-  if (is_arm_effect(effect) || !has_effect(effect)) return nullptr;
-  static thread_local std::vector<EffectShape> shapes;
-  shapes = find_effect(effect).shapes();
-  for (const EffectShape& s : shapes) {
-    if (s.name == key) return &s;
+std::optional<EffectShape> shape_of(const std::string& effect, const std::string& key) {
+  if (!has_effect(effect)) return std::nullopt;
+  for (const EffectShape& s : find_effect(effect).shapes()) {
+    if (s.name == key) return s;
   }
-  return nullptr;
+  return std::nullopt;
 }
 
 bool searched(const Hypothesis& h, const std::string& key) {
   if (h.changes >= 0) return false;
-  if (key == "order") return true;  // from a spectrum, near its peak already
-  const EffectShape* shape = shape_of(h.effect, key);
-  return shape != nullptr && shape->searched && shape->lower > 0.0;
+  const auto shape = shape_of(h.effect, key);
+  if (!shape) return false;
+  // A wave number comes from a spectrum, near its peak already.
+  return shape->scale == ShapeScale::kWaves || (shape->searched && shape->lower > 0.0);
 }
 
 // Residual per joint's weight of a choice of variants, one per accepted hypothesis.
@@ -152,10 +150,11 @@ class Refiner {
       for (const auto& [key, value] : shapes_[k]) {
         const EffectShape shape = *shape_of(chosen_[k].effect, key);
         for (const double wide : factors) {
-          // An order is known to a share of one wave per travel.
+          // A wave number is known to a share of one wave per travel.
           const double factor =
-              key == "order" ? 1.0 + numerics::kWaveStep * (wide - 1.0) * one_wave(chosen_[k].joint) / value
-                             : wide;
+              shape.scale == ShapeScale::kWaves
+                  ? 1.0 + numerics::kWaveStep * (wide - 1.0) * one_wave(chosen_[k].joint) / value
+                  : wide;
           const double moved = value * factor;
           if (moved < shape.lower || moved > shape.upper) continue;
           Variant v{chosen_[k], shapes_[k], k, key, factor};

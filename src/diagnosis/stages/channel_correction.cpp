@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "diagnosis/shapes/refinement.hpp"
-#include "veridyn/identification/arm_effects.hpp"
+#include "veridyn/effects/channel_effect.hpp"
 #include "veridyn/math/student_t.hpp"
 
 namespace veridyn {
@@ -55,7 +55,7 @@ std::optional<CorrectedChannel> correct_channel(const Investigation& x, const Qu
                                                 const Hypothesis& h) {
   std::optional<Estimate> step = estimate(asked, h, x.options);
   if (!step) return std::nullopt;
-  const std::vector<EffectParameter>& parameters = arm_effect_parameters(h.effect);
+  const std::vector<EffectParameter> parameters = find_effect(h.effect).parameters();
   CorrectedChannel out{x.start, std::vector<double>(step->values.size(), 0.0), {}};
   bool moved = false;
   for (int k = 0; k < kSteps && step; ++k) {
@@ -69,7 +69,7 @@ std::optional<CorrectedChannel> correct_channel(const Investigation& x, const Qu
     bool better = false;
     for (int halving = 0; halving < kHalvings && !better; ++halving) {
       const Identification candidate =
-          x.look(with_arm_effect(*out.corrected.model, step->term, step->values));
+          x.look(with_channel_error(*out.corrected.model, step->term, step->values));
       better = candidate.model && log_training_error(candidate) < log_training_error(out.corrected);
       if (!better) {
         for (double& value : step->values) value *= 0.5;

@@ -8,6 +8,7 @@
 #include "diagnosis/finding_words.hpp"
 #include "diagnosis/stages/channel_correction.hpp"
 #include "diagnosis/stages/investigation.hpp"
+#include "veridyn/effects/cause.hpp"
 
 // Wrong constants of the robot file against errors of the channels and a tilt of the base, which can
 // do much the same: an angle of the table is the zero of an encoder, the pose of the first frame the
@@ -53,7 +54,7 @@ void correct(const Questions& asked, const Hypothesis& h, const CorrectedChannel
 }  // namespace
 
 void correct_constants(Investigation& x) {
-  if (x.d.changes || !x.asks_for("coupling_error")) return;
+  if (x.d.changes || !x.asks_for(KinematicError::kName)) return;
   const Model arm = *x.start.model;
   const std::vector<GeometryFinding> geometry =
       profile_geometry(arm, x.train, x.options.identification, x.options.thresholds);

@@ -19,6 +19,7 @@ QuestionList Investigation::list() const {
   QuestionList out;
   out.wanted = options.effects;
   out.changes = d.changes;
+  out.limits = options.thresholds;
   return out;
 }
 

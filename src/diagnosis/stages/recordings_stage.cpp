@@ -4,6 +4,7 @@
 #include "diagnosis/causes/contacts.hpp"
 #include "diagnosis/stages/investigation.hpp"
 #include "math/parallel.hpp"
+#include "veridyn/effects/cause.hpp"
 
 // The stages that are about recordings and not about the arm.
 
@@ -114,7 +115,7 @@ bool exclude_snags(const Identification& seen, Investigation& x) {
 }
 
 bool exclude_contacts(const Identification& seen, Investigation& x) {
-  if (!x.asks_for("external_contact") || !seen.model) return false;
+  if (!x.asks_for(ExternalContact::kName) || !seen.model) return false;
   const std::vector<Contact> contacts = find_contacts(seen, x.options.thresholds);
   if (contacts.empty()) return false;
   x.contacts = contacts.size();

@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <random>
-#include <set>
 #include <unordered_map>
 
 #include "veridyn/dynamics/rigid_body_dynamics.hpp"
-#include "veridyn/identification/base_parameters.hpp"
+#include "veridyn/effects/effect.hpp"
+#include "veridyn/regressor/base_parameters.hpp"
 #include "math/parallel.hpp"
 #include "veridyn/math/require.hpp"
 
@@ -21,10 +21,7 @@ std::string load_frame(int load) {
 
 // Effects that are the same on every day; friction and offsets are not.
 bool lasting(const std::string& effect) {
-  static const std::set<std::string> kLasting = {"rotor_inertia",  "joint_spring",
-                                                 "position_force", "cable_coupling",
-                                                 "torque_ripple",  "transmission_compliance"};
-  return kLasting.count(effect) > 0;
+  return find_effect(effect).traits().lasting;
 }
 
 // The arm in amperes: gains of one, nothing taken to the other side of the equation, and a body for

@@ -1,26 +1,12 @@
 #pragma once
 
-#include <memory>
 #include <vector>
 
-#include "excitation/columns/column_source.hpp"
+#include "veridyn/math/types.hpp"
 
 namespace veridyn {
 
 constexpr double kIndependent = 1e-6;
-
-/// Bodies and effects of an arm, in this order.
-/// @param rounding  as in BaseRegressor.
-std::vector<std::shared_ptr<const ColumnSource>> arm_columns(const Model& arm, double rounding);
-
-/// States all over the limits of an arm, the same every time.
-MotionSamples random_states(const Model& arm, int count);
-
-/// How many of them a choice among so many columns needs.
-int state_count(int columns, int joints);
-
-/// Effects, then what is not a mass, then the masses: as base parameters are commonly given.
-std::vector<int> base_preference(int body_columns, int columns);
 
 /// Columns of W that span all of them: each time the one of which most is left (columns count as of
 /// norm one), the first of equals in the given order.

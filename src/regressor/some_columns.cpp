@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "excitation/columns/column_source.hpp"
+#include "regressor/column_source.hpp"
 
 namespace veridyn {
 namespace {

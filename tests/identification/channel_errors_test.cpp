@@ -1,4 +1,4 @@
-#include "veridyn/identification/arm_effects.hpp"
+#include "veridyn/effects/channel_effect.hpp"
 
 #include <gtest/gtest.h>
 
@@ -49,7 +49,7 @@ Rows rows_of_arm(const Model& arm, const EffectTerm& term, int p, const Recordin
   ModelDescription d = arm.description();
   d.effects.push_back(term);
   const Model asked(std::move(d));
-  const std::string name = arm_effect_parameter_name(asked, term, p);
+  const std::string name = standard_parameters(asked)[standard_parameters(asked).size() - channel_effect(term.effect)->parameters().size() + static_cast<size_t>(p)].name;
   const RegressorColumns columns(asked, unfiltered());
   Rows out;
   for_each_stretch(asked, recording, unfiltered(), [&](const Stretch& s) {
@@ -132,9 +132,9 @@ TEST(ArmEffect, AnErrorInTheModelIsUndoneWhenRecordingsAreRead) {
       recording_of(simulated(arm, {"torque_gain:1:gain=1.1", "time_delay:2:seconds=0.005",
                                    "encoder_offset:1:offset=0.02"}));
   const Recording clean = recording_of(simulated(arm, {}));
-  Model aware = with_arm_effect(arm, term_of(arm, "torque_gain", 0), {0.1});
-  aware = with_arm_effect(aware, term_of(arm, "time_delay", 1), {0.005});
-  aware = with_arm_effect(aware, term_of(arm, "encoder_offset", 0), {0.02});
+  Model aware = with_channel_error(arm, term_of(arm, "torque_gain", 0), {0.1});
+  aware = with_channel_error(aware, term_of(arm, "time_delay", 1), {0.005});
+  aware = with_channel_error(aware, term_of(arm, "encoder_offset", 0), {0.02});
   // And the file keeps it.
   aware = read_yaml(to_yaml(aware), "aware.yaml");
   const auto first = [](const Model& m, const Recording& r) {

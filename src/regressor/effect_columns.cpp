@@ -4,8 +4,8 @@
 #include <functional>
 #include <utility>
 
-#include "excitation/columns/column_source.hpp"
-#include "math/random_numbers.hpp"
+#include "regressor/column_source.hpp"
+#include "regressor/effect_along.hpp"
 
 namespace veridyn {
 namespace {
@@ -43,11 +43,14 @@ double weighted(const EffectColumns& row, const double* weights, Eigen::Index st
 class EffectSource final : public ColumnSource {
  public:
   EffectSource(const Model& arm, const EffectTerm& term, const VectorXd& rounding)
-      : bound_(arm, term), batch_(arm), phi_(arm.inertial_values()) {
+      : arm_(arm), bound_(arm, term), batch_(arm), phi_(arm.inertial_values()) {
     const VectorXd& c = axis();
     rounding_ = c.cwiseAbs().dot(rounding);
     step_ = is_prismatic(arm, term.axis) ? 0.1 * kStep : kStep;
-    probe();
+    const EffectTraits& traits = bound_.traits();
+    remembers_ = traits.memory;
+    matters_ = {traits.uses_position, traits.uses_velocity, traits.uses_acceleration,
+                traits.uses_source,   traits.uses_source,   traits.uses_load};
     if (remembers_) rounding_ = 0.0;
   }
 
@@ -96,7 +99,7 @@ class EffectSource final : public ColumnSource {
 
  private:
   const VectorXd& axis() const { return bound_.term().axis.coefficients; }
-  bool uses_load() const { return bound_.effect().needs_load() && phi_.has_value(); }
+  bool uses_load() const { return bound_.traits().uses_load && phi_.has_value(); }
 
   EffectColumns plain(const AxisSample& x, EffectState& state) const {
     EffectColumns row{};
@@ -122,46 +125,9 @@ class EffectSource final : public ColumnSource {
     return row;
   }
 
-  // Which inputs matter, and whether the state ever leaves zero.
-  void probe() {
-    RandomNumbers random(1);
-    EffectState state{};
-    AxisSample x;
-    x.time = 0.01;
-    const auto shake = [&](Input input) { x.*input = random.uniform(-1.0, 1.0); };
-    for (int trial = 0; trial < 20; ++trial) {
-      x.time += 0.01;
-      for (const Input input : kInputs) shake(input);
-      for (size_t k = 0; k < kInputs.size(); ++k) {
-        EffectState one = state;
-        EffectState two = state;
-        const EffectColumns before = plain(x, one);
-        AxisSample moved = x;
-        moved.*kInputs[k] += random.uniform(-1.0, 1.0);
-        if (plain(moved, two) != before || one != two) matters_[k] = true;
-      }
-      plain(x, state);
-      remembers_ = remembers_ || state != EffectState{};
-    }
-  }
-
   std::vector<AxisSample> along(const MotionSamples& m) const {
-    BoundEffect effect = bound_;
-    effect.reset(m.rows() > 0 ? m.time[0] : 0.0);
-    VectorXd load = VectorXd::Zero(m.rows());
-    if (uses_load()) {
-      MatrixXd tau;
-      batch_.torques(m.q, m.dq, m.ddq, *phi_, tau);
-      load = tau * axis() / axis().squaredNorm();
-    }
-    std::vector<AxisSample> out;
-    out.reserve(static_cast<size_t>(m.rows()));
-    for (Eigen::Index k = 0; k < m.rows(); ++k) {
-      out.push_back(
-          effect.sample(m.time[k], m.q.data() + k, m.dq.data() + k, m.ddq.data() + k, m.rows()));
-      out.back().load = load[k];
-    }
-    return out;
+    const MatrixXd load = uses_load() ? rigid_load(arm_, batch_, m) : MatrixXd();
+    return axis_samples(bound_, m, load, m.rows() > 0 ? m.time[0] : 0.0);
   }
 
   double step_of(size_t input, const AxisSample& x) const {
@@ -264,12 +230,13 @@ class EffectSource final : public ColumnSource {
     }
   }
 
+  Model arm_;
   BoundEffect bound_;
   RegressorBatch batch_;
   std::optional<VectorXd> phi_;
   double rounding_ = 0.0;
   double step_ = kStep;
-  std::array<bool, kInputs.size()> matters_{};
+  std::array<bool, kInputs.size()> matters_{};  // of kInputs
   bool remembers_ = false;
 };
 

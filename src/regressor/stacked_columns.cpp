@@ -1,4 +1,4 @@
-#include "excitation/columns/stacked_columns.hpp"
+#include "regressor/stacked_columns.hpp"
 
 #include <cmath>
 #include <numeric>

@@ -1,4 +1,4 @@
-#include "veridyn/identification/base_parameters.hpp"
+#include "veridyn/regressor/base_parameters.hpp"
 
 #include <gtest/gtest.h>
 

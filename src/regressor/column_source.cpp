@@ -1,4 +1,4 @@
-#include "excitation/columns/column_source.hpp"
+#include "regressor/column_source.hpp"
 
 #include <utility>
 

@@ -1,15 +1,11 @@
-#include "excitation/columns/arm_columns.hpp"
+#include "regressor/column_choice.hpp"
 
 #include <Eigen/QR>
 #include <algorithm>
 
-#include "math/random_numbers.hpp"
-#include "veridyn/kinematics/motion_limits.hpp"
-
 namespace veridyn {
 namespace {
 
-constexpr unsigned kStateSeed = 7;
 constexpr double kRoundingError = 1e-12;  // columns below this share of the largest are zero
 constexpr double kTie = 1e-9;             // between equals the first in the order is taken
 
@@ -17,43 +13,6 @@ constexpr double kWorthSwapping = 1.01;
 constexpr int kMaxSwaps = 1000;  // each makes the volume larger, so that there is an end anyway
 
 }  // namespace
-
-std::vector<std::shared_ptr<const ColumnSource>> arm_columns(const Model& arm, double rounding) {
-  std::vector<std::shared_ptr<const ColumnSource>> out{body_columns(arm)};
-  const VectorXd speeds = rounding * motion_limits(arm).velocity;
-  for (const EffectTerm& term : arm.effects()) out.push_back(effect_columns(arm, term, speeds));
-  return out;
-}
-
-MotionSamples random_states(const Model& arm, int count) {
-  RandomNumbers random(kStateSeed);
-  const MotionLimits limits = motion_limits(arm);
-  const int n = arm.joints();
-  MotionSamples out{VectorXd::LinSpaced(count, 0.0, 1.0), MatrixXd(count, n), MatrixXd(count, n),
-                    MatrixXd(count, n)};
-  for (int k = 0; k < count; ++k) {
-    for (int i = 0; i < n; ++i) {
-      out.q(k, i) = random.uniform(limits.lower[i], limits.upper[i]);
-      out.dq(k, i) = limits.velocity[i] * random.uniform(-1.0, 1.0);
-      out.ddq(k, i) = 5.0 * limits.velocity[i] * random.uniform(-1.0, 1.0);
-    }
-  }
-  return out;
-}
-
-int state_count(int columns, int joints) {
-  return 20 + 2 * columns / std::max(1, joints);
-}
-
-std::vector<int> base_preference(int body_columns, int columns) {
-  std::vector<int> order;
-  for (int c = body_columns; c < columns; ++c) order.push_back(c);
-  for (int c = 0; c < body_columns; ++c) {
-    if (c % kBodyParameters != 0) order.push_back(c);
-  }
-  for (int c = 0; c < body_columns; c += kBodyParameters) order.push_back(c);
-  return order;
-}
 
 std::vector<int> independent_columns(const MatrixXd& W, const std::vector<int>& order,
                                      const std::vector<int>& taken, double least) {

@@ -1,11 +1,11 @@
-#include "veridyn/identification/parameter_set.hpp"
+#include "veridyn/regressor/standard_parameters.hpp"
 
 #include <array>
 #include <cmath>
 #include <limits>
 
 #include "veridyn/dynamics/rigid_body_dynamics.hpp"
-#include "veridyn/identification/arm_effects.hpp"
+#include "veridyn/effects/channel_effect.hpp"
 #include "veridyn/math/require.hpp"
 #include "model/inertial_names.hpp"
 
@@ -13,13 +13,15 @@ namespace veridyn {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-void append_arm_effect(const Model& arm, int e, std::vector<StandardParameter>& out) {
+
+void append_channel_error(const Model& arm, const ChannelEffect& effect, int e,
+                          std::vector<StandardParameter>& out) {
   const EffectTerm& term = arm.effects()[static_cast<size_t>(e)];
-  const std::vector<EffectParameter>& own = arm_effect_parameters(term.effect);
+  const std::vector<EffectParameter> own = effect.parameters();
   const bool metres = !term.axis.coefficients.isZero(0.0) && is_prismatic(arm, term.axis);
   for (size_t c = 0; c < own.size(); ++c) {
     StandardParameter p;
-    p.name = arm_effect_parameter_name(arm, term, static_cast<int>(c));
+    p.name = term.effect + "(" + effect.place(arm, term) + ")." + own[c].name;
     p.unit = metres ? own[c].unit_prismatic : own[c].unit_revolute;
     p.component = static_cast<int>(c);
     p.effect = e;
@@ -49,8 +51,8 @@ std::vector<StandardParameter> standard_parameters(const Model& arm) {
     }
   }
   for (size_t e = 0; e < arm.effects().size(); ++e) {
-    if (is_arm_effect(arm.effects()[e].effect)) {
-      append_arm_effect(arm, static_cast<int>(e), out);
+    if (const ChannelEffect* channel = channel_effect(arm.effects()[e].effect)) {
+      append_channel_error(arm, *channel, static_cast<int>(e), out);
       continue;
     }
     const BoundEffect effect(arm, arm.effects()[e]);
@@ -92,7 +94,7 @@ Model with_values(const Model& arm, const VectorRef& values, const VectorRef& de
   }
   for (EffectTerm& term : d.effects) {
     term.deviations.clear();
-    for (const EffectParameter& p : find_effect(term.effect).parameters()) {
+    for (const EffectParameter& p : find_axis_effect(term.effect).parameters()) {
       term.values[p.name] = values[at];
       if (known(at)) term.deviations[p.name] = deviations[at];
       ++at;
@@ -100,6 +102,16 @@ Model with_values(const Model& arm, const VectorRef& values, const VectorRef& de
   }
   require(at == values.size(), "with_values: found ", values.size(), " values, expected ", at, ".");
   return Model(d);
+}
+
+VectorXd standard_values(const Model& arm) {
+  require(arm.inertial_values().has_value(), "'", arm.name(),
+          "' has bodies without mass, com and inertia; what they are says how large an error is.");
+  const std::vector<StandardParameter> parameters = standard_parameters(arm);
+  VectorXd out(static_cast<Eigen::Index>(parameters.size()));
+  for (size_t k = 0; k < parameters.size(); ++k)
+    out[static_cast<Eigen::Index>(k)] = parameters[k].value;
+  return out;
 }
 
 MatrixXd full_regressor(const Model& arm, const VectorRef& q, const VectorRef& dq,

@@ -3,7 +3,7 @@
 #include <memory>
 #include <vector>
 
-#include "excitation/columns/column_source.hpp"
+#include "regressor/column_source.hpp"
 
 namespace veridyn {
 

@@ -1,4 +1,4 @@
-#include "excitation/columns/base_columns.hpp"
+#include "excitation/base_columns.hpp"
 
 #include <Eigen/Cholesky>
 #include <Eigen/QR>
@@ -6,9 +6,12 @@
 #include <cmath>
 #include <numeric>
 
-#include "excitation/columns/arm_columns.hpp"
-#include "excitation/columns/stacked_columns.hpp"
+#include "regressor/arm_columns.hpp"
+#include "regressor/column_choice.hpp"
+#include "regressor/random_states.hpp"
+#include "regressor/stacked_columns.hpp"
 #include "veridyn/excitation/base_regressor.hpp"
+#include "veridyn/regressor/base_parameters.hpp"
 
 namespace veridyn {
 namespace {
@@ -26,9 +29,8 @@ MatrixXd part_of(const MatrixXd& gram, const std::vector<int>& rows, const std::
 
 EssentialColumns essential_columns(const Model& arm, double share) {
   const StackedColumns all(arm.joints(), arm_columns(arm, 0.0));
-  const int body_columns = kBodyParameters * static_cast<int>(arm.bodies().size());
   const MatrixXd W = all.stacked(random_states(arm, state_count(all.count(), arm.joints())));
-  const std::vector<int> order = base_preference(body_columns, all.count());
+  const std::vector<int> order = preferred_columns(standard_parameters(arm));
   EssentialColumns out;
   out.kept = independent_columns(W, order, {}, share);
   improve_choice(W, out.kept);

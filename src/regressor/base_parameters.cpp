@@ -1,4 +1,4 @@
-#include "veridyn/identification/base_parameters.hpp"
+#include "veridyn/regressor/base_parameters.hpp"
 
 #include <fmt/format.h>
 
@@ -7,8 +7,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <random>
 
+#include "regressor/arm_columns.hpp"
+#include "regressor/random_states.hpp"
+#include "regressor/stacked_columns.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn {
@@ -43,7 +45,7 @@ int rank_of(const VectorXd& singular_values, double tolerance, double& gap) {
 // Gram-Schmidt in the preferred order, twice for accuracy: a column is independent if enough of it
 // is left. The threshold falls between the smallest kept and the largest dropped remainder, so that
 // exactly `rank` are kept.
-std::vector<int> independent_columns(const MatrixXd& A, const std::vector<int>& order, int rank) {
+std::vector<int> leading_columns(const MatrixXd& A, const std::vector<int>& order, int rank) {
   for (double threshold = 1e-2; threshold > 1e-13; threshold *= 0.1) {
     MatrixXd Q(A.rows(), rank);
     std::vector<int> chosen;
@@ -134,7 +136,7 @@ BaseParameters base_parameters(const SquareRootInformation& factor,
   const MatrixXd A = scaled(factor.R(), norms);
   base.singular_values = Eigen::BDCSVD<MatrixXd>(A).singularValues();
   const int rank = rank_of(base.singular_values, tolerance, base.rank_gap);
-  base.independent = independent_columns(A, preference, rank);
+  base.independent = leading_columns(A, preference, rank);
   base.K = MatrixXd::Zero(rank, A.cols());
   MatrixXd independent(A.rows(), rank);
   for (int i = 0; i < rank; ++i)
@@ -208,39 +210,35 @@ BaseParameters base_parameters_by_svd(const SquareRootInformation& factor, doubl
 
 SquareRootInformation random_state_factor(const Model& arm, int states, unsigned seed,
                                           const std::vector<std::string>& still) {
-  std::mt19937 random(seed);
-  std::uniform_real_distribution<double> uniform(-1.0, 1.0);
-  const int n = arm.joints();
   SquareRootInformation factor(parameter_names(standard_parameters(arm)));
-  MatrixXd rows(static_cast<Eigen::Index>(states) * n, factor.size());
-  VectorXd q(n);
-  VectorXd dq(n);
-  VectorXd ddq(n);
-  for (int k = 0; k < states; ++k) {
-    for (int i = 0; i < n; ++i) {
-      const Limits& limits = arm.coordinates()[i].limits;
-      const double size = arm.coordinates()[i].prismatic ? 0.1 : 1.0;
-      const bool bounded = std::isfinite(limits.lower) && std::isfinite(limits.upper);
-      const double middle = bounded ? 0.5 * (limits.lower + limits.upper) : 0.0;
-      const double half = bounded ? 0.5 * (limits.upper - limits.lower) : size;
-      q[i] = middle + half * uniform(random);
-      dq[i] = 3.0 * size * uniform(random);
-      ddq[i] = 10.0 * size * uniform(random);
-      if (std::find(still.begin(), still.end(), arm.coordinates()[i].name) == still.end()) continue;
-      q[i] = middle;
-      dq[i] = 0.0;
-      ddq[i] = 0.0;
-    }
-    rows.middleRows(static_cast<Eigen::Index>(k) * n, n) = full_regressor(arm, q, dq, ddq);
-  }
+  const StackedColumns all(arm.joints(), arm_columns(arm, 0.0));
+  const MatrixXd rows = all.stacked(random_states(arm, states, seed, still));
   factor.absorb(rows, VectorXd::Zero(rows.rows()));
   return factor;
+}
+
+SquareRootInformation identifiable_factor(const Model& arm, unsigned seed,
+                                          const std::vector<std::string>& still) {
+  constexpr int kStates = 200;
+  const SquareRootInformation all = random_state_factor(arm, kStates, seed, still);
+  std::vector<std::string> free;
+  for (const StandardParameter& p : standard_parameters(arm)) {
+    if (!p.fixed) free.push_back(p.name);
+  }
+  return static_cast<int>(free.size()) == all.size()
+             ? all
+             : all.restricted(free).restricted(all.columns());
 }
 
 BaseParameters base_parameters(const Model& arm) {
   const int states =
       20 + 4 * static_cast<int>(arm.bodies().size()) * kBodyParameters / arm.joints();
   return base_parameters(random_state_factor(arm, states, 1),
+                         preferred_columns(standard_parameters(arm)));
+}
+
+BaseParameters identifiable_base_parameters(const Model& arm) {
+  return base_parameters(identifiable_factor(arm, 1),
                          preferred_columns(standard_parameters(arm)));
 }
 
