@@ -4,9 +4,11 @@
 #include "choice.hpp"
 #include "commands.hpp"
 #include "common_options.hpp"
+#include "makers_file.hpp"
 #include "messages.hpp"
 #include "option_checks.hpp"
 #include "veridyn/diagnosis/diagnosis.hpp"
+#include "veridyn/effects/plain_friction.hpp"
 #include "math/output_file.hpp"
 #include "model/effect_names.hpp"
 #include "veridyn/model/model_file.hpp"
@@ -26,15 +28,6 @@ struct Request {
   DiagnosisOptions options;
   CommonOptions common;
 };
-
-// A maker's file is no MODEL of this very arm.
-bool is_makers_file(const std::string& robot) {
-  const auto ends_with = [&robot](const std::string& ending) {
-    return robot.size() >= ending.size() &&
-           robot.compare(robot.size() - ending.size(), ending.size(), ending) == 0;
-  };
-  return ends_with(".urdf") || ends_with(".xml");
-}
 
 void expect_known_effects(const std::vector<std::string>& names) {
   for (const std::string& name : names) expect_one_of("--effects", name, effect_names());
@@ -63,6 +56,9 @@ ExitStatus run(Request& request, const std::string& command_line) {
   const bool prior =
       request.values.empty() ? is_makers_file(request.robot) : request.values == "prior";
   if (prior) request.options.values = RobotValues::kPrior;
+  if (has_no_friction(arm))
+    say(request.robot + " has no friction; viscous and Coulomb friction and an offset of all joints "
+        "are asked about first");
   IdentificationOptions& how = request.options.identification;
   how.threads = request.common.threads;
   how.progress = progress(request.common);

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "diagnosis/stages/investigation.hpp"
+#include "recordings/kept_recordings.hpp"
 
 namespace veridyn {
 namespace {
@@ -42,6 +43,7 @@ void run_stages(Investigation& x) {
 Diagnosis diagnose(const Model& arm, const std::vector<std::string>& train,
                    const std::vector<std::string>& test, const DiagnosisOptions& options) {
   const auto begin = std::chrono::steady_clock::now();
+  const KeptRecordings kept;  // every file is parsed once
   Investigation x{arm, train, test, options, {}, {}, 0, {}, {}, {}};
   x.d.changes = are_facts(arm, options);
   x.d.provisional = train.size() == 1;

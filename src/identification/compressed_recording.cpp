@@ -6,6 +6,7 @@
 
 #include "period_fold.hpp"
 #include "math/parallel.hpp"
+#include "recordings/kept_recordings.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn {
@@ -184,10 +185,10 @@ Recording first_positions(const std::string& path, const PreprocessingOptions& o
   RecordingOptions reading;
   reading.columns = options.columns;
   reading.rate = options.header_rate;
-  RecordingReader reader(path, reading);
+  const RowSource rows = open_rows(path, reading);
   ThinnedPositions positions;
   while (positions.duration() < kPeriodSeconds) {
-    const Recording piece = reader.next(kPieceRows);
+    const Recording piece = rows(kPieceRows);
     if (piece.rows() == 0) break;
     for (Eigen::Index k = 0; k < piece.rows(); ++k) positions.add(piece, k);
   }
