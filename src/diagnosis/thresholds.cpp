@@ -67,6 +67,10 @@ const std::vector<ThresholdEntry>& threshold_table() {
       {"main_share", &T::main_share,
        "the first findings that explain main_share of what all explain are the main ones",
        "what a reader must see first", ""},
+      {"negative_friction", &T::negative_friction,
+       "standard deviations that a joint's friction lies below zero > negative_friction: its torque "
+       "has the wrong sign",
+       "no sound recording comes near: friction is positive by tens of deviations", ""},
       {"still_revolute", &T::still_revolute, "travel [rad] > still_revolute: the joint moves",
        "friction holds a joint at rest against anything", ""},
       {"still_prismatic", &T::still_prismatic, "travel [m] > still_prismatic: the joint moves",

@@ -27,6 +27,7 @@ struct Thresholds {
   double near_duplicate = 5.0;
   double held_out_worse = 0.02;
   double main_share = 0.9;
+  double negative_friction = 6.0;
   // What counts as motion.
   double still_revolute = 5e-3;
   double still_prismatic = 5e-4;

@@ -194,7 +194,9 @@ class Builder {
     h.term = static_cast<int>(description_.effects.size());
     h.stage = static_cast<int>(traits.stage);
     h.extrapolates = traits.depends_on_position || traits.depends_on_time;
+    h.repeats = traits.memory;
     for (const EffectShape& constant : effect.shapes()) {
+      h.repeats = h.repeats || constant.scale == ShapeScale::kWaves;
       if (constant.scale == ShapeScale::kWaves) h.tried = list_.limits.ripple_finest;
     }
     h.largest_value = numerics::kHuge;

@@ -25,6 +25,7 @@ struct Hypothesis {
   std::vector<ParameterSign> signs;
   std::vector<double> lowest;    ///< of a change: less would make the parameter impossible
   double tried = 1.0;            ///< how many constants were looked at before this one was proposed
+  bool repeats = true;  ///< several constants of it may act on one axis: memories, waves
   bool extrapolates = false;     ///< it depends on where the arm is: one motion may mislead
   double largest_value = numerics::kHuge;  ///< a parameter beyond this is unusual
   int stage =

@@ -175,6 +175,12 @@ std::vector<Evidence> Examiner::ask_all(const std::vector<int>& chosen) const {
     Evidence& e = all[static_cast<size_t>(h)];
     e.hypothesis = h;
     e.taken = std::find(chosen.begin(), chosen.end(), h) != chosen.end();
+    // A second constant of such a family would only bend the first one's curve.
+    const Hypothesis& mine = hypothesis(h);
+    e.absorbed = !mine.repeats && !e.taken &&
+                 std::any_of(chosen.begin(), chosen.end(),
+                             [&](int c) { return hypothesis(c).family == mine.family; });
+    if (e.absorbed) return;
     if (!e.taken) e = ask(h, *before);
   });
   return all;

@@ -63,6 +63,9 @@ void check_quality(Investigation& x);
 /// The arm as the file says. False if the data cannot answer: d.baseline.status says why.
 bool fit_baseline(Investigation& x);
 
+/// Reports joints whose friction comes out negative beyond doubt: a torque with the wrong sign.
+void check_torque_signs(Investigation& x);
+
 /// Leaves out local friction of single recordings that an arm shows. True if any is new.
 bool exclude_snags(const Identification& seen, Investigation& x);
 
