@@ -357,12 +357,15 @@ Identification identify(const Model& arm, const Recording& recording,
       compress(arm, recording, options.preprocessing)};
   if (!fit(arm, recordings, options, id)) return id;
   id.train.resize(1);
-  const auto predict = [&](const PreprocessingOptions& how, PredictionSeries* series) {
-    return prediction_error(arm, recording, how, id.parameters, recordings[0].joints, series);
+  const auto predict = [&](const PreprocessingOptions& how, PredictionSeries* series,
+                           ErrorSums* without_excluded) {
+    return prediction_error(arm, recording, how, id.parameters, recordings[0].joints, series,
+                            without_excluded);
   };
   measure_errors(recordings[0], options.preprocessing, predict, id.train[0]);
   id.train_error = id.train[0].error;
-  id.train_as_recorded = id.train[0].as_recorded;
+  id.train_repaired = id.train[0].repaired;
+  id.train_without_excluded = id.train[0].without_excluded;
   keep_training_error(id);
   return id;
 }

@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 
+#include "recordings/kept_recordings.hpp"
 #include "recordings/uniform_stream.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/math/zero_phase_filter.hpp"
@@ -160,9 +161,7 @@ PreparationFacts for_each_stretch(const Model& arm, const std::string& path,
   RecordingOptions reading;
   reading.columns = options.columns;
   reading.rate = options.header_rate;
-  RecordingReader reader(path, reading);
-  return run(
-      arm, path, [&reader](int rows) { return reader.next(rows); }, options, visit);
+  return run(arm, path, open_rows(path, reading), options, visit);
 }
 
 PreparationFacts for_each_stretch(const Model& arm, const Recording& recording,

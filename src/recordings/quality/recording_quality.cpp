@@ -4,6 +4,7 @@
 #include <cmath>
 #include <functional>
 
+#include "recordings/kept_recordings.hpp"
 #include "recordings/quality/quality_checks.hpp"
 #include "veridyn/math/require.hpp"
 
@@ -129,8 +130,8 @@ std::string RecordingQuality::report() const {
 }
 
 RecordingQuality check_recording(const std::string& path, const RecordingOptions& options) {
-  RecordingReader reader(path, options);
-  return judged(reader.next(kHeadRows), path, [&](int count) { return reader.next(count); });
+  const RowSource rows = open_rows(path, options);
+  return judged(rows(kHeadRows), path, rows);
 }
 
 RecordingQuality check_recording(const Recording& recording) {
