@@ -7,6 +7,7 @@
 #include "common_options.hpp"
 #include "messages.hpp"
 #include "option_checks.hpp"
+#include "recording_options.hpp"
 #include "math/output_file.hpp"
 #include "veridyn/model/model_file.hpp"
 #include "veridyn/report/identification_page.hpp"
@@ -74,12 +75,12 @@ ExitStatus run(const Request& request, const std::string& command_line) {
   require_writable(request.common.report);
   require_writable(request.model_out);
   if (!request.test_rows) warn_of_shared_recordings(request.train, request.test);
-  const Model arm = read_model(request.robot);
+  const Model arm = read_robot(request.robot, request.common.fixed);
   const IdentificationOptions options = identification_options(request);
   expect_known_masses(request, arm, options.known_masses);
   std::vector<std::string> recordings = request.train;
   recordings.insert(recordings.end(), request.test.begin(), request.test.end());
-  warn_of_degrees(recordings, options.preprocessing, options.threads);
+  look_at_recordings(arm, recordings, options.preprocessing, options.threads);
   const Identification id = identify(arm, request.train, request.test, options);
   if (!id.model) {
     if (id.drive_gains && id.drive_gains->problem.empty()) std::cout << id.drive_gains->report();
@@ -136,6 +137,7 @@ void add_identify_command(CLI::App& tool, Outcome& outcome) {
   command.add_option("--model-out", request->model_out, "Write the identified model as YAML")
       ->option_text("FILE");
   add_preprocessing_options(command, request->options.preprocessing);
+  add_fix_option(command, request->common.fixed);
   add_row_range(command, "--test-rows", "Rows of the held-out recordings (default: as --rows)",
                 [request](RowRange rows) { request->test_rows = rows; });
   add_common_options(command, request->common);

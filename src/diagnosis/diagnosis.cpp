@@ -93,11 +93,8 @@ class Investigation {
     const PreprocessingOptions& how = options_.identification.preprocessing;
     d_.data_quality.resize(all.size());
     parallel_for(static_cast<int>(all.size()), options_.identification.threads, [&](int k) {
-      RecordingOptions reading;
-      reading.columns = how.columns;
-      reading.rate = how.header_rate;
       d_.data_quality[static_cast<size_t>(k)] =
-          check_recording(all[static_cast<size_t>(k)], reading);
+          check_recording(all[static_cast<size_t>(k)], reading_of(arm_, how));
     });
     choose_velocities();
   }

@@ -180,11 +180,9 @@ class ThinnedPositions {
   std::vector<Eigen::RowVectorXd> q_;
 };
 
-Recording first_positions(const std::string& path, const PreprocessingOptions& options) {
-  RecordingOptions reading;
-  reading.columns = options.columns;
-  reading.rate = options.header_rate;
-  RecordingReader reader(path, reading);
+Recording first_positions(const Model& arm, const std::string& path,
+                          const PreprocessingOptions& options) {
+  RecordingReader reader(path, reading_of(arm, options));
   ThinnedPositions positions;
   while (positions.duration() < kPeriodSeconds) {
     const Recording piece = reader.next(kPieceRows);
@@ -278,7 +276,7 @@ CompressedRecording compress(const Model& arm, const std::string& path,
   if (known != options.known_periods.end()) {
     period.seconds = known->second;
   } else {
-    period = detect_period(first_positions(path, options));
+    period = detect_period(first_positions(arm, path, options));
   }
   return run_compress(
       arm, path, options, period,

@@ -10,7 +10,7 @@
 #include "recordings/joint_fields.hpp"
 #include "recordings/joint_match.hpp"
 #include "veridyn/math/require.hpp"
-#include "veridyn/model/suggestion.hpp"
+#include "model/suggestion.hpp"
 
 namespace veridyn::recordings {
 namespace {

@@ -5,7 +5,7 @@
 
 #include "recordings/joint_fields.hpp"
 #include "veridyn/math/require.hpp"
-#include "veridyn/model/suggestion.hpp"
+#include "model/suggestion.hpp"
 #include "veridyn/recordings/recording.hpp"
 
 namespace veridyn::recordings {

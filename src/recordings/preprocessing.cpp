@@ -154,13 +154,25 @@ PreparationFacts run(const Model& arm, const std::string& name, UniformStream::S
 
 }  // namespace
 
-PreparationFacts for_each_stretch(const Model& arm, const std::string& path,
-                                  const PreprocessingOptions& options,
-                                  const std::function<void(const Stretch&)>& visit) {
+std::vector<WantedJoint> joints_of(const Model& arm) {
+  std::vector<WantedJoint> joints;
+  for (const Coordinate& c : arm.coordinates()) joints.push_back({c.name, c.prismatic});
+  return joints;
+}
+
+RecordingOptions reading_of(const Model& arm, const PreprocessingOptions& options) {
   RecordingOptions reading;
   reading.columns = options.columns;
   reading.rate = options.header_rate;
-  RecordingReader reader(path, reading);
+  reading.signals = options.signals;
+  reading.signals.joints = joints_of(arm);
+  return reading;
+}
+
+PreparationFacts for_each_stretch(const Model& arm, const std::string& path,
+                                  const PreprocessingOptions& options,
+                                  const std::function<void(const Stretch&)>& visit) {
+  RecordingReader reader(path, reading_of(arm, options));
   return run(
       arm, path, [&reader](int rows) { return reader.next(rows); }, options, visit);
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <map>
 #include <set>
@@ -12,13 +13,14 @@
 #include "recordings/joint_fields.hpp"
 #include "recordings/units.hpp"
 #include "veridyn/math/require.hpp"
-#include "veridyn/recordings/csv_layout.hpp"
-#include "veridyn/recordings/csv_lines.hpp"
+#include "recordings/csv/csv_layout.hpp"
+#include "recordings/csv/csv_lines.hpp"
 
 namespace veridyn::recordings {
 namespace {
 
 constexpr double kGap = std::numeric_limits<double>::quiet_NaN();
+constexpr int kRecordedSignals = static_cast<int>(std::size(kRecordingSignals));
 constexpr int kPreamble = 30;        // lines in front of a header
 constexpr std::size_t kProbe = 400;  // rows by which the unit of the time is judged
 
@@ -409,7 +411,19 @@ bool is_plain(const Header& header) {
   const auto has = [&header](const char* name) {
     return std::find(header.names.begin(), header.names.end(), name) != header.names.end();
   };
-  return has("q1") && (has("t") || header.time.recorded < 0);
+  if (!has("q1") || (!has("t") && header.time.recorded >= 0)) return false;
+  // A signal under another name, as qd1 beside q1, needs its name read.
+  int own[kRecordedSignals] = {};
+  int other[kRecordedSignals] = {};
+  for (const std::string& name : header.names) {
+    const RawField field = field_of(name);
+    if (field.signal < 0 || field.joint.find_first_not_of("0123456789") != std::string::npos) continue;
+    ++(name == kRecordingSignals[field.signal].name + field.joint ? own : other)[field.signal];
+  }
+  for (int s = 1; s < kRecordedSignals; ++s) {
+    if (own[s] == 0 && other[s] == own[0]) return false;
+  }
+  return true;
 }
 
 }  // namespace
