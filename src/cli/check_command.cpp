@@ -9,6 +9,7 @@
 #include "math/parallel.hpp"
 #include "option_checks.hpp"
 #include "recording_options.hpp"
+#include "veridyn/identification/robot_check.hpp"
 #include "veridyn/model/model_file.hpp"
 #include "veridyn/report/json.hpp"
 
@@ -55,6 +56,10 @@ void run(Request& request) {
   parallel_for(static_cast<int>(checked.size()), request.common.threads, [&](int k) {
     const auto at = static_cast<std::size_t>(k);
     checked[at] = check_recording(recordings[at], reading);
+    if (!arm) return;
+    std::vector<QualityFinding> findings = check_against(*arm, recordings[at], request.reading);
+    findings.insert(findings.end(), checked[at].findings.begin(), checked[at].findings.end());
+    checked[at].findings = std::move(findings);
   });
   if (!request.common.json.empty()) write_file(request.common.json, to_json(checked));
   for (const RecordingQuality& quality : checked) std::cout << quality.report();

@@ -323,6 +323,14 @@ ChosenFields choose_fields(const RawRecording& given, const std::string& path,
     }
     if (!map.touches(kTau) && !map.touches(kCurrent)) add_separate_efforts(*raw, topics, &chosen);
   }
+  const auto by_name = chosen.places;
+  for (const auto& [to, from] : map.taken()) {
+    require(to.second < by_name.size() && from.joint < by_name.size(), path,
+            ": --map: found joint ", std::max(to.second, from.joint) + 1, ", expected 1 to ",
+            by_name.size(), ".");
+    chosen.places[to.second][static_cast<std::size_t>(to.first)] =
+        by_name[from.joint][static_cast<std::size_t>(from.signal)];
+  }
   for (std::size_t j = 0; j < chosen.places.size(); ++j) {
     for (int signal = 0; signal < kSignalCount; ++signal) {
       const FieldPlace place = map.place(signal, j);

@@ -134,6 +134,11 @@ FieldMap::FieldMap(const RawRecording& raw, const std::string& path, const Signa
                               names.empty() ? "" : " of " + listed(names), "."));
     } else if (signal->joint > 0) {
       const FieldPlace place = column(raw, source);
+      const std::optional<Key> other = key_of(source);
+      if (!place.found() && other && other->joint > 0) {
+        taken_[{signal->signal, signal->joint - 1}] = {other->signal, other->joint - 1};
+        continue;
+      }
       if (!place.found()) fail(path, key, source, raw);
       places_[{signal->signal, signal->joint - 1}] = place;
     } else {

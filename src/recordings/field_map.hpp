@@ -19,6 +19,12 @@ class FieldMap {
 
   /// Where --map puts a signal of joint `joint` (from 0); not found: it does not say.
   FieldPlace place(int signal, std::size_t joint) const;
+  /// Where --map takes another joint's signal, as in tau1=tau2: by what is mapped, what is taken.
+  struct Taken {
+    int signal;
+    std::size_t joint;
+  };
+  const std::map<std::pair<int, std::size_t>, Taken>& taken() const { return taken_; }
   /// Whether any joint's signal is mapped.
   bool touches(int signal) const;
   /// Whether all positions (of the joints that are wanted, or 1..n) are mapped.
@@ -30,6 +36,7 @@ class FieldMap {
 
  private:
   std::map<std::pair<int, std::size_t>, FieldPlace> places_;
+  std::map<std::pair<int, std::size_t>, Taken> taken_;
   std::map<std::string, std::string> renamed_;
   std::size_t wanted_ = 0;
 };

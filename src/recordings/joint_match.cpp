@@ -103,10 +103,14 @@ std::vector<int> match_joints(const std::vector<std::string>& wanted,
             wanted[j], ", expected --map ", wanted[j], "=NAME.");
     if (!candidates.empty()) take(j, candidates.front());
   }
-  const bool none = std::all_of(out.begin(), out.end(), [](int k) { return k < 0; });
+  bool none = true;  // but what the user named
+  for (std::size_t j = 0; j < wanted.size(); ++j)
+    none = none && (out[j] < 0 || renamed.count(wanted[j]) > 0);
   if (none || numbers) {
     const std::vector<int> counted = by_number(wanted.size(), recorded);
-    if (!counted.empty()) return counted;
+    for (std::size_t j = 0; j < counted.size(); ++j) {
+      if (renamed.count(wanted[j]) == 0) out[j] = counted[j];
+    }
   }
   return out;
 }

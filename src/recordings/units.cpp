@@ -39,18 +39,24 @@ const Unit* units_begin() {
   return kUnits;
 }
 
-bool turns_only(const std::string& unit) {
+bool turns_only(std::string unit) {
+  if (unit.rfind('-', 0) == 0) unit.erase(0, 1);
   return unit.rfind("deg", 0) == 0 || unit.rfind("mrad", 0) == 0 || unit == "rev" ||
          unit == "rpm" || unit.rfind("rad", 0) == 0;
 }
 
-bool slides_only(const std::string& unit) {
+bool slides_only(std::string unit) {
+  if (unit.rfind('-', 0) == 0) unit.erase(0, 1);
   return unit.rfind("mm", 0) == 0;
 }
 
 }  // namespace
 
 std::optional<double> unit_factor(const std::string& signal, const std::string& unit) {
+  if (unit.rfind('-', 0) == 0) {
+    const std::optional<double> factor = unit_factor(signal, unit.substr(1));
+    return factor && signal != "t" ? std::optional<double>(-*factor) : std::nullopt;
+  }
   for (const Unit* u = units_begin(); u->signal != nullptr; ++u) {
     if (signal == u->signal && unit == u->unit) return u->factor;
   }
@@ -58,7 +64,7 @@ std::optional<double> unit_factor(const std::string& signal, const std::string& 
 }
 
 bool is_current_unit(const std::string& unit) {
-  return unit == "A" || unit == "mA";
+  return unit == "A" || unit == "mA" || unit == "-A" || unit == "-mA";
 }
 
 std::string unit_of(const SignalChoice& choice, const std::string& signal, int joint) {
@@ -89,7 +95,7 @@ void require_known_units(const SignalChoice& choice) {
     }
     require(!known.empty(), "--units: found '", key, "', expected t, q, dq, ddq, tau or i.");
     require(unit_factor(signal, unit).has_value(), "--units: found '", key, "=", unit,
-            "', expected one of: ", known, ".");
+            "', expected one of: ", known, " (with - in front for the other sign).");
   }
 }
 

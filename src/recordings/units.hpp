@@ -8,7 +8,7 @@
 namespace veridyn::recordings {
 
 /// Factor from a unit of a signal ("q", "dq", "ddq", "tau", "i", "t") to SI, or nothing where it is
-/// none of them. `tau` in A has the factor of a current.
+/// none of them; a - in front turns the sign. `tau` in A has the factor of a current.
 std::optional<double> unit_factor(const std::string& signal, const std::string& unit);
 
 /// Whether the unit is one of amperes.
