@@ -7,6 +7,7 @@
 #include "makers_file.hpp"
 #include "messages.hpp"
 #include "option_checks.hpp"
+#include "recording_options.hpp"
 #include "veridyn/diagnosis/diagnosis.hpp"
 #include "veridyn/effects/plain_friction.hpp"
 #include "math/output_file.hpp"
@@ -52,7 +53,7 @@ ExitStatus run(Request& request, const std::string& command_line) {
   require_writable(request.common.report);
   require_writable(request.model_out);
   if (!request.test_rows) warn_of_shared_recordings(request.train, request.test);
-  const Model arm = read_model(request.robot);
+  const Model arm = read_robot(request.robot, request.common.fixed);
   const bool prior =
       request.values.empty() ? is_makers_file(request.robot) : request.values == "prior";
   if (prior) request.options.values = RobotValues::kPrior;
@@ -72,6 +73,7 @@ ExitStatus run(Request& request, const std::string& command_line) {
     say(d.baseline.reason);
     return kDataCannotAnswer;
   }
+  tell_facts(d.data_quality);
   complete_next_experiment(request, d);
   if (!request.model_out.empty()) save(d.extended, request.model_out);
   if (!request.common.json.empty()) write_file(request.common.json, to_json(d));
@@ -116,6 +118,7 @@ void add_diagnose_command(CLI::App& tool, Outcome& outcome) {
              {JointWeights::kResidual, JointWeights::kRange},
              "Joints weighted by their residual or by the range of their torque");
   add_preprocessing_options(command, request->options.identification.preprocessing);
+  add_fix_option(command, request->common.fixed);
   add_row_range(command, "--test-rows", "Rows of the held-out recordings (default: as --rows)",
                 [request](RowRange rows) { request->test_rows = rows; });
   add_common_options(command, request->common);

@@ -8,6 +8,7 @@
 #include "messages.hpp"
 #include "makers_file.hpp"
 #include "option_checks.hpp"
+#include "recording_options.hpp"
 #include "math/output_file.hpp"
 #include "veridyn/effects/plain_friction.hpp"
 #include "veridyn/model/model_file.hpp"
@@ -73,7 +74,7 @@ void expect_known_masses(const Request& request, const Model& arm,
 
 // A file without friction: makers leave it out, and every joint has it.
 Model arm_with_friction(const Request& request) {
-  Model arm = read_model(request.robot);
+  Model arm = read_robot(request.robot, request.common.fixed);
   const bool none = has_no_friction(arm);
   if (request.friction == "plain" || (request.friction == "auto" && none && is_makers_file(request.robot))) {
     if (none && request.friction == "auto")
@@ -98,7 +99,7 @@ ExitStatus run(const Request& request, const std::string& command_line) {
   expect_known_masses(request, arm, options.known_masses);
   std::vector<std::string> recordings = request.train;
   recordings.insert(recordings.end(), request.test.begin(), request.test.end());
-  warn_of_degrees(recordings, options.preprocessing, options.threads);
+  look_at_recordings(arm, recordings, options.preprocessing, options.threads);
   const Identification id = identify(arm, request.train, request.test, options);
   if (!id.model) {
     if (id.drive_gains && id.drive_gains->problem.empty()) std::cout << id.drive_gains->report();
@@ -162,6 +163,7 @@ void add_identify_command(CLI::App& tool, Outcome& outcome) {
   command.add_option("--model-out", request->model_out, "Write the identified model as YAML")
       ->option_text("FILE");
   add_preprocessing_options(command, request->options.preprocessing);
+  add_fix_option(command, request->common.fixed);
   add_row_range(command, "--test-rows", "Rows of the held-out recordings (default: as --rows)",
                 [request](RowRange rows) { request->test_rows = rows; });
   add_common_options(command, request->common);

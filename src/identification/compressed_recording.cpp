@@ -181,14 +181,12 @@ class ThinnedPositions {
   std::vector<Eigen::RowVectorXd> q_;
 };
 
-Recording first_positions(const std::string& path, const PreprocessingOptions& options) {
-  RecordingOptions reading;
-  reading.columns = options.columns;
-  reading.rate = options.header_rate;
-  const RowSource rows = open_rows(path, reading);
+Recording first_positions(const Model& arm, const std::string& path,
+                          const PreprocessingOptions& options) {
+  const OpenedRows rows = open_rows(path, reading_of(arm, options));
   ThinnedPositions positions;
   while (positions.duration() < kPeriodSeconds) {
-    const Recording piece = rows(kPieceRows);
+    const Recording piece = rows.next(kPieceRows);
     if (piece.rows() == 0) break;
     for (Eigen::Index k = 0; k < piece.rows(); ++k) positions.add(piece, k);
   }
@@ -276,7 +274,7 @@ CompressedRecording compress(const Model& arm, const std::string& path,
   if (known != options.known_periods.end()) {
     period.seconds = known->second;
   } else {
-    period = detect_period(first_positions(path, options));
+    period = detect_period(first_positions(arm, path, options));
   }
   return run_compress(
       arm, path, options, period,

@@ -14,7 +14,11 @@
 namespace veridyn {
 
 struct KeptRecordings::State {
-  using Kept = std::shared_future<std::shared_ptr<const Recording>>;
+  struct Whole {
+    Recording rows;
+    RecordingFacts facts;
+  };
+  using Kept = std::shared_future<std::shared_ptr<const Whole>>;
 
   std::mutex mutex;
   long bytes_left = 0;
@@ -28,7 +32,14 @@ std::atomic<long> g_parsed{0};
 
 std::string key_of(const std::string& path, const RecordingOptions& options) {
   std::string out = path + "\n" + std::to_string(options.rate);
+  out += " " + std::to_string(options.first_row) + " " + std::to_string(options.row_count);
   for (const std::string& column : options.columns) out += "\n" + column;
+  const SignalChoice& signals = options.signals;
+  for (const std::string& topic : signals.topics) out += "\ntopic " + topic;
+  for (const auto& [name, source] : signals.map) out += "\nmap " + name + "=" + source;
+  for (const auto& [name, unit] : signals.units) out += "\nunit " + name + "=" + unit;
+  for (const WantedJoint& joint : signals.joints)
+    out += "\njoint " + joint.name + (joint.prismatic ? " slides" : "");
   return out;
 }
 
@@ -38,16 +49,20 @@ long text_bytes(const std::string& path) {
   return error ? -1 : static_cast<long>(size);
 }
 
-std::shared_ptr<const Recording> parsed(const std::string& path, const RecordingOptions& options) {
+using Whole = KeptRecordings::State::Whole;
+
+std::shared_ptr<const Whole> parsed(const std::string& path, const RecordingOptions& options) {
   ++g_parsed;
-  return std::make_shared<const Recording>(read_recording(path, options));
+  auto whole = std::make_shared<Whole>();
+  whole->rows = read_recording(path, options, whole->facts);
+  return whole;
 }
 
 // The recording, parsed by whoever asks first; nothing if it is not to be kept.
-std::shared_ptr<const Recording> kept(const std::string& path, const RecordingOptions& options) {
+std::shared_ptr<const Whole> kept(const std::string& path, const RecordingOptions& options) {
   KeptRecordings::State* state = g_kept.load();
   if (state == nullptr) return nullptr;
-  std::promise<std::shared_ptr<const Recording>> promise;
+  std::promise<std::shared_ptr<const Whole>> promise;
   KeptRecordings::State::Kept result;
   {
     const std::lock_guard<std::mutex> lock(state->mutex);
@@ -64,7 +79,7 @@ std::shared_ptr<const Recording> kept(const std::string& path, const RecordingOp
   }
   if (result.valid()) return result.get();
   try {
-    std::shared_ptr<const Recording> recording = parsed(path, options);
+    std::shared_ptr<const Whole> recording = parsed(path, options);
     promise.set_value(recording);
     return recording;
   } catch (...) {
@@ -85,18 +100,19 @@ KeptRecordings::~KeptRecordings() {
   delete g_kept.exchange(before_);
 }
 
-RowSource open_rows(const std::string& path, const RecordingOptions& options) {
-  if (std::shared_ptr<const Recording> recording = kept(path, options)) {
+OpenedRows open_rows(const std::string& path, const RecordingOptions& options) {
+  if (std::shared_ptr<const Whole> whole = kept(path, options)) {
     auto at = std::make_shared<int>(0);
-    return [recording, at](int rows) {
-      const int count = std::min(rows, recording->rows() - *at);
-      *at += count;
-      return rows_of(*recording, *at - count, count);
-    };
+    return {[whole, at](int rows) {
+              const int count = std::min(rows, whole->rows.rows() - *at);
+              *at += count;
+              return rows_of(whole->rows, *at - count, count);
+            },
+            [whole] { return whole->facts; }};
   }
   ++g_parsed;
   auto reader = std::make_shared<RecordingReader>(path, options);
-  return [reader](int rows) { return reader->next(rows); };
+  return {[reader](int rows) { return reader->next(rows); }, [reader] { return reader->facts(); }};
 }
 
 long files_parsed() {

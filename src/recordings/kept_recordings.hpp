@@ -7,8 +7,12 @@
 
 namespace veridyn {
 
-/// Rows of a recording, at most so many at a time; empty at the end.
-using RowSource = std::function<Recording(int)>;
+/// A recording that is open: its rows, at most so many at a time (none at the end), and what reading
+/// brought up; remarks on rows are complete at the end.
+struct OpenedRows {
+  std::function<Recording(int)> next;
+  std::function<RecordingFacts()> facts;
+};
 
 /// While one of these lives, files that are read by path are parsed once and kept in memory, up to
 /// `most_bytes` of text in all; files beyond that are streamed every time. For work that asks many
@@ -27,7 +31,7 @@ class KeptRecordings {
 };
 
 /// The rows of a file, from memory where it is kept. @throws InvalidInput  as RecordingReader.
-RowSource open_rows(const std::string& path, const RecordingOptions& options);
+OpenedRows open_rows(const std::string& path, const RecordingOptions& options);
 
 /// How many files open_rows() has opened and parsed since the program began.
 long files_parsed();

@@ -148,8 +148,8 @@ TEST_F(Stages, RecordingsBeyondTheBoundAreStreamed) {
   const std::string path = record(1, {});
   const KeptRecordings none(10);
   const long before = files_parsed();
-  const RowSource first = open_rows(path, {});
-  const RowSource second = open_rows(path, {});
+  const auto first = open_rows(path, {}).next;
+  const auto second = open_rows(path, {}).next;
   EXPECT_EQ(files_parsed() - before, 2);
   const Recording a = first(100);
   EXPECT_EQ(a.rows(), 100);
@@ -160,7 +160,7 @@ TEST_F(Stages, KeptRowsAreTheFilesRows) {
   const std::string path = record(1, {});
   const Recording streamed = read_recording(path);
   const KeptRecordings kept;
-  const RowSource rows = open_rows(path, {});
+  const auto rows = open_rows(path, {}).next;
   int total = 0;
   while (true) {
     const Recording piece = rows(97);

@@ -81,11 +81,8 @@ void check_quality(Investigation& x) {
   const PreprocessingOptions& how = x.options.identification.preprocessing;
   x.d.data_quality.resize(all.size());
   parallel_for(static_cast<int>(all.size()), x.options.identification.threads, [&](int k) {
-    RecordingOptions reading;
-    reading.columns = how.columns;
-    reading.rate = how.header_rate;
     x.d.data_quality[static_cast<size_t>(k)] =
-        check_recording(all[static_cast<size_t>(k)], reading);
+        check_recording(all[static_cast<size_t>(k)], reading_of(x.arm, how));
   });
   choose_velocities(x);
 }

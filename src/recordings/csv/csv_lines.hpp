@@ -22,6 +22,8 @@ class CsvLines {
   /// fails.
   bool next(std::string_view* line);
 
+  /// Whether the file ends behind the line last returned.
+  bool at_end() const { return at_end_ && begin_ == end_; }
   long number() const { return number_; }  ///< of the line last returned, from 1
   const std::string& last_comment() const { return comment_; }  ///< without its `#`
   const std::string& path() const { return path_; }

@@ -1,4 +1,4 @@
-#include "recordings/csv_lines.hpp"
+#include "recordings/csv/csv_lines.hpp"
 
 #include <sys/stat.h>
 

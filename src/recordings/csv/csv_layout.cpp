@@ -1,4 +1,4 @@
-#include "recordings/csv_layout.hpp"
+#include "recordings/csv/csv_layout.hpp"
 
 #include <algorithm>
 #include <cctype>
@@ -119,10 +119,23 @@ void count_joints(const std::vector<ColumnName>& columns, const std::string& whe
 }  // namespace
 
 char csv_separator(std::string_view line) {
-  for (const char candidate : {',', ';', '\t'}) {
-    if (line.find(candidate) != std::string_view::npos) return candidate;
+  // In a row of numbers a comma beside semicolons or tabs is a decimal comma.
+  const bool numbers = line.find_first_not_of("+-0123456789.,;eE \t\"naiNfF") == std::string_view::npos;
+  char best = ' ';
+  std::ptrdiff_t most = 0;
+  for (const char candidate : {';', '\t', ','}) {
+    bool quoted = false;
+    std::ptrdiff_t count = 0;
+    for (const char c : line) {
+      if (c == '"') quoted = !quoted;
+      count += !quoted && c == candidate ? 1 : 0;
+    }
+    if (numbers && count > 0) return candidate;
+    if (count < most || count == 0) continue;
+    best = candidate;
+    most = count;
   }
-  return ' ';
+  return best;
 }
 
 std::vector<std::string> csv_fields(std::string_view line, char separator) {
@@ -152,8 +165,10 @@ std::vector<std::string> csv_fields(std::string_view line, char separator) {
 bool is_row_of_numbers(std::string_view line) {
   for (const std::string& field : csv_fields(line, csv_separator(line))) {
     if (field.empty()) continue;
-    const char* first = field.data() + (field[0] == '+' ? 1 : 0);
-    const char* last = field.data() + field.size();
+    std::string plain = field;
+    if (csv_separator(line) != ',') std::replace(plain.begin(), plain.end(), ',', '.');
+    const char* first = plain.data() + (plain[0] == '+' ? 1 : 0);
+    const char* last = plain.data() + plain.size();
     double value = 0.0;
     const auto [rest, error] = std::from_chars(first, last, value);
     if (error == std::errc::invalid_argument || rest != last) return false;
