@@ -26,6 +26,7 @@ struct Outcome {
 // main.cpp and one in CMakeLists.txt.
 
 void add_info_command(CLI::App& tool, Outcome& outcome);
+void add_calibrate_command(CLI::App& tool, Outcome& outcome);
 void add_compare_command(CLI::App& tool, Outcome& outcome);
 void add_check_command(CLI::App& tool, Outcome& outcome);
 void add_identify_command(CLI::App& tool, Outcome& outcome);

@@ -22,6 +22,7 @@ ExitStatus run(int argc, char** argv) {
   add_identify_command(tool, outcome);
   add_diagnose_command(tool, outcome);
   add_payload_command(tool, outcome);
+  add_calibrate_command(tool, outcome);
   add_compare_command(tool, outcome);
   add_export_command(tool, outcome);
   add_excite_command(tool, outcome);
