@@ -10,7 +10,7 @@
 #include "veridyn/dvrk/arm_facts.hpp"
 #include "veridyn/dvrk/model_controller.hpp"
 #include "veridyn/dvrk/udp_link.hpp"
-#include "veridyn/math/output_file.hpp"
+#include "math/output_file.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/model_file.hpp"
 #include "veridyn/simulation/simulate_recording.hpp"

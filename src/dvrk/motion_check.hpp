@@ -8,7 +8,7 @@
 #include "veridyn/control/position_limit.hpp"
 #include "veridyn/dvrk/arm_session.hpp"
 #include "veridyn/dvrk/motion_controller.hpp"
-#include "veridyn/kinematics/motion_samples.hpp"
+#include "veridyn/math/motion_samples.hpp"
 
 namespace veridyn::dvrk {
 

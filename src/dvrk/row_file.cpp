@@ -12,7 +12,7 @@
 #include <cstring>
 #include <utility>
 
-#include "veridyn/identification/remark.hpp"
+#include "recordings/remark.hpp"
 
 namespace veridyn::dvrk {
 namespace {

@@ -12,7 +12,7 @@
 #include "dvrk/row_file.hpp"
 #include "dvrk/row_keeper.hpp"
 #include "dvrk/rig.hpp"
-#include "veridyn/identification/recording.hpp"
+#include "veridyn/recordings/recording.hpp"
 
 // Rows on their way to the disk, the boards' time, and the clock of the loop.
 
