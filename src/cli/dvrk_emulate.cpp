@@ -57,7 +57,8 @@ class Arms final : public dvrk::BoardLoad {
   dvrk::StandingLoad none_;
 };
 
-// Zero where the limits allow it, else the middle of the range.
+// Zero where it is well inside the limits, else the middle of the range: an arm that stands at a
+// limit is not driven.
 VectorXd start_of(const DvrkRequest& request, const Model& model) {
   const int n = model.joints();
   if (!request.start.empty()) {
@@ -75,7 +76,9 @@ VectorXd start_of(const DvrkRequest& request, const Model& model) {
   VectorXd q = VectorXd::Zero(n);
   for (int j = 0; j < n; ++j) {
     const Limits& limits = model.coordinates()[static_cast<size_t>(j)].limits;
-    if (limits.lower > 0.0 || limits.upper < 0.0) q[j] = 0.5 * (limits.lower + limits.upper);
+    const double room = kStopsBeyond * (limits.upper - limits.lower);
+    if (limits.lower + room > 0.0 || limits.upper - room < 0.0)
+      q[j] = 0.5 * (limits.lower + limits.upper);
   }
   return q;
 }

@@ -12,10 +12,8 @@ namespace veridyn::dvrk {
 /// writes. One cycle is begin(), reading, read(), computing and writing, end().
 class CycleClock {
  public:
-  CycleClock(DatagramLink& link, double rate)
-      : link_(link), period_(1.0 / rate), next_(link.now()) {
+  CycleClock(DatagramLink& link, double rate) : link_(link), period_(1.0 / rate) {
     restart_count();
-    window_began_ = next_;
   }
 
   /// Waits for the next cycle. @returns its time [s].
@@ -23,6 +21,7 @@ class CycleClock {
     double now = link_.now();
     gap_ = WriteGap();
     late_ = false;
+    if (next_ < 0.0) next_ = window_began_ = now;  // the first cycle
     const double entered = now;
     if (now < next_) {
       link_.wait(next_ - now);
@@ -120,7 +119,7 @@ class CycleClock {
 
   DatagramLink& link_;
   double period_;
-  double next_;
+  double next_ = -1.0;
   double began_ = 0.0, read_at_ = 0.0, written_ = -1.0, first_ = 0.0, cpu_ = 0.0;
   bool late_ = false;
   WriteGap gap_, before_;

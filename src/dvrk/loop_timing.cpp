@@ -3,6 +3,11 @@
 #include <fmt/format.h>
 
 namespace veridyn::dvrk {
+namespace {
+
+constexpr double kPlanned = 0.1;  // share of a gap that is no reason to name
+
+}  // namespace
 
 LateReason reason_of(const WriteGap& gap) {
   const double system = gap.woken_late + gap.interrupted;
@@ -11,6 +16,8 @@ LateReason reason_of(const WriteGap& gap) {
 }
 
 std::string describe_reason(const WriteGap& gap) {
+  const double unplanned = gap.woken_late + gap.interrupted + gap.replies + gap.own;
+  if (unplanned < kPlanned * gap.seconds) return "as planned";
   switch (reason_of(gap)) {
     case LateReason::kOwn:
       return fmt::format("this program worked for {:.2f} ms", 1e3 * gap.own);
