@@ -7,7 +7,7 @@
 #include <fstream>
 
 #include "veridyn/math/require.hpp"
-#include "veridyn/model/suggestion.hpp"
+#include "model/suggestion.hpp"
 
 namespace veridyn::cli {
 namespace {

@@ -7,7 +7,7 @@
 #include "common_options.hpp"
 #include "messages.hpp"
 #include "option_checks.hpp"
-#include "veridyn/math/output_file.hpp"
+#include "math/output_file.hpp"
 #include "veridyn/model/model_file.hpp"
 #include "veridyn/report/identification_page.hpp"
 #include "veridyn/report/json.hpp"

@@ -10,7 +10,7 @@
 #include "messages.hpp"
 #include "option_checks.hpp"
 #include "veridyn/control/kinematics_table.hpp"
-#include "veridyn/math/output_file.hpp"
+#include "math/output_file.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/model_file.hpp"
 #include "veridyn/report/kinematics_json.hpp"

@@ -7,7 +7,7 @@
 #include "messages.hpp"
 #include "option_checks.hpp"
 #include "veridyn/cooperation/stability.hpp"
-#include "veridyn/math/output_file.hpp"
+#include "math/output_file.hpp"
 #include "veridyn/report/stability_json.hpp"
 
 namespace veridyn::cli {

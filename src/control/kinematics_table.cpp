@@ -10,9 +10,9 @@
 #include "veridyn/control/inverse_kinematics.hpp"
 #include "veridyn/kinematics/kinematics.hpp"
 #include "veridyn/kinematics/motion_limits.hpp"
-#include "veridyn/math/output_file.hpp"
+#include "math/output_file.hpp"
 #include "veridyn/math/require.hpp"
-#include "veridyn/model/suggestion.hpp"
+#include "model/suggestion.hpp"
 
 namespace veridyn {
 namespace {

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "period_fold.hpp"
-#include "veridyn/math/parallel.hpp"
+#include "math/parallel.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn {

@@ -4,7 +4,7 @@
 #include <chrono>
 #include <utility>
 
-#include "veridyn/math/parallel.hpp"
+#include "math/parallel.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn {

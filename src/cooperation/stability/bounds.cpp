@@ -2,7 +2,7 @@
 #include <cmath>
 
 #include "loop_search.hpp"
-#include "veridyn/math/parallel.hpp"
+#include "math/parallel.hpp"
 
 namespace veridyn {
 namespace {

@@ -8,7 +8,7 @@
 #include <limits>
 
 #include "loop_search.hpp"
-#include "veridyn/math/parallel.hpp"
+#include "math/parallel.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn {
