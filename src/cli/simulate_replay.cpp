@@ -5,6 +5,7 @@
 
 #include "messages.hpp"
 #include "option_checks.hpp"
+#include "recording_options.hpp"
 #include "simulate_request.hpp"
 #include "veridyn/recordings/preprocessing.hpp"
 #include "veridyn/recordings/recording_quality.hpp"
@@ -24,7 +25,9 @@ constexpr double kRampCutoff = 20.0;  // [Hz] for positions of slow ramps
 std::vector<int> faulty_velocities(const SimulateRequest& request,
                                    const RecordingOptions& reading) {
   std::set<int> joints;
-  for (const QualityFinding& f : check_recording(request.replay, reading).findings) {
+  const RecordingQuality quality = check_recording(request.replay, reading);
+  if (!request.common.quiet) tell_facts({quality});
+  for (const QualityFinding& f : quality.findings) {
     const bool velocity = f.finding == "velocity_scale" || f.finding == "velocity_quantised" ||
                           f.finding == "velocity_delay";
     if (!velocity || f.severity == Severity::kInfo || f.joint < 1) continue;
@@ -37,10 +40,7 @@ std::vector<int> faulty_velocities(const SimulateRequest& request,
 // The recording on its uniform grid, lightly low-passed, as identification sees it.
 ReplayInput replay_input(const SimulateRequest& request, const Model& arm,
                          PreprocessingOptions how) {
-  RecordingOptions reading;
-  reading.columns = how.columns;
-  reading.rate = how.header_rate;
-  how.derive_velocity_of = faulty_velocities(request, reading);
+  how.derive_velocity_of = faulty_velocities(request, reading_of(arm, how));
   std::vector<double> time;
   std::vector<char> use;
   std::vector<MatrixXd> pieces[4];

@@ -220,13 +220,14 @@ void CooperativeController::correct(const CooperativeInput& input) noexcept {
 bool CooperativeController::is_stuck(size_t member, const ForceReading& reading,
                                      double length) noexcept {
   Watch& watch = watches_[member];
-  if (watch.number < 0 || reading.force != watch.force) {
-    watch = {reading.force, length, reading.number};
+  const double force = std::isfinite(reading.raw) ? reading.raw : reading.force;
+  if (watch.number < 0 || force != watch.force) {
+    watch = {force, length, reading.number};
     return false;
   }
   const double stiffness = options_.members[member].law.stiffness;
   // Repeated zeros are those of a slack member.
-  return reading.number != watch.number && stiffness > 0.0 && reading.force != 0.0 &&
+  return reading.number != watch.number && stiffness > 0.0 && force != 0.0 &&
          std::abs(length - watch.length) * stiffness > options_.stuck_force;
 }
 

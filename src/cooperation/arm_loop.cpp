@@ -3,27 +3,16 @@
 #include <algorithm>
 #include <cmath>
 
+#include "loop_gains.hpp"
+
 namespace veridyn {
 namespace {
-
-ImpedanceGains gains(const Eigen::Vector3d& m, const Eigen::Vector3d& d, const Eigen::Vector3d& k) {
-  ImpedanceGains g;
-  g.mass.head<3>() = m;
-  g.damping.head<3>() = d;
-  g.stiffness.head<3>() = k;
-  return g;
-}
-
-// Of a mass of one: accelerations, whatever the arm's inertia.
-ImpedanceGains position_gains(double frequency) {
-  const double omega = 2.0 * M_PI * frequency;
-  const Eigen::Vector3d one = Eigen::Vector3d::Ones();
-  return gains(one, 2.0 * omega * one, omega * omega * one);
-}
 
 ImpedanceOptions options(const VectorXd& posture) {
   ImpedanceOptions o;
   o.posture = posture;
+  o.posture_p = kPostureStiffness;
+  o.posture_d = kPostureDamping;
   return o;
 }
 
@@ -40,7 +29,7 @@ ModelErrorOptions observer(const ScenarioControl& control, Eigen::Index joints) 
 
 FrictionOptions friction(const ScenarioControl& control) {
   FrictionOptions o;
-  o.rule = FrictionRule::kPresliding;
+  o.rule = control.friction_rule;
   o.share = control.friction;
   return o;
 }
@@ -52,9 +41,8 @@ ArmLoop::ArmLoop(const ArmLoopSetup& setup)
       period_(1.0 / setup.control.rate),
       state_(setup.model, setup.tip),
       impedance_(setup.model, setup.tip,
-                 gains(setup.control.mass, setup.control.damping, setup.control.stiffness),
-                 options(setup.start)),
-      position_loop_(setup.model, setup.tip, position_gains(setup.control.position_frequency),
+                 impedance_gains(setup.control), options(setup.start)),
+      position_loop_(setup.model, setup.tip, position_gains(setup.control),
                      options(setup.start)),
       inverse_(setup.model, setup.tip, TaskRows::kPosition),
       velocity_observer_(setup.model.joints(), 2.0 * M_PI * setup.control.velocity_cutoff),
@@ -65,6 +53,11 @@ ArmLoop::ArmLoop(const ArmLoopSetup& setup)
       joint_error_(rest_),
       wanted_dq_(rest_) {
   if (setup.control.friction > 0.0) friction_.emplace(setup.model, friction(setup.control));
+  if (friction_ && setup.control.adaptive_friction) {
+    AdaptiveFrictionOptions options;
+    options.enabled = true;
+    adaptive_.emplace(*friction_, options);
+  }
   measure(setup.start);
 }
 
@@ -120,6 +113,7 @@ void ArmLoop::compensate_friction(const TaskReference& wanted) noexcept {
   error.head<3>() = wanted.x.head<3>() - state_.tip().position();
   inverse_.solve(error, rest_, joint_error_);
   tau_ += friction_->update(state_, wanted_dq_, joint_error_, period_);
+  if (adaptive_) adaptive_->update(state_, model_error_.torque(), period_, *friction_);
 }
 
 }  // namespace veridyn

@@ -3,6 +3,7 @@
 #include <memory>
 #include <optional>
 
+#include "veridyn/control/adaptive_friction.hpp"
 #include "veridyn/control/arm_state.hpp"
 #include "veridyn/control/cooperative_controller.hpp"
 #include "veridyn/control/friction_compensation.hpp"
@@ -58,6 +59,7 @@ class ArmLoop {
   VelocityObserver velocity_observer_;
   ModelErrorObserver model_error_;
   std::optional<FrictionCompensation> friction_;
+  std::optional<AdaptiveFriction> adaptive_;
   VectorXd q_, rest_, tau_, joint_error_, wanted_dq_;
   bool frozen_ = false;
   Eigen::Vector3d position_{Eigen::Vector3d::Zero()}, velocity_{Eigen::Vector3d::Zero()};

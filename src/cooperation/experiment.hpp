@@ -4,6 +4,8 @@
 #include <vector>
 
 #include "arm_loop.hpp"
+#include "held_object.hpp"
+#include "torque_path.hpp"
 #include "veridyn/cooperation/scenario_run.hpp"
 #include "veridyn/simulation/world.hpp"
 
@@ -15,6 +17,8 @@ class Experiment {
   Experiment(const Scenario& scenario, const std::string& engine);
 
   void begin(const ScenarioPhase& phase);
+  /// False where the controller refuses it.
+  bool command(const ScenarioCommand& c);
   /// One control period. False where the engine cannot go on.
   bool step();
   /// Row k of the run, of the instant before the step.
@@ -26,9 +30,15 @@ class Experiment {
   std::vector<std::string> left_out() const;
 
  private:
-  void add_arm(const ScenarioArm& arm, const std::string& engine, unsigned seed);
+  struct Contact {
+    double force = 0.0, rate = 0.0;  // [N], [m/s] of the depth
+  };
+  void add_arm(std::size_t index, const std::string& engine);
   void add_members();
-  void command(const ScenarioCommand& c);
+  void add_walls();
+  void add_bodies();
+  void make_controller();
+  void read_contacts(double now);
   void apply_faults();
   void read_sensors();
 
@@ -37,8 +47,16 @@ class Experiment {
   std::vector<Attachment> tips_;
   std::unique_ptr<World> world_;
   std::vector<ArmLoop> loops_;
-  std::vector<ForceSensor> sensors_;
-  std::vector<ForceSample> samples_;
+  std::vector<Eigen::Vector3d> starts_;  // of the tips, true, in the world [m]
+  WorldObjects objects_;
+  std::vector<ForceSensor> sensors_, wall_sensors_;
+  std::vector<ForceSample> samples_, wall_samples_;
+  std::vector<double> filtered_;  // readings after their low-pass [N]
+  double smoothing_ = 1.0;
+  std::vector<Wall> walls_;
+  std::vector<Contact> wall_now_;
+  std::vector<HeldObject> held_objects_;
+  std::vector<TorquePath> paths_;  // from torques asked for to torques made
   std::unique_ptr<CooperativeController> control_;
   std::unique_ptr<CooperativeInput> input_;
   std::vector<TipTarget> targets_;

@@ -31,6 +31,14 @@ ScenarioRun empty_run(const Scenario& scenario, const std::string& engine, Eigen
     run.members.push_back(member.name);
     run.member.push_back({run.time, run.time, run.time, run.time, run.time, run.time});
   }
+  for (const ScenarioWall& wall : scenario.walls) {
+    run.members.push_back(wall.name);
+    run.member.push_back({run.time, run.time, run.time, run.time, run.time, run.time});
+  }
+  for (const ScenarioBody& body : scenario.bodies) {
+    run.bodies.push_back(body.name);
+    run.body.push_back({MatrixXd::Zero(rows, 3), MatrixXd::Zero(rows, 3)});
+  }
   return run;
 }
 
@@ -43,6 +51,10 @@ void cut(ScenarioRun& run, Eigen::Index rows) {
   for (MemberTrace& t : run.member) {
     for (VectorXd* v : {&t.wanted, &t.force, &t.measured, &t.x_f, &t.rate, &t.tracked})
       v->conservativeResize(rows);
+  }
+  for (BodyTrace& t : run.body) {
+    t.position.conservativeResize(rows, 3);
+    t.wanted.conservativeResize(rows, 3);
   }
 }
 

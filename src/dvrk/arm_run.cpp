@@ -5,8 +5,11 @@
 #include <cmath>
 
 #include "cycle_clock.hpp"
+#include "motion_check.hpp"
 #include "motion_run.hpp"
+#include "run_end.hpp"
 #include "pid_controller.hpp"
+#include "row_file.hpp"
 #include "row_keeper.hpp"
 #include "veridyn/math/require.hpp"
 
@@ -15,36 +18,36 @@ namespace {
 
 constexpr double kSilence = 0.5;        // [s] without a valid read at the end: the boards are gone
 constexpr double kIntegralShare = 0.5;  // of the largest torque
-
-// Set points within the soft limits of every actuator whose position they decide alone.
-void require_within_limits(const ArmSession& arm, const MotionSamples& motion) {
-  const MatrixXd to_actuator = arm.coupling().inverse();
-  const Eigen::Index joints = motion.joints();
-  for (int i = 0; i < arm.size(); ++i) {
-    const ActuatorConfig& a = arm.robot().actuators[static_cast<size_t>(i)];
-    const auto row = to_actuator.row(i);
-    if (!(a.lower < a.upper) || row.head(joints).isZero() ||
-        !row.tail(arm.size() - joints).isZero())
-      continue;
-    const VectorXd q = motion.q * row.head(joints).transpose();
-    require(q.minCoeff() >= a.lower && q.maxCoeff() <= a.upper, "arm '", arm.robot().name,
-            "': the motion takes actuator ", i, " from ", q.minCoeff(), " to ", q.maxCoeff(),
-            ", expected ", a.lower, " to ", a.upper, " (soft limits).");
-  }
-}
+constexpr double kLargestError = 0.35;  // [rad]
+constexpr double kLargestErrorSliding = 0.02;  // [m]
 
 RunResult run_checked(ArmSession& arm, DatagramLink& link, const MotionSamples& motion,
                       Eigen::Index recorded, MotionController& controller,
                       const RunOptions& options, const std::atomic<bool>& stop) {
   require(options.rate > 0.0, "arm '", arm.robot().name, "': expected a positive rate.");
-  require(options.largest_error > 0.0 && options.approach_speed > 0.0, "arm '", arm.robot().name,
-          "': expected a positive largest error and approach speed.");
-  MotionRun run(arm, link, motion, recorded, controller, options, stop);
+  RunOptions all = options;
+  if (all.largest_error.size() == 0) all.largest_error = default_largest_errors(arm.robot());
+  require(all.largest_error.size() == arm.size() && all.largest_error.minCoeff() > 0.0 &&
+              options.approach_speed > 0.0,
+          "arm '", arm.robot().name, "': found ", all.largest_error.size(),
+          " largest errors, expected ", arm.size(),
+          " positive ones, and a positive approach speed.");
+  const MotionCheck check(arm, controller, motion.joints());
+  if (motion.joints() > 0) check.require_inside(motion, options.rate);
+  MotionRun run(arm, link, motion, recorded, controller, check, all, stop);
   arm.start();
   return run.run();
 }
 
 }  // namespace
+
+VectorXd default_largest_errors(const RobotConfig& robot) {
+  VectorXd out(robot.size());
+  for (int i = 0; i < robot.size(); ++i)
+    out[i] = robot.actuators[static_cast<size_t>(i)].prismatic ? kLargestErrorSliding
+                                                               : kLargestError;
+  return out;
+}
 
 // As if one motor worked at a time.
 VectorXd largest_torques(const ArmSession& arm) {
@@ -68,7 +71,6 @@ RunResult run_motion(ArmSession& arm, DatagramLink& link, const MotionSamples& m
   require(motion.dq.rows() == motion.rows() && motion.q.allFinite() && motion.dq.allFinite() &&
               motion.time.allFinite(),
           "arm '", arm.robot().name, "': found gaps in the motion, expected numbers.");
-  require_within_limits(arm, motion);
   controller.require_possible(motion);
   return run_checked(arm, link, motion, motion.joints(), controller, options, stop);
 }
@@ -97,40 +99,66 @@ RunResult run_in_place(ArmSession& arm, DatagramLink& link, double seconds, int 
   return run_checked(arm, link, none, joints, controller, at_once, stop);
 }
 
-LoopTiming watch(ArmSession& arm, DatagramLink& link, double seconds, double rate,
-                 const std::atomic<bool>& stop, const std::function<void(double)>& each) {
-  require(rate > 0.0 && seconds > 0.0, "arm '", arm.robot().name,
-          "': expected a positive rate and a positive time.");
-  arm.start();
-  CycleClock clock(link, rate);
+namespace {
+
+// Watches until the time is over, the signal comes, or `each` says that it is enough.
+// @returns why it ended too early; empty if it did not.
+std::string watch_while(ArmSession& arm, CycleClock& clock, DatagramLink& link, double seconds,
+                        const std::atomic<bool>& stop, const std::function<bool(double)>& each) {
   const double start = link.now();
   while (!stop.load(std::memory_order_relaxed)) {
     const double t = clock.begin() - start;
-    if (t > seconds) break;
-    if (arm.update()) each(t);
+    if (t > seconds) return "";
+    const bool valid = arm.update();
+    clock.read(arm.boards().bus().lay_seconds());
+    const bool goes_on = !valid || each(t);
     arm.commit();
     clock.end();
+    if (!goes_on) return "";
+    if (clock.persistently_late()) return late_words(clock);
   }
+  return "stopped by a signal";
+}
+
+void require_time(const ArmSession& arm, double seconds, double rate) {
+  require(rate > 0.0 && seconds > 0.0, "arm '", arm.robot().name,
+          "': expected a positive rate and a positive time.");
+}
+
+}  // namespace
+
+LoopTiming watch(ArmSession& arm, DatagramLink& link, double seconds, double rate,
+                 const std::atomic<bool>& stop, const std::function<void(double)>& each) {
+  require_time(arm, seconds, rate);
+  arm.start();
+  CycleClock clock(link, rate);
+  watch_while(arm, clock, link, seconds, stop, [&](double t) {
+    each(t);
+    return true;
+  });
   return clock.timing();
 }
 
 RunResult record_at_rest(ArmSession& arm, DatagramLink& link, double seconds, double rate,
-                         const std::atomic<bool>& stop) {
-  require(rate > 0.0 && seconds > 0.0, "arm '", arm.robot().name,
-          "': expected a positive rate and a positive time.");
+                         const std::atomic<bool>& stop, const std::string& recording) {
+  require_time(arm, seconds, rate);
   RowKeeper keeper(arm.size(), seconds, rate);
+  RowFile file(recording, keeper, arm.size());
   RunResult result;
-  result.timing =
-      watch(arm, link, seconds, rate, stop, [&](double t) { keeper.keep(t, arm.state()); });
-  result.complete = !stop.load(std::memory_order_relaxed);
-  if (!result.complete) result.why = "stopped by a signal";
+  arm.start();
+  CycleClock clock(link, rate);
+  result.why = watch_while(arm, clock, link, seconds, stop, [&](double t) {
+    keeper.keep(t, arm.state());
+    return !file.failed();
+  });
+  result.timing = clock.timing();
   result.rows = keeper.take(arm.size());
   const Eigen::Index rows = result.rows.rows();
   const double last = rows > 0 ? result.rows.time[rows - 1] : 0.0;
-  if (result.complete && seconds - last > kSilence) {
-    result.complete = false;
+  if (result.why.empty()) result.why = objection_to(result.timing);
+  if (result.why.empty() && !file.failed() && seconds - last > kSilence)
     result.why = text("no valid read after ", last, " s");
-  }
+  finish(file, result);
   return result;
 }
 

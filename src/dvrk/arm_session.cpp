@@ -69,6 +69,8 @@ SessionOptions session_options(const RobotConfig& robot, const ArmSessionOptions
   SessionOptions options;
   options.bus.protocol = how.protocol;
   options.bus.mtu = how.mtu;
+  options.bus.access = how.access;
+  options.bus.announce = how.announce;
   options.watchdog = how.watchdog;
   options.bus.cycle_time = how.rate > 0.0 ? 1.0 / how.rate : 0.0;
   options.bus.boards = boards_of(robot);
@@ -86,6 +88,7 @@ SessionOptions session_options(const RobotConfig& robot, const ArmSessionOptions
     if (k < robot.pot_tolerances.size() && pots_on_actuators(robot)) {
       safety.pot_tolerance = robot.pot_tolerances[k].distance;
       safety.pot_latency = robot.pot_tolerances[k].latency;
+      safety.watch_pot_rail = safety.pot_tolerance > 0.0;
     }
     if (!actuator.brake) continue;
     const BrakeConfig& brake = *actuator.brake;
@@ -123,7 +126,7 @@ void ArmSession::start() {
   require_velocities();
   // Encoders that cannot be loaded stand where they stand.
   homed_ = !robot().has_encoder_preload || !needs_homing();
-  if (homed_ || options_.homing == Homing::kNever) return;
+  if (homed_ || options_.homing == Homing::kNever || boards_.listens()) return;
   home();
   require(homing_.done, "robot '", robot().name,
           "': the encoders cannot be loaded: ", homing_.reason, ".");
@@ -199,6 +202,8 @@ void ArmSession::commit() noexcept {
 
 const char* ArmSession::power_on() noexcept {
   if (!homed_) return "the encoders were never loaded: home first";
+  if (!homing_.outside_limits.empty())
+    return "an actuator stands outside its soft limits by its pot: move it inside, home again";
   return boards_.power_on();
 }
 
@@ -227,6 +232,9 @@ std::string ArmSession::average_pots(VectorXd& mean) {
     return text("only ", readings, " of ", options_.pot_readings, " reads were valid");
   for (int i = 0; i < size(); ++i) {
     const ActuatorConfig& actuator = units_.robot().actuators[static_cast<std::size_t>(i)];
+    if (at_rail(mean[i]))
+      return text("the pot of actuator ", i, " reads ", actuator.bits_to_volts(mean[i]),
+                  " V, an end of its range: the arm stands outside, or a wire is gone");
     const double way = std::abs(actuator.volts_to_position.scale * actuator.bits_to_volts.scale) *
                        (high[i] - low[i]);
     if (way <= options_.pot_unrest * (actuator.upper - actuator.lower)) continue;
@@ -253,6 +261,7 @@ std::string ArmSession::load_encoders(const VectorXd& actuator_q) {
 }
 
 std::string ArmSession::load_from_pots() {
+  if (boards_.listens()) return "this session reads alone";
   if (!robot().has_encoder_preload) return "the configuration has no encoder preload";
   if (!robot().pot_lookup_table.empty())
     return "the pots need the lookup table " + robot().pot_lookup_table;

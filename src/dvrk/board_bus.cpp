@@ -23,6 +23,8 @@ Condition condition_of(ReadResult result) {
       return Condition::kWrongSize;
     case ReadResult::kWrongHeader:
       return Condition::kWrongHeader;
+    case ReadResult::kWrongCrc:
+      return Condition::kWrongCrc;
     case ReadResult::kDropped:
       return Condition::kDropped;
     case ReadResult::kNoReply:
@@ -45,6 +47,7 @@ BoardBus::BoardBus(DatagramLink& link, const BusOptions& options)
   require(options.reply_timeout > 0.0 && options.rescan_timeout > 0.0,
           "boards: timeouts must be positive.");
   require(options.mtu >= 576, "boards: found an MTU of ", options.mtu, ", expected 576 or more.");
+  if (listens() && !options.announce) listen();
   const std::set<int> ids(options.boards.begin(), options.boards.end());
   require(ids.size() == options.boards.size(), "boards: an id is given twice.");
   for (const int id : ids) {
@@ -55,6 +58,12 @@ BoardBus::BoardBus(DatagramLink& link, const BusOptions& options)
     b.zero.fill(kZeroCurrent);
     boards_.push_back(b);
   }
+}
+
+void BoardBus::listen() noexcept {
+  exchange_.listen_only(options_.protocol == CycleProtocol::kBroadcast
+                            ? Exchange::Queries::kAllowed
+                            : Exchange::Queries::kNone);
 }
 
 void BoardBus::note(Condition condition, int board, int channel, std::uint32_t value) noexcept {
@@ -90,6 +99,7 @@ void BoardBus::lose_noted(Board& b, Condition why, std::uint32_t word) noexcept 
 
 bool BoardBus::read() noexcept {
   ++cycles_;
+  exchange_.forget_lay();
   const double start = link_.now();
   if (state_ == BusState::kRunning && exchange_.generation_changed()) begin_scan();
   if (state_ != BusState::kRunning) {
@@ -97,7 +107,9 @@ bool BoardBus::read() noexcept {
     if (state_ == BusState::kScanning) scan_step();
     return false;
   }
-  if (protocol_ == CycleProtocol::kBroadcast) {
+  if (options_.access == Access::kListenByRegister) {
+    read_by_register();
+  } else if (protocol_ == CycleProtocol::kBroadcast) {
     read_broadcast();
   } else {
     read_sequential();
@@ -127,6 +139,41 @@ void BoardBus::read_sequential() noexcept {
       if (state_ == BusState::kRunning) begin_scan();
       return;
     }
+  }
+}
+
+// Words 1 to 31 of a real-time block, each from its register. The boards' timestamp has none.
+bool BoardBus::read_words(Board& b, QuadletSpan words) noexcept {
+  constexpr address::Offset kOffsets[] = {address::kAnalog,   address::kPosition, address::kPeriod,
+                                          address::kQuarter1, address::kQuarter5, address::kRunning,
+                                          address::kMotorStatus};
+  constexpr std::uint16_t kBoard[] = {address::kStatus, address::kDigitalIn, address::kTemperature};
+  const double passed = b.read_at < 0.0 ? 0.0 : std::max(0.0, link_.now() - b.read_at);
+  words.set(0, static_cast<std::uint32_t>(std::min(passed * kTicksPerSecond, 4e9)));
+  for (std::size_t k = 1; k < words.size(); ++k) {
+    const std::uint16_t where = k < 4 ? kBoard[k - 1]
+                                      : address::of_channel(static_cast<int>(k % kChannels),
+                                                            kOffsets[k / kChannels - 1]);
+    std::uint32_t value = 0;
+    const ReadResult result = exchange_.read(route(b), where, options_.reply_timeout, value);
+    if (result != ReadResult::kOk) {
+      lose(b, condition_of(result));
+      if (result == ReadResult::kDropped && state_ == BusState::kRunning) begin_scan();
+      return false;
+    }
+    words.set(k, value);
+  }
+  return true;
+}
+
+void BoardBus::read_by_register() noexcept {
+  for (Board& b : boards_) {
+    if (state_ != BusState::kRunning) {
+      lose(b, Condition::kDropped);
+      continue;
+    }
+    const QuadletSpan words({block_.data(), 4 * read_quadlets(b.info.firmware)});
+    if (read_words(b, words)) accept(b, QuadletView(words));
   }
 }
 
@@ -210,7 +257,9 @@ void BoardBus::check_timestamp(Board& b) noexcept {
 void BoardBus::check_commands(Board& b) noexcept {
   if (b.info.firmware < 8) return;
   for (size_t c = 0; c < kChannels; ++c) {
-    if (!b.has_sent[c] || b.feedback.channel[c].motor.command() == b.sent[c]) continue;
+    const std::uint16_t shown = b.feedback.channel[c].motor.command();
+    // The last write may still be on its way: a network may let a read overtake it.
+    if (!b.has_sent[c] || shown == b.sent[c] || shown == b.before[c]) continue;
     note(Condition::kNotEffective, b.info.id, static_cast<int>(c),
          b.feedback.channel[c].motor.word);
     ++b.lost_writes;

@@ -68,7 +68,7 @@ void BoardSession::check_temperature(int b, const BoardFeedback& f) noexcept {
     const double celsius = f.temperature.celsius(sensor);
     if (valid && celsius <= options_.warm) continue;
     const bool hot = valid && celsius > options_.hot;
-    note(Condition::kOutOfBounds, hot ? Reaction::kPowerOff : Reaction::kReport, b, -1,
+    note(Condition::kTemperature, hot ? Reaction::kPowerOff : Reaction::kReport, b, -1,
          f.temperature.word);
   }
 }
@@ -84,10 +84,15 @@ void BoardSession::check_channel(int b, int c, const BoardFeedback& f) noexcept 
   check_pot(b, c, one);
 }
 
-// #21, after the grace of section 14.5 #8.
+// #21: after the grace of section 14.5 #8, or at once where the board itself reports a fault (Rev 8).
 void BoardSession::check_amp(int b, int c, const BoardFeedback& f) noexcept {
   ChannelState& state = channel(b, c);
   const double now = link_.now();
+  const MotorStatus motor = f.channel[static_cast<size_t>(c)].motor;
+  if (checked_ == PowerState::kOn && bus_.info(b).firmware >= 8 && motor.amp_fault()) {
+    note(Condition::kAmpOff, Reaction::kAmpsOff, b, c, motor.word);
+    return;
+  }
   if (!had_power() || f.status.amp_on(c)) {
     state.amp_missing_since = -1.0;
     return;
@@ -135,7 +140,7 @@ void BoardSession::check_pot(int b, int c, const ChannelFeedback& one) noexcept 
   }
   if (state.pot_off_since < 0.0) state.pot_off_since = now;
   if (now - state.pot_off_since > s.pot_latency)
-    note(Condition::kOutOfBounds, Reaction::kPowerOff, b, c, one.pot);
+    note(Condition::kPot, Reaction::kPowerOff, b, c, one.pot);
 }
 
 }  // namespace veridyn::dvrk

@@ -52,6 +52,11 @@ void BoardEmulator::bus_reset(double seconds, const std::vector<int>& nodes) {
   if (!nodes.empty()) nodes_ = nodes;
 }
 
+void BoardEmulator::reboot(int place) {
+  board(place).reboot(now_);
+  bus_reset();
+}
+
 void BoardEmulator::advance(Ticks now) noexcept {
   if (!started_) {
     started_ = true;
@@ -71,7 +76,7 @@ void BoardEmulator::advance(Ticks now) noexcept {
       board(b).advance(now_, chain);
       for (int c = 0; c < kChannels; ++c)
         board(b).set_motion(c, motions_[static_cast<size_t>(kChannels * b + c)]);
-      if (board(b).reboot_requested) board(b).reboot(now_);
+      if (board(b).reboot_requested) reboot(b);
     }
   }
 }
@@ -89,7 +94,7 @@ Answer BoardEmulator::handle(ByteView datagram, Ticks now, ByteSpan reply) noexc
     ++counters_.malformed;
     return {};
   }
-  if (!request.crc_right) ++counters_.wrong_crc;  // the Ethernet side does not check (section 2.4)
+  if (!request.crc_right) ++counters_.wrong_crc;
   return execute(request, reply);
 }
 
@@ -98,6 +103,7 @@ Answer BoardEmulator::execute(const Request& request, ByteSpan reply) noexcept {
   const bool reads = request.tcode == Tcode::kQuadletRead || request.tcode == Tcode::kBlockRead;
   const bool broadcast = request.node == kBroadcastNode;
   const bool exempt = board(hub()).setup().firmware >= 9 && (request.flags & kNoForward) != 0;
+  echo_ = exempt ? kFlagNoForward : std::uint8_t{0};
   const bool stale = !broadcast && request.generation != generation_;
   if (!exempt && (resetting() || stale)) {
     ++counters_.dropped;
@@ -109,20 +115,32 @@ Answer BoardEmulator::execute(const Request& request, ByteSpan reply) noexcept {
     return {encode(dropped, Crc::kZero, reply), 0.0, false};
   }
   if (!reads) {
-    write(request);
+    ++counters_.writes;
+    if (!faults.lose_writes) write(request);
     return {};
   }
-  const int place = broadcast ? hub() : place_of(request.node);
-  if (place < 0) return {};
-  if (place != hub() && (request.flags & kNoForward) != 0) return {};
-  return read(request, place, reply);
+  const int place = reader_of(request);
+  return place < 0 ? Answer() : read(request, place, reply);
+}
+
+// Section 2.4. The Ethernet side does not check CRCs, but other boards do not take a packet whose
+// CRC is wrong.
+int BoardEmulator::reader_of(const Request& request) const noexcept {
+  const bool local = (request.flags & kNoForward) != 0;
+  const BoardSetup& its = boards_[static_cast<size_t>(hub())].setup();
+  const bool by_id = local && its.firmware >= 9;
+  if (request.node == kBroadcastNode) return local || its.firmware < 9 ? hub() : -1;
+  if (by_id) return request.node == its.id ? hub() : -1;
+  const int place = place_of(request.node);
+  const bool arrives = place == hub() || (!local && request.crc_right);
+  return arrives ? place : -1;
 }
 
 void BoardEmulator::write(const Request& request) noexcept {
-  const bool forwards = (request.flags & kNoForward) == 0;
+  const bool forwards = (request.flags & kNoForward) == 0 && request.crc_right;
   if (request.node != kBroadcastNode) {
-    const int place = place_of(request.node);
-    if (place >= 0 && (place == hub() || forwards)) write_to(board(place), request);
+    const int place = reader_of(request);
+    if (place >= 0) write_to(board(place), request);
     return;
   }
   for (int b = 0; b < boards(); ++b) {
@@ -142,18 +160,20 @@ void BoardEmulator::write_to(EmulatedBoard& b, const Request& request) noexcept 
   if (where == address::kPhyRequest) {  // register 0: node id; register 1: gap count
     const std::uint32_t number = request.data & 0xF;
     const int place = static_cast<int>(&b - boards_.data());
+    if ((request.data & 0x1F00) == 0x1100) gap_count_ = request.data & 0x3F;
     b.phy_result = (number << 8) | (number == 0   ? static_cast<std::uint32_t>(node_of(place)) << 2
-                                    : number == 1 ? 7U
+                                    : number == 1 ? gap_count_
                                                   : 0U);
   }
-  if (b.reboot_requested) b.reboot(now_);
+  if (b.reboot_requested) reboot(static_cast<int>(&b - boards_.data()));
 }
 
 Answer BoardEmulator::read(const Request& request, int place, ByteSpan out) noexcept {
   Reply reply;
   reply.destination = request.source;
   reply.label = request.label;
-  reply.node = static_cast<std::uint8_t>(node_of(place));
+  // Rev 9 answers what is meant for it alone with its board id (section 4.2).
+  reply.node = static_cast<std::uint8_t>(echo_ != 0 ? board(place).setup().id : node_of(place));
   reply.trailer = trailer(0);
   const auto where = static_cast<std::uint16_t>(request.address);
   if (request.tcode == Tcode::kQuadletRead) {
@@ -179,7 +199,7 @@ void BoardEmulator::read_block(const Request& request, int place, QuadletSpan ou
 
 Trailer BoardEmulator::trailer(std::uint8_t flags) const noexcept {
   Trailer t;
-  t.flags = static_cast<std::uint8_t>(flags | faults.flags);
+  t.flags = static_cast<std::uint8_t>(flags | faults.flags | echo_);
   t.generation = static_cast<std::uint8_t>(generation_ + faults.generation_ahead);
   t.packet_errors = faults.packet_errors;
   t.receive_ticks = receive_ticks;

@@ -1,3 +1,5 @@
+#include <algorithm>
+#include <array>
 #include <iomanip>
 #include <sstream>
 
@@ -12,6 +14,13 @@ namespace {
 constexpr double kAfterIpAddress = 0.200;  // [s] section 5, #1
 constexpr double kAfterPhyRequest = 0.010;
 constexpr int kScannedNodes = 16;
+
+// Gap counts that suffice for so many cable hops (IEEE 1394a-2000, annex E.1), from one hop on.
+constexpr std::array<std::uint8_t, 16> kGapCount = {5,  7,  8,  10, 13, 16, 18, 21,
+                                                    24, 26, 29, 32, 35, 37, 40, 43};
+constexpr std::uint32_t kGapCountNever = 63;  // that of power-up
+constexpr std::uint32_t kReadPhy1 = 1;
+constexpr std::uint32_t kWritePhy1 = 0x1100;
 
 Route hub_route() {
   return {kBroadcastNode, true, Destination::kEveryone};
@@ -28,14 +37,21 @@ std::string hex(std::uint32_t value) {
 void BoardBus::find_hub() {
   Route hub = hub_route();
   std::uint32_t hardware = 0, status = 0, firmware = 0, ethernet = 0;
-  exchange_.write(hub, address::kIpAddress, link_.address_word());
-  link_.wait(kAfterIpAddress);
+  const bool writes = !listens() || options_.announce;
+  if (writes) {
+    exchange_.write(hub, address::kIpAddress, link_.address_word());
+    link_.wait(kAfterIpAddress);
+  }
   const ReadResult answer =
       exchange_.read(hub, address::kHardware, options_.reply_timeout, hardware);
   require(answer != ReadResult::kNotSent, "boards: the link cannot send.");
-  require(answer == ReadResult::kOk, "boards: no board answers.");
-  exchange_.write(hub, address::kPhyRequest, 0);
-  link_.wait(kAfterPhyRequest);
+  require(answer == ReadResult::kOk, "boards: no board answers",
+          writes ? "." : ". Boards that were just switched on need --announce once.");
+  if (writes) {
+    exchange_.write(hub, address::kPhyRequest, 0);
+    link_.wait(kAfterPhyRequest);
+    if (listens()) listen();
+  }
   const double timeout = options_.reply_timeout;
   require(exchange_.read(hub, address::kStatus, timeout, status) == ReadResult::kOk &&
               exchange_.read(hub, address::kFirmware, timeout, firmware) == ReadResult::kOk,
@@ -66,6 +82,28 @@ void BoardBus::probe(int node, double timeout) noexcept {
   info.firmware = static_cast<int>(firmware);
   info.id = Status{info.status}.board();
   info.node = node;
+}
+
+// Section 5 #8: all nodes must wait for the same time, and after power-up they wait too long.
+void BoardBus::settle_gap_count() noexcept {
+  const Route all{kBroadcastNode, false, Destination::kBoard};
+  exchange_.write(all, address::kPhyRequest, kReadPhy1);
+  link_.wait(kAfterPhyRequest);
+  std::size_t nodes = 0;
+  std::uint32_t low = kGapCountNever, high = 0;
+  for (const BoardInfo& found : scan_.found) {
+    if (found.node < 0) continue;
+    ++nodes;
+    std::uint32_t result = 0;
+    const Route one{static_cast<std::uint8_t>(found.node), false, Destination::kBoard};
+    if (exchange_.read(one, address::kPhyResult, options_.reply_timeout, result) != ReadResult::kOk)
+      return;
+    low = std::min(low, result & 0x3F);
+    high = std::max(high, result & 0x3F);
+  }
+  if (nodes == 0 || (low == high && low > 0 && low < kGapCountNever)) return;
+  const std::size_t hops = std::min(std::max<std::size_t>(nodes, 2) - 1, kGapCount.size());
+  exchange_.write(all, address::kPhyRequest, kWritePhy1 + kGapCount[hops - 1]);
 }
 
 // Gives the boards in use their nodes.
@@ -123,6 +161,7 @@ std::string BoardBus::words_of(const Objection& objection) const {
 void BoardBus::choose_protocol() {
   const bool same = one_group();
   protocol_ = options_.protocol;
+  if (listens() && protocol_ != CycleProtocol::kBroadcast) protocol_ = CycleProtocol::kSequential;
   if (protocol_ == CycleProtocol::kAutomatic)
     protocol_ = same ? CycleProtocol::kBroadcastWrite : CycleProtocol::kSequential;
   if (!same && protocol_ != CycleProtocol::kSequential) {
@@ -152,6 +191,7 @@ void BoardBus::start() {
   const Objection wrong = assign();
   require(wrong.board < 0, "boards: ", wrong.board < 0 ? "" : words_of(wrong));
   choose_protocol();
+  if (!listens()) settle_gap_count();
   hub_node_ = 0;
   std::uint32_t status = 0;  // whoever answers to everyone is the hub
   if (exchange_.read(hub_route(), address::kStatus, options_.reply_timeout, status) ==

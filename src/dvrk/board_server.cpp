@@ -1,6 +1,7 @@
 #include "veridyn/dvrk/board_server.hpp"
 
 #include <arpa/inet.h>
+#include <ifaddrs.h>
 #include <poll.h>
 #include <sys/socket.h>
 #include <unistd.h>
@@ -19,6 +20,7 @@ namespace {
 
 constexpr double kUninterrupted = 2e-6;  // [s]
 constexpr double kLongestQueue = 0.1;    // [s]
+constexpr std::uint32_t kMulticast = 0xE0000064;  // 224.0.0.100
 
 double seconds_of(const timespec& at) {
   return static_cast<double>(at.tv_sec) + 1e-9 * static_cast<double>(at.tv_nsec);
@@ -54,6 +56,24 @@ ssize_t receive(int socket, ByteSpan buffer, sockaddr_in& from, double& came) {
   return got;
 }
 
+// From firmware 9 on hosts send to all boards by multicast (section 2.3), on whatever interface
+// leads to them.
+void join_multicast(int socket) {
+  ifaddrs* all = nullptr;
+  if (::getifaddrs(&all) != 0) return;
+  for (const ifaddrs* one = all; one != nullptr; one = one->ifa_next) {
+    if (one->ifa_addr == nullptr || one->ifa_addr->sa_family != AF_INET) continue;
+    sockaddr_in own{};
+    std::memcpy(&own, one->ifa_addr, sizeof own);
+    ip_mreq group{};
+    group.imr_multiaddr.s_addr = htonl(kMulticast);
+    group.imr_interface = own.sin_addr;
+    // An interface that is down, or one without multicast, is none that a host could use.
+    ::setsockopt(socket, IPPROTO_IP, IP_ADD_MEMBERSHIP, &group, sizeof group);
+  }
+  ::freeifaddrs(all);
+}
+
 }  // namespace
 
 BoardServer::BoardServer(BoardEmulator& emulator, std::uint16_t port)
@@ -77,6 +97,7 @@ BoardServer::BoardServer(BoardEmulator& emulator, std::uint16_t port)
   port_ = ntohs(at.sin_port);
   const int yes = 1;
   ::setsockopt(socket_, SOL_SOCKET, SO_TIMESTAMPNS, &yes, sizeof yes);
+  join_multicast(socket_);
 }
 
 BoardServer::~BoardServer() {

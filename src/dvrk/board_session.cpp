@@ -8,7 +8,8 @@
 namespace veridyn::dvrk {
 namespace {
 
-constexpr int kOffRepeats = 3;
+constexpr int kOffRepeats = 3;     // at least
+constexpr int kConfirmations = 2;
 constexpr double kOffPause = 0.001;       // [s] between repeats
 constexpr int kAmpsFirst = 2;             // cycles with amplifiers off before the supply goes
 constexpr double kObeyBlocks = 0.005;     // [s] in which "off" must show, else by register
@@ -30,6 +31,22 @@ const char* describe(PowerState state) {
       return "on";
     case PowerState::kFault:
       return "fault";
+  }
+  return "";
+}
+
+const char* describe(OffState state) {
+  switch (state) {
+    case OffState::kConfirmed:
+      return "power is off";
+    case OffState::kNotAsked:
+      return "nothing was written";
+    case OffState::kPowerOn:
+      return "amplifiers are off, but a board still requests motor power";
+    case OffState::kAmpsOn:
+      return "an amplifier is still on";
+    case OffState::kUnknown:
+      return "a board does not say whether it is off";
   }
   return "";
 }
@@ -69,10 +86,11 @@ void BoardSession::start() {
   all_valid_ = false;
   bus_.start();
   started_ = true;
+  position_reliable_ = true;
+  if (listens()) return;
   bus_.switch_off(BoardBus::Off::kPower);
   require(bus_.set_watchdog(options_.watchdog),
           "boards: a watchdog does not take the period that it was given.");
-  position_reliable_ = true;
 }
 
 // The reaction that is worse stays; nothing leads out of kFault but acknowledge().
@@ -176,6 +194,7 @@ bool BoardSession::amps_stay_on() const noexcept {
 }
 
 void BoardSession::commit() noexcept {
+  if (listens()) return;
   const bool off = state_ == PowerState::kOff || state_ == PowerState::kFault;
   const double in_state = link_.now() - entered_;
   if (off && in_state > kObeyBlocks && amps_stay_on()) {
@@ -218,6 +237,7 @@ void BoardSession::commit() noexcept {
 }
 
 const char* BoardSession::power_on() noexcept {
+  if (listens()) return "this session reads alone";
   if (state_ == PowerState::kFault) return "a fault was not acknowledged";
   if (state_ != PowerState::kOff) return "power is on, or on the way";
   if (bus_.state() != BusState::kRunning) return "the boards are not known";
@@ -233,6 +253,8 @@ const char* BoardSession::power_on() noexcept {
     }
     for (int c = 0; c < kChannels; ++c) {
       if (!safety(b, c).used) continue;
+      if (safety(b, c).watch_pot_rail && at_rail(f.channel[static_cast<size_t>(c)].pot))
+        return "a pot is at the end of its range: outside, or its wire is gone";
       const EncoderWords& words = f.channel[static_cast<size_t>(c)].encoder;
       if (encoder_overflow(words.position)) return "an encoder has run over";
       if (bus_.info(b).firmware >= 7 && encoder_error(words.period))
@@ -262,23 +284,43 @@ bool BoardSession::acknowledge() noexcept {
   return true;
 }
 
-bool BoardSession::shutdown() noexcept {
-  if (!started_) return true;
-  power_off_asked_ = true;
-  if (state_ != PowerState::kFault) enter(PowerState::kOff);
-  for (int k = 0; k < kOffRepeats; ++k) {
-    bus_.switch_off(BoardBus::Off::kPower);
-    link_.wait(kOffPause);
-  }
-  bool off = true;
+// By status registers: what the last block said may be old.
+OffState BoardSession::seen_off() noexcept {
+  OffState worst = OffState::kConfirmed;
   for (int b = 0; b < bus_.boards(); ++b) {
     std::uint32_t word = 0;
-    bool seen = false;
-    if (bus_.state() == BusState::kRunning) seen = bus_.read_register(b, address::kStatus, word);
-    const Status status{word};
-    off = off && seen && (word & control::kAmpsOff) == 0 && !status.power_requested();
+    if (bus_.state() != BusState::kRunning || !bus_.read_register(b, address::kStatus, word) ||
+        Status{word}.board() != bus_.info(b).id)
+      return OffState::kUnknown;
+    if ((word & control::kAmpsOff) != 0) {
+      worst = OffState::kAmpsOn;
+    } else if (Status{word}.power_requested() && worst == OffState::kConfirmed) {
+      worst = OffState::kPowerOn;
+    }
   }
-  return off;
+  return worst;
+}
+
+OffState BoardSession::shutdown() noexcept {
+  if (!started_ || listens()) return OffState::kNotAsked;
+  power_off_asked_ = true;
+  if (state_ != PowerState::kFault) enter(PowerState::kOff);
+  const double until = link_.now() + options_.off_timeout;
+  OffState seen = OffState::kUnknown;
+  int confirmed = 0;  // in a row: one reply may be corrupt
+  for (int k = 0; k < kOffRepeats || (confirmed < kConfirmations && link_.now() < until); ++k) {
+    bus_.switch_off(BoardBus::Off::kPower);
+    if (k % 2 == 1 && bus_.state() == BusState::kRunning) {
+      for (int b = 0; b < bus_.boards(); ++b) bus_.switch_off_by_register(b, BoardBus::Off::kPower);
+    }
+    link_.wait(kOffPause);
+    if (bus_.state() != BusState::kRunning) bus_.read();  // looks for boards that changed nodes
+    if (k + 1 < kOffRepeats) continue;
+    seen = seen_off();
+    confirmed = seen == OffState::kConfirmed ? confirmed + 1 : 0;
+    if (seen == OffState::kUnknown) bus_.read();
+  }
+  return confirmed >= kConfirmations || seen != OffState::kConfirmed ? seen : OffState::kUnknown;
 }
 
 bool BoardSession::preload(int b, int c, std::int32_t counts) noexcept {

@@ -19,6 +19,7 @@ Route everyone() {
 void BoardBus::remember(Board& b) noexcept {
   for (size_t c = 0; c < kChannels; ++c) {
     if (!b.command.channel[c].valid) continue;
+    b.before[c] = b.has_sent[c] ? b.sent[c] : b.command.channel[c].value;
     b.sent[c] = b.command.channel[c].value;
     b.has_sent[c] = true;
   }
@@ -27,6 +28,7 @@ void BoardBus::remember(Board& b) noexcept {
 }
 
 void BoardBus::write() noexcept {
+  if (listens()) return;
   if (state_ != BusState::kRunning || exchange_.generation_changed()) {
     switch_off(Off::kAmps);
   } else {
@@ -57,6 +59,7 @@ void BoardBus::write_blocks() noexcept {
 }
 
 void BoardBus::switch_off(Off what) noexcept {
+  if (listens()) return;
   const std::uint32_t word = control::kAmpsOff | (what == Off::kPower ? control::kPowerOff : 0U);
   const QuadletSpan all({block_.data(), block_.size()});
   std::size_t at = 0;
@@ -85,6 +88,7 @@ void BoardBus::switch_off(Off what) noexcept {
 }
 
 bool BoardBus::switch_off_by_register(int b, Off what) noexcept {
+  if (listens()) return false;
   const std::uint32_t word = control::kAmpsOff | (what == Off::kPower ? control::kPowerOff : 0U);
   return write_register(b, address::kStatus, word);
 }
@@ -95,6 +99,7 @@ bool BoardBus::read_register(int b, std::uint16_t where, std::uint32_t& value) n
 }
 
 bool BoardBus::write_register(int b, std::uint16_t where, std::uint32_t value) noexcept {
+  if (listens()) return false;
   return exchange_.write(route(boards_[static_cast<size_t>(b)]), where, value);
 }
 
@@ -109,6 +114,7 @@ bool BoardBus::write_checked(int b, std::uint16_t where, std::uint32_t value) no
 }
 
 bool BoardBus::set_watchdog(double seconds) noexcept {
+  if (listens()) return false;
   const double counts = std::round(seconds * kTicksPerSecond / kWatchdogTicks);
   watchdog_counts_ = static_cast<std::uint32_t>(std::clamp(counts, 1.0, 65535.0));
   // Never the value of power-up, so that a board that was rebooted gives itself away.

@@ -80,13 +80,27 @@ void EmulatedBoard::check_current(Channel& c, std::uint16_t measured) noexcept {
   if (now_ - c.exceeds_since >= kTripAfter) c.tripped = true;
 }
 
-void EmulatedBoard::clear_trips() noexcept {
+void EmulatedBoard::clear_watchdog() noexcept {
   watchdog_tripped_ = false;
   last_write_ = now_;
-  for (Channel& c : channels_) {
-    c.tripped = false;
-    c.exceeds_since = -1;
+}
+
+void EmulatedBoard::clear_trip(Channel& c) noexcept {
+  c.tripped = false;
+  c.exceeds_since = -1;
+}
+
+// About Gaussian: the sum of four numbers that are even between -1 and 1 has a variance of 4/3.
+double EmulatedBoard::noise(double deviation) noexcept {
+  if (deviation <= 0.0) return 0.0;
+  double sum = 0.0;
+  for (int k = 0; k < 4; ++k) {
+    random_ ^= random_ << 13;
+    random_ ^= random_ >> 7;
+    random_ ^= random_ << 17;
+    sum += static_cast<double>(random_ >> 11) * 0x1p-52 - 1.0;
   }
+  return deviation * sum * 0.8660254037844386;
 }
 
 // Section 14.2.
@@ -110,7 +124,10 @@ void EmulatedBoard::apply_command(const BoardCommand& command) noexcept {
       c.mode = told.mode;
     }
     if (setup_.firmware < 8) continue;
-    if (told.amp == AmpRequest::kOn) clear_trips();
+    if (told.amp == AmpRequest::kOn) {  // of this channel alone
+      clear_watchdog();
+      clear_trip(c);
+    }
     apply_amp(c, told.amp, power_requested_);
   }
   const std::uint32_t honoured = setup_.firmware >= 9 ? ~0U : control::kRealTimeBits;
@@ -121,10 +138,11 @@ void EmulatedBoard::apply_control(std::uint32_t word) noexcept {
   const bool power_before = power_requested_;
   const bool enables_power = (word & control::kPowerOn) == control::kPowerOn;
   const std::uint32_t amps_on = (word >> 8) & word & 0xFU;
-  if (enables_power || amps_on != 0) clear_trips();
+  if (enables_power || amps_on != 0) clear_watchdog();
   for (int k = 0; k < kChannels; ++k) {
     const bool masked = ((word >> (8 + k)) & 1U) != 0;
     const bool on = ((word >> k) & 1U) != 0;
+    if (enables_power || (masked && on)) clear_trip(channels_[static_cast<size_t>(k)]);
     apply_amp(channels_[static_cast<size_t>(k)],
               !masked ? AmpRequest::kKeep
               : on    ? AmpRequest::kOn
@@ -157,6 +175,9 @@ MotorDrive EmulatedBoard::drive(int channel) const noexcept {
 void EmulatedBoard::set_motion(int channel, const ChannelMotion& motion) noexcept {
   Channel& c = channels_[static_cast<size_t>(channel)];
   c.motion = motion;
+  c.motion.pot_bits += noise(setup_.pot_noise) + faults.pot[static_cast<size_t>(channel)];
+  if (faults.pot_wire[static_cast<size_t>(channel)]) c.motion.pot_bits = 0.0;
+  c.motion.current_bits += noise(setup_.current_noise);
   c.encoder.move(motion.counts, now_);
 }
 
@@ -234,6 +255,8 @@ std::uint32_t EmulatedBoard::digital_word() const noexcept {
 bool EmulatedBoard::write_block(std::uint16_t where, QuadletView block) noexcept {
   if ((where >> 12) != 0) {  // other spaces hold nothing that acts on the arm
     last_write_ = now_;
+    for (std::size_t k = 0; k < block.size() && (where >> 12) == 8; ++k)
+      waveform_[((where & 0xFFFU) + k) % waveform_.size()] = block[k];
     return true;
   }
   BoardCommand command;

@@ -10,7 +10,12 @@ namespace {
 
 constexpr std::uint32_t kFpgaPromRead = 0x03000000;  // section 7.6
 constexpr std::uint32_t kFpgaSerialAt = 0x1FFF00;
+constexpr std::uint32_t kFpgaPromIdentify = 0x9F000000;
+constexpr std::uint32_t kFpgaPromStatus = 0x05000000;
+constexpr std::uint32_t kFpgaPromId = 0x00202015;
 constexpr std::uint32_t kQlaPromRead = 0xFE000000;
+constexpr std::uint32_t kQlaPromReadByte = 0x03000000;
+constexpr std::uint32_t kDallasFamily = 0x0B;  // DS2505
 constexpr std::uint32_t kFpgaPromWords = 64;
 
 // The string, then 0xFF.
@@ -56,6 +61,8 @@ std::uint32_t EmulatedBoard::read_channel(int channel, int offset) const noexcep
 std::uint32_t EmulatedBoard::read(std::uint16_t where) const noexcept {
   if (where == address::kHubQuery) return query;
   if (where == 0x3001) return 0;  // QLA PROM: idle
+  if (where == 0x3002) return qla_prom_result_;
+  if ((where >> 12) == 8) return waveform_[where & 0x3FFU];
   if ((where >> 12) != 0) return 0;
   const int channel = ((where >> 4) & 0xF) - 1;
   if (channel >= 0) return channel < kChannels ? read_channel(channel, where & 0xF) : 0;
@@ -74,6 +81,8 @@ std::uint32_t EmulatedBoard::read(std::uint16_t where) const noexcept {
       return outputs_;
     case address::kFirmware:
       return static_cast<std::uint32_t>(setup_.firmware);
+    case address::kDallas:
+      return setup_.dallas.empty() ? 0 : kDallasFamily << 24;
     case address::kFpgaPromResult:
       return fpga_prom_result_;
     case address::kDigitalIn:
@@ -121,19 +130,37 @@ void EmulatedBoard::write_channel(int channel, int offset, std::uint32_t data) n
 
 // Section 7.6: serial numbers.
 void EmulatedBoard::command_prom(std::uint32_t command) noexcept {
-  if ((command & 0xFF000000U) == kFpgaPromRead) {
-    fill(fpga_prom_, (command & 0xFFFFFFU) == kFpgaSerialAt ? setup_.fpga_serial : "");
-    fpga_prom_result_ = kFpgaPromWords;
-  } else if ((command & 0xFF000000U) == kQlaPromRead) {
-    const std::size_t first = (command >> 8) & 0xFFFF;
-    fill(qla_prom_, first < setup_.qla_serial.size() ? setup_.qla_serial.substr(first) : "");
+  switch (command & 0xFF000000U) {
+    case kFpgaPromRead:
+      fill(fpga_prom_, (command & 0xFFFFFFU) == kFpgaSerialAt ? setup_.fpga_serial : "");
+      fpga_prom_result_ = kFpgaPromWords;
+      break;
+    case kFpgaPromIdentify:
+      fpga_prom_result_ = kFpgaPromId;
+      break;
+    case kFpgaPromStatus:
+      fpga_prom_result_ = 0;
+      break;
+    default:
+      break;
   }
+}
+
+void EmulatedBoard::command_qla_prom(std::uint32_t command) noexcept {
+  const std::size_t first = (command >> 8) & 0xFFFF;
+  const bool there = first < setup_.qla_serial.size();
+  if ((command & 0xFF000000U) == kQlaPromRead)
+    fill(qla_prom_, there ? setup_.qla_serial.substr(first) : "");
+  if ((command & 0xFF000000U) == kQlaPromReadByte)
+    qla_prom_result_ = there ? static_cast<std::uint8_t>(setup_.qla_serial[first]) : 0xFFU;
 }
 
 void EmulatedBoard::write(std::uint16_t where, std::uint32_t data) noexcept {
   last_write_ = now_;
   if (where == address::kHubQuery) query = data;
-  if (where == address::kQlaPromCommand || where == address::kFpgaPromCommand) command_prom(data);
+  if (where == address::kQlaPromCommand) command_qla_prom(data);
+  if (where == address::kFpgaPromCommand) command_prom(data);
+  if ((where >> 12) == 8) waveform_[where & 0x3FFU] = data;
   if ((where >> 12) != 0) return;
   const int channel = ((where >> 4) & 0xF) - 1;
   if (channel >= 0) {
@@ -168,7 +195,16 @@ void EmulatedBoard::read_block(std::uint16_t where, QuadletSpan out) noexcept {
   };
   if ((where & 0xFF00) == address::kQlaPromData) return copy(qla_prom_, where & 0xFFU);
   if ((where >> 12) == 2) return copy(fpga_prom_, where & 0xFFFU);
+  if ((where >> 12) == 6) {
+    const QuadletView chip(ByteView{setup_.dallas.data(), setup_.dallas.size() / 4 * 4});
+    for (std::size_t k = 0; k < out.size(); ++k) out.set(k, chip[(where & 0xFFFU) + k]);
+    return;
+  }
   for (std::size_t k = 0; k < out.size(); ++k) out.set(k, 0);
+  if ((where >> 12) == 8) {
+    for (std::size_t k = 0; k < out.size(); ++k)
+      out.set(k, read(static_cast<std::uint16_t>(where + k)));
+  }
   if ((where >> 12) != 0) return;
   // Section 9: the address is a word index into the real-time block.
   std::array<std::uint8_t, 128> block{};

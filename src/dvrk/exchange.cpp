@@ -3,6 +3,7 @@
 namespace veridyn::dvrk {
 namespace {
 
+constexpr std::uint16_t kHubQuery = address::kHubQuery;
 constexpr int kMostStale = 64;  // datagrams that one drain takes out of the queue
 
 }  // namespace
@@ -85,6 +86,7 @@ ReadResult Exchange::await(const Request& request, double timeout, Reply& reply)
       log_.note(Condition::kForeignSender, now);
       continue;
     }
+    lay_ += arrival.lay;
     const ByteView datagram{in_.data(), arrival.size};
     const Malformed malformed = decode(datagram, reply);
     if (malformed == Malformed::kNone) take_trailer(reply.trailer);
@@ -93,7 +95,10 @@ ReadResult Exchange::await(const Request& request, double timeout, Reply& reply)
     if (result == ReadResult::kDropped) log_.note(Condition::kDropped, now);
     if (result == ReadResult::kWrongSize) log_.note(Condition::kWrongSize, now, -1, -1, size);
     if (result == ReadResult::kWrongHeader) log_.note(Condition::kWrongHeader, now);
-    if (result == ReadResult::kOk && !reply.crc_right) log_.note(Condition::kWrongCrc, now);
+    if (result == ReadResult::kOk && !reply.crc_right) {
+      log_.note(Condition::kWrongCrc, now);
+      return ReadResult::kWrongCrc;
+    }
     const bool late = malformed == Malformed::kNone && reply.kind != Reply::Kind::kDropped &&
                       reply.label != request.label;
     if (!late) return result;
@@ -127,12 +132,14 @@ ReadResult Exchange::read_block(const Route& route, std::uint16_t address, std::
 }
 
 bool Exchange::write(const Route& route, std::uint16_t address, std::uint32_t value) noexcept {
+  if (listens_ && !(queries_ && address == kHubQuery)) return true;
   Request r = request(route, Tcode::kQuadletWrite, address);
   r.data = value;
   return send(r, route);
 }
 
 bool Exchange::write_block(const Route& route, std::uint16_t address, QuadletView block) noexcept {
+  if (listens_) return true;
   Request r = request(route, Tcode::kBlockWrite, address);
   r.block = block;
   return send(r, route);

@@ -1,6 +1,11 @@
 #include "veridyn/dvrk/fault_log.hpp"
 
+#include <iomanip>
 #include <sstream>
+
+#include "veridyn/dvrk/analog.hpp"
+#include "veridyn/dvrk/protocol.hpp"
+#include "veridyn/math/require.hpp"
 
 namespace veridyn::dvrk {
 
@@ -51,7 +56,7 @@ const char* describe(Condition condition) {
     case Condition::kCurrentTrip:
       return "the board's current check has tripped";
     case Condition::kOutOfBounds:
-      return "current, temperature or pot out of bounds";
+      return "a motor current out of bounds";
     case Condition::kEncoder:
       return "an encoder cannot be trusted";
     case Condition::kRebooted:
@@ -66,8 +71,46 @@ const char* describe(Condition condition) {
       return "sending failed";
     case Condition::kForeignSender:
       return "a datagram from elsewhere";
+    case Condition::kTemperature:
+      return "a board is too warm, or its temperature is not known";
+    case Condition::kPot:
+      return "a pot disagrees with its encoder";
   }
   return "";
+}
+
+int number_in_section_17(Condition condition) {
+  const bool more = condition == Condition::kTemperature || condition == Condition::kPot;
+  return static_cast<int>(more ? Condition::kOutOfBounds : condition);
+}
+
+std::string describe_found(Condition condition, std::uint32_t value) {
+  const auto celsius = [](std::uint32_t half_degrees) {
+    return half_degrees == 0xFF ? std::string("none") : text(0.5 * half_degrees, " deg C");
+  };
+  std::ostringstream out;
+  switch (condition) {
+    case Condition::kTemperature:
+      out << celsius((value >> 8) & 0xFF) << " and " << celsius(value & 0xFF);
+      break;
+    case Condition::kPot:
+      out << std::setprecision(3) << value * 4.5 / 65536 << " V of 4.5 V";
+      break;
+    case Condition::kOutOfBounds:
+      out << std::setprecision(3) << kNominalBitsToAmps(value) << " A before calibration";
+      break;
+    case Condition::kTimestamp:
+      out << std::setprecision(3) << 1e3 * (value + 1.0) / kTicksPerSecond << " ms";
+      break;
+    case Condition::kWrongSize:
+    case Condition::kStaleReply:
+    case Condition::kTooLarge:
+      out << value << " bytes";
+      break;
+    default:
+      out << "0x" << std::hex << value;
+  }
+  return out.str();
 }
 
 void FaultLog::note(Condition condition, double now, int board, int channel,
@@ -89,7 +132,7 @@ std::string FaultLog::report() const {
     out << describe(condition) << " (" << entry.count << " times";
     if (entry.board >= 0) out << ", board " << entry.board;
     if (entry.channel >= 0) out << ", channel " << entry.channel + 1;
-    out << ", found 0x" << std::hex << entry.value << std::dec << ")\n";
+    out << ", found " << describe_found(condition, entry.value) << ")\n";
   }
   return out.str();
 }

@@ -5,8 +5,8 @@
 
 #include "json_text.hpp"
 #include "veridyn/dvrk/gravity_chain.hpp"
-#include "recordings/csv_layout.hpp"
-#include "recordings/csv_lines.hpp"
+#include "recordings/csv/csv_layout.hpp"
+#include "recordings/csv/csv_lines.hpp"
 #include "veridyn/math/require.hpp"
 #include "model/suggestion.hpp"
 

@@ -1,3 +1,5 @@
+#include <algorithm>
+#include <cmath>
 #include <map>
 #include <set>
 #include <utility>
@@ -8,6 +10,8 @@
 
 namespace veridyn::dvrk {
 namespace {
+
+constexpr double kMostBits = 65535.0;
 
 // Who has which motor channel.
 class Channels {
@@ -24,6 +28,16 @@ class Channels {
   std::string file_;
   std::map<std::pair<int, int>, std::string> owners_;
 };
+
+// Section 12: the converter has 16 bits, at either side of the calibrated zero.
+void require_current_within_converter(const LinearScale& amps_to_bits, double max_current,
+                                      const std::string& file, const std::string& who) {
+  if (!(max_current > 0.0) || amps_to_bits.scale == 0.0) return;
+  const double room = std::min(amps_to_bits.offset, kMostBits - amps_to_bits.offset);
+  const double possible = room / std::abs(amps_to_bits.scale);
+  require(max_current <= possible, file, ": ", who, ": found MaxCurrent ", max_current,
+          " A, expected at most ", possible, " A, the end of the converter.");
+}
 
 template <typename Items>
 void require_unique_names(const Items& items, const std::string& what, const std::string& file) {
@@ -51,8 +65,12 @@ void check_io_config(const IoConfig& config, const std::string& file) {
       const ActuatorConfig& actuator = robot.actuators[static_cast<std::size_t>(k)];
       const std::string who = text("Robot ", robot.name, "/Actuator ", k);
       channels.take(actuator.board, actuator.axis, who);
+      require_current_within_converter(actuator.amps_to_bits, actuator.max_current, file, who);
       if (actuator.brake)
         channels.take(actuator.brake->board, actuator.brake->axis, who + "'s brake");
+      if (actuator.brake)
+        require_current_within_converter(actuator.brake->amps_to_bits, actuator.brake->max_current,
+                                         file, who + "'s brake");
       const auto [known, is_new] = hardware.try_emplace(actuator.board, robot.hardware);
       require(is_new || known->second == robot.hardware, file, ": ", who, ": found board ",
               actuator.board, " as ", robot.hardware, ", expected ", known->second,

@@ -191,18 +191,17 @@ void ModelController::require_tip_led(const MotionSamples& motion) const {
   }
 }
 
+MotionLimits ModelController::limits() const {
+  MotionLimits out;
+  out.lower = limits_.lower;
+  out.upper = limits_.upper;
+  out.velocity = limits_.velocity;
+  out.braking = limits_.braking;
+  for (const Coordinate& c : model_.coordinates()) out.names.push_back(c.name);
+  return out;
+}
+
 void ModelController::require_possible(const MotionSamples& motion) const {
-  const auto n = std::min<Eigen::Index>(motion.joints(), q_.size());
-  for (Eigen::Index j = 0; j < n; ++j) {
-    const std::string& name = name_of(j);
-    const double low = motion.q.col(j).minCoeff(), high = motion.q.col(j).maxCoeff();
-    require(low >= limits_.lower[j] && high <= limits_.upper[j], "motion: takes joint ", name,
-            " from ", low, " to ", high, ", expected ", limits_.lower[j], " to ", limits_.upper[j],
-            " (limits of the robot file).");
-    const double fastest = motion.dq.col(j).cwiseAbs().maxCoeff();
-    require(fastest <= limits_.velocity[j], "motion: moves joint ", name, " with ", fastest,
-            ", expected at most ", limits_.velocity[j], " (limits of the robot file).");
-  }
   if (options_.law != ControlLaw::kImpedance) return;
   require(motion.joints() >= q_.size(), "motion: found ", motion.joints(), " joints, expected ",
           q_.size(), " of the model, which move the tip.");

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "approach.hpp"
+#include "run_end.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn::dvrk {
@@ -14,7 +15,8 @@ constexpr double kLooking = 0.1;  // [s] of reading before power is asked for
 }  // namespace
 
 MotionRun::MotionRun(ArmSession& arm, DatagramLink& link, const MotionSamples& motion,
-                     Eigen::Index recorded, MotionController& controller, const RunOptions& options,
+                     Eigen::Index recorded, MotionController& controller,
+                     const MotionCheck& check, const RunOptions& options,
                      const std::atomic<bool>& stop)
     : arm_(arm),
       link_(link),
@@ -23,7 +25,9 @@ MotionRun::MotionRun(ArmSession& arm, DatagramLink& link, const MotionSamples& m
       recorded_(recorded),
       points_(motion),
       controller_(controller),
+      check_(check),
       keeper_(arm.size(), points_.duration(), options.rate),
+      file_(options.recording, keeper_, recorded),
       clock_(link, options.rate),
       wanted_(arm.size()),
       tau_(VectorXd::Zero(arm.size())) {}
@@ -33,10 +37,12 @@ RunResult MotionRun::run() {
   RunResult result;
   result.timing = clock_.timing();
   if (done) hold(options_.settle);
-  power_down();
+  result.power = power_down();
   result.rows = keeper_.take(recorded_);
-  result.complete = done && why_.empty();
   result.why = why_;
+  if (result.why.empty()) result.why = objection_to(result.timing);
+  finish(file_, result);
+  result.complete = result.complete && done && result.power == OffState::kConfirmed;
   return result;
 }
 
@@ -45,6 +51,7 @@ template <typename Make>
 bool MotionRun::cycle(Make&& make) {
   const double now = clock_.begin();
   const bool valid = arm_.update();
+  clock_.read(arm_.boards().bus().lay_seconds());
   const PowerState state = arm_.boards().state();
   const bool ready = arm_.ready();  // brakes are open as well
   bool sound = true;
@@ -58,7 +65,9 @@ bool MotionRun::cycle(Make&& make) {
   if (!sound) return end(controller_.why());
   if (stop_.load(std::memory_order_relaxed)) return end("stopped by a signal");
   if (state == PowerState::kFault) return end(describe(arm_.boards().cause()));
-  return !valid || !ready || follows();
+  if (clock_.persistently_late()) return end(late_words(clock_));
+  if (file_.failed()) return end("the recording cannot be written");
+  return !valid || !ready || (stays_inside() && follows());
 }
 
 bool MotionRun::control(double now) noexcept {
@@ -74,12 +83,24 @@ void MotionRun::forget() noexcept {
   before_ = -1.0;
 }
 
+bool MotionRun::stays_inside() {
+  const int actuator = check_.leaving(arm_.state());
+  if (actuator < 0) return true;
+  return end(text("actuator ", actuator, " leaves its soft limits: ",
+                  arm_.state().actuator_q[actuator], " with a velocity of ",
+                  arm_.state().actuator_dq[actuator]));
+}
+
 bool MotionRun::follows() {
   if (!controller_.follows()) return true;
   Eigen::Index joint = 0;
-  const double off = (wanted_.q - arm_.state().q).cwiseAbs().maxCoeff(&joint);
-  if (off <= options_.largest_error) return true;
-  return end(text("joint ", joint + 1, " is ", off, " off its set point",
+  const VectorXd& most = options_.largest_error;
+  const double share =
+      (wanted_.q - arm_.state().q).cwiseAbs().cwiseQuotient(most).maxCoeff(&joint);
+  if (share <= 1.0) return true;
+  const bool slides = arm_.robot().actuators[static_cast<size_t>(joint)].prismatic;
+  return end(text("joint ", joint + 1, " is ", share * most[joint], slides ? " m" : " rad",
+                  " off its set point",
                   arm_.command().clipped ? ", with a current at its limit" : ""));
 }
 
@@ -92,6 +113,8 @@ bool MotionRun::power_up() {
   for (int k = 0; k < static_cast<int>(kLooking * options_.rate); ++k) {
     if (!cycle([](double) {})) return false;
   }
+  const std::string outside = check_.objection_to(arm_.state().q);
+  if (!outside.empty()) return end(outside);
   if (const char* refused = arm_.power_on()) return end(refused);
   for (int k = 0; k < static_cast<int>(options_.power_timeout * options_.rate); ++k) {
     if (!cycle([this](double) { hold_here(); })) return false;
@@ -164,15 +187,14 @@ void MotionRun::hold(double seconds) {
   }
 }
 
-void MotionRun::power_down() {
+OffState MotionRun::power_down() {
   arm_.boards().power_off();
   for (int k = 0; k < 10; ++k) {
     clock_.begin();
     arm_.update();
     arm_.commit();
   }
-  if (!arm_.boards().shutdown() && why_.empty())
-    why_ = "the boards did not confirm that they are off";
+  return arm_.boards().shutdown();
 }
 
 }  // namespace veridyn::dvrk

@@ -5,6 +5,8 @@
 #include <string>
 
 #include "cycle_clock.hpp"
+#include "motion_check.hpp"
+#include "row_file.hpp"
 #include "row_keeper.hpp"
 #include "set_points.hpp"
 #include "veridyn/dvrk/arm_run.hpp"
@@ -17,7 +19,8 @@ class MotionRun {
  public:
   /// @param recorded  joints that are kept. All references outlive the run.
   MotionRun(ArmSession& arm, DatagramLink& link, const MotionSamples& motion, Eigen::Index recorded,
-            MotionController& controller, const RunOptions& options, const std::atomic<bool>& stop);
+            MotionController& controller, const MotionCheck& check, const RunOptions& options,
+            const std::atomic<bool>& stop);
 
   /// Call it once.
   RunResult run();
@@ -27,6 +30,7 @@ class MotionRun {
   bool cycle(Make&& make);
   bool control(double now) noexcept;
   void forget() noexcept;
+  bool stays_inside();
   bool follows();
   bool end(const std::string& why);
   bool power_up();
@@ -35,7 +39,7 @@ class MotionRun {
   bool approach();
   bool play();
   void hold(double seconds);
-  void power_down();
+  OffState power_down();
 
   ArmSession& arm_;
   DatagramLink& link_;
@@ -44,7 +48,9 @@ class MotionRun {
   Eigen::Index recorded_;  // joints
   SetPoints points_;
   MotionController& controller_;
+  const MotionCheck& check_;
   RowKeeper keeper_;
+  RowFile file_;
   CycleClock clock_;
   JointReference wanted_;
   VectorXd tau_;

@@ -50,6 +50,30 @@ SimulatedArm::SimulatedArm(Engine& engine, const RobotConfig& robot,
   engine_.set_state(q, rest_);
 }
 
+void SimulatedArm::set_end_stops(const VectorXd& lower, const VectorXd& upper) {
+  require(lower.size() == engine_.joints() && upper.size() == engine_.joints(),
+          "end stops: found ", lower.size(), " and ", upper.size(), ", expected ",
+          engine_.joints(), ", one per joint of the model.");
+  lower_ = held_q_ = held_dq_ = lower;
+  upper_ = upper;
+}
+
+// Without rebound: what hits a stop keeps no velocity towards it.
+void SimulatedArm::stop_at_ends() noexcept {
+  if (lower_.size() == 0 || status_ != StepStatus::kOk) return;
+  held_q_ = engine_.q();
+  held_dq_ = engine_.dq();
+  bool hit = false;
+  for (Eigen::Index j = 0; j < held_q_.size(); ++j) {
+    const bool below = held_q_[j] < lower_[j], above = held_q_[j] > upper_[j];
+    if (!below && !above) continue;
+    hit = true;
+    held_q_[j] = below ? lower_[j] : upper_[j];
+    held_dq_[j] = below ? std::max(0.0, held_dq_[j]) : std::min(0.0, held_dq_[j]);
+  }
+  if (hit) engine_.set_state(held_q_, held_dq_);
+}
+
 void SimulatedArm::advance(double seconds, const MotorDrive* drives, ChannelMotion* motions,
                            std::size_t channels) noexcept {
   bool any = false;
@@ -71,6 +95,7 @@ void SimulatedArm::advance(double seconds, const MotorDrive* drives, ChannelMoti
   parked_ = !any;
   if (!parked_ && seconds > 0.0 && status_ == StepStatus::kOk) {
     status_ = engine_.step(tau_, seconds);
+    stop_at_ends();
     q_.head(tau_.size()) = engine_.q();
   }
   actuator_q_.noalias() = joint_to_actuator_ * q_;

@@ -5,6 +5,7 @@
 #include <netdb.h>
 #include <poll.h>
 #include <sys/socket.h>
+#include <sys/uio.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -46,6 +47,33 @@ std::uint32_t look_up(const std::string& host) {
   return ntohl(at.sin_addr.s_addr);
 }
 
+// [s] since the system got a datagram, by the stamp that it put on it; 0 if there is none.
+double seconds_since_arrival(msghdr& message) {
+  for (cmsghdr* one = CMSG_FIRSTHDR(&message); one != nullptr; one = CMSG_NXTHDR(&message, one)) {
+    if (one->cmsg_level != SOL_SOCKET || one->cmsg_type != SCM_TIMESTAMPNS) continue;
+    timespec came{}, now{};
+    std::memcpy(&came, CMSG_DATA(one), sizeof came);
+    ::clock_gettime(CLOCK_REALTIME, &now);
+    const double lay = static_cast<double>(now.tv_sec - came.tv_sec) +
+                       1e-9 * static_cast<double>(now.tv_nsec - came.tv_nsec);
+    return lay > 0.0 ? lay : 0.0;
+  }
+  return 0.0;
+}
+
+// The address of this machine on the way to `server`: multicast leaves there as well.
+in_addr own_address(std::uint32_t server, std::uint16_t port) {
+  sockaddr_in own{};
+  const int probe = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  if (probe < 0) return own.sin_addr;
+  const sockaddr_in there = place(server, port);
+  socklen_t size = sizeof own;
+  if (::connect(probe, reinterpret_cast<const sockaddr*>(&there), sizeof there) == 0)
+    ::getsockname(probe, reinterpret_cast<sockaddr*>(&own), &size);
+  ::close(probe);
+  return own.sin_addr;
+}
+
 // Section 1: by the class of the address.
 std::uint32_t host_part(std::uint32_t address) {
   const std::uint32_t first = address >> 24;
@@ -62,6 +90,9 @@ UdpLink::UdpLink(const std::string& host, std::uint16_t port)
   require(socket_ >= 0, "no UDP socket: ", std::strerror(errno), ".");
   const int yes = 1;
   ::setsockopt(socket_, SOL_SOCKET, SO_BROADCAST, &yes, sizeof yes);
+  ::setsockopt(socket_, SOL_SOCKET, SO_TIMESTAMPNS, &yes, sizeof yes);
+  const in_addr own = own_address(server_, port_);
+  ::setsockopt(socket_, IPPROTO_IP, IP_MULTICAST_IF, &own, sizeof own);
 }
 
 UdpLink::~UdpLink() {
@@ -85,13 +116,20 @@ Arrival UdpLink::receive(ByteSpan buffer, double timeout) noexcept {
     if (::ppoll(&wanted, 1, &most, nullptr) <= 0) return {};
   }
   sockaddr_in from{};
-  socklen_t size = sizeof from;
-  const auto got =
-      ::recvfrom(socket_, buffer.data, buffer.size, 0, reinterpret_cast<sockaddr*>(&from), &size);
+  iovec where{buffer.data, buffer.size};
+  alignas(cmsghdr) char control[CMSG_SPACE(sizeof(timespec))];
+  msghdr message{};
+  message.msg_name = &from;
+  message.msg_namelen = sizeof from;
+  message.msg_iov = &where;
+  message.msg_iovlen = 1;
+  message.msg_control = control;
+  message.msg_controllen = sizeof control;
+  const auto got = ::recvmsg(socket_, &message, 0);
   if (got < 0) return {};
   const std::uint32_t address = ntohl(from.sin_addr.s_addr);
   const bool known = ntohs(from.sin_port) == port_ && ((address ^ server_) & subnet_) == 0;
-  return {true, static_cast<std::size_t>(got), known};
+  return {true, static_cast<std::size_t>(got), known, seconds_since_arrival(message)};
 }
 
 double UdpLink::now() noexcept {

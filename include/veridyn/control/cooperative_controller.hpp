@@ -120,6 +120,12 @@ class CooperativeController {
     return state_ == CooperativeState::kSensorStale || state_ == CooperativeState::kSensorStuck ||
            state_ == CooperativeState::kNotFinite;
   }
+  /// Where the object's motion is now: its turn since the start, and how fast that changes.
+  Eigen::Matrix3d rotation() const {
+    return Eigen::AngleAxisd(angle_.x()[0], axis_).toRotationMatrix() * R_start_;
+  }
+  Eigen::Vector3d spin() const { return angle_.dx()[0] * axis_; }        ///< [rad/s], world
+  Eigen::Vector3d spin_rate() const { return angle_.ddx()[0] * axis_; }  ///< [rad/s^2], world
   bool arrived() const { return centre_.arrived() && angle_.arrived(); }
   double wanted_force(int member) const { return wanted_.x()[member]; }
   double correction(int member) const { return trackers_[static_cast<size_t>(member)].value(); }
