@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kDegrees = 180.0 / M_PI;
 
-std::string named(const LinkConstant& c) {
+std::string title(const LinkConstant& c) {
   return c.frame.empty() ? c.name : c.name + " of frame " + c.frame;
 }
 
@@ -32,7 +32,7 @@ std::string verdict(const LinksCalibration& r) {
                                                        "explain all:\n", r.named.size());
   for (const int k : r.named) {
     const LinkConstant& c = r.constants[static_cast<std::size_t>(k)];
-    text += fmt::format("  {} is {} there; the poses ask for {} ({} to {}).{}\n", named(c),
+    text += fmt::format("  {} is {} there; the poses ask for {} ({} to {}).{}\n", title(c),
                         shown(c.file, c.unit), shown(c.found, c.unit), shown(c.low, c.unit),
                         shown(c.high, c.unit), c.why.empty() ? "" : " It " + c.why + ".");
   }
@@ -57,7 +57,7 @@ std::string LinksCalibration::report() const {
     const std::string range = c.identifiable || c.changed
                                   ? shown(c.low, c.unit) + " to " + shown(c.high, c.unit)
                                   : c.why;
-    text += fmt::format("{} {:<28}{:>16}{:>16}  {}\n", c.changed ? '*' : ' ', named(c),
+    text += fmt::format("{} {:<28}{:>16}{:>16}  {}\n", c.changed ? '*' : ' ', title(c),
                         shown(c.file, c.unit), shown(c.found, c.unit), range);
   }
   return text;

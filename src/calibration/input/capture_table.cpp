@@ -7,7 +7,7 @@
 #include <map>
 
 #include "capture_formats.hpp"
-#include "recordings/csv_layout.hpp"
+#include "recordings/csv/csv_layout.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn::internal {
