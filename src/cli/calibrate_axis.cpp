@@ -3,6 +3,7 @@
 #include "calibrate_options.hpp"
 #include "veridyn/calibration/axes.hpp"
 #include "veridyn/report/calibration_json.hpp"
+#include "veridyn/report/calibration_page.hpp"
 
 namespace veridyn::cli {
 namespace {
@@ -15,8 +16,9 @@ struct Request {
   CommonOptions common;
 };
 
-ExitStatus run(Request& request) {
+ExitStatus run(Request& request, const std::string& command_line) {
   require_writable(request.common.json);
+  require_writable(request.common.report);
   for (const std::string& words : request.between) {
     const auto comma = words.find(',');
     if (comma == std::string::npos || comma == 0 || comma + 1 == words.size())
@@ -27,7 +29,8 @@ ExitStatus run(Request& request) {
   const AxesCalibration found =
       calibrate_axes(read_markers(request.markers, request.capture), request.options);
   return finish_calibration(found.status == CalibrationStatus::kDone, found.reason, found.report(),
-                            request.common, to_json(found), "");
+                            request.common, to_json(found),
+                            found.status == CalibrationStatus::kDone ? to_page(found, command_line) : "");
 }
 
 }  // namespace
@@ -49,8 +52,9 @@ void add_calibrate_axis(CLI::App& calibrate, Outcome& outcome) {
       ->option_text("N")
       ->check(CLI::Range(10, 1000000));
   add_capture_options(command, request->capture);
+  add_report_option(command, request->common);
   add_common_options(command, request->common);
-  command.callback([request, &outcome] { outcome.status = run(*request); });
+  command.callback([request, &outcome] { outcome.status = run(*request, outcome.command_line); });
 }
 
 }  // namespace veridyn::cli

@@ -4,6 +4,7 @@
 #include "choice.hpp"
 #include "veridyn/calibration/hand_eye.hpp"
 #include "veridyn/report/calibration_json.hpp"
+#include "veridyn/report/calibration_page.hpp"
 
 namespace veridyn::cli {
 namespace {
@@ -17,14 +18,16 @@ struct Request {
   CommonOptions common;
 };
 
-ExitStatus run(Request& request) {
+ExitStatus run(Request& request, const std::string& command_line) {
   require_writable(request.common.json);
+  require_writable(request.common.report);
   if (request.has_form) request.options.form = request.form;
   const HandEye found =
       calibrate_hand_eye(read_poses(request.a, request.capture),
                          read_poses(request.b, request.capture), request.options);
   return finish_calibration(found.status == CalibrationStatus::kDone, found.reason, found.report(),
-                            request.common, to_json(found), "");
+                            request.common, to_json(found),
+                            found.status == CalibrationStatus::kDone ? to_page(found, command_line) : "");
 }
 
 }  // namespace
@@ -45,10 +48,11 @@ void add_calibrate_handeye(CLI::App& calibrate, Outcome& outcome) {
       "with fewest unknowns that fits)");
   form->default_str("");
   add_capture_options(command, request->capture);
+  add_report_option(command, request->common);
   add_common_options(command, request->common);
   command.callback([request, form, &outcome] {
     request->has_form = form->count() > 0;
-    outcome.status = run(*request);
+    outcome.status = run(*request, outcome.command_line);
   });
 }
 

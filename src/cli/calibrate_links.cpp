@@ -9,6 +9,7 @@
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/model_file.hpp"
 #include "veridyn/report/calibration_json.hpp"
+#include "veridyn/report/calibration_page.hpp"
 
 namespace veridyn::cli {
 namespace {
@@ -51,8 +52,9 @@ std::string compared(const std::string& file, const LinksCalibration& links) {
   return "Torques ask for no other constant.";
 }
 
-ExitStatus run(Request& request) {
+ExitStatus run(Request& request, const std::string& command_line) {
   require_writable(request.common.json);
+  require_writable(request.common.report);
   require_writable(request.robot_out);
   const Model arm = read_model(request.robot);
   if (!request.options.frame.empty())
@@ -68,7 +70,8 @@ ExitStatus run(Request& request) {
   if (done && !request.robot_out.empty()) save_model(*found.model, request.robot_out);
   const std::string report = found.report() + (comparison.empty() ? "" : comparison + "\n");
   return finish_calibration(done, found.reason, report, request.common,
-                            to_json(found, request.robot_out, comparison), "");
+                            to_json(found, request.robot_out, comparison),
+                            done ? to_page(found, command_line, comparison) : "");
 }
 
 }  // namespace
@@ -99,8 +102,9 @@ void add_calibrate_links(CLI::App& calibrate, Outcome& outcome) {
       ->option_text("FILE");
   add_body_option(command, request->capture);
   add_capture_options(command, request->capture);
+  add_report_option(command, request->common);
   add_common_options(command, request->common);
-  command.callback([request, &outcome] { outcome.status = run(*request); });
+  command.callback([request, &outcome] { outcome.status = run(*request, outcome.command_line); });
 }
 
 }  // namespace veridyn::cli

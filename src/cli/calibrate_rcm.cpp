@@ -3,6 +3,7 @@
 #include "calibrate_options.hpp"
 #include "veridyn/calibration/remote_center.hpp"
 #include "veridyn/report/calibration_json.hpp"
+#include "veridyn/report/calibration_page.hpp"
 
 namespace veridyn::cli {
 namespace {
@@ -14,12 +15,14 @@ struct Request {
   CommonOptions common;
 };
 
-ExitStatus run(const Request& request) {
+ExitStatus run(const Request& request, const std::string& command_line) {
   require_writable(request.common.json);
+  require_writable(request.common.report);
   const RemoteCenter found =
       calibrate_remote_center(read_poses(request.poses, request.capture), request.options);
   return finish_calibration(found.status == CalibrationStatus::kDone, found.reason, found.report(),
-                            request.common, to_json(found), "");
+                            request.common, to_json(found),
+                            found.status == CalibrationStatus::kDone ? to_page(found, command_line) : "");
 }
 
 }  // namespace
@@ -35,8 +38,9 @@ void add_calibrate_rcm(CLI::App& calibrate, Outcome& outcome) {
       ->option_text(" ");
   add_body_option(command, request->capture);
   add_capture_options(command, request->capture);
+  add_report_option(command, request->common);
   add_common_options(command, request->common);
-  command.callback([request, &outcome] { outcome.status = run(*request); });
+  command.callback([request, &outcome] { outcome.status = run(*request, outcome.command_line); });
 }
 
 }  // namespace veridyn::cli

@@ -11,6 +11,7 @@
 #include "commands.hpp"
 #include "common_options.hpp"
 #include "excite_options.hpp"
+#include "excite_poses.hpp"
 #include "messages.hpp"
 #include "option_checks.hpp"
 #include "veridyn/excitation/excitation.hpp"
@@ -37,6 +38,7 @@ struct Request {
   std::string between;
   double clearance = 0.0;
   std::optional<double> torque_noise;
+  PosesRequest poses;
   ExcitationOptions options;
   CommonOptions common;
 };
@@ -135,6 +137,13 @@ ExitStatus run(const Request& request, const std::string& command_line) {
        {&request.common.json, &request.common.report, &request.coefficients})
     require_writable(*path);
   require_writable(request.output);
+  if (request.poses.purpose == "calibration") {
+    expect_no_motion_options(*request.command);
+    return excite_poses(request.robot, request.output, request.poses, request.options.seed,
+                        request.options.limit_share, request.common);
+  }
+  expect_needs(*request.command, {{"--poses", false, "--for calibration"},
+                                  {"--frame", false, "--for calibration"}});
   const bool discriminates = request.options.criterion == ExcitationCriterion::kDiscriminate;
   expect_needs(*request.command,
                {{"--between", discriminates || request.command->count("--criterion") == 0,
@@ -295,6 +304,7 @@ void add_excite_command(CLI::App& tool, Outcome& outcome) {
       ->check(CLI::Range(1e-6, 10.0))
       ->group("Search");
   add_limit_options(command, *request);
+  add_poses_options(command, request->poses);
   add_report_option(command, request->common);
   add_common_options(command, request->common);
   request->command = &command;

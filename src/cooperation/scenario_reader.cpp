@@ -4,6 +4,7 @@
 #include <fstream>
 #include <iterator>
 
+#include "math/random_numbers.hpp"
 #include "model/yaml/yaml_node.hpp"
 #include "scenario_objects.hpp"
 #include "scenario_parts.hpp"
@@ -122,6 +123,27 @@ ScenarioSweep read_sweep(const YamlNode& node) {
   return sweep;
 }
 
+// What a calibration leaves of the poses between the bases: every arm but the master stands beside
+// where the controller believes it, in a direction drawn from the seed.
+void draw_base_errors(const YamlNode& error, Scenario& s) {
+  error.allow_keys({"position", "turn"});
+  const double metres = nonnegative_or(error, "position", 0.0);
+  const double radians = nonnegative_or(error, "turn", 0.0);
+  RandomNumbers random(s.seed, 78);
+  const auto direction = [&random] {
+    Eigen::Vector3d v;
+    for (double& c : v) c = random.normal();
+    return Eigen::Vector3d(v.normalized());
+  };
+  for (std::size_t k = 0; k < s.arms.size(); ++k) {
+    const Eigen::Vector3d shift = metres * direction();
+    const Eigen::Vector3d turn = radians * direction();
+    if (static_cast<int>(k) == s.master) continue;
+    s.arms[k].calibration_position += shift;
+    s.arms[k].calibration_turn += turn;
+  }
+}
+
 // All that a run records must fit into memory.
 void expect_room(const Scenario& s, const YamlNode& phases) {
   double seconds = 0.0;
@@ -142,7 +164,7 @@ Scenario read(const YamlNode& root, const std::string& path) {
   if (!version || version->number() != 1.0) root.fail("no 'veridyn: 1'", "it at the top");
   root.allow_keys({"veridyn", "scenario", "source", "seed", "model_error", "encoder", "arms",
                    "master", "members", "walls", "bodies", "control", "phases", "faults", "sweep",
-                   "ask"});
+                   "ask", "base_pose_error"});
   Scenario s;
   s.name = root.at("scenario").word("the scenario's name");
   if (const auto source = root.find("source")) s.source = source->word("where it comes from");
@@ -162,6 +184,7 @@ Scenario read(const YamlNode& root, const std::string& path) {
   if (s.arms.empty() || s.arms.size() > 8)
     root.at("arms").fail(root.at("arms").found(), "1 to 8 arms");
   if (const auto master = root.find("master")) s.master = arms.index(*master);
+  if (const auto error = root.find("base_pose_error")) draw_base_errors(*error, s);
   Names members{"member", {}};
   if (const auto list = root.find("members")) {
     for (const YamlNode& node : list->items("a list of members")) {

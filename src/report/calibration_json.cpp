@@ -198,4 +198,20 @@ std::string to_json(const HandEye& r) {
   return written(out);
 }
 
+std::string to_json(const PoseDesign& design) {
+  Json out = json_head("excite");
+  out["for"] = "calibration";
+  out["robot"] = design.robot;
+  out["frame"] = design.frame;
+  out["constants"] = design.constants;
+  out["gain"] = design.gain;
+  out["poses"] = Json::array();
+  for (Eigen::Index k = 0; k < design.q.rows(); ++k)
+    out["poses"].push_back({{"t", design.time[k]}, {"q", json_list(VectorXd(design.q.row(k)))}});
+  out["predictions"] = Json::array();
+  for (const PoseDesign::Prediction& p : design.predictions)
+    out["predictions"].push_back({{"name", p.name}, {"unit", p.unit}, {"std", p.deviation}});
+  return written(out);
+}
+
 }  // namespace veridyn

@@ -5,6 +5,7 @@
 #include "veridyn/calibration/axes.hpp"
 #include "veridyn/calibration/hand_eye.hpp"
 #include "veridyn/calibration/links.hpp"
+#include "veridyn/calibration/pose_design.hpp"
 #include "veridyn/calibration/remote_center.hpp"
 
 namespace veridyn {
@@ -25,5 +26,8 @@ std::string to_json(const LinksCalibration& links, const std::string& model_file
 
 /// `calibrate handeye`: transform, form, residuals.
 std::string to_json(const HandEye& pose);
+
+/// `excite --for calibration`: poses, predictions, gain.
+std::string to_json(const PoseDesign& design);
 
 }  // namespace veridyn

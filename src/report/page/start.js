@@ -79,6 +79,7 @@ function start() {
   if (result.command === 'kinematics') fillKinematics();
   if (result.command === 'stability') fillStability();
   if (result.command === 'excite') fillExcitation();
+  if (result.command === 'calibrate') fillCalibration();
   fillSettings();
   if (result.command !== 'simulate' && series.recordings.length) {
     fillChooser();
