@@ -1,5 +1,6 @@
 #include "veridyn/diagnosis/diagnosis.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <utility>
 
