@@ -37,6 +37,7 @@ void add_excite_command(CLI::App& tool, Outcome& outcome);
 void add_simulate_command(CLI::App& tool, Outcome& outcome);
 void add_cooperate_command(CLI::App& tool, Outcome& outcome);
 void add_kinematics_command(CLI::App& tool, Outcome& outcome);
+void add_loadcell_command(CLI::App& tool, Outcome& outcome);
 void add_stability_command(CLI::App& tool, Outcome& outcome);
 void add_dvrk_command(CLI::App& tool, Outcome& outcome);
 

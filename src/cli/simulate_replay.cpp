@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <cmath>
 #include <iostream>
 #include <set>
 
@@ -90,6 +91,21 @@ std::string replay_report(const SimulateRequest& request, const Model& arm, cons
   return out;
 }
 
+// An arm that torques alone have taken farther from the recorded motion than its joint can move has
+// nothing to do with that motion any more.
+bool lost(const Model& arm, const Replay& r) {
+  for (int i = 0; i < arm.joints(); ++i) {
+    const Coordinate& c = arm.coordinates()[static_cast<size_t>(i)];
+    const double range = c.limits.upper - c.limits.lower;
+    if (!std::isfinite(range) || r.motion_max[i] <= range) continue;
+    say(fmt::format("the arm is lost: joint {} ends up to {:.3g} {unit} off the recorded motion, "
+                    "more than its whole range of {:.3g} {unit}; nothing was written.",
+                    c.name, r.motion_max[i], range, fmt::arg("unit", c.prismatic ? "m" : "rad")));
+    return true;
+  }
+  return false;
+}
+
 std::string breakaway_report(const SimulateRequest& request, const Coordinate& c,
                              const Breakaway& found) {
   std::string out = fmt::format("Breakaway of {} in {}: {} ramps.\n", c.name, request.replay,
@@ -127,6 +143,7 @@ ExitStatus run_replay(const SimulateRequest& request, const Model& arm,
   const Replay done = replay(*engine, arm, input, options);
   tell_left_out(request, engine->left_out());
   if (stopped(done.run, arm)) return kDataCannotAnswer;
+  if (request.drive == "torques" && lost(arm, done)) return kDataCannotAnswer;
   if (!request.output.empty())
     write_recording(rows_of(done.run.motion, done.run.tau), request.output);
   if (!request.common.json.empty()) write_file(request.common.json, to_json(done, arm));

@@ -20,6 +20,19 @@ ImpedanceOptions options(const VectorXd& posture) {
 // binds.
 constexpr double kObserverLimit = 20.0;
 
+// A light mass that gives way to what is beyond a bound.
+constexpr double kYieldingMass = 0.5;     // [kg]
+constexpr double kYieldingDamping = 10.0;  // [N s/m]
+constexpr double kCalm = 0.8;              // of the bound
+constexpr double kRests = 0.005;           // [m/s]
+
+ImpedanceGains yielding_gains() {
+  ImpedanceGains g;
+  g.mass.head<3>().setConstant(kYieldingMass);
+  g.damping.head<3>().setConstant(kYieldingDamping);
+  return g;
+}
+
 ModelErrorOptions observer(const ScenarioControl& control, Eigen::Index joints) {
   ModelErrorOptions o;
   o.bandwidth = 2.0 * M_PI * std::max(control.observer, 1e-3);
@@ -44,6 +57,7 @@ ArmLoop::ArmLoop(const ArmLoopSetup& setup)
                  impedance_gains(setup.control), options(setup.start)),
       position_loop_(setup.model, setup.tip, position_gains(setup.control),
                      options(setup.start)),
+      yielding_loop_(setup.model, setup.tip, yielding_gains(), options(setup.start)),
       inverse_(setup.model, setup.tip, TaskRows::kPosition),
       velocity_observer_(setup.model.joints(), 2.0 * M_PI * setup.control.velocity_cutoff),
       model_error_(setup.model.joints(), observer(setup.control, setup.start.size())),
@@ -66,14 +80,26 @@ void ArmLoop::measure(const VectorXd& q) noexcept {
     const double step = setup_.encoder_step[i];
     q_[i] = step > 0.0 ? std::round(q[i] / step) * step : q[i];
   }
-  const Impedance& loop = gives_way() ? impedance_ : position_loop_;
-  state_.update(q_, velocity_observer_.update(q_, loop.acceleration(), period_));
+  state_.update(q_, velocity_observer_.update(q_, acting().acceleration(), period_));
   position_ = setup_.p_world_base + setup_.R_world_base * state_.tip().position();
   velocity_ = setup_.R_world_base * state_.tip().twist().head<3>();
 }
 
 void ArmLoop::freeze() noexcept {
   if (frozen_) return;
+  frozen_ = true;
+  frozen_at_ = position_;
+}
+
+void ArmLoop::hold_within(double bound, const Eigen::Vector3d& force) noexcept {
+  bound_ = bound;
+  const double size = force.norm();
+  if (!yielding_) {
+    yielding_ = size > bound;
+    return;
+  }
+  if (size > kCalm * bound || velocity_.norm() > kRests) return;
+  yielding_ = false;
   frozen_ = true;
   frozen_at_ = position_;
 }
@@ -92,12 +118,18 @@ TaskReference ArmLoop::reference(const TipTarget& target) const noexcept {
 }
 
 const VectorXd& ArmLoop::torque(const TipTarget& target, const Eigen::Vector3d& force) noexcept {
-  const TaskReference wanted = reference(target);
+  TaskReference wanted = reference(target);
   Vector6d wrench = Vector6d::Zero();
-  if (gives_way()) wrench.head<3>() = setup_.R_world_base.transpose() * force;
-  Impedance& loop = gives_way() ? impedance_ : position_loop_;
+  if (gives_way() || yielding_) wrench.head<3>() = setup_.R_world_base.transpose() * force;
+  Impedance& loop = acting();
+  if (yielding_) {  // the force within the bound is wanted: what is beyond it moves the tip
+    const double size = force.norm();
+    wanted = TaskReference();
+    wanted.ddx.head<3>() =
+        wrench.head<3>() * (std::min(1.0, bound_ / std::max(size, bound_)) / kYieldingMass);
+  }
   tau_ = loop.update(state_, wanted, wrench);
-  if (friction_ && !frozen_) compensate_friction(wanted);
+  if (friction_ && !frozen_ && !yielding_) compensate_friction(wanted);
   tau_ += model_error_.update(state_, loop.acceleration(), period_);
   for (Eigen::Index i = 0; i < tau_.size(); ++i) {
     const double limit = setup_.model.coordinates()[static_cast<size_t>(i)].limits.effort;

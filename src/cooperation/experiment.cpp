@@ -57,6 +57,7 @@ void Experiment::add_arm(std::size_t index, const std::string& engine) {
   const ScenarioControl& c = scenario_.control;
   const ScenarioModels models = scenario_models(scenario_, index);
   const Posed base{plain(models.R_world_base), {arm.position.x(), arm.position.y(), arm.position.z()}};
+  arms_.push_back(models.real);
   world_arms_.push_back({models.real, make_engine(engine, models.real), base});
   tips_.push_back({static_cast<int>(tips_.size()), models.real.find_frame(arm.frame), arm.offset});
   TipKinematics tip(models.real, {arm.frame, arm.offset});
@@ -149,6 +150,8 @@ void Experiment::make_controller() {
   o.largest_age = c.largest_age;
   o.largest_error = c.largest_error;
   o.stuck_force = c.stuck_force;
+  if (c.largest_energy > 0.0) o.largest_energy = c.largest_energy;
+  o.relief_force = c.relief_force;
   control_ = std::make_unique<CooperativeController>(o, tips);
   input_ = std::make_unique<CooperativeInput>(static_cast<int>(tips.size()),
                                               static_cast<int>(scenario_.members.size()));
@@ -242,12 +245,31 @@ bool Experiment::step() {
   if (control_->sensor_failed()) {
     for (ArmLoop& loop : loops_) loop.freeze();
   }
+  const bool guards = scenario_.control.guard && !control_->sensor_failed() &&
+                      control_->state() != CooperativeState::kTracking;
   for (size_t k = 0; k < loops_.size(); ++k) {
+    if (guards) loops_[k].hold_within(control_->relief_force(), forces_[k]);
     tau_[k] = paths_[k].update(loops_[k].torque(targets_[k], forces_[k]));
     if (limp_[k] == 1) tau_[k].setZero();
   }
   status_ = world_->step(tau_, 1.0 / scenario_.control.rate);
+  if (status_ == StepStatus::kOk && is_lost()) status_ = StepStatus::kRanAway;
   return status_ == StepStatus::kOk;
+}
+
+// A joint that has left its range by the whole range, or whose arm flies: no arm follows any more.
+bool Experiment::is_lost() const {
+  for (int k = 0; k < world_->arms(); ++k) {
+    const std::vector<Coordinate>& joints = arms_[static_cast<size_t>(k)].coordinates();
+    for (size_t i = 0; i < joints.size(); ++i) {
+      const Limits& limits = joints[i].limits;
+      const double q = world_->q(k)[static_cast<Eigen::Index>(i)];
+      const double range = limits.upper - limits.lower;
+      if (std::isfinite(range) && (q > limits.upper + range || q < limits.lower - range))
+        return true;
+    }
+  }
+  return false;
 }
 
 void Experiment::record(ScenarioRun& run, Eigen::Index k) const {

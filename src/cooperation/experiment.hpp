@@ -24,7 +24,15 @@ class Experiment {
   /// Row k of the run, of the instant before the step.
   void record(ScenarioRun& run, Eigen::Index k) const;
 
+  /// Ends all motion and holds what has been reached.
+  void stop() { control_->stop(); }
+
   World& world() { return *world_; }
+  /// The arm as it is.
+  const Model& real(int arm) const { return arms_[static_cast<size_t>(arm)]; }
+  int arms() const { return static_cast<int>(loops_.size()); }
+  /// True place of an arm's tip in the world [m].
+  Eigen::Vector3d tip(int arm) const { return world_->point(tips_[static_cast<size_t>(arm)]).position; }
   const CooperativeController& controller() const { return *control_; }
   StepStatus status() const { return status_; }
   std::vector<std::string> left_out() const;
@@ -40,9 +48,11 @@ class Experiment {
   void make_controller();
   void read_contacts(double now);
   void apply_faults();
+  bool is_lost() const;
   void read_sensors();
 
   Scenario scenario_;
+  std::vector<Model> arms_;
   std::vector<WorldArm> world_arms_;
   std::vector<Attachment> tips_;
   std::unique_ptr<World> world_;

@@ -66,7 +66,7 @@ ScenarioControl read_control(const YamlNode& node) {
   node.allow_keys({"rate", "position_frequency", "mass", "damping", "stiffness", "friction",
                    "observer", "velocity_cutoff", "largest_force", "largest_force_error",
                    "largest_error", "largest_age", "stuck_force", "friction_rule",
-                   "adaptive_friction", "force_cutoff", "motor_lag", "torque_delay", "guard"});
+                   "adaptive_friction", "force_cutoff", "motor_lag", "torque_delay", "guard", "largest_energy", "relief_force"});
   ScenarioControl c;
   c.rate = positive_or(node, "rate", c.rate);
   c.position_frequency = positive_or(node, "position_frequency", c.position_frequency);
@@ -92,6 +92,8 @@ ScenarioControl read_control(const YamlNode& node) {
     c.torque_delay = static_cast<int>(whole_number(*delay));
     if (c.torque_delay > 1000) delay->fail(delay->found(), "at most 1000 cycles");
   }
+  c.largest_energy = nonnegative_or(node, "largest_energy", c.largest_energy);
+  c.relief_force = positive_or(node, "relief_force", c.relief_force);
   if (const auto guard = node.find("guard")) c.guard = guard->flag();
   c.velocity_cutoff = positive_or(node, "velocity_cutoff", c.velocity_cutoff);
   c.largest_force = positive_or(node, "largest_force", c.largest_force);

@@ -1,5 +1,6 @@
 #include "veridyn/diagnosis/diagnosis.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <utility>
 
@@ -28,6 +29,7 @@ void run_stages(Investigation& x) {
   check_quality(x);
   if (!fit_baseline(x)) return;
   check_torque_signs(x);
+  check_errors_in_variables(x);
   exclude_snags(x.start, x);
   ask_everything(x);
   // Contacts and small snags show once the model's own errors are out of the way; then everything

@@ -24,7 +24,7 @@ constexpr int kFewestRows = 300;
 constexpr double kExplained = 0.10;
 constexpr double kMuchBetter = 0.6;
 constexpr double kGainsBetter = 0.9;   // drive gains differ little, and so do their fits
-constexpr double kFrictionSure = 8.0;  // standard deviations by which friction must have its sign
+constexpr double kFrictionSure = 4.0;  // standard deviations by which friction must have its sign
 const double kDegree = std::acos(-1.0) / 180.0;
 
 // The arm with viscous and Coulomb friction on every coordinate: whatever moves loses energy.
@@ -97,9 +97,9 @@ class Fitter {
 
  private:
   // Coulomb and viscous coefficients of each joint in standard deviations, the surer one. Errors of
-  // successive samples are alike: a hundred of them count as one.
+  // successive samples are alike: twenty of them count as one.
   std::vector<double> friction_of(const SquareRootInformation& base) const {
-    constexpr double kAlike = 100.0;
+    constexpr double kAlike = 20.0;
     const auto k = static_cast<Eigen::Index>(base_columns_.size());
     const MatrixXd R = base.R();
     const VectorXd beta = R.triangularView<Eigen::Upper>().solve(base.z());
@@ -222,15 +222,9 @@ class RobotCheck {
                         scale(&r->q);
                         scale(&r->dq);
                       }});
-    // Nobody takes a joint through more than a few turns: only then are degrees in question.
-    double widest = 0.0;
-    for (int i = 0; i < joints(); ++i) {
-      if (given_.coordinates()[static_cast<size_t>(i)].prismatic) continue;
-      VectorXd q = recording_.q.col(i);
-      for (double& value : q) value = std::isfinite(value) ? value : 0.0;
-      widest = std::max(widest, q.cwiseAbs().maxCoeff());
-    }
-    return widest > 2.0 * quality::kTurn / 2.0 && accept_best(ways, kMuchBetter);
+    const bool any_turns = std::any_of(given_.coordinates().begin(), given_.coordinates().end(),
+                                       [](const Coordinate& c) { return !c.prismatic; });
+    return any_turns && now_.unexplained > kExplained && accept_best(ways, kMuchBetter);
   }
 
   void turn_signs() {

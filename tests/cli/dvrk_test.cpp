@@ -317,7 +317,8 @@ TEST_F(Dvrk, TheReadmesBlockWorks) {
              {"coulomb_friction(yaw)", 0.15}, {"coulomb_friction(pitch)", 0.15},
              {"coulomb_friction(insertion)", 0.8}}) {
       if (expression.rfind(name, 0) != 0) continue;
-      EXPECT_NEAR(p["value"].get<double>(), value, 0.1 * value) << expression;
+      EXPECT_NEAR(p["value"].get<double>(), value, 5.0 * p["std"].get<double>()) << expression;
+      EXPECT_LT(p["std"].get<double>(), 0.2 * value) << expression;
       ++found;
     }
   }

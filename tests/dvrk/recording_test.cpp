@@ -8,9 +8,9 @@
 #include <fstream>
 #include <sstream>
 
-#include "dvrk/cycle_clock.hpp"
-#include "dvrk/row_file.hpp"
-#include "dvrk/row_keeper.hpp"
+#include "dvrk/run/cycle_clock.hpp"
+#include "dvrk/run/row_file.hpp"
+#include "dvrk/run/row_keeper.hpp"
 #include "dvrk/rig.hpp"
 #include "veridyn/recordings/recording.hpp"
 

@@ -122,6 +122,8 @@ struct ScenarioControl {
   double largest_error = 0.02;        ///< [m] likewise
   double largest_age = 0.02;          ///< [s] likewise
   double stuck_force = 1.0;           ///< [N] see CooperativeOptions
+  double largest_energy = 0.0;        ///< [J] that a member may get; 0: no bound
+  double relief_force = 5.0;          ///< [N] to which arms give way while all is held
   bool guard = true;                  ///< arms give way where a force leaves its bounds
 };
 

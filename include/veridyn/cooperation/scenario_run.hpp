@@ -82,7 +82,11 @@ struct ScenarioRun {
   double stopped_at = 0.0;  ///< [s] where the engine could not go on
   double seconds = 0.0;     ///< of computing
 
+  double asked_largest_force = 0.0;  ///< [N]; 0: none asked
+
   bool complete() const { return status == StepStatus::kOk; }
+  /// Complete, and every bound that the scenario asks for is met.
+  bool met() const;
   std::string report() const;  ///< a table, for people
 };
 

@@ -153,7 +153,7 @@ struct StabilityBounds {
 };
 StabilityBounds bound_stability(const Scenario& scenario, int samples, int threads = 0);
 
-/// The true force in every member after its correction x_f was pushed by what stretches it by 1 N.
+/// The true force in every member after all wanted forces rose by 1 N at once, in the linear loop.
 struct StepResponses {
   std::vector<std::string> members;
   std::vector<double> time;                 ///< [s]

@@ -226,20 +226,23 @@ void ClosedLoop::read(long k, const Element& e, const MatrixXd& tension, MatrixX
 
 MatrixXd ClosedLoop::law(long k, const Element& e, const MatrixXd& reading, const MatrixXd& rate,
                          bool fresh, MatrixXd& X) const {
+  const double wanted = settings_.wanted;
   MatrixXd value = -e.law.damping * rate;
+  value.array() += e.law.feed_forward * wanted;
   const bool proportional = e.law.kind == ForceLaw::Kind::kProportional;
   if (fresh) {
     long gap = 1;
     while (gap < 2 * kLongest && !sampled(e, k - e.delay - gap)) ++gap;
     const double since = static_cast<double>(gap) * period_;
     if (proportional) {
-      X.row(e.x_f) -= settings_.integral * e.law.gain * since * reading;
+      X.row(e.x_f).array() -=
+          settings_.integral * e.law.gain * since * (reading.array() - wanted);
     } else {
-      X.row(e.x_f) -= settings_.increment_gain * since * reading;
+      X.row(e.x_f).array() -= settings_.increment_gain * since * (reading.array() - wanted);
     }
   }
   value += X.row(e.x_f);
-  if (proportional) value -= e.law.proportional * reading;
+  if (proportional) value.array() -= e.law.proportional * (reading.array() - wanted);
   return value;
 }
 

@@ -10,7 +10,7 @@ namespace veridyn {
 /// A member or a wall about a point of rest.
 struct LinearElement {
   int from = -1, to = -1;  ///< arms; -1: the world
-  Eigen::Vector3d u;       ///< its line in the world, from `from` to `to`
+  Eigen::Vector3d u{Eigen::Vector3d::UnitX()};  ///< its line in the world, from `from` to `to`
   double length = 0.0;     ///< [m]; infinite for a wall: its line does not turn
   double force = 0.0;      ///< [N] at rest, pulling positive
   bool attached = true;    ///< false: let go, nothing acts
@@ -28,6 +28,7 @@ struct LoopSettings {
   int extra_delay = 0;            ///< [cycles] of every force reading, beyond the scenario's
   double integral = 1.0;          ///< share of a force law's integral gain that acts
   double increment_gain = 0.0;    ///< [m/(N s)] in place of a law of increments
+  double wanted = 0.0;  ///< [N] by which every wanted force is off its point of rest, for responses
   double friction_amplitude = 0;  ///< [m] of the tip, for describing functions; 0: as if far larger
 };
 
@@ -44,10 +45,10 @@ class ClosedLoop {
   int hyperperiod() const { return hyperperiod_; }
   double period() const { return period_; }
 
-  /// Every column of X (states x any) through cycle k.
+  /// Every column of X (states x any) through cycle k; the wanted forces are those of the settings.
   void advance(long k, MatrixXd& X) const;
 
-  /// Of a whole hyperperiod, (states x states).
+  /// Of a whole hyperperiod, (states x states); wanted forces at rest.
   MatrixXd map() const;
 
   /// What a constant torque on the joints adds to their positions and velocities in one cycle.
@@ -73,7 +74,8 @@ class ClosedLoop {
     int motor = -1;    // of the lagging torque
     int queue = -1;    // of torques on their way
     bool gives_way = false;
-    Eigen::Matrix3d mass_inverse, damping, stiffness;
+    Eigen::Matrix3d mass_inverse{Eigen::Matrix3d::Zero()};
+    Eigen::Matrix3d damping{Eigen::Matrix3d::Zero()}, stiffness{Eigen::Matrix3d::Zero()};
     MatrixXd friction;  // (n x 3): torque per error in the base
   };
   struct Element {

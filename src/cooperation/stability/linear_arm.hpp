@@ -30,8 +30,8 @@ struct LinearArm {
   MatrixXd J_base;           ///< (3 x n) likewise, in the base
   MatrixXd inverse;          ///< (n x 3): joints' share of an acceleration in the base
   MatrixXd free;             ///< (n x n): what the task leaves of a posture's acceleration
-  Eigen::Matrix3d R_world_base;
-  Eigen::Vector3d tip;       ///< [m] in the world
+  Eigen::Matrix3d R_world_base{Eigen::Matrix3d::Identity()};
+  Eigen::Vector3d tip{Eigen::Vector3d::Zero()};  ///< [m] in the world
   std::vector<LinearFriction> friction;
   int joints() const { return static_cast<int>(M.rows()); }
 };

@@ -82,14 +82,13 @@ GainRecommendation recommend_gains(const Scenario& scenario, double phase_deg) {
 StepResponses step_responses(const Scenario& scenario) {
   const std::vector<RestPoint> points = rest_points(scenario);
   const RestPoint& point = hardest(points, scenario);
-  const ClosedLoop loop(point.loop, scenario, {});
+  LoopSettings step;
+  step.wanted = 1.0;
+  const ClosedLoop loop(point.loop, scenario, step);
   StepResponses out;
   const auto count = static_cast<int>(scenario.members.size());
-  MatrixXd X = MatrixXd::Zero(loop.states(), std::max(1, count));
-  for (int k = 0; k < count; ++k) {
-    out.members.push_back(scenario.members[static_cast<size_t>(k)].name);
-    X(loop.correction_row(k), k) = 1.0 / scenario.members[static_cast<size_t>(k)].stiffness;
-  }
+  MatrixXd X = MatrixXd::Zero(loop.states(), 1);
+  for (const ScenarioMember& m : scenario.members) out.members.push_back(m.name);
   out.force.resize(out.members.size());
   const long begin = 1000L * loop.hyperperiod();
   const auto steps = static_cast<long>(1.0 * scenario.control.rate);
@@ -98,7 +97,7 @@ StepResponses step_responses(const Scenario& scenario) {
     if (k % every == 0) {
       out.time.push_back(static_cast<double>(k) * loop.period());
       for (int m = 0; m < count; ++m)
-        out.force[static_cast<size_t>(m)].push_back(loop.tension_row(m).dot(X.col(m)));
+        out.force[static_cast<size_t>(m)].push_back(loop.tension_row(m).dot(X.col(0)));
     }
     loop.advance(begin + k, X);
   }

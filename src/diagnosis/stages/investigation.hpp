@@ -66,6 +66,10 @@ bool fit_baseline(Investigation& x);
 /// Reports joints whose friction comes out negative beyond doubt: a torque with the wrong sign.
 void check_torque_signs(Investigation& x);
 
+/// Reports parameters that noise in the motion biases: the instrumental-variable estimate from
+/// repeats of the motion differs from least squares.
+void check_errors_in_variables(Investigation& x);
+
 /// Leaves out local friction of single recordings that an arm shows. True if any is new.
 bool exclude_snags(const Identification& seen, Investigation& x);
 

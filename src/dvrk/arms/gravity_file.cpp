@@ -3,7 +3,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "json_text.hpp"
+#include "dvrk/config/json_text.hpp"
 #include "veridyn/dvrk/gravity_chain.hpp"
 #include "recordings/csv/csv_layout.hpp"
 #include "recordings/csv/csv_lines.hpp"
