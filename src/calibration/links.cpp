@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
+#include <memory>
 
 #include "deviations.hpp"
 #include "link_selection.hpp"
@@ -146,16 +148,28 @@ std::string full_name(const LinkParameter& p) {
   return p.frame.empty() ? p.name : p.name + " of " + p.frame;
 }
 
-// The constant that gains most; among those that say the same, the first in the file's order.
+// By how much of itself a constant would change; what is zero by design changes last.
+double relative_change(const LinkParameter& p, const LinkGain& gain) {
+  if (p.kind == Kind::kConstant) return 0.0;
+  if (std::abs(p.file) < kNoise) return std::numeric_limits<double>::infinity();
+  return std::abs(gain.step / p.file);
+}
+
+// The constant that gains most. Among those that say the same: a named one, else the one that
+// changes least for its size, else the first in the file's order.
 int best_gain(const LinkParameters& parameters, const std::vector<LinkGain>& gain,
               std::string& rivals) {
   double most = 0.0;
   for (const LinkGain& g : gain) most = std::max(most, g.gain);
   int best = -1;
+  double change = 0.0;
   for (int k = 0; k < parameters.size(); ++k) {
-    if (gain[static_cast<std::size_t>(k)].gain < (1.0 - kSameGain) * most || most == 0.0) continue;
+    const LinkGain& one = gain[static_cast<std::size_t>(k)];
+    if (one.gain < (1.0 - kSameGain) * most || most == 0.0) continue;
+    const double own = relative_change(parameters.all()[static_cast<std::size_t>(k)], one);
+    if (best >= 0 && !(own < change)) continue;
     best = k;
-    break;
+    change = own;
   }
   rivals.clear();
   for (int k = 0; k < parameters.size(); ++k) {
