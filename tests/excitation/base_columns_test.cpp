@@ -1,4 +1,4 @@
-#include "excitation/columns/base_columns.hpp"
+#include "excitation/base_columns.hpp"
 
 #include <gtest/gtest.h>
 
@@ -6,8 +6,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "excitation/columns/arm_columns.hpp"
-#include "excitation/columns/stacked_columns.hpp"
+#include "regressor/arm_columns.hpp"
+#include "regressor/column_choice.hpp"
+#include "regressor/random_states.hpp"
+#include "regressor/stacked_columns.hpp"
 #include "veridyn/excitation/base_regressor.hpp"
 #include "veridyn/excitation/excitation.hpp"
 #include "veridyn/model/model_file.hpp"

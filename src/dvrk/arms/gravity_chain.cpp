@@ -8,6 +8,7 @@
 
 #include "model/suggestion.hpp"
 #include "veridyn/dynamics/rigid_body_dynamics.hpp"
+#include "veridyn/effects/effect.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn::dvrk {
@@ -211,13 +212,10 @@ void require_upright(const Model& model) {
 std::vector<std::string> holding_effects(const Model& model) {
   std::vector<std::string> names;
   for (const EffectTerm& term : model.effects()) {
-    for (const char* holding :
-         {"joint_spring", "torque_offset", "position_force", "cable_coupling"}) {
-      if (term.effect != holding || term.values.empty()) continue;
-      names.push_back(term.effect + "(" +
-                      model.coordinates()[static_cast<size_t>(main_coordinate(term.axis))].name +
-                      ")");
-    }
+    if (term.values.empty() || !find_effect(term.effect).traits().holds_at_rest) continue;
+    names.push_back(term.effect + "(" +
+                    model.coordinates()[static_cast<size_t>(main_coordinate(term.axis))].name +
+                    ")");
   }
   return names;
 }

@@ -5,8 +5,8 @@
 
 #include "dvrk/config/json_text.hpp"
 #include "model/suggestion.hpp"
-#include "recordings/csv_layout.hpp"
-#include "recordings/csv_lines.hpp"
+#include "recordings/csv/csv_layout.hpp"
+#include "recordings/csv/csv_lines.hpp"
 #include "veridyn/dvrk/gravity_chain.hpp"
 #include "veridyn/math/require.hpp"
 
