@@ -112,7 +112,9 @@ void add_emulate(CLI::App& dvrk, Outcome& outcome) {
       ->option_text("7|8|9")
       ->check(CLI::Range(7, 9));
   command
-      .add_option("--start", request->start, "Where the joints stand (0 where that is well inside their limits, else the middle)")
+      .add_option(
+          "--start", request->start,
+          "Where the joints stand (0 where that is well inside their limits, else the middle)")
       ->option_text("Q,Q,...")
       ->delimiter(',');
   command

@@ -4,9 +4,9 @@
 #include <memory>
 
 #include "dvrk_request.hpp"
+#include "math/output_file.hpp"
 #include "option_checks.hpp"
 #include "veridyn/dvrk/arm_facts.hpp"
-#include "math/output_file.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn::cli {

@@ -10,13 +10,13 @@
 
 #include "dvrk_events.hpp"
 #include "dvrk_request.hpp"
+#include "math/output_file.hpp"
 #include "messages.hpp"
 #include "option_checks.hpp"
 #include "veridyn/dvrk/board_server.hpp"
 #include "veridyn/dvrk/real_time.hpp"
 #include "veridyn/dvrk/run_json.hpp"
 #include "veridyn/dvrk/simulated_arm.hpp"
-#include "math/output_file.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/model_file.hpp"
 #include "veridyn/simulation/plant.hpp"
@@ -236,9 +236,8 @@ ExitStatus run_dvrk_emulate(const DvrkRequest& request) {
     }
   }
   const BoardEmulator::Counters& counters = emulator.counters();
-  std::cout << fmt::format("{} requests ({} writes), {} malformed, {} dropped\n",
-                           counters.requests, counters.writes, counters.malformed,
-                           counters.dropped);
+  std::cout << fmt::format("{} requests ({} writes), {} malformed, {} dropped\n", counters.requests,
+                           counters.writes, counters.malformed, counters.dropped);
   if (!request.common.json.empty())
     write_file(request.common.json, dvrk::to_json(counters, names_of(arms)));
   return kDone;

@@ -218,8 +218,8 @@ BoardEvent event_of(const std::string& words, BoardEmulator& emulator) {
   const auto equals = event.words.find('=');
   const auto colon = event.words.substr(0, equals).find(':');
   const std::string name = event.words.substr(0, std::min(equals, colon));
-  const bool timed = at != std::string::npos && number(words.substr(at + 1), event.time) &&
-                     event.time >= 0.0;
+  const bool timed =
+      at != std::string::npos && number(words.substr(at + 1), event.time) && event.time >= 0.0;
   const auto kind = std::find_if(kinds().begin(), kinds().end(),
                                  [&](const Kind& one) { return name == one.name; });
   if (kind == kinds().end() || !timed) {
@@ -227,11 +227,11 @@ BoardEvent event_of(const std::string& words, BoardEmulator& emulator) {
     for (const Kind& one : kinds()) names += std::string(names.empty() ? "" : ", ") + one.name;
     refuse(words, "EVENT@S with one of: " + names);
   }
-  const std::string where = colon == std::string::npos
-                                ? ""
-                                : event.words.substr(colon + 1, equals == std::string::npos
-                                                                    ? equals
-                                                                    : equals - colon - 1);
+  const std::string where =
+      colon == std::string::npos
+          ? ""
+          : event.words.substr(colon + 1,
+                               equals == std::string::npos ? equals : equals - colon - 1);
   const std::string value = equals == std::string::npos ? "" : event.words.substr(equals + 1);
   const Target target = target_of(words, where, value, *kind, emulator);
   event.happen = [happen = kind->happen, target](BoardEmulator& e) { happen(e, target); };
@@ -244,9 +244,8 @@ std::vector<BoardEvent> board_events(const std::vector<std::string>& words,
                                      BoardEmulator& emulator) {
   std::vector<BoardEvent> events;
   for (const std::string& one : words) events.push_back(event_of(one, emulator));
-  std::stable_sort(events.begin(), events.end(), [](const BoardEvent& a, const BoardEvent& b) {
-    return a.time < b.time;
-  });
+  std::stable_sort(events.begin(), events.end(),
+                   [](const BoardEvent& a, const BoardEvent& b) { return a.time < b.time; });
   return events;
 }
 

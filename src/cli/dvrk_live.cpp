@@ -4,11 +4,11 @@
 #include <iostream>
 
 #include "dvrk_request.hpp"
+#include "math/output_file.hpp"
 #include "messages.hpp"
 #include "veridyn/dvrk/real_time.hpp"
 #include "veridyn/dvrk/run_json.hpp"
 #include "veridyn/dvrk/udp_link.hpp"
-#include "math/output_file.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn::cli {
@@ -56,9 +56,8 @@ std::string table(ArmSession& arm) {
 
 void tell_timing(const dvrk::LoopTiming& timing) {
   const dvrk::WriteGap& gap = timing.longest_gap;
-  std::cout << fmt::format(
-      "{} cycles, {} late; a cycle took {:.0f} us, at most {:.0f} us\n", timing.cycles, timing.late,
-      1e6 * timing.mean, 1e6 * timing.longest);
+  std::cout << fmt::format("{} cycles, {} late; a cycle took {:.0f} us, at most {:.0f} us\n",
+                           timing.cycles, timing.late, 1e6 * timing.mean, 1e6 * timing.longest);
   if (timing.cycles > 1)
     std::cout << fmt::format("longest gap {:.2f} ms, {:.3g} s after the start: {}\n",
                              1e3 * gap.seconds, gap.at, describe_reason(gap));
@@ -134,10 +133,10 @@ ExitStatus run_dvrk_monitor(const DvrkRequest& request) {
   dvrk::UdpLink link(request.host, request.port);
   home_first(request, arm, link);
   const bool blocks = request.protocol != "automatic";
-  ArmSession session(link, arm.robot,
-                     reading_options(request, arm,
-                                     blocks ? dvrk::Access::kListen
-                                            : dvrk::Access::kListenByRegister));
+  ArmSession session(
+      link, arm.robot,
+      reading_options(request, arm,
+                      blocks ? dvrk::Access::kListen : dvrk::Access::kListenByRegister));
   catch_signals();
   dvrk::take_real_time_priority(30);
   const bool terminal = ::isatty(STDOUT_FILENO) != 0;

@@ -36,14 +36,14 @@ struct DvrkRequest {
   double stiffness = 800.0;        ///< [N/m] of it
   double approach_speed = 0.25;
   std::vector<double> largest_error;  ///< one per joint, or one for the joints that turn
-  bool home = false;      ///< a reading command may load encoders
-  bool announce = false;  ///< and send a session's first packets
+  bool home = false;                  ///< a reading command may load encoders
+  bool announce = false;              ///< and send a session's first packets
   int firmware = 8;
   std::vector<double> start;  ///< joint positions of the emulated arm
   std::string config_out;
   std::vector<std::string> events;
-  std::vector<std::string> arms, models;  ///< of the emulator, which may have several
-  std::vector<std::string> chips;         ///< BOARD=FILE
+  std::vector<std::string> arms, models;          ///< of the emulator, which may have several
+  std::vector<std::string> chips;                 ///< BOARD=FILE
   double pot_noise = -1.0, current_noise = -1.0;  ///< [bits]; negative: as usual
   CommonOptions common;
 };

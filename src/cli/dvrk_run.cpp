@@ -5,12 +5,12 @@
 #include <memory>
 
 #include "dvrk_request.hpp"
+#include "math/output_file.hpp"
 #include "messages.hpp"
 #include "option_checks.hpp"
 #include "veridyn/dvrk/arm_facts.hpp"
 #include "veridyn/dvrk/model_controller.hpp"
 #include "veridyn/dvrk/udp_link.hpp"
-#include "math/output_file.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/model_file.hpp"
 #include "veridyn/simulation/simulate_recording.hpp"

@@ -183,15 +183,15 @@ TEST_F(Dvrk, MonitorAndReadSendNoWriteUnlessTheyAreAsked) {
     EXPECT_NE(run.out.find("never loaded"), std::string::npos) << run.out;
     EXPECT_NE(run.out.find("25.0 C, 26.0 C"), std::string::npos) << run.out;
     EXPECT_NE(run.out.find(" 0.4999"), std::string::npos) << run.out;  // the pot
-    run = run_tool(client("read", boards) + Words{"--seconds", "0.3", "--rate", "100", "-o",
-                                                  folder_.path("rest.csv")});
+    run = run_tool(client("read", boards) +
+                   Words{"--seconds", "0.3", "--rate", "100", "-o", folder_.path("rest.csv")});
     EXPECT_EQ(run.status, 0) << run.err;
     EXPECT_NE(run.err.find("never loaded"), std::string::npos) << run.err;
   }
   EXPECT_EQ(json_of(folder_.path("boards.json"))["writes"], 0);
-  const Boards boards({"--config", config(), "--model", "planar-2r", "--start", "0.5,-0.25",
-                       "--pot-noise", "0"},
-                      folder_.path("boards.txt"));
+  const Boards boards(
+      {"--config", config(), "--model", "planar-2r", "--start", "0.5,-0.25", "--pot-noise", "0"},
+      folder_.path("boards.txt"));
   ToolRun run = run_tool(client("monitor", boards) + Words{"--seconds", "0.5", "--home"});
   ASSERT_EQ(run.status, 0) << run.err;
   EXPECT_EQ(run.out.find("never loaded"), std::string::npos) << run.out;
@@ -209,10 +209,9 @@ TEST_F(Dvrk, OffIsSaidOnlyWhereTheBoardsSaySo) {
   std::ofstream(trajectory) << "t,q1,q2\n0,0,0\n5,0.05,0.05\n10,0.1,0.1\n15,0.05,0.1\n20,0,0\n";
   const Boards boards({"--config", config(), "--model", "planar-2r", "--event", "lose-writes@5"},
                       folder_.path("boards.txt"));
-  const ToolRun run =
-      run_tool(client("run", boards) + Words{"--trajectory", trajectory, "--model", "planar-2r",
-                                             "-o", folder_.path("rec.csv"), "--json",
-                                             folder_.path("run.json")});
+  const ToolRun run = run_tool(client("run", boards) +
+                               Words{"--trajectory", trajectory, "--model", "planar-2r", "-o",
+                                     folder_.path("rec.csv"), "--json", folder_.path("run.json")});
   EXPECT_EQ(run.status, 4) << run.err;
   EXPECT_NE(run.err.find("NOT CONFIRMED"), std::string::npos) << run.err;
   EXPECT_NE(run.err.find("press the emergency stop"), std::string::npos) << run.err;
@@ -226,10 +225,9 @@ TEST_F(Dvrk, ALoopThatIsAlwaysLateEndsWithFour) {
   std::ofstream(trajectory) << "t,q1,q2\n0,0,0\n5,0.05,0.05\n10,0.1,0.1\n15,0.05,0.1\n20,0,0\n";
   const Boards boards({"--config", config(), "--model", "planar-2r", "--event", "late=0.005@1"},
                       folder_.path("boards.txt"));
-  const ToolRun run =
-      run_tool(client("run", boards) + Words{"--trajectory", trajectory, "--model", "planar-2r",
-                                             "-o", folder_.path("rec.csv"), "--json",
-                                             folder_.path("run.json")});
+  const ToolRun run = run_tool(client("run", boards) +
+                               Words{"--trajectory", trajectory, "--model", "planar-2r", "-o",
+                                     folder_.path("rec.csv"), "--json", folder_.path("run.json")});
   EXPECT_EQ(run.status, 4) << run.err;
   EXPECT_FALSE(json_of(folder_.path("run.json"))["complete"].get<bool>());
   const bool known = run.err.find("late") != std::string::npos ||
@@ -238,10 +236,10 @@ TEST_F(Dvrk, ALoopThatIsAlwaysLateEndsWithFour) {
 }
 
 TEST_F(Dvrk, SeveralArmsAreEmulatedOnOneBus) {
-  const Boards boards({"--arm", "PSM1", "PSM2", "--model",
-                       VERIDYN_SOURCE_DIR "/examples/dvrk/light-psm.yaml", "--config-out",
-                       folder_.path("two.xml")},
-                      folder_.path("boards.txt"));
+  const Boards boards(
+      {"--arm", "PSM1", "PSM2", "--model", VERIDYN_SOURCE_DIR "/examples/dvrk/light-psm.yaml",
+       "--config-out", folder_.path("two.xml")},
+      folder_.path("boards.txt"));
   EXPECT_NE(content_of(folder_.path("boards.txt")).find("PSM1, PSM2: 4 boards"), std::string::npos);
   for (const char* arm : {"PSM1", "PSM2"}) {
     const ToolRun run = run_tool({"dvrk", "monitor", "--config", folder_.path("two.xml"), "--robot",
@@ -271,9 +269,9 @@ Words readme_words(const std::string& begin) {
 TEST_F(Dvrk, TheReadmesBlockWorks) {
   const auto in_folder = [&](Words words) {
     for (std::string& word : words) {
-      const bool file = word.size() > 4 && word.find('/') == std::string::npos &&
-                        (word.rfind(".csv") == word.size() - 4 ||
-                         word.rfind(".xml") == word.size() - 4);
+      const bool file =
+          word.size() > 4 && word.find('/') == std::string::npos &&
+          (word.rfind(".csv") == word.size() - 4 || word.rfind(".xml") == word.size() - 4);
       if (file) word = folder_.path(word);
       if (word.rfind("examples/", 0) == 0) word = VERIDYN_SOURCE_DIR "/" + word;
     }
@@ -313,9 +311,10 @@ TEST_F(Dvrk, TheReadmesBlockWorks) {
   int found = 0;
   for (const json& p : json_of(folder_.path("id.json"))["base_parameters"]) {
     const std::string expression = p["expression"];
-    for (const auto& [name, value] : std::map<std::string, double>{
-             {"coulomb_friction(yaw)", 0.15}, {"coulomb_friction(pitch)", 0.15},
-             {"coulomb_friction(insertion)", 0.8}}) {
+    for (const auto& [name, value] :
+         std::map<std::string, double>{{"coulomb_friction(yaw)", 0.15},
+                                       {"coulomb_friction(pitch)", 0.15},
+                                       {"coulomb_friction(insertion)", 0.8}}) {
       if (expression.rfind(name, 0) != 0) continue;
       EXPECT_NEAR(p["value"].get<double>(), value, 5.0 * p["std"].get<double>()) << expression;
       EXPECT_LT(p["std"].get<double>(), 0.2 * value) << expression;
@@ -359,7 +358,9 @@ TEST_F(Dvrk, MistakesGetOneLine) {
       {{"dvrk", "emulate", "--config", io, "--event", "amp-fault:6@3", "--port", "0"},
        2,
        "amp-fault:BOARD.AXIS@S"},
-      {{"dvrk", "emulate", "--config", io, "--event", "late@3", "--port", "0"}, 2, "late=SECONDS@S"},
+      {{"dvrk", "emulate", "--config", io, "--event", "late@3", "--port", "0"},
+       2,
+       "late=SECONDS@S"},
       {{"dvrk", "emulate", "--config", io, "--firmware", "6", "--port", "0"}, 2, "--firmware"},
       {{"dvrk", "emulate", "--config", folder_.write("dqla.xml", with(io_xml(), "QLA1", "DQLA")),
         "--port", "0"},

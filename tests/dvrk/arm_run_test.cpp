@@ -212,8 +212,7 @@ TEST_F(ArmRun, SoftLimitsEndARunWithAPid) {
   };
   RunOptions options;
   options.largest_error = Eigen::Vector2d(9.0, 9.0);  // not what ends it
-  const RunResult run =
-      run_motion(arm, link, motion(8.0), sensible_gains(model_), options, stop_);
+  const RunResult run = run_motion(arm, link, motion(8.0), sensible_gains(model_), options, stop_);
   EXPECT_TRUE(thrown);
   EXPECT_FALSE(run.complete);
   EXPECT_NE(run.why.find("actuator 1 leaves its soft limits"), std::string::npos) << run.why;
@@ -230,8 +229,7 @@ TEST_F(ArmRun, AnErrorIsInTheUnitOfItsJoint) {
   ArmSession arm(link_, planar_config());
   RunOptions options;
   options.largest_error = Eigen::Vector2d(0.35, 1e-6);  // so small that the second joint breaks it
-  const RunResult run =
-      run_motion(arm, link_, motion(4.0), sensible_gains(model_), options, stop_);
+  const RunResult run = run_motion(arm, link_, motion(4.0), sensible_gains(model_), options, stop_);
   EXPECT_FALSE(run.complete);
   EXPECT_NE(run.why.find("joint 2 is"), std::string::npos) << run.why;
 }

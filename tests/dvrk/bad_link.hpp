@@ -13,7 +13,8 @@ namespace veridyn::dvrk {
 /// same drill gives the same result on every machine.
 class BadLink final : public DatagramLink {
  public:
-  explicit BadLink(BoardEmulator& emulator, std::uint64_t seed = 1) : link_(emulator), fate_(seed) {}
+  explicit BadLink(BoardEmulator& emulator, std::uint64_t seed = 1)
+      : link_(emulator), fate_(seed) {}
 
   bool send(ByteView datagram, Destination to) noexcept override {
     if (is_write(datagram)) ++writes;
@@ -31,8 +32,8 @@ class BadLink final : public DatagramLink {
     while (true) {
       pass(0.0);
       take();
-      const auto first = std::min_element(
-          coming_.begin(), coming_.end(), [](const Held& a, const Held& b) { return a.at < b.at; });
+      const auto first = std::min_element(coming_.begin(), coming_.end(),
+                                          [](const Held& a, const Held& b) { return a.at < b.at; });
       if (first != coming_.end() && first->at <= link_.now()) {
         const Arrival arrival{true, std::min(first->bytes.size(), buffer.size), true, 0.0};
         std::memcpy(buffer.data, first->bytes.data(), arrival.size);

@@ -101,8 +101,7 @@ const std::vector<Row>& rows() {
          rig.link.push({kOld, sizeof kOld});
        },
        Asked::kGoOn, 0, clean},
-      {"WrongCrc", Condition::kWrongCrc, kAuto, reply(ReplyFault::kCrc, 1), Asked::kGoOn, 0,
-       clean},
+      {"WrongCrc", Condition::kWrongCrc, kAuto, reply(ReplyFault::kCrc, 1), Asked::kGoOn, 0, clean},
       {"WrongCrcs", Condition::kWrongCrc, kAuto, reply(ReplyFault::kCrc, -1), Asked::kPowerOff,
        0.0025, clean},
       {"WrongBoard", Condition::kWrongBoard, kAuto,
@@ -253,7 +252,8 @@ TEST_P(ConditionOfSection17, IsNoticedAnsweredAndSurvived) {
 TEST(ConditionsOfSection17, AllAreTested) {
   std::vector<bool> tested(kConditions + 1, false);
   for (const Row& row : rows()) tested[static_cast<size_t>(row.condition)] = true;
-  for (const int refusal : {10, 11, 12, 16, static_cast<int>(Condition::kPot)}) tested[static_cast<size_t>(refusal)] = true;
+  for (const int refusal : {10, 11, 12, 16, static_cast<int>(Condition::kPot)})
+    tested[static_cast<size_t>(refusal)] = true;
   for (int k = 1; k <= kConditions; ++k) {
     EXPECT_TRUE(tested[static_cast<size_t>(k)]) << k;
     EXPECT_STRNE(describe(static_cast<Condition>(k)), "");

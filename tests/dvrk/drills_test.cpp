@@ -106,15 +106,15 @@ std::vector<Network> networks() {
 }
 
 class BadNetwork : public testing::TestWithParam<std::tuple<Network, CycleProtocol>> {};
-INSTANTIATE_TEST_SUITE_P(
-    Kinds, BadNetwork,
-    testing::Combine(testing::ValuesIn(networks()),
-                     testing::Values(CycleProtocol::kBroadcastWrite, CycleProtocol::kSequential,
-                                     CycleProtocol::kBroadcast)),
-    [](const auto& of) {
-      return std::string(std::get<0>(of.param).name) +
-             std::to_string(static_cast<int>(std::get<1>(of.param)));
-    });
+INSTANTIATE_TEST_SUITE_P(Kinds, BadNetwork,
+                         testing::Combine(testing::ValuesIn(networks()),
+                                          testing::Values(CycleProtocol::kBroadcastWrite,
+                                                          CycleProtocol::kSequential,
+                                                          CycleProtocol::kBroadcast)),
+                         [](const auto& of) {
+                           return std::string(std::get<0>(of.param).name) +
+                                  std::to_string(static_cast<int>(std::get<1>(of.param)));
+                         });
 
 TEST_P(BadNetwork, LeavesNoTorqueAndNoFalseWord) {
   const auto& [network, protocol] = GetParam();
@@ -191,7 +191,7 @@ TEST(Drills, DeadBoardsAreNotCalledOff) {
   const double start = drill.link.now();
   EXPECT_EQ(drill.session.shutdown(), OffState::kUnknown);
   EXPECT_LT(drill.link.now() - start, 0.7);  // and it does not try for ever
-  EXPECT_TRUE(drill.really_off());            // the writes had arrived, but nobody could know
+  EXPECT_TRUE(drill.really_off());           // the writes had arrived, but nobody could know
 }
 
 // Nodes get new numbers while the motors run: off is confirmed all the same, after a scan.

@@ -279,9 +279,9 @@ TEST(Firmware9, AnswersAsItsHostExpects) {
   };
   const std::string hub = asked(1, 0x3F, 10);
   ASSERT_EQ(hub.size(), 56U);
-  EXPECT_EQ(hub.substr(8, 4), "ffc6");     // board 6, not node 0
+  EXPECT_EQ(hub.substr(8, 4), "ffc6");  // board 6, not node 0
   EXPECT_EQ(hub.substr(24, 8), "00000009");
-  EXPECT_EQ(hub.substr(40, 2), "10");      // the trailer repeats the mark
+  EXPECT_EQ(hub.substr(40, 2), "10");  // the trailer repeats the mark
   EXPECT_EQ(asked(0, 0x3F, 20), "");
   EXPECT_EQ(asked(1, 6, 30).substr(8, 4), "ffc6");
   EXPECT_EQ(asked(1, 0, 40), "");

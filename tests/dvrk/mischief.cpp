@@ -15,7 +15,8 @@ std::vector<Copy> Fate::of(ByteView datagram, const Mischief& m) {
   copy.bytes.assign(datagram.data, datagram.data + datagram.size);
   copy.delay = m.delay + m.jitter * even() + (even() < m.hold ? m.held_for : 0.0);
   if (even() < m.corrupt && !copy.bytes.empty()) {
-    const auto bit = static_cast<std::size_t>(even() * 8.0 * static_cast<double>(copy.bytes.size()));
+    const auto bit =
+        static_cast<std::size_t>(even() * 8.0 * static_cast<double>(copy.bytes.size()));
     copy.bytes[bit / 8] ^= static_cast<std::uint8_t>(1U << (bit % 8));
   }
   std::vector<Copy> copies{copy};

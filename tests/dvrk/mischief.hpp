@@ -11,8 +11,8 @@ namespace veridyn::dvrk {
 struct Mischief {
   double lose = 0.0;
   double repeat = 0.0;
-  double corrupt = 0.0;  ///< one random bit
-  double hold = 0.0;     ///< share that comes later than its followers: reordering
+  double corrupt = 0.0;     ///< one random bit
+  double hold = 0.0;        ///< share that comes later than its followers: reordering
   double held_for = 0.001;  ///< [s]
   double delay = 0.0;       ///< [s] that every datagram takes
   double jitter = 0.0;      ///< [s] added to it, even from 0 on

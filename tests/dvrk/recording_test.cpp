@@ -8,10 +8,10 @@
 #include <fstream>
 #include <sstream>
 
+#include "dvrk/rig.hpp"
 #include "dvrk/run/cycle_clock.hpp"
 #include "dvrk/run/row_file.hpp"
 #include "dvrk/run/row_keeper.hpp"
-#include "dvrk/rig.hpp"
 #include "veridyn/recordings/recording.hpp"
 
 // Rows on their way to the disk, the boards' time, and the clock of the loop.
@@ -140,9 +140,9 @@ struct Late {
 };
 
 TEST(CycleClock, GivesEveryGapItsReason) {
-  for (const Late& late : {Late{0.030, 0.0, 0.0, LateReason::kSystem},
-                           Late{0.0, 0.030, 0.0, LateReason::kReplies},
-                           Late{0.0, 0.030, 0.029, LateReason::kSystem}}) {
+  for (const Late& late :
+       {Late{0.030, 0.0, 0.0, LateReason::kSystem}, Late{0.0, 0.030, 0.0, LateReason::kReplies},
+        Late{0.0, 0.030, 0.029, LateReason::kSystem}}) {
     SlowLink link;
     CycleClock clock(link, 1000.0);
     for (int k = 0; k < 400; ++k) {

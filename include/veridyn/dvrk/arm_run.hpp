@@ -7,8 +7,8 @@
 #include "veridyn/dvrk/arm_session.hpp"
 #include "veridyn/dvrk/loop_timing.hpp"
 #include "veridyn/dvrk/motion_controller.hpp"
-#include "veridyn/recordings/recording.hpp"
 #include "veridyn/math/motion_samples.hpp"
+#include "veridyn/recordings/recording.hpp"
 #include "veridyn/simulation/control_loop.hpp"
 
 namespace veridyn::dvrk {
@@ -21,8 +21,8 @@ struct RunOptions {
   /// Further off its set point a joint ends the run: (n) of the arm, each in its own unit; empty:
   /// those of default_largest_errors().
   VectorXd largest_error;
-  double power_timeout = 5.0;    ///< [s] in which power must be up
-  std::string recording;         ///< a file that is written while the run goes on; empty: none
+  double power_timeout = 5.0;  ///< [s] in which power must be up
+  std::string recording;       ///< a file that is written while the run goes on; empty: none
 };
 
 struct RunResult {

@@ -20,7 +20,7 @@ struct ChannelSafety {
   LinearScale counts_to_position;
   LinearScale pot_to_position;
   double pot_tolerance = 0.0;
-  double pot_latency = 0.010;  ///< [s]
+  double pot_latency = 0.010;   ///< [s]
   bool watch_pot_rail = false;  ///< a pot at an end of its converter refuses power
 };
 

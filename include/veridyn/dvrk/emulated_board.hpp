@@ -20,10 +20,10 @@ struct BoardSetup {
   std::uint32_t hardware = kHardwareQla1;
   std::string qla_serial = "QLA 0000-00";
   std::string fpga_serial = "FPGA 0000-00";
-  bool io_expander = false;  ///< QLA 1.5: amplifiers come 2.5 ms late, voltage mode exists
-  bool senses_chain = true;  ///< Rev 8 on: status bit 14
-  double pot_noise = 0.0;      ///< standard deviation [bits]
-  double current_noise = 0.0;  ///< the same of measured currents
+  bool io_expander = false;          ///< QLA 1.5: amplifiers come 2.5 ms late, voltage mode exists
+  bool senses_chain = true;          ///< Rev 8 on: status bit 14
+  double pot_noise = 0.0;            ///< standard deviation [bits]
+  double current_noise = 0.0;        ///< the same of measured currents
   std::vector<std::uint8_t> dallas;  ///< memory of an instrument's chip; empty: no chip
 };
 

@@ -27,8 +27,11 @@ enum class ReadResult {
   kWrongSize,
   kWrongHeader,
   kWrongCrc,  ///< a CRC that is not zero, and wrong
-  kDropped  ///< the board answered with a trailer alone
+  kDropped    ///< the board answered with a trailer alone
 };
+
+/// The condition of section 17 that a read without a result is.
+Condition condition_of(ReadResult result);
 
 /// Reads and writes of one session, one at a time: labels, generation, matching of replies, what
 /// trailers tell. Notes conditions 1 to 8 and 28 to 30. Fixed buffers.

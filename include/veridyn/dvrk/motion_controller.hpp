@@ -49,7 +49,8 @@ class MotionController {
   /// The limits that torques() holds the arm to. A run applies them to the whole motion before
   /// power comes on.
   virtual MotionLimits limits() const { return {}; }
-  /// @throws InvalidInput  a motion that this controller would refuse on the way for another reason.
+  /// @throws InvalidInput  a motion that this controller would refuse on the way for another
+  /// reason.
   virtual void require_possible(const MotionSamples& motion) const { (void)motion; }
 };
 

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <limits>
 
-#include "veridyn/math/require.hpp"
 #include "model/suggestion.hpp"
+#include "veridyn/math/require.hpp"
 
 namespace veridyn::dvrk {
 namespace {

@@ -6,10 +6,10 @@
 #include <map>
 #include <random>
 
+#include "model/suggestion.hpp"
 #include "veridyn/dynamics/rigid_body_dynamics.hpp"
 #include "veridyn/effects/effect.hpp"
 #include "veridyn/math/require.hpp"
-#include "model/suggestion.hpp"
 
 namespace veridyn::dvrk {
 namespace {

@@ -4,11 +4,11 @@
 #include <nlohmann/json.hpp>
 
 #include "dvrk/config/json_text.hpp"
-#include "veridyn/dvrk/gravity_chain.hpp"
+#include "model/suggestion.hpp"
 #include "recordings/csv/csv_layout.hpp"
 #include "recordings/csv/csv_lines.hpp"
+#include "veridyn/dvrk/gravity_chain.hpp"
 #include "veridyn/math/require.hpp"
-#include "model/suggestion.hpp"
 
 namespace veridyn::dvrk {
 namespace {

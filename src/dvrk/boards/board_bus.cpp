@@ -15,25 +15,6 @@ constexpr double kShortestWait = 0.001;  // [s] that a reply gets when the cycle
 constexpr double kLateCycles = 2.5;      // timestamps of so many cycles tell of missed ones
 constexpr double kJump = 0.005;          // [s] between timestamp and clock: look at the board
 
-Condition condition_of(ReadResult result) {
-  switch (result) {
-    case ReadResult::kNotSent:
-      return Condition::kNotSent;
-    case ReadResult::kWrongSize:
-      return Condition::kWrongSize;
-    case ReadResult::kWrongHeader:
-      return Condition::kWrongHeader;
-    case ReadResult::kWrongCrc:
-      return Condition::kWrongCrc;
-    case ReadResult::kDropped:
-      return Condition::kDropped;
-    case ReadResult::kNoReply:
-    case ReadResult::kOk:
-      break;
-  }
-  return Condition::kNoReply;
-}
-
 Route everyone() {
   return {kBroadcastNode, false, Destination::kBoard};
 }
@@ -61,9 +42,8 @@ BoardBus::BoardBus(DatagramLink& link, const BusOptions& options)
 }
 
 void BoardBus::listen() noexcept {
-  exchange_.listen_only(options_.protocol == CycleProtocol::kBroadcast
-                            ? Exchange::Queries::kAllowed
-                            : Exchange::Queries::kNone);
+  exchange_.listen_only(options_.protocol == CycleProtocol::kBroadcast ? Exchange::Queries::kAllowed
+                                                                       : Exchange::Queries::kNone);
 }
 
 void BoardBus::note(Condition condition, int board, int channel, std::uint32_t value) noexcept {
@@ -139,41 +119,6 @@ void BoardBus::read_sequential() noexcept {
       if (state_ == BusState::kRunning) begin_scan();
       return;
     }
-  }
-}
-
-// Words 1 to 31 of a real-time block, each from its register. The boards' timestamp has none.
-bool BoardBus::read_words(Board& b, QuadletSpan words) noexcept {
-  constexpr address::Offset kOffsets[] = {address::kAnalog,   address::kPosition, address::kPeriod,
-                                          address::kQuarter1, address::kQuarter5, address::kRunning,
-                                          address::kMotorStatus};
-  constexpr std::uint16_t kBoard[] = {address::kStatus, address::kDigitalIn, address::kTemperature};
-  const double passed = b.read_at < 0.0 ? 0.0 : std::max(0.0, link_.now() - b.read_at);
-  words.set(0, static_cast<std::uint32_t>(std::min(passed * kTicksPerSecond, 4e9)));
-  for (std::size_t k = 1; k < words.size(); ++k) {
-    const std::uint16_t where = k < 4 ? kBoard[k - 1]
-                                      : address::of_channel(static_cast<int>(k % kChannels),
-                                                            kOffsets[k / kChannels - 1]);
-    std::uint32_t value = 0;
-    const ReadResult result = exchange_.read(route(b), where, options_.reply_timeout, value);
-    if (result != ReadResult::kOk) {
-      lose(b, condition_of(result));
-      if (result == ReadResult::kDropped && state_ == BusState::kRunning) begin_scan();
-      return false;
-    }
-    words.set(k, value);
-  }
-  return true;
-}
-
-void BoardBus::read_by_register() noexcept {
-  for (Board& b : boards_) {
-    if (state_ != BusState::kRunning) {
-      lose(b, Condition::kDropped);
-      continue;
-    }
-    const QuadletSpan words({block_.data(), 4 * read_quadlets(b.info.firmware)});
-    if (read_words(b, words)) accept(b, QuadletView(words));
   }
 }
 
@@ -266,44 +211,6 @@ void BoardBus::check_commands(Board& b) noexcept {
     return;
   }
   b.lost_writes = 0;
-}
-
-// ---- slow registers
-
-void BoardBus::keep_house() noexcept {
-  if (state_ != BusState::kRunning || exchange_.generation_changed()) return;
-  for (Board& b : boards_) {
-    if (!b.suspect || !b.valid) continue;
-    b.suspect = false;
-    return look_at(b);
-  }
-  if (options_.housekeeping <= 0 || cycles_ % options_.housekeeping != 0) return;
-  const long turn = cycles_ / options_.housekeeping;
-  Board& b = boards_[static_cast<size_t>(turn) % boards_.size()];
-  if (b.valid) look_at(b);
-}
-
-// Sections 17 #25, #27 (Rev 7 shows its commands nowhere else) and #28.
-void BoardBus::look_at(Board& b) noexcept {
-  std::uint32_t value = 0;
-  const double timeout = options_.rescan_timeout;
-  if (watchdog_counts_ != 0 &&
-      exchange_.read(route(b), address::kWatchdog, timeout, value) == ReadResult::kOk &&
-      (value & 0xFFFF) != watchdog_counts_) {
-    b.rebooted = true;
-    note(Condition::kRebooted, b.info.id, -1, value);
-  }
-  if (exchange_.read(route(b), address::kEthernet, timeout, value) == ReadResult::kOk &&
-      (value >> 31) != 0 && (value & kEthernetErrors) != 0)
-    note(Condition::kEthernet, b.info.id, -1, value);
-  if (b.info.firmware >= 8) return;
-  for (int c = 0; c < kChannels; ++c) {
-    if (!b.has_sent[static_cast<size_t>(c)]) continue;
-    if (exchange_.read(route(b), address::of_channel(c, address::kDac), timeout, value) ==
-            ReadResult::kOk &&
-        (value & 0xFFFF) != b.sent[static_cast<size_t>(c)])
-      note(Condition::kNotEffective, b.info.id, c, value);
-  }
 }
 
 }  // namespace veridyn::dvrk

@@ -84,7 +84,8 @@ void BoardSession::check_channel(int b, int c, const BoardFeedback& f) noexcept 
   check_pot(b, c, one);
 }
 
-// #21: after the grace of section 14.5 #8, or at once where the board itself reports a fault (Rev 8).
+// #21: after the grace of section 14.5 #8, or at once where the board itself reports a fault (Rev
+// 8).
 void BoardSession::check_amp(int b, int c, const BoardFeedback& f) noexcept {
   ChannelState& state = channel(b, c);
   const double now = link_.now();

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <optional>
 
-#include "veridyn/math/require.hpp"
 #include "model/suggestion.hpp"
+#include "veridyn/math/require.hpp"
 
 namespace veridyn::dvrk {
 namespace {

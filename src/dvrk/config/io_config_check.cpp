@@ -4,9 +4,9 @@
 #include <set>
 #include <utility>
 
+#include "model/suggestion.hpp"
 #include "veridyn/dvrk/io_config.hpp"
 #include "veridyn/math/require.hpp"
-#include "model/suggestion.hpp"
 
 namespace veridyn::dvrk {
 namespace {

@@ -18,8 +18,8 @@
 namespace veridyn::dvrk {
 namespace {
 
-constexpr double kUninterrupted = 2e-6;  // [s]
-constexpr double kLongestQueue = 0.1;    // [s]
+constexpr double kUninterrupted = 2e-6;           // [s]
+constexpr double kLongestQueue = 0.1;             // [s]
 constexpr std::uint32_t kMulticast = 0xE0000064;  // 224.0.0.100
 
 double seconds_of(const timespec& at) {

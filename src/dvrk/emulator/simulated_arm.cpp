@@ -51,9 +51,9 @@ SimulatedArm::SimulatedArm(Engine& engine, const RobotConfig& robot,
 }
 
 void SimulatedArm::set_end_stops(const VectorXd& lower, const VectorXd& upper) {
-  require(lower.size() == engine_.joints() && upper.size() == engine_.joints(),
-          "end stops: found ", lower.size(), " and ", upper.size(), ", expected ",
-          engine_.joints(), ", one per joint of the model.");
+  require(lower.size() == engine_.joints() && upper.size() == engine_.joints(), "end stops: found ",
+          lower.size(), " and ", upper.size(), ", expected ", engine_.joints(),
+          ", one per joint of the model.");
   lower_ = held_q_ = held_dq_ = lower;
   upper_ = upper;
 }
@@ -65,7 +65,7 @@ void SimulatedArm::stop_at_ends() noexcept {
   held_dq_ = engine_.dq();
   bool hit = false;
   for (Eigen::Index j = 0; j < held_q_.size(); ++j) {
-    const bool below = held_q_[j] < lower_[j], above = held_q_[j] > upper_[j];
+    const bool below = held_q_[j]<lower_[j], above = held_q_[j]> upper_[j];
     if (!below && !above) continue;
     hit = true;
     held_q_[j] = below ? lower_[j] : upper_[j];

@@ -8,6 +8,25 @@ constexpr int kMostStale = 64;  // datagrams that one drain takes out of the que
 
 }  // namespace
 
+Condition condition_of(ReadResult result) {
+  switch (result) {
+    case ReadResult::kNotSent:
+      return Condition::kNotSent;
+    case ReadResult::kWrongSize:
+      return Condition::kWrongSize;
+    case ReadResult::kWrongHeader:
+      return Condition::kWrongHeader;
+    case ReadResult::kWrongCrc:
+      return Condition::kWrongCrc;
+    case ReadResult::kDropped:
+      return Condition::kDropped;
+    case ReadResult::kNoReply:
+    case ReadResult::kOk:
+      break;
+  }
+  return Condition::kNoReply;
+}
+
 Request Exchange::request(const Route& route, Tcode tcode, std::uint16_t address) noexcept {
   label_ = static_cast<std::uint8_t>((label_ + 1) % kLabels);
   Request r;

@@ -7,10 +7,10 @@
 #include "cycle_clock.hpp"
 #include "motion_check.hpp"
 #include "motion_run.hpp"
-#include "run_end.hpp"
 #include "pid_controller.hpp"
 #include "row_file.hpp"
 #include "row_keeper.hpp"
+#include "run_end.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn::dvrk {
@@ -44,8 +44,8 @@ RunResult run_checked(ArmSession& arm, DatagramLink& link, const MotionSamples& 
 VectorXd default_largest_errors(const RobotConfig& robot) {
   VectorXd out(robot.size());
   for (int i = 0; i < robot.size(); ++i)
-    out[i] = robot.actuators[static_cast<size_t>(i)].prismatic ? kLargestErrorSliding
-                                                               : kLargestError;
+    out[i] =
+        robot.actuators[static_cast<size_t>(i)].prismatic ? kLargestErrorSliding : kLargestError;
   return out;
 }
 

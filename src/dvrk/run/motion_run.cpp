@@ -15,9 +15,8 @@ constexpr double kLooking = 0.1;  // [s] of reading before power is asked for
 }  // namespace
 
 MotionRun::MotionRun(ArmSession& arm, DatagramLink& link, const MotionSamples& motion,
-                     Eigen::Index recorded, MotionController& controller,
-                     const MotionCheck& check, const RunOptions& options,
-                     const std::atomic<bool>& stop)
+                     Eigen::Index recorded, MotionController& controller, const MotionCheck& check,
+                     const RunOptions& options, const std::atomic<bool>& stop)
     : arm_(arm),
       link_(link),
       options_(options),
@@ -86,17 +85,16 @@ void MotionRun::forget() noexcept {
 bool MotionRun::stays_inside() {
   const int actuator = check_.leaving(arm_.state());
   if (actuator < 0) return true;
-  return end(text("actuator ", actuator, " leaves its soft limits: ",
-                  arm_.state().actuator_q[actuator], " with a velocity of ",
-                  arm_.state().actuator_dq[actuator]));
+  return end(text("actuator ", actuator,
+                  " leaves its soft limits: ", arm_.state().actuator_q[actuator],
+                  " with a velocity of ", arm_.state().actuator_dq[actuator]));
 }
 
 bool MotionRun::follows() {
   if (!controller_.follows()) return true;
   Eigen::Index joint = 0;
   const VectorXd& most = options_.largest_error;
-  const double share =
-      (wanted_.q - arm_.state().q).cwiseAbs().cwiseQuotient(most).maxCoeff(&joint);
+  const double share = (wanted_.q - arm_.state().q).cwiseAbs().cwiseQuotient(most).maxCoeff(&joint);
   if (share <= 1.0) return true;
   const bool slides = arm_.robot().actuators[static_cast<size_t>(joint)].prismatic;
   return end(text("joint ", joint + 1, " is ", share * most[joint], slides ? " m" : " rad",

@@ -18,8 +18,8 @@ namespace veridyn::dvrk {
 namespace {
 
 constexpr auto kPause = std::chrono::milliseconds(200);
-constexpr int kSyncEvery = 5;            // pauses between two calls that bring rows to the disk
-constexpr std::size_t kRemark = 200;     // bytes of the first line
+constexpr int kSyncEvery = 5;               // pauses between two calls that bring rows to the disk
+constexpr std::size_t kRemark = 200;        // bytes of the first line
 constexpr Eigen::Index kMostAtOnce = 1000;  // rows in one piece of text
 
 // A line that can be written over in place.
@@ -32,15 +32,16 @@ std::string remark_line(const std::string& remark) {
 std::string header(Eigen::Index joints) {
   std::string line = "t";
   for (const char* name : {"q", "dq", "tau"}) {
-    for (Eigen::Index j = 0; j < joints; ++j) line += "," + std::string(name) + std::to_string(j + 1);
+    for (Eigen::Index j = 0; j < joints; ++j)
+      line += "," + std::string(name) + std::to_string(j + 1);
   }
   return line + "\n";
 }
 
 void add(double value, int digits, std::string& line) {
   char number[40];
-  const auto end = std::to_chars(number, number + sizeof number, value, std::chars_format::general,
-                                 digits);
+  const auto end =
+      std::to_chars(number, number + sizeof number, value, std::chars_format::general, digits);
   line.append(number, end.ptr);
 }
 

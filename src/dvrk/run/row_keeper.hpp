@@ -4,10 +4,10 @@
 #include <atomic>
 #include <cmath>
 
-#include "veridyn/dvrk/arm_units.hpp"
-#include "veridyn/recordings/recording.hpp"
 #include "math/most_rows.hpp"
+#include "veridyn/dvrk/arm_units.hpp"
 #include "veridyn/math/require.hpp"
+#include "veridyn/recordings/recording.hpp"
 
 namespace veridyn::dvrk {
 
@@ -54,7 +54,7 @@ class RowKeeper {
   }
 
  private:
-  static constexpr double kSpare = 1.2;         ///< of the rows that are expected
+  static constexpr double kSpare = 1.2;        ///< of the rows that are expected
   static constexpr double kMostTouched = 5e8;  ///< [bytes]
   Recording rows_;
   std::atomic<Eigen::Index> count_{0};

@@ -1,0 +1,80 @@
+#include <algorithm>
+
+#include "veridyn/dvrk/board_bus.hpp"
+
+// Single registers: those that change slowly, and real-time words for a client that only looks.
+
+namespace veridyn::dvrk {
+
+void BoardBus::keep_house() noexcept {
+  if (state_ != BusState::kRunning || exchange_.generation_changed()) return;
+  for (Board& b : boards_) {
+    if (!b.suspect || !b.valid) continue;
+    b.suspect = false;
+    return look_at(b);
+  }
+  if (options_.housekeeping <= 0 || cycles_ % options_.housekeeping != 0) return;
+  const long turn = cycles_ / options_.housekeeping;
+  Board& b = boards_[static_cast<size_t>(turn) % boards_.size()];
+  if (b.valid) look_at(b);
+}
+
+// Sections 17 #25, #27 (Rev 7 shows its commands nowhere else) and #28.
+void BoardBus::look_at(Board& b) noexcept {
+  std::uint32_t value = 0;
+  const double timeout = options_.rescan_timeout;
+  if (watchdog_counts_ != 0 &&
+      exchange_.read(route(b), address::kWatchdog, timeout, value) == ReadResult::kOk &&
+      (value & 0xFFFF) != watchdog_counts_) {
+    b.rebooted = true;
+    note(Condition::kRebooted, b.info.id, -1, value);
+  }
+  if (exchange_.read(route(b), address::kEthernet, timeout, value) == ReadResult::kOk &&
+      (value >> 31) != 0 && (value & kEthernetErrors) != 0)
+    note(Condition::kEthernet, b.info.id, -1, value);
+  if (b.info.firmware >= 8) return;
+  for (int c = 0; c < kChannels; ++c) {
+    if (!b.has_sent[static_cast<size_t>(c)]) continue;
+    if (exchange_.read(route(b), address::of_channel(c, address::kDac), timeout, value) ==
+            ReadResult::kOk &&
+        (value & 0xFFFF) != b.sent[static_cast<size_t>(c)])
+      note(Condition::kNotEffective, b.info.id, c, value);
+  }
+}
+
+// Words 1 to 31 of a real-time block, each from its register. The boards' timestamp has none.
+bool BoardBus::read_words(Board& b, QuadletSpan words) noexcept {
+  constexpr address::Offset kOffsets[] = {
+      address::kAnalog,   address::kPosition, address::kPeriod,     address::kQuarter1,
+      address::kQuarter5, address::kRunning,  address::kMotorStatus};
+  constexpr std::uint16_t kBoard[] = {address::kStatus, address::kDigitalIn, address::kTemperature};
+  const double passed = b.read_at < 0.0 ? 0.0 : std::max(0.0, link_.now() - b.read_at);
+  words.set(0, static_cast<std::uint32_t>(std::min(passed * kTicksPerSecond, 4e9)));
+  for (std::size_t k = 1; k < words.size(); ++k) {
+    const std::uint16_t where =
+        k < 4 ? kBoard[k - 1]
+              : address::of_channel(static_cast<int>(k % kChannels), kOffsets[k / kChannels - 1]);
+    std::uint32_t value = 0;
+    const ReadResult result = exchange_.read(route(b), where, options_.reply_timeout, value);
+    if (result != ReadResult::kOk) {
+      lose(b, condition_of(result));
+      if (result == ReadResult::kDropped && state_ == BusState::kRunning) begin_scan();
+      return false;
+    }
+    words.set(k, value);
+  }
+  return true;
+}
+
+void BoardBus::read_by_register() noexcept {
+  for (Board& b : boards_) {
+    if (state_ != BusState::kRunning) {
+      lose(b, Condition::kDropped);
+      continue;
+    }
+    const QuadletSpan words({block_.data(), 4 * read_quadlets(b.info.firmware)});
+    if (read_words(b, words)) accept(b, QuadletView(words));
+  }
+}
+
+}  // namespace veridyn::dvrk
