@@ -34,17 +34,19 @@ void expect_known_effects(const std::vector<std::string>& names) {
   for (const std::string& name : names) expect_one_of("--effects", name, effect_names());
 }
 
-// The command with the robot as it was named here, with what is recorded and known already.
-void complete_next_experiment(const Request& request, Diagnosis& d) {
-  std::string& command = d.next_experiment.trajectory;
-  const std::string start = "veridyn excite " + d.baseline.robot + " ";
-  if (command.rfind(start, 0) != 0) return;
-  std::vector<std::string> words = {"veridyn", "excite", request.robot};
-  std::vector<std::string> more = {"--given"};
-  more.insert(more.end(), request.train.begin(), request.train.end());
-  if (!request.model_out.empty()) more.insert(more.end(), {"--model", request.model_out});
-  command =
-      cli::command_line(words) + " " + command.substr(start.size()) + " " + cli::command_line(more);
+// The command that makes the recording, with the robot as it was named here and with what is
+// recorded and known already.
+std::string next_command(const Request& request, const NextExperiment& next) {
+  if (next.between.empty()) return "";
+  std::vector<std::string> words = {"veridyn", "excite", request.robot, "-o", "next.csv",
+                                    "--criterion", "discriminate", "--between",
+                                    to_text(next.between[0]) + "," + to_text(next.between[1])};
+  if (next.slow_passes > 0)
+    words.insert(words.end(), {"--slow-passes", std::to_string(next.slow_passes)});
+  words.emplace_back("--given");
+  words.insert(words.end(), request.train.begin(), request.train.end());
+  if (!request.model_out.empty()) words.insert(words.end(), {"--model", request.model_out});
+  return cli::command_line(words);
 }
 
 ExitStatus run(Request& request, const std::string& command_line) {
@@ -74,7 +76,7 @@ ExitStatus run(Request& request, const std::string& command_line) {
     return kDataCannotAnswer;
   }
   tell_facts(d.data_quality);
-  complete_next_experiment(request, d);
+  d.next_experiment.trajectory = next_command(request, d.next_experiment);
   if (!request.model_out.empty()) save(d.extended, request.model_out);
   if (!request.common.json.empty()) write_file(request.common.json, to_json(d));
   if (!request.common.report.empty()) {

@@ -140,9 +140,9 @@ std::string Diagnosis::report() const {
   line("training, extended", extended.train_error.relative);
   line("noise floor", baseline.noise_floor);
   if (!next_experiment.separates.empty()) {
-    out += fmt::format("next experiment, to separate {} from {}:\n  {}\n",
-                       next_experiment.separates[0], next_experiment.separates[1],
-                       next_experiment.trajectory);
+    out += fmt::format("next experiment, to separate {} from {}", next_experiment.separates[0],
+                       next_experiment.separates[1]);
+    out += next_experiment.trajectory.empty() ? "\n" : ":\n  " + next_experiment.trajectory + "\n";
   }
   for (const CannotTell& c : cannot_tell)
     out += fmt::format("cannot tell: {} on joint {}: {}\n", c.effect, c.joint, c.why);

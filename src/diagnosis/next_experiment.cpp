@@ -6,15 +6,16 @@
 namespace veridyn {
 namespace {
 
+constexpr int kSlowPasses = 2;
+
 std::string cause_text(const std::string& effect, int joint, const std::string& frame) {
   if (!frame.empty() && effect == AddedLoad::kName) return effect + " on " + frame;
   return joint > 0 ? effect + " on joint " + std::to_string(joint) : effect;
 }
 
-// "payload:flange", "torque_gain:2"; as `excite --between` takes them.
-std::string asked_text(const std::string& effect, int joint, const std::string& frame) {
-  if (!frame.empty() && effect == AddedLoad::kName) return effect + ":" + frame;
-  return effect + ":" + (joint > 0 ? std::to_string(joint) : "arm");
+CauseText text_form(const std::string& effect, int joint, const std::string& frame) {
+  if (!frame.empty() && effect == AddedLoad::kName) return {effect, frame};
+  return {effect, joint > 0 ? std::to_string(joint) : kWholeArm};
 }
 
 // What `excite` can tell apart from others by the motion of joints: its own words are in
@@ -40,12 +41,12 @@ NextExperiment next_experiment(const Diagnosis& d) {
       const bool can_be_planned =
           can_be_asked(f.effect) && can_be_asked(r.effect) && f.effect != r.effect;
       if (!can_be_planned) continue;
-      return {{cause_text(f.effect, f.joint, f.frame), cause_text(r.effect, r.joint, r.frame)},
-              "veridyn excite " + d.baseline.robot +
-                  " -o next.csv --criterion discriminate --between " +
-                  asked_text(f.effect, f.joint, f.frame) + "," +
-                  asked_text(r.effect, r.joint, r.frame) +
-                  (is_slow(f.effect) || is_slow(r.effect) ? " --slow-passes 2" : "")};
+      NextExperiment out;
+      out.separates = {cause_text(f.effect, f.joint, f.frame),
+                       cause_text(r.effect, r.joint, r.frame)};
+      out.between = {text_form(f.effect, f.joint, f.frame), text_form(r.effect, r.joint, r.frame)};
+      if (is_slow(f.effect) || is_slow(r.effect)) out.slow_passes = kSlowPasses;
+      return out;
     }
   }
   return {};

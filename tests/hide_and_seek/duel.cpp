@@ -108,13 +108,10 @@ std::string place_text(const std::string& effect, int joint, const std::string& 
 
 // The two causes as the tool prints them; where it asks about others first, from the findings.
 std::string between_of(const Diagnosis& d, const Pair& pair, bool& from_tool) {
-  const std::string& printed = d.next_experiment.trajectory;
-  const std::string key = "--between ";
-  const auto at = printed.find(key);
+  const std::vector<CauseText>& next = d.next_experiment.between;
   from_tool = false;
-  if (at != std::string::npos) {
-    std::string asked = printed.substr(at + key.size());
-    asked = asked.substr(0, asked.find(' '));
+  if (next.size() == 2) {
+    const std::string asked = to_text(next[0]) + "," + to_text(next[1]);
     from_tool =
         asked.find(pair.first) != std::string::npos && asked.find(pair.second) != std::string::npos;
     if (from_tool) return asked;

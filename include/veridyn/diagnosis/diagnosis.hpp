@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "veridyn/diagnosis/thresholds.hpp"
+#include "veridyn/effects/cause.hpp"
 #include "veridyn/identification/identification.hpp"
 #include "veridyn/recordings/recording_quality.hpp"
 
@@ -107,7 +108,9 @@ struct CannotTell {
 /// The recording that would separate what these recordings cannot.
 struct NextExperiment {
   std::vector<std::string> separates;  ///< "payload on wrist", "torque_gain on joint 2"
-  std::string trajectory;              ///< how to make it: a command, or what to move
+  std::vector<CauseText> between;      ///< the two causes, as ExcitationOptions::between has them
+  int slow_passes = 0;                 ///< ExcitationOptions::slow_passes that it needs
+  std::string trajectory;              ///< the command that makes it, where a tool wrote one
 };
 
 /// What a reader must see first.
