@@ -16,6 +16,7 @@
 #include "diagnosis/causes/ripple.hpp"
 #include "diagnosis/causes/snags.hpp"
 #include "math/parallel.hpp"
+#include "recordings/named_recordings.hpp"
 #include "diagnosis/causes/wrong_constant.hpp"
 #include "veridyn/effects/cause.hpp"
 #include "veridyn/effects/channel_effect.hpp"
@@ -107,8 +108,11 @@ class Investigation {
       RecordingOptions reading;
       reading.columns = how.columns;
       reading.rate = how.header_rate;
-      d_.data_quality[static_cast<size_t>(k)] =
-          check_recording(all[static_cast<size_t>(k)], reading);
+      const std::string& name = all[static_cast<size_t>(k)];
+      const Recording* there = find_in_memory(how.in_memory, name);
+      RecordingQuality& quality = d_.data_quality[static_cast<size_t>(k)];
+      quality = there != nullptr ? check_recording(*there) : check_recording(name, reading);
+      quality.file = name;
     });
     choose_velocities();
   }
@@ -384,10 +388,15 @@ class Investigation {
 
 }  // namespace
 
-Diagnosis diagnose(const Model& arm, const std::vector<std::string>& train,
-                   const std::vector<std::string>& test, const DiagnosisOptions& options) {
+Diagnosis diagnose(const Model& arm, const Recordings& train, const Recordings& test,
+                   const DiagnosisOptions& options) {
   const auto begin = std::chrono::steady_clock::now();
-  Diagnosis d = Investigation(arm, train, test, options).run();
+  const NamedRecordings<IdentificationOptions> named(train, test, options.identification);
+  DiagnosisOptions how = options;
+  how.identification = named.how;
+  Diagnosis d = Investigation(arm, named.train, named.test, how).run();
+  forget_recordings(d.baseline);
+  forget_recordings(d.extended);
   d.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return d;
 }

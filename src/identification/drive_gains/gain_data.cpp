@@ -49,7 +49,8 @@ Recording currents_of(const std::string& path, const PreprocessingOptions& prepr
   RecordingOptions reading;
   reading.columns = preprocessing.columns;
   reading.rate = preprocessing.header_rate;
-  Recording r = read_recording(path, reading);
+  const Recording* there = find_in_memory(preprocessing.in_memory, path);
+  Recording r = there != nullptr ? *there : read_recording(path, reading);
   require(r.current.size() > 0, path, ": found no motor currents, expected columns i1..i",
           r.joints(), " to find drive gains from.");
   require(
