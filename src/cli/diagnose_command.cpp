@@ -64,7 +64,7 @@ ExitStatus run(Request& request, const std::string& command_line) {
     return kDataCannotAnswer;
   }
   complete_next_experiment(request, d);
-  if (!request.model_out.empty()) save(d.extended, request.model_out);
+  if (!request.model_out.empty()) save(d.extended, request.model_out, "diagnose", robot_path(request.robot));
   if (!request.common.json.empty()) write_file(request.common.json, to_json(d));
   if (!request.common.report.empty()) {
     write_file(request.common.report, to_page(d, command_line));
