@@ -195,7 +195,7 @@ void add_motion_options(CLI::App& command, ExcitationOptions& o) {
   number("--rate", o.rate, "HZ", "Rows per second (200)");
   command
       .add_option("--limit-share", o.limit_share,
-                  "Share of range, speed, acceleration and torque to use (1)")
+                  "Share of range, speed, acceleration and torque to use (0.95)")
       ->option_text("X")
       ->check(CLI::Range(0.01, 1.0))
       ->group(group);

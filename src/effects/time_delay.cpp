@@ -25,14 +25,20 @@ class TimeDelay final : public ChannelEffect {
     t.lasting = true;
     return t;
   }
-  bool acts_on(int i, int joint) const override { return i == joint; }
+  bool can_be_common() const override { return true; }
+  bool acts_on(int i, int joint) const override { return joint == kAllJoints || i == joint; }
   std::vector<MatrixXd> columns(const ChannelMotion& motion, int joint) const override {
     MatrixXd out = MatrixXd::Zero(motion.effort.rows(), motion.effort.cols());
-    out.col(joint) = -differentiate(motion.effort.col(joint), motion.dt);
+    for (Eigen::Index i = 0; i < out.cols(); ++i) {
+      if (acts_on(static_cast<int>(i), joint))
+        out.col(i) = -differentiate(motion.effort.col(i), motion.dt);
+    }
     return {out};
   }
   void apply(ModelDescription& arm, int joint, const std::vector<double>& values) const override {
-    arm.coordinates[static_cast<size_t>(joint)].recorded.torque_delay += values[0];
+    for (size_t i = 0; i < arm.coordinates.size(); ++i) {
+      if (acts_on(static_cast<int>(i), joint)) arm.coordinates[i].recorded.torque_delay += values[0];
+    }
   }
   std::vector<InjectedValue> injected(JointType /*type*/) const override {
     return {{"seconds", 0.004, 0.0, true}};

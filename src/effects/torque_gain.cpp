@@ -25,16 +25,21 @@ class TorqueGain final : public ChannelEffect {
     t.lasting = true;
     return t;
   }
-  bool acts_on(int i, int joint) const override { return i == joint; }
+  bool can_be_common() const override { return true; }
+  bool acts_on(int i, int joint) const override { return joint == kAllJoints || i == joint; }
   std::vector<MatrixXd> columns(const ChannelMotion& motion, int /*joint*/) const override {
     return {motion.effort};
   }
   bool has_rigid_columns() const override { return true; }
   std::vector<RigidColumn> rigid_columns(const Model& arm, int joint) const override {
-    return {{arm.gravity(), false, VectorXd::Unit(arm.joints(), joint)}};
+    const VectorXd joints = joint == kAllJoints ? VectorXd(VectorXd::Ones(arm.joints()))
+                                                : VectorXd(VectorXd::Unit(arm.joints(), joint));
+    return {{arm.gravity(), false, joints}};
   }
   void apply(ModelDescription& arm, int joint, const std::vector<double>& values) const override {
-    arm.coordinates[static_cast<size_t>(joint)].recorded.torque_gain *= 1.0 + values[0];
+    for (size_t i = 0; i < arm.coordinates.size(); ++i) {
+      if (acts_on(static_cast<int>(i), joint)) arm.coordinates[i].recorded.torque_gain *= 1.0 + values[0];
+    }
   }
   std::vector<InjectedValue> injected(JointType /*type*/) const override {
     return {{"gain", 1.05, 1.0, false}};

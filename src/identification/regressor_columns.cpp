@@ -17,7 +17,7 @@ RegressorColumns::RegressorColumns(const Model& arm, const PreprocessingOptions&
       if (e < 0) continue;
       const EffectTerm& term = arm.effects()[e];
       const ChannelEffect* channel = channel_effect(term.effect);
-      if (channel != nullptr ? channel->acts_on(i, main_coordinate(term.axis))
+      if (channel != nullptr ? channel->acts_on(i, channel_joint(*channel, term))
                              : term.axis.coefficients[i] != 0.0)
         mine.push_back(static_cast<int>(p));
     }
@@ -43,7 +43,7 @@ std::vector<MatrixXd> RegressorColumns::raw_columns(const Stretch& s) const {
     if (const ChannelEffect* channel = channel_effect(term.effect)) {
       of_arm.emplace_back(&term, at);
       for (int i = 0; i < n; ++i) {
-        if (!channel->acts_on(i, main_coordinate(term.axis))) continue;
+        if (!channel->acts_on(i, channel_joint(*channel, term))) continue;
         const auto own = static_cast<Eigen::Index>(channel->parameters().size());
         Y[i].middleCols(at[i], own).setZero();
         at[i] += own;
@@ -84,7 +84,7 @@ void RegressorColumns::fill_channel_errors(const Stretch& s, const ArmTerms& ter
   const ChannelMotion motion{arm_, bodies_, *phi, s.q, s.dq, s.ddq, effort, s.dt};
   for (const auto& [term, at] : terms) {
     const ChannelEffect& channel = *channel_effect(term->effect);
-    const int joint = main_coordinate(term->axis);
+    const int joint = channel_joint(channel, *term);
     const std::vector<MatrixXd> columns = channel.columns(motion, joint);
     for (int i = 0; i < n; ++i) {
       if (!channel.acts_on(i, joint)) continue;

@@ -11,15 +11,17 @@
 namespace veridyn {
 namespace {
 
-PredictionError total(const std::vector<ErrorSums>& all, int joints) {
-  ErrorSums out(joints);
-  for (const ErrorSums& one : all) out.add(one);
-  return out.error();
+bool any(const std::vector<RecordingError>& recordings, PredictionError RecordingError::* figure) {
+  return std::any_of(recordings.begin(), recordings.end(), [figure](const RecordingError& r) {
+    return (r.*figure).relative.size() > 0;
+  });
 }
 
-bool any_filled(const std::vector<RecordingError>& recordings) {
-  return std::any_of(recordings.begin(), recordings.end(),
-                     [](const RecordingError& r) { return r.filled.count > 0; });
+PredictionError total(const std::vector<MeasuredErrors>& all, ErrorSums MeasuredErrors::* sums,
+                      int joints) {
+  ErrorSums out(joints);
+  for (const MeasuredErrors& one : all) out.add(one.*sums);
+  return out.error();
 }
 
 }  // namespace
@@ -50,19 +52,26 @@ VectorXd mean_noise_floor(const std::vector<CompressedRecording>& recordings, in
 
 MeasuredErrors measure_errors(const CompressedRecording& recording, const PreprocessingOptions& how,
                               const Predict& predict, RecordingError& out) {
-  const ErrorSums prepared = predict(how, &out.series);
+  MeasuredErrors found{ErrorSums(0), ErrorSums(0), ErrorSums(0)};
+  found.repaired = predict(how, &out.series, &found.without_excluded);
   out.source = recording.source;
-  out.error = prepared.error();
   out.filled = recording.facts.filled;
   out.rows = recording.facts.rows_read;
   out.noise_floor = recording.noise_floor;
   out.period = recording.period.seconds;
-  if (out.filled.count == 0) return {prepared, prepared};
-  PreprocessingOptions kept = how;
-  kept.stale_rows = StaleRows::kKept;
-  const ErrorSums as_recorded = predict(kept, nullptr);
-  out.as_recorded = as_recorded.error();
-  return {prepared, as_recorded};
+  found.as_recorded = found.repaired;
+  if (out.filled.count > 0) {
+    PreprocessingOptions kept = how;
+    kept.stale_rows = StaleRows::kKept;
+    found.as_recorded = predict(kept, nullptr, nullptr);
+    out.repaired = found.repaired.error();
+  }
+  const bool excludes =
+      std::any_of(how.left_out.begin(), how.left_out.end(),
+                  [&](const LeftOut& part) { return part.source == recording.source; });
+  if (excludes) out.without_excluded = found.without_excluded.error();
+  out.error = found.as_recorded.error();
+  return found;
 }
 
 void validate(const Model& arm, const std::vector<std::string>& test,
@@ -80,31 +89,40 @@ void validate(const Model& arm, const std::vector<std::string>& test,
     const std::vector<CompressedRecording>& recordings;
     const PreprocessingOptions& how;
     std::vector<RecordingError>& out;
-    std::vector<ErrorSums> prepared, as_recorded;
+    std::vector<MeasuredErrors> measured;
   };
-  Part parts[] = {{trained, id.preprocessing, id.train, {}, {}},
-                  {held_out, id.test_preprocessing, id.test, {}, {}}};
+  Part parts[] = {{trained, id.preprocessing, id.train, {}},
+                  {held_out, id.test_preprocessing, id.test, {}}};
+  const ErrorSums none(arm.joints());
   for (Part& part : parts) {
     part.out.resize(part.recordings.size());
-    part.prepared.assign(part.recordings.size(), ErrorSums(arm.joints()));
-    part.as_recorded = part.prepared;
+    part.measured.assign(part.recordings.size(), {none, none, none});
   }
   parallel_for(static_cast<int>(trained.size() + test.size()), options.threads, [&](int k) {
     const auto t = static_cast<size_t>(k);
     Part& part = parts[t < trained.size() ? 0 : 1];
     const size_t at = t < trained.size() ? t : t - trained.size();
     const CompressedRecording& recording = part.recordings[at];
-    const auto predict = [&](const PreprocessingOptions& how, PredictionSeries* series) {
-      return prediction_error(arm, recording.source, how, id.parameters, recording.joints, series);
+    const auto predict = [&](const PreprocessingOptions& how, PredictionSeries* series,
+                             ErrorSums* without_excluded) {
+      return prediction_error(arm, recording.source, how, id.parameters, recording.joints, series,
+                              without_excluded);
     };
-    MeasuredErrors found = measure_errors(recording, part.how, predict, part.out[at]);
-    part.prepared[at] = std::move(found.prepared);
-    part.as_recorded[at] = std::move(found.as_recorded);
+    part.measured[at] = measure_errors(recording, part.how, predict, part.out[at]);
   });
-  id.train_error = total(parts[0].prepared, arm.joints());
-  if (any_filled(id.train)) id.train_as_recorded = total(parts[0].as_recorded, arm.joints());
-  if (!test.empty()) id.test_error = total(parts[1].prepared, arm.joints());
-  if (any_filled(id.test)) id.test_as_recorded = total(parts[1].as_recorded, arm.joints());
+  const auto figure = [&](const Part& part, PredictionError RecordingError::* of_one,
+                          ErrorSums MeasuredErrors::* sums) {
+    return any(part.out, of_one) ? total(part.measured, sums, arm.joints()) : PredictionError();
+  };
+  for (const Part& part : parts) {
+    const bool trains = &part == &parts[0];
+    (trains ? id.train_error : id.test_error) =
+        figure(part, &RecordingError::error, &MeasuredErrors::as_recorded);
+    (trains ? id.train_repaired : id.test_repaired) =
+        figure(part, &RecordingError::repaired, &MeasuredErrors::repaired);
+    (trains ? id.train_without_excluded : id.test_without_excluded) =
+        figure(part, &RecordingError::without_excluded, &MeasuredErrors::without_excluded);
+  }
   id.seconds.validate =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
 }

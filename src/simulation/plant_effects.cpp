@@ -102,8 +102,8 @@ class Planter {
     std::vector<double> parameters;
     for (const InjectedValue& key : keys) {
       const double value = values[key.key];
-      require(!key.nonnegative || value >= key.zero, "effect '", hidden.asked, "': found a ",
-              key.key, " of ", value, ", expected none below ", key.zero, ".");
+      require(!key.nonnegative || value >= 0.0, "effect '", hidden.asked, "': found ", key.key, "=",
+              value, ", expected none below zero.");
       parameters.push_back(value - key.zero);
     }
     ModelDescription arm = out_.arm.description();

@@ -57,8 +57,8 @@ class EddyCurrentBrake final : public AxisEffect {
 };
 
 constexpr double kLevel = 3.0;  // [N m]
-constexpr double kPeak = 0.8;   // [rad/s]
-const char* const kHidden = "eddy_current_brake:shoulder:level=3,peak_speed=0.8";
+constexpr double kPeak = 0.35;  // [rad/s]
+const char* const kHidden = "eddy_current_brake:shoulder:level=3,peak_speed=0.35";
 
 // Three waves per joint at speeds on both sides of the peak; every seed is another motion.
 MotionSamples motion(unsigned seed) {
@@ -156,7 +156,7 @@ TEST_F(OwnEffect, IsDiagnosedWithItsConstantRefined) {
   EXPECT_NEAR(first.parameters[0].value, kLevel, 0.1 * kLevel);
   const FoundParameter& peak = first.parameters[1];
   EXPECT_EQ(peak.name, "peak_speed");
-  EXPECT_NEAR(peak.value, kPeak, 0.1 * kPeak);
+  EXPECT_NEAR(peak.value, kPeak, 0.05 * kPeak);
   EXPECT_LT(peak.low, kPeak);
   EXPECT_GT(peak.high, kPeak);
   EXPECT_NE(first.sentence.find("an eddy-current brake of"), std::string::npos) << first.sentence;

@@ -27,6 +27,9 @@ struct RigidColumn {
   VectorXd joints;          ///< (n) nonzero where the joint's row counts
 };
 
+/// In place of a joint: the same error on all of them.
+constexpr int kAllJoints = -1;
+
 /// A key under which a channel error is injected into a simulation.
 struct InjectedValue {
   std::string key;   ///< "gain"
@@ -43,7 +46,11 @@ class ChannelEffect : public Effect {
   /// True if it concerns the arm as a whole and needs no joint.
   virtual bool whole_arm() const { return false; }
 
-  /// True if joint i's torque has columns of it; `joint` is the one whose channel has the error.
+  /// True if the same error on all joints is one cause: one clock, one amplifier.
+  virtual bool can_be_common() const { return false; }
+
+  /// True if joint i's torque has columns of it; `joint` is the one whose channel has the error, or
+  /// kAllJoints where all have the same one (can_be_common()).
   virtual bool acts_on(int i, int joint) const = 0;
 
   /// Torque per unit of every parameter, (rows x n) each; columns of joints that it does not act on
@@ -71,6 +78,10 @@ const ChannelEffect* channel_effect(const std::string& name);
 
 /// All of them, in the order of CONTRACT.md; registered ones follow.
 const std::vector<const ChannelEffect*>& channel_effects();
+
+/// The joint whose channel a term is about; kAllJoints where its axis is zero and the error can be
+/// common to all.
+int channel_joint(const ChannelEffect& effect, const EffectTerm& term);
 
 /// The arm with the error that `term` describes.
 Model with_channel_error(const Model& arm, const EffectTerm& term,

@@ -84,7 +84,7 @@ struct ExcitationOptions {
   /// each search; the result depends on this and not on the clock.
   int iterations = 400;
   /// Of the limits of joints and torques that may be used, above 0 and at most 1.
-  double limit_share = 1.0;
+  double limit_share = 0.95;
   WorkspaceLimits workspace{};
   /// The arm with values of its bodies (and effects, where it has them): its efforts limit the
   /// torques, and rivals are built from it. Nothing: the arm itself, where it has values.

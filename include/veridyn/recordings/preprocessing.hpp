@@ -69,6 +69,7 @@ struct PreprocessingOptions {
   std::map<std::string, double> known_periods;
   std::vector<std::string> columns;  ///< for files without a header, see RecordingOptions
   double header_rate = 0.0;          ///< [Hz] time base of files without t
+  SignalChoice signals;              ///< topics, names and units; joints are those of the arm
   /// Recordings that are not read from files: a name found here is one of these. See Recordings.
   RecordingsInMemory in_memory;
   /// Asked now and then while recordings are read; once true, what asked for them ends with
@@ -81,6 +82,12 @@ class Interrupted : public std::exception {
  public:
   const char* what() const noexcept override { return "interrupted"; }
 };
+
+/// The arm's joints, as they are looked for in a recording.
+std::vector<WantedJoint> joints_of(const Model& arm);
+
+/// How to read a recording of the arm: all rows, with the columns, rate and signals of the options.
+RecordingOptions reading_of(const Model& arm, const PreprocessingOptions& options);
 
 /// A stretch of uniform samples, ready for the equations of motion. Matrices are (rows x n), one
 /// contiguous column a joint.

@@ -7,15 +7,13 @@
 #include <set>
 #include <utility>
 
+#include "diagnosis/numerics.hpp"
 #include "veridyn/effects/cause.hpp"
 #include "veridyn/effects/channel_effect.hpp"
 
 namespace veridyn {
 namespace {
 
-constexpr double kRippleOrders = 600.0;   // waves per travel that a spectrum looks at
-constexpr double kStillRevolute = 5e-3;   // [rad] of travel
-constexpr double kStillPrismatic = 5e-4;  // [m]
 
 // Over all recordings together: their ranges may differ.
 AxisMotion motion_along(const Model& arm, const Axis& axis,
@@ -77,7 +75,8 @@ class Builder {
     for (int i = 0; i < arm_.joints(); ++i) moving += static_cast<int>(moves(i));
     const bool whole_arm = 2 * moving >= arm_.joints();
     for (const ChannelEffect* channel : channel_effects()) {
-      if (whole_arm && channel->whole_arm() && wanted(channel->name()))
+      const bool of_arm = channel->whole_arm() || channel->can_be_common();
+      if (whole_arm && of_arm && wanted(channel->name()))
         add(*channel, {VectorXd::Zero(arm_.joints()), 0.0}, {});
     }
     for (const Axis& axis : axes()) {
@@ -112,9 +111,9 @@ class Builder {
     for (int i = 0; i < arm_.joints(); ++i) out.push_back({VectorXd::Unit(arm_.joints(), i), 0.0});
     for (const EffectTerm& term : arm_.effects()) {
       const bool known = std::any_of(out.begin(), out.end(), [&term](const Axis& a) {
-        return (a.coefficients - term.axis.coefficients).norm() < 1e-9 ||
+        return (a.coefficients - term.axis.coefficients).norm() < numerics::kSameAxis ||
                std::abs(a.coefficients.normalized().dot(term.axis.coefficients.normalized())) >
-                   1.0 - 1e-9;
+                   1.0 - numerics::kSameAxis;
       });
       if (!known && find_effect(term.effect).traits().role == EffectRole::kFriction)
         out.push_back(term.axis);
@@ -124,7 +123,7 @@ class Builder {
       const VectorXd& c = frame.variable.coefficients;
       if (frame.type == JointType::kFixed || c.isZero(0.0)) continue;
       const bool known = std::any_of(out.begin(), out.end(), [&c](const Axis& a) {
-        return std::abs(a.coefficients.normalized().dot(c.normalized())) > 1.0 - 1e-9;
+        return std::abs(a.coefficients.normalized().dot(c.normalized())) > 1.0 - numerics::kSameAxis;
       });
       if (!known && (c.array() != 0.0).count() > 1) out.push_back({c, 0.0});
     }
@@ -140,8 +139,9 @@ class Builder {
   }
 
   bool moves(int joint) const {
+    const Thresholds& limits = list_.limits;
     const double still =
-        arm_.coordinates()[static_cast<size_t>(joint)].prismatic ? kStillPrismatic : kStillRevolute;
+        arm_.coordinates()[static_cast<size_t>(joint)].prismatic ? limits.still_prismatic : limits.still_revolute;
     return std::any_of(facts_.begin(), facts_.end(), [&](const CompressedRecording& r) {
       return r.joints[static_cast<size_t>(joint)].travel() > still;
     });
@@ -194,10 +194,12 @@ class Builder {
     h.term = static_cast<int>(description_.effects.size());
     h.stage = static_cast<int>(traits.stage);
     h.extrapolates = traits.depends_on_position || traits.depends_on_time;
+    h.repeats = traits.memory;
     for (const EffectShape& constant : effect.shapes()) {
-      if (constant.scale == ShapeScale::kWaves) h.tried = kRippleOrders;
+      h.repeats = h.repeats || constant.scale == ShapeScale::kWaves;
+      if (constant.scale == ShapeScale::kWaves) h.tried = list_.limits.ripple_finest;
     }
-    h.largest_value = 1e300;
+    h.largest_value = numerics::kHuge;
     for (const EffectParameter& p : parameters)
       h.largest_value =
           std::min(h.largest_value, slides ? p.largest_prismatic : p.largest_revolute);
@@ -209,7 +211,7 @@ class Builder {
       if (changes < 0) break;
       const auto& own = arm_.effects()[static_cast<size_t>(changes)].values;
       const auto value = own.find(p.name);
-      h.lowest.push_back(p.sign == ParameterSign::kAny || value == own.end() ? -1e300
+      h.lowest.push_back(p.sign == ParameterSign::kAny || value == own.end() ? -numerics::kHuge
                                                                              : -value->second);
     }
     description_.effects.push_back(std::move(term));

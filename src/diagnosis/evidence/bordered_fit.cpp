@@ -2,10 +2,10 @@
 
 #include <algorithm>
 
+#include "diagnosis/numerics.hpp"
+
 namespace veridyn {
 namespace {
-
-constexpr double kRidge = 1e-11;  // of a column's square: equal columns do not divide by zero
 
 MatrixXd gathered(const MatrixXd& G, const ColumnSet& rows, const ColumnSet& columns) {
   MatrixXd out(static_cast<Eigen::Index>(rows.size()), static_cast<Eigen::Index>(columns.size()));
@@ -30,9 +30,7 @@ BorderedFit::BorderedFit(const ColumnSet& set, const VectorXd& weights,
     : set_(set), weights_(weights), sums_(sums), without_(without), measure_(measure) {
   x_.resize(static_cast<Eigen::Index>(set.size()));
   if (!set.empty()) {
-    MatrixXd A = weighted(set, set);
-    A.diagonal() += kRidge * A.diagonal().cwiseMax(1e-300);
-    solver_.compute(A);
+    solver_ = RidgedSolver(weighted(set, set));
     x_ = solver_.solve(weighted(set));
   }
   if (measure == nullptr) return;
@@ -70,18 +68,18 @@ VectorXd BorderedFit::weighted(const ColumnSet& rows) const {
 BorderedFit::Border BorderedFit::with(const ColumnSet& more) const {
   Border out;
   MatrixXd S = weighted(more, more);
-  const VectorXd squares = S.diagonal().cwiseMax(1e-300);
+  const VectorXd squares = S.diagonal().cwiseMax(numerics::kTiny);
   VectorXd rest = weighted(more);
   MatrixXd D;
   if (!set_.empty()) {
     const MatrixXd C = weighted(set_, more);
-    D = solver_.solve(C);
+    D = solver_.solve_columns(C);
     S -= C.transpose() * D;
     rest -= C.transpose() * x_;
   }
   out.new_share = (S.diagonal().array() / squares.array()).maxCoeff();
-  S.diagonal() += kRidge * squares;
-  out.values = S.ldlt().solve(rest);
+  S.diagonal() += numerics::kRidge * squares;
+  out.values = RidgedSolver(S).solve(rest);
   if (measure_ == nullptr) return out;
   // z = [x - D y; y]: the change against [x; 0] in the quadratic form of every joint.
   const VectorXd d = set_.empty() ? VectorXd() : VectorXd(-D * out.values);

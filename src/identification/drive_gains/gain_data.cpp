@@ -45,12 +45,10 @@ Model arm_with_load(const Model& arm, const KnownMass& load, int index) {
   return Model(std::move(d));
 }
 
-Recording currents_of(const std::string& path, const PreprocessingOptions& preprocessing) {
-  RecordingOptions reading;
-  reading.columns = preprocessing.columns;
-  reading.rate = preprocessing.header_rate;
+Recording currents_of(const Model& arm, const std::string& path,
+                      const PreprocessingOptions& preprocessing) {
   const Recording* there = find_in_memory(preprocessing.in_memory, path);
-  Recording r = there != nullptr ? *there : read_recording(path, reading);
+  Recording r = there != nullptr ? *there : read_recording(path, reading_of(arm, preprocessing));
   require(r.current.size() > 0, path, ": found no motor currents, expected columns i1..i",
           r.joints(), " to find drive gains from.");
   require(
@@ -80,7 +78,7 @@ GainData::GainData(const Model& arm, const std::vector<std::string>& recordings,
   }
   parallel_for(static_cast<int>(recordings.size()), threads, [&](int k) {
     const auto r = static_cast<size_t>(k);
-    recordings_[r] = compress(arms_[r], currents_of(recordings[r], preprocessing), preprocessing);
+    recordings_[r] = compress(arms_[r], currents_of(arms_[r], recordings[r], preprocessing), preprocessing);
     require(recordings_[r].rows > 0.0, recordings[r],
             ": found no usable samples after gaps, edges and row limits, expected some.");
   });
