@@ -3,7 +3,7 @@ BUILD := build
 JOBS  ?= $(shell nproc)
 CMAKE_FLAGS ?= --preset dev
 
-.PHONY: all tool build demo test readme sanitize packages packages-tests clean
+.PHONY: all tool build demo test python readme sanitize packages packages-tests clean
 
 all: tool
 
@@ -11,7 +11,7 @@ packages:
 	@cmake/install-packages.sh cmake/debian-packages.txt
 
 packages-tests:
-	@cmake/install-packages.sh cmake/debian-packages.txt cmake/debian-packages-tests.txt
+	@cmake/install-packages.sh cmake/debian-packages.txt cmake/debian-packages-tests.txt cmake/debian-packages-python.txt
 
 # The tool alone; what tests need is neither installed nor built.
 tool: packages
@@ -19,8 +19,15 @@ tool: packages
 	@cmake --build $(BUILD) -j $(JOBS) --target veridyn_tool
 
 build: packages-tests
-	@cmake $(CMAKE_FLAGS) -B $(BUILD) -DVERIDYN_TESTS=ON -DVERIDYN_BENCHMARKS=ON >$(BUILD).log 2>&1 || { cat $(BUILD).log; exit 1; }
+	@cmake $(CMAKE_FLAGS) -B $(BUILD) -DVERIDYN_TESTS=ON -DVERIDYN_BENCHMARKS=ON -DVERIDYN_PYTHON=ON >$(BUILD).log 2>&1 || { cat $(BUILD).log; exit 1; }
 	@cmake --build $(BUILD) -j $(JOBS)
+
+# The Python module, in $(BUILD)/python; see docs/python.md.
+python: packages
+	@cmake/install-packages.sh cmake/debian-packages-python.txt
+	@cmake $(CMAKE_FLAGS) -B $(BUILD) -DVERIDYN_PYTHON=ON >$(BUILD).log 2>&1 || { cat $(BUILD).log; exit 1; }
+	@cmake --build $(BUILD) -j $(JOBS) --target veridyn_python
+	@echo "import veridyn works with PYTHONPATH=$(BUILD)/python"
 
 demo: tool
 	@examples/demo.sh $(BUILD)/bin/veridyn out/demo

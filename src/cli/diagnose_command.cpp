@@ -77,7 +77,8 @@ ExitStatus run(Request& request, const std::string& command_line) {
   }
   tell_facts(d.data_quality);
   d.next_experiment.trajectory = next_command(request, d.next_experiment);
-  if (!request.model_out.empty()) save(d.extended, request.model_out);
+  if (!request.model_out.empty())
+    save(d.extended, request.model_out, "diagnose", robot_path(request.robot));
   if (!request.common.json.empty()) write_file(request.common.json, to_json(d));
   if (!request.common.report.empty()) {
     write_file(request.common.report, to_page(d, command_line));

@@ -1,9 +1,18 @@
 #include <memory>
+#include <optional>
 
 #include "commands.hpp"
 #include "common_options.hpp"
 #include "export_dvrk.hpp"
+#include "math/output_file.hpp"
+#include "messages.hpp"
+#include "veridyn/export/c_code.hpp"
+#include "veridyn/export/mjcf.hpp"
+#include "veridyn/export/model_json.hpp"
+#include "veridyn/export/portable_model.hpp"
+#include "veridyn/export/sdf.hpp"
 #include "veridyn/model/model_file.hpp"
+#include "veridyn/model/model_origin.hpp"
 #include "veridyn/model/urdf.hpp"
 
 namespace veridyn::cli {
@@ -11,21 +20,53 @@ namespace {
 
 struct Request {
   std::string model;
-  std::string urdf;
-  std::string yaml;
+  std::string urdf, mjcf, sdf, cpp, yaml, json;
+  std::string prior, meshes_from;
+  bool quiet = false;
   DvrkExport dvrk;
 };
 
+ExportedModel exported(const Request& request, const Model& model) {
+  std::optional<Model> prior;
+  if (!request.prior.empty()) prior = read_model(request.prior);
+  ExportedModel out = exported_model(model, prior, request.meshes_from);
+  for (const std::string& warning : out.warnings)
+    say("warning: " + request.model + ": " + warning + ".");
+  if (request.quiet) return out;
+  for (const std::string& note : out.notes) say(note + ".");
+  return out;
+}
+
+// A MODEL's origin goes with it.
+void save_yaml(const Request& request, const Model& model) {
+  const std::string path = robot_path(request.model);
+  const bool urdf = path.size() > 5 && path.compare(path.size() - 5, 5, ".urdf") == 0;
+  const std::optional<ModelOrigin> origin = urdf ? std::nullopt : read_origin(path);
+  write_file(request.yaml, origin ? with_origin(to_yaml(model), *origin) : to_yaml(model));
+}
+
 void run(const Request& request) {
   const DvrkExport& dvrk = request.dvrk;
-  if ((request.urdf + request.yaml + dvrk.gravity + dvrk.scales).empty())
-    throw CLI::RequiredError("--urdf, --yaml, --dvrk-gravity or --dvrk-scales");
+  if ((request.urdf + request.mjcf + request.sdf + request.cpp + request.yaml + request.json +
+       dvrk.gravity + dvrk.scales)
+          .empty()) {
+    throw CLI::RequiredError(
+        "--urdf, --mjcf, --sdf, --cpp, --json, --yaml, --dvrk-gravity or --dvrk-scales");
+  }
   check_dvrk_export(dvrk);
-  for (const std::string& file : {request.urdf, request.yaml, dvrk.gravity, dvrk.scales})
+  for (const std::string& file : {request.urdf, request.mjcf, request.sdf, request.cpp,
+                                  request.yaml, request.json, dvrk.gravity, dvrk.scales})
     require_writable(file);
   const Model model = read_model(request.model);
-  if (!request.urdf.empty()) save_urdf(model, request.urdf);
-  if (!request.yaml.empty()) save_model(model, request.yaml);
+  if (!(request.urdf + request.mjcf + request.sdf).empty()) {
+    const ExportedModel out = exported(request, model);
+    if (!request.urdf.empty()) save_urdf(out.arm, request.urdf, out.extras);
+    if (!request.mjcf.empty()) save_mjcf(out.arm, request.mjcf, out.extras.remarks);
+    if (!request.sdf.empty()) save_sdf(out.arm, request.sdf, out.extras);
+  }
+  if (!request.cpp.empty()) save_c_code(model, request.cpp);
+  if (!request.yaml.empty()) save_yaml(request, model);
+  if (!request.json.empty()) save_model_json(model, request.json);
   export_dvrk(model, dvrk);
 }
 
@@ -37,8 +78,27 @@ void add_export_command(CLI::App& tool, Outcome&) {
   command.add_option("MODEL", request->model, "Identified model, or any robot")
       ->required()
       ->option_text(" ");
-  command.add_option("--urdf", request->urdf, "Write URDF")->option_text("FILE");
-  command.add_option("--yaml", request->yaml, "Write YAML")->option_text("FILE");
+  const auto file = [&command](const char* option, std::string& target, const char* help) {
+    command.add_option(option, target, help)->option_text("FILE");
+  };
+  file("--urdf", request->urdf, "Write URDF; meshes that came from URDF stay");
+  file("--mjcf", request->mjcf, "Write MuJoCo's XML");
+  file("--sdf", request->sdf, "Write SDFormat, for Gazebo");
+  file("--cpp", request->cpp,
+       "Write one file of C and C++: inverse dynamics, regressor, friction; no dependencies");
+  file("--json", request->json, "Write the robot file as JSON");
+  file("--yaml", request->yaml, "Write YAML");
+  command
+      .add_option("--prior", request->prior,
+                  "For --urdf, --mjcf and --sdf: model (CAD) near which the values are chosen that "
+                  "torques do not determine (small rods)")
+      ->option_text("MODEL");
+  command
+      .add_option("--meshes-from", request->meshes_from,
+                  "For --urdf and --sdf: URDF file whose links look like this arm's (the one that "
+                  "the model came from)")
+      ->option_text("URDF");
+  command.add_flag("--quiet", request->quiet, "Nothing on standard error but errors");
   add_dvrk_export_options(command, request->dvrk);
   command.set_version_flag("--version", "veridyn " VERIDYN_VERSION);
   command.callback([request] { run(*request); });

@@ -109,7 +109,7 @@ ExitStatus run(const Request& request, const std::string& command_line) {
     return kDataCannotAnswer;
   }
   if (id.status == IdentificationStatus::kNotConverged) say("warning: " + id.reason);
-  if (!request.model_out.empty()) save(id, request.model_out);
+  if (!request.model_out.empty()) save(id, request.model_out, "identify", robot_path(request.robot));
   if (!request.common.json.empty()) write_file(request.common.json, to_json(id));
   if (!request.common.report.empty()) {
     write_file(request.common.report, to_page(id, command_line));

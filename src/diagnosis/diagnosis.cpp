@@ -6,6 +6,7 @@
 
 #include "diagnosis/stages/investigation.hpp"
 #include "recordings/kept_recordings.hpp"
+#include "recordings/named_recordings.hpp"
 
 namespace veridyn {
 namespace {
@@ -43,17 +44,21 @@ void run_stages(Investigation& x) {
 
 }  // namespace
 
-Diagnosis diagnose(const Model& arm, const std::vector<std::string>& train,
-                   const std::vector<std::string>& test, const DiagnosisOptions& options) {
+Diagnosis diagnose(const Model& arm, const Recordings& train, const Recordings& test,
+                   const DiagnosisOptions& options) {
   const auto begin = std::chrono::steady_clock::now();
   const KeptRecordings kept;  // every file is parsed once
-  Investigation x{arm, train, test, options, {}, {}, 0, {}, {}, {}};
+  const NamedRecordings<IdentificationOptions> named(train, test, options.identification);
+  Investigation x{arm, named.train, named.test, options, {}, {}, 0, {}, {}, {}};
+  x.options.identification = named.how;
   x.d.changes = are_facts(arm, options);
-  x.d.provisional = train.size() == 1;
+  x.d.provisional = named.train.size() == 1;
   x.d.summary.held_out_untouched = options.extended == ExtendedModel::kAllFindings;
   Thresholds& limits = x.options.thresholds;
   if (x.d.changes) limits.smallest_gain = std::max(limits.smallest_gain, limits.smallest_change);
   run_stages(x);
+  forget_recordings(x.d.baseline);
+  forget_recordings(x.d.extended);
   x.d.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return std::move(x.d);
 }

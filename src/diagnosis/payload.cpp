@@ -12,6 +12,7 @@
 #include "veridyn/effects/cause.hpp"
 #include "veridyn/math/require.hpp"
 #include "model/suggestion.hpp"
+#include "recordings/named_recordings.hpp"
 
 namespace veridyn {
 namespace {
@@ -50,13 +51,16 @@ std::vector<double> held_out_gains(const Inquiry& q, const NormalBlocks& data) {
 
 }  // namespace
 
-PayloadReport find_payload(const Model& model, const std::vector<std::string>& recordings,
-                           const IdentificationOptions& options, const std::string& link) {
+PayloadReport find_payload(const Model& model, const Recordings& loaded,
+                           const IdentificationOptions& given, const std::string& link) {
   const auto begin = std::chrono::steady_clock::now();
   PayloadReport out;
   out.robot = model.name();
   require(has_all_values(model), "payload: robot '", model.name(),
           "' has no values; expected a MODEL that identify or diagnose wrote.");
+  const NamedRecordings<IdentificationOptions> named(loaded, {}, given);
+  const std::vector<std::string>& recordings = named.train;
+  const IdentificationOptions& options = named.how;
   const Identification start = evaluate(model, recordings, {}, options);
   if (!start.model) {
     out.reason = start.reason;

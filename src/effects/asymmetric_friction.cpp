@@ -3,6 +3,7 @@
 #include "phrase.hpp"
 #include "registry.hpp"
 #include "sliding_direction.hpp"
+#include "veridyn/effects/written_in_c.hpp"
 
 namespace veridyn {
 namespace {
@@ -18,7 +19,7 @@ namespace {
 /// constant, and so a rival of torque_offset: only samples at rest, where it is 0, keep the two
 /// apart. Recordings without rest leave the sum of both, offset + level_difference / 2. Source:
 /// thesis (4.13) and its errata.
-class AsymmetricFriction final : public AxisEffect {
+class AsymmetricFriction final : public AxisEffect, public WrittenInC {
  public:
   std::string name() const override { return "asymmetric_friction"; }
   std::vector<EffectParameter> parameters() const override {
@@ -36,6 +37,9 @@ class AsymmetricFriction final : public AxisEffect {
                EffectColumns& row) const noexcept override {
     row[0] = 0.5 * std::abs(sliding_direction(x.ds));
     row[1] = 0.5 * std::abs(x.ds);
+  }
+  std::vector<std::string> c_columns(const ShapeValues& /*shape*/) const override {
+    return {"0.5 * fabs(@direction(ds))", "0.5 * fabs(ds)"};
   }
   std::string phrase(const std::vector<double>& values, const ShapeValues& /*shape*/,
                      JointType type) const override {

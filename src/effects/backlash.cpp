@@ -4,6 +4,7 @@
 #include "contact_memory.hpp"
 #include "phrase.hpp"
 #include "registry.hpp"
+#include "veridyn/effects/written_in_c.hpp"
 
 namespace veridyn {
 namespace {
@@ -23,7 +24,7 @@ constexpr double kFree = 0.8;  // share of the gap without contact
 /// Impacts and the link's lag of half a gap, which are of second order in the gap, are left out.
 /// Place and gap start in the middle. Source: Nordin and Gutman, Automatica 38(10), 2002, for the
 /// play and its contact.
-class Backlash final : public AxisEffect {
+class Backlash final : public AxisEffect, public WrittenInC {
  public:
   std::string name() const override { return "backlash"; }
   std::vector<EffectParameter> parameters() const override {
@@ -49,6 +50,13 @@ class Backlash final : public AxisEffect {
         std::clamp(state[0] + 2.0 * step_since_last(x.s, state) / shape[0], -1.0, 1.0);
     state[0] = place;
     row[0] = std::copysign(std::max(0.0, std::abs(place) - kFree) / (1.0 - kFree), place);
+  }
+  std::string c_before(const ShapeValues& shape) const override {
+    return "z[0] = @clamp(z[0] + 2.0 / " + c_number(shape[0]) + " * @step(s, z));";
+  }
+  std::vector<std::string> c_columns(const ShapeValues& /*shape*/) const override {
+    return {"copysign(fmax(0.0, fabs(z[0]) - " + c_number(kFree) + ") / " + c_number(1.0 - kFree) +
+            ", z[0])"};
   }
   std::string phrase(const std::vector<double>& values, const ShapeValues& shape,
                      JointType type) const override {

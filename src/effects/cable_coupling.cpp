@@ -1,6 +1,7 @@
 #include "phrase.hpp"
 #include "registry.hpp"
 #include "sliding_direction.hpp"
+#include "veridyn/effects/written_in_c.hpp"
 
 namespace veridyn {
 namespace {
@@ -13,7 +14,7 @@ namespace {
 /// coordinate's motion (sign of sliding_direction(); thesis (4.14) as a sigmoid differs by less
 /// than the rest speed). The routing decides all signs. It is not a potential force: the reaction
 /// on the other coordinate is a term of its own.
-class CableCoupling final : public AxisEffect {
+class CableCoupling final : public AxisEffect, public WrittenInC {
  public:
   std::string name() const override { return "cable_coupling"; }
   std::vector<EffectParameter> parameters() const override {
@@ -35,6 +36,9 @@ class CableCoupling final : public AxisEffect {
     row[0] = x.from_s;
     row[1] = x.from_s * x.from_s;
     row[2] = sliding_direction(x.from_ds);
+  }
+  std::vector<std::string> c_columns(const ShapeValues& /*shape*/) const override {
+    return {"from_s", "from_s * from_s", "@direction(from_ds)"};
   }
   std::string phrase(const std::vector<double>& values, const ShapeValues& /*shape*/,
                      JointType type) const override {

@@ -5,6 +5,7 @@
 
 #include "sliding_direction.hpp"
 #include "veridyn/effects/effect.hpp"
+#include "veridyn/effects/written_in_c.hpp"
 
 namespace veridyn {
 
@@ -40,6 +41,11 @@ inline double advance_contact(double s, double distance, EffectState& state) noe
 inline double friction_direction(const AxisSample& x, double distance,
                                  EffectState& state) noexcept {
   return distance > 0.0 ? advance_contact(x.s, distance, state) : sliding_direction(x.ds);
+}
+
+/// friction_direction() as C, see WrittenInC.
+inline std::string c_friction_direction(double distance) {
+  return distance > 0.0 ? "@contact(s, " + c_number(distance) + ", z)" : "@direction(ds)";
 }
 
 }  // namespace veridyn

@@ -3,6 +3,7 @@
 #include "phrase.hpp"
 #include "registry.hpp"
 #include "sliding_direction.hpp"
+#include "veridyn/effects/written_in_c.hpp"
 
 namespace veridyn {
 namespace {
@@ -11,7 +12,7 @@ namespace {
 /// 2 / (1 + exp(-slope ds)) - 1 of thesis (4.14) with the errata's sign.
 ///
 /// Without a slope the sign is that of sliding_direction(), a straight line at rest.
-class CoulombFriction final : public AxisEffect {
+class CoulombFriction final : public AxisEffect, public WrittenInC {
  public:
   std::string name() const override { return "coulomb_friction"; }
   std::vector<EffectParameter> parameters() const override {
@@ -34,6 +35,9 @@ class CoulombFriction final : public AxisEffect {
                EffectColumns& row) const noexcept override {
     const double slope = shape[0];
     row[0] = slope > 0.0 ? std::tanh(0.5 * slope * x.ds) : sliding_direction(x.ds);
+  }
+  std::vector<std::string> c_columns(const ShapeValues& shape) const override {
+    return {shape[0] > 0.0 ? "tanh(0.5 * " + c_number(shape[0]) + " * ds)" : "@direction(ds)"};
   }
   std::string phrase(const std::vector<double>& values, const ShapeValues& /*shape*/,
                      JointType type) const override {

@@ -2,6 +2,7 @@
 
 #include "phrase.hpp"
 #include "registry.hpp"
+#include "veridyn/effects/written_in_c.hpp"
 
 namespace veridyn {
 namespace {
@@ -16,7 +17,7 @@ namespace {
 ///
 /// The stiffness is then that of the spring, in N/m. The torque has a jump where the pin meets the
 /// anchor (l = 0).
-class JointSpring final : public AxisEffect {
+class JointSpring final : public AxisEffect, public WrittenInC {
  public:
   std::string name() const override { return "joint_spring"; }
   std::vector<EffectParameter> parameters() const override {
@@ -50,6 +51,14 @@ class JointSpring final : public AxisEffect {
     const double length =
         std::sqrt(lever * lever + anchor * anchor - 2.0 * lever * anchor * std::cos(angle));
     row[0] = length > 0.0 ? (length - shape[2]) * lever * anchor * std::sin(angle) / length : 0.0;
+  }
+  std::vector<std::string> c_columns(const ShapeValues& shape) const override {
+    if (shape[0] == 0.0) return {"s"};
+    const std::string angle = "(s + " + c_number(shape[3]) + ")";
+    const std::string length = "sqrt(" + c_number(shape[0] * shape[0] + shape[1] * shape[1]) + " - " +
+                               c_number(2.0 * shape[0] * shape[1]) + " * cos(" + angle + "))";
+    return {length + " > 0.0 ? (" + length + " - " + c_number(shape[2]) + ") * " +
+            c_number(shape[0] * shape[1]) + " * sin(" + angle + ") / " + length + " : 0.0"};
   }
   std::string phrase(const std::vector<double>& values, const ShapeValues& shape,
                      JointType type) const override {

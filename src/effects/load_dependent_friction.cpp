@@ -3,6 +3,7 @@
 #include "contact_memory.hpp"
 #include "phrase.hpp"
 #include "registry.hpp"
+#include "veridyn/effects/written_in_c.hpp"
 
 namespace veridyn {
 namespace {
@@ -15,7 +16,7 @@ namespace {
 /// sliding_direction(), or with `distance` in the file the contact memory of presliding_hysteresis.
 /// Friction without load is coulomb_friction. Source: Hamon, Gautier, Garrec and Janot, IROS 2010;
 /// the load is known only where the bodies have values.
-class LoadDependentFriction final : public AxisEffect {
+class LoadDependentFriction final : public AxisEffect, public WrittenInC {
  public:
   std::string name() const override { return "load_dependent_friction"; }
   std::vector<EffectParameter> parameters() const override {
@@ -37,6 +38,9 @@ class LoadDependentFriction final : public AxisEffect {
   void columns(const AxisSample& x, const ShapeValues& shape, EffectState& state,
                EffectColumns& row) const noexcept override {
     row[0] = std::abs(x.load) * friction_direction(x, shape[0], state);
+  }
+  std::vector<std::string> c_columns(const ShapeValues& shape) const override {
+    return {"fabs(load) * " + c_friction_direction(shape[0])};
   }
   std::string phrase(const std::vector<double>& values, const ShapeValues& /*shape*/,
                      JointType type) const override {

@@ -1,6 +1,7 @@
 #include "contact_memory.hpp"
 #include "phrase.hpp"
 #include "registry.hpp"
+#include "veridyn/effects/written_in_c.hpp"
 
 namespace veridyn {
 namespace {
@@ -13,7 +14,7 @@ namespace {
 /// in the file the contact memory of presliding_hysteresis, which is right at rest too; use the
 /// distance found there. On an arm whose gravity torque varies with s it is a rival of
 /// load_dependent_friction. Source: thesis 5.6, "a change in friction based on the joint position".
-class PositionDependentFriction final : public AxisEffect {
+class PositionDependentFriction final : public AxisEffect, public WrittenInC {
  public:
   std::string name() const override { return "position_dependent_friction"; }
   std::vector<EffectParameter> parameters() const override {
@@ -41,6 +42,14 @@ class PositionDependentFriction final : public AxisEffect {
     const double way = x.s - shape[0];
     row[0] = direction * way;
     row[1] = direction * way * way;
+  }
+  std::string c_before(const ShapeValues& shape) const override {
+    return shape[1] > 0.0 ? c_friction_direction(shape[1]) + ";" : "";
+  }
+  std::vector<std::string> c_columns(const ShapeValues& shape) const override {
+    const std::string way = "(s - " + c_number(shape[0]) + ")";
+    const std::string direction = shape[1] > 0.0 ? "z[0]" : c_friction_direction(0.0);
+    return {direction + " * " + way, direction + " * " + way + " * " + way};
   }
   std::string phrase(const std::vector<double>& values, const ShapeValues& shape,
                      JointType type) const override {

@@ -1,5 +1,6 @@
 #include "phrase.hpp"
 #include "registry.hpp"
+#include "veridyn/effects/written_in_c.hpp"
 
 namespace veridyn {
 namespace {
@@ -10,7 +11,7 @@ namespace {
 ///
 /// The coefficient at the centre is viscous_friction. Hoses and harnesses that bend do this; cross
 /// terms of the inertia in dq_i dq_j are other columns and no rivals while one joint moves alone.
-class PositionDependentViscosity final : public AxisEffect {
+class PositionDependentViscosity final : public AxisEffect, public WrittenInC {
  public:
   std::string name() const override { return "position_dependent_viscosity"; }
   std::vector<EffectParameter> parameters() const override {
@@ -35,6 +36,10 @@ class PositionDependentViscosity final : public AxisEffect {
     const double way = x.s - shape[0];
     row[0] = x.ds * way;
     row[1] = x.ds * way * way;
+  }
+  std::vector<std::string> c_columns(const ShapeValues& shape) const override {
+    const std::string way = "(s - " + c_number(shape[0]) + ")";
+    return {"ds * " + way, "ds * " + way + " * " + way};
   }
   std::string phrase(const std::vector<double>& values, const ShapeValues& shape,
                      JointType type) const override {

@@ -2,6 +2,7 @@
 
 #include "phrase.hpp"
 #include "registry.hpp"
+#include "veridyn/effects/written_in_c.hpp"
 
 namespace veridyn {
 namespace {
@@ -29,7 +30,7 @@ void chebyshev_terms(double x, EffectColumns& row) noexcept {
 /// T_0 is torque_offset and T_1 is joint_spring with an offset. Outside centre +- half_range, which
 /// the caller takes from the data, it continues as a constant: polynomials must not be trusted
 /// there.
-class PositionForce final : public AxisEffect {
+class PositionForce final : public AxisEffect, public WrittenInC {
  public:
   std::string name() const override { return "position_force"; }
   std::vector<EffectParameter> parameters() const override {
@@ -58,6 +59,14 @@ class PositionForce final : public AxisEffect {
   void columns(const AxisSample& x, const ShapeValues& shape, EffectState& /*state*/,
                EffectColumns& row) const noexcept override {
     chebyshev_terms(std::clamp((x.s - shape[0]) / shape[1], -1.0, 1.0), row);
+  }
+  std::vector<std::string> c_columns(const ShapeValues& shape) const override {
+    const std::string x =
+        "@clamp((s - " + c_number(shape[0]) + ") / " + c_number(shape[1]) + ")";
+    std::vector<std::string> out;
+    for (int k = kFirstTerm; k < kFirstTerm + kTerms; ++k)
+      out.push_back("cos(" + std::to_string(k) + ".0 * acos(" + x + "))");
+    return out;
   }
   std::string phrase(const std::vector<double>& values, const ShapeValues& /*shape*/,
                      JointType type) const override {

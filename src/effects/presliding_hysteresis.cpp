@@ -1,6 +1,7 @@
 #include "contact_memory.hpp"
 #include "phrase.hpp"
 #include "registry.hpp"
+#include "veridyn/effects/written_in_c.hpp"
 
 namespace veridyn {
 namespace {
@@ -16,7 +17,7 @@ namespace {
 /// It is passive: from z it gives back at most level * distance * (|z| - ln(1 + |z|)), less than it
 /// took to get there. Source: Dahl 1968, as in thesis 5.6 (z there), without the terms of its
 /// generalisations that depend on speed.
-class PreslidingHysteresis final : public AxisEffect {
+class PreslidingHysteresis final : public AxisEffect, public WrittenInC {
  public:
   std::string name() const override { return "presliding_hysteresis"; }
   std::vector<EffectParameter> parameters() const override {
@@ -40,6 +41,9 @@ class PreslidingHysteresis final : public AxisEffect {
   void columns(const AxisSample& x, const ShapeValues& shape, EffectState& state,
                EffectColumns& row) const noexcept override {
     row[0] = advance_contact(x.s, shape[0], state);
+  }
+  std::vector<std::string> c_columns(const ShapeValues& shape) const override {
+    return {"@contact(s, " + c_number(shape[0]) + ", z)"};
   }
   std::string phrase(const std::vector<double>& values, const ShapeValues& shape,
                      JointType type) const override {

@@ -2,12 +2,13 @@
 
 #include "phrase.hpp"
 #include "registry.hpp"
+#include "veridyn/effects/written_in_c.hpp"
 
 namespace veridyn {
 namespace {
 
 /// tau = coefficient * ds * |ds|: drag of a fluid, or of fans and churned grease, at high speed.
-class QuadraticDrag final : public AxisEffect {
+class QuadraticDrag final : public AxisEffect, public WrittenInC {
  public:
   std::string name() const override { return "quadratic_drag"; }
   std::vector<EffectParameter> parameters() const override {
@@ -22,6 +23,9 @@ class QuadraticDrag final : public AxisEffect {
   void columns(const AxisSample& x, const ShapeValues& /*shape*/, EffectState& /*state*/,
                EffectColumns& row) const noexcept override {
     row[0] = x.ds * std::abs(x.ds);
+  }
+  std::vector<std::string> c_columns(const ShapeValues& /*shape*/) const override {
+    return {"ds * fabs(ds)"};
   }
   std::string phrase(const std::vector<double>& values, const ShapeValues& /*shape*/,
                      JointType type) const override {

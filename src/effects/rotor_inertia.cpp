@@ -1,11 +1,12 @@
 #include "phrase.hpp"
 #include "registry.hpp"
+#include "veridyn/effects/written_in_c.hpp"
 
 namespace veridyn {
 namespace {
 
 /// tau = inertia * dds: the motor's rotor and gears, reflected to the axis.
-class RotorInertia final : public AxisEffect {
+class RotorInertia final : public AxisEffect, public WrittenInC {
  public:
   std::string name() const override { return "rotor_inertia"; }
   std::vector<EffectParameter> parameters() const override {
@@ -23,6 +24,9 @@ class RotorInertia final : public AxisEffect {
   void columns(const AxisSample& x, const ShapeValues& /*shape*/, EffectState& /*state*/,
                EffectColumns& row) const noexcept override {
     row[0] = x.dds;
+  }
+  std::vector<std::string> c_columns(const ShapeValues& /*shape*/) const override {
+    return {"dds"};
   }
   std::string phrase(const std::vector<double>& values, const ShapeValues& /*shape*/,
                      JointType type) const override {

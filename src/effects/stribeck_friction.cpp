@@ -3,6 +3,7 @@
 #include "phrase.hpp"
 #include "registry.hpp"
 #include "sliding_direction.hpp"
+#include "veridyn/effects/written_in_c.hpp"
 
 namespace veridyn {
 namespace {
@@ -14,7 +15,7 @@ namespace {
 /// with the sign of sliding_direction(). It always opposes the motion; where it makes the whole
 /// friction fall as speed rises, a position loop may stick and slip. Source: Armstrong-Helouvry,
 /// Dupont and Canudas de Wit, Automatica 30(7), 1994; thesis 5.6 and its reference [50].
-class StribeckFriction final : public AxisEffect {
+class StribeckFriction final : public AxisEffect, public WrittenInC {
  public:
   std::string name() const override { return "stribeck_friction"; }
   std::vector<EffectParameter> parameters() const override {
@@ -38,6 +39,10 @@ class StribeckFriction final : public AxisEffect {
                EffectColumns& row) const noexcept override {
     const double ratio = x.ds / shape[0];
     row[0] = sliding_direction(x.ds) * std::exp(-ratio * ratio);
+  }
+  std::vector<std::string> c_columns(const ShapeValues& shape) const override {
+    const std::string v = c_number(shape[0]);
+    return {"@direction(ds) * exp(-(ds / " + v + ") * (ds / " + v + "))"};
   }
   std::string phrase(const std::vector<double>& values, const ShapeValues& shape,
                      JointType type) const override {

@@ -4,6 +4,7 @@
 #include "phrase.hpp"
 #include "registry.hpp"
 #include "sliding_direction.hpp"
+#include "veridyn/effects/written_in_c.hpp"
 
 namespace veridyn {
 namespace {
@@ -14,7 +15,7 @@ namespace {
 ///
 /// Below kRestSpeed a straight line through zero, as the power has no slope there. The coefficient
 /// is the friction at 1 rad/s or 1 m/s.
-class SublinearViscous final : public AxisEffect {
+class SublinearViscous final : public AxisEffect, public WrittenInC {
  public:
   std::string name() const override { return "sublinear_viscous"; }
   std::vector<EffectParameter> parameters() const override {
@@ -37,6 +38,9 @@ class SublinearViscous final : public AxisEffect {
   void columns(const AxisSample& x, const ShapeValues& shape, EffectState& /*state*/,
                EffectColumns& row) const noexcept override {
     row[0] = sliding_direction(x.ds) * std::pow(std::max(std::abs(x.ds), kRestSpeed), shape[0]);
+  }
+  std::vector<std::string> c_columns(const ShapeValues& shape) const override {
+    return {"@direction(ds) * pow(fmax(fabs(ds), " + c_number(kRestSpeed) + "), " + c_number(shape[0]) + ")"};
   }
   std::string phrase(const std::vector<double>& values, const ShapeValues& shape,
                      JointType type) const override {

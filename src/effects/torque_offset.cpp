@@ -1,12 +1,13 @@
 #include "phrase.hpp"
 #include "registry.hpp"
+#include "veridyn/effects/written_in_c.hpp"
 
 namespace veridyn {
 namespace {
 
 /// tau = offset: the zero of the torque measurement, or different friction in the two directions;
 /// one recording of motion cannot tell the two apart (seed errata on thesis 4.13).
-class TorqueOffset final : public AxisEffect {
+class TorqueOffset final : public AxisEffect, public WrittenInC {
  public:
   std::string name() const override { return "torque_offset"; }
   std::vector<EffectParameter> parameters() const override {
@@ -23,6 +24,9 @@ class TorqueOffset final : public AxisEffect {
   void columns(const AxisSample& /*x*/, const ShapeValues& /*shape*/, EffectState& /*state*/,
                EffectColumns& row) const noexcept override {
     row[0] = 1.0;
+  }
+  std::vector<std::string> c_columns(const ShapeValues& /*shape*/) const override {
+    return {"1.0"};
   }
   std::string phrase(const std::vector<double>& values, const ShapeValues& /*shape*/,
                      JointType type) const override {

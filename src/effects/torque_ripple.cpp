@@ -4,6 +4,7 @@
 
 #include "phrase.hpp"
 #include "registry.hpp"
+#include "veridyn/effects/written_in_c.hpp"
 
 namespace veridyn {
 namespace {
@@ -15,7 +16,7 @@ namespace {
 /// The order counts waves per turn of a revolute axis (the gear ratio times a small integer, as a
 /// rule), and is the wave number [rad/m] of a prismatic one. Its evidence is a comb of sharp peaks:
 /// find it on a spectrum over s.
-class TorqueRipple final : public AxisEffect {
+class TorqueRipple final : public AxisEffect, public WrittenInC {
  public:
   std::string name() const override { return "torque_ripple"; }
   std::vector<EffectParameter> parameters() const override {
@@ -38,6 +39,10 @@ class TorqueRipple final : public AxisEffect {
                EffectColumns& row) const noexcept override {
     row[0] = std::cos(shape[0] * x.s);
     row[1] = std::sin(shape[0] * x.s);
+  }
+  std::vector<std::string> c_columns(const ShapeValues& shape) const override {
+    const std::string angle = c_number(shape[0]) + " * s";
+    return {"cos(" + angle + ")", "sin(" + angle + ")"};
   }
   std::string phrase(const std::vector<double>& values, const ShapeValues& shape,
                      JointType type) const override {

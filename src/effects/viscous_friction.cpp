@@ -1,11 +1,12 @@
 #include "phrase.hpp"
 #include "registry.hpp"
+#include "veridyn/effects/written_in_c.hpp"
 
 namespace veridyn {
 namespace {
 
 /// tau = coefficient * ds.
-class ViscousFriction final : public AxisEffect {
+class ViscousFriction final : public AxisEffect, public WrittenInC {
  public:
   std::string name() const override { return "viscous_friction"; }
   std::vector<EffectParameter> parameters() const override {
@@ -24,6 +25,9 @@ class ViscousFriction final : public AxisEffect {
   void columns(const AxisSample& x, const ShapeValues& /*shape*/, EffectState& /*state*/,
                EffectColumns& row) const noexcept override {
     row[0] = x.ds;
+  }
+  std::vector<std::string> c_columns(const ShapeValues& /*shape*/) const override {
+    return {"ds"};
   }
   std::string phrase(const std::vector<double>& values, const ShapeValues& /*shape*/,
                      JointType type) const override {

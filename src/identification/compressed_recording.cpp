@@ -273,6 +273,8 @@ CompressedRecording compress(const Model& arm, const std::string& path,
   const auto known = options.known_periods.find(path);
   if (known != options.known_periods.end()) {
     period.seconds = known->second;
+  } else if (const Recording* there = find_in_memory(options.in_memory, path)) {
+    period = detect_period(*there);
   } else {
     period = detect_period(first_positions(arm, path, options));
   }

@@ -5,11 +5,14 @@
 #include <limits>
 
 #include "identified_base.hpp"
+#include "recordings/named_recordings.hpp"
 #include "validation.hpp"
 #include "identification/base_solution.hpp"
 #include "math/dense.hpp"
+#include "math/output_file.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/model_file.hpp"
+#include "veridyn/model/model_origin.hpp"
 
 namespace veridyn {
 namespace {
@@ -324,11 +327,9 @@ Identification identify_with_known_masses(const Model& arm, const std::vector<st
   return id;
 }
 
-}  // namespace
-
-Identification identify(const Model& arm, const std::vector<std::string>& train,
-                        const std::vector<std::string>& test,
-                        const IdentificationOptions& options) {
+Identification identify_named(const Model& arm, const std::vector<std::string>& train,
+                              const std::vector<std::string>& test,
+                              const IdentificationOptions& options) {
   require(!train.empty(), "identify: there is no recording to train on.");
   if (!options.known_masses.empty()) return identify_with_known_masses(arm, train, test, options);
   Identification id = described(arm, options);
@@ -350,29 +351,29 @@ Identification identify(const Model& arm, const std::vector<std::string>& train,
   return id;
 }
 
-Identification identify(const Model& arm, const Recording& recording,
+}  // namespace
+
+Identification identify(const Model& arm, const Recordings& train, const Recordings& test,
                         const IdentificationOptions& options) {
-  Identification id = described(arm, options);
-  const std::vector<CompressedRecording> recordings = {
-      compress(arm, recording, options.preprocessing)};
-  if (!fit(arm, recordings, options, id)) return id;
-  id.train.resize(1);
-  const auto predict = [&](const PreprocessingOptions& how, PredictionSeries* series,
-                           ErrorSums* without_excluded) {
-    return prediction_error(arm, recording, how, id.parameters, recordings[0].joints, series,
-                            without_excluded);
-  };
-  measure_errors(recordings[0], options.preprocessing, predict, id.train[0]);
-  id.train_error = id.train[0].error;
-  id.train_repaired = id.train[0].repaired;
-  id.train_without_excluded = id.train[0].without_excluded;
-  keep_training_error(id);
+  const NamedRecordings<IdentificationOptions> named(train, test, options);
+  Identification id = identify_named(arm, named.train, named.test, named.how);
+  forget_recordings(id);
   return id;
 }
 
-void save(const Identification& id, const std::string& path) {
+Identification identify(const Model& arm, const Recording& recording,
+                        const IdentificationOptions& options) {
+  return identify(arm, Recordings(recording), {}, options);
+}
+
+void save(const Identification& id, const std::string& path, const std::string& command,
+          const std::string& robot) {
   require(id.model.has_value(), path, ": there is no model to save: ", id.reason, ".");
-  save_model(*id.model, path);
+  std::vector<std::string> inputs = {robot};
+  for (const std::vector<RecordingError>* role : {&id.train, &id.test}) {
+    for (const RecordingError& recording : *role) inputs.push_back(recording.source);
+  }
+  write_file(path, with_origin(to_yaml(*id.model), origin_now(command, inputs)));
 }
 
 }  // namespace veridyn

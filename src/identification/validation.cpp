@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "math/parallel.hpp"
+#include "recordings/named_recordings.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn {
@@ -143,9 +144,11 @@ Model frozen(const Model& arm) {
   return Model(std::move(d));
 }
 
-Identification evaluate(const Model& arm, const std::vector<std::string>& train,
-                        const std::vector<std::string>& test,
-                        const IdentificationOptions& options) {
+namespace {
+
+Identification evaluate_named(const Model& arm, const std::vector<std::string>& train,
+                              const std::vector<std::string>& test,
+                              const IdentificationOptions& options) {
   require(!train.empty(), "evaluate: there is no recording.");
   require(has_all_values(arm), "evaluate: robot '", arm.name(), "' has parameters without values.");
   Identification id = described(arm, options);
@@ -165,6 +168,16 @@ Identification evaluate(const Model& arm, const std::vector<std::string>& train,
   validate(facts, test, options, id);
   id.status = IdentificationStatus::kDone;
   id.model = arm;
+  return id;
+}
+
+}  // namespace
+
+Identification evaluate(const Model& arm, const Recordings& train, const Recordings& test,
+                        const IdentificationOptions& options) {
+  const NamedRecordings<IdentificationOptions> named(train, test, options);
+  Identification id = evaluate_named(arm, named.train, named.test, named.how);
+  forget_recordings(id);
   return id;
 }
 

@@ -33,7 +33,8 @@ bool is_urdf(const fs::path& path) {
 }
 
 bool is_robot_file(const fs::path& path) {
-  return path.extension() == ".yaml" || path.extension() == ".yml" || is_urdf(path);
+  return path.extension() == ".yaml" || path.extension() == ".yml" || path.extension() == ".json" ||
+         is_urdf(path);
 }
 
 // The file of a bare name.
@@ -61,9 +62,13 @@ std::string content_of(const std::string& path) {
 
 }  // namespace
 
-Model read_model(const std::string& robot, const ModelFileOptions& options) {
+std::string robot_path(const std::string& robot) {
   const bool names_a_file = is_robot_file(robot) || robot.find('/') != std::string::npos;
-  const std::string path = names_a_file ? robot : find_robot(robot).string();
+  return names_a_file ? robot : find_robot(robot).string();
+}
+
+Model read_model(const std::string& robot, const ModelFileOptions& options) {
+  const std::string path = robot_path(robot);
   if (!is_urdf(path)) return read_yaml(content_of(path), path, options);
   require(options.constants.empty(), path,
           ": found a URDF file, which has no constants, expected YAML.");

@@ -46,7 +46,7 @@ class ModelReader {
     if (!version) root_.fail("no 'veridyn: 1'", "a robot file, which begins with it");
     if (version->number() != 1.0) version->fail("version " + version->found(), "'veridyn: 1'");
     root_.allow_keys({"veridyn", "name", "source", "gravity", "constants", "convention", "box",
-                      "coordinates", "frames", "effects", "identified"});
+                      "coordinates", "frames", "effects", "identified", "made"});
     model_.name = root_.at("name").word("the robot's name");
     if (const auto source = root_.find("source"))
       model_.source = source->word("where the numbers come from");

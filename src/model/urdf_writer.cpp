@@ -59,8 +59,11 @@ std::string origin(const Posed& T) {
 
 class UrdfWriter {
  public:
-  explicit UrdfWriter(const Model& arm)
-      : arm_(arm), main_frame_(at(arm.joints()), -1), main_joints_(at(arm.joints())) {
+  UrdfWriter(const Model& arm, const UrdfExtras& extras)
+      : arm_(arm),
+        extras_(extras),
+        main_frame_(at(arm.joints()), -1),
+        main_joints_(at(arm.joints())) {
     for (std::size_t k = 0; k < arm.frames().size(); ++k) {
       const int i = plain_coordinate(arm.frames()[k]);
       if (i >= 0 && main_frame_[at(i)] < 0) main_frame_[at(i)] = static_cast<int>(k);
@@ -71,6 +74,7 @@ class UrdfWriter {
     line(0, "<?xml version=\"1.0\"?>");
     line(0, fmt::format("<robot name=\"{}\">", escaped(arm_.name())));
     losses();
+    shapes("");
     line(1, "<link name=\"world\"/>");
     for (int i = 0; i < arm_.joints(); ++i) {
       if (main_frame_[at(i)] < 0) carrier(i);
@@ -116,6 +120,7 @@ class UrdfWriter {
 
   // What URDF has no words for.
   void losses() {
+    remark("", 1);
     if (!arm_.description().source.empty())
       line(1, comment("source: " + arm_.description().source));
     const Eigen::Vector3d& g = arm_.gravity();
@@ -240,14 +245,35 @@ class UrdfWriter {
   }
 
   void link(const Frame& frame) {
-    if (!frame.body) {
+    if (!frame.body && extras_.appearance.count(frame.name) == 0) {
       line(1, fmt::format("<link name=\"{}\"/>", escaped(frame.name)));
       return;
     }
     line(1, fmt::format("<link name=\"{}\">", escaped(frame.name)));
-    frame.body->phi ? inertial(*frame.body->phi)
-                    : line(2, comment("a body whose values are not known"));
+    remark(frame.name, 2);
+    if (frame.body) {
+      frame.body->phi ? inertial(*frame.body->phi)
+                      : line(2, comment("a body whose values are not known"));
+    }
+    shapes(frame.name);
     line(1, "</link>");
+  }
+
+  void remark(const std::string& frame, int depth) {
+    const auto words = extras_.remarks.find(frame);
+    if (words != extras_.remarks.end()) line(depth, comment(words->second));
+  }
+
+  // As they were read; robot-wide materials under the empty name.
+  void shapes(const std::string& frame) {
+    const auto found = extras_.appearance.find(frame);
+    if (found == extras_.appearance.end()) return;
+    std::size_t begin = 0;
+    while (begin < found->second.size()) {
+      const std::size_t end = std::min(found->second.find('\n', begin), found->second.size());
+      line(frame.empty() ? 1 : 2, found->second.substr(begin, end - begin));
+      begin = end + 1;
+    }
   }
 
   void inertial(const InertialParameters& phi) {
@@ -301,6 +327,7 @@ class UrdfWriter {
   }
 
   const Model& arm_;
+  const UrdfExtras& extras_;
   std::vector<int> main_frame_;  // the frame whose joint is the coordinate itself, or -1
   std::vector<Joint> main_joints_;
   std::vector<Joint> other_joints_;
@@ -309,12 +336,12 @@ class UrdfWriter {
 
 }  // namespace
 
-std::string to_urdf(const Model& arm) {
-  return UrdfWriter(arm).urdf();
+std::string to_urdf(const Model& arm, const UrdfExtras& extras) {
+  return UrdfWriter(arm, extras).urdf();
 }
 
-void save_urdf(const Model& arm, const std::string& path) {
-  write_file(path, to_urdf(arm));
+void save_urdf(const Model& arm, const std::string& path, const UrdfExtras& extras) {
+  write_file(path, to_urdf(arm, extras));
 }
 
 }  // namespace veridyn

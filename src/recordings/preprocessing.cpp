@@ -122,6 +122,7 @@ PreparationFacts run(const Model& arm, const std::string& name, UniformStream::S
   Eigen::Index behind = 0;  // settled samples held in front of the core
   Eigen::Index discard = 0;
   while (true) {
+    if (o.interrupted && o.interrupted()) throw Interrupted();
     const Eigen::Index held = stream.hold(behind + kCore + ahead + 1, discard);
     const bool last = stream.ended() && held <= behind + kCore + filters.halo;
     const Eigen::Index rows = last ? held : behind + kCore + filters.halo;
@@ -153,6 +154,22 @@ PreparationFacts run(const Model& arm, const std::string& name, UniformStream::S
   return facts;
 }
 
+// A recording in memory under the name that options and messages have for it.
+PreparationFacts for_each_stretch_of(const Model& arm, const std::string& name,
+                                     const Recording& recording,
+                                     const PreprocessingOptions& options,
+                                     const std::function<void(const Stretch&)>& visit) {
+  int at = 0;
+  const auto source = [&](int rows) {
+    const int count = std::min(rows, recording.rows() - at);
+    at += count;
+    Recording part = rows_of(recording, at - count, count);
+    part.source = name;
+    return part;
+  };
+  return run(arm, name, source, options, visit);
+}
+
 }  // namespace
 
 std::vector<WantedJoint> joints_of(const Model& arm) {
@@ -173,6 +190,8 @@ RecordingOptions reading_of(const Model& arm, const PreprocessingOptions& option
 PreparationFacts for_each_stretch(const Model& arm, const std::string& path,
                                   const PreprocessingOptions& options,
                                   const std::function<void(const Stretch&)>& visit) {
+  if (const Recording* there = find_in_memory(options.in_memory, path))
+    return for_each_stretch_of(arm, path, *there, options, visit);
   const OpenedRows rows = open_rows(path, reading_of(arm, options));
   return run(arm, path, rows.next, options, visit);
 }
@@ -180,13 +199,7 @@ PreparationFacts for_each_stretch(const Model& arm, const std::string& path,
 PreparationFacts for_each_stretch(const Model& arm, const Recording& recording,
                                   const PreprocessingOptions& options,
                                   const std::function<void(const Stretch&)>& visit) {
-  int at = 0;
-  const auto source = [&](int rows) {
-    const int count = std::min(rows, recording.rows() - at);
-    at += count;
-    return rows_of(recording, at - count, count);
-  };
-  return run(arm, recording.source, source, options, visit);
+  return for_each_stretch_of(arm, recording.source, recording, options, visit);
 }
 
 int decimation(const PreprocessingOptions& options, double dt) {

@@ -34,11 +34,11 @@ const std::map<std::string, std::set<std::string>>& below() {
     for (const char* folder :
          {"identification", "excitation", "simulation", "control", "calibration"})
       all[folder] = sofar;
-    for (const char* folder : {"diagnosis", "comparison"}) {
+    for (const char* folder : {"diagnosis", "comparison", "export"}) {
       all[folder] = sofar;
       all[folder].insert("identification");
     }
-    sofar.insert({"identification", "diagnosis", "comparison", "excitation", "simulation",
+    sofar.insert({"identification", "diagnosis", "comparison", "export", "excitation", "simulation",
                   "control", "calibration"});
     all["cooperation"] = sofar;
     sofar.insert("cooperation");

@@ -161,7 +161,7 @@ struct Diagnosis {
 ///
 /// @throws InvalidInput  as identify(). Where the robot cannot be identified, baseline.status says
 /// so and nothing else is filled.
-Diagnosis diagnose(const Model& arm, const std::vector<std::string>& train,
-                   const std::vector<std::string>& test, const DiagnosisOptions& options = {});
+Diagnosis diagnose(const Model& arm, const Recordings& train, const Recordings& test,
+                   const DiagnosisOptions& options = {});
 
 }  // namespace veridyn

@@ -58,7 +58,7 @@ struct PayloadReport {
 /// @param recordings  with the load, all of them.
 /// @param link        name of a frame: only this link; empty: all.
 /// @throws InvalidInput  the model has no values; there is no such frame; as identify().
-PayloadReport find_payload(const Model& model, const std::vector<std::string>& recordings,
+PayloadReport find_payload(const Model& model, const Recordings& recordings,
                            const IdentificationOptions& options = {}, const std::string& link = {});
 
 }  // namespace veridyn

@@ -138,11 +138,10 @@ struct Identification {
 /// Identifies the arm from training recordings and validates it on test recordings, which take no
 /// part in the fit.
 ///
-/// @param train, test  paths of recordings.
+/// @param train, test  paths of recordings, or recordings in memory.
 /// @throws InvalidInput  a file is bad or does not fit the arm. Data that cannot answer are a
 /// status.
-Identification identify(const Model& arm, const std::vector<std::string>& train,
-                        const std::vector<std::string>& test = {},
+Identification identify(const Model& arm, const Recordings& train, const Recordings& test = {},
                         const IdentificationOptions& options = {});
 
 /// True if every body and every effect has values: a MODEL, in the words of the tool.
@@ -155,16 +154,19 @@ Model frozen(const Model& arm);
 /// and factors are filled as by identify(); the factors' right-hand sides are what the arm leaves
 /// unexplained.
 /// @throws InvalidInput  a parameter has no value; as identify().
-Identification evaluate(const Model& arm, const std::vector<std::string>& train,
-                        const std::vector<std::string>& test = {},
+Identification evaluate(const Model& arm, const Recordings& train, const Recordings& test = {},
                         const IdentificationOptions& options = {});
 
 /// One recording in memory, no test.
 Identification identify(const Model& arm, const Recording& recording,
-                        const IdentificationOptions& options = {});
+                        const IdentificationOptions& options);
 
-/// Writes the identified model as YAML. @throws InvalidInput  there is no model (see status), or
-/// the file cannot be written.
-void save(const Identification& id, const std::string& path);
+/// Writes the identified model as YAML, with date, version and the hashes of the files that it was
+/// made from (see ModelOrigin). @throws InvalidInput  there is no model (see status), or the file
+/// cannot be written.
+/// @param command  what made it, for readers of the file.
+/// @param robot    path of the robot file, where it is known.
+void save(const Identification& id, const std::string& path,
+          const std::string& command = "identify", const std::string& robot = {});
 
 }  // namespace veridyn

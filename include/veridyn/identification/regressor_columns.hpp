@@ -59,7 +59,7 @@ class RegressorColumns {
   void smooth_load(MatrixXd& load, double dt) const;
   std::vector<Eigen::Index> kept_samples(const Stretch& stretch, Eigen::Index joint) const;
 
-  const Model& arm_;
+  Model arm_;
   PreprocessingOptions options_;
   RegressorBatch bodies_;
   std::vector<StandardParameter> parameters_;

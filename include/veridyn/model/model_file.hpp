@@ -21,6 +21,9 @@ struct ModelFileOptions {
 /// @throws InvalidInput  "file:line:column: found ..., expected ...".
 Model read_model(const std::string& robot, const ModelFileOptions& options = {});
 
+/// The file that read_model() reads for this name. @throws InvalidInput  no robot has it.
+std::string robot_path(const std::string& robot);
+
 /// Reads YAML from memory; `file` is what messages call it.
 Model read_yaml(const std::string& content, const std::string& file,
                 const ModelFileOptions& options = {});

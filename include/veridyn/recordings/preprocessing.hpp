@@ -1,10 +1,11 @@
 #pragma once
 
+#include <exception>
 #include <functional>
 #include <map>
 #include <string>
 
-#include "veridyn/recordings/recording.hpp"
+#include "veridyn/recordings/recording_list.hpp"
 #include "veridyn/recordings/stale_rows.hpp"
 #include "veridyn/model/model.hpp"
 
@@ -69,6 +70,17 @@ struct PreprocessingOptions {
   std::vector<std::string> columns;  ///< for files without a header, see RecordingOptions
   double header_rate = 0.0;          ///< [Hz] time base of files without t
   SignalChoice signals;              ///< topics, names and units; joints are those of the arm
+  /// Recordings that are not read from files: a name found here is one of these. See Recordings.
+  RecordingsInMemory in_memory;
+  /// Asked now and then while recordings are read; once true, what asked for them ends with
+  /// Interrupted.
+  std::function<bool()> interrupted;
+};
+
+/// What PreprocessingOptions::interrupted brings about.
+class Interrupted : public std::exception {
+ public:
+  const char* what() const noexcept override { return "interrupted"; }
 };
 
 /// The arm's joints, as they are looked for in a recording.

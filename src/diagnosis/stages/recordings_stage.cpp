@@ -81,8 +81,12 @@ void check_quality(Investigation& x) {
   const PreprocessingOptions& how = x.options.identification.preprocessing;
   x.d.data_quality.resize(all.size());
   parallel_for(static_cast<int>(all.size()), x.options.identification.threads, [&](int k) {
-    x.d.data_quality[static_cast<size_t>(k)] =
-        check_recording(all[static_cast<size_t>(k)], reading_of(x.arm, how));
+    const std::string& name = all[static_cast<size_t>(k)];
+    const Recording* there = find_in_memory(how.in_memory, name);
+    RecordingQuality& quality = x.d.data_quality[static_cast<size_t>(k)];
+    quality = there != nullptr ? check_recording(*there)
+                               : check_recording(name, reading_of(x.arm, how));
+    quality.file = name;
   });
   choose_velocities(x);
 }

@@ -47,7 +47,8 @@ Model arm_with_load(const Model& arm, const KnownMass& load, int index) {
 
 Recording currents_of(const Model& arm, const std::string& path,
                       const PreprocessingOptions& preprocessing) {
-  Recording r = read_recording(path, reading_of(arm, preprocessing));
+  const Recording* there = find_in_memory(preprocessing.in_memory, path);
+  Recording r = there != nullptr ? *there : read_recording(path, reading_of(arm, preprocessing));
   require(r.current.size() > 0, path, ": found no motor currents, expected columns i1..i",
           r.joints(), " to find drive gains from.");
   require(

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <string>
+
+#include "veridyn/model/model.hpp"
+
+namespace veridyn {
+
+/// One file of C99 (which is C++ as well) that computes this arm's torques and needs nothing but
+/// <math.h>. With NAME for the arm's name in letters, digits and underscores:
+///
+///   void NAME_inverse_dynamics(q, dq, ddq, tau)          tau[n] of the rigid bodies
+///   void NAME_regressor(q, dq, ddq, Y)                   Y[n][10 b], tau = Y * NAME_phi
+///   void NAME_friction(q, dq, ddq, memory, tau)          tau[n] of friction and all other effects
+///   void NAME_torque(q, dq, ddq, memory, tau)            the sum of the two
+///
+/// and constants NAME_joints, NAME_parameters, NAME_memory, NAME_phi, NAME_joint_names,
+/// NAME_parameter_names. `memory` starts as zeros, one for every simulated or recorded arm; effects
+/// with a memory see the states of successive calls. The recursions are unrolled for the arm: what
+/// is zero or one in its geometry is not computed. Effects that count time or describe measured
+/// motion are left out; a comment in the file names them.
+///
+/// Compile it, or include it once; with NAME_API defined as `static inline` before, any number of
+/// times.
+/// @throws InvalidInput  a body or an effect has no values.
+std::string to_c_code(const Model& arm);
+
+/// Writes to_c_code() to a file. @throws InvalidInput  the file cannot be written.
+void save_c_code(const Model& arm, const std::string& path);
+
+}  // namespace veridyn

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <map>
+#include <string>
+
+#include "veridyn/model/model.hpp"
+
+namespace veridyn {
+
+/// MuJoCo's XML of an arm with values: what mj_inverse() gives is M(q) ddq + C(q, dq) dq + g(q) of
+/// the same bodies, and the friction, springs and rotors that MuJoCo has words for.
+///
+/// One body for every frame that moves or carries a body. The first joint that is a coordinate
+/// itself has the coordinate's name and a motor of that name; other joints are called after their
+/// frame ("FRAME__joint"), and where their variable is c . q a fixed tendon with an equality keeps
+/// them there. A coordinate without a joint of its own gets one on a body of 1e-12 kg. For such an
+/// arm the torque of coordinate i is the sum of c_i times qfrc_inverse over all joints.
+///
+/// viscous_friction becomes damping, coulomb_friction frictionloss, rotor_inertia armature and
+/// joint_spring stiffness, on the coordinate's joint or on a tendon. What has no place there
+/// (other effects, drive gains) is left out, and comments say so. Bodies are kept as they are; see
+/// portable_model() for values that were not identified.
+/// @throws InvalidInput  a body has no values, or one that MuJoCo cannot have (a mass below zero,
+///                       principal moments that are no body's).
+///
+/// @param remarks  comments on links by the name of their frame; "": on the whole.
+std::string to_mjcf(const Model& arm, const std::map<std::string, std::string>& remarks = {});
+
+/// Writes to_mjcf() to a file. @throws InvalidInput  the file cannot be written.
+void save_mjcf(const Model& arm, const std::string& path,
+              const std::map<std::string, std::string>& remarks = {});
+
+}  // namespace veridyn

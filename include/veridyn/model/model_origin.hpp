@@ -1,0 +1,42 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace veridyn {
+
+/// A file that a model was made from.
+struct OriginFile {
+  std::string file;    ///< its name without folders, or what a recording in memory is called
+  std::string sha256;  ///< of its bytes, as `sha256sum` prints it; empty: it was in memory
+};
+
+/// What made a MODEL file, when, and from what. It stands in the file under `made:`
+///
+///   made:
+///     date: 2026-11-22T02:13:00Z
+///     veridyn: 0.1.0
+///     command: identify
+///     inputs:
+///       - {file: one.csv, sha256: 5f7c...}
+struct ModelOrigin {
+  std::string date;     ///< UTC
+  std::string version;  ///< of veridyn
+  std::string command;  ///< "identify", "diagnose"
+  std::vector<OriginFile> inputs;
+};
+
+/// The origin of a model that is made now. The date is that of $SOURCE_DATE_EPOCH where it is set,
+/// so that two runs can give the same file.
+/// @param inputs  paths of files, or names of recordings in memory; each counts once.
+ModelOrigin origin_now(const std::string& command, const std::vector<std::string>& inputs);
+
+/// What a MODEL file says about its origin; nothing where it does not.
+/// @throws InvalidInput  the file cannot be read, or is no YAML.
+std::optional<ModelOrigin> read_origin(const std::string& path);
+
+/// A robot file's YAML, with its origin after the header.
+std::string with_origin(const std::string& yaml, const ModelOrigin& origin);
+
+}  // namespace veridyn

@@ -1,0 +1,26 @@
+#pragma once
+
+#include "veridyn/math/motion_samples.hpp"
+#include "veridyn/math/types.hpp"
+#include "veridyn/model/model.hpp"
+
+namespace veridyn {
+
+/// The whole torque of the motors along a motion: rigid bodies and every effect of the model with
+/// its values,
+///
+///   tau = M(q) ddq + C(q, dq) dq + g(q) + effects(t, q, dq, ddq, past)
+///
+/// Effects with a memory start fresh at the first row, time counts from there, and between two rows
+/// they see `substeps` states on quintics through q, dq and ddq. Where time does not rise, or with
+/// one substep, they see the rows alone.
+///
+/// @returns (rows x n) [N m], [N] where the joint is prismatic.
+/// @throws InvalidInput  a body or an effect has no values; the motion is not (rows x n), or empty.
+MatrixXd joint_torques(const Model& arm, const MotionSamples& motion, int substeps = 4);
+
+/// The same at one state, (n) each: memories are fresh, time is zero.
+VectorXd joint_torques(const Model& arm, const VectorRef& q, const VectorRef& dq,
+                       const VectorRef& ddq);
+
+}  // namespace veridyn

@@ -1,0 +1,54 @@
+#include <pybind11/stl.h>
+
+#include "bindings.hpp"
+#include "model_handle.hpp"
+#include "options.hpp"
+#include "veridyn/export/c_code.hpp"
+#include "veridyn/export/mjcf.hpp"
+#include "veridyn/export/model_json.hpp"
+#include "veridyn/export/portable_model.hpp"
+#include "veridyn/export/sdf.hpp"
+#include "veridyn/model/urdf.hpp"
+
+namespace veridyn::python {
+namespace {
+
+const char* const kExport =
+    "As a string. Torques determine combinations of masses: an identified model's single values are "
+    "chosen near `prior` (a Model of the same frames) or near small rods, no torque changed.";
+
+std::optional<Model> model_or_nothing(const py::object& given) {
+  if (given.is_none()) return std::nullopt;
+  return model_of(given);
+}
+
+}  // namespace
+
+// Methods of the class that bind_models() makes.
+void bind_exports(py::module_& m) {
+  py::class_<SharedModel, Model, std::shared_ptr<SharedModel>>(m.attr("Model"))
+      .def("to_json", [](const Model& arm) { return model_json(arm); },
+           "The robot file as JSON, which read_model() reads, too.")
+      .def("to_urdf",
+           [](const Model& arm, const py::object& prior, const std::string& meshes_from) {
+             const ExportedModel out = exported_model(arm, model_or_nothing(prior), meshes_from);
+             return to_urdf(out.arm, out.extras);
+           },
+           py::arg("prior") = py::none(), py::arg("meshes_from") = "", kExport)
+      .def("to_mjcf",
+           [](const Model& arm, const py::object& prior) {
+             const ExportedModel out = exported_model(arm, model_or_nothing(prior));
+             return to_mjcf(out.arm, out.extras.remarks);
+           },
+           py::arg("prior") = py::none(), kExport)
+      .def("to_sdf",
+           [](const Model& arm, const py::object& prior, const std::string& meshes_from) {
+             const ExportedModel out = exported_model(arm, model_or_nothing(prior), meshes_from);
+             return to_sdf(out.arm, out.extras);
+           },
+           py::arg("prior") = py::none(), py::arg("meshes_from") = "", kExport)
+      .def("to_c_code", [](const Model& arm) { return to_c_code(arm); },
+           "One file of C and C++: inverse dynamics, regressor, friction. No dependencies.");
+}
+
+}  // namespace veridyn::python

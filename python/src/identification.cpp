@@ -1,0 +1,162 @@
+#include <pybind11/eigen.h>
+#include <pybind11/stl.h>
+
+#include "bindings.hpp"
+#include "model_handle.hpp"
+#include "options.hpp"
+#include "veridyn/comparison/model_comparison.hpp"
+#include "veridyn/diagnosis/payload.hpp"
+#include "model/effect_names.hpp"
+#include "model/suggestion.hpp"
+#include "veridyn/math/require.hpp"
+#include "veridyn/report/comparison_json.hpp"
+#include "veridyn/report/diagnosis_json.hpp"
+#include "veridyn/report/diagnosis_page.hpp"
+#include "veridyn/report/identification_page.hpp"
+#include "veridyn/report/json.hpp"
+#include "veridyn/report/payload_json.hpp"
+
+namespace veridyn::python {
+namespace {
+
+py::object model_or_none(const std::optional<Model>& model) {
+  if (!model) return py::none();
+  return py::cast(std::make_shared<SharedModel>(*model));
+}
+
+// A result with what is shown of it, made without the GIL.
+template <typename Result>
+void bind_result(py::class_<Result, std::shared_ptr<Result>>& type) {
+  type.def("json", [](const Result& result) { return to_json(result); },
+           py::call_guard<py::gil_scoped_release>());
+  type.def("report", [](const Result& result) { return result.report(); },
+           py::call_guard<py::gil_scoped_release>());
+}
+
+template <typename Result>
+void bind_page(py::class_<Result, std::shared_ptr<Result>>& type) {
+  type.def("page",
+           [](const Result& result, const std::string& call) { return to_page(result, call); },
+           py::arg("call"), py::call_guard<py::gil_scoped_release>());
+}
+
+// What every function here takes: the model, the recordings, keywords and someone to report to.
+struct Call {
+  Call(const char* function, const py::object& model, const py::object& train_,
+       const py::object& test_, const py::dict& words)
+      : keywords(function, words),
+        progress(callback(keywords)),
+        arm(model_of(model)),
+        train(recordings_of(train_)),
+        test(recordings_of(test_)) {}
+
+  static py::object callback(Keywords& keywords) {
+    const py::object given = keywords.take("progress");
+    return given ? given : py::none();
+  }
+
+  Keywords keywords;
+  Progress progress;
+  Model arm;
+  Recordings train, test;
+};
+
+std::shared_ptr<Identification> identify_call(const py::object& model, const py::object& train,
+                                              const py::object& test, const py::dict& words) {
+  Call call("identify", model, train, test, words);
+  const IdentificationOptions options = read_identification(call.keywords, call.progress);
+  call.keywords.expect_all_taken();
+  return interruptible(call.progress, [arm = call.arm, train = call.train, test = call.test,
+                                       options] {
+    return std::make_shared<Identification>(identify(arm, train, test, options));
+  });
+}
+
+std::shared_ptr<Identification> evaluate_call(const py::object& model, const py::object& train,
+                                              const py::object& test, const py::dict& words) {
+  Call call("evaluate", model, train, test, words);
+  const IdentificationOptions options = read_identification(call.keywords, call.progress);
+  call.keywords.expect_all_taken();
+  return interruptible(call.progress, [arm = call.arm, train = call.train, test = call.test,
+                                       options] {
+    return std::make_shared<Identification>(evaluate(arm, train, test, options));
+  });
+}
+
+std::shared_ptr<Diagnosis> diagnose_call(const py::object& model, const py::object& train,
+                                         const py::object& test, const py::dict& words) {
+  Call call("diagnose", model, train, test, words);
+  DiagnosisOptions options;
+  call.keywords.read("effects", options.effects);
+  call.keywords.read("max_effects", options.max_effects);
+  for (const std::string& name : options.effects) {
+    const std::vector<std::string>& known = effect_names();
+    require(std::find(known.begin(), known.end(), name) != known.end(),
+            "diagnose: found the effect '", name, "'", did_you_mean(name, known),
+            ", expected one of: ", listed(known), ".");
+  }
+  options.identification =
+      read_identification(call.keywords, call.progress, options.identification);
+  call.keywords.expect_all_taken();
+  return interruptible(call.progress, [arm = call.arm, train = call.train, test = call.test,
+                                       options] {
+    return std::make_shared<Diagnosis>(diagnose(arm, train, test, options));
+  });
+}
+
+std::shared_ptr<PayloadReport> payload_call(const py::object& model, const py::object& recordings,
+                                            const std::string& link, const py::dict& words) {
+  Call call("find_payload", model, recordings, py::none(), words);
+  const IdentificationOptions options = read_identification(call.keywords, call.progress);
+  call.keywords.expect_all_taken();
+  return interruptible(call.progress, [arm = call.arm, train = call.train, options, link] {
+    return std::make_shared<PayloadReport>(find_payload(arm, train, options, link));
+  });
+}
+
+}  // namespace
+
+void bind_identification(py::module_& m) {
+  py::class_<Identification, std::shared_ptr<Identification>> id(m, "NativeIdentification");
+  bind_result(id);
+  bind_page(id);
+  id.def("save",
+         [](const Identification& r, const std::string& path, const std::string& command) {
+           save(r, path, command);
+         },
+         py::arg("path"), py::arg("command"));
+  id.def_property_readonly("model",
+                           [](const Identification& r) { return model_or_none(r.model); });
+  py::class_<Diagnosis, std::shared_ptr<Diagnosis>> diagnosis(m, "NativeDiagnosis");
+  bind_result(diagnosis);
+  bind_page(diagnosis);
+  diagnosis.def("save",
+                [](const Diagnosis& d, const std::string& path, const std::string& command) {
+                  save(d.extended, path, command);
+                },
+                py::arg("path"), py::arg("command"));
+  diagnosis.def_property_readonly(
+      "model", [](const Diagnosis& d) { return model_or_none(d.extended.model); });
+  py::class_<PayloadReport, std::shared_ptr<PayloadReport>> payload(m, "NativePayload");
+  bind_result(payload);
+  payload.def_property_readonly("found", &PayloadReport::found);
+  py::class_<ModelComparison, std::shared_ptr<ModelComparison>> comparison(m, "NativeComparison");
+  bind_result(comparison);
+  m.def("identify", &identify_call);
+  m.def("evaluate", &evaluate_call);
+  m.def("diagnose", &diagnose_call);
+  m.def("find_payload", &payload_call);
+  m.def("compare",
+        [](const py::object& before, const py::object& after, double significance) {
+          const Model first = model_of(before);
+          const Model second = model_of(after);
+          ComparisonOptions options;
+          options.significance = significance;
+          const py::gil_scoped_release free;
+          return std::make_shared<ModelComparison>(compare(first, second, options));
+        },
+        py::arg("before"), py::arg("after"), py::arg("significance"));
+  m.def("effect_names", [] { return effect_names(); });
+}
+
+}  // namespace veridyn::python

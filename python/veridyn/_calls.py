@@ -1,0 +1,276 @@
+"""What the commands of the tool do, as functions. Options have the commands' names."""
+
+from __future__ import annotations
+
+import os
+from typing import Any, Mapping, Optional, Sequence, Union
+
+import numpy as np
+
+from . import _veridyn
+from ._recording import Recording
+from ._results import (
+    Comparison,
+    Diagnosis,
+    Excitation,
+    Identification,
+    Payload,
+    Quality,
+    Simulation,
+)
+
+_PREPROCESSING = """
+    filter_cutoff : float, Hz, zero-phase low-pass (5); 0: none
+    filter_order : int, of one of its two passes (6)
+    filtering : "matched" (torque and regressor columns alike) or "signals"
+    velocity : "recorded" or "derived"
+    stale_rows : "filled" or "kept": rows that a late publisher wrote twice
+    resample : float, Hz, of the uniform grid; 0: one over the median time step
+    drop_start, drop_end : float, s, left out at the ends of each recording (1.2, 0.5)
+    min_speed : float, rad/s or m/s; a joint's slower rows are left out of the fit
+    decimation : int; one filtered sample in so many is kept; 0: as the cut-off allows
+    rows : (first, end) of the rows to use; end may be None
+    columns, rate : signals and rate [Hz] of CSV files without a header or without time
+    threads : int; 0: one per core
+    progress : callable(what, share), called now and then
+"""
+
+_FIT = """
+    method : "feasible" (every body physically possible), "wls" or "ols"
+    weights : "range" or "residual": how joints are weighted
+    condition : "pseudo-inertia" or "principal-moments"
+    signs : "physical" or "any", of friction, inertia and stiffness
+    prior : Model or its file, to stay close to
+    known_mass : "KG@FRAME" or "KG@FRAME=REC,REC", or a list, to find drive gains with
+    test_rows : (first, end) of the held-out recordings
+"""
+
+
+def _documented(function: Any) -> Any:
+    function.__doc__ = function.__doc__.replace("{fit}", _FIT.strip("\n")).replace(
+        "{preprocessing}", _PREPROCESSING.strip("\n")
+    )
+    return function
+
+
+def read_model(robot: Any, *, constants: Optional[Mapping[str, float]] = None) -> _veridyn.Model:
+    """Reads a robot, or a MODEL (a robot with identified values).
+
+    robot : path of a YAML, JSON or URDF file, or the bare name of a robot that comes with veridyn
+    constants : values that replace constants of the file
+
+    Raises InvalidInput: "file:line:column: found ..., expected ...".
+    """
+    return _veridyn.read_model(os.fspath(robot), dict(constants or {}))
+
+
+def read_recording(path: Any, **options: Any) -> Recording:
+    """Reads a whole recording into memory.
+
+    columns : list of signals, e.g. ["q", "dq", "tau"], of a CSV file without a header
+    rate : float, Hz, of a file without time
+    rows : (first, end) of the rows to keep; end may be None
+
+    Raises InvalidInput with file, line and column.
+    """
+    return Recording(_veridyn.read_recording(os.fspath(path), options))
+
+
+def check(recordings: Any, **options: Any) -> Quality:
+    """Quality of recordings alone: rate, stale rows, gaps, jumps, saturation, units.
+
+    The keys are those of `veridyn check --json`. Options as read_recording().
+    """
+    return Quality(*_veridyn.check_json(recordings, options))
+
+
+@_documented
+def identify(
+    model: Any, train: Any = None, test: Any = None, *, factors: Any = None, **options: Any
+) -> Identification:
+    """Identifies an arm from training recordings and validates it on test recordings.
+
+    model : Model, or the name of its file
+    train, test : path, Recording, pandas frame, or a list of them
+    factors : bytes that compress() or merge() returned, or a list of them; recordings in `train`
+        are added to them
+{fit}
+{preprocessing}
+
+    Returns a dictionary with the keys of `veridyn identify --json`; `.model` is the arm with the
+    values found, None where the data cannot answer (self["status"], self["reason"]).
+    Raises InvalidInput where a recording is bad or does not fit the arm.
+    """
+    if factors is None and train is None:
+        raise TypeError("identify() needs train or factors.")
+    if factors is None:
+        native = _veridyn.identify(model, train, test, options)
+    else:
+        several = [factors] if isinstance(factors, (bytes, bytearray)) else list(factors)
+        native = _veridyn.identify_factors(model, several, train, test, options)
+    return Identification(native, "veridyn.identify(...)")
+
+
+@_documented
+def compress(model: Any, recordings: Any, **options: Any) -> bytes:
+    """Recordings as square-root factors: all that identify() needs of them, and not one sample.
+
+    model : Model, or the name of its file; recordings : as identify()
+{preprocessing}
+
+    Returns bytes, some kilobytes for a recording of any length, that travel between machines.
+    Use the same options on all of them.
+    """
+    return _veridyn.compress(model, recordings, options)
+
+
+def merge(factors: Sequence[bytes]) -> bytes:
+    """The factors of several compress() in one, in this order, for identify(factors=...).
+
+    Raises InvalidInput where they are of two arms, were prepared differently, or are damaged.
+    """
+    return _veridyn.merge(list(factors))
+
+
+@_documented
+def evaluate(model: Any, train: Any, test: Any = None, **options: Any) -> Identification:
+    """What a model with values predicts of recordings; nothing is fitted.
+
+    Arguments and result as identify():
+{preprocessing}
+    """
+    return Identification(_veridyn.evaluate(model, train, test, options), "veridyn.evaluate(...)")
+
+
+@_documented
+def diagnose(model: Any, train: Any, test: Any, **options: Any) -> Diagnosis:
+    """Names the physical causes that the recordings accept beyond the robot's own model.
+
+    An arm without values is identified first; of a MODEL the findings say what changed since.
+
+    effects : list of names to ask about; all where it is not given
+    max_effects : int, findings at most (20)
+{fit}
+{preprocessing}
+
+    Returns a dictionary with the keys of `veridyn diagnose --json`; `.model` has the findings in it.
+    """
+    return Diagnosis(_veridyn.diagnose(model, train, test, options), "veridyn.diagnose(...)")
+
+
+@_documented
+def find_payload(
+    model: Any, recordings: Any, *, link: Optional[str] = None, **options: Any
+) -> Payload:
+    """Mass, centre and inertia of an added load, for every link that might carry it.
+
+    model : a MODEL with values
+    recordings : with the load, all of them
+    link : name of a frame: only this link
+{preprocessing}
+    """
+    return Payload(_veridyn.find_payload(model, recordings, link or "", options))
+
+
+def compare(before: Any, after: Any, *, significance: float = 0.05) -> Comparison:
+    """What differs between two models of one arm, with statistics.
+
+    before, after : Model, or the name of its file
+    significance : probability that two models of an unchanged arm are said to differ
+    """
+    return Comparison(_veridyn.compare(before, after, significance))
+
+
+def excite(robot: Any, **options: Any) -> Excitation:
+    """A motion that starts and stops at rest and tells the parameters apart.
+
+    frequency : float, Hz, of the slowest wave (0.13);  harmonics : int (5)
+    duration : float, s (30);  rate : float, Hz (200);  slow_passes : int (0)
+    criterion : "condition", "d-optimal", "a-optimal" or "discriminate"
+    between : ("EFFECT:JOINT", "EFFECT:JOINT"), the two causes to tell apart
+    essential, starts, iterations, limit_share, seed, threads : as the options of `veridyn excite`
+    model : the arm with values, whose efforts limit the torques
+    progress : callable(what, share)
+
+    Ctrl-C raises KeyboardInterrupt. `.motion` is the Recording to play.
+    """
+    return Excitation(_veridyn.excite(robot, options), "veridyn.excite(...)")
+
+
+def simulate(robot: Any, motion: Any, **options: Any) -> Simulation:
+    """A recording of an arm along a motion, with hidden effects.
+
+    motion : Excitation, Recording, path or pandas frame with q (and dq, ddq where known)
+    effects : list of "NAME:JOINT[:KEY=VALUE,...]", as `veridyn simulate --effect`
+    noise : preset of sensors, "none", "low" (default), "dvrk", "ur", ...
+    controller : "none" (the arm makes the motion exactly) or "pid" (forward dynamics)
+    engine : "veridyn" or "mujoco", with a controller
+    sample_rate : float, Hz;  seed, arm_seed : int
+
+    `.recording` is what the sensors say, `.truth` the arm with the effects.
+    """
+    return Simulation(_veridyn.simulate(robot, motion, options))
+
+
+_Array = Union[np.ndarray, Sequence[float], Sequence[Sequence[float]]]
+
+
+def inverse_dynamics(model: _veridyn.Model, q: _Array, dq: _Array, ddq: _Array) -> np.ndarray:
+    """Joint torques of the rigid bodies: tau = M(q) ddq + C(q, dq) dq + g(q).
+
+    q, dq, ddq : (n) of one state or (N, n) of many [rad, rad/s, rad/s^2], metres where prismatic.
+        Row-major and column-major float64 arrays are read where they are.
+    Returns tau (n) or (N, n) [N m], [N], in the layout of q. Friction and other effects are not in
+    it, see joint_torques().
+    Raises InvalidInput where sizes do not fit or a body has no values.
+    """
+    return _veridyn.inverse_dynamics(model, q, dq, ddq)
+
+
+def regressor(model: _veridyn.Model, q: _Array, dq: _Array, ddq: _Array) -> np.ndarray:
+    """The torques as a linear map of the bodies' parameters: tau = Y @ model.phi.
+
+    q, dq, ddq : (n) or (N, n), as inverse_dynamics().
+    Returns Y (n, 10 b) or (N, n, 10 b); columns 10 k .. 10 k + 9 belong to body k of model.bodies:
+    m, m c (3), L (xx, xy, yy, xz, yz, zz about the frame's origin).
+    """
+    return _veridyn.regressor(model, q, dq, ddq)
+
+
+def joint_torques(
+    model: _veridyn.Model,
+    q: _Array,
+    dq: _Array,
+    ddq: _Array,
+    time: Optional[_Array] = None,
+    *,
+    substeps: int = 4,
+) -> np.ndarray:
+    """The whole torque of the motors: rigid bodies and every effect of the model.
+
+    q, dq, ddq : (n) or (N, n), as inverse_dynamics()
+    time : (N) [s], rising, for effects with a memory, which start fresh at the first row and see
+        `substeps` states per row; without it they go from row to row
+    Returns tau (n) or (N, n) [N m], [N].
+    """
+    return _veridyn.joint_torques(model, q, dq, ddq, time, substeps)
+
+
+def mass_matrix(model: _veridyn.Model, q: _Array) -> np.ndarray:
+    """M(q), (n, n), of the rigid bodies, for q (n)."""
+    return _veridyn.mass_matrix(model, q)
+
+
+def coriolis_matrix(model: _veridyn.Model, q: _Array, dq: _Array) -> np.ndarray:
+    """C(q, dq), (n, n), for which dM/dt - 2 C is skew symmetric."""
+    return _veridyn.coriolis_matrix(model, q, dq)
+
+
+def robot_names() -> list:
+    """Bare names that read_model() knows."""
+    return _veridyn.robot_names()
+
+
+def effect_names() -> list:
+    """Names of effects that diagnose() can ask about."""
+    return _veridyn.effect_names()

@@ -1,0 +1,331 @@
+#include "veridyn/export/c_code.hpp"
+
+#include <fmt/format.h>
+
+#include <cctype>
+#include <utility>
+#include <vector>
+
+#include "traced.hpp"
+#include "veridyn/dynamics/recursion.hpp"
+#include "veridyn/effects/written_in_c.hpp"
+#include "veridyn/kinematics/tree.hpp"
+#include "math/output_file.hpp"
+#include "veridyn/math/require.hpp"
+
+namespace veridyn {
+namespace {
+
+constexpr int kMemory = 3;  // numbers that an effect with a memory keeps
+
+const char* const kSymbols[] = {"m", "hx", "hy", "hz", "Lxx", "Lxy", "Lyy", "Lxz", "Lyz", "Lzz"};
+
+std::string identifier(const std::string& name) {
+  std::string out;
+  for (const char c : name) out += std::isalnum(static_cast<unsigned char>(c)) != 0 ? c : '_';
+  if (out.empty() || std::isdigit(static_cast<unsigned char>(out.front())) != 0) out = "arm_" + out;
+  return out;
+}
+
+// What may stand in a C comment or string.
+std::string plain(std::string words) {
+  for (char& c : words) {
+    if (c == '*' || c == '\\' || c == '"' || c == '\n') c = ' ';
+  }
+  return words;
+}
+
+// c . q + s0 as C.
+std::string linear_form(const Axis& axis, const char* variable, double offset) {
+  std::string out;
+  for (Eigen::Index i = 0; i < axis.coefficients.size(); ++i) {
+    const double c = axis.coefficients[i];
+    if (c == 0.0) continue;
+    if (!out.empty()) out += " + ";
+    out += c == 1.0 ? fmt::format("{}[{}]", variable, i)
+                    : fmt::format("{} * {}[{}]", c_number(c), variable, i);
+  }
+  if (offset != 0.0) out += (out.empty() ? "" : " + ") + c_number(offset);
+  return out.empty() ? "0.0" : out;
+}
+
+class CWriter {
+ public:
+  explicit CWriter(const Model& arm) : arm_(arm), tree_(arm), name_(identifier(arm.name())) {
+    const auto phi = arm.inertial_values();
+    require(phi.has_value(), "export: arm '", arm.name(),
+            "' has bodies without values, expected a MODEL that identify or diagnose wrote.");
+    phi_ = *phi;
+    for (const EffectTerm& term : arm.effects()) {
+      const BoundEffect effect(arm, term);
+      require(effect.has_values(), "export: arm '", arm.name(), "' has ", term.effect,
+              " without values, expected a MODEL that identify or diagnose wrote.");
+      if (dynamic_cast<const WrittenInC*>(&effect.effect()) == nullptr) {
+        left_out_.push_back(term.effect + " on " + axis_text(arm, term.axis));
+      } else {
+        effects_.push_back(effect);
+      }
+    }
+  }
+
+  std::string code() {
+    inverse_dynamics();
+    regressor();
+    friction();
+    torque();
+    const std::string functions = std::exchange(out_, {});
+    head();
+    constants();
+    helpers(functions);
+    out_ += functions;
+    line("#endif");
+    return std::move(out_);
+  }
+
+ private:
+  void line(const std::string& content) { out_ += content + "\n"; }
+
+  std::string signature(const std::string& function, const std::string& rest) const {
+    return fmt::format("{0}_API void {0}_{1}(const double q[], const double dq[], "
+                       "const double ddq[], {2})",
+                       name_, function, rest);
+  }
+
+  void head() {
+    line(fmt::format("/* Torques of {}, written by veridyn {}.", plain(arm_.name()),
+                     VERIDYN_VERSION));
+    line(" * C99 and C++, without dependencies. SI units: rad, m, kg, N m, N, s.");
+    for (const std::string& one : left_out_) line(" * Left out: " + plain(one) + ".");
+    line(" */");
+    line(fmt::format("#ifndef VERIDYN_{0}\n#define VERIDYN_{0}\n\n#include <math.h>\n", name_));
+    line(fmt::format("#ifndef {}_API", name_));
+    line(fmt::format("#ifdef __cplusplus\n#define {0}_API extern \"C\"\n#else\n#define {0}_API\n"
+                     "#endif\n#endif\n",
+                     name_));
+  }
+
+  void constants() {
+    const std::size_t bodies = arm_.bodies().size();
+    line(fmt::format("enum {{ {0}_joints = {1}, {0}_bodies = {2}, {0}_parameters = {3}, "
+                     "{0}_memory = {4} }};\n",
+                     name_, arm_.joints(), bodies, kBodyParameters * bodies,
+                     std::max<std::size_t>(1, kMemory * effects_.size())));
+    line("/* Coordinates, in the order of q, dq, ddq and tau. */");
+    line(fmt::format("static const char* const {0}_joint_names[{0}_joints] = {{", name_));
+    for (const Coordinate& c : arm_.coordinates()) line("  \"" + plain(c.name) + "\",");
+    line("};\n");
+    line("/* Inertial parameters, in the order of the regressor's columns: mass [kg], mass times");
+    line("   centre [kg m], inertia about the frame's origin [kg m^2]. */");
+    line(fmt::format("static const double {0}_phi[{0}_parameters] = {{", name_));
+    for (Eigen::Index j = 0; j < phi_.size(); ++j) line("  " + c_number(phi_[j]) + ",");
+    line("};\n");
+    line(fmt::format("static const char* const {0}_parameter_names[{0}_parameters] = {{", name_));
+    for (const int k : arm_.bodies()) {
+      for (const char* symbol : kSymbols)
+        line(fmt::format("  \"{}_{}\",", symbol, plain(arm_.frames()[static_cast<std::size_t>(k)].name)));
+    }
+    line("};\n");
+    line(signature("inverse_dynamics", "double tau[]") + ";");
+    line(signature("regressor", "double Y[]") + ";");
+    line(signature("friction", "double memory[], double tau[]") + ";");
+    line(signature("torque", "double memory[], double tau[]") + ";\n");
+  }
+
+  // What expressions of effects call, see Effect::c_columns(); those that are called.
+  void helpers(const std::string& functions) {
+    const auto called = [&](const char* helper) {
+      return functions.find(name_ + "_" + helper + "(") != std::string::npos;
+    };
+    const bool contact = called("contact");
+    if (called("direction")) {
+      line(fmt::format(R"(/* The sign of a velocity, a straight line below {1} rad/s or m/s. */
+static double {0}_direction(double ds) {{
+  const double d = ds / {1};
+  return d < -1.0 ? -1.0 : d > 1.0 ? 1.0 : d;
+}}
+)",
+                       name_, c_number(kRestSpeed)));
+    }
+    if (contact || called("clamp")) {
+      line(fmt::format(R"(static double {0}_clamp(double x) {{
+  return x < -1.0 ? -1.0 : x > 1.0 ? 1.0 : x;
+}}
+)",
+                       name_));
+    }
+    if (contact || called("step")) {
+      line(fmt::format(R"(/* The way since the call before. */
+static double {0}_step(double s, double* z) {{
+  const double step = z[2] != 0.0 ? s - z[1] : 0.0;
+  z[1] = s;
+  z[2] = 1.0;
+  return step;
+}}
+)",
+                       name_));
+    }
+    if (contact) {
+      line(fmt::format(R"(/* How far a contact is sheared, -1 to 1 (Dahl). */
+static double {0}_contact(double s, double distance, double* z) {{
+  const double step = {0}_step(s, z);
+  const double side = step < 0.0 ? -1.0 : 1.0;
+  z[0] = {0}_clamp(z[0] - (side - z[0]) * expm1(-fabs(step) / distance));
+  return z[0];
+}}
+)",
+                       name_));
+    }
+  }
+
+  struct Inputs {
+    std::vector<Traced> q, dq, ddq;
+  };
+
+  Inputs inputs(TracedProgram& program) const {
+    Inputs in;
+    for (int i = 0; i < arm_.joints(); ++i) {
+      in.q.push_back(program.input(fmt::format("q[{}]", i)));
+      in.dq.push_back(program.input(fmt::format("dq[{}]", i)));
+      in.ddq.push_back(program.input(fmt::format("ddq[{}]", i)));
+    }
+    return in;
+  }
+
+  void inverse_dynamics() {
+    TracedProgram program;
+    const Inputs in = inputs(program);
+    Recursion<Traced> r(tree_);
+    forward_pass<Traced>(tree_, in.q.data(), in.dq.data(), in.ddq.data(), tree_.gravity, r);
+    std::vector<Traced> tau(in.q.size());
+    const std::vector<Traced> phi(phi_.data(), phi_.data() + phi_.size());
+    backward_pass(tree_, phi.data(), r, tau.data());
+    std::vector<std::pair<std::string, Traced>> results;
+    for (std::size_t i = 0; i < tau.size(); ++i)
+      results.emplace_back(fmt::format("tau[{}]", i), tau[i]);
+    function("tau = M(q) ddq + C(q, dq) dq + g(q): the rigid bodies.",
+             signature("inverse_dynamics", "double tau[]"), program.statements(results));
+  }
+
+  void regressor() {
+    TracedProgram program;
+    const Inputs in = inputs(program);
+    Recursion<Traced> r(tree_);
+    forward_pass<Traced>(tree_, in.q.data(), in.dq.data(), in.ddq.data(), tree_.gravity, r);
+    jacobian_pass<Traced>(tree_, r);
+    const std::size_t p = kBodyParameters * arm_.bodies().size();
+    std::vector<std::pair<std::string, Traced>> results;
+    for (std::size_t b = 0; b < tree_.body_links.size(); ++b) {
+      const int k = tree_.body_links[b];
+      const BodyMotion<Traced> motion = body_motion(r.link[k]);
+      for (int m = tree_.links[static_cast<std::size_t>(k)].first_mover;
+           m < tree_.links[static_cast<std::size_t>(k)].end_mover; ++m) {
+        const auto i = static_cast<std::size_t>(tree_.movers[static_cast<std::size_t>(m)].coordinate);
+        regressor_entries(motion, r.jacobian[m], [&](int c, const Traced& y) {
+          results.emplace_back(
+              fmt::format("Y[{}]", i * p + kBodyParameters * b + static_cast<std::size_t>(c)), y);
+        });
+      }
+    }
+    const std::string body =
+        fmt::format("  int k;\n  for (k = 0; k < {0}_joints * {0}_parameters; ++k) Y[k] = 0.0;\n",
+                    name_) +
+        program.statements(results);
+    function(fmt::format("tau = Y * {}_phi, Y by rows.", name_),
+             signature("regressor", "double Y[]"), body);
+  }
+
+  void function(const std::string& what, const std::string& head, const std::string& body) {
+    line("/* " + what + " */");
+    line(head + " {");
+    for (const char* given : {"q", "dq", "ddq"}) line(fmt::format("  (void){};", given));
+    out_ += body;
+    line("}\n");
+  }
+
+  // One effect: its columns at this state, times its values, along its axis.
+  std::string effect(std::size_t index) {
+    BoundEffect& one = effects_[index];
+    const EffectTerm& term = one.term();
+    const Axis& axis = term.axis;
+    std::string out = fmt::format("  {{ /* {} on {} */\n", term.effect,
+                                  plain(axis_text(arm_, axis)));
+    const auto define = [&out](const char* variable, const std::string& value) {
+      out += fmt::format("    const double {} = {};\n", variable, value);
+    };
+    define("s", linear_form(axis, "q", axis.offset));
+    define("ds", linear_form(axis, "dq", 0.0));
+    define("dds", linear_form(axis, "ddq", 0.0));
+    if (term.from) {
+      define("from_s", linear_form(*term.from, "q", term.from->offset));
+      define("from_ds", linear_form(*term.from, "dq", 0.0));
+    }
+    if (one.traits().uses_load) {
+      Axis share = axis;
+      share.coefficients /= axis.coefficients.squaredNorm();
+      define("load", linear_form(share, "rigid", 0.0));
+    }
+    out += fmt::format("    double* const z = memory + {};\n", kMemory * index);
+    std::string force;
+    const auto& written = dynamic_cast<const WrittenInC&>(one.effect());
+    const std::string before = written.c_before(one.shape());
+    if (!before.empty()) out += "    " + before + "\n";
+    const std::vector<std::string> columns = written.c_columns(one.shape());
+    for (std::size_t p = 0; p < columns.size(); ++p) {
+      force += (p == 0 ? "" : " +\n                         ") + c_number(one.values()[p]) + " * (" +
+               columns[p] + ")";
+    }
+    define("force", force);
+    for (std::size_t at = out.find('@'); at != std::string::npos; at = out.find('@'))
+      out.replace(at, 1, name_ + "_");
+    out += "    (void)s, (void)ds, (void)dds, (void)z;\n";
+    for (Eigen::Index i = 0; i < axis.coefficients.size(); ++i) {
+      if (axis.coefficients[i] == 0.0) continue;
+      out += fmt::format("    tau[{}] += {} * force;\n", i, c_number(axis.coefficients[i]));
+    }
+    return out + "  }\n";
+  }
+
+  void friction() {
+    bool loaded = false;
+    for (const BoundEffect& one : effects_) loaded = loaded || one.traits().uses_load;
+    std::string body = "  int i;\n";
+    if (loaded) {
+      body += fmt::format("  double rigid[{0}_joints];\n  {0}_inverse_dynamics(q, dq, ddq, rigid);\n",
+                          name_);
+    }
+    body += fmt::format("  (void)memory;\n  for (i = 0; i < {}_joints; ++i) tau[i] = 0.0;\n", name_);
+    for (std::size_t k = 0; k < effects_.size(); ++k) body += effect(k);
+    function("Friction and every other effect of the model.",
+             signature("friction", "double memory[], double tau[]"), body);
+  }
+
+  void torque() {
+    function("The whole torque of the motors.",
+             signature("torque", "double memory[], double tau[]"),
+             fmt::format("  int i;\n  double rigid[{0}_joints];\n"
+                         "  {0}_inverse_dynamics(q, dq, ddq, rigid);\n"
+                         "  {0}_friction(q, dq, ddq, memory, tau);\n"
+                         "  for (i = 0; i < {0}_joints; ++i) tau[i] += rigid[i];\n",
+                         name_));
+  }
+
+  const Model& arm_;
+  Tree tree_;
+  std::string name_;
+  VectorXd phi_;
+  std::vector<BoundEffect> effects_;
+  std::vector<std::string> left_out_;
+  std::string out_;
+};
+
+}  // namespace
+
+std::string to_c_code(const Model& arm) {
+  return CWriter(arm).code();
+}
+
+void save_c_code(const Model& arm, const std::string& path) {
+  write_file(path, to_c_code(arm));
+}
+
+}  // namespace veridyn

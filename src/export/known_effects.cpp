@@ -1,0 +1,90 @@
+#include "known_effects.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "veridyn/effects/effect.hpp"
+#include "veridyn/math/require.hpp"
+
+namespace veridyn {
+namespace {
+
+// The force at one state along the axis, memory fresh.
+double force_at(const BoundEffect& effect, double s, double ds, double dds) {
+  BoundEffect fresh = effect;
+  fresh.reset();
+  AxisSample x;
+  x.s = s;
+  x.ds = ds;
+  x.dds = dds;
+  return fresh.force(x);
+}
+
+// As the effect's traits say that it is one; all zero where it is none.
+SimpleForce simple_force(const BoundEffect& effect) {
+  SimpleForce out;
+  out.axis = effect.term().axis;
+  const EffectTraits& traits = effect.traits();
+  if (traits.uses_source || traits.uses_load || traits.depends_on_time || traits.memory) return out;
+  if (traits.affine) {
+    // s = c . q + s0 is measured from its own zero here: the axis' offset is a part of the spring.
+    const double s0 = out.axis.offset;
+    out.offset = force_at(effect, s0, 0.0, 0.0);
+    out.stiffness = force_at(effect, s0 + 1.0, 0.0, 0.0) - out.offset;
+    out.damping = force_at(effect, s0, 1.0, 0.0) - out.offset;
+    out.inertia = force_at(effect, s0, 0.0, 1.0) - out.offset;
+  } else if (traits.dry == DryFriction::kConstant) {
+    out.friction = force_at(effect, 0.0, 1.0, 0.0);
+  }
+  return out;
+}
+
+bool is_nothing(const SimpleForce& f) {
+  return f.offset == 0.0 && f.stiffness == 0.0 && f.damping == 0.0 && f.inertia == 0.0 &&
+         f.friction == 0.0;
+}
+
+bool is_written(const BoundEffect& effect) {
+  const EffectTraits& t = effect.traits();
+  const bool own = !t.uses_source && !t.uses_load && !t.depends_on_time && !t.memory;
+  return own && (t.affine || t.dry == DryFriction::kConstant);
+}
+
+}  // namespace
+
+int SimpleForce::coordinate() const {
+  const VectorXd& c = axis.coefficients;
+  Eigen::Index at = 0;
+  const bool one = c.size() > 0 && c.cwiseAbs().maxCoeff(&at) == 1.0 &&
+                   c.cwiseAbs().sum() == 1.0 && c[at] == 1.0;
+  return one ? static_cast<int>(at) : -1;
+}
+
+KnownEffects known_effects(const Model& arm) {
+  KnownEffects out;
+  for (const EffectTerm& term : arm.effects()) {
+    const BoundEffect effect(arm, term);
+    if (!effect.has_values() || !is_written(effect)) {
+      out.left_out.push_back(term.effect + " on " + axis_text(arm, term.axis) +
+                             (effect.has_values() ? "" : ", whose values are not known"));
+      continue;
+    }
+    const SimpleForce force = simple_force(effect);
+    if (is_nothing(force)) continue;
+    const auto same = std::find_if(out.forces.begin(), out.forces.end(), [&](const SimpleForce& f) {
+      return f.axis.coefficients == force.axis.coefficients;
+    });
+    if (same == out.forces.end()) {
+      out.forces.push_back(force);
+      continue;
+    }
+    same->offset += force.offset;
+    same->stiffness += force.stiffness;
+    same->damping += force.damping;
+    same->inertia += force.inertia;
+    same->friction += force.friction;
+  }
+  return out;
+}
+
+}  // namespace veridyn

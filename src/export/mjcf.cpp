@@ -1,0 +1,318 @@
+#include "veridyn/export/mjcf.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+#include <cmath>
+
+#include "known_effects.hpp"
+#include "veridyn/kinematics/tree.hpp"
+#include "math/output_file.hpp"
+#include "veridyn/math/require.hpp"
+#include "xml.hpp"
+
+namespace veridyn {
+namespace {
+
+constexpr double kNoMass = 1e-12;      // [kg], [kg m^2]: MuJoCo wants some on every moving body
+constexpr double kStep = 1e-3;         // [s]
+constexpr double kRounding = 1e-9;     // of the largest principal moment
+const char* const kStiff = "0.004 1";  // couplings hold within four steps
+
+Eigen::Matrix3d eigen(const Mat3d& R) {
+  Eigen::Matrix3d M;
+  M << R.row0.x, R.row0.y, R.row0.z, R.row1.x, R.row1.y, R.row1.z, R.row2.x, R.row2.y, R.row2.z;
+  return M;
+}
+
+void set_pose(pugi::xml_node node, const Eigen::Vector3d& p, const Eigen::Matrix3d& R) {
+  const Eigen::Quaterniond q(R);
+  set(node, "pos", xml_vector(p));
+  set(node, "quat", fmt::format("{} {} {} {}", q.w() + 0.0, q.x() + 0.0, q.y() + 0.0, q.z() + 0.0));
+}
+
+// The frame of a link of MuJoCo's turns with the joint and stands before B.
+struct PrincipalBody {
+  Eigen::Vector3d com;
+  Eigen::Matrix3d axes;
+  Eigen::Vector3d moments;
+};
+
+PrincipalBody principal_body(const double* phi, const Posed& B) {
+  const double m = phi[0];
+  const Eigen::Vector3d c = Eigen::Vector3d(phi[1], phi[2], phi[3]) / m;
+  Eigen::Matrix3d L;
+  L << phi[4], phi[5], phi[7], phi[5], phi[6], phi[8], phi[7], phi[8], phi[9];
+  const Eigen::Matrix3d about_com =
+      L - m * (c.dot(c) * Eigen::Matrix3d::Identity() - c * c.transpose());
+  const Eigen::Matrix3d R = eigen(B.R);
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> principal(R * about_com * R.transpose());
+  Eigen::Matrix3d axes = principal.eigenvectors();
+  if (axes.determinant() < 0) axes.col(0) *= -1;
+  return {R * c + Eigen::Vector3d(B.p.x, B.p.y, B.p.z), axes, principal.eigenvalues()};
+}
+
+class MjcfWriter {
+ public:
+  MjcfWriter(const Model& arm, const std::map<std::string, std::string>& remarks)
+      : arm_(arm), remarks_(remarks), tree_(arm), effects_(known_effects(arm)), joints_(at(arm.joints())) {
+    const auto phi = arm.inertial_values();
+    require(phi.has_value(), "export: arm '", arm.name(),
+            "' has bodies without values, expected a MODEL that identify or diagnose wrote.");
+    phi_ = *phi;
+    for (int k = 0; k < static_cast<int>(tree_.links.size()); ++k) {
+      const int i = plain_coordinate(k);
+      if (i >= 0 && main_link_of(i) < 0) main_links_.emplace_back(i, k);
+    }
+  }
+
+  std::string xml() {
+    pugi::xml_node root = document_.append_child("mujoco");
+    set(root, "model", arm_.name());
+    if (remarks_.count("") > 0) add_comment(root, remarks_.at(""));
+    for (const std::string& one : effects_.left_out) add_comment(root, "left out: " + one);
+    pugi::xml_node compiler = root.append_child("compiler");
+    set(compiler, "angle", std::string("radian"));
+    set(compiler, "inertiafromgeom", std::string("false"));
+    pugi::xml_node option = root.append_child("option");
+    set(option, "gravity", xml_vector(arm_.gravity()));
+    set(option, "timestep", kStep);
+    pugi::xml_node world = root.append_child("worldbody");
+    children(world, -1, identity_pose());
+    for (int i = 0; i < arm_.joints(); ++i) {
+      if (main_link_of(i) < 0) carrier(world, i);
+    }
+    tendons_ = root.append_child("tendon");
+    equalities_ = root.append_child("equality");
+    for (int k = 0; k < static_cast<int>(tree_.links.size()); ++k) couple(k);
+    for (const SimpleForce& force : effects_.forces) along_tendon(force);
+    if (!tendons_.first_child()) root.remove_child(tendons_);
+    if (!equalities_.first_child()) root.remove_child(equalities_);
+    motors(root.append_child("actuator"));
+    return xml_text(document_);
+  }
+
+ private:
+  static std::size_t at(int i) { return static_cast<std::size_t>(i); }
+  const Link& link(int k) const { return tree_.links[at(k)]; }
+
+  // i if the link's joint variable is coordinate i plus a constant, else -1.
+  int plain_coordinate(int k) const {
+    const Link& l = link(k);
+    if (l.motion == Motion::kNone || l.end_share != l.first_share + 1) return -1;
+    const Share& share = tree_.shares[at(l.first_share)];
+    return share.coefficient == 1.0 ? share.coordinate : -1;
+  }
+
+  int main_link_of(int coordinate) const {
+    for (const auto& [i, k] : main_links_) {
+      if (i == coordinate) return k;
+    }
+    return -1;
+  }
+
+  const std::string& frame_name(int k) const { return arm_.frames()[at(link(k).frame)].name; }
+
+  // Joints of coordinates are called like them.
+  std::string joint_name(int k) const {
+    const int i = plain_coordinate(k);
+    if (i >= 0 && main_link_of(i) == k) return arm_.coordinates()[at(i)].name;
+    return frame_name(k) + "__joint";
+  }
+
+  void children(pugi::xml_node above, int parent, const Posed& before) {
+    for (int k = 0; k < static_cast<int>(tree_.links.size()); ++k) {
+      const Link& l = link(k);
+      if (l.parent != parent) continue;
+      const bool turns = l.motion == Motion::kTurns;
+      Posed at_zero = identity_pose();
+      if (turns) at_zero.R = rotation_z(l.offset);
+      if (l.motion == Motion::kSlides) at_zero.p.z = l.offset;
+      const Posed T = before * l.A * at_zero;
+      pugi::xml_node body = above.append_child("body");
+      set(body, "name", frame_name(k));
+      set_pose(body, {T.p.x, T.p.y, T.p.z}, eigen(T.R));
+      if (remarks_.count(frame_name(k)) > 0) add_comment(body, remarks_.at(frame_name(k)));
+      inertial(body, k);
+      if (l.motion != Motion::kNone) {
+        joint(body, joint_name(k), turns, plain_coordinate(k),
+              main_link_of(plain_coordinate(k)) == k);
+      }
+      children(body, k, l.B);
+    }
+  }
+
+  void inertial(pugi::xml_node body, int k) const {
+    const Link& l = link(k);
+    const double* phi = l.body < 0 ? nullptr : phi_.data() + kBodyParameters * l.body;
+    pugi::xml_node node = body.append_child("inertial");
+    const bool none = phi == nullptr || VectorXd::Map(phi, kBodyParameters).isZero(0.0);
+    if (none) {
+      add_none(node);
+      return;
+    }
+    require(phi[0] > 0.0, "export: the body ", frame_name(k), " of '", arm_.name(),
+            "' has a mass of ", phi[0], " kg, expected one above zero.");
+    const PrincipalBody p = principal_body(phi, l.B);
+    const Eigen::Vector3d& I = p.moments;  // ascending
+    const bool possible = I[0] > 0.0 && I[0] + I[1] >= I[2] * (1.0 - kRounding);
+    require(possible, "export: the body ", frame_name(k), " of '", arm_.name(),
+            "' has the principal moments ", I[0], ", ", I[1], ", ", I[2],
+            " kg m^2, which no body has; expected a feasible identification.");
+    set_pose(node, p.com, p.axes);
+    set(node, "mass", phi[0]);
+    set(node, "diaginertia", xml_vector(I));
+  }
+
+  static void add_none(pugi::xml_node node) {
+    set(node, "pos", std::string("0 0 0"));
+    set(node, "mass", kNoMass);
+    set(node, "diaginertia", xml_vector(Vec3d{kNoMass, kNoMass, kNoMass}));
+  }
+
+  // A coordinate that moves no frame on its own: a joint that the others are coupled to.
+  void carrier(pugi::xml_node world, int i) {
+    const Coordinate& c = arm_.coordinates()[at(i)];
+    pugi::xml_node body = world.append_child("body");
+    set(body, "name", c.name + "__coordinate");
+    add_none(body.append_child("inertial"));
+    joint(body, c.name, !c.prismatic, i, true);
+  }
+
+  void joint(pugi::xml_node body, const std::string& name, bool turns, int coordinate, bool main) {
+    pugi::xml_node node = body.append_child("joint");
+    set(node, "name", name);
+    set(node, "type", std::string(turns ? "hinge" : "slide"));
+    set(node, "axis", std::string("0 0 1"));
+    if (!main) return;
+    joints_[at(coordinate)] = node;
+    const Limits& limits = arm_.coordinates()[at(coordinate)].limits;
+    if (std::isfinite(limits.lower) && std::isfinite(limits.upper)) {
+      set(node, "limited", std::string("true"));
+      set(node, "range", xml_number(limits.lower) + " " + xml_number(limits.upper));
+    }
+    for (const SimpleForce& force : effects_.forces) {
+      if (force.coordinate() == coordinate) along_joint(node, force);
+    }
+  }
+
+  void along_joint(pugi::xml_node node, const SimpleForce& f) {
+    if (f.damping != 0.0) set(node, "damping", f.damping);
+    if (f.inertia != 0.0) set(node, "armature", f.inertia);
+    if (f.friction != 0.0) set(node, "frictionloss", f.friction);
+    spring(node, f, "springref");
+  }
+
+  // offset + stiffness s = stiffness (s - reference).
+  void spring(pugi::xml_node node, const SimpleForce& f, const char* reference) {
+    if (f.stiffness != 0.0) {
+      set(node, "stiffness", f.stiffness);
+      set(node, reference, -f.offset / f.stiffness);
+    } else if (f.offset != 0.0) {
+      add_comment(document_.first_child(),
+                  fmt::format("left out: a constant of {} along one axis", f.offset));
+    }
+  }
+
+  // What acts along several coordinates at once.
+  void along_tendon(const SimpleForce& f) {
+    if (f.coordinate() >= 0) return;
+    if (f.inertia != 0.0) inertia_along(f);
+    if (f.damping == 0.0 && f.friction == 0.0 && f.stiffness == 0.0) return;
+    pugi::xml_node tendon = tendons_.append_child("fixed");
+    set(tendon, "name", fmt::format("effects_{}", ++tendon_count_));
+    if (f.damping != 0.0) set(tendon, "damping", f.damping);
+    if (f.friction != 0.0) set(tendon, "frictionloss", f.friction);
+    spring(tendon, f, "springlength");
+    add_terms(tendon, f.axis.coefficients, 1.0);
+  }
+
+  // A rotor along c . q: on the joint that moves like it.
+  void inertia_along(const SimpleForce& f) {
+    for (int k = 0; k < static_cast<int>(tree_.links.size()); ++k) {
+      if (link(k).motion == Motion::kNone) continue;
+      const VectorXd c = coefficients(k);
+      const double scale = c.dot(f.axis.coefficients) / f.axis.coefficients.squaredNorm();
+      if (scale == 0.0 || !c.isApprox(scale * f.axis.coefficients, 1e-12)) continue;
+      pugi::xml_node node = document_.first_child().find_node([&](const pugi::xml_node& n) {
+        return std::string(n.name()) == "joint" && joint_name(k) == n.attribute("name").value();
+      });
+      pugi::xml_attribute armature = node.attribute("armature");
+      if (!armature) armature = node.append_attribute("armature");
+      armature.set_value(
+          xml_number(armature.as_double() + f.inertia / (scale * scale)).c_str());
+      return;
+    }
+    add_comment(document_.first_child(),
+                fmt::format("left out: a rotor of {} along several coordinates", f.inertia));
+  }
+
+  VectorXd coefficients(int k) const {
+    VectorXd c = VectorXd::Zero(arm_.joints());
+    for (int e = link(k).first_share; e < link(k).end_share; ++e)
+      c[tree_.shares[at(e)].coordinate] += tree_.shares[at(e)].coefficient;
+    return c;
+  }
+
+  void add_terms(pugi::xml_node tendon, const VectorXd& c, double sign) {
+    for (int i = 0; i < arm_.joints(); ++i) {
+      if (c[i] == 0.0) continue;
+      pugi::xml_node term = tendon.append_child("joint");
+      set(term, "joint", arm_.coordinates()[at(i)].name);
+      set(term, "coef", sign * c[i]);
+    }
+  }
+
+  // 0 = joint - c . q for joints that are no coordinate.
+  void couple(int k) {
+    const int i = plain_coordinate(k);
+    if (link(k).motion == Motion::kNone || (i >= 0 && main_link_of(i) == k)) return;
+    const std::string name = frame_name(k) + "__coupling";
+    pugi::xml_node tendon = tendons_.append_child("fixed");
+    set(tendon, "name", name);
+    pugi::xml_node own = tendon.append_child("joint");
+    set(own, "joint", joint_name(k));
+    set(own, "coef", 1.0);
+    add_terms(tendon, coefficients(k), -1.0);
+    pugi::xml_node equality = equalities_.append_child("tendon");
+    set(equality, "tendon1", name);
+    set(equality, "solref", std::string(kStiff));
+  }
+
+  void motors(pugi::xml_node actuators) const {
+    for (const Coordinate& c : arm_.coordinates()) {
+      pugi::xml_node motor = actuators.append_child("motor");
+      set(motor, "name", c.name);
+      set(motor, "joint", c.name);
+      if (!std::isfinite(c.limits.effort)) continue;
+      set(motor, "ctrllimited", std::string("true"));
+      set(motor, "ctrlrange",
+          xml_number(-c.limits.effort) + " " + xml_number(c.limits.effort));
+    }
+  }
+
+  const Model& arm_;
+  const std::map<std::string, std::string>& remarks_;
+  Tree tree_;
+  KnownEffects effects_;
+  VectorXd phi_;
+  std::vector<std::pair<int, int>> main_links_;  // coordinate, link whose joint it is
+  std::vector<pugi::xml_node> joints_;           // of the coordinates
+  pugi::xml_document document_;
+  pugi::xml_node tendons_, equalities_;
+  int tendon_count_ = 0;
+};
+
+}  // namespace
+
+std::string to_mjcf(const Model& arm, const std::map<std::string, std::string>& remarks) {
+  return MjcfWriter(arm, remarks).xml();
+}
+
+void save_mjcf(const Model& arm, const std::string& path,
+               const std::map<std::string, std::string>& remarks) {
+  write_file(path, to_mjcf(arm, remarks));
+}
+
+}  // namespace veridyn

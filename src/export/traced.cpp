@@ -1,0 +1,203 @@
+#include "traced.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cassert>
+#include <utility>
+
+namespace veridyn {
+namespace {
+
+thread_local TracedProgram* opened = nullptr;
+
+constexpr double kNothing = 1e-17;  // of a rotation's entries: rounding of cos(pi/2)
+constexpr size_t kLongest = 110;    // letters of an expression that is not taken apart
+
+}  // namespace
+
+TracedProgram::TracedProgram() : before_(std::exchange(opened, this)) {}
+
+TracedProgram::~TracedProgram() {
+  opened = before_;
+}
+
+TracedProgram& TracedProgram::open() {
+  assert(opened != nullptr);
+  return *opened;
+}
+
+Traced::Traced(double constant) : node_(TracedProgram::open().constant(constant)) {}
+
+int TracedProgram::constant(double value) {
+  if (std::abs(value) < kNothing) value = 0.0;
+  const auto [at, fresh] = constants_.emplace(value, static_cast<int>(nodes_.size()));
+  if (fresh) nodes_.push_back({Kind::kConstant, -1, -1, value, {}});
+  return at->second;
+}
+
+Traced TracedProgram::input(const std::string& name) {
+  nodes_.push_back({Kind::kInput, -1, -1, 0.0, name});
+  return Traced::of_node(static_cast<int>(nodes_.size()) - 1);
+}
+
+int TracedProgram::node(Kind kind, int a, int b) {
+  if ((kind == Kind::kSum || kind == Kind::kProduct) && b < a) std::swap(a, b);
+  const auto [at, fresh] = known_.emplace(std::make_tuple(kind, a, b),
+                                          static_cast<int>(nodes_.size()));
+  if (fresh) nodes_.push_back({kind, a, b, 0.0, {}});
+  return at->second;
+}
+
+bool TracedProgram::is(int node, double value) const {
+  const Node& n = nodes_[static_cast<size_t>(node)];
+  return n.kind == Kind::kConstant && n.value == value;
+}
+
+Traced TracedProgram::sum(int a, int b) {
+  const Node& x = nodes_[static_cast<size_t>(a)];
+  const Node& y = nodes_[static_cast<size_t>(b)];
+  if (is(a, 0.0)) return Traced::of_node(b);
+  if (is(b, 0.0)) return Traced::of_node(a);
+  if (x.kind == Kind::kConstant && y.kind == Kind::kConstant) return Traced(x.value + y.value);
+  if (y.kind == Kind::kMinus) return difference(a, y.a);
+  if (x.kind == Kind::kMinus) return difference(b, x.a);
+  return Traced::of_node(node(Kind::kSum, a, b));
+}
+
+Traced TracedProgram::difference(int a, int b) {
+  const Node& x = nodes_[static_cast<size_t>(a)];
+  const Node& y = nodes_[static_cast<size_t>(b)];
+  if (a == b) return Traced(0.0);
+  if (is(b, 0.0)) return Traced::of_node(a);
+  if (is(a, 0.0)) return minus(b);
+  if (x.kind == Kind::kConstant && y.kind == Kind::kConstant) return Traced(x.value - y.value);
+  if (y.kind == Kind::kMinus) return sum(a, y.a);
+  return Traced::of_node(node(Kind::kDifference, a, b));
+}
+
+Traced TracedProgram::product(int a, int b) {
+  const Node x = nodes_[static_cast<size_t>(a)];
+  const Node y = nodes_[static_cast<size_t>(b)];
+  if (is(a, 0.0) || is(b, 0.0)) return Traced(0.0);
+  if (is(a, 1.0)) return Traced::of_node(b);
+  if (is(b, 1.0)) return Traced::of_node(a);
+  if (is(a, -1.0)) return minus(b);
+  if (is(b, -1.0)) return minus(a);
+  if (x.kind == Kind::kConstant && y.kind == Kind::kConstant) return Traced(x.value * y.value);
+  if (x.kind == Kind::kMinus && y.kind == Kind::kMinus) return product(x.a, y.a);
+  if (x.kind == Kind::kMinus) return minus(product(x.a, b).node());
+  if (y.kind == Kind::kMinus) return minus(product(a, y.a).node());
+  return Traced::of_node(node(Kind::kProduct, a, b));
+}
+
+Traced TracedProgram::minus(int a) {
+  const Node x = nodes_[static_cast<size_t>(a)];
+  if (x.kind == Kind::kConstant) return Traced(-x.value);
+  if (x.kind == Kind::kMinus) return Traced::of_node(x.a);
+  if (x.kind == Kind::kDifference) return difference(x.b, x.a);
+  return Traced::of_node(node(Kind::kMinus, a));
+}
+
+Traced operator+(const Traced& a, const Traced& b) {
+  return TracedProgram::open().sum(a.node(), b.node());
+}
+
+Traced operator-(const Traced& a, const Traced& b) {
+  return TracedProgram::open().difference(a.node(), b.node());
+}
+
+Traced operator*(const Traced& a, const Traced& b) {
+  return TracedProgram::open().product(a.node(), b.node());
+}
+
+Traced operator-(const Traced& a) {
+  return TracedProgram::open().minus(a.node());
+}
+
+Traced& Traced::operator+=(const Traced& other) {
+  return *this = *this + other;
+}
+
+Traced& Traced::operator-=(const Traced& other) {
+  return *this = *this - other;
+}
+
+void sine_cosine(const Traced& x, Traced& sine, Traced& cosine) {
+  TracedProgram& program = TracedProgram::open();
+  sine = Traced::of_node(program.node(TracedProgram::Kind::kSine, x.node()));
+  cosine = Traced::of_node(program.node(TracedProgram::Kind::kCosine, x.node()));
+}
+
+// `around`: how tightly what stands around binds; 0 nothing, 1 a sum, 2 what follows a minus, 3 a
+// product.
+std::string TracedProgram::expression(int at, const std::vector<int>& uses, int around) const {
+  const Node& n = nodes_[static_cast<size_t>(at)];
+  const auto part = [&](int child, int tightness) {
+    const Kind kind = nodes_[static_cast<size_t>(child)].kind;
+    const bool leaf = kind == Kind::kConstant || kind == Kind::kInput;
+    if (!leaf && uses[static_cast<size_t>(child)] != 1) return fmt::format("t{}", child);
+    return expression(child, uses, tightness);
+  };
+  const auto enclosed = [](bool needed, const std::string& inner) {
+    return needed ? "(" + inner + ")" : inner;
+  };
+  switch (n.kind) {
+    case Kind::kConstant: {
+      std::string digits = fmt::format("{}", n.value);
+      if (digits.find_first_of(".e") == std::string::npos) digits += ".0";
+      return enclosed(n.value < 0.0 && around > 0, digits);
+    }
+    case Kind::kInput:
+      return n.name;
+    case Kind::kSum:
+      return enclosed(around > 1, part(n.a, 1) + " + " + part(n.b, 1));
+    case Kind::kDifference:
+      return enclosed(around > 1, part(n.a, 1) + " - " + part(n.b, 2));
+    case Kind::kProduct:
+      return part(n.a, 3) + " * " + part(n.b, 3);
+    case Kind::kMinus:
+      return enclosed(around > 0, "-" + part(n.a, 3));
+    case Kind::kSine:
+      return "sin(" + part(n.a, 0) + ")";
+    case Kind::kCosine:
+      return "cos(" + part(n.a, 0) + ")";
+  }
+  return {};
+}
+
+std::string TracedProgram::statements(
+    const std::vector<std::pair<std::string, Traced>>& results) const {
+  // How often each is used; children always stand before their parents.
+  std::vector<int> uses(nodes_.size(), 0);
+  for (const auto& [name, value] : results) ++uses[static_cast<size_t>(value.node())];
+  for (size_t k = nodes_.size(); k-- > 0;) {
+    if (uses[k] == 0) continue;
+    for (const int child : {nodes_[k].a, nodes_[k].b}) {
+      if (child >= 0) ++uses[static_cast<size_t>(child)];
+    }
+  }
+  // What is used once goes into the expression around it, unless that becomes too long to read.
+  std::string out;
+  for (size_t k = 0; k < nodes_.size(); ++k) {
+    const Node& n = nodes_[k];
+    if (uses[k] == 0 || n.kind == Kind::kConstant || n.kind == Kind::kInput) continue;
+    const bool function = n.kind == Kind::kSine || n.kind == Kind::kCosine;
+    const std::string written = expression(static_cast<int>(k), uses, 0);
+    if (uses[k] == 1 && written.size() <= kLongest && !function) continue;
+    uses[k] = std::max(uses[k], 2);
+    out += fmt::format("  const double t{} = {};\n", k, written);
+  }
+  for (const auto& [name, value] : results) {
+    const Kind kind = nodes_[static_cast<size_t>(value.node())].kind;
+    const bool leaf = kind == Kind::kConstant || kind == Kind::kInput;
+    const bool named = !leaf && uses[static_cast<size_t>(value.node())] > 1;
+    out += fmt::format("  {} = {};\n", name,
+                       named ? fmt::format("t{}", value.node())
+                             : expression(value.node(), uses, 0));
+  }
+  return out;
+}
+
+}  // namespace veridyn

@@ -1,0 +1,88 @@
+#pragma once
+
+#include <map>
+#include <string>
+#include <tuple>
+#include <vector>
+
+namespace veridyn {
+
+/// A scalar that remembers how it was computed: the recursions, run once over it, leave their own
+/// arithmetic as straight-line code for one arm, without what is zero or one there and without
+/// computing anything twice.
+///
+/// It belongs to the TracedProgram that is open on this thread.
+class Traced {
+ public:
+  Traced() : Traced(0.0) {}
+  Traced(double constant);  // NOLINT: constants take part in arithmetic
+
+  int node() const { return node_; }
+  static Traced of_node(int node) {
+    Traced out;
+    out.node_ = node;
+    return out;
+  }
+
+  Traced& operator+=(const Traced& other);
+  Traced& operator-=(const Traced& other);
+
+ private:
+  int node_ = 0;
+};
+
+Traced operator+(const Traced& a, const Traced& b);
+Traced operator-(const Traced& a, const Traced& b);
+Traced operator*(const Traced& a, const Traced& b);
+Traced operator-(const Traced& a);
+
+/// For the recursions, which take both at once.
+void sine_cosine(const Traced& x, Traced& sine, Traced& cosine);
+
+/// All that was computed while it was open; one per thread at a time.
+class TracedProgram {
+ public:
+  TracedProgram();
+  ~TracedProgram();
+  TracedProgram(const TracedProgram&) = delete;
+  TracedProgram& operator=(const TracedProgram&) = delete;
+
+  /// An input, written as `name`.
+  Traced input(const std::string& name);
+
+  /// C statements that compute every (left-hand side, value), with temporaries; indented by two.
+  std::string statements(const std::vector<std::pair<std::string, Traced>>& results) const;
+
+ private:
+  friend class Traced;
+  friend Traced operator+(const Traced&, const Traced&);
+  friend Traced operator-(const Traced&, const Traced&);
+  friend Traced operator*(const Traced&, const Traced&);
+  friend Traced operator-(const Traced&);
+  friend void sine_cosine(const Traced&, Traced&, Traced&);
+
+  enum class Kind { kConstant, kInput, kSum, kDifference, kProduct, kMinus, kSine, kCosine };
+  struct Node {
+    Kind kind;
+    int a = -1, b = -1;
+    double value = 0.0;
+    std::string name;
+  };
+
+  static TracedProgram& open();
+  int constant(double value);
+  int node(Kind kind, int a, int b = -1);
+  bool is(int node, double value) const;
+  Traced sum(int a, int b);
+  Traced difference(int a, int b);
+  Traced product(int a, int b);
+  Traced minus(int a);
+  std::string expression(int node, const std::vector<int>& uses, int around) const;
+
+  std::vector<Node> nodes_;
+  std::map<double, int> constants_;
+  std::map<std::tuple<Kind, int, int>, int> known_;
+  TracedProgram* before_ = nullptr;
+};
+
+}  // namespace veridyn

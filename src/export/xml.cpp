@@ -1,0 +1,42 @@
+#include "xml.hpp"
+
+#include <fmt/format.h>
+
+#include <sstream>
+
+namespace veridyn {
+
+std::string xml_number(double value) {
+  return fmt::format("{}", value + 0.0);
+}
+
+std::string xml_vector(const Vec3d& v) {
+  return xml_number(v.x) + " " + xml_number(v.y) + " " + xml_number(v.z);
+}
+
+std::string xml_vector(const Eigen::Vector3d& v) {
+  return xml_vector(Vec3d{v.x(), v.y(), v.z()});
+}
+
+void set(pugi::xml_node node, const char* name, const std::string& value) {
+  node.append_attribute(name).set_value(value.c_str());
+}
+
+void set(pugi::xml_node node, const char* name, double value) {
+  set(node, name, xml_number(value));
+}
+
+void add_comment(pugi::xml_node node, const std::string& words) {
+  std::string safe = " " + words + " ";
+  for (std::size_t at = safe.find("--"); at != std::string::npos; at = safe.find("--"))
+    safe.replace(at, 2, "- ");
+  node.append_child(pugi::node_comment).set_value(safe.c_str());
+}
+
+std::string xml_text(const pugi::xml_document& document) {
+  std::ostringstream out;
+  document.save(out, "  ", pugi::format_default, pugi::encoding_utf8);
+  return out.str();
+}
+
+}  // namespace veridyn

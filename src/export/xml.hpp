@@ -1,0 +1,31 @@
+#pragma once
+
+#include <pugixml.hpp>
+#include <string>
+#include <vector>
+
+#include "veridyn/math/types.hpp"
+#include "veridyn/math/vector3.hpp"
+
+namespace veridyn {
+
+// Small helpers for writers of XML.
+
+/// The shortest digits that give the same number again; no negative zero.
+std::string xml_number(double value);
+
+/// "x y z".
+std::string xml_vector(const Vec3d& v);
+std::string xml_vector(const Eigen::Vector3d& v);
+
+/// Sets an attribute.
+void set(pugi::xml_node node, const char* name, const std::string& value);
+void set(pugi::xml_node node, const char* name, double value);
+
+/// A comment; two hyphens in a row, which XML does not allow there, are parted.
+void add_comment(pugi::xml_node node, const std::string& words);
+
+/// The document as text, indented by two.
+std::string xml_text(const pugi::xml_document& document);
+
+}  // namespace veridyn

@@ -1,0 +1,150 @@
+#include "veridyn/export/mjcf.hpp"
+
+#include <gtest/gtest.h>
+#include <mujoco/mujoco.h>
+
+#include <cstring>
+#include <memory>
+
+#include "support/near.hpp"
+#include "veridyn/dynamics/rigid_body_dynamics.hpp"
+#include "veridyn/effects/effect.hpp"
+#include "veridyn/math/require.hpp"
+#include "veridyn/model/model_file.hpp"
+#include "veridyn/simulation/joint_torques.hpp"
+#include "veridyn/simulation/plausible_model.hpp"
+
+// MuJoCo, which nobody here wrote, reads the exported file and computes the same torques.
+
+namespace veridyn {
+namespace {
+
+constexpr double kRelative = 1e-9;
+
+class Exported {
+ public:
+  explicit Exported(const Model& arm) {
+    const std::string xml = to_mjcf(arm);
+    const auto files = std::make_unique<mjVFS>();
+    mj_defaultVFS(files.get());
+    mj_makeEmptyFileVFS(files.get(), "arm.xml", static_cast<int>(xml.size()));
+    std::memcpy(files->filedata[0], xml.data(), xml.size());
+    char error[1000] = "";
+    model.reset(mj_loadXML("arm.xml", files.get(), error, sizeof(error)));
+    mj_deleteVFS(files.get());
+    require(model != nullptr, error, "\n", xml);
+    data.reset(mj_makeData(model.get()));
+    S = MatrixXd::Zero(model->nv, arm.joints());
+    for (int i = 0; i < arm.joints(); ++i) {
+      const int joint = mj_name2id(model.get(), mjOBJ_JOINT, arm.coordinates()[i].name.c_str());
+      require(joint >= 0, "no joint is called after coordinate ", i);
+      S(model->jnt_dofadr[joint], i) = 1.0;
+    }
+    for (const Frame& frame : arm.frames()) {
+      const int joint = mj_name2id(model.get(), mjOBJ_JOINT, (frame.name + "__joint").c_str());
+      if (joint >= 0) S.row(model->jnt_dofadr[joint]) = frame.variable.coefficients.transpose();
+    }
+  }
+
+  // Along the couplings, without the constraints that hold them.
+  VectorXd inverse_dynamics(const VectorXd& q, const VectorXd& dq, const VectorXd& ddq) {
+    model->opt.disableflags |= mjDSBL_CONSTRAINT;
+    VectorXd::Map(data->qpos, model->nq) = S * q;
+    VectorXd::Map(data->qvel, model->nv) = S * dq;
+    VectorXd::Map(data->qacc, model->nv) = S * ddq;
+    mj_inverse(model.get(), data.get());
+    model->opt.disableflags &= ~mjDSBL_CONSTRAINT;
+    return S.transpose() * VectorXd::Map(data->qfrc_inverse, model->nv);
+  }
+
+  std::unique_ptr<mjModel, decltype(&mj_deleteModel)> model{nullptr, &mj_deleteModel};
+  std::unique_ptr<mjData, decltype(&mj_deleteData)> data{nullptr, &mj_deleteData};
+  MatrixXd S;  // joints of MuJoCo per coordinate
+};
+
+// Without what MuJoCo makes a constraint (dry friction) or has no word for.
+Model smooth(const Model& arm) {
+  ModelDescription d = arm.description();
+  std::vector<EffectTerm> kept;
+  for (const EffectTerm& term : d.effects) {
+    const BoundEffect effect(arm, term);
+    const EffectTraits traits = effect.effect().traits(effect.shape());
+    AxisSample rest;
+    EffectColumns row{};
+    BoundEffect probe = effect;
+    probe.columns(rest, row);
+    if (traits.affine && !traits.depends_on_time && row[0] == 0.0) kept.push_back(term);
+  }
+  d.effects = kept;
+  return Model(std::move(d));
+}
+
+class Mjcf : public testing::TestWithParam<std::string> {};
+
+TEST_P(Mjcf, HasTheTorquesOfTheArm) {
+  const Model arm = smooth(plausible_model(read_model(GetParam()), 3).arm);
+  Exported exported(arm);
+  std::srand(5);
+  for (int k = 0; k < 20; ++k) {
+    const VectorXd q = 0.5 * VectorXd::Random(arm.joints());
+    const VectorXd dq = VectorXd::Random(arm.joints());
+    const VectorXd ddq = VectorXd::Random(arm.joints());
+    const VectorXd tau = joint_torques(arm, q, dq, ddq);
+    const VectorXd theirs = exported.inverse_dynamics(q, dq, ddq);
+    EXPECT_TRUE(near(theirs, tau, kRelative * (1.0 + tau.cwiseAbs().maxCoeff())));
+  }
+}
+
+// The motors hold gravity for a quarter of a second: nothing blows up, couplings hold.
+TEST_P(Mjcf, RunsInMujoco) {
+  const Model arm = plausible_model(read_model(GetParam()), 3).arm;
+  Exported exported(arm);
+  mjModel* m = exported.model.get();
+  mjData* d = exported.data.get();
+  VectorXd q(arm.joints());
+  for (int i = 0; i < arm.joints(); ++i) {
+    const Limits& limits = arm.coordinates()[i].limits;
+    q[i] = std::isfinite(limits.lower + limits.upper) ? 0.5 * (limits.lower + limits.upper) : 0.1;
+  }
+  VectorXd::Map(d->qpos, m->nq) = exported.S * q;
+  const VectorXd zero = VectorXd::Zero(arm.joints());
+  for (int k = 0; k < 250; ++k) {
+    VectorXd now(arm.joints());
+    for (int i = 0; i < arm.joints(); ++i) {
+      const int joint = mj_name2id(m, mjOBJ_JOINT, arm.coordinates()[i].name.c_str());
+      now[i] = d->qpos[m->jnt_qposadr[joint]];
+    }
+    VectorXd::Map(d->ctrl, m->nu) = inverse_dynamics(arm, now, zero, zero);
+    mj_step(m, d);
+  }
+  const VectorXd state = VectorXd::Map(d->qpos, m->nq);
+  ASSERT_TRUE(state.allFinite());
+  VectorXd end(arm.joints());
+  for (int i = 0; i < arm.joints(); ++i) {
+    const int joint = mj_name2id(m, mjOBJ_JOINT, arm.coordinates()[i].name.c_str());
+    end[i] = d->qpos[m->jnt_qposadr[joint]];
+  }
+  EXPECT_TRUE(near(state, VectorXd(exported.S * end), 2e-3));
+  EXPECT_TRUE(near(end, q, 0.1));
+}
+
+INSTANTIATE_TEST_SUITE_P(Robots, Mjcf,
+                         testing::Values("planar-2r", "psm-3dof", "psm-wrist", "mtm", "ur10e",
+                                         "kuka-lwr4", "scara"),
+                         [](const auto& info) {
+                           std::string name = info.param;
+                           std::replace(name.begin(), name.end(), '-', '_');
+                           return name;
+                         });
+
+TEST(MjcfRefuses, BodiesThatCannotBe) {
+  ModelDescription d = plausible_model(read_model("planar-2r"), 3).arm.description();
+  for (Frame& frame : d.frames) {
+    if (frame.body) (*frame.body->phi)[9] *= -1.0;
+  }
+  EXPECT_THROW(to_mjcf(Model(d)), InvalidInput);
+  EXPECT_THROW(to_mjcf(read_model("psm-3dof")), InvalidInput);
+}
+
+}  // namespace
+}  // namespace veridyn
