@@ -3,6 +3,7 @@
 #include <new>
 #include <vector>
 
+#include "math/processor.hpp"
 #include "motion_gradient_kernels.hpp"
 #include "veridyn/math/require.hpp"
 
@@ -10,14 +11,11 @@ namespace veridyn {
 namespace {
 
 BatchKernels widest_kernels() {
-#if defined(__x86_64__)
-  const bool avx2 = __builtin_cpu_supports("avx2") != 0 && __builtin_cpu_supports("fma") != 0;
-  const bool avx512 = avx2 && __builtin_cpu_supports("avx512f") != 0 &&
-                      __builtin_cpu_supports("avx512dq") != 0 &&
-                      __builtin_cpu_supports("avx512vl") != 0;
-  if (avx512 && batch_kernels_avx512().regressor != nullptr) return batch_kernels_avx512();
-  if (avx2 && batch_kernels_avx2().regressor != nullptr) return batch_kernels_avx2();
-#endif
+  const InstructionSet isa = widest_instruction_set();
+  const BatchKernels avx512 = batch_kernels_avx512();
+  const BatchKernels avx2 = batch_kernels_avx2();
+  if (isa >= InstructionSet::kAvx512 && avx512.regressor != nullptr) return avx512;
+  if (isa >= InstructionSet::kAvx2 && avx2.regressor != nullptr) return avx2;
   return batch_kernels_baseline();
 }
 
