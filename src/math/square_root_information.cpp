@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <new>
 #include <unordered_map>
 #include <utility>
 
+#include "aligned_doubles.hpp"
 #include "triangle_update.hpp"
 #include "veridyn/math/parallel.hpp"
 #include "veridyn/math/require.hpp"
@@ -15,29 +15,6 @@ namespace {
 
 constexpr Eigen::Index kBlockRows = 256;      // of a block: 60 columns are half of a 256 KiB cache
 constexpr Eigen::Index kPieceRows = 1 << 15;  // of a thread's piece
-
-// Doubles aligned for the widest vectors; keeps its memory.
-class AlignedDoubles {
- public:
-  ~AlignedDoubles() { ::operator delete(data_, kAlignment); }
-
-  double* zeros(size_t count) {
-    if (count > size_) {
-      ::operator delete(data_, kAlignment);
-      data_ = nullptr;
-      size_ = 0;
-      data_ = static_cast<double*>(::operator new(count * sizeof(double), kAlignment));
-      size_ = count;
-    }
-    std::fill_n(data_, count, 0.0);
-    return data_;
-  }
-
- private:
-  static constexpr std::align_val_t kAlignment{64};
-  double* data_ = nullptr;
-  size_t size_ = 0;
-};
 
 }  // namespace
 
