@@ -7,7 +7,9 @@
 #include "common_options.hpp"
 #include "messages.hpp"
 #include "option_checks.hpp"
+#include "veridyn/identification/factor_set.hpp"
 #include "veridyn/math/output_file.hpp"
+#include "veridyn/math/require.hpp"
 #include "veridyn/model/model_file.hpp"
 #include "veridyn/report/identification_page.hpp"
 #include "veridyn/report/json.hpp"
@@ -19,7 +21,8 @@ namespace {
 struct Request {
   const CLI::App* command = nullptr;  // where the options were given
   std::string robot;
-  std::vector<std::string> train, test;
+  std::vector<std::string> train, test, factors;
+  std::string factor_out;
   std::optional<RowRange> test_rows;
   std::string prior;
   std::vector<std::string> known_masses;
@@ -52,6 +55,10 @@ void expect_options_that_mean_something(const Request& request) {
                 {"--signs", feasible, "--method feasible"},
                 {"--weights", request.options.method != Method::kOls, "--method wls or feasible"},
                 {"--test-rows", !request.test.empty(), "--test"}});
+  expect_value(!request.train.empty() || !request.factors.empty(), "--train",
+               "found no recording, expected some, or factor files of them after --factors");
+  expect_value(request.factors.empty() || request.known_masses.empty(), "--factors",
+               "found with --known-mass, expected recordings: drive gains need their samples");
   expect_value(request.known_masses.empty() || request.train.size() > 1, "--known-mass",
                "found one recording, expected one at least with the load and one without");
 }
@@ -68,11 +75,48 @@ void expect_known_masses(const Request& request, const Model& arm,
   }
 }
 
+FactorSet read_all_factors(const std::vector<std::string>& paths) {
+  FactorSet out;
+  for (const std::string& path : paths) {
+    try {
+      out = merge(std::move(out), read_factors(path));
+    } catch (const InvalidInput& e) {
+      const std::string what = e.what();
+      if (what.compare(0, path.size(), path) == 0) throw;
+      throw InvalidInput(path + ": " + what);
+    }
+  }
+  return out;
+}
+
+// The training recordings become factors; without a fit of their own if that is all there is to do.
+FactorSet compressed(const Request& request, const Model& arm,
+                     const IdentificationOptions& options) {
+  FactorSet factors = read_all_factors(request.factors);
+  if (request.factor_out.empty()) return factors;
+  const FactorSet fresh = compress(arm, request.train, options.preprocessing, options.threads);
+  factors = merge(std::move(factors), fresh);
+  save_factors(factors, request.factor_out);
+  return factors;
+}
+
+// --factor-out keeps what the recordings say even where they alone cannot answer.
+Identification identified(const Request& request, const Model& arm,
+                          const IdentificationOptions& options) {
+  if (request.factors.empty() && request.factor_out.empty())
+    return identify(arm, request.train, request.test, options);
+  const FactorSet factors = compressed(request, arm, options);
+  const bool all_in = !request.factor_out.empty();
+  return identify(arm, factors, all_in ? std::vector<std::string>() : request.train, request.test,
+                  options);
+}
+
 ExitStatus run(const Request& request, const std::string& command_line) {
   expect_options_that_mean_something(request);
   require_writable(request.common.json);
   require_writable(request.common.report);
   require_writable(request.model_out);
+  require_writable(request.factor_out);
   if (!request.test_rows) warn_of_shared_recordings(request.train, request.test);
   const Model arm = read_model(request.robot);
   const IdentificationOptions options = identification_options(request);
@@ -80,7 +124,7 @@ ExitStatus run(const Request& request, const std::string& command_line) {
   std::vector<std::string> recordings = request.train;
   recordings.insert(recordings.end(), request.test.begin(), request.test.end());
   warn_of_degrees(recordings, options.preprocessing, options.threads);
-  const Identification id = identify(arm, request.train, request.test, options);
+  const Identification id = identified(request, arm, options);
   if (!id.model) {
     if (id.drive_gains && id.drive_gains->problem.empty()) std::cout << id.drive_gains->report();
     if (id.drive_gains && !request.common.json.empty())
@@ -128,8 +172,13 @@ void add_identify_command(CLI::App& tool, Outcome& outcome) {
   request->command = &command;
   add_robot_argument(command, request->robot);
   command.add_option("--train", request->train, "Recordings to identify from")
-      ->required()
       ->option_text("REC...");
+  command.add_option("--factors", request->factors, "Factor files of recordings to identify from")
+      ->option_text("FILE...");
+  command
+      .add_option("--factor-out", request->factor_out,
+                  "Write what the training recordings say as a factor file, without a sample")
+      ->option_text("FILE");
   command.add_option("--test", request->test, "Recordings held out, to validate on")
       ->option_text("REC...");
   add_fit_options(command, *request);

@@ -3,8 +3,10 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "identified_base.hpp"
+#include "many_recordings.hpp"
 #include "validation.hpp"
 #include "veridyn/identification/base_solution.hpp"
 #include "veridyn/math/dense.hpp"
@@ -346,19 +348,28 @@ Identification identify(const Model& arm, const std::vector<std::string>& train,
                         const IdentificationOptions& options) {
   require(!train.empty(), "identify: there is no recording to train on.");
   if (!options.known_masses.empty()) return identify_with_known_masses(arm, train, test, options);
+  return identify_compressed(arm, {}, train, test, options);
+}
+
+Identification identify_compressed(const Model& arm, std::vector<CompressedRecording> trained,
+                                   const std::vector<std::string>& train,
+                                   const std::vector<std::string>& test,
+                                   const IdentificationOptions& options) {
   Identification id = described(arm, options);
   const auto say = [&options](const std::string& what, double share) {
     if (options.progress) options.progress(what, share);
   };
   say("compressing", 0.0);
   const auto begin = std::chrono::steady_clock::now();
-  const std::vector<CompressedRecording> recordings =
-      compress_all(arm, train, id.preprocessing, options.threads);
+  for (CompressedRecording& r : compress_many(arm, train, id.preprocessing, options.threads))
+    trained.push_back(std::move(r));
+  for (CompressedRecording& r : trained)
+    merge_blocks(r, blocks_of_each(static_cast<int>(trained.size())));
   id.seconds.compress = seconds_since(begin);
   say("solving", 0.4);
-  if (!fit(arm, recordings, options, id)) return id;
+  if (!fit(arm, trained, options, id)) return id;
   say("validating", 0.6);
-  id.factors = recordings;
+  id.factors = std::move(trained);
   validate(arm, test, options, id);
   keep_training_error(id);
   say("done", 1.0);

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <chrono>
+#include <limits>
+#include <unordered_map>
 #include <utility>
 
 #include "veridyn/math/parallel.hpp"
@@ -10,10 +12,43 @@
 namespace veridyn {
 namespace {
 
+// What sums of squares alone cannot tell is not a number.
+PredictionError only_relative(PredictionError error) {
+  error.maximum.setConstant(std::numeric_limits<double>::quiet_NaN());
+  error.moving_relative.setConstant(std::numeric_limits<double>::quiet_NaN());
+  return error;
+}
+
 PredictionError total(const std::vector<ErrorSums>& all, int joints) {
   ErrorSums out(joints);
   for (const ErrorSums& one : all) out.add(one);
   return out.error();
+}
+
+// Errors on the rows of factors whose samples are elsewhere: sums of squares and nothing else.
+ErrorSums factor_errors(const Model& arm, const CompressedRecording& recording,
+                        const VectorXd& values, RecordingError& out) {
+  std::unordered_map<std::string, Eigen::Index> index;
+  for (const StandardParameter& p : standard_parameters(arm))
+    index.emplace(p.name, static_cast<Eigen::Index>(index.size()));
+  ErrorSums sums(arm.joints());
+  for (const auto& block : recording.blocks) {
+    for (size_t i = 0; i < block.size(); ++i) {
+      VectorXd x(block[i].size());
+      for (Eigen::Index c = 0; c < x.size(); ++c)
+        x[c] = values[index.at(block[i].columns()[static_cast<size_t>(c)])];
+      sums.torque2[static_cast<Eigen::Index>(i)] += block[i].rhs_norm2();
+      sums.error2[static_cast<Eigen::Index>(i)] += block[i].residual2(x);
+    }
+  }
+  out.source = recording.source;
+  out.error = only_relative(sums.error());
+  out.filled = recording.facts.filled;
+  out.as_recorded = {};
+  out.rows = recording.facts.rows_read;
+  out.noise_floor = recording.noise_floor;
+  out.period = recording.period.seconds;
+  return sums;
 }
 
 bool any_filled(const std::vector<RecordingError>& recordings) {
@@ -93,6 +128,11 @@ void validate(const Model& arm, const std::vector<std::string>& test,
     Part& part = parts[t < trained.size() ? 0 : 1];
     const size_t at = t < trained.size() ? t : t - trained.size();
     const CompressedRecording& recording = part.recordings[at];
+    if (recording.detached) {
+      part.prepared[at] = factor_errors(arm, recording, id.parameters, part.out[at]);
+      part.as_recorded[at] = part.prepared[at];
+      return;
+    }
     const auto predict = [&](const PreprocessingOptions& how, PredictionSeries* series) {
       return prediction_error(arm, recording.source, how, id.parameters, recording.joints, series);
     };
@@ -101,7 +141,10 @@ void validate(const Model& arm, const std::vector<std::string>& test,
     part.as_recorded[at] = std::move(found.as_recorded);
   });
   id.train_error = total(parts[0].prepared, arm.joints());
-  if (any_filled(id.train)) id.train_as_recorded = total(parts[0].as_recorded, arm.joints());
+  const bool detached = std::any_of(trained.begin(), trained.end(),
+                                    [](const CompressedRecording& r) { return r.detached; });
+  if (detached) id.train_error = only_relative(std::move(id.train_error));
+  if (any_filled(id.train) && !detached) id.train_as_recorded = total(parts[0].as_recorded, arm.joints());
   if (!test.empty()) id.test_error = total(parts[1].prepared, arm.joints());
   if (any_filled(id.test)) id.test_as_recorded = total(parts[1].as_recorded, arm.joints());
   id.seconds.validate =

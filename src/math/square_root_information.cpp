@@ -73,6 +73,17 @@ SquareRootInformation::SquareRootInformation(std::vector<std::string> columns)
       R_(MatrixXd::Zero(size(), size())),
       z_(VectorXd::Zero(size())) {}
 
+SquareRootInformation::SquareRootInformation(std::vector<std::string> columns, MatrixXd R,
+                                             VectorXd z, double rho2, double rows)
+    : columns_(std::move(columns)), R_(std::move(R)), z_(std::move(z)), rho2_(rho2), rows_(rows) {
+  require(R_.rows() == size() && R_.cols() == size() && z_.size() == size(),
+          "SquareRootInformation: R is (", R_.rows(), " x ", R_.cols(), ") and z has ", z_.size(),
+          " entries; expected ", size(), " of each.");
+  require(R_.isUpperTriangular(0.0) && rho2 >= 0.0 && rows >= 0.0,
+          "SquareRootInformation: expected an upper triangular R, and neither rho2 nor rows below "
+          "zero.");
+}
+
 void SquareRootInformation::absorb(const MatrixRef& A, const VectorRef& b) {
   const int k = size();
   require(A.cols() == k && A.rows() == b.size(), "SquareRootInformation::absorb: A is (", A.rows(),

@@ -33,6 +33,7 @@ struct CompressedRecording {
   VectorXd noise_floor;  ///< (n) relative error of a perfect model, from repeated periods; empty if
                          ///< none repeat
   double rows = 0.0;     ///< over all joints
+  bool detached = false;  ///< it came as a factor: its samples are elsewhere
 };
 
 /// @param path  a recording; read twice, its first minutes for the period and then all of it.

@@ -21,6 +21,12 @@ class SquareRootInformation {
   SquareRootInformation() = default;
   explicit SquareRootInformation(std::vector<std::string> columns);
 
+  /// A factor whose parts are known, such as those of a file.
+  /// @throws InvalidInput  the sizes differ, R is not upper triangular, or rho2 or rows are
+  /// negative.
+  SquareRootInformation(std::vector<std::string> columns, MatrixXd R, VectorXd z, double rho2,
+                        double rows);
+
   const std::vector<std::string>& columns() const { return columns_; }
   int size() const { return static_cast<int>(columns_.size()); }
 

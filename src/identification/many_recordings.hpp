@@ -1,0 +1,30 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "veridyn/identification/identification.hpp"
+
+namespace veridyn {
+
+/// compress_all(), for identify(): where there are many recordings, the blocks of each are merged
+/// until all recordings together have no more than kMostBlocks of them (but at least one each), so
+/// that memory does not grow with a recording's blocks. Clusters of the jackknife are then whole
+/// recordings, as they should be where there are many.
+std::vector<CompressedRecording> compress_many(const Model& arm,
+                                               const std::vector<std::string>& paths,
+                                               const PreprocessingOptions& options, int threads);
+
+/// Merges neighbouring blocks of a recording until it has at most `most`.
+void merge_blocks(CompressedRecording& recording, int most);
+
+/// Blocks that each of so many recordings may keep.
+int blocks_of_each(int recordings);
+
+/// identify() of recordings that were compressed before (`trained`, in front) and of others.
+Identification identify_compressed(const Model& arm, std::vector<CompressedRecording> trained,
+                                   const std::vector<std::string>& train,
+                                   const std::vector<std::string>& test,
+                                   const IdentificationOptions& options);
+
+}  // namespace veridyn
