@@ -70,12 +70,19 @@ RegressorBatch::RegressorBatch(const Model& arm)
 
 void RegressorBatch::evaluate(const MatrixRef& q, const MatrixRef& dq, const MatrixRef& ddq,
                               std::vector<MatrixXd>& Y) const {
+  evaluate(q, dq, ddq, 0, joints(), Y);
+}
+
+void RegressorBatch::evaluate(const MatrixRef& q, const MatrixRef& dq, const MatrixRef& ddq,
+                              int first, int end, std::vector<MatrixXd>& Y) const {
   const BatchInput in = input("RegressorBatch", joints(), q, dq, ddq);
+  require(0 <= first && first <= end && end <= joints(), "RegressorBatch: joints ", first, " to ",
+          end, " of ", joints(), ".");
   Y.resize(static_cast<size_t>(joints()));
-  std::vector<double*> data;
-  for (int i = 0; i < joints(); ++i) {
+  std::vector<double*> data(static_cast<size_t>(joints()), nullptr);
+  for (int i = first; i < end; ++i) {
     Y[i].resize(in.rows, static_cast<Eigen::Index>(columns(i).size()));
-    data.push_back(Y[i].data());
+    data[static_cast<size_t>(i)] = Y[i].data();
   }
   const Links tree = tree_;
   const AlignedMemory workspace(widest_batch_kernels().workspace(tree));

@@ -123,7 +123,8 @@ void validate(const Model& arm, const std::vector<std::string>& test,
     part.prepared.assign(part.recordings.size(), ErrorSums(arm.joints()));
     part.as_recorded = part.prepared;
   }
-  parallel_for(static_cast<int>(trained.size() + test.size()), options.threads, [&](int k) {
+  const auto count = static_cast<int>(trained.size() + test.size());
+  parallel_for(count, options.threads, [&](int k) {
     const auto t = static_cast<size_t>(k);
     Part& part = parts[t < trained.size() ? 0 : 1];
     const size_t at = t < trained.size() ? t : t - trained.size();
@@ -134,7 +135,8 @@ void validate(const Model& arm, const std::vector<std::string>& test,
       return;
     }
     const auto predict = [&](const PreprocessingOptions& how, PredictionSeries* series) {
-      return prediction_error(arm, recording.source, how, id.parameters, recording.joints, series);
+      return prediction_error(arm, recording.source, how, id.parameters, recording.joints, series,
+                              threads_of_each(count, options.threads));
     };
     MeasuredErrors found = measure_errors(recording, part.how, predict, part.out[at]);
     part.prepared[at] = std::move(found.prepared);

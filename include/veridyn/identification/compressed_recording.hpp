@@ -36,9 +36,11 @@ struct CompressedRecording {
   bool detached = false;  ///< it came as a factor: its samples are elsewhere
 };
 
-/// @param path  a recording; read twice, its first minutes for the period and then all of it.
+/// @param path     a recording; read twice, its first minutes for the period and then all of it.
+/// @param threads  one reads ahead, the others share the joints; 0: one per core. The result does
+/// not depend on it.
 CompressedRecording compress(const Model& arm, const std::string& path,
-                             const PreprocessingOptions& options);
+                             const PreprocessingOptions& options, int threads = 1);
 CompressedRecording compress(const Model& arm, const Recording& recording,
                              const PreprocessingOptions& options);
 
@@ -75,7 +77,7 @@ struct PredictionSeries {
 ErrorSums prediction_error(const Model& arm, const std::string& path,
                            const PreprocessingOptions& options, const VectorRef& values,
                            const std::vector<TorqueFacts>& joints,
-                           PredictionSeries* series = nullptr);
+                           PredictionSeries* series = nullptr, int threads = 1);
 ErrorSums prediction_error(const Model& arm, const Recording& recording,
                            const PreprocessingOptions& options, const VectorRef& values,
                            const std::vector<TorqueFacts>& joints,
