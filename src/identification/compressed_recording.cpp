@@ -19,7 +19,6 @@ constexpr double kPeriodSeconds = 125.0;  // of the file, looked at to find the 
 constexpr long kPeriodRows = 8192;        // of them, at most; more are thinned
 constexpr int kPieceRows = 2048;
 constexpr double kMovingShare = 0.02;  // of the largest speed, CONTRACT
-constexpr size_t kSeriesSamples = 3000;
 
 using Visit = VisitStretch;
 using Pass = StretchPass;
@@ -218,13 +217,13 @@ Recording first_positions(const std::string& path, const PreprocessingOptions& o
   return positions.recording();
 }
 
-// A series of kSeriesSamples to twice as many, however long the recording: full ones are thinned by
+// A series of the samples that are wanted to twice as many, however long the recording: full ones are thinned by
 // half.
 class SeriesCollector {
  public:
   SeriesCollector(PredictionSeries* series, int joints) : series_(series) {
     if (series == nullptr) return;
-    *series = {{}, {}, {}, {}, {}, {}};
+    *series = {series->wanted, {}, {}, {}, {}, {}, {}};
     for (auto* table : tables()) table->resize(static_cast<size_t>(joints));
   }
 
@@ -237,7 +236,7 @@ class SeriesCollector {
       for (size_t i = 0; i < table.size(); ++i)
         table[i].push_back((*sources[t])(row, static_cast<Eigen::Index>(i)));
     }
-    if (series_->time.size() < 2 * kSeriesSamples) return;
+    if (series_->time.size() < 2 * static_cast<size_t>(series_->wanted)) return;
     stride_ *= 2;
     halve(series_->time);
     for (auto* table : tables()) {

@@ -12,6 +12,8 @@
 namespace veridyn {
 namespace {
 
+constexpr int kSeriesSamples = 30000;  // for plots, of all recordings together
+
 // What sums of squares alone cannot tell is not a number.
 PredictionError only_relative(PredictionError error) {
   error.maximum.setConstant(std::numeric_limits<double>::quiet_NaN());
@@ -134,6 +136,7 @@ void validate(const Model& arm, const std::vector<std::string>& test,
       part.as_recorded[at] = part.prepared[at];
       return;
     }
+    part.out[at].series.wanted = std::clamp(kSeriesSamples / count, 100, part.out[at].series.wanted);
     const auto predict = [&](const PreprocessingOptions& how, PredictionSeries* series) {
       return prediction_error(arm, recording.source, how, id.parameters, recording.joints, series,
                               threads_of_each(count, options.threads));

@@ -68,6 +68,7 @@ struct ErrorSums {
 
 /// One decimated series for plots: measured and modelled torque with the motion.
 struct PredictionSeries {
+  int wanted = 3000;         ///< samples: so many to twice as many are kept
   std::vector<double> time;  ///< [s] since the recording began
   std::vector<std::vector<double>> q, dq, ddq, measured, modelled;  ///< [joint][sample]
 };
