@@ -3,25 +3,33 @@ BUILD := build
 JOBS  ?= $(shell nproc)
 CMAKE_FLAGS ?= --preset dev
 
-.PHONY: all build demo test sanitize packages clean
+.PHONY: all tool build demo test sanitize packages packages-tests clean
 
-all: build
+all: tool
 
 packages:
 	@cmake/install-packages.sh cmake/debian-packages.txt
 
-build: packages
-	@cmake $(CMAKE_FLAGS) -B $(BUILD) >$(BUILD).log 2>&1 || { cat $(BUILD).log; exit 1; }
+packages-tests:
+	@cmake/install-packages.sh cmake/debian-packages.txt cmake/debian-packages-tests.txt
+
+# The tool alone; what tests need is neither installed nor built.
+tool: packages
+	@cmake $(CMAKE_FLAGS) -B $(BUILD) -DVERIDYN_TESTS=OFF -DVERIDYN_BENCHMARKS=OFF >$(BUILD).log 2>&1 || { cat $(BUILD).log; exit 1; }
+	@cmake --build $(BUILD) -j $(JOBS) --target veridyn_tool
+
+build: packages-tests
+	@cmake $(CMAKE_FLAGS) -B $(BUILD) -DVERIDYN_TESTS=ON -DVERIDYN_BENCHMARKS=ON >$(BUILD).log 2>&1 || { cat $(BUILD).log; exit 1; }
 	@cmake --build $(BUILD) -j $(JOBS)
 
-demo: build
+demo: tool
 	@examples/demo.sh $(BUILD)/bin/veridyn out/demo
 
 test: build
 	@ctest --test-dir $(BUILD) --output-on-failure -j $(JOBS)
 
 # The second test configuration: address and undefined-behaviour sanitizers.
-sanitize: packages
+sanitize: packages-tests
 	@cmake --preset asan
 	@cmake --build build-asan -j $(JOBS)
 	@ctest --test-dir build-asan --output-on-failure -j $(JOBS)

@@ -1,7 +1,7 @@
 #!/bin/sh
-# Installs the Debian packages listed in the given file that are missing; does nothing where all are there.
+# Installs the Debian packages listed in the given files that are missing; does nothing where all are there.
 set -eu
-wanted=$(sed 's/#.*//' "$1" | tr '\n' ' ')
+wanted=$(sed 's/#.*//' "$@" | tr '\n' ' ')
 missing=""
 for package in $wanted; do
   dpkg-query -W -f='${Status}' "$package" 2>/dev/null | grep -q 'install ok installed' || missing="$missing $package"

@@ -3,8 +3,8 @@
 
 #include "commands.hpp"
 #include "common_options.hpp"
-#include "veridyn/math/output_file.hpp"
-#include "veridyn/math/parallel.hpp"
+#include "math/output_file.hpp"
+#include "math/parallel.hpp"
 #include "veridyn/report/json.hpp"
 
 namespace veridyn::cli {

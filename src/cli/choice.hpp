@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "veridyn/model/suggestion.hpp"
+#include "model/suggestion.hpp"
 
 namespace veridyn::cli {
 

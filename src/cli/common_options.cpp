@@ -8,9 +8,9 @@
 
 #include "choice.hpp"
 #include "messages.hpp"
-#include "veridyn/identification/recording_quality.hpp"
-#include "veridyn/math/output_file.hpp"
-#include "veridyn/math/parallel.hpp"
+#include "veridyn/recordings/recording_quality.hpp"
+#include "math/output_file.hpp"
+#include "math/parallel.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/report/setting_names.hpp"
 

@@ -6,8 +6,8 @@
 #include <utility>
 #include <vector>
 
-#include "veridyn/identification/preprocessing.hpp"
-#include "veridyn/identification/recording.hpp"
+#include "veridyn/recordings/preprocessing.hpp"
+#include "veridyn/recordings/recording.hpp"
 
 namespace veridyn::cli {
 

@@ -3,8 +3,8 @@
 
 #include "commands.hpp"
 #include "common_options.hpp"
-#include "veridyn/diagnosis/model_comparison.hpp"
-#include "veridyn/math/output_file.hpp"
+#include "veridyn/comparison/model_comparison.hpp"
+#include "math/output_file.hpp"
 #include "veridyn/model/model_file.hpp"
 #include "veridyn/report/comparison_json.hpp"
 

@@ -7,8 +7,8 @@
 #include "option_checks.hpp"
 #include "veridyn/cooperation/scenario_run.hpp"
 #include "veridyn/cooperation/scenario_sweep.hpp"
-#include "veridyn/math/output_file.hpp"
-#include "veridyn/model/suggestion.hpp"
+#include "math/output_file.hpp"
+#include "model/suggestion.hpp"
 #include "veridyn/report/cooperation_json.hpp"
 #include "veridyn/simulation/engine.hpp"
 

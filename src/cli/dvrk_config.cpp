@@ -6,7 +6,7 @@
 #include "dvrk_request.hpp"
 #include "option_checks.hpp"
 #include "veridyn/dvrk/arm_facts.hpp"
-#include "veridyn/math/output_file.hpp"
+#include "math/output_file.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn::cli {

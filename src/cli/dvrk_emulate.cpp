@@ -12,7 +12,7 @@
 #include "veridyn/dvrk/real_time.hpp"
 #include "veridyn/dvrk/run_json.hpp"
 #include "veridyn/dvrk/simulated_arm.hpp"
-#include "veridyn/math/output_file.hpp"
+#include "math/output_file.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/model_file.hpp"
 #include "veridyn/simulation/plant.hpp"

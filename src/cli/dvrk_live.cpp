@@ -8,8 +8,8 @@
 #include "veridyn/dvrk/real_time.hpp"
 #include "veridyn/dvrk/run_json.hpp"
 #include "veridyn/dvrk/udp_link.hpp"
-#include "veridyn/identification/remark.hpp"
-#include "veridyn/math/output_file.hpp"
+#include "recordings/remark.hpp"
+#include "math/output_file.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn::cli {

@@ -9,9 +9,9 @@
 #include "option_checks.hpp"
 #include "veridyn/dvrk/effort_scales.hpp"
 #include "veridyn/dvrk/gravity_chain.hpp"
-#include "veridyn/math/output_file.hpp"
+#include "math/output_file.hpp"
 #include "veridyn/math/require.hpp"
-#include "veridyn/model/suggestion.hpp"
+#include "model/suggestion.hpp"
 
 namespace veridyn::cli {
 namespace {

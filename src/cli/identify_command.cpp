@@ -8,7 +8,7 @@
 #include "messages.hpp"
 #include "option_checks.hpp"
 #include "veridyn/identification/factor_set.hpp"
-#include "veridyn/math/output_file.hpp"
+#include "math/output_file.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/model_file.hpp"
 #include "veridyn/report/identification_page.hpp"

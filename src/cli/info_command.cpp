@@ -3,7 +3,7 @@
 
 #include "commands.hpp"
 #include "common_options.hpp"
-#include "veridyn/math/output_file.hpp"
+#include "math/output_file.hpp"
 #include "veridyn/model/model_file.hpp"
 #include "veridyn/report/json.hpp"
 

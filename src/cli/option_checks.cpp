@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "veridyn/model/suggestion.hpp"
+#include "model/suggestion.hpp"
 
 namespace veridyn::cli {
 

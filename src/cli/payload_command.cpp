@@ -6,7 +6,7 @@
 #include "messages.hpp"
 #include "option_checks.hpp"
 #include "veridyn/diagnosis/payload.hpp"
-#include "veridyn/math/output_file.hpp"
+#include "math/output_file.hpp"
 #include "veridyn/model/model_file.hpp"
 #include "veridyn/report/payload_json.hpp"
 

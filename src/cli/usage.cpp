@@ -3,7 +3,7 @@
 #include <regex>
 #include <vector>
 
-#include "veridyn/model/suggestion.hpp"
+#include "model/suggestion.hpp"
 
 namespace veridyn::cli {
 namespace {

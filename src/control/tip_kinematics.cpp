@@ -4,9 +4,9 @@
 #include <utility>
 #include <vector>
 
-#include "veridyn/kinematics/link_pose.hpp"
+#include "kinematics/link_pose.hpp"
 #include "veridyn/math/require.hpp"
-#include "veridyn/model/suggestion.hpp"
+#include "model/suggestion.hpp"
 
 namespace veridyn {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "control/static_forces.hpp"
 #include "veridyn/dynamics/recursion.hpp"
-#include "veridyn/kinematics/standard_motion.hpp"
+#include "kinematics/standard_motion.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn {

@@ -4,13 +4,13 @@
 #include <fstream>
 #include <iterator>
 
-#include "model/yaml_node.hpp"
+#include "model/yaml/yaml_node.hpp"
 #include "scenario_parts.hpp"
 #include "veridyn/cooperation/scenario.hpp"
-#include "veridyn/math/most_rows.hpp"
+#include "math/most_rows.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/model_file.hpp"
-#include "veridyn/model/suggestion.hpp"
+#include "model/suggestion.hpp"
 #include "veridyn/simulation/sensor_noise.hpp"
 
 namespace veridyn {

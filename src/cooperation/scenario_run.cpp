@@ -7,7 +7,7 @@
 
 #include "experiment.hpp"
 #include "phase_figures.hpp"
-#include "veridyn/math/output_file.hpp"
+#include "math/output_file.hpp"
 
 namespace veridyn {
 namespace {

@@ -6,18 +6,18 @@
 #include <set>
 #include <utility>
 
-#include "contacts.hpp"
+#include "diagnosis/causes/contacts.hpp"
 #include "findings.hpp"
-#include "geometry.hpp"
-#include "held_out.hpp"
-#include "inquiry.hpp"
+#include "diagnosis/causes/geometry.hpp"
+#include "diagnosis/evidence/held_out.hpp"
+#include "diagnosis/shapes/inquiry.hpp"
 #include "next_experiment.hpp"
-#include "refinement.hpp"
-#include "ripple.hpp"
-#include "snags.hpp"
+#include "diagnosis/shapes/refinement.hpp"
+#include "diagnosis/causes/ripple.hpp"
+#include "diagnosis/causes/snags.hpp"
 #include "veridyn/identification/arm_effects.hpp"
-#include "veridyn/math/parallel.hpp"
-#include "wrong_constant.hpp"
+#include "math/parallel.hpp"
+#include "diagnosis/causes/wrong_constant.hpp"
 
 namespace veridyn {
 namespace {

@@ -6,9 +6,9 @@
 #include <cmath>
 #include <set>
 
-#include "extended_arm.hpp"
-#include "held_out.hpp"
-#include "payload_fit.hpp"
+#include "diagnosis/causes/extended_arm.hpp"
+#include "diagnosis/evidence/held_out.hpp"
+#include "diagnosis/causes/payload_fit.hpp"
 #include "veridyn/effects/effect.hpp"
 #include "veridyn/identification/arm_effects.hpp"
 #include "veridyn/math/student_t.hpp"

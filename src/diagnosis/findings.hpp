@@ -2,8 +2,8 @@
 
 #include <vector>
 
-#include "inquiry.hpp"
-#include "refinement.hpp"
+#include "diagnosis/shapes/inquiry.hpp"
+#include "diagnosis/shapes/refinement.hpp"
 #include "veridyn/diagnosis/payload.hpp"
 
 namespace veridyn {

@@ -6,10 +6,10 @@
 #include <chrono>
 #include <cmath>
 
-#include "inquiry.hpp"
-#include "payload_fit.hpp"
+#include "diagnosis/shapes/inquiry.hpp"
+#include "diagnosis/causes/payload_fit.hpp"
 #include "veridyn/math/require.hpp"
-#include "veridyn/model/suggestion.hpp"
+#include "model/suggestion.hpp"
 
 namespace veridyn {
 namespace {

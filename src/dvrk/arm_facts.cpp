@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "veridyn/math/require.hpp"
-#include "veridyn/model/suggestion.hpp"
+#include "model/suggestion.hpp"
 
 namespace veridyn::dvrk {
 namespace {

@@ -6,10 +6,10 @@
 #include <fstream>
 #include <iterator>
 
-#include "model/yaml_node.hpp"
+#include "model/yaml/yaml_node.hpp"
 #include "veridyn/dvrk/arm_facts.hpp"
 #include "veridyn/math/require.hpp"
-#include "veridyn/model/suggestion.hpp"
+#include "model/suggestion.hpp"
 
 namespace veridyn::dvrk {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "veridyn/dynamics/rigid_body_dynamics.hpp"
 #include "veridyn/math/require.hpp"
-#include "veridyn/model/suggestion.hpp"
+#include "model/suggestion.hpp"
 
 namespace veridyn::dvrk {
 namespace {

@@ -5,10 +5,10 @@
 
 #include "json_text.hpp"
 #include "veridyn/dvrk/gravity_chain.hpp"
-#include "veridyn/identification/csv_layout.hpp"
-#include "veridyn/identification/csv_lines.hpp"
+#include "recordings/csv_layout.hpp"
+#include "recordings/csv_lines.hpp"
 #include "veridyn/math/require.hpp"
-#include "veridyn/model/suggestion.hpp"
+#include "model/suggestion.hpp"
 
 namespace veridyn::dvrk {
 namespace {

@@ -4,7 +4,7 @@
 
 #include "veridyn/dvrk/io_config.hpp"
 #include "veridyn/math/require.hpp"
-#include "veridyn/model/suggestion.hpp"
+#include "model/suggestion.hpp"
 
 namespace veridyn::dvrk {
 namespace {

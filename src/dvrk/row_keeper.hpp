@@ -3,8 +3,8 @@
 #include <cmath>
 
 #include "veridyn/dvrk/arm_units.hpp"
-#include "veridyn/identification/recording.hpp"
-#include "veridyn/math/most_rows.hpp"
+#include "veridyn/recordings/recording.hpp"
+#include "math/most_rows.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn::dvrk {

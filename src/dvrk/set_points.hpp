@@ -1,7 +1,7 @@
 #pragma once
 
 #include "veridyn/control/computed_torque.hpp"
-#include "veridyn/kinematics/motion_samples.hpp"
+#include "veridyn/math/motion_samples.hpp"
 
 namespace veridyn::dvrk {
 

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "regressor_batch_kernels.hpp"
-#include "veridyn/math/dual.hpp"
+#include "math/dual.hpp"
 
 // Derivatives of the batch along q, dq and ddq: the same recursions over dual numbers of packs, one
 // direction at a time. The rules of regressor_batch_kernels.hpp hold here too.

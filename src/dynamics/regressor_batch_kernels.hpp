@@ -1,7 +1,7 @@
 #pragma once
 
 #include "veridyn/dynamics/recursion.hpp"
-#include "veridyn/math/pack.hpp"
+#include "math/pack.hpp"
 
 // The inner loops of RegressorBatch, once per instruction set. Each regressor_batch_<isa>.cpp is
 // compiled with flags of its own, so nothing in here may be shared with the rest of the program:

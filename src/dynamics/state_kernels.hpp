@@ -1,7 +1,7 @@
 #pragma once
 
 #include "state_links.hpp"
-#include "veridyn/math/pack.hpp"
+#include "math/pack.hpp"
 
 // Dynamics of single states, once per instruction set; the rules of regressor_batch_kernels.hpp
 // hold here too. Scalars along the tree, packs across coordinates: one lane is one column of a

@@ -5,7 +5,7 @@
 
 #include "veridyn/effects/effect.hpp"
 #include "veridyn/math/require.hpp"
-#include "veridyn/model/suggestion.hpp"
+#include "model/suggestion.hpp"
 
 namespace veridyn {
 namespace {

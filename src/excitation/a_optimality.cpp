@@ -6,9 +6,9 @@
 #include <cmath>
 #include <utility>
 
-#include "arm_columns.hpp"
-#include "stacked_columns.hpp"
-#include "standard_values.hpp"
+#include "excitation/columns/arm_columns.hpp"
+#include "excitation/columns/stacked_columns.hpp"
+#include "excitation/columns/standard_values.hpp"
 
 namespace veridyn {
 namespace {

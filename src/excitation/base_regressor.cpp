@@ -7,8 +7,8 @@
 #include <cmath>
 #include <limits>
 
-#include "arm_columns.hpp"
-#include "stacked_columns.hpp"
+#include "excitation/columns/arm_columns.hpp"
+#include "excitation/columns/stacked_columns.hpp"
 
 namespace veridyn {
 namespace {

@@ -10,10 +10,10 @@
 #include <utility>
 
 #include "motion_quality.hpp"
-#include "motion_search.hpp"
+#include "excitation/search/motion_search.hpp"
 #include "slow_passes.hpp"
-#include "veridyn/math/most_rows.hpp"
-#include "veridyn/math/parallel.hpp"
+#include "math/most_rows.hpp"
+#include "math/parallel.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "column_names.hpp"
+#include "excitation/columns/column_names.hpp"
 
 namespace veridyn {
 namespace {

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "base_columns.hpp"
-#include "question.hpp"
+#include "excitation/columns/base_columns.hpp"
+#include "excitation/search/question.hpp"
 
 namespace veridyn {
 

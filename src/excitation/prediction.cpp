@@ -6,9 +6,9 @@
 #include <limits>
 #include <numeric>
 
-#include "column_names.hpp"
-#include "stacked_columns.hpp"
-#include "standard_values.hpp"
+#include "excitation/columns/column_names.hpp"
+#include "excitation/columns/stacked_columns.hpp"
+#include "excitation/columns/standard_values.hpp"
 #include "veridyn/excitation/base_regressor.hpp"
 #include "veridyn/math/require.hpp"
 

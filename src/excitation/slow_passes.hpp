@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "veridyn/kinematics/motion_limits.hpp"
-#include "veridyn/kinematics/motion_samples.hpp"
+#include "veridyn/math/motion_samples.hpp"
 
 namespace veridyn {
 

@@ -1,4 +1,4 @@
-#include "veridyn/identification/base_solution.hpp"
+#include "identification/base_solution.hpp"
 
 #include <Eigen/QR>
 #include <Eigen/SVD>

@@ -7,7 +7,7 @@
 
 #include "period_fold.hpp"
 #include "read_ahead.hpp"
-#include "veridyn/math/parallel.hpp"
+#include "math/parallel.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn {

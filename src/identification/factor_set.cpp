@@ -7,7 +7,7 @@
 
 #include "factor_bytes.hpp"
 #include "many_recordings.hpp"
-#include "veridyn/math/output_file.hpp"
+#include "math/output_file.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn {

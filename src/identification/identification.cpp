@@ -8,8 +8,8 @@
 #include "identified_base.hpp"
 #include "many_recordings.hpp"
 #include "validation.hpp"
-#include "veridyn/identification/base_solution.hpp"
-#include "veridyn/math/dense.hpp"
+#include "identification/base_solution.hpp"
+#include "math/dense.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/model_file.hpp"
 

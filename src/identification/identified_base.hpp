@@ -1,6 +1,6 @@
 #pragma once
 
-#include "veridyn/identification/base_solution.hpp"
+#include "identification/base_solution.hpp"
 
 namespace veridyn {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "veridyn/math/parallel.hpp"
+#include "math/parallel.hpp"
 
 namespace veridyn {
 namespace {

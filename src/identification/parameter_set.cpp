@@ -7,7 +7,7 @@
 #include "veridyn/dynamics/rigid_body_dynamics.hpp"
 #include "veridyn/identification/arm_effects.hpp"
 #include "veridyn/math/require.hpp"
-#include "veridyn/model/inertial_names.hpp"
+#include "model/inertial_names.hpp"
 
 namespace veridyn {
 namespace {

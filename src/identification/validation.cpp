@@ -6,7 +6,7 @@
 #include <unordered_map>
 #include <utility>
 
-#include "veridyn/math/parallel.hpp"
+#include "math/parallel.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn {

@@ -1,6 +1,6 @@
 #include "veridyn/kinematics/kinematics.hpp"
 
-#include "veridyn/kinematics/link_pose.hpp"
+#include "kinematics/link_pose.hpp"
 #include "veridyn/kinematics/recursion.hpp"
 #include "veridyn/kinematics/tree.hpp"
 #include "veridyn/math/require.hpp"

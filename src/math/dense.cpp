@@ -1,4 +1,4 @@
-#include "veridyn/math/dense.hpp"
+#include "math/dense.hpp"
 
 #include <Eigen/QR>
 

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "filter_sweep.hpp"
-#include "veridyn/math/pack.hpp"
+#include "math/pack.hpp"
 
 // The inner loops of the zero-phase filter, once per instruction set; see regressor_batch_kernels.hpp
 // for the rules that such files keep.

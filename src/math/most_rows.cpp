@@ -1,4 +1,4 @@
-#include "veridyn/math/most_rows.hpp"
+#include "math/most_rows.hpp"
 
 #include <unistd.h>
 

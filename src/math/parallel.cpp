@@ -1,4 +1,4 @@
-#include "veridyn/math/parallel.hpp"
+#include "math/parallel.hpp"
 
 #include <algorithm>
 #include <atomic>

@@ -7,7 +7,7 @@
 
 #include "aligned_doubles.hpp"
 #include "triangle_update.hpp"
-#include "veridyn/math/parallel.hpp"
+#include "math/parallel.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn {

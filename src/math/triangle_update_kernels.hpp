@@ -1,7 +1,7 @@
 #pragma once
 
 #include "triangle_update.hpp"
-#include "veridyn/math/pack.hpp"
+#include "math/pack.hpp"
 
 // The inner loops of the streaming QR, once per instruction set; see regressor_batch_kernels.hpp
 // for the rules that such files keep: raw pointers, no standard library, templates over a pack.

@@ -1,4 +1,4 @@
-#include "veridyn/model/effect_names.hpp"
+#include "model/effect_names.hpp"
 
 namespace veridyn {
 

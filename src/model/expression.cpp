@@ -1,4 +1,4 @@
-#include "veridyn/model/expression.hpp"
+#include "model/expression.hpp"
 
 #include <muParser.h>
 
@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "veridyn/math/require.hpp"
-#include "veridyn/model/suggestion.hpp"
+#include "model/suggestion.hpp"
 
 namespace veridyn {
 namespace {

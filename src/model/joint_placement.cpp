@@ -1,4 +1,4 @@
-#include "veridyn/model/joint_placement.hpp"
+#include "model/joint_placement.hpp"
 
 #include <cmath>
 #include <limits>

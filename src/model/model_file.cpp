@@ -6,9 +6,9 @@
 #include <fstream>
 #include <iterator>
 
-#include "veridyn/math/output_file.hpp"
+#include "math/output_file.hpp"
 #include "veridyn/math/require.hpp"
-#include "veridyn/model/suggestion.hpp"
+#include "model/suggestion.hpp"
 #include "veridyn/model/urdf.hpp"
 
 namespace veridyn {

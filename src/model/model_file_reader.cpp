@@ -3,12 +3,12 @@
 
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/model_file.hpp"
-#include "veridyn/model/suggestion.hpp"
-#include "yaml_body.hpp"
-#include "yaml_effects.hpp"
-#include "yaml_frames.hpp"
-#include "yaml_identified.hpp"
-#include "yaml_node.hpp"
+#include "model/suggestion.hpp"
+#include "model/yaml/yaml_body.hpp"
+#include "model/yaml/yaml_effects.hpp"
+#include "model/yaml/yaml_frames.hpp"
+#include "model/yaml/yaml_identified.hpp"
+#include "model/yaml/yaml_node.hpp"
 
 namespace veridyn {
 namespace {

@@ -4,12 +4,12 @@
 
 #include "physical_body.hpp"
 #include "veridyn/math/require.hpp"
-#include "veridyn/model/effect_names.hpp"
-#include "veridyn/model/joint_placement.hpp"
+#include "model/effect_names.hpp"
+#include "model/joint_placement.hpp"
 #include "veridyn/model/model_file.hpp"
-#include "veridyn/model/suggestion.hpp"
-#include "yaml_identified.hpp"
-#include "yaml_text.hpp"
+#include "model/suggestion.hpp"
+#include "model/yaml/yaml_identified.hpp"
+#include "model/yaml/yaml_text.hpp"
 
 namespace veridyn {
 namespace {

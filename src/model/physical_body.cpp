@@ -5,7 +5,7 @@
 #include <charconv>
 #include <cmath>
 
-#include "yaml_text.hpp"
+#include "model/yaml/yaml_text.hpp"
 
 namespace veridyn {
 namespace {

@@ -1,4 +1,4 @@
-#include "veridyn/model/suggestion.hpp"
+#include "model/suggestion.hpp"
 
 #include <algorithm>
 #include <cctype>

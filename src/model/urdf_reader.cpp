@@ -14,7 +14,7 @@
 #include <limits>
 #include <mutex>
 
-#include "veridyn/model/joint_placement.hpp"
+#include "model/joint_placement.hpp"
 
 namespace veridyn {
 namespace {

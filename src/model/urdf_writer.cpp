@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "physical_body.hpp"
-#include "veridyn/math/output_file.hpp"
-#include "veridyn/model/joint_placement.hpp"
+#include "math/output_file.hpp"
+#include "model/joint_placement.hpp"
 #include "veridyn/model/urdf.hpp"
 
 namespace veridyn {

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "plant_torques.hpp"
-#include "veridyn/kinematics/standard_motion.hpp"
+#include "kinematics/standard_motion.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn {

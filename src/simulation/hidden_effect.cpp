@@ -3,9 +3,9 @@
 #include <cmath>
 
 #include "veridyn/math/require.hpp"
-#include "veridyn/model/effect_names.hpp"
-#include "veridyn/model/expression.hpp"
-#include "veridyn/model/suggestion.hpp"
+#include "model/effect_names.hpp"
+#include "model/expression.hpp"
+#include "model/suggestion.hpp"
 
 namespace veridyn {
 namespace {

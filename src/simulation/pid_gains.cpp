@@ -1,8 +1,8 @@
 #include <fstream>
 #include <sstream>
 
-#include "model/yaml_node.hpp"
-#include "plant_forces.hpp"
+#include "model/yaml/yaml_node.hpp"
+#include "simulation/plant/plant_forces.hpp"
 #include "veridyn/dynamics/rigid_body_dynamics.hpp"
 #include "veridyn/kinematics/motion_limits.hpp"
 #include "veridyn/math/require.hpp"

@@ -8,7 +8,7 @@
 #include "veridyn/math/require.hpp"
 #include "veridyn/math/vector3.hpp"
 #include "veridyn/model/model_file.hpp"
-#include "veridyn/model/suggestion.hpp"
+#include "model/suggestion.hpp"
 #include "veridyn/simulation/hidden_effect.hpp"
 
 namespace veridyn {

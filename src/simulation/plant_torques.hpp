@@ -1,7 +1,7 @@
 #pragma once
 
 #include "veridyn/effects/effect.hpp"
-#include "veridyn/kinematics/motion_samples.hpp"
+#include "veridyn/math/motion_samples.hpp"
 #include "veridyn/model/model.hpp"
 
 namespace veridyn {

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "plant_forces.hpp"
+#include "simulation/plant/plant_forces.hpp"
 #include "plant_torques.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/math/zero_phase_filter.hpp"

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "veridyn/math/most_rows.hpp"
+#include "math/most_rows.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn {

@@ -1,4 +1,4 @@
-#include "veridyn/simulation/rotors_at_zero.hpp"
+#include "simulation/rotors_at_zero.hpp"
 
 #include <fmt/format.h>
 

@@ -4,8 +4,8 @@
 #include <utility>
 
 #include "veridyn/math/require.hpp"
-#include "veridyn/model/expression.hpp"
-#include "veridyn/model/suggestion.hpp"
+#include "model/expression.hpp"
+#include "model/suggestion.hpp"
 #include "veridyn/simulation/sensor_noise.hpp"
 
 namespace veridyn {

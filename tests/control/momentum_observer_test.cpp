@@ -8,7 +8,7 @@
 #include "veridyn/control/friction_compensation.hpp"
 #include "veridyn/control/momentum_observer.hpp"
 #include "veridyn/dynamics/rigid_body_dynamics.hpp"
-#include "veridyn/kinematics/standard_motion.hpp"
+#include "kinematics/standard_motion.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/model_file.hpp"
 #include "veridyn/simulation/plant.hpp"

@@ -1,4 +1,4 @@
-#include "diagnosis/bordered_fit.hpp"
+#include "diagnosis/evidence/bordered_fit.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "diagnosis/contacts.hpp"
+#include "diagnosis/causes/contacts.hpp"
 
 #include <gtest/gtest.h>
 

@@ -5,9 +5,9 @@
 #include <algorithm>
 
 #include "cli/tool.hpp"
-#include "diagnosis/payload_fit.hpp"
+#include "diagnosis/causes/payload_fit.hpp"
 #include "simulation/simulation_support.hpp"
-#include "veridyn/math/output_file.hpp"
+#include "math/output_file.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/simulation/plausible_model.hpp"
 

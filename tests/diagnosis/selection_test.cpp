@@ -1,4 +1,4 @@
-#include "diagnosis/selection.hpp"
+#include "diagnosis/evidence/selection.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "diagnosis/snags.hpp"
+#include "diagnosis/causes/snags.hpp"
 
 #include <gtest/gtest.h>
 

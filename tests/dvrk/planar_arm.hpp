@@ -7,7 +7,7 @@
 #include "veridyn/dvrk/arm_session.hpp"
 #include "veridyn/dvrk/emulated_link.hpp"
 #include "veridyn/dvrk/simulated_arm.hpp"
-#include "veridyn/kinematics/motion_samples.hpp"
+#include "veridyn/math/motion_samples.hpp"
 #include "veridyn/model/model_file.hpp"
 #include "veridyn/simulation/plant.hpp"
 

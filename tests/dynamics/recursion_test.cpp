@@ -9,8 +9,8 @@
 #include "support/sample_arms.hpp"
 #include "veridyn/dynamics/rigid_body_dynamics.hpp"
 #include "veridyn/kinematics/tree.hpp"
-#include "veridyn/math/dual.hpp"
-#include "veridyn/math/pack.hpp"
+#include "math/dual.hpp"
+#include "math/pack.hpp"
 
 namespace veridyn {
 namespace {

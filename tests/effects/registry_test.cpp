@@ -6,7 +6,7 @@
 
 #include "effects/effect_support.hpp"
 #include "veridyn/math/require.hpp"
-#include "veridyn/model/effect_names.hpp"
+#include "model/effect_names.hpp"
 
 namespace veridyn {
 namespace {

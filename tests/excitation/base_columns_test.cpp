@@ -1,4 +1,4 @@
-#include "excitation/base_columns.hpp"
+#include "excitation/columns/base_columns.hpp"
 
 #include <gtest/gtest.h>
 
@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "excitation/arm_columns.hpp"
-#include "excitation/stacked_columns.hpp"
+#include "excitation/columns/arm_columns.hpp"
+#include "excitation/columns/stacked_columns.hpp"
 #include "veridyn/excitation/base_regressor.hpp"
 #include "veridyn/excitation/excitation.hpp"
 #include "veridyn/model/model_file.hpp"

@@ -5,7 +5,7 @@
 #include <Eigen/QR>
 #include <cmath>
 
-#include "excitation/stacked_columns.hpp"
+#include "excitation/columns/stacked_columns.hpp"
 #include "support/random.hpp"
 #include "veridyn/excitation/base_regressor.hpp"
 #include "veridyn/excitation/fourier_trajectory.hpp"

@@ -4,9 +4,9 @@
 
 #include <cmath>
 
-#include "excitation/motion_objective.hpp"
-#include "excitation/question.hpp"
-#include "excitation/search_program.hpp"
+#include "excitation/search/motion_objective.hpp"
+#include "excitation/search/question.hpp"
+#include "excitation/search/search_program.hpp"
 #include "support/sample_arms.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/model_file.hpp"

@@ -8,7 +8,7 @@
 #include "hide_and_seek/judge.hpp"
 #include "veridyn/effects/effect.hpp"
 #include "veridyn/excitation/excitation.hpp"
-#include "veridyn/identification/recorded_motion.hpp"
+#include "recordings/recorded_motion.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/model_file.hpp"
 

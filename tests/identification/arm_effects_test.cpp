@@ -4,7 +4,7 @@
 
 #include "simulation/simulation_support.hpp"
 #include "support/near.hpp"
-#include "veridyn/identification/preprocessing.hpp"
+#include "veridyn/recordings/preprocessing.hpp"
 #include "veridyn/identification/regressor_columns.hpp"
 #include "veridyn/simulation/plausible_model.hpp"
 

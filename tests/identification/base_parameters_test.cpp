@@ -11,7 +11,7 @@
 
 #include "identification/synthetic_recording.hpp"
 #include "support/near.hpp"
-#include "veridyn/math/dense.hpp"
+#include "math/dense.hpp"
 #include "veridyn/model/model_file.hpp"
 
 namespace veridyn {

@@ -1,4 +1,4 @@
-#include "veridyn/identification/base_solution.hpp"
+#include "identification/base_solution.hpp"
 
 #include <gtest/gtest.h>
 

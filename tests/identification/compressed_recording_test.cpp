@@ -10,7 +10,7 @@
 
 #include "identification/synthetic_recording.hpp"
 #include "support/near.hpp"
-#include "veridyn/identification/base_solution.hpp"
+#include "identification/base_solution.hpp"
 #include "veridyn/math/zero_phase_filter.hpp"
 #include "veridyn/model/model_file.hpp"
 

@@ -1,4 +1,4 @@
-#include "identification/gain_problem.hpp"
+#include "identification/drive_gains/gain_problem.hpp"
 
 #include <gtest/gtest.h>
 

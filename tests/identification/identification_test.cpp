@@ -12,7 +12,7 @@
 
 #include "identification/synthetic_recording.hpp"
 #include "support/near.hpp"
-#include "veridyn/identification/base_solution.hpp"
+#include "identification/base_solution.hpp"
 #include "veridyn/identification/pseudo_inertia.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/math/zero_phase_filter.hpp"

@@ -8,7 +8,7 @@
 #include "veridyn/dynamics/rigid_body_dynamics.hpp"
 #include "veridyn/effects/effect.hpp"
 #include "veridyn/identification/parameter_set.hpp"
-#include "veridyn/identification/recording.hpp"
+#include "veridyn/recordings/recording.hpp"
 
 namespace veridyn {
 

@@ -1,4 +1,4 @@
-#include "veridyn/kinematics/standard_motion.hpp"
+#include "kinematics/standard_motion.hpp"
 
 #include <gtest/gtest.h>
 

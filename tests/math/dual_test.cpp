@@ -1,4 +1,4 @@
-#include "veridyn/math/dual.hpp"
+#include "math/dual.hpp"
 
 #include <gtest/gtest.h>
 

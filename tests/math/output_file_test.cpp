@@ -1,4 +1,4 @@
-#include "veridyn/math/output_file.hpp"
+#include "math/output_file.hpp"
 
 #include <gtest/gtest.h>
 #include <sys/resource.h>

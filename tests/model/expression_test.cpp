@@ -1,4 +1,4 @@
-#include "veridyn/model/expression.hpp"
+#include "model/expression.hpp"
 
 #include <gtest/gtest.h>
 

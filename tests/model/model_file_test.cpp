@@ -8,7 +8,7 @@
 #include <fstream>
 
 #include "veridyn/math/require.hpp"
-#include "veridyn/model/effect_names.hpp"
+#include "model/effect_names.hpp"
 
 namespace veridyn {
 namespace {

@@ -7,8 +7,8 @@
 #include "support/near.hpp"
 #include "support/sample_arms.hpp"
 #include "veridyn/kinematics/kinematics.hpp"
-#include "veridyn/math/output_file.hpp"
-#include "veridyn/model/joint_placement.hpp"
+#include "math/output_file.hpp"
+#include "model/joint_placement.hpp"
 #include "veridyn/model/model_file.hpp"
 #include "veridyn/model/urdf.hpp"
 

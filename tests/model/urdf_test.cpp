@@ -9,7 +9,7 @@
 
 #include "support/near.hpp"
 #include "veridyn/kinematics/kinematics.hpp"
-#include "veridyn/math/output_file.hpp"
+#include "math/output_file.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/model_file.hpp"
 

@@ -9,7 +9,7 @@
 #include "veridyn/dynamics/rigid_body_dynamics.hpp"
 #include "veridyn/effects/effect.hpp"
 #include "veridyn/math/require.hpp"
-#include "veridyn/simulation/rotors_at_zero.hpp"
+#include "simulation/rotors_at_zero.hpp"
 
 namespace veridyn {
 namespace {

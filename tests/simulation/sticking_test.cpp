@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "simulation/plant_forces.hpp"
+#include "simulation/plant/plant_forces.hpp"
 #include "simulation/plant_support.hpp"
 #include "support/near.hpp"
 #include "veridyn/dynamics/rigid_body_dynamics.hpp"

@@ -13,22 +13,33 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// math < model < kinematics < dynamics < effects < {identification < diagnosis | excitation |
-// simulation | control}
-//      < cooperation < dvrk, report < cli: what stands in a folder's set is what it may include beside itself.
+// The layers of the house. What stands in a folder's set is what it may include beside itself:
+//   math < model < kinematics < dynamics < effects < regressor,  model < recordings,
+//   {identification < {diagnosis | comparison} | excitation | simulation | control | calibration}
+//     < cooperation < {dvrk | report} < cli.
 const std::map<std::string, std::set<std::string>>& below() {
   static const std::map<std::string, std::set<std::string>> kBelow = [] {
     std::map<std::string, std::set<std::string>> all;
     std::set<std::string> sofar;
-    for (const char* folder : {"math", "model", "kinematics", "dynamics", "effects"}) {
+    for (const char* folder : {"math", "model"}) {
       all[folder] = sofar;
       sofar.insert(folder);
     }
-    for (const char* folder : {"identification", "excitation", "simulation", "control"})
+    all["recordings"] = sofar;
+    for (const char* folder : {"kinematics", "dynamics", "effects", "regressor"}) {
       all[folder] = sofar;
-    all["diagnosis"] = sofar;
-    all["diagnosis"].insert("identification");
-    sofar.insert({"identification", "diagnosis", "excitation", "simulation", "control"});
+      sofar.insert(folder);
+    }
+    sofar.insert("recordings");
+    for (const char* folder :
+         {"identification", "excitation", "simulation", "control", "calibration"})
+      all[folder] = sofar;
+    for (const char* folder : {"diagnosis", "comparison"}) {
+      all[folder] = sofar;
+      all[folder].insert("identification");
+    }
+    sofar.insert({"identification", "diagnosis", "comparison", "excitation", "simulation",
+                  "control", "calibration"});
     all["cooperation"] = sofar;
     sofar.insert("cooperation");
     all["dvrk"] = sofar;

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "support/random.hpp"
-#include "veridyn/math/dual.hpp"
+#include "math/dual.hpp"
 #include "veridyn/model/model.hpp"
 
 // Energy of an arm, written down from poses alone and without any of the library's recursions:

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "veridyn/identification/identification.hpp"
-#include "veridyn/identification/recording_quality.hpp"
+#include "veridyn/recordings/recording_quality.hpp"
 
 namespace veridyn {
 

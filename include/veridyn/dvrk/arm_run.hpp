@@ -6,8 +6,8 @@
 
 #include "veridyn/dvrk/arm_session.hpp"
 #include "veridyn/dvrk/motion_controller.hpp"
-#include "veridyn/identification/recording.hpp"
-#include "veridyn/kinematics/motion_samples.hpp"
+#include "veridyn/recordings/recording.hpp"
+#include "veridyn/math/motion_samples.hpp"
 #include "veridyn/simulation/control_loop.hpp"
 
 namespace veridyn::dvrk {

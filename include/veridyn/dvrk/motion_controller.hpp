@@ -4,7 +4,7 @@
 
 #include "veridyn/control/computed_torque.hpp"
 #include "veridyn/dvrk/arm_units.hpp"
-#include "veridyn/kinematics/motion_samples.hpp"
+#include "veridyn/math/motion_samples.hpp"
 #include "veridyn/math/types.hpp"
 
 namespace veridyn::dvrk {

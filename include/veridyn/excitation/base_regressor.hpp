@@ -3,7 +3,7 @@
 #include <memory>
 #include <vector>
 
-#include "veridyn/kinematics/motion_samples.hpp"
+#include "veridyn/math/motion_samples.hpp"
 #include "veridyn/model/model.hpp"
 
 namespace veridyn {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "veridyn/kinematics/motion_samples.hpp"
+#include "veridyn/math/motion_samples.hpp"
 #include "veridyn/math/types.hpp"
 
 namespace veridyn {

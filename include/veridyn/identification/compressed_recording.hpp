@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "veridyn/identification/recording_period.hpp"
+#include "veridyn/recordings/recording_period.hpp"
 #include "veridyn/identification/regressor_columns.hpp"
 #include "veridyn/math/square_root_information.hpp"
 

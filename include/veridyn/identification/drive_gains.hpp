@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "veridyn/identification/preprocessing.hpp"
+#include "veridyn/recordings/preprocessing.hpp"
 #include "veridyn/model/model.hpp"
 
 namespace veridyn {

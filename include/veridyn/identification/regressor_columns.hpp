@@ -7,7 +7,7 @@
 
 #include "veridyn/dynamics/regressor_batch.hpp"
 #include "veridyn/identification/parameter_set.hpp"
-#include "veridyn/identification/preprocessing.hpp"
+#include "veridyn/recordings/preprocessing.hpp"
 
 namespace veridyn {
 

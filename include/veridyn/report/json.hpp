@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "veridyn/identification/identification.hpp"
-#include "veridyn/identification/recording_quality.hpp"
+#include "veridyn/recordings/recording_quality.hpp"
 #include "veridyn/report/robot_info.hpp"
 
 namespace veridyn {

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "veridyn/kinematics/motion_samples.hpp"
+#include "veridyn/math/motion_samples.hpp"
 #include "veridyn/simulation/hidden_effect.hpp"
 #include "veridyn/simulation/plant.hpp"
 

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "veridyn/kinematics/motion_samples.hpp"
+#include "veridyn/math/motion_samples.hpp"
 #include "veridyn/model/model.hpp"
 #include "veridyn/simulation/hidden_effect.hpp"
 #include "veridyn/simulation/sensor_noise.hpp"

@@ -1,0 +1,184 @@
+#include "comparison/matched_base.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <unordered_map>
+
+#include "comparison/model_structure.hpp"
+#include "veridyn/effects/effect.hpp"
+#include "veridyn/identification/base_parameters.hpp"
+#include "math/dense.hpp"
+#include "veridyn/math/require.hpp"
+
+namespace veridyn {
+namespace {
+
+constexpr double kFromValues = 1e-6;  // how well a file's base parameters follow from its values
+constexpr double kSameMotion = 0.2;   // of the spread over clusters, that two motions may differ by
+constexpr double kInSpan = 1e-5;      // part of a combination that may be left over
+
+VectorXd values_of(const Model& arm, const std::vector<StandardParameter>& parameters) {
+  require(arm.inertial_values().has_value(), "compare: found a body without values in robot '",
+          arm.name(), "', expected a model that identify or diagnose wrote.");
+  for (const EffectTerm& term : arm.effects()) {
+    require(BoundEffect(arm, term).has_values(), "compare: found effect '", term.effect,
+            "' without values in robot '", arm.name(),
+            "', expected a model that identify or diagnose wrote.");
+  }
+  VectorXd out(static_cast<Eigen::Index>(parameters.size()));
+  for (std::size_t j = 0; j < parameters.size(); ++j)
+    out[static_cast<Eigen::Index>(j)] = parameters[j].value;
+  return out;
+}
+
+std::string expression_of(const VectorXd& row, Eigen::Index leading,
+                          const std::vector<StandardParameter>& parameters) {
+  std::string out = parameters[static_cast<std::size_t>(leading)].name;
+  for (Eigen::Index j = 0; j < row.size(); ++j) {
+    if (j == leading || row[j] == 0.0) continue;
+    const std::string size = fmt::format("{:.6g}", std::abs(row[j]));
+    out += row[j] < 0.0 ? " - " : " + ";
+    out += (size == "1" ? "" : size + " ") + parameters[static_cast<std::size_t>(j)].name;
+  }
+  return out;
+}
+
+// From the section of the file; false (with a note) if it does not belong to the file's values.
+bool take_identified(const IdentifiedBase& file, const std::vector<StandardParameter>& parameters,
+                     const VectorXd& values, BaseNumbers& out) {
+  std::unordered_map<std::string, Eigen::Index> index;
+  for (std::size_t j = 0; j < parameters.size(); ++j)
+    index.emplace(parameters[j].name, static_cast<Eigen::Index>(j));
+  const auto rows = static_cast<Eigen::Index>(file.parameters.size());
+  out.K = MatrixXd::Zero(rows, values.size());
+  out.free.resize(rows);
+  out.scatter.resize(rows, file.parameters.front().scatter.size());
+  for (Eigen::Index r = 0; r < rows; ++r) {
+    const IdentifiedParameter& p = file.parameters[static_cast<std::size_t>(r)];
+    double sum = 0.0;
+    double size = std::abs(p.value);
+    for (const auto& [name, coefficient] : p.combination) {
+      const auto found = index.find(name);
+      if (found == index.end()) {
+        out.note = "its statistics name '" + name + "', which the model does not have";
+        return false;
+      }
+      out.K(r, found->second) = coefficient;
+      sum += coefficient * values[found->second];
+      size += std::abs(coefficient * values[found->second]);
+    }
+    if (std::abs(sum - p.value) > kFromValues * size) {
+      out.note = "its values were changed after the identification (" + p.name + ")";
+      return false;
+    }
+    out.leading.push_back(static_cast<int>(index.at(p.name)));
+    out.free[r] = p.free;
+    out.scatter.row(r) = p.scatter.transpose();
+  }
+  out.clusters = file.clusters;
+  if (out.scatter.cols() == out.clusters) out.motion = file.motion;
+  return true;
+}
+
+// The same combinations written so that each has a one at its own leading parameter and a zero at
+// those of the others, as identify writes them: x with K x = beta is then beta at the leading ones.
+void make_canonical(BaseNumbers& numbers) {
+  const auto count = numbers.K.rows();
+  MatrixXd leading(count, count);
+  for (Eigen::Index r = 0; r < count; ++r)
+    leading.col(r) = numbers.K.col(numbers.leading[static_cast<std::size_t>(r)]);
+  if (leading.isIdentity(1e-9)) return;
+  const auto solve = [&leading](MatrixXd& columns) {
+    for (Eigen::Index c = 0; c < columns.cols(); ++c)
+      columns.col(c) = least_norm(leading, columns.col(c));
+  };
+  solve(numbers.K);
+  solve(numbers.scatter);
+  numbers.free = least_norm(leading, numbers.free);
+}
+
+void take_values(const Model& arm, const VectorXd& values, BaseNumbers& out) {
+  const BaseParameters base = base_parameters(arm);
+  out.K = base.K;
+  out.leading = base.independent;
+  out.free = base.K * values;
+  out.scatter.resize(base.size(), 0);
+}
+
+}  // namespace
+
+BaseNumbers base_numbers(const Model& arm) {
+  const std::vector<StandardParameter> parameters = standard_parameters(arm);
+  const VectorXd values = values_of(arm, parameters);
+  const std::optional<IdentifiedBase>& file = arm.description().identified;
+  BaseNumbers out;
+  if (!file || !file->has_scatter() || !take_identified(*file, parameters, values, out)) {
+    if (file && !file->has_scatter())
+      out.note = fmt::format("{} clusters are too few for statistics", file->clusters);
+    out.leading.clear();
+    take_values(arm, values, out);
+  }
+  make_canonical(out);
+  for (Eigen::Index r = 0; r < out.K.rows(); ++r) {
+    const int leading = out.leading[static_cast<std::size_t>(r)];
+    const StandardParameter& p = parameters[static_cast<std::size_t>(leading)];
+    out.names.push_back(p.name);
+    out.units.push_back(p.unit);
+    out.expressions.push_back(expression_of(out.K.row(r).transpose(), leading, parameters));
+  }
+  return out;
+}
+
+bool same_motion(const BaseNumbers& a, const BaseNumbers& b) {
+  if (a.motion.rows() == 0 || a.motion.rows() != b.motion.rows()) return false;
+  const auto spread = [](const MatrixXd& m) { return (m.rowwise() - m.colwise().mean()).norm(); };
+  return (a.motion - b.motion).norm() < kSameMotion * std::max(spread(a.motion), spread(b.motion));
+}
+
+MatchedBase matched_base(const Model& before, const BaseNumbers& a, const Model& after,
+                         const BaseNumbers& b, const VectorRef& scale_before,
+                         const VectorRef& scale_after) {
+  const MatchingNames names = matching_names(before, after);
+  std::unordered_map<std::string, Eigen::Index> column;
+  std::vector<double> scale;
+  const auto columns_of = [&](const std::vector<std::string>& of, const VectorRef& sizes) {
+    std::vector<Eigen::Index> out;
+    for (std::size_t j = 0; j < of.size(); ++j) {
+      const auto [at, fresh] = column.emplace(of[j], static_cast<Eigen::Index>(column.size()));
+      if (fresh) scale.push_back(sizes[static_cast<Eigen::Index>(j)]);
+      out.push_back(at->second);
+    }
+    return out;
+  };
+  const std::vector<Eigen::Index> at_a = columns_of(names.before, scale_before);
+  const std::vector<Eigen::Index> at_b = columns_of(names.after, scale_after);
+  // Columns of combinations, all scaled alike, over the parameters of both.
+  const auto scaled = [&](const MatrixXd& K, const std::vector<Eigen::Index>& at) {
+    MatrixXd out = MatrixXd::Zero(static_cast<Eigen::Index>(scale.size()), K.rows());
+    for (std::size_t j = 0; j < at.size(); ++j)
+      out.row(at[j]) =
+          scale[static_cast<std::size_t>(at[j])] * K.col(static_cast<Eigen::Index>(j)).transpose();
+    return out;
+  };
+  const MatrixXd in_a = scaled(a.K, at_a);
+  const MatrixXd in_b = scaled(b.K, at_b);
+  MatchedBase out;
+  for (Eigen::Index r = 0; r < in_a.cols(); ++r) {
+    const VectorXd w = least_norm(in_b, in_a.col(r));
+    if ((in_b * w - in_a.col(r)).norm() > kInSpan * in_a.col(r).norm()) {
+      out.only_before.push_back(a.expressions[static_cast<std::size_t>(r)]);
+      continue;
+    }
+    out.parameters.push_back({static_cast<int>(r), a.free[r], w.dot(b.free),
+                              a.scatter.row(r).transpose(), b.scatter.transpose() * w});
+  }
+  for (Eigen::Index r = 0; r < in_b.cols(); ++r) {
+    const VectorXd w = least_norm(in_a, in_b.col(r));
+    if ((in_a * w - in_b.col(r)).norm() > kInSpan * in_b.col(r).norm())
+      out.only_after.push_back(b.expressions[static_cast<std::size_t>(r)]);
+  }
+  return out;
+}
+
+}  // namespace veridyn

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "veridyn/comparison/model_comparison.hpp"
+#include "veridyn/model/model.hpp"
+
+namespace veridyn {
+
+/// @throws InvalidInput  coordinates, frames or bodies differ: these are two robots.
+void require_one_arm(const Model& before, const Model& after);
+
+/// Effects, shapes, constants, gravity, drive gains and facts that differ.
+std::vector<StructureDifference> structure_differences(const Model& before, const Model& after);
+
+/// Names of all standard parameters of both models, alike where they mean the same thing. They do
+/// not depend on the values of shape constants: an effect that stands twice on one axis is numbered
+/// in the order of its constants. Bodies do not match where frames stand elsewhere, effects where a
+/// constant differs by more than a fifth.
+struct MatchingNames {
+  std::vector<std::string> before, after;
+};
+MatchingNames matching_names(const Model& before, const Model& after);
+
+}  // namespace veridyn

@@ -1,0 +1,66 @@
+#include "diagnosis/causes/extended_arm.hpp"
+
+#include <algorithm>
+#include <string>
+
+#include "veridyn/effects/effect.hpp"
+#include "veridyn/identification/arm_effects.hpp"
+
+namespace veridyn {
+namespace {
+
+void add_load(const FoundCause& found, int joints, ModelDescription& d) {
+  const auto known = [&d](const std::string& name) {
+    return std::any_of(d.frames.begin(), d.frames.end(),
+                       [&name](const Frame& f) { return f.name == name; });
+  };
+  Frame load;
+  load.name = "payload";
+  for (int count = 2; known(load.name); ++count) load.name = "payload_" + std::to_string(count);
+  load.parent = found.hypothesis.frame;
+  load.variable.coefficients = VectorXd::Zero(joints);
+  load.body = Body{};
+  load.body->phi = found.load;
+  d.frames.push_back(std::move(load));
+}
+
+void change(EffectTerm& own, const std::vector<double>& by) {
+  const std::vector<EffectParameter> parameters = find_effect(own.effect).parameters();
+  for (size_t p = 0; p < parameters.size(); ++p) {
+    double& value = own.values[parameters[p].name];
+    value += by[p];
+    if (parameters[p].sign == ParameterSign::kNonnegative) value = std::max(value, 0.0);
+  }
+  own.deviations.clear();
+}
+
+EffectTerm with_values(EffectTerm term, const std::vector<double>& values) {
+  const std::vector<EffectParameter> parameters = find_effect(term.effect).parameters();
+  for (size_t p = 0; p < parameters.size(); ++p) term.values[parameters[p].name] = values[p];
+  return term;
+}
+
+}  // namespace
+
+Model extended_arm(const Model& arm, const std::vector<FoundCause>& found, bool changes) {
+  ModelDescription d = arm.description();
+  if (changes) d.identified.reset();  // statistics of values that are no longer there
+  for (const FoundCause& f : found) {
+    const Hypothesis& h = f.hypothesis;
+    if (h.body >= 0) {
+      add_load(f, arm.joints(), d);
+    } else if (h.changes >= 0) {
+      change(d.effects[static_cast<size_t>(h.changes)], f.values);
+    } else if (!is_arm_effect(h.effect)) {
+      d.effects.push_back(changes ? with_values(f.term, f.values) : f.term);
+    }
+  }
+  Model out(std::move(d));
+  for (const FoundCause& f : found) {
+    if (f.hypothesis.body < 0 && f.hypothesis.changes < 0 && is_arm_effect(f.hypothesis.effect))
+      out = with_arm_effect(out, f.term, f.values);
+  }
+  return out;
+}
+
+}  // namespace veridyn

@@ -1,0 +1,87 @@
+#include "diagnosis/causes/ripple.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+
+namespace veridyn {
+namespace {
+
+constexpr double kWavesPerTravel = 3.0;  // fewer look like any smooth function of position
+constexpr double kFinestWaves = 600.0;   // per travel
+constexpr double kStep = 0.5;            // of the grid, in waves per travel
+constexpr double kProminence = 4.0;      // of a peak's amplitude over the median of the spectrum
+constexpr Eigen::Index kSamples = 4000;  // of all recordings together
+
+struct Cloud {
+  std::vector<double> s, r;
+};
+
+// Position and residual of one joint, samples at which it moves; what a smooth function of position
+// and the direction of motion explain is taken away by bins.
+Cloud cloud_of(const Identification& id, size_t joint) {
+  Cloud out;
+  size_t total = 0;
+  for (const RecordingError& recording : id.train) total += recording.series.time.size();
+  const size_t step = std::max<size_t>(1, total / static_cast<size_t>(kSamples));
+  for (const RecordingError& recording : id.train) {
+    const PredictionSeries& x = recording.series;
+    if (joint >= x.q.size()) continue;
+    for (size_t k = 0; k < x.time.size(); k += step) {
+      out.s.push_back(x.q[joint][k]);
+      out.r.push_back(x.measured[joint][k] - x.modelled[joint][k]);
+    }
+  }
+  return out;
+}
+
+double amplitude(const Cloud& c, double order) {
+  std::complex<double> sum = 0.0;
+  const double n = static_cast<double>(c.s.size());
+  for (size_t k = 0; k < c.s.size(); ++k) sum += c.r[k] * std::polar(1.0, -order * c.s[k]);
+  return 2.0 * std::abs(sum) / n;
+}
+
+std::vector<double> peaks(const Cloud& c, int most) {
+  if (c.s.size() < 100) return {};
+  const auto [low, high] = std::minmax_element(c.s.begin(), c.s.end());
+  const double travel = *high - *low;
+  if (travel <= 0.0) return {};
+  const double unit = 2.0 * M_PI / travel;  // one wave per travel
+  std::vector<double> orders;
+  std::vector<double> sizes;
+  for (double waves = kWavesPerTravel; waves < kFinestWaves; waves += kStep) {
+    orders.push_back(waves * unit);
+    sizes.push_back(amplitude(c, orders.back()));
+  }
+  std::vector<double> sorted = sizes;
+  std::nth_element(sorted.begin(), sorted.begin() + static_cast<long>(sorted.size() / 2),
+                   sorted.end());
+  const double floor = kProminence * sorted[sorted.size() / 2];
+  std::vector<std::pair<double, double>> found;
+  for (size_t k = 1; k + 1 < sizes.size(); ++k) {
+    if (sizes[k] < floor || sizes[k] < sizes[k - 1] || sizes[k] < sizes[k + 1]) continue;
+    // The top of the parabola through three points.
+    const double bend = sizes[k - 1] - 2.0 * sizes[k] + sizes[k + 1];
+    const double shift = bend < 0.0 ? 0.5 * (sizes[k - 1] - sizes[k + 1]) / bend : 0.0;
+    found.emplace_back(sizes[k], orders[k] + shift * kStep * unit);
+  }
+  std::sort(found.rbegin(), found.rend());
+  std::vector<double> out;
+  for (const auto& [size, order] : found) {
+    if (static_cast<int>(out.size()) < most) out.push_back(order);
+  }
+  return out;
+}
+
+}  // namespace
+
+std::vector<std::vector<double>> ripple_orders(const Identification& id, int most) {
+  std::vector<std::vector<double>> out;
+  if (!id.model) return out;
+  for (int i = 0; i < id.model->joints(); ++i)
+    out.push_back(peaks(cloud_of(id, static_cast<size_t>(i)), most));
+  return out;
+}
+
+}  // namespace veridyn

@@ -1,0 +1,172 @@
+#include "diagnosis/causes/snags.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace veridyn {
+namespace {
+
+constexpr int kBins = 40;              // of the travel of all recordings
+constexpr int kFewest = 6;             // samples of a bin in either direction
+constexpr double kMovingShare = 0.03;  // of the largest speed: slower says nothing about friction
+constexpr double kProminence = 6.0;    // over the scatter between recordings
+constexpr double kTorqueShare = 0.2;   // of the joint's rms torque: smaller may be anything
+constexpr double kWidest = 0.4;        // of the travel; wider is friction of its own
+constexpr double kMargin = 0.5;        // bins on either side
+
+double median(std::vector<double> v) {
+  if (v.empty()) return 0.0;
+  const auto middle = v.begin() + static_cast<long>(v.size() / 2);
+  std::nth_element(v.begin(), middle, v.end());
+  return *middle;
+}
+
+struct Way {
+  double low = std::numeric_limits<double>::infinity();
+  double high = -std::numeric_limits<double>::infinity();
+  double speed = 0.0;
+  double torque2 = 0.0;
+  double samples = 0.0;
+
+  int bin(double q) const {
+    const double share = (q - low) / std::max(high - low, 1e-12);
+    return std::clamp(static_cast<int>(share * kBins), 0, kBins - 1);
+  }
+  double edge(double bin) const { return low + bin * (high - low) / kBins; }
+};
+
+Way way_of(const std::vector<const RecordingError*>& all, size_t joint) {
+  Way way;
+  for (const RecordingError* r : all) {
+    for (size_t k = 0; k < r->series.time.size(); ++k) {
+      way.low = std::min(way.low, r->series.q[joint][k]);
+      way.high = std::max(way.high, r->series.q[joint][k]);
+      way.speed = std::max(way.speed, std::abs(r->series.dq[joint][k]));
+      way.torque2 += std::pow(r->series.measured[joint][k], 2);
+      way.samples += 1.0;
+    }
+  }
+  return way;
+}
+
+// Half the difference of the mean residuals to and fro, per bin; NaN where one is missing.
+std::vector<double> friction_by_place(const PredictionSeries& x, size_t joint, const Way& way) {
+  std::vector<double> sum[2] = {std::vector<double>(kBins), std::vector<double>(kBins)};
+  std::vector<int> count[2] = {std::vector<int>(kBins), std::vector<int>(kBins)};
+  for (size_t k = 0; k < x.time.size(); ++k) {
+    const double v = x.dq[joint][k];
+    if (std::abs(v) < kMovingShare * way.speed) continue;
+    const int side = v > 0.0 ? 1 : 0;
+    const auto bin = static_cast<size_t>(way.bin(x.q[joint][k]));
+    sum[side][bin] += x.measured[joint][k] - x.modelled[joint][k];
+    ++count[side][bin];
+  }
+  std::vector<double> out(kBins, std::numeric_limits<double>::quiet_NaN());
+  for (size_t b = 0; b < out.size(); ++b) {
+    if (count[0][b] < kFewest || count[1][b] < kFewest) continue;
+    out[b] = 0.5 * (sum[1][b] / count[1][b] - sum[0][b] / count[0][b]);
+  }
+  return out;
+}
+
+// Friction above the median of the recordings, place by place.
+std::vector<std::vector<double>> excess(std::vector<std::vector<double>> friction) {
+  for (size_t b = 0; b < kBins; ++b) {
+    std::vector<double> here;
+    for (const auto& f : friction) {
+      if (std::isfinite(f[b])) here.push_back(f[b]);
+    }
+    const double usual = median(here);
+    for (auto& f : friction)
+      f[b] = here.size() >= 3 ? f[b] - usual : std::numeric_limits<double>::quiet_NaN();
+  }
+  return friction;
+}
+
+void snags_of(const std::vector<const RecordingError*>& all, size_t joint, std::vector<Snag>& out) {
+  const Way way = way_of(all, joint);
+  if (!(way.high > way.low)) return;
+  std::vector<std::vector<double>> friction;
+  for (const RecordingError* r : all) friction.push_back(friction_by_place(r->series, joint, way));
+  friction = excess(std::move(friction));
+  std::vector<double> sizes;
+  for (const auto& f : friction) {
+    for (const double e : f) {
+      if (std::isfinite(e)) sizes.push_back(std::abs(e));
+    }
+  }
+  const double limit = std::max(kProminence * 1.4826 * median(sizes),
+                                kTorqueShare * std::sqrt(way.torque2 / way.samples));
+  for (size_t r = 0; r < all.size(); ++r) {
+    for (int b = 0; b < kBins; ++b) {
+      if (!(friction[r][static_cast<size_t>(b)] > limit)) continue;
+      int end = b + 1;
+      double sum = friction[r][static_cast<size_t>(b)];
+      // On as long as it stays above half of the limit.
+      while (end < kBins && friction[r][static_cast<size_t>(end)] > 0.5 * limit)
+        sum += friction[r][static_cast<size_t>(end++)];
+      int begin = b;
+      while (begin > 0 && friction[r][static_cast<size_t>(begin - 1)] > 0.5 * limit)
+        sum += friction[r][static_cast<size_t>(--begin)];
+      b = end;
+      if (end - begin > kWidest * kBins) continue;
+      out.push_back({all[r]->source, static_cast<int>(joint), way.edge(begin - kMargin),
+                     way.edge(end + kMargin), sum / (end - begin)});
+    }
+  }
+}
+
+std::vector<const RecordingError*> all_of(const Identification& id) {
+  std::vector<const RecordingError*> out;
+  for (const RecordingError& r : id.train) out.push_back(&r);
+  for (const RecordingError& r : id.test) {
+    const bool known = std::any_of(out.begin(), out.end(), [&](const RecordingError* other) {
+      return other->source == r.source;
+    });
+    if (!known) out.push_back(&r);
+  }
+  return out;
+}
+
+}  // namespace
+
+std::vector<Snag> find_snags(const Identification& id) {
+  std::vector<Snag> out;
+  const std::vector<const RecordingError*> all = all_of(id);
+  if (all.size() < 3 || !id.model) return out;
+  for (int i = 0; i < id.model->joints(); ++i) snags_of(all, static_cast<size_t>(i), out);
+  return out;
+}
+
+std::string snag_text(const Snag& snag, const Coordinate& joint) {
+  const double thousand = 1e3;
+  return fmt::format(
+      "a snag: joint {} ({}) has {:.2g} {} more friction between {:.0f} and {:.0f} {} than in the "
+      "other "
+      "recordings; these rows are left out for this joint",
+      snag.joint + 1, joint.name, snag.friction, effort_unit(joint), thousand * snag.from,
+      thousand * snag.to, joint.prismatic ? "mm" : "mrad");
+}
+
+std::vector<LeftOut> left_out_rows(const std::vector<Snag>& snags, const Identification& id) {
+  std::vector<LeftOut> out;
+  for (const RecordingError* r : all_of(id)) {
+    const PredictionSeries& x = r->series;
+    for (const Snag& snag : snags) {
+      if (snag.source != r->source) continue;
+      const std::vector<double>& q = x.q[static_cast<size_t>(snag.joint)];
+      for (size_t k = 0; k < q.size(); ++k) {
+        if (q[k] < snag.from || q[k] > snag.to) continue;
+        const double begin = x.time[k];
+        while (k + 1 < q.size() && q[k + 1] >= snag.from && q[k + 1] <= snag.to) ++k;
+        out.push_back({snag.source, snag.joint, begin, x.time[k], "snag"});
+      }
+    }
+  }
+  return out;
+}
+
+}  // namespace veridyn

@@ -1,0 +1,122 @@
+#include "diagnosis/causes/wrong_constant.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <utility>
+
+#include "veridyn/math/student_t.hpp"
+
+namespace veridyn {
+namespace {
+
+// A cause that gains this share of a wrong constant's gain is named as its weaker rival.
+constexpr double kWeaker = 0.3;
+// An encoder's zero that explains nearly as much is the commoner cause.
+constexpr double kSameAsZero = 0.93;
+
+// How well the best effect would do in place of a wrong constant, and which ones come near.
+std::vector<std::pair<Hypothesis, double>> effects_instead(const Inquiry& q,
+                                                           const NormalBlocks& data,
+                                                           const DiagnosisOptions& options) {
+  DiagnosisOptions none = options;
+  none.max_effects = 0;
+  const Selection asked = select_effects(data, q.base, q.augmented.hypotheses, none);
+  std::vector<Evidence> all = asked.last_asked;
+  std::sort(all.begin(), all.end(),
+            [](const Evidence& a, const Evidence& b) { return a.gain > b.gain; });
+  std::vector<std::pair<Hypothesis, double>> out;
+  std::set<std::string> named;
+  for (const Evidence& e : all) {
+    const Hypothesis& h = q.augmented.hypotheses[static_cast<size_t>(e.hypothesis)];
+    if (e.absorbed || e.sign_broken || !named.insert(h.family).second) continue;
+    out.emplace_back(h, e.gain);
+  }
+  return out;
+}
+
+// The held-out gain of correcting a constant, measured as every other gain is.
+double correction_gain(const Model& corrected, const Inquiry& q, const NormalBlocks& data,
+                       const std::vector<std::string>& train, const IdentificationOptions& how) {
+  const std::vector<CompressedRecording> factors =
+      compress_all(corrected, train, how.preprocessing, how.threads);
+  const std::vector<std::string> names = parameter_names(standard_parameters(corrected));
+  std::vector<std::string> columns;
+  ColumnSet base;
+  for (const int j : base_parameters(corrected).independent) {
+    base.push_back(static_cast<int>(columns.size()));
+    columns.push_back(names[static_cast<size_t>(j)]);
+  }
+  return fold_gain(data, q.base, NormalBlocks(factors, columns), base);
+}
+
+}  // namespace
+
+std::optional<Finding> wrong_constant(const Model& arm,
+                                      const std::vector<GeometryFinding>& geometry,
+                                      const Inquiry& q, const NormalBlocks& data,
+                                      const std::vector<std::string>& train,
+                                      const DiagnosisOptions& options) {
+  if (geometry.empty()) return std::nullopt;
+  GeometryFinding best = geometry.front();
+  const double profiled = best.gain;
+  best.gain = correction_gain(with_constant(arm, best.constant, best.found), q, data, train,
+                              options.identification);
+  if (best.gain < 2.0 * options.smallest_gain) return std::nullopt;
+  const auto instead = effects_instead(q, data, options);
+  if (!instead.empty() && best.gain < options.rival_share * instead.front().second)
+    return std::nullopt;
+  for (const auto& [h, gain] : instead) {
+    if (h.effect == "encoder_offset" && gain > kSameAsZero * best.gain) return std::nullopt;
+  }
+  Finding f;
+  f.rank = 1;
+  f.effect = "coupling_error";
+  const Frame& frame = arm.frames()[static_cast<size_t>(best.constant.frame)];
+  f.frame = frame.name;
+  int joint = 0;
+  for (int i = 0; i < arm.joints(); ++i) {
+    if (arm.moves(best.constant.frame, i)) joint = i;
+  }
+  f.joint = joint + 1;
+  f.coordinate = arm.coordinates()[static_cast<size_t>(joint)].name;
+  f.unit = best.constant.kind == GeometryConstant::Kind::kCoefficient ? "1"
+           : best.constant.angle                                      ? "rad"
+                                                                      : "m";
+  const double t = student_t_quantile(0.05, 7.0);
+  f.parameters.push_back({"value", f.unit, best.found, best.found - t * best.deviation,
+                          best.found + t * best.deviation});
+  f.parameters.push_back({"correction", f.unit, best.found - best.constant.value,
+                          best.found - best.constant.value - t * best.deviation,
+                          best.found - best.constant.value + t * best.deviation});
+  f.gain = best.gain;
+  f.p_value = best.deviation > 0.0
+                  ? student_t_two_sided((best.found - best.constant.value) / best.deviation, 7.0)
+                  : 0.05;
+  for (size_t k = 1; k < geometry.size(); ++k) {
+    if (geometry[k].gain < options.rival_share * profiled) continue;
+    f.rivals.push_back(
+        {"coupling_error", f.joint, f.coordinate,
+         "another constant, " + geometry[k].constant.name + ", would explain as much", ""});
+  }
+  for (const auto& [h, gain] : instead) {
+    if (gain < kWeaker * best.gain || f.rivals.size() > 5) break;
+    f.rivals.push_back(
+        {h.effect, h.joint + 1,
+         h.joint < 0 ? "arm" : arm.coordinates()[static_cast<size_t>(h.joint)].name,
+         fmt::format("hides it: alone it gains {:.0f} % as much", 100.0 * gain / best.gain), ""});
+  }
+  const bool angle = f.unit == "rad";
+  const auto shown = [&](double v) {
+    return angle ? fmt::format("{:.4g} deg", 180.0 / M_PI * v)
+                 : fmt::format("{:.5g} {}", v, f.unit);
+  };
+  f.sentence =
+      fmt::format("The robot file has a wrong constant: {} is {} there; the recordings ask for {}.",
+                  best.constant.name, shown(best.constant.value), shown(best.found));
+  return f;
+}
+
+}  // namespace veridyn

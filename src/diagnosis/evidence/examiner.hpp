@@ -1,0 +1,86 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "diagnosis/evidence/bordered_fit.hpp"
+#include "diagnosis/evidence/folds.hpp"
+#include "diagnosis/causes/hypotheses.hpp"
+#include "veridyn/diagnosis/diagnosis.hpp"
+
+namespace veridyn {
+
+/// What the data say of one hypothesis beside those already accepted.
+struct Evidence {
+  int hypothesis = -1;
+  double gain = 0.0;        ///< d: fall of the sum over joints of ln(held-out mean square error)
+  double fold_share = 0.0;  ///< of the folds, those that improve
+  bool consistent = false;  ///< enough of the folds improve
+  double p_value = 1.0;
+  bool taken = false;     ///< it is one of the accepted: there was nothing to ask
+  bool absorbed = false;  ///< its columns lie in the span of the others: these data cannot answer
+  bool sign_broken = false;  ///< a parameter has a sign that nature forbids, or is absurdly large
+};
+
+/// Column indices of a hypothesis; those of a body that the others do not span.
+ColumnSet columns_of(const NormalBlocks& data, const Hypothesis& hypothesis);
+
+/// Asks hypotheses one at a time, each beside a set of others that are taken for granted.
+class Examiner {
+ public:
+  /// @param base  columns that are always there (independent ones).
+  Examiner(const NormalBlocks& data, const ColumnSet& base,
+           const std::vector<Hypothesis>& hypotheses, const DiagnosisOptions& options);
+
+  /// The chosen columns, factored on all rows and on the rows outside of every fold.
+  struct Stand {
+    ColumnSet set;
+    VectorXd weights;
+    std::unique_ptr<BorderedFit> all;
+    std::vector<BorderedFit> folds;
+  };
+  std::unique_ptr<Stand> stand(const std::vector<int>& chosen) const;
+
+  /// Everything but the Wald test.
+  Evidence ask(int hypothesis, const Stand& before) const;
+
+  /// ask() of every hypothesis that is not chosen, beside the chosen ones.
+  std::vector<Evidence> ask_all(const std::vector<int>& chosen) const;
+
+  /// Whether ask() speaks for it.
+  bool passes(const Evidence& e) const;
+
+  /// The chosen columns on the rows outside of every cluster, for p_value().
+  std::vector<BorderedFit> without_clusters(const Stand& before) const;
+  double p_value(int hypothesis, const Stand& before,
+                 const std::vector<BorderedFit>& left_out) const;
+
+  /// The largest p value that counts.
+  double limit(int hypothesis) const;
+
+  /// Base and chosen columns.
+  ColumnSet set_with(const std::vector<int>& chosen) const;
+
+  /// Standard deviations of a fit, (set): the larger of two jackknifes, over clusters, and over
+  /// whole recordings where there are several, for what is systematic to one motion shows only
+  /// there. Scaled for a t distribution with `freedom`.
+  VectorXd deviations(const ColumnSet& set, const VectorXd& weights, double freedom) const;
+
+  const NormalBlocks& data() const { return data_; }
+  const Hypothesis& hypothesis(int h) const { return hypotheses_[static_cast<size_t>(h)]; }
+  int hypotheses() const { return static_cast<int>(hypotheses_.size()); }
+
+ private:
+  bool several_recordings() const { return data_.recording_of(data_.clusters() - 1) > 0; }
+  bool impossible(const Hypothesis& h, const ColumnSet& own, const VectorXd& values) const;
+
+  const NormalBlocks& data_;
+  const ColumnSet& base_;
+  const std::vector<Hypothesis>& hypotheses_;
+  const DiagnosisOptions& options_;
+  std::vector<NormalBlocks::Sums> folds_;
+  std::vector<ColumnSet> columns_;
+  double families_ = 1.0;
+};
+
+}  // namespace veridyn

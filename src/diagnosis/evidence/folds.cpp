@@ -1,0 +1,90 @@
+#include "diagnosis/evidence/folds.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace veridyn {
+namespace {
+
+constexpr int kMany = 4;  // recordings: enough to hold out one as a whole
+
+// Mean square of every joint on a fold, from the others.
+VectorXd held_out_error(const NormalBlocks& data, const ColumnSet& set, const VectorXd& w,
+                        const NormalBlocks::Sums& fold) {
+  const VectorXd x = data.solve(set, w, data.total(), &fold);
+  return data.residual2(set, x, fold).array() / fold.rows.array().max(1.0);
+}
+
+// The first and the second half of every recording's clusters.
+std::vector<std::vector<int>> halves(const std::vector<std::vector<int>>& recordings) {
+  std::vector<std::vector<int>> out;
+  for (const std::vector<int>& clusters : recordings) {
+    const auto middle = clusters.begin() + static_cast<long>(clusters.size() / 2);
+    for (const auto& [first, last] :
+         {std::make_pair(clusters.begin(), middle), {middle, clusters.end()}}) {
+      if (first != last) out.emplace_back(first, last);
+    }
+  }
+  return out;
+}
+
+}  // namespace
+
+std::vector<std::vector<int>> make_folds(const NormalBlocks& data) {
+  int recordings = 0;
+  for (int c = 0; c < data.clusters(); ++c)
+    recordings = std::max(recordings, data.recording_of(c) + 1);
+  std::vector<std::vector<int>> folds;
+  if (recordings == 1) {
+    for (int c = 0; c < data.clusters(); ++c) folds.push_back({c});
+    return folds;
+  }
+  folds.resize(static_cast<size_t>(recordings));
+  for (int c = 0; c < data.clusters(); ++c)
+    folds[static_cast<size_t>(data.recording_of(c))].push_back(c);
+  return recordings < kMany ? halves(folds) : folds;
+}
+
+NormalBlocks::Sums summed(const NormalBlocks& data, const std::vector<int>& clusters) {
+  NormalBlocks::Sums out = data.cluster(clusters.front());
+  for (size_t k = 1; k < clusters.size(); ++k) {
+    const NormalBlocks::Sums& next = data.cluster(clusters[k]);
+    for (size_t j = 0; j < out.G.size(); ++j) {
+      out.G[j] += next.G[j];
+      out.g[j] += next.g[j];
+    }
+    out.b2 += next.b2;
+    out.rows += next.rows;
+  }
+  return out;
+}
+
+VectorXd joint_weights(const NormalBlocks& data, const ColumnSet& set) {
+  const NormalBlocks::Sums& all = data.total();
+  VectorXd w = all.rows.array() / all.b2.array().max(1e-300);
+  for (int round = 0; round < 2; ++round) {
+    const VectorXd x = data.solve(set, w, all, nullptr);
+    w = all.rows.array() /
+        data.residual2(set, x, all).array().max(1e-12 * all.b2.array().max(1e-290));
+  }
+  return w;
+}
+
+double log_fall(const VectorXd& before, const VectorXd& after) {
+  return (before.array().max(1e-300).log() - after.array().max(1e-300).log()).sum();
+}
+
+double fold_gain(const NormalBlocks& before, const ColumnSet& base_before,
+                 const NormalBlocks& after, const ColumnSet& base_after) {
+  const VectorXd w_before = joint_weights(before, base_before);
+  const VectorXd w_after = joint_weights(after, base_after);
+  const auto folds = make_folds(before);
+  double sum = 0.0;
+  for (const auto& fold : folds) {
+    sum += log_fall(held_out_error(before, base_before, w_before, summed(before, fold)),
+                    held_out_error(after, base_after, w_after, summed(after, fold)));
+  }
+  return sum / static_cast<double>(folds.size());
+}
+
+}  // namespace veridyn

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <vector>
+
+#include "diagnosis/evidence/normal_blocks.hpp"
+
+namespace veridyn {
+
+/// Clusters that are held out together: whole recordings, of fewer than four the halves of each
+/// (the rest may move too little to say anything about a whole one), or the phases of the period of
+/// a single one.
+std::vector<std::vector<int>> make_folds(const NormalBlocks& data);
+
+/// What the clusters say together.
+NormalBlocks::Sums summed(const NormalBlocks& data, const std::vector<int>& clusters);
+
+/// One over the mean square residual of every joint, iterated.
+VectorXd joint_weights(const NormalBlocks& data, const ColumnSet& set);
+
+/// Fall of the sum over joints of ln(mean square).
+double log_fall(const VectorXd& before, const VectorXd& after);
+
+/// Mean over the held-out folds of that fall, from one model of the same recordings to another.
+double fold_gain(const NormalBlocks& before, const ColumnSet& base_before,
+                 const NormalBlocks& after, const ColumnSet& base_after);
+
+}  // namespace veridyn

@@ -1,0 +1,27 @@
+#include "diagnosis/evidence/held_out.hpp"
+
+#include <algorithm>
+
+namespace veridyn {
+namespace {
+
+// Sum over joints of the squared error above the noise floor: what a better model could remove.
+double removable(const VectorXd& error, const VectorXd& floor) {
+  const VectorXd below =
+      floor.size() == error.size() ? VectorXd(floor.cwiseAbs2()) : VectorXd::Zero(error.size());
+  return (error.cwiseAbs2() - below).cwiseMax(0.0).sum();
+}
+
+}  // namespace
+
+double explained_share(const VectorXd& before, const VectorXd& after,
+                       const Identification& baseline) {
+  if (before.size() == 0 || after.size() == 0) return 0.0;
+  const double all = removable(baseline.test_error.relative, baseline.noise_floor);
+  if (all <= 0.0) return 0.0;
+  return std::clamp(
+      (removable(before, baseline.noise_floor) - removable(after, baseline.noise_floor)) / all,
+      -1.0, 1.0);
+}
+
+}  // namespace veridyn

@@ -1,0 +1,265 @@
+#include "diagnosis/evidence/selection.hpp"
+
+#include <algorithm>
+#include <map>
+#include <memory>
+#include <numeric>
+#include <set>
+#include <string>
+
+#include "math/parallel.hpp"
+
+namespace veridyn {
+namespace {
+
+constexpr double kOwnCause = 0.5;
+constexpr double kListedOnJoint = 0.4;
+constexpr double kListed = 0.6;    // of the gain: rivals are named, with what they gain
+constexpr double kRefuting = 0.1;  // gain of a cause beside its rival that speaks against the rival
+constexpr int kTested = 6;         // best candidates that get a Wald test in every round
+
+class Selector {
+ public:
+  Selector(const NormalBlocks& data, const ColumnSet& base,
+           const std::vector<Hypothesis>& hypotheses, const DiagnosisOptions& options,
+           const std::vector<int>& initial)
+      : examiner_(data, base, hypotheses, options), options_(options) {
+    for (const int h : initial) {
+      Evidence e;
+      e.hypothesis = h;
+      accepted_.push_back({e});
+    }
+  }
+
+  // The accepted ones, fitted together.
+  Selection fitted() const {
+    Selection out;
+    out.accepted = accepted_;
+    out.columns = examiner_.set_with(chosen());
+    const NormalBlocks& data = examiner_.data();
+    const VectorXd w = joint_weights(data, out.columns);
+    const VectorXd x = data.solve(out.columns, w, data.total(), nullptr);
+    out.degrees_of_freedom = std::max(1, data.clusters() - 1);
+    const VectorXd std = examiner_.deviations(out.columns, w, out.degrees_of_freedom);
+    out.values.resize(x.size());
+    out.standard_deviations.resize(x.size());
+    for (Eigen::Index k = 0; k < x.size(); ++k) {
+      const double scale = std::max(data.scale()[out.columns[static_cast<size_t>(k)]], 1e-300);
+      out.values[k] = x[k] / scale;
+      out.standard_deviations[k] = std[k] / scale;
+    }
+    return out;
+  }
+
+  std::vector<int> drop_until_needed() {
+    while (!accepted_.empty()) {
+      size_t weakest = accepted_.size();
+      double least = 1e300;
+      for (size_t k = 0; k < accepted_.size(); ++k) {
+        std::vector<int> others = chosen();
+        const int own = others[k];
+        others.erase(others.begin() + static_cast<long>(k));
+        const Evidence e = examiner_.ask(own, *examiner_.stand(others));
+        const double worth = e.absorbed ? -1e300 : e.gain;
+        if (examiner_.passes(e) || worth >= least) continue;
+        least = worth;
+        weakest = k;
+      }
+      if (weakest == accepted_.size()) break;
+      accepted_.erase(accepted_.begin() + static_cast<long>(weakest));
+    }
+    return chosen();
+  }
+
+  Selection run() {
+    swap(accepted_.size());
+    while (static_cast<int>(accepted_.size()) < options_.max_effects && add_one())
+      swap(accepted_.size() - 1);
+    drop_superfluous();
+    return finish();
+  }
+
+ private:
+  std::vector<int> chosen() const {
+    std::vector<int> out;
+    for (const Accepted& a : accepted_) out.push_back(a.evidence.hypothesis);
+    return out;
+  }
+
+  // Of candidates in a tie the earlier stage wins, then the fewer parameters.
+  bool asked_earlier(const Evidence& a, const Evidence& b) const {
+    const Hypothesis& ha = examiner_.hypothesis(a.hypothesis);
+    const Hypothesis& hb = examiner_.hypothesis(b.hypothesis);
+    if (ha.stage != hb.stage) return ha.stage < hb.stage;
+    if (ha.columns.size() != hb.columns.size()) return ha.columns.size() < hb.columns.size();
+    return a.gain > b.gain;
+  }
+
+  bool add_one() {
+    std::vector<Evidence> all = examiner_.ask_all(chosen());
+    std::vector<Evidence> good;
+    for (const Evidence& e : all) {
+      if (examiner_.passes(e)) good.push_back(e);
+    }
+    std::sort(good.begin(), good.end(),
+              [](const Evidence& a, const Evidence& b) { return a.gain > b.gain; });
+    const std::unique_ptr<Examiner::Stand> before = examiner_.stand(chosen());
+    const std::vector<BorderedFit> left_out = examiner_.without_clusters(*before);
+    std::vector<Evidence> sure;
+    int tested = 0;
+    for (Evidence& e : good) {
+      if (tested++ >= kTested + static_cast<int>(sure.size()) ||
+          (!sure.empty() && e.gain < options_.rival_share * sure.front().gain))
+        break;
+      e.p_value = examiner_.p_value(e.hypothesis, *before, left_out);
+      if (e.p_value < examiner_.limit(e.hypothesis)) sure.push_back(e);
+    }
+    if (sure.empty()) return false;
+    Evidence best = sure.front();
+    for (const Evidence& e : sure) {
+      // A tie between families goes to the earlier question; within one family to the larger gain.
+      if (e.gain > 0.95 * sure.front().gain && asked_earlier(e, best)) best = e;
+    }
+    accepted_.push_back({best});
+    return true;
+  }
+
+  // An early choice gives way if another hypothesis does clearly better beside the later ones.
+  void swap(size_t early) {
+    for (size_t k = 0; k < early; ++k) {
+      std::vector<int> others = chosen();
+      const int own = others[k];
+      others.erase(others.begin() + static_cast<long>(k));
+      const std::vector<Evidence> all = examiner_.ask_all(others);
+      Evidence best = all[static_cast<size_t>(own)];
+      const double needed = std::max(best.gain, 0.0) + options_.smallest_gain;
+      for (const Evidence& e : all) {
+        if (examiner_.passes(e) && e.gain > std::max(needed, best.gain)) best = e;
+      }
+      if (best.hypothesis == own) continue;
+      const std::unique_ptr<Examiner::Stand> beside = examiner_.stand(others);
+      best.p_value =
+          examiner_.p_value(best.hypothesis, *beside, examiner_.without_clusters(*beside));
+      if (best.p_value < examiner_.limit(best.hypothesis)) accepted_[k].evidence = best;
+    }
+  }
+
+  void drop_superfluous() {
+    for (size_t k = accepted_.size(); k-- > 0;) {
+      std::vector<int> others = chosen();
+      const int own = others[k];
+      others.erase(others.begin() + static_cast<long>(k));
+      const std::unique_ptr<Examiner::Stand> beside = examiner_.stand(others);
+      const Evidence e = examiner_.ask(own, *beside);
+      if (!examiner_.passes(e)) {
+        accepted_.erase(accepted_.begin() + static_cast<long>(k));
+      } else {
+        accepted_[k].evidence.p_value =
+            std::min(accepted_[k].evidence.p_value,
+                     examiner_.p_value(own, *beside, examiner_.without_clusters(*beside)));
+      }
+    }
+  }
+
+  // Of the best hypothesis of every family that was asked and not accepted.
+  void give_p_values(std::vector<Evidence>& asked) const {
+    std::map<std::string, Evidence*> best;
+    for (Evidence& e : asked) {
+      if (e.taken || e.absorbed) continue;
+      Evidence*& of_family = best[examiner_.hypothesis(e.hypothesis).family];
+      if (of_family == nullptr || of_family->gain < e.gain) of_family = &e;
+    }
+    std::vector<Evidence*> list;
+    for (const auto& [family, e] : best) list.push_back(e);
+    const std::unique_ptr<Examiner::Stand> with = examiner_.stand(chosen());
+    const std::vector<BorderedFit> left_out = examiner_.without_clusters(*with);
+    parallel_for(static_cast<int>(list.size()), options_.identification.threads, [&](int k) {
+      Evidence& e = *list[static_cast<size_t>(k)];
+      e.p_value = examiner_.p_value(e.hypothesis, *with, left_out);
+    });
+  }
+
+  // Whether the accepted one is needed beside its rival as well, beyond doubt: the rival, which
+  // adds nothing beside it, is not the cause then (encompassing of models that are not nested).
+  bool refuted(const Evidence& rival, int own, std::vector<int> others) const {
+    others.push_back(rival.hypothesis);
+    const std::unique_ptr<Examiner::Stand> beside = examiner_.stand(others);
+    const Evidence e = examiner_.ask(own, *beside);
+    return examiner_.passes(e) && e.gain > kRefuting &&
+           examiner_.p_value(own, *beside, examiner_.without_clusters(*beside)) <
+               examiner_.limit(own);
+  }
+
+  // Rivals of an accepted hypothesis gain as much in its place, beside all others, and little once
+  // it is there: they explain the same. What still gains is a cause of its own.
+  void find_rivals(Selection& out) const {
+    const std::vector<int> all = chosen();
+    for (size_t k = 0; k < all.size(); ++k) {
+      std::vector<int> others = all;
+      others.erase(others.begin() + static_cast<long>(k));
+      const std::vector<Evidence> instead = examiner_.ask_all(others);
+      const double own_gain = instead[static_cast<size_t>(all[k])].gain;
+      std::set<std::string> named = {examiner_.hypothesis(all[k]).family};
+      std::vector<Evidence> rivals;
+      for (const Evidence& e : instead) {
+        const Evidence& left = out.last_asked[static_cast<size_t>(e.hypothesis)];
+        const bool same = left.absorbed || left.gain < kOwnCause * e.gain;
+        const bool one_joint =
+            examiner_.hypothesis(e.hypothesis).joint == examiner_.hypothesis(all[k]).joint;
+        const double least = one_joint ? kListedOnJoint : kListed;
+        if (!left.taken && same && examiner_.passes(e) && e.gain >= least * own_gain)
+          rivals.push_back(e);
+      }
+      std::sort(rivals.begin(), rivals.end(),
+                [](const Evidence& a, const Evidence& b) { return a.gain > b.gain; });
+      out.accepted[k].rivals.clear();
+      out.accepted[k].refuted.clear();
+      out.accepted[k].evidence.gain = own_gain;
+      for (const Evidence& e : rivals) {
+        // The best of a family speaks for it.
+        if (!named.insert(examiner_.hypothesis(e.hypothesis).family).second) continue;
+        Accepted& own = out.accepted[k];
+        (refuted(e, all[k], others) ? own.refuted : own.rivals).push_back(e);
+      }
+    }
+  }
+
+  Selection finish() {
+    Selection out = fitted();
+    out.last_asked = examiner_.ask_all(chosen());
+    find_rivals(out);
+    give_p_values(out.last_asked);
+    return out;
+  }
+
+  Examiner examiner_;
+  const DiagnosisOptions& options_;
+  std::vector<Accepted> accepted_;
+};
+
+std::vector<int> all_of(const std::vector<Hypothesis>& hypotheses) {
+  std::vector<int> out(hypotheses.size());
+  std::iota(out.begin(), out.end(), 0);
+  return out;
+}
+
+}  // namespace
+
+Selection refit(const NormalBlocks& data, const ColumnSet& base,
+                const std::vector<Hypothesis>& hypotheses, const DiagnosisOptions& options) {
+  return Selector(data, base, hypotheses, options, all_of(hypotheses)).fitted();
+}
+
+std::vector<int> still_needed(const NormalBlocks& data, const ColumnSet& base,
+                              const std::vector<Hypothesis>& hypotheses,
+                              const DiagnosisOptions& options) {
+  return Selector(data, base, hypotheses, options, all_of(hypotheses)).drop_until_needed();
+}
+
+Selection select_effects(const NormalBlocks& data, const ColumnSet& base,
+                         const std::vector<Hypothesis>& hypotheses, const DiagnosisOptions& options,
+                         const std::vector<int>& initial) {
+  return Selector(data, base, hypotheses, options, initial).run();
+}
+
+}  // namespace veridyn

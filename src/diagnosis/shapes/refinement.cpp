@@ -1,0 +1,144 @@
+#include "diagnosis/shapes/refinement.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <utility>
+
+#include "diagnosis/shapes/shape_search.hpp"
+
+namespace veridyn {
+namespace {
+
+constexpr double kTwins = 5.0;  // ratio of constants; memories farther apart are two
+
+// Two terms of one family whose constants lie near each other.
+std::optional<size_t> second_twin(const Inquiry& asked, const Selection& selection) {
+  const auto hypothesis = [&](size_t k) -> const Hypothesis& {
+    return asked.augmented
+        .hypotheses[static_cast<size_t>(selection.accepted[k].evidence.hypothesis)];
+  };
+  for (size_t second = 1; second < selection.accepted.size(); ++second) {
+    for (size_t first = 0; first < second; ++first) {
+      const Hypothesis& a = hypothesis(first);
+      const Hypothesis& b = hypothesis(second);
+      if (a.family != b.family || a.term < 0) continue;
+      const auto& effects = asked.augmented.model.effects();
+      bool near = true;
+      for (const auto& [key, value] : effects[static_cast<size_t>(a.term)].values) {
+        const auto other = effects[static_cast<size_t>(b.term)].values.find(key);
+        if (other == effects[static_cast<size_t>(b.term)].values.end() || value <= 0.0) continue;
+        near = near && std::abs(std::log(other->second / value)) < std::log(kTwins);
+      }
+      if (near) return second;
+    }
+  }
+  return std::nullopt;
+}
+
+ColumnSet all_columns(const Inquiry& q, const NormalBlocks& data) {
+  ColumnSet set = q.base;
+  for (const Hypothesis& h : q.augmented.hypotheses) {
+    const ColumnSet own = columns_of(data, h);
+    set.insert(set.end(), own.begin(), own.end());
+  }
+  return set;
+}
+
+// Two memories of one joint between two values of the grid may be one memory in between: one of
+// them goes if the other, refined alone, predicts held-out data as well.
+void merge_twins(const Identification& start, const Inquiry& asked, Selection& selection,
+                 bool changes, const std::vector<std::string>& train,
+                 const DiagnosisOptions& options) {
+  const IdentificationOptions& how = options.identification;
+  const auto refined = [&](const Selection& s) {
+    return prepare(start, refine_shapes(start, asked, s, changes, train, how).model, changes, train,
+                   {}, how);
+  };
+  std::optional<Inquiry> two;
+  while (const std::optional<size_t> second = second_twin(asked, selection)) {
+    if (!two) two.emplace(refined(selection));
+    Selection merged = selection;
+    merged.accepted.erase(merged.accepted.begin() + static_cast<long>(*second));
+    Inquiry one = refined(merged);
+    const NormalBlocks two_data(two->train, two->columns);
+    const NormalBlocks one_data(one.train, one.columns);
+    if (fold_gain(one_data, all_columns(one, one_data), two_data, all_columns(*two, two_data)) >
+        options.smallest_gain)
+      return;
+    selection = std::move(merged);
+    two.emplace(std::move(one));
+  }
+}
+
+// The best challenger of an accepted hypothesis that has constants of its own and no part yet.
+const Evidence* challenger(const Inquiry& asked, const Accepted& a, const std::set<int>& taken) {
+  const Evidence* best = nullptr;
+  for (const auto* list : {&a.rivals, &a.refuted}) {
+    for (const Evidence& e : *list) {
+      const Hypothesis& h = asked.augmented.hypotheses[static_cast<size_t>(e.hypothesis)];
+      if (!has_searched_shape(asked, h) || taken.count(e.hypothesis) != 0) continue;
+      if (best == nullptr || best->gain < e.gain) best = &e;
+    }
+  }
+  return best;
+}
+
+}  // namespace
+
+Fit fit_accepted(const Identification& start, const Inquiry& asked, Selection& selection,
+                 bool changes, const std::vector<std::string>& train,
+                 const std::vector<std::string>& test, const DiagnosisOptions& options) {
+  const IdentificationOptions& how = options.identification;
+  std::optional<Fit> fit;
+  std::vector<Shapes> known;
+  merge_twins(start, asked, selection, changes, train, options);
+  while (true) {
+    const RefinedShapes refined =
+        refine_shapes(start, asked, selection, changes, train, how, known);
+    fit.emplace(Fit{prepare(start, refined.model, changes, train, test, how), std::nullopt, {}});
+    fit->data.emplace(fit->inquiry.train, fit->inquiry.columns);
+    const std::vector<Hypothesis>& hypotheses = fit->inquiry.augmented.hypotheses;
+    const std::vector<int> needed =
+        refined.anything ? still_needed(*fit->data, fit->inquiry.base, hypotheses, options)
+                         : std::vector<int>();
+    if (!refined.anything || needed.size() == hypotheses.size()) {
+      fit->selection = refit(*fit->data, fit->inquiry.base, hypotheses, options);
+      fit->selection.shapes = refined.intervals;
+      return std::move(*fit);
+    }
+    std::vector<Accepted> kept;
+    known.clear();
+    for (const int k : needed) {
+      kept.push_back(selection.accepted[static_cast<size_t>(k)]);
+      known.push_back(refined.shapes[static_cast<size_t>(k)]);
+    }
+    selection.accepted = std::move(kept);
+  }
+}
+
+std::vector<std::pair<Hypothesis, EffectTerm>> refined_rivals(
+    const Identification& start, const Inquiry& asked, const Selection& selection, bool changes,
+    const std::vector<std::string>& train, const IdentificationOptions& how) {
+  Selection swapped = selection;
+  std::set<int> taken;
+  for (const Accepted& a : selection.accepted) taken.insert(a.evidence.hypothesis);
+  std::vector<size_t> places;
+  for (size_t k = 0; k < selection.accepted.size(); ++k) {
+    const Evidence* other = challenger(asked, selection.accepted[k], taken);
+    if (other == nullptr) continue;
+    taken.insert(other->hypothesis);
+    swapped.accepted[k].evidence.hypothesis = other->hypothesis;
+    places.push_back(k);
+  }
+  std::vector<std::pair<Hypothesis, EffectTerm>> out;
+  if (places.empty()) return out;
+  const AugmentedModel refined = refine_shapes(start, asked, swapped, changes, train, how).model;
+  for (const size_t k : places) {
+    const Hypothesis& h = refined.hypotheses[k];
+    out.emplace_back(h, refined.model.effects()[static_cast<size_t>(h.term)]);
+  }
+  return out;
+}
+
+}  // namespace veridyn

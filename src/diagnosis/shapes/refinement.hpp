@@ -1,0 +1,34 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "diagnosis/shapes/inquiry.hpp"
+
+namespace veridyn {
+
+/// What was accepted, fitted alone: hypothesis k is the k-th accepted one, with its constants
+/// refined.
+struct Fit {
+  Inquiry inquiry;
+  std::optional<NormalBlocks> data;
+  Selection selection;
+};
+
+/// Fits the accepted hypotheses together, their shape constants refined (see refine_shapes()). What
+/// is then no longer needed (a second memory that made up for the wrong distance of the first)
+/// leaves `selection`.
+Fit fit_accepted(const Identification& start, const Inquiry& asked, Selection& selection,
+                 bool changes, const std::vector<std::string>& train,
+                 const std::vector<std::string>& test, const DiagnosisOptions& options);
+
+/// The best rival of every accepted hypothesis, refuted or not, that has shape constants: refined
+/// in its place. A cause with refined constants against one from a coarse grid is no fair
+/// comparison.
+std::vector<std::pair<Hypothesis, EffectTerm>> refined_rivals(
+    const Identification& start, const Inquiry& asked, const Selection& selection, bool changes,
+    const std::vector<std::string>& train, const IdentificationOptions& how);
+
+}  // namespace veridyn

@@ -1,0 +1,279 @@
+#include "diagnosis/shapes/shape_search.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <set>
+#include <utility>
+
+#include "veridyn/effects/effect.hpp"
+#include "veridyn/identification/arm_effects.hpp"
+#include "veridyn/math/student_t.hpp"
+
+namespace veridyn {
+namespace {
+
+// Factors around the present value; wide ones first.
+constexpr std::array<std::array<double, 6>, 3> kRounds = {{{0.4, 0.6, 0.8, 1.25, 1.6, 2.5},
+                                                           {0.7, 0.8, 0.9, 1.12, 1.25, 1.4},
+                                                           {0.85, 0.9, 0.95, 1.05, 1.1, 1.15}}};
+
+constexpr double kWave = 0.4;  // of one wave per travel: steps of an order
+
+// One hypothesis with one choice of constants.
+struct Variant {
+  Hypothesis hypothesis;
+  Shapes shapes;
+  size_t of = 0;      // which accepted one
+  std::string moved;  // the constant that differs from the present choice; empty: none
+  double factor = 1.0;
+};
+
+// The arm that the questions stand on with these variants in place of all hypotheses.
+AugmentedModel model_with(const Model& arm, const AugmentedModel& asked,
+                          std::vector<Variant>& variants) {
+  ModelDescription d = arm.description();
+  auto bodies = static_cast<int>(arm.bodies().size());
+  for (Variant& v : variants) {
+    Hypothesis& h = v.hypothesis;
+    if (h.body >= 0) {
+      d.frames.push_back(
+          asked.model
+              .frames()[static_cast<size_t>(asked.model.bodies()[static_cast<size_t>(h.body)])]);
+      h.body = bodies++;
+      continue;
+    }
+    EffectTerm term = asked.model.effects()[static_cast<size_t>(h.term)];
+    for (const auto& [key, value] : v.shapes) term.values[key] = value;
+    h.term = static_cast<int>(d.effects.size());
+    d.effects.push_back(std::move(term));
+  }
+  AugmentedModel out{Model(std::move(d)), {}};
+  const std::vector<StandardParameter> parameters = standard_parameters(out.model);
+  for (Variant& v : variants) {
+    Hypothesis& h = v.hypothesis;
+    h.columns.clear();
+    for (const StandardParameter& p : parameters) {
+      if (h.body >= 0 ? p.body == h.body : p.effect == h.term) h.columns.push_back(p.name);
+    }
+    out.hypotheses.push_back(h);
+  }
+  return out;
+}
+
+const EffectShape* shape_of(const std::string& effect, const std::string& key) {
+  if (is_arm_effect(effect) || !has_effect(effect)) return nullptr;
+  static thread_local std::vector<EffectShape> shapes;
+  shapes = find_effect(effect).shapes();
+  for (const EffectShape& s : shapes) {
+    if (s.name == key) return &s;
+  }
+  return nullptr;
+}
+
+bool searched(const Hypothesis& h, const std::string& key) {
+  if (h.changes >= 0) return false;
+  if (key == "order") return true;  // from a spectrum, near its peak already
+  const EffectShape* shape = shape_of(h.effect, key);
+  return shape != nullptr && shape->searched && shape->lower > 0.0;
+}
+
+// Residual per joint's weight of a choice of variants, one per accepted hypothesis.
+double misfit(const NormalBlocks& data, const ColumnSet& set, const VectorXd& w,
+              VectorXd* solution) {
+  const VectorXd x = data.solve(set, w, data.total(), nullptr);
+  if (solution != nullptr) *solution = x;
+  return (w.array() * data.residual2(set, x, data.total()).array()).sum();
+}
+
+class Refiner {
+ public:
+  Refiner(const Identification& start, const Inquiry& asked, const Selection& selection,
+          bool changes, const std::vector<std::string>& train, const IdentificationOptions& how,
+          const std::vector<Shapes>& known)
+      : start_(start), asked_(asked), changes_(changes), train_(train), how_(how) {
+    arm_.emplace(changes ? frozen(*start.model) : *start.model);
+    for (const Accepted& a : selection.accepted) {
+      const Hypothesis& h = asked.augmented.hypotheses[static_cast<size_t>(a.evidence.hypothesis)];
+      chosen_.push_back(h);
+      shapes_.emplace_back();
+      if (h.term < 0) continue;
+      for (const auto& [key, value] :
+           asked.augmented.model.effects()[static_cast<size_t>(h.term)].values) {
+        if (searched(h, key)) shapes_.back()[key] = value;
+      }
+    }
+    if (!known.empty()) shapes_ = known;
+  }
+
+  const std::vector<Shapes>& shapes() const { return shapes_; }
+
+  bool anything() const {
+    return std::any_of(shapes_.begin(), shapes_.end(), [](const Shapes& s) { return !s.empty(); });
+  }
+
+  void descend() {
+    for (size_t round = 0; round < kRounds.size(); ++round) run(kRounds[round]);
+  }
+
+  AugmentedModel model() const {
+    std::vector<Variant> variants = present();
+    return model_with(*arm_, asked_.augmented, variants);
+  }
+
+  std::vector<ShapeInterval> intervals() const { return intervals_; }
+
+ private:
+  std::vector<Variant> present() const {
+    std::vector<Variant> out;
+    for (size_t k = 0; k < chosen_.size(); ++k) out.push_back({chosen_[k], shapes_[k], k, "", 1.0});
+    return out;
+  }
+
+  // One wave per travel, in the units of an order.
+  double one_wave(int joint) const {
+    double travel = 1e-6;
+    for (const CompressedRecording& r : start_.factors)
+      travel = std::max(travel, r.joints[static_cast<size_t>(joint)].travel());
+    return 2.0 * M_PI / travel;
+  }
+
+  void run(const std::array<double, 6>& factors) {
+    std::vector<Variant> variants = present();
+    // Two memories of one joint may meet on their way; columns are known by name, so only one of
+    // them may have a value.
+    std::set<std::string> taken;
+    const auto label = [](const Variant& v, const std::string& key) {
+      return fmt::format("{} {} {:.4g}", v.hypothesis.family, key, v.shapes.at(key));
+    };
+    for (const Variant& v : variants) {
+      for (const auto& [key, value] : v.shapes) taken.insert(label(v, key));
+    }
+    for (size_t k = 0; k < chosen_.size(); ++k) {
+      for (const auto& [key, value] : shapes_[k]) {
+        const EffectShape shape = *shape_of(chosen_[k].effect, key);
+        for (const double wide : factors) {
+          // An order is known to a share of one wave per travel.
+          const double factor =
+              key == "order" ? 1.0 + kWave * (wide - 1.0) * one_wave(chosen_[k].joint) / value
+                             : wide;
+          const double moved = value * factor;
+          if (moved < shape.lower || moved > shape.upper) continue;
+          Variant v{chosen_[k], shapes_[k], k, key, factor};
+          v.shapes[key] = moved;
+          if (!taken.insert(label(v, key)).second) continue;
+          variants.push_back(std::move(v));
+        }
+      }
+    }
+    const Inquiry q =
+        prepare(start_, model_with(*arm_, asked_.augmented, variants), changes_, train_, {}, how_);
+    const NormalBlocks data(q.train, q.columns);
+    std::vector<ColumnSet> columns;
+    for (const Hypothesis& h : q.augmented.hypotheses) columns.push_back(columns_of(data, h));
+    std::vector<size_t> pick(chosen_.size());
+    for (size_t k = 0; k < pick.size(); ++k) pick[k] = k;
+    const auto set_of = [&](const std::vector<size_t>& choice) {
+      ColumnSet set = q.base;
+      for (const size_t v : choice) set.insert(set.end(), columns[v].begin(), columns[v].end());
+      return set;
+    };
+    const VectorXd w = joint_weights(data, set_of(pick));
+    // Twice round the constants: a later one may move an earlier one again.
+    for (int turn = 0; turn < 2; ++turn) {
+      for (size_t v = chosen_.size(); v < variants.size(); ++v) {
+        std::vector<size_t> other = pick;
+        other[variants[v].of] = v;
+        if (misfit(data, set_of(other), w, nullptr) < misfit(data, set_of(pick), w, nullptr))
+          pick = other;
+      }
+    }
+    measure_intervals(data, variants, set_of, pick, w);
+    for (size_t k = 0; k < chosen_.size(); ++k) shapes_[k] = variants[pick[k]].shapes;
+  }
+
+  // The least point of a parabola through ln(factor) and misfit, with one cluster left out each.
+  template <typename SetOf>
+  void measure_intervals(const NormalBlocks& data, const std::vector<Variant>& variants,
+                         const SetOf& set_of, const std::vector<size_t>& pick, const VectorXd& w) {
+    intervals_.clear();
+    for (size_t k = 0; k < chosen_.size(); ++k) {
+      for (const auto& [key, value] : shapes_[k]) {
+        std::vector<double> at;
+        std::vector<VectorXd> misfits;  // per grid point: total and of every cluster
+        for (size_t v = 0; v < variants.size(); ++v) {
+          if (variants[v].of != k || (v >= chosen_.size() && variants[v].moved != key)) continue;
+          std::vector<size_t> choice = pick;
+          choice[k] = v;
+          const ColumnSet set = set_of(choice);
+          VectorXd x;
+          VectorXd of(data.clusters() + 1);
+          of[0] = misfit(data, set, w, &x);
+          for (int c = 0; c < data.clusters(); ++c)
+            of[c + 1] = (w.array() * data.residual2(set, x, data.cluster(c)).array()).sum();
+          at.push_back(std::log(variants[v].factor));
+          misfits.push_back(of);
+        }
+        const auto lowest = [&](int without) {
+          MatrixXd P(static_cast<Eigen::Index>(at.size()), 3);
+          VectorXd y(P.rows());
+          for (Eigen::Index r = 0; r < P.rows(); ++r) {
+            const double u = at[static_cast<size_t>(r)];
+            P.row(r) << 1.0, u, u * u;
+            const VectorXd& m = misfits[static_cast<size_t>(r)];
+            y[r] = m[0] - (without < 0 ? 0.0 : m[without + 1]);
+          }
+          const VectorXd c = P.colPivHouseholderQr().solve(y);
+          return c[2] > 0.0 ? std::clamp(-0.5 * c[1] / c[2], -1.0, 1.0) : 0.0;
+        };
+        const int clusters = data.clusters();
+        VectorXd least(clusters);
+        for (int c = 0; c < clusters; ++c) least[c] = lowest(c);
+        const double mean = least.mean();
+        const double deviation =
+            std::sqrt((least.array() - mean).square().sum() * (clusters - 1.0) / clusters);
+        // Half a step of the last grid is what the search itself leaves open.
+        const double open =
+            std::hypot(student_t_quantile(0.05, std::max(1, clusters - 1)) * deviation, 0.03);
+        const double centre = variants[pick[k]].shapes.at(key);
+        intervals_.push_back(
+            {static_cast<int>(k), key, centre * std::exp(-open), centre * std::exp(open)});
+      }
+    }
+  }
+
+  const Identification& start_;
+  const Inquiry& asked_;
+  bool changes_;
+  const std::vector<std::string>& train_;
+  const IdentificationOptions& how_;
+  std::optional<Model> arm_;
+  std::vector<Hypothesis> chosen_;
+  std::vector<Shapes> shapes_;
+  std::vector<ShapeInterval> intervals_;
+};
+
+}  // namespace
+
+bool has_searched_shape(const Inquiry& asked, const Hypothesis& hypothesis) {
+  if (hypothesis.term < 0) return false;
+  const EffectTerm& term = asked.augmented.model.effects()[static_cast<size_t>(hypothesis.term)];
+  return std::any_of(term.values.begin(), term.values.end(),
+                     [&](const auto& value) { return searched(hypothesis, value.first); });
+}
+
+RefinedShapes refine_shapes(const Identification& start, const Inquiry& asked,
+                            const Selection& selection, bool changes,
+                            const std::vector<std::string>& train, const IdentificationOptions& how,
+                            const std::vector<Shapes>& known) {
+  Refiner refiner(start, asked, selection, changes, train, how, known);
+  const bool anything = refiner.anything();
+  if (anything) refiner.descend();
+  return {refiner.model(), refiner.shapes(), refiner.intervals(), anything};
+}
+
+}  // namespace veridyn

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "diagnosis/shapes/inquiry.hpp"
+
+namespace veridyn {
+
+/// Values of the shape constants of one hypothesis, by name.
+using Shapes = std::map<std::string, double>;
+
+/// Hypotheses with refined constants.
+struct RefinedShapes {
+  AugmentedModel model;                  ///< the arm with them, in their order, and with no others
+  std::vector<Shapes> shapes;            ///< of every hypothesis; empty where nothing is searched
+  std::vector<ShapeInterval> intervals;  ///< of the constants
+  bool anything = false;                 ///< false: none of them has a constant to search for
+};
+
+/// True if a constant of this hypothesis is searched for: a presliding distance, a Stribeck speed.
+bool has_searched_shape(const Inquiry& asked, const Hypothesis& hypothesis);
+
+/// Refines the shape constants of the accepted hypotheses, so far from a coarse grid, by variable
+/// projection: the recordings are streamed again with a few values around, and every constant
+/// descends to the least weighted residual.
+/// @param known  constants to begin with, of every accepted hypothesis; empty: as asked.
+RefinedShapes refine_shapes(const Identification& start, const Inquiry& asked,
+                            const Selection& selection, bool changes,
+                            const std::vector<std::string>& train, const IdentificationOptions& how,
+                            const std::vector<Shapes>& known = {});
+
+}  // namespace veridyn

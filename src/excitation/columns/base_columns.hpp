@@ -1,0 +1,34 @@
+#pragma once
+
+#include <vector>
+
+#include "veridyn/math/motion_samples.hpp"
+#include "veridyn/model/model.hpp"
+
+namespace veridyn {
+
+/// A base parameter that hardly any motion tells from the others.
+struct WeakColumn {
+  int column;    ///< of the bodies and effects
+  double share;  ///< what is left of the column, of norm one, without those before it
+};
+
+/// The base columns that remain when each must add more than `share` of its norm to those chosen
+/// before it, at random states within the limits; and the rest of a base, the strongest first.
+/// (Essential parameters: Pham and Gautier, IEEE ICRA 1991.)
+struct EssentialColumns {
+  std::vector<int> kept;
+  std::vector<WeakColumn> left_out;
+};
+EssentialColumns essential_columns(const Model& arm, double share);
+
+/// Another choice of as many columns for the same base parameters: single swaps, as long as they
+/// make the condition number along the motion smaller, columns of norm one.
+/// @param base  the choice to begin with.
+/// @param gram  of all columns of the arm, along the motion.
+std::vector<int> best_conditioned_columns(const std::vector<int>& base, MatrixXd gram);
+
+/// The Gram matrix of all columns of an arm per row of a motion.
+MatrixXd gram_of_all_columns(const Model& arm, const MotionSamples& motion);
+
+}  // namespace veridyn

@@ -1,0 +1,61 @@
+#include "excitation/limits/frame_points.hpp"
+
+#include <Eigen/Geometry>
+
+namespace veridyn {
+namespace {
+
+Eigen::Vector3d eigen(const Vec3d& a) {
+  return {a.x, a.y, a.z};
+}
+
+}  // namespace
+
+FramePoints::FramePoints(const Model& arm)
+    : tree_(arm, Tree::Keep::kEveryFrame),
+      recursion_(tree_),
+      rest_(VectorXd::Zero(arm.joints())),
+      T_world_(tree_.links.size(), identity_pose()) {}
+
+void FramePoints::move_to(const VectorXd& q) {
+  forward_pass<double>(tree_, q.data(), rest_.data(), rest_.data(), {0, 0, 0}, recursion_);
+  jacobian_pass<double>(tree_, recursion_);
+  for (size_t k = 0; k < tree_.links.size(); ++k) {
+    const Link& link = tree_.links[k];
+    Posed J = identity_pose();
+    if (link.motion == Motion::kTurns) J.R = rotation_z(recursion_.link[k].s);
+    if (link.motion == Motion::kSlides) J.p.z = recursion_.link[k].s;
+    const Posed T_parent = link.A * J * link.B;
+    T_world_[k] =
+        link.parent < 0 ? T_parent : T_world_[static_cast<size_t>(link.parent)] * T_parent;
+  }
+}
+
+Eigen::Vector3d FramePoints::point(int frame, const Eigen::Vector3d& in_frame) const {
+  if (frame < 0) return in_frame;
+  const Posed& T = T_world_[static_cast<size_t>(tree_.link_of_frame[static_cast<size_t>(frame)])];
+  return eigen(T.p) + eigen(rotate(T.R, Vec3d{in_frame.x(), in_frame.y(), in_frame.z()}));
+}
+
+MatrixXd FramePoints::point_slope(int frame, const Eigen::Vector3d& in_frame) const {
+  MatrixXd slope = MatrixXd::Zero(3, tree_.joints);
+  if (frame < 0) return slope;
+  const auto k = static_cast<size_t>(tree_.link_of_frame[static_cast<size_t>(frame)]);
+  const Vec3d r{in_frame.x(), in_frame.y(), in_frame.z()};
+  for (int m = tree_.links[k].first_mover; m < tree_.links[k].end_mover; ++m) {
+    const Column<double>& c = recursion_.jacobian[m];
+    slope.col(tree_.movers[static_cast<size_t>(m)].coordinate) =
+        eigen(rotate(T_world_[k].R, c.v + cross(c.w, r)));
+  }
+  return slope;
+}
+
+Eigen::Vector3d FramePoints::z_axis(int frame) const {
+  return point(frame, Eigen::Vector3d::UnitZ()) - point(frame, Eigen::Vector3d::Zero());
+}
+
+MatrixXd FramePoints::z_axis_slope(int frame) const {
+  return point_slope(frame, Eigen::Vector3d::UnitZ()) - point_slope(frame, Eigen::Vector3d::Zero());
+}
+
+}  // namespace veridyn

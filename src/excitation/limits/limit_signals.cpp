@@ -1,0 +1,206 @@
+#include "excitation/limits/limit_signals.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "veridyn/math/require.hpp"
+#include "model/suggestion.hpp"
+
+namespace veridyn {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kRoundedShare = 0.01;  // of the largest speed, for signs in torques
+
+}  // namespace
+
+LimitSignals::LimitSignals(const Model& arm, const MotionLimits& joints,
+                           const WorkspaceLimits& workspace, const std::optional<Model>& powered)
+    : joints_(arm.joints()), arm_(arm) {
+  const auto each = [&](const char* what, const char* per, const VectorXd& lower,
+                        const VectorXd& upper, const VectorXd& scale) {
+    for (int i = 0; i < joints_; ++i) {
+      const Coordinate& c = arm.coordinates()[static_cast<size_t>(i)];
+      signals_.push_back(
+          {text(what, " of ", c.name), position_unit(c) + per, lower[i], upper[i], scale[i]});
+    }
+  };
+  each("position", "", joints.lower, joints.upper, joints.upper - joints.lower);
+  each("speed", "/s", -joints.velocity, joints.velocity, joints.velocity);
+  each("acceleration", "/s^2", -joints.acceleration, joints.acceleration, joints.acceleration);
+  if (powered) add_torques(*powered);
+  add_workspace(arm, workspace);
+}
+
+void LimitSignals::add_torques(const Model& powered) {
+  const auto phi = powered.inertial_values();
+  require(phi.has_value() && powered.joints() == joints_,
+          "excitation: torques are limited, but the arm '", powered.name(),
+          "' has no inertial values or other joints.");
+  for (int i = 0; i < joints_; ++i) {
+    const Coordinate& c = powered.coordinates()[static_cast<size_t>(i)];
+    const double most = c.limits.effort;
+    if (!std::isfinite(most)) continue;
+    torque_joints_.push_back(i);
+    signals_.push_back({text("torque of ", c.name), effort_unit(c), -most, most, most});
+  }
+  if (torque_joints_.empty()) return;
+  phi_ = *phi;
+  bodies_ = std::make_unique<RegressorBatch>(powered);
+  const VectorXd rounding = kRoundedShare * motion_limits(powered).velocity;
+  for (const EffectTerm& term : powered.effects()) {
+    const BoundEffect bound(powered, term);
+    if (!bound.has_values()) continue;
+    effects_.push_back(effect_columns(powered, term, rounding));
+    effect_values_.push_back(
+        Eigen::Map<const VectorXd>(bound.values().data(), bound.parameter_count()));
+  }
+}
+
+int LimitSignals::frame_index(const Model& arm, const std::string& name) const {
+  if (name == "world") return -1;
+  std::vector<std::string> names;
+  for (const Frame& frame : arm.frames()) names.push_back(frame.name);
+  const int k = arm.find_frame(name);
+  require(k >= 0, "excitation: found the frame '", name, "'", did_you_mean(name, names),
+          ", expected world or one of: ", listed(names), ".");
+  return k;
+}
+
+void LimitSignals::add_workspace(const Model& arm, const WorkspaceLimits& workspace) {
+  using Kind = Geometry::Kind;
+  const Eigen::Vector3d origin = Eigen::Vector3d::Zero();
+  for (const FrameBox& box : workspace.boxes) {
+    const int frame = frame_index(arm, box.frame);
+    for (int axis = 0; axis < 3; ++axis) {
+      const double low = box.lower[axis];
+      const double high = box.upper[axis];
+      require(low < high, "excitation: the box of '", box.frame, "' goes from ", low, " m to ",
+              high, " m, expected the smaller bound first.");
+      if (!std::isfinite(low) && !std::isfinite(high)) continue;
+      const double size = std::isfinite(high - low) ? high - low : 0.1;
+      geometries_.push_back({Kind::kCoordinate, axis, frame, -1, origin, origin});
+      signals_.push_back({text("xyz"[axis], " of ", box.frame), "m", low, high, size});
+    }
+  }
+  for (const SpherePair& pair : workspace.pairs) {
+    const double least = pair.first.radius + pair.second.radius + pair.clearance;
+    require(least > 0.0, "excitation: the spheres on '", pair.first.frame, "' and '",
+            pair.second.frame, "' have no size.");
+    geometries_.push_back({Kind::kDistance, 0, frame_index(arm, pair.first.frame),
+                           frame_index(arm, pair.second.frame), pair.first.centre,
+                           pair.second.centre});
+    signals_.push_back({text("distance of ", pair.first.frame, " and ", pair.second.frame), "m",
+                        least, kInfinity, least});
+  }
+  for (const InsertionRange& range : workspace.insertions) {
+    require(range.lower < range.upper, "excitation: the insertion of '", range.frame,
+            "' goes from ", range.lower, " m to ", range.upper,
+            " m, expected the smaller bound first.");
+    const int frame = frame_index(arm, range.frame);
+    require(frame >= 0, "excitation: the world cannot be inserted anywhere.");
+    geometries_.push_back({Kind::kInsertion, 0, frame, -1, origin, range.centre});
+    signals_.push_back({text("insertion of ", range.frame), "m", range.lower, range.upper,
+                        range.upper - range.lower});
+  }
+}
+
+double LimitSignals::geometry(const FramePoints& at, size_t k, Eigen::RowVectorXd* slope) const {
+  const Geometry& g = geometries_[k];
+  const Eigen::Vector3d p = at.point(g.frame, g.point);
+  if (g.kind == Geometry::Kind::kCoordinate) {
+    if (slope != nullptr) *slope = at.point_slope(g.frame, g.point).row(g.axis);
+    return p[g.axis];
+  }
+  const Eigen::Vector3d way = p - at.point(g.other, g.other_point);
+  if (g.kind == Geometry::Kind::kDistance) {
+    const double distance = std::max(way.norm(), 1e-9);
+    if (slope != nullptr) {
+      *slope = (way / distance).transpose() *
+               (at.point_slope(g.frame, g.point) - at.point_slope(g.other, g.other_point));
+    }
+    return distance;
+  }
+  const Eigen::Vector3d z = at.z_axis(g.frame);
+  if (slope != nullptr) {
+    *slope = z.transpose() * at.point_slope(g.frame, g.point) +
+             way.transpose() * at.z_axis_slope(g.frame);
+  }
+  return way.dot(z);
+}
+
+MatrixXd LimitSignals::torques(const MotionSamples& motion) const {
+  MatrixXd tau;
+  bodies_->torques(motion.q, motion.dq, motion.ddq, phi_, tau);
+  std::vector<MatrixXd> Y;
+  for (size_t e = 0; e < effects_.size(); ++e) {
+    effects_[e]->evaluate(motion, Y);
+    for (Eigen::Index i = 0; i < tau.cols(); ++i) {
+      if (Y[static_cast<size_t>(i)].cols() > 0)
+        tau.col(i) += Y[static_cast<size_t>(i)] * effect_values_[e];
+    }
+  }
+  return tau;
+}
+
+void LimitSignals::torque_slopes(const MotionSamples& motion, std::vector<MatrixXd>& slopes) const {
+  const Eigen::Index n = motion.joints();
+  MatrixXd rigid;
+  bodies_->torque_slopes(motion.q, motion.dq, motion.ddq, phi_, rigid);
+  for (const int i : torque_joints_) {
+    MatrixXd own(motion.rows(), 3 * n);
+    for (Eigen::Index d = 0; d < 3 * n; ++d) own.col(d) = rigid.col(d * n + i);
+    for (size_t e = 0; e < effects_.size(); ++e) {
+      if (effects_[e]->remembers() || effects_[e]->columns(i).empty()) continue;
+      std::vector<MatrixXd> weights;
+      for (int j = 0; j < joints_; ++j) {
+        const auto columns = static_cast<Eigen::Index>(effects_[e]->columns(j).size());
+        weights.push_back(MatrixXd::Zero(motion.rows(), columns));
+        if (j == i) weights.back().rowwise() = effect_values_[e].transpose();
+      }
+      effects_[e]->add_gradient(motion, weights, own);
+    }
+    slopes.push_back(std::move(own));
+  }
+}
+
+MatrixXd LimitSignals::values(const MotionSamples& motion) const {
+  MatrixXd out(motion.rows(), count() - 3 * joints_);
+  Eigen::Index next = 0;
+  if (!torque_joints_.empty()) {
+    const MatrixXd tau = torques(motion);
+    for (const int i : torque_joints_) out.col(next++) = tau.col(i);
+  }
+  if (geometries_.empty()) return out;
+  FramePoints at(arm_);
+  for (Eigen::Index row = 0; row < motion.rows(); ++row) {
+    at.move_to(motion.q.row(row));
+    for (size_t k = 0; k < geometries_.size(); ++k) {
+      out(row, next + static_cast<Eigen::Index>(k)) = geometry(at, k, nullptr);
+    }
+  }
+  return out;
+}
+
+std::vector<MatrixXd> LimitSignals::slopes(const MotionSamples& motion) const {
+  std::vector<MatrixXd> out;
+  if (!torque_joints_.empty()) torque_slopes(motion, out);
+  const size_t first = out.size();
+  for (size_t k = 0; k < geometries_.size(); ++k) {
+    out.push_back(MatrixXd::Zero(motion.rows(), 3 * motion.joints()));
+  }
+  if (geometries_.empty()) return out;
+  FramePoints at(arm_);
+  Eigen::RowVectorXd slope;
+  for (Eigen::Index row = 0; row < motion.rows(); ++row) {
+    at.move_to(motion.q.row(row));
+    for (size_t k = 0; k < geometries_.size(); ++k) {
+      geometry(at, k, &slope);
+      out[first + k].row(row).head(motion.joints()) = slope;
+    }
+  }
+  return out;
+}
+
+}  // namespace veridyn

@@ -1,0 +1,72 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "excitation/columns/column_source.hpp"
+#include "excitation/limits/frame_points.hpp"
+#include "veridyn/excitation/workspace_limits.hpp"
+#include "veridyn/kinematics/motion_limits.hpp"
+
+namespace veridyn {
+
+/// A quantity along a motion that has to stay within bounds.
+struct LimitSignal {
+  std::string name;  ///< "speed of yaw", "torque of pitch", "x of tool", ...
+  std::string unit;
+  double lower;
+  double upper;
+  double scale;  ///< its size, so that margins of different units compare
+};
+
+/// Everything that a motion has to keep, as signals along it. Signals 0 .. 3 n - 1 are q, dq, ddq
+/// themselves.
+class LimitSignals {
+ public:
+  /// @param powered  the arm with values, where torques are limited; its efforts are the bounds.
+  /// @throws InvalidInput  an unknown frame, bounds in the wrong order, no values.
+  LimitSignals(const Model& arm, const MotionLimits& joints, const WorkspaceLimits& workspace,
+               const std::optional<Model>& powered);
+
+  int count() const { return static_cast<int>(signals_.size()); }
+  int joints() const { return joints_; }
+  const LimitSignal& operator[](int k) const { return signals_[static_cast<size_t>(k)]; }
+
+  /// Those after q, dq, ddq, (rows x count() - 3 n).
+  MatrixXd values(const MotionSamples& motion) const;
+
+  /// Their derivatives by q, dq, ddq of the same row: one matrix (rows x 3 n) per signal. The past
+  /// of effects with a memory is left out.
+  std::vector<MatrixXd> slopes(const MotionSamples& motion) const;
+
+ private:
+  void add_torques(const Model& powered);
+  void add_workspace(const Model& arm, const WorkspaceLimits& workspace);
+  int frame_index(const Model& arm, const std::string& name) const;
+  MatrixXd torques(const MotionSamples& motion) const;
+  void torque_slopes(const MotionSamples& motion, std::vector<MatrixXd>& slopes) const;
+  double geometry(const FramePoints& at, size_t k, Eigen::RowVectorXd* slope) const;
+
+  // A signal of positions: what it measures between which points.
+  struct Geometry {
+    enum class Kind { kCoordinate, kDistance, kInsertion } kind;
+    int axis;
+    int frame, other;
+    Eigen::Vector3d point, other_point;
+  };
+
+  int joints_;
+  Model arm_;
+  std::vector<LimitSignal> signals_;
+  // Torques.
+  std::vector<int> torque_joints_;
+  std::unique_ptr<RegressorBatch> bodies_;
+  VectorXd phi_;
+  std::vector<std::shared_ptr<const ColumnSource>> effects_;
+  std::vector<VectorXd> effect_values_;
+  std::vector<Geometry> geometries_;
+};
+
+}  // namespace veridyn

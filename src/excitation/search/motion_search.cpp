@@ -1,0 +1,278 @@
+#include "excitation/search/motion_search.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <tuple>
+#include <utility>
+
+#include "veridyn/math/require.hpp"
+
+namespace veridyn {
+namespace {
+
+constexpr int kDraws = 32;            // random motions of which the best begins a search
+constexpr int kTrials = 16;           // of which short descents begin
+constexpr int kTrialIterations = 30;  // each
+constexpr int kFollowed = 3;          // of which the best are followed to the end
+constexpr int kInstantsPerWave = 24;  // of the shortest wave, for the criterion
+constexpr int kLimitsPerWave = 14;    // and for the limits; what is between is fitted afterwards
+static_assert(kStages == 2, "one for each sharpness");
+constexpr double kSharpness[] = {2.0, 16.0};  // of the smooth condition number, one after the other
+constexpr double kLastSharpness = 100.0;      // for the best motion of all searches
+constexpr int kNarrowings = 5;                // rounds until limits hold between instants too
+constexpr double kInside = 1e-7;              // of a limit's scale: against rounding
+
+constexpr double kRoundingShare = 1e-12;  // of a joint's limits, that is left free
+
+}  // namespace
+
+MotionSearch::MotionSearch(const MotionSpace& space, const LimitSignals& signals,
+                           const Question& question, const ExcitationOptions& options,
+                           SearchProgress& progress)
+    : space_(space),
+      signals_(signals),
+      question_(question),
+      options_(options),
+      progress_(progress) {}
+
+int MotionSearch::most_steps(const ExcitationOptions& options) {
+  if (options.solver == ExcitationSolver::kRandom) return options.iterations;
+  const bool condition = options.criterion == ExcitationCriterion::kCondition;
+  const int descents = condition ? kStages + 1 : 1;
+  if (options.solver != ExcitationSolver::kInteriorPoint) return descents * options.iterations;
+  return kTrials * std::min(kTrialIterations, options.iterations) +
+         kFollowed * descents * options.iterations;
+}
+
+MotionSearch::Bounds MotionSearch::allowed() const {
+  const int n = space_.joints();
+  Bounds out{VectorXd(signals_.count()), VectorXd(signals_.count())};
+  for (int k = 0; k < signals_.count(); ++k) {
+    const bool torque = signals_[k].name.rfind("torque", 0) == 0;
+    out.lower[k] = (torque ? options_.limit_share : 1.0) * signals_[k].lower;
+    out.upper[k] = (torque ? options_.limit_share : 1.0) * signals_[k].upper;
+  }
+  const MotionLimits& own = space_.limits();
+  out.lower.head(3 * n) << own.lower, -own.velocity, -own.acceleration;
+  out.upper.head(3 * n) << own.upper, own.velocity, own.acceleration;
+  return out;
+}
+
+double MotionSearch::smooth_cost(const VectorXd& x, double sharpness) const {
+  return question_.objective(space_, sharpness, kInstantsPerWave * space_.harmonics()).value(x);
+}
+
+bool MotionSearch::keeps(const VectorXd& x, const Bounds& bounds) const {
+  if (!has_more_than_joints()) return true;
+  Bounds same = bounds;
+  return !narrow(x, same);
+}
+
+std::vector<VectorXd> MotionSearch::draw(int start, const Bounds& bounds, Found& found) const {
+  RandomNumbers random(options_.seed, static_cast<unsigned>(start));
+  const bool only = options_.solver == ExcitationSolver::kRandom;
+  const int draws = only ? options_.iterations : kDraws;
+  using Ranked = std::pair<std::pair<bool, double>, VectorXd>;
+  std::vector<Ranked> best;
+  for (int k = 0; k < draws; ++k) {
+    const VectorXd x = fitted_to_joints(space_, space_.random(random));
+    if (k == 0) found.start = x;
+    if (k > 0 && options_.stop && options_.stop()) break;
+    ++found.evaluations;
+    best.push_back({{!keeps(x, bounds), smooth_cost(x, kSharpness[0])}, x});
+    std::stable_sort(best.begin(), best.end(),
+                     [](const Ranked& a, const Ranked& b) { return a.first < b.first; });
+    if (best.size() > static_cast<size_t>(kTrials)) best.pop_back();
+    if (only) progress_.step(start, "random motions");
+  }
+  std::vector<VectorXd> out;
+  for (Ranked& ranked : best) out.push_back(std::move(ranked.second));
+  return out;
+}
+
+std::vector<VectorXd> MotionSearch::tried(const std::vector<VectorXd>& from, const Bounds& bounds,
+                                          int start, Found& found) const {
+  std::vector<std::pair<double, VectorXd>> ends;
+  for (const VectorXd& x : from) {
+    const VectorXd end = descend(x, bounds, {kSharpness[0], kTrialIterations}, start, found);
+    if (end.size() > 0) ends.emplace_back(smooth_cost(end, kSharpness[0]), end);
+    if (options_.stop && options_.stop()) break;
+  }
+  if (ends.empty()) return {from.front()};
+  std::stable_sort(ends.begin(), ends.end(),
+                   [](const auto& a, const auto& b) { return a.first < b.first; });
+  std::vector<VectorXd> out;
+  for (size_t k = 0; k < std::min(ends.size(), static_cast<size_t>(kFollowed)); ++k)
+    out.push_back(std::move(ends[k].second));
+  return out;
+}
+
+SolverResult MotionSearch::solve([[maybe_unused]] NonlinearProgram& program, const VectorXd& from,
+                                 [[maybe_unused]] const SolverOptions& options) const {
+  if (options_.solver == ExcitationSolver::kInteriorPoint)
+    return solve_with_interior_point(program, from, options);
+#ifdef VERIDYN_WITH_IPOPT
+  if (options_.solver == ExcitationSolver::kIpopt) return solve_with_ipopt(program, from, options);
+#endif
+#ifdef VERIDYN_WITH_NLOPT
+  const bool exact = options_.solver == ExcitationSolver::kNlopt;
+  return solve_with_nlopt(program, from,
+                          exact ? NloptMethod::kGradient : NloptMethod::kDerivativeFree, options);
+#endif
+  return {from};
+}
+
+VectorXd MotionSearch::descend(const VectorXd& from, const Bounds& bounds, const Descent& descent,
+                               int start, Found& found) const {
+  GridConstraints limits(space_, signals_, kLimitsPerWave * space_.harmonics());
+  limits.set_bounds(bounds.lower, bounds.upper);
+  const MotionObjective objective =
+      question_.objective(space_, descent.sharpness, kInstantsPerWave * space_.harmonics());
+  SearchProgram program(objective, limits, space_.size());
+  SolverOptions solver;
+  solver.iterations = std::min(options_.iterations, descent.iterations);
+  solver.stop = [&] {
+    const auto& best = program.best();
+    const bool condition = question_.criterion == ExcitationCriterion::kCondition;
+    std::string news = "no motion within the limits yet";
+    if (best) {
+      news = condition ? fmt::format("condition number {:.4g}", std::exp(best->value))
+                       : fmt::format("criterion {:.5g}", best->value);
+      news +=
+          fmt::format("; tightest limit: {}, {:.2f} % left", signals_[best->violation.signal].name,
+                      std::max(0.0, -100.0 * best->violation.size));
+    }
+    progress_.step(start, news);
+    return options_.stop && options_.stop();
+  };
+  const SolverResult result = solve(program, from, solver);
+  found.evaluations += program.evaluations();
+  found.converged = result.converged;
+  return program.best() ? program.best()->x : VectorXd();
+}
+
+VectorXd MotionSearch::into_limits(const VectorXd& from, const Bounds& bounds) const {
+  GridConstraints limits(space_, signals_, kLimitsPerWave * space_.harmonics());
+  limits.set_bounds(bounds.lower, bounds.upper);
+  WidestViolation program(limits, space_.size());
+  VectorXd start(space_.size() + 1);
+  start << fitted_to_joints(space_, from),
+      std::max(0.0, limits.violation(limits.values(from)).size);
+  SolverOptions solver;
+  solver.iterations = options_.iterations;
+  solver.stop = options_.stop;
+  return solve(program, start, solver).x.head(space_.size());
+}
+
+bool MotionSearch::narrow(const VectorXd& x, Bounds& bounds) const {
+  bool crossed = false;
+  const Bounds wide = allowed();
+  const std::vector<LimitMargin> margins = limit_margins(signals_, space_.trajectory(x));
+  for (int k = 3 * space_.joints(); k < signals_.count(); ++k) {
+    const auto m = std::find_if(margins.begin(), margins.end(), [&](const LimitMargin& margin) {
+      return margin.name == signals_[k].name;
+    });
+    if (m == margins.end()) continue;
+    const double inside = kInside * signals_[k].scale;
+    const double over = m->highest - wide.upper[k];
+    const double under = wide.lower[k] - m->lowest;
+    if (over > 0.0) bounds.upper[k] -= 1.2 * over + inside;
+    if (under > 0.0) bounds.lower[k] += 1.2 * under + inside;
+    crossed = crossed || over > 0.0 || under > 0.0;
+  }
+  return crossed;
+}
+
+VectorXd MotionSearch::follow(VectorXd x, int start, Found& found) const {
+  Bounds bounds = allowed();
+  VectorXd good = keeps(x, bounds) ? fitted_to_joints(space_, x) : VectorXd();
+  const auto accept = [&](const VectorXd& next) {
+    x = next;
+    if (!keeps(x, allowed())) return false;
+    good = x;
+    return true;
+  };
+  const bool condition = question_.criterion == ExcitationCriterion::kCondition;
+  for (const double sharpness : kSharpness) {
+    if (!condition && sharpness != kSharpness[0]) break;
+    const Descent descent{sharpness, options_.iterations};
+    VectorXd next = descend(x, bounds, descent, start, found);
+    if (next.size() == 0 && good.size() == 0) {
+      x = into_limits(x, bounds);
+      next = descend(x, bounds, descent, start, found);
+    }
+    if (next.size() == 0) break;
+    bool held = accept(fitted_to_joints(space_, next));
+    for (int round = 0; !held && round < kNarrowings; ++round) {
+      narrow(x, bounds);
+      next = descend(x, bounds, descent, start, found);
+      if (next.size() == 0) break;
+      held = accept(fitted_to_joints(space_, next));
+    }
+  }
+  found.nearest = x;
+  return good;
+}
+
+Found MotionSearch::run(int start) const {
+  Found found;
+  const Bounds bounds = allowed();
+  std::vector<VectorXd> from = draw(start, bounds, found);
+  found.nearest = from.front();
+  if (options_.solver == ExcitationSolver::kRandom) {
+    if (keeps(from.front(), bounds)) found.ends = {from.front()};
+    return found;
+  }
+  if (options_.solver == ExcitationSolver::kInteriorPoint) {
+    from = tried(from, bounds, start, found);
+  } else {
+    from.resize(1);
+  }
+  for (const VectorXd& x : from) {
+    const VectorXd end = follow(x, start, found);
+    if (end.size() > 0) found.ends.push_back(end);
+  }
+  return found;
+}
+
+VectorXd MotionSearch::polished(const VectorXd& from, int start, Found& found) const {
+  const bool random = options_.solver == ExcitationSolver::kRandom;
+  const bool over = options_.stop && options_.stop();
+  const bool condition = question_.criterion == ExcitationCriterion::kCondition;
+  if (random || over || !condition) return {};
+  const Descent descent{kLastSharpness, options_.iterations};
+  const VectorXd next = descend(from, allowed(), descent, start, found);
+  if (next.size() == 0) return {};
+  const VectorXd fitted = fitted_to_joints(space_, next);
+  return keeps(fitted, allowed()) ? fitted : VectorXd();
+}
+
+VectorXd fitted_to_joints(const MotionSpace& space, const VectorXd& x) {
+  VectorXd out = x;
+  const MotionLimits& limits = space.limits();
+  const int p = space.per_joint();
+  const MotionBounds bounds = space.trajectory(x).bounds();
+  for (int i = 0; i < space.joints(); ++i) {
+    auto own = out.segment(i * p, p);
+    const double room = limits.upper[i] - limits.lower[i];
+    const double share = std::min({1.0, room / (bounds.upper[i] - bounds.lower[i]),
+                                   limits.velocity[i] / bounds.velocity[i],
+                                   limits.acceleration[i] / bounds.acceleration[i]}) *
+                         (1.0 - kRoundingShare);
+    own.tail(p - 1) *= share;
+    // The range about its mean position shrinks with the motion.
+    const double mean = space.middle_of(i) + space.size_of(i) * own[0];
+    const double low = share * (bounds.lower[i] - mean);
+    const double high = share * (bounds.upper[i] - mean);
+    const double edge = 0.2 * kRoundingShare * room;
+    const double moved =
+        std::max(limits.lower[i] + edge - low, std::min(mean, limits.upper[i] - edge - high));
+    own[0] = (moved - space.middle_of(i)) / space.size_of(i);
+  }
+  return out;
+}
+
+}  // namespace veridyn

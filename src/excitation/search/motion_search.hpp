@@ -1,0 +1,88 @@
+#pragma once
+
+#include <memory>
+
+#include "excitation/limits/limit_signals.hpp"
+#include "excitation/search/motion_space.hpp"
+#include "excitation/search/question.hpp"
+#include "excitation/search/search_program.hpp"
+#include "excitation/search/search_progress.hpp"
+
+namespace veridyn {
+
+/// Descents of one search for the condition number, each with a sharper stand-in.
+constexpr int kStages = 2;
+
+/// What one start found.
+struct Found {
+  std::vector<VectorXd> ends;  ///< of its descents; empty: nothing within the limits
+  bool converged = false;      ///< the last descent
+  long evaluations = 0;
+  VectorXd start;    ///< the first random motion
+  VectorXd nearest;  ///< where nothing is within the limits: the motion that crosses them least
+};
+
+/// The searches of one problem; each start is a search of its own. Immutable: starts run side by
+/// side.
+class MotionSearch {
+ public:
+  MotionSearch(const MotionSpace& space, const LimitSignals& signals, const Question& question,
+               const ExcitationOptions& options, SearchProgress& progress);
+
+  Found run(int start) const;
+
+  /// Iterations of one start, about; descents that are repeated come on top.
+  static int most_steps(const ExcitationOptions& options);
+
+  /// A last descent, for the condition number: with a stand-in that is close to it. Empty where
+  /// nothing within the limits came of it, and for other criteria.
+  VectorXd polished(const VectorXd& from, int start, Found& found) const;
+
+ private:
+  struct Bounds {
+    VectorXd lower, upper;  ///< of every signal
+  };
+  Bounds allowed() const;
+  bool has_more_than_joints() const { return signals_.count() > 3 * space_.joints(); }
+  double smooth_cost(const VectorXd& x, double sharpness) const;
+  bool keeps(const VectorXd& x, const Bounds& bounds) const;
+  struct Descent {
+    double sharpness;
+    int iterations;
+  };
+  std::vector<VectorXd> draw(int start, const Bounds& bounds, Found& found) const;
+  std::vector<VectorXd> tried(const std::vector<VectorXd>& from, const Bounds& bounds, int start,
+                              Found& found) const;
+  VectorXd follow(VectorXd x, int start, Found& found) const;
+  VectorXd descend(const VectorXd& from, const Bounds& bounds, const Descent& descent, int start,
+                   Found& found) const;
+  SolverResult solve(NonlinearProgram& program, const VectorXd& from,
+                     const SolverOptions& options) const;
+  VectorXd into_limits(const VectorXd& from, const Bounds& bounds) const;
+  bool narrow(const VectorXd& x, Bounds& bounds) const;
+
+  const MotionSpace& space_;
+  const LimitSignals& signals_;
+  const Question& question_;
+  const ExcitationOptions& options_;
+  SearchProgress& progress_;
+};
+
+/// The nearest motion of the same shape within the ranges, speeds and accelerations of the space:
+/// joints that exceed one are made smaller and moved.
+VectorXd fitted_to_joints(const MotionSpace& space, const VectorXd& x);
+
+/// Range and margin of every limit along a motion, also between the instants that are looked at:
+/// joints by bounds that hold for certain, everything else by its curvature at 64 instants per
+/// shortest wave.
+std::vector<LimitMargin> limit_margins(const LimitSignals& signals,
+                                       const FourierTrajectory& trajectory);
+
+/// The same of samples that need not repeat, by the curvature between them.
+std::vector<LimitMargin> limit_margins(const LimitSignals& signals, const MotionSamples& motion);
+
+/// Of one motion after the other.
+std::vector<LimitMargin> joined(const std::vector<LimitMargin>& first,
+                                const std::vector<LimitMargin>& second);
+
+}  // namespace veridyn

@@ -1,0 +1,49 @@
+#include "excitation/search/search_progress.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <numeric>
+#include <utility>
+
+namespace veridyn {
+namespace {
+
+constexpr double kSilence = 0.5;  // [s] between two lines
+
+}  // namespace
+
+SearchProgress::SearchProgress(Listener listener, int searches, int steps)
+    : listener_(std::move(listener)),
+      steps_(steps),
+      done_(static_cast<size_t>(searches), 0),
+      begun_(std::chrono::steady_clock::now()),
+      told_(begun_) {}
+
+void SearchProgress::step(int search, const std::string& news) {
+  if (!listener_) return;
+  const std::lock_guard<std::mutex> lock(guard_);
+  int& done = done_[static_cast<size_t>(search)];
+  done = std::min(done + 1, steps_);
+  const auto now = std::chrono::steady_clock::now();
+  if (std::chrono::duration<double>(now - told_).count() < kSilence) return;
+  told_ = now;
+  const bool several = done_.size() > 1;
+  tell(several ? fmt::format("start {} of {}: {}", search + 1, done_.size(), news) : news);
+}
+
+void SearchProgress::over(int search) {
+  if (!listener_) return;
+  const std::lock_guard<std::mutex> lock(guard_);
+  done_[static_cast<size_t>(search)] = steps_;
+}
+
+void SearchProgress::tell(const std::string& news) {
+  const double all = static_cast<double>(done_.size()) * steps_;
+  const double share = std::accumulate(done_.begin(), done_.end(), 0) / all;
+  const double gone = std::chrono::duration<double>(told_ - begun_).count();
+  const double left = share > 0.0 ? gone * (1.0 - share) / share : 0.0;
+  listener_(fmt::format("{}; at most about {:.0f} s left", news, std::max(1.0, left)), share);
+}
+
+}  // namespace veridyn

@@ -1,0 +1,201 @@
+#include "identification/drive_gains/gain_problem.hpp"
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+
+#include "math/dense.hpp"
+
+namespace veridyn {
+namespace {
+
+constexpr int kIterations = 60;
+constexpr double kConverged = 1e-12;  // relative fall of the cost that ends the search
+constexpr double kTiny = 1e-300;
+constexpr double kNoScale = 1e-9;  // a gain so far below the largest one is none
+
+Eigen::Index total_rows(const std::vector<GainEquation>& equations) {
+  Eigen::Index rows = 0;
+  for (const GainEquation& e : equations) rows += e.z.size();
+  return rows;
+}
+
+// Columns to norm one, for pivots and for damping; columns of zeros stay.
+VectorXd scale_columns(MatrixXd& A) {
+  VectorXd scale(A.cols());
+  for (Eigen::Index c = 0; c < A.cols(); ++c) {
+    const double norm = A.col(c).norm();
+    scale[c] = norm > 0.0 ? 1.0 / norm : 0.0;
+    A.col(c) *= scale[c];
+  }
+  return scale;
+}
+
+VectorXd current_of(const GainEquation& e, const GainSolution& at, Eigen::Index joint) {
+  return at.ratio[joint] * (e.U * at.y + at.scale * e.k);
+}
+
+double cost_at(const std::vector<GainEquation>& equations, const VectorRef& sigma,
+               const GainSolution& at) {
+  const VectorXd residual = residual_current(equations, at);
+  double cost = 0.0;
+  for (Eigen::Index j = 0; j < residual.size(); ++j)
+    cost += equations[static_cast<size_t>(j)].rows * std::pow(residual[j] / sigma[j], 2);
+  return cost;
+}
+
+// Joints whose gain has no scale: least squares leave it, and all torque, at zero.
+std::vector<char> without_scale(const VectorXd& gain) {
+  const double least = std::max(kNoScale * gain.cwiseAbs().maxCoeff(), kTiny);
+  std::vector<char> out;
+  for (const double k : gain) out.push_back(static_cast<char>(std::abs(k) <= least));
+  return out;
+}
+
+// Derivatives of the weighted residuals by y, the scale and the ratios (zero for the reference
+// joint's); `spare` rows of zeros below.
+MatrixXd jacobian(const std::vector<GainEquation>& equations, const VectorRef& sigma,
+                  const GainSolution& at, Eigen::Index spare) {
+  const Eigen::Index unknowns = at.y.size();
+  const Eigen::Index n = at.ratio.size();
+  MatrixXd A = MatrixXd::Zero(total_rows(equations) + spare, unknowns + 1 + n);
+  Eigen::Index row = 0;
+  for (Eigen::Index j = 0; j < n; ++j) {
+    const GainEquation& e = equations[static_cast<size_t>(j)];
+    const Eigen::Index count = e.z.size();
+    A.block(row, 0, count, unknowns) = at.ratio[j] / sigma[j] * e.U;
+    A.block(row, unknowns, count, 1) = at.ratio[j] / sigma[j] * e.k;
+    if (j != at.reference)
+      A.block(row, unknowns + 1 + j, count, 1) = (e.U * at.y + at.scale * e.k) / sigma[j];
+    row += count;
+  }
+  return A;
+}
+
+// The step of Gauss and Newton with damping.
+VectorXd step_at(const std::vector<GainEquation>& equations, const VectorRef& sigma,
+                 const GainSolution& at, double damping) {
+  const Eigen::Index columns = at.y.size() + 1 + at.ratio.size();
+  MatrixXd A = jacobian(equations, sigma, at, columns);
+  VectorXd b = VectorXd::Zero(A.rows());
+  Eigen::Index row = 0;
+  for (Eigen::Index j = 0; j < at.ratio.size(); ++j) {
+    const GainEquation& e = equations[static_cast<size_t>(j)];
+    b.segment(row, e.z.size()) = (e.z - current_of(e, at, j)) / sigma[j];
+    row += e.z.size();
+  }
+  const VectorXd scale = scale_columns(A);
+  A.bottomRows(columns).diagonal().setConstant(std::sqrt(damping));
+  const Eigen::ColPivHouseholderQR<MatrixXd> qr(A);
+  return scale.cwiseProduct(VectorXd(qr.solve(b)));
+}
+
+// x and K of U x + k = K z, weighted as currents are; K below x. Given gains are one.
+VectorXd linear_solution(const std::vector<GainEquation>& equations, const VectorXd& weights,
+                         const std::vector<char>& given) {
+  const Eigen::Index unknowns = equations.front().U.cols();
+  const Eigen::Index n = weights.size();
+  MatrixXd A = MatrixXd::Zero(total_rows(equations), unknowns + n);
+  VectorXd b(A.rows());
+  Eigen::Index row = 0;
+  for (Eigen::Index j = 0; j < n; ++j) {
+    const GainEquation& e = equations[static_cast<size_t>(j)];
+    const Eigen::Index count = e.z.size();
+    A.block(row, 0, count, unknowns) = weights[j] * e.U;
+    const bool fixed = given[static_cast<size_t>(j)] != 0;
+    if (!fixed) A.block(row, unknowns + j, count, 1) = -weights[j] * e.z;
+    b.segment(row, count) = weights[j] * ((fixed ? 1.0 : 0.0) * e.z - e.k);
+    row += count;
+  }
+  const VectorXd scale = scale_columns(A);
+  VectorXd out = scale.cwiseProduct(VectorXd(Eigen::ColPivHouseholderQR<MatrixXd>(A).solve(b)));
+  for (Eigen::Index j = 0; j < n; ++j) {
+    if (given[static_cast<size_t>(j)] != 0) out[unknowns + j] = 1.0;
+  }
+  return out;
+}
+
+}  // namespace
+
+VectorXd independent_shares(const std::vector<GainEquation>& equations, const VectorRef& sigma,
+                            const GainSolution& at) {
+  MatrixXd A = jacobian(equations, sigma, at, 0);
+  scale_columns(A);
+  const Eigen::Index unknowns = at.y.size();
+  VectorXd out(at.ratio.size());
+  for (Eigen::Index j = 0; j < out.size(); ++j) {
+    const Eigen::Index column = j == at.reference ? unknowns : unknowns + 1 + j;
+    const VectorXd own = A.col(column);
+    A.col(column).setZero();
+    out[j] = (own - A * least_norm(A, own)).norm();
+    A.col(column) = own;
+  }
+  return out;
+}
+
+VectorXd residual_current(const std::vector<GainEquation>& equations, const GainSolution& at) {
+  VectorXd out(static_cast<Eigen::Index>(equations.size()));
+  for (Eigen::Index j = 0; j < out.size(); ++j) {
+    const GainEquation& e = equations[static_cast<size_t>(j)];
+    const double sum = (current_of(e, at, j) - e.z).squaredNorm() + e.rho2;
+    out[j] = std::sqrt(sum / std::max(e.rows, 1.0));
+  }
+  return out;
+}
+
+GainSolution start_gains(const std::vector<GainEquation>& equations, const VectorRef& sigma) {
+  const Eigen::Index unknowns = equations.front().U.cols();
+  const auto n = static_cast<Eigen::Index>(equations.size());
+  const VectorXd currents = sigma.cwiseInverse();
+  std::vector<char> given(static_cast<size_t>(n), 0);
+  given = without_scale(linear_solution(equations, currents, given).tail(n));
+  VectorXd solution = linear_solution(equations, currents, given);
+  // Errors of torque are K times those of current: weighted with the gains found before.
+  for (int round = 0; round < 2; ++round) {
+    const VectorXd weights = currents.cwiseQuotient(solution.tail(n).cwiseAbs().cwiseMax(kTiny));
+    solution = linear_solution(equations, weights, given);
+  }
+  const VectorXd x = solution.head(unknowns);
+  const VectorXd gain = solution.tail(n);
+  GainSolution out;
+  double best = -1.0;
+  for (Eigen::Index j = 0; j < n; ++j) {
+    const double felt = equations[static_cast<size_t>(j)].k.norm() / (std::abs(gain[j]) * sigma[j]);
+    if (felt <= best) continue;
+    best = felt;
+    out.reference = static_cast<int>(j);
+  }
+  out.scale = 1.0 / gain[out.reference];
+  out.ratio = gain[out.reference] * gain.cwiseInverse();
+  out.y = out.scale * x;
+  out.cost = cost_at(equations, sigma, out);
+  return out;
+}
+
+GainSolution solve_gains(const std::vector<GainEquation>& equations, const VectorRef& sigma,
+                         const GainSolution& start) {
+  GainSolution now = start;
+  now.cost = cost_at(equations, sigma, now);
+  const Eigen::Index unknowns = now.y.size();
+  double damping = 1e-6;
+  for (int k = 0; k < kIterations && damping < 1e6; ++k) {
+    const VectorXd step = step_at(equations, sigma, now, damping);
+    GainSolution next = now;
+    next.y += step.head(unknowns);
+    next.scale += step[unknowns];
+    next.ratio += step.tail(now.ratio.size());
+    next.cost = cost_at(equations, sigma, next);
+    if (!(next.cost <= now.cost)) {
+      damping *= 10.0;
+      continue;
+    }
+    const bool done = now.cost - next.cost <= kConverged * now.cost;
+    now = next;
+    now.converged = done;
+    if (done) break;
+    damping = std::max(1e-14, 0.1 * damping);
+  }
+  return now;
+}
+
+}  // namespace veridyn

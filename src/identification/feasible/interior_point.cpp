@@ -1,0 +1,288 @@
+#include "identification/feasible/interior_point.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace veridyn::cone {
+
+namespace {
+
+using Eigen::Matrix4d;
+
+constexpr double kCloseEnough =
+    0.5;  // relative distance at which a slack is replaced by the true one of x
+constexpr double kSmallAbsorption =
+    0.1;  // largest relative change of a multiplier to make it fit the gradient
+constexpr double kBoundary = 0.99;  // part of the way to the boundary of the cones
+constexpr double kFirstRegularisation = 1e-14;
+constexpr double kLastRegularisation = 1e-5;
+constexpr int kPatience = 10;  // iterations without a smaller gap
+
+class InteriorPoint {
+ public:
+  InteriorPoint(const Program& program, const Stop& stop, double first_gap);
+  Solution run();
+
+ private:
+  void update_residuals();
+  void update_row_residuals();
+  void absorb_dual_residual(size_t k);
+  bool factor();
+  void advance_direction();
+  void find_direction(double target, bool second_order);
+  double complementarity(double step) const;
+  double longest_common_step() const;
+  void take_step();
+  bool feasible() const;
+  bool finish(Solution& solution);
+
+  const Program& program_;
+  const Stop& stop_;
+  const int n_;
+  int plain_degree_ = 0;  // of the cones without a log-det term
+  MatrixXd hessian_;      // 2*R'*R, lower triangle
+  MatrixXd M_;            // Schur complement, lower triangle
+  Eigen::LLT<MatrixXd> factor_;
+  Point point_;
+  VectorXd slack_, row_residual_;  // row_residual = h - G*x - slack
+  std::vector<char> row_follows_x_;
+  std::vector<ScaledBlock> blocks_;
+  VectorXd residual_, dual_residual_;
+  VectorXd dx_, dslack_, dlambda_;
+  double best_gap_ = std::numeric_limits<double>::infinity();
+  int best_iteration_ = 0;
+};
+
+InteriorPoint::InteriorPoint(const Program& program, const Stop& stop, double first_gap)
+    : program_(program), stop_(stop), n_(program.variables()), factor_(n_) {
+  hessian_ = MatrixXd::Zero(n_, n_);
+  hessian_.selfadjointView<Eigen::Lower>().rankUpdate(program.R.transpose(), 2.0);
+  Start start = starting_point(program, hessian_, stop.cost_floor, first_gap);
+  point_.x = std::move(start.x);
+  point_.lambda = std::move(start.lambda);
+  slack_ = std::move(start.slack);
+  blocks_ = std::move(start.blocks);
+  row_follows_x_.assign(slack_.size(), 0);
+  plain_degree_ = program.rows.size();
+  for (const Block& block : program.blocks) plain_degree_ += block.log_det_weight == 0.0 ? 4 : 0;
+  point_.Z.resize(blocks_.size());
+  update_residuals();
+}
+
+void InteriorPoint::update_row_residuals() {
+  row_residual_ = program_.rows.slack(point_.x) - slack_;
+  for (int i = 0; i < slack_.size(); ++i) {
+    if (!row_follows_x_[i] && std::abs(row_residual_(i)) > kCloseEnough * slack_(i)) continue;
+    row_follows_x_[i] = 1;
+    slack_(i) += row_residual_(i);
+    row_residual_(i) = 0.0;
+  }
+}
+
+void InteriorPoint::update_residuals() {
+  residual_ = program_.R * point_.x - program_.z;
+  dual_residual_ = 2.0 * (program_.R.transpose() * residual_) + program_.linear;
+  program_.rows.add_transposed(point_.lambda, dual_residual_);
+  update_row_residuals();
+  for (size_t k = 0; k < blocks_.size(); ++k) {
+    const Block& block = program_.blocks[k];
+    ScaledBlock& state = blocks_[k];
+    dual_residual_.segment<10>(block.column) -= block.adjoint(state.Z);
+    const Matrix4d slack = block.slack(point_.x);
+    state.residual = slack - state.S;
+    if (!state.follows_x) state.follows_x = relative_norm(state.S, state.residual) <= kCloseEnough;
+    if (state.follows_x) {
+      state.S = slack;
+      state.residual.setZero();
+    }
+  }
+  for (size_t k = 0; k < blocks_.size(); ++k) absorb_dual_residual(k);
+}
+
+// The adjoint of the pseudo-inertia is invertible, so that Z can take up the dual residual of its
+// body: rounding in the Newton system then no longer limits the certified gap.
+void InteriorPoint::absorb_dual_residual(size_t k) {
+  const Block& block = program_.blocks[k];
+  if (!block.is_pseudo_inertia) return;
+  const Matrix4d change = pseudo_inertia_from_adjoint(dual_residual_.segment<10>(block.column));
+  if (relative_norm(blocks_[k].Z, change) > kSmallAbsorption) return;
+  dual_residual_.segment<10>(block.column) += block.adjoint(blocks_[k].Z);
+  blocks_[k].Z += change;
+  dual_residual_.segment<10>(block.column) -= block.adjoint(blocks_[k].Z);
+}
+
+bool InteriorPoint::factor() {
+  M_ = hessian_;
+  const SparseRows& rows = program_.rows;
+  for (int i = 0; i < rows.size(); ++i) {
+    const double weight = point_.lambda(i) / slack_(i);
+    for (int a = rows.start[i]; a < rows.start[i + 1]; ++a) {
+      for (int b = rows.start[i]; b <= a; ++b) {
+        M_(rows.column[a], rows.column[b]) += weight * rows.value[a] * rows.value[b];
+      }
+    }
+  }
+  for (size_t k = 0; k < blocks_.size(); ++k) {
+    if (!blocks_[k].scale()) return false;
+    const int c = program_.blocks[k].column;
+    M_.block<10, 10>(c, c) += block_hessian(program_.blocks[k].map, blocks_[k].P);
+  }
+  const VectorXd diagonal = M_.diagonal();
+  for (double relative = kFirstRegularisation; relative < kLastRegularisation; relative *= 100.0) {
+    for (int j = 0; j < n_; ++j)
+      M_(j, j) = diagonal(j) > 0.0 ? diagonal(j) * (1.0 + relative) : 1.0;
+    factor_.compute(M_);
+    if (factor_.info() == Eigen::Success) return true;
+  }
+  return false;
+}
+
+// One solve for dx from the residual of the whole dual equation, 2*R'*R*dx + G'*dlambda -
+// adjoint(dZ) + dual_residual = 0, as the directions stand. A second call refines what the first
+// one lost to rounding: next to the boundary the Schur complement has entries of 1/slack^2.
+void InteriorPoint::advance_direction() {
+  VectorXd rhs = -dual_residual_;
+  rhs.noalias() -= hessian_.selfadjointView<Eigen::Lower>() * dx_;
+  program_.rows.add_transposed(-dlambda_, rhs);
+  for (size_t k = 0; k < blocks_.size(); ++k) {
+    const Block& block = program_.blocks[k];
+    rhs.segment<10>(block.column) += block.adjoint(blocks_[k].dZ);
+  }
+  const VectorXd change = factor_.solve(rhs);
+  dx_ += change;
+  for (int i = 0; i < slack_.size(); ++i) {
+    const double moved = program_.rows.dot(i, change);
+    dslack_(i) -= moved;
+    dlambda_(i) += point_.lambda(i) / slack_(i) * moved;
+  }
+  for (size_t k = 0; k < blocks_.size(); ++k) {
+    blocks_[k].advance_direction(program_.blocks[k].apply(change));
+  }
+}
+
+void InteriorPoint::find_direction(double target, bool second_order) {
+  VectorXd product = VectorXd::Constant(slack_.size(), target);
+  if (second_order) product -= dslack_.cwiseProduct(dlambda_);
+  dx_.setZero(n_);
+  dslack_ = row_residual_;
+  dlambda_ = (product - point_.lambda.cwiseProduct(slack_ + row_residual_)).cwiseQuotient(slack_);
+  for (size_t k = 0; k < blocks_.size(); ++k) {
+    blocks_[k].begin_direction(std::max(target, program_.blocks[k].log_det_weight), second_order);
+  }
+  advance_direction();
+  if (second_order) advance_direction();
+}
+
+// Mean of lambda*slack and of the eigenvalues of S*Z after a step; log-det blocks have their own
+// target.
+double InteriorPoint::complementarity(double step) const {
+  if (plain_degree_ == 0) return 0.0;
+  double sum = 0.0;
+  if (step == 0.0)
+    sum = slack_.dot(point_.lambda);
+  else
+    sum = (slack_ + step * dslack_).dot(point_.lambda + step * dlambda_);
+  for (size_t k = 0; k < blocks_.size(); ++k) {
+    if (program_.blocks[k].log_det_weight != 0.0) continue;
+    const ScaledBlock& state = blocks_[k];
+    sum += (state.S + step * state.dS).cwiseProduct(state.Z + step * state.dZ).sum();
+  }
+  return std::max(sum, 0.0) / plain_degree_;
+}
+
+double InteriorPoint::longest_common_step() const {
+  double step = std::min(longest_step(slack_, dslack_), longest_step(point_.lambda, dlambda_));
+  for (const ScaledBlock& state : blocks_) {
+    step = std::min(
+        {step, longest_step(state.d, state.scaled_dS), longest_step(state.d, state.scaled_dZ)});
+  }
+  return step;
+}
+
+void InteriorPoint::take_step() {
+  const double mu = complementarity(0.0);
+  find_direction(0.0, false);
+  double target = 0.0;
+  if (mu > 0.0) {
+    const double ratio = std::min(1.0, complementarity(std::min(1.0, longest_common_step())) / mu);
+    target = ratio * ratio * ratio * mu;  // Mehrotra's rule
+  }
+  find_direction(target, true);
+  const double step = std::min(1.0, kBoundary * longest_common_step());
+  point_.x += step * dx_;
+  point_.lambda += step * dlambda_;
+  slack_ += step * dslack_;
+  for (ScaledBlock& state : blocks_) {
+    state.S += step * state.dS;
+    state.Z += step * state.dZ;
+  }
+}
+
+bool InteriorPoint::feasible() const {
+  const auto is_true = [](char closed) { return closed != 0; };
+  return std::all_of(row_follows_x_.begin(), row_follows_x_.end(), is_true) &&
+         std::all_of(blocks_.begin(), blocks_.end(),
+                     [](const ScaledBlock& s) { return s.follows_x; });
+}
+
+// Keeps the best feasible point. @returns whether there is nothing left to gain.
+bool InteriorPoint::finish(Solution& solution) {
+  if (solution.interior.size() == 0) solution.interior = point_.x;
+  const double tolerance =
+      stop_.gap_tolerance * std::max(cost(program_, point_.x), stop_.cost_floor);
+  if (plain_degree_ * complementarity(0.0) > tolerance) {  // a part of the gap, which is costly
+    solution.point = point_;
+    best_iteration_ = solution.iterations;
+    return false;
+  }
+  const double gap = duality_gap(program_, point_, residual_).gap;
+  if (gap < best_gap_) {
+    if (gap < 0.9 * best_gap_) best_iteration_ = solution.iterations;
+    best_gap_ = gap;
+    solution.point = point_;
+  }
+  if (gap <= tolerance) solution.status = FeasibleStatus::kOptimal;
+  return gap <= tolerance || solution.iterations - best_iteration_ >= kPatience;
+}
+
+Solution InteriorPoint::run() {
+  Solution solution;
+  for (solution.iterations = 0; solution.iterations <= stop_.max_iterations;
+       ++solution.iterations) {
+    if (!point_.x.allFinite()) break;
+    for (size_t k = 0; k < blocks_.size(); ++k) point_.Z[k] = blocks_[k].Z;
+    if (feasible()) {
+      if (finish(solution)) return solution;
+    } else if (proves_infeasible(program_, point_, solution.unbounded_columns)) {
+      solution.status = FeasibleStatus::kInfeasible;
+      solution.point = point_;
+      return solution;
+    }
+    if (solution.iterations == stop_.max_iterations || !factor()) break;
+    take_step();
+    update_residuals();
+  }
+  if (solution.point.x.size() == 0) {
+    solution.point = point_;
+    if (met_to_rounding(program_, point_.x)) solution.status = FeasibleStatus::kNoInterior;
+  }
+  return solution;
+}
+
+}  // namespace
+
+Solution solve(const Program& program, const Stop& stop) {
+  Solution solution;
+  int iterations = 0;
+  for (const double first_gap : {1e-3, 1e1, 1e5}) {
+    solution = InteriorPoint(program, stop, first_gap).run();
+    iterations += solution.iterations;
+    if (solution.interior.size() > 0 || solution.status == FeasibleStatus::kInfeasible) break;
+  }
+  solution.iterations = iterations;
+  return solution;
+}
+
+}  // namespace veridyn::cone

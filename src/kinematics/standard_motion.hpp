@@ -1,0 +1,17 @@
+#pragma once
+
+#include "veridyn/math/motion_samples.hpp"
+#include "veridyn/model/model.hpp"
+
+namespace veridyn {
+
+/// A motion that depends on the arm's limits alone, to measure sizes of effects and differences of
+/// models with: 30 s at 100 Hz, one sine for every joint about the middle of its range, at 0.2 Hz
+/// and 0.07 Hz more for every next joint, over at most 70 % of the range, half the speed and 90 %
+/// of the acceleration (limits as motion_limits() has them).
+MotionSamples standard_motion(const Model& arm);
+
+/// [Hz] of a joint's sine in it, joints counting from 0.
+double standard_frequency(int joint);
+
+}  // namespace veridyn

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <string>
+
+#include "veridyn/model/model.hpp"
+#include "model/yaml/yaml_node.hpp"
+
+namespace veridyn {
+
+/// `identified: {recordings, clusters, error, motion, base: [{name, unit, value, free, std, of,
+/// factor}]}`; std follows from factor and is there for readers.
+IdentifiedBase read_identified(const YamlNode& node, int joints);
+
+/// The section as lines, with its key.
+std::string identified_text(const IdentifiedBase& identified);
+
+}  // namespace veridyn

@@ -1,0 +1,188 @@
+#include "veridyn/recordings/preprocessing.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <optional>
+
+#include "recordings/uniform_stream.hpp"
+#include "veridyn/math/require.hpp"
+#include "veridyn/math/zero_phase_filter.hpp"
+
+namespace veridyn {
+namespace {
+
+constexpr Eigen::Index kCore = 4096;  // samples of one stretch, at least
+constexpr Eigen::Index kCorePerHalo = 3;  // so that little is filtered twice
+constexpr double kHaloRemainder = 1e-9;  // what a cut leaves of itself at the core
+constexpr Eigen::Index kDerivatives =
+    4;  // samples on either side that two central differences lean on
+constexpr double kNyquistShare = 0.45;  // a light filter above this share of the rate is left away
+
+struct Filters {
+  std::optional<ZeroPhaseFilter> main;
+  std::optional<ZeroPhaseFilter> light;
+  Eigen::Index halo = kDerivatives;
+
+  Filters(const PreprocessingOptions& o, double dt) {
+    const double rate = 1.0 / dt;
+    if (o.cutoff <= 0.0) return;
+    main.emplace(o.cutoff, o.order, rate);
+    halo += main->settling_samples(kHaloRemainder);
+    const double light_cutoff = o.signal_cutoff_ratio * o.cutoff;
+    if (o.filtering == Filtering::kMatched && light_cutoff < kNyquistShare * rate) {
+      light.emplace(light_cutoff, o.order, rate);
+      halo += light->settling_samples(kHaloRemainder);
+    }
+  }
+};
+
+// Samples near unsound ones lean on interpolation: not used either.
+std::vector<char> widened(const std::vector<char>& sound, Eigen::Index margin) {
+  std::vector<char> use(sound.size(), 1);
+  const auto n = static_cast<Eigen::Index>(sound.size());
+  for (Eigen::Index i = 0; i < n; ++i) {
+    if (sound[static_cast<size_t>(i)] != 0) continue;
+    for (Eigen::Index j = std::max<Eigen::Index>(0, i - margin); j <= std::min(n - 1, i + margin);
+         ++j)
+      use[static_cast<size_t>(j)] = 0;
+  }
+  return use;
+}
+
+// A torque that was recorded late is brought forward, by straight lines between samples.
+void undo_delay(double delay, double dt, Eigen::Ref<VectorXd> tau) {
+  if (delay == 0.0) return;
+  const VectorXd recorded = tau;
+  const auto last = static_cast<double>(tau.size() - 1);
+  for (Eigen::Index k = 0; k < tau.size(); ++k) {
+    const double at = std::clamp(static_cast<double>(k) + delay / dt, 0.0, last);
+    const auto low = std::min<Eigen::Index>(static_cast<Eigen::Index>(at), tau.size() - 2);
+    if (low < 0) return;
+    tau[k] = recorded[low] + (at - static_cast<double>(low)) * (recorded[low + 1] - recorded[low]);
+  }
+}
+
+Stretch make_stretch(const Model& arm, const UniformStream& stream, Eigen::Index rows,
+                     const PreprocessingOptions& o, const Filters& f) {
+  const int n = arm.joints();
+  Stretch s;
+  s.dt = stream.dt();
+  s.start = stream.start();
+  s.time.resize(rows);
+  s.q.resize(rows, n);
+  s.tau.resize(rows, n);
+  const int blocks = stream.has_velocity() ? 3 : 2;
+  if (stream.has_velocity()) s.dq.resize(rows, n);
+  for (Eigen::Index i = 0; i < rows; ++i) {
+    const std::vector<double>& values = stream.samples()[static_cast<size_t>(i)];
+    s.time[i] = stream.start() + static_cast<double>(stream.first_index() + i) * s.dt;
+    for (int j = 0; j < n; ++j) {
+      s.q(i, j) = values[static_cast<size_t>(j)];
+      if (stream.has_velocity()) s.dq(i, j) = values[static_cast<size_t>(n + j)];
+      s.tau(i, j) = values[static_cast<size_t>((blocks - 1) * n + j)];
+    }
+  }
+  for (int j = 0; j < n; ++j)
+    undo_delay(arm.coordinates()[j].recorded.torque_delay, s.dt, s.tau.col(j));
+  const bool signals = o.filtering == Filtering::kSignals;
+  const ZeroPhaseFilter* filter =
+      signals ? (f.main ? &*f.main : nullptr) : (f.light ? &*f.light : nullptr);
+  if (filter != nullptr) filter->apply(s.q);
+  if (!stream.has_velocity()) {
+    s.dq = differentiate(s.q, s.dt);
+  } else if (filter != nullptr) {
+    filter->apply(s.dq);
+  }
+  for (const int j : o.derive_velocity_of) {
+    if (stream.has_velocity() && j < n) s.dq.col(j) = differentiate(s.q.col(j), s.dt);
+  }
+  s.ddq = differentiate(s.dq, s.dt);
+  if (signals && f.main) f.main->apply(s.tau);
+  const double margin = o.cutoff > 0.0 ? 0.5 / o.cutoff : 0.0;
+  s.use = widened({stream.sound().begin(), stream.sound().begin() + rows},
+                  static_cast<Eigen::Index>(margin / s.dt));
+  return s;
+}
+
+PreparationFacts run(const Model& arm, const std::string& name, UniformStream::Source source,
+                     const PreprocessingOptions& o,
+                     const std::function<void(const Stretch&)>& visit) {
+  SoundRows sound(source);
+  if (o.stale_rows == StaleRows::kFilled)
+    source = [&sound](int wanted) { return sound.next(wanted); };
+  UniformStream stream(arm, name, std::move(source), o);
+  const double dt = stream.dt();
+  const Filters filters(o, dt);
+  PreparationFacts facts;
+  facts.dt = dt;
+  // So far is read ahead: the filters settle, and what is dropped at the end is known to be there.
+  const Eigen::Index ahead =
+      std::max(filters.halo, static_cast<Eigen::Index>(std::ceil(o.drop_end / dt)));
+  const Eigen::Index core = std::max(kCore, kCorePerHalo * filters.halo);
+  Eigen::Index behind = 0;  // settled samples held in front of the core
+  Eigen::Index discard = 0;
+  while (true) {
+    const Eigen::Index held = stream.hold(behind + core + ahead + 1, discard);
+    const bool last = stream.ended() && held <= behind + core + filters.halo;
+    const Eigen::Index rows = last ? held : behind + core + filters.halo;
+    Stretch s = make_stretch(arm, stream, rows, o, filters);
+    s.core_begin = behind;
+    s.core_end = last ? rows : behind + core;
+    const double t_end =
+        stream.ended() ? s.time[0] + static_cast<double>(held - 1) * dt - o.drop_end : 1e300;
+    const double t_begin = stream.start() + o.drop_start;
+    for (Eigen::Index i = s.core_begin; i < s.core_end; ++i) {
+      const double t = s.time[i];
+      const double tolerance = 1e-6 * dt;
+      facts.unused += static_cast<long>(s.use[static_cast<size_t>(i)] == 0);
+      if (t < t_begin - tolerance || t > t_end + tolerance ||
+          t < stream.first_wanted_time() - tolerance || t > stream.last_wanted_time() + tolerance) {
+        s.use[static_cast<size_t>(i)] = 0;
+      }
+    }
+    facts.samples += static_cast<long>(s.core_end - s.core_begin);
+    facts.duration = s.time[s.core_end - 1] - stream.start();
+    if (s.core_end > s.core_begin) visit(s);
+    if (last) break;
+    const Eigen::Index keep_from = std::max<Eigen::Index>(0, s.core_end - filters.halo);
+    discard = keep_from;
+    behind = s.core_end - keep_from;
+  }
+  facts.rows_read = stream.rows_read();
+  facts.filled = sound.filled();
+  return facts;
+}
+
+}  // namespace
+
+PreparationFacts for_each_stretch(const Model& arm, const std::string& path,
+                                  const PreprocessingOptions& options,
+                                  const std::function<void(const Stretch&)>& visit) {
+  RecordingOptions reading;
+  reading.columns = options.columns;
+  reading.rate = options.header_rate;
+  RecordingReader reader(path, reading);
+  return run(
+      arm, path, [&reader](int rows) { return reader.next(rows); }, options, visit);
+}
+
+PreparationFacts for_each_stretch(const Model& arm, const Recording& recording,
+                                  const PreprocessingOptions& options,
+                                  const std::function<void(const Stretch&)>& visit) {
+  int at = 0;
+  const auto source = [&](int rows) {
+    const int count = std::min(rows, recording.rows() - at);
+    at += count;
+    return rows_of(recording, at - count, count);
+  };
+  return run(arm, recording.source, source, options, visit);
+}
+
+int decimation(const PreprocessingOptions& options, double dt) {
+  if (options.decimation > 0) return options.decimation;
+  if (options.cutoff <= 0.0) return 1;
+  return std::max(1, static_cast<int>(1.0 / (dt * 4.0 * options.cutoff)));
+}
+
+}  // namespace veridyn

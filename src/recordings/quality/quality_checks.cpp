@@ -1,0 +1,119 @@
+#include "recordings/quality/quality_checks.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "veridyn/math/require.hpp"
+
+namespace veridyn::quality {
+namespace {
+
+// Exact equality, with two gaps counting as equal.
+bool same(double a, double b) {
+  return a == b || (std::isnan(a) && std::isnan(b));
+}
+
+}  // namespace
+
+void Findings::add(Severity severity, const std::string& finding, const Place& place,
+                   const Size& size, const std::string& sentence) {
+  findings_.push_back({file_, finding, place.signal, place.joint, size.share, size.value, size.unit,
+                       severity, sentence});
+}
+
+std::vector<QualityFinding> Findings::sorted() && {
+  std::stable_sort(
+      findings_.begin(), findings_.end(),
+      [](const QualityFinding& a, const QualityFinding& b) { return a.severity > b.severity; });
+  return std::move(findings_);
+}
+
+std::string named(const Place& place) {
+  if (place.joint == 0) return place.signal;
+  return text("joint ", place.joint, " (", place.signal, place.joint, ")");
+}
+
+std::string number(double value) {
+  char digits[32];
+  if (value == 0.0) return "0";  // never "-0"
+  std::snprintf(digits, sizeof digits,
+                std::abs(value) >= 1000.0 && std::abs(value) < 1e6 ? "%.0f" : "%.4g", value);
+  return digits;
+}
+
+std::string percent(double share) {
+  char digits[32];
+  std::snprintf(digits, sizeof digits, "%.2g %%", 100.0 * share);
+  return share >= 0.995 ? "100 %" : digits;
+}
+
+std::string counted(long count, const std::string& noun) {
+  return text(count, " ", noun, count == 1 ? "" : "s");
+}
+
+std::vector<Load> loads_of(const Recording& rows) {
+  std::vector<Load> loads;
+  if (rows.tau.cols() > 0) loads.push_back({"tau", &rows.tau});
+  if (rows.current.cols() > 0) loads.push_back({"i", &rows.current});
+  return loads;
+}
+
+double share_of(long count, long rows) {
+  return static_cast<double>(count) / static_cast<double>(rows);
+}
+
+std::string unit_of(const std::string& signal) {
+  if (signal == "q") return "rad or m";
+  if (signal == "dq") return "rad/s or m/s";
+  if (signal == "tau") return "N m or N";
+  return signal == "i" ? "A" : "";
+}
+
+double quantile(std::vector<double> values, double share) {
+  values.erase(std::remove_if(values.begin(), values.end(), [](double x) { return std::isnan(x); }),
+               values.end());
+  if (values.empty()) return kNone;
+  const auto place =
+      values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), place, values.end());
+  return *place;
+}
+
+bool is_moving(const Recording& rows, int k) {
+  if (rows.dq.cols() > 0) return (rows.dq.row(k).array() != 0.0).any();
+  const int from = std::max(0, k - kContext);
+  for (int j = 0; j < rows.joints(); ++j) {
+    if (rows.q(k, j) != rows.q(from, j)) return true;
+  }
+  return false;
+}
+
+bool is_stale(const Recording& rows, int k) {
+  if (k == 0) return false;
+  bool any = false;
+  for (const RecordingSignal& signal : kRecordingSignals) {
+    const MatrixXd& values = rows.*signal.values;
+    for (int j = 0; j < values.cols(); ++j) {
+      if (!same(values(k, j), values(k - 1, j))) return false;
+      any = any || !std::isnan(values(k, j));
+    }
+  }
+  return any && is_moving(rows, k);
+}
+
+Head::Head(const Recording& recording) : rows(recording) {
+  const int count = rows.rows();
+  std::vector<double> steps;
+  for (int k = 1; k < count; ++k) steps.push_back(rows.time[k] - rows.time[k - 1]);
+  step = quantile(steps, 0.5);
+  shortest = quantile(steps, 0.01);
+  longest = quantile(steps, 0.99);
+  for (int j = 0; j < rows.joints(); ++j) {
+    const std::vector<double> q(rows.q.col(j).data(), rows.q.col(j).data() + count);
+    moves.push_back(quantile(q, 0.99) - quantile(q, 0.01) > kRestingRange);
+  }
+  for (int k = 0; k < count; ++k) stale.push_back(is_stale(rows, k));
+}
+
+}  // namespace veridyn::quality

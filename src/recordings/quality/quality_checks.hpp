@@ -1,0 +1,211 @@
+#pragma once
+
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "veridyn/recordings/recording_quality.hpp"
+
+/// The parts of check_recording(). A *tally* sees every row, piece by piece; a *check* sees the
+/// head only.
+namespace veridyn::quality {
+
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+constexpr double kRestingRange = 5e-3;  // [rad, m]
+constexpr double kHole = 1.5;           // median steps: rows are missing in a longer one
+constexpr double kTurn = 6.283185307179586;
+constexpr double kHopelessShare =
+    0.002;                   // of rows with absurd numbers: beyond it, motion is not judged
+constexpr int kContext = 6;  // rows of the piece before that a piece starts with
+
+/// Where a finding is, and how large; what remains is said in the sentence.
+struct Place {
+  std::string signal;
+  int joint = 0;
+};
+
+struct Size {
+  double share = kNone;
+  double value = kNone;
+  std::string unit;
+};
+
+/// Collects findings of one file.
+class Findings {
+ public:
+  explicit Findings(std::string file) : file_(std::move(file)) {}
+  void add(Severity severity, const std::string& finding, const Place& place, const Size& size,
+           const std::string& sentence);
+  std::vector<QualityFinding> sorted() &&;
+
+ private:
+  std::string file_;
+  std::vector<QualityFinding> findings_;
+};
+
+/// A piece of the recording; rows before `fresh` have been seen already.
+struct Piece {
+  const Recording& rows;
+  int fresh;
+};
+
+/// The first rows, cleaned of absurd numbers, and scales taken from them.
+struct Head {
+  explicit Head(const Recording& recording);
+
+  const Recording& rows;
+  double step = 0.0;        // [s] median
+  double shortest = 0.0;    // [s] 1 % quantile of the steps
+  double longest = 0.0;     // [s] 99 % quantile of the steps
+  std::vector<bool> moves;  // per joint
+  std::vector<bool> stale;  // per row: equal to the row before while the arm moves
+};
+
+/// "joint 3 (tau)" and the like.
+std::string named(const Place& place);
+/// Four significant digits; "12 %" for shares; "1 row", "2 rows".
+std::string number(double value);
+std::string percent(double share);
+std::string counted(long count, const std::string& noun);
+/// "N m" or similar of a signal, of a joint of unknown kind.
+std::string unit_of(const std::string& signal);
+
+/// Value at the given share (0 to 1) of the sorted finite values; NaN if there are none.
+double quantile(std::vector<double> values, double share);
+
+/// True if row k equals row k - 1 in every signal although the arm moves.
+bool is_stale(const Recording& rows, int k);
+/// True if some velocity of row k is not zero; without velocities, if a position changed within 6
+/// rows.
+bool is_moving(const Recording& rows, int k);
+
+/// Replaces numbers beyond +-1e6 in rows from `fresh` on by NaN, and counts them.
+class AbsurdTally {
+ public:
+  void clean(Recording* rows, int fresh);
+  double share() const {
+    return rows_ == 0 ? 0.0 : static_cast<double>(bad_rows_) / static_cast<double>(rows_);
+  }
+  void conclude(Findings* findings) const;
+
+ private:
+  long rows_ = 0;
+  long bad_rows_ = 0;
+  long bad_values_ = 0;
+  double first_time_ = 0.0;
+};
+
+class TimeTally {
+ public:
+  explicit TimeTally(const Head& head)
+      : step_(head.step), shortest_(head.shortest), longest_(head.longest) {}
+  void add(const Piece& piece);
+  void conclude(Findings* findings) const;
+
+ private:
+  double step_;
+  double shortest_;
+  double longest_;
+  long rows_ = 0;
+  double first_ = 0.0;
+  double last_ = 0.0;
+  long holes_ = 0;
+  double lost_rows_ = 0.0;
+  double lost_time_ = 0.0;
+  double longest_hole_ = 0.0;
+  double longest_hole_at_ = 0.0;
+};
+
+/// Stale rows, gaps, signals that never change.
+class RowTally {
+ public:
+  explicit RowTally(const Recording& head);
+  void add(const Piece& piece);
+  void conclude(Findings* findings) const;
+
+ private:
+  struct Channel {
+    Place place;
+    double first = kNone;
+    bool constant = true;
+    long gaps = 0;
+    long gap_run = 0;
+    long longest_gap = 0;
+  };
+  void conclude_gaps(Findings* findings) const;
+  void add_gaps(const Channel& channel, const Place& place, const std::string& who,
+                Findings* findings) const;
+  void conclude_constant(Findings* findings) const;
+
+  std::vector<Channel> channels_;
+  long rows_ = 0;
+  long stale_ = 0;
+  long stale_run_ = 0;
+  long longest_stale_ = 0;
+  std::vector<long> beyond_;  // per joint: rows with |q| > 4 pi
+};
+
+class JumpTally {
+ public:
+  explicit JumpTally(const Head& head);
+  void add(const Piece& piece);
+  void conclude(Findings* findings) const;
+
+ private:
+  bool is_jump(const Recording& rows, int k, int joint) const;
+
+  struct Joint {
+    double tolerance = 0.0;
+    long count = 0;
+    double largest = 0.0;
+    double largest_at = 0.0;
+  };
+  double step_;
+  std::vector<Joint> joints_;
+};
+
+/// Torque or current exactly at its extreme, row after row, entered and left abruptly.
+class ClipTally {
+ public:
+  explicit ClipTally(const Head& head);
+  void add(const Piece& piece);
+  void conclude(Findings* findings) const;
+
+ private:
+  struct Extreme {
+    Place place;
+    double sign = 1.0;  // +1: largest, -1: smallest value
+    double tolerance = 0.0;
+    double limit = -std::numeric_limits<double>::infinity();  // sign * value
+    long run = 0;
+    double entry = 0.0;  // size of the step into the run
+    long clipped = 0;    // rows in abrupt runs of at least three
+    long longest = 0;
+  };
+  void add_value(double value, double before, Extreme* extreme) const;
+  void close_run(double after, Extreme* extreme) const;
+
+  std::vector<Extreme> extremes_;
+  long rows_ = 0;
+};
+
+/// Torques and currents, where they are recorded.
+struct Load {
+  const char* name;
+  const MatrixXd* values;
+};
+std::vector<Load> loads_of(const Recording& rows);
+
+double share_of(long count, long rows);
+
+void check_motion(const Head& head, Findings* findings);
+void check_velocities(const Head& head, Findings* findings);
+/// How much later dq is than the derivative of q [s], where that is clear.
+std::optional<double> velocity_delay(const Head& head, int joint);
+void check_stale_signals(const Head& head, Findings* findings);
+void check_saturated_plateaus(const Head& head, Findings* findings);
+void check_start_up(const Head& head, Findings* findings);
+void check_period(const MotionPeriod& period, Findings* findings);
+
+}  // namespace veridyn::quality

@@ -1,0 +1,107 @@
+// How late recorded velocities are.
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include <Eigen/LU>
+
+#include "recordings/quality/quality_checks.hpp"
+
+namespace veridyn::quality {
+namespace {
+
+constexpr int kLagRows = 60000;  // rows used for the delay
+
+// Derivative of q, and dq, both averaged over 8 rows symmetrically, which delays neither. Both are
+// NaN where a row is missing or wrong in between.
+struct Velocities {
+  double step = 0.0;  // [s] mean
+  VectorXd from_q;
+  VectorXd recorded;
+};
+
+Velocities smoothed_velocities(const Head& head, int joint) {
+  constexpr int kHalf = 4;
+  constexpr double kJump = 3.0;  // times the 99 % quantile of the steps
+  const Recording& rows = head.rows;
+  const int count = std::min(rows.rows(), kLagRows);
+  Velocities v{(rows.time[count - 1] - rows.time[0]) / (count - 1),
+               VectorXd::Constant(count, kNone), VectorXd::Constant(count, kNone)};
+  VectorXd steps = VectorXd::Zero(count);
+  steps.tail(count - 1) =
+      (rows.q.col(joint).segment(1, count - 1) - rows.q.col(joint).head(count - 1)).cwiseAbs();
+  const double longest = kJump * quantile({steps.data(), steps.data() + count}, 0.99);
+  int broken = 0;  // the last row that must not be crossed
+  for (int last = 1; last < count; ++last) {
+    const bool hole = rows.time[last] - rows.time[last - 1] > kHole * head.step;
+    if (hole || !(steps[last] <= longest) || std::isnan(rows.dq(last, joint))) broken = last;
+    const int first = last - 2 * kHalf;
+    if (first < broken) continue;
+    const auto dq = rows.dq.col(joint).segment(first, 2 * kHalf + 1);
+    v.from_q[last - kHalf] =
+        (rows.q(last, joint) - rows.q(first, joint)) / (rows.time[last] - rows.time[first]);
+    v.recorded[last - kHalf] = (dq.sum() - 0.5 * (dq[0] + dq[2 * kHalf])) / (2 * kHalf);
+  }
+  return v;
+}
+
+// The whole number of rows by which the recorded velocity is late: the peak of the correlation.
+std::optional<int> whole_delay(const Velocities& v) {
+  constexpr int kLongest = 40;
+  constexpr double kClear = 0.9;
+  const int core = static_cast<int>(v.from_q.size()) - 2 * kLongest;
+  if (core < 4 * kLongest) return std::nullopt;
+  const VectorXd from_q = v.from_q.array().isNaN().select(0.0, v.from_q);
+  const VectorXd recorded = v.recorded.array().isNaN().select(0.0, v.recorded);
+  const auto q = from_q.segment(kLongest, core);
+  double peak = 0.0;
+  int best = 0;
+  for (int lag = -kLongest; lag <= kLongest; ++lag) {
+    const auto dq = recorded.segment(kLongest + lag, core);
+    const double correlation = std::abs(q.dot(dq)) / std::max(q.norm() * dq.norm(), 1e-300);
+    if (correlation <= peak) continue;
+    peak = correlation;
+    best = lag;
+  }
+  if (peak < kClear || std::abs(best) == kLongest) return std::nullopt;
+  return best;
+}
+
+}  // namespace
+
+// How much later dq is than the derivative v of q [s], where it is clear. Past the whole rows,
+//   dq(t) = f v(t - delay) = f v(t) - f delay dv/dt,
+// by least squares, twice, the second time without rows that are more than 4 median errors off.
+std::optional<double> velocity_delay(const Head& head, int joint) {
+  constexpr int kMargin = 50;
+  constexpr double kOutlier = 4.0;
+  const Velocities v = smoothed_velocities(head, joint);
+  const std::optional<int> whole = whole_delay(v);
+  if (!whole) return std::nullopt;
+  const int rows = static_cast<int>(v.from_q.size()) - 2 * kMargin;
+  Eigen::MatrixX2d A(rows, 2);  // v, -dv/dt
+  A.col(0) = v.from_q.segment(kMargin, rows);
+  A.col(1) =
+      (v.from_q.segment(kMargin - 2, rows) - v.from_q.segment(kMargin + 2, rows)) / (4.0 * v.step);
+  VectorXd recorded = v.recorded.segment(kMargin + *whole, rows);
+  VectorXd weights = VectorXd::Ones(rows);
+  for (int k = 0; k < rows; ++k) {
+    if (std::isfinite(A.row(k).sum() + recorded[k])) continue;
+    A.row(k).setZero();
+    weights[k] = recorded[k] = 0.0;
+  }
+  const VectorXd known = weights;
+  Eigen::Vector2d fit;  // f, f * delay
+  for (int pass = 0; pass < 2; ++pass) {
+    const Eigen::Matrix2d square = A.transpose() * weights.asDiagonal() * A;
+    if (!(square.determinant() > 1e-12 * square(0, 0) * square(1, 1))) return std::nullopt;
+    fit = square.inverse() * (A.transpose() * weights.cwiseProduct(recorded));
+    const VectorXd errors = (recorded - A * fit).cwiseAbs();
+    const VectorXd judged = (known.array() > 0.0).select(errors, kNone);
+    const double allowed = kOutlier * quantile({judged.data(), judged.data() + rows}, 0.5);
+    weights = known.array() * (errors.array() <= allowed).cast<double>();
+  }
+  return *whole * v.step + fit[1] / fit[0];
+}
+
+}  // namespace veridyn::quality

@@ -1,0 +1,74 @@
+// Position steps that the motion around them cannot explain.
+#include <algorithm>
+#include <cmath>
+
+#include "recordings/quality/quality_checks.hpp"
+#include "veridyn/math/require.hpp"
+
+namespace veridyn::quality {
+
+JumpTally::JumpTally(const Head& head)
+    : step_(head.step), joints_(static_cast<std::size_t>(head.rows.joints())) {
+  constexpr double kSmallest = 2e-3;  // [rad, m]
+  const Recording& rows = head.rows;
+  const int count = rows.rows();
+  for (std::size_t joint = 0; joint < joints_.size(); ++joint) {
+    const int j = static_cast<int>(joint);
+    const std::vector<double> q(rows.q.col(j).data(), rows.q.col(j).data() + count);
+    std::vector<double> change;  // of the step from one row to the next
+    for (int k = 2; k < count; ++k)
+      change.push_back(std::abs(rows.q(k, j) - 2.0 * rows.q(k - 1, j) + rows.q(k - 2, j)));
+    const double noise = change.empty() ? 0.0 : quantile(std::move(change), 0.99);
+    const double range = quantile(q, 0.99) - quantile(q, 0.01);
+    joints_[joint].tolerance = std::max({kSmallest, 5.0 * noise, 0.02 * range});
+  }
+}
+
+// The step into row k against the steps around it, that into k + 1 excepted: a single wrong value
+// jumps back.
+bool JumpTally::is_jump(const Recording& rows, int k, int joint) const {
+  const auto step = [&](int row) { return std::abs(rows.q(row, joint) - rows.q(row - 1, joint)); };
+  double around = std::max({step(k - 2), step(k - 1), step(k + 2), step(k + 3)});
+  if (rows.dq.cols() > 0) {
+    const double fastest = rows.dq.col(joint).segment(k - 2, 5).cwiseAbs().maxCoeff();
+    around = std::max(around, step_ * fastest);
+  }
+  return step(k) > joints_[static_cast<std::size_t>(joint)].tolerance + 4.0 * around;
+}
+
+void JumpTally::add(const Piece& piece) {
+  const Recording& rows = piece.rows;
+  for (int k = 3; k + 3 < rows.rows(); ++k) {
+    if (rows.time[k] - rows.time[k - 1] > kHole * step_) continue;
+    for (std::size_t joint = 0; joint < joints_.size(); ++joint) {
+      const int j = static_cast<int>(joint);
+      if (!is_jump(rows, k, j)) continue;
+      const double jump = rows.q(k, j) - rows.q(k - 1, j);
+      Joint& tally = joints_[joint];
+      ++tally.count;
+      if (std::abs(jump) <= std::abs(tally.largest)) continue;
+      tally.largest = jump;
+      tally.largest_at = rows.time[k];
+    }
+  }
+}
+
+void JumpTally::conclude(Findings* findings) const {
+  const bool together = std::count_if(joints_.begin(), joints_.end(),
+                                      [](const Joint& joint) { return joint.count > 0; }) > 1;
+  for (std::size_t joint = 0; joint < joints_.size(); ++joint) {
+    const Joint& tally = joints_[joint];
+    if (tally.count == 0) continue;
+    const Place place{"q", static_cast<int>(joint) + 1};
+    const double turns = tally.largest / (kTurn);
+    const bool wrapped = std::abs(turns) > 0.9 && std::abs(turns - std::round(turns)) < 0.02;
+    findings->add(Severity::kFault, "jumps", place, {kNone, tally.largest, unit_of("q")},
+                  text("The position of ", named(place), " jumps ", counted(tally.count, "time"),
+                       ", by ", number(tally.largest), " at t = ", number(tally.largest_at), " s",
+                       wrapped    ? ": a full turn, the angle is wrapped."
+                       : together ? ", and other joints jump too: several recordings in one file?"
+                                  : ", which its motion cannot explain."));
+  }
+}
+
+}  // namespace veridyn::quality

@@ -1,0 +1,92 @@
+// Checks of what moves, and of torques and currents, on the head of a recording.
+#include <algorithm>
+#include <cmath>
+
+#include "recordings/quality/quality_checks.hpp"
+#include "veridyn/math/require.hpp"
+
+namespace veridyn::quality {
+namespace {
+
+std::vector<double> column_of(const MatrixXd& values, int joint) {
+  return {values.col(joint).data(), values.col(joint).data() + values.rows()};
+}
+
+// Root mean square of the change over 20 ms, in consecutive windows of 0.1 s.
+std::vector<double> ringing(const Head& head, const MatrixXd& values, int joint) {
+  const int lag = std::max(1, static_cast<int>(std::lround(0.02 / head.step)));
+  const int window = std::max(4, static_cast<int>(std::lround(0.1 / head.step)));
+  std::vector<double> sizes;
+  for (int first = 0; first + window + lag <= values.rows(); first += window) {
+    double sum = 0.0;
+    int count = 0;
+    for (int k = first; k < first + window; ++k) {
+      const double change = values(k + lag, joint) - values(k, joint);
+      if (std::isnan(change)) continue;
+      sum += change * change;
+      ++count;
+    }
+    sizes.push_back(count > 0 ? std::sqrt(sum / count) : kNone);
+  }
+  return sizes;
+}
+
+}  // namespace
+
+void check_motion(const Head& head, Findings* findings) {
+  if (std::none_of(head.moves.begin(), head.moves.end(), [](bool moves) { return moves; })) {
+    findings->add(Severity::kInfo, "no_motion", {}, {},
+                  "No joint moves by more than 5 mrad or 5 mm: good for gravity and offsets only.");
+    return;
+  }
+  for (int j = 0; j < head.rows.joints(); ++j) {
+    if (head.moves[static_cast<std::size_t>(j)]) continue;
+    const std::vector<double> q = column_of(head.rows.q, j);
+    const double range = quantile(q, 0.99) - quantile(q, 0.01);
+    if (std::isnan(range)) continue;
+    const Place place{"q", j + 1};
+    findings->add(Severity::kInfo, "joint_at_rest", place, {kNone, range, unit_of("q")},
+                  text("Joint ", j + 1, " holds its position (within ", number(range),
+                       "): its friction and inertia cannot be told from here."));
+  }
+}
+
+void check_start_up(const Head& head, Findings* findings) {
+  constexpr double kLoud = 3.0;  // times the 90 % quantile of the later windows
+  constexpr int kLatest = 20;    // windows
+  constexpr int kShortest = 2;
+  for (const Load& load : loads_of(head.rows)) {
+    double until = 0.0;
+    double worst = 0.0;
+    Place place{load.name, 0};
+    for (int j = 0; j < head.rows.joints(); ++j) {
+      const std::vector<double> sizes = ringing(head, *load.values, j);
+      if (sizes.size() < 2 * kLatest) continue;
+      const double usual = quantile({sizes.begin() + kLatest, sizes.end()}, 0.9);
+      int loud = 0;
+      for (int w = 0; w < kLatest && w <= loud + 1; ++w) {
+        if (sizes[static_cast<std::size_t>(w)] > kLoud * usual) loud = w + 1;
+      }
+      if (loud < kShortest || usual <= 0.0) continue;
+      const double ratio = *std::max_element(sizes.begin(), sizes.begin() + loud) / usual;
+      const int window = std::max(4, static_cast<int>(std::lround(0.1 / head.step)));
+      until = std::max(until, loud * window * head.step);
+      if (ratio > worst) place.joint = j + 1;
+      worst = std::max(worst, ratio);
+    }
+    if (until == 0.0) continue;
+    findings->add(Severity::kWarning, "start_up_transient", place, {kNone, until, "s"},
+                  text("The ", place.signal == "tau" ? "torque" : "current", " rings for ",
+                       number(until), " s after the start, worst on joint ", place.joint, " (",
+                       number(worst), " times the usual change): leave that part out."));
+  }
+}
+
+void check_period(const MotionPeriod& period, Findings* findings) {
+  if (!period.found()) return;
+  findings->add(Severity::kInfo, "period", {}, {kNone, period.seconds, "s"},
+                text("The motion repeats every ", period.seconds, " s, ", number(period.repeats),
+                     " times: repeats give the noise floor."));
+}
+
+}  // namespace veridyn::quality

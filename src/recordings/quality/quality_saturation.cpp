@@ -1,0 +1,157 @@
+// Torques and currents at their limit: exactly (clipped numbers), or within noise (clipped
+// amplifier).
+#include <algorithm>
+#include <cmath>
+
+#include "recordings/quality/quality_checks.hpp"
+#include "veridyn/math/require.hpp"
+
+namespace veridyn::quality {
+namespace {
+
+// A stretch of rows in which a load stays close to its extreme.
+struct Plateau {
+  int first = 0;
+  int last = 0;
+};
+
+// Saturated: the load goes from half to full and back in less than half the time that it stays, and
+// the arm speeds up or slows down meanwhile by at least a quarter of its top speed (friction
+// plateaus do not).
+bool is_saturated(const Head& head, const VectorXd& load, const Plateau& plateau, double half,
+                  int joint) {
+  constexpr int kShortest = 8;
+  const int length = plateau.last - plateau.first + 1;
+  if (length < kShortest) return false;
+  int before = plateau.first;
+  int after = plateau.last;
+  while (before > 0 && load[before] > half && plateau.first - before <= length) --before;
+  while (after + 1 < load.size() && load[after] > half && after - plateau.last <= length) ++after;
+  if (2 * (plateau.first - before + after - plateau.last) > length || before == 0) return false;
+  const auto& q = head.rows.q;
+  const int lag = std::max(1, length / 4);
+  const auto speed = [&](int k) {
+    return (q(k, joint) - q(k - lag, joint)) / (head.rows.time[k] - head.rows.time[k - lag]);
+  };
+  if (plateau.first < lag || plateau.last <= plateau.first + lag) return false;
+  double top = 0.0;
+  for (int k = lag; k < q.rows(); k += lag) top = std::max(top, std::abs(speed(k)));
+  return std::abs(speed(plateau.last) - speed(plateau.first)) > 0.25 * top;
+}
+
+// Rows in saturated plateaus within 8 % of the largest value.
+int plateau_rows(const Head& head, const VectorXd& load, int joint, double* limit) {
+  constexpr double kNear = 0.92;
+  const double largest = *std::max_element(load.data(), load.data() + load.size());
+  if (!(largest > 0.0)) return 0;
+  int rows = 0;
+  std::vector<double> levels;
+  for (int k = 0; k < load.size(); ++k) {
+    if (!(load[k] > kNear * largest)) continue;
+    Plateau plateau{k, k};
+    while (plateau.last + 1 < load.size() && load[plateau.last + 1] > kNear * largest)
+      ++plateau.last;
+    k = plateau.last;
+    if (!is_saturated(head, load, plateau, 0.5 * largest, joint)) continue;
+    rows += plateau.last - plateau.first + 1;
+    for (int r = plateau.first; r <= plateau.last; ++r) levels.push_back(load[r]);
+  }
+  *limit = quantile(std::move(levels), 0.5);
+  return rows;
+}
+
+}  // namespace
+
+ClipTally::ClipTally(const Head& head) {
+  for (const RecordingSignal& signal : kRecordingSignals) {
+    const std::string name = signal.name;
+    if (name != "tau" && name != "i") continue;
+    const MatrixXd& values = head.rows.*signal.values;
+    for (int j = 0; j < values.cols(); ++j) {
+      std::vector<double> column(values.col(j).data(), values.col(j).data() + values.rows());
+      std::vector<double> changes;  // the finest ones show the resolution
+      for (int k = 1; k < values.rows(); ++k) {
+        if (values(k, j) != values(k - 1, j))
+          changes.push_back(std::abs(values(k, j) - values(k - 1, j)));
+      }
+      const double range = quantile(column, 1.0) - quantile(column, 0.0);
+      const double resolution = changes.empty() ? 0.0 : quantile(std::move(changes), 0.01);
+      const double tolerance = std::max(1e-6 * range, std::min(0.6 * resolution, 1e-3 * range));
+      for (const double sign : {1.0, -1.0}) extremes_.push_back({{name, j + 1}, sign, tolerance});
+    }
+  }
+}
+
+void ClipTally::close_run(double after, Extreme* extreme) const {
+  const double exit = extreme->limit - after;
+  if (extreme->run >= 3 && std::min(extreme->entry, exit) > 5.0 * extreme->tolerance) {
+    extreme->clipped += extreme->run;
+    extreme->longest = std::max(extreme->longest, extreme->run);
+  }
+  extreme->run = 0;
+}
+
+void ClipTally::add_value(double value, double before, Extreme* extreme) const {
+  if (value > extreme->limit + extreme->tolerance) {
+    const Place place = extreme->place;
+    *extreme = {place, extreme->sign, extreme->tolerance};
+    extreme->limit = value;
+  }
+  if (value >= extreme->limit - extreme->tolerance) {
+    if (extreme->run == 0) extreme->entry = extreme->limit - before;
+    ++extreme->run;
+  } else if (extreme->run > 0) {
+    close_run(value, extreme);
+  }
+}
+
+void ClipTally::add(const Piece& piece) {
+  for (int k = std::max(piece.fresh, 1); k < piece.rows.rows(); ++k) {
+    if (is_stale(piece.rows, k) || !is_moving(piece.rows, k)) continue;
+    for (Extreme& extreme : extremes_) {
+      const MatrixXd& values = extreme.place.signal == "tau" ? piece.rows.tau : piece.rows.current;
+      const int j = extreme.place.joint - 1;
+      if (std::isnan(values(k, j)) || std::isnan(values(k - 1, j))) continue;
+      add_value(extreme.sign * values(k, j), extreme.sign * values(k - 1, j), &extreme);
+    }
+  }
+  rows_ += piece.rows.rows() - piece.fresh;
+}
+
+void ClipTally::conclude(Findings* findings) const {
+  for (const Extreme& extreme : extremes_) {
+    if (extreme.clipped == 0) continue;
+    const double share = share_of(extreme.clipped, rows_);
+    const double limit = extreme.sign * extreme.limit;
+    findings->add(share > 0.01 ? Severity::kFault : Severity::kWarning, "saturation", extreme.place,
+                  {share, limit, unit_of(extreme.place.signal)},
+                  text("The ", extreme.place.signal == "tau" ? "torque" : "current", " of ",
+                       named(extreme.place), " sits exactly at its extreme ", number(limit), " in ",
+                       extreme.clipped, " rows (", percent(share), "), up to ", extreme.longest,
+                       " in a row: saturated."));
+  }
+}
+
+void check_saturated_plateaus(const Head& head, Findings* findings) {
+  for (const Load& load : loads_of(head.rows)) {
+    for (int j = 0; j < head.rows.joints(); ++j) {
+      if (!head.moves[static_cast<std::size_t>(j)]) continue;
+      for (const double sign : {1.0, -1.0}) {
+        const VectorXd values =
+            (sign * load.values->col(j)).array().isNaN().select(0.0, sign * load.values->col(j));
+        double limit = 0.0;
+        const int rows = plateau_rows(head, values, j, &limit);
+        if (rows == 0) continue;
+        const Place place{load.name, j + 1};
+        const double share = static_cast<double>(rows) / head.rows.rows();
+        findings->add(
+            Severity::kWarning, "saturation", place, {share, sign * limit, unit_of(load.name)},
+            text("The ", place.signal == "tau" ? "torque" : "current", " of ", named(place),
+                 " stays at ", number(sign * limit), ", its extreme, for ", rows, " rows (",
+                 percent(share), ") while the joint changes speed: saturated."));
+      }
+    }
+  }
+}
+
+}  // namespace veridyn::quality

@@ -1,0 +1,64 @@
+// Signals that are refreshed more slowly than the rows are written.
+#include <algorithm>
+#include <cmath>
+
+#include "recordings/quality/quality_checks.hpp"
+#include "veridyn/math/require.hpp"
+
+namespace veridyn::quality {
+namespace {
+
+// How often a signal repeats its value after one row and after two, of the rows around which it
+// changes by so many steps of its resolution that equal values do not come by chance.
+struct Repeats {
+  long rows = 0;
+  long once = 0;
+  long twice = 0;
+};
+
+Repeats repeats_of(const Head& head, const MatrixXd& values, int joint) {
+  constexpr double kFine = 8.0;
+  std::vector<double> changes;
+  for (int k = 1; k < values.rows(); ++k) {
+    const double change = std::abs(values(k, joint) - values(k - 1, joint));
+    if (change > 0.0) changes.push_back(change);
+  }
+  const double resolution = changes.empty() ? 0.0 : quantile(std::move(changes), 0.01);
+  Repeats repeats;
+  for (int k = 2; k + 1 < values.rows(); ++k) {
+    const auto stale = head.stale.begin() + k;
+    if (*(stale - 1) || *stale || *(stale + 1)) continue;
+    if (!(std::abs(values(k + 1, joint) - values(k - 2, joint)) > kFine * resolution)) continue;
+    ++repeats.rows;
+    repeats.once += values(k, joint) == values(k - 1, joint) ? 1 : 0;
+    repeats.twice += values(k, joint) == values(k - 2, joint) ? 1 : 0;
+  }
+  return repeats;
+}
+
+}  // namespace
+
+// A signal that repeats its value much more often than it returns to it two rows later was not
+// refreshed.
+void check_stale_signals(const Head& head, Findings* findings) {
+  constexpr double kShare = 0.1;
+  constexpr double kReturning = 0.7;  // repeats after two rows, of repeats after one
+  constexpr long kFewest = 200;
+  for (const RecordingSignal& signal : kRecordingSignals) {
+    const MatrixXd& values = head.rows.*signal.values;
+    for (int j = 0; j < values.cols(); ++j) {
+      const Repeats repeats = repeats_of(head, values, j);
+      if (repeats.rows < kFewest) continue;
+      const double share = static_cast<double>(repeats.once) / static_cast<double>(repeats.rows);
+      if (share < kShare ||
+          static_cast<double>(repeats.twice) > kReturning * static_cast<double>(repeats.once))
+        continue;
+      const Place place{signal.name, j + 1};
+      findings->add(Severity::kWarning, "stale_signal", place, {share, kNone, ""},
+                    text("The signal of ", named(place), " repeats its value in ", percent(share),
+                         " of the rows in which it should change: refreshed too slowly?"));
+    }
+  }
+}
+
+}  // namespace veridyn::quality

@@ -1,0 +1,221 @@
+// Tallies of numbers, time and rows.
+#include <algorithm>
+#include <cmath>
+
+#include "recordings/quality/quality_checks.hpp"
+#include "veridyn/math/require.hpp"
+
+namespace veridyn::quality {
+namespace {
+
+constexpr double kAbsurd = 1e6;      // in SI units, no joint reaches it
+constexpr double kIrregular = 0.05;  // spread of the steps, of their median
+constexpr double kManyStale = 0.02;
+constexpr double kFewStale = 0.001;
+constexpr double kFrozen = 0.5;
+
+}  // namespace
+
+// ---- absurd numbers
+
+void AbsurdTally::clean(Recording* rows, int fresh) {
+  for (int k = fresh; k < rows->rows(); ++k) {
+    bool bad = false;
+    for (const RecordingSignal& signal : kRecordingSignals) {
+      MatrixXd& values = rows->*signal.values;
+      for (int j = 0; j < values.cols(); ++j) {
+        if (!(std::abs(values(k, j)) > kAbsurd)) continue;
+        values(k, j) = kNone;
+        bad = true;
+        ++bad_values_;
+      }
+    }
+    if (bad && bad_rows_ == 0) first_time_ = rows->time[k];
+    bad_rows_ += bad ? 1 : 0;
+    ++rows_;
+  }
+}
+
+void AbsurdTally::conclude(Findings* findings) const {
+  if (bad_rows_ == 0) return;
+  findings->add(
+      Severity::kFault, "absurd_numbers", {},
+      {share(), static_cast<double>(bad_values_), "numbers"},
+      text(counted(bad_values_, "number"), " beyond +-1e6 in ", percent(share()),
+           " of the rows, the first at t = ", number(first_time_), " s: the file is broken",
+           share() < kHopelessShare ? " there." : "; its motion is not judged."));
+}
+
+// ---- time
+
+void TimeTally::add(const Piece& piece) {
+  const VectorXd& time = piece.rows.time;
+  if (rows_ == 0) first_ = time[0];
+  for (int k = std::max(piece.fresh, 1); k < time.size(); ++k) {
+    const double dt = time[k] - time[k - 1];
+    if (dt <= kHole * step_) continue;
+    ++holes_;
+    lost_rows_ += std::round(dt / step_) - 1.0;
+    lost_time_ += dt - step_;
+    if (dt > longest_hole_) {
+      longest_hole_ = dt;
+      longest_hole_at_ = time[k - 1];
+    }
+  }
+  rows_ += time.size() - piece.fresh;
+  last_ = time[time.size() - 1];
+}
+
+void TimeTally::conclude(Findings* findings) const {
+  findings->add(
+      Severity::kInfo, "sample_rate", {}, {kNone, 1.0 / step_, "Hz"},
+      text("One row every ", number(1e3 * step_), " ms (median), ", number(1.0 / step_), " Hz."));
+  const double mean_rate = static_cast<double>(rows_ - 1) / (last_ - first_ - lost_time_);
+  const bool misleading = std::abs(mean_rate * step_ - 1.0) > 0.01;
+  if (longest_ - shortest_ > kIrregular * step_) {
+    findings->add(misleading ? Severity::kWarning : Severity::kInfo, "irregular_time", {},
+                  {kNone, mean_rate, "Hz"},
+                  text("Time steps vary from ", number(1e3 * shortest_), " to ",
+                       number(1e3 * longest_), " ms; the mean rate is ", number(mean_rate),
+                       " Hz, so count on column t and not on a fixed rate."));
+  }
+  if (holes_ > 0) {
+    const double share = lost_rows_ / (static_cast<double>(rows_) + lost_rows_);
+    findings->add(
+        share > 0.01 || longest_hole_ > 10.0 * step_ ? Severity::kWarning : Severity::kInfo,
+        "missing_rows", {}, {share, longest_hole_, "s"},
+        text("About ", number(lost_rows_), " rows are missing (", percent(share), ") in ",
+             counted(holes_, "place"), "; the longest hole is ", number(1e3 * longest_hole_),
+             " ms after t = ", number(longest_hole_at_), " s."));
+  }
+}
+
+// ---- stale rows, gaps, constants
+
+RowTally::RowTally(const Recording& head) : beyond_(static_cast<std::size_t>(head.joints()), 0) {
+  for (const RecordingSignal& signal : kRecordingSignals) {
+    for (int j = 1; j <= (head.*signal.values).cols(); ++j) channels_.push_back({{signal.name, j}});
+  }
+}
+
+void RowTally::add(const Piece& piece) {
+  for (int k = piece.fresh; k < piece.rows.rows(); ++k) {
+    stale_run_ = is_stale(piece.rows, k) ? stale_run_ + 1 : 0;
+    stale_ += stale_run_ > 0 ? 1 : 0;
+    longest_stale_ = std::max(longest_stale_, stale_run_);
+    for (int j = 0; j < piece.rows.joints(); ++j) {
+      beyond_[static_cast<std::size_t>(j)] += std::abs(piece.rows.q(k, j)) > 2.0 * kTurn ? 1 : 0;
+    }
+  }
+  std::size_t c = 0;
+  for (const RecordingSignal& signal : kRecordingSignals) {
+    const MatrixXd& values = piece.rows.*signal.values;
+    for (int j = 0; j < values.cols(); ++j, ++c) {
+      Channel& channel = channels_[c];
+      for (int k = piece.fresh; k < values.rows(); ++k) {
+        const double value = values(k, j);
+        channel.gap_run = std::isnan(value) ? channel.gap_run + 1 : 0;
+        channel.gaps += channel.gap_run > 0 ? 1 : 0;
+        channel.longest_gap = std::max(channel.longest_gap, channel.gap_run);
+        if (std::isnan(value)) continue;
+        if (std::isnan(channel.first)) channel.first = value;
+        channel.constant = channel.constant && value == channel.first;
+      }
+    }
+  }
+  rows_ += piece.rows.rows() - piece.fresh;
+}
+
+void RowTally::conclude(Findings* findings) const {
+  const double stale = share_of(stale_, rows_);
+  if (stale >= kFewStale) {
+    const Severity severity = stale > kFrozen      ? Severity::kFault
+                              : stale > kManyStale ? Severity::kWarning
+                                                   : Severity::kInfo;
+    findings->add(
+        severity, "stale_rows", {}, {stale, static_cast<double>(longest_stale_), "rows"},
+        text(
+            percent(stale),
+            " of the rows repeat the row before although the arm moves (publisher late?); at most ",
+            longest_stale_, " in a row."));
+  }
+  conclude_gaps(findings);
+  conclude_constant(findings);
+  for (std::size_t j = 0; j < beyond_.size(); ++j) {
+    const double share = share_of(beyond_[j], rows_);
+    if (share < 0.5) continue;
+    const Place place{"q", static_cast<int>(j) + 1};
+    findings->add(Severity::kWarning, "degrees", place, {share, kNone, ""},
+                  text("The position of ", named(place), " is beyond +-4 pi in ", percent(share),
+                       " of the rows: degrees or millimetres instead of rad or m?"));
+  }
+}
+
+void RowTally::add_gaps(const Channel& channel, const Place& place, const std::string& who,
+                        Findings* findings) const {
+  const double share = share_of(channel.gaps, rows_);
+  const Severity severity = share > 0.5     ? Severity::kFault
+                            : share > 0.001 ? Severity::kWarning
+                                            : Severity::kInfo;
+  findings->add(severity, "gaps", place, {share, static_cast<double>(channel.longest_gap), "rows"},
+                text(who, " lacks ", counted(channel.gaps, "value"), " (", percent(share),
+                     " of the rows); at most ", channel.longest_gap, " in a row."));
+}
+
+// One finding for the file where all or many channels have gaps, else one per channel.
+void RowTally::conclude_gaps(Findings* findings) const {
+  constexpr long kMany = 3;
+  const Channel& first = channels_.front();
+  const bool alike = std::all_of(channels_.begin(), channels_.end(), [&](const Channel& channel) {
+    return channel.gaps == first.gaps && channel.longest_gap == first.longest_gap;
+  });
+  if (alike && first.gaps > 0) return add_gaps(first, {}, "Every signal", findings);
+  const Channel& worst =
+      *std::max_element(channels_.begin(), channels_.end(),
+                        [](const Channel& a, const Channel& b) { return a.gaps < b.gaps; });
+  const long affected = std::count_if(channels_.begin(), channels_.end(),
+                                      [](const Channel& channel) { return channel.gaps > 0; });
+  if (affected > kMany) {
+    return add_gaps(worst, {},
+                    text(affected, " of ", channels_.size(), " signals have gaps; the worst, ",
+                         named(worst.place), ","),
+                    findings);
+  }
+  for (const Channel& channel : channels_) {
+    if (channel.gaps > 0)
+      add_gaps(channel, channel.place, text("The signal of ", named(channel.place)), findings);
+  }
+}
+
+// Positions and velocities that stay constant are left to joint_at_rest, unless they are all zero.
+void RowTally::conclude_constant(Findings* findings) const {
+  for (const RecordingSignal& signal : kRecordingSignals) {
+    long all = 0;
+    long zero = 0;
+    for (const Channel& channel : channels_) {
+      if (channel.place.signal != signal.name) continue;
+      ++all;
+      zero += channel.constant && channel.first == 0.0 ? 1 : 0;
+    }
+    if (all == 0) continue;
+    if (zero == all) {
+      findings->add(
+          Severity::kWarning, "zero_signal", {signal.name, 0}, {1.0, kNone, ""},
+          text("Signal ", signal.name, " is zero on every joint in every row: not recorded?"));
+      continue;
+    }
+    const bool measured = std::string(signal.name) == "tau" || std::string(signal.name) == "i";
+    for (const Channel& channel : channels_) {
+      if (channel.place.signal != signal.name || !channel.constant || !measured ||
+          std::isnan(channel.first))
+        continue;
+      const bool is_zero = channel.first == 0.0;
+      findings->add(Severity::kWarning, is_zero ? "zero_signal" : "constant_signal", channel.place,
+                    {1.0, channel.first, unit_of(signal.name)},
+                    text("The signal of ", named(channel.place), " is ", number(channel.first),
+                         " in every row: not measured?"));
+    }
+  }
+}
+
+}  // namespace veridyn::quality

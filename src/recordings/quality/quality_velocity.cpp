@@ -1,0 +1,180 @@
+// Checks of recorded velocities against recorded positions, on the head of a recording.
+#include <algorithm>
+#include <cmath>
+
+#include "recordings/quality/quality_checks.hpp"
+#include "veridyn/math/require.hpp"
+
+namespace veridyn::quality {
+namespace {
+
+constexpr double kDegrees = 57.29577951308232;
+constexpr double kScaleError = 0.025;  // |factor - 1| from which it is reported
+
+// dq = factor * d/dt q, over windows of 0.1 s.
+struct VelocityFit {
+  double factor = 1.0;
+  double spread = 0.0;  // half the interquartile range of the ratio, window by window
+  bool clear = false;   // enough windows in motion, of one mind
+};
+
+VelocityFit velocity_fit(const Head& head, int joint) {
+  const Recording& rows = head.rows;
+  const int window = std::max(4, static_cast<int>(std::lround(0.1 / head.step)));
+  VectorXd angle = VectorXd::Zero(rows.rows());  // integral of dq
+  std::vector<double> moved;
+  std::vector<double> integrated;
+  for (int k = 1; k < rows.rows(); ++k) {
+    const double dt = rows.time[k] - rows.time[k - 1];
+    const double step = 0.5 * dt * (rows.dq(k, joint) + rows.dq(k - 1, joint));
+    angle[k] = angle[k - 1] + (std::isnan(step) ? 0.0 : step);
+  }
+  int last_gap = -1;  // windows must not reach back to it
+  for (int k = 0; k < rows.rows(); ++k) {
+    const bool hole = k > 0 && rows.time[k] - rows.time[k - 1] > 5.0 * head.step;
+    if (hole || std::isnan(rows.dq(k, joint)) || std::isnan(rows.q(k, joint))) last_gap = k;
+    if (k - window <= last_gap) continue;
+    moved.push_back(rows.q(k, joint) - rows.q(k - window, joint));
+    integrated.push_back(angle[k] - angle[k - window]);
+  }
+  std::vector<double> sizes;
+  for (const double m : moved) sizes.push_back(std::abs(m));
+  const double fast = 0.3 * quantile(std::move(sizes), 0.98);
+  std::vector<double> ratios;
+  for (std::size_t w = 0; w < moved.size(); ++w) {
+    if (std::abs(moved[w]) > fast) ratios.push_back(integrated[w] / moved[w]);
+  }
+  VelocityFit fit;
+  if (ratios.size() < 50) return fit;
+  const double middle = quantile(ratios, 0.5);
+  fit.spread = 0.5 * (quantile(ratios, 0.75) - quantile(ratios, 0.25));
+  double cross = 0.0;
+  double square = 0.0;
+  for (std::size_t w = 0; w < moved.size(); ++w) {
+    if (std::abs(moved[w]) <= fast ||
+        std::abs(integrated[w] / moved[w] - middle) > 6.0 * fit.spread + 1e-9)
+      continue;
+    cross += integrated[w] * moved[w];
+    square += moved[w] * moved[w];
+  }
+  fit.factor = square > 0.0 ? cross / square : middle;
+  fit.clear = std::abs(fit.factor) > 1e-6 && fit.spread < 0.2 * std::abs(fit.factor);
+  return fit;
+}
+
+void check_delay(const Head& head, int joint, Findings* findings) {
+  const std::optional<double> delay = velocity_delay(head, joint);
+  if (!delay || std::abs(*delay) < std::max(0.002, 0.6 * head.step)) return;
+  const Place place{"dq", joint + 1};
+  findings->add(Severity::kWarning, "velocity_delay", place, {kNone, *delay, "s"},
+                text("The velocity of ", named(place), " comes ", number(1e3 * std::abs(*delay)),
+                     " ms ", *delay > 0.0 ? "later" : "earlier", " than its position says."));
+}
+
+// Steps of dq from row to row, stale rows and the rows after them left out.
+void check_quantised(const Head& head, int joint, const VelocityFit& fit, Findings* findings) {
+  constexpr double kCoarse = 0.07;   // of the range
+  constexpr double kTwoKinds = 3.5;  // 90 % quantile over median; 2.4 for Gaussian noise
+  const auto dq = head.rows.dq.col(joint);
+  std::vector<double> steps;
+  std::vector<double> changes;
+  for (int k = 2; k < dq.size(); ++k) {
+    if (head.stale[static_cast<std::size_t>(k)] || head.stale[static_cast<std::size_t>(k) - 1])
+      continue;
+    steps.push_back(std::abs(dq[k] - dq[k - 1]));
+    if (steps.back() > 0.0) changes.push_back(steps.back());
+  }
+  const std::vector<double> all(dq.data(), dq.data() + dq.size());
+  const double range = quantile(all, 0.99) - quantile(all, 0.01);
+  if (!(range > 0.0) || changes.size() < 20) return;
+  const double smallest = quantile(changes, 0.01);
+  const double typical = quantile(steps, 0.9);
+  const double middle = quantile(steps, 0.5);
+  const bool grid = smallest > 0.3 * kCoarse * range;
+  const bool two_kinds = typical > kCoarse * range && typical > kTwoKinds * middle;
+  if (!grid && !two_kinds) return;
+  const double step = grid ? smallest : typical;
+  const Place place{"dq", joint + 1};
+  const bool biased = !fit.clear || std::abs(fit.factor - 1.0) > kScaleError;
+  findings->add(biased ? Severity::kWarning : Severity::kInfo, "velocity_quantised", place,
+                {step / range, step, unit_of("dq")},
+                text("The velocity of ", named(place), " goes in steps of about ", number(step),
+                     ", ", percent(step / range), " of its range",
+                     biased ? ": take it from the position instead." : ", but right on average."));
+}
+
+void report_joint_scale(const Place& place, const VelocityFit& fit, Findings* findings) {
+  const Size size{kNone, fit.factor, ""};
+  if (std::abs(fit.factor + 1.0) < 0.1) {
+    findings->add(Severity::kFault, "velocity_sign", place, size,
+                  text("The velocity of ", named(place),
+                       " has the opposite sign of its position's derivative."));
+  } else if (std::abs(std::abs(fit.factor) / kDegrees - 1.0) < 0.05) {
+    findings->add(Severity::kFault, "degrees", place, size,
+                  text("The velocity of ", named(place), " is ", number(fit.factor),
+                       " times its position's derivative: deg/s instead of rad/s."));
+  } else if (std::abs(std::abs(fit.factor) * kDegrees - 1.0) < 0.05) {
+    findings->add(Severity::kFault, "degrees", {"q", place.joint}, size,
+                  text("The position of joint ", place.joint, " changes ", number(1.0 / fit.factor),
+                       " times faster than its velocity says: degrees instead of rad."));
+  } else {
+    findings->add(std::abs(fit.factor - 1.0) > 0.3 ? Severity::kFault : Severity::kWarning,
+                  "velocity_scale", place, size,
+                  text("The velocity of ", named(place), " is ", number(fit.factor),
+                       " times its position's derivative: take it from the position."));
+  }
+}
+
+// The same factor on all joints points at the clock (or the unit), else at single channels.
+void report_scales(const Head& head, const std::vector<int>& joints,
+                   const std::vector<VelocityFit>& fits, Findings* findings) {
+  double low = INFINITY;
+  double high = -INFINITY;
+  std::vector<double> factors;
+  for (const VelocityFit& fit : fits) {
+    low = std::min(low, fit.factor);
+    high = std::max(high, fit.factor);
+    factors.push_back(fit.factor);
+  }
+  if (fits.empty()) return;
+  const double common = quantile(factors, 0.5);
+  // One joint alone says little about the clock, unless it is far off.
+  const double threshold = fits.size() > 1 ? kScaleError : 0.1;
+  const bool clock =
+      common > 0.0 && high - low < 0.03 * common && std::abs(common - 1.0) > threshold &&
+      std::abs(common / kDegrees - 1.0) > 0.05 && std::abs(common * kDegrees - 1.0) > 0.05;
+  if (clock) {
+    findings->add(Severity::kFault, "rate_contradiction", {}, {kNone, common, ""},
+                  text("Recorded velocities are ", number(common),
+                       " times the derivative of the positions on every moving joint: the clock is "
+                       "off, and the true rate is ",
+                       number(common / head.step), " Hz rather than ", number(1.0 / head.step),
+                       " Hz (or all velocities are in another unit)."));
+    return;
+  }
+  for (std::size_t f = 0; f < fits.size(); ++f) {
+    if (std::abs(fits[f].factor - 1.0) > kScaleError)
+      report_joint_scale({"dq", joints[f] + 1}, fits[f], findings);
+  }
+}
+
+}  // namespace
+
+void check_velocities(const Head& head, Findings* findings) {
+  if (head.rows.dq.cols() == 0) return;
+  std::vector<int> joints;
+  std::vector<VelocityFit> fits;
+  for (int j = 0; j < head.rows.joints(); ++j) {
+    if (!head.moves[static_cast<std::size_t>(j)] || (head.rows.dq.col(j).array() == 0.0).all())
+      continue;
+    const VelocityFit fit = velocity_fit(head, j);
+    check_quantised(head, j, fit, findings);
+    if (!fit.clear) continue;
+    joints.push_back(j);
+    fits.push_back(fit);
+    check_delay(head, j, findings);
+  }
+  report_scales(head, joints, fits, findings);
+}
+
+}  // namespace veridyn::quality

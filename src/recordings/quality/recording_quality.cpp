@@ -1,0 +1,145 @@
+#include "veridyn/recordings/recording_quality.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+#include "recordings/quality/quality_checks.hpp"
+#include "veridyn/math/require.hpp"
+
+namespace veridyn {
+namespace {
+
+constexpr int kHeadRows = 200000;
+constexpr int kPieceRows = 50000;
+constexpr int kFewestRows = 50;  // to judge motion and velocities
+
+using Source = std::function<Recording(int)>;
+
+// The last rows of a piece in front of the next one.
+Recording joined(const Recording& before, const Recording& next) {
+  const int context = std::min(before.rows(), quality::kContext);
+  Recording both;
+  both.source = next.source;
+  both.time.resize(context + next.rows());
+  both.time << before.time.tail(context), next.time;
+  for (const RecordingSignal& signal : kRecordingSignals) {
+    const MatrixXd& values = next.*signal.values;
+    if (values.cols() == 0) continue;
+    (both.*signal.values).resize(context + next.rows(), values.cols());
+    both.*signal.values << (before.*signal.values).bottomRows(context), values;
+  }
+  return both;
+}
+
+// All tallies over all rows, the first of them already read.
+RecordingQuality judged(Recording head_rows, const std::string& file, const Source& source) {
+  require(head_rows.rows() > 0, file, ": found no row, expected numbers below the header.");
+  RecordingQuality quality;
+  quality.file = file;
+  quality.joints = head_rows.joints();
+  quality::Findings findings(file);
+  quality::AbsurdTally absurd;
+  absurd.clean(&head_rows, 0);
+  const double first_time = head_rows.time[0];
+
+  const quality::Head head(head_rows);
+  quality::TimeTally time(head);
+  quality::RowTally rows(head_rows);
+  quality::JumpTally jumps(head);
+  quality::ClipTally clips(head);
+  Recording last;
+  const auto add = [&](const quality::Piece& piece) {
+    time.add(piece);
+    rows.add(piece);
+    jumps.add(piece);
+    clips.add(piece);
+    quality.rows += piece.rows.rows() - piece.fresh;
+    quality.duration = piece.rows.time[piece.rows.rows() - 1] - first_time;
+    const int context = std::min(piece.rows.rows(), quality::kContext);
+    last = rows_of(piece.rows, piece.rows.rows() - context, context);
+  };
+  add({head_rows, 0});
+  for (Recording next = source(kPieceRows); next.rows() > 0; next = source(kPieceRows)) {
+    absurd.clean(&next, 0);
+    const Recording piece = joined(last, next);
+    add({piece, piece.rows() - next.rows()});
+  }
+
+  absurd.conclude(&findings);
+  rows.conclude(&findings);
+  if (quality.rows >= kFewestRows) {
+    quality.rate = 1.0 / head.step;
+    time.conclude(&findings);
+    if (absurd.share() < quality::kHopelessShare) {
+      jumps.conclude(&findings);
+      clips.conclude(&findings);
+      quality::check_motion(head, &findings);
+      quality::check_velocities(head, &findings);
+      quality::check_stale_signals(head, &findings);
+      quality::check_saturated_plateaus(head, &findings);
+      quality::check_start_up(head, &findings);
+      quality.period = detect_period(head_rows);
+      quality::check_period(quality.period, &findings);
+    }
+  } else {
+    findings.add(
+        Severity::kWarning, "short_recording", {},
+        {quality::kNone, static_cast<double>(quality.rows), "rows"},
+        text("Only ", quality.rows, " rows: too short to judge rate, motion and velocities."));
+  }
+  quality.findings = std::move(findings).sorted();
+  return quality;
+}
+
+}  // namespace
+
+const char* name_of(Severity severity) {
+  switch (severity) {
+    case Severity::kInfo:
+      return "info";
+    case Severity::kWarning:
+      return "warning";
+    case Severity::kFault:
+      return "fault";
+  }
+  return "";
+}
+
+Severity RecordingQuality::severity() const {
+  return findings.empty() ? Severity::kInfo : findings.front().severity;
+}
+
+const QualityFinding* RecordingQuality::find(const std::string& finding, int joint) const {
+  for (const QualityFinding& candidate : findings) {
+    if (candidate.finding == finding && (joint == 0 || candidate.joint == joint)) return &candidate;
+  }
+  return nullptr;
+}
+
+std::string RecordingQuality::report() const {
+  std::string lines =
+      text(file, ": ", rows, " rows, ", joints, " joints, ", quality::number(duration), " s");
+  lines += rate > 0.0 ? text(" at ", quality::number(rate), " Hz\n") : "\n";
+  for (const QualityFinding& finding : findings) {
+    lines +=
+        text("  ", name_of(finding.severity), "  ", finding.finding, ": ", finding.sentence, "\n");
+  }
+  return lines;
+}
+
+RecordingQuality check_recording(const std::string& path, const RecordingOptions& options) {
+  RecordingReader reader(path, options);
+  return judged(reader.next(kHeadRows), path, [&](int count) { return reader.next(count); });
+}
+
+RecordingQuality check_recording(const Recording& recording) {
+  int row = std::min(recording.rows(), kHeadRows);
+  return judged(rows_of(recording, 0, row), recording.source, [&](int count) {
+    const int first = row;
+    row += std::min(count, recording.rows() - row);
+    return rows_of(recording, first, row - first);
+  });
+}
+
+}  // namespace veridyn

@@ -1,0 +1,36 @@
+#include "recordings/recorded_motion.hpp"
+
+#include "veridyn/recordings/preprocessing.hpp"
+#include "veridyn/recordings/recording.hpp"
+#include "veridyn/math/require.hpp"
+
+namespace veridyn {
+namespace {
+
+constexpr Eigen::Index kFewest = 20;  // rows of a stretch
+
+}  // namespace
+
+std::vector<MotionSamples> recorded_motion(const Model& arm, const std::string& path) {
+  Recording rows = read_recording(path);
+  require(rows.joints() == arm.joints(), path, ": found ", rows.joints(), " joints, but '",
+          arm.name(), "' has ", arm.joints(), ".");
+  const bool whole = rows.q.allFinite() && rows.dq.allFinite() && rows.ddq.allFinite();
+  if (whole && rows.dq.size() == rows.q.size() && rows.ddq.size() == rows.q.size())
+    return {{rows.time, rows.q, rows.dq, rows.ddq}};
+  // Torques say nothing about the motion, and may be missing.
+  rows.tau = MatrixXd::Zero(rows.q.rows(), rows.q.cols());
+  PreprocessingOptions options;
+  options.filtering = Filtering::kSignals;
+  std::vector<MotionSamples> out;
+  for_each_stretch(arm, rows, options, [&](const Stretch& s) {
+    const Eigen::Index count = s.core_end - s.core_begin;
+    if (count < kFewest) return;
+    out.push_back({s.time.segment(s.core_begin, count), s.q.middleRows(s.core_begin, count),
+                   s.dq.middleRows(s.core_begin, count), s.ddq.middleRows(s.core_begin, count)});
+  });
+  require(!out.empty(), path, ": found no stretch of ", kFewest, " samples without a gap.");
+  return out;
+}
+
+}  // namespace veridyn

@@ -1,0 +1,114 @@
+#include "veridyn/recordings/recording.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+#include "recordings/remark.hpp"
+#include "math/output_file.hpp"
+#include "veridyn/math/require.hpp"
+
+namespace veridyn {
+namespace {
+
+constexpr int kPieceRows = 1 << 16;
+
+void append_number(double value, int digits, std::string* line) {
+  if (std::isnan(value)) return;
+  char digits_text[32];
+  const auto [end, error] = std::to_chars(digits_text, digits_text + sizeof digits_text, value,
+                                          std::chars_format::general, digits);
+  line->append(digits_text, end);
+}
+
+std::string header_of(const Recording& recording) {
+  std::string line = "t";
+  for (const RecordingSignal& signal : kRecordingSignals) {
+    for (int joint = 1; joint <= (recording.*signal.values).cols(); ++joint)
+      line += text(",", signal.name, joint);
+  }
+  return line + "\n";
+}
+
+}  // namespace
+
+Recording rows_of(const Recording& recording, int first, int count) {
+  Recording part;
+  part.source = recording.source;
+  part.time = recording.time.segment(first, count);
+  for (const RecordingSignal& signal : kRecordingSignals) {
+    const MatrixXd& values = recording.*signal.values;
+    if (values.cols() > 0) part.*signal.values = values.middleRows(first, count);
+  }
+  return part;
+}
+
+Recording read_recording(const std::string& path, const RecordingOptions& options) {
+  RecordingReader reader(path, options);
+  std::vector<Recording> pieces;
+  Eigen::Index rows = 0;
+  do {
+    pieces.push_back(reader.next(kPieceRows));
+    rows += pieces.back().rows();
+  } while (pieces.back().rows() == kPieceRows);
+  if (rows == 0 && (options.first_row > 0 || options.row_count == 0)) {
+    throw InvalidInput(
+        text(path, ": found no row from row ", options.first_row, " on, expected some in --rows."));
+  }
+  require(rows > 0, path, ": found a header without rows, expected numbers below it.");
+  if (pieces.size() == 1) return std::move(pieces.front());
+
+  Recording whole;
+  whole.source = path;
+  whole.time.resize(rows);
+  for (const RecordingSignal& signal : kRecordingSignals) {
+    if ((pieces.front().*signal.values).cols() > 0)
+      (whole.*signal.values).resize(rows, reader.joints());
+  }
+  Eigen::Index row = 0;
+  for (Recording& piece : pieces) {
+    whole.time.segment(row, piece.rows()) = piece.time;
+    for (const RecordingSignal& signal : kRecordingSignals) {
+      if ((whole.*signal.values).cols() > 0)
+        (whole.*signal.values).middleRows(row, piece.rows()) = piece.*signal.values;
+    }
+    row += piece.rows();
+    piece = Recording();
+  }
+  return whole;
+}
+
+void write_recording(const Recording& recording, const std::string& path) {
+  write_recording(recording, path, "");
+}
+
+void write_recording(const Recording& recording, const std::string& path,
+                     const std::string& remark) {
+  for (const RecordingSignal& signal : kRecordingSignals) {
+    const MatrixXd& values = recording.*signal.values;
+    require(values.cols() == 0 ||
+                (values.rows() == recording.rows() && values.cols() == recording.joints()),
+            "write_recording: ", signal.name, " is ", values.rows(), " x ", values.cols(),
+            ", but time has ", recording.rows(), " rows and q has ", recording.joints(),
+            " joints.");
+  }
+  OutputFile file(path);
+  std::string line = (remark.empty() ? "" : "# " + remark + "\n") + header_of(recording);
+  for (int row = 0; row < recording.rows(); ++row) {
+    append_number(recording.time[row], 15, &line);
+    for (const RecordingSignal& signal : kRecordingSignals) {
+      const MatrixXd& values = recording.*signal.values;
+      for (int joint = 0; joint < values.cols(); ++joint) {
+        line += ',';
+        append_number(values(row, joint), 10, &line);
+      }
+    }
+    line += '\n';
+    file.stream().write(line.data(), static_cast<std::streamsize>(line.size()));
+    line.clear();
+  }
+  if (recording.rows() == 0) file.stream() << line;
+  file.commit();
+}
+
+}  // namespace veridyn

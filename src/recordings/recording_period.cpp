@@ -1,0 +1,220 @@
+#include "veridyn/recordings/recording_period.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace veridyn {
+namespace {
+
+constexpr double kRestingRange = 5e-3;   // [rad, m] below it a joint does not count
+constexpr double kDeep = 0.02;           // d at a repeat
+constexpr double kRisen = 0.25;          // d has to rise above it first: the motion went elsewhere
+constexpr double kKeptShare = 0.8;       // of the times
+constexpr double kLongestShare = 0.7;    // of the duration; the rest must overlap
+constexpr double kCoarsestStep = 0.025;  // [s]
+constexpr int kCoarseRows = 5000;
+constexpr int kSampledTimes = 256;   // of an estimate of d
+constexpr double kSuspected = 4.0;  // estimates up to this times kDeep are looked into
+
+// Positions of the moving joints on an even grid, each with unit variance.
+struct Grid {
+  double step = 0.0;
+  MatrixXd q;  // (rows x moving joints)
+};
+
+// Rows from `first` on whose positions are all there, without rest at either end.
+struct Motion {
+  std::vector<double> time;
+  MatrixXd q;  // (rows x moving joints)
+};
+
+Motion moving_part(const Recording& recording) {
+  std::vector<int> rows;
+  for (int k = 0; k < recording.rows(); ++k) {
+    if (recording.q.row(k).allFinite()) rows.push_back(k);
+  }
+  Motion motion;
+  if (rows.size() < 16) return motion;
+  std::vector<int> joints;
+  VectorXd tolerance = VectorXd::Zero(recording.joints());
+  for (int j = 0; j < recording.joints(); ++j) {
+    double low = INFINITY;
+    double high = -INFINITY;
+    for (const int k : rows) {
+      low = std::min(low, recording.q(k, j));
+      high = std::max(high, recording.q(k, j));
+    }
+    if (high - low > kRestingRange) joints.push_back(j);
+    tolerance[j] = 0.02 * (high - low);
+  }
+  const auto moved = [&](int k, int from) {
+    return std::any_of(joints.begin(), joints.end(), [&](int j) {
+      return std::abs(recording.q(k, j) - recording.q(from, j)) > tolerance[j];
+    });
+  };
+  const auto first =
+      std::find_if(rows.begin(), rows.end(), [&](int k) { return moved(k, rows.front()); });
+  auto last = rows.end();
+  while (last > first && !moved(*(last - 1), rows.back())) --last;
+  rows.assign(first, last);
+  motion.q.resize(static_cast<int>(rows.size()), static_cast<int>(joints.size()));
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    motion.time.push_back(recording.time[rows[r]]);
+    for (std::size_t j = 0; j < joints.size(); ++j) {
+      motion.q(static_cast<int>(r), static_cast<int>(j)) = recording.q(rows[r], joints[j]);
+    }
+  }
+  return motion;
+}
+
+// Linear interpolation, then zero mean and unit variance.
+Grid resampled(const Motion& motion, double duration, int rows) {
+  Grid grid{duration / (rows - 1), MatrixXd(rows, motion.q.cols())};
+  std::size_t k = 0;
+  for (int r = 0; r < rows; ++r) {
+    const double t = motion.time.front() + r * grid.step;
+    while (k + 2 < motion.time.size() && motion.time[k + 1] < t) ++k;
+    const double share =
+        std::clamp((t - motion.time[k]) / (motion.time[k + 1] - motion.time[k]), 0.0, 1.0);
+    const int row = static_cast<int>(k);
+    grid.q.row(r) = (1.0 - share) * motion.q.row(row) + share * motion.q.row(row + 1);
+  }
+  for (int j = 0; j < grid.q.cols(); ++j) {
+    grid.q.col(j).array() -= grid.q.col(j).mean();
+    const double deviation = std::sqrt(grid.q.col(j).squaredNorm() / rows);
+    if (deviation > 0.0) grid.q.col(j) /= deviation;
+  }
+  return grid;
+}
+
+// d(lag), the lag in steps of the grid and not necessarily whole.
+double difference(const Grid& grid, double lag, std::vector<double>* scratch) {
+  const int whole = static_cast<int>(lag);
+  const double part = lag - whole;
+  const int rows = static_cast<int>(grid.q.rows()) - whole - 1;
+  VectorXd sum = VectorXd::Zero(rows);
+  for (int j = 0; j < grid.q.cols(); ++j) {
+    const auto q = grid.q.col(j);
+    sum.array() +=
+        ((1.0 - part) * q.segment(whole, rows) + part * q.segment(whole + 1, rows) - q.head(rows))
+            .array()
+            .square();
+  }
+  scratch->assign(sum.data(), sum.data() + rows);
+  const auto kept = scratch->begin() + static_cast<std::ptrdiff_t>(kKeptShare * rows);
+  std::nth_element(scratch->begin(), kept, scratch->end());
+  double total = 0.0;
+  for (auto value = scratch->begin(); value != kept; ++value) total += *value;
+  return total /
+         (2.0 * static_cast<double>(grid.q.cols()) * static_cast<double>(kept - scratch->begin()));
+}
+
+// d at whole lags, each computed when it is asked for.
+class Differences {
+ public:
+  explicit Differences(const Grid& grid)
+      : grid_(grid),
+        rows_(grid.q),
+        longest_(static_cast<int>(kLongestShare * static_cast<double>(grid.q.rows()))),
+        values_(static_cast<std::size_t>(longest_) + 1, -1.0) {}
+
+  int longest() const { return longest_; }
+
+  double operator()(int lag) {
+    double& value = values_[static_cast<std::size_t>(lag)];
+    if (value < 0.0) value = difference(grid_, lag, &scratch_);
+    return value;
+  }
+
+  // d from kSampledTimes only. Positions are smooth, so these tell where d can be deep: times that
+  // all fall on one phase of the motion make it look deeper, never less deep.
+  double estimate(int lag) {
+    const Eigen::Index columns = rows_.cols();
+    const Eigen::Index times = rows_.rows() - lag;
+    const Eigen::Index count = std::min<Eigen::Index>(times, kSampledTimes);
+    scratch_.resize(static_cast<std::size_t>(count));
+    for (Eigen::Index s = 0; s < count; ++s) {
+      const double* now = rows_.data() + s * times / count * columns;
+      const double* then = now + lag * columns;
+      double sum = 0.0;
+      for (Eigen::Index j = 0; j < columns; ++j) sum += (then[j] - now[j]) * (then[j] - now[j]);
+      scratch_[static_cast<std::size_t>(s)] = sum;
+    }
+    const auto kept = scratch_.begin() + static_cast<std::ptrdiff_t>(kKeptShare * static_cast<double>(count));
+    std::nth_element(scratch_.begin(), kept, scratch_.end());
+    return std::accumulate(scratch_.begin(), kept, 0.0) /
+           (2.0 * static_cast<double>(columns) * static_cast<double>(kept - scratch_.begin()));
+  }
+
+ private:
+  const Grid& grid_;
+  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> rows_;
+  int longest_;
+  std::vector<double> values_;  // below 0: not known yet
+  std::vector<double> scratch_;
+};
+
+// The smallest lag on a coarse grid that is as good a repeat as any, in steps; 0: none.
+int coarse_period(const Grid& grid) {
+  Differences d(grid);
+  int lag = 0;
+  while (lag <= d.longest() && d(lag) <= kRisen) ++lag;
+  std::vector<int> minima;
+  double best = kDeep;
+  for (++lag; lag < d.longest(); ++lag) {
+    if (d.estimate(lag) > kSuspected * kDeep || d(lag) > kDeep) continue;
+    if (d(lag) > d(lag - 1) || d(lag) > d(lag + 1)) continue;
+    minima.push_back(lag);
+    best = std::min(best, d(lag));
+  }
+  for (const int at : minima) {
+    if (d(at) <= std::max(4.0 * best, 0.1 * kDeep)) return at;
+  }
+  return 0;
+}
+
+// Minimum of d near `lag`, by parabolas through three points that close in.
+double refined(const Grid& grid, double lag, double reach) {
+  std::vector<double> scratch;
+  for (int pass = 0; pass < 6; ++pass) {
+    const double left = difference(grid, lag - reach, &scratch);
+    const double middle = difference(grid, lag, &scratch);
+    const double right = difference(grid, lag + reach, &scratch);
+    const double curvature = left - 2.0 * middle + right;
+    if (!(curvature > 0.0)) return lag;
+    const double change = std::clamp(0.5 * reach * (left - right) / curvature, -reach, reach);
+    lag += change;
+    if (reach <= 1.0 && std::abs(change) < 1e-4) break;
+    reach = std::max(1.0, 0.5 * reach);
+  }
+  return lag;
+}
+
+}  // namespace
+
+MotionPeriod detect_period(const Recording& recording) {
+  MotionPeriod period;
+  const Motion motion = moving_part(recording);
+  if (motion.time.size() < 16 || motion.q.cols() == 0) return period;
+  const double duration = motion.time.back() - motion.time.front();
+  const double searched = std::min(duration, kCoarsestStep * kCoarseRows);
+  const Grid fine = resampled(motion, duration, static_cast<int>(motion.time.size()));
+  const int coarse_rows = std::min(kCoarseRows, static_cast<int>(motion.time.size()));
+  const Grid coarse = resampled(motion, searched, coarse_rows);
+  const int lag = coarse_period(coarse);
+  if (lag == 0) return period;
+
+  const double ratio = coarse.step / fine.step;
+  double steps = refined(fine, lag * ratio, std::max(2.0, 2.0 * ratio));
+  const double limit = kLongestShare * static_cast<double>(fine.q.rows());
+  for (int repeat = 2; repeat * steps < limit; repeat *= 2)
+    steps = refined(fine, repeat * steps, 2.0) / repeat;
+  std::vector<double> scratch;
+  period.seconds = steps * fine.step;
+  period.confidence = 1.0 - difference(fine, steps, &scratch);
+  period.repeats = duration / period.seconds;
+  return period;
+}
+
+}  // namespace veridyn

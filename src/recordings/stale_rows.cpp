@@ -1,0 +1,190 @@
+#include "veridyn/recordings/stale_rows.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+namespace veridyn {
+namespace {
+
+constexpr double kLongest = 0.1;  // [s] between the new values on either side
+constexpr double kAbsurd = 1e6;   // no arm has positions, speeds or torques beyond this
+
+using Index = Eigen::Index;
+
+bool repeats(const MatrixXd& m, Index k) {
+  for (Index j = 0; j < m.cols(); ++j) {
+    if (!(m(k, j) == m(k - 1, j))) return false;  // written so that a NaN never repeats
+  }
+  return true;
+}
+
+bool sound(const MatrixXd& m, Index k) {
+  for (Index j = 0; j < m.cols(); ++j) {
+    if (!(std::abs(m(k, j)) < kAbsurd)) return false;
+  }
+  return true;
+}
+
+// Rows that repeat the one before in every signal.
+std::vector<Index> repeated_rows(const Recording& r) {
+  std::vector<Index> out;
+  for (Index k = 1; k < r.rows(); ++k) {
+    const bool all =
+        std::all_of(std::begin(kRecordingSignals), std::end(kRecordingSignals),
+                    [&](const RecordingSignal& signal) { return repeats(r.*signal.values, k); });
+    if (all) out.push_back(k);
+  }
+  return out;
+}
+
+// The share u of the way from p0 to p1, whose slopes per whole way are v0 and v1: a cubic that does
+// not turn back (Fritsch and Carlson, SIAM J. Numer. Anal. 17(2), 1980), so that a coarse or wrong
+// velocity does little harm.
+double on_cubic(double p0, double v0, double p1, double v1, double u) {
+  const double left = 1.0 - u;
+  const double steepest = 3.0 * (p1 - p0);
+  v0 = std::clamp(v0, std::min(0.0, steepest), std::max(0.0, steepest));
+  v1 = std::clamp(v1, std::min(0.0, steepest), std::max(0.0, steepest));
+  return left * left * ((1.0 + 2.0 * u) * p0 + u * v0) + u * u * ((3.0 - 2.0 * u) * p1 - left * v1);
+}
+
+// Fills in some rows of a recording, beginning with row `first`.
+class Filling {
+ public:
+  Filling(const Recording& raw, Index first, Recording& rows)
+      : raw_(raw), first_(first), rows_(rows), age_(static_cast<size_t>(rows.rows()), 0.0) {}
+
+  void run() {
+    for (const Index stale : repeated_rows(raw_)) {
+      for (const RecordingSignal& signal : kRecordingSignals) {
+        if ((raw_.*signal.values).size() > 0) fill_around(stale, signal);
+      }
+    }
+  }
+
+  FilledRows filled() const {
+    FilledRows out;
+    for (const double age : age_) {
+      out.count += age > 0.0 ? 1 : 0;
+      out.age += age;
+    }
+    return out;
+  }
+
+ private:
+  void fill_around(Index stale, const RecordingSignal& signal) {
+    const MatrixXd& m = raw_.*signal.values;
+    const auto near = [&](Index k) {
+      return std::abs(raw_.time[k] - raw_.time[stale]) <= kLongest;
+    };
+    Index before = stale - 1;
+    while (before > 0 && near(before) && repeats(m, before)) --before;
+    Index after = stale + 1;
+    while (after < raw_.rows() && near(after) && repeats(m, after)) ++after;
+    if (after == raw_.rows() || raw_.time[after] - raw_.time[before] > kLongest) return;
+    if (!sound(m, before) || !sound(m, after) || !moves(stale, before, after)) return;
+    const Index begin = std::max(before + 1, first_);
+    const Index end = std::min(after, first_ + static_cast<Index>(rows_.rows()));
+    for (Index k = begin; k < end; ++k) fill(k, before, after, signal);
+  }
+
+  bool moves(Index stale, Index before, Index after) const {
+    if (raw_.dq.size() > 0) return (raw_.dq.row(stale).array() != 0.0).any();
+    return raw_.q.row(before) != raw_.q.row(after);
+  }
+
+  void fill(Index k, Index before, Index after, const RecordingSignal& signal) {
+    const MatrixXd& m = raw_.*signal.values;
+    const double age = raw_.time[k] - raw_.time[before];
+    const double length = raw_.time[after] - raw_.time[before];
+    const double u = age / length;
+    MatrixXd& out = rows_.*signal.values;
+    const Index row = k - first_;
+    const bool curved = signal.values == &Recording::q && raw_.dq.size() > 0 &&
+                        sound(raw_.dq, before) && sound(raw_.dq, after);
+    for (Index j = 0; j < m.cols(); ++j) {
+      out(row, j) = curved ? on_cubic(m(before, j), length * raw_.dq(before, j), m(after, j),
+                                      length * raw_.dq(after, j), u)
+                           : (1.0 - u) * m(before, j) + u * m(after, j);
+    }
+    double& oldest = age_[static_cast<size_t>(row)];
+    oldest = std::max(oldest, age);
+  }
+
+  const Recording& raw_;
+  Index first_;
+  Recording& rows_;
+  std::vector<double> age_;  // [s] of what a filled row showed, by its oldest signal
+};
+
+void append(Recording& r, Recording more) {
+  if (r.rows() == 0) {
+    r = std::move(more);
+    return;
+  }
+  const int rows = r.rows();
+  r.time.conservativeResize(rows + more.rows());
+  r.time.tail(more.rows()) = more.time;
+  for (const RecordingSignal& signal : kRecordingSignals) {
+    MatrixXd& m = r.*signal.values;
+    if (m.cols() == 0) continue;
+    m.conservativeResize(rows + more.rows(), Eigen::NoChange);
+    m.bottomRows(more.rows()) = more.*signal.values;
+  }
+}
+
+}  // namespace
+
+std::string filled_text(const FilledRows& filled, long rows) {
+  return fmt::format(
+      "{:.2g} % of the rows repeated the row before, {:.1f} ms late on average, and are filled in",
+      100.0 * static_cast<double>(filled.count) / static_cast<double>(rows),
+      1e3 * filled.lateness());
+}
+
+SoundRows::SoundRows(Source source) : source_(std::move(source)) {}
+
+// Held rows that no later row can change any more, of those not yet given out.
+int SoundRows::settled() const {
+  if (held_.rows() == 0) return 0;
+  int end = held_.rows();
+  if (!ended_) {
+    const double last = held_.time[end - 1];
+    while (end > given_ && held_.time[end - 1] >= last - kLongest) --end;
+  }
+  return end - given_;
+}
+
+// Rows too far back to be a neighbour of one that is still to come.
+void SoundRows::forget() {
+  const double next = held_.time[std::min(given_, held_.rows() - 1)];
+  int first = 0;
+  while (first < given_ && held_.time[first] < next - kLongest) ++first;
+  held_ = rows_of(held_, first, held_.rows() - first);
+  given_ -= first;
+}
+
+Recording SoundRows::next(int rows) {
+  while (!ended_ && settled() < rows) {
+    Recording more = source_(rows);
+    ended_ = more.rows() == 0;
+    if (!ended_) append(held_, std::move(more));
+  }
+  const int count = std::min(rows, settled());
+  if (count == 0) return {};
+  Recording out = rows_of(held_, given_, count);
+  Filling filling(held_, given_, out);
+  filling.run();
+  const FilledRows here = filling.filled();
+  filled_.count += here.count;
+  filled_.age += here.age;
+  given_ += count;
+  forget();
+  return out;
+}
+
+}  // namespace veridyn

@@ -1,0 +1,136 @@
+#include "recordings/uniform_stream.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "math/most_rows.hpp"
+#include "veridyn/math/require.hpp"
+
+namespace veridyn {
+namespace {
+
+constexpr int kPiece = 4096;
+constexpr double kOverhead = 8.0;    // numbers that a held sample takes beside its values
+constexpr double kAbsurd = 1e6;      // no arm has positions, speeds or torques beyond this
+constexpr double kGapInSteps = 2.5;  // one lost row is interpolated, more are a gap
+
+double median_step(const VectorXd& time) {
+  std::vector<double> steps;
+  for (Eigen::Index i = 1; i < time.size(); ++i) steps.push_back(time[i] - time[i - 1]);
+  std::nth_element(steps.begin(), steps.begin() + static_cast<long>(steps.size() / 2), steps.end());
+  return steps[steps.size() / 2];
+}
+
+}  // namespace
+
+UniformStream::UniformStream(const Model& arm, std::string name, Source source,
+                             const PreprocessingOptions& options)
+    : arm_(arm), name_(std::move(name)), source_(std::move(source)), options_(options) {
+  read_piece();
+}
+
+void UniformStream::check(const Recording& piece) const {
+  const int n = arm_.joints();
+  require(piece.joints() == n, name_, ": found ", piece.joints(), " joints, but robot '",
+          arm_.name(), "' has ", n, " coordinates.");
+  if (piece.tau.size() > 0) return;
+  require(piece.current.size() > 0, name_, ": found neither torques (tau1..tau", n,
+          ") nor motor currents (i1..i", n, ").");
+  for (const Coordinate& c : arm_.coordinates()) {
+    require(c.drive_gain != 0.0, name_, ": found motor currents only, and robot '", arm_.name(),
+            "' has no drive_gain for coordinate '", c.name, "'.");
+  }
+}
+
+bool UniformStream::usable(const Recording& piece, Eigen::Index row) const {
+  const auto good = [row](const MatrixXd& m) {
+    for (Eigen::Index j = 0; j < m.cols(); ++j) {
+      if (!(std::abs(m(row, j)) < kAbsurd)) return false;
+    }
+    return true;
+  };
+  return good(piece.q) && (!has_velocity_ || good(piece.dq)) &&
+         good(piece.tau.size() > 0 ? piece.tau : piece.current);
+}
+
+UniformStream::Row UniformStream::make_row(const Recording& piece, Eigen::Index row) const {
+  const int n = arm_.joints();
+  Row out{piece.time[row], {}};
+  out.values.reserve(static_cast<size_t>(3 * n));
+  for (int j = 0; j < n; ++j)
+    out.values.push_back(piece.q(row, j) - arm_.coordinates()[j].recorded.position_offset);
+  for (int j = 0; j < n && has_velocity_; ++j) out.values.push_back(piece.dq(row, j));
+  for (int j = 0; j < n; ++j) {
+    const Coordinate& c = arm_.coordinates()[j];
+    const double tau =
+        piece.tau.size() > 0 ? piece.tau(row, j) : piece.current(row, j) * c.drive_gain;
+    out.values.push_back(tau / c.recorded.torque_gain);
+  }
+  return out;
+}
+
+void UniformStream::read_piece() {
+  const Recording piece = source_(kPiece);
+  if (piece.rows() == 0) {
+    require(started_, name_, ": found no usable rows; expected at least two with finite numbers.");
+    ended_ = true;
+    return;
+  }
+  check(piece);
+  if (dt_ == 0.0) {
+    require(piece.rows() > 1, name_, ": found one row; a recording needs many.");
+    has_velocity_ = piece.dq.size() > 0 && options_.velocity == VelocitySource::kRecorded;
+    step_ = median_step(piece.time);
+    dt_ = options_.rate > 0.0 ? 1.0 / options_.rate : step_;
+    most_held_ = most_rows(3.0 * arm_.joints() + kOverhead);
+  }
+  for (Eigen::Index i = 0; i < piece.rows(); ++i) {
+    const long file_row = rows_read_++;
+    if (file_row == std::max(0L, options_.first_row)) t_wanted_first_ = piece.time[i];
+    if (options_.row_count >= 0 && file_row == options_.first_row + options_.row_count - 1)
+      t_wanted_last_ = piece.time[i];
+    if (!usable(piece, i)) continue;
+    Row row = make_row(piece, i);
+    if (!started_) t_first_ = row.t;
+    emit_until(row);
+    previous_ = std::move(row);
+    started_ = true;
+  }
+}
+
+// All grid points between the previous row and this one (the grid starts at the first row).
+void UniformStream::emit_until(const Row& row) {
+  const double tolerance = 1e-6 * dt_;
+  const double wanted = static_cast<double>(samples_.size()) + (row.t - t_first_) / dt_ -
+                        static_cast<double>(next_index_);
+  require(wanted < most_held_, name_, ": found ", std::floor(wanted), " samples at ", 1.0 / dt_,
+          " Hz up to ", row.t, " s, expected fewer than ", std::floor(most_held_),
+          ", what this machine holds: a lower --resample, or times without such a gap.");
+  while (true) {
+    const double t = t_first_ + static_cast<double>(next_index_) * dt_;
+    if (t > row.t + tolerance) return;
+    std::vector<double> values = row.values;
+    bool good = true;
+    if (std::abs(t - row.t) > tolerance) {
+      const double gap = row.t - previous_.t;
+      const double share = (t - previous_.t) / gap;
+      for (size_t k = 0; k < values.size(); ++k)
+        values[k] = previous_.values[k] + share * (row.values[k] - previous_.values[k]);
+      good = gap < kGapInSteps * std::max(step_, dt_);
+    }
+    samples_.push_back(std::move(values));
+    sound_.push_back(good ? 1 : 0);
+    ++next_index_;
+  }
+}
+
+Eigen::Index UniformStream::hold(Eigen::Index rows, Eigen::Index discard) {
+  samples_.erase(samples_.begin(), samples_.begin() + discard);
+  sound_.erase(sound_.begin(), sound_.begin() + discard);
+  first_index_ += static_cast<long>(discard);
+  while (!ended_ && static_cast<Eigen::Index>(samples_.size()) < rows) read_piece();
+  return static_cast<Eigen::Index>(samples_.size());
+}
+
+}  // namespace veridyn

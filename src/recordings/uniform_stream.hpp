@@ -1,0 +1,73 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "veridyn/recordings/preprocessing.hpp"
+
+namespace veridyn {
+
+/// Raw rows in, samples on a uniform grid out; holds only a sliding part of the recording.
+class UniformStream {
+ public:
+  using Source = std::function<Recording(int rows)>;  ///< the next rows, empty at the end
+
+  /// @throws InvalidInput  wrong number of joints, no torques, fewer than two usable rows.
+  UniformStream(const Model& arm, std::string name, Source source,
+                const PreprocessingOptions& options);
+
+  /// Reads on until `rows` samples are held after `discard` of them were forgotten, or the
+  /// recording ends. Returns the number held.
+  Eigen::Index hold(Eigen::Index rows, Eigen::Index discard);
+
+  bool ended() const { return ended_; }
+  bool has_velocity() const { return has_velocity_; }
+  double dt() const { return dt_; }
+  double start() const { return t_first_; }
+  long rows_read() const { return rows_read_; }
+
+  /// Held samples, row-wise: q, dq (if there), tau; and whether each is sound.
+  const std::vector<std::vector<double>>& samples() const { return samples_; }
+  const std::vector<char>& sound() const { return sound_; }
+
+  /// Index on the grid of the first held sample.
+  long first_index() const { return first_index_; }
+
+  /// Time of a row of the file, for options.first_row; valid once that row was read.
+  double first_wanted_time() const { return t_wanted_first_; }
+  double last_wanted_time() const { return t_wanted_last_; }
+
+ private:
+  struct Row {
+    double t;
+    std::vector<double> values;
+  };
+  void read_piece();
+  void emit_until(const Row& row);
+  bool usable(const Recording& piece, Eigen::Index row) const;
+  Row make_row(const Recording& piece, Eigen::Index row) const;
+  void check(const Recording& piece) const;
+
+  const Model& arm_;
+  std::string name_;
+  Source source_;
+  PreprocessingOptions options_;
+  bool started_ = false;
+  bool ended_ = false;
+  bool has_velocity_ = false;
+  double dt_ = 0.0;
+  double step_ = 0.0;  ///< median step of the file [s]
+  double t_first_ = 0.0;
+  double t_wanted_first_ = 1e300;  ///< until the first wanted row is read, nothing is wanted
+  double t_wanted_last_ = 1e300;
+  long next_index_ = 0;
+  long first_index_ = 0;
+  long rows_read_ = 0;
+  Row previous_{0.0, {}};
+  double most_held_ = 0.0;  ///< samples
+  std::vector<std::vector<double>> samples_;
+  std::vector<char> sound_;
+};
+
+}  // namespace veridyn

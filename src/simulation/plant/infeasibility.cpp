@@ -1,0 +1,178 @@
+#include <fmt/format.h>
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+#include "simulation/plant/plant_forces.hpp"
+#include "veridyn/dynamics/rigid_body_dynamics.hpp"
+#include "veridyn/kinematics/motion_limits.hpp"
+#include "veridyn/simulation/plant.hpp"
+
+namespace veridyn {
+namespace {
+
+constexpr int kSpread = 2000;       // configurations all over the range
+constexpr int kMostCorners = 1024;  // of the range
+constexpr int kWorst = 8;           // of which the search goes downhill from
+constexpr double kTiny = 1e-12;     // smallest eigenvalue of M per largest: no inverse
+constexpr double kShortest = 1e-7;  // [s] in which viscous friction may stop a joint alone
+
+constexpr int kPrimes[] = {2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37, 41, 43, 47, 53};
+
+// Halton's sequence (Numerische Mathematik 2, 1960): even coverage of a cube.
+double radical_inverse(int k, int base) {
+  double result = 0.0;
+  for (double digit = 1.0 / base; k > 0; k /= base, digit /= base) result += digit * (k % base);
+  return result;
+}
+
+struct Candidate {
+  VectorXd q;
+  double worth;
+};
+
+// What is asked of a configuration: the smallest eigenvalue of a symmetric matrix.
+class Range {
+ public:
+  explicit Range(const Model& arm) : limits_(motion_limits(arm)) {}
+
+  std::vector<VectorXd> configurations() const {
+    const auto n = static_cast<int>(limits_.lower.size());
+    std::vector<VectorXd> all{at(VectorXd::Constant(n, 0.5))};
+    for (int corner = 0; corner < kMostCorners && (n >= 30 || corner < (1 << n)); ++corner) {
+      VectorXd share(n);
+      for (int i = 0; i < n; ++i) share[i] = i < 30 ? (corner >> i) & 1 : 0;
+      all.push_back(at(share));
+    }
+    for (int k = 1; k <= kSpread; ++k) {
+      VectorXd share(n);
+      for (int i = 0; i < n; ++i) share[i] = radical_inverse(k, kPrimes[i % 16]);
+      all.push_back(at(share));
+    }
+    return all;
+  }
+
+  // The lowest value that a coordinate-wise search finds from the worst configurations on.
+  template <typename Worth>
+  Candidate lowest(const Worth& worth) const {
+    std::vector<Candidate> all;
+    for (const VectorXd& q : configurations()) all.push_back({q, worth(q)});
+    const size_t count = std::min<size_t>(kWorst, all.size());
+    std::partial_sort(all.begin(), all.begin() + static_cast<long>(count), all.end(),
+                      [](const Candidate& a, const Candidate& b) { return a.worth < b.worth; });
+    Candidate best = all.front();
+    for (size_t k = 0; k < count; ++k) {
+      const Candidate found = downhill(all[k], worth);
+      if (found.worth < best.worth) best = found;
+    }
+    return best;
+  }
+
+ private:
+  VectorXd at(const VectorXd& share) const {
+    return limits_.lower + share.cwiseProduct(limits_.upper - limits_.lower);
+  }
+
+  template <typename Worth>
+  Candidate downhill(Candidate from, const Worth& worth) const {
+    for (double share = 0.1; share > 1e-3; share *= 0.5) {
+      for (Eigen::Index i = 0; i < from.q.size(); ++i) {
+        for (const double side : {-1.0, 1.0}) {
+          Candidate next = from;
+          next.q[i] = std::clamp(from.q[i] + side * share * (limits_.upper[i] - limits_.lower[i]),
+                                 limits_.lower[i], limits_.upper[i]);
+          next.worth = worth(next.q);
+          if (next.worth < from.worth) from = next;
+        }
+      }
+    }
+    return from;
+  }
+
+  MotionLimits limits_;
+};
+
+std::string where(const Model& arm, const VectorXd& q) {
+  std::string out;
+  for (int i = 0; i < arm.joints(); ++i) {
+    const Coordinate& c = arm.coordinates()[static_cast<size_t>(i)];
+    out += fmt::format("{}{} {:.4g} {}", i > 0 ? ", " : "", c.name, q[i], position_unit(c));
+  }
+  return out;
+}
+
+// Eigenvalues per unit of the joints' own sizes, so that grams and kilograms count alike.
+double smallest_share(const MatrixXd& M, const VectorXd& size) {
+  const MatrixXd scaled = size.cwiseInverse().asDiagonal() * M * size.cwiseInverse().asDiagonal();
+  if (!scaled.allFinite()) return -1.0;
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(scaled, Eigen::EigenvaluesOnly);
+  return solver.eigenvalues()[0];
+}
+
+// A joint whose friction stops it in no time: nothing that is identified has so little inertia.
+std::string without_inertia(const Model& arm, RigidBodyDynamics& rigid, const PlantForces& forces,
+                            const Range& range) {
+  MatrixXd M(arm.joints(), arm.joints());
+  int joint = 0;
+  const auto seconds = [&](const VectorXd& q) {
+    rigid.mass_matrix(q, M);
+    double least = 1.0;
+    for (int i = 0; i < arm.joints(); ++i) {
+      const double damping = forces.damping()(i, i);
+      if (!(damping > 0.0)) continue;
+      const double time = (M(i, i) + forces.inertia()(i, i)) / damping;
+      if (time >= least) continue;
+      least = time;
+      joint = i;
+    }
+    return least;
+  };
+  const Candidate found = range.lowest(seconds);
+  if (seconds(found.q) > kShortest) return "";
+  const Coordinate& c = arm.coordinates()[static_cast<size_t>(joint)];
+  return fmt::format(
+      "joint {} of '{}' has {:.2g} {} of inertia at {}, too little beside its friction; expected a "
+      "body or a rotor_inertia that is not zero.",
+      c.name, arm.name(), M(joint, joint) + forces.inertia()(joint, joint),
+      c.prismatic ? "kg" : "kg m^2", where(arm, found.q));
+}
+
+}  // namespace
+
+std::string infeasibility(const Model& arm) {
+  const int n = arm.joints();
+  const auto phi = arm.inertial_values();
+  if (!phi) return "the arm has bodies without values.";
+  RigidBodyDynamics rigid(arm, *phi);
+  PlantForces forces(arm);
+  const Range range(arm);
+  MatrixXd M(n, n);
+  const Candidate mass = range.lowest([&](const VectorXd& q) {
+    rigid.mass_matrix(q, M);
+    M += forces.inertia();
+    const VectorXd size = M.diagonal().cwiseAbs().cwiseMax(1e-300).cwiseSqrt();
+    return M.diagonal().minCoeff() > 0.0 ? smallest_share(M, size) : -1.0;
+  });
+  if (mass.worth <= kTiny) {
+    return fmt::format("the mass matrix of '{}' is not positive definite at {}.", arm.name(),
+                       where(arm, mass.q));
+  }
+  const std::string massless = without_inertia(arm, rigid, forces, range);
+  if (!massless.empty()) return massless;
+  const VectorXd zero = VectorXd::Zero(n);
+  forces.reset(zero.data(), zero.data());
+  const VectorXd speeds = motion_limits(arm).velocity;
+  const Candidate drive = range.lowest([&](const VectorXd& q) {
+    double least = 0.0;  // power at full speed of one joint [W]
+    for (int i = 0; i < n; ++i) least = std::min(least, forces.friction_power(q, i, speeds[i]));
+    return least;
+  });
+  if (drive.worth < 0.0) {
+    return fmt::format("friction of '{}' drives the motion with {:.3g} W at {}.", arm.name(),
+                       -drive.worth, where(arm, drive.q));
+  }
+  return "";
+}
+
+}  // namespace veridyn

@@ -1,0 +1,91 @@
+#pragma once
+
+#include <cmath>
+
+#include "simulation/plant/plant_forces.hpp"
+#include "simulation/plant/sticking.hpp"
+#include "veridyn/dynamics/equation_of_motion.hpp"
+#include "veridyn/simulation/plant.hpp"
+
+namespace veridyn {
+
+/// The first entry that is no number, or -1.
+inline int first_not_finite(const VectorRef& v) {
+  for (Eigen::Index i = 0; i < v.size(); ++i) {
+    if (!std::isfinite(v[i])) return static_cast<int>(i);
+  }
+  return -1;
+}
+
+/// One instant of the motion, and what is known there before torques act.
+struct Instant {
+  explicit Instant(int n)
+      : q(VectorXd::Zero(n)), dq(q), ddq(q), h(q), bias(q), M(MatrixXd::Zero(n, n)), L(M) {}
+
+  double time = 0.0;
+  VectorXd q, dq, ddq;
+  VectorXd h;     // rigid bodies: C dq + g
+  VectorXd bias;  // h and the effects, without inertia and dry friction
+  MatrixXd M;     // rigid bodies
+  MatrixXd L;     // factor of M and the rotors
+};
+
+/// A Plant's memory, and its integrator.
+struct Plant::State {
+  State(const Model& arm, const VectorXd& phi, const PlantOptions& asked)
+      : n(arm.joints()),
+        options(asked),
+        rigid(arm, phi),
+        forces(arm),
+        sticking(forces, n),
+        here(n),
+        there(n),
+        stage(n),
+        slopes(MatrixXd::Zero(n, n)),
+        way(VectorXd::Zero(n)),
+        push(way),
+        k2(VectorXd::Zero(n)),
+        k3(k2),
+        k4(k2),
+        white(k2),
+        torques(k2),
+        effects(k2) {}
+
+  bool evaluate(Instant& at);
+  bool factor(Instant& at);
+  bool evaluate_middle();
+  bool last_stage(const VectorRef& tau, double h);
+  bool last_stage_from_end(const VectorRef& tau, double h);
+  bool evaluate_end();
+  void change_middle_velocity(double h);
+  void add_biases(Instant& at);
+  enum class Friction { kDecide, kKeep };
+  void accelerate(Instant& at, const VectorRef& tau, Friction friction, VectorXd& ddq);
+  void begin(const VectorRef& tau);
+  bool nystroem(const VectorRef& tau, double h);
+  double error(const VectorRef& tau, double h);
+  double velocity(int axis, const VectorXd& dq) const;
+  int side(int axis) const;
+  double landing(int axis) const;
+  int first_reversal() const;
+  bool locate(const VectorRef& tau, double* h);
+  StepStatus substep(const VectorRef& tau, double* h, double smallest);
+  StepStatus why_not(bool finite, bool sound);
+  void commit();
+  void add_up_effects();
+
+  int n;
+  PlantOptions options;
+  EquationOfMotion rigid;
+  PlantForces forces;
+  Sticking sticking;
+  Instant here, there, stage;
+  MatrixXd slopes;     // of h by the velocity, where they are free
+  VectorXd way, push;  // from there to the last stage, and what that changes in M ddq + h
+  VectorXd k2, k3, k4, white, torques, effects;
+  double next_h = 0.0;
+  Work work;
+  int failed = -1;
+};
+
+}  // namespace veridyn

@@ -1,0 +1,85 @@
+#pragma once
+
+#include <algorithm>
+#include <vector>
+
+#include "simulation/plant/plant_forces.hpp"
+
+namespace veridyn {
+
+/// Which directions of dry friction slide, and which stand still.
+///
+/// At rest friction is any force in an interval. Of all accelerations that such forces allow, the
+/// real one solves (Gauss' least constraint with bounds; Moreau 1988 for dry friction)
+///
+///   minimise over lambda   | M^-1/2 (b - C lambda) |^2,   lower <= lambda <= upper
+///
+/// with b the other forces and C the axes at rest. The accelerations M^-1 (b - C lambda) are unique
+/// even where axes depend on each other and the lambda are not. Axes whose lambda ends at a bound
+/// and that accelerate begin to slide; the others are held. Vectors "whitened" are multiplied by
+/// L^-1, with M = L L'.
+///
+/// Nothing allocates after the constructor.
+class Sticking {
+ public:
+  explicit Sticking(const PlantForces& forces, int joints);
+
+  /// +1, -1: slides that way; 0: at rest.
+  int direction(int k) const { return direction_[static_cast<size_t>(k)]; }
+  void set_direction(int k, int direction) { direction_[static_cast<size_t>(k)] = direction; }
+
+  /// Forgets the forces of the past.
+  void reset() { std::fill(lambda_.begin(), lambda_.end(), 0.0); }
+
+  /// Directions as they are now, to come back to.
+  void keep() { kept_ = direction_; }
+  void restore() { direction_ = kept_; }
+
+  /// Takes what is left of the velocity along axes at rest out of dq, exactly. Axes that cannot
+  /// move then either come to rest too.
+  void land(double* dq);
+
+  /// From the other forces b to the whitened acceleration: friction at rest is subtracted, and axes
+  /// that it cannot hold get a direction.
+  void decide(const PlantForces& forces, const double* L, double time, const double* q, double* b);
+
+  /// The same while nothing begins to slide: axes at rest are held.
+  void hold(const double* L, double* y);
+
+  /// True if axis k was at rest at the last decide(), which found this force for it.
+  bool decided(int k) const { return decided_[static_cast<size_t>(k)] != 0; }
+  double force(int k) const { return lambda_[static_cast<size_t>(k)]; }
+
+ private:
+  void collect();  // rest_ and what follows from it
+  bool stays(const double* held);
+  void release(const double* L, double* y);
+  void invert();  // shares_: from a force within the span to the least forces of the axes
+  void solve_box(const double* y_free);
+  void span();  // basis_: of the axes at rest
+  int axes() const { return static_cast<int>(direction_.size()); }
+  const double* axis(int k) const { return axes_.data() + k * n_; }
+  double* white(size_t column) { return white_.data() + column * static_cast<size_t>(n_); }
+  double* basis(size_t column) { return basis_.data() + column * static_cast<size_t>(n_); }
+
+  int n_;
+  std::vector<int> direction_, kept_;
+  std::vector<int> rest_;         // axes at rest
+  std::vector<Interval> bounds_;  // of rest_
+  std::vector<double> lambda_;    // of every axis, kept as the next start
+  std::vector<char> decided_;
+  std::vector<double> white_;  // L^-1 C, columns of rest_
+  std::vector<double> norms_;  // squared lengths of its columns
+  std::vector<double> basis_;  // orthonormal, rank_ columns
+  std::vector<double> held_;   // its whitened columns, orthonormal
+  std::vector<double> residual_;
+  std::vector<double> axes_;    // C of all axes
+  std::vector<double> shares_;  // pseudo-inverse of C, a column of n for each of rest_
+  std::vector<double> square_;  // scratch of invert()
+  std::vector<int> spanned_;    // the axes for which basis_ and shares_ hold
+  std::vector<double> next_;    // forces that stays() tries
+  std::vector<double> free_;    // the acceleration without friction at rest, and what holds it
+  size_t rank_ = 0;
+};
+
+}  // namespace veridyn

@@ -1,0 +1,79 @@
+#include "simulation/world/arm_points.hpp"
+
+namespace veridyn {
+namespace {
+
+Vec3d vec(const Eigen::Vector3d& a) {
+  return {a.x(), a.y(), a.z()};
+}
+
+Eigen::Vector3d eigen(const Vec3d& a) {
+  return {a.x, a.y, a.z};
+}
+
+Vec3d accelerated(const Column<double>& c, const Vec3d& offset) {
+  return c.v + cross(c.w, offset);
+}
+
+}  // namespace
+
+ArmPoints::ArmPoints(const Model& arm, const Posed& T_world_base)
+    : tree_(arm, Tree::Keep::kEveryFrame),
+      recursion_(tree_),
+      base_(T_world_base),
+      rest_(VectorXd::Zero(arm.joints())),
+      dq_(rest_),
+      T_world_(tree_.links.size(), identity_pose()) {
+  move_to(rest_, rest_);
+}
+
+void ArmPoints::move_to(const VectorXd& q, const VectorXd& dq) noexcept {
+  forward_pass(tree_, q.data(), dq.data(), rest_.data(), {0, 0, 0}, recursion_);
+  dq_ = dq;
+  jacobian_pass(tree_, recursion_);
+  for (size_t k = 0; k < tree_.links.size(); ++k) {
+    const Link& link = tree_.links[k];
+    Posed J = identity_pose();
+    if (link.motion == Motion::kTurns) J.R = rotation_z(recursion_.link[k].s);
+    if (link.motion == Motion::kSlides) J.p.z = recursion_.link[k].s;
+    const Posed& above = link.parent < 0 ? base_ : T_world_[static_cast<size_t>(link.parent)];
+    T_world_[k] = above * link.A * J * link.B;
+  }
+}
+
+ArmPoints::Point ArmPoints::point(int frame, const Eigen::Vector3d& offset) const noexcept {
+  const auto k = static_cast<size_t>(tree_.link_of_frame[static_cast<size_t>(frame)]);
+  const Posed& T = T_world_[k];
+  const Link& link = tree_.links[k];
+  const Vec3d at = vec(offset);
+  Vec3d v{0, 0, 0};
+  for (int m = link.first_mover; m < link.end_mover; ++m) {
+    v = v + dq_[tree_.movers[static_cast<size_t>(m)].coordinate] *
+                accelerated(recursion_.jacobian[m], at);
+  }
+  return {eigen(T.p + rotate(T.R, at)), eigen(rotate(T.R, v))};
+}
+
+void ArmPoints::add_force(int frame, const Eigen::Vector3d& offset, const Eigen::Vector3d& force,
+                          double share, VectorXd& tau) const noexcept {
+  const auto k = static_cast<size_t>(tree_.link_of_frame[static_cast<size_t>(frame)]);
+  const Link& link = tree_.links[k];
+  const Vec3d in_link = rotate_back(T_world_[k].R, vec(force));
+  const Vec3d at = vec(offset);
+  for (int m = link.first_mover; m < link.end_mover; ++m) {
+    tau[tree_.movers[static_cast<size_t>(m)].coordinate] +=
+        share * dot(accelerated(recursion_.jacobian[m], at), in_link);
+  }
+}
+
+void ArmPoints::jacobian(int frame, const Eigen::Vector3d& offset, MatrixXd& J) const noexcept {
+  const auto k = static_cast<size_t>(tree_.link_of_frame[static_cast<size_t>(frame)]);
+  const Link& link = tree_.links[k];
+  J.setZero();
+  for (int m = link.first_mover; m < link.end_mover; ++m) {
+    J.col(tree_.movers[static_cast<size_t>(m)].coordinate) =
+        eigen(rotate(T_world_[k].R, accelerated(recursion_.jacobian[m], vec(offset))));
+  }
+}
+
+}  // namespace veridyn

@@ -1,0 +1,69 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "simulation/world/arm_points.hpp"
+#include "veridyn/dynamics/rigid_body_dynamics.hpp"
+#include "veridyn/simulation/world.hpp"
+
+namespace veridyn {
+
+struct World::State {
+  State(std::vector<WorldArm> given, WorldObjects things);
+
+  struct Arm {
+    explicit Arm(WorldArm&& given);
+    /// Largest acceleration of the point per newton on it, over all directions [1/kg], or more.
+    double mobility(const Attachment& at);
+
+    Model model;
+    std::unique_ptr<Engine> engine;
+    ArmPoints points;
+    RigidBodyDynamics rigid;
+    MatrixXd rotors, M, J;  // rotors: what they add to M
+    VectorXd column;
+    VectorXd q, dq, ddq;  // where the points stand, and the acceleration at the substep's start
+    VectorXd external;    // mean torque of the objects over a substep
+    VectorXd all;         // with the motors
+  };
+
+  struct BodyMotion {
+    Eigen::Vector3d p, v, spin_momentum;  // momentum about the centre, in the world
+    Eigen::Matrix3d R;
+    Eigen::Vector3d force, moment;  // mean over a substep
+    Eigen::Vector3d spin(const Eigen::Vector3d& inertia) const;
+  };
+
+  void check() const;
+  void check(const Attachment& at, const char* what) const;
+  PointMotion point(const Attachment& at) const;
+  void push(const Attachment& at, const Eigen::Vector3d& force, double share);
+  /// Places all points at a share of a substep of h [s] along the motion expected.
+  void foresee(double h);
+  void foresee_bodies(double h);
+  /// Adds the forces where everything stands now: `share` of them counts.
+  void add_forces(double share, double h);
+  void add_members(double share, double h);
+  void add_walls(double share, double h);
+  void add_bodies(double share, double h);
+  void clear_forces();
+  void settle();
+  int choose_substeps(double dt);
+  StepStatus substep(const std::vector<VectorXd>& tau, double h);
+  void move_bodies(double h);
+
+  std::vector<Arm> arms;
+  WorldObjects objects;
+  std::vector<MemberState> members;
+  std::vector<BodyMotion> bodies, start;  // now or foreseen; at the substep's start
+  std::vector<BodyMotion> rates;          // force and moment at the substep's start
+  Eigen::Vector3d gravity{0.0, 0.0, 0.0};
+  double time = 0.0, work = 0.0;
+  double fastest = 0.0, damping_rate = 0.0;  // [rad/s], [1/s]
+  int until_review = 0;
+  int failed = -1;
+  int count = 1;
+};
+
+}  // namespace veridyn

@@ -1,0 +1,475 @@
+#include "veridyn/recordings/recording_quality.hpp"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <functional>
+#include <random>
+#include <set>
+
+#include "veridyn/math/require.hpp"
+
+namespace veridyn {
+namespace {
+
+constexpr double kRate = 200.0;
+constexpr int kRows = 6000;
+constexpr int kJoints = 3;
+
+// A flawless recording: three joints in motion that does not repeat, encoder and current noise.
+Recording clean_recording() {
+  std::mt19937 random(17);
+  std::normal_distribution<double> normal;
+  Recording r;
+  r.source = "clean";
+  r.time.resize(kRows);
+  r.q.resize(kRows, kJoints);
+  r.dq.resize(kRows, kJoints);
+  r.tau.resize(kRows, kJoints);
+  const double frequency[4] = {0.7, 1.3, 2.1, 3.7};  // [rad/s] no common period
+  for (int k = 0; k < kRows; ++k) {
+    r.time[k] = k / kRate;
+    for (int j = 0; j < kJoints; ++j) {
+      double q = 0.0, dq = 0.0, ddq = 0.0;
+      for (int h = 0; h < 4; ++h) {
+        const double w = frequency[h] * (1.0 + 0.13 * j);
+        const double phase = w * r.time[k] + h + 2 * j;
+        q += 0.2 * std::sin(phase);
+        dq += 0.2 * w * std::cos(phase);
+        ddq -= 0.2 * w * w * std::sin(phase);
+      }
+      r.q(k, j) = q + 1e-5 * normal(random);
+      r.dq(k, j) = dq + 2e-3 * normal(random);
+      r.tau(k, j) =
+          0.4 * ddq + 0.3 * dq + 0.2 * std::tanh(50.0 * dq) + std::sin(q) + 5e-3 * normal(random);
+    }
+  }
+  return r;
+}
+
+std::set<std::string> names_of(const RecordingQuality& quality) {
+  std::set<std::string> names;
+  for (const QualityFinding& finding : quality.findings) names.insert(finding.finding);
+  return names;
+}
+
+// Exactly these findings beside the sample rate.
+void expect_only(const RecordingQuality& quality, std::set<std::string> names) {
+  names.insert("sample_rate");
+  EXPECT_EQ(names_of(quality), names) << quality.report();
+}
+
+const QualityFinding& found(const RecordingQuality& quality, const std::string& name,
+                            int joint = 0) {
+  const QualityFinding* finding = quality.find(name, joint);
+  if (finding == nullptr) throw std::runtime_error(name + " is missing in\n" + quality.report());
+  return *finding;
+}
+
+TEST(ACleanRecording, HasNoFindingButItsRate) {
+  const RecordingQuality quality = check_recording(clean_recording());
+  expect_only(quality, {});
+  EXPECT_NEAR(quality.rate, kRate, 1e-6);
+  EXPECT_EQ(quality.rows, kRows);
+  EXPECT_EQ(quality.joints, kJoints);
+  EXPECT_EQ(quality.severity(), Severity::kInfo);
+}
+
+TEST(ACleanRecording, StaysCleanWithoutVelocitiesOrWithoutTorques) {
+  Recording r = clean_recording();
+  r.dq.resize(0, 0);
+  expect_only(check_recording(r), {});
+  r = clean_recording();
+  r.tau.resize(0, 0);
+  expect_only(check_recording(r), {});
+}
+
+// A simulated recording has neither noise nor quantisation, rests at both ends, and its torque is
+// smooth.
+TEST(ACleanRecording, StaysCleanWithoutAnyNoise) {
+  Recording r = clean_recording();
+  for (int k = 0; k < kRows; ++k) {
+    const double s =
+        std::min(1.0, std::max(0.0, (r.time[k] - 2.0) / 26.0));  // rests for 2 s before and after
+    const double speed = s > 0.0 && s < 1.0 ? 30.0 * s * s * (1 - s) * (1 - s) / 26.0 : 0.0;
+    const double travel = s * s * s * (10.0 - 15.0 * s + 6.0 * s * s);
+    for (int j = 0; j < kJoints; ++j) {
+      r.q(k, j) = (1.0 + 0.3 * j) * travel;
+      r.dq(k, j) = (1.0 + 0.3 * j) * speed;
+      r.tau(k, j) = std::cos(r.q(k, j)) + 0.5 * r.dq(k, j);
+    }
+  }
+  expect_only(check_recording(r), {});
+  r.dq.resize(0, 0);
+  expect_only(check_recording(r), {});
+}
+
+// ---- one planted fault at a time: found, with its size, and nothing else
+
+TEST(AFault, StaleRowsAreCounted) {
+  Recording r = clean_recording();
+  int planted = 0;
+  for (int k = 10; k < kRows; k += k % 3 == 0 ? 7 : 9, ++planted) {
+    for (const RecordingSignal& signal : kRecordingSignals) {
+      MatrixXd& values = r.*signal.values;
+      if (values.cols() > 0) values.row(k) = MatrixXd(values.row(k - 1));
+    }
+  }
+  const RecordingQuality quality = check_recording(r);
+  expect_only(quality, {"stale_rows"});
+  EXPECT_NEAR(found(quality, "stale_rows").share, static_cast<double>(planted) / kRows, 1e-9);
+  EXPECT_EQ(found(quality, "stale_rows").value, 1.0);
+}
+
+TEST(AFault, ASignalThatIsRefreshedAtHalfRateIsStale) {
+  Recording r = clean_recording();
+  for (int k = 1; k < kRows; k += 2) r.tau(k, 1) = r.tau(k - 1, 1);
+  const RecordingQuality quality = check_recording(r);
+  expect_only(quality, {"stale_signal"});
+  EXPECT_EQ(found(quality, "stale_signal").signal, "tau");
+  EXPECT_EQ(found(quality, "stale_signal").joint, 2);
+  EXPECT_NEAR(found(quality, "stale_signal").share, 0.5, 0.02);
+}
+
+TEST(AFault, GapsAreCountedPerSignal) {
+  Recording r = clean_recording();
+  for (int k = 100; k < 160; ++k) r.tau(k, 2) = NAN;
+  const RecordingQuality quality = check_recording(r);
+  expect_only(quality, {"gaps"});
+  EXPECT_EQ(found(quality, "gaps").joint, 3);
+  EXPECT_NEAR(found(quality, "gaps").share, 60.0 / kRows, 1e-12);
+  EXPECT_EQ(found(quality, "gaps").value, 60.0);
+}
+
+TEST(AFault, MissingRowsAreCounted) {
+  const Recording whole = clean_recording();
+  Recording r = whole;
+  r.time.tail(4000).array() += 25 / kRate;
+  const RecordingQuality quality = check_recording(r);
+  ASSERT_TRUE(quality.find("missing_rows") != nullptr) << quality.report();
+  EXPECT_NEAR(found(quality, "missing_rows").value, 26 / kRate, 1e-9);
+  EXPECT_NEAR(found(quality, "missing_rows").share, 25.0 / (kRows + 25), 1e-9);
+  EXPECT_EQ(quality.find("irregular_time"), nullptr);
+}
+
+TEST(AFault, IrregularTimeShowsTheMeanRate) {
+  Recording r = clean_recording();
+  Recording kept = r;
+  int count = 0;
+  for (int k = 0; k < kRows; k += 4 + (k / 4) % 2, ++count) {  // 20 and 25 ms
+    kept.time[count] = r.time[k];
+    kept.q.row(count) = r.q.row(k);
+    kept.dq.row(count) = r.dq.row(k);
+    kept.tau.row(count) = r.tau.row(k);
+  }
+  kept = rows_of(kept, 0, count);
+  const RecordingQuality quality = check_recording(kept);
+  expect_only(quality, {"irregular_time"});
+  EXPECT_NEAR(found(quality, "irregular_time").value, (count - 1) / kept.time[count - 1], 1e-6);
+}
+
+TEST(AFault, AbsurdNumbersAreGapsForTheRest) {
+  Recording r = clean_recording();
+  r.q(1000, 0) = 1e305;
+  r.tau(2000, 1) = -INFINITY;
+  const RecordingQuality quality = check_recording(r);
+  expect_only(quality, {"absurd_numbers", "gaps"});
+  EXPECT_EQ(found(quality, "absurd_numbers").value, 2.0);
+  EXPECT_EQ(quality.severity(), Severity::kFault);
+}
+
+TEST(AFault, JumpsAreFoundWithSizeAndJoint) {
+  const std::function<void(Recording*)> without_velocities[] = {
+      [](Recording*) {}, [](Recording* r) { r->dq.resize(0, 0); }};
+  for (const auto& change : without_velocities) {
+    Recording r = clean_recording();
+    change(&r);
+    r.q.col(1).tail(2500).array() += 0.2;  // slips a tooth
+    r.q(1234, 2) += 0.3;                   // one wrong value
+    const RecordingQuality quality = check_recording(r);
+    expect_only(quality, {"jumps"});
+    EXPECT_NEAR(found(quality, "jumps", 2).value, 0.2, 0.03);
+    EXPECT_NEAR(std::abs(found(quality, "jumps", 3).value), 0.3, 0.03);
+    EXPECT_EQ(quality.find("jumps", 1), nullptr);
+  }
+}
+
+TEST(AFault, AClippedTorqueIsSaturated) {
+  Recording r = clean_recording();
+  const double limit = 0.6 * r.tau.col(0).maxCoeff();
+  r.tau.col(0) = r.tau.col(0).cwiseMin(limit);
+  const double share = static_cast<double>((r.tau.col(0).array() == limit).count()) / kRows;
+  const RecordingQuality quality = check_recording(r);
+  expect_only(quality, {"saturation"});
+  EXPECT_NEAR(found(quality, "saturation", 1).value, limit, 0.01 * limit);
+  EXPECT_NEAR(found(quality, "saturation", 1).share, share, 0.1 * share);
+}
+
+TEST(AFault, RingingAtTheStartIsATransient) {
+  Recording r = clean_recording();
+  for (int k = 0; r.time[k] < 0.6; ++k) r.tau(k, 1) += 3.0 * std::sin(60.0 * r.time[k]);
+  const RecordingQuality quality = check_recording(r);
+  expect_only(quality, {"start_up_transient"});
+  EXPECT_NEAR(found(quality, "start_up_transient").value, 0.6, 0.11);
+  EXPECT_EQ(found(quality, "start_up_transient").joint, 2);
+}
+
+TEST(AFault, AClockThatRunsTwiceTooFastContradictsTheVelocities) {
+  for (const double factor : {0.5, 0.93, 2.0}) {
+    Recording r = clean_recording();
+    r.time *= factor;  // dq = factor * dq/dt
+    const RecordingQuality quality = check_recording(r);
+    EXPECT_NEAR(found(quality, "rate_contradiction").value, factor, 0.005 * factor)
+        << quality.report();
+    EXPECT_EQ(found(quality, "rate_contradiction").joint, 0);
+    EXPECT_EQ(quality.find("velocity_scale"), nullptr);
+    EXPECT_EQ(quality.severity(), Severity::kFault);
+  }
+}
+
+TEST(AFault, AFactorOnOneJointIsNotTheClock) {
+  Recording r = clean_recording();
+  r.dq.col(2) *= 1.12;
+  const RecordingQuality quality = check_recording(r);
+  expect_only(quality, {"velocity_scale"});
+  EXPECT_NEAR(found(quality, "velocity_scale", 3).value, 1.12, 0.005);
+}
+
+TEST(AFault, AWrongSignOfVelocityIsNamed) {
+  Recording r = clean_recording();
+  r.dq.col(1) *= -1.0;
+  const RecordingQuality quality = check_recording(r);
+  expect_only(quality, {"velocity_sign"});
+  EXPECT_EQ(found(quality, "velocity_sign").joint, 2);
+}
+
+TEST(AFault, DegreesAreRecognised) {
+  Recording r = clean_recording();
+  r.dq *= 180.0 / M_PI;
+  expect_only(check_recording(r), {"degrees"});
+  r = clean_recording();
+  r.q *= 180.0 / M_PI;
+  EXPECT_TRUE(check_recording(r).find("degrees", 1) != nullptr);
+  r = clean_recording();
+  r.q.array() += 1.5;
+  r.q *= 180.0 / M_PI;
+  r.dq *= 180.0 / M_PI;
+  const RecordingQuality both = check_recording(r);
+  expect_only(both, {"degrees"});
+  EXPECT_GT(found(both, "degrees", 1).share, 0.5);
+}
+
+TEST(AFault, CoarseVelocityStepsAreMeasured) {
+  Recording r = clean_recording();
+  const double step = 0.3;
+  for (int k = 0; k < kRows; ++k) r.dq(k, 0) = step * std::round(r.dq(k, 0) / step);
+  const RecordingQuality quality = check_recording(r);
+  ASSERT_TRUE(quality.find("velocity_quantised", 1) != nullptr) << quality.report();
+  EXPECT_NEAR(found(quality, "velocity_quantised").value, step, 1e-9);
+  EXPECT_EQ(quality.find("velocity_quantised", 2), nullptr);
+}
+
+TEST(AFault, ALateVelocityIsMeasuredToATenthOfASample) {
+  for (const double delay : {2.0, 2.4, 7.0, -3.3}) {
+    Recording r = clean_recording();
+    const MatrixXd dq = r.dq;
+    for (int k = 10; k < kRows - 10; ++k) {
+      const int before = static_cast<int>(std::floor(k - delay));
+      const double share = k - delay - before;
+      r.dq(k, 1) = (1.0 - share) * dq(before, 1) + share * dq(before + 1, 1);
+    }
+    const RecordingQuality quality = check_recording(r);
+    expect_only(quality, {"velocity_delay"});
+    EXPECT_NEAR(found(quality, "velocity_delay", 2).value, delay / kRate, 0.1 / kRate);
+  }
+}
+
+TEST(AFault, AJointAtRestIsSaid) {
+  Recording r = clean_recording();
+  r.q.col(2) *= 1e-4;
+  r.dq.col(2) *= 1e-4;
+  const RecordingQuality quality = check_recording(r);
+  expect_only(quality, {"joint_at_rest"});
+  EXPECT_EQ(found(quality, "joint_at_rest").joint, 3);
+  r.q *= 1e-4;
+  r.dq *= 1e-4;
+  expect_only(check_recording(r), {"no_motion"});
+}
+
+TEST(AFault, ZeroSignalsAreSaid) {
+  Recording r = clean_recording();
+  r.tau.setZero();
+  RecordingQuality quality = check_recording(r);
+  expect_only(quality, {"zero_signal"});
+  EXPECT_EQ(found(quality, "zero_signal").signal, "tau");
+  EXPECT_EQ(found(quality, "zero_signal").joint, 0);
+  r = clean_recording();
+  r.tau.col(1).setConstant(0.25);
+  quality = check_recording(r);
+  EXPECT_EQ(found(quality, "constant_signal").joint, 2);
+
+  r.q.setZero();
+  r.dq.setZero();
+  r.tau.setZero();
+  quality = check_recording(r);
+  EXPECT_EQ(names_of(quality), (std::set<std::string>{"sample_rate", "zero_signal", "no_motion"}));
+}
+
+TEST(AFault, AMotionThatRepeatsIsToldWithItsPeriod) {
+  Recording r = clean_recording();
+  const int period = 1296;
+  for (int k = period; k < kRows; ++k) r.q.row(k) = MatrixXd(r.q.row(k - period));
+  const RecordingQuality quality = check_recording(r);
+  EXPECT_NEAR(found(quality, "period").value, period / kRate, 0.2 / kRate);
+  EXPECT_NEAR(quality.period.seconds, period / kRate, 0.2 / kRate);
+}
+
+TEST(AFault, AFewRowsAreTooFew) {
+  const RecordingQuality quality = check_recording(rows_of(clean_recording(), 0, 20));
+  EXPECT_EQ(names_of(quality), std::set<std::string>{"short_recording"});
+  EXPECT_EQ(check_recording(rows_of(clean_recording(), 0, 1)).rows, 1);
+  EXPECT_THROW(check_recording(Recording()), InvalidInput);
+}
+
+// Beyond the head, the tallies go on piece by piece and miss no seam.
+TEST(ALongRecording, IsCountedToItsEnd) {
+  const Recording part = clean_recording();
+  const int copies = 50;
+  Recording r;
+  r.source = "long";
+  r.time = VectorXd::LinSpaced(copies * kRows, 0.0, (copies * kRows - 1) / kRate);
+  r.q = part.q.replicate(copies, 1);
+  r.dq = part.dq.replicate(copies, 1);
+  r.tau = part.tau.replicate(copies, 1);
+  const int seams = static_cast<int>(check_recording(r).findings.size());
+  int planted = 0;
+  for (int k = 100; k < r.rows(); k += 1000, ++planted) {
+    r.q.row(k) = MatrixXd(r.q.row(k - 1));
+    r.dq.row(k) = MatrixXd(r.dq.row(k - 1));
+    r.tau.row(k) = MatrixXd(r.tau.row(k - 1));
+  }
+  const int last = 199999 - 199999 % 1000 + 1000;  // the first row of the second piece is 200,000
+  r.q.row(last) = MatrixXd(r.q.row(last - 1));
+  r.dq.row(last) = MatrixXd(r.dq.row(last - 1));
+  r.tau.row(last) = MatrixXd(r.tau.row(last - 1));
+  const RecordingQuality quality = check_recording(r);
+  EXPECT_EQ(quality.rows, copies * kRows);
+  EXPECT_EQ(static_cast<int>(quality.findings.size()), seams + 1);
+  EXPECT_NEAR(found(quality, "stale_rows").share, static_cast<double>(planted + 1) / r.rows(),
+              1e-12);
+}
+
+// A step at any row around the end of the head (200,000 rows) is seen, and seen once.
+TEST(ALongRecording, HidesNoJumpAtASeam) {
+  Recording smooth;
+  smooth.source = "long";
+  smooth.time = VectorXd::LinSpaced(200100, 0.0, 200099 / kRate);
+  smooth.q = (0.1 * smooth.time.array()).sin().matrix();
+  for (int row = 199994; row <= 200006; ++row) {
+    Recording r = smooth;
+    r.q.col(0).tail(r.rows() - row).array() += 0.5;
+    const RecordingQuality quality = check_recording(r);
+    const QualityFinding& jump = found(quality, "jumps", 1);
+    EXPECT_NEAR(jump.value, 0.5, 0.01);
+    EXPECT_NE(jump.sentence.find("jumps 1 time,"), std::string::npos)
+        << row << ": " << jump.sentence;
+  }
+}
+
+TEST(AReport, HasOneLinePerFinding) {
+  const RecordingQuality quality = check_recording(clean_recording());
+  const std::string report = quality.report();
+  EXPECT_EQ(static_cast<std::size_t>(std::count(report.begin(), report.end(), '\n')),
+            1 + quality.findings.size());
+}
+
+// ---- real recordings
+
+class ARealRecording : public testing::Test {
+ protected:
+  void SetUp() override {
+    const char* given = std::getenv("VERIDYN_REAL_DATA");
+    folder_ = given != nullptr ? given : VERIDYN_SOURCE_DIR "/../shared/data";
+    if (!std::filesystem::exists(folder_)) GTEST_SKIP() << "no real recordings in " << folder_;
+  }
+  RecordingQuality check(const std::string& name) const {
+    return check_recording(folder_ + "/" + name + ".csv");
+  }
+  std::string folder_;
+};
+
+TEST_F(ARealRecording, OfTheThesisRepeatsAtTheFrequencyOfItsTable) {
+  const double frequency[] = {0.10, 0.13, 0.16, 0.20, 0.14, 0.12};
+  for (int file = 1; file <= 6; ++file) {
+    const RecordingQuality quality = check(text("psm1-thesis/fourier-", file));
+    EXPECT_NEAR(quality.period.seconds * frequency[file - 1], 1.0, 2e-5) << quality.report();
+    EXPECT_NEAR(quality.rate, 200.0, 1e-6);
+    EXPECT_TRUE(quality.find("start_up_transient") != nullptr);
+    EXPECT_EQ(quality.find("stale_rows") != nullptr, file >= 5);
+    for (const char* absent :
+         {"jumps", "gaps", "rate_contradiction", "velocity_scale", "velocity_delay", "degrees"}) {
+      EXPECT_EQ(quality.find(absent), nullptr) << quality.report();
+    }
+  }
+  EXPECT_NEAR(found(check("psm1-thesis/fourier-1"), "saturation", 2).value, 3.1, 0.1);
+  EXPECT_NEAR(found(check("psm1-thesis/fourier-5"), "stale_rows").share, 0.123, 0.001);
+}
+
+TEST_F(ARealRecording, OfForceRampsIsManyRecordingsInOneFile) {
+  const RecordingQuality quality = check("psm1-thesis/force-ramp");
+  EXPECT_NEAR(found(quality, "jumps", 3).value, -0.206, 0.001);
+  EXPECT_NEAR(quality.rate, 100.0, 1e-6);
+  EXPECT_EQ(check("psm1-thesis/constant-velocity-positive").severity(), Severity::kInfo);
+}
+
+TEST_F(ARealRecording, OfTheWristRepeatsEvery1296Rows) {
+  for (const char* name :
+       {"one", "two", "one-no-weight", "one-105g-parallel", "one-205g-parallel"}) {
+    const RecordingQuality quality = check(text("psm-wrist/", name));
+    EXPECT_NEAR(quality.period.seconds, 1296 / 200.0, 0.2 / 200.0);
+    EXPECT_EQ(quality.severity(), Severity::kInfo) << quality.report();
+  }
+}
+
+TEST_F(ARealRecording, OfTheMasterHasVelocitiesOfJoints5To7TooLarge) {
+  for (const char* name : {"mtm/one", "mtm/two"}) {
+    const RecordingQuality quality = check(name);
+    EXPECT_NEAR(quality.period.seconds, 2333 / 200.0, 0.2 / 200.0);
+    for (int joint = 1; joint <= 4; ++joint)
+      EXPECT_EQ(quality.find("velocity_scale", joint), nullptr);
+    for (int joint = 5; joint <= 7; ++joint) {
+      EXPECT_GT(found(quality, "velocity_scale", joint).value, 1.025);
+      EXPECT_LT(found(quality, "velocity_scale", joint).value, 1.19);
+      EXPECT_TRUE(quality.find("velocity_quantised", joint) != nullptr);
+    }
+    EXPECT_GT(found(quality, "stale_rows").share, 0.1);
+  }
+}
+
+TEST_F(ARealRecording, OfTheUr10eIsNeverAt100Hz) {
+  for (const char* name :
+       {"free-12harm30s-2020-02-10", "free-14harm50s-2020-02-19", "free-8harm20s-2020-02-05",
+        "free-point-to-point-2020-01-17", "load-2805g-14harm50s-2020-02-19",
+        "one-joint-2-2020-01-22", "push-pose-1", "static-pose-1-2020-01-17", "repeat-a-2019-10-01",
+        "repeat-b-2019-10-01"}) {
+    const RecordingQuality quality = check(text("ur10e/", name));
+    EXPECT_NEAR(found(quality, "irregular_time").value, 94.2, 1.2);
+    for (const QualityFinding& finding : quality.findings) {
+      EXPECT_TRUE(finding.severity == Severity::kInfo || finding.finding == "irregular_time")
+          << quality.report();
+    }
+  }
+}
+
+TEST_F(ARealRecording, ThatIsBrokenIsCalledBroken) {
+  const RecordingQuality quality = check("ur10e/broken-file-2019-09-27");
+  EXPECT_EQ(found(quality, "absurd_numbers").severity, Severity::kFault);
+  EXPECT_EQ(quality.rows, 1139);
+}
+
+}  // namespace
+}  // namespace veridyn

@@ -1,0 +1,1 @@
+// The object that the test programs' precompiled header is built with.
