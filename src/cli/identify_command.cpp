@@ -1,3 +1,4 @@
+#include <cstdio>
 #include <iostream>
 #include <memory>
 #include <optional>
@@ -7,6 +8,7 @@
 #include "common_options.hpp"
 #include "messages.hpp"
 #include "option_checks.hpp"
+#include "ranks.hpp"
 #include "veridyn/identification/factor_set.hpp"
 #include "math/output_file.hpp"
 #include "veridyn/math/require.hpp"
@@ -111,12 +113,78 @@ Identification identified(const Request& request, const Model& arm,
                   options);
 }
 
+void write_results(const Request& request, const Identification& id,
+                   const std::string& command_line) {
+  if (id.status == IdentificationStatus::kNotConverged) say("warning: " + id.reason);
+  if (!request.model_out.empty()) save(id, request.model_out);
+  if (!request.common.json.empty()) write_file(request.common.json, to_json(id));
+  if (!request.common.report.empty()) write_file(request.common.report, to_page(id, command_line));
+  std::cout << id.report();
+}
+
+// A file for what a rank has done so far, beside the one that is asked for.
+std::string part_of(const Request& request, const Communicator& ranks) {
+  return text(request.factor_out, ".rank-", ranks.rank());
+}
+
+Identification identified_by_ranks(const Request& request, const Model& arm,
+                                   const IdentificationOptions& options, Communicator& ranks) {
+  KeepFactors keep;
+  if (!request.factor_out.empty()) {
+    keep = [&](const FactorSet& factors, bool whole) {
+      save_factors(factors, whole ? request.factor_out : part_of(request, ranks));
+    };
+  }
+  when_another_rank_is_lost(
+      text("rank ", ranks.rank(), ": another rank was lost and the work ends here; ",
+           keep ? "what this one has done is in " + part_of(request, ranks)
+                : std::string("with --factor-out what was done would have been kept"),
+           "."));
+  Identification id = identify(arm, request.train, request.test, options, ranks, keep);
+  if (keep) std::remove(part_of(request, ranks).c_str());
+  return id;
+}
+
+// Every rank runs this; the first one alone speaks.
+ExitStatus run_on_ranks(const Request& request, const std::string& command_line,
+                        Communicator& ranks) {
+  const bool first = ranks.rank() == 0;
+  try {
+    expect_value(request.factors.empty(), "--factors",
+                 "found under mpirun, expected recordings to spread over the ranks");
+    const Model arm = read_model(request.robot);
+    IdentificationOptions options = identification_options(request);
+    options.threads = threads_of_a_rank(request.common.threads);
+    if (!first) options.progress = nullptr;
+    const Identification id = identified_by_ranks(request, arm, options, ranks);
+    if (first) {
+      for (const UnusedRecording& r : id.left_out) say("warning: left out: " + r.why);
+    }
+    if (id.parameters.size() == 0) {
+      if (first) say(id.reason);
+      return kDataCannotAnswer;
+    }
+    if (first) write_results(request, id, command_line);
+    return kDone;
+  } catch (const InvalidInput& error) {
+    if (first) say(error.what());
+    end_all_ranks(kBadInput);
+  } catch (const CLI::Error&) {
+    throw;  // the same on every rank
+  } catch (const std::exception& error) {
+    say(text("rank ", ranks.rank(), ": internal fault: ", error.what()));
+    end_all_ranks(kProgramFault);
+  }
+}
+
 ExitStatus run(const Request& request, const std::string& command_line) {
+  const std::unique_ptr<Communicator> ranks = mpi_ranks();
   expect_options_that_mean_something(request);
   require_writable(request.common.json);
   require_writable(request.common.report);
   require_writable(request.model_out);
   require_writable(request.factor_out);
+  if (ranks && ranks->size() > 1) return run_on_ranks(request, command_line, *ranks);
   if (!request.test_rows) warn_of_shared_recordings(request.train, request.test);
   const Model arm = read_model(request.robot);
   const IdentificationOptions options = identification_options(request);
@@ -132,13 +200,7 @@ ExitStatus run(const Request& request, const std::string& command_line) {
     say(id.reason);
     return kDataCannotAnswer;
   }
-  if (id.status == IdentificationStatus::kNotConverged) say("warning: " + id.reason);
-  if (!request.model_out.empty()) save(id, request.model_out);
-  if (!request.common.json.empty()) write_file(request.common.json, to_json(id));
-  if (!request.common.report.empty()) {
-    write_file(request.common.report, to_page(id, command_line));
-  }
-  std::cout << id.report();
+  write_results(request, id, command_line);
   return kDone;
 }
 

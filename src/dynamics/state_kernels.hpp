@@ -16,6 +16,7 @@ namespace veridyn {
 template <typename P>
 struct StateLoops {
   static constexpr int kLanes = P::kSize;
+  static constexpr double kQuickAngle = 1e5;  // [rad] of sine_cosine()
   typedef double Aligned __attribute__((vector_size(sizeof(P)), may_alias));
   typedef double Unaligned __attribute__((vector_size(sizeof(P)), aligned(8), may_alias));
 
@@ -192,6 +193,11 @@ struct StateLoops {
       sine_cosine(x, s, c);
       *reinterpret_cast<Aligned*>(sine + k) = s.v;
       *reinterpret_cast<Aligned*>(cosine + k) = c.v;
+    }
+    for (int k = 0; k < tree.links; ++k) {  // beyond its range the quick one loses digits
+      if (__builtin_fabs(at.angle[k]) < kQuickAngle) continue;
+      sine[k] = __builtin_sin(at.angle[k]);
+      cosine[k] = __builtin_cos(at.angle[k]);
     }
     for (int k = 0; k < tree.links; ++k) {
       const StateLink& link = tree.link[k];
@@ -629,6 +635,50 @@ struct StateLoops {
     mass_of(tree, at, M);
   }
 
+  // M = L D L', L below the diagonal and 1 / D on it.
+  static bool factor(int n, double* M) {
+    for (int j = 0; j < n; ++j) {
+      double* column = M + j * n;
+      const double d = column[j];
+      if (!(d > 0.0)) return false;
+      const double inverse = 1.0 / d;
+      for (int k = j + 1; k < n; ++k) {
+        const double share = column[k] * inverse;
+        double* next = M + k * n;
+        for (int i = k; i < n; ++i) next[i] -= share * column[i];
+      }
+      column[j] = inverse;
+      for (int i = j + 1; i < n; ++i) column[i] *= inverse;
+    }
+    return true;
+  }
+
+  static void solve(int n, const double* L, int columns, double* X) {
+    for (int c = 0; c < columns; ++c) {
+      double* x = X + c * n;
+      for (int j = 0; j < n; ++j)
+        for (int i = j + 1; i < n; ++i) x[i] -= L[j * n + i] * x[j];
+      for (int j = 0; j < n; ++j) x[j] *= L[j * n + j];
+      for (int j = n - 1; j >= 0; --j) {
+        double sum = x[j];
+        for (int i = j + 1; i < n; ++i) sum -= L[j * n + i] * x[i];
+        x[j] = sum;
+      }
+    }
+  }
+
+  __attribute__((flatten)) static bool forward_dynamics(const StateTree& tree, const double* q,
+                                                        const double* dq, const double* tau,
+                                                        double* ddq, double* M,
+                                                        double* workspace) {
+    equation(tree, q, dq, M, ddq, workspace);
+    const int n = tree.coordinates;
+    for (int i = 0; i < n; ++i) ddq[i] = tau[i] - ddq[i];
+    if (!factor(n, M)) return false;
+    solve(n, M, 1, ddq);
+    return true;
+  }
+
   static StateKernels kernels() {
     StateKernels out;
     out.workspace = &workspace;
@@ -637,6 +687,9 @@ struct StateLoops {
     out.equation = &equation;
     out.regressor = &regressor;
     out.slopes = &slopes;
+    out.forward_dynamics = &forward_dynamics;
+    out.factor = &factor;
+    out.solve = &solve;
     return out;
   }
 };

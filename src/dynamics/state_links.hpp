@@ -45,7 +45,7 @@ struct StateTree {
 struct StateKernels {
   /// Doubles of workspace, aligned to 64 bytes.
   unsigned long (*workspace)(const StateTree& tree) = nullptr;
-  /// dq and ddq null: rest. gravity null: none.
+  /// dq and ddq null: rest.
   void (*inverse_dynamics)(const StateTree& tree, const double* q, const double* dq,
                            const double* ddq, double* tau, double* workspace) = nullptr;
   void (*mass_matrix)(const StateTree& tree, const double* q, double* M,
@@ -53,12 +53,20 @@ struct StateKernels {
   /// M and tau(q, dq, 0).
   void (*equation)(const StateTree& tree, const double* q, const double* dq, double* M, double* h,
                    double* workspace) = nullptr;
+  /// ddq of torques; M is left factored. False if it is not positive definite.
+  bool (*forward_dynamics)(const StateTree& tree, const double* q, const double* dq,
+                           const double* tau, double* ddq, double* M,
+                           double* workspace) = nullptr;
   /// (coordinates x 10 bodies).
   void (*regressor)(const StateTree& tree, const double* q, const double* dq, const double* ddq,
                     double* Y, double* workspace) = nullptr;
   /// tau and its derivatives by q and dq, (coordinates x coordinates) each, and M = dtau/dddq.
   void (*slopes)(const StateTree& tree, const double* q, const double* dq, const double* ddq,
                  double* tau, double* by_q, double* by_dq, double* M, double* workspace) = nullptr;
+  /// M = L D L' in place, (n x n); then X = M^-1 X for the columns of X. False if M is not positive
+  /// definite.
+  bool (*factor)(int n, double* M) = nullptr;
+  void (*solve)(int n, const double* L, int columns, double* X) = nullptr;
 };
 
 StateKernels state_kernels_baseline();

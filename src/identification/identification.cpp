@@ -288,16 +288,16 @@ void solve(const Model& arm, const std::vector<CompressedRecording>& recordings,
   id.model = Model(std::move(description));
 }
 
-// The errors of training go into the MODEL file with the statistics.
+}  // namespace
+
 void keep_training_error(Identification& id) {
   ModelDescription description = id.model->description();
   description.identified->error = id.train_error.relative;
   id.model = Model(std::move(description));
 }
 
-// From factors to a model; false if there is none.
-bool fit(const Model& arm, const std::vector<CompressedRecording>& recordings,
-         const IdentificationOptions& options, Identification& id) {
+bool fit_factors(const Model& arm, const std::vector<CompressedRecording>& recordings,
+                 const IdentificationOptions& options, Identification& id) {
   for (const CompressedRecording& r : recordings) {
     id.rows += r.rows;
     if (r.rows == 0.0) {
@@ -312,6 +312,8 @@ bool fit(const Model& arm, const std::vector<CompressedRecording>& recordings,
   id.seconds.solve = seconds_since(begin);
   return id.model.has_value();
 }
+
+namespace {
 
 // Drive gains first, then the arm from the recordings that carry nothing.
 Identification identify_with_known_masses(const Model& arm, const std::vector<std::string>& train,
@@ -367,7 +369,7 @@ Identification identify_compressed(const Model& arm, std::vector<CompressedRecor
     merge_blocks(r, blocks_of_each(static_cast<int>(trained.size())));
   id.seconds.compress = seconds_since(begin);
   say("solving", 0.4);
-  if (!fit(arm, trained, options, id)) return id;
+  if (!fit_factors(arm, trained, options, id)) return id;
   say("validating", 0.6);
   id.factors = std::move(trained);
   validate(arm, test, options, id);
@@ -381,7 +383,7 @@ Identification identify(const Model& arm, const Recording& recording,
   Identification id = described(arm, options);
   const std::vector<CompressedRecording> recordings = {
       compress(arm, recording, options.preprocessing)};
-  if (!fit(arm, recordings, options, id)) return id;
+  if (!fit_factors(arm, recordings, options, id)) return id;
   id.train.resize(1);
   const auto predict = [&](const PreprocessingOptions& how, PredictionSeries* series) {
     return prediction_error(arm, recording, how, id.parameters, recordings[0].joints, series);

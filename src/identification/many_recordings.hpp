@@ -21,6 +21,14 @@ void merge_blocks(CompressedRecording& recording, int most);
 /// Blocks that each of so many recordings may keep.
 int blocks_of_each(int recordings);
 
+/// From factors to a model: fills everything but errors, and may replace id.reason. False if there is
+/// no model.
+bool fit_factors(const Model& arm, const std::vector<CompressedRecording>& recordings,
+                 const IdentificationOptions& options, Identification& id);
+
+/// The errors of training go into the MODEL file with the statistics.
+void keep_training_error(Identification& id);
+
 /// identify() of recordings that were compressed before (`trained`, in front) and of others.
 Identification identify_compressed(const Model& arm, std::vector<CompressedRecording> trained,
                                    const std::vector<std::string>& train,

@@ -2,7 +2,7 @@
 
 #include <functional>
 
-#include "veridyn/identification/preprocessing.hpp"
+#include "veridyn/recordings/preprocessing.hpp"
 
 namespace veridyn {
 

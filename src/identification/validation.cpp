@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <chrono>
 #include <limits>
+#include <optional>
 #include <unordered_map>
 #include <utility>
 
+#include "many_recordings.hpp"
 #include "math/parallel.hpp"
 #include "veridyn/math/require.hpp"
 
@@ -101,57 +103,97 @@ MeasuredErrors measure_errors(const CompressedRecording& recording, const Prepro
   return {prepared, as_recorded};
 }
 
+MeasuredRecording measure(const Model& arm, const CompressedRecording& recording,
+                          const PreprocessingOptions& how, const VectorXd& values,
+                          int series_samples, int threads) {
+  MeasuredRecording out{{}, {ErrorSums(arm.joints()), ErrorSums(arm.joints())}, false};
+  if (recording.detached) {
+    out.sums.prepared = factor_errors(arm, recording, values, out.error);
+    out.sums.as_recorded = out.sums.prepared;
+    out.detached = true;
+    return out;
+  }
+  out.error.series.wanted = series_samples;
+  const auto predict = [&](const PreprocessingOptions& with, PredictionSeries* series) {
+    return prediction_error(arm, recording.source, with, values, recording.joints, series, threads);
+  };
+  out.sums = measure_errors(recording, how, predict, out.error);
+  return out;
+}
+
+int series_samples_of_each(int recordings) {
+  const int usual = PredictionSeries().wanted;
+  return std::clamp(kSeriesSamples / std::max(1, recordings), 100, usual);
+}
+
+std::vector<CompressedRecording> compress_test(const Model& arm,
+                                               const std::vector<std::string>& test,
+                                               const PreprocessingOptions& how, int threads) {
+  std::vector<CompressedRecording> out(test.size());
+  const auto count = static_cast<int>(test.size());
+  parallel_for(count, threads, [&](int k) {
+    const auto at = static_cast<size_t>(k);
+    out[at] = compress(arm, test[at], how, threads_of_each(count, threads));
+    merge_blocks(out[at], 1);  // nothing is asked of them but their facts
+  });
+  for (const CompressedRecording& r : out)
+    require(
+        r.rows > 0.0, r.source,
+        ": found no usable samples after gaps, edges and row limits, expected some to test on.");
+  return out;
+}
+
+void take_errors(const Model& arm, std::vector<MeasuredRecording> train,
+                 std::vector<MeasuredRecording> test, Identification& id) {
+  struct Part {
+    std::vector<MeasuredRecording>& measured;
+    std::vector<RecordingError>& out;
+    PredictionError& error;
+    PredictionError& as_recorded;
+  };
+  for (const Part& part : {Part{train, id.train, id.train_error, id.train_as_recorded},
+                           Part{test, id.test, id.test_error, id.test_as_recorded}}) {
+    std::vector<ErrorSums> prepared;
+    std::vector<ErrorSums> as_recorded;
+    bool detached = false;
+    part.out.clear();
+    for (MeasuredRecording& r : part.measured) {
+      prepared.push_back(std::move(r.sums.prepared));
+      as_recorded.push_back(std::move(r.sums.as_recorded));
+      detached = detached || r.detached;
+      part.out.push_back(std::move(r.error));
+    }
+    if (part.out.empty()) continue;
+    part.error = total(prepared, arm.joints());
+    if (detached) {
+      part.error = only_relative(std::move(part.error));
+    } else if (any_filled(part.out)) {
+      part.as_recorded = total(as_recorded, arm.joints());
+    }
+  }
+}
+
 void validate(const Model& arm, const std::vector<std::string>& test,
               const IdentificationOptions& options, Identification& id) {
   const auto begin = std::chrono::steady_clock::now();
   const std::vector<CompressedRecording>& trained = id.factors;
   const std::vector<CompressedRecording> held_out =
-      compress_all(arm, test, id.test_preprocessing, options.threads);
-  for (const CompressedRecording& r : held_out)
-    require(
-        r.rows > 0.0, r.source,
-        ": found no usable samples after gaps, edges and row limits, expected some to test on.");
-  // Of the training recordings and of the held-out ones.
-  struct Part {
-    const std::vector<CompressedRecording>& recordings;
-    const PreprocessingOptions& how;
-    std::vector<RecordingError>& out;
-    std::vector<ErrorSums> prepared, as_recorded;
-  };
-  Part parts[] = {{trained, id.preprocessing, id.train, {}, {}},
-                  {held_out, id.test_preprocessing, id.test, {}, {}}};
-  for (Part& part : parts) {
-    part.out.resize(part.recordings.size());
-    part.prepared.assign(part.recordings.size(), ErrorSums(arm.joints()));
-    part.as_recorded = part.prepared;
-  }
-  const auto count = static_cast<int>(trained.size() + test.size());
+      compress_test(arm, test, id.test_preprocessing, options.threads);
+  const auto count = static_cast<int>(trained.size() + held_out.size());
+  std::vector<std::optional<MeasuredRecording>> measured(trained.size() + held_out.size());
   parallel_for(count, options.threads, [&](int k) {
-    const auto t = static_cast<size_t>(k);
-    Part& part = parts[t < trained.size() ? 0 : 1];
-    const size_t at = t < trained.size() ? t : t - trained.size();
-    const CompressedRecording& recording = part.recordings[at];
-    if (recording.detached) {
-      part.prepared[at] = factor_errors(arm, recording, id.parameters, part.out[at]);
-      part.as_recorded[at] = part.prepared[at];
-      return;
-    }
-    part.out[at].series.wanted = std::clamp(kSeriesSamples / count, 100, part.out[at].series.wanted);
-    const auto predict = [&](const PreprocessingOptions& how, PredictionSeries* series) {
-      return prediction_error(arm, recording.source, how, id.parameters, recording.joints, series,
-                              threads_of_each(count, options.threads));
-    };
-    MeasuredErrors found = measure_errors(recording, part.how, predict, part.out[at]);
-    part.prepared[at] = std::move(found.prepared);
-    part.as_recorded[at] = std::move(found.as_recorded);
+    const auto at = static_cast<size_t>(k);
+    const bool of_training = at < trained.size();
+    measured[at] =
+        measure(arm, of_training ? trained[at] : held_out[at - trained.size()],
+                of_training ? id.preprocessing : id.test_preprocessing, id.parameters,
+                series_samples_of_each(count), threads_of_each(count, options.threads));
   });
-  id.train_error = total(parts[0].prepared, arm.joints());
-  const bool detached = std::any_of(trained.begin(), trained.end(),
-                                    [](const CompressedRecording& r) { return r.detached; });
-  if (detached) id.train_error = only_relative(std::move(id.train_error));
-  if (any_filled(id.train) && !detached) id.train_as_recorded = total(parts[0].as_recorded, arm.joints());
-  if (!test.empty()) id.test_error = total(parts[1].prepared, arm.joints());
-  if (any_filled(id.test)) id.test_as_recorded = total(parts[1].as_recorded, arm.joints());
+  std::vector<MeasuredRecording> of_train;
+  std::vector<MeasuredRecording> of_test;
+  for (size_t k = 0; k < measured.size(); ++k)
+    (k < trained.size() ? of_train : of_test).push_back(std::move(*measured[k]));
+  take_errors(arm, std::move(of_train), std::move(of_test), id);
   id.seconds.validate =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
 }
