@@ -177,6 +177,20 @@ void require_joints(const FactorSet& factors, const Model& arm) {
 
 }  // namespace
 
+bool is_factor_file(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::string start(kMagic.size(), '\0');
+  file.read(start.data(), static_cast<std::streamsize>(start.size()));
+  return file && start == kMagic;
+}
+
+void require_factors_of(const Model& arm, const FactorSet& factors,
+                        const PreprocessingOptions& how) {
+  require_joints(factors, arm);
+  require(factors.settings == settings_of(how), "the factors were prepared differently: found ",
+          factors.settings, "; expected ", settings_of(how), ".");
+}
+
 FactorSet compress(const Model& arm, const std::vector<std::string>& paths,
                    const PreprocessingOptions& options, int threads) {
   return {arm.name(), fingerprint_of(arm), settings_of(options),
@@ -247,10 +261,7 @@ Identification identify(const Model& arm, const FactorSet& factors,
   require(!factors.recordings.empty() || !train.empty(),
           "identify: there is no factor and no recording to train on.");
   if (!factors.recordings.empty()) {
-    require_joints(factors, arm);
-    require(factors.settings == settings_of(options.preprocessing),
-            "the factors were prepared differently: found ", factors.settings, "; expected ",
-            settings_of(options.preprocessing), ".");
+    require_factors_of(arm, factors, options.preprocessing);
   }
   return identify_compressed(arm, factors.recordings, train, test, options);
 }

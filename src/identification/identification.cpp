@@ -59,9 +59,10 @@ std::vector<std::string> undetermined_parameters(const BaseParameters& arm_base,
   return out;
 }
 
-// The regressor at random states without the columns of facts, as the recordings' factors have it.
+}  // namespace
+
 SquareRootInformation identifiable_factor(const Model& arm, unsigned seed,
-                                          const std::vector<std::string>& still = {}) {
+                                          const std::vector<std::string>& still) {
   constexpr int kStates = 200;
   const SquareRootInformation all = random_state_factor(arm, kStates, seed, still);
   std::vector<std::string> free;
@@ -72,6 +73,8 @@ SquareRootInformation identifiable_factor(const Model& arm, unsigned seed,
              ? all
              : all.restricted(free).restricted(all.columns());
 }
+
+namespace {
 
 // True, and says so, if the recordings leave the arm's base parameters open.
 bool rank_deficient(const Model& arm, const BaseParameters& arm_base,

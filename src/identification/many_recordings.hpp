@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "veridyn/identification/identification.hpp"
+#include "veridyn/identification/factor_set.hpp"
 
 namespace veridyn {
 
@@ -21,6 +21,10 @@ void merge_blocks(CompressedRecording& recording, int most);
 /// Blocks that each of so many recordings may keep.
 int blocks_of_each(int recordings);
 
+/// The regressor at random states without the columns of facts, as the recordings' factors have it.
+SquareRootInformation identifiable_factor(const Model& arm, unsigned seed,
+                                          const std::vector<std::string>& still = {});
+
 /// From factors to a model: fills everything but errors, and may replace id.reason. False if there is
 /// no model.
 bool fit_factors(const Model& arm, const std::vector<CompressedRecording>& recordings,
@@ -28,6 +32,13 @@ bool fit_factors(const Model& arm, const std::vector<CompressedRecording>& recor
 
 /// The errors of training go into the MODEL file with the statistics.
 void keep_training_error(Identification& id);
+
+/// @throws InvalidInput  the factors are of another arm, or were prepared otherwise.
+void require_factors_of(const Model& arm, const FactorSet& factors,
+                        const PreprocessingOptions& how);
+
+/// Whether a file begins as a factor file does.
+bool is_factor_file(const std::string& path);
 
 /// identify() of recordings that were compressed before (`trained`, in front) and of others.
 Identification identify_compressed(const Model& arm, std::vector<CompressedRecording> trained,
