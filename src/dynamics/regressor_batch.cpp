@@ -12,10 +12,9 @@ namespace {
 
 BatchKernels widest_kernels() {
   const InstructionSet isa = widest_instruction_set();
-  const BatchKernels avx512 = batch_kernels_avx512();
-  const BatchKernels avx2 = batch_kernels_avx2();
-  if (isa >= InstructionSet::kAvx512 && avx512.regressor != nullptr) return avx512;
-  if (isa >= InstructionSet::kAvx2 && avx2.regressor != nullptr) return avx2;
+  // Even to ask for kernels runs code of their instruction set.
+  if (isa >= InstructionSet::kAvx512 && batch_kernels_avx512().regressor != nullptr) return batch_kernels_avx512();
+  if (isa >= InstructionSet::kAvx2 && batch_kernels_avx2().regressor != nullptr) return batch_kernels_avx2();
   return batch_kernels_baseline();
 }
 

@@ -495,11 +495,11 @@ struct StateLoops {
         const int body = tree.link[k].body;
         if (body < 0) continue;
         double* to = Y + 10L * body * n + group * kLanes;
-        // A whole pack may be written where what it writes too much is written again later.
-        const bool whole = count == kLanes || (n <= kLanes && k + 1 < tree.links &&
-                                               tree.link[k + 1].body == body + 1);
+        // A whole pack may be written where what it writes too much is still to come: columns
+        // follow each other in memory and in time.
+        const long left = 10L * (tree.bodies - body) * n;
         entries(at.state[k], at.column[k], [&](int c, const P& y) {
-          if (whole || (n <= kLanes && c < 9)) {
+          if (count == kLanes || (n <= kLanes && left - c * n >= kLanes)) {
             *reinterpret_cast<Unaligned*>(to + c * n) = y.v;
           } else {
             for (int l = 0; l < count; ++l) to[c * n + l] = y.v[l];

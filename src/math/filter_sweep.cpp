@@ -7,10 +7,9 @@ namespace {
 
 FilterKernels widest() {
   const InstructionSet isa = widest_instruction_set();
-  const FilterKernels avx512 = filter_kernels_avx512();
-  const FilterKernels avx2 = filter_kernels_avx2();
-  if (isa >= InstructionSet::kAvx512 && avx512.run != nullptr) return avx512;
-  if (isa >= InstructionSet::kAvx2 && avx2.run != nullptr) return avx2;
+  // Even to ask for kernels runs code of their instruction set.
+  if (isa >= InstructionSet::kAvx512 && filter_kernels_avx512().run != nullptr) return filter_kernels_avx512();
+  if (isa >= InstructionSet::kAvx2 && filter_kernels_avx2().run != nullptr) return filter_kernels_avx2();
   return filter_kernels_baseline();
 }
 
