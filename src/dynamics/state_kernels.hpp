@@ -170,8 +170,8 @@ struct StateLoops {
     return at;
   }
 
-  // Rotations and joint variables; all sines and cosines in packs.
-  static void rotations(const StateTree& tree, const double* q, const Memory& at) {
+  // Joint variables, and all sines and cosines in packs.
+  static void angles(const StateTree& tree, const double* q, const Memory& at) {
     const auto lanes = lanes_for(tree.links);
     double* sine = at.angle + lanes;
     double* cosine = sine + lanes;
@@ -180,7 +180,6 @@ struct StateLoops {
       double s = link.offset;
       for (int e = link.first_share; e < link.end_share; ++e)
         s += tree.share[e].coefficient * q[tree.share[e].coordinate];
-      at.state[k].s = s;
       at.angle[k] = s;
     }
     for (unsigned long k = static_cast<unsigned long>(tree.links); k < lanes; ++k)
@@ -199,9 +198,16 @@ struct StateLoops {
       sine[k] = __builtin_sin(at.angle[k]);
       cosine[k] = __builtin_cos(at.angle[k]);
     }
+  }
+
+  static void rotations(const StateTree& tree, const double* q, const Memory& at) {
+    angles(tree, q, at);
+    const double* sine = at.angle + lanes_for(tree.links);
+    const double* cosine = sine + lanes_for(tree.links);
     for (int k = 0; k < tree.links; ++k) {
       const StateLink& link = tree.link[k];
       State& state = at.state[k];
+      state.s = at.angle[k];
       state.b = load3(link.b);
       if (link.motion == StateMotion::kTurns) {
         for (int e = 0; e < 9; ++e)
@@ -420,14 +426,115 @@ struct StateLoops {
     }
   }
 
+  // ---- inverse dynamics alone: three coordinates of a vector are lanes of one register ----------
+
+  typedef double Quad __attribute__((vector_size(32)));
+  typedef double LooseQuad __attribute__((vector_size(32), aligned(8), may_alias));
+
+  struct Fast {
+    Quad columns[3];  // of R_parent_link
+    Quad b, omega, alpha, accel, force, moment;
+  };
+
+  static Quad quad(const double* from) { return *reinterpret_cast<const LooseQuad*>(from); }
+  template <int kLane>
+  static Quad spread(const Quad& a) {
+    return __builtin_shufflevector(a, a, kLane, kLane, kLane, kLane);
+  }
+  static Quad turned(const Quad& a) { return __builtin_shufflevector(a, a, 1, 2, 0, 3); }
+  static Quad cross(const Quad& a, const Quad& b) { return turned(a * turned(b) - turned(a) * b); }
+  // x[0] a[0] + x[1] a[1] + x[2] a[2]
+  static Quad combined(const Quad* a, const Quad& x) {
+    return a[0] * spread<0>(x) + a[1] * spread<1>(x) + a[2] * spread<2>(x);
+  }
+  static double dot(const Quad& a, const Quad& b) {
+    const Quad c = a * b;
+    return c[0] + c[1] + c[2];
+  }
+
+  // Motion of one link and the force that its body needs.
+  static void fast_forward(const StateTree& tree, int k, double c, double s, double ds, double dds,
+                           Fast* fast) {
+    const StateLink& link = tree.link[k];
+    const double* at = tree.quads + 4L * kLinkQuads * k;
+    Fast& f = fast[k];
+    Quad rows[3];
+    const bool turns = link.motion == StateMotion::kTurns;
+#pragma GCC unroll 3
+    for (int r = 0; r < 3; ++r) {
+      rows[r] = quad(at + 4 * r);
+      f.columns[r] = quad(at + 4 * (9 + r));
+      if (!turns) continue;
+      rows[r] += c * quad(at + 4 * (3 + r)) + s * quad(at + 4 * (6 + r));
+      f.columns[r] += c * quad(at + 4 * (12 + r)) + s * quad(at + 4 * (15 + r));
+    }
+    const Quad a = quad(at + 4 * 18);
+    const Quad z = quad(at + 4 * 20);
+    f.b = quad(at + 4 * 19);
+    Quad omega{};
+    Quad alpha{};
+    Quad accel = {-tree.gravity[0], -tree.gravity[1], -tree.gravity[2], 0.0};
+    if (link.parent >= 0) {
+      const Fast& above = fast[link.parent];
+      omega = combined(rows, above.omega);
+      alpha = combined(rows, above.alpha);
+      accel = above.accel;
+      if (link.has_a) accel += cross(above.alpha, a) + cross(above.omega, cross(above.omega, a));
+    }
+    accel = combined(rows, accel);
+    if (turns) {
+      alpha += ds * cross(omega, z) + dds * z;
+      omega += ds * z;
+    } else if (link.motion == StateMotion::kSlides) {
+      accel += (2.0 * ds) * cross(omega, z) + dds * z;
+      f.b += s * z;
+    }
+    if (link.has_b) accel += cross(alpha, f.b) + cross(omega, cross(omega, f.b));
+    f.omega = omega;
+    f.alpha = alpha;
+    f.accel = accel;
+    f.force = Quad{};
+    f.moment = Quad{};
+    if (link.body < 0) return;
+    const double* body = tree.quads + 4L * (kLinkQuads * tree.links + kBodyQuads * link.body);
+    const Quad h = quad(body);
+    const Quad L[3] = {quad(body + 4), quad(body + 8), quad(body + 12)};
+    f.force = body[16] * accel + cross(alpha, h) + cross(omega, cross(omega, h));
+    f.moment = combined(L, alpha) + cross(omega, combined(L, omega)) + cross(h, accel);
+  }
+
   __attribute__((flatten)) static void inverse_dynamics(const StateTree& tree, const double* q,
                                                         const double* dq, const double* ddq,
                                                         double* tau, double* workspace) {
     const Memory at = divide(tree, workspace);
-    rotations(tree, q, at);
-    velocities(tree, dq, ddq, tree.gravity, at);
-    body_forces(tree, at);
-    back(tree, at, tau);
+    angles(tree, q, at);
+    const double* sine = at.angle + lanes_for(tree.links);
+    const double* cosine = sine + lanes_for(tree.links);
+    Fast* fast = reinterpret_cast<Fast*>(at.tangent);  // which is wider, and not in use
+    for (int k = 0; k < tree.links; ++k) {
+      const StateLink& link = tree.link[k];
+      const bool slides = link.motion == StateMotion::kSlides;
+      fast_forward(tree, k, cosine[k], slides ? at.angle[k] : sine[k], rate_of(tree, link, dq),
+                   rate_of(tree, link, ddq), fast);
+    }
+    for (int i = 0; i < tree.coordinates; ++i) tau[i] = 0.0;
+    for (int k = tree.links - 1; k >= 0; --k) {
+      const StateLink& link = tree.link[k];
+      Fast& f = fast[k];
+      const double* constants = tree.quads + 4L * kLinkQuads * k;
+      if (link.has_b) f.moment += cross(f.b, f.force);
+      const Quad z = quad(constants + 4 * 20);
+      const double effort =
+          link.motion == StateMotion::kTurns ? dot(z, f.moment) : dot(z, f.force);
+      for (int e = link.first_share; e < link.end_share; ++e)
+        tau[tree.share[e].coordinate] += tree.share[e].coefficient * effort;
+      if (link.parent < 0) continue;
+      Fast& above = fast[link.parent];
+      const Quad force = combined(f.columns, f.force);
+      above.force += force;
+      above.moment += combined(f.columns, f.moment);
+      if (link.has_a) above.moment += cross(quad(constants + 4 * 18), force);
+    }
   }
 
   __attribute__((flatten)) static void mass_matrix(const StateTree& tree, const double* q,

@@ -38,8 +38,16 @@ struct StateTree {
   const StateLink* link;
   const StateShare* share;
   const double* phi;  ///< ten of every body, null where only motion is asked for
+  /// The links' constants again, four doubles a vector (the last zero): kLinkQuads of every link,
+  /// then kBodyQuads of every body.
+  const double* quads;
   double gravity[3];
 };
+
+/// Rows of still, cosine and sine, then their columns, then a, b, z.
+constexpr int kLinkQuads = 21;
+/// First moment, the three columns of the inertia, and the mass in front of a last one.
+constexpr int kBodyQuads = 5;
 
 /// Kernels of one state; vectors hold `coordinates` entries, matrices are column-major without gaps.
 struct StateKernels {

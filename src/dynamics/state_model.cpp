@@ -53,6 +53,26 @@ StateLink folded(const Link& link) {
   return out;
 }
 
+void add_quad(double x, double y, double z, std::vector<double>& quads) {
+  quads.insert(quads.end(), {x, y, z, 0.0});
+}
+
+void add_quads(const StateLink& link, std::vector<double>& quads) {
+  for (const double* R : {link.still, link.cosine, link.sine})
+    for (int r = 0; r < 3; ++r) add_quad(R[3 * r], R[3 * r + 1], R[3 * r + 2], quads);
+  for (const double* R : {link.still, link.cosine, link.sine})
+    for (int c = 0; c < 3; ++c) add_quad(R[c], R[3 + c], R[6 + c], quads);
+  for (const double* v : {link.a, link.b, link.z}) add_quad(v[0], v[1], v[2], quads);
+}
+
+void add_quads(const double* phi, std::vector<double>& quads) {
+  add_quad(phi[1], phi[2], phi[3], quads);
+  add_quad(phi[4], phi[5], phi[7], quads);
+  add_quad(phi[5], phi[6], phi[8], quads);
+  add_quad(phi[7], phi[8], phi[9], quads);
+  add_quad(phi[0], 0.0, 0.0, quads);
+}
+
 }  // namespace
 
 StateModel::StateModel(const Tree& tree, const VectorXd& phi)
@@ -65,6 +85,8 @@ StateModel::StateModel(const Tree& tree, const VectorXd& phi)
     links_.push_back(folded(link));
     if (link.motion != Motion::kNone) links_.back().joint = joints_++;
   }
+  for (const StateLink& link : links_) add_quads(link, quads_);
+  for (size_t k = 0; k < phi_.size(); k += 10) add_quads(phi_.data() + k, quads_);
   for (const Share& share : tree.shares) shares_.push_back({share.coordinate, share.coefficient});
 }
 
@@ -76,6 +98,7 @@ StateTree StateModel::view() const {
           links_.data(),
           shares_.data(),
           phi_.empty() ? nullptr : phi_.data(),
+          quads_.data(),
           {gravity_.x, gravity_.y, gravity_.z}};
 }
 

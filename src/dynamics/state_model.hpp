@@ -27,7 +27,7 @@ class StateModel {
   int coordinates_, joints_, bodies_;
   std::vector<StateLink> links_;
   std::vector<StateShare> shares_;
-  std::vector<double> phi_;
+  std::vector<double> phi_, quads_;
   Vec3d gravity_;
 };
 
