@@ -3,7 +3,7 @@ BUILD := build
 JOBS  ?= $(shell nproc)
 CMAKE_FLAGS ?= --preset dev
 
-.PHONY: all tool build demo test sanitize packages packages-tests clean
+.PHONY: all tool build demo test readme sanitize packages packages-tests clean
 
 all: tool
 
@@ -27,6 +27,10 @@ demo: tool
 
 test: build
 	@ctest --test-dir $(BUILD) --output-on-failure -j $(JOBS)
+
+# README's blocks, made anew by the commands in them; a test compares them.
+readme: tool
+	@PATH="$(CURDIR)/$(BUILD)/bin:$$PATH" VERIDYN_SOURCE="$(CURDIR)" python3 tests/readme/blocks.py write README.md out/readme
 
 # The second test configuration: address and undefined-behaviour sanitizers.
 sanitize: packages-tests

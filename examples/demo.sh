@@ -45,8 +45,8 @@ printf '%-34s %12s %12s\n' "base parameter" "truth" "identified"
 sort -n "$out/compared.txt" | head -n 10 | cut -f 2-
 
 step "5. The same arm with something in it that the model does not know"
-# One of four, drawn at random, as a user would meet it.
-case $(($(date +%s) % 4)) in
+# One of four, drawn at random, as a user would meet it; VERIDYN_DEMO chooses (0 to 3).
+case ${VERIDYN_DEMO:-$(($(date +%s) % 4))} in
   0) hidden=position_dependent_friction:insertion ;;
   1) hidden=position_dependent_friction:yaw ;;
   2) hidden=rotor_inertia:insertion ;;

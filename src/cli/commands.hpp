@@ -26,6 +26,7 @@ struct Outcome {
 // main.cpp and one in CMakeLists.txt.
 
 void add_info_command(CLI::App& tool, Outcome& outcome);
+void add_calibrate_command(CLI::App& tool, Outcome& outcome);
 void add_compare_command(CLI::App& tool, Outcome& outcome);
 void add_check_command(CLI::App& tool, Outcome& outcome);
 void add_identify_command(CLI::App& tool, Outcome& outcome);
@@ -36,6 +37,9 @@ void add_export_command(CLI::App& tool, Outcome& outcome);
 void add_excite_command(CLI::App& tool, Outcome& outcome);
 void add_simulate_command(CLI::App& tool, Outcome& outcome);
 void add_cooperate_command(CLI::App& tool, Outcome& outcome);
+void add_kinematics_command(CLI::App& tool, Outcome& outcome);
+void add_loadcell_command(CLI::App& tool, Outcome& outcome);
+void add_stability_command(CLI::App& tool, Outcome& outcome);
 void add_dvrk_command(CLI::App& tool, Outcome& outcome);
 
 }  // namespace veridyn::cli

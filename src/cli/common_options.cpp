@@ -8,9 +8,8 @@
 
 #include "choice.hpp"
 #include "messages.hpp"
-#include "veridyn/recordings/recording_quality.hpp"
+#include "recording_options.hpp"
 #include "math/output_file.hpp"
-#include "math/parallel.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/report/setting_names.hpp"
 
@@ -18,7 +17,6 @@ namespace veridyn::cli {
 namespace {
 
 const char* const kInput = "Recordings";
-constexpr long kLookedAt = 20000;  // rows of a recording that show its units
 
 // A whole number that is not negative, or -1.
 long row_number(const std::string& digits) {
@@ -99,7 +97,7 @@ void add_headerless_options(CLI::App& command, std::vector<std::string>& columns
   };
   command
       .add_option_function<std::string>("--columns", parse,
-                                        "Signals of CSV files without a header, as q,dq,tau")
+                                        "Signals of CSV files in their order, as q,dq,tau; a header is passed over")
       ->option_text("NAMES")
       ->group(kInput);
   command.add_option("--rate", rate, "Rate of CSV files without a time column [Hz]")
@@ -110,6 +108,7 @@ void add_headerless_options(CLI::App& command, std::vector<std::string>& columns
 
 void add_preprocessing_options(CLI::App& command, PreprocessingOptions& o) {
   add_headerless_options(command, o.columns, o.header_rate);
+  add_signal_options(command, o.signals);
   add_row_range(command, "--rows", "Rows to use; the filter sees the others", [&o](RowRange rows) {
     o.first_row = rows.first;
     o.row_count = rows.count;
@@ -163,29 +162,6 @@ void warn_of_shared_recordings(const std::vector<std::string>& train,
   for (const std::string& path : test) {
     if (std::find(train.begin(), train.end(), path) != train.end())
       say("warning: " + path + " is both learned from and tested on: its error is not held out.");
-  }
-}
-
-void warn_of_degrees(const std::vector<std::string>& recordings, const PreprocessingOptions& how,
-                     int threads) {
-  std::vector<RecordingQuality> seen(recordings.size());
-  parallel_for(static_cast<int>(recordings.size()), threads, [&](int k) {
-    RecordingOptions reading;
-    reading.columns = how.columns;
-    reading.rate = how.header_rate;
-    reading.first_row = std::max(0L, how.first_row);
-    reading.row_count = how.row_count < 0 ? kLookedAt : std::min(how.row_count, kLookedAt);
-    const auto at = static_cast<std::size_t>(k);
-    try {
-      seen[at] = check_recording(recordings[at], reading);
-    } catch (const InvalidInput&) {
-      // Whoever reads it in earnest tells why it cannot be read.
-    }
-  });
-  for (const RecordingQuality& quality : seen) {
-    for (const QualityFinding& f : quality.findings) {
-      if (f.finding == "degrees") say("warning: " + quality.file + ": " + f.sentence);
-    }
   }
 }
 

@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <functional>
+#include <map>
 #include <string>
 #include <utility>
 #include <vector>
@@ -17,6 +18,7 @@ struct CommonOptions {
   std::string report;  ///< file for the HTML page; empty: none
   int threads = 0;     ///< 0: one per core
   bool quiet = false;
+  std::map<std::string, double> fixed;  ///< coordinates that are not recorded, and where they stay
 };
 
 /// A half-open range of rows; count -1: to the end.
@@ -51,9 +53,5 @@ void require_writable(const std::string& path);
 /// Says so where a recording is learned from and tested on.
 void warn_of_shared_recordings(const std::vector<std::string>& train,
                                const std::vector<std::string>& test);
-
-/// Says so where a recording looks as if it were in degrees or millimetres.
-void warn_of_degrees(const std::vector<std::string>& recordings, const PreprocessingOptions& how,
-                     int threads);
 
 }  // namespace veridyn::cli

@@ -3,8 +3,10 @@
 
 #include "commands.hpp"
 #include "common_options.hpp"
+#include "cooperate_boards.hpp"
 #include "messages.hpp"
 #include "option_checks.hpp"
+#include "veridyn/cooperation/live.hpp"
 #include "veridyn/cooperation/scenario_run.hpp"
 #include "veridyn/cooperation/scenario_sweep.hpp"
 #include "math/output_file.hpp"
@@ -20,6 +22,9 @@ struct Request {
   std::string scenario, output;
   std::string engine = "veridyn";
   bool sweep = false;
+  std::string live;
+  BoardsRequest boards;
+  double pace = 1.0, silence = 0.5;
   CommonOptions common;
 };
 
@@ -32,12 +37,47 @@ void write(const Request& request, const Result& done, const Scenario& scenario,
   std::cout << done.report();
 }
 
+// Commands from a line, in real time; what is goes to standard output as it happens.
+ExitStatus run_by_line(const Request& request) {
+  const Scenario scenario = read_scenario(request.scenario);
+  const std::unique_ptr<LineSource> lines =
+      value_of("--live", [&] { return open_line_source(request.live); });
+  LiveOptions options;
+  options.engine = request.engine;
+  options.pace = request.pace;
+  options.silence = request.silence;
+  options.watches_silence = request.live != "-";
+  LiveReport tell;
+  tell.state = [](const std::string& line) { std::cout << line << std::endl; };
+  tell.refused = [](const std::string& line) { say(line); };
+  const LiveRun done = run_live(scenario, *lines, options, tell);
+  std::cout << done.report();
+  const bool sound = done.status == StepStatus::kOk && done.state == CooperativeState::kTracking;
+  return sound && !done.lost ? kDone : kDataCannotAnswer;
+}
+
 ExitStatus run(const Request& request, const std::string& command) {
+  const bool live = !request.live.empty();
+  const bool on_boards = !request.boards.configs.empty();
   expect_needs(*request.command,
-               {{"--output", !request.sweep, "a run: --sweep beside it has no rows"}});
+               {{"--output", !request.sweep && !live, "a run: --sweep or --live beside it has no rows"},
+                {"--sweep", !live && !on_boards, "no --live or --boards beside it"},
+                {"--live", !on_boards, "no --boards beside it"},
+                {"--emulate", on_boards, "--boards"},
+                {"--board-hosts", on_boards, "--boards"},
+                {"--board-fault", on_boards && request.boards.emulate, "--boards and --emulate"},
+                {"--force-sensor", on_boards, "--boards"},
+                {"--force-calibration", !request.boards.sensors.empty(), "--force-sensor"},
+                {"--json", !live, "no --live beside it"},
+                {"--report", !live, "no --live beside it"},
+                {"--pace", live, "--live"},
+                {"--silence", live, "--live"}});
+  if (live) return run_by_line(request);
   for (const std::string& path : {request.output, request.common.json, request.common.report})
     require_writable(path);
   const Scenario scenario = read_scenario(request.scenario);
+  if (on_boards)
+    return run_boards(request.boards, scenario, request.common, request.output, command);
   const Progress bar = progress(request.common);
   const auto told = [&](double share) {
     if (bar) bar("cooperating", share);
@@ -50,7 +90,7 @@ ExitStatus run(const Request& request, const std::string& command) {
   const ScenarioRun done = run_scenario(scenario, request.engine, told);
   if (!request.output.empty()) write_scenario_rows(done, request.output);
   write(request, done, scenario, command);
-  return done.complete() ? kDone : kDataCannotAnswer;
+  return done.met() ? kDone : kDataCannotAnswer;
 }
 
 }  // namespace
@@ -58,7 +98,7 @@ ExitStatus run(const Request& request, const std::string& command) {
 void add_cooperate_command(CLI::App& tool, Outcome& outcome) {
   const auto request = std::make_shared<Request>();
   CLI::App& command =
-      *tool.add_subcommand("cooperate", "Arms that hold one object together, in simulation");
+      *tool.add_subcommand("cooperate", "Arms that hold one object together: simulated, or on boards");
   request->command = &command;
   command.add_option("SCENARIO", request->scenario, "YAML: arms, object, loops, phases")
       ->required()
@@ -70,6 +110,15 @@ void add_cooperate_command(CLI::App& tool, Outcome& outcome) {
       ->check(CLI::IsMember(engine_names()));
   command.add_flag("--sweep", request->sweep,
                    "Run the scenario's sweep instead: a map of stability");
+  add_boards_options(command, request->boards);
+  command.add_option("--live", request->live, "Take commands from a line instead of the phases")
+      ->option_text("-|udp:[ADDRESS:]PORT");
+  command.add_option("--pace", request->pace, "Simulated seconds per second (1); 0: at once")
+      ->option_text("X")
+      ->check(CLI::NonNegativeNumber);
+  command.add_option("--silence", request->silence, "After which a socket's line is lost [s] (0.5)")
+      ->option_text("S")
+      ->check(CLI::PositiveNumber);
   add_common_options(command, request->common);
   add_report_option(command, request->common);
   command.callback([request, &outcome] { outcome.status = run(*request, outcome.command_line); });

@@ -4,9 +4,12 @@
 #include "choice.hpp"
 #include "commands.hpp"
 #include "common_options.hpp"
+#include "makers_file.hpp"
 #include "messages.hpp"
 #include "option_checks.hpp"
+#include "recording_options.hpp"
 #include "veridyn/diagnosis/diagnosis.hpp"
+#include "veridyn/effects/plain_friction.hpp"
 #include "math/output_file.hpp"
 #include "model/effect_names.hpp"
 #include "veridyn/model/model_file.hpp"
@@ -22,6 +25,7 @@ struct Request {
   std::vector<std::string> train, test;
   std::optional<RowRange> test_rows;
   std::string model_out;
+  std::string values;
   DiagnosisOptions options;
   CommonOptions common;
 };
@@ -49,7 +53,13 @@ ExitStatus run(Request& request, const std::string& command_line) {
   require_writable(request.common.report);
   require_writable(request.model_out);
   if (!request.test_rows) warn_of_shared_recordings(request.train, request.test);
-  const Model arm = read_model(request.robot);
+  const Model arm = read_robot(request.robot, request.common.fixed);
+  const bool prior =
+      request.values.empty() ? is_makers_file(request.robot) : request.values == "prior";
+  if (prior) request.options.values = RobotValues::kPrior;
+  if (has_no_friction(arm))
+    say(request.robot + " has no friction; viscous and Coulomb friction and an offset of all joints "
+        "are asked about first");
   IdentificationOptions& how = request.options.identification;
   how.threads = request.common.threads;
   how.progress = progress(request.common);
@@ -63,6 +73,7 @@ ExitStatus run(Request& request, const std::string& command_line) {
     say(d.baseline.reason);
     return kDataCannotAnswer;
   }
+  tell_facts(d.data_quality);
   complete_next_experiment(request, d);
   if (!request.model_out.empty()) save(d.extended, request.model_out);
   if (!request.common.json.empty()) write_file(request.common.json, to_json(d));
@@ -91,12 +102,23 @@ void add_diagnose_command(CLI::App& tool, Outcome& outcome) {
       ->option_text("NAME,...");
   command.add_option("--max-effects", request->options.max_effects, "Findings at most")
       ->check(CLI::Range(0, 100));
+  command.add_flag_callback(
+      "--confirmed-only",
+      [request] { request->options.extended = ExtendedModel::kConfirmedOnly; },
+      "Leave what the held-out recordings contradict out of the extended model");
+  command
+      .add_option("--values", request->values,
+                  "What values in the robot file are: facts of a MODEL (what changed since?) or a "
+                  "prior, as in a maker's file (identified first; default of URDF)")
+      ->check(CLI::IsMember({"facts", "prior"}))
+      ->option_text("facts|prior");
   command.add_option("--model-out", request->model_out, "Write the extended model as YAML")
       ->option_text("FILE");
   add_choice(command, "--weights", request->options.identification.weights,
              {JointWeights::kResidual, JointWeights::kRange},
              "Joints weighted by their residual or by the range of their torque");
   add_preprocessing_options(command, request->options.identification.preprocessing);
+  add_fix_option(command, request->common.fixed);
   add_row_range(command, "--test-rows", "Rows of the held-out recordings (default: as --rows)",
                 [request](RowRange rows) { request->test_rows = rows; });
   add_common_options(command, request->common);

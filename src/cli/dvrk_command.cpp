@@ -3,6 +3,7 @@
 #include <memory>
 #include <sstream>
 
+#include "dvrk_events.hpp"
 #include "dvrk_request.hpp"
 #include "messages.hpp"
 #include "option_checks.hpp"
@@ -19,18 +20,22 @@ extern "C" void ask_to_stop(int) {
   stop_flag.store(true, std::memory_order_relaxed);
 }
 
-void add_arm_options(CLI::App& command, DvrkRequest& request) {
+void add_config_options(CLI::App& command, DvrkRequest& request) {
   command.add_option("--config", request.config, "sawRobotIO1394 file of the arm, XML or JSON")
       ->option_text("FILE");
   command.add_option("--robot", request.robot, "The robot in it, where there are several")
       ->option_text("NAME");
+  command.add_option("--instrument", request.instrument, "The instrument that couples the discs")
+      ->option_text("NAME");
+}
+
+void add_arm_options(CLI::App& command, DvrkRequest& request) {
+  add_config_options(command, request);
   command
       .add_option(
           "--arm", request.arm,
           "A known arm, PSM1 to PSM3, MTML, MTMR, ECM: its nominal configuration, or beside "
           "--config the arm whose coupling and gains hold for a robot of another name")
-      ->option_text("NAME");
-  command.add_option("--instrument", request.instrument, "The instrument that couples the discs")
       ->option_text("NAME");
 }
 
@@ -39,12 +44,13 @@ void add_client_options(CLI::App& command, DvrkRequest& request) {
   command.add_option("--host", request.host, "Address of the boards (127.0.0.1)")
       ->option_text("HOST");
   command.add_option("--port", request.port, "UDP port of the boards (1394)")->option_text("PORT");
-  command.add_option("--rate", request.rate, "Of the cycle (1500)")
+  command.add_option("--rate", request.rate, "Of the cycle (monitor 25, else 1500)")
       ->option_text("HZ")
       ->check(CLI::Range(1.0, 10000.0));
   command
       .add_option("--watchdog", request.watchdog,
-                  "Amplifiers go off after so long without a word from here (0.03)")
+                  "Amplifiers go off after so long without a word from here; a reading command "
+                  "sets it with --home alone (0.03)")
       ->option_text("S")
       ->check(CLI::Range(0.001, 0.34));
   command.add_option("--mtu", request.mtu, "Of the network to the boards (1500)")
@@ -53,9 +59,19 @@ void add_client_options(CLI::App& command, DvrkRequest& request) {
   command
       .add_option("--protocol", request.protocol,
                   "sequential: one board after the other; broadcast-write: one write for all; "
-                  "broadcast: one read and one write for all (what the firmware allows)")
+                  "broadcast: one read and one write for all; to a reading command its query is "
+                  "a write, too, that only keeps watchdogs quiet (what the firmware allows)")
       ->option_text("automatic|sequential|broadcast-write|broadcast")
       ->check(CLI::IsMember({"automatic", "sequential", "broadcast-write", "broadcast"}));
+}
+
+void add_reading_options(CLI::App& command, DvrkRequest& request) {
+  command.add_flag("--home", request.home,
+                   "Writes to the boards first: encoders that nobody has loaded since power-up are "
+                   "loaded from the pots, watchdogs are set. Refused while any motor has power");
+  command.add_flag("--announce", request.announce,
+                   "Writes the first two packets of a session (IP address, PHY request), which "
+                   "boards need once after they were switched on");
 }
 
 void add_seconds(CLI::App& command, DvrkRequest& request, const char* help) {
@@ -79,23 +95,43 @@ void add_emulate(CLI::App& dvrk, Outcome& outcome) {
   const auto request = std::make_shared<DvrkRequest>();
   CLI::App& command = add(dvrk, "emulate", "Boards with a simulated arm behind them, in real time",
                           run_dvrk_emulate, outcome, request);
-  add_arm_options(command, *request);
-  command.add_option("--model", request->model, "What moves: a robot with values (nothing moves)")
-      ->option_text("MODEL");
+  add_config_options(command, *request);
+  command
+      .add_option("--arm", request->arms,
+                  "A known arm, PSM1 to PSM3, MTML, MTMR, ECM: its nominal configuration. Several: "
+                  "all of them on one bus. Beside --config the arm whose coupling holds")
+      ->option_text("NAME...");
+  command
+      .add_option("--model", request->models,
+                  "What moves: a robot with values, one for all arms or one for each (nothing "
+                  "moves)")
+      ->option_text("MODEL...");
   command.add_option("--port", request->port, "UDP port to listen on; 0: any (1394)")
       ->option_text("PORT");
   command.add_option("--firmware", request->firmware, "Of the boards (8)")
-      ->option_text("6|7|8|9")
-      ->check(CLI::Range(6, 9));
+      ->option_text("7|8|9")
+      ->check(CLI::Range(7, 9));
   command
-      .add_option("--start", request->start, "Where the joints stand (0, or inside their limits)")
+      .add_option("--start", request->start, "Where the joints stand (0 where that is well inside their limits, else the middle)")
       ->option_text("Q,Q,...")
       ->delimiter(',');
   command
       .add_option("--event", request->events,
-                  "What happens at a time: emergency-stop@S, release@S, supply-off@S, supply-on@S, "
-                  "bus-reset@S, reboot:BOARD@S, amp-fault:BOARD.AXIS@S, silence@S")
+                  "What happens at a time, as the list below has it; may be given several times")
       ->option_text("EVENT@S");
+  command.footer(board_event_help());
+  command.add_option("--pot-noise", request->pot_noise, "Standard deviation of the pots (3)")
+      ->option_text("BITS")
+      ->check(CLI::NonNegativeNumber);
+  command
+      .add_option("--current-noise", request->current_noise,
+                  "Standard deviation of measured currents (4)")
+      ->option_text("BITS")
+      ->check(CLI::NonNegativeNumber);
+  command
+      .add_option("--instrument-chip", request->chips,
+                  "Memory of the Dallas chip on a board, 256 bytes (no chip)")
+      ->option_text("BOARD=FILE");
   command.add_option("--config-out", request->config_out, "Writes the configuration in use (XML)")
       ->option_text("FILE");
   add_seconds(command, *request, "Ends after so long (Ctrl-C)");
@@ -103,17 +139,23 @@ void add_emulate(CLI::App& dvrk, Outcome& outcome) {
 
 void add_clients(CLI::App& dvrk, Outcome& outcome) {
   const auto monitor = std::make_shared<DvrkRequest>();
-  CLI::App& live = add(dvrk, "monitor", "Joints, currents, temperatures and faults, live",
+  monitor->rate = 25.0;
+  CLI::App& live = add(dvrk, "monitor",
+                       "Joints, currents, temperatures and faults, live. Sends no write, so it may "
+                       "run beside the program that drives the arm",
                        run_dvrk_monitor, outcome, monitor);
   add_client_options(live, *monitor);
+  add_reading_options(live, *monitor);
   add_seconds(live, *monitor, "Ends after so long (Ctrl-C)");
 
   const auto read = std::make_shared<DvrkRequest>();
   read->seconds = 30.0;
   CLI::App& recording =
-      add(dvrk, "read", "Records positions, velocities and efforts; power stays off", run_dvrk_read,
-          outcome, read);
+      add(dvrk, "read",
+          "Records positions, velocities and efforts, and sends no write; power stays as it is",
+          run_dvrk_read, outcome, read);
   add_client_options(recording, *read);
+  add_reading_options(recording, *read);
   add_seconds(recording, *read, "How long (30)");
   recording.add_option("-o,--output", read->output, "The recording")
       ->option_text("REC.csv")
@@ -157,8 +199,11 @@ void add_run(CLI::App& dvrk, Outcome& outcome) {
   motion
       .add_option(
           "--largest-error", run->largest_error,
-          "Of a joint from its set point, then power goes off (0.35 rad, m); not for gravity")
-      ->option_text("Q")
+          "Of a joint from its set point, then power goes off: one number per joint, each in its "
+          "own unit, or one in rad for the joints that turn (0.35 rad; 0.02 m where a joint "
+          "slides); not for gravity")
+      ->option_text("Q[,Q...]")
+      ->delimiter(',')
       ->check(CLI::PositiveNumber);
 }
 
@@ -216,6 +261,7 @@ dvrk::ArmSessionOptions session_options(const DvrkRequest& request, const DvrkAr
   options.rate = request.rate;
   options.mtu = request.mtu;
   options.watchdog = request.watchdog;
+  options.announce = request.announce;
   options.protocol = request.protocol == "sequential"        ? dvrk::CycleProtocol::kSequential
                      : request.protocol == "broadcast-write" ? dvrk::CycleProtocol::kBroadcastWrite
                      : request.protocol == "broadcast"       ? dvrk::CycleProtocol::kBroadcast

@@ -35,11 +35,16 @@ struct DvrkRequest {
   std::string tip;                 ///< frame of the impedance
   double stiffness = 800.0;        ///< [N/m] of it
   double approach_speed = 0.25;
-  double largest_error = 0.35;
+  std::vector<double> largest_error;  ///< one per joint, or one for the joints that turn
+  bool home = false;      ///< a reading command may load encoders
+  bool announce = false;  ///< and send a session's first packets
   int firmware = 8;
   std::vector<double> start;  ///< joint positions of the emulated arm
   std::string config_out;
   std::vector<std::string> events;
+  std::vector<std::string> arms, models;  ///< of the emulator, which may have several
+  std::vector<std::string> chips;         ///< BOARD=FILE
+  double pot_noise = -1.0, current_noise = -1.0;  ///< [bits]; negative: as usual
   CommonOptions common;
 };
 
@@ -59,6 +64,16 @@ dvrk::ArmSessionOptions session_options(const DvrkRequest& request, const DvrkAr
 
 /// What the session noticed, on standard error.
 void say_faults(const dvrk::FaultLog& faults, const CommonOptions& common);
+
+/// Before a loop that has a cycle to keep: priority, memory that stays where it is. What the system
+/// refuses is said.
+void prepare_loop(const DvrkRequest& request);
+
+/// "power off is NOT CONFIRMED (an amplifier is still on): press the emergency stop".
+std::string not_confirmed(dvrk::OffState power);
+
+/// Where not all rows are in the file: how many are, and why.
+void say_kept(const DvrkRequest& request, const dvrk::RunResult& done);
 
 /// Timing, faults and the JSON file of a client's command.
 void finish_dvrk(const DvrkRequest& request, const char* command, const dvrk::RunResult& done,

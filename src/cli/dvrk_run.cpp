@@ -9,9 +9,7 @@
 #include "option_checks.hpp"
 #include "veridyn/dvrk/arm_facts.hpp"
 #include "veridyn/dvrk/model_controller.hpp"
-#include "veridyn/dvrk/real_time.hpp"
 #include "veridyn/dvrk/udp_link.hpp"
-#include "recordings/remark.hpp"
 #include "math/output_file.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/model_file.hpp"
@@ -98,11 +96,27 @@ std::unique_ptr<dvrk::ModelController> controller_of(const DvrkRequest& request,
   return controller;
 }
 
-dvrk::RunOptions run_options(const DvrkRequest& request) {
+// One number is that of the joints that turn.
+VectorXd largest_errors(const DvrkRequest& request, const dvrk::RobotConfig& robot) {
+  VectorXd all = dvrk::default_largest_errors(robot);
+  const std::vector<double>& given = request.largest_error;
+  if (given.empty()) return all;
+  if (static_cast<int>(given.size()) == robot.size())
+    return Eigen::Map<const VectorXd>(given.data(), robot.size());
+  expect_value(given.size() == 1, "--largest-error", "found ", given.size(),
+               " numbers, expected one, or ", robot.size(), ", one per joint of ", robot.name);
+  for (int i = 0; i < robot.size(); ++i) {
+    if (!robot.actuators[static_cast<size_t>(i)].prismatic) all[i] = given.front();
+  }
+  return all;
+}
+
+dvrk::RunOptions run_options(const DvrkRequest& request, const dvrk::RobotConfig& robot) {
   dvrk::RunOptions options;
   options.rate = request.rate;
   options.approach_speed = request.approach_speed;
-  options.largest_error = request.largest_error;
+  options.largest_error = largest_errors(request, robot);
+  options.recording = request.output;
   return options;
 }
 
@@ -116,25 +130,26 @@ ExitStatus run_dvrk_run(const DvrkRequest& request) {
   const bool in_place = request.controller == "gravity";
   const MotionSamples motion = in_place ? MotionSamples() : motion_of(request.trajectory);
   const PidGains gains = gains_of(request, arm);
-  const dvrk::RunOptions options = run_options(request);
+  const dvrk::RunOptions options = run_options(request, arm.robot);
   dvrk::UdpLink link(request.host, request.port);
   ArmSession session(link, arm.robot, session_options(request, arm));
   const auto controller = controller_of(request, gains, session);
   catch_signals();
-  dvrk::take_real_time_priority(30);
+  prepare_loop(request);
   const dvrk::RunResult done =
       in_place     ? dvrk::run_in_place(session, link, request.seconds, controller->joints(),
                                         *controller, options, stop_asked())
       : controller ? dvrk::run_motion(session, link, motion, *controller, options, stop_asked())
                    : dvrk::run_motion(session, link, motion, gains, options, stop_asked());
-  if (done.rows.rows() > 0)
-    write_recording(done.rows, request.output, done.complete ? "" : "incomplete: " + done.why);
   std::cout << fmt::format("{}: {} rows of {}.\n", arm.robot.name, done.rows.rows(),
                            in_place ? "a weightless arm" : request.trajectory);
   finish_dvrk(request, "run", done, session);
-  if (done.complete) return kDone;
-  say("the run ended: " + done.why + "; power is off.");
-  return kDataCannotAnswer;
+  say_kept(request, done);
+  const bool off = done.power == dvrk::OffState::kConfirmed;
+  const std::string power = off ? "power is off" : not_confirmed(done.power);
+  if (!done.why.empty()) say("the run ended: " + done.why + "; " + power + ".");
+  if (done.why.empty() && !off) say(power + ".");
+  return done.complete ? kDone : kDataCannotAnswer;
 }
 
 }  // namespace veridyn::cli

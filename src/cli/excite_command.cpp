@@ -14,7 +14,6 @@
 #include "messages.hpp"
 #include "option_checks.hpp"
 #include "veridyn/excitation/excitation.hpp"
-#include "veridyn/identification/base_parameters.hpp"
 #include "recordings/recorded_motion.hpp"
 #include "veridyn/recordings/recording.hpp"
 #include "math/output_file.hpp"
@@ -86,7 +85,6 @@ ExcitationOptions options_of(const Request& request, const Model& arm) {
   for (const std::string& path : request.given) {
     for (MotionSamples& motion : recorded_motion(arm, path)) o.given.push_back(std::move(motion));
   }
-  o.reported_base = base_parameters(arm).independent;
   if (!request.between.empty()) o.between = rivals(request.between);
   if (o.between) o.criterion = ExcitationCriterion::kDiscriminate;
   if (!request.model.empty()) o.powered = read_model(request.model);
@@ -197,7 +195,7 @@ void add_motion_options(CLI::App& command, ExcitationOptions& o) {
   number("--rate", o.rate, "HZ", "Rows per second (200)");
   command
       .add_option("--limit-share", o.limit_share,
-                  "Share of range, speed, acceleration and torque to use (1)")
+                  "Share of range, speed, acceleration and torque to use (0.95)")
       ->option_text("X")
       ->check(CLI::Range(0.01, 1.0))
       ->group(group);

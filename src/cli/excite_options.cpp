@@ -48,12 +48,7 @@ std::pair<RivalCause, RivalCause> rivals(const std::string& words) {
   if (two.size() != 2 || two[0].empty() || two[1].empty()) {
     fail("--between", words, "two causes EFFECT:PLACE,EFFECT:PLACE, as payload:tool,torque_gain:2");
   }
-  const auto one = [](const std::string& word) -> RivalCause {
-    const auto colon = word.find(':');
-    if (colon == std::string::npos) return {word, ""};
-    return {word.substr(0, colon), word.substr(colon + 1)};
-  };
-  return {one(two[0]), one(two[1])};
+  return {split_cause(two[0]), split_cause(two[1])};
 }
 
 FrameBox frame_box(const std::string& words) {

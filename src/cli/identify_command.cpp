@@ -7,10 +7,13 @@
 #include "commands.hpp"
 #include "common_options.hpp"
 #include "messages.hpp"
+#include "makers_file.hpp"
 #include "option_checks.hpp"
-#include "ranks.hpp"
-#include "veridyn/identification/factor_set.hpp"
 #include "math/output_file.hpp"
+#include "ranks.hpp"
+#include "recording_options.hpp"
+#include "veridyn/effects/plain_friction.hpp"
+#include "veridyn/identification/factor_set.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/model_file.hpp"
 #include "veridyn/report/identification_page.hpp"
@@ -29,6 +32,7 @@ struct Request {
   std::string prior;
   std::vector<std::string> known_masses;
   std::string model_out;
+  std::string friction = "auto";
   IdentificationOptions options;
   CommonOptions common;
 };
@@ -75,6 +79,22 @@ void expect_known_masses(const Request& request, const Model& arm,
     expect_one_of("--known-mass", mass.frame, frame_names(arm));
     for (const std::string& name : mass.recordings) expect_one_of("--known-mass", name, recordings);
   }
+}
+
+// A file without friction: makers leave it out, and every joint has it.
+Model arm_with_friction(const Request& request) {
+  Model arm = read_robot(request.robot, request.common.fixed);
+  const bool none = has_no_friction(arm);
+  if (request.friction == "plain" || (request.friction == "auto" && none && is_makers_file(request.robot))) {
+    if (none && request.friction == "auto")
+      say(request.robot + " has no friction; viscous and Coulomb friction and an offset of every "
+          "joint are identified with it (--friction file: not)");
+    return with_plain_friction(arm);
+  }
+  if (none)
+    say(request.robot + " has no friction, and every real joint has; --friction plain identifies "
+        "viscous and Coulomb friction and an offset of every joint");
+  return arm;
 }
 
 FactorSet read_all_factors(const std::vector<std::string>& paths) {
@@ -152,7 +172,7 @@ ExitStatus run_on_ranks(const Request& request, const std::string& command_line,
   try {
     expect_value(request.factors.empty(), "--factors",
                  "found under mpirun, expected recordings to spread over the ranks");
-    const Model arm = read_model(request.robot);
+    const Model arm = arm_with_friction(request);
     IdentificationOptions options = identification_options(request);
     options.threads = threads_of_a_rank(request.common.threads);
     if (!first) options.progress = nullptr;
@@ -186,12 +206,12 @@ ExitStatus run(const Request& request, const std::string& command_line) {
   require_writable(request.factor_out);
   if (ranks && ranks->size() > 1) return run_on_ranks(request, command_line, *ranks);
   if (!request.test_rows) warn_of_shared_recordings(request.train, request.test);
-  const Model arm = read_model(request.robot);
+  const Model arm = arm_with_friction(request);
   const IdentificationOptions options = identification_options(request);
   expect_known_masses(request, arm, options.known_masses);
   std::vector<std::string> recordings = request.train;
   recordings.insert(recordings.end(), request.test.begin(), request.test.end());
-  warn_of_degrees(recordings, options.preprocessing, options.threads);
+  look_at_recordings(arm, recordings, options.preprocessing, options.threads);
   const Identification id = identified(request, arm, options);
   if (!id.model) {
     if (id.drive_gains && id.drive_gains->problem.empty()) std::cout << id.drive_gains->report();
@@ -215,6 +235,13 @@ void add_fit_options(CLI::App& command, Request& request) {
              "What makes a body physical, with --method feasible");
   add_choice(command, "--signs", options.signs, {EffectSigns::kPhysical, EffectSigns::kAny},
              "Signs of friction, inertia and stiffness, with --method feasible");
+  command
+      .add_option("--friction", request.friction,
+                  "Friction to identify: plain adds viscous and Coulomb friction and an offset of "
+                  "every joint, file takes the file's, auto is plain for a maker's file (URDF) "
+                  "without any")
+      ->check(CLI::IsMember({"auto", "plain", "file"}))
+      ->option_text("auto|plain|file");
   command.add_option("--prior", request.prior, "Model to stay close to, with --method feasible")
       ->option_text("MODEL");
   command
@@ -247,6 +274,7 @@ void add_identify_command(CLI::App& tool, Outcome& outcome) {
   command.add_option("--model-out", request->model_out, "Write the identified model as YAML")
       ->option_text("FILE");
   add_preprocessing_options(command, request->options.preprocessing);
+  add_fix_option(command, request->common.fixed);
   add_row_range(command, "--test-rows", "Rows of the held-out recordings (default: as --rows)",
                 [request](RowRange rows) { request->test_rows = rows; });
   add_common_options(command, request->common);

@@ -23,11 +23,15 @@ ExitStatus run(int argc, char** argv) {
   add_diagnose_command(tool, outcome);
   add_fleet_command(tool, outcome);
   add_payload_command(tool, outcome);
+  add_calibrate_command(tool, outcome);
   add_compare_command(tool, outcome);
   add_export_command(tool, outcome);
   add_excite_command(tool, outcome);
   add_simulate_command(tool, outcome);
   add_cooperate_command(tool, outcome);
+  add_kinematics_command(tool, outcome);
+  add_loadcell_command(tool, outcome);
+  add_stability_command(tool, outcome);
   add_dvrk_command(tool, outcome);
   expect_sound_arguments(tool);
   try {

@@ -5,6 +5,7 @@
 #include "common_options.hpp"
 #include "messages.hpp"
 #include "option_checks.hpp"
+#include "recording_options.hpp"
 #include "veridyn/diagnosis/payload.hpp"
 #include "math/output_file.hpp"
 #include "veridyn/model/model_file.hpp"
@@ -23,10 +24,10 @@ struct Request {
 
 ExitStatus run(Request& request) {
   require_writable(request.common.json);
-  const Model model = read_model(request.model);
+  const Model model = read_robot(request.model, request.common.fixed);
   if (!request.link.empty()) expect_one_of("--link", request.link, frame_names(model));
   request.options.threads = request.common.threads;
-  warn_of_degrees(request.recordings, request.options.preprocessing, request.options.threads);
+  look_at_recordings(model, request.recordings, request.options.preprocessing, request.options.threads);
   const PayloadReport report =
       find_payload(model, request.recordings, request.options, request.link);
   if (report.links.empty()) {
@@ -52,6 +53,7 @@ void add_payload_command(CLI::App& tool, Outcome& outcome) {
   command.add_option("--link", request->link, "Only the link of this frame (default: all)")
       ->option_text("FRAME");
   add_preprocessing_options(command, request->options.preprocessing);
+  add_fix_option(command, request->common.fixed);
   add_common_options(command, request->common);
   command.callback([request, &outcome] { outcome.status = run(*request); });
 }

@@ -7,6 +7,7 @@
 #include "common_options.hpp"
 #include "messages.hpp"
 #include "option_checks.hpp"
+#include "recording_options.hpp"
 #include "simulate_request.hpp"
 #include "veridyn/recordings/recording.hpp"
 #include "math/output_file.hpp"
@@ -26,8 +27,8 @@ namespace {
 
 using Request = SimulateRequest;
 
-MotionSamples wanted_motion(const std::string& path) {
-  const Recording rows = read_recording(path);
+MotionSamples wanted_motion(const Model& arm, const std::string& path) {
+  const Recording rows = read_recording(path, reading_of(arm, {}));
   try {
     return with_derivatives({rows.time, rows.q, rows.dq, rows.ddq});
   } catch (const InvalidInput& error) {
@@ -36,7 +37,7 @@ MotionSamples wanted_motion(const std::string& path) {
 }
 
 Model arm_with_values(const Request& request) {
-  PlausibleModel plausible = plausible_model(read_model(request.robot), request.arm_seed);
+  PlausibleModel plausible = plausible_model(read_robot(request.robot, request.common.fixed), request.arm_seed);
   const bool made_up = plausible.bodies + plausible.effects > 0;
   require(!made_up || request.replay.empty(), "simulate --replay: robot '", request.robot,
           "' has no values; expected a MODEL that identify or diagnose wrote.");
@@ -76,7 +77,7 @@ ExitStatus run(const Request& request, const std::string& command_line) {
   if (!request.breakaway.empty()) return run_breakaway(request, arm, command_line);
   if (!request.replay.empty()) return run_replay(request, arm, command_line);
   value_of("--effect", [&] { plant_effects(arm, options.hidden); });
-  MotionSamples wanted = wanted_motion(request.trajectory);
+  MotionSamples wanted = wanted_motion(arm, request.trajectory);
   require(wanted.q.cols() == arm.joints(), request.trajectory, ": found ", wanted.q.cols(),
           " joints, expected the ", arm.joints(), " of ", arm.name(), ".");
   if (request.sample_rate > 0.0)

@@ -5,6 +5,7 @@
 
 #include "messages.hpp"
 #include "option_checks.hpp"
+#include "recording_options.hpp"
 #include "simulate_request.hpp"
 #include "veridyn/recordings/preprocessing.hpp"
 #include "math/output_file.hpp"
@@ -120,6 +121,8 @@ void add_control_options(CLI::App& command, SimulateRequest& request) {
          "A further low-pass of the recorded motion and torque before they lead (none)");
   number("--filter-cutoff", request.preprocessing.cutoff, "HZ",
          "Low-pass of both torques before they are compared (5)");
+  add_signal_options(command, request.preprocessing.signals);
+  add_fix_option(command, request.common.fixed);
 }
 
 namespace {
@@ -134,6 +137,9 @@ std::vector<OptionNeed> simulate_needs(const SimulateRequest& request) {
       {"--drive", replay && !ramps, "--replay without --breakaway"},
       {"--breakaway-speed", ramps, "--breakaway"},
       {"--filter-cutoff", replay, "--replay"},
+      {"--topic", replay, "--replay"},
+      {"--map", replay, "--replay"},
+      {"--units", replay, "--replay"},
       {"--set-point-cutoff", replay && loop, "--replay led by commands or set-points"},
       {"--report", moves, "--controller pid or --replay"},
       {"--engine", moves, "--controller pid or --replay"}};

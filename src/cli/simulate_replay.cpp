@@ -1,10 +1,12 @@
 #include <fmt/format.h>
 
+#include <cmath>
 #include <iostream>
 #include <set>
 
 #include "messages.hpp"
 #include "option_checks.hpp"
+#include "recording_options.hpp"
 #include "simulate_request.hpp"
 #include "veridyn/recordings/preprocessing.hpp"
 #include "veridyn/recordings/recording_quality.hpp"
@@ -24,7 +26,9 @@ constexpr double kRampCutoff = 20.0;  // [Hz] for positions of slow ramps
 std::vector<int> faulty_velocities(const SimulateRequest& request,
                                    const RecordingOptions& reading) {
   std::set<int> joints;
-  for (const QualityFinding& f : check_recording(request.replay, reading).findings) {
+  const RecordingQuality quality = check_recording(request.replay, reading);
+  if (!request.common.quiet) tell_facts({quality});
+  for (const QualityFinding& f : quality.findings) {
     const bool velocity = f.finding == "velocity_scale" || f.finding == "velocity_quantised" ||
                           f.finding == "velocity_delay";
     if (!velocity || f.severity == Severity::kInfo || f.joint < 1) continue;
@@ -37,10 +41,7 @@ std::vector<int> faulty_velocities(const SimulateRequest& request,
 // The recording on its uniform grid, lightly low-passed, as identification sees it.
 ReplayInput replay_input(const SimulateRequest& request, const Model& arm,
                          PreprocessingOptions how) {
-  RecordingOptions reading;
-  reading.columns = how.columns;
-  reading.rate = how.header_rate;
-  how.derive_velocity_of = faulty_velocities(request, reading);
+  how.derive_velocity_of = faulty_velocities(request, reading_of(arm, how));
   std::vector<double> time;
   std::vector<char> use;
   std::vector<MatrixXd> pieces[4];
@@ -90,6 +91,21 @@ std::string replay_report(const SimulateRequest& request, const Model& arm, cons
   return out;
 }
 
+// An arm that torques alone have taken farther from the recorded motion than its joint can move has
+// nothing to do with that motion any more.
+bool lost(const Model& arm, const Replay& r) {
+  for (int i = 0; i < arm.joints(); ++i) {
+    const Coordinate& c = arm.coordinates()[static_cast<size_t>(i)];
+    const double range = c.limits.upper - c.limits.lower;
+    if (!std::isfinite(range) || r.motion_max[i] <= range) continue;
+    say(fmt::format("the arm is lost: joint {} ends up to {:.3g} {unit} off the recorded motion, "
+                    "more than its whole range of {:.3g} {unit}; nothing was written.",
+                    c.name, r.motion_max[i], range, fmt::arg("unit", c.prismatic ? "m" : "rad")));
+    return true;
+  }
+  return false;
+}
+
 std::string breakaway_report(const SimulateRequest& request, const Coordinate& c,
                              const Breakaway& found) {
   std::string out = fmt::format("Breakaway of {} in {}: {} ramps.\n", c.name, request.replay,
@@ -127,6 +143,7 @@ ExitStatus run_replay(const SimulateRequest& request, const Model& arm,
   const Replay done = replay(*engine, arm, input, options);
   tell_left_out(request, engine->left_out());
   if (stopped(done.run, arm)) return kDataCannotAnswer;
+  if (request.drive == "torques" && lost(arm, done)) return kDataCannotAnswer;
   if (!request.output.empty())
     write_recording(rows_of(done.run.motion, done.run.tau), request.output);
   if (!request.common.json.empty()) write_file(request.common.json, to_json(done, arm));

@@ -16,7 +16,8 @@ namespace {
 namespace fs = std::filesystem;
 
 // Options whose value is a file to write.
-constexpr std::array<const char*, 13> kOutputs = {
+constexpr std::array<const char*, 14> kOutputs = {
+    "--robot-out",
     "--json",         "--report",      "--output",        "--model-out", "--coefficients",
     "--config-out",   "--urdf",        "--yaml",          "--mjcf",      "--cpp",
     "--dvrk-gravity", "--dvrk-scales", "--trajectory-out"};

@@ -7,7 +7,7 @@
 
 #include "comparison/model_structure.hpp"
 #include "veridyn/effects/effect.hpp"
-#include "veridyn/identification/base_parameters.hpp"
+#include "veridyn/regressor/base_parameters.hpp"
 #include "math/dense.hpp"
 #include "veridyn/math/require.hpp"
 

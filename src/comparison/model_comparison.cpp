@@ -9,7 +9,7 @@
 #include "comparison/matched_base.hpp"
 #include "comparison/model_structure.hpp"
 #include "comparison/standard_torque.hpp"
-#include "veridyn/identification/parameter_set.hpp"
+#include "veridyn/regressor/standard_parameters.hpp"
 
 namespace veridyn {
 namespace {

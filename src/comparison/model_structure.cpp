@@ -8,7 +8,7 @@
 #include <set>
 
 #include "veridyn/effects/effect.hpp"
-#include "veridyn/identification/parameter_set.hpp"
+#include "veridyn/regressor/standard_parameters.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn {

@@ -2,7 +2,6 @@
 
 #include <cassert>
 
-#include "control/effect_kinds.hpp"
 #include "control/static_forces.hpp"
 #include "veridyn/math/require.hpp"
 
@@ -20,15 +19,15 @@ ArmState::ArmState(const Model& arm, const Tip& tip)
       bias_(q_),
       M_(rotors_) {
   for (const EffectTerm& term : arm.effects()) {
-    const EffectKind kind = effect_kind(term.effect);
-    if (kind == EffectKind::kLeftOut)
-      left_out_.push_back(term.effect + "(" + axis_text(arm, term.axis) + ")");
-    if (kind != EffectKind::kInertia) continue;
     const BoundEffect rotor(arm, term);
+    const ControlPart part = control_part(rotor.traits());
+    if (part == ControlPart::kLeftOut)
+      left_out_.push_back(term.effect + "(" + axis_text(arm, term.axis) + ")");
+    if (part != ControlPart::kInertia) continue;
     require(rotor.has_values(), "ArmState: effect ", rotor.parameter_name(0), " of arm '",
             arm.name(), "' has no value; identify it first.");
     const VectorXd& c = term.axis.coefficients;
-    rotors_ += rotor.values()[0] * c * c.transpose();
+    rotors_ += rotor.inertia() * c * c.transpose();
   }
 }
 

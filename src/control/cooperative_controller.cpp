@@ -36,6 +36,8 @@ void check(const CooperativeOptions& o, std::size_t tips) {
     require(m.share > 0.0 && m.share <= 1.0, "cooperative controller: found a share of ", m.share,
             ", expected a number above zero and at most one.");
   }
+  require(o.largest_energy > 0.0, "cooperative controller: found a largest energy of ",
+          o.largest_energy, " J, expected one above zero.");
   for (const double value :
        {o.period, o.largest_force, o.largest_force_error, o.largest_age, o.largest_error,
         o.stuck_force, o.stop_duration, o.relief_force, o.relief_gain, o.relief_speed}) {
@@ -60,6 +62,8 @@ const char* describe(CooperativeState state) {
       return "holds: an arm does not follow any more";
     case CooperativeState::kTargetMissed:
       return "holds: a tip is too far from its target";
+    case CooperativeState::kEnergyMade:
+      return "holds: a member gets more energy than its bound";
     case CooperativeState::kNotFinite:
       return "holds: found a measurement that is not finite";
   }
@@ -71,6 +75,7 @@ CooperativeController::CooperativeController(const CooperativeOptions& options,
     : options_(options),
       tracked_(options.members.size(), 1),
       watches_(options.members.size()),
+      monitors_(options.members.size()),
       targets_(tips.size()),
       centre_(VectorXd(centroid(tips))),
       angle_(VectorXd::Zero(1)),
@@ -101,6 +106,7 @@ void CooperativeController::restart(const std::vector<Vector3d>& tips) noexcept 
   wanted_.reset(goal_);
   for (ForceTracker& tracker : trackers_) tracker.reset();
   for (Watch& watch : watches_) watch = {};
+  for (PassivityMonitor& monitor : monitors_) monitor.reset();
   for (Vector3d& relief : relief_) relief.setZero();
   state_ = CooperativeState::kTracking;
   plan();
@@ -162,6 +168,7 @@ bool CooperativeController::track(int member, bool on) noexcept {
   if (on && tracked_[k] == 0) trackers_[k].reset();
   tracked_[k] = on ? 1 : 0;
   watches_[k] = {};
+  monitors_[k].reset();
   return true;
 }
 
@@ -220,14 +227,34 @@ void CooperativeController::correct(const CooperativeInput& input) noexcept {
 bool CooperativeController::is_stuck(size_t member, const ForceReading& reading,
                                      double length) noexcept {
   Watch& watch = watches_[member];
-  if (watch.number < 0 || reading.force != watch.force) {
-    watch = {reading.force, length, reading.number};
+  const double force = std::isfinite(reading.raw) ? reading.raw : reading.force;
+  if (watch.number < 0 || force != watch.force) {
+    watch = {force, length, reading.number};
     return false;
   }
   const double stiffness = options_.members[member].law.stiffness;
   // Repeated zeros are those of a slack member.
-  return reading.number != watch.number && stiffness > 0.0 && reading.force != 0.0 &&
+  return reading.number != watch.number && stiffness > 0.0 && force != 0.0 &&
          std::abs(length - watch.length) * stiffness > options_.stuck_force;
+}
+
+// While the wanted force stands still: what it means otherwise is not known.
+bool CooperativeController::makes_energy(size_t member, const ForceReading& reading,
+                                         const CooperativeInput& input) noexcept {
+  PassivityMonitor& monitor = monitors_[member];
+  if (!wanted_.arrived() || reading.number < 0) {
+    monitor.reset();
+    return false;
+  }
+  const CooperativeMember& m = options_.members[member];
+  const auto from = static_cast<size_t>(m.from);
+  const auto to = static_cast<size_t>(m.to);
+  const Vector3d u = direction(input.position[to] - input.position[from]);
+  const double planned = u.dot(targets_[to].velocity - targets_[from].velocity);
+  const double rate = u.dot(input.velocity[to] - input.velocity[from]) - planned;
+  const double wanted = wanted_.x()[static_cast<Eigen::Index>(member)];
+  monitor.update(reading.force - wanted, rate, options_.period);
+  return monitor.generated() > options_.largest_energy;
 }
 
 CooperativeState CooperativeController::judge(const CooperativeInput& input) noexcept {
@@ -255,6 +282,7 @@ CooperativeState CooperativeController::judge(const CooperativeInput& input) noe
                                 std::abs(reading.force - wanted) > options_.largest_force_error))
       return CooperativeState::kForceTooLarge;
     const CooperativeMember& m = options_.members[k];
+    if (makes_energy(k, reading, input)) return CooperativeState::kEnergyMade;
     const double length =
         (input.position[static_cast<size_t>(m.to)] - input.position[static_cast<size_t>(m.from)])
             .norm();

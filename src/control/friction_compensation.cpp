@@ -4,7 +4,7 @@
 #include <cassert>
 #include <cmath>
 
-#include "control/effect_kinds.hpp"
+#include "control/static_forces.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn {
@@ -24,23 +24,6 @@ double weighted(const BoundEffect& term, const EffectColumns& row) {
   return sum;
 }
 
-// True if the force differs after ways to and fro that end in the same motion.
-bool remembers(const BoundEffect& term) {
-  if (!term.effect().has_memory()) return false;
-  EffectColumns rows[2]{};
-  for (int way = 0; way < 2; ++way) {
-    AxisSample x;
-    x.ds = 2.0 * kRestSpeed;
-    x.load = 1.0;
-    EffectState state{};
-    x.s = way == 0 ? -kFar : kFar;
-    term.effect().columns(x, term.shape(), state, rows[way]);
-    x.s = 0.0;
-    term.effect().columns(x, term.shape(), state, rows[way]);
-  }
-  return rows[0] != rows[1];
-}
-
 }  // namespace
 
 FrictionCompensation::FrictionCompensation(const Model& arm, const FrictionOptions& options)
@@ -51,15 +34,14 @@ FrictionCompensation::FrictionCompensation(const Model& arm, const FrictionOptio
   require(options.share >= 0.0 && options.share <= 2.0, "FrictionCompensation: found a share of ",
           options.share, ", expected one between 0 and 2.");
   for (const EffectTerm& term : arm.effects()) {
-    if (effect_kind(term.effect) != EffectKind::kFriction) continue;
     BoundEffect bound(arm, term);
+    if (control_part(bound.traits()) != ControlPart::kFriction) continue;
     require(bound.has_values(), "FrictionCompensation: effect ", bound.parameter_name(0),
             " of arm '", arm.name(), "' has no value; identify it first.");
     const auto known = std::find_if(axes_.begin(), axes_.end(), [&](const Axis& axis) {
       return axis.c == term.axis.coefficients && axis.offset == term.axis.offset;
     });
     if (known != axes_.end()) {
-      known->remembers.push_back(remembers(bound) ? 1 : 0);
       known->terms.push_back(std::move(bound));
       continue;
     }
@@ -70,7 +52,6 @@ FrictionCompensation::FrictionCompensation(const Model& arm, const FrictionOptio
     axis.velocity_deadband = pick(options.velocity, axis.prismatic);
     axis.position_deadband = pick(options.position, axis.prismatic);
     axis.reserve = pick(options.reserve, axis.prismatic);
-    axis.remembers.push_back(remembers(bound) ? 1 : 0);
     axis.terms.push_back(std::move(bound));
     axes_.push_back(std::move(axis));
   }
@@ -99,7 +80,7 @@ double FrictionCompensation::sliding(const Axis& axis, double direction, double 
   for (const BoundEffect& term : axis.terms) {
     EffectColumns row{};
     EffectState state{};
-    if (term.effect().has_memory()) {
+    if (term.traits().memory) {
       x.s = axis.s - direction * kFar;
       term.effect().columns(x, term.shape(), state, row);
     }
@@ -142,9 +123,8 @@ double FrictionCompensation::by_memory(Axis& axis, double will, double speed, do
   x.s = axis.s;
   x.load = axis.load;
   double sum = 0.0;
-  for (size_t k = 0; k < axis.terms.size(); ++k) {
-    BoundEffect& term = axis.terms[k];
-    const bool memory = axis.remembers[k] != 0;
+  for (BoundEffect& term : axis.terms) {
+    const bool memory = term.traits().memory;
     x.ds = memory ? v : direction * std::max(speed, 1.001 * kRestSpeed);
     EffectColumns row{};
     term.columns(x, row);

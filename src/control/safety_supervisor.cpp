@@ -4,6 +4,7 @@
 #include <cassert>
 #include <cmath>
 
+#include "veridyn/control/position_limit.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn {
@@ -136,10 +137,9 @@ SafetySupervisor::Finding SafetySupervisor::check_motion(const ArmState& arm,
   if (input.dt > limits_.overrun) return {SafetyFault::kOverrun, -1};
   for (Eigen::Index i = 0; i < q_sound_.size(); ++i) {
     const int joint = static_cast<int>(i);
-    const double stops = arm.q()[i] + arm.dq()[i] / limits_.braking;
-    const bool above = std::max(arm.q()[i], stops) > limits_.upper[i] && arm.dq()[i] >= 0.0;
-    const bool below = std::min(arm.q()[i], stops) < limits_.lower[i] && arm.dq()[i] <= 0.0;
-    if (above || below) return {SafetyFault::kPosition, joint};
+    const PositionRange range{limits_.lower[i], limits_.upper[i]};
+    if (leaves_range(arm.q()[i], arm.dq()[i], range, limits_.braking))
+      return {SafetyFault::kPosition, joint};
     const double share = state_ == SafetyState::kHoming ? limits_.homing_share : 1.0;
     if (std::abs(arm.dq()[i]) > share * limits_.velocity[i]) return {SafetyFault::kVelocity, joint};
     // A wanted position that is not a number is not compared.

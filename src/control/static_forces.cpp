@@ -1,9 +1,15 @@
 #include "control/static_forces.hpp"
 
-#include "control/effect_kinds.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn {
+
+ControlPart control_part(const EffectTraits& traits) {
+  const bool left_out = traits.depends_on_time || !traits.forward_simulable;
+  if (left_out || traits.role == EffectRole::kChannel) return ControlPart::kLeftOut;
+  if (traits.role == EffectRole::kInertia) return ControlPart::kInertia;
+  return traits.role == EffectRole::kFriction ? ControlPart::kFriction : ControlPart::kForce;
+}
 
 VectorXd control_parameters(const Model& arm, const char* where) {
   const auto phi = arm.inertial_values();
@@ -15,8 +21,8 @@ VectorXd control_parameters(const Model& arm, const char* where) {
 std::vector<BoundEffect> static_forces(const Model& arm) {
   std::vector<BoundEffect> forces;
   for (const EffectTerm& term : arm.effects()) {
-    if (effect_kind(term.effect) != EffectKind::kForce) continue;
     BoundEffect effect(arm, term);
+    if (control_part(effect.traits()) != ControlPart::kForce) continue;
     require(effect.has_values(), "control: effect ", effect.parameter_name(0), " of arm '",
             arm.name(), "' has no value; identify it first.");
     forces.push_back(std::move(effect));

@@ -8,6 +8,16 @@
 
 namespace veridyn {
 
+/// What a controller makes of an effect.
+enum class ControlPart {
+  kInertia,   ///< part of the mass matrix
+  kFriction,  ///< opposes the motion: FrictionCompensation
+  kForce,     ///< any other torque of position and velocity: part of ArmState::bias()
+  kLeftOut    ///< counted from the start of a recording, or of measured motion only
+};
+
+ControlPart control_part(const EffectTraits& traits);
+
 /// The effects of a model that are neither friction nor inertia. @throws InvalidInput  one has no
 /// values.
 std::vector<BoundEffect> static_forces(const Model& arm);

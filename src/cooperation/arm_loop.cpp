@@ -3,33 +3,35 @@
 #include <algorithm>
 #include <cmath>
 
+#include "loop_gains.hpp"
+
 namespace veridyn {
 namespace {
-
-ImpedanceGains gains(const Eigen::Vector3d& m, const Eigen::Vector3d& d, const Eigen::Vector3d& k) {
-  ImpedanceGains g;
-  g.mass.head<3>() = m;
-  g.damping.head<3>() = d;
-  g.stiffness.head<3>() = k;
-  return g;
-}
-
-// Of a mass of one: accelerations, whatever the arm's inertia.
-ImpedanceGains position_gains(double frequency) {
-  const double omega = 2.0 * M_PI * frequency;
-  const Eigen::Vector3d one = Eigen::Vector3d::Ones();
-  return gains(one, 2.0 * omega * one, omega * omega * one);
-}
 
 ImpedanceOptions options(const VectorXd& posture) {
   ImpedanceOptions o;
   o.posture = posture;
+  o.posture_p = kPostureStiffness;
+  o.posture_d = kPostureDamping;
   return o;
 }
 
 // Largest torque of the observer [N m], [N]: the arm is known to within a tenth, so this never
 // binds.
 constexpr double kObserverLimit = 20.0;
+
+// A light mass that gives way to what is beyond a bound.
+constexpr double kYieldingMass = 0.5;     // [kg]
+constexpr double kYieldingDamping = 10.0;  // [N s/m]
+constexpr double kCalm = 0.8;              // of the bound
+constexpr double kRests = 0.005;           // [m/s]
+
+ImpedanceGains yielding_gains() {
+  ImpedanceGains g;
+  g.mass.head<3>().setConstant(kYieldingMass);
+  g.damping.head<3>().setConstant(kYieldingDamping);
+  return g;
+}
 
 ModelErrorOptions observer(const ScenarioControl& control, Eigen::Index joints) {
   ModelErrorOptions o;
@@ -40,7 +42,7 @@ ModelErrorOptions observer(const ScenarioControl& control, Eigen::Index joints) 
 
 FrictionOptions friction(const ScenarioControl& control) {
   FrictionOptions o;
-  o.rule = FrictionRule::kPresliding;
+  o.rule = control.friction_rule;
   o.share = control.friction;
   return o;
 }
@@ -52,10 +54,10 @@ ArmLoop::ArmLoop(const ArmLoopSetup& setup)
       period_(1.0 / setup.control.rate),
       state_(setup.model, setup.tip),
       impedance_(setup.model, setup.tip,
-                 gains(setup.control.mass, setup.control.damping, setup.control.stiffness),
-                 options(setup.start)),
-      position_loop_(setup.model, setup.tip, position_gains(setup.control.position_frequency),
+                 impedance_gains(setup.control), options(setup.start)),
+      position_loop_(setup.model, setup.tip, position_gains(setup.control),
                      options(setup.start)),
+      yielding_loop_(setup.model, setup.tip, yielding_gains(), options(setup.start)),
       inverse_(setup.model, setup.tip, TaskRows::kPosition),
       velocity_observer_(setup.model.joints(), 2.0 * M_PI * setup.control.velocity_cutoff),
       model_error_(setup.model.joints(), observer(setup.control, setup.start.size())),
@@ -65,6 +67,11 @@ ArmLoop::ArmLoop(const ArmLoopSetup& setup)
       joint_error_(rest_),
       wanted_dq_(rest_) {
   if (setup.control.friction > 0.0) friction_.emplace(setup.model, friction(setup.control));
+  if (friction_ && setup.control.adaptive_friction) {
+    AdaptiveFrictionOptions options;
+    options.enabled = true;
+    adaptive_.emplace(*friction_, options);
+  }
   measure(setup.start);
 }
 
@@ -73,14 +80,26 @@ void ArmLoop::measure(const VectorXd& q) noexcept {
     const double step = setup_.encoder_step[i];
     q_[i] = step > 0.0 ? std::round(q[i] / step) * step : q[i];
   }
-  const Impedance& loop = gives_way() ? impedance_ : position_loop_;
-  state_.update(q_, velocity_observer_.update(q_, loop.acceleration(), period_));
+  state_.update(q_, velocity_observer_.update(q_, acting().acceleration(), period_));
   position_ = setup_.p_world_base + setup_.R_world_base * state_.tip().position();
   velocity_ = setup_.R_world_base * state_.tip().twist().head<3>();
 }
 
 void ArmLoop::freeze() noexcept {
   if (frozen_) return;
+  frozen_ = true;
+  frozen_at_ = position_;
+}
+
+void ArmLoop::hold_within(double bound, const Eigen::Vector3d& force) noexcept {
+  bound_ = bound;
+  const double size = force.norm();
+  if (!yielding_) {
+    yielding_ = size > bound;
+    return;
+  }
+  if (size > kCalm * bound || velocity_.norm() > kRests) return;
+  yielding_ = false;
   frozen_ = true;
   frozen_at_ = position_;
 }
@@ -99,12 +118,18 @@ TaskReference ArmLoop::reference(const TipTarget& target) const noexcept {
 }
 
 const VectorXd& ArmLoop::torque(const TipTarget& target, const Eigen::Vector3d& force) noexcept {
-  const TaskReference wanted = reference(target);
+  TaskReference wanted = reference(target);
   Vector6d wrench = Vector6d::Zero();
-  if (gives_way()) wrench.head<3>() = setup_.R_world_base.transpose() * force;
-  Impedance& loop = gives_way() ? impedance_ : position_loop_;
+  if (gives_way() || yielding_) wrench.head<3>() = setup_.R_world_base.transpose() * force;
+  Impedance& loop = acting();
+  if (yielding_) {  // the force within the bound is wanted: what is beyond it moves the tip
+    const double size = force.norm();
+    wanted = TaskReference();
+    wanted.ddx.head<3>() =
+        wrench.head<3>() * (std::min(1.0, bound_ / std::max(size, bound_)) / kYieldingMass);
+  }
   tau_ = loop.update(state_, wanted, wrench);
-  if (friction_ && !frozen_) compensate_friction(wanted);
+  if (friction_ && !frozen_ && !yielding_) compensate_friction(wanted);
   tau_ += model_error_.update(state_, loop.acceleration(), period_);
   for (Eigen::Index i = 0; i < tau_.size(); ++i) {
     const double limit = setup_.model.coordinates()[static_cast<size_t>(i)].limits.effort;
@@ -120,6 +145,7 @@ void ArmLoop::compensate_friction(const TaskReference& wanted) noexcept {
   error.head<3>() = wanted.x.head<3>() - state_.tip().position();
   inverse_.solve(error, rest_, joint_error_);
   tau_ += friction_->update(state_, wanted_dq_, joint_error_, period_);
+  if (adaptive_) adaptive_->update(state_, model_error_.torque(), period_, *friction_);
 }
 
 }  // namespace veridyn

@@ -3,6 +3,7 @@
 #include <memory>
 #include <optional>
 
+#include "veridyn/control/adaptive_friction.hpp"
 #include "veridyn/control/arm_state.hpp"
 #include "veridyn/control/cooperative_controller.hpp"
 #include "veridyn/control/friction_compensation.hpp"
@@ -45,21 +46,31 @@ class ArmLoop {
   /// From now on a position loop, as an arm has that stops where it stands.
   void freeze() noexcept;
 
+  /// While all is held: the arm keeps its place as long as the force on it stays within `bound`
+  /// [N]; beyond that it gives way as a light damped mass does, until the force is back and the tip
+  /// rests, and keeps the place where it then is. Call it every cycle before torque().
+  /// @param force  as torque() takes it.
+  void hold_within(double bound, const Eigen::Vector3d& force) noexcept;
+  bool yields() const { return yielding_; }
+
  private:
   void compensate_friction(const TaskReference& wanted) noexcept;
   bool gives_way() const { return setup_.kind == ArmControl::kImpedance && !frozen_; }
+  Impedance& acting() { return yielding_ ? yielding_loop_ : gives_way() ? impedance_ : position_loop_; }
   TaskReference reference(const TipTarget& target) const noexcept;
 
   ArmLoopSetup setup_;
   double period_;
   ArmState state_;
-  Impedance impedance_, position_loop_;
+  Impedance impedance_, position_loop_, yielding_loop_;
   TaskInverse inverse_;
   VelocityObserver velocity_observer_;
   ModelErrorObserver model_error_;
   std::optional<FrictionCompensation> friction_;
+  std::optional<AdaptiveFriction> adaptive_;
   VectorXd q_, rest_, tau_, joint_error_, wanted_dq_;
-  bool frozen_ = false;
+  bool frozen_ = false, yielding_ = false;
+  double bound_ = 0.0;  // [N] of the force while yielding
   Eigen::Vector3d position_{Eigen::Vector3d::Zero()}, velocity_{Eigen::Vector3d::Zero()};
   Eigen::Vector3d frozen_at_{Eigen::Vector3d::Zero()};
 };

@@ -4,12 +4,10 @@
 #include <cmath>
 #include <utility>
 
-#include "model_errors.hpp"
-#include "scenario_parts.hpp"
-#include "veridyn/kinematics/kinematics.hpp"
+#include "loop_gains.hpp"
+#include "phase_commands.hpp"
+#include "scenario_models.hpp"
 #include "veridyn/math/require.hpp"
-#include "veridyn/model/model_file.hpp"
-#include "veridyn/simulation/plausible_model.hpp"
 #include "veridyn/simulation/sensor_noise.hpp"
 
 namespace veridyn {
@@ -17,25 +15,8 @@ namespace {
 
 using Eigen::Vector3d;
 
-Mat3d rotation(const Vector3d& turn) {
-  return rotation_z(turn.z()) * rotation_y(turn.y()) * rotation_x(turn.x());
-}
-
-Eigen::Matrix3d eigen(const Mat3d& R) {
-  Eigen::Matrix3d out;
-  // clang-format off
-  out << R.row0.x, R.row0.y, R.row0.z,
-         R.row1.x, R.row1.y, R.row1.z,
-         R.row2.x, R.row2.y, R.row2.z;
-  // clang-format on
-  return out;
-}
-
-// With gravity as the turned base feels it.
-Model true_arm(const ScenarioArm& arm, const Eigen::Matrix3d& R_world_base) {
-  ModelDescription description = read_model(arm.model).description();
-  description.gravity = R_world_base.transpose() * description.gravity;
-  return plausible_model(Model(std::move(description)), arm.seed).arm;
+Mat3d plain(const Eigen::Matrix3d& R) {
+  return {{R(0, 0), R(0, 1), R(0, 2)}, {R(1, 0), R(1, 1), R(1, 2)}, {R(2, 0), R(2, 1), R(2, 2)}};
 }
 
 VectorXd encoder_steps(const Model& model, const std::string& preset) {
@@ -48,65 +29,54 @@ VectorXd encoder_steps(const Model& model, const std::string& preset) {
   return out;
 }
 
+// Along the unit vector of a member, as far as it has a length.
+Vector3d along(const Vector3d& line) {
+  const double length = line.norm();
+  return length > 0.0 ? Vector3d(line / length) : Vector3d::Zero();
+}
+
 }  // namespace
 
 Experiment::Experiment(const Scenario& scenario, const std::string& engine) : scenario_(scenario) {
-  for (size_t k = 0; k < scenario.arms.size(); ++k)
-    add_arm(scenario.arms[k], engine, scenario.seed + static_cast<unsigned>(k));
-  add_members();
-  CooperativeOptions o;
-  std::vector<Vector3d> tips;
-  for (size_t k = 0; k < scenario.arms.size(); ++k) {
-    o.R_world_arm.push_back(eigen(rotation(scenario.arms[k].turn)));
-    tips.push_back(loops_[k].position());
-  }
   const ScenarioControl& c = scenario.control;
-  o.master = scenario.master;
-  for (const ScenarioMember& m : scenario.members) {
-    const bool stiff =
-        scenario.arms[static_cast<size_t>(m.from)].control == ArmControl::kPosition &&
-        scenario.arms[static_cast<size_t>(m.to)].control == ArmControl::kPosition;
-    o.members.push_back({m.from, m.to, m.law, stiff ? 0.5 : 1.0});
-  }
-  o.period = 1.0 / c.rate;
-  o.largest_force = c.largest_force;
-  o.largest_force_error = c.largest_force_error;
-  o.largest_age = c.largest_age;
-  o.largest_error = c.largest_error;
-  o.stuck_force = c.stuck_force;
-  control_ = std::make_unique<CooperativeController>(o, tips);
-  input_ = std::make_unique<CooperativeInput>(static_cast<int>(tips.size()),
-                                              static_cast<int>(scenario.members.size()));
-  limp_.assign(tips.size(), 0);
-  held_.assign(scenario.members.size(), 1);
-  forces_.assign(tips.size(), Vector3d::Zero());
-  targets_.resize(tips.size());
-  for (size_t k = 0; k < tips.size(); ++k) {
-    targets_[k].position = targets_[k].motion = tips[k];
-    tau_.push_back(VectorXd::Zero(scenario.arms[k].start.size()));
+  if (c.force_cutoff > 0.0) smoothing_ = 1.0 - std::exp(-2.0 * M_PI * c.force_cutoff / c.rate);
+  for (size_t k = 0; k < scenario.arms.size(); ++k) add_arm(k, engine);
+  add_members();
+  add_walls();
+  make_controller();
+  add_bodies();
+  world_ = std::make_unique<World>(std::move(world_arms_), std::move(objects_));
+  for (size_t k = 0; k < scenario.arms.size(); ++k) {
+    const VectorXd& start = scenario.arms[k].start;
+    world_->set_state(static_cast<int>(k), start, VectorXd::Zero(start.size()));
   }
 }
 
-void Experiment::add_arm(const ScenarioArm& arm, const std::string& engine, unsigned seed) {
-  const Mat3d R = rotation(arm.turn);
-  const Model model = true_arm(arm, eigen(R));
-  check_arm(arm, model);
-  const Posed base{R, {arm.position.x(), arm.position.y(), arm.position.z()}};
-  world_arms_.push_back({model, make_engine(engine, model), base});
-  tips_.push_back({static_cast<int>(tips_.size()), model.find_frame(arm.frame), arm.offset});
-  ArmLoopSetup setup{with_parameter_errors(model, scenario_.model_error, seed),
+void Experiment::add_arm(std::size_t index, const std::string& engine) {
+  const ScenarioArm& arm = scenario_.arms[index];
+  const ScenarioControl& c = scenario_.control;
+  const ScenarioModels models = scenario_models(scenario_, index);
+  const Posed base{plain(models.R_world_base), {arm.position.x(), arm.position.y(), arm.position.z()}};
+  arms_.push_back(models.real);
+  world_arms_.push_back({models.real, make_engine(engine, models.real), base});
+  tips_.push_back({static_cast<int>(tips_.size()), models.real.find_frame(arm.frame), arm.offset});
+  TipKinematics tip(models.real, {arm.frame, arm.offset});
+  tip.update(arm.start, VectorXd::Zero(arm.start.size()));
+  starts_.push_back(models.p_world_base + models.R_world_base * tip.position());
+  ArmLoopSetup setup{models.known,
                      {arm.frame, arm.offset},
-                     eigen(R),
-                     arm.position,
+                     models.R_world_base_known,
+                     models.p_world_base_known,
                      arm.control,
-                     scenario_.control,
-                     encoder_steps(model, scenario_.encoder),
+                     c,
+                     encoder_steps(models.real, scenario_.encoder),
                      arm.start};
   loops_.emplace_back(setup);
+  const double share = c.motor_lag > 0.0 ? 1.0 - std::exp(-1.0 / (c.rate * c.motor_lag)) : 1.0;
+  paths_.emplace_back(arm.start.size(), share, c.torque_delay);
 }
 
 void Experiment::add_members() {
-  WorldObjects objects;
   for (size_t k = 0; k < scenario_.members.size(); ++k) {
     const ScenarioMember& m = scenario_.members[k];
     const auto from = static_cast<size_t>(m.from);
@@ -118,8 +88,8 @@ void Experiment::add_members() {
     member.stiffness = m.stiffness;
     member.damping = m.damping;
     member.pulls_only = m.pulls_only;
-    member.rest_length = (loops_[to].position() - loops_[from].position()).norm() + m.slack;
-    objects.members.push_back(member);
+    member.rest_length = (starts_[to] - starts_[from]).norm() + m.slack;
+    objects_.members.push_back(member);
     ForceSensorOptions sensor = m.sensor;
     sensor.seed = scenario_.seed + 1000 + static_cast<unsigned>(k);
     for (const ScenarioFault& fault : scenario_.faults) {
@@ -130,10 +100,69 @@ void Experiment::add_members() {
     sensors_.emplace_back(sensor, 1.0 / scenario_.control.rate);
   }
   samples_.resize(sensors_.size());
-  world_ = std::make_unique<World>(std::move(world_arms_), std::move(objects));
+  filtered_.assign(sensors_.size() + scenario_.walls.size(), 0.0);
+}
+
+void Experiment::add_walls() {
+  for (size_t k = 0; k < scenario_.walls.size(); ++k) {
+    const ScenarioWall& w = scenario_.walls[k];
+    Wall wall;
+    wall.point = starts_[static_cast<size_t>(w.arm)] + w.point;
+    wall.normal = w.normal;
+    wall.stiffness = w.stiffness;
+    wall.damping = w.damping;
+    wall.touches = tips_[static_cast<size_t>(w.arm)];
+    objects_.walls.push_back(wall);
+    ForceSensorOptions sensor = w.sensor;
+    sensor.seed = scenario_.seed + 2000 + static_cast<unsigned>(k);
+    wall_sensors_.emplace_back(sensor, 1.0 / scenario_.control.rate);
+  }
+  walls_ = objects_.walls;
+  wall_samples_.resize(walls_.size());
+  wall_now_.resize(walls_.size());
+}
+
+void Experiment::add_bodies() {
+  for (const ScenarioBody& body : scenario_.bodies) {
+    const Model& first = world_arms_.front().model;
+    const Vector3d gravity = base_rotation(scenario_.arms.front().turn) * first.gravity();
+    held_objects_.emplace_back(body, input_->position, gravity,
+                               scenario_.control.stiffness.mean());
+    objects_.bodies.push_back(HeldObject::in_world(body, starts_, tips_));
+  }
+}
+
+void Experiment::make_controller() {
+  const ScenarioControl& c = scenario_.control;
+  CooperativeOptions o;
+  std::vector<Vector3d> tips;
   for (size_t k = 0; k < scenario_.arms.size(); ++k) {
-    const VectorXd& start = scenario_.arms[k].start;
-    world_->set_state(static_cast<int>(k), start, VectorXd::Zero(start.size()));
+    const ScenarioArm& arm = scenario_.arms[k];
+    o.R_world_arm.push_back(base_rotation(arm.calibration_turn) * base_rotation(arm.turn));
+    tips.push_back(loops_[k].position());
+  }
+  o.master = scenario_.master;
+  for (const ScenarioMember& m : scenario_.members)
+    o.members.push_back({m.from, m.to, m.law, member_share(scenario_, m)});
+  o.period = 1.0 / c.rate;
+  o.largest_force = c.largest_force;
+  o.largest_force_error = c.largest_force_error;
+  o.largest_age = c.largest_age;
+  o.largest_error = c.largest_error;
+  o.stuck_force = c.stuck_force;
+  if (c.largest_energy > 0.0) o.largest_energy = c.largest_energy;
+  o.relief_force = c.relief_force;
+  control_ = std::make_unique<CooperativeController>(o, tips);
+  input_ = std::make_unique<CooperativeInput>(static_cast<int>(tips.size()),
+                                              static_cast<int>(scenario_.members.size()));
+  input_->position = tips;
+  limp_.assign(tips.size(), 0);
+  held_.assign(scenario_.members.size(), 1);
+  forces_.assign(tips.size(), Vector3d::Zero());
+  targets_.resize(tips.size());
+  for (size_t k = 0; k < tips.size(); ++k) {
+    targets_[k].position = targets_[k].motion = tips[k];
+    tau_.push_back(VectorXd::Zero(scenario_.arms[k].start.size()));
   }
 }
 
@@ -141,34 +170,16 @@ void Experiment::begin(const ScenarioPhase& phase) {
   for (const ScenarioCommand& c : phase.commands) command(c);
 }
 
-void Experiment::command(const ScenarioCommand& c) {
-  switch (c.kind) {
-    case ScenarioCommand::Kind::kMove:
-      control_->move(c.way, c.over);
-      return;
-    case ScenarioCommand::Kind::kTurn:
-      control_->turn(c.way, c.over);
-      return;
-    case ScenarioCommand::Kind::kTighten:
-      control_->tighten(c.amount, c.over);
-      return;
-    case ScenarioCommand::Kind::kForce:
-      control_->set_force(c.member, c.amount, c.over);
-      return;
-    case ScenarioCommand::Kind::kMoveArm:
-      control_->move_arm(c.arm, c.way, c.over);
-      return;
-    case ScenarioCommand::Kind::kRelease:
-      world_->detach(c.member);
-      control_->track(c.member, false);
-      held_[static_cast<size_t>(c.member)] = 0;
-      return;
-    case ScenarioCommand::Kind::kTake:
-      world_->attach(c.member, world_->member(c.member).length);
-      control_->track(c.member, true);
-      held_[static_cast<size_t>(c.member)] = 1;
-      return;
+bool Experiment::command(const ScenarioCommand& c) {
+  if (c.kind == ScenarioCommand::Kind::kRelease) {
+    world_->detach(c.member);
+    held_[static_cast<size_t>(c.member)] = 0;
   }
+  if (c.kind == ScenarioCommand::Kind::kTake) {
+    world_->attach(c.member, world_->member(c.member).length);
+    held_[static_cast<size_t>(c.member)] = 1;
+  }
+  return give_command(c, *control_);
 }
 
 void Experiment::apply_faults() {
@@ -193,13 +204,35 @@ void Experiment::read_sensors() {
   for (size_t k = 0; k < sensors_.size(); ++k) {
     samples_[k] = sensors_[k].read(now, world_->member(static_cast<int>(k)).tension);
     const ForceSample& sample = samples_[k];
-    input_->force[k] = {sample.force, now - sample.time, sample.number};
+    filtered_[k] += smoothing_ * (sample.force - filtered_[k]);
+    input_->force[k] = {filtered_[k], now - sample.time, sample.number, sample.force};
     const ScenarioMember& m = scenario_.members[k];
     const auto from = static_cast<size_t>(m.from);
     const auto to = static_cast<size_t>(m.to);
-    const Vector3d u = (input_->position[to] - input_->position[from]).normalized();
-    forces_[from] -= sample.force * u;
-    forces_[to] += sample.force * u;
+    const Vector3d u = along(input_->position[to] - input_->position[from]);
+    forces_[from] -= filtered_[k] * u;
+    forces_[to] += filtered_[k] * u;
+  }
+  read_contacts(now);
+}
+
+// Walls push the tips; what the tips exert on them and on held bodies is known to the loops.
+void Experiment::read_contacts(double now) {
+  for (size_t k = 0; k < walls_.size(); ++k) {
+    const World::PointMotion tip = world_->point(walls_[k].touches);
+    const double depth = -walls_[k].normal.dot(tip.position - walls_[k].point);
+    const double rate = -walls_[k].normal.dot(tip.velocity);
+    wall_now_[k] = {contact_force(walls_[k], depth, rate), rate};
+    wall_samples_[k] = wall_sensors_[k].read(now, wall_now_[k].force);
+    double& reading = filtered_[sensors_.size() + k];
+    reading += smoothing_ * (wall_samples_[k].force - reading);
+    forces_[static_cast<size_t>(walls_[k].touches.arm)] -= reading * walls_[k].normal;
+  }
+  for (size_t b = 0; b < held_objects_.size(); ++b) {
+    const std::vector<ScenarioBody::Grasp>& grasps = held_objects_[b].scenario().grasps;
+    for (size_t g = 0; g < grasps.size(); ++g)
+      forces_[static_cast<size_t>(grasps[g].arm)] -=
+          world_->grasp_force(static_cast<int>(b), static_cast<int>(g));
   }
 }
 
@@ -207,16 +240,36 @@ bool Experiment::step() {
   apply_faults();
   read_sensors();
   targets_ = control_->update(*input_);
+  for (HeldObject& object : held_objects_) object.update(*control_, *input_, targets_);
   // An impedance that is lighter than its arm needs the force: without a sensor all stand still.
   if (control_->sensor_failed()) {
     for (ArmLoop& loop : loops_) loop.freeze();
   }
+  const bool guards = scenario_.control.guard && !control_->sensor_failed() &&
+                      control_->state() != CooperativeState::kTracking;
   for (size_t k = 0; k < loops_.size(); ++k) {
-    tau_[k] = loops_[k].torque(targets_[k], forces_[k]);
+    if (guards) loops_[k].hold_within(control_->relief_force(), forces_[k]);
+    tau_[k] = paths_[k].update(loops_[k].torque(targets_[k], forces_[k]));
     if (limp_[k] == 1) tau_[k].setZero();
   }
   status_ = world_->step(tau_, 1.0 / scenario_.control.rate);
+  if (status_ == StepStatus::kOk && is_lost()) status_ = StepStatus::kRanAway;
   return status_ == StepStatus::kOk;
+}
+
+// A joint that has left its range by the whole range, or whose arm flies: no arm follows any more.
+bool Experiment::is_lost() const {
+  for (int k = 0; k < world_->arms(); ++k) {
+    const std::vector<Coordinate>& joints = arms_[static_cast<size_t>(k)].coordinates();
+    for (size_t i = 0; i < joints.size(); ++i) {
+      const Limits& limits = joints[i].limits;
+      const double q = world_->q(k)[static_cast<Eigen::Index>(i)];
+      const double range = limits.upper - limits.lower;
+      if (std::isfinite(range) && (q > limits.upper + range || q < limits.lower - range))
+        return true;
+    }
+  }
+  return false;
 }
 
 void Experiment::record(ScenarioRun& run, Eigen::Index k) const {
@@ -241,6 +294,16 @@ void Experiment::record(ScenarioRun& run, Eigen::Index k) const {
     trace.measured[k] = samples_[i].force;
     trace.x_f[k] = control_->correction(member);
     trace.tracked[k] = held_[i];
+  }
+  for (size_t i = 0; i < walls_.size(); ++i) {
+    MemberTrace& trace = run.member[sensors_.size() + i];
+    trace.force[k] = wall_now_[i].force;
+    trace.rate[k] = wall_now_[i].rate;
+    trace.measured[k] = wall_samples_[i].force;
+  }
+  for (size_t i = 0; i < held_objects_.size(); ++i) {
+    run.body[i].position.row(k) = world_->body(static_cast<int>(i)).position.transpose();
+    run.body[i].wanted.row(k) = held_objects_[i].wanted().transpose();
   }
 }
 

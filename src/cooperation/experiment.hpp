@@ -4,6 +4,8 @@
 #include <vector>
 
 #include "arm_loop.hpp"
+#include "held_object.hpp"
+#include "torque_path.hpp"
 #include "veridyn/cooperation/scenario_run.hpp"
 #include "veridyn/simulation/world.hpp"
 
@@ -15,30 +17,56 @@ class Experiment {
   Experiment(const Scenario& scenario, const std::string& engine);
 
   void begin(const ScenarioPhase& phase);
+  /// False where the controller refuses it.
+  bool command(const ScenarioCommand& c);
   /// One control period. False where the engine cannot go on.
   bool step();
   /// Row k of the run, of the instant before the step.
   void record(ScenarioRun& run, Eigen::Index k) const;
 
+  /// Ends all motion and holds what has been reached.
+  void stop() { control_->stop(); }
+
   World& world() { return *world_; }
+  /// The arm as it is.
+  const Model& real(int arm) const { return arms_[static_cast<size_t>(arm)]; }
+  int arms() const { return static_cast<int>(loops_.size()); }
+  /// True place of an arm's tip in the world [m].
+  Eigen::Vector3d tip(int arm) const { return world_->point(tips_[static_cast<size_t>(arm)]).position; }
   const CooperativeController& controller() const { return *control_; }
   StepStatus status() const { return status_; }
   std::vector<std::string> left_out() const;
 
  private:
-  void add_arm(const ScenarioArm& arm, const std::string& engine, unsigned seed);
+  struct Contact {
+    double force = 0.0, rate = 0.0;  // [N], [m/s] of the depth
+  };
+  void add_arm(std::size_t index, const std::string& engine);
   void add_members();
-  void command(const ScenarioCommand& c);
+  void add_walls();
+  void add_bodies();
+  void make_controller();
+  void read_contacts(double now);
   void apply_faults();
+  bool is_lost() const;
   void read_sensors();
 
   Scenario scenario_;
+  std::vector<Model> arms_;
   std::vector<WorldArm> world_arms_;
   std::vector<Attachment> tips_;
   std::unique_ptr<World> world_;
   std::vector<ArmLoop> loops_;
-  std::vector<ForceSensor> sensors_;
-  std::vector<ForceSample> samples_;
+  std::vector<Eigen::Vector3d> starts_;  // of the tips, true, in the world [m]
+  WorldObjects objects_;
+  std::vector<ForceSensor> sensors_, wall_sensors_;
+  std::vector<ForceSample> samples_, wall_samples_;
+  std::vector<double> filtered_;  // readings after their low-pass [N]
+  double smoothing_ = 1.0;
+  std::vector<Wall> walls_;
+  std::vector<Contact> wall_now_;
+  std::vector<HeldObject> held_objects_;
+  std::vector<TorquePath> paths_;  // from torques asked for to torques made
   std::unique_ptr<CooperativeController> control_;
   std::unique_ptr<CooperativeInput> input_;
   std::vector<TipTarget> targets_;

@@ -3,8 +3,8 @@
 #include <limits>
 
 #include "math/random_numbers.hpp"
-#include "veridyn/identification/base_parameters.hpp"
-#include "veridyn/identification/parameter_set.hpp"
+#include "veridyn/regressor/base_parameters.hpp"
+#include "veridyn/regressor/standard_parameters.hpp"
 
 namespace veridyn {
 

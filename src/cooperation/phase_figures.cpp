@@ -80,6 +80,11 @@ PhaseFigures phase_figures(const Scenario& scenario, const ScenarioPhase& phase,
   const MatrixXd off = (master.tip - master.motion).middleRows(first, end - first);
   out.position_error = off.rowwise().norm().maxCoeff();
   out.final_position_error = off.row(off.rows() - 1).norm();
+  out.asked_position_error = phase.asked_position_error;
+  for (const BodyTrace& body : run.body) {
+    const MatrixXd away = (body.position - body.wanted).middleRows(first, end - first);
+    out.body_error = std::max(out.body_error, away.rowwise().norm().maxCoeff());
+  }
   return out;
 }
 
@@ -93,7 +98,9 @@ double PhaseFigures::largest_steady_error() const {
 
 bool PhaseFigures::met() const {
   return (asked_force_error <= 0.0 || largest_force_error() <= asked_force_error) &&
-         (asked_steady_error <= 0.0 || largest_steady_error() <= asked_steady_error);
+         (asked_steady_error <= 0.0 || largest_steady_error() <= asked_steady_error) &&
+         (asked_position_error <= 0.0 ||
+          std::max(position_error, body_error) <= asked_position_error);
 }
 
 }  // namespace veridyn

@@ -44,6 +44,11 @@ Eigen::Vector3d vector3(const YamlNode& node, const std::string& unit) {
   return {v[0], v[1], v[2]};
 }
 
+double positive_or(const YamlNode& node, const std::string& key, double otherwise) {
+  const auto value = node.find(key);
+  return value ? value->positive_number() : otherwise;
+}
+
 double nonnegative_or(const YamlNode& node, const std::string& key, double otherwise) {
   const auto value = node.find(key);
   if (!value) return otherwise;
@@ -137,7 +142,8 @@ ScenarioPhase read_phase(const YamlNode& node, const Names& arms, const Names& m
   }
   if (const auto force = node.find("force")) add_forces(*force, members, over, phase.commands);
   if (const auto ask = node.find("ask")) {
-    ask->allow_keys({"force_error", "steady_error"});
+    ask->allow_keys({"force_error", "steady_error", "position_error"});
+    phase.asked_position_error = nonnegative_or(*ask, "position_error", 0.0);
     phase.asked_force_error = nonnegative_or(*ask, "force_error", 0.0);
     phase.asked_steady_error = nonnegative_or(*ask, "steady_error", 0.0);
   }

@@ -28,6 +28,7 @@ struct Names {
 void check_arm(const ScenarioArm& arm, const Model& model);
 
 Eigen::Vector3d vector3(const YamlNode& node, const std::string& unit);
+double positive_or(const YamlNode& node, const std::string& key, double otherwise);
 double nonnegative_or(const YamlNode& node, const std::string& key, double otherwise);
 long whole_number(const YamlNode& node);
 

@@ -5,6 +5,7 @@
 #include <iterator>
 
 #include "model/yaml/yaml_node.hpp"
+#include "scenario_objects.hpp"
 #include "scenario_parts.hpp"
 #include "veridyn/cooperation/scenario.hpp"
 #include "math/most_rows.hpp"
@@ -18,11 +19,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-double positive_or(const YamlNode& node, const std::string& key, double otherwise) {
-  const auto value = node.find(key);
-  return value ? value->positive_number() : otherwise;
-}
-
 // A model named by a path is sought beside the scenario; a bare name is one of the tool's.
 std::string model_path(const std::string& named, const std::string& scenario) {
   const bool is_file = named.find('/') != std::string::npos || fs::path(named).has_extension();
@@ -32,7 +28,8 @@ std::string model_path(const std::string& named, const std::string& scenario) {
 
 ScenarioArm read_arm(const YamlNode& node, const std::string& scenario) {
   node.allow_keys(
-      {"name", "model", "seed", "position", "turn", "frame", "offset", "start", "control"});
+      {"name", "model", "seed", "position", "turn", "frame", "offset", "start", "control",
+       "calibration_error", "controller_model"});
   ScenarioArm arm;
   arm.name = node.at("name").word("the arm's name");
   arm.model = model_path(node.at("model").word("a robot"), scenario);
@@ -40,6 +37,13 @@ ScenarioArm read_arm(const YamlNode& node, const std::string& scenario) {
   if (const auto position = node.find("position")) arm.position = vector3(*position, "m");
   if (const auto turn = node.find("turn")) arm.turn = vector3(*turn, "rad");
   if (const auto offset = node.find("offset")) arm.offset = vector3(*offset, "m");
+  if (const auto error = node.find("calibration_error")) {
+    error->allow_keys({"position", "turn"});
+    if (const auto by = error->find("position")) arm.calibration_position = vector3(*by, "m");
+    if (const auto by = error->find("turn")) arm.calibration_turn = vector3(*by, "rad");
+  }
+  if (const auto model = node.find("controller_model"))
+    arm.controller_model = model_path(model->word("a robot"), scenario);
   arm.frame = node.at("frame").word("the frame that holds the object");
   const std::vector<YamlNode> start = node.at("start").items("a list of joint positions");
   arm.start = VectorXd(static_cast<Eigen::Index>(start.size()));
@@ -50,77 +54,18 @@ ScenarioArm read_arm(const YamlNode& node, const std::string& scenario) {
       control, {{"position", ArmControl::kPosition}, {"impedance", ArmControl::kImpedance}});
   try {
     check_arm(arm, read_model(arm.model));
+    if (!arm.controller_model.empty()) check_arm(arm, read_model(arm.controller_model));
   } catch (const InvalidInput& error) {
     throw InvalidInput(text(node.where(), ": ", error.what()));
   }
   return arm;
 }
 
-ForceLaw read_law(const YamlNode& node, double stiffness) {
-  node.allow_keys({"kind", "deadband", "increment", "gain", "proportional", "damping",
-                   "feed_forward", "reach", "stiffness"});
-  ForceLaw law;
-  law.kind =
-      choice<ForceLaw::Kind>(node.at("kind"), {{"increment", ForceLaw::Kind::kIncrement},
-                                               {"proportional", ForceLaw::Kind::kProportional},
-                                               {"tuned", ForceLaw::Kind::kProportional}});
-  law.deadband = nonnegative_or(node, "deadband", 0.0);
-  law.increment = nonnegative_or(node, "increment", 0.0);
-  law.gain = nonnegative_or(node, "gain", 0.0);
-  law.proportional = nonnegative_or(node, "proportional", 0.0);
-  law.damping = nonnegative_or(node, "damping", 0.0);
-  law.feed_forward = nonnegative_or(node, "feed_forward", 0.0);
-  law.reach = positive_or(node, "reach", law.reach);
-  law.stiffness = nonnegative_or(node, "stiffness", stiffness);
-  return law;
-}
-
-ForceSensorOptions read_sensor(const YamlNode& node) {
-  node.allow_keys({"rate", "delay", "noise", "step"});
-  ForceSensorOptions sensor;
-  sensor.rate = positive_or(node, "rate", sensor.rate);
-  sensor.delay = nonnegative_or(node, "delay", 0.0);
-  sensor.noise = nonnegative_or(node, "noise", 0.0);
-  sensor.step = nonnegative_or(node, "step", 0.0);
-  return sensor;
-}
-
-ScenarioMember read_member(const YamlNode& node, const Names& arms) {
-  node.allow_keys({"name", "kind", "between", "stiffness", "damping", "slack", "sensor", "law"});
-  ScenarioMember member;
-  member.name = node.at("name").word("the member's name");
-  enum class Kind { kSpring, kString, kBar };
-  const Kind kind = choice<Kind>(
-      node.at("kind"), {{"spring", Kind::kSpring}, {"string", Kind::kString}, {"bar", Kind::kBar}});
-  const std::vector<YamlNode> ends = node.at("between").items("two arms");
-  if (ends.size() != 2) node.at("between").fail(node.at("between").found(), "two arms");
-  member.from = arms.index(ends[0]);
-  member.to = arms.index(ends[1]);
-  if (member.from == member.to) ends[1].fail("the same arm twice", "two arms");
-  if (kind == Kind::kBar) {
-    member.stiffness = positive_or(node, "stiffness", kRigidStiffness);
-    member.damping = nonnegative_or(node, "damping", kRigidDamping);
-  } else {
-    member.stiffness = node.at("stiffness").positive_number();
-    member.damping = nonnegative_or(node, "damping", 0.0);
-  }
-  member.pulls_only = kind == Kind::kString;
-  if (const auto slack = node.find("slack")) member.slack = slack->number();
-  if (const auto sensor = node.find("sensor")) member.sensor = read_sensor(*sensor);
-  const YamlNode law = node.at("law");
-  member.tuned = law.is_map() && law.at("kind").word("a kind of law") == "tuned";
-  if (member.tuned) {
-    law.allow_keys({"kind"});
-  } else {
-    member.law = read_law(law, member.stiffness);
-  }
-  return member;
-}
-
 ScenarioControl read_control(const YamlNode& node) {
   node.allow_keys({"rate", "position_frequency", "mass", "damping", "stiffness", "friction",
                    "observer", "velocity_cutoff", "largest_force", "largest_force_error",
-                   "largest_error", "largest_age", "stuck_force"});
+                   "largest_error", "largest_age", "stuck_force", "friction_rule",
+                   "adaptive_friction", "force_cutoff", "motor_lag", "torque_delay", "guard", "largest_energy", "relief_force"});
   ScenarioControl c;
   c.rate = positive_or(node, "rate", c.rate);
   c.position_frequency = positive_or(node, "position_frequency", c.position_frequency);
@@ -133,6 +78,22 @@ ScenarioControl read_control(const YamlNode& node) {
     node.at("stiffness").fail("a stiffness that is not above zero", "three above zero [N/m]");
   c.friction = nonnegative_or(node, "friction", c.friction);
   c.observer = nonnegative_or(node, "observer", c.observer);
+  if (const auto rule = node.find("friction_rule"))
+    c.friction_rule = choice<FrictionRule>(*rule, {{"velocity", FrictionRule::kVelocity},
+                                                   {"stick-slip", FrictionRule::kStickSlip},
+                                                   {"presliding", FrictionRule::kPresliding}});
+  if (const auto adaptive = node.find("adaptive_friction")) c.adaptive_friction = adaptive->flag();
+  if (c.adaptive_friction && !(c.friction > 0.0))
+    node.at("adaptive_friction").fail("it without friction compensation", "'friction' above zero");
+  c.force_cutoff = nonnegative_or(node, "force_cutoff", c.force_cutoff);
+  c.motor_lag = nonnegative_or(node, "motor_lag", c.motor_lag);
+  if (const auto delay = node.find("torque_delay")) {
+    c.torque_delay = static_cast<int>(whole_number(*delay));
+    if (c.torque_delay > 1000) delay->fail(delay->found(), "at most 1000 cycles");
+  }
+  c.largest_energy = nonnegative_or(node, "largest_energy", c.largest_energy);
+  c.relief_force = positive_or(node, "relief_force", c.relief_force);
+  if (const auto guard = node.find("guard")) c.guard = guard->flag();
   c.velocity_cutoff = positive_or(node, "velocity_cutoff", c.velocity_cutoff);
   c.largest_force = positive_or(node, "largest_force", c.largest_force);
   c.largest_force_error = positive_or(node, "largest_force_error", c.largest_force_error);
@@ -167,7 +128,7 @@ ScenarioSweep read_sweep(const YamlNode& node) {
 void expect_room(const Scenario& s, const YamlNode& phases) {
   double seconds = 0.0;
   for (const ScenarioPhase& phase : s.phases) seconds += phase.duration;
-  double numbers = 1.0 + 6.0 * static_cast<double>(s.members.size());
+  double numbers = 1.0 + 6.0 * static_cast<double>(s.members.size() + s.walls.size() + s.bodies.size());
   for (const ScenarioArm& arm : s.arms) numbers += 3.0 * static_cast<double>(arm.start.size() + 3);
   const double most = std::floor(most_rows(numbers));
   if (seconds * s.control.rate < most) return;
@@ -182,7 +143,8 @@ Scenario read(const YamlNode& root, const std::string& path) {
   const auto version = root.find("veridyn");
   if (!version || version->number() != 1.0) root.fail("no 'veridyn: 1'", "it at the top");
   root.allow_keys({"veridyn", "scenario", "source", "seed", "model_error", "encoder", "arms",
-                   "master", "members", "control", "phases", "faults", "sweep"});
+                   "master", "members", "walls", "bodies", "control", "phases", "faults", "sweep",
+                   "ask"});
   Scenario s;
   s.name = root.at("scenario").word("the scenario's name");
   if (const auto source = root.find("source")) s.source = source->word("where it comes from");
@@ -208,6 +170,21 @@ Scenario read(const YamlNode& root, const std::string& path) {
       s.members.push_back(read_member(node, arms));
       members.add(s.members.back().name, node.at("name"));
     }
+  }
+  if (const auto list = root.find("walls")) {
+    for (const YamlNode& node : list->items("a list of walls")) {
+      s.walls.push_back(read_wall(node, arms));
+      members.add(s.walls.back().name, node.at("name"));
+    }
+    members.all.resize(s.members.size());
+  }
+  if (const auto list = root.find("bodies")) {
+    for (const YamlNode& node : list->items("a list of bodies"))
+      s.bodies.push_back(read_body(node, arms));
+  }
+  if (const auto ask = root.find("ask")) {
+    ask->allow_keys({"largest_force"});
+    s.asked_largest_force = ask->at("largest_force").positive_number();
   }
   if (const auto control = root.find("control")) s.control = read_control(*control);
   tune_force_laws(s);

@@ -2,9 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 
+#include "empty_run.hpp"
 #include "experiment.hpp"
 #include "phase_figures.hpp"
 #include "math/output_file.hpp"
@@ -15,6 +17,8 @@ namespace {
 Eigen::Index rows_of(const Scenario& scenario, double seconds) {
   return static_cast<Eigen::Index>(std::lround(seconds * scenario.control.rate));
 }
+
+}  // namespace
 
 ScenarioRun empty_run(const Scenario& scenario, const std::string& engine, Eigen::Index rows) {
   ScenarioRun run;
@@ -31,6 +35,14 @@ ScenarioRun empty_run(const Scenario& scenario, const std::string& engine, Eigen
     run.members.push_back(member.name);
     run.member.push_back({run.time, run.time, run.time, run.time, run.time, run.time});
   }
+  for (const ScenarioWall& wall : scenario.walls) {
+    run.members.push_back(wall.name);
+    run.member.push_back({run.time, run.time, run.time, run.time, run.time, run.time});
+  }
+  for (const ScenarioBody& body : scenario.bodies) {
+    run.bodies.push_back(body.name);
+    run.body.push_back({MatrixXd::Zero(rows, 3), MatrixXd::Zero(rows, 3)});
+  }
   return run;
 }
 
@@ -44,9 +56,11 @@ void cut(ScenarioRun& run, Eigen::Index rows) {
     for (VectorXd* v : {&t.wanted, &t.force, &t.measured, &t.x_f, &t.rate, &t.tracked})
       v->conservativeResize(rows);
   }
+  for (BodyTrace& t : run.body) {
+    t.position.conservativeResize(rows, 3);
+    t.wanted.conservativeResize(rows, 3);
+  }
 }
-
-}  // namespace
 
 ScenarioRun run_scenario(const Scenario& scenario, const std::string& engine,
                          const std::function<void(double)>& progress) {
@@ -56,6 +70,7 @@ ScenarioRun run_scenario(const Scenario& scenario, const std::string& engine,
   for (const ScenarioPhase& phase : scenario.phases) rows += rows_of(scenario, phase.duration);
   ScenarioRun run = empty_run(scenario, engine, rows);
   run.left_out = experiment.left_out();
+  run.asked_largest_force = scenario.asked_largest_force;
   Eigen::Index k = 0;
   for (const ScenarioPhase& phase : scenario.phases) {
     experiment.begin(phase);
@@ -87,6 +102,12 @@ ScenarioRun run_scenario(const Scenario& scenario, const std::string& engine,
   return run;
 }
 
+bool ScenarioRun::met() const {
+  if (!complete()) return false;
+  if (asked_largest_force > 0.0 && !(largest_force <= asked_largest_force)) return false;
+  return std::all_of(phases.begin(), phases.end(), [](const PhaseFigures& p) { return p.met(); });
+}
+
 std::string ScenarioRun::report() const {
   std::string out = fmt::format("{}: {} arm{}, {:.4g} s simulated in {:.2g} s by {}.\n", name,
                                 arms.size(), arms.size() == 1 ? "" : "s",
@@ -116,10 +137,24 @@ std::string ScenarioRun::report() const {
       out += fmt::format("{}: at rest within {:.3g} N, asked {:.3g} N: {}\n", p.phase,
                          p.largest_steady_error(), p.asked_steady_error,
                          p.largest_steady_error() <= p.asked_steady_error ? "met" : "NOT met");
+    if (p.body_error > 0.0)
+      out += fmt::format("{}: held bodies at most {:.3g} mm off their way\n", p.phase,
+                         1e3 * p.body_error);
+    if (p.asked_position_error > 0.0)
+      out += fmt::format("{}: places within {:.3g} mm, asked {:.3g} mm: {}\n", p.phase,
+                         1e3 * std::max(p.position_error, p.body_error),
+                         1e3 * p.asked_position_error,
+                         std::max(p.position_error, p.body_error) <= p.asked_position_error
+                             ? "met"
+                             : "NOT met");
     out += fmt::format("{}: master at most {:.3g} mm off its way, {:.3g} mm at the end\n", p.phase,
                        1e3 * p.position_error, 1e3 * p.final_position_error);
   }
-  out += fmt::format("Largest force: {:.3g} N.\n", largest_force);
+  out += fmt::format("Largest force: {:.3g} N", largest_force);
+  if (asked_largest_force > 0.0)
+    out += fmt::format(", asked {:.3g} N: {}", asked_largest_force,
+                       largest_force <= asked_largest_force ? "met" : "NOT met");
+  out += ".\n";
   if (state != CooperativeState::kTracking)
     out += fmt::format("At {:.4g} s the controller {}.\n", held_at, describe(state));
   if (!complete())

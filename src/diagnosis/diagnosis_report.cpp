@@ -1,14 +1,30 @@
 #include <fmt/format.h>
 
+#include <cmath>
+
+#include "diagnosis/numerics.hpp"
 #include "veridyn/diagnosis/diagnosis.hpp"
 
 namespace veridyn {
 namespace {
 
+using numerics::kPercent;
+
 std::string percents(const VectorXd& v) {
   std::string out;
-  for (Eigen::Index i = 0; i < v.size(); ++i) out += fmt::format("{:8.2f}", 100.0 * v[i]);
+  for (Eigen::Index i = 0; i < v.size(); ++i) out += fmt::format("{:8.2f}", kPercent * v[i]);
   return out;
+}
+
+std::string status_words(const Finding& f) {
+  const double share = kPercent * std::abs(f.explains);
+  if (f.status == FindingStatus::kConfirmed)
+    return fmt::format("confirmed: explains {:.0f} % of the removable error", kPercent * f.explains);
+  return f.explains < 0.0
+             ? fmt::format("NOT CONFIRMED: the held-out error is larger with it, by {:.0f} % of the "
+                           "removable error",
+                           share)
+             : "NOT CONFIRMED: the held-out error of its joint is no smaller with it";
 }
 
 std::string finding_text(const Finding& f) {
@@ -17,10 +33,14 @@ std::string finding_text(const Finding& f) {
     out += fmt::format("     {} = {:.4g} {} (95 %: {:.4g} to {:.4g})\n", p.name, p.value, p.unit,
                        p.low, p.high);
   }
-  out += fmt::format("     held-out error, %: {} -> {}\n", percents(f.test_before),
-                     percents(f.test_after));
-  out += fmt::format("     p = {:.1e}, explains {:.0f} % of the removable error\n", f.p_value,
-                     100.0 * f.explains);
+  if (f.test_outside.size() > 0) {
+    out += fmt::format("     held-out error outside of what is left out, %: {}\n     p = {:.1e}\n",
+                       percents(f.test_outside), f.p_value);
+  } else {
+    out += fmt::format("     held-out error, %: {} -> {}\n", percents(f.test_before),
+                       percents(f.test_after));
+    out += fmt::format("     p = {:.1e}, {}\n", f.p_value, status_words(f));
+  }
   for (const Rival& r : f.rivals) {
     const std::string place =
         r.frame.empty() ? fmt::format("joint {} ({})", r.joint, r.coordinate) : r.frame;
@@ -29,12 +49,51 @@ std::string finding_text(const Finding& f) {
   return out;
 }
 
+std::string small_text(const Finding& f) {
+  return fmt::format("{:>4}. {} p = {:.1e}, {}\n", f.rank, f.sentence, f.p_value, status_words(f));
+}
+
+std::string summary_text(const Diagnosis& d) {
+  const DiagnosisSummary& s = d.summary;
+  const size_t all = d.findings.size();
+  std::string out;
+  if (all > 1 && static_cast<size_t>(s.main) < all) {
+    out += fmt::format(
+        "\nthe first {} of {} findings explain {:.0f} % of the removable held-out error, all of them "
+        "{:.0f} %\n",
+        s.main, all, kPercent * s.explained_by_main, kPercent * s.explained_by_all);
+  }
+  return out;
+}
+
+std::string worse_words(const Diagnosis& d, int joint) {
+  const Eigen::Index i = joint - 1;
+  const std::string name =
+      d.baseline.model ? d.baseline.model->coordinates()[static_cast<size_t>(i)].name : "";
+  return fmt::format("the extended model is worse on joint {} ({}): {:.1f} -> {:.1f} % held out",
+                     joint, name, kPercent * d.baseline.test_error.relative[i],
+                     kPercent * d.extended.test_error.relative[i]);
+}
+
 }  // namespace
+
+std::string Diagnosis::verdict() const {
+  if (findings.empty()) return "none";
+  std::string out = findings.front().sentence;
+  if (findings.front().status == FindingStatus::kNotConfirmed)
+    out += " The held-out recordings do not confirm it.";
+  for (const int joint : summary.worse_joints) {
+    std::string words = worse_words(*this, joint);
+    words.front() = 'T';
+    out += " " + words + ".";
+  }
+  return out;
+}
 
 std::string Diagnosis::report() const {
   if (!baseline.model) return baseline.report();
   std::string out =
-      fmt::format("{}: {} hypotheses asked in {:.1f} s\n", baseline.robot, hypotheses, seconds);
+      fmt::format("{}: {} hypotheses tested in {:.1f} s\n", baseline.robot, hypotheses, seconds);
   for (const RecordingQuality& q : data_quality) {
     for (const QualityFinding& f : q.findings) {
       if (f.severity != Severity::kInfo)
@@ -51,15 +110,33 @@ std::string Diagnosis::report() const {
   out += findings.empty() ? "\nverdict: none; the data support no further effect\n"
          : changes        ? "\nwhat changed since the model was made:\n"
                           : "\nwhat the model lacks:\n";
-  for (const Finding& f : findings) out += finding_text(f);
-  out += "\nerrors, % of the torque, per joint\n";
+  for (const Finding& f : findings) {
+    if (f.main) out += finding_text(f);
+  }
+  if (static_cast<size_t>(summary.main) < findings.size()) out += "small ones:\n";
+  for (const Finding& f : findings) {
+    if (!f.main) out += small_text(f);
+  }
+  out += summary_text(*this);
+  for (const int joint : summary.worse_joints) out += "WARNING: " + worse_words(*this, joint) + "\n";
+  if (!summary.held_out_untouched)
+    out += "the held-out recordings chose among the findings: the held-out error of the extended "
+           "model is no longer that of recordings that took no part\n";
+  out += "\nerrors, % of the torque, per joint; held out: every row as recorded\n";
+  if (baseline.model) {
+    out += fmt::format("  {:<24}", "");
+    for (const Coordinate& c : baseline.model->coordinates())
+      out += fmt::format("{:>8.8}", c.name);
+    out += "\n";
+  }
   const auto line = [&out](const char* name, const VectorXd& v) {
     if (v.size() > 0) out += fmt::format("  {:<24}{}\n", name, percents(v));
   };
-  line("held out, as it stands", baseline.test_error.relative);
+  line("held out, baseline", baseline.test_error.relative);
   line("held out, extended", extended.test_error.relative);
-  line("extended, as recorded", extended.test_as_recorded.relative);
-  line("training, as it stands", baseline.train_error.relative);
+  line("  late rows repaired", extended.test_repaired.relative);
+  line("  without excluded rows", extended.test_without_excluded.relative);
+  line("training, baseline", baseline.train_error.relative);
   line("training, extended", extended.train_error.relative);
   line("noise floor", baseline.noise_floor);
   if (!next_experiment.separates.empty()) {

@@ -4,13 +4,18 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <numeric>
 #include <set>
 
+#include "diagnosis/causes/effect_facts.hpp"
 #include "diagnosis/causes/extended_arm.hpp"
-#include "diagnosis/evidence/held_out.hpp"
 #include "diagnosis/causes/payload_fit.hpp"
-#include "veridyn/effects/effect.hpp"
-#include "veridyn/identification/arm_effects.hpp"
+#include "diagnosis/evidence/held_out.hpp"
+#include "diagnosis/finding_words.hpp"
+#include "diagnosis/numerics.hpp"
+#include "veridyn/effects/cause.hpp"
+#include "veridyn/effects/channel_effect.hpp"
 #include "veridyn/math/student_t.hpp"
 
 namespace veridyn {
@@ -32,7 +37,7 @@ std::string place_text(const Model& arm, const Hypothesis& h) {
 std::string why_not(const Evidence& e, const DiagnosisOptions& limits) {
   if (e.sign_broken) return "its value would have an impossible sign or size";
   if (e.gain <= 0.0) return "held-out data are predicted no better";
-  if (e.gain <= limits.smallest_gain) return "held-out data gain too little from it";
+  if (e.gain <= limits.thresholds.smallest_gain) return "held-out data gain too little from it";
   if (!e.consistent) return "it helps in some of the held-out parts only";
   return "its value is not certain enough among so many questions";
 }
@@ -65,14 +70,6 @@ const Hypothesis& FindingWriter::accepted(size_t k) const {
 const Hypothesis& FindingWriter::asked_hypothesis(const Hypothesis& h) const {
   return *std::find_if(asked_.augmented.hypotheses.begin(), asked_.augmented.hypotheses.end(),
                        [&h](const Hypothesis& other) { return other.family == h.family; });
-}
-
-Rival FindingWriter::rival(const Hypothesis& h, const std::string& why) const {
-  const Model& arm = q_.augmented.model;
-  Rival out{h.effect, h.joint + 1,
-            h.joint < 0 ? "arm" : arm.coordinates()[static_cast<size_t>(h.joint)].name, why, ""};
-  if (h.body >= 0) out.frame = arm.frames()[static_cast<size_t>(h.frame)].name;
-  return out;
 }
 
 std::vector<double> FindingWriter::values_of(const Hypothesis& h) const {
@@ -116,14 +113,12 @@ std::vector<FoundParameter> FindingWriter::parameters_of(const Hypothesis& h) co
   if (h.body >= 0) return payload_parameters(h);
   const EffectTerm& term = term_of(q_, h);
   const std::vector<StandardParameter> all = standard_parameters(q_.augmented.model);
-  const double t = student_t_quantile(0.05, fit_.selection.degrees_of_freedom);
+  const double t = student_t_quantile(numerics::kOutside, fit_.selection.degrees_of_freedom);
   std::vector<FoundParameter> out;
   for (const StandardParameter& parameter : all) {
     if (parameter.effect != h.term) continue;
     const auto at = static_cast<size_t>(parameter.component);
-    const std::string name = is_arm_effect(term.effect)
-                                 ? arm_effect_parameters(term.effect)[at].name
-                                 : find_effect(term.effect).parameters()[at].name;
+    const std::string name = find_effect(term.effect).parameters()[at].name;
     FoundParameter found{name, parameter.unit, 0.0, 0.0, 0.0};
     for (size_t k = 0; k < fit_.selection.columns.size(); ++k) {
       if (data_.names()[static_cast<size_t>(fit_.selection.columns[k])] != parameter.name) continue;
@@ -136,7 +131,6 @@ std::vector<FoundParameter> FindingWriter::parameters_of(const Hypothesis& h) co
     }
     out.push_back(found);
   }
-  if (is_arm_effect(term.effect)) return out;
   const bool slides = is_prismatic(q_.augmented.model, term.axis);
   for (const EffectShape& shape : find_effect(term.effect).shapes()) {
     const auto value = term.values.find(shape.name);
@@ -167,98 +161,117 @@ std::string FindingWriter::change_text(const Hypothesis& h, const Finding& f) co
   return out;
 }
 
-std::string FindingWriter::sentence(const Hypothesis& h, const Finding& f) const {
-  const Model& arm = q_.augmented.model;
-  const std::string joint =
-      h.joint < 0 ? "" : "Joint " + std::to_string(f.joint) + " (" + f.coordinate + ")";
+std::string FindingWriter::phrase_of(const Hypothesis& h) const {
+  const std::vector<double> values = values_of(h);
+  if (is_channel(h)) return channel_phrase(q_.augmented.model, term_of(q_, h), values);
+  return BoundEffect(q_.augmented.model, term_of(q_, h)).phrase(values);
+}
+
+std::string FindingWriter::sentence(const Group& group, const Finding& f) const {
+  const Hypothesis& h = accepted(group.front());
   if (h.body >= 0) {
     return fmt::format("A load of {:.3g} kg (95 %: {:.3g} to {:.3g}) sits on {}.",
                        f.parameters[0].value, f.parameters[0].low, f.parameters[0].high, f.frame);
   }
+  const std::string joint = place_words(f);
   if (h.changes >= 0) return joint + ": " + change_text(h, f) + ".";
-  std::vector<double> values;
-  for (size_t p = 0; p < h.columns.size(); ++p) values.push_back(f.parameters[p].value);
-  if (is_arm_effect(h.effect)) {
-    const std::string phrase = arm_effect_phrase(arm, term_of(q_, h), values);
-    return (joint.empty() ? "The arm has " : joint + " has ") + phrase + ".";
+  if (is_channel(h)) {
+    const std::vector<double> values = values_of(h);
+    return joint + " has " + phrase_of(h) + "." + remark_on_size(h, values);
   }
-  return joint + ": " + BoundEffect(arm, term_of(q_, h)).phrase(values) + ".";
+  std::string out = joint + ": " + phrase_of(h);
+  for (size_t k = 1; k < group.size(); ++k) out += "; " + phrase_of(accepted(group[k]));
+  if (group.size() > 1)
+    out += fmt::format(" (one effect with a spectrum of {} constants)", group.size());
+  return out + ".";
 }
 
-// Held-out error of the models that grow by one finding at a time, relative to what `start` shows.
+// Hypotheses of one family that were accepted with several constants are one finding.
+std::vector<FindingWriter::Group> FindingWriter::groups() const {
+  std::vector<Group> out;
+  std::map<std::string, size_t> of_family;
+  for (size_t k = 0; k < selection_.accepted.size(); ++k) {
+    const auto [found, is_new] = of_family.emplace(accepted(k).family, out.size());
+    if (is_new) out.emplace_back();
+    out[found->second].push_back(k);
+  }
+  return out;
+}
+
+// Error on every row of the held-out recordings of the models that grow by one finding at a time,
+// relative to what `start` shows.
 std::vector<VectorXd> FindingWriter::errors_along_the_way() const {
   std::vector<VectorXd> out;
   if (q_.test.empty()) return out;
   const NormalBlocks test(q_.test, q_.columns, data_.scale());
   ColumnSet set = q_.base;
   VectorXd first;
-  for (size_t k = 0; k <= selection_.accepted.size(); ++k) {
+  const std::vector<Group> all = groups();
+  for (size_t k = 0; k <= all.size(); ++k) {
     const VectorXd w = joint_weights(data_, set);
     const VectorXd x = data_.solve(set, w, data_.total(), nullptr);
     const VectorXd r2 = test.residual2(set, x, test.total());
     if (k == 0) first = r2;
     out.push_back(start_.test_error.relative.array() *
-                  (r2.array() / first.array().max(1e-300)).sqrt());
-    if (k == selection_.accepted.size()) break;
-    const ColumnSet own = columns_of(data_, accepted(k));
-    set.insert(set.end(), own.begin(), own.end());
+                  (r2.array() / first.array().max(numerics::kTiny)).sqrt());
+    if (k == all.size()) break;
+    for (const size_t member : all[k]) {
+      const ColumnSet own = columns_of(data_, accepted(member));
+      set.insert(set.end(), own.begin(), own.end());
+    }
   }
   return out;
 }
 
-Finding FindingWriter::finding(size_t k, const VectorXd& before, const VectorXd& after) const {
-  const Model& arm = q_.augmented.model;
-  const Accepted& a = selection_.accepted[k];
-  const Hypothesis& h = accepted(k);
-  Finding f;
-  f.effect = h.effect;
-  f.joint = h.joint + 1;
-  f.coordinate = h.joint < 0 ? "arm" : arm.coordinates()[static_cast<size_t>(h.joint)].name;
-  if (h.body >= 0) f.frame = arm.frames()[static_cast<size_t>(h.frame)].name;
-  f.parameters = parameters_of(h);
-  if (!f.parameters.empty()) f.unit = f.parameters.front().unit;
-  f.p_value = a.evidence.p_value;
-  f.gain = a.evidence.gain;
+Finding FindingWriter::finding(const Group& group, const VectorXd& before,
+                               const VectorXd& after) const {
+  const Hypothesis& h = accepted(group.front());
+  Finding f = finding_at(q_.augmented.model, h);
   f.test_before = before;
   f.test_after = after;
-  for (const Evidence& e : a.rivals) {
-    const Hypothesis& other = asked_.augmented.hypotheses[static_cast<size_t>(e.hypothesis)];
-    const bool same =
-        h.body >= 0 && other.body >= 0 && same_torques(asked_data_, asked_hypothesis(h), other);
-    f.rivals.push_back(
-        rival(other, same ? "moves so alike that torques cannot tell which link carries it"
-                          : fmt::format("gains {:.0f} % as much on held-out data",
-                                        100.0 * e.gain / std::max(1e-12, a.evidence.gain))));
+  for (size_t k = 0; k < group.size(); ++k) {
+    const Accepted& a = selection_.accepted[group[k]];
+    for (FoundParameter& p : parameters_of(accepted(group[k]))) {
+      if (k > 0) p.name += fmt::format("_{}", k + 1);
+      f.parameters.push_back(std::move(p));
+    }
+    f.p_value = std::min(f.p_value, a.evidence.p_value);
+    f.gain = std::max(f.gain, a.evidence.gain);
+    const Hypothesis& asked = asked_hypothesis(accepted(group[k]));
+    for (Rival& r : rivals_of(asked_, asked_data_, asked, a, changes_)) {
+      const bool own = r.effect == f.effect && r.joint == f.joint && r.frame == f.frame;
+      const bool known = std::any_of(f.rivals.begin(), f.rivals.end(), [&r](const Rival& other) {
+        return other.effect == r.effect && other.joint == r.joint && other.frame == r.frame;
+      });
+      if (!own && !known) f.rivals.push_back(std::move(r));
+    }
   }
-  if (h.effect == "encoder_offset" && !changes_) {
-    Rival same = rival(h, "a wrong zero of this joint in the robot file does exactly the same");
-    same.effect = "coupling_error";
-    f.rivals.push_back(same);
-  }
-  f.sentence = sentence(h, f);
+  if (!f.parameters.empty()) f.unit = f.parameters.front().unit;
+  f.sentence = sentence(group, f);
+  f.status = status_of(f);
   return f;
 }
 
 void FindingWriter::add_findings(Diagnosis& d) const {
   const std::vector<VectorXd> errors = errors_along_the_way();
-  for (size_t k = 0; k < selection_.accepted.size(); ++k) {
-    Finding f = errors.empty() ? finding(k, {}, {}) : finding(k, errors[k], errors[k + 1]);
+  const std::vector<Group> all = groups();
+  for (size_t k = 0; k < all.size(); ++k) {
+    Finding f =
+        errors.empty() ? finding(all[k], {}, {}) : finding(all[k], errors[k], errors[k + 1]);
     f.rank = static_cast<int>(d.findings.size()) + 1;
     f.explains = explained_share(f.test_before, f.test_after, d.baseline);
     d.findings.push_back(std::move(f));
   }
 }
 
-void FindingWriter::add_step(Finding& f) const {
-  const Hypothesis& h = accepted(0);
-  const std::vector<FoundParameter> step = parameters_of(h);
-  for (size_t p = 0; p < f.parameters.size() && p < step.size(); ++p) {
-    FoundParameter& total = f.parameters[p];
-    total.low = total.value + step[p].low;
-    total.high = total.value + step[p].high;
-    total.value += step[p].value;
+std::vector<std::vector<std::string>> FindingWriter::parameter_names() const {
+  std::vector<std::vector<std::string>> out;
+  for (const Group& group : groups()) {
+    out.emplace_back();
+    for (const size_t k : group)
+      out.back().insert(out.back().end(), accepted(k).columns.begin(), accepted(k).columns.end());
   }
-  f.sentence = sentence(h, f);
+  return out;
 }
 
 void FindingWriter::add_the_rest(Diagnosis& d) const {
@@ -288,19 +301,32 @@ void FindingWriter::add_the_rest(Diagnosis& d) const {
     }
   }
   if (!changes_) {
-    d.cannot_tell.push_back(
-        {"payload", 0, "without a model from before, a load is part of the link it sits on"});
+    d.cannot_tell.push_back({AddedLoad::kName, 0,
+                             "without a model from before, a load is part of the link it sits on"});
   }
 }
 
-Model FindingWriter::extended_arm() const {
+Model FindingWriter::extended_arm_of(const std::vector<size_t>& chosen) const {
   std::vector<FoundCause> found;
-  for (size_t k = 0; k < selection_.accepted.size(); ++k) {
+  for (const size_t k : chosen) {
     const Hypothesis& h = accepted(k);
     found.push_back(
         {h, h.body >= 0 ? EffectTerm() : term_of(q_, h), values_of(h), payloads_[k].phi});
   }
   return veridyn::extended_arm(*start_.model, found, changes_);
+}
+
+Model FindingWriter::extended_arm() const {
+  std::vector<size_t> all(selection_.accepted.size());
+  std::iota(all.begin(), all.end(), size_t{0});
+  return extended_arm_of(all);
+}
+
+Model FindingWriter::extended_arm(const std::set<size_t>& kept) const {
+  std::vector<size_t> chosen;
+  const std::vector<Group> all = groups();
+  for (const size_t k : kept) chosen.insert(chosen.end(), all[k].begin(), all[k].end());
+  return extended_arm_of(chosen);
 }
 
 }  // namespace veridyn

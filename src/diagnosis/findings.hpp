@@ -1,5 +1,7 @@
 #pragma once
 
+#include <set>
+#include <string>
 #include <vector>
 
 #include "diagnosis/shapes/inquiry.hpp"
@@ -18,31 +20,38 @@ class FindingWriter {
                 const Fit& fit, const Identification& start, bool changes,
                 const DiagnosisOptions& limits);
 
-  /// The findings in order of discovery, appended to d.findings.
+  /// The findings in order of discovery, appended to d.findings. Several constants of one effect on
+  /// one axis (memories of different lengths, waves of different orders) are one finding.
   void add_findings(Diagnosis& d) const;
+
+  /// Names of the parameters of every finding that add_findings() writes, as the extended arm has
+  /// them.
+  std::vector<std::vector<std::string>> parameter_names() const;
 
   /// One line for every family that was asked and not accepted.
   void add_the_rest(Diagnosis& d) const;
 
-  /// Adds the values of the one accepted hypothesis, a further step of the same one, to a finding.
-  void add_step(Finding& f) const;
-
   /// The arm with all that was found; what needs fitting has no values yet.
   Model extended_arm() const;
 
+  /// The same with some of the findings of add_findings() only.
+  Model extended_arm(const std::set<size_t>& kept) const;
+
  private:
-  Finding finding(size_t accepted, const VectorXd& before, const VectorXd& after) const;
+  using Group = std::vector<size_t>;  // accepted hypotheses that are one finding
+  std::vector<Group> groups() const;
+  Finding finding(const Group& group, const VectorXd& before, const VectorXd& after) const;
+  Model extended_arm_of(const std::vector<size_t>& chosen) const;
   std::vector<FoundParameter> parameters_of(const Hypothesis& h) const;
   double own_deviation(const Hypothesis& h, const std::string& parameter) const;
   std::vector<double> values_of(const Hypothesis& h) const;
+  std::string phrase_of(const Hypothesis& h) const;
   std::vector<FoundParameter> payload_parameters(const Hypothesis& h) const;
-  std::string sentence(const Hypothesis& h, const Finding& f) const;
+  std::string sentence(const Group& group, const Finding& f) const;
   std::string change_text(const Hypothesis& h, const Finding& f) const;
   std::vector<VectorXd> errors_along_the_way() const;
   const Hypothesis& accepted(size_t k) const;
   const Hypothesis& asked_hypothesis(const Hypothesis& h) const;
-  Rival rival(const Hypothesis& h, const std::string& why) const;
-
   const Inquiry& asked_;
   const NormalBlocks& asked_data_;
   const Selection& selection_;

@@ -1,31 +1,35 @@
 #include "next_experiment.hpp"
 
-#include "veridyn/effects/effect.hpp"
+#include "veridyn/effects/cause.hpp"
+#include "veridyn/effects/channel_effect.hpp"
 
 namespace veridyn {
 namespace {
 
 std::string cause_text(const std::string& effect, int joint, const std::string& frame) {
-  if (!frame.empty() && effect == "payload") return effect + " on " + frame;
+  if (!frame.empty() && effect == AddedLoad::kName) return effect + " on " + frame;
   return joint > 0 ? effect + " on joint " + std::to_string(joint) : effect;
 }
 
 // "payload:flange", "torque_gain:2"; as `excite --between` takes them.
 std::string asked_text(const std::string& effect, int joint, const std::string& frame) {
-  if (!frame.empty() && effect == "payload") return effect + ":" + frame;
+  if (!frame.empty() && effect == AddedLoad::kName) return effect + ":" + frame;
   return effect + ":" + (joint > 0 ? std::to_string(joint) : "arm");
 }
 
 // What `excite` can tell apart from others by the motion of joints: its own words are in
 // ExcitationOptions::between.
 bool can_be_asked(const std::string& effect) {
-  if (has_effect(effect)) return !find_effect(effect).needs_source();
-  return effect == "payload" || effect == "torque_gain" || effect == "gravity_tilt";
+  if (effect == AddedLoad::kName) return true;
+  if (!has_effect(effect)) return false;
+  const ChannelEffect* channel = channel_effect(effect);
+  if (channel != nullptr) return channel->has_rigid_columns();
+  return !find_effect(effect).traits().uses_source;
 }
 
 // Shows itself at low speed and after reversals.
 bool is_slow(const std::string& effect) {
-  return effect == "stribeck_friction" || effect == "presliding_hysteresis" || effect == "backlash";
+  return has_effect(effect) && find_effect(effect).traits().slow;
 }
 
 }  // namespace

@@ -8,14 +8,13 @@
 
 #include "diagnosis/shapes/inquiry.hpp"
 #include "diagnosis/causes/payload_fit.hpp"
+#include "diagnosis/numerics.hpp"
+#include "veridyn/effects/cause.hpp"
 #include "veridyn/math/require.hpp"
 #include "model/suggestion.hpp"
 
 namespace veridyn {
 namespace {
-
-// Of the best link, as diagnose asks of a change: a model's values are estimates.
-constexpr double kSmallestGain = 0.1;
 
 // The link that carries the frame, named after that frame.
 void keep_only(const Model& arm, const std::string& link, AugmentedModel& augmented) {
@@ -64,7 +63,8 @@ PayloadReport find_payload(const Model& model, const std::vector<std::string>& r
     return out;
   }
   QuestionList list;
-  list.wanted = {"payload", "torque_offset", "coulomb_friction", "viscous_friction"};
+  list.wanted = {AddedLoad::kName};
+  for (const std::string& effect : elementary_effects()) list.wanted.push_back(effect);
   list.changes = true;
   AugmentedModel augmented = augmented_model(frozen(model), start.factors, list);
   if (!link.empty()) keep_only(model, link, augmented);
@@ -100,7 +100,7 @@ PayloadReport find_payload(const Model& model, const std::vector<std::string>& r
 }
 
 bool PayloadReport::found() const {
-  if (links.empty() || links.front().gain < kSmallestGain) return false;
+  if (links.empty() || links.front().gain < Thresholds().smallest_change) return false;
   const PayloadEstimate& best = links.front();
   const bool has_moment = (best.moment.cwiseAbs() - best.moment_half_width).maxCoeff() > 0.0;
   return best.mass_low > 0.0 || has_moment;
@@ -118,13 +118,13 @@ std::string PayloadReport::report() const {
   for (const PayloadEstimate& link : links) {
     out += fmt::format("  {:<22}{:>9.4g}  {:<19}{:>8.3f}{:>8.3f}{:>8.3f}  {:>7.1f} %\n", link.frame,
                        link.mass, fmt::format("{:.4g} to {:.4g}", link.mass_low, link.mass_high),
-                       link.com.x(), link.com.y(), link.com.z(), 100.0 * link.explained);
+                       link.com.x(), link.com.y(), link.com.z(), numerics::kPercent * link.explained);
     for (const std::string& other : link.others)
       out += fmt::format("    or on {}: it moves so alike that the torques cannot tell\n", other);
   }
   const auto line = [&out](const char* name, const VectorXd& v) {
     out += fmt::format("  {:<22}", name);
-    for (Eigen::Index i = 0; i < v.size(); ++i) out += fmt::format("{:8.2f}", 100.0 * v[i]);
+    for (Eigen::Index i = 0; i < v.size(); ++i) out += fmt::format("{:8.2f}", numerics::kPercent * v[i]);
     out += "\n";
   };
   out += "errors, % of the torque, per joint\n";

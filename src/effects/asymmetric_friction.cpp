@@ -18,12 +18,19 @@ namespace {
 /// constant, and so a rival of torque_offset: only samples at rest, where it is 0, keep the two
 /// apart. Recordings without rest leave the sum of both, offset + level_difference / 2. Source:
 /// thesis (4.13) and its errata.
-class AsymmetricFriction final : public Effect {
+class AsymmetricFriction final : public AxisEffect {
  public:
   std::string name() const override { return "asymmetric_friction"; }
   std::vector<EffectParameter> parameters() const override {
     return {{"level_difference", "N m", "N", ParameterSign::kAny},
             {"viscous_difference", "N m s/rad", "N s/m", ParameterSign::kAny}};
+  }
+  EffectTraits traits(const ShapeValues& /*shape*/) const override {
+    EffectTraits t;
+    t.role = EffectRole::kFriction;
+    t.uses_velocity = true;
+    t.dry = DryFriction::kVarying;
+    return t;
   }
   void columns(const AxisSample& x, const ShapeValues& /*shape*/, EffectState& /*state*/,
                EffectColumns& row) const noexcept override {

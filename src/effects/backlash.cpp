@@ -23,16 +23,26 @@ constexpr double kFree = 0.8;  // share of the gap without contact
 /// Impacts and the link's lag of half a gap, which are of second order in the gap, are left out.
 /// Place and gap start in the middle. Source: Nordin and Gutman, Automatica 38(10), 2002, for the
 /// play and its contact.
-class Backlash final : public Effect {
+class Backlash final : public AxisEffect {
  public:
   std::string name() const override { return "backlash"; }
   std::vector<EffectParameter> parameters() const override {
     return {{"level", "N m", "N", ParameterSign::kNonnegative}};
   }
   std::vector<EffectShape> shapes() const override {
-    return {{"gap", "rad", "m", 5e-3, 1e-5, 1.0, true, true, 2e-4}};
+    EffectShape gap{"gap", "rad", "m", 5e-3, 1e-5, 1.0, true, true, 2e-4};
+    gap.scale = ShapeScale::kTravel;
+    gap.grid = {1e-3, 5e-3, 2e-2};
+    return {gap};
   }
-  bool has_memory() const override { return true; }
+  EffectTraits traits(const ShapeValues& /*shape*/) const override {
+    EffectTraits t;
+    t.role = EffectRole::kFriction;
+    t.uses_position = true;
+    t.memory = true;
+    t.slow = true;
+    return t;
+  }
   void columns(const AxisSample& x, const ShapeValues& shape, EffectState& state,
                EffectColumns& row) const noexcept override {
     const double place =

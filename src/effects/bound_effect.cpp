@@ -80,7 +80,7 @@ std::string axis_text(const Model& arm, const Axis& axis) {
 }
 
 BoundEffect::BoundEffect(const Model& arm, const EffectTerm& term)
-    : effect_(&find_effect(term.effect)),
+    : effect_(&find_axis_effect(term.effect)),
       term_(term),
       parameters_(effect_->parameters()),
       label_(axis_text(arm, term.axis)),
@@ -88,18 +88,18 @@ BoundEffect::BoundEffect(const Model& arm, const EffectTerm& term)
   const std::string where = term.where.empty() ? "" : term.where + ": ";
   const std::vector<EffectShape> shapes = effect_->shapes();
   require_known_keys(term, where, shapes, parameters_);
-  require(!effect_->needs_source() || term.from.has_value(), where, "effect '", term.effect,
-          "' needs `from: {coordinate: 1}`, the coordinate that it comes from.");
   for (size_t i = 0; i < shapes.size(); ++i) {
     const EffectShape& s = shapes[i];
-    const bool metres = type_ == JointType::kPrismatic && s.initial_prismatic != 0.0;
-    shape_[i] = metres ? s.initial_prismatic : s.initial;
+    shape_[i] = s.start(type_);
     const auto given = term.values.find(s.name);
     if (given == term.values.end()) continue;
     shape_[i] = given->second;
     require(!s.logarithmic || shape_[i] > 0.0 || shape_[i] == s.initial, where, "effect '",
             term.effect, "': ", s.name, " is ", shape_[i], ", expected a number above 0.");
   }
+  traits_ = effect_->traits(shape_);
+  require(!traits_.uses_source || term.from.has_value(), where, "effect '", term.effect,
+          "' needs `from: {coordinate: 1}`, the coordinate that it comes from.");
   size_t used = 0;
   for (size_t p = 0; p < parameters_.size(); ++p) {
     const auto given = term.values.find(parameters_[p].name);
@@ -108,7 +108,7 @@ BoundEffect::BoundEffect(const Model& arm, const EffectTerm& term)
     ++used;
   }
   has_values_ = used == parameters_.size();
-  if (effect_->needs_source()) {
+  if (traits_.uses_source) {
     label_ += " from " + axis_text(arm, *term.from);
     source_unit_ = is_prismatic(arm, *term.from) ? "m" : "rad";
     for (EffectParameter& p : parameters_) {
@@ -163,6 +163,17 @@ AxisSample BoundEffect::sample(double time, const double* q, const double* dq, c
 double BoundEffect::force(const AxisSample& sample) noexcept {
   EffectColumns row{};
   columns(sample, row);
+  double sum = 0.0;
+  for (size_t p = 0; p < parameters_.size(); ++p) sum += row[p] * values_[p];
+  return sum;
+}
+
+double BoundEffect::inertia() const noexcept {
+  AxisSample x;
+  x.dds = 1.0;
+  EffectState state{};
+  EffectColumns row{};
+  effect_->columns(x, shape_, state, row);
   double sum = 0.0;
   for (size_t p = 0; p < parameters_.size(); ++p) sum += row[p] * values_[p];
   return sum;

@@ -13,7 +13,7 @@ namespace {
 /// coordinate's motion (sign of sliding_direction(); thesis (4.14) as a sigmoid differs by less
 /// than the rest speed). The routing decides all signs. It is not a potential force: the reaction
 /// on the other coordinate is a term of its own.
-class CableCoupling final : public Effect {
+class CableCoupling final : public AxisEffect {
  public:
   std::string name() const override { return "cable_coupling"; }
   std::vector<EffectParameter> parameters() const override {
@@ -22,7 +22,14 @@ class CableCoupling final : public Effect {
             {"curvature", "N m" + per + "^2", "N" + per + "^2", ParameterSign::kAny},
             {"drag", "N m", "N", ParameterSign::kAny}};
   }
-  bool needs_source() const override { return true; }
+  EffectTraits traits(const ShapeValues& /*shape*/) const override {
+    EffectTraits t;
+    t.uses_source = true;
+    t.depends_on_position = true;
+    t.holds_at_rest = true;
+    t.lasting = true;
+    return t;
+  }
   void columns(const AxisSample& x, const ShapeValues& /*shape*/, EffectState& /*state*/,
                EffectColumns& row) const noexcept override {
     row[0] = x.from_s;

@@ -11,7 +11,7 @@ namespace {
 /// 2 / (1 + exp(-slope ds)) - 1 of thesis (4.14) with the errata's sign.
 ///
 /// Without a slope the sign is that of sliding_direction(), a straight line at rest.
-class CoulombFriction final : public Effect {
+class CoulombFriction final : public AxisEffect {
  public:
   std::string name() const override { return "coulomb_friction"; }
   std::vector<EffectParameter> parameters() const override {
@@ -19,6 +19,16 @@ class CoulombFriction final : public Effect {
   }
   std::vector<EffectShape> shapes() const override {
     return {{"slope", "s/rad", "s/m", 0.0, 10.0, 1e4, true, false}};
+  }
+  EffectTraits traits(const ShapeValues& shape) const override {
+    EffectTraits t;
+    t.role = EffectRole::kFriction;
+    t.uses_velocity = true;
+    t.dry = shape[0] > 0.0 ? DryFriction::kNone : DryFriction::kConstant;
+    t.elementary = true;
+    t.mixed_axes = true;
+    t.urdf_attribute = "friction";
+    return t;
   }
   void columns(const AxisSample& x, const ShapeValues& shape, EffectState& /*state*/,
                EffectColumns& row) const noexcept override {

@@ -16,7 +16,7 @@ namespace {
 ///
 /// The stiffness is then that of the spring, in N/m. The torque has a jump where the pin meets the
 /// anchor (l = 0).
-class JointSpring final : public Effect {
+class JointSpring final : public AxisEffect {
  public:
   std::string name() const override { return "joint_spring"; }
   std::vector<EffectParameter> parameters() const override {
@@ -27,6 +27,16 @@ class JointSpring final : public Effect {
             {"anchor", "m", "m", 0.0, 1e-3, 1.0, true, false},
             {"rest_length", "m", "m", 0.0, 0.0, 1.0, false, false},
             {"angle", "rad", "rad", 0.0, -3.2, 3.2, false, false}};
+  }
+  EffectTraits traits(const ShapeValues& shape) const override {
+    EffectTraits t;
+    t.stage = DiagnosisStage::kInertia;
+    t.uses_position = true;
+    t.affine = shape[0] == 0.0;
+    t.depends_on_position = true;
+    t.holds_at_rest = true;
+    t.lasting = true;
+    return t;
   }
   void columns(const AxisSample& x, const ShapeValues& shape, EffectState& /*state*/,
                EffectColumns& row) const noexcept override {

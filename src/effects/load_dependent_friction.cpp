@@ -15,7 +15,7 @@ namespace {
 /// sliding_direction(), or with `distance` in the file the contact memory of presliding_hysteresis.
 /// Friction without load is coulomb_friction. Source: Hamon, Gautier, Garrec and Janot, IROS 2010;
 /// the load is known only where the bodies have values.
-class LoadDependentFriction final : public Effect {
+class LoadDependentFriction final : public AxisEffect {
  public:
   std::string name() const override { return "load_dependent_friction"; }
   std::vector<EffectParameter> parameters() const override {
@@ -24,8 +24,16 @@ class LoadDependentFriction final : public Effect {
   std::vector<EffectShape> shapes() const override {
     return {{"distance", "rad", "m", 0.0, 1e-5, 1.0, true, false}};
   }
-  bool has_memory() const override { return true; }
-  bool needs_load() const override { return true; }
+  EffectTraits traits(const ShapeValues& shape) const override {
+    EffectTraits t;
+    t.role = EffectRole::kFriction;
+    t.uses_position = shape[0] > 0.0;
+    t.uses_velocity = !t.uses_position;
+    t.uses_load = true;
+    t.memory = t.uses_position;
+    t.dry = t.memory ? DryFriction::kNone : DryFriction::kVarying;
+    return t;
+  }
   void columns(const AxisSample& x, const ShapeValues& shape, EffectState& state,
                EffectColumns& row) const noexcept override {
     row[0] = std::abs(x.load) * friction_direction(x, shape[0], state);

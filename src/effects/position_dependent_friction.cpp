@@ -13,7 +13,7 @@ namespace {
 /// in the file the contact memory of presliding_hysteresis, which is right at rest too; use the
 /// distance found there. On an arm whose gravity torque varies with s it is a rival of
 /// load_dependent_friction. Source: thesis 5.6, "a change in friction based on the joint position".
-class PositionDependentFriction final : public Effect {
+class PositionDependentFriction final : public AxisEffect {
  public:
   std::string name() const override { return "position_dependent_friction"; }
   std::vector<EffectParameter> parameters() const override {
@@ -21,10 +21,20 @@ class PositionDependentFriction final : public Effect {
             {"curvature", "N m/rad^2", "N/m^2", ParameterSign::kAny}};
   }
   std::vector<EffectShape> shapes() const override {
-    return {{"centre", "rad", "m", 0.0, -10.0, 10.0, false, false},
-            {"distance", "rad", "m", 0.0, 1e-5, 1.0, true, false}};
+    EffectShape centre{"centre", "rad", "m", 0.0, -10.0, 10.0, false, false};
+    centre.scale = ShapeScale::kMiddle;
+    return {centre, {"distance", "rad", "m", 0.0, 1e-5, 1.0, true, false}};
   }
-  bool has_memory() const override { return true; }
+  EffectTraits traits(const ShapeValues& shape) const override {
+    EffectTraits t;
+    t.role = EffectRole::kFriction;
+    t.uses_position = true;
+    t.uses_velocity = shape[1] == 0.0;
+    t.memory = shape[1] > 0.0;
+    t.dry = t.memory ? DryFriction::kNone : DryFriction::kVarying;
+    t.depends_on_position = true;
+    return t;
+  }
   void columns(const AxisSample& x, const ShapeValues& shape, EffectState& state,
                EffectColumns& row) const noexcept override {
     const double direction = friction_direction(x, shape[1], state);

@@ -10,7 +10,7 @@ namespace {
 ///
 /// The coefficient at the centre is viscous_friction. Hoses and harnesses that bend do this; cross
 /// terms of the inertia in dq_i dq_j are other columns and no rivals while one joint moves alone.
-class PositionDependentViscosity final : public Effect {
+class PositionDependentViscosity final : public AxisEffect {
  public:
   std::string name() const override { return "position_dependent_viscosity"; }
   std::vector<EffectParameter> parameters() const override {
@@ -18,7 +18,17 @@ class PositionDependentViscosity final : public Effect {
             {"curvature", "N m s/rad^3", "N s/m^3", ParameterSign::kAny}};
   }
   std::vector<EffectShape> shapes() const override {
-    return {{"centre", "rad", "m", 0.0, -10.0, 10.0, false, false}};
+    EffectShape centre{"centre", "rad", "m", 0.0, -10.0, 10.0, false, false};
+    centre.scale = ShapeScale::kMiddle;
+    return {centre};
+  }
+  EffectTraits traits(const ShapeValues& /*shape*/) const override {
+    EffectTraits t;
+    t.role = EffectRole::kFriction;
+    t.uses_position = true;
+    t.uses_velocity = true;
+    t.depends_on_position = true;
+    return t;
   }
   void columns(const AxisSample& x, const ShapeValues& shape, EffectState& /*state*/,
                EffectColumns& row) const noexcept override {

@@ -29,7 +29,7 @@ void chebyshev_terms(double x, EffectColumns& row) noexcept {
 /// T_0 is torque_offset and T_1 is joint_spring with an offset. Outside centre +- half_range, which
 /// the caller takes from the data, it continues as a constant: polynomials must not be trusted
 /// there.
-class PositionForce final : public Effect {
+class PositionForce final : public AxisEffect {
  public:
   std::string name() const override { return "position_force"; }
   std::vector<EffectParameter> parameters() const override {
@@ -39,8 +39,21 @@ class PositionForce final : public Effect {
             {"chebyshev_5", "N m", "N", ParameterSign::kAny}};
   }
   std::vector<EffectShape> shapes() const override {
-    return {{"centre", "rad", "m", 0.0, -10.0, 10.0, false, false},
-            {"half_range", "rad", "m", 1.0, 1e-3, 10.0, true, false, 0.1}};
+    EffectShape centre{"centre", "rad", "m", 0.0, -10.0, 10.0, false, false};
+    centre.scale = ShapeScale::kMiddle;
+    EffectShape half_range{"half_range", "rad", "m", 1.0, 1e-3, 10.0, true, false, 0.1};
+    half_range.scale = ShapeScale::kTravel;
+    half_range.grid = {0.5};
+    return {centre, half_range};
+  }
+  EffectTraits traits(const ShapeValues& /*shape*/) const override {
+    EffectTraits t;
+    t.uses_position = true;
+    t.depends_on_position = true;
+    t.holds_at_rest = true;
+    t.lasting = true;
+    t.mixed_axes = true;
+    return t;
   }
   void columns(const AxisSample& x, const ShapeValues& shape, EffectState& /*state*/,
                EffectColumns& row) const noexcept override {

@@ -16,16 +16,27 @@ namespace {
 /// It is passive: from z it gives back at most level * distance * (|z| - ln(1 + |z|)), less than it
 /// took to get there. Source: Dahl 1968, as in thesis 5.6 (z there), without the terms of its
 /// generalisations that depend on speed.
-class PreslidingHysteresis final : public Effect {
+class PreslidingHysteresis final : public AxisEffect {
  public:
   std::string name() const override { return "presliding_hysteresis"; }
   std::vector<EffectParameter> parameters() const override {
     return {{"level", "N m", "N", ParameterSign::kNonnegative}};
   }
   std::vector<EffectShape> shapes() const override {
-    return {{"distance", "rad", "m", 5e-3, 1e-5, 1.0, true, true, 1.5e-4}};
+    EffectShape distance{"distance", "rad", "m", 5e-3, 1e-5, 1.0, true, true, 1.5e-4};
+    distance.scale = ShapeScale::kTravel;
+    distance.grid = {3e-4, 1e-3, 3e-3, 1e-2, 3e-2, 0.1, 0.25};
+    return {distance};
   }
-  bool has_memory() const override { return true; }
+  EffectTraits traits(const ShapeValues& /*shape*/) const override {
+    EffectTraits t;
+    t.role = EffectRole::kFriction;
+    t.uses_position = true;
+    t.memory = true;
+    t.slow = true;
+    t.mixed_axes = true;
+    return t;
+  }
   void columns(const AxisSample& x, const ShapeValues& shape, EffectState& state,
                EffectColumns& row) const noexcept override {
     row[0] = advance_contact(x.s, shape[0], state);

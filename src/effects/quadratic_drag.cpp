@@ -7,11 +7,17 @@ namespace veridyn {
 namespace {
 
 /// tau = coefficient * ds * |ds|: drag of a fluid, or of fans and churned grease, at high speed.
-class QuadraticDrag final : public Effect {
+class QuadraticDrag final : public AxisEffect {
  public:
   std::string name() const override { return "quadratic_drag"; }
   std::vector<EffectParameter> parameters() const override {
     return {{"coefficient", "N m s^2/rad^2", "N s^2/m^2", ParameterSign::kNonnegative}};
+  }
+  EffectTraits traits(const ShapeValues& /*shape*/) const override {
+    EffectTraits t;
+    t.role = EffectRole::kFriction;
+    t.uses_velocity = true;
+    return t;
   }
   void columns(const AxisSample& x, const ShapeValues& /*shape*/, EffectState& /*state*/,
                EffectColumns& row) const noexcept override {

@@ -1,52 +1,189 @@
 #include "registry.hpp"
 
-#include "veridyn/effects/effect.hpp"
+#include <cstring>
+#include <utility>
+
+#include "veridyn/effects/cause.hpp"
 #include "veridyn/math/require.hpp"
 #include "model/suggestion.hpp"
+#include "model/effect_names.hpp"
 
 namespace veridyn {
+namespace {
 
-const std::vector<const Effect*>& all_effects() {
-  static const std::vector<const Effect*> kAll = {
-      &rotor_inertia(),
-      &joint_spring(),
-      &viscous_friction(),
-      &coulomb_friction(),
-      &torque_offset(),
-      &stribeck_friction(),
-      &presliding_hysteresis(),
-      &asymmetric_friction(),
-      &position_dependent_friction(),
-      &position_dependent_viscosity(),
-      &load_dependent_friction(),
-      &quadratic_drag(),
-      &sublinear_viscous(),
-      &torque_ripple(),
-      &cable_coupling(),
-      &position_force(),
-      &backlash(),
-      &transmission_compliance(),
-      &torque_drift(),
-      &warm_up(),
-  };
-  return kAll;
+// All effects, sorted by kind. Built in, in the order of CONTRACT.md; then registered ones.
+class Registry {
+ public:
+  Registry() {
+    // clang-format off
+    for (const Effect* effect :
+         {&rotor_inertia(), &joint_spring(), &viscous_friction(), &coulomb_friction(),
+          &torque_offset(), &stribeck_friction(), &presliding_hysteresis(), &asymmetric_friction(),
+          &position_dependent_friction(), &position_dependent_viscosity(),
+          &load_dependent_friction(), &quadratic_drag(), &sublinear_viscous(), &torque_ripple(),
+          &cable_coupling(), &position_force(), &backlash(), &transmission_compliance(),
+          &torque_gain(), &torque_drift(), &time_delay(), &gravity_tilt(), &encoder_offset(),
+          &warm_up()}) {
+      add(effect);
+    }
+    // clang-format on
+    for (const std::string& cause : names_of_causes()) file_names_.push_back(cause);
+  }
+
+  static Registry& instance() {
+    static Registry registry;
+    return registry;
+  }
+
+  void add(const Effect* effect) {
+    all_.push_back(effect);
+    if (const auto* axis = dynamic_cast<const AxisEffect*>(effect)) axis_.push_back(axis);
+    if (const auto* channel = dynamic_cast<const ChannelEffect*>(effect))
+      channels_.push_back(channel);
+    file_names_.push_back(effect->name());
+  }
+
+  const Effect& adopt(std::unique_ptr<const Effect> effect) {
+    owned_.push_back(std::move(effect));
+    add(owned_.back().get());
+    return *owned_.back();
+  }
+
+  const std::vector<const Effect*>& all() const { return all_; }
+  const std::vector<const AxisEffect*>& axis() const { return axis_; }
+  const std::vector<const ChannelEffect*>& channels() const { return channels_; }
+  const std::vector<std::string>& file_names() const { return file_names_; }
+
+ private:
+  std::vector<const Effect*> all_;
+  std::vector<const AxisEffect*> axis_;
+  std::vector<const ChannelEffect*> channels_;
+  std::vector<std::string> file_names_;
+  std::vector<std::unique_ptr<const Effect>> owned_;
+};
+
+template <typename Kind>
+const Kind* find(const std::vector<const Kind*>& effects, const std::string& name) {
+  for (const Kind* effect : effects) {
+    if (effect->name() == name) return effect;
+  }
+  return nullptr;
 }
 
-bool has_effect(const std::string& name) {
-  for (const Effect* e : all_effects()) {
-    if (e->name() == name) return true;
+template <typename Kind>
+std::vector<std::string> names(const std::vector<const Kind*>& effects) {
+  std::vector<std::string> out;
+  for (const Kind* effect : effects) out.push_back(effect->name());
+  return out;
+}
+
+bool is_key(const std::string& name) {
+  for (const std::string& key : effect_keys()) {
+    if (key == name) return true;
   }
   return false;
 }
 
-const Effect& find_effect(const std::string& name) {
-  for (const Effect* e : all_effects()) {
-    if (e->name() == name) return *e;
+void check(const Effect& effect) {
+  const std::string name = effect.name();
+  for (const std::string& taken : effect_names())
+    require(name != taken, "register_effect: the name '", name, "' is taken.");
+  require(effect.traits().role == EffectRole::kChannel
+              ? dynamic_cast<const ChannelEffect*>(&effect) != nullptr
+              : dynamic_cast<const AxisEffect*>(&effect) != nullptr,
+          "register_effect: '", name,
+          "' is neither an AxisEffect nor a ChannelEffect whose role is kChannel.");
+  const std::vector<EffectParameter> parameters = effect.parameters();
+  const std::vector<EffectShape> shapes = effect.shapes();
+  require(!parameters.empty() && parameters.size() <= size_t{kMaxEffectParameters},
+          "register_effect: '", name, "' has ", parameters.size(), " parameters, expected 1 to ",
+          kMaxEffectParameters, ".");
+  require(shapes.size() <= size_t{kMaxEffectShapes}, "register_effect: '", name, "' has ",
+          shapes.size(), " shape constants, expected at most ", kMaxEffectShapes, ".");
+  for (const EffectParameter& p : parameters)
+    require(!is_key(p.name) || has_offset_parameter(name) || p.name == "offset",
+            "register_effect: '", name, "': '", p.name, "' is a key of robot files.");
+  for (const EffectShape& s : shapes) {
+    require(!is_key(s.name), "register_effect: '", name, "': '", s.name,
+            "' is a key of robot files.");
+    require(!s.searched || (s.lower < s.upper && s.lower > 0.0), "register_effect: '", name,
+            "': ", s.name, " is searched from ", s.lower, " to ", s.upper,
+            ", expected a range above zero.");
   }
-  std::vector<std::string> names;
-  for (const Effect* e : all_effects()) names.push_back(e->name());
+}
+
+}  // namespace
+
+const std::vector<const Effect*>& all_effects() {
+  return Registry::instance().all();
+}
+
+const std::vector<const AxisEffect*>& axis_effects() {
+  return Registry::instance().axis();
+}
+
+const std::vector<const ChannelEffect*>& channel_effects() {
+  return Registry::instance().channels();
+}
+
+bool has_effect(const std::string& name) {
+  return find(all_effects(), name) != nullptr;
+}
+
+bool has_axis_effect(const std::string& name) {
+  return find(axis_effects(), name) != nullptr;
+}
+
+const ChannelEffect* channel_effect(const std::string& name) {
+  return find(channel_effects(), name);
+}
+
+const Effect& find_effect(const std::string& name) {
+  if (const Effect* effect = find(all_effects(), name)) return *effect;
+  const std::vector<std::string> known = names(all_effects());
+  throw InvalidInput(text("found the unknown effect '", name, "'", did_you_mean(name, known),
+                          ", expected one of: ", listed(known), "."));
+}
+
+const AxisEffect& find_axis_effect(const std::string& name) {
+  if (const AxisEffect* effect = find(axis_effects(), name)) return *effect;
+  const std::vector<std::string> known = names(axis_effects());
   throw InvalidInput(text("effect '", name, "' cannot act along an axis of a model",
-                          did_you_mean(name, names), "; these can: ", listed(names), "."));
+                          did_you_mean(name, known), "; these can: ", listed(known), "."));
+}
+
+const Effect& register_effect(std::unique_ptr<const Effect> effect) {
+  require(effect != nullptr, "register_effect: found no effect.");
+  check(*effect);
+  return Registry::instance().adopt(std::move(effect));
+}
+
+// What the reader of robot files must know of effects, see model/effect_names.hpp.
+
+const std::vector<std::string>& effect_names() {
+  return Registry::instance().file_names();
+}
+
+bool may_lack_axis(const std::string& effect) {
+  if (const ChannelEffect* channel = channel_effect(effect)) return channel->whole_arm();
+  return effect == KinematicError::kName;
+}
+
+bool has_offset_parameter(const std::string& effect) {
+  const Effect* known = find(all_effects(), effect);
+  if (known == nullptr) return false;
+  for (const EffectParameter& p : known->parameters()) {
+    if (p.name == "offset") return true;
+  }
+  return false;
+}
+
+std::optional<std::pair<std::string, std::string>> effect_of_urdf(const std::string& attribute) {
+  for (const AxisEffect* effect : axis_effects()) {
+    if (effect->traits().urdf_attribute == attribute)
+      return std::make_pair(effect->name(), effect->parameters().front().name);
+  }
+  return std::nullopt;
 }
 
 }  // namespace veridyn

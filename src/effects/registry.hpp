@@ -1,5 +1,6 @@
 #pragma once
 
+#include "veridyn/effects/channel_effect.hpp"
 #include "veridyn/effects/effect.hpp"
 
 namespace veridyn {
@@ -23,7 +24,11 @@ const Effect& cable_coupling();
 const Effect& position_force();
 const Effect& backlash();
 const Effect& transmission_compliance();
+const Effect& torque_gain();
 const Effect& torque_drift();
+const Effect& time_delay();
+const Effect& gravity_tilt();
+const Effect& encoder_offset();
 const Effect& warm_up();
 
 }  // namespace veridyn

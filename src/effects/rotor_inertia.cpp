@@ -5,11 +5,20 @@ namespace veridyn {
 namespace {
 
 /// tau = inertia * dds: the motor's rotor and gears, reflected to the axis.
-class RotorInertia final : public Effect {
+class RotorInertia final : public AxisEffect {
  public:
   std::string name() const override { return "rotor_inertia"; }
   std::vector<EffectParameter> parameters() const override {
     return {{"inertia", "kg m^2", "kg", ParameterSign::kNonnegative}};
+  }
+  EffectTraits traits(const ShapeValues& /*shape*/) const override {
+    EffectTraits t;
+    t.role = EffectRole::kInertia;
+    t.stage = DiagnosisStage::kInertia;
+    t.uses_acceleration = true;
+    t.affine = true;
+    t.lasting = true;
+    return t;
   }
   void columns(const AxisSample& x, const ShapeValues& /*shape*/, EffectState& /*state*/,
                EffectColumns& row) const noexcept override {

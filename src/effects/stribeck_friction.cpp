@@ -14,14 +14,25 @@ namespace {
 /// with the sign of sliding_direction(). It always opposes the motion; where it makes the whole
 /// friction fall as speed rises, a position loop may stick and slip. Source: Armstrong-Helouvry,
 /// Dupont and Canudas de Wit, Automatica 30(7), 1994; thesis 5.6 and its reference [50].
-class StribeckFriction final : public Effect {
+class StribeckFriction final : public AxisEffect {
  public:
   std::string name() const override { return "stribeck_friction"; }
   std::vector<EffectParameter> parameters() const override {
     return {{"level", "N m", "N", ParameterSign::kNonnegative}};
   }
   std::vector<EffectShape> shapes() const override {
-    return {{"velocity", "rad/s", "m/s", 0.05, 5e-3, 1.0, true, true, 0.02}};
+    EffectShape velocity{"velocity", "rad/s", "m/s", 0.05, 5e-3, 1.0, true, true, 0.02};
+    velocity.scale = ShapeScale::kSpeed;
+    velocity.grid = {0.02, 0.06, 0.2};
+    return {velocity};
+  }
+  EffectTraits traits(const ShapeValues& /*shape*/) const override {
+    EffectTraits t;
+    t.role = EffectRole::kFriction;
+    t.uses_velocity = true;
+    t.dry = DryFriction::kVarying;
+    t.slow = true;
+    return t;
   }
   void columns(const AxisSample& x, const ShapeValues& shape, EffectState& /*state*/,
                EffectColumns& row) const noexcept override {

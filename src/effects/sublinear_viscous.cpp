@@ -14,7 +14,7 @@ namespace {
 ///
 /// Below kRestSpeed a straight line through zero, as the power has no slope there. The coefficient
 /// is the friction at 1 rad/s or 1 m/s.
-class SublinearViscous final : public Effect {
+class SublinearViscous final : public AxisEffect {
  public:
   std::string name() const override { return "sublinear_viscous"; }
   std::vector<EffectParameter> parameters() const override {
@@ -22,7 +22,17 @@ class SublinearViscous final : public Effect {
         {"coefficient", "N m (s/rad)^exponent", "N (s/m)^exponent", ParameterSign::kNonnegative}};
   }
   std::vector<EffectShape> shapes() const override {
-    return {{"exponent", "1", "1", 0.5, 0.3, 0.9, false}};
+    EffectShape exponent{"exponent", "1", "1", 0.5, 0.3, 0.9, false};
+    exponent.scale = ShapeScale::kAbsolute;
+    exponent.grid = {0.4, 0.7};
+    return {exponent};
+  }
+  EffectTraits traits(const ShapeValues& /*shape*/) const override {
+    EffectTraits t;
+    t.role = EffectRole::kFriction;
+    t.uses_velocity = true;
+    t.dry = DryFriction::kVarying;
+    return t;
   }
   void columns(const AxisSample& x, const ShapeValues& shape, EffectState& /*state*/,
                EffectColumns& row) const noexcept override {

@@ -7,11 +7,17 @@ namespace {
 /// tau = rate * time: an effort that grows while the recording lasts, as warming current sensors
 /// show it. Time counts from the start of the recording; what stood there at the start is
 /// torque_offset.
-class TorqueDrift final : public Effect {
+class TorqueDrift final : public AxisEffect {
  public:
   std::string name() const override { return "torque_drift"; }
   std::vector<EffectParameter> parameters() const override {
     return {{"rate", "N m/s", "N/s", ParameterSign::kAny}};
+  }
+  EffectTraits traits(const ShapeValues& /*shape*/) const override {
+    EffectTraits t;
+    t.stage = DiagnosisStage::kChannel;
+    t.depends_on_time = true;
+    return t;
   }
   void columns(const AxisSample& x, const ShapeValues& /*shape*/, EffectState& /*state*/,
                EffectColumns& row) const noexcept override {

@@ -6,11 +6,19 @@ namespace {
 
 /// tau = offset: the zero of the torque measurement, or different friction in the two directions;
 /// one recording of motion cannot tell the two apart (seed errata on thesis 4.13).
-class TorqueOffset final : public Effect {
+class TorqueOffset final : public AxisEffect {
  public:
   std::string name() const override { return "torque_offset"; }
   std::vector<EffectParameter> parameters() const override {
     return {{"offset", "N m", "N", ParameterSign::kAny}};
+  }
+  EffectTraits traits(const ShapeValues& /*shape*/) const override {
+    EffectTraits t;
+    t.stage = DiagnosisStage::kChannel;
+    t.affine = true;
+    t.holds_at_rest = true;
+    t.elementary = true;
+    return t;
   }
   void columns(const AxisSample& /*x*/, const ShapeValues& /*shape*/, EffectState& /*state*/,
                EffectColumns& row) const noexcept override {

@@ -15,14 +15,24 @@ namespace {
 /// The order counts waves per turn of a revolute axis (the gear ratio times a small integer, as a
 /// rule), and is the wave number [rad/m] of a prismatic one. Its evidence is a comb of sharp peaks:
 /// find it on a spectrum over s.
-class TorqueRipple final : public Effect {
+class TorqueRipple final : public AxisEffect {
  public:
   std::string name() const override { return "torque_ripple"; }
   std::vector<EffectParameter> parameters() const override {
     return {{"cosine", "N m", "N", ParameterSign::kAny}, {"sine", "N m", "N", ParameterSign::kAny}};
   }
   std::vector<EffectShape> shapes() const override {
-    return {{"order", "1/turn", "rad/m", 1.0, 1.0, 1e4, true, false, 100.0}};
+    EffectShape order{"order", "1/turn", "rad/m", 1.0, 1.0, 1e4, true, false, 100.0};
+    order.scale = ShapeScale::kWaves;
+    return {order};
+  }
+  EffectTraits traits(const ShapeValues& /*shape*/) const override {
+    EffectTraits t;
+    t.uses_position = true;
+    t.depends_on_position = true;
+    t.holds_at_rest = true;
+    t.lasting = true;
+    return t;
   }
   void columns(const AxisSample& x, const ShapeValues& shape, EffectState& /*state*/,
                EffectColumns& row) const noexcept override {

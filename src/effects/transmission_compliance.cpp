@@ -26,14 +26,23 @@ enum : size_t { kCount, kTime1, kLoad1, kTime2, kLoad2, kResult };
 /// sample before: late by one time step. It is zero until there are three. For models of measured
 /// motion; fed back through the load in a forward simulation it is unstable, which needs the motor
 /// as a body of its own.
-class TransmissionCompliance final : public Effect {
+class TransmissionCompliance final : public AxisEffect {
  public:
   std::string name() const override { return "transmission_compliance"; }
   std::vector<EffectParameter> parameters() const override {
     return {{"compliance_inertia", "s^2", "s^2", ParameterSign::kAny}};
   }
-  bool has_memory() const override { return true; }
-  bool needs_load() const override { return true; }
+  EffectTraits traits(const ShapeValues& /*shape*/) const override {
+    EffectTraits t;
+    t.stage = DiagnosisStage::kInertia;
+    t.uses_load = true;
+    t.memory = true;
+    t.lasting = true;
+    t.forward_simulable = false;
+    t.not_simulable_because =
+        "it describes measured motion; a forward simulation needs the motor as a body of its own";
+    return t;
+  }
   void columns(const AxisSample& x, const ShapeValues& /*shape*/, EffectState& state,
                EffectColumns& row) const noexcept override {
     const double dt = x.time - state[kTime1];

@@ -5,11 +5,21 @@ namespace veridyn {
 namespace {
 
 /// tau = coefficient * ds.
-class ViscousFriction final : public Effect {
+class ViscousFriction final : public AxisEffect {
  public:
   std::string name() const override { return "viscous_friction"; }
   std::vector<EffectParameter> parameters() const override {
     return {{"coefficient", "N m s/rad", "N s/m", ParameterSign::kNonnegative}};
+  }
+  EffectTraits traits(const ShapeValues& /*shape*/) const override {
+    EffectTraits t;
+    t.role = EffectRole::kFriction;
+    t.uses_velocity = true;
+    t.affine = true;
+    t.elementary = true;
+    t.mixed_axes = true;
+    t.urdf_attribute = "damping";
+    return t;
   }
   void columns(const AxisSample& x, const ShapeValues& /*shape*/, EffectState& /*state*/,
                EffectColumns& row) const noexcept override {

@@ -14,7 +14,7 @@ namespace {
 /// with the sign of sliding_direction(). What stays is coulomb_friction and viscous_friction. It
 /// needs a recording of a good part of the time constant, and one that starts cold: later starts
 /// read smaller levels.
-class WarmUp final : public Effect {
+class WarmUp final : public AxisEffect {
  public:
   std::string name() const override { return "warm_up"; }
   std::vector<EffectParameter> parameters() const override {
@@ -22,7 +22,18 @@ class WarmUp final : public Effect {
             {"viscosity", "N m s/rad", "N s/m", ParameterSign::kNonnegative}};
   }
   std::vector<EffectShape> shapes() const override {
-    return {{"time_constant", "s", "s", 60.0, 5.0, 2000.0, true}};
+    EffectShape time_constant{"time_constant", "s", "s", 60.0, 5.0, 2000.0, true};
+    time_constant.scale = ShapeScale::kDuration;
+    time_constant.grid = {0.5};
+    return {time_constant};
+  }
+  EffectTraits traits(const ShapeValues& /*shape*/) const override {
+    EffectTraits t;
+    t.role = EffectRole::kFriction;
+    t.uses_velocity = true;
+    t.dry = DryFriction::kVarying;
+    t.depends_on_time = true;
+    return t;
   }
   void columns(const AxisSample& x, const ShapeValues& shape, EffectState& /*state*/,
                EffectColumns& row) const noexcept override {

@@ -6,9 +6,10 @@
 #include <cmath>
 #include <utility>
 
-#include "excitation/columns/arm_columns.hpp"
-#include "excitation/columns/stacked_columns.hpp"
-#include "excitation/columns/standard_values.hpp"
+#include "regressor/arm_columns.hpp"
+#include "regressor/stacked_columns.hpp"
+#include "regressor/random_states.hpp"
+#include "veridyn/regressor/standard_parameters.hpp"
 
 namespace veridyn {
 namespace {

@@ -7,8 +7,11 @@
 #include <cmath>
 #include <limits>
 
-#include "excitation/columns/arm_columns.hpp"
-#include "excitation/columns/stacked_columns.hpp"
+#include "regressor/arm_columns.hpp"
+#include "regressor/column_choice.hpp"
+#include "regressor/random_states.hpp"
+#include "regressor/stacked_columns.hpp"
+#include "veridyn/regressor/base_parameters.hpp"
 
 namespace veridyn {
 namespace {
@@ -25,11 +28,10 @@ BaseRegressor::BaseRegressor(const Model& arm, double rounding)
 BaseRegressor::BaseRegressor(const Model& arm, const std::vector<int>& base, double rounding)
     : ones_(VectorXd::Ones(arm.joints())), base_(base) {
   const StackedColumns exact(arm.joints(), arm_columns(arm, 0.0));
-  const int body_columns = kBodyParameters * static_cast<int>(arm.bodies().size());
   const int states = state_count(exact.count(), arm.joints());
   const MatrixXd W = exact.stacked(random_states(arm, states));
   if (base_.empty()) {
-    base_ = independent_columns(W, base_preference(body_columns, exact.count()));
+    base_ = base_parameters(arm).independent;
     improve_choice(W, base_);
   }
   scale_.resize(size());

@@ -14,6 +14,7 @@
 #include "slow_passes.hpp"
 #include "math/most_rows.hpp"
 #include "math/parallel.hpp"
+#include "veridyn/regressor/base_parameters.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn {
@@ -64,6 +65,12 @@ std::optional<Model> with_values(const Model& arm, const ExcitationOptions& opti
   if (options.powered) return options.powered;
   if (arm.inertial_values()) return arm;
   return std::nullopt;
+}
+
+// The parameters that an identification of the arm will print, so that both speak of the same.
+std::vector<int> reported_base(const Model& arm) {
+  const std::vector<int> free = identifiable_base_parameters(arm).independent;
+  return free.empty() ? base_parameters(arm).independent : free;
 }
 
 // Whether a motion keeps all limits.
@@ -222,7 +229,7 @@ void Design::describe(const Candidate& best, const VectorXd& random, Excitation&
   if (known) {
     out.prediction =
         predict_identification(*known, out.motion, options_.noise.value_or(usual_noise(*known)),
-                               options_.given, options_.reported_base);
+                               options_.given, reported_base(arm_));
   }
   if (options_.between && options_.criterion == ExcitationCriterion::kDiscriminate)
     out.discrimination = judge_rivals(asked.question, asked.question.exact_gram(motion), options_);
@@ -231,7 +238,7 @@ void Design::describe(const Candidate& best, const VectorXd& random, Excitation&
 
 Excitation Design::run() {
   std::vector<int> columns;
-  if (options_.criterion == ExcitationCriterion::kAOptimal) columns = options_.reported_base;
+  if (options_.criterion == ExcitationCriterion::kAOptimal) columns = reported_base(arm_);
   if (options_.essential > 0.0) columns = essential_columns(arm_, options_.essential).kept;
   const auto asked = std::make_shared<const Asked>(arm_, columns, options_, seconds());
   require(asked->exact.size() >= 1, "excitation: the torques of '", arm_.name(),

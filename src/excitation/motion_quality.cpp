@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "excitation/columns/column_names.hpp"
+#include "veridyn/regressor/standard_parameters.hpp"
 
 namespace veridyn {
 namespace {
@@ -21,7 +21,7 @@ double range_condition_number(const MatrixXd& W) {
 
 // Of the smallest eigenvalue of the Gram matrix, columns of norm one.
 std::vector<std::pair<std::string, double>> weakest_direction(
-    const MatrixXd& gram, const BaseRegressor& regressor, const std::vector<ColumnName>& names) {
+    const MatrixXd& gram, const BaseRegressor& regressor, const std::vector<StandardParameter>& names) {
   const VectorXd d = gram.diagonal().cwiseSqrt().cwiseMax(1e-100).cwiseInverse();
   const MatrixXd scaled = d.asDiagonal() * gram * d.asDiagonal();
   const VectorXd direction = Eigen::SelfAdjointEigenSolver<MatrixXd>(scaled).eigenvectors().col(0);
@@ -39,7 +39,7 @@ std::vector<std::pair<std::string, double>> weakest_direction(
 
 void judge_motion(const Model& arm, const BaseRegressor& chosen, const MotionSamples& motion,
                   const MotionSamples& random, const ExcitationOptions& options, Excitation& out) {
-  const std::vector<ColumnName> names = column_names(arm);
+  const std::vector<StandardParameter> names = standard_parameters(arm);
   out.base_parameters = chosen.size();
   for (const int c : chosen.base()) out.base.push_back(names[static_cast<size_t>(c)].name);
   const MatrixXd gram = chosen.gram(motion) / static_cast<double>(motion.rows());
@@ -61,7 +61,7 @@ void judge_motion(const Model& arm, const BaseRegressor& chosen, const MotionSam
 
 EssentialParameters judge_essential(const Model& arm, const EssentialColumns& columns, double share,
                                     const BaseRegressor& chosen, const MotionSamples& motion) {
-  const std::vector<ColumnName> names = column_names(arm);
+  const std::vector<StandardParameter> names = standard_parameters(arm);
   EssentialParameters out;
   out.share = share;
   out.count = chosen.size();
@@ -76,12 +76,9 @@ EssentialParameters judge_essential(const Model& arm, const EssentialColumns& co
 
 Discrimination judge_rivals(const Question& question, const MatrixXd& gram,
                             const ExcitationOptions& options) {
-  const auto label = [](const RivalCause& r) {
-    return r.place.empty() ? r.effect : r.effect + ":" + r.place;
-  };
   Discrimination out;
-  out.first = label(options.between->first);
-  out.second = label(options.between->second);
+  out.first = to_text(options.between->first);
+  out.second = to_text(options.between->second);
   const auto [first, second] = rivals_left(gram, question.scale, question.rivals);
   const auto share = [](const RivalLeft& r) {
     return r.alone > 0.0 ? std::sqrt(r.left / r.alone) : 0.0;

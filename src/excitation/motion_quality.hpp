@@ -1,6 +1,6 @@
 #pragma once
 
-#include "excitation/columns/base_columns.hpp"
+#include "excitation/base_columns.hpp"
 #include "excitation/search/question.hpp"
 
 namespace veridyn {

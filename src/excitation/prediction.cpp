@@ -6,9 +6,9 @@
 #include <limits>
 #include <numeric>
 
-#include "excitation/columns/column_names.hpp"
-#include "excitation/columns/stacked_columns.hpp"
-#include "excitation/columns/standard_values.hpp"
+#include "regressor/arm_columns.hpp"
+#include "regressor/stacked_columns.hpp"
+#include "veridyn/regressor/standard_parameters.hpp"
 #include "veridyn/excitation/base_regressor.hpp"
 #include "veridyn/math/require.hpp"
 
@@ -23,9 +23,9 @@ double lasts(const MotionSamples& motion) {
   return motion.time[motion.rows() - 1] - motion.time[0];
 }
 
-VectorXd rms_torque(const BaseRegressor& regressor, const MotionSamples& motion,
-                    const VectorXd& beta) {
-  const VectorXd tau = regressor.stacked(motion) * beta;
+VectorXd rms_torque(const Model& arm, const MotionSamples& motion) {
+  const StackedColumns all(arm.joints(), arm_columns(arm, 0.0));
+  const VectorXd tau = all.stacked(motion) * standard_values(arm);
   const Eigen::Map<const MatrixXd> by_joint(tau.data(), motion.rows(), motion.joints());
   return (by_joint.colwise().squaredNorm() / static_cast<double>(motion.rows()))
       .cwiseSqrt()
@@ -43,19 +43,6 @@ VectorXd variances(const MatrixXd& information) {
 }
 
 }  // namespace
-
-VectorXd standard_values(const Model& arm) {
-  const auto phi = arm.inertial_values();
-  require(phi.has_value(), "prediction: '", arm.name(),
-          "' has bodies without mass, com and inertia; what they are says how large an error is.");
-  std::vector<double> out(phi->data(), phi->data() + phi->size());
-  for (const EffectTerm& term : arm.effects()) {
-    const BoundEffect effect(arm, term);
-    for (int p = 0; p < effect.parameter_count(); ++p)
-      out.push_back(effect.values()[static_cast<size_t>(p)]);
-  }
-  return Eigen::Map<const VectorXd>(out.data(), static_cast<Eigen::Index>(out.size()));
-}
 
 TorqueNoise usual_noise(const Model& arm) {
   const auto& identified = arm.description().identified;
@@ -77,11 +64,16 @@ Prediction predict_identification(const Model& arm, const MotionSamples& motion,
           "prediction: found noise of ", noise.share.size(), " joints, expected ", arm.joints(),
           " positive shares.");
   const BaseRegressor regressor(arm, base);
-  const VectorXd beta = regressor.combination() * standard_values(arm);
+  const std::vector<StandardParameter> names = standard_parameters(arm);
+  VectorXd unknown = standard_values(arm);  // facts are no part of what is identified
+  for (size_t k = 0; k < names.size(); ++k) {
+    if (names[k].fixed) unknown[static_cast<Eigen::Index>(k)] = 0.0;
+  }
+  const VectorXd beta = regressor.combination() * unknown;
   Prediction out;
   out.noise = noise;
   out.values = "of " + arm.name();
-  out.rms_torque = rms_torque(regressor, motion, beta);
+  out.rms_torque = rms_torque(arm, motion);
   // A joint without any torque has no noise in this picture: a little, so that nothing divides by
   // zero.
   const double floor = 1e-6 * std::max(1e-300, out.rms_torque.maxCoeff());
@@ -93,10 +85,9 @@ Prediction predict_identification(const Model& arm, const MotionSamples& motion,
   MatrixXd sum = information(motion);
   for (const MotionSamples& before : given) sum += information(before);
   const VectorXd deviations = variances(sum).cwiseSqrt();
-  const std::vector<ColumnName> names = column_names(arm);
   std::vector<double> relative;
   for (int b = 0; b < regressor.size(); ++b) {
-    const ColumnName& name = names[static_cast<size_t>(regressor.base()[static_cast<size_t>(b)])];
+    const StandardParameter& name = names[static_cast<size_t>(regressor.base()[static_cast<size_t>(b)])];
     const double share = deviations[b] / std::abs(beta[b]);
     out.parameters.push_back({name.name, name.unit, beta[b], deviations[b], share});
     if (share < kNothing) relative.push_back(share);

@@ -8,6 +8,7 @@
 #include "period_fold.hpp"
 #include "read_ahead.hpp"
 #include "math/parallel.hpp"
+#include "recordings/kept_recordings.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn {
@@ -203,14 +204,12 @@ class ThinnedPositions {
   std::vector<Eigen::RowVectorXd> q_;
 };
 
-Recording first_positions(const std::string& path, const PreprocessingOptions& options) {
-  RecordingOptions reading;
-  reading.columns = options.columns;
-  reading.rate = options.header_rate;
-  RecordingReader reader(path, reading);
+Recording first_positions(const Model& arm, const std::string& path,
+                          const PreprocessingOptions& options) {
+  const OpenedRows rows = open_rows(path, reading_of(arm, options));
   ThinnedPositions positions;
   while (positions.duration() < kPeriodSeconds) {
-    const Recording piece = reader.next(kPieceRows);
+    const Recording piece = rows.next(kPieceRows);
     if (piece.rows() == 0) break;
     for (Eigen::Index k = 0; k < piece.rows(); ++k) positions.add(piece, k);
   }
@@ -264,32 +263,29 @@ class SeriesCollector {
 ErrorSums run_prediction(const Model& arm, const std::string& source,
                          const PreprocessingOptions& options, const VectorRef& values,
                          const std::vector<TorqueFacts>& joints, PredictionSeries* series,
-                         const Pass& pass, int threads) {
+                         ErrorSums* without_excluded, const Pass& pass, int threads) {
   const int n = arm.joints();
   const RegressorColumns columns(arm, of_this_source(options, source));
   ErrorSums sums(n);
+  ErrorSums kept(n);
   SeriesCollector collector(series, n);
   const Visit visit = [&](const Stretch& s) {
     const RegressorColumns::Prediction p = columns.predict(s, values);
     for (Eigen::Index k = s.core_begin; k < s.core_end; ++k) {
       if (s.use[static_cast<size_t>(k)] == 0) continue;
       for (int i = 0; i < n; ++i) {
-        if (columns.left_out(i, s.time[k] - s.start)) continue;
-        const double tau = p.measured(k, i);
-        const double e = tau - p.modelled(k, i);
-        sums.torque2[i] += tau * tau;
-        sums.error2[i] += e * e;
-        sums.torque_max[i] = std::max(sums.torque_max[i], std::abs(tau));
-        sums.error_max[i] = std::max(sums.error_max[i], std::abs(e));
-        if (std::abs(s.dq(k, i)) <= kMovingShare * joints[static_cast<size_t>(i)].largest_speed)
-          continue;
-        sums.moving_torque2[i] += tau * tau;
-        sums.moving_error2[i] += e * e;
+        const double slow = kMovingShare * joints[static_cast<size_t>(i)].largest_speed;
+        const MovingSample moves =
+            std::abs(s.dq(k, i)) > slow ? MovingSample::kYes : MovingSample::kNo;
+        sums.add(i, p.measured(k, i), p.modelled(k, i), moves);
+        if (without_excluded != nullptr && !columns.left_out(i, s.time[k] - s.start))
+          kept.add(i, p.measured(k, i), p.modelled(k, i), moves);
       }
       collector.add(s, p, k);
     }
   };
   threads > 1 ? read_ahead(pass, visit) : pass(visit);
+  if (without_excluded != nullptr) *without_excluded = kept;
   return sums;
 }
 
@@ -302,7 +298,7 @@ CompressedRecording compress(const Model& arm, const std::string& path,
   if (known != options.known_periods.end()) {
     period.seconds = known->second;
   } else {
-    period = detect_period(first_positions(path, options));
+    period = detect_period(first_positions(arm, path, options));
   }
   return run_compress(
       arm, path, options, period,
@@ -346,6 +342,17 @@ void ErrorSums::add(const ErrorSums& other) {
   moving_error2 += other.moving_error2;
 }
 
+void ErrorSums::add(int i, double measured, double modelled, MovingSample moves) {
+  const double e = measured - modelled;
+  torque2[i] += measured * measured;
+  error2[i] += e * e;
+  torque_max[i] = std::max(torque_max[i], std::abs(measured));
+  error_max[i] = std::max(error_max[i], std::abs(e));
+  if (moves == MovingSample::kNo) return;
+  moving_torque2[i] += measured * measured;
+  moving_error2[i] += e * e;
+}
+
 PredictionError ErrorSums::error() const {
   const auto ratio = [](const VectorXd& a, const VectorXd& b) {
     return VectorXd((b.array() > 0.0).select(a.array() / b.array().max(1e-300), 0.0));
@@ -357,18 +364,19 @@ PredictionError ErrorSums::error() const {
 ErrorSums prediction_error(const Model& arm, const std::string& path,
                            const PreprocessingOptions& options, const VectorRef& values,
                            const std::vector<TorqueFacts>& joints, PredictionSeries* series,
-                           int threads) {
+                           ErrorSums* without_excluded, int threads) {
   return run_prediction(
-      arm, path, options, values, joints, series,
+      arm, path, options, values, joints, series, without_excluded,
       [&](const Visit& visit) { return for_each_stretch(arm, path, options, visit); },
       number_of_threads(threads));
 }
 
 ErrorSums prediction_error(const Model& arm, const Recording& recording,
                            const PreprocessingOptions& options, const VectorRef& values,
-                           const std::vector<TorqueFacts>& joints, PredictionSeries* series) {
+                           const std::vector<TorqueFacts>& joints, PredictionSeries* series,
+                           ErrorSums* without_excluded) {
   return run_prediction(
-      arm, recording.source, options, values, joints, series,
+      arm, recording.source, options, values, joints, series, without_excluded,
       [&](const Visit& visit) { return for_each_stretch(arm, recording, options, visit); }, 1);
 }
 

@@ -59,23 +59,6 @@ std::vector<std::string> undetermined_parameters(const BaseParameters& arm_base,
   return out;
 }
 
-}  // namespace
-
-SquareRootInformation identifiable_factor(const Model& arm, unsigned seed,
-                                          const std::vector<std::string>& still) {
-  constexpr int kStates = 200;
-  const SquareRootInformation all = random_state_factor(arm, kStates, seed, still);
-  std::vector<std::string> free;
-  for (const StandardParameter& p : standard_parameters(arm)) {
-    if (!p.fixed) free.push_back(p.name);
-  }
-  return static_cast<int>(free.size()) == all.size()
-             ? all
-             : all.restricted(free).restricted(all.columns());
-}
-
-namespace {
-
 // True, and says so, if the recordings leave the arm's base parameters open.
 bool rank_deficient(const Model& arm, const BaseParameters& arm_base,
                     const SquareRootInformation& total, Identification& id) {
@@ -255,8 +238,7 @@ void solve(const Model& arm, const std::vector<CompressedRecording>& recordings,
            const IdentificationOptions& options, Identification& id) {
   const auto parameters = standard_parameters(arm);
   const std::vector<std::string> names = parameter_names(parameters);
-  const BaseParameters base =
-      base_parameters(identifiable_factor(arm, 1), preferred_columns(parameters));
+  const BaseParameters base = identifiable_base_parameters(arm);
   VectorXd weights = range_weights(recordings);
   SquareRootInformation total = weighted_total(recordings, weights, names);
   if (rank_deficient(arm, base, total, id)) return;
@@ -388,12 +370,15 @@ Identification identify(const Model& arm, const Recording& recording,
       compress(arm, recording, options.preprocessing)};
   if (!fit_factors(arm, recordings, options, id)) return id;
   id.train.resize(1);
-  const auto predict = [&](const PreprocessingOptions& how, PredictionSeries* series) {
-    return prediction_error(arm, recording, how, id.parameters, recordings[0].joints, series);
+  const auto predict = [&](const PreprocessingOptions& how, PredictionSeries* series,
+                           ErrorSums* without_excluded) {
+    return prediction_error(arm, recording, how, id.parameters, recordings[0].joints, series,
+                            without_excluded);
   };
   measure_errors(recordings[0], options.preprocessing, predict, id.train[0]);
   id.train_error = id.train[0].error;
-  id.train_as_recorded = id.train[0].as_recorded;
+  id.train_repaired = id.train[0].repaired;
+  id.train_without_excluded = id.train[0].without_excluded;
   keep_training_error(id);
   return id;
 }

@@ -36,7 +36,8 @@ std::string Identification::report() const {
   };
   line("training", train_error.relative);
   line("held out", test_error.relative);
-  line("held out, as recorded", test_as_recorded.relative);
+  line("held out, repaired", test_repaired.relative);
+  line("without excluded rows", test_without_excluded.relative);
   line("held out, moving", test_error.moving_relative);
   line("noise floor", noise_floor);
   for (const RecordingError& r : test) {

@@ -85,30 +85,35 @@ void read(ByteReader& in, PredictionSeries& s) {
 void write(const MeasuredRecording& r, ByteWriter& out) {
   out.text(r.error.source);
   write(r.error.error, out);
-  write(r.error.as_recorded, out);
+  write(r.error.repaired, out);
+  write(r.error.without_excluded, out);
   out.number(static_cast<std::uint64_t>(r.error.filled.count));
   out.real(r.error.filled.age);
   out.number(static_cast<std::uint64_t>(r.error.rows));
   out.vector(r.error.noise_floor);
   out.real(r.error.period);
   write(r.error.series, out);
-  write(r.sums.prepared, out);
   write(r.sums.as_recorded, out);
+  write(r.sums.repaired, out);
+  write(r.sums.without_excluded, out);
 }
 
 MeasuredRecording read_measured(ByteReader& in, int joints) {
-  MeasuredRecording r{{}, {ErrorSums(joints), ErrorSums(joints)}, false};
+  const ErrorSums none(joints);
+  MeasuredRecording r{{}, {none, none, none}, false};
   r.error.source = in.text();
   read(in, r.error.error);
-  read(in, r.error.as_recorded);
+  read(in, r.error.repaired);
+  read(in, r.error.without_excluded);
   r.error.filled.count = static_cast<long>(in.number());
   r.error.filled.age = in.real();
   r.error.rows = static_cast<long>(in.number());
   r.error.noise_floor = in.vector();
   r.error.period = in.real();
   read(in, r.error.series);
-  read(in, r.sums.prepared);
   read(in, r.sums.as_recorded);
+  read(in, r.sums.repaired);
+  read(in, r.sums.without_excluded);
   return r;
 }
 

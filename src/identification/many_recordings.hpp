@@ -21,10 +21,6 @@ void merge_blocks(CompressedRecording& recording, int most);
 /// Blocks that each of so many recordings may keep.
 int blocks_of_each(int recordings);
 
-/// The regressor at random states without the columns of facts, as the recordings' factors have it.
-SquareRootInformation identifiable_factor(const Model& arm, unsigned seed,
-                                          const std::vector<std::string>& still = {});
-
 /// From factors to a model: fills everything but errors, and may replace id.reason. False if there is
 /// no model.
 bool fit_factors(const Model& arm, const std::vector<CompressedRecording>& recordings,

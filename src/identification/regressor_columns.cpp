@@ -3,30 +3,14 @@
 #include <algorithm>
 #include <cmath>
 
-#include "veridyn/identification/arm_effects.hpp"
+#include "regressor/effect_along.hpp"
+#include "veridyn/effects/channel_effect.hpp"
 #include "veridyn/math/zero_phase_filter.hpp"
 
 namespace veridyn {
 namespace {
 
-constexpr double kOffsetStep = 1e-5;      // [rad] or [m] of the derivative by position
-constexpr double kLoadCutoffShare = 0.5;  // of the filter's cut-off
-constexpr double kTiltStep = 1e-4;        // [rad]
 constexpr Eigen::Index kGroupEntries = 1 << 20;  // of the columns that are worked on at once
-
-// Effort that the arm's own rigid bodies ask for, where the file has their values; for
-// load-dependent effects.
-MatrixXd rigid_torques(const RegressorBatch& bodies, const Model& arm, const Stretch& s) {
-  MatrixXd tau = MatrixXd::Zero(s.q.rows(), s.q.cols());
-  const auto phi = arm.inertial_values();
-  if (phi) bodies.torques(s.q, s.dq, s.ddq, *phi, tau);
-  return tau;
-}
-
-double along(const Axis& axis, const MatrixXd& tau, Eigen::Index row) {
-  // The effort along s that does the same work as tau: least squares of c f = tau.
-  return tau.row(row).dot(axis.coefficients) / axis.coefficients.squaredNorm();
-}
 
 }  // namespace
 
@@ -38,8 +22,9 @@ RegressorColumns::RegressorColumns(const Model& arm, const PreprocessingOptions&
       const int e = parameters_[p].effect;
       if (e < 0) continue;
       const EffectTerm& term = arm.effects()[e];
-      if (is_arm_effect(term.effect) ? arm_effect_acts_on(term, i)
-                                     : term.axis.coefficients[i] != 0.0)
+      const ChannelEffect* channel = channel_effect(term.effect);
+      if (channel != nullptr ? channel->acts_on(i, channel_joint(*channel, term))
+                             : term.axis.coefficients[i] != 0.0)
         mine.push_back(static_cast<int>(p));
     }
     of_joint_.push_back(std::move(mine));
@@ -60,11 +45,11 @@ std::vector<MatrixXd> RegressorColumns::raw_columns(const Stretch& s, Joints joi
   MatrixXd load;
   ArmTerms of_arm;
   for (const EffectTerm& term : arm_.effects()) {
-    if (is_arm_effect(term.effect)) {
+    if (const ChannelEffect* channel = channel_effect(term.effect)) {
       of_arm.emplace_back(&term, at);
       for (int i = joints.first; i < joints.end; ++i) {
-        if (!arm_effect_acts_on(term, i)) continue;
-        const auto own = static_cast<Eigen::Index>(arm_effect_parameters(term.effect).size());
+        if (!channel->acts_on(i, channel_joint(*channel, term))) continue;
+        const auto own = static_cast<Eigen::Index>(channel->parameters().size());
         Y[i].middleCols(at[i], own).setZero();
         at[i] += own;
       }
@@ -72,21 +57,13 @@ std::vector<MatrixXd> RegressorColumns::raw_columns(const Stretch& s, Joints joi
     }
     if (term.axis.coefficients.segment(joints.first, joints.end - joints.first).isZero(0.0))
       continue;
-    BoundEffect effect(arm_, term);
-    effect.reset(s.start);
-    if (effect.effect().needs_load() && load.size() == 0) {
-      load = rigid_torques(bodies_, arm_, s);
+    const BoundEffect effect(arm_, term);
+    const MotionView motion(s.time, s.q, s.dq, s.ddq);
+    if (effect.traits().uses_load && load.size() == 0) {
+      load = rigid_load(arm_, bodies_, motion);
       smooth_load(load, s.dt);
     }
-    MatrixXd columns(rows, effect.parameter_count());
-    EffectColumns row{};
-    for (Eigen::Index k = 0; k < rows; ++k) {
-      AxisSample x =
-          effect.sample(s.time[k], s.q.data() + k, s.dq.data() + k, s.ddq.data() + k, rows);
-      if (effect.effect().needs_load()) x.load = along(term.axis, load, k);
-      effect.columns(x, row);
-      for (int c = 0; c < effect.parameter_count(); ++c) columns(k, c) = row[c];
-    }
+    const MatrixXd columns = columns_along(effect, motion, load, s.start);
     for (int i = joints.first; i < joints.end; ++i) {
       const double c = term.axis.coefficients[i];
       if (c == 0.0) continue;
@@ -94,13 +71,13 @@ std::vector<MatrixXd> RegressorColumns::raw_columns(const Stretch& s, Joints joi
       at[i] += columns.cols();
     }
   }
-  if (!of_arm.empty()) fill_arm_effects(s, of_arm, joints, Y);
+  if (!of_arm.empty()) fill_channel_errors(s, of_arm, joints, Y);
   return Y;
 }
 
 // Derivatives of what the arm's own values ask for, which all other columns together give.
-void RegressorColumns::fill_arm_effects(const Stretch& s, const ArmTerms& terms, Joints joints,
-                                        std::vector<MatrixXd>& Y) const {
+void RegressorColumns::fill_channel_errors(const Stretch& s, const ArmTerms& terms, Joints joints,
+                                           std::vector<MatrixXd>& Y) const {
   const auto phi = arm_.inertial_values();
   MatrixXd effort(s.q.rows(), arm_.joints());
   for (int i = joints.first; i < joints.end; ++i) {
@@ -109,47 +86,21 @@ void RegressorColumns::fill_arm_effects(const Stretch& s, const ArmTerms& terms,
       mine[p] = parameters_[static_cast<size_t>(of_joint_[i][static_cast<size_t>(p)])].value;
     effort.col(i) = Y[i] * mine;
   }
+  if (!phi) return;
+  const ChannelMotion motion{arm_, bodies_, *phi, s.q, s.dq, s.ddq, effort, s.dt};
   for (const auto& [term, at] : terms) {
-    if (!phi) continue;
-    if (term->effect == "gravity_tilt") {
-      fill_tilt(s, *phi, at, joints, Y);
-      continue;
+    const ChannelEffect& channel = *channel_effect(term->effect);
+    const int joint = channel_joint(channel, *term);
+    const std::vector<MatrixXd> columns = channel.columns(motion, joint);
+    for (int i = joints.first; i < joints.end; ++i) {
+      if (!channel.acts_on(i, joint)) continue;
+      for (size_t p = 0; p < columns.size(); ++p)
+        Y[i].col(at[i] + static_cast<Eigen::Index>(p)) = columns[p].col(i);
     }
-    const int joint = main_coordinate(term->axis);
-    const bool asked = joints.first <= joint && joint < joints.end;
-    if (asked && term->effect == "torque_gain") Y[joint].col(at[joint]) = effort.col(joint);
-    if (asked && term->effect == "time_delay")
-      Y[joint].col(at[joint]) = -differentiate(effort.col(joint), s.dt);
-    if (term->effect != "encoder_offset") continue;
-    MatrixXd q = s.q;
-    MatrixXd up;
-    MatrixXd down;
-    q.col(joint).array() -= kOffsetStep;
-    bodies_.torques(q, s.dq, s.ddq, *phi, up);
-    q.col(joint).array() += 2.0 * kOffsetStep;
-    bodies_.torques(q, s.dq, s.ddq, *phi, down);
-    for (int i = joints.first; i < joints.end; ++i)
-      Y[i].col(at[i]) = (up.col(i) - down.col(i)) / (2.0 * kOffsetStep);
   }
 }
 
-void RegressorColumns::fill_tilt(const Stretch& s, const VectorXd& phi,
-                                 const std::vector<Eigen::Index>& at, Joints joints,
-                                 std::vector<MatrixXd>& Y) const {
-  const MatrixXd rest = MatrixXd::Zero(s.q.rows(), s.q.cols());
-  for (int k = 0; k < 2; ++k) {
-    ModelDescription d = arm_.description();
-    const double roll = k == 0 ? kTiltStep : 0.0;
-    d.gravity = tilted_gravity_change(d.gravity, roll, kTiltStep - roll) / kTiltStep;
-    MatrixXd tau;
-    RegressorBatch(Model(std::move(d))).torques(s.q, rest, rest, phi, tau);
-    for (int i = joints.first; i < joints.end; ++i) Y[i].col(at[i] + k) = tau.col(i);
-  }
-}
-
-// The load carries the noise of the measured accelerations, as the inertias' own columns do.
-// Effects that differentiate it would cancel that noise and look like a cause; the motion itself
-// lies lower.
+// See rigid_load().
 void RegressorColumns::smooth_load(MatrixXd& load, double dt) const {
   if (options_.filtering != Filtering::kMatched || options_.cutoff <= 0.0) return;
   ZeroPhaseFilter(kLoadCutoffShare * options_.cutoff, options_.order, 1.0 / dt).apply(load);

@@ -23,12 +23,6 @@ PredictionError only_relative(PredictionError error) {
   return error;
 }
 
-PredictionError total(const std::vector<ErrorSums>& all, int joints) {
-  ErrorSums out(joints);
-  for (const ErrorSums& one : all) out.add(one);
-  return out.error();
-}
-
 // Errors on the rows of factors whose samples are elsewhere: sums of squares and nothing else.
 ErrorSums factor_errors(const Model& arm, const CompressedRecording& recording,
                         const VectorXd& values, RecordingError& out) {
@@ -48,16 +42,23 @@ ErrorSums factor_errors(const Model& arm, const CompressedRecording& recording,
   out.source = recording.source;
   out.error = only_relative(sums.error());
   out.filled = recording.facts.filled;
-  out.as_recorded = {};
   out.rows = recording.facts.rows_read;
   out.noise_floor = recording.noise_floor;
   out.period = recording.period.seconds;
   return sums;
 }
 
-bool any_filled(const std::vector<RecordingError>& recordings) {
-  return std::any_of(recordings.begin(), recordings.end(),
-                     [](const RecordingError& r) { return r.filled.count > 0; });
+bool any(const std::vector<RecordingError>& recordings, PredictionError RecordingError::* figure) {
+  return std::any_of(recordings.begin(), recordings.end(), [figure](const RecordingError& r) {
+    return (r.*figure).relative.size() > 0;
+  });
+}
+
+PredictionError total(const std::vector<MeasuredErrors>& all, ErrorSums MeasuredErrors::* sums,
+                      int joints) {
+  ErrorSums out(joints);
+  for (const MeasuredErrors& one : all) out.add(one.*sums);
+  return out.error();
 }
 
 }  // namespace
@@ -88,34 +89,44 @@ VectorXd mean_noise_floor(const std::vector<CompressedRecording>& recordings, in
 
 MeasuredErrors measure_errors(const CompressedRecording& recording, const PreprocessingOptions& how,
                               const Predict& predict, RecordingError& out) {
-  const ErrorSums prepared = predict(how, &out.series);
+  MeasuredErrors found{ErrorSums(0), ErrorSums(0), ErrorSums(0)};
+  found.repaired = predict(how, &out.series, &found.without_excluded);
   out.source = recording.source;
-  out.error = prepared.error();
   out.filled = recording.facts.filled;
   out.rows = recording.facts.rows_read;
   out.noise_floor = recording.noise_floor;
   out.period = recording.period.seconds;
-  if (out.filled.count == 0) return {prepared, prepared};
-  PreprocessingOptions kept = how;
-  kept.stale_rows = StaleRows::kKept;
-  const ErrorSums as_recorded = predict(kept, nullptr);
-  out.as_recorded = as_recorded.error();
-  return {prepared, as_recorded};
+  found.as_recorded = found.repaired;
+  if (out.filled.count > 0) {
+    PreprocessingOptions kept = how;
+    kept.stale_rows = StaleRows::kKept;
+    found.as_recorded = predict(kept, nullptr, nullptr);
+    out.repaired = found.repaired.error();
+  }
+  const bool excludes =
+      std::any_of(how.left_out.begin(), how.left_out.end(),
+                  [&](const LeftOut& part) { return part.source == recording.source; });
+  if (excludes) out.without_excluded = found.without_excluded.error();
+  out.error = found.as_recorded.error();
+  return found;
 }
 
 MeasuredRecording measure(const Model& arm, const CompressedRecording& recording,
                           const PreprocessingOptions& how, const VectorXd& values,
                           int series_samples, int threads) {
-  MeasuredRecording out{{}, {ErrorSums(arm.joints()), ErrorSums(arm.joints())}, false};
+  const ErrorSums none(arm.joints());
+  MeasuredRecording out{{}, {none, none, none}, false};
   if (recording.detached) {
-    out.sums.prepared = factor_errors(arm, recording, values, out.error);
-    out.sums.as_recorded = out.sums.prepared;
+    out.sums.repaired = factor_errors(arm, recording, values, out.error);
+    out.sums.as_recorded = out.sums.without_excluded = out.sums.repaired;
     out.detached = true;
     return out;
   }
   out.error.series.wanted = series_samples;
-  const auto predict = [&](const PreprocessingOptions& with, PredictionSeries* series) {
-    return prediction_error(arm, recording.source, with, values, recording.joints, series, threads);
+  const auto predict = [&](const PreprocessingOptions& with, PredictionSeries* series,
+                           ErrorSums* without_excluded) {
+    return prediction_error(arm, recording.source, with, values, recording.joints, series,
+                            without_excluded, threads);
   };
   out.sums = measure_errors(recording, how, predict, out.error);
   return out;
@@ -149,27 +160,32 @@ void take_errors(const Model& arm, std::vector<MeasuredRecording> train,
     std::vector<MeasuredRecording>& measured;
     std::vector<RecordingError>& out;
     PredictionError& error;
-    PredictionError& as_recorded;
+    PredictionError& repaired;
+    PredictionError& without_excluded;
   };
-  for (const Part& part : {Part{train, id.train, id.train_error, id.train_as_recorded},
-                           Part{test, id.test, id.test_error, id.test_as_recorded}}) {
-    std::vector<ErrorSums> prepared;
-    std::vector<ErrorSums> as_recorded;
+  for (const Part& part :
+       {Part{train, id.train, id.train_error, id.train_repaired, id.train_without_excluded},
+        Part{test, id.test, id.test_error, id.test_repaired, id.test_without_excluded}}) {
+    std::vector<MeasuredErrors> sums;
     bool detached = false;
     part.out.clear();
     for (MeasuredRecording& r : part.measured) {
-      prepared.push_back(std::move(r.sums.prepared));
-      as_recorded.push_back(std::move(r.sums.as_recorded));
+      sums.push_back(std::move(r.sums));
       detached = detached || r.detached;
       part.out.push_back(std::move(r.error));
     }
-    if (part.out.empty()) continue;
-    part.error = total(prepared, arm.joints());
+    const auto figure = [&](PredictionError RecordingError::* of_one,
+                            ErrorSums MeasuredErrors::* of_sums) {
+      return any(part.out, of_one) ? total(sums, of_sums, arm.joints()) : PredictionError();
+    };
+    part.error = figure(&RecordingError::error, &MeasuredErrors::as_recorded);
     if (detached) {
       part.error = only_relative(std::move(part.error));
-    } else if (any_filled(part.out)) {
-      part.as_recorded = total(as_recorded, arm.joints());
+      continue;
     }
+    part.repaired = figure(&RecordingError::repaired, &MeasuredErrors::repaired);
+    part.without_excluded =
+        figure(&RecordingError::without_excluded, &MeasuredErrors::without_excluded);
   }
 }
 

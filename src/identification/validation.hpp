@@ -14,13 +14,16 @@ Identification described(const Model& arm, const IdentificationOptions& options)
 /// Root mean square of the recordings' noise floors, relative, (n); empty if none has one.
 VectorXd mean_noise_floor(const std::vector<CompressedRecording>& recordings, int joints);
 
-/// Errors of some parameter values on one recording, with its stale rows filled in and as recorded
-/// (the same where nothing was filled in).
+/// Errors of some parameter values on one recording: on every row as recorded, with the rows of a
+/// late publisher filled in, and of these without what is left out. Equal where there is nothing to
+/// fill in or to leave out.
 struct MeasuredErrors {
-  ErrorSums prepared, as_recorded;
+  ErrorSums as_recorded, repaired, without_excluded;
 };
 
-using Predict = std::function<ErrorSums(const PreprocessingOptions&, PredictionSeries*)>;
+/// Errors on every row; the last argument, if not null, becomes those without what is left out.
+using Predict =
+    std::function<ErrorSums(const PreprocessingOptions&, PredictionSeries*, ErrorSums*)>;
 
 /// What the values that `predict` stands for are worth on a recording; fills `out`.
 MeasuredErrors measure_errors(const CompressedRecording& recording, const PreprocessingOptions& how,

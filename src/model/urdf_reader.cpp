@@ -15,6 +15,7 @@
 #include <mutex>
 
 #include "model/joint_placement.hpp"
+#include "model/effect_names.hpp"
 
 namespace veridyn {
 namespace {
@@ -263,8 +264,9 @@ class UrdfReader {
 
   void add_friction(const urdf::Joint& joint, const Axis& axis) {
     if (!joint.dynamics || !moves(joint)) return;
-    const auto add = [&](const std::string& effect, const std::string& key, double value) {
+    const auto add = [&](const char* attribute, double value) {
       if (value == 0.0) return;
+      const auto [effect, key] = effect_of_urdf(attribute).value();
       EffectTerm term;
       term.effect = effect;
       term.axis.coefficients = axis.coefficients;
@@ -272,8 +274,8 @@ class UrdfReader {
       term.where = file_;
       model_.effects.push_back(std::move(term));
     };
-    add("viscous_friction", "coefficient", joint.dynamics->damping);
-    add("coulomb_friction", "level", joint.dynamics->friction);
+    add("damping", joint.dynamics->damping);
+    add("friction", joint.dynamics->friction);
   }
 
   std::string file_;

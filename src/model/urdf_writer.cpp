@@ -6,6 +6,7 @@
 #include "physical_body.hpp"
 #include "math/output_file.hpp"
 #include "model/joint_placement.hpp"
+#include "model/effect_names.hpp"
 #include "veridyn/model/urdf.hpp"
 
 namespace veridyn {
@@ -148,19 +149,24 @@ class UrdfWriter {
 
   // True for friction of one coordinate that <dynamics> can hold.
   static bool damping_or_friction(const EffectTerm& term) {
-    const bool viscous = term.effect == "viscous_friction" && term.values.count("coefficient") == 1;
-    const bool coulomb = term.effect == "coulomb_friction" && term.values.count("level") == 1;
+    const bool known = says(term, "damping") || says(term, "friction");
     const bool plain =
         term.axis.coefficients.cwiseAbs().sum() == 1.0 && term.axis.coefficients.maxCoeff() == 1.0;
-    return (viscous || coulomb) && plain && term.values.size() == 1;
+    return known && plain && term.values.size() == 1;
   }
 
-  double friction(int coordinate, const std::string& effect, const std::string& key) const {
+  // True if the term with its value is what this attribute of <dynamics> says.
+  static bool says(const EffectTerm& term, const char* attribute) {
+    const auto same = effect_of_urdf(attribute);
+    return same && term.effect == same->first && term.values.count(same->second) == 1;
+  }
+
+  double dynamics(int coordinate, const char* attribute) const {
     double sum = 0.0;
     for (const EffectTerm& term : arm_.effects()) {
-      const bool here = term.effect == effect && damping_or_friction(term) &&
+      const bool here = says(term, attribute) && damping_or_friction(term) &&
                         term.axis.coefficients[coordinate] == 1.0;
-      if (here) sum += term.values.at(key);
+      if (here) sum += term.values.begin()->second;
     }
     return sum;
   }
@@ -216,8 +222,8 @@ class UrdfWriter {
     line(2, fmt::format("<limit lower=\"{}\" upper=\"{}\" velocity=\"{}\" effort=\"{}\"/>",
                         number(bounded(limits.lower)), number(bounded(limits.upper)),
                         number(bounded(limits.velocity)), number(bounded(limits.effort))));
-    const double damping = friction(j.coordinate, "viscous_friction", "coefficient");
-    const double level = friction(j.coordinate, "coulomb_friction", "level");
+    const double damping = dynamics(j.coordinate, "damping");
+    const double level = dynamics(j.coordinate, "friction");
     if (damping != 0.0 || level != 0.0) {
       line(2, fmt::format("<dynamics damping=\"{}\" friction=\"{}\"/>", number(damping),
                           number(level)));

@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 
+#include "recordings/kept_recordings.hpp"
 #include "recordings/uniform_stream.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/math/zero_phase_filter.hpp"
@@ -156,15 +157,26 @@ PreparationFacts run(const Model& arm, const std::string& name, UniformStream::S
 
 }  // namespace
 
-PreparationFacts for_each_stretch(const Model& arm, const std::string& path,
-                                  const PreprocessingOptions& options,
-                                  const std::function<void(const Stretch&)>& visit) {
+std::vector<WantedJoint> joints_of(const Model& arm) {
+  std::vector<WantedJoint> joints;
+  for (const Coordinate& c : arm.coordinates()) joints.push_back({c.name, c.prismatic});
+  return joints;
+}
+
+RecordingOptions reading_of(const Model& arm, const PreprocessingOptions& options) {
   RecordingOptions reading;
   reading.columns = options.columns;
   reading.rate = options.header_rate;
-  RecordingReader reader(path, reading);
-  return run(
-      arm, path, [&reader](int rows) { return reader.next(rows); }, options, visit);
+  reading.signals = options.signals;
+  reading.signals.joints = joints_of(arm);
+  return reading;
+}
+
+PreparationFacts for_each_stretch(const Model& arm, const std::string& path,
+                                  const PreprocessingOptions& options,
+                                  const std::function<void(const Stretch&)>& visit) {
+  const OpenedRows rows = open_rows(path, reading_of(arm, options));
+  return run(arm, path, rows.next, options, visit);
 }
 
 PreparationFacts for_each_stretch(const Model& arm, const Recording& recording,

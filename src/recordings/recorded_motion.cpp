@@ -12,7 +12,7 @@ constexpr Eigen::Index kFewest = 20;  // rows of a stretch
 }  // namespace
 
 std::vector<MotionSamples> recorded_motion(const Model& arm, const std::string& path) {
-  Recording rows = read_recording(path);
+  Recording rows = read_recording(path, reading_of(arm, {}));
   require(rows.joints() == arm.joints(), path, ": found ", rows.joints(), " joints, but '",
           arm.name(), "' has ", arm.joints(), ".");
   const bool whole = rows.q.allFinite() && rows.dq.allFinite() && rows.ddq.allFinite();

@@ -43,7 +43,8 @@ Recording rows_of(const Recording& recording, int first, int count) {
   return part;
 }
 
-Recording read_recording(const std::string& path, const RecordingOptions& options) {
+Recording read_recording(const std::string& path, const RecordingOptions& options,
+                         RecordingFacts& facts) {
   RecordingReader reader(path, options);
   std::vector<Recording> pieces;
   Eigen::Index rows = 0;
@@ -51,6 +52,7 @@ Recording read_recording(const std::string& path, const RecordingOptions& option
     pieces.push_back(reader.next(kPieceRows));
     rows += pieces.back().rows();
   } while (pieces.back().rows() == kPieceRows);
+  facts = reader.facts();
   if (rows == 0 && (options.first_row > 0 || options.row_count == 0)) {
     throw InvalidInput(
         text(path, ": found no row from row ", options.first_row, " on, expected some in --rows."));
@@ -76,6 +78,11 @@ Recording read_recording(const std::string& path, const RecordingOptions& option
     piece = Recording();
   }
   return whole;
+}
+
+Recording read_recording(const std::string& path, const RecordingOptions& options) {
+  RecordingFacts facts;
+  return read_recording(path, options, facts);
 }
 
 void write_recording(const Recording& recording, const std::string& path) {

@@ -1,306 +1,70 @@
 #include <algorithm>
-#include <charconv>
 #include <cmath>
-#include <cstdlib>
-#include <cstring>
-#include <iterator>
-#include <limits>
 
-#include "recordings/csv_layout.hpp"
-#include "recordings/csv_lines.hpp"
-#include "veridyn/recordings/recording.hpp"
+#include "recordings/import.hpp"
+#include "recordings/row_source.hpp"
+#include "recordings/units.hpp"
 #include "veridyn/math/require.hpp"
+#include "veridyn/recordings/recording.hpp"
 
 namespace veridyn {
 namespace {
 
-constexpr double kGap = std::numeric_limits<double>::quiet_NaN();
-
-bool is_blank(char c) {
-  return c == ' ' || c == '\t';
-}
-
-// One line, field by field, into a row of numbers.
-class RowParser {
+// Rows of a recording that is in memory.
+class ImportedRows : public recordings::RowSource {
  public:
-  RowParser(const CsvLayout& layout, const CsvLines& lines) : layout_(layout), lines_(lines) {}
-
-  void parse(std::string_view line, std::vector<double>* row) {
-    line_ = line;
-    p_ = line.data();
-    end_ = line.data() + line.size();
-    const std::size_t columns = layout_.slots.size();
-    if (layout_.separator == ' ') skip_blanks();
-    for (std::size_t column = 0; column < columns; ++column) {
-      if (column > 0) skip_separator(column);
-      const int slot = layout_.slots[column];
-      if (slot == CsvLayout::kIgnored) {
-        skip_field();
-      } else {
-        (*row)[static_cast<std::size_t>(slot)] = number(column);
-      }
-    }
-    if (layout_.separator == ' ') skip_blanks();
-    if (p_ != end_) fail_ragged();
+  ImportedRows(std::shared_ptr<const recordings::Imported> imported, const RecordingOptions& options)
+      : imported_(std::move(imported)) {
+    const long rows = imported_->recording.rows();
+    at_ = std::min(options.first_row, rows);
+    end_ = options.row_count < 0 ? rows : std::min(rows, at_ + options.row_count);
   }
+
+  Recording next(int rows) override {
+    const auto count = static_cast<int>(std::min<long>(rows, end_ - at_));
+    at_ += count;
+    return rows_of(imported_->recording, static_cast<int>(at_) - count, count);
+  }
+
+  int joints() const override { return imported_->recording.joints(); }
+  RecordingFacts facts() const override { return imported_->facts; }
 
  private:
-  bool at_field_end() const {
-    return p_ == end_ || *p_ == layout_.separator || (layout_.separator == ' ' && *p_ == '\t');
-  }
-
-  void skip_blanks() {
-    while (p_ != end_ && is_blank(*p_)) ++p_;
-  }
-
-  // Blanks that do not separate.
-  void skip_padding() {
-    while (p_ != end_ && is_blank(*p_) && !at_field_end()) ++p_;
-  }
-
-  void skip_separator(std::size_t column) {
-    if (!at_field_end()) fail_text(column - 1);
-    if (p_ == end_) fail_ragged();
-    ++p_;
-    if (layout_.separator != ' ') return;
-    skip_blanks();
-    if (p_ == end_) fail_ragged();
-  }
-
-  void skip_field() {
-    bool quoted = false;
-    for (; p_ != end_ && (quoted || !at_field_end()); ++p_) {
-      if (*p_ == '"') quoted = !quoted;
-    }
-  }
-
-  double number(std::size_t column) {
-    skip_padding();
-    if (at_field_end()) return kGap;
-    const char* first = p_;
-    const bool quoted = *p_ == '"' && ++p_ != end_;
-    if (quoted && *p_ == '"') {
-      ++p_;
-      return kGap;
-    }
-    if (*p_ == '+' && p_ + 1 != end_ && p_[1] != '-') ++p_;
-    double value = 0.0;
-    const auto [rest, error] = std::from_chars(p_, end_, value);
-    // Too large or too small for a double: strtod's infinity or zero is what the file says.
-    if (error == std::errc::result_out_of_range)
-      value = std::strtod(std::string(p_, rest).c_str(), nullptr);
-    p_ = rest;
-    if (quoted && p_ != end_ && *p_ == '"') ++p_;
-    skip_padding();
-    if (error == std::errc::invalid_argument || !at_field_end()) {
-      p_ = first;
-      fail_text(column);
-    }
-    return value;
-  }
-
-  [[noreturn]] void fail_text(std::size_t column) {
-    const char* first = p_;
-    skip_field();
-    std::string found(first, std::min<std::ptrdiff_t>(p_ - first, 40));
-    std::replace_if(
-        found.begin(), found.end(), [](char c) { return c >= 0 && c < ' '; }, '?');
-    throw InvalidInput(text(where(), ":", column + 1, ": found '", found, "' in column ",
-                            layout_.names[column], ", expected a number."));
-  }
-
-  [[noreturn]] void fail_ragged() const {
-    throw InvalidInput(text(where(), ": found ", csv_fields(line_, layout_.separator).size(),
-                            " fields, expected ", layout_.slots.size(), "."));
-  }
-
-  std::string where() const { return text(lines_.path(), ":", lines_.number()); }
-
-  const CsvLayout& layout_;
-  const CsvLines& lines_;
-  std::string_view line_;
-  const char* p_ = nullptr;
-  const char* end_ = nullptr;
+  std::shared_ptr<const recordings::Imported> imported_;
+  long at_ = 0;
+  long end_ = 0;
 };
-
-Recording empty_recording(const CsvLayout& layout, const std::string& source, int rows) {
-  Recording recording;
-  recording.source = source;
-  recording.time.resize(rows);
-  for (std::size_t s = 0; s < layout.has_signal.size(); ++s) {
-    MatrixXd& values = recording.*kRecordingSignals[s].values;
-    if (layout.has_signal[s] || s == 0) values.resize(rows, layout.joints);
-  }
-  return recording;
-}
 
 }  // namespace
 
-struct RecordingReader::State {
-  State(const std::string& path, const RecordingOptions& wanted) : options(wanted), lines(path) {}
-
-  void read_layout();
-  bool next_line(std::string_view* line);
-  bool next_row();
-  void accept_time();
-  bool hold_gaps();
-
-  RecordingOptions options;
-  CsvLines lines;
-  CsvLayout layout;
-  std::string first_line;  // the first row of numbers, where it had to be looked at
-  bool has_first_line = false;
-  std::vector<double> row;  // the current row; row[0] is t
-  long row_number = 0;      // of the next row in the file, from 0
-  double time = kGap;       // of the last row with a time
-  double step = 0.0;
-  long gaps_left = 0;  // gap rows without a time, still to be delivered before held_row
-  std::vector<double> held_row;
-};
-
-void RecordingReader::State::read_layout() {
-  std::string_view line;
-  require(lines.next(&line), lines.path(), ": found no row, expected a header and numbers.");
-  std::string where = text(lines.path(), ":", lines.number());
-  const bool numbers = is_row_of_numbers(line);
-  if (!options.columns.empty()) {
-    require(numbers, where,
-            ": found text in the first line, expected numbers, since --columns names the columns.");
-    layout = layout_from_columns(options.columns, line, where);
-  } else if (!numbers) {
-    layout = layout_from_header(line, where);
-  } else {
-    const std::string header = lines.last_comment();
-    const bool in_comment =
-        header.find("q1") != std::string::npos && csv_fields(header, csv_separator(line)).size() ==
-                                                      csv_fields(line, csv_separator(line)).size();
-    require(in_comment, where,
-            ": found numbers, expected a header; the first line is numbers, so name them with "
-            "--columns and --rate.");
-    layout = layout_from_header(header, where);
-    layout.separator = csv_separator(line);
-  }
-  const bool has_word =
-      std::find(layout.names.begin(), layout.names.end(), "time") != layout.names.end();
-  require(layout.has_time || options.rate > 0.0, where, ": found no column t",
-          has_word ? " (but 'time')" : "", ", expected one, or --rate.");
-  if (numbers) first_line.assign(line);
-  has_first_line = numbers;
-  row.assign(static_cast<std::size_t>(layout.slot_count()), kGap);
-}
-
-bool RecordingReader::State::next_line(std::string_view* line) {
-  if (!has_first_line) return lines.next(line);
-  has_first_line = false;
-  *line = first_line;
-  return true;
-}
-
-// The row's time must come after the last one.
-void RecordingReader::State::accept_time() {
-  const double t = row[CsvLayout::kTime];
-  if (!(t > time) && !std::isnan(time)) {
-    const auto column = std::find(layout.slots.begin(), layout.slots.end(), CsvLayout::kTime) -
-                        layout.slots.begin();
-    char message[160];
-    std::snprintf(message, sizeof message,
-                  ": found time %.15g s after %.15g s, expected it to grow; the clock %s.", t, time,
-                  t == time ? "stands still" : "runs back");
-    throw InvalidInput(text(lines.path(), ":", lines.number(), ":", column + 1, message));
-  }
-  if (!std::isnan(time)) step = t - time;
-  time = t;
-}
-
-// Called at a row without a time: reads on to the next row with one. False if there is none.
-bool RecordingReader::State::hold_gaps() {
-  const double before = time;
-  RowParser parser(layout, lines);
-  std::string_view line;
-  gaps_left = 0;
-  while (!std::isfinite(row[CsvLayout::kTime])) {
-    for (std::size_t k = 1; k < row.size(); ++k) {
-      require(std::isnan(row[k]), lines.path(), ":", lines.number(), ": found ",
-              std::isnan(row[0]) ? "no time" : "infinite time",
-              " in a row with numbers, expected a time in seconds.");
-    }
-    ++gaps_left;
-    ++row_number;
-    if (!next_line(&line)) return gaps_left = 0, false;
-    parser.parse(line, &row);
-  }
-  accept_time();
-  if (std::isnan(before))
-    return gaps_left = 0, true;  // nothing to interpolate from: the rows are left out
-  step = (time - before) / static_cast<double>(gaps_left + 1);
-  held_row = row;
-  return true;
-}
-
-// Reads the next row into `row`. False at the end.
-bool RecordingReader::State::next_row() {
-  const long last = options.row_count < 0 ? std::numeric_limits<long>::max()
-                                          : options.first_row + options.row_count;
-  if (gaps_left == 0 && !held_row.empty()) {
-    row.swap(held_row);
-    held_row.clear();
-  } else if (gaps_left == 0) {
-    std::string_view line;
-    for (; row_number < options.first_row; ++row_number) {
-      if (!next_line(&line)) return false;
-    }
-    if (row_number >= last || !next_line(&line)) return false;
-    RowParser(layout, lines).parse(line, &row);
-    if (!layout.has_time) {
-      row[CsvLayout::kTime] = static_cast<double>(row_number) / options.rate;
-    } else if (std::isfinite(row[CsvLayout::kTime])) {
-      accept_time();
-    } else if (!hold_gaps()) {
-      return false;
-    }
-    ++row_number;
-  }
-  if (row_number - 1 - gaps_left >= last) return false;
-  if (gaps_left == 0) return true;
-  std::fill(row.begin(), row.end(), kGap);
-  row[CsvLayout::kTime] = time - step * static_cast<double>(gaps_left);
-  --gaps_left;
-  return true;
-}
-
-RecordingReader::RecordingReader(const std::string& path, const RecordingOptions& options)
-    : state_(std::make_unique<State>(path, options)) {
+RecordingReader::RecordingReader(const std::string& path, const RecordingOptions& options) {
   require(options.first_row >= 0, "--rows: found first row ", options.first_row,
           ", expected 0 or more.");
   require(std::isfinite(options.rate) && options.rate >= 0.0, "--rate: found ", options.rate,
           ", expected a rate in Hz.");
-  state_->read_layout();
+  recordings::require_known_units(options.signals);
+  if (recordings::needs_import(path, options)) {
+    source_ =
+        std::make_unique<ImportedRows>(recordings::import_recording(path, options), options);
+  } else {
+    source_ = recordings::csv_rows(path, options);
+  }
 }
 
 RecordingReader::~RecordingReader() = default;
 RecordingReader::RecordingReader(RecordingReader&&) noexcept = default;
 RecordingReader& RecordingReader::operator=(RecordingReader&&) noexcept = default;
 
-int RecordingReader::joints() const {
-  return state_->layout.joints;
+Recording RecordingReader::next(int rows) {
+  return source_->next(rows);
 }
 
-Recording RecordingReader::next(int rows) {
-  const CsvLayout& layout = state_->layout;
-  Recording piece = empty_recording(layout, state_->lines.path(), rows);
-  int count = 0;
-  while (count < rows && state_->next_row()) {
-    piece.time[count] = state_->row[CsvLayout::kTime];
-    for (std::size_t s = 0; s < layout.has_signal.size(); ++s) {
-      if (!layout.has_signal[s]) continue;
-      MatrixXd& values = piece.*kRecordingSignals[s].values;
-      const double* from =
-          &state_->row[static_cast<std::size_t>(layout.slot(static_cast<int>(s), 0))];
-      for (int joint = 0; joint < layout.joints; ++joint) values(count, joint) = from[joint];
-    }
-    ++count;
-  }
-  return count == rows ? piece : rows_of(piece, 0, count);
+int RecordingReader::joints() const {
+  return source_->joints();
+}
+
+RecordingFacts RecordingReader::facts() const {
+  return source_->facts();
 }
 
 }  // namespace veridyn

@@ -33,6 +33,8 @@ Json phase_json(const PhaseFigures& p) {
            {{"reached", p.largest_force_error()}, {"asked", asked_or_null(p.asked_force_error)}}},
           {"steady_error",
            {{"reached", p.largest_steady_error()}, {"asked", asked_or_null(p.asked_steady_error)}}},
+          {"body_error", p.body_error},
+          {"asked_position_error", asked_or_null(p.asked_position_error)},
           {"met", p.met()},
           {"position_error", p.position_error},
           {"final_position_error", p.final_position_error},
@@ -69,6 +71,11 @@ Json settings_json(const Scenario& s) {
               {"damping", json_list(c.damping)},
               {"stiffness", json_list(c.stiffness)},
               {"friction", c.friction},
+              {"adaptive_friction", c.adaptive_friction},
+              {"force_cutoff", c.force_cutoff},
+              {"motor_lag", c.motor_lag},
+              {"torque_delay", c.torque_delay},
+              {"guard", c.guard},
               {"observer", c.observer}};
   for (const ScenarioMember& m : s.members) {
     out["member " + m.name] = {m.stiffness, m.damping};
@@ -95,12 +102,11 @@ std::string to_json(const ScenarioRun& run, const Scenario& scenario) {
   out["stopped_at"] = run.complete() ? Json() : Json(run.stopped_at);
   out["largest_force"] = run.largest_force;
   out["phases"] = Json::array();
-  bool met = true;
   for (const PhaseFigures& p : run.phases) {
     out["phases"].push_back(phase_json(p));
-    met = met && p.met();
   }
-  out["met"] = met && run.complete();
+  out["met"] = run.met();
+  out["asked_largest_force"] = asked_or_null(run.asked_largest_force);
   out["settings"] = settings_json(scenario);
   out["seconds"] = run.seconds;
   return written(out);

@@ -5,21 +5,42 @@
 namespace veridyn {
 namespace {
 
+Json error_json(const PredictionError& error) {
+  return {{"relative_error", json_list(error.relative)},
+          {"moving", {{"relative_error", json_list(error.moving_relative)}}}};
+}
+
+// The first figure is of every row as recorded; `as_recorded` is its old name where rows were filled
+// in.
+void add_other_figures(const PredictionError& error, const PredictionError& repaired,
+                       const PredictionError& without_excluded, Json& out) {
+  if (repaired.relative.size() > 0) {
+    out["as_recorded"] = error_json(error);
+    out["repaired"] = error_json(repaired);
+  }
+  if (without_excluded.relative.size() > 0)
+    out["without_excluded"] = error_json(without_excluded);
+}
+
 Json error_pair(const Identification& id) {
-  Json out = {{"train", {{"relative_error", json_list(id.train_error.relative)}}}};
-  out["test"] = {{"relative_error", json_list(id.test_error.relative)},
-                 {"moving", {{"relative_error", json_list(id.test_error.moving_relative)}}}};
-  const VectorXd& as_recorded = id.test_as_recorded.relative;
-  if (as_recorded.size() > 0)
-    out["test"]["as_recorded"] = {{"relative_error", json_list(as_recorded)}};
+  Json out = {{"train", error_json(id.train_error)}, {"test", error_json(id.test_error)}};
+  add_other_figures(id.train_error, id.train_repaired, id.train_without_excluded, out["train"]);
+  add_other_figures(id.test_error, id.test_repaired, id.test_without_excluded, out["test"]);
   out["recordings"] = Json::array();
   for (const RecordingError& r : id.test) {
     Json one = {{"source", r.source}, {"relative_error", json_list(r.error.relative)}};
-    if (r.filled.count > 0)
-      one["as_recorded"] = {{"relative_error", json_list(r.as_recorded.relative)}};
+    add_other_figures(r.error, r.repaired, r.without_excluded, one);
     out["recordings"].push_back(std::move(one));
   }
   return out;
+}
+
+Json summary_json(const DiagnosisSummary& s) {
+  return {{"main_findings", s.main},
+          {"explained_by_main", s.explained_by_main},
+          {"explained_by_all", s.explained_by_all},
+          {"worse_joints", s.worse_joints},
+          {"held_out_untouched", s.held_out_untouched}};
 }
 
 Json finding_json(const Finding& f) {
@@ -27,7 +48,9 @@ Json finding_json(const Finding& f) {
               {"effect", f.effect},
               {"joint", f.joint},
               {"coordinate", f.coordinate},
-              {"unit", f.unit}};
+              {"unit", f.unit},
+              {"status", name_of(f.status)},
+              {"main", f.main}};
   if (!f.frame.empty()) out["frame"] = f.frame;
   if (!f.source.empty()) out["recording"] = f.source;
   out["parameters"] = Json::object();
@@ -39,6 +62,8 @@ Json finding_json(const Finding& f) {
   out["gain"] = {{"test_relative_error",
                   {{"before", json_list(f.test_before)}, {"after", json_list(f.test_after)}}},
                  {"log_mean_square", f.gain}};
+  if (f.test_outside.size() > 0)
+    out["outside"] = {{"relative_error", json_list(f.test_outside)}};
   out["explains"] = f.explains;
   out["rivals"] = Json::array();
   for (const Rival& r : f.rivals) {
@@ -66,6 +91,7 @@ Json quality_json(const Diagnosis& d) {
       if (f.severity == Severity::kInfo) continue;
       out.push_back({{"file", f.file},
                      {"finding", f.finding},
+                     {"severity", name_of(f.severity)},
                      {"joint", f.joint},
                      {"share", f.share},
                      {"sentence", f.sentence}});
@@ -82,7 +108,8 @@ Json quality_json(const Diagnosis& d) {
 std::string to_json(const Diagnosis& d) {
   Json out = json_head("diagnose");
   out["robot"] = d.baseline.robot;
-  out["verdict"] = d.findings.empty() ? "none" : d.findings.front().sentence;
+  out["verdict"] = d.verdict();
+  out["summary"] = summary_json(d.summary);
   out["provisional"] = d.provisional;
   out["changes_since"] = d.changes;
   out["hypotheses"] = d.hypotheses;

@@ -38,20 +38,31 @@ Json error_json(const PredictionError& error) {
           {"moving", {{"relative_error", json_list(error.moving_relative)}}}};
 }
 
-Json errors_json(const PredictionError& total, const PredictionError& as_recorded,
+// The first figure is of every row as recorded; `as_recorded` is its old name where rows were filled
+// in.
+void add_other_figures(const PredictionError& error, const PredictionError& repaired,
+                       const PredictionError& without_excluded, Json& out) {
+  if (repaired.relative.size() > 0) {
+    out["as_recorded"] = error_json(error);
+    out["repaired"] = error_json(repaired);
+  }
+  if (without_excluded.relative.size() > 0)
+    out["without_excluded"] = error_json(without_excluded);
+}
+
+Json errors_json(const PredictionError& total, const PredictionError& repaired,
+                 const PredictionError& without_excluded,
                  const std::vector<RecordingError>& recordings) {
   if (recordings.empty()) return nullptr;
   Json out = error_json(total);
-  if (as_recorded.relative.size() > 0) out["as_recorded"] = error_json(as_recorded);
+  add_other_figures(total, repaired, without_excluded, out);
   out["recordings"] = Json::array();
   for (const RecordingError& recording : recordings) {
     Json one = {{"source", recording.source}};
     one.update(error_json(recording.error));
     one["noise_floor"] = json_list(recording.noise_floor);
-    if (recording.filled.count > 0) {
-      one["as_recorded"] = error_json(recording.as_recorded);
-      one["filled_rows"] = filled_json(recording);
-    }
+    add_other_figures(recording.error, recording.repaired, recording.without_excluded, one);
+    if (recording.filled.count > 0) one["filled_rows"] = filled_json(recording);
     out["recordings"].push_back(std::move(one));
   }
   return out;
@@ -107,8 +118,9 @@ std::string to_json(const Identification& id) {
   out["certified"] = id.certified;
   out["effective_samples"] = id.effective_samples;
   out["active_constraints"] = id.active_constraints;
-  out["train"] = errors_json(id.train_error, id.train_as_recorded, id.train);
-  out["test"] = errors_json(id.test_error, id.test_as_recorded, id.test);
+  out["train"] =
+      errors_json(id.train_error, id.train_repaired, id.train_without_excluded, id.train);
+  out["test"] = errors_json(id.test_error, id.test_repaired, id.test_without_excluded, id.test);
   out["noise_floor"] = {{"relative_error", json_list(id.noise_floor)},
                         {"source", id.noise_floor.size() > 0 ? "repeats" : "none"}};
   out["left_out_recordings"] = Json::array();

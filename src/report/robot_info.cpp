@@ -1,3 +1,4 @@
+#include "veridyn/effects/plain_friction.hpp"
 #include "veridyn/report/robot_info.hpp"
 
 #include <fmt/format.h>
@@ -121,6 +122,8 @@ std::string RobotInfo::report() const {
     out += fmt::format("source: {}\n", arm.description().source);
   out += fmt::format("gravity: [{:g}, {:g}, {:g}] m/s^2\n", arm.gravity().x(), arm.gravity().y(),
                      arm.gravity().z());
+  if (has_no_friction(arm))
+    out += "no friction: the file has none, and every real joint has (identify --friction plain)\n";
   out += "\n" + coordinates(arm) + "\n" + frames(arm) + "\n" + effects(arm) + "\n";
   out += fmt::format("{} standard parameters, {} base parameters, rank gap {:.1e}\n",
                      parameters.size(), base.size(), base.rank_gap);

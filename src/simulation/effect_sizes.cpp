@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "regressor/effect_along.hpp"
 #include "plant_torques.hpp"
 #include "kinematics/standard_motion.hpp"
 #include "veridyn/math/require.hpp"
@@ -38,7 +39,7 @@ Model with_sensible_effects(const Model& arm, double least_effort) {
     const std::vector<EffectParameter> parameters = find_effect(term.effect).parameters();
     const double effort = std::max(least_effort, rms(effort_along(term.axis, tau)));
     const double part = kSensibleShare * effort / static_cast<double>(missing.size());
-    const MatrixXd columns = effect_columns(arm, term, motion, rigid, kSubsteps);
+    const MatrixXd columns = term_columns(arm, term, motion, rigid, kSubsteps);
     for (size_t p = 0; p < parameters.size(); ++p) {
       if (std::find(missing.begin(), missing.end(), parameters[p].name) == missing.end()) continue;
       const double size = rms(columns.col(static_cast<Eigen::Index>(p)));

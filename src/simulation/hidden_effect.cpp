@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "veridyn/effects/cause.hpp"
+#include "veridyn/effects/channel_effect.hpp"
 #include "veridyn/math/require.hpp"
 #include "model/effect_names.hpp"
 #include "model/expression.hpp"
@@ -39,7 +41,7 @@ void read_value(const std::string& pair, HiddenEffect& out) {
   const bool twice = out.values.count(key) != 0 || (key == "from" && !out.from.empty());
   if (twice) fail(out.asked, "the key '" + key + "' twice", "it once");
   // A contact begins `from` a time; a coupling comes `from` a coordinate.
-  if (key == "from" && out.effect != "external_contact") {
+  if (key == "from" && out.effect != ExternalContact::kName) {
     out.from = value;
     return;
   }
@@ -66,7 +68,8 @@ HiddenEffect parse_hidden_effect(const std::string& asked) {
   }
   if (parts.size() > 3) fail(asked, "more than two ':'", kForm);
   if (parts.size() > 1) out.place = parts[1];
-  if (out.place.empty() && out.effect == "gravity_tilt") out.place = "arm";
+  const ChannelEffect* channel = channel_effect(out.effect);
+  if (out.place.empty() && channel != nullptr && channel->whole_arm()) out.place = kWholeArm;
   if (out.place.empty()) fail(asked, "no place", kForm);
   if (parts.size() == 3) {
     for (const std::string& pair : split(parts[2], ',')) read_value(pair, out);

@@ -1,37 +1,19 @@
 #include <algorithm>
 #include <cmath>
 #include <utility>
+#include <variant>
 
 #include "effect_sizes.hpp"
-#include "veridyn/effects/effect.hpp"
+#include "veridyn/effects/cause.hpp"
+#include "veridyn/effects/channel_effect.hpp"
 #include "veridyn/kinematics/motion_limits.hpp"
 #include "veridyn/math/require.hpp"
-#include "veridyn/math/vector3.hpp"
 #include "veridyn/model/model_file.hpp"
 #include "model/suggestion.hpp"
 #include "veridyn/simulation/hidden_effect.hpp"
 
 namespace veridyn {
 namespace {
-
-std::vector<std::string> coordinate_names(const Model& arm) {
-  std::vector<std::string> names;
-  for (const Coordinate& c : arm.coordinates()) names.push_back(c.name);
-  return names;
-}
-
-int find_joint(const Model& arm, const HiddenEffect& hidden, const std::string& word) {
-  int joint = arm.find_coordinate(word);
-  if (joint < 0 && !word.empty() && word.size() < 4 &&
-      std::all_of(word.begin(), word.end(), [](char c) { return c >= '0' && c <= '9'; })) {
-    joint = std::stoi(word) - 1;
-  }
-  const std::vector<std::string> names = coordinate_names(arm);
-  require(joint >= 0 && joint < arm.joints(), "effect '", hidden.asked, "': found the joint '",
-          word, "'", did_you_mean(word, names), ", expected a number from 1 to ", arm.joints(),
-          " or one of: ", listed(names), ".");
-  return joint;
-}
 
 // The value of a key, or its default; every key that is asked for is known.
 using Defaults = std::vector<std::pair<std::string, double>>;
@@ -73,19 +55,9 @@ class Planter {
   }
 
   void plant(const HiddenEffect& hidden) {
-    if (hidden.effect == "payload") return plant_payload(hidden);
-    if (hidden.effect == "gravity_tilt") return plant_tilt(hidden);
-    if (hidden.effect == "coupling_error") return plant_constant(hidden);
-    if (hidden.effect == "torque_gain") return plant_signal(hidden, "gain", 1.05, out_.torque_gain);
-    if (hidden.effect == "time_delay")
-      return plant_signal(hidden, "seconds", 0.004, out_.torque_delay);
-    const int joint = find_joint(out_.arm, hidden, hidden.place);
-    if (hidden.effect == "encoder_offset") {
-      const bool slides = out_.arm.coordinates()[static_cast<size_t>(joint)].prismatic;
-      return plant_signal(hidden, "offset", slides ? 0.001 : 0.01, out_.encoder_offset);
-    }
-    if (hidden.effect == "external_contact") return plant_contact(hidden, joint);
-    plant_term(hidden, joint);
+    const Cause cause =
+        find_cause(out_.arm, {hidden.effect, hidden.place}, "effect '" + hidden.asked + "'");
+    std::visit([&](const auto& one) { plant(hidden, one); }, cause);
   }
 
   PlantedArm finish() && {
@@ -109,32 +81,69 @@ class Planter {
     asked_.push_back(hidden.asked);
   }
 
-  void plant_signal(const HiddenEffect& hidden, const std::string& key, double initial,
-                    VectorXd& target) {
-    const int joint = find_joint(out_.arm, hidden, hidden.place);
-    auto values = filled(hidden, {{key, initial}});
-    require(key != "seconds" || values[key] >= 0.0, "effect '", hidden.asked,
-            "': found a delay of ", values[key], " s, expected none below zero.");
-    target[joint] = values[key];
-    add(hidden, out_.arm.coordinates()[static_cast<size_t>(joint)].name, joint + 1,
-        std::move(values));
+  void add(const HiddenEffect& hidden, JointIndex joint, std::map<std::string, double> values) {
+    add(hidden, coordinate(joint).name, joint.value + 1, std::move(values));
   }
 
-  void plant_contact(const HiddenEffect& hidden, int joint) {
-    auto v = filled(hidden, {{"from", 5.0}, {"to", 7.0}, {"effort", 0.5 * effort_[joint]}});
+  const Coordinate& coordinate(JointIndex joint) const {
+    return out_.arm.coordinates()[static_cast<size_t>(joint.value)];
+  }
+
+  // What the recordings of a joint get wrong acts on the signals; a base that leans, on the arm.
+  void plant(const HiddenEffect& hidden, const ChannelError& cause) {
+    const ChannelEffect& channel = *channel_effect(cause.effect);
+    const JointIndex joint = cause.joint.value_or(JointIndex{});
+    const bool slides = cause.joint && coordinate(joint).prismatic;
+    const std::vector<InjectedValue> keys =
+        channel.injected(slides ? JointType::kPrismatic : JointType::kRevolute);
+    Defaults defaults;
+    for (const InjectedValue& key : keys) defaults.emplace_back(key.key, key.initial);
+    auto values = filled(hidden, defaults);
+    std::vector<double> parameters;
+    for (const InjectedValue& key : keys) {
+      const double value = values[key.key];
+      require(!key.nonnegative || value >= 0.0, "effect '", hidden.asked, "': found ", key.key, "=",
+              value, ", expected none below zero.");
+      parameters.push_back(value - key.zero);
+    }
+    ModelDescription arm = out_.arm.description();
+    const bool common = !cause.joint && !channel.whole_arm();
+    for (int i = 0; i < out_.arm.joints(); ++i) {
+      if (common || i == joint.value) apply(channel, i, parameters, arm);
+    }
+    out_.arm = Model(std::move(arm));
+    if (cause.joint) {
+      add(hidden, joint, std::move(values));
+    } else {
+      add(hidden, kWholeArm, 0, std::move(values));
+    }
+  }
+
+  // The channel of the description stays as it was: it is what a reader of recordings undoes.
+  void apply(const ChannelEffect& channel, int joint, const std::vector<double>& parameters,
+             ModelDescription& arm) {
+    RecordedChannel& recorded = arm.coordinates[static_cast<size_t>(joint)].recorded;
+    const RecordedChannel before = recorded;
+    channel.apply(arm, joint, parameters);
+    if (!channel.whole_arm()) {
+      out_.torque_gain[joint] *= recorded.torque_gain / before.torque_gain;
+      out_.torque_delay[joint] += recorded.torque_delay - before.torque_delay;
+      out_.encoder_offset[joint] += recorded.position_offset - before.position_offset;
+    }
+    recorded = before;
+  }
+
+  void plant(const HiddenEffect& hidden, const ExternalContact& cause) {
+    const double usual = 0.5 * effort_[cause.joint.value];
+    auto v = filled(hidden, {{"from", 5.0}, {"to", 7.0}, {"effort", usual}});
     require(v["from"] < v["to"], "effect '", hidden.asked, "': found a contact from ", v["from"],
             " s to ", v["to"], " s, expected it to end after it begins.");
-    out_.contacts.push_back({joint, v["from"], v["to"], v["effort"]});
-    add(hidden, out_.arm.coordinates()[static_cast<size_t>(joint)].name, joint + 1, std::move(v));
+    out_.contacts.push_back({cause.joint.value, v["from"], v["to"], v["effort"]});
+    add(hidden, cause.joint, std::move(v));
   }
 
-  void plant_payload(const HiddenEffect& hidden) {
+  void plant(const HiddenEffect& hidden, const AddedLoad& cause) {
     ModelDescription arm = out_.arm.description();
-    std::vector<std::string> names;
-    for (const Frame& frame : arm.frames) names.push_back(frame.name);
-    const int k = out_.arm.find_frame(hidden.place);
-    require(k >= 0, "effect '", hidden.asked, "': found the frame '", hidden.place, "'",
-            did_you_mean(hidden.place, names), ", expected one of: ", listed(names), ".");
     const VectorXd phi = *out_.arm.inertial_values();
     const auto bodies = static_cast<Eigen::Index>(out_.arm.bodies().size());
     double mass = 0.0;
@@ -146,7 +155,7 @@ class Planter {
     const Eigen::Vector3d place(v["x"], v["y"], v["z"]);
     const InertialParameters load =
         inertial_parameters(v["mass"], place, Eigen::Matrix<double, 6, 1>::Zero());
-    std::optional<Body>& body = arm.frames[static_cast<size_t>(k)].body;
+    std::optional<Body>& body = arm.frames[static_cast<size_t>(cause.frame.value)].body;
     if (!body) {
       body = Body{};
       body->phi = InertialParameters::Zero();
@@ -157,25 +166,8 @@ class Planter {
     add(hidden, hidden.place, 0, std::move(v));
   }
 
-  void plant_tilt(const HiddenEffect& hidden) {
-    auto v = filled(hidden, {{"roll", 0.03}, {"pitch", 0.02}});
-    ModelDescription arm = out_.arm.description();
-    const Mat3d R_world_base = rotation_y(v["pitch"]) * rotation_x(v["roll"]);
-    const Vec3d g =
-        rotate_back(R_world_base, Vec3d{arm.gravity.x(), arm.gravity.y(), arm.gravity.z()});
-    arm.gravity = {g.x, g.y, g.z};
-    out_.arm = Model(std::move(arm));
-    add(hidden, "arm", 0, std::move(v));
-  }
-
-  void plant_constant(const HiddenEffect& hidden) {
-    const auto& constants = out_.arm.description().constants;
-    std::vector<std::string> names;
-    for (const auto& [name, value] : constants) names.push_back(name);
-    const auto constant = constants.find(hidden.place);
-    require(constant != constants.end(), "effect '", hidden.asked, "': found '", hidden.place, "'",
-            did_you_mean(hidden.place, names), ", expected a constant of the robot file, one of: ",
-            names.empty() ? "(it has none)" : listed(names), ".");
+  void plant(const HiddenEffect& hidden, const KinematicError& cause) {
+    const auto constant = out_.arm.description().constants.find(cause.constant);
     const double size = constant->second != 0.0 ? 0.1 * constant->second : 0.05;
     auto v = filled(hidden, {{"change", size}});
     ModelFileOptions options;
@@ -184,28 +176,39 @@ class Planter {
     add(hidden, hidden.place, 0, std::move(v));
   }
 
-  void plant_term(const HiddenEffect& hidden, int joint) {
-    require(has_effect(hidden.effect), "effect '", hidden.asked, "': found '", hidden.effect,
-            "', which cannot be simulated yet, expected one of: ", listed(simulated_names()), ".");
+  // The text form of a cause has these only where a diagnosis wrote them.
+  void plant(const HiddenEffect& hidden, const AddedInertia& /*cause*/) {
+    throw InvalidInput(text("effect '", hidden.asked, "': found '", hidden.effect,
+                            "', which is a load without mass, expected '", AddedLoad::kName, "'."));
+  }
+
+  void plant(const HiddenEffect& hidden, const ChangedEffect& cause) {
+    plant(hidden, NewEffect{cause.effect, cause.joint});
+  }
+
+  void plant(const HiddenEffect& hidden, const NewEffect& cause) {
+    const int joint = cause.joint.value;
     EffectTerm term;
     term.effect = hidden.effect;
     term.axis.coefficients = VectorXd::Unit(out_.arm.joints(), joint);
     term.values = hidden.values;
-    const Effect& effect = find_effect(hidden.effect);
+    const AxisEffect& effect = find_axis_effect(hidden.effect);
     std::vector<std::string> keys;
     for (const EffectParameter& p : effect.parameters()) keys.push_back(p.name);
     for (const EffectShape& s : effect.shapes()) {
       keys.push_back(s.name);
     }
-    if (effect.needs_source()) {
+    const bool coupled = effect.traits().uses_source;
+    if (coupled) {
       keys.emplace_back("from");
       require(!hidden.from.empty(), "effect '", hidden.asked,
               "': found no source, expected from=JOINT.");
-      term.from =
-          Axis{VectorXd::Unit(out_.arm.joints(), find_joint(out_.arm, hidden, hidden.from)), 0.0};
+      term.from = Axis{
+          VectorXd::Unit(out_.arm.joints(),
+                         find_joint(out_.arm, hidden.from, "effect '" + hidden.asked + "'").value),
+          0.0};
     }
-    const std::string extra =
-        !hidden.from.empty() && !effect.needs_source() ? "from" : unknown_key(hidden, keys);
+    const std::string extra = !hidden.from.empty() && !coupled ? "from" : unknown_key(hidden, keys);
     require(extra.empty(), "effect '", hidden.asked, "': found the key '", extra, "'",
             did_you_mean(extra, keys), ", expected one of: ", listed(keys), ".");
     fill_shapes(effect, joint, term);
@@ -213,21 +216,24 @@ class Planter {
     arm.effects.push_back(std::move(term));
     out_.arm = Model(std::move(arm));
     terms_.push_back(out_.effects.size());
-    add(hidden, out_.arm.coordinates()[static_cast<size_t>(joint)].name, joint + 1, {});
+    add(hidden, cause.joint, {});
   }
 
   // Shape constants that are not given: the effect's own; a range that it wants from its caller is
   // the joint's.
-  void fill_shapes(const Effect& effect, int joint, EffectTerm& term) const {
+  void fill_shapes(const AxisEffect& effect, int joint, EffectTerm& term) const {
     const MotionLimits limits = motion_limits(out_.arm);
     const ShapeValues initial = BoundEffect(out_.arm, term).shape();
     const std::vector<EffectShape> shapes = effect.shapes();
     for (size_t k = 0; k < shapes.size(); ++k) {
+      const EffectShape& shape = shapes[k];
       double value = initial[k];
-      if (shapes[k].name == "centre") value = 0.5 * (limits.lower[joint] + limits.upper[joint]);
-      if (shapes[k].name == "half_range") value = 0.5 * (limits.upper[joint] - limits.lower[joint]);
-      const bool can_stand_in_files = value > 0.0 || !shapes[k].logarithmic;
-      if (can_stand_in_files) term.values.emplace(shapes[k].name, value);
+      if (shape.scale == ShapeScale::kMiddle)
+        value = 0.5 * (limits.lower[joint] + limits.upper[joint]);
+      if (shape.scale == ShapeScale::kTravel && !shape.searched)
+        value = shape.grid.front() * (limits.upper[joint] - limits.lower[joint]);
+      const bool can_stand_in_files = value > 0.0 || !shape.logarithmic;
+      if (can_stand_in_files) term.values.emplace(shape.name, value);
     }
   }
 
@@ -237,7 +243,7 @@ class Planter {
   }
 
   static bool has_force(const EffectTerm& term) {
-    for (const EffectParameter& p : find_effect(term.effect).parameters()) {
+    for (const EffectParameter& p : find_axis_effect(term.effect).parameters()) {
       if (term.values.at(p.name) != 0.0) return true;
     }
     return false;
@@ -248,13 +254,6 @@ class Planter {
       if (std::find(keys.begin(), keys.end(), key) == keys.end()) return key;
     }
     return "";
-  }
-
-  static std::vector<std::string> simulated_names() {
-    std::vector<std::string> names{"payload",    "gravity_tilt",   "coupling_error",  "torque_gain",
-                                   "time_delay", "encoder_offset", "external_contact"};
-    for (const Effect* effect : all_effects()) names.push_back(effect->name());
-    return names;
   }
 
   PlantedArm out_;

@@ -19,14 +19,11 @@ MatrixXd rigid_torques(const Model& arm, const MotionSamples& motion);
 
 /// One row of columns per row of the motion, (rows x parameters). `rigid` are the torques of the
 /// rigid bodies.
-MatrixXd effect_columns(const Model& arm, const EffectTerm& term, const MotionSamples& motion,
+MatrixXd term_columns(const Model& arm, const EffectTerm& term, const MotionSamples& motion,
                         const MatrixXd& rigid, int substeps);
 
 /// The sum of those effects that `wanted` accepts, for given loads (rows x n), (rows x n).
 MatrixXd effect_torques(const Model& arm, const MotionSamples& motion, const MatrixXd& load,
                         int substeps, bool (*wanted)(const EffectTerm&));
-
-/// The effort along s that does the same work as joint torques, one entry per row.
-VectorXd effort_along(const Axis& axis, const MatrixXd& tau);
 
 }  // namespace veridyn

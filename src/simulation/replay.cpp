@@ -4,6 +4,7 @@
 
 #include "simulation/plant/plant_forces.hpp"
 #include "plant_torques.hpp"
+#include "regressor/effect_along.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/math/zero_phase_filter.hpp"
 
@@ -14,7 +15,6 @@ constexpr Eigen::Index kFewestRows = 10;
 // As identification builds its columns: one state per row, and loads that are low-passed below the
 // cut-off, since effects that differentiate them would blow up the noise of the motion.
 constexpr int kSubsteps = 1;
-constexpr double kLoadCutoffShare = 0.65;
 constexpr double kCrossover = 0.5;  // [Hz] between recorded positions and recorded velocities
 
 // A zero-phase low-pass on a grid of this rate [Hz].

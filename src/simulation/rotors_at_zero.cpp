@@ -18,15 +18,18 @@ MovableArm with_movable_rotors(const Model& arm) {
   ModelDescription description = arm.description();
   std::vector<std::string> changed;
   for (EffectTerm& term : description.effects) {
-    const auto value = term.values.find("inertia");
-    const auto deviation = term.deviations.find("inertia");
-    if (term.effect != "rotor_inertia" || value == term.values.end() ||
-        deviation == term.deviations.end() || !std::isfinite(deviation->second))
+    const AxisEffect& effect = find_axis_effect(term.effect);
+    if (effect.traits().role != EffectRole::kInertia) continue;
+    const std::string parameter = effect.parameters().front().name;
+    const auto value = term.values.find(parameter);
+    const auto deviation = term.deviations.find(parameter);
+    if (value == term.values.end() || deviation == term.deviations.end() ||
+        !std::isfinite(deviation->second))
       continue;
     const double least = kShare * deviation->second;
     if (value->second >= least) continue;
     changed.push_back(fmt::format(
-        "rotor_inertia on {} was identified as {:.2g} +- {:.2g}, at its bound; it gets {:.2g}",
+        "{} on {} was identified as {:.2g} +- {:.2g}, at its bound; it gets {:.2g}", term.effect,
         axis_text(arm, term.axis), value->second, deviation->second, least));
     value->second = least;
   }

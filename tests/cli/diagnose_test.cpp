@@ -65,6 +65,12 @@ TEST_P(HideAndSeek, TheHiddenEffectIsNamedFirstAndGains) {
   const json& first = out["findings"][0];
   EXPECT_EQ(first["effect"].get<std::string>(), hidden.substr(0, hidden.find(':')));
   EXPECT_EQ(first["coordinate"].get<std::string>(), hidden.substr(hidden.find(':') + 1));
+  EXPECT_EQ(first["status"].get<std::string>(), "confirmed");
+  EXPECT_TRUE(first["main"].get<bool>());
+  EXPECT_TRUE(out["summary"]["worse_joints"].empty()) << out["summary"];
+  // Late rows are repaired for the fit; the first figure is of the rows as recorded.
+  EXPECT_TRUE(out["extended"]["test"].contains("repaired"));
+  for (const json& remark : out["data_quality"]) EXPECT_TRUE(remark.contains("severity"));
   const auto joint = first["joint"].get<std::size_t>() - 1;
   EXPECT_LT(out["extended"]["test"]["relative_error"][joint].get<double>(),
             0.8 * out["baseline"]["test"]["relative_error"][joint].get<double>());

@@ -13,7 +13,7 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "veridyn/identification/parameter_set.hpp"
+#include "veridyn/regressor/standard_parameters.hpp"
 #include "veridyn/model/model_file.hpp"
 
 namespace veridyn {

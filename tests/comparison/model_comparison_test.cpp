@@ -6,7 +6,7 @@
 
 #include "support/near.hpp"
 #include "support/random.hpp"
-#include "veridyn/identification/base_parameters.hpp"
+#include "veridyn/regressor/base_parameters.hpp"
 #include "kinematics/standard_motion.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/math/student_t.hpp"

@@ -171,7 +171,7 @@ TEST(Selection, AGainBelowTheLeastOneIsNotNamed) {
   const Columns columns({{"cause", 0.09}});  // ln(1 + 0.09) = 0.086 of the noise's square
   EXPECT_EQ(selected(columns, asked).accepted.size(), 1U);
   DiagnosisOptions stricter;
-  stricter.smallest_gain = 0.1;
+  stricter.thresholds.smallest_gain = 0.1;
   EXPECT_TRUE(selected(columns, asked, stricter).accepted.empty());
 }
 

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "dvrk/bad_link.hpp"
 #include "dvrk/planar_arm.hpp"
 #include "dvrk/rig.hpp"
 #include "veridyn/dvrk/emulated_link.hpp"
@@ -177,6 +178,128 @@ TEST_F(ArmRun, ABrakeOpensBeforeTheMotion) {
   EXPECT_NEAR(emulator_.board(0).dac(2), 32768, 1);  // engaged again
 }
 
+// The supervisor's test of position limits, position plus velocity over 30, is made of the whole
+// motion before power comes on: never beyond 2.49 rad of 2.5, but too fast there.
+TEST_F(ArmRun, AMotionThatCouldNotStopBeforeALimitIsRefusedBeforePower) {
+  ArmSession arm(link_, planar_config());
+  const PidGains gains = sensible_gains(model_);
+  MotionSamples fast = swinging(4.0, Eigen::Vector2d(1.69, 0.1), 0.8);
+  ASSERT_LT(fast.q.maxCoeff(), 2.4901);
+  try {
+    run_motion(arm, link_, fast, gains, RunOptions(), stop_);
+    ADD_FAILURE() << "too fast for the limit";
+  } catch (const InvalidInput& error) {
+    EXPECT_NE(std::string(error.what()).find("--limit-share"), std::string::npos) << error.what();
+  }
+  EXPECT_EQ(emulator_.counters().writes, 0);
+  EXPECT_FALSE(emulator_.board(0).status().power_requested());
+  const MotionSamples slower = swinging(8.0, Eigen::Vector2d(1.69, 0.1), 0.74);
+  const RunResult run = run_motion(arm, link_, slower, gains, RunOptions(), stop_);
+  EXPECT_TRUE(run.complete) << run.why;
+}
+
+// With a PID nothing but the soft limits holds an arm that runs away: here it is thrown.
+TEST_F(ArmRun, SoftLimitsEndARunWithAPid) {
+  WatchedLink link(emulator_);
+  ArmSession arm(link, planar_config());
+  double farthest = 0.0;
+  bool thrown = false;
+  link.each = [&](double now) {
+    farthest = std::max(farthest, plant_.q()[1]);
+    if (thrown || now < 5.0) return;
+    thrown = true;
+    plant_.set_state(Eigen::Vector2d(0.1, 2.3), Eigen::Vector2d(0.0, 8.0));  // 2.3 + 8/30 > 2.5
+  };
+  RunOptions options;
+  options.largest_error = Eigen::Vector2d(9.0, 9.0);  // not what ends it
+  const RunResult run =
+      run_motion(arm, link, motion(8.0), sensible_gains(model_), options, stop_);
+  EXPECT_TRUE(thrown);
+  EXPECT_FALSE(run.complete);
+  EXPECT_NE(run.why.find("actuator 1 leaves its soft limits"), std::string::npos) << run.why;
+  EXPECT_EQ(run.power, OffState::kConfirmed);
+  EXPECT_FALSE(emulator_.board(0).amp_on(1));
+}
+
+TEST_F(ArmRun, AnErrorIsInTheUnitOfItsJoint) {
+  RobotConfig robot = planar_config();
+  robot.actuators[1].prismatic = true;
+  const VectorXd errors = default_largest_errors(robot);
+  EXPECT_EQ(errors[0], 0.35);
+  EXPECT_EQ(errors[1], 0.02);
+  ArmSession arm(link_, planar_config());
+  RunOptions options;
+  options.largest_error = Eigen::Vector2d(0.35, 1e-6);  // so small that the second joint breaks it
+  const RunResult run =
+      run_motion(arm, link_, motion(4.0), sensible_gains(model_), options, stop_);
+  EXPECT_FALSE(run.complete);
+  EXPECT_NE(run.why.find("joint 2 is"), std::string::npos) << run.why;
+}
+
+// Replies that are 5 ms late: 94 cycles per second in place of 1500.
+TEST_F(ArmRun, ALoopThatIsAlwaysLateIsStopped) {
+  BadLink link(emulator_);
+  ArmSession arm(link, planar_config());
+  link.down.delay = 0.005;
+  const RunResult run =
+      run_motion(arm, link, motion(8.0), sensible_gains(model_), RunOptions(), stop_);
+  EXPECT_FALSE(run.complete);
+  EXPECT_NE(run.why.find("the loop is late"), std::string::npos) << run.why;
+  EXPECT_NE(run.why.find("replies took"), std::string::npos) << run.why;
+  EXPECT_EQ(run.power, OffState::kConfirmed);
+  EXPECT_LT(link.now(), 3.0);
+}
+
+// A pot whose wire is gone reads zero: encoders are not loaded from it, and nothing is driven.
+TEST_F(ArmRun, APotAtItsEndRefusesHomingAndPower) {
+  emulator_.board(0).faults.pot_wire[1] = true;
+  ArmSession arm(link_, planar_config());
+  try {
+    arm.start();
+    ADD_FAILURE() << "loaded from a pot at its end";
+  } catch (const InvalidInput& error) {
+    EXPECT_NE(std::string(error.what()).find("pot of actuator 1"), std::string::npos)
+        << error.what();
+  }
+  emulator_.board(0).faults.pot_wire[1] = false;
+  link_.wait(0.01);
+  arm.start();
+  emulator_.board(0).faults.pot_wire[1] = true;
+  link_.wait(0.01);
+  ASSERT_TRUE(arm.update());
+  EXPECT_NE(arm.power_on(), nullptr);
+}
+
+TEST_F(ArmRun, AnArmOutsideItsLimitsIsNotDriven) {
+  RobotConfig narrow = planar_config();
+  narrow.actuators[0].upper = 0.2;  // it stands at 0.4
+  ArmSession arm(link_, narrow);
+  arm.start();
+  ASSERT_TRUE(arm.update());
+  ASSERT_EQ(arm.homing().outside_limits, std::vector<int>{0});
+  EXPECT_NE(arm.power_on(), nullptr);
+  EXPECT_FALSE(emulator_.board(0).status().power_requested());
+}
+
+TEST_F(ArmRun, EndStopsHoldAnArmThatIsPushed) {
+  load_.set_end_stops(Eigen::Vector2d(-0.5, -0.8), Eigen::Vector2d(0.5, 0.8));
+  plant_.set_state(Eigen::Vector2d(0.4, -0.7), Eigen::Vector2d(3.0, -3.0));
+  ArmSession arm(link_, planar_config());
+  arm.start();
+  ASSERT_TRUE(arm.update());
+  ASSERT_EQ(arm.power_on(), nullptr);
+  for (int k = 0; k < 1500; ++k) {
+    link_.wait(1.0 / 1500.0);
+    arm.update();
+    arm.set_torques(Eigen::Vector2d(60.0, -40.0));
+    arm.commit();
+    ASSERT_LE(plant_.q()[0], 0.5 + 1e-12);
+    ASSERT_GE(plant_.q()[1], -0.8 - 1e-12);
+  }
+  EXPECT_EQ(plant_.q()[0], 0.5);
+  EXPECT_EQ(plant_.dq()[0], 0.0);
+}
+
 TEST_F(ArmRun, WhatDoesNotFitIsRefused) {
   ArmSession arm(link_, planar_config());
   MotionSamples three = motion(1.0);
@@ -189,7 +312,7 @@ TEST_F(ArmRun, WhatDoesNotFitIsRefused) {
     run_motion(arm, link_, far, sensible_gains(model_), RunOptions(), stop_);
     ADD_FAILURE() << "beyond the soft limits";
   } catch (const InvalidInput& error) {
-    EXPECT_NE(std::string(error.what()).find("actuator 1 from 2"), std::string::npos)
+    EXPECT_NE(std::string(error.what()).find("takes actuator 1 to 2"), std::string::npos)
         << error.what();
   }
   RobotConfig other = planar_config();

@@ -1,6 +1,9 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <cmath>
+
+#include <array>
 
 #include "dvrk/vectors.hpp"
 #include "veridyn/dvrk/board_emulator.hpp"
@@ -327,8 +330,55 @@ TEST(BoardEmulator, RegistersKeepWhatTheyAreTold) {
   r.bytes = 12;
   ASSERT_TRUE(bench.ask(r));
   EXPECT_EQ(bench.reply.block[0], 0x46504741U);  // "FPGA"
+  bench.write(0, address::kFpgaPromCommand, 0x9F000000);
+  EXPECT_EQ(bench.read(0, address::kFpgaPromResult), 0x00202015U);
+  for (std::uint32_t k = 0; k < 3; ++k) {  // "QLA", byte by byte
+    bench.write(0, address::kQlaPromCommand, 0x03000000U | (k << 8));
+    EXPECT_EQ(bench.read(0, 0x3002), static_cast<std::uint32_t>("QLA"[k]));
+  }
+  bench.write(0, 0x8005, 0x12345678);  // waveform table
+  EXPECT_EQ(bench.read(0, 0x8005), 0x12345678U);
+  EXPECT_EQ(bench.read(0, address::kDallas), 0U);  // no instrument
+  const std::uint8_t generation = bench.emulator.generation();
   bench.write(0, 0, control::kReboot);
-  EXPECT_EQ(bench.read(0, address::kWatchdog), kWatchdogDefault);
+  EXPECT_EQ(bench.emulator.generation(), generation + 1);  // the bus is reset because of it
+  EXPECT_EQ(bench.emulator.board(0).read(address::kWatchdog), kWatchdogDefault);
+}
+
+TEST(BoardEmulator, AnInstrumentHasItsChip) {
+  BoardSetup setup;
+  setup.dallas.resize(256);
+  for (std::size_t k = 0; k < 256; ++k) setup.dallas[k] = static_cast<std::uint8_t>(k);
+  EmulatedBoard board(setup);
+  EXPECT_EQ(board.read(address::kDallas) >> 24, 0x0BU);  // DS2505
+  std::array<std::uint8_t, 16> out{};
+  board.read_block(0x6001, QuadletSpan({out.data(), out.size()}));
+  EXPECT_EQ(out[0], 4);
+  EXPECT_EQ(out[15], 19);
+}
+
+// Noise has the deviation that it was given, and means what it hides.
+TEST(BoardEmulator, PotsAndCurrentsAreNoisyWhereAskedFor) {
+  BoardSetup setup;
+  setup.pot_noise = 3.0;
+  setup.current_noise = 5.0;
+  EmulatedBoard board(setup);
+  double sum[2] = {0, 0}, squares[2] = {0, 0};
+  constexpr int kReadings = 20000;
+  for (int k = 0; k < kReadings; ++k) {
+    board.set_motion(1, {0.0, 30000.0, 100.0});
+    const BoardFeedback f = board.latch();
+    const double off[2] = {f.channel[1].pot - 30000.0, f.channel[1].current - 32868.0};
+    for (int i = 0; i < 2; ++i) {
+      sum[i] += off[i];
+      squares[i] += off[i] * off[i];
+    }
+  }
+  // Three standard deviations of the mean, and 3 % of the deviation; rounding adds 1/12 bit^2.
+  EXPECT_NEAR(sum[0] / kReadings, 0.0, 3.0 * 3.0 / std::sqrt(kReadings));
+  EXPECT_NEAR(sum[1] / kReadings, 0.0, 3.0 * 5.0 / std::sqrt(kReadings));
+  EXPECT_NEAR(std::sqrt(squares[0] / kReadings - 1.0 / 12), 3.0, 0.1);
+  EXPECT_NEAR(std::sqrt(squares[1] / kReadings - 1.0 / 12), 5.0, 0.15);
 }
 
 TEST(BoardEmulator, BadSetupsSayWhy) {

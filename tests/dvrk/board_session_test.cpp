@@ -57,7 +57,7 @@ TEST(BoardSession, PowerDownTakesAmplifiersFirstAndIsSeen) {
   rig.cycles(5);
   EXPECT_FALSE(rig.emulator.board(0).status().power_requested());
   ASSERT_TRUE(rig.power_up());
-  EXPECT_TRUE(rig.session.shutdown());
+  EXPECT_EQ(rig.session.shutdown(), OffState::kConfirmed);
   EXPECT_FALSE(rig.any_amp_on());
 }
 

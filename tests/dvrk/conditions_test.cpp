@@ -101,8 +101,10 @@ const std::vector<Row>& rows() {
          rig.link.push({kOld, sizeof kOld});
        },
        Asked::kGoOn, 0, clean},
-      {"WrongCrc", Condition::kWrongCrc, kAuto, reply(ReplyFault::kCrc, -1), Asked::kGoOn, 0,
+      {"WrongCrc", Condition::kWrongCrc, kAuto, reply(ReplyFault::kCrc, 1), Asked::kGoOn, 0,
        clean},
+      {"WrongCrcs", Condition::kWrongCrc, kAuto, reply(ReplyFault::kCrc, -1), Asked::kPowerOff,
+       0.0025, clean},
       {"WrongBoard", Condition::kWrongBoard, kAuto,
        on_board([](EmulatedBoard& b) { b.faults.wrong_id = 9; }), Asked::kStop, 0, clean},
       {"StaleSequence", Condition::kStaleSequence, kQuery,
@@ -127,18 +129,18 @@ const std::vector<Row>& rows() {
        on_board([](EmulatedBoard& b) { b.faults.relay_stuck_open = true; }), Asked::kStop, 0,
        clean},
       {"AmpFault", Condition::kAmpOff, kAuto,
-       on_board([](EmulatedBoard& b) { b.faults.amp[2] = true; }), Asked::kStop, 0.0465, clean},
+       on_board([](EmulatedBoard& b) { b.faults.amp[2] = true; }), Asked::kStop, 0, clean},
       {"CurrentTrip", Condition::kCurrentTrip, kAuto,
        on_board([](EmulatedBoard& b) { b.faults.current[1] = 0x1800; }), Asked::kStop, 0.052,
        clean},
       {"CurrentOutOfBounds", Condition::kOutOfBounds, kAuto,
        on_board([](EmulatedBoard& b) { b.faults.current[0] = 1800; }), Asked::kPowerOff, 0.069,
        clean},
-      {"Hot", Condition::kOutOfBounds, kAuto,
+      {"Hot", Condition::kTemperature, kAuto,
        on_board([](EmulatedBoard& b) { b.temperatures = 0x3284; }), Asked::kPowerOff, 0, clean},
-      {"Warm", Condition::kOutOfBounds, kAuto,
+      {"Warm", Condition::kTemperature, kAuto,
        on_board([](EmulatedBoard& b) { b.temperatures = 0x7A32; }), Asked::kGoOn, 0, clean},
-      {"NoTemperature", Condition::kOutOfBounds, kAuto,
+      {"NoTemperature", Condition::kTemperature, kAuto,
        on_board([](EmulatedBoard& b) { b.temperatures = 0xFF32; }), Asked::kGoOn, 0, clean},
       {"EncoderOverflow", Condition::kEncoder, kAuto,
        on_board([](EmulatedBoard& b) { b.encoder(0).overflow_latched = true; }), Asked::kPowerOff,
@@ -247,11 +249,11 @@ TEST_P(ConditionOfSection17, IsNoticedAnsweredAndSurvived) {
   EXPECT_EQ(rig.emulator.board(1).drive(0).bits, 1500.0);
 }
 
-// Every number of the list has its test: here or as a refusal.
+// Every number of the list has its test: here, as a refusal, or below.
 TEST(ConditionsOfSection17, AllAreTested) {
   std::vector<bool> tested(kConditions + 1, false);
   for (const Row& row : rows()) tested[static_cast<size_t>(row.condition)] = true;
-  for (const int refusal : {10, 11, 12, 16}) tested[static_cast<size_t>(refusal)] = true;
+  for (const int refusal : {10, 11, 12, 16, static_cast<int>(Condition::kPot)}) tested[static_cast<size_t>(refusal)] = true;
   for (int k = 1; k <= kConditions; ++k) {
     EXPECT_TRUE(tested[static_cast<size_t>(k)]) << k;
     EXPECT_STRNE(describe(static_cast<Condition>(k)), "");
@@ -273,7 +275,7 @@ TEST(PotCheck, ADifferenceThatLastsSwitchesOff) {
   EXPECT_EQ(rig.session.state(), PowerState::kOn);
   rig.cycles(10, 100.0);
   EXPECT_EQ(rig.session.state(), PowerState::kFault);
-  EXPECT_EQ(rig.session.cause(), Condition::kOutOfBounds);
+  EXPECT_EQ(rig.session.cause(), Condition::kPot);
   EXPECT_FALSE(rig.currents_flow());
 }
 

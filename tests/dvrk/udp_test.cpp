@@ -49,7 +49,7 @@ TEST_F(Served, ASessionComesUpDrivesAndGoesDown) {
       link.wait(0.001);
     }
     EXPECT_EQ(driven, 50) << describe(session.state()) << "\n" << session.faults().report();
-    EXPECT_TRUE(session.shutdown());
+    EXPECT_EQ(session.shutdown(), OffState::kConfirmed);
   }
 }
 

@@ -49,7 +49,7 @@ inline EffectTerm term_of(const std::string& effect, const Axis& axis,
   EffectTerm term;
   term.effect = effect;
   term.axis = axis;
-  if (find_effect(effect).needs_source()) term.from = insertion_axis();
+  if (find_effect(effect).traits().uses_source) term.from = insertion_axis();
   term.values = std::move(values);
   return term;
 }
@@ -98,7 +98,7 @@ inline std::vector<AxisSample> random_samples(unsigned seed) {
 
 inline std::vector<std::string> axis_effect_names() {
   std::vector<std::string> names;
-  for (const Effect* e : all_effects()) names.push_back(e->name());
+  for (const AxisEffect* e : axis_effects()) names.push_back(e->name());
   return names;
 }
 

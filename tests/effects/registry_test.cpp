@@ -18,7 +18,7 @@ bool is_effect_key(const std::string& word) {
 
 class EveryAxisEffect : public testing::TestWithParam<std::string> {
  protected:
-  static const Effect& effect() { return find_effect(GetParam()); }
+  static const AxisEffect& effect() { return find_axis_effect(GetParam()); }
 };
 INSTANTIATE_TEST_SUITE_P(Axis, EveryAxisEffect, testing::ValuesIn(axis_effect_names()),
                          effect_case);
@@ -97,7 +97,7 @@ TEST_P(EveryAxisEffect, WritesFiniteNumbersIntoExactlyItsOwnColumns) {
 }
 
 TEST_P(EveryAxisEffect, KeepsAStateOnlyIfItSaysSo) {
-  if (effect().has_memory()) GTEST_SKIP() << "has a memory";
+  if (effect().traits().memory) GTEST_SKIP() << "has a memory";
   const BoundEffect e = bound(GetParam());
   EffectState state{};
   EffectColumns row{};
@@ -128,8 +128,8 @@ TEST_P(EveryAxisEffect, LooksAtTheLoadAndAtTheSourceOnlyIfItSaysSo) {
                        std::abs(source_row[c] - expected[c]) > 1e-6 * (1 + std::abs(expected[c]));
     }
   }
-  EXPECT_EQ(load_matters, effect().needs_load());
-  EXPECT_EQ(source_matters, effect().needs_source());
+  EXPECT_EQ(load_matters, effect().traits().uses_load);
+  EXPECT_EQ(source_matters, effect().traits().uses_source);
 }
 
 TEST_P(EveryAxisEffect, HasAPhraseForEitherKindOfAxisWithoutAnOpenUnit) {

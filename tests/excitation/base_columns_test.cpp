@@ -1,4 +1,4 @@
-#include "excitation/columns/base_columns.hpp"
+#include "excitation/base_columns.hpp"
 
 #include <gtest/gtest.h>
 
@@ -6,8 +6,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "excitation/columns/arm_columns.hpp"
-#include "excitation/columns/stacked_columns.hpp"
+#include "regressor/arm_columns.hpp"
+#include "regressor/column_choice.hpp"
+#include "regressor/random_states.hpp"
+#include "regressor/stacked_columns.hpp"
 #include "veridyn/excitation/base_regressor.hpp"
 #include "veridyn/excitation/excitation.hpp"
 #include "veridyn/model/model_file.hpp"
@@ -85,6 +87,7 @@ TEST(BaseColumns, EssentialParametersOfTheWristAreWellConditioned) {
   options.starts = 1;
   options.iterations = 15;
   options.essential = 0.01;
+  options.limit_share = 1.0;
   const Excitation e = optimise_excitation(read_model("psm-wrist"), options);
   ASSERT_EQ(e.status, ExcitationStatus::kDone);
   ASSERT_TRUE(e.essential.has_value());

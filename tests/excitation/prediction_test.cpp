@@ -5,12 +5,14 @@
 #include <Eigen/QR>
 #include <cmath>
 
-#include "excitation/columns/stacked_columns.hpp"
+#include "regressor/stacked_columns.hpp"
 #include "support/random.hpp"
 #include "veridyn/excitation/base_regressor.hpp"
+#include "veridyn/excitation/excitation.hpp"
 #include "veridyn/excitation/fourier_trajectory.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/model_file.hpp"
+#include "veridyn/regressor/base_parameters.hpp"
 #include "veridyn/simulation/plausible_model.hpp"
 
 namespace veridyn {
@@ -92,6 +94,22 @@ TEST(Prediction, BaseParametersGiveTheTorquesOfTheArm) {
     const VectorXd expected = all * phi;
     const VectorXd got = regressor.stacked(motion) * (regressor.combination() * phi);
     EXPECT_LT((got - expected).norm(), 1e-7 * expected.norm()) << name;
+  }
+}
+
+// The names that `identify` prints, in its order: one computation of base parameters.
+TEST(Prediction, SpeaksOfTheParametersThatAnIdentificationFinds) {
+  ExcitationOptions options;
+  options.solver = ExcitationSolver::kRandom;
+  options.iterations = 1;
+  options.starts = 1;
+  for (const char* robot : {"planar-2r", "psm-3dof"}) {
+    const Model arm = plausible_model(read_model(robot), 2).arm;
+    const Excitation e = optimise_excitation(arm, options);
+    ASSERT_TRUE(e.prediction.has_value());
+    std::vector<std::string> names;
+    for (const PredictedParameter& p : e.prediction->parameters) names.push_back(p.name);
+    EXPECT_EQ(names, identifiable_base_parameters(arm).names) << robot;
   }
 }
 

@@ -67,6 +67,20 @@ double rms(const VectorXd& x) {
   return std::sqrt(x.squaredNorm() / static_cast<double>(x.size()));
 }
 
+void add_friction(const Bench& bench, int number, IdealRecording& out) {
+  const double viscosity = viscosity_factor(bench.trouble, bench.seed, number);
+  for (int i = 0; i < bench.arm.joints; ++i) {
+    const JointFriction& f = bench.friction[static_cast<size_t>(i)];
+    const double fastest = out.rows.dq.col(i).cwiseAbs().maxCoeff();
+    const double width = step_width(bench.trouble, bench.seed, i, fastest);
+    for (Eigen::Index r = 0; r < out.tau.rows(); ++r) {
+      const double v = out.rows.dq(r, i);
+      const double side = width > 0.0 ? smooth_direction(v, width) : direction(v);
+      out.tau(r, i) += viscosity * f.viscous * v + f.coulomb * side + f.offset;
+    }
+  }
+}
+
 double heaviest_body(const std::string& arm, Draw& draw) {
   if (arm == "psm-3dof") return draw.in(1.2, 2.5);
   if (arm == "pallet-4") return draw.in(12.0, 25.0);
@@ -114,12 +128,9 @@ IdealRecording ideal_recording(const Bench& bench, const std::vector<Cause>& cau
   out.rigid = same ? *rigid : arm.torques(out.rows.q, out.rows.dq, out.rows.ddq);
   out.tau = out.rigid;
   out.q = out.rows.q;
-  for (int i = 0; i < arm.joints; ++i) {
-    const JointFriction& f = bench.friction[static_cast<size_t>(i)];
-    for (Eigen::Index r = 0; r < out.tau.rows(); ++r)
-      out.tau(r, i) +=
-          f.viscous * out.rows.dq(r, i) + f.coulomb * direction(out.rows.dq(r, i)) + f.offset;
-  }
+  add_friction(bench, number, out);
+  if (bench.trouble == Trouble::kElasticBase)
+    out.tau += elastic_base_torque(arm, bench.seed, out.rows.q, out.rigid);
   for (const Cause& cause : causes) {
     const std::vector<std::string> names = linear_parameters(cause.effect);
     if (!names.empty()) {
@@ -134,10 +145,12 @@ IdealRecording ideal_recording(const Bench& bench, const std::vector<Cause>& cau
     }
   }
   for (const Cause& cause : causes) {
-    if (cause.effect == "time_delay")
-      out.tau.col(cause.joint) =
-          delayed(out.tau.col(cause.joint), 1.0 / kRate, cause.values.at("seconds"));
-    if (cause.effect == "torque_gain") out.tau.col(cause.joint) *= cause.values.at("gain");
+    for (int i = 0; i < arm.joints; ++i) {
+      if (cause.joint >= 0 && cause.joint != i) continue;  // -1: the whole arm
+      if (cause.effect == "time_delay")
+        out.tau.col(i) = delayed(out.tau.col(i), 1.0 / kRate, cause.values.at("seconds"));
+      if (cause.effect == "torque_gain") out.tau.col(i) *= cause.values.at("gain");
+    }
     if (cause.effect == "encoder_offset")
       out.q.col(cause.joint).array() += cause.values.at("offset");
   }
@@ -175,6 +188,7 @@ void write_recording(const Bench& bench, const IdealRecording& ideal, unsigned s
     for (double& x : dq.col(i)) x += s.velocity_noise * draw.normal();
     tau.col(i) += torque_noise(s.torque_noise * rms(ideal.tau.col(i)), rows, draw);
   }
+  trouble_rows(bench.trouble, bench.seed, number, ideal.rows.time, q, dq, tau);
   std::string out = "t";
   for (const char* signal : {"q", "dq", "tau"}) {
     for (Eigen::Index i = 1; i <= q.cols(); ++i) out += fmt::format(",{}{}", signal, i);

@@ -6,6 +6,7 @@
 #include "hide_and_seek/cause.hpp"
 #include "hide_and_seek/lagrange_arm.hpp"
 #include "hide_and_seek/motion.hpp"
+#include "hide_and_seek/trouble.hpp"
 #include "veridyn/model/model.hpp"
 
 namespace veridyn::seek {
@@ -31,6 +32,7 @@ struct Bench {
   std::vector<JointFriction> friction;
   std::vector<JointSensors> sensors;
   unsigned seed = 1;
+  Trouble trouble = Trouble::kNone;  ///< that all its recordings suffer from
 };
 
 /// What would be recorded without noise, and what really happened.

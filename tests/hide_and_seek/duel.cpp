@@ -80,9 +80,10 @@ std::string rival_of(const Model& arm, const Diagnosis& d, const Cause& cause) {
   for (const Finding& f : d.findings) {
     if (f.effect != cause.effect || !is_at(arm, cause, f)) continue;
     for (const veridyn::Rival& r : f.rivals) {
-      const bool can = has_effect(r.effect) ? !find_effect(r.effect).needs_source()
-                                            : r.effect == "payload" || r.effect == "torque_gain" ||
-                                                  r.effect == "gravity_tilt";
+      const bool can =
+          has_axis_effect(r.effect)
+              ? !find_effect(r.effect).traits().uses_source
+              : r.effect == "payload" || r.effect == "torque_gain" || r.effect == "gravity_tilt";
       if (can && r.effect != f.effect) return r.effect;
     }
   }
@@ -98,12 +99,6 @@ std::string words(const Diagnosis& d) {
       out += fmt::format("/{}@{}", r.effect, r.frame.empty() ? std::to_string(r.joint) : r.frame);
   }
   return out.empty() ? "none" : out;
-}
-
-RivalCause cause_from(const std::string& word) {
-  const auto colon = word.find(':');
-  if (colon == std::string::npos) return {word, ""};
-  return {word.substr(0, colon), word.substr(colon + 1)};
 }
 
 std::string place_text(const std::string& effect, int joint, const std::string& frame) {
@@ -203,8 +198,8 @@ class Fight {
     ExcitationOptions options;
     options.criterion = ExcitationCriterion::kDiscriminate;
     const auto comma = out.asked.find(',');
-    options.between = {cause_from(out.asked.substr(0, comma)),
-                       cause_from(out.asked.substr(comma + 1))};
+    options.between = {split_cause(out.asked.substr(0, comma)),
+                       split_cause(out.asked.substr(comma + 1))};
     const auto& [first, second] = *options.between;
     if (is_friction(first) || is_friction(second)) options.slow_passes = request_.slow_passes;
     options.rate = kFineRate;

@@ -10,10 +10,9 @@
 namespace veridyn::seek {
 namespace {
 
-constexpr double kSmallestGain = 0.03;  // of DiagnosisOptions: below it nobody is meant to name
-constexpr double kSeen = 0.1;           // share of a cause that must be left over
-constexpr double kHighestPeak = 0.4;    // of the rms torque at share 0.1: no narrow giants
-constexpr int kFirstChanged = 100;      // number of the first recording with causes in kChanged
+constexpr double kSeen = 0.1;         // share of a cause that must be left over
+constexpr double kHighestPeak = 0.4;  // of the rms torque at share 0.1: no narrow giants
+constexpr int kFirstChanged = 100;    // number of the first recording with causes in kChanged
 
 double rms(const VectorXd& x) {
   return std::sqrt(x.squaredNorm() / static_cast<double>(x.size()));
@@ -26,6 +25,10 @@ class Hider {
       : request_(request),
         draw_(request.seed, "case " + text_of(request)),
         hidden_{request, make_bench(request.arm, seed_of(request)), {}, {}, {}, true} {
+    hidden_.bench.trouble = request.trouble;
+    for (JointSensors& s : hidden_.bench.sensors) {
+      if (request.noise > 0.0) s.torque_noise = request.noise;
+    }
     const int first = request.mode == Mode::kChanged ? kFirstChanged : 1;
     const int count = request.mode == Mode::kChanged ? kChangedTrain : kBareTrain;
     for (int k = first; k < first + count; ++k) {
@@ -36,6 +39,7 @@ class Hider {
   }
 
   HiddenCase run() {
+    if (request_.effects == std::vector<std::string>{"no_friction"}) return without_friction();
     for (const std::string& effect : request_.effects) {
       if (!hide_one(effect)) hidden_.observable = false;
     }
@@ -52,7 +56,33 @@ class Hider {
   static std::string text_of(const CaseRequest& request) {
     std::string out = request.arm;
     for (const std::string& e : request.effects) out += " " + e;
+    if (request.trouble != Trouble::kNone) out += std::string(" ") + name_of(request.trouble);
     return out;
+  }
+
+  // The file knows of no effect; a good half of the joints have plain friction.
+  HiddenCase without_friction() {
+    ModelDescription d = hidden_.bench.robot.description();
+    d.effects.clear();
+    hidden_.bench.robot = Model(std::move(d));
+    std::vector<int> joints;
+    for (int i = 0; i < hidden_.bench.arm.joints; ++i) joints.push_back(i);
+    draw_.shuffle(joints);
+    joints.resize((joints.size() + 1) / 2);
+    std::sort(joints.begin(), joints.end());
+    const std::vector<JointFriction> friction = hidden_.bench.friction;
+    for (JointFriction& f : hidden_.bench.friction) f = {};
+    for (const int i : joints) {
+      const JointFriction& f = friction[static_cast<size_t>(i)];
+      hidden_.causes.push_back({"viscous_friction", i, -1, "", "", {{"coefficient", f.viscous}}});
+      hidden_.causes.push_back({"coulomb_friction", i, -1, "", "", {{"level", f.coulomb}}});
+    }
+    base_.clear();
+    base_ = recordings(hidden_.bench, {});
+    for (const Cause& c : hidden_.causes)
+      hidden_.shares.push_back(share_of(hidden_.bench, c));
+    hidden_.visible = visibility(hidden_.bench, recordings(hidden_.bench, hidden_.causes), true);
+    return std::move(hidden_);
   }
 
   std::vector<IdealRecording> recordings(const Bench& bench, const std::vector<Cause>& causes) {
@@ -75,7 +105,7 @@ class Hider {
       std::vector<Cause> all = hidden_.causes;
       const Visibility alone =
           visibility(bench, recordings(bench, {cause}), request_.mode == Mode::kBare);
-      if (alone.share < kSeen || alone.best_gain < kSmallestGain) continue;
+      if (alone.share < kSeen || !alone.beyond_doubt) continue;
       all.push_back(cause);
       hidden_.bench = bench;
       hidden_.causes = all;
@@ -118,9 +148,17 @@ class Hider {
         cause.joint >= 0 &&
         hidden_.bench.robot.coordinates()[static_cast<size_t>(cause.joint)].prismatic;
     if (e == "torque_gain") v["gain"] = 1.0 + draw_.sign() * draw_.in(0.05, 0.10) * scale;
-    if (e == "time_delay") v["seconds"] = draw_.in(3e-3, 8e-3) * scale;
-    if (e == "encoder_offset")
-      v["offset"] = draw_.sign() * draw_.in(0.010, 0.030) * scale * (slides ? 0.2 : 1.0);
+    if (e == "time_delay") {
+      const bool large = cause.constant == "large";
+      v["seconds"] = scale * (large              ? draw_.in(20e-3, 50e-3)
+                              : cause.joint >= 0 ? draw_.in(3e-3, 8e-3)
+                                                 : draw_.in(10e-3, 45e-3));
+    }
+    if (e == "encoder_offset") {
+      const double size =
+          cause.constant == "large" ? draw_.in(0.2, 0.4) : draw_.in(0.010, 0.030);
+      v["offset"] = draw_.sign() * size * scale * (slides ? 0.2 : 1.0);
+    }
     if (e == "gravity_tilt") {
       const double size = draw_.in(0.020, 0.040) * scale;
       const double to = draw_.in(-M_PI, M_PI);
@@ -240,6 +278,12 @@ class Hider {
 };
 
 }  // namespace
+
+const std::vector<std::string>& special_cases() {
+  static const std::vector<std::string> kNames = {"common_delay", "large_zero", "large_delay",
+                                                  "common_gain", "no_friction"};
+  return kNames;
+}
 
 HiddenCase hide(const CaseRequest& request) {
   return Hider(request).run();

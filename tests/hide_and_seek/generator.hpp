@@ -21,6 +21,8 @@ struct CaseRequest {
   double share = 0.1;  ///< rms torque of an additive cause per rms torque of its joint; causes
                        ///< without such a size are scaled by share / 0.1 from plausible ones
   Mode mode = Mode::kBare;
+  Trouble trouble = Trouble::kNone;  ///< of all recordings
+  double noise = 0.0;  ///< of the torques, share of the joint's rms; 0: drawn, 0.03 to 0.05
 };
 
 /// A case before its recordings are written: what is hidden, and how well it can be seen.
@@ -33,9 +35,19 @@ struct HiddenCase {
   bool observable = true;  ///< false: on no joint of this arm is enough of it left over
 };
 
+/// Names that are asked for beside those of the contract:
+///
+///   common_delay  a time_delay of the whole arm, 10 to 45 ms
+///   large_zero    an encoder_offset of 0.2 to 0.4 rad
+///   large_delay   a time_delay of one joint, 20 to 50 ms
+///   common_gain   a torque_gain of the whole arm
+///   no_friction   the robot file has no friction at all; some joints have viscous and Coulomb
+///                 friction
+const std::vector<std::string>& special_cases();
+
 /// Draws causes on random joints (of pairs: on different ones), of the wanted size. Joints are
 /// passed over where the robot's own parameters would absorb more than nine tenths of a cause, or
-/// leave too little of it for any diagnosis to name.
+/// where the torque that is left over drowns in the sensors' noise, see Visibility::beyond_doubt.
 HiddenCase hide(const CaseRequest& request);
 
 /// Paths of the written recordings.

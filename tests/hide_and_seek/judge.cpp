@@ -18,14 +18,14 @@ bool is_on_a_frame(const std::string& effect) {
 bool matches(const Cause& cause, const Finding& f) {
   if (f.effect != cause.effect) return false;
   if (is_on_a_frame(cause.effect)) return f.frame == cause.frame;
-  return cause.joint < 0 || f.joint == cause.joint + 1;
+  return f.joint == cause.joint + 1;  // 0: the whole arm
 }
 
 // A rival has no frame of its own; its reason names it.
 bool matches(const Cause& cause, const Rival& r) {
   if (r.effect != cause.effect) return false;
   if (is_on_a_frame(cause.effect)) return r.why.find(cause.frame) != std::string::npos;
-  return cause.joint < 0 || r.joint == cause.joint + 1;
+  return r.joint == cause.joint + 1;
 }
 
 bool has_rival(const Cause& cause, const Finding& f) {
@@ -61,15 +61,15 @@ void compare_intervals(const Cause& cause, const Finding& f, Verdict& v) {
 
 }  // namespace
 
-Verdict judge(const HiddenCase& hidden, const Diagnosis& d) {
+Verdict judge(const std::vector<Cause>& hidden, const std::vector<Finding>& findings) {
   Verdict v;
-  v.hidden = static_cast<int>(hidden.causes.size());
-  std::vector<char> right(d.findings.size(), 0);
-  for (const Cause& cause : hidden.causes) {
+  v.hidden = static_cast<int>(hidden.size());
+  std::vector<char> right(findings.size(), 0);
+  for (const Cause& cause : hidden) {
     bool named = false;
     bool loosely = false;
-    for (size_t k = 0; k < d.findings.size(); ++k) {
-      const Finding& f = d.findings[k];
+    for (size_t k = 0; k < findings.size(); ++k) {
+      const Finding& f = findings[k];
       loosely |= f.effect == cause.effect;
       if (is_part_of(cause, f)) right[k] = 1;
       if (!matches(cause, f)) continue;
@@ -79,8 +79,8 @@ Verdict judge(const HiddenCase& hidden, const Diagnosis& d) {
       v.first |= k == 0;
     }
     bool stand_in = false;
-    for (size_t k = 0; k < d.findings.size(); ++k) {
-      if (!has_rival(cause, d.findings[k])) continue;
+    for (size_t k = 0; k < findings.size(); ++k) {
+      if (!has_rival(cause, findings[k])) continue;
       v.first_rival |= k == 0;
       if (!named && !stand_in) right[k] = 1;
       stand_in = true;
@@ -91,6 +91,11 @@ Verdict judge(const HiddenCase& hidden, const Diagnosis& d) {
   }
   v.first_rival |= v.first;
   v.extras = static_cast<int>(std::count(right.begin(), right.end(), 0));
+  return v;
+}
+
+Verdict judge(const HiddenCase& hidden, const Diagnosis& d) {
+  Verdict v = judge(hidden.causes, d.findings);
   const VectorXd& before = d.baseline.test_error.relative;
   const VectorXd& after = d.extended.test_error.relative;
   if (!hidden.causes.empty() && before.size() > 0 && after.size() == before.size()) {

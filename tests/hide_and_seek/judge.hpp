@@ -24,6 +24,9 @@ struct Verdict {
 
 Verdict judge(const HiddenCase& hidden, const Diagnosis& d);
 
+/// The same for the findings of any tool; `error_ratio` stays 1.
+Verdict judge(const std::vector<Cause>& hidden, const std::vector<Finding>& findings);
+
 /// Identifies the clean arm first in kChanged, and diagnoses.
 Diagnosis seek_causes(const HiddenCase& hidden, const CaseFiles& files, const std::string& folder,
                       const DiagnosisOptions& options);

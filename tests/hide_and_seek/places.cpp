@@ -58,6 +58,13 @@ std::vector<Cause> places_for(const std::string& effect, const Bench& bench,
   const LagrangeArm& arm = bench.arm;
   std::vector<Cause> out;
   if (effect == "gravity_tilt") return {Cause{effect, -1, -1, "", "", {}}};
+  if (effect == "common_delay") return {Cause{"time_delay", -1, -1, "", "", {}}};
+  if (effect == "common_gain") return {Cause{"torque_gain", -1, -1, "", "", {}}};
+  if (effect == "large_zero" || effect == "large_delay") {
+    out = places_for(effect == "large_zero" ? "encoder_offset" : "time_delay", bench, taken);
+    for (Cause& c : out) c.constant = "large";
+    return out;
+  }
   if (effect == "coupling_error") return wrong_constants(arm);
   if (effect == "payload") {
     for (const Link& link : arm.links) {

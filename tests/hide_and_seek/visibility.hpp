@@ -14,6 +14,12 @@ struct Visibility {
   /// finding can be at best. FINDINGS 6 accepts above 0.03; amplitudes three times as large give
   /// 0.27.
   double best_gain = 0.0;
+  /// Size of the left-over torque over its standard deviation for someone who knows its course
+  /// exactly and looks for nothing else: sqrt(sum residue^2 / noise^2) over independent samples.
+  double oracle_t = 0.0;
+  /// oracle_t is so large that chance alone brings it once in 16,000 recordings. Smaller causes
+  /// cannot be named by anybody, and are no cases.
+  bool beyond_doubt = false;
 };
 
 /// @param ideal   recordings with the causes.

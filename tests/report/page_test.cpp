@@ -5,7 +5,7 @@
 #include <fstream>
 
 #include "support/browser.hpp"
-#include "veridyn/identification/parameter_set.hpp"
+#include "veridyn/regressor/standard_parameters.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/model_file.hpp"
 #include "veridyn/report/diagnosis_page.hpp"

@@ -188,10 +188,10 @@ TEST(Sticking, PreslidingFollowsItsClosedForm) {
   }
 }
 
-// The list of frictions with a direction, asked of every effect: between minus and plus the rest
+// Frictions with a direction: between minus and plus the rest
 // speed the force is a straight line, beyond it bends off.
-TEST(Sticking, TheListOfDryFrictionsIsComplete) {
-  for (const Effect* effect : all_effects()) {
+TEST(Sticking, EveryEffectSaysWhetherItIsDryFriction) {
+  for (const AxisEffect* effect : axis_effects()) {
     const std::vector<EffectShape> shapes = effect->shapes();
     ShapeValues shape{};
     for (size_t i = 0; i < shapes.size(); ++i) shape[i] = shapes[i].initial;
@@ -212,7 +212,7 @@ TEST(Sticking, TheListOfDryFrictionsIsComplete) {
       const double beyond = at(1.5 * kRestSpeed) - at(kRestSpeed);
       bends = bends || std::abs(beyond) < 0.6 * std::abs(within);
     }
-    EXPECT_EQ(is_dry_friction(*effect, shape), bends) << effect->name();
+    EXPECT_EQ(effect->traits(shape).dry != DryFriction::kNone, bends) << effect->name();
   }
 }
 

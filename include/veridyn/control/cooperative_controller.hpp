@@ -2,9 +2,11 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <limits>
 #include <vector>
 
 #include "veridyn/control/force_law.hpp"
+#include "veridyn/control/passivity_monitor.hpp"
 #include "veridyn/control/quintic_interpolator.hpp"
 #include "veridyn/math/types.hpp"
 
@@ -24,6 +26,9 @@ struct CooperativeOptions {
                                       ///< stretch under the wanted force, as far as known
   double stuck_force = 1.0;    ///< [N] by which a member's length says that its force changed,
                                ///< while its samples stay the same to the last bit
+  /// [J] that arms may put into a member beyond what is planned (PassivityMonitor): a loop that
+  /// swings, or an arm that falls, makes more.
+  double largest_energy = std::numeric_limits<double>::infinity();
   double stop_duration = 0.1;  ///< [s] in which motion ends
   double relief_force = 5.0;   ///< [N] while all is held, ends give way to readings beyond it,
   double relief_gain = 0.02;   ///< [m/(N s)] so fast per newton beyond,
@@ -60,6 +65,7 @@ enum class CooperativeState {
   kSensorStuck,
   kArmLost,
   kTargetMissed,
+  kEnergyMade,
   kNotFinite
 };
 
@@ -120,6 +126,13 @@ class CooperativeController {
     return state_ == CooperativeState::kSensorStale || state_ == CooperativeState::kSensorStuck ||
            state_ == CooperativeState::kNotFinite;
   }
+  /// Where the object's motion is now: its turn since the start, and how fast that changes.
+  Eigen::Matrix3d rotation() const {
+    return Eigen::AngleAxisd(angle_.x()[0], axis_).toRotationMatrix() * R_start_;
+  }
+  Eigen::Vector3d spin() const { return angle_.dx()[0] * axis_; }        ///< [rad/s], world
+  Eigen::Vector3d spin_rate() const { return angle_.ddx()[0] * axis_; }  ///< [rad/s^2], world
+  double relief_force() const { return options_.relief_force; }
   bool arrived() const { return centre_.arrived() && angle_.arrived(); }
   double wanted_force(int member) const { return wanted_.x()[member]; }
   double correction(int member) const { return trackers_[static_cast<size_t>(member)].value(); }
@@ -135,6 +148,8 @@ class CooperativeController {
   void correct(const CooperativeInput& input) noexcept;
   CooperativeState judge(const CooperativeInput& input) noexcept;
   void relieve(const CooperativeInput& input) noexcept;
+  bool makes_energy(size_t member, const ForceReading& reading,
+                    const CooperativeInput& input) noexcept;
   bool is_stuck(size_t member, const ForceReading& reading, double length) noexcept;
   bool commands_allowed() const { return state_ == CooperativeState::kTracking; }
 
@@ -142,6 +157,7 @@ class CooperativeController {
   std::vector<ForceTracker> trackers_;
   std::vector<char> tracked_;
   std::vector<Watch> watches_;
+  std::vector<PassivityMonitor> monitors_;
   std::vector<TipTarget> targets_;
   QuinticInterpolator centre_, angle_, wanted_;
   std::vector<QuinticInterpolator> grips_;                // r_i

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <limits>
+
 namespace veridyn {
 
 /// How the length of a member is corrected for the force in it: x_f of thesis 7.7.2, [m] by which
@@ -46,9 +48,11 @@ struct CooperativeMember {
 
 /// What a controller knows of a member's force.
 struct ForceReading {
-  double force = 0.0;  ///< [N], pulling positive
+  double force = 0.0;  ///< [N], pulling positive, filtered where it is
   double age = 0.0;    ///< [s]
   long number = -1;    ///< of the sample; -1: none yet
+  /// [N] as the sensor gave it, for the watch over stuck sensors; not finite: as `force`.
+  double raw = std::numeric_limits<double>::quiet_NaN();
 };
 
 /// x_f of one member, sample by sample.

@@ -94,7 +94,6 @@ class FrictionCompensation {
     double offset = 0.0;
     bool prismatic = false;
     std::vector<BoundEffect> terms;
-    std::vector<char> remembers;  // which terms depend on the past, as their constants are
     double velocity_deadband = 0.0, position_deadband = 0.0, reserve = 0.0;
     double scale = 1.0;
     double energy = 0.0;   // in the store [J]

@@ -28,6 +28,12 @@ struct MemberTrace {
   VectorXd tracked;   ///< 1 where the member is held and its force is tracked
 };
 
+/// A held body over time, (rows x 3) each [m].
+struct BodyTrace {
+  MatrixXd position;  ///< of its centre in the world
+  MatrixXd wanted;
+};
+
 /// What one member did in one phase.
 struct MemberFigures {
   std::string member;
@@ -49,6 +55,8 @@ struct PhaseFigures {
   std::vector<MemberFigures> members;
   double position_error = 0.0;        ///< [m] largest of the master's tip from x_d
   double final_position_error = 0.0;  ///< [m] at the end
+  double body_error = 0.0;            ///< [m] largest of any held body from its way; 0: no bodies
+  double asked_position_error = 0.0;  ///< [m] of the master's tip, or of the bodies; 0: none asked
   double asked_force_error = 0.0, asked_steady_error = 0.0;  ///< [N]; 0: nothing asked
 
   double largest_force_error() const;   ///< [N] of the members tracked throughout; NaN: none
@@ -60,11 +68,12 @@ struct PhaseFigures {
 struct ScenarioRun {
   std::string name;
   std::string engine;
-  std::vector<std::string> arms, members;
+  std::vector<std::string> arms, members, bodies;
   std::vector<std::string> left_out;  ///< effects that the engine does not have
   VectorXd time;                      ///< (rows) [s]
   std::vector<ArmTrace> arm;
-  std::vector<MemberTrace> member;
+  std::vector<MemberTrace> member;  ///< members, then walls, whose forces push and are not tracked
+  std::vector<BodyTrace> body;
   std::vector<PhaseFigures> phases;
   double largest_force = 0.0;  ///< [N] of any member at any time
   CooperativeState state = CooperativeState::kTracking;
@@ -73,7 +82,11 @@ struct ScenarioRun {
   double stopped_at = 0.0;  ///< [s] where the engine could not go on
   double seconds = 0.0;     ///< of computing
 
+  double asked_largest_force = 0.0;  ///< [N]; 0: none asked
+
   bool complete() const { return status == StepStatus::kOk; }
+  /// Complete, and every bound that the scenario asks for is met.
+  bool met() const;
   std::string report() const;  ///< a table, for people
 };
 

@@ -4,10 +4,24 @@
 #include <string>
 #include <vector>
 
+#include "veridyn/diagnosis/thresholds.hpp"
 #include "veridyn/identification/identification.hpp"
 #include "veridyn/recordings/recording_quality.hpp"
 
 namespace veridyn {
+
+/// What the extended model contains.
+enum class ExtendedModel {
+  kAllFindings,    ///< the held-out recordings take no part in choosing
+  kConfirmedOnly,  ///< findings that they contradict are left out: its held-out error is no longer
+                   ///< that of recordings which took no part
+};
+
+/// What the values of a robot file are.
+enum class RobotValues {
+  kFacts,  ///< a MODEL: the diagnosis asks what changed since it was made
+  kPrior,  ///< a maker's file: the arm is identified first
+};
 
 struct DiagnosisOptions {
   DiagnosisOptions() { identification.weights = JointWeights::kResidual; }
@@ -17,21 +31,16 @@ struct DiagnosisOptions {
   /// others.
   IdentificationOptions identification;
   std::vector<std::string> effects;  ///< names to ask about; empty: all that the tool knows
-  int max_effects = 20;              ///< findings at most; contacts do not count
+  int max_effects = 20;  ///< findings at most; contacts and plain friction do not count
+  ExtendedModel extended = ExtendedModel::kAllFindings;
+  RobotValues values = RobotValues::kFacts;
   /// An effect is accepted when the sum over joints of ln(held-out mean square error) falls by more
-  /// than this, in the mean over the folds (recordings, or phases of the period of a single one),
-  /// ... An arm with values (a MODEL) is asked for 0.1 at least: its values are estimates.
-  double smallest_gain = 0.04;
-  /// ... in this share of the held-out folds (of four or more one may always disagree), and ...
-  double fold_share = 0.8;
-  /// ... the p value of its parameters over clusters (phases of the period, repeats merged) is
-  /// below this over the number of causes asked about, and over the number of orders that were
-  /// looked at for a ripple. With one recording only causes that depend on place are held to the
-  /// number of causes: names are provisional then.
-  double significance = 0.05;
-  /// Of causes whose gain is at least this share of the best one's the best tested and the earlier
-  /// question is chosen. (Rivals are listed from a gain of 60 %, on the same joint from 40 %.)
-  double rival_share = 0.8;
+  /// than `smallest_gain`, in the mean over the folds (recordings, or phases of the period of a
+  /// single one), in `fold_share` of the folds, and when the p value of its parameters over clusters
+  /// (phases of the period, repeats merged) is below `significance` over the number of causes asked
+  /// about. With one recording only causes that depend on place are held to the number of causes:
+  /// names are provisional then.
+  Thresholds thresholds;
 };
 
 /// One number of a finding.
@@ -51,6 +60,13 @@ struct Rival {
   std::string frame;  ///< of a payload
 };
 
+/// What the held-out recordings say of a finding, which was chosen without them.
+enum class FindingStatus {
+  kConfirmed,     ///< they are predicted better with it, on its own joint too
+  kNotConfirmed,  ///< they are not
+};
+const char* name_of(FindingStatus status);
+
 struct Finding {
   int rank = 0;
   std::string effect;  ///< name in CONTRACT.md
@@ -63,9 +79,14 @@ struct Finding {
   double p_value = 1.0;
   double gain = 0.0;  ///< fall of the sum over joints of ln(mean square) on held-out folds of the
                       ///< training recordings
-  VectorXd test_before, test_after;  ///< (n) relative error on the test recordings without and with
-                                     ///< it, in order of discovery
-  double explains = 0.0;             ///< share of the removable held-out error
+  /// (n) relative error on every row of the test recordings as recorded, without and with it, in
+  /// order of discovery.
+  VectorXd test_before, test_after;
+  /// Of a contact: (n) the same on the rows outside of all contacts.
+  VectorXd test_outside;
+  double explains = 0.0;  ///< share of the removable held-out error; negative where it grows
+  FindingStatus status = FindingStatus::kConfirmed;
+  bool main = true;  ///< false: one of the small ones, see DiagnosisSummary
   std::vector<Rival> rivals;
   std::string sentence;
 };
@@ -89,9 +110,20 @@ struct NextExperiment {
   std::string trajectory;              ///< how to make it: a command, or what to move
 };
 
+/// What a reader must see first.
+struct DiagnosisSummary {
+  int main = 0;                    ///< findings that matter; they come first
+  double explained_by_main = 0.0;  ///< share of the removable held-out error
+  double explained_by_all = 0.0;
+  std::vector<int> worse_joints;   ///< from 1: the extended model predicts them worse than the
+                                   ///< baseline does, on the held-out recordings
+  bool held_out_untouched = true;  ///< false: the held-out recordings chose among the findings
+};
+
 /// What a diagnosis found. Plain data: text, JSON and page show exactly this.
 struct Diagnosis {
   bool changes = false;     ///< the robot was a MODEL: findings say what changed since
+  DiagnosisSummary summary;
   Identification baseline;  ///< the robot as it stands; a MODEL's values are not fitted anew
   Identification extended;  ///< with the findings
   std::vector<Finding> findings;
@@ -104,6 +136,9 @@ struct Diagnosis {
   int hypotheses = 0;              ///< how many were asked
   double seconds = 0.0;
 
+  /// One sentence: the first finding, and what the held-out recordings hold against the whole;
+  /// "none" where nothing was found.
+  std::string verdict() const;
   std::string report() const;
 };
 
@@ -116,8 +151,10 @@ struct Diagnosis {
 /// values (a MODEL) is taken at its word, and findings say **what changed since**: a payload, a
 /// drive gain, an encoder's zero, friction that is not what it was.
 ///
-/// Order of the questions: moments of a recording (contacts, snags), wrong constants of the robot
-/// file, and then all other causes together, the channels first where they explain as much.
+/// Order of the questions: moments of a recording (contacts, snags), plain friction of joints for
+/// which the file has none (all of them together), errors of the channels and wrong constants of
+/// the robot file, and then all other causes together, the channels first where they explain as
+/// much. No range of belief decides between causes: an unusual size is a remark.
 ///
 /// @throws InvalidInput  as identify(). Where the robot cannot be identified, baseline.status says
 /// so and nothing else is filled.

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "veridyn/dvrk/arm_session.hpp"
+#include "veridyn/dvrk/loop_timing.hpp"
 #include "veridyn/dvrk/motion_controller.hpp"
 #include "veridyn/recordings/recording.hpp"
 #include "veridyn/math/motion_samples.hpp"
@@ -17,16 +18,11 @@ struct RunOptions {
   double approach_time = 2.0;    ///< [s] at least, to the first set point
   double approach_speed = 0.25;  ///< [rad/s] or [m/s] at most on that way
   double settle = 0.5;           ///< [s] at rest before and after the motion
-  double largest_error = 0.35;   ///< [rad] or [m]; further off a set point the run stops
+  /// Further off its set point a joint ends the run: (n) of the arm, each in its own unit; empty:
+  /// those of default_largest_errors().
+  VectorXd largest_error;
   double power_timeout = 5.0;    ///< [s] in which power must be up
-};
-
-/// How well the loop kept its time.
-struct LoopTiming {
-  long cycles = 0;
-  long late = 0;         ///< cycles that began more than one period after their time
-  double longest = 0.0;  ///< [s] from the start of one cycle to its end
-  double mean = 0.0;
+  std::string recording;         ///< a file that is written while the run goes on; empty: none
 };
 
 struct RunResult {
@@ -34,11 +30,24 @@ struct RunResult {
   bool complete = false;
   std::string why;  ///< what ended it, where it is not complete
   LoopTiming timing;
+  /// What the boards said when they were told to switch off.
+  OffState power = OffState::kNotAsked;
+  Eigen::Index kept = 0;   ///< rows in RunOptions::recording
+  std::string file_error;  ///< why these are not all
 };
+
+/// Largest error of every joint from its set point: 0.35 rad, or 0.02 m where it slides.
+VectorXd default_largest_errors(const RobotConfig& robot);
 
 /// Powers an arm up, leads it along a motion with a PID per joint, records what the boards say, and
 /// powers it down: on every way out, exceptions included (the session's destructor). Joints beyond
 /// those of the motion hold where they stand.
+///
+/// Before power comes on, the whole motion and the place where the arm stands pass the test of
+/// position limits (leaves_range()) that the run makes while the arm moves, for the soft limits of
+/// the actuators and the limits of the controller. A loop that has had less than half of its cycles
+/// for half a second ends the run; one that reached less than 95 % of its rate on the whole has
+/// complete = false.
 ///
 /// @param motion  rows of q and dq; between them a cubic.
 /// @param gains   one per joint of the arm.
@@ -66,13 +75,15 @@ RunResult run_in_place(ArmSession& arm, DatagramLink& link, double seconds, int 
 /// The largest torque of each joint [N m], [N] by the motors' largest currents, (n).
 VectorXd largest_torques(const ArmSession& arm);
 
-/// Reads for so long without power, and calls `each` with the time [s] after every valid read.
+/// Reads for so long without power, and calls `each` with the time [s] after every valid read. With
+/// ArmSessionOptions::access other than kDrive no packet changes a board.
 /// @throws InvalidInput  the session does not start.
 LoopTiming watch(ArmSession& arm, DatagramLink& link, double seconds, double rate,
                  const std::atomic<bool>& stop, const std::function<void(double)>& each);
 
-/// The same, and records. @throws InvalidInput  the session does not start.
+/// The same, and records, to a file as well while it goes on (empty: none).
+/// @throws InvalidInput  the session does not start.
 RunResult record_at_rest(ArmSession& arm, DatagramLink& link, double seconds, double rate,
-                         const std::atomic<bool>& stop);
+                         const std::atomic<bool>& stop, const std::string& recording = "");
 
 }  // namespace veridyn::dvrk

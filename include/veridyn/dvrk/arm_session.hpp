@@ -29,6 +29,8 @@ struct ArmSessionOptions {
   CycleProtocol protocol = CycleProtocol::kAutomatic;
   double rate = 1500.0;  ///< [Hz] nominal; 0: timestamps are not judged
   std::size_t mtu = 1500;
+  Access access = Access::kDrive;  ///< listening, start() neither writes nor loads encoders
+  bool announce = false;           ///< see BusOptions
   double watchdog = 0.030;  ///< [s]
   Homing homing = Homing::kIfNeeded;
   int pot_readings = 100;  ///< cycles of pots whose mean gives the encoders their start

@@ -22,8 +22,21 @@ enum class CycleProtocol {
   kBroadcast        ///< 8.3: query, one read of all boards, one write
 };
 
+/// What a client does to the boards.
+enum class Access {
+  kDrive,  ///< reads and writes
+  /// Reads alone: no packet is sent that changes a board, so another client may drive it meanwhile.
+  /// Reads of real-time blocks restart the boards' timestamps, however, which that client sees.
+  kListen,
+  kListenByRegister  ///< the same by reads of single registers, which change nothing at all; slow
+};
+
 struct BusOptions {
   std::vector<int> boards;  ///< ids of the boards in use
+  Access access = Access::kDrive;
+  /// While listening: send the two packets of a session's start all the same, which tell boards
+  /// that have just been switched on their address (section 5, #1 and #3).
+  bool announce = false;
   CycleProtocol protocol = CycleProtocol::kAutomatic;
   double reply_timeout = 0.020;      ///< [s]; that of a whole cycle too
   double rescan_timeout = 0.005;     ///< [s] per node while the cycle runs on
@@ -57,6 +70,9 @@ class BoardBus {
   BoardBus(DatagramLink& link, const BusOptions& options);
 
   /// Session start: section 5. Takes about half a second.
+  /// While listening nothing is written, and the protocol is the sequential one, unless a
+  /// broadcast read is asked for: that needs a query, which is a write that changes no output.
+  ///
   /// @throws InvalidInput  no hub, a board in use is missing, twice there, or not what this
   ///                       program can drive; a broadcast protocol over mixed firmware, or one
   ///                       that does not fit the MTU.
@@ -107,6 +123,8 @@ class BoardBus {
 
   /// Time [s] from the first to the last datagram of the last read().
   double read_seconds() const { return read_seconds_; }
+  /// [s] of it in which replies had come, but this program did not run.
+  double lay_seconds() const { return exchange_.lay(); }
 
  private:
   struct Board {
@@ -114,7 +132,8 @@ class BoardBus {
     BoardFeedback feedback;
     BoardCommand command;
     std::array<std::uint16_t, kChannels> zero{};
-    std::array<std::uint16_t, kChannels> sent{};  ///< last value of each channel
+    std::array<std::uint16_t, kChannels> sent{};    ///< last value of each channel
+    std::array<std::uint16_t, kChannels> before{};  ///< the one before it
     std::array<bool, kChannels> has_sent{};
     double read_at = -1.0;
     bool valid = false;
@@ -141,7 +160,10 @@ class BoardBus {
   void note(Condition condition, int board = -1, int channel = -1,
             std::uint32_t value = 0) noexcept;
 
+  bool listens() const { return options_.access != Access::kDrive; }
+  void listen() noexcept;
   void find_hub();
+  void settle_gap_count() noexcept;
   void probe(int node, double timeout) noexcept;
   Objection assign() noexcept;
   std::string words_of(const Objection& objection) const;
@@ -150,6 +172,8 @@ class BoardBus {
   void scan_step() noexcept;
 
   void read_sequential() noexcept;
+  void read_by_register() noexcept;
+  bool read_words(Board& b, QuadletSpan words) noexcept;
   void read_broadcast() noexcept;
   void accept(Board& b, QuadletView block) noexcept;
   void check_timestamp(Board& b) noexcept;

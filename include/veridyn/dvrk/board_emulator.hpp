@@ -37,6 +37,7 @@ struct EmulatorFaults {
   std::uint8_t flags = 0;             ///< set in every trailer
   std::uint8_t packet_errors = 0;     ///< the count in every trailer
   std::uint8_t generation_ahead = 0;  ///< added to the generation in every trailer
+  bool lose_writes = false;           ///< writes never arrive
 };
 
 /// One answer of the emulator; size 0: silence.
@@ -69,6 +70,8 @@ class BoardEmulator {
   int boards() const { return static_cast<int>(boards_.size()); }
   EmulatedBoard& board(int place) { return boards_[static_cast<size_t>(place)]; }
   int node_of(int place) const { return nodes_[static_cast<size_t>(place)]; }
+  /// A board wakes up anew, and the bus is reset because of it.
+  void reboot(int place);
 
   /// FireWire bus reset: the generation counts up, for `seconds` everything is dropped, and then
   /// nodes have these numbers (empty: the same).
@@ -86,6 +89,7 @@ class BoardEmulator {
     long malformed = 0;
     long dropped = 0;
     long wrong_crc = 0;
+    long writes = 0;  ///< write requests of any kind, before anything is lost
   };
   const Counters& counters() const { return counters_; }
 
@@ -101,6 +105,7 @@ class BoardEmulator {
   BoardLoad& load_or_none() { return load_ != nullptr ? *load_ : standing_; }
   bool resetting() const { return now_ < reset_until_; }
   int place_of(int node) const noexcept;
+  int reader_of(const Request& request) const noexcept;
   int hub() const { return 0; }
   Answer execute(const Request& request, ByteSpan reply) noexcept;
   void write(const Request& request) noexcept;
@@ -126,6 +131,8 @@ class BoardEmulator {
   Ticks now_ = 0;
   bool started_ = false;
   Ticks reset_until_ = 0;
+  std::uint8_t gap_count_ = 63;  ///< of all PHYs, that of power-up
+  std::uint8_t echo_ = 0;        ///< flags of the trailer that repeat the request's
   Ticks query_at_ = 0;
   std::uint32_t query_ = 0;
   std::uint8_t generation_;

@@ -21,7 +21,14 @@ struct ChannelSafety {
   LinearScale pot_to_position;
   double pot_tolerance = 0.0;
   double pot_latency = 0.010;  ///< [s]
+  bool watch_pot_rail = false;  ///< a pot at an end of its converter refuses power
 };
+
+/// Whether a pot's reading [bits] is an end of the converter: it says nothing then, or its wire is
+/// gone. 16 bits are 1.1 mV.
+constexpr bool at_rail(double pot_bits) {
+  return pot_bits <= 16.0 || pot_bits >= 65535.0 - 16.0;
+}
 
 struct SessionOptions {
   BusOptions bus;
@@ -34,8 +41,19 @@ struct SessionOptions {
   double relay_timeout = 0.2;      ///< [s]
   double supply_timeout = 3.0;     ///< [s]
   double amp_grace = 0.0455;       ///< [s] 40 ms, 2.5 ms and 3 for the way: section 14.2
+  double off_timeout = 0.5;        ///< [s] in which boards must confirm that they are off
   double warm = 60.0, hot = 65.0;  ///< [degC]
 };
+
+/// What the boards said when they were told to switch off.
+enum class OffState {
+  kConfirmed,  ///< every board in use was read: amplifiers off, power not requested
+  kNotAsked,   ///< the session never wrote, so there is nothing to confirm
+  kPowerOn,    ///< amplifiers are off, but a board still requests power
+  kAmpsOn,     ///< an amplifier is on
+  kUnknown     ///< a board could not be read
+};
+const char* describe(OffState state);
 
 /// Where a session stands on the way to currents.
 enum class PowerState {
@@ -53,6 +71,9 @@ const char* describe(PowerState state);
 /// every cycle (14.6, 17), and no current but in state kOn. Whatever goes wrong ends in kFault,
 /// where amplifiers are told to be off in every cycle; nothing comes back by itself. One cycle is
 /// update(), set_command() for every channel, commit().
+///
+/// With BusOptions::access other than kDrive nothing is written at all: update() reads and checks,
+/// commit() and shutdown() do nothing, power_on() refuses.
 ///
 /// The destructor switches off: amplifiers, power, by broadcast, repeated.
 class BoardSession {
@@ -84,9 +105,11 @@ class BoardSession {
   void power_off() noexcept;
   /// From kFault to kOff. @returns false: the bus is not running, or a board was rebooted: start().
   bool acknowledge() noexcept;
-  /// Off, now and by broadcast, three times; then looks whether it is true.
-  /// @returns whether every amplifier in use was seen to be off.
-  bool shutdown() noexcept;
+  /// Off, now, by broadcast and by register, and again until every board in use was read to be
+  /// off, for at most SessionOptions::off_timeout. A link that loses writes, or boards that do not
+  /// answer, end in another state than kConfirmed: then nobody knows, and only the emergency stop
+  /// helps.
+  OffState shutdown() noexcept;
 
   /// Loads an encoder and verifies it. @returns false: it is not there, or the overflow bit stays.
   bool preload(int board, int channel, std::int32_t counts) noexcept;
@@ -102,6 +125,7 @@ class BoardSession {
   const FaultLog& faults() const { return bus_.faults(); }
   /// Encoders have not told of anything wrong since start() or the last preload.
   bool position_reliable() const { return position_reliable_; }
+  bool listens() const { return options_.bus.access != Access::kDrive; }
 
  private:
   enum class Reaction { kReport, kAmpsOff, kPowerOff };
@@ -136,6 +160,7 @@ class BoardSession {
   void check_pot(int b, int c, const ChannelFeedback& f) noexcept;
   void move_on() noexcept;
   void command_off(int b) noexcept;
+  OffState seen_off() noexcept;
   bool amps_stay_on() const noexcept;
   void command_channels(int b, AmpRequest amp) noexcept;
 

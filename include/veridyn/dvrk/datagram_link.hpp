@@ -15,6 +15,7 @@ struct Arrival {
   bool any = false;
   std::size_t size = 0;      ///< bytes, cut at the buffer's end
   bool known_source = true;  ///< from the board's address or its subnet
+  double lay = 0.0;          ///< [s] for which it lay ready before this program took it
 };
 
 /// The way to the boards, with the clock that belongs to it: UDP, or an emulator in the same

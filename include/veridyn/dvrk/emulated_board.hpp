@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "veridyn/dvrk/board_load.hpp"
 #include "veridyn/dvrk/bytes.hpp"
@@ -21,6 +22,9 @@ struct BoardSetup {
   std::string fpga_serial = "FPGA 0000-00";
   bool io_expander = false;  ///< QLA 1.5: amplifiers come 2.5 ms late, voltage mode exists
   bool senses_chain = true;  ///< Rev 8 on: status bit 14
+  double pot_noise = 0.0;      ///< standard deviation [bits]
+  double current_noise = 0.0;  ///< the same of measured currents
+  std::vector<std::uint8_t> dallas;  ///< memory of an instrument's chip; empty: no chip
 };
 
 /// The world around the boards: one power supply, one chain of switches.
@@ -45,6 +49,8 @@ struct BoardFaults {
   int wrong_block_size = 0;                       ///< added to the size in its hub block; Rev 8 on
   std::array<bool, kChannels> amp{};              ///< amplifier fails
   std::array<std::int32_t, kChannels> current{};  ///< added to the measured current [bits]
+  std::array<double, kChannels> pot{};            ///< added to the pot [bits]
+  std::array<bool, kChannels> pot_wire{};         ///< gone: the pot reads zero
 };
 
 /// One FPGA board with its QLA: registers (section 7), amplifier logic (14.2), watchdog (14.1),
@@ -110,7 +116,9 @@ class EmulatedBoard {
   void apply_amp(Channel& c, AmpRequest request, bool power_before) noexcept;
   void apply_command(const BoardCommand& command) noexcept;
   void apply_control(std::uint32_t word) noexcept;
-  void clear_trips() noexcept;
+  void clear_watchdog() noexcept;
+  static void clear_trip(Channel& c) noexcept;
+  double noise(double deviation) noexcept;
   void check_current(Channel& c, std::uint16_t measured) noexcept;
   std::uint16_t measured_current(int channel) const noexcept;
   std::uint32_t digital_word() const noexcept;
@@ -118,6 +126,7 @@ class EmulatedBoard {
   std::uint32_t read_channel(int channel, int offset) const noexcept;
   void write_channel(int channel, int offset, std::uint32_t data) noexcept;
   void command_prom(std::uint32_t command) noexcept;
+  void command_qla_prom(std::uint32_t command) noexcept;
 
   BoardSetup setup_;
   std::array<Channel, kChannels> channels_;
@@ -136,6 +145,9 @@ class EmulatedBoard {
   bool chain_live_ = false;
   std::uint32_t outputs_ = 0;
   std::uint32_t fpga_prom_result_ = 0;
+  std::uint32_t qla_prom_result_ = 0;
+  std::uint64_t random_ = 0x9E3779B97F4A7C15;
+  std::array<std::uint32_t, 1024> waveform_{};  ///< section 7, space 8
   std::array<std::uint8_t, 64> qla_prom_{};
   std::array<std::uint8_t, 64> fpga_prom_{};
 };

@@ -26,6 +26,7 @@ enum class ReadResult {
   kNoReply,
   kWrongSize,
   kWrongHeader,
+  kWrongCrc,  ///< a CRC that is not zero, and wrong
   kDropped  ///< the board answered with a trailer alone
 };
 
@@ -51,6 +52,16 @@ class Exchange {
   void adopt_generation() noexcept { generation_ = told_; }
   /// While set, silence is no condition: a scan asks nodes that may not exist.
   void expect_silence(bool expected) noexcept { silence_expected_ = expected; }
+  /// From now on write() and write_block() send nothing and say that they did. A query of the hub
+  /// may be an exception: it changes no output of a board, but keeps its watchdog quiet.
+  enum class Queries { kNone, kAllowed };
+  void listen_only(Queries queries) noexcept {
+    listens_ = true;
+    queries_ = queries == Queries::kAllowed;
+  }
+  /// [s] for which replies lay ready before they were taken, since the last forget_lay().
+  double lay() const { return lay_; }
+  void forget_lay() noexcept { lay_ = 0.0; }
   /// The last trailer said that a bus reset is under way.
   bool resetting() const { return resetting_; }
 
@@ -73,6 +84,9 @@ class Exchange {
   bool learnt_ = false;
   bool resetting_ = false;
   bool silence_expected_ = false;
+  bool listens_ = false;
+  bool queries_ = false;
+  double lay_ = 0.0;
   int packet_errors_ = -1;
   std::array<std::uint8_t, kDatagramBuffer> out_{};
   std::array<std::uint8_t, kDatagramBuffer> in_{};

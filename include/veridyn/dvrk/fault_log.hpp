@@ -37,13 +37,23 @@ enum class Condition : std::uint8_t {
   kNotEffective = 27,
   kEthernet = 28,
   kNotSent = 29,
-  kForeignSender = 30
+  kForeignSender = 30,
+  // Section 17 counts these as 23 as well; number_in_section_17() says so.
+  kTemperature = 31,
+  kPot = 32
 };
 
-constexpr int kConditions = 30;
+constexpr int kConditions = 32;
+
+/// The number under which section 17 lists a condition.
+int number_in_section_17(Condition condition);
 
 /// A few words each: "no reply in time".
 const char* describe(Condition condition);
+
+/// What FaultEntry::value means, in the unit of the condition: "71.5 deg C", "pot 0.02 V",
+/// "status 0x46bf0000".
+std::string describe_found(Condition condition, std::uint32_t value);
 
 /// One condition's history.
 struct FaultEntry {

@@ -62,6 +62,7 @@ class ModelController final : public MotionController {
                VectorXd& tau) noexcept override;
   std::string why() const override;
   bool follows() const override { return options_.law != ControlLaw::kGravity; }
+  MotionLimits limits() const override;
   void require_possible(const MotionSamples& motion) const override;
 
   int joints() const { return state_.joints(); }  ///< of the model

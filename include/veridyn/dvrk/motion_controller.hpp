@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "veridyn/control/computed_torque.hpp"
 #include "veridyn/dvrk/arm_units.hpp"
@@ -13,6 +14,14 @@ namespace veridyn::dvrk {
 struct CycleTimes {
   double dt = 0.0;   ///< since the cycle before in which torques were asked for
   double age = 0.0;  ///< of the positions, at most
+};
+
+/// Limits that a controller holds its joints to; (m) of its first joints, empty: it has none.
+struct MotionLimits {
+  VectorXd lower, upper;  ///< [rad], [m]
+  VectorXd velocity;      ///< [rad/s], [m/s]
+  std::vector<std::string> names;
+  double braking = 30.0;  ///< [1/s], see leaves_range()
 };
 
 /// What makes the torques of a run; a run works with any of them. Torques are asked for while power
@@ -37,7 +46,10 @@ class MotionController {
   virtual std::string why() const { return ""; }
   /// Whether joints shall stay near their set points.
   virtual bool follows() const { return true; }
-  /// @throws InvalidInput  a motion that this controller would refuse on the way.
+  /// The limits that torques() holds the arm to. A run applies them to the whole motion before
+  /// power comes on.
+  virtual MotionLimits limits() const { return {}; }
+  /// @throws InvalidInput  a motion that this controller would refuse on the way for another reason.
   virtual void require_possible(const MotionSamples& motion) const { (void)motion; }
 };
 

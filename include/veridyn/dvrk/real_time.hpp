@@ -7,4 +7,9 @@ namespace veridyn::dvrk {
 /// @param priority  1 to 99. @returns whether it was allowed.
 bool take_real_time_priority(int priority) noexcept;
 
+/// Keeps the memory of this process where it is, so that a loop never waits for a page of it; the
+/// stack is touched in advance. Memory that is made later is kept as soon as it is touched.
+/// @returns whether it was allowed.
+bool lock_memory() noexcept;
+
 }  // namespace veridyn::dvrk

@@ -31,6 +31,9 @@ class SimulatedArm final : public BoardLoad {
   void advance(double seconds, const MotorDrive* drives, ChannelMotion* motions,
                std::size_t channels) noexcept override;
 
+  /// Stops that no joint of the model passes, (joints) each; it hits them and stays. None at first.
+  void set_end_stops(const VectorXd& lower, const VectorXd& upper);
+
   /// How the last step of the engine ended; a failed engine stands still from then on.
   StepStatus status() const { return status_; }
   /// Joint torques that acted last (model's joints) [N m], [N].
@@ -42,11 +45,14 @@ class SimulatedArm final : public BoardLoad {
     std::size_t channel = 0;  ///< place among the emulator's channels
   };
 
+  void stop_at_ends() noexcept;
+
   Engine& engine_;
   std::vector<Motor> motors_;
   MatrixXd joint_to_actuator_;
   MatrixXd joint_torque_;  ///< actuator to joint torques: inverse of K'
   VectorXd effort_, joint_effort_, q_, actuator_q_, tau_, rest_;
+  VectorXd lower_, upper_, held_q_, held_dq_;  ///< end stops; empty: none
   bool parked_ = true;
   StepStatus status_ = StepStatus::kOk;
 };

@@ -1,9 +1,13 @@
 #pragma once
 
 #include <array>
+#include <map>
+#include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "veridyn/effects/effect_traits.hpp"
 #include "veridyn/model/model.hpp"
 
 namespace veridyn {
@@ -35,6 +39,20 @@ struct EffectParameter {
   std::string unit_revolute;
   std::string unit_prismatic;
   ParameterSign sign = ParameterSign::kAny;
+  /// A magnitude beyond this is outside of what the columns describe, and no answer of a diagnosis.
+  double largest_revolute = 1e300;
+  double largest_prismatic = 1e300;
+};
+
+/// What the first choices of a shape constant are measured in.
+enum class ShapeScale {
+  kByUnit,    ///< shares of travel for "rad", of speed for "rad/s", else spread over the range
+  kAbsolute,  ///< values
+  kTravel,    ///< shares of the axis' travel
+  kSpeed,     ///< shares of its largest speed
+  kDuration,  ///< shares of the longest recording
+  kMiddle,    ///< the middle of the axis' travel
+  kWaves,     ///< a wave number, proposed by a spectrum over the position
 };
 
 /// A constant that shapes the columns and in which the torque is not linear.
@@ -48,7 +66,28 @@ struct EffectShape {
   bool logarithmic = true;  ///< search in the logarithm; a value from the file must be positive
   bool searched = true;     ///< false: comes from the file or from the caller; see the effect
   double initial_prismatic = 0.0;  ///< where metres need another start than radians; 0: the same
+  ShapeScale scale = ShapeScale::kByUnit;  ///< of `grid`
+  /// First choices that a search starts from; empty: three of kByUnit where it is searched, and
+  /// otherwise none: the constant stays as it is.
+  std::vector<double> grid{};
+
+  /// `initial` or `initial_prismatic`.
+  double start(JointType type) const;
 };
+
+/// How an axis moves, in recordings or within its limits.
+struct AxisMotion {
+  JointType type = JointType::kRevolute;
+  double middle = 0.0;    ///< [rad] or [m] of its travel
+  double travel = 0.0;    ///< [rad] or [m]
+  double speed = 0.0;     ///< [rad/s] or [m/s] largest
+  double duration = 0.0;  ///< [s] of the longest recording; 0: not known
+  /// Wave numbers that stand out of a spectrum; empty: none does. Nothing: there is no spectrum.
+  std::optional<std::vector<double>> waves{};
+};
+
+/// Values of shape constants, by name.
+using ShapeChoice = std::map<std::string, double>;
 
 constexpr int kMaxEffectShapes = 6;
 constexpr int kMaxEffectParameters = 6;
@@ -58,36 +97,29 @@ using ShapeValues = std::array<double, kMaxEffectShapes>;
 using EffectState = std::array<double, kMaxEffectStates>;
 using EffectColumns = std::array<double, kMaxEffectParameters>;
 
-/// One physical cause of joint torque beyond the rigid bodies, acting along an axis:
-///
-///   tau += c * (columns(sample) . parameters)
-///
-/// The sign convention is that of the motor's torque: friction is positive in the direction of
-/// motion (seed errata on thesis 4.10 to 4.16). The same columns serve identification (as
-/// regressor), simulation (as force) and control (as compensation), one sample at a time; memory,
-/// if any, is in the state.
+/// One physical cause beyond the rigid bodies, and everything that others must know of it. An
+/// effect is one class in one file: identification, diagnosis, excitation, simulation and control
+/// ask it, and none of them knows its name. See docs/adding-an-effect.md.
 class Effect {
  public:
   virtual ~Effect() = default;
 
-  /// The name in CONTRACT.md.
+  /// The name in robot files, on the command line and in findings.
   virtual std::string name() const = 0;
 
   virtual std::vector<EffectParameter> parameters() const = 0;
   virtual std::vector<EffectShape> shapes() const { return {}; }
 
-  /// True if the columns depend on the past: the state must be advanced sample by sample, in order
-  /// of time.
-  virtual bool has_memory() const { return false; }
+  /// Facts about the effect with these constants.
+  virtual EffectTraits traits(const ShapeValues& shape) const = 0;
 
-  /// True if the columns need AxisSample::load or the from_ entries.
-  virtual bool needs_load() const { return false; }
-  virtual bool needs_source() const { return false; }
+  /// The facts with the initial constants.
+  EffectTraits traits() const;
 
-  /// One row of columns, parameters().size() entries; a state of all NaN-free zeros is the start.
-  /// Never throws or allocates.
-  virtual void columns(const AxisSample& sample, const ShapeValues& shape, EffectState& state,
-                       EffectColumns& row) const noexcept = 0;
+  /// Choices of constants that are worth asking about on an axis that moves like this: all
+  /// combinations of the constants' own grids. One empty choice where there is nothing to choose;
+  /// none where a spectrum proposes no wave.
+  virtual std::vector<ShapeChoice> grid(const AxisMotion& motion) const;
 
   /// What was found, in a technician's words, to stand after "Joint 3 has": "0.50 N of friction
   /// with memory: after a reversal it builds up over 0.14 mm".
@@ -98,14 +130,44 @@ class Effect {
                              JointType type) const = 0;
 };
 
+/// An effect that acts along an axis:
+///
+///   tau += c * (columns(sample) . parameters)
+///
+/// The sign convention is that of the motor's torque: friction is positive in the direction of
+/// motion (seed errata on thesis 4.10 to 4.16). The same columns serve identification (as
+/// regressor), simulation (as force) and control (as compensation), one sample at a time; memory,
+/// if any, is in the state.
+class AxisEffect : public Effect {
+ public:
+  /// One row of columns, parameters().size() entries; a state of all NaN-free zeros is the start.
+  /// A state may change only where traits(shape).memory. Never throws or allocates.
+  virtual void columns(const AxisSample& sample, const ShapeValues& shape, EffectState& state,
+                       EffectColumns& row) const noexcept = 0;
+};
+
 /// The effect of that name. @throws InvalidInput  there is none.
 const Effect& find_effect(const std::string& name);
 
-/// True for names that find_effect() knows.
-bool has_effect(const std::string& name);
+/// The same, among those that act along an axis.
+const AxisEffect& find_axis_effect(const std::string& name);
 
-/// All effects that act along an axis, in the order of CONTRACT.md.
+/// True for names that find_effect() or find_axis_effect() knows.
+bool has_effect(const std::string& name);
+bool has_axis_effect(const std::string& name);
+
+/// All effects, and those that act along an axis, in the order of CONTRACT.md; registered ones
+/// follow.
 const std::vector<const Effect*>& all_effects();
+const std::vector<const AxisEffect*>& axis_effects();
+
+/// Adds an effect of one's own: from now on files may name it, and every command and class treats
+/// it like those that are built in. Call it before models are read, from one thread.
+///
+/// @returns the effect, which lives as long as the program.
+/// @throws InvalidInput  the name is taken, too many parameters or constants, or a constant whose
+///                       range is empty.
+const Effect& register_effect(std::unique_ptr<const Effect> effect);
 
 /// An effect of a model made ready for loops: shape constants looked up, axis copied, state owned.
 class BoundEffect {
@@ -115,7 +177,8 @@ class BoundEffect {
   ///                       it must be, or a coupling without `from`.
   BoundEffect(const Model& arm, const EffectTerm& term);
 
-  const Effect& effect() const { return *effect_; }
+  const AxisEffect& effect() const { return *effect_; }
+  const EffectTraits& traits() const { return traits_; }  ///< with these constants
   const EffectTerm& term() const { return term_; }
   int parameter_count() const { return static_cast<int>(parameters_.size()); }
   const std::vector<EffectParameter>& parameters() const { return parameters_; }
@@ -156,8 +219,12 @@ class BoundEffect {
   /// The force along the axis with the values from the file; advances the memory.
   double force(const AxisSample& sample) noexcept;
 
+  /// Torque per acceleration of an effect whose role is kInertia, with the values from the file.
+  double inertia() const noexcept;
+
  private:
-  const Effect* effect_;
+  const AxisEffect* effect_;
+  EffectTraits traits_;
   EffectTerm term_;
   std::vector<EffectParameter> parameters_;
   std::string label_;  ///< what stands in parentheses in parameter_name()

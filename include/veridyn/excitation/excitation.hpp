@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "veridyn/effects/cause.hpp"
 #include "veridyn/excitation/fourier_trajectory.hpp"
 #include "veridyn/excitation/prediction.hpp"
 #include "veridyn/excitation/workspace_limits.hpp"
@@ -60,10 +61,7 @@ const char* name_of(ColumnScaling scaling);
 /// A cause of torque: an effect of CONTRACT.md and its joint (name or number from 1) or frame.
 /// `payload` and `inertia` (of a body that turns with the frame) stand on a frame; `gravity_tilt`
 /// needs no place; `torque_gain`, `payload` and `gravity_tilt` follow from the arm's own values.
-struct RivalCause {
-  std::string effect;
-  std::string place;
-};
+using RivalCause = CauseText;
 
 struct ExcitationOptions {
   double frequency = 0.13;  ///< [Hz] of the fundamental wave
@@ -86,7 +84,7 @@ struct ExcitationOptions {
   /// each search; the result depends on this and not on the clock.
   int iterations = 400;
   /// Of the limits of joints and torques that may be used, above 0 and at most 1.
-  double limit_share = 1.0;
+  double limit_share = 0.95;
   WorkspaceLimits workspace{};
   /// The arm with values of its bodies (and effects, where it has them): its efforts limit the
   /// torques, and rivals are built from it. Nothing: the arm itself, where it has values.
@@ -96,9 +94,6 @@ struct ExcitationOptions {
   /// The arm with values for the prediction and kAOptimal only; nothing: `powered`, or the arm
   /// itself.
   std::optional<Model> valued{};
-  /// Which standard parameters lead the base parameters of the prediction and of kAOptimal, as in
-  /// BaseRegressor: those of an identification, so that both speak of the same. None: own ones.
-  std::vector<int> reported_base{};
   /// Motions that are recorded already; their information counts. Samples of their own rate.
   std::vector<MotionSamples> given{};
   unsigned seed = 1;

@@ -57,10 +57,15 @@ struct PredictionError {
                              ///< largest speed)
 };
 
+/// Whether a joint moves at a sample.
+enum class MovingSample { kNo, kYes };
+
 /// Sums behind PredictionError, which add up over recordings.
 struct ErrorSums {
   explicit ErrorSums(int joints);
   void add(const ErrorSums& other);
+  /// One sample of joint i. @param moves  the joint counts as moving at it.
+  void add(int i, double measured, double modelled, MovingSample moves);
   PredictionError error() const;
 
   VectorXd torque2, error2, torque_max, error_max, moving_torque2, moving_error2;
@@ -73,15 +78,20 @@ struct PredictionSeries {
   std::vector<std::vector<double>> q, dq, ddq, measured, modelled;  ///< [joint][sample]
 };
 
-/// Second pass: the errors of parameter values on a recording. A series of about `series_samples`
-/// is kept if asked for.
+/// Second pass: the errors of parameter values on every row of a recording. A series of some
+/// thousand samples is kept if asked for.
+///
+/// @param without_excluded  if not null, becomes the errors without the moments that
+///                          options.left_out excludes.
 ErrorSums prediction_error(const Model& arm, const std::string& path,
                            const PreprocessingOptions& options, const VectorRef& values,
                            const std::vector<TorqueFacts>& joints,
-                           PredictionSeries* series = nullptr, int threads = 1);
+                           PredictionSeries* series = nullptr,
+                           ErrorSums* without_excluded = nullptr, int threads = 1);
 ErrorSums prediction_error(const Model& arm, const Recording& recording,
                            const PreprocessingOptions& options, const VectorRef& values,
                            const std::vector<TorqueFacts>& joints,
-                           PredictionSeries* series = nullptr);
+                           PredictionSeries* series = nullptr,
+                           ErrorSums* without_excluded = nullptr);
 
 }  // namespace veridyn

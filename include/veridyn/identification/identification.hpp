@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "veridyn/identification/base_parameters.hpp"
+#include "veridyn/regressor/base_parameters.hpp"
 #include "veridyn/identification/compressed_recording.hpp"
 #include "veridyn/identification/drive_gains.hpp"
 #include "veridyn/identification/feasible_least_squares.hpp"
@@ -70,10 +70,12 @@ struct BaseValue {
 /// Errors of the identified model on one recording.
 struct RecordingError {
   std::string source;
-  PredictionError error;
-  /// The same values on the rows as recorded, those included that were filled in for `error`; empty
-  /// where there are none.
-  PredictionError as_recorded;
+  PredictionError error;  ///< on every row, as recorded
+  /// On every row, those of a late publisher filled in; empty where none was filled in.
+  PredictionError repaired;
+  /// The same without the moments that PreprocessingOptions::left_out excludes; empty where it
+  /// excludes none of this recording.
+  PredictionError without_excluded;
   FilledRows filled;
   long rows = 0;         ///< of the file
   VectorXd noise_floor;  ///< relative, (n); empty where nothing repeats
@@ -124,9 +126,9 @@ struct Identification {
                                           ///< though the arm has them
   std::vector<std::string> still_joints;  ///< coordinates that never move
   std::vector<RecordingError> train, test;
-  PredictionError train_error, test_error;  ///< over all of them
-  PredictionError train_as_recorded,
-      test_as_recorded;           ///< where rows of them were filled in, see RecordingError
+  PredictionError train_error, test_error;  ///< over all of them, on every row as recorded
+  /// Where rows of any of them were filled in or excluded, over all of them, see RecordingError.
+  PredictionError train_repaired, test_repaired, train_without_excluded, test_without_excluded;
   VectorXd noise_floor;           ///< relative, (n), of the training recordings
   VectorXd parameters;            ///< all standard parameters
   VectorXd parameter_deviations;  ///< NaN where only a combination is known

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "veridyn/dynamics/regressor_batch.hpp"
-#include "veridyn/identification/parameter_set.hpp"
+#include "veridyn/regressor/standard_parameters.hpp"
 #include "veridyn/recordings/preprocessing.hpp"
 
 namespace veridyn {
@@ -64,10 +64,8 @@ class RegressorColumns {
  private:
   using ArmTerms = std::vector<std::pair<const EffectTerm*, std::vector<Eigen::Index>>>;
   std::vector<MatrixXd> raw_columns(const Stretch& stretch, Joints joints) const;
-  void fill_arm_effects(const Stretch& stretch, const ArmTerms& terms, Joints joints,
-                        std::vector<MatrixXd>& Y) const;
-  void fill_tilt(const Stretch& stretch, const VectorXd& phi, const std::vector<Eigen::Index>& at,
-                 Joints joints, std::vector<MatrixXd>& Y) const;
+  void fill_channel_errors(const Stretch& stretch, const ArmTerms& terms, Joints joints,
+                           std::vector<MatrixXd>& Y) const;
   void filter(MatrixXd& columns, double dt) const;
   void smooth_load(MatrixXd& load, double dt) const;
   std::vector<Eigen::Index> kept_samples(const Stretch& stretch, Eigen::Index joint) const;

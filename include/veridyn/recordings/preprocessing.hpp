@@ -68,7 +68,14 @@ struct PreprocessingOptions {
   std::map<std::string, double> known_periods;
   std::vector<std::string> columns;  ///< for files without a header, see RecordingOptions
   double header_rate = 0.0;          ///< [Hz] time base of files without t
+  SignalChoice signals;              ///< topics, names and units; joints are those of the arm
 };
+
+/// The arm's joints, as they are looked for in a recording.
+std::vector<WantedJoint> joints_of(const Model& arm);
+
+/// How to read a recording of the arm: all rows, with the columns, rate and signals of the options.
+RecordingOptions reading_of(const Model& arm, const PreprocessingOptions& options);
 
 /// A stretch of uniform samples, ready for the equations of motion. Matrices are (rows x n), one
 /// contiguous column a joint.

@@ -5,8 +5,14 @@
 #include <vector>
 
 #include "veridyn/math/types.hpp"
+#include "veridyn/recordings/recording_facts.hpp"
+#include "veridyn/recordings/signal_choice.hpp"
 
 namespace veridyn {
+
+namespace recordings {
+class RowSource;
+}
 
 /// Signals of one arm against time, structure of arrays: one contiguous column per joint.
 ///
@@ -43,24 +49,30 @@ Recording rows_of(const Recording& recording, int first, int count);
 
 /// How a file is to be read.
 struct RecordingOptions {
-  /// Signals in the order of the columns of a file without a header, e.g. {"q", "dq", "tau"}, each
-  /// with the same number of joints; empty: the file has a header. "t" is allowed as the first.
+  /// Signals in the order of the columns, e.g. {"q", "dq", "tau"}, each with the same number of
+  /// joints; empty: as the header says. "t" is allowed as the first. A header, if there is one, is
+  /// then passed over.
   std::vector<std::string> columns;
   double rate = 0.0;  ///< [Hz] time base of a file without a column t, ignored if it has one
   long first_row =
       0;  ///< the first row to keep, counting from 0; rows before it are not even parsed
   long row_count = -1;  ///< rows to keep; -1: all
+  SignalChoice signals;  ///< topics, names of columns and joints, units
 };
 
-/// Reads a recording in pieces, so that its length costs no memory.
+/// Reads a recording in pieces; the length of a plain CSV costs no memory.
+///
+/// Besides CSV of the form below: ROS 1 bags, ROS 2 bags (sqlite3, MCAP; files and folders), MCAP,
+/// CSV with other headers, .npz, .mat and HDF5, see docs/recordings.md; these are kept in memory.
 ///
 /// CSV with a header `t,q1..qn,dq1..dqn,tau1..taun` (also `ddq1..`, `i1..`) in any order; only q is
 /// a must; other columns are ignored. Comma, semicolon, tab or spaces separate, as the first line
 /// shows. An empty field and `nan` are gaps; a row without any number, even for t, is a gap row,
 /// and its time is interpolated (left out at either end of the file). Lines that start with `#` and
 /// empty lines are skipped, except that the last `#` line before the numbers may be the header.
-/// Infinite and absurd numbers are values: check_recording finds them. Cost: one pass, about 30 ns
-/// a number (400 MB/s); 1 MiB of buffer.
+/// Infinite and absurd numbers are values: check_recording finds them. A row that repeats the time
+/// before is left out and counted in facts(). A decimal comma is read where another sign separates.
+/// Cost: one pass, about 30 ns a number (400 MB/s); 1 MiB of buffer.
 class RecordingReader {
  public:
   /// @throws InvalidInput  the file cannot be opened or is empty, has no header and options.columns
@@ -72,21 +84,26 @@ class RecordingReader {
   RecordingReader& operator=(RecordingReader&&) noexcept;
 
   /// The next rows, at most `rows` of them; empty at the end.
-  /// @throws InvalidInput  ragged rows, text in a number, time that is missing, stands still or
-  /// runs back;
+  /// @throws InvalidInput  ragged rows, text in a number, time that is missing or runs back;
   ///                       the message names file, line and column (the field's number, from 1).
   Recording next(int rows);
 
   int joints() const;
 
+  /// Joints' names, topics and remarks; remarks on rows are complete at the end of the file.
+  RecordingFacts facts() const;
+
  private:
-  struct State;
-  std::unique_ptr<State> state_;
+  std::unique_ptr<recordings::RowSource> source_;
 };
 
 /// The whole recording in memory.
 /// @throws InvalidInput  as RecordingReader does, or not a single row (left after the selection).
 Recording read_recording(const std::string& path, const RecordingOptions& options = {});
+
+/// The same, with what reading brought up: joints' names, topics, remarks.
+Recording read_recording(const std::string& path, const RecordingOptions& options,
+                         RecordingFacts& facts);
 
 /// Writes CSV with a header, whole or not at all: t with 15 significant digits, signals with 10,
 /// NaN as an empty field. read_recording() returns the same up to that rounding.

@@ -35,13 +35,14 @@ struct RecordingQuality {
   double duration = 0.0;  ///< [s]
   double rate = 0.0;      ///< [Hz] one over the median time step
   MotionPeriod period;
+  RecordingFacts facts;  ///< joints' names, topics, remarks
   std::vector<QualityFinding> findings;  ///< worst first
 
   /// The worst severity; kInfo if there is nothing.
   Severity severity() const;
   /// The first finding of this name (and joint, unless 0), or null.
   const QualityFinding* find(const std::string& finding, int joint = 0) const;
-  /// One line for the file, one per finding.
+  /// One line for the file, one per topic, remark and finding.
   std::string report() const;
 };
 
@@ -66,7 +67,8 @@ const char* name_of(Severity severity);
 ///   step, share: of its range velocity_delay      dq comes later than the derivative of q
 ///   (cross-correlation); value [s] joint_at_rest       q stays within 5 mrad or 5 mm; value: its
 ///   range.  no_motion: no joint moves period              the motion repeats; value: the period
-///   [s] short_recording     too few rows to judge more than numbers and time
+///   [s] remark             what reading the file brought up (a cut file, repeated time stamps)
+///   short_recording     too few rows to judge more than numbers and time
 ///
 /// Streams: memory is bounded by the first 200,000 rows, on which velocities, transient, period and
 /// the scales of the other checks are judged. Cost: one pass over the file, and about 1 s for that

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "veridyn/identification/base_parameters.hpp"
-#include "veridyn/identification/parameter_set.hpp"
+#include "veridyn/regressor/base_parameters.hpp"
+#include "veridyn/regressor/standard_parameters.hpp"
 #include "veridyn/model/model.hpp"
 
 namespace veridyn {

@@ -5,38 +5,17 @@
 #include <algorithm>
 #include <cmath>
 
-#include "diagnosis/evidence/held_out.hpp"
+#include "diagnosis/evidence/clustered_fit.hpp"
+#include "diagnosis/numerics.hpp"
+#include "veridyn/effects/cause.hpp"
 #include "veridyn/math/student_t.hpp"
 
 namespace veridyn {
 namespace {
 
-constexpr double kThreshold = 5.0;     // of the residual's scatter elsewhere: a burst begins
-constexpr double kPeak = 8.0;          // a burst reaches this at least
-constexpr double kPush = 0.3;          // of the peak, in the mean: a push has a direction
-constexpr double kTorqueShare = 0.04;  // of the largest torque: smaller bursts are friction at rest
-constexpr double kFrictionShare = 1.0;  // of the friction of a joint that moves
-constexpr double kRestShare = 1.6;      // of the friction of a joint at rest
-constexpr double kMovingShare = 0.02;   // of the largest speed
-constexpr double kMoves = 0.02;         // [rad/s] or [m/s]
-constexpr double kSlow = 4.0;        // [s] on either side, of the median that follows slow errors
-constexpr double kGrid = 0.25;       // [s]
-constexpr double kShortest = 0.3;    // [s]
-constexpr double kJoin = 0.5;        // [s] bursts nearer than this are one
-constexpr double kMargin = 0.25;     // [s] left out on either side
-constexpr double kMostOfTime = 0.5;  // of a recording; more is no moment
-constexpr double kAlways = 5.0;      // bursts that a recording may have, however short
-constexpr double kPerMinute = 12.0;  // more bursts than this belong to the motion
-constexpr double kRepeats = 0.4;     // of the burst's size at the same phase of another period
-constexpr double kFreedomOfContacts = 10.0;  // scatter of a residual is known from some tens of
-                                             // independent moments
-
-double median(std::vector<double> v) {
-  if (v.empty()) return 0.0;
-  const auto middle = v.begin() + static_cast<long>(v.size() / 2);
-  std::nth_element(v.begin(), middle, v.end());
-  return *middle;
-}
+constexpr double kAlways = 5;          // bursts that a recording may have, however short
+constexpr size_t kFewestSamples = 50;
+constexpr int kPeriods = 20;  // to either side, in which a burst may come back
 
 struct Residual {
   std::vector<double> r;          ///< without what changes slowly
@@ -49,16 +28,16 @@ struct Residual {
 std::vector<double> slow_part(const std::vector<double>& time, const std::vector<double>& r) {
   std::vector<double> at;
   std::vector<double> level;
-  for (double t = time.front();; t += kGrid) {
-    const auto begin = std::lower_bound(time.begin(), time.end(), t - kSlow) - time.begin();
-    const auto end = std::upper_bound(time.begin(), time.end(), t + kSlow) - time.begin();
+  for (double t = time.front();; t += numerics::kContactGrid) {
+    const auto begin = std::lower_bound(time.begin(), time.end(), t - numerics::kContactMedian) - time.begin();
+    const auto end = std::upper_bound(time.begin(), time.end(), t + numerics::kContactMedian) - time.begin();
     at.push_back(t);
     level.push_back(median({r.begin() + begin, r.begin() + end}));
     if (t >= time.back()) break;
   }
   std::vector<double> out(r.size());
   for (size_t k = 0; k < r.size(); ++k) {
-    const double u = (time[k] - time.front()) / kGrid;
+    const double u = (time[k] - time.front()) / numerics::kContactGrid;
     const size_t low = std::min(static_cast<size_t>(u), at.size() - 1);
     const size_t high = std::min(low + 1, at.size() - 1);
     out[k] = level[low] + (u - static_cast<double>(low)) * (level[high] - level[low]);
@@ -77,7 +56,8 @@ double rest_friction(const Model& arm, size_t joint) {
   return sum;
 }
 
-Residual residual_of(const Model& arm, const PredictionSeries& x, size_t joint) {
+Residual residual_of(const Model& arm, const PredictionSeries& x, size_t joint,
+                     const Thresholds& limits) {
   Residual out;
   const size_t n = x.time.size();
   out.r.resize(n);
@@ -92,16 +72,16 @@ Residual residual_of(const Model& arm, const PredictionSeries& x, size_t joint) 
     most = std::max(most, std::abs(x.measured[joint][k]));
     fastest = std::max(fastest, std::abs(x.dq[joint][k]));
   }
-  out.scatter = std::max(1.4826 * median(size), 1e-12);
+  out.scatter = std::max(numerics::kMadToDeviation * median(size), numerics::kNoise);
   // Where the joint moves, what its friction does at a start or a reversal is no contact; where it
   // holds a pose, friction is part of what it holds.
-  const double friction = fastest > kMoves ? rest_friction(arm, joint) : 0.0;
+  const double friction = fastest > numerics::kMoves ? rest_friction(arm, joint) : 0.0;
   const double level =
-      std::max({kThreshold * out.scatter, kTorqueShare * most, kFrictionShare * friction});
-  const double at_rest = kRestShare * friction;
+      std::max({limits.contact_threshold * out.scatter, limits.contact_torque_share * most, friction});
+  const double at_rest = limits.contact_rest_share * friction;
   out.threshold.assign(n, level);
   for (size_t k = 0; k < n; ++k) {
-    if (std::abs(x.dq[joint][k]) < kMovingShare * fastest)
+    if (std::abs(x.dq[joint][k]) < numerics::kMovingShare * fastest)
       out.threshold[k] = std::max(level, at_rest);
   }
   return out;
@@ -119,7 +99,7 @@ std::vector<Span> bursts(const PredictionSeries& x, const std::vector<Residual>&
       return std::abs(j.r[k]) > j.threshold[k];
     });
     if (!above) continue;
-    if (!out.empty() && x.time[k] - x.time[out.back().end - 1] < kJoin) {
+    if (!out.empty() && x.time[k] - x.time[out.back().end - 1] < numerics::kContactJoin) {
       out.back().end = k + 1;
     } else {
       out.push_back({k, k + 1});
@@ -129,11 +109,11 @@ std::vector<Span> bursts(const PredictionSeries& x, const std::vector<Residual>&
 }
 
 bool repeats(const PredictionSeries& x, const std::vector<Residual>& joints, const Span& span,
-             double period, double size, size_t joint) {
+             double period, double size, size_t joint, const Thresholds& limits) {
   if (period <= 0.0) return false;
   const double first = x.time.front();
   const double last = x.time.back();
-  for (int turn = -20; turn <= 20; ++turn) {
+  for (int turn = -kPeriods; turn <= kPeriods; ++turn) {
     if (turn == 0) continue;
     const double from = x.time[span.begin] + turn * period;
     const double to = x.time[span.end - 1] + turn * period;
@@ -143,17 +123,18 @@ bool repeats(const PredictionSeries& x, const std::vector<Residual>& joints, con
     const auto end = std::upper_bound(x.time.begin(), x.time.end(), to) - x.time.begin();
     for (auto k = begin; k < end; ++k)
       there = std::max(there, std::abs(joints[joint].r[static_cast<size_t>(k)]));
-    if (there > kRepeats * size) return true;
+    if (there > limits.contact_repeats * size) return true;
   }
   return false;
 }
 
-void contacts_in(const Model& arm, const RecordingError& recording, std::vector<Contact>& out) {
+void contacts_in(const Model& arm, const RecordingError& recording, const Thresholds& limits,
+                 std::vector<Contact>& out) {
   const PredictionSeries& x = recording.series;
   const size_t n = x.measured.size();
-  if (x.time.size() < 50 || n == 0) return;
+  if (x.time.size() < kFewestSamples || n == 0) return;
   std::vector<Residual> joints;
-  for (size_t i = 0; i < n; ++i) joints.push_back(residual_of(arm, x, i));
+  for (size_t i = 0; i < n; ++i) joints.push_back(residual_of(arm, x, i, limits));
   std::vector<Contact> found;
   double share = 0.0;
   const double duration = x.time.back() - x.time.front();
@@ -162,7 +143,7 @@ void contacts_in(const Model& arm, const RecordingError& recording, std::vector<
     c.source = recording.source;
     c.from = x.time[span.begin];
     c.to = x.time[span.end - 1];
-    if (c.to - c.from < kShortest) continue;
+    if (c.to - c.from < limits.contact_shortest) continue;
     share += (c.to - c.from) / duration;
     c.effort = VectorXd::Zero(static_cast<Eigen::Index>(n));
     bool again = false;
@@ -178,31 +159,31 @@ void contacts_in(const Model& arm, const RecordingError& recording, std::vector<
       }
       const double mean = sum / static_cast<double>(span.end - span.begin);
       c.effort[static_cast<Eigen::Index>(i)] = mean;
-      if (excess <= 0.0 || most < kPeak * joints[i].scatter || std::abs(mean) < kPush * most)
+      if (excess <= 0.0 || most < limits.contact_peak * joints[i].scatter || std::abs(mean) < limits.contact_direction * most)
         continue;
-      again = again || repeats(x, joints, span, recording.period, most, i);
+      again = again || repeats(x, joints, span, recording.period, most, i, limits);
       c.last_joint = static_cast<int>(i);
       c.deviation = joints[i].scatter;
       c.peak = std::max(c.peak, most / joints[i].scatter);
     }
     if (c.peak > 0.0 && !again) found.push_back(std::move(c));
   }
-  if (share > kMostOfTime ||
-      static_cast<double>(found.size()) > std::max(kAlways, kPerMinute * duration / 60.0))
+  if (share > limits.contact_most_of_time ||
+      static_cast<double>(found.size()) > std::max<double>(kAlways, limits.contact_per_minute * duration / numerics::kMinute))
     return;
   out.insert(out.end(), found.begin(), found.end());
 }
 
 }  // namespace
 
-std::vector<Contact> find_contacts(const Identification& id) {
+std::vector<Contact> find_contacts(const Identification& id, const Thresholds& limits) {
   std::vector<Contact> out;
-  for (const RecordingError& r : id.train) contacts_in(*id.model, r, out);
+  for (const RecordingError& r : id.train) contacts_in(*id.model, r, limits, out);
   for (const RecordingError& r : id.test) {
     const bool trained =
         std::any_of(id.train.begin(), id.train.end(),
                     [&](const RecordingError& other) { return other.source == r.source; });
-    if (!trained) contacts_in(*id.model, r, out);
+    if (!trained) contacts_in(*id.model, r, limits, out);
   }
   return out;
 }
@@ -210,35 +191,62 @@ std::vector<Contact> find_contacts(const Identification& id) {
 std::vector<LeftOut> left_out_rows(const std::vector<Contact>& contacts) {
   std::vector<LeftOut> out;
   for (const Contact& c : contacts)
-    out.push_back({c.source, -1, c.from - kMargin, c.to + kMargin, "external_contact"});
+    out.push_back({c.source, -1, c.from - numerics::kContactMargin,
+                   c.to + numerics::kContactMargin, ExternalContact::kName});
   return out;
 }
 
-void add_contacts(const std::vector<Contact>& contacts, const Identification& with,
-                  const Identification& without, Diagnosis& d) {
+namespace {
+
+// The links that the last joint moves, nearest first: "fore", or "fore and what it carries".
+std::string link_words(const Model& arm, int joint) {
+  for (size_t k = 0; k < arm.frames().size(); ++k) {
+    if (arm.moves(static_cast<int>(k), joint)) return arm.frames()[k].name;
+  }
+  return arm.coordinates()[static_cast<size_t>(joint)].name;
+}
+
+std::string efforts_words(const Model& arm, const Contact& c) {
+  std::string out;
+  for (Eigen::Index i = 0; i <= c.last_joint; ++i) {
+    const Coordinate& joint = arm.coordinates()[static_cast<size_t>(i)];
+    out += fmt::format("{}{:.2g} {} on joint {} ({})", i == 0 ? "" : ", ", c.effort[i],
+                       effort_unit(joint), i + 1, joint.name);
+  }
+  return out;
+}
+
+}  // namespace
+
+void add_contacts(const std::vector<Contact>& contacts, const Identification& seen, Diagnosis& d) {
+  const Model& arm = *seen.model;
   for (const Contact& c : contacts) {
     Finding f;
     f.rank = static_cast<int>(d.findings.size()) + 1;
-    f.effect = "external_contact";
+    f.effect = ExternalContact::kName;
     f.joint = c.last_joint + 1;
-    const Coordinate& joint = with.model->coordinates()[static_cast<size_t>(c.last_joint)];
+    const Coordinate& joint = arm.coordinates()[static_cast<size_t>(c.last_joint)];
     f.coordinate = joint.name;
+    f.frame = link_words(arm, c.last_joint);
     f.source = c.source;
     f.unit = effort_unit(joint);
     const double effort = c.effort[c.last_joint];
-    const double half = student_t_quantile(0.05, kFreedomOfContacts) * c.deviation;
+    const double half =
+        student_t_quantile(numerics::kOutside, numerics::kContactFreedom) * c.deviation;
     f.parameters = {{"effort", f.unit, effort, effort - half, effort + half},
                     {"from", "s", c.from, c.from, c.from},
                     {"to", "s", c.to, c.to, c.to}};
-    f.p_value = student_t_two_sided(c.peak, kFreedomOfContacts);
-    f.test_before = with.test_error.relative;
-    f.test_after = without.test_error.relative;
-    f.explains = explained_share(f.test_before, f.test_after, with);
+    f.p_value = student_t_two_sided(c.peak, numerics::kContactFreedom);
+    // A push says nothing about the model: the held-out error with these moments and without them.
+    f.test_before = seen.test_error.relative;
+    f.test_after = seen.test_error.relative;
+    f.test_outside = seen.test_without_excluded.relative.size() > 0
+                         ? seen.test_without_excluded.relative
+                         : seen.test_error.relative;
     f.sentence = fmt::format(
-        "{}: from {:.1f} to {:.1f} s something pushes; joint {} ({}) is the last that feels it, "
-        "with "
-        "{:.2g} {}. These rows are left out.",
-        c.source, c.from, c.to, f.joint, f.coordinate, effort, f.unit);
+        "{}: from {:.1f} to {:.1f} s something pushes the arm on link {} or beyond it: {} (mean "
+        "torque that the model does not explain). These {:.1f} s are left out of the fit.",
+        c.source, c.from, c.to, f.frame, efforts_words(arm, c), c.to - c.from);
     d.findings.push_back(std::move(f));
   }
 }

@@ -21,13 +21,14 @@ struct Contact {
 /// Bursts of torque that the model leaves unexplained: well above the residual of the rest of the
 /// recording, lasting, few, and not repeated with the motion's period. What comes back at every
 /// period or at every reversal is a property of the arm and no contact.
-std::vector<Contact> find_contacts(const Identification& id);
+std::vector<Contact> find_contacts(const Identification& id, const Thresholds& limits = {});
 
 /// The rows of these moments, for all joints.
 std::vector<LeftOut> left_out_rows(const std::vector<Contact>& contacts);
 
-/// A finding for every contact, with the held-out errors with and without these moments.
-void add_contacts(const std::vector<Contact>& contacts, const Identification& with,
-                  const Identification& without, Diagnosis& d);
+/// A finding for every contact: when, on which link, with which efforts, and the held-out error
+/// outside of these moments.
+/// @param seen  the arm on the recordings with these moments left out.
+void add_contacts(const std::vector<Contact>& contacts, const Identification& seen, Diagnosis& d);
 
 }  // namespace veridyn

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <string>
 
-#include "veridyn/effects/effect.hpp"
-#include "veridyn/identification/arm_effects.hpp"
+#include "veridyn/effects/cause.hpp"
+#include "veridyn/effects/channel_effect.hpp"
 
 namespace veridyn {
 namespace {
@@ -15,8 +15,9 @@ void add_load(const FoundCause& found, int joints, ModelDescription& d) {
                        [&name](const Frame& f) { return f.name == name; });
   };
   Frame load;
-  load.name = "payload";
-  for (int count = 2; known(load.name); ++count) load.name = "payload_" + std::to_string(count);
+  load.name = AddedLoad::kName;
+  for (int count = 2; known(load.name); ++count)
+    load.name = std::string(AddedLoad::kName) + "_" + std::to_string(count);
   load.parent = found.hypothesis.frame;
   load.variable.coefficients = VectorXd::Zero(joints);
   load.body = Body{};
@@ -51,14 +52,15 @@ Model extended_arm(const Model& arm, const std::vector<FoundCause>& found, bool 
       add_load(f, arm.joints(), d);
     } else if (h.changes >= 0) {
       change(d.effects[static_cast<size_t>(h.changes)], f.values);
-    } else if (!is_arm_effect(h.effect)) {
+    } else if (channel_effect(h.effect) == nullptr) {
       d.effects.push_back(changes ? with_values(f.term, f.values) : f.term);
     }
   }
   Model out(std::move(d));
   for (const FoundCause& f : found) {
-    if (f.hypothesis.body < 0 && f.hypothesis.changes < 0 && is_arm_effect(f.hypothesis.effect))
-      out = with_arm_effect(out, f.term, f.values);
+    const bool channel = channel_effect(f.hypothesis.effect) != nullptr;
+    if (f.hypothesis.body < 0 && f.hypothesis.changes < 0 && channel)
+      out = with_channel_error(out, f.term, f.values);
   }
   return out;
 }

@@ -1,29 +1,32 @@
 #include "diagnosis/causes/geometry.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
+#include <array>
 #include <cmath>
+
+#include "diagnosis/evidence/clustered_fit.hpp"
+#include "diagnosis/numerics.hpp"
 
 #include "veridyn/dynamics/regressor_batch.hpp"
 #include "identification/base_solution.hpp"
 #include "math/parallel.hpp"
+#include "veridyn/math/student_t.hpp"
 
 namespace veridyn {
 namespace {
 
-constexpr double kSampleRate = 10.0;  // [Hz] enough for the motions of a rigid arm
-constexpr double kAngleStep = 0.05;   // [rad] first step of a profile
-constexpr double kAngleRange = 0.6;
-constexpr double kLengthStep = 0.01;  // [m]
-constexpr double kLengthRange = 0.15;
-constexpr double kRatioStep = 0.05;
-constexpr double kRatioRange = 0.6;
-constexpr double kWorthRefining = 0.02;  // fall of the criterion at the first step
-constexpr double kSharp = 0.4;           // of the gain: by so much the mirrored value is worse
+// First step and reach of a profile, for angles, lengths and ratios.
+struct SearchRange {
+  double step;
+  double reach;
+};
+constexpr SearchRange kAngles = {numerics::kAngleStep, numerics::kAngleReach};     // [rad]
+constexpr SearchRange kLengths = {numerics::kLengthStep, numerics::kLengthReach};  // [m]
+constexpr SearchRange kRatios = {numerics::kAngleStep, numerics::kAngleReach};     // of the ratio
+
 constexpr int kRefinements = 14;
 constexpr size_t kKept = 5;
-constexpr double kGolden = 0.381966;
-constexpr double kTie = 0.8;  // of the best gain
+constexpr Eigen::Index kParts = 8;  // of a recording, for the scatter of a constant
 
 // Sparse samples of one recording, with what does not depend on geometry computed once.
 struct Fold {
@@ -47,17 +50,37 @@ class Profiler {
       folds_.push_back(std::move(fold));
     }
     weights_ = VectorXd::Ones(arm.joints());
-    const VectorXd mean = mean_squares(arm, independent(arm), -1);
-    weights_ = mean.array().max(1e-300).inverse();
-    start_ = mean_squares(arm, independent(arm), -1).array().max(1e-300).log().sum();
+    const std::vector<int> columns = independent(arm);
+    weights_ = mean_squares(arm, columns).array().max(numerics::kTiny).inverse();
+    start_ = criterion(arm, columns);
   }
 
   double start() const { return start_; }
 
-  // Sum over joints of ln(mean square residual); fold `without` left out, or -1.
-  double criterion(const Model& variant, const std::vector<int>& columns, int without) const {
-    return mean_squares(variant, columns, without).array().max(1e-300).log().sum();
+  // Sum over joints of ln(mean square residual).
+  double criterion(const Model& variant, const std::vector<int>& columns) const {
+    return log_of(mean_squares(variant, columns));
   }
+
+  // The criterion of three variants without one part each, (parts x 3).
+  MatrixXd without_parts(const std::array<Model, 3>& variants,
+                         const std::vector<int>& columns) const {
+    MatrixXd out;
+    for (size_t v = 0; v < variants.size(); ++v) {
+      const std::vector<Sums> parts = sums_of_parts(variants[v], columns, kParts);
+      const Sums all = total(parts);
+      out.conservativeResize(static_cast<Eigen::Index>(parts.size()), 3);
+      for (size_t k = 0; k < parts.size(); ++k) {
+        Sums rest = all;
+        add(-1.0, parts[k], rest);
+        out(static_cast<Eigen::Index>(k), static_cast<Eigen::Index>(v)) =
+            log_of(mean_squares(rest));
+      }
+    }
+    return out;
+  }
+
+  int recordings() const { return static_cast<int>(folds_.size()); }
 
   // Columns that are independent for this geometry.
   static std::vector<int> independent(const Model& variant) {
@@ -65,9 +88,13 @@ class Profiler {
   }
 
  private:
+  static double log_of(const VectorXd& mean_squares) {
+    return mean_squares.array().max(numerics::kTiny).log().sum();
+  }
+
   void append(const Stretch& s, Fold& fold) const {
     const auto step =
-        std::max<Eigen::Index>(1, static_cast<Eigen::Index>(1.0 / (kSampleRate * s.dt)));
+        std::max<Eigen::Index>(1, static_cast<Eigen::Index>(1.0 / (numerics::kGeometryRate * s.dt)));
     std::vector<Eigen::Index> kept;
     for (Eigen::Index k = s.core_begin; k < s.core_end; ++k) {
       if (s.use[static_cast<size_t>(k)] != 0 && k % step == 0) kept.push_back(k);
@@ -106,48 +133,99 @@ class Profiler {
     }
   }
 
-  VectorXd mean_squares(const Model& variant, const std::vector<int>& columns, int without) const {
-    const RegressorBatch batch(variant);
-    const auto k = static_cast<Eigen::Index>(columns.size());
-    const auto bodies = static_cast<int>(kBodyParameters * variant.bodies().size());
-    std::vector<std::vector<MatrixXd>> A(folds_.size());
-    MatrixXd G = MatrixXd::Zero(k, k);
-    VectorXd g = VectorXd::Zero(k);
-    for (size_t f = 0; f < folds_.size(); ++f) {
-      if (static_cast<int>(f) == without) continue;
-      std::vector<MatrixXd> Y(static_cast<size_t>(variant.joints()));
-      batch.evaluate(folds_[f].q, folds_[f].dq, folds_[f].ddq, Y);
-      for (int i = 0; i < variant.joints(); ++i) {
-        const auto at = static_cast<size_t>(i);
-        const std::vector<int>& mine = batch.columns(i);
-        MatrixXd Ai = MatrixXd::Zero(folds_[f].q.rows(), k);
-        for (Eigen::Index c = 0; c < k; ++c) {
-          const int column = columns[static_cast<size_t>(c)];
-          if (column >= bodies) {
-            Ai.col(c) = folds_[f].effects[at].col(column - bodies);
-            continue;
-          }
-          const auto found = std::lower_bound(mine.begin(), mine.end(), column);
-          if (found != mine.end() && *found == column) Ai.col(c) = Y[at].col(found - mine.begin());
+  // Normal equations of one part of one recording, of every joint.
+  struct Sums {
+    std::vector<MatrixXd> G;
+    std::vector<VectorXd> g;
+    VectorXd b2;
+    double rows = 0.0;
+  };
+
+  static void add(double sign, const Sums& from, Sums& to) {
+    for (size_t i = 0; i < to.G.size(); ++i) {
+      to.G[i] += sign * from.G[i];
+      to.g[i] += sign * from.g[i];
+    }
+    to.b2 += sign * from.b2;
+    to.rows += sign * from.rows;
+  }
+
+  // Columns of one recording, per joint.
+  std::vector<MatrixXd> columns_of(const RegressorBatch& batch, const Fold& fold,
+                                   const std::vector<int>& columns, int bodies) const {
+    const int n = arm_.joints();
+    std::vector<MatrixXd> Y(static_cast<size_t>(n));
+    batch.evaluate(fold.q, fold.dq, fold.ddq, Y);
+    std::vector<MatrixXd> out;
+    for (int i = 0; i < n; ++i) {
+      const auto at = static_cast<size_t>(i);
+      const std::vector<int>& mine = batch.columns(i);
+      MatrixXd A = MatrixXd::Zero(fold.q.rows(), static_cast<Eigen::Index>(columns.size()));
+      for (Eigen::Index c = 0; c < A.cols(); ++c) {
+        const int column = columns[static_cast<size_t>(c)];
+        if (column >= bodies) {
+          A.col(c) = fold.effects[at].col(column - bodies);
+          continue;
         }
-        G.noalias() += weights_[i] * Ai.transpose() * Ai;
-        g.noalias() += weights_[i] * Ai.transpose() * folds_[f].tau.col(i);
-        A[f].push_back(std::move(Ai));
+        const auto found = std::lower_bound(mine.begin(), mine.end(), column);
+        if (found != mine.end() && *found == column) A.col(c) = Y[at].col(found - mine.begin());
+      }
+      out.push_back(std::move(A));
+    }
+    return out;
+  }
+
+  // Of every recording in so many parts of equal duration.
+  std::vector<Sums> sums_of_parts(const Model& variant, const std::vector<int>& columns,
+                                  Eigen::Index parts) const {
+    const RegressorBatch batch(variant);
+    const auto bodies = static_cast<int>(kBodyParameters * variant.bodies().size());
+    std::vector<Sums> out;
+    for (const Fold& fold : folds_) {
+      const std::vector<MatrixXd> A = columns_of(batch, fold, columns, bodies);
+      const Eigen::Index rows = fold.q.rows();
+      for (Eigen::Index k = 0; k < parts; ++k) {
+        const Eigen::Index begin = k * rows / parts;
+        const Eigen::Index count = (k + 1) * rows / parts - begin;
+        Sums s;
+        s.rows = static_cast<double>(count);
+        s.b2 = fold.tau.middleRows(begin, count).colwise().squaredNorm().transpose();
+        for (int i = 0; i < variant.joints(); ++i) {
+          const auto mine = A[static_cast<size_t>(i)].middleRows(begin, count);
+          s.G.push_back(mine.transpose() * mine);
+          s.g.push_back(mine.transpose() * fold.tau.col(i).segment(begin, count));
+        }
+        out.push_back(std::move(s));
       }
     }
-    const VectorXd scale = G.diagonal().cwiseSqrt().cwiseMax(1e-150).cwiseInverse();
-    MatrixXd scaled = scale.asDiagonal() * G * scale.asDiagonal();
-    scaled.diagonal().array() += 1e-10;
-    const VectorXd x = scale.asDiagonal() * scaled.ldlt().solve(scale.asDiagonal() * g);
-    VectorXd sum = VectorXd::Zero(variant.joints());
-    double rows = 0.0;
-    for (size_t f = 0; f < folds_.size(); ++f) {
-      if (A[f].empty()) continue;
-      rows += static_cast<double>(folds_[f].q.rows());
-      for (int i = 0; i < variant.joints(); ++i)
-        sum[i] += (folds_[f].tau.col(i) - A[f][static_cast<size_t>(i)] * x).squaredNorm();
+    return out;
+  }
+
+  // Mean squared residual of every joint of the least-squares fit of these rows.
+  VectorXd mean_squares(const Sums& sums) const {
+    MatrixXd G = MatrixXd::Zero(sums.G.front().rows(), sums.G.front().cols());
+    VectorXd g = VectorXd::Zero(G.rows());
+    for (size_t i = 0; i < sums.G.size(); ++i) {
+      G += weights_[static_cast<Eigen::Index>(i)] * sums.G[i];
+      g += weights_[static_cast<Eigen::Index>(i)] * sums.g[i];
     }
-    return sum / std::max(1.0, rows);
+    const VectorXd x = solve_scaled(G, g);
+    VectorXd out = sums.b2;
+    for (Eigen::Index i = 0; i < out.size(); ++i) {
+      const auto at = static_cast<size_t>(i);
+      out[i] = std::max(out[i] + x.dot(sums.G[at] * x) - 2.0 * x.dot(sums.g[at]), 0.0);
+    }
+    return out / std::max(1.0, sums.rows);
+  }
+
+  VectorXd mean_squares(const Model& variant, const std::vector<int>& columns) const {
+    return mean_squares(total(sums_of_parts(variant, columns, 1)));
+  }
+
+  static Sums total(const std::vector<Sums>& parts) {
+    Sums out = parts.front();
+    for (size_t k = 1; k < parts.size(); ++k) add(1.0, parts[k], out);
+    return out;
   }
 
   const Model& arm_;
@@ -156,22 +234,17 @@ class Profiler {
   double start_ = 0.0;
 };
 
-struct SearchRange {
-  double step;
-  double reach;
-};
-
 SearchRange search_range(const GeometryConstant& c) {
   if (c.kind == GeometryConstant::Kind::kCoefficient)
-    return {kRatioStep * std::abs(c.value), kRatioRange * std::abs(c.value)};
-  return c.angle ? SearchRange{kAngleStep, kAngleRange} : SearchRange{kLengthStep, kLengthRange};
+    return {kRatios.step * std::abs(c.value), kRatios.reach * std::abs(c.value)};
+  return c.angle ? kAngles : kLengths;
 }
 
 // Golden section on [low, high]; f is smooth with one minimum there.
 template <typename F>
 double minimum(double low, double high, const F& f) {
-  double a = low + kGolden * (high - low);
-  double b = high - kGolden * (high - low);
+  double a = low + numerics::kGolden * (high - low);
+  double b = high - numerics::kGolden * (high - low);
   double fa = f(a);
   double fb = f(b);
   for (int i = 0; i < kRefinements; ++i) {
@@ -179,66 +252,95 @@ double minimum(double low, double high, const F& f) {
       high = b;
       b = a;
       fb = fa;
-      a = low + kGolden * (high - low);
+      a = low + numerics::kGolden * (high - low);
       fa = f(a);
     } else {
       low = a;
       a = b;
       fa = fb;
-      b = high - kGolden * (high - low);
+      b = high - numerics::kGolden * (high - low);
       fb = f(b);
     }
   }
   return fa < fb ? a : b;
 }
 
+// Scatter of an optimum: the least point of a parabola through three values of the constant, with
+// one part of the recordings left out each; the larger of that and of whole recordings.
+void measure_scatter(const Model& arm, const Profiler& profiler, const std::vector<int>& columns,
+                     double step, GeometryFinding& out) {
+  const std::array<Model, 3> variants = {with_constant(arm, out.constant, out.found - step),
+                                         with_constant(arm, out.constant, out.found),
+                                         with_constant(arm, out.constant, out.found + step)};
+  const MatrixXd y = profiler.without_parts(variants, columns);
+  MatrixXd least(1, y.rows());
+  for (Eigen::Index k = 0; k < y.rows(); ++k) {
+    const double bend = y(k, 0) - 2.0 * y(k, 1) + y(k, 2);
+    const double shift = bend > 0.0 ? 0.5 * (y(k, 0) - y(k, 2)) / bend : 0.0;
+    least(0, k) = out.found + step * std::clamp(shift, -1.0, 1.0);
+  }
+  out.deviation = jackknife_deviations(least)[0];
+  out.degrees_of_freedom = static_cast<double>(y.rows() - 1);
+  const int recordings = profiler.recordings();
+  if (recordings < 3) return;
+  // Parts of one recording share what is systematic to it. Leaving a whole one out moves the
+  // optimum by the sum of its parts' shares, to first order.
+  const Eigen::Index parts = y.rows() / recordings;
+  MatrixXd whole(1, recordings);
+  for (int r = 0; r < recordings; ++r) {
+    whole(0, r) = out.found;
+    for (Eigen::Index k = 0; k < parts; ++k)
+      whole(0, r) += least(0, r * parts + k) - out.found;
+  }
+  const double of_recordings = jackknife_deviations(whole)[0];
+  const double wider = student_t_quantile(numerics::kOutside, recordings - 1.0) /
+                       student_t_quantile(numerics::kOutside, out.degrees_of_freedom);
+  out.deviation = std::max(out.deviation, wider * of_recordings);
+}
+
 // The profile of one constant; gain 0 if there is nothing in it.
 GeometryFinding profile(const Model& arm, const GeometryConstant& constant,
-                        const Profiler& profiler, int base, int folds) {
+                        const Profiler& profiler, int base, const Thresholds& limits) {
   GeometryFinding out;
   out.constant = constant;
   out.base_before = base;
   const SearchRange range = search_range(constant);
   const double v0 = constant.value;
-  const auto columns = Profiler::independent(with_constant(arm, constant, v0 + 0.7 * range.step));
-  const auto at = [&](double v, int without) {
-    return profiler.criterion(with_constant(arm, constant, v), columns, without);
+  const auto columns =
+      Profiler::independent(with_constant(arm, constant, v0 + numerics::kOffCentre * range.step));
+  const auto at = [&](double v) {
+    return profiler.criterion(with_constant(arm, constant, v), columns);
   };
-  const double centre = at(v0, -1);
-  const double up = at(v0 + range.step, -1);
-  const double down = at(v0 - range.step, -1);
-  if (std::min(up, down) > centre - kWorthRefining || (up < centre && down < centre)) return out;
+  const double centre = at(v0);
+  const double up = at(v0 + range.step);
+  const double down = at(v0 - range.step);
+  if (std::min(up, down) > centre - limits.constant_worth || (up < centre && down < centre))
+    return out;
   const double sign = up < down ? 1.0 : -1.0;
   double inner = 0.0;
   double middle = range.step;
   double best = std::min(up, down);
   double outer = 2.0 * range.step;
-  for (double next = at(v0 + sign * outer, -1); next < best && outer < range.reach;
-       next = at(v0 + sign * outer, -1)) {
+  for (double next = at(v0 + sign * outer); next < best && outer < range.reach;
+       next = at(v0 + sign * outer)) {
     inner = middle;
     middle = outer;
     best = next;
-    outer *= 1.6;
+    outer *= numerics::kBracketGrowth;
   }
   if (outer >= range.reach) return out;  // still falling at the end of the range: no optimum inside
-  const auto search = [&](int without) {
-    return v0 + sign * minimum(inner, outer, [&](double u) { return at(v0 + sign * u, without); });
-  };
-  out.found = search(-1);
+  out.found =
+      v0 + sign * minimum(inner, outer, [&](double u) { return at(v0 + sign * u); });
   out.base_after =
       static_cast<int>(Profiler::independent(with_constant(arm, constant, out.found)).size());
-  const double found = at(out.found, -1);
+  const double found = at(out.found);
   // More base parameters than the arm as it stands are mere flexibility if the other side of the
   // file's value does nearly as well.
   if (static_cast<int>(columns.size()) > base &&
-      at(2.0 * v0 - out.found, -1) - found < kSharp * (profiler.start() - found))
+      at(2.0 * v0 - out.found) - found < limits.constant_sharpness * (profiler.start() - found))
     return out;
   out.gain = profiler.start() - found;
-  if (folds < 3) return out;
-  VectorXd values(folds);
-  for (int f = 0; f < folds; ++f) values[f] = search(f);
-  out.deviation =
-      std::sqrt((values.array() - values.mean()).square().sum() * (folds - 1.0) / folds);
+  measure_scatter(arm, profiler, columns, 0.5 * range.step, out);
   return out;
 }
 
@@ -306,17 +408,18 @@ Model with_constant(const Model& arm, const GeometryConstant& constant, double v
 
 std::vector<GeometryFinding> profile_geometry(const Model& arm,
                                               const std::vector<std::string>& train,
-                                              const IdentificationOptions& options) {
+                                              const IdentificationOptions& options,
+                                              const Thresholds& limits) {
   const Profiler profiler(arm, train, options);
   const std::vector<GeometryConstant> constants = geometry_constants(arm);
   const auto base = static_cast<int>(Profiler::independent(arm).size());
   std::vector<GeometryFinding> all(constants.size());
   parallel_for(static_cast<int>(constants.size()), options.threads, [&](int k) {
-    all[static_cast<size_t>(k)] = profile(arm, constants[static_cast<size_t>(k)], profiler, base,
-                                          static_cast<int>(train.size()));
+    all[static_cast<size_t>(k)] =
+        profile(arm, constants[static_cast<size_t>(k)], profiler, base, limits);
   });
   all.erase(std::remove_if(all.begin(), all.end(),
-                           [](const GeometryFinding& f) { return f.gain < kWorthRefining; }),
+                           [&limits](const GeometryFinding& f) { return f.gain < limits.constant_worth; }),
             all.end());
   std::sort(all.begin(), all.end(),
             [](const GeometryFinding& a, const GeometryFinding& b) { return a.gain > b.gain; });
@@ -325,7 +428,7 @@ std::vector<GeometryFinding> profile_geometry(const Model& arm,
   // An angle between two branches may be wrong in either. The longest chain ends in the tool, where
   // everyone would see it; the other branch goes first.
   const std::vector<char> main_chain = longest_chain(arm);
-  const double tie = kTie * all.front().gain;
+  const double tie = limits.constant_tie * all.front().gain;
   std::stable_sort(all.begin(), all.end(), [&](const GeometryFinding& a, const GeometryFinding& b) {
     const bool tied = a.gain > tie && b.gain > tie;
     if (!tied) return a.gain > b.gain;

@@ -22,7 +22,9 @@ struct GeometryConstant {
 struct GeometryFinding {
   GeometryConstant constant;
   double found = 0.0;                   ///< the value with the smallest error
-  double deviation = 0.0;               ///< standard deviation, jackknife over folds
+  double deviation = 0.0;               ///< standard deviation, jackknife over parts of the
+                                        ///< recordings and over whole ones
+  double degrees_of_freedom = 1.0;      ///< of the deviation
   double gain = 0.0;                    ///< fall of the sum over joints of ln(mean square)
   int base_before = 0, base_after = 0;  ///< numbers of base parameters
 };
@@ -40,6 +42,7 @@ Model with_constant(const Model& arm, const GeometryConstant& constant, double v
 /// not geometry). Best first; at most five.
 std::vector<GeometryFinding> profile_geometry(const Model& arm,
                                               const std::vector<std::string>& train,
-                                              const IdentificationOptions& options);
+                                              const IdentificationOptions& options,
+                                              const Thresholds& limits);
 
 }  // namespace veridyn

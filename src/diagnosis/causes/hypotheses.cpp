@@ -3,37 +3,23 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <set>
 #include <utility>
 
-#include "veridyn/effects/effect.hpp"
-#include "veridyn/identification/arm_effects.hpp"
+#include "diagnosis/numerics.hpp"
+#include "veridyn/effects/cause.hpp"
+#include "veridyn/effects/channel_effect.hpp"
 
 namespace veridyn {
 namespace {
 
-// Lengths and speeds to try, as shares of a joint's travel and of its largest speed.
-constexpr std::array<double, 7> kLengthShares = {3e-4, 1e-3, 3e-3, 1e-2, 3e-2, 0.1, 0.25};
-constexpr std::array<double, 3> kGapShares = {1e-3, 5e-3, 2e-2};
-constexpr std::array<double, 3> kSpeedShares = {0.02, 0.06, 0.2};
-constexpr std::array<double, 2> kExponents = {0.4, 0.7};
-
-constexpr double kRippleOrders = 600.0;   // waves per travel that a spectrum looks at
-constexpr double kStillRevolute = 5e-3;   // [rad] of travel
-constexpr double kStillPrismatic = 5e-4;  // [m]
-
-struct Motion {
-  double travel = 0.0;
-  double middle = 0.0;
-  double speed = 0.0;
-  double duration = 0.0;
-};
 
 // Over all recordings together: their ranges may differ.
-Motion motion_along(const Axis& axis, const std::vector<CompressedRecording>& facts) {
-  Motion m;
+AxisMotion motion_along(const Model& arm, const Axis& axis,
+                        const std::vector<CompressedRecording>& facts) {
+  AxisMotion m;
+  m.type = is_prismatic(arm, axis) ? JointType::kPrismatic : JointType::kRevolute;
   m.middle = axis.offset;
   for (const CompressedRecording& r : facts) m.duration = std::max(m.duration, r.facts.duration);
   for (Eigen::Index i = 0; i < axis.coefficients.size(); ++i) {
@@ -51,34 +37,6 @@ Motion motion_along(const Axis& axis, const std::vector<CompressedRecording>& fa
     m.speed += std::abs(c) * all.largest_speed;
   }
   return m;
-}
-
-int stage_of(const std::string& effect) {
-  if (is_arm_effect(effect) || effect == "torque_drift" || effect == "torque_offset" ||
-      effect == "payload")
-    return 0;
-  if (effect == "rotor_inertia" || effect == "joint_spring" || effect == "transmission_compliance")
-    return 1;
-  return 2;
-}
-
-// Effects whose torque is a function of positions; a single motion ties all positions together.
-bool depends_on_place(const std::string& effect) {
-  static const std::set<std::string> kNames = {
-      "joint_spring", "position_force", "position_dependent_friction",  "torque_ripple",
-      "gravity_tilt", "cable_coupling", "position_dependent_viscosity", "encoder_offset",
-      "torque_drift", "warm_up"};
-  return kNames.count(effect) != 0;
-}
-
-// Columns of these are derivatives: a value beyond is outside of what they describe, and no fault
-// of this kind is so large without being noticed.
-double largest_value(const std::string& effect, bool slides) {
-  if (effect == "torque_gain") return 0.6;
-  if (effect == "time_delay") return 0.02;                     // [s]
-  if (effect == "encoder_offset") return slides ? 0.03 : 0.2;  // [m], [rad]
-  if (effect == "gravity_tilt") return 0.3;                    // [rad]
-  return 1e300;
 }
 
 // Index of the arm's own term, or -1.
@@ -116,18 +74,21 @@ class Builder {
     int moving = 0;
     for (int i = 0; i < arm_.joints(); ++i) moving += static_cast<int>(moves(i));
     const bool whole_arm = 2 * moving >= arm_.joints();
-    if (whole_arm && wanted("gravity_tilt"))
-      add("gravity_tilt", {VectorXd::Zero(arm_.joints()), 0.0}, {});
+    for (const ChannelEffect* channel : channel_effects()) {
+      const bool of_arm = channel->whole_arm() || channel->can_be_common();
+      if (whole_arm && of_arm && wanted(channel->name()))
+        add(*channel, {VectorXd::Zero(arm_.joints()), 0.0}, {});
+    }
     for (const Axis& axis : axes()) {
-      const Motion m = motion_along(axis, facts_);
+      const AxisMotion m = motion_along(arm_, axis, facts_);
       if (!moves(main_coordinate(axis))) continue;
-      for (const Effect* effect : all_effects()) ask(*effect, axis, m);
+      for (const AxisEffect* effect : axis_effects()) ask(*effect, axis, m);
       const bool plain = (axis.coefficients.array() != 0.0).count() == 1;
-      for (const char* effect : {"torque_gain", "time_delay", "encoder_offset"}) {
-        if (plain && wanted(effect)) add(effect, axis, {});
+      for (const ChannelEffect* channel : channel_effects()) {
+        if (plain && !channel->whole_arm() && wanted(channel->name())) add(*channel, axis, {});
       }
     }
-    if (whole_arm && list_.changes && wanted("payload")) {
+    if (whole_arm && list_.changes && wanted(AddedLoad::kName)) {
       for (const int frame : payload_frames(arm_)) add_payload(frame);
     }
   }
@@ -150,18 +111,19 @@ class Builder {
     for (int i = 0; i < arm_.joints(); ++i) out.push_back({VectorXd::Unit(arm_.joints(), i), 0.0});
     for (const EffectTerm& term : arm_.effects()) {
       const bool known = std::any_of(out.begin(), out.end(), [&term](const Axis& a) {
-        return (a.coefficients - term.axis.coefficients).norm() < 1e-9 ||
+        return (a.coefficients - term.axis.coefficients).norm() < numerics::kSameAxis ||
                std::abs(a.coefficients.normalized().dot(term.axis.coefficients.normalized())) >
-                   1.0 - 1e-9;
+                   1.0 - numerics::kSameAxis;
       });
-      if (!known && term.effect == "coulomb_friction") out.push_back(term.axis);
+      if (!known && find_effect(term.effect).traits().role == EffectRole::kFriction)
+        out.push_back(term.axis);
     }
     // Joint variables that are mixtures of coordinates.
     for (const Frame& frame : arm_.frames()) {
       const VectorXd& c = frame.variable.coefficients;
       if (frame.type == JointType::kFixed || c.isZero(0.0)) continue;
       const bool known = std::any_of(out.begin(), out.end(), [&c](const Axis& a) {
-        return std::abs(a.coefficients.normalized().dot(c.normalized())) > 1.0 - 1e-9;
+        return std::abs(a.coefficients.normalized().dot(c.normalized())) > 1.0 - numerics::kSameAxis;
       });
       if (!known && (c.array() != 0.0).count() > 1) out.push_back({c, 0.0});
     }
@@ -177,8 +139,9 @@ class Builder {
   }
 
   bool moves(int joint) const {
+    const Thresholds& limits = list_.limits;
     const double still =
-        arm_.coordinates()[static_cast<size_t>(joint)].prismatic ? kStillPrismatic : kStillRevolute;
+        arm_.coordinates()[static_cast<size_t>(joint)].prismatic ? limits.still_prismatic : limits.still_revolute;
     return std::any_of(facts_.begin(), facts_.end(), [&](const CompressedRecording& r) {
       return r.joints[static_cast<size_t>(joint)].travel() > still;
     });
@@ -189,69 +152,58 @@ class Builder {
     return some.empty() || std::find(some.begin(), some.end(), name) != some.end();
   }
 
-  void ask(const Effect& effect, const Axis& axis, const Motion& m) {
-    const std::string name = effect.name();
-    if (!wanted(name)) return;
+  void ask(const AxisEffect& effect, const Axis& axis, AxisMotion m) {
+    if (!wanted(effect.name())) return;
+    const EffectTraits traits = effect.traits();
     const bool plain = (axis.coefficients.array() != 0.0).count() == 1;
-    if (!plain && name != "presliding_hysteresis" && name != "position_force" &&
-        name != "coulomb_friction" && name != "viscous_friction")
-      return;
-    const bool has_shapes = !effect.shapes().empty();
-    const int own = own_term(arm_, name, axis);
-    if (own >= 0 && list_.changes && !effect.needs_source()) {
-      add(name, axis, arm_.effects()[static_cast<size_t>(own)].values, -1, own);
-      if (!has_shapes) return;
+    if (!plain && !traits.mixed_axes) return;
+    const int own = own_term(arm_, effect.name(), axis);
+    if (own >= 0 && list_.changes && !traits.uses_source) {
+      add(effect, axis, arm_.effects()[static_cast<size_t>(own)].values, -1, own);
+      if (effect.shapes().empty()) return;
     }
-    if (own >= 0 && !list_.changes && !effect.has_memory()) return;
-    const auto add = [&](const char* key, double value) { this->add(name, axis, {{key, value}}); };
-    if (name == "torque_ripple") {
-      const auto joint = static_cast<size_t>(main_coordinate(axis));
-      if (joint >= list_.ripple_orders.size()) return;
-      for (const double order : list_.ripple_orders[joint]) add("order", order);
-    } else if (name == "presliding_hysteresis") {
-      for (const double share : kLengthShares) add("distance", share * m.travel);
-    } else if (name == "backlash") {
-      for (const double share : kGapShares) add("gap", share * m.travel);
-    } else if (name == "stribeck_friction") {
-      for (const double share : kSpeedShares) add("velocity", share * m.speed);
-    } else if (name == "sublinear_viscous") {
-      for (const double exponent : kExponents) add("exponent", exponent);
-    } else if (name == "warm_up") {
-      add("time_constant", std::max(5.0, 0.5 * m.duration));
-    } else if (name == "position_dependent_friction" || name == "position_dependent_viscosity") {
-      add("centre", m.middle);
-    } else if (name == "position_force") {
-      this->add(name, axis, {{"centre", m.middle}, {"half_range", 0.5 * m.travel}});
-    } else if (effect.needs_source()) {
-      for (int from = 0; from < arm_.joints(); ++from) {
-        if (axis.coefficients[from] == 0.0) this->add(name, axis, {}, from);
+    if (own >= 0 && !list_.changes && !traits.memory) return;
+    const auto joint = static_cast<size_t>(main_coordinate(axis));
+    m.waves.emplace();
+    if (joint < list_.ripple_orders.size()) m.waves = list_.ripple_orders[joint];
+    for (const ShapeChoice& choice : effect.grid(m)) {
+      if (!traits.uses_source) add(effect, axis, choice);
+      for (int from = 0; traits.uses_source && from < arm_.joints(); ++from) {
+        if (axis.coefficients[from] == 0.0) add(effect, axis, choice, from);
       }
-    } else {
-      this->add(name, axis, {});
     }
   }
 
-  void add(const std::string& effect, const Axis& axis, const std::map<std::string, double>& shape,
-           int from = -1, int changes = -1) {
+  void add(const Effect& effect, const Axis& axis, const ShapeChoice& shape, int from = -1,
+           int changes = -1) {
     EffectTerm term;
-    term.effect = effect;
+    term.effect = effect.name();
     term.axis = axis;
     term.values = shape;
-    const std::vector<EffectParameter> parameters =
-        is_arm_effect(effect) ? arm_effect_parameters(effect) : find_effect(effect).parameters();
+    const std::vector<EffectParameter> parameters = effect.parameters();
+    const EffectTraits traits = effect.traits();
+    const bool whole_arm = axis.coefficients.isZero(0.0);
+    const bool slides = is_prismatic(arm_, axis);
     for (const EffectParameter& p : parameters) term.values.erase(p.name);
     if (from >= 0) term.from = Axis{VectorXd::Unit(arm_.joints(), from), 0.0};
     if (!asked_.insert(key(term)).second) return;
     Hypothesis h;
-    h.effect = effect;
-    h.joint = effect == "gravity_tilt" ? -1 : main_coordinate(axis);
+    h.effect = term.effect;
+    h.joint = whole_arm ? -1 : main_coordinate(axis);
     h.changes = changes;
     h.term = static_cast<int>(description_.effects.size());
-    h.stage = stage_of(effect);
-    h.extrapolates = depends_on_place(effect);
-    if (effect == "torque_ripple") h.tried = kRippleOrders;
-    h.largest_value = largest_value(effect, is_prismatic(arm_, axis));
-    h.family = (changes >= 0 ? "changed " : "") + effect + " " + axis_text(arm_, axis) +
+    h.stage = static_cast<int>(traits.stage);
+    h.extrapolates = traits.depends_on_position || traits.depends_on_time;
+    h.repeats = traits.memory;
+    for (const EffectShape& constant : effect.shapes()) {
+      h.repeats = h.repeats || constant.scale == ShapeScale::kWaves;
+      if (constant.scale == ShapeScale::kWaves) h.tried = list_.limits.ripple_finest;
+    }
+    h.largest_value = numerics::kHuge;
+    for (const EffectParameter& p : parameters)
+      h.largest_value =
+          std::min(h.largest_value, slides ? p.largest_prismatic : p.largest_revolute);
+    h.family = (changes >= 0 ? "changed " : "") + term.effect + " " + axis_text(arm_, axis) +
                (from >= 0 ? " from " + arm_.coordinates()[from].name : "");
     for (const EffectParameter& p : parameters)
       h.signs.push_back(changes >= 0 ? ParameterSign::kAny : p.sign);
@@ -259,7 +211,7 @@ class Builder {
       if (changes < 0) break;
       const auto& own = arm_.effects()[static_cast<size_t>(changes)].values;
       const auto value = own.find(p.name);
-      h.lowest.push_back(p.sign == ParameterSign::kAny || value == own.end() ? -1e300
+      h.lowest.push_back(p.sign == ParameterSign::kAny || value == own.end() ? -numerics::kHuge
                                                                              : -value->second);
     }
     description_.effects.push_back(std::move(term));
@@ -269,19 +221,20 @@ class Builder {
   // One body more on the link, without mass as long as nobody fits it.
   void add_payload(int frame) {
     Frame load;
-    load.name = "payload@" + arm_.frames()[static_cast<size_t>(frame)].name;
+    load.name =
+        std::string(AddedLoad::kName) + "@" + arm_.frames()[static_cast<size_t>(frame)].name;
     load.parent = frame;
     load.variable.coefficients = VectorXd::Zero(arm_.joints());
     load.body = Body{};
     load.body->phi = InertialParameters::Zero();
     Hypothesis h;
-    h.effect = "payload";
+    h.effect = AddedLoad::kName;
     h.frame = frame;
     for (int i = 0; i < arm_.joints(); ++i) {
       if (arm_.moves(frame, i)) h.joint = i;
     }
     h.body = static_cast<int>(arm_.bodies().size()) + payloads_++;
-    h.stage = stage_of("payload");
+    h.stage = static_cast<int>(DiagnosisStage::kChannel);
     if (description_.box.com_reach > 0.0) h.reach = description_.box.com_reach;
     h.family = load.name;
     h.signs.assign(kBodyParameters, ParameterSign::kAny);
@@ -299,6 +252,22 @@ class Builder {
 };
 
 }  // namespace
+
+std::vector<std::string> elementary_effects() {
+  std::vector<const AxisEffect*> found;
+  for (const AxisEffect* effect : axis_effects()) {
+    if (effect->traits().elementary) found.push_back(effect);
+  }
+  const auto rank = [](const AxisEffect* effect) {
+    const EffectTraits traits = effect->traits();
+    return std::make_pair(traits.stage, traits.dry == DryFriction::kNone);
+  };
+  std::stable_sort(found.begin(), found.end(),
+                   [&rank](const AxisEffect* a, const AxisEffect* b) { return rank(a) < rank(b); });
+  std::vector<std::string> out;
+  for (const AxisEffect* effect : found) out.push_back(effect->name());
+  return out;
+}
 
 std::vector<int> payload_frames(const Model& arm) {
   std::vector<int> out;

@@ -5,6 +5,8 @@
 #include <utility>
 #include <vector>
 
+#include "diagnosis/numerics.hpp"
+#include "veridyn/diagnosis/thresholds.hpp"
 #include "veridyn/identification/compressed_recording.hpp"
 
 namespace veridyn {
@@ -23,8 +25,9 @@ struct Hypothesis {
   std::vector<ParameterSign> signs;
   std::vector<double> lowest;    ///< of a change: less would make the parameter impossible
   double tried = 1.0;            ///< how many constants were looked at before this one was proposed
+  bool repeats = true;  ///< several constants of it may act on one axis: memories, waves
   bool extrapolates = false;     ///< it depends on where the arm is: one motion may mislead
-  double largest_value = 1e300;  ///< a parameter beyond this is no answer
+  double largest_value = numerics::kHuge;  ///< a parameter beyond this is unusual
   int stage =
       0;  ///< order of the questions: 0 channels, 1 inertia and elasticity, 2 friction and forces
   std::string family;  ///< hypotheses that differ in shape constants only share it
@@ -44,6 +47,7 @@ struct QuestionList {
   /// have changed, and a payload may sit on every link.
   bool changes = false;
   std::vector<std::vector<double>> ripple_orders;  ///< per joint: waves to ask about
+  Thresholds limits = {};
   /// Asked beside the grid, first: terms whose constants are refined already. With their
   /// hypotheses.
   std::vector<std::pair<Hypothesis, EffectTerm>> known;
@@ -53,6 +57,10 @@ struct QuestionList {
 /// @param facts  of the training recordings: ranges of motion, for grids of lengths and speeds.
 AugmentedModel augmented_model(const Model& arm, const std::vector<CompressedRecording>& facts,
                                const QuestionList& list);
+
+/// What every joint has and what differs from one day to another, in the order of questions: a
+/// zero, a level, a damping. A load must be told from them.
+std::vector<std::string> elementary_effects();
 
 /// Frames on which a payload would make a difference: the last frame of every link that moves.
 std::vector<int> payload_frames(const Model& arm);

@@ -1,25 +1,18 @@
 #include "diagnosis/causes/payload_fit.hpp"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <cmath>
 
+#include "diagnosis/evidence/clustered_fit.hpp"
+#include "diagnosis/numerics.hpp"
 #include "veridyn/math/student_t.hpp"
 
 namespace veridyn {
 namespace {
 
-constexpr double kRidge = 1e-10;
-constexpr double kUnseen = 1e-7;    // of the best seen direction's square
-constexpr double kSameSpan = 1e-5;  // of a column's square that may lie outside the other's span
-constexpr double kLightest = 1e-4;  // [kg] where the torques see the moment only, any mass would do
-constexpr double kHeaviest = 200.0;
-constexpr double kAnywhere = 1e6;  // [m]
 constexpr int kSteps = 60;
-constexpr double kAsGood = 2e-3;  // of what the best solution explains
-constexpr std::array<double, 5> kFirstMasses = {0.03, 0.15, 0.6, 2.5, 10.0};  // [kg]
 
 // || phi ||: phi' A phi - 2 b' phi + c over the ten parameters of the load, nuisances fitted.
 struct Quadratic {
@@ -71,39 +64,39 @@ Solution descend(const Quadratic& f, double mass, Eigen::Vector3d h, double reac
   h = within(h, mass);
   Solution best{point_mass(mass, h), 0.0};
   best.cost = f.cost(best.phi);
-  double damping = 1e-3;
+  double damping = numerics::kFirstDamping;
   for (int step = 0; step < kSteps; ++step) {
     const Eigen::Matrix<double, 10, 4> J = slopes(mass, h);
     const Eigen::Vector4d g = J.transpose() * (f.b - f.A * best.phi);
     Eigen::Matrix4d H = J.transpose() * f.A * J;
-    const Eigen::Vector4d scale = H.diagonal().cwiseMax(1e-12 * H.diagonal().maxCoeff() + 1e-300);
+    const Eigen::Vector4d scale = H.diagonal().cwiseMax(numerics::kNoise * H.diagonal().maxCoeff() + numerics::kTiny);
     H.diagonal() += damping * scale;
-    const Eigen::Vector4d d = H.ldlt().solve(g);
+    const Eigen::Vector4d d = RidgedSolver(H).solve(g);
     const double next_mass =
-        std::clamp(mass * std::exp(std::clamp(d[0], -1.0, 1.0)), kLightest, kHeaviest);
+        std::clamp(mass * std::exp(std::clamp(d[0], -1.0, 1.0)), numerics::kLightest, numerics::kHeaviest);
     const Eigen::Vector3d next_h = within(h + d.tail<3>(), next_mass);
     const InertialParameters phi = point_mass(next_mass, next_h);
     const double cost = f.cost(phi);
     if (!(cost < best.cost)) {
-      damping *= 8.0;
-      if (damping > 1e8) break;
+      damping *= numerics::kMoreDamping;
+      if (damping > numerics::kMostDamping) break;
       continue;
     }
-    const bool small = best.cost - cost < 1e-13 * std::abs(cost);
+    const bool small = best.cost - cost < numerics::kConverged * std::abs(cost);
     mass = next_mass;
     h = next_h;
     best = {phi, cost};
-    damping = std::max(damping * 0.2, 1e-12);
+    damping = std::max(damping * numerics::kLessDamping, numerics::kNoise);
     if (small) break;
   }
   return best;
 }
 
 std::vector<Solution> all_solutions(const Quadratic& f, const Eigen::Vector3d& h,
-                                    double reach = kAnywhere) {
+                                    double reach = numerics::kAnywhere) {
   std::vector<Solution> out;
-  for (const double mass : kFirstMasses) {
-    for (const double share : {1.0, 0.3, -0.3}) out.push_back(descend(f, mass, share * h, reach));
+  for (const double mass : numerics::kFirstMasses) {
+    for (const double share : {1.0, numerics::kFirstPlaces, -numerics::kFirstPlaces}) out.push_back(descend(f, mass, share * h, reach));
   }
   return out;
 }
@@ -112,17 +105,17 @@ std::vector<Solution> all_solutions(const Quadratic& f, const Eigen::Vector3d& h
 // (no negative moment of inertia).
 Eigen::Matrix<double, 6, 1> extent(const Quadratic& f, const Solution& s) {
   MatrixXd A = f.A.bottomRightCorner(6, 6);
-  A.diagonal() *= 1.0 + 1e-6;
-  A.diagonal().array() += 1e-300;
-  return A.ldlt().solve((f.b - f.A * s.phi).tail(6));
+  A.diagonal() *= 1.0 + numerics::kLoadPrior;
+  A.diagonal().array() += numerics::kTiny;
+  return RidgedSolver(A).solve((f.b - f.A * s.phi).tail(6));
 }
 
-Solution fit_point(const Quadratic& f, const Solution* near, double reach = kAnywhere) {
+Solution fit_point(const Quadratic& f, const Solution* near, double reach = numerics::kAnywhere) {
   if (near != nullptr) return descend(f, near->mass(), near->moment(), reach);
   MatrixXd first = f.A.block(1, 1, 3, 3);
-  first.diagonal() *= 1.0 + kRidge;
-  first.diagonal().array() += 1e-300;
-  const Eigen::Vector3d h = first.ldlt().solve(f.b.segment(1, 3));
+  first.diagonal() *= 1.0 + numerics::kLoadRidge;
+  first.diagonal().array() += numerics::kTiny;
+  const Eigen::Vector3d h = RidgedSolver(first).solve(f.b.segment(1, 3));
   Solution best;
   for (const Solution& s : all_solutions(f, h, reach)) {
     if (s.cost < best.cost) best = s;
@@ -136,7 +129,7 @@ template <typename Numbers, typename ToNumbers>
 Numbers valley(const Quadratic& f, const Solution& best, const ToNumbers& numbers) {
   Numbers widest = Numbers::Zero();
   for (const Solution& s : all_solutions(f, best.moment())) {
-    if (s.cost > best.cost + kAsGood * std::abs(best.cost)) continue;
+    if (s.cost > best.cost + numerics::kAsGoodLoad * std::abs(best.cost)) continue;
     widest =
         widest.cwiseMax((numbers(s, extent(f, s)) - numbers(best, extent(f, best))).cwiseAbs());
   }
@@ -172,7 +165,7 @@ class LoadProblem {
     out.b = s.asDiagonal() * out.b;
     // Where the torques see nothing of a direction, the load lies at its zero.
     const double most = out.A.diagonal().segment(1, 3).maxCoeff();
-    out.A.diagonal().segment(1, 3).array() += kUnseen * most;
+    out.A.diagonal().segment(1, 3).array() += numerics::kUnseenLoad * most;
     return out;
   }
 
@@ -205,8 +198,8 @@ class LoadProblem {
   static Eigen::LDLT<MatrixXd> nuisance_solver(const Quadratic& sums) {
     const Eigen::Index n = sums.b.size() - kBodyParameters;
     MatrixXd N = sums.A.bottomRightCorner(n, n);
-    N.diagonal() *= 1.0 + kRidge;
-    N.diagonal().array() += 1e-300;
+    N.diagonal() *= 1.0 + numerics::kLoadRidge;
+    N.diagonal().array() += numerics::kTiny;
     return Eigen::LDLT<MatrixXd>(N);
   }
 
@@ -253,7 +246,7 @@ Eigen::Matrix<double, 6, 1> possible(const Eigen::Matrix<double, 6, 1>& L) {
 
 std::vector<ColumnSet> nuisance_sets(const Inquiry& q, const NormalBlocks& data, int frame) {
   std::vector<ColumnSet> out(1);
-  for (const char* effect : {"torque_offset", "coulomb_friction", "viscous_friction"}) {
+  for (const std::string& effect : elementary_effects()) {
     ColumnSet next = out.back();
     for (const Hypothesis& h : q.augmented.hypotheses) {
       if (h.effect != effect || h.joint < 0 || h.term < 0) continue;
@@ -290,7 +283,7 @@ PayloadEstimate fit_payload(const Inquiry& q, const NormalBlocks& data, const Hy
   using Numbers = Eigen::Matrix<double, 13, 1>;
   const auto numbers = [](const Solution& s, const Eigen::Matrix<double, 6, 1>& L) {
     Numbers v;
-    v << s.mass(), s.moment(), s.moment() / std::max(s.mass(), 1e-9), L;
+    v << s.mass(), s.moment(), s.moment() / std::max(s.mass(), numerics::kSameAxis), L;
     return v;
   };
   const Numbers centre = numbers(main, beyond);
@@ -311,7 +304,7 @@ PayloadEstimate fit_payload(const Inquiry& q, const NormalBlocks& data, const Hy
     const Solution s = fit_point(f, &main);
     drift = drift.cwiseMax((numbers(s, extent(f, s)) - centre).cwiseAbs());
   }
-  const double t = student_t_quantile(0.05, std::max(1, clusters - 1));
+  const double t = student_t_quantile(numerics::kOutside, std::max(1, clusters - 1));
   const Numbers half = (t * t * variance + drift.cwiseAbs2()).cwiseSqrt();
   out.mass_low = std::max(0.0, out.mass - half[0]);
   out.mass_high = out.mass + half[0];
@@ -321,7 +314,7 @@ PayloadEstimate fit_payload(const Inquiry& q, const NormalBlocks& data, const Hy
   const VectorXd drift_only = problem.residual2(InertialParameters::Zero());
   const double weighted = w.dot(drift_only);
   out.explained = weighted > 0.0 ? -main.cost / weighted : 0.0;
-  const VectorXd as_it_stands = data.total().b2.cwiseMax(1e-300);
+  const VectorXd as_it_stands = data.total().b2.cwiseMax(numerics::kTiny);
   out.error_with_drift = (drift_only.array() / as_it_stands.array()).sqrt();
   out.error_with_load = (problem.residual2(main.phi).array() / as_it_stands.array()).sqrt();
   return out;
@@ -331,9 +324,9 @@ double compact_share(const NormalBlocks& data, const Hypothesis& payload, const 
                      const VectorXd& weights) {
   const Quadratic f = LoadProblem(data, payload, beside, weights).without(-1);
   MatrixXd A = f.A;
-  A.diagonal() *= 1.0 + kRidge;
-  A.diagonal().array() += 1e-300;
-  const double free = f.b.dot(A.ldlt().solve(f.b));
+  A.diagonal() *= 1.0 + numerics::kLoadRidge;
+  A.diagonal().array() += numerics::kTiny;
+  const double free = f.b.dot(RidgedSolver(A).solve(f.b));
   return free > 0.0 ? std::clamp(-fit_point(f, nullptr, payload.reach).cost / free, 0.0, 1.0) : 0.0;
 }
 
@@ -354,9 +347,9 @@ bool same_torques(const NormalBlocks& data, const Hypothesis& a, const Hypothesi
       }
     }
   }
-  AA.diagonal() *= 1.0 + 1e-10;
-  const VectorXd spanned = (AB.transpose() * AA.ldlt().solve(AB)).diagonal();
-  return ((BB - spanned).array() <= kSameSpan * BB.array()).all();
+  AA.diagonal() *= 1.0 + numerics::kLoadRidge;
+  const VectorXd spanned = (AB.transpose() * RidgedSolver(AA).solve_columns(AB)).diagonal();
+  return ((BB - spanned).array() <= numerics::kSameSpan * BB.array()).all();
 }
 
 }  // namespace veridyn

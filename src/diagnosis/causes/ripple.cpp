@@ -4,21 +4,20 @@
 #include <cmath>
 #include <complex>
 
+#include "diagnosis/evidence/clustered_fit.hpp"
+
 namespace veridyn {
 namespace {
 
-constexpr double kWavesPerTravel = 3.0;  // fewer look like any smooth function of position
-constexpr double kFinestWaves = 600.0;   // per travel
-constexpr double kStep = 0.5;            // of the grid, in waves per travel
-constexpr double kProminence = 4.0;      // of a peak's amplitude over the median of the spectrum
+constexpr double kStep = 0.5;  // of the grid, in waves per travel
 constexpr Eigen::Index kSamples = 4000;  // of all recordings together
+constexpr size_t kFewestSamples = 100;
 
 struct Cloud {
   std::vector<double> s, r;
 };
 
-// Position and residual of one joint, samples at which it moves; what a smooth function of position
-// and the direction of motion explain is taken away by bins.
+// Position and residual of one joint, of all training recordings, evenly thinned.
 Cloud cloud_of(const Identification& id, size_t joint) {
   Cloud out;
   size_t total = 0;
@@ -42,22 +41,19 @@ double amplitude(const Cloud& c, double order) {
   return 2.0 * std::abs(sum) / n;
 }
 
-std::vector<double> peaks(const Cloud& c, int most) {
-  if (c.s.size() < 100) return {};
+std::vector<double> peaks(const Cloud& c, int most, const Thresholds& limits) {
+  if (c.s.size() < kFewestSamples) return {};
   const auto [low, high] = std::minmax_element(c.s.begin(), c.s.end());
   const double travel = *high - *low;
   if (travel <= 0.0) return {};
   const double unit = 2.0 * M_PI / travel;  // one wave per travel
   std::vector<double> orders;
   std::vector<double> sizes;
-  for (double waves = kWavesPerTravel; waves < kFinestWaves; waves += kStep) {
+  for (double waves = limits.ripple_waves; waves < limits.ripple_finest; waves += kStep) {
     orders.push_back(waves * unit);
     sizes.push_back(amplitude(c, orders.back()));
   }
-  std::vector<double> sorted = sizes;
-  std::nth_element(sorted.begin(), sorted.begin() + static_cast<long>(sorted.size() / 2),
-                   sorted.end());
-  const double floor = kProminence * sorted[sorted.size() / 2];
+  const double floor = limits.ripple_prominence * median(sizes);
   std::vector<std::pair<double, double>> found;
   for (size_t k = 1; k + 1 < sizes.size(); ++k) {
     if (sizes[k] < floor || sizes[k] < sizes[k - 1] || sizes[k] < sizes[k + 1]) continue;
@@ -76,11 +72,12 @@ std::vector<double> peaks(const Cloud& c, int most) {
 
 }  // namespace
 
-std::vector<std::vector<double>> ripple_orders(const Identification& id, int most) {
+std::vector<std::vector<double>> ripple_orders(const Identification& id, const Thresholds& limits,
+                                               int most) {
   std::vector<std::vector<double>> out;
   if (!id.model) return out;
   for (int i = 0; i < id.model->joints(); ++i)
-    out.push_back(peaks(cloud_of(id, static_cast<size_t>(i)), most));
+    out.push_back(peaks(cloud_of(id, static_cast<size_t>(i)), most, limits));
   return out;
 }
 

@@ -6,23 +6,15 @@
 #include <cmath>
 #include <limits>
 
+#include "diagnosis/evidence/clustered_fit.hpp"
+#include "diagnosis/numerics.hpp"
+
 namespace veridyn {
 namespace {
 
 constexpr int kBins = 40;              // of the travel of all recordings
 constexpr int kFewest = 6;             // samples of a bin in either direction
-constexpr double kMovingShare = 0.03;  // of the largest speed: slower says nothing about friction
-constexpr double kProminence = 6.0;    // over the scatter between recordings
-constexpr double kTorqueShare = 0.2;   // of the joint's rms torque: smaller may be anything
-constexpr double kWidest = 0.4;        // of the travel; wider is friction of its own
-constexpr double kMargin = 0.5;        // bins on either side
-
-double median(std::vector<double> v) {
-  if (v.empty()) return 0.0;
-  const auto middle = v.begin() + static_cast<long>(v.size() / 2);
-  std::nth_element(v.begin(), middle, v.end());
-  return *middle;
-}
+constexpr double kMargin = 0.5;  // bins on either side
 
 struct Way {
   double low = std::numeric_limits<double>::infinity();
@@ -32,7 +24,7 @@ struct Way {
   double samples = 0.0;
 
   int bin(double q) const {
-    const double share = (q - low) / std::max(high - low, 1e-12);
+    const double share = (q - low) / std::max(high - low, numerics::kNoise);
     return std::clamp(static_cast<int>(share * kBins), 0, kBins - 1);
   }
   double edge(double bin) const { return low + bin * (high - low) / kBins; }
@@ -58,7 +50,7 @@ std::vector<double> friction_by_place(const PredictionSeries& x, size_t joint, c
   std::vector<int> count[2] = {std::vector<int>(kBins), std::vector<int>(kBins)};
   for (size_t k = 0; k < x.time.size(); ++k) {
     const double v = x.dq[joint][k];
-    if (std::abs(v) < kMovingShare * way.speed) continue;
+    if (std::abs(v) < numerics::kSnagMovingShare * way.speed) continue;
     const int side = v > 0.0 ? 1 : 0;
     const auto bin = static_cast<size_t>(way.bin(x.q[joint][k]));
     sum[side][bin] += x.measured[joint][k] - x.modelled[joint][k];
@@ -86,7 +78,8 @@ std::vector<std::vector<double>> excess(std::vector<std::vector<double>> frictio
   return friction;
 }
 
-void snags_of(const std::vector<const RecordingError*>& all, size_t joint, std::vector<Snag>& out) {
+void snags_of(const std::vector<const RecordingError*>& all, size_t joint,
+              const Thresholds& limits, std::vector<Snag>& out) {
   const Way way = way_of(all, joint);
   if (!(way.high > way.low)) return;
   std::vector<std::vector<double>> friction;
@@ -98,8 +91,8 @@ void snags_of(const std::vector<const RecordingError*>& all, size_t joint, std::
       if (std::isfinite(e)) sizes.push_back(std::abs(e));
     }
   }
-  const double limit = std::max(kProminence * 1.4826 * median(sizes),
-                                kTorqueShare * std::sqrt(way.torque2 / way.samples));
+  const double limit = std::max(limits.snag_prominence * numerics::kMadToDeviation * median(sizes),
+                                limits.snag_torque_share * std::sqrt(way.torque2 / way.samples));
   for (size_t r = 0; r < all.size(); ++r) {
     for (int b = 0; b < kBins; ++b) {
       if (!(friction[r][static_cast<size_t>(b)] > limit)) continue;
@@ -112,7 +105,7 @@ void snags_of(const std::vector<const RecordingError*>& all, size_t joint, std::
       while (begin > 0 && friction[r][static_cast<size_t>(begin - 1)] > 0.5 * limit)
         sum += friction[r][static_cast<size_t>(--begin)];
       b = end;
-      if (end - begin > kWidest * kBins) continue;
+      if (end - begin > limits.snag_widest * kBins) continue;
       out.push_back({all[r]->source, static_cast<int>(joint), way.edge(begin - kMargin),
                      way.edge(end + kMargin), sum / (end - begin)});
     }
@@ -133,22 +126,20 @@ std::vector<const RecordingError*> all_of(const Identification& id) {
 
 }  // namespace
 
-std::vector<Snag> find_snags(const Identification& id) {
+std::vector<Snag> find_snags(const Identification& id, const Thresholds& limits) {
   std::vector<Snag> out;
   const std::vector<const RecordingError*> all = all_of(id);
   if (all.size() < 3 || !id.model) return out;
-  for (int i = 0; i < id.model->joints(); ++i) snags_of(all, static_cast<size_t>(i), out);
+  for (int i = 0; i < id.model->joints(); ++i) snags_of(all, static_cast<size_t>(i), limits, out);
   return out;
 }
 
 std::string snag_text(const Snag& snag, const Coordinate& joint) {
-  const double thousand = 1e3;
   return fmt::format(
-      "a snag: joint {} ({}) has {:.2g} {} more friction between {:.0f} and {:.0f} {} than in the "
-      "other "
-      "recordings; these rows are left out for this joint",
-      snag.joint + 1, joint.name, snag.friction, effort_unit(joint), thousand * snag.from,
-      thousand * snag.to, joint.prismatic ? "mm" : "mrad");
+      "a local sticking spot: joint {} ({}) has {:.2g} {} more friction between {:.0f} and {:.0f} {} "
+      "than in the other recordings; these rows are left out of the fit for this joint",
+      snag.joint + 1, joint.name, snag.friction, effort_unit(joint), numerics::kThousand * snag.from,
+      numerics::kThousand * snag.to, joint.prismatic ? "mm" : "mrad");
 }
 
 std::vector<LeftOut> left_out_rows(const std::vector<Snag>& snags, const Identification& id) {

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "veridyn/diagnosis/thresholds.hpp"
 #include "veridyn/identification/identification.hpp"
 
 namespace veridyn {
@@ -18,7 +19,7 @@ struct Snag {
 };
 
 /// Compares friction by place between recordings; needs three of them.
-std::vector<Snag> find_snags(const Identification& id);
+std::vector<Snag> find_snags(const Identification& id, const Thresholds& limits = {});
 
 /// For a technician.
 std::string snag_text(const Snag& snag, const Coordinate& joint);

@@ -7,15 +7,14 @@
 #include <set>
 #include <utility>
 
+#include "diagnosis/numerics.hpp"
+#include "veridyn/effects/cause.hpp"
 #include "veridyn/math/student_t.hpp"
 
 namespace veridyn {
 namespace {
 
-// A cause that gains this share of a wrong constant's gain is named as its weaker rival.
-constexpr double kWeaker = 0.3;
-// An encoder's zero that explains nearly as much is the commoner cause.
-constexpr double kSameAsZero = 0.93;
+constexpr size_t kRivals = 5;
 
 // How well the best effect would do in place of a wrong constant, and which ones come near.
 std::vector<std::pair<Hypothesis, double>> effects_instead(const Inquiry& q,
@@ -37,7 +36,8 @@ std::vector<std::pair<Hypothesis, double>> effects_instead(const Inquiry& q,
   return out;
 }
 
-// The held-out gain of correcting a constant, measured as every other gain is.
+}  // namespace
+
 double correction_gain(const Model& corrected, const Inquiry& q, const NormalBlocks& data,
                        const std::vector<std::string>& train, const IdentificationOptions& how) {
   const std::vector<CompressedRecording> factors =
@@ -52,9 +52,7 @@ double correction_gain(const Model& corrected, const Inquiry& q, const NormalBlo
   return fold_gain(data, q.base, NormalBlocks(factors, columns), base);
 }
 
-}  // namespace
-
-std::optional<Finding> wrong_constant(const Model& arm,
+std::optional<WrongConstant> wrong_constant(const Model& arm,
                                       const std::vector<GeometryFinding>& geometry,
                                       const Inquiry& q, const NormalBlocks& data,
                                       const std::vector<std::string>& train,
@@ -64,16 +62,16 @@ std::optional<Finding> wrong_constant(const Model& arm,
   const double profiled = best.gain;
   best.gain = correction_gain(with_constant(arm, best.constant, best.found), q, data, train,
                               options.identification);
-  if (best.gain < 2.0 * options.smallest_gain) return std::nullopt;
-  const auto instead = effects_instead(q, data, options);
-  if (!instead.empty() && best.gain < options.rival_share * instead.front().second)
+  const Thresholds& limits = options.thresholds;
+  if (best.gain < limits.constant_gain * limits.smallest_gain) return std::nullopt;
+  WrongConstant out;
+  out.instead = effects_instead(q, data, options);
+  const auto& instead = out.instead;
+  if (!instead.empty() && best.gain < limits.rival_share * instead.front().second)
     return std::nullopt;
-  for (const auto& [h, gain] : instead) {
-    if (h.effect == "encoder_offset" && gain > kSameAsZero * best.gain) return std::nullopt;
-  }
-  Finding f;
+  Finding& f = out.finding;
   f.rank = 1;
-  f.effect = "coupling_error";
+  f.effect = KinematicError::kName;
   const Frame& frame = arm.frames()[static_cast<size_t>(best.constant.frame)];
   f.frame = frame.name;
   int joint = 0;
@@ -85,38 +83,38 @@ std::optional<Finding> wrong_constant(const Model& arm,
   f.unit = best.constant.kind == GeometryConstant::Kind::kCoefficient ? "1"
            : best.constant.angle                                      ? "rad"
                                                                       : "m";
-  const double t = student_t_quantile(0.05, 7.0);
+  const double t = student_t_quantile(numerics::kOutside, best.degrees_of_freedom);
   f.parameters.push_back({"value", f.unit, best.found, best.found - t * best.deviation,
                           best.found + t * best.deviation});
   f.parameters.push_back({"correction", f.unit, best.found - best.constant.value,
                           best.found - best.constant.value - t * best.deviation,
                           best.found - best.constant.value + t * best.deviation});
   f.gain = best.gain;
-  f.p_value = best.deviation > 0.0
-                  ? student_t_two_sided((best.found - best.constant.value) / best.deviation, 7.0)
-                  : 0.05;
+  f.p_value = student_t_two_sided(
+      (best.found - best.constant.value) / std::max(best.deviation, numerics::kTiny),
+      best.degrees_of_freedom);
   for (size_t k = 1; k < geometry.size(); ++k) {
-    if (geometry[k].gain < options.rival_share * profiled) continue;
+    if (geometry[k].gain < limits.rival_share * profiled) continue;
     f.rivals.push_back(
-        {"coupling_error", f.joint, f.coordinate,
+        {KinematicError::kName, f.joint, f.coordinate,
          "another constant, " + geometry[k].constant.name + ", would explain as much", ""});
   }
   for (const auto& [h, gain] : instead) {
-    if (gain < kWeaker * best.gain || f.rivals.size() > 5) break;
+    if (gain < limits.weaker_rival * best.gain || f.rivals.size() > kRivals) break;
     f.rivals.push_back(
         {h.effect, h.joint + 1,
          h.joint < 0 ? "arm" : arm.coordinates()[static_cast<size_t>(h.joint)].name,
-         fmt::format("hides it: alone it gains {:.0f} % as much", 100.0 * gain / best.gain), ""});
+         fmt::format("hides it: alone it gains {:.0f} % as much", numerics::kPercent * gain / best.gain), ""});
   }
   const bool angle = f.unit == "rad";
   const auto shown = [&](double v) {
-    return angle ? fmt::format("{:.4g} deg", 180.0 / M_PI * v)
+    return angle ? fmt::format("{:.4g} deg", numerics::kDegrees * v)
                  : fmt::format("{:.5g} {}", v, f.unit);
   };
   f.sentence =
       fmt::format("The robot file has a wrong constant: {} is {} there; the recordings ask for {}.",
                   best.constant.name, shown(best.constant.value), shown(best.found));
-  return f;
+  return out;
 }
 
 }  // namespace veridyn

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 
+#include "diagnosis/numerics.hpp"
+
 namespace veridyn {
 namespace {
-
-constexpr double kRidge = 1e-11;  // of a column's square: equal columns do not divide by zero
 
 // The entries of a joint that belong to these rows and columns.
 MatrixXd gathered(const JointSquares& G, const OwnColumns& rows, const OwnColumns& columns) {
@@ -51,9 +51,7 @@ BorderedFit::BorderedFit(const ColumnSet& set, const VectorXd& weights,
   for (const JointSquares& G : sums.G) own_.emplace_back(set, G);
   x_.resize(static_cast<Eigen::Index>(set.size()));
   if (!set.empty()) {
-    MatrixXd A = weighted(set, own_, set, own_);
-    A.diagonal() += kRidge * A.diagonal().cwiseMax(1e-300);
-    solver_.compute(A);
+    solver_ = RidgedSolver(weighted(set, own_, set, own_));
     x_ = solver_.solve(weighted(set));
   }
   if (measure == nullptr) return;
@@ -98,18 +96,18 @@ BorderedFit::Border BorderedFit::with(const ColumnSet& more) const {
   std::vector<OwnColumns> own_more;
   for (const JointSquares& G : sums_.G) own_more.emplace_back(more, G);
   MatrixXd S = weighted(more, own_more, more, own_more);
-  const VectorXd squares = S.diagonal().cwiseMax(1e-300);
+  const VectorXd squares = S.diagonal().cwiseMax(numerics::kTiny);
   VectorXd rest = weighted(more);
   MatrixXd D;
   if (!set_.empty()) {
     const MatrixXd C = weighted(set_, own_, more, own_more);
-    D = solver_.solve(C);
+    D = solver_.solve_columns(C);
     S -= C.transpose() * D;
     rest -= C.transpose() * x_;
   }
   out.new_share = (S.diagonal().array() / squares.array()).maxCoeff();
-  S.diagonal() += kRidge * squares;
-  out.values = S.ldlt().solve(rest);
+  S.diagonal() += numerics::kRidge * squares;
+  out.values = RidgedSolver(S).solve(rest);
   if (measure_ == nullptr) return out;
   // z = [x - D y; y]: the change against [x; 0] in the quadratic form of every joint.
   const VectorXd d = set_.empty() ? VectorXd() : VectorXd(-D * out.values);

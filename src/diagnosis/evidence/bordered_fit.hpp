@@ -1,8 +1,8 @@
 #pragma once
 
-#include <Eigen/Cholesky>
 #include <vector>
 
+#include "diagnosis/evidence/clustered_fit.hpp"
 #include "diagnosis/evidence/normal_blocks.hpp"
 
 namespace veridyn {
@@ -36,7 +36,7 @@ class BorderedFit {
   const NormalBlocks::Sums& sums_;
   const NormalBlocks::Sums* without_;
   const NormalBlocks::Sums* measure_;
-  Eigen::LDLT<MatrixXd> solver_;
+  RidgedSolver solver_;
   VectorXd x_;
   VectorXd residual2_;
   std::vector<OwnColumns> own_;  // per joint

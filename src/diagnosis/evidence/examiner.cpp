@@ -1,27 +1,21 @@
 #include "diagnosis/evidence/examiner.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <set>
 #include <string>
 
 #include "diagnosis/causes/payload_fit.hpp"
+#include "diagnosis/evidence/clustered_fit.hpp"
+#include "diagnosis/numerics.hpp"
 #include "math/parallel.hpp"
 #include "veridyn/math/student_t.hpp"
 
 namespace veridyn {
 namespace {
 
-constexpr double kAbsorbed =
-    1e-6;  // share of a column's square that must be new for the data to answer
-// Share of what a payload's columns explain that a point mass must explain. Chosen on 40 simulated
-// arms: 0.93 and more where there was a load, often below 0.6 where there was none.
-constexpr double kCompact = 0.8;
-constexpr double kImpossible = 1.2;  // a parameter may seem to fall by this share of itself
-
 // Of the columns of a body those that the others do not span, first ones first.
-ColumnSet independent(const NormalBlocks& data, const ColumnSet& all) {
+ColumnSet independent(const NormalBlocks& data, const ColumnSet& all, double new_share) {
   const auto k = static_cast<Eigen::Index>(all.size());
   MatrixXd S = MatrixXd::Zero(k, k);
   for (const JointSquares& G : data.total().G) {
@@ -35,31 +29,12 @@ ColumnSet independent(const NormalBlocks& data, const ColumnSet& all) {
   const VectorXd diagonal = S.diagonal();
   for (Eigen::Index at = 1; at <= k; ++at) {
     const Eigen::Index c = at % k;
-    if (S(c, c) <= kAbsorbed * diagonal[c]) continue;
+    if (S(c, c) <= new_share * diagonal[c]) continue;
     out.push_back(all[static_cast<size_t>(c)]);
     const VectorXd column = S.col(c);
     S -= column * column.transpose() / column[c];
   }
   return out;
-}
-
-// Of solutions without one cluster each.
-VectorXd jackknife_deviations(const MatrixXd& solutions) {
-  const auto g = static_cast<double>(solutions.cols());
-  const VectorXd mean = solutions.rowwise().mean();
-  return ((solutions.colwise() - mean).rowwise().squaredNorm() * ((g - 1.0) / g)).cwiseSqrt();
-}
-
-// All parameters together, by Hotelling's statistic: parameters that share one cause may each be
-// uncertain while their sum is not.
-double wald(const VectorXd& x, const MatrixXd& solutions) {
-  const auto g = static_cast<double>(solutions.cols());
-  const auto k = static_cast<double>(x.size());
-  const MatrixXd centred = solutions.colwise() - solutions.rowwise().mean();
-  MatrixXd S = centred * centred.transpose() * ((g - 1.0) / g);
-  S.diagonal() *= 1.0 + 1e-9;
-  const double T2 = x.dot(S.ldlt().solve(x));
-  return fisher_f_upper_tail(T2 * (g - k) / (k * (g - 1.0)), k, g - k);
 }
 
 }  // namespace
@@ -71,7 +46,7 @@ ColumnSet columns_of(const NormalBlocks& data, const Hypothesis& hypothesis) {
       if (data.names()[static_cast<size_t>(k)] == name && data.scale()[k] > 0.0) out.push_back(k);
     }
   }
-  return hypothesis.body >= 0 ? independent(data, out) : out;
+  return hypothesis.body >= 0 ? independent(data, out, Thresholds().new_share) : out;
 }
 
 Examiner::Examiner(const NormalBlocks& data, const ColumnSet& base,
@@ -91,7 +66,7 @@ Examiner::Examiner(const NormalBlocks& data, const ColumnSet& base,
 double Examiner::limit(int h) const {
   const Hypothesis& hypothesis = hypotheses_[static_cast<size_t>(h)];
   const bool strict = several_recordings() || hypothesis.extrapolates;
-  return options_.significance / ((strict ? families_ : 1.0) * hypothesis.tried);
+  return options_.thresholds.significance / ((strict ? families_ : 1.0) * hypothesis.tried);
 }
 
 ColumnSet Examiner::set_with(const std::vector<int>& chosen) const {
@@ -113,14 +88,20 @@ std::unique_ptr<Examiner::Stand> Examiner::stand(const std::vector<int>& chosen)
   return out;
 }
 
-bool Examiner::impossible(const Hypothesis& h, const ColumnSet& own, const VectorXd& values) const {
+// A sign that nature forbids counts where it is beyond the scatter between folds: one of two
+// parameters may well be nothing.
+bool Examiner::impossible(const Hypothesis& h, const ColumnSet& own, const VectorXd& values,
+                          const VectorXd& deviations) const {
+  if (h.body >= 0) return false;
   for (size_t k = 0; k < own.size(); ++k) {
-    const double value = values[static_cast<Eigen::Index>(k)];
-    const double scale = std::max(data_.scale()[own[k]], 1e-300);
-    const bool negative = h.body < 0 && h.signs[k] == ParameterSign::kNonnegative && value < 0.0;
-    const bool absurd = std::abs(value) / scale > h.largest_value;
-    const bool too_low = k < h.lowest.size() && value / scale < kImpossible * h.lowest[k];
-    if (negative || absurd || too_low) return true;
+    const auto at = static_cast<Eigen::Index>(k);
+    const double value = values[at];
+    const double scale = std::max(data_.scale()[own[k]], numerics::kTiny);
+    const bool negative =
+        h.signs[k] == ParameterSign::kNonnegative && value < -2.0 * deviations[at];
+    const bool too_low = k < h.lowest.size() &&
+                         value / scale < options_.thresholds.impossible_fall * h.lowest[k];
+    if (negative || too_low) return true;
   }
   return false;
 }
@@ -132,24 +113,29 @@ Evidence Examiner::ask(int h, const Stand& before) const {
   e.absorbed = own.empty();
   if (e.absorbed) return e;
   const BorderedFit::Border whole = before.all->with(own);
-  e.absorbed = whole.new_share < kAbsorbed;
+  e.absorbed = whole.new_share < options_.thresholds.new_share;
   if (e.absorbed) return e;
-  e.sign_broken = impossible(hypothesis(h), own, whole.values);
   // The mean over folds and not the fall of the pooled error: one recording with a fault of its
   // own must not outvote the others.
   int better = 0;
-  for (const BorderedFit& fold : before.folds) {
-    const double d = log_fall(fold.residual2(), fold.with(own).residual2);
+  MatrixXd without(whole.values.size(), static_cast<Eigen::Index>(before.folds.size()));
+  for (size_t f = 0; f < before.folds.size(); ++f) {
+    const BorderedFit::Border held_out = before.folds[f].with(own);
+    const double d = log_fall(before.folds[f].residual2(), held_out.residual2);
+    without.col(static_cast<Eigen::Index>(f)) = held_out.values;
     e.gain += d / static_cast<double>(folds_.size());
     better += static_cast<int>(d > 0.0);
   }
+  e.sign_broken = impossible(hypothesis(h), own, whole.values, jackknife_deviations(without));
   const auto folds = static_cast<double>(folds_.size());
   e.fold_share = static_cast<double>(better) / folds;
   // One fold of four or more may disagree: a recording can have a fault of its own.
-  const double allowed = std::max(folds >= 4.0 ? 1.0 : 0.0, (1.0 - options_.fold_share) * folds);
-  e.consistent = (1.0 - e.fold_share) * folds <= allowed + 1e-9;
+  const double allowed =
+      std::max(folds_.size() >= 4 ? 1.0 : 0.0, (1.0 - options_.thresholds.fold_share) * folds);
+  e.consistent = folds - better <= allowed + 0.5 * numerics::kNoise;
   if (hypothesis(h).body >= 0 && passes(e)) {
-    e.sign_broken = compact_share(data_, hypothesis(h), before.set, before.weights) < kCompact;
+    e.sign_broken = compact_share(data_, hypothesis(h), before.set, before.weights) <
+                    options_.thresholds.compact_load;
   }
   return e;
 }
@@ -174,12 +160,12 @@ double Examiner::p_value(int h, const Stand& before,
   const Eigen::Index own = x.size();
   double best = 1.0;
   for (Eigen::Index k = 0; k < own; ++k) {
-    best = std::min(best, student_t_two_sided(x[k] / std::max(std[k], 1e-300),
+    best = std::min(best, student_t_two_sided(x[k] / std::max(std[k], numerics::kTiny),
                                               std::max(1, data_.clusters() - 1)));
   }
   best = std::min(1.0, best * static_cast<double>(own));
   if (own == 1 || 3 * own >= data_.clusters()) return best;
-  return std::min(1.0, 2.0 * std::min(best, wald(x, solutions)));
+  return std::min(1.0, 2.0 * std::min(best, wald_p_value(x, solutions)));
 }
 
 std::vector<Evidence> Examiner::ask_all(const std::vector<int>& chosen) const {
@@ -189,6 +175,12 @@ std::vector<Evidence> Examiner::ask_all(const std::vector<int>& chosen) const {
     Evidence& e = all[static_cast<size_t>(h)];
     e.hypothesis = h;
     e.taken = std::find(chosen.begin(), chosen.end(), h) != chosen.end();
+    // A second constant of such a family would only bend the first one's curve.
+    const Hypothesis& mine = hypothesis(h);
+    e.absorbed = !mine.repeats && !e.taken &&
+                 std::any_of(chosen.begin(), chosen.end(),
+                             [&](int c) { return hypothesis(c).family == mine.family; });
+    if (e.absorbed) return;
     if (!e.taken) e = ask(h, *before);
   });
   return all;
@@ -196,7 +188,7 @@ std::vector<Evidence> Examiner::ask_all(const std::vector<int>& chosen) const {
 
 bool Examiner::passes(const Evidence& e) const {
   return !e.taken && !e.absorbed && !e.sign_broken && e.consistent &&
-         e.gain > options_.smallest_gain;
+         e.gain > options_.thresholds.smallest_gain;
 }
 
 VectorXd Examiner::deviations(const ColumnSet& set, const VectorXd& weights, double freedom) const {
@@ -211,7 +203,8 @@ VectorXd Examiner::deviations(const ColumnSet& set, const VectorXd& weights, dou
     without.col(static_cast<Eigen::Index>(f)) =
         data_.solve(set, weights, data_.total(), &folds_[f]);
   const double recordings = static_cast<double>(folds_.size()) - 1.0;
-  const double wider = student_t_quantile(0.05, recordings) / student_t_quantile(0.05, freedom);
+  const double wider = student_t_quantile(numerics::kOutside, recordings) /
+                       student_t_quantile(numerics::kOutside, freedom);
   return of_clusters.cwiseMax(wider * jackknife_deviations(without));
 }
 

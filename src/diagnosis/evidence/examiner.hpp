@@ -19,7 +19,7 @@ struct Evidence {
   double p_value = 1.0;
   bool taken = false;     ///< it is one of the accepted: there was nothing to ask
   bool absorbed = false;  ///< its columns lie in the span of the others: these data cannot answer
-  bool sign_broken = false;  ///< a parameter has a sign that nature forbids, or is absurdly large
+  bool sign_broken = false;  ///< a parameter has a sign that nature forbids, beyond its scatter
 };
 
 /// Column indices of a hypothesis; those of a body that the others do not span.
@@ -72,7 +72,8 @@ class Examiner {
 
  private:
   bool several_recordings() const { return data_.recording_of(data_.clusters() - 1) > 0; }
-  bool impossible(const Hypothesis& h, const ColumnSet& own, const VectorXd& values) const;
+  bool impossible(const Hypothesis& h, const ColumnSet& own, const VectorXd& values,
+                  const VectorXd& deviations) const;
 
   const NormalBlocks& data_;
   const ColumnSet& base_;

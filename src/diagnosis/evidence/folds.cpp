@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "diagnosis/numerics.hpp"
+
 namespace veridyn {
 namespace {
 
@@ -61,17 +63,17 @@ NormalBlocks::Sums summed(const NormalBlocks& data, const std::vector<int>& clus
 
 VectorXd joint_weights(const NormalBlocks& data, const ColumnSet& set) {
   const NormalBlocks::Sums& all = data.total();
-  VectorXd w = all.rows.array() / all.b2.array().max(1e-300);
+  VectorXd w = all.rows.array() / all.b2.array().max(numerics::kTiny);
   for (int round = 0; round < 2; ++round) {
     const VectorXd x = data.solve(set, w, all, nullptr);
     w = all.rows.array() /
-        data.residual2(set, x, all).array().max(1e-12 * all.b2.array().max(1e-290));
+        data.residual2(set, x, all).array().max(numerics::kNoise * all.b2.array().max(numerics::kTiny));
   }
   return w;
 }
 
 double log_fall(const VectorXd& before, const VectorXd& after) {
-  return (before.array().max(1e-300).log() - after.array().max(1e-300).log()).sum();
+  return (before.array().max(numerics::kTiny).log() - after.array().max(numerics::kTiny).log()).sum();
 }
 
 double fold_gain(const NormalBlocks& before, const ColumnSet& base_before,

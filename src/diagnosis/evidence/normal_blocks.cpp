@@ -1,16 +1,15 @@
 #include "diagnosis/evidence/normal_blocks.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <unordered_map>
 #include <utility>
 
+#include "diagnosis/evidence/clustered_fit.hpp"
+#include "diagnosis/numerics.hpp"
+
 namespace veridyn {
 namespace {
-
-constexpr double kRidge =
-    1e-11;  // of a column's squared norm: keeps equal columns from dividing by zero
 
 void add(NormalBlocks::Sums& to, const NormalBlocks::Sums& from) {
   for (size_t j = 0; j < to.G.size(); ++j) {
@@ -106,7 +105,7 @@ NormalBlocks::NormalBlocks(const std::vector<CompressedRecording>& recordings,
       scale_[G.columns()[c]] += G.values().diagonal()[static_cast<Eigen::Index>(c)];
   }
   scale_ = scale.size() > 0 ? scale : VectorXd(scale_.cwiseSqrt());
-  const VectorXd inverse = (scale_.array() > 0.0).select(scale_.array().max(1e-300).inverse(), 0.0);
+  const VectorXd inverse = (scale_.array() > 0.0).select(scale_.array().max(numerics::kTiny).inverse(), 0.0);
   const auto rescale = [&inverse](Sums& s) {
     for (size_t j = 0; j < s.G.size(); ++j) {
       VectorXd own(s.G[j].values().rows());
@@ -155,8 +154,7 @@ VectorXd NormalBlocks::solve(const ColumnSet& set, const VectorXd& weights, cons
             w * (of_sums[own.in_joint[r]] - of_without[own.in_joint[r]]);
     }
   }
-  A.diagonal() += kRidge * A.diagonal().cwiseMax(1e-300);
-  return A.selfadjointView<Eigen::Lower>().ldlt().solve(b);
+  return RidgedSolver(std::move(A)).solve(b);
 }
 
 VectorXd NormalBlocks::residual2(const ColumnSet& set, const VectorXd& x, const Sums& sums) const {

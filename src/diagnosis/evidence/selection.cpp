@@ -7,16 +7,11 @@
 #include <set>
 #include <string>
 
+#include "diagnosis/numerics.hpp"
 #include "math/parallel.hpp"
 
 namespace veridyn {
 namespace {
-
-constexpr double kOwnCause = 0.5;
-constexpr double kListedOnJoint = 0.4;
-constexpr double kListed = 0.6;    // of the gain: rivals are named, with what they gain
-constexpr double kRefuting = 0.1;  // gain of a cause beside its rival that speaks against the rival
-constexpr int kTested = 6;         // best candidates that get a Wald test in every round
 
 class Selector {
  public:
@@ -44,7 +39,7 @@ class Selector {
     out.values.resize(x.size());
     out.standard_deviations.resize(x.size());
     for (Eigen::Index k = 0; k < x.size(); ++k) {
-      const double scale = std::max(data.scale()[out.columns[static_cast<size_t>(k)]], 1e-300);
+      const double scale = std::max(data.scale()[out.columns[static_cast<size_t>(k)]], numerics::kTiny);
       out.values[k] = x[k] / scale;
       out.standard_deviations[k] = std[k] / scale;
     }
@@ -54,13 +49,13 @@ class Selector {
   std::vector<int> drop_until_needed() {
     while (!accepted_.empty()) {
       size_t weakest = accepted_.size();
-      double least = 1e300;
+      double least = numerics::kHuge;
       for (size_t k = 0; k < accepted_.size(); ++k) {
         std::vector<int> others = chosen();
         const int own = others[k];
         others.erase(others.begin() + static_cast<long>(k));
         const Evidence e = examiner_.ask(own, *examiner_.stand(others));
-        const double worth = e.absorbed ? -1e300 : e.gain;
+        const double worth = e.absorbed ? -numerics::kHuge : e.gain;
         if (examiner_.passes(e) || worth >= least) continue;
         least = worth;
         weakest = k;
@@ -69,6 +64,25 @@ class Selector {
       accepted_.erase(accepted_.begin() + static_cast<long>(weakest));
     }
     return chosen();
+  }
+
+  // All that were accepted to begin with, without what is not needed beside the others, in order of
+  // what each gains beside them.
+  Selection needed() {
+    do {
+      drop_until_needed();
+    } while (drop_uncertain());
+    for (Accepted& a : accepted_) {
+      std::vector<int> others = chosen();
+      others.erase(std::find(others.begin(), others.end(), a.evidence.hypothesis));
+      const double p = a.evidence.p_value;
+      a.evidence = examiner_.ask(a.evidence.hypothesis, *examiner_.stand(others));
+      a.evidence.p_value = p;
+    }
+    std::stable_sort(accepted_.begin(), accepted_.end(), [](const Accepted& a, const Accepted& b) {
+      return a.evidence.gain > b.evidence.gain;
+    });
+    return fitted();
   }
 
   Selection run() {
@@ -108,8 +122,8 @@ class Selector {
     std::vector<Evidence> sure;
     int tested = 0;
     for (Evidence& e : good) {
-      if (tested++ >= kTested + static_cast<int>(sure.size()) ||
-          (!sure.empty() && e.gain < options_.rival_share * sure.front().gain))
+      if (tested++ >= static_cast<int>(options_.thresholds.tested_candidates) + static_cast<int>(sure.size()) ||
+          (!sure.empty() && e.gain < options_.thresholds.rival_share * sure.front().gain))
         break;
       e.p_value = examiner_.p_value(e.hypothesis, *before, left_out);
       if (e.p_value < examiner_.limit(e.hypothesis)) sure.push_back(e);
@@ -118,7 +132,7 @@ class Selector {
     Evidence best = sure.front();
     for (const Evidence& e : sure) {
       // A tie between families goes to the earlier question; within one family to the larger gain.
-      if (e.gain > 0.95 * sure.front().gain && asked_earlier(e, best)) best = e;
+      if (e.gain > options_.thresholds.tie * sure.front().gain && asked_earlier(e, best)) best = e;
     }
     accepted_.push_back({best});
     return true;
@@ -132,7 +146,7 @@ class Selector {
       others.erase(others.begin() + static_cast<long>(k));
       const std::vector<Evidence> all = examiner_.ask_all(others);
       Evidence best = all[static_cast<size_t>(own)];
-      const double needed = std::max(best.gain, 0.0) + options_.smallest_gain;
+      const double needed = std::max(best.gain, 0.0) + options_.thresholds.smallest_gain;
       for (const Evidence& e : all) {
         if (examiner_.passes(e) && e.gain > std::max(needed, best.gain)) best = e;
       }
@@ -161,6 +175,26 @@ class Selector {
     }
   }
 
+  // The least certain one goes if it is not certain enough. True if one went.
+  bool drop_uncertain() {
+    size_t worst = accepted_.size();
+    double most = 0.0;
+    for (size_t k = 0; k < accepted_.size(); ++k) {
+      std::vector<int> others = chosen();
+      const int own = others[k];
+      others.erase(others.begin() + static_cast<long>(k));
+      const std::unique_ptr<Examiner::Stand> beside = examiner_.stand(others);
+      double& p = accepted_[k].evidence.p_value;
+      p = examiner_.p_value(own, *beside, examiner_.without_clusters(*beside));
+      if (p < examiner_.limit(own) || p < most) continue;
+      most = p;
+      worst = k;
+    }
+    if (worst == accepted_.size()) return false;
+    accepted_.erase(accepted_.begin() + static_cast<long>(worst));
+    return true;
+  }
+
   // Of the best hypothesis of every family that was asked and not accepted.
   void give_p_values(std::vector<Evidence>& asked) const {
     std::map<std::string, Evidence*> best;
@@ -185,7 +219,7 @@ class Selector {
     others.push_back(rival.hypothesis);
     const std::unique_ptr<Examiner::Stand> beside = examiner_.stand(others);
     const Evidence e = examiner_.ask(own, *beside);
-    return examiner_.passes(e) && e.gain > kRefuting &&
+    return examiner_.passes(e) && e.gain > options_.thresholds.refuting &&
            examiner_.p_value(own, *beside, examiner_.without_clusters(*beside)) <
                examiner_.limit(own);
   }
@@ -203,10 +237,10 @@ class Selector {
       std::vector<Evidence> rivals;
       for (const Evidence& e : instead) {
         const Evidence& left = out.last_asked[static_cast<size_t>(e.hypothesis)];
-        const bool same = left.absorbed || left.gain < kOwnCause * e.gain;
+        const bool same = left.absorbed || left.gain < options_.thresholds.own_cause * e.gain;
         const bool one_joint =
             examiner_.hypothesis(e.hypothesis).joint == examiner_.hypothesis(all[k]).joint;
-        const double least = one_joint ? kListedOnJoint : kListed;
+        const double least = one_joint ? options_.thresholds.rival_same_joint : options_.thresholds.rival_elsewhere;
         if (!left.taken && same && examiner_.passes(e) && e.gain >= least * own_gain)
           rivals.push_back(e);
       }
@@ -254,6 +288,11 @@ std::vector<int> still_needed(const NormalBlocks& data, const ColumnSet& base,
                               const std::vector<Hypothesis>& hypotheses,
                               const DiagnosisOptions& options) {
   return Selector(data, base, hypotheses, options, all_of(hypotheses)).drop_until_needed();
+}
+
+Selection keep_needed(const NormalBlocks& data, const ColumnSet& base,
+                      const std::vector<Hypothesis>& hypotheses, const DiagnosisOptions& options) {
+  return Selector(data, base, hypotheses, options, all_of(hypotheses)).needed();
 }
 
 Selection select_effects(const NormalBlocks& data, const ColumnSet& base,

@@ -42,6 +42,11 @@ Selection select_effects(const NormalBlocks& data, const ColumnSet& base,
 Selection refit(const NormalBlocks& data, const ColumnSet& base,
                 const std::vector<Hypothesis>& hypotheses, const DiagnosisOptions& options);
 
+/// Of hypotheses that are all accepted, those that stay when what gains too little or is not certain
+/// beside the others goes, one after the other; the largest gain first.
+Selection keep_needed(const NormalBlocks& data, const ColumnSet& base,
+                      const std::vector<Hypothesis>& hypotheses, const DiagnosisOptions& options);
+
 /// Of hypotheses that are all accepted, those that these columns no longer support beside the
 /// others, one after the other, the weakest first. Indices that stay, ascending.
 std::vector<int> still_needed(const NormalBlocks& data, const ColumnSet& base,

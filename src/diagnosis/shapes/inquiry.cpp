@@ -4,13 +4,24 @@
 
 namespace veridyn {
 
+namespace {
+
+// Held-out errors are those of every row, as recorded.
+PreprocessingOptions as_recorded(const IdentificationOptions& how) {
+  PreprocessingOptions out = how.test_preprocessing.value_or(how.preprocessing);
+  out.stale_rows = StaleRows::kKept;
+  out.left_out.clear();
+  return out;
+}
+
+}  // namespace
+
 Inquiry prepare(const Identification& start, AugmentedModel augmented, bool changes,
                 const std::vector<std::string>& train, const std::vector<std::string>& test,
                 const IdentificationOptions& how) {
   Inquiry q{std::move(augmented), {}, {}, {}, {}};
   q.train = compress_all(q.augmented.model, train, how.preprocessing, how.threads);
-  q.test = compress_all(q.augmented.model, test, how.test_preprocessing.value_or(how.preprocessing),
-                        how.threads);
+  q.test = compress_all(q.augmented.model, test, as_recorded(how), how.threads);
   if (!changes) {
     const Model& arm = *start.model;
     const std::vector<std::string> names = parameter_names(standard_parameters(arm));

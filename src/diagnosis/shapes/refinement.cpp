@@ -10,10 +10,9 @@
 namespace veridyn {
 namespace {
 
-constexpr double kTwins = 5.0;  // ratio of constants; memories farther apart are two
-
 // Two terms of one family whose constants lie near each other.
-std::optional<size_t> second_twin(const Inquiry& asked, const Selection& selection) {
+std::optional<size_t> second_twin(const Inquiry& asked, const Selection& selection,
+                                  double near_duplicate) {
   const auto hypothesis = [&](size_t k) -> const Hypothesis& {
     return asked.augmented
         .hypotheses[static_cast<size_t>(selection.accepted[k].evidence.hypothesis)];
@@ -28,7 +27,7 @@ std::optional<size_t> second_twin(const Inquiry& asked, const Selection& selecti
       for (const auto& [key, value] : effects[static_cast<size_t>(a.term)].values) {
         const auto other = effects[static_cast<size_t>(b.term)].values.find(key);
         if (other == effects[static_cast<size_t>(b.term)].values.end() || value <= 0.0) continue;
-        near = near && std::abs(std::log(other->second / value)) < std::log(kTwins);
+        near = near && std::abs(std::log(other->second / value)) < std::log(near_duplicate);
       }
       if (near) return second;
     }
@@ -56,7 +55,7 @@ void merge_twins(const Identification& start, const Inquiry& asked, Selection& s
                    {}, how);
   };
   std::optional<Inquiry> two;
-  while (const std::optional<size_t> second = second_twin(asked, selection)) {
+  while (const std::optional<size_t> second = second_twin(asked, selection, options.thresholds.near_duplicate)) {
     if (!two) two.emplace(refined(selection));
     Selection merged = selection;
     merged.accepted.erase(merged.accepted.begin() + static_cast<long>(*second));
@@ -64,7 +63,7 @@ void merge_twins(const Identification& start, const Inquiry& asked, Selection& s
     const NormalBlocks two_data(two->train, two->columns);
     const NormalBlocks one_data(one.train, one.columns);
     if (fold_gain(one_data, all_columns(one, one_data), two_data, all_columns(*two, two_data)) >
-        options.smallest_gain)
+        options.thresholds.smallest_gain)
       return;
     selection = std::move(merged);
     two.emplace(std::move(one));

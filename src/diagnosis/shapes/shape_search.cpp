@@ -11,18 +11,12 @@
 #include <utility>
 
 #include "veridyn/effects/effect.hpp"
-#include "veridyn/identification/arm_effects.hpp"
+#include "diagnosis/evidence/clustered_fit.hpp"
+#include "diagnosis/numerics.hpp"
 #include "veridyn/math/student_t.hpp"
 
 namespace veridyn {
 namespace {
-
-// Factors around the present value; wide ones first.
-constexpr std::array<std::array<double, 6>, 3> kRounds = {{{0.4, 0.6, 0.8, 1.25, 1.6, 2.5},
-                                                           {0.7, 0.8, 0.9, 1.12, 1.25, 1.4},
-                                                           {0.85, 0.9, 0.95, 1.05, 1.1, 1.15}}};
-
-constexpr double kWave = 0.4;  // of one wave per travel: steps of an order
 
 // One hypothesis with one choice of constants.
 struct Variant {
@@ -65,21 +59,20 @@ AugmentedModel model_with(const Model& arm, const AugmentedModel& asked,
   return out;
 }
 
-const EffectShape* shape_of(const std::string& effect, const std::string& key) {
-  if (is_arm_effect(effect) || !has_effect(effect)) return nullptr;
-  static thread_local std::vector<EffectShape> shapes;
-  shapes = find_effect(effect).shapes();
-  for (const EffectShape& s : shapes) {
-    if (s.name == key) return &s;
+std::optional<EffectShape> shape_of(const std::string& effect, const std::string& key) {
+  if (!has_effect(effect)) return std::nullopt;
+  for (const EffectShape& s : find_effect(effect).shapes()) {
+    if (s.name == key) return s;
   }
-  return nullptr;
+  return std::nullopt;
 }
 
 bool searched(const Hypothesis& h, const std::string& key) {
   if (h.changes >= 0) return false;
-  if (key == "order") return true;  // from a spectrum, near its peak already
-  const EffectShape* shape = shape_of(h.effect, key);
-  return shape != nullptr && shape->searched && shape->lower > 0.0;
+  const auto shape = shape_of(h.effect, key);
+  if (!shape) return false;
+  // A wave number comes from a spectrum, near its peak already.
+  return shape->scale == ShapeScale::kWaves || (shape->searched && shape->lower > 0.0);
 }
 
 // Residual per joint's weight of a choice of variants, one per accepted hypothesis.
@@ -117,7 +110,7 @@ class Refiner {
   }
 
   void descend() {
-    for (size_t round = 0; round < kRounds.size(); ++round) run(kRounds[round]);
+    for (size_t round = 0; round < numerics::kShapeFactors.size(); ++round) run(numerics::kShapeFactors[round]);
   }
 
   AugmentedModel model() const {
@@ -136,7 +129,7 @@ class Refiner {
 
   // One wave per travel, in the units of an order.
   double one_wave(int joint) const {
-    double travel = 1e-6;
+    double travel = numerics::kSmallestTravel;
     for (const CompressedRecording& r : start_.factors)
       travel = std::max(travel, r.joints[static_cast<size_t>(joint)].travel());
     return 2.0 * M_PI / travel;
@@ -157,10 +150,11 @@ class Refiner {
       for (const auto& [key, value] : shapes_[k]) {
         const EffectShape shape = *shape_of(chosen_[k].effect, key);
         for (const double wide : factors) {
-          // An order is known to a share of one wave per travel.
+          // A wave number is known to a share of one wave per travel.
           const double factor =
-              key == "order" ? 1.0 + kWave * (wide - 1.0) * one_wave(chosen_[k].joint) / value
-                             : wide;
+              shape.scale == ShapeScale::kWaves
+                  ? 1.0 + numerics::kWaveStep * (wide - 1.0) * one_wave(chosen_[k].joint) / value
+                  : wide;
           const double moved = value * factor;
           if (moved < shape.lower || moved > shape.upper) continue;
           Variant v{chosen_[k], shapes_[k], k, key, factor};
@@ -233,12 +227,11 @@ class Refiner {
         const int clusters = data.clusters();
         VectorXd least(clusters);
         for (int c = 0; c < clusters; ++c) least[c] = lowest(c);
-        const double mean = least.mean();
-        const double deviation =
-            std::sqrt((least.array() - mean).square().sum() * (clusters - 1.0) / clusters);
+        const double deviation = jackknife_deviations(least.transpose())[0];
         // Half a step of the last grid is what the search itself leaves open.
         const double open =
-            std::hypot(student_t_quantile(0.05, std::max(1, clusters - 1)) * deviation, 0.03);
+            std::hypot(student_t_quantile(numerics::kOutside, std::max(1, clusters - 1)) * deviation,
+                       numerics::kShapeOpen);
         const double centre = variants[pick[k]].shapes.at(key);
         intervals_.push_back(
             {static_cast<int>(k), key, centre * std::exp(-open), centre * std::exp(open)});

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "excitation/columns/column_source.hpp"
+#include "regressor/column_source.hpp"
 #include "excitation/limits/frame_points.hpp"
 #include "veridyn/excitation/workspace_limits.hpp"
 #include "veridyn/kinematics/motion_limits.hpp"

@@ -6,7 +6,7 @@
 #include "excitation/a_optimality.hpp"
 #include "excitation/criterion.hpp"
 #include "excitation/search/motion_space.hpp"
-#include "excitation/columns/stacked_columns.hpp"
+#include "regressor/stacked_columns.hpp"
 
 namespace veridyn {
 

@@ -4,7 +4,7 @@
 #include <limits>
 #include <utility>
 
-#include "excitation/columns/arm_columns.hpp"
+#include "regressor/random_states.hpp"
 #include "veridyn/kinematics/motion_limits.hpp"
 #include "veridyn/math/require.hpp"
 

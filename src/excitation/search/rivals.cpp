@@ -1,110 +1,116 @@
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <numeric>
+#include <variant>
 
-#include "excitation/columns/arm_columns.hpp"
+#include "regressor/arm_columns.hpp"
+#include "regressor/column_choice.hpp"
+#include "regressor/random_states.hpp"
+#include "veridyn/regressor/base_parameters.hpp"
 #include "excitation/search/question.hpp"
 #include "veridyn/kinematics/motion_limits.hpp"
 #include "veridyn/math/require.hpp"
-#include "model/suggestion.hpp"
+#include "veridyn/effects/cause.hpp"
+#include "veridyn/effects/channel_effect.hpp"
 
 namespace veridyn {
 namespace {
 
-std::string label(const RivalCause& rival) {
-  return rival.place.empty() ? rival.effect : rival.effect + ":" + rival.place;
+// One of the two causes: as it was asked for, and what it means on this arm.
+struct KnownRival {
+  std::string label;
+  Cause cause;
+};
+
+KnownRival find_rival(const Model& arm, const RivalCause& asked) {
+  const std::string label = to_text(asked);
+  return {label, find_cause(arm, asked, "excitation: '" + label + "'")};
 }
 
-int find_joint(const Model& arm, const RivalCause& rival) {
-  std::vector<std::string> names;
-  for (const Coordinate& c : arm.coordinates()) names.push_back(c.name);
-  int joint = arm.find_coordinate(rival.place);
-  const bool number = !rival.place.empty() && rival.place.size() < 4 &&
-                      rival.place.find_first_not_of("0123456789") == std::string::npos;
-  if (joint < 0 && number) joint = std::stoi(rival.place) - 1;
-  require(joint >= 0 && joint < arm.joints(), "excitation: '", label(rival), "': found the joint '",
-          rival.place, "'", did_you_mean(rival.place, names), ", expected a number from 1 to ",
-          arm.joints(), " or one of: ", listed(names), ".");
-  return joint;
-}
-
-VectorXd own_values(const Model& arm, const RivalCause& rival) {
+VectorXd own_values(const Model& arm, const KnownRival& rival) {
   const auto phi = arm.inertial_values();
-  require(phi.has_value(), "excitation: '", label(rival), "' follows from the arm's values, but '",
+  require(phi.has_value(), "excitation: '", rival.label, "' follows from the arm's values, but '",
           arm.name(), "' has bodies without mass, com and inertia.");
   return *phi;
 }
 
+using Columns = std::vector<std::shared_ptr<const ColumnSource>>;
+
 // One body on the frame and no other.
-std::unique_ptr<ColumnSource> body_on_frame(const Model& arm, const RivalCause& rival,
-                                            const std::vector<int>& kept) {
-  std::vector<std::string> names;
-  for (const Frame& frame : arm.frames()) names.push_back(frame.name);
-  const int k = arm.find_frame(rival.place);
-  require(k >= 0, "excitation: '", label(rival), "': found the frame '", rival.place, "'",
-          did_you_mean(rival.place, names), ", expected one of: ", listed(names), ".");
+Columns body_on_frame(const Model& arm, FrameIndex frame, const std::vector<int>& kept) {
   ModelDescription only = arm.description();
-  for (Frame& frame : only.frames) frame.body.reset();
-  only.frames[static_cast<size_t>(k)].body = Body{};
+  for (Frame& f : only.frames) f.body.reset();
+  only.frames[static_cast<size_t>(frame.value)].body = Body{};
   only.effects.clear();
-  return some_columns(body_columns(Model(std::move(only))), kept);
+  return {some_columns(body_columns(Model(std::move(only))), kept)};
 }
 
-std::vector<std::shared_ptr<const ColumnSource>> tilt_columns(const Model& arm,
-                                                              const RivalCause& rival) {
+Columns channel_columns(const Model& arm, const KnownRival& rival, const ChannelError& cause) {
+  const ChannelEffect& channel = *channel_effect(cause.effect);
+  require(channel.has_rigid_columns(), "excitation: '", rival.label,
+          "' has no column that the motion of joints could be planned for.");
   const VectorXd phi = own_values(arm, rival);
-  const Eigen::Vector3d g = arm.gravity();
-  require(g.norm() > 0.0, "excitation: '", label(rival), "': the arm has no gravity.");
-  const Eigen::Vector3d across = g.unitOrthogonal();
-  std::vector<std::shared_ptr<const ColumnSource>> out;
-  for (const Eigen::Vector3d& axis : {across, Eigen::Vector3d(g.normalized().cross(across))}) {
-    ModelDescription tilted = arm.description();
-    tilted.gravity = axis.cross(g);  // per radian
-    out.push_back(torque_column(Model(std::move(tilted)), phi, TorquePart::kGravityOnly,
-                                VectorXd::Ones(arm.joints())));
+  const int joint = cause.joint ? cause.joint->value : 0;
+  Columns out;
+  for (const RigidColumn& column : channel.rigid_columns(arm, joint)) {
+    ModelDescription d = arm.description();
+    d.gravity = column.gravity;
+    out.push_back(torque_column(Model(std::move(d)), phi,
+                                column.at_rest ? TorquePart::kGravityOnly : TorquePart::kWhole,
+                                column.joints));
   }
+  require(!out.empty(), "excitation: '", rival.label, "' does nothing to this arm.");
   return out;
 }
 
-bool is_on(const EffectTerm& term, const RivalCause& rival, const Model& arm, int joint) {
-  return term.effect == rival.effect &&
-         term.axis.coefficients == VectorXd::Unit(arm.joints(), joint);
+bool is_on(const EffectTerm& term, const std::string& effect, JointIndex joint) {
+  return term.effect == effect &&
+         term.axis.coefficients == VectorXd::Unit(term.axis.coefficients.size(), joint.value);
 }
 
-// Lengths and speeds that a rival's constant may have, as shares of the joint's range and speed.
-constexpr std::array<double, 3> kLengthShares = {1e-3, 1e-2, 0.1};
-constexpr std::array<double, 3> kSpeedShares = {0.02, 0.06, 0.2};
+constexpr size_t kMostChoices = 3;  // of one rival's constants
+
+// Every second one, where there are many: neighbours of a fine grid have nearly the same columns.
+std::vector<ShapeChoice> thinned(std::vector<ShapeChoice> choices) {
+  while (choices.size() > kMostChoices) {
+    std::vector<ShapeChoice> fewer;
+    for (size_t k = 1; k < choices.size(); k += 2) fewer.push_back(choices[k]);
+    choices = std::move(fewer);
+  }
+  return choices;
+}
+
+AxisMotion within_limits(const Model& arm, JointIndex joint) {
+  const MotionLimits limits = motion_limits(arm);
+  AxisMotion m;
+  const int i = joint.value;
+  if (arm.coordinates()[static_cast<size_t>(i)].prismatic) m.type = JointType::kPrismatic;
+  m.middle = 0.5 * (limits.lower[i] + limits.upper[i]);
+  m.travel = limits.upper[i] - limits.lower[i];
+  m.speed = limits.velocity[i];
+  return m;
+}
 
 // The effect with the constants that the model found for it there. Without any, one term for each
-// of several lengths or speeds: a diagnosis may choose whichever suits it best.
-std::vector<EffectTerm> effect_terms(const Model& arm, const RivalCause& rival, int joint) {
-  EffectTerm term;
-  term.effect = rival.effect;
-  term.axis.coefficients = VectorXd::Unit(arm.joints(), joint);
+// of a few choices: a diagnosis may take whichever suits it best.
+std::vector<EffectTerm> effect_terms(const Model& arm, const std::string& effect,
+                                     JointIndex joint) {
   for (const EffectTerm& own : arm.effects()) {
-    if (is_on(own, rival, arm, joint)) return {own};
+    if (is_on(own, effect, joint)) return {own};
   }
-  const MotionLimits limits = motion_limits(arm);
-  const double range = limits.upper[joint] - limits.lower[joint];
-  std::vector<EffectTerm> out{term};
-  for (const EffectShape& shape : find_effect(rival.effect).shapes()) {
-    // Ranges that an effect wants to know are the joint's.
-    const auto set = [&](double value) {
-      for (EffectTerm& one : out) one.values[shape.name] = value;
-    };
-    if (shape.name == "centre") set(0.5 * (limits.lower[joint] + limits.upper[joint]));
-    if (shape.name == "half_range") set(0.5 * range);
-    const bool speed = shape.unit_revolute == "rad/s";
-    if (!shape.searched || !shape.logarithmic || (!speed && shape.unit_revolute != "rad")) continue;
-    std::vector<EffectTerm> family;
-    for (const double share : speed ? kSpeedShares : kLengthShares) {
-      const double value = share * (speed ? limits.velocity[joint] : range);
-      set(std::clamp(value, shape.lower, shape.upper));
-      family.insert(family.end(), out.begin(), out.end());
+  EffectTerm term;
+  term.effect = effect;
+  term.axis.coefficients = VectorXd::Unit(arm.joints(), joint.value);
+  std::vector<EffectTerm> out;
+  for (const ShapeChoice& choice : thinned(find_effect(effect).grid(within_limits(arm, joint)))) {
+    term.values = choice;
+    for (const EffectShape& shape : find_effect(effect).shapes()) {
+      const auto value = term.values.find(shape.name);
+      if (shape.searched && value != term.values.end())
+        value->second = std::clamp(value->second, shape.lower, shape.upper);
     }
-    out = std::move(family);
+    out.push_back(term);
   }
   return out;
 }
@@ -116,51 +122,54 @@ std::vector<int> numbers(int first, int count) {
 }
 
 // How large the parameters are beside each other: 1 kg within 0.1 m, or equal torques.
-VectorXd sizes_of(const RivalCause& rival, const MatrixXd& W, const std::vector<int>& columns,
+VectorXd sizes_of(const KnownRival& rival, const MatrixXd& W, const std::vector<int>& columns,
                   int first) {
   VectorXd out(static_cast<Eigen::Index>(columns.size()));
   for (size_t k = 0; k < columns.size(); ++k) {
     const int parameter = columns[k] - first;
     const double of_load = parameter == 0 ? 1.0 : parameter < 4 ? 0.1 : 0.01;
     const double of_effect = columns.size() == 1 ? 1.0 : 1.0 / W.col(columns[k]).norm();
-    out[static_cast<Eigen::Index>(k)] = rival.effect == "payload" ? of_load : of_effect;
+    const bool load = std::holds_alternative<AddedLoad>(rival.cause);
+    out[static_cast<Eigen::Index>(k)] = load ? of_load : of_effect;
   }
   return out;
 }
 
-std::vector<std::shared_ptr<const ColumnSource>> rival_columns(const Model& arm,
-                                                               const RivalCause& rival,
-                                                               double rounding) {
-  if (rival.effect == "payload") return {body_on_frame(arm, rival, numbers(0, kBodyParameters))};
-  if (rival.effect == "inertia") return {body_on_frame(arm, rival, {4, 6, 9})};
-  if (rival.effect == "gravity_tilt") return tilt_columns(arm, rival);
-  if (rival.effect == "torque_gain") {
-    const VectorXd joint = VectorXd::Unit(arm.joints(), find_joint(arm, rival));
-    return {torque_column(arm, own_values(arm, rival), TorquePart::kWhole, joint)};
-  }
-  require(has_effect(rival.effect), "excitation: '", label(rival), "': found '", rival.effect,
-          "', expected payload, inertia, gravity_tilt, torque_gain or an effect that acts along an "
-          "axis.");
-  const int joint = find_joint(arm, rival);
-  if (find_effect(rival.effect).needs_load()) own_values(arm, rival);
-  require(!find_effect(rival.effect).needs_source(), "excitation: '", label(rival),
+Columns axis_columns(const Model& arm, const KnownRival& rival, const NewEffect& cause,
+                     double rounding) {
+  const EffectTraits traits = find_effect(cause.effect).traits();
+  if (traits.uses_load) own_values(arm, rival);
+  require(!traits.uses_source, "excitation: '", rival.label,
           "' needs another joint and cannot be a rival yet.");
-  std::vector<std::shared_ptr<const ColumnSource>> out;
-  for (const EffectTerm& term : effect_terms(arm, rival, joint))
+  Columns out;
+  for (const EffectTerm& term : effect_terms(arm, cause.effect, cause.joint))
     out.push_back(effect_columns(arm, term, rounding * motion_limits(arm).velocity));
   return out;
 }
 
+Columns rival_columns(const Model& arm, const KnownRival& rival, double rounding) {
+  if (const auto* load = std::get_if<AddedLoad>(&rival.cause))
+    return body_on_frame(arm, load->frame, numbers(0, kBodyParameters));
+  if (const auto* inertia = std::get_if<AddedInertia>(&rival.cause))
+    return body_on_frame(arm, inertia->frame, {4, 6, 9});
+  if (const auto* channel = std::get_if<ChannelError>(&rival.cause))
+    return channel_columns(arm, rival, *channel);
+  const auto* effect = std::get_if<NewEffect>(&rival.cause);
+  require(effect != nullptr, "excitation: '", rival.label,
+          "': found a cause that no motion can be planned for, expected a load, a channel error or "
+          "an effect that acts along an axis.");
+  return axis_columns(arm, rival, *effect, rounding);
+}
+
 // Without the rivals' own terms where they have values: what changed of them is asked then.
-Model without_rivals(const Model& arm, const std::pair<RivalCause, RivalCause>& rivals) {
+Model without_rivals(const Model& arm, const std::array<KnownRival, 2>& rivals) {
   ModelDescription rest = arm.description();
   const auto is_rival = [&](const EffectTerm& term) {
     if (!BoundEffect(arm, term).has_values()) return false;
-    for (const RivalCause& rival : {rivals.first, rivals.second}) {
-      if (rival.effect == term.effect && is_on(term, rival, arm, find_joint(arm, rival)))
-        return true;
-    }
-    return false;
+    return std::any_of(rivals.begin(), rivals.end(), [&term](const KnownRival& rival) {
+      const auto* effect = std::get_if<NewEffect>(&rival.cause);
+      return effect != nullptr && is_on(term, effect->effect, effect->joint);
+    });
   };
   rest.effects.erase(std::remove_if(rest.effects.begin(), rest.effects.end(), is_rival),
                      rest.effects.end());
@@ -187,8 +196,9 @@ Choice choose(const MatrixXd& W, const std::vector<int>& candidates, const std::
 void add_rivals(const Model& arm, const ExcitationOptions& options, double rounding,
                 Question& question) {
   const Model& known = options.powered ? *options.powered : arm;
-  const auto& [a, b] = *options.between;
-  const Model others = without_rivals(known, *options.between);
+  const KnownRival a = find_rival(known, options.between->first);
+  const KnownRival b = find_rival(known, options.between->second);
+  const Model others = without_rivals(known, {a, b});
   int body_count = 0;
   int arm_count = 0;
   int first_count = 0;
@@ -212,14 +222,14 @@ void add_rivals(const Model& arm, const ExcitationOptions& options, double round
   const std::vector<int> of_a = numbers(arm_count, first_count);
   const std::vector<int> of_b =
       numbers(arm_count + first_count, exact->count() - arm_count - first_count);
-  Choice choice = choose(W, base_preference(body_count, arm_count), of_a, of_b);
+  Choice choice = choose(W, preferred_columns(standard_parameters(others)), of_a, of_b);
   if (choice.first.empty() || choice.second.empty()) {
     // The bodies' own parameters can take the rival's place; it shows only where they are known.
     question.bodies_known = true;
     choice = choose(W, numbers(body_count, arm_count - body_count), of_a, of_b);
   }
   for (const auto& [rival, columns] : {std::make_pair(a, choice.first), {b, choice.second}}) {
-    require(!columns.empty(), "excitation: '", label(rival),
+    require(!columns.empty(), "excitation: '", rival.label,
             "' cannot be told from what the model has already, whatever the motion.");
   }
   const auto beyond = [&](const std::vector<int>& own, const std::vector<int>& other) {
@@ -229,14 +239,13 @@ void add_rivals(const Model& arm, const ExcitationOptions& options, double round
   };
   const bool first_shows = beyond(choice.first, choice.second);
   const bool second_shows = beyond(choice.second, choice.first);
-  require(first_shows || second_shows, "excitation: '", label(a), "' and '", label(b),
+  require(first_shows || second_shows, "excitation: '", a.label, "' and '", b.label,
           "' cannot be told apart, whatever the motion: they have the same columns.");
   std::vector<int> taken = choice.nuisance;
   taken.insert(taken.end(), choice.first.begin(), choice.first.end());
   taken.insert(taken.end(), choice.second.begin(), choice.second.end());
-  for (const RivalCause& rival : {a, b}) {
-    const bool on_joint = rival.effect == "torque_gain" || has_effect(rival.effect);
-    if (on_joint) question.rival_joints.push_back(find_joint(arm, rival));
+  for (const KnownRival& rival : {a, b}) {
+    if (const auto joint = joint_of(rival.cause)) question.rival_joints.push_back(joint->value);
   }
   exact->choose(taken);
   rounded->choose(taken);

@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <random>
-#include <set>
 #include <unordered_map>
 
 #include "veridyn/dynamics/rigid_body_dynamics.hpp"
-#include "veridyn/identification/base_parameters.hpp"
+#include "veridyn/effects/effect.hpp"
+#include "veridyn/regressor/base_parameters.hpp"
 #include "math/parallel.hpp"
 #include "veridyn/math/require.hpp"
 
@@ -21,10 +21,7 @@ std::string load_frame(int load) {
 
 // Effects that are the same on every day; friction and offsets are not.
 bool lasting(const std::string& effect) {
-  static const std::set<std::string> kLasting = {"rotor_inertia",  "joint_spring",
-                                                 "position_force", "cable_coupling",
-                                                 "torque_ripple",  "transmission_compliance"};
-  return kLasting.count(effect) > 0;
+  return find_effect(effect).traits().lasting;
 }
 
 // The arm in amperes: gains of one, nothing taken to the other side of the equation, and a body for
@@ -48,11 +45,9 @@ Model arm_with_load(const Model& arm, const KnownMass& load, int index) {
   return Model(std::move(d));
 }
 
-Recording currents_of(const std::string& path, const PreprocessingOptions& preprocessing) {
-  RecordingOptions reading;
-  reading.columns = preprocessing.columns;
-  reading.rate = preprocessing.header_rate;
-  Recording r = read_recording(path, reading);
+Recording currents_of(const Model& arm, const std::string& path,
+                      const PreprocessingOptions& preprocessing) {
+  Recording r = read_recording(path, reading_of(arm, preprocessing));
   require(r.current.size() > 0, path, ": found no motor currents, expected columns i1..i",
           r.joints(), " to find drive gains from.");
   require(
@@ -82,7 +77,7 @@ GainData::GainData(const Model& arm, const std::vector<std::string>& recordings,
   }
   parallel_for(static_cast<int>(recordings.size()), threads, [&](int k) {
     const auto r = static_cast<size_t>(k);
-    recordings_[r] = compress(arms_[r], currents_of(recordings[r], preprocessing), preprocessing);
+    recordings_[r] = compress(arms_[r], currents_of(arms_[r], recordings[r], preprocessing), preprocessing);
     require(recordings_[r].rows > 0.0, recordings[r],
             ": found no usable samples after gaps, edges and row limits, expected some.");
   });

@@ -1,11 +1,14 @@
 #include "veridyn/recordings/recording_quality.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <functional>
 
+#include "recordings/kept_recordings.hpp"
 #include "recordings/quality/quality_checks.hpp"
 #include "veridyn/math/require.hpp"
+#include "model/suggestion.hpp"
 
 namespace veridyn {
 namespace {
@@ -92,6 +95,21 @@ RecordingQuality judged(Recording head_rows, const std::string& file, const Sour
   return quality;
 }
 
+std::string capitalised(std::string sentence) {
+  if (!sentence.empty())
+    sentence[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(sentence[0])));
+  return sentence;
+}
+
+std::string line_of(const TopicFacts& topic) {
+  std::string line = text("topic ", topic.name, " (", topic.type, "): ", topic.messages, " messages");
+  if (topic.rate > 0.0) line += text(" at ", quality::number(topic.rate), " Hz");
+  if (!topic.joints.empty()) line += ", joints " + listed(topic.joints);
+  if (topic.used) line += ", used";
+  if (!topic.undecoded.empty()) line += "; not decoded: " + topic.undecoded;
+  return line;
+}
+
 }  // namespace
 
 const char* name_of(Severity severity) {
@@ -121,6 +139,10 @@ std::string RecordingQuality::report() const {
   std::string lines =
       text(file, ": ", rows, " rows, ", joints, " joints, ", quality::number(duration), " s");
   lines += rate > 0.0 ? text(" at ", quality::number(rate), " Hz\n") : "\n";
+  if (!facts.matched.empty()) lines += "  " + facts.match() + "\n";
+  if (facts.matched.empty() && !facts.joints.empty() && facts.joints.front() != "1")
+    lines += "  joints: " + listed(facts.joints) + "\n";
+  for (const TopicFacts& topic : facts.topics) lines += "  " + line_of(topic) + "\n";
   for (const QualityFinding& finding : findings) {
     lines +=
         text("  ", name_of(finding.severity), "  ", finding.finding, ": ", finding.sentence, "\n");
@@ -129,8 +151,21 @@ std::string RecordingQuality::report() const {
 }
 
 RecordingQuality check_recording(const std::string& path, const RecordingOptions& options) {
-  RecordingReader reader(path, options);
-  return judged(reader.next(kHeadRows), path, [&](int count) { return reader.next(count); });
+  const OpenedRows rows = open_rows(path, options);
+  RecordingQuality quality = judged(rows.next(kHeadRows), path, rows.next);
+  quality.facts = rows.facts();
+  // What reading brought up comes behind faults and warnings.
+  auto at = std::find_if(quality.findings.begin(), quality.findings.end(),
+                         [](const auto& f) { return f.severity == Severity::kInfo; });
+  for (const std::string& remark : quality.facts.remarks) {
+    QualityFinding finding;
+    finding.file = path;
+    finding.finding = "remark";
+    finding.share = finding.value = quality::kNone;
+    finding.sentence = capitalised(remark);
+    at = quality.findings.insert(at, finding) + 1;
+  }
+  return quality;
 }
 
 RecordingQuality check_recording(const Recording& recording) {

@@ -1,17 +1,47 @@
 // The verdict in words, and the order of a diagnosis.
 
-const kSentences = 4;  // findings named at the top
+const kSentences = 5;  // findings named at the top
 
 function countOf(count, one, many) {
   return count + ' ' + (count === 1 ? one : many);
 }
 
-function verdictItem(finding, k) {
-  return element(
-      'li', {}, typeset(finding.sentence), ' ',
+// What the held-out recordings say of a finding: confirmed with its share, or not.
+function statusWords(finding, k) {
+  const share = number('/findings/' + k + '/explains', 'share');
+  if (finding.outside) return element('span', {class: 'small'}, 'Left out of the fit.');
+  return finding.status === 'confirmed' ?
+      element('span', {class: 'small'}, 'Explains ', share, '\u00a0%.') :
       element(
-          'span', {class: 'small'}, 'Explains ', number('/findings/' + k + '/explains', 'share'),
-          '\u00a0%.'));
+          'strong', {class: 'warning'}, 'Not confirmed: the held-out error is no smaller with it (',
+          share, '\u00a0%).');
+}
+
+function verdictItem(finding, k) {
+  return element('li', {}, typeset(finding.sentence), ' ', statusWords(finding, k));
+}
+
+// Joints that the extended model predicts worse than the baseline does.
+function worseJoints() {
+  return (result.summary ? result.summary.worse_joints : [])
+      .map(
+          (joint) => element(
+              'p', {class: 'warning'}, 'The extended model is worse on ',
+              jointName(joint).toLowerCase(), ': ',
+              fromTo(
+                  '/baseline/test/relative_error/' + (joint - 1),
+                  '/extended/test/relative_error/' + (joint - 1)),
+              '.'));
+}
+
+function explainedByMain() {
+  const s = result.summary;
+  if (!s || s.main_findings >= result.findings.length) return null;
+  return element(
+      'p', {}, 'The first ', number('/summary/main_findings', 'whole'), ' explain ',
+      number('/summary/explained_by_main', 'share'), '\u00a0% of the removable held-out error, all ',
+      String(result.findings.length), ' of them ', number('/summary/explained_by_all', 'share'),
+      '\u00a0%.');
 }
 
 function verdictFindings() {
@@ -27,14 +57,23 @@ function verdictFindings() {
   const lead = (result.changes_since ? 'Since the model was made, the arm has changed in ' :
                                        'The arm differs from the model in ') +
       points + '.';
-  const more = findings.length - kSentences;
+  const main = findings.filter((finding) => finding.main !== false).length;
+  const shown = Math.min(main, kSentences);
+  const more = findings.length - shown;
   return [
     element('p', {class: 'lead'}, lead),
-    element('ol', {}, findings.slice(0, kSentences).map(verdictItem)),
+    element('ol', {}, findings.slice(0, shown).map(verdictItem)),
     more > 0 ? element(
-                   'p', {}, 'And ' + more + ' more in the ',
+                   'p', {}, 'And ' + more + (shown === main ? ' small ones' : ' more') + ' in the ',
                    element('a', {href: '#findings'}, 'table of findings'), '.') :
-               null
+               null,
+    explainedByMain(), ...worseJoints(),
+    result.summary && !result.summary.held_out_untouched ?
+        element(
+            'p', {class: 'warning'},
+            'The held-out recordings chose among the findings: the extended model\u2019s held-out ' +
+                'error is no longer that of recordings that took no part.') :
+        null
   ];
 }
 
@@ -62,7 +101,7 @@ function verdictWarnings() {
 function fillDiagnosis() {
   byId('title').textContent = result.robot;
   byId('facts').append(
-      number('/hypotheses', 'whole'), ' hypotheses asked in ',
+      number('/hypotheses', 'whole'), ' hypotheses tested in ',
       number('/seconds', 'plain', (v) => v.toFixed(1)), ' s');
   const extended = result.findings.length > 0;
   byId('verdict').append(
@@ -74,14 +113,22 @@ function fillDiagnosis() {
   byId('error-table')
       .append(errorTable(
           [
-            {name: 'Held out, as it stands', place: '/baseline/test/relative_error', kind: 'model'},
+            {name: 'Held out, baseline', place: '/baseline/test/relative_error', kind: 'model'},
             extended && {
               name: 'Held out, extended',
               place: '/extended/test/relative_error',
               kind: 'extended'
             },
+            extended && result.extended.test.repaired && {
+              name: 'Extended, late rows repaired',
+              place: '/extended/test/repaired/relative_error'
+            },
+            extended && result.extended.test.without_excluded && {
+              name: 'Extended, without excluded rows',
+              place: '/extended/test/without_excluded/relative_error'
+            },
             {name: 'Noise floor', place: '/noise_floor/relative_error'},
-            {name: 'Training, as it stands', place: '/baseline/train/relative_error'},
+            {name: 'Training, baseline', place: '/baseline/train/relative_error'},
             extended && {name: 'Training, extended', place: '/extended/train/relative_error'},
           ].filter(Boolean),
           '/noise_floor/relative_error'));

@@ -74,7 +74,11 @@ function findingRow(finding, k) {
   return [
     cause, parameterList(finding, k), number(place + '/p_value', 'chance'),
     heldOutChange(finding, k),
-    element('span', {class: 'change'}, number(place + '/explains', 'share'), '\u00a0%')
+    finding.outside ? '' :
+                      element(
+                          'span', {class: finding.status === 'confirmed' ? 'change' : 'warning'},
+                          number(place + '/explains', 'share'), '\u00a0%',
+                          finding.status === 'confirmed' ? '' : ' (not confirmed)')
   ];
 }
 

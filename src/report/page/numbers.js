@@ -51,7 +51,6 @@ const styles = {
         v < 1e-3                     ? powerOfTen(v, 0) :
                                        significant(v, 2)
   },
-  milli: {scale: 1000, write: (v) => significant(v, 3)},
   plain: {scale: 1, write: (v) => significant(v, 4)},
   milli: {scale: 1000, write: (v) => significant(v, 2)},
   whole: {scale: 1, write: (v) => withMinus(v.toFixed(0))},

@@ -76,6 +76,8 @@ function start() {
   if (result.command === 'identify') fillIdentification();
   if (result.command === 'simulate') fillSimulation();
   if (result.command === 'cooperate') fillCooperation();
+  if (result.command === 'kinematics') fillKinematics();
+  if (result.command === 'stability') fillStability();
   if (result.command === 'excite') fillExcitation();
   fillSettings();
   if (result.command !== 'simulate' && series.recordings.length) {

@@ -1,23 +1,13 @@
 #include "simulation/plant/plant_forces.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #include "veridyn/math/require.hpp"
 
 namespace veridyn {
 
-bool is_dry_friction(const Effect& effect, const ShapeValues& shape) {
-  const std::string name = effect.name();
-  if (name == "coulomb_friction") return shape[0] == 0.0;             // no slope: a true sign
-  if (name == "load_dependent_friction") return shape[0] == 0.0;      // no distance: no memory
-  if (name == "position_dependent_friction") return shape[1] == 0.0;  // likewise
-  return name == "stribeck_friction" || name == "asymmetric_friction" ||
-         name == "sublinear_viscous" || name == "warm_up";
-}
-
 bool describes_measured_motion(const EffectTerm& term) {
-  return term.effect == "transmission_compliance";
+  return !find_axis_effect(term.effect).traits().forward_simulable;
 }
 
 PlantForces::Line PlantForces::line_of(const Axis& axis) {
@@ -39,37 +29,18 @@ double PlantForces::force(const Term& term, const AxisSample& x, EffectState& st
   return sum;
 }
 
-// True if the force is constant + s s + ds ds + dds dds at all times. Asked, not listed: at slow
-// and fast, near and far samples.
-bool PlantForces::fold(const Term& term, double* constant, double* s, double* ds, double* dds) {
-  const Effect& effect = *term.effect;
-  if (effect.has_memory() || effect.needs_load() || effect.needs_source()) return false;
-  const auto at = [&](double time, double s_, double ds_, double dds_) {
+// The four numbers of an affine force: constant + s s + ds ds + dds dds.
+PlantForces::Affine PlantForces::affine(const Term& term) {
+  const auto at = [&term](double s, double ds, double dds) {
     EffectState none{};
     AxisSample x;
-    x.time = time;
-    x.s = s_;
-    x.ds = ds_;
-    x.dds = dds_;
+    x.s = s;
+    x.ds = ds;
+    x.dds = dds;
     return force(term, x, none);
   };
-  *constant = at(0, 0, 0, 0);
-  *s = at(0, 1, 0, 0) - *constant;
-  *ds = at(0, 0, 1, 0) - *constant;
-  *dds = at(0, 0, 0, 1) - *constant;
-  const double size = std::abs(*constant) + std::abs(*s) + std::abs(*ds) + std::abs(*dds);
-  for (const double scale : {-1e-5, 3e-4, 0.07, -0.9, 13.0}) {
-    for (int direction = 0; direction < 4; ++direction) {
-      const double x = direction == 0 || direction == 3 ? scale : 0.0;
-      const double v = direction == 1 || direction == 3 ? scale : 0.0;
-      const double a = direction == 2 || direction == 3 ? scale : 0.0;
-      const double expected = *constant + *s * x + *ds * v + *dds * a;
-      const double allowed = 1e-12 * size * std::max(1.0, std::abs(scale));
-      if (!(std::abs(at(0.0, x, v, a) - expected) <= allowed)) return false;
-      if (!(std::abs(at(40.0, x, v, a) - expected) <= allowed)) return false;
-    }
-  }
-  return true;
+  const double constant = at(0, 0, 0);
+  return {constant, at(1, 0, 0) - constant, at(0, 1, 0) - constant, at(0, 0, 1) - constant};
 }
 
 PlantForces::Term PlantForces::bound(const Model& arm, const EffectTerm& of) {
@@ -77,6 +48,7 @@ PlantForces::Term PlantForces::bound(const Model& arm, const EffectTerm& of) {
   require(effect.has_values(), "plant: effect '", of.effect, "' on ", axis_text(arm, of.axis),
           " has no values.");
   Term term{&effect.effect(),
+            effect.traits(),
             effect.parameter_count(),
             effect.shape(),
             effect.values(),
@@ -101,39 +73,42 @@ PlantForces::PlantForces(const Model& arm)
       constant_(VectorXd::Zero(n_)) {
   for (const EffectTerm& of : arm.effects()) {
     Term term = bound(arm, of);
-    if (describes_measured_motion(of)) {
-      left_out_.push_back("transmission_compliance on " + axis_text(arm, of.axis) +
-                          ": it describes measured motion; a forward simulation needs the motor as "
-                          "a body of its own");
+    if (!term.traits.forward_simulable) {
+      left_out_.push_back(of.effect + " on " + axis_text(arm, of.axis) + ": " +
+                          term.traits.not_simulable_because);
       continue;
     }
-    double constant = 0.0, s = 0.0, ds = 0.0, dds = 0.0;
-    if (fold(term, &constant, &s, &ds, &dds)) {
-      add_affine(of, constant, s, ds, dds);
+    const bool nothing = !term.traits.memory && is_zero(term);
+    if (term.traits.affine || nothing) {
+      add_affine(of, affine(term));
       continue;
     }
-    if (term.effect->needs_load()) {
+    if (term.traits.uses_load) {
       term.load = loads();
       loads_.push_back({of.axis.coefficients / of.axis.coefficients.squaredNorm()});
     }
-    if (is_dry_friction(*term.effect, term.shape)) {
+    if (term.traits.dry != DryFriction::kNone) {
       add_dry(of, term);
       continue;
     }
-    if (term.effect->has_memory()) memories_.push_back(term.axis);
+    if (term.traits.memory) memories_.push_back(term.axis);
     smooth_.push_back(std::move(term));
   }
 }
 
-void PlantForces::add_affine(const EffectTerm& of, double constant, double s, double ds,
-                             double dds) {
+bool PlantForces::is_zero(const Term& term) {
+  return std::all_of(term.values.begin(), term.values.begin() + term.parameters,
+                     [](double value) { return value == 0.0; });
+}
+
+void PlantForces::add_affine(const EffectTerm& of, const Affine& f) {
   const VectorXd& c = of.axis.coefficients;
-  inertia_ += dds * c * c.transpose();
-  damping_ += ds * c * c.transpose();
-  stiffness_ += s * c * c.transpose();
-  constant_ += (constant + s * of.axis.offset) * c;
-  has_damping_ = has_damping_ || ds != 0.0;
-  has_stiffness_ = has_stiffness_ || s != 0.0;
+  inertia_ += f.dds * c * c.transpose();
+  damping_ += f.ds * c * c.transpose();
+  stiffness_ += f.s * c * c.transpose();
+  constant_ += (f.constant + f.s * of.axis.offset) * c;
+  has_damping_ = has_damping_ || f.ds != 0.0;
+  has_stiffness_ = has_stiffness_ || f.s != 0.0;
 }
 
 void PlantForces::add_dry(const EffectTerm& of, const Term& term) {
@@ -143,8 +118,11 @@ void PlantForces::add_dry(const EffectTerm& of, const Term& term) {
     dry_.push_back({of.axis.coefficients, term.axis, {}, 0.0});
     at = dry_.end() - 1;
   }
-  if (of.effect == "coulomb_friction") {
-    at->constant += term.values[0];
+  if (term.traits.dry == DryFriction::kConstant) {
+    AxisSample sliding;
+    sliding.ds = kRestSpeed;
+    EffectState none{};
+    at->constant += force(term, sliding, none);
   } else {
     at->terms.push_back(term);
   }
@@ -172,7 +150,7 @@ void PlantForces::reset(const double* q, const double* dq) {
 
 void PlantForces::commit(double time, const double* q, const double* dq) {
   for (Term& term : smooth_) {
-    if (term.effect->has_memory()) force(term, sample(term, time, q, dq), term.state);
+    if (term.traits.memory) force(term, sample(term, time, q, dq), term.state);
   }
 }
 

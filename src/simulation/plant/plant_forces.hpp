@@ -8,10 +8,6 @@
 
 namespace veridyn {
 
-/// True if the effect has a direction of sliding, and so at rest not one force but a whole interval
-/// of them. A test asks every effect whether this list is right.
-bool is_dry_friction(const Effect& effect, const ShapeValues& shape);
-
 /// True for effects to first order along a given motion (an elastic transmission), which as a force
 /// in a forward simulation would be unstable.
 bool describes_measured_motion(const EffectTerm& term);
@@ -43,7 +39,7 @@ class PlantForces {
   /// Moves the memories on to this state.
   void commit(double time, const double* q, const double* dq);
 
-  /// Adds affine (without inertia) and smooth forces to `sum` (n). Loads are those of set_load().
+  /// Adds affine (without inertia) and smooth forces to `sum` (n). Loads are those of set_loads().
   void add_smooth(double time, const double* q, const double* dq, double* sum) const;
 
   /// Terms whose force grows with the load that the rigid bodies put on them.
@@ -80,7 +76,8 @@ class PlantForces {
   using Line = std::vector<Entry>;  // the entries of an axis that are not zero
 
   struct Term {
-    const Effect* effect;
+    const AxisEffect* effect;
+    EffectTraits traits;
     int parameters;
     ShapeValues shape;
     EffectColumns values;
@@ -88,6 +85,9 @@ class PlantForces {
     double offset = 0.0, from_offset = 0.0;
     int load = -1;  // index among the loads
     EffectState state{};
+  };
+  struct Affine {
+    double constant, s, ds, dds;
   };
   struct Dry {
     VectorXd direction;
@@ -107,10 +107,11 @@ class PlantForces {
     return sum;
   }
   static double force(const Term& term, const AxisSample& x, EffectState& state);
-  static bool fold(const Term& term, double* constant, double* s, double* ds, double* dds);
+  static Affine affine(const Term& term);
+  static bool is_zero(const Term& term);
   AxisSample sample(const Term& term, double time, const double* q, const double* dq) const;
   Term bound(const Model& arm, const EffectTerm& of);
-  void add_affine(const EffectTerm& of, double constant, double s, double ds, double dds);
+  void add_affine(const EffectTerm& of, const Affine& force);
   void add_dry(const EffectTerm& of, const Term& term);
 
   int n_;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "veridyn/effects/effect.hpp"
 #include "veridyn/math/require.hpp"
 #include "simulation/world/world_state.hpp"
 
@@ -41,9 +42,9 @@ World::State::Arm::Arm(WorldArm&& given)
       external(column),
       all(column) {
   for (const EffectTerm& term : model.effects()) {
-    const auto inertia = term.values.find("inertia");
-    if (term.effect != "rotor_inertia" || inertia == term.values.end()) continue;
-    rotors += inertia->second * term.axis.coefficients * term.axis.coefficients.transpose();
+    const BoundEffect effect(model, term);
+    if (effect.traits().role != EffectRole::kInertia || !effect.has_values()) continue;
+    rotors += effect.inertia() * term.axis.coefficients * term.axis.coefficients.transpose();
   }
 }
 

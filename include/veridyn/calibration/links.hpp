@@ -1,0 +1,90 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "veridyn/calibration/capture.hpp"
+#include "veridyn/calibration/status.hpp"
+#include "veridyn/model/model.hpp"
+
+namespace veridyn {
+
+/// What is known of the pose of the robot's base in the cameras' frame, or of the tracked body on
+/// the robot's frame.
+enum class AttachedPose {
+  kAutomatic,  ///< known where the robot file's own poses come near and fit as well, else free
+  kKnown,      ///< they coincide
+  kFree,       ///< six unknowns, or three where only positions are recorded
+};
+
+struct LinksOptions {
+  std::string frame;  ///< that was tracked; empty: the last frame of the longest chain
+  AttachedPose base = AttachedPose::kAutomatic;
+  AttachedPose tool = AttachedPose::kAutomatic;
+  int most_named = 6;     ///< wrong constants named at most; more are taken for many small ones
+  double outlier = 5.0;   ///< standard deviations beyond which a pose does not count
+  int threads = 1;
+};
+
+/// One number of a robot file, as the poses have it.
+struct LinkConstant {
+  std::string name;   ///< "beta", "a", "theta", "ratio of insertion", "zero of pitch", "base x", ...
+  std::string frame;  ///< whose number it is; empty: of no frame
+  std::string unit;   ///< "m", "rad" or "1"
+  double file = 0.0;
+  double found = 0.0;
+  double low = 0.0, high = 0.0;  ///< 95 % interval of what the poses say, if this one is free
+  bool identifiable = false;
+  bool changed = false;  ///< `found` differs from `file`
+  std::string why;       ///< why it cannot be told, or what it cannot be told from
+};
+
+/// Constants of a robot file from poses or positions of one frame and the joints' readings.
+///
+/// Which constants the poses show is found as for inertial parameters: a rank-revealing choice of
+/// independent columns. Then the fewest constants that explain the poses as well as all of them do
+/// are sought; where some do, only these change, and they are named. Otherwise all that are
+/// identifiable change a little. Nonlinear least squares with Huber's loss, and without outliers at
+/// the end.
+struct LinksCalibration {
+  CalibrationStatus status = CalibrationStatus::kCannotAnswer;
+  std::string reason;
+  std::string robot, source, frame;
+  int frames = 0, outliers = 0;
+  bool base_free = false, tool_free = false;
+  Eigen::Isometry3d base = Eigen::Isometry3d::Identity();  ///< T_camera_base
+  Eigen::Isometry3d tool = Eigen::Isometry3d::Identity();  ///< T_frame_body
+  std::vector<LinkConstant> constants;
+  /// Constants that differ from the file, most telling first; empty where all changed a little.
+  std::vector<int> named;
+  bool explained = false;  ///< the named ones (or none) explain the poses as well as all
+  double rms_file = 0.0;      ///< [m] of positions, with the file's constants
+  double rms = 0.0;           ///< [m] with those found
+  double rms_angle = 0.0;     ///< [rad] of orientations
+  double held_out_rms = 0.0;  ///< [m] on a quarter of the poses that was not fitted
+  double held_out_rms_all = 0.0;  ///< [m] likewise, outliers included
+  double held_out_rms_file = 0.0; ///< [m] likewise, with the file's constants
+  double held_out_angle = 0.0;    ///< [rad]
+  double rank_gap = 0.0;
+  double correlation = 1.0;   ///< frames per independent frame
+  std::optional<Model> model;  ///< the robot with the constants found
+  std::vector<Eigen::Vector3d> positions;  ///< measured [m], for drawings
+  std::vector<double> residuals, residual_angles;  ///< [m], [rad] by frame
+  double seconds = 0.0;
+
+  std::string report() const;
+};
+
+/// @throws InvalidInput  the recording has other joints than the arm, or the arm no such frame.
+LinksCalibration calibrate_links(const Model& arm, const PoseCapture& poses,
+                                 const LinksOptions& options = {});
+
+/// One line that sets a wrong constant found from torques beside what the poses say of it: the same
+/// constant, another one, or nothing wrong.
+/// @param frame, name, found  of the constant as `diagnose` names it: "theta", "ratio of pitch".
+std::string compare_wrong_constant(const LinksCalibration& links, const std::string& frame,
+                                   const std::string& name, double found, double low, double high);
+
+}  // namespace veridyn

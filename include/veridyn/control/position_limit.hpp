@@ -1,0 +1,27 @@
+#pragma once
+
+#include <algorithm>
+
+namespace veridyn {
+
+/// The limits of one joint [rad], [m]; infinite where there is none.
+struct PositionRange {
+  double lower = 0.0, upper = 0.0;
+};
+
+/// The one test of position limits, for motions that are planned and for arms that move: is the
+/// joint beyond a limit, or too fast to stop before it? Braking with ddq = -braking dq stops within
+///
+///   dq / braking
+///
+/// A joint beyond a limit that moves back inside passes.
+///
+/// @param braking  [1/s], SafetyLimits::braking.
+inline bool leaves_range(double q, double dq, const PositionRange& range, double braking) noexcept {
+  const double stops = q + dq / braking;
+  const bool above = std::max(q, stops) > range.upper && dq >= 0.0;
+  const bool below = std::min(q, stops) < range.lower && dq <= 0.0;
+  return above || below;
+}
+
+}  // namespace veridyn

@@ -1,0 +1,76 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace veridyn {
+
+/// Every number that can change a verdict of a diagnosis. threshold_table() says of each what it is
+/// compared with and why it has its value; `veridyn-hide-and-seek --sweep NAME` shows what depends
+/// on it.
+struct Thresholds {
+  // Selection of causes.
+  double smallest_gain = 0.04;
+  double smallest_change = 0.1;
+  double fold_share = 0.8;
+  double significance = 0.05;
+  double tie = 0.95;
+  double rival_share = 0.8;
+  double own_cause = 0.5;
+  double rival_same_joint = 0.4;
+  double rival_elsewhere = 0.6;
+  double refuting = 0.1;
+  double tested_candidates = 6.0;
+  double new_share = 1e-6;
+  double compact_load = 0.8;
+  double impossible_fall = 1.2;
+  double near_duplicate = 5.0;
+  double held_out_worse = 0.02;
+  double main_share = 0.9;
+  double negative_friction = 6.0;
+  // What counts as motion.
+  double still_revolute = 5e-3;
+  double still_prismatic = 5e-4;
+  // Wrong constants of the robot file.
+  double constant_gain = 2.0;
+  double constant_worth = 0.02;
+  double constant_sharpness = 0.4;
+  double constant_tie = 0.8;
+  double commoner_cause = 0.93;
+  double weaker_rival = 0.3;
+  // Ripple of a torque along the travel.
+  double ripple_waves = 3.0;
+  double ripple_finest = 600.0;
+  double ripple_prominence = 4.0;
+  // Contacts.
+  double contact_threshold = 5.0;
+  double contact_peak = 8.0;
+  double contact_direction = 0.3;
+  double contact_torque_share = 0.04;
+  double contact_rest_share = 1.6;
+  double contact_shortest = 0.3;
+  double contact_most_of_time = 0.5;
+  double contact_per_minute = 12.0;
+  double contact_repeats = 0.4;
+  // Local friction of one recording.
+  double snag_prominence = 6.0;
+  double snag_torque_share = 0.2;
+  double snag_widest = 0.4;
+};
+
+/// What one of these numbers decides.
+struct ThresholdEntry {
+  std::string name;
+  double Thresholds::* value;
+  std::string inequality;  ///< what holds when the verdict is the first of the two
+  std::string reason;      ///< why the number is what it is
+  std::string seeds;       ///< seeds of hide-and-seek that it was chosen on; empty: none
+};
+
+/// All of them, in the order of the struct.
+const std::vector<ThresholdEntry>& threshold_table();
+
+/// The entry of that name. @throws InvalidInput  there is none.
+const ThresholdEntry& find_threshold(const std::string& name);
+
+}  // namespace veridyn

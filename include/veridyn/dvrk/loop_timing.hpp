@@ -1,0 +1,44 @@
+#pragma once
+
+#include <string>
+
+namespace veridyn::dvrk {
+
+/// The time between two writes to the boards, and where it went. All [s].
+struct WriteGap {
+  double at = 0.0;           ///< end of the gap since the loop began
+  double seconds = 0.0;      ///< between the two writes
+  double slept = 0.0;        ///< as planned
+  double woken_late = 0.0;   ///< by the system, after the planned time
+  double replies = 0.0;      ///< waiting for the boards and the network
+  double own = 0.0;          ///< processor time of this program
+  double interrupted = 0.0;  ///< ready to run, but the system ran something else
+};
+
+/// Whose doing a late cycle or a gap is: the largest part of it that was not planned.
+enum class LateReason {
+  kSystem,   ///< woken late, or interrupted
+  kReplies,  ///< boards or network
+  kOwn       ///< this program's own work
+};
+LateReason reason_of(const WriteGap& gap);
+/// "the system (woken 12.1 ms late)".
+std::string describe_reason(const WriteGap& gap);
+
+/// How well a loop kept its time.
+struct LoopTiming {
+  long cycles = 0;
+  long late = 0;         ///< cycles that began more than one period after their time
+  long late_own = 0;     ///< of them: because of this program's own work
+  long late_replies = 0; ///< of them: because of boards or network; the others by the system
+  double longest = 0.0;  ///< [s] from the start of one cycle to its end
+  double mean = 0.0;     ///< [s] of that
+  double seconds = 0.0;  ///< from the start of the first cycle to the end of the last
+  double rate = 0.0;     ///< [Hz] that was asked for
+  WriteGap longest_gap;
+
+  /// Cycles per second as they were.
+  double reached() const { return seconds > 0.0 ? static_cast<double>(cycles) / seconds : rate; }
+};
+
+}  // namespace veridyn::dvrk

@@ -1,0 +1,90 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "veridyn/dynamics/regressor_batch.hpp"
+#include "veridyn/effects/effect.hpp"
+
+namespace veridyn {
+
+/// A motion of an arm whose bodies have values, and what the arm's own values ask for along it.
+struct ChannelMotion {
+  const Model& arm;
+  const RegressorBatch& bodies;  ///< of the arm
+  const VectorXd& phi;           ///< inertial parameters of all bodies
+  const MatrixXd& q;             ///< (rows x n) [rad] or [m]
+  const MatrixXd& dq;
+  const MatrixXd& ddq;
+  const MatrixXd& effort;  ///< (rows x n) bodies and effects together [N m] or [N]
+  double dt;               ///< [s] between rows
+};
+
+/// A column that is a torque of the arm's bodies: what an excitation can plan for.
+struct RigidColumn {
+  Eigen::Vector3d gravity;  ///< [m/s^2] in place of the arm's own
+  bool at_rest;             ///< true: velocities and accelerations count as zero
+  VectorXd joints;          ///< (n) nonzero where the joint's row counts
+};
+
+/// In place of a joint: the same error on all of them.
+constexpr int kAllJoints = -1;
+
+/// A key under which a channel error is injected into a simulation.
+struct InjectedValue {
+  std::string key;   ///< "gain"
+  double initial;    ///< where the request gives none
+  double zero;       ///< no error at all; parameter = value - zero
+  bool nonnegative;  ///< true: a value below `zero` cannot be
+};
+
+/// An error that is no force along an axis: it changes what the whole model predicts, or how a
+/// recording shows it. Its columns are derivatives of the torque that the arm's own values ask for,
+/// so they are right to first order and only for an arm with values.
+class ChannelEffect : public Effect {
+ public:
+  /// True if it concerns the arm as a whole and needs no joint.
+  virtual bool whole_arm() const { return false; }
+
+  /// True if the same error on all joints is one cause: one clock, one amplifier.
+  virtual bool can_be_common() const { return false; }
+
+  /// True if joint i's torque has columns of it; `joint` is the one whose channel has the error, or
+  /// kAllJoints where all have the same one (can_be_common()).
+  virtual bool acts_on(int i, int joint) const = 0;
+
+  /// Torque per unit of every parameter, (rows x n) each; columns of joints that it does not act on
+  /// are not read.
+  virtual std::vector<MatrixXd> columns(const ChannelMotion& motion, int joint) const = 0;
+
+  /// True if the columns are torques of the arm's bodies; an excitation can plan for such only.
+  virtual bool has_rigid_columns() const { return false; }
+
+  /// They are; empty where the arm has no such column (no gravity).
+  virtual std::vector<RigidColumn> rigid_columns(const Model& arm, int joint) const;
+
+  /// Puts the error into an arm: its recorded channel or its gravity.
+  virtual void apply(ModelDescription& arm, int joint, const std::vector<double>& values) const = 0;
+
+  /// One for each of parameters().
+  virtual std::vector<InjectedValue> injected(JointType type) const = 0;
+
+  /// Place in a parameter's name: "yaw", or "arm" for the whole arm.
+  std::string place(const Model& arm, const EffectTerm& term) const;
+};
+
+/// The channel effect of that name, or nothing.
+const ChannelEffect* channel_effect(const std::string& name);
+
+/// All of them, in the order of CONTRACT.md; registered ones follow.
+const std::vector<const ChannelEffect*>& channel_effects();
+
+/// The joint whose channel a term is about; kAllJoints where its axis is zero and the error can be
+/// common to all.
+int channel_joint(const ChannelEffect& effect, const EffectTerm& term);
+
+/// The arm with the error that `term` describes.
+Model with_channel_error(const Model& arm, const EffectTerm& term,
+                         const std::vector<double>& values);
+
+}  // namespace veridyn

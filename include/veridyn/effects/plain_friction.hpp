@@ -1,0 +1,15 @@
+#pragma once
+
+#include "veridyn/model/model.hpp"
+
+namespace veridyn {
+
+/// True if no effect of the arm is friction. Makers' files seldom have any, and every real joint
+/// does.
+bool has_no_friction(const Model& arm);
+
+/// The arm with what every joint has: viscous friction, Coulomb friction and a torque offset on
+/// every coordinate that does not have them yet, without values.
+Model with_plain_friction(const Model& arm);
+
+}  // namespace veridyn

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "veridyn/recordings/recording_quality.hpp"
+#include "veridyn/recordings/preprocessing.hpp"
+
+namespace veridyn {
+
+/// What of a recording contradicts the robot: the arm is identified in short from the recording as it
+/// is, and once for every way in which its signals may have been mistaken; a way that explains the
+/// torques much better is named, with the option that mends it. Findings:
+///
+///   torque_sign    torques of a joint against their motion; value: share of the torques' squares
+///                  that the arm leaves unexplained when they are turned round. Without a joint's
+///                  coupling to others, or for all joints alike, its friction decides: it takes energy
+///   swapped_joints two joints changed places, in their torques, in their motion, or in both
+///   degrees        positions (and velocities) are degrees
+///   current        efforts are motor currents: they fit through the robot file's drive gains, or
+///                  differ from the torques of an arm with values by just these
+///   torque_scale   torques differ from those of an arm with values by one factor a joint
+///
+/// Nothing is found in a recording that the arm explains, or one that hardly moves.
+/// @throws InvalidInput  as RecordingReader does, or the recording is not of this arm.
+std::vector<QualityFinding> check_against(const Model& arm, const std::string& path,
+                                          const PreprocessingOptions& options = {});
+
+}  // namespace veridyn

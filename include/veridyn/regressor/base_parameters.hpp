@@ -1,0 +1,65 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "veridyn/regressor/standard_parameters.hpp"
+#include "veridyn/math/square_root_information.hpp"
+
+namespace veridyn {
+
+/// What the torques say about one standard parameter.
+enum class Identifiability { kAlone, kInCombination, kNot };
+
+/// The smallest set of parameters that the torques depend on:
+///
+///   beta = K * phi,   Y * phi = Y(:, independent) * beta
+///
+/// Row j of K has a one at independent[j], and what depends on it in the other columns.
+/// Source: Gautier, J. Robotic Systems 8(4), 1991; thesis 5.1.
+struct BaseParameters {
+  std::vector<int> independent;  ///< indices of standard parameters, one for each base parameter
+  MatrixXd K;                    ///< (base x standard)
+  std::vector<Identifiability> classes;  ///< of every standard parameter
+  std::vector<std::string> names;        ///< "beta1 ..": named after their independent parameter
+  std::vector<std::string> expressions;  ///< "m_tool + 0.25 m_counterweight"
+  VectorXd singular_values;              ///< of the scaled columns, largest first
+  double rank_gap =
+      0.0;  ///< last kept over first dropped singular value; infinite if none was dropped
+
+  int size() const { return static_cast<int>(independent.size()); }
+};
+
+/// Of the arm itself: from the regressor at random states within its limits (fixed seed).
+BaseParameters base_parameters(const Model& arm);
+
+/// The same without what the robot file declares as facts: what an identification finds, and what
+/// an excitation reports.
+BaseParameters identifiable_base_parameters(const Model& arm);
+
+/// Of any factor over standard parameters. Columns are scaled to norm one first; singular values
+/// below `tolerance` times the largest are zero. Independent columns are those that come first in
+/// `preference`.
+BaseParameters base_parameters(const SquareRootInformation& factor,
+                               const std::vector<int>& preference, double tolerance = 1e-8);
+
+/// The order in which columns are preferred: effects, then for every body first moments and
+/// inertias, masses last.
+std::vector<int> preferred_columns(const std::vector<StandardParameter>& parameters);
+
+/// The two-step reduction of thesis 5.1 by singular value decompositions; for comparison. Same rank
+/// and span.
+BaseParameters base_parameters_by_svd(const SquareRootInformation& factor, double tolerance = 1e-8);
+
+/// The factor of the regressor at random states within the arm's limits; joints without limits move
+/// within 1 rad or 0.1 m.
+/// Effects with a memory follow the states as a path.
+/// @param still  names of coordinates that stay where they are, at rest.
+SquareRootInformation random_state_factor(const Model& arm, int states, unsigned seed,
+                                          const std::vector<std::string>& still = {});
+
+/// The same with zero columns for facts, as the factors of recordings have it.
+SquareRootInformation identifiable_factor(const Model& arm, unsigned seed,
+                                          const std::vector<std::string>& still = {});
+
+}  // namespace veridyn

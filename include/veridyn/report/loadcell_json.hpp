@@ -1,0 +1,12 @@
+#pragma once
+
+#include <string>
+
+#include "veridyn/control/load_cell.hpp"
+
+namespace veridyn {
+
+/// What `loadcell calibrate --json` writes: offset and scale with their 95 % intervals.
+std::string to_json(const LoadCellCalibration& calibration);
+
+}  // namespace veridyn

@@ -1,0 +1,130 @@
+#include "veridyn/calibration/axes.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "axis_results.hpp"
+#include "hinges.hpp"
+
+namespace veridyn {
+namespace {
+
+using internal::HingeBundle;
+using internal::HingeTree;
+using internal::RigidBody;
+
+constexpr double kDegree = M_PI / 180.0;
+
+void describe_bodies(const std::vector<RigidBody>& bodies, AxesCalibration& out) {
+  for (const RigidBody& b : bodies) {
+    CapturedBody body;
+    body.name = b.name;
+    body.markers = static_cast<int>(b.markers.size());
+    body.outliers = b.outliers;
+    body.relabelled = b.relabelled;
+    body.noise = b.noise;
+    body.fault = b.fault;
+    const auto seen = static_cast<double>(std::count(b.seen.begin(), b.seen.end(), 1));
+    body.seen = b.seen.empty() ? 0.0 : seen / static_cast<double>(b.seen.size());
+    out.outliers += b.outliers;
+    out.bodies.push_back(std::move(body));
+  }
+}
+
+// The results of one chain, axes in the order of its hinges.
+void append(const HingeBundle& bundle, const std::vector<RigidBody>& bodies, AxesCalibration& out) {
+  const int first = static_cast<int>(out.axes.size());
+  const HingeTree& tree = bundle.tree();
+  const auto hinges = static_cast<int>(tree.hinges.size());
+  for (int j = 0; j < hinges; ++j) out.axes.push_back(axis_result(bundle, bodies, j));
+  for (int j = 0; j < hinges; ++j) {
+    const std::vector<int> above = bundle.above(j);
+    if (above.empty()) continue;
+    CalibratedLink link = link_result(bundle, above.back(), j);
+    link.first = first + above.back();
+    link.second = first + j;
+    link.body =
+        bodies[static_cast<std::size_t>(tree.hinges[static_cast<std::size_t>(j)].a)].name;
+    out.links.push_back(link);
+  }
+  for (const int b : tree.bodies)
+    out.shapes.emplace_back(bodies[static_cast<std::size_t>(b)].name, bundle.shape(b));
+  out.used_frames = std::max(out.used_frames, bundle.frames());
+  out.outliers += bundle.outliers();
+  out.correlation = std::max(out.correlation, bundle.correlation());
+  const std::vector<double> residuals = bundle.residuals();
+  out.residuals.insert(out.residuals.end(), residuals.begin(), residuals.end());
+}
+
+}  // namespace
+
+AxesCalibration calibrate_axes(const MarkerCapture& recorded, const AxesOptions& options) {
+  AxesCalibration out;
+  out.source = recorded.source;
+  out.frames = static_cast<int>(recorded.time.size());
+  MarkerCapture capture = recorded;
+  const std::vector<RigidBody> bodies = internal::rigid_bodies(capture);
+  describe_bodies(bodies, out);
+  if (out.frames < options.fewest_frames) {
+    out.reason = fmt::format("too few frames: {}, and {} or more are needed", out.frames,
+                             options.fewest_frames);
+    return out;
+  }
+  for (const HingeTree& tree : find_hinges(bodies, options, out.cannot_tell)) {
+    HingeBundle bundle(capture, bodies, tree, options);
+    if (!bundle.ready()) {
+      out.cannot_tell.push_back(bundle.reason());
+      continue;
+    }
+    bundle.fit();
+    append(bundle, bodies, out);
+  }
+  if (out.axes.empty()) {
+    for (const std::string& why : out.cannot_tell) out.reason += (out.reason.empty() ? "" : "; ") + why;
+    if (out.reason.empty()) out.reason = "no two bodies turn about a common axis";
+    return out;
+  }
+  out.status = CalibrationStatus::kDone;
+  double square = 0.0;
+  for (const double r : out.residuals) square += r * r;
+  out.rms = std::sqrt(square / std::max<std::size_t>(1, out.residuals.size()));
+  return out;
+}
+
+std::string AxesCalibration::report() const {
+  if (status != CalibrationStatus::kDone) return "Axes: " + reason + ".\n";
+  std::string text = fmt::format(
+      "Axes of rotation from {} of {} frames; {} positions left out; {:.3f} mm rms per coordinate\n",
+      used_frames, frames, outliers, 1e3 * rms);
+  text += fmt::format("  {:<3}{:<28}{:>27}{:>10}{:>30}{:>10}{:>9}\n", "", "between", "direction",
+                      "+- deg", "point [mm]", "+- mm", "range");
+  for (std::size_t k = 0; k < axes.size(); ++k) {
+    const CalibratedAxis& a = axes[k];
+    text += fmt::format(
+        "  {:<3}{:<28}{:9.5f}{:9.5f}{:9.5f}{:10.4f}{:10.3f}{:10.3f}{:10.3f}{:10.4f}{:6.1f} deg\n",
+        k + 1, a.a + ", " + a.b, a.direction.x(), a.direction.y(), a.direction.z(),
+        a.radius_angle / kDegree, 1e3 * a.point.x(), 1e3 * a.point.y(), 1e3 * a.point.z(),
+        1e3 * a.radius, a.range / kDegree);
+  }
+  if (!links.empty())
+    text += fmt::format("Links between successive axes\n  {:<10}{:<18}{:>14}{:>9}{:>22}{:>9}{:>13}{:>9}\n",
+                        "axes", "body", "distance [mm]", "+-", "plane-parallel [mm]", "+-",
+                        "twist [deg]", "+-");
+  for (const CalibratedLink& l : links) {
+    text += fmt::format("  {:<10}{:<18}{:14.3f}{:9.3f}{:22.3f}{:9.3f}{:13.4f}{:9.4f}\n",
+                        fmt::format("{}, {}", l.first + 1, l.second + 1), l.body, 1e3 * l.distance,
+                        1e3 * l.distance_half_width, 1e3 * l.plane_parallel_distance,
+                        1e3 * l.plane_half_width, l.twist / kDegree, l.twist_half_width / kDegree);
+  }
+  for (const CapturedBody& b : bodies) {
+    if (b.relabelled > 0)
+      text += fmt::format("  Body '{}': markers had changed names in {} frames.\n", b.name,
+                          b.relabelled);
+  }
+  for (const std::string& why : cannot_tell) text += "  No axis: " + why + ".\n";
+  return text;
+}
+
+}  // namespace veridyn

@@ -1,0 +1,14 @@
+#pragma once
+
+#include "hinge_bundle.hpp"
+
+namespace veridyn::internal {
+
+/// One hinge of a fitted bundle in the frame of the cameras, with its uncertainty.
+CalibratedAxis axis_result(const HingeBundle& bundle, const std::vector<RigidBody>& bodies,
+                           int hinge);
+
+/// What lies between two hinges that one body carries; indices are of the bundle.
+CalibratedLink link_result(const HingeBundle& bundle, int first, int second);
+
+}  // namespace veridyn::internal

@@ -1,0 +1,86 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <vector>
+
+#include "veridyn/math/types.hpp"
+
+// Poses, axes and centres that have a closed form: starting values of the nonlinear fits, and what
+// tests compare them with.
+
+namespace veridyn::internal {
+
+using Isometries = std::vector<Eigen::Isometry3d>;
+
+/// The vector w with R = exp([w]x), |w| <= pi.
+Eigen::Vector3d rotation_vector(const Eigen::Matrix3d& R);
+
+/// exp([w]x). Source: Rodrigues.
+Eigen::Matrix3d rotation_of(const Eigen::Vector3d& w);
+
+/// The inverse of the left Jacobian of SO(3): log(exp(d) exp(w)) = w + J d for small d.
+Eigen::Matrix3d left_jacobian_inverse(const Eigen::Vector3d& w);
+
+/// The right Jacobian of SO(3): exp(w + d) = exp(w) exp(J d) for small d.
+Eigen::Matrix3d right_jacobian(const Eigen::Vector3d& w);
+
+/// [v]x, the matrix of the vector product.
+Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v);
+
+/// The rotation that is nearest to a matrix in the sense of squares.
+Eigen::Matrix3d nearest_rotation(const Eigen::Matrix3d& M);
+
+/// T with sum || T a_k - b_k ||^2 least. Source: Kabsch, Acta Crystallographica A32, 1976.
+/// @param a, b  (3 x points), at least three points not on a line.
+Eigen::Isometry3d fitted_pose(const MatrixRef& a, const MatrixRef& b);
+
+/// How far orientations spread: eigenvalues and eigenvectors of mean (R - mean R)' (R - mean R),
+/// smallest first. The smallest is zero where all turn about one axis, which is its eigenvector (in
+/// the body); each is the mean square of the way of a unit vector.
+struct RotationSpread {
+  Eigen::Vector3d eigenvalues;
+  Eigen::Matrix3d axes;
+  Eigen::Matrix3d mean;  ///< of the rotations, not a rotation itself
+};
+RotationSpread rotation_spread(const Isometries& poses);
+
+/// Centre and radius of a circle (2 x points) or sphere (3 x points) by linear least squares on the
+/// squared distances, thesis (A.6). Source: Gander, Golub and Strebel, BIT 34, 1994.
+struct Ball {
+  VectorXd centre;
+  double radius = 0.0;
+};
+Ball fitted_ball(const MatrixRef& points);
+
+/// A line in space; the direction has length one.
+struct Line {
+  Eigen::Vector3d direction{0, 0, 1};
+  Eigen::Vector3d point{0, 0, 0};
+};
+
+/// The axis about which markers turn, from their paths alone, thesis (A.1) to (A.7): the direction
+/// that every path is perpendicular to, and the centre that is common to their circles.
+/// @param paths  one per marker, (3 x frames).
+Line axis_of_paths(const std::vector<MatrixXd>& paths);
+
+/// The axis that is common to two bodies from T_a_b, written in a and in b.
+struct CommonAxis {
+  Line in_a, in_b;
+  double wobble = 0.0;  ///< [rad] rms angle between the two lines
+  double play = 0.0;    ///< [m] rms distance of the two points across the axis
+  double slide = 0.0;   ///< [m] rms way along it
+};
+CommonAxis common_axis(const Isometries& T_a_b);
+
+/// X and Y with A_k X = Y B_k. Source: Shah, Journal of Mechanisms and Robotics 5(3), 2013 for the
+/// rotations; translations by linear least squares.
+struct HandAndWorld {
+  Eigen::Isometry3d X, Y;
+};
+HandAndWorld hand_and_world(const Isometries& A, const Isometries& B);
+
+/// X with A_k X = X B_k. Source: Park and Martin, IEEE Transactions on Robotics and Automation
+/// 10(5), 1994.
+Eigen::Isometry3d hand_eye(const Isometries& A, const Isometries& B);
+
+}  // namespace veridyn::internal

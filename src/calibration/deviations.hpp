@@ -1,0 +1,28 @@
+#pragma once
+
+#include <vector>
+
+#include "veridyn/math/types.hpp"
+
+namespace veridyn::internal {
+
+/// Standard deviation of normal values, from the median of their sizes: outliers do not count.
+double robust_deviation(std::vector<double> values);
+
+/// The same of 3-vectors from their lengths: the deviation of one component.
+double robust_deviation_of_lengths(std::vector<double> lengths);
+
+/// The distance that an error of this covariance exceeds in 5 of 100 cases: the norm of a normal
+/// vector, by a scaled chi-square with the same mean and variance (Satterthwaite, 1946).
+/// @param degrees_of_freedom  of the estimated scale of the covariance.
+double error_radius(const MatrixRef& covariance, double degrees_of_freedom);
+
+/// Half width of a 95 % interval, from a variance.
+double half_width(double variance, double degrees_of_freedom);
+
+/// By how many times the variance of a mean exceeds that of independent values, from residuals in
+/// the order of time: 1 + 2 sum of correlations, up to the first below 0.05. At least one.
+/// @param series  one per channel; a residual that is not there is NaN.
+double correlation_factor(const std::vector<std::vector<double>>& series);
+
+}  // namespace veridyn::internal

@@ -1,0 +1,87 @@
+#pragma once
+
+#include <memory>
+
+#include "hinges.hpp"
+#include "least_squares.hpp"
+
+namespace veridyn::internal {
+
+/// All markers, axes and angles of one tree of hinges, as one least-squares problem.
+///
+/// The reference is the configuration at one frame, whose angles are zero: a marker that is at x
+/// there is at frame k at
+///
+///   G_k exp(xi_1 theta_1k) ... exp(xi_d theta_dk) x
+///
+/// with the hinges from the root to its body; G_k moves the root, or is the identity where that
+/// rests.
+class HingeBundle {
+ public:
+  HingeBundle(const MarkerCapture& capture, const std::vector<RigidBody>& bodies,
+              const HingeTree& tree, const AxesOptions& options);
+
+  /// True if enough frames show what is needed; else reason() says what is missing.
+  bool ready() const { return reason_.empty(); }
+  const std::string& reason() const { return reason_; }
+
+  void fit();
+
+  const HingeTree& tree() const { return tree_; }
+  int frames() const { return static_cast<int>(frames_.size()); }
+  int outliers() const { return outliers_; }
+  double noise() const { return noise_; }  ///< [m] of one coordinate
+  double correlation() const { return correlation_; }
+  double degrees_of_freedom() const { return degrees_of_freedom_; }
+  std::vector<double> residuals() const;  ///< [m]
+
+  /// Hinge j at the reference, for shared unknowns moved by `step` (none: empty).
+  Line line(int hinge, const VectorXd& step = {}) const;
+  /// Markers of a tree's body at the reference, (3 x markers).
+  MatrixXd shape(int body) const;
+  /// Hinges from the root to hinge j, itself left out.
+  std::vector<int> above(int hinge) const;
+  /// Angles of a hinge at every frame.
+  VectorXd angles(int hinge) const;
+  /// Covariance of functions of the lines and of mean angles over some frames.
+  /// @param shared        (functions x shared unknowns)
+  /// @param mean_angles   (functions x hinges): derivatives by the mean angle over `over`
+  MatrixXd covariance(const MatrixXd& shared, const MatrixXd& mean_angles,
+                      const std::vector<int>& over) const;
+  int shared_size() const { return problem_.shared_size(); }
+  /// Where the four unknowns of a hinge begin.
+  int offset(int hinge) const;
+
+ private:
+  struct Seen {
+    int frame, body, marker;  // used frame; body of the capture; marker of the body
+  };
+  void choose_frames();
+  void start();
+  void add_markers();
+  Residual residual(const Seen& seen) const;
+  void reject_outliers();
+  void finish();
+  int hinge_of(int body) const;
+
+  const MarkerCapture& capture_;
+  const std::vector<RigidBody>& bodies_;
+  HingeTree tree_;
+  const AxesOptions& options_;
+  std::string reason_;
+  std::vector<int> frames_;  // of the capture; the reference stands first
+  std::vector<Line> start_;
+  std::vector<Eigen::Matrix<double, 3, 2>> plane_;  // across each start
+  std::vector<Eigen::Isometry3d> root_start_;       // by used frame
+  LeastSquares problem_;
+  std::vector<int> hinge_unknown_;
+  std::vector<int> frame_unknown_;                 // -1: the reference
+  std::vector<std::vector<int>> marker_unknown_;   // by body of the tree, by marker
+  std::vector<Seen> seen_;  // by observation
+  std::unique_ptr<Information> information_;
+  double noise_ = 0.0, correlation_ = 1.0, degrees_of_freedom_ = 1.0;
+  double variance_ = 1.0;  // of residuals, correlation included
+  int outliers_ = 0;
+};
+
+}  // namespace veridyn::internal

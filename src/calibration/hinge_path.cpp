@@ -1,0 +1,96 @@
+#include "hinge_path.hpp"
+
+#include <array>
+#include <cmath>
+
+namespace veridyn::internal {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+using RowMajor = Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::RowMajor>;
+using RowMajor3 = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
+using RowMajor4 = Eigen::Matrix<double, 3, 4, Eigen::RowMajor>;
+using Plane = Eigen::Matrix<double, 3, 2>;
+
+constexpr int kMostHinges = 32;
+
+Plane direction_derivative(const Line& start, const Plane& plane, const double* x,
+                           const Vector3d& n) {
+  const double length = (start.direction + plane * Eigen::Vector2d(x[0], x[1])).norm();
+  return (plane - n * (n.transpose() * plane)) / length;
+}
+
+}  // namespace
+
+Line moved_line(const Line& start, const Plane& plane, const double* x) {
+  return {(start.direction + plane * Eigen::Vector2d(x[0], x[1])).normalized(),
+          start.point + plane * Eigen::Vector2d(x[2], x[3])};
+}
+
+Vector3d turned(const Line& line, double angle, const Vector3d& point) {
+  return rotation_of(angle * line.direction) * (point - line.point) + line.point;
+}
+
+void HingePath::evaluate(const double* const* x, double noise, double* r, double* const* J) const {
+  const int depth = static_cast<int>(hinges.size());
+  const double* local = is_reference ? nullptr : x[1 + depth];
+  const bool moves = !is_reference && (!root_rests || depth > 0);
+  const int first = root_rests ? 0 : 6;
+  // From the marker to the root: points before and after each hinge.
+  std::array<Line, kMostHinges> lines;
+  std::array<Matrix3d, kMostHinges> R;
+  std::array<Vector3d, kMostHinges + 1> y;
+  std::array<double, kMostHinges> angle{};
+  y[static_cast<std::size_t>(depth)] = Eigen::Map<const Vector3d>(x[0]);
+  for (int i = depth - 1; i >= 0; --i) {
+    const auto k = static_cast<std::size_t>(i);
+    lines[k] = moved_line(start[k], plane[k], x[1 + i]);
+    angle[k] = moves ? local[first + hinges[k]] : 0.0;
+    R[k] = rotation_of(angle[k] * lines[k].direction);
+    y[k] = R[k] * (y[k + 1] - lines[k].point) + lines[k].point;
+  }
+  Matrix3d G = Matrix3d::Identity();
+  Vector3d p = Vector3d::Zero();
+  const bool free_root = !root_rests && !is_reference;
+  if (free_root) {
+    G = root.linear() * rotation_of(Eigen::Map<const Vector3d>(local));
+    p = root.translation() + Vector3d(Eigen::Map<const Vector3d>(local + 3));
+  }
+  Eigen::Map<Vector3d> residual(r);
+  residual = (G * y[0] + p - measured) / noise;
+  if (J == nullptr) return;
+  const bool wants_local = moves && J[1 + depth] != nullptr;
+  if (wants_local) Eigen::Map<RowMajor>(J[1 + depth], 3, local_size).setZero();
+  if (wants_local && free_root) {
+    Eigen::Map<RowMajor> J_local(J[1 + depth], 3, local_size);
+    J_local.leftCols<3>() =
+        -G * cross_matrix(y[0]) * right_jacobian(Eigen::Map<const Vector3d>(local)) / noise;
+    J_local.middleCols<3>(3) = Matrix3d::Identity() / noise;
+  }
+  Matrix3d L = G / noise;
+  for (int i = 0; i < depth; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    const Vector3d& n = lines[k].direction;
+    const Vector3d z = y[k + 1] - lines[k].point;
+    if (wants_local)
+      Eigen::Map<RowMajor>(J[1 + depth], 3, local_size).col(first + hinges[k]) =
+          L * n.cross(Vector3d(R[k] * z));
+    if (J[1 + i] != nullptr) {
+      const double s = std::sin(angle[k]);
+      const double c = 1.0 - std::cos(angle[k]);
+      const Matrix3d by_n = -s * cross_matrix(z) +
+                            c * (n.dot(z) * Matrix3d::Identity() + n * z.transpose());
+      Eigen::Map<RowMajor4> J_line(J[1 + i]);
+      J_line.leftCols<2>() = L * by_n * direction_derivative(start[k], plane[k], x[1 + i], n);
+      J_line.rightCols<2>() = L * (Matrix3d::Identity() - R[k]) * plane[k];
+    }
+    L = L * R[k];
+  }
+  if (J[0] != nullptr) {
+    Eigen::Map<RowMajor3> J_marker(J[0]);
+    J_marker = L;
+  }
+}
+
+}  // namespace veridyn::internal

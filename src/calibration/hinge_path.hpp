@@ -1,0 +1,32 @@
+#pragma once
+
+#include <vector>
+
+#include "closed_forms.hpp"
+
+namespace veridyn::internal {
+
+/// A line moved by four unknowns: two turn its direction, two shift its point across it.
+Line moved_line(const Line& start, const Eigen::Matrix<double, 3, 2>& plane, const double* x);
+
+/// A point turned about a line.
+Eigen::Vector3d turned(const Line& line, double angle, const Eigen::Vector3d& point);
+
+/// One marker at one frame, seen through the hinges between the root and its body.
+struct HingePath {
+  std::vector<int> hinges;  ///< of the tree, from the root on
+  std::vector<Line> start;
+  std::vector<Eigen::Matrix<double, 3, 2>> plane;
+  Eigen::Isometry3d root;
+  bool root_rests = true;
+  bool is_reference = false;  ///< all angles are zero, and there is no local unknown
+  int local_size = 0;
+  Eigen::Vector3d measured{0, 0, 0};
+
+  /// (model - measured) / noise, with derivatives.
+  /// @param x  the marker (3), each hinge of the path (4), then the frame: turn and shift of a root
+  ///           that moves (6), and the angles of all hinges of the tree.
+  void evaluate(const double* const* x, double noise, double* r, double* const* J) const;
+};
+
+}  // namespace veridyn::internal

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "rigid_bodies.hpp"
+#include "veridyn/calibration/axes.hpp"
+
+namespace veridyn::internal {
+
+/// Bodies joined by hinges, root first; -1 stands for the frame of the cameras.
+struct Hinge {
+  int a = -1, b = 0;  ///< bodies; a is nearer to the root
+  CommonAxis axis;    ///< from relative poses
+};
+
+struct HingeTree {
+  int root = -1;
+  bool root_rests = true;
+  std::vector<int> bodies;    ///< that belong to it, parents first; without -1
+  std::vector<Hinge> hinges;  ///< parents first
+};
+
+/// Which bodies turn about a common axis, joined to trees. What is asked for or next to each other
+/// and has no axis is said in `cannot_tell`.
+std::vector<HingeTree> find_hinges(const std::vector<RigidBody>& bodies, const AxesOptions& options,
+                                   std::vector<std::string>& cannot_tell);
+
+}  // namespace veridyn::internal

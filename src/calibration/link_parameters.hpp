@@ -1,0 +1,61 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "closed_forms.hpp"
+#include "veridyn/model/model.hpp"
+
+namespace veridyn::internal {
+
+/// One number that places a frame.
+struct LinkEntry {
+  enum class Kind { kA, kAlpha, kD, kTheta, kX, kY, kZ, kRoll, kPitch, kYaw, kRatio };
+  int frame = 0;
+  Kind kind = Kind::kA;
+  int coordinate = -1;  ///< of a ratio
+  double value = 0.0;   ///< as it stands in the file
+  std::string formula;  ///< the arithmetic of the file; empty: a number
+};
+
+/// One unknown of a calibration; its value is what is added to the file's.
+struct LinkParameter {
+  enum class Kind { kConstant, kEntry, kZero, kBase, kTool };
+  Kind kind = Kind::kEntry;
+  int index = 0;  ///< entry, coordinate, or component of a pose (turn 0..2, shift 3..5)
+  std::string name, frame, unit;
+  double file = 0.0;
+  bool is_angle() const { return unit == "rad"; }
+};
+
+/// The numbers of a robot file on the way from its base to one frame.
+class LinkParameters {
+ public:
+  LinkParameters(const Model& arm, int frame, bool base_free, bool tool_free, bool oriented);
+
+  const Model& arm() const { return arm_; }
+  const std::vector<int>& path() const { return path_; }  ///< frames, base first
+  const std::vector<LinkEntry>& entries() const { return entries_; }
+  const std::vector<LinkParameter>& all() const { return all_; }
+  int size() const { return static_cast<int>(all_.size()); }
+
+  /// Values of the entries, and how fast each changes with each named constant
+  /// (entries x all parameters; zero elsewhere), when the parameters have the values x.
+  void evaluate(const VectorRef& x, VectorXd& values, MatrixXd* by_constant) const;
+
+  /// The arm with these values.
+  Model applied(const VectorRef& x) const;
+
+ private:
+  void collect_entries();
+  void collect_parameters(bool base_free, bool tool_free, bool oriented);
+  std::map<std::string, double> constants(const VectorRef& x) const;
+  double entry_value(const LinkEntry& entry, const std::map<std::string, double>& c) const;
+
+  const Model& arm_;
+  std::vector<int> path_;
+  std::vector<LinkEntry> entries_;
+  std::vector<LinkParameter> all_;
+};
+
+}  // namespace veridyn::internal

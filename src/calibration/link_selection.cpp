@@ -1,0 +1,147 @@
+#include "link_selection.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+#include "veridyn/regressor/base_parameters.hpp"
+
+namespace veridyn::internal {
+namespace {
+
+constexpr double kDependent = 1e-9;  // share of a column's square that the others leave
+// What a parameter may be uncertain by (two standard deviations) and still be worth fitting.
+constexpr double kLooseLength = 0.02;  // [m]
+constexpr double kLooseAngle = 0.05;   // [rad]
+constexpr double kLooseRatio = 0.2;
+
+double loose(const LinkParameter& p) {
+  return p.unit == "m" ? kLooseLength : p.unit == "rad" ? kLooseAngle : kLooseRatio;
+}
+
+MatrixXd block(const MatrixXd& N, const std::vector<int>& rows, const std::vector<int>& columns) {
+  MatrixXd out(static_cast<Eigen::Index>(rows.size()), static_cast<Eigen::Index>(columns.size()));
+  for (Eigen::Index i = 0; i < out.rows(); ++i) {
+    for (Eigen::Index j = 0; j < out.cols(); ++j)
+      out(i, j) = N(rows[static_cast<std::size_t>(i)], columns[static_cast<std::size_t>(j)]);
+  }
+  return out;
+}
+
+// The inverse of N over the active parameters, columns scaled to one first.
+MatrixXd inverse_of(const MatrixXd& N, const std::vector<int>& active) {
+  const MatrixXd A = block(N, active, active);
+  const VectorXd scale = A.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+  const MatrixXd scaled = scale.asDiagonal() * A * scale.asDiagonal();
+  const MatrixXd identity = MatrixXd::Identity(A.rows(), A.cols());
+  return scale.asDiagonal() * MatrixXd(scaled.ldlt().solve(identity)) * scale.asDiagonal();
+}
+
+std::string full_name(const LinkParameter& p) {
+  return p.frame.empty() ? p.name : p.name + " of " + p.frame;
+}
+
+// The parameters that a dependent one is made of.
+std::string made_of(const LinkParameters& parameters, const BaseParameters& base, int column) {
+  std::string names;
+  int count = 0;
+  for (int i = 0; i < base.size(); ++i) {
+    if (base.K(i, column) == 0.0 || ++count > 4) continue;
+    const int own = base.independent[static_cast<std::size_t>(i)];
+    names += (names.empty() ? "" : ", ") + full_name(parameters.all()[static_cast<std::size_t>(own)]);
+  }
+  if (count > 4) names += fmt::format(" and {} more", count - 4);
+  return names;
+}
+
+}  // namespace
+
+LinkChoice identifiable_links(const LinkParameters& parameters, const LinkNormal& normal) {
+  std::vector<std::string> names;
+  std::vector<int> preference;
+  for (int k = 0; k < parameters.size(); ++k) {
+    names.push_back("p" + std::to_string(k));
+    preference.push_back(k);
+  }
+  // A factor of N: columns scaled to one, small eigenvalues left out.
+  const VectorXd scale = normal.N.diagonal().cwiseSqrt();
+  const VectorXd inverse =
+      scale.unaryExpr([](double s) { return s > 0.0 ? 1.0 / s : 0.0; });
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(
+      MatrixXd(inverse.asDiagonal() * normal.N * inverse.asDiagonal()));
+  const VectorXd roots = eigen.eigenvalues().unaryExpr(
+      [&](double v) { return v > kDependent * eigen.eigenvalues().maxCoeff() ? std::sqrt(v) : 0.0; });
+  const MatrixXd A =
+      roots.asDiagonal() * eigen.eigenvectors().transpose() * scale.asDiagonal();
+  SquareRootInformation factor(names);
+  factor.absorb(A, VectorXd::Zero(A.rows()));
+  const BaseParameters base = base_parameters(factor, preference);
+  LinkChoice out;
+  out.independent = base.independent;
+  std::sort(out.independent.begin(), out.independent.end());
+  out.rank_gap = base.rank_gap;
+  out.why.assign(names.size(), "");
+  for (int k = 0; k < parameters.size(); ++k) {
+    const bool chosen = std::binary_search(out.independent.begin(), out.independent.end(), k);
+    if (chosen) continue;
+    out.why[static_cast<std::size_t>(k)] =
+        scale[k] <= 1e-12 * scale.maxCoeff()
+            ? "does not move the tracked frame in these poses"
+            : "cannot be told from " + made_of(parameters, base, k);
+  }
+  for (;;) {
+    const VectorXd s = deviations(normal, out.independent);
+    int worst = -1;
+    double most = 1.0;
+    for (std::size_t k = 0; k < out.independent.size(); ++k) {
+      const LinkParameter& p =
+          parameters.all()[static_cast<std::size_t>(out.independent[k])];
+      // Poses of base and tool are needed whatever they cost.
+      if (p.kind == LinkParameter::Kind::kBase || p.kind == LinkParameter::Kind::kTool) continue;
+      const double share = 2.0 * s[static_cast<Eigen::Index>(k)] / loose(p);
+      if (share < most) continue;
+      most = share;
+      worst = static_cast<int>(k);
+    }
+    if (worst < 0) break;
+    const int p = out.independent[static_cast<std::size_t>(worst)];
+    out.why[static_cast<std::size_t>(p)] = "hardly moves the tracked frame in these poses";
+    out.independent.erase(out.independent.begin() + worst);
+  }
+  return out;
+}
+
+VectorXd deviations(const LinkNormal& normal, const std::vector<int>& active) {
+  if (active.empty()) return VectorXd();
+  return inverse_of(normal.N, active).diagonal().cwiseMax(0.0).cwiseSqrt();
+}
+
+std::vector<LinkGain> gains(const LinkNormal& normal, const std::vector<int>& active) {
+  const auto p = static_cast<int>(normal.g.size());
+  std::vector<int> all;
+  for (int k = 0; k < p; ++k) all.push_back(k);
+  MatrixXd N = normal.N;
+  VectorXd g = normal.g;
+  if (!active.empty()) {
+    const MatrixXd C = block(normal.N, all, active);
+    const MatrixXd inverse = inverse_of(normal.N, active);
+    VectorXd g_active(static_cast<Eigen::Index>(active.size()));
+    for (std::size_t k = 0; k < active.size(); ++k)
+      g_active[static_cast<Eigen::Index>(k)] = normal.g[active[k]];
+    N -= C * inverse * C.transpose();
+    g -= C * inverse * g_active;
+  }
+  std::vector<LinkGain> out(static_cast<std::size_t>(p));
+  for (int k = 0; k < p; ++k) {
+    if (!(N(k, k) > kDependent * normal.N(k, k))) continue;
+    if (std::find(active.begin(), active.end(), k) != active.end()) continue;
+    out[static_cast<std::size_t>(k)] = {g[k] * g[k] / N(k, k), -g[k] / N(k, k),
+                                        1.0 / std::sqrt(N(k, k))};
+  }
+  return out;
+}
+
+}  // namespace veridyn::internal

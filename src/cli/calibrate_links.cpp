@@ -1,0 +1,106 @@
+#include <fstream>
+#include <iostream>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "calibrate_options.hpp"
+#include "option_checks.hpp"
+#include "veridyn/calibration/links.hpp"
+#include "veridyn/math/require.hpp"
+#include "veridyn/model/model_file.hpp"
+#include "veridyn/report/calibration_json.hpp"
+
+namespace veridyn::cli {
+namespace {
+
+struct Request {
+  std::string robot, poses, robot_out, diagnosis, base = "auto", tool = "auto";
+  CaptureOptions capture;
+  LinksOptions options;
+  CommonOptions common;
+};
+
+AttachedPose attached(const std::string& word) {
+  if (word == "known") return AttachedPose::kKnown;
+  return word == "free" ? AttachedPose::kFree : AttachedPose::kAutomatic;
+}
+
+// The wrong constant that `diagnose --json` names, compared in one line; empty: it names none.
+std::string compared(const std::string& file, const LinksCalibration& links) {
+  std::ifstream stream(file);
+  require(stream.good(), file, ": cannot be read, expected what diagnose --json wrote.");
+  const nlohmann::json diagnosis = nlohmann::json::parse(stream, nullptr, false);
+  require(diagnosis.is_object() && diagnosis.contains("findings"), file,
+          ": found no findings, expected what diagnose --json wrote.");
+  for (const nlohmann::json& finding : diagnosis["findings"]) {
+    if (finding.value("effect", "") != "coupling_error") continue;
+    const nlohmann::json& value = finding.at("parameters").at("value");
+    // "... a wrong constant: theta of frame elbow is ..." or "ratio of pitch in frame elbow is".
+    const std::string sentence = finding.value("sentence", "");
+    const std::size_t begin = sentence.find("constant: ");
+    const std::size_t of = begin == std::string::npos ? begin : sentence.find(" frame ", begin);
+    if (of == std::string::npos) continue;
+    std::string name = sentence.substr(begin + 10, of - begin - 10);
+    name = name.substr(0, name.rfind(' '));
+    const std::size_t end = sentence.find(" is ", of);
+    return compare_wrong_constant(links, sentence.substr(of + 7, end - of - 7), name,
+                                  value.at("value").get<double>(),
+                                  value.at("ci95").at(0).get<double>(),
+                                  value.at("ci95").at(1).get<double>());
+  }
+  return "Torques ask for no other constant.";
+}
+
+ExitStatus run(Request& request) {
+  require_writable(request.common.json);
+  require_writable(request.robot_out);
+  const Model arm = read_model(request.robot);
+  if (!request.options.frame.empty())
+    expect_one_of("--frame", request.options.frame, frame_names(arm));
+  request.options.base = attached(request.base);
+  request.options.tool = attached(request.tool);
+  request.options.threads = request.common.threads;
+  const LinksCalibration found =
+      calibrate_links(arm, read_poses(request.poses, request.capture), request.options);
+  const bool done = found.status == CalibrationStatus::kDone;
+  const std::string comparison =
+      done && !request.diagnosis.empty() ? compared(request.diagnosis, found) : "";
+  if (done && !request.robot_out.empty()) save_model(*found.model, request.robot_out);
+  const std::string report = found.report() + (comparison.empty() ? "" : comparison + "\n");
+  return finish_calibration(done, found.reason, report, request.common,
+                            to_json(found, request.robot_out, comparison), "");
+}
+
+}  // namespace
+
+void add_calibrate_links(CLI::App& calibrate, Outcome& outcome) {
+  const auto request = std::make_shared<Request>();
+  CLI::App& command = *calibrate.add_subcommand(
+      "links", "Constants of a robot file from poses of one frame and the joints' readings");
+  add_robot_argument(command, request->robot);
+  command.add_option("POSES", request->poses, "t,q1..qn,x,y,z,qw,qx,qy,qz; orientation may miss")
+      ->required()
+      ->option_text(" ");
+  command.add_option("--frame", request->options.frame, "Frame that was tracked (default: the last)")
+      ->option_text("NAME");
+  command.add_option("--robot-out", request->robot_out, "Write the robot with the constants found")
+      ->option_text("FILE");
+  const auto pose = [&](const char* option, std::string& target, const char* help) {
+    command.add_option(option, target, help)
+        ->option_text("auto|known|free")
+        ->check(CLI::IsMember({"auto", "known", "free"}));
+  };
+  pose("--base", request->base,
+       "Pose of the robot's base in the poses' frame: the same, free, or as fits (auto)");
+  pose("--tool", request->tool, "Likewise of the tracked body on the frame (auto)");
+  command
+      .add_option("--diagnosis", request->diagnosis,
+                  "What diagnose --json wrote: its wrong constant is compared in one line")
+      ->option_text("FILE");
+  add_body_option(command, request->capture);
+  add_capture_options(command, request->capture);
+  add_common_options(command, request->common);
+  command.callback([request, &outcome] { outcome.status = run(*request); });
+}
+
+}  // namespace veridyn::cli

@@ -1,0 +1,42 @@
+#include <memory>
+
+#include "calibrate_options.hpp"
+#include "veridyn/calibration/remote_center.hpp"
+#include "veridyn/report/calibration_json.hpp"
+
+namespace veridyn::cli {
+namespace {
+
+struct Request {
+  std::string poses;
+  CaptureOptions capture;
+  RemoteCenterOptions options;
+  CommonOptions common;
+};
+
+ExitStatus run(const Request& request) {
+  require_writable(request.common.json);
+  const RemoteCenter found =
+      calibrate_remote_center(read_poses(request.poses, request.capture), request.options);
+  return finish_calibration(found.status == CalibrationStatus::kDone, found.reason, found.report(),
+                            request.common, to_json(found), "");
+}
+
+}  // namespace
+
+void add_calibrate_rcm(CLI::App& calibrate, Outcome& outcome) {
+  const auto request = std::make_shared<Request>();
+  CLI::App& command = *calibrate.add_subcommand(
+      "rcm", "The remote centre that a body turns about, by pivot calibration");
+  command
+      .add_option("POSES", request->poses,
+                  "t,x,y,z,qw,qx,qy,qz of one rigid body, or its markers")
+      ->required()
+      ->option_text(" ");
+  add_body_option(command, request->capture);
+  add_capture_options(command, request->capture);
+  add_common_options(command, request->common);
+  command.callback([request, &outcome] { outcome.status = run(*request); });
+}
+
+}  // namespace veridyn::cli

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "veridyn/math/types.hpp"
+
+namespace veridyn::cli {
+
+/// A small CSV file with a header of names and rows of numbers.
+struct ColumnFile {
+  std::string path;
+  std::vector<std::string> names;
+  MatrixXd values;  ///< (rows x names)
+
+  /// The column of that name; -1: there is none.
+  int find(const std::string& name) const;
+  /// @throws InvalidInput  there is none: file, line, what was found and expected.
+  int at(const std::string& name) const;
+};
+
+/// @throws InvalidInput  no such file, no header, a field that is no finite number, a row of
+///                       another length, no rows.
+ColumnFile read_columns(const std::string& path, const std::string& expected);
+
+}  // namespace veridyn::cli

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "commands.hpp"
+#include "common_options.hpp"
+#include "veridyn/cooperation/scenario.hpp"
+
+namespace veridyn::cli {
+
+/// What `cooperate --boards` is asked for.
+struct BoardsRequest {
+  std::vector<std::string> configs;       ///< XML or JSON, or names of known arms, one per arm
+  std::vector<std::string> hosts;         ///< HOST[:PORT], one per arm
+  std::vector<std::string> sensors;       ///< force sources, one per member
+  std::vector<std::string> calibrations;  ///< files, one per member
+  std::string fault;                      ///< "silent:ARM@T" or "amplifier:ARM@T"
+  bool emulate = false;
+};
+
+void add_boards_options(CLI::App& command, BoardsRequest& request);
+
+ExitStatus run_boards(const BoardsRequest& request, const Scenario& scenario,
+                      const CommonOptions& common, const std::string& output,
+                      const std::string& command_line);
+
+}  // namespace veridyn::cli

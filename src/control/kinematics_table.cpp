@@ -1,0 +1,247 @@
+#include "veridyn/control/kinematics_table.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "veridyn/control/inverse_kinematics.hpp"
+#include "veridyn/kinematics/kinematics.hpp"
+#include "veridyn/kinematics/motion_limits.hpp"
+#include "math/output_file.hpp"
+#include "veridyn/math/require.hpp"
+#include "model/suggestion.hpp"
+
+namespace veridyn {
+namespace {
+
+constexpr double kSingular = 1e-9;  // of the largest singular value
+
+Conditioning conditioning(const MatrixXd& J) {
+  const MatrixXd square = J.rows() <= J.cols() ? MatrixXd(J * J.transpose())
+                                               : MatrixXd(J.transpose() * J);
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(square, Eigen::EigenvaluesOnly);
+  const VectorXd s = solver.eigenvalues().cwiseMax(0.0).cwiseSqrt();
+  Conditioning out;
+  out.smallest = J.rows() <= J.cols() ? s.minCoeff() : 0.0;
+  // Fewer joints than rows: how well they move what they can.
+  const double least = s.minCoeff();
+  out.condition = least > kSingular * s.maxCoeff() ? s.maxCoeff() / least
+                                                   : std::numeric_limits<double>::infinity();
+  out.manipulability = s.prod();
+  return out;
+}
+
+class Rows {
+ public:
+  Rows(const Model& arm, const std::string& frame) : arm_(arm), tip_(arm, {frame, {}}) {
+    length_ = characteristic_length(arm, {frame, {}});
+    table_.robot = arm.name();
+    table_.frame = frame;
+    for (const Coordinate& c : arm.coordinates()) {
+      table_.joints.push_back(c.name);
+      table_.prismatic.push_back(c.prismatic);
+    }
+  }
+
+  KinematicRow row(const VectorXd& q) {
+    KinematicRow out;
+    out.q = q;
+    tip_.update(q, VectorXd::Zero(q.size()));
+    out.T_world_tip.linear() = tip_.rotation();
+    out.T_world_tip.translation() = tip_.position();
+    out.jacobian = tip_.jacobian();
+    MatrixXd J = out.jacobian;
+    J.topRows(3) /= length_;
+    for (Eigen::Index i = 0; i < J.cols(); ++i) {
+      if (table_.prismatic[static_cast<size_t>(i)]) J.col(i) *= length_;
+    }
+    out.position = conditioning(J.topRows(3));
+    out.pose = conditioning(J);
+    return out;
+  }
+
+  KinematicTable& table() { return table_; }
+
+ private:
+  const Model& arm_;
+  TipKinematics tip_;
+  double length_ = 1.0;
+  KinematicTable table_;
+};
+
+double halton(int index, int base) {
+  double out = 0.0, part = 1.0;
+  for (int k = index; k > 0; k /= base) {
+    part /= base;
+    out += part * (k % base);
+  }
+  return out;
+}
+
+}  // namespace
+
+int KinematicTable::unreached() const {
+  return static_cast<int>(std::count_if(rows.begin(), rows.end(), [](const KinematicRow& row) {
+    return row.status != "reached" && row.status != "singular";
+  }));
+}
+
+KinematicTable forward_kinematics(const Model& arm, const std::string& frame,
+                                  const MatrixXd& joints) {
+  require(joints.cols() == arm.joints(), "kinematics: found ", joints.cols(),
+          " joint columns, expected the ", arm.joints(), " of ", arm.name(), ".");
+  require(joints.allFinite(), "kinematics: found a joint position that is not finite.");
+  Rows rows(arm, frame);
+  rows.table().solver = "forward";
+  for (Eigen::Index k = 0; k < joints.rows(); ++k)
+    rows.table().rows.push_back(rows.row(joints.row(k).transpose()));
+  return std::move(rows.table());
+}
+
+KinematicTable inverse_kinematics(const Model& arm, const std::string& frame,
+                                  const InverseTask& task, const InverseSolver& solver) {
+  Rows rows(arm, frame);
+  rows.table().solver = solver ? "closed form" : "Newton";
+  rows.table().has_orientation = task.has_orientation;
+  const MotionLimits limits = motion_limits(arm);
+  VectorXd q = 0.5 * (limits.lower + limits.upper);
+  if (task.start.size() > 0) {
+    require(task.start.size() == arm.joints(), "kinematics: found a start of ", task.start.size(),
+            " joints, expected ", arm.joints(), ".");
+    q = task.start;
+  }
+  InverseKinematicsOptions options;
+  options.rows = task.has_orientation ? TaskRows::kPose : TaskRows::kPosition;
+  InverseKinematics newton(arm, {frame, {}}, options);
+  const VectorXd middle = q;
+  for (const Eigen::Isometry3d& wanted : task.poses) {
+    require(wanted.matrix().allFinite(), "kinematics: found a pose that is not finite.");
+    std::string status;
+    if (solver) {
+      status = solver(wanted, q);
+    } else {
+      ReachStatus reached = newton.solve(wanted.translation(), wanted.linear(), q);
+      if (reached != ReachStatus::kReached) {  // once more from the start
+        VectorXd again = middle;
+        if (newton.solve(wanted.translation(), wanted.linear(), again) == ReachStatus::kReached) {
+          q = again;
+          reached = ReachStatus::kReached;
+        }
+      }
+      status = reached == ReachStatus::kReached ? "reached" : "not reached";
+    }
+    KinematicRow row = rows.row(q);
+    row.status = status;
+    row.position_error = (row.T_world_tip.translation() - wanted.translation()).norm();
+    if (task.has_orientation) {
+      const Eigen::AngleAxisd off(Eigen::Matrix3d(row.T_world_tip.linear().transpose() * wanted.linear()));
+      row.angle_error = std::abs(off.angle());
+    }
+    rows.table().rows.push_back(std::move(row));
+  }
+  return std::move(rows.table());
+}
+
+KinematicTable sample_workspace(const Model& arm, const std::string& frame, int count) {
+  static constexpr int kPrimes[] = {2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37};
+  require(arm.joints() <= 12, "kinematics: found ", arm.joints(),
+          " joints, expected at most 12 for a sampled workspace.");
+  const MotionLimits limits = motion_limits(arm);
+  Rows rows(arm, frame);
+  rows.table().solver = "workspace";
+  VectorXd q(arm.joints());
+  for (int k = 1; k <= count; ++k) {
+    for (Eigen::Index i = 0; i < q.size(); ++i)
+      q[i] = limits.lower[i] + halton(k, kPrimes[i]) * (limits.upper[i] - limits.lower[i]);
+    rows.table().rows.push_back(rows.row(q));
+  }
+  return std::move(rows.table());
+}
+
+ArmDrawing arm_drawing(const Model& arm, const VectorXd& q) {
+  ArmDrawing out;
+  for (std::size_t k = 0; k < arm.frames().size(); ++k) {
+    const Eigen::Matrix4d T = frame_pose(arm, q, static_cast<int>(k));
+    out.points.push_back(T.topRightCorner<3, 1>());
+    out.parents.push_back(arm.frames()[k].parent);
+  }
+  return out;
+}
+
+std::string KinematicTable::report() const {
+  std::vector<double> condition;
+  double nearest = std::numeric_limits<double>::infinity(), farthest = 0.0;
+  for (const KinematicRow& row : rows) {
+    condition.push_back(row.position.condition);
+    const double reach = row.T_world_tip.translation().norm();
+    nearest = std::min(nearest, reach);
+    farthest = std::max(farthest, reach);
+  }
+  std::sort(condition.begin(), condition.end());
+  std::string out = fmt::format("{}, frame {}: {} posture{}, {}.\n", robot, frame, rows.size(),
+                                rows.size() == 1 ? "" : "s", solver);
+  if (rows.size() == 1) {
+    const Eigen::Vector3d p = rows.front().T_world_tip.translation();
+    const Eigen::Quaterniond r(rows.front().T_world_tip.linear());
+    out += fmt::format("Tip at {:.6f} {:.6f} {:.6f} m, quaternion (w, x, y, z) {:.6f} {:.6f} {:.6f} {:.6f}.\n",
+                       p.x(), p.y(), p.z(), r.w(), r.x(), r.y(), r.z());
+    out += "Joints";
+    for (Eigen::Index i = 0; i < rows.front().q.size(); ++i)
+      out += fmt::format(" {} {:.6f}", joints[static_cast<size_t>(i)], rows.front().q[i]);
+    out += ".\n";
+  } else if (!rows.empty()) {
+    out += fmt::format("Tip from {:.4g} to {:.4g} m off the base.\n", nearest, farthest);
+  }
+  if (!condition.empty())
+    out += fmt::format("Condition of the position Jacobian: least {:.3g}, median {:.3g}, largest {:.3g}.\n",
+                       condition.front(), condition[condition.size() / 2], condition.back());
+  if (solver != "forward" && solver != "workspace")
+    out += fmt::format("{} of {} poses not reached.\n", unreached(), rows.size());
+  return out;
+}
+
+void write_kinematic_rows(const KinematicTable& table, const std::string& path,
+                          JacobianColumns jacobian) {
+  OutputFile file(path);
+  std::ostream& out = file.stream();
+  std::string head = table.has_time ? "t" : "";
+  const auto add = [&](const std::string& name) { head += (head.empty() ? "" : ",") + name; };
+  for (std::size_t i = 0; i < table.joints.size(); ++i) add(fmt::format("q{}", i + 1));
+  for (const char* name : {"x", "y", "z", "qw", "qx", "qy", "qz", "condition", "smallest",
+                           "manipulability", "pose_condition"})
+    add(name);
+  const bool inverse = table.solver != "forward" && table.solver != "workspace";
+  if (inverse) head += ",status,position_error,angle_error";
+  if (jacobian == JacobianColumns::kWith) {
+    for (int r = 1; r <= 6; ++r) {
+      for (std::size_t i = 0; i < table.joints.size(); ++i) head += fmt::format(",J{}_{}", r, i + 1);
+    }
+  }
+  out << head << '\n';
+  for (const KinematicRow& row : table.rows) {
+    std::string line = table.has_time ? fmt::format("{:.9g}", row.time) : "";
+    const auto number = [&](double x) {
+      line += (line.empty() ? "" : ",") + (std::isfinite(x) ? fmt::format("{:.10g}", x) : std::string());
+    };
+    for (const double q : row.q) number(q);
+    const Eigen::Vector3d p = row.T_world_tip.translation();
+    const Eigen::Quaterniond r(row.T_world_tip.linear());
+    for (const double x : {p.x(), p.y(), p.z(), r.w(), r.x(), r.y(), r.z(), row.position.condition,
+                           row.position.smallest, row.position.manipulability, row.pose.condition})
+      number(x);
+    if (inverse)
+      line += fmt::format(",{},{:.4g},{:.4g}", row.status, row.position_error, row.angle_error);
+    if (jacobian == JacobianColumns::kWith) {
+      for (Eigen::Index r6 = 0; r6 < 6; ++r6) {
+        for (Eigen::Index i = 0; i < row.jacobian.cols(); ++i) number(row.jacobian(r6, i));
+      }
+    }
+    out << line << '\n';
+  }
+  file.commit();
+}
+
+}  // namespace veridyn

@@ -1,0 +1,13 @@
+#pragma once
+
+#include "veridyn/cooperation/scenario_run.hpp"
+
+namespace veridyn {
+
+/// A run with room for so many rows.
+ScenarioRun empty_run(const Scenario& scenario, const std::string& engine, Eigen::Index rows);
+
+/// Keeps the first rows alone.
+void cut(ScenarioRun& run, Eigen::Index rows);
+
+}  // namespace veridyn

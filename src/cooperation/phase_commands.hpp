@@ -1,0 +1,12 @@
+#pragma once
+
+#include "veridyn/control/cooperative_controller.hpp"
+#include "veridyn/cooperation/scenario.hpp"
+
+namespace veridyn {
+
+/// Gives a command of a phase to the controller; letting go and taking hold also need the world.
+/// False where the controller refuses it.
+bool give_command(const ScenarioCommand& command, CooperativeController& control) noexcept;
+
+}  // namespace veridyn

@@ -1,0 +1,55 @@
+#include <algorithm>
+#include <cmath>
+
+#include "loop_search.hpp"
+#include "math/parallel.hpp"
+
+namespace veridyn {
+namespace {
+
+constexpr double kLargestFactor = 10.0;
+constexpr int kFrequencies = 160;
+
+// The worst radius of a sample: a corner of the parameters' box by its seed.
+double sampled_radius(Scenario scenario, double factor, unsigned seed) {
+  scenario.seed = seed;
+  scenario.model_error *= factor;
+  double worst = 0.0;
+  for (const RestPoint& p : rest_points(scenario)) worst = std::max(worst, loop_radius(p.loop, scenario));
+  return worst;
+}
+
+}  // namespace
+
+StabilityBounds bound_stability(const Scenario& scenario, int samples, int threads) {
+  Scenario short_one = scenario;  // points at the ends of the first and the last phase say enough
+  if (short_one.phases.size() > 2)
+    short_one.phases.erase(short_one.phases.begin() + 1, short_one.phases.end() - 1);
+  StabilityBounds out;
+  out.samples = samples;
+  out.share = scenario.model_error;
+  std::vector<double> radius(static_cast<size_t>(samples)), factor(radius);
+  parallel_for(samples, threads, [&](int k) {
+    const auto seed = static_cast<unsigned>(k + 1);
+    const auto i = static_cast<size_t>(k);
+    radius[i] = sampled_radius(short_one, 1.0, seed);
+    factor[i] = first_crossing([&](double f) { return sampled_radius(short_one, f, seed); }, 0.5,
+                               kLargestFactor, 6);
+  });
+  for (const double r : radius) out.unstable += r > kUnstable ? 1 : 0;
+  out.worst_radius = *std::max_element(radius.begin(), radius.end());
+  out.factor = *std::min_element(factor.begin(), factor.end());
+  out.factor_bounded = out.factor < kLargestFactor;
+
+  // Small gain: the largest singular value over frequency from a torque that is missing, weighted
+  // by M_known^-1/2, to M_known^1/2 y.
+  double largest = 0.0;
+  Scenario exact = short_one;
+  exact.model_error = 0.0;
+  for (const RestPoint& p : rest_points(exact))
+    largest = std::max(largest, torque_error_gain(p.loop, exact, kFrequencies));
+  out.guaranteed_mass_error = largest > 0.0 ? 1.0 / largest : 0.0;
+  return out;
+}
+
+}  // namespace veridyn

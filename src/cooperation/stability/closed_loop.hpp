@@ -1,0 +1,123 @@
+#pragma once
+
+#include <utility>
+#include <vector>
+
+#include "linear_arm.hpp"
+
+namespace veridyn {
+
+/// A member or a wall about a point of rest.
+struct LinearElement {
+  int from = -1, to = -1;  ///< arms; -1: the world
+  Eigen::Vector3d u{Eigen::Vector3d::UnitX()};  ///< its line in the world, from `from` to `to`
+  double length = 0.0;     ///< [m]; infinite for a wall: its line does not turn
+  double force = 0.0;      ///< [N] at rest, pulling positive
+  bool attached = true;    ///< false: let go, nothing acts
+};
+
+/// All arms and what lies between them about one point of rest.
+struct LinearPoint {
+  std::vector<LinearArm> arms;
+  std::vector<LinearElement> elements;  ///< members, then walls
+};
+
+/// How nonlinear parts enter a linear loop.
+struct LoopSettings {
+  double reading_gain = 1.0;      ///< by which every force reading is multiplied
+  int extra_delay = 0;            ///< [cycles] of every force reading, beyond the scenario's
+  double integral = 1.0;          ///< share of a force law's integral gain that acts
+  double increment_gain = 0.0;    ///< [m/(N s)] in place of a law of increments
+  double wanted = 0.0;  ///< [N] by which every wanted force is off its point of rest, for responses
+  double friction_amplitude = 0;  ///< [m] of the tip, for describing functions; 0: as if far larger
+};
+
+/// The linearised closed loop of a scenario: one control cycle after the other, exactly as
+/// Experiment::step() does them, about a point of rest. Between cycles the arms and the object move
+/// by the matrix exponential of their equations.
+///
+/// Sensors that are slower than the loop make it periodic: hyperperiod() cycles repeat.
+class ClosedLoop {
+ public:
+  ClosedLoop(const LinearPoint& point, const Scenario& scenario, const LoopSettings& settings);
+
+  int states() const { return states_; }
+  int hyperperiod() const { return hyperperiod_; }
+  double period() const { return period_; }
+
+  /// Every column of X (states x any) through cycle k; the wanted forces are those of the settings.
+  void advance(long k, MatrixXd& X) const;
+
+  /// Of a whole hyperperiod, (states x states); wanted forces at rest.
+  MatrixXd map() const;
+
+  /// What a constant torque on the joints adds to their positions and velocities in one cycle.
+  const MatrixXd& torque_input() const { return input_; }
+  int joints() const { return joints_; }
+
+  /// Position and velocity of all joints, arm after arm: rows of X.
+  int position_row(int arm) const { return arm_[static_cast<size_t>(arm)].q; }
+  int velocity_row(int arm) const { return joints_ + arm_[static_cast<size_t>(arm)].q; }
+  int correction_row(int element) const { return element_[static_cast<size_t>(element)].x_f; }
+  /// (states): the true force of an element.
+  VectorXd tension_row(int element) const;
+  /// (states): what the force law of an element reads in cycle k, before the cycle; without filter.
+  VectorXd reading_row(int element, long k) const;
+  /// Whether a new sample arrives in cycle k.
+  bool arrives(int element, long k) const;
+
+ private:
+  struct Arm {
+    int q = 0;         // first row of positions; velocities lie joints_ below
+    int n = 0;
+    int observer = 0;  // first row of qh, vh, y, d
+    int motor = -1;    // of the lagging torque
+    int queue = -1;    // of torques on their way
+    bool gives_way = false;
+    Eigen::Matrix3d mass_inverse{Eigen::Matrix3d::Zero()};
+    Eigen::Matrix3d damping{Eigen::Matrix3d::Zero()}, stiffness{Eigen::Matrix3d::Zero()};
+    MatrixXd friction;  // (n x 3): torque per error in the base
+  };
+  struct Element {
+    int line = 0, held = 0, filtered = -1, x_f = -1;
+    int delay = 0;            // [cycles]
+    double ratio = 1.0;       // samples per cycle
+    double share_from = 0.0, share_to = 0.0;
+    double value = 0.0;       // x_f at rest [m]
+    ForceLaw law;
+    double stiffness = 0.0, damping = 0.0;
+    double smoothing = 1.0;
+  };
+
+  void lay_out(const LinearPoint& point, const Scenario& scenario);
+  void prepare_arm(int k, const Scenario& scenario);
+  void prepare_element(int k, const Scenario& scenario);
+  void prepare_plant();
+  MatrixXd line_map(int k) const;  // (3 x joints): end minus start, true
+  bool sampled(const Element& e, long k) const;
+  void read(long k, const Element& e, const MatrixXd& tension, MatrixXd& X, bool& fresh) const;
+  MatrixXd law(long k, const Element& e, const MatrixXd& reading, const MatrixXd& rate,
+               bool fresh, MatrixXd& X) const;
+
+  LinearPoint point_;
+  LoopSettings settings_;
+  std::vector<Arm> arm_;
+  std::vector<Element> element_;
+  MatrixXd transition_, input_;  // of all joints over one cycle
+  double period_ = 1e-3;
+  double p_ = 0.0;                    // pole of the velocity observer
+  double observer_ = 0.0;             // [1/s]
+  double motor_ = 1.0;                // share of a torque's change that acts in a cycle
+  int torque_delay_ = 0;
+  int joints_ = 0, states_ = 0, hyperperiod_ = 1;
+};
+
+/// Largest modulus of the eigenvalues of a square matrix; infinite where it is not finite.
+double spectral_radius(const MatrixXd& A);
+std::vector<std::pair<double, double>> eigenvalues(const MatrixXd& A);
+
+/// exp(A t) with its integral's effect on a constant input B: both of one exponential.
+void discretise(const MatrixXd& A, const MatrixXd& B, double t, MatrixXd& transition,
+                MatrixXd& input);
+
+}  // namespace veridyn

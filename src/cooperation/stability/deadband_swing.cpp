@@ -1,0 +1,92 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "loop_search.hpp"
+
+namespace veridyn {
+namespace {
+
+constexpr double kLongest = 12.0;  // [s] of the iteration
+constexpr double kSettling = 1.0;  // [s] before the law acts: arms stand where the force is none
+constexpr double kLast = 1.0;      // [s] in which corrections tell whether the loop swings
+
+// Smallest integral gain at which the loop swings.
+double critical_gain(const LinearPoint& point, const Scenario& scenario) {
+  const auto radius = [&](double gain) {
+    LoopSettings s;
+    s.increment_gain = gain;
+    return loop_radius(point, scenario, s);
+  };
+  return first_crossing(radius, 1e-5, 10.0, 60);
+}
+
+}  // namespace
+
+DeadbandSwing deadband_swing(const LinearPoint& point, const Scenario& scenario, int index) {
+  const ScenarioMember& m = scenario.members[static_cast<size_t>(index)];
+  DeadbandSwing out;
+  out.member = m.name;
+  const double samples = std::min(m.sensor.rate, scenario.control.rate);
+  out.largest_gain = m.law.deadband > 0.0
+                         ? 2.0 * m.law.increment * samples / (M_PI * m.law.deadband)
+                         : std::numeric_limits<double>::infinity();
+  out.critical_gain = critical_gain(point, scenario);
+  out.describing_function_swings = out.largest_gain > out.critical_gain;
+
+  // x <- A_k (x + e_xf increment), with the reading that arrives in cycle k as a row.
+  const ClosedLoop loop(point, scenario, {});
+  const int cycles = loop.hyperperiod();
+  const long begin = 1000L * cycles;
+  std::vector<MatrixXd> A;
+  std::vector<VectorXd> readings;
+  std::vector<char> fresh;
+  for (int k = 0; k < cycles; ++k) {
+    MatrixXd X = MatrixXd::Identity(loop.states(), loop.states());
+    loop.advance(begin + k, X);
+    A.push_back(X);
+    readings.emplace_back(loop.reading_row(index, begin + k));
+    fresh.push_back(loop.arrives(index, begin + k) ? 1 : 0);
+  }
+  const int row = loop.correction_row(index);
+  VectorXd x = VectorXd::Zero(loop.states());
+  // The force begins at none: the correction lacks what stretches the member.
+  const double start = point.elements[static_cast<size_t>(index)].force / m.stiffness;
+  x[row] = -start;
+  const auto settling = static_cast<long>(kSettling * scenario.control.rate) / cycles * cycles;
+  for (long k = 0; k < settling; ++k) x = (A[static_cast<size_t>(k % cycles)] * x).eval();
+  const auto steps = static_cast<long>(kLongest * scenario.control.rate);
+  const auto last = steps - static_cast<long>(kLast * scenario.control.rate);
+  const VectorXd tension = loop.tension_row(index);
+  double least = 0.0, most = 0.0;
+  int corrections = 0, turns = 0;
+  double direction = 0.0;
+  for (long k = 0; k < steps; ++k) {
+    const auto phase = static_cast<size_t>(k % cycles);
+    if (fresh[phase] != 0) {
+      const double error = -readings[phase].dot(x);
+      if (std::abs(error) > m.law.deadband) {
+        const double sign = error < 0.0 ? -1.0 : 1.0;
+        x[row] += sign * m.law.increment;
+        if (k >= last) {
+          ++corrections;
+          turns += sign != direction ? 1 : 0;
+        }
+        direction = sign;
+      }
+    }
+    x = (A[phase] * x).eval();
+    const double force = tension.dot(x);
+    if (k == last) least = most = force;
+    least = std::min(least, force);
+    most = std::max(most, force);
+    if (k < last) least = most = force;
+    if (!x.allFinite()) break;
+  }
+  out.swings = corrections > 0;
+  out.amplitude = 0.5 * (most - least);
+  out.frequency = 0.5 * turns / kLast;
+  return out;
+}
+
+}  // namespace veridyn

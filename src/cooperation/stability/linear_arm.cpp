@@ -1,0 +1,105 @@
+#include "linear_arm.hpp"
+
+#include <cmath>
+
+#include "veridyn/control/arm_state.hpp"
+#include "veridyn/control/friction_compensation.hpp"
+#include "veridyn/control/task_inverse.hpp"
+
+namespace veridyn {
+namespace {
+
+constexpr double kStep = 1e-5;      // [rad], [m] of central differences: errors of 1e-10
+constexpr double kSlow = 0.01;      // [rad/s], [m/s]: dry friction slides, drag is small
+constexpr double kDeadbandTurn = 0.0015, kDeadbandSlide = 0.0003;
+
+// Torques that hold the arm at rest against a force f on the tip, in the arm's own base.
+VectorXd holding(ArmState& state, const VectorXd& q, const VectorXd& rest,
+                 const Eigen::Vector3d& f_base) {
+  state.update(q, rest);
+  return state.bias() - state.tip().jacobian().topRows(3).transpose() * f_base;
+}
+
+MatrixXd slope(ArmState& state, const VectorXd& q, const Eigen::Vector3d& f_base) {
+  const VectorXd rest = VectorXd::Zero(q.size());
+  MatrixXd out(q.size(), q.size());
+  VectorXd at = q;
+  for (Eigen::Index i = 0; i < q.size(); ++i) {
+    at[i] = q[i] + kStep;
+    const VectorXd up = holding(state, at, rest, f_base);
+    at[i] = q[i] - kStep;
+    out.col(i) = (up - holding(state, at, rest, f_base)) / (2.0 * kStep);
+    at[i] = q[i];
+  }
+  return out;
+}
+
+// Friction of a model where the state stands: levels, and what grows with speed.
+struct Sliding {
+  std::vector<VectorXd> axis;
+  std::vector<double> level, deadband;
+  MatrixXd drag;
+};
+
+Sliding sliding(const Model& model, const ArmState& state) {
+  FrictionOptions options;
+  options.share = 1.0;
+  FrictionCompensation friction(model, options);
+  const VectorXd rest = VectorXd::Zero(model.joints());
+  friction.update(state, rest, rest, 1e-3);
+  Sliding out;
+  out.drag = MatrixXd::Zero(model.joints(), model.joints());
+  for (int k = 0; k < friction.axes(); ++k) {
+    const auto odd = [&](double speed) {
+      return 0.5 * (friction.sliding(k, 1.0, speed) - friction.sliding(k, -1.0, speed));
+    };
+    const double drag = (odd(2.0 * kSlow) - odd(kSlow)) / kSlow;
+    const VectorXd& c = friction.axis(k);
+    out.drag += drag * c * c.transpose();
+    out.axis.push_back(c);
+    out.level.push_back(odd(kSlow) - drag * kSlow);
+    out.deadband.push_back(friction.prismatic(k) ? kDeadbandSlide : kDeadbandTurn);
+  }
+  return out;
+}
+
+}  // namespace
+
+LinearArm linear_arm(const ScenarioModels& models, const ScenarioArm& arm, const VectorXd& q,
+                     const Eigen::Vector3d& force, const Eigen::Vector3d& exerted) {
+  const Tip tip{arm.frame, arm.offset};
+  const VectorXd rest = VectorXd::Zero(q.size());
+  LinearArm out;
+  ArmState real(models.real, tip);
+  out.G = slope(real, q, models.R_world_base.transpose() * force);
+  real.update(q, rest);
+  out.M = real.mass_matrix();
+  out.J = models.R_world_base * real.tip().jacobian().topRows(3);
+  out.tip = models.p_world_base + models.R_world_base * real.tip().position();
+  const Sliding truth = sliding(models.real, real);
+  out.D = truth.drag;
+  ArmState known(models.known, tip);
+  out.R_world_base = models.R_world_base_known;
+  out.G_known = slope(known, q, -out.R_world_base.transpose() * exerted);
+  known.update(q, rest);
+  out.M_known = known.mass_matrix();
+  out.J_base = known.tip().jacobian().topRows(3);
+  out.J_known = out.R_world_base * out.J_base;
+  TaskInverse inverse(models.known, tip, TaskRows::kPosition);
+  inverse.update(known.tip().jacobian());
+  out.inverse = MatrixXd::Zero(q.size(), 3);
+  VectorXd column = rest;
+  for (Eigen::Index axis = 0; axis < 3; ++axis) {
+    Vector6d a = Vector6d::Zero();
+    a[axis] = 1.0;
+    inverse.solve(a, rest, column);
+    out.inverse.col(axis) = column;
+  }
+  out.free = MatrixXd::Identity(q.size(), q.size()) - out.inverse * out.J_base;
+  const Sliding belief = sliding(models.known, known);
+  for (size_t k = 0; k < truth.axis.size(); ++k)
+    out.friction.push_back({truth.axis[k], truth.level[k], belief.level[k], truth.deadband[k]});
+  return out;
+}
+
+}  // namespace veridyn

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <vector>
+
+#include "cooperation/scenario_models.hpp"
+#include "veridyn/control/tip_kinematics.hpp"
+#include "veridyn/cooperation/scenario.hpp"
+
+namespace veridyn {
+
+/// Dry friction along one axis of an arm, and what its controller believes of it.
+struct LinearFriction {
+  VectorXd axis;               ///< (n)
+  double level = 0.0;          ///< [N m], [N] of the arm, sliding slowly
+  double known_level = 0.0;    ///< as the controller knows it
+  double deadband = 0.0;       ///< [rad], [m]: FrictionOptions::position
+};
+
+/// An arm and its controller about a point of rest, to first order:
+///
+///   M ddq + D dq + G q = tau + J' f,     tau = M_known y + G_known q + ...
+///
+/// q counts from the point of rest; D and G hold friction that grows with speed and the change of
+/// gravity, springs and the resting force's moment with position.
+struct LinearArm {
+  MatrixXd M, D, G;          ///< (n x n), of the arm
+  MatrixXd J;                ///< (3 x n) of the tip, in the world
+  MatrixXd M_known, G_known; ///< (n x n), as the controller knows them
+  MatrixXd J_known;          ///< (3 x n), in the world
+  MatrixXd J_base;           ///< (3 x n) likewise, in the base
+  MatrixXd inverse;          ///< (n x 3): joints' share of an acceleration in the base
+  MatrixXd free;             ///< (n x n): what the task leaves of a posture's acceleration
+  Eigen::Matrix3d R_world_base{Eigen::Matrix3d::Identity()};
+  Eigen::Vector3d tip{Eigen::Vector3d::Zero()};  ///< [m] in the world
+  std::vector<LinearFriction> friction;
+  int joints() const { return static_cast<int>(M.rows()); }
+};
+
+/// @param q      (n) joints at rest.
+/// @param force  on the tip at rest, in the world [N]. @param exerted  likewise, on the object as
+///               the controller takes it into account; zero for a position loop.
+LinearArm linear_arm(const ScenarioModels& models, const ScenarioArm& arm, const VectorXd& q,
+                     const Eigen::Vector3d& force, const Eigen::Vector3d& exerted);
+
+}  // namespace veridyn

@@ -1,0 +1,94 @@
+#include "diagnosis/stages/channel_correction.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "diagnosis/shapes/refinement.hpp"
+#include "veridyn/effects/channel_effect.hpp"
+#include "veridyn/math/student_t.hpp"
+
+namespace veridyn {
+namespace {
+
+constexpr int kSteps = 8;
+constexpr int kHalvings = 3;
+
+// Values of one hypothesis fitted beside the base columns, with half widths of their intervals.
+struct Estimate {
+  EffectTerm term;
+  std::vector<double> values;
+  VectorXd half_widths;
+};
+
+std::optional<Estimate> estimate(const Questions& asked, const Hypothesis& h,
+                                 const DiagnosisOptions& options) {
+  const ColumnSet own = columns_of(asked.data, h);
+  if (own.empty() || own.size() != h.columns.size()) return std::nullopt;
+  const Selection fit = refit(asked.data, asked.q.base, {h}, options);
+  const double t = student_t_quantile(numerics::kOutside, fit.degrees_of_freedom);
+  Estimate out{asked.q.augmented.model.effects()[static_cast<size_t>(h.term)], {}, {}};
+  out.half_widths.resize(static_cast<Eigen::Index>(own.size()));
+  const auto first = static_cast<Eigen::Index>(fit.columns.size() - own.size());
+  for (Eigen::Index p = 0; p < out.half_widths.size(); ++p) {
+    out.values.push_back(fit.values[first + p]);
+    out.half_widths[p] = t * fit.standard_deviations[first + p];
+  }
+  return out;
+}
+
+// The same hypothesis asked of another arm.
+const Hypothesis* same(const Questions& asked, const Hypothesis& h) {
+  for (const Hypothesis& other : asked.q.augmented.hypotheses) {
+    if (other.family == h.family) return &other;
+  }
+  return nullptr;
+}
+
+// Relative errors multiply, others add.
+double together(double a, double b, const std::string& unit) {
+  return unit == "1" ? (1.0 + a) * (1.0 + b) - 1.0 : a + b;
+}
+
+}  // namespace
+
+std::optional<CorrectedChannel> correct_channel(const Investigation& x, const Questions& asked,
+                                                const Hypothesis& h) {
+  std::optional<Estimate> step = estimate(asked, h, x.options);
+  if (!step) return std::nullopt;
+  const std::vector<EffectParameter> parameters = find_effect(h.effect).parameters();
+  CorrectedChannel out{x.start, std::vector<double>(step->values.size(), 0.0), {}};
+  bool moved = false;
+  for (int k = 0; k < kSteps && step; ++k) {
+    out.half_widths = step->half_widths;
+    // Once a step is small beside its own uncertainty there is nothing left to gain.
+    bool matters = k == 0;
+    for (size_t p = 0; p < step->values.size(); ++p)
+      matters = matters || std::abs(step->values[p]) >
+                               0.5 * 0.5 * step->half_widths[static_cast<Eigen::Index>(p)];
+    if (!matters) break;
+    bool better = false;
+    for (int halving = 0; halving < kHalvings && !better; ++halving) {
+      const Identification candidate =
+          x.look(with_channel_error(*out.corrected.model, step->term, step->values));
+      better = candidate.model && log_training_error(candidate) < log_training_error(out.corrected);
+      if (!better) {
+        for (double& value : step->values) value *= 0.5;
+        continue;
+      }
+      out.corrected = candidate;
+    }
+    if (!better) break;
+    moved = true;
+    for (size_t p = 0; p < out.values.size(); ++p)
+      out.values[p] = together(out.values[p], step->values[p], parameters[p].unit_revolute);
+    QuestionList list = x.list();
+    list.wanted = {h.effect};
+    const Questions again = ask(x, list, out.corrected);
+    const Hypothesis* same_one = same(again, h);
+    step = same_one == nullptr ? std::nullopt : estimate(again, *same_one, x.options);
+  }
+  if (!moved) return std::nullopt;
+  return out;
+}
+
+}  // namespace veridyn

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "diagnosis/stages/investigation.hpp"
+
+namespace veridyn {
+
+/// The error of a channel (gain, delay, zero) or of the base (tilt) after it was corrected as often
+/// as that lowers the training error.
+struct CorrectedChannel {
+  Identification corrected;     ///< the arm with the error undone
+  std::vector<double> values;   ///< sizes of the error
+  VectorXd half_widths;         ///< of their 95 % intervals, from the last step
+};
+
+/// Columns of such an error are derivatives, right for small errors only. Steps of Gauss and Newton
+/// with halving make it right for large ones: whatever its size, what counts is whether the arm
+/// with the error undone predicts the training recordings better.
+///
+/// @param h      a hypothesis of asked.q that is a channel's error.
+/// @returns nothing if no step lowers the training error.
+std::optional<CorrectedChannel> correct_channel(const Investigation& x, const Questions& asked,
+                                                const Hypothesis& h);
+
+}  // namespace veridyn

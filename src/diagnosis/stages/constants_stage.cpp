@@ -1,0 +1,90 @@
+#include <algorithm>
+#include <utility>
+
+#include "diagnosis/causes/geometry.hpp"
+#include "diagnosis/causes/wrong_constant.hpp"
+#include "diagnosis/evidence/held_out.hpp"
+#include "diagnosis/causes/effect_facts.hpp"
+#include "diagnosis/finding_words.hpp"
+#include "diagnosis/stages/channel_correction.hpp"
+#include "diagnosis/stages/investigation.hpp"
+#include "veridyn/effects/cause.hpp"
+
+// Wrong constants of the robot file against errors of the channels and a tilt of the base, which can
+// do much the same: an angle of the table is the zero of an encoder, the pose of the first frame the
+// tilt of the base. Both are judged after they were undone completely; the channel is the commoner
+// fault, and goes first where it does as much.
+
+namespace veridyn {
+namespace {
+
+// Channel errors that gain so much beside the base that they may stand for the constant.
+std::vector<Hypothesis> channels_in_question(const Investigation& x, const Questions& asked,
+                                             const WrongConstant& wrong) {
+  std::vector<Hypothesis> out;
+  for (const auto& [h, gain] : wrong.instead) {
+    const bool near = gain > x.options.thresholds.weaker_rival * wrong.finding.gain;
+    if (is_channel(h) && near && out.size() < 2 && !columns_of(asked.data, h).empty())
+      out.push_back(h);
+  }
+  return out;
+}
+
+double p_value_beside_base(const Questions& asked, const Hypothesis& h,
+                           const DiagnosisOptions& options) {
+  const std::vector<Hypothesis> one = {h};
+  const Examiner examiner(asked.data, asked.q.base, one, options);
+  const auto base = examiner.stand({});
+  return examiner.p_value(0, *base, examiner.without_clusters(*base));
+}
+
+void correct(const Questions& asked, const Hypothesis& h, const CorrectedChannel& channel,
+             double gain, double p_value, Investigation& x) {
+  Finding f = channel_finding(asked.q, h, channel.values, channel.half_widths);
+  f.gain = gain;
+  f.p_value = p_value;
+  f.test_before = x.start.test_error.relative;
+  f.test_after = channel.corrected.test_error.relative;
+  f.explains = explained_share(f.test_before, f.test_after, x.d.baseline);
+  f.status = status_of(f);
+  x.d.findings.push_back(std::move(f));
+  x.start = channel.corrected;
+}
+
+}  // namespace
+
+void correct_constants(Investigation& x) {
+  if (x.d.changes || !x.asks_for(KinematicError::kName)) return;
+  const Model arm = *x.start.model;
+  const std::vector<GeometryFinding> geometry =
+      profile_geometry(arm, x.train, x.options.identification, x.options.thresholds);
+  if (geometry.empty()) return;
+  const Questions asked = ask(x, x.list(), x.start);
+  std::optional<WrongConstant> wrong =
+      wrong_constant(arm, geometry, asked.q, asked.data, x.train, x.options);
+  if (!wrong) return;
+  for (const Hypothesis& h : channels_in_question(x, asked, *wrong)) {
+    const std::optional<CorrectedChannel> channel = correct_channel(x, asked, h);
+    if (!channel) continue;
+    const double gain = correction_gain(*channel->corrected.model, asked.q, asked.data, x.train,
+                                        x.options.identification);
+    if (gain < x.options.thresholds.commoner_cause * wrong->finding.gain) continue;
+    correct(asked, h, *channel, gain, p_value_beside_base(asked, h, x.options), x);
+    return;
+  }
+  const Identification corrected =
+      x.look(with_constant(arm, geometry.front().constant, geometry.front().found));
+  if (!corrected.model) return;
+  Finding& f = wrong->finding;
+  f.test_before = x.start.test_error.relative;
+  f.test_after = corrected.test_error.relative;
+  f.explains = explained_share(f.test_before, f.test_after, x.d.baseline);
+  f.status = status_of(f);
+  if (x.options.extended == ExtendedModel::kConfirmedOnly &&
+      f.status == FindingStatus::kNotConfirmed)
+    return;
+  x.d.findings.push_back(std::move(f));
+  x.start = corrected;
+}
+
+}  // namespace veridyn

@@ -1,0 +1,65 @@
+#include <algorithm>
+#include <set>
+
+#include "diagnosis/causes/effect_facts.hpp"
+#include "diagnosis/findings.hpp"
+#include "diagnosis/stages/investigation.hpp"
+
+// A robot file without friction, as makers publish them: what every joint has is asked first and of
+// all joints together. Asked one at a time beside everything else, the first joint's friction is
+// looked for in residuals that the others fill, and comes back as a power law or a Stribeck curve.
+
+namespace veridyn {
+namespace {
+
+bool along(const Axis& axis, int joint) {
+  return std::abs(axis.coefficients[joint]) > (1.0 - numerics::kNoise) * axis.coefficients.norm();
+}
+
+// Joints on whose own axis the file has no friction.
+std::set<int> joints_without_friction(const Model& arm) {
+  std::set<int> out;
+  for (int i = 0; i < arm.joints(); ++i) {
+    const bool has = std::any_of(arm.effects().begin(), arm.effects().end(), [&](const auto& term) {
+      return is_friction(term.effect) && along(term.axis, i);
+    });
+    if (!has) out.insert(i);
+  }
+  return out;
+}
+
+}  // namespace
+
+void add_plain_friction(Investigation& x) {
+  if (x.d.changes) return;
+  const std::set<int> joints = joints_without_friction(*x.start.model);
+  if (joints.empty()) return;
+  QuestionList list = x.list();
+  list.wanted.clear();
+  for (const std::string& effect : elementary_effects()) {
+    if (x.asks_for(effect)) list.wanted.push_back(effect);
+  }
+  if (list.wanted.empty()) return;
+  Questions asked = ask(x, list, x.start);
+  auto& all = asked.q.augmented.hypotheses;
+  all.erase(std::remove_if(all.begin(), all.end(),
+                           [&](const Hypothesis& h) {
+                             return joints.count(h.joint) == 0 || columns_of(asked.data, h).empty();
+                           }),
+            all.end());
+  Selection needed = keep_needed(asked.data, asked.q.base, all, x.options);
+  if (needed.accepted.empty()) return;
+  const Fit fit =
+      fit_accepted(x.start, asked.q, needed, x.d.changes, x.train, x.test, x.options);
+  const FindingWriter writer(asked.q, asked.data, needed, fit, x.start, x.d.changes, x.options);
+  const Identification extended = x.look(writer.extended_arm());
+  if (!extended.model) return;
+  const size_t first = x.d.findings.size();
+  writer.add_findings(x.d);
+  const std::vector<std::vector<std::string>> names = writer.parameter_names();
+  for (size_t k = first; k < x.d.findings.size(); ++k)
+    x.fitted_by_start[k] = names[k - first];
+  x.start = extended;
+}
+
+}  // namespace veridyn

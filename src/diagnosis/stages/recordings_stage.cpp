@@ -1,0 +1,128 @@
+#include <algorithm>
+#include <set>
+
+#include "diagnosis/causes/contacts.hpp"
+#include "diagnosis/stages/investigation.hpp"
+#include "math/parallel.hpp"
+#include "veridyn/effects/cause.hpp"
+
+// The stages that are about recordings and not about the arm.
+
+namespace veridyn {
+namespace {
+
+// A velocity that is not the derivative of its position in scale is taken from the position.
+void choose_velocities(Investigation& x) {
+  std::set<int> wrong;
+  for (RecordingQuality& recording : x.d.data_quality) {
+    for (QualityFinding& f : recording.findings) {
+      if (f.finding != "velocity_scale" || f.severity == Severity::kInfo || f.joint < 1) continue;
+      wrong.insert(f.joint - 1);
+      f.sentence += "; the velocity of this joint is taken from its position";
+    }
+  }
+  IdentificationOptions& how = x.options.identification;
+  how.preprocessing.derive_velocity_of.assign(wrong.begin(), wrong.end());
+  if (how.test_preprocessing)
+    how.test_preprocessing->derive_velocity_of = how.preprocessing.derive_velocity_of;
+}
+
+// The recordings are asked many times; their periods stay what they are.
+void remember_periods(Investigation& x) {
+  IdentificationOptions& how = x.options.identification;
+  std::map<std::string, double>& known = how.preprocessing.known_periods;
+  for (const auto* list : {&x.d.baseline.train, &x.d.baseline.test}) {
+    for (const RecordingError& r : *list) known.emplace(r.source, r.period);
+  }
+  if (how.test_preprocessing) how.test_preprocessing->known_periods = known;
+}
+
+void leave_out(const std::vector<LeftOut>& parts, Investigation& x) {
+  IdentificationOptions& how = x.options.identification;
+  how.preprocessing.left_out.insert(how.preprocessing.left_out.end(), parts.begin(), parts.end());
+  if (how.test_preprocessing) {
+    auto& there = how.test_preprocessing->left_out;
+    there.insert(there.end(), parts.begin(), parts.end());
+  }
+  x.d.left_out.insert(x.d.left_out.end(), parts.begin(), parts.end());
+}
+
+// Rows that are left out still show their friction.
+bool is_known(const Snag& snag, const std::vector<Snag>& known) {
+  return std::any_of(known.begin(), known.end(), [&snag](const Snag& other) {
+    return other.source == snag.source && other.joint == snag.joint && other.from < snag.to &&
+           snag.from < other.to;
+  });
+}
+
+void report(const Snag& snag, const Model& arm, Diagnosis& d) {
+  const Coordinate& joint = arm.coordinates()[static_cast<size_t>(snag.joint)];
+  QualityFinding f;
+  f.file = snag.source;
+  f.finding = "snag";
+  f.signal = "tau";
+  f.joint = snag.joint + 1;
+  f.value = snag.friction;
+  f.unit = effort_unit(joint);
+  f.severity = Severity::kWarning;
+  f.sentence = snag_text(snag, joint);
+  for (RecordingQuality& q : d.data_quality) {
+    if (q.file == snag.source) q.findings.push_back(f);
+  }
+}
+
+}  // namespace
+
+void check_quality(Investigation& x) {
+  std::vector<std::string> all = x.train;
+  for (const std::string& path : x.test) {
+    if (std::find(all.begin(), all.end(), path) == all.end()) all.push_back(path);
+  }
+  const PreprocessingOptions& how = x.options.identification.preprocessing;
+  x.d.data_quality.resize(all.size());
+  parallel_for(static_cast<int>(all.size()), x.options.identification.threads, [&](int k) {
+    x.d.data_quality[static_cast<size_t>(k)] =
+        check_recording(all[static_cast<size_t>(k)], reading_of(x.arm, how));
+  });
+  choose_velocities(x);
+}
+
+bool fit_baseline(Investigation& x) {
+  x.d.baseline = x.look(x.arm);
+  if (!x.d.baseline.model) return false;
+  remember_periods(x);
+  x.start = x.d.baseline;
+  return true;
+}
+
+bool exclude_snags(const Identification& seen, Investigation& x) {
+  if (!seen.model) return false;
+  std::vector<Snag> snags = find_snags(seen, x.options.thresholds);
+  snags.erase(std::remove_if(snags.begin(), snags.end(),
+                             [&x](const Snag& snag) { return is_known(snag, x.snags); }),
+              snags.end());
+  if (snags.empty()) return false;
+  for (const Snag& snag : snags) report(snag, x.arm, x.d);
+  x.snags.insert(x.snags.end(), snags.begin(), snags.end());
+  leave_out(left_out_rows(snags, seen), x);
+  const Identification again = x.look(x.arm);
+  if (again.model) x.d.baseline = again;
+  x.start = x.d.baseline;
+  return true;
+}
+
+bool exclude_contacts(const Identification& seen, Investigation& x) {
+  if (!x.asks_for(ExternalContact::kName) || !seen.model) return false;
+  const std::vector<Contact> contacts = find_contacts(seen, x.options.thresholds);
+  if (contacts.empty()) return false;
+  x.contacts = contacts.size();
+  leave_out(left_out_rows(contacts), x);
+  const Identification without = x.look(x.arm);
+  if (without.model) x.d.baseline = without;
+  x.d.findings.clear();
+  add_contacts(contacts, x.d.baseline, x.d);
+  x.start = x.d.baseline;
+  return true;
+}
+
+}  // namespace veridyn

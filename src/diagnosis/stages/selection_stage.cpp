@@ -1,0 +1,186 @@
+#include <algorithm>
+#include <set>
+#include <utility>
+
+#include "diagnosis/causes/ripple.hpp"
+#include "diagnosis/evidence/held_out.hpp"
+#include "diagnosis/causes/effect_facts.hpp"
+#include "diagnosis/finding_words.hpp"
+#include "diagnosis/findings.hpp"
+#include "diagnosis/shapes/refinement.hpp"
+#include "diagnosis/stages/channel_correction.hpp"
+#include "diagnosis/stages/investigation.hpp"
+#include "diagnosis/next_experiment.hpp"
+
+namespace veridyn {
+namespace {
+
+constexpr int kCycles = 2;
+constexpr int kChannels = 4;  // errors of channels that are corrected one after the other
+
+// One round of questions and what was accepted of them.
+struct Round : Questions {
+  Selection selection;
+  bool changed = true;  // from what it began with
+};
+
+std::vector<std::pair<Hypothesis, EffectTerm>> known_terms(const AugmentedModel& fitted) {
+  std::vector<std::pair<Hypothesis, EffectTerm>> out;
+  for (const Hypothesis& h : fitted.hypotheses) {
+    if (h.term >= 0) out.emplace_back(h, fitted.model.effects()[static_cast<size_t>(h.term)]);
+  }
+  return out;
+}
+
+// Where the fitted hypotheses stand in a longer list that begins with them.
+std::vector<int> same_ones(const AugmentedModel& fitted, const Inquiry& q) {
+  std::vector<int> out;
+  for (const Hypothesis& h : fitted.hypotheses) {
+    for (size_t k = 0; k < q.augmented.hypotheses.size(); ++k) {
+      if (q.augmented.hypotheses[k].family != h.family) continue;
+      if (std::find(out.begin(), out.end(), static_cast<int>(k)) != out.end()) continue;
+      out.push_back(static_cast<int>(k));
+      break;
+    }
+  }
+  return out;
+}
+
+// What was found before (constants, channels) counts; contacts are moments, and plain friction is
+// what every joint has.
+DiagnosisOptions for_the_rest(const Investigation& x) {
+  DiagnosisOptions out = x.options;
+  const size_t counted = x.d.findings.size() - x.contacts - x.fitted_by_start.size();
+  out.max_effects -= static_cast<int>(counted);
+  return out;
+}
+
+// `accepted`: to begin with; their terms are among those that the questions know.
+Round answer(const Investigation& x, Questions asked, const AugmentedModel* accepted = nullptr) {
+  const Inquiry& q = asked.q;
+  const std::vector<int> initial =
+      accepted == nullptr ? std::vector<int>() : same_ones(*accepted, q);
+  Selection selection =
+      select_effects(asked.data, q.base, q.augmented.hypotheses, for_the_rest(x), initial);
+  std::vector<int> chosen;
+  for (const Accepted& a : selection.accepted) chosen.push_back(a.evidence.hypothesis);
+  return {std::move(asked), std::move(selection), chosen != initial};
+}
+
+Fit fitted(const Investigation& x, Round& round) {
+  return fit_accepted(x.start, round.q, round.selection, x.d.changes, x.train, x.test, x.options);
+}
+
+const Hypothesis& accepted(const Round& round, size_t k) {
+  return round.q.augmented
+      .hypotheses[static_cast<size_t>(round.selection.accepted[k].evidence.hypothesis)];
+}
+
+// The error of a channel that was accepted first, or one so large that its derivative says little.
+std::optional<size_t> channel_to_correct(const Investigation& x, const Round& round) {
+  for (size_t k = 0; k < round.selection.accepted.size(); ++k) {
+    const Hypothesis& h = accepted(round, k);
+    if (!is_channel(h)) continue;
+    if (k == 0) return k;
+    const Selection alone = refit(round.data, round.q.base, {h}, x.options);
+    const size_t own = columns_of(round.data, h).size();
+    for (size_t p = alone.columns.size() - own; p < alone.columns.size(); ++p) {
+      if (std::abs(alone.values[static_cast<Eigen::Index>(p)]) > h.largest_value) return k;
+    }
+  }
+  return std::nullopt;
+}
+
+// A channel error that comes first is undone before anything else is asked: its columns are right
+// to first order only, and what they leave over would look like more causes. True if the questions
+// must be asked again: it was undone, or the recordings refused it.
+bool correct_first_channel(Investigation& x, const Round& round) {
+  const std::optional<size_t> at = channel_to_correct(x, round);
+  if (!at) return false;
+  const Hypothesis& h = accepted(round, *at);
+  const std::optional<CorrectedChannel> channel = correct_channel(x, round, h);
+  if (!channel) {
+    x.refused.insert(h.family);
+    return true;
+  }
+  Finding f = channel_finding(round.q, h, channel->values, channel->half_widths);
+  f.test_before = x.start.test_error.relative;
+  f.test_after = channel->corrected.test_error.relative;
+  f.status = status_of(f);
+  if (x.options.extended == ExtendedModel::kConfirmedOnly &&
+      f.status == FindingStatus::kNotConfirmed) {
+    x.refused.insert(h.family);
+    return true;
+  }
+  const Accepted& a = round.selection.accepted[*at];
+  f.p_value = a.evidence.p_value;
+  f.gain = a.evidence.gain;
+  f.rivals = rivals_of(round.q, round.data, h, a, x.d.changes);
+  f.explains = explained_share(f.test_before, f.test_after, x.d.baseline);
+  x.d.findings.push_back(std::move(f));
+  x.start = channel->corrected;
+  return true;
+}
+
+// The accepted ones against their rivals, all with refined constants.
+void challenge(const Investigation& x, QuestionList& list, std::optional<Round>& round,
+               std::optional<Fit>& fit) {
+  const auto rivals = refined_rivals(x.start, round->q, round->selection, x.d.changes, x.train,
+                                     x.options.identification);
+  if (rivals.empty()) return;
+  list.known = known_terms(fit->inquiry.augmented);
+  list.known.insert(list.known.end(), rivals.begin(), rivals.end());
+  round.emplace(answer(x, ask(x, list, x.start), &fit->inquiry.augmented));
+  if (round->changed) fit.emplace(fitted(x, *round));
+}
+
+// Values of effects that became part of the arm on the way are those of the last fit.
+void refresh_findings(Investigation& x) {
+  for (const auto& [k, names] : x.fitted_by_start) {
+    if (k < x.d.findings.size()) refresh(x.d.extended, names, x.d.findings[k]);
+  }
+}
+
+void write_down(Investigation& x, const Round& round, const Fit& fit) {
+  std::set<std::string> families;
+  for (const Hypothesis& h : round.q.augmented.hypotheses) families.insert(h.family);
+  x.d.hypotheses = static_cast<int>(families.size());
+  const FindingWriter writer(round.q, round.data, round.selection, fit, x.start, x.d.changes,
+                             x.options);
+  const size_t first = x.d.findings.size();
+  writer.add_findings(x.d);
+  writer.add_the_rest(x.d);
+  std::set<size_t> kept;
+  for (size_t k = first; k < x.d.findings.size(); ++k) {
+    if (x.options.extended == ExtendedModel::kAllFindings ||
+        x.d.findings[k].status == FindingStatus::kConfirmed)
+      kept.insert(k - first);
+  }
+  x.d.extended = kept.empty() ? x.start : x.look(writer.extended_arm(kept));
+  refresh_findings(x);
+  x.d.next_experiment = next_experiment(x.d);
+}
+
+}  // namespace
+
+void select_causes(Investigation& x) {
+  QuestionList list = x.list();
+  if (asks_for_waves(x.options.effects))
+    list.ripple_orders = ripple_orders(x.start, x.options.thresholds);
+  std::optional<Round> round(answer(x, ask(x, list, x.start)));
+  for (int turn = 0; turn < kChannels && correct_first_channel(x, *round); ++turn)
+    round.emplace(answer(x, ask(x, list, x.start)));
+  size_t selected = round->selection.accepted.size();
+  std::optional<Fit> fit(fitted(x, *round));
+  // Refined constants made some findings superfluous: what stood behind them is asked once more.
+  for (int cycle = 0; cycle < kCycles && round->selection.accepted.size() < selected; ++cycle) {
+    list.known = known_terms(fit->inquiry.augmented);
+    round.emplace(answer(x, ask(x, list, x.start), &fit->inquiry.augmented));
+    selected = round->selection.accepted.size();
+    fit.emplace(fitted(x, *round));
+  }
+  challenge(x, list, round, fit);
+  write_down(x, *round, *fit);
+}
+
+}  // namespace veridyn

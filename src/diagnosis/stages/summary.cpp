@@ -1,0 +1,60 @@
+#include <algorithm>
+#include <numeric>
+
+#include "diagnosis/evidence/held_out.hpp"
+#include "diagnosis/stages/investigation.hpp"
+
+namespace veridyn {
+namespace {
+
+// The fewest findings that together explain most of what all explain; the first one in any case,
+// and whatever is not about the model's torque.
+std::vector<char> main_ones(const Diagnosis& d, double share) {
+  std::vector<char> out(d.findings.size(), 0);
+  std::vector<size_t> order(d.findings.size());
+  std::iota(order.begin(), order.end(), size_t{0});
+  std::stable_sort(order.begin(), order.end(), [&d](size_t a, size_t b) {
+    return d.findings[a].explains > d.findings[b].explains;
+  });
+  double all = 0.0;
+  for (const Finding& f : d.findings) all += std::max(f.explains, 0.0);
+  double so_far = 0.0;
+  for (const size_t k : order) {
+    if (so_far >= share * all) break;
+    so_far += std::max(d.findings[k].explains, 0.0);
+    out[k] = 1;
+  }
+  bool first = true;
+  for (size_t k = 0; k < out.size(); ++k) {
+    const bool contact = d.findings[k].test_outside.size() > 0;
+    if (contact || first) out[k] = 1;
+    first = first && contact;
+  }
+  return out;
+}
+
+}  // namespace
+
+void summarize(Diagnosis& d, const Thresholds& thresholds) {
+  const std::vector<char> main = main_ones(d, thresholds.main_share);
+  for (size_t k = 0; k < d.findings.size(); ++k) d.findings[k].main = main[k] != 0;
+  std::stable_partition(d.findings.begin(), d.findings.end(),
+                        [](const Finding& f) { return f.main; });
+  DiagnosisSummary& s = d.summary;
+  for (size_t k = 0; k < d.findings.size(); ++k) {
+    Finding& f = d.findings[k];
+    f.rank = static_cast<int>(k) + 1;
+    s.main += static_cast<int>(f.main);
+    if (f.main) s.explained_by_main += f.explains;
+  }
+  const VectorXd& before = d.baseline.test_error.relative;
+  const VectorXd& after = d.extended.test_error.relative;
+  if (before.size() == 0 || after.size() != before.size()) return;
+  s.explained_by_all = explained_share(before, after, d.baseline);
+  for (Eigen::Index j = 0; j < before.size(); ++j) {
+    if (after[j] > (1.0 + thresholds.held_out_worse) * before[j])
+      s.worse_joints.push_back(static_cast<int>(j) + 1);
+  }
+}
+
+}  // namespace veridyn

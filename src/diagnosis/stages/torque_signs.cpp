@@ -1,0 +1,74 @@
+#include <algorithm>
+#include <cmath>
+
+#include "diagnosis/causes/effect_facts.hpp"
+#include "diagnosis/stages/investigation.hpp"
+#include "veridyn/effects/effect.hpp"
+
+// Friction takes power out of the arm. A joint whose friction comes out negative beyond doubt, when
+// no sign is asked for, has its torque recorded with the wrong sign, or another joint's torque.
+
+namespace veridyn {
+namespace {
+
+// Friction terms of one joint: how many standard deviations below zero the power is that they take.
+struct Power {
+  double sum = 0.0;       // of value * size of the column: torque that friction asks for
+  double variance = 0.0;
+};
+
+void report(Investigation& x, int joint, double deviations) {
+  const Coordinate& c = x.arm.coordinates()[static_cast<size_t>(joint)];
+  QualityFinding f;
+  f.file = x.train.front();
+  f.finding = "torque_sign";
+  f.signal = "tau";
+  f.joint = joint + 1;
+  f.value = -deviations;
+  f.unit = "standard deviations";
+  f.severity = Severity::kFault;
+  f.sentence = "friction of joint " + std::to_string(joint + 1) + " (" + c.name +
+               ") comes out negative beyond doubt: its torque is recorded with the wrong sign, or "
+               "is that of another joint; change the sign or the order of the columns";
+  for (RecordingQuality& q : x.d.data_quality) {
+    if (q.file == f.file) q.findings.insert(q.findings.begin(), f);
+  }
+}
+
+}  // namespace
+
+void check_torque_signs(Investigation& x) {
+  if (x.d.changes || !x.start.model) return;
+  const Model& arm = *x.start.model;
+  const std::vector<StandardParameter> parameters = standard_parameters(arm);
+  const std::vector<std::string> names = parameter_names(parameters);
+  std::vector<std::string> columns;
+  ColumnSet base;
+  const std::vector<int> independent = base_parameters(arm).independent;
+  for (const int j : independent) {
+    base.push_back(static_cast<int>(columns.size()));
+    columns.push_back(names[static_cast<size_t>(j)]);
+  }
+  const NormalBlocks data(x.start.factors, columns);
+  const Selection fit = refit(data, base, {}, x.options);
+  std::vector<Power> joints(static_cast<size_t>(arm.joints()));
+  for (size_t k = 0; k < independent.size(); ++k) {
+    const int e = parameters[static_cast<size_t>(independent[k])].effect;
+    if (e < 0 || !is_friction(arm.effects()[static_cast<size_t>(e)].effect)) continue;
+    const Axis& axis = arm.effects()[static_cast<size_t>(e)].axis;
+    if ((axis.coefficients.array() != 0.0).count() != 1) continue;
+    const auto at = static_cast<Eigen::Index>(k);
+    const double size = data.scale()[at];
+    Power& p = joints[static_cast<size_t>(main_coordinate(axis))];
+    p.sum += size * fit.values[at];
+    p.variance += std::pow(size * fit.standard_deviations[at], 2);
+  }
+  for (size_t i = 0; i < joints.size(); ++i) {
+    const double deviation = std::sqrt(joints[i].variance);
+    if (deviation <= 0.0) continue;
+    const double below = -joints[i].sum / deviation;
+    if (below > x.options.thresholds.negative_friction) report(x, static_cast<int>(i), below);
+  }
+}
+
+}  // namespace veridyn

@@ -1,0 +1,152 @@
+#include "veridyn/diagnosis/thresholds.hpp"
+
+#include <algorithm>
+
+#include "veridyn/math/require.hpp"
+#include "model/suggestion.hpp"
+
+namespace veridyn {
+
+// Seeds: those of `veridyn-hide-and-seek` on which the number was chosen. Numbers without seeds were
+// chosen from what the quantity means, or on the recordings that the reason names.
+const std::vector<ThresholdEntry>& threshold_table() {
+  using T = Thresholds;
+  static const std::vector<ThresholdEntry> kTable = {
+      {"smallest_gain", &T::smallest_gain,
+       "mean over folds of the fall of sum_j ln(held-out mean square) > smallest_gain",
+       "0.03 left 0.22 false names per diagnosis under periodic noise, 0.04 and the test of "
+       "significance none; smaller effects do not pay for themselves on another motion",
+       "1 to 5"},
+      {"smallest_change", &T::smallest_change,
+       "the same of an arm with values (a MODEL) > smallest_change",
+       "a model's values are estimates, and what they leave over is no change: of 16 unchanged arms "
+       "it left one false name of four; real changes gained 0.2 and more",
+       "1 to 4"},
+      {"fold_share", &T::fold_share, "share of the folds that improve >= fold_share",
+       "one recording of five may have a fault of its own; of four or more one may always disagree",
+       "1 to 5"},
+      {"significance", &T::significance,
+       "p of the parameters over clusters < significance / number of causes asked",
+       "the family-wise error rate of one diagnosis in twenty", ""},
+      {"tie", &T::tie, "gain > tie * best gain: the earlier question wins",
+       "gains that differ by less are equal within the scatter between folds", "1 to 5"},
+      {"rival_share", &T::rival_share,
+       "gain >= rival_share * best gain: tested as well; a constant must reach it",
+       "rivals within 20 % of the gain are a tie on the thesis's arm", ""},
+      {"own_cause", &T::own_cause,
+       "gain beside the finding < own_cause * gain in its place: a rival, else a cause of its own",
+       "a cause that keeps half of its gain explains something else", "1 to 5"},
+      {"rival_same_joint", &T::rival_same_joint,
+       "gain in its place >= rival_same_joint * own gain: listed, same joint",
+       "the true cause was listed in 36 of 42 cases of confused pairs", "31 to 42"},
+      {"rival_elsewhere", &T::rival_elsewhere,
+       "gain in its place >= rival_elsewhere * own gain: listed, another joint",
+       "farther causes need to come nearer to be worth an experiment", "31 to 42"},
+      {"refuting", &T::refuting,
+       "gain of the finding beside the rival > refuting: the rival is refuted",
+       "encompassing: what the finding explains beyond its rival must be well above smallest_gain",
+       "31 to 42"},
+      {"tested_candidates", &T::tested_candidates, "rank of the gain < tested_candidates: Wald test",
+       "the test costs a fit per cluster; no true cause stood farther back", "1 to 5"},
+      {"new_share", &T::new_share,
+       "share of a column's square that the others do not span > new_share",
+       "below it the data cannot answer: half of the digits of a double", ""},
+      {"compact_load", &T::compact_load,
+       "share of what ten columns of a load explain that a point mass explains >= compact_load",
+       "0.93 and more where there was a load, often below 0.6 where there was none, on 40 arms",
+       "1 to 10"},
+      {"impossible_fall", &T::impossible_fall,
+       "a changed parameter's fall <= impossible_fall * its value",
+       "friction cannot fall below nothing; a fifth is left to the error of both values", ""},
+      {"near_duplicate", &T::near_duplicate,
+       "ratio of two constants of one family < near_duplicate: asked whether they are one",
+       "neighbours of the grid of lengths, which steps by three", ""},
+      {"held_out_worse", &T::held_out_worse,
+       "error after > (1 + held_out_worse) * error before: the extended model is worse on this joint",
+       "errors of a joint that a finding does not concern move by a percent of themselves", ""},
+      {"main_share", &T::main_share,
+       "the first findings that explain main_share of what all explain are the main ones",
+       "what a reader must see first", ""},
+      {"negative_friction", &T::negative_friction,
+       "standard deviations that a joint's friction lies below zero > negative_friction: its torque "
+       "has the wrong sign",
+       "no sound recording comes near: friction is positive by tens of deviations", ""},
+      {"still_revolute", &T::still_revolute, "travel [rad] > still_revolute: the joint moves",
+       "friction holds a joint at rest against anything", ""},
+      {"still_prismatic", &T::still_prismatic, "travel [m] > still_prismatic: the joint moves",
+       "as above", ""},
+      {"constant_gain", &T::constant_gain,
+       "gain of a wrong constant >= constant_gain * smallest_gain",
+       "some hundred constants are looked at before one is proposed", "1 to 5"},
+      {"constant_worth", &T::constant_worth,
+       "fall of sum_j ln(mean square) at the first step of a profile > constant_worth",
+       "half of the smallest gain: the optimum gains more than the first step", ""},
+      {"constant_sharpness", &T::constant_sharpness,
+       "the mirrored value is worse by more than constant_sharpness * gain",
+       "improvement with both signs is flexibility and no wrong constant (thesis's arm)", ""},
+      {"constant_tie", &T::constant_tie,
+       "gain > constant_tie * best gain: a branch goes before the longest chain",
+       "a wrong angle between branches can be corrected in either", ""},
+      {"commoner_cause", &T::commoner_cause,
+       "gain of an encoder's zero or of a tilt > commoner_cause * gain of the constant: it goes first",
+       "an angle of the table and the zero of its encoder do the same; the zero is commoner",
+       "1 to 5"},
+      {"weaker_rival", &T::weaker_rival,
+       "gain of an effect >= weaker_rival * gain of the constant: listed as its rival",
+       "asked alone it hides the constant", ""},
+      {"ripple_waves", &T::ripple_waves, "waves per travel >= ripple_waves",
+       "fewer look like any smooth function of position", ""},
+      {"ripple_finest", &T::ripple_finest, "waves per travel < ripple_finest",
+       "gears of 100 with two waves per turn, three turns; also the number of orders looked at, by "
+       "which the significance of a ripple is divided",
+       ""},
+      {"ripple_prominence", &T::ripple_prominence,
+       "amplitude >= ripple_prominence * median of the spectrum",
+       "of 1200 amplitudes of noise one exceeds 3.3 medians", ""},
+      {"contact_threshold", &T::contact_threshold,
+       "residual > contact_threshold * its scatter elsewhere: a burst begins",
+       "five standard deviations of what is left over without contacts", "1 to 5"},
+      {"contact_peak", &T::contact_peak, "largest residual >= contact_peak * its scatter",
+       "a push is seen without doubt", "1 to 5"},
+      {"contact_direction", &T::contact_direction,
+       "|mean residual| >= contact_direction * largest: it pushes to one side",
+       "friction at a reversal swings to both sides", "1 to 5"},
+      {"contact_torque_share", &T::contact_torque_share,
+       "residual > contact_torque_share * the joint's largest torque",
+       "smaller bursts are friction at rest (UR10e)", ""},
+      {"contact_rest_share", &T::contact_rest_share,
+       "residual > contact_rest_share * friction of a joint at rest",
+       "friction at rest holds up to its whole level on either side; the UR10e's more", ""},
+      {"contact_shortest", &T::contact_shortest, "duration [s] >= contact_shortest",
+       "the low-pass smears anything shorter", ""},
+      {"contact_most_of_time", &T::contact_most_of_time,
+       "share of the recording in bursts <= contact_most_of_time",
+       "more is no moment", ""},
+      {"contact_per_minute", &T::contact_per_minute, "contacts per minute <= contact_per_minute",
+       "more belong to the motion; five are always allowed", ""},
+      {"contact_repeats", &T::contact_repeats,
+       "residual at the same phase of another period <= contact_repeats * size",
+       "what comes back with the motion is a property of the arm", "1 to 5"},
+      {"snag_prominence", &T::snag_prominence,
+       "extra friction of one place > snag_prominence * its scatter between recordings",
+       "the thesis's files 1 and 6 have 8 and 11, all others less than 4", ""},
+      {"snag_torque_share", &T::snag_torque_share,
+       "extra friction > snag_torque_share * the joint's rms torque",
+       "smaller friction may be anything", ""},
+      {"snag_widest", &T::snag_widest, "width <= snag_widest * travel",
+       "wider is friction of its own", ""},
+  };
+  return kTable;
+}
+
+const ThresholdEntry& find_threshold(const std::string& name) {
+  std::vector<std::string> names;
+  for (const ThresholdEntry& entry : threshold_table()) {
+    if (entry.name == name) return entry;
+    names.push_back(entry.name);
+  }
+  throw InvalidInput(text("found the threshold '", name, "'", did_you_mean(name, names),
+                          ", expected one of: ", listed(names), "."));
+}
+
+}  // namespace veridyn

@@ -1,0 +1,188 @@
+#include <charconv>
+#include <cmath>
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "dvrk/config/json_text.hpp"
+#include "veridyn/dvrk/gravity_chain.hpp"
+#include "recordings/csv/csv_layout.hpp"
+#include "recordings/csv/csv_lines.hpp"
+#include "veridyn/math/require.hpp"
+#include "model/suggestion.hpp"
+
+namespace veridyn::dvrk {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json row_json(const GravityRow& row) {
+  // The variable adds "offset" to what stands in theta or D, which is zero then.
+  return {{"name", row.joint},
+          {"type", row.prismatic ? "prismatic" : "revolute"},
+          {"mode", "active"},
+          {"offset", row.prismatic ? row.dh.d : row.dh.theta},
+          {"alpha", row.dh.alpha},
+          {"A", row.dh.a},
+          {"theta", row.prismatic ? row.dh.theta : 0.0},
+          {"D", row.prismatic ? 0.0 : row.dh.d},
+          {"mass", row.mass},
+          {"cx", row.com.x()},
+          {"cy", row.com.y()},
+          {"cz", row.com.z()}};
+}
+
+double number_at(const Json& row, const std::string& key, const std::string& where) {
+  const auto value = row.find(key);
+  require(value != row.end() && value->is_number(), where, ": found no number '", key,
+          "', expected one.");
+  return value->get<double>();
+}
+
+std::string word_at(const Json& row, const std::string& key, const std::string& where) {
+  const auto value = row.find(key);
+  require(value != row.end() && value->is_string(), where, ": found no text '", key,
+          "', expected one.");
+  return value->get<std::string>();
+}
+
+GravityRow row_of(const Json& json, const std::string& where) {
+  require(json.is_object(), where, ": found no object, expected a joint.");
+  GravityRow row;
+  row.joint = word_at(json, "name", where);
+  const std::string type = word_at(json, "type", where);
+  require(type == "revolute" || type == "prismatic", where, ": found the type '", type,
+          "', expected revolute or prismatic.");
+  row.prismatic = type == "prismatic";
+  row.dh.convention = DhConvention::kModified;
+  row.dh.a = number_at(json, "A", where);
+  row.dh.alpha = number_at(json, "alpha", where);
+  const double offset = number_at(json, "offset", where);
+  row.dh.d = number_at(json, "D", where) + (row.prismatic ? offset : 0.0);
+  row.dh.theta = number_at(json, "theta", where) + (row.prismatic ? 0.0 : offset);
+  row.mass = number_at(json, "mass", where);
+  for (int k = 0; k < 3; ++k) row.com[k] = number_at(json, std::string("c") + "xyz"[k], where);
+  return row;
+}
+
+// The number of a column called prefix + "3": 2; -1 if it is none.
+int joint_of(const std::string& column, const std::string& prefix) {
+  if (column.rfind(prefix, 0) != 0 || column.size() == prefix.size()) return -1;
+  int joint = 0;
+  const char* end = column.data() + column.size();
+  const auto [stop, error] = std::from_chars(column.data() + prefix.size(), end, joint);
+  return error == std::errc() && stop == end && joint > 0 ? joint - 1 : -1;
+}
+
+// Places of q1..qn and tau1..taun in a line.
+struct Columns {
+  std::map<int, std::size_t> q, tau;
+  std::size_t count = 0;
+};
+
+Columns columns_of(const std::vector<std::string>& fields, bool header, const std::string& where) {
+  Columns columns;
+  columns.count = fields.size();
+  if (!header) {
+    require(fields.size() % 2 == 0, where, ": found ", fields.size(),
+            " columns without a header, expected as many efforts as positions.");
+    const std::size_t n = fields.size() / 2;
+    for (std::size_t k = 0; k < n; ++k) {
+      columns.q[static_cast<int>(k)] = k;
+      columns.tau[static_cast<int>(k)] = n + k;
+    }
+    return columns;
+  }
+  for (std::size_t k = 0; k < fields.size(); ++k) {
+    if (const int joint = joint_of(fields[k], "q"); joint >= 0) columns.q[joint] = k;
+    if (const int joint = joint_of(fields[k], "tau"); joint >= 0) columns.tau[joint] = k;
+  }
+  const int n = static_cast<int>(columns.q.size());
+  require(n > 0 && columns.tau.size() == columns.q.size() && columns.q.rbegin()->first == n - 1 &&
+              columns.tau.rbegin()->first == n - 1,
+          where, ": found the header ", listed(fields), ", expected q1..qn and tau1..taun.");
+  return columns;
+}
+
+double number_in(const std::string& field, const std::string& where) {
+  double value = 0.0;
+  const char* end = field.data() + field.size();
+  const auto [stop, error] = std::from_chars(field.data(), end, value);
+  require(error == std::errc() && stop == end && std::isfinite(value), where, ": found '", field,
+          "', expected a finite number.");
+  return value;
+}
+
+}  // namespace
+
+std::string to_gravity_json(const GravityChain& chain, const std::string& model) {
+  Json joints = Json::array();
+  for (const GravityRow& row : chain.rows) joints.push_back(row_json(row));
+  Json errors = Json::object();
+  for (std::size_t k = 0; k < chain.joints.size(); ++k) {
+    const auto i = static_cast<Eigen::Index>(k);
+    errors[chain.joints[k]] = {{"largest_torque", chain.largest_torque[i]},
+                               {"largest_error", chain.largest_error[i]}};
+  }
+  const Json file = {
+      {"DH", {{"convention", "modified"}, {"joints", joints}}},
+      {"veridyn",
+       {{"arm", chain.arm},
+        {"model", model},
+        {"gravity", chain.gravity},
+        {"meaning",
+         "masses and centres stand for gravity torques of the whole arm, counterweights "
+         "included, not for single bodies"},
+        {"not_in_the_rows", chain.left_out},
+        {"gravity_torques", errors}}}};
+  return file.dump(2) + "\n";
+}
+
+GravityChain read_gravity_json(const std::string& content, const std::string& file) {
+  Json json = parse_json_text(content, file);
+  require(json.is_object() && json.contains("DH") && json["DH"].is_object() &&
+              json["DH"].contains("joints") && json["DH"]["joints"].is_array(),
+          file, ": found no DH/joints, expected a list of joints.");
+  require(json["DH"].contains("convention") && json["DH"]["convention"] == "modified", file,
+          ": found another DH convention, expected \"modified\".");
+  GravityChain chain;
+  for (const Json& joint : json["DH"]["joints"])
+    chain.rows.push_back(row_of(joint, text(file, ": DH/joints/", chain.rows.size())));
+  if (!json.contains("veridyn")) return chain;
+  const Json& about = json["veridyn"];
+  const std::string where = file + ": veridyn";
+  require(about.is_object(), where, ": found no object, expected one.");
+  if (about.contains("arm")) chain.arm = word_at(about, "arm", where);
+  if (about.contains("gravity")) chain.gravity = number_at(about, "gravity", where);
+  return chain;
+}
+
+StaticTorques read_static_torques(const std::string& path) {
+  CsvLines lines(path);
+  std::string_view line;
+  Columns columns;
+  std::vector<double> values;
+  char separator = ',';
+  while (lines.next(&line)) {
+    const std::string where = text(path, ":", lines.number());
+    const bool first = columns.count == 0;
+    if (first) separator = csv_separator(line);
+    const std::vector<std::string> fields = csv_fields(line, separator);
+    if (first) {
+      const bool header = !is_row_of_numbers(line);
+      columns = columns_of(fields, header, where);
+      if (header) continue;
+    }
+    require(fields.size() == columns.count, where, ": found ", fields.size(), " fields, expected ",
+            columns.count, " as above.");
+    for (const auto& [joint, k] : columns.q) values.push_back(number_in(fields[k], where));
+    for (const auto& [joint, k] : columns.tau) values.push_back(number_in(fields[k], where));
+  }
+  require(!values.empty(), path, ": found no rows of numbers, expected positions and efforts.");
+  const auto n = static_cast<Eigen::Index>(columns.q.size());
+  using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  const Eigen::Map<const Rows> all(values.data(),
+                                   static_cast<Eigen::Index>(values.size()) / (2 * n), 2 * n);
+  return {all.leftCols(n), all.rightCols(n)};
+}
+
+}  // namespace veridyn::dvrk

@@ -1,0 +1,309 @@
+#include "veridyn/dvrk/board_bus.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "veridyn/math/require.hpp"
+
+namespace veridyn::dvrk {
+namespace {
+
+constexpr double kQueryLatency = 10e-6;  // [s] section 8.3, #3
+constexpr double kQueryPerBoard = 10e-6;
+constexpr double kShortestWait = 0.001;  // [s] that a reply gets when the cycle is late already
+constexpr double kLateCycles = 2.5;      // timestamps of so many cycles tell of missed ones
+constexpr double kJump = 0.005;          // [s] between timestamp and clock: look at the board
+
+Condition condition_of(ReadResult result) {
+  switch (result) {
+    case ReadResult::kNotSent:
+      return Condition::kNotSent;
+    case ReadResult::kWrongSize:
+      return Condition::kWrongSize;
+    case ReadResult::kWrongHeader:
+      return Condition::kWrongHeader;
+    case ReadResult::kWrongCrc:
+      return Condition::kWrongCrc;
+    case ReadResult::kDropped:
+      return Condition::kDropped;
+    case ReadResult::kNoReply:
+    case ReadResult::kOk:
+      break;
+  }
+  return Condition::kNoReply;
+}
+
+Route everyone() {
+  return {kBroadcastNode, false, Destination::kBoard};
+}
+
+}  // namespace
+
+BoardBus::BoardBus(DatagramLink& link, const BusOptions& options)
+    : link_(link), options_(options), exchange_(link, log_) {
+  require(!options.boards.empty() && options.boards.size() <= kMaxBoards, "boards: found ",
+          options.boards.size(), " in use, expected 1 to 16.");
+  require(options.reply_timeout > 0.0 && options.rescan_timeout > 0.0,
+          "boards: timeouts must be positive.");
+  require(options.mtu >= 576, "boards: found an MTU of ", options.mtu, ", expected 576 or more.");
+  if (listens() && !options.announce) listen();
+  const std::set<int> ids(options.boards.begin(), options.boards.end());
+  require(ids.size() == options.boards.size(), "boards: an id is given twice.");
+  for (const int id : ids) {
+    require(id >= 0 && id < kMaxBoards, "boards: found id ", id, ", expected 0 to 15.");
+    Board b;
+    b.info.id = id;
+    b.command.board = static_cast<std::uint8_t>(id);
+    b.zero.fill(kZeroCurrent);
+    boards_.push_back(b);
+  }
+}
+
+void BoardBus::listen() noexcept {
+  exchange_.listen_only(options_.protocol == CycleProtocol::kBroadcast
+                            ? Exchange::Queries::kAllowed
+                            : Exchange::Queries::kNone);
+}
+
+void BoardBus::note(Condition condition, int board, int channel, std::uint32_t value) noexcept {
+  log_.note(condition, link_.now(), board, channel, value);
+}
+
+Route BoardBus::route(const Board& b) const {
+  return {static_cast<std::uint8_t>(b.info.node), false, Destination::kBoard};
+}
+
+bool BoardBus::one_group() const noexcept {
+  const int group = firmware_group(boards_.front().info.firmware);
+  return std::all_of(boards_.begin(), boards_.end(),
+                     [&](const Board& b) { return firmware_group(b.info.firmware) == group; });
+}
+
+void BoardBus::set_zero(int b, int channel, std::uint16_t bits) noexcept {
+  boards_[static_cast<size_t>(b)].zero[static_cast<size_t>(channel)] = bits;
+}
+
+// ---- reading
+
+void BoardBus::lose(Board& b, Condition why) noexcept {
+  b.valid = false;
+  b.loss = why;
+  ++b.lost_reads;
+}
+
+void BoardBus::lose_noted(Board& b, Condition why, std::uint32_t word) noexcept {
+  note(why, b.info.id, -1, word);
+  lose(b, why);
+}
+
+bool BoardBus::read() noexcept {
+  ++cycles_;
+  exchange_.forget_lay();
+  const double start = link_.now();
+  if (state_ == BusState::kRunning && exchange_.generation_changed()) begin_scan();
+  if (state_ != BusState::kRunning) {
+    for (Board& b : boards_) lose(b, Condition::kGenerationChanged);
+    if (state_ == BusState::kScanning) scan_step();
+    return false;
+  }
+  if (options_.access == Access::kListenByRegister) {
+    read_by_register();
+  } else if (protocol_ == CycleProtocol::kBroadcast) {
+    read_broadcast();
+  } else {
+    read_sequential();
+  }
+  read_seconds_ = link_.now() - start;
+  keep_house();
+  return std::all_of(boards_.begin(), boards_.end(), [](const Board& b) { return b.valid; });
+}
+
+void BoardBus::read_sequential() noexcept {
+  const double start = link_.now();
+  for (Board& b : boards_) {
+    const double left = options_.reply_timeout - (link_.now() - start);
+    QuadletView block;
+    const ReadResult result =
+        exchange_.read_block(route(b), address::kRealTime, read_quadlets(b.info.firmware),
+                             std::max(left, kShortestWait), block);
+    link_lost_ = result == ReadResult::kNotSent;
+    if (result == ReadResult::kOk) {
+      accept(b, block);
+    } else {
+      lose(b, condition_of(result));
+    }
+    if (result == ReadResult::kDropped) {  // no more node-addressed traffic (section 17 #3)
+      for (Board* other = &b + 1; other < boards_.data() + boards_.size(); ++other)
+        lose(*other, Condition::kDropped);
+      if (state_ == BusState::kRunning) begin_scan();
+      return;
+    }
+  }
+}
+
+// Words 1 to 31 of a real-time block, each from its register. The boards' timestamp has none.
+bool BoardBus::read_words(Board& b, QuadletSpan words) noexcept {
+  constexpr address::Offset kOffsets[] = {address::kAnalog,   address::kPosition, address::kPeriod,
+                                          address::kQuarter1, address::kQuarter5, address::kRunning,
+                                          address::kMotorStatus};
+  constexpr std::uint16_t kBoard[] = {address::kStatus, address::kDigitalIn, address::kTemperature};
+  const double passed = b.read_at < 0.0 ? 0.0 : std::max(0.0, link_.now() - b.read_at);
+  words.set(0, static_cast<std::uint32_t>(std::min(passed * kTicksPerSecond, 4e9)));
+  for (std::size_t k = 1; k < words.size(); ++k) {
+    const std::uint16_t where = k < 4 ? kBoard[k - 1]
+                                      : address::of_channel(static_cast<int>(k % kChannels),
+                                                            kOffsets[k / kChannels - 1]);
+    std::uint32_t value = 0;
+    const ReadResult result = exchange_.read(route(b), where, options_.reply_timeout, value);
+    if (result != ReadResult::kOk) {
+      lose(b, condition_of(result));
+      if (result == ReadResult::kDropped && state_ == BusState::kRunning) begin_scan();
+      return false;
+    }
+    words.set(k, value);
+  }
+  return true;
+}
+
+void BoardBus::read_by_register() noexcept {
+  for (Board& b : boards_) {
+    if (state_ != BusState::kRunning) {
+      lose(b, Condition::kDropped);
+      continue;
+    }
+    const QuadletSpan words({block_.data(), 4 * read_quadlets(b.info.firmware)});
+    if (read_words(b, words)) accept(b, QuadletView(words));
+  }
+}
+
+// Section 8.3.
+void BoardBus::read_broadcast() noexcept {
+  std::uint16_t mask = 0;
+  std::size_t quadlets = 1;
+  for (const Board& b : boards_) {
+    mask = static_cast<std::uint16_t>(mask | (1U << b.info.id));
+    quadlets += hub_quadlets(b.info.firmware);
+  }
+  sequence_ = next_sequence(sequence_);
+  link_lost_ = !exchange_.write(everyone(), address::kHubQuery, query_word(sequence_, mask));
+  link_.wait(kQueryLatency + kQueryPerBoard * static_cast<double>(boards_.size() - 1));
+  QuadletView data;
+  const ReadResult result =
+      exchange_.read_block({static_cast<std::uint8_t>(hub_node_), false, Destination::kBoard},
+                           address::kHub, quadlets, options_.reply_timeout, data);
+  if (result != ReadResult::kOk) {
+    for (Board& b : boards_) lose(b, condition_of(result));
+    link_lost_ = link_lost_ || result == ReadResult::kNotSent;
+    if (result == ReadResult::kDropped) begin_scan();
+    return;
+  }
+  std::size_t at = 0;
+  for (Board& b : boards_) {
+    const int firmware = b.info.firmware;
+    const std::size_t size = read_quadlets(firmware);
+    const std::uint32_t word = data[at];
+    const HubHeader header = decode_hub_header(word, firmware);
+    const QuadletView block = data.part(at + 1, size);
+    at += 1 + size;
+    if (word == 0 || block[1] == 0) {
+      lose_noted(b, Condition::kMissingBoard, word);
+    } else if (firmware >= 8 && header.quadlets != hub_quadlets(firmware)) {
+      lose_noted(b, Condition::kWrongBlockSize, word);
+    } else if (!answers(header, sequence_, firmware)) {
+      lose_noted(b, Condition::kStaleSequence, word);
+    } else {
+      accept(b, block);
+    }
+  }
+}
+
+void BoardBus::accept(Board& b, QuadletView block) noexcept {
+  const Status status{block[1]};
+  if (status.board() != b.info.id) {
+    lose_noted(b, Condition::kWrongBoard, status.word);
+    if (state_ == BusState::kRunning) begin_scan();
+    return;
+  }
+  if (status.channels() != kChannels) {
+    lose_noted(b, Condition::kWrongHardware, status.word);
+    return;
+  }
+  // A board that loses what it was told to switch on may have woken up anew (section 17 #25).
+  constexpr std::uint32_t kRequests = (1U << 18) | (1U << 16);
+  if (((b.feedback.status.word & ~status.word) & kRequests) != 0) b.suspect = true;
+  b.feedback = decode_feedback(block, b.info.firmware);
+  b.valid = true;
+  b.lost_reads = 0;
+  check_timestamp(b);
+  check_commands(b);
+}
+
+// Section 17 #26; a counter that disagrees with our clock may mean a reboot (#25).
+void BoardBus::check_timestamp(Board& b) noexcept {
+  const double now = link_.now();
+  const double passed = now - b.read_at;
+  const bool first = b.read_at < 0.0;
+  b.read_at = now;
+  if (first) return;
+  const double told = b.feedback.seconds();
+  const bool late = options_.cycle_time > 0.0 && told > kLateCycles * options_.cycle_time;
+  if (b.feedback.timestamp == 0 || late)
+    note(Condition::kTimestamp, b.info.id, -1, b.feedback.timestamp);
+  if (std::abs(told - passed) > kJump) b.suspect = true;
+}
+
+// Section 17 #27: the board shows the last command that it took.
+void BoardBus::check_commands(Board& b) noexcept {
+  if (b.info.firmware < 8) return;
+  for (size_t c = 0; c < kChannels; ++c) {
+    const std::uint16_t shown = b.feedback.channel[c].motor.command();
+    // The last write may still be on its way: a network may let a read overtake it.
+    if (!b.has_sent[c] || shown == b.sent[c] || shown == b.before[c]) continue;
+    note(Condition::kNotEffective, b.info.id, static_cast<int>(c),
+         b.feedback.channel[c].motor.word);
+    ++b.lost_writes;
+    return;
+  }
+  b.lost_writes = 0;
+}
+
+// ---- slow registers
+
+void BoardBus::keep_house() noexcept {
+  if (state_ != BusState::kRunning || exchange_.generation_changed()) return;
+  for (Board& b : boards_) {
+    if (!b.suspect || !b.valid) continue;
+    b.suspect = false;
+    return look_at(b);
+  }
+  if (options_.housekeeping <= 0 || cycles_ % options_.housekeeping != 0) return;
+  const long turn = cycles_ / options_.housekeeping;
+  Board& b = boards_[static_cast<size_t>(turn) % boards_.size()];
+  if (b.valid) look_at(b);
+}
+
+// Sections 17 #25, #27 (Rev 7 shows its commands nowhere else) and #28.
+void BoardBus::look_at(Board& b) noexcept {
+  std::uint32_t value = 0;
+  const double timeout = options_.rescan_timeout;
+  if (watchdog_counts_ != 0 &&
+      exchange_.read(route(b), address::kWatchdog, timeout, value) == ReadResult::kOk &&
+      (value & 0xFFFF) != watchdog_counts_) {
+    b.rebooted = true;
+    note(Condition::kRebooted, b.info.id, -1, value);
+  }
+  if (exchange_.read(route(b), address::kEthernet, timeout, value) == ReadResult::kOk &&
+      (value >> 31) != 0 && (value & kEthernetErrors) != 0)
+    note(Condition::kEthernet, b.info.id, -1, value);
+  if (b.info.firmware >= 8) return;
+  for (int c = 0; c < kChannels; ++c) {
+    if (!b.has_sent[static_cast<size_t>(c)]) continue;
+    if (exchange_.read(route(b), address::of_channel(c, address::kDac), timeout, value) ==
+            ReadResult::kOk &&
+        (value & 0xFFFF) != b.sent[static_cast<size_t>(c)])
+      note(Condition::kNotEffective, b.info.id, c, value);
+  }
+}
+
+}  // namespace veridyn::dvrk

@@ -1,0 +1,146 @@
+#include <algorithm>
+#include <cmath>
+
+#include "veridyn/dvrk/board_session.hpp"
+
+// What a session checks in every cycle: sections 14.6 and 17, #17 to #24.
+
+namespace veridyn::dvrk {
+namespace {
+
+// Section 14.6: excess currents, in bits of the nominal 5242.88 per ampere.
+constexpr double kEnabledMargin = 262.0;    // 50 mA
+constexpr double kDisabledLimit = 524.0;    // 100 mA
+constexpr double kUnpoweredLimit = 1049.0;  // 200 mA
+constexpr double kEnabledFactor = 1.2;
+constexpr double kRelayGrace = 0.050;  // [s] for the contacts
+
+}  // namespace
+
+void BoardSession::note(Condition condition, Reaction reaction, int b, int c,
+                        std::uint32_t value) noexcept {
+  faults().note(condition, link_.now(), bus_.info(b).id, c, value);
+  react(reaction, condition);
+}
+
+void BoardSession::check_bus() noexcept {
+  if (bus_.link_lost()) react(Reaction::kPowerOff, Condition::kNotSent);
+  if (bus_.state() != BusState::kRunning) react(Reaction::kAmpsOff, Condition::kGenerationChanged);
+  for (int b = 0; b < bus_.boards(); ++b) {
+    if (bus_.lost_reads(b) >= options_.lost_reads) react(Reaction::kPowerOff, bus_.loss(b));
+    if (bus_.lost_writes(b) >= options_.lost_writes)
+      react(Reaction::kAmpsOff, Condition::kNotEffective);
+    if (bus_.rebooted(b)) react(Reaction::kPowerOff, Condition::kRebooted);
+  }
+}
+
+void BoardSession::check_board(int b) noexcept {
+  const BoardFeedback& f = bus_.feedback(b);
+  check_power(b, f);
+  check_temperature(b, f);
+  if (f.digital.encoder_supply_fault()) {
+    position_reliable_ = false;
+    note(Condition::kEncoder, Reaction::kPowerOff, b, -1, f.digital.word);
+  }
+  for (int c = 0; c < kChannels; ++c) {
+    if (safety(b, c).used) check_channel(b, c, f);
+  }
+}
+
+// #17 to #20. In states kOff and kFault only faults that a client must hear of in any case.
+void BoardSession::check_power(int b, const BoardFeedback& f) noexcept {
+  const Status s = f.status;
+  if (s.supply_fault()) note(Condition::kSupplyFault, Reaction::kPowerOff, b, -1, s.word);
+  if (checked_ == PowerState::kOff || checked_ == PowerState::kFault) return;
+  const double in_state = link_.now() - entered_;
+  if (had_power() && s.watchdog()) note(Condition::kWatchdog, Reaction::kAmpsOff, b, -1, s.word);
+  if (had_power() && (!s.supply_good() || !s.power_requested()))
+    note(Condition::kNoSupply, Reaction::kAmpsOff, b, -1, s.word);
+  const bool relay_late = checked_ != PowerState::kRelay || in_state > kRelayGrace;
+  if (relay_late && s.relay_requested() && !s.relay_closed())
+    note(Condition::kRelayOpen, Reaction::kAmpsOff, b, -1, s.word);
+}
+
+// #23
+void BoardSession::check_temperature(int b, const BoardFeedback& f) noexcept {
+  for (int sensor = 0; sensor < 2; ++sensor) {
+    const bool valid = f.temperature.valid(sensor);
+    const double celsius = f.temperature.celsius(sensor);
+    if (valid && celsius <= options_.warm) continue;
+    const bool hot = valid && celsius > options_.hot;
+    note(Condition::kTemperature, hot ? Reaction::kPowerOff : Reaction::kReport, b, -1,
+         f.temperature.word);
+  }
+}
+
+void BoardSession::check_channel(int b, int c, const BoardFeedback& f) noexcept {
+  const ChannelFeedback& one = f.channel[static_cast<size_t>(c)];
+  const bool rev8 = bus_.info(b).firmware >= 8;
+  if (had_power() && (f.status.current_trip(c) || (rev8 && one.motor.current_trip())))
+    note(Condition::kCurrentTrip, Reaction::kAmpsOff, b, c, f.status.word);
+  check_amp(b, c, f);
+  check_current(b, c, f);
+  check_encoder(b, c, f);
+  check_pot(b, c, one);
+}
+
+// #21: after the grace of section 14.5 #8, or at once where the board itself reports a fault (Rev 8).
+void BoardSession::check_amp(int b, int c, const BoardFeedback& f) noexcept {
+  ChannelState& state = channel(b, c);
+  const double now = link_.now();
+  const MotorStatus motor = f.channel[static_cast<size_t>(c)].motor;
+  if (checked_ == PowerState::kOn && bus_.info(b).firmware >= 8 && motor.amp_fault()) {
+    note(Condition::kAmpOff, Reaction::kAmpsOff, b, c, motor.word);
+    return;
+  }
+  if (!had_power() || f.status.amp_on(c)) {
+    state.amp_missing_since = -1.0;
+    return;
+  }
+  if (state.amp_missing_since < 0.0) state.amp_missing_since = now;
+  if (now - state.amp_missing_since < options_.amp_grace) return;
+  note(Condition::kAmpOff, Reaction::kAmpsOff, b, c, f.status.word);
+}
+
+// #23
+void BoardSession::check_current(int b, int c, const BoardFeedback& f) noexcept {
+  ChannelState& state = channel(b, c);
+  const ChannelSafety& s = safety(b, c);
+  const ChannelFeedback& one = f.channel[static_cast<size_t>(c)];
+  const double limit = f.status.amp_on(c) ? kEnabledFactor * s.max_current + kEnabledMargin
+                       : f.status.power_requested() ? kDisabledLimit
+                                                    : kUnpoweredLimit;
+  const bool excess = std::abs(one.current - s.zero_feedback) > limit;
+  state.excess_cycles = excess ? state.excess_cycles + 1 : 0;
+  if (state.excess_cycles > options_.current_cycles)
+    note(Condition::kOutOfBounds, Reaction::kPowerOff, b, c, one.current);
+}
+
+// #24
+void BoardSession::check_encoder(int b, int c, const BoardFeedback& f) noexcept {
+  const EncoderWords& words = f.channel[static_cast<size_t>(c)].encoder;
+  const bool overflow = encoder_overflow(words.position);
+  const bool error = bus_.info(b).firmware >= 7 && encoder_error(words.period);
+  if (!overflow && !error) return;
+  position_reliable_ = false;
+  note(Condition::kEncoder, overflow ? Reaction::kPowerOff : Reaction::kAmpsOff, b, c,
+       overflow ? words.position : words.period);
+}
+
+// Section 14.6, last line.
+void BoardSession::check_pot(int b, int c, const ChannelFeedback& one) noexcept {
+  ChannelState& state = channel(b, c);
+  const ChannelSafety& s = safety(b, c);
+  const double now = link_.now();
+  const double difference =
+      s.counts_to_position(encoder_counts(one.encoder.position)) - s.pot_to_position(one.pot);
+  if (s.pot_tolerance <= 0.0 || !on_the_way() || std::abs(difference) <= s.pot_tolerance) {
+    state.pot_off_since = -1.0;
+    return;
+  }
+  if (state.pot_off_since < 0.0) state.pot_off_since = now;
+  if (now - state.pot_off_since > s.pot_latency)
+    note(Condition::kPot, Reaction::kPowerOff, b, c, one.pot);
+}
+
+}  // namespace veridyn::dvrk

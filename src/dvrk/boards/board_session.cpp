@@ -1,0 +1,340 @@
+#include "veridyn/dvrk/board_session.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "veridyn/math/require.hpp"
+
+namespace veridyn::dvrk {
+namespace {
+
+constexpr int kOffRepeats = 3;     // at least
+constexpr int kConfirmations = 2;
+constexpr double kOffPause = 0.001;       // [s] between repeats
+constexpr int kAmpsFirst = 2;             // cycles with amplifiers off before the supply goes
+constexpr double kObeyBlocks = 0.005;     // [s] in which "off" must show, else by register
+constexpr double kObeyRegisters = 0.020;  // else silence: the watchdog is left to bite
+
+}  // namespace
+
+const char* describe(PowerState state) {
+  switch (state) {
+    case PowerState::kOff:
+      return "off";
+    case PowerState::kRelay:
+      return "closing the safety relay";
+    case PowerState::kPower:
+      return "waiting for the motor supply";
+    case PowerState::kAmps:
+      return "enabling the amplifiers";
+    case PowerState::kOn:
+      return "on";
+    case PowerState::kFault:
+      return "fault";
+  }
+  return "";
+}
+
+const char* describe(OffState state) {
+  switch (state) {
+    case OffState::kConfirmed:
+      return "power is off";
+    case OffState::kNotAsked:
+      return "nothing was written";
+    case OffState::kPowerOn:
+      return "amplifiers are off, but a board still requests motor power";
+    case OffState::kAmpsOn:
+      return "an amplifier is still on";
+    case OffState::kUnknown:
+      return "a board does not say whether it is off";
+  }
+  return "";
+}
+
+BoardSession::BoardSession(DatagramLink& link, const SessionOptions& options)
+    : link_(link), options_(options), bus_(link, options.bus), channels_(options.channels) {
+  require(options.watchdog > 0.0 && options.watchdog <= 0.34, "boards: found a watchdog of ",
+          options.watchdog, " s, expected more than 0 and at most 0.34.");
+  channels_.resize(static_cast<size_t>(bus_.boards()));
+  states_.resize(channels_.size());
+  for (int b = 0; b < bus_.boards(); ++b) {
+    for (int c = 0; c < kChannels; ++c) {
+      const ChannelSafety& s = safety(b, c);
+      require(!s.used || s.max_current > 0.0, "boards: board ", bus_.info(b).id, " channel ", c + 1,
+              ": found a largest current of ", s.max_current, " bits, expected a positive one.");
+      bus_.set_zero(b, c, s.zero_command);
+    }
+  }
+}
+
+BoardSession::~BoardSession() {
+  shutdown();
+}
+
+void BoardSession::enter(PowerState state) noexcept {
+  state_ = state;
+  entered_ = link_.now();
+  off_cycles_ = 0;
+  for (auto& board : states_) {
+    for (ChannelState& c : board) c.amp_missing_since = -1.0;
+  }
+}
+
+void BoardSession::start() {
+  enter(PowerState::kOff);
+  power_off_asked_ = true;
+  all_valid_ = false;
+  bus_.start();
+  started_ = true;
+  position_reliable_ = true;
+  if (listens()) return;
+  bus_.switch_off(BoardBus::Off::kPower);
+  require(bus_.set_watchdog(options_.watchdog),
+          "boards: a watchdog does not take the period that it was given.");
+}
+
+// The reaction that is worse stays; nothing leads out of kFault but acknowledge().
+void BoardSession::react(Reaction reaction, Condition condition) noexcept {
+  if (reaction == Reaction::kReport) return;
+  if (reaction == Reaction::kPowerOff) power_off_asked_ = true;
+  if (!on_the_way()) return;
+  if (reaction == Reaction::kAmpsOff) power_off_asked_ = false;
+  cause_ = condition;
+  enter(PowerState::kFault);
+  if (reaction == Reaction::kPowerOff) off_cycles_ = kAmpsFirst;  // at once
+}
+
+bool BoardSession::update() noexcept {
+  all_valid_ = bus_.read();
+  checked_ = state_;
+  check_bus();
+  for (int b = 0; b < bus_.boards(); ++b) {
+    if (bus_.valid(b)) check_board(b);
+  }
+  if (all_valid_) move_on();
+  return all_valid_;
+}
+
+// Section 14.5, #3 to #8.
+void BoardSession::move_on() noexcept {
+  const double in_state = link_.now() - entered_;
+  const auto all = [&](auto&& holds) {
+    for (int b = 0; b < bus_.boards(); ++b) {
+      if (!holds(b, bus_.feedback(b))) return false;
+    }
+    return true;
+  };
+  if (state_ == PowerState::kRelay) {
+    if (all([](int, const BoardFeedback& f) { return f.status.relay_closed(); }))
+      return enter(PowerState::kPower);
+    if (in_state > options_.relay_timeout) {
+      faults().note(Condition::kRelayOpen, link_.now());
+      react(Reaction::kPowerOff, Condition::kRelayOpen);
+    }
+  } else if (state_ == PowerState::kPower) {
+    if (all([](int, const BoardFeedback& f) {
+          return f.status.supply_good() && !f.status.watchdog() && !f.status.supply_fault();
+        }))
+      return enter(PowerState::kAmps);
+    if (in_state > options_.supply_timeout) {
+      faults().note(Condition::kNoSupply, link_.now());
+      react(Reaction::kPowerOff, Condition::kNoSupply);
+    }
+  } else if (state_ == PowerState::kAmps) {
+    if (all([this](int b, const BoardFeedback& f) {
+          for (int c = 0; c < kChannels; ++c) {
+            if (safety(b, c).used && !f.status.amp_on(c)) return false;
+          }
+          return true;
+        }))
+      enter(PowerState::kOn);
+  }
+}
+
+void BoardSession::set_command(int b, int c, double bits) noexcept {
+  const ChannelSafety& s = safety(b, c);
+  ChannelState& state = channel(b, c);
+  const double zero = s.zero_command;
+  if (!s.used || !std::isfinite(bits)) bits = zero;
+  const double held = std::clamp(bits, zero - s.max_current, zero + s.max_current);
+  state.command = nearest_word(held, s.zero_command);
+  state.asked = true;
+}
+
+// Zero currents and amplifiers off, in words of the block.
+void BoardSession::command_off(int b) noexcept {
+  BoardCommand& command = bus_.command(b);
+  for (int c = 0; c < kChannels; ++c) {
+    command.channel[static_cast<size_t>(c)] = {true, false, AmpRequest::kOff, 0,
+                                               safety(b, c).zero_command};
+  }
+  command.control = control::kAmpsOff;
+  if (power_off_asked_ && off_cycles_ >= kAmpsFirst) command.control |= control::kPowerOff;
+}
+
+void BoardSession::command_channels(int b, AmpRequest amp) noexcept {
+  for (int c = 0; c < kChannels; ++c) {
+    const ChannelSafety& s = safety(b, c);
+    ChannelState& state = channel(b, c);
+    if (!s.used) continue;
+    std::uint16_t value = s.zero_command;
+    if (state_ == PowerState::kOn) {
+      value = state.asked && all_valid_ ? state.command : all_valid_ ? s.zero_command : state.held;
+    }
+    state.held = value;
+    bus_.command(b).channel[static_cast<size_t>(c)] = {true, false, amp, 0, value};
+  }
+}
+
+bool BoardSession::amps_stay_on() const noexcept {
+  for (int b = 0; b < bus_.boards(); ++b) {
+    if (bus_.valid(b) && (bus_.feedback(b).status.word & control::kAmpsOff) != 0) return true;
+  }
+  return false;
+}
+
+void BoardSession::commit() noexcept {
+  if (listens()) return;
+  const bool off = state_ == PowerState::kOff || state_ == PowerState::kFault;
+  const double in_state = link_.now() - entered_;
+  if (off && in_state > kObeyBlocks && amps_stay_on()) {
+    if (in_state > kObeyRegisters) return;
+    for (int b = 0; b < bus_.boards(); ++b) bus_.switch_off_by_register(b, BoardBus::Off::kPower);
+  }
+  for (int b = 0; b < bus_.boards(); ++b) {
+    BoardCommand& command = bus_.command(b);
+    switch (state_) {
+      case PowerState::kOff:
+      case PowerState::kFault:
+        command_off(b);
+        break;
+      case PowerState::kRelay:
+        command_off(b);
+        command.control |= control::kRelayClose;
+        break;
+      case PowerState::kPower:
+        command_off(b);
+        command.control = control::kAmpsOff | control::kPowerOn;
+        break;
+      case PowerState::kAmps:
+        command_channels(b, AmpRequest::kOn);
+        break;
+      case PowerState::kOn:
+        command_channels(b, AmpRequest::kKeep);
+        break;
+    }
+    for (int c = 0; c < kChannels; ++c) channel(b, c).asked = false;
+  }
+  const bool blind = off && !all_valid_;
+  if (blind) {  // nodes may have changed: by broadcast alone
+    bus_.switch_off(power_off_asked_ && off_cycles_ >= kAmpsFirst ? BoardBus::Off::kPower
+                                                                  : BoardBus::Off::kAmps);
+  } else {
+    bus_.write();
+  }
+  if (bus_.link_lost()) react(Reaction::kPowerOff, Condition::kNotSent);
+  if (off_cycles_ < kAmpsFirst) ++off_cycles_;
+}
+
+const char* BoardSession::power_on() noexcept {
+  if (listens()) return "this session reads alone";
+  if (state_ == PowerState::kFault) return "a fault was not acknowledged";
+  if (state_ != PowerState::kOff) return "power is on, or on the way";
+  if (bus_.state() != BusState::kRunning) return "the boards are not known";
+  if (!all_valid_) return "the last read was not valid";
+  for (int b = 0; b < bus_.boards(); ++b) {
+    const BoardFeedback& f = bus_.feedback(b);
+    if (bus_.rebooted(b)) return "a board was rebooted: start() again";
+    if (f.status.supply_fault()) return "the motor supply has a fault";
+    if (f.digital.encoder_supply_fault()) return "the encoders have no supply";
+    for (int sensor = 0; sensor < 2; ++sensor) {
+      if (f.temperature.valid(sensor) && f.temperature.celsius(sensor) > options_.warm)
+        return "a board is too warm";
+    }
+    for (int c = 0; c < kChannels; ++c) {
+      if (!safety(b, c).used) continue;
+      if (safety(b, c).watch_pot_rail && at_rail(f.channel[static_cast<size_t>(c)].pot))
+        return "a pot is at the end of its range: outside, or its wire is gone";
+      const EncoderWords& words = f.channel[static_cast<size_t>(c)].encoder;
+      if (encoder_overflow(words.position)) return "an encoder has run over";
+      if (bus_.info(b).firmware >= 7 && encoder_error(words.period))
+        return "an encoder reports an error";
+    }
+  }
+  position_reliable_ = true;
+  power_off_asked_ = true;  // what follows a fault or power_off() in later states
+  enter(PowerState::kRelay);
+  return nullptr;
+}
+
+void BoardSession::power_off() noexcept {
+  if (state_ == PowerState::kOff) return;
+  power_off_asked_ = true;
+  enter(PowerState::kOff);
+}
+
+bool BoardSession::acknowledge() noexcept {
+  if (state_ != PowerState::kFault) return state_ == PowerState::kOff;
+  if (bus_.state() != BusState::kRunning || !all_valid_) return false;
+  for (int b = 0; b < bus_.boards(); ++b) {
+    if (bus_.rebooted(b)) return false;
+  }
+  power_off_asked_ = true;
+  enter(PowerState::kOff);
+  return true;
+}
+
+// By status registers: what the last block said may be old.
+OffState BoardSession::seen_off() noexcept {
+  OffState worst = OffState::kConfirmed;
+  for (int b = 0; b < bus_.boards(); ++b) {
+    std::uint32_t word = 0;
+    if (bus_.state() != BusState::kRunning || !bus_.read_register(b, address::kStatus, word) ||
+        Status{word}.board() != bus_.info(b).id)
+      return OffState::kUnknown;
+    if ((word & control::kAmpsOff) != 0) {
+      worst = OffState::kAmpsOn;
+    } else if (Status{word}.power_requested() && worst == OffState::kConfirmed) {
+      worst = OffState::kPowerOn;
+    }
+  }
+  return worst;
+}
+
+OffState BoardSession::shutdown() noexcept {
+  if (!started_ || listens()) return OffState::kNotAsked;
+  power_off_asked_ = true;
+  if (state_ != PowerState::kFault) enter(PowerState::kOff);
+  const double until = link_.now() + options_.off_timeout;
+  OffState seen = OffState::kUnknown;
+  int confirmed = 0;  // in a row: one reply may be corrupt
+  for (int k = 0; k < kOffRepeats || (confirmed < kConfirmations && link_.now() < until); ++k) {
+    bus_.switch_off(BoardBus::Off::kPower);
+    if (k % 2 == 1 && bus_.state() == BusState::kRunning) {
+      for (int b = 0; b < bus_.boards(); ++b) bus_.switch_off_by_register(b, BoardBus::Off::kPower);
+    }
+    link_.wait(kOffPause);
+    if (bus_.state() != BusState::kRunning) bus_.read();  // looks for boards that changed nodes
+    if (k + 1 < kOffRepeats) continue;
+    seen = seen_off();
+    confirmed = seen == OffState::kConfirmed ? confirmed + 1 : 0;
+    if (seen == OffState::kUnknown) bus_.read();
+  }
+  return confirmed >= kConfirmations || seen != OffState::kConfirmed ? seen : OffState::kUnknown;
+}
+
+bool BoardSession::preload(int b, int c, std::int32_t counts) noexcept {
+  const std::uint16_t where = address::of_channel(c, address::kPreload);
+  if (on_the_way() || !bus_.write_checked(b, where, preload_word(counts))) return false;
+  std::uint32_t position = 0;
+  return bus_.read_register(b, address::of_channel(c, address::kPosition), position) &&
+         !encoder_overflow(position);
+}
+
+bool BoardSession::needs_preload(int b, int c) noexcept {
+  std::uint32_t word = 0;
+  return !bus_.read_register(b, address::of_channel(c, address::kPreload), word) ||
+         (word & 0xFFFFFF) == kPreloadNever;
+}
+
+}  // namespace veridyn::dvrk

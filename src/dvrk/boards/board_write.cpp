@@ -1,0 +1,130 @@
+#include <algorithm>
+#include <cmath>
+
+#include "veridyn/dvrk/board_bus.hpp"
+
+// What goes to the boards: real-time blocks, registers, and the word that switches off.
+
+namespace veridyn::dvrk {
+namespace {
+
+constexpr int kWriteTries = 3;
+
+Route everyone() {
+  return {kBroadcastNode, false, Destination::kBoard};
+}
+
+}  // namespace
+
+void BoardBus::remember(Board& b) noexcept {
+  for (size_t c = 0; c < kChannels; ++c) {
+    if (!b.command.channel[c].valid) continue;
+    b.before[c] = b.has_sent[c] ? b.sent[c] : b.command.channel[c].value;
+    b.sent[c] = b.command.channel[c].value;
+    b.has_sent[c] = true;
+  }
+  b.command = BoardCommand();
+  b.command.board = static_cast<std::uint8_t>(b.info.id);
+}
+
+void BoardBus::write() noexcept {
+  if (listens()) return;
+  if (state_ != BusState::kRunning || exchange_.generation_changed()) {
+    switch_off(Off::kAmps);
+  } else {
+    write_blocks();
+  }
+  for (Board& b : boards_) remember(b);
+}
+
+void BoardBus::write_blocks() noexcept {
+  const QuadletSpan all({block_.data(), block_.size()});
+  const bool together = protocol_ != CycleProtocol::kSequential;
+  std::size_t at = 0;
+  bool sent = true;
+  for (Board& b : boards_) {
+    const int firmware = b.info.firmware;
+    const std::size_t size = write_quadlets(firmware);
+    const QuadletSpan block = all.part(at, size);
+    encode_command(b.command, firmware, block);
+    if (!together) sent = exchange_.write_block(route(b), address::kRealTime, block) && sent;
+    if (firmware == 6)  // section 10.4: control does not travel with the block
+      sent = exchange_.write(route(b), address::kStatus, control_word(b.command)) && sent;
+    if (together) at += size;
+  }
+  if (together)
+    sent =
+        exchange_.write_block(everyone(), address::kRealTime, QuadletView(all).part(0, at)) && sent;
+  link_lost_ = !sent;
+}
+
+void BoardBus::switch_off(Off what) noexcept {
+  if (listens()) return;
+  const std::uint32_t word = control::kAmpsOff | (what == Off::kPower ? control::kPowerOff : 0U);
+  const QuadletSpan all({block_.data(), block_.size()});
+  std::size_t at = 0;
+  bool known = true;
+  for (Board& b : boards_) {
+    known = known && b.info.firmware > 0;
+    if (b.info.firmware == 0) continue;
+    BoardCommand& c = b.command;
+    c = BoardCommand();
+    c.board = static_cast<std::uint8_t>(b.info.id);
+    c.control = word;
+    for (size_t k = 0; k < kChannels; ++k)
+      c.channel[k] = {true, false, AmpRequest::kOff, 0, b.zero[k]};
+    const std::size_t size = write_quadlets(b.info.firmware);
+    encode_command(c, b.info.firmware, all.part(at, size));
+    at += size;
+  }
+  bool sent = true;
+  if (known && one_group())
+    sent = exchange_.write_block(everyone(), address::kRealTime, QuadletView(all).part(0, at));
+  // A mix has no common block, and Rev 6 no control word in it: one word to every board.
+  if (!known || !one_group() || boards_.front().info.firmware == 6)
+    sent = exchange_.write(everyone(), address::kStatus, word) && sent;
+  link_lost_ = !sent;
+  for (Board& b : boards_) remember(b);
+}
+
+bool BoardBus::switch_off_by_register(int b, Off what) noexcept {
+  if (listens()) return false;
+  const std::uint32_t word = control::kAmpsOff | (what == Off::kPower ? control::kPowerOff : 0U);
+  return write_register(b, address::kStatus, word);
+}
+
+bool BoardBus::read_register(int b, std::uint16_t where, std::uint32_t& value) noexcept {
+  return exchange_.read(route(boards_[static_cast<size_t>(b)]), where, options_.reply_timeout,
+                        value) == ReadResult::kOk;
+}
+
+bool BoardBus::write_register(int b, std::uint16_t where, std::uint32_t value) noexcept {
+  if (listens()) return false;
+  return exchange_.write(route(boards_[static_cast<size_t>(b)]), where, value);
+}
+
+bool BoardBus::write_checked(int b, std::uint16_t where, std::uint32_t value) noexcept {
+  for (int k = 0; k < kWriteTries; ++k) {
+    std::uint32_t there = 0;
+    if (write_register(b, where, value) && read_register(b, where, there) && there == value)
+      return true;
+  }
+  note(Condition::kNotEffective, info(b).id, -1, where);
+  return false;
+}
+
+bool BoardBus::set_watchdog(double seconds) noexcept {
+  if (listens()) return false;
+  const double counts = std::round(seconds * kTicksPerSecond / kWatchdogTicks);
+  watchdog_counts_ = static_cast<std::uint32_t>(std::clamp(counts, 1.0, 65535.0));
+  // Never the value of power-up, so that a board that was rebooted gives itself away.
+  if (watchdog_counts_ == kWatchdogDefault) ++watchdog_counts_;
+  bool all = true;
+  for (int b = 0; b < boards(); ++b) {
+    all = write_checked(b, address::kWatchdog, watchdog_counts_) && all;
+    boards_[static_cast<size_t>(b)].rebooted = false;
+  }
+  return all;
+}
+
+}  // namespace veridyn::dvrk

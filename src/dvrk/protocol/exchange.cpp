@@ -1,0 +1,148 @@
+#include "veridyn/dvrk/exchange.hpp"
+
+namespace veridyn::dvrk {
+namespace {
+
+constexpr std::uint16_t kHubQuery = address::kHubQuery;
+constexpr int kMostStale = 64;  // datagrams that one drain takes out of the queue
+
+}  // namespace
+
+Request Exchange::request(const Route& route, Tcode tcode, std::uint16_t address) noexcept {
+  label_ = static_cast<std::uint8_t>((label_ + 1) % kLabels);
+  Request r;
+  r.flags = route.local ? kNoForward : std::uint8_t{0};
+  r.generation = generation_;
+  r.node = route.node;
+  r.label = label_;
+  r.tcode = tcode;
+  r.address = address;
+  return r;
+}
+
+bool Exchange::send(const Request& request, const Route& route) noexcept {
+  const std::size_t size = encode(request, {out_.data(), out_.size()});
+  if (size > 0 && link_.send({out_.data(), size}, route.to)) return true;
+  log_.note(Condition::kNotSent, link_.now());
+  return false;
+}
+
+// Section 17 #7.
+void Exchange::drain() noexcept {
+  for (int k = 0; k < kMostStale; ++k) {
+    const Arrival stale = link_.receive({in_.data(), in_.size()}, 0.0);
+    if (!stale.any) return;
+    log_.note(stale.known_source ? Condition::kStaleReply : Condition::kForeignSender, link_.now(),
+              -1, -1, static_cast<std::uint32_t>(stale.size));
+  }
+}
+
+// Sections 4.3 and 17 #4, #5, #28.
+void Exchange::take_trailer(const Trailer& trailer) noexcept {
+  const double now = link_.now();
+  if (!learnt_) generation_ = trailer.generation;
+  const bool changed = learnt_ && trailer.generation != told_;
+  learnt_ = true;
+  told_ = trailer.generation;
+  if (changed) log_.note(Condition::kGenerationChanged, now, -1, -1, trailer.generation);
+  resetting_ = (trailer.flags & kFlagBusReset) != 0;
+  if (resetting_) log_.note(Condition::kBusReset, now, -1, -1, trailer.flags);
+  const bool errors = packet_errors_ >= 0 && trailer.packet_errors != packet_errors_;
+  packet_errors_ = trailer.packet_errors;
+  if (errors || (trailer.flags & (kFlagInternalError | kFlagProtocolError)) != 0)
+    log_.note(Condition::kEthernet, now, -1, -1, trailer.flags);
+}
+
+// Section 4.4; the sizes are those of 4.1 and 4.2.
+ReadResult Exchange::judge(const Request& request, ByteView datagram, Malformed malformed,
+                           const Reply& reply) noexcept {
+  const bool block = request.tcode == Tcode::kBlockRead;
+  const std::size_t expected = block ? 32 + static_cast<std::size_t>(request.bytes) : 28;
+  if (malformed == Malformed::kNone && reply.kind == Reply::Kind::kDropped)
+    return ReadResult::kDropped;
+  if (datagram.size != expected) return ReadResult::kWrongSize;
+  if (malformed != Malformed::kNone) return ReadResult::kWrongHeader;
+  const bool right_kind = reply.kind == (block ? Reply::Kind::kBlock : Reply::Kind::kQuadlet);
+  const bool right_node = request.node == kBroadcastNode || reply.node == request.node;
+  if (!right_kind || !right_node || reply.label != request.label || reply.rcode != 0)
+    return ReadResult::kWrongHeader;
+  return ReadResult::kOk;
+}
+
+// A late answer to an earlier request has an old label: it is thrown away, the wait goes on. Any
+// other reply that is wrong is the answer, and ends it.
+ReadResult Exchange::await(const Request& request, double timeout, Reply& reply) noexcept {
+  const double until = link_.now() + timeout;
+  while (true) {
+    const double left = until - link_.now();
+    const Arrival arrival = link_.receive({in_.data(), in_.size()}, left > 0.0 ? left : 0.0);
+    const double now = link_.now();
+    if (!arrival.any) {
+      if (left > 0.0 && now < until) continue;
+      if (!silence_expected_) log_.note(Condition::kNoReply, now, -1, -1, request.address);
+      return ReadResult::kNoReply;
+    }
+    if (!arrival.known_source) {
+      log_.note(Condition::kForeignSender, now);
+      continue;
+    }
+    lay_ += arrival.lay;
+    const ByteView datagram{in_.data(), arrival.size};
+    const Malformed malformed = decode(datagram, reply);
+    if (malformed == Malformed::kNone) take_trailer(reply.trailer);
+    const ReadResult result = judge(request, datagram, malformed, reply);
+    const auto size = static_cast<std::uint32_t>(arrival.size);
+    if (result == ReadResult::kDropped) log_.note(Condition::kDropped, now);
+    if (result == ReadResult::kWrongSize) log_.note(Condition::kWrongSize, now, -1, -1, size);
+    if (result == ReadResult::kWrongHeader) log_.note(Condition::kWrongHeader, now);
+    if (result == ReadResult::kOk && !reply.crc_right) {
+      log_.note(Condition::kWrongCrc, now);
+      return ReadResult::kWrongCrc;
+    }
+    const bool late = malformed == Malformed::kNone && reply.kind != Reply::Kind::kDropped &&
+                      reply.label != request.label;
+    if (!late) return result;
+  }
+}
+
+ReadResult Exchange::read(const Request& request, const Route& route, double timeout,
+                          Reply& reply) noexcept {
+  drain();
+  if (!send(request, route)) return ReadResult::kNotSent;
+  return await(request, timeout, reply);
+}
+
+ReadResult Exchange::read(const Route& route, std::uint16_t address, double timeout,
+                          std::uint32_t& value) noexcept {
+  Reply reply;
+  const ReadResult result =
+      read(request(route, Tcode::kQuadletRead, address), route, timeout, reply);
+  if (result == ReadResult::kOk) value = reply.data;
+  return result;
+}
+
+ReadResult Exchange::read_block(const Route& route, std::uint16_t address, std::size_t quadlets,
+                                double timeout, QuadletView& block) noexcept {
+  Request r = request(route, Tcode::kBlockRead, address);
+  r.bytes = static_cast<std::uint16_t>(4 * quadlets);
+  Reply reply;
+  const ReadResult result = read(r, route, timeout, reply);
+  if (result == ReadResult::kOk) block = reply.block;
+  return result;
+}
+
+bool Exchange::write(const Route& route, std::uint16_t address, std::uint32_t value) noexcept {
+  if (listens_ && !(queries_ && address == kHubQuery)) return true;
+  Request r = request(route, Tcode::kQuadletWrite, address);
+  r.data = value;
+  return send(r, route);
+}
+
+bool Exchange::write_block(const Route& route, std::uint16_t address, QuadletView block) noexcept {
+  if (listens_) return true;
+  Request r = request(route, Tcode::kBlockWrite, address);
+  r.block = block;
+  return send(r, route);
+}
+
+}  // namespace veridyn::dvrk

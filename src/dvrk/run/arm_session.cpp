@@ -1,0 +1,296 @@
+#include "veridyn/dvrk/arm_session.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "veridyn/math/require.hpp"
+
+namespace veridyn::dvrk {
+namespace {
+
+// Between two readings of the pots where no rate is given; the watchdog is quiet meanwhile.
+constexpr double kPotPeriod = 0.001;  // [s]
+
+Socket socket(const std::vector<int>& boards, int board, int axis) {
+  const auto place = std::lower_bound(boards.begin(), boards.end(), board) - boards.begin();
+  return {static_cast<int>(place), axis};
+}
+
+void require_channel(const RobotConfig& robot, int board, int axis) {
+  require(axis < kChannels, "robot '", robot.name, "': found board ", board, " axis ", axis,
+          ", expected axes 0 to ", kChannels - 1, ".");
+}
+
+// Zero and largest current of a channel in bits.
+void guard_current(const LinearScale& amps_to_bits, const LinearScale& bits_to_amps,
+                   double max_current, ChannelSafety& safety) {
+  safety.used = true;
+  safety.zero_command = nearest_word(amps_to_bits.offset, kZeroCurrent);
+  safety.zero_feedback = bits_to_amps.inverse(0.0);
+  // Half a bit for rounding: the largest current itself is allowed.
+  safety.max_current = std::abs(amps_to_bits.scale) * max_current + 0.5;
+}
+
+bool pots_on_actuators(const RobotConfig& robot) {
+  return robot.pot_lookup_table.empty() &&
+         (robot.pots_to_actuators.size() == 0 || robot.pots_to_actuators.isIdentity(1e-12));
+}
+
+}  // namespace
+
+std::vector<int> boards_of(const RobotConfig& robot) {
+  std::vector<int> boards;
+  const auto add = [&](int board, int axis) {
+    require_channel(robot, board, axis);
+    boards.push_back(board);
+  };
+  for (const ActuatorConfig& actuator : robot.actuators) {
+    add(actuator.board, actuator.axis);
+    if (actuator.brake) add(actuator.brake->board, actuator.brake->axis);
+  }
+  std::sort(boards.begin(), boards.end());
+  boards.erase(std::unique(boards.begin(), boards.end()), boards.end());
+  return boards;
+}
+
+std::vector<Socket> sockets_of(const RobotConfig& robot) {
+  const std::vector<int> boards = boards_of(robot);
+  std::vector<Socket> sockets;
+  for (const ActuatorConfig& actuator : robot.actuators)
+    sockets.push_back(socket(boards, actuator.board, actuator.axis));
+  return sockets;
+}
+
+SessionOptions session_options(const RobotConfig& robot, const ArmSessionOptions& how) {
+  require(robot.hardware == "QLA1", "robot '", robot.name, "': found hardware ", robot.hardware,
+          ", expected QLA1: other boards cannot be driven.");
+  require(how.rate >= 0.0, "robot '", robot.name, "': found a rate of ", how.rate,
+          " Hz, expected 0 or more.");
+  SessionOptions options;
+  options.bus.protocol = how.protocol;
+  options.bus.mtu = how.mtu;
+  options.bus.access = how.access;
+  options.bus.announce = how.announce;
+  options.watchdog = how.watchdog;
+  options.bus.cycle_time = how.rate > 0.0 ? 1.0 / how.rate : 0.0;
+  options.bus.boards = boards_of(robot);
+  options.channels.assign(options.bus.boards.size(), {});
+  const std::vector<Socket> sockets = sockets_of(robot);
+  for (std::size_t k = 0; k < sockets.size(); ++k) {
+    const ActuatorConfig& actuator = robot.actuators[k];
+    ChannelSafety& safety = options.channels[static_cast<std::size_t>(sockets[k].place)]
+                                            [static_cast<std::size_t>(sockets[k].channel)];
+    guard_current(actuator.amps_to_bits, actuator.bits_to_amps, actuator.max_current, safety);
+    safety.counts_to_position = {actuator.bits_to_position, 0.0};
+    const LinearScale& volts = actuator.bits_to_volts;
+    const LinearScale& position = actuator.volts_to_position;
+    safety.pot_to_position = {position.scale * volts.scale, position(volts.offset)};
+    if (k < robot.pot_tolerances.size() && pots_on_actuators(robot)) {
+      safety.pot_tolerance = robot.pot_tolerances[k].distance;
+      safety.pot_latency = robot.pot_tolerances[k].latency;
+      safety.watch_pot_rail = safety.pot_tolerance > 0.0;
+    }
+    if (!actuator.brake) continue;
+    const BrakeConfig& brake = *actuator.brake;
+    const Socket at = socket(options.bus.boards, brake.board, brake.axis);
+    guard_current(
+        brake.amps_to_bits, brake.bits_to_amps, brake.max_current,
+        options.channels[static_cast<std::size_t>(at.place)][static_cast<std::size_t>(at.channel)]);
+  }
+  return options;
+}
+
+ArmSession::ArmSession(DatagramLink& link, const RobotConfig& robot,
+                       const ArmSessionOptions& options)
+    : link_(link),
+      options_(options),
+      units_(robot, options.actuator_to_joint),
+      boards_(link, session_options(robot, options)),
+      sockets_(sockets_of(robot)),
+      raw_(robot.actuators.size()),
+      state_(robot.size()),
+      command_(robot.size()) {
+  require(options.pot_readings > 0, "robot '", robot.name, "': found ", options.pot_readings,
+          " pot readings, expected at least one.");
+  for (const ActuatorConfig& actuator : robot.actuators) {
+    if (!actuator.brake) continue;
+    brakes_.emplace_back(*actuator.brake);
+    brake_sockets_.push_back(socket(boards_of(robot), actuator.brake->board, actuator.brake->axis));
+  }
+}
+
+void ArmSession::start() {
+  boards_.start();
+  units_.reset();
+  homing_ = {};
+  require_velocities();
+  // Encoders that cannot be loaded stand where they stand.
+  homed_ = !robot().has_encoder_preload || !needs_homing();
+  if (homed_ || options_.homing == Homing::kNever || boards_.listens()) return;
+  home();
+  require(homing_.done, "robot '", robot().name,
+          "': the encoders cannot be loaded: ", homing_.reason, ".");
+}
+
+void ArmSession::require_velocities() const {
+  for (std::size_t k = 0; k < sockets_.size(); ++k) {
+    const int firmware = boards_.bus().info(sockets_[k].place).firmware;
+    const bool own = robot().actuators[k].velocity_source == VelocitySource::kSoftware;
+    require(own || firmware >= 7, "robot '", robot().name, "': actuator ", k, ": found firmware ",
+            firmware,
+            ", whose velocities have another form, expected 7 or more, or VelocitySource ",
+            "SOFTWARE.");
+  }
+}
+
+bool ArmSession::needs_homing() noexcept {
+  for (const Socket& s : sockets_)
+    if (boards_.needs_preload(s.place, s.channel)) return true;
+  return false;
+}
+
+void ArmSession::read_raw() noexcept {
+  for (std::size_t k = 0; k < raw_.size(); ++k) {
+    const BoardFeedback& board = boards_.bus().feedback(sockets_[k].place);
+    const ChannelFeedback& channel = board.channel[static_cast<std::size_t>(sockets_[k].channel)];
+    raw_[k] = {channel.encoder, channel.pot, channel.current, board.seconds()};
+  }
+}
+
+bool ArmSession::update() noexcept {
+  commanded_ = false;
+  if (!boards_.update()) return false;
+  read_raw();
+  units_.read(raw_.data(), state_);
+  return true;
+}
+
+void ArmSession::set_torques(const VectorXd& tau) noexcept {
+  units_.write(tau, command_);
+  commanded_ = command_.valid;
+}
+
+const BoardFeedback& ArmSession::board_of(int actuator) const {
+  return boards_.bus().feedback(sockets_[static_cast<std::size_t>(actuator)].place);
+}
+
+bool ArmSession::ready() const {
+  return boards_.state() == PowerState::kOn &&
+         std::all_of(brakes_.begin(), brakes_.end(),
+                     [](const BrakeDriver& brake) { return brake.released(); });
+}
+
+void ArmSession::command_brakes() noexcept {
+  const bool on = boards_.state() == PowerState::kOn;
+  for (std::size_t k = 0; k < brakes_.size(); ++k) {
+    const auto wish = on ? BrakeDriver::Wish::kReleased : BrakeDriver::Wish::kEngaged;
+    const double current = brakes_[k].current(wish, link_.now());
+    boards_.set_command(brake_sockets_[k].place, brake_sockets_[k].channel,
+                        brakes_[k].config().amps_to_bits(current));
+  }
+}
+
+void ArmSession::commit() noexcept {
+  command_brakes();
+  if (commanded_ && ready()) {
+    for (std::size_t k = 0; k < sockets_.size(); ++k)
+      boards_.set_command(sockets_[k].place, sockets_[k].channel, command_.bits[k]);
+  }
+  commanded_ = false;
+  boards_.commit();
+}
+
+const char* ArmSession::power_on() noexcept {
+  if (!homed_) return "the encoders were never loaded: home first";
+  if (!homing_.outside_limits.empty())
+    return "an actuator stands outside its soft limits by its pot: move it inside, home again";
+  return boards_.power_on();
+}
+
+// @returns why it could not be done; empty if it was.
+std::string ArmSession::average_pots(VectorXd& mean) {
+  VectorXd low = VectorXd::Constant(size(), 65535.0);
+  VectorXd high = VectorXd::Zero(size());
+  mean.setZero(size());
+  int readings = 0;
+  for (int trial = 0; trial < 2 * options_.pot_readings && readings < options_.pot_readings;
+       ++trial) {
+    if (boards_.update()) {
+      read_raw();
+      ++readings;
+      for (int i = 0; i < size(); ++i) {
+        const double pot = raw_[static_cast<std::size_t>(i)].pot;
+        mean[i] += (pot - mean[i]) / readings;
+        low[i] = std::min(low[i], pot);
+        high[i] = std::max(high[i], pot);
+      }
+    }
+    boards_.commit();
+    link_.wait(options_.rate > 0.0 ? 1.0 / options_.rate : kPotPeriod);
+  }
+  if (readings < options_.pot_readings)
+    return text("only ", readings, " of ", options_.pot_readings, " reads were valid");
+  for (int i = 0; i < size(); ++i) {
+    const ActuatorConfig& actuator = units_.robot().actuators[static_cast<std::size_t>(i)];
+    if (at_rail(mean[i]))
+      return text("the pot of actuator ", i, " reads ", actuator.bits_to_volts(mean[i]),
+                  " V, an end of its range: the arm stands outside, or a wire is gone");
+    const double way = std::abs(actuator.volts_to_position.scale * actuator.bits_to_volts.scale) *
+                       (high[i] - low[i]);
+    if (way <= options_.pot_unrest * (actuator.upper - actuator.lower)) continue;
+    return text("the pot of actuator ", i, " moved by ", way, actuator.prismatic ? " m" : " rad",
+                " while it should rest");
+  }
+  return "";
+}
+
+std::string ArmSession::load_encoders(const VectorXd& actuator_q) {
+  std::vector<std::uint32_t> words(sockets_.size());
+  units_.preload_words(actuator_q, words.data());
+  for (std::size_t k = 0; k < sockets_.size(); ++k) {
+    const double counts =
+        actuator_q[static_cast<Eigen::Index>(k)] / robot().actuators[k].bits_to_position;
+    if (!(std::abs(counts) < kEncoderZero - 1.0))
+      return text("actuator ", k, " stands at ", counts, " counts, more than 24 bits");
+    // Zero counts would look like "never loaded" to whoever asks next: one count instead.
+    const std::int32_t loaded = encoder_counts(words[k]) == 0 ? 1 : encoder_counts(words[k]);
+    if (!boards_.preload(sockets_[k].place, sockets_[k].channel, loaded))
+      return text("the encoder of actuator ", k, " does not take its preload");
+  }
+  return "";
+}
+
+std::string ArmSession::load_from_pots() {
+  if (boards_.listens()) return "this session reads alone";
+  if (!robot().has_encoder_preload) return "the configuration has no encoder preload";
+  if (!robot().pot_lookup_table.empty())
+    return "the pots need the lookup table " + robot().pot_lookup_table;
+  const PowerState power = boards_.state();
+  if (power != PowerState::kOff && power != PowerState::kFault) return "power is on";
+  homed_ = false;
+  VectorXd mean(size());
+  const std::string unrest = average_pots(mean);
+  if (!unrest.empty()) return unrest;
+  homing_.actuator_q = VectorXd::Zero(size());
+  units_.pot_positions(mean, homing_.actuator_q);
+  return load_encoders(homing_.actuator_q);
+}
+
+const HomingReport& ArmSession::home() {
+  homing_ = {};
+  homing_.reason = load_from_pots();
+  if (!homing_.reason.empty()) return homing_;
+  units_.reset();
+  for (int i = 0; i < size(); ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    const double slack =
+        k < robot().pot_tolerances.size() ? robot().pot_tolerances[k].distance : 0.0;
+    const double q = homing_.actuator_q[i];
+    if (q < robot().actuators[k].lower - slack || q > robot().actuators[k].upper + slack)
+      homing_.outside_limits.push_back(i);
+  }
+  homing_.done = homed_ = true;
+  return homing_;
+}
+
+}  // namespace veridyn::dvrk

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "veridyn/control/computed_torque.hpp"
+#include "veridyn/control/position_limit.hpp"
+#include "veridyn/dvrk/arm_session.hpp"
+#include "veridyn/dvrk/motion_controller.hpp"
+#include "veridyn/math/motion_samples.hpp"
+
+namespace veridyn::dvrk {
+
+/// Limits that a run holds an arm to: those of the controller's joints, and the soft limits of the
+/// actuators. The same test, leaves_range(), judges a motion before power comes on and the arm
+/// while it moves.
+class MotionCheck {
+ public:
+  /// @param joints  that the motion moves, from the first on.
+  MotionCheck(const ArmSession& arm, const MotionController& controller, Eigen::Index joints);
+
+  /// @throws InvalidInput  a set point leaves the limits, with the time, the joint, and how far the
+  ///                       motion would have to shrink.
+  void require_inside(const MotionSamples& motion, double rate) const;
+
+  /// Why an arm cannot begin here; empty if it can.
+  std::string objection_to(const VectorXd& q) const;
+
+  /// The actuator of a moving arm that is about to leave its soft limits; -1: none. No allocation.
+  int leaving(const ArmState& state) const noexcept;
+
+ private:
+  struct Guard {
+    std::string name;
+    const char* whose;   ///< whose limits they are
+    VectorXd of_joints;  ///< (n) row: position of what is guarded per joint positions
+    PositionRange range;
+    double velocity;  ///< largest
+  };
+  const Guard* broken_by(const VectorXd& q, const VectorXd& dq, double share_left) const noexcept;
+
+  std::string arm_;
+  Eigen::Index joints_;
+  double braking_;
+  std::vector<Guard> guards_;
+  std::vector<PositionRange> actuators_;  ///< soft limits; infinite where there are none
+};
+
+}  // namespace veridyn::dvrk

@@ -1,0 +1,200 @@
+#include "motion_run.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "approach.hpp"
+#include "run_end.hpp"
+#include "veridyn/math/require.hpp"
+
+namespace veridyn::dvrk {
+namespace {
+
+constexpr double kLooking = 0.1;  // [s] of reading before power is asked for
+
+}  // namespace
+
+MotionRun::MotionRun(ArmSession& arm, DatagramLink& link, const MotionSamples& motion,
+                     Eigen::Index recorded, MotionController& controller,
+                     const MotionCheck& check, const RunOptions& options,
+                     const std::atomic<bool>& stop)
+    : arm_(arm),
+      link_(link),
+      options_(options),
+      stop_(stop),
+      recorded_(recorded),
+      points_(motion),
+      controller_(controller),
+      check_(check),
+      keeper_(arm.size(), points_.duration(), options.rate),
+      file_(options.recording, keeper_, recorded),
+      clock_(link, options.rate),
+      wanted_(arm.size()),
+      tau_(VectorXd::Zero(arm.size())) {}
+
+RunResult MotionRun::run() {
+  const bool done = power_up() && approach() && play();
+  RunResult result;
+  result.timing = clock_.timing();
+  if (done) hold(options_.settle);
+  result.power = power_down();
+  result.rows = keeper_.take(recorded_);
+  result.why = why_;
+  if (result.why.empty()) result.why = objection_to(result.timing);
+  finish(file_, result);
+  result.complete = result.complete && done && result.power == OffState::kConfirmed;
+  return result;
+}
+
+// One cycle; set points were made for this time. @returns false: the run is over.
+template <typename Make>
+bool MotionRun::cycle(Make&& make) {
+  const double now = clock_.begin();
+  const bool valid = arm_.update();
+  clock_.read(arm_.boards().bus().lay_seconds());
+  const PowerState state = arm_.boards().state();
+  const bool ready = arm_.ready();  // brakes are open as well
+  bool sound = true;
+  if (valid && ready) {
+    make(now);
+    sound = control(now);
+  }
+  if (!ready) forget();
+  arm_.commit();  // without torques: without currents
+  clock_.end();
+  if (!sound) return end(controller_.why());
+  if (stop_.load(std::memory_order_relaxed)) return end("stopped by a signal");
+  if (state == PowerState::kFault) return end(describe(arm_.boards().cause()));
+  if (clock_.persistently_late()) return end(late_words(clock_));
+  if (file_.failed()) return end("the recording cannot be written");
+  return !valid || !ready || (stays_inside() && follows());
+}
+
+bool MotionRun::control(double now) noexcept {
+  const CycleTimes times{before_ < 0.0 ? 1.0 / options_.rate : now - before_, link_.now() - now};
+  before_ = now;
+  if (!controller_.torques(arm_.state(), wanted_, times, tau_)) return false;
+  arm_.set_torques(tau_);
+  return true;
+}
+
+void MotionRun::forget() noexcept {
+  controller_.reset();
+  before_ = -1.0;
+}
+
+bool MotionRun::stays_inside() {
+  const int actuator = check_.leaving(arm_.state());
+  if (actuator < 0) return true;
+  return end(text("actuator ", actuator, " leaves its soft limits: ",
+                  arm_.state().actuator_q[actuator], " with a velocity of ",
+                  arm_.state().actuator_dq[actuator]));
+}
+
+bool MotionRun::follows() {
+  if (!controller_.follows()) return true;
+  Eigen::Index joint = 0;
+  const VectorXd& most = options_.largest_error;
+  const double share =
+      (wanted_.q - arm_.state().q).cwiseAbs().cwiseQuotient(most).maxCoeff(&joint);
+  if (share <= 1.0) return true;
+  const bool slides = arm_.robot().actuators[static_cast<size_t>(joint)].prismatic;
+  return end(text("joint ", joint + 1, " is ", share * most[joint], slides ? " m" : " rad",
+                  " off its set point",
+                  arm_.command().clipped ? ", with a current at its limit" : ""));
+}
+
+bool MotionRun::end(const std::string& why) {
+  if (why_.empty()) why_ = why;
+  return false;
+}
+
+bool MotionRun::power_up() {
+  for (int k = 0; k < static_cast<int>(kLooking * options_.rate); ++k) {
+    if (!cycle([](double) {})) return false;
+  }
+  const std::string outside = check_.objection_to(arm_.state().q);
+  if (!outside.empty()) return end(outside);
+  if (const char* refused = arm_.power_on()) return end(refused);
+  for (int k = 0; k < static_cast<int>(options_.power_timeout * options_.rate); ++k) {
+    if (!cycle([this](double) { hold_here(); })) return false;
+    if (arm_.ready()) return true;
+  }
+  return end("power does not come up");
+}
+
+void MotionRun::hold_here() {
+  wanted_.q = arm_.state().q;
+  rest();
+}
+
+void MotionRun::rest() {
+  wanted_.dq.setZero();
+  wanted_.ddq.setZero();
+}
+
+bool MotionRun::approach() {
+  Approach way;
+  way.from = way.to = arm_.state().q;
+  wanted_.q = way.from;
+  points_.at(0.0, wanted_);
+  way.to = wanted_.q;
+  wanted_.q = way.from;
+  rest();
+  const double distance = (way.to - way.from).cwiseAbs().maxCoeff();
+  way.duration = std::max(options_.approach_time, 1.875 * distance / options_.approach_speed);
+  double start = -1.0;
+  bool there = false;
+  while (!there) {
+    const bool goes_on = cycle([&](double now) {
+      if (start < 0.0) start = now;
+      way.at(now - start, wanted_);
+      there = now - start > way.duration + options_.settle;
+    });
+    if (!goes_on) return false;
+  }
+  return true;
+}
+
+bool MotionRun::play() {
+  clock_.restart_count();
+  controller_.motion_begins();
+  const double duration = points_.duration();
+  double start = -1.0;
+  double t = 0.0;
+  LatchTime latch;
+  bool kept = false;
+  while (t < duration) {
+    const bool goes_on = cycle([&](double now) {
+      if (start < 0.0) start = now;
+      t = now - start;
+      points_.at(t, wanted_);
+      const double latched = latch.next(now, arm_.board_of(0).seconds());
+      keeper_.keep(latched, arm_.state());
+      kept = true;
+    });
+    if (!kept) latch.lost();
+    kept = false;
+    if (!goes_on) return false;
+  }
+  return true;
+}
+
+void MotionRun::hold(double seconds) {
+  rest();
+  for (int k = 0; k < static_cast<int>(seconds * options_.rate); ++k) {
+    if (!cycle([](double) {})) return;
+  }
+}
+
+OffState MotionRun::power_down() {
+  arm_.boards().power_off();
+  for (int k = 0; k < 10; ++k) {
+    clock_.begin();
+    arm_.update();
+    arm_.commit();
+  }
+  return arm_.boards().shutdown();
+}
+
+}  // namespace veridyn::dvrk

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <atomic>
+#include <string>
+
+#include "cycle_clock.hpp"
+#include "motion_check.hpp"
+#include "row_file.hpp"
+#include "row_keeper.hpp"
+#include "set_points.hpp"
+#include "veridyn/dvrk/arm_run.hpp"
+
+namespace veridyn::dvrk {
+
+/// One motion from power-up to power-down: the arm goes to the first set point, follows, holds, and
+/// is switched off, whatever happened on the way.
+class MotionRun {
+ public:
+  /// @param recorded  joints that are kept. All references outlive the run.
+  MotionRun(ArmSession& arm, DatagramLink& link, const MotionSamples& motion, Eigen::Index recorded,
+            MotionController& controller, const MotionCheck& check, const RunOptions& options,
+            const std::atomic<bool>& stop);
+
+  /// Call it once.
+  RunResult run();
+
+ private:
+  template <typename Make>
+  bool cycle(Make&& make);
+  bool control(double now) noexcept;
+  void forget() noexcept;
+  bool stays_inside();
+  bool follows();
+  bool end(const std::string& why);
+  bool power_up();
+  void hold_here();
+  void rest();
+  bool approach();
+  bool play();
+  void hold(double seconds);
+  OffState power_down();
+
+  ArmSession& arm_;
+  DatagramLink& link_;
+  RunOptions options_;
+  const std::atomic<bool>& stop_;
+  Eigen::Index recorded_;  // joints
+  SetPoints points_;
+  MotionController& controller_;
+  const MotionCheck& check_;
+  RowKeeper keeper_;
+  RowFile file_;
+  CycleClock clock_;
+  JointReference wanted_;
+  VectorXd tau_;
+  double before_ = -1.0;  // [s] when torques were last asked for
+  std::string why_;
+};
+
+}  // namespace veridyn::dvrk

@@ -1,0 +1,37 @@
+#include "veridyn/dvrk/real_time.hpp"
+
+#include <sched.h>
+#include <sys/mman.h>
+#include <sys/resource.h>
+
+#include <cstddef>
+
+namespace veridyn::dvrk {
+namespace {
+
+constexpr std::size_t kStack = 256 * 1024;  // [bytes] that a cycle never goes beyond
+
+void touch_stack() noexcept {
+  volatile unsigned char page[kStack];
+  for (std::size_t k = 0; k < kStack; k += 1024) page[k] = 1;
+  (void)page[0];
+}
+
+}  // namespace
+
+bool take_real_time_priority(int priority) noexcept {
+  sched_param wanted{};
+  wanted.sched_priority = priority;
+  return ::sched_setscheduler(0, SCHED_FIFO, &wanted) == 0;
+}
+
+// With a limit on locked memory, what comes later must not fail because of it.
+bool lock_memory() noexcept {
+  touch_stack();
+  rlimit limit{};
+  const bool unlimited =
+      ::getrlimit(RLIMIT_MEMLOCK, &limit) == 0 && limit.rlim_cur == RLIM_INFINITY;
+  return ::mlockall(MCL_CURRENT | MCL_ONFAULT | (unlimited ? MCL_FUTURE : 0)) == 0;
+}
+
+}  // namespace veridyn::dvrk

@@ -1,0 +1,77 @@
+#include "veridyn/dvrk/run_json.hpp"
+
+#include <nlohmann/json.hpp>
+
+namespace veridyn::dvrk {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json head(const std::string& command, const std::string& arm) {
+  return {{"veridyn", VERIDYN_VERSION}, {"command", "dvrk " + command}, {"arm", arm}};
+}
+
+Json json_of(const FaultLog& faults) {
+  Json list = Json::array();
+  for (int k = 1; k <= kConditions; ++k) {
+    const auto condition = static_cast<Condition>(k);
+    const FaultEntry& entry = faults[condition];
+    if (entry.count == 0) continue;
+    list.push_back({{"condition", number_in_section_17(condition)},
+                    {"name", describe(condition)},
+                    {"count", entry.count},
+                    {"board", entry.board},
+                    {"channel", entry.channel < 0 ? 0 : entry.channel + 1},
+                    {"found", entry.value},
+                    {"found_text", describe_found(condition, entry.value)}});
+  }
+  return list;
+}
+
+}  // namespace
+
+std::string to_json(const RunResult& run, const FaultLog& faults, const std::string& command,
+                    const std::string& arm) {
+  Json out = head(command, arm);
+  out["rows"] = run.rows.rows();
+  out["complete"] = run.complete;
+  out["why"] = run.why;
+  const WriteGap& gap = run.timing.longest_gap;
+  out["power_off"] = run.power == OffState::kNotAsked    ? "not asked"
+                     : run.power == OffState::kConfirmed ? "confirmed"
+                                                         : "not confirmed";
+  out["boards_say"] = describe(run.power);
+  out["rows_kept"] = run.kept;
+  out["loop"] = {{"cycles", run.timing.cycles},
+                 {"late", run.timing.late},
+                 {"late_own", run.timing.late_own},
+                 {"late_replies", run.timing.late_replies},
+                 {"late_system", run.timing.late - run.timing.late_own - run.timing.late_replies},
+                 {"rate", run.timing.rate},
+                 {"rate_reached", run.timing.reached()},
+                 {"mean", run.timing.mean},
+                 {"longest", run.timing.longest},
+                 {"longest_gap",
+                  {{"seconds", gap.seconds},
+                   {"at", gap.at},
+                   {"reason", describe_reason(gap)},
+                   {"slept", gap.slept},
+                   {"woken_late", gap.woken_late},
+                   {"replies", gap.replies},
+                   {"own", gap.own},
+                   {"interrupted", gap.interrupted}}}};
+  out["faults"] = json_of(faults);
+  return out.dump(2) + "\n";
+}
+
+std::string to_json(const BoardEmulator::Counters& counters, const std::string& arm) {
+  Json out = head("emulate", arm);
+  out["requests"] = counters.requests;
+  out["malformed"] = counters.malformed;
+  out["dropped"] = counters.dropped;
+  out["wrong_crc"] = counters.wrong_crc;
+  out["writes"] = counters.writes;
+  return out.dump(2) + "\n";
+}
+
+}  // namespace veridyn::dvrk

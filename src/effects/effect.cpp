@@ -1,0 +1,97 @@
+#include "veridyn/effects/effect.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace veridyn {
+namespace {
+
+// Where an effect does not say how its constant is searched.
+const std::vector<double>& usual_lengths() {
+  static const std::vector<double> kShares = {1e-3, 1e-2, 0.1};
+  return kShares;
+}
+
+const std::vector<double>& usual_speeds() {
+  static const std::vector<double> kShares = {0.02, 0.06, 0.2};
+  return kShares;
+}
+
+std::vector<double> scaled(std::vector<double> shares, double by) {
+  for (double& share : shares) share *= by;
+  return shares;
+}
+
+// A sixth, a half and five sixths of the way through the range of the search.
+std::vector<double> spread(const EffectShape& shape) {
+  std::vector<double> out;
+  for (const double share : {1.0 / 6.0, 0.5, 5.0 / 6.0}) {
+    out.push_back(shape.logarithmic ? shape.lower * std::pow(shape.upper / shape.lower, share)
+                                    : shape.lower + share * (shape.upper - shape.lower));
+  }
+  return out;
+}
+
+std::vector<double> by_unit(const EffectShape& shape, const AxisMotion& motion) {
+  if (shape.unit_revolute == "rad") return scaled(usual_lengths(), motion.travel);
+  if (shape.unit_revolute == "rad/s") return scaled(usual_speeds(), motion.speed);
+  return spread(shape);
+}
+
+// First choices of one constant; nothing where the constant stays as it is.
+std::optional<std::vector<double>> choices(const EffectShape& shape, const AxisMotion& motion) {
+  switch (shape.scale) {
+    case ShapeScale::kMiddle:
+      return {{motion.middle}};
+    case ShapeScale::kWaves:
+      return motion.waves ? *motion.waves : std::vector<double>{shape.start(motion.type)};
+    case ShapeScale::kAbsolute:
+      return shape.grid;
+    case ShapeScale::kTravel:
+      return scaled(shape.grid, motion.travel);
+    case ShapeScale::kSpeed:
+      return scaled(shape.grid, motion.speed);
+    case ShapeScale::kDuration: {
+      if (motion.duration <= 0.0) return {{shape.start(motion.type)}};
+      std::vector<double> out = scaled(shape.grid, motion.duration);
+      for (double& value : out) value = std::max(value, shape.lower);
+      return out;
+    }
+    case ShapeScale::kByUnit:
+      break;
+  }
+  if (!shape.searched) return std::nullopt;
+  return by_unit(shape, motion);
+}
+
+}  // namespace
+
+double EffectShape::start(JointType type) const {
+  return type == JointType::kPrismatic && initial_prismatic != 0.0 ? initial_prismatic : initial;
+}
+
+EffectTraits Effect::traits() const {
+  ShapeValues values{};
+  const std::vector<EffectShape> all = shapes();
+  for (size_t i = 0; i < all.size(); ++i) values[i] = all[i].initial;
+  return traits(values);
+}
+
+std::vector<ShapeChoice> Effect::grid(const AxisMotion& motion) const {
+  std::vector<ShapeChoice> out{{}};
+  for (const EffectShape& shape : shapes()) {
+    const auto values = choices(shape, motion);
+    if (!values) continue;
+    std::vector<ShapeChoice> longer;
+    for (const ShapeChoice& choice : out) {
+      for (const double value : *values) {
+        longer.push_back(choice);
+        longer.back()[shape.name] = value;
+      }
+    }
+    out = std::move(longer);
+  }
+  return out;
+}
+
+}  // namespace veridyn

@@ -1,0 +1,62 @@
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "registry.hpp"
+
+namespace veridyn {
+namespace {
+
+constexpr double kStep = 1e-5;  // [rad] or [m] of the derivative by position
+
+/// recorded = true + offset, of one joint's position: a wrong zero. Every joint feels it:
+///
+///   d tau / d offset = - d tau / d q_joint        of the rigid bodies
+class EncoderOffset final : public ChannelEffect {
+ public:
+  std::string name() const override { return "encoder_offset"; }
+  std::vector<EffectParameter> parameters() const override {
+    return {{"offset", "rad", "m", ParameterSign::kAny, 0.2, 0.03}};
+  }
+  EffectTraits traits(const ShapeValues& /*shape*/) const override {
+    EffectTraits t;
+    t.role = EffectRole::kChannel;
+    t.stage = DiagnosisStage::kChannel;
+    t.depends_on_position = true;
+    t.same_as_wrong_constant = true;  // of the zero of this joint in the robot file
+    t.lasting = true;
+    return t;
+  }
+  bool acts_on(int /*i*/, int /*joint*/) const override { return true; }
+  std::vector<MatrixXd> columns(const ChannelMotion& motion, int joint) const override {
+    MatrixXd q = motion.q;
+    MatrixXd below;
+    MatrixXd above;
+    q.col(joint).array() -= kStep;
+    motion.bodies.torques(q, motion.dq, motion.ddq, motion.phi, below);
+    q.col(joint).array() += 2.0 * kStep;
+    motion.bodies.torques(q, motion.dq, motion.ddq, motion.phi, above);
+    return {(below - above) / (2.0 * kStep)};
+  }
+  void apply(ModelDescription& arm, int joint, const std::vector<double>& values) const override {
+    arm.coordinates[static_cast<size_t>(joint)].recorded.position_offset += values[0];
+  }
+  std::vector<InjectedValue> injected(JointType type) const override {
+    return {{"offset", type == JointType::kPrismatic ? 0.001 : 0.01, 0.0, false}};
+  }
+  std::string phrase(const std::vector<double>& values, const ShapeValues& /*shape*/,
+                     JointType type) const override {
+    return fmt::format("a recorded position that is {:.3g} {} too {}", 1e3 * std::abs(values[0]),
+                       type == JointType::kPrismatic ? "mm" : "mrad",
+                       values[0] > 0.0 ? "large" : "small");
+  }
+};
+
+}  // namespace
+
+const Effect& encoder_offset() {
+  static const EncoderOffset kEffect;
+  return kEffect;
+}
+
+}  // namespace veridyn

@@ -1,0 +1,85 @@
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <utility>
+
+#include "registry.hpp"
+
+namespace veridyn {
+namespace {
+
+constexpr double kStep = 1e-4;  // [rad] of the derivative
+
+/// R' g - g for R = Ry(pitch) Rx(roll).
+Eigen::Vector3d change_of_gravity(const Eigen::Vector3d& gravity, double roll, double pitch) {
+  const Eigen::Matrix3d R = (Eigen::AngleAxisd(pitch, Eigen::Vector3d::UnitY()) *
+                             Eigen::AngleAxisd(roll, Eigen::Vector3d::UnitX()))
+                                .toRotationMatrix();
+  return R.transpose() * gravity - gravity;
+}
+
+/// The base stands turned, R = Ry(pitch) Rx(roll): gravity has another direction in it.
+///
+///   d tau / d angle = the torque at rest under d(R' g) / d angle
+class GravityTilt final : public ChannelEffect {
+ public:
+  std::string name() const override { return "gravity_tilt"; }
+  std::vector<EffectParameter> parameters() const override {
+    constexpr double kLargest = 0.3;  // [rad] nobody overlooks more
+    return {{"roll", "rad", "rad", ParameterSign::kAny, kLargest, kLargest},
+            {"pitch", "rad", "rad", ParameterSign::kAny, kLargest, kLargest}};
+  }
+  EffectTraits traits(const ShapeValues& /*shape*/) const override {
+    EffectTraits t;
+    t.role = EffectRole::kChannel;
+    t.stage = DiagnosisStage::kChannel;
+    t.depends_on_position = true;
+    t.lasting = true;
+    return t;
+  }
+  bool whole_arm() const override { return true; }
+  bool acts_on(int /*i*/, int /*joint*/) const override { return true; }
+  std::vector<MatrixXd> columns(const ChannelMotion& motion, int /*joint*/) const override {
+    const MatrixXd rest = MatrixXd::Zero(motion.q.rows(), motion.q.cols());
+    std::vector<MatrixXd> out(2);
+    for (size_t k = 0; k < out.size(); ++k) {
+      ModelDescription d = motion.arm.description();
+      const double roll = k == 0 ? kStep : 0.0;
+      d.gravity = change_of_gravity(d.gravity, roll, kStep - roll) / kStep;
+      RegressorBatch(Model(std::move(d))).torques(motion.q, rest, rest, motion.phi, out[k]);
+    }
+    return out;
+  }
+  bool has_rigid_columns() const override { return true; }
+  // Any two directions across gravity span the tilts.
+  std::vector<RigidColumn> rigid_columns(const Model& arm, int /*joint*/) const override {
+    const Eigen::Vector3d& g = arm.gravity();
+    if (g.isZero(0.0)) return {};
+    const Eigen::Vector3d across = g.unitOrthogonal();
+    const Eigen::Vector3d other = g.normalized().cross(across);
+    const VectorXd joints = VectorXd::Ones(arm.joints());
+    return {{across.cross(g), true, joints}, {other.cross(g), true, joints}};
+  }
+  void apply(ModelDescription& arm, int /*joint*/,
+             const std::vector<double>& values) const override {
+    arm.gravity += change_of_gravity(arm.gravity, values[0], values[1]);
+  }
+  std::vector<InjectedValue> injected(JointType /*type*/) const override {
+    return {{"roll", 0.03, 0.0, false}, {"pitch", 0.02, 0.0, false}};
+  }
+  std::string phrase(const std::vector<double>& values, const ShapeValues& /*shape*/,
+                     JointType /*type*/) const override {
+    return fmt::format("a base that leans by {:.3g} mrad about x and {:.3g} mrad about y",
+                       1e3 * values[0], 1e3 * values[1]);
+  }
+};
+
+}  // namespace
+
+const Effect& gravity_tilt() {
+  static const GravityTilt kEffect;
+  return kEffect;
+}
+
+}  // namespace veridyn

@@ -1,0 +1,61 @@
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "registry.hpp"
+
+namespace veridyn {
+namespace {
+
+/// recorded = (1 + error) * true, of one joint's torque: a wrong motor constant, gear ratio or
+/// amplifier scale.
+///
+///   d tau / d error = tau
+class TorqueGain final : public ChannelEffect {
+ public:
+  std::string name() const override { return "torque_gain"; }
+  std::vector<EffectParameter> parameters() const override {
+    constexpr double kLargest = 0.6;  // nobody overlooks more
+    return {{"error", "1", "1", ParameterSign::kAny, kLargest, kLargest}};
+  }
+  EffectTraits traits(const ShapeValues& /*shape*/) const override {
+    EffectTraits t;
+    t.role = EffectRole::kChannel;
+    t.stage = DiagnosisStage::kChannel;
+    t.lasting = true;
+    return t;
+  }
+  bool can_be_common() const override { return true; }
+  bool acts_on(int i, int joint) const override { return joint == kAllJoints || i == joint; }
+  std::vector<MatrixXd> columns(const ChannelMotion& motion, int /*joint*/) const override {
+    return {motion.effort};
+  }
+  bool has_rigid_columns() const override { return true; }
+  std::vector<RigidColumn> rigid_columns(const Model& arm, int joint) const override {
+    const VectorXd joints = joint == kAllJoints ? VectorXd(VectorXd::Ones(arm.joints()))
+                                                : VectorXd(VectorXd::Unit(arm.joints(), joint));
+    return {{arm.gravity(), false, joints}};
+  }
+  void apply(ModelDescription& arm, int joint, const std::vector<double>& values) const override {
+    for (size_t i = 0; i < arm.coordinates.size(); ++i) {
+      if (acts_on(static_cast<int>(i), joint)) arm.coordinates[i].recorded.torque_gain *= 1.0 + values[0];
+    }
+  }
+  std::vector<InjectedValue> injected(JointType /*type*/) const override {
+    return {{"gain", 1.05, 1.0, false}};
+  }
+  std::string phrase(const std::vector<double>& values, const ShapeValues& /*shape*/,
+                     JointType /*type*/) const override {
+    return fmt::format("a recorded torque that is {:.2g} % too {}", 100.0 * std::abs(values[0]),
+                       values[0] > 0.0 ? "large" : "small");
+  }
+};
+
+}  // namespace
+
+const Effect& torque_gain() {
+  static const TorqueGain kEffect;
+  return kEffect;
+}
+
+}  // namespace veridyn

@@ -1,0 +1,391 @@
+#include "veridyn/identification/robot_check.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+
+#include "identification/base_solution.hpp"
+#include "math/parallel.hpp"
+#include "recordings/quality/quality_checks.hpp"
+#include "veridyn/identification/base_parameters.hpp"
+#include "veridyn/identification/compressed_recording.hpp"
+#include "veridyn/identification/identification.hpp"
+#include "veridyn/math/require.hpp"
+
+namespace veridyn {
+namespace {
+
+constexpr int kMostRows = 12000;    // a minute at 200 Hz; more tells nothing new about columns
+constexpr int kFewestRows = 300;
+// Share of the torques' squares left unexplained (each joint over its range). A recording below the
+// first is sound; another way must leave less than the second times what the recording leaves. Real
+// recordings of eight arms leave 0.4 to 6 %, their mistaken versions 12 to 90 %.
+constexpr double kExplained = 0.10;
+constexpr double kMuchBetter = 0.6;
+constexpr double kGainsBetter = 0.9;   // drive gains differ little, and so do their fits
+constexpr double kFrictionSure = 4.0;  // standard deviations by which friction must have its sign
+const double kDegree = std::acos(-1.0) / 180.0;
+
+// The arm with viscous and Coulomb friction on every coordinate: whatever moves loses energy.
+Model with_friction(const Model& arm) {
+  ModelDescription d = arm.description();
+  const int n = arm.joints();
+  for (int i = 0; i < n; ++i) {
+    for (const char* name : {"viscous_friction", "coulomb_friction"}) {
+      const bool there = std::any_of(d.effects.begin(), d.effects.end(), [&](const EffectTerm& t) {
+        return t.effect == name && t.axis.coefficients.size() == n &&
+               (t.axis.coefficients - VectorXd::Unit(n, i)).norm() == 0.0;
+      });
+      if (there) continue;
+      EffectTerm term;
+      term.effect = name;
+      term.axis.coefficients = VectorXd::Unit(n, i);
+      d.effects.push_back(std::move(term));
+    }
+  }
+  // Facts of the file are facts about sound recordings; here all is open.
+  for (EffectTerm& term : d.effects) term.fixed = false;
+  for (Frame& frame : d.frames) {
+    if (frame.body) frame.body->fixed = false;
+  }
+  d.identified.reset();
+  return Model(std::move(d));
+}
+
+// One short identification.
+struct Fit {
+  double unexplained = 1.0;          // share of the weighted squares of the torques
+  std::vector<double> friction;      // [standard deviations] by joint: power lost to friction
+  std::vector<SquareRootInformation> joints;
+};
+
+class Fitter {
+ public:
+  Fitter(const Model& arm, const PreprocessingOptions& options)
+      : arm_(with_friction(arm)), options_(options) {
+    options_.left_out.clear();
+    options_.first_row = 0;
+    options_.row_count = -1;
+    options_.min_speed = 0.0;
+    parameters_ = standard_parameters(arm_);
+    names_ = parameter_names(parameters_);
+    const BaseParameters base = base_parameters(arm_);
+    for (const int j : base.independent) base_columns_.push_back(names_[static_cast<size_t>(j)]);
+  }
+
+  const Model& arm() const { return arm_; }
+  const std::vector<StandardParameter>& parameters() const { return parameters_; }
+  const std::vector<std::string>& names() const { return names_; }
+
+  Fit fit(const Recording& recording) const {
+    const CompressedRecording c = compress(arm_, recording, options_);
+    Fit out;
+    const VectorXd weights = range_weights({c});
+    SquareRootInformation total(names_);
+    for (int i = 0; i < arm_.joints(); ++i) {
+      SquareRootInformation joint(names_);
+      for (const auto& block : c.blocks) joint.merge(block[static_cast<size_t>(i)]);
+      total.merge(joint, weights[i]);
+      out.joints.push_back(std::move(joint));
+    }
+    const SquareRootInformation base = total.restricted(base_columns_);
+    out.unexplained = base.rho2() / std::max(base.rhs_norm2(), 1e-300);
+    out.friction = friction_of(base);
+    return out;
+  }
+
+ private:
+  // Coulomb and viscous coefficients of each joint in standard deviations, the surer one. Errors of
+  // successive samples are alike: twenty of them count as one.
+  std::vector<double> friction_of(const SquareRootInformation& base) const {
+    constexpr double kAlike = 20.0;
+    const auto k = static_cast<Eigen::Index>(base_columns_.size());
+    const MatrixXd R = base.R();
+    const VectorXd beta = R.triangularView<Eigen::Upper>().solve(base.z());
+    const MatrixXd inverse = R.triangularView<Eigen::Upper>().solve(MatrixXd(MatrixXd::Identity(k, k)));
+    const double noise = std::sqrt(kAlike * base.rho2() / std::max(1.0, base.rows()));
+    std::vector<double> out(static_cast<size_t>(arm_.joints()), 0.0);
+    for (Eigen::Index j = 0; j < k; ++j) {
+      const auto known = std::find(names_.begin(), names_.end(), base_columns_[static_cast<size_t>(j)]);
+      const StandardParameter& p = parameters_[static_cast<size_t>(known - names_.begin())];
+      if (p.effect < 0) continue;
+      const EffectTerm& term = arm_.effects()[static_cast<size_t>(p.effect)];
+      if (term.effect != "viscous_friction" && term.effect != "coulomb_friction") continue;
+      const double sure = beta[j] / (noise * inverse.row(j).norm());
+      double& joint = out[static_cast<size_t>(main_coordinate(term.axis))];
+      if (std::isfinite(sure) && std::abs(sure) > std::abs(joint)) joint = sure;
+    }
+    return out;
+  }
+
+  Model arm_;
+  PreprocessingOptions options_;
+  std::vector<StandardParameter> parameters_;
+  std::vector<std::string> names_;
+  std::vector<std::string> base_columns_;
+};
+
+using Change = std::function<void(Recording*)>;
+
+// One way in which the signals may have been mistaken.
+struct Way {
+  std::string finding;
+  int joint = 0;  // from 1; 0: all
+  std::string what;
+  std::string option;
+  Change mend;
+};
+
+void swap_columns(MatrixXd* values, int i, int j) {
+  if (values->cols() > 0) values->col(i).swap(values->col(j));
+}
+
+std::string percent(double share) {
+  return text(quality::number(100.0 * share), " %");
+}
+
+class RobotCheck {
+ public:
+  RobotCheck(const Model& arm, Recording recording, const PreprocessingOptions& options)
+      : given_(arm), recording_(std::move(recording)), fitter_(arm, options) {
+    for (const Coordinate& c : arm.coordinates()) names_.push_back(c.name);
+  }
+
+  std::vector<QualityFinding> run() {
+    now_ = fitter_.fit(recording_);
+    if (turns_angles()) return std::move(findings_);
+    turn_signs();
+    if (now_.unexplained > kExplained) swap_joints();
+    take_currents();
+    compare_with_values();
+    return std::move(findings_);
+  }
+
+ private:
+  int joints() const { return given_.joints(); }
+  std::string joint(int i) const { return text("joint ", i + 1, " (", names_[static_cast<size_t>(i)], ")"); }
+
+  void add(const std::string& finding, int joint, double value, const std::string& sentence) {
+    QualityFinding f;
+    f.file = recording_.source;
+    f.finding = finding;
+    f.joint = joint;
+    f.share = quality::kNone;
+    f.value = value;
+    f.severity = Severity::kFault;
+    f.sentence = sentence;
+    findings_.push_back(std::move(f));
+  }
+
+  Fit tried(const Way& way) const {
+    Recording changed = recording_;
+    way.mend(&changed);
+    return fitter_.fit(changed);
+  }
+
+  void accept(const Way& way, const Fit& fit) {
+    add(way.finding, way.joint, fit.unexplained,
+        text(way.what, ": so the arm leaves ", percent(fit.unexplained),
+             " of the torques' squares unexplained instead of ", percent(now_.unexplained), "; ",
+             way.option, " mends it."));
+    way.mend(&recording_);
+    now_ = fit;
+  }
+
+  // The best of some ways, if it is much better than the recording as it is.
+  bool accept_best(const std::vector<Way>& ways, double better) {
+    std::vector<Fit> fits(ways.size());
+    parallel_for(static_cast<int>(ways.size()), 0, [&](int k) {
+      fits[static_cast<size_t>(k)] = tried(ways[static_cast<size_t>(k)]);
+    });
+    const auto best = std::min_element(fits.begin(), fits.end(), [](const Fit& a, const Fit& b) {
+      return a.unexplained < b.unexplained;
+    });
+    if (best == fits.end() || best->unexplained > better * now_.unexplained) return false;
+    accept(ways[static_cast<size_t>(best - fits.begin())], *best);
+    return true;
+  }
+
+  bool turns_angles() {
+    const bool velocities = recording_.dq.size() > 0;
+    const auto scale = [this](MatrixXd* values) {
+      for (int i = 0; i < joints() && values->cols() > 0; ++i) {
+        if (!given_.coordinates()[static_cast<size_t>(i)].prismatic) values->col(i) *= kDegree;
+      }
+    };
+    std::vector<Way> ways = {{"degrees", 0, "Positions are degrees", "--units q=deg",
+                              [scale](Recording* r) { scale(&r->q); }}};
+    if (velocities)
+      ways.push_back({"degrees", 0, "Positions and velocities are degrees",
+                      "--units q=deg,dq=deg/s", [scale](Recording* r) {
+                        scale(&r->q);
+                        scale(&r->dq);
+                      }});
+    const bool any_turns = std::any_of(given_.coordinates().begin(), given_.coordinates().end(),
+                                       [](const Coordinate& c) { return !c.prismatic; });
+    return any_turns && now_.unexplained > kExplained && accept_best(ways, kMuchBetter);
+  }
+
+  void turn_signs() {
+    std::vector<char> turned(static_cast<size_t>(joints()), 0);
+    const auto flip = [](int i) { return [i](Recording* r) { r->tau.col(i) *= -1.0; }; };
+    // Joints that are coupled to others: the fit tells.
+    const double before = now_.unexplained;
+    for (int round = 0; round < joints() && now_.unexplained > 1e-3; ++round) {
+      int best = -1;
+      Fit best_fit;
+      for (int i = 0; i < joints(); ++i) {
+        const Fit fit = tried({"", 0, "", "", flip(i)});
+        if (fit.unexplained > kMuchBetter * now_.unexplained) continue;
+        if (best >= 0 && fit.unexplained > best_fit.unexplained) continue;
+        best = i;
+        best_fit = fit;
+      }
+      if (best < 0) break;
+      flip(best)(&recording_);
+      now_ = best_fit;
+      turned[static_cast<size_t>(best)] = static_cast<char>(turned[static_cast<size_t>(best)] == 0);
+    }
+    // All of them, and those that are coupled to none: friction takes energy.
+    int against = 0;
+    int along = 0;
+    for (const double sure : now_.friction) {
+      against += sure < -kFrictionSure ? 1 : 0;
+      along += sure > kFrictionSure ? 1 : 0;
+    }
+    for (int i = 0; i < joints(); ++i) {
+      const bool own = now_.friction[static_cast<size_t>(i)] < -kFrictionSure;
+      const bool with_all = along == 0 && against > 0;
+      if (own || with_all) turned[static_cast<size_t>(i)] = static_cast<char>(turned[static_cast<size_t>(i)] == 0);
+      if (own || with_all) flip(i)(&recording_);
+    }
+    if (along + against > 0) now_ = fitter_.fit(recording_);
+    for (int i = 0; i < joints(); ++i) {
+      if (turned[static_cast<size_t>(i)] == 0) continue;
+      const bool fits = now_.unexplained < kMuchBetter * before;
+      add("torque_sign", i + 1, now_.unexplained,
+          text("Torques of ", joint(i), " have the wrong sign: ",
+               fits ? text("turned round, the arm leaves ", percent(now_.unexplained),
+                           " of the torques' squares unexplained instead of ", percent(before))
+                    : "its friction would give energy instead of taking it",
+               "; --units tau", i + 1, "=-", given_.coordinates()[static_cast<size_t>(i)].prismatic ? "N" : "Nm",
+               " mends it."));
+    }
+  }
+
+  void swap_joints() {
+    const bool dq = recording_.dq.size() > 0;
+    for (int round = 0; round < joints() / 2; ++round) {
+      std::vector<Way> ways;
+      for (int i = 0; i < joints(); ++i) {
+        for (int j = i + 1; j < joints(); ++j) {
+          const std::string a = std::to_string(i + 1);
+          const std::string b = std::to_string(j + 1);
+          const std::string pair = joint(i) + " and " + joint(j);
+          const std::string torques = "tau" + a + "=tau" + b + ",tau" + b + "=tau" + a;
+          std::string motion = "q" + a + "=q" + b + ",q" + b + "=q" + a;
+          if (dq) motion += ",dq" + a + "=dq" + b + ",dq" + b + "=dq" + a;
+          const auto swap_torques = [i, j](Recording* r) { swap_columns(&r->tau, i, j); };
+          const auto swap_motion = [i, j](Recording* r) {
+            swap_columns(&r->q, i, j);
+            swap_columns(&r->dq, i, j);
+            swap_columns(&r->ddq, i, j);
+          };
+          ways.push_back({"swapped_joints", i + 1, "The torques of " + pair + " are swapped",
+                          "--map " + torques, swap_torques});
+          ways.push_back({"swapped_joints", i + 1, "Positions and velocities of " + pair + " are swapped",
+                          "--map " + motion, swap_motion});
+          ways.push_back({"swapped_joints", i + 1, "The whole of " + pair + " is swapped",
+                          "--map " + motion + "," + torques, [=](Recording* r) {
+                            swap_torques(r);
+                            swap_motion(r);
+                          }});
+        }
+      }
+      if (!accept_best(ways, kMuchBetter)) return;
+    }
+  }
+
+  bool has_gains() const {
+    return std::all_of(given_.coordinates().begin(), given_.coordinates().end(),
+                       [](const Coordinate& c) { return c.drive_gain > 0.0; });
+  }
+
+  void take_currents() {
+    if (!has_gains() || recording_.current.size() > 0 || joints() < 2) return;
+    VectorXd gains(joints());
+    for (int i = 0; i < joints(); ++i) gains[i] = given_.coordinates()[static_cast<size_t>(i)].drive_gain;
+    if (gains.maxCoeff() < 1.05 * gains.minCoeff()) return;  // as torques they would fit alike
+    accept_best({{"current", 0, "Efforts are motor currents", "--units tau=A",
+                  [gains](Recording* r) { r->tau = r->tau * gains.asDiagonal(); }}},
+                kGainsBetter);
+  }
+
+  // Torques of an arm with values, by one factor a joint.
+  void compare_with_values() {
+    if (!has_all_values(given_)) return;
+    VectorXd phi(static_cast<Eigen::Index>(fitter_.parameters().size()));
+    for (Eigen::Index j = 0; j < phi.size(); ++j) {
+      const double value = fitter_.parameters()[static_cast<size_t>(j)].value;
+      phi[j] = std::isfinite(value) ? value : 0.0;
+    }
+    std::vector<double> ratios;
+    bool as_currents = true;
+    bool alien = false;
+    for (int i = 0; i < joints(); ++i) {
+      const SquareRootInformation& f = now_.joints[static_cast<size_t>(i)];
+      const VectorXd modelled = f.R() * phi;
+      const double ratio = modelled.dot(f.z()) / std::max(modelled.squaredNorm(), 1e-300);
+      const double gain = given_.coordinates()[static_cast<size_t>(i)].drive_gain;
+      ratios.push_back(ratio);
+      as_currents = as_currents && gain > 0.0 && ratio > 0.0 && std::abs(std::log(ratio * gain)) < std::log(1.5) &&
+                    std::abs(std::log(gain)) > std::log(2.0);
+      alien = alien || ratio < 0.5 || ratio > 2.0;
+    }
+    if (!alien) return;
+    std::string list;
+    for (const double ratio : ratios) list += (list.empty() ? "" : ", ") + quality::number(ratio);
+    if (as_currents) {
+      add("current", 0, quality::kNone,
+          text("Efforts are ", list, " times the torques of ", given_.name(),
+               ", as motor currents are; --units tau=A mends it."));
+    } else {
+      add("torque_scale", 0, quality::kNone,
+          text("Efforts are ", list, " times the torques of ", given_.name(), ", joint by joint; --units tells if they are in other units (tau=mNm, tau=A)."));
+      findings_.back().severity = Severity::kWarning;
+    }
+  }
+
+  const Model& given_;
+  Recording recording_;
+  Fitter fitter_;
+  std::vector<std::string> names_;
+  Fit now_;
+  std::vector<QualityFinding> findings_;
+};
+
+}  // namespace
+
+std::vector<QualityFinding> check_against(const Model& arm, const std::string& path,
+                                          const PreprocessingOptions& options) {
+  RecordingOptions reading = reading_of(arm, options);
+  reading.first_row = std::max(0L, options.first_row);
+  reading.row_count = options.row_count < 0 ? kMostRows : std::min<long>(options.row_count, kMostRows);
+  Recording recording = read_recording(path, reading);
+  require(recording.joints() == arm.joints(), path, ": found ", recording.joints(), " joints, but '",
+          arm.name(), "' has ", arm.joints(), ".");
+  if (recording.rows() < kFewestRows) return {};
+  if (recording.tau.size() == 0 && recording.current.size() > 0) {
+    // Signs, places and angles are asked of currents through their gains.
+    recording.tau = recording.current;
+    for (int i = 0; i < arm.joints(); ++i) {
+      const double gain = arm.coordinates()[static_cast<size_t>(i)].drive_gain;
+      if (gain > 0.0) recording.tau.col(i) *= gain;
+    }
+  }
+  if (recording.tau.size() == 0) return {};
+  return RobotCheck(arm, std::move(recording), options).run();
+}
+
+}  // namespace veridyn

@@ -1,0 +1,151 @@
+#include "recordings/arrays/array_recording.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "recordings/csv/time_column.hpp"
+#include "recordings/joint_fields.hpp"
+#include "recordings/units.hpp"
+#include "veridyn/math/require.hpp"
+
+namespace veridyn::recordings {
+namespace {
+
+std::string group_of(const std::string& name) {
+  const std::size_t slash = name.rfind('/');
+  return slash == std::string::npos ? std::string() : name.substr(0, slash);
+}
+
+std::string last_of(const std::string& name) {
+  return name.substr(name.rfind('/') + 1);
+}
+
+bool is_vector(const NamedArray& a) {
+  return a.rows == 1 || a.columns == 1;
+}
+
+std::size_t size_of(const NamedArray& a) {
+  return a.rows * a.columns;
+}
+
+// The clock of a group: its own, or that of the file.
+const NamedArray* clock_for(const ArraySet& set, const std::string& group,
+                            const std::string& wanted, TimeColumns* found) {
+  for (const std::string& place : {group, std::string()}) {
+    std::vector<const NamedArray*> vectors;
+    std::vector<std::string> names;
+    for (const NamedArray& a : set.arrays) {
+      if (group_of(a.name) != place || !is_vector(a) || size_of(a) < 2) continue;
+      vectors.push_back(&a);
+      names.push_back(last_of(a.name));
+    }
+    *found = time_columns(names, last_of(wanted));
+    if (found->recorded >= 0) return vectors[static_cast<std::size_t>(found->recorded)];
+  }
+  return nullptr;
+}
+
+std::int64_t unit_of_clock(const NamedArray& clock, const TimeColumns& columns,
+                           const RecordingOptions& options, RawRecording* raw) {
+  const auto given = options.signals.units.find("t");
+  if (given != options.signals.units.end())
+    return std::llround(unit_factor("t", given->second).value_or(1.0) * 1e9);
+  if (columns.unit != 0) return columns.unit;
+  std::vector<double> steps;
+  bool whole = true;
+  for (std::size_t k = 0; k < clock.values.size() && k < 400; ++k) {
+    whole = whole && clock.values[k] == std::floor(clock.values[k]);
+    if (k > 0) steps.push_back(clock.values[k] - clock.values[k - 1]);
+  }
+  std::nth_element(steps.begin(), steps.begin() + static_cast<long>(steps.size() / 2), steps.end());
+  const std::int64_t unit =
+      likely_time_unit(clock.values.front(), steps[steps.size() / 2], whole);
+  if (unit != 1000000000)
+    raw->remarks.emplace_back(
+        "times are not taken for seconds, by their size (--units t=s says otherwise).");
+  return unit;
+}
+
+// Element `k` of sample `row`, whichever way the array lies.
+double element(const NamedArray& a, std::size_t rows, std::size_t row, std::size_t k) {
+  const bool lying = a.rows != rows && a.columns == rows;
+  return lying ? a.values[k * a.columns + row] : a.values[row * a.columns + k];
+}
+
+std::size_t width_of(const NamedArray& a, std::size_t rows) {
+  if (a.rows == rows) return a.columns;
+  return a.columns == rows ? a.rows : 0;
+}
+
+void add_group(const ArraySet& set, const std::string& path, const std::string& group,
+               const RecordingOptions& options, RawRecording* raw) {
+  TimeColumns columns;
+  const auto named = options.signals.map.find("t");
+  const NamedArray* clock = clock_for(
+      set, group, named == options.signals.map.end() ? std::string() : named->second, &columns);
+  require(clock != nullptr || options.rate > 0.0, path,
+          ": found no array of times (t, time, timestamp), expected one, or --rate.");
+  std::size_t rows = clock != nullptr ? size_of(*clock) : 0;
+  for (const NamedArray& a : set.arrays) {
+    // Without a clock the longer side of the positions is the time.
+    if (clock == nullptr && group_of(a.name) == group && field_of(last_of(a.name) + "/0").signal == 0)
+      rows = std::max({rows, a.rows, a.columns});
+  }
+  RawStream stream;
+  stream.topic = group;
+  std::vector<const NamedArray*> kept;
+  for (const NamedArray& a : set.arrays) {
+    if (group_of(a.name) != group || &a == clock || rows == 0) continue;
+    const std::size_t width = width_of(a, rows);
+    if (width == 0 || width > 256) continue;
+    kept.push_back(&a);
+    const std::string name = last_of(a.name);
+    for (std::size_t k = 0; k < width; ++k) {
+      RawField field = width == 1 ? field_of(name) : field_of(name + "/" + std::to_string(k));
+      field.path = width == 1 ? name : name + "/" + std::to_string(k);
+      if (field.signal >= 0 && width > 1 && set.joint_names.size() == width)
+        field.joint = set.joint_names[k];
+      stream.fields.push_back(std::move(field));
+    }
+  }
+  if (stream.fields.empty()) return;
+  const std::int64_t unit = clock != nullptr ? unit_of_clock(*clock, columns, options, raw) : 0;
+  for (std::size_t row = 0; row < rows; ++row) {
+    const double t = clock != nullptr ? clock->values[row] * static_cast<double>(unit)
+                                      : static_cast<double>(row) * 1e9 / options.rate;
+    if (!std::isfinite(t) || std::abs(t) > 9e18) continue;
+    stream.recorded.push_back(std::llround(t));
+    for (const NamedArray* a : kept) {
+      const std::size_t width = width_of(*a, rows);
+      for (std::size_t k = 0; k < width; ++k) stream.values.push_back(element(*a, rows, row, k));
+    }
+  }
+  raw->streams.push_back(std::move(stream));
+}
+
+}  // namespace
+
+RawRecording raw_from_arrays(ArraySet set, const std::string& path, const std::string& format,
+                             const RecordingOptions& options) {
+  RawRecording raw;
+  raw.format = format;
+  std::vector<std::string> groups;
+  for (const NamedArray& a : set.arrays) {
+    const bool signal = field_of(last_of(a.name) + "/0").signal >= 0;
+    const bool mapped = !options.signals.map.empty();
+    if (!signal && !mapped) continue;
+    if (std::find(groups.begin(), groups.end(), group_of(a.name)) == groups.end())
+      groups.push_back(group_of(a.name));
+  }
+  if (groups.empty()) {
+    std::string names;
+    for (const NamedArray& a : set.arrays) names += (names.empty() ? "" : ", ") + a.name;
+    throw InvalidInput(text(path, ": found arrays ", names.empty() ? "of no numbers" : names,
+                            ", expected t, q, dq and tau (samples by joints); --map names others."));
+  }
+  for (const std::string& group : groups) add_group(set, path, group, options, &raw);
+  return raw;
+}
+
+}  // namespace veridyn::recordings

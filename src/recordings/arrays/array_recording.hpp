@@ -1,0 +1,38 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "recordings/raw_recording.hpp"
+#include "veridyn/recordings/recording.hpp"
+
+namespace veridyn::recordings {
+
+/// An array of numbers by name, row by row; names may have groups in front: `log/q`.
+struct NamedArray {
+  std::string name;
+  std::size_t rows = 0;
+  std::size_t columns = 1;
+  std::vector<double> values;
+};
+
+/// What an array file holds.
+struct ArraySet {
+  std::vector<NamedArray> arrays;
+  std::vector<std::string> joint_names;  ///< of an array of texts named joints or joint_names
+};
+
+/// Arrays named as columns of a table would be (t, q, dq, tau, ...): rows are samples, or columns
+/// where that fits the time. Without a time, options.rate is the clock.
+/// @throws InvalidInput  neither a time nor a rate.
+RawRecording raw_from_arrays(ArraySet set, const std::string& path, const std::string& format,
+                             const RecordingOptions& options);
+
+/// NumPy's .npz, stored or deflated. @throws InvalidInput  damaged, or of other types.
+ArraySet read_npz(const std::string& path);
+/// MATLAB's .mat, version 4 to 7.3. @throws InvalidInput  damaged, or built without matio.
+ArraySet read_mat(const std::string& path);
+/// HDF5. @throws InvalidInput  damaged, or built without HDF5.
+ArraySet read_hdf5(const std::string& path);
+
+}  // namespace veridyn::recordings

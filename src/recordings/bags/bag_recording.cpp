@@ -1,0 +1,113 @@
+#include "recordings/bags/bag_recording.hpp"
+
+#include <sys/stat.h>
+
+#include <algorithm>
+#include <map>
+#include <memory>
+
+#include "recordings/bags/mapped_file.hpp"
+#include "recordings/bags/topic_decoder.hpp"
+#include "veridyn/math/require.hpp"
+
+namespace veridyn::bags {
+namespace {
+
+using recordings::RawRecording;
+using recordings::RawStream;
+using recordings::RawTopic;
+
+// Named by --topic, or where a source of --map begins.
+bool is_named(const std::string& topic, const SignalChoice& choice) {
+  const auto& topics = choice.topics;
+  if (std::find(topics.begin(), topics.end(), topic) != topics.end()) return true;
+  return std::any_of(choice.map.begin(), choice.map.end(), [&topic](const auto& entry) {
+    return entry.second.rfind(topic, 0) == 0;
+  });
+}
+
+class Collector {
+ public:
+  explicit Collector(const SignalChoice& choice) : choice_(choice) {
+    sink_.open = [this](const Channel& channel) { return open(channel); };
+    sink_.message = [this](int channel, std::int64_t recorded, std::string_view bytes) {
+      message(channel, recorded, bytes);
+    };
+  }
+
+  BagSink* sink() { return &sink_; }
+
+  RawRecording finish() {
+    RawRecording raw;
+    raw.topics = std::move(topics_);
+    raw.remarks = std::move(sink_.remarks);
+    for (const std::unique_ptr<Entry>& entry : entries_) {
+      const TopicDecoder& decoder = entry->decoder;
+      if (decoder.bad_messages() > 0)
+        raw.remarks.push_back(text(decoder.bad_messages(), " messages on ", raw.topics[entry->topic].name,
+                                   " cannot be decoded (", decoder.bad_reason(), ") and are left out."));
+      for (RawStream& stream : entry->decoder.take_streams()) raw.streams.push_back(std::move(stream));
+    }
+    return raw;
+  }
+
+ private:
+  struct Entry {
+    TopicDecoder decoder;
+    std::size_t topic;
+  };
+
+  // One entry a channel; the same channel in the next piece of a split bag is the same entry.
+  int open(const Channel& channel) {
+    const std::string key =
+        channel.topic + "\n" + channel.type + "\n" + channel.publisher + "\n" + channel.encoding;
+    const auto [at, fresh] = entry_by_key_.try_emplace(key, static_cast<int>(entries_.size()));
+    if (!fresh) return at->second;
+    const auto known = std::find_if(topics_.begin(), topics_.end(),
+                                    [&](const RawTopic& t) { return t.name == channel.topic; });
+    const auto topic = static_cast<std::size_t>(known - topics_.begin());
+    if (known == topics_.end()) topics_.push_back({channel.topic, channel.type, channel.encoding, 0, 0, 0, ""});
+    entries_.push_back(std::unique_ptr<Entry>(
+        new Entry{TopicDecoder(channel, is_named(channel.topic, choice_)), topic}));
+    if (!entries_.back()->decoder.problem().empty())
+      topics_[topic].undecoded = entries_.back()->decoder.problem();
+    return at->second;
+  }
+
+  void message(int channel, std::int64_t recorded, std::string_view bytes) {
+    if (channel < 0) return;
+    Entry& entry = *entries_[static_cast<std::size_t>(channel)];
+    RawTopic& topic = topics_[entry.topic];
+    topic.first = topic.messages == 0 ? recorded : std::min(topic.first, recorded);
+    topic.last = topic.messages == 0 ? recorded : std::max(topic.last, recorded);
+    ++topic.messages;
+    if (entry.decoder.problem().empty() && entry.decoder.useful()) entry.decoder.add(recorded, bytes);
+  }
+
+  const SignalChoice& choice_;
+  BagSink sink_;
+  std::vector<RawTopic> topics_;
+  std::vector<std::unique_ptr<Entry>> entries_;
+  std::map<std::string, int> entry_by_key_;
+};
+
+std::string format_of(const std::string& path) {
+  struct stat about {};
+  if (::stat(path.c_str(), &about) == 0 && S_ISDIR(about.st_mode)) return "bag (folder)";
+  const std::string probe = first_bytes(path, 8);
+  if (probe.substr(0, 7) == "#ROSBAG") return "ROS 1 bag";
+  if (probe.substr(1, 4) == "MCAP") return "MCAP";
+  return "ROS 2 bag";
+}
+
+}  // namespace
+
+RawRecording read_bag_recording(const std::string& path, const SignalChoice& choice) {
+  Collector collector(choice);
+  read_bag(path, collector.sink());
+  RawRecording raw = collector.finish();
+  raw.format = format_of(path);
+  return raw;
+}
+
+}  // namespace veridyn::bags

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace veridyn::bags {
+
+/// One publisher of one topic, as a container declares it.
+struct Channel {
+  std::string topic;
+  std::string type;        ///< as written: sensor_msgs/JointState or sensor_msgs/msg/JointState
+  std::string encoding;    ///< of the messages: ros1, cdr, json; others cannot be decoded
+  std::string definition;  ///< message definition in the text form of ROS 1 or 2; empty: none kept
+  std::string publisher;   ///< name of the sending node; empty: not kept
+};
+
+/// Where the readers of containers deliver what they find.
+struct BagSink {
+  /// Called once for every channel; the answer is handed back with each of its messages.
+  std::function<int(const Channel&)> open;
+  /// A message and the time at which it was recorded [ns]. The bytes live until the call returns.
+  std::function<void(int channel, std::int64_t recorded, std::string_view bytes)> message;
+  /// What a user should know: a file that ends early, a chunk that is damaged.
+  std::vector<std::string> remarks;
+};
+
+/// A ROS 1 bag, format 2.0. One without an index (a crash) is read up to its last whole message.
+/// @throws InvalidInput  another format, or encrypted.
+void read_ros1_bag(std::string_view bytes, const std::string& path, BagSink* sink);
+
+/// An MCAP file; without a summary or cut short, up to the last whole record.
+/// @throws InvalidInput  not MCAP.
+void read_mcap(std::string_view bytes, const std::string& path, BagSink* sink);
+
+/// Storage of ROS 2 in sqlite3, plain (.db3) or as one zstd frame (.db3.zstd). `message_compression`
+/// tells that every message is a zstd frame, as metadata.yaml says.
+/// @throws InvalidInput  not a database, or without the tables of a ROS 2 bag.
+void read_db3(std::string_view bytes, const std::string& path, bool message_compression,
+              BagSink* sink);
+
+/// Any of the above, recognised by its first bytes, or a folder: a ROS 2 bag with or without
+/// metadata.yaml, or the pieces of a split ROS 1 bag or MCAP.
+/// @throws InvalidInput  see above, or a folder that holds none of them.
+void read_bag(const std::string& path, BagSink* sink);
+
+/// Whether the first bytes (or the files of the folder) are those of a bag.
+bool is_bag(const std::string& path);
+
+}  // namespace veridyn::bags

@@ -1,0 +1,147 @@
+#include "recordings/bags/message_decoder.hpp"
+
+#include <algorithm>
+#include <cstring>
+#include <type_traits>
+
+#include "recordings/bags/byte_reader.hpp"
+
+namespace veridyn::bags {
+namespace {
+
+constexpr std::int64_t kNanoseconds = 1000000000;
+constexpr std::size_t kStepsPerByte = 4;
+
+// Packed, little-endian, strings without an end mark.
+class Ros1Source {
+ public:
+  explicit Ros1Source(std::string_view bytes) : reader_(bytes) {}
+  template <typename T>
+  T number() {
+    return reader_.number<T>();
+  }
+  std::string_view text() { return reader_.sized_text(); }
+  std::size_t left() const { return reader_.left(); }
+
+ private:
+  ByteReader reader_;
+};
+
+// Every number aligned to its own size, counted from behind the header; strings end with a zero.
+class CdrSource {
+ public:
+  explicit CdrSource(std::string_view bytes) : reader_(open(bytes)) {}
+
+  template <typename T>
+  T number() {
+    const std::size_t align = std::min(sizeof(T), largest_);
+    reader_.skip((align - reader_.position() % align) % align);
+    T value = reader_.number<T>();
+    if (big_endian_) {
+      unsigned char raw[sizeof(T)];
+      std::memcpy(raw, &value, sizeof(T));
+      std::reverse(raw, raw + sizeof(T));
+      std::memcpy(&value, raw, sizeof(T));
+    }
+    return value;
+  }
+
+  std::string_view text() {
+    const auto size = number<std::uint32_t>();
+    const std::string_view raw = reader_.take(size);
+    return raw.substr(0, size > 0 && raw.back() == '\0' ? size - 1 : size);
+  }
+
+  std::size_t left() const { return reader_.left(); }
+
+ private:
+  ByteReader open(std::string_view bytes) {
+    if (bytes.size() < 4) throw CutShort("a message without the header of CDR");
+    const auto form = static_cast<unsigned char>(bytes[1]);
+    const bool version2 = form == 0x06 || form == 0x07 || form == 0x10 || form == 0x11;
+    if (bytes[0] != 0 || !(form <= 1 || version2)) throw CutShort("an encapsulation other than plain CDR");
+    big_endian_ = form % 2 == 0;
+    largest_ = version2 ? 4 : 8;
+    return ByteReader(bytes.substr(4));
+  }
+
+  bool big_endian_ = false;
+  std::size_t largest_ = 8;
+  ByteReader reader_;
+};
+
+template <typename Source>
+class Decoder {
+ public:
+  Decoder(Source* source, ValueSink* sink, bool signed_time)
+      : source_(*source),
+        sink_(*sink),
+        signed_time_(signed_time),
+        steps_(kStepsPerByte * (source->left() + 1024)) {}
+
+  void decode(const std::vector<FieldNode>& fields) {
+    for (const FieldNode& field : fields) {
+      std::uint32_t count = 1;
+      if (field.repeat == FieldNode::Repeat::kFixed) count = field.count;
+      if (field.repeat == FieldNode::Repeat::kSequence) count = source_.template number<std::uint32_t>();
+      // Nothing is smaller than a byte, so a larger count cannot be true.
+      if (field.repeat != FieldNode::Repeat::kOne && count > source_.left())
+        throw CutShort("an array longer than the message");
+      for (std::uint32_t k = 0; k < count; ++k) one(field);
+    }
+  }
+
+ private:
+  template <typename T>
+  void value(const FieldNode& field) {
+    sink_.number(field.leaf, static_cast<double>(source_.template number<T>()));
+  }
+
+  void instant(const FieldNode& field, bool is_signed) {
+    const auto raw = source_.template number<std::uint32_t>();
+    const auto fraction = source_.template number<std::uint32_t>();
+    const std::int64_t seconds =
+        is_signed ? static_cast<std::int32_t>(raw) : static_cast<std::int64_t>(raw);
+    sink_.time(field.leaf, seconds * kNanoseconds + fraction);
+  }
+
+  void one(const FieldNode& field) {
+    if (steps_-- == 0) throw CutShort("more fields than bytes");
+    switch (field.kind) {
+      case FieldKind::kBool:
+      case FieldKind::kUint8: return value<std::uint8_t>(field);
+      case FieldKind::kInt8: return value<std::int8_t>(field);
+      case FieldKind::kInt16: return value<std::int16_t>(field);
+      case FieldKind::kUint16: return value<std::uint16_t>(field);
+      case FieldKind::kInt32: return value<std::int32_t>(field);
+      case FieldKind::kUint32: return value<std::uint32_t>(field);
+      case FieldKind::kInt64: return value<std::int64_t>(field);
+      case FieldKind::kUint64: return value<std::uint64_t>(field);
+      case FieldKind::kFloat32: return value<float>(field);
+      case FieldKind::kFloat64: return value<double>(field);
+      case FieldKind::kString: return sink_.text(field.leaf, source_.text());
+      case FieldKind::kTime: return instant(field, signed_time_);
+      case FieldKind::kDuration: return instant(field, true);
+      case FieldKind::kMessage: return decode(field.children);
+    }
+  }
+
+  Source& source_;
+  ValueSink& sink_;
+  bool signed_time_;
+  std::size_t steps_;  // left; arrays of messages without any field would never end otherwise
+};
+
+}  // namespace
+
+void decode_ros1(const MessagePlan& plan, std::string_view bytes, ValueSink* sink) {
+  Ros1Source source(bytes);
+  Decoder<Ros1Source>(&source, sink, false).decode(plan.fields);
+}
+
+void decode_cdr(const MessagePlan& plan, std::string_view bytes, ValueSink* sink) {
+  CdrSource source(bytes);
+  Decoder<CdrSource>(&source, sink, true).decode(plan.fields);
+}
+
+}  // namespace veridyn::bags

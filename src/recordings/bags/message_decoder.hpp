@@ -1,0 +1,28 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include "recordings/bags/message_plan.hpp"
+
+namespace veridyn::bags {
+
+/// Where the values of a message go; `leaf` counts as in MessagePlan::paths.
+class ValueSink {
+ public:
+  virtual ~ValueSink() = default;
+  virtual void number(int leaf, double value) = 0;
+  virtual void text(int leaf, std::string_view value) = 0;
+  virtual void time(int leaf, std::int64_t nanoseconds) = 0;
+};
+
+/// Packed little-endian values of ROS 1.
+/// @throws CutShort  the bytes end before the message does.
+void decode_ros1(const MessagePlan& plan, std::string_view bytes, ValueSink* sink);
+
+/// CDR behind its header of four bytes: plain, of either byte order, version 1 or 2.
+/// @throws CutShort  the bytes end before the message does, or another encapsulation.
+void decode_cdr(const MessagePlan& plan, std::string_view bytes, ValueSink* sink);
+
+}  // namespace veridyn::bags

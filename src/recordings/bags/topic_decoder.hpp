@@ -1,0 +1,67 @@
+#pragma once
+
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "recordings/bags/bag_sink.hpp"
+#include "recordings/bags/message_decoder.hpp"
+#include "recordings/raw_recording.hpp"
+
+namespace veridyn::bags {
+
+/// Messages of one channel, decoded into streams: a new one for every set of names or sizes.
+class TopicDecoder : public ValueSink {
+ public:
+  /// @param definite  true: the user asked for this topic, whatever it holds.
+  TopicDecoder(const Channel& channel, bool definite);
+
+  /// Whether it is worth decoding: joints' signals, plain numbers, or asked for.
+  bool useful() const { return useful_; }
+  /// Why it cannot be decoded; empty: it can.
+  const std::string& problem() const { return problem_; }
+
+  void add(std::int64_t recorded, std::string_view bytes);
+
+  /// The streams, in the order in which they began; to be called once.
+  std::vector<recordings::RawStream> take_streams();
+  long bad_messages() const { return bad_; }
+  const std::string& bad_reason() const { return bad_reason_; }
+
+  void number(int leaf, double value) override;
+  void text(int leaf, std::string_view value) override;
+  void time(int leaf, std::int64_t nanoseconds) override;
+
+ private:
+  enum class Role { kOther, kNames, kPosition, kVelocity, kEffort, kStamp };
+  struct Leaf {
+    std::string path;
+    Role role = Role::kOther;
+    std::vector<double> numbers;  // of the message at hand
+  };
+
+  int leaf_of(const std::string& path);
+  void decode_json(std::string_view bytes);
+  void store(std::int64_t recorded);
+  recordings::RawStream& stream();
+  std::vector<recordings::RawField> fields() const;
+
+  Channel channel_;
+  bool ros2_ = false;
+  bool useful_ = false;
+  std::string problem_;
+  MessagePlan plan_;
+  std::vector<Leaf> leaves_;
+  std::map<std::string, int> leaf_by_path_;
+  std::vector<std::string> names_;
+  std::int64_t stamp_ = 0;
+  std::vector<recordings::RawStream> streams_;
+  std::vector<std::string> key_;  // names and sizes of the stream at hand
+  std::map<std::vector<std::string>, std::size_t> stream_by_key_;
+  std::size_t current_ = 0;
+  long bad_ = 0;
+  std::string bad_reason_;
+};
+
+}  // namespace veridyn::bags

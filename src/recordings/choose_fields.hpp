@@ -1,0 +1,34 @@
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "recordings/raw_recording.hpp"
+#include "veridyn/recordings/signal_choice.hpp"
+
+namespace veridyn::recordings {
+
+/// A column of one of the streams; stream -1: none.
+struct FieldPlace {
+  int stream = -1;
+  int field = -1;
+  bool found() const { return stream >= 0; }
+};
+
+constexpr int kSignalCount = 5;  ///< as kRecordingSignals
+
+/// Where each signal of each joint lies.
+struct ChosenFields {
+  std::vector<std::string> joints;    ///< names of the arm, or of the file where none are wanted
+  std::vector<std::string> recorded;  ///< names in the file, joint by joint
+  std::vector<std::array<FieldPlace, kSignalCount>> places;  ///< joint by joint
+  std::vector<std::string> remarks;
+};
+
+/// Which columns are the arm's.
+/// @throws InvalidInput  see assemble().
+ChosenFields choose_fields(const RawRecording& raw, const std::string& path,
+                           const SignalChoice& choice);
+
+}  // namespace veridyn::recordings

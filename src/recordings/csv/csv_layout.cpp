@@ -1,0 +1,239 @@
+#include "recordings/csv/csv_layout.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <charconv>
+#include <iterator>
+
+#include "veridyn/math/require.hpp"
+
+namespace veridyn {
+namespace {
+
+constexpr int kSignals = static_cast<int>(std::size(kRecordingSignals));
+
+// Index into kRecordingSignals, or -1.
+int signal_index(const std::string& name) {
+  for (int s = 0; s < kSignals; ++s) {
+    if (name == kRecordingSignals[s].name) return s;
+  }
+  return -1;
+}
+
+// `dq12` is base `dq` and number 12; number is -1 without digits.
+struct ColumnName {
+  std::string base;
+  int number = -1;
+};
+
+ColumnName split(const std::string& name) {
+  const std::size_t digits = name.find_last_not_of("0123456789") + 1;
+  ColumnName parts{name.substr(0, digits)};
+  if (digits < name.size() && name.size() - digits < 6)
+    parts.number = std::stoi(name.substr(digits));
+  return parts;
+}
+
+std::string lower(std::string text) {
+  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return text;
+}
+
+// The signal that a column name is likely meant to be, or -1: other case, `_` before the number,
+// letters swapped, or a common word.
+int likely_signal(const ColumnName& name) {
+  static const std::pair<const char*, const char*> kWords[] = {
+      {"pos", "q"},    {"position", "q"}, {"angle", "q"},   {"vel", "dq"},     {"velocity", "dq"},
+      {"qdot", "dq"},  {"acc", "ddq"},    {"qddot", "ddq"}, {"torque", "tau"}, {"effort", "tau"},
+      {"taus", "tau"}, {"ta", "tau"},     {"tu", "tau"},    {"force", "tau"},  {"current", "i"}};
+  if (name.number < 0) return -1;
+  std::string base = lower(name.base);
+  while (!base.empty() && (base.back() == '_' || base.back() == '.' || base.back() == ' '))
+    base.pop_back();
+  for (const auto& [word, meant] : kWords) {
+    if (base == word) return signal_index(meant);
+  }
+  for (int s = 0; s < kSignals; ++s) {
+    const std::string known = kRecordingSignals[s].name;
+    if (std::is_permutation(base.begin(), base.end(), known.begin(), known.end())) return s;
+  }
+  return -1;
+}
+
+void suggest_missing(const CsvLayout& layout, const std::string& where) {
+  for (std::size_t column = 0; column < layout.names.size(); ++column) {
+    const ColumnName name = split(layout.names[column]);
+    if (layout.slots[column] != CsvLayout::kIgnored) continue;
+    const int meant = likely_signal(name);
+    if (meant < 0 || layout.has_signal[meant]) continue;
+    throw InvalidInput(text(where, ":", column + 1, ": found column '", layout.names[column],
+                            "' and no ", kRecordingSignals[meant].name, ", expected '",
+                            kRecordingSignals[meant].name, std::max(name.number, 1),
+                            "' (rename the column if it is something else)."));
+  }
+}
+
+// First few names, for messages.
+std::string listed(const std::vector<std::string>& names) {
+  std::string list;
+  for (std::size_t k = 0; k < names.size() && k < 8; ++k) list += (k > 0 ? ", " : "") + names[k];
+  return names.size() > 8 ? text(list, ", ... (", names.size(), " columns)") : list;
+}
+
+// Largest joint number of a signal; its joints must run from 1 without a hole.
+int joints_of(int signal, const std::vector<ColumnName>& columns, const std::string& where) {
+  const std::string name = kRecordingSignals[signal].name;
+  std::vector<int> numbers;
+  for (const ColumnName& column : columns) {
+    if (column.base == name && column.number >= 0) numbers.push_back(column.number);
+  }
+  std::sort(numbers.begin(), numbers.end());
+  for (std::size_t k = 0; k < numbers.size(); ++k) {
+    const int expected = static_cast<int>(k) + 1;
+    require(k == 0 || numbers[k] != numbers[k - 1], where, ": found column ", name, numbers[k],
+            " twice, expected it once.");
+    require(numbers[0] != 0, where, ": found ", name, "0, expected joints to count from 1 (", name,
+            "1, ", name, "2, ...).");
+    require(numbers[k] == expected, where, ": found ", name, numbers[k], " but no ", name, expected,
+            ", expected joints without a hole (", name, "1 to ", name, "n).");
+  }
+  return static_cast<int>(numbers.size());
+}
+
+// The number of joints, from q; the signals that are there must agree on it.
+void count_joints(const std::vector<ColumnName>& columns, const std::string& where,
+                  CsvLayout* layout) {
+  std::vector<int> joints(kSignals);
+  for (int s = 0; s < kSignals; ++s) {
+    joints[s] = joints_of(s, columns, where);
+    layout->has_signal[s] = joints[s] > 0;
+  }
+  layout->joints = joints[0];
+  for (int s = 1; s < kSignals && joints[0] > 0; ++s) {
+    require(joints[s] == 0 || joints[s] == joints[0], where, ": found ", joints[0],
+            " joints in q but ", joints[s], " in ", kRecordingSignals[s].name,
+            ", expected the same number in each signal.");
+  }
+}
+
+}  // namespace
+
+char csv_separator(std::string_view line) {
+  // In a row of numbers a comma beside semicolons or tabs is a decimal comma.
+  const bool numbers = line.find_first_not_of("+-0123456789.,;eE \t\"naiNfF") == std::string_view::npos;
+  char best = ' ';
+  std::ptrdiff_t most = 0;
+  for (const char candidate : {';', '\t', ','}) {
+    bool quoted = false;
+    std::ptrdiff_t count = 0;
+    for (const char c : line) {
+      if (c == '"') quoted = !quoted;
+      count += !quoted && c == candidate ? 1 : 0;
+    }
+    if (numbers && count > 0) return candidate;
+    if (count < most || count == 0) continue;
+    best = candidate;
+    most = count;
+  }
+  return best;
+}
+
+std::vector<std::string> csv_fields(std::string_view line, char separator) {
+  std::vector<std::string> fields;
+  std::string field;
+  bool quoted = false;
+  const auto finish = [&] {
+    const std::size_t first = field.find_first_not_of(" \t");
+    const std::size_t last = field.find_last_not_of(" \t");
+    field = first == std::string::npos ? "" : field.substr(first, last - first + 1);
+    if (separator != ' ' || !field.empty()) fields.push_back(field);
+    field.clear();
+  };
+  for (const char c : line) {
+    if (c == '"' || c == '\'') {
+      quoted = !quoted;
+    } else if (!quoted && (c == separator || (separator == ' ' && c == '\t'))) {
+      finish();
+    } else {
+      field += c;
+    }
+  }
+  finish();
+  return fields;
+}
+
+bool is_row_of_numbers(std::string_view line) {
+  for (const std::string& field : csv_fields(line, csv_separator(line))) {
+    if (field.empty()) continue;
+    std::string plain = field;
+    if (csv_separator(line) != ',') std::replace(plain.begin(), plain.end(), ',', '.');
+    const char* first = plain.data() + (plain[0] == '+' ? 1 : 0);
+    const char* last = plain.data() + plain.size();
+    double value = 0.0;
+    const auto [rest, error] = std::from_chars(first, last, value);
+    if (error == std::errc::invalid_argument || rest != last) return false;
+  }
+  return true;
+}
+
+CsvLayout layout_from_header(std::string_view header, const std::string& where) {
+  CsvLayout layout;
+  layout.separator = csv_separator(header);
+  layout.names = csv_fields(header, layout.separator);
+  layout.has_signal.assign(kSignals, false);
+  layout.slots.assign(layout.names.size(), CsvLayout::kIgnored);
+  std::vector<ColumnName> columns;
+  for (const std::string& name : layout.names) columns.push_back(split(name));
+  count_joints(columns, where, &layout);
+  for (std::size_t k = 0; k < columns.size(); ++k) {
+    const int signal = signal_index(columns[k].base);
+    if (layout.names[k] == "t") {
+      require(!layout.has_time, where, ":", k + 1, ": found column t twice, expected it once.");
+      layout.has_time = true;
+      layout.slots[k] = CsvLayout::kTime;
+    } else if (signal >= 0 && columns[k].number >= 1) {
+      layout.slots[k] = layout.slot(signal, columns[k].number - 1);
+    }
+  }
+  suggest_missing(layout, where);
+  require(layout.joints > 0, where, ": found columns ", listed(layout.names),
+          ", expected a header with t and q1 to qn.");
+  return layout;
+}
+
+CsvLayout layout_from_columns(const std::vector<std::string>& columns, std::string_view first_row,
+                              const std::string& where) {
+  CsvLayout layout;
+  layout.separator = csv_separator(first_row);
+  layout.has_signal.assign(kSignals, false);
+  layout.has_time = columns.front() == "t";
+  std::vector<int> signals;
+  for (std::size_t k = layout.has_time ? 1 : 0; k < columns.size(); ++k) {
+    signals.push_back(signal_index(columns[k]));
+    require(signals.back() >= 0, "--columns: found '", columns[k],
+            "', expected q, dq, ddq, tau or i (t only as the first).");
+    require(!layout.has_signal[signals.back()], "--columns: found '", columns[k],
+            "' twice, expected it once.");
+    layout.has_signal[signals.back()] = true;
+  }
+  require(layout.has_signal[0], "--columns: found no q, expected positions among the signals.");
+  const std::size_t fields = csv_fields(first_row, layout.separator).size();
+  const std::size_t values = fields - (layout.has_time ? 1 : 0);
+  require(values >= signals.size() && values % signals.size() == 0, where, ": found ", fields,
+          " columns, expected ", layout.has_time ? "t and then " : "",
+          "the same number of joints for each of the ", signals.size(), " signals of --columns.");
+  layout.joints = static_cast<int>(values / signals.size());
+  if (layout.has_time) {
+    layout.slots.push_back(CsvLayout::kTime);
+    layout.names.push_back("t");
+  }
+  for (const int signal : signals) {
+    for (int joint = 0; joint < layout.joints; ++joint) {
+      layout.slots.push_back(layout.slot(signal, joint));
+      layout.names.push_back(text(kRecordingSignals[signal].name, joint + 1));
+    }
+  }
+  return layout;
+}
+
+}  // namespace veridyn

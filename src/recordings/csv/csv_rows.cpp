@@ -1,0 +1,395 @@
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+#include <iterator>
+#include <limits>
+
+#include "recordings/csv/csv_layout.hpp"
+#include "recordings/csv/csv_lines.hpp"
+#include "veridyn/recordings/recording.hpp"
+#include "recordings/row_source.hpp"
+#include "recordings/units.hpp"
+#include "veridyn/math/require.hpp"
+
+namespace veridyn {
+namespace {
+
+constexpr double kGap = std::numeric_limits<double>::quiet_NaN();
+
+bool is_blank(char c) {
+  return c == ' ' || c == '\t';
+}
+
+// One line, field by field, into a row of numbers.
+class RowParser {
+ public:
+  RowParser(const CsvLayout& layout, const CsvLines& lines) : layout_(layout), lines_(lines) {}
+
+  void parse(std::string_view line, std::vector<double>* row) {
+    line_ = line;
+    p_ = line.data();
+    end_ = line.data() + line.size();
+    const std::size_t columns = layout_.slots.size();
+    if (layout_.separator == ' ') skip_blanks();
+    for (std::size_t column = 0; column < columns; ++column) {
+      if (column > 0) skip_separator(column);
+      const int slot = layout_.slots[column];
+      if (slot == CsvLayout::kIgnored) {
+        skip_field();
+      } else {
+        (*row)[static_cast<std::size_t>(slot)] = number(column);
+      }
+    }
+    if (layout_.separator == ' ') skip_blanks();
+    if (p_ != end_) fail_ragged();
+  }
+
+ private:
+  bool at_field_end() const {
+    return p_ == end_ || *p_ == layout_.separator || (layout_.separator == ' ' && *p_ == '\t');
+  }
+
+  void skip_blanks() {
+    while (p_ != end_ && is_blank(*p_)) ++p_;
+  }
+
+  // Blanks that do not separate.
+  void skip_padding() {
+    while (p_ != end_ && is_blank(*p_) && !at_field_end()) ++p_;
+  }
+
+  void skip_separator(std::size_t column) {
+    if (!at_field_end()) fail_text(column - 1);
+    if (p_ == end_) fail_ragged();
+    ++p_;
+    if (layout_.separator != ' ') return;
+    skip_blanks();
+    if (p_ == end_) fail_ragged();
+  }
+
+  void skip_field() {
+    bool quoted = false;
+    for (; p_ != end_ && (quoted || !at_field_end()); ++p_) {
+      if (*p_ == '"') quoted = !quoted;
+    }
+  }
+
+  double number(std::size_t column) {
+    skip_padding();
+    if (at_field_end()) return kGap;
+    const char* first = p_;
+    const bool quoted = *p_ == '"' && ++p_ != end_;
+    if (quoted && *p_ == '"') {
+      ++p_;
+      return kGap;
+    }
+    if (*p_ == '+' && p_ + 1 != end_ && p_[1] != '-') ++p_;
+    if (const char* comma = decimal_comma()) return number_with_comma(column, first, comma);
+    double value = 0.0;
+    const auto [rest, error] = std::from_chars(p_, end_, value);
+    // Too large or too small for a double: strtod's infinity or zero is what the file says.
+    if (error == std::errc::result_out_of_range)
+      value = std::strtod(std::string(p_, rest).c_str(), nullptr);
+    p_ = rest;
+    if (quoted && p_ != end_ && *p_ == '"') ++p_;
+    skip_padding();
+    if (error == std::errc::invalid_argument || !at_field_end()) {
+      p_ = first;
+      fail_text(column);
+    }
+    return value;
+  }
+
+  // Where the field has a comma that does not separate, or null.
+  const char* decimal_comma() const {
+    if (layout_.separator == ',') return nullptr;
+    for (const char* c = p_; c != end_ && *c != layout_.separator; ++c) {
+      if (*c == ',') return c;
+    }
+    return nullptr;
+  }
+
+  double number_with_comma(std::size_t column, const char* first, const char* comma) {
+    const char* stop = p_;
+    while (stop != end_ && *stop != layout_.separator && *stop != '"' && !is_blank(*stop)) ++stop;
+    std::string field(p_, stop);
+    field[static_cast<std::size_t>(comma - p_)] = '.';
+    double value = 0.0;
+    const auto [rest, error] = std::from_chars(field.data(), field.data() + field.size(), value);
+    p_ = stop;
+    if (p_ != end_ && *p_ == '"') ++p_;
+    skip_padding();
+    if (error != std::errc() || rest != field.data() + field.size() || !at_field_end()) {
+      p_ = first;
+      fail_text(column);
+    }
+    return value;
+  }
+
+  [[noreturn]] void fail_text(std::size_t column) {
+    const char* first = p_;
+    skip_field();
+    std::string found(first, std::min<std::ptrdiff_t>(p_ - first, 40));
+    std::replace_if(
+        found.begin(), found.end(), [](char c) { return c >= 0 && c < ' '; }, '?');
+    throw InvalidInput(text(where(), ":", column + 1, ": found '", found, "' in column ",
+                            layout_.names[column], ", expected a number."));
+  }
+
+  [[noreturn]] void fail_ragged() const {
+    throw InvalidInput(text(where(), ": found ", csv_fields(line_, layout_.separator).size(),
+                            " fields, expected ", layout_.slots.size(), "."));
+  }
+
+  std::string where() const { return text(lines_.path(), ":", lines_.number()); }
+
+  const CsvLayout& layout_;
+  const CsvLines& lines_;
+  std::string_view line_;
+  const char* p_ = nullptr;
+  const char* end_ = nullptr;
+};
+
+Recording empty_recording(const CsvLayout& layout, const std::string& source, int rows) {
+  Recording recording;
+  recording.source = source;
+  recording.time.resize(rows);
+  for (std::size_t s = 0; s < layout.has_signal.size(); ++s) {
+    MatrixXd& values = recording.*kRecordingSignals[s].values;
+    if (layout.has_signal[s] || s == 0) values.resize(rows, layout.joints);
+  }
+  return recording;
+}
+
+}  // namespace
+
+namespace recordings {
+namespace {
+
+class CsvRows : public RowSource {
+ public:
+  CsvRows(const std::string& path, const RecordingOptions& wanted) : options(wanted), lines(path) {
+    read_layout();
+  }
+
+  Recording next(int rows) override;
+  int joints() const override { return layout.joints; }
+  RecordingFacts facts() const override;
+
+ private:
+  void read_layout();
+  bool next_line(std::string_view* line);
+  bool next_row();
+  bool accept_time();
+  bool hold_gaps();
+  void set_factors();
+  void parse(std::string_view line);
+
+  RecordingOptions options;
+  CsvLines lines;
+  CsvLayout layout;
+  std::string first_line;  // the first row of numbers, where it had to be looked at
+  bool has_first_line = false;
+  std::vector<double> row;  // the current row; row[0] is t
+  long row_number = 0;      // of the next row in the file, from 0
+  double time = kGap;       // of the last row with a time
+  double step = 0.0;
+  long gaps_left = 0;  // gap rows without a time, still to be delivered before held_row
+  std::vector<double> held_row;
+  std::vector<double> factors;  // to SI, by slot; empty: all one
+  long repeated = 0;       // rows left out because their time is that of the row before
+};
+
+RecordingFacts CsvRows::facts() const {
+  RecordingFacts facts;
+  facts.format = "CSV";
+  for (int joint = 1; joint <= layout.joints; ++joint) {
+    const auto named = static_cast<std::size_t>(joint) <= options.signals.joints.size();
+    facts.joints.push_back(
+        named && options.signals.joints.size() == static_cast<std::size_t>(layout.joints)
+            ? options.signals.joints[static_cast<std::size_t>(joint) - 1].name
+            : std::to_string(joint));
+  }
+  if (repeated > 0)
+    facts.remarks.push_back(text(repeated, repeated == 1 ? " row repeats" : " rows repeat",
+                                 " the time stamp before and ", repeated == 1 ? "is" : "are",
+                                 " left out."));
+  return facts;
+}
+
+void CsvRows::read_layout() {
+  std::string_view line;
+  require(lines.next(&line), lines.path(), ": found no row, expected a header and numbers.");
+  std::string where = text(lines.path(), ":", lines.number());
+  bool numbers = is_row_of_numbers(line);
+  if (!options.columns.empty()) {
+    if (!numbers) {  // a header, which the user overrules
+      require(lines.next(&line), where, ": found a header without rows, expected numbers below it.");
+      where = text(lines.path(), ":", lines.number());
+      numbers = is_row_of_numbers(line);
+      require(numbers, where, ": found text in the second line, too, expected numbers.");
+    }
+    layout = layout_from_columns(options.columns, line, where);
+  } else if (!numbers) {
+    layout = layout_from_header(line, where);
+  } else {
+    const std::string header = lines.last_comment();
+    const bool in_comment =
+        header.find("q1") != std::string::npos && csv_fields(header, csv_separator(line)).size() ==
+                                                      csv_fields(line, csv_separator(line)).size();
+    require(in_comment, where,
+            ": found numbers, expected a header; the first line is numbers, so name them with "
+            "--columns and --rate.");
+    layout = layout_from_header(header, where);
+    layout.separator = csv_separator(line);
+  }
+  const bool has_word =
+      std::find(layout.names.begin(), layout.names.end(), "time") != layout.names.end();
+  require(layout.has_time || options.rate > 0.0, where, ": found no column t",
+          has_word ? " (but 'time')" : "", ", expected one, or --rate.");
+  if (numbers) first_line.assign(line);
+  has_first_line = numbers;
+  row.assign(static_cast<std::size_t>(layout.slot_count()), kGap);
+  set_factors();
+}
+
+// From the units of the file to SI, for every slot of a row.
+void CsvRows::set_factors() {
+  factors.assign(row.size(), 1.0);
+  bool any = false;
+  const auto unit = options.signals.units.find("t");
+  if (unit != options.signals.units.end())
+    factors[CsvLayout::kTime] = unit_factor("t", unit->second).value_or(1.0);
+  for (std::size_t s = 0; s < layout.has_signal.size(); ++s) {
+    for (int joint = 0; joint < layout.joints; ++joint)
+      factors[static_cast<std::size_t>(layout.slot(static_cast<int>(s), joint))] =
+          factor_for(options.signals, kRecordingSignals[s].name, joint + 1);
+  }
+  for (const double factor : factors) any = any || factor != 1.0;
+  if (!any) factors.clear();
+}
+
+void CsvRows::parse(std::string_view line) {
+  RowParser(layout, lines).parse(line, &row);
+  for (std::size_t k = 0; k < factors.size(); ++k) row[k] *= factors[k];
+}
+
+bool CsvRows::next_line(std::string_view* line) {
+  if (!has_first_line) return lines.next(line);
+  has_first_line = false;
+  *line = first_line;
+  return true;
+}
+
+// The row's time must come after the last one. False: it repeats it.
+bool CsvRows::accept_time() {
+  const double t = row[CsvLayout::kTime];
+  if (t == time) {
+    ++repeated;
+    return false;
+  }
+  if (!(t > time) && !std::isnan(time)) {
+    const auto column = std::find(layout.slots.begin(), layout.slots.end(), CsvLayout::kTime) -
+                        layout.slots.begin();
+    char message[160];
+    std::snprintf(message, sizeof message,
+                  ": found time %.15g s after %.15g s, expected it to grow; the clock runs back.",
+                  t, time);
+    throw InvalidInput(text(lines.path(), ":", lines.number(), ":", column + 1, message));
+  }
+  if (!std::isnan(time)) step = t - time;
+  time = t;
+  return true;
+}
+
+// Called at a row without a time: reads on to the next row with one. False if there is none.
+bool CsvRows::hold_gaps() {
+  const double before = time;
+  std::string_view line;
+  gaps_left = 0;
+  while (!std::isfinite(row[CsvLayout::kTime]) || row[CsvLayout::kTime] == before) {
+    const bool repeats = row[CsvLayout::kTime] == before;
+    repeated += repeats ? 1 : 0;
+    for (std::size_t k = 1; k < row.size() && !repeats; ++k) {
+      require(std::isnan(row[k]), lines.path(), ":", lines.number(), ": found ",
+              std::isnan(row[0]) ? "no time" : "infinite time",
+              " in a row with numbers, expected a time in seconds.");
+    }
+    gaps_left += repeats ? 0 : 1;
+    ++row_number;
+    if (!next_line(&line)) return gaps_left = 0, false;
+    parse(line);
+  }
+  accept_time();
+  if (std::isnan(before))
+    return gaps_left = 0, true;  // nothing to interpolate from: the rows are left out
+  step = (time - before) / static_cast<double>(gaps_left + 1);
+  held_row = row;
+  return true;
+}
+
+// Reads the next row into `row`. False at the end.
+bool CsvRows::next_row() {
+  const long last = options.row_count < 0 ? std::numeric_limits<long>::max()
+                                          : options.first_row + options.row_count;
+  if (gaps_left == 0 && !held_row.empty()) {
+    row.swap(held_row);
+    held_row.clear();
+  } else if (gaps_left == 0) {
+    std::string_view line;
+    for (; row_number < options.first_row; ++row_number) {
+      if (!next_line(&line)) return false;
+    }
+    bool fresh = false;
+    while (!fresh) {
+      if (row_number >= last || !next_line(&line)) return false;
+      parse(line);
+      fresh = true;
+      if (!layout.has_time) {
+        row[CsvLayout::kTime] = static_cast<double>(row_number) / options.rate;
+      } else if (std::isfinite(row[CsvLayout::kTime])) {
+        fresh = accept_time();
+      } else if (!hold_gaps()) {
+        return false;
+      }
+      ++row_number;
+    }
+  }
+  if (row_number - 1 - gaps_left >= last) return false;
+  if (gaps_left == 0) return true;
+  std::fill(row.begin(), row.end(), kGap);
+  row[CsvLayout::kTime] = time - step * static_cast<double>(gaps_left);
+  --gaps_left;
+  return true;
+}
+
+Recording CsvRows::next(int rows) {
+  Recording piece = empty_recording(layout, lines.path(), rows);
+  int count = 0;
+  while (count < rows && next_row()) {
+    piece.time[count] = row[CsvLayout::kTime];
+    for (std::size_t s = 0; s < layout.has_signal.size(); ++s) {
+      if (!layout.has_signal[s]) continue;
+      MatrixXd& values = piece.*kRecordingSignals[s].values;
+      const double* from = &row[static_cast<std::size_t>(layout.slot(static_cast<int>(s), 0))];
+      for (int joint = 0; joint < layout.joints; ++joint) values(count, joint) = from[joint];
+    }
+    ++count;
+  }
+  if (is_current_unit(unit_of(options.signals, "tau", 0)) && piece.tau.size() > 0) {
+    piece.current = std::move(piece.tau);
+    piece.tau.resize(0, 0);
+  }
+  return count == rows ? piece : rows_of(piece, 0, count);
+}
+
+}  // namespace
+
+std::unique_ptr<RowSource> csv_rows(const std::string& path, const RecordingOptions& options) {
+  return std::make_unique<CsvRows>(path, options);
+}
+
+}  // namespace recordings
+}  // namespace veridyn

@@ -1,0 +1,450 @@
+#include "recordings/csv/csv_table.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <iterator>
+#include <limits>
+#include <map>
+#include <set>
+
+#include "recordings/bags/mapped_file.hpp"
+#include "recordings/csv/time_column.hpp"
+#include "recordings/joint_fields.hpp"
+#include "recordings/units.hpp"
+#include "veridyn/math/require.hpp"
+#include "recordings/csv/csv_layout.hpp"
+#include "recordings/csv/csv_lines.hpp"
+
+namespace veridyn::recordings {
+namespace {
+
+constexpr double kGap = std::numeric_limits<double>::quiet_NaN();
+constexpr int kRecordedSignals = static_cast<int>(std::size(kRecordingSignals));
+constexpr int kPreamble = 30;        // lines in front of a header
+constexpr std::size_t kProbe = 400;  // rows by which the unit of the time is judged
+
+// A number, with a decimal comma where the comma does not separate.
+bool parse_number(std::string* field, char separator, double* value) {
+  if (separator != ',') std::replace(field->begin(), field->end(), ',', '.');
+  const char* p = field->data() + (field->rfind('+', 0) == 0 ? 1 : 0);
+  const char* end = field->data() + field->size();
+  if (p == end || *field == "-" || *field == "NA" || *field == "null" || *field == "None") {
+    *value = kGap;
+    return true;
+  }
+  const auto [rest, error] = std::from_chars(p, end, *value);
+  if (error == std::errc::result_out_of_range) *value = std::numeric_limits<double>::infinity();
+  return error != std::errc::invalid_argument && rest == end;
+}
+
+bool is_number(std::string field, char separator) {
+  double value = 0.0;
+  return parse_number(&field, separator, &value);
+}
+
+bool all_numbers(const std::vector<std::string>& fields, char separator) {
+  return std::all_of(fields.begin(), fields.end(),
+                     [separator](const auto& f) { return is_number(f, separator); });
+}
+
+struct Header {
+  char separator = ',';
+  std::vector<std::string> names;
+  std::vector<std::string> units;  // of a second line, or empty
+  TimeColumns time;
+  int positions = 0;               // columns that are positions of joints
+};
+
+// A column's place: its stream, and its field in it; stream -1: not kept.
+struct Place {
+  int stream = -1;
+  std::size_t field = 0;
+};
+
+struct Split {
+  std::string topic, path;
+};
+
+// `/joint_states/elbow/position` is elbow/position on /joint_states; `/arm/effort/data[0]` is
+// data[0] on /arm/effort; other names have no topic.
+Split split_topic(const std::string& name) {
+  if (name.rfind('/', 0) != 0) return {"", name};
+  const std::size_t last = name.rfind('/');
+  const std::size_t before = last > 0 ? name.rfind('/', last - 1) : std::string::npos;
+  const RawField field = field_of(name.substr(before == std::string::npos ? 0 : before + 1));
+  const bool of_joint = field.signal >= 0 && before != std::string::npos && before > 0 &&
+                        name.find('[', last) == std::string::npos;
+  const std::size_t cut = of_joint ? before : last;
+  if (cut == 0) return {"", name};
+  return {name.substr(0, cut), name.substr(cut + 1)};
+}
+
+// A column of rostopic echo -p without the `field.` in front.
+std::string plain_name(const std::string& name) {
+  return name.rfind("field.", 0) == 0 ? name.substr(6) : name;
+}
+
+Header parse_header(std::string_view line, const std::string& time_name) {
+  Header header;
+  header.separator = csv_separator(line);
+  header.names = csv_fields(line, header.separator);
+  header.time = time_columns(header.names, time_name);
+  for (const std::string& name : header.names) {
+    if (field_of(split_topic(plain_name(name)).path).signal == 0) ++header.positions;
+  }
+  return header;
+}
+
+bool is_unit_word(const std::string& word) {
+  static const std::set<std::string> kUnits = {
+      "s",   "ms",  "us",   "ns",   "rad",  "deg",   "m",     "mm",    "rad/s", "deg/s",
+      "m/s", "nm",  "n",    "n m",  "n*m",  "a",     "ma",    "mnm",   "-",     "",
+      "[s]", "[rad]", "[deg]", "[nm]", "[a]", "[rad/s]", "[deg/s]", "°", "°/s", "ncm"};
+  std::string lower = word;
+  for (char& c : lower) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return kUnits.count(lower) > 0;
+}
+
+std::string bare_unit(std::string unit) {
+  for (const char* sign : {"[", "]", "(", ")", " ", "*"}) {
+    for (std::size_t at = unit.find(sign); at != std::string::npos; at = unit.find(sign))
+      unit.erase(at, 1);
+  }
+  if (unit == "°") return "deg";
+  if (unit == "°/s") return "deg/s";
+  return unit;
+}
+
+class Table {
+ public:
+  Table(const std::string& path, const RecordingOptions& options)
+      : lines_(path), options_(options) {
+    const auto time = options.signals.map.find("t");
+    if (time != options.signals.map.end()) time_name_ = time->second;
+  }
+
+  // Finds the header. False: there is none.
+  bool find_header() {
+    std::string_view line;
+    for (int k = 0; k < kPreamble && lines_.next(&line); ++k) {
+      Header header = parse_header(line, time_name_);
+      const bool numbers = all_numbers(header.names, header.separator);
+      const std::string comment = lines_.last_comment();
+      if (numbers && !comment.empty()) {  // the last comment may be the header
+        Header above = parse_header(comment, time_name_);
+        above.separator = header.separator;
+        above.names = csv_fields(comment, header.separator);
+        if (above.names.size() != header.names.size()) return false;
+        above.time = time_columns(above.names, time_name_);
+        header = std::move(above);
+        first_row_ = line;
+      } else if (numbers) {
+        return false;
+      }
+      // In front of the header others may stand: the header has a clock or positions of joints.
+      if (header.names.size() > 1 && (header.time.recorded >= 0 || header.positions > 0)) {
+        header_ = std::move(header);
+        header_line_ = lines_.number();
+        return true;
+      }
+      if (k == 0) fallback_ = parse_header(line, time_name_);
+    }
+    return false;
+  }
+
+  const Header& header() const { return header_; }
+
+  RawRecording read() {
+    require(find_header(), lines_.path(), ": found no header with names of joints, expected one.");
+    if (!time_name_.empty())
+      require(std::find(header_.names.begin(), header_.names.end(), time_name_) !=
+                  header_.names.end(),
+              lines_.path(), ": --map t=", time_name_, ": found no column ", time_name_,
+              ", expected one.");
+    require(header_.time.recorded >= 0 || options_.rate > 0.0, lines_.path(), ":", header_line_,
+            ": found no column of time, expected one (time, timestamp, t), --map t=NAME or --rate.");
+    read_units_line();
+    place_columns();
+    read_rows();
+    set_times();
+    return std::move(raw_);
+  }
+
+ private:
+  void read_units_line() {
+    if (!first_row_.empty()) return;
+    std::string_view line;
+    if (!lines_.next(&line)) return;
+    std::vector<std::string> fields = csv_fields(line, header_.separator);
+    const bool units = fields.size() == header_.names.size() &&
+                       std::all_of(fields.begin(), fields.end(), is_unit_word) &&
+                       std::any_of(fields.begin(), fields.end(), [](const auto& f) { return !f.empty(); });
+    if (units) {
+      header_.units = std::move(fields);
+    } else {
+      first_row_ = line;
+    }
+  }
+
+  bool is_time(std::size_t column) const {
+    const auto c = static_cast<int>(column);
+    return c == header_.time.recorded || c == header_.time.nanoseconds || c == header_.time.stamped;
+  }
+
+  void place_columns() {
+    raw_.format = "CSV";
+    std::map<std::string, int> stream_of_topic;
+    places_.resize(header_.names.size());
+    factors_.assign(header_.names.size(), 1.0);
+    std::set<std::string> told;
+    for (std::size_t k = 0; k < header_.names.size(); ++k) {
+      if (is_time(k)) continue;
+      const std::string name = plain_name(header_.names[k]);
+      if (name.rfind("name", 0) == 0 && name.size() > 4 &&
+          name.find_first_not_of("0123456789", 4) == std::string::npos) {
+        names_column_[std::stoi(name.substr(4, 4))] = static_cast<int>(k);
+        continue;
+      }
+      const Split split = split_topic(name);
+      const auto [at, fresh] =
+          stream_of_topic.try_emplace(split.topic, static_cast<int>(raw_.streams.size()));
+      if (fresh) {
+        raw_.streams.emplace_back();
+        raw_.streams.back().topic = split.topic;
+      }
+      RawStream& stream = raw_.streams[static_cast<std::size_t>(at->second)];
+      RawField field = field_of(split.path);
+      if (split.topic.empty()) field.path = header_.names[k];
+      factors_[k] = factor_of(k, field, &told);
+      places_[k] = {at->second, stream.fields.size()};
+      stream.fields.push_back(std::move(field));
+    }
+    if (!told.empty()) {
+      std::string list;
+      for (const std::string& one : told) list += (list.empty() ? "" : ", ") + one;
+      raw_.remarks.push_back("columns say their units and are turned into SI: " + list + ".");
+    }
+  }
+
+  // From the unit that the column's name or the second line gives to SI.
+  double factor_of(std::size_t column, const RawField& field, std::set<std::string>* told) const {
+    if (field.signal < 0) return 1.0;
+    const std::string unit =
+        bare_unit(header_.units.empty() ? unit_in(header_.names[column]) : header_.units[column]);
+    const std::string signal = kRecordingSignals[field.signal].name;
+    std::string known = unit;
+    if (unit == "nm") known = "Nm";
+    if (unit == "mnm") known = "mNm";
+    if (unit == "ma") known = "mA";
+    if (unit == "degs") known = "deg/s";
+    const auto factor = unit_factor(signal, known);
+    if (!factor || *factor == 1.0) return 1.0;
+    told->insert(signal + " in " + known);
+    return *factor;
+  }
+
+  void read_rows() {
+    std::string_view line;
+    std::vector<std::vector<double>> rows(raw_.streams.size());
+    for (std::size_t s = 0; s < rows.size(); ++s) rows[s].resize(raw_.streams[s].fields.size());
+    long number = 0;
+    bool held = !first_row_.empty();
+    while (true) {
+      if (held) {
+        line = first_row_;
+        held = false;
+      } else if (!lines_.next(&line)) {
+        break;
+      }
+      std::vector<std::string> fields = csv_fields(line, header_.separator);
+      if (fields.size() != header_.names.size()) {
+        if (fields.size() < header_.names.size() && lines_.at_end()) {
+          raw_.remarks.emplace_back("the last row is cut and left out.");
+          break;
+        }
+        throw InvalidInput(text(lines_.path(), ":", lines_.number(), ": found ", fields.size(),
+                                " fields, expected ", header_.names.size(), "."));
+      }
+      take_names(fields);
+      take_row(&fields, number++, &rows);
+    }
+    if (skipped_ > 0)
+      raw_.remarks.push_back(text(skipped_, skipped_ == 1 ? " row has" : " rows have",
+                                  " no time and ", skipped_ == 1 ? "is" : "are", " left out."));
+  }
+
+  // Joints' names stand in columns of their own.
+  void take_names(const std::vector<std::string>& fields) {
+    if (names_column_.empty()) return;
+    for (RawStream& stream : raw_.streams) {
+      for (RawField& field : stream.fields) {
+        if (field.signal < 0 || field.joint.size() > 4 ||
+            field.joint.find_first_not_of("0123456789") != std::string::npos)
+          continue;
+        const auto column = names_column_.find(std::stoi(field.joint));
+        if (column != names_column_.end()) field.joint = fields[static_cast<std::size_t>(column->second)];
+      }
+    }
+    names_column_.clear();
+  }
+
+  void take_row(std::vector<std::string>* fields, long number,
+                std::vector<std::vector<double>>* rows) {
+    std::vector<char> any(raw_.streams.size(), 0);
+    for (std::size_t k = 0; k < fields->size(); ++k) {
+      const Place place = places_[k];
+      if (place.stream < 0) continue;
+      const auto s = static_cast<std::size_t>(place.stream);
+      double value = kGap;
+      if (!(*fields)[k].empty() && !parse_number(&(*fields)[k], header_.separator, &value)) {
+        const RawField& field = raw_.streams[s].fields[place.field];
+        require(field.signal < 0, lines_.path(), ":", lines_.number(), ":", k + 1, ": found '",
+                (*fields)[k].substr(0, 40), "' in column ", header_.names[k],
+                ", expected a number.");
+        value = kGap;
+      }
+      if (!std::isnan(value)) any[s] = 1;
+      (*rows)[s][place.field] = value * factors_[k];
+    }
+    std::string time;
+    if (header_.time.recorded >= 0) {
+      time = (*fields)[static_cast<std::size_t>(header_.time.recorded)];
+      if (header_.separator != ',') std::replace(time.begin(), time.end(), ',', '.');
+      if (time.empty() || time == "nan" || time == "NaN") {
+        ++skipped_;
+        return;
+      }
+      require(nanoseconds_of(time, 1).has_value(), lines_.path(), ":", lines_.number(), ":",
+              header_.time.recorded + 1, ": found '", time.substr(0, 40), "' in column ",
+              header_.names[static_cast<std::size_t>(header_.time.recorded)],
+              ", expected a time.");
+    }
+    std::int64_t stamp = 0;
+    if (header_.time.stamped >= 0)
+      stamp = nanoseconds_of((*fields)[static_cast<std::size_t>(header_.time.stamped)], 1).value_or(0);
+    std::int64_t fraction = 0;
+    if (header_.time.nanoseconds >= 0)
+      fraction = nanoseconds_of((*fields)[static_cast<std::size_t>(header_.time.nanoseconds)], 1).value_or(0);
+    const std::size_t at = times_.size();
+    times_.push_back(std::move(time));
+    fractions_.push_back(fraction);
+    numbers_.push_back(number);
+    const bool many = raw_.streams.size() > 1;
+    for (std::size_t s = 0; s < raw_.streams.size(); ++s) {
+      if (many && any[s] == 0) continue;
+      RawStream& stream = raw_.streams[s];
+      stream.recorded.push_back(static_cast<std::int64_t>(at));  // the row; its time comes at the end
+      if (header_.time.stamped >= 0) stream.stamped.push_back(stamp);
+      stream.values.insert(stream.values.end(), (*rows)[s].begin(), (*rows)[s].end());
+    }
+  }
+
+  // What one of the clock's numbers is worth, in ns.
+  std::int64_t time_unit() {
+    const auto given = options_.signals.units.find("t");
+    if (given != options_.signals.units.end())
+      return std::llround(unit_factor("t", given->second).value_or(1.0) * 1e9);
+    if (header_.time.unit != 0) return header_.time.unit;
+    if (!header_.units.empty()) {
+      const std::string unit = bare_unit(header_.units[static_cast<std::size_t>(header_.time.recorded)]);
+      if (const auto factor = unit_factor("t", unit)) return std::llround(*factor * 1e9);
+    }
+    const std::string in_name = unit_in(header_.names[static_cast<std::size_t>(header_.time.recorded)]);
+    if (const auto factor = unit_factor("t", in_name)) return std::llround(*factor * 1e9);
+    std::vector<double> steps;
+    bool whole = true;
+    for (std::size_t k = 0; k < times_.size() && k < kProbe; ++k) {
+      whole = whole && times_[k].find_first_of(".eE") == std::string::npos;
+      if (k > 0) steps.push_back(std::stod(times_[k]) - std::stod(times_[k - 1]));
+    }
+    if (steps.empty()) return 1000000000;
+    std::nth_element(steps.begin(), steps.begin() + static_cast<long>(steps.size() / 2), steps.end());
+    const std::int64_t unit =
+        likely_time_unit(std::stod(times_.front()), steps[steps.size() / 2], whole);
+    if (unit != 1000000000)
+      raw_.remarks.push_back(text("times are taken for ",
+                                  unit == 1      ? "nanoseconds"
+                                  : unit == 1000 ? "microseconds"
+                                                 : "milliseconds",
+                                  " by their size (--units t=s says otherwise)."));
+    return unit;
+  }
+
+  void set_times() {
+    if (times_.empty()) return;
+    const bool clock = header_.time.recorded >= 0;
+    const std::int64_t unit = clock ? time_unit() : 0;
+    for (RawStream& stream : raw_.streams) {
+      for (std::int64_t& time : stream.recorded) {
+        const auto row = static_cast<std::size_t>(time);
+        if (!clock) {
+          time = std::llround(static_cast<double>(numbers_[row]) * 1e9 / options_.rate);
+          continue;
+        }
+        const auto parsed = nanoseconds_of(times_[row], unit);
+        require(parsed.has_value(), lines_.path(), ": found time ", times_[row],
+                ", expected one that fits into 292 years.");
+        time = *parsed + fractions_[row];
+      }
+    }
+  }
+
+  CsvLines lines_;
+  const RecordingOptions& options_;
+  std::string time_name_;
+  Header header_, fallback_;
+  long header_line_ = 0;
+  std::string first_row_;
+  RawRecording raw_;
+  std::vector<Place> places_;
+  std::vector<double> factors_;
+  std::map<int, int> names_column_;
+  std::vector<std::string> times_;
+  std::vector<std::int64_t> fractions_;
+  std::vector<long> numbers_;
+  long skipped_ = 0;
+};
+
+// A header of t, q1..qn, which the plain reader takes, row by row.
+bool is_plain(const Header& header) {
+  const auto has = [&header](const char* name) {
+    return std::find(header.names.begin(), header.names.end(), name) != header.names.end();
+  };
+  if (!has("q1") || (!has("t") && header.time.recorded >= 0)) return false;
+  // A signal under another name, as qd1 beside q1, needs its name read.
+  int own[kRecordedSignals] = {};
+  int other[kRecordedSignals] = {};
+  for (const std::string& name : header.names) {
+    const RawField field = field_of(name);
+    if (field.signal < 0 || field.joint.find_first_not_of("0123456789") != std::string::npos) continue;
+    ++(name == kRecordingSignals[field.signal].name + field.joint ? own : other)[field.signal];
+  }
+  for (int s = 1; s < kRecordedSignals; ++s) {
+    if (own[s] == 0 && other[s] == own[0]) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+bool is_csv_table(const std::string& path, const RecordingOptions& options) {
+  if (!options.columns.empty()) return false;
+  Table table(path, options);
+  if (!table.find_header()) return false;
+  if (!options.signals.map.empty()) return true;
+  if (is_plain(table.header())) return false;
+  if (table.header().positions > 0) return true;
+  // Columns that are joints' names and nothing else.
+  std::size_t named = 0;
+  for (const WantedJoint& joint : options.signals.joints) {
+    for (const std::string& name : table.header().names) named += name.find(joint.name) != std::string::npos;
+  }
+  return named > 0 && named >= options.signals.joints.size();
+}
+
+RawRecording read_csv_table(const std::string& path, const RecordingOptions& options) {
+  return Table(path, options).read();
+}
+
+}  // namespace veridyn::recordings

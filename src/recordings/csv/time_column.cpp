@@ -1,0 +1,122 @@
+#include "recordings/csv/time_column.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <limits>
+
+#include "recordings/joint_fields.hpp"
+
+namespace veridyn::recordings {
+namespace {
+
+constexpr std::int64_t kSecond = 1000000000;
+
+std::int64_t unit_named(const std::string& word) {
+  if (word == "ns" || word == "nsec" || word == "nsecs" || word == "nanoseconds") return 1;
+  if (word == "us" || word == "usec" || word == "microseconds") return 1000;
+  if (word == "ms" || word == "msec" || word == "millis" || word == "milliseconds") return 1000000;
+  if (word == "s" || word == "sec" || word == "secs" || word == "seconds") return kSecond;
+  return 0;
+}
+
+bool is_time_word(const std::string& word) {
+  return word == "time" || word == "t" || word == "timestamp" || word == "stamp" ||
+         word == "times" || word == "clock" || word == "timestamps" || word == "zeit";
+}
+
+// How well a name fits a clock: 0 not at all.
+int fitness(const std::vector<std::string>& words) {
+  if (words.empty() || words.size() > 4) return 0;
+  bool time = false;
+  for (const std::string& word : words) time = time || is_time_word(word);
+  const bool only_unit = words.size() == 1 && unit_named(words[0]) != 0;
+  if (!time && !only_unit) return 0;
+  return 10 - static_cast<int>(words.size());
+}
+
+}  // namespace
+
+TimeColumns time_columns(const std::vector<std::string>& names, const std::string& wanted) {
+  TimeColumns columns;
+  int best = 0;
+  int seconds = -1;
+  int fraction = -1;
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    const auto column = static_cast<int>(k);
+    const std::vector<std::string> words = words_of(names[k]);
+    if (!wanted.empty() && names[k] == wanted) {
+      columns.recorded = column;
+      best = 100;
+    }
+    if (names[k] == "field.header.stamp" || names[k] == "header.stamp") {
+      columns.stamped = column;
+      continue;
+    }
+    if (words.empty()) continue;
+    // A stamp in two columns: sec and nsec behind the same words.
+    const std::string& last = words.back();
+    const bool of_stamp = words.size() > 1 && is_time_word(words[words.size() - 2]);
+    if (of_stamp && (last == "sec" || last == "secs")) seconds = column;
+    if (of_stamp && (last == "nsec" || last == "nsecs" || last == "nanosec")) fraction = column;
+    const int fit = fitness(words);
+    if (fit > best && field_of(names[k]).signal < 0) {
+      best = fit;
+      columns.recorded = column;
+      columns.unit = words.size() > 1 || !is_time_word(last) ? unit_named(last) : 0;
+    }
+  }
+  if (seconds >= 0 && fraction >= 0 && best < 9) {
+    columns.recorded = seconds;
+    columns.nanoseconds = fraction;
+    columns.unit = kSecond;
+  }
+  if (columns.recorded >= 0 && names[static_cast<std::size_t>(columns.recorded)] == "%time")
+    columns.unit = 1;
+  if (columns.recorded < 0 && columns.stamped >= 0) {
+    columns.recorded = columns.stamped;
+    columns.stamped = -1;
+  }
+  return columns;
+}
+
+std::int64_t likely_time_unit(double first, double median_step, bool whole_numbers) {
+  if (first > 1e17) return 1;
+  if (first > 1e14) return 1000;
+  if (first > 1e11) return 1000000;
+  if (first > 1e8) return kSecond;
+  if (!whole_numbers) return kSecond;
+  if (median_step >= 1e5) return 1;     // 10 kHz and slower in ns
+  if (median_step >= 100.0) return 1000;
+  return median_step >= 1.0 ? 1000000 : kSecond;
+}
+
+std::optional<std::int64_t> nanoseconds_of(const std::string& number, std::int64_t unit) {
+  const char* p = number.data() + (number.rfind('+', 0) == 0 ? 1 : 0);
+  const char* end = number.data() + number.size();
+  std::int64_t whole = 0;
+  const auto [rest, error] = std::from_chars(p, end, whole);
+  const std::int64_t largest = std::numeric_limits<std::int64_t>::max() / unit - 1;
+  if (error == std::errc() && std::abs(whole) < largest) {
+    if (rest == end) return whole * unit;
+    if (*rest == '.' && number.find_first_of("eE") == std::string::npos) {
+      std::int64_t fraction = 0;
+      std::int64_t scale = unit;
+      const char* digit = rest + 1;
+      for (; digit != end && *digit >= '0' && *digit <= '9'; ++digit) {
+        scale /= 10;
+        fraction += (*digit - '0') * scale;
+      }
+      if (digit != end) return std::nullopt;
+      return *p == '-' ? whole * unit - fraction : whole * unit + fraction;
+    }
+  }
+  double value = 0.0;
+  const auto [stop, bad] = std::from_chars(p, end, value);
+  if (bad != std::errc() || stop != end || !std::isfinite(value)) return std::nullopt;
+  const double scaled = value * static_cast<double>(unit);
+  if (std::abs(scaled) > 9e18) return std::nullopt;
+  return static_cast<std::int64_t>(std::llround(scaled));
+}
+
+}  // namespace veridyn::recordings

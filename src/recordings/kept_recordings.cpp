@@ -1,0 +1,122 @@
+#include "recordings/kept_recordings.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <exception>
+#include <filesystem>
+#include <future>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <system_error>
+#include <utility>
+
+namespace veridyn {
+
+struct KeptRecordings::State {
+  struct Whole {
+    Recording rows;
+    RecordingFacts facts;
+  };
+  using Kept = std::shared_future<std::shared_ptr<const Whole>>;
+
+  std::mutex mutex;
+  long bytes_left = 0;
+  std::map<std::string, Kept> recordings;  // by path and how it is read
+};
+
+namespace {
+
+std::atomic<KeptRecordings::State*> g_kept{nullptr};
+std::atomic<long> g_parsed{0};
+
+std::string key_of(const std::string& path, const RecordingOptions& options) {
+  std::string out = path + "\n" + std::to_string(options.rate);
+  out += " " + std::to_string(options.first_row) + " " + std::to_string(options.row_count);
+  for (const std::string& column : options.columns) out += "\n" + column;
+  const SignalChoice& signals = options.signals;
+  for (const std::string& topic : signals.topics) out += "\ntopic " + topic;
+  for (const auto& [name, source] : signals.map) out += "\nmap " + name + "=" + source;
+  for (const auto& [name, unit] : signals.units) out += "\nunit " + name + "=" + unit;
+  for (const WantedJoint& joint : signals.joints)
+    out += "\njoint " + joint.name + (joint.prismatic ? " slides" : "");
+  return out;
+}
+
+long text_bytes(const std::string& path) {
+  std::error_code error;
+  const auto size = std::filesystem::file_size(path, error);
+  return error ? -1 : static_cast<long>(size);
+}
+
+using Whole = KeptRecordings::State::Whole;
+
+std::shared_ptr<const Whole> parsed(const std::string& path, const RecordingOptions& options) {
+  ++g_parsed;
+  auto whole = std::make_shared<Whole>();
+  whole->rows = read_recording(path, options, whole->facts);
+  return whole;
+}
+
+// The recording, parsed by whoever asks first; nothing if it is not to be kept.
+std::shared_ptr<const Whole> kept(const std::string& path, const RecordingOptions& options) {
+  KeptRecordings::State* state = g_kept.load();
+  if (state == nullptr) return nullptr;
+  std::promise<std::shared_ptr<const Whole>> promise;
+  KeptRecordings::State::Kept result;
+  {
+    const std::lock_guard<std::mutex> lock(state->mutex);
+    const std::string key = key_of(path, options);
+    const auto found = state->recordings.find(key);
+    if (found != state->recordings.end()) {
+      result = found->second;
+    } else {
+      const long bytes = text_bytes(path);
+      if (bytes < 0 || bytes > state->bytes_left) return nullptr;
+      state->bytes_left -= bytes;
+      state->recordings.emplace(key, promise.get_future().share());
+    }
+  }
+  if (result.valid()) return result.get();
+  try {
+    std::shared_ptr<const Whole> recording = parsed(path, options);
+    promise.set_value(recording);
+    return recording;
+  } catch (...) {
+    promise.set_exception(std::current_exception());
+    throw;
+  }
+}
+
+}  // namespace
+
+KeptRecordings::KeptRecordings(long most_bytes) : before_(g_kept.load()) {
+  auto state = std::make_unique<State>();
+  state->bytes_left = most_bytes;
+  g_kept = state.release();
+}
+
+KeptRecordings::~KeptRecordings() {
+  delete g_kept.exchange(before_);
+}
+
+OpenedRows open_rows(const std::string& path, const RecordingOptions& options) {
+  if (std::shared_ptr<const Whole> whole = kept(path, options)) {
+    auto at = std::make_shared<int>(0);
+    return {[whole, at](int rows) {
+              const int count = std::min(rows, whole->rows.rows() - *at);
+              *at += count;
+              return rows_of(whole->rows, *at - count, count);
+            },
+            [whole] { return whole->facts; }};
+  }
+  ++g_parsed;
+  auto reader = std::make_shared<RecordingReader>(path, options);
+  return {[reader](int rows) { return reader->next(rows); }, [reader] { return reader->facts(); }};
+}
+
+long files_parsed() {
+  return g_parsed.load();
+}
+
+}  // namespace veridyn

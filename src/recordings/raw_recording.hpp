@@ -1,0 +1,46 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace veridyn::recordings {
+
+/// A column of numbers, and which signal of which joint it is where that shows.
+struct RawField {
+  std::string path;   ///< as the file names it: "elbow_joint/position", "wrench/force/x", "data/0"
+  std::string joint;  ///< empty: no signal of a joint
+  int signal = -1;    ///< index into kRecordingSignals; -1: none
+};
+
+/// Rows of one publisher that all have the same columns.
+struct RawStream {
+  std::string topic;      ///< empty: the only table of a file
+  std::string publisher;  ///< empty: not kept
+  std::vector<RawField> fields;
+  std::vector<std::int64_t> recorded;  ///< [ns] when each row was written down
+  std::vector<std::int64_t> stamped;   ///< [ns] the sender's clock, 0: none; empty: no such clock
+  std::vector<double> values;          ///< row by row
+
+  std::size_t rows() const { return recorded.size(); }
+  double at(std::size_t row, std::size_t field) const { return values[row * fields.size() + field]; }
+};
+
+/// A topic of a container, decoded or not.
+struct RawTopic {
+  std::string name, type, encoding;
+  long messages = 0;
+  std::int64_t first = 0;  ///< [ns] recorded
+  std::int64_t last = 0;
+  std::string undecoded;  ///< why its messages are not decoded; empty: they are, or need not be
+};
+
+/// What a file holds before anybody says which of it is the arm.
+struct RawRecording {
+  std::string format;  ///< "ROS 1 bag", "CSV", ...
+  std::vector<RawTopic> topics;
+  std::vector<RawStream> streams;
+  std::vector<std::string> remarks;
+};
+
+}  // namespace veridyn::recordings

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "regressor/column_source.hpp"
+
+namespace veridyn {
+
+/// The Gram matrix of chosen columns of several sources, and its derivative. Immutable but for
+/// choose(): serves several threads.
+class StackedColumns {
+ public:
+  StackedColumns(int joints, std::vector<std::shared_ptr<const ColumnSource>> sources);
+
+  /// Of all sources; those of the first come first.
+  int count() const { return count_; }
+
+  /// The columns that gram() speaks about, in its order; at first all of them.
+  void choose(const std::vector<int>& columns);
+  int chosen() const { return chosen_; }
+
+  /// All columns, chosen or not: (rows n x count), the rows of joint 1 first.
+  MatrixXd stacked(const MotionSamples& motion) const;
+
+  /// sum_i w_i^2 W_i' W_i of the chosen columns.
+  /// @param row_weights  (n) w.
+  MatrixXd gram(const MotionSamples& motion, const VectorXd& row_weights) const;
+
+  /// W_i' W_i of every joint's rows.
+  std::vector<MatrixXd> joint_grams(const MotionSamples& motion) const;
+
+  /// The derivatives of f(joint_grams) by q, dq, ddq of every row, (rows x 3 n).
+  /// @param by_gram  (n of chosen x chosen) df/dG_i, symmetric.
+  MatrixXd gradient(const MotionSamples& motion, const std::vector<MatrixXd>& by_gram) const;
+
+  /// The derivatives of f(gram) by q, dq, ddq of every row, (rows x 3 n).
+  /// @param by_gram  (chosen x chosen) df/dgram, symmetric.
+  MatrixXd gradient(const MotionSamples& motion, const VectorXd& row_weights,
+                    const MatrixXd& by_gram) const;
+
+ private:
+  // Where a chosen column of a joint's rows is found.
+  struct Place {
+    size_t source;
+    int local;   ///< among the source's columns of that joint
+    int column;  ///< among the chosen ones
+  };
+
+  std::vector<std::vector<MatrixXd>> evaluate(const MotionSamples& motion) const;
+  MatrixXd rows_of(size_t joint, const std::vector<std::vector<MatrixXd>>& Y,
+                   Eigen::Index rows) const;
+
+  std::vector<std::shared_ptr<const ColumnSource>> sources_;
+  std::vector<std::vector<std::vector<int>>> columns_;  // by source and joint, counted over all
+  std::vector<std::vector<Place>> places_;              // by joint
+  int count_ = 0;
+  int chosen_ = 0;
+};
+
+}  // namespace veridyn

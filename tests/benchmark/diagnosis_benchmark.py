@@ -1,0 +1,145 @@
+#!/usr/bin/env python3
+"""What `veridyn diagnose` gives on recordings of real arms: held-out errors, findings, times.
+
+    diagnosis_benchmark.py run TOOL DATA -o RESULT.json [--only NAME,...]
+    diagnosis_benchmark.py compare BEFORE.json AFTER.json
+
+DATA is the folder of real recordings (VERIDYN_REAL_DATA of the tests). `run` prints a table and
+keeps findings and intervals; `compare` prints both results of every case below one another.
+Times are processor seconds of the process and its threads, which a busy machine disturbs least.
+"""
+
+import argparse
+import json
+import os
+import resource
+import subprocess
+import sys
+import tempfile
+
+
+def cases(data):
+    fourier = [os.path.join(data, "psm1-thesis", "fourier-%d.csv" % k) for k in range(1, 7)]
+    thesis = ["--filter-cutoff", "3.5", "--filter-order", "8"]
+
+    def wrist(name):
+        return os.path.join(data, "psm-wrist", name)
+
+    def ur(name):
+        return os.path.join(data, "ur10e", name)
+
+    ur_settings = ["--rows", "635:3510", "--test-rows", "700:4200", "--filter-cutoff", "7",
+                   "--resample", "100"]
+    return {
+        "psm-3dof/5": ["psm-3dof", "--train"] + fourier[:4] + ["--test", fourier[4]] + thesis,
+        "psm-3dof/6": ["psm-3dof", "--train"] + fourier[:4] + ["--test", fourier[5]] + thesis,
+        "psm-3dof": ["psm-3dof", "--train"] + fourier[:4] + ["--test"] + fourier[4:] + thesis,
+        "psm-3dof-printed": ["psm-3dof-printed", "--train"] + fourier[:4] + ["--test"]
+        + fourier[4:] + thesis,
+        "psm-wrist": ["psm-wrist", "--train", wrist("one.csv"), "--test", wrist("two.csv"),
+                      "--filter-cutoff", "5.4"],
+        "mtm": ["mtm", "--train", os.path.join(data, "mtm", "one.csv"), "--test",
+                os.path.join(data, "mtm", "two.csv"), "--filter-cutoff", "5.65"],
+        "ur10e": ["ur10e", "--train", ur("free-12harm30s-2020-02-10.csv"), "--test",
+                  ur("free-point-to-point-2020-01-17.csv")] + ur_settings,
+    }
+
+
+def percents(errors):
+    return [round(100.0 * e, 2) for e in errors]
+
+
+def held_out(model):
+    """Every figure of the held-out recordings, under the name it has in the JSON."""
+    test = model["test"]
+    out = {"test": percents(test["relative_error"])}
+    for name in ("as_recorded", "repaired", "without_excluded"):
+        if name in test:
+            out[name] = percents(test[name]["relative_error"])
+    return out
+
+
+def play(tool, arguments):
+    with tempfile.TemporaryDirectory() as folder:
+        path = os.path.join(folder, "out.json")
+        before = resource.getrusage(resource.RUSAGE_CHILDREN)
+        done = subprocess.run([tool, "diagnose"] + arguments + ["--json", path, "--quiet"],
+                              stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+        after = resource.getrusage(resource.RUSAGE_CHILDREN)
+        if done.returncode != 0:
+            return {"failed": done.stderr.strip()}
+        with open(path) as file:
+            d = json.load(file)
+    findings = []
+    for f in d["findings"]:
+        findings.append({"effect": f["effect"], "joint": f["joint"], "frame": f.get("frame", ""),
+                         "explains": f["explains"], "status": f.get("status", ""),
+                         "parameters": f["parameters"]})
+    return {"baseline": held_out(d["baseline"]), "extended": held_out(d["extended"]),
+            "findings": findings, "hypotheses": d["hypotheses"],
+            "processor_seconds": round(after.ru_utime - before.ru_utime
+                                       + after.ru_stime - before.ru_stime, 2),
+            "seconds": round(d["seconds"], 2)}
+
+
+def show(name, result):
+    if "failed" in result:
+        print("%-18s FAILED: %s" % (name, result["failed"]))
+        return
+    print("%-18s %.1f s of processor, %.1f s, %d findings" % (
+        name, result["processor_seconds"], result["seconds"], len(result["findings"])))
+    for model in ("baseline", "extended"):
+        for figure, values in result[model].items():
+            print("  %-9s %-17s %s" % (model, figure, " ".join("%7.2f" % v for v in values)))
+    words = []
+    for f in result["findings"]:
+        mark = " (not confirmed)" if f["status"] == "not_confirmed" else ""
+        words.append("%s:%s %.0f %%%s" % (f["effect"], f["frame"] or f["joint"],
+                                          100.0 * (f["explains"] or 0.0), mark))
+    print("  " + ", ".join(words))
+
+
+def run(arguments):
+    results = {}
+    for name, words in cases(arguments.data).items():
+        if arguments.only and name not in arguments.only.split(","):
+            continue
+        results[name] = play(arguments.tool, words)
+        show(name, results[name])
+        sys.stdout.flush()
+    if arguments.output:
+        with open(arguments.output, "w") as file:
+            json.dump(results, file, indent=1)
+
+
+def compare(arguments):
+    with open(arguments.before) as file:
+        before = json.load(file)
+    with open(arguments.after) as file:
+        after = json.load(file)
+    for name in after:
+        if name in before:
+            show(name + " before", before[name])
+        show(name + " after", after[name])
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__,
+                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    commands = parser.add_subparsers(dest="command", required=True)
+    command = commands.add_parser("run")
+    command.add_argument("tool")
+    command.add_argument("data")
+    command.add_argument("-o", dest="output")
+    command.add_argument("--only")
+    command.set_defaults(act=run)
+    command = commands.add_parser("compare")
+    command.add_argument("before")
+    command.add_argument("after")
+    command.set_defaults(act=compare)
+    arguments = parser.parse_args()
+    arguments.act(arguments)
+
+
+if __name__ == "__main__":
+    main()

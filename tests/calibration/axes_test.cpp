@@ -1,0 +1,167 @@
+#include "veridyn/calibration/axes.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "calibration/hinge_path.hpp"
+#include "simulated_capture.hpp"
+#include "veridyn/kinematics/kinematics.hpp"
+#include "veridyn/model/model_file.hpp"
+
+namespace veridyn {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kDegree = M_PI / 180.0;
+
+const Model& psm() {
+  static const Model kArm = read_model("psm-3dof");
+  return kArm;
+}
+
+// The distance of successive axes from the robot file: a of the row between them, and the common
+// normal of yaw and pitch, which is zero.
+const std::vector<double> kDistances = {0.0, 0.0430 / std::sin(std::atan(0.0430 / 0.1437)), 0.516};
+
+AxesCalibration calibrated(unsigned seed, const CaptureNoise& noise = {}, int frames = 800) {
+  AxesOptions options;
+  options.most_frames = 400;
+  return calibrate_axes(captured_psm(psm(), frames, noise, seed), options);
+}
+
+TEST(Axes, ExactMarkersGiveTheLinksOfTheRobotFile) {
+  const AxesCalibration found = calibrated(1, {1e-9, 0.0, 0.0, 0.0}, 200);
+  ASSERT_EQ(found.status, CalibrationStatus::kDone) << found.reason;
+  ASSERT_EQ(found.axes.size(), 4U) << found.report();
+  ASSERT_EQ(found.links.size(), 3U);
+  for (size_t k = 0; k < 3; ++k) {
+    EXPECT_NEAR(found.links[k].distance, kDistances[k], 1e-7) << k;
+    EXPECT_NEAR(found.links[k].twist, k == 0 ? 0.5 * M_PI : 0.0, 1e-7) << k;
+  }
+}
+
+// The thesis's set-up: 0.1 mm of noise, 2 % outliers, 5 % dropouts, eighteen markers.
+TEST(Axes, LinkLengthsAndAxesOfTheNoisyPsm) {
+  constexpr int kSeeds = 6;
+  int inside = 0;
+  int asked = 0;
+  for (unsigned seed = 1; seed <= kSeeds; ++seed) {
+    const AxesCalibration found = calibrated(seed);
+    ASSERT_EQ(found.links.size(), 3U) << found.report();
+    for (size_t k = 0; k < 3; ++k) {
+      const CalibratedLink& link = found.links[k];
+      const double miss = std::abs(link.distance - kDistances[k]);
+      const double turn = std::abs(link.twist - (k == 0 ? 0.5 * M_PI : 0.0));
+      EXPECT_LT(miss, 2e-4) << seed << ", link " << k;
+      EXPECT_LT(turn, 0.05 * kDegree) << seed << ", link " << k;
+      inside += miss <= link.distance_half_width;
+      ++asked;
+    }
+  }
+  EXPECT_GE(inside, 0.8 * asked);
+}
+
+// An axis in the cameras' frame, against the robot file's own pose of it.
+TEST(Axes, TheFirstAxisStandsWhereTheBaseIs) {
+  const MarkerCapture capture = captured_psm(psm(), 800, {}, 4);
+  AxesOptions options;
+  options.most_frames = 400;
+  const AxesCalibration found = calibrate_axes(capture, options);
+  ASSERT_EQ(found.status, CalibrationStatus::kDone) << found.reason;
+  RandomNumbers random(4, 3);
+  const Eigen::Isometry3d camera = random_pose(random, 0.3);
+  Eigen::Isometry3d mount;
+  mount.matrix() = frame_pose(psm(), VectorXd::Zero(3), psm().find_frame("mount"));
+  const Vector3d z = (camera * mount).linear().col(2);
+  const Vector3d off = (found.axes[0].point - (camera * mount).translation()).cross(z);
+  EXPECT_GT(std::abs(found.axes[0].direction.dot(z)), std::cos(0.05 * kDegree));
+  EXPECT_LT(off.norm(), 2e-4);
+}
+
+TEST(Axes, MarkersThatChangedNamesAreNamedBack) {
+  MarkerCapture capture = captured_psm(psm(), 200, {1e-4, 0.0, 0.0, 0.0}, 2);
+  for (Eigen::Index k = 20; k < 60; ++k) {
+    const Vector3d kept = capture.markers[6].position.col(k);
+    capture.markers[6].position.col(k) = capture.markers[7].position.col(k);
+    capture.markers[7].position.col(k) = kept;
+  }
+  const AxesCalibration found = calibrate_axes(capture);
+  ASSERT_EQ(found.links.size(), 3U) << found.report();
+  EXPECT_EQ(found.bodies[2].relabelled, 40);
+  EXPECT_NEAR(found.links[1].distance, kDistances[1], 2e-4);
+}
+
+TEST(Axes, WhatTheMarkersCannotShowIsSaid) {
+  MarkerCapture capture = captured_psm(psm(), 200, {1e-4, 0.0, 0.0, 0.0}, 2);
+  MarkerCapture still = capture;
+  for (CapturedMarker& m : still.markers)
+    m.position = MatrixXd(m.position.col(0)).replicate(1, m.position.cols());
+  const AxesCalibration none = calibrate_axes(still);
+  EXPECT_EQ(none.status, CalibrationStatus::kCannotAnswer);
+  EXPECT_NE(none.reason.find("shows no axis"), std::string::npos) << none.reason;
+
+  MarkerCapture line = capture;
+  for (int m = 3; m < 6; ++m)
+    line.markers[static_cast<size_t>(m)].position =
+        capture.markers[3].position +
+        (m - 3) * 0.3 * (capture.markers[4].position - capture.markers[3].position);
+  AxesOptions pair;
+  pair.between = {{"base", "yaw"}};
+  const AxesCalibration collinear = calibrate_axes(line, pair);
+  EXPECT_EQ(collinear.status, CalibrationStatus::kCannotAnswer);
+  EXPECT_NE(collinear.reason.find("collinear"), std::string::npos) << collinear.reason;
+
+  MarkerCapture few = capture;
+  few.time = capture.time.head(5);
+  for (CapturedMarker& m : few.markers) m.position = MatrixXd(m.position.leftCols(5));
+  EXPECT_NE(calibrate_axes(few).reason.find("too few frames"), std::string::npos);
+}
+
+// The residual's derivatives against differences, for a root that moves and for one that rests.
+TEST(Axes, DerivativesOfAMarkerThroughItsHinges) {
+  RandomNumbers random(3);
+  for (const bool rests : {false, true}) {
+    internal::HingePath path;
+    path.root = random_pose(random, 0.5);
+    path.root_rests = rests;
+    path.local_size = (rests ? 0 : 6) + 2;
+    path.hinges = {0, 1};
+    for (int j = 0; j < 2; ++j) {
+      const Eigen::Matrix3d R = random_pose(random, 0.0).linear();
+      path.start.push_back({R.col(0), R.col(1)});
+      path.plane.emplace_back(R.rightCols<2>());
+    }
+    std::vector<VectorXd> x = {VectorXd::Random(3), 0.1 * VectorXd::Random(4),
+                               0.1 * VectorXd::Random(4), 0.3 * VectorXd::Random(path.local_size)};
+    std::vector<MatrixXd> J;
+    std::vector<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> rows;
+    std::vector<const double*> at;
+    std::vector<double*> into;
+    for (const VectorXd& v : x) rows.emplace_back(3, v.size());
+    for (size_t k = 0; k < x.size(); ++k) {
+      at.push_back(x[k].data());
+      into.push_back(rows[k].data());
+    }
+    Vector3d r;
+    path.evaluate(at.data(), 1e-3, r.data(), into.data());
+    for (size_t k = 0; k < x.size(); ++k) {
+      for (Eigen::Index c = 0; c < x[k].size(); ++c) {
+        Vector3d up;
+        Vector3d down;
+        const double was = x[k][c];
+        x[k][c] = was + 1e-6;
+        path.evaluate(at.data(), 1e-3, up.data(), nullptr);
+        x[k][c] = was - 1e-6;
+        path.evaluate(at.data(), 1e-3, down.data(), nullptr);
+        x[k][c] = was;
+        EXPECT_LT(((up - down) / 2e-6 - rows[k].col(c)).norm(), 1e-4 * (1.0 + rows[k].col(c).norm()))
+            << rests << " block " << k << " column " << c;
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace veridyn

@@ -1,0 +1,209 @@
+#include "veridyn/calibration/links.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "calibration/link_chain.hpp"
+#include "simulated_capture.hpp"
+#include "veridyn/calibration/pose_design.hpp"
+#include "veridyn/kinematics/kinematics.hpp"
+#include "veridyn/math/require.hpp"
+#include "veridyn/model/model_file.hpp"
+
+namespace veridyn {
+namespace {
+
+constexpr double kDegree = M_PI / 180.0;
+
+Model with_constant(const std::string& robot, const std::string& name, double value) {
+  ModelFileOptions options;
+  options.constants[name] = value;
+  return read_model(robot, options);
+}
+
+const LinkConstant& constant(const LinksCalibration& r, const std::string& name,
+                             const std::string& frame = "") {
+  for (const LinkConstant& c : r.constants) {
+    if (c.name == name && c.frame == frame) return c;
+  }
+  throw InvalidInput("no constant " + name + " of " + frame);
+}
+
+// The chain's poses are frame_pose(), and its derivatives are differences of them.
+TEST(Links, PosesAndDerivativesOfTheChain) {
+  for (const char* robot : {"psm-wrist", "ur10e", "mtm"}) {
+    const Model arm = read_model(robot);
+    const int frame = static_cast<int>(arm.frames().size()) - 1;
+    RandomNumbers random(2);
+    const Eigen::Isometry3d base = random_pose(random, 0.3);
+    const Eigen::Isometry3d tool = random_pose(random, 0.1);
+    const internal::LinkParameters parameters(arm, frame, true, true, true);
+    internal::LinkChain chain(parameters, base, tool);
+    VectorXd q(arm.joints());
+    for (double& v : q) v = 0.3 * random.normal();
+    MatrixXd J;
+    const Eigen::Isometry3d T = chain.pose(q, &J);
+    Eigen::Isometry3d expected;
+    expected.matrix() = frame_pose(arm, q, frame);
+    expected = base * expected * tool;
+    EXPECT_TRUE(T.isApprox(expected, 1e-12)) << robot;
+    VectorXd x = 0.01 * VectorXd::Random(parameters.size());
+    chain.set(x);
+    const Eigen::Isometry3d at = chain.pose(q, &J);
+    for (int p = 0; p < parameters.size(); ++p) {
+      VectorXd up = x;
+      VectorXd down = x;
+      up[p] += 1e-6;
+      down[p] -= 1e-6;
+      chain.set(up);
+      const Eigen::Isometry3d high = chain.pose(q, nullptr);
+      chain.set(down);
+      const Eigen::Isometry3d low = chain.pose(q, nullptr);
+      VectorXd difference(6);
+      difference << internal::rotation_vector(high.linear() * low.linear().transpose()) / 2e-6,
+          (high.translation() - low.translation()) / 2e-6;
+      EXPECT_LT((difference - J.col(p)).norm(), 1e-6 * (1.0 + J.col(p).norm()))
+          << robot << ": " << parameters.all()[static_cast<size_t>(p)].name << " of "
+          << parameters.all()[static_cast<size_t>(p)].frame;
+    }
+    // The arm with these numbers written into it has the same poses.
+    chain.set(x);
+    const Model applied = parameters.applied(x);
+    Eigen::Isometry3d written;
+    VectorXd q_true = q;
+    for (int i = 0; i < arm.joints(); ++i)
+      q_true[i] -= applied.coordinates()[static_cast<size_t>(i)].recorded.position_offset;
+    written.matrix() = frame_pose(applied, q_true, frame);
+    EXPECT_TRUE((chain.base() * written * chain.tool()).isApprox(at, 1e-9)) << robot;
+  }
+}
+
+TEST(Links, AWrongBetaIsFoundAndNamed) {
+  const Model truth = read_model("psm-3dof");
+  const double beta = truth.description().constants.at("beta");
+  const Model file = with_constant("psm-3dof", "beta", beta + kDegree);
+  const PoseCapture poses = captured_poses(truth, "tool", 200, 0.9, 1e-4, 1e-3, 3);
+  LinksOptions options;
+  options.frame = "tool";
+  const LinksCalibration found = calibrate_links(file, poses, options);
+  ASSERT_EQ(found.status, CalibrationStatus::kDone) << found.reason;
+  ASSERT_EQ(found.named.size(), 1U) << found.report();
+  EXPECT_EQ(found.constants[static_cast<size_t>(found.named[0])].name, "beta") << found.report();
+  const LinkConstant& c = constant(found, "beta");
+  EXPECT_NEAR(c.found, beta, 0.02 * kDegree);
+  EXPECT_LE(c.low, beta);
+  EXPECT_GE(c.high, beta);
+  EXPECT_TRUE(c.identifiable);
+  EXPECT_LT(found.held_out_rms, 2.5e-4);
+  // The robot that is written has it, formulas and all.
+  const Model again = read_yaml(to_yaml(*found.model), "found.yaml");
+  EXPECT_NEAR(again.description().constants.at("beta"), c.found, 1e-12);
+}
+
+TEST(Links, AWrongRatioOfTheCounterweightIsFoundWithBaseAndToolUnknown) {
+  const Model truth = with_constant("psm-3dof", "delta", 0.45);
+  const Model file = read_model("psm-3dof");
+  RandomNumbers random(8);
+  const PoseCapture poses =
+      captured_poses(truth, "counterweight", 150, 0.9, 1e-4, 1e-3, 5, random_pose(random, 0.5),
+                     random_pose(random, 0.05));
+  LinksOptions options;
+  options.frame = "counterweight";
+  const LinksCalibration found = calibrate_links(file, poses, options);
+  ASSERT_EQ(found.status, CalibrationStatus::kDone) << found.reason;
+  EXPECT_TRUE(found.base_free);
+  ASSERT_EQ(found.named.size(), 1U) << found.report();
+  EXPECT_NEAR(constant(found, "delta").found, 0.45, 0.001) << found.report();
+}
+
+TEST(Links, ALengthAndAnEncoderZeroOfASixJointArm) {
+  const Model file = read_model("ur10e");
+  ModelDescription d = file.description();
+  Frame& forearm = d.frames[static_cast<size_t>(file.find_frame("forearm"))];
+  DhRow row = *forearm.dh;
+  row.a += 0.003;
+  forearm.variable.offset = 0.0;
+  row.theta += 0.4 * kDegree;
+  place(forearm, row);
+  const Model truth(std::move(d));
+  const PoseCapture poses = captured_poses(truth, "flange", 120, 0.4, 1e-4, 5e-4, 7);
+  LinksOptions options;
+  options.frame = "flange";
+  const LinksCalibration found = calibrate_links(file, poses, options);
+  ASSERT_EQ(found.status, CalibrationStatus::kDone) << found.reason;
+  EXPECT_TRUE(found.explained) << found.report();
+  EXPECT_EQ(found.named.size(), 2U) << found.report();
+  EXPECT_NEAR(constant(found, "a", "forearm").found, row.a, 1e-4);
+  EXPECT_NEAR(constant(found, "theta", "forearm").found, row.theta, 0.02 * kDegree);
+  EXPECT_FALSE(constant(found, "zero of elbow").identifiable);
+}
+
+TEST(Links, ARightFileStaysAsItIsAndPositionsAloneDo) {
+  const Model arm = read_model("psm-3dof");
+  PoseCapture poses = captured_poses(arm, "tool", 150, 0.9, 1e-4, 1e-3, 9);
+  LinksOptions options;
+  options.frame = "tool";
+  const LinksCalibration right = calibrate_links(arm, poses, options);
+  ASSERT_EQ(right.status, CalibrationStatus::kDone) << right.reason;
+  EXPECT_TRUE(right.explained && right.named.empty()) << right.report();
+  poses.has_orientation = false;
+  const double beta = arm.description().constants.at("beta");
+  const LinksCalibration found =
+      calibrate_links(with_constant("psm-3dof", "beta", beta + kDegree), poses, options);
+  ASSERT_EQ(found.status, CalibrationStatus::kDone) << found.reason;
+  EXPECT_NEAR(constant(found, "beta").found, beta, 0.1 * kDegree) << found.report();
+}
+
+TEST(Links, WhatThePosesCannotTellIsRefused) {
+  const Model arm = read_model("psm-3dof");
+  PoseCapture poses = captured_poses(arm, "tool", 5, 0.9, 1e-4, 1e-3, 9);
+  EXPECT_NE(calibrate_links(arm, poses).reason.find("too few frames"), std::string::npos);
+  poses = captured_poses(arm, "tool", 50, 0.0, 1e-4, 1e-3, 9);
+  EXPECT_NE(calibrate_links(arm, poses).reason.find("no joint moves"), std::string::npos);
+  poses.q.conservativeResize(Eigen::NoChange, 2);
+  EXPECT_THROW(calibrate_links(arm, poses), InvalidInput);
+}
+
+// The wrong direction of the counterweight, which torques show as well.
+TEST(Links, PosesAndTorquesAgreeOnThePrintedArm) {
+  const Model truth = read_model("psm-3dof");
+  const Model printed = read_model("psm-3dof-printed");
+  const double beta = truth.description().constants.at("beta");
+  const PoseCapture poses = captured_poses(truth, "counterweight", 150, 0.9, 1e-4, 1e-3, 5);
+  LinksOptions options;
+  options.frame = "counterweight";
+  const LinksCalibration found = calibrate_links(printed, poses, options);
+  ASSERT_EQ(found.named.size(), 1U) << found.report();
+  EXPECT_NEAR(constant(found, "theta", "counterweight_rail").found, -0.5 * M_PI, 0.05 * kDegree)
+      << found.report();
+  const std::string line = compare_wrong_constant(found, "counterweight_rail", "theta",
+                                                  -0.5 * M_PI - 0.005, -0.5 * M_PI - 0.02,
+                                                  -0.5 * M_PI + 0.01);
+  EXPECT_NE(line.find("they agree"), std::string::npos) << line;
+  EXPECT_NE(compare_wrong_constant(found, "counterweight_rail", "theta", -0.5 * M_PI - beta - 0.1,
+                                   -0.5 * M_PI - beta - 0.12, -0.5 * M_PI - beta - 0.08)
+                .find("by another amount"),
+            std::string::npos);
+}
+
+// D-optimal poses stay within the limits and tell more than random ones.
+TEST(PoseDesign, StaysWithinLimitsAndTellsMore) {
+  const Model arm = read_model("kuka-lwr4");
+  PoseDesignOptions options;
+  options.candidates = 200;
+  options.poses = 12;
+  const PoseDesign design = design_poses(arm, options);
+  ASSERT_EQ(design.status, CalibrationStatus::kDone) << design.reason;
+  EXPECT_GT(design.gain, 1.1);
+  for (int i = 0; i < arm.joints(); ++i) {
+    EXPECT_LE(design.q.col(i).maxCoeff(), arm.coordinates()[static_cast<size_t>(i)].limits.upper);
+    EXPECT_GE(design.q.col(i).minCoeff(), arm.coordinates()[static_cast<size_t>(i)].limits.lower);
+  }
+  for (Eigen::Index k = 1; k < design.time.size(); ++k) EXPECT_GT(design.time[k], design.time[k - 1]);
+  options.poses = 3;
+  EXPECT_NE(design_poses(arm, options).reason.find("too few poses"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace veridyn

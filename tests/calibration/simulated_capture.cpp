@@ -1,0 +1,106 @@
+#include "simulated_capture.hpp"
+
+#include <cmath>
+#include <limits>
+
+#include "calibration/closed_forms.hpp"
+#include "veridyn/kinematics/kinematics.hpp"
+#include "veridyn/kinematics/motion_limits.hpp"
+
+namespace veridyn {
+namespace {
+
+Eigen::Vector3d random_vector(RandomNumbers& random, double size) {
+  return size * Eigen::Vector3d(random.normal(), random.normal(), random.normal());
+}
+
+Eigen::Isometry3d pose_of(const Model& arm, const VectorXd& q, int frame) {
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  if (frame >= 0) T.matrix() = frame_pose(arm, q, frame);
+  return T;
+}
+
+}  // namespace
+
+Eigen::Isometry3d random_pose(RandomNumbers& random, double reach) {
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  T.linear() = internal::rotation_of(random_vector(random, 0.8));
+  T.translation() = random_vector(random, reach);
+  return T;
+}
+
+Eigen::Isometry3d noisy(const Eigen::Isometry3d& T, double metres, double radians,
+                        RandomNumbers& random) {
+  Eigen::Isometry3d out = T;
+  out.linear() = T.linear() * internal::rotation_of(random_vector(random, radians));
+  out.translation() += random_vector(random, metres);
+  return out;
+}
+
+MarkerCapture captured_psm(const Model& arm, int frames, const CaptureNoise& noise, unsigned seed) {
+  RandomNumbers random(seed, 3);
+  const char* const names[] = {"base", "yaw", "upper", "elbow", "arm", "instrument"};
+  const char* const frame_names[] = {"mount", "yaw", "upper", "elbow", "arm", "wrist"};
+  const Eigen::Isometry3d camera = random_pose(random, 0.3);
+  MarkerCapture out;
+  out.source = "simulated";
+  out.time = VectorXd::LinSpaced(frames, 0.0, 0.05 * (frames - 1));
+  std::vector<Eigen::Isometry3d> T(static_cast<size_t>(frames));
+  for (int b = 0; b < 6; ++b) {
+    const int frame = arm.find_frame(frame_names[b]);
+    for (int m = 0; m < 3; ++m) {
+      CapturedMarker marker;
+      marker.body = names[b];
+      marker.name = "m" + std::to_string(m + 1);
+      marker.position.resize(3, frames);
+      const Eigen::Vector3d x(0.05 * std::cos(2.2 * m + b), 0.06 * std::sin(2.2 * m + b),
+                              0.02 * (m - 1));
+      for (int k = 0; k < frames; ++k) {
+        const double phase = 4.0 * M_PI * (k % (frames / 2)) / (0.5 * frames);
+        VectorXd q = VectorXd::Zero(arm.joints());
+        q[k < frames / 2 ? 0 : 1] = (k < frames / 2 ? 1.2 : 0.8) * std::sin(phase);
+        Eigen::Vector3d p = camera * (pose_of(arm, q, frame) * x) +
+                            random_vector(random, noise.marker);
+        if (random.uniform() < noise.outliers) p += random_vector(random, noise.wrong);
+        if (random.uniform() < noise.dropouts)
+          p.setConstant(std::numeric_limits<double>::quiet_NaN());
+        marker.position.col(k) = p;
+      }
+      out.markers.push_back(marker);
+    }
+  }
+  return out;
+}
+
+PoseCapture capture_of(const std::vector<Eigen::Isometry3d>& poses) {
+  PoseCapture out;
+  out.source = "simulated";
+  out.poses = poses;
+  out.file_rows = static_cast<long>(poses.size());
+  out.time = VectorXd::LinSpaced(out.frames(), 0.0, 0.1 * (out.frames() - 1));
+  out.q.resize(out.frames(), 0);
+  for (long k = 0; k < out.file_rows; ++k) out.rows.push_back(k);
+  return out;
+}
+
+PoseCapture captured_poses(const Model& arm, const std::string& frame, int poses, double share,
+                           double metres, double radians, unsigned seed,
+                           const Eigen::Isometry3d& base, const Eigen::Isometry3d& tool) {
+  RandomNumbers random(seed, 5);
+  const MotionLimits limits = motion_limits(arm);
+  std::vector<Eigen::Isometry3d> T;
+  MatrixXd q(poses, arm.joints());
+  for (int k = 0; k < poses; ++k) {
+    for (int i = 0; i < arm.joints(); ++i) {
+      const double half = 0.5 * share * (limits.upper[i] - limits.lower[i]);
+      q(k, i) = 0.5 * (limits.upper[i] + limits.lower[i]) + random.uniform(-half, half);
+    }
+    T.push_back(noisy(base * pose_of(arm, q.row(k), arm.find_frame(frame)) * tool, metres, radians,
+                      random));
+  }
+  PoseCapture out = capture_of(T);
+  out.q = q;
+  return out;
+}
+
+}  // namespace veridyn

@@ -1,0 +1,244 @@
+#include "veridyn/control/load_cell.hpp"
+
+#include <arpa/inet.h>
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <stdlib.h>
+#include <sys/socket.h>
+#include <termios.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <cstring>
+#include <random>
+
+#include "veridyn/math/require.hpp"
+
+// Load cells: calibration, what comes over a line, and how a dead or stuck one is found.
+
+namespace veridyn {
+namespace {
+
+int readings_of(LoadCellDecoder& decoder, const std::string& bytes, std::vector<double>& out) {
+  int count = 0;
+  for (const char c : bytes) {
+    if (!decoder.take(static_cast<std::uint8_t>(c))) continue;
+    out.push_back(decoder.raw());
+    ++count;
+  }
+  return count;
+}
+
+std::string frame(std::uint16_t number, std::int32_t raw) {
+  std::uint8_t bytes[10] = {0xA5, 0x5A};
+  const auto word = static_cast<std::uint32_t>(raw);
+  bytes[2] = static_cast<std::uint8_t>(number & 0xFF);
+  bytes[3] = static_cast<std::uint8_t>(number >> 8);
+  for (int k = 0; k < 4; ++k) bytes[4 + k] = static_cast<std::uint8_t>(word >> (8 * k));
+  const std::uint16_t crc = crc16(bytes + 2, 6);
+  bytes[8] = static_cast<std::uint8_t>(crc & 0xFF);
+  bytes[9] = static_cast<std::uint8_t>(crc >> 8);
+  return {reinterpret_cast<const char*>(bytes), sizeof(bytes)};
+}
+
+// The check value of this CRC over the digits 1 to 9, as its catalogue has it.
+TEST(LoadCell, TheCrcIsTheOneThatItsNameSays) {
+  EXPECT_EQ(crc16(reinterpret_cast<const std::uint8_t*>("123456789"), 9), 0x29B1);
+}
+
+TEST(LoadCell, TextLinesOfUsualConvertersAreRead) {
+  LoadCellDecoder decoder(LoadCellFormat::kText);
+  std::vector<double> got;
+  readings_of(decoder, "cut 5\nHX711 reading: 8388607\r\n-12.5\n0.1,512\nHX711\n\x01\x02 7\n1e3\n", got);
+  EXPECT_EQ(got, (std::vector<double>{8388607.0, -12.5, 512.0, 1000.0}));
+  EXPECT_EQ(decoder.refused(), 2);  // a name without a number, bytes that are no text
+}
+
+// Every frame but the ones that were damaged, whatever stands between them.
+TEST(LoadCell, BinaryFramesSurviveGarbageAndCuts) {
+  std::mt19937 random(7);
+  LoadCellDecoder decoder(LoadCellFormat::kBinary);
+  std::string line;
+  std::vector<double> sent, got;
+  for (int k = 0; k < 2000; ++k) {
+    std::string bytes = frame(static_cast<std::uint16_t>(k), 1000 * k - 700000);
+    if (k % 7 == 3) bytes[5] = static_cast<char>(bytes[5] ^ 0x10);  // a bit is wrong
+    if (k % 7 == 5) bytes.resize(4);                                // the rest was lost
+    if (k % 7 != 3 && k % 7 != 5) sent.push_back(1000.0 * k - 700000.0);
+    if (k % 11 == 0) {
+      for (int g = 0; g < 5; ++g) line += static_cast<char>(random() & 0x7F);
+    }
+    line += bytes;
+  }
+  readings_of(decoder, line, got);
+  EXPECT_EQ(got, sent);
+  EXPECT_GT(decoder.refused(), 200);
+}
+
+// raw = 100 + 50 f by hand: offset 100, scale 1/50; the interval holds the truth.
+TEST(LoadCell, CalibrationFindsTheLineAndItsIntervals) {
+  const LoadCellCalibration exact =
+      calibrate_load_cell({0.0, 0.0, 10.0, 10.0}, {100.0, 100.0, 600.0, 600.0});
+  EXPECT_NEAR(exact.offset, 100.0, 1e-9);
+  EXPECT_NEAR(exact.scale, 0.02, 1e-12);
+  std::mt19937 random(3);
+  std::normal_distribution<double> noise(0.0, 20.0);
+  int covered = 0;
+  for (int run = 0; run < 200; ++run) {
+    std::vector<double> force, raw;
+    for (const double f : {0.0, 4.9, 9.8, 19.6}) {
+      for (int k = 0; k < 10; ++k) {
+        force.push_back(f);
+        raw.push_back(100.0 + 50.0 * f + noise(random));
+      }
+    }
+    const LoadCellCalibration found = calibrate_load_cell(force, raw);
+    covered += std::abs(found.scale - 0.02) <= found.scale_interval ? 1 : 0;
+  }
+  EXPECT_GT(covered, 178);  // 95 % of 200 less three standard deviations of the count
+  EXPECT_LT(covered, 200);
+  EXPECT_THROW(calibrate_load_cell({1.0, 1.0}, {5.0, 6.0}), InvalidInput);
+  EXPECT_THROW(calibrate_load_cell({0.0, 1.0}, {5.0, 5.0}), InvalidInput);
+}
+
+// A source that the test speaks through.
+class Spoken final : public ForceSource {
+ public:
+  Spoken(int& fresh, double& raw) : fresh_(fresh), raw_(raw) {}
+  int poll() noexcept override {
+    const int count = fresh_;
+    fresh_ = 0;
+    return count;
+  }
+  double raw() const noexcept override { return raw_; }
+
+ private:
+  int& fresh_;
+  double& raw_;
+};
+
+TEST(ForceChannel, ADeadOrStuckSensorIsFoundWithinTwentyMilliseconds) {
+  for (const bool stuck : {false, true}) {
+    int fresh = 0;
+    double raw = 0.0;
+    ForceChannel channel(std::make_unique<Spoken>(fresh, raw), {});
+    std::mt19937 random(5);
+    double found = -1.0;
+    for (int k = 0; k < 1000 && found < 0.0; ++k) {  // a loop at 1 kHz, a cell at 500 Hz
+      const double t = 1e-3 * k;
+      const bool failed = k >= 500;
+      if (k % 2 == 0 && !(failed && !stuck)) {
+        fresh = 1;
+        if (!failed) raw = 5.0 + 1e-3 * static_cast<double>(random() % 1000);
+      }
+      channel.update(t);
+      if (!failed && k > 0) {
+        ASSERT_EQ(channel.state(), ForceState::kGood) << t;
+      }
+      if (failed && channel.state() != ForceState::kGood) found = t - 0.5;
+    }
+    EXPECT_GT(found, 0.0);
+    EXPECT_LE(found, 0.020) << (stuck ? "stuck" : "dead");
+    EXPECT_EQ(channel.state(), stuck ? ForceState::kStuck : ForceState::kDead);
+  }
+}
+
+// A ramp of one unit per second lags by the filter's delay.
+TEST(ForceChannel, TheFiltersDelayIsTheOneThatItTells) {
+  int fresh = 0;
+  double raw = 0.0;
+  ForceChannelOptions options;
+  options.cutoff = 20.0;
+  options.range = 1e9;
+  ForceChannel channel(std::make_unique<Spoken>(fresh, raw), options);
+  ForceReading reading;
+  for (int k = 0; k < 2000; ++k) {
+    raw = 1e-3 * k;
+    fresh = 1;
+    reading = channel.update(1e-3 * k);
+  }
+  EXPECT_NEAR(raw - reading.force, channel.delay(), 6e-4);  // half a sample of a hold
+}
+
+// A pseudo-terminal in the place of a serial line.
+class Terminal {
+ public:
+  Terminal() : host_(::posix_openpt(O_RDWR | O_NOCTTY)) {
+    ::grantpt(host_);
+    ::unlockpt(host_);
+    char name[128] = {};
+    ::ptsname_r(host_, name, sizeof(name));
+    name_ = name;
+    termios raw{};
+    ::tcgetattr(host_, &raw);
+    ::cfmakeraw(&raw);
+    ::tcsetattr(host_, TCSANOW, &raw);
+  }
+  ~Terminal() { unplug(); }
+  void say(const std::string& bytes) const {
+    ASSERT_EQ(::write(host_, bytes.data(), bytes.size()), static_cast<ssize_t>(bytes.size()));
+  }
+  void unplug() {
+    if (host_ >= 0) ::close(host_);
+    host_ = -1;
+  }
+  const std::string& name() const { return name_; }
+
+ private:
+  int host_;
+  std::string name_;
+};
+
+int poll_for(ForceSource& source) {
+  int count = 0;
+  for (int k = 0; k < 100 && count == 0; ++k) {
+    count = source.poll();
+    ::usleep(1000);
+  }
+  return count;
+}
+
+TEST(SerialLine, ReadingsNoiseAndAPulledPlug) {
+  Terminal line;
+  std::unique_ptr<ForceSource> source;
+  try {
+    source = open_force_source("serial:" + line.name() + ":115200:binary");
+  } catch (const InvalidInput& error) {
+    GTEST_SKIP() << error.what();  // built without libserialport
+  }
+  line.say(std::string("\x00\xffgarbage\xa5", 10) + frame(1, 42) + frame(2, -7).substr(0, 6));
+  EXPECT_EQ(poll_for(*source), 1);
+  EXPECT_EQ(source->raw(), 42.0);
+  line.say(frame(3, 99));
+  EXPECT_EQ(poll_for(*source), 1);
+  EXPECT_EQ(source->raw(), 99.0);
+  EXPECT_TRUE(source->connected());
+  line.unplug();
+  EXPECT_EQ(source->poll(), 0);
+  EXPECT_FALSE(source->connected());
+}
+
+TEST(Udp, DatagramsAreReadings) {
+  const auto source = open_force_source("udp:47113:text");
+  const int out = ::socket(AF_INET, SOCK_DGRAM, 0);
+  sockaddr_in at{};
+  at.sin_family = AF_INET;
+  at.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  at.sin_port = htons(47113);
+  for (const char* words : {"512.5", "cell 513\n"}) {
+    ::sendto(out, words, std::strlen(words), 0, reinterpret_cast<const sockaddr*>(&at), sizeof(at));
+  }
+  int count = 0;
+  for (int k = 0; k < 100 && count < 2; ++k) {
+    count += source->poll();
+    ::usleep(1000);
+  }
+  ::close(out);
+  EXPECT_EQ(count, 2);
+  EXPECT_EQ(source->raw(), 513.0);
+  EXPECT_THROW(open_force_source("udp:x"), InvalidInput);
+  EXPECT_THROW(open_force_source("usb:1"), InvalidInput);
+}
+
+}  // namespace
+}  // namespace veridyn

@@ -1,0 +1,86 @@
+#include "veridyn/cooperation/live.hpp"
+
+#include <gtest/gtest.h>
+
+#include <deque>
+#include <string>
+#include <vector>
+
+#include "veridyn/math/require.hpp"
+
+// Commands by line: what they mean, and that the end of the line holds.
+
+namespace veridyn {
+namespace {
+
+Scenario example(const std::string& name) {
+  return read_scenario(std::string(VERIDYN_SOURCE_DIR) + "/examples/cooperate/" + name + ".yaml");
+}
+
+class Given final : public LineSource {
+ public:
+  explicit Given(std::deque<std::string> lines) : lines_(std::move(lines)) {}
+  bool next(std::string& line) override {
+    if (lines_.empty()) return false;
+    line = lines_.front();
+    lines_.pop_front();
+    return true;
+  }
+  bool closed() const override { return lines_.empty(); }
+
+ private:
+  std::deque<std::string> lines_;
+};
+
+LiveOptions at_once() {
+  LiveOptions o;
+  o.pace = 0.0;
+  o.tell = 100.0;
+  return o;
+}
+
+TEST(Live, LinesAreCheckedWordByWord) {
+  const Scenario s = example("two-arms-spring");
+  EXPECT_TRUE(std::holds_alternative<LiveAlive>(parse_live_command("  # a remark", s)));
+  EXPECT_TRUE(std::holds_alternative<LiveQuit>(parse_live_command("quit", s)));
+  const auto move = std::get<ScenarioCommand>(parse_live_command("move 0.01 0 -0.02 1.5", s));
+  EXPECT_EQ(move.way, Eigen::Vector3d(0.01, 0.0, -0.02));
+  EXPECT_EQ(move.over, 1.5);
+  EXPECT_EQ(std::get<ScenarioCommand>(parse_live_command("force spring 5 1", s)).amount, 5.0);
+  for (const char* wrong : {"mov 1 2 3 4", "move 1 2 3", "move 1 2 3 0", "move 1 2 x 1",
+                            "move 1 2 3 4 5", "force sprin 5 1", "wait -1", "jog 1 2 nan"})
+    EXPECT_THROW(parse_live_command(wrong, s), InvalidInput) << wrong;
+}
+
+TEST(Live, CommandsMoveTheObjectAndKeepItsForce) {
+  Given lines({"force spring 5 0.5", "wait 1", "nonsense", "move 0.01 0 0 0.5", "wait 1", "quit"});
+  std::vector<std::string> told;
+  LiveReport tell;
+  tell.state = [&](const std::string& line) { told.push_back(line); };
+  const LiveRun run = run_live(example("two-arms-spring"), lines, at_once(), tell);
+  EXPECT_EQ(run.commands, 5);
+  EXPECT_EQ(run.refused, 1);
+  EXPECT_FALSE(run.lost);
+  EXPECT_EQ(run.state, CooperativeState::kTracking);
+  EXPECT_NEAR(run.time, 2.0, 0.01);
+  ASSERT_GE(told.size(), 2U);
+  double from = 0.0, to = 0.0, force = 0.0;
+  std::sscanf(told.front().c_str() + told.front().find("master=") + 7, "%lf", &from);
+  std::sscanf(told.back().c_str() + told.back().find("master=") + 7, "%lf", &to);
+  std::sscanf(told.back().c_str() + told.back().find("spring=") + 7, "%lf", &force);
+  EXPECT_NEAR(to - from, 0.01, 5e-4);
+  EXPECT_NEAR(force, 5.0, 0.2);
+}
+
+// In the middle of a move the line ends: everything stops and stays.
+TEST(Live, TheEndOfTheLineHolds) {
+  Given lines({"force spring 5 0.5", "wait 0.7", "move 0.2 0 0 2", "wait 0.5"});
+  const LiveRun run = run_live(example("two-arms-spring"), lines, at_once(), {});
+  EXPECT_TRUE(run.lost);
+  EXPECT_NEAR(run.lost_at, 1.2, 0.01);
+  EXPECT_LT(run.moved_after_loss, 1e-3);
+  EXPECT_LT(run.largest_force, 7.0);
+}
+
+}  // namespace
+}  // namespace veridyn

@@ -1,0 +1,163 @@
+#include "veridyn/cooperation/stability.hpp"
+
+#include <gtest/gtest.h>
+
+#include <unistd.h>
+
+#include <cmath>
+#include <cstdio>
+#include <string>
+
+#include "cooperation/experiment.hpp"
+#include "cooperation/stability/loop_search.hpp"
+#include "veridyn/math/require.hpp"
+#include "veridyn/model/model_file.hpp"
+#include "veridyn/simulation/plausible_model.hpp"
+
+// The linear closed loop against the nonlinear simulation of the same scenario.
+
+namespace veridyn {
+namespace {
+
+Scenario example(const std::string& name) {
+  return read_scenario(std::string(VERIDYN_SOURCE_DIR) + "/examples/cooperate/" + name + ".yaml");
+}
+
+// The example without dry friction, encoder steps and noise: what a linear loop can be equal to.
+class WithoutFriction : public testing::Test {
+ protected:
+  Scenario smooth(const std::string& name) {
+    ModelDescription arm = plausible_model(read_model("psm-3dof"), 1).arm.description();
+    for (EffectTerm& effect : arm.effects) {
+      if (effect.effect == "coulomb_friction") effect.values["level"] = 0.0;
+    }
+    save_yaml(Model(std::move(arm)));
+    Scenario s = example(name);
+    for (ScenarioArm& a : s.arms) a.model = path_;
+    s.encoder = "none";
+    s.control.friction = 0.0;
+    for (ScenarioMember& m : s.members) m.sensor.noise = 0.0;
+    s.phases.resize(1);
+    return s;
+  }
+  void save_yaml(const Model& arm) const {
+    std::FILE* file = std::fopen(path_.c_str(), "w");
+    ASSERT_NE(file, nullptr);
+    std::fputs(to_yaml(arm).c_str(), file);
+    std::fclose(file);
+  }
+  ~WithoutFriction() override { std::remove(path_.c_str()); }
+
+  std::string path_ = testing::TempDir() + "smooth-" + std::to_string(::getpid()) + ".yaml";
+};
+
+// How the true force answers a small step of the wanted one, cycle by cycle: from the difference of
+// two simulations, and from the linear loop. Sensors of the loop's own rate, of half of it and of
+// two fifths, delays that are no whole cycles, a lag of the motors and a filter of the force.
+TEST_F(WithoutFriction, TheLinearCycleIsTheSimulatedOne) {
+  struct Case {
+    const char* name;
+    double stiffness, delay, sensor_rate, motor_lag, force_cutoff;
+    int torque_delay;
+  };
+  const Case cases[] = {{"two-arms-spring", 2450.0, 0.002, 500.0, 0.0, 0.0, 0},
+                        {"two-arms-string", 20000.0, 0.0025, 400.0, 0.002, 100.0, 0},
+                        {"gazebo-y", 1000.0, 0.0, 1000.0, 0.0, 0.0, 1}};
+  constexpr int kSettled = 2500;
+  constexpr int kCompared = 300;
+  constexpr double kStep = 1e-4;  // [N]
+  for (const Case& c : cases) {
+    SCOPED_TRACE(c.name);
+    Scenario s = smooth(c.name);
+    s = with_parameter(s, "stiffness", c.stiffness);
+    s = with_parameter(s, "delay", c.delay);
+    s = with_parameter(s, "sensor_rate", c.sensor_rate);
+    s.control.motor_lag = c.motor_lag;
+    s.control.force_cutoff = c.force_cutoff;
+    s.control.torque_delay = c.torque_delay;
+    Experiment still(s, "veridyn"), stepped(s, "veridyn");
+    still.begin(s.phases[0]);
+    stepped.begin(s.phases[0]);
+    for (int k = 0; k < kSettled; ++k) {
+      ASSERT_TRUE(still.step());
+      ASSERT_TRUE(stepped.step());
+    }
+    ScenarioCommand rise;
+    rise.kind = ScenarioCommand::Kind::kForce;
+    rise.member = 0;
+    rise.amount = 5.0 + kStep;
+    rise.over = 1e-6;
+    ASSERT_TRUE(stepped.command(rise));
+    LoopSettings settings;
+    settings.wanted = kStep;
+    const std::vector<RestPoint> points = rest_points(s);
+    const ClosedLoop loop(points.back().loop, s, settings);
+    MatrixXd x = MatrixXd::Zero(loop.states(), 1);
+    double largest = 0.0, off = 0.0;
+    for (int k = kSettled; k < kSettled + kCompared; ++k) {
+      still.step();
+      stepped.step();
+      loop.advance(k, x);
+      const double simulated = stepped.world().member(0).tension - still.world().member(0).tension;
+      const double linear = loop.tension_row(0).dot(x.col(0));
+      largest = std::max(largest, std::abs(simulated));
+      off = std::max(off, std::abs(simulated - linear));
+    }
+    EXPECT_GT(largest, 0.2 * kStep);
+    // The pose of rest is the planned one, off the true one by what arms and object give way.
+    EXPECT_LT(off, 0.03 * largest);
+  }
+}
+
+// At its margins the loop is on the unit circle, by another way to the same eigenvalues.
+TEST(Stability, AtItsMarginsTheLoopIsOnTheUnitCircle) {
+  const Scenario s = example("two-arms-spring");
+  const StabilityAnalysis a = analyse_stability(s);
+  EXPECT_TRUE(a.stable);
+  EXPECT_GT(a.margins.gain, 1.0);
+  EXPECT_GT(a.margins.phase_deg, 10.0);
+  EXPECT_GT(a.margins.delay, 0.001);
+  const std::vector<RestPoint> points = rest_points(s);
+  for (const RestPoint& p : points) {
+    if (p.time != a.worst.time) continue;
+    LoopSettings gain;
+    gain.reading_gain = 1.001 * a.margins.gain;
+    EXPECT_GT(loop_radius(p.loop, s, gain), 1.0);
+    gain.reading_gain = 0.999 * a.margins.gain;
+    EXPECT_LT(loop_radius(p.loop, s, gain), 1.0);
+    // Whole cycles of delay, through the scenario itself.
+    const double period = 1.0 / s.control.rate;
+    const double whole = period * std::floor(a.margins.delay / period);
+    EXPECT_LT(loop_radius(p.loop, with_parameter(s, "delay", 0.002 + whole)), 1.0 + 1e-9);
+    EXPECT_GT(loop_radius(p.loop, with_parameter(s, "delay", 0.002 + whole + period)), 1.0);
+  }
+  // All eigenvalues of the report lie within the circle, and the largest is its radius.
+  double largest = 0.0;
+  for (const auto& [re, im] : a.eigenvalues) largest = std::max(largest, std::hypot(re, im));
+  EXPECT_NEAR(std::pow(largest, 1.0 / a.cycles), a.radius, 1e-12);
+}
+
+// Thesis 7.7.3, figure 7.10: a deadband of 0.2 N swings, 0.4 N does not.
+TEST(Stability, TheThesissDeadbandsSwingAsItFound) {
+  const StabilityAnalysis narrow = analyse_stability(example("position-limit-cycle"));
+  const StabilityAnalysis wide = analyse_stability(example("position-stable"));
+  ASSERT_EQ(narrow.deadbands.size(), 1U);
+  EXPECT_TRUE(narrow.deadbands[0].swings);
+  EXPECT_FALSE(narrow.stable);
+  EXPECT_FALSE(wide.deadbands[0].swings);
+  EXPECT_TRUE(wide.stable);
+}
+
+TEST(Stability, ParametersAndRangesAreChecked) {
+  const Scenario s = example("two-arms-spring");
+  EXPECT_EQ(parameter(with_parameter(s, "stiffness", 123.0), "stiffness"), 123.0);
+  EXPECT_THROW(with_parameter(s, "stifness", 1.0), InvalidInput);
+  EXPECT_THROW(with_parameter(s, "stiffness", 0.0), InvalidInput);
+  EXPECT_THROW(parse_range("stiffness=5:1:3"), InvalidInput);
+  EXPECT_THROW(parse_range("stiffness=1:5"), InvalidInput);
+  const ParameterRange range = parse_range("stiffness=100:10000:3");
+  EXPECT_NEAR(range.values()[1], 1000.0, 1e-9);
+}
+
+}  // namespace
+}  // namespace veridyn

@@ -1,0 +1,176 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <random>
+
+#include "cli/tool.hpp"
+#include "diagnosis/stages/channel_correction.hpp"
+#include "diagnosis/stages/investigation.hpp"
+#include "recordings/kept_recordings.hpp"
+#include "simulation/simulation_support.hpp"
+#include "veridyn/effects/plain_friction.hpp"
+#include "veridyn/simulation/plausible_model.hpp"
+
+// Stages of a diagnosis on a simulated arm of two joints whose truth is known.
+
+namespace veridyn {
+namespace {
+
+class Stages : public testing::Test {
+ protected:
+  Stages() : truth_(plausible_model(read_model("planar-2r"), 3).arm) {}
+
+  // Several waves in each joint, other ones in each recording.
+  static MotionSamples motion(unsigned seed) {
+    MotionSamples m = waves(2, 0.5);
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<double> phase(-M_PI, M_PI);
+    for (int i = 0; i < 2; ++i) {
+      for (const double w : {0.9 + 0.13 * seed, 2.1 + 0.1 * i, 3.7}) {
+        const Eigen::ArrayXd angle = w * m.time.array() + phase(random);
+        m.q.col(i).array() += 0.3 * angle.sin();
+        m.dq.col(i).array() += 0.3 * w * angle.cos();
+        m.ddq.col(i).array() -= 0.3 * w * w * angle.sin();
+      }
+    }
+    return m;
+  }
+
+  std::string record(unsigned seed, const std::vector<std::string>& hidden) const {
+    SimulationOptions options;
+    for (const std::string& one : hidden) options.hidden.push_back(parse_hidden_effect(one));
+    options.noise = sensor_noise("low");
+    options.seed = seed;
+    const SimulatedRecording s = simulate_recording(truth_, motion(seed), options);
+    Recording r;
+    r.time = s.measured.time;
+    r.q = s.measured.q;
+    r.dq = s.measured.dq;
+    r.tau = s.tau;
+    const std::string path = folder_.path("recording" + std::to_string(seed) + ".csv");
+    write_recording(r, path);
+    return path;
+  }
+
+  // Baseline of this robot file on four recordings, one held out.
+  Investigation investigation(const Model& robot, const std::vector<std::string>& hidden) const {
+    Investigation x{robot, {}, {}, {}, {}, {}, 0, {}, {}, {}};
+    for (unsigned k = 1; k <= 4; ++k) x.train.push_back(record(k, hidden));
+    x.test = {record(5, hidden)};
+    x.options.identification.threads = 1;
+    EXPECT_TRUE(fit_baseline(x));
+    return x;
+  }
+
+  static Model without_effects(const Model& arm) {
+    ModelDescription d = arm.description();
+    d.effects.clear();
+    return Model(std::move(d));
+  }
+
+  Model truth_;
+  TemporaryFolder folder_;
+};
+
+// A file without friction: what the joints have is found together, with its size, and nothing else.
+TEST_F(Stages, PlainFrictionOfAllJointsIsFoundTogether) {
+  const Model bare = without_effects(read_model("planar-2r"));
+  ASSERT_TRUE(has_no_friction(bare));
+  Investigation x = investigation(bare, {});
+  add_plain_friction(x);
+  int friction = 0;
+  for (const Finding& f : x.d.findings) {
+    ASSERT_FALSE(f.parameters.empty());
+    const FoundParameter& p = f.parameters.front();
+    if (f.effect != "viscous_friction" && f.effect != "coulomb_friction") continue;
+    ++friction;
+    for (const EffectTerm& term : truth_.effects()) {
+      if (term.effect != f.effect || term.axis.coefficients[f.joint - 1] == 0.0) continue;
+      const double truth = term.values.at(p.name);
+      EXPECT_NEAR(p.value, truth, 0.05 * std::abs(truth)) << f.sentence;
+    }
+    EXPECT_EQ(f.status, FindingStatus::kConfirmed) << f.sentence;
+  }
+  EXPECT_EQ(friction, 4);
+  EXPECT_EQ(x.fitted_by_start.size(), x.d.findings.size());
+  EXPECT_LT(x.start.test_error.relative.norm(), 0.5 * x.d.baseline.test_error.relative.norm());
+}
+
+// 40 ms is twice what anybody expects, and two joints have it: one cause, undone completely.
+TEST_F(Stages, ALargeDelayOfTheWholeArmIsUndone) {
+  Investigation x = investigation(read_model("planar-2r"), {"time_delay:arm:seconds=0.04"});
+  QuestionList list = x.list();
+  list.wanted = {"time_delay"};
+  const Questions asked = ask(x, list, x.start);
+  const Hypothesis* common = nullptr;
+  for (const Hypothesis& h : asked.q.augmented.hypotheses) {
+    if (h.joint < 0) common = &h;
+  }
+  ASSERT_NE(common, nullptr);
+  const auto corrected = correct_channel(x, asked, *common);
+  ASSERT_TRUE(corrected.has_value());
+  EXPECT_NEAR(corrected->values[0], 0.04, 0.001);
+  for (const Coordinate& c : corrected->corrected.model->coordinates())
+    EXPECT_NEAR(c.recorded.torque_delay, 0.04, 0.001);
+}
+
+// A hypothesis that the data do not ask for is refused once it is applied, or moves nothing.
+TEST_F(Stages, ADelayThatIsNotThereIsNotCorrected) {
+  Investigation x = investigation(read_model("planar-2r"), {});
+  QuestionList list = x.list();
+  list.wanted = {"time_delay"};
+  const Questions asked = ask(x, list, x.start);
+  for (const Hypothesis& h : asked.q.augmented.hypotheses) {
+    const auto corrected = correct_channel(x, asked, h);
+    if (corrected) EXPECT_LT(std::abs(corrected->values[0]), 1e-3);
+  }
+  x.refused.insert(asked.q.augmented.hypotheses.front().family);
+  EXPECT_EQ(ask(x, list, x.start).q.augmented.hypotheses.size(),
+            asked.q.augmented.hypotheses.size() - 1);
+}
+
+// However many questions are asked of a recording, its text is read once.
+TEST_F(Stages, EveryRecordingIsParsedOnce) {
+  std::vector<std::string> train;
+  for (unsigned k = 1; k <= 2; ++k) train.push_back(record(k, {"quadratic_drag:elbow"}));
+  const std::string test = record(3, {"quadratic_drag:elbow"});
+  DiagnosisOptions options;
+  options.effects = {"quadratic_drag", "presliding_hysteresis"};
+  options.identification.threads = 2;
+  const long before = files_parsed();
+  const Diagnosis d = diagnose(read_model("planar-2r"), train, {test}, options);
+  EXPECT_TRUE(d.baseline.model.has_value());
+  EXPECT_EQ(files_parsed() - before, 3);
+}
+
+TEST_F(Stages, RecordingsBeyondTheBoundAreStreamed) {
+  const std::string path = record(1, {});
+  const KeptRecordings none(10);
+  const long before = files_parsed();
+  const auto first = open_rows(path, {}).next;
+  const auto second = open_rows(path, {}).next;
+  EXPECT_EQ(files_parsed() - before, 2);
+  const Recording a = first(100);
+  EXPECT_EQ(a.rows(), 100);
+  EXPECT_EQ(second(100).q, a.q);
+}
+
+TEST_F(Stages, KeptRowsAreTheFilesRows) {
+  const std::string path = record(1, {});
+  const Recording streamed = read_recording(path);
+  const KeptRecordings kept;
+  const auto rows = open_rows(path, {}).next;
+  int total = 0;
+  while (true) {
+    const Recording piece = rows(97);
+    if (piece.rows() == 0) break;
+    EXPECT_EQ(piece.q, streamed.q.middleRows(total, piece.rows()));
+    EXPECT_EQ(piece.tau, streamed.tau.middleRows(total, piece.rows()));
+    total += piece.rows();
+  }
+  EXPECT_EQ(total, streamed.rows());
+}
+
+}  // namespace
+}  // namespace veridyn

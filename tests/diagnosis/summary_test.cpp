@@ -1,0 +1,74 @@
+#include <gtest/gtest.h>
+
+#include "diagnosis/finding_words.hpp"
+#include "diagnosis/stages/investigation.hpp"
+
+// What a reader sees first, and what the held-out recordings hold against a finding.
+
+namespace veridyn {
+namespace {
+
+VectorXd errors(double a, double b) {
+  return (VectorXd(2) << a, b).finished();
+}
+
+Finding finding(const std::string& effect, int joint, double explains) {
+  Finding f;
+  f.effect = effect;
+  f.joint = joint;
+  f.explains = explains;
+  return f;
+}
+
+Diagnosis diagnosis(const VectorXd& before, const VectorXd& after) {
+  Diagnosis d;
+  d.baseline.test_error.relative = before;
+  d.extended.test_error.relative = after;
+  return d;
+}
+
+TEST(Summary, TheFewThatExplainMostComeFirst) {
+  Diagnosis d = diagnosis(errors(0.2, 0.2), errors(0.05, 0.05));
+  d.findings = {finding("first found", 1, 0.01), finding("small", 1, 0.02),
+                finding("large", 2, 0.6), finding("middling", 1, 0.3)};
+  summarize(d, {});
+  EXPECT_EQ(d.summary.main, 3);
+  EXPECT_EQ(d.findings[0].effect, "first found");  // it was found first, whatever it explains
+  EXPECT_EQ(d.findings[1].effect, "large");
+  EXPECT_EQ(d.findings[2].effect, "middling");
+  EXPECT_FALSE(d.findings[3].main);
+  for (int k = 0; k < 4; ++k) EXPECT_EQ(d.findings[static_cast<size_t>(k)].rank, k + 1);
+  EXPECT_NEAR(d.summary.explained_by_main, 0.91, 1e-12);
+  EXPECT_NEAR(d.summary.explained_by_all, 1.0 - 0.05 * 0.05 / 0.04, 1e-12);
+  EXPECT_TRUE(d.summary.worse_joints.empty());
+}
+
+TEST(Summary, JointsThatAreWorseAreNamedInTheVerdict) {
+  Diagnosis d = diagnosis(errors(0.2, 0.1), errors(0.1, 0.15));
+  d.findings = {finding("backlash", 2, -0.1)};
+  d.findings[0].sentence = "Joint 2 (elbow): a gap.";
+  d.findings[0].status = FindingStatus::kNotConfirmed;
+  summarize(d, {});
+  ASSERT_EQ(d.summary.worse_joints, std::vector<int>{2});
+  EXPECT_NE(d.verdict().find("worse on joint 2"), std::string::npos) << d.verdict();
+  EXPECT_NE(d.verdict().find("do not confirm"), std::string::npos) << d.verdict();
+  d.findings.clear();
+  EXPECT_EQ(d.verdict(), "none");
+}
+
+TEST(Status, AsksForASmallerErrorInSumAndOnTheFindingsOwnJoint) {
+  Finding f = finding("backlash", 1, 0.0);
+  const auto status = [&f](const VectorXd& before, const VectorXd& after) {
+    f.test_before = before;
+    f.test_after = after;
+    return status_of(f);
+  };
+  EXPECT_EQ(status(errors(0.2, 0.2), errors(0.1, 0.2)), FindingStatus::kConfirmed);
+  EXPECT_EQ(status(errors(0.2, 0.2), errors(0.21, 0.1)), FindingStatus::kNotConfirmed);
+  EXPECT_EQ(status(errors(0.2, 0.2), errors(0.19, 0.4)), FindingStatus::kNotConfirmed);
+  f.joint = 0;  // the whole arm: only the sum counts
+  EXPECT_EQ(status(errors(0.2, 0.2), errors(0.21, 0.1)), FindingStatus::kConfirmed);
+}
+
+}  // namespace
+}  // namespace veridyn

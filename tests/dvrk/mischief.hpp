@@ -1,0 +1,43 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "veridyn/dvrk/bytes.hpp"
+
+namespace veridyn::dvrk {
+
+/// What a bad network does to datagrams of one direction; shares of all, 0 to 1.
+struct Mischief {
+  double lose = 0.0;
+  double repeat = 0.0;
+  double corrupt = 0.0;  ///< one random bit
+  double hold = 0.0;     ///< share that comes later than its followers: reordering
+  double held_for = 0.001;  ///< [s]
+  double delay = 0.0;       ///< [s] that every datagram takes
+  double jitter = 0.0;      ///< [s] added to it, even from 0 on
+  bool lose_writes = false;
+};
+
+/// One copy of a datagram on its way.
+struct Copy {
+  std::vector<std::uint8_t> bytes;
+  double delay = 0.0;  ///< [s]
+};
+
+/// Decides what becomes of datagrams; the same seed decides the same.
+class Fate {
+ public:
+  explicit Fate(std::uint64_t seed) : state_(seed * 2 + 1) {}
+
+  std::vector<Copy> of(ByteView datagram, const Mischief& mischief);
+
+ private:
+  double even();  ///< 0 to 1
+  std::uint64_t state_;
+};
+
+/// Is it a request that writes? By the transaction code, section 3.1.
+bool is_write(ByteView datagram);
+
+}  // namespace veridyn::dvrk

@@ -1,0 +1,84 @@
+#include "veridyn/effects/cause.hpp"
+
+#include <gtest/gtest.h>
+
+#include "support/sample_arms.hpp"
+#include "veridyn/effects/channel_effect.hpp"
+#include "veridyn/effects/effect.hpp"
+#include "veridyn/math/require.hpp"
+#include "veridyn/model/model_file.hpp"
+
+namespace veridyn {
+namespace {
+
+Model psm() {
+  return read_model("psm-3dof");
+}
+
+std::string refusal(const std::string& words) {
+  try {
+    parse_cause(psm(), words);
+  } catch (const InvalidInput& error) {
+    return error.what();
+  }
+  return "";
+}
+
+// What is printed is read back as the same cause, for every effect at every place that it can have.
+TEST(Cause, PrintsWhatItReads) {
+  const Model arm = psm();
+  std::vector<Cause> causes;
+  for (int i = 0; i < arm.joints(); ++i) {
+    for (const AxisEffect* effect : axis_effects())
+      causes.emplace_back(NewEffect{effect->name(), {i}});
+    for (const ChannelEffect* effect : channel_effects()) {
+      if (!effect->whole_arm()) causes.emplace_back(ChannelError{effect->name(), JointIndex{i}});
+    }
+    causes.emplace_back(ExternalContact{{i}});
+  }
+  for (const ChannelEffect* effect : channel_effects())
+    causes.emplace_back(ChannelError{effect->name(), std::nullopt});
+  for (int k = 0; k < static_cast<int>(arm.frames().size()); ++k) {
+    causes.emplace_back(AddedLoad{{k}});
+    causes.emplace_back(AddedInertia{{k}});
+  }
+  for (const auto& [name, value] : arm.description().constants)
+    causes.emplace_back(KinematicError{name});
+  ASSERT_GT(causes.size(), 60U);
+  for (const Cause& cause : causes) {
+    const std::string words = to_text(arm, cause);
+    const Cause again = parse_cause(arm, words);
+    EXPECT_EQ(again.index(), cause.index()) << words;
+    EXPECT_EQ(effect_of(again), effect_of(cause)) << words;
+    EXPECT_EQ(joint_of(again), joint_of(cause)) << words;
+    EXPECT_EQ(frame_of(again), frame_of(cause)) << words;
+    EXPECT_EQ(to_text(arm, again), words);
+  }
+}
+
+TEST(Cause, ReadsJointsByNumberFromOneOrByName) {
+  const Model arm = psm();
+  for (int i = 0; i < arm.joints(); ++i) {
+    const std::string name = arm.coordinates()[static_cast<size_t>(i)].name;
+    EXPECT_EQ(joint_of(parse_cause(arm, "backlash:" + std::to_string(i + 1)))->value, i);
+    EXPECT_EQ(joint_of(parse_cause(arm, "backlash:" + name))->value, i);
+  }
+  EXPECT_EQ(to_text(arm, parse_cause(arm, "gravity_tilt")), "gravity_tilt:arm");
+  EXPECT_EQ(to_text(arm, parse_cause(arm, "time_delay:arm")), "time_delay:arm");
+}
+
+TEST(Cause, RefusesWhatTheArmDoesNotHaveAndSaysWhatItHas) {
+  EXPECT_NE(refusal("backlash:yau").find("did you mean 'yaw'?"), std::string::npos);
+  EXPECT_NE(refusal("backlash:4").find("expected a number from 1 to 3 or one of: yaw"),
+            std::string::npos);
+  EXPECT_NE(refusal("backlash:0").find("found the joint '0'"), std::string::npos);
+  EXPECT_NE(refusal("backlash").find("found the joint ''"), std::string::npos);
+  EXPECT_NE(refusal("backlahs:1").find("did you mean 'backlash'?"), std::string::npos);
+  EXPECT_NE(refusal("payload:tol").find("found the frame 'tol'"), std::string::npos);
+  EXPECT_NE(refusal("gravity_tilt:yaw").find("expected 'arm'"), std::string::npos);
+  EXPECT_NE(refusal("coupling_error:gamma").find("expected a constant of the robot file"),
+            std::string::npos);
+}
+
+}  // namespace
+}  // namespace veridyn

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "hide_and_seek/board.hpp"
+
+namespace veridyn::seek {
+
+using Json = nlohmann::ordered_json;
+
+/// A benchmark that any tool can enter; the format of its files is in docs/hide-and-seek.md.
+
+/// What is hidden in a case, with all its numbers.
+Json truth_json(const HiddenCase& hidden);
+
+/// Writes the recordings and robot files of all observable cases to `folder`, with a list of them in
+/// folder/cases.json, and what is hidden in them to the file `truth`.
+/// @throws InvalidInput  the folder holds cases already, or a file cannot be written.
+void export_cases(const BoardRequest& request, const std::string& folder, const std::string& truth);
+
+/// Answers every case of a folder by diagnose(), in the format that score() reads.
+Json answer_cases(const std::string& folder, const DiagnosisOptions& options);
+
+/// Judges answers; a case without an answer counts as one that names nothing.
+/// @throws InvalidInput  a file is not there or has another form; the message says where.
+std::vector<Outcome> score(const std::string& folder, const std::string& answers,
+                           const std::string& truth);
+
+}  // namespace veridyn::seek

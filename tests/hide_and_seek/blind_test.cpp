@@ -1,0 +1,137 @@
+#include "hide_and_seek/blind.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+
+#include "hide_and_seek/detection_limit.hpp"
+#include "support/near.hpp"
+#include "veridyn/math/require.hpp"
+
+namespace veridyn::seek {
+namespace {
+
+namespace fs = std::filesystem;
+
+class Blind : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = testing::TempDir() + "/blind-" +
+              testing::UnitTest::GetInstance()->current_test_info()->name();
+    fs::remove_all(folder_);
+    BoardRequest request;
+    request.arms = {"pick-scara"};
+    request.effects = {"backlash", "none"};
+    request.seeds = {3};
+    export_cases(request, folder_, folder_ + ".truth.json");
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  std::vector<Outcome> score_of(const Json& answers) const {
+    const std::string path = folder_ + "/answers.json";
+    std::ofstream(path) << answers;
+    return score(folder_, path, folder_ + ".truth.json");
+  }
+
+  Json truth() const { return Json::parse(std::ifstream(folder_ + ".truth.json")); }
+
+  std::string folder_;
+};
+
+TEST_F(Blind, CasesHoldRecordingsAndNoTruth) {
+  const Json list = Json::parse(std::ifstream(folder_ + "/cases.json"));
+  ASSERT_EQ(list["cases"].size(), 2U);
+  for (const Json& one : list["cases"]) {
+    const std::string here = folder_ + "/" + one["id"].get<std::string>() + "/";
+    EXPECT_TRUE(fs::exists(here + one["robot"].get<std::string>()));
+    EXPECT_EQ(one["train"].size(), 4U);
+    for (const Json& name : one["train"]) EXPECT_TRUE(fs::exists(here + name.get<std::string>()));
+    EXPECT_FALSE(one.contains("effect"));
+  }
+  EXPECT_THROW(export_cases({}, folder_, folder_ + ".truth.json"), InvalidInput);
+}
+
+TEST_F(Blind, TheTruthAsAnAnswerIsRightAndAnythingElseIsNot) {
+  Json right = {{"answers", Json::object()}};
+  const Json sealed = truth();
+  for (const auto& [id, one] : sealed["cases"].items()) {
+    Json findings = Json::array();
+    for (const Json& c : one["causes"])
+      findings.push_back({{"effect", c["effect"]}, {"joint", c["joint"]}, {"frame", c["frame"]}});
+    right["answers"][id] = {{"findings", findings}};
+  }
+  Totals t = totals(score_of(right));
+  EXPECT_EQ(t.cases, 2);
+  EXPECT_EQ(t.first, 1);  // nothing is hidden in the other
+  EXPECT_EQ(t.named, t.hidden);
+  EXPECT_EQ(t.extras, 0);
+  t = totals(score_of({{"answers", Json::object()}}));
+  EXPECT_EQ(t.named, 0);
+  EXPECT_EQ(t.extras, 0);
+  Json wrong = right;
+  for (auto& [id, one] : wrong["answers"].items())
+    one["findings"] = Json::array({{{"effect", "quadratic_drag"}, {"joint", 1}}});
+  t = totals(score_of(wrong));
+  EXPECT_EQ(t.named, 0);
+  EXPECT_EQ(t.extras, 2);
+}
+
+TEST_F(Blind, AnswersOfAnotherFormAreToldWhere) {
+  try {
+    score_of({{"answers", {{"case-001", {{"findings", Json::array({{{"joint", 1}}})}}}}}});
+    FAIL() << "an answer without an effect was judged";
+  } catch (const InvalidInput& error) {
+    EXPECT_NE(std::string(error.what()).find("case-001, finding 1"), std::string::npos)
+        << error.what();
+  }
+}
+
+// A logistic curve of known half and steepness, sampled finely: its own parameters are found.
+TEST(DetectionLimit, IsThatOfTheCurveThatTheCasesFollow) {
+  std::vector<SizedCase> cases;
+  Draw draw(5, "detection limit");
+  for (int k = 0; k < 4000; ++k) {
+    const double share = draw.log_in(0.005, 0.2);
+    const double p = 1.0 / (1.0 + std::pow(0.03 / share, 3.0));
+    cases.push_back({share, draw.in(0.0, 1.0) < p});
+  }
+  const DetectionLimit found = detection_limit(cases);
+  EXPECT_NEAR(found.half, 0.03, 0.002);
+  EXPECT_NEAR(found.nine_tenths, 0.03 * std::pow(9.0, 1.0 / 3.0), 0.006);
+  for (SizedCase& c : cases) c.named = true;
+  EXPECT_TRUE(std::isnan(detection_limit(cases).half));
+}
+
+// Leaning by a small angle about x turns gravity by that angle: the torque that it adds is the
+// difference of two static torques.
+TEST(Trouble, AnElasticBaseAddsTheTorqueOfALeaningArm) {
+  const Bench bench = make_bench("pick-scara", 4);
+  MatrixXd q = MatrixXd::Constant(3, bench.arm.joints, 0.3);
+  MatrixXd rigid = MatrixXd::Zero(3, bench.arm.joints);
+  rigid(0, 0) = rigid(1, 0) = rigid(2, 0) = 2.0;
+  const MatrixXd added = elastic_base_torque(bench.arm, 4, q, rigid);
+  const double lean = Draw(4, "elastic base").in(3e-3, 8e-3);
+  const VectorXd rest = VectorXd::Zero(bench.arm.joints);
+  const LagrangeArm leaning =
+      changed(bench.arm, {{"gravity_tilt", -1, -1, "", "", {{"roll", lean}, {"pitch", 0.0}}}});
+  const VectorXd expected = leaning.torque(q.row(1).transpose(), rest, rest) -
+                            bench.arm.torque(q.row(1).transpose(), rest, rest);
+  EXPECT_TRUE(near(added.row(1).transpose(), expected, 0.01 * expected.norm() + 1e-9));
+}
+
+TEST(Trouble, LateRowsRepeatATenthOfTheRows) {
+  MatrixXd q(4000, 2);
+  for (Eigen::Index r = 0; r < q.rows(); ++r) q.row(r).setConstant(static_cast<double>(r));
+  MatrixXd dq = q;
+  MatrixXd tau = q;
+  trouble_rows(Trouble::kLateRows, 1, 1, VectorXd::LinSpaced(4000, 0.0, 20.0), q, dq, tau);
+  int repeated = 0;
+  for (Eigen::Index r = 1; r < q.rows(); ++r) repeated += static_cast<int>(q(r, 0) == q(r - 1, 0));
+  EXPECT_NEAR(repeated / 4000.0, 0.1, 0.02);
+  EXPECT_EQ(q, tau);
+}
+
+}  // namespace
+}  // namespace veridyn::seek

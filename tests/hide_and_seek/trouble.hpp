@@ -1,0 +1,49 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "hide_and_seek/draw.hpp"
+#include "hide_and_seek/lagrange_arm.hpp"
+
+namespace veridyn::seek {
+
+/// What laboratories' recordings suffer from although nothing is wrong with the arm's model in the
+/// sense of docs/contract.md: a diagnosis of such recordings must name nothing.
+enum class Trouble {
+  kNone,
+  kLateRows,           ///< a tenth of the rows repeats the row before
+  kQuantisedVelocity,  ///< dq goes in steps of 1 to 3 % of its range
+  kSaturation,         ///< the recorded torque of one joint is clipped at 85 to 95 % of its peak
+  kStartUpRinging,     ///< the torque rings for 0.6 s when the recording starts
+  kTemperatureDrift,   ///< viscous friction falls by 1 to 3 % from one recording to the next
+  kSmoothedSign,       ///< Coulomb friction is a smooth step over 1 to 3 % of the largest speed
+  kElasticBase,        ///< the base leans by 3 to 8 mrad under the arm's own largest torques
+};
+
+/// All but kNone.
+const std::vector<Trouble>& all_troubles();
+const char* name_of(Trouble trouble);
+/// @throws InvalidInput  no trouble has this name.
+Trouble trouble_of(const std::string& name);
+
+/// The direction of sliding where Coulomb friction is a smooth step.
+/// @param width  [rad/s] or [m/s] of the step.
+double smooth_direction(double speed, double width);
+
+/// What viscous friction is multiplied with in one recording.
+double viscosity_factor(Trouble trouble, unsigned seed, int number);
+
+/// Width of the step of Coulomb friction of one joint; zero: a sharp step.
+double step_width(Trouble trouble, unsigned seed, int joint, double largest_speed);
+
+/// (rows x n) torque that an elastic base adds: it leans in proportion to the torques of the first
+/// two joints, and gravity is seen to turn.
+MatrixXd elastic_base_torque(const LagrangeArm& arm, unsigned seed, const MatrixXd& q,
+                             const MatrixXd& rigid);
+
+/// Changes rows as sensors or drives of this kind would; the signals have their noise already.
+void trouble_rows(Trouble trouble, unsigned seed, int number, const VectorXd& time, MatrixXd& q,
+                  MatrixXd& dq, MatrixXd& tau);
+
+}  // namespace veridyn::seek

@@ -1,0 +1,56 @@
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <regex>
+#include <set>
+#include <string>
+
+#include "veridyn/diagnosis/thresholds.hpp"
+
+// Numbers that decide verdicts stand in one table; numbers that keep arithmetic sound in another
+// file. Anywhere else in diagnosis/ there are only 0, 1/2, 1 and 2.
+
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string without_strings_and_comments(const std::string& line) {
+  const std::string code = std::regex_replace(line, std::regex(R"("(\\.|[^"\\])*")"), "");
+  return code.substr(0, code.find("//"));
+}
+
+TEST(Thresholds, NoOtherNumbersStandInDiagnosis) {
+  const std::set<std::string> allowed = {"0.0", "0.5", "1.0", "2.0"};
+  const std::set<std::string> tables = {"numerics.hpp", "thresholds.cpp"};
+  const std::regex literal(R"((^|[^\w.])(\d+\.\d*([eE][-+]?\d+)?|\d+[eE][-+]?\d+)(?![\w.]))");
+  int files = 0;
+  for (const auto& entry :
+       fs::recursive_directory_iterator(std::string(VERIDYN_SOURCE_DIR) + "/src/diagnosis")) {
+    if (!entry.is_regular_file() || tables.count(entry.path().filename().string()) != 0) continue;
+    ++files;
+    std::ifstream file(entry.path());
+    std::string line;
+    for (int number = 1; std::getline(file, line); ++number) {
+      const std::string code = without_strings_and_comments(line);
+      for (std::sregex_iterator it(code.begin(), code.end(), literal), end; it != end; ++it)
+        EXPECT_EQ(allowed.count((*it)[2].str()), 1u)
+            << entry.path().string() << ":" << number << ": " << (*it)[2].str()
+            << " belongs into thresholds.hpp or numerics.hpp";
+    }
+  }
+  EXPECT_GT(files, 30);
+}
+
+TEST(Thresholds, TheTableHasAReasonForEveryNumber) {
+  using veridyn::Thresholds;
+  std::set<std::string> names;
+  for (const veridyn::ThresholdEntry& entry : veridyn::threshold_table()) {
+    EXPECT_TRUE(names.insert(entry.name).second) << entry.name;
+    EXPECT_FALSE(entry.inequality.empty() || entry.reason.empty()) << entry.name;
+    EXPECT_NE(entry.inequality.find(entry.name), std::string::npos) << entry.name;
+  }
+  EXPECT_EQ(names.size() * sizeof(double), sizeof(Thresholds)) << "a number is not in the table";
+}
+
+}  // namespace
