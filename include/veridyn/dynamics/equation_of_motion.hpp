@@ -7,9 +7,9 @@
 
 namespace veridyn {
 
-/// M(q) and h(q, dq) = C(q, dq) dq + g(q) of one state: h by the Newton-Euler recursion, M from
-/// composite bodies with one column in each lane of a vector. Where slopes are asked for, inverse
-/// dynamics of rest and of all unit accelerations run side by side instead,
+/// M(q) and h(q, dq) = C(q, dq) dq + g(q) of one state, at the price of little more than one
+/// inverse dynamics: that of rest and those of all unit accelerations run side by side, one in each
+/// lane of a vector,
 ///
 ///   h = tau(q, dq, 0),   M e_j = tau(q, dq, e_j) - h
 ///
