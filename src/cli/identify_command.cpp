@@ -1,3 +1,4 @@
+#include <cstdio>
 #include <iostream>
 #include <memory>
 #include <optional>
@@ -8,9 +9,12 @@
 #include "messages.hpp"
 #include "makers_file.hpp"
 #include "option_checks.hpp"
-#include "recording_options.hpp"
 #include "math/output_file.hpp"
+#include "ranks.hpp"
+#include "recording_options.hpp"
 #include "veridyn/effects/plain_friction.hpp"
+#include "veridyn/identification/factor_set.hpp"
+#include "veridyn/math/require.hpp"
 #include "veridyn/model/model_file.hpp"
 #include "veridyn/report/identification_page.hpp"
 #include "veridyn/report/json.hpp"
@@ -22,7 +26,8 @@ namespace {
 struct Request {
   const CLI::App* command = nullptr;  // where the options were given
   std::string robot;
-  std::vector<std::string> train, test;
+  std::vector<std::string> train, test, factors;
+  std::string factor_out;
   std::optional<RowRange> test_rows;
   std::string prior;
   std::vector<std::string> known_masses;
@@ -56,6 +61,10 @@ void expect_options_that_mean_something(const Request& request) {
                 {"--signs", feasible, "--method feasible"},
                 {"--weights", request.options.method != Method::kOls, "--method wls or feasible"},
                 {"--test-rows", !request.test.empty(), "--test"}});
+  expect_value(!request.train.empty() || !request.factors.empty(), "--train",
+               "found no recording, expected some, or factor files of them after --factors");
+  expect_value(request.factors.empty() || request.known_masses.empty(), "--factors",
+               "found with --known-mass, expected recordings: drive gains need their samples");
   expect_value(request.known_masses.empty() || request.train.size() > 1, "--known-mass",
                "found one recording, expected one at least with the load and one without");
 }
@@ -88,11 +97,114 @@ Model arm_with_friction(const Request& request) {
   return arm;
 }
 
+FactorSet read_all_factors(const std::vector<std::string>& paths) {
+  FactorSet out;
+  for (const std::string& path : paths) {
+    try {
+      out = merge(std::move(out), read_factors(path));
+    } catch (const InvalidInput& e) {
+      const std::string what = e.what();
+      if (what.compare(0, path.size(), path) == 0) throw;
+      throw InvalidInput(path + ": " + what);
+    }
+  }
+  return out;
+}
+
+// The training recordings become factors; without a fit of their own if that is all there is to do.
+FactorSet compressed(const Request& request, const Model& arm,
+                     const IdentificationOptions& options) {
+  FactorSet factors = read_all_factors(request.factors);
+  if (request.factor_out.empty()) return factors;
+  const FactorSet fresh = compress(arm, request.train, options.preprocessing, options.threads);
+  factors = merge(std::move(factors), fresh);
+  save_factors(factors, request.factor_out);
+  return factors;
+}
+
+// --factor-out keeps what the recordings say even where they alone cannot answer.
+Identification identified(const Request& request, const Model& arm,
+                          const IdentificationOptions& options) {
+  if (request.factors.empty() && request.factor_out.empty())
+    return identify(arm, request.train, request.test, options);
+  const FactorSet factors = compressed(request, arm, options);
+  const bool all_in = !request.factor_out.empty();
+  return identify(arm, factors, all_in ? std::vector<std::string>() : request.train, request.test,
+                  options);
+}
+
+void write_results(const Request& request, const Identification& id,
+                   const std::string& command_line) {
+  if (id.status == IdentificationStatus::kNotConverged) say("warning: " + id.reason);
+  if (!request.model_out.empty()) save(id, request.model_out, "identify", robot_path(request.robot));
+  if (!request.common.json.empty()) write_file(request.common.json, to_json(id));
+  if (!request.common.report.empty()) write_file(request.common.report, to_page(id, command_line));
+  std::cout << id.report();
+}
+
+// A file for what a rank has done so far, beside the one that is asked for.
+std::string part_of(const Request& request, const Communicator& ranks) {
+  return text(request.factor_out, ".rank-", ranks.rank());
+}
+
+Identification identified_by_ranks(const Request& request, const Model& arm,
+                                   const IdentificationOptions& options, Communicator& ranks) {
+  KeepFactors keep;
+  if (!request.factor_out.empty()) {
+    keep = [&](const FactorSet& factors, bool whole) {
+      save_factors(factors, whole ? request.factor_out : part_of(request, ranks));
+    };
+  }
+  when_another_rank_is_lost(
+      text("rank ", ranks.rank(), ": another rank was lost and the work ends here; ",
+           keep ? "what this one has done is in " + part_of(request, ranks)
+                : std::string("with --factor-out what was done would have been kept"),
+           "."));
+  Identification id = identify(arm, request.train, request.test, options, ranks, keep);
+  if (keep) std::remove(part_of(request, ranks).c_str());
+  return id;
+}
+
+// Every rank runs this; the first one alone speaks.
+ExitStatus run_on_ranks(const Request& request, const std::string& command_line,
+                        Communicator& ranks) {
+  const bool first = ranks.rank() == 0;
+  try {
+    expect_value(request.factors.empty(), "--factors",
+                 "found under mpirun, expected recordings to spread over the ranks");
+    const Model arm = arm_with_friction(request);
+    IdentificationOptions options = identification_options(request);
+    options.threads = threads_of_a_rank(request.common.threads);
+    if (!first) options.progress = nullptr;
+    const Identification id = identified_by_ranks(request, arm, options, ranks);
+    if (first) {
+      for (const UnusedRecording& r : id.left_out) say("warning: left out: " + r.why);
+    }
+    if (id.parameters.size() == 0) {
+      if (first) say(id.reason);
+      return kDataCannotAnswer;
+    }
+    if (first) write_results(request, id, command_line);
+    return kDone;
+  } catch (const InvalidInput& error) {
+    if (first) say(error.what());
+    end_all_ranks(kBadInput);
+  } catch (const CLI::Error&) {
+    throw;  // the same on every rank
+  } catch (const std::exception& error) {
+    say(text("rank ", ranks.rank(), ": internal fault: ", error.what()));
+    end_all_ranks(kProgramFault);
+  }
+}
+
 ExitStatus run(const Request& request, const std::string& command_line) {
+  const std::unique_ptr<Communicator> ranks = mpi_ranks();
   expect_options_that_mean_something(request);
   require_writable(request.common.json);
   require_writable(request.common.report);
   require_writable(request.model_out);
+  require_writable(request.factor_out);
+  if (ranks && ranks->size() > 1) return run_on_ranks(request, command_line, *ranks);
   if (!request.test_rows) warn_of_shared_recordings(request.train, request.test);
   const Model arm = arm_with_friction(request);
   const IdentificationOptions options = identification_options(request);
@@ -100,7 +212,7 @@ ExitStatus run(const Request& request, const std::string& command_line) {
   std::vector<std::string> recordings = request.train;
   recordings.insert(recordings.end(), request.test.begin(), request.test.end());
   look_at_recordings(arm, recordings, options.preprocessing, options.threads);
-  const Identification id = identify(arm, request.train, request.test, options);
+  const Identification id = identified(request, arm, options);
   if (!id.model) {
     if (id.drive_gains && id.drive_gains->problem.empty()) std::cout << id.drive_gains->report();
     if (id.drive_gains && !request.common.json.empty())
@@ -108,13 +220,7 @@ ExitStatus run(const Request& request, const std::string& command_line) {
     say(id.reason);
     return kDataCannotAnswer;
   }
-  if (id.status == IdentificationStatus::kNotConverged) say("warning: " + id.reason);
-  if (!request.model_out.empty()) save(id, request.model_out, "identify", robot_path(request.robot));
-  if (!request.common.json.empty()) write_file(request.common.json, to_json(id));
-  if (!request.common.report.empty()) {
-    write_file(request.common.report, to_page(id, command_line));
-  }
-  std::cout << id.report();
+  write_results(request, id, command_line);
   return kDone;
 }
 
@@ -155,8 +261,13 @@ void add_identify_command(CLI::App& tool, Outcome& outcome) {
   request->command = &command;
   add_robot_argument(command, request->robot);
   command.add_option("--train", request->train, "Recordings to identify from")
-      ->required()
       ->option_text("REC...");
+  command.add_option("--factors", request->factors, "Factor files of recordings to identify from")
+      ->option_text("FILE...");
+  command
+      .add_option("--factor-out", request->factor_out,
+                  "Write what the training recordings say as a factor file, without a sample")
+      ->option_text("FILE");
   command.add_option("--test", request->test, "Recordings held out, to validate on")
       ->option_text("REC...");
   add_fit_options(command, *request);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "regressor_batch_kernels.hpp"
+#include "state_model.hpp"
 #include "veridyn/kinematics/tree.hpp"
 #include "veridyn/math/require.hpp"
 
@@ -32,7 +33,9 @@ struct EquationOfMotion::Lanes {
         dq(q),
         ddq(q),
         tau(q),
-        workspace(::operator new(widest_batch_kernels().workspace(tree), kAlignment)) {
+        workspace(::operator new(widest_batch_kernels().workspace(tree), kAlignment)),
+        state(tree, phi),
+        memory(state.workspace()) {
     for (int j = 0; j < arm.joints(); ++j) ddq(j + 1, j) = 1.0;
   }
   ~Lanes() { ::operator delete(workspace, kAlignment); }
@@ -87,6 +90,9 @@ struct EquationOfMotion::Lanes {
   // A row for rest, one for each unit acceleration, and where there is room one for each velocity.
   MatrixXd q, dq, ddq, tau;
   void* workspace;
+  // Of M and h alone, one state.
+  StateModel state;
+  std::vector<double> memory;
 };
 
 EquationOfMotion::EquationOfMotion(const Model& arm, const VectorRef& phi) {
@@ -102,8 +108,9 @@ EquationOfMotion& EquationOfMotion::operator=(EquationOfMotion&&) noexcept = def
 
 void EquationOfMotion::evaluate(const VectorXd& q, const VectorXd& dq, MatrixXd& M,
                                 VectorXd& h) noexcept {
-  lanes_->fill(q, dq);
-  lanes_->run(M, h);
+  assert(q.size() == h.size() && dq.size() == h.size() && M.rows() == h.size());
+  state_kernels().equation(lanes_->state.view(), q.data(), dq.data(), M.data(), h.data(),
+                           StateModel::aligned(lanes_->memory));
 }
 
 bool EquationOfMotion::slopes_are_free() const noexcept {

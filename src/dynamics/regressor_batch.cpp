@@ -1,23 +1,25 @@
 #include "veridyn/dynamics/regressor_batch.hpp"
 
+#include <algorithm>
 #include <new>
 #include <vector>
 
+#include "math/aligned_doubles.hpp"
+#include "math/processor.hpp"
 #include "motion_gradient_kernels.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn {
 namespace {
 
+// An odd number of cache lines: columns of a block do not push each other out of the cache.
+constexpr int kBlockRows = 72;
+
 BatchKernels widest_kernels() {
-#if defined(__x86_64__)
-  const bool avx2 = __builtin_cpu_supports("avx2") != 0 && __builtin_cpu_supports("fma") != 0;
-  const bool avx512 = avx2 && __builtin_cpu_supports("avx512f") != 0 &&
-                      __builtin_cpu_supports("avx512dq") != 0 &&
-                      __builtin_cpu_supports("avx512vl") != 0;
-  if (avx512 && batch_kernels_avx512().regressor != nullptr) return batch_kernels_avx512();
-  if (avx2 && batch_kernels_avx2().regressor != nullptr) return batch_kernels_avx2();
-#endif
+  const InstructionSet isa = widest_instruction_set();
+  // Even to ask for kernels runs code of their instruction set.
+  if (isa >= InstructionSet::kAvx512 && batch_kernels_avx512().regressor != nullptr) return batch_kernels_avx512();
+  if (isa >= InstructionSet::kAvx2 && batch_kernels_avx2().regressor != nullptr) return batch_kernels_avx2();
   return batch_kernels_baseline();
 }
 
@@ -72,17 +74,50 @@ RegressorBatch::RegressorBatch(const Model& arm)
 
 void RegressorBatch::evaluate(const MatrixRef& q, const MatrixRef& dq, const MatrixRef& ddq,
                               std::vector<MatrixXd>& Y) const {
+  evaluate(q, dq, ddq, 0, joints(), Y);
+}
+
+void RegressorBatch::evaluate(const MatrixRef& q, const MatrixRef& dq, const MatrixRef& ddq,
+                              int first, int end, std::vector<MatrixXd>& Y) const {
   const BatchInput in = input("RegressorBatch", joints(), q, dq, ddq);
+  require(0 <= first && first <= end && end <= joints(), "RegressorBatch: joints ", first, " to ",
+          end, " of ", joints(), ".");
   Y.resize(static_cast<size_t>(joints()));
-  std::vector<double*> data;
-  for (int i = 0; i < joints(); ++i) {
+  for (int i = first; i < end; ++i)
     Y[i].resize(in.rows, static_cast<Eigen::Index>(columns(i).size()));
-    data.push_back(Y[i].data());
-  }
   const Links tree = tree_;
   const AlignedMemory workspace(widest_batch_kernels().workspace(tree));
-  widest_batch_kernels().regressor(tree, in, {data.data(), column_of_mover_.data()},
-                                   workspace.get());
+  std::vector<double*> data(static_cast<size_t>(joints()), nullptr);
+  const RegressorOutput out{data.data(), column_of_mover_.data()};
+  if (in.rows <= 2 * kBlockRows) {
+    for (int i = first; i < end; ++i) data[static_cast<size_t>(i)] = Y[i].data();
+    widest_batch_kernels().regressor(tree, in, out, workspace.get());
+    return;
+  }
+  // Columns of many rows lie far apart: blocks are built side by side in the cache, and every
+  // column goes out in runs.
+  thread_local AlignedDoubles memory;
+  size_t wide = 0;
+  for (int i = first; i < end; ++i) wide += columns(i).size();
+  double* block = memory.get(wide * kBlockRows);
+  for (int row = 0; row < in.rows; row += kBlockRows) {
+    const int rows = std::min(kBlockRows, in.rows - row);
+    double* next = block;
+    for (int i = first; i < end; ++i) {
+      data[static_cast<size_t>(i)] = next;
+      next += columns(i).size() * static_cast<size_t>(rows);
+    }
+    const auto part = [row](const SampleColumns& of) {
+      return SampleColumns{of.data + row, of.stride};
+    };
+    widest_batch_kernels().regressor(tree, {rows, part(in.q), part(in.dq), part(in.ddq)}, out,
+                                     workspace.get());
+    for (int i = first; i < end; ++i) {
+      const double* from = data[static_cast<size_t>(i)];
+      for (Eigen::Index c = 0; c < Y[i].cols(); ++c, from += rows)
+        std::copy_n(from, rows, Y[i].data() + c * in.rows + row);
+    }
+  }
 }
 
 void RegressorBatch::torques(const MatrixRef& q, const MatrixRef& dq, const MatrixRef& ddq,

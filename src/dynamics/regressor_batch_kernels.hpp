@@ -22,7 +22,7 @@ struct BatchInput {
   SampleColumns q, dq, ddq;
 };
 
-/// Where the regressor goes: column c of joint i stands at Y[i] + c * rows.
+/// Where the regressor goes: column c of joint i stands at Y[i] + c * rows; null: nobody wants it.
 struct RegressorOutput {
   double* const* Y;
   const int* column_of_mover;  ///< first of a body's ten columns in its joint's matrix; -1: the
@@ -125,7 +125,9 @@ struct BatchLoops {
       if (tree.link[k].body < 0) continue;
       const BodyMotion<P> body = body_motion(at.passes.link[k]);
       for (int m = tree.link[k].first_mover; m < tree.link[k].end_mover; ++m) {
-        double* column = out.Y[tree.mover[m].coordinate] + out.column_of_mover[m] * rows + row;
+        double* matrix = out.Y[tree.mover[m].coordinate];
+        if (matrix == nullptr) continue;
+        double* column = matrix + out.column_of_mover[m] * rows + row;
         regressor_entries(body, at.passes.jacobian[m],
                           [&](int c, const P& y) { store<kRows>(y, count, column + c * rows); });
       }

@@ -1,8 +1,8 @@
 #include "veridyn/dynamics/rigid_body_dynamics.hpp"
 
-#include <Eigen/Cholesky>
 #include <cassert>
 
+#include "state_model.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn {
@@ -29,6 +29,8 @@ RigidBodyDynamics::RigidBodyDynamics(const Model& arm, const VectorRef& phi)
       phi_(phi),
       rest_(VectorXd::Zero(arm.joints())),
       recursion_(tree_),
+      state_(std::make_shared<StateModel>(tree_, phi_)),
+      memory_(state_->workspace()),
       M_(MatrixXd::Zero(arm.joints(), arm.joints())),
       bias_(rest_) {
   const auto expected = static_cast<Eigen::Index>(kBodyParameters * tree_.body_links.size());
@@ -37,42 +39,64 @@ RigidBodyDynamics::RigidBodyDynamics(const Model& arm, const VectorRef& phi)
           " each.");
 }
 
+double* RigidBodyDynamics::memory() {
+  return StateModel::aligned(memory_);
+}
+
 void RigidBodyDynamics::inverse_dynamics(const VectorRef& q, const VectorRef& dq,
                                          const VectorRef& ddq, VectorXd& tau) {
   assert(q.size() == joints() && dq.size() == joints() && ddq.size() == joints() &&
          tau.size() == joints());
-  forward_pass(tree_, q.data(), dq.data(), ddq.data(), tree_.gravity, recursion_);
-  backward_pass(tree_, phi_.data(), recursion_, tau.data());
+  state_kernels().inverse_dynamics(state_->view(), q.data(), dq.data(), ddq.data(), tau.data(),
+                                   memory());
 }
 
 void RigidBodyDynamics::gravity_torques(const VectorRef& q, VectorXd& g) {
-  inverse_dynamics(q, rest_, rest_, g);
+  assert(q.size() == joints() && g.size() == joints());
+  state_kernels().inverse_dynamics(state_->view(), q.data(), nullptr, nullptr, g.data(), memory());
 }
 
 void RigidBodyDynamics::mass_matrix(const VectorRef& q, MatrixXd& M) {
   assert(q.size() == joints() && M.rows() == joints() && M.cols() == joints());
+  state_kernels().mass_matrix(state_->view(), q.data(), M.data(), memory());
+}
+
+void RigidBodyDynamics::equation_of_motion(const VectorRef& q, const VectorRef& dq, MatrixXd& M,
+                                           VectorXd& h) {
+  assert(q.size() == joints() && dq.size() == joints() && M.rows() == joints() &&
+         M.cols() == joints() && h.size() == joints());
+  state_kernels().equation(state_->view(), q.data(), dq.data(), M.data(), h.data(), memory());
+}
+
+void RigidBodyDynamics::inverse_dynamics_slopes(const VectorRef& q, const VectorRef& dq,
+                                                const VectorRef& ddq, VectorXd& tau,
+                                                TorqueSlopes& slopes) {
   const int n = joints();
-  forward_pass(tree_, q.data(), rest_.data(), rest_.data(), kNoGravity, recursion_);
-  jacobian_pass(tree_, recursion_);
-  M.setZero();
-  for (size_t b = 0; b < tree_.body_links.size(); ++b) {
-    const int k = tree_.body_links[b];
-    const double* p = phi_.data() + 10 * b;
-    const Vec3d h{p[1], p[2], p[3]};
-    const Column<double>* J = recursion_.jacobian;
-    for (int m = tree_.links[k].first_mover; m < tree_.links[k].end_mover; ++m) {
-      // Momentum of the body per unit of dq_i, paired with the columns up to i.
-      const int i = tree_.movers[m].coordinate;
-      const Vec3d force = p[0] * J[m].v + cross(J[m].w, h);
-      const Vec3d moment = inertia_times(p + 4, J[m].w) + cross(h, J[m].v);
-      for (int o = tree_.links[k].first_mover; o <= m; ++o) {
-        M(i, tree_.movers[o].coordinate) += dot(J[o].w, moment) + dot(J[o].v, force);
-      }
-    }
+  assert(q.size() == n && dq.size() == n && ddq.size() == n);
+  tau.resize(n);
+  for (MatrixXd* m : {&slopes.by_q, &slopes.by_dq, &slopes.by_ddq}) m->resize(n, n);
+  state_kernels().slopes(state_->view(), q.data(), dq.data(), ddq.data(), tau.data(),
+                         slopes.by_q.data(), slopes.by_dq.data(), slopes.by_ddq.data(), memory());
+}
+
+bool RigidBodyDynamics::forward_dynamics_slopes(const VectorRef& q, const VectorRef& dq,
+                                                const VectorRef& tau, VectorXd& ddq,
+                                                AccelerationSlopes& slopes) {
+  const int n = joints();
+  ddq.resize(n);
+  if (!forward_dynamics(q, dq, tau, ddq)) return false;
+  for (MatrixXd* m : {&slopes.by_q, &slopes.by_dq, &slopes.by_tau}) m->resize(n, n);
+  const StateKernels& kernels = state_kernels();
+  kernels.slopes(state_->view(), q.data(), dq.data(), ddq.data(), bias_.data(),
+                 slopes.by_q.data(), slopes.by_dq.data(), M_.data(), memory());
+  if (!kernels.factor(n, M_.data())) return false;
+  slopes.by_tau.setIdentity();
+  kernels.solve(n, M_.data(), n, slopes.by_tau.data());
+  for (MatrixXd* m : {&slopes.by_q, &slopes.by_dq}) {
+    *m = -*m;
+    kernels.solve(n, M_.data(), n, m->data());
   }
-  for (int i = 0; i < n; ++i) {
-    for (int j = 0; j < i; ++j) M(j, i) = M(i, j);
-  }
+  return true;
 }
 
 void RigidBodyDynamics::coriolis_matrix(const VectorRef& q, const VectorRef& dq, MatrixXd& C) {
@@ -114,13 +138,25 @@ void RigidBodyDynamics::coriolis_matrix(const VectorRef& q, const VectorRef& dq,
 
 bool RigidBodyDynamics::forward_dynamics(const VectorRef& q, const VectorRef& dq,
                                          const VectorRef& tau, VectorXd& ddq) {
-  inverse_dynamics(q, dq, rest_, bias_);
-  mass_matrix(q, M_);
-  const Eigen::LLT<Eigen::Ref<MatrixXd>> factor(M_);  // in place: nothing allocates
-  if (factor.info() != Eigen::Success) return false;
-  ddq = tau - bias_;
-  factor.solveInPlace(ddq);
-  return true;
+  assert(q.size() == joints() && dq.size() == joints() && tau.size() == joints() &&
+         ddq.size() == joints());
+  const bool solved = state_kernels().forward_dynamics(state_->view(), q.data(), dq.data(),
+                                                       tau.data(), bias_.data(), M_.data(), memory());
+  if (solved) ddq = bias_;  // which may be where tau stands
+  return solved;
+}
+
+TorqueRegressor::TorqueRegressor(const Model& arm)
+    : state_(std::make_shared<StateModel>(Tree(arm), VectorXd())), memory_(state_->workspace()) {}
+
+void TorqueRegressor::evaluate(const VectorRef& q, const VectorRef& dq, const VectorRef& ddq,
+                               MatrixXd& Y) {
+  const StateTree tree = state_->view();
+  assert(q.size() == tree.coordinates && dq.size() == tree.coordinates &&
+         ddq.size() == tree.coordinates && Y.rows() == tree.coordinates &&
+         Y.cols() == kBodyParameters * tree.bodies);
+  state_kernels().regressor(tree, q.data(), dq.data(), ddq.data(), Y.data(),
+                            StateModel::aligned(memory_));
 }
 
 MatrixXd torque_regressor(const Model& arm, const VectorRef& q, const VectorRef& dq,
@@ -128,21 +164,8 @@ MatrixXd torque_regressor(const Model& arm, const VectorRef& q, const VectorRef&
   require_state("torque_regressor", arm, q, "q");
   require_state("torque_regressor", arm, dq, "dq");
   require_state("torque_regressor", arm, ddq, "ddq");
-  const Tree tree(arm);
-  Recursion<double> r(tree);
-  forward_pass(tree, q.data(), dq.data(), ddq.data(), tree.gravity, r);
-  jacobian_pass(tree, r);
-  MatrixXd Y = MatrixXd::Zero(arm.joints(),
-                              static_cast<Eigen::Index>(kBodyParameters * tree.body_links.size()));
-  for (size_t b = 0; b < tree.body_links.size(); ++b) {
-    const int k = tree.body_links[b];
-    const BodyMotion<double> motion = body_motion(r.link[k]);
-    for (int m = tree.links[k].first_mover; m < tree.links[k].end_mover; ++m) {
-      const int i = tree.movers[m].coordinate;
-      const auto first = static_cast<Eigen::Index>(kBodyParameters * b);
-      regressor_entries(motion, r.jacobian[m], [&](int c, double y) { Y(i, first + c) = y; });
-    }
-  }
+  MatrixXd Y(arm.joints(), static_cast<Eigen::Index>(kBodyParameters * arm.bodies().size()));
+  TorqueRegressor(arm).evaluate(q, dq, ddq, Y);
   return Y;
 }
 

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 
 #include "period_fold.hpp"
+#include "read_ahead.hpp"
 #include "math/parallel.hpp"
 #include "recordings/kept_recordings.hpp"
 #include "veridyn/math/require.hpp"
@@ -18,10 +20,9 @@ constexpr double kPeriodSeconds = 125.0;  // of the file, looked at to find the 
 constexpr long kPeriodRows = 8192;        // of them, at most; more are thinned
 constexpr int kPieceRows = 2048;
 constexpr double kMovingShare = 0.02;  // of the largest speed, CONTRACT
-constexpr size_t kSeriesSamples = 3000;
 
-using Visit = std::function<void(const Stretch&)>;
-using Pass = std::function<PreparationFacts(const Visit&)>;
+using Visit = VisitStretch;
+using Pass = StretchPass;
 
 // Blocks for the jackknife and for held-out folds. Where the motion repeats: phases of the period
 // with the repeats merged, for repeats share their systematic errors and are not independent
@@ -41,13 +42,21 @@ class Blocks {
     }
   }
 
-  void absorb(const std::vector<JointRows>& rows) {
+  // The joints' factors do not touch each other: each may have a thread.
+  void absorb(const std::vector<JointRows>& rows, int threads) {
+    size_t last = 0;
     for (const JointRows& joint : rows) {
       for (Eigen::Index k = 0; k < joint.time.size(); ++k) {
         while (block_of(joint.time[k]) >= kMaxBlocks) merge_pairs();
       }
     }
-    for (size_t i = 0; i < rows.size(); ++i) absorb(i, rows[i]);
+    for (const JointRows& joint : rows) {
+      for (Eigen::Index k = 0; k < joint.time.size(); ++k)
+        last = std::max(last, block_of(joint.time[k]) + 1);
+    }
+    while (blocks_.size() < last) blocks_.push_back(fresh_);
+    parallel_for(static_cast<int>(rows.size()), threads,
+                 [&](int i) { absorb(static_cast<size_t>(i), rows[static_cast<size_t>(i)]); });
   }
 
   std::vector<std::vector<SquareRootInformation>> take() {
@@ -70,7 +79,6 @@ class Blocks {
     Eigen::Index at = 0;
     while (at < rows.time.size()) {
       const size_t block = block_of(rows.time[at]);
-      while (blocks_.size() <= block) blocks_.push_back(fresh_);
       Eigen::Index end = at;
       while (end < rows.time.size() && block_of(rows.time[end]) == block) ++end;
       blocks_[block][joint].absorb(rows.A.middleRows(at, end - at), rows.b.segment(at, end - at));
@@ -106,9 +114,24 @@ PreprocessingOptions of_this_source(PreprocessingOptions options, const std::str
   return options;
 }
 
+// Rows of every joint, groups of joints side by side.
+std::vector<JointRows> rows_of_all(const RegressorColumns& columns, const Stretch& s,
+                                   int threads) {
+  const std::vector<RegressorColumns::Joints> groups = columns.groups(s.q.rows());
+  std::vector<std::vector<JointRows>> of_group(groups.size());
+  parallel_for(static_cast<int>(groups.size()), threads, [&](int g) {
+    const auto at = static_cast<size_t>(g);
+    of_group[at] = columns.rows(s, groups[at]);
+  });
+  std::vector<JointRows> out;
+  for (std::vector<JointRows>& group : of_group)
+    std::move(group.begin(), group.end(), std::back_inserter(out));
+  return out;
+}
+
 CompressedRecording run_compress(const Model& arm, const std::string& source,
                                  const PreprocessingOptions& options, const MotionPeriod& period,
-                                 const Pass& pass) {
+                                 const Pass& pass, int threads) {
   CompressedRecording out;
   out.source = source;
   out.period = period;
@@ -118,9 +141,8 @@ CompressedRecording run_compress(const Model& arm, const std::string& source,
   PeriodFold fold(n, period.seconds);
   out.joints.resize(static_cast<size_t>(n));
   bool first = true;
-  const VectorXd none = VectorXd::Zero(static_cast<Eigen::Index>(columns.parameters().size()));
-  out.facts = pass([&](const Stretch& s) {
-    blocks.absorb(columns.rows(s));
+  const Visit visit = [&](const Stretch& s) {
+    blocks.absorb(rows_of_all(columns, s, threads), threads);
     const MatrixXd tau = columns.filtered_torque(s);
     for (Eigen::Index k = s.core_begin; k < s.core_end; ++k) {
       if (s.use[static_cast<size_t>(k)] == 0) continue;
@@ -135,7 +157,8 @@ CompressedRecording run_compress(const Model& arm, const std::string& source,
       }
       first = false;
     }
-  });
+  };
+  out.facts = threads > 1 ? read_ahead(pass, visit) : pass(visit);
   out.blocks = blocks.take();
   for (const auto& block : out.blocks) {
     for (const SquareRootInformation& factor : block) out.rows += factor.rows();
@@ -193,13 +216,13 @@ Recording first_positions(const Model& arm, const std::string& path,
   return positions.recording();
 }
 
-// A series of kSeriesSamples to twice as many, however long the recording: full ones are thinned by
+// A series of the samples that are wanted to twice as many, however long the recording: full ones are thinned by
 // half.
 class SeriesCollector {
  public:
   SeriesCollector(PredictionSeries* series, int joints) : series_(series) {
     if (series == nullptr) return;
-    *series = {{}, {}, {}, {}, {}, {}};
+    *series = {series->wanted, {}, {}, {}, {}, {}, {}};
     for (auto* table : tables()) table->resize(static_cast<size_t>(joints));
   }
 
@@ -212,7 +235,7 @@ class SeriesCollector {
       for (size_t i = 0; i < table.size(); ++i)
         table[i].push_back((*sources[t])(row, static_cast<Eigen::Index>(i)));
     }
-    if (series_->time.size() < 2 * kSeriesSamples) return;
+    if (series_->time.size() < 2 * static_cast<size_t>(series_->wanted)) return;
     stride_ *= 2;
     halve(series_->time);
     for (auto* table : tables()) {
@@ -240,13 +263,13 @@ class SeriesCollector {
 ErrorSums run_prediction(const Model& arm, const std::string& source,
                          const PreprocessingOptions& options, const VectorRef& values,
                          const std::vector<TorqueFacts>& joints, PredictionSeries* series,
-                         ErrorSums* without_excluded, const Pass& pass) {
+                         ErrorSums* without_excluded, const Pass& pass, int threads) {
   const int n = arm.joints();
   const RegressorColumns columns(arm, of_this_source(options, source));
   ErrorSums sums(n);
   ErrorSums kept(n);
   SeriesCollector collector(series, n);
-  pass([&](const Stretch& s) {
+  const Visit visit = [&](const Stretch& s) {
     const RegressorColumns::Prediction p = columns.predict(s, values);
     for (Eigen::Index k = s.core_begin; k < s.core_end; ++k) {
       if (s.use[static_cast<size_t>(k)] == 0) continue;
@@ -260,7 +283,8 @@ ErrorSums run_prediction(const Model& arm, const std::string& source,
       }
       collector.add(s, p, k);
     }
-  });
+  };
+  threads > 1 ? read_ahead(pass, visit) : pass(visit);
   if (without_excluded != nullptr) *without_excluded = kept;
   return sums;
 }
@@ -268,7 +292,7 @@ ErrorSums run_prediction(const Model& arm, const std::string& source,
 }  // namespace
 
 CompressedRecording compress(const Model& arm, const std::string& path,
-                             const PreprocessingOptions& options) {
+                             const PreprocessingOptions& options, int threads) {
   MotionPeriod period;
   const auto known = options.known_periods.find(path);
   if (known != options.known_periods.end()) {
@@ -280,22 +304,25 @@ CompressedRecording compress(const Model& arm, const std::string& path,
   }
   return run_compress(
       arm, path, options, period,
-      [&](const Visit& visit) { return for_each_stretch(arm, path, options, visit); });
+      [&](const Visit& visit) { return for_each_stretch(arm, path, options, visit); },
+      number_of_threads(threads));
 }
 
 CompressedRecording compress(const Model& arm, const Recording& recording,
                              const PreprocessingOptions& options) {
   return run_compress(
       arm, recording.source, options, detect_period(recording),
-      [&](const Visit& visit) { return for_each_stretch(arm, recording, options, visit); });
+      [&](const Visit& visit) { return for_each_stretch(arm, recording, options, visit); }, 1);
 }
 
 std::vector<CompressedRecording> compress_all(const Model& arm,
                                               const std::vector<std::string>& paths,
                                               const PreprocessingOptions& options, int threads) {
   std::vector<CompressedRecording> out(paths.size());
-  parallel_for(static_cast<int>(paths.size()), threads, [&](int k) {
-    out[static_cast<size_t>(k)] = compress(arm, paths[static_cast<size_t>(k)], options);
+  const auto count = static_cast<int>(paths.size());
+  parallel_for(count, threads, [&](int k) {
+    out[static_cast<size_t>(k)] =
+        compress(arm, paths[static_cast<size_t>(k)], options, threads_of_each(count, threads));
   });
   return out;
 }
@@ -339,10 +366,11 @@ PredictionError ErrorSums::error() const {
 ErrorSums prediction_error(const Model& arm, const std::string& path,
                            const PreprocessingOptions& options, const VectorRef& values,
                            const std::vector<TorqueFacts>& joints, PredictionSeries* series,
-                           ErrorSums* without_excluded) {
+                           ErrorSums* without_excluded, int threads) {
   return run_prediction(
       arm, path, options, values, joints, series, without_excluded,
-      [&](const Visit& visit) { return for_each_stretch(arm, path, options, visit); });
+      [&](const Visit& visit) { return for_each_stretch(arm, path, options, visit); },
+      number_of_threads(threads));
 }
 
 ErrorSums prediction_error(const Model& arm, const Recording& recording,
@@ -351,7 +379,7 @@ ErrorSums prediction_error(const Model& arm, const Recording& recording,
                            ErrorSums* without_excluded) {
   return run_prediction(
       arm, recording.source, options, values, joints, series, without_excluded,
-      [&](const Visit& visit) { return for_each_stretch(arm, recording, options, visit); });
+      [&](const Visit& visit) { return for_each_stretch(arm, recording, options, visit); }, 1);
 }
 
 }  // namespace veridyn

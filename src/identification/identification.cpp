@@ -3,8 +3,10 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "identified_base.hpp"
+#include "many_recordings.hpp"
 #include "recordings/named_recordings.hpp"
 #include "validation.hpp"
 #include "identification/base_solution.hpp"
@@ -274,16 +276,16 @@ void solve(const Model& arm, const std::vector<CompressedRecording>& recordings,
   id.model = Model(std::move(description));
 }
 
-// The errors of training go into the MODEL file with the statistics.
+}  // namespace
+
 void keep_training_error(Identification& id) {
   ModelDescription description = id.model->description();
   description.identified->error = id.train_error.relative;
   id.model = Model(std::move(description));
 }
 
-// From factors to a model; false if there is none.
-bool fit(const Model& arm, const std::vector<CompressedRecording>& recordings,
-         const IdentificationOptions& options, Identification& id) {
+bool fit_factors(const Model& arm, const std::vector<CompressedRecording>& recordings,
+                 const IdentificationOptions& options, Identification& id) {
   for (const CompressedRecording& r : recordings) {
     id.rows += r.rows;
     if (r.rows == 0.0) {
@@ -298,6 +300,8 @@ bool fit(const Model& arm, const std::vector<CompressedRecording>& recordings,
   id.seconds.solve = seconds_since(begin);
   return id.model.has_value();
 }
+
+namespace {
 
 // Drive gains first, then the arm from the recordings that carry nothing.
 Identification identify_with_known_masses(const Model& arm, const std::vector<std::string>& train,
@@ -332,26 +336,35 @@ Identification identify_named(const Model& arm, const std::vector<std::string>& 
                               const IdentificationOptions& options) {
   require(!train.empty(), "identify: there is no recording to train on.");
   if (!options.known_masses.empty()) return identify_with_known_masses(arm, train, test, options);
+  return identify_compressed(arm, {}, train, test, options);
+}
+
+}  // namespace
+
+Identification identify_compressed(const Model& arm, std::vector<CompressedRecording> trained,
+                                   const std::vector<std::string>& train,
+                                   const std::vector<std::string>& test,
+                                   const IdentificationOptions& options) {
   Identification id = described(arm, options);
   const auto say = [&options](const std::string& what, double share) {
     if (options.progress) options.progress(what, share);
   };
   say("compressing", 0.0);
   const auto begin = std::chrono::steady_clock::now();
-  const std::vector<CompressedRecording> recordings =
-      compress_all(arm, train, id.preprocessing, options.threads);
+  for (CompressedRecording& r : compress_many(arm, train, id.preprocessing, options.threads))
+    trained.push_back(std::move(r));
+  for (CompressedRecording& r : trained)
+    merge_blocks(r, blocks_of_each(static_cast<int>(trained.size())));
   id.seconds.compress = seconds_since(begin);
   say("solving", 0.4);
-  if (!fit(arm, recordings, options, id)) return id;
+  if (!fit_factors(arm, trained, options, id)) return id;
   say("validating", 0.6);
-  id.factors = recordings;
+  id.factors = std::move(trained);
   validate(arm, test, options, id);
   keep_training_error(id);
   say("done", 1.0);
   return id;
 }
-
-}  // namespace
 
 Identification identify(const Model& arm, const Recordings& train, const Recordings& test,
                         const IdentificationOptions& options) {

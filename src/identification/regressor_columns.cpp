@@ -8,6 +8,12 @@
 #include "veridyn/math/zero_phase_filter.hpp"
 
 namespace veridyn {
+namespace {
+
+constexpr Eigen::Index kGroupEntries = 1 << 20;  // of the columns that are worked on at once
+
+}  // namespace
+
 RegressorColumns::RegressorColumns(const Model& arm, const PreprocessingOptions& options)
     : arm_(arm), options_(options), bodies_(arm), parameters_(standard_parameters(arm)) {
   for (int i = 0; i < arm.joints(); ++i) {
@@ -25,24 +31,23 @@ RegressorColumns::RegressorColumns(const Model& arm, const PreprocessingOptions&
   }
 }
 
-std::vector<MatrixXd> RegressorColumns::raw_columns(const Stretch& s) const {
-  const int n = arm_.joints();
+// Of the joints that are asked for; the other matrices are empty.
+std::vector<MatrixXd> RegressorColumns::raw_columns(const Stretch& s, Joints joints) const {
   const Eigen::Index rows = s.q.rows();
-  std::vector<MatrixXd> Y(static_cast<size_t>(n));
-  std::vector<MatrixXd> body_columns(static_cast<size_t>(n));
-  bodies_.evaluate(s.q, s.dq, s.ddq, body_columns);
-  for (int i = 0; i < n; ++i) {
-    Y[i].resize(rows, static_cast<Eigen::Index>(of_joint_[i].size()));
-    Y[i].leftCols(body_columns[i].cols()) = body_columns[i];
+  std::vector<MatrixXd> Y(of_joint_.size());
+  bodies_.evaluate(s.q, s.dq, s.ddq, joints.first, joints.end, Y);
+  std::vector<Eigen::Index> at(Y.size());
+  for (int i = joints.first; i < joints.end; ++i) {
+    at[i] = Y[i].cols();
+    const auto all = static_cast<Eigen::Index>(of_joint_[i].size());
+    if (all > at[i]) Y[i].conservativeResize(rows, all);
   }
-  std::vector<Eigen::Index> at(static_cast<size_t>(n));
-  for (int i = 0; i < n; ++i) at[i] = body_columns[i].cols();
   MatrixXd load;
   ArmTerms of_arm;
   for (const EffectTerm& term : arm_.effects()) {
     if (const ChannelEffect* channel = channel_effect(term.effect)) {
       of_arm.emplace_back(&term, at);
-      for (int i = 0; i < n; ++i) {
+      for (int i = joints.first; i < joints.end; ++i) {
         if (!channel->acts_on(i, channel_joint(*channel, term))) continue;
         const auto own = static_cast<Eigen::Index>(channel->parameters().size());
         Y[i].middleCols(at[i], own).setZero();
@@ -50,6 +55,8 @@ std::vector<MatrixXd> RegressorColumns::raw_columns(const Stretch& s) const {
       }
       continue;
     }
+    if (term.axis.coefficients.segment(joints.first, joints.end - joints.first).isZero(0.0))
+      continue;
     const BoundEffect effect(arm_, term);
     const MotionView motion(s.time, s.q, s.dq, s.ddq);
     if (effect.traits().uses_load && load.size() == 0) {
@@ -57,24 +64,23 @@ std::vector<MatrixXd> RegressorColumns::raw_columns(const Stretch& s) const {
       smooth_load(load, s.dt);
     }
     const MatrixXd columns = columns_along(effect, motion, load, s.start);
-    for (int i = 0; i < n; ++i) {
+    for (int i = joints.first; i < joints.end; ++i) {
       const double c = term.axis.coefficients[i];
       if (c == 0.0) continue;
       Y[i].middleCols(at[i], columns.cols()) = c * columns;
       at[i] += columns.cols();
     }
   }
-  if (!of_arm.empty()) fill_channel_errors(s, of_arm, Y);
+  if (!of_arm.empty()) fill_channel_errors(s, of_arm, joints, Y);
   return Y;
 }
 
 // Derivatives of what the arm's own values ask for, which all other columns together give.
-void RegressorColumns::fill_channel_errors(const Stretch& s, const ArmTerms& terms,
+void RegressorColumns::fill_channel_errors(const Stretch& s, const ArmTerms& terms, Joints joints,
                                            std::vector<MatrixXd>& Y) const {
-  const auto n = static_cast<int>(Y.size());
   const auto phi = arm_.inertial_values();
-  MatrixXd effort(s.q.rows(), n);
-  for (int i = 0; i < n; ++i) {
+  MatrixXd effort(s.q.rows(), arm_.joints());
+  for (int i = joints.first; i < joints.end; ++i) {
     VectorXd mine(Y[i].cols());
     for (Eigen::Index p = 0; p < mine.size(); ++p)
       mine[p] = parameters_[static_cast<size_t>(of_joint_[i][static_cast<size_t>(p)])].value;
@@ -86,7 +92,7 @@ void RegressorColumns::fill_channel_errors(const Stretch& s, const ArmTerms& ter
     const ChannelEffect& channel = *channel_effect(term->effect);
     const int joint = channel_joint(channel, *term);
     const std::vector<MatrixXd> columns = channel.columns(motion, joint);
-    for (int i = 0; i < n; ++i) {
+    for (int i = joints.first; i < joints.end; ++i) {
       if (!channel.acts_on(i, joint)) continue;
       for (size_t p = 0; p < columns.size(); ++p)
         Y[i].col(at[i] + static_cast<Eigen::Index>(p)) = columns[p].col(i);
@@ -125,39 +131,69 @@ std::vector<Eigen::Index> RegressorColumns::kept_samples(const Stretch& s,
   return kept;
 }
 
+std::vector<RegressorColumns::Joints> RegressorColumns::groups(Eigen::Index rows) const {
+  std::vector<Joints> out;
+  Eigen::Index columns = 0;
+  for (int i = 0; i < arm_.joints(); ++i) {
+    const auto mine = static_cast<Eigen::Index>(of_joint_[static_cast<size_t>(i)].size());
+    if (out.empty() || (columns + mine) * rows > kGroupEntries) {
+      out.push_back({i, i});
+      columns = 0;
+    }
+    out.back().end = i + 1;
+    columns += mine;
+  }
+  return out;
+}
+
 std::vector<JointRows> RegressorColumns::rows(const Stretch& s) const {
-  std::vector<MatrixXd> Y = raw_columns(s);
-  std::vector<JointRows> out(Y.size());
-  for (size_t i = 0; i < Y.size(); ++i) {
-    // Facts go to the other side.
-    MatrixXd both(Y[i].rows(), Y[i].cols() + 1);
-    both.rightCols(1) = s.tau.col(static_cast<Eigen::Index>(i));
-    Eigen::Index columns = 0;
-    for (size_t p = 0; p < of_joint_[i].size(); ++p) {
-      const StandardParameter& parameter = parameters_[static_cast<size_t>(of_joint_[i][p])];
-      if (parameter.fixed) {
-        both.rightCols(1) -= parameter.value * Y[i].col(static_cast<Eigen::Index>(p));
-      } else {
-        both.col(columns++) = Y[i].col(static_cast<Eigen::Index>(p));
-        out[i].parameters.push_back(of_joint_[i][p]);
+  std::vector<JointRows> out;
+  for (const Joints joints : groups(s.q.rows())) {
+    for (JointRows& joint : rows(s, joints)) out.push_back(std::move(joint));
+  }
+  return out;
+}
+
+std::vector<JointRows> RegressorColumns::rows(const Stretch& s, Joints joints) const {
+  std::vector<MatrixXd> Y = raw_columns(s, joints);
+  std::vector<JointRows> out;
+  for (int i = joints.first; i < joints.end; ++i) {
+    MatrixXd& mine = Y[static_cast<size_t>(i)];
+    JointRows of;
+    MatrixXd b = s.tau.col(i);
+    std::vector<Eigen::Index> free;
+    for (size_t p = 0; p < of_joint_[static_cast<size_t>(i)].size(); ++p) {
+      const int own = of_joint_[static_cast<size_t>(i)][p];
+      const StandardParameter& parameter = parameters_[static_cast<size_t>(own)];
+      const auto column = static_cast<Eigen::Index>(p);
+      if (parameter.fixed) {  // facts go to the other side
+        b -= parameter.value * mine.col(column);
+        continue;
       }
+      const auto next = static_cast<Eigen::Index>(free.size());
+      if (next != column) mine.col(next) = mine.col(column);
+      free.push_back(column);
+      of.parameters.push_back(own);
     }
-    both.col(columns) = VectorXd(both.rightCols(1));
-    both.conservativeResize(Eigen::NoChange, columns + 1);
-    filter(both, s.dt);
-    const std::vector<Eigen::Index> kept = kept_samples(s, static_cast<Eigen::Index>(i));
-    out[i].A.resize(static_cast<Eigen::Index>(kept.size()), columns);
-    out[i].time.resize(static_cast<Eigen::Index>(kept.size()));
-    out[i].b.resize(static_cast<Eigen::Index>(kept.size()));
+    const auto columns = static_cast<Eigen::Index>(free.size());
+    if (columns != mine.cols()) mine.conservativeResize(Eigen::NoChange, columns);
+    filter(mine, s.dt);
+    filter(b, s.dt);
+    const std::vector<Eigen::Index> kept = kept_samples(s, i);
+    const auto rows = static_cast<Eigen::Index>(kept.size());
+    of.A.resize(rows, columns);
+    of.b.resize(rows);
+    of.time.resize(rows);
     for (Eigen::Index c = 0; c < columns; ++c) {
-      for (size_t k = 0; k < kept.size(); ++k)
-        out[i].A(static_cast<Eigen::Index>(k), c) = both(kept[k], c);
+      for (Eigen::Index k = 0; k < rows; ++k)
+        of.A(k, c) = mine(kept[static_cast<size_t>(k)], c);
     }
-    for (size_t k = 0; k < kept.size(); ++k) {
-      out[i].b[static_cast<Eigen::Index>(k)] = both(kept[k], columns);
-      out[i].time[static_cast<Eigen::Index>(k)] = s.time[kept[k]] - s.start;
+    for (Eigen::Index k = 0; k < rows; ++k) {
+      of.b[k] = b(kept[static_cast<size_t>(k)], 0);
+      of.time[k] = s.time[kept[static_cast<size_t>(k)]] - s.start;
     }
-    Y[i].resize(0, 0);
+    out.push_back(std::move(of));
+    mine.resize(0, 0);
   }
   return out;
 }
@@ -170,13 +206,16 @@ MatrixXd RegressorColumns::filtered_torque(const Stretch& s) const {
 
 RegressorColumns::Prediction RegressorColumns::predict(const Stretch& s,
                                                        const VectorRef& values) const {
-  const std::vector<MatrixXd> Y = raw_columns(s);
   Prediction out{s.tau, MatrixXd::Zero(s.tau.rows(), s.tau.cols())};
-  for (size_t i = 0; i < Y.size(); ++i) {
-    VectorXd mine(static_cast<Eigen::Index>(of_joint_[i].size()));
-    for (size_t p = 0; p < of_joint_[i].size(); ++p)
-      mine[static_cast<Eigen::Index>(p)] = values[of_joint_[i][p]];
-    out.modelled.col(static_cast<Eigen::Index>(i)) = Y[i] * mine;
+  for (const Joints joints : groups(s.q.rows())) {
+    const std::vector<MatrixXd> Y = raw_columns(s, joints);
+    for (int i = joints.first; i < joints.end; ++i) {
+      const std::vector<int>& own = of_joint_[static_cast<size_t>(i)];
+      VectorXd mine(static_cast<Eigen::Index>(own.size()));
+      for (size_t p = 0; p < own.size(); ++p)
+        mine[static_cast<Eigen::Index>(p)] = values[own[p]];
+      out.modelled.col(i) = Y[static_cast<size_t>(i)] * mine;
+    }
   }
   filter(out.measured, s.dt);
   filter(out.modelled, s.dt);

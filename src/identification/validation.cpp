@@ -2,14 +2,52 @@
 
 #include <algorithm>
 #include <chrono>
+#include <limits>
+#include <optional>
+#include <unordered_map>
 #include <utility>
 
+#include "many_recordings.hpp"
 #include "math/parallel.hpp"
 #include "recordings/named_recordings.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn {
 namespace {
+
+constexpr int kSeriesSamples = 30000;  // for plots, of all recordings together
+
+// What sums of squares alone cannot tell is not a number.
+PredictionError only_relative(PredictionError error) {
+  error.maximum.setConstant(std::numeric_limits<double>::quiet_NaN());
+  error.moving_relative.setConstant(std::numeric_limits<double>::quiet_NaN());
+  return error;
+}
+
+// Errors on the rows of factors whose samples are elsewhere: sums of squares and nothing else.
+ErrorSums factor_errors(const Model& arm, const CompressedRecording& recording,
+                        const VectorXd& values, RecordingError& out) {
+  std::unordered_map<std::string, Eigen::Index> index;
+  for (const StandardParameter& p : standard_parameters(arm))
+    index.emplace(p.name, static_cast<Eigen::Index>(index.size()));
+  ErrorSums sums(arm.joints());
+  for (const auto& block : recording.blocks) {
+    for (size_t i = 0; i < block.size(); ++i) {
+      VectorXd x(block[i].size());
+      for (Eigen::Index c = 0; c < x.size(); ++c)
+        x[c] = values[index.at(block[i].columns()[static_cast<size_t>(c)])];
+      sums.torque2[static_cast<Eigen::Index>(i)] += block[i].rhs_norm2();
+      sums.error2[static_cast<Eigen::Index>(i)] += block[i].residual2(x);
+    }
+  }
+  out.source = recording.source;
+  out.error = only_relative(sums.error());
+  out.filled = recording.facts.filled;
+  out.rows = recording.facts.rows_read;
+  out.noise_floor = recording.noise_floor;
+  out.period = recording.period.seconds;
+  return sums;
+}
 
 bool any(const std::vector<RecordingError>& recordings, PredictionError RecordingError::* figure) {
   return std::any_of(recordings.begin(), recordings.end(), [figure](const RecordingError& r) {
@@ -74,55 +112,105 @@ MeasuredErrors measure_errors(const CompressedRecording& recording, const Prepro
   return found;
 }
 
+MeasuredRecording measure(const Model& arm, const CompressedRecording& recording,
+                          const PreprocessingOptions& how, const VectorXd& values,
+                          int series_samples, int threads) {
+  const ErrorSums none(arm.joints());
+  MeasuredRecording out{{}, {none, none, none}, false};
+  if (recording.detached) {
+    out.sums.repaired = factor_errors(arm, recording, values, out.error);
+    out.sums.as_recorded = out.sums.without_excluded = out.sums.repaired;
+    out.detached = true;
+    return out;
+  }
+  out.error.series.wanted = series_samples;
+  const auto predict = [&](const PreprocessingOptions& with, PredictionSeries* series,
+                           ErrorSums* without_excluded) {
+    return prediction_error(arm, recording.source, with, values, recording.joints, series,
+                            without_excluded, threads);
+  };
+  out.sums = measure_errors(recording, how, predict, out.error);
+  return out;
+}
+
+int series_samples_of_each(int recordings) {
+  const int usual = PredictionSeries().wanted;
+  return std::clamp(kSeriesSamples / std::max(1, recordings), 100, usual);
+}
+
+std::vector<CompressedRecording> compress_test(const Model& arm,
+                                               const std::vector<std::string>& test,
+                                               const PreprocessingOptions& how, int threads) {
+  std::vector<CompressedRecording> out(test.size());
+  const auto count = static_cast<int>(test.size());
+  parallel_for(count, threads, [&](int k) {
+    const auto at = static_cast<size_t>(k);
+    out[at] = compress(arm, test[at], how, threads_of_each(count, threads));
+    merge_blocks(out[at], 1);  // nothing is asked of them but their facts
+  });
+  for (const CompressedRecording& r : out)
+    require(
+        r.rows > 0.0, r.source,
+        ": found no usable samples after gaps, edges and row limits, expected some to test on.");
+  return out;
+}
+
+void take_errors(const Model& arm, std::vector<MeasuredRecording> train,
+                 std::vector<MeasuredRecording> test, Identification& id) {
+  struct Part {
+    std::vector<MeasuredRecording>& measured;
+    std::vector<RecordingError>& out;
+    PredictionError& error;
+    PredictionError& repaired;
+    PredictionError& without_excluded;
+  };
+  for (const Part& part :
+       {Part{train, id.train, id.train_error, id.train_repaired, id.train_without_excluded},
+        Part{test, id.test, id.test_error, id.test_repaired, id.test_without_excluded}}) {
+    std::vector<MeasuredErrors> sums;
+    bool detached = false;
+    part.out.clear();
+    for (MeasuredRecording& r : part.measured) {
+      sums.push_back(std::move(r.sums));
+      detached = detached || r.detached;
+      part.out.push_back(std::move(r.error));
+    }
+    const auto figure = [&](PredictionError RecordingError::* of_one,
+                            ErrorSums MeasuredErrors::* of_sums) {
+      return any(part.out, of_one) ? total(sums, of_sums, arm.joints()) : PredictionError();
+    };
+    part.error = figure(&RecordingError::error, &MeasuredErrors::as_recorded);
+    if (detached) {
+      part.error = only_relative(std::move(part.error));
+      continue;
+    }
+    part.repaired = figure(&RecordingError::repaired, &MeasuredErrors::repaired);
+    part.without_excluded =
+        figure(&RecordingError::without_excluded, &MeasuredErrors::without_excluded);
+  }
+}
+
 void validate(const Model& arm, const std::vector<std::string>& test,
               const IdentificationOptions& options, Identification& id) {
   const auto begin = std::chrono::steady_clock::now();
   const std::vector<CompressedRecording>& trained = id.factors;
   const std::vector<CompressedRecording> held_out =
-      compress_all(arm, test, id.test_preprocessing, options.threads);
-  for (const CompressedRecording& r : held_out)
-    require(
-        r.rows > 0.0, r.source,
-        ": found no usable samples after gaps, edges and row limits, expected some to test on.");
-  // Of the training recordings and of the held-out ones.
-  struct Part {
-    const std::vector<CompressedRecording>& recordings;
-    const PreprocessingOptions& how;
-    std::vector<RecordingError>& out;
-    std::vector<MeasuredErrors> measured;
-  };
-  Part parts[] = {{trained, id.preprocessing, id.train, {}},
-                  {held_out, id.test_preprocessing, id.test, {}}};
-  const ErrorSums none(arm.joints());
-  for (Part& part : parts) {
-    part.out.resize(part.recordings.size());
-    part.measured.assign(part.recordings.size(), {none, none, none});
-  }
-  parallel_for(static_cast<int>(trained.size() + test.size()), options.threads, [&](int k) {
-    const auto t = static_cast<size_t>(k);
-    Part& part = parts[t < trained.size() ? 0 : 1];
-    const size_t at = t < trained.size() ? t : t - trained.size();
-    const CompressedRecording& recording = part.recordings[at];
-    const auto predict = [&](const PreprocessingOptions& how, PredictionSeries* series,
-                             ErrorSums* without_excluded) {
-      return prediction_error(arm, recording.source, how, id.parameters, recording.joints, series,
-                              without_excluded);
-    };
-    part.measured[at] = measure_errors(recording, part.how, predict, part.out[at]);
+      compress_test(arm, test, id.test_preprocessing, options.threads);
+  const auto count = static_cast<int>(trained.size() + held_out.size());
+  std::vector<std::optional<MeasuredRecording>> measured(trained.size() + held_out.size());
+  parallel_for(count, options.threads, [&](int k) {
+    const auto at = static_cast<size_t>(k);
+    const bool of_training = at < trained.size();
+    measured[at] =
+        measure(arm, of_training ? trained[at] : held_out[at - trained.size()],
+                of_training ? id.preprocessing : id.test_preprocessing, id.parameters,
+                series_samples_of_each(count), threads_of_each(count, options.threads));
   });
-  const auto figure = [&](const Part& part, PredictionError RecordingError::* of_one,
-                          ErrorSums MeasuredErrors::* sums) {
-    return any(part.out, of_one) ? total(part.measured, sums, arm.joints()) : PredictionError();
-  };
-  for (const Part& part : parts) {
-    const bool trains = &part == &parts[0];
-    (trains ? id.train_error : id.test_error) =
-        figure(part, &RecordingError::error, &MeasuredErrors::as_recorded);
-    (trains ? id.train_repaired : id.test_repaired) =
-        figure(part, &RecordingError::repaired, &MeasuredErrors::repaired);
-    (trains ? id.train_without_excluded : id.test_without_excluded) =
-        figure(part, &RecordingError::without_excluded, &MeasuredErrors::without_excluded);
-  }
+  std::vector<MeasuredRecording> of_train;
+  std::vector<MeasuredRecording> of_test;
+  for (size_t k = 0; k < measured.size(); ++k)
+    (k < trained.size() ? of_train : of_test).push_back(std::move(*measured[k]));
+  take_errors(arm, std::move(of_train), std::move(of_test), id);
   id.seconds.validate =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
 }

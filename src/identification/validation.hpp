@@ -29,6 +29,30 @@ using Predict =
 MeasuredErrors measure_errors(const CompressedRecording& recording, const PreprocessingOptions& how,
                               const Predict& predict, RecordingError& out);
 
+/// One recording with the errors of some parameter values, and the sums behind them.
+struct MeasuredRecording {
+  RecordingError error;
+  MeasuredErrors sums;
+  bool detached = false;  ///< of a factor: its samples are elsewhere
+};
+
+MeasuredRecording measure(const Model& arm, const CompressedRecording& recording,
+                          const PreprocessingOptions& how, const VectorXd& values,
+                          int series_samples, int threads);
+
+/// Samples of each series for plots, so that memory does not grow with the recordings.
+int series_samples_of_each(int recordings);
+
+/// Held-out recordings, of which only the facts are kept.
+/// @throws InvalidInput  one has no usable samples: no error is not an error of 0.
+std::vector<CompressedRecording> compress_test(const Model& arm,
+                                               const std::vector<std::string>& test,
+                                               const PreprocessingOptions& how, int threads);
+
+/// Fills train, test and their errors.
+void take_errors(const Model& arm, std::vector<MeasuredRecording> train,
+                 std::vector<MeasuredRecording> test, Identification& id);
+
 /// Fills train, test and their errors: those of id.parameters on the recordings of id.factors and
 /// on held-out ones.
 /// @throws InvalidInput  a held-out recording has no usable samples: no error is not an error of 0.

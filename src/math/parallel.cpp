@@ -9,10 +9,21 @@
 
 namespace veridyn {
 
+int number_of_threads(int threads) {
+  return threads > 0 ? threads
+                     : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+}
+
+int threads_of_each(int count, int threads) {
+  return std::max(1, number_of_threads(threads) / std::max(1, count));
+}
+
 void parallel_for(int count, int threads, const std::function<void(int)>& body) {
-  const int wanted =
-      threads > 0 ? threads : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
-  const int workers = std::min(count, wanted);
+  const int workers = std::min(count, number_of_threads(threads));
+  if (workers <= 1) {
+    for (int i = 0; i < count; ++i) body(i);
+    return;
+  }
   std::atomic<int> next{0};
   std::exception_ptr first;
   std::mutex guard;

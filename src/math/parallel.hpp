@@ -8,4 +8,10 @@ namespace veridyn {
 /// all are done. The first exception is thrown again here.
 void parallel_for(int count, int threads, const std::function<void(int)>& body);
 
+/// `threads`, or where that is 0 the number of cores.
+int number_of_threads(int threads);
+
+/// Threads that each of so many pieces of work may use for itself while parallel_for() runs them.
+int threads_of_each(int count, int threads);
+
 }  // namespace veridyn

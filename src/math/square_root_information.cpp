@@ -1,30 +1,87 @@
 #include "veridyn/math/square_root_information.hpp"
 
-#include <Eigen/QR>
 #include <algorithm>
+#include <cmath>
 #include <unordered_map>
 #include <utility>
 
+#include "aligned_doubles.hpp"
+#include "triangle_update.hpp"
+#include "math/parallel.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn {
+namespace {
+
+constexpr Eigen::Index kBlockRows = 256;      // of a block: 60 columns are half of a 256 KiB cache
+constexpr Eigen::Index kPieceRows = 1 << 15;  // of a thread's piece
+
+}  // namespace
+
+// The factor [R z; 0 rho] as the kernels read it, and a block of rows below it.
+class SquareRootInformation::Triangle {
+ public:
+  Triangle(const SquareRootInformation& of, Eigen::Index rows)
+      : k_(of.size()),
+        columns_(triangle_columns(k_ + 1)),
+        stride_(triangle_stride(k_ + 1)),
+        rows_((rows + kTriangleRows - 1) / kTriangleRows * kTriangleRows) {
+    thread_local AlignedDoubles memory;
+    const auto top = static_cast<size_t>(columns_ * stride_);
+    R_ = memory.zeros(top + static_cast<size_t>(rows_ * stride_));
+    A_ = R_ + top;
+    for (Eigen::Index j = 0; j < of.R_.cols(); ++j)
+      for (Eigen::Index i = 0; i <= j; ++i) R_[i * stride_ + j] = of.R_(i, j);
+    for (Eigen::Index i = 0; i < of.z_.size(); ++i) R_[i * stride_ + k_] = of.z_[i];
+    R_[k_ * stride_ + k_] = std::sqrt(of.rho2_);
+  }
+
+  double& row(Eigen::Index i, Eigen::Index j) { return A_[i * stride_ + j]; }
+
+  void clear_rows_from(Eigen::Index first) {
+    std::fill(A_ + first * stride_, A_ + rows_ * stride_, 0.0);
+  }
+
+  // Column j of the block's first rows.
+  template <typename Column>
+  void set_column(Eigen::Index j, const Column& values) {
+    double* to = A_ + j;
+    for (Eigen::Index i = 0; i < values.size(); ++i) to[i * stride_] = values[i];
+  }
+
+  void update(bool triangular) {
+    triangle_kernels().update({R_, A_, stride_, columns_, static_cast<int>(rows_), triangular});
+  }
+
+  void give_to(SquareRootInformation& to) const {
+    for (Eigen::Index j = 0; j < k_; ++j)
+      for (Eigen::Index i = 0; i <= j; ++i) to.R_(i, j) = R_[i * stride_ + j];
+    for (Eigen::Index i = 0; i < k_; ++i) to.z_[i] = R_[i * stride_ + k_];
+    to.rho2_ = R_[k_ * stride_ + k_] * R_[k_ * stride_ + k_];
+  }
+
+ private:
+  Eigen::Index k_;
+  int columns_;
+  Eigen::Index stride_, rows_;
+  double* R_;
+  double* A_;
+};
 
 SquareRootInformation::SquareRootInformation(std::vector<std::string> columns)
     : columns_(std::move(columns)),
       R_(MatrixXd::Zero(size(), size())),
       z_(VectorXd::Zero(size())) {}
 
-// Triangulates [A b] in place and keeps its first size() rows; what b has left below them goes into
-// rho^2.
-void SquareRootInformation::absorb_stacked(MatrixXd stacked) {
-  const int k = size();
-  const Eigen::HouseholderQR<Eigen::Ref<MatrixXd>> qr(stacked);
-  const Eigen::Index kept = std::min<Eigen::Index>(k, stacked.rows());
-  R_.setZero();
-  z_.setZero();
-  R_.topRows(kept) = stacked.topLeftCorner(kept, k).triangularView<Eigen::Upper>();
-  z_.head(kept) = stacked.col(k).head(kept);
-  if (stacked.rows() > k) rho2_ += stacked(k, k) * stacked(k, k);
+SquareRootInformation::SquareRootInformation(std::vector<std::string> columns, MatrixXd R,
+                                             VectorXd z, double rho2, double rows)
+    : columns_(std::move(columns)), R_(std::move(R)), z_(std::move(z)), rho2_(rho2), rows_(rows) {
+  require(R_.rows() == size() && R_.cols() == size() && z_.size() == size(),
+          "SquareRootInformation: R is (", R_.rows(), " x ", R_.cols(), ") and z has ", z_.size(),
+          " entries; expected ", size(), " of each.");
+  require(R_.isUpperTriangular(0.0) && rho2 >= 0.0 && rows >= 0.0,
+          "SquareRootInformation: expected an upper triangular R, and neither rho2 nor rows below "
+          "zero.");
 }
 
 void SquareRootInformation::absorb(const MatrixRef& A, const VectorRef& b) {
@@ -32,18 +89,33 @@ void SquareRootInformation::absorb(const MatrixRef& A, const VectorRef& b) {
   require(A.cols() == k && A.rows() == b.size(), "SquareRootInformation::absorb: A is (", A.rows(),
           " x ", A.cols(), ") and b has ", b.size(), " rows; expected ", k,
           " columns and equal rows.");
-  // Blocks much taller than wide, so that the triangle on top costs little.
-  const Eigen::Index block = std::max<Eigen::Index>(256, 4 * k);
-  for (Eigen::Index at = 0; at < A.rows(); at += block) {
-    const Eigen::Index n = std::min(block, A.rows() - at);
-    MatrixXd stacked(k + n, k + 1);
-    stacked.topLeftCorner(k, k) = R_;
-    stacked.topRightCorner(k, 1) = z_;
-    stacked.bottomLeftCorner(n, k) = A.middleRows(at, n);
-    stacked.bottomRightCorner(n, 1) = b.segment(at, n);
-    absorb_stacked(std::move(stacked));
+  if (A.rows() == 0) return;
+  Triangle triangle(*this, std::min(kBlockRows, A.rows()));
+  for (Eigen::Index at = 0; at < A.rows(); at += kBlockRows) {
+    const Eigen::Index n = std::min(kBlockRows, A.rows() - at);
+    for (int j = 0; j < k; ++j) triangle.set_column(j, A.col(j).segment(at, n));
+    triangle.set_column(k, b.segment(at, n));
+    if (n < kBlockRows) triangle.clear_rows_from(n);
+    triangle.update(false);
   }
+  triangle.give_to(*this);
   rows_ += static_cast<double>(A.rows());
+}
+
+void SquareRootInformation::absorb(const MatrixRef& A, const VectorRef& b, int threads) {
+  const auto pieces = static_cast<int>((A.rows() + kPieceRows - 1) / kPieceRows);
+  if (pieces < 2 || A.rows() != b.size()) return absorb(A, b);
+  std::vector<SquareRootInformation> factors(static_cast<size_t>(pieces),
+                                             SquareRootInformation(columns_));
+  parallel_for(pieces, threads, [&](int p) {
+    const Eigen::Index at = p * kPieceRows;
+    const Eigen::Index n = std::min(kPieceRows, A.rows() - at);
+    factors[static_cast<size_t>(p)].absorb(A.middleRows(at, n), b.segment(at, n));
+  });
+  for (size_t step = 1; step < factors.size(); step *= 2) {
+    for (size_t p = 0; p + step < factors.size(); p += 2 * step) factors[p].merge(factors[p + step]);
+  }
+  merge(factors.front());
 }
 
 void SquareRootInformation::merge(const SquareRootInformation& other, double weight) {
@@ -60,15 +132,20 @@ void SquareRootInformation::merge(const SquareRootInformation& other, double wei
   columns_.insert(columns_.end(), added.begin(), added.end());
   const int k = size();
   const int m = other.size();
-  MatrixXd stacked = MatrixXd::Zero(before + m, k + 1);
-  stacked.topLeftCorner(before, before) = R_;
-  stacked.topRightCorner(before, 1) = z_;
+  R_.conservativeResize(k, k);
+  z_.conservativeResize(k);
+  if (k > before) {
+    R_.rightCols(k - before).setZero();
+    R_.bottomRows(k - before).setZero();
+    z_.tail(k - before).setZero();
+  }
+  Triangle triangle(*this, m);
   for (int j = 0; j < m; ++j)
-    stacked.col(place[static_cast<size_t>(j)]).tail(m) = weight * other.R_.col(j);
-  stacked.col(k).tail(m) = weight * other.z_;
-  R_.resize(k, k);
-  z_.resize(k);
-  absorb_stacked(std::move(stacked));
+    triangle.set_column(place[static_cast<size_t>(j)], weight * other.R_.col(j).head(j + 1));
+  triangle.set_column(k, weight * other.z_);
+  // Row i begins at place[i], which is not left of i where the columns keep their order.
+  triangle.update(std::is_sorted(place.begin(), place.end()));
+  triangle.give_to(*this);
   rho2_ += weight * weight * other.rho2_;
   rows_ += other.rows_;
 }

@@ -3,17 +3,27 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <complex>
+#include <vector>
 
+#include "aligned_doubles.hpp"
+#include "filter_sweep.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn {
 namespace {
 
-constexpr int kLanes = 8;
-using Lanes = std::array<double, kLanes>;
+// A section from the coefficients of y = b0 x + b1 x' + b2 x'' - a1 y' - a2 y''.
+FilterSection section(double b0, double b1, double b2, double a1, double a2) {
+  // At rest under a constant input of one; every section has gain one there.
+  const double start2 = b2 - a2;
+  return {b0, b1 - a1 * b0, b2 - a2 * b0, a1, a2, b1 - a1 + start2, start2};
+}
 
 }  // namespace
+
+ZeroPhaseFilter::~ZeroPhaseFilter() = default;
+ZeroPhaseFilter::ZeroPhaseFilter(const ZeroPhaseFilter&) = default;
+ZeroPhaseFilter& ZeroPhaseFilter::operator=(const ZeroPhaseFilter&) = default;
 
 ZeroPhaseFilter::ZeroPhaseFilter(double cutoff, int order, double rate) {
   require(order >= 1 && order <= 20, "filter order is ", order, "; expected 1 to 20.");
@@ -24,28 +34,17 @@ ZeroPhaseFilter::ZeroPhaseFilter(double cutoff, int order, double rate) {
   for (int k = 0; k < order / 2; ++k) {
     const double damping = 2.0 * std::sin(M_PI * (2 * k + 1) / (2.0 * order));
     const double scale = 1.0 + damping * warped + warped * warped;
-    Section s{};
-    s.b0 = warped * warped / scale;
-    s.b1 = 2.0 * s.b0;
-    s.b2 = s.b0;
-    s.a1 = 2.0 * (warped * warped - 1.0) / scale;
-    s.a2 = (1.0 - damping * warped + warped * warped) / scale;
-    slowest_pole_ = std::max(slowest_pole_, std::sqrt(std::abs(s.a2)));
-    sections_.push_back(s);
+    const double b0 = warped * warped / scale;
+    const double a2 = (1.0 - damping * warped + warped * warped) / scale;
+    slowest_pole_ = std::max(slowest_pole_, std::sqrt(std::abs(a2)));
+    sections_.push_back(
+        section(b0, 2.0 * b0, b0, 2.0 * (warped * warped - 1.0) / scale, a2));
   }
   if (order % 2 == 1) {
-    Section s{};
-    s.b0 = warped / (1.0 + warped);
-    s.b1 = s.b0;
-    s.a1 = (warped - 1.0) / (1.0 + warped);
-    slowest_pole_ = std::max(slowest_pole_, std::abs(s.a1));
-    sections_.push_back(s);
-  }
-  for (Section& s : sections_) {
-    // Transposed direct form II at rest under a constant input of one; every section has gain one
-    // there.
-    s.start2 = s.b2 - s.a2;
-    s.start1 = s.b1 - s.a1 + s.start2;
+    const double b0 = warped / (1.0 + warped);
+    const double a1 = (warped - 1.0) / (1.0 + warped);
+    slowest_pole_ = std::max(slowest_pole_, std::abs(a1));
+    sections_.push_back(section(b0, b0, 0.0, a1, 0.0));
   }
 }
 
@@ -57,43 +56,20 @@ void ZeroPhaseFilter::apply(MatrixXd& columns) const {
   const Eigen::Index rows = columns.rows();
   if (rows < 2) return;
   const Eigen::Index pad = std::min<Eigen::Index>(rows - 1, settling_samples(1e-4));
-  std::vector<Lanes> work(static_cast<size_t>(rows + 2 * pad));
-  const auto sweep = [&](auto first, auto last) {
-    for (const Section& s : sections_) {
-      Lanes d1;
-      Lanes d2;
-      for (int l = 0; l < kLanes; ++l) {
-        d1[l] = s.start1 * (*first)[l];
-        d2[l] = s.start2 * (*first)[l];
-      }
-      for (auto at = first; at != last; ++at) {
-        for (int l = 0; l < kLanes; ++l) {
-          const double x = (*at)[l];
-          const double y = s.b0 * x + d1[l];
-          d1[l] = s.b1 * x - s.a1 * y + d2[l];
-          d2[l] = s.b2 * x - s.a2 * y;
-          (*at)[l] = y;
-        }
-      }
-    }
-  };
-  for (Eigen::Index c0 = 0; c0 < columns.cols(); c0 += kLanes) {
-    const int lanes = static_cast<int>(std::min<Eigen::Index>(kLanes, columns.cols() - c0));
-    for (int l = 0; l < kLanes; ++l) {
-      const auto column = columns.col(c0 + std::min(l, lanes - 1));
-      for (Eigen::Index i = 0; i < rows; ++i) work[static_cast<size_t>(pad + i)][l] = column[i];
-      for (Eigen::Index i = 1; i <= pad; ++i) {
-        work[static_cast<size_t>(pad - i)][l] = 2.0 * column[0] - column[i];
-        work[static_cast<size_t>(pad + rows - 1 + i)][l] =
-            2.0 * column[rows - 1] - column[rows - 1 - i];
-      }
-    }
-    sweep(work.begin(), work.end());
-    sweep(work.rbegin(), work.rend());
-    for (int l = 0; l < lanes; ++l) {
-      for (Eigen::Index i = 0; i < rows; ++i)
-        columns(i, c0 + l) = work[static_cast<size_t>(pad + i)][l];
-    }
+  thread_local AlignedDoubles memory;
+  FilterSweep sweep{sections_.data(), static_cast<int>(sections_.size()),
+                    nullptr,          rows,
+                    pad,              nullptr};
+  sweep.work = memory.get(static_cast<size_t>((rows + 2 * pad) * kFilterLanes));
+  std::array<double*, kFilterLanes> lanes{};
+  std::vector<double> idle;  // what lanes without a column of their own work on
+  if (columns.cols() % kFilterLanes != 0) idle.resize(static_cast<size_t>(rows));
+  for (Eigen::Index c = 0; c < columns.cols(); c += kFilterLanes) {
+    for (int l = 0; l < kFilterLanes; ++l)
+      lanes[static_cast<size_t>(l)] =
+          c + l < columns.cols() ? columns.data() + (c + l) * rows : idle.data();
+    sweep.columns = lanes.data();
+    filter_kernels().run(sweep);
   }
 }
 

@@ -13,7 +13,8 @@
 namespace veridyn {
 namespace {
 
-constexpr Eigen::Index kCore = 2048;     // samples of one stretch
+constexpr Eigen::Index kCore = 4096;  // samples of one stretch, at least
+constexpr Eigen::Index kCorePerHalo = 3;  // so that little is filtered twice
 constexpr double kHaloRemainder = 1e-9;  // what a cut leaves of itself at the core
 constexpr Eigen::Index kDerivatives =
     4;  // samples on either side that two central differences lean on
@@ -119,16 +120,17 @@ PreparationFacts run(const Model& arm, const std::string& name, UniformStream::S
   // So far is read ahead: the filters settle, and what is dropped at the end is known to be there.
   const Eigen::Index ahead =
       std::max(filters.halo, static_cast<Eigen::Index>(std::ceil(o.drop_end / dt)));
+  const Eigen::Index core = std::max(kCore, kCorePerHalo * filters.halo);
   Eigen::Index behind = 0;  // settled samples held in front of the core
   Eigen::Index discard = 0;
   while (true) {
     if (o.interrupted && o.interrupted()) throw Interrupted();
-    const Eigen::Index held = stream.hold(behind + kCore + ahead + 1, discard);
-    const bool last = stream.ended() && held <= behind + kCore + filters.halo;
-    const Eigen::Index rows = last ? held : behind + kCore + filters.halo;
+    const Eigen::Index held = stream.hold(behind + core + ahead + 1, discard);
+    const bool last = stream.ended() && held <= behind + core + filters.halo;
+    const Eigen::Index rows = last ? held : behind + core + filters.halo;
     Stretch s = make_stretch(arm, stream, rows, o, filters);
     s.core_begin = behind;
-    s.core_end = last ? rows : behind + kCore;
+    s.core_end = last ? rows : behind + core;
     const double t_end =
         stream.ended() ? s.time[0] + static_cast<double>(held - 1) * dt - o.drop_end : 1e300;
     const double t_begin = stream.start() + o.drop_start;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace veridyn {
 namespace {
@@ -13,6 +14,8 @@ constexpr double kKeptShare = 0.8;       // of the times
 constexpr double kLongestShare = 0.7;    // of the duration; the rest must overlap
 constexpr double kCoarsestStep = 0.025;  // [s]
 constexpr int kCoarseRows = 5000;
+constexpr int kSampledTimes = 256;   // of an estimate of d
+constexpr double kSuspected = 4.0;  // estimates up to this times kDeep are looked into
 
 // Positions of the moving joints on an even grid, each with unit variance.
 struct Grid {
@@ -107,24 +110,66 @@ double difference(const Grid& grid, double lag, std::vector<double>* scratch) {
          (2.0 * static_cast<double>(grid.q.cols()) * static_cast<double>(kept - scratch->begin()));
 }
 
+// d at whole lags, each computed when it is asked for.
+class Differences {
+ public:
+  explicit Differences(const Grid& grid)
+      : grid_(grid),
+        rows_(grid.q),
+        longest_(static_cast<int>(kLongestShare * static_cast<double>(grid.q.rows()))),
+        values_(static_cast<std::size_t>(longest_) + 1, -1.0) {}
+
+  int longest() const { return longest_; }
+
+  double operator()(int lag) {
+    double& value = values_[static_cast<std::size_t>(lag)];
+    if (value < 0.0) value = difference(grid_, lag, &scratch_);
+    return value;
+  }
+
+  // d from kSampledTimes only. Positions are smooth, so these tell where d can be deep: times that
+  // all fall on one phase of the motion make it look deeper, never less deep.
+  double estimate(int lag) {
+    const Eigen::Index columns = rows_.cols();
+    const Eigen::Index times = rows_.rows() - lag;
+    const Eigen::Index count = std::min<Eigen::Index>(times, kSampledTimes);
+    scratch_.resize(static_cast<std::size_t>(count));
+    for (Eigen::Index s = 0; s < count; ++s) {
+      const double* now = rows_.data() + s * times / count * columns;
+      const double* then = now + lag * columns;
+      double sum = 0.0;
+      for (Eigen::Index j = 0; j < columns; ++j) sum += (then[j] - now[j]) * (then[j] - now[j]);
+      scratch_[static_cast<std::size_t>(s)] = sum;
+    }
+    const auto kept = scratch_.begin() + static_cast<std::ptrdiff_t>(kKeptShare * static_cast<double>(count));
+    std::nth_element(scratch_.begin(), kept, scratch_.end());
+    return std::accumulate(scratch_.begin(), kept, 0.0) /
+           (2.0 * static_cast<double>(columns) * static_cast<double>(kept - scratch_.begin()));
+  }
+
+ private:
+  const Grid& grid_;
+  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> rows_;
+  int longest_;
+  std::vector<double> values_;  // below 0: not known yet
+  std::vector<double> scratch_;
+};
+
 // The smallest lag on a coarse grid that is as good a repeat as any, in steps; 0: none.
 int coarse_period(const Grid& grid) {
-  const int longest = static_cast<int>(kLongestShare * static_cast<double>(grid.q.rows()));
-  std::vector<double> scratch;
-  std::vector<double> d(static_cast<std::size_t>(longest) + 1);
-  for (int lag = 0; lag <= longest; ++lag)
-    d[static_cast<std::size_t>(lag)] = difference(grid, lag, &scratch);
-  const auto risen = std::find_if(d.begin(), d.end(), [](double value) { return value > kRisen; });
-  std::vector<std::size_t> minima;
+  Differences d(grid);
+  int lag = 0;
+  while (lag <= d.longest() && d(lag) <= kRisen) ++lag;
+  std::vector<int> minima;
   double best = kDeep;
-  for (std::size_t lag = static_cast<std::size_t>(risen - d.begin()) + 1; lag + 1 < d.size();
-       ++lag) {
-    if (d[lag] > d[lag - 1] || d[lag] > d[lag + 1] || d[lag] > kDeep) continue;
+  for (++lag; lag < d.longest(); ++lag) {
+    if (d.estimate(lag) > kSuspected * kDeep || d(lag) > kDeep) continue;
+    if (d(lag) > d(lag - 1) || d(lag) > d(lag + 1)) continue;
     minima.push_back(lag);
-    best = std::min(best, d[lag]);
+    best = std::min(best, d(lag));
   }
-  for (const std::size_t lag : minima) {
-    if (d[lag] <= std::max(4.0 * best, 0.1 * kDeep)) return static_cast<int>(lag);
+  for (const int at : minima) {
+    if (d(at) <= std::max(4.0 * best, 0.1 * kDeep)) return at;
   }
   return 0;
 }

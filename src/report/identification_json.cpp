@@ -123,6 +123,9 @@ std::string to_json(const Identification& id) {
   out["test"] = errors_json(id.test_error, id.test_repaired, id.test_without_excluded, id.test);
   out["noise_floor"] = {{"relative_error", json_list(id.noise_floor)},
                         {"source", id.noise_floor.size() > 0 ? "repeats" : "none"}};
+  out["left_out_recordings"] = Json::array();
+  for (const UnusedRecording& r : id.left_out)
+    out["left_out_recordings"].push_back({{"file", r.source}, {"why", r.why}});
   if (id.drive_gains) {
     out["drive_gains"] = drive_gains_json(id.drive_gains->joints);
     out["known_masses"] = known_masses_json(id.drive_gains->loads);

@@ -152,5 +152,3 @@ BENCHMARK(regressor_batch)->Arg(64)->Arg(256)->Arg(4096);
 
 }  // namespace
 }  // namespace veridyn
-
-BENCHMARK_MAIN();

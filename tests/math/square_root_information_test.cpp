@@ -4,9 +4,14 @@
 
 #include <Eigen/QR>
 #include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
 #include <string>
 #include <vector>
 
+#include "math/processor.hpp"
+#include "math/triangle_update.hpp"
 #include "support/near.hpp"
 #include "support/random.hpp"
 #include "veridyn/math/require.hpp"
@@ -230,6 +235,82 @@ TEST(TheFactor, SolvesBadlyConditionedRows) {
   p.b = p.A * truth;
   const SquareRootInformation f = factor_of(p, names(3));
   EXPECT_TRUE(near(solution(f), truth, 1e-6));
+}
+
+// The pieces and the tree of their factors are fixed, and a product of a thread depends on nothing
+// else: not even the last bit differs.
+TEST(TheFactor, DoesNotDependOnTheNumberOfThreads) {
+  Random random(13);
+  const Rows p = random_rows(100000, 5, random);
+  SquareRootInformation one(names(5));
+  one.absorb(p.A, p.b, 1);
+  for (const int threads : {2, 3, 5}) {
+    SquareRootInformation other(names(5));
+    other.absorb(p.A, p.b, threads);
+    EXPECT_EQ(one.R(), other.R()) << threads << " threads";
+    EXPECT_EQ(one.z(), other.z()) << threads << " threads";
+    EXPECT_EQ(one.rho2(), other.rho2()) << threads << " threads";
+  }
+  EXPECT_TRUE(same(one, factor_of(p, names(5))));
+}
+
+// Each column on its own scale, over sixteen decades: R'R = A'A holds column by column.
+TEST(TheFactor, KeepsColumnsOfAllScales) {
+  Random random(14);
+  Rows p = random_rows(700, 17, random);
+  VectorXd scale(17);
+  for (int j = 0; j < 17; ++j) scale[j] = std::pow(10.0, j - 8);
+  const MatrixXd unscaled = p.A;
+  p.A = p.A * scale.asDiagonal();
+  const SquareRootInformation f = factor_of(p, names(17));
+  const MatrixXd R = f.R() * scale.cwiseInverse().asDiagonal();
+  EXPECT_TRUE(near(R.transpose() * R, unscaled.transpose() * unscaled, 1e-12 * 700));
+}
+
+TEST(TheFactor, DoesNotHideWhatIsNotANumber) {
+  Random random(15);
+  Rows p = random_rows(40, 11, random);
+  p.A(17, 3) = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_FALSE(std::isfinite(factor_of(p, names(11)).residual2(VectorXd::Ones(11))));
+}
+
+// The kernels of all instruction sets that this processor has do the same, on rows and on a second
+// triangle (whose lower left part they never read).
+TEST(TheTriangle, IsTheSameOnAllInstructionSets) {
+  Random random(16);
+  constexpr int kColumns = 40;
+  constexpr int kRows = 44;
+  const long stride = triangle_stride(kColumns);
+  const auto padded = [&](const MatrixXd& rows, std::vector<double>& memory) {
+    memory.assign(static_cast<size_t>(kRows * stride + 8), 0.0);
+    void* at = memory.data();
+    size_t space = memory.size() * sizeof(double);
+    auto* data = static_cast<double*>(std::align(64, 1, at, space));
+    for (int i = 0; i < rows.rows(); ++i)
+      for (int j = 0; j < rows.cols(); ++j) data[i * stride + j] = rows(i, j);
+    return data;
+  };
+  const MatrixXd top = random_rows(kColumns, kColumns, random).A.triangularView<Eigen::Upper>();
+  MatrixXd rows = random_rows(kRows, kColumns, random).A;
+  for (const bool triangular : {false, true}) {
+    if (triangular) rows = MatrixXd(rows.triangularView<Eigen::Upper>());
+    const MatrixXd expected = top.transpose() * top + rows.transpose() * rows;
+    std::vector<TriangleKernels> all = {triangle_kernels_baseline()};
+    const InstructionSet isa = widest_instruction_set();
+    if (isa >= InstructionSet::kAvx2) all.push_back(triangle_kernels_avx2());
+    if (isa >= InstructionSet::kAvx512) all.push_back(triangle_kernels_avx512());
+    for (const TriangleKernels& kernels : all) {
+      if (kernels.update == nullptr) continue;
+      std::vector<double> above;
+      std::vector<double> below;
+      double* R = padded(top, above);
+      kernels.update({R, padded(rows, below), stride, kColumns, kRows, triangular});
+      MatrixXd found = MatrixXd::Zero(kColumns, kColumns);
+      for (int i = 0; i < kColumns; ++i)
+        for (int j = i; j < kColumns; ++j) found(i, j) = R[i * stride + j];
+      EXPECT_TRUE(near(found.transpose() * found, expected, 1e-12 * kRows));
+    }
+  }
 }
 
 TEST(TheFactor, RefusesRowsThatDoNotFit) {

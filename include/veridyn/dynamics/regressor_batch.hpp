@@ -34,6 +34,10 @@ class RegressorBatch {
   void evaluate(const MatrixRef& q, const MatrixRef& dq, const MatrixRef& ddq,
                 std::vector<MatrixXd>& Y) const;
 
+  /// The same for joints first .. end - 1 only; the other matrices stay as they are.
+  void evaluate(const MatrixRef& q, const MatrixRef& dq, const MatrixRef& ddq, int first, int end,
+                std::vector<MatrixXd>& Y) const;
+
   /// Inverse dynamics of all samples.
   ///
   /// @param phi  (10 * bodies), in the order of InertialParameters.

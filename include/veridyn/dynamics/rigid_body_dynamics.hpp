@@ -1,11 +1,16 @@
 #pragma once
 
+#include <memory>
+#include <vector>
+
 #include "veridyn/dynamics/recursion.hpp"
 #include "veridyn/kinematics/tree.hpp"
 #include "veridyn/math/types.hpp"
 #include "veridyn/model/model.hpp"
 
 namespace veridyn {
+
+class StateModel;  // of the library
 
 /// The rigid bodies of an arm in motion, in one convention (thesis 4.10 with the errata):
 ///
@@ -40,13 +45,53 @@ class RigidBodyDynamics {
   bool forward_dynamics(const VectorRef& q, const VectorRef& dq, const VectorRef& tau,
                         VectorXd& ddq);
 
+  /// M(q), (n x n), and h = C(q, dq) dq + g(q), (n), at little more than the cost of M alone.
+  void equation_of_motion(const VectorRef& q, const VectorRef& dq, MatrixXd& M, VectorXd& h);
+
+  /// Derivatives of inverse dynamics, (n x n) each: column j is by coordinate j.
+  struct TorqueSlopes {
+    MatrixXd by_q, by_dq, by_ddq;  ///< by_ddq is M(q)
+  };
+
+  /// tau and its derivatives, analytically: tangents of the Newton-Euler recursion, eight
+  /// directions side by side.
+  void inverse_dynamics_slopes(const VectorRef& q, const VectorRef& dq, const VectorRef& ddq,
+                               VectorXd& tau, TorqueSlopes& slopes);
+
+  /// Derivatives of forward dynamics, (n x n) each.
+  struct AccelerationSlopes {
+    MatrixXd by_q, by_dq, by_tau;  ///< by_tau is the inverse of M(q)
+  };
+
+  /// ddq and its derivatives, from those of inverse dynamics at ddq: -M^-1 dtau/dx. False if M is
+  /// not positive definite there.
+  bool forward_dynamics_slopes(const VectorRef& q, const VectorRef& dq, const VectorRef& tau,
+                               VectorXd& ddq, AccelerationSlopes& slopes);
+
  private:
+  double* memory();
+
   Tree tree_;
   VectorXd phi_;
   VectorXd rest_;
   Recursion<double> recursion_;
+  std::shared_ptr<const StateModel> state_;
+  std::vector<double> memory_;
   MatrixXd M_;
   VectorXd bias_;
+};
+
+/// torque_regressor() of one arm again and again: after the constructor nothing allocates.
+class TorqueRegressor {
+ public:
+  explicit TorqueRegressor(const Model& arm);
+
+  /// @param Y  (n x 10 bodies), of the right size.
+  void evaluate(const VectorRef& q, const VectorRef& dq, const VectorRef& ddq, MatrixXd& Y);
+
+ private:
+  std::shared_ptr<const StateModel> state_;
+  std::vector<double> memory_;
 };
 
 /// Joint torques as a linear map of the bodies' inertial parameters:

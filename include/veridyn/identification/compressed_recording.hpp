@@ -33,11 +33,14 @@ struct CompressedRecording {
   VectorXd noise_floor;  ///< (n) relative error of a perfect model, from repeated periods; empty if
                          ///< none repeat
   double rows = 0.0;     ///< over all joints
+  bool detached = false;  ///< it came as a factor: its samples are elsewhere
 };
 
-/// @param path  a recording; read twice, its first minutes for the period and then all of it.
+/// @param path     a recording; read twice, its first minutes for the period and then all of it.
+/// @param threads  one reads ahead, the others share the joints; 0: one per core. The result does
+/// not depend on it.
 CompressedRecording compress(const Model& arm, const std::string& path,
-                             const PreprocessingOptions& options);
+                             const PreprocessingOptions& options, int threads = 1);
 CompressedRecording compress(const Model& arm, const Recording& recording,
                              const PreprocessingOptions& options);
 
@@ -70,6 +73,7 @@ struct ErrorSums {
 
 /// One decimated series for plots: measured and modelled torque with the motion.
 struct PredictionSeries {
+  int wanted = 3000;         ///< samples: so many to twice as many are kept
   std::vector<double> time;  ///< [s] since the recording began
   std::vector<std::vector<double>> q, dq, ddq, measured, modelled;  ///< [joint][sample]
 };
@@ -83,7 +87,7 @@ ErrorSums prediction_error(const Model& arm, const std::string& path,
                            const PreprocessingOptions& options, const VectorRef& values,
                            const std::vector<TorqueFacts>& joints,
                            PredictionSeries* series = nullptr,
-                           ErrorSums* without_excluded = nullptr);
+                           ErrorSums* without_excluded = nullptr, int threads = 1);
 ErrorSums prediction_error(const Model& arm, const Recording& recording,
                            const PreprocessingOptions& options, const VectorRef& values,
                            const std::vector<TorqueFacts>& joints,

@@ -83,6 +83,13 @@ struct RecordingError {
   PredictionSeries series;
 };
 
+/// A recording that was asked for and could not be used; only identify() on several machines goes
+/// on without it.
+struct UnusedRecording {
+  std::string source;
+  std::string why;
+};
+
 struct StageSeconds {
   double read = 0.0;  ///< reading, filtering and building columns of the training recordings
                       ///< included in compress
@@ -128,6 +135,7 @@ struct Identification {
   std::optional<Model> model;     ///< the arm with these values
   std::vector<CompressedRecording>
       factors;  ///< the training recordings, for further questions without their samples
+  std::vector<UnusedRecording> left_out;  ///< of the list, see there
   std::optional<DriveGains> drive_gains;  ///< where known masses were given
   StageSeconds seconds;
 

@@ -35,6 +35,17 @@ class RegressorColumns {
   /// One JointRows per joint, from the usable samples of the stretch's core.
   std::vector<JointRows> rows(const Stretch& stretch) const;
 
+  /// Joints first .. end - 1.
+  struct Joints {
+    int first, end;
+  };
+
+  /// All joints in groups whose columns over so many rows take a few megabytes.
+  std::vector<Joints> groups(Eigen::Index rows) const;
+
+  /// rows() of one group, in the order of its joints.
+  std::vector<JointRows> rows(const Stretch& stretch, Joints joints) const;
+
   /// The measured torque as rows() and predict() see it, filtered, (rows x n).
   MatrixXd filtered_torque(const Stretch& stretch) const;
 
@@ -52,8 +63,8 @@ class RegressorColumns {
 
  private:
   using ArmTerms = std::vector<std::pair<const EffectTerm*, std::vector<Eigen::Index>>>;
-  std::vector<MatrixXd> raw_columns(const Stretch& stretch) const;
-  void fill_channel_errors(const Stretch& stretch, const ArmTerms& terms,
+  std::vector<MatrixXd> raw_columns(const Stretch& stretch, Joints joints) const;
+  void fill_channel_errors(const Stretch& stretch, const ArmTerms& terms, Joints joints,
                            std::vector<MatrixXd>& Y) const;
   void filter(MatrixXd& columns, double dt) const;
   void smooth_load(MatrixXd& load, double dt) const;

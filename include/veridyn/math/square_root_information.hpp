@@ -21,6 +21,12 @@ class SquareRootInformation {
   SquareRootInformation() = default;
   explicit SquareRootInformation(std::vector<std::string> columns);
 
+  /// A factor whose parts are known, such as those of a file.
+  /// @throws InvalidInput  the sizes differ, R is not upper triangular, or rho2 or rows are
+  /// negative.
+  SquareRootInformation(std::vector<std::string> columns, MatrixXd R, VectorXd z, double rho2,
+                        double rows);
+
   const std::vector<std::string>& columns() const { return columns_; }
   int size() const { return static_cast<int>(columns_.size()); }
 
@@ -36,8 +42,15 @@ class SquareRootInformation {
   /// || b ||^2 of all rows.
   double rhs_norm2() const { return z_.squaredNorm() + rho2_; }
 
-  /// Adds the rows of A x ~ b; A is (rows x size()).
+  /// Adds the rows of A x ~ b; A is (rows x size()). Householder reflections in panels (compact
+  /// WY) on blocks that stay in the cache, 2 rows size()^2 operations; nothing is allocated after
+  /// a thread's first call of a size.
   void absorb(const MatrixRef& A, const VectorRef& b);
+
+  /// The same on several threads. The rows are cut into pieces whose factors are merged in a fixed
+  /// tree, so that the result does not depend on the number of threads.
+  /// @param threads  0: one per core.
+  void absorb(const MatrixRef& A, const VectorRef& b, int threads);
 
   /// Adds the rows that another factor stands for, each scaled by `weight`. Columns that only the
   /// other one has are appended.
@@ -58,7 +71,7 @@ class SquareRootInformation {
   VectorXd column_norms() const;
 
  private:
-  void absorb_stacked(MatrixXd stacked);
+  class Triangle;
 
   std::vector<std::string> columns_;
   MatrixXd R_;

@@ -6,6 +6,8 @@
 
 namespace veridyn {
 
+struct FilterSection;  // of the library
+
 /// A Butterworth low-pass run forward and backward, so that nothing is delayed.
 ///
 /// Second-order sections by the bilinear transform with pre-warping; any order. One pass damps by 3
@@ -24,15 +26,15 @@ class ZeroPhaseFilter {
   /// Filters every column in place. Columns are filtered eight at a time.
   void apply(MatrixXd& columns) const;
 
+  ~ZeroPhaseFilter();
+  ZeroPhaseFilter(const ZeroPhaseFilter&);
+  ZeroPhaseFilter& operator=(const ZeroPhaseFilter&);
+
   /// After this many samples a disturbance has decayed to `remainder` of its size.
   int settling_samples(double remainder) const;
 
  private:
-  struct Section {
-    double b0, b1, b2, a1, a2;
-    double start1, start2;  ///< steady state for an input of one
-  };
-  std::vector<Section> sections_;
+  std::vector<FilterSection> sections_;
   double slowest_pole_ = 0.0;  ///< largest magnitude of a pole
 };
 

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "veridyn/identification/fleet.hpp"
 #include "veridyn/identification/identification.hpp"
 #include "veridyn/recordings/recording_quality.hpp"
 #include "veridyn/report/robot_info.hpp"
@@ -17,6 +18,9 @@ std::string to_json(const RobotInfo& info);
 
 /// Command "check": every recording with its findings, and all findings again under data_quality.
 std::string to_json(const std::vector<RecordingQuality>& recordings);
+
+/// Command "fleet": bodies of the fleet, spreads of what each arm has for itself, members, outliers.
+std::string to_json(const Fleet& fleet);
 
 /// Command "identify". condition_number is the one with columns scaled to norm one; `test` is null
 /// without test recordings; rank_gap is null where no column depends on others.

@@ -338,7 +338,7 @@ bool same_torques(const NormalBlocks& data, const Hypothesis& a, const Hypothesi
   MatrixXd AA = MatrixXd::Zero(k, k);
   MatrixXd AB = AA;
   VectorXd BB = VectorXd::Zero(k);
-  for (const MatrixXd& G : data.total().G) {
+  for (const JointSquares& G : data.total().G) {
     for (Eigen::Index r = 0; r < k; ++r) {
       BB[r] += G(B[static_cast<size_t>(r)], B[static_cast<size_t>(r)]);
       for (Eigen::Index c = 0; c < k; ++c) {

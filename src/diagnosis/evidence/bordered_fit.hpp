@@ -27,7 +27,8 @@ class BorderedFit {
   Border with(const ColumnSet& more) const;
 
  private:
-  MatrixXd weighted(const ColumnSet& rows, const ColumnSet& columns) const;
+  MatrixXd weighted(const ColumnSet& rows, const std::vector<OwnColumns>& own_rows,
+                    const ColumnSet& columns, const std::vector<OwnColumns>& own_columns) const;
   VectorXd weighted(const ColumnSet& rows) const;
 
   const ColumnSet& set_;
@@ -38,8 +39,9 @@ class BorderedFit {
   RidgedSolver solver_;
   VectorXd x_;
   VectorXd residual2_;
-  std::vector<MatrixXd> G_;   // per joint, of the rows to measure, over the set
-  std::vector<VectorXd> Gx_;  // G x - g
+  std::vector<OwnColumns> own_;  // per joint
+  std::vector<MatrixXd> G_;      // per joint, of the rows to measure, over its own of the set
+  std::vector<VectorXd> Gx_;     // G x - g of them
 };
 
 }  // namespace veridyn

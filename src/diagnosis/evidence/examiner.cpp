@@ -18,7 +18,7 @@ namespace {
 ColumnSet independent(const NormalBlocks& data, const ColumnSet& all, double new_share) {
   const auto k = static_cast<Eigen::Index>(all.size());
   MatrixXd S = MatrixXd::Zero(k, k);
-  for (const MatrixXd& G : data.total().G) {
+  for (const JointSquares& G : data.total().G) {
     for (Eigen::Index r = 0; r < k; ++r) {
       for (Eigen::Index c = 0; c < k; ++c)
         S(r, c) += G(all[static_cast<size_t>(r)], all[static_cast<size_t>(c)]);

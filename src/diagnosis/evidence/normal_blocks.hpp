@@ -1,6 +1,8 @@
 #pragma once
 
+#include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "veridyn/identification/compressed_recording.hpp"
@@ -9,6 +11,54 @@ namespace veridyn {
 
 /// Which columns, by global index.
 using ColumnSet = std::vector<int>;
+
+/// A'A of one joint over the columns that act on it; all others are zero and take no memory.
+class JointSquares {
+ public:
+  /// Where the columns of a joint stand: local_of over all columns (-1: it never acts there).
+  struct Places {
+    std::vector<int> local_of;
+    std::vector<int> column_of;
+  };
+
+  explicit JointSquares(std::shared_ptr<const Places> places)
+      : places_(std::move(places)),
+        values_(MatrixXd::Zero(static_cast<Eigen::Index>(places_->column_of.size()),
+                               static_cast<Eigen::Index>(places_->column_of.size()))) {}
+
+  /// The entry of two of all columns.
+  double operator()(int row, int column) const {
+    const int r = local(row);
+    const int c = local(column);
+    return r < 0 || c < 0 ? 0.0 : values_(r, c);
+  }
+
+  /// Place of a column among the joint's own, or -1.
+  int local(int column) const { return places_->local_of[static_cast<size_t>(column)]; }
+  const std::vector<int>& columns() const { return places_->column_of; }
+
+  /// Over the joint's own columns.
+  MatrixXd& values() { return values_; }
+  const MatrixXd& values() const { return values_; }
+
+  /// The other one has the same columns.
+  JointSquares& operator+=(const JointSquares& other) {
+    values_ += other.values_;
+    return *this;
+  }
+
+ private:
+  std::shared_ptr<const Places> places_;
+  MatrixXd values_;
+};
+
+/// Those of a set of columns that act on one joint: where they stand in the set, and in the joint.
+struct OwnColumns {
+  OwnColumns(const ColumnSet& set, const JointSquares& of);
+  Eigen::Index size() const { return static_cast<Eigen::Index>(in_set.size()); }
+
+  std::vector<Eigen::Index> in_set, in_joint;
+};
 
 /// Normal equations of every joint and cluster over scaled columns: the form in which hundreds of
 /// questions about subsets of columns cost microseconds each. Made from the factors, which keep the
@@ -32,10 +82,10 @@ class NormalBlocks {
 
   /// What one set of rows says about a set of columns; sums of clusters.
   struct Sums {
-    std::vector<MatrixXd> G;  ///< per joint: A'A over all columns
-    std::vector<VectorXd> g;  ///< A'b
-    VectorXd b2;              ///< b'b per joint
-    VectorXd rows;            ///< per joint
+    std::vector<JointSquares> G;  ///< per joint: A'A
+    std::vector<VectorXd> g;      ///< A'b over all columns
+    VectorXd b2;                  ///< b'b per joint
+    VectorXd rows;                ///< per joint
   };
   const Sums& total() const { return total_; }
   const Sums& cluster(int c) const { return clusters_[static_cast<size_t>(c)]; }

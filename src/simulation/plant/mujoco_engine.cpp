@@ -4,6 +4,7 @@
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cassert>
 #include <cmath>
 #include <cstring>
@@ -21,6 +22,8 @@ namespace {
 
 constexpr double kLongestStep = 1e-3;   // [s]
 constexpr double kFrictionStep = 2e-5;  // [s] where friction has a steep sign
+constexpr double kClear = 2.0;          // times the speed of rest: friction is not steep any more
+constexpr double kStableShare = 2.0;    // of a decay in one step; Runge-Kutta is stable up to 2.78
 constexpr double kNoMass = 1e-10;       // [kg], [kg m^2]: MuJoCo wants some on every moving body
 
 using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
@@ -117,7 +120,7 @@ class MujocoEngine final : public Engine {
     const std::string trouble = infeasibility(arm);
     require(trouble.empty(), "mujoco: ", trouble);
     load(arm);
-    for (VectorXd* v : {&k2_, &k3_, &k4_, &q_trial_, &dq_trial_, &bias_}) *v = q_;
+    for (VectorXd* v : {&k2_, &k3_, &k4_, &q_trial_, &dq_trial_, &rate_, &bias_, &sum_, &diagonal_}) *v = q_;
     if (forces_.loads() > 0) left_out_.emplace_back("friction that depends on the load");
     if (forces_.dry() > 0)
       left_out_.emplace_back("true rest: dry friction is regularised below 0.1 mrad/s or mm/s");
@@ -145,11 +148,16 @@ class MujocoEngine final : public Engine {
   }
 
   StepStatus step(const VectorRef& tau, double dt) noexcept override {
-    const double longest = forces_.dry() > 0 ? kFrictionStep : kLongestStep;
-    const int count = std::max(1, static_cast<int>(std::ceil(dt / longest - 1e-9)));
-    for (int k = 0; k < count; ++k) {
-      const StepStatus status = substep(tau, dt / count);
+    double left = dt;
+    while (left > 1e-9 * dt) {
+      const StepStatus first = acceleration(tau, q_, dq_, time_, ddq_);
+      if (first != StepStatus::kOk) return first;
+      const double longest = std::min(kLongestStep, stable_step());
+      const int count = std::max(1, static_cast<int>(std::ceil(left / longest - 1e-9)));
+      const double h = left / count;
+      const StepStatus status = sliding_clearly(h) ? whole_step(tau, h) : fine_steps(tau, h);
       if (status != StepStatus::kOk) return status;
+      left -= h;
     }
     return StepStatus::kOk;
   }
@@ -188,14 +196,8 @@ class MujocoEngine final : public Engine {
     reduced_.resize(model_->nv, n_);
   }
 
-  StepStatus acceleration(const VectorRef& tau, const VectorXd& q, const VectorXd& dq, double time,
-                          VectorXd& ddq) noexcept {
-    for (int i = 0; i < n_; ++i) {
-      if (!std::isfinite(tau[i]) || !std::isfinite(q[i]) || !std::isfinite(dq[i])) {
-        failed_ = i;
-        return StepStatus::kNotFinite;
-      }
-    }
+  // M_ (with the rotors) and bias_ of the rigid bodies, from MuJoCo.
+  void rigid_bodies(const VectorXd& q, const VectorXd& dq) noexcept {
     Eigen::Map<VectorXd>(data_->qpos, model_->nq).noalias() = S_ * q;
     Eigen::Map<VectorXd>(data_->qvel, model_->nv).noalias() = S_ * dq;
     mj_fwdPosition(model_.get(), data_.get());
@@ -205,29 +207,71 @@ class MujocoEngine final : public Engine {
     M_.noalias() = S_.transpose() * reduced_;
     M_ += forces_.inertia();
     bias_.noalias() = S_.transpose() * Eigen::Map<const VectorXd>(data_->qfrc_bias, model_->nv);
-    forces_.add_smooth(time, q.data(), dq.data(), bias_.data());
+  }
+
+  // Adds all effects but inertias, dry friction with its regularised sign.
+  void add_effects(double time, const VectorXd& q, const VectorXd& dq, VectorXd& sum) noexcept {
+    forces_.add_smooth(time, q.data(), dq.data(), sum.data());
     for (int k = 0; k < forces_.dry(); ++k) {
       const double v = forces_.velocity(k, dq.data());
       const double share = std::min(1.0, std::abs(v) / kRestSpeed);
       const double force = share * forces_.sliding(k, time, q.data(), v, v < 0.0 ? -1 : 1);
-      add_scaled(force, forces_.axis(k), n_, bias_.data());
+      add_scaled(force, forces_.axis(k), n_, sum.data());
     }
-    ddq = tau - bias_;
+  }
+
+  bool finite(const VectorRef& tau, const VectorXd& q, const VectorXd& dq) noexcept {
+    for (int i = 0; i < n_; ++i) {
+      if (std::isfinite(tau[i]) && std::isfinite(q[i]) && std::isfinite(dq[i])) continue;
+      failed_ = i;
+      return false;
+    }
+    return true;
+  }
+
+  StepStatus acceleration(const VectorRef& tau, const VectorXd& q, const VectorXd& dq, double time,
+                          VectorXd& ddq) noexcept {
+    if (!finite(tau, q, dq)) return StepStatus::kNotFinite;
+    rigid_bodies(q, dq);
+    diagonal_ = M_.diagonal();
+    sum_ = bias_;
+    add_effects(time, q, dq, sum_);
+    ddq = tau - sum_;
     if (!cholesky_in_place(M_.data(), n_)) return StepStatus::kNotPositive;
     solve_lower(M_.data(), n_, ddq.data());
     solve_lower_transposed(M_.data(), n_, ddq.data());
     return StepStatus::kOk;
   }
 
-  // Runge-Kutta of order four.
-  StepStatus substep(const VectorRef& tau, double h) noexcept {
+  // Viscous friction on a light joint decays faster than the arm moves.
+  double stable_step() const noexcept {
+    double rate = 0.0;
+    for (int i = 0; i < n_; ++i)
+      rate = std::max(rate, forces_.damping()(i, i) / std::max(diagonal_[i], 1e-300));
+    return rate > 0.0 ? kStableShare / rate : kLongestStep;
+  }
+
+  // No axis of dry friction comes near rest within h, and nothing remembers the path.
+  bool sliding_clearly(double h) const noexcept {
+    if (forces_.dry() == 0) return true;
+    if (forces_.memories() > 0) return false;
+    for (int k = 0; k < forces_.dry(); ++k) {
+      const double v = std::abs(forces_.velocity(k, dq_.data()));
+      const double a = std::abs(forces_.velocity(k, ddq_.data()));
+      if (v < kClear * kRestSpeed + 2.0 * h * a) return false;
+    }
+    return true;
+  }
+
+  // Runge-Kutta of order four; ddq_ is the acceleration where the arm stands.
+  template <typename Acceleration>
+  StepStatus runge_kutta(const Acceleration& acceleration_of, double h) noexcept {
     const auto stage = [&](double share, const VectorXd& rate, const VectorXd& k, VectorXd& out) {
       q_trial_ = q_ + share * h * rate;
       dq_trial_ = dq_ + share * h * k;
-      return acceleration(tau, q_trial_, dq_trial_, time_ + share * h, out);
+      return acceleration_of(q_trial_, dq_trial_, time_ + share * h, out);
     };
-    StepStatus status = acceleration(tau, q_, dq_, time_, ddq_);
-    if (status == StepStatus::kOk) status = stage(0.5, dq_, ddq_, k2_);
+    StepStatus status = stage(0.5, dq_, ddq_, k2_);
     rate_ = dq_ + 0.5 * h * ddq_;
     if (status == StepStatus::kOk) status = stage(0.5, rate_, k2_, k3_);
     rate_ = dq_ + 0.5 * h * k2_;
@@ -240,6 +284,42 @@ class MujocoEngine final : public Engine {
     return StepStatus::kOk;
   }
 
+  StepStatus whole_step(const VectorRef& tau, double h) noexcept {
+    return runge_kutta(
+        [&](const VectorXd& q, const VectorXd& dq, double time, VectorXd& ddq) {
+          return acceleration(tau, q, dq, time, ddq);
+        },
+        h);
+  }
+
+  // Friction near rest is stiff, the rigid bodies are not: they keep what they are in the middle
+  // of the step, while the effects are followed in small ones.
+  StepStatus fine_steps(const VectorRef& tau, double h) noexcept {
+    q_trial_ = q_ + 0.5 * h * dq_;
+    dq_trial_ = dq_ + 0.5 * h * ddq_;
+    for (int i = 0; i < n_; ++i)  // friction stops a joint, it does not turn it round
+      if (dq_[i] * dq_trial_[i] < 0.0) dq_trial_[i] = 0.0;
+    if (!finite(tau, q_trial_, dq_trial_)) return StepStatus::kNotFinite;
+    rigid_bodies(q_trial_, dq_trial_);
+    if (!cholesky_in_place(M_.data(), n_)) return StepStatus::kNotPositive;
+    const auto of_effects = [&](const VectorXd& q, const VectorXd& dq, double time, VectorXd& ddq) {
+      if (!finite(tau, q, dq)) return StepStatus::kNotFinite;
+      sum_ = bias_;
+      add_effects(time, q, dq, sum_);
+      ddq = tau - sum_;
+      solve_lower(M_.data(), n_, ddq.data());
+      solve_lower_transposed(M_.data(), n_, ddq.data());
+      return StepStatus::kOk;
+    };
+    const int count = std::max(1, static_cast<int>(std::ceil(h / kFrictionStep - 1e-9)));
+    for (int k = 0; k < count; ++k) {
+      StepStatus status = of_effects(q_, dq_, time_, ddq_);
+      if (status == StepStatus::kOk) status = runge_kutta(of_effects, h / count);
+      if (status != StepStatus::kOk) return status;
+    }
+    return StepStatus::kOk;
+  }
+
   int n_;
   PlantForces forces_;
   std::vector<std::string> left_out_;
@@ -247,7 +327,7 @@ class MujocoEngine final : public Engine {
   std::unique_ptr<mjData, Free> data_;
   MatrixXd S_, reduced_;  // joints of MuJoCo per coordinate
   RowMatrix full_;
-  VectorXd q_, dq_, ddq_, k2_, k3_, k4_, q_trial_, dq_trial_, rate_, bias_;
+  VectorXd q_, dq_, ddq_, k2_, k3_, k4_, q_trial_, dq_trial_, rate_, bias_, sum_, diagonal_;
   MatrixXd M_;
   double time_ = 0.0;
   int failed_ = -1;

@@ -1,0 +1,93 @@
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "veridyn/identification/factor_set.hpp"
+
+namespace veridyn {
+
+/// One arm of a fleet and where its data lie.
+struct FleetArm {
+  std::string name;
+  std::vector<std::string> files;  ///< recordings, or factor files of them
+};
+
+/// Reads a list of arms: one line `ARM,FILE` for every file (the header `arm,file` may lead;
+/// spaces or a tab separate as well; `#` comments), files relative to the list.
+/// @throws InvalidInput  the list cannot be read or is empty, or a line has not two fields.
+std::vector<FleetArm> read_fleet(const std::string& path);
+
+struct FleetOptions {
+  PreprocessingOptions preprocessing;
+  /// Chance that a fleet without an odd one has one named, over all that is looked at.
+  double significance = 0.01;
+  int threads = 0;
+  std::function<void(const std::string&, double)> progress;
+};
+
+/// A parameter that every arm has for itself, over the fleet.
+struct FleetSpread {
+  std::string name;
+  std::string unit;
+  double median = 0.0;
+  double spread = 0.0;  ///< robust standard deviation over the arms, 1.4826 of the median deviation
+  int arms = 0;         ///< that could tell it
+};
+
+/// Something by which an arm stands out of its fleet.
+struct FleetOutlier {
+  std::string arm;
+  std::string what;   ///< a parameter, "torque_gain:JOINT", or "rigid_bodies"
+  int joint = 0;      ///< from 1: where it shows most; 0: none in particular
+  double value = 0.0; ///< the arm's; of rigid bodies: the share of its torque they leave unexplained
+  double median = 0.0;
+  double deviations = 0.0;  ///< robust standard deviations away from the fleet
+};
+
+/// What one arm has for itself.
+struct FleetMember {
+  std::string name;
+  int recordings = 0;
+  double rows = 0.0;
+  VectorXd own;             ///< values of the spreads' parameters; NaN where its data cannot tell
+  VectorXd relative_error;  ///< (n) with the fleet's bodies and its own values
+  VectorXd alone_error;     ///< (n) with bodies of its own
+};
+
+struct Fleet {
+  std::string robot;
+  int joints = 0;
+  double rows = 0.0;
+  VectorXd parameters;      ///< all standard parameters: bodies of the fleet, medians of the rest
+  std::vector<BaseValue> base;  ///< the bodies' base parameters; std from leaving arms out
+  std::vector<FleetSpread> spreads;
+  std::vector<FleetMember> members;
+  std::vector<FleetOutlier> outliers;     ///< the farthest first
+  std::vector<UnusedRecording> left_out;  ///< files that could not be used
+  std::optional<Model> model;             ///< the arm with `parameters`
+
+  std::string report() const;
+};
+
+/// One model for many arms of one type. Their bodies are alike; every effect of the robot file
+/// (friction, offsets) and the gain of every joint's torque differ from arm to arm:
+///
+///   min over beta, eta_1 .. eta_N of  sum_a || W (Y_a beta + F_a eta_a - tau_a) ||^2
+///
+/// The matrix is a block arrow. Each arm's own columns are eliminated on its factor by QR, what is
+/// left over beta is merged, beta is solved for and carried back to every eta_a: linear in the
+/// arms, and no sample is looked at twice. Source: Bierman, 1977, ch. VII (considered and local
+/// parameters).
+///
+/// @throws InvalidInput  fewer than three arms, no usable file, or factors of another arm.
+Fleet identify_fleet(const Model& arm, const std::vector<FleetArm>& arms,
+                     const FleetOptions& options = {});
+
+/// The same from factors that are there already, one set per arm.
+Fleet identify_fleet(const Model& arm, const std::vector<std::string>& names,
+                     const std::vector<FactorSet>& factors, const FleetOptions& options = {});
+
+}  // namespace veridyn

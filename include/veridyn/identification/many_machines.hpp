@@ -1,0 +1,40 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "veridyn/identification/factor_set.hpp"
+
+namespace veridyn {
+
+/// Processes that work on one list of recordings: ranks 0 .. size - 1 that can send bytes to each
+/// other. Behind it may be MPI, or threads in a test.
+class Communicator {
+ public:
+  virtual ~Communicator() = default;
+  virtual int rank() const = 0;
+  virtual int size() const = 0;
+  virtual void send(int to, const std::string& bytes) = 0;
+  /// Waits for the next bytes of that rank.
+  virtual std::string receive(int from) = 0;
+};
+
+/// identify() with the recordings spread over ranks; every rank calls it with the same arguments.
+///
+/// Each rank compresses its share, the factors come together at rank 0 in a fixed binary tree and
+/// in the order of the list, and each rank measures the errors of its own recordings: the result is
+/// that of identify(), whatever the number of ranks. A recording that cannot be read or used is
+/// left out and named in `left_out` of the result.
+///
+/// @param keep  called on every rank with its factors so far, now and then, so that they survive a
+/// lost rank; and on rank 0 once with those of all ranks, `whole` then. May be empty.
+/// @returns  at rank 0; elsewhere only status and reason mean anything.
+/// @throws InvalidInput  on every rank alike: not one recording could be used, or known masses were
+/// asked for.
+using KeepFactors = std::function<void(const FactorSet& factors, bool whole)>;
+Identification identify(const Model& arm, const std::vector<std::string>& train,
+                        const std::vector<std::string>& test, const IdentificationOptions& options,
+                        Communicator& ranks, const KeepFactors& keep = {});
+
+}  // namespace veridyn

@@ -1,0 +1,417 @@
+#include "veridyn/identification/fleet.hpp"
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <limits>
+#include <mutex>
+#include <sstream>
+#include <utility>
+
+#include "fleet_problem.hpp"
+#include "many_recordings.hpp"
+#include "math/parallel.hpp"
+#include "veridyn/math/require.hpp"
+#include "veridyn/math/student_t.hpp"
+
+namespace veridyn {
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr int kFewest = 3;        // arms of a fleet
+constexpr int kRounds = 4;        // of weights, gains, and arms that are left out of the bodies
+constexpr int kGroups = 64;       // of arms, for the deviations of the bodies
+constexpr double kFreedom = 30.0; // of robust deviations: fleets have heavier tails than a normal law
+constexpr double kTelling = 1e-6; // of a column's norm that the others must leave for a value to mean anything
+constexpr double kLeastExcess = 0.02;  // of the squares that bodies of its own must explain
+
+VectorXd solved(const SquareRootInformation& f) {
+  return Eigen::ColPivHouseholderQR<MatrixXd>(f.R()).solve(f.z());
+}
+
+double median_of(std::vector<double> v) {
+  if (v.empty()) return kNaN;
+  const auto middle = v.begin() + static_cast<std::ptrdiff_t>(v.size() / 2);
+  std::nth_element(v.begin(), middle, v.end());
+  return *middle;
+}
+
+// Median and robust standard deviation of the finite ones.
+std::pair<double, double> centre_of(const std::vector<double>& all) {
+  std::vector<double> finite;
+  for (const double x : all)
+    if (std::isfinite(x)) finite.push_back(x);
+  const double median = median_of(finite);
+  for (double& x : finite) x = std::abs(x - median);
+  return {median, 1.4826 * median_of(finite)};
+}
+
+ArmFactor arm_factor(const FactorSet& set, const std::string& name) {
+  ArmFactor out;
+  out.name = name;
+  for (const CompressedRecording& r : set.recordings) {
+    ++out.recordings;
+    out.rows += r.rows;
+    for (const auto& block : r.blocks) {
+      if (out.joints.empty()) {
+        out.joints = block;
+        continue;
+      }
+      for (size_t i = 0; i < block.size(); ++i) out.joints[i].merge(block[i]);
+    }
+  }
+  return out;
+}
+
+// One arm with its factor, its own values and what it leaves unexplained.
+struct Fitted {
+  SquareRootInformation factor;
+  VectorXd eta;              // own parameters, then gains as shares
+  VectorXd telling;          // share of each own column that the other columns leave
+  VectorXd residual2, alone2;  // per joint, with the fleet's bodies and with its own
+  bool odd = false;          // its bodies are not the fleet's
+};
+
+class FleetSolver {
+ public:
+  FleetSolver(const Model& arm, const std::vector<ArmFactor>& arms, const FleetOptions& options)
+      : problem_(arm, arms), arms_(arms), options_(options), fitted_(arms.size()) {}
+
+  void solve() {
+    VectorXd weights(problem_.joints());
+    for (int i = 0; i < problem_.joints(); ++i) {
+      weights[i] = 1.0 / std::max(1e-300, scale_of(i, [&](size_t a) {
+                                    const auto& f = arms_[a].joints[static_cast<size_t>(i)];
+                                    return f.rhs_norm2() / std::max(1.0, f.rows());
+                                  }));
+    }
+    for (int round = 0; round < kRounds; ++round) {
+      const VectorXd at_beta = beta_;
+      each_arm([&](size_t a) {
+        fitted_[a].factor = problem_.of_arm(a, weights, at_beta, fitted_[a].eta);
+      });
+      SquareRootInformation total(problem_.shared());
+      for (const Fitted& f : fitted_)
+        if (!f.odd) total.merge(problem_.over_shared(f.factor));
+      beta_ = solved(total);
+      each_arm([&](size_t a) { fit_arm(a, at_beta); });
+      for (int i = 0; i < problem_.joints(); ++i) {
+        weights[i] = 1.0 / std::max(1e-300, scale_of(i, [&](size_t a) {
+                                      const auto& f = arms_[a].joints[static_cast<size_t>(i)];
+                                      return fitted_[a].residual2[i] / std::max(1.0, f.rows());
+                                    }));
+      }
+      find_odd();
+    }
+  }
+
+  // Robust distance of every arm's bodies from the fleet's, on ln of what bodies of its own explain.
+  std::vector<double> excess() const {
+    std::vector<double> out;
+    for (const Fitted& f : fitted_) {
+      const Eigen::ArrayXd ratio = f.residual2.array() / f.alone2.array().max(1e-300);
+      out.push_back(std::log(std::max(ratio.maxCoeff(), 1.0)));
+    }
+    return out;
+  }
+
+  double threshold(double looked_at) const {
+    const auto arms = static_cast<double>(arms_.size());
+    return student_t_quantile(options_.significance / std::max(1.0, looked_at),
+                              std::min(kFreedom, arms - 1.0));
+  }
+
+  // Things that are looked at: every own value and the bodies of every arm.
+  double looked_at() const {
+    return static_cast<double>(arms_.size()) *
+           (static_cast<double>(problem_.own().size()) + problem_.joints() + 1.0);
+  }
+
+  // Deviations of beta from leaving out one group of arms at a time.
+  VectorXd deviations() const {
+    const size_t groups = std::min<size_t>(kGroups, arms_.size());
+    std::vector<SquareRootInformation> of_group(groups, SquareRootInformation(problem_.shared()));
+    for (size_t a = 0; a < arms_.size(); ++a)
+      if (!fitted_[a].odd) of_group[a % groups].merge(problem_.over_shared(fitted_[a].factor));
+    MatrixXd without(beta_.size(), static_cast<Eigen::Index>(groups));
+    std::vector<SquareRootInformation> after(groups, SquareRootInformation(problem_.shared()));
+    for (size_t g = groups - 1; g > 0; --g) {
+      after[g - 1] = after[g];
+      after[g - 1].merge(of_group[g]);
+    }
+    SquareRootInformation before(problem_.shared());
+    for (size_t g = 0; g < groups; ++g) {
+      SquareRootInformation rest = before;
+      rest.merge(after[g]);
+      without.col(static_cast<Eigen::Index>(g)) = solved(rest);
+      before.merge(of_group[g]);
+    }
+    const VectorXd mean = without.rowwise().mean();
+    const auto count = static_cast<double>(groups);
+    return ((without.colwise() - mean).rowwise().squaredNorm() * ((count - 1.0) / count))
+        .cwiseSqrt();
+  }
+
+  const FleetProblem& problem() const { return problem_; }
+  const VectorXd& beta() const { return beta_; }
+  const Fitted& fitted(size_t a) const { return fitted_[a]; }
+
+ private:
+  template <typename Do>
+  void each_arm(const Do& act) {
+    parallel_for(static_cast<int>(arms_.size()), options_.threads,
+                 [&](int a) { act(static_cast<size_t>(a)); });
+  }
+
+  template <typename MeanSquare>
+  double scale_of(int, const MeanSquare& mean_square) const {
+    std::vector<double> all;
+    for (size_t a = 0; a < arms_.size(); ++a) all.push_back(mean_square(a));
+    return std::sqrt(median_of(std::move(all)));
+  }
+
+  void fit_arm(size_t a, const VectorXd& at_beta) {
+    Fitted& f = fitted_[a];
+    const VectorXd at_eta = f.eta;
+    f.eta = problem_.own_values(f.factor, beta_);
+    f.residual2 = problem_.residual2(a, beta_, f.eta, at_beta, at_eta);
+    const VectorXd alone = solved(f.factor);
+    const Eigen::Index own = alone.size() - beta_.size();
+    const VectorXd bodies = alone.tail(beta_.size());
+    f.alone2 = problem_.residual2(a, bodies, alone.head(own), at_beta, at_eta);
+    // What the columns left of it do not span: the diagonal of R. Own columns are few.
+    const VectorXd norms = f.factor.column_norms();
+    f.telling = f.factor.R().diagonal().head(own).cwiseAbs().cwiseQuotient(
+        norms.head(own).cwiseMax(1e-300));
+  }
+
+  void find_odd() {
+    const std::vector<double> all = excess();
+    const auto [median, spread] = centre_of(all);
+    const double far = threshold(static_cast<double>(arms_.size()));
+    size_t count = 0;
+    for (size_t a = 0; a < arms_.size(); ++a) {
+      fitted_[a].odd = all[a] > kLeastExcess && all[a] - median > far * std::max(spread, 1e-6);
+      count += static_cast<size_t>(fitted_[a].odd);
+    }
+    if (2 * count < arms_.size()) return;
+    for (Fitted& f : fitted_) f.odd = false;  // half of a fleet is not odd
+  }
+
+  FleetProblem problem_;
+  const std::vector<ArmFactor>& arms_;
+  const FleetOptions& options_;
+  std::vector<Fitted> fitted_;
+  VectorXd beta_;
+};
+
+std::string gain_name(const Model& arm, int joint) {
+  return "torque_gain:" + arm.coordinates()[static_cast<size_t>(joint)].name;
+}
+
+int joint_of(const Model& arm, const std::string& parameter,
+             const std::vector<StandardParameter>& parameters) {
+  for (const StandardParameter& p : parameters) {
+    if (p.name == parameter && p.effect >= 0)
+      return 1 + main_coordinate(arm.effects()[static_cast<size_t>(p.effect)].axis);
+  }
+  return 0;
+}
+
+void add_members(const std::vector<ArmFactor>& arms, const FleetSolver& solver, Fleet& fleet) {
+  for (size_t a = 0; a < arms.size(); ++a) {
+    const Fitted& f = solver.fitted(a);
+    FleetMember member{arms[a].name, arms[a].recordings, arms[a].rows, f.eta, {}, {}};
+    for (Eigen::Index k = 0; k < f.eta.size(); ++k)
+      if (f.telling[k] < kTelling) member.own[k] = kNaN;
+    member.own.tail(fleet.joints).array() += 1.0;  // gains as factors
+    member.relative_error.resize(fleet.joints);
+    member.alone_error.resize(fleet.joints);
+    for (int i = 0; i < fleet.joints; ++i) {
+      const double torque2 = std::max(1e-300, arms[a].joints[static_cast<size_t>(i)].rhs_norm2());
+      member.relative_error[i] = std::sqrt(f.residual2[i] / torque2);
+      member.alone_error[i] = std::sqrt(f.alone2[i] / torque2);
+    }
+    fleet.rows += arms[a].rows;
+    fleet.members.push_back(std::move(member));
+  }
+}
+
+void add_spreads(const Model& arm, const FleetSolver& solver, Fleet& fleet) {
+  const FleetProblem& problem = solver.problem();
+  const double far = solver.threshold(solver.looked_at());
+  const auto own = static_cast<int>(problem.own().size());
+  for (int k = 0; k < own + fleet.joints; ++k) {
+    std::vector<double> all;
+    for (const FleetMember& m : fleet.members) all.push_back(m.own[k]);
+    FleetSpread spread;
+    spread.name = k < own ? problem.own()[static_cast<size_t>(k)] : gain_name(arm, k - own);
+    for (const StandardParameter& p : problem.parameters())
+      if (p.name == spread.name) spread.unit = p.unit;
+    std::tie(spread.median, spread.spread) = centre_of(all);
+    spread.arms = static_cast<int>(
+        std::count_if(all.begin(), all.end(), [](double x) { return std::isfinite(x); }));
+    const int joint =
+        k < own ? joint_of(arm, spread.name, problem.parameters()) : k - own + 1;
+    for (size_t a = 0; a < all.size() && spread.arms >= kFewest && spread.spread > 0.0; ++a) {
+      const double deviations = (all[a] - spread.median) / spread.spread;
+      if (std::isfinite(all[a]) && std::abs(deviations) > far)
+        fleet.outliers.push_back(
+            {fleet.members[a].name, spread.name, joint, all[a], spread.median, deviations});
+    }
+    fleet.spreads.push_back(std::move(spread));
+  }
+}
+
+void add_odd_bodies(const FleetSolver& solver, Fleet& fleet) {
+  const std::vector<double> all = solver.excess();
+  const auto [median, spread] = centre_of(all);
+  for (size_t a = 0; a < all.size(); ++a) {
+    const Fitted& f = solver.fitted(a);
+    if (!f.odd) continue;
+    Eigen::Index worst = 0;
+    (f.residual2.array() / f.alone2.array().max(1e-300)).maxCoeff(&worst);
+    fleet.outliers.push_back({fleet.members[a].name, "rigid_bodies", static_cast<int>(worst) + 1,
+                              fleet.members[a].relative_error[worst], std::exp(0.5 * median) *
+                                  fleet.members[a].alone_error[worst],
+                              (all[a] - median) / std::max(spread, 1e-6)});
+  }
+}
+
+void add_parameters(const Model& arm, const FleetSolver& solver, Fleet& fleet) {
+  const FleetProblem& problem = solver.problem();
+  const std::vector<StandardParameter>& parameters = problem.parameters();
+  fleet.parameters = VectorXd::Zero(static_cast<Eigen::Index>(parameters.size()));
+  const VectorXd std = solver.deviations();
+  Eigen::Index shared = 0;
+  size_t own = 0;
+  for (int j = 0; j < problem.base().size(); ++j) {
+    const int at = problem.base().independent[static_cast<size_t>(j)];
+    const StandardParameter& p = parameters[static_cast<size_t>(at)];
+    if (p.effect >= 0) {
+      const double median = fleet.spreads[own++].median;
+      fleet.parameters[at] = std::isfinite(median) ? median : 0.0;
+      continue;
+    }
+    fleet.parameters[at] = solver.beta()[shared];
+    fleet.base.push_back({problem.base().names[static_cast<size_t>(j)],
+                          problem.base().expressions[static_cast<size_t>(j)], p.unit,
+                          solver.beta()[shared], std[shared]});
+    ++shared;
+  }
+  for (size_t p = 0; p < parameters.size(); ++p)
+    if (parameters[p].fixed) fleet.parameters[static_cast<Eigen::Index>(p)] = parameters[p].value;
+  fleet.model =
+      with_values(arm, fleet.parameters, VectorXd::Constant(fleet.parameters.size(), kNaN));
+}
+
+Fleet solved_fleet(const Model& arm, std::vector<ArmFactor> arms,
+                   std::vector<UnusedRecording> left_out, const FleetOptions& options) {
+  arms.erase(std::remove_if(arms.begin(), arms.end(),
+                            [](const ArmFactor& a) { return a.joints.empty(); }),
+             arms.end());
+  require(static_cast<int>(arms.size()) >= kFewest, "fleet: found ", arms.size(),
+          " arms with usable recordings, expected ", kFewest, " at least",
+          left_out.empty() ? "." : "; the first that is not: " + left_out.front().why);
+  if (options.progress) options.progress("solving", 0.9);
+  FleetSolver solver(arm, arms, options);
+  solver.solve();
+  Fleet fleet;
+  fleet.robot = arm.name();
+  fleet.joints = arm.joints();
+  fleet.left_out = std::move(left_out);
+  add_members(arms, solver, fleet);
+  add_spreads(arm, solver, fleet);
+  add_odd_bodies(solver, fleet);
+  std::stable_sort(fleet.outliers.begin(), fleet.outliers.end(),
+                   [](const FleetOutlier& a, const FleetOutlier& b) {
+                     return std::abs(a.deviations) > std::abs(b.deviations);
+                   });
+  add_parameters(arm, solver, fleet);
+  return fleet;
+}
+
+}  // namespace
+
+std::vector<FleetArm> read_fleet(const std::string& path) {
+  std::ifstream file(path);
+  require(file.is_open(), path, ": cannot be opened; expected a list of arms and their files.");
+  const auto slash = path.find_last_of('/');
+  const std::string folder = slash == std::string::npos ? "" : path.substr(0, slash + 1);
+  std::vector<FleetArm> out;
+  std::string line;
+  for (int number = 1; std::getline(file, line); ++number) {
+    line = line.substr(0, line.find('#'));
+    std::replace_if(line.begin(), line.end(), [](char c) { return c == ',' || c == '\r'; }, ' ');
+    std::istringstream words(line);
+    std::string name;
+    std::string recording;
+    std::string more;
+    if (!(words >> name)) continue;
+    words >> recording;
+    require(!recording.empty() && !(words >> more), path, ":", number, ": found '", line,
+            "', expected ARM,FILE.");
+    if (out.empty() && name == "arm" && recording == "file") continue;
+    if (recording.front() != '/') recording = folder + recording;
+    const auto known = std::find_if(out.begin(), out.end(),
+                                    [&](const FleetArm& arm) { return arm.name == name; });
+    if (known != out.end()) {
+      known->files.push_back(recording);
+    } else {
+      out.push_back({name, {recording}});
+    }
+  }
+  require(!out.empty(), path, ": found no arm, expected lines ARM,FILE.");
+  return out;
+}
+
+Fleet identify_fleet(const Model& arm, const std::vector<FleetArm>& arms,
+                     const FleetOptions& options) {
+  std::vector<ArmFactor> factors(arms.size());
+  std::vector<std::vector<UnusedRecording>> unused(arms.size());
+  std::mutex guard;
+  size_t done = 0;
+  parallel_for(static_cast<int>(arms.size()), options.threads, [&](int k) {
+    const auto at = static_cast<size_t>(k);
+    FactorSet set;
+    for (const std::string& file : arms[at].files) {
+      try {
+        FactorSet one = is_factor_file(file) ? read_factors(file)
+                                             : compress(arm, std::vector<std::string>{file},
+                                                        options.preprocessing, 1);
+        require_factors_of(arm, one, options.preprocessing);
+        for (CompressedRecording& r : one.recordings) {
+          require(r.rows > 0.0, r.source, ": found no usable samples.");
+          merge_blocks(r, 1);
+        }
+        set = merge(std::move(set), one);
+      } catch (const InvalidInput& error) {
+        unused[at].push_back({file, error.what()});
+      }
+    }
+    factors[at] = arm_factor(set, arms[at].name);
+    const std::lock_guard<std::mutex> lock(guard);
+    ++done;
+    if (options.progress)
+      options.progress("compressing",
+                       0.9 * static_cast<double>(done) / static_cast<double>(arms.size()));
+  });
+  std::vector<UnusedRecording> left_out;
+  for (const auto& of_arm : unused) left_out.insert(left_out.end(), of_arm.begin(), of_arm.end());
+  return solved_fleet(arm, std::move(factors), std::move(left_out), options);
+}
+
+Fleet identify_fleet(const Model& arm, const std::vector<std::string>& names,
+                     const std::vector<FactorSet>& factors, const FleetOptions& options) {
+  require(names.size() == factors.size(), "fleet: found ", names.size(), " names and ",
+          factors.size(), " factor sets, expected one of each per arm.");
+  std::vector<ArmFactor> arms;
+  for (size_t k = 0; k < names.size(); ++k) {
+    require_factors_of(arm, factors[k], options.preprocessing);
+    arms.push_back(arm_factor(factors[k], names[k]));
+  }
+  return solved_fleet(arm, std::move(arms), {}, options);
+}
+
+}  // namespace veridyn

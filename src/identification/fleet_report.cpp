@@ -1,0 +1,58 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "veridyn/identification/fleet.hpp"
+
+namespace veridyn {
+namespace {
+
+constexpr size_t kShown = 20;  // outliers in the text; all of them are in the JSON
+
+double median_error(const Fleet& fleet, Eigen::Index joint, VectorXd FleetMember::*of) {
+  std::vector<double> all;
+  for (const FleetMember& m : fleet.members) all.push_back((m.*of)[joint]);
+  std::nth_element(all.begin(), all.begin() + static_cast<long>(all.size() / 2), all.end());
+  return all[all.size() / 2];
+}
+
+std::string line_of(const FleetOutlier& o) {
+  if (o.what == "rigid_bodies") {
+    return fmt::format(
+        "  {}: its bodies are not the fleet's (most at joint {}): {:.1f} % of the torque is "
+        "unexplained, {:.1f} % usual; {:.1f} deviations\n",
+        o.arm, o.joint, 100.0 * o.value, 100.0 * o.median, o.deviations);
+  }
+  return fmt::format("  {}: {} is {:.4g}, the fleet's median {:.4g}; {:+.1f} deviations\n", o.arm,
+                     o.what, o.value, o.median, o.deviations);
+}
+
+}  // namespace
+
+std::string Fleet::report() const {
+  std::string out = fmt::format("{}: {} arms, {:.0f} rows, {} base parameters in common\n", robot,
+                                members.size(), rows, base.size());
+  out += "\nunexplained torque, median over the arms\n";
+  for (int i = 0; i < joints; ++i) {
+    out += fmt::format("  joint {}: {:.2f} % with the fleet's bodies, {:.2f} % with its own\n",
+                       i + 1, 100.0 * median_error(*this, i, &FleetMember::relative_error),
+                       100.0 * median_error(*this, i, &FleetMember::alone_error));
+  }
+  out += "\nwhat each arm has for itself, median and robust spread\n";
+  for (const FleetSpread& s : spreads)
+    out += fmt::format("  {:<44} {:>12.5g} {:>12.3g} {}\n", s.name, s.median, s.spread, s.unit);
+  if (outliers.empty()) {
+    out += "\nno arm stands out\n";
+  } else {
+    out += fmt::format("\n{} that stand out\n", outliers.size());
+    for (size_t k = 0; k < std::min(kShown, outliers.size()); ++k) out += line_of(outliers[k]);
+    if (outliers.size() > kShown)
+      out += fmt::format("  and {} more\n", outliers.size() - kShown);
+  }
+  if (!left_out.empty()) out += fmt::format("\n{} files left out\n", left_out.size());
+  return out;
+}
+
+}  // namespace veridyn

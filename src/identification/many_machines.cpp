@@ -1,0 +1,300 @@
+#include "veridyn/identification/many_machines.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+#include "factor_bytes.hpp"
+#include "many_recordings.hpp"
+#include "validation.hpp"
+#include "veridyn/math/require.hpp"
+
+namespace veridyn {
+namespace {
+
+// The recordings of one rank: neighbours in the list, so that the tree keeps their order.
+std::pair<size_t, size_t> share_of(size_t count, const Communicator& ranks) {
+  const auto size = static_cast<size_t>(ranks.size());
+  const auto rank = static_cast<size_t>(ranks.rank());
+  return {count * rank / size, count * (rank + 1) / size};
+}
+
+void write(const std::vector<UnusedRecording>& left_out, ByteWriter& out) {
+  out.number(left_out.size());
+  for (const UnusedRecording& r : left_out) {
+    out.text(r.source);
+    out.text(r.why);
+  }
+}
+
+void read(ByteReader& in, std::vector<UnusedRecording>& left_out) {
+  const std::size_t count = in.count(16);
+  for (std::size_t k = 0; k < count; ++k) {
+    UnusedRecording r;
+    r.source = in.text();
+    r.why = in.text();
+    left_out.push_back(std::move(r));
+  }
+}
+
+void write(const PredictionError& error, ByteWriter& out) {
+  for (const VectorXd* v : {&error.relative, &error.maximum, &error.moving_relative}) out.vector(*v);
+}
+
+void read(ByteReader& in, PredictionError& error) {
+  for (VectorXd* v : {&error.relative, &error.maximum, &error.moving_relative}) *v = in.vector();
+}
+
+void write(const ErrorSums& s, ByteWriter& out) {
+  for (const VectorXd* v : {&s.torque2, &s.error2, &s.torque_max, &s.error_max, &s.moving_torque2,
+                            &s.moving_error2})
+    out.vector(*v);
+}
+
+void read(ByteReader& in, ErrorSums& s) {
+  for (VectorXd* v : {&s.torque2, &s.error2, &s.torque_max, &s.error_max, &s.moving_torque2,
+                      &s.moving_error2})
+    *v = in.vector();
+}
+
+void write(const std::vector<double>& values, ByteWriter& out) {
+  out.vector(Eigen::Map<const VectorXd>(values.data(), static_cast<Eigen::Index>(values.size())));
+}
+
+std::vector<double> read_values(ByteReader& in) {
+  const VectorXd values = in.vector();
+  return {values.data(), values.data() + values.size()};
+}
+
+void write(const PredictionSeries& s, ByteWriter& out) {
+  write(s.time, out);
+  for (const auto* table : {&s.q, &s.dq, &s.ddq, &s.measured, &s.modelled}) {
+    out.number(table->size());
+    for (const std::vector<double>& column : *table) write(column, out);
+  }
+}
+
+void read(ByteReader& in, PredictionSeries& s) {
+  s.time = read_values(in);
+  for (auto* table : {&s.q, &s.dq, &s.ddq, &s.measured, &s.modelled}) {
+    table->resize(in.count(8));
+    for (std::vector<double>& column : *table) column = read_values(in);
+  }
+}
+
+void write(const MeasuredRecording& r, ByteWriter& out) {
+  out.text(r.error.source);
+  write(r.error.error, out);
+  write(r.error.repaired, out);
+  write(r.error.without_excluded, out);
+  out.number(static_cast<std::uint64_t>(r.error.filled.count));
+  out.real(r.error.filled.age);
+  out.number(static_cast<std::uint64_t>(r.error.rows));
+  out.vector(r.error.noise_floor);
+  out.real(r.error.period);
+  write(r.error.series, out);
+  write(r.sums.as_recorded, out);
+  write(r.sums.repaired, out);
+  write(r.sums.without_excluded, out);
+}
+
+MeasuredRecording read_measured(ByteReader& in, int joints) {
+  const ErrorSums none(joints);
+  MeasuredRecording r{{}, {none, none, none}, false};
+  r.error.source = in.text();
+  read(in, r.error.error);
+  read(in, r.error.repaired);
+  read(in, r.error.without_excluded);
+  r.error.filled.count = static_cast<long>(in.number());
+  r.error.filled.age = in.real();
+  r.error.rows = static_cast<long>(in.number());
+  r.error.noise_floor = in.vector();
+  r.error.period = in.real();
+  read(in, r.error.series);
+  read(in, r.sums.as_recorded);
+  read(in, r.sums.repaired);
+  read(in, r.sums.without_excluded);
+  return r;
+}
+
+// What is known of recordings: factors of those that could be used.
+struct Part {
+  FactorSet factors;
+  std::vector<UnusedRecording> left_out;
+};
+
+class Job {
+ public:
+  Job(const Model& arm, const IdentificationOptions& options, Communicator& ranks,
+      const KeepFactors& keep)
+      : arm_(arm), options_(options), ranks_(ranks), keep_(keep) {}
+
+  // Compresses this rank's share one by one: one that cannot be used does not hold up the others.
+  Part compress_share(const std::vector<std::string>& train) const {
+    const auto [first, end] = share_of(train.size(), ranks_);
+    Part out;
+    out.factors = compress(arm_, std::vector<std::string>(), options_.preprocessing, 1);
+    size_t kept = 0;
+    for (size_t k = first; k < end; ++k) {
+      try {
+        CompressedRecording one = compress(arm_, train[k], options_.preprocessing, options_.threads);
+        require(one.rows > 0.0, train[k],
+                ": found no usable samples after gaps, edges and row limits.");
+        merge_blocks(one, blocks_of_each(static_cast<int>(train.size())));
+        out.factors.recordings.push_back(std::move(one));
+      } catch (const InvalidInput& error) {
+        out.left_out.push_back({train[k], error.what()});
+      }
+      const size_t done = k + 1 - first;
+      if (keep_ && (done >= 2 * kept || k + 1 == end)) {
+        keep_(out.factors, false);
+        kept = done;
+      }
+    }
+    return out;
+  }
+
+  // Factors and names of what was left out, in the order of the list, at rank 0.
+  void bring_together(Part& share) const {
+    for (int step = 1; step < ranks_.size(); step *= 2) {
+      if (ranks_.rank() % (2 * step) != 0) {
+        ByteWriter out;
+        write(share.left_out, out);
+        out.text(to_bytes(share.factors));
+        ranks_.send(ranks_.rank() - step, out.bytes());
+        return;
+      }
+      if (ranks_.rank() + step >= ranks_.size()) continue;
+      const std::string bytes = ranks_.receive(ranks_.rank() + step);
+      const std::string name = text("factors of rank ", ranks_.rank() + step);
+      ByteReader in(bytes, 0, name);
+      read(in, share.left_out);
+      share.factors = merge(std::move(share.factors), factors_from_bytes(in.text(), name));
+    }
+  }
+
+  // Rank 0 tells all others.
+  std::string told(std::string bytes) const {
+    if (ranks_.rank() != 0) return ranks_.receive(0);
+    for (int r = 1; r < ranks_.size(); ++r) ranks_.send(r, bytes);
+    return bytes;
+  }
+
+  // Errors of these values on this rank's recordings, and at rank 0 on all of them.
+  std::vector<MeasuredRecording> measured(const std::vector<CompressedRecording>& mine,
+                                          const PreprocessingOptions& how, const VectorXd& values,
+                                          int recordings) const {
+    std::vector<MeasuredRecording> out;
+    for (const CompressedRecording& r : mine)
+      out.push_back(measure(arm_, r, how, values, series_samples_of_each(recordings),
+                            options_.threads));
+    if (ranks_.rank() != 0) {
+      ByteWriter bytes;
+      bytes.number(out.size());
+      for (const MeasuredRecording& r : out) write(r, bytes);
+      ranks_.send(0, bytes.bytes());
+      return {};
+    }
+    for (int r = 1; r < ranks_.size(); ++r) {
+      const std::string bytes = ranks_.receive(r);
+      const std::string name = text("errors of rank ", r);
+      ByteReader in(bytes, 0, name);
+      const std::size_t count = in.count(8);
+      for (std::size_t k = 0; k < count; ++k) out.push_back(read_measured(in, arm_.joints()));
+    }
+    return out;
+  }
+
+ private:
+  const Model& arm_;
+  const IdentificationOptions& options_;
+  Communicator& ranks_;
+  const KeepFactors& keep_;
+};
+
+// Held-out recordings of one rank, one by one as above.
+std::vector<CompressedRecording> compress_held_out(const Model& arm,
+                                                   const std::vector<std::string>& test,
+                                                   const Identification& id, int threads,
+                                                   const Communicator& ranks,
+                                                   std::vector<UnusedRecording>& left_out) {
+  const auto [first, end] = share_of(test.size(), ranks);
+  std::vector<CompressedRecording> out;
+  for (size_t k = first; k < end; ++k) {
+    try {
+      out.push_back(compress_test(arm, {test[k]}, id.test_preprocessing, threads).front());
+    } catch (const InvalidInput& error) {
+      left_out.push_back({test[k], error.what()});
+    }
+  }
+  return out;
+}
+
+// From all factors to a model, at rank 0.
+void solve(const Model& arm, std::vector<CompressedRecording> all, size_t listed,
+           const IdentificationOptions& options, Identification& id) {
+  const std::string first = id.left_out.empty() ? "" : id.left_out.front().why;
+  if (all.empty()) {
+    id.reason = text("not one of ", listed, " recordings can be used: ", first);
+    return;
+  }
+  for (CompressedRecording& r : all) merge_blocks(r, blocks_of_each(static_cast<int>(all.size())));
+  if (fit_factors(arm, all, options, id)) id.factors = std::move(all);
+}
+
+}  // namespace
+
+Identification identify(const Model& arm, const std::vector<std::string>& train,
+                        const std::vector<std::string>& test, const IdentificationOptions& options,
+                        Communicator& ranks, const KeepFactors& keep) {
+  require(!train.empty(), "identify: there is no recording to train on.");
+  require(options.known_masses.empty(),
+          "identify: drive gains are found on one machine; leave known masses away.");
+  const Job job(arm, options, ranks, keep);
+  Identification id = described(arm, options);
+  const auto begin = std::chrono::steady_clock::now();
+  Part share = job.compress_share(train);
+  const std::vector<CompressedRecording> mine = share.factors.recordings;
+  job.bring_together(share);
+  if (ranks.rank() == 0) {
+    if (keep) keep(share.factors, true);
+    id.left_out = std::move(share.left_out);
+    id.seconds.compress =
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    solve(arm, std::move(share.factors.recordings), train.size(), options, id);
+  }
+  ByteWriter answer;
+  answer.number(id.model ? 1 : 0);
+  answer.number(static_cast<std::uint64_t>(id.status));
+  answer.text(id.reason);
+  answer.vector(id.parameters);
+  const std::string bytes = job.told(answer.bytes());
+  const std::string name = "answer of rank 0";
+  ByteReader in(bytes, 0, name);
+  const bool solved = in.number() != 0;
+  id.status = static_cast<IdentificationStatus>(in.number());
+  id.reason = in.text();
+  id.parameters = in.vector();
+  const bool nothing = !solved && id.status == IdentificationStatus::kNoData;
+  if (nothing && id.reason.compare(0, 11, "not one of ") == 0) throw InvalidInput(id.reason);
+  if (!solved) return id;
+  std::vector<UnusedRecording> unused;
+  const std::vector<CompressedRecording> held_out =
+      compress_held_out(arm, test, id, options.threads, ranks, unused);
+  const auto count = static_cast<int>(train.size() + test.size());
+  std::vector<MeasuredRecording> of_train =
+      job.measured(mine, id.preprocessing, id.parameters, count);
+  std::vector<MeasuredRecording> of_test =
+      job.measured(held_out, id.test_preprocessing, id.parameters, count);
+  Part names;
+  names.factors = compress(arm, std::vector<std::string>(), options.preprocessing, 1);
+  names.left_out = std::move(unused);
+  job.bring_together(names);
+  if (ranks.rank() != 0) return id;
+  id.left_out.insert(id.left_out.end(), names.left_out.begin(), names.left_out.end());
+  take_errors(arm, std::move(of_train), std::move(of_test), id);
+  keep_training_error(id);
+  return id;
+}
+
+}  // namespace veridyn

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "veridyn/identification/factor_set.hpp"
+
+namespace veridyn {
+
+/// compress_all(), for identify(): where there are many recordings, the blocks of each are merged
+/// until all recordings together have no more than kMostBlocks of them (but at least one each), so
+/// that memory does not grow with a recording's blocks. Clusters of the jackknife are then whole
+/// recordings, as they should be where there are many.
+std::vector<CompressedRecording> compress_many(const Model& arm,
+                                               const std::vector<std::string>& paths,
+                                               const PreprocessingOptions& options, int threads);
+
+/// Merges neighbouring blocks of a recording until it has at most `most`.
+void merge_blocks(CompressedRecording& recording, int most);
+
+/// Blocks that each of so many recordings may keep.
+int blocks_of_each(int recordings);
+
+/// From factors to a model: fills everything but errors, and may replace id.reason. False if there is
+/// no model.
+bool fit_factors(const Model& arm, const std::vector<CompressedRecording>& recordings,
+                 const IdentificationOptions& options, Identification& id);
+
+/// The errors of training go into the MODEL file with the statistics.
+void keep_training_error(Identification& id);
+
+/// @throws InvalidInput  the factors are of another arm, or were prepared otherwise.
+void require_factors_of(const Model& arm, const FactorSet& factors,
+                        const PreprocessingOptions& how);
+
+/// Whether a file begins as a factor file does.
+bool is_factor_file(const std::string& path);
+
+/// identify() of recordings that were compressed before (`trained`, in front) and of others.
+Identification identify_compressed(const Model& arm, std::vector<CompressedRecording> trained,
+                                   const std::vector<std::string>& train,
+                                   const std::vector<std::string>& test,
+                                   const IdentificationOptions& options);
+
+}  // namespace veridyn

@@ -1,0 +1,23 @@
+#include "filter_sweep.hpp"
+
+#include "processor.hpp"
+
+namespace veridyn {
+namespace {
+
+FilterKernels widest() {
+  const InstructionSet isa = widest_instruction_set();
+  // Even to ask for kernels runs code of their instruction set.
+  if (isa >= InstructionSet::kAvx512 && filter_kernels_avx512().run != nullptr) return filter_kernels_avx512();
+  if (isa >= InstructionSet::kAvx2 && filter_kernels_avx2().run != nullptr) return filter_kernels_avx2();
+  return filter_kernels_baseline();
+}
+
+}  // namespace
+
+const FilterKernels& filter_kernels() {
+  static const FilterKernels chosen = widest();
+  return chosen;
+}
+
+}  // namespace veridyn

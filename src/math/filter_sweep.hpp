@@ -1,0 +1,35 @@
+#pragma once
+
+namespace veridyn {
+
+constexpr int kFilterLanes = 8;  ///< columns that are filtered side by side
+
+/// A second-order section as a state space: y = b0 x + s1, s1' = c1 x - a1 s1 + s2,
+/// s2' = c2 x - a2 s1, which is the transposed direct form II without y in its loop.
+struct FilterSection {
+  double b0, c1, c2, a1, a2;
+  double start1, start2;  ///< steady state for an input of one
+};
+
+/// Forward and back over up to kFilterLanes columns.
+struct FilterSweep {
+  const FilterSection* sections;
+  int count;  ///< of sections
+  double* const* columns;  ///< kFilterLanes pointers (some may be equal); filtered in place
+  long rows;
+  long pad;      ///< rows of odd reflection at either end, below `rows`
+  double* work;  ///< (rows + 2 pad) * kFilterLanes doubles, aligned to 64 bytes
+};
+
+struct FilterKernels {
+  void (*run)(const FilterSweep& in) = nullptr;  ///< null: not compiled for this processor
+};
+
+FilterKernels filter_kernels_baseline();
+FilterKernels filter_kernels_avx2();
+FilterKernels filter_kernels_avx512();
+
+/// The widest that this processor has.
+const FilterKernels& filter_kernels();
+
+}  // namespace veridyn

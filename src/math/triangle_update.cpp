@@ -1,0 +1,23 @@
+#include "triangle_update.hpp"
+
+#include "processor.hpp"
+
+namespace veridyn {
+namespace {
+
+TriangleKernels widest() {
+  const InstructionSet isa = widest_instruction_set();
+  // Even to ask for kernels runs code of their instruction set.
+  if (isa >= InstructionSet::kAvx512 && triangle_kernels_avx512().update != nullptr) return triangle_kernels_avx512();
+  if (isa >= InstructionSet::kAvx2 && triangle_kernels_avx2().update != nullptr) return triangle_kernels_avx2();
+  return triangle_kernels_baseline();
+}
+
+}  // namespace
+
+const TriangleKernels& triangle_kernels() {
+  static const TriangleKernels chosen = widest();
+  return chosen;
+}
+
+}  // namespace veridyn

@@ -1,0 +1,44 @@
+#pragma once
+
+namespace veridyn {
+
+constexpr int kTrianglePanel = 8;  ///< columns that are triangulated together
+constexpr int kTriangleRows = 4;   ///< rows come in multiples of this
+
+/// One step of the streaming QR: the rows A go into the triangle R by Householder reflections,
+///
+///   [R; A]  ->  Q' [R; A] = [R'; 0]
+///
+/// Both row-major with `stride` doubles a row, aligned to 64 bytes; A is overwritten.
+struct TriangleUpdate {
+  double* R;        ///< (columns x columns), upper triangular
+  double* A;        ///< (rows x columns)
+  long stride;      ///< a multiple of kTrianglePanel, see triangle_stride()
+  int columns;      ///< a multiple of kTrianglePanel; unused ones are zero
+  int rows;         ///< a multiple of kTriangleRows; unused ones are zero
+  bool triangular;  ///< row i of A begins at column i
+};
+
+struct TriangleKernels {
+  void (*update)(const TriangleUpdate& in) = nullptr;  ///< null: not compiled for this processor
+};
+
+TriangleKernels triangle_kernels_baseline();
+TriangleKernels triangle_kernels_avx2();
+TriangleKernels triangle_kernels_avx512();
+
+/// The widest that this processor has.
+const TriangleKernels& triangle_kernels();
+
+/// Columns rounded up to whole panels.
+constexpr int triangle_columns(int columns) {
+  return (columns + kTrianglePanel - 1) / kTrianglePanel * kTrianglePanel;
+}
+
+/// Distance of rows for so many columns: an odd number of cache lines, so that a column of them
+/// spreads over all sets of the cache (a power of two halves the speed from 128 rows on).
+constexpr long triangle_stride(int columns) {
+  return (triangle_columns(columns) / kTrianglePanel | 1) * long{kTrianglePanel};
+}
+
+}  // namespace veridyn

@@ -1,0 +1,272 @@
+#include "veridyn/identification/factor_set.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <condition_variable>
+#include <deque>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "identification/many_recordings.hpp"
+#include "identification/synthetic_recording.hpp"
+#include "support/near.hpp"
+#include "veridyn/identification/many_machines.hpp"
+#include "veridyn/math/require.hpp"
+#include "veridyn/model/model_file.hpp"
+
+namespace veridyn {
+namespace {
+
+Model robot(const std::string& name) {
+  return read_model(VERIDYN_SOURCE_DIR "/data/robots/" + name + ".yaml");
+}
+
+// Files of noisy recordings in a folder of their own, removed at the end.
+class Files {
+ public:
+  explicit Files(const std::string& name) : folder_(testing::TempDir() + "veridyn-" + name) {
+    std::filesystem::create_directories(folder_);
+  }
+  ~Files() { std::filesystem::remove_all(folder_); }
+  Files(const Files&) = delete;
+  Files& operator=(const Files&) = delete;
+
+  std::string path(const std::string& name) const { return folder_ + "/" + name; }
+
+  std::vector<std::string> recordings(const Model& arm, int count, double seconds = 10.0) const {
+    std::vector<std::string> out;
+    for (int k = 0; k < count; ++k) {
+      MotionShape shape;
+      shape.duration = seconds;
+      shape.seed = static_cast<unsigned>(10 + k);
+      Recording r = synthetic_recording(arm, shape);
+      r.tau += noise_like(r.tau, 0.05, static_cast<unsigned>(k));
+      out.push_back(path("recording-" + std::to_string(k) + ".csv"));
+      write_recording(r, out.back());
+    }
+    return out;
+  }
+
+ private:
+  std::string folder_;
+};
+
+testing::AssertionResult same_answer(const Identification& a, const Identification& b,
+                                     double tolerance) {
+  if (!a.model || !b.model) return testing::AssertionFailure() << a.reason << " / " << b.reason;
+  const auto parameters = near(a.parameters, b.parameters,
+                               tolerance * (1.0 + b.parameters.cwiseAbs().maxCoeff()));
+  if (!parameters) return parameters << " in the parameters";
+  if (a.base.size() != b.base.size()) return testing::AssertionFailure() << "base differs";
+  for (size_t j = 0; j < a.base.size(); ++j) {
+    if (std::abs(a.base[j].std - b.base[j].std) > tolerance * (1.0 + b.base[j].std))
+      return testing::AssertionFailure() << "deviation of " << a.base[j].name;
+  }
+  return near(a.train_error.relative, b.train_error.relative, tolerance);
+}
+
+TEST(Factors, AreTheSameAfterAFile) {
+  const Model arm = robot("scara");
+  const Files files("same-after-a-file");
+  const FactorSet factors = compress(arm, files.recordings(arm, 2));
+  save_factors(factors, files.path("f"));
+  const FactorSet read = read_factors(files.path("f"));
+  EXPECT_EQ(to_bytes(read), to_bytes(factors));  // every number to the last bit
+  ASSERT_EQ(read.recordings.size(), 2);
+  const SquareRootInformation& a = factors.recordings[1].blocks[0][2];
+  const SquareRootInformation& b = read.recordings[1].blocks[0][2];
+  EXPECT_EQ(a.R(), b.R());
+  EXPECT_EQ(a.z(), b.z());
+  EXPECT_EQ(a.rho2(), b.rho2());
+  EXPECT_EQ(a.columns(), b.columns());
+  EXPECT_TRUE(read.recordings[1].detached);
+}
+
+// Whoever merges factors learns what the recordings together say; the errors are those of the rows
+// that went in, a few thousandths off those of all samples.
+TEST(Factors, TellWhatTheRecordingsTell) {
+  const Model arm = robot("scara");
+  const Files files("tell-the-same");
+  const std::vector<std::string> train = files.recordings(arm, 3);
+  const Identification whole = identify(arm, train);
+  const auto by_way_of_bytes = [&](const std::vector<std::string>& paths) {
+    return factors_from_bytes(to_bytes(compress(arm, paths)));
+  };
+  const FactorSet merged =
+      merge(by_way_of_bytes({train[0]}), by_way_of_bytes({train[1], train[2]}));
+  const Identification id = identify(arm, merged);
+  ASSERT_TRUE(id.model);
+  EXPECT_TRUE(near(id.parameters, whole.parameters, 1e-12 * whole.parameters.norm()));
+  for (size_t j = 0; j < id.base.size(); ++j) {
+    EXPECT_NEAR(id.base[j].value, whole.base[j].value, 1e-12 * (1.0 + whole.parameters.norm()));
+    EXPECT_NEAR(id.base[j].std, whole.base[j].std, 1e-9 * (1.0 + whole.base[j].std));
+  }
+  EXPECT_TRUE(near(id.train_error.relative, whole.train_error.relative, 0.02));
+  EXPECT_TRUE(std::isnan(id.train_error.maximum[0]));  // needs samples
+  const Identification mixed = identify(arm, by_way_of_bytes({train[0]}), {train[1], train[2]});
+  EXPECT_TRUE(near(mixed.parameters, whole.parameters, 1e-12 * whole.parameters.norm()));
+}
+
+TEST(Factors, OfAnotherArmOrFilterAreRefused) {
+  const Model arm = robot("scara");
+  const Files files("other-arm");
+  const std::vector<std::string> train = files.recordings(arm, 1);
+  const FactorSet factors = compress(arm, train);
+  ModelDescription longer = arm.description();
+  longer.frames.back().A.p.x += 1e-3;
+  const Model other(longer);
+  EXPECT_THROW(identify(other, factors), InvalidInput);
+  EXPECT_THROW(merge(factors, compress(other, train)), InvalidInput);
+  PreprocessingOptions sharper;
+  sharper.cutoff = 3.0;
+  EXPECT_THROW(merge(factors, compress(arm, train, sharper)), InvalidInput);
+}
+
+TEST(Factors, ThatAreDamagedAreRefusedInOneLine) {
+  const Model arm = robot("scara");
+  const Files files("damaged");
+  const std::string whole = to_bytes(compress(arm, files.recordings(arm, 1, 6.0)));
+  std::string flipped = whole;
+  flipped[whole.size() / 2] = static_cast<char>(flipped[whole.size() / 2] ^ 1);
+  for (const std::string& bytes : {std::string("t,q1\n0,1\n"), whole.substr(0, whole.size() / 2),
+                                   flipped, std::string(), whole.substr(0, 20)}) {
+    try {
+      factors_from_bytes(bytes, "lab.factors");
+      ADD_FAILURE() << "took " << bytes.size() << " bytes";
+    } catch (const InvalidInput& error) {
+      const std::string words = error.what();
+      EXPECT_EQ(words.compare(0, 12, "lab.factors:"), 0) << words;
+      EXPECT_NE(words.find("expected"), std::string::npos) << words;
+      EXPECT_EQ(words.find('\n'), std::string::npos) << words;
+    }
+  }
+}
+
+// Many recordings keep few blocks each, and still every row.
+TEST(ManyRecordings, KeepEveryRowInFewBlocks) {
+  const Model arm = robot("scara");
+  const Files files("blocks");
+  CompressedRecording r = compress(arm, files.recordings(arm, 1, 30.0)[0], {});
+  double before = 0.0;
+  for (const auto& block : r.blocks) before += block[0].rhs_norm2();
+  merge_blocks(r, 3);
+  EXPECT_LE(r.blocks.size(), 3);
+  double after = 0.0;
+  double rows = 0.0;
+  for (const auto& block : r.blocks) {
+    after += block[0].rhs_norm2();
+    for (const SquareRootInformation& f : block) rows += f.rows();
+  }
+  EXPECT_NEAR(after, before, 1e-12 * before);
+  EXPECT_EQ(rows, r.rows);
+  EXPECT_EQ(blocks_of_each(1000), 1);
+  EXPECT_GE(blocks_of_each(10), 16);  // as many as a recording has
+}
+
+// ---- ranks, as threads --------------------------------------------------------------------------
+
+class Mail {
+ public:
+  void put(int from, int to, const std::string& bytes) {
+    const std::lock_guard<std::mutex> lock(guard_);
+    boxes_[{from, to}].push_back(bytes);
+    arrived_.notify_all();
+  }
+  std::string take(int from, int to) {
+    std::unique_lock<std::mutex> lock(guard_);
+    std::deque<std::string>& box = boxes_[{from, to}];
+    arrived_.wait(lock, [&] { return !box.empty(); });
+    std::string bytes = box.front();
+    box.pop_front();
+    return bytes;
+  }
+
+ private:
+  std::mutex guard_;
+  std::condition_variable arrived_;
+  std::map<std::pair<int, int>, std::deque<std::string>> boxes_;
+};
+
+class ThreadRank final : public Communicator {
+ public:
+  ThreadRank(int rank, int size, Mail& mail) : rank_(rank), size_(size), mail_(mail) {}
+  int rank() const override { return rank_; }
+  int size() const override { return size_; }
+  void send(int to, const std::string& bytes) override { mail_.put(rank_, to, bytes); }
+  std::string receive(int from) override { return mail_.take(from, rank_); }
+
+ private:
+  int rank_, size_;
+  Mail& mail_;
+};
+
+// The answer of rank 0, and what each rank threw.
+Identification by_ranks(const Model& arm, const std::vector<std::string>& train,
+                        const std::vector<std::string>& test, int size, int* refused = nullptr) {
+  Mail mail;
+  std::vector<std::thread> ranks;
+  Identification answer;
+  std::mutex guard;
+  IdentificationOptions options;
+  options.threads = 1;
+  for (int r = 0; r < size; ++r) {
+    ranks.emplace_back([&, r] {
+      ThreadRank rank(r, size, mail);
+      try {
+        Identification id = identify(arm, train, test, options, rank);
+        if (r == 0) answer = std::move(id);
+      } catch (const InvalidInput&) {
+        const std::lock_guard<std::mutex> lock(guard);
+        if (refused != nullptr) ++*refused;
+      }
+    });
+  }
+  for (std::thread& t : ranks) t.join();
+  return answer;
+}
+
+TEST(ManyMachines, FindWhatOneMachineFinds) {
+  const Model arm = robot("scara");
+  const Files files("ranks");
+  std::vector<std::string> train = files.recordings(arm, 6, 8.0);
+  const std::vector<std::string> test = {train.back()};
+  train.pop_back();
+  const Identification one = identify(arm, train, test);
+  for (const int size : {1, 2, 3, 7}) {
+    const Identification many = by_ranks(arm, train, test, size);
+    EXPECT_TRUE(same_answer(many, one, 1e-12)) << size << " ranks";
+    EXPECT_TRUE(near(many.test_error.relative, one.test_error.relative, 1e-12));
+    EXPECT_TRUE(near(many.train_error.maximum, one.train_error.maximum, 1e-12));
+    ASSERT_EQ(many.train.size(), train.size());
+    for (size_t k = 0; k < train.size(); ++k) EXPECT_EQ(many.train[k].source, train[k]);
+    EXPECT_TRUE(many.left_out.empty());
+  }
+}
+
+TEST(ManyMachines, GoOnWithoutWhatCannotBeRead) {
+  const Model arm = robot("scara");
+  const Files files("ranks-left-out");
+  const std::vector<std::string> good = files.recordings(arm, 3, 8.0);
+  const std::string lost = files.path("lost.csv");
+  const std::string broken = files.path("broken.csv");
+  std::ofstream(broken) << "t,q1,q2\n0,zero,1\n";
+  const Identification many =
+      by_ranks(arm, {good[0], lost, good[1], broken, good[2]}, {good[0]}, 2);
+  ASSERT_EQ(many.left_out.size(), 2);
+  EXPECT_EQ(many.left_out[0].source, lost);
+  EXPECT_EQ(many.left_out[1].source, broken);
+  EXPECT_NE(many.left_out[1].why.find("broken.csv"), std::string::npos);
+  EXPECT_TRUE(same_answer(many, identify(arm, good, {good[0]}), 1e-12));
+  int refused = 0;
+  by_ranks(arm, {lost, broken}, {}, 3, &refused);
+  EXPECT_EQ(refused, 3);
+}
+
+}  // namespace
+}  // namespace veridyn

@@ -1,0 +1,191 @@
+#include "veridyn/identification/fleet.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include "identification/fleet_problem.hpp"
+#include "identification/synthetic_recording.hpp"
+#include "support/near.hpp"
+#include "veridyn/math/require.hpp"
+#include "veridyn/model/model_file.hpp"
+
+namespace veridyn {
+namespace {
+
+Model scara() {
+  return read_model(VERIDYN_SOURCE_DIR "/data/robots/scara.yaml");
+}
+
+// The arm with its effects' values times these factors, one per standard parameter.
+Model varied(const Model& arm, const VectorXd& factors) {
+  const VectorXd values = true_parameters(arm).cwiseProduct(factors);
+  return with_values(arm, values, VectorXd::Constant(values.size(), NAN));
+}
+
+struct Simulated {
+  std::vector<std::string> names;
+  std::vector<FactorSet> factors;
+};
+
+// A fleet whose friction differs by 5 % from arm to arm; `change` makes one of them odd.
+template <typename Change>
+Simulated fleet(int arms, int odd, const Change& change) {
+  const Model arm = scara();
+  const auto parameters = standard_parameters(arm);
+  Random random(3);
+  Simulated out;
+  for (int a = 0; a < arms; ++a) {
+    VectorXd factors = VectorXd::Ones(static_cast<Eigen::Index>(parameters.size()));
+    for (size_t p = 0; p < parameters.size(); ++p)
+      if (parameters[p].effect >= 0)
+        factors[static_cast<Eigen::Index>(p)] = 1.0 + 0.05 * random.in(-1, 1);
+    double gain = 1.0 + 0.005 * random.in(-1, 1);
+    if (a == odd) change(parameters, factors, gain);
+    MotionShape shape;
+    shape.duration = 10.0;
+    shape.rate = 100.0;
+    shape.seed = static_cast<unsigned>(100 + a);
+    Recording r = synthetic_recording(varied(arm, factors), shape);
+    r.tau.col(1) *= gain;
+    r.tau += noise_like(r.tau, 0.01, static_cast<unsigned>(a));
+    FactorSet set = compress(arm, std::vector<std::string>());
+    set.recordings.push_back(compress(arm, r, {}));
+    out.factors.push_back(std::move(set));
+    out.names.push_back("arm-" + std::to_string(a));
+  }
+  return out;
+}
+
+void nothing(const std::vector<StandardParameter>&, VectorXd&, double&) {}
+
+TEST(AFleet, FindsTheBodiesThatAllArmsShare) {
+  const Model arm = scara();
+  const Simulated all = fleet(12, -1, nothing);
+  const Fleet found = identify_fleet(arm, all.names, all.factors);
+  EXPECT_TRUE(found.outliers.empty()) << found.report();
+  const BaseParameters base = base_parameters(arm);
+  const VectorXd truth = base.K * true_parameters(arm);
+  for (const BaseValue& b : found.base) {
+    const auto at = std::find(base.names.begin(), base.names.end(), b.name) - base.names.begin();
+    ASSERT_LT(at, base.size());
+    EXPECT_NEAR(b.value, truth[at], 5.0 * b.std + 0.02 * std::abs(truth[at])) << b.expression;
+  }
+  for (const FleetSpread& s : found.spreads) EXPECT_EQ(s.arms, 12) << s.name;
+}
+
+TEST(AFleet, NamesTheArmWithAnotherFriction) {
+  const Simulated all = fleet(12, 7, [](const auto& parameters, VectorXd& factors, double&) {
+    for (size_t p = 0; p < parameters.size(); ++p)
+      if (parameters[p].name.find("viscous_friction") == 0 && parameters[p].effect >= 0) {
+        factors[static_cast<Eigen::Index>(p)] = 2.0;
+        return;
+      }
+  });
+  const Fleet found = identify_fleet(scara(), all.names, all.factors);
+  ASSERT_FALSE(found.outliers.empty()) << found.report();
+  EXPECT_EQ(found.outliers[0].arm, "arm-7");
+  EXPECT_EQ(found.outliers[0].what.find("viscous_friction"), 0) << found.report();
+}
+
+TEST(AFleet, NamesTheArmWithAnotherGain) {
+  const Simulated all =
+      fleet(12, 4, [](const auto&, VectorXd&, double& gain) { gain = 1.15; });
+  const Fleet found = identify_fleet(scara(), all.names, all.factors);
+  ASSERT_FALSE(found.outliers.empty()) << found.report();
+  const auto gain = std::find_if(found.outliers.begin(), found.outliers.end(), [](const auto& o) {
+    return o.what.find("torque_gain:") == 0;
+  });
+  ASSERT_NE(gain, found.outliers.end()) << found.report();
+  EXPECT_EQ(gain->arm, "arm-4");
+  EXPECT_EQ(gain->joint, 2);
+  EXPECT_NEAR(gain->value / gain->median, 1.15, 0.02);
+}
+
+TEST(AFleet, NamesTheArmWithOtherBodies) {
+  const Simulated all = fleet(12, 2, [](const auto& parameters, VectorXd& factors, double&) {
+    // The last body is half as heavy again.
+    for (size_t p = parameters.size(); p-- > 0;) {
+      if (parameters[p].body < 0) continue;
+      const int body = parameters[p].body;
+      for (size_t c = 0; c < parameters.size(); ++c)
+        if (parameters[c].body == body) factors[static_cast<Eigen::Index>(c)] = 1.5;
+      return;
+    }
+  });
+  const Fleet found = identify_fleet(scara(), all.names, all.factors);
+  const auto bodies = std::find_if(found.outliers.begin(), found.outliers.end(),
+                                   [](const auto& o) { return o.what == "rigid_bodies"; });
+  ASSERT_NE(bodies, found.outliers.end()) << found.report();
+  EXPECT_EQ(bodies->arm, "arm-2");
+}
+
+// Elimination arm by arm against one dense QR of the whole block arrow.
+TEST(AFleet, IsTheLeastSquaresSolutionOfTheBlockArrow) {
+  const Model arm = scara();
+  const Simulated all = fleet(5, -1, nothing);
+  std::vector<ArmFactor> arms;
+  for (size_t a = 0; a < all.factors.size(); ++a) {
+    ArmFactor one;
+    one.name = all.names[a];
+    for (const auto& block : all.factors[a].recordings[0].blocks) {
+      if (one.joints.empty()) {
+        one.joints = block;
+      } else {
+        for (size_t i = 0; i < block.size(); ++i) one.joints[i].merge(block[i]);
+      }
+    }
+    arms.push_back(one);
+  }
+  const FleetProblem problem(arm, arms);
+  const VectorXd weights = VectorXd::LinSpaced(arm.joints(), 0.5, 2.0);
+  SquareRootInformation total(problem.shared());
+  std::vector<SquareRootInformation> factors;
+  for (size_t a = 0; a < arms.size(); ++a) {
+    factors.push_back(problem.of_arm(a, weights, {}, {}));
+    total.merge(problem.over_shared(factors.back()));
+  }
+  const VectorXd beta = Eigen::ColPivHouseholderQR<MatrixXd>(total.R()).solve(total.z());
+  const auto shared = static_cast<Eigen::Index>(problem.shared().size());
+  const Eigen::Index own = factors[0].size() - shared;
+  const auto count = static_cast<Eigen::Index>(arms.size());
+  MatrixXd A = MatrixXd::Zero(count * factors[0].size(), count * own + shared);
+  VectorXd b(A.rows());
+  for (Eigen::Index a = 0; a < count; ++a) {
+    const SquareRootInformation& f = factors[static_cast<size_t>(a)];
+    A.block(a * f.size(), a * own, f.size(), own) = f.R().leftCols(own);
+    A.block(a * f.size(), count * own, f.size(), shared) = f.R().rightCols(shared);
+    b.segment(a * f.size(), f.size()) = f.z();
+  }
+  const VectorXd x = Eigen::ColPivHouseholderQR<MatrixXd>(A).solve(b);
+  EXPECT_TRUE(near(beta, VectorXd(x.tail(shared)), 1e-8 * (1.0 + x.tail(shared).norm())));
+  for (Eigen::Index a = 0; a < count; ++a)
+    EXPECT_TRUE(near(problem.own_values(factors[static_cast<size_t>(a)], beta),
+                     VectorXd(x.segment(a * own, own)), 1e-7 * (1.0 + x.norm())));
+}
+
+TEST(AFleet, ReadsItsListAndSaysWhatIsWrongWithIt) {
+  const std::string folder = testing::TempDir() + "veridyn-fleet-list";
+  std::filesystem::create_directories(folder);
+  const std::string path = folder + "/list.csv";
+  std::ofstream(path) << "arm,file\n# comment\nred,a.csv\nblue, b.csv\nred,/c.csv\n";
+  const std::vector<FleetArm> arms = read_fleet(path);
+  ASSERT_EQ(arms.size(), 2);
+  EXPECT_EQ(arms[0].files, (std::vector<std::string>{folder + "/a.csv", "/c.csv"}));
+  EXPECT_EQ(arms[1].name, "blue");
+  std::ofstream(path) << "red\n";
+  EXPECT_THROW(read_fleet(path), InvalidInput);
+  std::ofstream(path) << "";
+  EXPECT_THROW(read_fleet(path), InvalidInput);
+  EXPECT_THROW(identify_fleet(scara(), {{"red", {"missing.csv"}}}), InvalidInput);
+  std::filesystem::remove_all(folder);
+}
+
+}  // namespace
+}  // namespace veridyn
