@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <set>
 #include <utility>
 
@@ -91,6 +92,19 @@ std::optional<size_t> channel_to_correct(const Investigation& x, const Round& ro
   return std::nullopt;
 }
 
+// A channel error beyond its usual size against a rival that explains as much: what is usual decides
+// this tie, and nothing but a tie.
+bool gives_way(const Hypothesis& h, const Accepted& a, const std::vector<double>& values,
+               const Thresholds& thresholds) {
+  const bool unusual = std::any_of(values.begin(), values.end(), [&h](double value) {
+    return std::abs(value) > h.largest_value;
+  });
+  return unusual &&
+         std::any_of(a.rivals.begin(), a.rivals.end(), [&](const Evidence& rival) {
+           return rival.gain > thresholds.tie * a.evidence.gain;
+         });
+}
+
 // A channel error that comes first is undone before anything else is asked: its columns are right
 // to first order only, and what they leave over would look like more causes. True if the questions
 // must be asked again: it was undone, or the recordings refused it.
@@ -103,6 +117,11 @@ bool correct_first_channel(Investigation& x, const Round& round) {
     x.refused.insert(h.family);
     return true;
   }
+  const Accepted& a = round.selection.accepted[*at];
+  if (gives_way(h, a, channel->values, x.options.thresholds)) {
+    x.refused.insert(h.family);
+    return true;
+  }
   Finding f = channel_finding(round.q, h, channel->values, channel->half_widths);
   f.test_before = x.start.test_error.relative;
   f.test_after = channel->corrected.test_error.relative;
@@ -112,7 +131,6 @@ bool correct_first_channel(Investigation& x, const Round& round) {
     x.refused.insert(h.family);
     return true;
   }
-  const Accepted& a = round.selection.accepted[*at];
   f.p_value = a.evidence.p_value;
   f.gain = a.evidence.gain;
   f.rivals = rivals_of(round.q, round.data, h, a, x.d.changes);
