@@ -18,6 +18,8 @@ std::string percents(const VectorXd& v) {
 
 std::string status_words(const Finding& f) {
   const double share = kPercent * std::abs(f.explains);
+  if (f.status == FindingStatus::kConfirmed && f.explains < 0.0)
+    return "confirmed on its own joint and in the mean over all joints";
   if (f.status == FindingStatus::kConfirmed)
     return fmt::format("confirmed: explains {:.0f} % of the removable error", kPercent * f.explains);
   return f.explains < 0.0

@@ -88,8 +88,8 @@ std::unique_ptr<Examiner::Stand> Examiner::stand(const std::vector<int>& chosen)
   return out;
 }
 
-// A sign that nature forbids counts where it is beyond the scatter between folds: one of two
-// parameters may well be nothing.
+// Of several parameters one may well be nothing: its sign counts where it is beyond the scatter
+// between folds. A single parameter with a sign that nature forbids is no answer at all.
 bool Examiner::impossible(const Hypothesis& h, const ColumnSet& own, const VectorXd& values,
                           const VectorXd& deviations) const {
   if (h.body >= 0) return false;
@@ -97,8 +97,8 @@ bool Examiner::impossible(const Hypothesis& h, const ColumnSet& own, const Vecto
     const auto at = static_cast<Eigen::Index>(k);
     const double value = values[at];
     const double scale = std::max(data_.scale()[own[k]], numerics::kTiny);
-    const bool negative =
-        h.signs[k] == ParameterSign::kNonnegative && value < -2.0 * deviations[at];
+    const double allowed = own.size() > 1 ? 2.0 * deviations[at] : 0.0;
+    const bool negative = h.signs[k] == ParameterSign::kNonnegative && value < -allowed;
     const bool too_low = k < h.lowest.size() &&
                          value / scale < options_.thresholds.impossible_fall * h.lowest[k];
     if (negative || too_low) return true;
