@@ -309,7 +309,8 @@ TEST_F(Dvrk, TheReadmesBlockWorks) {
                   folder_.path("id.json")});
   ASSERT_EQ(run.status, 0) << run.err;
   int found = 0;
-  for (const json& p : json_of(folder_.path("id.json"))["base_parameters"]) {
+  const json identified = json_of(folder_.path("id.json"));
+  for (const json& p : identified["base_parameters"]) {
     const std::string expression = p["expression"];
     for (const auto& [name, value] :
          std::map<std::string, double>{{"coulomb_friction(yaw)", 0.15},
