@@ -18,16 +18,16 @@ namespace {
 
 dvrk::CooperatingArm board_arm(const std::string& config) {
   dvrk::CooperatingArm out;
-  DvrkRequest request;
   std::error_code ignored;
-  if (std::filesystem::is_regular_file(config, ignored)) {
-    request.config = config;
-  } else {
-    request.arm = config;
-  }
-  const DvrkArm arm = dvrk_arm(request);
-  out.robot = arm.robot;
-  out.coupling = arm.coupling;
+  const std::vector<std::string> known = dvrk::arm_names();
+  const bool is_file = std::filesystem::is_regular_file(config, ignored);
+  if (!is_file) expect_one_of("--boards", config, known);
+  const dvrk::IoConfig whole =
+      is_file ? dvrk::read_io_config(config) : dvrk::nominal_config(dvrk::read_arm(config));
+  out.robot = whole.robot("");
+  const std::string& name = is_file ? out.robot.name : config;
+  if (std::find(known.begin(), known.end(), name) != known.end())
+    out.coupling = dvrk::read_arm(name).coupling();
   return out;
 }
 

@@ -36,8 +36,8 @@ Conditioning conditioning(const MatrixXd& J) {
 
 class Rows {
  public:
-  Rows(const Model& arm, const std::string& frame) : arm_(arm), tip_(arm, {frame, {}}) {
-    length_ = characteristic_length(arm, {frame, {}});
+  Rows(const Model& arm, const std::string& frame) : arm_(arm), tip_(arm, {frame, Eigen::Vector3d::Zero()}) {
+    length_ = characteristic_length(arm, {frame, Eigen::Vector3d::Zero()});
     table_.robot = arm.name();
     table_.frame = frame;
     for (const Coordinate& c : arm.coordinates()) {
@@ -115,7 +115,7 @@ KinematicTable inverse_kinematics(const Model& arm, const std::string& frame,
   }
   InverseKinematicsOptions options;
   options.rows = task.has_orientation ? TaskRows::kPose : TaskRows::kPosition;
-  InverseKinematics newton(arm, {frame, {}}, options);
+  InverseKinematics newton(arm, {frame, Eigen::Vector3d::Zero()}, options);
   const VectorXd middle = q;
   for (const Eigen::Isometry3d& wanted : task.poses) {
     require(wanted.matrix().allFinite(), "kinematics: found a pose that is not finite.");

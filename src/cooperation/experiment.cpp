@@ -260,6 +260,7 @@ bool Experiment::step() {
 // A joint that has left its range by the whole range, or whose arm flies: no arm follows any more.
 bool Experiment::is_lost() const {
   for (int k = 0; k < world_->arms(); ++k) {
+    if (limp_[static_cast<size_t>(k)] == 1) continue;  // it falls because it was told to
     const std::vector<Coordinate>& joints = arms_[static_cast<size_t>(k)].coordinates();
     for (size_t i = 0; i < joints.size(); ++i) {
       const Limits& limits = joints[i].limits;

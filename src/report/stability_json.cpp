@@ -89,7 +89,8 @@ Json study_json(const StabilityStudy& study) {
   out["largest_stable_stiffness"] = coupled ? Json(a.largest_stable_stiffness) : Json();
   out["smallest_stable_stiffness"] = coupled ? Json(a.smallest_stable_stiffness) : Json();
   out["stiffness_bounded"] = a.stiffness_bounded;
-  out["onset"] = Json::object();
+  out["linear_stable_stiffness"] = coupled ? Json(a.linear_stable_stiffness) : Json();
+  out["simulated_runs"] = a.simulated_runs;
   out["points"] = Json::array();
   for (const StabilityPoint& p : a.points) out["points"].push_back(point_json(p));
   out["deadbands"] = Json::array();

@@ -22,7 +22,7 @@ std::vector<CooperatingArm> arms() {
   std::vector<CooperatingArm> out(2);
   for (CooperatingArm& arm : out) {
     const ArmFacts facts = read_arm("PSM1");
-    arm.robot = nominal_config(facts).robots.front();
+    arm.robot = nominal_config(facts).robot("");
     arm.coupling = facts.coupling();
   }
   return out;

@@ -74,7 +74,9 @@ struct DeadbandSwing {
 ///
 /// Arms are taken as sliding: friction that grows with speed counts, dry friction does not. It
 /// stills what is small and cannot make an unstable loop stable for large motions, so that "stable"
-/// here is stable with any dry friction; see `onset`.
+/// here is stable with any dry friction. For the object's stiffness both are told: up to where the
+/// linear loop is stable, and up to where the scenario's own dry friction still stills it, which
+/// bisection over runs of the nonlinear simulation finds from there.
 struct StabilityAnalysis {
   std::string name;
   double period = 0.0;  ///< [s] of the control loop
@@ -86,7 +88,10 @@ struct StabilityAnalysis {
   StabilityPoint worst;
   std::vector<StabilityPoint> points;
   StabilityMargins margins;                ///< smallest of all points
-  double largest_stable_stiffness = 0.0;   ///< [N/m] up to which all points are stable
+  double largest_stable_stiffness = 0.0;   ///< [N/m] up to which the scenario comes to rest,
+                                           ///< dry friction and all
+  double linear_stable_stiffness = 0.0;    ///< [N/m] likewise with arms that slide
+  int simulated_runs = 0;                  ///< of the nonlinear simulation
   double smallest_stable_stiffness = 0.0;  ///< [N/m] down to which, from there
   bool stiffness_bounded = false;          ///< false: stable up to the end of the search
   std::vector<DeadbandSwing> deadbands;

@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "loop_search.hpp"
+#include "veridyn/cooperation/scenario_run.hpp"
 #include "math/parallel.hpp"
 #include "veridyn/math/require.hpp"
 
@@ -18,6 +19,9 @@ using Clock = std::chrono::steady_clock;
 
 constexpr double kSoftest = 1.0;    // [N/m] of the search over stiffnesses
 constexpr double kStiffest = 1e7;
+constexpr double kLeastSwing = 0.25;    // [N] from least to largest: more is no noise
+constexpr double kSwingShare = 0.1;     // of the wanted force
+constexpr double kFirstStep = 1.05, kFarStep = 1.5, kOnsetAccuracy = 1.04;
 constexpr int kStiffnessSteps = 56;  // eight per decade
 
 double seconds_since(Clock::time_point begun) {
@@ -68,6 +72,47 @@ void find_stiffnesses(const RestPoint& point, const Scenario& scenario, Stabilit
   out.largest_stable_stiffness = std::min(out.largest_stable_stiffness, most);
   out.smallest_stable_stiffness = std::max(out.smallest_stable_stiffness, least);
   out.stiffness_bounded = out.stiffness_bounded || most < kStiffest;
+}
+
+// True where the scenario's beginning does not come to rest in the nonlinear simulation: an arm is
+// lost, the controller ends it, or the force swings on, by more than a tenth of what is wanted.
+bool swings_in_simulation(Scenario scenario) {
+  scenario.phases.resize(std::min<std::size_t>(scenario.phases.size(), 2));
+  scenario.faults.clear();
+  scenario.sweep = {};
+  const ScenarioRun run = run_scenario(scenario);
+  if (!run.complete() || run.state != CooperativeState::kTracking) return true;
+  for (const PhaseFigures& phase : run.phases) {
+    for (const MemberFigures& m : phase.members) {
+      if (m.tracked && m.oscillation > std::max(kLeastSwing, kSwingShare * std::abs(m.wanted)))
+        return true;
+    }
+  }
+  return false;
+}
+
+// Dry friction stills more than the linear loop lets expect: steps upwards, then halves.
+void find_simulated_onset(const Scenario& scenario, StabilityAnalysis& out) {
+  const bool wanted = !scenario.members.empty() && scenario.bodies.empty() &&
+                      out.linear_stable_stiffness > 0.0 && out.linear_stable_stiffness < kStiffest;
+  if (!wanted) return;
+  const auto swings = [&](double stiffness) {
+    ++out.simulated_runs;
+    return swings_in_simulation(with_parameter(scenario, "stiffness", stiffness));
+  };
+  double stable = out.linear_stable_stiffness;
+  double unstable = stable * kFirstStep;
+  while (!swings(unstable)) {
+    stable = unstable;
+    unstable *= kFarStep;
+    if (unstable > kStiffest) return;
+  }
+  if (stable == out.linear_stable_stiffness) return;  // friction adds less than a step
+  while (unstable > kOnsetAccuracy * stable) {
+    const double middle = std::sqrt(stable * unstable);
+    (swings(middle) ? unstable : stable) = middle;
+  }
+  out.largest_stable_stiffness = stable;
 }
 
 const RestPoint& worst_of(const std::vector<RestPoint>& points, const Scenario& scenario) {
@@ -127,6 +172,13 @@ StabilityAnalysis analyse_stability(const Scenario& scenario) {
   if (coupled) {
     out.margins = loop_margins(worst->loop, scenario);
     find_stiffnesses(*worst, scenario, out);
+    out.linear_stable_stiffness = out.largest_stable_stiffness;
+    find_simulated_onset(scenario, out);
+    // A relay looks like any gain up to its describing function's largest.
+    for (const DeadbandSwing& d : out.deadbands) {
+      if (d.largest_gain > 0.0)
+        out.margins.gain = std::min(out.margins.gain, d.critical_gain / d.largest_gain);
+    }
   }
   out.seconds = seconds_since(begun);
   return out;
@@ -191,9 +243,14 @@ std::string StabilityAnalysis::report() const {
                      shown(margins.gain, ""), shown(margins.phase_deg, " degrees"),
                      shown(1e3 * margins.delay, " ms"));
   if (std::isfinite(largest_stable_stiffness))
-    out += fmt::format("Object stiffness: stable from {:.4g} up to {:.4g} N/m{}.\n",
-                       smallest_stable_stiffness, largest_stable_stiffness,
-                       stiffness_bounded ? "" : ", the end of the search");
+    out += fmt::format("Object stiffness: stable from {:.4g} up to {:.4g} N/m{}{}.\n",
+                       smallest_stable_stiffness, linear_stable_stiffness,
+                       stiffness_bounded ? "" : ", the end of the search",
+                       simulated_runs > 0
+                           ? fmt::format("; with the arms' dry friction up to {:.4g} N/m, by {} "
+                                         "simulated runs",
+                                         largest_stable_stiffness, simulated_runs)
+                           : std::string());
   for (const DeadbandSwing& d : deadbands)
     out += fmt::format(
         "{}: increments with a deadband act as an integral of up to {:.3g} m/(N s), and {:.3g} "
