@@ -60,7 +60,7 @@ class Files {
 testing::AssertionResult same_answer(const Identification& a, const Identification& b,
                                      double tolerance) {
   if (!a.model || !b.model) return testing::AssertionFailure() << a.reason << " / " << b.reason;
-  const auto parameters = near(a.parameters, b.parameters,
+  auto parameters = near(a.parameters, b.parameters,
                                tolerance * (1.0 + b.parameters.cwiseAbs().maxCoeff()));
   if (!parameters) return parameters << " in the parameters";
   if (a.base.size() != b.base.size()) return testing::AssertionFailure() << "base differs";
