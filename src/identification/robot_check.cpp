@@ -18,13 +18,16 @@ namespace {
 
 constexpr int kMostRows = 12000;    // a minute at 200 Hz; more tells nothing new about columns
 constexpr int kFewestRows = 300;
-// Share of the torques' squares left unexplained (each joint over its range). A recording below the
-// first is sound; another way must leave less than the second times what the recording leaves. Real
-// recordings of eight arms leave 0.4 to 6 %, their mistaken versions 12 to 90 %.
-constexpr double kExplained = 0.10;
-constexpr double kMuchBetter = 0.6;
-constexpr double kGainsBetter = 0.9;   // drive gains differ little, and so do their fits
-constexpr double kFrictionSure = 4.0;  // standard deviations by which friction must have its sign
+// The misfit is the sum over the joints of the logarithm of the share of a joint's torque (squared)
+// that is left unexplained: a joint that fits badly anyway does not hide another. A way in which
+// signals may have been mistaken must lower it by the first number, as it does where one joint's
+// share falls to 0.4 times what it was; drive gains differ little from joint to joint, and so do
+// their fits. Shares below the third are noise.
+constexpr double kBetter = 0.9;
+constexpr double kGainsBetter = 0.3;
+constexpr double kSmallestShare = 1e-3;
+// Power lost to friction, as a share of rms torque times rms speed, that tells its sign.
+constexpr double kFrictionShare = 0.03;
 const double kDegree = std::acos(-1.0) / 180.0;
 
 // The arm with viscous and Coulomb friction on every coordinate: whatever moves loses energy.
@@ -56,7 +59,8 @@ Model with_friction(const Model& arm) {
 // One short identification.
 struct Fit {
   double unexplained = 1.0;          // share of the weighted squares of the torques
-  std::vector<double> friction;      // [standard deviations] by joint: power lost to friction
+  double misfit = 0.0;
+  std::vector<double> friction;      // by joint: power lost to it, of rms torque times rms speed
   std::vector<SquareRootInformation> joints;
 };
 
@@ -90,33 +94,56 @@ class Fitter {
       out.joints.push_back(std::move(joint));
     }
     const SquareRootInformation base = total.restricted(base_columns_);
+    const VectorXd beta = base.R().triangularView<Eigen::Upper>().solve(base.z());
     out.unexplained = base.rho2() / std::max(base.rhs_norm2(), 1e-300);
-    out.friction = friction_of(base);
+    for (const SquareRootInformation& joint : out.joints) {
+      const SquareRootInformation own = joint.restricted(base_columns_);
+      const double share = own.residual2(beta) / std::max(own.rhs_norm2(), 1e-300);
+      out.misfit += std::log(std::max(share, kSmallestShare));
+    }
+    out.friction = friction_of(beta, recording);
     return out;
   }
 
  private:
-  // Coulomb and viscous coefficients of each joint in standard deviations, the surer one. Errors of
-  // successive samples are alike: twenty of them count as one.
-  std::vector<double> friction_of(const SquareRootInformation& base) const {
-    constexpr double kAlike = 20.0;
-    const auto k = static_cast<Eigen::Index>(base_columns_.size());
-    const MatrixXd R = base.R();
-    const VectorXd beta = R.triangularView<Eigen::Upper>().solve(base.z());
-    const MatrixXd inverse = R.triangularView<Eigen::Upper>().solve(MatrixXd(MatrixXd::Identity(k, k)));
-    const double noise = std::sqrt(kAlike * base.rho2() / std::max(1.0, base.rows()));
-    std::vector<double> out(static_cast<size_t>(arm_.joints()), 0.0);
-    for (Eigen::Index j = 0; j < k; ++j) {
-      const auto known = std::find(names_.begin(), names_.end(), base_columns_[static_cast<size_t>(j)]);
-      const StandardParameter& p = parameters_[static_cast<size_t>(known - names_.begin())];
-      if (p.effect < 0) continue;
-      const EffectTerm& term = arm_.effects()[static_cast<size_t>(p.effect)];
-      if (term.effect != "viscous_friction" && term.effect != "coulomb_friction") continue;
-      const double sure = beta[j] / (noise * inverse.row(j).norm());
-      double& joint = out[static_cast<size_t>(main_coordinate(term.axis))];
-      if (std::isfinite(sure) && std::abs(sure) > std::abs(joint)) joint = sure;
+  // From the Coulomb and viscous coefficients on each joint's own axis.
+  std::vector<double> friction_of(const VectorXd& beta, const Recording& recording) const {
+    std::vector<double> out;
+    for (int i = 0; i < arm_.joints(); ++i) {
+      double speed = 0.0;
+      double speed2 = 0.0;
+      double torque2 = 0.0;
+      double count = 0.0;
+      for (Eigen::Index k = 1; k < recording.time.size(); ++k) {
+        const double v = recording.dq.size() > 0
+                             ? recording.dq(k, i)
+                             : (recording.q(k, i) - recording.q(k - 1, i)) /
+                                   (recording.time[k] - recording.time[k - 1]);
+        const double tau = recording.tau(k, i);
+        if (!std::isfinite(v) || !std::isfinite(tau)) continue;
+        speed += std::abs(v);
+        speed2 += v * v;
+        torque2 += tau * tau;
+        count += 1.0;
+      }
+      const double power = coefficient(beta, "coulomb_friction", i) * speed +
+                           coefficient(beta, "viscous_friction", i) * speed2;
+      const double scale = std::sqrt(torque2 * speed2);
+      out.push_back(count > 0.0 && scale > 0.0 ? power / scale : 0.0);
     }
     return out;
+  }
+
+  double coefficient(const VectorXd& beta, const std::string& effect, int joint) const {
+    for (std::size_t j = 0; j < base_columns_.size(); ++j) {
+      const auto known = std::find(names_.begin(), names_.end(), base_columns_[j]);
+      const StandardParameter& p = parameters_[static_cast<std::size_t>(known - names_.begin())];
+      if (p.effect < 0) continue;
+      const EffectTerm& term = arm_.effects()[static_cast<std::size_t>(p.effect)];
+      const bool own = (term.axis.coefficients - VectorXd::Unit(arm_.joints(), joint)).norm() == 0.0;
+      if (own && term.effect == effect) return beta[static_cast<Eigen::Index>(j)];
+    }
+    return 0.0;
   }
 
   Model arm_;
@@ -154,9 +181,13 @@ class RobotCheck {
 
   std::vector<QualityFinding> run() {
     now_ = fitter_.fit(recording_);
-    if (turns_angles()) return std::move(findings_);
-    turn_signs();
-    if (now_.unexplained > kExplained) swap_joints();
+    given_fit_ = now_;
+    turned_.assign(static_cast<size_t>(joints()), 0);
+    // The best of all ways, and then the best of what may be wrong besides.
+    while (static_cast<int>(findings_.size()) < joints() && accept_best(ways(), kBetter)) {
+    }
+    let_friction_take_energy();
+    tell_signs();
     take_currents();
     compare_with_values();
     return std::move(findings_);
@@ -185,125 +216,123 @@ class RobotCheck {
   }
 
   void accept(const Way& way, const Fit& fit) {
-    add(way.finding, way.joint, fit.unexplained,
+    if (way.finding == "torque_sign") {  // told at the end: friction has a say
+      turned_[static_cast<size_t>(way.joint) - 1] ^= 1;
+    } else {
+      add(way.finding, way.joint, fit.unexplained,
         text(way.what, ": so the arm leaves ", percent(fit.unexplained),
              " of the torques' squares unexplained instead of ", percent(now_.unexplained), "; ",
              way.option, " mends it."));
+    }
     way.mend(&recording_);
     now_ = fit;
   }
 
   // The best of some ways, if it is much better than the recording as it is.
   bool accept_best(const std::vector<Way>& ways, double better) {
+    if (ways.empty()) return false;
     std::vector<Fit> fits(ways.size());
     parallel_for(static_cast<int>(ways.size()), 0, [&](int k) {
       fits[static_cast<size_t>(k)] = tried(ways[static_cast<size_t>(k)]);
     });
     const auto best = std::min_element(fits.begin(), fits.end(), [](const Fit& a, const Fit& b) {
-      return a.unexplained < b.unexplained;
+      return a.misfit < b.misfit;
     });
-    if (best == fits.end() || best->unexplained > better * now_.unexplained) return false;
+    if (best->misfit > now_.misfit - better) return false;
     accept(ways[static_cast<size_t>(best - fits.begin())], *best);
     return true;
   }
 
-  bool turns_angles() {
-    const bool velocities = recording_.dq.size() > 0;
-    const auto scale = [this](MatrixXd* values) {
-      for (int i = 0; i < joints() && values->cols() > 0; ++i) {
-        if (!given_.coordinates()[static_cast<size_t>(i)].prismatic) values->col(i) *= kDegree;
+  std::vector<Way> ways() const {
+    std::vector<Way> all;
+    add_angles(&all);
+    for (int i = 0; i < joints(); ++i)
+      all.push_back({"torque_sign", i + 1, "", "", [i](Recording* r) { r->tau.col(i) *= -1.0; }});
+    add_swaps(&all);
+    return all;
+  }
+
+  void add_angles(std::vector<Way>* all) const {
+    std::vector<int> turning;
+    for (int i = 0; i < joints(); ++i) {
+      if (!given_.coordinates()[static_cast<size_t>(i)].prismatic) turning.push_back(i);
+    }
+    if (turning.empty()) return;
+    const auto scale = [turning](MatrixXd* values) {
+      for (const int i : turning) {
+        if (values->cols() > 0) values->col(i) *= kDegree;
       }
     };
-    std::vector<Way> ways = {{"degrees", 0, "Positions are degrees", "--units q=deg",
-                              [scale](Recording* r) { scale(&r->q); }}};
-    if (velocities)
-      ways.push_back({"degrees", 0, "Positions and velocities are degrees",
-                      "--units q=deg,dq=deg/s", [scale](Recording* r) {
+    all->push_back({"degrees", 0, "Positions are degrees", "--units q=deg",
+                    [scale](Recording* r) { scale(&r->q); }});
+    if (recording_.dq.size() > 0)
+      all->push_back({"degrees", 0, "Positions and velocities are degrees", "--units q=deg,dq=deg/s",
+                      [scale](Recording* r) {
                         scale(&r->q);
                         scale(&r->dq);
                       }});
-    const bool any_turns = std::any_of(given_.coordinates().begin(), given_.coordinates().end(),
-                                       [](const Coordinate& c) { return !c.prismatic; });
-    return any_turns && now_.unexplained > kExplained && accept_best(ways, kMuchBetter);
   }
 
-  void turn_signs() {
-    std::vector<char> turned(static_cast<size_t>(joints()), 0);
-    const auto flip = [](int i) { return [i](Recording* r) { r->tau.col(i) *= -1.0; }; };
-    // Joints that are coupled to others: the fit tells.
-    const double before = now_.unexplained;
-    for (int round = 0; round < joints() && now_.unexplained > 1e-3; ++round) {
-      int best = -1;
-      Fit best_fit;
-      for (int i = 0; i < joints(); ++i) {
-        const Fit fit = tried({"", 0, "", "", flip(i)});
-        if (fit.unexplained > kMuchBetter * now_.unexplained) continue;
-        if (best >= 0 && fit.unexplained > best_fit.unexplained) continue;
-        best = i;
-        best_fit = fit;
-      }
-      if (best < 0) break;
-      flip(best)(&recording_);
-      now_ = best_fit;
-      turned[static_cast<size_t>(best)] = static_cast<char>(turned[static_cast<size_t>(best)] == 0);
-    }
-    // All of them, and those that are coupled to none: friction takes energy.
-    int against = 0;
-    int along = 0;
-    for (const double sure : now_.friction) {
-      against += sure < -kFrictionSure ? 1 : 0;
-      along += sure > kFrictionSure ? 1 : 0;
-    }
+  void let_friction_take_energy() {
+    // All of them, and those that are coupled to none: friction takes energy. A joint whose friction
+    // does not show goes with the others where these agree.
+    const auto shows = [this](int sign) {
+      return static_cast<int>(std::count_if(now_.friction.begin(), now_.friction.end(), [sign](double f) {
+        return sign * f > kFrictionShare;
+      }));
+    };
+    const bool all = shows(1) == 0 && 2 * shows(-1) > joints();
+    bool again = false;
     for (int i = 0; i < joints(); ++i) {
-      const bool own = now_.friction[static_cast<size_t>(i)] < -kFrictionSure;
-      const bool with_all = along == 0 && against > 0;
-      if (own || with_all) turned[static_cast<size_t>(i)] = static_cast<char>(turned[static_cast<size_t>(i)] == 0);
-      if (own || with_all) flip(i)(&recording_);
+      if (!all && now_.friction[static_cast<size_t>(i)] > -kFrictionShare) continue;
+      turned_[static_cast<size_t>(i)] ^= 1;
+      recording_.tau.col(i) *= -1.0;
+      again = true;
     }
-    if (along + against > 0) now_ = fitter_.fit(recording_);
+    if (again) now_ = fitter_.fit(recording_);
+  }
+
+  void tell_signs() {
     for (int i = 0; i < joints(); ++i) {
-      if (turned[static_cast<size_t>(i)] == 0) continue;
-      const bool fits = now_.unexplained < kMuchBetter * before;
+      if (turned_[static_cast<size_t>(i)] == 0) continue;
+      const bool fits = now_.misfit < given_fit_.misfit - kBetter;
       add("torque_sign", i + 1, now_.unexplained,
           text("Torques of ", joint(i), " have the wrong sign: ",
                fits ? text("turned round, the arm leaves ", percent(now_.unexplained),
-                           " of the torques' squares unexplained instead of ", percent(before))
+                           " of the torques' squares unexplained instead of ", percent(given_fit_.unexplained))
                     : "its friction would give energy instead of taking it",
                "; --units tau", i + 1, "=-", given_.coordinates()[static_cast<size_t>(i)].prismatic ? "N" : "Nm",
                " mends it."));
     }
   }
 
-  void swap_joints() {
+  void add_swaps(std::vector<Way>* all) const {
     const bool dq = recording_.dq.size() > 0;
-    for (int round = 0; round < joints() / 2; ++round) {
-      std::vector<Way> ways;
-      for (int i = 0; i < joints(); ++i) {
-        for (int j = i + 1; j < joints(); ++j) {
-          const std::string a = std::to_string(i + 1);
-          const std::string b = std::to_string(j + 1);
-          const std::string pair = joint(i) + " and " + joint(j);
-          const std::string torques = "tau" + a + "=tau" + b + ",tau" + b + "=tau" + a;
-          std::string motion = "q" + a + "=q" + b + ",q" + b + "=q" + a;
-          if (dq) motion += ",dq" + a + "=dq" + b + ",dq" + b + "=dq" + a;
-          const auto swap_torques = [i, j](Recording* r) { swap_columns(&r->tau, i, j); };
-          const auto swap_motion = [i, j](Recording* r) {
-            swap_columns(&r->q, i, j);
-            swap_columns(&r->dq, i, j);
-            swap_columns(&r->ddq, i, j);
-          };
-          ways.push_back({"swapped_joints", i + 1, "The torques of " + pair + " are swapped",
-                          "--map " + torques, swap_torques});
-          ways.push_back({"swapped_joints", i + 1, "Positions and velocities of " + pair + " are swapped",
-                          "--map " + motion, swap_motion});
-          ways.push_back({"swapped_joints", i + 1, "The whole of " + pair + " is swapped",
-                          "--map " + motion + "," + torques, [=](Recording* r) {
-                            swap_torques(r);
-                            swap_motion(r);
-                          }});
-        }
+    for (int i = 0; i < joints(); ++i) {
+      for (int j = i + 1; j < joints(); ++j) {
+        const std::string a = std::to_string(i + 1);
+        const std::string b = std::to_string(j + 1);
+        const std::string pair = joint(i) + " and " + joint(j);
+        const std::string torques = "tau" + a + "=tau" + b + ",tau" + b + "=tau" + a;
+        std::string motion = "q" + a + "=q" + b + ",q" + b + "=q" + a;
+        if (dq) motion += ",dq" + a + "=dq" + b + ",dq" + b + "=dq" + a;
+        const auto swap_torques = [i, j](Recording* r) { swap_columns(&r->tau, i, j); };
+        const auto swap_motion = [i, j](Recording* r) {
+          swap_columns(&r->q, i, j);
+          swap_columns(&r->dq, i, j);
+          swap_columns(&r->ddq, i, j);
+        };
+        all->push_back({"swapped_joints", i + 1, "The torques of " + pair + " are swapped",
+                        "--map " + torques, swap_torques});
+        all->push_back({"swapped_joints", i + 1,
+                        "Positions and velocities of " + pair + " are swapped", "--map " + motion,
+                        swap_motion});
+        all->push_back({"swapped_joints", i + 1, "The whole of " + pair + " is swapped",
+                        "--map " + motion + "," + torques, [=](Recording* r) {
+                          swap_torques(r);
+                          swap_motion(r);
+                        }});
       }
-      if (!accept_best(ways, kMuchBetter)) return;
     }
   }
 
@@ -316,10 +345,33 @@ class RobotCheck {
     if (!has_gains() || recording_.current.size() > 0 || joints() < 2) return;
     VectorXd gains(joints());
     for (int i = 0; i < joints(); ++i) gains[i] = given_.coordinates()[static_cast<size_t>(i)].drive_gain;
+    if (look_like_currents(gains)) {
+      add("current", 0, quality::kNone,
+          text("All efforts are so small beside the limits of ", given_.name(),
+               " that they may be motor currents, as the drivers of Universal Robots publish them: "
+               "if they are, --units tau=A mends it."));
+      findings_.back().severity = Severity::kWarning;
+      return;
+    }
     if (gains.maxCoeff() < 1.05 * gains.minCoeff()) return;  // as torques they would fit alike
     accept_best({{"current", 0, "Efforts are motor currents", "--units tau=A",
                   [gains](Recording* r) { r->tau = r->tau * gains.asDiagonal(); }}},
                 kGainsBetter);
+  }
+
+  // Every joint's largest effort is below the current that its limit of torque stands for.
+  bool look_like_currents(const VectorXd& gains) const {
+    double nearest = 0.0;
+    for (int i = 0; i < joints(); ++i) {
+      const double limit = given_.coordinates()[static_cast<size_t>(i)].limits.effort;
+      if (!std::isfinite(limit) || gains[i] < 2.0) return false;
+      double largest = 0.0;
+      for (const double tau : recording_.tau.col(i)) {
+        if (std::isfinite(tau)) largest = std::max(largest, std::abs(tau));
+      }
+      nearest = std::max(nearest, largest * gains[i] / limit);
+    }
+    return nearest < 1.0;
   }
 
   // Torques of an arm with values, by one factor a joint.
@@ -361,7 +413,9 @@ class RobotCheck {
   Recording recording_;
   Fitter fitter_;
   std::vector<std::string> names_;
+  Fit given_fit_;  // of the recording as it came
   Fit now_;
+  std::vector<char> turned_;  // joints whose torques were turned round
   std::vector<QualityFinding> findings_;
 };
 

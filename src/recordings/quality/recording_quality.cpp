@@ -71,8 +71,8 @@ RecordingQuality judged(Recording head_rows, const std::string& file, const Sour
 
   absurd.conclude(&findings);
   rows.conclude(&findings);
+  if (quality.rows > 1) quality.rate = 1.0 / head.step;
   if (quality.rows >= kFewestRows) {
-    quality.rate = 1.0 / head.step;
     time.conclude(&findings);
     if (absurd.share() < quality::kHopelessShare) {
       jumps.conclude(&findings);
