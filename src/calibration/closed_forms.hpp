@@ -40,7 +40,7 @@ Eigen::Isometry3d fitted_pose(const MatrixRef& a, const MatrixRef& b);
 struct RotationSpread {
   Eigen::Vector3d eigenvalues;
   Eigen::Matrix3d axes;
-  Eigen::Matrix3d mean;  ///< of the rotations, not a rotation itself
+  Eigen::Matrix3d mean;  ///< Mean of the rotations, not a rotation itself
 };
 RotationSpread rotation_spread(const Isometries& poses);
 

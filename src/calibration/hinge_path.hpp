@@ -14,7 +14,7 @@ Eigen::Vector3d turned(const Line& line, double angle, const Eigen::Vector3d& po
 
 /// One marker at one frame, seen through the hinges between the root and its body.
 struct HingePath {
-  std::vector<int> hinges;  ///< of the tree, from the root on
+  std::vector<int> hinges;  ///< Hinges of the tree, from the root on
   std::vector<Line> start;
   std::vector<Eigen::Matrix<double, 3, 2>> plane;
   Eigen::Isometry3d root;

@@ -13,7 +13,7 @@ struct LinkEntry {
   enum class Kind { kA, kAlpha, kD, kTheta, kX, kY, kZ, kRoll, kPitch, kYaw, kRatio };
   int frame = 0;
   Kind kind = Kind::kA;
-  int coordinate = -1;  ///< of a ratio
+  int coordinate = -1;  ///< Coordinate of a ratio
   double value = 0.0;   ///< as it stands in the file
   std::string formula;  ///< the arithmetic of the file; empty: a number
 };

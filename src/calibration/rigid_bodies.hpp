@@ -11,7 +11,7 @@ namespace veridyn::internal {
 /// One body's markers as a rigid body.
 struct RigidBody {
   std::string name;
-  std::vector<int> markers;  ///< of the capture
+  std::vector<int> markers;  ///< Markers of the capture
   MatrixXd shape;            ///< (3 x markers) [m] about their mean, turned as at the first frame
   std::vector<char> seen;    ///< frames at which three or more markers agree with the shape
   Isometries pose;           ///< T_camera_body by frame; identity where not seen

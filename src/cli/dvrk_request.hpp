@@ -15,7 +15,7 @@ namespace veridyn::cli {
 
 /// What the commands under `veridyn dvrk` are asked for; each uses a part of it.
 struct DvrkRequest {
-  const CLI::App* command = nullptr;  ///< where the options were given
+  const CLI::App* command = nullptr;  ///< The command at which the options were given
   std::string config;                 ///< XML or JSON
   std::string robot;                  ///< name in it
   std::string arm;                    ///< PSM1, ...: nominal configuration, gains
@@ -42,7 +42,7 @@ struct DvrkRequest {
   std::vector<double> start;  ///< joint positions of the emulated arm
   std::string config_out;
   std::vector<std::string> events;
-  std::vector<std::string> arms, models;          ///< of the emulator, which may have several
+  std::vector<std::string> arms, models;          ///< Arms of the emulator, which may have several
   std::vector<std::string> chips;                 ///< BOARD=FILE
   double pot_noise = -1.0, current_noise = -1.0;  ///< [bits]; negative: as usual
   CommonOptions common;

@@ -32,7 +32,7 @@ bool same_motion(const BaseNumbers& a, const BaseNumbers& b);
 
 /// One base parameter of `before` as both models know it.
 struct MatchedParameter {
-  int row = 0;  ///< of before's base parameters
+  int row = 0;  ///< Row of before's base parameters
   double before = 0.0, after = 0.0;
   VectorXd scatter_before, scatter_after;
 };

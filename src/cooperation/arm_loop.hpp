@@ -37,7 +37,7 @@ class ArmLoop {
   /// Reads the encoders.
   void measure(const VectorXd& q) noexcept;
 
-  const Eigen::Vector3d& position() const { return position_; }  ///< of the tip in the world
+  const Eigen::Vector3d& position() const { return position_; }  ///< Position of the tip in the world
   const Eigen::Vector3d& velocity() const { return velocity_; }
 
   /// @param force  of the tip on the object as measured, in the world [N].

@@ -56,7 +56,7 @@ class FindingWriter {
   const NormalBlocks& asked_data_;
   const Selection& selection_;
   const Fit& fit_;
-  const Inquiry& q_;  ///< of the fit
+  const Inquiry& q_;  ///< The columns of the fit
   const NormalBlocks& data_;
   const Identification& start_;
   bool changes_;

@@ -9,7 +9,7 @@ namespace veridyn {
 
 /// A base parameter that hardly any motion tells from the others.
 struct WeakColumn {
-  int column;    ///< of the bodies and effects
+  int column;    ///< Column of the bodies and effects
   double share;  ///< what is left of the column, of norm one, without those before it
 };
 

@@ -17,8 +17,8 @@ struct BaseSolution {
   MatrixXd scatter;
   int clusters = 0;                      ///< blocks of all recordings
   double residual2 = 0.0;                ///< weighted sum of squares
-  double condition_number = 0.0;         ///< of the columns as they are
-  double condition_number_scaled = 0.0;  ///< of the columns scaled to norm one
+  double condition_number = 0.0;         ///< Condition number of the columns as they are
+  double condition_number_scaled = 0.0;  ///< Condition number of the columns scaled to norm one
   double effective_samples = 0.0;        ///< rows, times the median ratio of the two variances
 };
 

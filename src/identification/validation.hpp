@@ -33,7 +33,7 @@ MeasuredErrors measure_errors(const CompressedRecording& recording, const Prepro
 struct MeasuredRecording {
   RecordingError error;
   MeasuredErrors sums;
-  bool detached = false;  ///< of a factor: its samples are elsewhere
+  bool detached = false;  ///< Detached of a factor: its samples are elsewhere
 };
 
 MeasuredRecording measure(const Model& arm, const CompressedRecording& recording,

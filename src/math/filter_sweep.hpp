@@ -14,7 +14,7 @@ struct FilterSection {
 /// Forward and back over up to kFilterLanes columns.
 struct FilterSweep {
   const FilterSection* sections;
-  int count;  ///< of sections
+  int count;  ///< Count of sections
   double* const* columns;  ///< kFilterLanes pointers (some may be equal); filtered in place
   long rows;
   long pad;      ///< rows of odd reflection at either end, below `rows`

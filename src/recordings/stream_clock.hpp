@@ -11,7 +11,7 @@ namespace veridyn::recordings {
 /// The rows of a stream in the order of their time.
 struct StreamClock {
   std::vector<std::int64_t> time;      ///< [ns] strictly increasing
-  std::vector<std::size_t> rows;       ///< of the stream, one for each time
+  std::vector<std::size_t> rows;       ///< Rows of the stream, one for each time
   std::int64_t recorded_after = 0;     ///< [ns] median of recorded minus stamped; 0 without stamps
   std::vector<std::string> remarks;
 };

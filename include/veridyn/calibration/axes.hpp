@@ -37,7 +37,7 @@ struct CalibratedAxis {
 
 /// What lies between two successive axes, which one body carries.
 struct CalibratedLink {
-  int first = 0, second = 0;  ///< of the list of axes
+  int first = 0, second = 0;  ///< First of the list of axes
   std::string body;           ///< that carries both
   /// [m] along the common normal. Where the axes are parallel as far as the data tell, no common
   /// normal is singled out, and it is plane_parallel_distance.

@@ -11,7 +11,7 @@ namespace veridyn {
 /// How to read what a motion-capture program exported.
 struct CaptureOptions {
   std::string unit;   ///< "m", "cm" or "mm" of positions; empty: as the file states, else metres
-  std::string body;   ///< of a file with several bodies, the one whose pose is wanted
+  std::string body;   ///< Body of a file with several bodies, the one whose pose is wanted
   double rate = 0.0;  ///< [Hz] of files without time; 0: as the file states, else rows count seconds
 };
 
@@ -41,7 +41,7 @@ struct PoseCapture {
   MatrixXd q;     ///< (frames x joints) [rad] or [m] as recorded; no columns where there are none
   std::vector<Eigen::Isometry3d> poses;  ///< T_camera_body; [m]
   bool has_orientation = true;           ///< false: only positions were recorded
-  std::vector<long> rows;                ///< of the file, from 0, that the frames come from
+  std::vector<long> rows;                ///< Rows of the file, from 0, that the frames come from
   long file_rows = 0;                    ///< in the file, frames with gaps included
   std::string fault;                     ///< why markers show no pose, in words; empty: none
 

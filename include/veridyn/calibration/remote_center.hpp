@@ -33,7 +33,7 @@ struct RemoteCenter {
   Eigen::Vector3d rms_all{0, 0, 0};  ///< [m] likewise, outliers included
   Eigen::Vector3d rcm_half_width{0, 0, 0}, tip_half_width{0, 0, 0}, rms_half_width{0, 0, 0};
   double rcm_radius = 0.0;         ///< [m] within which rcm is, 95 %
-  double condition = 0.0;          ///< of (A.10): largest over smallest singular value
+  double condition = 0.0;          ///< Condition of (A.10): largest over smallest singular value
   Eigen::Vector3d swing{0, 0, 0};  ///< [deg] rms turns, along the axes of the spread, least first
   double position_noise = 0.0;     ///< [m] of one coordinate, as the frames show it
   double orientation_noise = 0.0;  ///< [rad] likewise, about one axis

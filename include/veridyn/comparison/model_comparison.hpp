@@ -39,7 +39,7 @@ struct ModelDifference {
   /// "friction", "offset", "weight", "weight_slope" or "inertia" of a joint over standard_motion(),
   /// see ModelComparison::joints; "parameter" for base parameters and parameters of effects.
   std::string quantity;
-  std::string name;        ///< of the standard parameter that leads the combination; else empty
+  std::string name;        ///< Name of the standard parameter that leads the combination; else empty
   std::string expression;  ///< the combination, as `identify` writes it; else empty
   std::string unit;
   std::string effect;   ///< name of the effect, for its parameters; else empty
@@ -49,7 +49,7 @@ struct ModelDifference {
   double before = 0.0;     ///< least squares without conditions, which the statistics belong to
   double after = 0.0;
   double difference = 0.0;  ///< after - before
-  double deviation = 0.0;   ///< of the difference, from clusters; NaN: neither model has any
+  double deviation = 0.0;   ///< Standard deviation of the difference, from clusters; NaN: neither model has any
   double t = 0.0;
   double degrees_of_freedom = 0.0;  ///< Welch and Satterthwaite, from how clusters contribute
   double low = 0.0, high = 0.0;     ///< 95 % interval of the difference, for this number alone
@@ -94,7 +94,7 @@ struct ModelComparison {
   std::vector<TorqueDifference> torque;              ///< one per joint
 
   int compared() const;     ///< numbers, those with same_as left out
-  int significant() const;  ///< of these, how many differ
+  int significant() const;  ///< Number of those that differ
 
   /// Verdict, sentences and torques as text.
   std::string report() const;

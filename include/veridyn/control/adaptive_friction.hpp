@@ -9,7 +9,7 @@ namespace veridyn {
 struct AdaptiveFrictionOptions {
   bool enabled = false;  ///< off unless asked for
   double rate = 0.05;    ///< [1/s] of motion
-  double least = 0.5;    ///< of the identified friction: bounds that it never leaves
+  double least = 0.5;    ///< Lower bound, as a share of the identified friction
   double most = 1.5;
   Deadband velocity{0.02, 0.01};  ///< below which nothing is learned
 };

@@ -50,15 +50,15 @@ struct CooperativeInput {
   std::vector<Eigen::Vector3d> position;  ///< [m] of each tip in the world
   std::vector<Eigen::Vector3d> velocity;  ///< [m/s]
   std::vector<char> healthy;              ///< 0: this arm does not follow any more
-  std::vector<ForceReading> force;        ///< of each member
+  std::vector<ForceReading> force;        ///< Force reading of each member
 };
 
 /// Where a tip shall be, in the world.
 struct TipTarget {
   Eigen::Vector3d position{Eigen::Vector3d::Zero()};      ///< x_t of (7.11): motion and force [m]
   Eigen::Vector3d motion{Eigen::Vector3d::Zero()};        ///< x_d: of the motion alone [m]
-  Eigen::Vector3d velocity{Eigen::Vector3d::Zero()};      ///< of x_d [m/s]
-  Eigen::Vector3d acceleration{Eigen::Vector3d::Zero()};  ///< of x_d [m/s^2]
+  Eigen::Vector3d velocity{Eigen::Vector3d::Zero()};      ///< Velocity of x_d [m/s]
+  Eigen::Vector3d acceleration{Eigen::Vector3d::Zero()};  ///< Acceleration of x_d [m/s^2]
   Eigen::Vector3d force{Eigen::Vector3d::Zero()};         ///< wanted of the tip on the object [N]
 };
 

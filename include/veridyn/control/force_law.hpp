@@ -50,7 +50,7 @@ struct CooperativeMember {
 struct ForceReading {
   double force = 0.0;  ///< [N], pulling positive, filtered where it is
   double age = 0.0;    ///< [s]
-  long number = -1;    ///< of the sample; -1: none yet
+  long number = -1;    ///< Number of the sample; -1: none yet
   /// [N] as the sensor gave it, for the watch over stuck sensors; not finite: as `force`.
   double raw = std::numeric_limits<double>::quiet_NaN();
 };
@@ -71,7 +71,7 @@ class ForceTracker {
   /// For what holds, without a sensor: x_f stands, the damping goes on.
   double hold(double wanted, double rate) noexcept;
 
-  double value() const { return value_; }        ///< of the last update() or hold()
+  double value() const { return value_; }        ///< Value of the last update() or hold()
   double velocity() const { return velocity_; }  ///< [m/s] of x_f
   const ForceLaw& law() const { return law_; }
 

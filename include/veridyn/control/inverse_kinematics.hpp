@@ -15,7 +15,7 @@ struct InverseKinematicsOptions {
   double position_tolerance = 1e-7;  ///< [m]: |p_d - p| <= this
   double angle_tolerance = 1e-7;     ///< [rad]: the angle of R_d R' <= this
   int most_iterations = 60;
-  double longest_step = 0.4;  ///< of any joint per iteration [rad], or characteristic lengths
+  double longest_step = 0.4;  ///< Longest step of any joint per iteration [rad], or characteristic lengths
   TaskInverseOptions inverse{0.0, 0.02};
 };
 
@@ -37,7 +37,7 @@ class InverseKinematics {
   ReachStatus solve(const Eigen::Vector3d& position, const Eigen::Matrix3d& R_world_tip,
                     VectorXd& q) noexcept;
 
-  int iterations() const { return iterations_; }             ///< of the last solve()
+  int iterations() const { return iterations_; }             ///< Iterations of the last solve()
   double position_error() const { return position_error_; }  ///< [m] that it left
   double angle_error() const { return angle_error_; }        ///< [rad] that it left
 

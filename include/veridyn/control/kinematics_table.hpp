@@ -24,8 +24,8 @@ struct KinematicRow {
   VectorXd q;                                             ///< (n)
   Eigen::Isometry3d T_world_tip = Eigen::Isometry3d::Identity();
   MatrixXd jacobian;                                      ///< (6 x n), linear rows first, world
-  Conditioning position, pose;                            ///< of the first three rows, of all six
-  std::string status = "reached";                         ///< of inverse kinematics
+  Conditioning position, pose;                            ///< Position of the first three rows, of all six
+  std::string status = "reached";                         ///< Status of inverse kinematics
   double position_error = 0.0, angle_error = 0.0;         ///< [m], [rad] that it left
 };
 

@@ -13,7 +13,7 @@ namespace veridyn {
 
 struct MomentumObserverOptions {
   double bandwidth = 30.0;         ///< [1/s]
-  UncertaintyOptions uncertainty;  ///< of the threshold
+  UncertaintyOptions uncertainty;  ///< Uncertainty behind the threshold
   int cycles = 5;                  ///< above the threshold in a row, before it is a contact
   TaskInverseOptions inverse;
 };

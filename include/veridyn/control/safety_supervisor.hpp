@@ -64,7 +64,7 @@ struct SafetyLimits {
   double force_age = 0.01;            ///< [s] of the force
   double overrun = 0.005;             ///< [s] between two updates
   double torque_seconds = 0.2;        ///< [s] for which the motors may be saturated
-  double homing_share = 0.2;          ///< of the velocity limit while homing
+  double homing_share = 0.2;          ///< Share of the velocity limit while homing
   double braking = 30.0;              ///< [1/s]: braking is -braking dq; stops within dq / braking
 };
 
@@ -117,7 +117,7 @@ class SafetySupervisor {
   SafetyState state() const { return state_; }
   SafetyFault fault() const { return fault_; }
   SafetyAction action() const { return action_; }
-  int joint() const { return joint_; }  ///< of the fault, from 0; -1: none in particular
+  int joint() const { return joint_; }  ///< Joint of the fault, from 0; -1: none in particular
 
  private:
   struct Finding {

@@ -15,7 +15,7 @@ using Vector6d = Eigen::Matrix<double, 6, 1>;
 
 /// The point of an arm that is controlled.
 struct Tip {
-  std::string frame;                                      ///< of the model
+  std::string frame;                                      ///< Frame of the model
   Eigen::Vector3d offset_frame{Eigen::Vector3d::Zero()};  ///< [m] of the point in that frame
 };
 

@@ -18,10 +18,10 @@ enum class ArmControl { kPosition, kImpedance };
 struct ScenarioArm {
   std::string name;
   std::string model;  ///< robot file or MODEL, see read_model(); without values: plausible ones
-  unsigned seed = 1;  ///< of plausible values
+  unsigned seed = 1;  ///< Seed of plausible values
   Eigen::Vector3d position{0.0, 0.0, 0.0};  ///< [m] of the base in the world
   Eigen::Vector3d turn{0.0, 0.0, 0.0};      ///< [rad]: R_world_base = Rz(c) Ry(b) Rx(a)
-  std::string frame;                        ///< that holds the object
+  std::string frame;                        ///< The frame that holds the object
   Eigen::Vector3d offset{0.0, 0.0, 0.0};    ///< [m] of the point in the frame
   VectorXd start;                           ///< (n) joints at the start
   /// Where the controller's world believes the base: beside the true place by this way [m], and
@@ -106,7 +106,7 @@ struct ScenarioFault {
 struct ScenarioControl {
   double rate = 1000.0;                 ///< [Hz]
   double position_frequency = 15.0;     ///< [Hz] bandwidth of position loops, critically damped
-  Eigen::Vector3d mass{0.3, 0.3, 0.3};  ///< of impedances, in the arm's base [kg]
+  Eigen::Vector3d mass{0.3, 0.3, 0.3};  ///< Mass of impedances, in the arm's base [kg]
   Eigen::Vector3d damping{30.0, 30.0, 30.0};       ///< [N s/m]
   Eigen::Vector3d stiffness{300.0, 300.0, 300.0};  ///< [N/m]
   double friction = 0.5;              ///< share of the friction known that is compensated
@@ -136,7 +136,7 @@ struct ScenarioSweep {
 /// An experiment with arms that hold an object.
 struct Scenario {
   std::string name, source;
-  unsigned seed = 1;             ///< of noise and of model errors
+  unsigned seed = 1;             ///< Seed of noise and of model errors
   double model_error = 0.0;      ///< share by which all parameters known to controllers are wrong
   std::string encoder = "dvrk";  ///< preset of sensor_noise() whose encoder steps are used
   std::vector<ScenarioArm> arms;

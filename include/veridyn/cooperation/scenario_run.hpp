@@ -30,7 +30,7 @@ struct MemberTrace {
 
 /// A held body over time, (rows x 3) each [m].
 struct BodyTrace {
-  MatrixXd position;  ///< of its centre in the world
+  MatrixXd position;  ///< Position of its centre in the world
   MatrixXd wanted;
 };
 
@@ -80,7 +80,7 @@ struct ScenarioRun {
   double held_at = 0.0;  ///< [s] where the state is not kTracking
   StepStatus status = StepStatus::kOk;
   double stopped_at = 0.0;  ///< [s] where the engine could not go on
-  double seconds = 0.0;     ///< of computing
+  double seconds = 0.0;     ///< Seconds of computing
 
   double asked_largest_force = 0.0;  ///< [N]; 0: none asked
 

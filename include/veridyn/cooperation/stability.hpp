@@ -55,9 +55,9 @@ struct StabilityPoint {
 /// that the linear loop with the law as it is runs into.
 struct DeadbandSwing {
   std::string member;
-  double largest_gain = 0.0;   ///< of the describing function, 2 increment rate / (pi deadband)
+  double largest_gain = 0.0;   ///< Largest gain of the describing function, 2 increment rate / (pi deadband)
                                ///< [m/(N s)]
-  double critical_gain = 0.0;  ///< of an integral law at which the loop begins to swing
+  double critical_gain = 0.0;  ///< Critical gain of an integral law at which the loop begins to swing
   bool describing_function_swings = false;
   bool swings = false;     ///< as iterated: corrections never end
   double amplitude = 0.0;  ///< [N] half of the swing of the force
@@ -91,7 +91,7 @@ struct StabilityAnalysis {
   double largest_stable_stiffness = 0.0;   ///< [N/m] up to which the scenario comes to rest,
                                            ///< dry friction and all
   double linear_stable_stiffness = 0.0;    ///< [N/m] likewise with arms that slide
-  int simulated_runs = 0;                  ///< of the nonlinear simulation
+  int simulated_runs = 0;                  ///< Simulated runs of the nonlinear simulation
   double smallest_stable_stiffness = 0.0;  ///< [N/m] down to which, from there
   bool stiffness_bounded = false;          ///< false: stable up to the end of the search
   std::vector<DeadbandSwing> deadbands;
@@ -107,7 +107,7 @@ StabilityAnalysis analyse_stability(const Scenario& scenario);
 struct StabilityMap {
   ParameterRange a, b;
   std::vector<double> a_values, b_values;
-  std::vector<double> radius;  ///< of point (i, j) at i + a_values.size() * j
+  std::vector<double> radius;  ///< Radius of point (i, j) at i + a_values.size() * j
   std::vector<char> stable;
   double seconds = 0.0;
 };
@@ -129,7 +129,7 @@ struct GainRecommendation {
   bool found = false;
   double crossover = 0.0;  ///< [rad/s] of the force loop: the largest that keeps the margin
   double impedance_damping = 0.0;  ///< [N s/m]
-  ForceLaw law;            ///< of the first member
+  ForceLaw law;            ///< Law of the first member
   double radius = 0.0;     ///< per cycle, with these gains
   StabilityMargins margins;
   int tried = 0;
@@ -144,7 +144,7 @@ GainRecommendation recommend_gains(const Scenario& scenario, double phase_deg);
 /// Stability while what the controllers know of the arms is wrong by its whole interval.
 struct StabilityBounds {
   int samples = 0;
-  double share = 0.0;      ///< of every base parameter, or NaN: intervals of the identified MODEL
+  double share = 0.0;      ///< Share of every base parameter, or NaN: intervals of the identified MODEL
   int unstable = 0;        ///< samples whose loop is not stable
   double worst_radius = 0.0;
   double first_seed = 0.0;
@@ -182,7 +182,7 @@ struct StabilityStudy {
 struct StabilityModelOptions {
   std::string frame;         ///< that touches; empty: "tool", or else the last frame
   std::vector<double> pose;  ///< joints; empty: the middle of their ranges
-  double stiffness = 2450.0, damping = 2.0;  ///< of the wall [N/m, N s/m]
+  double stiffness = 2450.0, damping = 2.0;  ///< Stiffness of the wall [N/m, N s/m]
 };
 Scenario contact_scenario(const std::string& model, const StabilityModelOptions& options);
 

@@ -58,7 +58,7 @@ struct Rival {
   int joint = 0;  ///< from 1
   std::string coordinate;
   std::string why;
-  std::string frame;  ///< of a payload
+  std::string frame;  ///< Frame of a payload
 };
 
 /// What the held-out recordings say of a finding, which was chosen without them.
@@ -73,9 +73,9 @@ struct Finding {
   std::string effect;  ///< name in CONTRACT.md
   int joint = 0;       ///< from 1; 0: the whole arm
   std::string coordinate;
-  std::string frame;   ///< of a payload or a wrong constant
+  std::string frame;   ///< Frame of a payload or a wrong constant
   std::string source;  ///< the recording that a contact is in
-  std::string unit;    ///< of the first parameter
+  std::string unit;    ///< Unit of the first parameter
   std::vector<FoundParameter> parameters;
   double p_value = 1.0;
   double gain = 0.0;  ///< fall of the sum over joints of ln(mean square) on held-out folds of the

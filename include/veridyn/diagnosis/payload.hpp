@@ -9,7 +9,7 @@ namespace veridyn {
 
 /// A load that a model does not have, as if it sat on one link.
 struct PayloadEstimate {
-  std::string frame;                ///< of the link; what follows is written in it
+  std::string frame;                ///< Frame of the link; what follows is written in it
   std::vector<std::string> others;  ///< frames of links that move so alike that the torques cannot
                                     ///< tell which one carries it
   double mass = 0.0;                ///< [kg] of a point mass
@@ -23,7 +23,7 @@ struct PayloadEstimate {
   /// point mass; small loads leave it undetermined, see the half widths.
   Eigen::Matrix<double, 6, 1> inertia = Eigen::Matrix<double, 6, 1>::Zero();
   Eigen::Matrix<double, 6, 1> inertia_half_width = Eigen::Matrix<double, 6, 1>::Zero();
-  InertialParameters phi = InertialParameters::Zero();  ///< of the point mass
+  InertialParameters phi = InertialParameters::Zero();  ///< Parameters of the point mass
   double gain = 0.0;       ///< fall of the sum over joints of ln(held-out mean square residual)
   double explained = 0.0;  ///< share of what the model leaves unexplained, over all joints
   /// Residual per joint as a share of what the model leaves as it stands, (n): with friction and

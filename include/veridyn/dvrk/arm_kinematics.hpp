@@ -135,7 +135,7 @@ class MtmKinematics {
   Eigen::Matrix4d T_last_tip_;
   Eigen::Matrix4d T_tip_last_;
   JointRanges<7> ranges_;
-  JointRanges<3> position_ranges_;  ///< of yaw, shoulder, elbow
+  JointRanges<3> position_ranges_;  ///< Position ranges of yaw, shoulder, elbow
 };
 
 }  // namespace veridyn::dvrk

@@ -48,7 +48,7 @@ SessionOptions session_options(const RobotConfig& robot, const ArmSessionOptions
 struct HomingReport {
   bool done = false;
   std::string reason;   ///< why not, in one line
-  VectorXd actuator_q;  ///< where the actuators are [rad, m]
+  VectorXd actuator_q;  ///< Positions of the actuators [rad, m]
   /// Actuators outside their soft limits by more than a pot's tolerance: pots are wrong, or the arm
   /// was pushed there.
   std::vector<int> outside_limits;

@@ -21,8 +21,8 @@ struct RawActuator {
 struct ArmState {
   explicit ArmState(int n = 0);
 
-  VectorXd q, dq, tau;                             ///< of the joints; tau from measured currents
-  VectorXd actuator_q, actuator_dq, actuator_tau;  ///< of the actuators
+  VectorXd q, dq, tau;                             ///< Joint values; tau from measured currents
+  VectorXd actuator_q, actuator_dq, actuator_tau;  ///< Actuator values
   VectorXd current;                                ///< measured [A]
   VectorXd pot_q;                                  ///< actuator positions from the pots
   bool encoders_valid = false;  ///< no overflow, and no transition that an encoder cannot make

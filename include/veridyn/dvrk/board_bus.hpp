@@ -41,7 +41,7 @@ struct BusOptions {
   double reply_timeout = 0.020;      ///< [s]; that of a whole cycle too
   double rescan_timeout = 0.005;     ///< [s] per node while the cycle runs on
   double cycle_time = 1.0 / 1500.0;  ///< [s] nominal; 0: timestamps are not judged
-  std::size_t mtu = 1500;            ///< of the way to the boards
+  std::size_t mtu = 1500;            ///< Largest packet on the way to the boards [bytes]
   int housekeeping = 200;            ///< cycles between two reads of a slow register; 0: none
 };
 

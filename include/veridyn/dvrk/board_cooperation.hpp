@@ -42,7 +42,7 @@ enum class BoardEnd { kDone, kFault, kStopped };
 
 struct BoardCooperationRun {
   ScenarioRun run;      ///< what was measured: tips from encoders, forces from sensors
-  long cycles = 0, late = 0;  ///< of the loop; late: begun more than a period after their time
+  long cycles = 0, late = 0;  ///< Cycles of the loop; late: begun more than a period after their time
   double mean_cycle = 0.0, longest_cycle = 0.0;  ///< [s] from a cycle's begin to its end
   BoardEnd end = BoardEnd::kDone;
   int faulty_arm = -1;                             ///< whose fault stopped all, from 0

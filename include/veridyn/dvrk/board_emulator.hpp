@@ -20,9 +20,9 @@ enum class ReplyFault {
   kDelay,     ///< by EmulatorFaults::delay
   kTruncate,  ///< four bytes are missing
   kExtend,    ///< four bytes too many
-  kLabel,     ///< of an earlier request
-  kTcode,     ///< that of the other kind of read
-  kNode,      ///< of another board
+  kLabel,     ///< Label of an earlier request
+  kTcode,     ///< Transaction code of the other kind of read
+  kNode,      ///< Node of another board
   kLength,    ///< the length field is wrong, the datagram is not
   kBus,       ///< source bus is not 0x3FF
   kCrc,       ///< not zero and wrong
@@ -31,8 +31,8 @@ enum class ReplyFault {
 
 struct EmulatorFaults {
   ReplyFault reply = ReplyFault::kNone;
-  int replies = 0;                    ///< so many; -1: all
-  int node = -1;                      ///< of this node alone; -1: any
+  int replies = 0;                    ///< Number of replies; -1: all
+  int node = -1;                      ///< This node alone; -1: any
   double delay = 0.005;               ///< [s] for kDelay
   std::uint8_t flags = 0;             ///< set in every trailer
   std::uint8_t packet_errors = 0;     ///< the count in every trailer
@@ -131,7 +131,7 @@ class BoardEmulator {
   Ticks now_ = 0;
   bool started_ = false;
   Ticks reset_until_ = 0;
-  std::uint8_t gap_count_ = 63;  ///< of all PHYs, that of power-up
+  std::uint8_t gap_count_ = 63;  ///< Gap count of all PHYs, that of power-up
   std::uint8_t echo_ = 0;        ///< flags of the trailer that repeat the request's
   Ticks query_at_ = 0;
   std::uint32_t query_ = 0;

@@ -17,8 +17,8 @@ struct MotorDrive {
 
 /// One channel as the board sees the arm.
 struct ChannelMotion {
-  double counts = 0.0;        ///< of the encoder, from any mechanical zero; fractions count
-  double pot_bits = 32768.0;  ///< of the ADC
+  double counts = 0.0;        ///< Encoder counts from any mechanical zero, with fractions
+  double pot_bits = 32768.0;  ///< Reading of the ADC
   double current_bits = 0.0;  ///< measured minus 0x8000
 };
 

@@ -12,10 +12,10 @@ namespace veridyn::dvrk {
 struct EffortScale {
   std::string actuator;
   std::string unit;        ///< "A/N m" or "A/N"
-  double before = 0.0;     ///< of the configuration
+  double before = 0.0;     ///< Value in the configuration
   double scale = 0.0;      ///< corrected
   double std_scale = 0.0;  ///< standard deviation; 0: not known
-  std::string source;      ///< where the correction comes from; empty: there is none
+  std::string source;      ///< Origin of the correction; empty: there is none
 };
 
 /// What a model knows about the drives, for every actuator whose name is a coordinate of the model:

@@ -15,7 +15,7 @@
 namespace veridyn::dvrk {
 
 struct BoardSetup {
-  int id = 0;  ///< of the rotary switch
+  int id = 0;  ///< Position of the rotary switch
   int firmware = 8;
   std::uint32_t hardware = kHardwareQla1;
   std::string qla_serial = "QLA 0000-00";
@@ -31,7 +31,7 @@ struct BoardSetup {
 struct PowerChain {
   bool emergency_stop = false;  ///< pressed
   bool supply_on = true;
-  bool relays_closed = false;  ///< of all boards in series; kept by the emulator
+  bool relays_closed = false;  ///< Relays closed of all boards in series; kept by the emulator
   Ticks rise = 983040;         ///< from power enabled to voltage present: 20 ms
 };
 

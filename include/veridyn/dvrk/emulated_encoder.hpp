@@ -42,7 +42,7 @@ class EmulatedEncoder {
   void edge(std::int64_t crossed, bool up, double at) noexcept;
   std::uint32_t period_word(bool stale) const noexcept;
 
-  double counts_ = 0.0;      ///< of the shaft
+  double counts_ = 0.0;      ///< Counts of the shaft
   std::int64_t count_ = 0;   ///< its whole part
   std::int64_t offset_ = 0;  ///< counter minus count_
   std::uint32_t preload_ = 0x800000;

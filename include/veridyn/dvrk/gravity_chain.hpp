@@ -29,10 +29,10 @@ struct GravityRow {
 struct GravityChain {
   std::string arm;
   double gravity = 9.81;              ///< |g| [m/s^2], downwards along z of the base
-  std::vector<GravityRow> rows;       ///< of all joints with DH rows, first to last
-  std::vector<std::string> joints;    ///< of the model, in the order of the vectors below
-  VectorXd largest_torque;            ///< of the model over random configurations [N m, N]
-  VectorXd largest_error;             ///< of the chain against the model over others [N m, N]
+  std::vector<GravityRow> rows;       ///< Rows of all joints with DH rows, first to last
+  std::vector<std::string> joints;    ///< Joints of the model, in the order of the vectors below
+  VectorXd largest_torque;            ///< Largest torque of the model over random configurations [N m, N]
+  VectorXd largest_error;             ///< Largest error of the chain against the model over other configurations [N m, N]
   std::vector<std::string> left_out;  ///< effects of the model that hold a torque at rest
 };
 

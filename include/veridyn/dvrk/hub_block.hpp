@@ -20,7 +20,7 @@ constexpr std::uint16_t next_sequence(std::uint16_t sequence) {
 
 /// The quadlet in front of each board's block in the hub's memory: section 8.3.
 struct HubHeader {
-  std::uint8_t quadlets = 0;       ///< of the block with this header; Rev 8 on
+  std::uint8_t quadlets = 0;       ///< Quadlets of the block with this header; Rev 8 on
   std::uint16_t sequence = 0;      ///< 16 bits for Rev 7, the low 8 from Rev 8 on
   bool mismatch = false;           ///< Rev 8 on: the board saw another sequence than the hub
   std::uint16_t update_ticks = 0;  ///< since the query

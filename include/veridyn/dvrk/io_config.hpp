@@ -67,7 +67,7 @@ struct RobotConfig {
 struct DigitalInputConfig {
   std::string name;
   int board = 0;
-  int bit = 0;                   ///< of the digital word, 0 .. 31
+  int bit = 0;                   ///< Bit of the digital word, 0 .. 31
   bool pressed_when_low = true;  ///< "Pressed" = 1: the line is low while pressed
   std::string trigger = "all";   ///< all, press, release, none
   double debounce = 0.0;         ///< [s]

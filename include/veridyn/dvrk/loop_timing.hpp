@@ -29,8 +29,8 @@ std::string describe_reason(const WriteGap& gap);
 struct LoopTiming {
   long cycles = 0;
   long late = 0;          ///< cycles that began more than one period after their time
-  long late_own = 0;      ///< of them: because of this program's own work
-  long late_replies = 0;  ///< of them: because of boards or network; the others by the system
+  long late_own = 0;      ///< Late own of them: because of this program's own work
+  long late_replies = 0;  ///< Late replies of them: because of boards or network; the others by the system
   double longest = 0.0;   ///< [s] from the start of one cycle to its end
   double mean = 0.0;      ///< [s] of that
   double seconds = 0.0;   ///< from the start of the first cycle to the end of the last

@@ -65,7 +65,7 @@ class ModelController final : public MotionController {
   MotionLimits limits() const override;
   void require_possible(const MotionSamples& motion) const override;
 
-  int joints() const { return state_.joints(); }  ///< of the model
+  int joints() const { return state_.joints(); }  ///< Joints of the model
   /// Effects of the model that these laws leave out, in words.
   const std::vector<std::string>& left_out() const { return state_.left_out(); }
   const SafetySupervisor& safety() const { return safety_; }

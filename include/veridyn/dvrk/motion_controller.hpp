@@ -13,7 +13,7 @@ namespace veridyn::dvrk {
 /// Times of a cycle [s].
 struct CycleTimes {
   double dt = 0.0;   ///< since the cycle before in which torques were asked for
-  double age = 0.0;  ///< of the positions, at most
+  double age = 0.0;  ///< Largest age of the positions
 };
 
 /// Limits that a controller holds its joints to; (m) of its first joints, empty: it has none.

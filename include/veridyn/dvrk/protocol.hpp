@@ -10,7 +10,7 @@ namespace veridyn::dvrk {
 // Section 1, 2: datagrams.
 constexpr std::uint16_t kUdpPort = 1394;
 constexpr int kMaxBoards = 16;  ///< ids of the rotary switch
-constexpr int kChannels = 4;    ///< of a QLA
+constexpr int kChannels = 4;    ///< Channels of a QLA
 constexpr int kMaxNode = 62;
 constexpr std::uint8_t kBroadcastNode = 0x3F;
 constexpr std::uint8_t kNoForward = 0x01;  ///< control flag
@@ -88,7 +88,7 @@ constexpr std::uint16_t of_channel(int channel, Offset offset) {
 constexpr std::uint32_t kHardwareQla1 = 0x514C4131;  ///< "QLA1", section 1
 constexpr std::uint32_t kPreloadNever = 0x800000;    ///< section 7.4; also the counter's zero
 constexpr double kTicksPerSecond = 49.152e6;
-constexpr std::uint32_t kWatchdogTicks = 256;       ///< of the clock in one count of register 3
+constexpr std::uint32_t kWatchdogTicks = 256;       ///< Clock ticks in one count of register 3
 constexpr std::uint32_t kWatchdogDefault = 0x1680;  ///< 30 ms
 constexpr std::uint32_t kMotorConfigDefault = 0x01780418;
 constexpr std::uint32_t kEthernetHealthy = 0xA01C0000;

@@ -25,10 +25,10 @@ struct Reply {
   Kind kind = Kind::kQuadlet;
   std::uint16_t destination = kHostId;
   std::uint8_t label = 0;
-  std::uint8_t node = 0;  ///< that answers
+  std::uint8_t node = 0;  ///< The node that answers
   std::uint8_t rcode = 0;
-  std::uint32_t data = 0;        ///< of a quadlet
-  QuadletView block;             ///< of a block; points into the datagram when decoded
+  std::uint32_t data = 0;        ///< Data of a quadlet
+  QuadletView block;             ///< Content of a block; points into the datagram when decoded
   std::uint32_t header_crc = 0;  ///< 0 where the hub answers for itself; of a quadlet: its CRC
   std::uint32_t data_crc = 0;
   bool crc_right = true;  ///< set by decode: every CRC that is not zero is right

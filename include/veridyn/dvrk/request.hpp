@@ -21,15 +21,15 @@ const char* describe(Malformed why);
 /// A packet from the PC to a board: sections 2 and 3.
 struct Request {
   std::uint8_t flags = 0;       ///< kNoForward or 0
-  std::uint8_t generation = 0;  ///< of the bus, as the host knows it
+  std::uint8_t generation = 0;  ///< Generation of the bus, as the host knows it
   std::uint8_t node = 0;        ///< or kBroadcastNode
   std::uint8_t label = 0;       ///< 0..63; the reply echoes it
   Tcode tcode = Tcode::kQuadletRead;
   std::uint16_t source = kHostId;
   std::uint32_t address = 0;  ///< boards use the low 16 bits
-  std::uint32_t data = 0;     ///< of a quadlet write
-  std::uint16_t bytes = 0;    ///< of a block read; of a block write when decoded
-  QuadletView block;          ///< of a block write; points into the datagram when decoded
+  std::uint32_t data = 0;     ///< Data of a quadlet write
+  std::uint16_t bytes = 0;    ///< Bytes of a block read; of a block write when decoded
+  QuadletView block;          ///< Content of a block write; points into the datagram when decoded
   bool crc_right = true;      ///< set by decode: all CRCs of the packet
 };
 

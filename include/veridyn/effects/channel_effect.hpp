@@ -11,7 +11,7 @@ namespace veridyn {
 /// A motion of an arm whose bodies have values, and what the arm's own values ask for along it.
 struct ChannelMotion {
   const Model& arm;
-  const RegressorBatch& bodies;  ///< of the arm
+  const RegressorBatch& bodies;  ///< Bodies of the arm
   const VectorXd& phi;           ///< inertial parameters of all bodies
   const MatrixXd& q;             ///< (rows x n) [rad] or [m]
   const MatrixXd& dq;

@@ -60,13 +60,13 @@ struct EffectShape {
   std::string name;
   std::string unit_revolute;
   std::string unit_prismatic;
-  double initial = 0.0;  ///< where the file gives none
+  double initial = 0.0;  ///< Value where the file gives none
   double lower = 0.0;    ///< range of the search
   double upper = 0.0;
   bool logarithmic = true;  ///< search in the logarithm; a value from the file must be positive
   bool searched = true;     ///< false: comes from the file or from the caller; see the effect
-  double initial_prismatic = 0.0;  ///< where metres need another start than radians; 0: the same
-  ShapeScale scale = ShapeScale::kByUnit;  ///< of `grid`
+  double initial_prismatic = 0.0;  ///< Value where metres need another start than radians; 0: the same
+  ShapeScale scale = ShapeScale::kByUnit;  ///< Scale of `grid`
   /// First choices that a search starts from; empty: three of kByUnit where it is searched, and
   /// otherwise none: the constant stays as it is.
   std::vector<double> grid{};

@@ -97,7 +97,7 @@ struct ExcitationOptions {
   /// Motions that are recorded already; their information counts. Samples of their own rate.
   std::vector<MotionSamples> given{};
   unsigned seed = 1;
-  int threads = 0;  ///< of the searches; 0: one per core; no matter for the result
+  int threads = 0;  ///< Number of threads; 0: one per core; the result does not depend on it
   /// Called with (what is being done, share done), by one thread at a time.
   std::function<void(const std::string&, double)> progress{};
   /// Asked now and then by all searches; once true, the best motion so far is the result.
@@ -126,8 +126,8 @@ struct LimitMargin {
 /// rival that does nothing which the other one cannot do as well, whatever the motion.
 struct Discrimination {
   std::string first, second;
-  double first_left = 0.0;   ///< of the first's torque, after everything else
-  double second_left = 0.0;  ///< of the second's
+  double first_left = 0.0;   ///< Share of the first cause's torque that remains after everything else
+  double second_left = 0.0;  ///< The same of the second cause
   /// The same as a share of what the rest of the model leaves of it, 0 to 1.
   double first_share = 0.0, second_share = 0.0;
   bool bodies_known = false;  ///< the rivals can only be told apart with known bodies
@@ -139,7 +139,7 @@ struct Discrimination {
 struct EssentialParameters {
   double share = 0.0;
   int count = 0;
-  double condition_number = 0.0;        ///< of their columns scaled to norm one
+  double condition_number = 0.0;        ///< Condition number of their columns scaled to norm one
   double plain_condition_number = 0.0;  ///< columns as they are
   double range_condition_number = 0.0;  ///< columns divided by their range
   /// Names, and what their columns would add; the largest first.
@@ -161,7 +161,7 @@ struct Excitation {
   /// together; where the condition number of scaled columns is the criterion it is the choice which
   /// is best conditioned along this motion, otherwise that at random states.
   std::vector<std::string> base{};
-  double condition_number = 0.0;        ///< of the base regressor, columns scaled to norm one
+  double condition_number = 0.0;        ///< Condition number of the base regressor, columns scaled to norm one
   double plain_condition_number = 0.0;  ///< columns as they are
   double range_condition_number = 0.0;  ///< columns divided by their largest minus smallest entry
   double orthogonal_condition_number = 0.0;  ///< see ColumnScaling::kOrthogonal
@@ -169,21 +169,21 @@ struct Excitation {
   double condition_number_with_given = 0.0;
   /// Of its Gram matrix per instant, columns scaled by their size at random states.
   double log_determinant = 0.0;
-  double start_condition_number = 0.0;  ///< of the first random motion, in the same columns
+  double start_condition_number = 0.0;  ///< Condition number of the first random motion, in the same columns
   /// Of the share asked for; of 0.01 where none was, if that leaves any out.
   std::optional<EssentialParameters> essential{};
   std::optional<Discrimination> discrimination{};
   /// The base parameters that the motion tells least from each other: names and parts (of norm one)
   /// of the weakest direction, columns scaled to norm one; the largest parts first.
   std::vector<std::pair<std::string, double>> weakest{};
-  std::optional<Prediction> prediction{};  ///< where the arm's values are known
+  std::optional<Prediction> prediction{};  ///< Given where the arm's values are known
   long evaluations = 0;
   bool interrupted = false;
   bool converged = false;  ///< the solver said so for the motion that won
   double seconds = 0.0;
   std::vector<LimitMargin> margins{};
-  MotionBounds bounds{};              ///< of the periods
-  MotionBounds limits{};              ///< of the arm, in the same order
+  MotionBounds bounds{};              ///< Bounds of the periods
+  MotionBounds limits{};              ///< Limits of the arm, in the same order
   std::vector<std::string> joints{};  ///< names of the coordinates
   std::vector<std::string> units{};   ///< "rad" or "m"
 

@@ -15,7 +15,7 @@ struct TorqueNoise {
   /// Torques are a sum of what the model says and of errors that stay alike for about so long;
   /// samples closer than that are no further evidence [s].
   double seconds = 0.1;
-  std::string source;  ///< where the share comes from, in words
+  std::string source;  ///< Origin of the share, in words
 };
 
 /// Without better knowledge.
@@ -26,7 +26,7 @@ TorqueNoise usual_noise(const Model& arm);
 
 /// How well a recording would tell one base parameter.
 struct PredictedParameter {
-  std::string name;  ///< of its leading standard parameter
+  std::string name;  ///< Name of its leading standard parameter
   std::string unit;
   double value = 0.0;
   double deviation = 0.0;  ///< standard deviation
@@ -38,7 +38,7 @@ struct Prediction {
   VectorXd rms_torque;  ///< (n) along the motion
   std::string values;   ///< whose values these are, in words
   std::vector<PredictedParameter> parameters;
-  double mean_relative = 0.0;  ///< of `relative`, without values that are zero
+  double mean_relative = 0.0;  ///< Mean of `relative`, without values that are zero
   double median_relative = 0.0;
 };
 

@@ -13,7 +13,7 @@ struct PortableBody {
   std::string frame;
   double mass_before = 0.0;               ///< [kg] in the MODEL file
   double mass = 0.0;                      ///< [kg] as exported
-  std::vector<std::string> undetermined;  ///< of m, hx, ... Lzz: what the torques do not determine
+  std::vector<std::string> undetermined;  ///< Undetermined of m, hx, ... Lzz: what the torques do not determine
 };
 
 /// A model whose every single number can be shown to other programs.

@@ -24,13 +24,13 @@ struct DriveGain {
   std::string coordinate;
   std::string unit;  ///< "N m/A" or "N/A"
   bool told = false;
-  std::string reason;      ///< where not told: why
+  std::string reason;      ///< Why it is not identifiable
   double value = 0.0;      ///< best estimate, told or not
   double deviation = 0.0;  ///< standard deviation, from clusters; infinite where nothing tells it
   double low = 0.0;        ///< 95 % interval; infinite ends where the data leave them open
   double high = 0.0;
   double in_file = 0.0;  ///< what the robot file says; 0: nothing
-  double share = 0.0;  ///< of the joint's rms torque in the loaded recordings, the known mass makes
+  double share = 0.0;  ///< Share of the joint's rms torque in the loaded recordings that the known mass makes
 };
 
 /// What was found out about one known mass.
@@ -46,7 +46,7 @@ struct DriveGains {
   std::vector<DriveGain> joints;
   std::vector<MountedLoad> loads;
   std::vector<std::string> unloaded;  ///< recordings that carry none
-  int clusters = 0;                   ///< of the jackknife
+  int clusters = 0;                   ///< Clusters of the jackknife
 
   /// Gains with intervals, and what cannot be told, as text.
   std::string report() const;

@@ -13,7 +13,7 @@ namespace veridyn {
 struct FactorSet {
   std::string robot;     ///< name of the arm that they were made for
   VectorXd fingerprint;  ///< (n + 1) of its kinematics and of what its file declares as facts
-  std::string settings;  ///< of the preprocessing, as text: filter, velocities, decimation
+  std::string settings;  ///< Settings of the preprocessing, as text: filter, velocities, decimation
   std::vector<CompressedRecording> recordings;
 };
 

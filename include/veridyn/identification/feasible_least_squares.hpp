@@ -78,7 +78,7 @@ enum class Certificate {
   kRigorous,  ///< weak duality; dual residuals and rounding multiplied by bounds that follow from
               ///< G, h and J >= 0
   kNoBox  ///< some parameter has no such bound; it was taken to stay within 2*|x_j| + ||z||/||R_j||
-          ///< of x_j (2*|x_j| where R does not see it). See `unbounded_columns`.
+          ///< Bound of |x_j| (2*|x_j| where R does not see it). See `unbounded_columns`.
 };
 
 /// A row of G without slack.
@@ -92,7 +92,7 @@ struct ActiveRow {
 struct ActiveBody {
   int body = 0;                    ///< index into body_columns
   double scaled_eigenvalue = 0.0;  ///< smallest_scaled_eigenvalue of its matrix minus the margin
-  Eigen::Vector4d eigenvalues;     ///< of its matrix, ascending
+  Eigen::Vector4d eigenvalues;     ///< Eigenvalues of its matrix, ascending
   Eigen::Matrix4d multiplier;      ///< Z_k >= 0: d cost = <Z_k, d(margin*1)>
 };
 
@@ -102,7 +102,7 @@ struct FeasibleResult {
   bool feasible = false;     ///< checked afterwards with plain eigenvalues and G*x < h, strictly
   double objective = 0.0;    ///< ||R*x - z||^2 + rho2 at x
   double cost = 0.0;         ///< objective plus the priors' terms: what was minimised
-  double lower_bound = 0.0;  ///< of the cost over all feasible points; infinity if there are none
+  double lower_bound = 0.0;  ///< Lower bound of the cost over all feasible points; infinity if there are none
   double duality_gap = 0.0;  ///< (cost - lower_bound) / max(cost, floor)
   Certificate certificate = Certificate::kNoBox;
   std::vector<int> unbounded_columns;  ///< columns that the certificate kNoBox had to trust

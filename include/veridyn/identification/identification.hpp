@@ -37,11 +37,11 @@ struct IdentificationOptions {
   EffectSigns signs = EffectSigns::kPhysical;                       ///< for kFeasible
   PreprocessingOptions preprocessing;
   std::optional<PreprocessingOptions>
-      test_preprocessing;  ///< of held-out recordings; empty: the same
+      test_preprocessing;  ///< Preprocessing of held-out recordings; empty: the same
   /// kFeasible: pull toward this model's inertial parameters by the entropic divergence; its bodies
   /// need values.
   std::optional<Model> prior;
-  double prior_weight = 1e-3;  ///< of the pull, as a share of the weighted residual per body
+  double prior_weight = 1e-3;  ///< Weight of the prior, as a share of the weighted residual per body
   /// Loads that some training recordings carry: the drive gains are found first, see
   /// find_drive_gains(), and the arm is then identified from the recordings without a load.
   std::vector<KnownMass> known_masses;
@@ -77,7 +77,7 @@ struct RecordingError {
   /// excludes none of this recording.
   PredictionError without_excluded;
   FilledRows filled;
-  long rows = 0;         ///< of the file
+  long rows = 0;         ///< Rows of the file
   VectorXd noise_floor;  ///< relative, (n); empty where nothing repeats
   double period = 0.0;   ///< [s] of the motion; 0: it does not repeat
   PredictionSeries series;
@@ -101,7 +101,7 @@ struct StageSeconds {
 /// What identify() found. Plain data: report, JSON and page show nothing else.
 struct Identification {
   IdentificationStatus status = IdentificationStatus::kNoData;
-  std::string reason;  ///< of a status other than kDone, one line
+  std::string reason;  ///< Reason of a status other than kDone, one line
   std::string robot;
   Method method = Method::kFeasible;
   JointWeights weights = JointWeights::kRange;
@@ -111,14 +111,14 @@ struct Identification {
   PreprocessingOptions preprocessing, test_preprocessing;
   double rows = 0.0;
   std::vector<BaseValue> base;
-  double condition_number = 0.0;         ///< of the base columns, as they are
-  double condition_number_scaled = 0.0;  ///< of the base columns scaled to norm one (thesis 5.26)
+  double condition_number = 0.0;         ///< Condition number of the base columns as they are
+  double condition_number_scaled = 0.0;  ///< Condition number of the base columns scaled to norm one (thesis 5.26)
   double rank_gap = 0.0;
   double effective_samples = 0.0;  ///< rows that count after autocorrelation
   bool feasible = false;           ///< every body's pseudo-inertia is positive definite
   double objective = 0.0;          ///< weighted sum of squares
   double unconstrained_objective =
-      0.0;  ///< of the same rows without conditions: never above `objective`
+      0.0;  ///< Objective of the same rows without conditions: never above `objective`
   double duality_gap = 0.0;
   bool certified = false;  ///< the gap is rigorous: the robot file bounds all parameters
   std::vector<std::string> active_constraints;
@@ -135,8 +135,8 @@ struct Identification {
   std::optional<Model> model;     ///< the arm with these values
   std::vector<CompressedRecording>
       factors;  ///< the training recordings, for further questions without their samples
-  std::vector<UnusedRecording> left_out;  ///< of the list, see there
-  std::optional<DriveGains> drive_gains;  ///< where known masses were given
+  std::vector<UnusedRecording> left_out;  ///< Left out of the list, see there
+  std::optional<DriveGains> drive_gains;  ///< Given where known masses were given
   StageSeconds seconds;
 
   /// Status, rank gap, errors per joint, base parameters with standard deviations, as text.

@@ -42,7 +42,7 @@ struct Link {
 struct Links {
   int joints;
   int count;   ///< links
-  int movers;  ///< of all links together
+  int movers;  ///< Number of all links' entries together
   const Link* link;
   const Share* share;
   const Mover* mover;

@@ -11,10 +11,10 @@ namespace veridyn {
 /// One combination of standard parameters that recordings determine.
 struct IdentifiedParameter {
   std::string
-      name;  ///< of the standard parameter that leads the combination, whose coefficient is 1
+      name;  ///< Name of the standard parameter that leads the combination, whose coefficient is 1
   std::string unit;
   std::map<std::string, double> combination;  ///< coefficients by names of standard parameters
-  double value = 0.0;                         ///< that the model's parameters have
+  double value = 0.0;                         ///< Value by the model's parameters
   /// Least squares without any condition: what the scatter belongs to. A physically possible model
   /// lies beside it where the data ask for the impossible.
   double free = 0.0;
@@ -31,7 +31,7 @@ constexpr int kClustersKept = 128;
 /// their covariance.
 struct IdentifiedBase {
   std::vector<std::string> recordings;  ///< names of the files that it learned from
-  int clusters = 0;                     ///< of the jackknife; degrees of freedom are one fewer
+  int clusters = 0;                     ///< Clusters of the jackknife; its degrees of freedom are one fewer
   VectorXd error;  ///< (n) relative error on the recordings that it learned from
   /// (clusters x n) how the information is spread over the clusters, by joint: it is alike where
   /// the same motion was recorded again, and its clusters are then pairs. Empty where not known.

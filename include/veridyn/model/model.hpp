@@ -118,7 +118,7 @@ struct EffectTerm {
 /// Everything a robot file says.
 struct ModelDescription {
   std::string name;
-  std::string source;  ///< where the numbers come from
+  std::string source;  ///< Origin of the numbers
   Eigen::Vector3d gravity{0.0, 0.0, -9.81};
   std::map<std::string, double> constants;
   std::vector<Coordinate> coordinates;

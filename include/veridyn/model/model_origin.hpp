@@ -9,7 +9,7 @@ namespace veridyn {
 /// A file that a model was made from.
 struct OriginFile {
   std::string file;    ///< its name without folders, or what a recording in memory is called
-  std::string sha256;  ///< of its bytes, as `sha256sum` prints it; empty: it was in memory
+  std::string sha256;  ///< Sha256 of its bytes, as `sha256sum` prints it; empty: it was in memory
 };
 
 /// What made a MODEL file, when, and from what. It stands in the file under `made:`
@@ -22,7 +22,7 @@ struct OriginFile {
 ///       - {file: one.csv, sha256: 5f7c...}
 struct ModelOrigin {
   std::string date;     ///< UTC
-  std::string version;  ///< of veridyn
+  std::string version;  ///< Version of veridyn
   std::string command;  ///< "identify", "diagnose"
   std::vector<OriginFile> inputs;
 };

@@ -28,7 +28,7 @@ UrdfAppearance urdf_appearance(const std::string& path);
 struct UrdfExtras {
   /// Comments on links by the name of their frame; under the empty name one on the whole robot.
   std::map<std::string, std::string> remarks;
-  UrdfAppearance appearance;  ///< of frames of the same names
+  UrdfAppearance appearance;  ///< Appearance of frames of the same names
 };
 
 /// A URDF of the same motion and bodies; its root link is `world`.

@@ -33,7 +33,7 @@ enum class StaleRows { kFilled, kKept };
 /// Part of a recording that a joint's rows leave out, of the fit and of the errors: a contact, a
 /// snag.
 struct LeftOut {
-  std::string source;  ///< of the recording, its path
+  std::string source;  ///< Path of the recording
   int joint = -1;      ///< from 0; -1: all joints
   double from = 0.0;   ///< [s] since the recording began
   double to = 0.0;
@@ -43,7 +43,7 @@ struct LeftOut {
 /// From a recording to samples.
 struct PreprocessingOptions {
   double cutoff = 5.0;  ///< [Hz] of the low-pass; 0: no filter
-  int order = 6;        ///< of one of its two passes
+  int order = 6;        ///< Order of one of its two passes
   Filtering filtering = Filtering::kMatched;
   /// [Hz] low-pass of q and dq before the columns are built, as a multiple of the cut-off (kMatched
   /// only).
@@ -108,7 +108,7 @@ struct PreparationFacts {
   double dt = 0.0;
   double duration = 0.0;
   long samples = 0;  ///< on the uniform grid
-  long unused = 0;   ///< of these, in or near gaps
+  long unused = 0;   ///< Rows of these in or near gaps
   long rows_read = 0;
   FilledRows filled;
 };

@@ -27,7 +27,7 @@ struct RecordingFacts {
   std::string format;               ///< "CSV", "ROS 1 bag", "MCAP", ...
   std::vector<std::string> joints;  ///< names, in the order of the columns
   std::vector<JointMatch> matched;  ///< joints that were looked for; empty: none were
-  std::vector<TopicFacts> topics;   ///< of a container; empty otherwise
+  std::vector<TopicFacts> topics;   ///< Topics of a container; empty otherwise
   std::vector<std::string> remarks; ///< whole sentences for the user
   double start = 0.0;  ///< [s since 1970] of time 0; 0: the time column is as in the file
 

@@ -22,7 +22,7 @@ struct QualityFinding {
   int joint = 0;        ///< from 1; 0: all joints
   double share = 0.0;  ///< share of the rows (or of the range) that is concerned, 0 to 1; NaN: none
   double value = 0.0;  ///< size of the finding in `unit`; NaN: none
-  std::string unit;    ///< of value; empty: a plain number
+  std::string unit;    ///< Unit of `value`; empty: a plain number
   Severity severity = Severity::kInfo;
   std::string sentence;  ///< for a technician
 };

@@ -52,7 +52,7 @@ class SoundRows {
 
   Source source_;
   Recording held_;  ///< as recorded: rows given out already, for their neighbours, and new ones
-  int given_ = 0;   ///< of held_, given out already
+  int given_ = 0;   ///< Rows of held_ given out already
   bool ended_ = false;
   FilledRows filled_;
 };

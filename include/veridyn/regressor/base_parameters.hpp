@@ -20,10 +20,10 @@ enum class Identifiability { kAlone, kInCombination, kNot };
 struct BaseParameters {
   std::vector<int> independent;  ///< indices of standard parameters, one for each base parameter
   MatrixXd K;                    ///< (base x standard)
-  std::vector<Identifiability> classes;  ///< of every standard parameter
+  std::vector<Identifiability> classes;  ///< Class of every standard parameter
   std::vector<std::string> names;        ///< "beta1 ..": named after their independent parameter
   std::vector<std::string> expressions;  ///< "m_tool + 0.25 m_counterweight"
-  VectorXd singular_values;              ///< of the scaled columns, largest first
+  VectorXd singular_values;              ///< Singular values of the scaled columns, largest first
   double rank_gap =
       0.0;  ///< last kept over first dropped singular value; infinite if none was dropped
 

@@ -13,7 +13,7 @@ struct StandardParameter {
   std::string name;  ///< "m_tool", "hx_tool", "Lxx_tool" or "viscous_friction(yaw).coefficient"
   std::string unit;
   int body = -1;       ///< index among the bodies, or -1
-  int component = 0;   ///< of InertialParameters, or of the effect's parameters
+  int component = 0;   ///< Index among InertialParameters, or among the effect's parameters
   int effect = -1;     ///< index among the model's effects, or -1
   bool fixed = false;  ///< the robot file declares it as a fact
   double value = 0.0;  ///< from the file, where it has one

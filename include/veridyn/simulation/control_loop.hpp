@@ -60,7 +60,7 @@ struct EngineRun {
   MatrixXd tau;  ///< (rows x n) of the motors
   StepStatus status = StepStatus::kOk;
   double stopped_at = 0.0;  ///< [s] where status is not kOk
-  int joint = -1;           ///< that failed, from 0; -1: none in particular
+  int joint = -1;           ///< Joint that failed, from 0; -1: none in particular
 
   bool complete() const { return status == StepStatus::kOk; }
   /// "stopped at 1.2 s: joint insertion has ...", for a run that is not complete.

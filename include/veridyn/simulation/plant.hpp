@@ -16,7 +16,7 @@ struct PlantOptions {
   /// rest), with the estimate of order three for a method of order four.
   double tolerance = 1e-6;
   double rest = 1e-6;        ///< [rad] or [m]; what the error may be at standstill
-  int most_substeps = 2000;  ///< of one step
+  int most_substeps = 2000;  ///< Largest number of substeps of one step
 };
 
 /// Forward dynamics of an arm with all its effects:

@@ -7,8 +7,8 @@ namespace veridyn {
 /// An arm with values that could be those of a real one where its robot file gives none.
 struct PlausibleModel {
   Model arm;
-  int bodies = 0;   ///< that got values
-  int effects = 0;  ///< that got values
+  int bodies = 0;   ///< Number of those that got values
+  int effects = 0;  ///< Number of those that got values
 };
 
 /// Bodies are ellipsoids of 0.2 to 3 kg with half axes of 3 to 12 cm, turned at random, their

@@ -19,7 +19,7 @@ struct ControlledOptions {
 struct ControlledRecording {
   SimulatedRecording recording;  ///< up to where the run stopped
   EngineRun run;
-  PidGains gains;                     ///< that were used
+  PidGains gains;                     ///< The gains that were used
   std::vector<std::string> left_out;  ///< effects that a forward simulation cannot have
 };
 

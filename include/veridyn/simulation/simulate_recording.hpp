@@ -12,7 +12,7 @@ namespace veridyn {
 struct SimulationOptions {
   std::vector<HiddenEffect> hidden;
   SensorNoise noise;  ///< default: ideal
-  unsigned seed = 1;  ///< of the noise
+  unsigned seed = 1;  ///< Seed of the noise
   int substeps = 4;   ///< states per row that effects with memory see
 };
 

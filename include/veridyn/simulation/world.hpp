@@ -16,7 +16,7 @@ namespace veridyn {
 /// it with the base (R_world_base' g). Held bodies feel the gravity of the first arm.
 struct WorldArm {
   Model model;                     ///< true values, as the engine has them
-  std::unique_ptr<Engine> engine;  ///< that moves it
+  std::unique_ptr<Engine> engine;  ///< The engine that moves it
   Posed T_world_base = identity_pose();
 };
 
@@ -51,8 +51,8 @@ class World {
   StepStatus step(const std::vector<VectorXd>& tau, double dt) noexcept;
 
   double time() const;     ///< [s]
-  int failed_arm() const;  ///< of the last step that was not kOk, from 0; -1: none
-  int substeps() const;    ///< of the last step
+  int failed_arm() const;  ///< Index (from 0) of the arm whose last step was not kOk; -1: none
+  int substeps() const;    ///< Substeps of the last step
   const VectorXd& q(int arm) const;
   const VectorXd& dq(int arm) const;
   const Engine& engine(int arm) const;
@@ -77,7 +77,7 @@ class World {
 
   /// Force of a body's grasp on the arm that holds it, in the world [N].
   Eigen::Vector3d grasp_force(int body, int grasp) const;
-  HeldBody body(int index) const;  ///< where it is now
+  HeldBody body(int index) const;  ///< Pose and velocity now
   Eigen::Vector3d body_velocity(int index) const;
   Eigen::Vector3d body_spin(int index) const;  ///< [rad/s] in the world
 

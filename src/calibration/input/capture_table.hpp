@@ -14,7 +14,7 @@ struct CaptureColumn {
   Kind kind = Kind::kIgnored;
   int index = 0;            ///< joint from 0; component: x y z qw qx qy qz
   std::string object;       ///< "BODY/MARKER", "BODY" or ""
-  double metres = 0.0;      ///< of the column's own unit; 0: none stated
+  double metres = 0.0;      ///< Metres of the column's own unit; 0: none stated
   std::string name;         ///< as in the file
 };
 
@@ -22,7 +22,7 @@ struct CaptureColumn {
 struct CaptureHeader {
   char separator = ',';
   std::vector<CaptureColumn> columns;
-  double metres = 0.0;  ///< of the unit that the file states; 0: none
+  double metres = 0.0;  ///< Metres of the unit that the file states; 0: none
   double rate = 0.0;    ///< [Hz]; 0: not stated
   bool padded = false;  ///< rows may end early, as exports leave trailing gaps away
 };
@@ -45,7 +45,7 @@ struct CaptureTable {
   std::string source;
   VectorXd time;
   MatrixXd q;                  ///< (frames x joints)
-  std::vector<long> lines;     ///< of the file, by frame
+  std::vector<long> lines;     ///< Lines of the file, by frame
   std::vector<CapturedObject> objects;
 };
 

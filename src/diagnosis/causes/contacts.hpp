@@ -14,7 +14,7 @@ struct Contact {
   double to = 0.0;
   int last_joint = 0;    ///< from 0: the last joint that feels it; the contact is on its link
   VectorXd effort;       ///< (n) mean torque that the model does not explain [N m] or [N]
-  double deviation = 0;  ///< of the last joint's effort: scatter of the residual elsewhere
+  double deviation = 0;  ///< Scatter of the last joint's residual elsewhere
   double peak = 0.0;     ///< largest residual over its scatter elsewhere
 };
 

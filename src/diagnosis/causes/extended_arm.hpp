@@ -10,8 +10,8 @@ namespace veridyn {
 struct FoundCause {
   Hypothesis hypothesis;
   EffectTerm term;             ///< with its constants; of no payload
-  std::vector<double> values;  ///< of its parameters
-  InertialParameters load;     ///< of a payload, in the frame that carries it
+  std::vector<double> values;  ///< Values of its parameters
+  InertialParameters load;     ///< Parameters of a payload, in the frame that carries it
 };
 
 /// The arm with all that was found. Errors of channels and the tilt are corrected, payloads become

@@ -12,7 +12,7 @@ struct GeometryConstant {
   enum class Kind { kA, kAlpha, kD, kTheta, kCoefficient };
   int frame = 0;
   Kind kind = Kind::kTheta;
-  int coordinate = -1;  ///< of a coefficient
+  int coordinate = -1;  ///< Coordinate of a coefficient
   double value = 0.0;   ///< as it stands
   bool angle = false;
   std::string name;  ///< "theta of frame counterweight_rail"
@@ -24,7 +24,7 @@ struct GeometryFinding {
   double found = 0.0;                   ///< the value with the smallest error
   double deviation = 0.0;               ///< standard deviation, jackknife over parts of the
                                         ///< recordings and over whole ones
-  double degrees_of_freedom = 1.0;      ///< of the deviation
+  double degrees_of_freedom = 1.0;      ///< Degrees of freedom of the deviation
   double gain = 0.0;                    ///< fall of the sum over joints of ln(mean square)
   int base_before = 0, base_after = 0;  ///< numbers of base parameters
 };

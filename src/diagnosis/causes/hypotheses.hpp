@@ -17,13 +17,13 @@ struct Hypothesis {
   std::string effect;
   int joint = 0;       ///< coordinate, from 0; -1: the whole arm
   int term = -1;       ///< index among the augmented model's effects; -1: a payload
-  int frame = -1;      ///< of a payload: the link's frame in the arm asked about
-  int body = -1;       ///< of a payload: index among the augmented model's bodies
-  double reach = 1.0;  ///< of a payload: [m] of its centre along each axis from the frame
+  int frame = -1;      ///< A payload's link: its frame in the arm asked about
+  int body = -1;       ///< A payload's index among the augmented model's bodies
+  double reach = 1.0;  ///< A payload's reach: largest distance [m] of its centre along each axis from the frame
   int changes = -1;    ///< index of the arm's own effect that has changed; -1: a new one
   std::vector<std::string> columns;
   std::vector<ParameterSign> signs;
-  std::vector<double> lowest;    ///< of a change: less would make the parameter impossible
+  std::vector<double> lowest;    ///< Least value of a change: less would make the parameter impossible
   double tried = 1.0;            ///< how many constants were looked at before this one was proposed
   bool repeats = true;  ///< several constants of it may act on one axis: memories, waves
   bool extrapolates = false;     ///< it depends on where the arm is: one motion may mislead

@@ -20,7 +20,7 @@ class BorderedFit {
   const VectorXd& residual2() const { return residual2_; }
 
   struct Border {
-    VectorXd values;     ///< of the columns more, scaled as the blocks are
+    VectorXd values;     ///< Coefficients of the added columns, scaled as the blocks are
     VectorXd residual2;  ///< per joint with them; empty if nothing is to be measured
     double new_share;    ///< largest share of one of their squares that the set does not span
   };

@@ -14,7 +14,7 @@ namespace veridyn {
 struct Evidence {
   int hypothesis = -1;
   double gain = 0.0;        ///< d: fall of the sum over joints of ln(held-out mean square error)
-  double fold_share = 0.0;  ///< of the folds, those that improve
+  double fold_share = 0.0;  ///< Share of the folds that improve
   bool consistent = false;  ///< enough of the folds improve
   double p_value = 1.0;
   bool taken = false;     ///< it is one of the accepted: there was nothing to ask

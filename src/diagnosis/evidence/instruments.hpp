@@ -26,7 +26,7 @@ struct RepeatedRows {
 /// (Durbin 1954, Wu 1973, Hausman 1978; clustered).
 struct InstrumentalEstimate {
   VectorXd least_squares, instrumental;
-  VectorXd deviation;            ///< of their difference
+  VectorXd deviation;            ///< Deviation of their difference
   VectorXd p_value;              ///< per parameter; 1 where it cannot be told
   double degrees_of_freedom = 0.0;
 };

@@ -9,7 +9,7 @@ namespace veridyn {
 struct Accepted {
   Evidence evidence;
   std::vector<Evidence> rivals{};   ///< other families that explain as much, the best of each
-  std::vector<Evidence> refuted{};  ///< that seem to, but leave something that this one explains
+  std::vector<Evidence> refuted{};  ///< Rivals in appearance, which leave something that this one explains
 };
 
 /// Where a shape constant of an accepted hypothesis may lie.
@@ -22,7 +22,7 @@ struct ShapeInterval {
 
 struct Selection {
   std::vector<Accepted> accepted;    ///< in order of discovery
-  std::vector<Evidence> last_asked;  ///< of every hypothesis, beside the accepted ones
+  std::vector<Evidence> last_asked;  ///< Evidence of every hypothesis beside the accepted ones
   ColumnSet columns;                 ///< base columns and those of the accepted
   VectorXd values;                   ///< unscaled, over `columns`
   VectorXd standard_deviations;      ///< cluster jackknife

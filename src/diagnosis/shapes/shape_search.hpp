@@ -14,8 +14,8 @@ using Shapes = std::map<std::string, double>;
 /// Hypotheses with refined constants.
 struct RefinedShapes {
   AugmentedModel model;                  ///< the arm with them, in their order, and with no others
-  std::vector<Shapes> shapes;            ///< of every hypothesis; empty where nothing is searched
-  std::vector<ShapeInterval> intervals;  ///< of the constants
+  std::vector<Shapes> shapes;            ///< Shapes of every hypothesis; empty where nothing is searched
+  std::vector<ShapeInterval> intervals;  ///< Intervals of the constants
   bool anything = false;                 ///< false: none of them has a constant to search for
 };
 

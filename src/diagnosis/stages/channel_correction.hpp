@@ -12,7 +12,7 @@ namespace veridyn {
 struct CorrectedChannel {
   Identification corrected;     ///< the arm with the error undone
   std::vector<double> values;   ///< sizes of the error
-  VectorXd half_widths;         ///< of their 95 % intervals, from the last step
+  VectorXd half_widths;         ///< Half widths of their 95 % intervals, from the last step
 };
 
 /// Columns of such an error are derivatives, right for small errors only. Steps of Gauss and Newton

@@ -54,7 +54,7 @@ class RowKeeper {
   }
 
  private:
-  static constexpr double kSpare = 1.2;        ///< of the rows that are expected
+  static constexpr double kSpare = 1.2;        ///< Factor on the expected number of rows
   static constexpr double kMostTouched = 5e8;  ///< [bytes]
   Recording rows_;
   std::atomic<Eigen::Index> count_{0};

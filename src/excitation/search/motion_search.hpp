@@ -15,11 +15,11 @@ constexpr int kStages = 2;
 
 /// What one start found.
 struct Found {
-  std::vector<VectorXd> ends;  ///< of its descents; empty: nothing within the limits
+  std::vector<VectorXd> ends;  ///< Ends of its descents; empty: nothing within the limits
   bool converged = false;      ///< the last descent
   long evaluations = 0;
   VectorXd start;    ///< the first random motion
-  VectorXd nearest;  ///< where nothing is within the limits: the motion that crosses them least
+  VectorXd nearest;  ///< The motion that crosses the limits least, where none is within them
 };
 
 /// The searches of one problem; each start is a search of its own. Immutable: starts run side by
@@ -40,7 +40,7 @@ class MotionSearch {
 
  private:
   struct Bounds {
-    VectorXd lower, upper;  ///< of every signal
+    VectorXd lower, upper;  ///< Bounds of every signal
   };
   Bounds allowed() const;
   bool has_more_than_joints() const { return signals_.count() > 3 * space_.joints(); }

@@ -21,8 +21,8 @@ struct Question {
   std::shared_ptr<const StackedColumns> rounded;
   std::shared_ptr<const StackedColumns> exact;
   VectorXd row_weights;  ///< (n)
-  VectorXd scale;        ///< of the columns
-  MatrixXd basis;        ///< of ColumnScaling::kOrthogonal
+  VectorXd scale;        ///< Scale of the columns
+  MatrixXd basis;        ///< Basis of ColumnScaling::kOrthogonal
   RivalColumns rivals;   ///< for kDiscriminate
   bool bodies_known = false;
   std::vector<int> rival_joints;  ///< from 0, of the rivals that stand on one

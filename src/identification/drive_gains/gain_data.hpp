@@ -28,7 +28,7 @@ class GainData {
   /// Names of columns to solve for: as many as motions of any kind can tell apart, and known.
   struct Columns {
     std::vector<std::string> unknown;
-    std::vector<std::string> alone;  ///< of these, those that stand for themselves only
+    std::vector<std::string> alone;  ///< Those that stand for themselves only
     std::map<std::string, double> known;
   };
   Columns columns(const std::vector<bool>& loaded) const;

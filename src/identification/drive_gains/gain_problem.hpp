@@ -14,7 +14,7 @@ struct GainEquation {
   VectorXd k;         ///< torque of what is known
   VectorXd z;         ///< current
   double rho2 = 0.0;  ///< squared current outside the rows
-  double rows = 0.0;  ///< of measurements
+  double rows = 0.0;  ///< Number of measurements
 };
 
 /// p_j = scale * ratio_j and x = y / scale: where nothing of the known torque shows, the scale is

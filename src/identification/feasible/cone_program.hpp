@@ -50,7 +50,7 @@ struct Box {
   VectorXd lower;
   VectorXd upper;
   VectorXd trusted;  ///< a variable without an interval is taken to stay within 2*|x_j| + trusted_j
-                     ///< of x_j
+                     ///< Bound of |x_j|
 
   /// How far variable j can reasonably move: the width of its interval, or less where the data hold
   /// it.
@@ -95,7 +95,7 @@ struct Point {
 /// point).
 struct Bound {
   double gap = 0.0;
-  std::vector<int> unbounded_columns;  ///< where trusted was used
+  std::vector<int> unbounded_columns;  ///< Columns at which `trusted` was used
 };
 
 /// What the variables can gain over the box against a linear cost:  max over u of  c'*(x - u),

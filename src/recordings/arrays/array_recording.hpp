@@ -19,7 +19,7 @@ struct NamedArray {
 /// What an array file holds.
 struct ArraySet {
   std::vector<NamedArray> arrays;
-  std::vector<std::string> joint_names;  ///< of an array of texts named joints or joint_names
+  std::vector<std::string> joint_names;  ///< Joint names of an array of texts named joints or joint_names
 };
 
 /// Arrays named as columns of a table would be (t, q, dq, tau, ...): rows are samples, or columns

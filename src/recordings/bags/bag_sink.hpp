@@ -12,7 +12,7 @@ namespace veridyn::bags {
 struct Channel {
   std::string topic;
   std::string type;        ///< as written: sensor_msgs/JointState or sensor_msgs/msg/JointState
-  std::string encoding;    ///< of the messages: ros1, cdr, json; others cannot be decoded
+  std::string encoding;    ///< Encoding of the messages: ros1, cdr, json; others cannot be decoded
   std::string definition;  ///< message definition in the text form of ROS 1 or 2; empty: none kept
   std::string publisher;   ///< name of the sending node; empty: not kept
 };

@@ -16,15 +16,15 @@ enum class FieldKind {
 struct FieldNode {
   FieldKind kind = FieldKind::kMessage;
   enum class Repeat { kOne, kFixed, kSequence } repeat = Repeat::kOne;
-  std::uint32_t count = 0;           ///< of a fixed array
+  std::uint32_t count = 0;           ///< Count of a fixed array
   int leaf = -1;                     ///< index into MessagePlan::paths; -1 for a message
-  std::vector<FieldNode> children;   ///< of a message, in their order on the wire
+  std::vector<FieldNode> children;   ///< Children of a message, in their order on the wire
 };
 
 /// How the bytes of one message type are to be read.
 struct MessagePlan {
   std::vector<FieldNode> fields;
-  std::vector<std::string> paths;  ///< of the leaves, as "wrench/force/x"
+  std::vector<std::string> paths;  ///< Paths of the leaves, as "wrench/force/x"
 };
 
 /// From the text of a definition (of ROS 1 or 2, dependencies behind lines of '='), or, where that

@@ -24,7 +24,7 @@ class CsvLines {
 
   /// Whether the file ends behind the line last returned.
   bool at_end() const { return at_end_ && begin_ == end_; }
-  long number() const { return number_; }  ///< of the line last returned, from 1
+  long number() const { return number_; }  ///< Number of the line last returned, from 1
   const std::string& last_comment() const { return comment_; }  ///< without its `#`
   const std::string& path() const { return path_; }
 
