@@ -14,9 +14,8 @@ constexpr double kFree = 0.8;  // share of the gap without contact
 /// Friction behind a gap: after a reversal the motor crosses the gap without it, then meets it
 /// again.
 ///
-///   p <- clamp(p + step / (gap / 2), -1, 1)                        place between the teeth (play
-///   operator) tau = level * sign(p) * max(0, |p| - free) / (1 - free)        free = 0.8: the teeth
-///   are not rigid
+///   p <- clamp(p + step / (gap / 2), -1, 1)                     place between the teeth (play operator)
+///   tau = level * sign(p) * max(0, |p| - free) / (1 - free)     free = 0.8: the teeth are not rigid
 ///
 /// It is rate independent and passive: inside the gap a potential of p, at its ends friction. It
 /// differs from presliding_hysteresis by its dead zone. Limits: the friction behind the gap must

@@ -84,9 +84,10 @@ const char* describe(CooperativeState state);
 /// All is kept in the world; commands come in the master's axes, as (6.2) has it, and the targets
 /// of an arm in its own base are R_world_arm' of these:
 ///
-///   x_i = p + R r_i            the object's centroid p and orientation R move, r_i stand
-///   (6.2, 6.3) x_t,to   = x_to   + w u x_f,     u = (x_to - x_from) / |..| (7.10, 7.11) x_t,from =
-///   x_from - w' u x_f     w = 1 for the only slave of the two ends, 1/2 where both are
+///   x_i      = p + R r_i            centroid p and orientation R of the object move, r_i is fixed
+///                                   in the object (6.2, 6.3)
+///   x_t,to   = x_to   + w  u x_f    u = (x_to - x_from) / |x_to - x_from| (7.10, 7.11)
+///   x_t,from = x_from - w' u x_f    w = 1 for the only follower of the two ends, 1/2 where both are
 ///
 /// Nothing allocates after the constructor; update() and the commands never throw.
 ///

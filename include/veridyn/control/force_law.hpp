@@ -28,11 +28,10 @@ struct ForceLaw {
 /// A proportional law for a member of that stiffness, held by an impedance of stiffness K and
 /// damping D [N/m, N s/m]:
 ///
-///   damping   of the member as for 1.4 kg on it, critically, up to 120 N s/m, which velocities
-///   from
-///             encoders bear
-///   gain      a crossover of 30 rad/s, far below what 5 ms of delay allow
-///   proportional  so that its zero lies on the pole that damping and member make
+///   damping       critical for 1.4 kg on the member, up to 120 N s/m, which velocities from
+///                 encoders bear
+///   gain          a crossover of 30 rad/s, far below what 5 ms of delay allow
+///   proportional  its zero lies on the pole that damping and member make
 ///
 /// @throws InvalidInput  a stiffness that is not above zero.
 ForceLaw tuned_force_law(double member_stiffness, double slave_stiffness, double slave_damping);

@@ -23,8 +23,8 @@ enum class DhConvention { kStandard, kModified };
 
 /// Four Denavit-Hartenberg numbers.
 ///
-///   standard: T = Rz(theta) Tz(d) Tx(a) Rx(alpha)      modified: T = Rx(alpha) Tx(a) Rz(theta)
-///   Tz(d)
+///   standard: T = Rz(theta) Tz(d) Tx(a) Rx(alpha)
+///   modified: T = Rx(alpha) Tx(a) Rz(theta) Tz(d)
 struct DhRow {
   DhConvention convention = DhConvention::kStandard;
   double a = 0.0;      ///< [m]

@@ -53,21 +53,28 @@ const char* name_of(Severity severity);
 ///   sample_rate         value: one over the median step [Hz]
 ///   irregular_time      value: mean rate [Hz]; steps differ by more than 5 %
 ///   missing_rows        steps above 1.5 median steps; share of rows lost; value: longest step [s]
-///   stale_rows          rows equal to the one before in all signals while the arm moves; value:
-///   longest run [rows] stale_signal        the same for one signal alone gaps                NaN;
-///   share of rows; value: longest run [rows] absurd_numbers      beyond +-1e6 or infinite; share
-///   of rows; value: count. Taken as gaps by all other checks zero_signal, constant_signal   a
-///   signal never differs from zero, or from its first value jumps               position steps
-///   that the motion around cannot explain; value: the largest saturation          torque or
-///   current sits at its extreme; value: that limit; share of rows start_up_transient  torque rings
-///   when the recording starts; value: until when [s] rate_contradiction  dq = value * dq/dt of q,
-///   the same value on all moving joints velocity_scale      the same, on this joint only;
-///   velocity_sign: value near -1 degrees             q or dq looks like degrees (dq 57.3 times too
-///   large; q beyond 4 pi most of the time) velocity_quantised  dq goes in coarse steps; value:
-///   step, share: of its range velocity_delay      dq comes later than the derivative of q
-///   (cross-correlation); value [s] joint_at_rest       q stays within 5 mrad or 5 mm; value: its
-///   range.  no_motion: no joint moves period              the motion repeats; value: the period
-///   [s] remark             what reading the file brought up (a cut file, repeated time stamps)
+///   stale_rows          rows equal to the one before in all signals while the arm moves;
+///                       value: longest run [rows]
+///   stale_signal        the same for one signal alone
+///   gaps                NaN; share of rows; value: longest run [rows]
+///   absurd_numbers      beyond +-1e6 or infinite; share of rows; value: count; gaps for all other
+///                       checks
+///   zero_signal         a signal is always zero
+///   constant_signal     a signal never differs from its first value
+///   jumps               position steps that the motion around cannot explain; value: the largest
+///   saturation          torque or current sits at its extreme; value: that limit; share of rows
+///   start_up_transient  torque rings when the recording starts; value: until when [s]
+///   rate_contradiction  dq = value * dq/dt of q, the same value on all moving joints
+///   velocity_scale      the same, on this joint only
+///   velocity_sign       the same with value near -1
+///   degrees             q or dq looks like degrees (dq 57.3 times too large; q beyond 4 pi most of
+///                       the time)
+///   velocity_quantised  dq goes in coarse steps; value: step; share: step by the signal's range
+///   velocity_delay      dq comes later than the derivative of q (cross-correlation); value [s]
+///   joint_at_rest       q stays within 5 mrad or 5 mm; value: its range
+///   no_motion           no joint moves
+///   period              the motion repeats; value: the period [s]
+///   remark              what reading the file brought up (a cut file, repeated time stamps)
 ///   short_recording     too few rows to judge more than numbers and time
 ///
 /// Streams: memory is bounded by the first 200,000 rows, on which velocities, transient, period and

@@ -9,8 +9,8 @@ namespace veridyn::cone {
 /// Slack and multiplier of one 4x4 block, with the scaling that makes them the same diagonal
 /// matrix:
 ///
-///   to_scaled * S * to_scaled' = from_scaled' * Z * from_scaled = diag(d),   from_scaled =
-///   inv(to_scaled)
+///   to_scaled * S * to_scaled' = from_scaled' * Z * from_scaled = diag(d),
+///   from_scaled = inv(to_scaled)
 ///
 /// Source: Nesterov and Todd, SIAM J. Optim. 8(2), 1998; computed as in Todd, Toh and Tutuncu,
 /// 8(3), 1998.
