@@ -82,9 +82,6 @@ CooperativeController::CooperativeController(const CooperativeOptions& options,
       wanted_(VectorXd::Zero(
           std::max<Eigen::Index>(1, static_cast<Eigen::Index>(options.members.size())))),
       relief_(tips.size(), Vector3d::Zero()),
-      held_at_(tips),
-      along_(tips.size(), Vector3d::Zero()),
-      lost_(tips.size(), 0),
       scratch3_(VectorXd::Zero(3)),
       scratch1_(VectorXd::Zero(1)),
       goal_(wanted_.x()) {
@@ -111,8 +108,6 @@ void CooperativeController::restart(const std::vector<Vector3d>& tips) noexcept 
   for (Watch& watch : watches_) watch = {};
   for (PassivityMonitor& monitor : monitors_) monitor.reset();
   for (Vector3d& relief : relief_) relief.setZero();
-  for (Vector3d& along : along_) along.setZero();
-  std::fill(lost_.begin(), lost_.end(), 0);
   state_ = CooperativeState::kTracking;
   plan();
 }
@@ -315,36 +310,11 @@ void CooperativeController::relieve(const CooperativeInput& input) noexcept {
   for (size_t i = 0; i < targets_.size(); ++i) targets_[i].position += relief_[i];
 }
 
-// While all is held: ends that follow keep their place relative to one that does not. Where
-// encoders tell how it falls, a string between them stays as slack as it was.
-void CooperativeController::go_along(const CooperativeInput& input) noexcept {
-  for (size_t i = 0; i < targets_.size(); ++i) {
-    if (!input.position[i].allFinite()) return;
-    const double off = (input.position[i] - held_at_[i] - relief_[i] - along_[i]).norm();
-    if (input.healthy[i] == 0 || off > options_.lost_error) lost_[i] = 1;
-  }
-  for (const CooperativeMember& member : options_.members) {
-    const auto from = static_cast<size_t>(member.from);
-    const auto to = static_cast<size_t>(member.to);
-    if (lost_[from] == lost_[to]) continue;
-    const size_t gone = lost_[from] != 0 ? from : to;
-    const size_t other = lost_[from] != 0 ? to : from;
-    const Vector3d rest = input.position[gone] - held_at_[gone] - along_[other];
-    const double most = options_.follow_speed * options_.period;
-    along_[other] += rest.norm() > most ? Vector3d(rest * (most / rest.norm())) : rest;
-    targets_[other].velocity = input.velocity[gone];
-  }
-  for (size_t i = 0; i < targets_.size(); ++i) targets_[i].position += along_[i];
-}
-
 const std::vector<TipTarget>& CooperativeController::update(
     const CooperativeInput& input) noexcept {
   if (state_ == CooperativeState::kTracking) {
     state_ = judge(input);
-    if (state_ != CooperativeState::kTracking) {
-      stop();
-      for (size_t i = 0; i < held_at_.size(); ++i) held_at_[i] = input.position[i];
-    }
+    if (state_ != CooperativeState::kTracking) stop();
   }
   centre_.advance(options_.period);
   angle_.advance(options_.period);
@@ -353,10 +323,7 @@ const std::vector<TipTarget>& CooperativeController::update(
   plan();
   if (state_ != CooperativeState::kNotFinite) {
     correct(input);
-    if (state_ != CooperativeState::kTracking) {
-      relieve(input);
-      go_along(input);
-    }
+    if (state_ != CooperativeState::kTracking) relieve(input);
   }
   return targets_;
 }

@@ -33,11 +33,6 @@ struct CooperativeOptions {
   double relief_force = 5.0;   ///< [N] while all is held, ends give way to readings beyond it,
   double relief_gain = 0.02;   ///< [m/(N s)] so fast per newton beyond,
   double relief_speed = 0.2;   ///< [m/s] and at most so fast; not where a sensor failed
-  /// [m/s] at most so fast, the ends that follow go along with one that does not (a limp arm
-  /// falls), so that no member jerks; that is one which is farther than `lost_error` [m] from its
-  /// place while all is held.
-  double follow_speed = 2.0;
-  double lost_error = 0.003;
 };
 
 /// What is measured, once per update(); sized by the controller's constructor.
@@ -154,7 +149,6 @@ class CooperativeController {
   void correct(const CooperativeInput& input) noexcept;
   CooperativeState judge(const CooperativeInput& input) noexcept;
   void relieve(const CooperativeInput& input) noexcept;
-  void go_along(const CooperativeInput& input) noexcept;
   bool makes_energy(size_t member, const ForceReading& reading,
                     const CooperativeInput& input) noexcept;
   bool is_stuck(size_t member, const ForceReading& reading, double length) noexcept;
@@ -169,8 +163,6 @@ class CooperativeController {
   QuinticInterpolator centre_, angle_, wanted_;
   std::vector<QuinticInterpolator> grips_;                // r_i
   std::vector<Eigen::Vector3d> relief_;                   // [m] in the world, while all is held
-  std::vector<Eigen::Vector3d> held_at_, along_;          // [m] tips at the hold; ways gone along
-  std::vector<char> lost_;
   Eigen::Matrix3d R_start_{Eigen::Matrix3d::Identity()};  // of the turn under way
   Eigen::Vector3d axis_{Eigen::Vector3d::UnitZ()};
   VectorXd scratch3_, scratch1_, goal_;
