@@ -25,6 +25,8 @@ constexpr double kAsGood = 1.15;               // noise with known base and tool
 constexpr double kSameGain = 1e-6;             // gains this near say the same
 constexpr double kRival = 0.98;                // of the best gain: cannot be told apart
 constexpr double kSignificant = 5.0;           // standard deviations of a constant that is named
+constexpr double kMisplaced = 0.5;   // share of itself that a named constant changes at most
+constexpr double kPreferred = 0.1;   // a named constant may change ten times as much as a number
 constexpr int kHeldOutBlocks = 80;
 constexpr double kNoise = 1e-9;  // [m] a difference of constants below this is rounding
 
@@ -150,13 +152,16 @@ std::string full_name(const LinkParameter& p) {
 
 // By how much of itself a constant would change; what is zero by design changes last.
 double relative_change(const LinkParameter& p, const LinkGain& gain) {
-  if (p.kind == Kind::kConstant) return 0.0;
-  if (std::abs(p.file) < kNoise) return std::numeric_limits<double>::infinity();
-  return std::abs(gain.step / p.file);
+  constexpr double kNever = std::numeric_limits<double>::infinity();
+  if (std::abs(p.file) < kNoise) return kNever;
+  const double change = std::abs(gain.step / p.file);
+  if (p.kind != Kind::kConstant) return change;
+  // A constant that would lose half of its value is rather in the wrong place than wrong.
+  return change > kMisplaced ? kNever : kPreferred * change;
 }
 
-// The constant that gains most. Among those that say the same: a named one, else the one that
-// changes least for its size, else the first in the file's order.
+// The constant that gains most. Among those that say the same: the one that changes least for its
+// size, named ones preferred, else the first in the file's order.
 int best_gain(const LinkParameters& parameters, const std::vector<LinkGain>& gain,
               std::string& rivals) {
   double most = 0.0;

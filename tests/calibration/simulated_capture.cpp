@@ -45,7 +45,6 @@ MarkerCapture captured_psm(const Model& arm, int frames, const CaptureNoise& noi
   MarkerCapture out;
   out.source = "simulated";
   out.time = VectorXd::LinSpaced(frames, 0.0, 0.05 * (frames - 1));
-  std::vector<Eigen::Isometry3d> T(static_cast<size_t>(frames));
   for (int b = 0; b < 6; ++b) {
     const int frame = arm.find_frame(frame_names[b]);
     for (int m = 0; m < 3; ++m) {
