@@ -18,6 +18,7 @@ struct TriangleLoops {
   static constexpr int kPanel = kTrianglePanel;
   static constexpr int kAcross = kPanel / P::kSize;  // vectors of a panel's row
   static constexpr int kUnroll = 4;                  // rows; their number is a multiple of it
+  static constexpr double kNothing = 1e-200;  // a smaller square has no inverse to multiply with
   // Vectors of columns and reflections that are worked on at once: as many sums as the registers
   // hold.
   static constexpr int kWide = P::kSize >= 4 ? 3 : 2;
@@ -90,7 +91,7 @@ struct TriangleLoops {
       const double below = d[j];
       double u = 0.0;
       double t = 0.0;
-      if (below != 0.0) {  // not a number counts: it must not be lost
+      if (!(below < kNothing)) {  // what is not a number goes on: it must not be lost
         const double norm = __builtin_sqrt(top[j] * top[j] + below);
         const double beta = top[j] > 0.0 ? -norm : norm;
         u = top[j] - beta;

@@ -267,6 +267,21 @@ TEST(TheFactor, KeepsColumnsOfAllScales) {
   EXPECT_TRUE(near(R.transpose() * R, unscaled.transpose() * unscaled, 1e-12 * 700));
 }
 
+// What a filter leaves at its start: columns whose squares are below the smallest double.
+TEST(TheFactor, TakesColumnsOfAlmostNothing) {
+  Random random(17);
+  Rows p = random_rows(51, 20, random);
+  const VectorXd truth = random.vector(20, -1, 1);
+  for (const double size : {1e-100, 1e-140, 1e-158, 1e-162, 1e-300}) {
+    Rows small = p;
+    small.A.middleCols(3, 9) *= size;
+    const SquareRootInformation f = factor_of(small, names(20));
+    EXPECT_TRUE(f.R().allFinite() && f.z().allFinite() && std::isfinite(f.rho2())) << size;
+    const double direct = (small.A * truth - small.b).squaredNorm();
+    EXPECT_NEAR(f.residual2(truth), direct, 1e-12 * direct);
+  }
+}
+
 TEST(TheFactor, DoesNotHideWhatIsNotANumber) {
   Random random(15);
   Rows p = random_rows(40, 11, random);
