@@ -123,7 +123,9 @@ TEST_F(Stages, ADelayThatIsNotThereIsNotCorrected) {
   const Questions asked = ask(x, list, x.start);
   for (const Hypothesis& h : asked.q.augmented.hypotheses) {
     const auto corrected = correct_channel(x, asked, h);
-    if (corrected) EXPECT_LT(std::abs(corrected->values[0]), 1e-3);
+    if (corrected) {
+      EXPECT_LT(std::abs(corrected->values[0]), 1e-3);
+    }
   }
   x.refused.insert(asked.q.augmented.hypotheses.front().family);
   EXPECT_EQ(ask(x, list, x.start).q.augmented.hypotheses.size(),
