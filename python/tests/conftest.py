@@ -30,9 +30,9 @@ def motion():
     centre, size = np.array([0.0, 0.0, 0.12]), np.array([0.6, 0.4, 0.05])
     q = np.zeros((time.size, 3))
     dq, ddq = np.zeros_like(q), np.zeros_like(q)
-    for k in range(1, 5):
-        w = 2.0 * np.pi * 0.1 * k
+    for k in range(1, 7):
         for joint in range(3):
+            w = 2.0 * np.pi * (0.11 * k + 0.043 * joint + 0.017 * k * joint)
             a, phase = size[joint] / k / 2.0, rng.uniform(0.0, 2.0 * np.pi)
             q[:, joint] += a * np.sin(w * time + phase)
             dq[:, joint] += a * w * np.cos(w * time + phase)

@@ -107,7 +107,7 @@ def test_a_load_is_found_and_compared(arm, motion, recording):
     found = veridyn.find_payload(arm, loaded, link=frame)
     assert found.found and not veridyn.find_payload(arm, recording, link=frame).found
     difference = veridyn.compare(arm, loaded.truth)
-    assert difference["verdict"] == "differ"
+    assert difference["verdict"] == "cannot-tell"  # neither file has statistics
 
 
 def test_diagnose_names_what_was_hidden(arm, motion):

@@ -26,7 +26,7 @@ Json standard_json(const Identification& id) {
     const auto at = static_cast<Eigen::Index>(j);
     out.push_back({{"name", parameters[j].name},
                    {"value", id.parameters[at]},
-                   {"std", id.parameter_deviations[at]},
+                   {"std", at < id.parameter_deviations.size() ? Json(id.parameter_deviations[at]) : Json()},
                    {"unit", parameters[j].unit}});
   }
   return out;
