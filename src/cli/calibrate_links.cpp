@@ -5,6 +5,7 @@
 
 #include "calibrate_options.hpp"
 #include "option_checks.hpp"
+#include "veridyn/effects/cause.hpp"
 #include "veridyn/calibration/links.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/model_file.hpp"
@@ -34,7 +35,7 @@ std::string compared(const std::string& file, const LinksCalibration& links) {
   require(diagnosis.is_object() && diagnosis.contains("findings"), file,
           ": found no findings, expected what diagnose --json wrote.");
   for (const nlohmann::json& finding : diagnosis["findings"]) {
-    if (finding.value("effect", "") != "coupling_error") continue;
+    if (finding.value("effect", "") != KinematicError::kName) continue;
     const nlohmann::json& value = finding.at("parameters").at("value");
     // "... a wrong constant: theta of frame elbow is ..." or "ratio of pitch in frame elbow is".
     const std::string sentence = finding.value("sentence", "");

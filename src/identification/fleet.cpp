@@ -18,6 +18,7 @@
 namespace veridyn {
 namespace {
 
+constexpr double kNoticeable = 0.02;
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr int kFewest = 3;        // arms of a fleet
 constexpr int kRounds = 4;        // of weights, gains, and arms that are left out of the bodies
@@ -256,7 +257,11 @@ void add_spreads(const Model& arm, const FleetSolver& solver, Fleet& fleet) {
         k < own ? joint_of(arm, spread.name, problem.parameters()) : k - own + 1;
     for (size_t a = 0; a < all.size() && spread.arms >= kFewest && spread.spread > 0.0; ++a) {
       const double deviations = (all[a] - spread.median) / spread.spread;
-      if (std::isfinite(all[a]) && std::abs(deviations) > far)
+      // A robust spread of a dozen arms is itself uncertain: what differs by less than this share of
+      // the median is no news, however narrow the others lie.
+      const bool noticeable =
+          std::abs(all[a] - spread.median) > kNoticeable * std::abs(spread.median);
+      if (std::isfinite(all[a]) && noticeable && std::abs(deviations) > far)
         fleet.outliers.push_back(
             {fleet.members[a].name, spread.name, joint, all[a], spread.median, deviations});
     }

@@ -1,3 +1,4 @@
+#include "veridyn/effects/plain_friction.hpp"
 #include "veridyn/identification/robot_check.hpp"
 
 #include <algorithm>
@@ -35,7 +36,7 @@ Model with_friction(const Model& arm) {
   ModelDescription d = arm.description();
   const int n = arm.joints();
   for (int i = 0; i < n; ++i) {
-    for (const char* name : {"viscous_friction", "coulomb_friction"}) {
+    for (const char* name : {kPlainViscous, kPlainCoulomb}) {
       const bool there = std::any_of(d.effects.begin(), d.effects.end(), [&](const EffectTerm& t) {
         return t.effect == name && t.axis.coefficients.size() == n &&
                (t.axis.coefficients - VectorXd::Unit(n, i)).norm() == 0.0;
@@ -126,8 +127,8 @@ class Fitter {
         torque2 += tau * tau;
         count += 1.0;
       }
-      const double power = coefficient(beta, "coulomb_friction", i) * speed +
-                           coefficient(beta, "viscous_friction", i) * speed2;
+      const double power = coefficient(beta, kPlainCoulomb, i) * speed +
+                           coefficient(beta, kPlainViscous, i) * speed2;
       const double scale = std::sqrt(torque2 * speed2);
       out.push_back(count > 0.0 && scale > 0.0 ? power / scale : 0.0);
     }
@@ -398,7 +399,10 @@ class RobotCheck {
     if (!alien) return;
     std::string list;
     for (const double ratio : ratios) list += (list.empty() ? "" : ", ") + quality::number(ratio);
+    const bool said = std::any_of(findings_.begin(), findings_.end(),
+                                  [](const auto& f) { return f.finding == "current"; });
     if (as_currents) {
+      if (said) return;
       add("current", 0, quality::kNone,
           text("Efforts are ", list, " times the torques of ", given_.name(),
                ", as motor currents are; --units tau=A mends it."));

@@ -20,10 +20,6 @@ int threads_of_each(int count, int threads) {
 
 void parallel_for(int count, int threads, const std::function<void(int)>& body) {
   const int workers = std::min(count, number_of_threads(threads));
-  if (workers <= 1) {
-    for (int i = 0; i < count; ++i) body(i);
-    return;
-  }
   std::atomic<int> next{0};
   std::exception_ptr first;
   std::mutex guard;

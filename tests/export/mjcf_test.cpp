@@ -131,8 +131,8 @@ TEST_P(Mjcf, RunsInMujoco) {
 INSTANTIATE_TEST_SUITE_P(Robots, Mjcf,
                          testing::Values("planar-2r", "psm-3dof", "psm-wrist", "mtm", "ur10e",
                                          "kuka-lwr4", "scara"),
-                         [](const auto& info) {
-                           std::string name = info.param;
+                         [](const auto& robot) {
+                           std::string name = robot.param;
                            std::replace(name.begin(), name.end(), '-', '_');
                            return name;
                          });

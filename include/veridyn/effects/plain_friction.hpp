@@ -4,6 +4,10 @@
 
 namespace veridyn {
 
+/// What plain friction is made of, by the names of its effects.
+constexpr const char* kPlainViscous = "viscous_friction";
+constexpr const char* kPlainCoulomb = "coulomb_friction";
+
 /// True if no effect of the arm is friction. Makers' files seldom have any, and every real joint
 /// does.
 bool has_no_friction(const Model& arm);

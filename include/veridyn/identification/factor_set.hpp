@@ -11,6 +11,8 @@ namespace veridyn {
 /// raw data can stay where they were recorded. Sets of one arm merge, in any order and on any
 /// number of machines.
 struct FactorSet {
+  FactorSet() {}  // no aggregate: a list of paths in braces is no FactorSet
+
   std::string robot;     ///< name of the arm that they were made for
   VectorXd fingerprint;  ///< (n + 1) of its kinematics and of what its file declares as facts
   std::string settings;  ///< Settings of the preprocessing, as text: filter, velocities, decimation
