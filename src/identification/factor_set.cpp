@@ -193,8 +193,12 @@ void require_factors_of(const Model& arm, const FactorSet& factors,
 
 FactorSet compress(const Model& arm, const std::vector<std::string>& paths,
                    const PreprocessingOptions& options, int threads) {
-  return {arm.name(), fingerprint_of(arm), settings_of(options),
-          compress_many(arm, paths, options, threads)};
+  FactorSet out;
+  out.robot = arm.name();
+  out.fingerprint = fingerprint_of(arm);
+  out.settings = settings_of(options);
+  out.recordings = compress_many(arm, paths, options, threads);
+  return out;
 }
 
 FactorSet merge(FactorSet a, const FactorSet& b) {

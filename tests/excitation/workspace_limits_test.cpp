@@ -37,6 +37,7 @@ MotionSamples fine(const Excitation& e) {
 TEST(WorkspaceLimits, ABoxHoldsBetweenSamples) {
   const Model arm = read_model("kuka-lwr4");
   ExcitationOptions options = small_search();
+  options.limit_share = 1.0;
   options.workspace.boxes = {{"link7", {-0.6, -0.6, 0.2}, {0.6, kInfinity, kInfinity}}};
   const Excitation e = optimise_excitation(arm, options);
   ASSERT_EQ(e.status, ExcitationStatus::kDone);
