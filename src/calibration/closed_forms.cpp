@@ -1,6 +1,7 @@
 #include "closed_forms.hpp"
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <cmath>
 
 namespace veridyn::internal {
@@ -13,22 +14,32 @@ namespace {
 
 constexpr double kSmallAngle = 1e-6;  // [rad] below it the series to second order is exact
 
-// Root mean square of what an axis leaves over.
+// Root mean square without the largest twentieth: a few wrong poses do not decide what is a hinge.
+double trimmed_rms(std::vector<double> squares) {
+  std::sort(squares.begin(), squares.end());
+  const std::size_t kept = std::max<std::size_t>(1, squares.size() - squares.size() / 20);
+  double sum = 0.0;
+  for (std::size_t k = 0; k < kept; ++k) sum += squares[k];
+  return std::sqrt(sum / static_cast<double>(kept));
+}
+
+// What an axis leaves over.
 void measure(const Isometries& T_a_b, CommonAxis& axis) {
-  double wobble = 0.0;
-  double play = 0.0;
-  double slide = 0.0;
+  std::vector<double> wobble;
+  std::vector<double> play;
+  std::vector<double> slide;
   for (const Isometry3d& T : T_a_b) {
     const Vector3d off = T * axis.in_b.point - axis.in_a.point;
     const double along = off.dot(axis.in_a.direction);
-    wobble += (T.linear() * axis.in_b.direction - axis.in_a.direction).squaredNorm();
-    slide += along * along;
-    play += (off - along * axis.in_a.direction).squaredNorm();
+    const Vector3d turn = T.linear() * axis.in_b.direction - axis.in_a.direction;
+    const Vector3d across = off - along * axis.in_a.direction;
+    wobble.push_back(turn.squaredNorm());
+    slide.push_back(along * along);
+    play.push_back(across.squaredNorm());
   }
-  const auto count = static_cast<double>(T_a_b.size());
-  axis.wobble = std::sqrt(wobble / count);
-  axis.play = std::sqrt(play / count);
-  axis.slide = std::sqrt(slide / count);
+  axis.wobble = trimmed_rms(wobble);
+  axis.play = trimmed_rms(play);
+  axis.slide = trimmed_rms(slide);
 }
 
 }  // namespace

@@ -63,7 +63,8 @@ struct Line {
 /// @param paths  one per marker, (3 x frames).
 Line axis_of_paths(const std::vector<MatrixXd>& paths);
 
-/// The axis that is common to two bodies from T_a_b, written in a and in b.
+/// The axis that is common to two bodies from T_a_b, written in a and in b. What it leaves over is
+/// without the largest twentieth.
 struct CommonAxis {
   Line in_a, in_b;
   double wobble = 0.0;  ///< [rad] rms angle between the two lines

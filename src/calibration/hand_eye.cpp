@@ -17,7 +17,7 @@ using internal::PairFit;
 constexpr double kDegree = M_PI / 180.0;
 constexpr double kAsGood = 1.5;       // a form whose noise is no more than this times the least fits
 constexpr double kRounding = 2e-6;    // [m], [rad] what files with six digits leave over
-constexpr double kCloseFit = 0.005;   // [m] common poses that cannot be compared with another form
+constexpr double kCloseFit = 0.005;   // [m] what cannot be compared with another form must fit so well
 constexpr double kCloseTurn = 2.0 * kDegree;
 constexpr double kNoTurn = 5.0 * kDegree;  // orientations that differ by more do not go together
 
@@ -48,7 +48,8 @@ int chosen(const std::vector<PairFit>& fits) {
     return fits_as(f) && f.noise_angle < kNoTurn;
   });
   const bool points_alone =
-      points.reason.empty() && !any && points.noise <= kAsGood * noise + kRounding;
+      points.reason.empty() && !any && points.noise < kCloseFit &&
+      points.noise <= kAsGood * noise + kRounding;
   if (points_alone || (!compared && points.reason.empty() && !fits[0].reason.empty()))
     return static_cast<int>(fits.size()) - 1;
   if (!compared) {

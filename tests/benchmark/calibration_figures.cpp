@@ -46,14 +46,14 @@ struct Tally {
 
 void axes(unsigned seeds) {
   const Model arm = read_model("psm-3dof");
-  const double truth[] = {0.0, 0.0430 / std::sin(std::atan(0.0430 / 0.1437)), 0.516};
+  const double truth[] = {0.0, 0.0430 / std::sin(std::atan(0.0430 / 0.1437)), 0.516, 0.516};
   Tally lengths{"link lengths", 1e3, "mm"};
   Tally twists{"angles between axes", kDegrees, "deg"};
   for (unsigned seed = 1; seed <= seeds; ++seed) {
     AxesOptions options;
     options.most_frames = 400;
     const AxesCalibration found = calibrate_axes(captured_psm(arm, 800, {}, seed), options);
-    for (size_t k = 0; k < found.links.size() && k < 3; ++k) {
+    for (size_t k = 0; k < found.links.size() && k < 4; ++k) {
       const CalibratedLink& l = found.links[k];
       lengths.add(l.distance - truth[k], l.distance_half_width);
       twists.add(l.twist - (k == 0 ? 0.5 * M_PI : 0.0), l.twist_half_width);

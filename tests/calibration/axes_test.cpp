@@ -22,8 +22,9 @@ const Model& psm() {
 }
 
 // The distance of successive axes from the robot file: a of the row between them, and the common
-// normal of yaw and pitch, which is zero.
-const std::vector<double> kDistances = {0.0, 0.0430 / std::sin(std::atan(0.0430 / 0.1437)), 0.516};
+// normal of yaw and pitch, which is zero. Arm and instrument are one link: both turn on the elbow.
+const std::vector<double> kDistances = {0.0, 0.0430 / std::sin(std::atan(0.0430 / 0.1437)), 0.516,
+                                        0.516};
 
 AxesCalibration calibrated(unsigned seed, const CaptureNoise& noise = {}, int frames = 800) {
   AxesOptions options;
@@ -34,9 +35,9 @@ AxesCalibration calibrated(unsigned seed, const CaptureNoise& noise = {}, int fr
 TEST(Axes, ExactMarkersGiveTheLinksOfTheRobotFile) {
   const AxesCalibration found = calibrated(1, {1e-9, 0.0, 0.0, 0.0}, 200);
   ASSERT_EQ(found.status, CalibrationStatus::kDone) << found.reason;
-  ASSERT_EQ(found.axes.size(), 4U) << found.report();
-  ASSERT_EQ(found.links.size(), 3U);
-  for (size_t k = 0; k < 3; ++k) {
+  ASSERT_EQ(found.axes.size(), 5U) << found.report();
+  ASSERT_EQ(found.links.size(), 4U);
+  for (size_t k = 0; k < 4; ++k) {
     EXPECT_NEAR(found.links[k].distance, kDistances[k], 1e-7) << k;
     EXPECT_NEAR(found.links[k].twist, k == 0 ? 0.5 * M_PI : 0.0, 1e-7) << k;
   }
@@ -49,8 +50,8 @@ TEST(Axes, LinkLengthsAndAxesOfTheNoisyPsm) {
   int asked = 0;
   for (unsigned seed = 1; seed <= kSeeds; ++seed) {
     const AxesCalibration found = calibrated(seed);
-    ASSERT_EQ(found.links.size(), 3U) << found.report();
-    for (size_t k = 0; k < 3; ++k) {
+    ASSERT_EQ(found.links.size(), 4U) << found.report();
+    for (size_t k = 0; k < 4; ++k) {
       const CalibratedLink& link = found.links[k];
       const double miss = std::abs(link.distance - kDistances[k]);
       const double turn = std::abs(link.twist - (k == 0 ? 0.5 * M_PI : 0.0));
@@ -88,8 +89,9 @@ TEST(Axes, MarkersThatChangedNamesAreNamedBack) {
     capture.markers[7].position.col(k) = kept;
   }
   const AxesCalibration found = calibrate_axes(capture);
-  ASSERT_EQ(found.links.size(), 3U) << found.report();
-  EXPECT_EQ(found.bodies[2].relabelled, 40);
+  ASSERT_EQ(found.links.size(), 4U) << found.report();
+  EXPECT_GE(found.bodies[2].relabelled, 38);
+  EXPECT_LE(found.bodies[2].relabelled, 40);
   EXPECT_NEAR(found.links[1].distance, kDistances[1], 2e-4);
 }
 

@@ -51,13 +51,13 @@ TEST(CalibrateCommand, AxisWritesAxesLinksAndAPage) {
                                 "--report", folder.path("a.html")});
   ASSERT_EQ(run.status, 0) << run.err;
   const nlohmann::json json = json_of(folder.path("a.json"));
-  ASSERT_EQ(json["axes"].size(), 4U);
+  ASSERT_EQ(json["axes"].size(), 5U);
   EXPECT_EQ(json["axes"][0]["between"], (std::vector<std::string>{"base", "yaw"}));
   EXPECT_EQ(json["axes"][0]["direction"].size(), 3U);
   EXPECT_EQ(json["axes"][0]["point"].size(), 3U);
   EXPECT_LT(json["axes"][0]["interval_deg"], 0.1);
   EXPECT_LT(json["axes"][0]["interval_m"], 5e-4);
-  ASSERT_EQ(json["links"].size(), 3U);
+  ASSERT_EQ(json["links"].size(), 4U);
   EXPECT_NEAR(json["links"][2]["distance"].get<double>(), 0.516, 3e-4);
   EXPECT_NEAR(json["links"][2]["plane_parallel_distance"].get<double>(), 0.516, 3e-4);
   EXPECT_NEAR(json["links"][0]["twist_deg"].get<double>(), 90.0, 0.1);
