@@ -109,7 +109,7 @@ class Live {
   }
 
   void watch() {
-    if (out_.lost) return;
+    if (out_.lost || quits_) return;
     const bool silent = options_.watches_silence && began_ && out_.time - heard_ > options_.silence;
     const bool ended = lines_.closed() && out_.time >= waits_until_;
     if (jogs_ && out_.time - heard_ > options_.silence) {  // a jog needs a living hand

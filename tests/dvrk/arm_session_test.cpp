@@ -207,7 +207,7 @@ TEST(ArmSession, HomingRefusesWhatItCannotTrust) {
     Bench bench(example(), MatrixXd(), start);
     bench.idle(0.01);
     const HomingReport report = bench.arm.home();
-    EXPECT_TRUE(report.done);
+    EXPECT_TRUE(report.done) << report.reason;
     EXPECT_EQ(report.outside_limits, std::vector<int>{1});
   }
   {
