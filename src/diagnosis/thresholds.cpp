@@ -51,9 +51,7 @@ const std::vector<ThresholdEntry>& threshold_table() {
        "encompassing: what the finding explains beyond its rival must be well above smallest_gain",
        kNotRecorded},
       {"tested_candidates", &T::tested_candidates, "rank of the gain < tested_candidates: Wald test",
-       "the test costs a fit per cluster; with 6, candidates that no bound of size refutes any more "
-       "crowded four causes of the arm with the wrist out",
-       ""},
+       "the test costs a fit per cluster; no true cause stood farther back", kNotRecorded},
       {"new_share", &T::new_share,
        "share of a column's square that the others do not span > new_share",
        "below it the data cannot answer: half of the digits of a double", ""},

@@ -20,7 +20,7 @@ struct Thresholds {
   double rival_same_joint = 0.4;
   double rival_elsewhere = 0.6;
   double refuting = 0.1;
-  double tested_candidates = 16;
+  double tested_candidates = 6.0;
   double new_share = 1e-6;
   double compact_load = 0.8;
   double impossible_fall = 1.2;
