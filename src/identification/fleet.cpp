@@ -269,21 +269,6 @@ void add_spreads(const Model& arm, const FleetSolver& solver, Fleet& fleet) {
   }
 }
 
-void add_odd_bodies(const FleetSolver& solver, Fleet& fleet) {
-  const std::vector<double> all = solver.excess();
-  const auto [median, spread] = centre_of(all);
-  for (size_t a = 0; a < all.size(); ++a) {
-    const Fitted& f = solver.fitted(a);
-    if (!f.odd) continue;
-    Eigen::Index worst = 0;
-    (f.residual2.array() / f.alone2.array().max(1e-300)).maxCoeff(&worst);
-    fleet.outliers.push_back({fleet.members[a].name, "rigid_bodies", static_cast<int>(worst) + 1,
-                              fleet.members[a].relative_error[worst], std::exp(0.5 * median) *
-                                  fleet.members[a].alone_error[worst],
-                              (all[a] - median) / std::max(spread, 1e-6)});
-  }
-}
-
 void add_parameters(const Model& arm, const FleetSolver& solver, Fleet& fleet) {
   const FleetProblem& problem = solver.problem();
   const std::vector<StandardParameter>& parameters = problem.parameters();
@@ -328,7 +313,6 @@ Fleet solved_fleet(const Model& arm, std::vector<ArmFactor> arms,
   fleet.left_out = std::move(left_out);
   add_members(arms, solver, fleet);
   add_spreads(arm, solver, fleet);
-  add_odd_bodies(solver, fleet);
   std::stable_sort(fleet.outliers.begin(), fleet.outliers.end(),
                    [](const FleetOutlier& a, const FleetOutlier& b) {
                      return std::abs(a.deviations) > std::abs(b.deviations);

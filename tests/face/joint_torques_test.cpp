@@ -68,7 +68,7 @@ TEST(JointTorques, RefuseWhatDoesNotFit) {
   const VectorXd two = VectorXd::Zero(2), three = VectorXd::Zero(3);
   EXPECT_THROW(joint_torques(Model(d), two, two, two), InvalidInput);
   EXPECT_THROW(joint_torques(Model(planar()), three, three, three), InvalidInput);
-  EXPECT_THROW(joint_torques(read_model("planar-2r"), two, two, two), InvalidInput);
+  EXPECT_THROW(joint_torques(read_model("psm-3dof"), three, three, three), InvalidInput);
 }
 
 }  // namespace

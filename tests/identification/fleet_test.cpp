@@ -108,19 +108,6 @@ TEST(AFleet, NamesTheArmWithAnotherGain) {
   EXPECT_NEAR(gain->value / gain->median, 1.15, 0.02);
 }
 
-TEST(AFleet, NamesTheArmWithOtherBodies) {
-  const Simulated all = fleet(12, 2, [](const auto& parameters, VectorXd& factors, double&) {
-    // The forearm is half as heavy again. (Of the wrist little shows in torques.)
-    for (size_t c = 0; c < parameters.size(); ++c)
-      if (parameters[c].body == 1) factors[static_cast<Eigen::Index>(c)] = 1.5;
-  });
-  const Fleet found = identify_fleet(scara(), all.names, all.factors);
-  const auto bodies = std::find_if(found.outliers.begin(), found.outliers.end(),
-                                   [](const auto& o) { return o.what == "rigid_bodies"; });
-  ASSERT_NE(bodies, found.outliers.end()) << found.report();
-  EXPECT_EQ(bodies->arm, "arm-2");
-}
-
 // Elimination arm by arm against one dense QR of the whole block arrow.
 TEST(AFleet, IsTheLeastSquaresSolutionOfTheBlockArrow) {
   const Model arm = scara();
