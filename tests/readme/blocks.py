@@ -26,7 +26,7 @@ import sys
 WIDTH = 150
 BLOCK = re.compile(r"<!-- prepare: (?P<prepare>.*?) -->|(?P<head><!-- made by `make readme`(?::(?P<options>[^>]*?))? -->\n```[a-z]*\n)(?P<body>.*?)(?=^```$)", re.S | re.M)
 NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
-TIMES = re.compile(r"\b\d+(?:\.\d+)?(?:e[-+]?\d+)? (?:s|ms|us)\b|0x[0-9a-f]+|p = \S+|t = \S+")
+TIMES = re.compile(r"\b\d+(?:\.\d+)?(?:e[-+]?\d+)? (?:s|ms|us)\b|0x[0-9a-f]+|p = \S+|t = \S+|rank gap \S+")
 
 
 def commands_of(body):
