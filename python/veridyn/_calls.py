@@ -118,7 +118,7 @@ def compress(model: Any, recordings: Any, **options: Any) -> bytes:
     model : Model, or the name of its file; recordings : as identify()
 {preprocessing}
 
-    Returns bytes, some kilobytes for a recording of any length, that travel between machines.
+    Returns bytes (about 250 kB for a recording of the PSM, of any length), that travel between machines.
     Use the same options on all of them.
     """
     return _veridyn.compress(model, recordings, options)
