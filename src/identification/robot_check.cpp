@@ -28,9 +28,12 @@ constexpr int kFewestRows = 300;
 constexpr double kBetter = 0.9;
 constexpr double kGainsBetter = 0.3;
 constexpr double kSmallestShare = 1e-3;
-constexpr double kWellFitted = 0.1;  // share of a joint; no joints are swapped where all are below
-// Power lost to friction, as a share of rms torque times rms speed, that tells its sign.
+constexpr double kWellFitted = 0.02;  // share of a joint; no joints are swapped where all are below
+// Power lost to friction, as a share of rms torque times rms speed, that tells its sign: above the
+// first number, and above the second times the rms share of the torque that is left unexplained,
+// which may do work of its own.
 constexpr double kFrictionShare = 0.03;
+constexpr double kFrictionAboveRest = 0.3;
 const double kDegree = std::acos(-1.0) / 180.0;
 
 // The arm with plain friction on every coordinate: whatever moves loses energy. Facts of the file
@@ -97,47 +100,55 @@ class Fitter {
   }
 
  private:
-  // From the plain friction on each joint's own axis: a level, or in proportion to the velocity.
-  std::vector<double> friction_of(const VectorXd& beta, const Recording& recording) const {
-    std::vector<double> out;
-    for (int i = 0; i < arm_.joints(); ++i) {
-      double speed = 0.0;
-      double speed2 = 0.0;
-      double torque2 = 0.0;
-      double count = 0.0;
-      for (Eigen::Index k = 1; k < recording.time.size(); ++k) {
-        const double v = recording.dq.size() > 0
-                             ? recording.dq(k, i)
-                             : (recording.q(k, i) - recording.q(k - 1, i)) /
-                                   (recording.time[k] - recording.time[k - 1]);
-        const double tau = recording.tau(k, i);
-        if (!std::isfinite(v) || !std::isfinite(tau)) continue;
-        speed += std::abs(v);
-        speed2 += v * v;
-        torque2 += tau * tau;
-        count += 1.0;
-      }
-      const double power = coefficient(beta, DryFriction::kConstant, i) * speed +
-                           coefficient(beta, DryFriction::kNone, i) * speed2;
-      const double scale = std::sqrt(torque2 * speed2);
-      out.push_back(count > 0.0 && scale > 0.0 ? power / scale : 0.0);
-    }
-    return out;
-  }
+  // Plain friction along an axis s = c . q: a level against ds, or in proportion to it.
+  struct Friction {
+    VectorXd axis;
+    double level = 0.0;
+    double slope = 0.0;
+  };
 
-  double coefficient(const VectorXd& beta, DryFriction kind, int joint) const {
+  std::vector<Friction> frictions(const VectorXd& beta) const {
+    std::vector<Friction> out;
     for (std::size_t j = 0; j < base_columns_.size(); ++j) {
       const auto known = std::find(names_.begin(), names_.end(), base_columns_[j]);
       const StandardParameter& p = parameters_[static_cast<std::size_t>(known - names_.begin())];
       if (p.effect < 0) continue;
       const EffectTerm& term = arm_.effects()[static_cast<std::size_t>(p.effect)];
-      const bool own = (term.axis.coefficients - VectorXd::Unit(arm_.joints(), joint)).norm() == 0.0;
-      if (!own) continue;
       const EffectTraits traits = find_effect(term.effect).traits();
-      const bool plain = traits.elementary && traits.role == EffectRole::kFriction;
-      if (plain && traits.dry == kind) return beta[static_cast<Eigen::Index>(j)];
+      if (!traits.elementary || traits.role != EffectRole::kFriction) continue;
+      const double value = beta[static_cast<Eigen::Index>(j)];
+      const bool dry = traits.dry == DryFriction::kConstant;
+      out.push_back({term.axis.coefficients, dry ? value : 0.0, dry ? 0.0 : value});
     }
-    return 0.0;
+    return out;
+  }
+
+  // Mean power that friction takes from each joint; several axes may share a joint.
+  std::vector<double> friction_of(const VectorXd& beta, const Recording& recording) const {
+    const std::vector<Friction> all = frictions(beta);
+    VectorXd power = VectorXd::Zero(arm_.joints());
+    VectorXd speed2 = power;
+    VectorXd torque2 = power;
+    for (Eigen::Index k = 1; k < recording.time.size(); ++k) {
+      VectorXd v = recording.q.row(k) - recording.q.row(k - 1);
+      v /= recording.time[k] - recording.time[k - 1];
+      if (recording.dq.size() > 0) v = recording.dq.row(k);
+      const VectorXd tau = recording.tau.row(k);
+      if (!v.allFinite() || !tau.allFinite()) continue;
+      for (const Friction& f : all) {
+        const double ds = f.axis.dot(v);
+        const double force = f.slope * ds + (ds > 0.0 ? f.level : ds < 0.0 ? -f.level : 0.0);
+        power += force * f.axis.cwiseProduct(v);
+      }
+      speed2 += v.cwiseAbs2();
+      torque2 += tau.cwiseAbs2();
+    }
+    std::vector<double> out;
+    for (int i = 0; i < arm_.joints(); ++i) {
+      const double scale = std::sqrt(torque2[i] * speed2[i]);
+      out.push_back(scale > 0.0 ? power[i] / scale : 0.0);
+    }
+    return out;
   }
 
   Model arm_;
@@ -275,18 +286,27 @@ class RobotCheck {
                       }});
   }
 
+  bool friction_shows(int i, int sign) const {
+    const auto joint = static_cast<size_t>(i);
+    const double rest = kFrictionAboveRest * std::sqrt(now_.shares[joint]);
+    return sign * now_.friction[joint] > std::max(kFrictionShare, rest);
+  }
+
   void let_friction_take_energy() {
     // All of them, and those that are coupled to none: friction takes energy. A joint whose friction
     // does not show goes with the others where these agree.
-    const auto shows = [this](int sign) {
-      return static_cast<int>(std::count_if(now_.friction.begin(), now_.friction.end(), [sign](double f) {
-        return sign * f > kFrictionShare;
-      }));
-    };
-    const bool all = shows(1) == 0 && 2 * shows(-1) > joints();
-    bool again = false;
+    int taking = 0;
+    int giving = 0;
     for (int i = 0; i < joints(); ++i) {
-      if (!all && now_.friction[static_cast<size_t>(i)] > -kFrictionShare) continue;
+      taking += friction_shows(i, 1) ? 1 : 0;
+      giving += friction_shows(i, -1) ? 1 : 0;
+    }
+    const bool all = taking == 0 && 2 * giving > joints();
+    bool again = false;
+    std::vector<char> wrong;
+    for (int i = 0; i < joints(); ++i) wrong.push_back(friction_shows(i, -1) ? 1 : 0);
+    for (int i = 0; i < joints(); ++i) {
+      if (!all && wrong[static_cast<size_t>(i)] == 0) continue;
       turned_[static_cast<size_t>(i)] ^= 1;
       recording_.tau.col(i) *= -1.0;
       again = true;
