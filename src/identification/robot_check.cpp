@@ -1,4 +1,3 @@
-#include "veridyn/effects/plain_friction.hpp"
 #include "veridyn/identification/robot_check.hpp"
 
 #include <algorithm>
@@ -9,6 +8,8 @@
 #include "identification/base_solution.hpp"
 #include "math/parallel.hpp"
 #include "recordings/quality/quality_checks.hpp"
+#include "veridyn/effects/effect.hpp"
+#include "veridyn/effects/plain_friction.hpp"
 #include "veridyn/identification/base_parameters.hpp"
 #include "veridyn/identification/compressed_recording.hpp"
 #include "veridyn/identification/identification.hpp"
@@ -17,7 +18,7 @@
 namespace veridyn {
 namespace {
 
-constexpr int kMostRows = 12000;    // a minute at 200 Hz; more tells nothing new about columns
+constexpr int kMostRows = 5000;  // 25 s at 200 Hz; more tells nothing new about columns
 constexpr int kFewestRows = 300;
 // The misfit is the sum over the joints of the logarithm of the share of a joint's torque (squared)
 // that is left unexplained: a joint that fits badly anyway does not hide another. A way in which
@@ -27,28 +28,18 @@ constexpr int kFewestRows = 300;
 constexpr double kBetter = 0.9;
 constexpr double kGainsBetter = 0.3;
 constexpr double kSmallestShare = 1e-3;
-// Power lost to friction, as a share of rms torque times rms speed, that tells its sign.
+constexpr double kWellFitted = 0.02;  // share of a joint; no joints are swapped where all are below
+// Power lost to friction, as a share of rms torque times rms speed, that tells its sign: above the
+// first number, and above the second times the rms share of the torque that is left unexplained,
+// which may do work of its own.
 constexpr double kFrictionShare = 0.03;
+constexpr double kFrictionAboveRest = 0.3;
 const double kDegree = std::acos(-1.0) / 180.0;
 
-// The arm with viscous and Coulomb friction on every coordinate: whatever moves loses energy.
-Model with_friction(const Model& arm) {
-  ModelDescription d = arm.description();
-  const int n = arm.joints();
-  for (int i = 0; i < n; ++i) {
-    for (const char* name : {kPlainViscous, kPlainCoulomb}) {
-      const bool there = std::any_of(d.effects.begin(), d.effects.end(), [&](const EffectTerm& t) {
-        return t.effect == name && t.axis.coefficients.size() == n &&
-               (t.axis.coefficients - VectorXd::Unit(n, i)).norm() == 0.0;
-      });
-      if (there) continue;
-      EffectTerm term;
-      term.effect = name;
-      term.axis.coefficients = VectorXd::Unit(n, i);
-      d.effects.push_back(std::move(term));
-    }
-  }
-  // Facts of the file are facts about sound recordings; here all is open.
+// The arm with plain friction on every coordinate: whatever moves loses energy. Facts of the file
+// are facts about sound recordings; here all is open.
+Model with_everything_open(const Model& arm) {
+  ModelDescription d = with_plain_friction(arm).description();
   for (EffectTerm& term : d.effects) term.fixed = false;
   for (Frame& frame : d.frames) {
     if (frame.body) frame.body->fixed = false;
@@ -61,6 +52,7 @@ Model with_friction(const Model& arm) {
 struct Fit {
   double unexplained = 1.0;          // share of the weighted squares of the torques
   double misfit = 0.0;
+  std::vector<double> shares;        // of each joint's squared torque, unexplained
   std::vector<double> friction;      // by joint: power lost to it, of rms torque times rms speed
   std::vector<SquareRootInformation> joints;
 };
@@ -68,7 +60,7 @@ struct Fit {
 class Fitter {
  public:
   Fitter(const Model& arm, const PreprocessingOptions& options)
-      : arm_(with_friction(arm)), options_(options) {
+      : arm_(with_everything_open(arm)), options_(options) {
     options_.left_out.clear();
     options_.first_row = 0;
     options_.row_count = -1;
@@ -101,50 +93,62 @@ class Fitter {
       const SquareRootInformation own = joint.restricted(base_columns_);
       const double share = own.residual2(beta) / std::max(own.rhs_norm2(), 1e-300);
       out.misfit += std::log(std::max(share, kSmallestShare));
+      out.shares.push_back(share);
     }
     out.friction = friction_of(beta, recording);
     return out;
   }
 
  private:
-  // From the Coulomb and viscous coefficients on each joint's own axis.
-  std::vector<double> friction_of(const VectorXd& beta, const Recording& recording) const {
-    std::vector<double> out;
-    for (int i = 0; i < arm_.joints(); ++i) {
-      double speed = 0.0;
-      double speed2 = 0.0;
-      double torque2 = 0.0;
-      double count = 0.0;
-      for (Eigen::Index k = 1; k < recording.time.size(); ++k) {
-        const double v = recording.dq.size() > 0
-                             ? recording.dq(k, i)
-                             : (recording.q(k, i) - recording.q(k - 1, i)) /
-                                   (recording.time[k] - recording.time[k - 1]);
-        const double tau = recording.tau(k, i);
-        if (!std::isfinite(v) || !std::isfinite(tau)) continue;
-        speed += std::abs(v);
-        speed2 += v * v;
-        torque2 += tau * tau;
-        count += 1.0;
-      }
-      const double power = coefficient(beta, kPlainCoulomb, i) * speed +
-                           coefficient(beta, kPlainViscous, i) * speed2;
-      const double scale = std::sqrt(torque2 * speed2);
-      out.push_back(count > 0.0 && scale > 0.0 ? power / scale : 0.0);
-    }
-    return out;
-  }
+  // Plain friction along an axis s = c . q: a level against ds, or in proportion to it.
+  struct Friction {
+    VectorXd axis;
+    double level = 0.0;
+    double slope = 0.0;
+  };
 
-  double coefficient(const VectorXd& beta, const std::string& effect, int joint) const {
+  std::vector<Friction> frictions(const VectorXd& beta) const {
+    std::vector<Friction> out;
     for (std::size_t j = 0; j < base_columns_.size(); ++j) {
       const auto known = std::find(names_.begin(), names_.end(), base_columns_[j]);
       const StandardParameter& p = parameters_[static_cast<std::size_t>(known - names_.begin())];
       if (p.effect < 0) continue;
       const EffectTerm& term = arm_.effects()[static_cast<std::size_t>(p.effect)];
-      const bool own = (term.axis.coefficients - VectorXd::Unit(arm_.joints(), joint)).norm() == 0.0;
-      if (own && term.effect == effect) return beta[static_cast<Eigen::Index>(j)];
+      const EffectTraits traits = find_effect(term.effect).traits();
+      if (!traits.elementary || traits.role != EffectRole::kFriction) continue;
+      const double value = beta[static_cast<Eigen::Index>(j)];
+      const bool dry = traits.dry == DryFriction::kConstant;
+      out.push_back({term.axis.coefficients, dry ? value : 0.0, dry ? 0.0 : value});
     }
-    return 0.0;
+    return out;
+  }
+
+  // Mean power that friction takes from each joint; several axes may share a joint.
+  std::vector<double> friction_of(const VectorXd& beta, const Recording& recording) const {
+    const std::vector<Friction> all = frictions(beta);
+    VectorXd power = VectorXd::Zero(arm_.joints());
+    VectorXd speed2 = power;
+    VectorXd torque2 = power;
+    for (Eigen::Index k = 1; k < recording.time.size(); ++k) {
+      VectorXd v = recording.q.row(k) - recording.q.row(k - 1);
+      v /= recording.time[k] - recording.time[k - 1];
+      if (recording.dq.size() > 0) v = recording.dq.row(k);
+      const VectorXd tau = recording.tau.row(k);
+      if (!v.allFinite() || !tau.allFinite()) continue;
+      for (const Friction& f : all) {
+        const double ds = f.axis.dot(v);
+        const double force = f.slope * ds + (ds > 0.0 ? f.level : ds < 0.0 ? -f.level : 0.0);
+        power += force * f.axis.cwiseProduct(v);
+      }
+      speed2 += v.cwiseAbs2();
+      torque2 += tau.cwiseAbs2();
+    }
+    std::vector<double> out;
+    for (int i = 0; i < arm_.joints(); ++i) {
+      const double scale = std::sqrt(torque2[i] * speed2[i]);
+      out.push_back(scale > 0.0 ? power[i] / scale : 0.0);
+    }
+    return out;
   }
 
   Model arm_;
@@ -198,6 +202,14 @@ class RobotCheck {
   int joints() const { return given_.joints(); }
   std::string joint(int i) const { return text("joint ", i + 1, " (", names_[static_cast<size_t>(i)], ")"); }
 
+  // Torques may come as currents: then these are what options mend.
+  bool amperes() const { return recording_.current.size() > 0; }
+  std::string torque_name() const { return amperes() ? "i" : "tau"; }
+  std::string torque_unit(int i) const {
+    if (amperes()) return "A";
+    return given_.coordinates()[static_cast<size_t>(i)].prismatic ? "N" : "Nm";
+  }
+
   void add(const std::string& finding, int joint, double value, const std::string& sentence) {
     QualityFinding f;
     f.file = recording_.source;
@@ -221,9 +233,9 @@ class RobotCheck {
       turned_[static_cast<size_t>(way.joint) - 1] ^= 1;
     } else {
       add(way.finding, way.joint, fit.unexplained,
-        text(way.what, ": so the arm leaves ", percent(fit.unexplained),
-             " of the torques' squares unexplained instead of ", percent(now_.unexplained), "; ",
-             way.option, " mends it."));
+          text(way.what, ": so the arm leaves ", percent(fit.unexplained),
+               " of the torques' squares unexplained instead of ", percent(now_.unexplained), "; ",
+               way.option, " mends it."));
     }
     way.mend(&recording_);
     now_ = fit;
@@ -249,7 +261,7 @@ class RobotCheck {
     add_angles(&all);
     for (int i = 0; i < joints(); ++i)
       all.push_back({"torque_sign", i + 1, "", "", [i](Recording* r) { r->tau.col(i) *= -1.0; }});
-    add_swaps(&all);
+    if (*std::max_element(now_.shares.begin(), now_.shares.end()) > kWellFitted) add_swaps(&all);
     return all;
   }
 
@@ -274,18 +286,27 @@ class RobotCheck {
                       }});
   }
 
+  bool friction_shows(int i, int sign) const {
+    const auto joint = static_cast<size_t>(i);
+    const double rest = kFrictionAboveRest * std::sqrt(now_.shares[joint]);
+    return sign * now_.friction[joint] > std::max(kFrictionShare, rest);
+  }
+
   void let_friction_take_energy() {
     // All of them, and those that are coupled to none: friction takes energy. A joint whose friction
     // does not show goes with the others where these agree.
-    const auto shows = [this](int sign) {
-      return static_cast<int>(std::count_if(now_.friction.begin(), now_.friction.end(), [sign](double f) {
-        return sign * f > kFrictionShare;
-      }));
-    };
-    const bool all = shows(1) == 0 && 2 * shows(-1) > joints();
-    bool again = false;
+    int taking = 0;
+    int giving = 0;
     for (int i = 0; i < joints(); ++i) {
-      if (!all && now_.friction[static_cast<size_t>(i)] > -kFrictionShare) continue;
+      taking += friction_shows(i, 1) ? 1 : 0;
+      giving += friction_shows(i, -1) ? 1 : 0;
+    }
+    const bool all = taking == 0 && 2 * giving > joints();
+    bool again = false;
+    std::vector<char> wrong;
+    for (int i = 0; i < joints(); ++i) wrong.push_back(friction_shows(i, -1) ? 1 : 0);
+    for (int i = 0; i < joints(); ++i) {
+      if (!all && wrong[static_cast<size_t>(i)] == 0) continue;
       turned_[static_cast<size_t>(i)] ^= 1;
       recording_.tau.col(i) *= -1.0;
       again = true;
@@ -297,13 +318,13 @@ class RobotCheck {
     for (int i = 0; i < joints(); ++i) {
       if (turned_[static_cast<size_t>(i)] == 0) continue;
       const bool fits = now_.misfit < given_fit_.misfit - kBetter;
-      add("torque_sign", i + 1, now_.unexplained,
+      add("torque_sign", i + 1, now_.shares[static_cast<size_t>(i)],
           text("Torques of ", joint(i), " have the wrong sign: ",
-               fits ? text("turned round, the arm leaves ", percent(now_.unexplained),
-                           " of the torques' squares unexplained instead of ", percent(given_fit_.unexplained))
+               fits ? text("turned round, the arm leaves ", percent(now_.shares[static_cast<size_t>(i)]),
+                           " of their square unexplained instead of ",
+                           percent(given_fit_.shares[static_cast<size_t>(i)]))
                     : "its friction would give energy instead of taking it",
-               "; --units tau", i + 1, "=-", given_.coordinates()[static_cast<size_t>(i)].prismatic ? "N" : "Nm",
-               " mends it."));
+               "; --units ", torque_name(), i + 1, "=-", torque_unit(i), " mends it."));
     }
   }
 
@@ -314,7 +335,8 @@ class RobotCheck {
         const std::string a = std::to_string(i + 1);
         const std::string b = std::to_string(j + 1);
         const std::string pair = joint(i) + " and " + joint(j);
-        const std::string torques = "tau" + a + "=tau" + b + ",tau" + b + "=tau" + a;
+        const std::string t = torque_name();
+        const std::string torques = t + a + "=" + t + b + "," + t + b + "=" + t + a;
         std::string motion = "q" + a + "=q" + b + ",q" + b + "=q" + a;
         if (dq) motion += ",dq" + a + "=dq" + b + ",dq" + b + "=dq" + a;
         const auto swap_torques = [i, j](Recording* r) { swap_columns(&r->tau, i, j); };
@@ -377,7 +399,9 @@ class RobotCheck {
 
   // Torques of an arm with values, by one factor a joint.
   void compare_with_values() {
-    if (!has_all_values(given_)) return;
+    const bool told = std::any_of(findings_.begin(), findings_.end(),
+                                  [](const QualityFinding& f) { return f.finding == "current"; });
+    if (told || !has_all_values(given_)) return;
     VectorXd phi(static_cast<Eigen::Index>(fitter_.parameters().size()));
     for (Eigen::Index j = 0; j < phi.size(); ++j) {
       const double value = fitter_.parameters()[static_cast<size_t>(j)].value;
@@ -399,10 +423,7 @@ class RobotCheck {
     if (!alien) return;
     std::string list;
     for (const double ratio : ratios) list += (list.empty() ? "" : ", ") + quality::number(ratio);
-    const bool said = std::any_of(findings_.begin(), findings_.end(),
-                                  [](const auto& f) { return f.finding == "current"; });
     if (as_currents) {
-      if (said) return;
       add("current", 0, quality::kNone,
           text("Efforts are ", list, " times the torques of ", given_.name(),
                ", as motor currents are; --units tau=A mends it."));

@@ -12,13 +12,14 @@ namespace veridyn {
 /// is, and once for every way in which its signals may have been mistaken; a way that explains the
 /// torques much better is named, with the option that mends it. Findings:
 ///
-///   torque_sign    torques of a joint against their motion; value: share of the torques' squares
-///                  that the arm leaves unexplained when they are turned round. Without a joint's
-///                  coupling to others, or for all joints alike, its friction decides: it takes energy
+///   torque_sign    torques of a joint against their motion; value: share of their square that the
+///                  arm leaves unexplained when they are turned round. Without a joint's coupling to
+///                  others, or for all joints alike, its friction decides: it takes energy
 ///   swapped_joints two joints changed places, in their torques, in their motion, or in both
 ///   degrees        positions (and velocities) are degrees
 ///   current        efforts are motor currents: they fit through the robot file's drive gains, or
-///                  differ from the torques of an arm with values by just these
+///                  differ from the torques of an arm with values by just these; a warning where they
+///                  are merely as small as currents beside the robot's limits
 ///   torque_scale   torques differ from those of an arm with values by one factor a joint
 ///
 /// Nothing is found in a recording that the arm explains, or one that hardly moves.
