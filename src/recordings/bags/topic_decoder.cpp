@@ -95,6 +95,11 @@ TopicDecoder::TopicDecoder(const Channel& channel, bool definite) : channel_(cha
     useful_ = useful_ || signal;
     leaf_of(path);
   }
+  // The plan counts leaves as they come.
+  if (leaves_.size() != plan_.paths.size()) {
+    problem_ = "its definition gives two fields one name";
+    return;
+  }
   useful_ = useful_ || definite || (names && positions) || is_plain_number(channel.type);
 }
 
