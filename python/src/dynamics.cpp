@@ -2,6 +2,8 @@
 #include <pybind11/numpy.h>
 #include <pybind11/stl.h>
 
+#include <memory>
+
 #include "bindings.hpp"
 #include "model_handle.hpp"
 #include "veridyn/dynamics/rigid_body_dynamics.hpp"
@@ -64,6 +66,12 @@ struct States {
             dq.rows, " and ddq ", ddq.rows, ", expected the same number.");
   }
 
+  // No block of any of them is copied.
+  bool columns_only() const {
+    return q.layout == Layout::kColumns && dq.layout == Layout::kColumns &&
+           ddq.layout == Layout::kColumns;
+  }
+
   MotionSamples motion(const std::optional<VectorXd>& time) const {
     MatrixXd copy;
     MotionSamples out;
@@ -92,10 +100,27 @@ py::array_t<double> like(const Samples& q, Eigen::Index columns) {
   return py::array_t<double>({q.rows, columns}, {step, step * q.rows});
 }
 
+// All rows at once; what comes out belongs to Python as it is.
+py::array_t<double> torques_in_place(const BatchOf& batch, const States& x) {
+  auto tau = std::make_unique<MatrixXd>();
+  {
+    const py::gil_scoped_release free;
+    MatrixXd none;
+    batch.regressor.torques(x.q.block(0, x.q.rows, none), x.dq.block(0, x.q.rows, none),
+                            x.ddq.block(0, x.q.rows, none), *batch.phi, *tau);
+  }
+  const auto step = static_cast<py::ssize_t>(sizeof(double));
+  const MatrixXd& values = *tau;
+  const py::capsule owner(tau.release(), [](void* kept) { delete static_cast<MatrixXd*>(kept); });
+  return py::array_t<double>({values.rows(), values.cols()}, {step, step * values.rows()},
+                             values.data(), owner);
+}
+
 py::array_t<double> inverse_dynamics_of(const SharedModel& arm, const Array& q, const Array& dq,
                                         const Array& ddq) {
   const States x("inverse_dynamics", q, dq, ddq, arm);
   const BatchOf& batch = with_values("inverse_dynamics", arm);
+  if (x.columns_only()) return torques_in_place(batch, x);
   py::array_t<double> out = like(x.q, arm.joints());
   double* tau = out.mutable_data();
   const Eigen::Index n = arm.joints();

@@ -12,7 +12,7 @@ py::bytes compress_call(const py::object& model, const py::object& given, const 
   Keywords keywords("compress", words);
   const py::object callback = keywords.take("progress");
   const Progress progress(callback ? callback : py::none());
-  const Model arm = model_of(model);
+  const Model arm = with_fix(keywords, model_of(model));
   const Recordings recordings = recordings_of(given);
   const IdentificationOptions options = read_identification(keywords, progress);
   keywords.expect_all_taken();
@@ -38,7 +38,7 @@ std::shared_ptr<Identification> identify_factors(const py::object& model,
   Keywords keywords("identify", words);
   const py::object callback = keywords.take("progress");
   const Progress progress(callback ? callback : py::none());
-  const Model arm = model_of(model);
+  const Model arm = with_fix(keywords, model_of(model));
   const Recordings more = recordings_of(train), held_out = recordings_of(test);
   const IdentificationOptions options = read_identification(keywords, progress);
   keywords.expect_all_taken();

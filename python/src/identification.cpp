@@ -46,7 +46,7 @@ struct Call {
        const py::object& test_, const py::dict& words)
       : keywords(function, words),
         progress(callback(keywords)),
-        arm(model_of(model)),
+        arm(with_fix(keywords, model_of(model))),
         train(recordings_of(train_)),
         test(recordings_of(test_)) {}
 

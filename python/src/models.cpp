@@ -7,6 +7,7 @@
 #include "veridyn/identification/parameter_set.hpp"
 #include "veridyn/kinematics/kinematics.hpp"
 #include "veridyn/math/require.hpp"
+#include "veridyn/model/fixed_coordinates.hpp"
 #include "veridyn/model/model_file.hpp"
 #include "model/suggestion.hpp"
 #include "veridyn/model/urdf.hpp"
@@ -132,6 +133,12 @@ Shapes below: n coordinates, b bodies, p standard parameters.)")
              return shared(with_values(arm, values, VectorXd::Constant(p, none)));
            },
            py::arg("values"), "The same arm with other values of its standard parameters, (p).")
+      .def("with_fixed",
+           [](const Model& arm, const std::map<std::string, double>& positions) {
+             return shared(with_fixed(arm, positions));
+           },
+           py::arg("positions"),
+           "The arm with some joints where they are, {joint: position} [rad], [m]; without them.")
       .def("with_plausible_values",
            [](const Model& arm, unsigned seed) { return shared(plausible_model(arm, seed).arm); },
            py::arg("seed") = 1,

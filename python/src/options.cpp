@@ -3,8 +3,11 @@
 #include <pybind11/stl.h>
 
 #include <limits>
+#include <sstream>
 
+#include "recordings/units.hpp"
 #include "veridyn/math/require.hpp"
+#include "veridyn/model/fixed_coordinates.hpp"
 #include "veridyn/model/model_file.hpp"
 #include "model/suggestion.hpp"
 #include "veridyn/report/setting_names.hpp"
@@ -49,6 +52,29 @@ void read_rows(Keywords& keywords, const std::string& name, PreprocessingOptions
   options.row_count = end < 0 ? -1 : end - options.first_row;
   require(options.first_row >= 0 && (end < 0 || end > options.first_row), keywords.function(), ": ",
           name, " = (", options.first_row, ", ", end, "), expected 0 <= first < end.");
+}
+
+// A dictionary, or "q=deg,t=ms".
+std::map<std::string, std::string> words_by_name(Keywords& keywords, const std::string& name) {
+  std::map<std::string, std::string> out;
+  const py::object given = keywords.take(name);
+  if (!given) return out;
+  if (!py::isinstance<py::str>(given)) {
+    try {
+      return given.cast<std::map<std::string, std::string>>();
+    } catch (const py::cast_error&) {
+      throw py::type_error(text(keywords.function(), ": ", name,
+                                " is a dictionary of texts, or a text as 'q=deg,t=ms'."));
+    }
+  }
+  std::stringstream list(given.cast<std::string>());
+  for (std::string one; std::getline(list, one, ',');) {
+    const std::size_t equals = one.find('=');
+    require(equals != std::string::npos && equals > 0 && equals + 1 < one.size(),
+            keywords.function(), ": ", name, " has '", one, "', expected NAME=VALUE.");
+    out[one.substr(0, equals)] = one.substr(equals + 1);
+  }
+  return out;
 }
 
 }  // namespace
@@ -107,6 +133,25 @@ Model model_of(const py::object& given) {
                             std::string(py::str(py::type::of(given).attr("__name__"))), "."));
 }
 
+void read_signals(Keywords& keywords, SignalChoice& signals) {
+  if (const py::object topics = keywords.take("topic")) {
+    if (py::isinstance<py::str>(topics)) {
+      signals.topics = {topics.cast<std::string>()};
+    } else {
+      for (const py::handle one : topics) signals.topics.push_back(one.cast<std::string>());
+    }
+  }
+  signals.map = words_by_name(keywords, "map");
+  signals.units = words_by_name(keywords, "units");
+  recordings::require_known_units(signals);
+}
+
+Model with_fix(Keywords& keywords, const Model& arm) {
+  std::map<std::string, double> fixed;
+  keywords.read("fix", fixed);
+  return fixed.empty() ? arm : with_fixed(arm, fixed);
+}
+
 void read_preprocessing(Keywords& keywords, PreprocessingOptions& o) {
   keywords.read("filter_cutoff", o.cutoff);
   keywords.read("filter_order", o.order);
@@ -125,6 +170,7 @@ void read_preprocessing(Keywords& keywords, PreprocessingOptions& o) {
   read_rows(keywords, "rows", o);
   keywords.read("columns", o.columns);
   keywords.read("rate", o.header_rate);
+  read_signals(keywords, o.signals);
   require(o.cutoff >= 0.0 && o.order >= 1 && o.order <= 20 && o.drop_start >= 0.0 &&
               o.drop_end >= 0.0 && o.rate >= 0.0 && o.min_speed >= 0.0 && o.decimation >= 0,
           keywords.function(), ": found a number below zero (or filter_order beyond 1 to 20).");

@@ -77,8 +77,14 @@ Recordings recordings_of(const py::object& given);
 /// From its path or bare name, or the Model itself.
 Model model_of(const py::object& given);
 
+/// topic, map, units: as the options of the command; a dictionary or "q=deg,t=ms" for the last two.
+void read_signals(Keywords& keywords, SignalChoice& signals);
+
+/// The keyword `fix`, positions by joint: the arm with these joints where they are. [rad], [m]
+Model with_fix(Keywords& keywords, const Model& arm);
+
 /// filter_cutoff, filter_order, filtering, velocity, stale_rows, resample, drop_start, drop_end,
-/// min_speed, decimation, rows, columns, rate.
+/// min_speed, decimation, rows, columns, rate, topic, map, units.
 void read_preprocessing(Keywords& keywords, PreprocessingOptions& options);
 
 /// method, weights, condition, signs, prior, known_mass, threads, test_rows and those above.

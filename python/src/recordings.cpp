@@ -2,7 +2,9 @@
 #include <pybind11/stl.h>
 
 #include "bindings.hpp"
+#include "interruptible.hpp"
 #include "options.hpp"
+#include "veridyn/identification/robot_check.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/recordings/recording_quality.hpp"
 #include "veridyn/report/json.hpp"
@@ -54,6 +56,30 @@ py::object view(py::object self) {
   return std::move(out);
 }
 
+py::dict facts_of(const RecordingFacts& facts) {
+  py::dict out;
+  out["format"] = facts.format;
+  out["joints"] = facts.joints;
+  py::dict matched;
+  for (const JointMatch& match : facts.matched) matched[py::str(match.joint)] = match.recorded;
+  out["matched"] = matched;
+  py::list topics;
+  for (const TopicFacts& topic : facts.topics) {
+    py::dict one;
+    one["name"] = topic.name;
+    one["type"] = topic.type;
+    one["messages"] = topic.messages;
+    one["rate"] = topic.rate;
+    one["joints"] = topic.joints;
+    one["used"] = topic.used;
+    topics.append(one);
+  }
+  out["topics"] = topics;
+  out["remarks"] = facts.remarks;
+  out["start"] = facts.start;
+  return out;
+}
+
 py::object time_view(py::object self) {
   const VectorXd& time = self.cast<const Recording&>().time;
   py::array_t<double> out(time.size(), time.data(), self);
@@ -61,11 +87,20 @@ py::object time_view(py::object self) {
   return std::move(out);
 }
 
-RecordingOptions reading_options(Keywords& keywords) {
+// The arm whose joints are looked for, if one is named.
+std::optional<Model> robot_of(Keywords& keywords) {
+  const py::object robot = keywords.take("robot");
+  if (robot) return with_fix(keywords, model_of(robot));
+  require(!keywords.take("fix"), keywords.function(), ": found fix without robot, expected both.");
+  return std::nullopt;
+}
+
+RecordingOptions reading_options(Keywords& keywords, const std::optional<Model>& robot) {
   RecordingOptions options;
   keywords.read("columns", options.columns);
   keywords.read("rate", options.rate);
-  PreprocessingOptions rows;
+  read_signals(keywords, options.signals);
+  if (robot) options.signals.joints = joints_of(*robot);
   if (const py::object given = keywords.take("rows")) {
     const auto both = given.cast<std::pair<long, std::optional<long>>>();
     options.first_row = both.first;
@@ -97,23 +132,34 @@ void bind_recordings(py::module_& m) {
            py::arg("path"), "Writes CSV with a header, whole or not at all.");
   m.def("read_recording", [](const std::string& path, const py::dict& given) {
     Keywords keywords("read_recording", given);
-    const RecordingOptions options = reading_options(keywords);
+    const RecordingOptions options = reading_options(keywords, robot_of(keywords));
     keywords.expect_all_taken();
-    const py::gil_scoped_release free;
-    return std::make_shared<Recording>(read_recording(path, options));
+    const auto [recording, facts] = interruptible(Progress(py::none()), [path, options] {
+      RecordingFacts found;
+      auto read = std::make_shared<Recording>(read_recording(path, options, found));
+      return std::make_pair(std::move(read), std::move(found));
+    });
+    return std::make_pair(recording, facts_of(facts));
   });
   m.def("check_json", [](const py::object& given, const py::dict& words) {
     Keywords keywords("check", words);
-    const RecordingOptions options = reading_options(keywords);
+    const std::optional<Model> robot = robot_of(keywords);
+    const RecordingOptions options = reading_options(keywords, robot);
     keywords.expect_all_taken();
     const Recordings recordings = recordings_of(given);
-    return interruptible(Progress(py::none()), [recordings, options] {
+    return interruptible(Progress(py::none()), [recordings, options, robot] {
       RecordingsInMemory memory;
       std::vector<RecordingQuality> seen;
       for (const std::string& name : recordings.placed_in(memory)) {
         const Recording* there = find_in_memory(memory, name);
         seen.push_back(there != nullptr ? check_recording(*there) : check_recording(name, options));
         seen.back().file = name;
+        if (!robot) continue;
+        std::vector<QualityFinding> findings =
+            there != nullptr ? check_against(*robot, *there)
+                             : check_against(*robot, read_recording(name, options));
+        findings.insert(findings.end(), seen.back().findings.begin(), seen.back().findings.end());
+        seen.back().findings = std::move(findings);
       }
       std::string report;
       for (const RecordingQuality& quality : seen) report += quality.report();

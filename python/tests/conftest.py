@@ -1,7 +1,9 @@
 """What several tests need: a robot with values, a motion, a recording of it."""
 
+import json
 import os
 import pathlib
+import struct
 
 import numpy as np
 import pytest
@@ -43,3 +45,33 @@ def motion():
 @pytest.fixture(scope="session")
 def recording(arm, motion):
     return veridyn.simulate(arm, motion, noise="low", seed=2).recording
+
+
+def write_mcap(path, names, recording, start=1_700_000_000):
+    """Joint states as JSON in MCAP, without chunks: the smallest file that its specification allows."""
+
+    def text(words):
+        return struct.pack("<I", len(words)) + words.encode()
+
+    with open(path, "wb") as out:
+
+        def record(code, content):
+            out.write(struct.pack("<BQ", code, len(content)) + content)
+
+        out.write(b"\x89MCAP0\r\n")
+        record(1, text("") + text("a test"))
+        record(3, struct.pack("<H", 1) + text("sensor_msgs/JointState") + text("jsonschema") + text("{}"))
+        record(4, struct.pack("<HH", 1, 1) + text("/joint_states") + text("json") + struct.pack("<I", 0))
+        for k, t in enumerate(recording.time):
+            stamp = start * 10**9 + round(t * 1e9)
+            message = {
+                "header": {"stamp": {"sec": stamp // 10**9, "nsec": stamp % 10**9}},
+                "name": names,
+                "position": recording.q[k].tolist(),
+                "velocity": recording.dq[k].tolist(),
+                "effort": recording.tau[k].tolist(),
+            }
+            record(5, struct.pack("<HIQQ", 1, k, stamp + 1_500_000, stamp) + json.dumps(message).encode())
+        record(15, struct.pack("<I", 0))
+        record(2, struct.pack("<QQI", 0, 0, 0))
+        out.write(b"\x89MCAP0\r\n")

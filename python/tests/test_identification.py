@@ -2,7 +2,9 @@
 
 import json
 import os
+import re
 import subprocess
+import sys
 import threading
 import time
 
@@ -10,7 +12,7 @@ import numpy as np
 import pytest
 
 import veridyn
-from conftest import real_data
+from conftest import SOURCE, real_data, write_mcap
 
 TOOL = os.environ.get("VERIDYN_TOOL", "")
 
@@ -190,3 +192,21 @@ def test_a_real_arm():
     found = veridyn.identify("psm-3dof", train, test=folder / "fourier-3.csv", filter_cutoff=3.5)
     assert found["feasible"]
     assert max(found["test"]["relative_error"]) < 0.25
+
+
+def test_the_example_names_a_spring_from_bags(tmp_path, arm, motion):
+    paths = []
+    for seed in (1, 2):
+        spring = ["joint_spring:pitch:stiffness=3"]
+        made = veridyn.simulate(arm, motion, effects=spring, noise="low", seed=seed).recording
+        paths.append(str(tmp_path / f"{seed}.mcap"))
+        write_mcap(paths[-1], ["outer_yaw", "outer_pitch", "outer_insertion"], made)
+    example = SOURCE / "examples" / "from_a_bag.py"
+    said = subprocess.run(
+        [sys.executable, example, "psm-3dof", *paths], capture_output=True, text=True, check=True
+    )
+    assert re.match(r"Joint 2 \(pitch\): a spring of (2\.[5-9]|3\.[0-5]) N m/rad\.", said.stdout)
+    bad = subprocess.run(
+        [sys.executable, example, "mtm", *paths], capture_output=True, text=True, check=False
+    )
+    assert bad.returncode == 1 and len(bad.stderr.splitlines()) == 1

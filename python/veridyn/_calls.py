@@ -31,8 +31,18 @@ _PREPROCESSING = """
     decimation : int; one filtered sample in so many is kept; 0: as the cut-off allows
     rows : (first, end) of the rows to use; end may be None
     columns, rate : signals and rate [Hz] of CSV files without a header or without time
+{signals}
+    fix : {joint: position} [rad], [m] of joints that are not recorded: the arm without them
     threads : int; 0: one per core
     progress : callable(what, share), called now and then
+"""
+
+_SIGNALS = """
+    topic : name, or a list of names, of the topics with the joints, where a bag has several
+    map : where a signal is found, {"tau1": "/arm/effort/0"}, {"tau": "/arm/effort"}, {"t": "stamp"},
+        or under which name a joint is recorded, {"yaw": "outer_yaw"}
+    units : units that are not SI, {"q": "deg", "t": "ms"}; {"tau": "A"}: efforts are motor
+        currents; {"tau2": "-Nm"}: the other sign
 """
 
 _FIT = """
@@ -49,7 +59,7 @@ _FIT = """
 def _documented(function: Any) -> Any:
     function.__doc__ = function.__doc__.replace("{fit}", _FIT.strip("\n")).replace(
         "{preprocessing}", _PREPROCESSING.strip("\n")
-    )
+    ).replace("{signals}", _SIGNALS.strip("\n"))
     return function
 
 
@@ -64,21 +74,28 @@ def read_model(robot: Any, *, constants: Optional[Mapping[str, float]] = None) -
     return _veridyn.read_model(os.fspath(robot), dict(constants or {}))
 
 
+@_documented
 def read_recording(path: Any, **options: Any) -> Recording:
-    """Reads a whole recording into memory.
+    """Reads a whole recording into memory: CSV, ROS bags, MCAP, .npz, .mat, HDF5.
 
+    robot : Model, or the name of its file: its joints are looked for by name, in its order
+    fix : {joint: position} [rad], [m] of joints of the robot that are not recorded
+{signals}
     columns : list of signals, e.g. ["q", "dq", "tau"], of a CSV file without a header
     rate : float, Hz, of a file without time
     rows : (first, end) of the rows to keep; end may be None
 
+    `.facts` of the result has format, joints, matched, topics, remarks.
     Raises InvalidInput with file, line and column.
     """
-    return Recording(_veridyn.read_recording(os.fspath(path), options))
+    return Recording(os.fspath(path), **options)
 
 
+@_documented
 def check(recordings: Any, **options: Any) -> Quality:
-    """Quality of recordings alone: rate, stale rows, gaps, jumps, saturation, units.
+    """Quality of recordings: rate, stale rows, gaps, jumps, saturation, units.
 
+    With `robot` also whether they fit it: wrong signs of torque, swapped joints, degrees, currents.
     The keys are those of `veridyn check --json`. Options as read_recording().
     """
     return Quality(*_veridyn.check_json(recordings, options))

@@ -61,6 +61,8 @@ class Recording(_veridyn.NativeRecording):
     Raises InvalidInput where sizes do not fit or time does not rise.
     """
 
+    _facts: dict = {}
+
     def __init__(
         self,
         time: Any,
@@ -76,7 +78,9 @@ class Recording(_veridyn.NativeRecording):
             super().__init__(time)
             return
         if q is None and isinstance(time, (str, os.PathLike)):
-            super().__init__(_veridyn.read_recording(os.fspath(time), options))
+            native, facts = _veridyn.read_recording(os.fspath(time), options)
+            super().__init__(native)
+            self._facts = facts
             return
         if options:
             raise TypeError(f"Recording() has no argument '{next(iter(options))}' beside arrays.")
@@ -89,6 +93,15 @@ class Recording(_veridyn.NativeRecording):
         if q is None:
             raise TypeError("Recording() needs time and q, a path, or a pandas frame.")
         super().__init__(time, q, dq, ddq, tau, current, source)
+
+    @property
+    def facts(self) -> dict:
+        """What reading the file brought up, empty for arrays.
+
+        format; joints (names, in the order of the columns); matched (the robot's joints to recorded
+        names); topics; remarks; start (s since 1970 of time 0, or 0).
+        """
+        return self._facts
 
     def to_pandas(self) -> Any:
         """A pandas frame with the columns t, q1..qn, dq1.., ddq1.., tau1.., i1..."""

@@ -6,6 +6,7 @@
 #include "export_dvrk.hpp"
 #include "math/output_file.hpp"
 #include "messages.hpp"
+#include "veridyn/math/require.hpp"
 #include "veridyn/export/c_code.hpp"
 #include "veridyn/export/mjcf.hpp"
 #include "veridyn/export/model_json.hpp"
@@ -45,6 +46,19 @@ void save_yaml(const Request& request, const Model& model) {
   write_file(request.yaml, origin ? with_origin(to_yaml(model), *origin) : to_yaml(model));
 }
 
+// What a format has no words for stands in the file's comments; here their number.
+void write_xml(const Request& request, const std::string& file, const char* format,
+               const std::string& xml) {
+  if (file.empty()) return;
+  write_file(file, xml);
+  const std::string mark = "<!-- left out:";
+  int lost = 0;
+  for (std::size_t at = xml.find(mark); at != std::string::npos; at = xml.find(mark, at + 1)) ++lost;
+  if (lost == 0 || request.quiet) return;
+  say(text(file, ": ", format, " has no words for ", lost, lost == 1 ? " item" : " items",
+           " of the model, which its comments name (left out: ...)."));
+}
+
 void run(const Request& request) {
   const DvrkExport& dvrk = request.dvrk;
   if ((request.urdf + request.mjcf + request.sdf + request.cpp + request.yaml + request.json +
@@ -60,9 +74,12 @@ void run(const Request& request) {
   const Model model = read_model(request.model);
   if (!(request.urdf + request.mjcf + request.sdf).empty()) {
     const ExportedModel out = exported(request, model);
-    if (!request.urdf.empty()) save_urdf(out.arm, request.urdf, out.extras);
-    if (!request.mjcf.empty()) save_mjcf(out.arm, request.mjcf, out.extras.remarks);
-    if (!request.sdf.empty()) save_sdf(out.arm, request.sdf, out.extras);
+    if (!request.urdf.empty())
+      write_xml(request, request.urdf, "URDF", to_urdf(out.arm, out.extras));
+    if (!request.mjcf.empty())
+      write_xml(request, request.mjcf, "MJCF", to_mjcf(out.arm, out.extras.remarks));
+    if (!request.sdf.empty())
+      write_xml(request, request.sdf, "SDF", to_sdf(out.arm, out.extras));
   }
   if (!request.cpp.empty()) save_c_code(model, request.cpp);
   if (!request.yaml.empty()) save_yaml(request, model);

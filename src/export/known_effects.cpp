@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "veridyn/effects/effect.hpp"
 #include "veridyn/math/require.hpp"
@@ -52,12 +53,27 @@ bool is_written(const BoundEffect& effect) {
 
 }  // namespace
 
-int SimpleForce::coordinate() const {
-  const VectorXd& c = axis.coefficients;
-  Eigen::Index at = 0;
-  const bool one = c.size() > 0 && c.cwiseAbs().maxCoeff(&at) == 1.0 &&
-                   c.cwiseAbs().sum() == 1.0 && c[at] == 1.0;
-  return one ? static_cast<int>(at) : -1;
+PlacedEffects placed_effects(const std::vector<SimpleForce>& forces, int joints) {
+  PlacedEffects out{std::vector<SimpleForce>(static_cast<std::size_t>(joints)), {},
+                    VectorXd::Zero(joints)};
+  for (SimpleForce f : forces) {
+    const VectorXd c = f.axis.coefficients;
+    if (f.stiffness == 0.0) out.constants += std::exchange(f.offset, 0.0) * c;
+    Eigen::Index i = 0;
+    c.cwiseAbs().maxCoeff(&i);
+    const double s = c[i];
+    if (c.cwiseAbs().sum() != std::abs(s)) {
+      out.across.push_back(f);
+      continue;
+    }
+    SimpleForce& sum = out.along[static_cast<std::size_t>(i)];
+    sum.offset += f.offset * s;
+    sum.stiffness += f.stiffness * s * s;
+    sum.damping += f.damping * s * s;
+    sum.inertia += f.inertia * s * s;
+    sum.friction += f.friction * std::abs(s);
+  }
+  return out;
 }
 
 KnownEffects known_effects(const Model& arm) {

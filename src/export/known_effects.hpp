@@ -13,9 +13,6 @@ namespace veridyn {
 struct SimpleForce {
   Axis axis;
   double offset = 0.0, stiffness = 0.0, damping = 0.0, inertia = 0.0, friction = 0.0;
-
-  /// The coordinate that the axis is, if it is one and nothing else; else -1.
-  int coordinate() const;
 };
 
 /// Effects of an arm, as far as they are such forces.
@@ -23,6 +20,16 @@ struct KnownEffects {
   std::vector<SimpleForce> forces;    ///< effects along one axis added up
   std::vector<std::string> left_out;  ///< the others, in words
 };
+
+/// Forces as simulators take them.
+struct PlacedEffects {
+  std::vector<SimpleForce> along;   ///< by coordinate, whatever their factors were; no axis
+  std::vector<SimpleForce> across;  ///< along several coordinates at once
+  VectorXd constants;               ///< by coordinate; those of springs stay with them
+};
+
+/// @param joints  number of the arm's coordinates.
+PlacedEffects placed_effects(const std::vector<SimpleForce>& forces, int joints);
 
 /// What the effects' own traits and columns say; no effect is known by its name.
 KnownEffects known_effects(const Model& arm);

@@ -2,11 +2,11 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <cmath>
 
 #include "known_effects.hpp"
+#include "principal_body.hpp"
 #include "veridyn/kinematics/tree.hpp"
 #include "math/output_file.hpp"
 #include "veridyn/math/require.hpp"
@@ -17,14 +17,7 @@ namespace {
 
 constexpr double kNoMass = 1e-12;      // [kg], [kg m^2]: MuJoCo wants some on every moving body
 constexpr double kStep = 1e-3;         // [s]
-constexpr double kRounding = 1e-9;     // of the largest principal moment
 const char* const kStiff = "0.004 1";  // couplings hold within four steps
-
-Eigen::Matrix3d eigen(const Mat3d& R) {
-  Eigen::Matrix3d M;
-  M << R.row0.x, R.row0.y, R.row0.z, R.row1.x, R.row1.y, R.row1.z, R.row2.x, R.row2.y, R.row2.z;
-  return M;
-}
 
 void set_pose(pugi::xml_node node, const Eigen::Vector3d& p, const Eigen::Matrix3d& R) {
   const Eigen::Quaterniond q(R);
@@ -32,31 +25,15 @@ void set_pose(pugi::xml_node node, const Eigen::Vector3d& p, const Eigen::Matrix
   set(node, "quat", fmt::format("{} {} {} {}", q.w() + 0.0, q.x() + 0.0, q.y() + 0.0, q.z() + 0.0));
 }
 
-// The frame of a link of MuJoCo's turns with the joint and stands before B.
-struct PrincipalBody {
-  Eigen::Vector3d com;
-  Eigen::Matrix3d axes;
-  Eigen::Vector3d moments;
-};
-
-PrincipalBody principal_body(const double* phi, const Posed& B) {
-  const double m = phi[0];
-  const Eigen::Vector3d c = Eigen::Vector3d(phi[1], phi[2], phi[3]) / m;
-  Eigen::Matrix3d L;
-  L << phi[4], phi[5], phi[7], phi[5], phi[6], phi[8], phi[7], phi[8], phi[9];
-  const Eigen::Matrix3d about_com =
-      L - m * (c.dot(c) * Eigen::Matrix3d::Identity() - c * c.transpose());
-  const Eigen::Matrix3d R = eigen(B.R);
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> principal(R * about_com * R.transpose());
-  Eigen::Matrix3d axes = principal.eigenvectors();
-  if (axes.determinant() < 0) axes.col(0) *= -1;
-  return {R * c + Eigen::Vector3d(B.p.x, B.p.y, B.p.z), axes, principal.eigenvalues()};
+void set_pose(pugi::xml_node node, const Posed& T) {
+  set_pose(node, {T.p.x, T.p.y, T.p.z}, rotation_matrix(T.R));
 }
 
 class MjcfWriter {
  public:
   MjcfWriter(const Model& arm, const std::map<std::string, std::string>& remarks)
-      : arm_(arm), remarks_(remarks), tree_(arm), effects_(known_effects(arm)), joints_(at(arm.joints())) {
+      : arm_(arm), remarks_(remarks), tree_(arm, Tree::Keep::kEveryFrame), effects_(known_effects(arm)),
+        placed_(placed_effects(effects_.forces, arm.joints())) {
     const auto phi = arm.inertial_values();
     require(phi.has_value(), "export: arm '", arm.name(),
             "' has bodies without values, expected a MODEL that identify or diagnose wrote.");
@@ -71,7 +48,7 @@ class MjcfWriter {
     pugi::xml_node root = document_.append_child("mujoco");
     set(root, "model", arm_.name());
     if (remarks_.count("") > 0) add_comment(root, remarks_.at(""));
-    for (const std::string& one : effects_.left_out) add_comment(root, "left out: " + one);
+    losses(root);
     pugi::xml_node compiler = root.append_child("compiler");
     set(compiler, "angle", std::string("radian"));
     set(compiler, "inertiafromgeom", std::string("false"));
@@ -86,7 +63,7 @@ class MjcfWriter {
     tendons_ = root.append_child("tendon");
     equalities_ = root.append_child("equality");
     for (int k = 0; k < static_cast<int>(tree_.links.size()); ++k) couple(k);
-    for (const SimpleForce& force : effects_.forces) along_tendon(force);
+    for (const SimpleForce& force : placed_.across) along_tendon(world, force);
     if (!tendons_.first_child()) root.remove_child(tendons_);
     if (!equalities_.first_child()) root.remove_child(equalities_);
     motors(root.append_child("actuator"));
@@ -94,6 +71,15 @@ class MjcfWriter {
   }
 
  private:
+  // What MuJoCo has no words for.
+  void losses(pugi::xml_node root) const {
+    for (const std::string& one : effects_.left_out) add_comment(root, "left out: " + one);
+    for (const Coordinate& c : arm_.coordinates()) {
+      if (c.drive_gain != 0.0)
+        add_comment(root, fmt::format("left out: drive gain {} of {}", c.drive_gain, c.name));
+    }
+  }
+
   static std::size_t at(int i) { return static_cast<std::size_t>(i); }
   const Link& link(int k) const { return tree_.links[at(k)]; }
 
@@ -125,6 +111,11 @@ class MjcfWriter {
     for (int k = 0; k < static_cast<int>(tree_.links.size()); ++k) {
       const Link& l = link(k);
       if (l.parent != parent) continue;
+      if (l.motion == Motion::kNone && l.body < 0) {
+        site(above, k, before * l.A);
+        children(above, k, before * l.A);
+        continue;
+      }
       const bool turns = l.motion == Motion::kTurns;
       Posed at_zero = identity_pose();
       if (turns) at_zero.R = rotation_z(l.offset);
@@ -132,15 +123,23 @@ class MjcfWriter {
       const Posed T = before * l.A * at_zero;
       pugi::xml_node body = above.append_child("body");
       set(body, "name", frame_name(k));
-      set_pose(body, {T.p.x, T.p.y, T.p.z}, eigen(T.R));
+      set_pose(body, T);
       if (remarks_.count(frame_name(k)) > 0) add_comment(body, remarks_.at(frame_name(k)));
       inertial(body, k);
       if (l.motion != Motion::kNone) {
         joint(body, joint_name(k), turns, plain_coordinate(k),
               main_link_of(plain_coordinate(k)) == k);
       }
+      site(body, k, l.B);
       children(body, k, l.B);
     }
+  }
+
+  // Where the frame itself is: a link's own frame turns with its joint and stands before B.
+  void site(pugi::xml_node body, int k, const Posed& T) const {
+    pugi::xml_node node = body.append_child("site");
+    set(node, "name", frame_name(k));
+    set_pose(node, T);
   }
 
   void inertial(pugi::xml_node body, int k) const {
@@ -155,14 +154,12 @@ class MjcfWriter {
     require(phi[0] > 0.0, "export: the body ", frame_name(k), " of '", arm_.name(),
             "' has a mass of ", phi[0], " kg, expected one above zero.");
     const PrincipalBody p = principal_body(phi, l.B);
-    const Eigen::Vector3d& I = p.moments;  // ascending
-    const bool possible = I[0] > 0.0 && I[0] + I[1] >= I[2] * (1.0 - kRounding);
-    require(possible, "export: the body ", frame_name(k), " of '", arm_.name(),
-            "' has the principal moments ", I[0], ", ", I[1], ", ", I[2],
+    require(p.possible(), "export: the body ", frame_name(k), " of '", arm_.name(),
+            "' has the principal moments ", p.moments[0], ", ", p.moments[1], ", ", p.moments[2],
             " kg m^2, which no body has; expected a feasible identification.");
     set_pose(node, p.com, p.axes);
     set(node, "mass", phi[0]);
-    set(node, "diaginertia", xml_vector(I));
+    set(node, "diaginertia", xml_vector(p.moments));
   }
 
   static void add_none(pugi::xml_node node) {
@@ -186,15 +183,12 @@ class MjcfWriter {
     set(node, "type", std::string(turns ? "hinge" : "slide"));
     set(node, "axis", std::string("0 0 1"));
     if (!main) return;
-    joints_[at(coordinate)] = node;
     const Limits& limits = arm_.coordinates()[at(coordinate)].limits;
     if (std::isfinite(limits.lower) && std::isfinite(limits.upper)) {
       set(node, "limited", std::string("true"));
       set(node, "range", xml_number(limits.lower) + " " + xml_number(limits.upper));
     }
-    for (const SimpleForce& force : effects_.forces) {
-      if (force.coordinate() == coordinate) along_joint(node, force);
-    }
+    along_joint(node, placed_.along[at(coordinate)]);
   }
 
   void along_joint(pugi::xml_node node, const SimpleForce& f) {
@@ -206,19 +200,14 @@ class MjcfWriter {
 
   // offset + stiffness s = stiffness (s - reference).
   void spring(pugi::xml_node node, const SimpleForce& f, const char* reference) {
-    if (f.stiffness != 0.0) {
-      set(node, "stiffness", f.stiffness);
-      set(node, reference, -f.offset / f.stiffness);
-    } else if (f.offset != 0.0) {
-      add_comment(document_.first_child(),
-                  fmt::format("left out: a constant of {} along one axis", f.offset));
-    }
+    if (f.stiffness == 0.0) return;
+    set(node, "stiffness", f.stiffness);
+    set(node, reference, -f.offset / f.stiffness);
   }
 
   // What acts along several coordinates at once.
-  void along_tendon(const SimpleForce& f) {
-    if (f.coordinate() >= 0) return;
-    if (f.inertia != 0.0) inertia_along(f);
+  void along_tendon(pugi::xml_node world, const SimpleForce& f) {
+    if (f.inertia != 0.0 && !inertia_along_joint(f)) flywheel(world, f);
     if (f.damping == 0.0 && f.friction == 0.0 && f.stiffness == 0.0) return;
     pugi::xml_node tendon = tendons_.append_child("fixed");
     set(tendon, "name", fmt::format("effects_{}", ++tendon_count_));
@@ -228,8 +217,8 @@ class MjcfWriter {
     add_terms(tendon, f.axis.coefficients, 1.0);
   }
 
-  // A rotor along c . q: on the joint that moves like it.
-  void inertia_along(const SimpleForce& f) {
+  // A rotor along c . q: on the joint that moves like it, if there is one.
+  bool inertia_along_joint(const SimpleForce& f) {
     for (int k = 0; k < static_cast<int>(tree_.links.size()); ++k) {
       if (link(k).motion == Motion::kNone) continue;
       const VectorXd c = coefficients(k);
@@ -242,10 +231,21 @@ class MjcfWriter {
       if (!armature) armature = node.append_attribute("armature");
       armature.set_value(
           xml_number(armature.as_double() + f.inertia / (scale * scale)).c_str());
-      return;
+      return true;
     }
-    add_comment(document_.first_child(),
-                fmt::format("left out: a rotor of {} along several coordinates", f.inertia));
+    return false;
+  }
+
+  // A rotor along several coordinates: armatures belong to single joints, so it is a joint of its
+  // own, on a body without mass, that is coupled to the coordinates.
+  void flywheel(pugi::xml_node world, const SimpleForce& f) {
+    const std::string name = fmt::format("rotor_{}", ++rotor_count_);
+    pugi::xml_node body = world.append_child("body");
+    set(body, "name", name);
+    add_none(body.append_child("inertial"));
+    joint(body, name + "__joint", true, -1, false);
+    set(body.child("joint"), "armature", f.inertia);
+    couple(name, name + "__joint", f.axis.coefficients);
   }
 
   VectorXd coefficients(int k) const {
@@ -264,27 +264,38 @@ class MjcfWriter {
     }
   }
 
-  // 0 = joint - c . q for joints that are no coordinate.
+  // Joints that are no coordinate.
   void couple(int k) {
     const int i = plain_coordinate(k);
     if (link(k).motion == Motion::kNone || (i >= 0 && main_link_of(i) == k)) return;
-    const std::string name = frame_name(k) + "__coupling";
+    couple(frame_name(k), joint_name(k), coefficients(k));
+  }
+
+  // 0 = joint - c . q.
+  void couple(const std::string& name, const std::string& joint, const VectorXd& c) {
     pugi::xml_node tendon = tendons_.append_child("fixed");
-    set(tendon, "name", name);
+    set(tendon, "name", name + "__coupling");
     pugi::xml_node own = tendon.append_child("joint");
-    set(own, "joint", joint_name(k));
+    set(own, "joint", joint);
     set(own, "coef", 1.0);
-    add_terms(tendon, coefficients(k), -1.0);
+    add_terms(tendon, c, -1.0);
     pugi::xml_node equality = equalities_.append_child("tendon");
-    set(equality, "tendon1", name);
+    set(equality, "tendon1", name + "__coupling");
     set(equality, "solref", std::string(kStiff));
   }
 
+  // Effects that are constants act through the motors: force = control - constant.
   void motors(pugi::xml_node actuators) const {
-    for (const Coordinate& c : arm_.coordinates()) {
-      pugi::xml_node motor = actuators.append_child("motor");
+    for (int i = 0; i < arm_.joints(); ++i) {
+      const Coordinate& c = arm_.coordinates()[at(i)];
+      const bool biased = placed_.constants[i] != 0.0;
+      pugi::xml_node motor = actuators.append_child(biased ? "general" : "motor");
       set(motor, "name", c.name);
       set(motor, "joint", c.name);
+      if (biased) {
+        set(motor, "biastype", std::string("affine"));
+        set(motor, "biasprm", xml_number(-placed_.constants[i]) + " 0 0");
+      }
       if (!std::isfinite(c.limits.effort)) continue;
       set(motor, "ctrllimited", std::string("true"));
       set(motor, "ctrlrange",
@@ -296,12 +307,13 @@ class MjcfWriter {
   const std::map<std::string, std::string>& remarks_;
   Tree tree_;
   KnownEffects effects_;
+  PlacedEffects placed_;
   VectorXd phi_;
   std::vector<std::pair<int, int>> main_links_;  // coordinate, link whose joint it is
-  std::vector<pugi::xml_node> joints_;           // of the coordinates
   pugi::xml_document document_;
   pugi::xml_node tendons_, equalities_;
   int tendon_count_ = 0;
+  int rotor_count_ = 0;
 };
 
 }  // namespace

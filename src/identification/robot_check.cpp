@@ -452,8 +452,22 @@ std::vector<QualityFinding> check_against(const Model& arm, const std::string& p
   reading.first_row = std::max(0L, options.first_row);
   reading.row_count = options.row_count < 0 ? kMostRows : std::min<long>(options.row_count, kMostRows);
   Recording recording = read_recording(path, reading);
-  require(recording.joints() == arm.joints(), path, ": found ", recording.joints(), " joints, but '",
-          arm.name(), "' has ", arm.joints(), ".");
+  recording.source = path;
+  PreprocessingOptions rest = options;
+  rest.first_row = 0;
+  rest.row_count = -1;
+  return check_against(arm, std::move(recording), rest);
+}
+
+std::vector<QualityFinding> check_against(const Model& arm, Recording recording,
+                                          const PreprocessingOptions& options) {
+  require(recording.joints() == arm.joints(), recording.source, ": found ", recording.joints(),
+          " joints, but '", arm.name(), "' has ", arm.joints(), ".");
+  const long first = std::min<long>(options.first_row, recording.rows());
+  const long wanted = options.row_count < 0 ? kMostRows : std::min<long>(options.row_count, kMostRows);
+  const long count = std::min(wanted, recording.rows() - first);
+  if (first > 0 || count < recording.rows())
+    recording = rows_of(recording, static_cast<int>(first), static_cast<int>(count));
   if (recording.rows() < kFewestRows) return {};
   if (recording.tau.size() == 0 && recording.current.size() > 0) {
     // Signs, places and angles are asked of currents through their gains.

@@ -6,6 +6,10 @@
 
 namespace veridyn::recordings {
 
+/// [ns] 95 years on either side of a clock's zero. Times of a RawRecording lie within it, so that sums
+/// and differences of three of them are numbers, too; later ones are damage.
+inline constexpr std::int64_t kLargestTime = 3000000000000000000;
+
 /// A column of numbers, and which signal of which joint it is where that shows.
 struct RawField {
   std::string path;   ///< as the file names it: "elbow_joint/position", "wrench/force/x", "data/0"

@@ -49,7 +49,7 @@ std::vector<std::int64_t> repaired_stamps(const RawStream& stream, std::int64_t 
                                           long* replaced) {
   std::vector<std::int64_t> time = stream.stamped;
   for (std::size_t k = 0; k < time.size(); ++k) {
-    const std::int64_t before = k > 0 ? time[k - 1] : std::numeric_limits<std::int64_t>::min();
+    const std::int64_t before = k > 0 ? time[k - 1] : 0;
     if (stream.stamped[k] > 0 && stream.stamped[k] > before) continue;
     std::int64_t after = std::numeric_limits<std::int64_t>::max();
     for (std::size_t j = k + 1; j < time.size() && j < k + 16; ++j) {
@@ -92,7 +92,7 @@ void settle_repeats(const RawStream& stream, StreamClock* clock) {
                                 : first > 0              ? time[first] - time[first - 1]
                                                          : kept * 1000000;
       for (std::int64_t j = 1; j < kept; ++j)
-        time[first + static_cast<std::size_t>(j)] += std::max<std::int64_t>(step * j / kept, j);
+        time[first + static_cast<std::size_t>(j)] += std::max(step / kept * j + step % kept * j / kept, j);
       spread += static_cast<long>(kept) - 1;
     }
     k = end;

@@ -3,12 +3,15 @@
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <memory>
 
 #include "support/near.hpp"
 #include "veridyn/dynamics/rigid_body_dynamics.hpp"
 #include "veridyn/effects/effect.hpp"
+#include "veridyn/kinematics/kinematics.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/model_file.hpp"
 #include "veridyn/simulation/joint_torques.hpp"
@@ -35,26 +38,39 @@ class Exported {
     require(model != nullptr, error, "\n", xml);
     data.reset(mj_makeData(model.get()));
     S = MatrixXd::Zero(model->nv, arm.joints());
-    for (int i = 0; i < arm.joints(); ++i) {
-      const int joint = mj_name2id(model.get(), mjOBJ_JOINT, arm.coordinates()[i].name.c_str());
-      require(joint >= 0, "no joint is called after coordinate ", i);
-      S(model->jnt_dofadr[joint], i) = 1.0;
-    }
-    for (const Frame& frame : arm.frames()) {
-      const int joint = mj_name2id(model.get(), mjOBJ_JOINT, (frame.name + "__joint").c_str());
-      if (joint >= 0) S.row(model->jnt_dofadr[joint]) = frame.variable.coefficients.transpose();
+    for (int i = 0; i < arm.joints(); ++i) S(dof_of(arm.coordinates()[i].name), i) = 1.0;
+    for (int e = 0; e < model->neq; ++e) take_coupling(model->eq_obj1id[e]);
+  }
+
+  int dof_of(const std::string& name) const {
+    const int joint = mj_name2id(model.get(), mjOBJ_JOINT, name.c_str());
+    require(joint >= 0, "no joint is called ", name);
+    return model->jnt_dofadr[joint];
+  }
+
+  // What a joint is where a tendon keeps it: the joints of coordinates come after it.
+  void take_coupling(int tendon) {
+    const int first = model->tendon_adr[tendon];
+    const int own = model->jnt_dofadr[model->wrap_objid[first]];
+    ASSERT_EQ(model->wrap_prm[first], 1.0);
+    for (int w = first + 1; w < first + model->tendon_num[tendon]; ++w) {
+      const int other = model->jnt_dofadr[model->wrap_objid[w]];
+      S.row(own) -= model->wrap_prm[w] * S.row(other);
     }
   }
 
-  // Along the couplings, without the constraints that hold them.
+  // Along the couplings, without the constraints that hold them; what the motors must add to what
+  // they do without a control.
   VectorXd inverse_dynamics(const VectorXd& q, const VectorXd& dq, const VectorXd& ddq) {
     model->opt.disableflags |= mjDSBL_CONSTRAINT;
     VectorXd::Map(data->qpos, model->nq) = S * q;
     VectorXd::Map(data->qvel, model->nv) = S * dq;
     VectorXd::Map(data->qacc, model->nv) = S * ddq;
     mj_inverse(model.get(), data.get());
+    mj_fwdActuation(model.get(), data.get());
     model->opt.disableflags &= ~mjDSBL_CONSTRAINT;
-    return S.transpose() * VectorXd::Map(data->qfrc_inverse, model->nv);
+    return S.transpose() * (VectorXd::Map(data->qfrc_inverse, model->nv) -
+                            VectorXd::Map(data->qfrc_actuator, model->nv));
   }
 
   std::unique_ptr<mjModel, decltype(&mj_deleteModel)> model{nullptr, &mj_deleteModel};
@@ -62,18 +78,14 @@ class Exported {
   MatrixXd S;  // joints of MuJoCo per coordinate
 };
 
-// Without what MuJoCo makes a constraint (dry friction) or has no word for.
+// Without what MuJoCo makes a constraint (dry friction) or has no word for. Constants stay.
 Model smooth(const Model& arm) {
   ModelDescription d = arm.description();
   std::vector<EffectTerm> kept;
   for (const EffectTerm& term : d.effects) {
     const BoundEffect effect(arm, term);
     const EffectTraits traits = effect.effect().traits(effect.shape());
-    AxisSample rest;
-    EffectColumns row{};
-    BoundEffect probe = effect;
-    probe.columns(rest, row);
-    if (traits.affine && !traits.depends_on_time && row[0] == 0.0) kept.push_back(term);
+    if (traits.affine && !traits.depends_on_time) kept.push_back(term);
   }
   d.effects = kept;
   return Model(std::move(d));
@@ -93,6 +105,45 @@ TEST_P(Mjcf, HasTheTorquesOfTheArm) {
     const VectorXd theirs = exported.inverse_dynamics(q, dq, ddq);
     EXPECT_TRUE(near(theirs, tau, kRelative * (1.0 + tau.cwiseAbs().maxCoeff())));
   }
+}
+
+// Every frame of the arm is a site of MuJoCo's at the same place.
+TEST_P(Mjcf, HasTheFramesOfTheArm) {
+  const Model arm = plausible_model(read_model(GetParam()), 3).arm;
+  Exported exported(arm);
+  std::srand(6);
+  const VectorXd q = 0.5 * VectorXd::Random(arm.joints());
+  VectorXd::Map(exported.data->qpos, exported.model->nq) = exported.S * q;
+  mj_kinematics(exported.model.get(), exported.data.get());
+  for (int k = 0; k < static_cast<int>(arm.frames().size()); ++k) {
+    const Frame& frame = arm.frames()[static_cast<std::size_t>(k)];
+    const int site = mj_name2id(exported.model.get(), mjOBJ_SITE, frame.name.c_str());
+    ASSERT_GE(site, 0) << frame.name;
+    const Eigen::Matrix4d T = frame_pose(arm, q, k);
+    const Eigen::Matrix<double, 3, 3, Eigen::RowMajor> R(exported.data->site_xmat + 9 * site);
+    EXPECT_TRUE(near(Eigen::Vector3d(exported.data->site_xpos + 3 * site), Eigen::Vector3d(T.topRightCorner<3, 1>()), 1e-9));
+    EXPECT_TRUE(near(Eigen::Matrix3d(R), Eigen::Matrix3d(T.topLeftCorner<3, 3>()), 1e-9)) << frame.name;
+  }
+}
+
+// A rotor that turns with two coordinates at once has no joint of the arm: it gets one.
+TEST(MjcfOfARotor, AlongTwoCoordinates) {
+  ModelDescription d = plausible_model(read_model("planar-2r"), 3).arm.description();
+  EffectTerm rotor;
+  rotor.effect = "rotor_inertia";
+  rotor.axis.coefficients = Eigen::Vector2d(0.7, -1.3);
+  rotor.values = {{"inertia", 0.4}};
+  d.effects = {rotor};
+  const Model arm(std::move(d));
+  Exported exported(arm);
+  const Eigen::Vector2d zero(0.0, 0.0);
+  Eigen::Matrix2d M;
+  for (int i = 0; i < 2; ++i) {
+    M.col(i) = exported.inverse_dynamics(zero, zero, Eigen::Vector2d::Unit(i)) -
+               exported.inverse_dynamics(zero, zero, zero);
+  }
+  const Eigen::Vector2d c(0.7, -1.3);
+  EXPECT_TRUE(near(M, mass_matrix(arm, zero) + 0.4 * c * c.transpose(), 1e-9));
 }
 
 // The motors hold gravity for a quarter of a second: nothing blows up, couplings hold.
@@ -129,7 +180,7 @@ TEST_P(Mjcf, RunsInMujoco) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Robots, Mjcf,
-                         testing::Values("planar-2r", "psm-3dof", "mtm", "ur10e",
+                         testing::Values("planar-2r", "psm-3dof", "psm-wrist", "mtm", "ur10e",
                                          "kuka-lwr4", "scara"),
                          [](const auto& robot) {
                            std::string name = robot.param;

@@ -114,7 +114,7 @@ void add_group(const ArraySet& set, const std::string& path, const std::string& 
   for (std::size_t row = 0; row < rows; ++row) {
     const double t = clock != nullptr ? clock->values[row] * static_cast<double>(unit)
                                       : static_cast<double>(row) * 1e9 / options.rate;
-    if (!std::isfinite(t) || std::abs(t) > 9e18) continue;
+    if (!std::isfinite(t) || std::abs(t) > static_cast<double>(kLargestTime)) continue;
     stream.recorded.push_back(std::llround(t));
     for (const NamedArray* a : kept) {
       const std::size_t width = width_of(*a, rows);

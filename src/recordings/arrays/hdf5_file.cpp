@@ -97,8 +97,8 @@ ArraySet read_hdf5(const std::string& path) {
 namespace veridyn::recordings {
 
 ArraySet read_hdf5(const std::string& path) {
-  throw InvalidInput(path +
-                     ": found HDF5, but this build cannot read it; expected CSV or .npz.");
+  throw InvalidInput(path + ": found HDF5, but this build has no HDF5 (libhdf5-dev, then build "
+                            "again); expected CSV or .npz.");
 }
 
 }  // namespace veridyn::recordings

@@ -104,8 +104,8 @@ ArraySet read_mat(const std::string& path) {
 namespace veridyn::recordings {
 
 ArraySet read_mat(const std::string& path) {
-  throw InvalidInput(path + ": found a MAT-file of MATLAB, but this build has no matio; expected CSV "
-                            "or .npz.");
+  throw InvalidInput(path + ": found a MAT-file of MATLAB, but this build has no matio (libmatio-dev, "
+                            "then build again); expected CSV or .npz.");
 }
 
 }  // namespace veridyn::recordings

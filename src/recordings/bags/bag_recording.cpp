@@ -78,6 +78,7 @@ class Collector {
     if (channel < 0) return;
     Entry& entry = *entries_[static_cast<std::size_t>(channel)];
     RawTopic& topic = topics_[entry.topic];
+    recorded = std::clamp(recorded, std::int64_t{0}, recordings::kLargestTime);
     topic.first = topic.messages == 0 ? recorded : std::min(topic.first, recorded);
     topic.last = topic.messages == 0 ? recorded : std::max(topic.last, recorded);
     ++topic.messages;

@@ -1,5 +1,6 @@
 #include "recordings/bags/topic_decoder.hpp"
 
+#include <algorithm>
 #include <limits>
 #include <nlohmann/json.hpp>
 
@@ -94,6 +95,11 @@ TopicDecoder::TopicDecoder(const Channel& channel, bool definite) : channel_(cha
     useful_ = useful_ || signal;
     leaf_of(path);
   }
+  // The plan counts leaves as they come.
+  if (leaves_.size() != plan_.paths.size()) {
+    problem_ = "its definition gives two fields one name";
+    return;
+  }
   useful_ = useful_ || definite || (names && positions) || is_plain_number(channel.type);
 }
 
@@ -123,7 +129,7 @@ void TopicDecoder::text(int leaf, std::string_view value) {
 
 void TopicDecoder::time(int leaf, std::int64_t nanoseconds) {
   if (stamp_ == 0 && leaves_[static_cast<std::size_t>(leaf)].role == Role::kStamp)
-    stamp_ = nanoseconds;
+    stamp_ = nanoseconds > recordings::kLargestTime ? 0 : nanoseconds;
 }
 
 void TopicDecoder::decode_json(std::string_view bytes) {
@@ -198,7 +204,8 @@ RawStream& TopicDecoder::stream() {
 void TopicDecoder::store(std::int64_t recorded) {
   try {
     RawStream& out = stream();
-    out.recorded.push_back(recorded);
+    out.recorded.push_back(
+        std::clamp(recorded, std::int64_t{0}, recordings::kLargestTime));
     out.stamped.push_back(stamp_);
     for (const Leaf& leaf : leaves_)
       out.values.insert(out.values.end(), leaf.numbers.begin(), leaf.numbers.end());

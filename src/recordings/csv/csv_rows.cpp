@@ -102,18 +102,20 @@ class RowParser {
     return value;
   }
 
-  // Where the field has a comma that does not separate, or null.
+  bool ends_number(char c) const { return c == layout_.separator || c == '"' || is_blank(c); }
+
+  // Where the number has a comma that does not separate, or null.
   const char* decimal_comma() const {
     if (layout_.separator == ',') return nullptr;
-    for (const char* c = p_; c != end_ && *c != layout_.separator; ++c) {
+    for (const char* c = p_; c != end_ && !ends_number(*c); ++c) {
       if (*c == ',') return c;
     }
     return nullptr;
   }
 
   double number_with_comma(std::size_t column, const char* first, const char* comma) {
-    const char* stop = p_;
-    while (stop != end_ && *stop != layout_.separator && *stop != '"' && !is_blank(*stop)) ++stop;
+    const char* stop = comma;
+    while (stop != end_ && !ends_number(*stop)) ++stop;
     std::string field(p_, stop);
     field[static_cast<std::size_t>(comma - p_)] = '.';
     double value = 0.0;

@@ -323,6 +323,7 @@ class Table {
     std::int64_t stamp = 0;
     if (header_.time.stamped >= 0)
       stamp = nanoseconds_of((*fields)[static_cast<std::size_t>(header_.time.stamped)], 1).value_or(0);
+    if (std::abs(stamp) > kLargestTime) stamp = 0;
     std::int64_t fraction = 0;
     if (header_.time.nanoseconds >= 0)
       fraction = nanoseconds_of((*fields)[static_cast<std::size_t>(header_.time.nanoseconds)], 1).value_or(0);
@@ -379,13 +380,16 @@ class Table {
       for (std::int64_t& time : stream.recorded) {
         const auto row = static_cast<std::size_t>(time);
         if (!clock) {
-          time = std::llround(static_cast<double>(numbers_[row]) * 1e9 / options_.rate);
+          const double t = static_cast<double>(numbers_[row]) * 1e9 / options_.rate;
+          require(t < static_cast<double>(kLargestTime), lines_.path(), ": found ", numbers_[row],
+                  " rows, expected less than 95 years of them at --rate ", options_.rate, ".");
+          time = std::llround(t);
           continue;
         }
-        const auto parsed = nanoseconds_of(times_[row], unit);
-        require(parsed.has_value(), lines_.path(), ": found time ", times_[row],
-                ", expected one that fits into 292 years.");
-        time = *parsed + fractions_[row];
+        const std::int64_t parsed = nanoseconds_of(times_[row], unit).value_or(kLargestTime);
+        require(std::abs(parsed) < kLargestTime && std::abs(fractions_[row]) < kLargestTime - std::abs(parsed),
+                lines_.path(), ": found time ", times_[row], ", expected one within 95 years.");
+        time = parsed + fractions_[row];
       }
     }
   }

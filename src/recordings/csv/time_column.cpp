@@ -97,7 +97,7 @@ std::optional<std::int64_t> nanoseconds_of(const std::string& number, std::int64
   std::int64_t whole = 0;
   const auto [rest, error] = std::from_chars(p, end, whole);
   const std::int64_t largest = std::numeric_limits<std::int64_t>::max() / unit - 1;
-  if (error == std::errc() && std::abs(whole) < largest) {
+  if (error == std::errc() && -largest < whole && whole < largest) {
     if (rest == end) return whole * unit;
     if (*rest == '.' && number.find_first_of("eE") == std::string::npos) {
       std::int64_t fraction = 0;

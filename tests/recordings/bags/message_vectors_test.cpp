@@ -7,6 +7,7 @@
 #include "recordings/bags/byte_reader.hpp"
 #include "recordings/bags/inflate.hpp"
 #include "recordings/bags/message_decoder.hpp"
+#include "recordings/bags/topic_decoder.hpp"
 #include "recordings/samples.hpp"
 
 namespace veridyn::bags {
@@ -158,6 +159,14 @@ TEST(ADefinition, ThatHoldsItselfIsRefused) {
 }
 
 // The frames of roslz4's own writer.
+// Leaves are counted by the plan and known by their names.
+TEST(ADefinition, WithTwoFieldsOfOneNameIsNotDecoded) {
+  TopicDecoder twice({"/t", "a/B", "ros1", "float64 position\nfloat64 position\n", ""}, true);
+  EXPECT_NE(twice.problem().find("two fields one name"), std::string::npos);
+  TopicDecoder once({"/t", "a/B", "ros1", "float64 position\nfloat64 velocity\n", ""}, true);
+  EXPECT_EQ(once.problem(), "");
+}
+
 TEST(AnLz4Frame, IsUnpacked) {
   const Inflated repeated = inflate("lz4", bytes_of_file(sample("vectors/roslz4_abcd10.lz4")), 1000);
   EXPECT_TRUE(repeated.whole);
