@@ -339,6 +339,9 @@ void CooperativeController::learn_lengths(const CooperativeInput& input) noexcep
 // While all is held: along with an arm that falls, then what forces ask for.
 void CooperativeController::give_way(const CooperativeInput& input) noexcept {
   if (options_.guard) {
+    for (size_t k = 0; k < trackers_.size(); ++k) {
+      if (tracked_[k] != 0 && !sensor_failed()) guard_.feel(static_cast<int>(k), input.force[k].force);
+    }
     guard_.update(input.position, input.velocity, input.healthy, options_.relief_force);
     for (size_t i = 0; i < targets_.size(); ++i)
       targets_[i].relief = guard_.motion(static_cast<int>(i));

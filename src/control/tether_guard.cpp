@@ -23,10 +23,11 @@ TetherGuard::TetherGuard(int arms, std::vector<Member> members, const TetherGuar
       members_(std::move(members)),
       lengths_(members_.size(), kUnknown),
       limits_(members_.size(), kUnknown),
+      pushes_(members_.size(), 0),
       motions_(static_cast<std::size_t>(std::max(0, arms))),
       seen_(motions_.size(), Vector3d::Zero()),
       accelerations_(seen_) {
-  for (const double value : {options.period, options.margin, options.horizon, options.rest,
+  for (const double value : {options.period, options.margin, options.horizon, options.least_push, options.rest,
                              options.acceleration, options.speed, options.smoothing}) {
     require(std::isfinite(value) && value > 0.0, "tether guard: found ", value,
             " among its options, expected numbers above zero.");
@@ -39,20 +40,27 @@ TetherGuard::TetherGuard(int arms, std::vector<Member> members, const TetherGuar
 }
 
 void TetherGuard::reset() noexcept {
-  for (std::size_t k = 0; k < members_.size(); ++k) lengths_[k] = limits_[k] = kUnknown;
+  for (std::size_t k = 0; k < members_.size(); ++k) forget(static_cast<int>(k));
   for (Motion& motion : motions_) motion = Motion();
   for (Vector3d& a : accelerations_) a.setZero();
   looked_ = false;
 }
 
 void TetherGuard::forget(int member) noexcept {
-  lengths_[static_cast<std::size_t>(member)] = limits_[static_cast<std::size_t>(member)] = kUnknown;
+  const auto k = static_cast<std::size_t>(member);
+  lengths_[k] = limits_[k] = kUnknown;
+  pushes_[k] = 0;
+}
+
+void TetherGuard::feel(int member, double force) noexcept {
+  if (force < -options_.least_push) pushes_[static_cast<std::size_t>(member)] = 1;
 }
 
 void TetherGuard::learn(int member, double length, double force) noexcept {
   const auto k = static_cast<std::size_t>(member);
   const double stiffness = members_[k].stiffness;
   if (!std::isfinite(length) || !std::isfinite(force)) return;
+  feel(member, force);
   if (!(force > 0.0)) {  // slack, or pushed: at least so long
     lengths_[k] = std::isnan(lengths_[k]) ? length : std::max(lengths_[k], length);
     return;
@@ -80,7 +88,7 @@ void TetherGuard::limit(std::size_t k, double length, double force) noexcept {
   const double stretch = members_[k].stiffness > 0.0 ? 2.0 * force / members_[k].stiffness : 0.0;
   const double taut = lengths_[k] + stretch;
   limits_[k] = std::isnan(limits_[k]) ? taut : std::min(limits_[k], taut);
-  if (length < lengths_[k])
+  if (length < lengths_[k] && pushes_[k] == 0)
     limits_[k] = std::min(limits_[k], std::max(lengths_[k] - options_.margin,
                                                length + options_.margin));
 }
@@ -99,14 +107,19 @@ void TetherGuard::hold_back(std::size_t k, const std::vector<Vector3d>& position
   const double rate = u.dot(relative);
   const double turning = (relative - rate * u).squaredNorm() / length;
   const double h = options_.horizon;
-  const double most = -2.0 / h * rate - (length - limits_[k]) / (h * h);
   // Each end alone, whatever the other is told: it may be the one that has no torque.
-  const double by_from = u.dot(accelerations_[to]) + turning - most;
-  const double by_to = turning - u.dot(accelerations_[from]) - most;
-  Vector3d& a_from = motions_[from].acceleration;
-  Vector3d& a_to = motions_[to].acceleration;
-  if (healthy[from] != 0) a_from += std::max(0.0, by_from - a_from.dot(u)) * u;
-  if (healthy[to] != 0) a_to -= std::max(0.0, by_to + a_to.dot(u)) * u;
+  const auto keep = [&](double sign, double bound) {  // sign d2L/dt2 <= most
+    const double most = -sign * 2.0 / h * rate - sign * (length - bound) / (h * h);
+    const double by_from = sign * (u.dot(accelerations_[to]) + turning) - most;
+    const double by_to = sign * (turning - u.dot(accelerations_[from])) - most;
+    Vector3d& a_from = motions_[from].acceleration;
+    Vector3d& a_to = motions_[to].acceleration;
+    if (healthy[from] != 0) a_from += std::max(0.0, by_from - sign * a_from.dot(u)) * sign * u;
+    if (healthy[to] != 0) a_to -= std::max(0.0, by_to + sign * a_to.dot(u)) * sign * u;
+  };
+  keep(1.0, limits_[k]);
+  const double stiffness = members_[k].stiffness;
+  if (pushes_[k] != 0 && stiffness > 0.0) keep(-1.0, lengths_[k] - 2.0 * force / stiffness);
 }
 
 void TetherGuard::update(const std::vector<Vector3d>& position,

@@ -25,6 +25,7 @@ constexpr double kYieldingMass = 0.5;     // [kg]
 constexpr double kYieldingDamping = 10.0;  // [N s/m]
 constexpr double kCalm = 0.8;              // of the bound
 constexpr double kRests = 0.005;           // [m/s]
+constexpr double kGoesAlong = 0.02;        // [m/s]
 
 ImpedanceGains yielding_gains() {
   ImpedanceGains g;
@@ -121,6 +122,8 @@ TaskReference ArmLoop::reference(const TipTarget& target) const noexcept {
 
 const VectorXd& ArmLoop::torque(const TipTarget& target, const Eigen::Vector3d& force) noexcept {
   relief_ = target.relief.position;
+  // An impedance gives way to forces, but it does not go along with what falls.
+  if (!yielding_ && target.relief.velocity.norm() > kGoesAlong) freeze();
   TaskReference wanted = reference(target);
   Vector6d wrench = Vector6d::Zero();
   if (gives_way() || yielding_) wrench.head<3>() = setup_.R_world_base.transpose() * force;

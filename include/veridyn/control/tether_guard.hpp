@@ -9,6 +9,7 @@ struct TetherGuardOptions {
   double period = 1e-3;      ///< [s] of update()
   double margin = 0.005;     ///< [m] of slack that is kept once a member has had twice as much
   double horizon = 0.03;     ///< [s] time constant of the approach to the largest length
+  double least_push = 0.5;   ///< [N] that tells a spring or a bar from a string
   double rest = 0.1;         ///< [s] in which motion of the guard dies away when nothing presses
   double acceleration = 40.0;  ///< [m/s^2] and
   double speed = 2.0;          ///< [m/s] of a tip at most
@@ -26,7 +27,8 @@ struct TetherGuardOptions {
 ///
 /// so that L approaches L_max at most like exp(-t/h). L_max is the member's length without force,
 /// learnt while the task runs, and the stretch under twice the force that is allowed; where the
-/// member has become slack, `margin` below the length without force. What presses nothing is not
+/// member has become slack, `margin` below the length without force. Members that have pushed are
+/// kept from being crushed likewise, with L_min and the signs turned. What presses nothing is not
 /// moved.
 ///
 /// Nothing allocates after the constructor, nothing throws.
@@ -49,6 +51,8 @@ class TetherGuard {
   void reset() noexcept;
   /// While the task runs: what is the length of a member without force? @param force  [N] read.
   void learn(int member, double length, double force) noexcept;
+  /// While all is held: does the member push? @param force  [N] read.
+  void feel(int member, double force) noexcept;
   /// A member was let go or taken anew.
   void forget(int member) noexcept;
 
@@ -73,6 +77,7 @@ class TetherGuard {
   TetherGuardOptions options_;
   std::vector<Member> members_;
   std::vector<double> lengths_, limits_;
+  std::vector<char> pushes_;
   std::vector<Motion> motions_;
   std::vector<Eigen::Vector3d> seen_, accelerations_;
   bool looked_ = false;
