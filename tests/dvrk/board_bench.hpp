@@ -19,7 +19,7 @@ inline Scenario board_example(const std::string& name) {
 inline std::vector<CooperatingArm> patient_side(std::size_t count) {
   std::vector<CooperatingArm> arms;
   for (std::size_t k = 0; k < count; ++k) {
-    const DvrkArm arm = read_arm("PSM" + std::to_string(k + 1));
+    const ArmFacts arm = read_arm("PSM" + std::to_string(k + 1));
     CooperatingArm one;
     one.robot = nominal_config(arm).robot("");
     one.coupling = arm.coupling();
