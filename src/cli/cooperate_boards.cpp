@@ -42,27 +42,6 @@ void place(const std::string& host, dvrk::CooperatingArm& arm) {
   arm.port = static_cast<std::uint16_t>(port);
 }
 
-// "silent:slave@4.5".
-void set_fault(const std::string& words, const Scenario& scenario,
-               dvrk::BoardCooperationOptions& options) {
-  if (words.empty()) return;
-  const auto colon = words.find(':');
-  const auto at = words.rfind('@');
-  const bool formed = colon != std::string::npos && at != std::string::npos && colon < at;
-  const std::string what = words.substr(0, colon);
-  char* end = nullptr;
-  options.fault_at = formed ? std::strtod(words.c_str() + at + 1, &end) : 0.0;
-  expect_value(formed && *end == '\0' && (what == "silent" || what == "amplifier"), "--board-fault",
-               "found '", words, "', expected silent:ARM@SECONDS or amplifier:ARM@SECONDS.");
-  const std::string name = words.substr(colon + 1, at - colon - 1);
-  const auto arm = std::find_if(scenario.arms.begin(), scenario.arms.end(),
-                                [&](const ScenarioArm& a) { return a.name == name; });
-  expect_value(arm != scenario.arms.end(), "--board-fault", "found no arm '", name,
-               "' in the scenario.");
-  const auto index = static_cast<int>(arm - scenario.arms.begin());
-  (what == "silent" ? options.silent_arm : options.broken_arm) = index;
-}
-
 }  // namespace
 
 void add_boards_options(CLI::App& command, BoardsRequest& request) {
@@ -78,8 +57,12 @@ void add_boards_options(CLI::App& command, BoardsRequest& request) {
       ->option_text("SOURCE...");
   command.add_option("--force-calibration", request.calibrations, "For each sensor")
       ->option_text("FILE...");
-  command.add_option("--board-fault", request.fault, "Of emulated boards: a fault to come")
-      ->option_text("silent:ARM@S|amplifier:ARM@S");
+  command.add_flag("--stepped", request.stepped,
+                   "Emulated boards whose time does not depend on this machine's");
+  command
+      .add_option("--board-fault", request.faults,
+                  "Of emulated boards: silent, amplifier, power, encoder, jump or limp")
+      ->option_text("KIND:ARM@S...");
 }
 
 ExitStatus run_boards(const BoardsRequest& request, const Scenario& scenario,
@@ -99,7 +82,10 @@ ExitStatus run_boards(const BoardsRequest& request, const Scenario& scenario,
   options.emulate = request.emulate;
   options.force_sources = request.sensors;
   options.force_calibrations = request.calibrations;
-  set_fault(request.fault, scenario, options);
+  options.stepped = request.stepped;
+  for (const std::string& words : request.faults)
+    options.faults.push_back(
+        value_of("--board-fault", [&] { return dvrk::parse_emulated_fault(words, scenario); }));
   catch_signals();
   const dvrk::BoardCooperationRun done =
       dvrk::run_on_boards(scenario, arms, options, stop_asked());
@@ -108,7 +94,7 @@ ExitStatus run_boards(const BoardsRequest& request, const Scenario& scenario,
   if (!common.report.empty())
     write_file(common.report, to_page(done.run, scenario, command_line));
   std::cout << done.report();
-  return done.end == dvrk::BoardEnd::kDone && done.run.met() ? kDone : kDataCannotAnswer;
+  return done.met() ? kDone : kDataCannotAnswer;
 }
 
 }  // namespace veridyn::cli

@@ -15,8 +15,8 @@ struct BoardsRequest {
   std::vector<std::string> hosts;         ///< HOST[:PORT], one per arm
   std::vector<std::string> sensors;       ///< force sources, one per member
   std::vector<std::string> calibrations;  ///< files, one per member
-  std::string fault;                      ///< "silent:ARM@T" or "amplifier:ARM@T"
-  bool emulate = false;
+  std::vector<std::string> faults;        ///< see parse_emulated_fault()
+  bool emulate = false, stepped = false;
 };
 
 void add_boards_options(CLI::App& command, BoardsRequest& request);

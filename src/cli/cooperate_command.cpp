@@ -64,6 +64,7 @@ ExitStatus run(const Request& request, const std::string& command) {
                 {"--sweep", !live && !on_boards, "no --live or --boards beside it"},
                 {"--live", !on_boards, "no --boards beside it"},
                 {"--emulate", on_boards, "--boards"},
+                {"--stepped", request.boards.emulate, "--emulate"},
                 {"--board-hosts", on_boards, "--boards"},
                 {"--board-fault", on_boards && request.boards.emulate, "--boards and --emulate"},
                 {"--force-sensor", on_boards, "--boards"},

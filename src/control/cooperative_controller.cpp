@@ -46,6 +46,19 @@ void check(const CooperativeOptions& o, std::size_t tips) {
   }
 }
 
+CooperativeOptions checked(const CooperativeOptions& options, std::size_t tips) {
+  check(options, tips);
+  return options;
+}
+
+TetherGuard guard_of(const CooperativeOptions& o) {
+  std::vector<TetherGuard::Member> members;
+  for (const CooperativeMember& m : o.members) members.push_back({m.from, m.to, m.law.stiffness});
+  TetherGuardOptions options = o.tether;
+  options.period = o.period;
+  return {static_cast<int>(o.R_world_arm.size()), std::move(members), options};
+}
+
 }  // namespace
 
 const char* describe(CooperativeState state) {
@@ -72,10 +85,11 @@ const char* describe(CooperativeState state) {
 
 CooperativeController::CooperativeController(const CooperativeOptions& options,
                                              const std::vector<Vector3d>& tips)
-    : options_(options),
+    : options_(checked(options, tips.size())),
       tracked_(options.members.size(), 1),
       watches_(options.members.size()),
       monitors_(options.members.size()),
+      guard_(guard_of(options)),
       targets_(tips.size()),
       centre_(VectorXd(centroid(tips))),
       angle_(VectorXd::Zero(1)),
@@ -85,7 +99,6 @@ CooperativeController::CooperativeController(const CooperativeOptions& options,
       scratch3_(VectorXd::Zero(3)),
       scratch1_(VectorXd::Zero(1)),
       goal_(wanted_.x()) {
-  check(options, tips.size());
   for (const CooperativeMember& member : options.members) trackers_.emplace_back(member.law);
   for (size_t i = 0; i < tips.size(); ++i) grips_.emplace_back(scratch3_);
   restart(tips);
@@ -108,6 +121,7 @@ void CooperativeController::restart(const std::vector<Vector3d>& tips) noexcept 
   for (Watch& watch : watches_) watch = {};
   for (PassivityMonitor& monitor : monitors_) monitor.reset();
   for (Vector3d& relief : relief_) relief.setZero();
+  guard_.reset();
   state_ = CooperativeState::kTracking;
   plan();
 }
@@ -169,6 +183,7 @@ bool CooperativeController::track(int member, bool on) noexcept {
   tracked_[k] = on ? 1 : 0;
   watches_[k] = {};
   monitors_[k].reset();
+  guard_.forget(member);
   return true;
 }
 
@@ -197,6 +212,7 @@ void CooperativeController::plan() noexcept {
         ddp + alpha.cross(r) + omega.cross(omega.cross(r)) + 2.0 * omega.cross(dr) + ddr;
     target.position = target.motion;
     target.force.setZero();
+    target.relief = {};
   }
 }
 
@@ -307,7 +323,35 @@ void CooperativeController::relieve(const CooperativeInput& input) noexcept {
     if (input.healthy[from] != 0) relief_[from] += step;
     if (input.healthy[to] != 0) relief_[to] -= step;
   }
-  for (size_t i = 0; i < targets_.size(); ++i) targets_[i].position += relief_[i];
+  for (size_t i = 0; i < targets_.size(); ++i) targets_[i].relief.position += relief_[i];
+}
+
+void CooperativeController::learn_lengths(const CooperativeInput& input) noexcept {
+  for (size_t k = 0; k < trackers_.size(); ++k) {
+    if (tracked_[k] == 0 || input.force[k].number < 0) continue;
+    const CooperativeMember& m = options_.members[k];
+    const Vector3d line =
+        input.position[static_cast<size_t>(m.to)] - input.position[static_cast<size_t>(m.from)];
+    guard_.learn(static_cast<int>(k), line.norm(), input.force[k].force);
+  }
+}
+
+// While all is held: along with an arm that falls, then what forces ask for.
+void CooperativeController::give_way(const CooperativeInput& input) noexcept {
+  if (options_.guard) {
+    for (size_t k = 0; k < trackers_.size(); ++k) {
+      if (tracked_[k] != 0 && !sensor_failed()) guard_.feel(static_cast<int>(k), input.force[k].force);
+    }
+    guard_.update(input.position, input.velocity, input.healthy, options_.relief_force);
+    for (size_t i = 0; i < targets_.size(); ++i)
+      targets_[i].relief = guard_.motion(static_cast<int>(i));
+  }
+  relieve(input);
+  for (TipTarget& target : targets_) {
+    target.position += target.relief.position;
+    target.velocity += target.relief.velocity;
+    target.acceleration += target.relief.acceleration;
+  }
 }
 
 const std::vector<TipTarget>& CooperativeController::update(
@@ -323,7 +367,11 @@ const std::vector<TipTarget>& CooperativeController::update(
   plan();
   if (state_ != CooperativeState::kNotFinite) {
     correct(input);
-    if (state_ != CooperativeState::kTracking) relieve(input);
+    if (state_ == CooperativeState::kTracking) {
+      learn_lengths(input);
+    } else {
+      give_way(input);
+    }
   }
   return targets_;
 }

@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <cstring>
 
+#include "terminal_line.hpp"
 #include "veridyn/control/load_cell.hpp"
 #include "veridyn/math/require.hpp"
 #ifdef VERIDYN_WITH_SERIALPORT
@@ -90,6 +91,13 @@ class UdpForceSource final : public ForceSource {
 };
 
 #ifdef VERIDYN_WITH_SERIALPORT
+bool is_known(const std::string& device) {
+  sp_port* port = nullptr;
+  if (sp_get_port_by_name(device.c_str(), &port) != SP_OK) return false;
+  sp_free_port(port);
+  return true;
+}
+
 class SerialForceSource final : public ForceSource {
  public:
   SerialForceSource(const std::string& device, int baud, LoadCellFormat format) : decoder_(format) {
@@ -138,14 +146,9 @@ class SerialForceSource final : public ForceSource {
 std::unique_ptr<ForceSource> open_serial(const std::string& device, int baud,
                                          LoadCellFormat format) {
 #ifdef VERIDYN_WITH_SERIALPORT
-  return std::make_unique<SerialForceSource>(device, baud, format);
-#else
-  (void)baud;
-  (void)format;
-  throw InvalidInput(text("force source: serial port '", device,
-                          "': this build has no libserialport; build it with that library, or use "
-                          "udp:PORT."));
+  if (is_known(device)) return std::make_unique<SerialForceSource>(device, baud, format);
 #endif
+  return open_terminal_line(device, baud, format);
 }
 
 }  // namespace

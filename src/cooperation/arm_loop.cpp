@@ -25,6 +25,7 @@ constexpr double kYieldingMass = 0.5;     // [kg]
 constexpr double kYieldingDamping = 10.0;  // [N s/m]
 constexpr double kCalm = 0.8;              // of the bound
 constexpr double kRests = 0.005;           // [m/s]
+constexpr double kGoesAlong = 0.02;        // [m/s]
 
 ImpedanceGains yielding_gains() {
   ImpedanceGains g;
@@ -88,7 +89,7 @@ void ArmLoop::measure(const VectorXd& q) noexcept {
 void ArmLoop::freeze() noexcept {
   if (frozen_) return;
   frozen_ = true;
-  frozen_at_ = position_;
+  frozen_at_ = position_ - relief_;
 }
 
 void ArmLoop::hold_within(double bound, const Eigen::Vector3d& force) noexcept {
@@ -101,14 +102,16 @@ void ArmLoop::hold_within(double bound, const Eigen::Vector3d& force) noexcept {
   if (size > kCalm * bound || velocity_.norm() > kRests) return;
   yielding_ = false;
   frozen_ = true;
-  frozen_at_ = position_;
+  frozen_at_ = position_ - relief_;
 }
 
 TaskReference ArmLoop::reference(const TipTarget& target) const noexcept {
   TaskReference wanted;
   const auto in_base = setup_.R_world_base.transpose();
   if (frozen_) {
-    wanted.x.head<3>() = in_base * (frozen_at_ - setup_.p_world_base);
+    wanted.x.head<3>() = in_base * (frozen_at_ + target.relief.position - setup_.p_world_base);
+    wanted.dx.head<3>() = in_base * target.relief.velocity;
+    wanted.ddx.head<3>() = in_base * target.relief.acceleration;
     return wanted;
   }
   wanted.x.head<3>() = in_base * (target.position - setup_.p_world_base);
@@ -118,6 +121,9 @@ TaskReference ArmLoop::reference(const TipTarget& target) const noexcept {
 }
 
 const VectorXd& ArmLoop::torque(const TipTarget& target, const Eigen::Vector3d& force) noexcept {
+  relief_ = target.relief.position;
+  // An impedance gives way to forces, but it does not go along with what falls.
+  if (!yielding_ && target.relief.velocity.norm() > kGoesAlong) freeze();
   TaskReference wanted = reference(target);
   Vector6d wrench = Vector6d::Zero();
   if (gives_way() || yielding_) wrench.head<3>() = setup_.R_world_base.transpose() * force;
@@ -127,6 +133,8 @@ const VectorXd& ArmLoop::torque(const TipTarget& target, const Eigen::Vector3d& 
     wanted = TaskReference();
     wanted.ddx.head<3>() =
         wrench.head<3>() * (std::min(1.0, bound_ / std::max(size, bound_)) / kYieldingMass);
+    wanted.dx.head<3>() = setup_.R_world_base.transpose() * target.relief.velocity;
+    wanted.ddx.head<3>() += setup_.R_world_base.transpose() * target.relief.acceleration;
   }
   tau_ = loop.update(state_, wanted, wrench);
   if (friction_ && !frozen_ && !yielding_) compensate_friction(wanted);

@@ -43,7 +43,8 @@ class ArmLoop {
   /// @param force  of the tip on the object as measured, in the world [N].
   const VectorXd& torque(const TipTarget& target, const Eigen::Vector3d& force) noexcept;
 
-  /// From now on a position loop, as an arm has that stops where it stands.
+  /// From now on a position loop, as an arm has that stops where it stands; from there it goes
+  /// along with TipTarget::relief.
   void freeze() noexcept;
 
   /// While all is held: the arm keeps its place as long as the force on it stays within `bound`
@@ -52,6 +53,8 @@ class ArmLoop {
   /// @param force  as torque() takes it.
   void hold_within(double bound, const Eigen::Vector3d& force) noexcept;
   bool yields() const { return yielding_; }
+  /// What the observer of model errors adds, (n) [N m], [N].
+  const VectorXd& extra_torque() const { return model_error_.torque(); }
 
  private:
   void compensate_friction(const TaskReference& wanted) noexcept;
@@ -73,6 +76,7 @@ class ArmLoop {
   double bound_ = 0.0;  // [N] of the force while yielding
   Eigen::Vector3d position_{Eigen::Vector3d::Zero()}, velocity_{Eigen::Vector3d::Zero()};
   Eigen::Vector3d frozen_at_{Eigen::Vector3d::Zero()};
+  Eigen::Vector3d relief_{Eigen::Vector3d::Zero()};  // as last asked for
 };
 
 }  // namespace veridyn

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "end_stops.hpp"
 #include "loop_gains.hpp"
 #include "phase_commands.hpp"
 #include "scenario_models.hpp"
@@ -90,14 +91,8 @@ void Experiment::add_members() {
     member.pulls_only = m.pulls_only;
     member.rest_length = (starts_[to] - starts_[from]).norm() + m.slack;
     objects_.members.push_back(member);
-    ForceSensorOptions sensor = m.sensor;
-    sensor.seed = scenario_.seed + 1000 + static_cast<unsigned>(k);
-    for (const ScenarioFault& fault : scenario_.faults) {
-      if (fault.member != static_cast<int>(k)) continue;
-      if (fault.kind == ScenarioFault::Kind::kSensorStuck) sensor.stuck_from = fault.at;
-      if (fault.kind == ScenarioFault::Kind::kSensorStale) sensor.stale_from = fault.at;
-    }
-    sensors_.emplace_back(sensor, 1.0 / scenario_.control.rate);
+    sensors_.emplace_back(sensor_options(scenario_, static_cast<int>(k)),
+                          1.0 / scenario_.control.rate);
   }
   samples_.resize(sensors_.size());
   filtered_.assign(sensors_.size() + scenario_.walls.size(), 0.0);
@@ -133,26 +128,14 @@ void Experiment::add_bodies() {
 }
 
 void Experiment::make_controller() {
-  const ScenarioControl& c = scenario_.control;
-  CooperativeOptions o;
+  std::vector<Eigen::Matrix3d> bases;
   std::vector<Vector3d> tips;
   for (size_t k = 0; k < scenario_.arms.size(); ++k) {
     const ScenarioArm& arm = scenario_.arms[k];
-    o.R_world_arm.push_back(base_rotation(arm.calibration_turn) * base_rotation(arm.turn));
+    bases.push_back(base_rotation(arm.calibration_turn) * base_rotation(arm.turn));
     tips.push_back(loops_[k].position());
   }
-  o.master = scenario_.master;
-  for (const ScenarioMember& m : scenario_.members)
-    o.members.push_back({m.from, m.to, m.law, member_share(scenario_, m)});
-  o.period = 1.0 / c.rate;
-  o.largest_force = c.largest_force;
-  o.largest_force_error = c.largest_force_error;
-  o.largest_age = c.largest_age;
-  o.largest_error = c.largest_error;
-  o.stuck_force = c.stuck_force;
-  if (c.largest_energy > 0.0) o.largest_energy = c.largest_energy;
-  o.relief_force = c.relief_force;
-  control_ = std::make_unique<CooperativeController>(o, tips);
+  control_ = std::make_unique<CooperativeController>(cooperative_options(scenario_, bases), tips);
   input_ = std::make_unique<CooperativeInput>(static_cast<int>(tips.size()),
                                               static_cast<int>(scenario_.members.size()));
   input_->position = tips;
@@ -253,6 +236,9 @@ bool Experiment::step() {
     if (limp_[k] == 1) tau_[k].setZero();
   }
   status_ = world_->step(tau_, 1.0 / scenario_.control.rate);
+  for (size_t k = 0; k < limp_.size(); ++k) {
+    if (limp_[k] == 1) stop_at_ends(*world_, arms_[k], static_cast<int>(k));
+  }
   if (status_ == StepStatus::kOk && is_lost()) status_ = StepStatus::kRanAway;
   return status_ == StepStatus::kOk;
 }

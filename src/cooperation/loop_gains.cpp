@@ -32,4 +32,35 @@ double member_share(const Scenario& scenario, const ScenarioMember& member) {
   return is_stiff(member.from) && is_stiff(member.to) ? 0.5 : 1.0;
 }
 
+CooperativeOptions cooperative_options(const Scenario& scenario,
+                                       const std::vector<Eigen::Matrix3d>& R_world_arm) {
+  const ScenarioControl& c = scenario.control;
+  CooperativeOptions o;
+  o.R_world_arm = R_world_arm;
+  o.master = scenario.master;
+  for (const ScenarioMember& m : scenario.members)
+    o.members.push_back({m.from, m.to, m.law, member_share(scenario, m)});
+  o.period = 1.0 / c.rate;
+  o.largest_force = c.largest_force;
+  o.largest_force_error = c.largest_force_error;
+  o.largest_age = c.largest_age;
+  o.largest_error = c.largest_error;
+  o.stuck_force = c.stuck_force;
+  if (c.largest_energy > 0.0) o.largest_energy = c.largest_energy;
+  o.relief_force = c.relief_force;
+  o.guard = c.guard;
+  return o;
+}
+
+ForceSensorOptions sensor_options(const Scenario& scenario, int member) {
+  ForceSensorOptions sensor = scenario.members[static_cast<std::size_t>(member)].sensor;
+  sensor.seed = scenario.seed + 1000 + static_cast<unsigned>(member);
+  for (const ScenarioFault& fault : scenario.faults) {
+    if (fault.member != member) continue;
+    if (fault.kind == ScenarioFault::Kind::kSensorStuck) sensor.stuck_from = fault.at;
+    if (fault.kind == ScenarioFault::Kind::kSensorStale) sensor.stale_from = fault.at;
+  }
+  return sensor;
+}
+
 }  // namespace veridyn

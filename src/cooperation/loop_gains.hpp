@@ -1,5 +1,6 @@
 #pragma once
 
+#include "veridyn/control/cooperative_controller.hpp"
 #include "veridyn/control/impedance.hpp"
 #include "veridyn/cooperation/scenario.hpp"
 
@@ -16,5 +17,12 @@ ImpedanceGains position_gains(const ScenarioControl& control);
 
 /// CooperativeMember::share of a member: 1/2 where both ends are position loops.
 double member_share(const Scenario& scenario, const ScenarioMember& member);
+
+/// @param R_world_arm  axes of the arms' bases as the controller believes them.
+CooperativeOptions cooperative_options(const Scenario& scenario,
+                                       const std::vector<Eigen::Matrix3d>& R_world_arm);
+
+/// The sensor of a member, with the seed and the faults that the scenario has for it.
+ForceSensorOptions sensor_options(const Scenario& scenario, int member);
 
 }  // namespace veridyn

@@ -96,8 +96,9 @@ TEST(ScenarioRun, FaultsEndInAHoldBelowTheStatedForce) {
       {"fault-frozen", CooperativeState::kForceTooLarge, 10.0},
       {"fault-stuck", CooperativeState::kSensorStuck, 10.0},
       {"fault-stale", CooperativeState::kSensorStale, 10.0},
-      // The arm of the example is out of balance and falls; see the file.
-      {"fault-limp", CooperativeState::kForceTooLarge, 45.0},
+      // The arm of these is out of balance and falls; see the files.
+      {"fault-limp", CooperativeState::kForceTooLarge, 30.0},
+      {"fault-limp-string", CooperativeState::kForceTooLarge, 20.0},
   };
   for (const auto& fault : faults) {
     const ScenarioRun run = run_scenario(example(fault.name));
@@ -107,6 +108,50 @@ TEST(ScenarioRun, FaultsEndInAHoldBelowTheStatedForce) {
     EXPECT_LT(run.held_at, 5.5);
     EXPECT_LT(run.largest_force, fault.force) << fault.name;
   }
+}
+
+// Without the guard the string is jerked tight, whenever the arm goes limp; with it, it is not.
+TEST(ScenarioRun, AFallingArmDoesNotJerkTheString) {
+  for (const double at : {2.5, 4.0, 4.5, 5.5}) {
+    Scenario s = example("fault-limp-string");
+    s.faults[0].at = at;
+    const ScenarioRun guarded = run_scenario(s);
+    EXPECT_TRUE(guarded.complete());
+    EXPECT_LT(guarded.largest_force, s.asked_largest_force) << "at " << at;
+    if (at != 4.5) continue;
+    s.control.guard = false;
+    EXPECT_GT(run_scenario(s).largest_force, 5.0 * guarded.largest_force);
+  }
+}
+
+// A base that is believed turned by `t` about the members' line turns the arm's motion by -t: a move
+// of d across the line ends d sin t beside the others'. Along the line the force loop takes it away.
+// A shift of the base changes no motion at all.
+TEST(ScenarioRun, AWrongBaseShowsInPlacesAndNotInForces) {
+  constexpr double kTurn = 0.05, kWay = 0.03;
+  const auto moved = [&](const Eigen::Vector3d& turn, const Eigen::Vector3d& shift) {
+    Scenario s = example("two-arms-spring");
+    s.phases.resize(2);
+    s.phases[1].commands[0].way = {0.0, kWay, 0.0};
+    s.arms[1].calibration_turn = turn;
+    s.arms[1].calibration_position = shift;
+    const ScenarioRun run = run_scenario(s);
+    EXPECT_TRUE(run.complete());
+    EXPECT_EQ(run.state, CooperativeState::kTracking);
+    EXPECT_LT(run.phases[1].largest_force_error(), 0.1);
+    const auto way = [&](std::size_t arm, double from) {
+      const auto first = static_cast<Eigen::Index>(from * s.control.rate) - 1;
+      const MatrixXd& tip = run.arm[arm].tip;
+      return Eigen::Vector3d((tip.row(tip.rows() - 1) - tip.row(first)).transpose());
+    };
+    return Eigen::Vector3d(way(1, s.phases[0].duration) - way(0, s.phases[0].duration));
+  };
+  const Eigen::Vector3d turned = moved({kTurn, 0.0, 0.0}, Eigen::Vector3d::Zero());
+  EXPECT_NEAR(std::abs(turned.z()), kWay * std::sin(kTurn), 2e-4) << turned.transpose();
+  EXPECT_NEAR(turned.y(), kWay * (std::cos(kTurn) - 1.0), 2e-4);
+  EXPECT_LT(std::abs(turned.x()), 2e-4);
+  const Eigen::Vector3d shifted = moved(Eigen::Vector3d::Zero(), {0.002, 0.0, 0.0});
+  EXPECT_LT(shifted.norm(), 2e-4) << shifted.transpose();
 }
 
 // Whenever the sensor fails, on a spring and on a string: while the force rises, at rest, on the

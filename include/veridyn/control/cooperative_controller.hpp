@@ -8,6 +8,7 @@
 #include "veridyn/control/force_law.hpp"
 #include "veridyn/control/passivity_monitor.hpp"
 #include "veridyn/control/quintic_interpolator.hpp"
+#include "veridyn/control/tether_guard.hpp"
 #include "veridyn/math/types.hpp"
 
 namespace veridyn {
@@ -33,6 +34,9 @@ struct CooperativeOptions {
   double relief_force = 5.0;   ///< [N] while all is held, ends give way to readings beyond it,
   double relief_gain = 0.02;   ///< [m/(N s)] so fast per newton beyond,
   double relief_speed = 0.2;   ///< [m/s] and at most so fast; not where a sensor failed
+  /// While all is held: keeps members from being jerked tight by an arm that falls.
+  bool guard = true;
+  TetherGuardOptions tether;  ///< its period is the controller's
 };
 
 /// What is measured, once per update(); sized by the controller's constructor.
@@ -55,6 +59,9 @@ struct TipTarget {
   Eigen::Vector3d velocity{Eigen::Vector3d::Zero()};      ///< Velocity of x_d [m/s]
   Eigen::Vector3d acceleration{Eigen::Vector3d::Zero()};  ///< Acceleration of x_d [m/s^2]
   Eigen::Vector3d force{Eigen::Vector3d::Zero()};         ///< wanted of the tip on the object [N]
+  /// The part of position, velocity and acceleration by which the end gives way while all is held:
+  /// for arms that keep a place of their own then.
+  TetherGuard::Motion relief{};
 };
 
 /// kTracking; or why everything is held: a defined end that only restart() leaves.
@@ -134,6 +141,10 @@ class CooperativeController {
   Eigen::Vector3d spin() const { return angle_.dx()[0] * axis_; }        ///< [rad/s], world
   Eigen::Vector3d spin_rate() const { return angle_.ddx()[0] * axis_; }  ///< [rad/s^2], world
   double relief_force() const { return options_.relief_force; }
+  /// Changes it, as when a pretension is given up. [N] above zero; others are not taken.
+  void relieve_beyond(double force) noexcept {
+    if (force > 0.0) options_.relief_force = force;
+  }
   bool arrived() const { return centre_.arrived() && angle_.arrived(); }
   double wanted_force(int member) const { return wanted_.x()[member]; }
   double correction(int member) const { return trackers_[static_cast<size_t>(member)].value(); }
@@ -149,6 +160,8 @@ class CooperativeController {
   void correct(const CooperativeInput& input) noexcept;
   CooperativeState judge(const CooperativeInput& input) noexcept;
   void relieve(const CooperativeInput& input) noexcept;
+  void give_way(const CooperativeInput& input) noexcept;
+  void learn_lengths(const CooperativeInput& input) noexcept;
   bool makes_energy(size_t member, const ForceReading& reading,
                     const CooperativeInput& input) noexcept;
   bool is_stuck(size_t member, const ForceReading& reading, double length) noexcept;
@@ -159,6 +172,7 @@ class CooperativeController {
   std::vector<char> tracked_;
   std::vector<Watch> watches_;
   std::vector<PassivityMonitor> monitors_;
+  TetherGuard guard_;
   std::vector<TipTarget> targets_;
   QuinticInterpolator centre_, angle_, wanted_;
   std::vector<QuinticInterpolator> grips_;                // r_i

@@ -81,7 +81,7 @@ class ForceSource {
 };
 
 /// "serial:/dev/ttyUSB0[:115200][:text|binary]" or "udp:PORT[:text|binary]".
-/// @throws InvalidInput  another form, a port that cannot be opened, a build without libserialport.
+/// @throws InvalidInput  another form, a port that cannot be opened.
 std::unique_ptr<ForceSource> open_force_source(const std::string& name);
 
 /// Why a channel is not to be trusted.

@@ -32,6 +32,7 @@ struct ArmSessionOptions {
   Access access = Access::kDrive;  ///< listening, start() neither writes nor loads encoders
   bool announce = false;           ///< see BusOptions
   double watchdog = 0.030;         ///< [s]
+  double reply_timeout = 0.020;    ///< [s] for all replies of a cycle
   Homing homing = Homing::kIfNeeded;
   int pot_readings = 100;  ///< cycles of pots whose mean gives the encoders their start
   /// Largest motion of a pot among them, peak to peak, in which it counts as resting: this share of

@@ -25,6 +25,10 @@ class BoardServer {
   /// Waits up to `seconds` for one datagram and answers it; the arm moves on in any case.
   void serve(double seconds);
 
+  /// Answers all datagrams that have come, without waiting, at a time that somebody else keeps.
+  /// @returns how many. @param now  never back.
+  int serve_waiting(Ticks now);
+
   /// [s] since the server was made, by which the arm was late, at most: its simulation could not
   /// keep up with real time.
   double latest() const { return latest_; }
@@ -32,6 +36,7 @@ class BoardServer {
  private:
   Ticks now() const;
   Ticks time_of(double came);
+  bool serve_one(Ticks at, bool as_it_came);
 
   BoardEmulator& emulator_;
   int socket_ = -1;

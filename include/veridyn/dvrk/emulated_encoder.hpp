@@ -17,6 +17,9 @@ class EmulatedEncoder {
   /// The shaft has come to `counts`.
   void move(double counts, Ticks now) noexcept;
 
+  /// The counter jumps by so many counts, as edges that were missed let it.
+  void slip(std::int64_t counts) noexcept { offset_ += counts; }
+
   /// Loads the counter with a 24-bit word.
   void preload(std::uint32_t word) noexcept;
   std::uint32_t last_preload() const { return preload_; }
@@ -29,6 +32,7 @@ class EmulatedEncoder {
 
   // Faults of the hardware, as long as they are set.
   bool broken_lines = false;      ///< illegal transitions
+  bool stuck = false;             ///< the counter stands still, whatever the shaft does
   bool overflow_latched = false;  ///< section 11.1: sticky; not cleared by a preload
 
  private:

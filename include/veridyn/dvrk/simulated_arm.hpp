@@ -16,7 +16,7 @@ namespace veridyn::dvrk {
 ///
 /// The model may have fewer joints than there are actuators: then it is the first ones, and the
 /// others stand still. While no amplifier of the arm is on, it stands where it is, as if it had
-/// brakes.
+/// brakes, unless it falls_without_power().
 class SimulatedArm final : public BoardLoad {
  public:
   /// @param boards             ids, in the order of the emulator's boards.
@@ -33,6 +33,9 @@ class SimulatedArm final : public BoardLoad {
 
   /// Stops that no joint of the model passes, (joints) each; it hits them and stays. None at first.
   void set_end_stops(const VectorXd& lower, const VectorXd& upper);
+
+  /// Without brakes: once its motors have had power, nothing holds the arm when they lose it.
+  void falls_without_power() { brakes_ = false; }
 
   /// How the last step of the engine ended; a failed engine stands still from then on.
   StepStatus status() const { return status_; }
@@ -53,7 +56,7 @@ class SimulatedArm final : public BoardLoad {
   MatrixXd joint_torque_;  ///< actuator to joint torques: inverse of K'
   VectorXd effort_, joint_effort_, q_, actuator_q_, tau_, rest_;
   VectorXd lower_, upper_, held_q_, held_dq_;  ///< end stops; empty: none
-  bool parked_ = true;
+  bool parked_ = true, brakes_ = true, had_power_ = false;
   StepStatus status_ = StepStatus::kOk;
 };
 

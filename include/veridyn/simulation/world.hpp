@@ -46,6 +46,8 @@ class World {
 
   /// Puts one arm somewhere. Time restarts, energies are counted from zero.
   void set_state(int arm, const VectorRef& q, const VectorRef& dq);
+  /// An arm hits something hard, and its state is another at once; time goes on.
+  void hit(int arm, const VectorRef& q, const VectorRef& dq);
 
   /// Moves everything on by dt [s] under constant joint torques, one vector for each arm.
   StepStatus step(const std::vector<VectorXd>& tau, double dt) noexcept;

@@ -4,17 +4,19 @@
 #include <chrono>
 #include <cmath>
 
-#include "veridyn/dvrk/arm_session.hpp"
+#include "cooperation/end_stops.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn::dvrk {
 namespace {
 
 using Clock = std::chrono::steady_clock;
+using Kind = EmulatedFault::Kind;
 
 constexpr double kStep = 5e-4;         // [s] of the world between two looks at the sockets
 constexpr double kMostBehind = 0.02;   // [s] that are made up for after a pause of the machine
 constexpr double kBrake = 2.0 * M_PI * 20.0;  // [rad/s] of brakes that hold an arm
+constexpr double kSlip = 0.05;         // [rad], [m] by which an encoder jumps
 
 std::vector<BoardSetup> setups(const RobotConfig& robot, int firmware) {
   std::vector<BoardSetup> out;
@@ -27,14 +29,19 @@ std::vector<BoardSetup> setups(const RobotConfig& robot, int firmware) {
   return out;
 }
 
+bool has_brakes(const RobotConfig& robot) {
+  return std::any_of(robot.actuators.begin(), robot.actuators.end(),
+                     [](const ActuatorConfig& a) { return a.brake.has_value(); });
+}
+
 }  // namespace
 
 JoinedArms::JoinedArms(const Scenario& scenario, const std::vector<RobotConfig>& robots,
                        const std::vector<MatrixXd>& couplings, int firmware)
     : experiment_(scenario, "veridyn"),
       tension_(scenario.members.size()),
-      silent_(scenario.arms.size()),
-      broken_(scenario.arms.size()) {
+      faults_(scenario.arms.size()),
+      applied_(scenario.arms.size(), 0) {
   require(robots.size() == scenario.arms.size() && couplings.size() == robots.size(),
           "emulated boards: found ", robots.size(), " configurations, expected one for each of ",
           scenario.arms.size(), " arms.");
@@ -47,6 +54,9 @@ JoinedArms::JoinedArms(const Scenario& scenario, const std::vector<RobotConfig>&
     emulators_.push_back(std::make_unique<BoardEmulator>(setups(robots[k], firmware)));
     loads_.push_back(std::make_unique<SimulatedArm>(*joints_[k], robots[k], couplings[k],
                                                     boards_of(robots[k]), arm.start));
+    sockets_.push_back(sockets_of(robots[k]).front());
+    slips_.push_back(std::llround(kSlip / std::abs(robots[k].actuators.front().bits_to_position)));
+    if (!has_brakes(robots[k])) loads_[k]->falls_without_power();
     servers_.push_back(std::make_unique<BoardServer>(*emulators_[k], 0));
     emulators_[k]->attach(loads_[k].get());
   }
@@ -55,18 +65,22 @@ JoinedArms::JoinedArms(const Scenario& scenario, const std::vector<RobotConfig>&
 void JoinedArms::advance(double seconds) {
   World& world = experiment_.world();
   for (size_t k = 0; k < joints_.size(); ++k) {
-    const VectorXd& q = world.q(static_cast<int>(k));
+    const auto arm = static_cast<int>(k);
+    const VectorXd& q = world.q(arm);
     if (joints_[k]->driven()) {
       tau_[k] = joints_[k]->tau();
+      if (has(k, Kind::kLimp)) tau_[k].setZero();
       brakes_[k] = q;
       continue;
     }
-    const VectorXd& dq = world.dq(static_cast<int>(k));
+    const VectorXd& dq = world.dq(arm);
     states_[k].update(q, dq);
     tau_[k] = states_[k].bias() + states_[k].mass_matrix() *
                                       (kBrake * kBrake * (brakes_[k] - q) - 2.0 * kBrake * dq);
   }
   world.step(tau_, seconds);
+  for (size_t k = 0; k < joints_.size(); ++k)
+    stop_at_ends(world, experiment_.real(static_cast<int>(k)), static_cast<int>(k));
   for (size_t k = 0; k < tension_.size(); ++k) {
     const double tension = world.member(static_cast<int>(k)).tension;
     tension_[k].store(tension);
@@ -74,21 +88,54 @@ void JoinedArms::advance(double seconds) {
   }
 }
 
+void JoinedArms::apply_faults() {
+  for (size_t k = 0; k < emulators_.size(); ++k) {
+    const unsigned now = faults_[k].load();
+    const unsigned fresh = now & ~applied_[k];
+    if (fresh == 0) continue;
+    applied_[k] = now;
+    BoardEmulator& boards = *emulators_[k];
+    const auto begins = [fresh](Kind kind) { return (fresh & bit_of(kind)) != 0; };
+    if (begins(Kind::kSilent)) {
+      boards.faults.reply = ReplyFault::kDrop;
+      boards.faults.replies = -1;
+    }
+    if (begins(Kind::kAmplifier)) boards.board(0).faults.amp[0] = true;
+    if (begins(Kind::kPower)) boards.chain.supply_on = false;
+    for (int c = 0; c < kChannels; ++c) {
+      if (begins(Kind::kEncoder)) boards.board(0).encoder(c).stuck = true;
+    }
+    if (begins(Kind::kJump))
+      boards.board(sockets_[k].place).encoder(sockets_[k].channel).slip(slips_[k]);
+  }
+}
+
 void JoinedArms::run(const std::atomic<bool>& stop) {
   const Clock::time_point begun = Clock::now();
   double reached = 0.0;
   while (!stop.load()) {
-    for (size_t k = 0; k < servers_.size(); ++k) {
-      if (silent_[k].load()) {
-        emulators_[k]->faults.reply = ReplyFault::kDrop;
-        emulators_[k]->faults.replies = -1;
-      }
-      if (broken_[k].load()) emulators_[k]->board(0).faults.amp[0] = true;
-      servers_[k]->serve(5e-5);
-    }
+    apply_faults();
+    for (const auto& server : servers_) server->serve(5e-5);
     const double now = std::chrono::duration<double>(Clock::now() - begun).count();
     if (now - reached > kMostBehind) reached = now - kMostBehind;
     for (; reached + kStep <= now; reached += kStep) advance(kStep);
+  }
+}
+
+void JoinedArms::serve() {
+  apply_faults();
+  for (const auto& server : servers_)
+    server->serve_waiting(static_cast<Ticks>(now_ * kTicksPerSecond));
+}
+
+void JoinedArms::pass(double seconds) {
+  serve();
+  for (const double until = now_ + std::max(0.0, seconds); now_ < until;) {
+    now_ = std::min(until, reached_ + kStep);
+    if (now_ < reached_ + kStep) break;
+    advance(kStep);
+    reached_ += kStep;
+    serve();
   }
 }
 

@@ -5,7 +5,10 @@
 #include <vector>
 
 #include "cooperation/experiment.hpp"
+#include "stepped_link.hpp"
 #include "veridyn/control/arm_state.hpp"
+#include "veridyn/dvrk/arm_session.hpp"
+#include "veridyn/dvrk/board_cooperation.hpp"
 #include "veridyn/dvrk/board_emulator.hpp"
 #include "veridyn/dvrk/board_server.hpp"
 #include "veridyn/dvrk/simulated_arm.hpp"
@@ -13,11 +16,13 @@
 namespace veridyn::dvrk {
 
 /// Emulated boards of several arms whose tips hold one object: each arm's motors drive its part of
-/// a scenario's World, and every emulator stands behind a UDP port of its own. One thread serves
-/// all of them, in real time.
+/// a scenario's World, and every emulator stands behind a UDP port of its own. Either one thread
+/// serves all of them in real time (run()), or the loop that they are tested with moves their clock
+/// (SteppedClock).
 ///
-/// An arm none of whose amplifiers is on is held by its brakes.
-class JoinedArms {
+/// Before its first power an arm is held. Afterwards brakes hold it when no amplifier is on, where
+/// its configuration has brakes; other arms fall, down to the ends of their joints.
+class JoinedArms final : public SteppedClock {
  public:
   /// @param robots  one for each arm of the scenario, with its coupling (empty: identity).
   /// @throws InvalidInput  as Experiment, SimulatedArm and BoardServer.
@@ -26,16 +31,20 @@ class JoinedArms {
 
   std::uint16_t port(int arm) const { return servers_[static_cast<size_t>(arm)]->port(); }
 
-  /// Serves until `stop` is true.
+  /// Serves in real time until `stop` is true.
   void run(const std::atomic<bool>& stop);
+
+  double now() const override { return now_; }
+  void serve() override;
+  void pass(double seconds) override;
 
   /// True force of a member as it last was [N]; may be asked from another thread.
   double tension(int member) const { return tension_[static_cast<size_t>(member)].load(); }
-  /// From now on this arm's boards do not answer any more. From another thread.
-  void silence(int arm) { silent_[static_cast<size_t>(arm)].store(true); }
-  /// From now on an amplifier of this arm has a fault. From another thread.
-  void break_amplifier(int arm) { broken_[static_cast<size_t>(arm)].store(true); }
-  double largest_force() const { return largest_force_.load(); }
+  double largest_force() const { return largest_force_.load(); }  ///< [N] of any member, ever
+  /// From now on the fault is there. From another thread.
+  void break_down(const EmulatedFault& fault) {
+    if (fault.arm >= 0) faults_[static_cast<size_t>(fault.arm)].fetch_or(bit_of(fault.kind));
+  }
 
  private:
   // What SimulatedArm takes for its engine: torques go in, the world's joints come out.
@@ -70,6 +79,11 @@ class JoinedArms {
   };
 
   void advance(double seconds);
+  void apply_faults();
+  bool has(std::size_t arm, EmulatedFault::Kind kind) const {
+    return (faults_[arm].load() & bit_of(kind)) != 0;
+  }
+  static unsigned bit_of(EmulatedFault::Kind kind) { return 1U << static_cast<unsigned>(kind); }
 
   Experiment experiment_;
   std::vector<std::unique_ptr<Joint>> joints_;
@@ -79,8 +93,12 @@ class JoinedArms {
   std::vector<std::unique_ptr<SimulatedArm>> loads_;
   std::vector<std::unique_ptr<BoardServer>> servers_;
   std::vector<std::atomic<double>> tension_;
-  std::vector<std::atomic<bool>> silent_, broken_;
+  std::vector<std::atomic<unsigned>> faults_;
+  std::vector<unsigned> applied_;
+  std::vector<Socket> sockets_;      // of the first joints
+  std::vector<std::int64_t> slips_;  // [counts] of them
   std::atomic<double> largest_force_{0.0};
+  double now_ = 0.0, reached_ = 0.0;  // [s] of the stepped clock
 };
 
 }  // namespace veridyn::dvrk

@@ -126,24 +126,38 @@ void BoardServer::serve(double seconds) {
                       static_cast<long>((seconds - std::floor(seconds)) * 1e9)};
   if (::ppoll(&wanted, 1, &most, nullptr) <= 0) {
     emulator_.advance(now());
-  } else {
-    std::array<std::uint8_t, kDatagramBuffer> in{}, out{};
-    sockaddr_in from{};
-    double came = 0.0;
-    const ssize_t got = receive(socket_, {in.data(), in.size()}, from, came);
-    if (got < 0) return;
-    // It is executed at the time at which it came, as a board would that is never busy.
-    const Ticks then = came > 0.0 ? time_of(came) : now();
-    const Answer answer =
-        emulator_.handle({in.data(), static_cast<std::size_t>(got)},
-                         std::max(then, emulator_.time()), {out.data(), out.size()});
-    if (answer.size > 0) {
-      if (answer.delay > 0.0) ::usleep(static_cast<useconds_t>(1e6 * answer.delay));
-      ::sendto(answer.foreign ? other_socket_ : socket_, out.data(), answer.size, MSG_NOSIGNAL,
-               reinterpret_cast<const sockaddr*>(&from), sizeof from);
-    }
+  } else if (!serve_one(0, true)) {
+    return;
   }
   latest_ = std::max(latest_, static_cast<double>(now() - emulator_.time()) / kTicksPerSecond);
+}
+
+// One datagram, executed at `at`, or at the time at which it came, as a board would that is never
+// busy. False: there was none.
+bool BoardServer::serve_one(Ticks at, bool as_it_came) {
+  std::array<std::uint8_t, kDatagramBuffer> in{}, out{};
+  sockaddr_in from{};
+  double came = 0.0;
+  const ssize_t got = receive(socket_, {in.data(), in.size()}, from, came);
+  if (got < 0) return false;
+  if (as_it_came) at = came > 0.0 ? time_of(came) : now();
+  const Answer answer =
+      emulator_.handle({in.data(), static_cast<std::size_t>(got)}, std::max(at, emulator_.time()),
+                       {out.data(), out.size()});
+  if (answer.size > 0) {
+    if (answer.delay > 0.0 && as_it_came) ::usleep(static_cast<useconds_t>(1e6 * answer.delay));
+    ::sendto(answer.foreign ? other_socket_ : socket_, out.data(), answer.size, MSG_NOSIGNAL,
+             reinterpret_cast<const sockaddr*>(&from), sizeof from);
+  }
+  return true;
+}
+
+int BoardServer::serve_waiting(Ticks now) {
+  int served = 0;
+  pollfd wanted{socket_, POLLIN, 0};
+  while (::poll(&wanted, 1, 0) > 0 && serve_one(now, false)) ++served;
+  emulator_.advance(std::max(now, emulator_.time()));
+  return served;
 }
 
 void BoardServer::run(const std::atomic<bool>& stop) {

@@ -48,6 +48,7 @@ void EmulatedEncoder::edge(std::int64_t crossed, bool up, double at) noexcept {
 }
 
 void EmulatedEncoder::move(double counts, Ticks now) noexcept {
+  if (stuck) return;
   const auto target = static_cast<std::int64_t>(std::floor(counts));
   const auto start = static_cast<double>(moved_at_);
   const double rate =

@@ -88,11 +88,13 @@ void SimulatedArm::advance(double seconds, const MotorDrive* drives, ChannelMoti
   }
   joint_effort_.noalias() = joint_torque_ * effort_;
   tau_ = joint_effort_.head(tau_.size());
-  if (!any && !parked_) {  // the brakes fall in
+  had_power_ = had_power_ || any;
+  const bool stands = !any && (brakes_ || !had_power_);
+  if (stands && !parked_) {  // the brakes fall in
     q_.head(tau_.size()) = engine_.q();
     engine_.set_state(engine_.q(), rest_);
   }
-  parked_ = !any;
+  parked_ = stands;
   if (!parked_ && seconds > 0.0 && status_ == StepStatus::kOk) {
     status_ = engine_.step(tau_, seconds);
     stop_at_ends();

@@ -72,6 +72,7 @@ SessionOptions session_options(const RobotConfig& robot, const ArmSessionOptions
   options.bus.access = how.access;
   options.bus.announce = how.announce;
   options.watchdog = how.watchdog;
+  options.bus.reply_timeout = how.reply_timeout;
   options.bus.cycle_time = how.rate > 0.0 ? 1.0 / how.rate : 0.0;
   options.bus.boards = boards_of(robot);
   options.channels.assign(options.bus.boards.size(), {});

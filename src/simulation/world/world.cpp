@@ -266,6 +266,13 @@ void World::set_state(int arm, const VectorRef& q, const VectorRef& dq) {
   s.settle();
 }
 
+void World::hit(int arm, const VectorRef& q, const VectorRef& dq) {
+  State& s = *state_;
+  s.arms.at(static_cast<size_t>(arm)).engine->set_state(q, dq);
+  s.until_review = 0;
+  s.settle();
+}
+
 void World::detach(int member) {
   state_->objects.members.at(static_cast<size_t>(member)).attached = false;
   state_->settle();

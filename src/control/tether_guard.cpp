@@ -1,0 +1,148 @@
+#include "veridyn/control/tether_guard.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "veridyn/math/require.hpp"
+
+namespace veridyn {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kShortest = 1e-6;  // [m] between tips that have a direction
+constexpr double kLearning = 0.01;  // of a difference, per period
+constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+
+}  // namespace
+
+TetherGuard::TetherGuard(int arms, std::vector<Member> members, const TetherGuardOptions& options)
+    : options_(options),
+      members_(std::move(members)),
+      lengths_(members_.size(), kUnknown),
+      limits_(members_.size(), kUnknown),
+      pushes_(members_.size(), 0),
+      motions_(static_cast<std::size_t>(std::max(0, arms))),
+      seen_(motions_.size(), Vector3d::Zero()),
+      accelerations_(seen_) {
+  for (const double value : {options.period, options.margin, options.horizon, options.least_push, options.rest,
+                             options.acceleration, options.speed, options.smoothing}) {
+    require(std::isfinite(value) && value > 0.0, "tether guard: found ", value,
+            " among its options, expected numbers above zero.");
+  }
+  for (const Member& m : members_) {
+    require(m.from >= 0 && m.from < arms && m.to >= 0 && m.to < arms && m.from != m.to,
+            "tether guard: found a member between the arms ", m.from, " and ", m.to,
+            ", expected two different ones of ", arms, " from 0.");
+  }
+}
+
+void TetherGuard::reset() noexcept {
+  for (std::size_t k = 0; k < members_.size(); ++k) forget(static_cast<int>(k));
+  for (Motion& motion : motions_) motion = Motion();
+  for (Vector3d& a : accelerations_) a.setZero();
+  looked_ = false;
+}
+
+void TetherGuard::forget(int member) noexcept {
+  const auto k = static_cast<std::size_t>(member);
+  lengths_[k] = limits_[k] = kUnknown;
+  pushes_[k] = 0;
+}
+
+void TetherGuard::feel(int member, double force) noexcept {
+  if (force < -options_.least_push) pushes_[static_cast<std::size_t>(member)] = 1;
+}
+
+void TetherGuard::learn(int member, double length, double force) noexcept {
+  const auto k = static_cast<std::size_t>(member);
+  const double stiffness = members_[k].stiffness;
+  if (!std::isfinite(length) || !std::isfinite(force)) return;
+  feel(member, force);
+  if (!(force > 0.0)) {  // slack, or pushed: at least so long
+    lengths_[k] = std::isnan(lengths_[k]) ? length : std::max(lengths_[k], length);
+    return;
+  }
+  const double found = stiffness > 0.0 ? length - force / stiffness : length;
+  lengths_[k] =
+      std::isnan(lengths_[k]) ? found : lengths_[k] + kLearning * (found - lengths_[k]);
+}
+
+// Accelerations of the tips, from their velocities.
+void TetherGuard::look(const std::vector<Vector3d>& velocity) noexcept {
+  const double share = 1.0 - std::exp(-2.0 * M_PI * options_.smoothing * options_.period);
+  for (std::size_t i = 0; i < seen_.size(); ++i) {
+    if (looked_)
+      accelerations_[i] +=
+          share * ((velocity[i] - seen_[i]) / options_.period - accelerations_[i]);
+    seen_[i] = velocity[i];
+  }
+  looked_ = true;
+}
+
+// L_max: taut members may carry twice the force (at the force itself others give way, and noise
+// shall move nothing); those that have been slack keep their margin.
+void TetherGuard::limit(std::size_t k, double length, double force) noexcept {
+  const double stretch = members_[k].stiffness > 0.0 ? 2.0 * force / members_[k].stiffness : 0.0;
+  const double taut = lengths_[k] + stretch;
+  limits_[k] = std::isnan(limits_[k]) ? taut : std::min(limits_[k], taut);
+  if (length < lengths_[k] && pushes_[k] == 0)
+    limits_[k] = std::min(limits_[k], std::max(lengths_[k] - options_.margin,
+                                               length + options_.margin));
+}
+
+void TetherGuard::hold_back(std::size_t k, const std::vector<Vector3d>& position,
+                            const std::vector<Vector3d>& velocity, const std::vector<char>& healthy,
+                            double force) noexcept {
+  const auto from = static_cast<std::size_t>(members_[k].from);
+  const auto to = static_cast<std::size_t>(members_[k].to);
+  const Vector3d line = position[to] - position[from];
+  const double length = line.norm();
+  if (std::isnan(lengths_[k]) || !(length > kShortest)) return;
+  limit(k, length, force);
+  const Vector3d u = line / length;
+  const Vector3d relative = velocity[to] - velocity[from];
+  const double rate = u.dot(relative);
+  const double turning = (relative - rate * u).squaredNorm() / length;
+  const double h = options_.horizon;
+  // Each end alone, whatever the other is told: it may be the one that has no torque.
+  const auto keep = [&](double sign, double bound) {  // sign d2L/dt2 <= most
+    const double most = -sign * 2.0 / h * rate - sign * (length - bound) / (h * h);
+    const double by_from = sign * (u.dot(accelerations_[to]) + turning) - most;
+    const double by_to = sign * (turning - u.dot(accelerations_[from])) - most;
+    Vector3d& a_from = motions_[from].acceleration;
+    Vector3d& a_to = motions_[to].acceleration;
+    if (healthy[from] != 0) a_from += std::max(0.0, by_from - sign * a_from.dot(u)) * sign * u;
+    if (healthy[to] != 0) a_to -= std::max(0.0, by_to + sign * a_to.dot(u)) * sign * u;
+  };
+  keep(1.0, limits_[k]);
+  const double stiffness = members_[k].stiffness;
+  if (pushes_[k] != 0 && stiffness > 0.0) keep(-1.0, lengths_[k] - 2.0 * force / stiffness);
+}
+
+void TetherGuard::update(const std::vector<Vector3d>& position,
+                         const std::vector<Vector3d>& velocity, const std::vector<char>& healthy,
+                         double force) noexcept {
+  look(velocity);
+  for (Motion& motion : motions_) motion.acceleration = -motion.velocity / options_.rest;
+  for (std::size_t k = 0; k < members_.size(); ++k)
+    hold_back(k, position, velocity, healthy, force);
+  const double dt = options_.period;
+  for (Motion& motion : motions_) {
+    const double size = motion.acceleration.norm();
+    if (!std::isfinite(size)) {
+      motion.acceleration.setZero();
+      continue;
+    }
+    motion.acceleration *= std::min(1.0, options_.acceleration / std::max(size, 1e-12));
+    Vector3d next = motion.velocity + dt * motion.acceleration;
+    next *= std::min(1.0, options_.speed / std::max(next.norm(), options_.speed));
+    motion.acceleration = (next - motion.velocity) / dt;
+    motion.position += 0.5 * dt * (motion.velocity + next);
+    motion.velocity = next;
+  }
+}
+
+}  // namespace veridyn

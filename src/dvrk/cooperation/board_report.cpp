@@ -1,0 +1,58 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdlib>
+
+#include "model/suggestion.hpp"
+#include "veridyn/dvrk/board_cooperation.hpp"
+#include "veridyn/math/require.hpp"
+
+namespace veridyn::dvrk {
+
+EmulatedFault parse_emulated_fault(const std::string& words, const Scenario& scenario) {
+  using Kind = EmulatedFault::Kind;
+  static const std::vector<std::pair<std::string, Kind>> kinds = {
+      {"silent", Kind::kSilent},   {"amplifier", Kind::kAmplifier}, {"power", Kind::kPower},
+      {"encoder", Kind::kEncoder}, {"jump", Kind::kJump},           {"limp", Kind::kLimp}};
+  const auto colon = words.find(':');
+  const auto at = words.rfind('@');
+  std::vector<std::string> names;
+  for (const auto& [name, kind] : kinds) names.push_back(name);
+  require(colon != std::string::npos && at != std::string::npos && colon < at, "found '", words,
+          "', expected KIND:ARM@SECONDS with a kind of ", listed(names), ".");
+  const std::string what = words.substr(0, colon);
+  const auto kind = std::find_if(kinds.begin(), kinds.end(),
+                                 [&](const auto& one) { return one.first == what; });
+  require(kind != kinds.end(), "found the fault '", what, "'", did_you_mean(what, names),
+          ", expected one of: ", listed(names), ".");
+  const std::string name = words.substr(colon + 1, at - colon - 1);
+  const auto arm = std::find_if(scenario.arms.begin(), scenario.arms.end(),
+                                [&](const ScenarioArm& a) { return a.name == name; });
+  require(arm != scenario.arms.end(), "found no arm '", name, "' in the scenario.");
+  const char* seconds = words.c_str() + at + 1;
+  char* end = nullptr;
+  EmulatedFault fault;
+  fault.kind = kind->second;
+  fault.arm = static_cast<int>(arm - scenario.arms.begin());
+  fault.at = std::strtod(seconds, &end);
+  require(end != seconds && *end == '\0' && fault.at > 0.0 && fault.at < 1e9, "found '", seconds,
+          "' in '", words, "', expected seconds above zero.");
+  return fault;
+}
+
+std::string BoardCooperationRun::report() const {
+  std::string out = run.report();
+  out += fmt::format("{} cycles, {} late; a cycle took {:.0f} us, at most {:.0f} us.\n", cycles,
+                     late, 1e6 * mean_cycle, 1e6 * longest_cycle);
+  if (end != BoardEnd::kDone && release_at > 0.0)
+    out += fmt::format("At {:.4g} s {}: all arms held, at most {:.3g} N; from {:.4g} s the pretension "
+                       "was given up from {:.3g} N, and at {:.4g} s power went with {:.3g} N left.\n",
+                       fault_at, why, largest_force_after_fault, release_at, force_at_release,
+                       off_at, force_at_off);
+  else if (end != BoardEnd::kDone)
+    out += fmt::format("The run did not begin: {}.\n", why);
+  out += fmt::format("Boards at the end: {}.\n", describe(power));
+  return out;
+}
+
+}  // namespace veridyn::dvrk

@@ -1,0 +1,114 @@
+#include "board_side.hpp"
+
+#include <cmath>
+#include <limits>
+
+#include "veridyn/math/require.hpp"
+
+namespace veridyn::dvrk {
+namespace {
+
+constexpr double kForceFactor = 1.5;      // of the controller's bound: the supervisor's own
+constexpr double kAgeFactor = 10.0;       // likewise: the controller holds first
+constexpr double kOverrun = 0.05;         // [s]
+constexpr double kSensorAge = 0.02;       // [s] of positions
+constexpr double kSaturatedSeconds = 0.5;
+
+ArmSessionOptions options_of(const Scenario& scenario, const CooperatingArm& arm,
+                             const BoardCooperationOptions& options) {
+  ArmSessionOptions o;
+  o.actuator_to_joint = arm.coupling;
+  o.rate = scenario.control.rate;
+  o.watchdog = options.watchdog;
+  o.reply_timeout = options.reply_timeout;
+  return o;
+}
+
+}  // namespace
+
+BoardSide::BoardSide(const Scenario& scenario, std::size_t index, const CooperatingArm& arm,
+                     const BoardCooperationOptions& options, std::unique_ptr<DatagramLink> link)
+    : models_(scenario_models(scenario, index)),
+      link_(std::move(link)),
+      session_(*link_, arm.robot, options_of(scenario, arm, options)),
+      joints_(models_.known.joints()),
+      q_(VectorXd::Zero(joints_)),
+      dq_(q_),
+      tau_(q_),
+      all_(VectorXd::Zero(session_.size())),
+      state_(models_.known, {scenario.arms[index].frame, scenario.arms[index].offset}),
+      input_(joints_) {
+  require(joints_ <= session_.size(), "arm '", scenario.arms[index].name, "': found a model of ",
+          joints_, " joints, but boards for ", session_.size(), ".");
+  session_.start();
+}
+
+void BoardSide::begin(const Scenario& scenario, std::size_t index) {
+  const ScenarioArm& arm = scenario.arms[index];
+  require(session_.state().q.allFinite(), "arm '", arm.name,
+          "': found no position, expected its boards to answer.");
+  loop_.emplace(ArmLoopSetup{models_.known,
+                             {arm.frame, arm.offset},
+                             models_.R_world_base_known,
+                             models_.p_world_base_known,
+                             arm.control,
+                             scenario.control,
+                             VectorXd::Zero(joints_),
+                             session_.state().q.head(joints_)});
+  SafetyLimits limits = safety_limits(models_.known, 1.0);
+  for (int i = 0; i < joints_; ++i) {
+    const ActuatorConfig& a = session_.robot().actuators[static_cast<size_t>(i)];
+    limits.torque[i] = std::abs(a.max_current / a.effort_to_amps);
+  }
+  limits.force = kForceFactor * scenario.control.largest_force;
+  limits.force_age = kAgeFactor * scenario.control.largest_age;
+  limits.overrun = kOverrun;
+  limits.sensor_age = kSensorAge;
+  limits.torque_seconds = kSaturatedSeconds;
+  supervisor_ = std::make_unique<SafetySupervisor>(models_.known, limits);
+  supervisor_->enable();
+  supervisor_->activate();
+  input_.q_wanted.setConstant(std::numeric_limits<double>::quiet_NaN());
+  input_.force_expected.setConstant(std::numeric_limits<double>::quiet_NaN());
+}
+
+void BoardSide::read(double now) noexcept {
+  now_ = now;
+  valid_ = !deaf_ && session_.update();
+  if (!valid_) return;
+  heard_ = now;
+  q_ = session_.state().q.head(joints_);
+  dq_ = session_.state().dq.head(joints_);
+  if (loop_) loop_->measure(q_);
+}
+
+void BoardSide::act(const TipTarget& target, const Eigen::Vector3d& exerted, double age,
+                    double dt) noexcept {
+  if (!valid_ || !session_.ready()) return;
+  state_.update(q_, dq_);
+  input_.dt = dt;
+  input_.sensor_age = now_ - heard_;
+  input_.force = exerted;
+  input_.force_age = age;
+  const VectorXd& wanted = loop_->torque(target, exerted);
+  supervisor_->set_holding_torque(loop_->extra_torque());
+  tau_ = supervisor_->update(state_, input_, wanted);
+  all_.head(joints_) = tau_;
+  session_.set_torques(all_);
+}
+
+const char* BoardSide::lost_by(double largest_age) noexcept {
+  if (lost_) return nullptr;
+  const bool silent = now_ - heard_ > largest_age;
+  const bool off = session_.boards().state() == PowerState::kFault;
+  const SafetyFault fault = supervisor_->fault();
+  lost_ = silent || off || fault != SafetyFault::kNone;
+  // Boards that do not answer cost the others time; they are told to switch off all the same.
+  deaf_ = lost_ && !valid_;
+  return silent  ? "its boards do not answer"
+         : off   ? describe(session_.boards().cause())
+         : lost_ ? describe(fault)
+                 : nullptr;
+}
+
+}  // namespace veridyn::dvrk

@@ -1,0 +1,105 @@
+#include "veridyn/dvrk/board_cooperation.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "dvrk/board_bench.hpp"
+#include "veridyn/math/require.hpp"
+
+// Arms on emulated boards hold one object: UDP sockets, sessions, loops and supervisors as on real
+// boards, and a simulated world between the motors and the encoders.
+
+namespace veridyn::dvrk {
+namespace {
+
+TEST(BoardCooperation, TwoArmsKeepTheForceInASpring) {
+  const Scenario scenario = board_example("two-psm-spring");
+  const BoardCooperationRun done = on_emulated_boards(scenario);
+  EXPECT_EQ(done.end, BoardEnd::kDone) << done.report();
+  EXPECT_TRUE(done.met()) << done.report();
+  EXPECT_EQ(done.late, 0);
+  EXPECT_EQ(done.power, OffState::kConfirmed);
+  EXPECT_LT(done.largest_force, 3.2);
+  EXPECT_LT(done.force_at_off, 0.5);
+  ASSERT_EQ(done.run.phases.size(), 3U);
+  // The master has gone where it was sent, as its own encoders tell: along x of the world, which
+  // is x of its base.
+  const MatrixXd& tip = done.run.arm[0].tip;
+  EXPECT_NEAR(tip(tip.rows() - 1, 0) - tip(0, 0), 0.01, 2e-4);
+}
+
+TEST(BoardCooperation, ThreeArmsHoldATriangleAndUnloadOne) {
+  const BoardCooperationRun done = on_emulated_boards(board_example("three-psm-springs"));
+  EXPECT_TRUE(done.met()) << done.report();
+  EXPECT_EQ(done.power, OffState::kConfirmed);
+  ASSERT_EQ(done.run.phases.size(), 3U);
+  EXPECT_NEAR(done.run.phases[2].members[1].wanted, 0.5, 1e-6);
+  EXPECT_LT(done.run.phases[2].largest_force_error(), 0.1);
+}
+
+// By the stepped clock nothing depends on the machine: two runs are the same to the last bit.
+TEST(BoardCooperation, TheSameRunTwiceIsTheSame) {
+  Scenario scenario = board_example("two-psm-spring");
+  scenario.phases.resize(1);
+  scenario.phases[0].duration = 0.5;
+  const BoardCooperationRun a = on_emulated_boards(scenario);
+  const BoardCooperationRun b = on_emulated_boards(scenario);
+  EXPECT_EQ(a.run.member[0].force, b.run.member[0].force);
+  EXPECT_EQ(a.run.arm[1].tau, b.run.arm[1].tau);
+  EXPECT_EQ(a.cycles, b.cycles);
+}
+
+// In the machine's own time, which may be short: either the run is done and the force kept, or the
+// watchdogs and the supervisors have stopped all. In both cases power is off and the force is small.
+TEST(BoardCooperation, InRealTimeItEndsInADefinedWay) {
+  Scenario scenario = board_example("two-psm-spring");
+  scenario.phases.resize(1);
+  scenario.phases[0].duration = 0.6;
+  for (ScenarioCommand& c : scenario.phases[0].commands) {
+    c.over = 0.4;
+    c.amount = 1.0;
+  }
+  const BoardCooperationRun done = on_emulated_boards(scenario, {}, false);
+  EXPECT_LT(done.largest_force, 6.0);
+  if (done.end != BoardEnd::kDone) {
+    EXPECT_FALSE(done.why.empty());
+    EXPECT_GE(done.off_at, done.fault_at);
+    return;
+  }
+  EXPECT_EQ(done.power, OffState::kConfirmed);
+  EXPECT_EQ(done.run.time.size(), 600);
+}
+
+TEST(BoardCooperation, SaysWhatDoesNotFit) {
+  const Scenario scenario = board_example("two-psm-spring");
+  BoardCooperationOptions options;
+  std::atomic<bool> stop{false};
+  options.emulate = true;
+  EXPECT_THROW(run_on_boards(scenario, patient_side(3), options, stop), InvalidInput);
+  options.force_sources = {"udp:47121", "udp:47122"};
+  EXPECT_THROW(run_on_boards(scenario, patient_side(2), options, stop), InvalidInput);
+  options = {};
+  options.stepped = true;
+  options.force_sources = {"udp:47121"};
+  EXPECT_THROW(run_on_boards(scenario, patient_side(2), options, stop), InvalidInput);
+  EXPECT_EQ(parse_emulated_fault("limp:slave@2.5", scenario).arm, 1);
+  for (const char* bad : {"limp", "limp:slave", "limp:slave@", "limp:slave@x", "limp:slave@-1",
+                          "limb:slave@1", "limp:slav@1"})
+    EXPECT_THROW(parse_emulated_fault(bad, scenario), InvalidInput) << bad;
+}
+
+TEST(BoardCooperation, ASignalReleasesAndSwitchesOff) {
+  Scenario scenario = board_example("two-psm-spring");
+  BoardCooperationOptions options;
+  options.emulate = options.stepped = true;
+  options.hold = options.release = 0.3;
+  const std::atomic<bool> stop{true};
+  const BoardCooperationRun done = run_on_boards(scenario, patient_side(2), options, stop);
+  EXPECT_EQ(done.end, BoardEnd::kStopped);
+  EXPECT_EQ(done.power, OffState::kConfirmed);
+  EXPECT_FALSE(done.met());
+}
+
+}  // namespace
+}  // namespace veridyn::dvrk

@@ -1,0 +1,131 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+#include <string>
+
+#include "dvrk/board_bench.hpp"
+#include "veridyn/dvrk/board_cooperation.hpp"
+#include "veridyn/model/model_file.hpp"
+
+// One arm's fault stops all in a defined way: hold, give up the pretension, power off.
+
+namespace veridyn::dvrk {
+namespace {
+
+using Kind = EmulatedFault::Kind;
+
+constexpr double kAt = 1.9;      // [s], while the object moves
+constexpr double kRelief = 5.0;  // [N] that is held at most
+constexpr double kPhase = 0.4;   // [s] of holding, and of giving up the pretension
+
+struct Drill {
+  Kind kind;
+  const char* why;
+  double found_within;  // [s]
+};
+
+void PrintTo(const Drill& drill, std::ostream* out) { *out << drill.why; }
+
+class BoardDrills : public testing::TestWithParam<Drill> {
+ protected:
+  static Scenario moving() {
+    Scenario s = board_example("two-psm-spring");
+    s.phases.resize(2);
+    s.phases[0].duration = 1.5;
+    s.phases[1].duration = 1.0;
+    for (ScenarioCommand& c : s.phases[1].commands) c.over = 0.8;
+    return s;
+  }
+};
+
+TEST_P(BoardDrills, HoldThenReleaseThenOff) {
+  const Drill& drill = GetParam();
+  for (const int arm : {0, 1}) {
+    SCOPED_TRACE(arm == 0 ? "master" : "slave");
+    const Scenario scenario = moving();
+    const BoardCooperationRun done = on_emulated_boards(scenario, {{drill.kind, arm, kAt}});
+    ASSERT_EQ(done.end, BoardEnd::kFault) << done.report();
+    EXPECT_EQ(done.faulty_arm, arm) << done.why;
+    EXPECT_NE(done.why.find("arm " + scenario.arms[static_cast<size_t>(arm)].name + ": "),
+              std::string::npos);
+    EXPECT_NE(done.why.find(drill.why), std::string::npos) << done.why;
+    EXPECT_FALSE(done.met());
+    EXPECT_EQ(done.run.state, CooperativeState::kArmLost);
+    EXPECT_GT(done.fault_at, kAt);
+    EXPECT_LT(done.fault_at, kAt + drill.found_within);
+    EXPECT_NEAR(done.release_at - done.fault_at, kPhase, 0.02);
+    EXPECT_NEAR(done.off_at - done.release_at, kPhase, 0.02);
+    EXPECT_LT(done.largest_force, scenario.asked_largest_force);
+    EXPECT_LT(done.force_at_release, kRelief);
+    EXPECT_LT(done.force_at_off, 1.0);
+    // Boards that do not answer cannot confirm anything.
+    EXPECT_EQ(done.power,
+              drill.kind == Kind::kSilent ? OffState::kUnknown : OffState::kConfirmed);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Faults, BoardDrills,
+    testing::Values(Drill{Kind::kSilent, "no reply", 0.03},
+                    Drill{Kind::kAmplifier, "an amplifier is off", 0.06},
+                    Drill{Kind::kPower, "no motor supply", 0.03},
+                    Drill{Kind::kEncoder, "a pot disagrees", 0.5},
+                    Drill{Kind::kJump, "a position that jumped", 0.01}));
+
+// Sensors fail as the scenario says: all stand still, forces being unknown, and power goes.
+TEST(BoardDrills, AForceSensorThatFails) {
+  for (const auto kind : {ScenarioFault::Kind::kSensorStale, ScenarioFault::Kind::kSensorStuck}) {
+    Scenario s = board_example("two-psm-spring");
+    s.phases.resize(2);
+    ScenarioFault fault;
+    fault.kind = kind;
+    fault.member = 0;
+    fault.at = 0.8;  // while the force rises
+    s.faults = {fault};
+    const BoardCooperationRun done = on_emulated_boards(s);
+    EXPECT_EQ(done.end, BoardEnd::kFault) << done.report();
+    EXPECT_EQ(done.run.state, kind == ScenarioFault::Kind::kSensorStale
+                                  ? CooperativeState::kSensorStale
+                                  : CooperativeState::kSensorStuck);
+    EXPECT_LT(done.largest_force, 6.0);
+    EXPECT_EQ(done.power, OffState::kConfirmed);
+  }
+}
+
+// An arm out of balance that loses its torque without a word, on a string: the other goes along
+// with it. Without the guard the string carries several times as much.
+TEST(BoardDrills, AnArmThatFallsDoesNotJerkTheString) {
+  std::ifstream file(std::string(VERIDYN_SOURCE_DIR) + "/examples/dvrk/light-psm.yaml");
+  std::string model{std::istreambuf_iterator<char>(file), {}};
+  const std::string balanced = "com: [-0.26, 0, 0]";
+  const auto at = model.find(balanced);
+  ASSERT_NE(at, std::string::npos);
+  model.replace(at, balanced.size(), "com: [-0.20, 0, 0]");
+  const std::string path = testing::TempDir() + "falling-psm.yaml";
+  std::ofstream(path) << model;
+  Scenario s = board_example("two-psm-string");
+  for (ScenarioArm& arm : s.arms) arm.model = path;
+  s.phases.resize(2);
+  double guarded = 0.0;
+  for (const bool guard : {true, false}) {
+    s.control.guard = guard;
+    BoardCooperationOptions options;
+    options.emulate = options.stepped = true;
+    options.faults = {{Kind::kLimp, 1, 2.5}};
+    const std::atomic<bool> stop{false};
+    const BoardCooperationRun done = run_on_boards(s, patient_side(2), options, stop);
+    EXPECT_EQ(done.end, BoardEnd::kFault) << done.report();
+    EXPECT_LT(done.fault_at, 2.6);
+    if (guard) {
+      guarded = done.largest_force;
+      EXPECT_LT(guarded, s.asked_largest_force) << done.report();
+    } else {
+      EXPECT_GT(done.largest_force, 2.0 * guarded) << done.report();
+    }
+  }
+  std::remove(path.c_str());
+}
+
+}  // namespace
+}  // namespace veridyn::dvrk
