@@ -22,13 +22,13 @@ class SimulatedArm : public testing::Test {
   }
 
   // Three recordings to learn from and one held out, of one arm with the effect hidden in it.
-  json diagnosis_of(const std::string& hidden) const {
+  json diagnosis_of(const std::string& hidden, const char* limit_share = "1") const {
     Words train;
     for (const char* k : {"1", "2", "3", "4"}) {
       const std::string motion = folder_.path(std::string("motion") + k + ".csv");
       const std::string recording = folder_.path(std::string("recording") + k + ".csv");
       run({"excite", "psm-3dof", "-o", motion, "--frequency", std::string("0.1") + k, "--seed", k,
-           "--evaluations", "300", "--limit-share", "1", "--quiet"});
+           "--evaluations", "300", "--limit-share", limit_share, "--quiet"});
       Words simulate = {"simulate", "psm-3dof", "--trajectory", motion, "-o",     recording,
                         "--noise",  "dvrk",     "--seed",       k,      "--quiet"};
       if (!hidden.empty()) simulate = simulate + Words{"--effect", hidden};
@@ -78,10 +78,14 @@ TEST_P(HideAndSeek, TheHiddenEffectIsNamedFirstAndGains) {
   run({"info", folder_.path("extended.yaml")});
 }
 
+// Of the motions within 95 % of the limits the insertion's velocity is all noise where it turns
+// round.
 TEST_F(SimulatedArm, NothingHiddenNothingFound) {
-  const json out = diagnosis_of("");
-  EXPECT_TRUE(out["findings"].empty()) << out["findings"];
-  EXPECT_EQ(out["verdict"].get<std::string>(), "none");
+  for (const char* limit_share : {"1", "0.95"}) {
+    const json out = diagnosis_of("", limit_share);
+    EXPECT_TRUE(out["findings"].empty()) << limit_share << ": " << out["findings"];
+    EXPECT_EQ(out["verdict"].get<std::string>(), "none");
+  }
 }
 
 // A model of yesterday, an arm with a load and a stiffer gear today.

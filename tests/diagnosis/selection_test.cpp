@@ -16,10 +16,10 @@ constexpr int kRows = 40;
 constexpr double kNoise = 0.3;
 
 // Columns of one joint: base, cause, alike (correlated with cause), other (a cause of its own),
-// idle, copy (of the base).
+// idle, copy (of the base), mixture (of cause and other, less half of idle).
 const std::vector<std::string>& names() {
-  static const std::vector<std::string> kNames = {"base",  "cause", "alike",
-                                                  "other", "idle",  "copy"};
+  static const std::vector<std::string> kNames = {"base", "cause", "alike",  "other",
+                                                  "idle", "copy",  "mixture"};
   return kNames;
 }
 
@@ -38,13 +38,15 @@ class Columns {
     CompressedRecording out;
     out.joints.resize(1);
     for (int b = 0; b < kBlocks; ++b) {
-      MatrixXd A(kRows, 6);
+      MatrixXd A(kRows, 7);
       VectorXd tau(kRows);
       for (int k = 0; k < kRows; ++k) {
         const double base = gauss_(random_);
         const double cause = gauss_(random_);
-        A.row(k) << base, cause, 0.9 * cause + unlike_ * gauss_(random_), gauss_(random_),
-            gauss_(random_), 2.0 * base;
+        const double alike = 0.9 * cause + unlike_ * gauss_(random_);
+        const double other = gauss_(random_);
+        const double idle = gauss_(random_);
+        A.row(k) << base, cause, alike, other, idle, 2.0 * base, cause + other - 0.5 * idle;
         tau[k] = kNoise * gauss_(random_);
         for (const auto& [name, share] : torque_) {
           const auto at = std::find(names().begin(), names().end(), name) - names().begin();
@@ -164,6 +166,17 @@ TEST(Selection, AnImpossibleSignIsNoAnswer) {
   const std::vector<Hypothesis> asked = {hypothesis("cause", ParameterSign::kNonnegative)};
   EXPECT_TRUE(selected(Columns({{"cause", -0.5}}), asked).accepted.empty());
   EXPECT_EQ(selected(Columns({{"cause", 0.5}}), asked).accepted.size(), 1U);
+}
+
+// Beside both of its parts the mixture would have to be negative, which it cannot be: it goes. The
+// third cause lies in the span of all three until then.
+TEST(Selection, WhatASuperfluousOneHidIsAskedAgain) {
+  const std::vector<Hypothesis> asked = {hypothesis("mixture", ParameterSign::kNonnegative),
+                                         hypothesis("cause"), hypothesis("other"),
+                                         hypothesis("idle")};
+  const NormalBlocks data = Columns({{"cause", 0.6}, {"other", 0.6}, {"idle", 0.3}}).blocks();
+  const Selection s = select_effects(data, {0}, asked, {}, {0, 1, 2});
+  EXPECT_EQ(accepted(s, asked), (Names{"cause", "other", "idle"}));
 }
 
 TEST(Selection, AGainBelowTheLeastOneIsNotNamed) {

@@ -37,10 +37,12 @@ class Stages : public testing::Test {
     return m;
   }
 
-  std::string record(unsigned seed, const std::vector<std::string>& hidden) const {
+  std::string record(unsigned seed, const std::vector<std::string>& hidden,
+                     std::optional<double> velocity_noise = {}) const {
     SimulationOptions options;
     for (const std::string& one : hidden) options.hidden.push_back(parse_hidden_effect(one));
     options.noise = sensor_noise("low");
+    if (velocity_noise) options.noise.velocity = {*velocity_noise, *velocity_noise};
     options.seed = seed;
     const SimulatedRecording s = simulate_recording(truth_, motion(seed), options);
     Recording r;
@@ -113,6 +115,21 @@ TEST_F(Stages, ALargeDelayOfTheWholeArmIsUndone) {
   EXPECT_NEAR(corrected->values[0], 0.04, 0.001);
   for (const Coordinate& c : corrected->corrected.model->coordinates())
     EXPECT_NEAR(c.recorded.torque_delay, 0.04, 0.001);
+}
+
+// The velocity of an encoder's differences over one row. Friction made of its sign flutters where
+// the arm turns round; the position knows better.
+TEST_F(Stages, AVelocityOfMuchNoiseIsTakenFromThePosition) {
+  for (const double noise : {1e-5, 0.3}) {
+    Investigation x{read_model("planar-2r"), {}, {}, {}, {}, {}, 0, {}, {}, {}};
+    for (unsigned k = 1; k <= 2; ++k) x.train.push_back(record(k, {}, noise));
+    x.options.identification.threads = 1;
+    check_quality(x);
+    ASSERT_TRUE(fit_baseline(x));
+    const size_t expected = noise > 0.1 ? 2 : 0;
+    EXPECT_EQ(x.options.identification.preprocessing.derive_velocity_of.size(), expected) << noise;
+    EXPECT_LT(x.start.train_error.relative.maxCoeff(), 0.02) << noise;
+  }
 }
 
 // A hypothesis that the data do not ask for is refused once it is applied, or moves nothing.

@@ -147,7 +147,10 @@ class Hider {
     const bool slides =
         cause.joint >= 0 &&
         hidden_.bench.robot.coordinates()[static_cast<size_t>(cause.joint)].prismatic;
-    if (e == "torque_gain") v["gain"] = 1.0 + draw_.sign() * draw_.in(0.05, 0.10) * scale;
+    if (e == "torque_gain") {
+      v["gain"] = 1.0 + draw_.sign() * draw_.in(0.05, 0.10) * scale;
+      v["error"] = v["gain"] - 1.0;
+    }
     if (e == "time_delay") {
       const bool large = cause.constant == "large";
       v["seconds"] = scale * (large              ? draw_.in(20e-3, 50e-3)

@@ -273,6 +273,18 @@ TEST(AFault, CoarseVelocityStepsAreMeasured) {
   EXPECT_EQ(quality.find("velocity_quantised", 2), nullptr);
 }
 
+// White noise of 0.03 rad/s, where 1e-5 rad of noise in the position make 1.4e-3 rad/s.
+TEST(AFault, AVelocityNoisierThanItsPositionIsMeasured) {
+  Recording r = clean_recording();
+  std::mt19937 random(3);
+  std::normal_distribution<double> normal;
+  for (int k = 0; k < kRows; ++k) r.dq(k, 1) += 0.03 * normal(random);
+  const RecordingQuality quality = check_recording(r);
+  expect_only(quality, {"velocity_noise"});
+  EXPECT_NEAR(found(quality, "velocity_noise", 2).value, 0.03, 0.002);
+  EXPECT_EQ(quality.find("velocity_noise", 1), nullptr);
+}
+
 TEST(AFault, ALateVelocityIsMeasuredToATenthOfASample) {
   for (const double delay : {2.0, 2.4, 7.0, -3.3}) {
     Recording r = clean_recording();

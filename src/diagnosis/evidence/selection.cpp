@@ -87,9 +87,10 @@ class Selector {
 
   Selection run() {
     swap(accepted_.size());
-    while (static_cast<int>(accepted_.size()) < options_.max_effects && add_one())
-      swap(accepted_.size() - 1);
-    drop_superfluous();
+    do {
+      while (static_cast<int>(accepted_.size()) < options_.max_effects && add_one())
+        swap(accepted_.size() - 1);
+    } while (drop_superfluous());
     return finish();
   }
 
@@ -109,11 +110,15 @@ class Selector {
     return a.gain > b.gain;
   }
 
+  bool may_be_taken(const Evidence& e) const {
+    return examiner_.passes(e) && dropped_.count(e.hypothesis) == 0;
+  }
+
   bool add_one() {
     std::vector<Evidence> all = examiner_.ask_all(chosen());
     std::vector<Evidence> good;
     for (const Evidence& e : all) {
-      if (examiner_.passes(e)) good.push_back(e);
+      if (may_be_taken(e)) good.push_back(e);
     }
     std::sort(good.begin(), good.end(),
               [](const Evidence& a, const Evidence& b) { return a.gain > b.gain; });
@@ -148,7 +153,7 @@ class Selector {
       Evidence best = all[static_cast<size_t>(own)];
       const double needed = std::max(best.gain, 0.0) + options_.thresholds.smallest_gain;
       for (const Evidence& e : all) {
-        if (examiner_.passes(e) && e.gain > std::max(needed, best.gain)) best = e;
+        if (may_be_taken(e) && e.gain > std::max(needed, best.gain)) best = e;
       }
       if (best.hypothesis == own) continue;
       const std::unique_ptr<Examiner::Stand> beside = examiner_.stand(others);
@@ -158,7 +163,10 @@ class Selector {
     }
   }
 
-  void drop_superfluous() {
+  // What is no longer needed beside those that came after it goes, and is not asked again. True if
+  // any went: what it hid while it was there may have to be taken instead.
+  bool drop_superfluous() {
+    const size_t before = accepted_.size();
     for (size_t k = accepted_.size(); k-- > 0;) {
       std::vector<int> others = chosen();
       const int own = others[k];
@@ -166,6 +174,7 @@ class Selector {
       const std::unique_ptr<Examiner::Stand> beside = examiner_.stand(others);
       const Evidence e = examiner_.ask(own, *beside);
       if (!examiner_.passes(e)) {
+        dropped_.insert(own);
         accepted_.erase(accepted_.begin() + static_cast<long>(k));
       } else {
         accepted_[k].evidence.p_value =
@@ -173,6 +182,7 @@ class Selector {
                      examiner_.p_value(own, *beside, examiner_.without_clusters(*beside)));
       }
     }
+    return accepted_.size() < before;
   }
 
   // The least certain one goes if it is not certain enough. True if one went.
@@ -269,6 +279,7 @@ class Selector {
   Examiner examiner_;
   const DiagnosisOptions& options_;
   std::vector<Accepted> accepted_;
+  std::set<int> dropped_;  // taken once, superfluous later: each of them is asked once only
 };
 
 std::vector<int> all_of(const std::vector<Hypothesis>& hypotheses) {

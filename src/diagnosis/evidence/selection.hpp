@@ -30,7 +30,8 @@ struct Selection {
   std::vector<ShapeInterval> shapes;
 };
 
-/// Forward selection with swaps and a drop-one round at the end; weights follow the residual.
+/// Forward selection with swaps; what is superfluous in the end goes, and what it hid is asked again,
+/// until nothing changes. Weights follow the residual.
 ///
 /// @param base     columns that are always there (independent ones).
 /// @param initial  hypotheses that are accepted to begin with; they may be swapped and dropped.

@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <utility>
 
@@ -38,8 +40,15 @@ double p_value_beside_base(const Questions& asked, const Hypothesis& h,
   return examiner.p_value(0, *base, examiner.without_clusters(*base));
 }
 
+// The constant that a channel's error took the place of.
+Rival as_rival(const Finding& wrong, double share) {
+  return {wrong.effect, wrong.joint, wrong.coordinate,
+          fmt::format("{} It gains {:.0f} % as much.", wrong.sentence, numerics::kPercent * share),
+          wrong.frame};
+}
+
 void correct(const Questions& asked, const Hypothesis& h, const CorrectedChannel& channel,
-             double gain, double p_value, Investigation& x) {
+             double gain, double p_value, const Finding& instead, Investigation& x) {
   Finding f = channel_finding(asked.q, h, channel.values, channel.half_widths);
   f.gain = gain;
   f.p_value = p_value;
@@ -47,6 +56,7 @@ void correct(const Questions& asked, const Hypothesis& h, const CorrectedChannel
   f.test_after = channel.corrected.test_error.relative;
   f.explains = explained_share(f.test_before, f.test_after, x.d.baseline);
   f.status = status_of(f);
+  f.rivals.push_back(as_rival(instead, instead.gain / gain));
   x.d.findings.push_back(std::move(f));
   x.start = channel.corrected;
 }
@@ -69,7 +79,8 @@ void correct_constants(Investigation& x) {
     const double gain = correction_gain(*channel->corrected.model, asked.q, asked.data, x.train,
                                         x.options.identification);
     if (gain < x.options.thresholds.commoner_cause * wrong->finding.gain) continue;
-    correct(asked, h, *channel, gain, p_value_beside_base(asked, h, x.options), x);
+    correct(asked, h, *channel, gain, p_value_beside_base(asked, h, x.options),
+            wrong->finding, x);
     return;
   }
   const Identification corrected =

@@ -33,12 +33,16 @@ Questions ask(const Investigation& x, const QuestionList& list, const Identifica
   return {std::move(q), std::move(data)};
 }
 
-double log_training_error(const Identification& id) {
+VectorXd log_training_errors(const Identification& id) {
   const PredictionError& error = id.train_without_excluded.relative.size() > 0
                                      ? id.train_without_excluded
                                  : id.train_repaired.relative.size() > 0 ? id.train_repaired
                                                                          : id.train_error;
-  return 2.0 * error.relative.array().max(numerics::kTiny).log().sum();
+  return 2.0 * error.relative.array().max(numerics::kTiny).log();
+}
+
+double log_training_error(const Identification& id) {
+  return log_training_errors(id).sum();
 }
 
 }  // namespace veridyn

@@ -53,8 +53,9 @@ struct Questions {
 /// @param start  what the questions stand on; x.start unless a stage tries something.
 Questions ask(const Investigation& x, const QuestionList& list, const Identification& start);
 
-/// Sum over joints of ln(mean square) of an identification on its training recordings, on the rows
-/// that it was fitted to.
+/// ln(mean square) per joint of an identification on its training recordings, on the rows that it
+/// was fitted to; and its sum.
+VectorXd log_training_errors(const Identification& id);
 double log_training_error(const Identification& id);
 
 /// Quality of the recordings; channels that they cannot trust.

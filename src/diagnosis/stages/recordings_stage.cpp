@@ -11,6 +11,13 @@
 namespace veridyn {
 namespace {
 
+void derive_velocities(const std::set<int>& joints, Investigation& x) {
+  IdentificationOptions& how = x.options.identification;
+  how.preprocessing.derive_velocity_of.assign(joints.begin(), joints.end());
+  if (how.test_preprocessing)
+    how.test_preprocessing->derive_velocity_of = how.preprocessing.derive_velocity_of;
+}
+
 // A velocity that is not the derivative of its position in scale is taken from the position.
 void choose_velocities(Investigation& x) {
   std::set<int> wrong;
@@ -21,10 +28,73 @@ void choose_velocities(Investigation& x) {
       f.sentence += "; the velocity of this joint is taken from its position";
     }
   }
-  IdentificationOptions& how = x.options.identification;
-  how.preprocessing.derive_velocity_of.assign(wrong.begin(), wrong.end());
-  if (how.test_preprocessing)
-    how.test_preprocessing->derive_velocity_of = how.preprocessing.derive_velocity_of;
+  derive_velocities(wrong, x);
+}
+
+// Joints of which some training recording has a finding of this name.
+std::set<int> joints_with(const std::string& finding, const Investigation& x) {
+  std::set<int> out;
+  for (const RecordingQuality& recording : x.d.data_quality) {
+    if (std::find(x.train.begin(), x.train.end(), recording.file) == x.train.end()) continue;
+    for (const QualityFinding& f : recording.findings) {
+      if (f.finding == finding && f.joint > 0) out.insert(f.joint - 1);
+    }
+  }
+  return out;
+}
+
+void say_that_it_is_derived(int joint, Investigation& x) {
+  for (RecordingQuality& recording : x.d.data_quality) {
+    for (QualityFinding& f : recording.findings) {
+      if (f.finding == "velocity_noise" && f.joint == joint + 1)
+        f.sentence += " It is taken from the position: the torques are predicted better.";
+    }
+  }
+}
+
+// By how much ln(mean square) falls per joint, on the rows as they were fitted and as recorded: of
+// rows that come late a derivative makes something that no repair will be there to mend.
+VectorXd fall(const Identification& before, const Identification& after) {
+  const auto as_recorded = [](const Identification& id) {
+    return id.train_error.relative.array().max(numerics::kTiny).log();
+  };
+  return (log_training_errors(before) - log_training_errors(after))
+      .cwiseMin(VectorXd(2.0 * (as_recorded(before) - as_recorded(after))));
+}
+
+// The sign of a noisy velocity flutters at low speed, and dry friction made of it looks like
+// something else. A velocity that is noisier than its position's derivative is taken from the
+// position where the joint's torque is predicted better by as much as a cause must gain.
+void choose_quieter_velocities(Investigation& x) {
+  const PreprocessingOptions& how = x.options.identification.preprocessing;
+  const std::vector<int> before = how.derive_velocity_of;
+  const std::set<int> known(before.begin(), before.end());
+  std::set<int> noisy = joints_with("velocity_noise", x);
+  for (const int j : known) noisy.erase(j);
+  if (noisy.empty() || how.velocity == VelocitySource::kDerived) return;
+  const double least = x.options.thresholds.smallest_gain;
+  // All of them first, then those alone that are better for it.
+  for (int round = 0; round < 2; ++round) {
+    std::set<int> all = known;
+    all.insert(noisy.begin(), noisy.end());
+    derive_velocities(all, x);
+    const Identification derived = x.look(x.arm);
+    std::set<int> better;
+    if (derived.model) {
+      const VectorXd gain = fall(x.d.baseline, derived);
+      for (const int j : noisy) {
+        if (gain[j] > least) better.insert(j);
+      }
+    }
+    if (better == noisy) {
+      x.d.baseline = derived;
+      for (const int j : noisy) say_that_it_is_derived(j, x);
+      return;
+    }
+    noisy = better;
+    if (noisy.empty()) break;
+  }
+  derive_velocities(known, x);
 }
 
 // The recordings are asked many times; their periods stay what they are.
@@ -94,6 +164,7 @@ void check_quality(Investigation& x) {
 bool fit_baseline(Investigation& x) {
   x.d.baseline = x.look(x.arm);
   if (!x.d.baseline.model) return false;
+  choose_quieter_velocities(x);
   remember_periods(x);
   x.start = x.d.baseline;
   return true;

@@ -103,6 +103,42 @@ void check_quantised(const Head& head, int joint, const VelocityFit& fit, Findin
                      biased ? ": take it from the position instead." : ", but right on average."));
 }
 
+// Second differences, of which smooth motion has little, of the velocity and of the position's
+// derivative. Windows with stale rows say nothing about either.
+void check_noise(const Head& head, int joint, Findings* findings) {
+  constexpr double kNoisier = 2.0;
+  constexpr double kNothing = 1e-4;  // of the range
+  constexpr int kReach = 2;
+  const Recording& rows = head.rows;
+  const auto derivative = [&](int k) {
+    return (rows.q(k + 1, joint) - rows.q(k - 1, joint)) / (rows.time[k + 1] - rows.time[k - 1]);
+  };
+  double recorded = 0.0;
+  double derived = 0.0;
+  int windows = 0;
+  for (int k = kReach; k + kReach < rows.rows(); ++k) {
+    const auto first = head.stale.begin() + (k - kReach);
+    if (std::find(first, first + 2 * kReach + 1, true) != first + 2 * kReach + 1) continue;
+    const double of_dq = rows.dq(k + 1, joint) - 2.0 * rows.dq(k, joint) + rows.dq(k - 1, joint);
+    const double of_q = derivative(k + 1) - 2.0 * derivative(k) + derivative(k - 1);
+    if (!std::isfinite(of_dq) || !std::isfinite(of_q)) continue;
+    recorded += of_dq * of_dq;
+    derived += of_q * of_q;
+    ++windows;
+  }
+  if (windows < 50) return;
+  const std::vector<double> all(rows.dq.col(joint).data(), rows.dq.col(joint).data() + rows.rows());
+  const double range = quantile(all, 0.99) - quantile(all, 0.01);
+  // White noise of one sample has sqrt(6) of its deviation in a second difference.
+  const double noise = std::sqrt(recorded / (6.0 * windows));
+  const double ratio = std::sqrt(recorded / std::max(derived, 1e-300));
+  if (ratio < kNoisier || noise < kNothing * range) return;
+  const Place place{"dq", joint + 1};
+  findings->add(Severity::kInfo, "velocity_noise", place, {noise / range, noise, unit_of("dq")},
+                text("The velocity of ", named(place), " has noise of ", number(noise), ", ",
+                     number(ratio), " times that of its position's derivative."));
+}
+
 void report_joint_scale(const Place& place, const VelocityFit& fit, Findings* findings) {
   const Size size{kNone, fit.factor, ""};
   if (std::abs(fit.factor + 1.0) < 0.1) {
@@ -170,6 +206,7 @@ void check_velocities(const Head& head, Findings* findings) {
     const VelocityFit fit = velocity_fit(head, j);
     check_quantised(head, j, fit, findings);
     if (!fit.clear) continue;
+    if (std::abs(fit.factor - 1.0) <= kScaleError) check_noise(head, j, findings);
     joints.push_back(j);
     fits.push_back(fit);
     check_delay(head, j, findings);
