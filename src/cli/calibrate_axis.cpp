@@ -8,7 +8,7 @@
 namespace veridyn::cli {
 namespace {
 
-struct Request {
+struct CalibrateAxisRequest {
   std::string markers;
   std::vector<std::string> between;
   CaptureOptions capture;
@@ -16,7 +16,7 @@ struct Request {
   CommonOptions common;
 };
 
-ExitStatus run(Request& request, const std::string& command_line) {
+ExitStatus run(CalibrateAxisRequest& request, const std::string& command_line) {
   require_writable(request.common.json);
   require_writable(request.common.report);
   for (const std::string& words : request.between) {
@@ -36,7 +36,7 @@ ExitStatus run(Request& request, const std::string& command_line) {
 }  // namespace
 
 void add_calibrate_axis(CLI::App& calibrate, Outcome& outcome) {
-  const auto request = std::make_shared<Request>();
+  const auto request = std::make_shared<CalibrateAxisRequest>();
   CLI::App& command = *calibrate.add_subcommand(
       "axis", "Axes of rotation between bodies, and the links between them, from markers");
   command.add_option("MARKERS", request->markers, "t,BODY/MARKER/x,BODY/MARKER/y,BODY/MARKER/z,...")

@@ -9,7 +9,7 @@
 namespace veridyn::cli {
 namespace {
 
-struct Request {
+struct CalibrateHandeyeRequest {
   std::string a, b;
   HandEyeForm form = HandEyeForm::kTwoBases;
   bool has_form = false;
@@ -18,7 +18,7 @@ struct Request {
   CommonOptions common;
 };
 
-ExitStatus run(Request& request, const std::string& command_line) {
+ExitStatus run(CalibrateHandeyeRequest& request, const std::string& command_line) {
   require_writable(request.common.json);
   require_writable(request.common.report);
   if (request.has_form) request.options.form = request.form;
@@ -33,7 +33,7 @@ ExitStatus run(Request& request, const std::string& command_line) {
 }  // namespace
 
 void add_calibrate_handeye(CLI::App& calibrate, Outcome& outcome) {
-  const auto request = std::make_shared<Request>();
+  const auto request = std::make_shared<CalibrateHandeyeRequest>();
   CLI::App& command = *calibrate.add_subcommand(
       "handeye", "The pose between two arms, or between an arm and a camera");
   command.add_option("A", request->a, "t,x,y,z,qw,qx,qy,qz")->required()->option_text(" ");

@@ -15,7 +15,7 @@
 namespace veridyn::cli {
 namespace {
 
-struct Request {
+struct CalibrateLinksRequest {
   std::string robot, poses, robot_out, diagnosis, base = "auto", tool = "auto";
   CaptureOptions capture;
   LinksOptions options;
@@ -53,7 +53,7 @@ std::string compared(const std::string& file, const LinksCalibration& links) {
   return "Torques ask for no other constant.";
 }
 
-ExitStatus run(Request& request, const std::string& command_line) {
+ExitStatus run(CalibrateLinksRequest& request, const std::string& command_line) {
   require_writable(request.common.json);
   require_writable(request.common.report);
   require_writable(request.robot_out);
@@ -78,7 +78,7 @@ ExitStatus run(Request& request, const std::string& command_line) {
 }  // namespace
 
 void add_calibrate_links(CLI::App& calibrate, Outcome& outcome) {
-  const auto request = std::make_shared<Request>();
+  const auto request = std::make_shared<CalibrateLinksRequest>();
   CLI::App& command = *calibrate.add_subcommand(
       "links", "Constants of a robot file from poses of one frame and the joints' readings");
   add_robot_argument(command, request->robot);

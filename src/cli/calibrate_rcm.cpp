@@ -8,14 +8,14 @@
 namespace veridyn::cli {
 namespace {
 
-struct Request {
+struct CalibrateRcmRequest {
   std::string poses;
   CaptureOptions capture;
   RemoteCenterOptions options;
   CommonOptions common;
 };
 
-ExitStatus run(const Request& request, const std::string& command_line) {
+ExitStatus run(const CalibrateRcmRequest& request, const std::string& command_line) {
   require_writable(request.common.json);
   require_writable(request.common.report);
   const RemoteCenter found =
@@ -28,7 +28,7 @@ ExitStatus run(const Request& request, const std::string& command_line) {
 }  // namespace
 
 void add_calibrate_rcm(CLI::App& calibrate, Outcome& outcome) {
-  const auto request = std::make_shared<Request>();
+  const auto request = std::make_shared<CalibrateRcmRequest>();
   CLI::App& command = *calibrate.add_subcommand(
       "rcm", "The remote centre that a body turns about, by pivot calibration");
   command

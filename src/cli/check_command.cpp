@@ -16,7 +16,7 @@
 namespace veridyn::cli {
 namespace {
 
-struct Request {
+struct CheckRequest {
   std::vector<std::string> files;  // a robot may stand in front of the recordings
   PreprocessingOptions reading;
   CommonOptions common;
@@ -35,7 +35,7 @@ bool is_robot(const std::string& name) {
   return there ? file && !S_ISDIR(about.st_mode) : file || name.find('.') == std::string::npos;
 }
 
-void run(Request& request) {
+void run(CheckRequest& request) {
   require_writable(request.common.json);
   std::vector<std::string> recordings = request.files;
   std::optional<Model> arm;
@@ -68,7 +68,7 @@ void run(Request& request) {
 }  // namespace
 
 void add_check_command(CLI::App& tool, Outcome&) {
-  const auto request = std::make_shared<Request>();
+  const auto request = std::make_shared<CheckRequest>();
   CLI::App& command =
       *tool.add_subcommand("check", "Quality of recordings, and whether they fit a robot");
   command

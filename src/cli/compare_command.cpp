@@ -11,13 +11,13 @@
 namespace veridyn::cli {
 namespace {
 
-struct Request {
+struct CompareRequest {
   std::string before, after;
   ComparisonOptions options;
   CommonOptions common;
 };
 
-void run(const Request& request) {
+void run(const CompareRequest& request) {
   require_writable(request.common.json);
   const ModelComparison found =
       compare(read_model(request.before), read_model(request.after), request.options);
@@ -28,7 +28,7 @@ void run(const Request& request) {
 }  // namespace
 
 void add_compare_command(CLI::App& tool, Outcome&) {
-  const auto request = std::make_shared<Request>();
+  const auto request = std::make_shared<CompareRequest>();
   CLI::App& command =
       *tool.add_subcommand("compare", "What differs between two models of one arm, beyond chance");
   command.add_option("BEFORE", request->before, "MODEL that identify or diagnose wrote")

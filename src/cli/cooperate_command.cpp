@@ -17,7 +17,7 @@
 namespace veridyn::cli {
 namespace {
 
-struct Request {
+struct CooperateRequest {
   const CLI::App* command = nullptr;  // where the options were given
   std::string scenario, output;
   std::string engine = "veridyn";
@@ -29,7 +29,7 @@ struct Request {
 };
 
 template <typename Result>
-void write(const Request& request, const Result& done, const Scenario& scenario,
+void write(const CooperateRequest& request, const Result& done, const Scenario& scenario,
            const std::string& command) {
   if (!request.common.json.empty()) write_file(request.common.json, to_json(done, scenario));
   if (!request.common.report.empty())
@@ -38,7 +38,7 @@ void write(const Request& request, const Result& done, const Scenario& scenario,
 }
 
 // Commands from a line, in real time; what is goes to standard output as it happens.
-ExitStatus run_by_line(const Request& request) {
+ExitStatus run_by_line(const CooperateRequest& request) {
   const Scenario scenario = read_scenario(request.scenario);
   const std::unique_ptr<LineSource> lines =
       value_of("--live", [&] { return open_line_source(request.live); });
@@ -56,7 +56,7 @@ ExitStatus run_by_line(const Request& request) {
   return sound && !done.lost ? kDone : kDataCannotAnswer;
 }
 
-ExitStatus run(const Request& request, const std::string& command) {
+ExitStatus run(const CooperateRequest& request, const std::string& command) {
   const bool live = !request.live.empty();
   const bool on_boards = !request.boards.configs.empty();
   expect_needs(*request.command,
@@ -97,7 +97,7 @@ ExitStatus run(const Request& request, const std::string& command) {
 }  // namespace
 
 void add_cooperate_command(CLI::App& tool, Outcome& outcome) {
-  const auto request = std::make_shared<Request>();
+  const auto request = std::make_shared<CooperateRequest>();
   CLI::App& command =
       *tool.add_subcommand("cooperate", "Arms that hold one object together: simulated, or on boards");
   request->command = &command;

@@ -20,7 +20,7 @@
 namespace veridyn::cli {
 namespace {
 
-struct Request {
+struct DiagnoseRequest {
   std::string robot;
   std::vector<std::string> train, test;
   std::optional<RowRange> test_rows;
@@ -36,7 +36,7 @@ void expect_known_effects(const std::vector<std::string>& names) {
 
 // The command that makes the recording, with the robot as it was named here and with what is
 // recorded and known already.
-std::string next_command(const Request& request, const NextExperiment& next) {
+std::string next_command(const DiagnoseRequest& request, const NextExperiment& next) {
   if (next.between.empty()) return "";
   std::vector<std::string> words = {"veridyn", "excite", request.robot, "-o", "next.csv",
                                     "--criterion", "discriminate", "--between",
@@ -49,7 +49,7 @@ std::string next_command(const Request& request, const NextExperiment& next) {
   return cli::command_line(words);
 }
 
-ExitStatus run(Request& request, const std::string& command_line) {
+ExitStatus run(DiagnoseRequest& request, const std::string& command_line) {
   expect_known_effects(request.options.effects);
   require_writable(request.common.json);
   require_writable(request.common.report);
@@ -90,7 +90,7 @@ ExitStatus run(Request& request, const std::string& command_line) {
 }  // namespace
 
 void add_diagnose_command(CLI::App& tool, Outcome& outcome) {
-  const auto request = std::make_shared<Request>();
+  const auto request = std::make_shared<DiagnoseRequest>();
   CLI::App& command =
       *tool.add_subcommand("diagnose", "What the model gets wrong, why, and what that costs");
   add_robot_argument(command, request->robot);

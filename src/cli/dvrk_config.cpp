@@ -12,7 +12,7 @@
 namespace veridyn::cli {
 namespace {
 
-struct Request {
+struct DvrkConfigRequest {
   std::string config;
   std::string arm;
   std::string output;
@@ -51,7 +51,7 @@ void print(const dvrk::IoConfig& config) {
   for (const std::string& remark : config.remarks) fmt::print("note: {}\n", remark);
 }
 
-void run(const Request& request) {
+void run(const DvrkConfigRequest& request) {
   if (request.config.empty() == request.arm.empty())
     throw CLI::ValidationError("dvrk config", "expected one of --config and --arm");
   const bool json = ends_in(request.output, ".json");
@@ -77,7 +77,7 @@ void run(const Request& request) {
 }  // namespace
 
 void add_dvrk_config(CLI::App& dvrk) {
-  const auto request = std::make_shared<Request>();
+  const auto request = std::make_shared<DvrkConfigRequest>();
   CLI::App& command =
       *dvrk.add_subcommand("config", "Checks a configuration and turns XML into JSON and back");
   command.add_option("--config", request->config, "sawRobotIO1394 file, XML (version 5) or JSON")

@@ -27,7 +27,7 @@
 namespace veridyn::cli {
 namespace {
 
-struct Request {
+struct ExciteRequest {
   const CLI::App* command = nullptr;  // where the options were given
   std::string robot;
   std::string output;
@@ -71,7 +71,7 @@ Model without_efforts(const Model& arm) {
   return Model(std::move(description));
 }
 
-ExcitationOptions options_of(const Request& request, const Model& arm) {
+ExcitationOptions options_of(const ExciteRequest& request, const Model& arm) {
   ExcitationOptions o = request.options;
   o.threads = request.common.threads;
   o.progress = progress(request.common);
@@ -132,7 +132,7 @@ std::string why_not(const Excitation& found) {
               "; nothing is written.");
 }
 
-ExitStatus run(const Request& request, const std::string& command_line) {
+ExitStatus run(const ExciteRequest& request, const std::string& command_line) {
   for (const std::string* path :
        {&request.common.json, &request.common.report, &request.coefficients})
     require_writable(*path);
@@ -247,7 +247,7 @@ void add_search_options(CLI::App& command, ExcitationOptions& o) {
       ->group(group);
 }
 
-void add_limit_options(CLI::App& command, Request& r) {
+void add_limit_options(CLI::App& command, ExciteRequest& r) {
   const char* const group = "Limits beside those of the robot file";
   const auto several = [&](const char* option, std::vector<std::string>& target, const char* form,
                            const char* help) {
@@ -277,7 +277,7 @@ void add_limit_options(CLI::App& command, Request& r) {
 }  // namespace
 
 void add_excite_command(CLI::App& tool, Outcome& outcome) {
-  const auto request = std::make_shared<Request>();
+  const auto request = std::make_shared<ExciteRequest>();
   CLI::App& command = *tool.add_subcommand(
       "excite", "A motion that starts and stops at rest and tells the parameters apart");
   add_robot_argument(command, request->robot);

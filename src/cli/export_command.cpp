@@ -19,7 +19,7 @@
 namespace veridyn::cli {
 namespace {
 
-struct Request {
+struct ExportRequest {
   std::string model;
   std::string urdf, mjcf, sdf, cpp, yaml, json;
   std::string prior, meshes_from;
@@ -27,7 +27,7 @@ struct Request {
   DvrkExport dvrk;
 };
 
-ExportedModel exported(const Request& request, const Model& model) {
+ExportedModel exported(const ExportRequest& request, const Model& model) {
   std::optional<Model> prior;
   if (!request.prior.empty()) prior = read_model(request.prior);
   ExportedModel out = exported_model(model, prior, request.meshes_from);
@@ -39,7 +39,7 @@ ExportedModel exported(const Request& request, const Model& model) {
 }
 
 // A MODEL's origin goes with it.
-void save_yaml(const Request& request, const Model& model) {
+void save_yaml(const ExportRequest& request, const Model& model) {
   const std::string path = robot_path(request.model);
   const bool urdf = path.size() > 5 && path.compare(path.size() - 5, 5, ".urdf") == 0;
   const std::optional<ModelOrigin> origin = urdf ? std::nullopt : read_origin(path);
@@ -47,7 +47,7 @@ void save_yaml(const Request& request, const Model& model) {
 }
 
 // What a format has no words for stands in the file's comments; here their number.
-void write_xml(const Request& request, const std::string& file, const char* format,
+void write_xml(const ExportRequest& request, const std::string& file, const char* format,
                const std::string& xml) {
   if (file.empty()) return;
   write_file(file, xml);
@@ -59,7 +59,7 @@ void write_xml(const Request& request, const std::string& file, const char* form
            " of the model, which its comments name (left out: ...)."));
 }
 
-void run(const Request& request) {
+void run(const ExportRequest& request) {
   const DvrkExport& dvrk = request.dvrk;
   if ((request.urdf + request.mjcf + request.sdf + request.cpp + request.yaml + request.json +
        dvrk.gravity + dvrk.scales)
@@ -90,7 +90,7 @@ void run(const Request& request) {
 }  // namespace
 
 void add_export_command(CLI::App& tool, Outcome&) {
-  const auto request = std::make_shared<Request>();
+  const auto request = std::make_shared<ExportRequest>();
   CLI::App& command = *tool.add_subcommand("export", "A model in another format");
   command.add_option("MODEL", request->model, "Identified model, or any robot")
       ->required()

@@ -12,13 +12,13 @@
 namespace veridyn::cli {
 namespace {
 
-struct Request {
+struct FleetRequest {
   std::string robot, list, model_out;
   FleetOptions options;
   CommonOptions common;
 };
 
-void run(const Request& request) {
+void run(const FleetRequest& request) {
   require_writable(request.common.json);
   require_writable(request.model_out);
   const Model arm = read_model(request.robot);
@@ -35,7 +35,7 @@ void run(const Request& request) {
 }  // namespace
 
 void add_fleet_command(CLI::App& tool, Outcome&) {
-  const auto request = std::make_shared<Request>();
+  const auto request = std::make_shared<FleetRequest>();
   CLI::App& command = *tool.add_subcommand(
       "fleet", "One model for many arms of one type: what they share, and which stands out");
   add_robot_argument(command, request->robot);

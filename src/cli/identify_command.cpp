@@ -23,7 +23,7 @@
 namespace veridyn::cli {
 namespace {
 
-struct Request {
+struct IdentifyRequest {
   const CLI::App* command = nullptr;  // where the options were given
   std::string robot;
   std::vector<std::string> train, test, factors;
@@ -37,7 +37,7 @@ struct Request {
   CommonOptions common;
 };
 
-IdentificationOptions identification_options(const Request& request) {
+IdentificationOptions identification_options(const IdentifyRequest& request) {
   IdentificationOptions options = request.options;
   options.threads = request.common.threads;
   options.progress = progress(request.common);
@@ -53,7 +53,7 @@ IdentificationOptions identification_options(const Request& request) {
   return options;
 }
 
-void expect_options_that_mean_something(const Request& request) {
+void expect_options_that_mean_something(const IdentifyRequest& request) {
   const bool feasible = request.options.method == Method::kFeasible;
   expect_needs(*request.command,
                {{"--prior", feasible, "--method feasible"},
@@ -70,7 +70,7 @@ void expect_options_that_mean_something(const Request& request) {
 }
 
 // On frames of this arm, in recordings to learn from.
-void expect_known_masses(const Request& request, const Model& arm,
+void expect_known_masses(const IdentifyRequest& request, const Model& arm,
                          const std::vector<KnownMass>& masses) {
   std::vector<std::string> recordings = request.train;
   for (const std::string& path : request.train)
@@ -82,7 +82,7 @@ void expect_known_masses(const Request& request, const Model& arm,
 }
 
 // A file without friction: makers leave it out, and every joint has it.
-Model arm_with_friction(const Request& request) {
+Model arm_with_friction(const IdentifyRequest& request) {
   Model arm = read_robot(request.robot, request.common.fixed);
   const bool none = has_no_friction(arm);
   if (request.friction == "plain" || (request.friction == "auto" && none && is_makers_file(request.robot))) {
@@ -112,7 +112,7 @@ FactorSet read_all_factors(const std::vector<std::string>& paths) {
 }
 
 // The training recordings become factors; without a fit of their own if that is all there is to do.
-FactorSet compressed(const Request& request, const Model& arm,
+FactorSet compressed(const IdentifyRequest& request, const Model& arm,
                      const IdentificationOptions& options) {
   FactorSet factors = read_all_factors(request.factors);
   if (request.factor_out.empty()) return factors;
@@ -123,7 +123,7 @@ FactorSet compressed(const Request& request, const Model& arm,
 }
 
 // --factor-out keeps what the recordings say even where they alone cannot answer.
-Identification identified(const Request& request, const Model& arm,
+Identification identified(const IdentifyRequest& request, const Model& arm,
                           const IdentificationOptions& options) {
   if (request.factors.empty() && request.factor_out.empty())
     return identify(arm, request.train, request.test, options);
@@ -133,7 +133,7 @@ Identification identified(const Request& request, const Model& arm,
                   options);
 }
 
-void write_results(const Request& request, const Identification& id,
+void write_results(const IdentifyRequest& request, const Identification& id,
                    const std::string& command_line) {
   if (id.status == IdentificationStatus::kNotConverged) say("warning: " + id.reason);
   if (!request.model_out.empty()) save(id, request.model_out, "identify", robot_path(request.robot));
@@ -143,11 +143,11 @@ void write_results(const Request& request, const Identification& id,
 }
 
 // A file for what a rank has done so far, beside the one that is asked for.
-std::string part_of(const Request& request, const Communicator& ranks) {
+std::string part_of(const IdentifyRequest& request, const Communicator& ranks) {
   return text(request.factor_out, ".rank-", ranks.rank());
 }
 
-Identification identified_by_ranks(const Request& request, const Model& arm,
+Identification identified_by_ranks(const IdentifyRequest& request, const Model& arm,
                                    const IdentificationOptions& options, Communicator& ranks) {
   KeepFactors keep;
   if (!request.factor_out.empty()) {
@@ -166,7 +166,7 @@ Identification identified_by_ranks(const Request& request, const Model& arm,
 }
 
 // Every rank runs this; the first one alone speaks.
-ExitStatus run_on_ranks(const Request& request, const std::string& command_line,
+ExitStatus run_on_ranks(const IdentifyRequest& request, const std::string& command_line,
                         Communicator& ranks) {
   const bool first = ranks.rank() == 0;
   try {
@@ -197,7 +197,7 @@ ExitStatus run_on_ranks(const Request& request, const std::string& command_line,
   }
 }
 
-ExitStatus run(const Request& request, const std::string& command_line) {
+ExitStatus run(const IdentifyRequest& request, const std::string& command_line) {
   const std::unique_ptr<Communicator> ranks = mpi_ranks();
   expect_options_that_mean_something(request);
   require_writable(request.common.json);
@@ -224,7 +224,7 @@ ExitStatus run(const Request& request, const std::string& command_line) {
   return kDone;
 }
 
-void add_fit_options(CLI::App& command, Request& request) {
+void add_fit_options(CLI::App& command, IdentifyRequest& request) {
   IdentificationOptions& options = request.options;
   add_choice(command, "--method", options.method, {Method::kOls, Method::kWls, Method::kFeasible},
              "Ordinary or weighted least squares, or weighted and physically feasible");
@@ -256,7 +256,7 @@ void add_fit_options(CLI::App& command, Request& request) {
 }  // namespace
 
 void add_identify_command(CLI::App& tool, Outcome& outcome) {
-  const auto request = std::make_shared<Request>();
+  const auto request = std::make_shared<IdentifyRequest>();
   CLI::App& command = *tool.add_subcommand("identify", "Parameters of an arm from its recordings");
   request->command = &command;
   add_robot_argument(command, request->robot);

@@ -10,12 +10,12 @@
 namespace veridyn::cli {
 namespace {
 
-struct Request {
+struct InfoRequest {
   std::string robot;
   CommonOptions common;
 };
 
-void run(const Request& request) {
+void run(const InfoRequest& request) {
   require_writable(request.common.json);
   const RobotInfo info = robot_info(read_model(request.robot));
   if (!request.common.json.empty()) write_file(request.common.json, to_json(info));
@@ -25,7 +25,7 @@ void run(const Request& request) {
 }  // namespace
 
 void add_info_command(CLI::App& tool, Outcome&) {
-  const auto request = std::make_shared<Request>();
+  const auto request = std::make_shared<InfoRequest>();
   CLI::App& command =
       *tool.add_subcommand("info", "What a robot file says, and which parameters torques can tell");
   add_robot_argument(command, request->robot);

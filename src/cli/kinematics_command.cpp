@@ -18,7 +18,7 @@
 namespace veridyn::cli {
 namespace {
 
-struct Request {
+struct KinematicsRequest {
   std::string robot, forward, inverse, frame, output, solver = "closed-form";
   std::vector<double> start;
   int workspace = 0;
@@ -56,7 +56,7 @@ struct Times {
   VectorXd values;
 };
 
-KinematicTable forward(const Request& request, const Arm& arm, Times& times) {
+KinematicTable forward(const KinematicsRequest& request, const Arm& arm, Times& times) {
   const std::vector<double> given = numbers_of(request.forward);
   if (!given.empty())
     return forward_kinematics(arm.model, arm.frame,
@@ -70,7 +70,7 @@ KinematicTable forward(const Request& request, const Arm& arm, Times& times) {
   return forward_kinematics(arm.model, arm.frame, q);
 }
 
-KinematicTable inverse(const Request& request, const Arm& arm, Times& times) {
+KinematicTable inverse(const KinematicsRequest& request, const Arm& arm, Times& times) {
   InverseTask task;
   task.start = Eigen::Map<const VectorXd>(request.start.data(),
                                           static_cast<Eigen::Index>(request.start.size()));
@@ -96,7 +96,7 @@ KinematicTable inverse(const Request& request, const Arm& arm, Times& times) {
   return inverse_kinematics(arm.model, arm.frame, task, closed ? arm.closed_form : InverseSolver{});
 }
 
-ExitStatus run(const Request& request, const std::string& command) {
+ExitStatus run(const KinematicsRequest& request, const std::string& command) {
   for (const std::string& path : {request.output, request.common.json, request.common.report})
     require_writable(path);
   const int asked = (request.forward.empty() ? 0 : 1) + (request.inverse.empty() ? 0 : 1) +
@@ -125,7 +125,7 @@ ExitStatus run(const Request& request, const std::string& command) {
 }  // namespace
 
 void add_kinematics_command(CLI::App& tool, Outcome& outcome) {
-  const auto request = std::make_shared<Request>();
+  const auto request = std::make_shared<KinematicsRequest>();
   CLI::App& command = *tool.add_subcommand(
       "kinematics", "Poses, joints, Jacobians and conditioning of an arm");
   command

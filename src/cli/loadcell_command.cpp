@@ -23,7 +23,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr double kPollPeriod = 0.001;  // [s]
 
-struct Request {
+struct LoadcellRequest {
   std::string readings, source, output, calibration;
   std::vector<double> weights;
   double gravity = 9.81;
@@ -40,7 +40,7 @@ struct Readings {
   std::vector<double> force, raw;
 };
 
-Readings from_file(const Request& request) {
+Readings from_file(const LoadcellRequest& request) {
   const ColumnFile file =
       read_columns(request.readings, "readings as CSV: mass,raw [kg, counts] or force,raw [N, counts]");
   const bool mass = file.find("mass") >= 0;
@@ -55,7 +55,7 @@ Readings from_file(const Request& request) {
 }
 
 // One weight after the other, each announced and waited for.
-Readings from_source(const Request& request) {
+Readings from_source(const LoadcellRequest& request) {
   const std::unique_ptr<ForceSource> source = open_force_source(request.source);
   Readings out;
   for (const double mass : request.weights) {
@@ -80,7 +80,7 @@ Readings from_source(const Request& request) {
   return out;
 }
 
-ExitStatus calibrate(const Request& request) {
+ExitStatus calibrate(const LoadcellRequest& request) {
   for (const std::string& path : {request.common.json, request.output}) require_writable(path);
   const bool live = !request.source.empty();
   if (live == !request.readings.empty())
@@ -101,7 +101,7 @@ ExitStatus calibrate(const Request& request) {
   return kDone;
 }
 
-ExitStatus read(const Request& request) {
+ExitStatus read(const LoadcellRequest& request) {
   require_writable(request.output);
   ForceChannelOptions options;
   if (!request.calibration.empty()) options.calibration = read_load_cell(request.calibration);
@@ -143,7 +143,7 @@ ExitStatus read(const Request& request) {
 }
 
 void add_calibrate(CLI::App& parent, Outcome& outcome) {
-  const auto request = std::make_shared<Request>();
+  const auto request = std::make_shared<LoadcellRequest>();
   CLI::App& command = *parent.add_subcommand("calibrate", "Offset and scale from known weights");
   command.add_option("READINGS", request->readings, "CSV: mass,raw or force,raw; rows per weight")
       ->option_text(" ");
@@ -165,7 +165,7 @@ void add_calibrate(CLI::App& parent, Outcome& outcome) {
 }
 
 void add_read(CLI::App& parent, Outcome& outcome) {
-  const auto request = std::make_shared<Request>();
+  const auto request = std::make_shared<LoadcellRequest>();
   CLI::App& command = *parent.add_subcommand("read", "Readings, and whether the sensor lives");
   command.add_option("SOURCE", request->source,
                      "serial:DEVICE[:BAUD][:text|binary] or udp:PORT[:text|binary]")

@@ -14,7 +14,7 @@
 namespace veridyn::cli {
 namespace {
 
-struct Request {
+struct PayloadRequest {
   std::string model;
   std::vector<std::string> recordings;
   std::string link;
@@ -22,7 +22,7 @@ struct Request {
   CommonOptions common;
 };
 
-ExitStatus run(Request& request) {
+ExitStatus run(PayloadRequest& request) {
   require_writable(request.common.json);
   const Model model = read_robot(request.model, request.common.fixed);
   if (!request.link.empty()) expect_one_of("--link", request.link, frame_names(model));
@@ -42,7 +42,7 @@ ExitStatus run(Request& request) {
 }  // namespace
 
 void add_payload_command(CLI::App& tool, Outcome& outcome) {
-  const auto request = std::make_shared<Request>();
+  const auto request = std::make_shared<PayloadRequest>();
   CLI::App& command = *tool.add_subcommand(
       "payload", "Mass, centre and inertia of a load that the model does not have, per link");
   command.add_option("MODEL", request->model, "A YAML file that identify or diagnose wrote")

@@ -25,7 +25,6 @@
 namespace veridyn::cli {
 namespace {
 
-using Request = SimulateRequest;
 
 MotionSamples wanted_motion(const Model& arm, const std::string& path) {
   const Recording rows = read_recording(path, reading_of(arm, {}));
@@ -36,7 +35,7 @@ MotionSamples wanted_motion(const Model& arm, const std::string& path) {
   }
 }
 
-Model arm_with_values(const Request& request) {
+Model arm_with_values(const SimulateRequest& request) {
   PlausibleModel plausible = plausible_model(read_robot(request.robot, request.common.fixed), request.arm_seed);
   const bool made_up = plausible.bodies + plausible.effects > 0;
   require(!made_up || request.replay.empty(), "simulate --replay: robot '", request.robot,
@@ -51,7 +50,7 @@ Model arm_with_values(const Request& request) {
 }
 
 // Forward dynamics need inertia.
-Model movable_arm(const Request& request, const Model& arm) {
+Model movable_arm(const SimulateRequest& request, const Model& arm) {
   const MovableArm movable = with_movable_rotors(arm);
   for (const std::string& one : movable.changed) {
     if (!request.common.quiet) say(one + ".");
@@ -59,7 +58,7 @@ Model movable_arm(const Request& request, const Model& arm) {
   return movable.arm;
 }
 
-ExitStatus run(const Request& request, const std::string& command_line) {
+ExitStatus run(const SimulateRequest& request, const std::string& command_line) {
   check_simulate_request(request);
   for (const std::string& path :
        {request.output, request.model_out, request.common.json, request.common.report}) {
@@ -115,7 +114,7 @@ std::string footer() {
 }  // namespace
 
 void add_simulate_command(CLI::App& tool, Outcome& outcome) {
-  const auto request = std::make_shared<Request>();
+  const auto request = std::make_shared<SimulateRequest>();
   CLI::App& command =
       *tool.add_subcommand("simulate", "A recording of an arm along a motion, with hidden effects");
   request->command = &command;

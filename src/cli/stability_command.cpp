@@ -13,7 +13,7 @@
 namespace veridyn::cli {
 namespace {
 
-struct Request {
+struct StabilityRequest {
   std::string scenario, map, locus, frame;
   std::vector<std::string> set;
   std::vector<double> pose;
@@ -43,7 +43,7 @@ struct Ranges {
   std::optional<ParameterRange> a, b, locus;
 };
 
-Ranges ranges(const Request& request) {
+Ranges ranges(const StabilityRequest& request) {
   Ranges out;
   if (!request.map.empty()) {
     const auto comma = request.map.find(',');
@@ -59,7 +59,7 @@ Ranges ranges(const Request& request) {
   return out;
 }
 
-ExitStatus run(const Request& request, const std::string& command) {
+ExitStatus run(const StabilityRequest& request, const std::string& command) {
   for (const std::string& path : {request.common.json, request.common.report})
     require_writable(path);
   const Ranges asked = ranges(request);
@@ -105,7 +105,7 @@ ExitStatus run(const Request& request, const std::string& command) {
 }  // namespace
 
 void add_stability_command(CLI::App& tool, Outcome& outcome) {
-  const auto request = std::make_shared<Request>();
+  const auto request = std::make_shared<StabilityRequest>();
   CLI::App& command = *tool.add_subcommand(
       "stability", "Whether a cooperation loop is stable: eigenvalues, margins, maps");
   command
