@@ -19,6 +19,7 @@ void ask_everything(Investigation& x) {
   x.d.findings.resize(x.contacts);
   x.d.not_supported.clear();
   x.d.cannot_tell.clear();
+  x.d.remarks = x.remarks;
   x.fitted_by_start.clear();
   x.refused.clear();
   add_plain_friction(x);

@@ -119,6 +119,7 @@ std::string Diagnosis::report() const {
   for (const Finding& f : findings) {
     if (!f.main) out += small_text(f);
   }
+  for (const std::string& remark : remarks) out += "remark: " + remark + "\n";
   out += summary_text(*this);
   for (const int joint : summary.worse_joints) out += "WARNING: " + worse_words(*this, joint) + "\n";
   if (!summary.held_out_untouched)

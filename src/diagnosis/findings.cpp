@@ -174,6 +174,10 @@ std::string FindingWriter::sentence(const Group& group, const Finding& f) const 
                        f.parameters[0].value, f.parameters[0].low, f.parameters[0].high, f.frame);
   }
   const std::string joint = place_words(f);
+  if (h.instead_of >= 0) {
+    return fmt::format("{}: {}. The model has this effect, and its file another constant.", joint,
+                       phrase_of(h));
+  }
   if (h.changes >= 0) return joint + ": " + change_text(h, f) + ".";
   if (is_channel(h)) {
     const std::vector<double> values = values_of(h);
@@ -274,6 +278,12 @@ std::vector<std::vector<std::string>> FindingWriter::parameter_names() const {
   return out;
 }
 
+std::vector<char> FindingWriter::own_constants() const {
+  std::vector<char> out;
+  for (const Group& group : groups()) out.push_back(accepted(group.front()).instead_of >= 0);
+  return out;
+}
+
 void FindingWriter::add_the_rest(Diagnosis& d) const {
   std::set<std::string> known;
   for (size_t k = 0; k < selection_.accepted.size(); ++k) known.insert(accepted(k).family);
@@ -284,7 +294,7 @@ void FindingWriter::add_the_rest(Diagnosis& d) const {
   });
   for (const Evidence& e : rest) {
     const Hypothesis& h = asked_.augmented.hypotheses[static_cast<size_t>(e.hypothesis)];
-    if (!known.insert(h.family).second) continue;
+    if (!known.insert(h.family).second || h.instead_of >= 0) continue;
     if (e.taken) {
       d.not_supported.push_back({h.effect, h.joint + 1, e.p_value,
                                  "other findings explain it once their constants are refined"});

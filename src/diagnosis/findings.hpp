@@ -28,6 +28,10 @@ class FindingWriter {
   /// them.
   std::vector<std::vector<std::string>> parameter_names() const;
 
+  /// Of every finding that add_findings() writes whether it is another constant of an effect that
+  /// the model has, and no cause.
+  std::vector<char> own_constants() const;
+
   /// One line for every family that was asked and not accepted.
   void add_the_rest(Diagnosis& d) const;
 

@@ -19,7 +19,9 @@ class CoulombFriction final : public AxisEffect, public WrittenInC {
     return {{"level", "N m", "N", ParameterSign::kNonnegative}};
   }
   std::vector<EffectShape> shapes() const override {
-    return {{"slope", "s/rad", "s/m", 0.0, 10.0, 1e4, true, false}};
+    EffectShape slope{"slope", "s/rad", "s/m", 0.0, 10.0, 1e4, true, false};
+    slope.grid = {50.0, 100.0, 200.0};  // over the largest speed, where the model's own step is smooth
+    return {slope};
   }
   EffectTraits traits(const ShapeValues& shape) const override {
     EffectTraits t;
@@ -39,9 +41,13 @@ class CoulombFriction final : public AxisEffect, public WrittenInC {
   std::vector<std::string> c_columns(const ShapeValues& shape) const override {
     return {shape[0] > 0.0 ? "tanh(0.5 * " + c_number(shape[0]) + " * ds)" : "@direction(ds)"};
   }
-  std::string phrase(const std::vector<double>& values, const ShapeValues& /*shape*/,
+  std::string phrase(const std::vector<double>& values, const ShapeValues& shape,
                      JointType type) const override {
-    return parameter_text(*this, values, 0, type) + " of Coulomb friction";
+    std::string out = parameter_text(*this, values, 0, type) + " of Coulomb friction";
+    if (shape[0] > 0.0)
+      out += " with a smooth step, over " +
+             quantity(2.0 / shape[0], type == JointType::kPrismatic ? "m/s" : "rad/s");
+    return out;
   }
 };
 

@@ -129,6 +129,7 @@ std::string to_json(const Diagnosis& d) {
   out["extended"] = error_pair(d.extended);
   out["next_experiment"] = {{"separates", d.next_experiment.separates},
                             {"trajectory", d.next_experiment.trajectory}};
+  out["remarks"] = d.remarks;
   out["left_out"] = Json::array();
   for (const LeftOut& part : d.left_out) {
     out["left_out"].push_back({{"file", part.source},

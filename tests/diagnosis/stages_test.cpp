@@ -128,8 +128,38 @@ TEST_F(Stages, AVelocityOfMuchNoiseIsTakenFromThePosition) {
     ASSERT_TRUE(fit_baseline(x));
     const size_t expected = noise > 0.1 ? 2 : 0;
     EXPECT_EQ(x.options.identification.preprocessing.derive_velocity_of.size(), expected) << noise;
+    EXPECT_EQ(x.remarks.size(), expected) << noise;
     EXPECT_LT(x.start.train_error.relative.maxCoeff(), 0.02) << noise;
   }
+}
+
+// Friction whose sign changes over some speeds, as a drive's own compensation makes it: Stribeck
+// friction and a power law explain it together, another constant of the model's own friction alone.
+TEST_F(Stages, ASmoothStepOfTheModelsOwnFrictionIsARemarkAndNoCause) {
+  ModelDescription d = truth_.description();
+  for (EffectTerm& term : d.effects) {
+    if (term.effect == "coulomb_friction") term.values["slope"] = 20.0;
+  }
+  truth_ = Model(std::move(d));
+  Investigation x = investigation(read_model("planar-2r"), {});
+  select_causes(x);
+  EXPECT_TRUE(x.d.findings.empty()) << x.d.findings.front().sentence;
+  EXPECT_EQ(x.d.remarks.size(), 2U);
+  EXPECT_LT(x.d.extended.test_error.relative.norm(), 0.8 * x.start.test_error.relative.norm());
+}
+
+// What is left of a delay after one correction is no second finding.
+TEST_F(Stages, OneChannelHasOneError) {
+  Investigation x = investigation(read_model("planar-2r"), {"time_delay:arm:seconds=0.04"});
+  Finding half;
+  half.effect = "time_delay";
+  half.joint = 0;
+  half.parameters = {{"seconds", "s", 0.01, 0.009, 0.011}};
+  half.test_before = half.test_after = x.start.test_error.relative;
+  x.d.findings.push_back(half);
+  select_causes(x);
+  ASSERT_EQ(x.d.findings.size(), 1U) << x.d.findings.back().sentence;
+  EXPECT_NEAR(x.d.findings[0].parameters[0].value, 0.05, 0.001);
 }
 
 // A hypothesis that the data do not ask for is refused once it is applied, or moves nothing.

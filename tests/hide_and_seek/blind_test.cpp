@@ -78,6 +78,18 @@ TEST_F(Blind, TheTruthAsAnAnswerIsRightAndAnythingElseIsNot) {
   EXPECT_EQ(t.extras, 2);
 }
 
+// The whole way: what was exported is answered from the files alone, and the answers are judged.
+TEST_F(Blind, DiagnoseAnswersWhatWasExported) {
+  DiagnosisOptions options;
+  options.identification.threads = 2;
+  const Json answers = answer_cases(folder_, options);
+  ASSERT_EQ(answers["answers"].size(), 2U);
+  const Totals t = totals(score_of(answers));
+  EXPECT_EQ(t.cases, 2);
+  EXPECT_EQ(t.first, 1);
+  EXPECT_EQ(t.extras, 0);
+}
+
 TEST_F(Blind, AnswersOfAnotherFormAreToldWhere) {
   try {
     score_of({{"answers", {{"case-001", {{"findings", Json::array({{{"joint", 1}}})}}}}}});

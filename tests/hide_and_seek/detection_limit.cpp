@@ -24,8 +24,21 @@ double log_likelihood(const std::vector<SizedCase>& cases, double half, double s
   return sum;
 }
 
-std::string percent(double share) {
-  return std::isnan(share) ? "-" : fmt::format("{:.1f}", 100.0 * share);
+// "2.1 / 3.4"; "<1.0" where all cases are named, ">8.0" where none is: the limit lies outside of
+// the sizes that were played.
+std::string words_of(const std::vector<SizedCase>& cases) {
+  const auto by_size = [](const SizedCase& a, const SizedCase& b) { return a.share < b.share; };
+  const auto [small, large] = std::minmax_element(cases.begin(), cases.end(), by_size);
+  const auto named = std::count_if(cases.begin(), cases.end(), [](auto& c) { return c.named; });
+  if (cases.empty()) return "-";
+  if (named == static_cast<long>(cases.size())) return fmt::format("<{:.1f}", 100.0 * small->share);
+  if (named == 0) return fmt::format(">{:.1f}", 100.0 * large->share);
+  const DetectionLimit limit = detection_limit(cases);
+  const auto bounded = [&](double share) {
+    return share > large->share ? fmt::format(">{:.1f}", 100.0 * large->share)
+                                : fmt::format("{:.1f}", 100.0 * share);
+  };
+  return bounded(limit.half) + " / " + bounded(limit.nine_tenths);
 }
 
 }  // namespace
@@ -74,16 +87,12 @@ void print_detection_limits(const BoardRequest& request, const std::vector<doubl
   for (const std::string& group : groups) {
     fmt::print("{:<30}", group);
     std::vector<SizedCase> all;
-    const auto cell = [](const std::vector<SizedCase>& cases) {
-      const DetectionLimit limit = detection_limit(cases);
-      return percent(limit.half) + " / " + percent(limit.nine_tenths);
-    };
     for (const std::string& arm : request.arms) {
       const std::vector<SizedCase>& cases = found[group][arm];
       all.insert(all.end(), cases.begin(), cases.end());
-      fmt::print(" {:>14}", cell(cases));
+      fmt::print(" {:>14}", words_of(cases));
     }
-    fmt::print(" {:>14}\n", cell(all));
+    fmt::print(" {:>14}\n", words_of(all));
   }
 }
 

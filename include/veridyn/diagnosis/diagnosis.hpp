@@ -134,6 +134,9 @@ struct Diagnosis {
   std::vector<CannotTell> cannot_tell;
   std::vector<RecordingQuality> data_quality;
   std::vector<LeftOut> left_out;   ///< moments that belong to a recording and not to the arm
+  /// What the diagnosis did beside naming causes: velocities taken from positions, constants of the
+  /// model's own effects that the extended model has otherwise.
+  std::vector<std::string> remarks;
   NextExperiment next_experiment;  ///< empty where nothing is left to separate
   bool provisional = false;        ///< one training recording only: names are provisional
   int hypotheses = 0;              ///< how many were asked

@@ -162,6 +162,7 @@ class Builder {
       add(effect, axis, arm_.effects()[static_cast<size_t>(own)].values, -1, own);
       if (effect.shapes().empty()) return;
     }
+    if (own >= 0 && !list_.changes) ask_other_constants(effect, axis, m, own);
     if (own >= 0 && !list_.changes && !traits.memory) return;
     const auto joint = static_cast<size_t>(main_coordinate(axis));
     m.waves.emplace();
@@ -174,8 +175,23 @@ class Builder {
     }
   }
 
+  // A constant that no search looks for, yet has a grid: an effect that the arm has may have
+  // another one than its file says, in shares of one over the largest speed (a step of friction that
+  // is smooth). It is asked beside the causes, for what it leaves over looks like them.
+  void ask_other_constants(const AxisEffect& effect, const Axis& axis, const AxisMotion& m,
+                           int own) {
+    if (m.speed <= 0.0) return;
+    for (const EffectShape& constant : effect.shapes()) {
+      if (constant.searched || constant.scale != ShapeScale::kByUnit) continue;
+      for (const double share : constant.grid) {
+        const double value = std::clamp(share / m.speed, constant.lower, constant.upper);
+        add(effect, axis, {{constant.name, value}}, -1, -1, own);
+      }
+    }
+  }
+
   void add(const Effect& effect, const Axis& axis, const ShapeChoice& shape, int from = -1,
-           int changes = -1) {
+           int changes = -1, int instead_of = -1) {
     EffectTerm term;
     term.effect = effect.name();
     term.axis = axis;
@@ -191,6 +207,7 @@ class Builder {
     h.effect = term.effect;
     h.joint = whole_arm ? -1 : main_coordinate(axis);
     h.changes = changes;
+    h.instead_of = instead_of;
     h.term = static_cast<int>(description_.effects.size());
     h.stage = static_cast<int>(traits.stage);
     h.extrapolates = traits.depends_on_position || traits.depends_on_time;
@@ -203,7 +220,7 @@ class Builder {
     for (const EffectParameter& p : parameters)
       h.largest_value =
           std::min(h.largest_value, slides ? p.largest_prismatic : p.largest_revolute);
-    h.family = (changes >= 0 ? "changed " : "") + term.effect + " " + axis_text(arm_, axis) +
+    h.family = std::string(changes >= 0 ? "changed " : instead_of >= 0 ? "own " : "") + term.effect + " " + axis_text(arm_, axis) +
                (from >= 0 ? " from " + arm_.coordinates()[from].name : "");
     for (const EffectParameter& p : parameters)
       h.signs.push_back(changes >= 0 ? ParameterSign::kAny : p.sign);

@@ -21,6 +21,9 @@ struct Hypothesis {
   int body = -1;       ///< A payload's index among the augmented model's bodies
   double reach = 1.0;  ///< A payload's reach: largest distance [m] of its centre along each axis from the frame
   int changes = -1;    ///< index of the arm's own effect that has changed; -1: a new one
+  /// Index of the arm's own effect that this is, with another constant; -1: none. The model has the
+  /// effect: accepted, it is a remark and no finding.
+  int instead_of = -1;
   std::vector<std::string> columns;
   std::vector<ParameterSign> signs;
   std::vector<double> lowest;    ///< Least value of a change: less would make the parameter impossible

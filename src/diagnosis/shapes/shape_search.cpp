@@ -72,7 +72,8 @@ bool searched(const Hypothesis& h, const std::string& key) {
   const auto shape = shape_of(h.effect, key);
   if (!shape) return false;
   // A wave number comes from a spectrum, near its peak already.
-  return shape->scale == ShapeScale::kWaves || (shape->searched && shape->lower > 0.0);
+  const bool asked = shape->searched || h.instead_of >= 0;
+  return shape->scale == ShapeScale::kWaves || (asked && shape->lower > 0.0);
 }
 
 // Residual per joint's weight of a choice of variants, one per accepted hypothesis.

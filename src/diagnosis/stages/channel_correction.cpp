@@ -44,18 +44,23 @@ const Hypothesis* same(const Questions& asked, const Hypothesis& h) {
   return nullptr;
 }
 
-// Relative errors multiply, others add.
-double together(double a, double b, const std::string& unit) {
-  return unit == "1" ? (1.0 + a) * (1.0 + b) - 1.0 : a + b;
-}
-
 }  // namespace
+
+std::vector<double> together(const Hypothesis& h, const std::vector<double>& first,
+                             const std::vector<double>& second) {
+  const std::vector<EffectParameter> parameters = find_effect(h.effect).parameters();
+  std::vector<double> out;
+  for (size_t p = 0; p < first.size(); ++p) {
+    const bool relative = parameters[p].unit_revolute == "1";
+    out.push_back(relative ? (1.0 + first[p]) * (1.0 + second[p]) - 1.0 : first[p] + second[p]);
+  }
+  return out;
+}
 
 std::optional<CorrectedChannel> correct_channel(const Investigation& x, const Questions& asked,
                                                 const Hypothesis& h) {
   std::optional<Estimate> step = estimate(asked, h, x.options);
   if (!step) return std::nullopt;
-  const std::vector<EffectParameter> parameters = find_effect(h.effect).parameters();
   CorrectedChannel out{x.start, std::vector<double>(step->values.size(), 0.0), {}};
   bool moved = false;
   for (int k = 0; k < kSteps && step; ++k) {
@@ -79,8 +84,7 @@ std::optional<CorrectedChannel> correct_channel(const Investigation& x, const Qu
     }
     if (!better) break;
     moved = true;
-    for (size_t p = 0; p < out.values.size(); ++p)
-      out.values[p] = together(out.values[p], step->values[p], parameters[p].unit_revolute);
+    out.values = together(h, out.values, step->values);
     QuestionList list = x.list();
     list.wanted = {h.effect};
     const Questions again = ask(x, list, out.corrected);

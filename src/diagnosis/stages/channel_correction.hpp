@@ -24,4 +24,8 @@ struct CorrectedChannel {
 std::optional<CorrectedChannel> correct_channel(const Investigation& x, const Questions& asked,
                                                 const Hypothesis& h);
 
+/// Two errors of one channel, one undone after the other: relative ones multiply, others add.
+std::vector<double> together(const Hypothesis& h, const std::vector<double>& first,
+                             const std::vector<double>& second);
+
 }  // namespace veridyn

@@ -35,6 +35,9 @@ struct Investigation {
   /// values are those of the last fit. Indices of d.findings.
   std::map<size_t, std::vector<std::string>> fitted_by_start;
 
+  /// Remarks on the recordings, which outlive another run of the questions.
+  std::vector<std::string> remarks = {};
+
   /// True if the effect is one of those asked for.
   bool asks_for(const std::string& effect) const;
 

@@ -44,10 +44,13 @@ std::set<int> joints_with(const std::string& finding, const Investigation& x) {
 }
 
 void say_that_it_is_derived(int joint, Investigation& x) {
-  for (RecordingQuality& recording : x.d.data_quality) {
-    for (QualityFinding& f : recording.findings) {
-      if (f.finding == "velocity_noise" && f.joint == joint + 1)
-        f.sentence += " It is taken from the position: the torques are predicted better.";
+  for (const RecordingQuality& recording : x.d.data_quality) {
+    for (const QualityFinding& f : recording.findings) {
+      if (f.finding != "velocity_noise" || f.joint != joint + 1) continue;
+      x.remarks.push_back(f.sentence +
+                          " It is taken from the position: torques are predicted better.");
+      x.d.remarks = x.remarks;
+      return;
     }
   }
 }

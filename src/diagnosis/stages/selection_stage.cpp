@@ -77,12 +77,22 @@ const Hypothesis& accepted(const Round& round, size_t k) {
       .hypotheses[static_cast<size_t>(round.selection.accepted[k].evidence.hypothesis)];
 }
 
-// The error of a channel that was accepted first, or one so large that its derivative says little.
+// The finding of the same error of the same channel; nullptr: none.
+template <typename SomeDiagnosis>
+auto same_channel(SomeDiagnosis& d, const Hypothesis& h) -> decltype(d.findings.data()) {
+  for (auto& f : d.findings) {
+    if (f.effect == h.effect && f.joint == h.joint + 1) return &f;
+  }
+  return nullptr;
+}
+
+// The error of a channel that was accepted first, one that was corrected before and asks for more,
+// or one so large that its derivative says little.
 std::optional<size_t> channel_to_correct(const Investigation& x, const Round& round) {
   for (size_t k = 0; k < round.selection.accepted.size(); ++k) {
     const Hypothesis& h = accepted(round, k);
     if (!is_channel(h)) continue;
-    if (k == 0) return k;
+    if (k == 0 || same_channel(x.d, h) != nullptr) return k;
     const Selection alone = refit(round.data, round.q.base, {h}, x.options);
     const size_t own = columns_of(round.data, h).size();
     for (size_t p = alone.columns.size() - own; p < alone.columns.size(); ++p) {
@@ -120,6 +130,20 @@ bool correct_first_channel(Investigation& x, const Round& round) {
   const Accepted& a = round.selection.accepted[*at];
   if (gives_way(h, a, channel->values, x.options.thresholds)) {
     x.refused.insert(h.family);
+    return true;
+  }
+  if (Finding* earlier = same_channel(x.d, h)) {
+    std::vector<double> before;
+    for (size_t p = 0; p < channel->values.size(); ++p)
+      before.push_back(earlier->parameters[p].value);
+    const Finding both = channel_finding(round.q, h, together(h, before, channel->values),
+                                         channel->half_widths);
+    earlier->parameters = both.parameters;
+    earlier->sentence = both.sentence;
+    earlier->test_after = channel->corrected.test_error.relative;
+    earlier->explains = explained_share(earlier->test_before, earlier->test_after, x.d.baseline);
+    earlier->status = status_of(*earlier);
+    x.start = channel->corrected;
     return true;
   }
   Finding f = channel_finding(round.q, h, channel->values, channel->half_widths);
@@ -168,11 +192,16 @@ void write_down(Investigation& x, const Round& round, const Fit& fit) {
   const size_t first = x.d.findings.size();
   writer.add_findings(x.d);
   writer.add_the_rest(x.d);
+  const std::vector<char> own = writer.own_constants();
   std::set<size_t> kept;
   for (size_t k = first; k < x.d.findings.size(); ++k) {
     if (x.options.extended == ExtendedModel::kAllFindings ||
         x.d.findings[k].status == FindingStatus::kConfirmed)
       kept.insert(k - first);
+    if (own[k - first] != 0) x.d.remarks.push_back(x.d.findings[k].sentence);
+  }
+  for (size_t k = own.size(); k-- > 0;) {
+    if (own[k] != 0) x.d.findings.erase(x.d.findings.begin() + static_cast<long>(first + k));
   }
   x.d.extended = kept.empty() ? x.start : x.look(writer.extended_arm(kept));
   refresh_findings(x);
