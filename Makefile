@@ -3,7 +3,7 @@ BUILD := build
 JOBS  ?= $(shell nproc)
 CMAKE_FLAGS ?= --preset dev
 
-.PHONY: all tool build demo test python readme sanitize packages packages-tests clean
+.PHONY: all tool build demo test python ros ros-test readme sanitize packages packages-tests clean
 
 all: tool
 
@@ -28,6 +28,15 @@ python: packages
 	@cmake $(CMAKE_FLAGS) -B $(BUILD) -DVERIDYN_PYTHON=ON >$(BUILD).log 2>&1 || { cat $(BUILD).log; exit 1; }
 	@cmake --build $(BUILD) -j $(JOBS) --target veridyn_python
 	@echo "import veridyn works with PYTHONPATH=$(BUILD)/python"
+
+# The ROS 1 packages, in $(BUILD)/ros; see docs/ros.md. The library never needs them.
+ros: tool
+	@cmake/install-packages.sh cmake/debian-packages-ros.txt
+	@ros/build.sh $(BUILD) $(JOBS)
+
+# A laboratory's client against a master of its own; says so where ROS is absent.
+ros-test: ros
+	@ros/test.sh $(BUILD)
 
 demo: tool
 	@examples/demo.sh $(BUILD)/bin/veridyn out/demo

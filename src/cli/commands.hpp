@@ -41,5 +41,6 @@ void add_kinematics_command(CLI::App& tool, Outcome& outcome);
 void add_loadcell_command(CLI::App& tool, Outcome& outcome);
 void add_stability_command(CLI::App& tool, Outcome& outcome);
 void add_dvrk_command(CLI::App& tool, Outcome& outcome);
+void add_watch_command(CLI::App& tool, Outcome& outcome);
 
 }  // namespace veridyn::cli

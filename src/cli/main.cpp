@@ -33,6 +33,7 @@ ExitStatus run(int argc, char** argv) {
   add_loadcell_command(tool, outcome);
   add_stability_command(tool, outcome);
   add_dvrk_command(tool, outcome);
+  add_watch_command(tool, outcome);
   expect_sound_arguments(tool);
   try {
     tool.parse(argc, argv);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 
@@ -17,6 +18,8 @@ class RowSource {
 };
 
 /// Rows of a CSV file with columns t, q1..qn, one after the other.
-std::unique_ptr<RowSource> csv_rows(const std::string& path, const RecordingOptions& options);
+/// @param wait  see CsvLines.
+std::unique_ptr<RowSource> csv_rows(const std::string& path, const RecordingOptions& options,
+                                    std::function<bool()> wait = {});
 
 }  // namespace veridyn::recordings

@@ -15,7 +15,7 @@ namespace fs = std::filesystem;
 
 // The layers of the house. What stands in a folder's set is what it may include beside itself:
 //   math < model < kinematics < dynamics < effects < regressor,  model < recordings,
-//   {identification < {diagnosis | comparison} | excitation | simulation | control | calibration}
+//   {identification < {diagnosis | comparison} | watch | excitation | simulation | control | calibration}
 //     < cooperation < {dvrk | report} < cli.
 const std::map<std::string, std::set<std::string>>& below() {
   static const std::map<std::string, std::set<std::string>> kBelow = [] {
@@ -32,14 +32,14 @@ const std::map<std::string, std::set<std::string>>& below() {
     }
     sofar.insert("recordings");
     for (const char* folder :
-         {"identification", "excitation", "simulation", "control", "calibration"})
+         {"identification", "excitation", "simulation", "control", "calibration", "watch"})
       all[folder] = sofar;
     for (const char* folder : {"diagnosis", "comparison", "export"}) {
       all[folder] = sofar;
       all[folder].insert("identification");
     }
     sofar.insert({"identification", "diagnosis", "comparison", "export", "excitation", "simulation",
-                  "control", "calibration"});
+                  "control", "calibration", "watch"});
     all["cooperation"] = sofar;
     sofar.insert("cooperation");
     all["dvrk"] = sofar;

@@ -1,6 +1,7 @@
 #include "recordings/csv/csv_lines.hpp"
 
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <cerrno>
 #include <cstring>
@@ -15,7 +16,8 @@ constexpr std::size_t kLongestLine = 16 << 20;
 
 }  // namespace
 
-CsvLines::CsvLines(const std::string& path) : path_(path), buffer_(kBufferSize) {
+CsvLines::CsvLines(const std::string& path, std::function<bool()> wait)
+    : path_(path), wait_(std::move(wait)), buffer_(kBufferSize) {
   struct stat about {};
   const bool there = ::stat(path.c_str(), &about) == 0;
   require(there, path, ": found ", std::strerror(errno), ", expected a recording (CSV).");
@@ -39,12 +41,17 @@ bool CsvLines::refill() {
             ": found a line longer than 16 MiB, expected a recording (CSV).");
     buffer_.resize(2 * buffer_.size());
   }
-  const std::size_t got = std::fread(buffer_.data() + end_, 1, buffer_.size() - end_, file_.get());
-  require(std::ferror(file_.get()) == 0, path_, ": reading failed after line ", number_, ": ",
-          std::strerror(errno), ".");
-  end_ += got;
-  at_end_ = got == 0;
-  return got > 0;
+  for (;;) {  // read(2) returns what a pipe has by now, where fread() would wait for more
+    const ssize_t got =
+        ::read(::fileno(file_.get()), buffer_.data() + end_, buffer_.size() - end_);
+    if (got < 0 && errno == EINTR && (!wait_ || wait_())) continue;
+    require(got >= 0 || errno == EINTR, path_, ": reading failed after line ", number_, ": ",
+            std::strerror(errno), ".");
+    if (got == 0 && wait_ && wait_()) continue;
+    end_ += got > 0 ? static_cast<std::size_t>(got) : 0;
+    at_end_ = got <= 0;
+    return got > 0;
+  }
 }
 
 bool CsvLines::next_raw(std::string_view* line) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdio>
+#include <functional>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -15,7 +16,8 @@ namespace veridyn {
 class CsvLines {
  public:
   /// @throws InvalidInput  the file is missing, unreadable, a folder, or empty.
-  explicit CsvLines(const std::string& path);
+  /// @param wait  called where a file that still grows ends for now; true: look again.
+  explicit CsvLines(const std::string& path, std::function<bool()> wait = {});
 
   /// The next line, valid until the next call. False at the end.
   /// @throws InvalidInput  not text (a NUL in the first piece, or a line of 16 MiB), or reading
@@ -36,6 +38,7 @@ class CsvLines {
     void operator()(std::FILE* file) const { std::fclose(file); }
   };
   std::string path_;
+  std::function<bool()> wait_;
   std::unique_ptr<std::FILE, Close> file_;
   std::vector<char> buffer_;
   std::size_t begin_ = 0;  // unread bytes are buffer_[begin_, end_)

@@ -172,7 +172,8 @@ namespace {
 
 class CsvRows : public RowSource {
  public:
-  CsvRows(const std::string& path, const RecordingOptions& wanted) : options(wanted), lines(path) {
+  CsvRows(const std::string& path, const RecordingOptions& wanted, std::function<bool()> wait)
+      : options(wanted), lines(path, std::move(wait)) {
     read_layout();
   }
 
@@ -389,8 +390,9 @@ Recording CsvRows::next(int rows) {
 
 }  // namespace
 
-std::unique_ptr<RowSource> csv_rows(const std::string& path, const RecordingOptions& options) {
-  return std::make_unique<CsvRows>(path, options);
+std::unique_ptr<RowSource> csv_rows(const std::string& path, const RecordingOptions& options,
+                                    std::function<bool()> wait) {
+  return std::make_unique<CsvRows>(path, options, std::move(wait));
 }
 
 }  // namespace recordings

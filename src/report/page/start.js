@@ -80,8 +80,9 @@ function start() {
   if (result.command === 'stability') fillStability();
   if (result.command === 'excite') fillExcitation();
   if (result.command === 'calibrate') fillCalibration();
+  if (result.command === 'watch') fillWatch();
   fillSettings();
-  if (result.command !== 'simulate' && series.recordings.length) {
+  if (!['simulate', 'watch'].includes(result.command) && series.recordings.length) {
     fillChooser();
     drawPlots();
   }

@@ -1,0 +1,435 @@
+#include "core/crtk_arm.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "veridyn/math/require.hpp"
+
+namespace veridyn_ros {
+namespace {
+
+using namespace veridyn;
+using Kind = Command::Kind;
+
+constexpr double kTwoPi = 6.283185307179586;
+constexpr double kReach = 0.1;           // [s] at the velocity limit: farther is no stream
+constexpr double kStop = 0.1;            // [s] in which a move stops
+constexpr double kLeastMove = 0.2;       // [s]
+constexpr double kReleaseDamping = 5.0;  // [1/s]: of an arm that gives way
+constexpr double kRest = 1e-3;           // [rad/s], [m/s]
+constexpr double kSliding = 0.2;         // metres for radians where a file gives no velocity limit
+constexpr double kAccelerate = 0.25;     // [s] to the velocity of a move
+
+Tip tip_of(const Model& arm, const std::string& name) {
+  if (!name.empty()) return {name};
+  return {arm.find_frame("tool") >= 0 ? "tool" : arm.frames().back().name};
+}
+
+TaskRows rows_of(const Model& arm) {
+  return arm.joints() >= 6 ? TaskRows::kPose : TaskRows::kPosition;
+}
+
+JointGains gains_of(const Model& arm, double frequency) {
+  const double w = kTwoPi * frequency;
+  return {VectorXd::Constant(arm.joints(), w * w), VectorXd::Constant(arm.joints(), 2.0 * w)};
+}
+
+SafetyLimits limits_of(const Model& arm, const CrtkOptions& o) {
+  SafetyLimits limits = safety_limits(arm, o.effort);
+  for (int i = 0; i < arm.joints(); ++i) {
+    const bool slides = arm.coordinates()[static_cast<std::size_t>(i)].prismatic;
+    if (!std::isfinite(limits.velocity[i]) || limits.velocity[i] <= 0.0)
+      limits.velocity[i] = o.velocity * (slides ? kSliding : 1.0);
+  }
+  limits.tracking.setConstant(1e9);  // clients lead; what is too far is refused
+  limits.force = 1e9;
+  limits.overrun = 0.05;
+  limits.sensor_age = 0.05;
+  return limits;
+}
+
+InverseKinematicsOptions inverse_of(const Model& arm) {
+  InverseKinematicsOptions o;
+  o.rows = rows_of(arm);
+  o.position_tolerance = 1e-5;
+  o.angle_tolerance = 1e-4;
+  return o;
+}
+
+bool streams(Kind kind) {
+  return kind == Kind::kServoJp || kind == Kind::kServoJf || kind == Kind::kServoCp ||
+         kind == Kind::kServoCf || kind == Kind::kServoCv;
+}
+
+bool moves(Kind kind) { return streams(kind) || kind == Kind::kMoveJp || kind == Kind::kMoveCp; }
+
+bool needs_joints(Kind kind) {
+  return kind == Kind::kServoJp || kind == Kind::kServoJf || kind == Kind::kMoveJp;
+}
+
+bool finite(const Command& c) {
+  const auto all = [](const double* x, int count) {
+    return std::all_of(x, x + count, [](double v) { return std::isfinite(v); });
+  };
+  return std::isfinite(c.age) && all(c.joints, std::clamp(c.count, 0, kMostJoints)) &&
+         all(c.position, 3) && all(c.quaternion, 4) && all(c.six, 6);
+}
+
+void put(const Eigen::Matrix3d& R, double (&out)[4]) {
+  const Eigen::Quaterniond q(R);
+  out[0] = q.x();
+  out[1] = q.y();
+  out[2] = q.z();
+  out[3] = q.w();
+}
+
+}  // namespace
+
+const char* describe(Refusal refusal) noexcept {
+  switch (refusal) {
+    case Refusal::kNone: return "taken";
+    case Refusal::kNotFinite: return "a number is not finite";
+    case Refusal::kWrongSize: return "another number of joints than the arm has";
+    case Refusal::kBeyondLimits: return "beyond the joints' limits";
+    case Refusal::kTooFar: return "farther from the setpoint than the velocity limits allow";
+    case Refusal::kOutOfReach: return "no joints put the tip there";
+    case Refusal::kNotEnabled: return "the arm is not ENABLED";
+    case Refusal::kNotHomed: return "the arm is not homed";
+    case Refusal::kOtherClient: return "another client is commanding the arm";
+    case Refusal::kTooOld: return "its stamp is too old, or lies in the future";
+    case Refusal::kInvalidTransition: return "not allowed in this operating state";
+  }
+  return "";
+}
+
+const char* name_of(OperatingState state) noexcept {
+  switch (state) {
+    case OperatingState::kDisabled: return "DISABLED";
+    case OperatingState::kEnabled: return "ENABLED";
+    case OperatingState::kPaused: return "PAUSED";
+    case OperatingState::kFault: return "FAULT";
+  }
+  return "";
+}
+
+const char* name_of(Mode mode) noexcept {
+  switch (mode) {
+    case Mode::kOff: return "off";
+    case Mode::kHold: return "hold";
+    case Mode::kServo: return "servo";
+    case Mode::kMove: return "move";
+    case Mode::kReleased: return "released";
+  }
+  return "";
+}
+
+CrtkArm::CrtkArm(const Model& model, const CrtkOptions& options)
+    : model_(model), options_(options), n_(model.joints()), tip_(tip_of(model, options.tip)),
+      arm_(model, tip_), control_(n_, gains_of(model, options.frequency)),
+      error_(n_, {options.observer, 0.25 * safety_limits(model, options.effort).torque}),
+      inverse_(model, tip_, inverse_of(model)), task_(model, tip_, rows_of(model)),
+      setpoint_(model, tip_), safety_(model, limits_of(model, options)), input_(n_),
+      way_(VectorXd::Zero(n_)), wanted_(n_), limits_(limits_of(model, options)),
+      goal_(VectorXd::Zero(n_)), effort_(goal_), tau_(goal_), out_(goal_), zero_(goal_),
+      speed_(goal_), smoothed_(goal_) {
+  require(n_ <= kMostJoints, "veridyn_ros: found ", n_, " joints, expected at most ", kMostJoints, ".");
+  require(options.hold_after > 0.0 && options.release_after > options.hold_after,
+          "veridyn_ros: expected 0 < hold_after < release_after.");
+  feedback_.joints = n_;
+  input_.force_expected.setConstant(NAN);
+}
+
+bool CrtkArm::within(const VectorXd& q) const noexcept {
+  return (q.array() >= limits_.lower.array()).all() && (q.array() <= limits_.upper.array()).all();
+}
+
+Refusal CrtkArm::command(const Command& c) noexcept {
+  const Refusal why = judge(c);
+  if (why == Refusal::kNone) {
+    if (streams(c.kind)) {
+      stream_ = c.kind;
+      client_ = c.client;
+      silent_ = 0.0;
+      mode_ = Mode::kServo;
+    }
+    return why;
+  }
+  feedback_.refusal = why;
+  ++feedback_.refusals;
+  return why;
+}
+
+Refusal CrtkArm::judge(const Command& c) noexcept {
+  if (!finite(c)) return Refusal::kNotFinite;
+  if (std::abs(c.age) > options_.oldest) return Refusal::kTooOld;
+  // Whoever asks for less motion is always heard.
+  if (c.kind == Kind::kDisable || c.kind == Kind::kPause || c.kind == Kind::kEnable ||
+      c.kind == Kind::kResume || c.kind == Kind::kHome || c.kind == Kind::kUnhome)
+    return transition(c.kind);
+  if (state_ != OperatingState::kEnabled) return Refusal::kNotEnabled;
+  if (!homed_) return Refusal::kNotHomed;
+  if (c.kind == Kind::kHold) {
+    hold();
+    return Refusal::kNone;
+  }
+  if (moves(c.kind) && mode_ == Mode::kServo && c.client != client_ && silent_ < options_.hold_after)
+    return Refusal::kOtherClient;
+  if (needs_joints(c.kind) && c.count != n_) return Refusal::kWrongSize;
+  if (mode_ == Mode::kReleased) hold();  // from where the arm is by now
+  switch (c.kind) {
+    case Kind::kServoJp: return take_joints(c, false);
+    case Kind::kMoveJp: return take_joints(c, true);
+    case Kind::kServoCp: return take_pose(c, false);
+    case Kind::kMoveCp: return take_pose(c, true);
+    case Kind::kServoJf:
+    case Kind::kServoCf: return take_effort(c);
+    case Kind::kServoCv: return take_twist(c);
+    default: return Refusal::kInvalidTransition;
+  }
+}
+
+Refusal CrtkArm::transition(Kind kind) noexcept {
+  const auto now = state_;
+  const auto to = [this](OperatingState state) {
+    state_ = state;
+    return Refusal::kNone;
+  };
+  switch (kind) {
+    case Kind::kEnable:
+      if (now == OperatingState::kPaused || !seen_) return Refusal::kInvalidTransition;
+      if (now == OperatingState::kEnabled) return Refusal::kNone;
+      safety_.reset();
+      safety_.disable();
+      if (!safety_.enable() || !safety_.activate()) return Refusal::kInvalidTransition;
+      error_.reset();
+      hold();
+      return to(OperatingState::kEnabled);
+    case Kind::kDisable:
+      safety_.reset();
+      safety_.disable();
+      mode_ = Mode::kOff;
+      return to(OperatingState::kDisabled);
+    case Kind::kPause:
+      if (now != OperatingState::kEnabled && now != OperatingState::kPaused)
+        return Refusal::kInvalidTransition;
+      if (now == OperatingState::kEnabled) hold();
+      return to(OperatingState::kPaused);
+    case Kind::kResume:
+      return now == OperatingState::kPaused ? to(OperatingState::kEnabled)
+                                            : Refusal::kInvalidTransition;
+    case Kind::kHome:  // nothing to seek: positions are absolute
+      if (now != OperatingState::kEnabled) return Refusal::kInvalidTransition;
+      homed_ = true;
+      return Refusal::kNone;
+    default:
+      homed_ = false;
+      if (now == OperatingState::kEnabled) hold();
+      return Refusal::kNone;
+  }
+}
+
+Refusal CrtkArm::take_joints(const Command& c, bool move) noexcept {
+  for (int i = 0; i < n_; ++i) goal_[i] = c.joints[i];
+  if (!within(goal_)) return Refusal::kBeyondLimits;
+  double seconds = kLeastMove;
+  for (int i = 0; i < n_; ++i) {
+    const double way = std::abs(goal_[i] - way_.x()[i]);
+    if (!move && way > kReach * limits_.velocity[i]) return Refusal::kTooFar;
+    const double speed = options_.move_velocity * limits_.velocity[i];
+    seconds = std::max(seconds, QuinticInterpolator::duration_for(way, speed, speed / kAccelerate));
+  }
+  if (mode_ == Mode::kServo && (stream_ == Kind::kServoJf || stream_ == Kind::kServoCf)) {
+    hold();
+    if (!move) {
+      for (int i = 0; i < n_; ++i)
+        if (std::abs(goal_[i] - way_.x()[i]) > kReach * limits_.velocity[i]) return Refusal::kTooFar;
+    }
+  }
+  if (move) {
+    way_.move_to(goal_, seconds);
+    mode_ = Mode::kMove;
+  } else {
+    way_.reset(goal_);
+  }
+  return Refusal::kNone;
+}
+
+Refusal CrtkArm::take_pose(const Command& c, bool move) noexcept {
+  Eigen::Quaterniond turn(c.quaternion[3], c.quaternion[0], c.quaternion[1], c.quaternion[2]);
+  if (!(turn.norm() > 0.5 && turn.norm() < 2.0)) return Refusal::kNotFinite;
+  turn.normalize();
+  effort_ = way_.x();  // where the search starts
+  const Eigen::Vector3d position(c.position[0], c.position[1], c.position[2]);
+  if (inverse_.solve(position, turn.toRotationMatrix(), effort_) != ReachStatus::kReached)
+    return Refusal::kOutOfReach;
+  Command joints = c;
+  joints.count = n_;
+  for (int i = 0; i < n_; ++i) joints.joints[i] = effort_[i];
+  return take_joints(joints, move);
+}
+
+Refusal CrtkArm::take_effort(const Command& c) noexcept {
+  for (int i = 0; i < n_; ++i) tau_[i] = c.joints[i];
+  if (c.kind == Kind::kServoCf) {
+    const Eigen::Map<const Vector6d> wrench(c.six);
+    tau_.noalias() = arm_.tip().jacobian().transpose() * wrench;
+  }
+  for (int i = 0; i < n_; ++i)
+    if (std::abs(tau_[i]) > limits_.torque[i]) return Refusal::kBeyondLimits;
+  effort_ = tau_;
+  return Refusal::kNone;
+}
+
+Refusal CrtkArm::take_twist(const Command& c) noexcept {
+  const Eigen::Map<const Vector6d> twist(c.six);
+  setpoint_.update(way_.x(), zero_);
+  task_.update(setpoint_.jacobian());
+  task_.solve(twist, zero_, speed_);
+  for (int i = 0; i < n_; ++i)
+    if (std::abs(speed_[i]) > limits_.velocity[i]) return Refusal::kBeyondLimits;
+  twist_ = twist;
+  return Refusal::kNone;
+}
+
+// From here on: the measured position is held if the arm was led by efforts, else the setpoint.
+void CrtkArm::hold() noexcept {
+  const bool led = mode_ == Mode::kServo && stream_ != Kind::kServoJf && stream_ != Kind::kServoCf;
+  if (led) {
+    way_.reset(way_.x());
+  } else if (mode_ == Mode::kMove) {
+    way_.stop(kStop);
+  } else if (mode_ != Mode::kHold) {
+    goal_ = arm_.q().cwiseMax(limits_.lower).cwiseMin(limits_.upper);
+    way_.reset(goal_);
+    stand();
+    error_.reset();
+  }
+  mode_ = Mode::kHold;
+  silent_ = 0.0;
+}
+
+void CrtkArm::watch_silence(double dt) noexcept {
+  silent_ += dt;
+  if (mode_ == Mode::kServo && silent_ > options_.hold_after) {
+    hold();
+    silent_ = options_.hold_after;
+    stream_ = Kind::kServoJp;
+    ++feedback_.lost_streams;
+    client_ = 0;
+    return;
+  }
+  // Held because a stream was lost, not because somebody asked for it.
+  const bool lost = mode_ == Mode::kHold && stream_ != Kind::kHold;
+  if (lost && silent_ > options_.release_after) mode_ = Mode::kReleased;
+  if (mode_ == Mode::kMove && way_.arrived()) {
+    mode_ = Mode::kHold;
+    stream_ = Kind::kHold;
+  }
+}
+
+void CrtkArm::follow_twist(double dt) noexcept {
+  setpoint_.update(way_.x(), zero_);
+  task_.update(setpoint_.jacobian());
+  task_.solve(twist_, zero_, speed_);
+  goal_ = (way_.x() + dt * speed_).cwiseMax(limits_.lower).cwiseMin(limits_.upper);
+  way_.reset(goal_);
+}
+
+// The controller's reference rests where the arm is.
+void CrtkArm::stand() noexcept {
+  smoothed_ = goal_;
+  wanted_.q = goal_;
+  wanted_.dq.setZero();
+  wanted_.ddq.setZero();
+}
+
+// Three lags: one on the setpoint, two in the reference, whose velocity and acceleration follow.
+void CrtkArm::smooth(double dt) noexcept {
+  const double w = options_.smoothing;
+  smoothed_ += (1.0 - std::exp(-w * dt)) * (way_.x() - smoothed_);
+  wanted_.ddq = w * w * (smoothed_ - wanted_.q) - 2.0 * w * wanted_.dq;
+  wanted_.dq += dt * wanted_.ddq;
+  wanted_.q += dt * wanted_.dq;
+}
+
+const VectorXd& CrtkArm::update(const VectorXd& q, const VectorXd& dq, double age,
+                                double dt) noexcept {
+  now_ += dt;
+  arm_.update(q, dq);
+  if (!seen_ && q.allFinite()) {
+    way_.reset(q);
+    goal_ = q;
+    stand();
+    seen_ = true;
+  }
+  watch_silence(dt);
+  if (mode_ == Mode::kServo && stream_ == Kind::kServoCv) follow_twist(dt);
+  way_.advance(dt);
+  const bool by_effort =
+      mode_ == Mode::kServo && (stream_ == Kind::kServoJf || stream_ == Kind::kServoCf);
+  if (by_effort) {
+    tau_ = arm_.bias() + effort_;
+    error_.reset();
+  } else if (mode_ == Mode::kReleased) {
+    out_ = -kReleaseDamping * dq;
+    tau_ = arm_.bias();
+    tau_.noalias() += arm_.mass_matrix() * out_;
+    error_.reset();
+  } else {
+    smooth(dt);
+    tau_ = control_.update(arm_, wanted_);
+    tau_ += error_.update(arm_, control_.acceleration(), dt);
+  }
+  input_.q_wanted.setConstant(NAN);
+  input_.dt = dt;
+  input_.sensor_age = age;
+  safety_.set_holding_torque(error_.torque());
+  out_ = safety_.update(arm_, input_, tau_);
+  if (safety_.fault() != SafetyFault::kNone && state_ != OperatingState::kFault &&
+      state_ != OperatingState::kDisabled) {
+    state_ = OperatingState::kFault;
+    mode_ = Mode::kHold;
+  }
+  if (state_ == OperatingState::kDisabled || state_ == OperatingState::kFault) {
+    goal_ = q.allFinite() ? q : goal_;
+    way_.reset(goal_);
+    stand();
+    if (state_ == OperatingState::kDisabled) out_.setZero();
+  }
+  tell();
+  return out_;
+}
+
+void CrtkArm::tell() noexcept {
+  Feedback& f = feedback_;
+  f.time = now_;
+  setpoint_.update(way_.x(), way_.dx());
+  const TipKinematics& tip = arm_.tip();
+  tau_ = out_ - arm_.bias();  // torque beyond gravity
+  Vector6d wrench = Vector6d::Zero();
+  task_.update(tip.jacobian());
+  task_.solve_wrench(tau_, wrench);
+  for (int i = 0; i < n_; ++i) {
+    f.q[i] = arm_.q()[i];
+    f.dq[i] = arm_.dq()[i];
+    f.tau[i] = out_[i];
+    f.setpoint[i] = way_.x()[i];
+  }
+  for (int i = 0; i < 3; ++i) {
+    f.position[i] = tip.position()[i];
+    f.setpoint_position[i] = setpoint_.position()[i];
+  }
+  for (int i = 0; i < 6; ++i) {
+    f.twist[i] = tip.twist()[i];
+    f.wrench[i] = wrench[i];
+  }
+  put(tip.rotation(), f.quaternion);
+  put(setpoint_.rotation(), f.setpoint_quaternion);
+  f.state = state_;
+  f.mode = mode_;
+  f.homed = homed_;
+  f.busy = mode_ == Mode::kMove;
+  f.fault = safety_.fault();
+}
+
+}  // namespace veridyn_ros

@@ -1,0 +1,74 @@
+#include "nodes/parameters.hpp"
+
+#include <cmath>
+
+#include "veridyn/identification/identification.hpp"
+#include "veridyn/math/require.hpp"
+#include "veridyn/model/model_file.hpp"
+#include "veridyn/simulation/plausible_model.hpp"
+
+namespace veridyn_ros {
+namespace {
+
+using namespace veridyn;
+
+constexpr int kBadInput = 3;
+
+// The middle of the joints' ranges; zero where there are none.
+VectorXd middle(const Model& arm) {
+  VectorXd q = VectorXd::Zero(arm.joints());
+  for (int i = 0; i < arm.joints(); ++i) {
+    const Limits& l = arm.coordinates()[static_cast<std::size_t>(i)].limits;
+    const double m = 0.5 * (l.lower + l.upper);
+    if (std::isfinite(m)) q[i] = m;
+  }
+  return q;
+}
+
+}  // namespace
+
+std::vector<ArmParameters> read_arms(const ros::NodeHandle& own) {
+  std::vector<std::string> names;
+  require(own.getParam("arms", names) && !names.empty(), own.resolveName("arms"),
+          ": found no list of arms, expected e.g. [PSM1].");
+  std::vector<ArmParameters> out;
+  for (const std::string& name : names) {
+    std::string file;
+    require(own.getParam(name + "/model", file), own.resolveName(name + "/model"),
+            ": found no robot file, expected a MODEL or the name of a robot.");
+    Model model = read_model(file);
+    if (!has_all_values(model)) {
+      model = plausible_model(model, static_cast<unsigned>(own.param(name + "/seed", 1))).arm;
+      ROS_WARN("%s: %s has no values; plausible ones are used", name.c_str(), file.c_str());
+    }
+    std::vector<double> start;
+    VectorXd q = middle(model);
+    if (own.getParam(name + "/start", start)) {
+      require(static_cast<int>(start.size()) == model.joints(), own.resolveName(name + "/start"),
+              ": found ", start.size(), " numbers, expected ", model.joints(), ".");
+      q = Eigen::Map<const VectorXd>(start.data(), q.size());
+    }
+    out.push_back({name, std::move(model), std::move(q), own.param(name + "/tip", std::string())});
+  }
+  return out;
+}
+
+int run_node(int argc, char** argv, const std::string& name, void (*run)(ros::NodeHandle& own)) {
+  ros::init(argc, argv, name);
+  // Without a master the client library would try for ever, and say so ten times a second.
+  if (!ros::master::check()) {
+    std::fprintf(stderr, "%s: found no master at %s; start roscore or roslaunch\n", name.c_str(),
+                 ros::master::getURI().c_str());
+    return kBadInput;
+  }
+  try {
+    ros::NodeHandle own("~");
+    run(own);
+    return 0;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "%s: %s\n", name.c_str(), error.what());
+    return kBadInput;
+  }
+}
+
+}  // namespace veridyn_ros

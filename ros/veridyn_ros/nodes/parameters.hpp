@@ -1,0 +1,29 @@
+#pragma once
+
+#include <ros/ros.h>
+
+#include <string>
+#include <vector>
+
+#include "veridyn/model/model.hpp"
+
+namespace veridyn_ros {
+
+/// One arm of a node's parameters: ~arms is a list of names, ~NAME/model a robot file or MODEL,
+/// ~NAME/start its joints at the start, ~NAME/tip a frame, ~NAME/seed of plausible values where the
+/// file has none.
+struct ArmParameters {
+  std::string name;
+  veridyn::Model model;
+  veridyn::VectorXd start;
+  std::string tip;
+};
+
+/// @throws veridyn::InvalidInput  no arms, no model, a start of another size: one line that names
+///                                the parameter.
+std::vector<ArmParameters> read_arms(const ros::NodeHandle& own);
+
+/// Runs `main` of a node: what is wrong is told in one line, with the tool's exit status 3.
+int run_node(int argc, char** argv, const std::string& name, void (*run)(ros::NodeHandle& own));
+
+}  // namespace veridyn_ros

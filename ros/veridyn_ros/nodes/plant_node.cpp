@@ -1,0 +1,118 @@
+// Simulated arms behind topics, as boards would be: NAME/io/measured_js at the loop's rate,
+// NAME/io/servo_jf. Without torques for some milliseconds brakes hold an arm. With ~clock true it
+// publishes /clock, which is what other nodes then live by (/use_sim_time).
+
+#include <rosgraph_msgs/Clock.h>
+#include <sensor_msgs/JointState.h>
+
+#include <atomic>
+#include <deque>
+#include <thread>
+
+#include "nodes/motor_link.hpp"
+#include "nodes/parameters.hpp"
+#include "veridyn/math/require.hpp"
+#include "veridyn/simulation/engine.hpp"
+
+namespace veridyn_ros {
+namespace {
+
+using veridyn::VectorXd;
+
+struct Arm {
+  std::unique_ptr<veridyn::Engine> plant;
+  VectorXd q, dq, tau;
+  Snapshot<MotorTorque> asked;
+  MotorTorque now;
+  ros::Subscriber servo_jf;
+  ros::Publisher measured_js;
+  sensor_msgs::JointState message;
+  bool braked = true;
+  std::string name;
+};
+
+void hear(Arm& arm, const sensor_msgs::JointState& m) {
+  if (m.effort.size() != static_cast<std::size_t>(arm.q.size())) {
+    ROS_WARN_THROTTLE(1.0, "%s/io/servo_jf: found %zu efforts, expected %ld", arm.name.c_str(),
+                      m.effort.size(), static_cast<long>(arm.q.size()));
+    return;
+  }
+  MotorTorque t;
+  for (std::size_t i = 0; i < m.effort.size(); ++i) {
+    if (!std::isfinite(m.effort[i])) {
+      ROS_WARN_THROTTLE(1.0, "%s/io/servo_jf: found an effort that is not finite", arm.name.c_str());
+      return;
+    }
+    t.tau[i] = m.effort[i];
+  }
+  t.stamp = steady_now();
+  arm.asked.write(t);
+}
+
+void step(Arm& arm, double dt, double patience) {
+  arm.asked.read(arm.now);
+  const bool braked = steady_now() - arm.now.stamp > patience;
+  if (braked && !arm.braked) ROS_WARN("%s: no torques any more; brakes hold it", arm.name.c_str());
+  arm.braked = braked;
+  if (braked) {
+    if (arm.dq.squaredNorm() == 0.0) return;
+    arm.dq.setZero();
+    arm.plant->set_state(arm.q, arm.dq);
+    return;
+  }
+  for (Eigen::Index i = 0; i < arm.q.size(); ++i) arm.tau[i] = arm.now.tau[i];
+  const veridyn::StepStatus status = arm.plant->step(arm.tau, dt);
+  if (status != veridyn::StepStatus::kOk)
+    ROS_ERROR_THROTTLE(1.0, "%s: an arm %s", arm.name.c_str(), veridyn::describe(status));
+  arm.q = arm.plant->q();
+  arm.dq = arm.plant->dq();
+}
+
+void run(ros::NodeHandle& own) {
+  const double rate = own.param("rate", 1000.0);
+  const double patience = own.param("patience", 0.02);
+  veridyn::require(rate > 0.0 && patience > 0.0, "~rate, ~patience: expected numbers above zero.");
+  std::deque<Arm> arms;
+  ros::NodeHandle root;
+  for (const ArmParameters& p : read_arms(own)) {
+    Arm& arm = arms.emplace_back();
+    arm.name = p.name;
+    arm.plant = veridyn::make_engine(own.param("engine", std::string("veridyn")), p.model);
+    arm.q = p.start;
+    arm.dq = arm.tau = VectorXd::Zero(p.start.size());
+    arm.plant->set_state(arm.q, arm.dq);
+    for (const veridyn::Coordinate& c : p.model.coordinates()) arm.message.name.push_back(c.name);
+    ros::NodeHandle space(root, p.name);
+    arm.measured_js = space.advertise<sensor_msgs::JointState>("io/measured_js", 1);
+    arm.servo_jf = space.subscribe<sensor_msgs::JointState>(
+        "io/servo_jf", 1, [&arm](const sensor_msgs::JointState::ConstPtr& m) { hear(arm, *m); },
+        ros::VoidConstPtr(), ros::TransportHints().tcpNoDelay());
+  }
+  ros::Publisher clock;
+  if (own.param("clock", false)) clock = root.advertise<rosgraph_msgs::Clock>("/clock", 10);
+  ros::AsyncSpinner spinner(1);
+  spinner.start();
+  Cycle cycle(1.0 / rate);
+  rosgraph_msgs::Clock time;
+  for (long k = 1; ros::ok(); ++k) {
+    cycle.wait();
+    time.clock = ros::Time(static_cast<double>(k) / rate);
+    const ros::Time stamp = clock ? time.clock : ros::Time::now();
+    for (Arm& arm : arms) {
+      step(arm, 1.0 / rate, patience);
+      arm.message.header.stamp = stamp;
+      arm.message.position.assign(arm.q.data(), arm.q.data() + arm.q.size());
+      arm.message.velocity.assign(arm.dq.data(), arm.dq.data() + arm.dq.size());
+      arm.message.effort.assign(arm.tau.data(), arm.tau.data() + arm.tau.size());
+      arm.measured_js.publish(arm.message);
+    }
+    if (clock) clock.publish(time);
+  }
+}
+
+}  // namespace
+}  // namespace veridyn_ros
+
+int main(int argc, char** argv) {
+  return veridyn_ros::run_node(argc, argv, "veridyn_plant", veridyn_ros::run);
+}

@@ -1,0 +1,406 @@
+#include "watch/change.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "math/decompositions.hpp"
+#include "veridyn/effects/cause.hpp"
+#include "veridyn/effects/effect.hpp"
+#include "veridyn/math/student_t.hpp"
+#include "watch/event_words.hpp"
+
+namespace veridyn::watching {
+namespace {
+
+constexpr double kMemories[] = {0.5, 2.0, 8.0};  // [s]
+constexpr double kRecent = 20.0;        // [s] of steps that are kept to tell causes apart
+constexpr int kAboveInARow = 2;         // steps beyond the threshold that make an alarm
+constexpr double kSoonestName = 2.0;    // [s] from the onset: a push may still end
+constexpr double kOdds = 9.2;           // twice the log of odds of 100 to 1
+constexpr double kPushEnds = 0.8;       // [s] without a push after which it is over
+constexpr double kExplains = 0.6;       // share of what free torques explain that a cause explains
+constexpr double kDeaf = 1.0;           // [s] after an event in which memories fill again
+constexpr double kCalm = 0.5;           // of the threshold: below it a quiet time goes on
+constexpr double kNovel = 1.0;          // [s] of new motion after which learning begins again
+constexpr size_t kMostQuiet = 1200;     // steps of today that are kept
+constexpr double kLargestTorques = 3.0; // times the rms torque: no joint's friction grows beyond it
+constexpr double kSlow = 0.1;           // [rad/s], [m/s] a speed that every joint reaches
+constexpr double kMixed = 2.5;          // steps behind the onset whose innovations still hold both
+constexpr double kSystematic = 0.02;    // of a size: smoothing, columns that are right to first order
+constexpr double kUndone = 0.3;         // share left of a change that was taken back
+
+}  // namespace
+
+ChangeFinder::ChangeFinder(const Model& arm, const std::vector<Hypothesis>& hypotheses,
+                           const WatchOptions& options)
+    : arm_(arm), hypotheses_(hypotheses), options_(options), noise_(arm, hypotheses),
+      quantiles_(static_cast<int>(hypotheses.size()), static_cast<int>(std::size(kMemories))),
+      known_(VectorXd::Zero(static_cast<Eigen::Index>(hypotheses.size()))) {
+  for (const double seconds : kMemories) {
+    Memory m;
+    m.seconds = seconds;
+    m.forgetting = 1.0 - options.step / seconds;
+    m.A = m.b = VectorXd::Zero(known_.size());
+    memories_.push_back(m);
+  }
+  for (int j = 0; j < arm.joints(); ++j) {  // the effect that moves a joint whatever it does
+    for (size_t h = 0; h < hypotheses.size(); ++h) {
+      const Hypothesis& one = hypotheses[h];
+      if (one.joint != j || !has_axis_effect(one.effect)) continue;
+      const EffectTraits t = find_effect(one.effect).traits();
+      if (!t.uses_velocity && !t.uses_position && !t.uses_acceleration && !t.depends_on_time)
+        offset_of_joint_.push_back(static_cast<int>(h));
+    }
+  }
+}
+
+void ChangeFinder::learn(const std::vector<Step>& quiet) {
+  NoiseModel own(arm_, hypotheses_);
+  own.fit({}, quiet);
+  for (const Step& step : quiet) {
+    before_.push_back(step);
+    before_.back().residual = own.rest(step, VectorXd::Zero(known_.size()));
+  }
+}
+
+void ChangeFinder::forget() {
+  for (Memory& m : memories_) m.clear();
+  recent_.clear();
+  above_ = 0;
+}
+
+// The noise of the quiet steps so far, and what the statistics did along them.
+void ChangeFinder::calibrate() {
+  noise_.fit(before_, quiet_);
+  set_largest();
+  forget();
+  novel_ = 0.0;
+  MatrixXd sum = MatrixXd::Zero(known_.size(), static_cast<Eigen::Index>(memories_.size()));
+  VectorXd counts = VectorXd::Zero(sum.cols());
+  double since = 0.0;
+  std::vector<Step> all = before_;
+  for (Step& step : all) step.residual += step.columns * noise_.today();
+  all.insert(all.end(), quiet_.begin(), quiet_.end());
+  for (const Step& step : all) {
+    const WhiteStep white = noise_.whiten(step, known_);
+    recent_.push_back(white);
+    since = step.follows ? since + options_.step : 0.0;
+    for (size_t m = 0; m < memories_.size(); ++m) {
+      const auto i = static_cast<Eigen::Index>(m);
+      if (!step.follows) memories_[m].clear();
+      memories_[m].add(white);
+      if (since < std::min(memories_[m].seconds, 0.25 * options_.learn)) continue;
+      sum.col(i) += memories_[m].statistics(largest_);
+      counts[i] += 1.0;
+    }
+  }
+  while (recent_.size() > static_cast<size_t>(kRecent / options_.step)) recent_.pop_front();
+  for (Eigen::Index m = 0; m < sum.cols(); ++m) sum.col(m) /= std::max(counts[m], 1.0);
+  quantiles_.learn(sum, memories_, options_.step * static_cast<double>(all.size()),
+                   options_.false_alarms);
+  calibrated_at_ = quiet_live_;
+}
+
+void ChangeFinder::add(const Step& step, WatchState& state) {
+  state.time = step.time;
+  state.torque = step.torque;
+  if (learning_) {
+    quiet_.push_back(step);
+    quiet_live_ += options_.step;
+    state.residual = step.residual;
+    if (quiet_live_ >= options_.learn - 0.5 * options_.step) {
+      learning_ = false;
+      calibrate();
+    }
+    state.learning = learning_;
+    return;
+  }
+  state.learning = step.time < relearn_until_;
+  const WhiteStep white = noise_.whiten(step, known_);
+  if (!step.follows) {
+    forget();
+    deaf_until_ = step.time + kDeaf;
+  }
+  recent_.push_back(white);
+  if (recent_.size() > static_cast<size_t>(kRecent / options_.step)) recent_.pop_front();
+  for (Memory& m : memories_) m.add(white);
+  if (refining_) refine(white, step.time);
+  look(step.time, state);
+  if (open_) tell_apart(step.time, false);
+  go_on_learning(step, state.strength);
+  state.residual = noise_.rest(step, known_);
+  state.noise = noise_.deviation();
+  state.alarmed = open_.has_value();
+}
+
+// While nothing happens more is learned, and always where the arm does what it did not do before.
+void ChangeFinder::go_on_learning(const Step& step, double strength) {
+  const bool relearning = step.time < relearn_until_;
+  if (open_ || (!relearning && (refining_ || strength >= 1.0))) return;
+  const bool novel = noise_.novel(step);
+  novel_ = novel ? novel_ + options_.step : std::max(0.0, novel_ - options_.step);
+  if (!relearning && novel_ >= kNovel) {  // the arm began something else
+    relearn_until_ = deaf_until_ = step.time + options_.learn;
+    novel_ = 0.0;
+  }
+  if (!novel && !relearning && (!past_.empty() || quiet_live_ >= options_.learn_more)) return;
+  quiet_.push_back(step);
+  quiet_.back().residual -= step.columns * known_;
+  quiet_.back().follows = step.follows && step.time - last_learned_ < 1.5 * options_.step;
+  last_learned_ = step.time;
+  quiet_live_ += options_.step;
+  if (quiet_.size() > kMostQuiet) quiet_.erase(quiet_.begin());
+  const bool more = past_.empty() && quiet_live_ >= 2.0 * calibrated_at_ &&
+                    quiet_live_ <= options_.learn_more && strength < kCalm;
+  const bool learned = relearning && step.time + 1.5 * options_.step >= relearn_until_;
+  if (learned || (more && !relearning)) calibrate();
+}
+
+// Sizes beyond which a column does not describe what it stands for, or which no joint has.
+void ChangeFinder::set_largest() {
+  largest_ = VectorXd::Constant(known_.size(), 1e300);
+  double mass = 0.0;  // no arm carries more than itself
+  for (const Frame& f : arm_.frames())
+    if (f.body && f.body->phi) mass += std::abs((*f.body->phi)[0]);
+  for (Eigen::Index h = 0; h < known_.size(); ++h) {
+    const Hypothesis& one = hypotheses_[static_cast<size_t>(h)];
+    if (one.effect == AddedLoad::kName) {
+      largest_[h] = one.companion ? 0.0 : mass;
+      continue;
+    }
+    const Coordinate& c = arm_.coordinates()[static_cast<size_t>(std::max(one.joint, 0))];
+    const Effect& effect = find_effect(one.effect);
+    const EffectParameter p = effect.parameters().front();
+    largest_[h] = c.prismatic ? p.largest_prismatic : p.largest_revolute;
+    if (one.joint < 0 || !has_axis_effect(one.effect)) continue;
+    const bool viscous = effect.traits().affine && effect.traits().uses_velocity;
+    largest_[h] = kLargestTorques * noise_.scale()[one.joint] / (viscous ? kSlow : 1.0);
+  }
+}
+
+void ChangeFinder::look(double now, WatchState& state) {
+  state.strength = 0.0;
+  int hypothesis = -1;
+  size_t memory = 0;
+  for (size_t m = 0; m < memories_.size(); ++m) {
+    const VectorXd strength =
+        memories_[m].statistics(largest_).cwiseQuotient(quantiles_.threshold(static_cast<int>(m)));
+    Eigen::Index at = 0;
+    const double most = strength.maxCoeff(&at);
+    if (most <= state.strength) continue;
+    state.strength = most;
+    hypothesis = static_cast<int>(at);
+    memory = m;
+  }
+  state.suspect = hypothesis >= 0 ? hypotheses_[static_cast<size_t>(hypothesis)].cause() : "";
+  above_ = state.strength > 1.0 ? above_ + 1 : 0;
+  if (open_ || above_ < kAboveInARow || now < deaf_until_) return;
+  if (refining_) {  // what was refined stays as it is
+    past_.push_back(*refining_);
+    refining_.reset();
+  }
+  Change c;
+  c.id = ++ids_;
+  c.alarm = now;
+  c.strength = state.strength;
+  c.lookback = 2.0 * memories_[memory].seconds + 0.5;
+  c.score = best_onset(recent_, hypothesis, largest_[hypothesis], now - c.lookback, now);
+  open_ = c;
+  tell(event(c, WatchStage::kSuspected, now));
+}
+
+// Every hypothesis with its own best onset, the most likely first.
+std::vector<Score> ChangeFinder::scores() const {
+  std::vector<Score> out;
+  const double price = quantiles_.dispersion() * std::log(static_cast<double>(recent_.size()));
+  for (int h = 0; h < static_cast<int>(hypotheses_.size()); ++h) {
+    const Hypothesis& one = hypotheses_[static_cast<size_t>(h)];
+    if (one.companion) continue;
+    const Score alone =
+        best_onset(recent_, h, largest_[h], open_->alarm - open_->lookback, open_->alarm);
+    out.push_back(with_companions(recent_, alone, one.companions, price));
+  }
+  std::stable_sort(out.begin(), out.end(),
+                   [](const Score& a, const Score& b) { return a.gain > b.gain; });
+  return out;
+}
+
+void ChangeFinder::tell_apart(double now, bool last) {
+  const double earliest = open_->alarm - open_->lookback;
+  const std::vector<Score> scores = this->scores();
+  const Score& best = scores.front();
+  const double odds = quantiles_.dispersion() * kOdds;
+  const double price = quantiles_.dispersion() * std::log(static_cast<double>(recent_.size()));
+  const Push lasting = best_push(recent_, offset_of_joint_, earliest, open_->alarm, 0.0, price);
+  const Push ended = best_push(recent_, offset_of_joint_, earliest, open_->alarm, kPushEnds, price);
+  const bool still = ended.gain + odds > lasting.gain;  // nothing is left after its end
+  if (still && ended.gain > best.gain + odds) {
+    push_is_over(ended, now);
+    return;
+  }
+  const bool late = last || now - open_->alarm >= options_.longest_naming;
+  if (!late && now - best.onset < kSoonestName) return;
+  const bool explained = best.gain > kExplains * lasting.gain;
+  if (late && !explained) {
+    push_is_over(lasting, now);
+    return;
+  }
+  double next = still ? ended.gain : 0.0;  // of another effect
+  for (const Score& s : scores) {
+    if (hypotheses_[static_cast<size_t>(s.hypothesis)].effect ==
+        hypotheses_[static_cast<size_t>(best.hypothesis)].effect)
+      continue;
+    next = std::max(next, s.gain);
+    break;
+  }
+  if (late || (explained && best.gain - next > odds)) name(scores, now);
+}
+
+double ChangeFinder::half_width(const Score& score) const {
+  // What was learned while quiet is not exact either, and columns are right to first order.
+  const double learned = options_.step * static_cast<double>(before_.size() + quiet_.size());
+  const double since = std::max(0.0, recent_.empty() ? 0.0 : recent_.back().time - score.onset);
+  const double random = student_t_quantile(0.05, quantiles_.freedom()) *
+                        std::sqrt(std::max(1.0, quantiles_.dispersion()) *
+                                  (1.0 + since / std::max(learned, options_.step))) *
+                        score.deviation();
+  const double size = score.size.size() > 0 ? score.size[0] : 0.0;
+  return std::hypot(random, kSystematic * size);
+}
+
+void ChangeFinder::know(const Score& score, double share) {
+  for (size_t p = 0; p < score.columns.size(); ++p)
+    known_[score.columns[p]] += share * score.size[static_cast<Eigen::Index>(p)];
+}
+
+WatchEvent ChangeFinder::event(const Change& c, WatchStage stage, double now) const {
+  const Hypothesis& h = hypotheses_[static_cast<size_t>(c.score.hypothesis)];
+  WatchEvent e;
+  e.id = c.id;
+  e.stage = stage;
+  e.time = now;
+  e.since = c.score.onset;
+  e.until = now;
+  e.cause = h.cause();
+  e.effect = h.effect;
+  e.joint = h.joint >= 0 ? h.joint + 1 : 0;
+  e.place = h.place;
+  e.value = c.score.size.size() > 0 ? c.score.size[0] : 0.0;
+  const double half = half_width(c.score);
+  e.low = e.value - half;
+  e.high = e.value + half;
+  e.unit = h.unit;
+  e.strength = c.strength;
+  return e;
+}
+
+void ChangeFinder::name(const std::vector<Score>& scores, double now) {
+  Change c = *open_;
+  open_.reset();
+  c.score = measured_again(recent_, scores.front(), kMixed * options_.step);
+  c.named = now;
+  WatchEvent e = event(c, WatchStage::kNamed, now);
+  const double phi = quantiles_.dispersion();
+  for (const Score& s : scores) {
+    if (s.hypothesis == c.score.hypothesis || c.score.gain - s.gain > phi * kOdds) continue;
+    e.rivals.push_back({hypotheses_[static_cast<size_t>(s.hypothesis)].cause(),
+                        0.5 * (c.score.gain - s.gain) / phi});
+  }
+  // The same change, the other way round: it was taken back.
+  const double size = c.score.size[0];
+  const auto before = std::find_if(past_.rbegin(), past_.rend(), [&](const Change& p) {
+    return p.score.hypothesis == c.score.hypothesis &&
+           std::abs(p.score.size[0] + size) < kUndone * std::abs(p.score.size[0]);
+  });
+  if (before != past_.rend()) {
+    e = event(*before, WatchStage::kOver, now);
+    e.until = c.score.onset;
+    know(before->score, -1.0);
+    past_.erase(std::next(before).base());
+  } else {
+    know(c.score, 1.0);
+    refining_ = c;
+  }
+  tell(std::move(e));
+  forget();
+  deaf_until_ = now + kDeaf;
+}
+
+void ChangeFinder::push_is_over(const Push& push, double now) {
+  const Change c = *open_;
+  open_.reset();
+  const int j = std::max(push.last_joint, 0);
+  const Coordinate& joint = arm_.coordinates()[static_cast<size_t>(j)];
+  WatchEvent e = event(c, now - push.to < kPushEnds ? WatchStage::kNamed : WatchStage::kOver, now);
+  e.effect = ExternalContact::kName;
+  e.joint = j + 1;
+  e.place = joint.name;
+  e.cause = e.effect + ":" + e.place;
+  e.since = push.from;
+  e.until = push.to;
+  e.value = push.torque.size() > j ? push.torque[j] : 0.0;
+  const double steps = std::max(1.0, (push.to - push.from) / options_.step);
+  const double half = student_t_quantile(0.05, quantiles_.freedom()) * noise_.deviation()[j] *
+                      std::sqrt(std::max(1.0, quantiles_.dispersion()) / steps);
+  e.low = e.value - half;
+  e.high = e.value + half;
+  e.unit = effort_unit(joint);
+  tell(std::move(e));
+  forget();
+  deaf_until_ = now + kDeaf;
+}
+
+void ChangeFinder::refine(const WhiteStep& white, double now) {
+  Change& c = *refining_;
+  const MatrixXd X = white.X(Eigen::all, c.score.columns);
+  c.score.A += X.transpose() * X;
+  know(c.score, -1.0);
+  c.score.size += c.score.A.ldlt().solve(X.transpose() * white.e);
+  know(c.score, 1.0);
+  if (now - c.named < options_.refine) return;
+  tell(event(c, WatchStage::kRefined, now));
+  past_.push_back(c);
+  refining_.reset();
+}
+
+void ChangeFinder::jump(const PositionJump& jump, double now) {
+  const auto slip = std::find_if(hypotheses_.begin(), hypotheses_.end(), [&](const Hypothesis& h) {
+    return h.joint == jump.joint && !has_axis_effect(h.effect) &&
+           find_effect(h.effect).traits().same_as_wrong_constant;
+  });
+  if (slip == hypotheses_.end()) return;
+  Change c;
+  c.id = ++ids_;
+  c.score.hypothesis = static_cast<int>(slip - hypotheses_.begin());
+  c.score.onset = jump.time;
+  c.score.size = VectorXd::Constant(1, jump.size);
+  c.strength = std::abs(jump.size) / std::max(jump.noise, 1e-300);
+  WatchEvent e = event(c, WatchStage::kNamed, std::max(now, jump.time));
+  const double half = student_t_quantile(0.05, quantiles_.freedom()) * jump.noise;
+  e.low = jump.size - half;
+  e.high = jump.size + half;
+  tell(std::move(e));
+  deaf_until_ = jump.time + kDeaf;
+}
+
+void ChangeFinder::finish(double now) {
+  if (open_) tell_apart(now, true);
+  if (refining_) {
+    tell(event(*refining_, WatchStage::kRefined, now));
+    past_.push_back(*refining_);
+    refining_.reset();
+  }
+}
+
+void ChangeFinder::tell(WatchEvent e) {
+  e.sentence = sentence(arm_, e);
+  events_.push_back(std::move(e));
+}
+
+std::vector<WatchEvent> ChangeFinder::take() {
+  std::vector<WatchEvent> out;
+  out.swap(events_);
+  return out;
+}
+
+}  // namespace veridyn::watching

@@ -1,0 +1,77 @@
+#pragma once
+
+#include <deque>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "veridyn/watch/watch.hpp"
+#include "watch/evidence.hpp"
+#include "watch/noise.hpp"
+#include "watch/smoothed_rows.hpp"
+
+namespace veridyn::watching {
+
+/// What is known of the change that is being told apart, or refined.
+struct Change {
+  int id = 0;
+  Score score;            ///< least squares since the onset
+  double alarm = 0.0;     ///< [s]
+  double strength = 0.0;
+  double lookback = 0.0;  ///< [s] before the alarm in which it may have begun
+  double named = -1.0;    ///< [s]; below zero: not yet
+};
+
+/// From steps to events: learns, raises alarms, tells causes apart, takes what is known off.
+class ChangeFinder {
+ public:
+  ChangeFinder(const Model& arm, const std::vector<Hypothesis>& hypotheses,
+               const WatchOptions& options);
+
+  void learn(const std::vector<Step>& quiet);
+  void add(const Step& step, WatchState& state);
+  void jump(const PositionJump& jump, double now);
+  void finish(double now);
+  std::vector<WatchEvent> take();
+  bool learning() const { return learning_; }
+
+ private:
+  void calibrate();
+  void set_largest();
+  void look(double now, WatchState& state);
+  void go_on_learning(const Step& step, double strength);
+  void tell_apart(double now, bool last);
+  std::vector<Score> scores() const;
+  void name(const std::vector<Score>& scores, double now);
+  void push_is_over(const Push& push, double now);
+  void refine(const WhiteStep& white, double now);
+  void forget();
+  double half_width(const Score& score) const;
+  void know(const Score& score, double share);
+  WatchEvent event(const Change& change, WatchStage stage, double now) const;
+  void tell(WatchEvent e);
+
+  Model arm_;
+  std::vector<Hypothesis> hypotheses_;
+  WatchOptions options_;
+  NoiseModel noise_;
+  std::vector<Memory> memories_;
+  Quantiles quantiles_;
+  std::vector<Step> before_, quiet_;  // of other days; of today
+  VectorXd largest_;                  // (hypotheses) size that each can have
+  double novel_ = 0.0;                // [s] of new motion since the last calibration
+  double relearn_until_ = -1e300;     // [s] new motion is learned until then
+  double quiet_live_ = 0.0, calibrated_at_ = 0.0;
+  bool learning_ = true;
+  std::deque<WhiteStep> recent_;
+  VectorXd known_;
+  std::vector<int> offset_of_joint_;
+  int above_ = 0, ids_ = 0;
+  double last_learned_ = -1e300;  // [s]
+  double deaf_until_ = -1e300;  // [s]
+  std::optional<Change> open_, refining_;
+  std::vector<Change> past_;
+  std::vector<WatchEvent> events_;
+};
+
+}  // namespace veridyn::watching

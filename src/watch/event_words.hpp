@@ -1,0 +1,12 @@
+#pragma once
+
+#include <string>
+
+#include "veridyn/watch/watch.hpp"
+
+namespace veridyn::watching {
+
+/// What happened, for a technician.
+std::string sentence(const Model& arm, const WatchEvent& event);
+
+}  // namespace veridyn::watching

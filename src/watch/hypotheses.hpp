@@ -1,0 +1,74 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "veridyn/dynamics/regressor_batch.hpp"
+#include "veridyn/effects/channel_effect.hpp"
+#include "veridyn/effects/effect.hpp"
+
+namespace veridyn::watching {
+
+/// One thing that may change, of one unknown size.
+struct Hypothesis {
+  std::string effect;  ///< name of an effect, or "payload"
+  std::string place;   ///< coordinate, frame or "arm"
+  int joint = -1;      ///< from 0; kAllJoints where common or on a frame
+  int frame = -1;
+  std::string unit;
+  /// Columns that are fitted beside it once a change is told apart: the first moments of a load.
+  std::vector<int> companions{};
+  bool companion = false;  ///< such a column: no hypothesis by itself
+
+  std::string cause() const { return effect + ":" + place; }
+};
+
+/// The motion of a step: (rows x n).
+struct StepMotion {
+  VectorXd time;
+  MatrixXd q, dq, ddq;
+};
+
+/// Torques that a MODEL asks for along a motion that goes on, and what every hypothesis would add to
+/// them. Effects with a memory keep it from step to step.
+class Hypotheses {
+ public:
+  /// @throws InvalidInput  the model lacks values; a link is no frame.
+  Hypotheses(const Model& arm, const std::vector<std::string>& links);
+
+  const std::vector<Hypothesis>& all() const { return all_; }
+  int size() const { return static_cast<int>(all_.size()); }
+
+  struct Answer {
+    MatrixXd torque;                ///< (rows x n) of the model
+    std::vector<MatrixXd> parts;    ///< (rows x n): gravity, motion of the bodies, effects; absolute
+    std::vector<MatrixXd> columns;  ///< (rows x n), one for each hypothesis
+    MatrixXd rest_friction;         ///< (rows x n) dry friction of axes at rest, which may be anything
+  };
+  void evaluate(const StepMotion& motion, Answer& out);
+
+  /// After a pause: memories start afresh.
+  void reset();
+
+ private:
+  struct Dry {
+    size_t effect;
+    double level = 0.0, fastest = 0.0;
+  };
+  void add_effects(const StepMotion& motion, const MatrixXd& rigid, Answer& out);
+  MatrixXd load_column(int body, int parameter, Eigen::Index rows) const;
+  void channel_columns(const StepMotion& motion, Answer& out) const;
+
+  Model arm_, loaded_;
+  RegressorBatch bodies_, loads_;
+  VectorXd phi_;
+  std::vector<BoundEffect> effects_;
+  std::vector<Dry> dry_;
+  std::vector<Hypothesis> all_;
+  std::vector<BoundEffect> axis_;             // of the hypotheses along axes, in their order
+  std::vector<const ChannelEffect*> channel_; // of those of channels, in their order
+  std::vector<int> body_of_load_;             // among the bodies of loaded_
+  std::vector<MatrixXd> Y_;
+};
+
+}  // namespace veridyn::watching

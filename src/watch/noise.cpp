@@ -1,0 +1,178 @@
+#include "watch/noise.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "math/decompositions.hpp"
+#include "veridyn/effects/effect.hpp"
+
+namespace veridyn::watching {
+namespace {
+
+constexpr int kOrder = 2;             // of the autoregressions
+constexpr double kDailyShare = 0.1;   // of the rms torque: by how much days differ (prior)
+constexpr double kSlow = 0.1;         // [rad/s], [m/s] a speed that every joint reaches
+constexpr double kLeastShare = 2e-3;  // of the rms torque: no innovation is smaller
+constexpr double kLargestPole = 0.98; // beyond it a quiet beginning is too short to tell
+constexpr double kUnlearned = 0.5;    // share by which a model is wrong beyond what was learned
+constexpr double kBeyond = 1.1;       // times the envelope: beyond it is not learned
+constexpr int kRounds = 3;            // of fitting what is different today and the colour in turn
+
+}  // namespace
+
+NoiseModel::NoiseModel(const Model& arm, const std::vector<Hypothesis>& hypotheses)
+    : n_(arm.joints()),
+      ar_(MatrixXd::Zero(arm.joints(), kOrder)),
+      deviation_(VectorXd::Ones(arm.joints())),
+      today_(VectorXd::Zero(static_cast<Eigen::Index>(hypotheses.size()))),
+      scale_(VectorXd::Ones(arm.joints())) {
+  for (size_t h = 0; h < hypotheses.size(); ++h) {
+    const Hypothesis& one = hypotheses[h];
+    joint_of_.push_back(one.joint);
+    if (one.joint < 0 || !has_axis_effect(one.effect)) continue;
+    daily_.push_back(static_cast<int>(h));
+    const EffectTraits t = find_effect(one.effect).traits();
+    speed_of_.push_back(t.uses_velocity && t.dry == DryFriction::kNone ? kSlow : 1.0);
+  }
+}
+
+VectorXd NoiseModel::rest(const Step& step, const VectorXd& known) const {
+  return step.residual - step.columns * (today_ + known);
+}
+
+double NoiseModel::novelty(const Step& step, int joint) const {
+  double beyond = 0.0;
+  for (Eigen::Index p = 0; p < envelope_.cols(); ++p)
+    beyond += std::max(0.0, step.parts(joint, p) - kBeyond * envelope_(joint, p));
+  return beyond;
+}
+
+bool NoiseModel::novel(const Step& step) const {
+  for (int j = 0; j < n_; ++j)
+    if (kUnlearned * novelty(step, j) > deviation_[j]) return true;
+  return false;
+}
+
+void NoiseModel::fit(const std::vector<Step>& before, const std::vector<Step>& today) {
+  if (before.size() + today.size() < static_cast<size_t>(4 * kOrder)) return;
+  const std::vector<const std::vector<Step>*> all = {&before, &today};
+  scale_.setZero();
+  envelope_ = MatrixXd::Zero(n_, 3);
+  for (const auto* part : all) {
+    for (const Step& s : *part) {
+      scale_ += s.torque.cwiseAbs2() / static_cast<double>(before.size() + today.size());
+      envelope_ = envelope_.cwiseMax(s.parts);
+    }
+  }
+  scale_ = scale_.cwiseSqrt();
+  today_.setZero();
+  ar_.setZero();
+  for (int round = 0; round < kRounds; ++round) {
+    fit_colour(all);
+    fit_today(today);
+  }
+  fit_colour(all);
+}
+
+// Least squares of every joint's rest on the two steps before; poles are pulled inside the circle.
+void NoiseModel::fit_colour(const std::vector<const std::vector<Step>*>& quiet) {
+  std::vector<VectorXd> rest;
+  std::vector<const Step*> steps;
+  for (const auto* part : quiet) {
+    for (const Step& s : *part) {
+      // What is different today is not in the steps of other days.
+      rest.push_back(part == quiet.back() ? VectorXd(s.residual - s.columns * today_) : s.residual);
+      steps.push_back(&s);
+    }
+  }
+  for (int j = 0; j < n_; ++j) {
+    Eigen::Matrix2d R = Eigen::Matrix2d::Zero();
+    Eigen::Vector2d r = Eigen::Vector2d::Zero();
+    double power = 0.0;
+    double count = 0.0;
+    const auto sound = [&](size_t k) { return steps[k]->rest_friction2[j] <= 0.0; };
+    for (size_t k = kOrder; k < steps.size(); ++k) {
+      if (!steps[k]->follows || !steps[k - 1]->follows || !sound(k) || !sound(k - 1) || !sound(k - 2))
+        continue;
+      const Eigen::Vector2d x(rest[k - 1][j], rest[k - 2][j]);
+      R += x * x.transpose();
+      r += x * rest[k][j];
+      power += rest[k][j] * rest[k][j];
+      count += 1.0;
+    }
+    const double least = std::max(kLeastShare * scale_[j], 1e-12);
+    ar_.row(j).setZero();
+    deviation_[j] = least;
+    if (count < 4.0 * kOrder) {  // at rest or nearly so: what friction may be is all there is to know
+      double all = 0.0;
+      for (const VectorXd& x : rest) all += x[j] * x[j];
+      deviation_[j] = std::max(least, std::sqrt(all / static_cast<double>(rest.size())));
+      continue;
+    }
+    const double ridge = count * least * least;
+    Eigen::Vector2d a = (R + ridge * Eigen::Matrix2d::Identity()).ldlt().solve(r);
+    // Schur's condition for both poles within the circle.
+    a[1] = std::clamp(a[1], -kLargestPole, kLargestPole);
+    a[0] = std::clamp(a[0], -kLargestPole * (1.0 - a[1]), kLargestPole * (1.0 - a[1]));
+    const double left = power - 2.0 * a.dot(r) + a.dot(R * a);
+    ar_.row(j) = a.transpose();
+    deviation_[j] =
+        std::max(least, std::sqrt(std::max(left, 0.0) / std::max(count - kOrder, 1.0)));
+  }
+}
+
+// Offsets and friction of the day: generalised least squares with a prior of some percent of the torque.
+void NoiseModel::fit_today(const std::vector<Step>& quiet) {
+  const auto count = static_cast<Eigen::Index>(daily_.size());
+  if (quiet.empty()) return;
+  MatrixXd A = MatrixXd::Zero(count, count);
+  VectorXd b = VectorXd::Zero(count);
+  today_.setZero();
+  past_.clear();
+  const VectorXd none = VectorXd::Zero(today_.size());
+  for (const Step& s : quiet) {
+    const WhiteStep w = whiten(s, none);
+    for (Eigen::Index p = 0; p < count; ++p) {
+      const int h = daily_[static_cast<size_t>(p)];
+      const int j = joint_of_[static_cast<size_t>(h)];
+      b[p] += w.X(j, h) * w.e[j];
+      for (Eigen::Index o = 0; o < count; ++o) {
+        const int other = daily_[static_cast<size_t>(o)];
+        if (joint_of_[static_cast<size_t>(other)] == j) A(p, o) += w.X(j, h) * w.X(j, other);
+      }
+    }
+  }
+  past_.clear();
+  for (Eigen::Index p = 0; p < count; ++p) {
+    const int j = joint_of_[static_cast<size_t>(daily_[static_cast<size_t>(p)])];
+    const double prior = kDailyShare * scale_[j] / speed_of_[static_cast<size_t>(p)];
+    A(p, p) += 1.0 / std::max(prior * prior, 1e-24);
+  }
+  const VectorXd x = A.ldlt().solve(b);
+  for (Eigen::Index p = 0; p < count; ++p) today_[daily_[static_cast<size_t>(p)]] = x[p];
+}
+
+WhiteStep NoiseModel::whiten(const Step& step, const VectorXd& known) {
+  if (!step.follows) past_.clear();
+  WhiteStep out;
+  out.time = step.time;
+  out.e = rest(step, known);
+  out.X = step.columns;
+  for (size_t l = 0; l < past_.size(); ++l) {
+    const VectorXd a = ar_.col(static_cast<Eigen::Index>(l));
+    out.e -= a.cwiseProduct(rest(past_[l], known));
+    out.X -= a.asDiagonal() * past_[l].columns;
+  }
+  past_.push_front(step);
+  if (past_.size() > kOrder) past_.pop_back();
+  for (int j = 0; j < n_; ++j) {
+    const double weight =
+        1.0 / std::sqrt(deviation_[j] * deviation_[j] + step.rest_friction2[j] +
+                        std::pow(kUnlearned * novelty(step, j), 2));
+    out.e[j] *= weight;
+    out.X.row(j) *= weight;
+  }
+  return out;
+}
+
+}  // namespace veridyn::watching

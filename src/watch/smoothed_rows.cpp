@@ -1,0 +1,272 @@
+#include "watch/smoothed_rows.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "math/decompositions.hpp"
+#include "veridyn/math/require.hpp"
+
+namespace veridyn::watching {
+namespace {
+
+constexpr double kHalfWindow = 0.05;       // [s] of the smoothing: 5 Hz and slower pass
+constexpr double kHalfWindowOfPosition = 0.08;  // [s] where velocities are derived, twice
+constexpr double kJumpReach = 0.02;        // [s] to either side of a jump
+constexpr int kRowsForStep = 30;           // by which the time step is judged
+constexpr double kPause = 0.5;             // [s]
+constexpr double kAbsurd = 1e6;
+constexpr int kRepeats = 20;               // rows that may repeat the one before; more is rest
+constexpr double kJumpDeviations = 12.0;   // a jump exceeds the statistic's own scatter by this ...
+constexpr double kJumpOverLargest = 2.5;   // ... and the largest that the quiet arm showed by this
+constexpr double kJumpOfWay = 0.3;         // ... and the way that the joint goes by this
+constexpr double kSmallestJump[] = {5e-4, 1e-4};  // [rad], [m]: less than the play of a joint
+constexpr double kQuietLeak = 1e-4;        // share by which later samples renew the scatter
+
+// Row d of the result gives the d-th derivative (in samples) at the middle of 2 half + 1 samples.
+MatrixXd local_polynomial(int half, int degree) {
+  const int count = 2 * half + 1;
+  MatrixXd powers(count, degree + 1);
+  VectorXd weight(count);
+  for (int i = 0; i < count; ++i) {
+    const double x = i - half;
+    weight[i] = std::pow(std::cos(M_PI * x / (2.0 * half + 2.0)), 2);
+    for (int p = 0; p <= degree; ++p) powers(i, p) = std::pow(x / half, p);
+  }
+  const MatrixXd weighted = weight.asDiagonal() * powers;
+  MatrixXd kernel = (powers.transpose() * weighted).ldlt().solve(weighted.transpose());
+  double factor = 1.0;
+  for (int p = 1; p <= degree; ++p) {
+    factor *= p / static_cast<double>(half);
+    kernel.row(p) *= factor;
+  }
+  return kernel;
+}
+
+double median_step(const std::vector<double>& times) {
+  std::vector<double> steps;
+  for (size_t k = 1; k < times.size(); ++k) steps.push_back(times[k] - times[k - 1]);
+  std::nth_element(steps.begin(), steps.begin() + static_cast<long>(steps.size() / 2), steps.end());
+  return steps[steps.size() / 2];
+}
+
+}  // namespace
+
+SmoothedRows::SmoothedRows(const Model& arm)
+    : arm_(arm),
+      offset_(VectorXd::Zero(arm.joints())),
+      spread2_(VectorXd::Zero(arm.joints())),
+      largest_(VectorXd::Zero(arm.joints())),
+      wait_(static_cast<size_t>(arm.joints()), 0) {}
+
+void SmoothedRows::check(const Recording& rows) const {
+  const int n = arm_.joints();
+  require(rows.joints() == n, rows.source, ": found ", rows.joints(), " joints, but robot '",
+          arm_.name(), "' has ", n, " coordinates.");
+  if (rows.tau.size() > 0) return;
+  require(rows.current.size() > 0, rows.source, ": found neither torques (tau1..tau", n,
+          ") nor motor currents (i1..i", n, ").");
+  for (const Coordinate& c : arm_.coordinates())
+    require(c.drive_gain != 0.0, rows.source, ": found motor currents only, and robot '",
+            arm_.name(), "' has no drive_gain for coordinate '", c.name, "'.");
+}
+
+bool SmoothedRows::take(const Recording& rows, int k, Row& row) const {
+  const int n = arm_.joints();
+  row.t = rows.time[k];
+  row.q = rows.q.row(k).transpose();
+  row.dq = has_velocity_ ? VectorXd(rows.dq.row(k).transpose()) : VectorXd::Zero(n);
+  const bool torques = rows.tau.size() > 0;
+  row.tau = torques ? rows.tau.row(k).transpose() : rows.current.row(k).transpose();
+  for (int j = 0; j < n; ++j) {
+    const Coordinate& c = arm_.coordinates()[static_cast<size_t>(j)];
+    row.q[j] -= c.recorded.position_offset;
+    row.tau[j] *= (torques ? 1.0 : c.drive_gain) / c.recorded.torque_gain;
+  }
+  const double largest =
+      std::max({row.q.lpNorm<Eigen::Infinity>(), row.dq.lpNorm<Eigen::Infinity>(),
+                row.tau.lpNorm<Eigen::Infinity>()});
+  return std::isfinite(row.t) && row.q.allFinite() && row.dq.allFinite() && row.tau.allFinite() &&
+         largest < kAbsurd;
+}
+
+void SmoothedRows::add(const Recording& rows) {
+  if (rows.rows() == 0) return;
+  check(rows);
+  if (dt_ == 0.0 && start_.empty()) has_velocity_ = rows.dq.size() > 0;
+  Row row;
+  for (int k = 0; k < rows.rows(); ++k) {
+    if (!take(rows, k, row)) continue;
+    if (dt_ > 0.0) {
+      place(row);
+      continue;
+    }
+    start_.push_back(row);
+    if (start_.size() < static_cast<size_t>(kRowsForStep)) continue;
+    std::vector<double> times;
+    for (const Row& one : start_) times.push_back(one.t);
+    dt_ = median_step(times);
+    require(dt_ > 0.0, rows.source, ": found times that do not rise, expected a clock.");
+    half_ = std::max(3, static_cast<int>(std::lround(
+                            (has_velocity_ ? kHalfWindow : kHalfWindowOfPosition) / dt_)));
+    reach_ = std::clamp(static_cast<int>(std::lround(kJumpReach / dt_)), 2, half_ - 1);
+    const MatrixXd kernel = local_polynomial(half_, has_velocity_ ? 2 : 3);
+    value_ = kernel.row(0);
+    slope_ = kernel.row(1) / dt_;
+    curve_ = kernel.row(2) / (dt_ * dt_);
+    for (const Row& one : start_) place(one);
+    start_.clear();
+  }
+}
+
+// One recorded row: the grid points between it and the row before.
+void SmoothedRows::place(const Row& row) {
+  if (has_last_) {
+    if (row.t <= last_.t) return;
+    if (row.t - last_.t > kPause) {
+      begin_again();
+    } else if (row.q == last_.q && row.tau == last_.tau && repeats_ < kRepeats) {
+      ++repeats_;  // written twice: what lies between is interpolated once a new row comes
+      return;
+    }
+  }
+  repeats_ = 0;
+  if (!has_last_) {
+    first_t_ = row.t;
+    next_ = 0;
+    last_ = row;
+    has_last_ = true;
+  }
+  for (double t; (t = first_t_ + static_cast<double>(next_) * dt_) <= row.t + 1e-6 * dt_; ++next_) {
+    Row between = row;
+    if (t < row.t && row.t > last_.t) {
+      const double share = (t - last_.t) / (row.t - last_.t);
+      between.q = last_.q + share * (row.q - last_.q);
+      between.dq = last_.dq + share * (row.dq - last_.dq);
+      between.tau = last_.tau + share * (row.tau - last_.tau);
+    }
+    between.t = t;
+    put(std::move(between));
+  }
+  last_ = row;
+}
+
+void SmoothedRows::put(Row row) {
+  row.q -= offset_;
+  grid_.push_back(std::move(row));
+  if (static_cast<int>(grid_.size()) > 2 * half_ + 1) grid_.pop_front();
+  if (static_cast<int>(grid_.size()) < 2 * half_ + 1) return;
+  look_for_jump();
+  if (static_cast<int>(grid_.size()) == 2 * half_ + 1) smooth();
+}
+
+// The position gained over a few samples beside what the velocities around make of it. A row that
+// came late is off to one side and back to the other, so only what stays is seen.
+void SmoothedRows::look_for_jump() {
+  const int end = static_cast<int>(grid_.size()) - 1;
+  const int begin = end - 2 * reach_;
+  if (begin < 0) return;
+  seen_ += 1.0;
+  std::vector<PositionJump> found;
+  for (int j = 0; j < arm_.joints(); ++j) {
+    const Gain gain = gained(j, begin, end);
+    int& wait = wait_[static_cast<size_t>(j)];
+    if (wait > 0) {
+      --wait;
+      continue;
+    }
+    const double spread = std::sqrt(spread2_[j]);
+    const bool slides = arm_.coordinates()[static_cast<size_t>(j)].prismatic;
+    const double least = std::max({kJumpDeviations * spread, kJumpOverLargest * largest_[j],
+                                   kJumpOfWay * gain.way, kSmallestJump[slides ? 1 : 0]});
+    if (tell_jumps_ && std::abs(gain.size) > least) {
+      found.push_back({gain.at, j, gain.size, spread});
+      continue;
+    }
+    spread2_[j] += std::max(1.0 / seen_, kQuietLeak) * (gain.size * gain.size - spread2_[j]);
+    largest_[j] = std::max(largest_[j], std::abs(gain.size));
+  }
+  if (found.size() > 1) {  // no two encoders slip at once: rows are missing, or were joined
+    const Row last = grid_.back();
+    begin_again();
+    first_t_ = last.t;
+    next_ = 1;
+    grid_.push_back(last);
+    has_last_ = true;
+    return;
+  }
+  for (const PositionJump& jump : found) take_off(jump, end);
+}
+
+SmoothedRows::Gain SmoothedRows::gained(int j, int begin, int end) const {
+  Gain out;
+  const auto row = [this](int k) -> const Row& { return grid_[static_cast<size_t>(k)]; };
+  const auto step = [&](int k) {  // from sample k - 1 to k, beside what the velocity makes of it
+    return row(k).q[j] - row(k - 1).q[j] - 0.5 * dt_ * (row(k - 1).dq[j] + row(k).dq[j]);
+  };
+  // Without velocities: the increments to either side stand for them.
+  const int mid = (begin + end) / 2;
+  const double before = (row(mid).q[j] - row(begin).q[j]) / (mid - begin);
+  const double after = (row(end).q[j] - row(mid + 1).q[j]) / std::max(1, end - mid - 1);
+  double largest = 0.0;
+  for (int k = begin + 1; k <= end; ++k) {
+    if (has_velocity_) {
+      out.size += step(k);
+      out.way += 0.5 * dt_ * (std::abs(row(k - 1).dq[j]) + std::abs(row(k).dq[j]));
+    }
+    if (std::abs(step(k)) <= largest) continue;
+    largest = std::abs(step(k));
+    out.at = row(k).t;
+  }
+  if (!has_velocity_) {
+    out.size = row(mid + 1).q[j] - row(mid).q[j] - 0.5 * (before + after);
+    out.way = 0.5 * (std::abs(before) + std::abs(after)) * (end - begin);
+    out.at = row(mid + 1).t;
+  }
+  return out;
+}
+
+// The sample of the jump is the first one that is off.
+void SmoothedRows::take_off(const PositionJump& jump, int end) {
+  if (on_jump) on_jump(jump);
+  for (int k = 0; k <= end; ++k) {
+    Row& row = grid_[static_cast<size_t>(k)];
+    if (row.t >= jump.time - 0.5 * dt_) row.q[jump.joint] -= jump.size;
+  }
+  offset_[jump.joint] += jump.size;
+  wait_[static_cast<size_t>(jump.joint)] = 2 * reach_;
+}
+
+void SmoothedRows::smooth() {
+  const int n = arm_.joints();
+  const int count = 2 * half_ + 1;
+  SmoothedRow out;
+  out.time = grid_[static_cast<size_t>(half_)].t;
+  out.q = VectorXd::Zero(n);
+  out.dq = VectorXd::Zero(n);
+  out.ddq = VectorXd::Zero(n);
+  out.tau = grid_[static_cast<size_t>(half_)].tau;
+  for (int i = 0; i < count; ++i) {
+    const Row& row = grid_[static_cast<size_t>(i)];
+    out.q += value_[i] * row.q;
+    out.dq += has_velocity_ ? VectorXd(value_[i] * row.dq) : VectorXd(slope_[i] * row.q);
+    out.ddq += has_velocity_ ? VectorXd(slope_[i] * row.dq) : VectorXd(curve_[i] * row.q);
+  }
+  for (int j = 0; j < n; ++j) {  // torques that were recorded late are brought forward
+    const double delay = arm_.coordinates()[static_cast<size_t>(j)].recorded.torque_delay;
+    const double at = std::clamp(half_ + delay / dt_, 0.0, static_cast<double>(count - 1));
+    const int low = std::min(static_cast<int>(at), count - 2);
+    const double share = at - low;
+    out.tau[j] = (1.0 - share) * grid_[static_cast<size_t>(low)].tau[j] +
+                 share * grid_[static_cast<size_t>(low) + 1].tau[j];
+  }
+  if (on_row) on_row(out);
+}
+
+void SmoothedRows::begin_again() {
+  grid_.clear();
+  has_last_ = false;
+  repeats_ = 0;
+  if (on_break) on_break();
+}
+
+}  // namespace veridyn::watching

@@ -1,0 +1,84 @@
+#pragma once
+
+#include <deque>
+#include <functional>
+#include <vector>
+
+#include "veridyn/model/model.hpp"
+#include "veridyn/recordings/recording.hpp"
+
+namespace veridyn::watching {
+
+/// A sample of a uniform grid, smoothed by local polynomials; late by `half` samples.
+struct SmoothedRow {
+  double time = 0.0;
+  VectorXd q, dq, ddq, tau;
+};
+
+/// A lasting jump of a recorded position that no motion made.
+struct PositionJump {
+  double time = 0.0;
+  int joint = 0;
+  double size = 0.0;   ///< recorded minus true [rad] or [m]
+  double noise = 0.0;  ///< standard deviation of `size`
+};
+
+/// Rows of a running arm, made ready for the equations of motion: gaps and repeated rows left out,
+/// interpolated onto a uniform grid, channels corrected as the MODEL says, jumps of an encoder found
+/// and taken off, velocity and acceleration by local least squares.
+class SmoothedRows {
+ public:
+  explicit SmoothedRows(const Model& arm);
+
+  /// Called with each finished row and each jump, in the order of time.
+  std::function<void(const SmoothedRow&)> on_row;
+  std::function<void(const PositionJump&)> on_jump;
+  std::function<void()> on_break;  ///< a pause: what follows does not join on
+
+  void add(const Recording& rows);
+  double dt() const { return dt_; }
+
+  /// Jumps are only told once the noise of positions is known.
+  void tell_jumps() { tell_jumps_ = true; }
+
+ private:
+  struct Row {
+    double t;
+    VectorXd q, dq, tau;
+  };
+  void check(const Recording& rows) const;
+  bool take(const Recording& rows, int k, Row& row) const;
+  void place(const Row& row);
+  void put(Row row);
+  struct Gain {
+    double size = 0.0;  ///< beside what velocities make of it [rad] or [m]
+    double way = 0.0;   ///< that the joint goes
+    double at = 0.0;    ///< [s] of the largest step
+  };
+  void look_for_jump();
+  Gain gained(int joint, int begin, int end) const;
+  void take_off(const PositionJump& jump, int end);
+  void smooth();
+  void begin_again();
+
+  Model arm_;
+  bool has_velocity_ = false, tell_jumps_ = false;
+  double dt_ = 0.0;
+  std::deque<Row> start_;  // until the step is known
+  Row last_;
+  bool has_last_ = false;
+  int repeats_ = 0;
+  long next_ = 0;
+  double first_t_ = 0.0;
+  std::deque<Row> grid_;
+  int half_ = 0;  // of the smoothing window
+  int reach_ = 0; // of the window in which a jump is sought
+  VectorXd value_, slope_, curve_;  // kernels over 2 half + 1 samples
+  VectorXd offset_;                 // jumps found so far
+  VectorXd spread2_;                // mean square of the jump statistic
+  VectorXd largest_;                // and its largest while quiet
+  double seen_ = 0.0;
+  std::vector<int> wait_;           // samples until the next jump of a joint may be told
+};
+
+}  // namespace veridyn::watching

@@ -1,0 +1,111 @@
+#include "veridyn/watch/watch.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "veridyn/math/require.hpp"
+#include "veridyn/math/student_t.hpp"
+#include "watch/change.hpp"
+#include "watch/evidence.hpp"
+#include "watch/smoothed_rows.hpp"
+#include "watch/step_builder.hpp"
+
+namespace veridyn {
+namespace {
+
+using watching::Change;
+using watching::ChangeFinder;
+using watching::Step;
+
+void check(const WatchOptions& o) {
+  require(o.learn > 0.0 && o.learn_more >= o.learn && o.step > 0.0 && o.false_alarms > 0.0 &&
+              o.longest_naming > 0.0 && o.refine >= 0.0,
+          "watch: found a time or a rate that is not above zero.");
+}
+
+}  // namespace
+
+class Watch::Implementation {
+ public:
+  Implementation(const Model& arm, const WatchOptions& options)
+      : arm_(arm), options_(options), rows_(arm), hypotheses_(arm, options.links),
+        steps_(hypotheses_, options.step), finder_(arm, hypotheses_.all(), options) {
+    check(options);
+    state_.residual = state_.torque = state_.noise = VectorXd::Zero(arm.joints());
+    rows_.on_row = [this](const watching::SmoothedRow& row) { steps_.add(row, rows_.dt()); };
+    rows_.on_break = [this] { steps_.begin_again(); };
+    rows_.on_jump = [this](const watching::PositionJump& jump) { finder_.jump(jump, now_); };
+    steps_.on_step = [this](const Step& step) {
+      now_ = step.time;
+      finder_.add(step, state_);
+      if (told_) told_(state_);
+    };
+  }
+
+  void learn(const Recording& quiet) {
+    watching::SmoothedRows rows(arm_);
+    watching::Hypotheses hypotheses(arm_, options_.links);
+    watching::StepBuilder steps(hypotheses, options_.step);
+    std::vector<Step> all;
+    rows.on_row = [&](const watching::SmoothedRow& row) { steps.add(row, rows.dt()); };
+    rows.on_break = [&] { steps.begin_again(); };
+    steps.on_step = [&](const Step& step) { all.push_back(step); };
+    rows.add(quiet);
+    require(all.size() > 20, quiet.source, ": found less than two seconds of usable rows, expected a quiet recording.");
+    finder_.learn(all);
+  }
+
+  std::vector<WatchEvent> add(const Recording& rows) {
+    rows_.add(rows);
+    if (!finder_.learning()) rows_.tell_jumps();
+    return taken();
+  }
+
+  std::vector<WatchEvent> finish() {
+    finder_.finish(now_);
+    return taken();
+  }
+
+  std::vector<WatchEvent> taken() {
+    std::vector<WatchEvent> out = finder_.take();
+    events_.insert(events_.end(), out.begin(), out.end());
+    return out;
+  }
+
+  Model arm_;
+  WatchOptions options_;
+  watching::SmoothedRows rows_;
+  watching::Hypotheses hypotheses_;
+  watching::StepBuilder steps_;
+  ChangeFinder finder_;
+  WatchState state_;
+  std::vector<WatchEvent> events_;
+  std::function<void(const WatchState&)> told_;
+  double now_ = 0.0;
+};
+
+Watch::Watch(const Model& arm, const WatchOptions& options)
+    : own_(std::make_unique<Implementation>(arm, options)) {}
+Watch::~Watch() = default;
+Watch::Watch(Watch&&) noexcept = default;
+Watch& Watch::operator=(Watch&&) noexcept = default;
+
+void Watch::learn(const Recording& quiet) { own_->learn(quiet); }
+std::vector<WatchEvent> Watch::add(const Recording& rows) { return own_->add(rows); }
+std::vector<WatchEvent> Watch::finish() { return own_->finish(); }
+const WatchState& Watch::state() const { return own_->state_; }
+void Watch::on_step(std::function<void(const WatchState&)> call) { own_->told_ = std::move(call); }
+const Model& Watch::arm() const { return own_->arm_; }
+const std::vector<WatchEvent>& Watch::events() const { return own_->events_; }
+
+const char* name_of(WatchStage stage) {
+  switch (stage) {
+    case WatchStage::kSuspected: return "suspected";
+    case WatchStage::kNamed: return "named";
+    case WatchStage::kRefined: return "refined";
+    case WatchStage::kOver: return "over";
+  }
+  return "";
+}
+
+}  // namespace veridyn

@@ -1,0 +1,107 @@
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <chrono>
+#include <cstdlib>
+#include <fstream>
+#include <thread>
+
+#include "cli/tool.hpp"
+#include "veridyn/model/model_file.hpp"
+#include "veridyn/recordings/growing_recording.hpp"
+#include "veridyn/recordings/recording.hpp"
+
+namespace veridyn {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string data_folder() {
+  const char* named = std::getenv("VERIDYN_REAL_DATA");
+  return named != nullptr ? named : std::string(VERIDYN_SOURCE_DIR) + "/../shared/data";
+}
+const std::string kData = data_folder();
+
+// Rows are given out as they are written, half lines once they are whole.
+TEST(GrowingRecording, FollowsAFileThatGrows) {
+  TemporaryFolder folder;
+  const std::string path = folder.write("arm.csv", "t,q1,tau1\n0,1,2\n0.1,1");
+  std::atomic<bool> go_on{true};
+  std::thread writer([&] {
+    std::ofstream file(path, std::ios::app);
+    std::this_thread::sleep_for(std::chrono::milliseconds(60));
+    file << ".5,3\n0.2,2,4\n" << std::flush;
+    std::this_thread::sleep_for(std::chrono::milliseconds(60));
+    go_on = false;
+  });
+  GrowingRecording rows(path, {}, [&] { return go_on.load(); });
+  std::vector<double> q;
+  for (Recording r = rows.next(1); r.rows() > 0; r = rows.next(1)) q.push_back(r.q(0, 0));
+  writer.join();
+  EXPECT_EQ(q, (std::vector<double>{1.0, 1.5, 2.0}));
+}
+
+// Of real recordings nobody says that anything changed; a weight of 205 g that the arm has from 12 s
+// on (two recordings of one motion joined there) is a payload.
+class RealArm : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (!fs::exists(kData + "/psm-wrist/one.csv")) GTEST_SKIP() << "real recordings are absent";
+  }
+  std::string identified(const std::string& robot, const Words& train) {
+    const std::string model = folder_.path(robot + ".yaml");
+    const ToolRun run = run_tool(Words{"identify", robot, "--train"} + train +
+                                 Words{"--model-out", model, "--quiet"});
+    EXPECT_EQ(run.status, 0) << run.err;
+    return model;
+  }
+  nlohmann::json watched(const std::string& model, const Words& sources) {
+    const std::string out = folder_.path("watch.json");
+    const ToolRun run = run_tool(Words{"watch", model} + sources + Words{"--json", out});
+    EXPECT_EQ(run.status, 0) << run.err;
+    return json_of(out);
+  }
+  TemporaryFolder folder_;
+};
+
+TEST_F(RealArm, QuietRecordingsGiveNoAlarm) {
+  const std::string psm = kData + "/psm1-thesis/fourier-";
+  const auto of_psm = watched(identified("psm-3dof", {psm + "1.csv", psm + "2.csv", psm + "3.csv"}),
+                              {psm + "4.csv", psm + "5.csv", psm + "6.csv"});
+  for (const auto& source : of_psm["sources"]) EXPECT_EQ(source["alarms"], 0) << source.dump(1);
+  const std::string wrist = kData + "/psm-wrist/";
+  const auto of_wrist = watched(identified("psm-wrist", {wrist + "one.csv"}),
+                                {wrist + "two.csv", wrist + "one-no-weight.csv"});
+  for (const auto& source : of_wrist["sources"]) EXPECT_EQ(source["alarms"], 0) << source.dump(1);
+}
+
+TEST_F(RealArm, AWeightTakenUpIsAPayload) {
+  const std::string wrist = kData + "/psm-wrist/";
+  std::ifstream without(wrist + "one-no-weight.csv");
+  std::ifstream with(wrist + "one-205g-parallel.csv");
+  std::string joined, a, b;
+  while (std::getline(without, a) && std::getline(with, b))
+    joined += (a[0] == 't' || std::stod(a) < 12.0 ? a : b) + "\n";
+  const auto found = watched(identified("psm-wrist", {wrist + "one.csv"}),
+                             {folder_.write("joined.csv", joined)});
+  const auto& events = found["sources"][0]["events"];
+  ASSERT_FALSE(events.empty());
+  EXPECT_NEAR(events[0]["time"].get<double>(), 12.5, 0.5);
+  const auto named = std::find_if(events.begin(), events.end(),
+                                  [](const auto& e) { return e["event"] == "named"; });
+  ASSERT_NE(named, events.end());
+  EXPECT_EQ((*named)["effect"], "payload") << events.dump(1);
+}
+
+TEST(WatchTool, SaysWhatIsWrong) {
+  TemporaryFolder folder;
+  EXPECT_EQ(run_tool({"watch", "psm-3dof"}).status, 2);
+  const std::string two = folder.write("two.csv", "t,q1,q2,tau1,tau2\n0,1,1,1,1\n0.1,1,1,1,1\n");
+  const ToolRun no_values = run_tool({"watch", "psm-3dof", two});
+  EXPECT_EQ(no_values.status, 3);
+  EXPECT_NE(no_values.err.find("expected a MODEL"), std::string::npos) << no_values.err;
+  EXPECT_EQ(no_values.error_lines(), 1);
+}
+
+}  // namespace
+}  // namespace veridyn
