@@ -3,7 +3,8 @@ BUILD := build
 JOBS  ?= $(shell nproc)
 CMAKE_FLAGS ?= --preset dev
 
-.PHONY: all tool build demo test python ros ros-test readme sanitize packages packages-tests clean
+
+.PHONY: all tool build demo test python ros ros-test mpi growth deb readme sanitize packages packages-tests clean
 
 all: tool
 
@@ -37,6 +38,17 @@ ros: tool
 # A laboratory's client against a master of its own; says so where ROS is absent.
 ros-test: ros
 	@ros/test.sh $(BUILD)
+# The same tool for mpirun; see docs/scale.md. In a folder that is built already only one file is compiled anew.
+mpi: packages
+	@cmake/install-packages.sh cmake/debian-packages-mpi.txt
+	@cmake $(CMAKE_FLAGS) -B $(BUILD) -DVERIDYN_MPI=ON >$(BUILD).log 2>&1 || { cat $(BUILD).log; exit 1; }
+	@cmake --build $(BUILD) -j $(JOBS) --target veridyn_tool
+	@echo "mpirun -n N $(BUILD)/bin/veridyn identify ... spreads recordings over N ranks"
+
+# Time and memory by rows, recordings, joints and bodies: docs/growth.json and docs/growth.svg. An hour; EARLIER=TOOL runs beside.
+growth: build
+	@python3 tests/benchmark/growth.py $(BUILD)/bin/veridyn --benchmark $(BUILD)/bin/veridyn-benchmark \
+	  $(if $(EARLIER),--beside $(EARLIER)) --json docs/growth.json --svg docs/growth.svg
 
 demo: tool
 	@examples/demo.sh $(BUILD)/bin/veridyn out/demo

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <iterator>
 
+#include "many_recordings.hpp"
 #include "period_fold.hpp"
 #include "read_ahead.hpp"
 #include "math/parallel.hpp"
@@ -15,10 +16,13 @@ namespace veridyn {
 namespace {
 
 constexpr size_t kMaxBlocks = 16;
+constexpr size_t kFewestBlocks = 4;       // that any arm has, whatever they take
+constexpr double kMostBytes = 256.0 * 1024.0 * 1024.0;  // of one recording's factors
 constexpr double kFirstBlock = 1.0;       // [s]; doubled whenever there are too many blocks
 constexpr double kPeriodSeconds = 125.0;  // of the file, looked at to find the period
 constexpr long kPeriodRows = 8192;        // of them, at most; more are thinned
 constexpr int kPieceRows = 2048;
+constexpr size_t kGroupsAtOnce = 16;   // of joints
 constexpr double kMovingShare = 0.02;  // of the largest speed, CONTRACT
 
 using Visit = VisitStretch;
@@ -27,7 +31,8 @@ using Pass = StretchPass;
 // Blocks for the jackknife and for held-out folds. Where the motion repeats: phases of the period
 // with the repeats merged, for repeats share their systematic errors and are not independent
 // evidence. Elsewhere: stretches of equal duration, whose number stays between kMaxBlocks / 2 and
-// kMaxBlocks.
+// kMaxBlocks. Half as many, or a quarter, where an arm has so many joints that they would take more
+// than kMostBytes.
 class Blocks {
  public:
   Blocks(const RegressorColumns& columns, int joints, double period) : period_(period) {
@@ -38,25 +43,32 @@ class Blocks {
         if (!columns.parameters()[static_cast<size_t>(p)].fixed)
           mine.push_back(names[static_cast<size_t>(p)]);
       }
-      fresh_.emplace_back(mine);
+      names_.push_back(std::move(mine));
     }
+    double bytes = 0.0;
+    for (const std::vector<std::string>& mine : names_)
+      bytes += static_cast<double>(sizeof(double) * mine.size() * mine.size());
+    while (most_ > kFewestBlocks && bytes * static_cast<double>(most_) > kMostBytes) most_ /= 2;
+    while (phases_ > kFewestBlocks && bytes * phases_ > kMostBytes) phases_ /= 2.0;
   }
 
-  // The joints' factors do not touch each other: each may have a thread.
-  void absorb(const std::vector<JointRows>& rows, int threads) {
+  // Rows of some joints from `first` on. Their factors do not touch each other: each may have a
+  // thread.
+  void absorb(const std::vector<JointRows>& rows, int first, int threads) {
     size_t last = 0;
     for (const JointRows& joint : rows) {
       for (Eigen::Index k = 0; k < joint.time.size(); ++k) {
-        while (block_of(joint.time[k]) >= kMaxBlocks) merge_pairs();
+        while (block_of(joint.time[k]) >= most_) merge_pairs();
       }
     }
     for (const JointRows& joint : rows) {
       for (Eigen::Index k = 0; k < joint.time.size(); ++k)
         last = std::max(last, block_of(joint.time[k]) + 1);
     }
-    while (blocks_.size() < last) blocks_.push_back(fresh_);
-    parallel_for(static_cast<int>(rows.size()), threads,
-                 [&](int i) { absorb(static_cast<size_t>(i), rows[static_cast<size_t>(i)]); });
+    while (blocks_.size() < last) blocks_.emplace_back(names_.begin(), names_.end());
+    parallel_for(static_cast<int>(rows.size()), threads, [&](int i) {
+      absorb(static_cast<size_t>(first + i), rows[static_cast<size_t>(i)]);
+    });
   }
 
   std::vector<std::vector<SquareRootInformation>> take() {
@@ -72,7 +84,7 @@ class Blocks {
   size_t block_of(double time) const {
     if (period_ <= 0.0) return static_cast<size_t>(time / duration_);
     const double turns = time / period_;
-    return static_cast<size_t>(kPhases * (turns - std::floor(turns)));
+    return static_cast<size_t>(phases_ * (turns - std::floor(turns)));
   }
 
   void absorb(size_t joint, const JointRows& rows) {
@@ -98,10 +110,11 @@ class Blocks {
     duration_ *= 2.0;
   }
 
-  static constexpr double kPhases = 8.0;
+  double phases_ = 8.0;
+  size_t most_ = kMaxBlocks;
   double period_;
   double duration_ = kFirstBlock;
-  std::vector<SquareRootInformation> fresh_;
+  std::vector<std::vector<std::string>> names_;  // columns of each joint
   std::vector<std::vector<SquareRootInformation>> blocks_;
 };
 
@@ -114,49 +127,80 @@ PreprocessingOptions of_this_source(PreprocessingOptions options, const std::str
   return options;
 }
 
-// Rows of every joint, groups of joints side by side.
-std::vector<JointRows> rows_of_all(const RegressorColumns& columns, const Stretch& s,
-                                   int threads) {
+// Rows of every joint go into its factors, groups of joints side by side; never more than
+// kGroupsAtOnce of them are in memory.
+void absorb_all(const RegressorColumns& columns, const Stretch& s, int threads, Blocks& blocks) {
   const std::vector<RegressorColumns::Joints> groups = columns.groups(s.q.rows());
-  std::vector<std::vector<JointRows>> of_group(groups.size());
-  parallel_for(static_cast<int>(groups.size()), threads, [&](int g) {
-    const auto at = static_cast<size_t>(g);
-    of_group[at] = columns.rows(s, groups[at]);
-  });
-  std::vector<JointRows> out;
-  for (std::vector<JointRows>& group : of_group)
-    std::move(group.begin(), group.end(), std::back_inserter(out));
+  for (size_t at = 0; at < groups.size(); at += kGroupsAtOnce) {
+    const size_t count = std::min(kGroupsAtOnce, groups.size() - at);
+    std::vector<std::vector<JointRows>> of_group(count);
+    parallel_for(static_cast<int>(count), threads, [&](int g) {
+      of_group[static_cast<size_t>(g)] = columns.rows(s, groups[at + static_cast<size_t>(g)]);
+    });
+    std::vector<JointRows> rows;
+    for (std::vector<JointRows>& group : of_group)
+      std::move(group.begin(), group.end(), std::back_inserter(rows));
+    blocks.absorb(rows, groups[at].first, threads);
+  }
+}
+
+// Whether factors are wanted, or only what is known beside them.
+enum class Wanted { kFactors, kFacts };
+
+// Samples of one stretch that a fit would take, over all joints.
+double samples_of(const RegressorColumns& columns, const PreprocessingOptions& options,
+                  const Stretch& s) {
+  const int step = decimation(options, s.dt);
+  double out = 0.0;
+  for (Eigen::Index k = s.core_begin; k < s.core_end; ++k) {
+    if (s.use[static_cast<size_t>(k)] == 0) continue;
+    if (std::lround((s.time[k] - s.start) / s.dt) % step != 0) continue;
+    for (int i = 0; i < s.dq.cols(); ++i)
+      out += static_cast<double>(!columns.left_out(i, s.time[k] - s.start) &&
+                                 std::abs(s.dq(k, i)) >= options.min_speed);
+  }
   return out;
+}
+
+void add_facts(const Stretch& s, const MatrixXd& tau, bool& first, PeriodFold& fold,
+               std::vector<TorqueFacts>& joints) {
+  for (Eigen::Index k = s.core_begin; k < s.core_end; ++k) {
+    if (s.use[static_cast<size_t>(k)] == 0) continue;
+    fold.add(s.time[k] - s.start, tau, k);
+    for (size_t j = 0; j < joints.size(); ++j) {
+      TorqueFacts& joint = joints[j];
+      const auto i = static_cast<Eigen::Index>(j);
+      joint.minimum = first ? tau(k, i) : std::min(joint.minimum, tau(k, i));
+      joint.maximum = first ? tau(k, i) : std::max(joint.maximum, tau(k, i));
+      joint.largest_speed = std::max(joint.largest_speed, std::abs(s.dq(k, i)));
+      joint.lowest = first ? s.q(k, i) : std::min(joint.lowest, s.q(k, i));
+      joint.highest = first ? s.q(k, i) : std::max(joint.highest, s.q(k, i));
+    }
+    first = false;
+  }
 }
 
 CompressedRecording run_compress(const Model& arm, const std::string& source,
                                  const PreprocessingOptions& options, const MotionPeriod& period,
-                                 const Pass& pass, int threads) {
+                                 const Pass& pass, int threads,
+                                 Wanted wanted = Wanted::kFactors) {
   CompressedRecording out;
   out.source = source;
   out.period = period;
   const int n = arm.joints();
-  const RegressorColumns columns(arm, of_this_source(options, source));
+  const PreprocessingOptions mine = of_this_source(options, source);
+  const RegressorColumns columns(arm, mine);
   Blocks blocks(columns, n, period.seconds);
   PeriodFold fold(n, period.seconds);
   out.joints.resize(static_cast<size_t>(n));
   bool first = true;
   const Visit visit = [&](const Stretch& s) {
-    blocks.absorb(rows_of_all(columns, s, threads), threads);
-    const MatrixXd tau = columns.filtered_torque(s);
-    for (Eigen::Index k = s.core_begin; k < s.core_end; ++k) {
-      if (s.use[static_cast<size_t>(k)] == 0) continue;
-      fold.add(s.time[k] - s.start, tau, k);
-      for (int i = 0; i < n; ++i) {
-        TorqueFacts& joint = out.joints[static_cast<size_t>(i)];
-        joint.minimum = first ? tau(k, i) : std::min(joint.minimum, tau(k, i));
-        joint.maximum = first ? tau(k, i) : std::max(joint.maximum, tau(k, i));
-        joint.largest_speed = std::max(joint.largest_speed, std::abs(s.dq(k, i)));
-        joint.lowest = first ? s.q(k, i) : std::min(joint.lowest, s.q(k, i));
-        joint.highest = first ? s.q(k, i) : std::max(joint.highest, s.q(k, i));
-      }
-      first = false;
+    if (wanted == Wanted::kFactors) {
+      absorb_all(columns, s, threads, blocks);
+    } else {
+      out.rows += samples_of(columns, mine, s);
     }
+    add_facts(s, columns.filtered_torque(s), first, fold, out.joints);
   };
   out.facts = threads > 1 ? read_ahead(pass, visit) : pass(visit);
   out.blocks = blocks.take();
@@ -214,6 +258,18 @@ Recording first_positions(const Model& arm, const std::string& path,
     for (Eigen::Index k = 0; k < piece.rows(); ++k) positions.add(piece, k);
   }
   return positions.recording();
+}
+
+MotionPeriod period_of(const Model& arm, const std::string& path,
+                       const PreprocessingOptions& options) {
+  const auto known = options.known_periods.find(path);
+  if (known != options.known_periods.end()) {
+    MotionPeriod period;
+    period.seconds = known->second;
+    return period;
+  }
+  const Recording* there = find_in_memory(options.in_memory, path);
+  return detect_period(there != nullptr ? *there : first_positions(arm, path, options));
 }
 
 // A series of the samples that are wanted to twice as many, however long the recording: full ones are thinned by
@@ -293,19 +349,18 @@ ErrorSums run_prediction(const Model& arm, const std::string& source,
 
 CompressedRecording compress(const Model& arm, const std::string& path,
                              const PreprocessingOptions& options, int threads) {
-  MotionPeriod period;
-  const auto known = options.known_periods.find(path);
-  if (known != options.known_periods.end()) {
-    period.seconds = known->second;
-  } else if (const Recording* there = find_in_memory(options.in_memory, path)) {
-    period = detect_period(*there);
-  } else {
-    period = detect_period(first_positions(arm, path, options));
-  }
   return run_compress(
-      arm, path, options, period,
+      arm, path, options, period_of(arm, path, options),
       [&](const Visit& visit) { return for_each_stretch(arm, path, options, visit); },
       number_of_threads(threads));
+}
+
+CompressedRecording compress_facts(const Model& arm, const std::string& path,
+                                   const PreprocessingOptions& options, int threads) {
+  return run_compress(
+      arm, path, options, period_of(arm, path, options),
+      [&](const Visit& visit) { return for_each_stretch(arm, path, options, visit); },
+      number_of_threads(threads), Wanted::kFacts);
 }
 
 CompressedRecording compress(const Model& arm, const Recording& recording,

@@ -69,9 +69,12 @@ ArmFactor arm_factor(const FactorSet& set, const std::string& name) {
 struct Fitted {
   SquareRootInformation factor;
   VectorXd eta;              // own parameters, then gains as shares
+  VectorXd uncertain;        // standard deviation of each own value that white noise gives it
   VectorXd telling;          // share of each own column that the other columns leave
   VectorXd residual2, alone2;  // per joint, with the fleet's bodies and with its own
   bool odd = false;          // its bodies are not the fleet's
+  double excess = 0.0;       // see excess(), when that was decided
+  double deviations = 0.0;   // of it from the fleet's median
 };
 
 class FleetSolver {
@@ -103,9 +106,11 @@ class FleetSolver {
                                       return fitted_[a].residual2[i] / std::max(1.0, f.rows());
                                     }));
       }
-      find_odd();
+      if (round + 1 < kRounds) find_odd();  // who is odd at the end was left out of the last fit
     }
   }
+
+  double median_excess() const { return median_excess_; }
 
   // Robust distance of every arm's bodies from the fleet's, on ln of what bodies of its own explain.
   std::vector<double> excess() const {
@@ -181,6 +186,12 @@ class FleetSolver {
     const Eigen::Index own = alone.size() - beta_.size();
     const VectorXd bodies = alone.tail(beta_.size());
     f.alone2 = problem_.residual2(a, bodies, alone.head(own), at_beta, at_eta);
+    f.uncertain = f.factor.R()
+                      .topLeftCorner(own, own)
+                      .triangularView<Eigen::Upper>()
+                      .solve(MatrixXd::Identity(own, own))
+                      .rowwise()
+                      .norm();
     // What the columns left of it do not span: the diagonal of R. Own columns are few.
     const VectorXd norms = f.factor.column_norms();
     f.telling = f.factor.R().diagonal().head(own).cwiseAbs().cwiseQuotient(
@@ -191,9 +202,12 @@ class FleetSolver {
     const std::vector<double> all = excess();
     const auto [median, spread] = centre_of(all);
     const double far = threshold(static_cast<double>(arms_.size()));
+    median_excess_ = median;
     size_t count = 0;
     for (size_t a = 0; a < arms_.size(); ++a) {
-      fitted_[a].odd = all[a] > kLeastExcess && all[a] - median > far * std::max(spread, 1e-6);
+      fitted_[a].excess = all[a];
+      fitted_[a].deviations = (all[a] - median) / std::max(spread, 1e-6);
+      fitted_[a].odd = all[a] > kLeastExcess && fitted_[a].deviations > far;
       count += static_cast<size_t>(fitted_[a].odd);
     }
     if (2 * count < arms_.size()) return;
@@ -205,6 +219,7 @@ class FleetSolver {
   const FleetOptions& options_;
   std::vector<Fitted> fitted_;
   VectorXd beta_;
+  double median_excess_ = 0.0;
 };
 
 std::string gain_name(const Model& arm, int joint) {
@@ -239,6 +254,22 @@ void add_members(const std::vector<ArmFactor>& arms, const FleetSolver& solver, 
   }
 }
 
+void add_other_bodies(const FleetSolver& solver, Fleet& fleet) {
+  for (size_t a = 0; a < fleet.members.size(); ++a) {
+    const Fitted& f = solver.fitted(a);
+    if (!f.odd) continue;
+    const FleetMember& member = fleet.members[a];
+    Eigen::Index joint = 0;
+    member.relative_error.cwiseQuotient(member.alone_error.cwiseMax(1e-300)).maxCoeff(&joint);
+    fleet.other_bodies.push_back({member.name, static_cast<int>(joint) + 1,
+                                  member.relative_error[joint], member.alone_error[joint], f.excess,
+                                  solver.median_excess(), f.deviations});
+  }
+  std::stable_sort(
+      fleet.other_bodies.begin(), fleet.other_bodies.end(),
+      [](const FleetLeftOut& a, const FleetLeftOut& b) { return a.deviations > b.deviations; });
+}
+
 void add_spreads(const Model& arm, const FleetSolver& solver, Fleet& fleet) {
   const FleetProblem& problem = solver.problem();
   const double far = solver.threshold(solver.looked_at());
@@ -253,10 +284,17 @@ void add_spreads(const Model& arm, const FleetSolver& solver, Fleet& fleet) {
     std::tie(spread.median, spread.spread) = centre_of(all);
     spread.arms = static_cast<int>(
         std::count_if(all.begin(), all.end(), [](double x) { return std::isfinite(x); }));
+    // How much less an arm's motion tells of this value than the motions of most: what it deviates
+    // by counts so much less. Noise is not white, so that the fleet's spread gives the size.
+    std::vector<double> uncertain;
+    for (size_t a = 0; a < all.size(); ++a)
+      uncertain.push_back(std::isfinite(all[a]) ? solver.fitted(a).uncertain[k] : kNaN);
+    const double usual = centre_of(uncertain).first;
     const int joint =
         k < own ? joint_of(arm, spread.name, problem.parameters()) : k - own + 1;
     for (size_t a = 0; a < all.size() && spread.arms >= kFewest && spread.spread > 0.0; ++a) {
-      const double deviations = (all[a] - spread.median) / spread.spread;
+      const double wider = usual > 0.0 ? std::max(1.0, uncertain[a] / usual) : 1.0;
+      const double deviations = (all[a] - spread.median) / (wider * spread.spread);
       // A robust spread of a dozen arms is itself uncertain: what differs by less than this share of
       // the median is no news, however narrow the others lie.
       const bool noticeable =
@@ -312,6 +350,7 @@ Fleet solved_fleet(const Model& arm, std::vector<ArmFactor> arms,
   fleet.joints = arm.joints();
   fleet.left_out = std::move(left_out);
   add_members(arms, solver, fleet);
+  add_other_bodies(solver, fleet);
   add_spreads(arm, solver, fleet);
   std::stable_sort(fleet.outliers.begin(), fleet.outliers.end(),
                    [](const FleetOutlier& a, const FleetOutlier& b) {

@@ -19,12 +19,6 @@ double median_error(const Fleet& fleet, Eigen::Index joint, VectorXd FleetMember
 }
 
 std::string line_of(const FleetOutlier& o) {
-  if (o.what == "rigid_bodies") {
-    return fmt::format(
-        "  {}: its bodies are not the fleet's (most at joint {}): {:.1f} % of the torque is "
-        "unexplained, {:.1f} % usual; {:.1f} deviations\n",
-        o.arm, o.joint, 100.0 * o.value, 100.0 * o.median, o.deviations);
-  }
   return fmt::format("  {}: {} is {:.4g}, the fleet's median {:.4g}; {:+.1f} deviations\n", o.arm,
                      o.what, o.value, o.median, o.deviations);
 }
@@ -50,6 +44,21 @@ std::string Fleet::report() const {
     for (size_t k = 0; k < std::min(kShown, outliers.size()); ++k) out += line_of(outliers[k]);
     if (outliers.size() > kShown)
       out += fmt::format("  and {} more\n", outliers.size() - kShown);
+  }
+  if (!other_bodies.empty()) {
+    out += fmt::format(
+        "\n{} of {} arms left out of the shared bodies: bodies of their own explain more of their "
+        "torques than of the others'\n",
+        other_bodies.size(), members.size());
+    for (size_t k = 0; k < std::min(kShown, other_bodies.size()); ++k) {
+      const FleetLeftOut& o = other_bodies[k];
+      out += fmt::format(
+          "  {}: {:.2f} % of joint {}'s torque is unexplained with the fleet's bodies, {:.2f} % "
+          "with its own; {:.1f} deviations\n",
+          o.arm, 100.0 * o.with_fleet, o.joint, 100.0 * o.with_own, o.deviations);
+    }
+    if (other_bodies.size() > kShown)
+      out += fmt::format("  and {} more\n", other_bodies.size() - kShown);
   }
   if (!left_out.empty()) out += fmt::format("\n{} files left out\n", left_out.size());
   return out;

@@ -15,6 +15,10 @@ std::vector<CompressedRecording> compress_many(const Model& arm,
                                                const std::vector<std::string>& paths,
                                                const PreprocessingOptions& options, int threads);
 
+/// compress() without factors: what is known of a recording beside them.
+CompressedRecording compress_facts(const Model& arm, const std::string& path,
+                                   const PreprocessingOptions& options, int threads);
+
 /// Merges neighbouring blocks of a recording until it has at most `most`.
 void merge_blocks(CompressedRecording& recording, int most);
 

@@ -145,8 +145,7 @@ std::vector<CompressedRecording> compress_test(const Model& arm,
   const auto count = static_cast<int>(test.size());
   parallel_for(count, threads, [&](int k) {
     const auto at = static_cast<size_t>(k);
-    out[at] = compress(arm, test[at], how, threads_of_each(count, threads));
-    merge_blocks(out[at], 1);  // nothing is asked of them but their facts
+    out[at] = compress_facts(arm, test[at], how, threads_of_each(count, threads));
   });
   for (const CompressedRecording& r : out)
     require(

@@ -45,6 +45,16 @@ std::string to_json(const Fleet& fleet) {
                               {"alone", {{"relative_error", json_list(m.alone_error)}}},
                               {"own", std::move(own)}});
   }
+  out["other_bodies"] = Json::array();
+  for (const FleetLeftOut& o : fleet.other_bodies) {
+    out["other_bodies"].push_back({{"arm", o.arm},
+                                   {"joint", o.joint},
+                                   {"relative_error", o.with_fleet},
+                                   {"alone", {{"relative_error", o.with_own}}},
+                                   {"excess", o.excess},
+                                   {"median_excess", o.median_excess},
+                                   {"deviations", o.deviations}});
+  }
   out["left_out_recordings"] = Json::array();
   for (const UnusedRecording& r : fleet.left_out)
     out["left_out_recordings"].push_back({{"file", r.source}, {"why", r.why}});

@@ -70,6 +70,7 @@ TEST(AFleet, FindsTheBodiesThatAllArmsShare) {
   const Simulated all = fleet(12, -1, nothing);
   const Fleet found = identify_fleet(arm, all.names, all.factors);
   EXPECT_TRUE(found.outliers.empty()) << found.report();
+  EXPECT_TRUE(found.other_bodies.empty()) << found.report();
   const BaseParameters base = base_parameters(arm);
   const VectorXd truth = base.K * true_parameters(arm);
   for (const BaseValue& b : found.base) {
@@ -78,6 +79,30 @@ TEST(AFleet, FindsTheBodiesThatAllArmsShare) {
     EXPECT_NEAR(b.value, truth[at], 5.0 * b.std + 0.02 * std::abs(truth[at])) << b.expression;
   }
   for (const FleetSpread& s : found.spreads) EXPECT_EQ(s.arms, 12) << s.name;
+}
+
+// A tool left mounted must not bend the bodies of all, and the report says whose recordings were
+// left out of them.
+TEST(AFleet, SaysWhichArmIsLeftOutOfTheSharedBodies) {
+  const auto tool = [](const auto& parameters, VectorXd& factors, double&) {
+    for (size_t p = 0; p < parameters.size(); ++p)
+      if (parameters[p].body == 3) factors[static_cast<Eigen::Index>(p)] = 3.0;
+  };
+  const Simulated one_with_a_tool = fleet(12, 5, tool);
+  const Simulated none = fleet(12, -1, nothing);
+  const Fleet found =
+      identify_fleet(scara(), one_with_a_tool.names, one_with_a_tool.factors);
+  const Fleet same = identify_fleet(scara(), none.names, none.factors);
+  ASSERT_EQ(found.other_bodies.size(), 1U) << found.report();
+  const FleetLeftOut& out = found.other_bodies.front();
+  EXPECT_EQ(out.arm, "arm-5");
+  EXPECT_GT(out.with_fleet, out.with_own);
+  EXPECT_NE(found.report().find("1 of 12 arms left out of the shared bodies"), std::string::npos);
+  EXPECT_NE(found.report().find("arm-5:"), std::string::npos);
+  ASSERT_EQ(found.base.size(), same.base.size());
+  for (size_t k = 0; k < found.base.size(); ++k)
+    EXPECT_NEAR(found.base[k].value, same.base[k].value, 3.0 * (found.base[k].std + same.base[k].std))
+        << found.base[k].expression;
 }
 
 TEST(AFleet, NamesTheArmWithAnotherFriction) {

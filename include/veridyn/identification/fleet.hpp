@@ -40,11 +40,24 @@ struct FleetSpread {
 /// Something by which an arm stands out of its fleet.
 struct FleetOutlier {
   std::string arm;
-  std::string what;   ///< a parameter, "torque_gain:JOINT", or "rigid_bodies"
+  std::string what;   ///< a parameter, or "torque_gain:JOINT"
   int joint = 0;      ///< from 1: where it shows most; 0: none in particular
-  double value = 0.0; ///< the arm's; of rigid bodies: the share of its torque they leave unexplained
+  double value = 0.0; ///< the arm's
   double median = 0.0;
   double deviations = 0.0;  ///< robust standard deviations away from the fleet
+};
+
+/// An arm whose recordings did not go into the bodies that the fleet shares, for bodies of its own
+/// explain more of its torques than of the others'. It may carry a tool or be another type; or what
+/// the robot file does not know is larger on it than elsewhere. Its own values are still found.
+struct FleetLeftOut {
+  std::string arm;
+  int joint = 0;                ///< from 1: where it shows most
+  double with_fleet = 0.0;      ///< unexplained share of that joint's torque with the fleet's bodies
+  double with_own = 0.0;        ///< and with bodies of its own
+  double excess = 0.0;          ///< ln of the squared ratio of the two, the largest over the joints
+  double median_excess = 0.0;   ///< of the fleet
+  double deviations = 0.0;      ///< robust standard deviations from that median
 };
 
 /// What one arm has for itself.
@@ -66,6 +79,7 @@ struct Fleet {
   std::vector<FleetSpread> spreads;
   std::vector<FleetMember> members;
   std::vector<FleetOutlier> outliers;     ///< the farthest first
+  std::vector<FleetLeftOut> other_bodies; ///< arms that the shared bodies were not fitted to
   std::vector<UnusedRecording> left_out;  ///< files that could not be used
   std::optional<Model> model;             ///< the arm with `parameters`
 

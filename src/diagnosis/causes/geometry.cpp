@@ -26,7 +26,12 @@ constexpr SearchRange kRatios = {numerics::kAngleStep, numerics::kAngleReach};  
 
 constexpr int kRefinements = 14;
 constexpr size_t kKept = 5;
-constexpr Eigen::Index kParts = 8;  // of a recording, for the scatter of a constant
+constexpr Eigen::Index kParts = 8;       // of a recording, for the scatter of a constant
+constexpr Eigen::Index kMostParts = 64;  // of all: they are in memory together
+
+Eigen::Index parts_of_each(Eigen::Index recordings) {
+  return std::clamp<Eigen::Index>(kMostParts / std::max<Eigen::Index>(1, recordings), 1, kParts);
+}
 
 // Sparse samples of one recording, with what does not depend on geometry computed once.
 struct Fold {
@@ -67,14 +72,14 @@ class Profiler {
                          const std::vector<int>& columns) const {
     MatrixXd out;
     for (size_t v = 0; v < variants.size(); ++v) {
-      const std::vector<Sums> parts = sums_of_parts(variants[v], columns, kParts);
-      const Sums all = total(parts);
-      out.conservativeResize(static_cast<Eigen::Index>(parts.size()), 3);
-      for (size_t k = 0; k < parts.size(); ++k) {
+      const Parts parts = sums_of_parts(variants[v], columns, parts_of_each(recordings()));
+      const Sums all = total(parts.sums);
+      out.conservativeResize(static_cast<Eigen::Index>(parts.sums.size()), 3);
+      for (size_t k = 0; k < parts.sums.size(); ++k) {
         Sums rest = all;
-        add(-1.0, parts[k], rest);
-        out(static_cast<Eigen::Index>(k), static_cast<Eigen::Index>(v)) =
-            log_of(mean_squares(rest));
+        add(-1.0, parts.sums[k], rest);
+        out(static_cast<Eigen::Index>(k), static_cast<Eigen::Index>(v)) = log_of(
+            mean_squares(parts.own, rest, static_cast<Eigen::Index>(columns.size())));
       }
     }
     return out;
@@ -111,10 +116,12 @@ class Profiler {
     grow(fold.tau, s.tau);
   }
 
-  void fill_effects(Fold& fold) const {
-    Eigen::Index count = 0;
+  void fill_effects(Fold& fold) {
+    acts_on_.clear();
     for (const EffectTerm& term : arm_.effects())
-      count += BoundEffect(arm_, term).parameter_count();
+      acts_on_.insert(acts_on_.end(), static_cast<size_t>(BoundEffect(arm_, term).parameter_count()),
+                      term.axis.coefficients);
+    const auto count = static_cast<Eigen::Index>(acts_on_.size());
     fold.effects.assign(static_cast<size_t>(arm_.joints()), MatrixXd::Zero(fold.q.rows(), count));
     Eigen::Index at = 0;
     for (const EffectTerm& term : arm_.effects()) {
@@ -133,12 +140,43 @@ class Profiler {
     }
   }
 
-  // Normal equations of one part of one recording, of every joint.
+  // Which columns act on a joint: their places among all, and where they come from.
+  struct Own {
+    std::vector<Eigen::Index> places;
+    std::vector<Eigen::Index> from;  // of the batch's columns of this joint; of the effects below 0
+  };
+
+  std::vector<Own> own_columns(const RegressorBatch& batch, const std::vector<int>& columns,
+                               int bodies, int joints) const {
+    std::vector<Own> out(static_cast<size_t>(joints));
+    for (int i = 0; i < joints; ++i) {
+      Own& own = out[static_cast<size_t>(i)];
+      const std::vector<int>& mine = batch.columns(i);
+      for (size_t c = 0; c < columns.size(); ++c) {
+        const bool effect = columns[c] >= bodies;
+        const auto found = std::lower_bound(mine.begin(), mine.end(), columns[c]);
+        if (effect ? acts_on_[static_cast<size_t>(columns[c] - bodies)][i] == 0.0
+                   : found == mine.end() || *found != columns[c])
+          continue;
+        own.places.push_back(static_cast<Eigen::Index>(c));
+        own.from.push_back(effect ? -1 - (columns[c] - bodies) : found - mine.begin());
+      }
+    }
+    return out;
+  }
+
+  // Normal equations of one part of one recording: of every joint, over its own columns (below the
+  // diagonal).
   struct Sums {
     std::vector<MatrixXd> G;
     std::vector<VectorXd> g;
     VectorXd b2;
     double rows = 0.0;
+  };
+
+  struct Parts {
+    std::vector<Own> own;
+    std::vector<Sums> sums;
   };
 
   static void add(double sign, const Sums& from, Sums& to) {
@@ -150,76 +188,77 @@ class Profiler {
     to.rows += sign * from.rows;
   }
 
-  // Columns of one recording, per joint.
-  std::vector<MatrixXd> columns_of(const RegressorBatch& batch, const Fold& fold,
-                                   const std::vector<int>& columns, int bodies) const {
-    const int n = arm_.joints();
-    std::vector<MatrixXd> Y(static_cast<size_t>(n));
-    batch.evaluate(fold.q, fold.dq, fold.ddq, Y);
-    std::vector<MatrixXd> out;
-    for (int i = 0; i < n; ++i) {
-      const auto at = static_cast<size_t>(i);
-      const std::vector<int>& mine = batch.columns(i);
-      MatrixXd A = MatrixXd::Zero(fold.q.rows(), static_cast<Eigen::Index>(columns.size()));
-      for (Eigen::Index c = 0; c < A.cols(); ++c) {
-        const int column = columns[static_cast<size_t>(c)];
-        if (column >= bodies) {
-          A.col(c) = fold.effects[at].col(column - bodies);
-          continue;
-        }
-        const auto found = std::lower_bound(mine.begin(), mine.end(), column);
-        if (found != mine.end() && *found == column) A.col(c) = Y[at].col(found - mine.begin());
-      }
-      out.push_back(std::move(A));
-    }
-    return out;
-  }
-
   // Of every recording in so many parts of equal duration.
-  std::vector<Sums> sums_of_parts(const Model& variant, const std::vector<int>& columns,
-                                  Eigen::Index parts) const {
+  Parts sums_of_parts(const Model& variant, const std::vector<int>& columns,
+                      Eigen::Index parts) const {
     const RegressorBatch batch(variant);
     const auto bodies = static_cast<int>(kBodyParameters * variant.bodies().size());
-    std::vector<Sums> out;
+    const int n = variant.joints();
+    Parts out{own_columns(batch, columns, bodies, n), {}};
     for (const Fold& fold : folds_) {
-      const std::vector<MatrixXd> A = columns_of(batch, fold, columns, bodies);
+      std::vector<MatrixXd> Y(static_cast<size_t>(n));
+      batch.evaluate(fold.q, fold.dq, fold.ddq, Y);
+      const size_t first = out.sums.size();
       const Eigen::Index rows = fold.q.rows();
-      for (Eigen::Index k = 0; k < parts; ++k) {
-        const Eigen::Index begin = k * rows / parts;
-        const Eigen::Index count = (k + 1) * rows / parts - begin;
-        Sums s;
-        s.rows = static_cast<double>(count);
-        s.b2 = fold.tau.middleRows(begin, count).colwise().squaredNorm().transpose();
-        for (int i = 0; i < variant.joints(); ++i) {
-          const auto mine = A[static_cast<size_t>(i)].middleRows(begin, count);
-          s.G.push_back(mine.transpose() * mine);
+      out.sums.resize(first + static_cast<size_t>(parts));
+      for (int i = 0; i < n; ++i) {
+        const auto at = static_cast<size_t>(i);
+        const Own& own = out.own[at];
+        MatrixXd A(rows, static_cast<Eigen::Index>(own.from.size()));
+        for (Eigen::Index c = 0; c < A.cols(); ++c) {
+          const Eigen::Index from = own.from[static_cast<size_t>(c)];
+          if (from < 0) A.col(c) = fold.effects[at].col(-1 - from);
+          else A.col(c) = Y[at].col(from);
+        }
+        for (Eigen::Index k = 0; k < parts; ++k) {
+          const Eigen::Index begin = k * rows / parts;
+          const Eigen::Index count = (k + 1) * rows / parts - begin;
+          Sums& s = out.sums[first + static_cast<size_t>(k)];
+          if (i == 0) {
+            s.rows = static_cast<double>(count);
+            s.b2 = fold.tau.middleRows(begin, count).colwise().squaredNorm().transpose();
+          }
+          const auto mine = A.middleRows(begin, count);
+          s.G.push_back(MatrixXd::Zero(A.cols(), A.cols()));
+          if (A.cols() > 0) s.G.back().selfadjointView<Eigen::Lower>().rankUpdate(mine.transpose());
           s.g.push_back(mine.transpose() * fold.tau.col(i).segment(begin, count));
         }
-        out.push_back(std::move(s));
       }
     }
     return out;
   }
 
   // Mean squared residual of every joint of the least-squares fit of these rows.
-  VectorXd mean_squares(const Sums& sums) const {
-    MatrixXd G = MatrixXd::Zero(sums.G.front().rows(), sums.G.front().cols());
-    VectorXd g = VectorXd::Zero(G.rows());
+  VectorXd mean_squares(const std::vector<Own>& own, const Sums& sums,
+                        Eigen::Index columns) const {
+    MatrixXd G = MatrixXd::Zero(columns, columns);
+    VectorXd g = VectorXd::Zero(columns);
     for (size_t i = 0; i < sums.G.size(); ++i) {
-      G += weights_[static_cast<Eigen::Index>(i)] * sums.G[i];
-      g += weights_[static_cast<Eigen::Index>(i)] * sums.g[i];
+      const std::vector<Eigen::Index>& places = own[i].places;  // ascending: below stays below
+      const double w = weights_[static_cast<Eigen::Index>(i)];
+      for (size_t c = 0; c < places.size(); ++c) {
+        const auto column = sums.G[i].col(static_cast<Eigen::Index>(c));
+        g[places[c]] += w * sums.g[i][static_cast<Eigen::Index>(c)];
+        for (size_t r = c; r < places.size(); ++r)
+          G(places[r], places[c]) += w * column[static_cast<Eigen::Index>(r)];
+      }
     }
+    G.triangularView<Eigen::StrictlyUpper>() = G.transpose();
     const VectorXd x = solve_scaled(G, g);
     VectorXd out = sums.b2;
     for (Eigen::Index i = 0; i < out.size(); ++i) {
       const auto at = static_cast<size_t>(i);
-      out[i] = std::max(out[i] + x.dot(sums.G[at] * x) - 2.0 * x.dot(sums.g[at]), 0.0);
+      VectorXd mine(static_cast<Eigen::Index>(own[at].places.size()));
+      for (Eigen::Index c = 0; c < mine.size(); ++c) mine[c] = x[own[at].places[static_cast<size_t>(c)]];
+      const VectorXd Gx = sums.G[at].selfadjointView<Eigen::Lower>() * mine;
+      out[i] = std::max(out[i] + mine.dot(Gx) - 2.0 * mine.dot(sums.g[at]), 0.0);
     }
     return out / std::max(1.0, sums.rows);
   }
 
   VectorXd mean_squares(const Model& variant, const std::vector<int>& columns) const {
-    return mean_squares(total(sums_of_parts(variant, columns, 1)));
+    const Parts parts = sums_of_parts(variant, columns, 1);
+    return mean_squares(parts.own, total(parts.sums), static_cast<Eigen::Index>(columns.size()));
   }
 
   static Sums total(const std::vector<Sums>& parts) {
@@ -230,6 +269,7 @@ class Profiler {
 
   const Model& arm_;
   std::vector<Fold> folds_;
+  std::vector<VectorXd> acts_on_;  // of every effect column: the coefficients of its axis
   VectorXd weights_;
   double start_ = 0.0;
 };

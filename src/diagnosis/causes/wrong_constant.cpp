@@ -8,6 +8,8 @@
 #include <utility>
 
 #include "diagnosis/numerics.hpp"
+#include "diagnosis/shapes/inquiry.hpp"
+#include "identification/many_recordings.hpp"
 #include "veridyn/effects/cause.hpp"
 #include "veridyn/math/student_t.hpp"
 
@@ -40,8 +42,10 @@ std::vector<std::pair<Hypothesis, double>> effects_instead(const Inquiry& q,
 
 double correction_gain(const Model& corrected, const Inquiry& q, const NormalBlocks& data,
                        const std::vector<std::string>& train, const IdentificationOptions& how) {
-  const std::vector<CompressedRecording> factors =
+  std::vector<CompressedRecording> factors =
       compress_all(corrected, train, how.preprocessing, how.threads);
+  const int blocks = blocks_that_fit(corrected, static_cast<int>(train.size()));
+  for (CompressedRecording& r : factors) merge_blocks(r, blocks);
   const std::vector<std::string> names = parameter_names(standard_parameters(corrected));
   std::vector<std::string> columns;
   ColumnSet base;

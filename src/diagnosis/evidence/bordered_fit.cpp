@@ -116,7 +116,9 @@ BorderedFit::Border BorderedFit::with(const ColumnSet& more) const {
     double change = 0.0;
     if (!set_.empty()) {
       const VectorXd own_d = seen(d, own_[j]);
-      change += own_d.dot(G_[j] * own_d + 2.0 * Gx_[j]);
+      // Half of G is read: this product waits for memory.
+      const VectorXd Gd = G_[j].selfadjointView<Eigen::Lower>() * own_d;
+      change += own_d.dot(Gd + 2.0 * Gx_[j]);
     }
     if (own_more[j].size() > 0) {
       const VectorXd y = seen(out.values, own_more[j]);

@@ -52,7 +52,10 @@ ColumnSet columns_of(const NormalBlocks& data, const Hypothesis& hypothesis) {
 Examiner::Examiner(const NormalBlocks& data, const ColumnSet& base,
                    const std::vector<Hypothesis>& hypotheses, const DiagnosisOptions& options)
     : data_(data), base_(base), hypotheses_(hypotheses), options_(options) {
-  for (const auto& fold : make_folds(data)) folds_.push_back(summed(data, fold));
+  for (const auto& fold : make_folds(data)) {
+    if (fold.size() > 1) sums_.push_back(summed(data, fold));
+    folds_.push_back(fold.size() > 1 ? &sums_.back() : &data.cluster(fold.front()));
+  }
   std::set<std::string> families;
   for (const Hypothesis& h : hypotheses) {
     columns_.push_back(columns_of(data, h));
@@ -83,8 +86,8 @@ std::unique_ptr<Examiner::Stand> Examiner::stand(const std::vector<int>& chosen)
   out->weights = joint_weights(data_, out->set);
   out->all = std::make_unique<BorderedFit>(out->set, out->weights, data_.total(), nullptr, nullptr);
   out->folds.reserve(folds_.size());
-  for (const auto& fold : folds_)
-    out->folds.emplace_back(out->set, out->weights, data_.total(), &fold, &fold);
+  for (const NormalBlocks::Sums* fold : folds_)
+    out->folds.emplace_back(out->set, out->weights, data_.total(), fold, fold);
   return out;
 }
 
@@ -201,7 +204,7 @@ VectorXd Examiner::deviations(const ColumnSet& set, const VectorXd& weights, dou
   without.resize(rows, static_cast<Eigen::Index>(folds_.size()));
   for (size_t f = 0; f < folds_.size(); ++f)
     without.col(static_cast<Eigen::Index>(f)) =
-        data_.solve(set, weights, data_.total(), &folds_[f]);
+        data_.solve(set, weights, data_.total(), folds_[f]);
   const double recordings = static_cast<double>(folds_.size()) - 1.0;
   const double wider = student_t_quantile(numerics::kOutside, recordings) /
                        student_t_quantile(numerics::kOutside, freedom);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <deque>
 #include <memory>
 #include <vector>
 
@@ -79,7 +80,8 @@ class Examiner {
   const ColumnSet& base_;
   const std::vector<Hypothesis>& hypotheses_;
   const DiagnosisOptions& options_;
-  std::vector<NormalBlocks::Sums> folds_;
+  std::deque<NormalBlocks::Sums> sums_;           // of folds of several clusters
+  std::vector<const NormalBlocks::Sums*> folds_;
   std::vector<ColumnSet> columns_;
   double families_ = 1.0;
 };

@@ -79,6 +79,15 @@ void enter(const SquareRootInformation& factor, const std::unordered_map<std::st
 
 NormalBlocks::NormalBlocks(const std::vector<CompressedRecording>& recordings,
                            std::vector<std::string> columns, const VectorXd& scale)
+    : NormalBlocks(recordings, std::move(columns), scale, nullptr) {}
+
+NormalBlocks::NormalBlocks(std::vector<CompressedRecording>& recordings,
+                           std::vector<std::string> columns, EmptiedFactors)
+    : NormalBlocks(recordings, std::move(columns), {}, &recordings) {}
+
+NormalBlocks::NormalBlocks(const std::vector<CompressedRecording>& recordings,
+                           std::vector<std::string> columns, const VectorXd& scale,
+                           std::vector<CompressedRecording>* emptied)
     : names_(std::move(columns)), joints_(static_cast<int>(recordings.front().joints.size())) {
   std::unordered_map<std::string, int> index;
   for (size_t k = 0; k < names_.size(); ++k) index.emplace(names_[k], static_cast<int>(k));
@@ -86,7 +95,8 @@ NormalBlocks::NormalBlocks(const std::vector<CompressedRecording>& recordings,
   const PlacesOfJoints places = places_of(recordings, index, static_cast<size_t>(joints_));
   total_ = empty(places, count);
   for (size_t r = 0; r < recordings.size(); ++r) {
-    for (const auto& block : recordings[r].blocks) {
+    for (size_t k = 0; k < recordings[r].blocks.size(); ++k) {
+      const std::vector<SquareRootInformation>& block = recordings[r].blocks[k];
       Sums sums = empty(places, count);
       for (int j = 0; j < joints_; ++j) {
         const auto at = static_cast<size_t>(j);
@@ -97,7 +107,9 @@ NormalBlocks::NormalBlocks(const std::vector<CompressedRecording>& recordings,
       add(total_, sums);
       clusters_.push_back(std::move(sums));
       recording_of_.push_back(static_cast<int>(r));
+      if (emptied != nullptr) std::vector<SquareRootInformation>().swap((*emptied)[r].blocks[k]);
     }
+    if (emptied != nullptr) (*emptied)[r].blocks.clear();
   }
   scale_ = VectorXd::Zero(count);
   for (const JointSquares& G : total_.G) {

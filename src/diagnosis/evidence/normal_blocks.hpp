@@ -71,6 +71,12 @@ class NormalBlocks {
   NormalBlocks(const std::vector<CompressedRecording>& recordings, std::vector<std::string> columns,
                const VectorXd& scale = {});
 
+  /// The same, and every factor is emptied once it has been entered: both together would take twice
+  /// the memory. What else is known of the recordings stays.
+  struct EmptiedFactors {};
+  NormalBlocks(std::vector<CompressedRecording>& recordings, std::vector<std::string> columns,
+               EmptiedFactors);
+
   int columns() const { return static_cast<int>(names_.size()); }
   int joints() const { return joints_; }
   int clusters() const { return static_cast<int>(clusters_.size()); }
@@ -99,6 +105,9 @@ class NormalBlocks {
   VectorXd residual2(const ColumnSet& set, const VectorXd& x, const Sums& sums) const;
 
  private:
+  NormalBlocks(const std::vector<CompressedRecording>& recordings, std::vector<std::string> columns,
+               const VectorXd& scale, std::vector<CompressedRecording>* emptied);
+
   std::vector<std::string> names_;
   int joints_ = 0;
   VectorXd scale_;

@@ -1,10 +1,38 @@
 #include "diagnosis/shapes/inquiry.hpp"
 
+#include <algorithm>
 #include <utility>
+
+#include "identification/many_recordings.hpp"
+#include "math/parallel.hpp"
 
 namespace veridyn {
 
 namespace {
+
+// Of the factors of one run of questions.
+constexpr double kMostBytes = 1 << 28;
+constexpr int kFewestBlocks = 8;  // of all recordings together
+
+// Columns that are asked about beside the bodies', of a joint: by experience, its own and those
+// that other joints give it.
+constexpr int kAsked = 50;
+constexpr int kAskedFromOthers = 4;
+
+std::vector<CompressedRecording> compress_to_fit(const Model& arm,
+                                                 const std::vector<std::string>& paths,
+                                                 const PreprocessingOptions& options, int blocks,
+                                                 int threads) {
+  std::vector<CompressedRecording> out(paths.size());
+  const auto count = static_cast<int>(paths.size());
+  parallel_for(count, threads, [&](int k) {
+    CompressedRecording one = compress(arm, paths[static_cast<size_t>(k)], options,
+                                       threads_of_each(count, threads));
+    merge_blocks(one, blocks);
+    out[static_cast<size_t>(k)] = std::move(one);
+  });
+  return out;
+}
 
 // Held-out errors are those of every row, as recorded.
 PreprocessingOptions as_recorded(const IdentificationOptions& how) {
@@ -16,12 +44,25 @@ PreprocessingOptions as_recorded(const IdentificationOptions& how) {
 
 }  // namespace
 
+int blocks_that_fit(const Model& arm, int recordings) {
+  double bytes = 0.0;
+  for (int i = 0; i < arm.joints(); ++i) {
+    double columns = kAsked + kAskedFromOthers * arm.joints();
+    for (const int frame : arm.bodies())
+      columns += arm.moves(frame, i) ? kBodyParameters : 0;
+    bytes += static_cast<double>(sizeof(double)) * columns * columns;
+  }
+  const int fewest = std::max(1, kFewestBlocks / std::max(1, recordings));
+  return std::max(fewest, static_cast<int>(kMostBytes / (bytes * std::max(1, recordings))));
+}
+
 Inquiry prepare(const Identification& start, AugmentedModel augmented, bool changes,
                 const std::vector<std::string>& train, const std::vector<std::string>& test,
                 const IdentificationOptions& how) {
   Inquiry q{std::move(augmented), {}, {}, {}, {}};
-  q.train = compress_all(q.augmented.model, train, how.preprocessing, how.threads);
-  q.test = compress_all(q.augmented.model, test, as_recorded(how), how.threads);
+  const int blocks = blocks_that_fit(*start.model, static_cast<int>(train.size()));
+  q.train = compress_to_fit(q.augmented.model, train, how.preprocessing, blocks, how.threads);
+  q.test = compress_to_fit(q.augmented.model, test, as_recorded(how), 1, how.threads);
   if (!changes) {
     const Model& arm = *start.model;
     const std::vector<std::string> names = parameter_names(standard_parameters(arm));

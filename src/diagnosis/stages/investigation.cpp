@@ -24,12 +24,12 @@ QuestionList Investigation::list() const {
 }
 
 Questions ask(const Investigation& x, const QuestionList& list, const Identification& start) {
-  Inquiry q = prepare(start, x.train, x.test, list, x.options.identification);
+  Inquiry q = prepare(start, x.train, {}, list, x.options.identification);
   auto& all = q.augmented.hypotheses;
   all.erase(std::remove_if(all.begin(), all.end(),
                            [&x](const Hypothesis& h) { return x.refused.count(h.family) != 0; }),
             all.end());
-  NormalBlocks data(q.train, q.columns);
+  NormalBlocks data(q.train, q.columns, NormalBlocks::EmptiedFactors());
   return {std::move(q), std::move(data)};
 }
 

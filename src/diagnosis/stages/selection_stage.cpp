@@ -172,6 +172,7 @@ void challenge(const Investigation& x, QuestionList& list, std::optional<Round>&
   if (rivals.empty()) return;
   list.known = known_terms(fit->inquiry.augmented);
   list.known.insert(list.known.end(), rivals.begin(), rivals.end());
+  round.reset();
   round.emplace(answer(x, ask(x, list, x.start), &fit->inquiry.augmented));
   if (round->changed) fit.emplace(fitted(x, *round));
 }
@@ -215,13 +216,16 @@ void select_causes(Investigation& x) {
   if (asks_for_waves(x.options.effects))
     list.ripple_orders = ripple_orders(x.start, x.options.thresholds);
   std::optional<Round> round(answer(x, ask(x, list, x.start)));
-  for (int turn = 0; turn < kChannels && correct_first_channel(x, *round); ++turn)
+  for (int turn = 0; turn < kChannels && correct_first_channel(x, *round); ++turn) {
+    round.reset();  // its factors, before there are others
     round.emplace(answer(x, ask(x, list, x.start)));
+  }
   size_t selected = round->selection.accepted.size();
   std::optional<Fit> fit(fitted(x, *round));
   // Refined constants made some findings superfluous: what stood behind them is asked once more.
   for (int cycle = 0; cycle < kCycles && round->selection.accepted.size() < selected; ++cycle) {
     list.known = known_terms(fit->inquiry.augmented);
+    round.reset();
     round.emplace(answer(x, ask(x, list, x.start), &fit->inquiry.augmented));
     selected = round->selection.accepted.size();
     fit.emplace(fitted(x, *round));
