@@ -3,7 +3,7 @@ BUILD := build
 JOBS  ?= $(shell nproc)
 CMAKE_FLAGS ?= --preset dev
 
-.PHONY: all tool build demo test python readme sanitize packages packages-tests clean
+.PHONY: all tool build demo test python deb readme sanitize packages packages-tests clean
 
 all: tool
 
@@ -28,6 +28,12 @@ python: packages
 	@cmake $(CMAKE_FLAGS) -B $(BUILD) -DVERIDYN_PYTHON=ON >$(BUILD).log 2>&1 || { cat $(BUILD).log; exit 1; }
 	@cmake --build $(BUILD) -j $(JOBS) --target veridyn_python
 	@echo "import veridyn works with PYTHONPATH=$(BUILD)/python"
+
+# Debian packages veridyn, libveridyn-dev and python3-veridyn in $(BUILD)/packages.
+deb: python
+	@cmake --build $(BUILD) -j $(JOBS) --target veridyn_tool
+	@cd $(BUILD) && cpack -B packages >cpack.log || { cat cpack.log; exit 1; }
+	@ls $(BUILD)/packages/*.deb
 
 demo: tool
 	@examples/demo.sh $(BUILD)/bin/veridyn out/demo
