@@ -3,7 +3,6 @@ BUILD := build
 JOBS  ?= $(shell nproc)
 CMAKE_FLAGS ?= --preset dev
 
-
 .PHONY: all tool build demo test python ros ros-test mpi growth deb readme sanitize packages packages-tests clean
 
 all: tool
@@ -38,6 +37,7 @@ ros: tool
 # A laboratory's client against a master of its own; says so where ROS is absent.
 ros-test: ros
 	@ros/test.sh $(BUILD)
+
 # The same tool for mpirun; see docs/scale.md. In a folder that is built already only one file is compiled anew.
 mpi: packages
 	@cmake/install-packages.sh cmake/debian-packages-mpi.txt
@@ -49,6 +49,12 @@ mpi: packages
 growth: build
 	@python3 tests/benchmark/growth.py $(BUILD)/bin/veridyn --benchmark $(BUILD)/bin/veridyn-benchmark \
 	  $(if $(EARLIER),--beside $(EARLIER)) --json docs/growth.json --svg docs/growth.svg
+
+# Debian packages veridyn, libveridyn-dev and python3-veridyn in $(BUILD)/packages.
+deb: python
+	@cmake --build $(BUILD) -j $(JOBS) --target veridyn_tool
+	@cd $(BUILD) && cpack -B packages >cpack.log || { cat cpack.log; exit 1; }
+	@ls $(BUILD)/packages/*.deb
 
 demo: tool
 	@examples/demo.sh $(BUILD)/bin/veridyn out/demo

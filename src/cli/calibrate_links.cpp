@@ -34,7 +34,9 @@ std::string compared(const std::string& file, const LinksCalibration& links) {
   const nlohmann::json diagnosis = nlohmann::json::parse(stream, nullptr, false);
   require(diagnosis.is_object() && diagnosis.contains("findings"), file,
           ": found no findings, expected what diagnose --json wrote.");
+  std::string zero;
   for (const nlohmann::json& finding : diagnosis["findings"]) {
+    if (finding.value("effect", "") == "encoder_offset") zero = finding.value("sentence", "");
     if (finding.value("effect", "") != KinematicError::kName) continue;
     const nlohmann::json& value = finding.at("parameters").at("value");
     // "... a wrong constant: theta of frame elbow is ..." or "ratio of pitch in frame elbow is".
@@ -50,7 +52,23 @@ std::string compared(const std::string& file, const LinksCalibration& links) {
                                   value.at("ci95").at(0).get<double>(),
                                   value.at("ci95").at(1).get<double>());
   }
-  return "Torques ask for no other constant.";
+  if (zero.empty()) return "Torques ask for no other constant.";
+  std::string named;
+  for (const int k : links.named) {
+    const LinkConstant& c = links.constants[static_cast<std::size_t>(k)];
+    named += (named.empty() ? "" : ", ") + c.name + (c.frame.empty() ? "" : " of frame " + c.frame);
+  }
+  return "Torques name a zero (" + zero.substr(0, zero.rfind('.')) + "), poses " +
+         (named.empty() ? "no constant" : named) + ": only one of them is wrong, or both are off.";
+}
+
+std::string comparison_with(const std::string& file, const LinksCalibration& links) {
+  try {
+    return compared(file, links);
+  } catch (const nlohmann::json::exception& error) {
+    throw InvalidInput(text(file, ": found another structure (", error.what(),
+                            "), expected what diagnose --json wrote."));
+  }
 }
 
 ExitStatus run(CalibrateLinksRequest& request, const std::string& command_line) {
@@ -67,7 +85,7 @@ ExitStatus run(CalibrateLinksRequest& request, const std::string& command_line) 
       calibrate_links(arm, read_poses(request.poses, request.capture), request.options);
   const bool done = found.status == CalibrationStatus::kDone;
   const std::string comparison =
-      done && !request.diagnosis.empty() ? compared(request.diagnosis, found) : "";
+      done && !request.diagnosis.empty() ? comparison_with(request.diagnosis, found) : "";
   if (done && !request.robot_out.empty()) save_model(*found.model, request.robot_out);
   const std::string report = found.report() + (comparison.empty() ? "" : comparison + "\n");
   return finish_calibration(done, found.reason, report, request.common,

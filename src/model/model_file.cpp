@@ -6,6 +6,7 @@
 #include <fstream>
 #include <iterator>
 
+#include "math/beside_program.hpp"
 #include "math/output_file.hpp"
 #include "veridyn/math/require.hpp"
 #include "model/suggestion.hpp"
@@ -25,6 +26,7 @@ std::vector<fs::path> robot_folders() {
 #ifdef VERIDYN_ROBOTS_INSTALL_DIR
   folders.emplace_back(VERIDYN_ROBOTS_INSTALL_DIR);
 #endif
+  folders.emplace_back(beside_program("share/veridyn/robots"));
   return folders;
 }
 

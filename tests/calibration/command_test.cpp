@@ -132,6 +132,33 @@ TEST(CalibrateCommand, LinksWriteARobotThatHasTheRightConstant) {
   EXPECT_EQ(run_tool({"calibrate", "links", "ur10e", poses}).status, 3);
 }
 
+// The wrong constant from torques and the one from poses, in one line.
+TEST(CalibrateCommand, LinksSetTheDiagnosisBesideThePoses) {
+  const TemporaryFolder folder;
+  const std::string poses = folder.write(
+      "poses.csv",
+      pose_csv(captured_poses(read_model("psm-3dof"), "counterweight", 100, 0.9, 1e-4, 1e-3, 5)));
+  const auto said = [&](const std::string& findings) {
+    const std::string file = folder.write("d.json", R"({"findings": [)" + findings + "]}");
+    return run_tool({"calibrate", "links", "psm-3dof-printed", poses, "--frame", "counterweight",
+                     "--diagnosis", file});
+  };
+  const std::string constant =
+      R"({"effect": "coupling_error", "sentence": "The robot file has a wrong constant: theta of )"
+      R"(frame counterweight_rail is -106.7 deg there; the recordings ask for -89.59 deg.",)"
+      R"("parameters": {"value": {"value": -1.5637, "ci95": [-1.634, -1.4934]}}})";
+  EXPECT_NE(said(constant).out.find("-89.9"), std::string::npos);
+  EXPECT_NE(said(constant).out.find("they agree."), std::string::npos) << said(constant).out;
+  const std::string zero = R"({"effect": "encoder_offset", "sentence": "Joint 2 has a recorded )"
+                           R"(position that is 98.9 mrad too large."})";
+  EXPECT_NE(said(zero).out.find("poses theta of frame counterweight_rail"), std::string::npos)
+      << said(zero).out;
+  EXPECT_NE(said("").out.find("Torques ask for no other constant."), std::string::npos);
+  const ToolRun bad = said(R"({"effect": "coupling_error", "sentence": "constant: a of frame b"})");
+  EXPECT_EQ(bad.status, 3) << bad.err;
+  EXPECT_EQ(bad.error_lines(), 1) << bad.err;
+}
+
 TEST(CalibrateCommand, HandEyeOfTwoArms) {
   const TemporaryFolder folder;
   RandomNumbers random(2);

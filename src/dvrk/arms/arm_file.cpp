@@ -6,6 +6,7 @@
 #include <fstream>
 #include <iterator>
 
+#include "math/beside_program.hpp"
 #include "model/suggestion.hpp"
 #include "model/yaml/yaml_node.hpp"
 #include "veridyn/dvrk/arm_facts.hpp"
@@ -237,6 +238,7 @@ std::vector<fs::path> arm_files() {
 #ifdef VERIDYN_DVRK_INSTALL_DIR
   folders.emplace_back(VERIDYN_DVRK_INSTALL_DIR);
 #endif
+  folders.emplace_back(beside_program("share/veridyn/dvrk"));
   std::error_code ignored;
   for (const fs::path& folder : folders) {
     for (const fs::directory_entry& entry : fs::directory_iterator(folder, ignored))

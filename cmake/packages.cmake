@@ -1,0 +1,37 @@
+# Debian packages of what is built: `make deb`, or cpack in the build folder.
+#
+#   veridyn            the tool, robots, facts about dVRK arms
+#   python3-veridyn    the module, with robots of its own
+#   libveridyn-dev     library, headers, find_package(veridyn)
+set(CPACK_GENERATOR DEB)
+set(CPACK_PACKAGE_NAME veridyn)
+set(CPACK_PACKAGE_CONTACT "veridyn maintainers <maintainers@example.org>")
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "${PROJECT_DESCRIPTION}")
+set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
+set(CPACK_STRIP_FILES ON)
+set(CPACK_DEB_COMPONENT_INSTALL ON)
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PACKAGE_SECTION science)
+set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_TOOL_PACKAGE_NAME veridyn)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-veridyn)
+set(CPACK_DEBIAN_DEV_PACKAGE_NAME libveridyn-dev)
+set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
+# Who links the static library needs what it was built with.
+set(CPACK_DEBIAN_DEV_PACKAGE_SHLIBDEPS OFF)
+file(STRINGS ${PROJECT_SOURCE_DIR}/cmake/debian-packages.txt WANTED REGEX "^[^#]")
+string(REGEX MATCHALL "[a-z0-9.+-]+-dev" WANTED "${WANTED}")
+string(REPLACE ";" ", " CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "${WANTED}")
+set(CPACK_DEBIAN_PYTHON_PACKAGE_SUGGESTS "python3-pandas, python3-distributed")
+set(CPACK_COMPONENT_TOOL_DESCRIPTION "The tool veridyn, robots, facts about dVRK arms.")
+set(CPACK_COMPONENT_PYTHON_DESCRIPTION "veridyn as a module of Python, with NumPy.")
+set(CPACK_COMPONENT_DEV_DESCRIPTION "veridyn as a library for C++: headers, static library, CMake package.")
+set(CPACK_COMPONENTS_ALL tool dev)
+if(VERIDYN_PYTHON)
+  list(APPEND CPACK_COMPONENTS_ALL python)
+  math(EXPR NEXT_MINOR "${Python3_VERSION_MINOR} + 1")
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS
+    "python3 (>= 3.${Python3_VERSION_MINOR}), python3 (<< 3.${NEXT_MINOR}), python3-numpy")
+endif()
+include(CPack)
