@@ -4,7 +4,7 @@
 #include "bindings.hpp"
 #include "model_handle.hpp"
 #include "options.hpp"
-#include "veridyn/identification/parameter_set.hpp"
+#include "veridyn/regressor/standard_parameters.hpp"
 #include "veridyn/kinematics/kinematics.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/model_file.hpp"

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "veridyn/kinematics/motion_limits.hpp"
+#include "kinematics/motion_limits.hpp"
 #include "link_selection.hpp"
 #include "math/random_numbers.hpp"
 #include "veridyn/math/require.hpp"

@@ -11,7 +11,7 @@
 #include "veridyn/cooperation/scenario_sweep.hpp"
 #include "math/output_file.hpp"
 #include "model/suggestion.hpp"
-#include "veridyn/report/cooperation_json.hpp"
+#include "report/cooperation_json.hpp"
 #include "veridyn/simulation/engine.hpp"
 
 namespace veridyn::cli {

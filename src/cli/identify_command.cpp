@@ -12,7 +12,7 @@
 #include "math/output_file.hpp"
 #include "ranks.hpp"
 #include "recording_options.hpp"
-#include "veridyn/effects/plain_friction.hpp"
+#include "effects/plain_friction.hpp"
 #include "veridyn/identification/factor_set.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/model_file.hpp"

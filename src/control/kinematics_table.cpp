@@ -1,4 +1,4 @@
-#include "veridyn/control/kinematics_table.hpp"
+#include "control/kinematics_table.hpp"
 
 #include <fmt/format.h>
 
@@ -9,7 +9,7 @@
 
 #include "veridyn/control/inverse_kinematics.hpp"
 #include "veridyn/kinematics/kinematics.hpp"
-#include "veridyn/kinematics/motion_limits.hpp"
+#include "kinematics/motion_limits.hpp"
 #include "math/output_file.hpp"
 #include "veridyn/math/require.hpp"
 #include "model/suggestion.hpp"

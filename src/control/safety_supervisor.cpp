@@ -4,7 +4,7 @@
 #include <cassert>
 #include <cmath>
 
-#include "veridyn/control/position_limit.hpp"
+#include "control/position_limit.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn {

@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "registry.hpp"
-#include "veridyn/math/zero_phase_filter.hpp"
+#include "math/zero_phase_filter.hpp"
 
 namespace veridyn {
 namespace {

@@ -1,4 +1,4 @@
-#include "veridyn/excitation/base_regressor.hpp"
+#include "excitation/base_regressor.hpp"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>

@@ -13,7 +13,7 @@
 #include "many_recordings.hpp"
 #include "math/parallel.hpp"
 #include "veridyn/math/require.hpp"
-#include "veridyn/math/student_t.hpp"
+#include "math/student_t.hpp"
 
 namespace veridyn {
 namespace {

@@ -5,7 +5,7 @@
 
 #include "regressor/effect_along.hpp"
 #include "veridyn/effects/channel_effect.hpp"
-#include "veridyn/math/zero_phase_filter.hpp"
+#include "math/zero_phase_filter.hpp"
 
 namespace veridyn {
 namespace {

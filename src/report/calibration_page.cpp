@@ -1,4 +1,4 @@
-#include "veridyn/report/calibration_page.hpp"
+#include "report/calibration_page.hpp"
 
 #include <fmt/format.h>
 
@@ -8,7 +8,7 @@
 
 #include "json_value.hpp"
 #include "page.hpp"
-#include "veridyn/report/calibration_json.hpp"
+#include "report/calibration_json.hpp"
 
 namespace veridyn {
 namespace {

@@ -1,4 +1,4 @@
-#include "veridyn/report/cooperation_json.hpp"
+#include "report/cooperation_json.hpp"
 
 #include "json_value.hpp"
 

@@ -4,7 +4,7 @@
 #include "model/yaml/yaml_node.hpp"
 #include "simulation/plant/plant_forces.hpp"
 #include "veridyn/dynamics/rigid_body_dynamics.hpp"
-#include "veridyn/kinematics/motion_limits.hpp"
+#include "kinematics/motion_limits.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/simulation/control_loop.hpp"
 

@@ -7,7 +7,7 @@
 #include "plant_torques.hpp"
 #include "recorded.hpp"
 #include "veridyn/math/require.hpp"
-#include "veridyn/math/zero_phase_filter.hpp"
+#include "math/zero_phase_filter.hpp"
 #include "veridyn/simulation/control_loop.hpp"
 
 namespace veridyn {

@@ -1,4 +1,4 @@
-#include "veridyn/dvrk/arm_kinematics.hpp"
+#include "dvrk/arms/arm_kinematics.hpp"
 
 #include <gtest/gtest.h>
 

@@ -9,7 +9,7 @@
 
 #include "diagnosis/numerics.hpp"
 #include "veridyn/effects/cause.hpp"
-#include "veridyn/math/student_t.hpp"
+#include "math/student_t.hpp"
 
 namespace veridyn {
 namespace {

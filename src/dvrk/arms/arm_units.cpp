@@ -1,4 +1,4 @@
-#include "veridyn/dvrk/arm_units.hpp"
+#include "dvrk/arms/arm_units.hpp"
 
 #include <Eigen/LU>
 #include <algorithm>

@@ -1,4 +1,4 @@
-#include "veridyn/dvrk/gravity_chain.hpp"
+#include "dvrk/arms/gravity_chain.hpp"
 
 #include <Eigen/QR>
 #include <algorithm>

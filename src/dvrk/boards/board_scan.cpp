@@ -3,7 +3,7 @@
 #include <iomanip>
 #include <sstream>
 
-#include "veridyn/dvrk/board_bus.hpp"
+#include "dvrk/boards/board_bus.hpp"
 #include "veridyn/math/require.hpp"
 
 // Who is on the bus: section 5, and again whenever nodes may have changed (section 6).

@@ -1,10 +1,10 @@
-#include "veridyn/dvrk/fault_log.hpp"
+#include "dvrk/boards/fault_log.hpp"
 
 #include <iomanip>
 #include <sstream>
 
-#include "veridyn/dvrk/analog.hpp"
-#include "veridyn/dvrk/protocol.hpp"
+#include "dvrk/protocol/analog.hpp"
+#include "dvrk/protocol/protocol.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn::dvrk {

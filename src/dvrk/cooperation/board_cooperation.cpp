@@ -1,4 +1,4 @@
-#include "veridyn/dvrk/board_cooperation.hpp"
+#include "dvrk/cooperation/board_cooperation.hpp"
 
 #include <fmt/format.h>
 
@@ -17,8 +17,8 @@
 #include "cooperation/scenario_models.hpp"
 #include "joined_arms.hpp"
 #include "veridyn/control/load_cell.hpp"
-#include "veridyn/dvrk/arm_session.hpp"
-#include "veridyn/dvrk/udp_link.hpp"
+#include "dvrk/run/arm_session.hpp"
+#include "dvrk/protocol/udp_link.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn::dvrk {

@@ -4,7 +4,7 @@
 #include <chrono>
 #include <cmath>
 
-#include "veridyn/dvrk/arm_session.hpp"
+#include "dvrk/run/arm_session.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn::dvrk {

@@ -6,9 +6,9 @@
 
 #include "cooperation/experiment.hpp"
 #include "veridyn/control/arm_state.hpp"
-#include "veridyn/dvrk/board_emulator.hpp"
-#include "veridyn/dvrk/board_server.hpp"
-#include "veridyn/dvrk/simulated_arm.hpp"
+#include "dvrk/emulator/board_emulator.hpp"
+#include "dvrk/emulator/board_server.hpp"
+#include "dvrk/emulator/simulated_arm.hpp"
 
 namespace veridyn::dvrk {
 

@@ -1,4 +1,4 @@
-#include "veridyn/dvrk/arm_run.hpp"
+#include "dvrk/run/arm_run.hpp"
 
 #include <Eigen/LU>
 #include <algorithm>

@@ -1,4 +1,4 @@
-#include "veridyn/dvrk/joint_pid.hpp"
+#include "dvrk/run/joint_pid.hpp"
 
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-#include "veridyn/dvrk/model_controller.hpp"
+#include "dvrk/run/model_controller.hpp"
 
 #include <Eigen/SVD>
 #include <algorithm>

@@ -9,7 +9,7 @@
 #include "regressor/random_states.hpp"
 #include "veridyn/regressor/base_parameters.hpp"
 #include "excitation/search/question.hpp"
-#include "veridyn/kinematics/motion_limits.hpp"
+#include "kinematics/motion_limits.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/effects/cause.hpp"
 #include "veridyn/effects/channel_effect.hpp"

@@ -9,7 +9,7 @@
 
 #include "identification/drive_gains/gain_fit.hpp"
 #include "veridyn/math/require.hpp"
-#include "veridyn/math/student_t.hpp"
+#include "math/student_t.hpp"
 #include "model/suggestion.hpp"
 
 namespace veridyn {

@@ -6,7 +6,7 @@
 
 #include "simulation/plant/plant_forces.hpp"
 #include "veridyn/dynamics/rigid_body_dynamics.hpp"
-#include "veridyn/kinematics/motion_limits.hpp"
+#include "kinematics/motion_limits.hpp"
 #include "veridyn/simulation/plant.hpp"
 
 namespace veridyn {
