@@ -18,7 +18,7 @@ namespace {
 
 constexpr double kLargestCondition2 = 1e14;  // squared; eigenvalues of a Gram matrix know no more
 
-constexpr double kNoPart = 1e-9;  // of a standard parameter in a base parameter
+constexpr double kNoPart = 1e-9;  // share of a standard parameter in a base parameter
 
 }  // namespace
 

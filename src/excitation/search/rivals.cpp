@@ -69,7 +69,7 @@ bool is_on(const EffectTerm& term, const std::string& effect, JointIndex joint) 
          term.axis.coefficients == VectorXd::Unit(term.axis.coefficients.size(), joint.value);
 }
 
-constexpr size_t kMostChoices = 3;  // of one rival's constants
+constexpr size_t kMostChoices = 3;  // choices of one rival's constants
 
 // Every second one, where there are many: neighbours of a fine grid have nearly the same columns.
 std::vector<ShapeChoice> thinned(std::vector<ShapeChoice> choices) {
