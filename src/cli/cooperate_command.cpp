@@ -18,7 +18,7 @@ namespace veridyn::cli {
 namespace {
 
 struct Request {
-  const CLI::App* command = nullptr;  // where the options were given
+  const CLI::App* command = nullptr;  // the command whose options were given
   std::string scenario, output;
   std::string engine = "veridyn";
   bool sweep = false;

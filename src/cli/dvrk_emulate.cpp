@@ -28,7 +28,7 @@ using dvrk::BoardEmulator;
 
 constexpr double kPotNoise = 3.0;      // [bits], standard deviation: 0.2 mV
 constexpr double kCurrentNoise = 4.0;  // [bits]: 0.8 mA
-constexpr double kStopsBeyond = 0.02;  // of a joint's range: end stops behind its limits
+constexpr double kStopsBeyond = 0.02;  // share of a joint's range: end stops behind its limits
 
 /// An arm that is emulated: its part of a configuration, and what moves behind it.
 struct EmulatedArm {

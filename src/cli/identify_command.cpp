@@ -24,7 +24,7 @@ namespace veridyn::cli {
 namespace {
 
 struct Request {
-  const CLI::App* command = nullptr;  // where the options were given
+  const CLI::App* command = nullptr;  // the command whose options were given
   std::string robot;
   std::vector<std::string> train, test, factors;
   std::string factor_out;

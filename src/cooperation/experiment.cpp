@@ -141,7 +141,7 @@ void Experiment::make_controller() {
     o.R_world_arm.push_back(base_rotation(arm.calibration_turn) * base_rotation(arm.turn));
     tips.push_back(loops_[k].position());
   }
-  o.master = scenario_.master;
+  o.leader = scenario_.master;
   for (const ScenarioMember& m : scenario_.members)
     o.members.push_back({m.from, m.to, m.law, member_share(scenario_, m)});
   o.period = 1.0 / c.rate;

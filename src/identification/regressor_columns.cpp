@@ -10,7 +10,7 @@
 namespace veridyn {
 namespace {
 
-constexpr Eigen::Index kGroupEntries = 1 << 20;  // of the columns that are worked on at once
+constexpr Eigen::Index kGroupEntries = 1 << 20;  // entries of the columns that are worked on at once
 
 }  // namespace
 

@@ -6,7 +6,7 @@
 
 namespace veridyn {
 
-struct FilterSection;  // of the library
+struct FilterSection;  // internal
 
 /// A Butterworth low-pass run forward and backward, so that nothing is delayed.
 ///

@@ -61,7 +61,8 @@ Json settings_json(const Scenario& s) {
                    (arm.control == ArmControl::kPosition ? ", position" : ", impedance"));
   }
   Json out = {{"arms", arms},
-              {"master", s.arms[static_cast<std::size_t>(s.master)].name},
+              {"leader", s.arms[static_cast<std::size_t>(s.master)].name},
+              {"master", s.arms[static_cast<std::size_t>(s.master)].name},  // of earlier versions
               {"seed", s.seed},
               {"model_error", s.model_error},
               {"encoder", s.encoder},

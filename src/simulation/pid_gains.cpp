@@ -11,7 +11,7 @@
 namespace veridyn {
 namespace {
 
-constexpr double kIntegralShare = 0.1;  // of the bandwidth
+constexpr double kIntegralShare = 0.1;  // share of the bandwidth
 
 // The inertia that each joint feels alone, rotors included, in the middle of the range.
 VectorXd middle_inertia(const Model& arm) {

@@ -24,7 +24,7 @@ const char* describe(Condition condition) {
     case Condition::kWrongHeader:
       return "a reply that does not fit its request";
     case Condition::kStaleReply:
-      return "a reply that nobody waited for";
+      return "an unsolicited reply";
     case Condition::kWrongCrc:
       return "a reply with a wrong CRC";
     case Condition::kWrongBoard:

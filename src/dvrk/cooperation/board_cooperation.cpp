@@ -28,7 +28,7 @@ using Eigen::Vector3d;
 
 constexpr double kLooking = 0.1;       // [s] of reading before power is asked for
 constexpr double kLeastForce = 0.3;    // [N] of pretension that is left before power goes
-constexpr double kForceFactor = 1.5;   // of the controller's bound: the supervisor's own
+constexpr double kForceFactor = 1.5;   // multiple of the controller's bound: the supervisor's own
 constexpr double kNoTorqueSeconds = 0.5;
 
 // One arm: its boards, its loop, its supervisor.
@@ -279,7 +279,7 @@ class BoardRun {
       tips.push_back(sides_[k]->loop->position());
       o.R_world_arm.push_back(sides_[k]->models.R_world_base_known);
     }
-    o.master = scenario_.master;
+    o.leader = scenario_.master;
     for (const ScenarioMember& m : scenario_.members)
       o.members.push_back({m.from, m.to, m.law, member_share(scenario_, m)});
     o.period = period_;

@@ -25,14 +25,14 @@ constexpr LinearScale kNominalBitsToVolts{4.5 / 65536.0, 0.0};
 /// Motor voltage, where the board can command it (QLA 1.5, firmware 8).
 constexpr LinearScale kMotorVoltsToBits{65535.0 / 91.0, 45.5 * 65535.0 / 91.0};
 
-/// The nearest word of 16 bits; held at the ends; `zero` if the value is not a number.
+/// The nearest word of 16 bits; held at the ends; `zero` if the value is NaN.
 inline std::uint16_t nearest_word(double value, std::uint16_t zero) noexcept {
   if (std::isnan(value)) return zero;
   if (value <= 0.0) return 0;
   return value >= 65535.0 ? std::uint16_t{65535} : static_cast<std::uint16_t>(value + 0.5);
 }
 
-/// [degC] of one sensor's byte; not a number where the sensor gives no value (0xFF).
+/// [degC] of one sensor's byte; NaN where the sensor gives no value (0xFF).
 inline double temperature(std::uint8_t byte) noexcept {
   return byte == 0xFF ? std::nan("") : 0.5 * byte;
 }

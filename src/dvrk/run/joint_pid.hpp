@@ -10,7 +10,7 @@ namespace veridyn::dvrk {
 class JointPid {
  public:
   /// @param integral_limit  (n) [N m], [N] what the integral may ask for at most.
-  /// @throws InvalidInput  vectors of different sizes, or gains that are negative or no numbers.
+  /// @throws InvalidInput  vectors of different sizes, or gains that are negative or NaN.
   JointPid(const PidGains& gains, const VectorXd& integral_limit);
 
   /// All (n), stored vectors. @param dt  [s] since the call before.

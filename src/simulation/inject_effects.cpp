@@ -36,9 +36,9 @@ std::map<std::string, double> filled(const HiddenEffect& hidden, const Defaults&
 }
 
 // Puts one effect after the other into the description.
-class Planter {
+class Injector {
  public:
-  explicit Planter(const Model& arm)
+  explicit Injector(const Model& arm)
       : out_{arm,
              {},
              VectorXd::Ones(arm.joints()),
@@ -54,20 +54,20 @@ class Planter {
     }
   }
 
-  void plant(const HiddenEffect& hidden) {
+  void inject(const HiddenEffect& hidden) {
     const Cause cause =
         find_cause(out_.arm, {hidden.effect, hidden.place}, "effect '" + hidden.asked + "'");
-    std::visit([&](const auto& one) { plant(hidden, one); }, cause);
+    std::visit([&](const auto& one) { inject(hidden, one); }, cause);
   }
 
-  PlantedArm finish() && {
+  PerturbedArm finish() && {
     // Terms stand at the end of the model's effects, in the order in which they were asked for.
     size_t term = out_.arm.effects().size() - terms_.size();
     const Model sized = with_sensible_effects(out_.arm);
-    for (const size_t planted : terms_) {
-      require(was_given(term) || has_force(sized.effects()[term]), "effect '", asked_[planted],
+    for (const size_t injected : terms_) {
+      require(was_given(term) || has_force(sized.effects()[term]), "effect '", asked_[injected],
               "': found no sensible size for it on this arm, expected its parameters.");
-      out_.effects[planted].values = sized.effects()[term].values;
+      out_.effects[injected].values = sized.effects()[term].values;
       ++term;
     }
     out_.arm = sized;
@@ -90,7 +90,7 @@ class Planter {
   }
 
   // What the recordings of a joint get wrong acts on the signals; a base that leans, on the arm.
-  void plant(const HiddenEffect& hidden, const ChannelError& cause) {
+  void inject(const HiddenEffect& hidden, const ChannelError& cause) {
     const ChannelEffect& channel = *channel_effect(cause.effect);
     const JointIndex joint = cause.joint.value_or(JointIndex{});
     const bool slides = cause.joint && coordinate(joint).prismatic;
@@ -133,7 +133,7 @@ class Planter {
     recorded = before;
   }
 
-  void plant(const HiddenEffect& hidden, const ExternalContact& cause) {
+  void inject(const HiddenEffect& hidden, const ExternalContact& cause) {
     const double usual = 0.5 * effort_[cause.joint.value];
     auto v = filled(hidden, {{"from", 5.0}, {"to", 7.0}, {"effort", usual}});
     require(v["from"] < v["to"], "effect '", hidden.asked, "': found a contact from ", v["from"],
@@ -142,7 +142,7 @@ class Planter {
     add(hidden, cause.joint, std::move(v));
   }
 
-  void plant(const HiddenEffect& hidden, const AddedLoad& cause) {
+  void inject(const HiddenEffect& hidden, const AddedLoad& cause) {
     ModelDescription arm = out_.arm.description();
     const VectorXd phi = *out_.arm.inertial_values();
     const auto bodies = static_cast<Eigen::Index>(out_.arm.bodies().size());
@@ -166,7 +166,7 @@ class Planter {
     add(hidden, hidden.place, 0, std::move(v));
   }
 
-  void plant(const HiddenEffect& hidden, const KinematicError& cause) {
+  void inject(const HiddenEffect& hidden, const KinematicError& cause) {
     const auto constant = out_.arm.description().constants.find(cause.constant);
     const double size = constant->second != 0.0 ? 0.1 * constant->second : 0.05;
     auto v = filled(hidden, {{"change", size}});
@@ -177,16 +177,16 @@ class Planter {
   }
 
   // The text form of a cause has these only where a diagnosis wrote them.
-  void plant(const HiddenEffect& hidden, const AddedInertia& /*cause*/) {
+  void inject(const HiddenEffect& hidden, const AddedInertia& /*cause*/) {
     throw InvalidInput(text("effect '", hidden.asked, "': found '", hidden.effect,
                             "', which is a load without mass, expected '", AddedLoad::kName, "'."));
   }
 
-  void plant(const HiddenEffect& hidden, const ChangedEffect& cause) {
-    plant(hidden, NewEffect{cause.effect, cause.joint});
+  void inject(const HiddenEffect& hidden, const ChangedEffect& cause) {
+    inject(hidden, NewEffect{cause.effect, cause.joint});
   }
 
-  void plant(const HiddenEffect& hidden, const NewEffect& cause) {
+  void inject(const HiddenEffect& hidden, const NewEffect& cause) {
     const int joint = cause.joint.value;
     EffectTerm term;
     term.effect = hidden.effect;
@@ -256,7 +256,7 @@ class Planter {
     return "";
   }
 
-  PlantedArm out_;
+  PerturbedArm out_;
   VectorXd effort_;
   std::vector<std::string> asked_;
   std::vector<size_t> terms_;  // among effects, those that are terms of the model
@@ -264,10 +264,10 @@ class Planter {
 
 }  // namespace
 
-PlantedArm plant_effects(const Model& arm, const std::vector<HiddenEffect>& hidden) {
-  Planter planter(arm);
-  for (const HiddenEffect& one : hidden) planter.plant(one);
-  return std::move(planter).finish();
+PerturbedArm inject_effects(const Model& arm, const std::vector<HiddenEffect>& hidden) {
+  Injector injector(arm);
+  for (const HiddenEffect& one : hidden) injector.inject(one);
+  return std::move(injector).finish();
 }
 
 }  // namespace veridyn
