@@ -4,7 +4,7 @@
 #include "bindings.hpp"
 #include "model_handle.hpp"
 #include "options.hpp"
-#include "veridyn/identification/parameter_set.hpp"
+#include "veridyn/regressor/standard_parameters.hpp"
 #include "veridyn/kinematics/kinematics.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/fixed_coordinates.hpp"
@@ -145,7 +145,7 @@ Shapes below: n coordinates, b bodies, p standard parameters.)")
            "The same arm, with values that could be those of a real one where it has none.")
       .def("frame_pose",
            [](const Model& arm, const VectorXd& q, const std::string& frame) {
-             return frame_pose(arm, q, frame_of(arm, frame));
+             return frame_pose(arm, q, frame_of(arm, frame)).matrix();
            },
            py::arg("q"), py::arg("frame"), "(4, 4) pose of a frame in the world, for q (n).")
       .def("frame_jacobian",

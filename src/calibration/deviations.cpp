@@ -3,16 +3,16 @@
 #include <algorithm>
 #include <cmath>
 
-#include "veridyn/math/student_t.hpp"
+#include "math/student_t.hpp"
 
 namespace veridyn::internal {
 namespace {
 
-constexpr double kNormalMedian = 0.6744898;   // of |z|
-constexpr double kLengthMedian = 1.538172;    // of the length of a normal 3-vector
+constexpr double kNormalMedian = 0.6744898;   // median of |z|
+constexpr double kLengthMedian = 1.538172;    // median of the length of a normal 3-vector
 constexpr double kUncorrelated = 0.05;        // a correlation below this ends the sum
 constexpr std::size_t kLongestLag = 200;
-constexpr double kUpperTail = 1.6448536;      // of the normal distribution, 5 %
+constexpr double kUpperTail = 1.6448536;      // quantile of the normal distribution, 5 %
 
 double median(std::vector<double> values) {
   if (values.empty()) return 0.0;

@@ -8,7 +8,7 @@ namespace {
 
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-constexpr double kSingular = 1e-14;  // of the largest eigenvalue of the scaled matrix
+constexpr double kSingular = 1e-14;  // share of the largest eigenvalue of the scaled matrix
 
 // The inverse of a symmetric matrix, in the sense of Moore and Penrose after columns have norm one.
 MatrixXd scaled_inverse(const MatrixXd& H) {

@@ -15,7 +15,7 @@ namespace {
 using EntryKind = LinkEntry::Kind;
 using Kind = LinkParameter::Kind;
 
-constexpr double kStep = 1e-6;  // of the differences in a constant
+constexpr double kStep = 1e-6;  // step of the differences in a constant
 
 const char* entry_name(EntryKind kind) {
   static const char* const kNames[] = {"a", "alpha", "d",     "theta", "x",

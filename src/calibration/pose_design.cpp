@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "veridyn/kinematics/motion_limits.hpp"
+#include "kinematics/motion_limits.hpp"
 #include "link_selection.hpp"
 #include "math/random_numbers.hpp"
 #include "veridyn/math/require.hpp"
@@ -16,7 +16,7 @@ namespace {
 
 using namespace internal;  // NOLINT: the parts of this very calibration
 
-constexpr int kSweeps = 20;         // of exchanges at most
+constexpr int kSweeps = 20;         // sweeps of exchanges at most
 constexpr double kWorth = 1e-6;     // a smaller rise of the log determinant ends the exchange
 constexpr double kSmallest = 1e-9;  // share of the candidates' information that keeps N regular
 

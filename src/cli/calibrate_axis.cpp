@@ -2,8 +2,8 @@
 
 #include "calibrate_options.hpp"
 #include "veridyn/calibration/axes.hpp"
-#include "veridyn/report/calibration_json.hpp"
-#include "veridyn/report/calibration_page.hpp"
+#include "report/calibration_json.hpp"
+#include "report/calibration_page.hpp"
 
 namespace veridyn::cli {
 namespace {

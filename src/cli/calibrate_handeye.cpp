@@ -3,8 +3,8 @@
 #include "calibrate_options.hpp"
 #include "choice.hpp"
 #include "veridyn/calibration/hand_eye.hpp"
-#include "veridyn/report/calibration_json.hpp"
-#include "veridyn/report/calibration_page.hpp"
+#include "report/calibration_json.hpp"
+#include "report/calibration_page.hpp"
 
 namespace veridyn::cli {
 namespace {

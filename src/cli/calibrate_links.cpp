@@ -9,8 +9,8 @@
 #include "veridyn/calibration/links.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/model_file.hpp"
-#include "veridyn/report/calibration_json.hpp"
-#include "veridyn/report/calibration_page.hpp"
+#include "report/calibration_json.hpp"
+#include "report/calibration_page.hpp"
 
 namespace veridyn::cli {
 namespace {

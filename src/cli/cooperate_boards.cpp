@@ -9,9 +9,9 @@
 #include "math/output_file.hpp"
 #include "messages.hpp"
 #include "option_checks.hpp"
-#include "veridyn/dvrk/arm_facts.hpp"
-#include "veridyn/dvrk/board_cooperation.hpp"
-#include "veridyn/report/cooperation_json.hpp"
+#include "dvrk/arms/arm_facts.hpp"
+#include "dvrk/cooperation/board_cooperation.hpp"
+#include "report/cooperation_json.hpp"
 
 namespace veridyn::cli {
 namespace {

@@ -11,14 +11,14 @@
 #include "veridyn/cooperation/scenario_sweep.hpp"
 #include "math/output_file.hpp"
 #include "model/suggestion.hpp"
-#include "veridyn/report/cooperation_json.hpp"
+#include "report/cooperation_json.hpp"
 #include "veridyn/simulation/engine.hpp"
 
 namespace veridyn::cli {
 namespace {
 
 struct CooperateRequest {
-  const CLI::App* command = nullptr;  // where the options were given
+  const CLI::App* command = nullptr;  // the command whose options were given
   std::string scenario, output;
   std::string engine = "veridyn";
   bool sweep = false;

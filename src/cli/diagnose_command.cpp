@@ -9,7 +9,7 @@
 #include "option_checks.hpp"
 #include "recording_options.hpp"
 #include "veridyn/diagnosis/diagnosis.hpp"
-#include "veridyn/effects/plain_friction.hpp"
+#include "effects/plain_friction.hpp"
 #include "math/output_file.hpp"
 #include "model/effect_names.hpp"
 #include "veridyn/model/model_file.hpp"

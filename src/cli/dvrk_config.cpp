@@ -6,7 +6,7 @@
 #include "dvrk_request.hpp"
 #include "math/output_file.hpp"
 #include "option_checks.hpp"
-#include "veridyn/dvrk/arm_facts.hpp"
+#include "dvrk/arms/arm_facts.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn::cli {

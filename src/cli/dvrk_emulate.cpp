@@ -13,10 +13,10 @@
 #include "math/output_file.hpp"
 #include "messages.hpp"
 #include "option_checks.hpp"
-#include "veridyn/dvrk/board_server.hpp"
-#include "veridyn/dvrk/real_time.hpp"
-#include "veridyn/dvrk/run_json.hpp"
-#include "veridyn/dvrk/simulated_arm.hpp"
+#include "dvrk/emulator/board_server.hpp"
+#include "dvrk/run/real_time.hpp"
+#include "dvrk/run/run_json.hpp"
+#include "dvrk/emulator/simulated_arm.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/model_file.hpp"
 #include "veridyn/simulation/plant.hpp"
@@ -28,7 +28,7 @@ using dvrk::BoardEmulator;
 
 constexpr double kPotNoise = 3.0;      // [bits], standard deviation: 0.2 mV
 constexpr double kCurrentNoise = 4.0;  // [bits]: 0.8 mA
-constexpr double kStopsBeyond = 0.02;  // of a joint's range: end stops behind its limits
+constexpr double kStopsBeyond = 0.02;  // share of a joint's range: end stops behind its limits
 
 /// An arm that is emulated: its part of a configuration, and what moves behind it.
 struct EmulatedArm {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "veridyn/dvrk/analog.hpp"
+#include "dvrk/protocol/analog.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn::cli {

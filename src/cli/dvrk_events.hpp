@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "veridyn/dvrk/board_emulator.hpp"
+#include "dvrk/emulator/board_emulator.hpp"
 
 namespace veridyn::cli {
 

@@ -6,9 +6,9 @@
 #include "dvrk_request.hpp"
 #include "math/output_file.hpp"
 #include "messages.hpp"
-#include "veridyn/dvrk/real_time.hpp"
-#include "veridyn/dvrk/run_json.hpp"
-#include "veridyn/dvrk/udp_link.hpp"
+#include "dvrk/run/real_time.hpp"
+#include "dvrk/run/run_json.hpp"
+#include "dvrk/protocol/udp_link.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn::cli {

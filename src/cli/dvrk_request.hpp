@@ -7,9 +7,9 @@
 
 #include "commands.hpp"
 #include "common_options.hpp"
-#include "veridyn/dvrk/arm_run.hpp"
-#include "veridyn/dvrk/arm_session.hpp"
-#include "veridyn/dvrk/io_config.hpp"
+#include "dvrk/run/arm_run.hpp"
+#include "dvrk/run/arm_session.hpp"
+#include "dvrk/config/io_config.hpp"
 
 namespace veridyn::cli {
 

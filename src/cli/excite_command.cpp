@@ -28,7 +28,7 @@ namespace veridyn::cli {
 namespace {
 
 struct ExciteRequest {
-  const CLI::App* command = nullptr;  // where the options were given
+  const CLI::App* command = nullptr;  // the command whose options were given
   std::string robot;
   std::string output;
   std::string coefficients;
@@ -132,7 +132,17 @@ std::string why_not(const Excitation& found) {
               "; nothing is written.");
 }
 
+// A solver of earlier versions: the interior point searches in its place.
+void remark_former_solver(const ExciteRequest& request) {
+  if (request.common.quiet || request.command->count("--solver") == 0) return;
+  const std::string word = request.command->get_option("--solver")->results().back();
+  if (word != name_of(request.options.solver))
+    say(text("--solver ", word, " is gone: ", name_of(request.options.solver),
+             " searches in its place, see docs/excitation.md."));
+}
+
 ExitStatus run(const ExciteRequest& request, const std::string& command_line) {
+  remark_former_solver(request);
   for (const std::string* path :
        {&request.common.json, &request.common.report, &request.coefficients})
     require_writable(*path);
@@ -230,9 +240,10 @@ void add_search_options(CLI::App& command, ExcitationOptions& o) {
       ->check(CLI::Range(0.0, 0.99))
       ->group(group);
   add_choice(command, "--solver", o.solver,
-             {ExcitationSolver::kInteriorPoint, ExcitationSolver::kIpopt, ExcitationSolver::kNlopt,
-              ExcitationSolver::kDerivativeFree, ExcitationSolver::kRandom},
-             "Who searches")
+             {ExcitationSolver::kInteriorPoint, ExcitationSolver::kRandom}, "Who searches",
+             {{"ipopt", ExcitationSolver::kInteriorPoint},
+              {"nlopt", ExcitationSolver::kInteriorPoint},
+              {"nlopt-derivative-free", ExcitationSolver::kInteriorPoint}})
       ->group(group);
   command.add_option("--starts", o.starts, "Independent searches (2)")
       ->option_text("N")

@@ -7,7 +7,7 @@
 #include "option_checks.hpp"
 #include "veridyn/calibration/pose_design.hpp"
 #include "veridyn/model/model_file.hpp"
-#include "veridyn/report/calibration_json.hpp"
+#include "report/calibration_json.hpp"
 
 namespace veridyn::cli {
 namespace {

@@ -7,8 +7,8 @@
 #include <iostream>
 
 #include "option_checks.hpp"
-#include "veridyn/dvrk/effort_scales.hpp"
-#include "veridyn/dvrk/gravity_chain.hpp"
+#include "dvrk/arms/effort_scales.hpp"
+#include "dvrk/arms/gravity_chain.hpp"
 #include "math/output_file.hpp"
 #include "veridyn/math/require.hpp"
 #include "model/suggestion.hpp"

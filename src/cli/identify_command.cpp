@@ -12,7 +12,7 @@
 #include "math/output_file.hpp"
 #include "ranks.hpp"
 #include "recording_options.hpp"
-#include "veridyn/effects/plain_friction.hpp"
+#include "effects/plain_friction.hpp"
 #include "veridyn/identification/factor_set.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/model_file.hpp"
@@ -24,7 +24,7 @@ namespace veridyn::cli {
 namespace {
 
 struct IdentifyRequest {
-  const CLI::App* command = nullptr;  // where the options were given
+  const CLI::App* command = nullptr;  // the command whose options were given
   std::string robot;
   std::vector<std::string> train, test, factors;
   std::string factor_out;

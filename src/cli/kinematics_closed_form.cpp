@@ -5,8 +5,8 @@
 #include <utility>
 
 #include "option_checks.hpp"
-#include "veridyn/dvrk/arm_facts.hpp"
-#include "veridyn/dvrk/arm_kinematics.hpp"
+#include "dvrk/arms/arm_facts.hpp"
+#include "dvrk/arms/arm_kinematics.hpp"
 #include "veridyn/model/model_file.hpp"
 
 namespace veridyn::cli {

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "veridyn/control/kinematics_table.hpp"
+#include "control/kinematics_table.hpp"
 #include "veridyn/model/model.hpp"
 
 namespace veridyn::cli {

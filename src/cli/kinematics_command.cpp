@@ -9,11 +9,11 @@
 #include "kinematics_closed_form.hpp"
 #include "messages.hpp"
 #include "option_checks.hpp"
-#include "veridyn/control/kinematics_table.hpp"
+#include "control/kinematics_table.hpp"
 #include "math/output_file.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/model_file.hpp"
-#include "veridyn/report/kinematics_json.hpp"
+#include "report/kinematics_json.hpp"
 
 namespace veridyn::cli {
 namespace {

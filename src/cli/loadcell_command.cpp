@@ -14,7 +14,7 @@
 #include "option_checks.hpp"
 #include "veridyn/control/load_cell.hpp"
 #include "veridyn/math/require.hpp"
-#include "veridyn/report/loadcell_json.hpp"
+#include "report/loadcell_json.hpp"
 
 namespace veridyn::cli {
 namespace {

@@ -75,7 +75,7 @@ ExitStatus run(const SimulateRequest& request, const std::string& command_line) 
   if (!request.replay.empty() || request.controller == "pid") arm = movable_arm(request, arm);
   if (!request.breakaway.empty()) return run_breakaway(request, arm, command_line);
   if (!request.replay.empty()) return run_replay(request, arm, command_line);
-  value_of("--effect", [&] { plant_effects(arm, options.hidden); });
+  value_of("--effect", [&] { inject_effects(arm, options.hidden); });
   MotionSamples wanted = wanted_motion(arm, request.trajectory);
   require(wanted.q.cols() == arm.joints(), request.trajectory, ": found ", wanted.q.cols(),
           " joints, expected the ", arm.joints(), " of ", arm.name(), ".");

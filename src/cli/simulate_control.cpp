@@ -13,7 +13,7 @@
 #include "veridyn/model/model_file.hpp"
 #include "model/suggestion.hpp"
 #include "veridyn/report/motion_json.hpp"
-#include "veridyn/report/simulation_page.hpp"
+#include "report/simulation_page.hpp"
 
 namespace veridyn::cli {
 namespace {
@@ -176,10 +176,10 @@ std::string simulation_report(const SimulateRequest& request, const SimulatedRec
   std::string out =
       fmt::format("Simulated {}: {} rows, {:.4g} s, noise {}.\n", simulated.truth.name(), m.rows(),
                   m.time[m.rows() - 1] - m.time[0], request.noise);
-  for (const PlantedEffect& planted : simulated.planted) {
-    out += fmt::format("Hidden: {} on {}", planted.effect, planted.place);
-    if (planted.joint > 0) out += fmt::format(" (joint {})", planted.joint);
-    for (const auto& [key, value] : planted.values) out += fmt::format(", {} {:.5g}", key, value);
+  for (const InjectedEffect& injected : simulated.injected) {
+    out += fmt::format("Hidden: {} on {}", injected.effect, injected.place);
+    if (injected.joint > 0) out += fmt::format(" (joint {})", injected.joint);
+    for (const auto& [key, value] : injected.values) out += fmt::format(", {} {:.5g}", key, value);
     out += ".\n";
   }
   return out;

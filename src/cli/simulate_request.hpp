@@ -12,7 +12,7 @@ namespace veridyn::cli {
 
 /// What `veridyn simulate` was asked.
 struct SimulateRequest {
-  const CLI::App* command = nullptr;  // where the options were given
+  const CLI::App* command = nullptr;  // the command whose options were given
   std::string robot;
   std::string trajectory;
   std::string replay;

@@ -8,7 +8,7 @@
 #include "option_checks.hpp"
 #include "veridyn/cooperation/stability.hpp"
 #include "math/output_file.hpp"
-#include "veridyn/report/stability_json.hpp"
+#include "report/stability_json.hpp"
 
 namespace veridyn::cli {
 namespace {

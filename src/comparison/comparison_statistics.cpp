@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "veridyn/math/student_t.hpp"
+#include "math/student_t.hpp"
 
 namespace veridyn {
 namespace {

@@ -10,7 +10,7 @@
 namespace veridyn {
 namespace {
 
-constexpr double kWeightShare = 0.05;  // of a column's rms that weight must make to be spoken of
+constexpr double kWeightShare = 0.05;  // share of a column's rms that weight must make to be spoken of
 
 std::string verb(const ModelDifference& d) {
   const bool sign_kept = d.before * d.after > 0.0;

@@ -15,7 +15,7 @@ namespace veridyn {
 namespace {
 
 constexpr double kFromValues = 1e-6;  // how well a file's base parameters follow from its values
-constexpr double kSameMotion = 0.2;   // of the spread over clusters, that two motions may differ by
+constexpr double kSameMotion = 0.2;   // share of the spread over clusters, that two motions may differ by
 constexpr double kInSpan = 1e-5;      // part of a combination that may be left over
 
 VectorXd values_of(const Model& arm, const std::vector<StandardParameter>& parameters) {

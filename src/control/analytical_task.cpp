@@ -9,7 +9,7 @@
 namespace veridyn {
 namespace {
 
-constexpr double kLeastCosine = 0.05;  // of pitch: 3 degrees from where T has no inverse
+constexpr double kLeastCosine = 0.05;  // share of pitch: 3 degrees from where T has no inverse
 
 // T^-1, damped where cos(pitch) is small.
 Eigen::Matrix3d omega_to_angle_rates(const Eigen::Vector3d& angles) {

@@ -27,7 +27,7 @@ void check(const CooperativeOptions& o, std::size_t tips) {
   const auto arms = static_cast<int>(o.R_world_arm.size());
   require(arms >= 1 && o.R_world_arm.size() == tips, "cooperative controller: found ", tips,
           " tips and ", arms, " bases, expected one of each for at least one arm.");
-  require(o.master >= 0 && o.master < arms, "cooperative controller: found the master ", o.master,
+  require(o.leader >= 0 && o.leader < arms, "cooperative controller: found the leader ", o.leader,
           ", expected one of ", arms, " arms from 0.");
   for (const CooperativeMember& m : o.members) {
     require(m.from >= 0 && m.from < arms && m.to >= 0 && m.to < arms && m.from != m.to,
@@ -129,19 +129,19 @@ void CooperativeController::restart(const std::vector<Vector3d>& tips) noexcept 
 bool CooperativeController::move(const Vector3d& way, double duration) noexcept {
   if (!commands_allowed()) return false;
   scratch3_ =
-      centre_.goal() + options_.R_world_arm[static_cast<size_t>(options_.master)].lazyProduct(way);
+      centre_.goal() + options_.R_world_arm[static_cast<size_t>(options_.leader)].lazyProduct(way);
   return centre_.move_to(scratch3_, duration);
 }
 
 bool CooperativeController::turn(const Vector3d& euler, double duration) noexcept {
   if (!commands_allowed() || !angle_.arrived() || !euler.allFinite() || !(duration > 0.0))
     return false;
-  const Eigen::Matrix3d& R_master = options_.R_world_arm[static_cast<size_t>(options_.master)];
+  const Eigen::Matrix3d& R_leader = options_.R_world_arm[static_cast<size_t>(options_.leader)];
   const Eigen::AngleAxisd whole(Eigen::AngleAxisd(euler.z(), Vector3d::UnitZ()) *
                                 Eigen::AngleAxisd(euler.y(), Vector3d::UnitY()) *
                                 Eigen::AngleAxisd(euler.x(), Vector3d::UnitX()));
   R_start_ = Eigen::AngleAxisd(angle_.x()[0], axis_).toRotationMatrix() * R_start_;
-  axis_ = R_master * whole.axis();
+  axis_ = R_leader * whole.axis();
   scratch1_.setZero();
   angle_.reset(scratch1_);
   scratch1_[0] = whole.angle();
@@ -151,7 +151,7 @@ bool CooperativeController::turn(const Vector3d& euler, double duration) noexcep
 bool CooperativeController::tighten(double by, double duration) noexcept {
   if (!commands_allowed() || !std::isfinite(by) || !(duration > 0.0)) return false;
   for (size_t i = 0; i < grips_.size(); ++i) {
-    if (static_cast<int>(i) == options_.master) continue;
+    if (static_cast<int>(i) == options_.leader) continue;
     const Vector3d out = direction(grips_[i].goal());
     scratch3_ = grips_[i].goal() + by * out;
     if (!grips_[i].move_to(scratch3_, duration)) return false;
@@ -230,8 +230,8 @@ void CooperativeController::correct(const CooperativeInput& input) noexcept {
     const double rate = u.dot(input.velocity[to] - input.velocity[from]) - planned;
     const double x_f = active ? trackers_[k].update(wanted, input.force[k], rate, options_.period)
                               : trackers_[k].hold(wanted, rate);
-    const bool from_gives = m.from != options_.master;
-    const bool to_gives = m.to != options_.master;
+    const bool from_gives = m.from != options_.leader;
+    const bool to_gives = m.to != options_.leader;
     const double share = from_gives && to_gives ? m.share : 1.0;
     if (from_gives) targets_[from].position -= share * x_f * u;
     if (to_gives) targets_[to].position += share * x_f * u;
@@ -308,7 +308,7 @@ CooperativeState CooperativeController::judge(const CooperativeInput& input) noe
 }
 
 // While all is held: ends that still follow give way along members whose force is beyond the
-// bound, the master's too. Readings of failed sensors move nothing.
+// bound, the leader's too. Readings of failed sensors move nothing.
 void CooperativeController::relieve(const CooperativeInput& input) noexcept {
   if (state_ == CooperativeState::kSensorStale || state_ == CooperativeState::kSensorStuck) return;
   for (size_t k = 0; k < trackers_.size(); ++k) {

@@ -15,18 +15,18 @@ constexpr double kReachForce = 20.0;    // [N] within reach
 
 }  // namespace
 
-ForceLaw tuned_force_law(double member_stiffness, double slave_stiffness, double slave_damping) {
-  require(member_stiffness > 0.0 && slave_stiffness > 0.0 && slave_damping >= 0.0,
-          "tuned force law: found stiffnesses of ", member_stiffness, " and ", slave_stiffness,
+ForceLaw tuned_force_law(double member_stiffness, double follower_stiffness, double follower_damping) {
+  require(member_stiffness > 0.0 && follower_stiffness > 0.0 && follower_damping >= 0.0,
+          "tuned force law: found stiffnesses of ", member_stiffness, " and ", follower_stiffness,
           " N/m, expected numbers above zero.");
   const double damping = std::min(kMostDamping, 2.0 * std::sqrt(kCarried * member_stiffness));
   ForceLaw law;
   law.stiffness = member_stiffness;
-  law.gain = kCrossover / slave_stiffness;
-  law.proportional = law.gain * (damping + slave_damping) / member_stiffness;
-  law.damping = damping / slave_stiffness;
-  law.feed_forward = 1.0 / slave_stiffness;
-  law.reach = kReachForce * (1.0 / slave_stiffness + 1.0 / member_stiffness);
+  law.gain = kCrossover / follower_stiffness;
+  law.proportional = law.gain * (damping + follower_damping) / member_stiffness;
+  law.damping = damping / follower_stiffness;
+  law.feed_forward = 1.0 / follower_stiffness;
+  law.reach = kReachForce * (1.0 / follower_stiffness + 1.0 / member_stiffness);
   return law;
 }
 

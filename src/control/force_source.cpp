@@ -17,7 +17,7 @@
 namespace veridyn {
 namespace {
 
-constexpr int kMostReads = 64;  // of one poll: bounded in time
+constexpr int kMostReads = 64;  // reads of one poll: bounded in time
 
 std::vector<std::string> parts_of(const std::string& name) {
   std::vector<std::string> parts(1);

@@ -10,7 +10,7 @@
 namespace veridyn {
 namespace {
 
-constexpr double kFadesBelow = 0.1;  // of the store
+constexpr double kFadesBelow = 0.1;  // share of the energy tank
 constexpr double kFar = 1e3;         // [rad], [m]: every memory is sheared after this way
 
 double pick(const Deadband& deadband, bool prismatic) {
@@ -28,9 +28,9 @@ double weighted(const BoundEffect& term, const EffectColumns& row) {
 
 FrictionCompensation::FrictionCompensation(const Model& arm, const FrictionOptions& options)
     : options_(options), tau_(VectorXd::Zero(arm.joints())) {
-  for (const Deadband* d : {&options.velocity, &options.position, &options.reserve})
+  for (const Deadband* d : {&options.velocity, &options.position, &options.tank_capacity})
     require(d->revolute > 0.0 && d->prismatic > 0.0,
-            "FrictionCompensation: found a deadband or reserve that is not above zero.");
+            "FrictionCompensation: found a deadband or tank capacity that is not above zero.");
   require(options.share >= 0.0 && options.share <= 2.0, "FrictionCompensation: found a share of ",
           options.share, ", expected one between 0 and 2.");
   for (const EffectTerm& term : arm.effects()) {
@@ -51,7 +51,7 @@ FrictionCompensation::FrictionCompensation(const Model& arm, const FrictionOptio
     axis.prismatic = is_prismatic(arm, term.axis);
     axis.velocity_deadband = pick(options.velocity, axis.prismatic);
     axis.position_deadband = pick(options.position, axis.prismatic);
-    axis.reserve = pick(options.reserve, axis.prismatic);
+    axis.tank_capacity = pick(options.tank_capacity, axis.prismatic);
     axis.terms.push_back(std::move(bound));
     axes_.push_back(std::move(axis));
   }
@@ -95,13 +95,13 @@ double FrictionCompensation::sliding(int k, double direction, double speed) cons
   return sliding(axes_[static_cast<size_t>(k)], direction, speed);
 }
 
-double FrictionCompensation::store(const Axis& axis) noexcept {
-  const bool supervised = std::isfinite(axis.reserve) && axis.largest > 0.0;
+double FrictionCompensation::tank_level(const Axis& axis) noexcept {
+  const bool supervised = std::isfinite(axis.tank_capacity) && axis.largest > 0.0;
   return supervised ? axis.energy / axis.largest : 1.0;
 }
 
-double FrictionCompensation::store(int k) const noexcept {
-  return store(axes_[static_cast<size_t>(k)]);
+double FrictionCompensation::tank_level(int k) const noexcept {
+  return tank_level(axes_[static_cast<size_t>(k)]);
 }
 
 double FrictionCompensation::by_velocity(const Axis& axis, double v, double v_wanted,
@@ -148,8 +148,8 @@ void FrictionCompensation::supervise(Axis& axis, double v_wanted, double dt) con
   const double level =
       options_.share * axis.scale *
       std::max(std::abs(sliding(axis, 1.0, 0.0)), std::abs(sliding(axis, -1.0, 0.0)));
-  axis.largest = level * axis.reserve;
-  if (!std::isfinite(axis.reserve)) return;
+  axis.largest = level * axis.tank_capacity;
+  if (!std::isfinite(axis.tank_capacity)) return;
   if (axis.first) {
     axis.energy = axis.largest;
     return;
@@ -157,7 +157,7 @@ void FrictionCompensation::supervise(Axis& axis, double v_wanted, double dt) con
   const double wanted = options_.share * axis.scale *
                         std::abs(sliding(axis, v_wanted < 0.0 ? -1.0 : 1.0, v_wanted) * v_wanted);
   axis.energy += wanted * dt - axis.force * (axis.s - axis.before);
-  // A time that is no number leaves nothing to give away.
+  // Where the time is NaN the tank counts as empty.
   axis.energy = std::isnan(axis.energy) ? 0.0 : std::clamp(axis.energy, 0.0, axis.largest);
 }
 
@@ -176,7 +176,7 @@ const VectorXd& FrictionCompensation::update(const ArmState& arm, const VectorXd
     const double e = axis.c.dot(error);
     supervise(axis, v_wanted, dt);
     const double force = whole(axis, v, v_wanted, e);
-    axis.force = options_.share * axis.scale * std::min(1.0, store(axis) / kFadesBelow) * force;
+    axis.force = options_.share * axis.scale * std::min(1.0, tank_level(axis) / kFadesBelow) * force;
     axis.before = axis.s;
     axis.first = false;
     tau_ += axis.force * axis.c;

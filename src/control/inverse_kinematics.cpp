@@ -92,7 +92,7 @@ ReachStatus InverseKinematics::solve(const Eigen::Vector3d& position, const Eige
     for (int k = 0; k < kMostHalvings && !better; ++k, share *= 0.5) {
       trial_ = (q + share * move_).cwiseMax(lower_).cwiseMin(upper_);
       const double tried = measure(position, R, trial_, e);
-      better = tried < error;  // false for a target that is not a number
+      better = tried < error;  // false for a target that is NaN
       if (better) error = tried;
     }
     if (!better) break;

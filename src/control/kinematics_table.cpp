@@ -1,4 +1,4 @@
-#include "veridyn/control/kinematics_table.hpp"
+#include "control/kinematics_table.hpp"
 
 #include <fmt/format.h>
 
@@ -9,7 +9,7 @@
 
 #include "veridyn/control/inverse_kinematics.hpp"
 #include "veridyn/kinematics/kinematics.hpp"
-#include "veridyn/kinematics/motion_limits.hpp"
+#include "kinematics/motion_limits.hpp"
 #include "math/output_file.hpp"
 #include "veridyn/math/require.hpp"
 #include "model/suggestion.hpp"
@@ -17,7 +17,7 @@
 namespace veridyn {
 namespace {
 
-constexpr double kSingular = 1e-9;  // of the largest singular value
+constexpr double kSingular = 1e-9;  // share of the largest singular value
 
 Conditioning conditioning(const MatrixXd& J) {
   const MatrixXd square = J.rows() <= J.cols() ? MatrixXd(J * J.transpose())
@@ -164,7 +164,7 @@ KinematicTable sample_workspace(const Model& arm, const std::string& frame, int 
 ArmDrawing arm_drawing(const Model& arm, const VectorXd& q) {
   ArmDrawing out;
   for (std::size_t k = 0; k < arm.frames().size(); ++k) {
-    const Eigen::Matrix4d T = frame_pose(arm, q, static_cast<int>(k));
+    const Eigen::Matrix4d T = frame_pose(arm, q, static_cast<int>(k)).matrix();
     out.points.push_back(T.topRightCorner<3, 1>());
     out.parents.push_back(arm.frames()[k].parent);
   }

@@ -5,7 +5,7 @@
 #include <iterator>
 #include <map>
 
-#include "veridyn/math/student_t.hpp"
+#include "math/student_t.hpp"
 #include "model/yaml/yaml_node.hpp"
 #include "veridyn/control/load_cell.hpp"
 #include "veridyn/math/require.hpp"

@@ -16,7 +16,7 @@ FrictionOptions whole_friction() {
   FrictionOptions options;
   options.rule = FrictionRule::kMeasured;
   options.share = 1.0;
-  options.reserve.revolute = options.reserve.prismatic = std::numeric_limits<double>::infinity();
+  options.tank_capacity.revolute = options.tank_capacity.prismatic = std::numeric_limits<double>::infinity();
   return options;
 }
 

@@ -1,4 +1,4 @@
-#include "veridyn/control/moving_average.hpp"
+#include "control/moving_average.hpp"
 
 #include <algorithm>
 #include <cassert>

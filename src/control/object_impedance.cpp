@@ -11,8 +11,8 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-constexpr double kSingular = 1e-6;  // of the grasps' mean distance squared
-constexpr int kSteps = 3;           // of Gauss and Newton in a cycle
+constexpr double kSingular = 1e-6;  // share of the grasps' mean distance squared
+constexpr int kSteps = 3;           // steps of Gauss and Newton in a cycle
 
 Matrix3d cross_matrix(const Vector3d& a) {
   Matrix3d m;

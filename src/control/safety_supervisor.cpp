@@ -4,15 +4,15 @@
 #include <cassert>
 #include <cmath>
 
-#include "veridyn/control/position_limit.hpp"
+#include "control/position_limit.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn {
 namespace {
 
 constexpr double kHoldStiffness = 100.0;  // [1/s^2] around the place where it stopped
-constexpr double kStillShare = 1e-3;      // of the velocity limit: it has stopped
-constexpr double kBlindBraking = 0.8;     // of the momentum: friction takes the rest
+constexpr double kStillShare = 1e-3;      // share of the velocity limit: it has stopped
+constexpr double kBlindBraking = 0.8;     // share of the momentum: friction takes the rest
 constexpr double kJumpShare = 5.0;        // times the way of a cycle at the velocity limit
 
 int first_not_finite(const VectorXd& v) {
@@ -142,7 +142,7 @@ SafetySupervisor::Finding SafetySupervisor::check_motion(const ArmState& arm,
       return {SafetyFault::kPosition, joint};
     const double share = state_ == SafetyState::kHoming ? limits_.homing_share : 1.0;
     if (std::abs(arm.dq()[i]) > share * limits_.velocity[i]) return {SafetyFault::kVelocity, joint};
-    // A wanted position that is not a number is not compared.
+    // A wanted position that is NaN is not compared.
     if (std::abs(input.q_wanted[i] - arm.q()[i]) > limits_.tracking[i])
       return {SafetyFault::kTracking, joint};
   }

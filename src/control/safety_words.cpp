@@ -25,13 +25,13 @@ const char* describe(SafetyFault fault) noexcept {
     case SafetyFault::kNone:
       return "none";
     case SafetyFault::kNotFinite:
-      return "a measurement that is not a number";
+      return "a measurement that is NaN or infinite";
     case SafetyFault::kSensorAge:
       return "positions that are too old";
     case SafetyFault::kEncoderJump:
       return "a position that jumped";
     case SafetyFault::kController:
-      return "a torque that is not a number";
+      return "a torque that is NaN or infinite";
     case SafetyFault::kOverrun:
       return "a cycle that took too long";
     case SafetyFault::kPosition:

@@ -5,7 +5,7 @@
 #include <cassert>
 #include <cmath>
 
-#include "veridyn/kinematics/motion_limits.hpp"
+#include "kinematics/motion_limits.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn {

@@ -37,7 +37,7 @@ CooperativeOptions cooperative_options(const Scenario& scenario,
   const ScenarioControl& c = scenario.control;
   CooperativeOptions o;
   o.R_world_arm = R_world_arm;
-  o.master = scenario.master;
+  o.leader = scenario.master;
   for (const ScenarioMember& m : scenario.members)
     o.members.push_back({m.from, m.to, m.law, member_share(scenario, m)});
   o.period = 1.0 / c.rate;

@@ -165,7 +165,7 @@ Scenario read(const YamlNode& root, const std::string& path) {
   const auto version = root.find("veridyn");
   if (!version || version->number() != 1.0) root.fail("no 'veridyn: 1'", "it at the top");
   root.allow_keys({"veridyn", "scenario", "source", "seed", "model_error", "encoder", "arms",
-                   "master", "members", "walls", "bodies", "control", "phases", "faults", "sweep",
+                   "leader", "master", "members", "walls", "bodies", "control", "phases", "faults", "sweep",
                    "ask", "base_pose_error"});
   Scenario s;
   s.name = root.at("scenario").word("the scenario's name");
@@ -185,7 +185,9 @@ Scenario read(const YamlNode& root, const std::string& path) {
   }
   if (s.arms.empty() || s.arms.size() > 8)
     root.at("arms").fail(root.at("arms").found(), "1 to 8 arms");
-  if (const auto master = root.find("master")) s.master = arms.index(*master);
+  for (const char* key : {"master", "leader"}) {  // "master" is the word of earlier versions
+    if (const auto leader = root.find(key)) s.master = arms.index(*leader);
+  }
   if (const auto error = root.find("base_pose_error")) draw_base_errors(*error, s);
   Names members{"member", {}};
   if (const auto list = root.find("members")) {

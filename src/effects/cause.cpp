@@ -9,7 +9,7 @@
 namespace veridyn {
 namespace {
 
-constexpr size_t kDigits = 3;  // of a joint's number
+constexpr size_t kDigits = 3;  // number of digits of a joint's number
 
 template <typename... Visitors>
 struct Overloaded : Visitors... {

@@ -5,7 +5,7 @@
 
 #include "sliding_direction.hpp"
 #include "veridyn/effects/effect.hpp"
-#include "veridyn/effects/written_in_c.hpp"
+#include "effects/written_in_c.hpp"
 
 namespace veridyn {
 

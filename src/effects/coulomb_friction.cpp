@@ -3,7 +3,7 @@
 #include "phrase.hpp"
 #include "registry.hpp"
 #include "sliding_direction.hpp"
-#include "veridyn/effects/written_in_c.hpp"
+#include "effects/written_in_c.hpp"
 
 namespace veridyn {
 namespace {

@@ -3,7 +3,7 @@
 #include "contact_memory.hpp"
 #include "phrase.hpp"
 #include "registry.hpp"
-#include "veridyn/effects/written_in_c.hpp"
+#include "effects/written_in_c.hpp"
 
 namespace veridyn {
 namespace {

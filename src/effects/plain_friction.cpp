@@ -1,4 +1,4 @@
-#include "veridyn/effects/plain_friction.hpp"
+#include "effects/plain_friction.hpp"
 
 #include <algorithm>
 

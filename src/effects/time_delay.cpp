@@ -3,7 +3,8 @@
 #include <cmath>
 
 #include "registry.hpp"
-#include "veridyn/math/zero_phase_filter.hpp"
+#include "torque_channel.hpp"
+#include "math/zero_phase_filter.hpp"
 
 namespace veridyn {
 namespace {
@@ -11,22 +12,13 @@ namespace {
 /// recorded(t) = true(t - seconds), of one joint's torque: a filter or a slow channel.
 ///
 ///   d tau / d seconds = - d tau / dt
-class TimeDelay final : public ChannelEffect {
+class TimeDelay final : public TorqueChannel {
  public:
   std::string name() const override { return "time_delay"; }
   std::vector<EffectParameter> parameters() const override {
     constexpr double kLargest = 0.02;  // [s] beyond it the derivative is no longer the delay
     return {{"seconds", "s", "s", ParameterSign::kAny, kLargest, kLargest}};
   }
-  EffectTraits traits(const ShapeValues& /*shape*/) const override {
-    EffectTraits t;
-    t.role = EffectRole::kChannel;
-    t.stage = DiagnosisStage::kChannel;
-    t.lasting = true;
-    return t;
-  }
-  bool can_be_common() const override { return true; }
-  bool acts_on(int i, int joint) const override { return joint == kAllJoints || i == joint; }
   std::vector<MatrixXd> columns(const ChannelMotion& motion, int joint) const override {
     MatrixXd out = MatrixXd::Zero(motion.effort.rows(), motion.effort.cols());
     for (Eigen::Index i = 0; i < out.cols(); ++i) {
@@ -34,11 +26,6 @@ class TimeDelay final : public ChannelEffect {
         out.col(i) = -differentiate(motion.effort.col(i), motion.dt);
     }
     return {out};
-  }
-  void apply(ModelDescription& arm, int joint, const std::vector<double>& values) const override {
-    for (size_t i = 0; i < arm.coordinates.size(); ++i) {
-      if (acts_on(static_cast<int>(i), joint)) arm.coordinates[i].recorded.torque_delay += values[0];
-    }
   }
   std::vector<InjectedValue> injected(JointType /*type*/) const override {
     return {{"seconds", 0.004, 0.0, true}};
@@ -48,6 +35,9 @@ class TimeDelay final : public ChannelEffect {
     return fmt::format("a recorded torque that comes {:.2g} ms too {}", 1e3 * std::abs(values[0]),
                        values[0] > 0.0 ? "late" : "early");
   }
+
+ private:
+  void change(RecordedChannel& recorded, double value) const override { recorded.torque_delay += value; }
 };
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "registry.hpp"
+#include "torque_channel.hpp"
 
 namespace veridyn {
 namespace {
@@ -11,22 +12,13 @@ namespace {
 /// amplifier scale.
 ///
 ///   d tau / d error = tau
-class TorqueGain final : public ChannelEffect {
+class TorqueGain final : public TorqueChannel {
  public:
   std::string name() const override { return "torque_gain"; }
   std::vector<EffectParameter> parameters() const override {
     constexpr double kLargest = 0.6;  // nobody overlooks more
     return {{"error", "1", "1", ParameterSign::kAny, kLargest, kLargest}};
   }
-  EffectTraits traits(const ShapeValues& /*shape*/) const override {
-    EffectTraits t;
-    t.role = EffectRole::kChannel;
-    t.stage = DiagnosisStage::kChannel;
-    t.lasting = true;
-    return t;
-  }
-  bool can_be_common() const override { return true; }
-  bool acts_on(int i, int joint) const override { return joint == kAllJoints || i == joint; }
   std::vector<MatrixXd> columns(const ChannelMotion& motion, int /*joint*/) const override {
     return {motion.effort};
   }
@@ -36,11 +28,6 @@ class TorqueGain final : public ChannelEffect {
                                                 : VectorXd(VectorXd::Unit(arm.joints(), joint));
     return {{arm.gravity(), false, joints}};
   }
-  void apply(ModelDescription& arm, int joint, const std::vector<double>& values) const override {
-    for (size_t i = 0; i < arm.coordinates.size(); ++i) {
-      if (acts_on(static_cast<int>(i), joint)) arm.coordinates[i].recorded.torque_gain *= 1.0 + values[0];
-    }
-  }
   std::vector<InjectedValue> injected(JointType /*type*/) const override {
     return {{"gain", 1.05, 1.0, false}};
   }
@@ -49,6 +36,9 @@ class TorqueGain final : public ChannelEffect {
     return fmt::format("a recorded torque that is {:.2g} % too {}", 100.0 * std::abs(values[0]),
                        values[0] > 0.0 ? "large" : "small");
   }
+
+ private:
+  void change(RecordedChannel& recorded, double value) const override { recorded.torque_gain *= 1.0 + value; }
 };
 
 }  // namespace

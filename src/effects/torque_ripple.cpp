@@ -4,7 +4,7 @@
 
 #include "phrase.hpp"
 #include "registry.hpp"
-#include "veridyn/effects/written_in_c.hpp"
+#include "effects/written_in_c.hpp"
 
 namespace veridyn {
 namespace {

@@ -1,4 +1,4 @@
-#include "veridyn/effects/written_in_c.hpp"
+#include "effects/written_in_c.hpp"
 
 #include <fmt/format.h>
 

@@ -15,7 +15,7 @@ namespace veridyn {
 namespace {
 
 constexpr int kStates = 400;
-constexpr double kNoTorque2 = 1e-12;  // of the largest joint's mean square
+constexpr double kNoTorque2 = 1e-12;  // share of the largest joint's mean square
 constexpr double kRidge = 1e-14;
 
 // The inverse of a positive matrix, scaled to a diagonal of ones first; a ridge keeps it finite.

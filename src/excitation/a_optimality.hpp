@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "veridyn/excitation/base_regressor.hpp"
+#include "excitation/base_regressor.hpp"
 #include "veridyn/excitation/excitation.hpp"
 
 namespace veridyn {

@@ -10,15 +10,15 @@
 #include "regressor/column_choice.hpp"
 #include "regressor/random_states.hpp"
 #include "regressor/stacked_columns.hpp"
-#include "veridyn/excitation/base_regressor.hpp"
+#include "excitation/base_regressor.hpp"
 #include "veridyn/regressor/base_parameters.hpp"
 
 namespace veridyn {
 namespace {
 
-constexpr double kWorthwhile = 0.998;  // of the condition number before a swap
-constexpr double kAlike = 0.2;         // of a new column that must be the old one's
-constexpr double kNothing = 1e-9;      // of the largest column
+constexpr double kWorthwhile = 0.998;  // share of the condition number before a swap
+constexpr double kAlike = 0.2;         // share of a new column that must be the old one's
+constexpr double kNothing = 1e-9;      // share of the largest column
 constexpr int kMaxSwaps = 50;
 
 MatrixXd part_of(const MatrixXd& gram, const std::vector<int>& rows, const std::vector<int>& cols) {

@@ -1,4 +1,4 @@
-#include "veridyn/excitation/base_regressor.hpp"
+#include "excitation/base_regressor.hpp"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
@@ -18,7 +18,7 @@ namespace {
 
 constexpr double kLargestCondition2 = 1e14;  // squared; eigenvalues of a Gram matrix know no more
 
-constexpr double kNoPart = 1e-9;  // of a standard parameter in a base parameter
+constexpr double kNoPart = 1e-9;  // share of a standard parameter in a base parameter
 
 }  // namespace
 

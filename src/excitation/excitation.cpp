@@ -20,8 +20,8 @@
 namespace veridyn {
 namespace {
 
-constexpr double kUsualShare = 0.01;  // of essential parameters, where nobody asks
-constexpr int kRounds = 3;            // of new base columns and descents, at most
+constexpr double kUsualShare = 0.01;  // share of essential parameters, where nobody asks
+constexpr int kRounds = 3;            // rounds of new base columns and descents, at most
 
 void check(const ExcitationOptions& o) {
   require(o.frequency > 0.0 && std::isfinite(o.frequency), "excitation: found a frequency of ",
@@ -45,8 +45,6 @@ void check(const ExcitationOptions& o) {
       "rivals.");
   require(o.slow_passes >= 0 && o.slow_passes <= 100, "excitation: found ", o.slow_passes,
           " slow passes, expected 0 to 100.");
-  require(has_solver(o.solver), "excitation: this build has no ", name_of(o.solver),
-          "; random is always there.");
 }
 
 // What may be used of the joints' limits: a share of speed and acceleration, the middle of the
@@ -106,9 +104,10 @@ struct Asked {
 // All that one search after the other needs.
 class Design {
  public:
-  Design(const Model& arm, const ExcitationOptions& options)
+  Design(const Model& arm, const ExcitationOptions& options, const NonlinearSolver& solver)
       : arm_(arm),
         options_(options),
+        solver_(solver),
         periods_(std::max(2, static_cast<int>(std::lround(options.duration * options.frequency)))),
         limits_(motion_limits(arm)),
         space_(share_of(limits_, options.limit_share), options.harmonics, options.frequency),
@@ -146,6 +145,7 @@ class Design {
   static constexpr double kInfinity = std::numeric_limits<double>::infinity();
   const Model& arm_;
   const ExcitationOptions& options_;
+  const NonlinearSolver& solver_;
   int periods_;
   MotionLimits limits_;
   MotionSpace space_;
@@ -173,7 +173,8 @@ Design::Candidate Design::polished(Candidate best, int start, Found& found) cons
       best.asked = std::make_shared<Asked>(arm_, columns, options_, seconds());
       best.cost = cost(*best.asked, best.x);
     }
-    const MotionSearch searcher(space_, signals_, best.asked->question, options_, progress_);
+    const MotionSearch searcher(space_, signals_, best.asked->question, options_, solver_,
+                                progress_);
     const VectorXd next = searcher.polished(best.x, start, found);
     const double reached = cost(*best.asked, next);
     if (reached < best.cost) {
@@ -187,7 +188,7 @@ Design::Candidate Design::polished(Candidate best, int start, Found& found) cons
 
 Design::Candidate Design::search(const std::shared_ptr<const Asked>& asked, int start,
                                  Found& found) const {
-  found = MotionSearch(space_, signals_, asked->question, options_, progress_).run(start);
+  found = MotionSearch(space_, signals_, asked->question, options_, solver_, progress_).run(start);
   Candidate best{asked};
   for (const VectorXd& end : found.ends) {
     Candidate next = polished({asked, end}, start, found);
@@ -282,10 +283,15 @@ Excitation Design::run() {
 }  // namespace
 
 Excitation optimise_excitation(const Model& arm, const ExcitationOptions& options) {
+  return optimise_excitation(arm, options, solve_with_interior_point);
+}
+
+Excitation optimise_excitation(const Model& arm, const ExcitationOptions& options,
+                               const NonlinearSolver& solver) {
   check(options);
   const auto begun = std::chrono::steady_clock::now();
   require(arm.joints() >= 1, "excitation: the arm '", arm.name(), "' has no coordinates.");
-  Excitation out = Design(arm, options).run();
+  Excitation out = Design(arm, options, solver).run();
   out.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
   return out;
 }

@@ -15,39 +15,12 @@ const char* name_of(ExcitationCriterion criterion) {
 }
 
 const char* name_of(ExcitationSolver solver) {
-  switch (solver) {
-    case ExcitationSolver::kInteriorPoint:
-      return "interior-point";
-    case ExcitationSolver::kIpopt:
-      return "ipopt";
-    case ExcitationSolver::kNlopt:
-      return "nlopt";
-    case ExcitationSolver::kDerivativeFree:
-      return "nlopt-derivative-free";
-    case ExcitationSolver::kRandom:
-      break;
-  }
-  return "random";
+  return solver == ExcitationSolver::kRandom ? "random" : "interior-point";
 }
 
 const char* name_of(ColumnScaling scaling) {
   if (scaling == ColumnScaling::kOrthogonal) return "orthogonal";
   return scaling == ColumnScaling::kNorm ? "norm" : "none";
-}
-
-bool has_solver([[maybe_unused]] ExcitationSolver solver) {
-#ifndef VERIDYN_WITH_IPOPT
-  if (solver == ExcitationSolver::kIpopt) return false;
-#endif
-#ifndef VERIDYN_WITH_NLOPT
-  if (solver == ExcitationSolver::kNlopt || solver == ExcitationSolver::kDerivativeFree)
-    return false;
-#endif
-  return true;
-}
-
-ExcitationSolver best_solver() {
-  return ExcitationSolver::kInteriorPoint;
 }
 
 namespace {

@@ -10,7 +10,7 @@
 namespace veridyn {
 namespace {
 
-constexpr double kNamedPart = 0.1;  // of a direction of norm one
+constexpr double kNamedPart = 0.1;  // share of a direction of norm one
 
 double range_condition_number(const MatrixXd& W) {
   const VectorXd range = (W.colwise().maxCoeff() - W.colwise().minCoeff()).transpose();

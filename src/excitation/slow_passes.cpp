@@ -6,14 +6,14 @@
 namespace veridyn {
 namespace {
 
-constexpr double kSlowest = 0.01;      // of the largest speed
+constexpr double kSlowest = 0.01;      // share of the largest speed
 constexpr double kFastest = 0.1;       // the same
 constexpr double kWayOut = 3.0;        // [s]
 constexpr double kShortestWay = 0.3;   // [s] at a constant speed
 constexpr double kShortestRamp = 0.2;  // [s] from rest to the speed
-constexpr double kRoom = 0.95;         // of the room may be used
+constexpr double kRoom = 0.95;         // share of the room may be used
 constexpr int kHalvings = 6;
-constexpr double kOvershoot = 0.3125;  // of speed times duration: how far a reversal goes on
+constexpr double kOvershoot = 0.3125;  // share of speed times duration: how far a reversal goes on
 
 // The speed goes from one value to another along 3 u^2 - 2 u^3.
 struct Part {

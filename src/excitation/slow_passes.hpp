@@ -3,7 +3,7 @@
 #include <functional>
 #include <vector>
 
-#include "veridyn/kinematics/motion_limits.hpp"
+#include "kinematics/motion_limits.hpp"
 #include "veridyn/math/motion_samples.hpp"
 
 namespace veridyn {

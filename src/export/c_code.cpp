@@ -8,7 +8,7 @@
 
 #include "traced.hpp"
 #include "veridyn/dynamics/recursion.hpp"
-#include "veridyn/effects/written_in_c.hpp"
+#include "effects/written_in_c.hpp"
 #include "veridyn/kinematics/tree.hpp"
 #include "math/output_file.hpp"
 #include "veridyn/math/require.hpp"

@@ -19,11 +19,11 @@ constexpr size_t kMaxBlocks = 16;
 constexpr size_t kFewestBlocks = 4;       // that any arm has, whatever they take
 constexpr double kMostBytes = 256.0 * 1024.0 * 1024.0;  // of one recording's factors
 constexpr double kFirstBlock = 1.0;       // [s]; doubled whenever there are too many blocks
-constexpr double kPeriodSeconds = 125.0;  // of the file, looked at to find the period
-constexpr long kPeriodRows = 8192;        // of them, at most; more are thinned
+constexpr double kPeriodSeconds = 125.0;  // time of the file, looked at to find the period
+constexpr long kPeriodRows = 8192;        // rows of them at most; more are thinned
 constexpr int kPieceRows = 2048;
-constexpr size_t kGroupsAtOnce = 16;   // of joints
-constexpr double kMovingShare = 0.02;  // of the largest speed, CONTRACT
+constexpr size_t kGroupsAtOnce = 16;   // groups of joints
+constexpr double kMovingShare = 0.02;  // share of the largest speed, CONTRACT
 
 using Visit = VisitStretch;
 using Pass = StretchPass;

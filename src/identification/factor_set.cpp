@@ -15,7 +15,7 @@ namespace {
 
 const std::string kMagic = "veridyn factors\n";
 constexpr std::uint64_t kVersion = 1;
-constexpr double kSameArm = 1e-9;  // of a fingerprint's entry
+constexpr double kSameArm = 1e-9;  // share of a fingerprint's entry
 
 // What the regressor of the bodies is like at one fixed state, joint by joint, and the facts: arms
 // that differ in a length, an axis or the direction of gravity differ here.

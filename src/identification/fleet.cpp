@@ -13,7 +13,7 @@
 #include "many_recordings.hpp"
 #include "math/parallel.hpp"
 #include "veridyn/math/require.hpp"
-#include "veridyn/math/student_t.hpp"
+#include "math/student_t.hpp"
 
 namespace veridyn {
 namespace {
@@ -21,11 +21,11 @@ namespace {
 constexpr double kNoticeable = 0.02;
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr int kFewest = 3;        // arms of a fleet
-constexpr int kRounds = 4;        // of weights, gains, and arms that are left out of the bodies
-constexpr int kGroups = 64;       // of arms, for the deviations of the bodies
+constexpr int kRounds = 4;        // rounds of weights, gains, and arms that are left out of the bodies
+constexpr int kGroups = 64;       // groups of arms, for the deviations of the bodies
 constexpr double kFreedom = 30.0; // of robust deviations: fleets have heavier tails than a normal law
 constexpr double kTelling = 1e-6; // of a column's norm that the others must leave for a value to mean anything
-constexpr double kLeastExcess = 0.02;  // of the squares that bodies of its own must explain
+constexpr double kLeastExcess = 0.02;  // share of the squares that bodies of its own must explain
 
 VectorXd solved(const SquareRootInformation& f) {
   return Eigen::ColPivHouseholderQR<MatrixXd>(f.R()).solve(f.z());

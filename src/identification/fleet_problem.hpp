@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "veridyn/identification/base_parameters.hpp"
+#include "veridyn/regressor/base_parameters.hpp"
 #include "veridyn/identification/fleet.hpp"
 
 namespace veridyn {

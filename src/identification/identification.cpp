@@ -313,8 +313,8 @@ Identification identify_with_known_masses(const Model& arm, const std::vector<st
   std::string open = gains.problem;
   for (size_t j = 0; j < gains.joints.size() && open.empty(); ++j) {
     const DriveGain& gain = gains.joints[j];
-    if (gain.told || arm.coordinates()[j].drive_gain != 0.0) continue;
-    open = "the drive gain of " + gain.coordinate + " cannot be told and robot '" + arm.name() +
+    if (gain.identifiable || arm.coordinates()[j].drive_gain != 0.0) continue;
+    open = "the drive gain of " + gain.coordinate + " is not identifiable and robot '" + arm.name() +
            "' has none: " + gain.reason;
   }
   Identification id;

@@ -5,12 +5,12 @@
 
 #include "regressor/effect_along.hpp"
 #include "veridyn/effects/channel_effect.hpp"
-#include "veridyn/math/zero_phase_filter.hpp"
+#include "math/zero_phase_filter.hpp"
 
 namespace veridyn {
 namespace {
 
-constexpr Eigen::Index kGroupEntries = 1 << 20;  // of the columns that are worked on at once
+constexpr Eigen::Index kGroupEntries = 1 << 20;  // entries of the columns that are worked on at once
 
 }  // namespace
 

@@ -17,7 +17,7 @@ namespace {
 
 constexpr int kSeriesSamples = 30000;  // for plots, of all recordings together
 
-// What sums of squares alone cannot tell is not a number.
+// Figures that sums of squares do not determine are NaN.
 PredictionError only_relative(PredictionError error) {
   error.maximum.setConstant(std::numeric_limits<double>::quiet_NaN());
   error.moving_relative.setConstant(std::numeric_limits<double>::quiet_NaN());

@@ -21,7 +21,7 @@ void check(const char* where, const Model& arm, const VectorRef& q, int frame) {
 
 }  // namespace
 
-Eigen::Matrix4d frame_pose(const Model& arm, const VectorRef& q, int frame) {
+Eigen::Isometry3d frame_pose(const Model& arm, const VectorRef& q, int frame) {
   check("frame_pose", arm, q, frame);
   const Tree tree(arm, Tree::Keep::kEveryFrame);
   Recursion<double> r(tree);
@@ -29,14 +29,14 @@ Eigen::Matrix4d frame_pose(const Model& arm, const VectorRef& q, int frame) {
   const VectorXd at = q;
   forward_pass(tree, at.data(), rest.data(), rest.data(), {0, 0, 0}, r);
   const Posed T = link_pose(tree, r, tree.link_of_frame[frame]);
-  Eigen::Matrix4d M;
+  Eigen::Isometry3d pose;
   // clang-format off
-  M << T.R.row0.x, T.R.row0.y, T.R.row0.z, T.p.x,
-       T.R.row1.x, T.R.row1.y, T.R.row1.z, T.p.y,
-       T.R.row2.x, T.R.row2.y, T.R.row2.z, T.p.z,
-       0, 0, 0, 1;
+  pose.matrix() << T.R.row0.x, T.R.row0.y, T.R.row0.z, T.p.x,
+                   T.R.row1.x, T.R.row1.y, T.R.row1.z, T.p.y,
+                   T.R.row2.x, T.R.row2.y, T.R.row2.z, T.p.z,
+                   0, 0, 0, 1;
   // clang-format on
-  return M;
+  return pose;
 }
 
 MatrixXd frame_jacobian(const Model& arm, const VectorRef& q, int frame) {

@@ -1,4 +1,4 @@
-#include "veridyn/kinematics/motion_limits.hpp"
+#include "kinematics/motion_limits.hpp"
 
 #include <cmath>
 

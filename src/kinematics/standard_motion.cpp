@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "veridyn/kinematics/motion_limits.hpp"
+#include "kinematics/motion_limits.hpp"
 
 namespace veridyn {
 namespace {

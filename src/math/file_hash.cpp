@@ -1,4 +1,4 @@
-#include "veridyn/math/file_hash.hpp"
+#include "math/file_hash.hpp"
 
 #include <sha2.h>
 

@@ -13,8 +13,8 @@
 namespace veridyn {
 namespace {
 
-constexpr Eigen::Index kBlockRows = 256;      // of a block: 60 columns are half of a 256 KiB cache
-constexpr Eigen::Index kPieceRows = 1 << 15;  // of a thread's piece
+constexpr Eigen::Index kBlockRows = 256;      // rows of a block: 60 columns are half of a 256 KiB cache
+constexpr Eigen::Index kPieceRows = 1 << 15;  // rows of a thread's piece
 
 }  // namespace
 

@@ -91,7 +91,7 @@ struct TriangleLoops {
       const double below = d[j];
       double u = 0.0;
       double t = 0.0;
-      if (!(below < kNothing)) {  // what is not a number goes on: it must not be lost
+      if (!(below < kNothing)) {  // NaN goes on: it must not be lost
         const double norm = __builtin_sqrt(top[j] * top[j] + below);
         const double beta = top[j] > 0.0 ? -norm : norm;
         u = top[j] - beta;

@@ -1,4 +1,4 @@
-#include "veridyn/math/zero_phase_filter.hpp"
+#include "math/zero_phase_filter.hpp"
 
 #include <algorithm>
 #include <array>

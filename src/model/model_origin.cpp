@@ -9,7 +9,7 @@
 
 #include "model/yaml/yaml_node.hpp"
 #include "model/yaml/yaml_text.hpp"
-#include "veridyn/math/file_hash.hpp"
+#include "math/file_hash.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn {

@@ -12,7 +12,7 @@
 namespace veridyn {
 namespace {
 
-constexpr double kUnlimited = 1e9;  // where URDF wants a number and there is none
+constexpr double kUnlimited = 1e9;  // URDF wants a number where there is no limit
 
 std::string number(double value) {
   return fmt::format("{}", value + 0.0);

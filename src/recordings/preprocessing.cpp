@@ -8,7 +8,7 @@
 #include "recordings/kept_recordings.hpp"
 #include "recordings/uniform_stream.hpp"
 #include "veridyn/math/require.hpp"
-#include "veridyn/math/zero_phase_filter.hpp"
+#include "math/zero_phase_filter.hpp"
 
 namespace veridyn {
 namespace {

@@ -10,11 +10,11 @@ namespace {
 constexpr double kRestingRange = 5e-3;   // [rad, m] below it a joint does not count
 constexpr double kDeep = 0.02;           // d at a repeat
 constexpr double kRisen = 0.25;          // d has to rise above it first: the motion went elsewhere
-constexpr double kKeptShare = 0.8;       // of the times
-constexpr double kLongestShare = 0.7;    // of the duration; the rest must overlap
+constexpr double kKeptShare = 0.8;       // share of the times
+constexpr double kLongestShare = 0.7;    // share of the duration; the rest must overlap
 constexpr double kCoarsestStep = 0.025;  // [s]
 constexpr int kCoarseRows = 5000;
-constexpr int kSampledTimes = 256;   // of an estimate of d
+constexpr int kSampledTimes = 256;   // instants of an estimate of d
 constexpr double kSuspected = 4.0;  // estimates up to this times kDeep are looked into
 
 // Positions of the moving joints on an even grid, each with unit variance.

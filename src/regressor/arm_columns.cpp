@@ -1,6 +1,6 @@
 #include "regressor/arm_columns.hpp"
 
-#include "veridyn/kinematics/motion_limits.hpp"
+#include "kinematics/motion_limits.hpp"
 
 namespace veridyn {
 

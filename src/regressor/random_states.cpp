@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "math/random_numbers.hpp"
-#include "veridyn/kinematics/motion_limits.hpp"
+#include "kinematics/motion_limits.hpp"
 
 namespace veridyn {
 

@@ -1,4 +1,4 @@
-#include "veridyn/report/calibration_json.hpp"
+#include "report/calibration_json.hpp"
 
 #include <Eigen/Geometry>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "veridyn/report/calibration_page.hpp"
+#include "report/calibration_page.hpp"
 
 #include <fmt/format.h>
 
@@ -8,7 +8,7 @@
 
 #include "json_value.hpp"
 #include "page.hpp"
-#include "veridyn/report/calibration_json.hpp"
+#include "report/calibration_json.hpp"
 
 namespace veridyn {
 namespace {
@@ -16,7 +16,7 @@ namespace {
 constexpr double kDegrees = 180.0 / M_PI;
 constexpr int kBins = 40;
 constexpr double kWidest = 4.0;            // deviations that a histogram shows to either side
-constexpr std::size_t kMostPoints = 1500;  // of a drawing
+constexpr std::size_t kMostPoints = 1500;  // points of a drawing
 
 Json series_head(const std::string& command, const std::string& title, const std::string& facts,
                  const std::string& verdict) {

@@ -1,4 +1,4 @@
-#include "veridyn/report/cooperation_json.hpp"
+#include "report/cooperation_json.hpp"
 
 #include "json_value.hpp"
 
@@ -61,7 +61,8 @@ Json settings_json(const Scenario& s) {
                    (arm.control == ArmControl::kPosition ? ", position" : ", impedance"));
   }
   Json out = {{"arms", arms},
-              {"master", s.arms[static_cast<std::size_t>(s.master)].name},
+              {"leader", s.arms[static_cast<std::size_t>(s.master)].name},
+              {"master", s.arms[static_cast<std::size_t>(s.master)].name},  // of earlier versions
               {"seed", s.seed},
               {"model_error", s.model_error},
               {"encoder", s.encoder},

@@ -5,7 +5,7 @@
 
 #include "json_value.hpp"
 #include "page.hpp"
-#include "veridyn/report/cooperation_json.hpp"
+#include "report/cooperation_json.hpp"
 
 namespace veridyn {
 namespace {

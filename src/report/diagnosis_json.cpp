@@ -1,35 +1,19 @@
 #include "veridyn/report/diagnosis_json.hpp"
+#include "error_json.hpp"
 #include "json_value.hpp"
 #include "settings_json.hpp"
 
 namespace veridyn {
 namespace {
 
-Json error_json(const PredictionError& error) {
-  return {{"relative_error", json_list(error.relative)},
-          {"moving", {{"relative_error", json_list(error.moving_relative)}}}};
-}
-
-// The first figure is of every row as recorded; `as_recorded` is its old name where rows were filled
-// in.
-void add_other_figures(const PredictionError& error, const PredictionError& repaired,
-                       const PredictionError& without_excluded, Json& out) {
-  if (repaired.relative.size() > 0) {
-    out["as_recorded"] = error_json(error);
-    out["repaired"] = error_json(repaired);
-  }
-  if (without_excluded.relative.size() > 0)
-    out["without_excluded"] = error_json(without_excluded);
-}
-
 Json error_pair(const Identification& id) {
-  Json out = {{"train", error_json(id.train_error)}, {"test", error_json(id.test_error)}};
-  add_other_figures(id.train_error, id.train_repaired, id.train_without_excluded, out["train"]);
-  add_other_figures(id.test_error, id.test_repaired, id.test_without_excluded, out["test"]);
+  Json out;
+  out["train"] = error_json(id.train_error, id.train_repaired, id.train_without_excluded);
+  out["test"] = error_json(id.test_error, id.test_repaired, id.test_without_excluded);
   out["recordings"] = Json::array();
   for (const RecordingError& r : id.test) {
-    Json one = {{"source", r.source}, {"relative_error", json_list(r.error.relative)}};
-    add_other_figures(r.error, r.repaired, r.without_excluded, one);
+    Json one = error_json(r.error, r.repaired, r.without_excluded);
+    one["source"] = r.source;
     out["recordings"].push_back(std::move(one));
   }
   return out;
@@ -130,14 +114,15 @@ std::string to_json(const Diagnosis& d) {
   out["next_experiment"] = {{"separates", d.next_experiment.separates},
                             {"trajectory", d.next_experiment.trajectory}};
   out["remarks"] = d.remarks;
-  out["left_out"] = Json::array();
+  out["excluded_intervals"] = Json::array();
   for (const LeftOut& part : d.left_out) {
-    out["left_out"].push_back({{"file", part.source},
-                               {"joint", part.joint + 1},
-                               {"from", part.from},
-                               {"to", part.to},
-                               {"why", part.why}});
+    out["excluded_intervals"].push_back({{"file", part.source},
+                                         {"joint", part.joint + 1},
+                                         {"from", part.from},
+                                         {"to", part.to},
+                                         {"why", part.why}});
   }
+  out["left_out"] = out["excluded_intervals"];  // the key of earlier versions
   out["data_quality"] = quality_json(d);
   out["settings"] = settings_json(d.baseline);
   out["seconds"] = d.seconds;

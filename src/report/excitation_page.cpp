@@ -10,7 +10,7 @@
 namespace veridyn {
 namespace {
 
-constexpr Eigen::Index kSamples = 3000;  // of a curve
+constexpr Eigen::Index kSamples = 3000;  // samples of a curve
 constexpr double kDigits = 1e5;          // per range of a curve
 
 // Every `step`-th value, with as many digits as a plot can show.

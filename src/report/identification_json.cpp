@@ -1,3 +1,4 @@
+#include "error_json.hpp"
 #include "json_value.hpp"
 #include "settings_json.hpp"
 #include "veridyn/report/json.hpp"
@@ -32,36 +33,16 @@ Json standard_json(const Identification& id) {
   return out;
 }
 
-Json error_json(const PredictionError& error) {
-  return {{"relative_error", json_list(error.relative)},
-          {"max_error", json_list(error.maximum)},
-          {"moving", {{"relative_error", json_list(error.moving_relative)}}}};
-}
-
-// The first figure is of every row as recorded; `as_recorded` is its old name where rows were filled
-// in.
-void add_other_figures(const PredictionError& error, const PredictionError& repaired,
-                       const PredictionError& without_excluded, Json& out) {
-  if (repaired.relative.size() > 0) {
-    out["as_recorded"] = error_json(error);
-    out["repaired"] = error_json(repaired);
-  }
-  if (without_excluded.relative.size() > 0)
-    out["without_excluded"] = error_json(without_excluded);
-}
-
 Json errors_json(const PredictionError& total, const PredictionError& repaired,
                  const PredictionError& without_excluded,
                  const std::vector<RecordingError>& recordings) {
   if (recordings.empty()) return nullptr;
-  Json out = error_json(total);
-  add_other_figures(total, repaired, without_excluded, out);
+  Json out = error_json(total, repaired, without_excluded);
   out["recordings"] = Json::array();
   for (const RecordingError& recording : recordings) {
-    Json one = {{"source", recording.source}};
-    one.update(error_json(recording.error));
+    Json one = error_json(recording.error, recording.repaired, recording.without_excluded);
+    one["source"] = recording.source;
     one["noise_floor"] = json_list(recording.noise_floor);
-    add_other_figures(recording.error, recording.repaired, recording.without_excluded, one);
     if (recording.filled.count > 0) one["filled_rows"] = filled_json(recording);
     out["recordings"].push_back(std::move(one));
   }
@@ -78,8 +59,9 @@ Json drive_gains_json(const std::vector<DriveGain>& joints) {
                    {"std", g.deviation},
                    {"ci95", {g.low, g.high}},
                    {"unit", g.unit},
-                   {"told", g.told},
-                   {"why", g.told ? Json() : Json(g.reason)},
+                   {"identifiable", g.identifiable},
+                   {"told", g.identifiable},  // the key of earlier versions
+                   {"why", g.identifiable ? Json() : Json(g.reason)},
                    {"share", g.share}});
   }
   return out;
@@ -91,7 +73,8 @@ Json known_masses_json(const std::vector<MountedLoad>& loads) {
     out.push_back({{"mass", load.known.mass},
                    {"frame", load.known.frame},
                    {"recordings", load.known.recordings},
-                   {"told_by_data", load.told_by_data},
+                   {"identified", load.identified},
+                   {"told_by_data", load.identified},  // the key of earlier versions
                    {"centre", load.centre ? json_list(*load.centre) : Json()},
                    {"centre_std", load.centre ? json_list(load.centre_deviation) : Json()}});
   }

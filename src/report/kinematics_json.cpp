@@ -1,4 +1,4 @@
-#include "veridyn/report/kinematics_json.hpp"
+#include "report/kinematics_json.hpp"
 
 #include <algorithm>
 #include <cmath>

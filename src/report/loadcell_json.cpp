@@ -1,4 +1,4 @@
-#include "veridyn/report/loadcell_json.hpp"
+#include "report/loadcell_json.hpp"
 
 #include "json_value.hpp"
 

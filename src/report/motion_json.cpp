@@ -125,11 +125,11 @@ Json recording_json(const SimulatedRecording& simulated) {
   out["robot"] = simulated.truth.name();
   out["rows"] = simulated.tau.rows();
   out["hidden"] = Json::array();
-  for (const PlantedEffect& planted : simulated.planted) {
-    out["hidden"].push_back({{"effect", planted.effect},
-                             {"place", planted.place},
-                             {"joint", planted.joint > 0 ? Json(planted.joint) : Json()},
-                             {"parameters", planted.values}});
+  for (const InjectedEffect& injected : simulated.injected) {
+    out["hidden"].push_back({{"effect", injected.effect},
+                             {"place", injected.place},
+                             {"joint", injected.joint > 0 ? Json(injected.joint) : Json()},
+                             {"parameters", injected.values}});
   }
   out["rms_effort"] = json_list(rms(simulated.actual_tau));
   out["rms_effort_error"] = json_list(rms(simulated.tau - simulated.actual_tau));

@@ -12,11 +12,11 @@ namespace {
 
 using Column = std::vector<double>;
 
-constexpr std::size_t kSamples = 3000;       // of one recording
+constexpr std::size_t kSamples = 3000;       // samples of one recording
 constexpr std::size_t kFewestSamples = 500;  // below that a curve loses its shape
 constexpr std::size_t kNumbers = 500000;     // on a page; about 8 bytes each
-constexpr std::size_t kColumns = 6;          // of a joint: q, dq, ddq and three torques
-constexpr double kResolution = 1e-4;         // of a column's range
+constexpr std::size_t kColumns = 6;          // columns of a joint: q, dq, ddq and three torques
+constexpr double kResolution = 1e-4;         // share of a column's range
 constexpr double kSameTime = 1e-6;           // [s]
 
 std::size_t thinning(std::size_t rows, std::size_t wanted) {

@@ -1,4 +1,4 @@
-#include "veridyn/effects/plain_friction.hpp"
+#include "effects/plain_friction.hpp"
 #include "veridyn/report/robot_info.hpp"
 
 #include <fmt/format.h>

@@ -1,4 +1,4 @@
-#include "veridyn/report/simulation_page.hpp"
+#include "report/simulation_page.hpp"
 
 #include <cmath>
 
@@ -10,8 +10,8 @@
 namespace veridyn {
 namespace {
 
-constexpr Eigen::Index kSamples = 3000;     // of a curve over time
-constexpr Eigen::Index kRampSamples = 250;  // of one ramp
+constexpr Eigen::Index kSamples = 3000;     // samples of a curve over time
+constexpr Eigen::Index kRampSamples = 250;  // samples of one ramp
 constexpr double kLeap = 5e-3;              // [rad], [m] between rows: a new start
 constexpr double kMilli = 1e3;
 

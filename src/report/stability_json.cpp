@@ -1,4 +1,4 @@
-#include "veridyn/report/stability_json.hpp"
+#include "report/stability_json.hpp"
 
 #include <fmt/format.h>
 

@@ -15,7 +15,7 @@ constexpr double kPeriod = 1e-3;   // [s] of the controller that holds the other
 constexpr double kLonger = 2.0;    // times the recorded ramp that the model is pushed
 constexpr double kSettle = 3.0;    // [s] of creeping before a ramp
 constexpr double kHeavy = 3.0;     // times the damping of a held joint, while it creeps
-constexpr double kSettled = 0.02;  // of the speed of sliding, that still counts as rest
+constexpr double kSettled = 0.02;  // share of the speed of sliding, that still counts as rest
 
 double median(std::vector<double> values) {
   values.erase(std::remove_if(values.begin(), values.end(), [](double v) { return std::isnan(v); }),

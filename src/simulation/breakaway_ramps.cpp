@@ -8,11 +8,11 @@
 namespace veridyn {
 namespace {
 
-constexpr double kStillShare = 0.2;   // of the way that a joint at rest may creep
+constexpr double kStillShare = 0.2;   // share of the way that a joint at rest may creep
 constexpr double kJumpShare = 5.0;    // ways between two rows: a new start
-constexpr double kStartsBelow = 0.6;  // of the effort at the onset: a ramp starts low
+constexpr double kStartsBelow = 0.6;  // share of the effort at the onset: a ramp starts low
 constexpr double kWindow = 0.05;      // [s] on either side, for means of effort and speed
-constexpr double kLeapShare = 0.7;    // of the effort at the onset
+constexpr double kLeapShare = 0.7;    // share of the effort at the onset
 constexpr double kLeapSeconds = 0.2;  // in which it leaps
 constexpr double kNearEnd = 2.0;      // ways from an end of the range: leans against it
 

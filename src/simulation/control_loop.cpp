@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "veridyn/kinematics/motion_limits.hpp"
+#include "kinematics/motion_limits.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn {
@@ -171,7 +171,7 @@ std::string EngineRun::why(const Model& arm) const {
   return fmt::format("stopped at {:.6g} s: {} {}", stopped_at, who, describe(status));
 }
 
-double contact_effort(const PlantedArm::Contact& contact, double t) {
+double contact_effort(const PerturbedArm::Contact& contact, double t) {
   const double ramp = std::min(kContactRamp, 0.5 * (contact.to - contact.from));
   const double inside = std::min(t - contact.from, contact.to - t);
   if (inside <= 0.0) return 0.0;
@@ -205,7 +205,7 @@ EngineRun run_with_pid(Engine& engine, const Model& arm, const MotionSamples& se
       wanted_dq = ((1.0 - u) * set_points.dq.row(k) + u * set_points.dq.row(next)).transpose();
       const VectorXd& motors = loop.torques(engine.q(), wanted, wanted_dq, h);
       all = motors;
-      for (const PlantedArm::Contact& contact : options.contacts)
+      for (const PerturbedArm::Contact& contact : options.contacts)
         all[contact.coordinate] -= contact_effort(contact, time[k] - time[0] + u * whole);
       if (p == 0 && !log.row(k, engine, motors, all)) return log.take();
       if (last) break;

@@ -4,14 +4,14 @@
 #include "model/yaml/yaml_node.hpp"
 #include "simulation/plant/plant_forces.hpp"
 #include "veridyn/dynamics/rigid_body_dynamics.hpp"
-#include "veridyn/kinematics/motion_limits.hpp"
+#include "kinematics/motion_limits.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/simulation/control_loop.hpp"
 
 namespace veridyn {
 namespace {
 
-constexpr double kIntegralShare = 0.1;  // of the bandwidth
+constexpr double kIntegralShare = 0.1;  // share of the bandwidth
 
 // The inertia that each joint feels alone, rotors included, in the middle of the range.
 VectorXd middle_inertia(const Model& arm) {

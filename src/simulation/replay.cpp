@@ -6,7 +6,7 @@
 #include "plant_torques.hpp"
 #include "regressor/effect_along.hpp"
 #include "veridyn/math/require.hpp"
-#include "veridyn/math/zero_phase_filter.hpp"
+#include "math/zero_phase_filter.hpp"
 
 namespace veridyn {
 namespace {

@@ -20,20 +20,20 @@ VectorXd encoder_steps(const Model& arm, const SensorNoise& noise) {
 
 ControlledRecording simulate_controlled(const Model& arm, const MotionSamples& wanted,
                                         const ControlledOptions& options) {
-  const PlantedArm planted = plant_effects(arm, options.recording.hidden);
+  const PerturbedArm injected = inject_effects(arm, options.recording.hidden);
   LoopOptions loop = options.loop;
   // A controller is tuned on the arm as one knows it, not on what is hidden.
   if (loop.gains.p.size() == 0) loop.gains = sensible_gains(arm);
   loop.sensors.encoder_step = encoder_steps(arm, options.recording.noise);
-  loop.contacts = planted.contacts;
-  const auto engine = make_engine(options.engine, planted.arm);
-  EngineRun run = run_with_pid(*engine, planted.arm, wanted, loop);
+  loop.contacts = injected.contacts;
+  const auto engine = make_engine(options.engine, injected.arm);
+  EngineRun run = run_with_pid(*engine, injected.arm, wanted, loop);
   require(run.motion.rows() > 0, "simulation: ", run.why(arm), ", before the first row.");
-  ControlledRecording out{{planted.arm, planted.effects, run.motion, run.tau, run.motion, {}},
+  ControlledRecording out{{injected.arm, injected.effects, run.motion, run.tau, run.motion, {}},
                           run,
                           loop.gains,
                           engine->left_out()};
-  record(arm, planted, options.recording, out.recording);
+  record(arm, injected, options.recording, out.recording);
   return out;
 }
 

@@ -7,7 +7,7 @@
 #include "plant_torques.hpp"
 #include "recorded.hpp"
 #include "veridyn/math/require.hpp"
-#include "veridyn/math/zero_phase_filter.hpp"
+#include "math/zero_phase_filter.hpp"
 #include "veridyn/simulation/control_loop.hpp"
 
 namespace veridyn {
@@ -49,7 +49,7 @@ VectorXd delayed(const VectorXd& signal, const VectorXd& time, double delay) {
 }
 
 // What lies between the true torque and the one that would be recorded without noise.
-void record_torques(const PlantedArm& plant, const VectorXd& time, MatrixXd& tau) {
+void record_torques(const PerturbedArm& plant, const VectorXd& time, MatrixXd& tau) {
   for (Eigen::Index i = 0; i < tau.cols(); ++i) {
     if (plant.torque_delay[i] > 0.0) tau.col(i) = delayed(tau.col(i), time, plant.torque_delay[i]);
     tau.col(i) *= plant.torque_gain[i];
@@ -58,7 +58,7 @@ void record_torques(const PlantedArm& plant, const VectorXd& time, MatrixXd& tau
 
 }  // namespace
 
-void record(const Model& arm, const PlantedArm& plant, const SimulationOptions& options,
+void record(const Model& arm, const PerturbedArm& plant, const SimulationOptions& options,
             SimulatedRecording& out) {
   out.measured = out.actual;
   out.measured.q.rowwise() += plant.encoder_offset.transpose();
@@ -70,12 +70,12 @@ void record(const Model& arm, const PlantedArm& plant, const SimulationOptions& 
 SimulatedRecording simulate_recording(const Model& arm, const MotionSamples& wanted,
                                       const SimulationOptions& options) {
   check(arm, wanted, options);
-  const PlantedArm plant = plant_effects(arm, options.hidden);
+  const PerturbedArm plant = inject_effects(arm, options.hidden);
   const MotionSamples actual = with_tracking_deviation(arm, wanted, options.noise, options.seed);
   SimulatedRecording out{plant.arm, plant.effects,
                          actual,    plant_torques(plant.arm, actual, options.substeps),
                          actual,    {}};
-  for (const PlantedArm::Contact& contact : plant.contacts) {
+  for (const PerturbedArm::Contact& contact : plant.contacts) {
     for (Eigen::Index k = 0; k < wanted.rows(); ++k) {
       out.actual_tau(k, contact.coordinate) +=
           contact_effort(contact, wanted.time[k] - wanted.time[0]);

@@ -6,7 +6,7 @@
 #include "math/decompositions.hpp"
 #include "veridyn/effects/cause.hpp"
 #include "veridyn/effects/effect.hpp"
-#include "veridyn/math/student_t.hpp"
+#include "math/student_t.hpp"
 #include "watch/event_words.hpp"
 
 namespace veridyn::watching {

@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "math/decompositions.hpp"
-#include "veridyn/math/student_t.hpp"
+#include "math/student_t.hpp"
 
 namespace veridyn::watching {
 namespace {

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "veridyn/math/require.hpp"
-#include "veridyn/math/student_t.hpp"
+#include "math/student_t.hpp"
 #include "watch/change.hpp"
 #include "watch/evidence.hpp"
 #include "watch/smoothed_rows.hpp"

@@ -3,11 +3,11 @@
 #include <array>
 
 #include "dvrk/vectors.hpp"
-#include "veridyn/dvrk/command.hpp"
-#include "veridyn/dvrk/feedback.hpp"
-#include "veridyn/dvrk/hub_block.hpp"
-#include "veridyn/dvrk/reply.hpp"
-#include "veridyn/dvrk/request.hpp"
+#include "dvrk/protocol/command.hpp"
+#include "dvrk/protocol/feedback.hpp"
+#include "dvrk/protocol/hub_block.hpp"
+#include "dvrk/protocol/reply.hpp"
+#include "dvrk/protocol/request.hpp"
 
 // What one cycle of two boards costs in packets alone: query and write encoded, the broadcast read
 // decoded. Asked: below 5 us.

@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "dvrk/rig.hpp"
-#include "veridyn/dvrk/board_server.hpp"
-#include "veridyn/dvrk/real_time.hpp"
-#include "veridyn/dvrk/udp_link.hpp"
+#include "dvrk/emulator/board_server.hpp"
+#include "dvrk/run/real_time.hpp"
+#include "dvrk/protocol/udp_link.hpp"
 
 // Two emulated boards over loopback, broadcast protocol, at 1.5 kHz for so many seconds: which
 // cycles were missed, and by whom. A cycle is missed by the machine if it woke us late, by us if

@@ -17,7 +17,7 @@
 #include "veridyn/dynamics/regressor_batch.hpp"
 #include "veridyn/dynamics/rigid_body_dynamics.hpp"
 #include "veridyn/math/square_root_information.hpp"
-#include "veridyn/math/zero_phase_filter.hpp"
+#include "math/zero_phase_filter.hpp"
 
 #ifdef VERIDYN_WITH_KDL
 #include <kdl/chain.hpp>

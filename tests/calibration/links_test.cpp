@@ -45,7 +45,7 @@ TEST(Links, PosesAndDerivativesOfTheChain) {
     MatrixXd J;
     const Eigen::Isometry3d T = chain.pose(q, &J);
     Eigen::Isometry3d expected;
-    expected.matrix() = frame_pose(arm, q, frame);
+    expected.matrix() = frame_pose(arm, q, frame).matrix();
     expected = base * expected * tool;
     EXPECT_TRUE(T.isApprox(expected, 1e-12)) << robot;
     VectorXd x = 0.01 * VectorXd::Random(parameters.size());
@@ -74,7 +74,7 @@ TEST(Links, PosesAndDerivativesOfTheChain) {
     VectorXd q_true = q;
     for (int i = 0; i < arm.joints(); ++i)
       q_true[i] -= applied.coordinates()[static_cast<size_t>(i)].recorded.position_offset;
-    written.matrix() = frame_pose(applied, q_true, frame);
+    written.matrix() = frame_pose(applied, q_true, frame).matrix();
     EXPECT_TRUE((chain.base() * written * chain.tool()).isApprox(at, 1e-9)) << robot;
   }
 }

@@ -5,7 +5,7 @@
 
 #include "calibration/closed_forms.hpp"
 #include "veridyn/kinematics/kinematics.hpp"
-#include "veridyn/kinematics/motion_limits.hpp"
+#include "kinematics/motion_limits.hpp"
 
 namespace veridyn {
 namespace {
@@ -16,7 +16,7 @@ Eigen::Vector3d random_vector(RandomNumbers& random, double size) {
 
 Eigen::Isometry3d pose_of(const Model& arm, const VectorXd& q, int frame) {
   Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-  if (frame >= 0) T.matrix() = frame_pose(arm, q, frame);
+  if (frame >= 0) T.matrix() = frame_pose(arm, q, frame).matrix();
   return T;
 }
 

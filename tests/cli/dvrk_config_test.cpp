@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "cli/tool.hpp"
-#include "veridyn/dvrk/io_config.hpp"
+#include "dvrk/config/io_config.hpp"
 
 namespace veridyn {
 namespace {

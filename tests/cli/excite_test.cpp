@@ -5,6 +5,7 @@
 
 #include "cli/tool.hpp"
 #include "support/browser.hpp"
+#include "veridyn/recordings/recording.hpp"
 
 namespace veridyn {
 namespace {
@@ -214,6 +215,23 @@ TEST(Excite, TheNextExperimentOfADiagnosisTellsItsRivalsApart) {
   EXPECT_TRUE(after["findings"][0]["rivals"].empty()) << after["findings"][0]["rivals"];
   for (const auto& finding : after["findings"])
     EXPECT_NE(finding["effect"], "position_dependent_friction") << finding;
+}
+
+// Scripts that name a solver of earlier versions go on, and are told which one searches.
+TEST(Excite, FormerSolversAreAliases) {
+  const TemporaryFolder folder;
+  const auto motion = [&](const std::string& solver) {
+    const ToolRun run = run_tool({"excite", "planar-2r", "-o", folder.path(solver + ".csv"), "--solver",
+                                  solver, "--iterations", "5", "--starts", "1"});
+    EXPECT_EQ(run.status, 0) << run.err;
+    EXPECT_EQ(run.err.find("is gone: interior-point searches in its place") != std::string::npos,
+              solver != "interior-point")
+        << run.err;
+    return read_recording(folder.path(solver + ".csv")).q;
+  };
+  const MatrixXd q = motion("interior-point");
+  for (const char* former : {"ipopt", "nlopt", "nlopt-derivative-free"})
+    EXPECT_EQ((motion(former) - q).norm(), 0.0) << former;
 }
 
 TEST(Excite, WordsThatMakeNoSenseAreUsageErrors) {

@@ -6,7 +6,7 @@
 
 #include "cli/tool.hpp"
 #include "dvrk/gravity_support.hpp"
-#include "veridyn/dvrk/arm_facts.hpp"
+#include "dvrk/arms/arm_facts.hpp"
 #include "veridyn/dynamics/rigid_body_dynamics.hpp"
 #include "veridyn/model/model_file.hpp"
 

@@ -77,7 +77,7 @@ TEST_F(KnownMass, GivesTheGainsInTextJsonAndModel) {
     const json& g = out["drive_gains"][j];
     EXPECT_EQ(g["joint"], j + 1);
     EXPECT_EQ(g["unit"], "N m/A");
-    EXPECT_TRUE(g["told"].get<bool>());
+    EXPECT_TRUE(g["identifiable"].get<bool>());
     EXPECT_NEAR(g["value"].get<double>() / kGains[j], 1.0, 0.01);
     EXPECT_LT(g["ci95"][0].get<double>(), g["value"].get<double>());
     EXPECT_GT(g["ci95"][1].get<double>(), g["value"].get<double>());
@@ -87,7 +87,7 @@ TEST_F(KnownMass, GivesTheGainsInTextJsonAndModel) {
   }
   const json& known = out["known_masses"][0];
   EXPECT_EQ(known["recordings"], json::array({load}));
-  EXPECT_TRUE(known["told_by_data"].get<bool>());
+  EXPECT_TRUE(known["identified"].get<bool>());
   EXPECT_NEAR(known["centre"][1].get<double>(), 0.08, 2e-3);
   EXPECT_EQ(out["settings"]["train"], json::array({a, b}));
   // The model reads currents: its errors are those of newton metres.
@@ -132,7 +132,7 @@ TEST(KnownMassOfARealArm, GivesGainsNearThoseOfItsController) {
   int covered = 0;
   for (std::size_t j = 0; j < 6; ++j) {
     const json& g = out["drive_gains"][j];
-    EXPECT_TRUE(g["told"].get<bool>()) << g["why"];
+    EXPECT_TRUE(g["identifiable"].get<bool>()) << g["why"];
     EXPECT_NEAR(g["value"].get<double>() / controller[j], 1.0, 0.07) << g["coordinate"];
     covered += static_cast<int>(g["ci95"][0].get<double>() < controller[j] &&
                                 g["ci95"][1].get<double>() > controller[j]);

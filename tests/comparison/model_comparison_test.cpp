@@ -9,7 +9,7 @@
 #include "veridyn/regressor/base_parameters.hpp"
 #include "kinematics/standard_motion.hpp"
 #include "veridyn/math/require.hpp"
-#include "veridyn/math/student_t.hpp"
+#include "math/student_t.hpp"
 #include "veridyn/model/model_file.hpp"
 
 // Statistics by hand on models that were never identified: what the files would say is written into

@@ -12,7 +12,7 @@
 #include "veridyn/control/inverse_kinematics.hpp"
 #include "veridyn/control/model_error_observer.hpp"
 #include "veridyn/control/momentum_observer.hpp"
-#include "veridyn/control/moving_average.hpp"
+#include "control/moving_average.hpp"
 #include "veridyn/control/quintic_interpolator.hpp"
 #include "veridyn/control/safety_supervisor.hpp"
 #include "veridyn/control/velocity_observer.hpp"

@@ -23,7 +23,7 @@ TEST_P(ArmStateOnEverySampleArm, TheTipMovesAsTheFrameDoes) {
   TipKinematics tip(arm(), {last_frame(arm())});
   for (const State& s : test_states(joints(), 101)) {
     tip.update(s.q, s.dq);
-    const Eigen::Matrix4d T = frame_pose(arm(), s.q, frame);
+    const Eigen::Matrix4d T = frame_pose(arm(), s.q, frame).matrix();
     EXPECT_TRUE(near(tip.position(), T.topRightCorner<3, 1>(), kRounding));
     EXPECT_TRUE(near(tip.rotation(), T.topLeftCorner<3, 3>(), kRounding));
     EXPECT_TRUE(near(tip.jacobian(), frame_jacobian(arm(), s.q, frame), kRounding));
@@ -40,7 +40,7 @@ TEST_P(ArmStateOnEverySampleArm, AnOffsetTipMovesAsAPointOfTheFrame) {
   const State s = test_states(joints(), 102).back();
   tip.update(s.q, s.dq);
   const auto position = [&](const VectorXd& q) -> Eigen::Vector3d {
-    const Eigen::Matrix4d T = frame_pose(arm(), q, frame);
+    const Eigen::Matrix4d T = frame_pose(arm(), q, frame).matrix();
     return T.topRightCorner<3, 1>() + T.topLeftCorner<3, 3>() * offset;
   };
   EXPECT_TRUE(near(tip.position(), position(s.q), kRounding));

@@ -56,24 +56,24 @@ CooperativeInput at(const std::vector<Vector3d>& where, int members) {
   return input;
 }
 
-// (6.2): every arm moves by (R_slave_master)' dx in its own axes, for dx in the master's.
+// (6.2): every arm moves by (R_follower_leader)' dx in its own axes, for dx in the leader's.
 TEST(CooperativeController, MovesEveryArmByTheSameWayInItsOwnAxes) {
   CooperativeOptions o = options(3);
-  o.master = 1;
+  o.leader = 1;
   CooperativeController control(o, kTips);
   CooperativeInput input = at(kTips, 0);
   const Vector3d dx(0.01, -0.004, 0.002);
   ASSERT_TRUE(control.move(dx, 0.5));
   follow(control, input, 600);
   for (size_t i = 0; i < 3; ++i) {
-    const Matrix3d R_master_arm = o.R_world_arm[1].transpose() * o.R_world_arm[i];
+    const Matrix3d R_leader_arm = o.R_world_arm[1].transpose() * o.R_world_arm[i];
     const Vector3d moved = o.R_world_arm[i].transpose() * (input.position[i] - kTips[i]);
-    EXPECT_NEAR((moved - R_master_arm.transpose() * dx).norm(), 0.0, 1e-12) << i;
+    EXPECT_NEAR((moved - R_leader_arm.transpose() * dx).norm(), 0.0, 1e-12) << i;
   }
 }
 
 // (6.3) with the errata: x_d increases by (R - 1)(-c), where c points from the tip to the centroid
-// and R is Rz(c) Ry(b) Rx(a) in the master's axes.
+// and R is Rz(c) Ry(b) Rx(a) in the leader's axes.
 TEST(CooperativeController, TurnsTheObjectAboutItsCentroid) {
   CooperativeOptions o = options(3);
   CooperativeController control(o, kTips);
@@ -82,8 +82,8 @@ TEST(CooperativeController, TurnsTheObjectAboutItsCentroid) {
   ASSERT_TRUE(control.turn(euler, 0.5));
   EXPECT_FALSE(control.turn(euler, 0.5));  // one after the other
   follow(control, input, 600);
-  const Matrix3d R_master = about(0.4, {0, 0, 1}) * about(-0.3, {0, 1, 0}) * about(0.2, {1, 0, 0});
-  const Matrix3d R = o.R_world_arm[0] * R_master * o.R_world_arm[0].transpose();
+  const Matrix3d R_leader = about(0.4, {0, 0, 1}) * about(-0.3, {0, 1, 0}) * about(0.2, {1, 0, 0});
+  const Matrix3d R = o.R_world_arm[0] * R_leader * o.R_world_arm[0].transpose();
   const Vector3d centre = (kTips[0] + kTips[1] + kTips[2]) / 3.0;
   for (size_t i = 0; i < 3; ++i) {
     const Vector3d c = centre - kTips[i];
@@ -93,7 +93,7 @@ TEST(CooperativeController, TurnsTheObjectAboutItsCentroid) {
   ASSERT_TRUE(control.turn({0.0, 0.0, 0.1}, 0.5));  // a second one adds to the first
   follow(control, input, 600);
   const Matrix3d R2 =
-      o.R_world_arm[0] * about(0.1, {0, 0, 1}) * R_master * o.R_world_arm[0].transpose();
+      o.R_world_arm[0] * about(0.1, {0, 0, 1}) * R_leader * o.R_world_arm[0].transpose();
   EXPECT_NEAR((input.position[2] - centre - R2 * (kTips[2] - centre)).norm(), 0.0, 1e-12);
 }
 
@@ -122,7 +122,7 @@ TEST(CooperativeController, DerivativesBelongToThePositions) {
   }
 }
 
-// (6.4): along the object, and only slaves.
+// (6.4): along the object, and only followers.
 TEST(CooperativeController, TightensAwayFromTheCentroid) {
   CooperativeController control(options(2), tips(2));
   CooperativeInput input = at(tips(2), 0);
@@ -133,13 +133,13 @@ TEST(CooperativeController, TightensAwayFromTheCentroid) {
   EXPECT_NEAR((input.position[0] - kTips[0]).norm(), 0.0, 1e-12);
 }
 
-// (7.12) with the errata: too little tension makes the slave pull away, whichever end it is on and
-// whoever the master is.
+// (7.12) with the errata: too little tension makes the follower pull away, whichever end it is on and
+// whoever the leader is.
 TEST(CooperativeController, TooLittleTensionMakesTheSlavePullAway) {
-  for (const int master : {0, 1}) {
+  for (const int leader : {0, 1}) {
     for (const bool turned : {false, true}) {
       CooperativeOptions o = options(2);
-      o.master = master;
+      o.leader = leader;
       ForceLaw law;
       law.gain = 0.01;
       o.members = {turned ? CooperativeMember{1, 0, law, 1.0} : CooperativeMember{0, 1, law, 1.0}};
@@ -149,7 +149,7 @@ TEST(CooperativeController, TooLittleTensionMakesTheSlavePullAway) {
       ASSERT_TRUE(control.set_force(0, 5.0, 0.01));
       follow(control, input, 100);  // the sensor says 0
       EXPECT_GT((input.position[1] - input.position[0]).norm(), before + 1e-4);
-      const auto m = static_cast<size_t>(master);
+      const auto m = static_cast<size_t>(leader);
       EXPECT_EQ(input.position[m], kTips[m]);
     }
   }
@@ -272,9 +272,9 @@ TEST(CooperativeController, RefusesWhatCannotBe) {
   o.members = {{0, 2, {}, 1.0}};
   EXPECT_THROW(CooperativeController(o, tips(2)), InvalidInput);
   o.members = {};
-  o.master = 5;
+  o.leader = 5;
   EXPECT_THROW(CooperativeController(o, tips(2)), InvalidInput);
-  o.master = 0;
+  o.leader = 0;
   o.period = 0.0;
   EXPECT_THROW(CooperativeController(o, tips(2)), InvalidInput);
 }

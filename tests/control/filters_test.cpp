@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "support/near.hpp"
-#include "veridyn/control/moving_average.hpp"
+#include "control/moving_average.hpp"
 #include "veridyn/control/velocity_observer.hpp"
 #include "veridyn/math/require.hpp"
 

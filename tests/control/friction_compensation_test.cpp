@@ -82,7 +82,7 @@ TEST(FrictionCompensation, ThePreslidingRuleFollowsTheMemory) {
       arm, {effect_on(arm, "presliding_hysteresis", 2, {{"level", 0.5}, {"distance", distance}})});
   ArmState state(arm, {"tool"});
   FrictionOptions options = rule(FrictionRule::kPresliding);
-  options.reserve.prismatic = std::numeric_limits<double>::infinity();
+  options.tank_capacity.prismatic = std::numeric_limits<double>::infinity();
   FrictionCompensation friction(arm, options);
   const VectorXd none = VectorXd::Zero(3);
   const auto at = [&](double insertion) {
@@ -116,14 +116,14 @@ TEST(FrictionCompensation, TheStoreBoundsWhatCompensationGivesAway) {
     work += force * v * kPeriod;
     state.update(Eigen::Vector3d(0, 0, s), Eigen::Vector3d(0, 0, v));
     force = friction.update(state, none, none, kPeriod)[2];
-    EXPECT_GE(friction.store(0), 0.0);
+    EXPECT_GE(friction.tank_level(0), 0.0);
   }
   EXPECT_LE(work, kCoulomb * 0.002 * 1.05);
   EXPECT_GT(work, kCoulomb * 0.002 * 0.5);
   // A wanted motion fills it again.
   state.update(Eigen::Vector3d(0, 0, s), Eigen::Vector3d(0, 0, 0.0));
   for (int k = 0; k < 100; ++k) friction.update(state, Eigen::Vector3d(0, 0, 0.1), none, kPeriod);
-  EXPECT_NEAR(friction.store(0), 1.0, 1e-9);
+  EXPECT_NEAR(friction.tank_level(0), 1.0, 1e-9);
 }
 
 struct Excursion {
@@ -139,7 +139,7 @@ Excursion after_a_push(FrictionRule which, double share, bool supervised, bool w
   FrictionOptions options = rule(which);
   options.share = share;
   if (!supervised)
-    options.reserve.revolute = options.reserve.prismatic = std::numeric_limits<double>::infinity();
+    options.tank_capacity.revolute = options.tank_capacity.prismatic = std::numeric_limits<double>::infinity();
   FrictionCompensation friction(model, options);
   JointGains gains{Eigen::Vector3d(25, 20, 75), Eigen::Vector3d(10, 11, 15)};
   if (!with_feedback) gains.p = gains.d = VectorXd::Zero(3);

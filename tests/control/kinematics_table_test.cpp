@@ -1,4 +1,4 @@
-#include "veridyn/control/kinematics_table.hpp"
+#include "control/kinematics_table.hpp"
 
 #include <gtest/gtest.h>
 

@@ -86,7 +86,7 @@ TEST(WhatRemembers, ForgetsACycleThatIsNoNumber) {
     const VectorXd r = momentum.update(state, lost ? none : state.bias(), y, 1e-3);
     EXPECT_TRUE(f.allFinite() && d.allFinite() && r.allFinite()) << k;
     EXPECT_EQ(f.norm() > 0.0, !lost) << k;
-    EXPECT_EQ(std::isfinite(friction.store(0)), true);
+    EXPECT_EQ(std::isfinite(friction.tank_level(0)), true);
   }
   EXPECT_LT(momentum.torque().norm(), 1.0);
 }

@@ -136,13 +136,13 @@ TEST(InverseKinematics, FindsThePoseOfRandomJointsFromNearby) {
     int found = 0;
     for (int k = 0; k < 20; ++k) {
       const VectorXd q = random.vector(arm.joints(), -1.2, 1.2);
-      const Eigen::Matrix4d T = frame_pose(arm, q, frame);
+      const Eigen::Matrix4d T = frame_pose(arm, q, frame).matrix();
       VectorXd solution = q + random.vector(arm.joints(), -0.3, 0.3);
       const ReachStatus status =
           inverse.solve(T.topRightCorner<3, 1>(), T.topLeftCorner<3, 3>(), solution);
       if (status != ReachStatus::kReached) continue;
       ++found;
-      const Eigen::Matrix4d reached = frame_pose(arm, solution, frame);
+      const Eigen::Matrix4d reached = frame_pose(arm, solution, frame).matrix();
       EXPECT_TRUE(near(reached.topRightCorner<3, 1>(), T.topRightCorner<3, 1>(), 1e-6));
       if (options.rows == TaskRows::kPosition) continue;
       EXPECT_TRUE(near(reached.topLeftCorner<3, 3>(), T.topLeftCorner<3, 3>(), 1e-6));
@@ -162,7 +162,7 @@ TEST(InverseKinematics, LimitsHoldAndTheOtherJointsTakeOver) {
     // Reachable within the limits by construction; seven joints for three numbers.
     VectorXd q = random.vector(7, -0.6, 0.6);
     for (double& angle : q) angle = std::copysign(0.55, angle);
-    const Eigen::Matrix4d T = frame_pose(arm, q, frame);
+    const Eigen::Matrix4d T = frame_pose(arm, q, frame).matrix();
     VectorXd solution = VectorXd::Zero(7);
     const ReachStatus status =
         inverse.solve(T.topRightCorner<3, 1>(), Eigen::Matrix3d::Identity(), solution);

@@ -47,7 +47,7 @@ struct Cycle {
   static CooperativeOptions options() {
     CooperativeOptions o;
     o.R_world_arm.assign(2, Eigen::Matrix3d::Identity());
-    o.master = 1;
+    o.leader = 1;
     ForceLaw law;
     law.gain = 0.1;
     law.damping = 0.4;

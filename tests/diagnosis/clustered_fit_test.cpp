@@ -6,7 +6,7 @@
 #include <random>
 
 #include "support/near.hpp"
-#include "veridyn/math/student_t.hpp"
+#include "math/student_t.hpp"
 
 namespace veridyn {
 namespace {

@@ -9,7 +9,7 @@
 #include "diagnosis/stages/investigation.hpp"
 #include "recordings/kept_recordings.hpp"
 #include "simulation/simulation_support.hpp"
-#include "veridyn/effects/plain_friction.hpp"
+#include "effects/plain_friction.hpp"
 #include "veridyn/simulation/plausible_model.hpp"
 
 // Stages of a diagnosis on a simulated arm of two joints whose truth is known.

@@ -2,7 +2,7 @@
 
 #include "dvrk/arm_bench.hpp"
 #include "support/malloc_count.hpp"
-#include "veridyn/dvrk/arm_kinematics.hpp"
+#include "dvrk/arms/arm_kinematics.hpp"
 
 // What runs in a control loop takes nothing from the heap.
 

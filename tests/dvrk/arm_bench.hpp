@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "veridyn/dvrk/arm_facts.hpp"
-#include "veridyn/dvrk/arm_session.hpp"
-#include "veridyn/dvrk/emulated_link.hpp"
+#include "dvrk/arms/arm_facts.hpp"
+#include "dvrk/run/arm_session.hpp"
+#include "dvrk/emulator/emulated_link.hpp"
 
 namespace veridyn::dvrk {
 

@@ -1,4 +1,4 @@
-#include "veridyn/dvrk/arm_kinematics.hpp"
+#include "dvrk/arms/arm_kinematics.hpp"
 
 #include <gtest/gtest.h>
 
@@ -33,7 +33,7 @@ void expect_generic_forward(const std::string& name) {
   for (int trial = 0; trial < 200; ++trial) {
     // Beyond the limits as well.
     const VectorXd q = random.vector(chain.joints(), -4.0, 4.0);
-    EXPECT_TRUE(near(closed.forward(q), frame_pose(chain, q, chain.find_frame("tip")), 1e-12));
+    EXPECT_TRUE(near(closed.forward(q), frame_pose(chain, q, chain.find_frame("tip")).matrix(), 1e-12));
   }
 }
 
@@ -223,7 +223,7 @@ TEST(ArmKinematics, ThePsmMovesAsThePublishedModelDoes) {
     motors.head<4>() = q.head<4>();
     motors[4] = q[4] / 1.0186;
     motors[5] = (q[5] + 0.8306 * motors[4]) / 1.2178;
-    return frame_pose(published, motors, published.find_frame("yaw1"));
+    return frame_pose(published, motors, published.find_frame("yaw1")).matrix();
   };
   // T_published(q) = X T(q) Y for all q: turns and ways between any two configurations have the
   // same angle and length in both.

@@ -1,4 +1,4 @@
-#include "veridyn/dvrk/arm_run.hpp"
+#include "dvrk/run/arm_run.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,9 +7,9 @@
 #include "dvrk/bad_link.hpp"
 #include "dvrk/planar_arm.hpp"
 #include "dvrk/rig.hpp"
-#include "veridyn/dvrk/emulated_link.hpp"
-#include "veridyn/dvrk/joint_pid.hpp"
-#include "veridyn/dvrk/simulated_arm.hpp"
+#include "dvrk/emulator/emulated_link.hpp"
+#include "dvrk/run/joint_pid.hpp"
+#include "dvrk/emulator/simulated_arm.hpp"
 #include "veridyn/dynamics/rigid_body_dynamics.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/model_file.hpp"

@@ -1,4 +1,4 @@
-#include "veridyn/dvrk/arm_session.hpp"
+#include "dvrk/run/arm_session.hpp"
 
 #include <gtest/gtest.h>
 

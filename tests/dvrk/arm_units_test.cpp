@@ -1,5 +1,5 @@
 
-#include "veridyn/dvrk/arm_units.hpp"
+#include "dvrk/arms/arm_units.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 
 #include "support/near.hpp"
 #include "support/random.hpp"
-#include "veridyn/dvrk/arm_facts.hpp"
+#include "dvrk/arms/arm_facts.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn::dvrk {

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "veridyn/cooperation/scenario.hpp"
-#include "veridyn/dvrk/arm_facts.hpp"
-#include "veridyn/dvrk/board_cooperation.hpp"
+#include "dvrk/arms/arm_facts.hpp"
+#include "dvrk/cooperation/board_cooperation.hpp"
 
 namespace veridyn::dvrk {
 

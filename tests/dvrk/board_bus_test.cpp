@@ -1,4 +1,4 @@
-#include "veridyn/dvrk/board_bus.hpp"
+#include "dvrk/boards/board_bus.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "veridyn/dvrk/board_cooperation.hpp"
+#include "dvrk/cooperation/board_cooperation.hpp"
 
 #include <gtest/gtest.h>
 

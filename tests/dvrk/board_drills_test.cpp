@@ -5,7 +5,7 @@
 #include <string>
 
 #include "dvrk/board_bench.hpp"
-#include "veridyn/dvrk/board_cooperation.hpp"
+#include "dvrk/cooperation/board_cooperation.hpp"
 #include "veridyn/model/model_file.hpp"
 
 // One arm's fault stops all in a defined way: hold, give up the pretension, power off.

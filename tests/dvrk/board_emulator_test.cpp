@@ -6,8 +6,8 @@
 #include <array>
 
 #include "dvrk/vectors.hpp"
-#include "veridyn/dvrk/board_emulator.hpp"
-#include "veridyn/dvrk/hub_block.hpp"
+#include "dvrk/emulator/board_emulator.hpp"
+#include "dvrk/protocol/hub_block.hpp"
 #include "veridyn/math/require.hpp"
 
 // The checklist of section 18, asked of the core with an injected clock.

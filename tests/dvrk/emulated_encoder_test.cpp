@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "veridyn/dvrk/emulated_encoder.hpp"
+#include "dvrk/emulator/emulated_encoder.hpp"
 
 namespace veridyn::dvrk {
 namespace {

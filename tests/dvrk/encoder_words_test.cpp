@@ -1,10 +1,10 @@
-#include "veridyn/dvrk/encoder_words.hpp"
+#include "dvrk/protocol/encoder_words.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "veridyn/dvrk/analog.hpp"
+#include "dvrk/protocol/analog.hpp"
 
 namespace veridyn::dvrk {
 namespace {

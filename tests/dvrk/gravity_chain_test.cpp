@@ -1,4 +1,4 @@
-#include "veridyn/dvrk/gravity_chain.hpp"
+#include "dvrk/arms/gravity_chain.hpp"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -9,7 +9,7 @@
 
 #include "dvrk/gravity_support.hpp"
 #include "support/near.hpp"
-#include "veridyn/dvrk/effort_scales.hpp"
+#include "dvrk/arms/effort_scales.hpp"
 #include "veridyn/dynamics/rigid_body_dynamics.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/model_file.hpp"

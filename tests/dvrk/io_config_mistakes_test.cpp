@@ -4,8 +4,8 @@
 #include <iterator>
 
 #include "support/random.hpp"
-#include "veridyn/dvrk/arm_facts.hpp"
-#include "veridyn/dvrk/io_config.hpp"
+#include "dvrk/arms/arm_facts.hpp"
+#include "dvrk/config/io_config.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn::dvrk {

@@ -1,12 +1,12 @@
-#include "veridyn/dvrk/io_config.hpp"
+#include "dvrk/config/io_config.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
 #include "support/near.hpp"
-#include "veridyn/dvrk/arm_facts.hpp"
-#include "veridyn/dvrk/arm_units.hpp"
+#include "dvrk/arms/arm_facts.hpp"
+#include "dvrk/arms/arm_units.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn::dvrk {

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "veridyn/dvrk/bytes.hpp"
+#include "dvrk/protocol/bytes.hpp"
 
 namespace veridyn::dvrk {
 

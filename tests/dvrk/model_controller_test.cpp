@@ -1,4 +1,4 @@
-#include "veridyn/dvrk/model_controller.hpp"
+#include "dvrk/run/model_controller.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 
 #include "dvrk/planar_arm.hpp"
 #include "dvrk/rig.hpp"
-#include "veridyn/dvrk/arm_run.hpp"
+#include "dvrk/run/arm_run.hpp"
 #include "veridyn/math/require.hpp"
 
 // The laws of control/ on an arm session: boards, encoders and motors of planar-2r in one process.

@@ -13,7 +13,7 @@
 #include "dvrk/packet_probe.hpp"
 #include "dvrk/rig.hpp"
 #include "dvrk/vectors.hpp"
-#include "veridyn/dvrk/protocol.hpp"
+#include "dvrk/protocol/protocol.hpp"
 
 // Mutated datagrams, each in front of a page that nobody may read: a byte read beyond the end ends
 // the test, with or without a sanitizer.

@@ -3,11 +3,11 @@
 #include <array>
 #include <cstring>
 
-#include "veridyn/dvrk/command.hpp"
-#include "veridyn/dvrk/feedback.hpp"
-#include "veridyn/dvrk/hub_block.hpp"
-#include "veridyn/dvrk/reply.hpp"
-#include "veridyn/dvrk/request.hpp"
+#include "dvrk/protocol/command.hpp"
+#include "dvrk/protocol/feedback.hpp"
+#include "dvrk/protocol/hub_block.hpp"
+#include "dvrk/protocol/reply.hpp"
+#include "dvrk/protocol/request.hpp"
 
 namespace veridyn::dvrk {
 namespace {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "veridyn/dvrk/bytes.hpp"
+#include "dvrk/protocol/bytes.hpp"
 
 namespace veridyn::dvrk {
 

@@ -3,12 +3,12 @@
 #include <array>
 
 #include "dvrk/vectors.hpp"
-#include "veridyn/dvrk/command.hpp"
-#include "veridyn/dvrk/crc.hpp"
-#include "veridyn/dvrk/feedback.hpp"
-#include "veridyn/dvrk/hub_block.hpp"
-#include "veridyn/dvrk/reply.hpp"
-#include "veridyn/dvrk/request.hpp"
+#include "dvrk/protocol/command.hpp"
+#include "dvrk/protocol/crc.hpp"
+#include "dvrk/protocol/feedback.hpp"
+#include "dvrk/protocol/hub_block.hpp"
+#include "dvrk/protocol/reply.hpp"
+#include "dvrk/protocol/request.hpp"
 
 // Bytes against section 19 of the specification, in both directions.
 

@@ -8,9 +8,9 @@
 #include "dvrk/rig.hpp"
 #include "dvrk/udp_proxy.hpp"
 #include "dvrk/vectors.hpp"
-#include "veridyn/dvrk/arm_run.hpp"
-#include "veridyn/dvrk/board_server.hpp"
-#include "veridyn/dvrk/udp_link.hpp"
+#include "dvrk/run/arm_run.hpp"
+#include "dvrk/emulator/board_server.hpp"
+#include "dvrk/protocol/udp_link.hpp"
 #include "veridyn/math/require.hpp"
 
 // Who only looks sends no write: neither at the start, nor in the loop, nor at the end.

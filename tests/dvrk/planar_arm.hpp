@@ -4,9 +4,9 @@
 #include <cmath>
 #include <functional>
 
-#include "veridyn/dvrk/arm_session.hpp"
-#include "veridyn/dvrk/emulated_link.hpp"
-#include "veridyn/dvrk/simulated_arm.hpp"
+#include "dvrk/run/arm_session.hpp"
+#include "dvrk/emulator/emulated_link.hpp"
+#include "dvrk/emulator/simulated_arm.hpp"
 #include "veridyn/math/motion_samples.hpp"
 #include "veridyn/model/model_file.hpp"
 #include "veridyn/simulation/plant.hpp"

@@ -3,9 +3,9 @@
 #include <functional>
 #include <vector>
 
-#include "veridyn/dvrk/board_emulator.hpp"
-#include "veridyn/dvrk/board_session.hpp"
-#include "veridyn/dvrk/emulated_link.hpp"
+#include "dvrk/emulator/board_emulator.hpp"
+#include "dvrk/boards/board_session.hpp"
+#include "dvrk/emulator/emulated_link.hpp"
 
 namespace veridyn::dvrk {
 

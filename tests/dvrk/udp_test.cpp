@@ -3,8 +3,8 @@
 #include <thread>
 
 #include "dvrk/rig.hpp"
-#include "veridyn/dvrk/board_server.hpp"
-#include "veridyn/dvrk/udp_link.hpp"
+#include "dvrk/emulator/board_server.hpp"
+#include "dvrk/protocol/udp_link.hpp"
 #include "veridyn/math/require.hpp"
 
 // The real sockets, over loopback, in real time.

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "veridyn/dvrk/bytes.hpp"
+#include "dvrk/protocol/bytes.hpp"
 
 namespace veridyn::dvrk {
 

@@ -164,7 +164,7 @@ TEST_F(OwnEffect, IsDiagnosedWithItsConstantRefined) {
 
 // A request without numbers makes a tenth of the joint's effort, as for every other effect.
 TEST_F(OwnEffect, IsInjectedWithASensibleSize) {
-  const PlantedArm arm = plant_effects(plain(), {parse_hidden_effect("eddy_current_brake:1")});
+  const PerturbedArm arm = inject_effects(plain(), {parse_hidden_effect("eddy_current_brake:1")});
   ASSERT_EQ(arm.effects.size(), 1U);
   EXPECT_GT(arm.effects[0].values.at("level"), 0.0);
   EXPECT_EQ(arm.effects[0].values.at("peak_speed"), 0.5);

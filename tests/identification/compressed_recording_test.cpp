@@ -11,7 +11,7 @@
 #include "identification/synthetic_recording.hpp"
 #include "support/near.hpp"
 #include "identification/base_solution.hpp"
-#include "veridyn/math/zero_phase_filter.hpp"
+#include "math/zero_phase_filter.hpp"
 #include "veridyn/model/model_file.hpp"
 
 namespace veridyn {

@@ -80,7 +80,7 @@ class KnownMasses : public testing::Test {
     for (size_t j = 0; j < 6; ++j) {
       const DriveGain& g = found.joints[j];
       const double k = gains_[static_cast<Eigen::Index>(j)];
-      EXPECT_TRUE(g.told) << g.coordinate << ": " << g.reason;
+      EXPECT_TRUE(g.identifiable) << g.coordinate << ": " << g.reason;
       EXPECT_NEAR(g.value, k, tolerance * k) << g.coordinate;
       // Twice the 95 % interval: six joints at once.
       EXPECT_GT(k, g.value - 2.0 * (g.value - g.low)) << g.coordinate;
@@ -108,7 +108,7 @@ TEST_F(KnownMasses, GiveThemWithinOnePercentDespiteNoise) {
   expect_gains(found, 0.01);
   EXPECT_EQ(found.unloaded.size(), 2U);
   EXPECT_EQ(found.loads[0].known.recordings, std::vector<std::string>{load});
-  EXPECT_FALSE(found.loads[0].told_by_data);
+  EXPECT_FALSE(found.loads[0].identified);
 }
 
 // Friction and offsets of another day, or of warmer gears, do not pass for a load.
@@ -131,7 +131,7 @@ TEST_F(KnownMasses, AreFoundInTheRecordingsThatCarryThem) {
        {std::vector<std::string>{load, first}, {first, load}, {first, load, second}}) {
     const DriveGains found = find(order, {{2.0, frame_, {}}});
     expect_gains(found, 0.02);
-    EXPECT_TRUE(found.loads[0].told_by_data);
+    EXPECT_TRUE(found.loads[0].identified);
     EXPECT_EQ(found.loads[0].known.recordings, std::vector<std::string>{load});
     EXPECT_EQ(found.unloaded.size(), order.size() - 1);
   }
@@ -180,11 +180,11 @@ TEST_F(KnownMasses, SayWhichJointTheyCannotTell) {
   const DriveGains found =
       find_drive_gains(bare, {record(bare, 1, 0.02), load}, {{2.0, frame, {load}}}, {});
   EXPECT_EQ(found.problem, "");
-  for (size_t j = 0; j < 5; ++j) EXPECT_TRUE(found.joints[j].told) << j;
-  EXPECT_FALSE(found.joints[5].told);
+  for (size_t j = 0; j < 5; ++j) EXPECT_TRUE(found.joints[j].identifiable) << j;
+  EXPECT_FALSE(found.joints[5].identifiable);
   EXPECT_NE(found.joints[5].reason.find("nothing ties its currents"), std::string::npos)
       << found.joints[5].reason;
-  EXPECT_NE(found.report().find("cannot be told: nothing ties"), std::string::npos);
+  EXPECT_NE(found.report().find("not identifiable: nothing ties"), std::string::npos);
   // Such an arm cannot be identified, unless its file has the gain.
   IdentificationOptions options;
   options.known_masses = {{2.0, frame, {load}}};

@@ -15,7 +15,7 @@
 #include "identification/base_solution.hpp"
 #include "veridyn/identification/pseudo_inertia.hpp"
 #include "veridyn/math/require.hpp"
-#include "veridyn/math/zero_phase_filter.hpp"
+#include "math/zero_phase_filter.hpp"
 #include "veridyn/model/model_file.hpp"
 
 namespace veridyn {

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "veridyn/kinematics/motion_limits.hpp"
+#include "kinematics/motion_limits.hpp"
 #include "veridyn/model/model_file.hpp"
 
 namespace veridyn {

@@ -1,4 +1,4 @@
-#include "veridyn/math/student_t.hpp"
+#include "math/student_t.hpp"
 
 #include <gtest/gtest.h>
 

@@ -139,8 +139,8 @@ void expect_same_poses(const Model& a, const Model& b) {
     for (const Frame& frame : a.frames()) {
       SCOPED_TRACE(frame.name);
       ASSERT_GE(b.find_frame(frame.name), 0);
-      const Eigen::Matrix4d in_a = frame_pose(a, q, a.find_frame(frame.name));
-      EXPECT_TRUE(near(in_a, frame_pose(b, q, b.find_frame(frame.name)), kPoseRounding));
+      const Eigen::Matrix4d in_a = frame_pose(a, q, a.find_frame(frame.name)).matrix();
+      EXPECT_TRUE(near(in_a, frame_pose(b, q, b.find_frame(frame.name)).matrix(), kPoseRounding));
     }
   }
 }

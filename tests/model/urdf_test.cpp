@@ -113,7 +113,7 @@ TEST_F(UrdfFile, MimicJointsBecomeAffineJointVariables) {
 TEST_F(UrdfFile, JointsTurnAndSlideAboutAnyAxis) {
   const Model arm = read(kGripper);
   const double q = 0.3;
-  const Eigen::Matrix4d T = frame_pose(arm, Eigen::Vector2d(q, 0.04), arm.find_frame("left"));
+  const Eigen::Matrix4d T = frame_pose(arm, Eigen::Vector2d(q, 0.04), arm.find_frame("left")).matrix();
   // About y: x goes to (cos, 0, -sin). The left finger stands 0.3 + 0.04 along it (URDF axes are
   // directions).
   EXPECT_TRUE(

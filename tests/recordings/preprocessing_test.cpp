@@ -11,7 +11,7 @@
 #include "support/near.hpp"
 #include "veridyn/identification/regressor_columns.hpp"
 #include "veridyn/math/require.hpp"
-#include "veridyn/math/zero_phase_filter.hpp"
+#include "math/zero_phase_filter.hpp"
 #include "veridyn/model/model_file.hpp"
 
 namespace veridyn {

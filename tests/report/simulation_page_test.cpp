@@ -1,4 +1,4 @@
-#include "veridyn/report/simulation_page.hpp"
+#include "report/simulation_page.hpp"
 
 #include <gtest/gtest.h>
 

@@ -151,7 +151,7 @@ TEST(HiddenEffect, EveryEffectActsOnItsJointAlone) {
 // any slow motion.
 TEST(HiddenEffect, SizesThatAreNotGivenAreATenthOfTheEffort) {
   const Model arm = read_model("elbow-6r");
-  const double level = simulated(arm, {"coulomb_friction:shoulder"}).planted[0].values.at("level");
+  const double level = simulated(arm, {"coulomb_friction:shoulder"}).injected[0].values.at("level");
   EXPECT_NEAR(level / rms(simulated(arm, {}).tau.col(1)), 0.1, 0.05);
 }
 
@@ -179,8 +179,8 @@ TEST(HiddenEffect, SizesDependOnTheArmAndNotOnTheMotion) {
   const Model arm = read_model("scara");
   SimulationOptions options;
   options.hidden = {parse_hidden_effect("coulomb_friction:1")};
-  const double one = simulate_recording(arm, waves(4, 0.1), options).planted[0].values.at("level");
-  const double two = simulate_recording(arm, waves(4, 0.05), options).planted[0].values.at("level");
+  const double one = simulate_recording(arm, waves(4, 0.1), options).injected[0].values.at("level");
+  const double two = simulate_recording(arm, waves(4, 0.05), options).injected[0].values.at("level");
   EXPECT_GT(one, 0.0);
   EXPECT_EQ(one, two);
 }

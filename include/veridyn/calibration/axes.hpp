@@ -14,7 +14,7 @@ struct AxesOptions {
   /// Pairs of bodies to find axes between; empty: every pair that turns about one axis, bodies that
   /// follow each other in the file first. "world" is the frame of the cameras.
   std::vector<std::pair<std::string, std::string>> between;
-  int fewest_frames = 10;       ///< that show both bodies; fewer are refused
+  int fewest_frames = 10;       ///< Frames that show both bodies; fewer are refused
   int most_frames = 1500;       ///< used; a longer recording is thinned evenly
   double smallest_swing = 1.5;  ///< [deg] rms turn about the axis; less is refused
   double outlier = 4.5;         ///< standard deviations beyond which a position does not count
@@ -38,7 +38,7 @@ struct CalibratedAxis {
 /// What lies between two successive axes, which one body carries.
 struct CalibratedLink {
   int first = 0, second = 0;  ///< First of the list of axes
-  std::string body;           ///< that carries both
+  std::string body;           ///< Body that carries both
   /// [m] along the common normal. Where the axes are parallel as far as the data tell, no common
   /// normal is singled out, and it is plane_parallel_distance.
   double distance = 0.0;

@@ -20,7 +20,7 @@ enum class AttachedPose {
 };
 
 struct LinksOptions {
-  std::string frame;  ///< that was tracked; empty: the last frame of the longest chain
+  std::string frame;  ///< Tracked frame; empty: the last frame of the longest chain
   AttachedPose base = AttachedPose::kAutomatic;
   AttachedPose tool = AttachedPose::kAutomatic;
   int most_named = 6;     ///< wrong constants named at most; more are taken for many small ones

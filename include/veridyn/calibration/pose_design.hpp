@@ -9,7 +9,7 @@
 namespace veridyn {
 
 struct PoseDesignOptions {
-  std::string frame;         ///< that is tracked; empty: the last frame of the longest chain
+  std::string frame;         ///< Tracked frame; empty: the last frame of the longest chain
   int poses = 30;            ///< to drive to
   int candidates = 2000;     ///< among random poses within the limits
   double limit_share = 1.0;  ///< share of each coordinate's range to use

@@ -24,7 +24,7 @@ struct RemoteCenterOptions {
 /// whose errors are alike as one.
 struct RemoteCenter {
   CalibrationStatus status = CalibrationStatus::kCannotAnswer;
-  std::string reason;  ///< where it cannot be told
+  std::string reason;  ///< Why it is not identifiable; empty where it is
   std::string source, body;
   int frames = 0, outliers = 0;
   Eigen::Vector3d rcm{0, 0, 0};  ///< [m] in the frame of the cameras (b_post)
@@ -40,7 +40,7 @@ struct RemoteCenter {
   double correlation = 1.0;        ///< frames per independent frame
   std::vector<Eigen::Vector3d> points;   ///< rcm as each frame has it
   std::vector<char> is_outlier;          ///< by frame
-  std::vector<Eigen::Isometry3d> poses;  ///< that it was fitted to
+  std::vector<Eigen::Isometry3d> poses;  ///< Poses that it was fitted to
 
   std::string report() const;
 };

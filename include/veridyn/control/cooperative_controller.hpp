@@ -15,7 +15,7 @@ namespace veridyn {
 
 struct CooperativeOptions {
   std::vector<Eigen::Matrix3d> R_world_arm;  ///< axes of each arm's base; one entry for each arm
-  int master = 0;
+  int leader = 0;
   std::vector<CooperativeMember> members;
   double period = 1e-3;  ///< [s] of update()
 
@@ -80,10 +80,10 @@ enum class CooperativeState {
 const char* describe(CooperativeState state);
 
 /// Several arms move one object and keep the forces in it (thesis 6.2 to 6.4 and 7.10 to 7.12, with
-/// the errata). One arm is the master: it follows the motion alone. The others follow the same
+/// the errata). One arm is the leader: it follows the motion alone. The others follow the same
 /// motion of the object and correct the lengths of its members for the forces in them.
 ///
-/// All is kept in the world; commands come in the master's axes, as (6.2) has it, and the targets
+/// All is kept in the world; commands come in the leader's axes, as (6.2) has it, and the targets
 /// of an arm in its own base are R_world_arm' of these:
 ///
 ///   x_i      = p + R r_i            centroid p and orientation R of the object move, r_i is fixed
@@ -106,12 +106,12 @@ class CooperativeController {
 
   // Commands. False, and nothing changes, while the controller holds or for numbers that cannot be.
 
-  /// The object by `way` in the master's axes (6.2).
+  /// The object by `way` in the leader's axes (6.2).
   bool move(const Eigen::Vector3d& way, double duration) noexcept;
-  /// The object about its centroid (6.3), by Rz(gamma) Ry(beta) Rx(alpha) in the master's axes.
+  /// The object about its centroid (6.3), by Rz(gamma) Ry(beta) Rx(alpha) in the leader's axes.
   /// False while another turn is under way.
   bool turn(const Eigen::Vector3d& alpha_beta_gamma, double duration) noexcept;
-  /// Every slave away from the centroid, (6.4) with the sign that pulls.
+  /// Every follower away from the centroid, (6.4) with the sign that pulls.
   bool tighten(double by, double duration) noexcept;
   /// One arm alone relative to the object, for regrasping; in the world [m].
   bool move_arm(int arm, const Eigen::Vector3d& way, double duration) noexcept;

@@ -17,10 +17,10 @@ struct ForceLaw {
   double gain = 0.0;       ///< K_f [m/(N s)]: per second, so that the sensor's rate does not matter
   double proportional = 0.0;  ///< [m/N] beside the integral that (7.12) is
   /// [s] The damping that the thesis lacked: the ends give way against the rate at which the member
-  /// is measured to lengthen, x_f - damping * dl/dt. With a slave of stiffness K it damps the
+  /// is measured to lengthen, x_f - damping * dl/dt. With a follower of stiffness K it damps the
   /// member by K * damping.
   double damping = 0.0;
-  double feed_forward = 0.0;  ///< [m/N] times h_d: 1 / K of an impedance slave
+  double feed_forward = 0.0;  ///< [m/N] times h_d: 1 / K of an impedance follower
   double reach = 0.05;        ///< [m] largest |x_f|
   double stiffness = 0.0;  ///< [N/m] of the member as far as known, for the watch over the sensor
 };
@@ -34,13 +34,13 @@ struct ForceLaw {
 ///   proportional  its zero lies on the pole that damping and member make
 ///
 /// @throws InvalidInput  a stiffness that is not above zero.
-ForceLaw tuned_force_law(double member_stiffness, double slave_stiffness, double slave_damping);
+ForceLaw tuned_force_law(double member_stiffness, double follower_stiffness, double follower_damping);
 
 /// One force in an object, between two of the arms that hold it.
 struct CooperativeMember {
   int from = 0, to = 1;  ///< arms, from 0
   ForceLaw law;
-  /// Of x_f for each end where both are slaves: 1/2 for position loops, which share a length; 1 for
+  /// Of x_f for each end where both are followers: 1/2 for position loops, which share a length; 1 for
   /// impedances, which make forces of it, and the force is the same at both ends.
   double share = 1.0;
 };

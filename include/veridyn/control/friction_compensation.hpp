@@ -37,7 +37,7 @@ struct FrictionOptions {
   double share = 0.8;
   /// The energy that compensation may put into an axis beyond what the wanted motion asks for:
   /// friction at rest times this way [rad], [m]. Infinite: no supervision.
-  Deadband reserve{0.02, 0.002};
+  Deadband tank_capacity{0.02, 0.002};
 };
 
 /// Torque against the friction that a model has identified, by the effects' own classes.
@@ -47,9 +47,9 @@ struct FrictionOptions {
 /// faster in the direction of motion replaces the measured one (listing 7.5.1, both directions).
 ///
 /// Supervision: compensation acts along the measured motion and so feeds energy into it. Each axis
-/// has a store; work of the compensation empties it, wanted motion fills it at the rate that
-/// friction at rest would cost, up to `reserve`. Compensation fades out with the last tenth of the
-/// store, so that motion that nobody wants cannot go on: it may cost a single reserve and no more,
+/// has an energy tank: work of the compensation empties it, wanted motion fills it at the rate that
+/// friction at rest would cost, up to `tank_capacity`. Compensation fades out with the last tenth
+/// of the tank, so that unwanted motion cannot go on: it costs the content of one tank at most,
 /// however wrong the identified friction is.
 ///
 ///   FrictionCompensation friction(arm);
@@ -64,11 +64,11 @@ class FrictionCompensation {
   ///               Impedance::joint_error().
   /// @param dt  [s] since the last update().
   /// @returns (n), valid until the next update(); to be added to the torque. Zero, and nothing is
-  ///          remembered, where the arm's state is no number.
+  ///          remembered, where the arm's state is NaN or infinite.
   const VectorXd& update(const ArmState& arm, const VectorXd& dq_wanted, const VectorXd& error,
                          double dt) noexcept;
 
-  /// Forgets memories and fills the stores.
+  /// Forgets memories and fills the tanks.
   void reset() noexcept;
 
   int axes() const { return static_cast<int>(axes_.size()); }
@@ -85,8 +85,8 @@ class FrictionCompensation {
   /// scale left aside, where the arm stood at the last update().
   double sliding(int k, double direction, double speed) const noexcept;
 
-  /// How full the store of axis k is, 0 to 1.
-  double store(int k) const noexcept;
+  /// Content of the energy tank of axis k as a share of its capacity, 0 to 1.
+  double tank_level(int k) const noexcept;
 
  private:
   struct Axis {
@@ -94,17 +94,17 @@ class FrictionCompensation {
     double offset = 0.0;
     bool prismatic = false;
     std::vector<BoundEffect> terms;
-    double velocity_deadband = 0.0, position_deadband = 0.0, reserve = 0.0;
+    double velocity_deadband = 0.0, position_deadband = 0.0, tank_capacity = 0.0;
     double scale = 1.0;
-    double energy = 0.0;   // in the store [J]
-    double largest = 0.0;  // of the store [J]
+    double energy = 0.0;   // content of the tank [J]
+    double largest = 0.0;  // capacity of the tank [J]
     double s = 0.0, load = 0.0;
-    double before = 0.0;  // s of the last update
-    double force = 0.0;   // that acted since then
+    double before = 0.0;  // s at the last update
+    double force = 0.0;   // force since that update [N m], [N]
     bool first = true;
   };
   static double sliding(const Axis& axis, double direction, double speed) noexcept;
-  static double store(const Axis& axis) noexcept;
+  static double tank_level(const Axis& axis) noexcept;
   double by_velocity(const Axis& axis, double v, double v_wanted, double error) const noexcept;
   static double by_memory(Axis& axis, double will, double speed, double v) noexcept;
   double whole(Axis& axis, double v, double v_wanted, double error) const noexcept;

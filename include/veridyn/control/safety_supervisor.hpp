@@ -18,17 +18,17 @@ enum class SafetyState {
 /// Why. The first check that fails is the fault: sensors first, then motors, motion, force.
 enum class SafetyFault {
   kNone,
-  kNotFinite,    ///< a position, a velocity or a time is no number
+  kNotFinite,    ///< a position, a velocity or a time is NaN or infinite
   kSensorAge,    ///< positions are older than allowed
   kEncoderJump,  ///< a position moved farther in one cycle than the joint can
-  kController,   ///< its torque is no number
+  kController,   ///< its torque is NaN or infinite
   kOverrun,      ///< a cycle took longer than allowed
   kPosition,     ///< beyond a limit, or too fast to stop before it
   kVelocity,
   kTracking,    ///< too far from where it should be
   kTorque,      ///< asks for more than the motor has, for too long
   kForce,       ///< more than allowed at the tip
-  kForceSensor  ///< the force is no number, older than allowed, or disagrees with the joints'
+  kForceSensor  ///< the force is NaN or infinite, older than allowed, or disagrees with the joints'
                 ///< torques
 };
 

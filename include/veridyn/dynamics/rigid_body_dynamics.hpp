@@ -10,7 +10,7 @@
 
 namespace veridyn {
 
-class StateModel;  // of the library
+class StateModel;  // internal
 
 /// The rigid bodies of an arm in motion, in one convention (thesis 4.10 with the errata):
 ///

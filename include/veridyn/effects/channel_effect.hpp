@@ -33,7 +33,7 @@ constexpr int kAllJoints = -1;
 /// A key under which a channel error is injected into a simulation.
 struct InjectedValue {
   std::string key;   ///< "gain"
-  double initial;    ///< where the request gives none
+  double initial;    ///< Value where the request gives none
   double zero;       ///< no error at all; parameter = value - zero
   bool nonnegative;  ///< true: a value below `zero` cannot be
 };

@@ -53,7 +53,7 @@ struct EffectTraits {
   bool forward_simulable = true;
   /// Why not, to stand after "transmission_compliance on yaw: "; empty where it can be simulated.
   const char* not_simulable_because = "";
-  /// The attribute of URDF's <dynamics> that says the same: "damping" or "friction"; empty: none.
+  /// The attribute of URDF's element `dynamics` that says the same: "damping" or "friction"; empty: none.
   const char* urdf_attribute = "";
 };
 

@@ -30,21 +30,14 @@ enum class ExcitationCriterion {
 /// "condition", "d-optimal", "a-optimal", "discriminate".
 const char* name_of(ExcitationCriterion criterion);
 
-/// Who searches. Ipopt and NLopt are there where the build has them, see has_solver().
+/// Who searches.
 enum class ExcitationSolver {
-  kInteriorPoint,   ///< interior point of our own, exact gradient and Jacobian; always there
-  kIpopt,           ///< interior point, exact gradient and Jacobian
-  kNlopt,           ///< augmented Lagrangian over L-BFGS, exact gradient
-  kDerivativeFree,  ///< augmented Lagrangian over Subplex (NLopt)
-  kRandom,          ///< random motions within the joints' limits; the best of them
+  kInteriorPoint,  ///< primal-dual interior point with exact gradients and Jacobian
+  kRandom,         ///< random motions within the joints' limits; the best of them
 };
 
-/// "interior-point", "ipopt", "nlopt", "nlopt-derivative-free", "random".
+/// "interior-point", "random".
 const char* name_of(ExcitationSolver solver);
-bool has_solver(ExcitationSolver solver);
-
-/// The one that is quickest to a good motion: kInteriorPoint.
-ExcitationSolver best_solver();
 
 /// How columns of the base regressor are scaled before the condition number.
 enum class ColumnScaling {
@@ -78,10 +71,9 @@ struct ExcitationOptions {
   /// Above zero: the criterion is about the essential parameters only, see EssentialParameters;
   /// below 1. Not for kDiscriminate, which asks about rivals.
   double essential = 0.0;
-  ExcitationSolver solver = best_solver();
+  ExcitationSolver solver = ExcitationSolver::kInteriorPoint;
   int starts = 2;  ///< independent searches, of which the best wins
-  /// Iterations of each descent of an interior point, evaluations of NLopt, motions of kRandom in
-  /// each search; the result depends on this and not on the clock.
+  /// Iterations of each descent of the interior point, motions of kRandom in each search; the result depends on this and not on the clock.
   int iterations = 400;
   /// Of the limits of joints and torques that may be used, above 0 and at most 1.
   double limit_share = 0.95;
@@ -151,7 +143,7 @@ struct Excitation {
   ExcitationStatus status = ExcitationStatus::kDone;
   std::string robot;
   ExcitationCriterion criterion = ExcitationCriterion::kCondition;
-  ExcitationSolver solver = ExcitationSolver::kIpopt;
+  ExcitationSolver solver = ExcitationSolver::kInteriorPoint;
   FourierTrajectory trajectory;
   MotionSamples motion{};  ///< all of it, from rest to rest, at ExcitationOptions::rate
   int periods = 0;

@@ -10,7 +10,7 @@ namespace veridyn {
 /// damping and friction, inertials about the centre of mass, and gravity in a comment (SDF has it
 /// in the world).
 ///
-/// A joint variable of one coordinate that is not the coordinate itself becomes a <mimic> of
+/// A joint variable of one coordinate that is not the coordinate itself becomes a `mimic` of
 /// version 1.11; one of several coordinates a chain of mimics along one line, with massless links
 /// in between. What SDF has no words for is left out, and comments say so.
 /// @throws InvalidInput  a body has no values.

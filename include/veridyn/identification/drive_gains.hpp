@@ -23,9 +23,9 @@ struct KnownMass {
 struct DriveGain {
   std::string coordinate;
   std::string unit;  ///< "N m/A" or "N/A"
-  bool told = false;
+  bool identifiable = false;
   std::string reason;      ///< Why it is not identifiable
-  double value = 0.0;      ///< best estimate, told or not
+  double value = 0.0;      ///< best estimate, identifiable or not
   double deviation = 0.0;  ///< standard deviation, from clusters; infinite where nothing tells it
   double low = 0.0;        ///< 95 % interval; infinite ends where the data leave them open
   double high = 0.0;
@@ -36,7 +36,7 @@ struct DriveGain {
 /// What was found out about one known mass.
 struct MountedLoad {
   KnownMass known;  ///< with the recordings that carry it
-  bool told_by_data = false;
+  bool identified = false;
   std::optional<Eigen::Vector3d> centre;  ///< [m] in its frame, where the data determine it
   Eigen::Vector3d centre_deviation = Eigen::Vector3d::Zero();
 };
@@ -48,7 +48,7 @@ struct DriveGains {
   std::vector<std::string> unloaded;  ///< recordings that carry none
   int clusters = 0;                   ///< Clusters of the jackknife
 
-  /// Gains with intervals, and what cannot be told, as text.
+  /// Gains with intervals, and what is not identifiable, as text.
   std::string report() const;
 };
 
@@ -74,7 +74,7 @@ DriveGains find_drive_gains(const Model& arm, const std::vector<std::string>& re
                             const std::vector<KnownMass>& loads,
                             const PreprocessingOptions& preprocessing, int threads = 0);
 
-/// The arm with the gains that were told, and their deviations; the others keep what the file says.
+/// The arm with the gains that are identifiable, and their deviations; the others keep what the file says.
 Model with_drive_gains(const Model& arm, const DriveGains& gains);
 
 /// Reads "KG@FRAME" or "KG@FRAME=REC,REC". @throws InvalidInput  it is not of that form.

@@ -29,11 +29,13 @@ FactorSet compress(const Model& arm, const std::vector<std::string>& paths,
 /// @throws InvalidInput  they are of two arms, or were prepared differently.
 FactorSet merge(FactorSet a, const FactorSet& b);
 
-/// A factor set as bytes (little-endian, with a checksum), and back to the last bit.
+/// A factor set as bytes (little-endian, with a checksum).
+std::string to_bytes(const FactorSet& factors);
+
+/// The factor set that to_bytes() wrote, equal to the last bit.
 ///
 /// @param source  what messages call the bytes, such as the path of a file.
 /// @throws InvalidInput  these are no factors, or damaged ones, or of a later version.
-std::string to_bytes(const FactorSet& factors);
 FactorSet factors_from_bytes(const std::string& bytes, const std::string& source = "factors");
 
 /// The same in a file. @throws InvalidInput  also where it cannot be read or written.

@@ -34,7 +34,7 @@ struct FleetSpread {
   std::string unit;
   double median = 0.0;
   double spread = 0.0;  ///< robust standard deviation over the arms, 1.4826 of the median deviation
-  int arms = 0;         ///< that could tell it
+  int arms = 0;         ///< Number of arms that identify it
 };
 
 /// Something by which an arm stands out of its fleet.

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <Eigen/Geometry>
+
 #include "veridyn/model/model.hpp"
 
 namespace veridyn {
@@ -8,7 +10,7 @@ namespace veridyn {
 ///
 /// @param q  (n) [rad], metres where the joint is prismatic.
 /// @throws InvalidInput  q does not have arm.joints() entries, or there is no such frame.
-Eigen::Matrix4d frame_pose(const Model& arm, const VectorRef& q, int frame);
+Eigen::Isometry3d frame_pose(const Model& arm, const VectorRef& q, int frame);
 
 /// Velocity of the frame's origin and angular velocity of the frame, both written in the world:
 ///

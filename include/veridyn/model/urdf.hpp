@@ -16,8 +16,8 @@ namespace veridyn {
 /// without urdfdom.
 Model read_urdf(const std::string& path);
 
-/// What links look like: elements <visual> and <collision> by the name of the link as XML, and
-/// robot-wide <material> elements under the empty name.
+/// What links look like: elements `visual` and `collision` by the name of the link as XML, and
+/// robot-wide `material` elements under the empty name.
 using UrdfAppearance = std::map<std::string, std::string>;
 
 /// The appearance of a URDF file's links, as it stands there; file names of meshes are not touched.

@@ -51,7 +51,7 @@ struct LoopOptions {
   /// times, or once in a whole number of rows, whichever comes closest.
   double rate = 1000.0;
   VectorXd start;  ///< (n) where the arm stands first; empty: at the first set point
-  std::vector<PlantedArm::Contact> contacts;  ///< what the world does to the arm
+  std::vector<PerturbedArm::Contact> contacts;  ///< what the world does to the arm
 };
 
 /// What an engine did, up to the row at which it ended or had to stop.
@@ -80,6 +80,6 @@ EngineRun run_with_torques(Engine& engine, const MotionSamples& motion, const Ma
 
 /// What a contact adds to the motor's torque at time t [s] since the start: in full within its
 /// time, with ramps of 0.1 s.
-double contact_effort(const PlantedArm::Contact& contact, double t);
+double contact_effort(const PerturbedArm::Contact& contact, double t);
 
 }  // namespace veridyn

@@ -12,7 +12,7 @@ namespace veridyn {
 /// How a step ended.
 enum class StepStatus {
   kOk,
-  kNotFinite,    ///< a torque, a position or a velocity is not a number any more
+  kNotFinite,    ///< a torque, a position or a velocity has become NaN or infinite
   kNotPositive,  ///< the mass matrix has no inverse where the arm stands
   kTooStiff,     ///< the error asks for more substeps than allowed
   kRanAway       ///< a controlled joint is far beyond all that it could be asked for

@@ -24,7 +24,7 @@ namespace veridyn {
 ///   encoder_offset:JOINT     offset [rad] or [m]: added to the recorded position
 ///   external_contact:JOINT   from, to [s], effort [N m]: what the motor gives in addition
 ///
-/// Values may be arithmetic. Those that are not given get sensible sizes, see plant_effects().
+/// Values may be arithmetic. Those that are not given get sensible sizes, see inject_effects().
 struct HiddenEffect {
   std::string asked;  ///< the text, for messages
   std::string effect;
@@ -34,11 +34,11 @@ struct HiddenEffect {
 };
 
 /// @throws InvalidInput  not of this form, no such effect (with a suggestion), a key twice, a value
-///                       that is no number.
+///                       that is NaN or infinite.
 HiddenEffect parse_hidden_effect(const std::string& asked);
 
 /// A hidden effect with all its numbers.
-struct PlantedEffect {
+struct InjectedEffect {
   std::string effect;
   std::string place;  ///< name of the coordinate, frame or constant; "arm"
   int joint = 0;      ///< from 1; 0 where it is not of one joint
@@ -47,9 +47,9 @@ struct PlantedEffect {
 
 /// An arm with its hidden effects: physical ones are part of the model, the others act on what is
 /// recorded.
-struct PlantedArm {
+struct PerturbedArm {
   Model arm;
-  std::vector<PlantedEffect> effects;
+  std::vector<InjectedEffect> effects;
   VectorXd torque_gain;     ///< (n)
   VectorXd torque_delay;    ///< (n) [s]
   VectorXd encoder_offset;  ///< (n) [rad] or [m]
@@ -70,6 +70,6 @@ struct PlantedArm {
 /// half of the rms effort from 5 to 7 s; a constant changes by 10 %, a zero one by 0.05.
 /// @throws InvalidInput  no such coordinate, frame, constant or key (with a suggestion), or a value
 ///                       that cannot be.
-PlantedArm plant_effects(const Model& arm, const std::vector<HiddenEffect>& hidden);
+PerturbedArm inject_effects(const Model& arm, const std::vector<HiddenEffect>& hidden);
 
 }  // namespace veridyn

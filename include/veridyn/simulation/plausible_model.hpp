@@ -14,7 +14,7 @@ struct PlausibleModel {
 /// Bodies are ellipsoids of 0.2 to 3 kg with half axes of 3 to 12 cm, turned at random, their
 /// centre within 0.1 m of the frame's origin in every direction (and within the file's box).
 /// Effects each get 10 % of the rms effort along their axis over a standard motion of the arm, see
-/// plant_effects(); of 0.1 N m or N where it is smaller (joints that no body loads). The same arm and seed give the same values.
+/// inject_effects(); of 0.1 N m or N where it is smaller (joints that no body loads). The same arm and seed give the same values.
 PlausibleModel plausible_model(const Model& arm, unsigned seed);
 
 }  // namespace veridyn

@@ -25,7 +25,7 @@ struct ControlledRecording {
 
 /// Lets a PID lead an arm with values along a motion, and records it: forward dynamics, where
 /// simulate_recording() takes the motion for granted.
-/// @throws InvalidInput  as Plant, plant_effects() and run_with_pid().
+/// @throws InvalidInput  as Plant, inject_effects() and run_with_pid().
 ControlledRecording simulate_controlled(const Model& arm, const MotionSamples& wanted,
                                         const ControlledOptions& options);
 

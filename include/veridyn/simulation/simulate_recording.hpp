@@ -19,7 +19,7 @@ struct SimulationOptions {
 /// What a simulated arm did, and what its sensors say about it.
 struct SimulatedRecording {
   Model truth;                         ///< the arm with its physical hidden effects
-  std::vector<PlantedEffect> planted;  ///< hidden effects with all numbers
+  std::vector<InjectedEffect> injected;  ///< hidden effects with all numbers
   MotionSamples actual;                ///< the true motion
   MatrixXd actual_tau;                 ///< (rows x n) the true motor torques [N m], [N]
   MotionSamples measured;              ///< q and dq as recorded; ddq is the true one
@@ -36,7 +36,7 @@ struct SimulatedRecording {
 ///
 /// @param wanted  rows in order of time, with velocity and acceleration that fit the positions.
 /// @throws InvalidInput  wanted does not fit the arm or its time does not rise; a body has no
-///                       values; as plant_effects().
+///                       values; as inject_effects().
 SimulatedRecording simulate_recording(const Model& arm, const MotionSamples& wanted,
                                       const SimulationOptions& options = {});
 

@@ -4,7 +4,7 @@
 
 #include "cooperation/scenario_parts.hpp"
 #include "veridyn/cooperation/stability.hpp"
-#include "veridyn/kinematics/motion_limits.hpp"
+#include "kinematics/motion_limits.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/model_file.hpp"
 

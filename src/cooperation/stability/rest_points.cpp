@@ -49,7 +49,7 @@ class Points {
       tips.push_back(models_[k].p_world_base + models_[k].R_world_base * tip.position());
       options.R_world_arm.push_back(models_[k].R_world_base);
     }
-    options.master = scenario.master;
+    options.leader = scenario.master;
     options.period = kPeriod;
     for (const ScenarioMember& m : scenario.members)
       options.members.push_back({m.from, m.to, m.law, member_share(scenario, m)});

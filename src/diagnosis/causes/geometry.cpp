@@ -10,7 +10,7 @@
 #include "veridyn/dynamics/regressor_batch.hpp"
 #include "identification/base_solution.hpp"
 #include "math/parallel.hpp"
-#include "veridyn/math/student_t.hpp"
+#include "math/student_t.hpp"
 
 namespace veridyn {
 namespace {

@@ -11,7 +11,7 @@
 #include "diagnosis/shapes/inquiry.hpp"
 #include "identification/many_recordings.hpp"
 #include "veridyn/effects/cause.hpp"
-#include "veridyn/math/student_t.hpp"
+#include "math/student_t.hpp"
 
 namespace veridyn {
 namespace {

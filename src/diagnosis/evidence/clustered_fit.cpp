@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "diagnosis/numerics.hpp"
-#include "veridyn/math/student_t.hpp"
+#include "math/student_t.hpp"
 
 namespace veridyn {
 

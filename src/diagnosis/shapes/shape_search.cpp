@@ -13,7 +13,7 @@
 #include "veridyn/effects/effect.hpp"
 #include "diagnosis/evidence/clustered_fit.hpp"
 #include "diagnosis/numerics.hpp"
-#include "veridyn/math/student_t.hpp"
+#include "math/student_t.hpp"
 
 namespace veridyn {
 namespace {

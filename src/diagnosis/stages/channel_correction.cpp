@@ -5,7 +5,7 @@
 
 #include "diagnosis/shapes/refinement.hpp"
 #include "veridyn/effects/channel_effect.hpp"
-#include "veridyn/math/student_t.hpp"
+#include "math/student_t.hpp"
 
 namespace veridyn {
 namespace {

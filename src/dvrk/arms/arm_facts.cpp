@@ -1,4 +1,4 @@
-#include "veridyn/dvrk/arm_facts.hpp"
+#include "dvrk/arms/arm_facts.hpp"
 
 #include <cmath>
 #include <limits>

@@ -9,7 +9,7 @@
 #include "math/beside_program.hpp"
 #include "model/suggestion.hpp"
 #include "model/yaml/yaml_node.hpp"
-#include "veridyn/dvrk/arm_facts.hpp"
+#include "dvrk/arms/arm_facts.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn::dvrk {

@@ -1,4 +1,4 @@
-#include "veridyn/dvrk/arm_units.hpp"
+#include "dvrk/arms/arm_units.hpp"
 
 #include <Eigen/LU>
 #include <algorithm>
@@ -136,7 +136,7 @@ void ArmUnits::pot_positions(const VectorXd& mean_bits, VectorXd& actuator_q) no
 void ArmUnits::preload_words(const VectorXd& actuator_q, std::uint32_t* words) const noexcept {
   for (int i = 0; i < size(); ++i) {
     const double counts = actuator_q[i] / actuators_[static_cast<std::size_t>(i)].bits_to_position;
-    // Held at the ends here, so that no conversion overflows; not a number: zero.
+    // Held at the ends here, so that no conversion overflows; NaN: zero.
     const double held = std::isnan(counts) ? 0.0 : std::clamp(counts, -1e8, 1e8);
     words[i] = preload_word(std::llround(held));
   }

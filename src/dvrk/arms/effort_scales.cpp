@@ -1,4 +1,4 @@
-#include "veridyn/dvrk/effort_scales.hpp"
+#include "dvrk/arms/effort_scales.hpp"
 
 #include <nlohmann/json.hpp>
 

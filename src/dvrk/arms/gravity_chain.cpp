@@ -1,4 +1,4 @@
-#include "veridyn/dvrk/gravity_chain.hpp"
+#include "dvrk/arms/gravity_chain.hpp"
 
 #include <Eigen/QR>
 #include <algorithm>
@@ -15,8 +15,8 @@ namespace veridyn::dvrk {
 namespace {
 
 constexpr int kSamples = 300;
-constexpr double kTolerance = 0.05;    // of a joint's largest torque
-constexpr double kIndependent = 1e-9;  // of a column's length, what may be left of a dependent one
+constexpr double kTolerance = 0.05;    // share of a joint's largest torque
+constexpr double kIndependent = 1e-9;  // share of a column's length, what may be left of a dependent one
 constexpr double kNothing = 1e-12;     // kg or kg m that are rounding
 constexpr double kNoTorque = 1e-9;     // N m or N that are rounding
 constexpr double kCentreOffset = 0.1;  // m, where a mass may be chosen

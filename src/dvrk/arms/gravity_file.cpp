@@ -7,7 +7,7 @@
 #include "model/suggestion.hpp"
 #include "recordings/csv/csv_layout.hpp"
 #include "recordings/csv/csv_lines.hpp"
-#include "veridyn/dvrk/gravity_chain.hpp"
+#include "dvrk/arms/gravity_chain.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn::dvrk {

@@ -1,7 +1,7 @@
 #include <cmath>
 #include <limits>
 
-#include "veridyn/dvrk/arm_kinematics.hpp"
+#include "dvrk/arms/arm_kinematics.hpp"
 
 namespace veridyn::dvrk {
 namespace {

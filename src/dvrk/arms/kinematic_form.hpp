@@ -5,8 +5,8 @@
 #include <optional>
 #include <vector>
 
-#include "veridyn/dvrk/arm_facts.hpp"
-#include "veridyn/dvrk/arm_kinematics.hpp"
+#include "dvrk/arms/arm_facts.hpp"
+#include "dvrk/arms/arm_kinematics.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn::dvrk {

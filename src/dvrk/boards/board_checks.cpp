@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "veridyn/dvrk/board_session.hpp"
+#include "dvrk/boards/board_session.hpp"
 
 // What a session checks in every cycle: sections 14.6 and 17, #17 to #24.
 

@@ -1,6 +1,6 @@
 #include <algorithm>
 
-#include "veridyn/dvrk/board_bus.hpp"
+#include "dvrk/boards/board_bus.hpp"
 
 // Single registers: those that change slowly, and real-time words for a client that only looks.
 

@@ -3,7 +3,7 @@
 #include <iomanip>
 #include <sstream>
 
-#include "veridyn/dvrk/board_bus.hpp"
+#include "dvrk/boards/board_bus.hpp"
 #include "veridyn/math/require.hpp"
 
 // Who is on the bus: section 5, and again whenever nodes may have changed (section 6).
@@ -18,7 +18,7 @@ constexpr int kScannedNodes = 16;
 // Gap counts that suffice for so many cable hops (IEEE 1394a-2000, annex E.1), from one hop on.
 constexpr std::array<std::uint8_t, 16> kGapCount = {5,  7,  8,  10, 13, 16, 18, 21,
                                                     24, 26, 29, 32, 35, 37, 40, 43};
-constexpr std::uint32_t kGapCountNever = 63;  // that of power-up
+constexpr std::uint32_t kGapCountNever = 63;  // gap count of power-up
 constexpr std::uint32_t kReadPhy1 = 1;
 constexpr std::uint32_t kWritePhy1 = 0x1100;
 

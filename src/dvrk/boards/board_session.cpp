@@ -1,4 +1,4 @@
-#include "veridyn/dvrk/board_session.hpp"
+#include "dvrk/boards/board_session.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "veridyn/dvrk/board_bus.hpp"
+#include "dvrk/boards/board_bus.hpp"
 
 // What goes to the boards: real-time blocks, registers, and the word that switches off.
 

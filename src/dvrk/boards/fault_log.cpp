@@ -1,10 +1,10 @@
-#include "veridyn/dvrk/fault_log.hpp"
+#include "dvrk/boards/fault_log.hpp"
 
 #include <iomanip>
 #include <sstream>
 
-#include "veridyn/dvrk/analog.hpp"
-#include "veridyn/dvrk/protocol.hpp"
+#include "dvrk/protocol/analog.hpp"
+#include "dvrk/protocol/protocol.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn::dvrk {
@@ -24,7 +24,7 @@ const char* describe(Condition condition) {
     case Condition::kWrongHeader:
       return "a reply that does not fit its request";
     case Condition::kStaleReply:
-      return "a reply that nobody waited for";
+      return "an unsolicited reply";
     case Condition::kWrongCrc:
       return "a reply with a wrong CRC";
     case Condition::kWrongBoard:

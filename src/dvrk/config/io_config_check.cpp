@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "model/suggestion.hpp"
-#include "veridyn/dvrk/io_config.hpp"
+#include "dvrk/config/io_config.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn::dvrk {

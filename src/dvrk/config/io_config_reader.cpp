@@ -7,7 +7,7 @@
 #include <sstream>
 
 #include "config_tree.hpp"
-#include "veridyn/dvrk/io_config.hpp"
+#include "dvrk/config/io_config.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn::dvrk {

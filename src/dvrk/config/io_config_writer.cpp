@@ -2,7 +2,7 @@
 #include <cmath>
 
 #include "config_tree.hpp"
-#include "veridyn/dvrk/io_config.hpp"
+#include "dvrk/config/io_config.hpp"
 
 namespace veridyn::dvrk {
 namespace {

@@ -4,7 +4,7 @@
 #include <cstdlib>
 
 #include "model/suggestion.hpp"
-#include "veridyn/dvrk/board_cooperation.hpp"
+#include "dvrk/cooperation/board_cooperation.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn::dvrk {

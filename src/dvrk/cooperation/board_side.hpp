@@ -6,8 +6,8 @@
 #include "cooperation/arm_loop.hpp"
 #include "cooperation/scenario_models.hpp"
 #include "veridyn/control/safety_supervisor.hpp"
-#include "veridyn/dvrk/arm_session.hpp"
-#include "veridyn/dvrk/board_cooperation.hpp"
+#include "dvrk/run/arm_session.hpp"
+#include "dvrk/cooperation/board_cooperation.hpp"
 
 namespace veridyn::dvrk {
 

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "cooperation/end_stops.hpp"
+#include "dvrk/run/arm_session.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn::dvrk {

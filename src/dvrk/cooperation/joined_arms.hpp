@@ -7,11 +7,11 @@
 #include "cooperation/experiment.hpp"
 #include "stepped_link.hpp"
 #include "veridyn/control/arm_state.hpp"
-#include "veridyn/dvrk/arm_session.hpp"
-#include "veridyn/dvrk/board_cooperation.hpp"
-#include "veridyn/dvrk/board_emulator.hpp"
-#include "veridyn/dvrk/board_server.hpp"
-#include "veridyn/dvrk/simulated_arm.hpp"
+#include "dvrk/run/arm_session.hpp"
+#include "dvrk/cooperation/board_cooperation.hpp"
+#include "dvrk/emulator/board_emulator.hpp"
+#include "dvrk/emulator/board_server.hpp"
+#include "dvrk/emulator/simulated_arm.hpp"
 
 namespace veridyn::dvrk {
 

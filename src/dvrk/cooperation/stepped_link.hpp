@@ -1,6 +1,6 @@
 #pragma once
 
-#include "veridyn/dvrk/udp_link.hpp"
+#include "dvrk/protocol/udp_link.hpp"
 
 namespace veridyn::dvrk {
 

@@ -1,4 +1,4 @@
-#include "veridyn/dvrk/board_emulator.hpp"
+#include "dvrk/emulator/board_emulator.hpp"
 
 #include <algorithm>
 #include <set>

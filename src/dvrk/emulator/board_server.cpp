@@ -1,4 +1,4 @@
-#include "veridyn/dvrk/board_server.hpp"
+#include "dvrk/emulator/board_server.hpp"
 
 #include <arpa/inet.h>
 #include <ifaddrs.h>

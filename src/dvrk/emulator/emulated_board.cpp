@@ -1,4 +1,4 @@
-#include "veridyn/dvrk/emulated_board.hpp"
+#include "dvrk/emulator/emulated_board.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "veridyn/dvrk/emulated_encoder.hpp"
+#include "dvrk/emulator/emulated_encoder.hpp"
 
 #include <algorithm>
 #include <cmath>

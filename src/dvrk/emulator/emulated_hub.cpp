@@ -1,7 +1,7 @@
 #include <algorithm>
 
-#include "veridyn/dvrk/board_emulator.hpp"
-#include "veridyn/dvrk/hub_block.hpp"
+#include "dvrk/emulator/board_emulator.hpp"
+#include "dvrk/protocol/hub_block.hpp"
 
 // The hub of emulated boards: broadcast query and read.
 

@@ -1,4 +1,4 @@
-#include "veridyn/dvrk/emulated_link.hpp"
+#include "dvrk/emulator/emulated_link.hpp"
 
 #include <algorithm>
 #include <cmath>

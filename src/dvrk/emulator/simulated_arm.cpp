@@ -1,9 +1,9 @@
-#include "veridyn/dvrk/simulated_arm.hpp"
+#include "dvrk/emulator/simulated_arm.hpp"
 
 #include <Eigen/LU>
 #include <algorithm>
 
-#include "veridyn/dvrk/protocol.hpp"
+#include "dvrk/protocol/protocol.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn::dvrk {

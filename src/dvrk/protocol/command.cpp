@@ -1,4 +1,4 @@
-#include "veridyn/dvrk/command.hpp"
+#include "dvrk/protocol/command.hpp"
 
 namespace veridyn::dvrk {
 namespace {

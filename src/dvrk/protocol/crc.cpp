@@ -1,4 +1,4 @@
-#include "veridyn/dvrk/crc.hpp"
+#include "dvrk/protocol/crc.hpp"
 
 #include <array>
 

@@ -1,4 +1,4 @@
-#include "veridyn/dvrk/encoder_words.hpp"
+#include "dvrk/protocol/encoder_words.hpp"
 
 #include <algorithm>
 #include <cmath>

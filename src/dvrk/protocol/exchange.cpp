@@ -1,4 +1,4 @@
-#include "veridyn/dvrk/exchange.hpp"
+#include "dvrk/protocol/exchange.hpp"
 
 namespace veridyn::dvrk {
 namespace {

@@ -1,4 +1,4 @@
-#include "veridyn/dvrk/feedback.hpp"
+#include "dvrk/protocol/feedback.hpp"
 
 namespace veridyn::dvrk {
 namespace {

@@ -1,4 +1,4 @@
-#include "veridyn/dvrk/hub_block.hpp"
+#include "dvrk/protocol/hub_block.hpp"
 
 namespace veridyn::dvrk {
 namespace {

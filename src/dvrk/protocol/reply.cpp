@@ -1,8 +1,8 @@
-#include "veridyn/dvrk/reply.hpp"
+#include "dvrk/protocol/reply.hpp"
 
 #include <cstring>
 
-#include "veridyn/dvrk/crc.hpp"
+#include "dvrk/protocol/crc.hpp"
 
 namespace veridyn::dvrk {
 namespace {

@@ -1,8 +1,8 @@
-#include "veridyn/dvrk/request.hpp"
+#include "dvrk/protocol/request.hpp"
 
 #include <cstring>
 
-#include "veridyn/dvrk/crc.hpp"
+#include "dvrk/protocol/crc.hpp"
 
 namespace veridyn::dvrk {
 namespace {

@@ -1,4 +1,4 @@
-#include "veridyn/dvrk/udp_link.hpp"
+#include "dvrk/protocol/udp_link.hpp"
 
 #include <arpa/inet.h>
 #include <fcntl.h>

@@ -1,4 +1,4 @@
-#include "veridyn/dvrk/arm_run.hpp"
+#include "dvrk/run/arm_run.hpp"
 
 #include <Eigen/LU>
 #include <algorithm>
@@ -17,7 +17,7 @@ namespace veridyn::dvrk {
 namespace {
 
 constexpr double kSilence = 0.5;        // [s] without a valid read at the end: the boards are gone
-constexpr double kIntegralShare = 0.5;  // of the largest torque
+constexpr double kIntegralShare = 0.5;  // share of the largest torque
 constexpr double kLargestError = 0.35;  // [rad]
 constexpr double kLargestErrorSliding = 0.02;  // [m]
 

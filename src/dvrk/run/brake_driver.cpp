@@ -1,4 +1,4 @@
-#include "veridyn/dvrk/brake_driver.hpp"
+#include "dvrk/run/brake_driver.hpp"
 
 namespace veridyn::dvrk {
 

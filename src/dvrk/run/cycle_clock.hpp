@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <ctime>
 
-#include "veridyn/dvrk/datagram_link.hpp"
-#include "veridyn/dvrk/loop_timing.hpp"
+#include "dvrk/protocol/datagram_link.hpp"
+#include "dvrk/run/loop_timing.hpp"
 
 namespace veridyn::dvrk {
 

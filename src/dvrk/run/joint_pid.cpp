@@ -1,4 +1,4 @@
-#include "veridyn/dvrk/joint_pid.hpp"
+#include "dvrk/run/joint_pid.hpp"
 
 #include <algorithm>
 
@@ -14,7 +14,7 @@ JointPid::JointPid(const PidGains& gains, const VectorXd& integral_limit)
           " and limits of ", limit_.size(), " joints, expected the same number of each.");
   for (const VectorXd* one : {&gains.p, &gains.i, &gains.d, &integral_limit})
     require(one->allFinite() && one->minCoeff() >= 0.0,
-            "joint PID: found a gain or a limit that is negative or no number.");
+            "joint PID: found a gain or a limit that is negative or NaN.");
 }
 
 void JointPid::torques(const VectorXd& q, const VectorXd& dq, const VectorXd& wanted_q,

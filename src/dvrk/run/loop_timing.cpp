@@ -1,4 +1,4 @@
-#include "veridyn/dvrk/loop_timing.hpp"
+#include "dvrk/run/loop_timing.hpp"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "veridyn/dvrk/model_controller.hpp"
+#include "dvrk/run/model_controller.hpp"
 
 #include <Eigen/SVD>
 #include <algorithm>
@@ -56,7 +56,7 @@ Tip tip_of(const ModelControlOptions& options, const Model& model) {
   return {options.tip.empty() ? default_tip(model) : options.tip};
 }
 
-constexpr double kIntegralShare = 0.5;  // of the largest torque, as in a run with a PID
+constexpr double kIntegralShare = 0.5;  // share of the largest torque, as in a run with a PID
 
 }  // namespace
 

@@ -9,7 +9,7 @@
 #include "row_file.hpp"
 #include "row_keeper.hpp"
 #include "set_points.hpp"
-#include "veridyn/dvrk/arm_run.hpp"
+#include "dvrk/run/arm_run.hpp"
 
 namespace veridyn::dvrk {
 

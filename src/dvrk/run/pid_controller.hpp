@@ -1,7 +1,7 @@
 #pragma once
 
-#include "veridyn/dvrk/joint_pid.hpp"
-#include "veridyn/dvrk/motion_controller.hpp"
+#include "dvrk/run/joint_pid.hpp"
+#include "dvrk/run/motion_controller.hpp"
 
 namespace veridyn::dvrk {
 

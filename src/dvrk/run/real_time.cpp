@@ -1,4 +1,4 @@
-#include "veridyn/dvrk/real_time.hpp"
+#include "dvrk/run/real_time.hpp"
 
 #include <sched.h>
 #include <sys/mman.h>

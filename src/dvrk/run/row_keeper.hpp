@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "math/most_rows.hpp"
-#include "veridyn/dvrk/arm_units.hpp"
+#include "dvrk/arms/arm_units.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/recordings/recording.hpp"
 

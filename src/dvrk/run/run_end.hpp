@@ -4,7 +4,7 @@
 
 #include "cycle_clock.hpp"
 #include "row_file.hpp"
-#include "veridyn/dvrk/arm_run.hpp"
+#include "dvrk/run/arm_run.hpp"
 
 // How runs and recordings end.
 

@@ -1,4 +1,4 @@
-#include "veridyn/dvrk/run_json.hpp"
+#include "dvrk/run/run_json.hpp"
 
 #include <nlohmann/json.hpp>
 

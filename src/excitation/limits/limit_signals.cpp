@@ -11,7 +11,7 @@ namespace veridyn {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kRoundedShare = 0.01;  // of the largest speed, for signs in torques
+constexpr double kRoundedShare = 0.01;  // share of the largest speed, for signs in torques
 
 }  // namespace
 

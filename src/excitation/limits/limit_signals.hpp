@@ -8,7 +8,7 @@
 #include "regressor/column_source.hpp"
 #include "excitation/limits/frame_points.hpp"
 #include "veridyn/excitation/workspace_limits.hpp"
-#include "veridyn/kinematics/motion_limits.hpp"
+#include "kinematics/motion_limits.hpp"
 
 namespace veridyn {
 

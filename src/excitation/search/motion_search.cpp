@@ -14,35 +14,35 @@ namespace veridyn {
 namespace {
 
 constexpr int kDraws = 32;            // random motions of which the best begins a search
-constexpr int kTrials = 16;           // of which short descents begin
+constexpr int kTrials = 16;           // random motions from which short descents begin
 constexpr int kTrialIterations = 30;  // each
-constexpr int kFollowed = 3;          // of which the best are followed to the end
-constexpr int kInstantsPerWave = 24;  // of the shortest wave, for the criterion
+constexpr int kFollowed = 3;          // descents that are followed to the end
+constexpr int kInstantsPerWave = 24;  // instants of the shortest wave, for the criterion
 constexpr int kLimitsPerWave = 14;    // and for the limits; what is between is fitted afterwards
 static_assert(kStages == 2, "one for each sharpness");
-constexpr double kSharpness[] = {2.0, 16.0};  // of the smooth condition number, one after the other
+constexpr double kSharpness[] = {2.0, 16.0};  // sharpness of the smooth condition number, one after the other
 constexpr double kLastSharpness = 100.0;      // for the best motion of all searches
 constexpr int kNarrowings = 5;                // rounds until limits hold between instants too
-constexpr double kInside = 1e-7;              // of a limit's scale: against rounding
+constexpr double kInside = 1e-7;              // share of a limit's scale: against rounding
 
-constexpr double kRoundingShare = 1e-12;  // of a joint's limits, that is left free
+constexpr double kRoundingShare = 1e-12;  // share of a joint's limits, that is left free
 
 }  // namespace
 
 MotionSearch::MotionSearch(const MotionSpace& space, const LimitSignals& signals,
                            const Question& question, const ExcitationOptions& options,
-                           SearchProgress& progress)
+                           const NonlinearSolver& solver, SearchProgress& progress)
     : space_(space),
       signals_(signals),
       question_(question),
       options_(options),
+      solver_(solver),
       progress_(progress) {}
 
 int MotionSearch::most_steps(const ExcitationOptions& options) {
   if (options.solver == ExcitationSolver::kRandom) return options.iterations;
   const bool condition = options.criterion == ExcitationCriterion::kCondition;
   const int descents = condition ? kStages + 1 : 1;
-  if (options.solver != ExcitationSolver::kInteriorPoint) return descents * options.iterations;
   return kTrials * std::min(kTrialIterations, options.iterations) +
          kFollowed * descents * options.iterations;
 }
@@ -110,21 +110,6 @@ std::vector<VectorXd> MotionSearch::tried(const std::vector<VectorXd>& from, con
   return out;
 }
 
-SolverResult MotionSearch::solve([[maybe_unused]] NonlinearProgram& program, const VectorXd& from,
-                                 [[maybe_unused]] const SolverOptions& options) const {
-  if (options_.solver == ExcitationSolver::kInteriorPoint)
-    return solve_with_interior_point(program, from, options);
-#ifdef VERIDYN_WITH_IPOPT
-  if (options_.solver == ExcitationSolver::kIpopt) return solve_with_ipopt(program, from, options);
-#endif
-#ifdef VERIDYN_WITH_NLOPT
-  const bool exact = options_.solver == ExcitationSolver::kNlopt;
-  return solve_with_nlopt(program, from,
-                          exact ? NloptMethod::kGradient : NloptMethod::kDerivativeFree, options);
-#endif
-  return {from};
-}
-
 VectorXd MotionSearch::descend(const VectorXd& from, const Bounds& bounds, const Descent& descent,
                                int start, Found& found) const {
   GridConstraints limits(space_, signals_, kLimitsPerWave * space_.harmonics());
@@ -148,7 +133,7 @@ VectorXd MotionSearch::descend(const VectorXd& from, const Bounds& bounds, const
     progress_.step(start, news);
     return options_.stop && options_.stop();
   };
-  const SolverResult result = solve(program, from, solver);
+  const SolverResult result = solver_(program, from, solver);
   found.evaluations += program.evaluations();
   found.converged = result.converged;
   return program.best() ? program.best()->x : VectorXd();
@@ -164,7 +149,7 @@ VectorXd MotionSearch::into_limits(const VectorXd& from, const Bounds& bounds) c
   SolverOptions solver;
   solver.iterations = options_.iterations;
   solver.stop = options_.stop;
-  return solve(program, start, solver).x.head(space_.size());
+  return solver_(program, start, solver).x.head(space_.size());
 }
 
 bool MotionSearch::narrow(const VectorXd& x, Bounds& bounds) const {
@@ -226,11 +211,7 @@ Found MotionSearch::run(int start) const {
     if (keeps(from.front(), bounds)) found.ends = {from.front()};
     return found;
   }
-  if (options_.solver == ExcitationSolver::kInteriorPoint) {
-    from = tried(from, bounds, start, found);
-  } else {
-    from.resize(1);
-  }
+  from = tried(from, bounds, start, found);
   for (const VectorXd& x : from) {
     const VectorXd end = follow(x, start, found);
     if (end.size() > 0) found.ends.push_back(end);

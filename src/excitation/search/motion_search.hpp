@@ -27,7 +27,8 @@ struct Found {
 class MotionSearch {
  public:
   MotionSearch(const MotionSpace& space, const LimitSignals& signals, const Question& question,
-               const ExcitationOptions& options, SearchProgress& progress);
+               const ExcitationOptions& options, const NonlinearSolver& solver,
+               SearchProgress& progress);
 
   Found run(int start) const;
 
@@ -56,8 +57,6 @@ class MotionSearch {
   VectorXd follow(VectorXd x, int start, Found& found) const;
   VectorXd descend(const VectorXd& from, const Bounds& bounds, const Descent& descent, int start,
                    Found& found) const;
-  SolverResult solve(NonlinearProgram& program, const VectorXd& from,
-                     const SolverOptions& options) const;
   VectorXd into_limits(const VectorXd& from, const Bounds& bounds) const;
   bool narrow(const VectorXd& x, Bounds& bounds) const;
 
@@ -65,8 +64,13 @@ class MotionSearch {
   const LimitSignals& signals_;
   const Question& question_;
   const ExcitationOptions& options_;
+  const NonlinearSolver& solver_;
   SearchProgress& progress_;
 };
+
+/// optimise_excitation() of excitation.hpp, with any solver in place of the interior point.
+Excitation optimise_excitation(const Model& arm, const ExcitationOptions& options,
+                               const NonlinearSolver& solver);
 
 /// The nearest motion of the same shape within the ranges, speeds and accelerations of the space:
 /// joints that exceed one are made smaller and moved.

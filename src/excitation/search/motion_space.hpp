@@ -2,7 +2,7 @@
 
 #include "math/random_numbers.hpp"
 #include "veridyn/excitation/fourier_trajectory.hpp"
-#include "veridyn/kinematics/motion_limits.hpp"
+#include "kinematics/motion_limits.hpp"
 
 namespace veridyn {
 

@@ -40,26 +40,14 @@ struct SolverResult {
   int iterations = 0;
 };
 
+/// A solver: solve_with_interior_point(), or another one to compare it with.
+using NonlinearSolver =
+    std::function<SolverResult(NonlinearProgram&, const VectorXd& start, const SolverOptions&)>;
+
 /// Primal-dual interior point with slacks, a line search and a dense, damped BFGS Hessian; each
 /// step is one Cholesky factor of the size of the variables, however many constraints there are.
 /// For up to some hundred variables (Nocedal and Wright, Numerical Optimization, 2006, chapter 19).
 SolverResult solve_with_interior_point(NonlinearProgram& program, const VectorXd& start,
                                        const SolverOptions& options);
-
-/// Interior point with exact gradients and Jacobian and an L-BFGS Hessian (Waechter and Biegler,
-/// Mathematical Programming 106(1), 2006). Several at once are safe: the solver's own code takes
-/// turns, the functions run side by side.
-SolverResult solve_with_ipopt(NonlinearProgram& program, const VectorXd& start,
-                              const SolverOptions& options);
-
-enum class NloptMethod {
-  kGradient,        ///< augmented Lagrangian over L-BFGS
-  kDerivativeFree,  ///< augmented Lagrangian over Subplex
-};
-
-/// Augmented Lagrangian (Birgin and Martinez, Optimization Methods and Software 23(2), 2008) over a
-/// method without constraints.
-SolverResult solve_with_nlopt(NonlinearProgram& program, const VectorXd& start, NloptMethod method,
-                              const SolverOptions& options);
 
 }  // namespace veridyn

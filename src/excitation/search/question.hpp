@@ -7,7 +7,7 @@
 #include "excitation/criterion.hpp"
 #include "excitation/search/motion_objective.hpp"
 #include "regressor/stacked_columns.hpp"
-#include "veridyn/excitation/base_regressor.hpp"
+#include "excitation/base_regressor.hpp"
 #include "veridyn/excitation/excitation.hpp"
 
 namespace veridyn {

@@ -9,7 +9,7 @@
 #include "regressor/random_states.hpp"
 #include "veridyn/regressor/base_parameters.hpp"
 #include "excitation/search/question.hpp"
-#include "veridyn/kinematics/motion_limits.hpp"
+#include "kinematics/motion_limits.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/effects/cause.hpp"
 #include "veridyn/effects/channel_effect.hpp"
@@ -69,7 +69,7 @@ bool is_on(const EffectTerm& term, const std::string& effect, JointIndex joint) 
          term.axis.coefficients == VectorXd::Unit(term.axis.coefficients.size(), joint.value);
 }
 
-constexpr size_t kMostChoices = 3;  // of one rival's constants
+constexpr size_t kMostChoices = 3;  // choices of one rival's constants
 
 // Every second one, where there are many: neighbours of a fine grid have nearly the same columns.
 std::vector<ShapeChoice> thinned(std::vector<ShapeChoice> choices) {

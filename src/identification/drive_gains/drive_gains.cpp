@@ -9,14 +9,14 @@
 
 #include "identification/drive_gains/gain_fit.hpp"
 #include "veridyn/math/require.hpp"
-#include "veridyn/math/student_t.hpp"
+#include "math/student_t.hpp"
 #include "model/suggestion.hpp"
 
 namespace veridyn {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kTold = 0.25;        // half the 95 % interval, relative: wider ones tell no gain
+constexpr double kIdentifiable = 0.25;        // half the 95 % interval, relative: wider ones tell no gain
 constexpr double kNothing = 1e-6;     // share of a joint's torque
 constexpr double kNoWeight = 1e-9;    // [N m/kg]
 constexpr size_t kMostDivisions = 8;  // recordings that are divided by trying all divisions
@@ -91,7 +91,7 @@ DriveGain gain_of(const Coordinate& coordinate, double p, double deviation, doub
   const bool one_sign = std::isfinite(deviation) && low * high > 0.0;
   out.low = one_sign ? 1.0 / high : -kInfinity;
   out.high = one_sign ? 1.0 / low : kInfinity;
-  out.told = one_sign && t * deviation < kTold * std::abs(p);
+  out.identifiable = one_sign && t * deviation < kIdentifiable * std::abs(p);
   return out;
 }
 
@@ -135,13 +135,13 @@ DriveGains described(const Model& arm, const std::vector<std::string>& recording
     DriveGain gain = gain_of(arm.coordinates()[static_cast<size_t>(j)], fit.solution.p()[j],
                              fit.p_deviation(j), t);
     gain.share = fit.mass_share[j];
-    if (!gain.told) gain.reason = why_not(gain, weight[j] > kNoWeight);
+    if (!gain.identifiable) gain.reason = why_not(gain, weight[j] > kNoWeight);
     out.joints.push_back(std::move(gain));
   }
   for (size_t l = 0; l < loads.size(); ++l) {
     MountedLoad mounted;
     mounted.known = loads[l];
-    mounted.told_by_data = loads[l].recordings.empty();
+    mounted.identified = loads[l].recordings.empty();
     mounted.known.recordings.clear();
     for (size_t r = 0; r < recordings.size(); ++r) {
       if (fit.loaded[r] && data.load_of(r) == static_cast<int>(l))
@@ -163,8 +163,8 @@ DriveGains find_drive_gains(const Model& arm, const std::vector<std::string>& re
                             const PreprocessingOptions& preprocessing, int threads) {
   check(arm, recordings, loads);
   const std::vector<int> load_of = named_loads(recordings, loads);
-  const bool told_by_data = loads.front().recordings.empty();
-  require(!told_by_data || recordings.size() <= kMostDivisions, "known mass: found ",
+  const bool identified = loads.front().recordings.empty();
+  require(!identified || recordings.size() <= kMostDivisions, "known mass: found ",
           recordings.size(), " recordings, expected KG@FRAME=REC,REC that says which carry it.");
   std::vector<bool> loaded(recordings.size());
   std::vector<int> candidates = load_of;
@@ -172,10 +172,10 @@ DriveGains find_drive_gains(const Model& arm, const std::vector<std::string>& re
     loaded[r] = load_of[r] >= 0;
     candidates[r] = std::max(load_of[r], 0);
   }
-  require(told_by_data || std::find(loaded.begin(), loaded.end(), false) != loaded.end(),
+  require(identified || std::find(loaded.begin(), loaded.end(), false) != loaded.end(),
           "known mass: found a load in every recording, expected one at least without.");
   const GainData data(arm, recordings, loads, candidates, preprocessing, threads);
-  const GainFit fit = told_by_data ? best_division(data, loads) : fit_gains(data, loads, loaded);
+  const GainFit fit = identified ? best_division(data, loads) : fit_gains(data, loads, loaded);
   return described(arm, recordings, loads, data, fit);
 }
 
@@ -183,7 +183,7 @@ Model with_drive_gains(const Model& arm, const DriveGains& gains) {
   ModelDescription d = arm.description();
   d.identified.reset();
   for (size_t j = 0; j < gains.joints.size(); ++j) {
-    if (!gains.joints[j].told) continue;
+    if (!gains.joints[j].identifiable) continue;
     d.coordinates[j].drive_gain = gains.joints[j].value;
     d.coordinates[j].drive_gain_deviation = gains.joints[j].deviation;
   }

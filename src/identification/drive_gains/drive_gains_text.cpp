@@ -40,7 +40,7 @@ std::string DriveGains::report() const {
     for (const std::string& path : load.known.recordings)
       names.push_back(path.substr(path.find_last_of('/') + 1));
     out += fmt::format("  {:.4g} kg on {} in {}{}", load.known.mass, load.known.frame,
-                       listed(names), load.told_by_data ? " (told by the data)" : "");
+                       listed(names), load.identified ? " (identified)" : "");
     if (load.centre) {
       const Eigen::Vector3d& c = *load.centre;
       const Eigen::Vector3d& s = load.centre_deviation;
@@ -57,7 +57,7 @@ std::string DriveGains::report() const {
           fmt::format("{:9.4g} {} (95 %: {:.4g} to {:.4g})", g.value, g.unit, g.low, g.high));
     }
     if (g.in_file != 0.0) parts.push_back(fmt::format("{:.4g} in the robot file", g.in_file));
-    if (!g.told) parts.push_back("cannot be told: " + g.reason);
+    if (!g.identifiable) parts.push_back("not identifiable: " + g.reason);
     out += fmt::format("  {:<16} {}\n", g.coordinate, listed(parts));
   }
   return out;

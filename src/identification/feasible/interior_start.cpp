@@ -12,7 +12,7 @@ using Eigen::Vector4d;
 
 namespace {
 
-constexpr double kRidge = 1e-3;  // of the least squares that give the first x
+constexpr double kRidge = 1e-3;  // ridge of the least squares that give the first x
 constexpr double kUnseen =
     1e-26;  // a column with a squared norm this far below the largest is zero
 constexpr double kSmallestSlack = 0.1;   // relative to the size of what the constraint compares

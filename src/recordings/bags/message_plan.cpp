@@ -12,7 +12,7 @@ namespace veridyn::bags {
 namespace {
 
 constexpr int kDeepest = 16;          // messages within messages
-constexpr std::size_t kLeaves = 4096; // of one type
+constexpr std::size_t kLeaves = 4096; // leaves of one type
 
 struct Line {
   std::string type, name;

@@ -73,7 +73,7 @@ void check_delay(const Head& head, int joint, Findings* findings) {
 
 // Steps of dq from row to row, stale rows and the rows after them left out.
 void check_quantised(const Head& head, int joint, const VelocityFit& fit, Findings* findings) {
-  constexpr double kCoarse = 0.07;   // of the range
+  constexpr double kCoarse = 0.07;   // share of the range
   constexpr double kTwoKinds = 3.5;  // 90 % quantile over median; 2.4 for Gaussian noise
   const auto dq = head.rows.dq.col(joint);
   std::vector<double> steps;

@@ -6,15 +6,15 @@
 
 #include "simulation/plant/plant_forces.hpp"
 #include "veridyn/dynamics/rigid_body_dynamics.hpp"
-#include "veridyn/kinematics/motion_limits.hpp"
+#include "kinematics/motion_limits.hpp"
 #include "veridyn/simulation/plant.hpp"
 
 namespace veridyn {
 namespace {
 
 constexpr int kSpread = 2000;       // configurations all over the range
-constexpr int kMostCorners = 1024;  // of the range
-constexpr int kWorst = 8;           // of which the search goes downhill from
+constexpr int kMostCorners = 1024;  // corners of the range
+constexpr int kWorst = 8;           // corners from which the search goes downhill
 constexpr double kTiny = 1e-12;     // smallest eigenvalue of M per largest: no inverse
 constexpr double kShortest = 1e-7;  // [s] in which viscous friction may stop a joint alone
 

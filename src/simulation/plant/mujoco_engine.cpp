@@ -23,7 +23,7 @@ namespace {
 constexpr double kLongestStep = 1e-3;   // [s]
 constexpr double kFrictionStep = 2e-5;  // [s] where friction has a steep sign
 constexpr double kClear = 2.0;          // times the speed of rest: friction is not steep any more
-constexpr double kStableShare = 2.0;    // of a decay in one step; Runge-Kutta is stable up to 2.78
+constexpr double kStableShare = 2.0;    // units of a decay in one step; Runge-Kutta is stable up to 2.78
 constexpr double kNoMass = 1e-10;       // [kg], [kg m^2]: MuJoCo wants some on every moving body
 
 using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;

@@ -10,7 +10,7 @@
 namespace veridyn {
 namespace {
 
-constexpr double kSmallestStep = 1e-6;  // of the step asked for: smaller ones are too stiff
+constexpr double kSmallestStep = 1e-6;  // share of the step asked for: smaller ones are too stiff
 
 }  // namespace
 

@@ -8,10 +8,10 @@
 namespace veridyn {
 namespace {
 
-constexpr double kLanded = 1e-7;     // of the velocity at the substep's start: close enough to zero
+constexpr double kLanded = 1e-7;     // share of the velocity at the substep's start: close enough to zero
 constexpr double kStill = 1e-12;     // [rad/s] or [m/s] likewise
 constexpr int kMostLocations = 40;   // tries to hit a velocity of zero
-constexpr int kMostLoadRounds = 60;  // of forces that depend on the load, which depends on them
+constexpr int kMostLoadRounds = 60;  // rounds of forces that depend on the load, which depends on them
 constexpr double kLoadConverged = 1e-13;
 
 }  // namespace

@@ -9,7 +9,7 @@
 
 namespace veridyn {
 
-/// The first entry that is no number, or -1.
+/// Index of the first entry that is NaN or infinite, or -1.
 inline int first_not_finite(const VectorRef& v) {
   for (Eigen::Index i = 0; i < v.size(); ++i) {
     if (!std::isfinite(v[i])) return static_cast<int>(i);

@@ -9,7 +9,7 @@ namespace veridyn {
 // allocate.
 
 /// A = L L' in place, in the lower triangle, with one over its diagonal on the diagonal. False if A
-/// is not positive definite, or not a number.
+/// is not positive definite, or holds NaN.
 inline bool cholesky_in_place(double* A, int n) noexcept {
   for (int j = 0; j < n; ++j) {
     double* column = A + j * n;

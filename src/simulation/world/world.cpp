@@ -12,7 +12,7 @@ namespace veridyn {
 namespace {
 
 constexpr double kSubstepAngle = 1.0 / 12.0;  // [rad] of the fastest oscillation
-constexpr double kSubstepDecay = 0.2;         // of the fastest decay
+constexpr double kSubstepDecay = 0.2;         // share of the fastest decay
 constexpr int kReview = 20;                   // steps between looks at how stiff all is
 
 void require_positive(double value, const char* what, const std::string& name) {

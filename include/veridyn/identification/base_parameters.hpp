@@ -1,3 +1,0 @@
-#pragma once
-
-#include "veridyn/regressor/base_parameters.hpp"

@@ -1,3 +1,0 @@
-#pragma once
-
-#include "veridyn/regressor/standard_parameters.hpp"

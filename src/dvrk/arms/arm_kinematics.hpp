@@ -1,0 +1,141 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+
+#include "dvrk/arms/arm_facts.hpp"
+
+namespace veridyn::dvrk {
+
+// Closed forms of the arms' kinematics, for control loops: constructors throw InvalidInput where an
+// arm's DH rows have another form; the functions never throw or allocate. They return the same
+// poses as frame_pose() of arm_model(). Poses that go in must be rigid; that is not checked.
+
+enum class InverseStatus {
+  kDone,           ///< q reaches the pose, within the limits
+  kOutsideLimits,  ///< q reaches the pose, but at least one joint leaves its limits
+  kSingular,       ///< the pose leaves joints undetermined: those are taken from `near`
+  kOutOfReach,     ///< no q reaches the pose; q is `near`
+};
+
+template <int n>
+struct InverseSolution {
+  InverseStatus status = InverseStatus::kOutOfReach;
+  Eigen::Matrix<double, n, 1> q = Eigen::Matrix<double, n, 1>::Zero();
+};
+
+/// Distance [m], or sine of an angle times distance, below which directions mean nothing: errors of
+/// rounding (1e-16 m) become 1e-7 rad there.
+constexpr double kSingularDistance = 1e-9;
+
+/// Ranges of the joints of a chain.
+template <int n>
+struct JointRanges {
+  Eigen::Matrix<double, n, 1> lower;
+  Eigen::Matrix<double, n, 1> upper;
+  std::array<bool, n> turns{};  ///< angles, which may be changed by whole turns
+
+  explicit JointRanges(const ArmFacts& arm);
+  /// Changes angles by whole turns: inside the range and, of those, nearest to `near`.
+  void wrap(Eigen::Matrix<double, n, 1>& q, const Eigen::Matrix<double, n, 1>& near) const noexcept;
+  bool contain(const Eigen::Matrix<double, n, 1>& q) const noexcept;
+};
+
+extern template struct JointRanges<3>;
+extern template struct JointRanges<4>;
+extern template struct JointRanges<6>;
+extern template struct JointRanges<7>;
+
+/// Patient side manipulator: q = yaw, pitch, insertion, roll, wrist pitch, wrist yaw. The base
+/// frame stands in the remote centre, z up at the usual mounting.
+///
+/// The shaft points along u = (s1 c2, -s2, -c1 c2) and ends at u (q3 - remote + shaft), where the
+/// axis of wrist pitch is. That axis, shaft, wrist and axis of wrist yaw give the inverse:
+/// the shaft, the axis of yaw and the link between them lie in one plane through the remote centre.
+class PsmKinematics {
+ public:
+  using Joints = Eigen::Matrix<double, 6, 1>;
+
+  explicit PsmKinematics(const ArmFacts& arm);
+
+  /// T_base_tip.
+  Eigen::Matrix4d forward(const Joints& q) const noexcept;
+
+  /// Of the up to four solutions the one within the limits, nearest to `near`.
+  ///
+  /// Singular where the shaft's end is in the remote centre (q3 = 0.0156 m), where the axis of
+  /// wrist yaw passes through it (wrist pitch beyond 90 degrees) and where the shaft lies along the
+  /// axis of yaw (pitch at 90 degrees). What is free is then taken from `near`, and q reaches the
+  /// pose all the same.
+  InverseSolution<6> inverse(const Eigen::Matrix4d& T_base_tip, const Joints& near) const noexcept;
+
+ private:
+  Joints candidate(const Eigen::Matrix4d& T_base_last, double wrist_side, double shaft_side,
+                   const Joints& near, bool& singular) const noexcept;
+
+  double remote_;  ///< [m] insertion at which the frame of insertion is in the remote centre
+  double shaft_;   ///< [m] from there to the wrist
+  double wrist_;   ///< [m] between the axes of the wrist
+  Eigen::Matrix4d T_last_tip_;
+  Eigen::Matrix4d T_tip_last_;
+  JointRanges<6> ranges_;
+};
+
+/// Endoscope manipulator: q = yaw, pitch, insertion, roll.
+class EcmKinematics {
+ public:
+  using Joints = Eigen::Vector4d;
+
+  explicit EcmKinematics(const ArmFacts& arm);
+
+  Eigen::Matrix4d forward(const Joints& q) const noexcept;
+
+  /// The arm has four joints: a pose whose z axis misses the remote centre by more than 1e-6 m is
+  /// out of reach. Yaw and pitch come from that axis, so that the tip may be in the remote centre.
+  InverseSolution<4> inverse(const Eigen::Matrix4d& T_base_tip, const Joints& near) const noexcept;
+
+ private:
+  double remote_;
+  double shaft_;
+  JointRanges<4> ranges_;
+};
+
+/// Master arm: q = yaw, shoulder, elbow, platform, wrist pitch, wrist yaw, roll (joints, not
+/// motors). The last four axes meet in one point, the wrist: one of them is free, and the caller
+/// chooses the platform's angle.
+class MtmKinematics {
+ public:
+  using Joints = Eigen::Matrix<double, 7, 1>;
+
+  explicit MtmKinematics(const ArmFacts& arm);
+
+  Eigen::Matrix4d forward(const Joints& q) const noexcept;
+
+  /// Position of the wrist in the base frame [m] from yaw, shoulder, elbow.
+  Eigen::Vector3d wrist_position(const Eigen::Vector3d& q) const noexcept;
+
+  /// Yaw, shoulder, elbow that put the wrist there: of up to four, the one within the limits,
+  /// nearest to `near`. Singular where the wrist is on the axis of yaw (yaw is `near`'s). Where the
+  /// arm is stretched two solutions meet, and errors grow to the square root of rounding (1e-8
+  /// rad).
+  InverseSolution<3> inverse_position(const Eigen::Vector3d& wrist,
+                                      const Eigen::Vector3d& near) const noexcept;
+
+  /// All joints; the platform stays at near[3]. Singular also where wrist yaw is at +-90 degrees
+  /// (wrist pitch is then taken from `near`).
+  InverseSolution<7> inverse(const Eigen::Matrix4d& T_base_tip, const Joints& near) const noexcept;
+
+ private:
+  Eigen::Matrix3d platform_orientation(const Joints& q) const noexcept;
+
+  double height_;   ///< [m] of the shoulder
+  double upper_;    ///< [m] length of the upper arm
+  double forearm_;  ///< [m]
+  double offset_;   ///< [m] of the wrist across the forearm
+  Eigen::Matrix4d T_last_tip_;
+  Eigen::Matrix4d T_tip_last_;
+  JointRanges<7> ranges_;
+  JointRanges<3> position_ranges_;  ///< Position ranges of yaw, shoulder, elbow
+};
+
+}  // namespace veridyn::dvrk

@@ -1,0 +1,72 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "dvrk/arms/arm_facts.hpp"
+#include "veridyn/math/types.hpp"
+#include "veridyn/model/model.hpp"
+
+namespace veridyn::dvrk {
+
+/// One link of the chain that the laboratory's gravity compensation computes with.
+struct GravityRow {
+  std::string joint;
+  bool prismatic = false;
+  DhRow dh;                      ///< modified
+  double mass = 0.0;             ///< [kg]; see GravityChain
+  Eigen::Vector3d com{0, 0, 0};  ///< [m] in the link's frame
+};
+
+/// A serial chain of DH rows with a mass and a centre in each link that has the gravity torques of
+/// an arm, parallelogram and counterweights included:
+///
+///   tau = d/dq sum_k m_k |g| z_k(q),   z_k the height of centre k over the remote centre
+///
+/// Its masses stand for torques, not for bodies: a counterweight that moves against the insertion
+/// takes away from the insertion's mass, which may become negative, and a link that turns about a
+/// fixed point has any mass (here such that its centre is 0.1 m off, or that of no moment).
+struct GravityChain {
+  std::string arm;
+  double gravity = 9.81;              ///< |g| [m/s^2], downwards along z of the base
+  std::vector<GravityRow> rows;       ///< Rows of all joints with DH rows, first to last
+  std::vector<std::string> joints;    ///< Joints of the model, in the order of the vectors below
+  VectorXd largest_torque;            ///< Largest torque of the model over random configurations [N m, N]
+  VectorXd largest_error;             ///< Largest error of the chain against the model over other configurations [N m, N]
+  std::vector<std::string> left_out;  ///< effects of the model that hold a torque at rest
+};
+
+/// Least squares over random configurations within the limits of arm and model; exact for a PSM or
+/// ECM, whose parallelogram closes.
+///
+/// @param model  with values for all bodies; its coordinates that have the names of joints of the
+///               arm are those joints, the others are held still.
+/// @throws InvalidInput  bodies have no values; no coordinate is a joint of the arm; the arm's
+///                       coordinates are motors (MTM); gravity is not along the world's z; the
+///                       chain's error is above 5 % of a joint's largest torque.
+GravityChain fit_gravity_chain(const Model& model, const ArmFacts& arm);
+
+/// Torques of the chain's own rows, one per row. @param q  one entry per row [rad, m].
+VectorXd gravity_torques(const GravityChain& chain, const VectorRef& q);
+
+/// The rows as the laboratory's kinematics files have them ("DH": {"convention": "modified",
+/// "joints": [...]} with mass, cx, cy, cz; names as remembered, no sample file was at hand), and
+/// beside them what they were made from.
+std::string to_gravity_json(const GravityChain& chain, const std::string& model);
+
+/// The rows of such a file. @throws InvalidInput  the file, the row, what was found and expected.
+GravityChain read_gravity_json(const std::string& content, const std::string& file);
+
+/// Positions and efforts of a resting arm.
+struct StaticTorques {
+  MatrixXd q;    ///< (samples x n) [rad, m]
+  MatrixXd tau;  ///< (samples x n) [N m, N]
+};
+
+/// Reads a static gravity recording: a header q1..qn,tau1..taun in any order (other columns are
+/// ignored), or no header, positions first and efforts behind them (the latter is an assumption
+/// about the laboratories' files; none was at hand).
+/// @throws InvalidInput  file and line, what was found and expected.
+StaticTorques read_static_torques(const std::string& path);
+
+}  // namespace veridyn::dvrk

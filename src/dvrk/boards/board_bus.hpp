@@ -1,0 +1,207 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "dvrk/protocol/command.hpp"
+#include "dvrk/protocol/exchange.hpp"
+#include "dvrk/boards/fault_log.hpp"
+#include "dvrk/protocol/feedback.hpp"
+#include "dvrk/protocol/hub_block.hpp"
+
+namespace veridyn::dvrk {
+
+/// How a cycle runs: section 8.
+enum class CycleProtocol {
+  kAutomatic,       ///< kBroadcastWrite where the firmware allows it, else kSequential
+  kSequential,      ///< 8.1
+  kBroadcastWrite,  ///< 8.2
+  kBroadcast        ///< 8.3: query, one read of all boards, one write
+};
+
+/// What a client does to the boards.
+enum class Access {
+  kDrive,  ///< reads and writes
+  /// Reads alone: no packet is sent that changes a board, so another client may drive it meanwhile.
+  /// Reads of real-time blocks restart the boards' timestamps, however, which that client sees.
+  kListen,
+  kListenByRegister  ///< the same by reads of single registers, which change nothing at all; slow
+};
+
+struct BusOptions {
+  std::vector<int> boards;  ///< ids of the boards in use
+  Access access = Access::kDrive;
+  /// While listening: send the two packets of a session's start all the same, which tell boards
+  /// that have just been switched on their address (section 5, #1 and #3).
+  bool announce = false;
+  CycleProtocol protocol = CycleProtocol::kAutomatic;
+  double reply_timeout = 0.020;      ///< [s]; that of a whole cycle too
+  double rescan_timeout = 0.005;     ///< [s] per node while the cycle runs on
+  double cycle_time = 1.0 / 1500.0;  ///< [s] nominal; 0: timestamps are not judged
+  std::size_t mtu = 1500;            ///< Largest packet on the way to the boards [bytes]
+  int housekeeping = 200;            ///< cycles between two reads of a slow register; 0: none
+};
+
+struct BoardInfo {
+  int id = -1;
+  int node = -1;
+  int firmware = 0;
+  std::uint32_t hardware = 0;
+  std::uint32_t status = 0;
+  std::uint32_t ethernet = 0;
+};
+
+enum class BusState {
+  kClosed,  ///< start() was not called
+  kRunning,
+  kScanning,  ///< nodes have changed; read() looks for the boards again, one node per call
+  kRefused    ///< what was found then cannot be used: start() again
+};
+
+/// The client's side of the boards: who is there, the real-time cycle, registers. Detects
+/// conditions 1 to 16 and 25 to 30 of section 17; what the boards say of themselves (17 to 24) is
+/// BoardSession's matter. After start() nothing is allocated and nothing thrown.
+class BoardBus {
+ public:
+  /// @throws InvalidInput  no boards, too many, an id twice or beyond 15.
+  BoardBus(DatagramLink& link, const BusOptions& options);
+
+  /// Session start: section 5. Takes about half a second.
+  /// While listening nothing is written, and the protocol is the sequential one, unless a
+  /// broadcast read is asked for: that needs a query, which is a write that changes no output.
+  ///
+  /// @throws InvalidInput  no hub, a board in use is missing, twice there, or not what this
+  ///                       program can drive; a broadcast protocol over mixed firmware, or one
+  ///                       that does not fit the MTU.
+  void start();
+
+  BusState state() const { return state_; }
+  CycleProtocol protocol() const { return protocol_; }
+  int boards() const { return static_cast<int>(boards_.size()); }
+  const BoardInfo& info(int b) const { return boards_[static_cast<size_t>(b)].info; }
+  const FaultLog& faults() const { return log_; }
+  FaultLog& faults() { return log_; }
+
+  /// Reads all boards. @returns whether all of them are valid.
+  bool read() noexcept;
+  bool valid(int b) const { return boards_[static_cast<size_t>(b)].valid; }
+  const BoardFeedback& feedback(int b) const { return boards_[static_cast<size_t>(b)].feedback; }
+  /// Cycles in a row without a valid read.
+  int lost_reads(int b) const { return boards_[static_cast<size_t>(b)].lost_reads; }
+  /// Why the last one of them was lost.
+  Condition loss(int b) const { return boards_[static_cast<size_t>(b)].loss; }
+  /// Cycles in a row in which a command was not found in the motor status (Rev 8 on).
+  int lost_writes(int b) const { return boards_[static_cast<size_t>(b)].lost_writes; }
+  /// The board has woken up anew: watchdog and preloads are those of power-up.
+  bool rebooted(int b) const { return boards_[static_cast<size_t>(b)].rebooted; }
+  bool link_lost() const { return link_lost_; }
+
+  /// What the next write() sends; write() sets it back to "nothing".
+  BoardCommand& command(int b) { return boards_[static_cast<size_t>(b)].command; }
+  /// Sends all commands; keeps the watchdogs quiet even if there is nothing to say. While nodes are
+  /// not known, sends switch_off(false) instead.
+  void write() noexcept;
+
+  /// Zero current and amplifiers off, and power off too if asked, for the boards in use: by
+  /// broadcast, which no change of generation can lose (section 6).
+  enum class Off { kAmps, kPower };
+  void switch_off(Off what) noexcept;
+  /// The same for one board through its control register, for one that ignores blocks.
+  bool switch_off_by_register(int b, Off what) noexcept;
+  /// DAC bits of zero current, by calibration.
+  void set_zero(int b, int channel, std::uint16_t bits) noexcept;
+
+  bool read_register(int b, std::uint16_t address, std::uint32_t& value) noexcept;
+  bool write_register(int b, std::uint16_t address, std::uint32_t value) noexcept;
+  /// Writes, reads back, repeats twice. @returns whether it is there.
+  bool write_checked(int b, std::uint16_t address, std::uint32_t value) noexcept;
+  /// Sets all watchdogs and verifies them; forgets that boards were rebooted.
+  bool set_watchdog(double seconds) noexcept;
+
+  /// Time [s] from the first to the last datagram of the last read().
+  double read_seconds() const { return read_seconds_; }
+  /// [s] of it in which replies had come, but this program did not run.
+  double lay_seconds() const { return exchange_.lay(); }
+
+ private:
+  struct Board {
+    BoardInfo info;
+    BoardFeedback feedback;
+    BoardCommand command;
+    std::array<std::uint16_t, kChannels> zero{};
+    std::array<std::uint16_t, kChannels> sent{};    ///< last value of each channel
+    std::array<std::uint16_t, kChannels> before{};  ///< the one before it
+    std::array<bool, kChannels> has_sent{};
+    double read_at = -1.0;
+    bool valid = false;
+    bool rebooted = false;
+    bool suspect = false;  ///< look at its registers soon
+    int lost_reads = 0;
+    Condition loss = Condition::kNoReply;
+    int lost_writes = 0;
+  };
+
+  /// What was found on the bus.
+  struct Scan {
+    std::array<BoardInfo, kMaxBoards> found{};  ///< by node
+    int node = 0;
+  };
+
+  /// What is wrong with the boards that were found.
+  struct Objection {
+    Condition condition = Condition::kNoReply;
+    int board = -1;  ///< place in boards_, or the id that is there twice; -1: no objection
+  };
+
+  Route route(const Board& b) const;
+  void note(Condition condition, int board = -1, int channel = -1,
+            std::uint32_t value = 0) noexcept;
+
+  bool listens() const { return options_.access != Access::kDrive; }
+  void listen() noexcept;
+  void find_hub();
+  void settle_gap_count() noexcept;
+  void probe(int node, double timeout) noexcept;
+  Objection assign() noexcept;
+  std::string words_of(const Objection& objection) const;
+  void choose_protocol();
+  void begin_scan() noexcept;
+  void scan_step() noexcept;
+
+  void read_sequential() noexcept;
+  void read_by_register() noexcept;
+  bool read_words(Board& b, QuadletSpan words) noexcept;
+  void read_broadcast() noexcept;
+  void accept(Board& b, QuadletView block) noexcept;
+  void check_timestamp(Board& b) noexcept;
+  void check_commands(Board& b) noexcept;
+  void lose(Board& b, Condition why) noexcept;
+  void lose_noted(Board& b, Condition why, std::uint32_t word) noexcept;
+  void keep_house() noexcept;
+  void look_at(Board& b) noexcept;
+
+  void write_blocks() noexcept;
+  void remember(Board& b) noexcept;
+  bool one_group() const noexcept;
+
+  DatagramLink& link_;
+  BusOptions options_;
+  FaultLog log_;
+  Exchange exchange_;
+  std::vector<Board> boards_;  ///< ascending ids
+  Scan scan_;
+  BusState state_ = BusState::kClosed;
+  CycleProtocol protocol_ = CycleProtocol::kSequential;
+  int hub_node_ = 0;
+  std::uint16_t sequence_ = 0;
+  std::uint32_t watchdog_counts_ = 0;
+  bool link_lost_ = false;
+  long cycles_ = 0;
+  double read_seconds_ = 0.0;
+  std::array<std::uint8_t, kMaxDatagram> block_{};
+};
+
+}  // namespace veridyn::dvrk

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+
+#include "dvrk/emulator/board_emulator.hpp"
+
+namespace veridyn::dvrk {
+
+/// An emulator behind a UDP port, in real time. Listens on all addresses of the machine, because
+/// clients send to a broadcast address as well (section 1).
+class BoardServer {
+ public:
+  /// @param port  0: any that is free, see port(). Real hosts use 1394 alone.
+  /// @throws InvalidInput  the port is taken.
+  BoardServer(BoardEmulator& emulator, std::uint16_t port);
+  ~BoardServer();
+  BoardServer(const BoardServer&) = delete;
+  BoardServer& operator=(const BoardServer&) = delete;
+
+  std::uint16_t port() const { return port_; }
+
+  /// Answers until `stop` is true. The emulator belongs to this thread meanwhile.
+  void run(const std::atomic<bool>& stop);
+  /// Waits up to `seconds` for one datagram and answers it; the arm moves on in any case.
+  void serve(double seconds);
+
+  /// Answers all datagrams that have come, without waiting, at a time that somebody else keeps.
+  /// @returns how many. @param now  never back.
+  int serve_waiting(Ticks now);
+
+  /// [s] since the server was made, by which the arm was late, at most: its simulation could not
+  /// keep up with real time.
+  double latest() const { return latest_; }
+
+ private:
+  Ticks now() const;
+  Ticks time_of(double came);
+  bool serve_one(Ticks at, bool as_it_came);
+
+  BoardEmulator& emulator_;
+  int socket_ = -1;
+  int other_socket_ = -1;  ///< for answers from a place nobody knows
+  std::uint16_t port_ = 0;
+  double start_ = 0.0;
+  double latest_ = 0.0;
+  double apart_ = 0.0;  ///< [s] CLOCK_REALTIME minus CLOCK_MONOTONIC
+};
+
+}  // namespace veridyn::dvrk

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+
+namespace veridyn::dvrk {
+
+/// value = offset + scale * input, the one conversion that configuration files know.
+struct LinearScale {
+  double scale = 1.0;
+  double offset = 0.0;
+
+  double operator()(double input) const noexcept { return offset + scale * input; }
+  double inverse(double value) const noexcept { return (value - offset) / scale; }
+};
+
+// The converters of a QLA board before anyone calibrated them.
+
+/// Command of the digital-to-analog converter: 6.25 A at either end, 5242.88 bits per ampere.
+constexpr LinearScale kNominalAmpsToBits{32768.0 / 6.25, 32768.0};
+/// Measured motor current.
+constexpr LinearScale kNominalBitsToAmps{12.5 / 65536.0, -6.25};
+/// Potentiometer, 0 .. 4.5 V.
+constexpr LinearScale kNominalBitsToVolts{4.5 / 65536.0, 0.0};
+/// Motor voltage, where the board can command it (QLA 1.5, firmware 8).
+constexpr LinearScale kMotorVoltsToBits{65535.0 / 91.0, 45.5 * 65535.0 / 91.0};
+
+/// The nearest word of 16 bits; held at the ends; `zero` if the value is NaN.
+inline std::uint16_t nearest_word(double value, std::uint16_t zero) noexcept {
+  if (std::isnan(value)) return zero;
+  if (value <= 0.0) return 0;
+  return value >= 65535.0 ? std::uint16_t{65535} : static_cast<std::uint16_t>(value + 0.5);
+}
+
+/// [degC] of one sensor's byte; NaN where the sensor gives no value (0xFF).
+inline double temperature(std::uint8_t byte) noexcept {
+  return byte == 0xFF ? std::nan("") : 0.5 * byte;
+}
+
+/// [s] between this block read and the last one, from the first word of the block.
+inline double seconds_since_last_read(std::uint32_t timestamp) noexcept {
+  return (static_cast<double>(timestamp) + 1.0) / 49.152e6;
+}
+
+}  // namespace veridyn::dvrk

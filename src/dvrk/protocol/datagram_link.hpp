@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "dvrk/protocol/bytes.hpp"
+
+namespace veridyn::dvrk {
+
+/// Where a datagram goes: section 2.3.
+enum class Destination { kBoard, kEveryone, kMulticast };
+
+/// What came in.
+struct Arrival {
+  bool any = false;
+  std::size_t size = 0;      ///< bytes, cut at the buffer's end
+  bool known_source = true;  ///< from the board's address or its subnet
+  double lay = 0.0;          ///< [s] for which it lay ready before this program took it
+};
+
+/// The way to the boards, with the clock that belongs to it: UDP, or an emulator in the same
+/// process with a clock that tests move.
+class DatagramLink {
+ public:
+  virtual ~DatagramLink() = default;
+
+  /// @returns false: it could not be sent.
+  virtual bool send(ByteView datagram, Destination to) noexcept = 0;
+  /// Waits up to `timeout` [s]; 0 asks only.
+  virtual Arrival receive(ByteSpan buffer, double timeout) noexcept = 0;
+  virtual double now() noexcept = 0;  ///< [s], never back
+  virtual void wait(double seconds) noexcept = 0;
+  /// The server's IPv4 address as register 11 wants it: a.b.c.d is 0xddccbbaa (section 5).
+  virtual std::uint32_t address_word() const noexcept = 0;
+  /// What was found to be the hub; from Rev 9 on its board id is part of its address (section 2.3).
+  virtual void hub_is(int firmware, int board) noexcept {
+    (void)firmware;
+    (void)board;
+  }
+};
+
+}  // namespace veridyn::dvrk

@@ -1,0 +1,98 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "dvrk/protocol/bytes.hpp"
+#include "dvrk/protocol/datagram_link.hpp"
+#include "dvrk/boards/fault_log.hpp"
+#include "dvrk/protocol/protocol.hpp"
+#include "dvrk/protocol/reply.hpp"
+#include "dvrk/protocol/request.hpp"
+
+namespace veridyn::dvrk {
+
+/// Which board, and on which way.
+struct Route {
+  std::uint8_t node = kBroadcastNode;
+  bool local = false;  ///< NOFORWARD: the receiving board alone
+  Destination to = Destination::kBoard;
+};
+
+enum class ReadResult {
+  kOk,
+  kNotSent,
+  kNoReply,
+  kWrongSize,
+  kWrongHeader,
+  kWrongCrc,  ///< a CRC that is not zero, and wrong
+  kDropped    ///< the board answered with a trailer alone
+};
+
+/// The condition of section 17 that a read without a result is.
+Condition condition_of(ReadResult result);
+
+/// Reads and writes of one session, one at a time: labels, generation, matching of replies, what
+/// trailers tell. Notes conditions 1 to 8 and 28 to 30. Fixed buffers.
+class Exchange {
+ public:
+  Exchange(DatagramLink& link, FaultLog& log) : link_(link), log_(log) {}
+
+  /// @param timeout  [s] for the reply.
+  ReadResult read(const Route& route, std::uint16_t address, double timeout,
+                  std::uint32_t& value) noexcept;
+  /// @param block  valid until the next read.
+  ReadResult read_block(const Route& route, std::uint16_t address, std::size_t quadlets,
+                        double timeout, QuadletView& block) noexcept;
+  /// @returns false: not sent. Boards never acknowledge a write.
+  bool write(const Route& route, std::uint16_t address, std::uint32_t value) noexcept;
+  bool write_block(const Route& route, std::uint16_t address, QuadletView block) noexcept;
+
+  std::uint8_t generation() const { return generation_; }
+  /// A trailer told another generation than ours: nodes may have other numbers now.
+  bool generation_changed() const { return learnt_ && told_ != generation_; }
+  void adopt_generation() noexcept { generation_ = told_; }
+  /// While set, silence is no condition: a scan asks nodes that may not exist.
+  void expect_silence(bool expected) noexcept { silence_expected_ = expected; }
+  /// From now on write() and write_block() send nothing and say that they did. A query of the hub
+  /// may be an exception: it changes no output of a board, but keeps its watchdog quiet.
+  enum class Queries { kNone, kAllowed };
+  void listen_only(Queries queries) noexcept {
+    listens_ = true;
+    queries_ = queries == Queries::kAllowed;
+  }
+  /// [s] for which replies lay ready before they were taken, since the last forget_lay().
+  double lay() const { return lay_; }
+  void forget_lay() noexcept { lay_ = 0.0; }
+  /// The last trailer said that a bus reset is under way.
+  bool resetting() const { return resetting_; }
+
+ private:
+  Request request(const Route& route, Tcode tcode, std::uint16_t address) noexcept;
+  bool send(const Request& request, const Route& route) noexcept;
+  void drain() noexcept;
+  ReadResult read(const Request& request, const Route& route, double timeout,
+                  Reply& reply) noexcept;
+  ReadResult await(const Request& request, double timeout, Reply& reply) noexcept;
+  ReadResult judge(const Request& request, ByteView datagram, Malformed malformed,
+                   const Reply& reply) noexcept;
+  void take_trailer(const Trailer& trailer) noexcept;
+
+  DatagramLink& link_;
+  FaultLog& log_;
+  std::uint8_t label_ = 0;
+  std::uint8_t generation_ = 0;
+  std::uint8_t told_ = 0;
+  bool learnt_ = false;
+  bool resetting_ = false;
+  bool silence_expected_ = false;
+  bool listens_ = false;
+  bool queries_ = false;
+  double lay_ = 0.0;
+  int packet_errors_ = -1;
+  std::array<std::uint8_t, kDatagramBuffer> out_{};
+  std::array<std::uint8_t, kDatagramBuffer> in_{};
+};
+
+}  // namespace veridyn::dvrk

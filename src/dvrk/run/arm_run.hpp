@@ -1,0 +1,89 @@
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <string>
+
+#include "dvrk/run/arm_session.hpp"
+#include "dvrk/run/loop_timing.hpp"
+#include "dvrk/run/motion_controller.hpp"
+#include "veridyn/math/motion_samples.hpp"
+#include "veridyn/recordings/recording.hpp"
+#include "veridyn/simulation/control_loop.hpp"
+
+namespace veridyn::dvrk {
+
+struct RunOptions {
+  double rate = 1500.0;          ///< [Hz] of the cycle
+  double approach_time = 2.0;    ///< [s] at least, to the first set point
+  double approach_speed = 0.25;  ///< [rad/s] or [m/s] at most on that way
+  double settle = 0.5;           ///< [s] at rest before and after the motion
+  /// Further off its set point a joint ends the run: (n) of the arm, each in its own unit; empty:
+  /// those of default_largest_errors().
+  VectorXd largest_error;
+  double power_timeout = 5.0;  ///< [s] in which power must be up
+  std::string recording;       ///< a file that is written while the run goes on; empty: none
+};
+
+struct RunResult {
+  Recording rows;  ///< t, q, dq, tau of the motion itself; t from the boards, 0 at its first row
+  bool complete = false;
+  std::string why;  ///< what ended it, where it is not complete
+  LoopTiming timing;
+  /// What the boards said when they were told to switch off.
+  OffState power = OffState::kNotAsked;
+  Eigen::Index kept = 0;   ///< rows in RunOptions::recording
+  std::string file_error;  ///< why these are not all
+};
+
+/// Largest error of every joint from its set point: 0.35 rad, or 0.02 m where it slides.
+VectorXd default_largest_errors(const RobotConfig& robot);
+
+/// Powers an arm up, leads it along a motion with a PID per joint, records what the boards say, and
+/// powers it down: on every way out, exceptions included (the session's destructor). Joints beyond
+/// those of the motion hold where they stand.
+///
+/// Before power comes on, the whole motion and the place where the arm stands pass the test of
+/// position limits (leaves_range()) that the run makes while the arm moves, for the soft limits of
+/// the actuators and the limits of the controller. A loop that has had less than half of its cycles
+/// for half a second ends the run; one that reached less than 95 % of its rate on the whole has
+/// complete = false.
+///
+/// @param motion  rows of q and dq; between them a cubic.
+/// @param gains   one per joint of the arm.
+/// @param stop    set by a signal: ends the run with power off.
+/// @throws InvalidInput  sizes that do not fit, set points beyond soft limits; the session does not
+///                       start.
+RunResult run_motion(ArmSession& arm, DatagramLink& link, const MotionSamples& motion,
+                     const PidGains& gains, const RunOptions& options,
+                     const std::atomic<bool>& stop);
+
+/// The same with any controller.
+/// @throws InvalidInput  as above, and as MotionController::require_possible().
+RunResult run_motion(ArmSession& arm, DatagramLink& link, const MotionSamples& motion,
+                     MotionController& controller, const RunOptions& options,
+                     const std::atomic<bool>& stop);
+
+/// Lets a controller without set points act for so long, for example ControlLaw::kGravity, and
+/// records the first `joints`; the set point of every joint is where it stood when power came up.
+/// @throws InvalidInput  a time that is not positive, joints that are not there; the session does
+///                       not start.
+RunResult run_in_place(ArmSession& arm, DatagramLink& link, double seconds, int joints,
+                       MotionController& controller, const RunOptions& options,
+                       const std::atomic<bool>& stop);
+
+/// The largest torque of each joint [N m], [N] by the motors' largest currents, (n).
+VectorXd largest_torques(const ArmSession& arm);
+
+/// Reads for so long without power, and calls `each` with the time [s] after every valid read. With
+/// ArmSessionOptions::access other than kDrive no packet changes a board.
+/// @throws InvalidInput  the session does not start.
+LoopTiming watch(ArmSession& arm, DatagramLink& link, double seconds, double rate,
+                 const std::atomic<bool>& stop, const std::function<void(double)>& each);
+
+/// The same, and records, to a file as well while it goes on (empty: none).
+/// @throws InvalidInput  the session does not start.
+RunResult record_at_rest(ArmSession& arm, DatagramLink& link, double seconds, double rate,
+                         const std::atomic<bool>& stop, const std::string& recording = "");
+
+}  // namespace veridyn::dvrk

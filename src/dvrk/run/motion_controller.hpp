@@ -1,0 +1,57 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "veridyn/control/computed_torque.hpp"
+#include "dvrk/arms/arm_units.hpp"
+#include "veridyn/math/motion_samples.hpp"
+#include "veridyn/math/types.hpp"
+
+namespace veridyn::dvrk {
+
+/// Times of a cycle [s].
+struct CycleTimes {
+  double dt = 0.0;   ///< since the cycle before in which torques were asked for
+  double age = 0.0;  ///< Largest age of the positions
+};
+
+/// Limits that a controller holds its joints to; (m) of its first joints, empty: it has none.
+struct MotionLimits {
+  VectorXd lower, upper;  ///< [rad], [m]
+  VectorXd velocity;      ///< [rad/s], [m/s]
+  std::vector<std::string> names;
+  double braking = 30.0;  ///< [1/s], see leaves_range()
+};
+
+/// What makes the torques of a run; a run works with any of them. Torques are asked for while power
+/// is on and brakes are open, after every valid read.
+class MotionController {
+ public:
+  virtual ~MotionController() = default;
+
+  /// Called in every cycle without power: what was remembered is forgotten. Neither throws nor
+  /// allocates.
+  virtual void reset() noexcept = 0;
+
+  /// The arm has come to the first set point and rests there; now the motion begins.
+  virtual void motion_begins() noexcept {}
+
+  /// @param wanted  where the joints shall be, (n) of the arm. @param tau  (n), written [N m], [N].
+  /// @returns false: the run must end now, see why(); tau does not count. Never allocates.
+  virtual bool torques(const ArmState& state, const JointReference& wanted, const CycleTimes& times,
+                       VectorXd& tau) noexcept = 0;
+
+  /// Why torques() returned false.
+  virtual std::string why() const { return ""; }
+  /// Whether joints shall stay near their set points.
+  virtual bool follows() const { return true; }
+  /// The limits that torques() holds the arm to. A run applies them to the whole motion before
+  /// power comes on.
+  virtual MotionLimits limits() const { return {}; }
+  /// @throws InvalidInput  a motion that this controller would refuse on the way for another
+  /// reason.
+  virtual void require_possible(const MotionSamples& motion) const { (void)motion; }
+};
+
+}  // namespace veridyn::dvrk

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <vector>
+
+#include "veridyn/math/types.hpp"
+
+namespace veridyn {
+
+struct FilterSection;  // internal
+
+/// A Butterworth low-pass run forward and backward, so that nothing is delayed.
+///
+/// Second-order sections by the bilinear transform with pre-warping; any order. One pass damps by 3
+/// dB at the cut-off, the two together by 6 dB (as MATLAB's filtfilt, which the thesis uses). At
+/// the ends the signal is continued by its odd reflection and the sections start in the steady
+/// state of the first value, so that a straight line passes unchanged. Source: Gustafsson, IEEE
+/// Trans. Signal Processing 44(4), 1996 (start-up of forward-backward filters).
+class ZeroPhaseFilter {
+ public:
+  /// @param cutoff  [Hz], between 0 and rate / 2.
+  /// @param order   of one pass, 1 to 20.
+  /// @param rate    [Hz] of the samples.
+  /// @throws InvalidInput  outside these ranges.
+  ZeroPhaseFilter(double cutoff, int order, double rate);
+
+  /// Filters every column in place. Columns are filtered eight at a time.
+  void apply(MatrixXd& columns) const;
+
+  ~ZeroPhaseFilter();
+  ZeroPhaseFilter(const ZeroPhaseFilter&);
+  ZeroPhaseFilter& operator=(const ZeroPhaseFilter&);
+
+  /// After this many samples a disturbance has decayed to `remainder` of its size.
+  int settling_samples(double remainder) const;
+
+ private:
+  std::vector<FilterSection> sections_;
+  double slowest_pole_ = 0.0;  ///< largest magnitude of a pole
+};
+
+/// d/dt of every column by central differences of fourth order; lower orders at the ends. Rows are
+/// dt apart.
+MatrixXd differentiate(const MatrixRef& columns, double dt);
+
+}  // namespace veridyn

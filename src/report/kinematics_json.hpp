@@ -1,0 +1,16 @@
+#pragma once
+
+#include <string>
+
+#include "control/kinematics_table.hpp"
+
+namespace veridyn {
+
+/// What `kinematics --json` writes: rows with q, position, quaternion (w, x, y, z), conditioning,
+/// Jacobian, and what inverse kinematics left.
+std::string to_json(const KinematicTable& table);
+
+/// The same as one HTML page, with the arm drawn and the conditioning over the workspace.
+std::string to_page(const KinematicTable& table, const Model& arm, const std::string& command);
+
+}  // namespace veridyn

@@ -1,0 +1,273 @@
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <variant>
+
+#include "effect_sizes.hpp"
+#include "veridyn/effects/cause.hpp"
+#include "veridyn/effects/channel_effect.hpp"
+#include "kinematics/motion_limits.hpp"
+#include "veridyn/math/require.hpp"
+#include "veridyn/model/model_file.hpp"
+#include "model/suggestion.hpp"
+#include "veridyn/simulation/hidden_effect.hpp"
+
+namespace veridyn {
+namespace {
+
+// The value of a key, or its default; every key that is asked for is known.
+using Defaults = std::vector<std::pair<std::string, double>>;
+
+std::map<std::string, double> filled(const HiddenEffect& hidden, const Defaults& defaults) {
+  std::vector<std::string> keys;
+  std::map<std::string, double> values;
+  for (const auto& [key, value] : defaults) {
+    keys.push_back(key);
+    values[key] = value;
+  }
+  require(hidden.from.empty(), "effect '", hidden.asked,
+          "': found the key 'from', expected one of: ", listed(keys), ".");
+  for (const auto& [key, value] : hidden.values) {
+    require(values.count(key) != 0, "effect '", hidden.asked, "': found the key '", key, "'",
+            did_you_mean(key, keys), ", expected one of: ", listed(keys), ".");
+    values[key] = value;
+  }
+  return values;
+}
+
+// Puts one effect after the other into the description.
+class Injector {
+ public:
+  explicit Injector(const Model& arm)
+      : out_{arm,
+             {},
+             VectorXd::Ones(arm.joints()),
+             VectorXd::Zero(arm.joints()),
+             VectorXd::Zero(arm.joints()),
+             {}},
+        effort_(standard_effort(arm)) {
+    for (int i = 0; i < arm.joints(); ++i) {
+      const RecordedChannel& recorded = arm.coordinates()[static_cast<size_t>(i)].recorded;
+      out_.torque_gain[i] = recorded.torque_gain;
+      out_.torque_delay[i] = recorded.torque_delay;
+      out_.encoder_offset[i] = recorded.position_offset;
+    }
+  }
+
+  void inject(const HiddenEffect& hidden) {
+    const Cause cause =
+        find_cause(out_.arm, {hidden.effect, hidden.place}, "effect '" + hidden.asked + "'");
+    std::visit([&](const auto& one) { inject(hidden, one); }, cause);
+  }
+
+  PerturbedArm finish() && {
+    // Terms stand at the end of the model's effects, in the order in which they were asked for.
+    size_t term = out_.arm.effects().size() - terms_.size();
+    const Model sized = with_sensible_effects(out_.arm);
+    for (const size_t injected : terms_) {
+      require(was_given(term) || has_force(sized.effects()[term]), "effect '", asked_[injected],
+              "': found no sensible size for it on this arm, expected its parameters.");
+      out_.effects[injected].values = sized.effects()[term].values;
+      ++term;
+    }
+    out_.arm = sized;
+    return std::move(out_);
+  }
+
+ private:
+  void add(const HiddenEffect& hidden, std::string place, int joint,
+           std::map<std::string, double> values) {
+    out_.effects.push_back({hidden.effect, std::move(place), joint, std::move(values)});
+    asked_.push_back(hidden.asked);
+  }
+
+  void add(const HiddenEffect& hidden, JointIndex joint, std::map<std::string, double> values) {
+    add(hidden, coordinate(joint).name, joint.value + 1, std::move(values));
+  }
+
+  const Coordinate& coordinate(JointIndex joint) const {
+    return out_.arm.coordinates()[static_cast<size_t>(joint.value)];
+  }
+
+  // What the recordings of a joint get wrong acts on the signals; a base that leans, on the arm.
+  void inject(const HiddenEffect& hidden, const ChannelError& cause) {
+    const ChannelEffect& channel = *channel_effect(cause.effect);
+    const JointIndex joint = cause.joint.value_or(JointIndex{});
+    const bool slides = cause.joint && coordinate(joint).prismatic;
+    const std::vector<InjectedValue> keys =
+        channel.injected(slides ? JointType::kPrismatic : JointType::kRevolute);
+    Defaults defaults;
+    for (const InjectedValue& key : keys) defaults.emplace_back(key.key, key.initial);
+    auto values = filled(hidden, defaults);
+    std::vector<double> parameters;
+    for (const InjectedValue& key : keys) {
+      const double value = values[key.key];
+      require(!key.nonnegative || value >= 0.0, "effect '", hidden.asked, "': found ", key.key, "=",
+              value, ", expected none below zero.");
+      parameters.push_back(value - key.zero);
+    }
+    ModelDescription arm = out_.arm.description();
+    const bool common = !cause.joint && !channel.whole_arm();
+    for (int i = 0; i < out_.arm.joints(); ++i) {
+      if (common || i == joint.value) apply(channel, i, parameters, arm);
+    }
+    out_.arm = Model(std::move(arm));
+    if (cause.joint) {
+      add(hidden, joint, std::move(values));
+    } else {
+      add(hidden, kWholeArm, 0, std::move(values));
+    }
+  }
+
+  // The channel of the description stays as it was: it is what a reader of recordings undoes.
+  void apply(const ChannelEffect& channel, int joint, const std::vector<double>& parameters,
+             ModelDescription& arm) {
+    RecordedChannel& recorded = arm.coordinates[static_cast<size_t>(joint)].recorded;
+    const RecordedChannel before = recorded;
+    channel.apply(arm, joint, parameters);
+    if (!channel.whole_arm()) {
+      out_.torque_gain[joint] *= recorded.torque_gain / before.torque_gain;
+      out_.torque_delay[joint] += recorded.torque_delay - before.torque_delay;
+      out_.encoder_offset[joint] += recorded.position_offset - before.position_offset;
+    }
+    recorded = before;
+  }
+
+  void inject(const HiddenEffect& hidden, const ExternalContact& cause) {
+    const double usual = 0.5 * effort_[cause.joint.value];
+    auto v = filled(hidden, {{"from", 5.0}, {"to", 7.0}, {"effort", usual}});
+    require(v["from"] < v["to"], "effect '", hidden.asked, "': found a contact from ", v["from"],
+            " s to ", v["to"], " s, expected it to end after it begins.");
+    out_.contacts.push_back({cause.joint.value, v["from"], v["to"], v["effort"]});
+    add(hidden, cause.joint, std::move(v));
+  }
+
+  void inject(const HiddenEffect& hidden, const AddedLoad& cause) {
+    ModelDescription arm = out_.arm.description();
+    const VectorXd phi = *out_.arm.inertial_values();
+    const auto bodies = static_cast<Eigen::Index>(out_.arm.bodies().size());
+    double mass = 0.0;
+    for (Eigen::Index b = 0; b < bodies; ++b)
+      mass += phi[b * kBodyParameters] / static_cast<double>(bodies);
+    auto v = filled(hidden, {{"mass", 0.1 * mass}, {"x", 0.0}, {"y", 0.0}, {"z", 0.0}});
+    require(v["mass"] > 0.0, "effect '", hidden.asked, "': found a mass of ", v["mass"],
+            " kg, expected a positive one.");
+    const Eigen::Vector3d place(v["x"], v["y"], v["z"]);
+    const InertialParameters load =
+        inertial_parameters(v["mass"], place, Eigen::Matrix<double, 6, 1>::Zero());
+    std::optional<Body>& body = arm.frames[static_cast<size_t>(cause.frame.value)].body;
+    if (!body) {
+      body = Body{};
+      body->phi = InertialParameters::Zero();
+      body->fixed = true;
+    }
+    *body->phi += load;
+    out_.arm = Model(std::move(arm));
+    add(hidden, hidden.place, 0, std::move(v));
+  }
+
+  void inject(const HiddenEffect& hidden, const KinematicError& cause) {
+    const auto constant = out_.arm.description().constants.find(cause.constant);
+    const double size = constant->second != 0.0 ? 0.1 * constant->second : 0.05;
+    auto v = filled(hidden, {{"change", size}});
+    ModelFileOptions options;
+    options.constants[hidden.place] = constant->second + v["change"];
+    out_.arm = read_yaml(to_yaml(out_.arm), out_.arm.name(), options);
+    add(hidden, hidden.place, 0, std::move(v));
+  }
+
+  // The text form of a cause has these only where a diagnosis wrote them.
+  void inject(const HiddenEffect& hidden, const AddedInertia& /*cause*/) {
+    throw InvalidInput(text("effect '", hidden.asked, "': found '", hidden.effect,
+                            "', which is a load without mass, expected '", AddedLoad::kName, "'."));
+  }
+
+  void inject(const HiddenEffect& hidden, const ChangedEffect& cause) {
+    inject(hidden, NewEffect{cause.effect, cause.joint});
+  }
+
+  void inject(const HiddenEffect& hidden, const NewEffect& cause) {
+    const int joint = cause.joint.value;
+    EffectTerm term;
+    term.effect = hidden.effect;
+    term.axis.coefficients = VectorXd::Unit(out_.arm.joints(), joint);
+    term.values = hidden.values;
+    const AxisEffect& effect = find_axis_effect(hidden.effect);
+    std::vector<std::string> keys;
+    for (const EffectParameter& p : effect.parameters()) keys.push_back(p.name);
+    for (const EffectShape& s : effect.shapes()) {
+      keys.push_back(s.name);
+    }
+    const bool coupled = effect.traits().uses_source;
+    if (coupled) {
+      keys.emplace_back("from");
+      require(!hidden.from.empty(), "effect '", hidden.asked,
+              "': found no source, expected from=JOINT.");
+      term.from = Axis{
+          VectorXd::Unit(out_.arm.joints(),
+                         find_joint(out_.arm, hidden.from, "effect '" + hidden.asked + "'").value),
+          0.0};
+    }
+    const std::string extra = !hidden.from.empty() && !coupled ? "from" : unknown_key(hidden, keys);
+    require(extra.empty(), "effect '", hidden.asked, "': found the key '", extra, "'",
+            did_you_mean(extra, keys), ", expected one of: ", listed(keys), ".");
+    fill_shapes(effect, joint, term);
+    ModelDescription arm = out_.arm.description();
+    arm.effects.push_back(std::move(term));
+    out_.arm = Model(std::move(arm));
+    terms_.push_back(out_.effects.size());
+    add(hidden, cause.joint, {});
+  }
+
+  // Shape constants that are not given: the effect's own; a range that it wants from its caller is
+  // the joint's.
+  void fill_shapes(const AxisEffect& effect, int joint, EffectTerm& term) const {
+    const MotionLimits limits = motion_limits(out_.arm);
+    const ShapeValues initial = BoundEffect(out_.arm, term).shape();
+    const std::vector<EffectShape> shapes = effect.shapes();
+    for (size_t k = 0; k < shapes.size(); ++k) {
+      const EffectShape& shape = shapes[k];
+      double value = initial[k];
+      if (shape.scale == ShapeScale::kMiddle)
+        value = 0.5 * (limits.lower[joint] + limits.upper[joint]);
+      if (shape.scale == ShapeScale::kTravel && !shape.searched)
+        value = shape.grid.front() * (limits.upper[joint] - limits.lower[joint]);
+      const bool can_stand_in_files = value > 0.0 || !shape.logarithmic;
+      if (can_stand_in_files) term.values.emplace(shape.name, value);
+    }
+  }
+
+  // True if the request had all parameters of a term.
+  bool was_given(size_t term) const {
+    return BoundEffect(out_.arm, out_.arm.effects()[term]).has_values();
+  }
+
+  static bool has_force(const EffectTerm& term) {
+    for (const EffectParameter& p : find_axis_effect(term.effect).parameters()) {
+      if (term.values.at(p.name) != 0.0) return true;
+    }
+    return false;
+  }
+
+  static std::string unknown_key(const HiddenEffect& hidden, const std::vector<std::string>& keys) {
+    for (const auto& [key, value] : hidden.values) {
+      if (std::find(keys.begin(), keys.end(), key) == keys.end()) return key;
+    }
+    return "";
+  }
+
+  PerturbedArm out_;
+  VectorXd effort_;
+  std::vector<std::string> asked_;
+  std::vector<size_t> terms_;  // among effects, those that are terms of the model
+};
+
+}  // namespace
+
+PerturbedArm inject_effects(const Model& arm, const std::vector<HiddenEffect>& hidden) {
+  Injector injector(arm);
+  for (const HiddenEffect& one : hidden) injector.inject(one);
+  return std::move(injector).finish();
+}
+
+}  // namespace veridyn
