@@ -24,11 +24,11 @@ constexpr int kRowsAtOnce = 200;
 constexpr std::chrono::seconds kPageEvery{2};
 constexpr size_t kMostStates = 200000;  // five hours and more of steps for the page
 
-volatile std::sig_atomic_t stopped = 0;
+volatile std::sig_atomic_t interrupted = 0;
 
-void stop(int /*signal*/) { stopped = 1; }
+void stop(int /*signal*/) { interrupted = 1; }
 
-struct Request {
+struct WatchRequest {
   std::string model;
   std::vector<std::string> sources, learn_from;
   bool follow = false, json_lines = false;
@@ -41,7 +41,7 @@ struct Request {
 // One source after the other, and what reports need of them.
 class Watching {
  public:
-  Watching(const Model& arm, Request& request, const std::string& command_line)
+  Watching(const Model& arm, WatchRequest& request, const std::string& command_line)
       : arm_(arm), request_(request), command_line_(command_line) {}
 
   ExitStatus run() {
@@ -72,7 +72,7 @@ class Watching {
  private:
   void replay(Watch& watch, const std::string& source) {
     RecordingReader reader(source, reading_of(arm_, request_.reading));
-    for (Recording rows = reader.next(kRowsAtOnce); rows.rows() > 0 && stopped == 0;
+    for (Recording rows = reader.next(kRowsAtOnce); rows.rows() > 0 && interrupted == 0;
          rows = reader.next(kRowsAtOnce))
       tell(watch.add(rows));
   }
@@ -82,10 +82,10 @@ class Watching {
     const auto go_on = [&] {
       const double silent = std::chrono::duration<double>(Clock::now() - heard).count();
       update();
-      return stopped == 0 && (request_.idle <= 0.0 || silent < request_.idle);
+      return interrupted == 0 && (request_.idle <= 0.0 || silent < request_.idle);
     };
     GrowingRecording rows(source, reading_of(arm_, request_.reading), go_on);
-    for (Recording row = rows.next(1); row.rows() > 0 && stopped == 0; row = rows.next(1)) {
+    for (Recording row = rows.next(1); row.rows() > 0 && interrupted == 0; row = rows.next(1)) {
       heard = Clock::now();
       tell(watch.add(row));
       update();
@@ -130,13 +130,13 @@ class Watching {
   }
 
   const Model& arm_;
-  Request& request_;
+  WatchRequest& request_;
   std::string command_line_;
   std::vector<WatchedSource> watched_;
   Clock::time_point written_{};
 };
 
-ExitStatus run(Request& request, const std::string& command_line) {
+ExitStatus run(WatchRequest& request, const std::string& command_line) {
   require_writable(request.common.json);
   require_writable(request.common.report);
   const Model arm = read_robot(request.model, request.common.fixed);
@@ -151,7 +151,7 @@ ExitStatus run(Request& request, const std::string& command_line) {
 }  // namespace
 
 void add_watch_command(CLI::App& tool, Outcome& outcome) {
-  const auto request = std::make_shared<Request>();
+  const auto request = std::make_shared<WatchRequest>();
   CLI::App& command = *tool.add_subcommand(
       "watch", "Follow a running arm against its MODEL: what changed, since when, by how much");
   command.add_option("MODEL", request->model, "A YAML file that identify or diagnose wrote")->required();
