@@ -21,10 +21,11 @@ bool matches(const Cause& cause, const Finding& f) {
   return f.joint == cause.joint + 1;  // 0: the whole arm
 }
 
-// A rival has no frame of its own; its reason names it.
+// Rivals of tools that give them no frame of their own name it in the reason.
 bool matches(const Cause& cause, const Rival& r) {
   if (r.effect != cause.effect) return false;
-  if (is_on_a_frame(cause.effect)) return r.why.find(cause.frame) != std::string::npos;
+  if (is_on_a_frame(cause.effect))
+    return r.frame == cause.frame || r.why.find(cause.frame) != std::string::npos;
   return r.joint == cause.joint + 1;
 }
 
