@@ -1,0 +1,80 @@
+#!/usr/bin/env python3
+"""mpirun -n 1, 2, 3 TOOL identify gives one answer, leaves out what it cannot read, and says so.
+
+    mpirun.py TOOL SOURCE
+
+Only where the tool was built with VERIDYN_MPI.
+"""
+
+import json
+import math
+import os
+import subprocess
+import sys
+import tempfile
+
+TOLERANCE = 1e-12
+
+
+def motion(path, seed):
+    with open(path, "w") as f:
+        f.write("t,q1,q2\n")
+        for k in range(1000):
+            t = 0.01 * k
+            q = [sum(math.sin(2 * math.pi * (0.13 + 0.07 * w + 0.01 * seed) * t + w + j) / (w + 1)
+                     for w in range(4)) for j in range(2)]
+            f.write("%.2f,%.9f,%.9f\n" % (t, *q))
+
+
+def largest_difference(a, b):
+    """Of all numbers under `base_parameters`, `train` and `test`, relative to the larger one."""
+    if isinstance(a, dict):
+        return max([largest_difference(a[k], b[k]) for k in a if k != "seconds"] + [0.0])
+    if isinstance(a, list):
+        assert len(a) == len(b), (a, b)
+        return max([largest_difference(x, y) for x, y in zip(a, b)] + [0.0])
+    if isinstance(a, float) and isinstance(b, float):
+        return abs(a - b) / max(abs(a), abs(b), 1e-9)
+    assert a == b, (a, b)
+    return 0.0
+
+
+def main(tool, source):
+    # mpirun refuses a superuser, such as a container's, unless told twice.
+    os.environ.update(OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1")
+    robot = os.path.join(source, "data", "robots", "planar-2r.yaml")
+    with tempfile.TemporaryDirectory() as folder:
+        os.chdir(folder)
+        for seed in range(6):
+            motion("motion.csv", seed)
+            subprocess.run([tool, "simulate", robot, "--trajectory", "motion.csv", "-o",
+                            "r%d.csv" % seed, "--seed", str(seed + 1), "--quiet"], check=True,
+                           stdout=subprocess.DEVNULL)
+        good = ["r%d.csv" % k for k in range(5)]
+        tail = ["--test", "r5.csv", "--quiet", "--threads", "1", "--json"]
+        subprocess.run([tool, "identify", robot, "--train"] + good + tail + ["serial.json"],
+                       check=True, stdout=subprocess.DEVNULL)
+        serial = json.load(open("serial.json"))
+        assert len(serial["base_parameters"]) > 2
+        for ranks in (1, 2, 3):
+            with open("broken.csv", "w") as f:
+                f.write("neither,here,nor,there\n")
+            bad = good[:2] + ["broken.csv", "missing.csv"] + good[2:]
+            train = good if ranks == 1 else bad
+            run = subprocess.run(["mpirun", "--oversubscribe", "-n", str(ranks), tool, "identify",
+                                  robot, "--train"] + train + tail + ["ranks.json"],
+                                 check=True, capture_output=True, text=True)
+            answer = json.load(open("ranks.json"))
+            left_out = answer.pop("left_out_recordings", [])
+            names = [entry["file"] for entry in left_out]
+            assert names == ([] if ranks == 1 else ["broken.csv", "missing.csv"]), names
+            for name in names:
+                assert "left out: " + name in run.stderr, run.stderr
+            for key in ("base_parameters", "train", "test"):
+                difference = largest_difference(serial[key], answer[key])
+                assert difference < TOLERANCE, (ranks, key, difference)
+    print("one answer")
+
+
+if __name__ == "__main__":
+    main(os.path.abspath(sys.argv[1]), os.path.abspath(sys.argv[2]))
