@@ -59,7 +59,8 @@ std::string made_of(const LinkParameters& parameters, const BaseParameters& base
 
 }  // namespace
 
-LinkChoice identifiable_links(const LinkParameters& parameters, const LinkNormal& normal) {
+LinkChoice identifiable_links(const LinkParameters& parameters, const LinkNormal& normal,
+                              bool leave_out_loose) {
   std::vector<std::string> names;
   std::vector<int> preference;
   for (int k = 0; k < parameters.size(); ++k) {
@@ -92,7 +93,7 @@ LinkChoice identifiable_links(const LinkParameters& parameters, const LinkNormal
             ? "does not move the tracked frame in these poses"
             : "cannot be told from " + made_of(parameters, base, k);
   }
-  for (;;) {
+  while (leave_out_loose) {
     const VectorXd s = deviations(normal, out.independent);
     int worst = -1;
     double most = 1.0;

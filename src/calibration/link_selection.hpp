@@ -14,10 +14,11 @@ struct LinkChoice {
   double rank_gap = 0.0;
 };
 
-/// Independent columns in the order of the parameters, by the code that finds base parameters; then
-/// those that these poses, with this noise, leave uncertain by more than is worth fitting are taken
-/// away one by one, worst first.
-LinkChoice identifiable_links(const LinkParameters& parameters, const LinkNormal& normal);
+/// Independent columns in the order of the parameters, by the code that finds base parameters; then,
+/// if `leave_out_loose`, those that these poses, with this noise, leave uncertain by more than is
+/// worth fitting are taken away one by one, worst first.
+LinkChoice identifiable_links(const LinkParameters& parameters, const LinkNormal& normal,
+                              bool leave_out_loose = true);
 
 /// Deviations of the active parameters, (active), for residuals of variance one.
 VectorXd deviations(const LinkNormal& normal, const std::vector<int>& active);

@@ -81,7 +81,8 @@ Attachment attach(const Model& arm, int frame, const PoseCapture& poses, bool ba
   std::fill(a.data.is_outlier.begin(), a.data.is_outlier.end(), 0);
   for (int round = 0; round < 2; ++round) {
     const LinkNormal normal = link_normal(*a.chain, a.data, round == 0 ? a.start : a.x);
-    a.choice = identifiable_links(*a.parameters, normal);
+    // What a wrong constant leaves over is no noise: at first only rank decides.
+    a.choice = identifiable_links(*a.parameters, normal, round > 0);
     a.x = robustly_fitted_links(*a.chain, a.data, a.choice.independent,
                                 round == 0 ? a.start : a.x, options.outlier);
     for (int k = 0; k < a.x.size(); ++k) {

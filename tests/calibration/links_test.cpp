@@ -187,6 +187,32 @@ TEST(Links, PosesAndTorquesAgreeOnThePrintedArm) {
             std::string::npos);
 }
 
+// At first the wrong constant is all noise, of 16 mm; few poses, at the ends of the ranges.
+TEST(Links, WhatAWrongConstantLeavesIsNoNoise) {
+  const Model truth = read_model("psm-3dof");
+  const Model printed = read_model("psm-3dof-printed");
+  PoseDesignOptions design;
+  design.poses = 30;
+  design.frame = "counterweight";
+  const PoseDesign where = design_poses(truth, design);
+  PoseCapture poses = captured_poses(truth, "counterweight", 30, 0.9, 0.0, 0.0, 5);
+  Normal random(7);
+  const int frame = truth.find_frame("counterweight");
+  for (int k = 0; k < 30; ++k) {
+    const auto at = static_cast<std::size_t>(k);
+    poses.q.row(k) = where.q.row(k);
+    poses.poses[at].matrix() = frame_pose(truth, poses.q.row(k).transpose(), frame);
+    for (int c = 0; c < 3; ++c) poses.poses[at].translation()[c] += 1e-4 * random();
+    poses.poses[at].rotate(Eigen::AngleAxisd(1e-3 * random(), Eigen::Vector3d::UnitX()));
+  }
+  LinksOptions options;
+  options.frame = "counterweight";
+  const LinksCalibration found = calibrate_links(printed, poses, options);
+  EXPECT_NEAR(constant(found, "theta", "counterweight_rail").found, -0.5 * M_PI, 0.1 * kDegree)
+      << found.report();
+  EXPECT_LT(found.held_out_rms, 3e-4) << found.report();
+}
+
 // D-optimal poses stay within the limits and tell more than random ones.
 TEST(PoseDesign, StaysWithinLimitsAndTellsMore) {
   const Model arm = read_model("kuka-lwr4");
