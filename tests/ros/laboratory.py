@@ -33,9 +33,9 @@ os.environ.update(ROS_MASTER_URI="http://127.0.0.1:%d" % PORT, ROS_IP="127.0.0.1
 import rosbag  # noqa: E402
 import rospy  # noqa: E402
 from crtk_msgs.msg import OperatingState, StringStamped  # noqa: E402
-from geometry_msgs.msg import PoseStamped, Twist, WrenchStamped  # noqa: E402
+from geometry_msgs.msg import PointStamped, PoseStamped, Twist, WrenchStamped  # noqa: E402
 from sensor_msgs.msg import JointState, Joy  # noqa: E402
-from std_msgs.msg import Bool, Empty, String  # noqa: E402
+from std_msgs.msg import Bool, Empty, Float64, String  # noqa: E402
 
 
 def wait_for(what, seconds, text):
@@ -313,6 +313,56 @@ class Laboratory(unittest.TestCase):
         keys.stdin.flush()
         self.assertEqual(keys.wait(10), 0)
         keys.stdin.close()
+
+    def test_two_arms_are_led_with_an_object(self):
+        root = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../..")
+        self.run_node("cooperate", scenario=os.path.join(root, "examples/cooperate/two-arms-spring.yaml"), space="psm")
+        force, tip = [], []
+        listeners = [rospy.Subscriber("/spring/force", Float64, lambda m: force.append(m.data)),
+                     rospy.Subscriber("/master/tip", PointStamped, lambda m: tip.append(m.point.x))]
+        press = rospy.Publisher("/psm/cmd_force", Float64, queue_size=1)
+        lead = rospy.Publisher("/psm/cmd_vel", Twist, queue_size=1)
+        wait_for(lambda: force and tip and press.get_num_connections() > 0 and lead.get_num_connections() > 0, 30,
+                 "no cooperation")
+        press.publish(Float64(3.0))
+        wait_for(lambda: abs(force[-1] - 3.0) < 0.5, 20, "the force is not there")
+        before, twist = tip[-1], Twist()
+        twist.linear.x = 0.01
+        for _ in range(100):
+            lead.publish(twist)
+            time.sleep(0.02)
+        time.sleep(0.5)
+        self.assertGreater(abs(tip[-1] - before), 5e-3)
+        self.assertLess(abs(force[-1] - 3.0), 1.0)
+        held = tip[-1]
+        time.sleep(0.5)  # silence: all is held
+        self.assertLess(abs(tip[-1] - held), 1e-3)
+        for each in listeners:
+            each.unregister()
+
+    def test_a_load_cell_tells_newtons_and_when_it_is_dead(self):
+        port, folder = free_port(), os.environ["ROS_HOME"]
+        readings = os.path.join(folder, "readings.csv")
+        with open(readings, "w") as file:
+            file.write("force,raw\n0,100\n5,1100\n10,2100\n")
+        done = subprocess.run([TOOL, "loadcell", "calibrate", readings, "-o", folder + "/cell.yaml"], capture_output=True, text=True)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        heard, said = [], []
+        listeners = [rospy.Subscriber("/cell/measured_cf", WrenchStamped, heard.append),
+                     rospy.Subscriber("/cell/state", String, lambda m: said.append(m.data))]
+        self.run_node("loadcell", source="udp:%d:text" % port, calibration=folder + "/cell.yaml", axis="z")
+        line, k = socket.socket(socket.AF_INET, socket.SOCK_DGRAM), 0
+        end = time.monotonic() + 30
+        while not any(m.header.stamp.to_sec() > 0 for m in heard) and time.monotonic() < end:
+            k += 1
+            line.sendto(b"%d\n" % (1500 + k % 2), ("127.0.0.1", port))
+            time.sleep(0.001)
+        good = [m for m in heard if m.header.stamp.to_sec() > 0]
+        self.assertTrue(good, said)
+        self.assertAlmostEqual(good[-1].wrench.force.z, 7.0, delta=0.05)
+        wait_for(lambda: heard[-1].header.stamp.to_sec() == 0, 5, "silence was not noticed")
+        for each in listeners:
+            each.unregister()
 
     def test_bad_parameters_are_told_in_one_line(self):
         node = self.run_node("controller", arms=["PSM1"], PSM1__model="psm-3dfo")

@@ -10,6 +10,7 @@
 #include "nodes/arm_topics.hpp"
 #include "nodes/motor_link.hpp"
 #include "nodes/parameters.hpp"
+#include "veridyn/dvrk/real_time.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/simulation/engine.hpp"
 
@@ -43,7 +44,9 @@ struct Arm {
 class Controller {
  public:
   explicit Controller(ros::NodeHandle& own)
-      : inside_(plant_is_inside(own)), rate_(own.param("rate", 1000.0)) {
+      : inside_(plant_is_inside(own)),
+        priority_(own.param("real_time_priority", 0)),
+        rate_(own.param("rate", 1000.0)) {
     veridyn::require(rate_ >= 100.0 && rate_ <= 10000.0, own.resolveName("rate"), ": found ", rate_,
                      " Hz, expected 100 to 10000.");
     ros::NodeHandle root;
@@ -105,6 +108,8 @@ class Controller {
 
   // The loop: nothing here allocates, waits or throws.
   void cycles() noexcept {
+    if (priority_ > 0 && !(veridyn::dvrk::take_real_time_priority(priority_) && veridyn::dvrk::lock_memory()))
+      ROS_WARN("the system allows no real-time priority: cycles may come late");
     Cycle cycle(1.0 / rate_);
     LoopFigures f;
     while (!ends_) {
@@ -180,6 +185,7 @@ class Controller {
   }
 
   bool inside_;
+  int priority_;  // 1 to 99: before all ordinary threads; 0: one of them
   double rate_, begun_ = 0.0;
   std::deque<Arm> arms_;
   std::vector<std::unique_ptr<ArmTopics>> topics_;

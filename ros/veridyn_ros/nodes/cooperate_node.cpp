@@ -1,0 +1,168 @@
+// Arms that hold an object, led over topics: a scenario of `veridyn cooperate` under run_live(), the cooperative controller
+// of the thesis. Commands are those of `--live` as lines on ~command; cmd_vel is the object's velocity, and cmd_force adds to
+// the force wanted in a member, as the thesis's keyboard node does.
+
+#include <geometry_msgs/PointStamped.h>
+#include <geometry_msgs/Twist.h>
+#include <std_msgs/Float64.h>
+#include <std_msgs/String.h>
+
+#include <cmath>
+#include <cstring>
+#include <map>
+#include <sstream>
+
+#include "core/lock_free.hpp"
+#include "nodes/parameters.hpp"
+#include "veridyn/cooperation/live.hpp"
+#include "veridyn/math/require.hpp"
+
+namespace veridyn_ros {
+namespace {
+
+using namespace veridyn;
+
+constexpr std::size_t kLongest = 160;
+
+struct Line {
+  char text[kLongest] = {};
+};
+
+// Lines from topics, without locks.
+class TopicLines final : public LineSource {
+ public:
+  void push(const std::string& text) {
+    Line line;
+    if (text.size() >= kLongest || text.find('\n') != std::string::npos) {
+      ROS_WARN("found a command of %zu characters, expected one line below %zu", text.size(), kLongest);
+      return;
+    }
+    std::memcpy(line.text, text.c_str(), text.size());
+    if (!lines_.push(line)) ROS_WARN_THROTTLE(1.0, "commands come faster than they are taken");
+  }
+  bool next(std::string& line) override {
+    Line one;
+    if (!lines_.pop(one)) return false;
+    line = one.text;
+    return true;
+  }
+  bool closed() const override { return !ros::ok(); }
+
+ private:
+  Queue<Line, 64> lines_;
+};
+
+class Cooperation {
+ public:
+  explicit Cooperation(ros::NodeHandle& own) : scenario_(scenario_of(own)) {
+    ros::NodeHandle root;
+    for (const ScenarioArm& arm : scenario_.arms)
+      tips_[arm.name] = root.advertise<geometry_msgs::PointStamped>(arm.name + "/tip", 10);
+    for (const ScenarioMember& member : scenario_.members)
+      forces_[member.name] = root.advertise<std_msgs::Float64>(member.name + "/force", 10);
+    state_ = own.advertise<std_msgs::String>("state", 10);
+    warning_ = own.advertise<std_msgs::String>("warning", 10);
+    const std::string space = own.param("space", std::string("psm"));
+    subscribers_.push_back(own.subscribe<std_msgs::String>(
+        "command", 10, [this](const std_msgs::String::ConstPtr& m) { lines_.push(m->data); }));
+    subscribers_.push_back(root.subscribe<geometry_msgs::Twist>(
+        space + "/cmd_vel", 10, [this](const geometry_msgs::Twist::ConstPtr& m) { move(*m); }));
+    if (scenario_.members.empty()) return;
+    member_ = own.param("member", scenario_.members.front().name);
+    subscribers_.push_back(root.subscribe<std_msgs::Float64>(
+        space + "/cmd_force", 10, [this](const std_msgs::Float64::ConstPtr& m) { press(m->data); }));
+  }
+
+  void run(ros::NodeHandle& own) {
+    LiveOptions options;
+    options.engine = own.param("engine", options.engine);
+    options.silence = own.param("silence", 0.1);
+    options.longest = own.param("longest", options.longest);
+    options.tell = own.param("tell", 0.01);
+    ros::AsyncSpinner spinner(1);
+    spinner.start();
+    LiveReport report;
+    report.state = [this](const std::string& line) { tell(line); };
+    report.refused = [this](const std::string& why) {
+      std_msgs::String m;
+      m.data = why;
+      warning_.publish(m);
+      ROS_WARN("command refused: %s", why.c_str());
+    };
+    const LiveRun done = run_live(scenario_, lines_, options, report);
+    ROS_INFO("%s", done.report().c_str());
+  }
+
+ private:
+  static Scenario scenario_of(ros::NodeHandle& own) {
+    std::string file;
+    require(own.getParam("scenario", file), own.resolveName("scenario"),
+            ": found no scenario, expected a file of `veridyn cooperate`.");
+    return read_scenario(file);
+  }
+
+  void move(const geometry_msgs::Twist& t) {
+    std::ostringstream line;
+    const geometry_msgs::Vector3 &v = t.linear, &w = t.angular;
+    if (w.x != 0.0 || w.y != 0.0 || w.z != 0.0)  // an increment of Euler angles, as in the thesis
+      line << "turn " << w.x << ' ' << w.y << ' ' << w.z << " 0.5";
+    else
+      line << "jog " << v.x << ' ' << v.y << ' ' << v.z;
+    lines_.push(line.str());
+  }
+
+  void press(double more) {
+    if (!std::isfinite(more)) {
+      ROS_WARN("cmd_force: found a number that is not finite");
+      return;
+    }
+    wanted_ += more;
+    std::ostringstream line;
+    line << "force " << member_ << ' ' << wanted_ << " 0.5";
+    lines_.push(line.str());
+  }
+
+  // "t=1.200 state="tracks" master=x,y,z spring=5.0" becomes topics.
+  void tell(const std::string& line) {
+    std_msgs::String whole;
+    whole.data = line;
+    state_.publish(whole);
+    std::istringstream words(line.substr(line.find_last_of('"') + 1));
+    for (std::string word; words >> word;) {
+      const std::string name = word.substr(0, word.find('='));
+      const char* value = word.c_str() + name.size() + 1;
+      const auto tip = tips_.find(name);
+      if (tip != tips_.end()) {
+        geometry_msgs::PointStamped p;
+        p.header.stamp = ros::Time::now();
+        p.header.frame_id = "world";
+        if (std::sscanf(value, "%lf,%lf,%lf", &p.point.x, &p.point.y, &p.point.z) == 3)
+          tip->second.publish(p);
+      } else if (forces_.count(name) > 0) {
+        std_msgs::Float64 f;
+        f.data = std::atof(value);
+        forces_[name].publish(f);
+      }
+    }
+  }
+
+  Scenario scenario_;
+  TopicLines lines_;
+  std::string member_;
+  double wanted_ = 0.0;  // [N]
+  std::map<std::string, ros::Publisher> tips_, forces_;
+  ros::Publisher state_, warning_;
+  std::vector<ros::Subscriber> subscribers_;
+};
+
+void run(ros::NodeHandle& own) {
+  Cooperation cooperation(own);
+  cooperation.run(own);
+}
+
+}  // namespace
+}  // namespace veridyn_ros
+
+int main(int argc, char** argv) {
+  return veridyn_ros::run_node(argc, argv, "veridyn_cooperate", veridyn_ros::run);
+}
