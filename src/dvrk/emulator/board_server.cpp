@@ -13,6 +13,7 @@
 #include <cstring>
 #include <ctime>
 
+#include "dvrk/protocol/stamped_datagram.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn::dvrk {
@@ -32,27 +33,11 @@ double seconds_now(clockid_t clock = CLOCK_MONOTONIC) {
   return seconds_of(at);
 }
 
-// One datagram with the time at which it came [s] (CLOCK_REALTIME), which on a busy machine is
-// well before now; 0 if the system does not tell.
+// One datagram with the time at which it came [s] (CLOCK_REALTIME); 0 if the system does not tell.
 ssize_t receive(int socket, ByteSpan buffer, sockaddr_in& from, double& came) {
-  iovec where{buffer.data, buffer.size};
-  alignas(cmsghdr) char control[CMSG_SPACE(sizeof(timespec))];
-  msghdr message{};
-  message.msg_name = &from;
-  message.msg_namelen = sizeof from;
-  message.msg_iov = &where;
-  message.msg_iovlen = 1;
-  message.msg_control = control;
-  message.msg_controllen = sizeof control;
-  came = 0.0;
-  const ssize_t got = ::recvmsg(socket, &message, 0);
-  if (got < 0) return got;
-  for (cmsghdr* one = CMSG_FIRSTHDR(&message); one != nullptr; one = CMSG_NXTHDR(&message, one)) {
-    if (one->cmsg_level != SOL_SOCKET || one->cmsg_type != SCM_TIMESTAMPNS) continue;
-    timespec at{};
-    std::memcpy(&at, CMSG_DATA(one), sizeof at);
-    came = seconds_of(at);
-  }
+  timespec at{};
+  const ssize_t got = receive_stamped(socket, buffer, from, at);
+  came = seconds_of(at);
   return got;
 }
 

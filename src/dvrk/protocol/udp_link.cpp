@@ -5,7 +5,6 @@
 #include <netdb.h>
 #include <poll.h>
 #include <sys/socket.h>
-#include <sys/uio.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -13,6 +12,7 @@
 #include <cstring>
 #include <ctime>
 
+#include "dvrk/protocol/stamped_datagram.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn::dvrk {
@@ -48,17 +48,13 @@ std::uint32_t look_up(const std::string& host) {
 }
 
 // [s] since the system got a datagram, by the stamp that it put on it; 0 if there is none.
-double seconds_since_arrival(msghdr& message) {
-  for (cmsghdr* one = CMSG_FIRSTHDR(&message); one != nullptr; one = CMSG_NXTHDR(&message, one)) {
-    if (one->cmsg_level != SOL_SOCKET || one->cmsg_type != SCM_TIMESTAMPNS) continue;
-    timespec came{}, now{};
-    std::memcpy(&came, CMSG_DATA(one), sizeof came);
-    ::clock_gettime(CLOCK_REALTIME, &now);
-    const double lay = static_cast<double>(now.tv_sec - came.tv_sec) +
-                       1e-9 * static_cast<double>(now.tv_nsec - came.tv_nsec);
-    return lay > 0.0 ? lay : 0.0;
-  }
-  return 0.0;
+double seconds_since(const timespec& came) {
+  if (came.tv_sec == 0) return 0.0;
+  timespec now{};
+  ::clock_gettime(CLOCK_REALTIME, &now);
+  const double lay = static_cast<double>(now.tv_sec - came.tv_sec) +
+                     1e-9 * static_cast<double>(now.tv_nsec - came.tv_nsec);
+  return lay > 0.0 ? lay : 0.0;
 }
 
 // The address of this machine on the way to `server`: multicast leaves there as well.
@@ -116,20 +112,12 @@ Arrival UdpLink::receive(ByteSpan buffer, double timeout) noexcept {
     if (::ppoll(&wanted, 1, &most, nullptr) <= 0) return {};
   }
   sockaddr_in from{};
-  iovec where{buffer.data, buffer.size};
-  alignas(cmsghdr) char control[CMSG_SPACE(sizeof(timespec))];
-  msghdr message{};
-  message.msg_name = &from;
-  message.msg_namelen = sizeof from;
-  message.msg_iov = &where;
-  message.msg_iovlen = 1;
-  message.msg_control = control;
-  message.msg_controllen = sizeof control;
-  const auto got = ::recvmsg(socket_, &message, 0);
+  timespec came{};
+  const ssize_t got = receive_stamped(socket_, buffer, from, came);
   if (got < 0) return {};
   const std::uint32_t address = ntohl(from.sin_addr.s_addr);
   const bool known = ntohs(from.sin_port) == port_ && ((address ^ server_) & subnet_) == 0;
-  return {true, static_cast<std::size_t>(got), known, seconds_since_arrival(message)};
+  return {true, static_cast<std::size_t>(got), known, seconds_since(came)};
 }
 
 double UdpLink::now() noexcept {
