@@ -4,6 +4,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <iostream>
+#include <nlohmann/json.hpp>
 
 #include "dvrk_request.hpp"
 #include "math/output_file.hpp"
@@ -57,6 +58,29 @@ dvrk::BoardCooperationOptions board_options(const BoardsRequest& request, const 
     options.faults.push_back(
         value_of("--board-fault", [&] { return dvrk::parse_emulated_fault(words, scenario); }));
   return options;
+}
+
+// What a simulated run has, and what became of the boards.
+std::string boards_json(const dvrk::BoardCooperationRun& done, const Scenario& scenario) {
+  nlohmann::ordered_json out = nlohmann::ordered_json::parse(to_json(done.run, scenario));
+  const auto arm = [&]() -> nlohmann::ordered_json {
+    if (done.faulty_arm < 0) return nullptr;
+    return scenario.arms[static_cast<std::size_t>(done.faulty_arm)].name;
+  };
+  out["boards"] = {{"done", done.end == dvrk::BoardEnd::kDone},
+                   {"reason", done.why},
+                   {"arm", arm()},
+                   {"fault_at", done.fault_at},
+                   {"release_at", done.release_at},
+                   {"off_at", done.off_at},
+                   {"largest_force_after_fault", done.largest_force_after_fault},
+                   {"force_at_release", done.force_at_release},
+                   {"force_at_off", done.force_at_off},
+                   {"cycles", done.cycles},
+                   {"late", done.late},
+                   {"power", dvrk::describe(done.power)}};
+  out["met"] = done.met();
+  return out.dump(1) + "\n";
 }
 
 // A leader and a follower.
@@ -114,7 +138,7 @@ ExitStatus run_boards(const BoardsRequest& request, const Scenario& scenario,
   const dvrk::BoardCooperationRun done =
       dvrk::run_on_boards(scenario, arms, options, stop_asked());
   if (!output.empty()) write_scenario_rows(done.run, output);
-  if (!common.json.empty()) write_file(common.json, to_json(done.run, scenario));
+  if (!common.json.empty()) write_file(common.json, boards_json(done, scenario));
   if (!common.report.empty())
     write_file(common.report, to_page(done.run, scenario, command_line));
   std::cout << done.report();
