@@ -4,6 +4,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <iostream>
+#include <nlohmann/json.hpp>
 
 #include "dvrk_request.hpp"
 #include "math/output_file.hpp"
@@ -11,6 +12,7 @@
 #include "option_checks.hpp"
 #include "dvrk/arms/arm_facts.hpp"
 #include "dvrk/cooperation/board_cooperation.hpp"
+#include "dvrk/cooperation/board_teleoperation.hpp"
 #include "report/cooperation_json.hpp"
 
 namespace veridyn::cli {
@@ -42,6 +44,61 @@ void place(const std::string& host, dvrk::CooperatingArm& arm) {
   arm.port = static_cast<std::uint16_t>(port);
 }
 
+dvrk::BoardCooperationOptions board_options(const BoardsRequest& request, const Scenario& scenario,
+                                            std::vector<dvrk::CooperatingArm>& arms) {
+  for (const std::string& config : request.configs) arms.push_back(board_arm(config));
+  for (std::size_t k = 0; k < request.hosts.size() && k < arms.size(); ++k)
+    place(request.hosts[k], arms[k]);
+  dvrk::BoardCooperationOptions options;
+  options.emulate = request.emulate;
+  options.force_sources = request.sensors;
+  options.force_calibrations = request.calibrations;
+  options.stepped = request.stepped;
+  for (const std::string& words : request.faults)
+    options.faults.push_back(
+        value_of("--board-fault", [&] { return dvrk::parse_emulated_fault(words, scenario); }));
+  return options;
+}
+
+// What a simulated run has, and what became of the boards.
+std::string boards_json(const dvrk::BoardCooperationRun& done, const Scenario& scenario) {
+  nlohmann::ordered_json out = nlohmann::ordered_json::parse(to_json(done.run, scenario));
+  const auto arm = [&]() -> nlohmann::ordered_json {
+    if (done.faulty_arm < 0) return nullptr;
+    return scenario.arms[static_cast<std::size_t>(done.faulty_arm)].name;
+  };
+  out["boards"] = {{"done", done.end == dvrk::BoardEnd::kDone},
+                   {"reason", done.why},
+                   {"arm", arm()},
+                   {"fault_at", done.fault_at},
+                   {"release_at", done.release_at},
+                   {"off_at", done.off_at},
+                   {"largest_force_after_fault", done.largest_force_after_fault},
+                   {"force_at_release", done.force_at_release},
+                   {"force_at_off", done.force_at_off},
+                   {"cycles", done.cycles},
+                   {"late", done.late},
+                   {"power", dvrk::describe(done.power)}};
+  out["met"] = done.met();
+  return out.dump(1) + "\n";
+}
+
+// A leader and a follower.
+ExitStatus run_teleoperation(const BoardsRequest& request, const std::string& path,
+                             const CommonOptions& common, const std::string& output) {
+  expect_value(common.report.empty(), "--report", "found a teleoperation, which has no page; see --json and -o");
+  const TeleoperationScenario scenario = read_teleoperation(path);
+  std::vector<dvrk::CooperatingArm> arms;
+  const dvrk::BoardCooperationOptions options = board_options(request, scenario.scenario, arms);
+  catch_signals();
+  const dvrk::TeleoperationRun done =
+      dvrk::teleoperate_on_boards(scenario, arms, options, stop_asked());
+  if (!output.empty()) dvrk::write_rows(done, output);
+  if (!common.json.empty()) write_file(common.json, dvrk::to_json(done));
+  std::cout << done.report();
+  return done.met() ? kDone : kDataCannotAnswer;
+}
+
 }  // namespace
 
 void add_boards_options(CLI::App& command, BoardsRequest& request) {
@@ -66,31 +123,22 @@ void add_boards_options(CLI::App& command, BoardsRequest& request) {
 }
 
 ExitStatus run_boards(const BoardsRequest& request, const Scenario& scenario,
-                      const CommonOptions& common, const std::string& output,
-                      const std::string& command_line) {
+                      const std::string& path, const CommonOptions& common,
+                      const std::string& output, const std::string& command_line) {
   expect_value(request.configs.size() == scenario.arms.size(), "--boards", "found ",
                request.configs.size(), " configurations, expected one for each of ",
                scenario.arms.size(), " arms.");
   expect_value(request.emulate || request.hosts.size() == scenario.arms.size(), "--board-hosts",
                "found ", request.hosts.size(), ", expected one for each of ", scenario.arms.size(),
                " arms, or --emulate.");
+  if (is_teleoperation(path)) return run_teleoperation(request, path, common, output);
   std::vector<dvrk::CooperatingArm> arms;
-  for (const std::string& config : request.configs) arms.push_back(board_arm(config));
-  for (std::size_t k = 0; k < request.hosts.size() && k < arms.size(); ++k)
-    place(request.hosts[k], arms[k]);
-  dvrk::BoardCooperationOptions options;
-  options.emulate = request.emulate;
-  options.force_sources = request.sensors;
-  options.force_calibrations = request.calibrations;
-  options.stepped = request.stepped;
-  for (const std::string& words : request.faults)
-    options.faults.push_back(
-        value_of("--board-fault", [&] { return dvrk::parse_emulated_fault(words, scenario); }));
+  const dvrk::BoardCooperationOptions options = board_options(request, scenario, arms);
   catch_signals();
   const dvrk::BoardCooperationRun done =
       dvrk::run_on_boards(scenario, arms, options, stop_asked());
   if (!output.empty()) write_scenario_rows(done.run, output);
-  if (!common.json.empty()) write_file(common.json, to_json(done.run, scenario));
+  if (!common.json.empty()) write_file(common.json, boards_json(done, scenario));
   if (!common.report.empty())
     write_file(common.report, to_page(done.run, scenario, command_line));
   std::cout << done.report();

@@ -22,7 +22,7 @@ struct BoardsRequest {
 void add_boards_options(CLI::App& command, BoardsRequest& request);
 
 ExitStatus run_boards(const BoardsRequest& request, const Scenario& scenario,
-                      const CommonOptions& common, const std::string& output,
-                      const std::string& command_line);
+                      const std::string& path, const CommonOptions& common,
+                      const std::string& output, const std::string& command_line);
 
 }  // namespace veridyn::cli

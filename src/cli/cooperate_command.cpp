@@ -9,6 +9,8 @@
 #include "veridyn/cooperation/live.hpp"
 #include "veridyn/cooperation/scenario_run.hpp"
 #include "veridyn/cooperation/scenario_sweep.hpp"
+#include "veridyn/cooperation/teleoperation_scenario.hpp"
+#include "veridyn/math/require.hpp"
 #include "math/output_file.hpp"
 #include "model/suggestion.hpp"
 #include "report/cooperation_json.hpp"
@@ -78,7 +80,11 @@ ExitStatus run(const CooperateRequest& request, const std::string& command) {
     require_writable(path);
   const Scenario scenario = read_scenario(request.scenario);
   if (on_boards)
-    return run_boards(request.boards, scenario, request.common, request.output, command);
+    return run_boards(request.boards, scenario, request.scenario, request.common, request.output,
+                      command);
+  require(!is_teleoperation(request.scenario), request.scenario,
+          ": found a teleoperation, which runs on boards alone: expected --boards, with --emulate "
+          "for emulated ones.");
   const Progress bar = progress(request.common);
   const auto told = [&](double share) {
     if (bar) bar("cooperating", share);

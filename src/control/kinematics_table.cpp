@@ -18,6 +18,9 @@ namespace veridyn {
 namespace {
 
 constexpr double kSingular = 1e-9;  // share of the largest singular value
+constexpr int kPrimes[] = {2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37};
+constexpr Eigen::Index kMostJoints = 12;  // one prime for each
+constexpr int kStarts = 60;
 
 Conditioning conditioning(const MatrixXd& J) {
   const MatrixXd square = J.rows() <= J.cols() ? MatrixXd(J * J.transpose())
@@ -81,6 +84,31 @@ double halton(int index, int base) {
   return out;
 }
 
+// Joints number `index` of a sequence that fills the ranges evenly.
+VectorXd spread(const MotionLimits& limits, int index) {
+  VectorXd q(limits.lower.size());
+  for (Eigen::Index i = 0; i < q.size(); ++i)
+    q[i] = limits.lower[i] + halton(index, kPrimes[i]) * (limits.upper[i] - limits.lower[i]);
+  return q;
+}
+
+// From where the joints are, from the start, then from all over the ranges: Newton's steps end at
+// joint limits and in folds between postures.
+bool reach(InverseKinematics& newton, const Eigen::Isometry3d& wanted, const MotionLimits& limits,
+           const VectorXd& start, VectorXd& q) {
+  VectorXd trial = q;
+  for (int k = -1; k <= kStarts; ++k) {
+    if (k == 0) trial = start;
+    if (k > 0) trial = spread(limits, k);
+    const bool reached =
+        newton.solve(wanted.translation(), wanted.linear(), trial) == ReachStatus::kReached;
+    if (reached || k < 0) q = trial;
+    if (reached) return true;
+    if (q.size() > kMostJoints) return false;
+  }
+  return false;
+}
+
 }  // namespace
 
 int KinematicTable::unreached() const {
@@ -123,15 +151,7 @@ KinematicTable inverse_kinematics(const Model& arm, const std::string& frame,
     if (solver) {
       status = solver(wanted, q);
     } else {
-      ReachStatus reached = newton.solve(wanted.translation(), wanted.linear(), q);
-      if (reached != ReachStatus::kReached) {  // once more from the start
-        VectorXd again = middle;
-        if (newton.solve(wanted.translation(), wanted.linear(), again) == ReachStatus::kReached) {
-          q = again;
-          reached = ReachStatus::kReached;
-        }
-      }
-      status = reached == ReachStatus::kReached ? "reached" : "not reached";
+      status = reach(newton, wanted, limits, middle, q) ? "reached" : "not reached";
     }
     KinematicRow row = rows.row(q);
     row.status = status;
@@ -146,8 +166,7 @@ KinematicTable inverse_kinematics(const Model& arm, const std::string& frame,
 }
 
 KinematicTable sample_workspace(const Model& arm, const std::string& frame, int count) {
-  static constexpr int kPrimes[] = {2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37};
-  require(arm.joints() <= 12, "kinematics: found ", arm.joints(),
+  require(arm.joints() <= kMostJoints, "kinematics: found ", arm.joints(),
           " joints, expected at most 12 for a sampled workspace.");
   const MotionLimits limits = motion_limits(arm);
   Rows rows(arm, frame);

@@ -123,7 +123,8 @@ TaskReference ArmLoop::reference(const TipTarget& target) const noexcept {
 const VectorXd& ArmLoop::torque(const TipTarget& target, const Eigen::Vector3d& force) noexcept {
   relief_ = target.relief.position;
   // An impedance gives way to forces, but it does not go along with what falls.
-  if (!yielding_ && target.relief.velocity.norm() > kGoesAlong) freeze();
+  const bool goes_along = target.relief.velocity.norm() > kGoesAlong;
+  if (goes_along && gives_way() && !yielding_) freeze();
   TaskReference wanted = reference(target);
   Vector6d wrench = Vector6d::Zero();
   if (gives_way() || yielding_) wrench.head<3>() = setup_.R_world_base.transpose() * force;
@@ -137,7 +138,7 @@ const VectorXd& ArmLoop::torque(const TipTarget& target, const Eigen::Vector3d& 
     wanted.ddx.head<3>() += setup_.R_world_base.transpose() * target.relief.acceleration;
   }
   tau_ = loop.update(state_, wanted, wrench);
-  if (friction_ && !frozen_ && !yielding_) compensate_friction(wanted);
+  if (friction_ && !yielding_ && (!frozen_ || goes_along)) compensate_friction(wanted);
   tau_ += model_error_.update(state_, loop.acceleration(), period_);
   for (Eigen::Index i = 0; i < tau_.size(); ++i) {
     const double limit = setup_.model.coordinates()[static_cast<size_t>(i)].limits.effort;

@@ -219,6 +219,12 @@ void Experiment::read_contacts(double now) {
   }
 }
 
+double Experiment::wall_force(int wall) {
+  const Wall& w = walls_[static_cast<size_t>(wall)];
+  const World::PointMotion tip = world_->point(w.touches);
+  return contact_force(w, -w.normal.dot(tip.position - w.point), -w.normal.dot(tip.velocity));
+}
+
 bool Experiment::step() {
   apply_faults();
   read_sensors();

@@ -166,7 +166,7 @@ Scenario read(const YamlNode& root, const std::string& path) {
   if (!version || version->number() != 1.0) root.fail("no 'veridyn: 1'", "it at the top");
   root.allow_keys({"veridyn", "scenario", "source", "seed", "model_error", "encoder", "arms",
                    "leader", "master", "members", "walls", "bodies", "control", "phases", "faults", "sweep",
-                   "ask", "base_pose_error"});
+                   "ask", "base_pose_error", "teleoperation"});
   Scenario s;
   s.name = root.at("scenario").word("the scenario's name");
   if (const auto source = root.find("source")) s.source = source->word("where it comes from");

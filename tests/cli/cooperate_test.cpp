@@ -76,6 +76,29 @@ TEST_F(Cooperate, ThePageShowsTheFigures) {
   }
 }
 
+// On emulated boards: one arm's fault is told and ends with 4, whatever was met before.
+TEST_F(Cooperate, OnBoardsAFaultEndsWith4) {
+  const std::string scenario = std::string(VERIDYN_SOURCE_DIR) + "/examples/dvrk/two-psm-spring.yaml";
+  const ToolRun run = run_tool({"cooperate", scenario, "--boards", "PSM1", "PSM2", "--emulate",
+                                "--stepped", "--board-fault", "power:slave@0.5", "--json",
+                                path("out.json"), "--quiet"});
+  EXPECT_EQ(run.status, 4) << run.err;
+  EXPECT_NE(run.out.find("arm slave: no motor supply"), std::string::npos) << run.out;
+  const json out = json_of(path("out.json"));
+  EXPECT_FALSE(out["met"].get<bool>());
+  EXPECT_EQ(out["boards"]["arm"], "slave");
+  EXPECT_GT(out["boards"]["off_at"].get<double>(), out["boards"]["release_at"].get<double>());
+  EXPECT_EQ(out["boards"]["power"], "power is off");
+  EXPECT_EQ(run_tool({"cooperate", scenario, "--boards", "PSM1", "--emulate"}).status, 2);
+  EXPECT_EQ(run_tool({"cooperate", scenario, "--stepped"}).status, 2);
+  EXPECT_EQ(run_tool({"cooperate", scenario, "--boards", "PSM1", "PSM2", "--emulate", "--board-fault",
+                      "limb:slave@1"})
+                .status,
+            2);
+  const std::string led = std::string(VERIDYN_SOURCE_DIR) + "/examples/dvrk/mtm-psm-teleoperation.yaml";
+  EXPECT_EQ(run_tool({"cooperate", led, "--quiet"}).status, 3);
+}
+
 TEST_F(Cooperate, AHoldIsToldAndIsNoFailureOfTheProgram) {
   const ToolRun run =
       run_tool({"cooperate", example("fault-stale"), "--json", path("out.json"), "--quiet"});

@@ -29,7 +29,7 @@ TEST(KinematicsTable, InverseTakesForwardBack) {
       EXPECT_LT(row.position_error, 1e-6);
       EXPECT_LT(row.angle_error, 1e-6);
     }
-    EXPECT_GE(reached, 5);
+    EXPECT_EQ(reached, 20);
   }
 }
 

@@ -249,7 +249,9 @@ TEST(SerialLine, DeadStuckAndPulledAreFoundWithin20Milliseconds) {
         line.say("F " + std::to_string(well ? k : 100) + "\n");
       channel.update(1e-3 * k);
       if (!well && channel.state() != ForceState::kGood) found = 1e-3 * (k - 100);
-      if (well && k > 5) EXPECT_EQ(channel.state(), ForceState::kGood) << k;
+      if (well && k > 5) {
+        EXPECT_EQ(channel.state(), ForceState::kGood) << k;
+      }
     }
     EXPECT_GE(found, 0.0);
     EXPECT_LE(found, 0.020);

@@ -36,7 +36,7 @@ inline BoardCooperationRun on_emulated_boards(const Scenario& scenario,
   options.emulate = true;
   options.stepped = stepped;
   options.faults = faults;
-  options.hold = options.release = 0.4;
+  options.hold = 0.4;
   std::atomic<bool> stop{false};
   return run_on_boards(scenario, patient_side(scenario.arms.size()), options, stop);
 }

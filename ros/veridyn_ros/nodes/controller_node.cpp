@@ -10,7 +10,7 @@
 #include "nodes/arm_topics.hpp"
 #include "nodes/motor_link.hpp"
 #include "nodes/parameters.hpp"
-#include "veridyn/dvrk/real_time.hpp"
+#include "dvrk/run/real_time.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/simulation/engine.hpp"
 

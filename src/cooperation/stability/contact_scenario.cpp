@@ -65,8 +65,11 @@ Scenario contact_scenario(const std::string& path, const StabilityModelOptions& 
 
 Scenario read_scenario_or_model(const std::string& path, const StabilityModelOptions& options) {
   std::error_code ignored;
-  if (std::filesystem::is_regular_file(path, ignored) && is_scenario(path))
+  if (std::filesystem::is_regular_file(path, ignored) && is_scenario(path)) {
+    require(options.frame.empty() && options.pose.empty(), path,
+            ": found a scenario, expected a MODEL beside a frame or a pose.");
     return read_scenario(path);
+  }
   return contact_scenario(path, options);
 }
 

@@ -3,14 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
-#include <thread>
 
-#include "board_side.hpp"
+#include "board_loop.hpp"
 #include "cooperation/empty_run.hpp"
 #include "cooperation/loop_gains.hpp"
 #include "cooperation/phase_commands.hpp"
 #include "cooperation/phase_figures.hpp"
-#include "joined_arms.hpp"
 #include "veridyn/control/load_cell.hpp"
 #include "veridyn/math/require.hpp"
 
@@ -19,32 +17,23 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kLooking = 0.1;     // [s] of reading before power is asked for
 constexpr double kSettled = 0.2;     // [s] at rest after the last phase
-constexpr double kAfter = 0.02;      // [s] of reading after power went
 constexpr double kLeastForce = 0.3;  // [N] of pretension that is left before power goes
 constexpr double kNever = 1e3;       // [s] age of a reading that is not to be believed
 
-class BoardRun {
+class BoardRun : private BoardLoop {
  public:
   BoardRun(const Scenario& scenario, const std::vector<CooperatingArm>& arms,
            const BoardCooperationOptions& options, const std::atomic<bool>& stop)
-      : scenario_(scenario), options_(options), stop_(stop), period_(1.0 / scenario.control.rate) {
-    check(arms);
-    if (options.emulate) join(arms);
-    try {
-      for (size_t k = 0; k < arms.size(); ++k)
-        sides_.push_back(
-            std::make_unique<BoardSide>(scenario, k, arms[k], options, link_to(arms[k], k)));
-      open_sensors();
-    } catch (...) {
-      end_serving();
-      throw;
-    }
+      : BoardLoop(scenario, arms, options, stop) {
+    require(options_.force_sources.empty() ||
+                options_.force_sources.size() == scenario_.members.size(),
+            "boards: found ", options_.force_sources.size(),
+            " force sources, expected one for each of ", scenario_.members.size(), " members.");
+    require(options_.emulate || !options_.force_sources.empty() || scenario_.members.empty(),
+            "boards: found no force source, expected one for each member.");
+    open_sensors();
   }
-  ~BoardRun() { end_serving(); }
-  BoardRun(const BoardRun&) = delete;
-  BoardRun& operator=(const BoardRun&) = delete;
 
   BoardCooperationRun run() {
     if (power_up()) {
@@ -52,59 +41,15 @@ class BoardRun {
       play();
       wind_down();
     }
-    for (auto& side : sides_) side->session().power_off();
     out_.off_at = time_;
     out_.force_at_off = largest_now();
-    repeat(kAfter, [] {});
-    out_.power = OffState::kConfirmed;
-    for (auto& side : sides_)
-      out_.power = std::max(out_.power, side->session().boards().shutdown());
+    out_.power = power_down();
     if (joined_) out_.largest_force = std::max(out_.largest_force, joined_->largest_force());
     finish();
     return std::move(out_);
   }
 
  private:
-  void check(const std::vector<CooperatingArm>& arms) const {
-    require(arms.size() == scenario_.arms.size(), "boards: found configurations of ", arms.size(),
-            " arms, expected one for each of the scenario's ", scenario_.arms.size(), ".");
-    require(options_.force_sources.empty() ||
-                options_.force_sources.size() == scenario_.members.size(),
-            "boards: found ", options_.force_sources.size(),
-            " force sources, expected one for each of ", scenario_.members.size(), " members.");
-    require(options_.emulate || !options_.force_sources.empty() || scenario_.members.empty(),
-            "boards: found no force source, expected one for each member.");
-    require(options_.emulate || (!options_.stepped && options_.faults.empty()),
-            "boards: found a stepped clock or faults, expected them of emulated boards alone.");
-  }
-
-  void join(const std::vector<CooperatingArm>& arms) {
-    std::vector<RobotConfig> robots;
-    std::vector<MatrixXd> couplings;
-    for (const CooperatingArm& arm : arms) {
-      robots.push_back(arm.robot);
-      couplings.push_back(arm.coupling);
-    }
-    for (const ScenarioFault& fault : scenario_.faults) {
-      if (fault.kind == ScenarioFault::Kind::kArmLimp)
-        options_.faults.push_back({EmulatedFault::Kind::kLimp, fault.arm, fault.at});
-    }
-    joined_ = std::make_unique<JoinedArms>(scenario_, robots, couplings, options_.firmware);
-    if (!options_.stepped) serving_ = std::thread([this] { joined_->run(stop_serving_); });
-  }
-
-  std::unique_ptr<DatagramLink> link_to(const CooperatingArm& arm, std::size_t k) {
-    if (!joined_) return std::make_unique<UdpLink>(arm.host, arm.port);
-    const std::uint16_t port = joined_->port(static_cast<int>(k));
-    if (options_.stepped) return std::make_unique<SteppedLink>(port, *joined_);
-    return std::make_unique<UdpLink>("127.0.0.1", port);
-  }
-
-  void end_serving() {
-    stop_serving_.store(true);
-    if (serving_.joinable()) serving_.join();
-  }
-
   void open_sensors() {
     for (size_t k = 0; k < scenario_.members.size(); ++k) {
       if (options_.force_sources.empty()) {
@@ -121,76 +66,6 @@ class BoardRun {
     readings_.resize(scenario_.members.size());
     exerted_.assign(sides_.size(), Vector3d::Zero());
     ages_.assign(sides_.size(), 0.0);
-  }
-
-  double clock() { return sides_.front()->link().now(); }
-
-  // All arms are read, `work` is done, all are written. The first arm's link keeps the time.
-  template <typename Work>
-  void cycle(Work&& work) {
-    double now = clock();
-    if (next_ <= 0.0) next_ = now;
-    if (now < next_) {
-      sides_.front()->link().wait(next_ - now);
-      now = clock();
-    } else if (now - next_ > period_) {
-      ++out_.late;
-      next_ = now;
-    }
-    dt_ = last_ > 0.0 ? now - last_ : period_;
-    last_ = now;
-    next_ += period_;
-    for (auto& side : sides_) side->read(now);
-    now_ = now;
-    work();
-    for (auto& side : sides_) side->write();
-    const double took = clock() - now;
-    ++out_.cycles;
-    out_.longest_cycle = std::max(out_.longest_cycle, took);
-    out_.mean_cycle += (took - out_.mean_cycle) / static_cast<double>(out_.cycles);
-    time_ += dt_;
-  }
-
-  // Cycles for so long; by the clock, since cycles may be late.
-  template <typename Work>
-  void repeat(double seconds, Work&& work) {
-    for (const double until = time_ + seconds; time_ < until;) cycle(work);
-  }
-
-  // The first cause counts.
-  bool fail(const char* why, int arm, BoardEnd end = BoardEnd::kFault) noexcept {
-    if (why_ != nullptr) return false;
-    why_ = why;
-    out_.faulty_arm = arm;
-    out_.end = end;
-    out_.fault_at = time_;
-    return false;
-  }
-
-  bool power_up() {
-    repeat(kLooking, [] {});
-    for (size_t k = 0; k < sides_.size(); ++k) {
-      if (const char* refused = sides_[k]->session().power_on())
-        return fail(refused, static_cast<int>(k));
-    }
-    for (size_t k = 0; k < sides_.size(); ++k) sides_[k]->begin(scenario_, k);
-    const double until = time_ + options_.power_timeout;
-    while (time_ < until) {
-      cycle([this] {
-        for (auto& side : sides_) {  // where they stand, before the scenario begins
-          side->loop().freeze();
-          side->act(TipTarget{}, Vector3d::Zero(), 0.0, dt_);
-        }
-      });
-      if (std::all_of(sides_.begin(), sides_.end(),
-                      [](const auto& side) { return side->session().ready(); }))
-        return true;
-    }
-    for (size_t k = 0; k < sides_.size(); ++k) {
-      if (!sides_[k]->session().ready())
-        return fail("its power does not come up", static_cast<int>(k));
-    }
-    return false;
   }
 
   void begin() {
@@ -210,9 +85,6 @@ class BoardRun {
     for (const ScenarioPhase& phase : scenario_.phases) rows += rows_of(phase);
     out_.run = empty_run(scenario_, "boards", rows);
     spans_.reserve(scenario_.phases.size());
-    out_.cycles = out_.late = 0;
-    out_.longest_cycle = out_.mean_cycle = 0.0;
-    time_ = 0.0;
   }
 
   Eigen::Index rows_of(const ScenarioPhase& phase) const {
@@ -278,9 +150,7 @@ class BoardRun {
     out_.largest_force = std::max(out_.largest_force, force);
     if (why_ != nullptr)
       out_.largest_force_after_fault = std::max(out_.largest_force_after_fault, force);
-    for (const EmulatedFault& fault : options_.faults) {
-      if (time_ >= fault.at) joined_->break_down(fault);
-    }
+    break_down();
   }
 
   double largest_now() const noexcept {
@@ -321,7 +191,7 @@ class BoardRun {
       for (Eigen::Index k = 0; k < rows && why_ == nullptr; ++k) {
         cycle([this] { work(); });
         record(row_++);
-        if (stop_.load(std::memory_order_relaxed)) fail("stopped by a signal", -1, BoardEnd::kStopped);
+        if (stopped()) fail("stopped by a signal", -1, BoardEnd::kStopped);
       }
       if (row_ > first) spans_.push_back({&phase, first, row_});
       if (why_ != nullptr) return;
@@ -331,7 +201,7 @@ class BoardRun {
   // Hold, then release the pretension, then let power go.
   void wind_down() {
     out_.run.state = control_->state();
-    out_.run.held_at = out_.fault_at;
+    out_.run.held_at = fault_at_;
     control_->stop();
     winding_ = true;
     repeat(why_ == nullptr ? kSettled : options_.hold, [this] { work(); });
@@ -347,14 +217,14 @@ class BoardRun {
   }
 
   void finish() {
-    if (why_ != nullptr) {
-      const std::string who =
-          out_.faulty_arm >= 0
-              ? "arm " + scenario_.arms[static_cast<size_t>(out_.faulty_arm)].name + ": "
-          : out_.end == BoardEnd::kStopped ? ""
-                                           : "the controller ";
-      out_.why = who + why_;
-    }
+    out_.why = cause();
+    out_.end = end_;
+    out_.faulty_arm = faulty_arm_;
+    out_.fault_at = fault_at_;
+    out_.cycles = timing_.cycles;
+    out_.late = timing_.late;
+    out_.mean_cycle = timing_.mean_cycle;
+    out_.longest_cycle = timing_.longest_cycle;
     if (out_.run.arm.empty()) out_.run = empty_run(scenario_, "boards", 0);  // power never came
     cut(out_.run, row_);
     for (const Span& span : spans_)
@@ -369,14 +239,6 @@ class BoardRun {
     Eigen::Index first, end;
   };
 
-  const Scenario& scenario_;
-  BoardCooperationOptions options_;
-  const std::atomic<bool>& stop_;
-  double period_;
-  std::unique_ptr<JoinedArms> joined_;
-  std::thread serving_;
-  std::atomic<bool> stop_serving_{false};
-  std::vector<std::unique_ptr<BoardSide>> sides_;
   std::vector<ForceSensor> simulated_;
   std::vector<std::unique_ptr<ForceChannel>> channels_;
   std::vector<ForceReading> readings_;
@@ -387,9 +249,8 @@ class BoardRun {
   std::vector<double> ages_;
   std::vector<Span> spans_;
   BoardCooperationRun out_;
-  const char* why_ = nullptr;
   Eigen::Index row_ = 0;
-  double next_ = 0.0, last_ = 0.0, now_ = 0.0, dt_ = 0.0, time_ = 0.0, bound_ = 5.0;
+  double bound_ = 5.0;  // [N]
   bool winding_ = false;
 };
 

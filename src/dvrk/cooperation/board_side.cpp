@@ -85,13 +85,19 @@ void BoardSide::read(double now) noexcept {
 void BoardSide::act(const TipTarget& target, const Eigen::Vector3d& exerted, double age,
                     double dt) noexcept {
   if (!valid_ || !session_.ready()) return;
+  const VectorXd& wanted = loop_->torque(target, exerted);
+  supervisor_->set_holding_torque(loop_->extra_torque());
+  drive(wanted, exerted, age, dt);
+}
+
+void BoardSide::drive(const VectorXd& wanted, const Eigen::Vector3d& exerted, double age,
+                      double dt) noexcept {
+  if (!valid_ || !session_.ready()) return;
   state_.update(q_, dq_);
   input_.dt = dt;
   input_.sensor_age = now_ - heard_;
   input_.force = exerted;
   input_.force_age = age;
-  const VectorXd& wanted = loop_->torque(target, exerted);
-  supervisor_->set_holding_torque(loop_->extra_torque());
   tau_ = supervisor_->update(state_, input_, wanted);
   all_.head(joints_) = tau_;
   session_.set_torques(all_);

@@ -32,6 +32,9 @@ class BoardSide {
   void act(const TipTarget& target, const Eigen::Vector3d& exerted, double age,
            double dt) noexcept;
 
+  /// The same with torques from elsewhere, (joints).
+  void drive(const VectorXd& tau, const Eigen::Vector3d& exerted, double age, double dt) noexcept;
+
   /// Why the arm is lost, in fixed words and once; nullptr: it is not, or it was said before.
   /// @param largest_age  [s] without a valid read.
   const char* lost_by(double largest_age) noexcept;
@@ -45,6 +48,8 @@ class BoardSide {
   const VectorXd& dq() const { return dq_; }
   const VectorXd& tau() const { return tau_; }
   int joints() const { return joints_; }
+  bool valid() const { return valid_; }
+  const SafetySupervisor& supervisor() const { return *supervisor_; }
 
  private:
   ScenarioModels models_;

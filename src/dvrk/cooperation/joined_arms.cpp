@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "cooperation/end_stops.hpp"
+#include "cooperation/scenario_models.hpp"
 #include "dvrk/run/arm_session.hpp"
 #include "veridyn/math/require.hpp"
 
@@ -41,6 +42,7 @@ JoinedArms::JoinedArms(const Scenario& scenario, const std::vector<RobotConfig>&
                        const std::vector<MatrixXd>& couplings, int firmware)
     : experiment_(scenario, "veridyn"),
       tension_(scenario.members.size()),
+      push_(scenario.walls.size()),
       faults_(scenario.arms.size()),
       applied_(scenario.arms.size(), 0) {
   require(robots.size() == scenario.arms.size() && couplings.size() == robots.size(),
@@ -50,6 +52,9 @@ JoinedArms::JoinedArms(const Scenario& scenario, const std::vector<RobotConfig>&
     const ScenarioArm& arm = scenario.arms[k];
     states_.emplace_back(experiment_.real(static_cast<int>(k)), Tip{arm.frame, arm.offset});
     brakes_.push_back(arm.start);
+    R_world_base_.push_back(base_rotation(arm.turn));
+    tips_.push_back({static_cast<int>(k), experiment_.real(static_cast<int>(k)).find_frame(arm.frame),
+                     arm.offset});
     tau_.push_back(VectorXd::Zero(arm.start.size()));
     joints_.push_back(std::make_unique<Joint>(experiment_.world(), static_cast<int>(k)));
     emulators_.push_back(std::make_unique<BoardEmulator>(setups(robots[k], firmware)));
@@ -79,6 +84,7 @@ void JoinedArms::advance(double seconds) {
     tau_[k] = states_[k].bias() + states_[k].mass_matrix() *
                                       (kBrake * kBrake * (brakes_[k] - q) - 2.0 * kBrake * dq);
   }
+  if (led_.load()) move_hand();
   world.step(tau_, seconds);
   for (size_t k = 0; k < joints_.size(); ++k)
     stop_at_ends(world, experiment_.real(static_cast<int>(k)), static_cast<int>(k));
@@ -87,6 +93,23 @@ void JoinedArms::advance(double seconds) {
     tension_[k].store(tension);
     largest_force_.store(std::max(largest_force_.load(), std::abs(tension)));
   }
+  for (size_t k = 0; k < push_.size(); ++k) {
+    push_[k].store(experiment_.wall_force(static_cast<int>(k)));
+    largest_force_.store(std::max(largest_force_.load(), push_[k].load()));
+  }
+}
+
+void JoinedArms::move_hand() {
+  const auto k = static_cast<size_t>(hand_.arm);
+  World& world = experiment_.world();
+  const World::PointMotion tip = world.point(tips_[k]);
+  const Eigen::Vector3d place{place_[0].load(), place_[1].load(), place_[2].load()};
+  const Eigen::Vector3d force =
+      hand_.stiffness * (place - tip.position) - hand_.damping * tip.velocity;
+  for (int i = 0; i < 3; ++i) hand_force_[static_cast<size_t>(i)].store(force[i]);
+  states_[k].update(world.q(hand_.arm), world.dq(hand_.arm));
+  const Eigen::Vector3d in_base = R_world_base_[k].transpose() * force;
+  tau_[k] += states_[k].tip().jacobian().topRows<3>().transpose() * in_base;
 }
 
 void JoinedArms::apply_faults() {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <memory>
 #include <vector>
@@ -41,6 +42,26 @@ class JoinedArms final : public SteppedClock {
   /// True force of a member as it last was [N]; may be asked from another thread.
   double tension(int member) const { return tension_[static_cast<size_t>(member)].load(); }
   double largest_force() const { return largest_force_.load(); }  ///< [N] of any member, ever
+  /// True force that a wall exerts on its arm [N].
+  double push(int wall) const { return push_[static_cast<size_t>(wall)].load(); }
+  /// A hand holds an arm's tip by a spring and a damper [N/m], [N s/m], and goes to `place` [m] in
+  /// the world. From another thread.
+  struct Hand {
+    int arm = -1;
+    double stiffness = 0.0, damping = 0.0;
+  };
+  void take_by_hand(const Hand& hand, const Eigen::Vector3d& place) {
+    hand_ = hand;
+    lead(place);
+    led_.store(true);
+  }
+  void lead(const Eigen::Vector3d& place) {
+    for (int i = 0; i < 3; ++i) place_[static_cast<size_t>(i)].store(place[i]);
+  }
+  /// Force of the hand on the arm as it last was [N], in the world.
+  Eigen::Vector3d hand_force() const {
+    return {hand_force_[0].load(), hand_force_[1].load(), hand_force_[2].load()};
+  }
   /// From now on the fault is there. From another thread.
   void break_down(const EmulatedFault& fault) {
     if (fault.arm >= 0) faults_[static_cast<size_t>(fault.arm)].fetch_or(bit_of(fault.kind));
@@ -80,6 +101,7 @@ class JoinedArms final : public SteppedClock {
 
   void advance(double seconds);
   void apply_faults();
+  void move_hand();
   bool has(std::size_t arm, EmulatedFault::Kind kind) const {
     return (faults_[arm].load() & bit_of(kind)) != 0;
   }
@@ -92,7 +114,12 @@ class JoinedArms final : public SteppedClock {
   std::vector<std::unique_ptr<BoardEmulator>> emulators_;
   std::vector<std::unique_ptr<SimulatedArm>> loads_;
   std::vector<std::unique_ptr<BoardServer>> servers_;
-  std::vector<std::atomic<double>> tension_;
+  std::vector<std::atomic<double>> tension_, push_;
+  Hand hand_;
+  std::atomic<bool> led_{false};
+  std::array<std::atomic<double>, 3> place_{}, hand_force_{};
+  std::vector<Eigen::Matrix3d> R_world_base_;
+  std::vector<Attachment> tips_;
   std::vector<std::atomic<unsigned>> faults_;
   std::vector<unsigned> applied_;
   std::vector<Socket> sockets_;      // of the first joints

@@ -44,7 +44,8 @@ SimulatedArm::SimulatedArm(Engine& engine, const RobotConfig& robot,
   }
   joint_to_actuator_ = K.inverse();
   joint_torque_ = joint_to_actuator_.transpose();
-  effort_ = joint_effort_ = q_ = actuator_q_ = VectorXd::Zero(n);
+  if (robot.pots_to_actuators.size() > 0) actuator_to_pot_ = robot.pots_to_actuators.inverse();
+  effort_ = joint_effort_ = q_ = actuator_q_ = pot_q_ = VectorXd::Zero(n);
   tau_ = rest_ = VectorXd::Zero(joints);
   q_.head(joints) = q;
   engine_.set_state(q, rest_);
@@ -101,12 +102,14 @@ void SimulatedArm::advance(double seconds, const MotorDrive* drives, ChannelMoti
     q_.head(tau_.size()) = engine_.q();
   }
   actuator_q_.noalias() = joint_to_actuator_ * q_;
+  pot_q_ = actuator_q_;
+  if (actuator_to_pot_.size() > 0) pot_q_.noalias() = actuator_to_pot_ * actuator_q_;
   for (Eigen::Index i = 0; i < actuator_q_.size(); ++i) {
     const Motor& motor = motors_[static_cast<std::size_t>(i)];
     ChannelMotion& motion = motions[motor.channel];
     const ActuatorConfig& c = motor.config;
     motion.counts = actuator_q_[i] / c.bits_to_position;
-    motion.pot_bits = c.bits_to_volts.inverse(c.volts_to_position.inverse(actuator_q_[i]));
+    motion.pot_bits = c.bits_to_volts.inverse(c.volts_to_position.inverse(pot_q_[i]));
   }
 }
 

@@ -53,8 +53,9 @@ class SimulatedArm final : public BoardLoad {
   Engine& engine_;
   std::vector<Motor> motors_;
   MatrixXd joint_to_actuator_;
+  MatrixXd actuator_to_pot_;  ///< where pots do not sit on the actuators; empty: they do
   MatrixXd joint_torque_;  ///< actuator to joint torques: inverse of K'
-  VectorXd effort_, joint_effort_, q_, actuator_q_, tau_, rest_;
+  VectorXd effort_, joint_effort_, q_, actuator_q_, pot_q_, tau_, rest_;
   VectorXd lower_, upper_, held_q_, held_dq_;  ///< end stops; empty: none
   bool parked_ = true, brakes_ = true, had_power_ = false;
   StepStatus status_ = StepStatus::kOk;

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "veridyn/control/teleoperation.hpp"
+#include "veridyn/cooperation/scenario.hpp"
+
+namespace veridyn {
+
+/// What the operator does in one phase of the scenario.
+struct TeleoperationStep {
+  Eigen::Vector3d way{0.0, 0.0, 0.0};  ///< [m] of the hand, in the world
+  double over = 1.0;                   ///< [s]
+  bool clutch = true;                  ///< in
+};
+
+/// A scenario with two arms of which one leads the other. Its key `teleoperation`:
+///
+///   teleoperation:
+///     leader: mtm
+///     follower: psm
+///     scale: 0.5
+///     force_scale: 1
+///     largest_force: 5
+///     hand: {stiffness: 300, damping: 10}   # of an operator, for emulated arms
+///     steps:                                # by the names of the phases
+///       free: {hand: [0.04, 0, 0], over: 1}
+///       back: {hand: [-0.04, 0, 0], over: 1, clutch: out}
+struct TeleoperationScenario {
+  Scenario scenario;
+  int leader = 0, follower = 1;
+  TeleoperationOptions options;
+  double hand_stiffness = 300.0, hand_damping = 10.0;  ///< [N/m], [N s/m]
+  std::vector<TeleoperationStep> steps;                ///< one for each phase
+};
+
+/// Is there a key `teleoperation`? False, too, where the file cannot be read.
+bool is_teleoperation(const std::string& path);
+
+/// @throws InvalidInput  "file:line:column: found ..., expected ...".
+TeleoperationScenario read_teleoperation(const std::string& path);
+
+}  // namespace veridyn

@@ -1,0 +1,98 @@
+#pragma once
+
+#include <algorithm>
+#include <atomic>
+#include <memory>
+#include <thread>
+#include <vector>
+
+#include "board_side.hpp"
+#include "joined_arms.hpp"
+#include "dvrk/cooperation/board_cooperation.hpp"
+
+namespace veridyn::dvrk {
+
+/// Several arms on boards, real or emulated, in one cycle: lines, sessions, power, the clock and
+/// the first cause of an end.
+class BoardLoop {
+ public:
+  BoardLoop(const BoardLoop&) = delete;
+  BoardLoop& operator=(const BoardLoop&) = delete;
+
+ protected:
+  /// @throws InvalidInput  as run_on_boards().
+  BoardLoop(const Scenario& scenario, const std::vector<CooperatingArm>& arms,
+            const BoardCooperationOptions& options, const std::atomic<bool>& stop);
+  ~BoardLoop() { end_serving(); }
+
+  bool power_up();
+  /// Power goes off everywhere, and the boards are asked whether it did.
+  OffState power_down();
+  void end_serving();
+  double clock() { return sides_.front()->link().now(); }
+
+  // All arms are read, `work` is done, all are written. The first arm's link keeps the time.
+  template <typename Work>
+  void cycle(Work&& work) {
+    double now = clock();
+    if (next_ <= 0.0) next_ = now;
+    if (now < next_) {
+      sides_.front()->link().wait(next_ - now);
+      now = clock();
+    } else if (now - next_ > period_) {
+      ++timing_.late;
+      next_ = now;
+    }
+    dt_ = last_ > 0.0 ? now - last_ : period_;
+    last_ = now;
+    next_ += period_;
+    for (auto& side : sides_) side->read(now);
+    now_ = now;
+    work();
+    for (auto& side : sides_) side->write();
+    const double took = clock() - now;
+    ++timing_.cycles;
+    timing_.longest_cycle = std::max(timing_.longest_cycle, took);
+    timing_.mean_cycle += (took - timing_.mean_cycle) / static_cast<double>(timing_.cycles);
+    time_ += dt_;
+  }
+
+  // Cycles for so long; by the clock, since cycles may be late.
+  template <typename Work>
+  void repeat(double seconds, Work&& work) {
+    for (const double until = time_ + seconds; time_ < until;) cycle(work);
+  }
+
+  // The first cause counts.
+  bool fail(const char* why, int arm, BoardEnd end = BoardEnd::kFault) noexcept;
+  /// The cause in words, with the arm that it is of.
+  std::string cause() const;
+  bool stopped() const { return stop_.load(std::memory_order_relaxed); }
+  void break_down() noexcept;
+
+  const Scenario& scenario_;
+  BoardCooperationOptions options_;
+  double period_;
+  std::unique_ptr<JoinedArms> joined_;
+  std::vector<std::unique_ptr<BoardSide>> sides_;
+  struct {
+    long cycles = 0, late = 0;
+    double mean_cycle = 0.0, longest_cycle = 0.0;
+  } timing_;
+  BoardEnd end_ = BoardEnd::kDone;
+  const char* why_ = nullptr;
+  int faulty_arm_ = -1;
+  double fault_at_ = 0.0;
+  double now_ = 0.0, dt_ = 0.0, time_ = 0.0;
+
+ private:
+  void join(const std::vector<CooperatingArm>& arms);
+  std::unique_ptr<DatagramLink> link_to(const CooperatingArm& arm, std::size_t k);
+
+  const std::atomic<bool>& stop_;
+  std::thread serving_;
+  std::atomic<bool> stop_serving_{false};
+  double next_ = 0.0, last_ = 0.0;
+};
+
+}  // namespace veridyn::dvrk

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <atomic>
+#include <string>
+#include <vector>
+
+#include "veridyn/cooperation/teleoperation_scenario.hpp"
+#include "dvrk/cooperation/board_cooperation.hpp"
+
+namespace veridyn::dvrk {
+
+/// What a teleoperation on boards did.
+struct TeleoperationRun {
+  std::string name;
+  std::vector<std::string> phases;      ///< names; the following have one entry for each
+  std::vector<double> tracking_rms;     ///< [m] of the follower from s R (leader's way), clutch in
+  std::vector<double> tracking_largest;  ///< [m]
+  std::vector<double> follower_moved;   ///< [m] largest way of the follower in the phase
+  std::vector<double> force_follower;   ///< [N] mean true force of the wall in the last fifth
+  std::vector<double> force_hand;       ///< [N] mean force of the leader's tip on the hand there
+  double latency = 0.0;  ///< [s] of the follower's motion after the leader's, by the least squares
+                         ///< shift of all phases with the clutch in and no contact
+  double largest_force = 0.0;  ///< [N] of the wall
+  long cycles = 0, late = 0;
+  BoardEnd end = BoardEnd::kDone;
+  std::string why;        ///< in words, where it is not kDone
+  double fault_at = 0.0;  ///< [s]
+  OffState power = OffState::kNotAsked;
+  MatrixXd rows;  ///< t, leader (3), target (3), follower (3), force, hand (3), clutch
+  bool met() const { return end == BoardEnd::kDone; }
+  std::string report() const;
+};
+
+/// Leader and follower on boards: the leader is weightless and feels the follower's force, the
+/// follower goes where the leader leads. On emulated boards a hand leads the leader as the
+/// scenario's steps say. Any fault of either arm holds the follower, makes the leader free, and
+/// lets power go after BoardCooperationOptions::hold.
+/// @throws InvalidInput  as run_on_boards().
+TeleoperationRun teleoperate_on_boards(const TeleoperationScenario& scenario,
+                                       const std::vector<CooperatingArm>& arms,
+                                       const BoardCooperationOptions& options,
+                                       const std::atomic<bool>& stop);
+
+/// For machines, as report() has it for people.
+std::string to_json(const TeleoperationRun& run);
+
+/// The rows as CSV. Whole or not there.
+void write_rows(const TeleoperationRun& run, const std::string& path);
+
+}  // namespace veridyn::dvrk
