@@ -14,7 +14,7 @@
 #include "messages.hpp"
 #include "option_checks.hpp"
 #include "dvrk/emulator/board_server.hpp"
-#include "dvrk/run/real_time.hpp"
+#include "veridyn/control/real_time.hpp"
 #include "dvrk/run/run_json.hpp"
 #include "dvrk/emulator/simulated_arm.hpp"
 #include "veridyn/math/require.hpp"
@@ -217,8 +217,8 @@ ExitStatus run_dvrk_emulate(const DvrkRequest& request) {
                            boards.size(), server.port(), request.firmware,
                            request.models.empty() ? ", nothing moves (no --model)" : "")
             << std::flush;
-  dvrk::take_real_time_priority(40);
-  dvrk::lock_memory();
+  take_real_time_priority(40);
+  lock_memory();
   size_t next = 0;
   double latest_said = 0.02;
   while (!stop_asked().load()) {

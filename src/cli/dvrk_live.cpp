@@ -6,7 +6,7 @@
 #include "dvrk_request.hpp"
 #include "math/output_file.hpp"
 #include "messages.hpp"
-#include "dvrk/run/real_time.hpp"
+#include "veridyn/control/real_time.hpp"
 #include "dvrk/run/run_json.hpp"
 #include "dvrk/protocol/udp_link.hpp"
 #include "veridyn/math/require.hpp"
@@ -101,8 +101,8 @@ std::string never_loaded(ArmSession& session) {
 }  // namespace
 
 void prepare_loop(const DvrkRequest& request) {
-  const bool priority = dvrk::take_real_time_priority(30);
-  const bool locked = dvrk::lock_memory();
+  const bool priority = take_real_time_priority(30);
+  const bool locked = lock_memory();
   if (request.common.quiet) return;
   if (!priority) say("no real-time priority: cycles will be late on a busy machine");
   if (!locked) say("memory cannot be locked: a cycle may wait for a page of it");
@@ -138,7 +138,7 @@ ExitStatus run_dvrk_monitor(const DvrkRequest& request) {
       reading_options(request, arm,
                       blocks ? dvrk::Access::kListen : dvrk::Access::kListenByRegister));
   catch_signals();
-  dvrk::take_real_time_priority(30);
+  take_real_time_priority(30);
   const bool terminal = ::isatty(STDOUT_FILENO) != 0;
   double next = 0.0;
   double last_read = 0.0;

@@ -8,7 +8,7 @@
 
 #include "dvrk/rig.hpp"
 #include "dvrk/emulator/board_server.hpp"
-#include "dvrk/run/real_time.hpp"
+#include "veridyn/control/real_time.hpp"
 #include "dvrk/protocol/udp_link.hpp"
 
 // Two emulated boards over loopback, broadcast protocol, at 1.5 kHz for so many seconds: which

@@ -10,7 +10,7 @@
 #include "nodes/arm_topics.hpp"
 #include "nodes/motor_link.hpp"
 #include "nodes/parameters.hpp"
-#include "dvrk/run/real_time.hpp"
+#include "veridyn/control/real_time.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/simulation/engine.hpp"
 
@@ -108,7 +108,7 @@ class Controller {
 
   // The loop: nothing here allocates, waits or throws.
   void cycles() noexcept {
-    if (priority_ > 0 && !(veridyn::dvrk::take_real_time_priority(priority_) && veridyn::dvrk::lock_memory()))
+    if (priority_ > 0 && !(veridyn::take_real_time_priority(priority_) && veridyn::lock_memory()))
       ROS_WARN("the system allows no real-time priority: cycles may come late");
     Cycle cycle(1.0 / rate_);
     LoopFigures f;

@@ -11,14 +11,14 @@ namespace veridyn {
 namespace {
 
 constexpr double kSameTime = 1e-9;   // [s], as ForceSensor has it
-constexpr long kLongest = 24;        // cycles of a hyperperiod: slower patterns are approximated
+constexpr long kHyperperiod = 24;        // cycles of a hyperperiod: slower patterns are approximated
 
 // The fraction below or at one with a small denominator that is nearest to the ratio.
 std::pair<long, long> fraction(double ratio) {
   std::pair<long, long> best{1, 1};
   if (ratio >= 1.0) return best;
   double error = std::numeric_limits<double>::infinity();
-  for (long below = 1; below <= kLongest; ++below) {
+  for (long below = 1; below <= kHyperperiod; ++below) {
     const long above = std::max(1L, std::lround(ratio * static_cast<double>(below)));
     const double off =
         std::abs(static_cast<double>(above) / static_cast<double>(below) - ratio);
@@ -84,7 +84,7 @@ void ClosedLoop::lay_out(const LinearPoint& point, const Scenario& scenario) {
                                            : scenario.walls[k - scenario.members.size()].sensor;
     const auto [above, below] = fraction(sensor.rate / rate);
     e.ratio = static_cast<double>(above) / static_cast<double>(below);
-    hyperperiod_ = static_cast<int>(std::min(kLongest, std::lcm<long>(hyperperiod_, below)));
+    hyperperiod_ = static_cast<int>(std::min(kHyperperiod, std::lcm<long>(hyperperiod_, below)));
     e.delay = static_cast<int>(std::ceil((sensor.delay - kSameTime) * rate));
     e.delay = std::max(0, e.delay) + settings_.extra_delay;
     e.line = states_;
@@ -232,7 +232,7 @@ MatrixXd ClosedLoop::law(long k, const Element& e, const MatrixXd& reading, cons
   const bool proportional = e.law.kind == ForceLaw::Kind::kProportional;
   if (fresh) {
     long gap = 1;
-    while (gap < 2 * kLongest && !sampled(e, k - e.delay - gap)) ++gap;
+    while (gap < 2 * kHyperperiod && !sampled(e, k - e.delay - gap)) ++gap;
     const double since = static_cast<double>(gap) * period_;
     if (proportional) {
       X.row(e.x_f).array() -=

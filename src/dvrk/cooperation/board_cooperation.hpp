@@ -8,6 +8,7 @@
 
 #include "veridyn/control/safety_supervisor.hpp"
 #include "veridyn/cooperation/scenario_run.hpp"
+#include "dvrk/boards/board_session.hpp"
 #include "dvrk/config/io_config.hpp"
 
 namespace veridyn::dvrk {

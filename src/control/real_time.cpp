@@ -1,4 +1,4 @@
-#include "dvrk/run/real_time.hpp"
+#include "veridyn/control/real_time.hpp"
 
 #include <sched.h>
 #include <sys/mman.h>
@@ -6,7 +6,7 @@
 
 #include <cstddef>
 
-namespace veridyn::dvrk {
+namespace veridyn {
 namespace {
 
 constexpr std::size_t kStack = 256 * 1024;  // [bytes] that a cycle never goes beyond
@@ -34,4 +34,4 @@ bool lock_memory() noexcept {
   return ::mlockall(MCL_CURRENT | MCL_ONFAULT | (unlimited ? MCL_FUTURE : 0)) == 0;
 }
 
-}  // namespace veridyn::dvrk
+}  // namespace veridyn

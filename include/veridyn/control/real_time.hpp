@@ -1,6 +1,6 @@
 #pragma once
 
-namespace veridyn::dvrk {
+namespace veridyn {
 
 /// Lets this thread run before all ordinary ones (first in, first out), where the system allows it:
 /// for loops that have a cycle to keep and give the processor back in every one.
@@ -12,4 +12,4 @@ bool take_real_time_priority(int priority) noexcept;
 /// @returns whether it was allowed.
 bool lock_memory() noexcept;
 
-}  // namespace veridyn::dvrk
+}  // namespace veridyn
