@@ -196,14 +196,14 @@ TEST(Links, WhatAWrongConstantLeavesIsNoNoise) {
   design.frame = "counterweight";
   const PoseDesign where = design_poses(truth, design);
   PoseCapture poses = captured_poses(truth, "counterweight", 30, 0.9, 0.0, 0.0, 5);
-  Normal random(7);
+  RandomNumbers random(7);
   const int frame = truth.find_frame("counterweight");
   for (int k = 0; k < 30; ++k) {
     const auto at = static_cast<std::size_t>(k);
     poses.q.row(k) = where.q.row(k);
-    poses.poses[at].matrix() = frame_pose(truth, poses.q.row(k).transpose(), frame);
-    for (int c = 0; c < 3; ++c) poses.poses[at].translation()[c] += 1e-4 * random();
-    poses.poses[at].rotate(Eigen::AngleAxisd(1e-3 * random(), Eigen::Vector3d::UnitX()));
+    poses.poses[at] = frame_pose(truth, poses.q.row(k).transpose(), frame);
+    for (int c = 0; c < 3; ++c) poses.poses[at].translation()[c] += 1e-4 * random.normal();
+    poses.poses[at].rotate(Eigen::AngleAxisd(1e-3 * random.normal(), Eigen::Vector3d::UnitX()));
   }
   LinksOptions options;
   options.frame = "counterweight";

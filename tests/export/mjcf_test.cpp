@@ -119,10 +119,10 @@ TEST_P(Mjcf, HasTheFramesOfTheArm) {
     const Frame& frame = arm.frames()[static_cast<std::size_t>(k)];
     const int site = mj_name2id(exported.model.get(), mjOBJ_SITE, frame.name.c_str());
     ASSERT_GE(site, 0) << frame.name;
-    const Eigen::Matrix4d T = frame_pose(arm, q, k);
+    const Eigen::Isometry3d T = frame_pose(arm, q, k);
     const Eigen::Matrix<double, 3, 3, Eigen::RowMajor> R(exported.data->site_xmat + 9 * site);
-    EXPECT_TRUE(near(Eigen::Vector3d(exported.data->site_xpos + 3 * site), Eigen::Vector3d(T.topRightCorner<3, 1>()), 1e-9));
-    EXPECT_TRUE(near(Eigen::Matrix3d(R), Eigen::Matrix3d(T.topLeftCorner<3, 3>()), 1e-9)) << frame.name;
+    EXPECT_TRUE(near(Eigen::Vector3d(exported.data->site_xpos + 3 * site), Eigen::Vector3d(T.translation()), 1e-9));
+    EXPECT_TRUE(near(Eigen::Matrix3d(R), Eigen::Matrix3d(T.linear()), 1e-9)) << frame.name;
   }
 }
 
