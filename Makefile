@@ -52,6 +52,7 @@ growth: build
 
 # Debian packages veridyn, libveridyn-dev and python3-veridyn in $(BUILD)/packages.
 deb: python
+	@cmake/install-packages.sh cmake/debian-packages-deb.txt
 	@cmake --build $(BUILD) -j $(JOBS) --target veridyn_tool
 	@cd $(BUILD) && cpack -B packages >cpack.log || { cat cpack.log; exit 1; }
 	@ls $(BUILD)/packages/*.deb
@@ -63,8 +64,8 @@ test: build
 	@ctest --test-dir $(BUILD) --output-on-failure -j $(JOBS)
 
 # README's blocks, made anew by the commands in them; a test compares them.
-readme: tool
-	@PATH="$(CURDIR)/$(BUILD)/bin:$$PATH" VERIDYN_SOURCE="$(CURDIR)" python3 tests/readme/blocks.py write README.md out/readme
+readme: tool python
+	@PATH="$(CURDIR)/$(BUILD)/bin:/usr/bin:$$PATH" VERIDYN_SOURCE="$(CURDIR)" /usr/bin/python3 tests/readme/blocks.py write README.md out/readme
 
 # The second test configuration: address and undefined-behaviour sanitizers.
 sanitize: packages-tests
