@@ -9,6 +9,7 @@
 #include <fstream>
 #include <functional>
 #include <iostream>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -16,6 +17,7 @@
 #include "support/sample_arms.hpp"
 #include "veridyn/dynamics/regressor_batch.hpp"
 #include "veridyn/dynamics/rigid_body_dynamics.hpp"
+#include "veridyn/math/require.hpp"
 #include "veridyn/math/square_root_information.hpp"
 #include "math/zero_phase_filter.hpp"
 
@@ -23,6 +25,12 @@
 #include <kdl/chain.hpp>
 #include <kdl/chaindynparam.hpp>
 #include <kdl/chainidsolver_recursive_newton_euler.hpp>
+#endif
+
+#ifdef VERIDYN_WITH_MUJOCO
+#include <mujoco/mujoco.h>
+
+#include "veridyn/export/mjcf.hpp"
 #endif
 
 // veridyn beside other libraries in one run: engines take turns, so that a machine that is busy with
@@ -160,6 +168,63 @@ KDL::JntArray array_of(const VectorXd& v) {
 
 #endif
 
+#ifdef VERIDYN_WITH_MUJOCO
+
+// The same arm, as `export --mjcf` writes it. Only the stages that an answer needs are run.
+class MujocoArm {
+ public:
+  explicit MujocoArm(const Model& arm) {
+    const std::string xml = to_mjcf(arm);
+    const auto files = std::make_unique<mjVFS>();
+    mj_defaultVFS(files.get());
+    mj_makeEmptyFileVFS(files.get(), "arm.xml", static_cast<int>(xml.size()));
+    std::memcpy(files->filedata[0], xml.data(), xml.size());
+    char error[1000] = "";
+    model_.reset(mj_loadXML("arm.xml", files.get(), error, sizeof(error)));
+    mj_deleteVFS(files.get());
+    require(model_ != nullptr, error);
+    data_.reset(mj_makeData(model_.get()));
+  }
+
+  const double* inverse_dynamics(const VectorXd& q, const VectorXd& dq, const VectorXd& ddq) {
+    place(q);
+    VectorXd::Map(data_->qvel, kJoints) = dq;
+    VectorXd::Map(data_->qacc, kJoints) = ddq;
+    mj_comVel(model_.get(), data_.get());
+    mj_rne(model_.get(), data_.get(), 1, data_->qfrc_inverse);
+    return data_->qfrc_inverse;
+  }
+
+  void mass_matrix(const VectorXd& q, MatrixXd& M) {
+    place(q);
+    mj_crb(model_.get(), data_.get());
+    mj_fullM(model_.get(), M.data(), data_->qM);
+  }
+
+  void forward_dynamics(const VectorXd& q, const VectorXd& dq, const VectorXd& tau) {
+    place(q);
+    VectorXd::Map(data_->qvel, kJoints) = dq;
+    mj_crb(model_.get(), data_.get());
+    mj_factorM(model_.get(), data_.get());
+    mj_comVel(model_.get(), data_.get());
+    mj_rne(model_.get(), data_.get(), 0, data_->qfrc_bias);
+    VectorXd::Map(data_->qfrc_smooth, kJoints) = tau - VectorXd::Map(data_->qfrc_bias, kJoints);
+    mj_solveM(model_.get(), data_.get(), data_->qacc, data_->qfrc_smooth, 1);
+  }
+
+ private:
+  void place(const VectorXd& q) {
+    VectorXd::Map(data_->qpos, kJoints) = q;
+    mj_kinematics(model_.get(), data_.get());
+    mj_comPos(model_.get(), data_.get());
+  }
+
+  std::unique_ptr<mjModel, decltype(&mj_deleteModel)> model_{nullptr, &mj_deleteModel};
+  std::unique_ptr<mjData, decltype(&mj_deleteData)> data_{nullptr, &mj_deleteData};
+};
+
+#endif
+
 void add_dynamics(nlohmann::json& rows) {
   const Model arm = SevenJoints::model();
   const VectorXd phi = *arm.inertial_values();
@@ -201,12 +266,25 @@ void add_dynamics(nlohmann::json& rows) {
   if ((torques.data - tau).norm() > 1e-9 * tau.norm())
     std::printf("kdl differs: %g of %g\n", (torques.data - tau).norm(), tau.norm());
 #endif
+  std::vector<Engine> forward = {over_states("veridyn", [&](size_t k) {
+    dynamics.forward_dynamics(s.q[k], s.dq[k], s.ddq[k], tau);
+  })};
+#ifdef VERIDYN_WITH_MUJOCO
+  MujocoArm mujoco(arm);
+  id.push_back(over_states(
+      "mujoco", [&](size_t k) { mujoco.inverse_dynamics(s.q[k], s.dq[k], s.ddq[k]); }));
+  mass.push_back(over_states("mujoco", [&](size_t k) { mujoco.mass_matrix(s.q[k], M); }));
+  forward.push_back(over_states(
+      "mujoco", [&](size_t k) { mujoco.forward_dynamics(s.q[k], s.dq[k], s.ddq[k]); }));
+  const VectorXd same = VectorXd::Map(mujoco.inverse_dynamics(s.q[0], s.dq[0], s.ddq[0]), kJoints);
+  dynamics.inverse_dynamics(s.q[0], s.dq[0], s.ddq[0], tau);
+  if ((same - tau).norm() > 1e-9 * tau.norm())
+    std::printf("mujoco differs: %g of %g\n", (same - tau).norm(), tau.norm());
+#endif
   rows.push_back(side_by_side("inverse dynamics, one state", "ns", 1e9, id));
   rows.push_back(side_by_side("gravity torques", "ns", 1e9, gravity));
   rows.push_back(side_by_side("mass matrix", "ns", 1e9, mass));
-  rows.push_back(side_by_side("forward dynamics", "ns", 1e9, {over_states("veridyn", [&](size_t k) {
-                                dynamics.forward_dynamics(s.q[k], s.dq[k], s.ddq[k], tau);
-                              })}));
+  rows.push_back(side_by_side("forward dynamics", "ns", 1e9, forward));
   rows.push_back(side_by_side("torque regressor, one state", "ns", 1e9,
                               {over_states("veridyn", [&](size_t k) {
                                 regressor.evaluate(s.q[k], s.dq[k], s.ddq[k], Y);
