@@ -5,8 +5,9 @@
 
 #include "calibrate_options.hpp"
 #include "option_checks.hpp"
-#include "veridyn/effects/cause.hpp"
 #include "veridyn/calibration/links.hpp"
+#include "veridyn/effects/cause.hpp"
+#include "veridyn/effects/effect.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/model_file.hpp"
 #include "report/calibration_json.hpp"
@@ -36,18 +37,13 @@ std::string compared(const std::string& file, const LinksCalibration& links) {
           ": found no findings, expected what diagnose --json wrote.");
   std::string zero;
   for (const nlohmann::json& finding : diagnosis["findings"]) {
-    if (finding.value("effect", "") == "encoder_offset") zero = finding.value("sentence", "");
-    if (finding.value("effect", "") != KinematicError::kName) continue;
+    const std::string effect = finding.value("effect", "");
+    if (has_effect(effect) && find_effect(effect).traits().same_as_wrong_constant)
+      zero = to_text(CauseText{effect, finding.value("coordinate", "")});
+    if (effect != KinematicError::kName) continue;
     const nlohmann::json& value = finding.at("parameters").at("value");
-    // "... a wrong constant: theta of frame elbow is ..." or "ratio of pitch in frame elbow is".
-    const std::string sentence = finding.value("sentence", "");
-    const std::size_t begin = sentence.find("constant: ");
-    const std::size_t of = begin == std::string::npos ? begin : sentence.find(" frame ", begin);
-    if (of == std::string::npos) continue;
-    std::string name = sentence.substr(begin + 10, of - begin - 10);
-    name = name.substr(0, name.rfind(' '));
-    const std::size_t end = sentence.find(" is ", of);
-    return compare_wrong_constant(links, sentence.substr(of + 7, end - of - 7), name,
+    return compare_wrong_constant(links, finding.at("frame").get<std::string>(),
+                                  finding.at("constant").get<std::string>(),
                                   value.at("value").get<double>(),
                                   value.at("ci95").at(0).get<double>(),
                                   value.at("ci95").at(1).get<double>());
@@ -58,7 +54,7 @@ std::string compared(const std::string& file, const LinksCalibration& links) {
     const LinkConstant& c = links.constants[static_cast<std::size_t>(k)];
     named += (named.empty() ? "" : ", ") + c.name + (c.frame.empty() ? "" : " of frame " + c.frame);
   }
-  return "Torques name a zero (" + zero.substr(0, zero.rfind('.')) + "), poses " +
+  return "Torques name a zero (" + zero + "), poses " +
          (named.empty() ? "no constant" : named) + ": only one of them is wrong, or both are off.";
 }
 

@@ -36,6 +36,7 @@ Json finding_json(const Finding& f) {
               {"status", name_of(f.status)},
               {"main", f.main}};
   if (!f.frame.empty()) out["frame"] = f.frame;
+  if (!f.constant.empty()) out["constant"] = f.constant;
   if (!f.source.empty()) out["recording"] = f.source;
   out["parameters"] = Json::object();
   for (const FoundParameter& p : f.parameters) {

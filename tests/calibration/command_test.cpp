@@ -144,17 +144,16 @@ TEST(CalibrateCommand, LinksSetTheDiagnosisBesideThePoses) {
                      "--diagnosis", file});
   };
   const std::string constant =
-      R"({"effect": "coupling_error", "sentence": "The robot file has a wrong constant: theta of )"
-      R"(frame counterweight_rail is -106.7 deg there; the recordings ask for -89.59 deg.",)"
+      R"({"effect": "coupling_error", "frame": "counterweight_rail", "constant": "theta",)"
       R"("parameters": {"value": {"value": -1.5637, "ci95": [-1.634, -1.4934]}}})";
   EXPECT_NE(said(constant).out.find("-89.9"), std::string::npos);
   EXPECT_NE(said(constant).out.find("they agree."), std::string::npos) << said(constant).out;
-  const std::string zero = R"({"effect": "encoder_offset", "sentence": "Joint 2 has a recorded )"
-                           R"(position that is 98.9 mrad too large."})";
+  const std::string zero = R"({"effect": "encoder_offset", "coordinate": "pitch"})";
+  EXPECT_NE(said(zero).out.find("a zero (encoder_offset:pitch)"), std::string::npos);
   EXPECT_NE(said(zero).out.find("poses theta of frame counterweight_rail"), std::string::npos)
       << said(zero).out;
   EXPECT_NE(said("").out.find("Torques ask for no other constant."), std::string::npos);
-  const ToolRun bad = said(R"({"effect": "coupling_error", "sentence": "constant: a of frame b"})");
+  const ToolRun bad = said(R"({"effect": "coupling_error", "constant": "a"})");
   EXPECT_EQ(bad.status, 3) << bad.err;
   EXPECT_EQ(bad.error_lines(), 1) << bad.err;
 }

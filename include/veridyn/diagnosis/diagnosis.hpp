@@ -74,6 +74,7 @@ struct Finding {
   int joint = 0;       ///< from 1; 0: the whole arm
   std::string coordinate;
   std::string frame;   ///< Frame of a payload or a wrong constant
+  std::string constant;  ///< of a wrong one: "theta", "ratio of pitch"
   std::string source;  ///< the recording that a contact is in
   std::string unit;    ///< Unit of the first parameter
   std::vector<FoundParameter> parameters;

@@ -416,16 +416,15 @@ std::vector<GeometryConstant> geometry_constants(const Model& arm) {
     const Frame& frame = arm.frames()[static_cast<size_t>(k)];
     if (!frame.dh || carries[static_cast<size_t>(k)] == 0) continue;
     const std::string of = " of frame " + frame.name;
-    out.push_back({k, Kind::kTheta, -1, frame.dh->theta, true, "theta" + of});
-    out.push_back({k, Kind::kAlpha, -1, frame.dh->alpha, true, "alpha" + of});
-    out.push_back({k, Kind::kA, -1, frame.dh->a, false, "a" + of});
-    out.push_back({k, Kind::kD, -1, frame.dh->d, false, "d" + of});
+    out.push_back({k, Kind::kTheta, -1, frame.dh->theta, true, "theta", "theta" + of});
+    out.push_back({k, Kind::kAlpha, -1, frame.dh->alpha, true, "alpha", "alpha" + of});
+    out.push_back({k, Kind::kA, -1, frame.dh->a, false, "a", "a" + of});
+    out.push_back({k, Kind::kD, -1, frame.dh->d, false, "d", "d" + of});
     for (int i = 0; i < arm.joints(); ++i) {
       const double c = frame.variable.coefficients[i];
       if (c == 0.0 || std::abs(c) == 1.0) continue;
-      out.push_back({k, Kind::kCoefficient, i, c, false,
-                     "ratio of " + arm.coordinates()[static_cast<size_t>(i)].name + " in frame " +
-                         frame.name});
+      const std::string ratio = "ratio of " + arm.coordinates()[static_cast<size_t>(i)].name;
+      out.push_back({k, Kind::kCoefficient, i, c, false, ratio, ratio + " in frame " + frame.name});
     }
   }
   return out;

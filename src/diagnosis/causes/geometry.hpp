@@ -15,7 +15,8 @@ struct GeometryConstant {
   int coordinate = -1;  ///< Coordinate of a coefficient
   double value = 0.0;   ///< as it stands
   bool angle = false;
-  std::string name;  ///< "theta of frame counterweight_rail"
+  std::string name;   ///< "theta", or "ratio of pitch" where it is a coefficient
+  std::string words;  ///< "theta of frame counterweight_rail"
 };
 
 /// A wrong constant that the recordings ask for.

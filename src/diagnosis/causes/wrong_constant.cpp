@@ -78,6 +78,7 @@ std::optional<WrongConstant> wrong_constant(const Model& arm,
   f.effect = KinematicError::kName;
   const Frame& frame = arm.frames()[static_cast<size_t>(best.constant.frame)];
   f.frame = frame.name;
+  f.constant = best.constant.name;
   int joint = 0;
   for (int i = 0; i < arm.joints(); ++i) {
     if (arm.moves(best.constant.frame, i)) joint = i;
@@ -101,7 +102,7 @@ std::optional<WrongConstant> wrong_constant(const Model& arm,
     if (geometry[k].gain < limits.rival_share * profiled) continue;
     f.rivals.push_back(
         {KinematicError::kName, f.joint, f.coordinate,
-         "another constant, " + geometry[k].constant.name + ", would explain as much", ""});
+         "another constant, " + geometry[k].constant.words + ", would explain as much", ""});
   }
   for (const auto& [h, gain] : instead) {
     if (gain < limits.weaker_rival * best.gain || f.rivals.size() > kRivals) break;
@@ -117,7 +118,7 @@ std::optional<WrongConstant> wrong_constant(const Model& arm,
   };
   f.sentence =
       fmt::format("The robot file has a wrong constant: {} is {} there; the recordings ask for {}.",
-                  best.constant.name, shown(best.constant.value), shown(best.found));
+                  best.constant.words, shown(best.constant.value), shown(best.found));
   return out;
 }
 
