@@ -4,9 +4,12 @@ set -eu
 here=$(cd "$(dirname "$0")/.." && pwd)
 build=$(cd "$1" && pwd)
 nodes=$build/ros/devel/lib/veridyn_ros
-if [ ! -x "$nodes/veridyn_controller" ] || ! /usr/bin/python3 -c "import rospy, rosbag" 2>/dev/null; then
-  echo "ros-test: skipped, there is no ROS 1 here, or \`make ros\` was not run"
+skip() {
+  echo "ros-test: skipped: $1"
   exit 77
-fi
+}
+/usr/bin/python3 -c "import rospy, rosbag" 2>/dev/null || skip "there is no ROS 1 here (rospy, rosbag); \`make ros\` installs it"
+command -v rosmaster >/dev/null 2>&1 || skip "there is no rosmaster here; \`make ros\` installs it"
+[ -x "$nodes/veridyn_controller" ] || skip "the nodes are not built; \`make ros\` builds them into $build/ros"
 PYTHONPATH=$build/ros/devel/lib/python3/dist-packages VERIDYN_ROBOTS=$here/data/robots \
   exec /usr/bin/python3 "$here/tests/ros/laboratory.py" "$nodes" "$build/bin/veridyn"

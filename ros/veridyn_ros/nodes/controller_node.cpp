@@ -4,6 +4,7 @@
 #include <std_msgs/Float64MultiArray.h>
 
 #include <atomic>
+#include <cstdio>
 #include <deque>
 #include <thread>
 
@@ -21,6 +22,7 @@ using veridyn::VectorXd;
 
 constexpr double kLostMotors = 0.02;  // [s] without positions: no torque is computed from them
 constexpr double kOverrun = 0.5;      // of a period: a cycle that begins later counts
+constexpr long kTold = 100;           // cycles between two tellings of how the loop does
 
 // One arm of the loop. All that both threads touch is lock-free.
 struct Arm {
@@ -69,6 +71,7 @@ class Controller {
   }
 
   void run(double publish_rate) {
+    const double began = steady_now();
     std::thread loop([this] { cycles(); });
     std::thread sender;
     if (!inside_) sender = std::thread([this] { send(); });
@@ -85,6 +88,8 @@ class Controller {
     ends_ = true;
     loop.join();
     if (sender.joinable()) sender.join();
+    loop_.read(told_);
+    std::printf("veridyn_controller: %s\n", told_.sentence(steady_now() - began).c_str());
   }
 
  private:
@@ -102,6 +107,7 @@ class Controller {
     std::copy(m.position.begin(), m.position.end(), s.q);
     std::copy(m.velocity.begin(), m.velocity.end(), s.dq);
     s.stamp = steady_now();
+    s.said = m.header.stamp.toSec();
     s.seen = true;
     arm.from_motors.write(s);
   }
@@ -119,10 +125,10 @@ class Controller {
       const double took = steady_now() - begun;
       f.cycles += 1.0;
       f.mean_period += (dt - f.mean_period) / f.cycles;
-      f.worst_late = std::max(f.worst_late, cycle.latest());
-      f.worst_compute = std::max(f.worst_compute, took);
+      f.late.note(cycle.latest());
+      f.compute.note(took);
       if (cycle.latest() > kOverrun / rate_) f.overruns += 1.0;
-      loop_.write(f);
+      if (static_cast<long>(f.cycles) % kTold == 0) loop_.write(f);
     }
   }
 
@@ -154,6 +160,7 @@ class Controller {
       MotorTorque t;
       for (Eigen::Index i = 0; i < arm.q.size(); ++i) t.tau[i] = arm.tau[i];
       t.stamp = begun_ += 1.0;
+      t.said = arm.motors.said;
       arm.to_motors.write(t);
     }
     arm.feedback.write(arm.arm.feedback());
@@ -168,7 +175,7 @@ class Controller {
         if (!arms_[k].to_motors.read(t)) continue;
         any = true;
         sensor_msgs::JointState m;
-        m.header.stamp = ros::Time::now();
+        m.header.stamp = ros::Time(t.said);  // of the positions that they answer
         m.effort.assign(t.tau, t.tau + arms_[k].q.size());
         servo_jf_[k].publish(m);
       }
@@ -177,10 +184,11 @@ class Controller {
   }
 
   void tell() {
-    LoopFigures f;
-    if (!loop_.read(f)) return;
+    if (!loop_.read(told_)) return;
+    const LoopFigures& f = told_;
     std_msgs::Float64MultiArray m;
-    m.data = {f.cycles, f.mean_period, f.worst_late, f.worst_compute, f.overruns};
+    m.data = {f.cycles, f.mean_period, f.late.worst(), f.compute.worst(), f.overruns,
+              f.late.quantile(0.5), f.late.quantile(0.999), f.compute.quantile(0.5), f.compute.quantile(0.999)};
     figures_.publish(m);
   }
 
@@ -193,6 +201,7 @@ class Controller {
   std::vector<ros::Subscriber> measured_;
   ros::Publisher figures_;
   Snapshot<LoopFigures> loop_;
+  LoopFigures told_;
   std::atomic<bool> ends_{false};
 };
 

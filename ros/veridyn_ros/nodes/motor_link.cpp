@@ -1,10 +1,26 @@
 #include "nodes/motor_link.hpp"
 
+#include <sys/resource.h>
 #include <time.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstdio>
 
 namespace veridyn_ros {
+namespace {
+
+constexpr double kShortest = 1e-6;  // [s]
+constexpr double kStep = 1.05;
+
+double processor_seconds() {
+  rusage used{};
+  ::getrusage(RUSAGE_SELF, &used);
+  const auto seconds = [](const timeval& t) { return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec); };
+  return seconds(used.ru_utime) + seconds(used.ru_stime);
+}
+
+}  // namespace
 
 double steady_now() noexcept {
   timespec t{};
@@ -27,6 +43,39 @@ double Cycle::wait() noexcept {
   const double dt = now - last_;
   last_ = now;
   return dt;
+}
+
+void Spread::note(double seconds) noexcept {
+  const double x = std::max(seconds, kShortest);  // NaN becomes the shortest, too
+  const double place = std::log(x / kShortest) / std::log(kStep);
+  ++counts_[static_cast<std::size_t>(std::min(place, static_cast<double>(counts_.size() - 1)))];
+  ++all_;
+  worst_ = std::max(worst_, seconds);
+}
+
+double Spread::quantile(double share) const noexcept {
+  std::uint64_t below = 0;
+  for (std::size_t k = 0; k < counts_.size(); ++k) {
+    below += counts_[k];
+    if (below > 0 && static_cast<double>(below) >= share * static_cast<double>(all_))
+      return std::min(worst_, kShortest * std::pow(kStep, static_cast<double>(k + 1)));
+  }
+  return 0.0;
+}
+
+std::string words_of(const Spread& spread) {
+  char out[120];
+  std::snprintf(out, sizeof out, "median %.3f, 99.9 %% %.3f, worst %.3f ms", 1e3 * spread.quantile(0.5),
+                1e3 * spread.quantile(0.999), 1e3 * spread.worst());
+  return out;
+}
+
+std::string LoopFigures::sentence(double seconds) const {
+  char out[400];
+  std::snprintf(out, sizeof out, "%.0f cycles of %.4f ms; late by %s; computing %s; %.0f more than half a period late; processor %.0f %% of a core",
+                cycles, 1e3 * mean_period, words_of(late).c_str(), words_of(compute).c_str(), overruns,
+                100.0 * processor_seconds() / std::max(seconds, 1e-3));
+  return out;
 }
 
 }  // namespace veridyn_ros

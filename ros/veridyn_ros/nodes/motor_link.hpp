@@ -1,6 +1,8 @@
 #pragma once
 
-#include <memory>
+#include <array>
+#include <cstdint>
+#include <string>
 
 #include "core/crtk_arm.hpp"
 #include "core/lock_free.hpp"
@@ -11,11 +13,13 @@ namespace veridyn_ros {
 struct MotorState {
   double q[kMostJoints] = {}, dq[kMostJoints] = {};
   double stamp = 0.0;  ///< [s] of the steady clock, when it came
+  double said = 0.0;   ///< [s] of ROS' clock, as the message has it
   bool seen = false;
 };
 struct MotorTorque {
   double tau[kMostJoints] = {};
   double stamp = 0.0;
+  double said = 0.0;  ///< [s] of ROS' clock: stamp of the positions that they answer; 0: unknown
 };
 
 /// [s] of a clock that never jumps.
@@ -33,9 +37,31 @@ class Cycle {
   double period_, next_, last_, latest_ = 0.0;
 };
 
+/// How often a time was how long, in steps of 5 %; note() neither allocates nor waits.
+class Spread {
+ public:
+  void note(double seconds) noexcept;
+  /// [s] that this share of the times does not exceed, to 5 %; 0 without any.
+  double quantile(double share) const noexcept;
+  double worst() const noexcept { return worst_; }
+
+ private:
+  std::array<std::uint32_t, 332> counts_{};  // from 1 us to 10 s
+  std::uint64_t all_ = 0;
+  double worst_ = 0.0;
+};
+
 /// What a loop says of itself.
 struct LoopFigures {
-  double cycles = 0.0, mean_period = 0.0, worst_late = 0.0, worst_compute = 0.0, overruns = 0.0;
+  double cycles = 0.0, mean_period = 0.0, overruns = 0.0;
+  Spread late;     ///< [s] after its time that a cycle began
+  Spread compute;  ///< [s] of a cycle
+
+  /// "600000 cycles of 1.000 ms, ...; processor 31 % of a core": for the end of a run of `seconds`.
+  std::string sentence(double seconds) const;
 };
+
+/// "median 0.10, 99.9 % 0.35, worst 2.10 ms"
+std::string words_of(const Spread& spread);
 
 }  // namespace veridyn_ros

@@ -6,6 +6,7 @@
 #include <sensor_msgs/JointState.h>
 
 #include <atomic>
+#include <cstdio>
 #include <deque>
 #include <thread>
 
@@ -24,6 +25,7 @@ struct Arm {
   VectorXd q, dq, tau;
   Snapshot<MotorTorque> asked;
   MotorTorque now;
+  Spread* answered = nullptr;  // [s] from positions to the torques that answer them
   ros::Subscriber servo_jf;
   ros::Publisher measured_js;
   sensor_msgs::JointState message;
@@ -46,11 +48,12 @@ void hear(Arm& arm, const sensor_msgs::JointState& m) {
     t.tau[i] = m.effort[i];
   }
   t.stamp = steady_now();
+  t.said = m.header.stamp.toSec();
   arm.asked.write(t);
 }
 
 void step(Arm& arm, double dt, double patience) {
-  arm.asked.read(arm.now);
+  if (arm.asked.read(arm.now) && arm.now.said > 0.0) arm.answered->note(ros::Time::now().toSec() - arm.now.said);
   const bool braked = steady_now() - arm.now.stamp > patience;
   if (braked && !arm.braked) ROS_WARN("%s: no torques any more; brakes hold it", arm.name.c_str());
   arm.braked = braked;
@@ -73,10 +76,13 @@ void run(ros::NodeHandle& own) {
   const double patience = own.param("patience", 0.02);
   veridyn::require(rate > 0.0 && patience > 0.0, "~rate, ~patience: expected numbers above zero.");
   std::deque<Arm> arms;
+  LoopFigures figures;
+  Spread answered;
   ros::NodeHandle root;
   for (const ArmParameters& p : read_arms(own)) {
     Arm& arm = arms.emplace_back();
     arm.name = p.name;
+    arm.answered = &answered;
     arm.plant = veridyn::make_engine(own.param("engine", std::string("veridyn")), p.model);
     arm.q = p.start;
     arm.dq = arm.tau = VectorXd::Zero(p.start.size());
@@ -93,9 +99,14 @@ void run(ros::NodeHandle& own) {
   ros::AsyncSpinner spinner(1);
   spinner.start();
   Cycle cycle(1.0 / rate);
+  const double began = steady_now();
   rosgraph_msgs::Clock time;
   for (long k = 1; ros::ok(); ++k) {
-    cycle.wait();
+    const double dt = cycle.wait(), began_cycle = steady_now();
+    figures.cycles += 1.0;
+    figures.mean_period += (dt - figures.mean_period) / figures.cycles;
+    figures.late.note(cycle.latest());
+    if (cycle.latest() > 0.5 / rate) figures.overruns += 1.0;
     time.clock = ros::Time(static_cast<double>(k) / rate);
     const ros::Time stamp = clock ? time.clock : ros::Time::now();
     for (Arm& arm : arms) {
@@ -107,7 +118,10 @@ void run(ros::NodeHandle& own) {
       arm.measured_js.publish(arm.message);
     }
     if (clock) clock.publish(time);
+    figures.compute.note(steady_now() - began_cycle);
   }
+  std::printf("veridyn_plant: %s; torques answer positions after %s\n", figures.sentence(steady_now() - began).c_str(),
+              words_of(answered).c_str());
 }
 
 }  // namespace
