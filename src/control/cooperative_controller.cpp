@@ -342,7 +342,7 @@ void CooperativeController::give_way(const CooperativeInput& input) noexcept {
     for (size_t k = 0; k < trackers_.size(); ++k) {
       if (tracked_[k] != 0 && !sensor_failed()) guard_.feel(static_cast<int>(k), input.force[k].force);
     }
-    guard_.update(input.position, input.velocity, input.healthy, options_.relief_force);
+    guard_.update(input.position, input.healthy, options_.relief_force);
     for (size_t i = 0; i < targets_.size(); ++i)
       targets_[i].relief = guard_.motion(static_cast<int>(i));
   }

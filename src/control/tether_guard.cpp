@@ -25,10 +25,10 @@ TetherGuard::TetherGuard(int arms, std::vector<Member> members, const TetherGuar
       limits_(members_.size(), kUnknown),
       pushes_(members_.size(), 0),
       motions_(static_cast<std::size_t>(std::max(0, arms))),
-      seen_(motions_.size(), Vector3d::Zero()),
-      accelerations_(seen_) {
-  for (const double value : {options.period, options.margin, options.horizon, options.least_push, options.rest,
-                             options.acceleration, options.speed, options.smoothing}) {
+      seen_(motions_.size()) {
+  for (const double value :
+       {options.period, options.margin, options.horizon, options.least_push, options.rest,
+        options.acceleration, options.speed, options.smoothing}) {
     require(std::isfinite(value) && value > 0.0, "tether guard: found ", value,
             " among its options, expected numbers above zero.");
   }
@@ -42,7 +42,6 @@ TetherGuard::TetherGuard(int arms, std::vector<Member> members, const TetherGuar
 void TetherGuard::reset() noexcept {
   for (std::size_t k = 0; k < members_.size(); ++k) forget(static_cast<int>(k));
   for (Motion& motion : motions_) motion = Motion();
-  for (Vector3d& a : accelerations_) a.setZero();
   looked_ = false;
 }
 
@@ -70,14 +69,19 @@ void TetherGuard::learn(int member, double length, double force) noexcept {
       std::isnan(lengths_[k]) ? found : lengths_[k] + kLearning * (found - lengths_[k]);
 }
 
-// Accelerations of the tips, from their velocities.
-void TetherGuard::look(const std::vector<Vector3d>& velocity) noexcept {
-  const double share = 1.0 - std::exp(-2.0 * M_PI * options_.smoothing * options_.period);
+void TetherGuard::look(const std::vector<Vector3d>& position) noexcept {
+  const double dt = options_.period;
+  const double p = std::exp(-2.0 * M_PI * options_.smoothing * dt);
+  const double r = 1.0 - p;
   for (std::size_t i = 0; i < seen_.size(); ++i) {
-    if (looked_)
-      accelerations_[i] +=
-          share * ((velocity[i] - seen_[i]) / options_.period - accelerations_[i]);
-    seen_[i] = velocity[i];
+    Seen& tip = seen_[i];
+    if (!looked_) tip.position = position[i];
+    tip.position += dt * tip.velocity + 0.5 * dt * dt * tip.acceleration;
+    tip.velocity += dt * tip.acceleration;
+    const Vector3d e = position[i] - tip.position;
+    tip.position += (1.0 - p * p * p) * e;
+    tip.velocity += 1.5 * r * r * (1.0 + p) / dt * e;
+    tip.acceleration += r * r * r / (dt * dt) * e;
   }
   looked_ = true;
 }
@@ -93,25 +97,24 @@ void TetherGuard::limit(std::size_t k, double length, double force) noexcept {
                                                length + options_.margin));
 }
 
-void TetherGuard::hold_back(std::size_t k, const std::vector<Vector3d>& position,
-                            const std::vector<Vector3d>& velocity, const std::vector<char>& healthy,
+void TetherGuard::hold_back(std::size_t k, const std::vector<char>& healthy,
                             double force) noexcept {
   const auto from = static_cast<std::size_t>(members_[k].from);
   const auto to = static_cast<std::size_t>(members_[k].to);
-  const Vector3d line = position[to] - position[from];
+  const Vector3d line = seen_[to].position - seen_[from].position;
   const double length = line.norm();
   if (std::isnan(lengths_[k]) || !(length > kShortest)) return;
   limit(k, length, force);
   const Vector3d u = line / length;
-  const Vector3d relative = velocity[to] - velocity[from];
+  const Vector3d relative = seen_[to].velocity - seen_[from].velocity;
   const double rate = u.dot(relative);
   const double turning = (relative - rate * u).squaredNorm() / length;
   const double h = options_.horizon;
   // Each end alone, whatever the other is told: it may be the one that has no torque.
   const auto keep = [&](double sign, double bound) {  // sign d2L/dt2 <= most
     const double most = -sign * 2.0 / h * rate - sign * (length - bound) / (h * h);
-    const double by_from = sign * (u.dot(accelerations_[to]) + turning) - most;
-    const double by_to = sign * (turning - u.dot(accelerations_[from])) - most;
+    const double by_from = sign * (u.dot(seen_[to].acceleration) + turning) - most;
+    const double by_to = sign * (turning - u.dot(seen_[from].acceleration)) - most;
     Vector3d& a_from = motions_[from].acceleration;
     Vector3d& a_to = motions_[to].acceleration;
     if (healthy[from] != 0) a_from += std::max(0.0, by_from - sign * a_from.dot(u)) * sign * u;
@@ -122,13 +125,12 @@ void TetherGuard::hold_back(std::size_t k, const std::vector<Vector3d>& position
   if (pushes_[k] != 0 && stiffness > 0.0) keep(-1.0, lengths_[k] - 2.0 * force / stiffness);
 }
 
-void TetherGuard::update(const std::vector<Vector3d>& position,
-                         const std::vector<Vector3d>& velocity, const std::vector<char>& healthy,
+void TetherGuard::update(const std::vector<Vector3d>& position, const std::vector<char>& healthy,
                          double force) noexcept {
-  look(velocity);
+  look(position);
   for (Motion& motion : motions_) motion.acceleration = -motion.velocity / options_.rest;
   for (std::size_t k = 0; k < members_.size(); ++k)
-    hold_back(k, position, velocity, healthy, force);
+    hold_back(k, healthy, force);
   const double dt = options_.period;
   for (Motion& motion : motions_) {
     const double size = motion.acceleration.norm();

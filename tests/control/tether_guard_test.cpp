@@ -21,17 +21,16 @@ struct Line {
     for (int k = 0; k < 2000; ++k) guard.learn(0, 0.1 + 5.0 / stiffness, 5.0);
   }
 
-  // The other end is at `x` with the velocity `v`. @returns the member's length.
-  double step(const Vector3d& x, const Vector3d& v) {
+  // The other end is at `x`. @returns the member's length.
+  double step(const Vector3d& x) {
     const TetherGuard::Motion& own = guard.motion(0);
     positions = {own.position, x};
-    velocities = {own.velocity, v};
-    guard.update(positions, velocities, healthy, 5.0);
+    guard.update(positions, healthy, 5.0);
     return (x - own.position).norm();
   }
 
   TetherGuard guard;
-  std::vector<Vector3d> positions, velocities;
+  std::vector<Vector3d> positions;
   std::vector<char> healthy{1, 0};
 };
 
@@ -48,10 +47,10 @@ TEST(TetherGuard, AFallingEndDoesNotTightenASlackString) {
   for (int k = 0; k < 300; ++k) {
     const double t = kPeriod * k;
     const double x = 0.1 - 0.3 * t + 0.5 * 10.0 * t * t;
-    longest = std::max(longest, line.step({x, 0.0, 0.0}, {-0.3 + 10.0 * t, 0.0, 0.0}));
+    longest = std::max(longest, line.step({x, 0.0, 0.0}));
   }
   EXPECT_GT(line.guard.motion(0).position.x(), 0.2);
-  EXPECT_LT(longest, 0.1);
+  EXPECT_LE(longest, 0.1);  // as it begins
 }
 
 // Sideways: a pendulum that swings by tightens the string by its path's curvature alone.
@@ -60,7 +59,7 @@ TEST(TetherGuard, AnEndThatFliesByDoesNotTightenASlackString) {
   double longest = 0.0;
   for (int k = 0; k < 300; ++k) {
     const double t = kPeriod * k;
-    longest = std::max(longest, line.step({0.088, 0.8 * t, 0.0}, {0.0, 0.8, 0.0}));
+    longest = std::max(longest, line.step({0.088, 0.8 * t, 0.0}));
   }
   EXPECT_LT(longest, 0.1);
 }
@@ -71,7 +70,7 @@ TEST(TetherGuard, ATautMemberCarriesAtMostTwiceTheForce) {
   double longest = 0.0;
   for (int k = 0; k < 400; ++k) {
     const double t = kPeriod * k;
-    longest = std::max(longest, line.step({0.1025 + 0.5 * 2.0 * t * t, 0.0, 0.0}, {2.0 * t, 0.0, 0.0}));
+    longest = std::max(longest, line.step({0.1025 + 0.5 * 2.0 * t * t, 0.0, 0.0}));
   }
   EXPECT_LT(longest, 0.1 + 2.0 * 5.0 / 2000.0 + 1e-4);
   EXPECT_GT(longest, 0.104);
@@ -85,7 +84,7 @@ TEST(TetherGuard, OnlyWhatPushesIsKeptFromBeingCrushed) {
     double shortest = 1.0;
     for (int k = 0; k < 200; ++k) {
       const double t = kPeriod * k;
-      shortest = std::min(shortest, line.step({0.1 - 0.5 * 2.0 * t * t, 0.0, 0.0}, {-2.0 * t, 0.0, 0.0}));
+      shortest = std::min(shortest, line.step({0.1 - 0.5 * 2.0 * t * t, 0.0, 0.0}));
     }
     if (pushes) {
       EXPECT_GT(shortest, 0.1 - 2.0 * 5.0 / 2000.0 - 1e-4);
@@ -99,10 +98,10 @@ TEST(TetherGuard, OnlyWhatPushesIsKeptFromBeingCrushed) {
 TEST(TetherGuard, WhatPressesNothingIsNotMoved) {
   Line line;
   for (int k = 0; k < 1000; ++k)
-    line.step({0.10025 + 1e-7 * std::sin(0.1 * k), 0.0, 0.0}, {1e-5 * std::cos(0.1 * k), 0.0, 0.0});
+    line.step({0.10025 + 1e-7 * std::sin(0.1 * k), 0.0, 0.0});
   EXPECT_LT(line.guard.motion(0).position.norm(), 1e-9);
   line.healthy[0] = 0;  // one that does not follow is told nothing
-  line.step({0.2, 0.0, 0.0}, {1.0, 0.0, 0.0});
+  line.step({0.2, 0.0, 0.0});
   EXPECT_LT(line.guard.motion(0).acceleration.norm(), 1e-6);
 }
 

@@ -12,8 +12,8 @@ struct TetherGuardOptions {
   double least_push = 0.5;   ///< [N] that tells a spring or a bar from a string
   double rest = 0.1;         ///< [s] in which motion of the guard dies away when nothing presses
   double acceleration = 40.0;  ///< [m/s^2] and
-  double speed = 2.0;          ///< [m/s] of a tip at most
-  double smoothing = 40.0;     ///< [Hz] of the accelerations seen
+  double speed = 3.0;          ///< [m/s] of a tip at most: a free fall of 0.46 m
+  double smoothing = 40.0;     ///< [Hz] of the velocities and accelerations seen
 };
 
 /// Keeps members from being jerked tight by an arm that has lost its torque: the ends that still
@@ -30,6 +30,10 @@ struct TetherGuardOptions {
 /// member has become slack, `margin` below the length without force. Members that have pushed are
 /// kept from being crushed likewise, with L_min and the signs turned. What presses nothing is not
 /// moved.
+///
+/// Velocities and accelerations are taken from the places of the tips alone (fading-memory
+/// polynomial of the second degree, Morrison 1969, section 13.6): observers that are led by the
+/// acceleration asked of an arm are wrong by a / bandwidth where an arm does not follow.
 ///
 /// Nothing allocates after the constructor, nothing throws.
 class TetherGuard {
@@ -57,10 +61,9 @@ class TetherGuard {
   void forget(int member) noexcept;
 
   /// While all is held, once per period.
-  /// @param position, velocity  of the tips [m], [m/s]. @param healthy  0: this arm does not follow.
+  /// @param position  of the tips [m]. @param healthy  0: this arm does not follow.
   /// @param force  [N] that a member may carry.
-  void update(const std::vector<Eigen::Vector3d>& position,
-              const std::vector<Eigen::Vector3d>& velocity, const std::vector<char>& healthy,
+  void update(const std::vector<Eigen::Vector3d>& position, const std::vector<char>& healthy,
               double force) noexcept;
 
   const Motion& motion(int arm) const { return motions_[static_cast<std::size_t>(arm)]; }
@@ -68,18 +71,21 @@ class TetherGuard {
   double free_length(int member) const { return lengths_[static_cast<std::size_t>(member)]; }
 
  private:
-  void look(const std::vector<Eigen::Vector3d>& velocity) noexcept;
+  struct Seen {  ///< a tip, as its places tell it
+    Eigen::Vector3d position{Eigen::Vector3d::Zero()};
+    Eigen::Vector3d velocity{Eigen::Vector3d::Zero()};
+    Eigen::Vector3d acceleration{Eigen::Vector3d::Zero()};
+  };
+  void look(const std::vector<Eigen::Vector3d>& position) noexcept;
   void limit(std::size_t member, double length, double force) noexcept;
-  void hold_back(std::size_t member, const std::vector<Eigen::Vector3d>& position,
-                 const std::vector<Eigen::Vector3d>& velocity, const std::vector<char>& healthy,
-                 double force) noexcept;
+  void hold_back(std::size_t member, const std::vector<char>& healthy, double force) noexcept;
 
   TetherGuardOptions options_;
   std::vector<Member> members_;
   std::vector<double> lengths_, limits_;
   std::vector<char> pushes_;
   std::vector<Motion> motions_;
-  std::vector<Eigen::Vector3d> seen_, accelerations_;
+  std::vector<Seen> seen_;
   bool looked_ = false;
 };
 

@@ -86,8 +86,10 @@ void JoinedArms::advance(double seconds) {
   }
   if (led_.load()) move_hand();
   world.step(tau_, seconds);
-  for (size_t k = 0; k < joints_.size(); ++k)
+  for (size_t k = 0; k < joints_.size(); ++k) {
     stop_at_ends(world, experiment_.real(static_cast<int>(k)), static_cast<int>(k));
+    joints_[k]->moved(seconds);
+  }
   for (size_t k = 0; k < tension_.size(); ++k) {
     const double tension = world.member(static_cast<int>(k)).tension;
     tension_[k].store(tension);
@@ -138,11 +140,11 @@ void JoinedArms::run(const std::atomic<bool>& stop) {
   const Clock::time_point begun = Clock::now();
   double reached = 0.0;
   while (!stop.load()) {
-    apply_faults();
-    for (const auto& server : servers_) server->serve(5e-5);
     const double now = std::chrono::duration<double>(Clock::now() - begun).count();
     if (now - reached > kMostBehind) reached = now - kMostBehind;
     for (; reached + kStep <= now; reached += kStep) advance(kStep);
+    apply_faults();
+    for (const auto& server : servers_) server->serve(5e-5);
   }
 }
 
@@ -157,9 +159,9 @@ void JoinedArms::pass(double seconds) {
   for (const double until = now_ + std::max(0.0, seconds); now_ < until;) {
     now_ = std::min(until, reached_ + kStep);
     if (now_ < reached_ + kStep) break;
+    serve();
     advance(kStep);
     reached_ += kStep;
-    serve();
   }
 }
 

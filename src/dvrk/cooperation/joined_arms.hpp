@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <memory>
@@ -68,15 +69,25 @@ class JoinedArms final : public SteppedClock {
   }
 
  private:
-  // What SimulatedArm takes for its engine: torques go in, the world's joints come out.
+  // What SimulatedArm takes for its engine: torques go in, the world's joints come out. Between two
+  // steps of the world, which boards look at whenever a datagram comes, joints go evenly to where
+  // the last step took them: a jump would be a velocity to encoders that time their edges.
   class Joint final : public Engine {
    public:
-    Joint(World& world, int arm) : world_(world), arm_(arm), tau_(VectorXd::Zero(world.q(arm).size())) {}
+    Joint(World& world, int arm)
+        : world_(world),
+          arm_(arm),
+          tau_(VectorXd::Zero(world.q(arm).size())),
+          from_(world.q(arm)),
+          q_(from_) {}
     int joints() const override { return static_cast<int>(tau_.size()); }
     void set_state(const VectorRef&, const VectorRef&) override { driven_ = false; }
-    StepStatus step(const VectorRef& tau, double) noexcept override {
+    StepStatus step(const VectorRef& tau, double seconds) noexcept override {
       tau_ = tau;
       driven_ = true;
+      elapsed_ += seconds;
+      const double share = duration_ > 0.0 ? std::min(1.0, elapsed_ / duration_) : 1.0;
+      q_ = from_ + share * (world_.q(arm_) - from_);
       return StepStatus::kOk;
     }
     StepStatus accelerate(const VectorRef&, VectorXd& ddq) noexcept override {
@@ -84,17 +95,27 @@ class JoinedArms final : public SteppedClock {
       return StepStatus::kOk;
     }
     double time() const override { return world_.time(); }
-    const VectorXd& q() const override { return world_.q(arm_); }
+    const VectorXd& q() const override { return q_; }
     const VectorXd& dq() const override { return world_.dq(arm_); }
     int failed_joint() const override { return -1; }
     const std::vector<std::string>& left_out() const override { return none_; }
     bool driven() const { return driven_; }
+    /// The world made a step of so many seconds.
+    void moved(double seconds) noexcept {
+      if (elapsed_ > 0.0) {
+        from_ = q_;
+        elapsed_ = duration_ = 0.0;
+      }
+      duration_ = std::min(duration_ + seconds, kLongestWay);
+    }
     const VectorXd& tau() const { return tau_; }
 
    private:
+    static constexpr double kLongestWay = 0.02;  // [s] after a pause of the machine
     World& world_;
     int arm_;
-    VectorXd tau_;
+    VectorXd tau_, from_, q_;
+    double elapsed_ = 0.0, duration_ = 0.0;  // [s] on the way from `from_`
     bool driven_ = false;
     std::vector<std::string> none_;
   };
