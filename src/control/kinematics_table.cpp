@@ -21,6 +21,9 @@ constexpr double kSingular = 1e-9;  // share of the largest singular value
 constexpr int kPrimes[] = {2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37};
 constexpr Eigen::Index kMostJoints = 12;  // one prime for each
 constexpr int kStarts = 60;
+// Poses are printed with six decimals; arms of fewer than six joints meet none of those exactly.
+constexpr double kPrintedPosition = 2e-6;  // [m]
+constexpr double kPrintedAngle = 5e-6;     // [rad]
 
 Conditioning conditioning(const MatrixXd& J) {
   const MatrixXd square = J.rows() <= J.cols() ? MatrixXd(J * J.transpose())
@@ -100,8 +103,10 @@ bool reach(InverseKinematics& newton, const Eigen::Isometry3d& wanted, const Mot
   for (int k = -1; k <= kStarts; ++k) {
     if (k == 0) trial = start;
     if (k > 0) trial = spread(limits, k);
-    const bool reached =
-        newton.solve(wanted.translation(), wanted.linear(), trial) == ReachStatus::kReached;
+    const ReachStatus status = newton.solve(wanted.translation(), wanted.linear(), trial);
+    const bool reached = status == ReachStatus::kReached ||
+                         (newton.position_error() <= kPrintedPosition &&
+                          newton.angle_error() <= kPrintedAngle);
     if (reached || k < 0) q = trial;
     if (reached) return true;
     if (q.size() > kMostJoints) return false;
@@ -217,8 +222,15 @@ std::string KinematicTable::report() const {
   if (!condition.empty())
     out += fmt::format("Condition of the position Jacobian: least {:.3g}, median {:.3g}, largest {:.3g}.\n",
                        condition.front(), condition[condition.size() / 2], condition.back());
-  if (solver != "forward" && solver != "workspace")
-    out += fmt::format("{} of {} poses not reached.\n", unreached(), rows.size());
+  if (solver != "forward" && solver != "workspace") {
+    double off = 0.0, turned = 0.0;
+    for (const KinematicRow& row : rows) {
+      off = std::max(off, row.position_error);
+      turned = std::max(turned, row.angle_error);
+    }
+    out += fmt::format("{} of {} poses not reached; off by {:.2g} m{} at most.\n", unreached(), rows.size(), off,
+                       has_orientation ? fmt::format(" and {:.2g} rad", turned) : "");
+  }
   return out;
 }
 

@@ -37,6 +37,13 @@ Json margins_json(const StabilityMargins& m) {
   return {{"gain", m.gain}, {"phase_deg", m.phase_deg}, {"delay_s", m.delay}};
 }
 
+std::string unit_of(const std::string& name) {
+  for (const StabilityParameter& p : stability_parameters()) {
+    if (p.name == name) return p.unit;
+  }
+  return "";
+}
+
 Json map_json(const StabilityMap& map) {
   const std::size_t columns = map.a_values.size();
   Json radius = Json::array(), stable = Json::array();
@@ -51,6 +58,8 @@ Json map_json(const StabilityMap& map) {
   }
   return {{"a", map.a.name},
           {"b", map.b.name},
+          {"a_unit", unit_of(map.a.name)},
+          {"b_unit", unit_of(map.b.name)},
           {"a_values", list(map.a_values)},
           {"b_values", list(map.b_values)},
           {"stable", stable},   // rows by b, columns by a

@@ -25,7 +25,7 @@ function armView(title, across, up) {
     }));
   }));
   const axis = 'xyz';
-  return element('div', {class: 'plot arm'}, element('p', {class: 'caption'}, title + ': ' + axis[across] + ' to the right, ' + axis[up] + ' up, ' + reach.toPrecision(3) + ' m wide'),
+  return element('div', {class: 'plot arm', 'data-plot': title, 'data-points': 'tips:' + result.points.length + ' arms:' + result.arms.length}, element('p', {class: 'caption'}, title + ': ' + axis[across] + ' to the right, ' + axis[up] + ' up, ' + reach.toPrecision(3) + ' m wide'),
                  drawing('svg', {viewBox: '0 0 350 350', width: '100%', style: 'max-width:30rem', role: 'img', 'aria-label': title}, parts));
 }
 
