@@ -92,6 +92,24 @@ TEST(CrtkArm, MovesAndThenHoldsForEver) {
   EXPECT_LT((rig.plant.q() - near_by()).cwiseAbs().maxCoeff(), 2e-3);
 }
 
+// Motors that get their power a second after enable: nothing is led meanwhile, and nothing jumps then.
+TEST(CrtkArm, WaitsForTheMotorsPower) {
+  Rig rig;
+  rig.ask(Kind::kEnable);
+  VectorXd q = rig.plant.q(), still = VectorXd::Zero(3);
+  for (int k = 0; k < 1000; ++k) {  // somebody pushes the arm while brakes slip
+    q[0] += 2e-4;
+    rig.arm.update(q, still, 0.0, kCycle, false);
+  }
+  EXPECT_TRUE(rig.arm.feedback().busy);
+  EXPECT_EQ(rig.ask(Kind::kMoveJp, near_by()), Refusal::kNoPower);
+  rig.plant.set_state(q, still);
+  rig.run(0.5);
+  EXPECT_FALSE(rig.arm.feedback().busy);
+  EXPECT_LT((rig.plant.q() - q).cwiseAbs().maxCoeff(), 1e-3);
+  EXPECT_EQ(rig.ask(Kind::kMoveJp, near_by()), Refusal::kNone);
+}
+
 // A pose that feedback told is a pose that move_cp goes to.
 TEST(CrtkArm, GoesToAPoseInTheBase) {
   Rig rig;

@@ -6,6 +6,7 @@
 import json
 import math
 import os
+import re
 import signal
 import socket
 import subprocess
@@ -135,6 +136,8 @@ class Laboratory(unittest.TestCase):
         for process in self.processes:
             stop(process)
             process.stderr.close()
+            if process.stdout is not None:
+                process.stdout.close()
 
     def run_node(self, node, **parameters):
         self.processes.append(start(node, **parameters))
@@ -257,6 +260,45 @@ class Laboratory(unittest.TestCase):
         self.enable()
         stop(plant, signal.SIGKILL)
         wait_for(lambda: self.arm.state() == "FAULT", 5, "the controller did not notice")
+
+    def test_boards_have_power_under_a_controller_alone(self):
+        port = free_port()
+        model = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../examples/dvrk/light-psm.yaml")
+        self.processes.append(subprocess.Popen([TOOL, "dvrk", "emulate", "--arm", "PSM1", "--model", model, "--port", str(port)],
+                                               stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True))
+        self.processes[0].stdout.readline()  # it listens
+        patient = {"oldest_positions": 0.3, "longest_cycle": 0.3}  # of a machine that is busy
+        boards = {"arms": ["PSM1"], "PSM1__port": port, "PSM1__joints": 3, "PSM1__watchdog": 0.3, "patience": 0.3}
+        states = []
+        listener = rospy.Subscriber("/PSM1/io/state", String, lambda m: states.append(m.data))
+        node = self.run_node("boards", **boards)
+        lead = {"arms": ["PSM1"], "PSM1__model": model, "plant": "topics", **patient}
+        controller = self.run_node("controller", **lead)
+        wait_for(lambda: states or node.poll() is not None, 20, "the boards say nothing")
+        self.assertTrue(states, node.poll() is not None and node.stderr.read())
+        self.assertEqual(states[-1], "off")
+        self.enable()
+        wait_for(lambda: states[-1] == "on", 20, "no power: %s" % states)
+        self.assertIn("powering up", states)
+        wait_for(lambda: not self.arm.heard["operating_state"].is_busy, 5, "busy for ever")
+        goal = [0.2, -0.05, 0.13]
+        self.arm.ask("move_jp", goal)
+        wait_for(lambda: self.arm.off(goal) < 5e-3, 20, "is %s, %s" % (self.arm.joints(), states))
+        stop(controller, signal.SIGKILL)
+        wait_for(lambda: states[-1] == "off", 5, "power without a controller: %s" % states)
+        # A new controller takes over; then the boards' node itself is killed: their watchdogs are what is left.
+        self.arm.heard.clear()
+        controller = self.run_node("controller", **lead)
+        self.enable()
+        wait_for(lambda: states[-1] == "on", 20, "no power again: %s" % states)
+        stop(node, signal.SIGKILL)
+        wait_for(lambda: self.arm.state() == "FAULT", 10, "the controller did not notice")
+        look = subprocess.run([TOOL, "dvrk", "monitor", "--arm", "PSM1", "--port", str(port), "--seconds", "0.5"],
+                              capture_output=True, text=True)
+        self.assertEqual(look.returncode, 0, look.stderr)
+        amplifiers = re.findall(r"^ +[1-7] .* (on|off)$", look.stdout, re.MULTILINE)
+        self.assertEqual(amplifiers, ["off"] * 7, look.stdout)
+        listener.unregister()
 
     def test_a_master_leads_a_slave_while_the_clutch_is_closed(self):
         other = Arm("PSM2")

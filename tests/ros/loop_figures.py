@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """How the nodes keep their time: three simulated arms, plant and controller in processes of their own, at 1 kHz.
 
-    loop_figures.py BIN MINUTES     BIN: folder with the nodes; after `make ros`, with ROS in PYTHONPATH as ros/test.sh has it
+    loop_figures.py BIN MINUTES [PREFIX...]     BIN: folder with the nodes; after `make ros`, with ROS in PYTHONPATH as
+                                                ros/test.sh has it. PREFIX: before each node, as chrt -f 40
 
 All three arms follow streams of 100 Hz meanwhile, and a subscriber that sleeps half a second per message hangs on. Both
 nodes tell their figures when they end.
@@ -14,7 +15,7 @@ import sys
 import tempfile
 import time
 
-BIN, MINUTES = sys.argv[1], float(sys.argv[2])
+BIN, MINUTES, PREFIX = sys.argv[1], float(sys.argv[2]), sys.argv[3:]
 with socket.socket() as one:
     one.bind(("127.0.0.1", 0))
     PORT = one.getsockname()[1]
@@ -38,7 +39,7 @@ def main():
             rospy.set_param("/veridyn_%s/%s/model" % (node, arm), "psm-3dof")
             rospy.set_param("/veridyn_%s/%s/start" % (node, arm), [0.1, 0.05, 0.12])
     rospy.set_param("/veridyn_controller/plant", "topics")
-    nodes = [subprocess.Popen([os.path.join(BIN, "veridyn_" + n)]) for n in ("plant", "controller")]
+    nodes = [subprocess.Popen(PREFIX + [os.path.join(BIN, "veridyn_" + n)]) for n in ("plant", "controller")]
     state, setpoint = {}, {}
     for arm in ARMS:
         rospy.Subscriber("/%s/operating_state" % arm, OperatingState, lambda m, a=arm: state.update({a: m.state}))

@@ -43,8 +43,8 @@ SafetyLimits limits_of(const Model& arm, const CrtkOptions& o) {
   }
   limits.tracking.setConstant(1e9);  // clients lead; what is too far is refused
   limits.force = 1e9;
-  limits.overrun = 0.05;
-  limits.sensor_age = 0.05;
+  limits.overrun = o.longest_cycle;
+  limits.sensor_age = o.oldest_positions;
   return limits;
 }
 
@@ -97,6 +97,7 @@ const char* describe(Refusal refusal) noexcept {
     case Refusal::kNotHomed: return "the arm is not homed";
     case Refusal::kOtherClient: return "another client is commanding the arm";
     case Refusal::kTooOld: return "its stamp is too old, or lies in the future";
+    case Refusal::kNoPower: return "the motors have no power yet";
     case Refusal::kInvalidTransition: return "not allowed in this operating state";
   }
   return "";
@@ -133,6 +134,8 @@ CrtkArm::CrtkArm(const Model& model, const CrtkOptions& options)
       goal_(VectorXd::Zero(n_)), effort_(goal_), tau_(goal_), out_(goal_), zero_(goal_),
       speed_(goal_), smoothed_(goal_) {
   require(n_ <= kMostJoints, "veridyn_ros: found ", n_, " joints, expected at most ", kMostJoints, ".");
+  require(options.oldest_positions > 0.0 && options.longest_cycle > 0.0,
+          "veridyn_ros: expected oldest_positions and longest_cycle above zero.");
   require(options.hold_after > 0.0 && options.release_after > options.hold_after,
           "veridyn_ros: expected 0 < hold_after < release_after.");
   feedback_.joints = n_;
@@ -172,6 +175,7 @@ Refusal CrtkArm::judge(const Command& c) noexcept {
     hold();
     return Refusal::kNone;
   }
+  if (!powered_) return Refusal::kNoPower;
   if (moves(c.kind) && mode_ == Mode::kServo && c.client != client_ && silent_ < options_.hold_after)
     return Refusal::kOtherClient;
   if (needs_joints(c.kind) && c.count != n_) return Refusal::kWrongSize;
@@ -353,8 +357,9 @@ void CrtkArm::smooth(double dt) noexcept {
 }
 
 const VectorXd& CrtkArm::update(const VectorXd& q, const VectorXd& dq, double age,
-                                double dt) noexcept {
+                                double dt, bool powered) noexcept {
   now_ += dt;
+  powered_ = powered;
   arm_.update(q, dq);
   if (!seen_ && q.allFinite()) {
     way_.reset(q);
@@ -363,6 +368,14 @@ const VectorXd& CrtkArm::update(const VectorXd& q, const VectorXd& dq, double ag
     seen_ = true;
   }
   watch_silence(dt);
+  if (!powered_ && q.allFinite()) {
+    goal_ = q;
+    way_.reset(goal_);
+    stand();
+    error_.reset();
+    if (mode_ != Mode::kOff) mode_ = Mode::kHold;
+    stream_ = Kind::kHold;
+  }
   if (mode_ == Mode::kServo && stream_ == Kind::kServoCv) follow_twist(dt);
   way_.advance(dt);
   const bool by_effort =
@@ -428,7 +441,7 @@ void CrtkArm::tell() noexcept {
   f.state = state_;
   f.mode = mode_;
   f.homed = homed_;
-  f.busy = mode_ == Mode::kMove;
+  f.busy = mode_ == Mode::kMove || (!powered_ && state_ == OperatingState::kEnabled);
   f.fault = safety_.fault();
 }
 

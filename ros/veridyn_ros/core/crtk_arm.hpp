@@ -38,7 +38,7 @@ struct Command {
 /// Why a command was not taken; fixed words by describe().
 enum class Refusal {
   kNone, kNotFinite, kWrongSize, kBeyondLimits, kTooFar, kOutOfReach, kNotEnabled, kNotHomed,
-  kOtherClient, kTooOld, kInvalidTransition
+  kOtherClient, kTooOld, kInvalidTransition, kNoPower
 };
 const char* describe(Refusal refusal) noexcept;
 
@@ -73,6 +73,8 @@ struct CrtkOptions {
   double hold_after = 0.1;       ///< [s] without a command of a stream: hold
   double release_after = 1.0;    ///< [s]: give way gently
   double oldest = 0.5;           ///< [s] by its stamp, of a command that is taken
+  double oldest_positions = 0.05;  ///< [s]: beyond, a fault
+  double longest_cycle = 0.05;     ///< [s]: beyond, a fault
   double frequency = 5.0;        ///< [Hz] bandwidth of the joint loops, critically damped
   double smoothing = 60.0;       ///< [1/s] of the three lags that setpoints go through
   double observer = 10.0;        ///< [1/s] of the observer of model errors
@@ -105,8 +107,10 @@ class CrtkArm {
   Refusal command(const Command& command) noexcept;
 
   /// @param q, dq  (n) measured. @param age [s] of them. @param dt [s] since the last update(), as
-  /// it was by a steady clock. @returns (n) torques, always finite and within limits.
-  const VectorXd& update(const VectorXd& q, const VectorXd& dq, double age, double dt) noexcept;
+  /// it was by a steady clock. @param powered  false: torques have no effect yet; the setpoint stays
+  /// with the arm, which is busy, and motions are refused. @returns (n) torques, always finite and within limits.
+  const VectorXd& update(const VectorXd& q, const VectorXd& dq, double age, double dt,
+                         bool powered = true) noexcept;
 
   const Feedback& feedback() const { return feedback_; }
   int joints() const { return n_; }
@@ -151,7 +155,7 @@ class CrtkArm {
   Command::Kind stream_ = Command::Kind::kHold;
   std::uint64_t client_ = 0;
   double silent_ = 0.0, now_ = 0.0;
-  bool seen_ = false, homed_ = true;
+  bool seen_ = false, homed_ = true, powered_ = true;
   Feedback feedback_;
 };
 

@@ -55,6 +55,8 @@ class Controller {
     CrtkOptions options;
     options.hold_after = own.param("hold_after", options.hold_after);
     options.release_after = own.param("release_after", options.release_after);
+    options.oldest_positions = own.param("oldest_positions", options.oldest_positions);
+    options.longest_cycle = own.param("longest_cycle", options.longest_cycle);
     for (const ArmParameters& p : read_arms(own)) {
       options.tip = p.tip;
       arms_.emplace_back(p, options, inside_);
@@ -108,6 +110,7 @@ class Controller {
     std::copy(m.velocity.begin(), m.velocity.end(), s.dq);
     s.stamp = steady_now();
     s.said = m.header.stamp.toSec();
+    s.powered = !m.effort.empty();  // CRTK leaves out what is not there
     s.seen = true;
     arm.from_motors.write(s);
   }
@@ -146,7 +149,7 @@ class Controller {
     Command c;
     while (arm.commands.pop(c)) arm.arm.command(c);
     // A simulated arm lives by the cycles, whenever they come.
-    arm.tau = arm.arm.update(arm.q, arm.dq, age, inside_ ? 1.0 / rate_ : dt);
+    arm.tau = arm.arm.update(arm.q, arm.dq, age, inside_ ? 1.0 / rate_ : dt, inside_ || arm.motors.powered);
     if (inside_) {
       if (arm.arm.state() != OperatingState::kDisabled) {  // else its brakes hold it
         arm.plant->step(arm.tau, 1.0 / rate_);

@@ -11,7 +11,8 @@ namespace veridyn_ros {
 
 /// Positions that came from an arm's motors, and torques on their way to them.
 struct MotorState {
-  double q[kMostJoints] = {}, dq[kMostJoints] = {};
+  double q[kMostJoints] = {}, dq[kMostJoints] = {}, tau[kMostJoints] = {};
+  bool powered = true;  ///< torques count
   double stamp = 0.0;  ///< [s] of the steady clock, when it came
   double said = 0.0;   ///< [s] of ROS' clock, as the message has it
   bool seen = false;

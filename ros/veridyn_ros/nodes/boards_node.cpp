@@ -1,0 +1,224 @@
+// Arms on dVRK boards, real or emulated, behind topics: NAME/io/measured_js at the loop's rate, NAME/io/servo_jf. Efforts of
+// measured_js are those of the measured currents; without power there are none. Power is on only while a controller says
+// ENABLED or PAUSED on NAME/operating_state and sends torques: silence of ~patience switches off. NAME/io/state tells in words.
+
+#include <crtk_msgs/OperatingState.h>
+#include <sensor_msgs/JointState.h>
+#include <std_msgs/String.h>
+
+#include <atomic>
+#include <cstdio>
+#include <deque>
+#include <thread>
+
+#include "nodes/motor_link.hpp"
+#include "nodes/parameters.hpp"
+#include "veridyn/control/real_time.hpp"
+#include "veridyn/dvrk/board_arm.hpp"
+#include "veridyn/math/require.hpp"
+
+namespace veridyn_ros {
+namespace {
+
+using veridyn::BoardArm;
+using veridyn::VectorXd;
+
+
+// What the loop says of an arm, in words that never change.
+struct BoardWords {
+  const char* state = "off";
+};
+
+struct Arm {
+  std::string name;
+  std::unique_ptr<BoardArm> boards;
+  int joints = 0;  // that the controller has
+  Snapshot<MotorTorque> asked;
+  Snapshot<MotorState> measured;
+  Snapshot<BoardWords> words;
+  std::atomic<bool> enabled{false};
+  // The loop's own.
+  MotorTorque now;
+  VectorXd tau;
+  bool refused = false;  // since the controller was last not enabled
+  Spread answered;
+  // The network's own.
+  MotorState told;
+  const char* told_state = nullptr;
+  sensor_msgs::JointState message;
+  ros::Publisher measured_js, state;
+  std::vector<ros::Subscriber> subscribers;
+};
+
+void hear(Arm& arm, const sensor_msgs::JointState& m) {
+  if (m.effort.size() != static_cast<std::size_t>(arm.joints)) {
+    ROS_WARN_THROTTLE(1.0, "%s/io/servo_jf: found %zu efforts, expected %d", arm.name.c_str(), m.effort.size(), arm.joints);
+    return;
+  }
+  MotorTorque t;
+  for (std::size_t i = 0; i < m.effort.size(); ++i) {
+    if (!std::isfinite(m.effort[i])) {
+      ROS_WARN_THROTTLE(1.0, "%s/io/servo_jf: found an effort that is not finite", arm.name.c_str());
+      return;
+    }
+    t.tau[i] = m.effort[i];
+  }
+  t.stamp = steady_now();
+  t.said = m.header.stamp.toSec();
+  arm.asked.write(t);
+}
+
+class Boards {
+ public:
+  explicit Boards(ros::NodeHandle& own)
+      : rate_(own.param("rate", 1000.0)),
+        patience_(own.param("patience", 0.02)),
+        priority_(own.param("real_time_priority", 0)) {
+    std::vector<std::string> names;
+    veridyn::require(own.getParam("arms", names) && !names.empty(), own.resolveName("arms"),
+                     ": found no list of arms, expected e.g. [PSM1].");
+    veridyn::require(patience_ > 0.0, own.resolveName("patience"), ": found ", patience_, ", expected seconds above zero.");
+    for (const std::string& name : names) add(own, name);
+  }
+
+  void run() {
+    std::thread loop([this] { cycles(); });
+    ros::AsyncSpinner spinner(1);
+    spinner.start();
+    while (ros::ok()) {
+      bool any = false;
+      for (Arm& arm : arms_) any = tell(arm) || any;
+      if (!any) std::this_thread::sleep_for(std::chrono::microseconds(200));
+    }
+    ends_ = true;
+    loop.join();
+    for (Arm& arm : arms_) {
+      const bool off = arm.boards->shutdown();
+      std::fprintf(stderr, "veridyn_boards: %s: power is %s\n", arm.name.c_str(),
+                   off ? "off" : "NOT CONFIRMED to be off: press the emergency stop");
+    }
+    std::printf("veridyn_boards: %s; torques answer positions after %s\n", figures_.sentence(steady_now() - began_).c_str(),
+                words_of(arms_.front().answered).c_str());
+  }
+
+ private:
+  void add(ros::NodeHandle& own, const std::string& name) {
+    const std::string at = name + "/";
+    veridyn::BoardArmOptions o;
+    o.config = own.param(at + "config", name);
+    o.robot = own.param(at + "robot", std::string());
+    o.instrument = own.param(at + "instrument", std::string());
+    o.host = own.param(at + "host", o.host);
+    o.port = static_cast<std::uint16_t>(own.param(at + "port", static_cast<int>(o.port)));
+    o.watchdog = own.param(at + "watchdog", o.watchdog);
+    o.rate = rate_;
+    Arm& arm = arms_.emplace_back();
+    arm.name = name;
+    arm.boards = std::make_unique<BoardArm>(o);
+    arm.joints = own.param(at + "joints", arm.boards->joints());
+    veridyn::require(arm.joints > 0 && arm.joints <= std::min(arm.boards->joints(), kMostJoints), own.resolveName(at + "joints"),
+                     ": found ", arm.joints, ", expected 1 to ", arm.boards->joints(), ".");
+    arm.tau = VectorXd::Zero(arm.joints);
+    ros::NodeHandle space{name};
+    arm.measured_js = space.advertise<sensor_msgs::JointState>("io/measured_js", 1);
+    arm.state = space.advertise<std_msgs::String>("io/state", 10, true);
+    arm.subscribers = {
+        space.subscribe<sensor_msgs::JointState>(
+            "io/servo_jf", 1, [&arm](const sensor_msgs::JointState::ConstPtr& m) { hear(arm, *m); }, ros::VoidConstPtr(),
+            ros::TransportHints().tcpNoDelay()),
+        space.subscribe<crtk_msgs::OperatingState>("operating_state", 10, [&arm](const crtk_msgs::OperatingState::ConstPtr& m) {
+          arm.enabled = m->state == "ENABLED" || m->state == "PAUSED";
+        })};
+  }
+
+  // The loop: nothing here allocates or throws; it waits for the boards' replies alone.
+  void cycles() noexcept {
+    if (priority_ > 0 && !(veridyn::take_real_time_priority(priority_) && veridyn::lock_memory()))
+      ROS_WARN("the system allows no real-time priority: cycles may come late");
+    Cycle cycle(1.0 / rate_);
+    while (!ends_) {
+      const double dt = cycle.wait(), begun = steady_now();
+      for (Arm& arm : arms_) step(arm);
+      figures_.cycles += 1.0;
+      figures_.mean_period += (dt - figures_.mean_period) / figures_.cycles;
+      figures_.late.note(cycle.latest());
+      figures_.compute.note(steady_now() - begun);
+      if (cycle.latest() > 0.5 / rate_) figures_.overruns += 1.0;
+    }
+  }
+
+  void step(Arm& arm) noexcept {
+    BoardArm& boards = *arm.boards;
+    const bool valid = boards.read();
+    if (arm.asked.read(arm.now) && arm.now.said > 0.0) arm.answered.note(ros::WallTime::now().toSec() - arm.now.said);
+    const bool led = arm.enabled && steady_now() - arm.now.stamp < patience_;
+    if (!arm.enabled) arm.refused = false;
+    const char* why = boards.fault();
+    if (why != nullptr) arm.refused = true;  // only a new ENABLED brings power back
+    if (led && !arm.refused && !boards.powered()) {
+      why = boards.power_on();
+      arm.refused = why != nullptr;
+    }
+    if (!led && boards.powered()) boards.power_off();
+    if (led && valid) {
+      for (Eigen::Index i = 0; i < arm.tau.size(); ++i) arm.tau[i] = arm.now.tau[i];
+      boards.set_torques(arm.tau);
+    }
+    boards.write();
+    if (valid && !(arm.refused && arm.enabled)) put(arm);  // silence makes a fault of the controller
+    if (why == nullptr && arm.refused) return;              // the last words stand
+    arm.words.write({why != nullptr ? why : boards.ready() ? "on" : boards.powered() ? "powering up" : "off"});
+  }
+
+  void put(Arm& arm) noexcept {
+    MotorState s;
+    for (Eigen::Index i = 0; i < arm.joints; ++i) {
+      s.q[i] = arm.boards->q()[i];
+      s.dq[i] = arm.boards->dq()[i];
+      s.tau[i] = arm.boards->tau()[i];
+    }
+    s.powered = arm.boards->ready();
+    s.stamp = steady_now();
+    s.said = ros::WallTime::now().toSec();
+    s.seen = true;
+    arm.measured.write(s);
+  }
+
+  bool tell(Arm& arm) {
+    BoardWords words;
+    if (arm.words.read(words) && words.state != arm.told_state) {
+      std_msgs::String m;
+      m.data = words.state;
+      arm.state.publish(m);
+      ROS_INFO("%s: %s", arm.name.c_str(), words.state);
+      arm.told_state = words.state;
+    }
+    if (!arm.measured.read(arm.told)) return false;
+    const MotorState& s = arm.told;
+    sensor_msgs::JointState& m = arm.message;
+    m.header.stamp = ros::Time(s.said);
+    m.position.assign(s.q, s.q + arm.joints);
+    m.velocity.assign(s.dq, s.dq + arm.joints);
+    m.effort.assign(s.tau, s.tau + (s.powered ? arm.joints : 0));
+    arm.measured_js.publish(m);
+    return true;
+  }
+
+  double rate_, patience_, began_ = steady_now();
+  int priority_;
+  std::deque<Arm> arms_;
+  LoopFigures figures_;
+  std::atomic<bool> ends_{false};
+};
+
+void run(ros::NodeHandle& own) {
+  Boards boards(own);
+  boards.run();
+}
+
+}  // namespace
+}  // namespace veridyn_ros
+
+int main(int argc, char** argv) {
+  return veridyn_ros::run_node(argc, argv, "veridyn_boards", veridyn_ros::run);
+}
