@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "known_effects.hpp"
-#include "principal_body.hpp"
+#include "dynamics/principal_body.hpp"
 #include "veridyn/kinematics/tree.hpp"
 #include "math/output_file.hpp"
 #include "veridyn/math/require.hpp"

@@ -9,7 +9,6 @@
 #include <fstream>
 #include <functional>
 #include <iostream>
-#include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -17,7 +16,6 @@
 #include "support/sample_arms.hpp"
 #include "veridyn/dynamics/regressor_batch.hpp"
 #include "veridyn/dynamics/rigid_body_dynamics.hpp"
-#include "veridyn/math/require.hpp"
 #include "veridyn/math/square_root_information.hpp"
 #include "math/zero_phase_filter.hpp"
 
@@ -28,8 +26,7 @@
 #endif
 
 #ifdef VERIDYN_WITH_MUJOCO
-#include <mujoco/mujoco.h>
-
+#include "support/mujoco_model.hpp"
 #include "veridyn/export/mjcf.hpp"
 #endif
 
@@ -173,18 +170,7 @@ KDL::JntArray array_of(const VectorXd& v) {
 // The same arm, as `export --mjcf` writes it. Only the stages that an answer needs are run.
 class MujocoArm {
  public:
-  explicit MujocoArm(const Model& arm) {
-    const std::string xml = to_mjcf(arm);
-    const auto files = std::make_unique<mjVFS>();
-    mj_defaultVFS(files.get());
-    mj_makeEmptyFileVFS(files.get(), "arm.xml", static_cast<int>(xml.size()));
-    std::memcpy(files->filedata[0], xml.data(), xml.size());
-    char error[1000] = "";
-    model_.reset(mj_loadXML("arm.xml", files.get(), error, sizeof(error)));
-    mj_deleteVFS(files.get());
-    require(model_ != nullptr, error);
-    data_.reset(mj_makeData(model_.get()));
-  }
+  explicit MujocoArm(const Model& arm) : engine_(to_mjcf(arm)) {}
 
   const double* inverse_dynamics(const VectorXd& q, const VectorXd& dq, const VectorXd& ddq) {
     place(q);
@@ -219,8 +205,9 @@ class MujocoArm {
     mj_comPos(model_.get(), data_.get());
   }
 
-  std::unique_ptr<mjModel, decltype(&mj_deleteModel)> model_{nullptr, &mj_deleteModel};
-  std::unique_ptr<mjData, decltype(&mj_deleteData)> data_{nullptr, &mj_deleteData};
+  MujocoModel engine_;
+  const std::unique_ptr<mjModel, MujocoModel::Free>& model_ = engine_.model;
+  const std::unique_ptr<mjData, MujocoModel::Free>& data_ = engine_.data;
 };
 
 #endif

@@ -1,5 +1,4 @@
 #include <gtest/gtest.h>
-#include <mujoco/mujoco.h>
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
@@ -8,6 +7,7 @@
 #include <memory>
 #include <sstream>
 
+#include "support/mujoco_model.hpp"
 #include "support/near.hpp"
 #include "support/sample_arms.hpp"
 #include "veridyn/dynamics/rigid_body_dynamics.hpp"
@@ -87,18 +87,7 @@ std::string mjcf(const Model& arm) {
 
 class Engine {
  public:
-  explicit Engine(const Model& arm) : arm_(arm) {
-    const std::string xml = mjcf(arm);
-    const auto files = std::make_unique<mjVFS>();
-    mj_defaultVFS(files.get());
-    mj_makeEmptyFileVFS(files.get(), "arm.xml", static_cast<int>(xml.size()));
-    std::memcpy(files->filedata[0], xml.data(), xml.size());
-    char error[1000] = "";
-    model_.reset(mj_loadXML("arm.xml", files.get(), error, sizeof(error)));
-    mj_deleteVFS(files.get());
-    if (!model_) throw std::runtime_error(error);
-    data_.reset(mj_makeData(model_.get()));
-  }
+  explicit Engine(const Model& arm) : arm_(arm), engine_(mjcf(arm)) {}
 
   VectorXd inverse_dynamics(const State& s) {
     set(s);
@@ -120,10 +109,6 @@ class Engine {
   }
 
  private:
-  struct Free {
-    void operator()(mjModel* m) const { mj_deleteModel(m); }
-    void operator()(mjData* d) const { mj_deleteData(d); }
-  };
 
   // MuJoCo orders joints depth first.
   int index(int coordinate) const {
@@ -146,8 +131,9 @@ class Engine {
   }
 
   const Model& arm_;
-  std::unique_ptr<mjModel, Free> model_;
-  std::unique_ptr<mjData, Free> data_;
+  MujocoModel engine_;
+  const std::unique_ptr<mjModel, MujocoModel::Free>& model_ = engine_.model;
+  const std::unique_ptr<mjData, MujocoModel::Free>& data_ = engine_.data;
 };
 
 class MujocoOnArms : public testing::TestWithParam<std::string> {

@@ -1,13 +1,13 @@
 #include "veridyn/export/mjcf.hpp"
 
 #include <gtest/gtest.h>
-#include <mujoco/mujoco.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <memory>
 
+#include "support/mujoco_model.hpp"
 #include "support/near.hpp"
 #include "veridyn/dynamics/rigid_body_dynamics.hpp"
 #include "veridyn/effects/effect.hpp"
@@ -24,19 +24,9 @@ namespace {
 
 constexpr double kRelative = 1e-9;
 
-class Exported {
+class Exported : public MujocoModel {
  public:
-  explicit Exported(const Model& arm) {
-    const std::string xml = to_mjcf(arm);
-    const auto files = std::make_unique<mjVFS>();
-    mj_defaultVFS(files.get());
-    mj_makeEmptyFileVFS(files.get(), "arm.xml", static_cast<int>(xml.size()));
-    std::memcpy(files->filedata[0], xml.data(), xml.size());
-    char error[1000] = "";
-    model.reset(mj_loadXML("arm.xml", files.get(), error, sizeof(error)));
-    mj_deleteVFS(files.get());
-    require(model != nullptr, error, "\n", xml);
-    data.reset(mj_makeData(model.get()));
+  explicit Exported(const Model& arm) : MujocoModel(to_mjcf(arm)) {
     S = MatrixXd::Zero(model->nv, arm.joints());
     for (int i = 0; i < arm.joints(); ++i) S(dof_of(arm.coordinates()[i].name), i) = 1.0;
     for (int e = 0; e < model->neq; ++e) take_coupling(model->eq_obj1id[e]);
@@ -73,8 +63,6 @@ class Exported {
                             VectorXd::Map(data->qfrc_actuator, model->nv));
   }
 
-  std::unique_ptr<mjModel, decltype(&mj_deleteModel)> model{nullptr, &mj_deleteModel};
-  std::unique_ptr<mjData, decltype(&mj_deleteData)> data{nullptr, &mj_deleteData};
   MatrixXd S;  // joints of MuJoCo per coordinate
 };
 

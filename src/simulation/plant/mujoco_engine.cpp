@@ -2,7 +2,6 @@
 
 #include <mujoco/mujoco.h>
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cassert>
@@ -11,6 +10,7 @@
 #include <iomanip>
 #include <sstream>
 
+#include "dynamics/principal_body.hpp"
 #include "simulation/plant/plant_forces.hpp"
 #include "simulation/plant/small_cholesky.hpp"
 #include "veridyn/kinematics/tree.hpp"
@@ -27,12 +27,6 @@ constexpr double kStableShare = 2.0;    // units of a decay in one step; Runge-K
 constexpr double kNoMass = 1e-10;       // [kg], [kg m^2]: MuJoCo wants some on every moving body
 
 using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-
-Eigen::Matrix3d eigen(const Mat3d& R) {
-  Eigen::Matrix3d M;
-  M << R.row0.x, R.row0.y, R.row0.z, R.row1.x, R.row1.y, R.row1.z, R.row2.x, R.row2.y, R.row2.z;
-  return M;
-}
 
 // "pos='x y z' quat='w x y z'" of a pose.
 std::string pose_text(const Eigen::Vector3d& p, const Eigen::Matrix3d& R) {
@@ -53,19 +47,9 @@ std::string inertial_text(const double* phi, const Posed& B) {
         << kNoMass << "'/>\n";
     return out.str();
   }
-  const double m = phi[0];
-  const Eigen::Vector3d c = Eigen::Vector3d(phi[1], phi[2], phi[3]) / m;
-  Eigen::Matrix3d L;
-  L << phi[4], phi[5], phi[7], phi[5], phi[6], phi[8], phi[7], phi[8], phi[9];
-  const Eigen::Matrix3d about_com =
-      L - m * (c.dot(c) * Eigen::Matrix3d::Identity() - c * c.transpose());
-  const Eigen::Matrix3d R = eigen(B.R);
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> principal(R * about_com * R.transpose());
-  Eigen::Matrix3d axes = principal.eigenvectors();
-  if (axes.determinant() < 0) axes.col(0) *= -1;
-  const Eigen::Vector3d& I = principal.eigenvalues();
-  out << pose_text(R * c + Eigen::Vector3d(B.p.x, B.p.y, B.p.z), axes) << " mass='" << m
-      << "' diaginertia='" << I.x() << ' ' << I.y() << ' ' << I.z() << "'/>\n";
+  const PrincipalBody body = principal_body(phi, B);
+  out << pose_text(body.com, body.axes) << " mass='" << phi[0] << "' diaginertia='" << body.moments.x()
+      << ' ' << body.moments.y() << ' ' << body.moments.z() << "'/>\n";
   return out.str();
 }
 
@@ -84,7 +68,7 @@ void write_children(const Tree& tree, const VectorXd& phi, int parent, const Pos
     if (turns) at_zero.R = rotation_z(link.offset);
     if (link.motion == Motion::kSlides) at_zero.p.z = link.offset;
     const Posed T = before * link.A * at_zero;
-    out << "<body" << pose_text({T.p.x, T.p.y, T.p.z}, eigen(T.R)) << ">\n";
+    out << "<body" << pose_text({T.p.x, T.p.y, T.p.z}, rotation_matrix(T.R)) << ">\n";
     if (link.motion != Motion::kNone) {
       out << "<joint name='" << joint_name(k) << "' type='" << (turns ? "hinge" : "slide")
           << "' axis='0 0 1'/>\n";

@@ -1,4 +1,4 @@
-#include "principal_body.hpp"
+#include "dynamics/principal_body.hpp"
 
 #include <Eigen/Eigenvalues>
 
