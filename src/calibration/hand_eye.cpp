@@ -16,7 +16,7 @@ using internal::PairFit;
 
 constexpr double kDegree = M_PI / 180.0;
 constexpr double kAsGood = 1.5;       // a form whose noise is no more than this times the least fits
-constexpr double kRounding = 2e-6;    // [m], [rad] what files with six digits leave over
+constexpr double kSixDigits = 2e-6;    // [m], [rad] what files with six digits leave over
 constexpr double kCloseFit = 0.005;   // [m] what cannot be compared with another form must fit so well
 constexpr double kCloseTurn = 2.0 * kDegree;
 constexpr double kNoTurn = 5.0 * kDegree;  // orientations that differ by more do not go together
@@ -40,8 +40,8 @@ int chosen(const std::vector<PairFit>& fits) {
   }
   const PairFit& points = fits.back();
   const auto fits_as = [&](const PairFit& f) {
-    return f.reason.empty() && f.noise <= kAsGood * noise + kRounding &&
-           f.noise_angle <= kAsGood * angle + kRounding;
+    return f.reason.empty() && f.noise <= kAsGood * noise + kSixDigits &&
+           f.noise_angle <= kAsGood * angle + kSixDigits;
   };
   // Tips that touch with any orientation: only positions agree.
   const bool any = std::any_of(fits.begin(), fits.end() - 1, [&](const PairFit& f) {
@@ -49,7 +49,7 @@ int chosen(const std::vector<PairFit>& fits) {
   });
   const bool points_alone =
       points.reason.empty() && !any && points.noise < kCloseFit &&
-      points.noise <= kAsGood * noise + kRounding;
+      points.noise <= kAsGood * noise + kSixDigits;
   if (points_alone || (!compared && points.reason.empty() && !fits[0].reason.empty()))
     return static_cast<int>(fits.size()) - 1;
   if (!compared) {

@@ -9,11 +9,11 @@
 #include <numeric>
 
 #include "deviations.hpp"
+#include "math/numbers.hpp"
 
 namespace veridyn::internal {
 namespace {
 
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 constexpr double kFar = 6.0;           // standard deviations: a distance beyond them does not fit
 constexpr double kFewestNoise = 2e-6;  // [m] noise is never taken for less
 constexpr double kNarrow = 0.02;       // breadth per extent below which markers are on a line
@@ -160,7 +160,7 @@ class BodyFit {
         const bool kept = std::find(which.begin(), which.end(), a) != which.end();
         if (!kept && seen.col(a).allFinite()) {
           ++body_.outliers;
-          seen.col(a).setConstant(kNone);
+          seen.col(a).setConstant(kNaN);
         }
         place(a, frame) = seen.col(a);
       }

@@ -34,7 +34,7 @@ std::string flags_of(const dvrk::Status& s) {
 }
 
 std::string table(ArmSession& arm) {
-  const dvrk::ArmState& state = arm.state();
+  const dvrk::BoardArmState& state = arm.state();
   std::string out = fmt::format("{:>5} {:>12} {:>12} {:>12} {:>10} {:>12} {:>4}\n", "joint",
                                 "q [rad, m]", "dq [1/s]", "tau [N m, N]", "i [A]", "pot", "amp");
   for (int j = 0; j < arm.size(); ++j) {

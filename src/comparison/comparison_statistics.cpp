@@ -2,17 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
+#include "math/numbers.hpp"
 #include "math/student_t.hpp"
 
 namespace veridyn {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 // Base parameters agree to this share of their size at best: rounding in files, and what the
 // discretisation of a noise-free recording leaves.
-constexpr double kRounding = 1e-6;
+constexpr double kSameToRounding = 1e-6;
 
 // A sum of squares that a few clusters dominate is known no better than those few are. For normal
 // contributions of variances v_c Satterthwaite has (sum v)^2 / sum v^2; with d_c^4 for 3 v_c^2,
@@ -47,7 +46,7 @@ void add_statistics(const VectorXd& scatter_before, const VectorXd& scatter_afte
     d.degrees_of_freedom = parts > 0.0 ? variance * variance / parts
                                        : std::max(how.clusters_before, how.clusters_after) - 1.0;
   }
-  const double rounding = kRounding * std::max(std::abs(d.before), std::abs(d.after));
+  const double rounding = kSameToRounding * std::max(std::abs(d.before), std::abs(d.after));
   d.deviation = std::sqrt(variance + rounding * rounding);
   if (!(d.deviation > 0.0)) return;
   d.t = d.difference / d.deviation;

@@ -2,19 +2,18 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "comparison/comparison_statistics.hpp"
 #include "comparison/comparison_words.hpp"
 #include "comparison/matched_base.hpp"
 #include "comparison/model_structure.hpp"
 #include "comparison/standard_torque.hpp"
+#include "math/numbers.hpp"
 #include "veridyn/regressor/standard_parameters.hpp"
 
 namespace veridyn {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 // One of the two models with all that is needed of it.
 struct Side {
   explicit Side(const Model& model) : arm(model), numbers(base_numbers(model)), torque(model) {}

@@ -9,7 +9,7 @@ namespace veridyn {
 namespace {
 
 // Share of a parameter's rms torque below which its part in a quantity is only the grid of samples.
-constexpr double kRounding = 5e-3;
+constexpr double kRoundedAway = 5e-3;
 
 Stretch stretch_of(const MotionSamples& motion) {
   Stretch s;
@@ -141,7 +141,7 @@ VectorXd StandardTorque::quantity(JointQuantity which, int joint) const {
   for (Eigen::Index p = 0; p < out.size(); ++p) {
     const double own = std::max(rms(column(moving_[i], static_cast<int>(p)))[0],
                                 rms(column(speeding_up_[i], static_cast<int>(p)))[0]);
-    if (std::abs(out[p]) < kRounding * own) out[p] = 0.0;
+    if (std::abs(out[p]) < kRoundedAway * own) out[p] = 0.0;
   }
   return out;
 }

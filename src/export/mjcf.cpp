@@ -15,7 +15,7 @@
 namespace veridyn {
 namespace {
 
-constexpr double kNoMass = 1e-12;      // [kg], [kg m^2]: MuJoCo wants some on every moving body
+constexpr double kLeastMjcfMass = 1e-12;      // [kg], [kg m^2]: MuJoCo wants some on every moving body
 constexpr double kStep = 1e-3;         // [s]
 const char* const kStiff = "0.004 1";  // couplings hold within four steps
 
@@ -164,8 +164,8 @@ class MjcfWriter {
 
   static void add_none(pugi::xml_node node) {
     set(node, "pos", std::string("0 0 0"));
-    set(node, "mass", kNoMass);
-    set(node, "diaginertia", xml_vector(Vec3d{kNoMass, kNoMass, kNoMass}));
+    set(node, "mass", kLeastMjcfMass);
+    set(node, "diaginertia", xml_vector(Vec3d{kLeastMjcfMass, kLeastMjcfMass, kLeastMjcfMass}));
   }
 
   // A coordinate that moves no frame on its own: a joint that the others are coupled to.

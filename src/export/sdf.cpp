@@ -12,7 +12,7 @@ namespace veridyn {
 namespace {
 
 // SDF gives a link without an inertial the mass of 1 kg.
-constexpr double kNoMass = 1e-9;      // [kg]
+constexpr double kLeastSdfMass = 1e-9;      // [kg]
 constexpr double kNoInertia = 1e-12;  // [kg m^2]
 
 void element(pugi::xml_node above, const char* name, const std::string& content) {
@@ -93,7 +93,7 @@ class SdfWriter {
     const bool none = from.empty();
     if (!none) element(to, "pose", pose_of(from));
     element(to, "mass",
-            none ? xml_number(kNoMass) : given(from.child("mass"), "value", "0"));
+            none ? xml_number(kLeastSdfMass) : given(from.child("mass"), "value", "0"));
     pugi::xml_node inertia = to.append_child("inertia");
     for (const char* key : {"ixx", "ixy", "ixz", "iyy", "iyz", "izz"}) {
       const bool diagonal = key[1] == key[2];

@@ -4,13 +4,13 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
-#include <limits>
 #include <mutex>
 #include <sstream>
 #include <utility>
 
 #include "fleet_problem.hpp"
 #include "many_recordings.hpp"
+#include "math/numbers.hpp"
 #include "math/parallel.hpp"
 #include "veridyn/math/require.hpp"
 #include "math/student_t.hpp"
@@ -19,7 +19,6 @@ namespace veridyn {
 namespace {
 
 constexpr double kNoticeable = 0.02;
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr int kFewest = 3;        // arms of a fleet
 constexpr int kRounds = 4;        // rounds of weights, gains, and arms that are left out of the bodies
 constexpr int kGroups = 64;       // groups of arms, for the deviations of the bodies

@@ -2,11 +2,11 @@
 
 #include <chrono>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include "identified_base.hpp"
 #include "many_recordings.hpp"
+#include "math/numbers.hpp"
 #include "recordings/named_recordings.hpp"
 #include "validation.hpp"
 #include "identification/base_solution.hpp"
@@ -19,7 +19,6 @@
 namespace veridyn {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kStillRevolute = 2e-3;  // [rad] a joint that travels less than this does not move
 // [kg, kg m^2] of every pseudo-inertia: a body is not only possible but has a size, so that
 // simulations of it run.

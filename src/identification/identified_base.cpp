@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <filesystem>
 
 namespace veridyn {
 namespace {
@@ -57,10 +58,6 @@ MatrixXd motion_of(const std::vector<CompressedRecording>& recordings, int clust
   return out;
 }
 
-std::string file_name(const std::string& path) {
-  return path.substr(path.find_last_of('/') + 1);
-}
-
 }  // namespace
 
 IdentifiedBase identified_base(const BaseParameters& base,
@@ -68,7 +65,7 @@ IdentifiedBase identified_base(const BaseParameters& base,
                                const BaseSolution& solution, const VectorRef& beta,
                                const std::vector<CompressedRecording>& recordings) {
   IdentifiedBase out;
-  for (const CompressedRecording& r : recordings) out.recordings.push_back(file_name(r.source));
+  for (const CompressedRecording& r : recordings) out.recordings.push_back(std::filesystem::path(r.source).filename().string());
   out.clusters = solution.clusters;
   if (out.clusters <= kClustersKept)
     out.motion = motion_of(recordings, out.clusters).unaryExpr(&to_four_digits);

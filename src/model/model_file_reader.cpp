@@ -1,7 +1,7 @@
 #include <cmath>
-#include <limits>
 
 #include "veridyn/math/require.hpp"
+#include "math/numbers.hpp"
 #include "veridyn/model/model_file.hpp"
 #include "model/suggestion.hpp"
 #include "model/yaml/yaml_body.hpp"
@@ -12,8 +12,6 @@
 
 namespace veridyn {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 class ModelReader {
  public:

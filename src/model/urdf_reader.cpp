@@ -1,4 +1,5 @@
 #include "veridyn/math/require.hpp"
+#include "math/numbers.hpp"
 #include "veridyn/model/urdf.hpp"
 
 #ifdef VERIDYN_WITH_URDF
@@ -20,7 +21,6 @@
 namespace veridyn {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kUnlimited =
     1e9;  // what to_urdf() writes where URDF wants a number and there is none
 

@@ -2,8 +2,8 @@
 
 #include <array>
 #include <cmath>
-#include <limits>
 
+#include "math/numbers.hpp"
 #include "veridyn/dynamics/rigid_body_dynamics.hpp"
 #include "veridyn/effects/channel_effect.hpp"
 #include "veridyn/math/require.hpp"
@@ -11,8 +11,6 @@
 
 namespace veridyn {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 void append_channel_error(const Model& arm, const ChannelEffect& effect, int e,
                           std::vector<StandardParameter>& out) {

@@ -5,12 +5,11 @@
 
 #include "json_value.hpp"
 #include "page.hpp"
+#include "page_series.hpp"
 #include "report/cooperation_json.hpp"
 
 namespace veridyn {
 namespace {
-
-constexpr Eigen::Index kSamples = 3000;
 
 std::string numbers(const VectorXd& values, Eigen::Index step, int digits) {
   std::string out = "[";
@@ -50,7 +49,7 @@ class Plot {
 };
 
 std::string plots_of(const ScenarioRun& run) {
-  const Eigen::Index step = std::max<Eigen::Index>(1, run.time.size() / kSamples);
+  const Eigen::Index step = std::max<Eigen::Index>(1, run.time.size() / kCurveSamples);
   std::vector<std::string> plots;
   for (std::size_t k = 0; k < run.member.size(); ++k) {
     const MemberTrace& m = run.member[k];

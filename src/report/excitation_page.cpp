@@ -4,13 +4,13 @@
 
 #include "json_value.hpp"
 #include "page.hpp"
+#include "page_series.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/report/motion_json.hpp"
 
 namespace veridyn {
 namespace {
 
-constexpr Eigen::Index kSamples = 3000;  // samples of a curve
 constexpr double kDigits = 1e5;          // per range of a curve
 
 // Every `step`-th value, with as many digits as a plot can show.
@@ -26,7 +26,7 @@ Json curve(const VectorXd& values, Eigen::Index step) {
 // The motion, and no recordings: nothing is recorded yet.
 std::string series_json(const Excitation& e, const std::string& command) {
   const MotionSamples& m = e.motion;
-  const Eigen::Index step = std::max<Eigen::Index>(1, m.rows() / kSamples);
+  const Eigen::Index step = std::max<Eigen::Index>(1, m.rows() / kCurveSamples);
   Json out = {{"command", command}, {"recordings", Json::array()}, {"left_out", 0}};
   out["joints"] = Json::array();
   Json joints = Json::array();

@@ -12,7 +12,6 @@ namespace {
 
 using Column = std::vector<double>;
 
-constexpr std::size_t kSamples = 3000;       // samples of one recording
 constexpr std::size_t kFewestSamples = 500;  // below that a curve loses its shape
 constexpr std::size_t kNumbers = 500000;     // on a page; about 8 bytes each
 constexpr std::size_t kColumns = 6;          // columns of a joint: q, dq, ddq and three torques
@@ -150,7 +149,7 @@ std::string series_json(const Model& arm, const std::vector<PlottedRecording>& r
   const std::size_t most = std::max<std::size_t>(1, kNumbers / (columns * kFewestSamples));
   const std::size_t shown = std::min(recordings.size(), most);
   const std::size_t samples =
-      std::min(kSamples, kNumbers / (columns * std::max<std::size_t>(1, shown)));
+      std::min(static_cast<std::size_t>(kCurveSamples), kNumbers / (columns * std::max<std::size_t>(1, shown)));
   Json head = {{"command", command}, {"joints", joints}, {"left_out", recordings.size() - shown}};
   std::string out = head.dump(-1, ' ', false, Json::error_handler_t::replace);
   out.pop_back();

@@ -7,6 +7,8 @@
 
 namespace veridyn {
 
+inline constexpr Eigen::Index kCurveSamples = 3000;  ///< of one curve, at most
+
 /// One recording as the plots show it.
 struct PlottedRecording {
   const char* role = "";                     ///< "held out" or "training"

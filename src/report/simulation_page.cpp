@@ -10,7 +10,6 @@
 namespace veridyn {
 namespace {
 
-constexpr Eigen::Index kSamples = 3000;     // samples of a curve over time
 constexpr Eigen::Index kRampSamples = 250;  // samples of one ramp
 constexpr double kLeap = 5e-3;              // [rad], [m] between rows: a new start
 constexpr double kMilli = 1e3;
@@ -46,7 +45,7 @@ Json joints_json(const Model& arm) {
 
 std::string series_of(const Model& arm, const SimulationRun& run, const VectorXd& time,
                       const std::vector<std::vector<Plot>>& plots) {
-  const Eigen::Index step = std::max<Eigen::Index>(1, time.size() / kSamples);
+  const Eigen::Index step = std::max<Eigen::Index>(1, time.size() / kCurveSamples);
   std::string joints;
   for (const std::vector<Plot>& of_joint : plots) {
     std::string list;

@@ -8,8 +8,6 @@
 namespace veridyn {
 namespace {
 
-constexpr size_t kSamples = 3000;  // of a curve
-
 std::string curve(const char* name, const char* style, const std::vector<double>& values) {
   return std::string("{\"name\": \"") + name + "\", \"style\": \"" + style +
          "\", \"values\": " + number_list(values) + "}";
@@ -33,7 +31,7 @@ std::string plots_of(const WatchedSource& source, size_t step, Eigen::Index join
 }
 
 std::string series_of(const WatchedSource& source, const Model& arm, const std::string& command) {
-  const size_t step = std::max<size_t>(1, source.states.size() / kSamples);
+  const size_t step = std::max<size_t>(1, source.states.size() / static_cast<size_t>(kCurveSamples));
   Json joints = Json::array();
   std::string plots;
   for (int j = 0; j < arm.joints(); ++j) {

@@ -2,15 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "breakaway_ramps.hpp"
+#include "math/numbers.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kPeriod = 1e-3;   // [s] of the controller that holds the others
 constexpr double kLonger = 2.0;    // times the recorded ramp that the model is pushed
 constexpr double kSettle = 3.0;    // [s] of creeping before a ramp

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "math/decompositions.hpp"
+#include "math/numbers.hpp"
 #include "math/student_t.hpp"
 
 namespace veridyn::watching {
@@ -13,7 +13,6 @@ namespace {
 constexpr double kLever = 0.1;         // [m] by which a load's centre lies off its frame
 constexpr double kLightest = 0.01;     // [kg]
 constexpr double kNothing = 1e-12;     // information below which a column is not there
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kHour = 3600.0;       // [s]
 constexpr double kPriorFreedom = 8.0;  // windows that the prior dispersion is worth
 constexpr double kPriorDispersion = 3.0;

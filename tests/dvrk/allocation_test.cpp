@@ -16,7 +16,7 @@ const char* const kNeedleDriver = "large-needle-driver-400006";
 TEST(Allocation, UnitsTakeNothing) {
   ArmUnits units(example(), read_arm("PSM1").coupling(kNeedleDriver));
   PotCheck check(example());
-  ArmState state(7);
+  BoardArmState state(7);
   ArmCommand command(7);
   const std::vector<RawActuator> raw(7);
   const VectorXd tau = VectorXd::Constant(7, 0.01);

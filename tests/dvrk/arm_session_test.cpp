@@ -97,7 +97,7 @@ TEST(ArmSession, AControllerOfJointsHoldsTheArm) {
   const VectorXd goal = K * example_start() + VectorXd::Constant(7, 0.03);
   VectorXd tau(7);
   bench.run(3.0, [&] {
-    const ArmState& s = bench.arm.state();
+    const BoardArmState& s = bench.arm.state();
     tau.noalias() = 1.0 * (goal - s.q) - 0.15 * s.dq;
     bench.arm.set_torques(tau);
   });

@@ -33,7 +33,7 @@ TEST(ArmUnits, OneActuatorByHand) {
   raw[0].encoder = {0x800000 + 10000, 0x4000C000, 0x60003000, 0x60003000, 0x40000064};
   raw[0].pot = 32768;  // 2.25 V
   raw[0].current = 30000;
-  ArmState state(7);
+  BoardArmState state(7);
   units.read(raw.data(), state);
   EXPECT_NEAR(state.q[0], -10000 * 0.000442477876106 * M_PI / 180.0, 1e-13);
   EXPECT_NEAR(state.dq[0], -4000 * 0.000442477876106 * M_PI / 180.0, 1e-13);
@@ -66,7 +66,7 @@ TEST_P(OnEveryCoupling, PowerIsTheSameOnBothSides) {
   ArmUnits units(robot, K);
   Random random(5);
   std::vector<RawActuator> raw(static_cast<std::size_t>(n));
-  ArmState state(n);
+  BoardArmState state(n);
   for (int trial = 0; trial < 20; ++trial) {
     for (RawActuator& r : raw) {
       r.current = static_cast<std::uint16_t>(random.in(20000, 45000));
@@ -86,7 +86,7 @@ TEST_P(OnEveryCoupling, TorqueComesBackToHalfABit) {
   ArmUnits units(robot, K);
   Random random(6);
   std::vector<RawActuator> raw(static_cast<std::size_t>(n));
-  ArmState state(n);
+  BoardArmState state(n);
   ArmCommand command(n);
   for (int trial = 0; trial < 20; ++trial) {
     VectorXd currents(n);
@@ -115,7 +115,7 @@ TEST_P(OnEveryCoupling, PreloadedEncodersStandWhereThePotsAre) {
   Random random(7);
   std::vector<RawActuator> raw(static_cast<std::size_t>(n));
   std::vector<std::uint32_t> words(static_cast<std::size_t>(n));
-  ArmState state(n);
+  BoardArmState state(n);
   VectorXd actuator_q(n);
   for (int trial = 0; trial < 20; ++trial) {
     const VectorXd pots = random.vector(n, 10000.25, 55000.75);  // means of many readings
@@ -153,7 +153,7 @@ TEST(ArmUnits, TheMasterArmsCouplingByHand) {
   std::vector<std::uint32_t> words(7);
   units.preload_words(motors, words.data());
   for (std::size_t i = 0; i < 7; ++i) raw[i].encoder.position = words[i];
-  ArmState state(7);
+  BoardArmState state(7);
   units.read(raw.data(), state);
   const double kCounts = 1e-4;  // two counts of the coarsest encoder in the first four
   EXPECT_NEAR(state.q[2], 0.5 - 0.2, kCounts);
@@ -204,7 +204,7 @@ TEST(ArmUnits, VelocityOfSoftwareIsTheDifferenceOfCounts) {
   robot.actuators[2].velocity_source = VelocitySource::kSoftware;
   ArmUnits units(robot);
   std::vector<RawActuator> raw(7);
-  ArmState state(7);
+  BoardArmState state(7);
   raw[2].encoder.position = preload_word(1000);
   raw[2].seconds = 0.001;
   units.read(raw.data(), state);
@@ -220,7 +220,7 @@ TEST(ArmUnits, VelocityOfSoftwareIsTheDifferenceOfCounts) {
 
 TEST(ArmUnits, OverflowAndImpossibleTransitionsMakeEncodersInvalid) {
   ArmUnits units(example());
-  ArmState state(7);
+  BoardArmState state(7);
   std::vector<RawActuator> raw(7);
   raw[6].encoder.position |= 1U << 24;
   units.read(raw.data(), state);
@@ -236,7 +236,7 @@ TEST(ArmUnits, OverflowAndImpossibleTransitionsMakeEncodersInvalid) {
 TEST(PotCheck, ADifferenceCountsWhenItLasts) {
   const RobotConfig robot = example();  // 5 mm for 10 ms on axis 2
   PotCheck check(robot);
-  ArmState state(7);
+  BoardArmState state(7);
   state.pot_q[2] = 0.0051;
   for (int k = 0; k < 10; ++k) EXPECT_EQ(check.update(state, 0.001), -1) << k;
   EXPECT_EQ(check.update(state, 0.001), 2);

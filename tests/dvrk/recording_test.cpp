@@ -31,7 +31,7 @@ std::string content(const std::string& path) {
 }
 
 void keep(RowKeeper& keeper, int from, int to) {
-  ArmState state(2);
+  BoardArmState state(2);
   for (int k = from; k < to; ++k) {
     state.q << 0.1 * k, -0.2 * k;
     keeper.keep(0.001 * k, state);

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <limits>
 #include <map>
 
 #include "capture_formats.hpp"
+#include "math/numbers.hpp"
 #include "recordings/csv/csv_layout.hpp"
 #include "veridyn/math/require.hpp"
 
@@ -15,7 +15,6 @@ namespace {
 
 using Kind = CaptureColumn::Kind;
 
-constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 constexpr double kQuaternionNorm = 0.02;  // by which a recorded quaternion's norm may be off
 constexpr double kLargest = 50.0;         // [m] no camera sees farther: the unit is another one
 constexpr int kComponents = 7;
@@ -74,13 +73,13 @@ class Reader {
   }
 
   double number(const std::string& field, std::size_t column) const {
-    if (field.empty()) return kNone;
+    if (field.empty()) return kNaN;
     const char* first = field.data() + (field[0] == '+' ? 1 : 0);
     const char* last = field.data() + field.size();
     double value = 0.0;
     const auto [rest, error] = std::from_chars(first, last, value);
     const bool gap = field == "NaN" || field == "NA" || field == "null";
-    if (gap) return kNone;
+    if (gap) return kNaN;
     require(error == std::errc() && rest == last && !std::isinf(value), where(column), ": found '",
             field, "' in column '", header_.columns[column].name, "', expected a number or a gap.");
     return value;
@@ -99,10 +98,10 @@ class Reader {
     while (filled > count && fields[filled - 1].empty()) --filled;
     require(filled == count || (header_.padded && filled < count), path_, ":", lines_.number(),
             ": found ", filled, " fields, expected ", count, " as in the header.");
-    double time = kNone;
+    double time = kNaN;
     std::string body;
     std::string name;
-    std::vector<double> q(joints_, kNone);
+    std::vector<double> q(joints_, kNaN);
     for (std::size_t k = 0; k < std::min(filled, count); ++k) {
       const CaptureColumn& c = header_.columns[k];
       if (c.kind == Kind::kTime) time = number(fields[k], k);
@@ -151,7 +150,7 @@ class Reader {
       if (is_new) objects_.push_back({name, {}, false});
       Object& object = objects_[found->second];
       const std::size_t size = kComponents * times_.size();
-      if (object.values.size() < size) object.values.resize(size, kNone);
+      if (object.values.size() < size) object.values.resize(size, kNaN);
       object.values[size - kComponents + static_cast<std::size_t>(c.index)] = value;
       object.has_orientation = object.has_orientation || c.index >= 3;
     }
@@ -170,7 +169,7 @@ class Reader {
         out.q(k, i) = q_[static_cast<std::size_t>(k)][static_cast<std::size_t>(i)];
     }
     for (Object& o : objects_) {
-      o.values.resize(kComponents * times_.size(), kNone);
+      o.values.resize(kComponents * times_.size(), kNaN);
       out.objects.push_back(
           {o.name, Eigen::Map<const MatrixXd>(o.values.data(), kComponents, frames),
            o.has_orientation});
@@ -186,7 +185,7 @@ class Reader {
         auto quaternion = o.values.col(k).tail<4>();
         if (o.has_orientation && quaternion.allFinite()) {
           const double norm = quaternion.norm();
-          if (norm == 0.0) quaternion.setConstant(kNone);
+          if (norm == 0.0) quaternion.setConstant(kNaN);
           require(norm == 0.0 || std::abs(norm - 1.0) < kQuaternionNorm, at,
                   ": found a quaternion of norm ", norm, ", expected one of norm 1 (qw, qx, qy, qz).");
         }

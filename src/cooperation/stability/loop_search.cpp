@@ -1,13 +1,12 @@
 #include "loop_search.hpp"
+#include "math/numbers.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace veridyn {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr int kHalvings = 40;
 constexpr double kLargestGain = 1e3;
 constexpr int kPhaseSteps = 36;      // of half a turn

@@ -36,7 +36,7 @@ double encoder_velocity(const ActuatorConfig& actuator, const RawActuator& raw,
 
 }  // namespace
 
-ArmState::ArmState(int n)
+BoardArmState::BoardArmState(int n)
     : q(VectorXd::Zero(n)),
       dq(q),
       tau(q),
@@ -66,7 +66,7 @@ ArmUnits::ArmUnits(const RobotConfig& robot, const MatrixXd& actuator_to_joint)
           " x ", robot_.pots_to_actuators.cols(), ", expected ", size(), " x ", size(), ".");
 }
 
-void ArmUnits::read(const RawActuator* raw, ArmState& state) noexcept {
+void ArmUnits::read(const RawActuator* raw, BoardArmState& state) noexcept {
   state.encoders_valid = true;
   for (int i = 0; i < size(); ++i) {
     const auto k = static_cast<std::size_t>(i);
@@ -145,7 +145,7 @@ void ArmUnits::preload_words(const VectorXd& actuator_q, std::uint32_t* words) c
 PotCheck::PotCheck(const RobotConfig& robot)
     : tolerances_(robot.pot_tolerances), lasting_(tolerances_.size(), 0.0) {}
 
-int PotCheck::update(const ArmState& state, double seconds) noexcept {
+int PotCheck::update(const BoardArmState& state, double seconds) noexcept {
   int wrong = -1;
   for (std::size_t k = 0; k < tolerances_.size(); ++k) {
     const PotTolerance& tolerance = tolerances_[k];

@@ -18,8 +18,8 @@ struct RawActuator {
 };
 
 /// State of an arm in SI units; n entries each [rad, m], [rad/s, m/s], [N m, N], [A].
-struct ArmState {
-  explicit ArmState(int n = 0);
+struct BoardArmState {
+  explicit BoardArmState(int n = 0);
 
   VectorXd q, dq, tau;                             ///< Joint values; tau from measured currents
   VectorXd actuator_q, actuator_dq, actuator_tau;  ///< Actuator values
@@ -59,7 +59,7 @@ class ArmUnits {
 
   /// @param raw    size() entries, in the order of the configuration.
   /// @param state  of size().
-  void read(const RawActuator* raw, ArmState& state) noexcept;
+  void read(const RawActuator* raw, BoardArmState& state) noexcept;
 
   /// Bits for joint torques. Every current is held within its actuator's largest; torques that are
   /// not numbers give zero current everywhere.
@@ -99,7 +99,7 @@ class PotCheck {
   explicit PotCheck(const RobotConfig& robot);
 
   /// @returns  the first axis that differs for longer than its latency, or -1.
-  int update(const ArmState& state, double seconds) noexcept;
+  int update(const BoardArmState& state, double seconds) noexcept;
 
  private:
   std::vector<PotTolerance> tolerances_;

@@ -13,6 +13,7 @@
 #include <cstring>
 #include <ctime>
 
+#include "dvrk/protocol/datagram_link.hpp"
 #include "dvrk/protocol/stamped_datagram.hpp"
 #include "veridyn/math/require.hpp"
 
@@ -21,7 +22,6 @@ namespace {
 
 constexpr double kUninterrupted = 2e-6;           // [s]
 constexpr double kLongestQueue = 0.1;             // [s]
-constexpr std::uint32_t kMulticast = 0xE0000064;  // 224.0.0.100
 
 double seconds_of(const timespec& at) {
   return static_cast<double>(at.tv_sec) + 1e-9 * static_cast<double>(at.tv_nsec);
@@ -51,7 +51,7 @@ void join_multicast(int socket) {
     sockaddr_in own{};
     std::memcpy(&own, one->ifa_addr, sizeof own);
     ip_mreq group{};
-    group.imr_multiaddr.s_addr = htonl(kMulticast);
+    group.imr_multiaddr.s_addr = htonl(kMulticastGroup);
     group.imr_interface = own.sin_addr;
     // An interface that is down, or one without multicast, is none that a host could use.
     ::setsockopt(socket, IPPROTO_IP, IP_ADD_MEMBERSHIP, &group, sizeof group);

@@ -7,6 +7,8 @@
 
 namespace veridyn::dvrk {
 
+inline constexpr std::uint32_t kMulticastGroup = 0xE0000064;  ///< 224.0.0.100, section 1
+
 /// Where a datagram goes: section 2.3.
 enum class Destination { kBoard, kEveryone, kMulticast };
 

@@ -19,7 +19,6 @@ namespace veridyn::dvrk {
 namespace {
 
 constexpr double kSpun = 60e-6;                   // [s]
-constexpr std::uint32_t kMulticast = 0xE0000064;  // 224.0.0.100, section 1
 
 timespec span(double seconds) {
   const double whole = std::floor(seconds);
@@ -97,7 +96,7 @@ UdpLink::~UdpLink() {
 
 bool UdpLink::send(ByteView datagram, Destination to) noexcept {
   const std::uint32_t address = to == Destination::kEveryone    ? broadcast_
-                                : to == Destination::kMulticast ? kMulticast
+                                : to == Destination::kMulticast ? kMulticastGroup
                                                                 : board_;
   const sockaddr_in at = place(address, port_);
   const auto sent = ::sendto(socket_, datagram.data, datagram.size, MSG_NOSIGNAL,

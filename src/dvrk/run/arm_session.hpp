@@ -88,7 +88,7 @@ class ArmSession {
 
   /// Reads the boards, checks them and moves on with power-up. @returns whether state() is new.
   bool update() noexcept;
-  const ArmState& state() const { return state_; }
+  const BoardArmState& state() const { return state_; }
 
   /// Torques of the joints [N m, N] for the next commit(); (n), a stored vector. Held within the
   /// largest currents.
@@ -128,7 +128,7 @@ class ArmSession {
   std::vector<BrakeDriver> brakes_;
   std::vector<Socket> brake_sockets_;
   std::vector<RawActuator> raw_;
-  ArmState state_;
+  BoardArmState state_;
   ArmCommand command_;
   bool commanded_ = false;
   bool homed_ = false;

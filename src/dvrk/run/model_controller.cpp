@@ -124,7 +124,7 @@ void ModelController::impedance(double dt) noexcept {
   tau_ += error_.update(state_, impedance_.acceleration(), dt);
 }
 
-bool ModelController::torques(const ArmState& state, const JointReference& wanted,
+bool ModelController::torques(const BoardArmState& state, const JointReference& wanted,
                               const CycleTimes& times, VectorXd& tau) noexcept {
   const auto n = q_.size();
   q_ = state.q.head(n);

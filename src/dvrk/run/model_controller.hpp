@@ -58,7 +58,7 @@ class ModelController final : public MotionController {
 
   void reset() noexcept override;
   void motion_begins() noexcept override { moves_ = true; }
-  bool torques(const ArmState& state, const JointReference& wanted, const CycleTimes& times,
+  bool torques(const BoardArmState& state, const JointReference& wanted, const CycleTimes& times,
                VectorXd& tau) noexcept override;
   std::string why() const override;
   bool follows() const override { return options_.law != ControlLaw::kGravity; }

@@ -2,15 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
+#include "math/numbers.hpp"
 #include "set_points.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn::dvrk {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // Left of a range for the way by which an arm misses its set points: the supervisor judges where
 // the arm is, not where it should be.
 constexpr double kRoom = 0.0025;
@@ -89,7 +88,7 @@ std::string MotionCheck::objection_to(const VectorXd& q) const {
               "): move it inside by hand");
 }
 
-int MotionCheck::leaving(const ArmState& state) const noexcept {
+int MotionCheck::leaving(const BoardArmState& state) const noexcept {
   for (size_t i = 0; i < actuators_.size(); ++i) {
     const auto k = static_cast<Eigen::Index>(i);
     if (leaves_range(state.actuator_q[k], state.actuator_dq[k], actuators_[i], braking_))

@@ -28,7 +28,7 @@ class MotionCheck {
   std::string objection_to(const VectorXd& q) const;
 
   /// The actuator of a moving arm that is about to leave its soft limits; -1: none. No allocation.
-  int leaving(const ArmState& state) const noexcept;
+  int leaving(const BoardArmState& state) const noexcept;
 
  private:
   struct Guard {

@@ -39,7 +39,7 @@ class MotionController {
 
   /// @param wanted  where the joints shall be, (n) of the arm. @param tau  (n), written [N m], [N].
   /// @returns false: the run must end now, see why(); tau does not count. Never allocates.
-  virtual bool torques(const ArmState& state, const JointReference& wanted, const CycleTimes& times,
+  virtual bool torques(const BoardArmState& state, const JointReference& wanted, const CycleTimes& times,
                        VectorXd& tau) noexcept = 0;
 
   /// Why torques() returned false.

@@ -12,7 +12,7 @@ class PidController final : public MotionController {
       : pid_(gains, integral_limit), dt_(dt) {}
 
   void reset() noexcept override { pid_.reset(); }
-  bool torques(const ArmState& state, const JointReference& wanted, const CycleTimes&,
+  bool torques(const BoardArmState& state, const JointReference& wanted, const CycleTimes&,
                VectorXd& tau) noexcept override {
     pid_.torques(state.q, state.dq, wanted.q, wanted.dq, dt_, tau);
     return true;

@@ -30,7 +30,7 @@ class RowKeeper {
     for (MatrixXd* signal : {&rows_.q, &rows_.dq, &rows_.tau}) signal->setZero();
   }
 
-  void keep(double t, const ArmState& state) noexcept {
+  void keep(double t, const BoardArmState& state) noexcept {
     const Eigen::Index row = count();
     if (row >= rows_.time.size() || (row > 0 && t <= rows_.time[row - 1])) return;
     rows_.time[row] = t;

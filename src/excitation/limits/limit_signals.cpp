@@ -2,15 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
+#include "math/numbers.hpp"
 #include "veridyn/math/require.hpp"
 #include "model/suggestion.hpp"
 
 namespace veridyn {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kRoundedShare = 0.01;  // share of the largest speed, for signs in torques
 
 }  // namespace

@@ -1,4 +1,5 @@
 #include "excitation/search/search_program.hpp"
+#include "math/numbers.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +7,6 @@
 namespace veridyn {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kHeld = 2e-6;      // share of a limit's scale: what a solver leaves open
 constexpr double kPullBack = 1e-4;  // keeps the widest violation's motion from running away
 

@@ -4,10 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <filesystem>
 #include <utility>
 
 #include "identification/drive_gains/gain_fit.hpp"
+#include "math/numbers.hpp"
 #include "veridyn/math/require.hpp"
 #include "math/student_t.hpp"
 #include "model/suggestion.hpp"
@@ -15,16 +16,11 @@
 namespace veridyn {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kIdentifiable = 0.25;        // half the 95 % interval, relative: wider ones tell no gain
 constexpr double kNothing = 1e-6;     // share of a joint's torque
 constexpr double kNoWeight = 1e-9;    // [N m/kg]
 constexpr size_t kMostDivisions = 8;  // recordings that are divided by trying all divisions
 constexpr double kHeavier = 4.0;  // t value at which one joint at least must feel the known mass
-
-std::string file_name(const std::string& path) {
-  return path.substr(path.find_last_of('/') + 1);
-}
 
 // For every recording the load that it carries, or -1; loads without names are left out.
 std::vector<int> named_loads(const std::vector<std::string>& recordings,
@@ -34,7 +30,7 @@ std::vector<int> named_loads(const std::vector<std::string>& recordings,
     for (const std::string& name : loads[l].recordings) {
       bool found = false;
       for (size_t r = 0; r < recordings.size(); ++r) {
-        if (recordings[r] != name && file_name(recordings[r]) != name) continue;
+        if (recordings[r] != name && std::filesystem::path(recordings[r]).filename().string() != name) continue;
         require(out[r] < 0 || out[r] == static_cast<int>(l), name,
                 ": found two known masses for this recording, expected one.");
         out[r] = static_cast<int>(l);

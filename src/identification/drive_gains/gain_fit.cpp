@@ -1,14 +1,13 @@
 #include "identification/drive_gains/gain_fit.hpp"
+#include "math/numbers.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <optional>
 
 namespace veridyn {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kUntied = 1e-6;  // share of a gain's column that is rounding
 
 using Clusters = std::vector<std::vector<SquareRootInformation>>;

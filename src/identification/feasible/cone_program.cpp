@@ -1,4 +1,5 @@
 #include "identification/feasible/cone_program.hpp"
+#include "math/numbers.hpp"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
@@ -10,7 +11,6 @@ namespace veridyn::cone {
 
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 
 InertialVector upper_triangle(const Eigen::Matrix4d& S) {

@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "identification/feasible/interior_point.hpp"
+#include "math/numbers.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn {
@@ -16,7 +17,6 @@ namespace {
 
 using Eigen::Matrix4d;
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 constexpr const char* kHere = "solve_feasible_least_squares: ";
 

@@ -1,9 +1,9 @@
 #include "identification/feasible/nesterov_todd.hpp"
+#include "math/numbers.hpp"
 
 #include <Eigen/Cholesky>
 #include <Eigen/SVD>
 #include <algorithm>
-#include <limits>
 
 namespace veridyn::cone {
 
@@ -11,8 +11,6 @@ using Eigen::Matrix4d;
 using Eigen::Vector4d;
 
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 }  // namespace
 

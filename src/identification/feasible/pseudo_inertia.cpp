@@ -1,15 +1,13 @@
 #include "veridyn/identification/pseudo_inertia.hpp"
+#include "math/numbers.hpp"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <cmath>
-#include <limits>
 
 namespace veridyn {
 
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 double log_det(const Eigen::LLT<Eigen::Matrix4d>& factor) {
   return 2.0 * factor.matrixLLT().diagonal().array().log().sum();
