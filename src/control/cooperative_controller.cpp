@@ -340,6 +340,11 @@ void CooperativeController::learn_lengths(const CooperativeInput& input) noexcep
 void CooperativeController::give_way(const CooperativeInput& input) noexcept {
   if (options_.guard) {
     for (size_t k = 0; k < trackers_.size(); ++k) {
+      const CooperativeMember& m = options_.members[k];
+      // Without its arm's place a member has no length: forces alone are left to go by.
+      if (input.located[static_cast<size_t>(m.from)] == 0 ||
+          input.located[static_cast<size_t>(m.to)] == 0)
+        guard_.forget(static_cast<int>(k));
       if (tracked_[k] != 0 && !sensor_failed()) guard_.feel(static_cast<int>(k), input.force[k].force);
     }
     guard_.update(input.position, input.healthy, options_.relief_force);

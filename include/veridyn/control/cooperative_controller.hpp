@@ -45,10 +45,12 @@ struct CooperativeInput {
       : position(static_cast<size_t>(arms), Eigen::Vector3d::Zero()),
         velocity(position),
         healthy(static_cast<size_t>(arms), 1),
+        located(healthy),
         force(static_cast<size_t>(members)) {}
   std::vector<Eigen::Vector3d> position;  ///< [m] of each tip in the world
   std::vector<Eigen::Vector3d> velocity;  ///< [m/s]
   std::vector<char> healthy;              ///< 0: this arm does not follow any more
+  std::vector<char> located;              ///< 0: nobody knows where it is; positions are old ones
   std::vector<ForceReading> force;        ///< Force reading of each member
 };
 

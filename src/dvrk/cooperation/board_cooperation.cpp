@@ -120,6 +120,7 @@ class BoardRun : private BoardLoop {
     for (size_t k = 0; k < sides_.size(); ++k) {
       if (const char* why = sides_[k]->lost_by(scenario_.control.largest_age)) {
         input_->healthy[k] = 0;
+        input_->located[k] = sides_[k]->deaf() ? 0 : 1;
         fail(why, static_cast<int>(k));
       }
     }

@@ -69,8 +69,14 @@ bool BoardLoop::fail(const char* why, int arm, BoardEnd end) noexcept {
 
 std::string BoardLoop::cause() const {
   if (why_ == nullptr) return "";
-  if (faulty_arm_ >= 0)
-    return "arm " + scenario_.arms[static_cast<size_t>(faulty_arm_)].name + ": " + why_;
+  if (faulty_arm_ >= 0) {
+    const auto k = static_cast<size_t>(faulty_arm_);
+    const SafetySupervisor* safety = sides_[k]->supervisor();
+    const int joint = safety != nullptr ? safety->joint() : -1;
+    const std::string where =
+        joint >= 0 ? " (joint " + sides_[k]->models().known.coordinates()[static_cast<size_t>(joint)].name + ")" : "";
+    return "arm " + scenario_.arms[k].name + ": " + why_ + where;
+  }
   return (end_ == BoardEnd::kStopped ? "" : "the controller ") + std::string(why_);
 }
 

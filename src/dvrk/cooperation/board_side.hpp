@@ -49,7 +49,8 @@ class BoardSide {
   const VectorXd& tau() const { return tau_; }
   int joints() const { return joints_; }
   bool valid() const { return valid_; }
-  const SafetySupervisor& supervisor() const { return *supervisor_; }
+  bool deaf() const { return deaf_; }  ///< It does not answer, and is not asked any more.
+  const SafetySupervisor* supervisor() const { return supervisor_.get(); }  ///< null before power
 
  private:
   ScenarioModels models_;
