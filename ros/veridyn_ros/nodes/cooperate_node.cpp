@@ -1,9 +1,11 @@
 // Arms that hold an object, led over topics: a scenario of `veridyn cooperate` under run_live(), the cooperative controller
 // of the thesis. Commands are those of `--live` as lines on ~command; cmd_vel is the object's velocity, and cmd_force adds to
-// the force wanted in a member, as the thesis's keyboard node does.
+// the force wanted in a member, as the thesis's keyboard node does. Each arm tells NAME/measured_js and NAME/tip, each member
+// MEMBER/force, so that a bag of it is a recording of every arm.
 
 #include <geometry_msgs/PointStamped.h>
 #include <geometry_msgs/Twist.h>
+#include <sensor_msgs/JointState.h>
 #include <std_msgs/Float64.h>
 #include <std_msgs/String.h>
 
@@ -16,6 +18,7 @@
 #include "nodes/parameters.hpp"
 #include "veridyn/cooperation/live.hpp"
 #include "veridyn/math/require.hpp"
+#include "veridyn/model/model_file.hpp"
 
 namespace veridyn_ros {
 namespace {
@@ -56,8 +59,13 @@ class Cooperation {
  public:
   explicit Cooperation(ros::NodeHandle& own) : scenario_(scenario_of(own)) {
     ros::NodeHandle root;
-    for (const ScenarioArm& arm : scenario_.arms)
+    for (const ScenarioArm& arm : scenario_.arms) {
       tips_[arm.name] = root.advertise<geometry_msgs::PointStamped>(arm.name + "/tip", 10);
+      joints_.push_back(root.advertise<sensor_msgs::JointState>(arm.name + "/measured_js", 10));
+      names_.emplace_back();
+      const Model model = read_model(arm.model);
+      for (const Coordinate& c : model.coordinates()) names_.back().push_back(c.name);
+    }
     for (const ScenarioMember& member : scenario_.members)
       forces_[member.name] = root.advertise<std_msgs::Float64>(member.name + "/force", 10);
     state_ = own.advertise<std_msgs::String>("state", 10);
@@ -78,7 +86,7 @@ class Cooperation {
     options.engine = own.param("engine", options.engine);
     options.silence = own.param("silence", 0.1);
     options.longest = own.param("longest", options.longest);
-    options.tell = own.param("tell", 0.01);
+    options.tell = own.param("tell", 0.005);
     ros::AsyncSpinner spinner(1);
     spinner.start();
     LiveReport report;
@@ -89,6 +97,8 @@ class Cooperation {
       warning_.publish(m);
       ROS_WARN("command refused: %s", why.c_str());
     };
+    began_ = ros::Time::now().toSec();
+    report.arms = [this](double time, const std::vector<LiveArm>& arms) { tell(time, arms); };
     const LiveRun done = run_live(scenario_, lines_, options, report);
     ROS_INFO("%s", done.report().c_str());
   }
@@ -122,6 +132,20 @@ class Cooperation {
     lines_.push(line.str());
   }
 
+  // By the run's own clock, which is even.
+  void tell(double time, const std::vector<LiveArm>& arms) {
+    for (std::size_t k = 0; k < arms.size(); ++k) {
+      sensor_msgs::JointState m;
+      m.header.stamp = ros::Time(began_ + time);
+      m.header.frame_id = scenario_.arms[k].name + "_base";
+      m.name = names_[k];
+      m.position.assign(arms[k].q.data(), arms[k].q.data() + arms[k].q.size());
+      m.velocity.assign(arms[k].dq.data(), arms[k].dq.data() + arms[k].dq.size());
+      m.effort.assign(arms[k].tau.data(), arms[k].tau.data() + arms[k].tau.size());
+      joints_[k].publish(m);
+    }
+  }
+
   // "t=1.200 state="tracks" master=x,y,z spring=5.0" becomes topics.
   void tell(const std::string& line) {
     std_msgs::String whole;
@@ -149,7 +173,9 @@ class Cooperation {
   Scenario scenario_;
   TopicLines lines_;
   std::string member_;
-  double wanted_ = 0.0;  // [N]
+  double wanted_ = 0.0, began_ = 0.0;  // [N], [s]
+  std::vector<ros::Publisher> joints_;
+  std::vector<std::vector<std::string>> names_;
   std::map<std::string, ros::Publisher> tips_, forces_;
   ros::Publisher state_, warning_;
   std::vector<ros::Subscriber> subscribers_;
