@@ -1,7 +1,7 @@
 // Arms that hold an object, led over topics: a scenario of `veridyn cooperate` under run_live(), the cooperative controller
 // of the thesis. Commands are those of `--live` as lines on ~command; cmd_vel is the object's velocity, and cmd_force adds to
 // the force wanted in a member, as the thesis's keyboard node does. Each arm tells NAME/measured_js and NAME/tip, each member
-// MEMBER/force, so that a bag of it is a recording of every arm.
+// MEMBER/force, so that a bag of it is a recording of every arm. With ~phases true the scenario's own phases come first.
 
 #include <geometry_msgs/PointStamped.h>
 #include <geometry_msgs/Twist.h>
@@ -11,6 +11,7 @@
 
 #include <cmath>
 #include <cstring>
+#include <deque>
 #include <map>
 #include <sstream>
 
@@ -43,7 +44,14 @@ class TopicLines final : public LineSource {
     std::memcpy(line.text, text.c_str(), text.size());
     if (!lines_.push(line)) ROS_WARN_THROTTLE(1.0, "commands come faster than they are taken");
   }
+  /// Before the node runs: lines that come before all others.
+  void begin_with(std::deque<std::string> script) { script_ = std::move(script); }
   bool next(std::string& line) override {
+    if (!script_.empty()) {
+      line = script_.front();
+      script_.pop_front();
+      return true;
+    }
     Line one;
     if (!lines_.pop(one)) return false;
     line = one.text;
@@ -53,7 +61,39 @@ class TopicLines final : public LineSource {
 
  private:
   Queue<Line, 64> lines_;
+  std::deque<std::string> script_;
 };
+
+std::string line_of(const ScenarioCommand& c, const Scenario& scenario) {
+  using Kind = ScenarioCommand::Kind;
+  std::ostringstream out;
+  out.precision(17);
+  const auto member = [&] { return c.member < 0 ? std::string() : scenario.members[static_cast<std::size_t>(c.member)].name; };
+  const auto way = [&] { out << c.way.x() << ' ' << c.way.y() << ' ' << c.way.z() << ' ' << c.over; };
+  switch (c.kind) {
+    case Kind::kMove: out << "move ", way(); break;
+    case Kind::kTurn: out << "turn ", way(); break;
+    case Kind::kTighten: out << "tighten " << c.amount << ' ' << c.over; break;
+    case Kind::kForce: out << "force " << member() << ' ' << c.amount << ' ' << c.over; break;
+    case Kind::kMoveArm: out << "arm " << scenario.arms[static_cast<std::size_t>(c.arm)].name << ' ', way(); break;
+    case Kind::kRelease: out << "release " << member(); break;
+    case Kind::kTake: out << "take " << member(); break;
+  }
+  return out.str();
+}
+
+// The scenario's own phases, after a while in which subscribers connect, and then the end.
+std::deque<std::string> phases_of(const Scenario& scenario) {
+  std::deque<std::string> out{"wait 2"};
+  for (const ScenarioPhase& phase : scenario.phases) {
+    for (const ScenarioCommand& c : phase.commands) out.push_back(line_of(c, scenario));
+    std::ostringstream wait;
+    wait << "wait " << phase.duration;
+    out.push_back(wait.str());
+  }
+  out.push_back("quit");
+  return out;
+}
 
 class Cooperation {
  public:
@@ -68,6 +108,7 @@ class Cooperation {
     }
     for (const ScenarioMember& member : scenario_.members)
       forces_[member.name] = root.advertise<std_msgs::Float64>(member.name + "/force", 10);
+    if (own.param("phases", false)) lines_.begin_with(phases_of(scenario_));
     state_ = own.advertise<std_msgs::String>("state", 10);
     warning_ = own.advertise<std_msgs::String>("warning", 10);
     const std::string space = own.param("space", std::string("psm"));
