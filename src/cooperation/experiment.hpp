@@ -33,6 +33,8 @@ class Experiment {
   int arms() const { return static_cast<int>(loops_.size()); }
   /// True place of an arm's tip in the world [m].
   Eigen::Vector3d tip(int arm) const { return world_->point(tips_[static_cast<size_t>(arm)]).position; }
+  /// Torques that acted on an arm last [N m], [N].
+  const VectorXd& tau(int arm) const { return tau_[static_cast<size_t>(arm)]; }
   /// True force of a wall on its arm now [N].
   double wall_force(int wall);
   const CooperativeController& controller() const { return *control_; }

@@ -141,7 +141,16 @@ class Live {
     }
   }
 
+  void say_arms() {
+    if (!tell_.arms) return;
+    std::vector<LiveArm> arms;
+    for (int k = 0; k < experiment_.arms(); ++k)
+      arms.push_back({experiment_.world().q(k), experiment_.world().dq(k), experiment_.tau(k)});
+    tell_.arms(out_.time, arms);
+  }
+
   void say_state() {
+    say_arms();
     if (!tell_.state) return;
     std::string line = fmt::format("t={:.3f} state=\"{}\"", out_.time,
                                    describe(experiment_.controller().state()));

@@ -300,6 +300,34 @@ class Laboratory(unittest.TestCase):
         self.assertEqual(amplifiers, ["off"] * 7, look.stdout)
         listener.unregister()
 
+    def test_a_motion_is_played_and_its_bag_identifies_and_diagnoses(self):
+        folder = os.environ["ROS_HOME"]
+        motion, bag, found = folder + "/motion.csv", folder + "/play.bag", folder + "/found.yaml"
+        with open(motion, "w") as file:
+            file.write("t,q1,q2,q3\n")
+            for k in range(1201):
+                t = 0.01 * k
+                waves = [min(1.0, 0.5 * t) * (a * math.sin(w * t) + 0.3 * a * math.sin(2.7 * w * t))
+                         for a, w in ((0.25, 1.7), (0.25, 1.3), (0.03, 2.1))]
+                file.write("%g,%.6f,%.6f,%.6f\n" % (t, waves[0], waves[1], 0.12 + waves[2]))
+        self.run_node("controller", plant="inside", publish_rate=200, **self.ARM)
+        play = self.run_script("play", arm="PSM1", trajectory=motion, record=bag)
+        self.assertEqual(play.wait(120), 0, play.stderr.read())
+        done = subprocess.run([TOOL, "identify", "psm-3dof", "--train", bag, "--model-out", found, "--json", bag + ".json", "--quiet"],
+                              capture_output=True, text=True)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        with open(bag + ".json") as file:
+            errors = json.load(file)["train"]["relative_error"]
+        self.assertLess(max(errors), 0.1, errors)
+        done = subprocess.run([TOOL, "diagnose", found, "--train", bag, "--test", bag, "--rows", "0:1200",
+                               "--test-rows", "1200:2200", "--json", bag + ".diagnosis", "--quiet"], capture_output=True, text=True)
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        with open(bag + ".diagnosis") as file:
+            self.assertEqual(json.load(file)["findings"], [], done.stdout)
+        play = self.run_script("play", arm="PSM1", trajectory=folder + "/none.csv")
+        self.assertEqual(play.wait(60), 3)
+        self.assertIn("none.csv", play.stderr.read())
+
     def test_a_master_leads_a_slave_while_the_clutch_is_closed(self):
         other = Arm("PSM2")
         two = dict(self.ARM, arms=["PSM1", "PSM2"], PSM2__model="psm-3dof", PSM2__start=[-0.1, 0.1, 0.1])

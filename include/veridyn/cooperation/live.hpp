@@ -4,6 +4,7 @@
 #include <memory>
 #include <string>
 #include <variant>
+#include <vector>
 
 #include "veridyn/cooperation/scenario_run.hpp"
 
@@ -60,10 +61,18 @@ struct LiveOptions {
   double tell = 0.1;           ///< [s] between lines of what is: see LiveReport
 };
 
+/// One arm of a live run at one instant, (n) each.
+struct LiveArm {
+  VectorXd q, dq;  ///< true [rad], [m] and rates
+  VectorXd tau;    ///< that acted in the period before [N m], [N]
+};
+
 /// What a live run tells, every LiveOptions::tell seconds and after each command.
 struct LiveReport {
   std::function<void(const std::string&)> state;  ///< "t=1.200 state=tracks tip=... force=..."
   std::function<void(const std::string&)> refused;  ///< a line that was not understood
+  /// Time [s] and arms, in the scenario's order, whenever `state` is told.
+  std::function<void(double, const std::vector<LiveArm>&)> arms{};
 };
 
 /// How a live run ended.

@@ -1,14 +1,17 @@
 // Arms that hold an object, led over topics: a scenario of `veridyn cooperate` under run_live(), the cooperative controller
 // of the thesis. Commands are those of `--live` as lines on ~command; cmd_vel is the object's velocity, and cmd_force adds to
-// the force wanted in a member, as the thesis's keyboard node does.
+// the force wanted in a member, as the thesis's keyboard node does. Each arm tells NAME/measured_js and NAME/tip, each member
+// MEMBER/force, so that a bag of it is a recording of every arm. With ~phases true the scenario's own phases come first.
 
 #include <geometry_msgs/PointStamped.h>
 #include <geometry_msgs/Twist.h>
+#include <sensor_msgs/JointState.h>
 #include <std_msgs/Float64.h>
 #include <std_msgs/String.h>
 
 #include <cmath>
 #include <cstring>
+#include <deque>
 #include <map>
 #include <sstream>
 
@@ -16,6 +19,7 @@
 #include "nodes/parameters.hpp"
 #include "veridyn/cooperation/live.hpp"
 #include "veridyn/math/require.hpp"
+#include "veridyn/model/model_file.hpp"
 
 namespace veridyn_ros {
 namespace {
@@ -40,7 +44,14 @@ class TopicLines final : public LineSource {
     std::memcpy(line.text, text.c_str(), text.size());
     if (!lines_.push(line)) ROS_WARN_THROTTLE(1.0, "commands come faster than they are taken");
   }
+  /// Before the node runs: lines that come before all others.
+  void begin_with(std::deque<std::string> script) { script_ = std::move(script); }
   bool next(std::string& line) override {
+    if (!script_.empty()) {
+      line = script_.front();
+      script_.pop_front();
+      return true;
+    }
     Line one;
     if (!lines_.pop(one)) return false;
     line = one.text;
@@ -50,16 +61,54 @@ class TopicLines final : public LineSource {
 
  private:
   Queue<Line, 64> lines_;
+  std::deque<std::string> script_;
 };
+
+std::string line_of(const ScenarioCommand& c, const Scenario& scenario) {
+  using Kind = ScenarioCommand::Kind;
+  std::ostringstream out;
+  out.precision(17);
+  const auto member = [&] { return c.member < 0 ? std::string() : scenario.members[static_cast<std::size_t>(c.member)].name; };
+  const auto way = [&] { out << c.way.x() << ' ' << c.way.y() << ' ' << c.way.z() << ' ' << c.over; };
+  switch (c.kind) {
+    case Kind::kMove: out << "move ", way(); break;
+    case Kind::kTurn: out << "turn ", way(); break;
+    case Kind::kTighten: out << "tighten " << c.amount << ' ' << c.over; break;
+    case Kind::kForce: out << "force " << member() << ' ' << c.amount << ' ' << c.over; break;
+    case Kind::kMoveArm: out << "arm " << scenario.arms[static_cast<std::size_t>(c.arm)].name << ' ', way(); break;
+    case Kind::kRelease: out << "release " << member(); break;
+    case Kind::kTake: out << "take " << member(); break;
+  }
+  return out.str();
+}
+
+// The scenario's own phases, after a while in which subscribers connect, and then the end.
+std::deque<std::string> phases_of(const Scenario& scenario) {
+  std::deque<std::string> out{"wait 2"};
+  for (const ScenarioPhase& phase : scenario.phases) {
+    for (const ScenarioCommand& c : phase.commands) out.push_back(line_of(c, scenario));
+    std::ostringstream wait;
+    wait << "wait " << phase.duration;
+    out.push_back(wait.str());
+  }
+  out.push_back("quit");
+  return out;
+}
 
 class Cooperation {
  public:
   explicit Cooperation(ros::NodeHandle& own) : scenario_(scenario_of(own)) {
     ros::NodeHandle root;
-    for (const ScenarioArm& arm : scenario_.arms)
+    for (const ScenarioArm& arm : scenario_.arms) {
       tips_[arm.name] = root.advertise<geometry_msgs::PointStamped>(arm.name + "/tip", 10);
+      joints_.push_back(root.advertise<sensor_msgs::JointState>(arm.name + "/measured_js", 10));
+      names_.emplace_back();
+      const Model model = read_model(arm.model);
+      for (const Coordinate& c : model.coordinates()) names_.back().push_back(c.name);
+    }
     for (const ScenarioMember& member : scenario_.members)
       forces_[member.name] = root.advertise<std_msgs::Float64>(member.name + "/force", 10);
+    if (own.param("phases", false)) lines_.begin_with(phases_of(scenario_));
     state_ = own.advertise<std_msgs::String>("state", 10);
     warning_ = own.advertise<std_msgs::String>("warning", 10);
     const std::string space = own.param("space", std::string("psm"));
@@ -78,7 +127,7 @@ class Cooperation {
     options.engine = own.param("engine", options.engine);
     options.silence = own.param("silence", 0.1);
     options.longest = own.param("longest", options.longest);
-    options.tell = own.param("tell", 0.01);
+    options.tell = own.param("tell", 0.005);
     ros::AsyncSpinner spinner(1);
     spinner.start();
     LiveReport report;
@@ -89,6 +138,8 @@ class Cooperation {
       warning_.publish(m);
       ROS_WARN("command refused: %s", why.c_str());
     };
+    began_ = ros::Time::now().toSec();
+    report.arms = [this](double time, const std::vector<LiveArm>& arms) { tell(time, arms); };
     const LiveRun done = run_live(scenario_, lines_, options, report);
     ROS_INFO("%s", done.report().c_str());
   }
@@ -122,6 +173,20 @@ class Cooperation {
     lines_.push(line.str());
   }
 
+  // By the run's own clock, which is even.
+  void tell(double time, const std::vector<LiveArm>& arms) {
+    for (std::size_t k = 0; k < arms.size(); ++k) {
+      sensor_msgs::JointState m;
+      m.header.stamp = ros::Time(began_ + time);
+      m.header.frame_id = scenario_.arms[k].name + "_base";
+      m.name = names_[k];
+      m.position.assign(arms[k].q.data(), arms[k].q.data() + arms[k].q.size());
+      m.velocity.assign(arms[k].dq.data(), arms[k].dq.data() + arms[k].dq.size());
+      m.effort.assign(arms[k].tau.data(), arms[k].tau.data() + arms[k].tau.size());
+      joints_[k].publish(m);
+    }
+  }
+
   // "t=1.200 state="tracks" master=x,y,z spring=5.0" becomes topics.
   void tell(const std::string& line) {
     std_msgs::String whole;
@@ -149,7 +214,9 @@ class Cooperation {
   Scenario scenario_;
   TopicLines lines_;
   std::string member_;
-  double wanted_ = 0.0;  // [N]
+  double wanted_ = 0.0, began_ = 0.0;  // [N], [s]
+  std::vector<ros::Publisher> joints_;
+  std::vector<std::vector<std::string>> names_;
   std::map<std::string, ros::Publisher> tips_, forces_;
   ros::Publisher state_, warning_;
   std::vector<ros::Subscriber> subscribers_;
