@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <random>
 
+#include "diagnosis/evidence/examiner.hpp"
+
 // Selection on made-up columns: what is in the torque is known, and so is what only looks like it.
 
 namespace veridyn {
@@ -186,6 +188,42 @@ TEST(Selection, AGainBelowTheLeastOneIsNotNamed) {
   DiagnosisOptions stricter;
   stricter.thresholds.smallest_gain = 0.1;
   EXPECT_TRUE(selected(columns, asked, stricter).accepted.empty());
+}
+
+// One recording in eight parts; the cause acts with a share of its own in each of them.
+NormalBlocks one_recording(const std::vector<double>& shares) {
+  std::mt19937 random(5);
+  std::normal_distribution<double> gauss;
+  CompressedRecording recording;
+  recording.joints.resize(1);
+  const std::vector<std::string> columns = {"base", "cause"};
+  for (const double share : shares) {
+    MatrixXd A(kRows, 2);
+    VectorXd tau(kRows);
+    for (int k = 0; k < kRows; ++k) {
+      A.row(k) << gauss(random), gauss(random);
+      tau[k] = A(k, 0) + share * A(k, 1) + kNoise * gauss(random);
+    }
+    SquareRootInformation factor(columns);
+    factor.absorb(A, tau);
+    recording.blocks.push_back({factor});
+  }
+  return NormalBlocks({recording}, columns);
+}
+
+// Two parts of eight disagree a little, six agree by much: too little to enter, enough to stay.
+// Of four that disagree nothing can be said.
+TEST(Selection, WhatWasTakenStaysWhileTheSizesOfItsGainsSpeakForIt) {
+  const std::vector<Hypothesis> asked = {hypothesis("cause")};
+  const auto evidence = [&asked](const std::vector<double>& shares) {
+    const NormalBlocks data = one_recording(shares);
+    const Examiner examiner(data, {0}, asked, {});
+    const Evidence e = examiner.ask(0, *examiner.stand({}));
+    return std::make_pair(examiner.passes(e), examiner.stays(e));
+  };
+  EXPECT_EQ(evidence({0.5, 0.5, 0.5, 0.5, 0.5, 0.5, 0.5, 0.5}), std::make_pair(true, true));
+  EXPECT_EQ(evidence({0.5, 0.5, 0.1, 0.5, 0.5, 0.1, 0.5, 0.5}), std::make_pair(false, true));
+  EXPECT_EQ(evidence({0.5, 0.1, 0.1, 0.5, 0.1, 0.1, 0.5, 0.5}), std::make_pair(false, false));
 }
 
 TEST(Selection, StillNeededDropsTheOneThatTheOtherCovers) {

@@ -7,6 +7,7 @@
 #include "cli/tool.hpp"
 #include "diagnosis/stages/channel_correction.hpp"
 #include "diagnosis/stages/investigation.hpp"
+#include "diagnosis/stages/newly_visible.hpp"
 #include "recordings/kept_recordings.hpp"
 #include "simulation/simulation_support.hpp"
 #include "effects/plain_friction.hpp"
@@ -71,9 +72,47 @@ class Stages : public testing::Test {
     return Model(std::move(d));
   }
 
+  static Model with_gravity(const Model& arm, const Eigen::Vector3d& gravity) {
+    ModelDescription d = arm.description();
+    d.gravity = gravity;
+    return Model(std::move(d));
+  }
+
   Model truth_;
   TemporaryFolder folder_;
 };
+
+// Both joints turn about the vertical: gravity does nothing. Where the centre of the first link is,
+// acts as soon as the base leans; before, its distance counted together with the inertia only.
+TEST_F(Stages, ALeanShowsTheFirstMomentsOfAnArmThatStoodUpright) {
+  const Eigen::Vector3d upright(0.0, 0.0, -9.81);
+  const Eigen::Vector3d leaning(0.25, -0.15, -9.8);
+  const std::vector<std::string> names = newly_visible(with_gravity(truth_, leaning), upright);
+  EXPECT_EQ(names.size(), 2U);
+  for (const std::string& name : names) EXPECT_NE(name.find("upper"), std::string::npos) << name;
+  EXPECT_TRUE(newly_visible(with_gravity(truth_, upright), upright).empty());
+  const Eigen::Vector3d in_the_plane(1.0, -9.7, 0.0);
+  EXPECT_TRUE(newly_visible(with_gravity(truth_, in_the_plane), truth_.gravity()).empty());
+}
+
+// The model of the upright arm cannot know them; that they are wrong is no load.
+TEST_F(Stages, WhatOnlyALeanShowsIsNoLoad) {
+  ModelDescription d = with_gravity(truth_, {0.0, 0.0, -9.81}).description();
+  d.name = "upright";
+  (*d.frames[0].body->phi)[1] += 0.4;
+  (*d.frames[0].body->phi)[2] -= 0.3;
+  truth_ = with_gravity(truth_, {0.25, -0.15, -9.8});
+  std::vector<std::string> train;
+  for (unsigned k = 1; k <= 4; ++k) train.push_back(record(k, {}));
+  const std::string test = record(5, {});
+  DiagnosisOptions options;
+  options.effects = {"gravity_tilt", "payload"};
+  options.identification.threads = 1;
+  const Diagnosis found = diagnose(Model(std::move(d)), train, {test}, options);
+  ASSERT_EQ(found.findings.size(), 1U);
+  EXPECT_EQ(found.findings[0].effect, "gravity_tilt");
+  EXPECT_LT(found.extended.test_error.relative.maxCoeff(), 0.02);
+}
 
 // A file without friction: what the joints have is found together, with its size, and nothing else.
 TEST_F(Stages, PlainFrictionOfAllJointsIsFoundTogether) {

@@ -37,9 +37,9 @@ struct DiagnosisOptions {
   RobotValues values = RobotValues::kFacts;
   /// An effect is accepted when the sum over joints of ln(held-out mean square error) falls by more
   /// than `smallest_gain`, in the mean over the folds (recordings, or phases of the period of a
-  /// single one), in `fold_share` of the folds, and when the p value of its parameters over clusters
-  /// (phases of the period, repeats merged) is below `significance` over the number of causes asked
-  /// about. With one recording only causes that depend on place are held to the number of causes:
+  /// single one), in all folds but one or beyond chance by their signed ranks, and when the p value
+  /// of its parameters over clusters (phases of the period, repeats merged) is below `significance`
+  /// over the number of causes asked about. With one recording only causes that depend on place are held to the number of causes:
   /// names are provisional then.
   Thresholds thresholds;
 };

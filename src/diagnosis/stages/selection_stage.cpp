@@ -11,6 +11,7 @@
 #include "diagnosis/shapes/refinement.hpp"
 #include "diagnosis/stages/channel_correction.hpp"
 #include "diagnosis/stages/investigation.hpp"
+#include "diagnosis/stages/newly_visible.hpp"
 #include "diagnosis/next_experiment.hpp"
 
 namespace veridyn {
@@ -122,7 +123,7 @@ bool correct_first_channel(Investigation& x, const Round& round) {
   const std::optional<size_t> at = channel_to_correct(x, round);
   if (!at) return false;
   const Hypothesis& h = accepted(round, *at);
-  const std::optional<CorrectedChannel> channel = correct_channel(x, round, h);
+  std::optional<CorrectedChannel> channel = correct_channel(x, round, h);
   if (!channel) {
     x.refused.insert(h.family);
     return true;
@@ -132,6 +133,7 @@ bool correct_first_channel(Investigation& x, const Round& round) {
     x.refused.insert(h.family);
     return true;
   }
+  estimate_newly_visible(x, h, *channel);
   if (Finding* earlier = same_channel(x.d, h)) {
     std::vector<double> before;
     for (size_t p = 0; p < channel->values.size(); ++p)
