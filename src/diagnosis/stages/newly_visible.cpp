@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "diagnosis/numerics.hpp"
 #include "diagnosis/shapes/inquiry.hpp"
 #include "math/student_t.hpp"
 #include "veridyn/effects/channel_effect.hpp"
@@ -42,8 +43,8 @@ Model with_additions(const Model& arm, const std::vector<int>& bodies) {
 }
 
 // The correction asked again, and the additions of these names.
-AugmentedModel asked_together(const Investigation& x, const Identification& corrected, const Hypothesis& h,
-                    const std::vector<std::string>& names) {
+AugmentedModel asked_together(const Investigation& x, const Identification& corrected,
+                              const Hypothesis& h, const std::vector<std::string>& names) {
   const Model& arm = *corrected.model;
   QuestionList list = x.list();
   list.wanted = {h.effect};
@@ -61,7 +62,8 @@ AugmentedModel asked_together(const Investigation& x, const Identification& corr
   for (const StandardParameter& p : standard_parameters(arm)) {
     if (std::find(names.begin(), names.end(), p.name) == names.end()) continue;
     for (const StandardParameter& a : additions) {
-      if (a.body == p.body + bodies && a.component == p.component) unknown.columns.push_back(a.name);
+      if (a.body == p.body + bodies && a.component == p.component)
+        unknown.columns.push_back(a.name);
     }
   }
   all.push_back(unknown);
@@ -69,12 +71,11 @@ AugmentedModel asked_together(const Investigation& x, const Identification& corr
 }
 
 // One step of both. False if the training error does not fall.
-bool step_together(const Investigation& x, const Hypothesis& h, const std::vector<std::string>& names,
-          CorrectedChannel& channel) {
+bool step_together(const Investigation& x, const Hypothesis& h,
+                   const std::vector<std::string>& names, CorrectedChannel& channel) {
   const Model& arm = *channel.corrected.model;
-  const Inquiry q =
-      prepare(channel.corrected, asked_together(x, channel.corrected, h, names), true, x.train, {},
-              x.options.identification);
+  const Inquiry q = prepare(channel.corrected, asked_together(x, channel.corrected, h, names), true,
+                            x.train, {}, x.options.identification);
   const NormalBlocks data(q.train, q.columns);
   const Selection fit = refit(data, q.base, q.augmented.hypotheses, x.options);
   const Hypothesis& own = q.augmented.hypotheses.front();
@@ -109,13 +110,23 @@ bool step_together(const Investigation& x, const Hypothesis& h, const std::vecto
 }  // namespace
 
 std::vector<std::string> newly_visible(const Model& tilted, const Eigen::Vector3d& gravity) {
-  const Model now = without_effects(tilted);
-  const std::vector<int> seen = base_parameters(with_gravity(now, gravity)).independent;
-  const std::vector<std::string> names = parameter_names(standard_parameters(now));
+  const Model arm = without_effects(tilted);
+  const BaseParameters before = base_parameters(with_gravity(arm, gravity));
+  const BaseParameters now = base_parameters(arm);
+  if (now.size() == before.size()) return {};
+  // What of the base parameters may change while those of before stay: phi_j by one, the independent
+  // ones of before by as much as makes up for it.
+  MatrixXd unknown = now.K;
+  for (int r = 0; r < before.size(); ++r) {
+    const VectorXd makes_up = now.K.col(before.independent[static_cast<size_t>(r)]);
+    unknown -= makes_up * before.K.row(r);
+  }
+  const double least = numerics::kSameAxis * unknown.norm();
+  const std::vector<std::string> names = parameter_names(standard_parameters(arm));
   std::vector<std::string> out;
-  for (const int k : base_parameters(now).independent) {
-    if (std::find(seen.begin(), seen.end(), k) == seen.end())
-      out.push_back(names[static_cast<size_t>(k)]);
+  for (int k = 0; k < now.size(); ++k) {
+    if (unknown.row(k).norm() > least)
+      out.push_back(names[static_cast<size_t>(now.independent[static_cast<size_t>(k)])]);
   }
   return out;
 }

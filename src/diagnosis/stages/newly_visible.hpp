@@ -12,6 +12,9 @@ namespace veridyn {
 /// upright, a base that turns about the vertical shows no first moment of what it carries. A model
 /// from before has anything there, and its error would look like a load on the first links.
 ///
+/// With phi = N z the standard parameters that the torques under `gravity` do not show, beta = K phi the
+/// base parameters now: those of beta whose row of K N is not zero, by their independent parameters.
+///
 /// @param tilted   the arm, with values.
 /// @param gravity  the direction that its values were identified with.
 /// @return         names of standard parameters (m_LINK, hx_LINK, ..).
