@@ -269,7 +269,7 @@ class Laboratory(unittest.TestCase):
                                                stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True))
         self.processes[0].stdout.readline()  # it listens
         patient = {"oldest_positions": 0.3, "longest_cycle": 0.3}  # of a machine that is busy
-        boards = {"arms": ["PSM1"], "PSM1__port": port, "PSM1__joints": 3, "PSM1__watchdog": 0.3, "patience": 0.3}
+        boards = {"arms": ["PSM1"], "PSM1__port": port, "PSM1__joints": 3, "PSM1__watchdog": 0.3, "patience": 0.15}
         states = []
         listener = rospy.Subscriber("/PSM1/io/state", String, lambda m: states.append(m.data))
         node = self.run_node("boards", **boards)
@@ -281,11 +281,20 @@ class Laboratory(unittest.TestCase):
         self.enable()
         wait_for(lambda: states[-1] == "on", 20, "no power: %s" % states)
         self.assertIn("powering up", states)
-        wait_for(lambda: not self.arm.heard["operating_state"].is_busy, 5, "busy for ever")
         goal = [0.2, -0.05, 0.13]
-        self.arm.ask("move_jp", goal)
-        wait_for(lambda: self.arm.off(goal) < 5e-3, 20,
-                 lambda: "is %s, %s, %s, %s" % (self.arm.joints(), self.arm.state(), self.arm.said, states))
+        for _ in range(6):  # a machine that pauses is a fault, rightly
+            if self.arm.state() != "ENABLED":
+                self.arm.say("enable")
+            wait_for(lambda: self.arm.state() == "ENABLED" and states[-1] == "on" and not self.arm.heard["operating_state"].is_busy,
+                     20, lambda: "%s %s" % (states, self.arm.said))
+            self.arm.ask("move_jp", goal)
+            try:
+                wait_for(lambda: self.arm.off(goal) < 5e-3 or self.arm.state() != "ENABLED", 8, "slow")
+            except AssertionError:
+                continue
+            if self.arm.off(goal) < 5e-3:
+                break
+        self.assertLess(self.arm.off(goal), 5e-3, (self.arm.state(), self.arm.said, states))
         stop(controller, signal.SIGKILL)
         wait_for(lambda: states[-1] == "off", 5, "power without a controller: %s" % states)
         # A new controller takes over; then the boards' node itself is killed: their watchdogs are what is left.
