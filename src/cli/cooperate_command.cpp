@@ -6,6 +6,7 @@
 #include "cooperate_boards.hpp"
 #include "messages.hpp"
 #include "option_checks.hpp"
+#include "sound_arguments.hpp"
 #include "veridyn/cooperation/live.hpp"
 #include "veridyn/cooperation/scenario_run.hpp"
 #include "veridyn/cooperation/scenario_sweep.hpp"
@@ -101,8 +102,7 @@ void add_cooperate_command(CLI::App& tool, Outcome& outcome) {
   command.add_option("SCENARIO", request->scenario, "YAML: arms, object, loops, phases")
       ->required()
       ->option_text(" ");
-  command.add_option("-o,--output", request->output, "Write what happened as CSV")
-      ->option_text("FILE");
+  add_output_option(command, "-o,--output", request->output, "Write what happened as CSV");
   command.add_option("--engine", request->engine, "What computes the motion (veridyn)")
       ->option_text(listed(engine_names()))
       ->check(CLI::IsMember(engine_names()));

@@ -8,6 +8,7 @@
 #include "messages.hpp"
 #include "option_checks.hpp"
 #include "recording_options.hpp"
+#include "sound_arguments.hpp"
 #include "veridyn/diagnosis/diagnosis.hpp"
 #include "effects/plain_friction.hpp"
 #include "math/output_file.hpp"
@@ -115,8 +116,7 @@ void add_diagnose_command(CLI::App& tool, Outcome& outcome) {
                   "prior, as in a maker's file (identified first; default of URDF)")
       ->check(CLI::IsMember({"facts", "prior"}))
       ->option_text("facts|prior");
-  command.add_option("--model-out", request->model_out, "Write the extended model as YAML")
-      ->option_text("FILE");
+  add_output_option(command, "--model-out", request->model_out, "Write the extended model as YAML");
   add_choice(command, "--weights", request->options.identification.weights,
              {JointWeights::kResidual, JointWeights::kRange},
              "Joints weighted by their residual or by the range of their torque");
