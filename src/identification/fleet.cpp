@@ -11,6 +11,7 @@
 
 #include "fleet_problem.hpp"
 #include "many_recordings.hpp"
+#include "math/clustered_statistics.hpp"
 #include "math/parallel.hpp"
 #include "veridyn/math/require.hpp"
 #include "math/student_t.hpp"
@@ -153,10 +154,7 @@ class FleetSolver {
       without.col(static_cast<Eigen::Index>(g)) = solved(rest);
       before.merge(of_group[g]);
     }
-    const VectorXd mean = without.rowwise().mean();
-    const auto count = static_cast<double>(groups);
-    return ((without.colwise() - mean).rowwise().squaredNorm() * ((count - 1.0) / count))
-        .cwiseSqrt();
+    return jackknife_deviations(without);
   }
 
   const FleetProblem& problem() const { return problem_; }
