@@ -37,11 +37,12 @@ void expect_known_effects(const std::vector<std::string>& names) {
 
 // The command that makes the recording, with the robot as it was named here and with what is
 // recorded and known already.
-std::string next_command(const DiagnoseRequest& request, const NextExperiment& next) {
+std::string next_command(const DiagnoseRequest& request, const Model& arm,
+                         const NextExperiment& next) {
   if (next.between.empty()) return "";
   std::vector<std::string> words = {"veridyn", "excite", request.robot, "-o", "next.csv",
                                     "--criterion", "discriminate", "--between",
-                                    to_text(next.between[0]) + "," + to_text(next.between[1])};
+                                    to_text(arm, next.between[0]) + "," + to_text(arm, next.between[1])};
   if (next.slow_passes > 0)
     words.insert(words.end(), {"--slow-passes", std::to_string(next.slow_passes)});
   words.emplace_back("--given");
@@ -77,7 +78,7 @@ ExitStatus run(DiagnoseRequest& request, const std::string& command_line) {
     return kDataCannotAnswer;
   }
   tell_facts(d.data_quality);
-  d.next_experiment.trajectory = next_command(request, d.next_experiment);
+  d.next_experiment.trajectory = next_command(request, arm, d.next_experiment);
   if (!request.model_out.empty())
     save(d.extended, request.model_out, "diagnose", robot_path(request.robot));
   if (!request.common.json.empty()) write_file(request.common.json, to_json(d));

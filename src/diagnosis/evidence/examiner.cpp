@@ -56,7 +56,7 @@ ColumnSet columns_of(const NormalBlocks& data, const Hypothesis& hypothesis) {
       if (data.names()[static_cast<size_t>(k)] == name && data.scale()[k] > 0.0) out.push_back(k);
     }
   }
-  return hypothesis.body >= 0 ? independent(data, out, Thresholds().new_share) : out;
+  return is_load(hypothesis) ? independent(data, out, Thresholds().new_share) : out;
 }
 
 Examiner::Examiner(const NormalBlocks& data, const ColumnSet& base,
@@ -105,7 +105,7 @@ std::unique_ptr<Examiner::Stand> Examiner::stand(const std::vector<int>& chosen)
 // between folds. A single parameter with a sign that nature forbids is no answer at all.
 bool Examiner::impossible(const Hypothesis& h, const ColumnSet& own, const VectorXd& values,
                           const VectorXd& deviations) const {
-  if (h.body >= 0) return false;
+  if (is_load(h)) return false;
   for (size_t k = 0; k < own.size(); ++k) {
     const auto at = static_cast<Eigen::Index>(k);
     const double value = values[at];
@@ -143,7 +143,7 @@ Evidence Examiner::ask(int h, const Stand& before) const {
   e.consistent = improve(falls);
   e.lasting =
       e.consistent || signed_rank_p_value(falls) <= options_.thresholds.significance;
-  if (hypothesis(h).body >= 0 && passes(e)) {
+  if (is_load(hypothesis(h)) && passes(e)) {
     e.sign_broken = compact_share(data_, hypothesis(h), before.set, before.weights) <
                     options_.thresholds.compact_load;
   }

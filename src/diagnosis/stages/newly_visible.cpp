@@ -47,7 +47,7 @@ AugmentedModel asked_together(const Investigation& x, const Identification& corr
                               const Hypothesis& h, const std::vector<std::string>& names) {
   const Model& arm = *corrected.model;
   QuestionList list = x.list();
-  list.wanted = {h.effect};
+  list.wanted = {effect_of(h.cause)};
   AugmentedModel out = augmented_model(frozen(arm), corrected.factors, list);
   out.model = with_additions(out.model, arm.bodies());
   auto& all = out.hypotheses;
@@ -56,7 +56,8 @@ AugmentedModel asked_together(const Investigation& x, const Identification& corr
             all.end());
   const auto bodies = static_cast<int>(arm.bodies().size());
   Hypothesis unknown;
-  unknown.body = bodies;
+  unknown.cause = AddedLoad{FrameIndex{arm.bodies().front()}};
+  unknown.part = BodyIndex{bodies};
   unknown.family = kAddition;
   const std::vector<StandardParameter> additions = standard_parameters(out.model);
   for (const StandardParameter& p : standard_parameters(arm)) {
@@ -97,7 +98,7 @@ bool step_together(const Investigation& x, const Hypothesis& h,
     Frame& frame = d.frames[static_cast<size_t>(arm.bodies()[body])];
     (*frame.body->phi)[a->component] += fit.values[at];
   }
-  const EffectTerm& term = q.augmented.model.effects()[static_cast<size_t>(own.term)];
+  const EffectTerm& term = term_of(q.augmented.model, own);
   const Identification candidate = x.look(with_channel_error(Model(std::move(d)), term, values));
   if (!candidate.model ||
       log_training_error(candidate) >= log_training_error(channel.corrected))
