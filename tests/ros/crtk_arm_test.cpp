@@ -66,6 +66,7 @@ TEST(CrtkArm, OperatingStatesAreThoseOfCrtk) {
   EXPECT_EQ(rig.ask(Kind::kResume), Refusal::kInvalidTransition);
   EXPECT_EQ(rig.ask(Kind::kMoveJp, near_by()), Refusal::kNotEnabled);
   EXPECT_EQ(rig.tau.norm(), 0.0);
+  EXPECT_EQ(rig.arm.feedback().wrench[2], 0.0);  // brakes carry the arm, nobody pulls at it
   EXPECT_EQ(rig.ask(Kind::kEnable), Refusal::kNone);
   EXPECT_EQ(rig.ask(Kind::kResume), Refusal::kInvalidTransition);
   EXPECT_EQ(rig.ask(Kind::kPause), Refusal::kNone);

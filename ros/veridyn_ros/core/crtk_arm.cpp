@@ -430,6 +430,7 @@ void CrtkArm::tell() noexcept {
   setpoint_.update(way_.x(), way_.dx());
   const TipKinematics& tip = arm_.tip();
   tau_ = out_ - arm_.bias();  // torque beyond gravity
+  if (state_ == OperatingState::kDisabled || !powered_) tau_.setZero();  // brakes carry it
   Vector6d wrench = Vector6d::Zero();
   task_.update(tip.jacobian());
   task_.solve_wrench(tau_, wrench);
