@@ -6,6 +6,7 @@
 #include "cooperate_boards.hpp"
 #include "messages.hpp"
 #include "option_checks.hpp"
+#include "cooperation/scenario_models.hpp"
 #include "veridyn/cooperation/live.hpp"
 #include "veridyn/cooperation/scenario_run.hpp"
 #include "veridyn/cooperation/scenario_sweep.hpp"
@@ -39,9 +40,15 @@ void write(const CooperateRequest& request, const Result& done, const Scenario& 
   std::cout << done.report();
 }
 
+void tell_made_up(const CooperateRequest& request, const Scenario& scenario) {
+  if (request.common.quiet) return;
+  for (const std::string& line : made_up_values(scenario)) say(line);
+}
+
 // Commands from a line, in real time; what is goes to standard output as it happens.
 ExitStatus run_by_line(const CooperateRequest& request) {
   const Scenario scenario = read_scenario(request.scenario);
+  tell_made_up(request, scenario);
   const std::unique_ptr<LineSource> lines =
       value_of("--live", [&] { return open_line_source(request.live); });
   LiveOptions options;
@@ -79,6 +86,7 @@ ExitStatus run(const CooperateRequest& request, const std::string& command) {
   for (const std::string& path : {request.output, request.common.json, request.common.report})
     require_writable(path);
   const Scenario scenario = read_scenario(request.scenario);
+  tell_made_up(request, scenario);
   if (on_boards)
     return run_boards(request.boards, scenario, request.scenario, request.common, request.output,
                       command);
