@@ -31,18 +31,19 @@ struct CooperateRequest {
   CommonOptions common;
 };
 
+void tell_made_up(const CooperateRequest& request, const Scenario& scenario) {
+  if (request.common.quiet) return;
+  for (const std::string& line : made_up_values(scenario)) say(line);
+}
+
 template <typename Result>
 void write(const CooperateRequest& request, const Result& done, const Scenario& scenario,
            const std::string& command) {
+  tell_made_up(request, scenario);  // once it has run: a refusal has one line
   if (!request.common.json.empty()) write_file(request.common.json, to_json(done, scenario));
   if (!request.common.report.empty())
     write_file(request.common.report, to_page(done, scenario, command));
   std::cout << done.report();
-}
-
-void tell_made_up(const CooperateRequest& request, const Scenario& scenario) {
-  if (request.common.quiet) return;
-  for (const std::string& line : made_up_values(scenario)) say(line);
 }
 
 // Commands from a line, in real time; what is goes to standard output as it happens.
@@ -86,7 +87,7 @@ ExitStatus run(const CooperateRequest& request, const std::string& command) {
   for (const std::string& path : {request.output, request.common.json, request.common.report})
     require_writable(path);
   const Scenario scenario = read_scenario(request.scenario);
-  tell_made_up(request, scenario);
+  if (on_boards) tell_made_up(request, scenario);
   if (on_boards)
     return run_boards(request.boards, scenario, request.scenario, request.common, request.output,
                       command);
