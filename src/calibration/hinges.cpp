@@ -52,7 +52,10 @@ class Finder {
 
   Candidate candidate(int a, int b) const {
     Candidate c{a, b, {}, ""};
-    const std::string names = fmt::format("'{}' and '{}'", name(a), name(b));
+    const auto quoted = [](const std::string& body) {
+      return body.empty() ? "the body" : "'" + body + "'";
+    };
+    const std::string names = quoted(name(a)) + " and " + quoted(name(b));
     for (const int k : {a, b}) {
       if (k >= 0 && !body(k).fault.empty()) c.reason = body(k).fault;
     }

@@ -1,5 +1,6 @@
 #include <sys/stat.h>
 
+#include <algorithm>
 #include <iostream>
 #include <memory>
 
@@ -35,6 +36,13 @@ bool is_robot(const std::string& name) {
   return there ? file && !S_ISDIR(about.st_mode) : file || name.find('.') == std::string::npos;
 }
 
+bool is_known_robot(const std::string& name) {
+  struct stat about {};
+  const std::vector<std::string> known = robot_names();
+  return ::stat(name.c_str(), &about) != 0 &&
+         std::find(known.begin(), known.end(), name) != known.end();
+}
+
 void run(CheckRequest& request) {
   require_writable(request.common.json);
   std::vector<std::string> recordings = request.files;
@@ -43,6 +51,8 @@ void run(CheckRequest& request) {
     arm = read_robot(recordings.front(), request.common.fixed);
     recordings.erase(recordings.begin());
   }
+  expect_value(arm || recordings.size() > 1 || !is_known_robot(recordings.front()), "REC",
+               "found the robot '", recordings.front(), "' alone, expected recordings behind it");
   expect_value(arm || request.common.fixed.empty(), "--fix",
                "found no robot, expected one in front of the recordings");
   RecordingOptions reading;

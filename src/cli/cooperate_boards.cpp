@@ -14,6 +14,7 @@
 #include "dvrk/cooperation/board_cooperation.hpp"
 #include "dvrk/cooperation/board_teleoperation.hpp"
 #include "report/cooperation_json.hpp"
+#include "teleoperation_json.hpp"
 
 namespace veridyn::cli {
 namespace {
@@ -94,7 +95,7 @@ ExitStatus run_teleoperation(const BoardsRequest& request, const std::string& pa
   const dvrk::TeleoperationRun done =
       dvrk::teleoperate_on_boards(scenario, arms, options, stop_asked());
   if (!output.empty()) dvrk::write_rows(done, output);
-  if (!common.json.empty()) write_file(common.json, dvrk::to_json(done));
+  if (!common.json.empty()) write_file(common.json, teleoperation_json(done));
   std::cout << done.report();
   return done.met() ? kDone : kDataCannotAnswer;
 }

@@ -7,6 +7,7 @@
 #include "messages.hpp"
 #include "option_checks.hpp"
 #include "sound_arguments.hpp"
+#include "cooperation/scenario_models.hpp"
 #include "veridyn/cooperation/live.hpp"
 #include "veridyn/cooperation/scenario_run.hpp"
 #include "veridyn/cooperation/scenario_sweep.hpp"
@@ -30,9 +31,15 @@ struct CooperateRequest {
   CommonOptions common;
 };
 
+void tell_made_up(const CooperateRequest& request, const Scenario& scenario) {
+  if (request.common.quiet) return;
+  for (const std::string& line : made_up_values(scenario)) say(line);
+}
+
 template <typename Result>
 void write(const CooperateRequest& request, const Result& done, const Scenario& scenario,
            const std::string& command) {
+  tell_made_up(request, scenario);  // once it has run: a refusal has one line
   if (!request.common.json.empty()) write_file(request.common.json, to_json(done, scenario));
   if (!request.common.report.empty())
     write_file(request.common.report, to_page(done, scenario, command));
@@ -42,6 +49,7 @@ void write(const CooperateRequest& request, const Result& done, const Scenario& 
 // Commands from a line, in real time; what is goes to standard output as it happens.
 ExitStatus run_by_line(const CooperateRequest& request) {
   const Scenario scenario = read_scenario(request.scenario);
+  tell_made_up(request, scenario);
   const std::unique_ptr<LineSource> lines = open_line(request.live);
   LiveOptions options = live_options(request.live);
   options.engine = request.engine;
@@ -71,6 +79,7 @@ ExitStatus run(const CooperateRequest& request, const std::string& command) {
   for (const std::string& path : {request.output, request.common.json, request.common.report})
     require_writable(path);
   const Scenario scenario = read_scenario(request.scenario);
+  if (on_boards) tell_made_up(request, scenario);
   if (on_boards)
     return run_boards(request.boards, request.live, scenario, request.scenario, request.common, request.output,
                       command);

@@ -72,7 +72,8 @@ Model without_efforts(const Model& arm) {
   return Model(std::move(description));
 }
 
-ExcitationOptions options_of(const ExciteRequest& request, const Model& arm) {
+ExcitationOptions options_of(const ExciteRequest& request, const Model& arm,
+                             std::string& made_up_words) {
   ExcitationOptions o = request.options;
   o.threads = request.common.threads;
   o.progress = progress(request.common);
@@ -98,9 +99,9 @@ ExcitationOptions options_of(const ExciteRequest& request, const Model& arm) {
   }
   if (o.criterion == ExcitationCriterion::kDiscriminate && !o.powered && !arm.inertial_values()) {
     if (!request.common.quiet) {
-      say(text(request.robot,
-               " has no values: the rivals are built from plausible ones (--model "
-               "gives others)."));
+      made_up_words = text(request.robot,
+                           " has no values: the rivals are built from plausible ones (--model "
+                           "gives others).");
     }
     o.powered = without_efforts(plausible_model(arm, 1).arm);
   }
@@ -165,7 +166,9 @@ ExitStatus run(const ExciteRequest& request, const std::string& command_line) {
                "discriminate needs --between");
   const Model arm = read_model(request.robot);
   require(arm.joints() > 0, request.robot, ": found no coordinates, expected some to move.");
-  const ExcitationOptions options = options_of(request, arm);
+  std::string made_up_words;
+  const ExcitationOptions options = options_of(request, arm, made_up_words);
+  if (!made_up_words.empty()) say(made_up_words);
   const Interruptible until_interrupted;
   // What it refuses is what an option asks of this arm.
   Excitation found = value_of("excite", [&] { return optimise_excitation(arm, options); });

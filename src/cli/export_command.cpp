@@ -57,7 +57,7 @@ void write_xml(const ExportRequest& request, const std::string& file, const char
   for (std::size_t at = xml.find(mark); at != std::string::npos; at = xml.find(mark, at + 1)) ++lost;
   if (lost == 0 || request.quiet) return;
   say(text(file, ": ", format, " has no words for ", lost, lost == 1 ? " item" : " items",
-           " of the model, which its comments name (left out: ...)."));
+           " of the model; the file names them in comments that begin with 'left out:'."));
 }
 
 void run(const ExportRequest& request) {

@@ -66,6 +66,8 @@ void expect_options_that_mean_something(const IdentifyRequest& request) {
                "found no recording, expected some, or factor files of them after --factors");
   expect_value(request.factors.empty() || request.known_masses.empty(), "--factors",
                "found with --known-mass, expected recordings: drive gains need their samples");
+  for (const std::string& asked : request.known_masses)
+    value_of("--known-mass", [&] { return parse_known_mass(asked); });
   expect_value(request.known_masses.empty() || request.train.size() > 1, "--known-mass",
                "found one recording, expected one at least with the load and one without");
 }

@@ -59,10 +59,14 @@ struct Times {
 
 KinematicTable forward(const KinematicsRequest& request, const Arm& arm, Times& times) {
   const std::vector<double> given = numbers_of(request.forward);
-  if (!given.empty())
+  if (!given.empty()) {
+    expect_value(static_cast<int>(given.size()) == arm.model.joints(), "--forward", "found ",
+                 given.size(), " joints, expected the ", arm.model.joints(), " of ",
+                 arm.model.name(), ".");
     return forward_kinematics(arm.model, arm.frame,
                               Eigen::Map<const Eigen::RowVectorXd>(
                                   given.data(), static_cast<Eigen::Index>(given.size())));
+  }
   const ColumnFile file = read_columns(request.forward, "joints as CSV: [t,]q1,q2,...");
   MatrixXd q(file.values.rows(), arm.model.joints());
   for (Eigen::Index i = 0; i < q.cols(); ++i)
@@ -82,9 +86,13 @@ KinematicTable inverse(const KinematicsRequest& request, const Arm& arm, Times& 
     Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
     pose.translation() << given[0], given[1], given[2];
     task.has_orientation = given.size() == 7;
-    if (task.has_orientation)
+    if (task.has_orientation) {
+      const double length = Eigen::Vector4d(given[3], given[4], given[5], given[6]).norm();
+      expect_value(length > 1e-6, "--inverse",
+                   "found a quaternion of length zero, expected one of length one.");
       pose.linear() =
           Eigen::Quaterniond(given[3], given[4], given[5], given[6]).normalized().toRotationMatrix();
+    }
     task.poses.push_back(pose);
   } else {
     const ColumnFile file = read_columns(request.inverse, "poses as CSV: [t,]x,y,z[,qw,qx,qy,qz]");

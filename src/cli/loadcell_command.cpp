@@ -89,7 +89,13 @@ ExitStatus calibrate(const LoadcellRequest& request) {
   expect_value(!live || request.weights.size() >= 2, "--weights", "found ", request.weights.size(),
                ", expected two or more with --source.");
   const Readings readings = live ? from_source(request) : from_file(request);
-  const LoadCellCalibration found = calibrate_load_cell(readings.force, readings.raw);
+  const LoadCellCalibration found = [&] {
+    try {
+      return calibrate_load_cell(readings.force, readings.raw);
+    } catch (const InvalidInput& error) {
+      throw InvalidInput((live ? request.source : request.readings) + ": " + error.what());
+    }
+  }();
   if (!request.output.empty()) write_file(request.output, load_cell_text(found));
   if (!request.common.json.empty()) write_file(request.common.json, to_json(found));
   std::cout << fmt::format(

@@ -1,5 +1,6 @@
 #include <exception>
 #include <iostream>
+#include <string>
 
 #include "commands.hpp"
 #include "messages.hpp"
@@ -54,7 +55,8 @@ ExitStatus run_and_explain(int argc, char** argv) {
     return status;
   } catch (const InvalidInput& error) {
     say(error.what());
-    return kBadInput;
+    // What names an option first is a value that the option cannot have, found where it is used.
+    return std::string(error.what()).rfind("--", 0) == 0 ? kWrongUsage : kBadInput;
   } catch (const std::exception& error) {
     say(std::string("internal fault: ") + error.what());
     return kProgramFault;

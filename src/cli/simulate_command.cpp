@@ -36,16 +36,17 @@ MotionSamples wanted_motion(const Model& arm, const std::string& path) {
   }
 }
 
-Model arm_with_values(const SimulateRequest& request) {
+// What was made up is told once the motion is read: a bad file has one line.
+Model arm_with_values(const SimulateRequest& request, std::string& made_up_words) {
   PlausibleModel plausible = plausible_model(read_robot(request.robot, request.common.fixed), request.arm_seed);
   const bool made_up = plausible.bodies + plausible.effects > 0;
   require(!made_up || request.replay.empty(), "simulate --replay: robot '", request.robot,
           "' has no values; expected a MODEL that identify or diagnose wrote.");
   if (made_up && !request.common.quiet) {
-    say(
+    made_up_words =
         fmt::format("{} has no values for {} bodies and {} effects: they get plausible ones "
                     "(--arm-seed {}); --model-out writes them.",
-                    request.robot, plausible.bodies, plausible.effects, request.arm_seed));
+                    request.robot, plausible.bodies, plausible.effects, request.arm_seed);
   }
   return plausible.arm;
 }
@@ -72,7 +73,8 @@ ExitStatus run(const SimulateRequest& request, const std::string& command_line) 
     if (asked == "none") continue;
     options.hidden.push_back(value_of("--effect", [&] { return parse_hidden_effect(asked); }));
   }
-  Model arm = arm_with_values(request);
+  std::string made_up_words;
+  Model arm = arm_with_values(request, made_up_words);
   if (!request.replay.empty() || request.controller == "pid") arm = movable_arm(request, arm);
   if (!request.breakaway.empty()) return run_breakaway(request, arm, command_line);
   if (!request.replay.empty()) return run_replay(request, arm, command_line);
@@ -80,6 +82,7 @@ ExitStatus run(const SimulateRequest& request, const std::string& command_line) 
   MotionSamples wanted = wanted_motion(arm, request.trajectory);
   require(wanted.q.cols() == arm.joints(), request.trajectory, ": found ", wanted.q.cols(),
           " joints, expected the ", arm.joints(), " of ", arm.name(), ".");
+  if (!made_up_words.empty()) say(made_up_words);
   if (request.sample_rate > 0.0)
     wanted = value_of("--sample-rate", [&] { return resampled(wanted, request.sample_rate); });
   if (request.controller == "pid")

@@ -6,6 +6,7 @@
 #include "common_options.hpp"
 #include "messages.hpp"
 #include "option_checks.hpp"
+#include "cooperation/scenario_models.hpp"
 #include "veridyn/cooperation/stability.hpp"
 #include "math/output_file.hpp"
 #include "report/stability_json.hpp"
@@ -68,6 +69,9 @@ ExitStatus run(const StabilityRequest& request, const std::string& command) {
   of_model.pose = request.pose;
   Scenario scenario = read_scenario_or_model(request.scenario, of_model);
   for (const std::string& word : request.set) scenario = changed(std::move(scenario), word);
+  for (const std::string& line : made_up_values(scenario)) {
+    if (!request.common.quiet) say(line);
+  }
   const Progress bar = progress(request.common);
   const auto told = [&](const char* what) {
     if (bar) bar(what, 0.0);

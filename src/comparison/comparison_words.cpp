@@ -13,23 +13,28 @@ namespace {
 constexpr double kWeightShare = 0.05;  // share of a column's rms that weight must make to be spoken of
 
 std::string verb(const ModelDifference& d) {
-  const bool sign_kept = d.before * d.after > 0.0;
-  if (!sign_kept) return "went";
-  return std::abs(d.after) > std::abs(d.before) ? "grew" : "fell";
+  // Of what is below zero nobody agrees on what grows.
+  if (!(d.before > 0.0 && d.after > 0.0)) return "went";
+  return d.after > d.before ? "grew" : "fell";
 }
 
-// "from 0.40 to 0.48 N m (+20 %; 95 %: +0.05 to +0.11 N m)"
+std::string signed_text(double value, double resolution) {
+  return (value > 0.0 ? "+" : "") + number_text(value, resolution);
+}
+
+// "from 0.40 to 0.48 N m (+20 %; by +0.08 N m, 95 %: +0.05 to +0.11)"
 std::string sizes(const ModelDifference& d) {
   const double resolution = std::isfinite(d.deviation) ? d.deviation : 1e-3 * std::abs(d.before);
   std::string out = fmt::format("from {} to {} {}", number_text(d.before, resolution),
                                 number_text(d.after, resolution), d.unit);
   std::string more;
   const double known = std::isfinite(d.deviation) ? 3.0 * d.deviation : 0.0;
-  if (std::abs(d.before) > known && d.before * d.after > 0.0)
+  if (d.before > known && d.after > 0.0)
     more = fmt::format("{:+.0f} %", 100.0 * (d.after / d.before - 1.0));
   if (std::isfinite(d.deviation)) {
-    more += fmt::format("{}95 %: {} to {}", more.empty() ? "" : "; ",
-                        number_text(d.low, resolution), number_text(d.high, resolution));
+    more += fmt::format("{}by {} {}, 95 %: {} to {}", more.empty() ? "" : "; ",
+                        signed_text(d.difference, resolution), d.unit,
+                        signed_text(d.low, resolution), signed_text(d.high, resolution));
   }
   return more.empty() ? out : out + " (" + more + ")";
 }
@@ -134,7 +139,9 @@ std::string joint_sentence(const Model& arm, JointQuantity which, const ModelDif
       what = "the weight that rests on";
       break;
     case JointQuantity::kWeightSlope:
-      what = "the part of the weight that follows the angle of";
+      what = arm.coordinates()[static_cast<size_t>(d.joint - 1)].prismatic
+                 ? "the part of the weight that follows the position of"
+                 : "the part of the weight that follows the angle of";
       break;
     case JointQuantity::kInertia:
       what = "the inertia of";

@@ -1,12 +1,17 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <vector>
 
 #include "veridyn/comparison/model_comparison.hpp"
 #include "model/suggestion.hpp"
 
 namespace veridyn {
 namespace {
+
+constexpr std::ptrdiff_t kListed = 8;  // differences of a list that are told
 
 std::string model_line(const char* which, const ComparedModel& m) {
   std::string out = fmt::format("{:<7} {}", which, m.name);
@@ -37,15 +42,26 @@ std::string verdict_text(const ModelComparison& c) {
                      c.significant(), c.compared(), 100.0 * c.significance);
 }
 
+// The surest first; of many the rest is counted.
 std::string list_text(const char* title, const std::vector<ModelDifference>& all) {
-  std::string out;
+  std::vector<ModelDifference> told;
   for (const ModelDifference& d : all) {
-    if (!d.significant || !d.same_as.empty()) continue;
+    if (d.significant && d.same_as.empty()) told.push_back(d);
+  }
+  std::stable_sort(told.begin(), told.end(), [](const ModelDifference& a, const ModelDifference& b) {
+    return std::abs(a.t) > std::abs(b.t);
+  });
+  std::string out;
+  for (const ModelDifference& d : told) {
+    if (&d - told.data() == kListed) break;
     out += fmt::format(
         "  {}\n     t = {:.1f} with {:.1f} degrees of freedom, p = {:.1e}, "
         "corrected {:.1e}\n",
         d.sentence, d.t, d.degrees_of_freedom, d.p_value, d.p_corrected);
   }
+  if (told.size() > static_cast<std::size_t>(kListed))
+    out += fmt::format("  and {} more, less sure; --json has all.\n",
+                       told.size() - static_cast<std::size_t>(kListed));
   return out.empty() ? out : std::string("\n") + title + "\n" + out;
 }
 

@@ -24,6 +24,7 @@ constexpr int kStarts = 60;
 // Poses are printed with six decimals; arms of fewer than six joints meet none of those exactly.
 constexpr double kPrintedPosition = 2e-6;  // [m]
 constexpr double kPrintedAngle = 5e-6;     // [rad]
+constexpr double kOnLimit = 2e-6;          // [rad], [m] beyond a limit that printed joints may be
 
 Conditioning conditioning(const MatrixXd& J) {
   const MatrixXd square = J.rows() <= J.cols() ? MatrixXd(J * J.transpose())
@@ -49,6 +50,7 @@ class Rows {
     for (const Coordinate& c : arm.coordinates()) {
       table_.joints.push_back(c.name);
       table_.prismatic.push_back(c.prismatic);
+      table_.limits.push_back(c.limits);
     }
   }
 
@@ -58,6 +60,11 @@ class Rows {
     tip_.update(q, VectorXd::Zero(q.size()));
     out.T_world_tip.linear() = tip_.rotation();
     out.T_world_tip.translation() = tip_.position();
+    for (std::size_t i = 0; i < table_.limits.size(); ++i) {
+      const double at = q[static_cast<Eigen::Index>(i)];
+      if (at < table_.limits[i].lower - kOnLimit || at > table_.limits[i].upper + kOnLimit)
+        out.outside.push_back(table_.joints[i]);
+    }
     out.jacobian = tip_.jacobian();
     MatrixXd J = out.jacobian;
     J.topRows(3) /= length_;
@@ -120,6 +127,19 @@ int KinematicTable::unreached() const {
   return static_cast<int>(std::count_if(rows.begin(), rows.end(), [](const KinematicRow& row) {
     return row.status != "reached" && row.status != "singular";
   }));
+}
+
+std::string KinematicTable::outside_words() const {
+  std::string out;
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    const auto beyond = std::find_if(rows.begin(), rows.end(), [&](const KinematicRow& row) {
+      return std::find(row.outside.begin(), row.outside.end(), joints[i]) != row.outside.end();
+    });
+    if (beyond == rows.end()) continue;
+    out += fmt::format("{}{} {:.6g} (limits {:.6g} to {:.6g})", out.empty() ? "" : ", ", joints[i],
+                       beyond->q[static_cast<Eigen::Index>(i)], limits[i].lower, limits[i].upper);
+  }
+  return out;
 }
 
 KinematicTable forward_kinematics(const Model& arm, const std::string& frame,
@@ -231,6 +251,8 @@ std::string KinematicTable::report() const {
     out += fmt::format("{} of {} poses not reached; off by {:.2g} m{} at most.\n", unreached(), rows.size(), off,
                        has_orientation ? fmt::format(" and {:.2g} rad", turned) : "");
   }
+  const std::string outside = outside_words();
+  if (!outside.empty()) out += fmt::format("Outside the limits of {}.\n", outside);
   return out;
 }
 

@@ -27,15 +27,19 @@ struct KinematicRow {
   Conditioning position, pose;                            ///< Position of the first three rows, of all six
   std::string status = "reached";                         ///< Status of inverse kinematics
   double position_error = 0.0, angle_error = 0.0;         ///< [m], [rad] that it left
+  std::vector<std::string> outside;                       ///< Joints outside the robot file's limits
 };
 
 struct KinematicTable {
   std::string robot, frame, solver;
   std::vector<std::string> joints;
   std::vector<bool> prismatic;
+  std::vector<Limits> limits;  ///< as the robot file has them
   bool has_time = false, has_orientation = true;
   std::vector<KinematicRow> rows;
   int unreached() const;
+  /// Joints that any row has outside its limits, with the first such value and the limits; or nothing.
+  std::string outside_words() const;
   std::string report() const;
 };
 

@@ -17,6 +17,8 @@ double commands_end(const ScenarioPhase& phase) {
 }
 
 double generated(const MemberTrace& m, Eigen::Index first, Eigen::Index end, double dt) {
+  if (!m.rate.segment(first, end - first).allFinite())
+    return std::numeric_limits<double>::quiet_NaN();
   PassivityMonitor monitor;
   for (Eigen::Index k = first; k < end; ++k)
     monitor.update(m.force[k] - m.wanted[k], m.rate[k], dt);
@@ -66,6 +68,8 @@ PhaseFigures phase_figures(const Scenario& scenario, const ScenarioPhase& phase,
   out.phase = phase.name;
   out.from = run.time[first] - 1.0 / scenario.control.rate;
   out.to = run.time[end - 1];
+  out.duration = phase.duration;
+  out.cut_short = end - first < std::lround(phase.duration * scenario.control.rate);
   out.asked_force_error = phase.asked_force_error;
   out.asked_steady_error = phase.asked_steady_error;
   const auto settled = std::min(
@@ -97,6 +101,7 @@ double PhaseFigures::largest_steady_error() const {
 }
 
 bool PhaseFigures::met() const {
+  if (cut_short) return false;
   return (asked_force_error <= 0.0 || largest_force_error() <= asked_force_error) &&
          (asked_steady_error <= 0.0 || largest_steady_error() <= asked_steady_error) &&
          (asked_position_error <= 0.0 ||

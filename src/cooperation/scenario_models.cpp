@@ -30,6 +30,21 @@ Eigen::Matrix3d base_rotation(const Vector3d& turn) {
       .toRotationMatrix();
 }
 
+std::vector<std::string> made_up_values(const Scenario& scenario) {
+  std::vector<std::string> out;
+  for (const ScenarioArm& arm : scenario.arms) {
+    for (const std::string& file : {arm.model, arm.controller_model}) {
+      if (file.empty()) continue;
+      const PlausibleModel made = plausible_model(read_model(file), arm.seed);
+      if (made.bodies + made.effects == 0) continue;
+      out.push_back(text("arm ", arm.name, ": ", file, " has no values for ", made.bodies,
+                         " bodies and ", made.effects, " effects: they get plausible ones (seed ",
+                         arm.seed, ")."));
+    }
+  }
+  return out;
+}
+
 ScenarioModels scenario_models(const Scenario& scenario, std::size_t index) {
   const ScenarioArm& arm = scenario.arms[index];
   const Eigen::Matrix3d R = base_rotation(arm.turn);

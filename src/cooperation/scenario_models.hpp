@@ -1,5 +1,8 @@
 #pragma once
 
+#include <string>
+#include <vector>
+
 #include "veridyn/cooperation/scenario.hpp"
 #include "veridyn/model/model.hpp"
 
@@ -16,6 +19,10 @@ struct ScenarioModels {
 
 /// R_world_base of Rz(c) Ry(b) Rx(a).
 Eigen::Matrix3d base_rotation(const Eigen::Vector3d& turn);
+
+/// A sentence for every file of an arm or its controller that lacks values: how many scenario_models()
+/// makes up, and by which seed. @throws InvalidInput  a file that cannot be read.
+std::vector<std::string> made_up_values(const Scenario& scenario);
 
 /// Arm `index` of the scenario. The true arm feels gravity as its turned base does.
 /// @throws InvalidInput  the arm's model or start cannot be.

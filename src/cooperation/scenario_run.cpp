@@ -115,17 +115,29 @@ std::string ScenarioRun::report() const {
   out += engine == "boards" ? "on boards.\n"
                             : fmt::format("simulated in {:.2g} s by {}.\n", seconds, engine);
   out +=
-      fmt::format("{:<22} {:<12} {:>8} {:>9} {:>9} {:>9} {:>9} {:>9} {:>10}\n", "phase", "member",
-                  "h_d [N]", "largest", "steady", "mean", "overshoot", "swing", "made [mJ]");
+      fmt::format("{:<22} {:<12} {:>8} {:>9} {:>9} {:>9} {:>9} {:>9} {:>10}\n"
+                  "{:<35} {:>8} {:>9} {:>9} {:>9} {:>9} {:>9} {:>10}\n",
+                  "phase", "member", "wanted", "largest", "steady", "mean", "overshoot", "swing",
+                  "made", "", "N", "N", "N", "N", "N", "N", "mJ");
   for (const PhaseFigures& p : phases) {
     for (const MemberFigures& m : p.members) {
       out += fmt::format(
-          "{:<22} {:<12} {:>8.3g} {:>9.3f} {:>9.3f} {:>9.3f} {:>9.3f} {:>9.3f} {:>10.3g}\n",
+          "{:<22} {:<12} {:>8.3g} {:>9.3f} {:>9.3f} {:>9.3f} {:>9.3f} {:>9.3f} {:>10}\n",
           p.phase, m.member, m.wanted, m.largest_error, m.steady_error, m.mean_error, m.overshoot,
-          m.oscillation, 1e3 * m.generated);
+          m.oscillation,
+          std::isnan(m.generated) ? "-" : fmt::format("{:.3g}", 1e3 * m.generated));
     }
   }
+  if (!phases.empty())
+    out +=
+        "largest, steady, mean: error of the force, at any time and in the phase's last fifth; swing: "
+        "from its least to its largest there; made: energy that the loop gave the object at rest.\n";
   for (const PhaseFigures& p : phases) {
+    if (p.cut_short) {
+      out += fmt::format("{}: cut short, {:.4g} s of {:.4g} s: NOT met\n", p.phase, p.to - p.from,
+                         p.duration);
+      continue;
+    }
     const bool asked = p.asked_force_error > 0.0 || p.asked_steady_error > 0.0;
     if (asked && std::isnan(p.largest_force_error())) {
       out += fmt::format("{}: no force was tracked throughout: NOT met\n", p.phase);
@@ -149,7 +161,7 @@ std::string ScenarioRun::report() const {
                          std::max(p.position_error, p.body_error) <= p.asked_position_error
                              ? "met"
                              : "NOT met");
-    out += fmt::format("{}: master at most {:.3g} mm off its way, {:.3g} mm at the end\n", p.phase,
+    out += fmt::format("{}: leader at most {:.3g} mm off its way, {:.3g} mm at the end\n", p.phase,
                        1e3 * p.position_error, 1e3 * p.final_position_error);
   }
   out += fmt::format("Largest force: {:.3g} N", largest_force);

@@ -28,12 +28,15 @@ Scenario at_point(Scenario scenario, const SweepPoint& point) {
 }
 
 void judge(const ScenarioRun& run, double stable_error, SweepPoint& point) {
+  bool tracked = false, told = true;
   for (const PhaseFigures& p : run.phases) {
     if (p.asked_force_error > 0.0)
-      point.force_error = std::max(point.force_error, p.largest_force_error());
-    point.steady_error = std::max(point.steady_error, p.largest_steady_error());
+      point.force_error = std::fmax(point.force_error, p.largest_force_error());
     for (const MemberFigures& m : p.members) {
       if (!m.tracked) continue;
+      tracked = true;
+      told = told && std::isfinite(m.steady_error) && std::isfinite(m.oscillation);
+      point.steady_error = std::max(point.steady_error, m.steady_error);
       point.oscillation = std::max(point.oscillation, m.oscillation);
       point.generated = std::max(point.generated, m.generated);
     }
@@ -41,7 +44,8 @@ void judge(const ScenarioRun& run, double stable_error, SweepPoint& point) {
   point.largest_force = run.largest_force;
   if (!run.complete()) point.ended = describe(run.status);
   if (run.state != CooperativeState::kTracking) point.ended = describe(run.state);
-  point.stable = point.ended.empty() && point.steady_error <= stable_error &&
+  if (point.ended.empty() && !tracked) point.ended = "no force was tracked throughout a phase";
+  point.stable = told && point.ended.empty() && point.steady_error <= stable_error &&
                  0.5 * point.oscillation <= stable_error;
 }
 

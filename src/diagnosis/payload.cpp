@@ -118,15 +118,25 @@ std::string PayloadReport::report() const {
                                       robot, links.front().mass, links.front().frame,
                                       links.front().mass_low, links.front().mass_high)
                         : robot + ": no load that these recordings could be sure of\n";
-  out += fmt::format("  {:<22}{:>9}  {:<19}{:>8}{:>8}{:>8}  {:>9}  {}\n", "if it is on", "mass kg",
-                     "  95 %", "x m", "y m", "z m", "explains", "");
+  out += fmt::format("  {:<22}{:>14}  {:<19}{:>8}{:>8}{:>8}  {:>9}{:>10}\n", "if it is on", "mass kg",
+                     "  95 %", "x m", "y m", "z m", "explains", "held out");
   for (const PayloadEstimate& link : links) {
-    out += fmt::format("  {:<22}{:>9.4g}  {:<19}{:>8.3f}{:>8.3f}{:>8.3f}  {:>7.1f} %\n", link.frame,
-                       link.mass, fmt::format("{:.4g} to {:.4g}", link.mass_low, link.mass_high),
-                       link.com.x(), link.com.y(), link.com.z(), numerics::kPercent * link.explained);
+    // A mass that may be none has no size and no centre.
+    const bool told = link.mass_low > 0.0;
+    const std::string mass = told ? fmt::format("{:.4g}", link.mass) : "not determined";
+    const std::string range =
+        told ? fmt::format("{:.4g} to {:.4g}", link.mass_low, link.mass_high)
+             : fmt::format("below {:.4g}", link.mass_high);
+    std::string centre;
+    for (const double x : link.com) centre += told ? fmt::format("{:>8.3f}", x) : fmt::format("{:>8}", "-");
+    const double explained = numerics::kPercent * std::max(0.0, link.explained);
+    out += fmt::format("  {:<22}{:>14}  {:<19}{}  {:>7.1f} %{:>10.3f}\n", link.frame, mass, range, centre,
+                       explained, link.gain == 0.0 ? 0.0 : link.gain);
     for (const std::string& other : link.others)
       out += fmt::format("    or on {}: it moves so alike that the torques cannot tell\n", other);
   }
+  out += "in the order of held out: how much smaller the logarithm of the squared errors is, over all "
+         "joints, on rows that the load was not fitted to\n";
   const auto line = [&out](const char* name, const VectorXd& v) {
     out += fmt::format("  {:<22}", name);
     for (Eigen::Index i = 0; i < v.size(); ++i) out += fmt::format("{:8.2f}", numerics::kPercent * v[i]);

@@ -184,7 +184,7 @@ PortableModel portable_model(const Model& arm, const std::optional<Model>& prior
   for (int step = 0; step < 2; ++step)
     x += scale.asDiagonal() * least_norm(A, VectorXd(rows.b - rows.A * x));
   if (!found.feasible || !all_possible(x)) {
-    out.remark = "no values near the prior give these torques with possible bodies: values stay as "
+    out.remark = "no values near " + std::string(prior ? "the prior" : "plain rods") + " give these torques with possible bodies: values stay as "
                  "identified";
     return out;
   }
@@ -233,6 +233,9 @@ ExportedModel exported_model(const Model& arm, const std::optional<Model>& prior
                           portable.prior + "; no torque changes, and the file marks them");
     }
   }
+  if (!arm.inertial_values())
+    out.warnings.push_back("found bodies without values: a URDF of them has no masses; expected a MODEL "
+                           "that identify or diagnose wrote");
   const std::string& source = arm.description().source;
   const std::string from = !meshes_from.empty() ? meshes_from : ends_in_urdf(source) ? source : "";
   if (from.empty()) return out;

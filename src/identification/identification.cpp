@@ -173,7 +173,9 @@ void solve_feasible(const Model& arm, const SquareRootInformation& total,
   solver.eigenvalue_margin = kSmallestEigenvalue;
   if (options.prior) {
     const auto phi = options.prior->inertial_values();
-    require(phi && phi->size() == kBodyParameters * static_cast<int>(arm.bodies().size()),
+    require(phi.has_value(), "--prior: found bodies without values in '", options.prior->name(),
+            "', expected a model with values, as from CAD or identify.");
+    require(phi->size() == kBodyParameters * static_cast<int>(arm.bodies().size()),
             "the prior '", options.prior->name(), "' does not give values to the same bodies as '",
             arm.name(), "'.");
     for (const int first : problem.body_columns)

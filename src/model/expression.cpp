@@ -36,6 +36,11 @@ std::string hint(const mu::Parser::exception_type& error, const Constants& const
   return did_you_mean(error.GetToken(), names);
 }
 
+std::string why(const mu::Parser::exception_type& error) {
+  if (error.GetCode() != mu::ecUNASSIGNABLE_TOKEN) return error.GetMsg();
+  return "'" + error.GetToken() + "' is neither a number nor a constant";
+}
+
 double parsed(const std::string& expression, const Constants& constants) {
   try {
     mu::Parser parser = parser_with(constants);
@@ -45,7 +50,7 @@ double parsed(const std::string& expression, const Constants& constants) {
             "' (several values, separated by commas)");
     return value;
   } catch (const mu::Parser::exception_type& error) {
-    throw InvalidInput(text("'", expression, "' (", error.GetMsg(), ")", hint(error, constants)));
+    throw InvalidInput(text("'", expression, "' (", why(error), ")", hint(error, constants)));
   }
 }
 

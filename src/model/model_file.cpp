@@ -48,7 +48,7 @@ fs::path find_robot(const std::string& name) {
       if (fs::is_regular_file(file, ignored)) return file;
     }
   }
-  const std::vector<std::string> known = by_similarity(name, robot_names());
+  const std::vector<std::string> known = robot_names();
   throw InvalidInput(text(name, ": found no robot of this name", did_you_mean(name, known),
                           ", expected a file that ends in .yaml, .yml, .urdf or .xml, or one of: ",
                           listed(known), "."));

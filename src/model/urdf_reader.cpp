@@ -259,6 +259,10 @@ class UrdfReader {
     body.phi = inertial_parameters(given.mass, com, inertia);
     if (!body.phi->allFinite())
       fail_at("link", link.name, "an inertial that is not finite", "finite numbers");
+    if (given.mass < 0.0)
+      fail_at("link", link.name, text("a mass of ", given.mass, " kg"), "one that is not negative");
+    if (given.ixx < 0.0 || given.iyy < 0.0 || given.izz < 0.0)
+      fail_at("link", link.name, "a moment of inertia below zero", "none below zero");
     return body;
   }
 

@@ -28,6 +28,8 @@ struct Filters {
   Filters(const PreprocessingOptions& o, double dt) {
     const double rate = 1.0 / dt;
     if (o.cutoff <= 0.0) return;
+    require(o.cutoff < 0.5 * rate, "--filter-cutoff: found ", o.cutoff,
+            " Hz, expected above 0 and below ", 0.5 * rate, " Hz, half the sampling rate.");
     main.emplace(o.cutoff, o.order, rate);
     halo += main->settling_samples(kHaloRemainder);
     const double light_cutoff = o.signal_cutoff_ratio * o.cutoff;

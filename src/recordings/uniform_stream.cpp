@@ -32,8 +32,10 @@ UniformStream::UniformStream(const Model& arm, std::string name, Source source,
 
 void UniformStream::check(const Recording& piece) const {
   const int n = arm_.joints();
-  require(piece.joints() == n, name_, ": found ", piece.joints(), " joints, but robot '",
-          arm_.name(), "' has ", n, " coordinates.");
+  std::string names;
+  for (const Coordinate& c : arm_.coordinates()) names += (names.empty() ? "" : ", ") + c.name;
+  require(piece.joints() == n, name_, ": found ", piece.joints(), " joints, expected the ", n,
+          " of robot '", arm_.name(), "': ", names, ".");
   if (piece.tau.size() > 0) return;
   require(piece.current.size() > 0, name_, ": found neither torques (tau1..tau", n,
           ") nor motor currents (i1..i", n, ").");

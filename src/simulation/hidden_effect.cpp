@@ -48,7 +48,7 @@ void read_value(const std::string& pair, HiddenEffect& out) {
   try {
     out.values[key] = evaluate(value, {});
   } catch (const InvalidInput& error) {
-    throw InvalidInput(text("effect '", out.asked, "': ", error.what()));
+    fail(out.asked, error.what(), "a number");
   }
 }
 

@@ -393,7 +393,7 @@ void ChangeFinder::finish(double now) {
 }
 
 void ChangeFinder::tell(WatchEvent e) {
-  e.sentence = sentence(arm_, e);
+  e.sentence = sentence(e);
   events_.push_back(std::move(e));
 }
 

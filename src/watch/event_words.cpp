@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cctype>
 #include <cmath>
 
 #include "veridyn/effects/cause.hpp"
@@ -28,12 +30,17 @@ std::string what(const WatchEvent& e) {
     return fmt::format("{} carries {} more at its frame's origin than the model has", place_words(e), size);
   if (e.effect == ExternalContact::kName)
     return fmt::format("something pushes the arm on {} or beyond: mean torque {}", place_words(e), size);
-  return fmt::format("{} of {} differs by {}", e.effect, place_words(e), size);
+  std::string effect = e.effect;
+  std::replace(effect.begin(), effect.end(), '_', ' ');
+  for (const char* name : {"coulomb", "stribeck"}) {
+    if (effect.rfind(name, 0) == 0) effect[0] = static_cast<char>(std::toupper(effect[0]));
+  }
+  return fmt::format("{} of {} differs by {}", effect, place_words(e), size);
 }
 
 }  // namespace
 
-std::string sentence(const Model& /*arm*/, const WatchEvent& e) {
+std::string sentence(const WatchEvent& e) {
   switch (e.stage) {
     case WatchStage::kSuspected:
       return fmt::format("{:.2f} s: something changed, at about {:.2f} s; most like {}.", e.time,

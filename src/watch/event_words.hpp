@@ -7,6 +7,6 @@
 namespace veridyn::watching {
 
 /// What happened, for a technician.
-std::string sentence(const Model& arm, const WatchEvent& event);
+std::string sentence(const WatchEvent& event);
 
 }  // namespace veridyn::watching

@@ -6,6 +6,7 @@
 
 #include "support/near.hpp"
 #include "support/random.hpp"
+#include "comparison/comparison_words.hpp"
 #include "veridyn/regressor/base_parameters.hpp"
 #include "kinematics/standard_motion.hpp"
 #include "veridyn/math/require.hpp"
@@ -351,6 +352,42 @@ TEST(TheComparison, RefusesTwoRobotsAndModelsWithoutValues) {
             std::string::npos);
   EXPECT_NE(error(read_model("psm-3dof"), read_model("psm-3dof")).find("without values"),
             std::string::npos);
+}
+
+// Of what is below zero nobody agrees on what falls; a joint that slides has no angle; the interval
+// is of the difference, and says so.
+TEST(TheComparison, SpeaksOfValuesBelowZeroAndOfSlidingJoints) {
+  ModelDifference d;
+  d.joint = 3;
+  d.unit = "N";
+  d.before = -8.754;
+  d.after = -0.029;
+  d.difference = d.after - d.before;
+  d.deviation = 0.06;
+  d.low = 8.6;
+  d.high = 8.85;
+  const std::string words = joint_sentence(read_model("psm-3dof"), JointQuantity::kWeightSlope, d);
+  for (const char* part : {"follows the position of joint 3 (insertion) went from -8.75", "by +8.7",
+                           " N, 95 %: +8.6", " to +8.85"})
+    EXPECT_NE(words.find(part), std::string::npos) << words;
+  EXPECT_EQ(words.find("-100"), std::string::npos) << words;
+}
+
+// Of many differences the surest come first, and the rest is counted.
+TEST(TheComparison, AListOfManyIsSortedAndCut) {
+  ModelComparison c;
+  c.verdict = ComparisonVerdict::kDiffer;
+  for (int k = 0; k < 20; ++k) {
+    ModelDifference d;
+    d.significant = true;
+    d.t = k % 2 == 0 ? k : -k;
+    d.sentence = "number " + std::to_string(k) + ".";
+    c.parameters.push_back(d);
+  }
+  const std::string report = c.report();
+  EXPECT_LT(report.find("number 19."), report.find("number 18."));
+  EXPECT_EQ(report.find("number 3."), std::string::npos) << report;
+  EXPECT_NE(report.find("and 12 more"), std::string::npos) << report;
 }
 
 }  // namespace

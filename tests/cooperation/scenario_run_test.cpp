@@ -183,6 +183,24 @@ TEST(ScenarioRun, TheSameSeedGivesTheSameRun) {
   EXPECT_NE(a.member[0].force, c.member[0].force);
 }
 
+// A point at which no force is tracked tells nothing of the loop: it is not stable.
+TEST(ScenarioSweep, WhereNothingIsTrackedNothingIsStable) {
+  Scenario s = example("two-arms-string");
+  s.phases.resize(1);
+  s.phases[0].duration = 0.1;
+  ScenarioCommand release;
+  release.kind = ScenarioCommand::Kind::kRelease;
+  release.member = 0;
+  s.phases[0].commands = {release};
+  s.sweep = {};
+  s.sweep.stiffness = {2450.0};
+  s.sweep.stable_error = 0.2;
+  const ScenarioSweepResult map = sweep_scenario(s, "veridyn", 1);
+  ASSERT_EQ(map.points.size(), 1U);
+  EXPECT_FALSE(map.points[0].stable);
+  EXPECT_NE(map.points[0].ended, "");
+}
+
 TEST(ScenarioSweep, FindsWhereTheLoopIsStable) {
   Scenario s = example("two-arms-string");
   s.phases.resize(2);

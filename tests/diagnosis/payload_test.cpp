@@ -114,5 +114,33 @@ TEST_F(Payload, AnArmWithoutValuesIsRefused) {
   EXPECT_THROW(find_payload(read_model("psm-3dof"), {"none.csv"}), InvalidInput);
 }
 
+// A mass whose interval holds zero is not determined, and where it sits means nothing.
+TEST(PayloadTable, ShowsWhatItIsOrderedByAndNoCentreOfNothing) {
+  PayloadReport report;
+  report.robot = "arm";
+  PayloadEstimate sure;
+  sure.frame = "tool";
+  sure.mass = 0.5;
+  sure.mass_low = 0.4;
+  sure.mass_high = 0.6;
+  sure.com = Eigen::Vector3d(0.01, 0.02, 0.03);
+  sure.gain = 1.5;
+  PayloadEstimate vague = sure;
+  vague.frame = "upper";
+  vague.mass = 1.6e-4;
+  vague.mass_low = 0.0;
+  vague.mass_high = 541.4;
+  vague.com = Eigen::Vector3d(8.36, 0.0, 0.0);
+  vague.explained = -1e-9;
+  vague.gain = 0.25;
+  report.links = {sure, vague};
+  report.error_before = report.error_with_drift = report.error_after = VectorXd::Zero(1);
+  const std::string text = report.report();
+  for (const char* part : {"held out", "1.500", "0.250", "not determined", "below 541.4", "0.030"})
+    EXPECT_NE(text.find(part), std::string::npos) << part << "\n" << text;
+  for (const char* part : {"8.36", "0 to 541", "-0.0"})
+    EXPECT_EQ(text.find(part), std::string::npos) << part << "\n" << text;
+}
+
 }  // namespace
 }  // namespace veridyn

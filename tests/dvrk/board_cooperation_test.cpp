@@ -25,6 +25,14 @@ TEST(BoardCooperation, TwoArmsKeepTheForceInASpring) {
   EXPECT_LT(done.largest_force, 3.2);
   EXPECT_LT(done.force_at_off, 0.5);
   ASSERT_EQ(done.run.phases.size(), 3U);
+  // What is printed as measured was: the member's rate is the change of its tension by its stiffness,
+  // and the computer took time.
+  EXPECT_GT(done.run.seconds, 0.01);
+  const MemberTrace& spring = done.run.member[0];
+  const Eigen::Index rows = spring.force.size();
+  EXPECT_NEAR(spring.rate.sum() / scenario.control.rate,
+              (spring.force[rows - 1] - spring.force[0]) / scenario.members[0].stiffness, 2e-5);
+  EXPECT_GT(spring.rate.cwiseAbs().maxCoeff(), 1e-4);
   // The master has gone where it was sent, as its own encoders tell: along x of the world, which
   // is x of its base.
   const MatrixXd& tip = done.run.arm[0].tip;
@@ -79,6 +87,19 @@ TEST(BoardCooperation, InRealTimeItEndsInADefinedWay) {
   }
   EXPECT_EQ(done.power, OffState::kConfirmed);
   EXPECT_EQ(done.run.time.size(), 600);
+}
+
+TEST(BoardCooperation, APhaseThatIsCutShortIsNotMet) {
+  Scenario scenario = board_example("two-psm-spring");
+  scenario.phases.resize(1);
+  scenario.phases[0].asked_force_error = 100.0;
+  const BoardCooperationRun done =
+      on_emulated_boards(scenario, {{EmulatedFault::Kind::kPower, 1, 0.3}});
+  ASSERT_EQ(done.run.phases.size(), 1U);
+  EXPECT_TRUE(done.run.phases[0].cut_short);
+  EXPECT_FALSE(done.run.phases[0].met());
+  EXPECT_NE(done.report().find("cut short"), std::string::npos) << done.report();
+  EXPECT_EQ(done.report().find("tension: force within"), std::string::npos) << done.report();
 }
 
 TEST(BoardCooperation, SaysWhatDoesNotFit) {

@@ -54,7 +54,9 @@ TEST(BoardTeleoperation, FollowsClutchesAndFeels) {
   EXPECT_GT(led.norm(), 0.030);
   EXPECT_LT((went - 0.5 * led).norm(), 5e-4) << done.report();
   EXPECT_LT(done.tracking_largest[0], 1e-3);
-  EXPECT_LT(done.latency, 0.03);
+  ASSERT_TRUE(done.latency);
+  EXPECT_GT(*done.latency, 0.0);
+  EXPECT_LT(*done.latency, 0.03);
   // The clutch is out: the follower rests while the leader goes back.
   EXPECT_LT(done.follower_moved[1], 3e-4);
   // Touching: the wall pushes the follower as much as the leader pushes the hand, but for the
@@ -62,6 +64,22 @@ TEST(BoardTeleoperation, FollowsClutchesAndFeels) {
   EXPECT_GT(done.force_follower[3], 0.5) << done.report();
   EXPECT_NEAR(done.force_hand[3], done.force_follower[3], 0.35) << done.report();
   EXPECT_LT(done.force_follower[4], 0.05);
+}
+
+// Nothing is compared with rows before a phase, whatever the loop's rate, and what no phase tells
+// is not told.
+TEST(BoardTeleoperation, LatencyIsOfPhasesThatTellIt) {
+  TeleoperationScenario scenario = example();
+  scenario.scenario.control.rate = 2500.0;
+  for (const double seconds : {0.05, 0.3}) {
+    scenario.scenario.phases.resize(1);
+    scenario.steps.resize(1);
+    scenario.scenario.phases[0].duration = seconds;
+    const TeleoperationRun done = run(scenario);
+    ASSERT_EQ(done.end, BoardEnd::kDone) << done.report();
+    EXPECT_EQ(done.latency.has_value(), seconds > 0.06) << done.report();
+    EXPECT_EQ(done.report().find("cannot be told") != std::string::npos, seconds < 0.06);
+  }
 }
 
 TEST(BoardTeleoperation, AFaultHoldsTheFollower) {

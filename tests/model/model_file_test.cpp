@@ -141,10 +141,10 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(
         Mistake{"l: 0.5", "l: 0.5*(2", "arm.yaml:3:16: found '0.5*(2' ("},
         Mistake{"half: l/2", "half: ll/2",
-                "arm.yaml:3:27: found 'll/2' (Unexpected token \"ll\" found at position 0.) (did "
+                "arm.yaml:3:27: found 'll/2' ('ll' is neither a number nor a constant) (did "
                 "you mean 'l'?)"},
         Mistake{"l: 0.5, half: l/2", "half: l/2, l: 0.5",
-                "arm.yaml:3:19: found 'l/2' (Unexpected token"},
+                "arm.yaml:3:19: found 'l/2' ('l' is neither a number nor a constant"},
         Mistake{"l: 0.5", "sin: 0.5",
                 "arm.yaml:3:13: found the constant 'sin', which has a meaning already"},
         Mistake{"drive_gain: 12.5", "drive_gain: .nan", "arm.yaml:5:76: found '.nan' ("},

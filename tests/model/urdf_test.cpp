@@ -199,6 +199,12 @@ TEST_F(UrdfFile, DamagedFilesAreRefusedAndNeverCrash) {
   }
 }
 
+TEST_F(UrdfFile, BodiesThatCannotBeAreRefused) {
+  EXPECT_NE(error_of("<mass value=\"2\"/>", "<mass value=\"-1\"/>").find("a mass of -1 kg"), std::string::npos);
+  EXPECT_NE(error_of("iyy=\"0.02\"", "iyy=\"-0.02\"").find("a moment of inertia below zero"),
+            std::string::npos);
+}
+
 }  // namespace
 }  // namespace veridyn
 

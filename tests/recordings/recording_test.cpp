@@ -239,7 +239,7 @@ TEST_F(ABadFile, ThatIsNotThereIsNamed) {
     FAIL();
   } catch (const InvalidInput& error) {
     EXPECT_STREQ(error.what(),
-                 "/no/such/file.csv: found No such file or directory, expected a recording (CSV).");
+                 "/no/such/file.csv: found no such file, expected a recording.");
   }
   EXPECT_THROW(read_recording(testing::TempDir()), InvalidInput);
 }
@@ -258,7 +258,8 @@ TEST_F(ABadFile, WithoutContentIsNamed) {
   EXPECT_EQ(error_of(std::string("\x7f"
                                  "ELF\0\0\0\0",
                                  8)),
-            ": found binary data, expected a recording as text (CSV).");
+            ": found binary data, expected text (CSV), or a whole bag, MCAP, .npz, .mat or HDF5 "
+            "file.");
 }
 
 TEST_F(ABadFile, WithoutAHeaderAsksForTheColumns) {

@@ -8,6 +8,7 @@
 #include "veridyn/model/model_file.hpp"
 #include "veridyn/simulation/plausible_model.hpp"
 #include "veridyn/simulation/simulate_recording.hpp"
+#include "watch/event_words.hpp"
 
 namespace veridyn {
 namespace {
@@ -175,6 +176,17 @@ TEST(Watch, SurvivesBadRows) {
   r.time.tail(1000).array() += 3.0;
   const std::vector<WatchEvent> events = watched(r);
   EXPECT_TRUE(events.empty()) << all_of(events);
+}
+
+TEST(Watch, SpeaksOfEffectsInWords) {
+  WatchEvent e;
+  e.stage = WatchStage::kRefined;
+  e.joint = 1;
+  e.place = "yaw";
+  e.effect = "coulomb_friction";
+  e.unit = "N m";
+  EXPECT_NE(watching::sentence(e).find("Coulomb friction of joint 1 (yaw) differs by"), std::string::npos)
+      << watching::sentence(e);
 }
 
 }  // namespace

@@ -24,7 +24,7 @@ struct MemberTrace {
   VectorXd force;     ///< true tension [N]
   VectorXd measured;  ///< as the sensor says [N]
   VectorXd x_f;       ///< [m]
-  VectorXd rate;      ///< dl/dt, true [m/s]
+  VectorXd rate;      ///< dl/dt, true [m/s]; NaN on real boards, where nothing measures it
   VectorXd tracked;   ///< 1 where the member is held and its force is tracked
 };
 
@@ -45,7 +45,8 @@ struct MemberFigures {
   double overshoot = 0.0;      ///< [N] beyond the new h_d, where the phase changes it
   double oscillation = 0.0;    ///< [N] from least to largest force in the last fifth
   int corrections = 0;         ///< samples of the last fifth in which x_f changed
-  double generated = 0.0;      ///< [J] see PassivityMonitor, after the phase's commands have ended
+  double generated = 0.0;      ///< [J] see PassivityMonitor, after the phase's commands have ended;
+                               ///< NaN where no rate is known
   bool tracked = false;        ///< all the time
 };
 
@@ -58,10 +59,12 @@ struct PhaseFigures {
   double body_error = 0.0;            ///< [m] largest of any held body from its way; 0: no bodies
   double asked_position_error = 0.0;  ///< [m] of the master's tip, or of the bodies; 0: none asked
   double asked_force_error = 0.0, asked_steady_error = 0.0;  ///< [N]; 0: nothing asked
+  double duration = 0.0;   ///< [s] that the scenario gives it
+  bool cut_short = false;  ///< ended before its time: then nothing counts as met
 
   double largest_force_error() const;   ///< [N] of the members tracked throughout; NaN: none
   double largest_steady_error() const;  ///< [N] likewise
-  bool met() const;                     ///< both errors within what was asked
+  bool met() const;                     ///< all of it, within what was asked
 };
 
 /// What became of a scenario.

@@ -86,6 +86,8 @@ std::string chosen_body(const CaptureTable& table, const std::string& asked) {
             "), expected one, or --body with the one to take.");
     return names.front();
   }
+  require(names != std::vector<std::string>{""}, table.source,
+          ": found one body without a name, expected none after --body.");
   require(std::find(names.begin(), names.end(), asked) != names.end(), table.source,
           ": found no body '", asked, "', expected one of ", listed(names), ".");
   return asked;

@@ -70,6 +70,9 @@ Scenario read_scenario_or_model(const std::string& path, const StabilityModelOpt
             ": found a scenario, expected a MODEL beside a frame or a pose.");
     return read_scenario(path);
   }
+  const std::string file = robot_path(path);
+  require(std::filesystem::is_regular_file(file, ignored), path,
+          ": found no such file, expected a scenario (YAML) or a MODEL.");
   return contact_scenario(path, options);
 }
 

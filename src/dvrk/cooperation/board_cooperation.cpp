@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <thread>
 
@@ -23,6 +24,7 @@ using Eigen::Vector3d;
 constexpr double kSettled = 0.2;     // [s] at rest after the last phase
 constexpr double kLeastForce = 0.3;  // [N] of pretension that is left before power goes
 constexpr double kNever = 1e3;       // [s] age of a reading that is not to be believed
+constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();  // nothing measures it
 
 class BoardRun : private BoardLoop {
  public:
@@ -39,6 +41,7 @@ class BoardRun : private BoardLoop {
   }
 
   BoardCooperationRun run() {
+    const auto begun = std::chrono::steady_clock::now();
     if (power_up()) {
       begin();
       options_.lines != nullptr ? play_by_line() : play();
@@ -49,6 +52,7 @@ class BoardRun : private BoardLoop {
     out_.power = power_down();
     if (joined_) out_.largest_force = std::max(out_.largest_force, joined_->largest_force());
     finish();
+    out_.run.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
     return std::move(out_);
   }
 
@@ -93,6 +97,7 @@ class BoardRun : private BoardLoop {
       rows += options_.lines != nullptr ? 0 : rows_of(phase);
     out_.run = empty_run(scenario_, "boards", rows);
     spans_.reserve(scenario_.phases.size());
+    for (MemberTrace& trace : out_.run.member) trace.rate.setConstant(kUnknown);
   }
 
   Eigen::Index rows_of(const ScenarioPhase& phase) const {
@@ -206,6 +211,7 @@ class BoardRun : private BoardLoop {
       trace.wanted[k] = control_->wanted_force(static_cast<int>(i));
       trace.x_f[k] = control_->correction(static_cast<int>(i));
       trace.tracked[k] = 1.0;
+      if (joined_) trace.rate[k] = joined_->rate(static_cast<int>(i));
     }
   }
 

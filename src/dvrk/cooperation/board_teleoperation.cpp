@@ -16,6 +16,8 @@ namespace {
 
 using Eigen::Vector3d;
 
+constexpr double kLargestLatency = 0.06;  // [s] that is looked for
+
 // The leader: weightless, with forces at its tip and brakes for joints that the tip does not need.
 class LeaderLoop {
  public:
@@ -197,11 +199,15 @@ class TeleoperationLoop : private BoardLoop {
   }
 
   // The shift between scaled leader and follower at which they differ least, to a tenth of a cycle.
-  double latency() const {
+  std::optional<double> latency() const {
     const TeleoperationOptions& o = wanted_.options;
-    double best = 0.0, least = -1.0;
-    for (double shift = 0.0; shift <= 0.06 / period_; shift += 0.1) {
+    const double most = kLargestLatency / period_;  // [cycles]
+    const auto spared = static_cast<Eigen::Index>(std::ceil(most));
+    std::optional<double> best;
+    double least = 0.0;
+    for (double shift = 0.0; shift <= most; shift += 0.1) {
       double sum = 0.0;
+      bool any = false;
       for (std::size_t p = 0; p < spans_.size(); ++p) {
         const auto [first, end] = spans_[p];
         const bool counts = wanted_.steps[p].clutch && end > first &&
@@ -209,23 +215,25 @@ class TeleoperationLoop : private BoardLoop {
         if (!counts) continue;
         const Vector3d leader0 = rows_.block(first, 1, 1, 3).transpose();
         const Vector3d follower0 = rows_.block(first, 7, 1, 3).transpose();
-        for (Eigen::Index k = first + 100; k < end; k += 5) {
+        for (Eigen::Index k = first + spared; k < end; k += 5) {
+          any = true;
           const double at = static_cast<double>(k) - shift;
           const auto i = static_cast<Eigen::Index>(std::floor(at));
           const double part = at - static_cast<double>(i);
+          const Eigen::Index next = std::min(i + 1, end - 1);
           const Vector3d led = (1.0 - part) * rows_.block(i, 1, 1, 3).transpose() +
-                               part * rows_.block(i + 1, 1, 1, 3).transpose();
+                               part * rows_.block(next, 1, 1, 3).transpose();
           const Vector3d follower = rows_.block(k, 7, 1, 3).transpose();
           sum += (follower - follower0 - o.scale * (o.R_follower_leader * (led - leader0)))
                      .squaredNorm();
         }
       }
-      if (least < 0.0 || sum < least) {
+      if (any && (!best || sum < least)) {
         least = sum;
-        best = shift;
+        best = shift * period_;
       }
     }
-    return best * period_;
+    return best;
   }
 
   struct Span {

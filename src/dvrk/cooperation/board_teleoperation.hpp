@@ -1,6 +1,7 @@
 #pragma once
 
 #include <atomic>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,8 +19,9 @@ struct TeleoperationRun {
   std::vector<double> follower_moved;   ///< [m] largest way of the follower in the phase
   std::vector<double> force_follower;   ///< [N] mean true force of the wall in the last fifth
   std::vector<double> force_hand;       ///< [N] mean force of the leader's tip on the hand there
-  double latency = 0.0;  ///< [s] of the follower's motion after the leader's, by the least squares
-                         ///< shift of all phases with the clutch in and no contact
+  /// [s] of the follower's motion after the leader's, by the least squares shift of all phases with
+  /// the clutch in and no contact, beyond their first 0.06 s; none without such a phase.
+  std::optional<double> latency;
   double largest_force = 0.0;  ///< [N] of the wall
   long cycles = 0, late = 0;
   BoardEnd end = BoardEnd::kDone;
@@ -40,9 +42,6 @@ TeleoperationRun teleoperate_on_boards(const TeleoperationScenario& scenario,
                                        const std::vector<CooperatingArm>& arms,
                                        const BoardCooperationOptions& options,
                                        const std::atomic<bool>& stop);
-
-/// For machines, as report() has it for people.
-std::string to_json(const TeleoperationRun& run);
 
 /// The rows as CSV. Whole or not there.
 void write_rows(const TeleoperationRun& run, const std::string& path);

@@ -42,6 +42,7 @@ JoinedArms::JoinedArms(const Scenario& scenario, const std::vector<RobotConfig>&
                        const std::vector<MatrixXd>& couplings, int firmware)
     : experiment_(scenario, "veridyn"),
       tension_(scenario.members.size()),
+      rate_(scenario.members.size()),
       push_(scenario.walls.size()),
       faults_(scenario.arms.size()),
       applied_(scenario.arms.size(), 0) {
@@ -91,8 +92,10 @@ void JoinedArms::advance(double seconds) {
     joints_[k]->moved(seconds);
   }
   for (size_t k = 0; k < tension_.size(); ++k) {
-    const double tension = world.member(static_cast<int>(k)).tension;
+    const World::MemberState& member = world.member(static_cast<int>(k));
+    const double tension = member.tension;
     tension_[k].store(tension);
+    rate_[k].store(member.rate);
     largest_force_.store(std::max(largest_force_.load(), std::abs(tension)));
   }
   for (size_t k = 0; k < push_.size(); ++k) {

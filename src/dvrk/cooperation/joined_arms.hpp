@@ -42,6 +42,7 @@ class JoinedArms final : public SteppedClock {
 
   /// True force of a member as it last was [N]; may be asked from another thread.
   double tension(int member) const { return tension_[static_cast<size_t>(member)].load(); }
+  double rate(int member) const { return rate_[static_cast<size_t>(member)].load(); }  ///< [m/s] of its length
   double largest_force() const { return largest_force_.load(); }  ///< [N] of any member, ever
   /// True force that a wall exerts on its arm [N].
   double push(int wall) const { return push_[static_cast<size_t>(wall)].load(); }
@@ -135,7 +136,7 @@ class JoinedArms final : public SteppedClock {
   std::vector<std::unique_ptr<BoardEmulator>> emulators_;
   std::vector<std::unique_ptr<SimulatedArm>> loads_;
   std::vector<std::unique_ptr<BoardServer>> servers_;
-  std::vector<std::atomic<double>> tension_, push_;
+  std::vector<std::atomic<double>> tension_, rate_, push_;
   Hand hand_;
   std::atomic<bool> led_{false};
   std::array<std::atomic<double>, 3> place_{}, hand_force_{};

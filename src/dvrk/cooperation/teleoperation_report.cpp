@@ -1,7 +1,5 @@
 #include <fmt/format.h>
 
-#include <nlohmann/json.hpp>
-
 #include "math/output_file.hpp"
 #include "dvrk/cooperation/board_teleoperation.hpp"
 
@@ -15,36 +13,15 @@ std::string TeleoperationRun::report() const {
     out += fmt::format("{:<22} {:>16.3f} {:>14.3f} {:>13.2f} {:>12.3f} {:>12.3f}\n", phases[p],
                        1e3 * tracking_rms[p], 1e3 * tracking_largest[p], 1e3 * follower_moved[p],
                        force_follower[p], force_hand[p]);
-  out += fmt::format("The follower moves {:.1f} ms after the leader; it touched with at most {:.3g} N.\n",
-                     1e3 * latency, largest_force);
+  out += latency ? fmt::format("The follower moves {:.1f} ms after the leader", 1e3 * *latency)
+                 : "How late the follower moves cannot be told: no phase led it freely for longer than "
+                   "0.06 s";
+  out += fmt::format("; it touched with at most {:.3g} N.\n", largest_force);
   if (end != BoardEnd::kDone)
     out += fmt::format("At {:.4g} s {}: the follower held, the leader was free, then power went.\n",
                        fault_at, why);
   out += fmt::format("Boards at the end: {}.\n", describe(power));
   return out;
-}
-
-std::string to_json(const TeleoperationRun& run) {
-  nlohmann::ordered_json out = {{"veridyn", "0.1.0"},
-                                {"command", "cooperate"},
-                                {"kind", "teleoperation"},
-                                {"scenario", run.name},
-                                {"status", run.met() ? "done" : "stopped"},
-                                {"reason", run.why},
-                                {"latency", run.latency},
-                                {"largest_force", run.largest_force},
-                                {"cycles", run.cycles},
-                                {"late", run.late},
-                                {"power", describe(run.power)}};
-  out["phases"] = nlohmann::ordered_json::array();
-  for (std::size_t p = 0; p < run.phases.size(); ++p)
-    out["phases"].push_back({{"phase", run.phases[p]},
-                             {"tracking_rms", run.tracking_rms[p]},
-                             {"tracking_largest", run.tracking_largest[p]},
-                             {"follower_moved", run.follower_moved[p]},
-                             {"force", run.force_follower[p]},
-                             {"hand_force", run.force_hand[p]}});
-  return out.dump(1) + "\n";
 }
 
 void write_rows(const TeleoperationRun& run, const std::string& path) {

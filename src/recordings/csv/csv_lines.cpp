@@ -20,7 +20,8 @@ CsvLines::CsvLines(const std::string& path, std::function<bool()> wait)
     : path_(path), wait_(std::move(wait)), buffer_(kBufferSize) {
   struct stat about {};
   const bool there = ::stat(path.c_str(), &about) == 0;
-  require(there, path, ": found ", std::strerror(errno), ", expected a recording (CSV).");
+  require(there, path, ": found ", errno == ENOENT ? "no such file" : std::strerror(errno),
+          ", expected a recording.");
   require(!S_ISDIR(about.st_mode), path, ": found a folder, expected a recording (CSV).");
   file_.reset(std::fopen(path.c_str(), "rb"));
   require(file_ != nullptr, path, ": found ", std::strerror(errno),
@@ -28,7 +29,7 @@ CsvLines::CsvLines(const std::string& path, std::function<bool()> wait)
   std::setvbuf(file_.get(), nullptr, _IONBF, 0);
   require(refill(), path, ": found an empty file, expected a recording (CSV).");
   require(std::memchr(buffer_.data(), '\0', end_) == nullptr, path,
-          ": found binary data, expected a recording as text (CSV).");
+          ": found binary data, expected text (CSV), or a whole bag, MCAP, .npz, .mat or HDF5 file.");
   if (end_ >= 3 && std::memcmp(buffer_.data(), "\xEF\xBB\xBF", 3) == 0) begin_ = 3;
 }
 
