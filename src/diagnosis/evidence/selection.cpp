@@ -163,9 +163,8 @@ class Selector {
     }
   }
 
-  // What is no longer needed beside those that came after it goes, and is not asked again. It was
-  // found among many; now it is one question. True if any went: what it hid while it was there may
-  // have to be taken instead.
+  // What is no longer needed beside those that came after it goes, and is not asked again. True if any
+  // went: what it hid while it was there may have to be taken instead.
   bool drop_superfluous() {
     const size_t before = accepted_.size();
     for (size_t k = accepted_.size(); k-- > 0;) {
@@ -175,7 +174,7 @@ class Selector {
       const std::unique_ptr<Examiner::Stand> beside = examiner_.stand(others);
       const Evidence e = examiner_.ask(own, *beside);
       const double p = examiner_.p_value(own, *beside, examiner_.without_clusters(*beside));
-      if (!examiner_.stays(e) || p >= options_.thresholds.significance) {
+      if (!examiner_.stays(e)) {
         dropped_.insert(own);
         accepted_.erase(accepted_.begin() + static_cast<long>(k));
       } else {
