@@ -78,7 +78,14 @@ bool rank_deficient(const Model& arm, const BaseParameters& arm_base,
   std::string still;
   for (const std::string& name : id.still_joints) still += (still.empty() ? "" : ", ") + name;
   std::string open;
-  for (const std::string& name : id.undetermined) open += (open.empty() ? "" : "; ") + name;
+  int told = 0;
+  for (const std::string& name : id.undetermined) {
+    // Sums of many parameters fill lines and tell little; id.undetermined holds them all.
+    if (told == 8 || name.find(' ') != std::string::npos) continue;
+    open += (told++ == 0 ? "" : "; ") + name;
+  }
+  const int rest = static_cast<int>(id.undetermined.size()) - told;
+  if (rest > 0) open += text(told > 0 ? " and " : "", rest, told > 0 ? " more" : " sums of parameters");
   id.reason = still.empty() ? text("the recordings determine ", data_base.size(), " of ",
                                    arm_base.size(), " base parameters")
                             : text(id.still_joints.size() > 1 ? "joints " : "joint ", still,
