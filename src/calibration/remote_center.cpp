@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <cmath>
 
 #include "closed_forms.hpp"
@@ -26,16 +27,20 @@ class PivotFit {
  public:
   PivotFit(const internal::Isometries& poses, RemoteCenter& out) : poses_(poses), out_(out) {}
 
-  void fit(double outlier) {
+  // False if fewer frames than `fewest` agree on any point.
+  bool fit(double outlier, int fewest) {
     const std::size_t count = poses_.size();
     factors_.assign(count, 1.0);
     for (int k = 0; k < kIterations; ++k) {
       solve();
       measure_noise();
       weigh(k + 3 < kIterations ? 0.0 : outlier);
+      out_.outliers = static_cast<int>(std::count(out_.is_outlier.begin(), out_.is_outlier.end(), 1));
+      if (static_cast<int>(count) - out_.outliers < fewest) return false;
     }
     solve();
     finish();
+    return true;
   }
 
  private:
@@ -116,10 +121,7 @@ class PivotFit {
       all += r.cwiseAbs2();
       for (int c = 0; c < 3; ++c)
         series[static_cast<std::size_t>(c)].push_back(out_.is_outlier[k] != 0 ? NAN : r[c]);
-      if (out_.is_outlier[k] != 0) {
-        ++out_.outliers;
-        continue;
-      }
+      if (out_.is_outlier[k] != 0) continue;
       squares += r.cwiseAbs2();
       chi2 += r.dot(information(poses_[k]) * r);
     }
@@ -187,8 +189,15 @@ RemoteCenter calibrate_remote_center(const PoseCapture& poses, const RemoteCente
   out.poses = poses.poses;
   out.reason = why_not(poses, options, out);
   if (!out.reason.empty()) return out;
-  out.status = CalibrationStatus::kDone;
-  PivotFit(out.poses, out).fit(options.outlier);
+  PivotFit fit(out.poses, out);
+  if (fit.fit(options.outlier, options.fewest_frames)) {
+    out.status = CalibrationStatus::kDone;
+  } else {
+    out.reason = fmt::format(
+        "no point stays where it is: {} of {} frames contradict any centre, and {} or more that "
+        "agree are needed; does the body slide while it turns?",
+        out.outliers, out.frames, options.fewest_frames);
+  }
   return out;
 }
 

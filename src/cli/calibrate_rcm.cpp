@@ -1,7 +1,9 @@
 #include <memory>
 
 #include "calibrate_options.hpp"
+#include "messages.hpp"
 #include "veridyn/calibration/remote_center.hpp"
+#include "veridyn/math/require.hpp"
 #include "report/calibration_json.hpp"
 #include "report/calibration_page.hpp"
 
@@ -20,6 +22,9 @@ ExitStatus run(const CalibrateRcmRequest& request, const std::string& command_li
   require_writable(request.common.report);
   const RemoteCenter found =
       calibrate_remote_center(read_poses(request.poses, request.capture), request.options);
+  if (found.status == CalibrationStatus::kDone && 2 * found.outliers > found.frames)
+    say(text("warning: ", request.poses, ": ", found.outliers, " of ", found.frames,
+             " frames are left out, more than half: the centre stands on the others alone."));
   return finish_calibration(found.status == CalibrationStatus::kDone, found.reason, found.report(),
                             request.common, to_json(found),
                             found.status == CalibrationStatus::kDone ? to_page(found, command_line) : "");

@@ -12,14 +12,22 @@
 namespace veridyn::cli {
 namespace {
 
+constexpr const char* kBlank = " \t\r";
+
+// Blanks around a field do not count; within one they do.
 std::vector<std::string> fields(const std::string& line) {
   std::vector<std::string> out(1);
   for (const char c : line) {
     if (c == ',') {
       out.emplace_back();
-    } else if (c != '\r' && c != ' ' && c != '\t') {
+    } else {
       out.back() += c;
     }
+  }
+  for (std::string& field : out) {
+    const std::size_t first = field.find_first_not_of(kBlank);
+    const std::size_t last = field.find_last_not_of(kBlank);
+    field = first == std::string::npos ? "" : field.substr(first, last - first + 1);
   }
   return out;
 }

@@ -4,6 +4,10 @@
 
 #include <algorithm>
 #include <charconv>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <system_error>
 #include <utility>
 
 #include "choice.hpp"
@@ -51,6 +55,20 @@ std::vector<std::string> signal_names(const std::string& option, const std::stri
         option, "found '" + name + "', expected names out of " + listed(known) + ", as q,dq,tau");
   }
   return names;
+}
+
+// One file under two names, or a copy of it.
+bool same_recording(const std::string& a, const std::string& b) {
+  namespace fs = std::filesystem;
+  std::error_code error;
+  if (a == b || fs::equivalent(a, b, error)) return true;
+  if (!fs::is_regular_file(a, error) || !fs::is_regular_file(b, error)) return false;
+  if (fs::file_size(a, error) != fs::file_size(b, error) || fs::file_size(a, error) == 0) return false;
+  std::ifstream one(a, std::ios::binary);
+  std::ifstream other(b, std::ios::binary);
+  return one && other &&
+         std::equal(std::istreambuf_iterator<char>(one), std::istreambuf_iterator<char>(),
+                    std::istreambuf_iterator<char>(other));
 }
 
 }  // namespace
@@ -159,8 +177,21 @@ void require_writable(const std::string& path) {
 void warn_of_shared_recordings(const std::vector<std::string>& train,
                                const std::vector<std::string>& test) {
   for (const std::string& path : test) {
-    if (std::find(train.begin(), train.end(), path) != train.end())
+    if (std::any_of(train.begin(), train.end(),
+                    [&path](const std::string& other) { return same_recording(path, other); }))
       say("warning: " + path + " is both learned from and tested on: its error is not held out.");
+  }
+}
+
+void warn_of_repeated_recordings(const std::vector<std::string>& train) {
+  for (size_t k = 1; k < train.size(); ++k) {
+    const auto here = train.begin() + static_cast<std::ptrdiff_t>(k);
+    const auto other = std::find_if(train.begin(), here, [&](const std::string& before) {
+      return same_recording(*here, before);
+    });
+    if (other != here)
+      say("warning: " + *here + " holds the same as " + *other +
+          " and counts once more: error bars come out too small; give it once.");
   }
 }
 

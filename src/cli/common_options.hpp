@@ -50,8 +50,11 @@ void add_preprocessing_options(CLI::App& command, PreprocessingOptions& options)
 /// @throws InvalidInput  it cannot.
 void require_writable(const std::string& path);
 
-/// Says so where a recording is learned from and tested on.
+/// Says so where a recording, or a copy of it, is learned from and tested on.
 void warn_of_shared_recordings(const std::vector<std::string>& train,
                                const std::vector<std::string>& test);
+
+/// Says so where a recording, or a copy of it, is learned from twice.
+void warn_of_repeated_recordings(const std::vector<std::string>& train);
 
 }  // namespace veridyn::cli

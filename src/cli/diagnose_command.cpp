@@ -56,6 +56,7 @@ ExitStatus run(DiagnoseRequest& request, const std::string& command_line) {
   require_writable(request.common.json);
   require_writable(request.common.report);
   require_writable(request.model_out);
+  warn_of_repeated_recordings(request.train);
   if (!request.test_rows) warn_of_shared_recordings(request.train, request.test);
   const Model arm = read_robot(request.robot, request.common.fixed);
   const bool prior =

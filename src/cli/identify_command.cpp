@@ -208,6 +208,7 @@ ExitStatus run(const IdentifyRequest& request, const std::string& command_line) 
   require_writable(request.model_out);
   require_writable(request.factor_out);
   if (ranks && ranks->size() > 1) return run_on_ranks(request, command_line, *ranks);
+  warn_of_repeated_recordings(request.train);
   if (!request.test_rows) warn_of_shared_recordings(request.train, request.test);
   const Model arm = arm_with_friction(request);
   const IdentificationOptions options = identification_options(request);

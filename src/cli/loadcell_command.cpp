@@ -81,6 +81,25 @@ Readings from_source(const LoadcellRequest& request) {
   return out;
 }
 
+// Two readings make a line, and nothing is left to tell how well it lies.
+std::string calibration_report(const LoadCellCalibration& found, std::size_t readings) {
+  if (!std::isfinite(found.offset_interval) || !std::isfinite(found.scale_interval)) {
+    return fmt::format("{} weights, {} readings: offset {:.1f} counts, scale {:.6g} N per count; no "
+                       "interval from {} readings.\n",
+                       found.weights, readings, found.offset, found.scale, readings);
+  }
+  std::string out = fmt::format(
+      "{} weights, {} readings: offset {:.1f} +- {:.2g} counts, scale {:.6g} +- {:.2g} N per count "
+      "(95 %).\n",
+      found.weights, readings, found.offset, found.offset_interval, found.scale,
+      found.scale_interval);
+  out += std::isfinite(found.noise) ? fmt::format("Noise of a reading {:.2g} N; ", found.noise)
+                                    : std::string("No noise from one reading per weight; ");
+  if (found.weights > 2)
+    return out + fmt::format("weights lie within {:.2g} N of the line.\n", found.nonlinearity);
+  return out + "two weights do not tell how straight the line is.\n";
+}
+
 ExitStatus calibrate(const LoadcellRequest& request) {
   for (const std::string& path : {request.common.json, request.output}) require_writable(path);
   const bool live = !request.source.empty();
@@ -98,18 +117,12 @@ ExitStatus calibrate(const LoadcellRequest& request) {
   }();
   if (!request.output.empty()) write_file(request.output, load_cell_text(found));
   if (!request.common.json.empty()) write_file(request.common.json, to_json(found));
-  std::cout << fmt::format(
-      "{} weights, {} readings: offset {:.1f} +- {:.2g} counts, scale {:.6g} +- {:.2g} N per count "
-      "(95 %).\n",
-      found.weights, readings.raw.size(), found.offset, found.offset_interval, found.scale,
-      found.scale_interval);
-  std::cout << fmt::format("Noise of a reading {:.2g} N; weights lie within {:.2g} N of the line.\n",
-                           found.noise, found.nonlinearity);
+  std::cout << calibration_report(found, readings.raw.size());
   return kDone;
 }
 
 ExitStatus read(const LoadcellRequest& request) {
-  require_writable(request.output);
+  for (const std::string& path : {request.common.json, request.output}) require_writable(path);
   ForceChannelOptions options;
   if (!request.calibration.empty()) options.calibration = read_load_cell(request.calibration);
   options.cutoff = request.cutoff;
@@ -144,6 +157,24 @@ ExitStatus read(const LoadcellRequest& request) {
                            channel.source().refused(), lowest, highest,
                            readings > 0 ? sum / static_cast<double>(readings) : 0.0, 1e3 * worst);
   if (readings == 0) bad = ForceState::kWaiting;
+  if (!request.common.json.empty()) {
+    const double count = static_cast<double>(readings);
+    const auto known = [readings](double value) {
+      return readings > 0 ? nlohmann::ordered_json(value) : nlohmann::ordered_json();
+    };
+    const nlohmann::ordered_json page = {{"source", request.source},
+                                         {"calibrated", !request.calibration.empty()},
+                                         {"seconds", request.seconds},
+                                         {"readings", readings},
+                                         {"rate", count / request.seconds},
+                                         {"refused", channel.source().refused()},
+                                         {"lowest", known(lowest)},
+                                         {"highest", known(highest)},
+                                         {"mean", known(sum / std::max(1.0, count))},
+                                         {"oldest", known(worst)},
+                                         {"state", describe(bad)}};
+    write_file(request.common.json, page.dump(2) + "\n");
+  }
   if (bad == ForceState::kGood) return kDone;
   say(fmt::format("{}: the sensor {}", request.source, describe(bad)));
   return kDataCannotAnswer;

@@ -76,13 +76,27 @@ bool rank_deficient(const Model& arm, const BaseParameters& arm_base,
       undetermined_parameters(arm_base, determined, identifiable_factor(arm, 3).column_norms());
   id.status = IdentificationStatus::kRankDeficient;
   std::string still;
-  for (const std::string& name : id.still_joints) still += (still.empty() ? "joint " : ", ") + name;
+  for (const std::string& name : id.still_joints) still += (still.empty() ? "" : ", ") + name;
   std::string open;
-  for (const std::string& name : id.undetermined) open += (open.empty() ? "" : "; ") + name;
+  int told = 0;
+  for (const std::string& name : id.undetermined) {
+    // Sums of many parameters fill lines and tell little; id.undetermined holds them all.
+    if (told == 8 || name.find(' ') != std::string::npos) continue;
+    open += (told++ == 0 ? "" : "; ") + name;
+  }
+  const int rest = static_cast<int>(id.undetermined.size()) - told;
+  if (rest > 0) open += text(told > 0 ? " and " : "", rest, told > 0 ? " more" : " sums of parameters");
   id.reason = still.empty() ? text("the recordings determine ", data_base.size(), " of ",
                                    arm_base.size(), " base parameters")
-                            : text(still, " never moves");
-  id.reason += "; undetermined: " + open;
+                            : text(id.still_joints.size() > 1 ? "joints " : "joint ", still,
+                                   id.still_joints.size() > 1 ? " never move" : " never moves");
+  // Where the gap lies across nearly all of them, their names would tell nothing.
+  if (!still.empty() || static_cast<int>(id.undetermined.size()) <= arm_base.size() / 2) {
+    id.reason += "; undetermined: " + open;
+  } else {
+    id.reason += text("; the ", arm_base.size() - data_base.size(),
+                      " that are missing are spread over nearly all: a longer or richer motion is needed");
+  }
   return true;
 }
 
@@ -298,6 +312,11 @@ bool fit_factors(const Model& arm, const std::vector<CompressedRecording>& recor
   id.noise_floor = mean_noise_floor(recordings, arm.joints());
   const auto begin = std::chrono::steady_clock::now();
   solve(arm, recordings, options, id);
+  if (id.status == IdentificationStatus::kRankDeficient && !recordings.empty()) {
+    const std::string more =
+        recordings.size() > 1 ? text(" and ", recordings.size() - 1, " more") : std::string();
+    id.reason = recordings.front().source + more + ": " + id.reason;
+  }
   id.seconds.solve = seconds_since(begin);
   return id.model.has_value();
 }

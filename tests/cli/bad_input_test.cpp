@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <fstream>
 
 #include "cli/tool.hpp"
@@ -176,7 +177,7 @@ TEST_F(BadInput, AllZero) {
   std::string content = "t,q1,q2,dq1,dq2,tau1,tau2\n";
   for (int k = 0; k < 800; ++k) content += std::to_string(0.01 * k) + ",0,0,0,0,0,0\n";
   const ToolRun run = identify("planar-2r", folder_.write("recording.csv", content));
-  expect_refused(run, 4, {"shoulder", "elbow", "never moves"});
+  expect_refused(run, 4, {"shoulder", "elbow", "never move"});
 }
 
 TEST_F(BadInput, NoRowsLeft) {
@@ -198,6 +199,51 @@ TEST(ProgramFault, AFullDiskBehindStandardOutputIsNotSuccess) {
   const std::string command =
       std::string(VERIDYN_TOOL) + " info planar-2r > /dev/full 2> /dev/null";
   EXPECT_NE(std::system(command.c_str()), 0);
+}
+
+// Insertion moves the tip along the tool: no point of it keeps its place.
+TEST(RemoteCentre, IsNotGivenWhereNoneExists) {
+  const TemporaryFolder folder;
+  std::string joints = "q1,q2,q3\n";
+  for (int k = 0; k < 30; ++k)
+    joints += std::to_string(0.3 * std::sin(0.5 * k)) + "," + std::to_string(0.3 * std::cos(0.3 * k)) +
+              "," + std::to_string(0.1 + 0.05 * std::sin(0.7 * k)) + "\n";
+  const std::string poses = folder.path("poses.csv");
+  const ToolRun forward = run_tool({"kinematics", "psm-3dof", "--forward",
+                                    folder.write("joints.csv", joints), "-o", poses, "--quiet"});
+  ASSERT_EQ(forward.status, 0) << forward.err;
+  const ToolRun run = run_tool({"calibrate", "rcm", poses, "--quiet"});
+  EXPECT_EQ(run.status, 4) << run.out << run.err;
+  EXPECT_NE((run.out + run.err).find("contradict any centre"), std::string::npos) << run.out << run.err;
+}
+
+TEST(RepeatedRecordings, AreWarnedOfUnderAnyName) {
+  const TemporaryFolder folder;
+  const std::string one = folder.write("one.csv", planar_recording(3.0));
+  const std::string copy = folder.write("copy.csv", planar_recording(3.0));
+  const std::string other = folder.write("other.csv", planar_recording(3.0, 0.8, 1.1));
+  const Words identify = {"identify", "planar-2r", "--quiet", "--train", one};
+  const std::string words = "counts once more";
+  EXPECT_NE(run_tool(identify + Words{one}).err.find(words), std::string::npos);
+  EXPECT_NE(run_tool(identify + Words{copy}).err.find("copy.csv holds the same as"), std::string::npos);
+  EXPECT_EQ(run_tool(identify + Words{other}).err.find(words), std::string::npos);
+}
+
+TEST(ColumnFiles, BlanksWithinANumberAreNotDropped) {
+  const TemporaryFolder folder;
+  const ToolRun run = run_tool({"loadcell", "calibrate",
+                                folder.write("cell.csv", "mass, raw\n0, 100\n1, 2 00\n"), "--quiet"});
+  EXPECT_EQ(run.status, 3) << run.out;
+  EXPECT_NE(run.err.find("cell.csv:3: found '2 00' in column raw"), std::string::npos) << run.err;
+}
+
+TEST(LoadCell, TwoReadingsGiveNoInterval) {
+  const TemporaryFolder folder;
+  const ToolRun run = run_tool({"loadcell", "calibrate",
+                                folder.write("cell.csv", "mass, raw\n0, 100\n1, 200\n"), "--quiet"});
+  EXPECT_EQ(run.status, 0) << run.err;
+  EXPECT_NE(run.out.find("no interval from 2 readings"), std::string::npos) << run.out;
+  EXPECT_EQ(run.out.find("nan"), std::string::npos) << run.out;
 }
 
 }  // namespace
