@@ -30,7 +30,7 @@ int main(int argc, char** argv) {
   try {
     const veridyn::Model arm = veridyn::read_model(argv[1]);
     const veridyn::Diagnosis lacks = veridyn::diagnose(arm, recordings, {held_out}, how);
-    for (const veridyn::Finding& cause : lacks.findings) std::cout << cause.sentence << "\n";
+    for (const veridyn::Finding& cause : lacks.findings) std::cout << lacks.sentence(cause) << "\n";
     if (lacks.findings.empty()) std::cout << "The model explains what was recorded.\n";
   } catch (const veridyn::InvalidInput& bad) {
     std::cerr << bad.what() << "\n";

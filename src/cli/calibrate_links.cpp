@@ -5,6 +5,7 @@
 
 #include "calibrate_options.hpp"
 #include "option_checks.hpp"
+#include "sound_arguments.hpp"
 #include "veridyn/calibration/links.hpp"
 #include "veridyn/effects/cause.hpp"
 #include "veridyn/effects/effect.hpp"
@@ -101,8 +102,7 @@ void add_calibrate_links(CLI::App& calibrate, Outcome& outcome) {
       ->option_text(" ");
   command.add_option("--frame", request->options.frame, "Frame that was tracked (default: the last)")
       ->option_text("NAME");
-  command.add_option("--robot-out", request->robot_out, "Write the robot with the constants found")
-      ->option_text("FILE");
+  add_output_option(command, "--robot-out", request->robot_out, "Write the robot with the constants found");
   const auto pose = [&](const char* option, std::string& target, const char* help) {
     command.add_option(option, target, help)
         ->option_text("auto|known|free")

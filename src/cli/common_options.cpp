@@ -9,6 +9,7 @@
 #include "choice.hpp"
 #include "messages.hpp"
 #include "recording_options.hpp"
+#include "sound_arguments.hpp"
 #include "math/output_file.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/report/setting_names.hpp"
@@ -56,8 +57,7 @@ std::vector<std::string> signal_names(const std::string& option, const std::stri
 
 void add_common_options(CLI::App& command, CommonOptions& options) {
   const char* const group = "Common";
-  command.add_option("--json", options.json, "Write the result as JSON")
-      ->option_text("FILE")
+  add_output_option(command, "--json", options.json, "Write the result as JSON")
       ->group(group);
   command.add_option("--threads", options.threads, "Threads; 0: one per core")
       ->option_text("N")
@@ -68,8 +68,7 @@ void add_common_options(CLI::App& command, CommonOptions& options) {
 }
 
 void add_report_option(CLI::App& command, CommonOptions& options) {
-  command.add_option("--report", options.report, "Write the result as one HTML page, with plots")
-      ->option_text("FILE")
+  add_output_option(command, "--report", options.report, "Write the result as one HTML page, with plots")
       ->group("Common");
 }
 

@@ -111,7 +111,7 @@ void add_boards_options(CLI::App& command, BoardsRequest& request) {
       ->option_text("HOST[:PORT]...");
   command.add_flag("--emulate", request.emulate,
                    "Emulate the boards, arms joined through the scenario's world, over UDP sockets");
-  command.add_option("--force-sensor", request.sensors, "For each member: serial:... or udp:PORT")
+  command.add_option("--force-sensor", request.sensors, "For each member, then each wall: serial:... or udp:PORT")
       ->option_text("SOURCE...");
   command.add_option("--force-calibration", request.calibrations, "For each sensor")
       ->option_text("FILE...");
@@ -123,8 +123,27 @@ void add_boards_options(CLI::App& command, BoardsRequest& request) {
       ->option_text("KIND:ARM@S...");
 }
 
-ExitStatus run_boards(const BoardsRequest& request, const Scenario& scenario,
-                      const std::string& path, const CommonOptions& common,
+std::unique_ptr<LineSource> open_line(const LiveRequest& request) {
+  return value_of("--live", [&] { return open_line_source(request.line); });
+}
+
+LiveOptions live_options(const LiveRequest& request) {
+  LiveOptions options;
+  options.pace = request.pace;
+  options.silence = request.silence;
+  options.watches_silence = request.line != "-";
+  return options;
+}
+
+LiveReport live_report() {
+  LiveReport tell;
+  tell.state = [](const std::string& line) { std::cout << line << std::endl; };
+  tell.refused = [](const std::string& line) { say(line); };
+  return tell;
+}
+
+ExitStatus run_boards(const BoardsRequest& request, const LiveRequest& live,
+                      const Scenario& scenario, const std::string& path, const CommonOptions& common,
                       const std::string& output, const std::string& command_line) {
   expect_value(request.configs.size() == scenario.arms.size(), "--boards", "found ",
                request.configs.size(), " configurations, expected one for each of ",
@@ -132,9 +151,19 @@ ExitStatus run_boards(const BoardsRequest& request, const Scenario& scenario,
   expect_value(request.emulate || request.hosts.size() == scenario.arms.size(), "--board-hosts",
                "found ", request.hosts.size(), ", expected one for each of ", scenario.arms.size(),
                " arms, or --emulate.");
-  if (is_teleoperation(path)) return run_teleoperation(request, path, common, output);
+  if (is_teleoperation(path)) {
+    expect_value(live.line.empty(), "--live", "found a teleoperation: a hand leads it.");
+    return run_teleoperation(request, path, common, output);
+  }
   std::vector<dvrk::CooperatingArm> arms;
-  const dvrk::BoardCooperationOptions options = board_options(request, scenario, arms);
+  dvrk::BoardCooperationOptions options = board_options(request, scenario, arms);
+  std::unique_ptr<LineSource> line;
+  if (!live.line.empty()) {
+    line = open_line(live);
+    options.lines = line.get();
+    options.live = live_options(live);
+    options.live_report = live_report();
+  }
   catch_signals();
   const dvrk::BoardCooperationRun done =
       dvrk::run_on_boards(scenario, arms, options, stop_asked());

@@ -1,11 +1,12 @@
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "commands.hpp"
 #include "common_options.hpp"
-#include "veridyn/cooperation/scenario.hpp"
+#include "veridyn/cooperation/live.hpp"
 
 namespace veridyn::cli {
 
@@ -19,9 +20,18 @@ struct BoardsRequest {
   bool emulate = false, stepped = false;
 };
 
+/// What `cooperate --live` is asked for, on boards or not.
+struct LiveRequest {
+  std::string line;  ///< "-" or "udp:..."; empty: the scenario's phases
+  double pace = 1.0, silence = 0.5;
+};
+std::unique_ptr<LineSource> open_line(const LiveRequest& request);
+LiveOptions live_options(const LiveRequest& request);
+LiveReport live_report();
+
 void add_boards_options(CLI::App& command, BoardsRequest& request);
 
-ExitStatus run_boards(const BoardsRequest& request, const Scenario& scenario,
+ExitStatus run_boards(const BoardsRequest& request, const LiveRequest& live, const Scenario& scenario,
                       const std::string& path, const CommonOptions& common,
                       const std::string& output, const std::string& command_line);
 

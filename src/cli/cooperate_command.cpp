@@ -7,6 +7,7 @@
 #include "messages.hpp"
 #include "option_checks.hpp"
 #include "cooperation/scenario_models.hpp"
+#include "sound_arguments.hpp"
 #include "veridyn/cooperation/live.hpp"
 #include "veridyn/cooperation/scenario_run.hpp"
 #include "veridyn/cooperation/scenario_sweep.hpp"
@@ -25,9 +26,8 @@ struct CooperateRequest {
   std::string scenario, output;
   std::string engine = "veridyn";
   bool sweep = false;
-  std::string live;
+  LiveRequest live;
   BoardsRequest boards;
-  double pace = 1.0, silence = 0.5;
   CommonOptions common;
 };
 
@@ -50,29 +50,21 @@ void write(const CooperateRequest& request, const Result& done, const Scenario& 
 ExitStatus run_by_line(const CooperateRequest& request) {
   const Scenario scenario = read_scenario(request.scenario);
   tell_made_up(request, scenario);
-  const std::unique_ptr<LineSource> lines =
-      value_of("--live", [&] { return open_line_source(request.live); });
-  LiveOptions options;
+  const std::unique_ptr<LineSource> lines = open_line(request.live);
+  LiveOptions options = live_options(request.live);
   options.engine = request.engine;
-  options.pace = request.pace;
-  options.silence = request.silence;
-  options.watches_silence = request.live != "-";
-  LiveReport tell;
-  tell.state = [](const std::string& line) { std::cout << line << std::endl; };
-  tell.refused = [](const std::string& line) { say(line); };
-  const LiveRun done = run_live(scenario, *lines, options, tell);
+  const LiveRun done = run_live(scenario, *lines, options, live_report());
   std::cout << done.report();
   const bool sound = done.status == StepStatus::kOk && done.state == CooperativeState::kTracking;
   return sound && !done.lost ? kDone : kDataCannotAnswer;
 }
 
 ExitStatus run(const CooperateRequest& request, const std::string& command) {
-  const bool live = !request.live.empty();
+  const bool live = !request.live.line.empty();
   const bool on_boards = !request.boards.configs.empty();
   expect_needs(*request.command,
                {{"--output", !request.sweep && !live, "a run: --sweep or --live beside it has no rows"},
                 {"--sweep", !live && !on_boards, "no --live or --boards beside it"},
-                {"--live", !on_boards, "no --boards beside it"},
                 {"--emulate", on_boards, "--boards"},
                 {"--stepped", request.boards.emulate, "--emulate"},
                 {"--board-hosts", on_boards, "--boards"},
@@ -81,15 +73,15 @@ ExitStatus run(const CooperateRequest& request, const std::string& command) {
                 {"--force-calibration", !request.boards.sensors.empty(), "--force-sensor"},
                 {"--json", !live, "no --live beside it"},
                 {"--report", !live, "no --live beside it"},
-                {"--pace", live, "--live"},
+                {"--pace", live && (!on_boards || request.boards.stepped), "--live, and --stepped on boards"},
                 {"--silence", live, "--live"}});
-  if (live) return run_by_line(request);
+  if (live && !on_boards) return run_by_line(request);
   for (const std::string& path : {request.output, request.common.json, request.common.report})
     require_writable(path);
   const Scenario scenario = read_scenario(request.scenario);
   if (on_boards) tell_made_up(request, scenario);
   if (on_boards)
-    return run_boards(request.boards, scenario, request.scenario, request.common, request.output,
+    return run_boards(request.boards, request.live, scenario, request.scenario, request.common, request.output,
                       command);
   require(!is_teleoperation(request.scenario), request.scenario,
           ": found a teleoperation, which runs on boards alone: expected --boards, with --emulate "
@@ -119,20 +111,19 @@ void add_cooperate_command(CLI::App& tool, Outcome& outcome) {
   command.add_option("SCENARIO", request->scenario, "YAML: arms, object, loops, phases")
       ->required()
       ->option_text(" ");
-  command.add_option("-o,--output", request->output, "Write what happened as CSV")
-      ->option_text("FILE");
+  add_output_option(command, "-o,--output", request->output, "Write what happened as CSV");
   command.add_option("--engine", request->engine, "What computes the motion (veridyn)")
       ->option_text(listed(engine_names()))
       ->check(CLI::IsMember(engine_names()));
   command.add_flag("--sweep", request->sweep,
                    "Run the scenario's sweep instead: a map of stability");
   add_boards_options(command, request->boards);
-  command.add_option("--live", request->live, "Take commands from a line instead of the phases")
+  command.add_option("--live", request->live.line, "Take commands from a line instead of the phases")
       ->option_text("-|udp:[ADDRESS:]PORT");
-  command.add_option("--pace", request->pace, "Simulated seconds per second (1); 0: at once")
+  command.add_option("--pace", request->live.pace, "Simulated seconds per second (1); 0: at once")
       ->option_text("X")
       ->check(CLI::NonNegativeNumber);
-  command.add_option("--silence", request->silence, "After which a socket's line is lost [s] (0.5)")
+  command.add_option("--silence", request->live.silence, "After which a socket's line is lost [s] (0.5)")
       ->option_text("S")
       ->check(CLI::PositiveNumber);
   add_common_options(command, request->common);

@@ -8,6 +8,7 @@
 #include "messages.hpp"
 #include "option_checks.hpp"
 #include "recording_options.hpp"
+#include "sound_arguments.hpp"
 #include "veridyn/diagnosis/diagnosis.hpp"
 #include "effects/plain_friction.hpp"
 #include "math/output_file.hpp"
@@ -36,11 +37,12 @@ void expect_known_effects(const std::vector<std::string>& names) {
 
 // The command that makes the recording, with the robot as it was named here and with what is
 // recorded and known already.
-std::string next_command(const DiagnoseRequest& request, const NextExperiment& next) {
+std::string next_command(const DiagnoseRequest& request, const Model& arm,
+                         const NextExperiment& next) {
   if (next.between.empty()) return "";
   std::vector<std::string> words = {"veridyn", "excite", request.robot, "-o", "next.csv",
                                     "--criterion", "discriminate", "--between",
-                                    to_text(next.between[0]) + "," + to_text(next.between[1])};
+                                    to_text(arm, next.between[0]) + "," + to_text(arm, next.between[1])};
   if (next.slow_passes > 0)
     words.insert(words.end(), {"--slow-passes", std::to_string(next.slow_passes)});
   words.emplace_back("--given");
@@ -76,7 +78,7 @@ ExitStatus run(DiagnoseRequest& request, const std::string& command_line) {
     return kDataCannotAnswer;
   }
   tell_facts(d.data_quality);
-  d.next_experiment.trajectory = next_command(request, d.next_experiment);
+  d.next_experiment.trajectory = next_command(request, arm, d.next_experiment);
   if (!request.model_out.empty())
     save(d.extended, request.model_out, "diagnose", robot_path(request.robot));
   if (!request.common.json.empty()) write_file(request.common.json, to_json(d));
@@ -115,8 +117,7 @@ void add_diagnose_command(CLI::App& tool, Outcome& outcome) {
                   "prior, as in a maker's file (identified first; default of URDF)")
       ->check(CLI::IsMember({"facts", "prior"}))
       ->option_text("facts|prior");
-  command.add_option("--model-out", request->model_out, "Write the extended model as YAML")
-      ->option_text("FILE");
+  add_output_option(command, "--model-out", request->model_out, "Write the extended model as YAML");
   add_choice(command, "--weights", request->options.identification.weights,
              {JointWeights::kResidual, JointWeights::kRange},
              "Joints weighted by their residual or by the range of their torque");

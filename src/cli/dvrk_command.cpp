@@ -7,6 +7,7 @@
 #include "dvrk_request.hpp"
 #include "messages.hpp"
 #include "option_checks.hpp"
+#include "sound_arguments.hpp"
 #include "dvrk/arms/arm_facts.hpp"
 #include "veridyn/math/require.hpp"
 
@@ -134,8 +135,7 @@ void add_emulate(CLI::App& dvrk, Outcome& outcome) {
       .add_option("--instrument-chip", request->chips,
                   "Memory of the Dallas chip on a board, 256 bytes (no chip)")
       ->option_text("BOARD=FILE");
-  command.add_option("--config-out", request->config_out, "Writes the configuration in use (XML)")
-      ->option_text("FILE");
+  add_output_option(command, "--config-out", request->config_out, "Writes the configuration in use (XML)");
   add_seconds(command, *request, "Ends after so long (Ctrl-C)");
 }
 
@@ -159,7 +159,7 @@ void add_clients(CLI::App& dvrk, Outcome& outcome) {
   add_client_options(recording, *read);
   add_reading_options(recording, *read);
   add_seconds(recording, *read, "How long (30)");
-  recording.add_option("-o,--output", read->output, "The recording")
+  add_output_option(recording, "-o,--output", read->output, "The recording")
       ->option_text("REC.csv")
       ->required();
 }
@@ -179,7 +179,7 @@ void add_run(CLI::App& dvrk, Outcome& outcome) {
       ->check(CLI::IsMember({"pid", "computed-torque", "impedance", "gravity"}));
   motion.add_option("--trajectory", run->trajectory, "CSV with t and q; dq if there")
       ->option_text("TRAJ.csv");
-  motion.add_option("-o,--output", run->output, "The recording")
+  add_output_option(motion, "-o,--output", run->output, "The recording")
       ->option_text("REC.csv")
       ->required();
   motion

@@ -6,6 +6,7 @@
 #include "dvrk_request.hpp"
 #include "math/output_file.hpp"
 #include "option_checks.hpp"
+#include "sound_arguments.hpp"
 #include "dvrk/arms/arm_facts.hpp"
 #include "veridyn/math/require.hpp"
 
@@ -84,7 +85,7 @@ void add_dvrk_config(CLI::App& dvrk) {
       ->option_text("FILE");
   command.add_option("--arm", request->arm, "Or the nominal configuration of a known arm")
       ->option_text("NAME");
-  command.add_option("-o,--output", request->output, "Write it, in the format of the ending")
+  add_output_option(command, "-o,--output", request->output, "Write it, in the format of the ending")
       ->option_text("FILE.xml|FILE.json");
   command.set_version_flag("--version", "veridyn " VERIDYN_VERSION);
   command.callback([request] { run(*request); });

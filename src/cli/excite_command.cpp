@@ -14,6 +14,7 @@
 #include "excite_poses.hpp"
 #include "messages.hpp"
 #include "option_checks.hpp"
+#include "sound_arguments.hpp"
 #include "veridyn/excitation/excitation.hpp"
 #include "recordings/recorded_motion.hpp"
 #include "veridyn/recordings/recording.hpp"
@@ -295,12 +296,8 @@ void add_excite_command(CLI::App& tool, Outcome& outcome) {
   CLI::App& command = *tool.add_subcommand(
       "excite", "A motion that starts and stops at rest and tells the parameters apart");
   add_robot_argument(command, request->robot);
-  command.add_option("-o,--output", request->output, "Write the motion as CSV: t, q, dq, ddq")
-      ->required()
-      ->option_text("FILE");
-  command
-      .add_option("--coefficients", request->coefficients, "Write the series' coefficients as YAML")
-      ->option_text("FILE");
+  add_output_option(command, "-o,--output", request->output, "Write the motion as CSV: t, q, dq, ddq")->required();
+  add_output_option(command, "--coefficients", request->coefficients, "Write the series' coefficients as YAML");
   add_motion_options(command, request->options);
   add_search_options(command, request->options);
   command

@@ -6,6 +6,7 @@
 #include "export_dvrk.hpp"
 #include "math/output_file.hpp"
 #include "messages.hpp"
+#include "sound_arguments.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/export/c_code.hpp"
 #include "veridyn/export/mjcf.hpp"
@@ -96,7 +97,7 @@ void add_export_command(CLI::App& tool, Outcome&) {
       ->required()
       ->option_text(" ");
   const auto file = [&command](const char* option, std::string& target, const char* help) {
-    command.add_option(option, target, help)->option_text("FILE");
+    add_output_option(command, option, target, help);
   };
   file("--urdf", request->urdf, "Write URDF; meshes that came from URDF stay");
   file("--mjcf", request->mjcf, "Write MuJoCo's XML");

@@ -7,6 +7,7 @@
 #include <iostream>
 
 #include "option_checks.hpp"
+#include "sound_arguments.hpp"
 #include "dvrk/arms/effort_scales.hpp"
 #include "dvrk/arms/gravity_chain.hpp"
 #include "math/output_file.hpp"
@@ -100,14 +101,10 @@ void write_scales(const Model& model, const dvrk::ArmFacts& arm, const DvrkExpor
 }  // namespace
 
 void add_dvrk_export_options(CLI::App& command, DvrkExport& request) {
-  command
-      .add_option("--dvrk-gravity", request.gravity,
-                  "Write gravity as rows of a PSM or ECM for the dVRK's compensation (JSON)")
-      ->option_text("FILE");
-  command
-      .add_option("--dvrk-scales", request.scales,
-                  "Write current per effort with identified gains (JSON)")
-      ->option_text("FILE");
+  add_output_option(command, "--dvrk-gravity", request.gravity,
+                  "Write gravity as rows of a PSM or ECM for the dVRK's compensation (JSON)");
+  add_output_option(command, "--dvrk-scales", request.scales,
+                  "Write current per effort with identified gains (JSON)");
   command
       .add_option("--dvrk-arm", request.arm,
                   "Arm, such as PSM1 [the first whose name the model's begins with]")

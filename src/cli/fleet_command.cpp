@@ -5,6 +5,7 @@
 #include "common_options.hpp"
 #include "math/output_file.hpp"
 #include "messages.hpp"
+#include "sound_arguments.hpp"
 #include "veridyn/identification/fleet.hpp"
 #include "veridyn/model/model_file.hpp"
 #include "veridyn/report/json.hpp"
@@ -19,13 +20,18 @@ struct FleetRequest {
 };
 
 void run(const FleetRequest& request) {
+  const std::vector<FleetArm> arms = read_fleet(request.list);
+  for (const FleetArm& one : arms) {
+    expect_apart("--model-out", request.model_out, one.files);
+    expect_apart("--json", request.common.json, one.files);
+  }
   require_writable(request.common.json);
   require_writable(request.model_out);
   const Model arm = read_model(request.robot);
   FleetOptions options = request.options;
   options.threads = request.common.threads;
   options.progress = progress(request.common);
-  const Fleet fleet = identify_fleet(arm, read_fleet(request.list), options);
+  const Fleet fleet = identify_fleet(arm, arms, options);
   for (const UnusedRecording& r : fleet.left_out) say("warning: left out: " + r.why);
   if (!request.model_out.empty()) save_model(*fleet.model, request.model_out);
   if (!request.common.json.empty()) write_file(request.common.json, to_json(fleet));
@@ -49,8 +55,7 @@ void add_fleet_command(CLI::App& tool, Outcome&) {
                   "Chance of naming an arm of a fleet without an odd one (0.01)")
       ->option_text("P")
       ->check(CLI::Range(1e-12, 0.5));
-  command.add_option("--model-out", request->model_out, "Write the fleet's model as YAML")
-      ->option_text("FILE");
+  add_output_option(command, "--model-out", request->model_out, "Write the fleet's model as YAML");
   add_preprocessing_options(command, request->options.preprocessing);
   add_common_options(command, request->common);
   command.callback([request] { run(*request); });

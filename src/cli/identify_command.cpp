@@ -12,6 +12,7 @@
 #include "math/output_file.hpp"
 #include "ranks.hpp"
 #include "recording_options.hpp"
+#include "sound_arguments.hpp"
 #include "effects/plain_friction.hpp"
 #include "veridyn/identification/factor_set.hpp"
 #include "veridyn/math/require.hpp"
@@ -266,15 +267,12 @@ void add_identify_command(CLI::App& tool, Outcome& outcome) {
       ->option_text("REC...");
   command.add_option("--factors", request->factors, "Factor files of recordings to identify from")
       ->option_text("FILE...");
-  command
-      .add_option("--factor-out", request->factor_out,
-                  "Write what the training recordings say as a factor file, without a sample")
-      ->option_text("FILE");
+  add_output_option(command, "--factor-out", request->factor_out,
+                  "Write what the training recordings say as a factor file, without a sample");
   command.add_option("--test", request->test, "Recordings held out, to validate on")
       ->option_text("REC...");
   add_fit_options(command, *request);
-  command.add_option("--model-out", request->model_out, "Write the identified model as YAML")
-      ->option_text("FILE");
+  add_output_option(command, "--model-out", request->model_out, "Write the identified model as YAML");
   add_preprocessing_options(command, request->options.preprocessing);
   add_fix_option(command, request->common.fixed);
   add_row_range(command, "--test-rows", "Rows of the held-out recordings (default: as --rows)",

@@ -9,6 +9,7 @@
 #include "kinematics_closed_form.hpp"
 #include "messages.hpp"
 #include "option_checks.hpp"
+#include "sound_arguments.hpp"
 #include "control/kinematics_table.hpp"
 #include "math/output_file.hpp"
 #include "veridyn/math/require.hpp"
@@ -157,7 +158,7 @@ void add_kinematics_command(CLI::App& tool, Outcome& outcome) {
       ->option_text("closed-form|newton")
       ->check(CLI::IsMember({"closed-form", "newton"}));
   command.add_flag("--jacobian", request->jacobian, "Write the Jacobian's entries too");
-  command.add_option("-o,--output", request->output, "Write the rows as CSV")->option_text("FILE");
+  add_output_option(command, "-o,--output", request->output, "Write the rows as CSV");
   add_common_options(command, request->common);
   add_report_option(command, request->common);
   command.callback([request, &outcome] { outcome.status = run(*request, outcome.command_line); });

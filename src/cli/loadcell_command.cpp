@@ -12,6 +12,7 @@
 #include "math/output_file.hpp"
 #include "messages.hpp"
 #include "option_checks.hpp"
+#include "sound_arguments.hpp"
 #include "veridyn/control/load_cell.hpp"
 #include "veridyn/math/require.hpp"
 #include "report/loadcell_json.hpp"
@@ -164,8 +165,7 @@ void add_calibrate(CLI::App& parent, Outcome& outcome) {
   command.add_option("--gravity", request->gravity, "[m/s^2] (9.81)")
       ->option_text("G")
       ->check(CLI::Range(0.1, 100.0));
-  command.add_option("-o,--output", request->output, "Write the calibration as YAML")
-      ->option_text("FILE");
+  add_output_option(command, "-o,--output", request->output, "Write the calibration as YAML");
   add_common_options(command, request->common);
   command.callback([request, &outcome] { outcome.status = calibrate(*request); });
 }
@@ -194,7 +194,7 @@ void add_read(CLI::App& parent, Outcome& outcome) {
   command.add_option("--stuck", request->stuck, "Of equal readings, after which it is stuck [ms] (15); 0: never")
       ->option_text("MS")
       ->check(CLI::NonNegativeNumber);
-  command.add_option("-o,--output", request->output, "Write t, raw, force as CSV")->option_text("FILE");
+  add_output_option(command, "-o,--output", request->output, "Write t, raw, force as CSV");
   add_common_options(command, request->common);
   command.callback([request, &outcome] { outcome.status = read(*request); });
 }

@@ -9,6 +9,7 @@
 #include "option_checks.hpp"
 #include "recording_options.hpp"
 #include "simulate_request.hpp"
+#include "sound_arguments.hpp"
 #include "veridyn/recordings/recording.hpp"
 #include "math/output_file.hpp"
 #include "veridyn/math/require.hpp"
@@ -124,8 +125,7 @@ void add_simulate_command(CLI::App& tool, Outcome& outcome) {
   add_robot_argument(command, request->robot);
   command.add_option("--trajectory", request->trajectory, "CSV with t and q; dq and ddq if there")
       ->option_text("TRAJ");
-  command.add_option("-o,--output", request->output, "Write the recording as CSV: t, q, dq, tau")
-      ->option_text("FILE");
+  add_output_option(command, "-o,--output", request->output, "Write the recording as CSV: t, q, dq, tau");
   command.add_option("--effect", request->effects, "What the arm has beyond its file; see below")
       ->option_text("NAME:JOINT[:KEY=VALUE,...]")
       ->expected(1)
@@ -154,8 +154,7 @@ void add_simulate_command(CLI::App& tool, Outcome& outcome) {
       .add_option("--arm-seed", request->arm_seed,
                   "Of the values of an arm whose file has none; the same in all its recordings (1)")
       ->option_text("N");
-  command.add_option("--model-out", request->model_out, "Write the true arm as YAML")
-      ->option_text("FILE");
+  add_output_option(command, "--model-out", request->model_out, "Write the true arm as YAML");
   add_control_options(command, *request);
   add_common_options(command, request->common);
   add_report_option(command, request->common);

@@ -1,7 +1,5 @@
 #include "sound_arguments.hpp"
 
-#include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
@@ -15,22 +13,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Options whose value is a file to write.
-constexpr std::array<const char*, 14> kOutputs = {
-    "--robot-out",
-    "--json",         "--report",      "--output",        "--model-out", "--coefficients",
-    "--config-out",   "--urdf",        "--yaml",          "--mjcf",      "--cpp",
-    "--dvrk-gravity", "--dvrk-scales", "--trajectory-out"};
+// The type of options whose value is a file to write; messages say it where the value is missing.
+constexpr const char* kOutputType = "FILE to write";
 
 struct NamedFile {
   std::string option;
   fs::path path;
 };
 
-bool is_output(const CLI::Option& option) {
-  return std::any_of(kOutputs.begin(), kOutputs.end(),
-                     [&option](const char* name) { return option.check_name(name); });
-}
+bool is_output(const CLI::Option& option) { return option.get_type_name() == kOutputType; }
 
 bool is_number(const std::string& word, double& value) {
   char* end = nullptr;
@@ -92,6 +83,19 @@ void expect_sound(const CLI::App& command) {
 }
 
 }  // namespace
+
+CLI::Option* add_output_option(CLI::App& command, const std::string& option, std::string& target,
+                               const std::string& help) {
+  return command.add_option(option, target, help)->type_name(kOutputType)->option_text("FILE");
+}
+
+void expect_apart(const std::string& option, const std::string& output,
+                  const std::vector<std::string>& inputs) {
+  for (const std::string& input : inputs) {
+    if (!output.empty() && same_file(place(output), place(input)))
+      throw CLI::ValidationError(option, "found '" + output + "', which is read, expected another file");
+  }
+}
 
 void expect_sound_arguments(CLI::App& tool) {
   for (CLI::App* command : tool.get_subcommands([](const CLI::App*) { return true; })) {

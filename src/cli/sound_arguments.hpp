@@ -1,8 +1,19 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <string>
+#include <vector>
 
 namespace veridyn::cli {
+
+/// Adds an option whose value is a file to write: expect_sound_arguments() keeps it off the inputs.
+CLI::Option* add_output_option(CLI::App& command, const std::string& option, std::string& target,
+                               const std::string& help);
+
+/// For inputs that are named in a file rather than as arguments.
+/// @throws CLI::ValidationError  the option's file is one of those that are read.
+void expect_apart(const std::string& option, const std::string& output,
+                  const std::vector<std::string>& inputs);
 
 /// Looks at what every command was given, after parsing and before it runs: numbers are finite, no
 /// two outputs go to one file, and no output goes over an input. Call it once all commands are

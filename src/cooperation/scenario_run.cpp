@@ -109,9 +109,11 @@ bool ScenarioRun::met() const {
 }
 
 std::string ScenarioRun::report() const {
-  std::string out = fmt::format("{}: {} arm{}, {:.4g} s simulated in {:.2g} s by {}.\n", name,
-                                arms.size(), arms.size() == 1 ? "" : "s",
-                                time.size() > 0 ? time[time.size() - 1] : 0.0, seconds, engine);
+  const double end = time.size() > 0 ? time[time.size() - 1] : 0.0;
+  std::string out = fmt::format("{}: {} arm{}, {:.4g} s ", name, arms.size(),
+                                arms.size() == 1 ? "" : "s", end);
+  out += engine == "boards" ? "on boards.\n"
+                            : fmt::format("simulated in {:.2g} s by {}.\n", seconds, engine);
   out +=
       fmt::format("{:<22} {:<12} {:>8} {:>9} {:>9} {:>9} {:>9} {:>9} {:>10}\n"
                   "{:<35} {:>8} {:>9} {:>9} {:>9} {:>9} {:>9} {:>10}\n",

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <memory>
 #include <utility>
 
 #include "diagnosis/stages/investigation.hpp"
@@ -13,6 +14,12 @@ namespace {
 
 bool are_facts(const Model& arm, const DiagnosisOptions& options) {
   return options.values == RobotValues::kFacts && has_all_values(arm);
+}
+
+// Every file is parsed once.
+void keep_recordings(IdentificationOptions& how) {
+  how.preprocessing.kept = std::make_shared<KeptRecordings>();
+  if (how.test_preprocessing) how.test_preprocessing->kept = how.preprocessing.kept;
 }
 
 void ask_everything(Investigation& x) {
@@ -48,10 +55,10 @@ void run_stages(Investigation& x) {
 Diagnosis diagnose(const Model& arm, const Recordings& train, const Recordings& test,
                    const DiagnosisOptions& options) {
   const auto begin = std::chrono::steady_clock::now();
-  const KeptRecordings kept;  // every file is parsed once
   const NamedRecordings<IdentificationOptions> named(train, test, options.identification);
   Investigation x{arm, named.train, named.test, options, {}, {}, 0, {}, {}, {}};
   x.options.identification = named.how;
+  keep_recordings(x.options.identification);
   x.d.changes = are_facts(arm, options);
   x.d.provisional = named.train.size() == 1;
   x.d.summary.held_out_untouched = options.extended == ExtendedModel::kAllFindings;

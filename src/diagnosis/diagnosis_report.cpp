@@ -29,8 +29,8 @@ std::string status_words(const Finding& f) {
              : "NOT CONFIRMED: the held-out error of its joint is no smaller with it";
 }
 
-std::string finding_text(const Finding& f) {
-  std::string out = fmt::format("{}. {}\n", f.rank, f.sentence);
+std::string finding_text(const Diagnosis& d, const Finding& f) {
+  std::string out = fmt::format("{}. {}\n", f.rank, d.sentence(f));
   for (const FoundParameter& p : f.parameters) {
     out += fmt::format("     {} = {:.4g} {} (95 %: {:.4g} to {:.4g})\n", p.name, p.value, p.unit,
                        p.low, p.high);
@@ -44,15 +44,16 @@ std::string finding_text(const Finding& f) {
     out += fmt::format("     p = {:.1e}, {}\n", f.p_value, status_words(f));
   }
   for (const Rival& r : f.rivals) {
+    const CauseWords w = words_of(*d.baseline.model, r.cause);
     const std::string place =
-        r.frame.empty() ? fmt::format("joint {} ({})", r.joint, r.coordinate) : r.frame;
-    out += fmt::format("     rival: {} on {}: {}\n", r.effect, place, r.why);
+        w.frame.empty() ? fmt::format("joint {} ({})", w.joint, w.coordinate) : w.frame;
+    out += fmt::format("     rival: {} on {}: {}\n", w.effect, place, r.why);
   }
   return out;
 }
 
-std::string small_text(const Finding& f) {
-  return fmt::format("{:>4}. {} p = {:.1e}, {}\n", f.rank, f.sentence, f.p_value, status_words(f));
+std::string small_text(const Diagnosis& d, const Finding& f) {
+  return fmt::format("{:>4}. {} p = {:.1e}, {}\n", f.rank, d.sentence(f), f.p_value, status_words(f));
 }
 
 std::string summary_text(const Diagnosis& d) {
@@ -79,9 +80,19 @@ std::string worse_words(const Diagnosis& d, int joint) {
 
 }  // namespace
 
+std::string Diagnosis::sentence(const Finding& finding) const {
+  return baseline.model ? veridyn::sentence(*baseline.model, finding) : finding.phrase;
+}
+
+std::string NextExperiment::words(const Model& arm, size_t k) const {
+  const CauseWords w = words_of(arm, between[k]);
+  if (!w.frame.empty()) return w.effect + " on " + w.frame;
+  return w.joint > 0 ? w.effect + " on joint " + std::to_string(w.joint) : w.effect;
+}
+
 std::string Diagnosis::verdict() const {
   if (findings.empty()) return "none";
-  std::string out = findings.front().sentence;
+  std::string out = sentence(findings.front());
   if (findings.front().status == FindingStatus::kNotConfirmed)
     out += " The held-out recordings do not confirm it.";
   for (const int joint : summary.worse_joints) {
@@ -113,11 +124,11 @@ std::string Diagnosis::report() const {
          : changes        ? "\nwhat changed since the model was made:\n"
                           : "\nwhat the model lacks:\n";
   for (const Finding& f : findings) {
-    if (f.main) out += finding_text(f);
+    if (f.main) out += finding_text(*this, f);
   }
   if (static_cast<size_t>(summary.main) < findings.size()) out += "small ones:\n";
   for (const Finding& f : findings) {
-    if (!f.main) out += small_text(f);
+    if (!f.main) out += small_text(*this, f);
   }
   for (const std::string& remark : remarks) out += "remark: " + remark + "\n";
   out += summary_text(*this);
@@ -142,13 +153,16 @@ std::string Diagnosis::report() const {
   line("training, baseline", baseline.train_error.relative);
   line("training, extended", extended.train_error.relative);
   line("noise floor", baseline.noise_floor);
-  if (!next_experiment.separates.empty()) {
-    out += fmt::format("next experiment, to separate {} from {}", next_experiment.separates[0],
-                       next_experiment.separates[1]);
+  if (!next_experiment.between.empty()) {
+    out += fmt::format("next experiment, to separate {} from {}",
+                       next_experiment.words(*baseline.model, 0),
+                       next_experiment.words(*baseline.model, 1));
     out += next_experiment.trajectory.empty() ? "\n" : ":\n  " + next_experiment.trajectory + "\n";
   }
-  for (const CannotTell& c : cannot_tell)
-    out += fmt::format("cannot tell: {} on joint {}: {}\n", c.effect, c.joint, c.why);
+  for (const CannotTell& c : cannot_tell) {
+    const int joint = c.cause ? words_of(*baseline.model, *c.cause).joint : 0;
+    out += fmt::format("cannot tell: {} on joint {}: {}\n", c.effect, joint, c.why);
+  }
   return out;
 }
 

@@ -16,41 +16,49 @@
 namespace veridyn {
 namespace {
 
-Rival rival(const Model& arm, const Hypothesis& h, const std::string& why) {
-  const Finding at = finding_at(arm, h);
-  return {at.effect, at.joint, at.coordinate, why, at.frame};
+// "Joint 3 (insertion)", or "The arm".
+std::string place_of(const CauseWords& w) {
+  if (w.joint < 1) return "The arm";
+  return "Joint " + std::to_string(w.joint) + " (" + w.coordinate + ")";
 }
 
 }  // namespace
 
-Finding finding_at(const Model& arm, const Hypothesis& h) {
+Finding finding_at(const Hypothesis& h) {
   Finding f;
-  f.effect = h.effect;
-  f.joint = h.joint + 1;
-  f.coordinate = h.joint < 0 ? "arm" : arm.coordinates()[static_cast<size_t>(h.joint)].name;
-  if (h.body >= 0) f.frame = arm.frames()[static_cast<size_t>(h.frame)].name;
+  f.cause = h.cause;
+  f.joint = h.joint;
   return f;
 }
 
-std::string place_words(const Finding& f) {
-  if (f.joint < 1) return "The arm";
-  return "Joint " + std::to_string(f.joint) + " (" + f.coordinate + ")";
+std::string sentence(const Model& arm, const Finding& f) {
+  const CauseWords w = words_of(arm, f.cause);
+  std::string out = place_of(w) + ": " + f.phrase + ".";
+  if (std::holds_alternative<AddedLoad>(f.cause)) {
+    out = f.phrase + " sits on " + w.frame + ".";
+    out.front() = 'A';
+  }
+  if (std::holds_alternative<ChannelError>(f.cause)) out = place_of(w) + " has " + f.phrase + ".";
+  if (std::holds_alternative<KinematicError>(f.cause))
+    out = "The robot file has a wrong constant: " + f.phrase + ".";
+  if (std::holds_alternative<ExternalContact>(f.cause)) out = f.source + ": " + f.phrase + ".";
+  return f.remark.empty() ? out : out + " " + f.remark;
 }
 
 std::string remark_on_size(const Hypothesis& h, const std::vector<double>& values) {
   const bool large = std::any_of(values.begin(), values.end(), [&h](double value) {
     return std::abs(value) > h.largest_value;
   });
-  return large ? " That is unusually large for an error of this kind." : "";
+  return large ? "That is unusually large for an error of this kind." : "";
 }
 
 Finding channel_finding(const Inquiry& asked, const Hypothesis& h,
                         const std::vector<double>& values, const VectorXd& half_widths) {
   const Model& arm = asked.augmented.model;
-  const EffectTerm& term = arm.effects()[static_cast<size_t>(h.term)];
-  Finding f = finding_at(arm, h);
-  const std::vector<EffectParameter> parameters = find_effect(h.effect).parameters();
-  const bool slides = h.joint >= 0 && is_prismatic(arm, term.axis);
+  const EffectTerm& term = term_of(arm, h);
+  Finding f = finding_at(h);
+  const std::vector<EffectParameter> parameters = find_effect(term.effect).parameters();
+  const bool slides = h.joint && is_prismatic(arm, term.axis);
   for (size_t p = 0; p < values.size(); ++p) {
     const double half = half_widths[static_cast<Eigen::Index>(p)];
     f.parameters.push_back(
@@ -58,29 +66,28 @@ Finding channel_finding(const Inquiry& asked, const Hypothesis& h,
          values[p], values[p] - half, values[p] + half});
   }
   f.unit = f.parameters.front().unit;
-  f.sentence = place_words(f) + " has " + channel_phrase(arm, term, values) + "." +
-               remark_on_size(h, values);
+  f.phrase = channel_phrase(arm, term, values);
+  f.remark = remark_on_size(h, values);
   return f;
 }
 
 std::vector<Rival> rivals_of(const Inquiry& asked, const NormalBlocks& data, const Hypothesis& h,
                              const Accepted& accepted, bool changes) {
-  const Model& arm = asked.augmented.model;
   std::vector<Rival> out;
   for (const Evidence& e : accepted.rivals) {
     const Hypothesis& other = asked.augmented.hypotheses[static_cast<size_t>(e.hypothesis)];
-    const bool same = h.body >= 0 && other.body >= 0 && same_torques(data, h, other);
-    out.push_back(
-        rival(arm, other,
-              same ? "moves so alike that torques cannot tell which link carries it"
-                   : fmt::format("gains {:.0f} % as much on held-out data",
-                                 numerics::kPercent * e.gain /
-                                     std::max(numerics::kNoise, accepted.evidence.gain))));
+    const bool same = is_load(h) && is_load(other) && same_torques(data, h, other);
+    out.push_back({other.cause,
+                   same ? "moves so alike that torques cannot tell which link carries it"
+                        : fmt::format("gains {:.0f} % as much on held-out data",
+                                      numerics::kPercent * e.gain /
+                                          std::max(numerics::kNoise, accepted.evidence.gain))});
   }
-  if (h.body < 0 && !changes && find_effect(h.effect).traits().same_as_wrong_constant) {
-    Rival same = rival(arm, h, "a wrong zero of this joint in the robot file does exactly the same");
-    same.effect = KinematicError::kName;
-    out.push_back(same);
+  const bool constant =
+      !is_load(h) && find_effect(effect_of(h.cause)).traits().same_as_wrong_constant;
+  if (constant && h.joint && !changes) {
+    out.push_back({KinematicError{KinematicError::kZero, *h.joint},
+                   "a wrong zero of this joint in the robot file does exactly the same"});
   }
   return out;
 }
@@ -108,8 +115,8 @@ FindingStatus status_of(const Finding& f) {
   if (f.test_before.size() == 0 || f.test_after.size() != f.test_before.size())
     return FindingStatus::kConfirmed;
   const bool falls = log_fall(f.test_before, f.test_after) > 0.0;
-  const Eigen::Index own = f.joint - 1;
-  const bool own_falls = own < 0 || f.test_after[own] <= f.test_before[own];
+  const bool own_falls =
+      !f.joint || f.test_after[f.joint->value] <= f.test_before[f.joint->value];
   return falls && own_falls ? FindingStatus::kConfirmed : FindingStatus::kNotConfirmed;
 }
 

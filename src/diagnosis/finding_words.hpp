@@ -8,12 +8,9 @@
 namespace veridyn {
 
 /// A finding of a hypothesis with its place and nothing else.
-Finding finding_at(const Model& arm, const Hypothesis& h);
+Finding finding_at(const Hypothesis& h);
 
-/// "Joint 3 (insertion)", or "The arm".
-std::string place_words(const Finding& f);
-
-/// " That is unusually large ..." where a parameter is beyond what such errors usually are; empty
+/// "That is unusually large ..." where a parameter is beyond what such errors usually are; empty
 /// elsewhere. It decides nothing.
 std::string remark_on_size(const Hypothesis& h, const std::vector<double>& values);
 

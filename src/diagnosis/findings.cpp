@@ -23,16 +23,6 @@ namespace {
 
 constexpr size_t kListed = 60;  // of what the data rule out
 
-const EffectTerm& term_of(const Inquiry& q, const Hypothesis& h) {
-  return q.augmented.model.effects()[static_cast<size_t>(h.term)];
-}
-
-std::string place_text(const Model& arm, const Hypothesis& h) {
-  if (h.body >= 0) return "on " + arm.frames()[static_cast<size_t>(h.frame)].name;
-  if (h.joint < 0) return "of the arm";
-  return "on joint " + std::to_string(h.joint + 1);
-}
-
 // Why a hypothesis that these data can answer was not accepted.
 std::string why_not(const Evidence& e, const DiagnosisOptions& limits) {
   if (e.sign_broken) return "its value would have an impossible sign or size";
@@ -58,7 +48,7 @@ FindingWriter::FindingWriter(const Inquiry& asked, const NormalBlocks& asked_dat
       changes_(changes),
       limits_(limits) {
   for (const Hypothesis& h : q_.augmented.hypotheses)
-    payloads_.push_back(h.body >= 0 ? fit_payload(asked_, asked_data_, asked_hypothesis(h))
+    payloads_.push_back(is_load(h) ? fit_payload(asked_, asked_data_, asked_hypothesis(h))
                                     : PayloadEstimate());
 }
 
@@ -103,20 +93,21 @@ std::vector<FoundParameter> FindingWriter::payload_parameters(const Hypothesis& 
 
 // A change is no better known than what it is a change of.
 double FindingWriter::own_deviation(const Hypothesis& h, const std::string& parameter) const {
-  if (h.changes < 0) return 0.0;
-  const EffectTerm& own = q_.augmented.model.effects()[static_cast<size_t>(h.changes)];
+  if (!is_change(h)) return 0.0;
+  const EffectTerm& own = q_.augmented.model.effects()[h.own->value];
   const auto found = own.deviations.find(parameter);
   return found == own.deviations.end() || !std::isfinite(found->second) ? 0.0 : found->second;
 }
 
 std::vector<FoundParameter> FindingWriter::parameters_of(const Hypothesis& h) const {
-  if (h.body >= 0) return payload_parameters(h);
-  const EffectTerm& term = term_of(q_, h);
+  if (is_load(h)) return payload_parameters(h);
+  const EffectTerm& term = term_of(q_.augmented.model, h);
   const std::vector<StandardParameter> all = standard_parameters(q_.augmented.model);
   const double t = student_t_quantile(numerics::kOutside, fit_.selection.degrees_of_freedom);
+  const auto index = static_cast<int>(std::get<TermIndex>(h.part).value);
   std::vector<FoundParameter> out;
   for (const StandardParameter& parameter : all) {
-    if (parameter.effect != h.term) continue;
+    if (parameter.effect != index) continue;
     const auto at = static_cast<size_t>(parameter.component);
     const std::string name = find_effect(term.effect).parameters()[at].name;
     FoundParameter found{name, parameter.unit, 0.0, 0.0, 0.0};
@@ -147,8 +138,8 @@ std::vector<FoundParameter> FindingWriter::parameters_of(const Hypothesis& h) co
 }
 
 std::string FindingWriter::change_text(const Hypothesis& h, const Finding& f) const {
-  const EffectTerm& own = q_.augmented.model.effects()[static_cast<size_t>(h.changes)];
-  std::string words = h.effect;
+  const EffectTerm& own = q_.augmented.model.effects()[h.own->value];
+  std::string words = own.effect;
   std::replace(words.begin(), words.end(), '_', ' ');
   std::string out = words + " changed";
   for (size_t p = 0; p < h.columns.size(); ++p) {
@@ -162,32 +153,27 @@ std::string FindingWriter::change_text(const Hypothesis& h, const Finding& f) co
 }
 
 std::string FindingWriter::phrase_of(const Hypothesis& h) const {
+  const Model& arm = q_.augmented.model;
   const std::vector<double> values = values_of(h);
-  if (is_channel(h)) return channel_phrase(q_.augmented.model, term_of(q_, h), values);
-  return BoundEffect(q_.augmented.model, term_of(q_, h)).phrase(values);
+  if (is_channel(h)) return channel_phrase(arm, term_of(arm, h), values);
+  return BoundEffect(arm, term_of(arm, h)).phrase(values);
 }
 
-std::string FindingWriter::sentence(const Group& group, const Finding& f) const {
+std::string FindingWriter::phrase_of(const Group& group, const Finding& f) const {
   const Hypothesis& h = accepted(group.front());
-  if (h.body >= 0) {
-    return fmt::format("A load of {:.3g} kg (95 %: {:.3g} to {:.3g}) sits on {}.",
-                       f.parameters[0].value, f.parameters[0].low, f.parameters[0].high, f.frame);
+  if (is_load(h)) {
+    return fmt::format("a load of {:.3g} kg (95 %: {:.3g} to {:.3g})", f.parameters[0].value,
+                       f.parameters[0].low, f.parameters[0].high);
   }
-  const std::string joint = place_words(f);
-  if (h.instead_of >= 0) {
-    return fmt::format("{}: {}. The model has this effect, and its file another constant.", joint,
-                       phrase_of(h));
-  }
-  if (h.changes >= 0) return joint + ": " + change_text(h, f) + ".";
-  if (is_channel(h)) {
-    const std::vector<double> values = values_of(h);
-    return joint + " has " + phrase_of(h) + "." + remark_on_size(h, values);
-  }
-  std::string out = joint + ": " + phrase_of(h);
+  if (is_other_constant(h))
+    return phrase_of(h) + ". The model has this effect, and its file another constant";
+  if (is_change(h)) return change_text(h, f);
+  if (is_channel(h)) return phrase_of(h);
+  std::string out = phrase_of(h);
   for (size_t k = 1; k < group.size(); ++k) out += "; " + phrase_of(accepted(group[k]));
   if (group.size() > 1)
     out += fmt::format(" (one effect with a spectrum of {} constants)", group.size());
-  return out + ".";
+  return out;
 }
 
 // Hypotheses of one family that were accepted with several constants are one finding.
@@ -230,7 +216,7 @@ std::vector<VectorXd> FindingWriter::errors_along_the_way() const {
 Finding FindingWriter::finding(const Group& group, const VectorXd& before,
                                const VectorXd& after) const {
   const Hypothesis& h = accepted(group.front());
-  Finding f = finding_at(q_.augmented.model, h);
+  Finding f = finding_at(h);
   f.test_before = before;
   f.test_after = after;
   for (size_t k = 0; k < group.size(); ++k) {
@@ -243,15 +229,15 @@ Finding FindingWriter::finding(const Group& group, const VectorXd& before,
     f.gain = std::max(f.gain, a.evidence.gain);
     const Hypothesis& asked = asked_hypothesis(accepted(group[k]));
     for (Rival& r : rivals_of(asked_, asked_data_, asked, a, changes_)) {
-      const bool own = r.effect == f.effect && r.joint == f.joint && r.frame == f.frame;
-      const bool known = std::any_of(f.rivals.begin(), f.rivals.end(), [&r](const Rival& other) {
-        return other.effect == r.effect && other.joint == r.joint && other.frame == r.frame;
-      });
-      if (!own && !known) f.rivals.push_back(std::move(r));
+      const bool known =
+          std::any_of(f.rivals.begin(), f.rivals.end(),
+                      [&r](const Rival& other) { return alike(other.cause, r.cause); });
+      if (!alike(r.cause, f.cause) && !known) f.rivals.push_back(std::move(r));
     }
   }
   if (!f.parameters.empty()) f.unit = f.parameters.front().unit;
-  f.sentence = sentence(group, f);
+  f.phrase = phrase_of(group, f);
+  if (is_channel(h)) f.remark = remark_on_size(h, values_of(h));
   f.status = status_of(f);
   return f;
 }
@@ -280,7 +266,7 @@ std::vector<std::vector<std::string>> FindingWriter::parameter_names() const {
 
 std::vector<char> FindingWriter::own_constants() const {
   std::vector<char> out;
-  for (const Group& group : groups()) out.push_back(accepted(group.front()).instead_of >= 0);
+  for (const Group& group : groups()) out.push_back(is_other_constant(accepted(group.front())) ? 1 : 0);
   return out;
 }
 
@@ -294,24 +280,26 @@ void FindingWriter::add_the_rest(Diagnosis& d) const {
   });
   for (const Evidence& e : rest) {
     const Hypothesis& h = asked_.augmented.hypotheses[static_cast<size_t>(e.hypothesis)];
-    if (!known.insert(h.family).second || h.instead_of >= 0) continue;
+    if (!known.insert(h.family).second || is_other_constant(h)) continue;
     if (e.taken) {
-      d.not_supported.push_back({h.effect, h.joint + 1, e.p_value,
+      d.not_supported.push_back({h.cause, e.p_value,
                                  "other findings explain it once their constants are refined"});
     } else if (e.absorbed) {
       const bool moves = !columns_of(asked_data_, h).empty();
       d.cannot_tell.push_back(
-          {h.effect, h.joint + 1,
+          {effect_of(h.cause), h.cause,
            moves ? "its torque is a combination of parameters that the model has already"
                  : "it never acts in these recordings"});
-      if (h.body >= 0)
-        d.cannot_tell.back().why += " (" + place_text(asked_.augmented.model, h) + ")";
+      if (is_load(h)) {
+        d.cannot_tell.back().why +=
+            " (on " + words_of(asked_.augmented.model, h.cause).frame + ")";
+      }
     } else if (d.not_supported.size() < kListed) {
-      d.not_supported.push_back({h.effect, h.joint + 1, e.p_value, why_not(e, limits_)});
+      d.not_supported.push_back({h.cause, e.p_value, why_not(e, limits_)});
     }
   }
   if (!changes_) {
-    d.cannot_tell.push_back({AddedLoad::kName, 0,
+    d.cannot_tell.push_back({AddedLoad::kName, std::nullopt,
                              "without a model from before, a load is part of the link it sits on"});
   }
 }
@@ -321,7 +309,8 @@ Model FindingWriter::extended_arm_of(const std::vector<size_t>& chosen) const {
   for (const size_t k : chosen) {
     const Hypothesis& h = accepted(k);
     found.push_back(
-        {h, h.body >= 0 ? EffectTerm() : term_of(q_, h), values_of(h), payloads_[k].phi});
+        {h, is_load(h) ? EffectTerm() : term_of(q_.augmented.model, h), values_of(h),
+         payloads_[k].phi});
   }
   return veridyn::extended_arm(*start_.model, found, changes_);
 }

@@ -51,7 +51,7 @@ class FindingWriter {
   std::vector<double> values_of(const Hypothesis& h) const;
   std::string phrase_of(const Hypothesis& h) const;
   std::vector<FoundParameter> payload_parameters(const Hypothesis& h) const;
-  std::string sentence(const Group& group, const Finding& f) const;
+  std::string phrase_of(const Group& group, const Finding& f) const;
   std::string change_text(const Hypothesis& h, const Finding& f) const;
   std::vector<VectorXd> errors_along_the_way() const;
   const Hypothesis& accepted(size_t k) const;

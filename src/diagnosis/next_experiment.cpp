@@ -8,16 +8,6 @@ namespace {
 
 constexpr int kSlowPasses = 2;
 
-std::string cause_text(const std::string& effect, int joint, const std::string& frame) {
-  if (!frame.empty() && effect == AddedLoad::kName) return effect + " on " + frame;
-  return joint > 0 ? effect + " on joint " + std::to_string(joint) : effect;
-}
-
-CauseText text_form(const std::string& effect, int joint, const std::string& frame) {
-  if (!frame.empty() && effect == AddedLoad::kName) return {effect, frame};
-  return {effect, joint > 0 ? std::to_string(joint) : kWholeArm};
-}
-
 // What `excite` can tell apart from others by the motion of joints: its own words are in
 // ExcitationOptions::between.
 bool can_be_asked(const std::string& effect) {
@@ -38,14 +28,12 @@ bool is_slow(const std::string& effect) {
 NextExperiment next_experiment(const Diagnosis& d) {
   for (const Finding& f : d.findings) {
     for (const Rival& r : f.rivals) {
-      const bool can_be_planned =
-          can_be_asked(f.effect) && can_be_asked(r.effect) && f.effect != r.effect;
-      if (!can_be_planned) continue;
+      const std::string first = effect_of(f.cause);
+      const std::string second = effect_of(r.cause);
+      if (!can_be_asked(first) || !can_be_asked(second) || first == second) continue;
       NextExperiment out;
-      out.separates = {cause_text(f.effect, f.joint, f.frame),
-                       cause_text(r.effect, r.joint, r.frame)};
-      out.between = {text_form(f.effect, f.joint, f.frame), text_form(r.effect, r.joint, r.frame)};
-      if (is_slow(f.effect) || is_slow(r.effect)) out.slow_passes = kSlowPasses;
+      out.between = {f.cause, r.cause};
+      if (is_slow(first) || is_slow(second)) out.slow_passes = kSlowPasses;
       return out;
     }
   }

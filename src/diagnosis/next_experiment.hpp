@@ -4,8 +4,8 @@
 
 namespace veridyn {
 
-/// The first finding whose cause has a rival that these recordings cannot separate, and the command
-/// that designs the motion for it; failing that, nothing.
+/// The first finding whose cause has a rival that these recordings cannot separate; failing that,
+/// nothing.
 NextExperiment next_experiment(const Diagnosis& diagnosis);
 
 }  // namespace veridyn

@@ -27,7 +27,8 @@ void keep_only(const Model& arm, const std::string& link, AugmentedModel& augmen
   auto& all = augmented.hypotheses;
   all.erase(std::remove_if(all.begin(), all.end(),
                            [&](const Hypothesis& h) {
-                             return h.body >= 0 && !same_link(arm, h.frame, wanted);
+                             return is_load(h) &&
+                                    !same_link(arm, frame_of(h.cause)->value, wanted);
                            }),
             all.end());
 }
@@ -37,7 +38,7 @@ void keep_only(const Model& arm, const std::string& link, AugmentedModel& augmen
 std::vector<double> held_out_gains(const Inquiry& q, const NormalBlocks& data) {
   ColumnSet base;
   for (const Hypothesis& h : q.augmented.hypotheses) {
-    if (h.body >= 0) continue;
+    if (is_load(h)) continue;
     const ColumnSet own = columns_of(data, h);
     base.insert(base.end(), own.begin(), own.end());
   }
@@ -77,11 +78,11 @@ PayloadReport find_payload(const Model& model, const Recordings& loaded,
   const std::vector<double> gains = held_out_gains(q, data);
   std::vector<const Hypothesis*> asked;
   for (const Hypothesis& h : q.augmented.hypotheses) {
-    if (h.body < 0 || columns_of(data, h).empty()) continue;
+    if (!is_load(h) || columns_of(data, h).empty()) continue;
     const auto twin = std::find_if(asked.begin(), asked.end(), [&](const Hypothesis* other) {
       return same_torques(data, *other, h);
     });
-    const std::string name = model.frames()[static_cast<size_t>(h.frame)].name;
+    const std::string name = words_of(model, h.cause).frame;
     if (twin != asked.end()) {
       out.links[static_cast<size_t>(twin - asked.begin())].others.push_back(name);
       continue;

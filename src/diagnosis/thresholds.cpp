@@ -26,12 +26,11 @@ const std::vector<ThresholdEntry>& threshold_table() {
        "a model's values are estimates, and what they leave over is no change: of 16 unchanged arms "
        "it left one false name of four; real changes gained 0.2 and more",
        kNotRecorded},
-      {"fold_share", &T::fold_share, "share of the folds that improve >= fold_share",
-       "one recording of five may have a fault of its own; of four or more one may always disagree",
-       kNotRecorded},
       {"significance", &T::significance,
        "p of the parameters over clusters < significance / number of causes asked",
-       "the family-wise error rate of one diagnosis in twenty", ""},
+       "the family-wise error rate of one diagnosis in twenty; the folds' signed ranks are asked at "
+       "this level too",
+       ""},
       {"tie", &T::tie, "gain > tie * best gain: the earlier question wins",
        "gains that differ by less are equal within the scatter between folds", kNotRecorded},
       {"rival_share", &T::rival_share,

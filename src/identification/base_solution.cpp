@@ -6,6 +6,8 @@
 #include <cmath>
 #include <unordered_map>
 
+#include "math/clustered_statistics.hpp"
+
 namespace veridyn {
 namespace {
 
@@ -48,15 +50,7 @@ MatrixXd jackknife(const std::vector<SquareRootInformation>& blocks,
     solutions.col(static_cast<Eigen::Index>(b)) = solve(rest);
     before.merge(blocks[b]);
   }
-  const VectorXd mean = solutions.rowwise().mean();
-  const auto g = static_cast<double>(count);
-  return (solutions.colwise() - mean) * std::sqrt((g - 1.0) / g);
-}
-
-double median(std::vector<double> values) {
-  if (values.empty()) return 0.0;
-  std::sort(values.begin(), values.end());
-  return values[values.size() / 2];
+  return jackknife_factor(solutions);
 }
 
 }  // namespace

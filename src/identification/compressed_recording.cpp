@@ -250,7 +250,7 @@ class ThinnedPositions {
 
 Recording first_positions(const Model& arm, const std::string& path,
                           const PreprocessingOptions& options) {
-  const OpenedRows rows = open_rows(path, reading_of(arm, options));
+  const OpenedRows rows = open_rows(path, reading_of(arm, options), options.kept.get());
   ThinnedPositions positions;
   while (positions.duration() < kPeriodSeconds) {
     const Recording piece = rows.next(kPieceRows);

@@ -10,6 +10,7 @@
 
 #include "fleet_problem.hpp"
 #include "many_recordings.hpp"
+#include "math/clustered_statistics.hpp"
 #include "math/numbers.hpp"
 #include "math/parallel.hpp"
 #include "veridyn/math/require.hpp"
@@ -152,10 +153,7 @@ class FleetSolver {
       without.col(static_cast<Eigen::Index>(g)) = solved(rest);
       before.merge(of_group[g]);
     }
-    const VectorXd mean = without.rowwise().mean();
-    const auto count = static_cast<double>(groups);
-    return ((without.colwise() - mean).rowwise().squaredNorm() * ((count - 1.0) / count))
-        .cwiseSqrt();
+    return jackknife_deviations(without);
   }
 
   const FleetProblem& problem() const { return problem_; }

@@ -14,10 +14,6 @@
 namespace veridyn {
 
 struct KeptRecordings::State {
-  struct Whole {
-    Recording rows;
-    RecordingFacts facts;
-  };
   using Kept = std::shared_future<std::shared_ptr<const Whole>>;
 
   std::mutex mutex;
@@ -27,7 +23,6 @@ struct KeptRecordings::State {
 
 namespace {
 
-std::atomic<KeptRecordings::State*> g_kept{nullptr};
 std::atomic<long> g_parsed{0};
 
 std::string key_of(const std::string& path, const RecordingOptions& options) {
@@ -49,7 +44,7 @@ long text_bytes(const std::string& path) {
   return error ? -1 : static_cast<long>(size);
 }
 
-using Whole = KeptRecordings::State::Whole;
+using Whole = KeptRecordings::Whole;
 
 std::shared_ptr<const Whole> parsed(const std::string& path, const RecordingOptions& options) {
   ++g_parsed;
@@ -58,23 +53,29 @@ std::shared_ptr<const Whole> parsed(const std::string& path, const RecordingOpti
   return whole;
 }
 
-// The recording, parsed by whoever asks first; nothing if it is not to be kept.
-std::shared_ptr<const Whole> kept(const std::string& path, const RecordingOptions& options) {
-  KeptRecordings::State* state = g_kept.load();
-  if (state == nullptr) return nullptr;
+}  // namespace
+
+KeptRecordings::KeptRecordings(long most_bytes) : state_(std::make_unique<State>()) {
+  state_->bytes_left = most_bytes;
+}
+
+KeptRecordings::~KeptRecordings() = default;
+
+std::shared_ptr<const Whole> KeptRecordings::find(const std::string& path,
+                                                  const RecordingOptions& options) {
   std::promise<std::shared_ptr<const Whole>> promise;
-  KeptRecordings::State::Kept result;
+  State::Kept result;
   {
-    const std::lock_guard<std::mutex> lock(state->mutex);
+    const std::lock_guard<std::mutex> lock(state_->mutex);
     const std::string key = key_of(path, options);
-    const auto found = state->recordings.find(key);
-    if (found != state->recordings.end()) {
+    const auto found = state_->recordings.find(key);
+    if (found != state_->recordings.end()) {
       result = found->second;
     } else {
       const long bytes = text_bytes(path);
-      if (bytes < 0 || bytes > state->bytes_left) return nullptr;
-      state->bytes_left -= bytes;
-      state->recordings.emplace(key, promise.get_future().share());
+      if (bytes < 0 || bytes > state_->bytes_left) return nullptr;
+      state_->bytes_left -= bytes;
+      state_->recordings.emplace(key, promise.get_future().share());
     }
   }
   if (result.valid()) return result.get();
@@ -88,20 +89,9 @@ std::shared_ptr<const Whole> kept(const std::string& path, const RecordingOption
   }
 }
 
-}  // namespace
-
-KeptRecordings::KeptRecordings(long most_bytes) : before_(g_kept.load()) {
-  auto state = std::make_unique<State>();
-  state->bytes_left = most_bytes;
-  g_kept = state.release();
-}
-
-KeptRecordings::~KeptRecordings() {
-  delete g_kept.exchange(before_);
-}
-
-OpenedRows open_rows(const std::string& path, const RecordingOptions& options) {
-  if (std::shared_ptr<const Whole> whole = kept(path, options)) {
+OpenedRows open_rows(const std::string& path, const RecordingOptions& options,
+                     KeptRecordings* kept) {
+  if (const auto whole = kept != nullptr ? kept->find(path, options) : nullptr) {
     auto at = std::make_shared<int>(0);
     return {[whole, at](int rows) {
               const int count = std::min(rows, whole->rows.rows() - *at);

@@ -1,9 +1,11 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <string>
 
 #include "veridyn/recordings/recording.hpp"
+#include "veridyn/recordings/recording_quality.hpp"
 
 namespace veridyn {
 
@@ -14,9 +16,9 @@ struct OpenedRows {
   std::function<RecordingFacts()> facts;
 };
 
-/// While one of these lives, files that are read by path are parsed once and kept in memory, up to
-/// `most_bytes` of text in all; files beyond that are streamed every time. For work that asks many
-/// questions of the same recordings. Threads share it; the innermost one counts.
+/// Files that are parsed once and kept in memory, up to `most_bytes` of text in all; files beyond
+/// that are streamed every time. For work that asks many questions of the same recordings: it makes
+/// one and hands it on in PreprocessingOptions::kept. Threads may share it.
 class KeptRecordings {
  public:
   explicit KeptRecordings(long most_bytes = 400L << 20);
@@ -24,14 +26,24 @@ class KeptRecordings {
   KeptRecordings(const KeptRecordings&) = delete;
   KeptRecordings& operator=(const KeptRecordings&) = delete;
 
-  struct State;
+  /// The recording, parsed by whoever asks first; nothing if it is not to be kept.
+  struct Whole {
+    Recording rows;
+    RecordingFacts facts;
+  };
+  std::shared_ptr<const Whole> find(const std::string& path, const RecordingOptions& options);
 
  private:
-  State* before_;
+  struct State;
+  std::unique_ptr<State> state_;
 };
 
 /// The rows of a file, from memory where it is kept. @throws InvalidInput  as RecordingReader.
-OpenedRows open_rows(const std::string& path, const RecordingOptions& options);
+OpenedRows open_rows(const std::string& path, const RecordingOptions& options,
+                     KeptRecordings* kept = nullptr);
+
+/// As check_recording(), of rows that are open.
+RecordingQuality check_rows(const std::string& path, const OpenedRows& rows);
 
 /// How many files open_rows() has opened and parsed since the program began.
 long files_parsed();

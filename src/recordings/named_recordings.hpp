@@ -28,6 +28,7 @@ template <typename Result>
 void forget_recordings(Result& result) {
   for (PreprocessingOptions* how : {&result.preprocessing, &result.test_preprocessing}) {
     how->in_memory.clear();
+    how->kept.reset();
     how->interrupted = nullptr;
   }
 }

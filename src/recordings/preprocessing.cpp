@@ -196,7 +196,7 @@ PreparationFacts for_each_stretch(const Model& arm, const std::string& path,
                                   const std::function<void(const Stretch&)>& visit) {
   if (const Recording* there = find_in_memory(options.in_memory, path))
     return for_each_stretch_of(arm, path, *there, options, visit);
-  const OpenedRows rows = open_rows(path, reading_of(arm, options));
+  const OpenedRows rows = open_rows(path, reading_of(arm, options), options.kept.get());
   return run(arm, path, rows.next, options, visit);
 }
 

@@ -27,16 +27,42 @@ Json summary_json(const DiagnosisSummary& s) {
           {"held_out_untouched", s.held_out_untouched}};
 }
 
-Json finding_json(const Finding& f) {
-  Json out = {{"rank", f.rank},
-              {"effect", f.effect},
-              {"joint", f.joint},
-              {"coordinate", f.coordinate},
-              {"unit", f.unit},
-              {"status", name_of(f.status)},
-              {"main", f.main}};
-  if (!f.frame.empty()) out["frame"] = f.frame;
-  if (!f.constant.empty()) out["constant"] = f.constant;
+// Name and joint of a cause; where there is no arm there is nothing that it could be about.
+Json cause_json(const Diagnosis& d, const Cause& cause) {
+  if (!d.baseline.model) return {{"effect", effect_of(cause)}};
+  const CauseWords w = words_of(*d.baseline.model, cause);
+  return {{"effect", w.effect}, {"joint", w.joint}};
+}
+
+// Its place in all other words.
+void add_place(const Diagnosis& d, const Cause& cause, Json& out) {
+  if (!d.baseline.model) return;
+  const CauseWords w = words_of(*d.baseline.model, cause);
+  out["coordinate"] = w.coordinate;
+  if (!w.frame.empty()) out["frame"] = w.frame;
+  if (!w.constant.empty()) out["constant"] = w.constant;
+  out["cause"] = to_text(*d.baseline.model, cause);
+}
+
+Json next_json(const Diagnosis& d) {
+  const NextExperiment& next = d.next_experiment;
+  Json out = {{"separates", Json::array()}, {"trajectory", next.trajectory}};
+  if (next.between.empty() || !d.baseline.model) return out;
+  out["between"] = Json::array();
+  for (size_t k = 0; k < next.between.size(); ++k) {
+    out["separates"].push_back(next.words(*d.baseline.model, k));
+    out["between"].push_back(to_text(*d.baseline.model, next.between[k]));
+  }
+  return out;
+}
+
+Json finding_json(const Diagnosis& d, const Finding& f) {
+  Json out = {{"rank", f.rank}};
+  out.update(cause_json(d, f.cause));
+  add_place(d, f.cause, out);
+  out["unit"] = f.unit;
+  out["status"] = name_of(f.status);
+  out["main"] = f.main;
   if (!f.source.empty()) out["recording"] = f.source;
   out["parameters"] = Json::object();
   for (const FoundParameter& p : f.parameters) {
@@ -52,11 +78,14 @@ Json finding_json(const Finding& f) {
   out["explains"] = f.explains;
   out["rivals"] = Json::array();
   for (const Rival& r : f.rivals) {
-    out["rivals"].push_back(
-        {{"effect", r.effect}, {"joint", r.joint}, {"coordinate", r.coordinate}, {"why", r.why}});
-    if (!r.frame.empty()) out["rivals"].back()["frame"] = r.frame;
+    Json rival = cause_json(d, r.cause);
+    add_place(d, r.cause, rival);
+    rival["why"] = r.why;
+    out["rivals"].push_back(std::move(rival));
   }
-  out["sentence"] = f.sentence;
+  out["phrase"] = f.phrase;
+  if (!f.remark.empty()) out["remark"] = f.remark;
+  out["sentence"] = d.sentence(f);
   return out;
 }
 
@@ -100,20 +129,24 @@ std::string to_json(const Diagnosis& d) {
   out["hypotheses"] = d.hypotheses;
   out["baseline"] = error_pair(d.baseline);
   out["findings"] = Json::array();
-  for (const Finding& f : d.findings) out["findings"].push_back(finding_json(f));
+  for (const Finding& f : d.findings) out["findings"].push_back(finding_json(d, f));
   out["not_supported"] = Json::array();
   for (const NotSupported& n : d.not_supported) {
-    out["not_supported"].push_back(
-        {{"effect", n.effect}, {"joint", n.joint}, {"p_value", n.p_value}, {"why", n.why}});
+    out["not_supported"].push_back(cause_json(d, n.cause));
+    out["not_supported"].back()["p_value"] = n.p_value;
+    out["not_supported"].back()["why"] = n.why;
+    add_place(d, n.cause, out["not_supported"].back());
   }
   out["cannot_tell"] = Json::array();
   for (const CannotTell& c : d.cannot_tell) {
-    out["cannot_tell"].push_back({{"effect", c.effect}, {"joint", c.joint}, {"why", c.why}});
+    out["cannot_tell"].push_back(c.cause ? cause_json(d, *c.cause)
+                                         : Json{{"effect", c.effect}, {"joint", 0}});
+    out["cannot_tell"].back()["why"] = c.why;
+    if (c.cause) add_place(d, *c.cause, out["cannot_tell"].back());
   }
   out["noise_floor"] = {{"relative_error", json_list(d.baseline.noise_floor)}};
   out["extended"] = error_pair(d.extended);
-  out["next_experiment"] = {{"separates", d.next_experiment.separates},
-                            {"trajectory", d.next_experiment.trajectory}};
+  out["next_experiment"] = next_json(d);
   out["remarks"] = d.remarks;
   out["excluded_intervals"] = Json::array();
   for (const LeftOut& part : d.left_out) {

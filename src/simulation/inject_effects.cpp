@@ -4,6 +4,7 @@
 #include <variant>
 
 #include "effect_sizes.hpp"
+#include "effects/kinematic_error.hpp"
 #include "veridyn/effects/cause.hpp"
 #include "veridyn/effects/channel_effect.hpp"
 #include "kinematics/motion_limits.hpp"
@@ -167,12 +168,25 @@ class Injector {
   }
 
   void inject(const HiddenEffect& hidden, const KinematicError& cause) {
+    if (!std::holds_alternative<std::monostate>(cause.of)) {
+      inject_number(hidden, cause);
+      return;
+    }
     const auto constant = out_.arm.description().constants.find(cause.constant);
     const double size = constant->second != 0.0 ? 0.1 * constant->second : 0.05;
     auto v = filled(hidden, {{"change", size}});
     ModelFileOptions options;
     options.constants[hidden.place] = constant->second + v["change"];
     out_.arm = read_yaml(to_yaml(out_.arm), out_.arm.name(), options);
+    add(hidden, hidden.place, 0, std::move(v));
+  }
+
+  void inject_number(const HiddenEffect& hidden, const KinematicError& cause) {
+    ModelDescription arm = out_.arm.description();
+    const double before = value_of(cause, arm);
+    auto v = filled(hidden, {{"change", before != 0.0 ? 0.1 * before : 0.05}});
+    set_value(cause, before + v["change"], arm);
+    out_.arm = Model(std::move(arm));
     add(hidden, hidden.place, 0, std::move(v));
   }
 

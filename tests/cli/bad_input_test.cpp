@@ -40,6 +40,33 @@ class BadInput : public testing::Test {
   TemporaryFolder folder_;
 };
 
+// Every option that writes a file: none goes over a file that is read.
+TEST_F(BadInput, NoOutputGoesOverAnInput) {
+  const std::string content = planar_recording(3.0);
+  const std::string recording = folder_.write("recording.csv", content);
+  const std::string list = folder_.write("list.csv", "a,recording.csv\nb,x.csv\nc,y.csv\n");
+  const std::string model = folder_.path("model.yaml");
+  ASSERT_EQ(run_tool({"export", "planar-2r", "--yaml", model, "--quiet"}).status, 0);
+  const std::string robot = content_of(model);
+  std::vector<Words> over;
+  for (const char* option : {"--factor-out", "--model-out", "--json", "--report"})
+    over.push_back({"identify", "planar-2r", "--train", recording, option, recording});
+  for (const char* option : {"--urdf", "--mjcf", "--sdf", "--cpp", "--json", "--yaml",
+                             "--dvrk-gravity", "--dvrk-scales"})
+    over.push_back({"export", model, option, model});
+  for (const char* option : {"--model-out", "--json"})
+    over.push_back({"fleet", "planar-2r", list, option, recording});
+  for (const char* option : {"-o", "--coefficients"})
+    over.push_back({"excite", model, "-o", folder_.path("m.csv"), option, model});
+  over.push_back({"simulate", "planar-2r", "--trajectory", recording, "-o", recording});
+  for (const Words& words : over) {
+    const ToolRun run = run_tool(words);
+    EXPECT_EQ(run.status, 2) << words[0] << " " << words[words.size() - 2] << ": " << run.err;
+    EXPECT_EQ(content_of(recording), content) << words[words.size() - 2];
+    EXPECT_EQ(content_of(model), robot) << words[words.size() - 2];
+  }
+}
+
 TEST_F(BadInput, MissingRecording) {
   expect_refused(identify("planar-2r", folder_.path("missing.csv")), 3, {"missing.csv"});
 }

@@ -90,6 +90,10 @@ TEST_F(Cooperate, OnBoardsAFaultEndsWith4) {
   EXPECT_GT(out["boards"]["off_at"].get<double>(), out["boards"]["release_at"].get<double>());
   EXPECT_EQ(out["boards"]["power"], "power is off");
   EXPECT_EQ(run_tool({"cooperate", scenario, "--boards", "PSM1", "--emulate"}).status, 2);
+  EXPECT_EQ(run_tool({"cooperate", scenario, "--boards", "PSM1", "PSM2", "--emulate", "--live", "-",
+                      "--pace", "0"})
+                .status,
+            2);  // a pace of a stepped clock alone
   EXPECT_EQ(run_tool({"cooperate", scenario, "--stepped"}).status, 2);
   EXPECT_EQ(run_tool({"cooperate", scenario, "--boards", "PSM1", "PSM2", "--emulate", "--board-fault",
                       "limb:slave@1"})

@@ -91,7 +91,7 @@ TEST_F(Payload, ARotorsInertiaIsNoCompactLoad) {
     const Inquiry q = prepare(evaluate(arm_, recordings, {}), recordings, {}, list, {});
     const NormalBlocks data(q.train, q.columns);
     for (const Hypothesis& h : q.augmented.hypotheses) {
-      if (arm_.frames()[static_cast<size_t>(h.frame)].name == last)
+      if (words_of(arm_, h.cause).frame == last)
         return compact_share(data, h, {}, VectorXd::Ones(arm_.joints()));
     }
     ADD_FAILURE() << "nobody asked about " << last;

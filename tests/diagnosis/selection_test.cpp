@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <random>
 
+#include "diagnosis/evidence/examiner.hpp"
+
 // Selection on made-up columns: what is in the torque is known, and so is what only looks like it.
 
 namespace veridyn {
@@ -69,7 +71,8 @@ class Columns {
 
 Hypothesis hypothesis(const std::string& column, ParameterSign sign = ParameterSign::kAny) {
   Hypothesis h;
-  h.effect = column;
+  h.cause = NewEffect{column, {0}};
+  h.joint = JointIndex{0};
   h.family = column;
   h.columns = {column};
   h.signs = {sign};
@@ -90,7 +93,7 @@ Selection selected(const Columns& columns, const std::vector<Hypothesis>& asked,
 std::vector<std::string> accepted(const Selection& s, const std::vector<Hypothesis>& asked) {
   std::vector<std::string> out;
   for (const Accepted& a : s.accepted)
-    out.push_back(asked[static_cast<size_t>(a.evidence.hypothesis)].effect);
+    out.push_back(asked[static_cast<size_t>(a.evidence.hypothesis)].family);
   return out;
 }
 
@@ -113,7 +116,7 @@ TEST(Selection, WhatExplainsTheSameIsARivalAndACauseOfItsOwnIsNone) {
   const Selection s = selected(columns, asked);
   ASSERT_EQ(accepted(s, asked), (Names{"cause", "other"}));
   ASSERT_EQ(s.accepted[0].rivals.size(), 1U);
-  EXPECT_EQ(asked[static_cast<size_t>(s.accepted[0].rivals[0].hypothesis)].effect, "alike");
+  EXPECT_EQ(asked[static_cast<size_t>(s.accepted[0].rivals[0].hypothesis)].family, "alike");
   EXPECT_LT(s.accepted[0].rivals[0].gain, s.accepted[0].evidence.gain);
   EXPECT_TRUE(s.accepted[0].refuted.empty());
   EXPECT_TRUE(s.accepted[1].rivals.empty());
@@ -127,7 +130,7 @@ TEST(Selection, ARivalThatLeavesAClearPartToTheCauseIsRefuted) {
   EXPECT_TRUE(s.accepted[0].rivals.empty());
   ASSERT_EQ(s.accepted[0].refuted.size(), 1U);
   const Evidence& alike = s.accepted[0].refuted[0];
-  EXPECT_EQ(asked[static_cast<size_t>(alike.hypothesis)].effect, "alike");
+  EXPECT_EQ(asked[static_cast<size_t>(alike.hypothesis)].family, "alike");
   EXPECT_GT(alike.gain, 0.6 * s.accepted[0].evidence.gain);
 }
 
@@ -139,7 +142,7 @@ TEST(Selection, WhatStillGainsBesideTheFindingIsNoRival) {
   const Selection s = selected(columns, asked, one);
   ASSERT_EQ(accepted(s, asked), (Names{"cause"}));
   ASSERT_EQ(s.accepted[0].rivals.size(), 1U);
-  EXPECT_EQ(asked[static_cast<size_t>(s.accepted[0].rivals[0].hypothesis)].effect, "alike");
+  EXPECT_EQ(asked[static_cast<size_t>(s.accepted[0].rivals[0].hypothesis)].family, "alike");
 }
 
 TEST(Selection, StopsAtTheLargestNumber) {
@@ -186,6 +189,42 @@ TEST(Selection, AGainBelowTheLeastOneIsNotNamed) {
   DiagnosisOptions stricter;
   stricter.thresholds.smallest_gain = 0.1;
   EXPECT_TRUE(selected(columns, asked, stricter).accepted.empty());
+}
+
+// One recording in eight parts; the cause acts with a share of its own in each of them.
+NormalBlocks one_recording(const std::vector<double>& shares) {
+  std::mt19937 random(5);
+  std::normal_distribution<double> gauss;
+  CompressedRecording recording;
+  recording.joints.resize(1);
+  const std::vector<std::string> columns = {"base", "cause"};
+  for (const double share : shares) {
+    MatrixXd A(kRows, 2);
+    VectorXd tau(kRows);
+    for (int k = 0; k < kRows; ++k) {
+      A.row(k) << gauss(random), gauss(random);
+      tau[k] = A(k, 0) + share * A(k, 1) + kNoise * gauss(random);
+    }
+    SquareRootInformation factor(columns);
+    factor.absorb(A, tau);
+    recording.blocks.push_back({factor});
+  }
+  return NormalBlocks({recording}, columns);
+}
+
+// Two parts of eight disagree a little, six agree by much: too little to enter, enough to stay.
+// Of four that disagree nothing can be said.
+TEST(Selection, WhatWasTakenStaysWhileTheSizesOfItsGainsSpeakForIt) {
+  const std::vector<Hypothesis> asked = {hypothesis("cause")};
+  const auto evidence = [&asked](const std::vector<double>& shares) {
+    const NormalBlocks data = one_recording(shares);
+    const Examiner examiner(data, {0}, asked, {});
+    const Evidence e = examiner.ask(0, *examiner.stand({}));
+    return std::make_pair(examiner.passes(e), examiner.stays(e));
+  };
+  EXPECT_EQ(evidence({0.5, 0.5, 0.5, 0.5, 0.5, 0.5, 0.5, 0.5}), std::make_pair(true, true));
+  EXPECT_EQ(evidence({0.5, 0.5, 0.1, 0.5, 0.5, 0.1, 0.5, 0.5}), std::make_pair(false, true));
+  EXPECT_EQ(evidence({0.5, 0.1, 0.1, 0.5, 0.1, 0.1, 0.5, 0.5}), std::make_pair(false, false));
 }
 
 TEST(Selection, StillNeededDropsTheOneThatTheOtherCovers) {

@@ -1,79 +1,52 @@
 #include <gtest/gtest.h>
 
-#include <cmath>
-#include <functional>
-#include <random>
-
-#include "cli/tool.hpp"
+#include "diagnosis/stage_support.hpp"
 #include "diagnosis/stages/channel_correction.hpp"
-#include "diagnosis/stages/investigation.hpp"
-#include "recordings/kept_recordings.hpp"
-#include "simulation/simulation_support.hpp"
+#include "diagnosis/stages/newly_visible.hpp"
 #include "effects/plain_friction.hpp"
-#include "veridyn/simulation/plausible_model.hpp"
+#include "recordings/kept_recordings.hpp"
 
 // Stages of a diagnosis on a simulated arm of two joints whose truth is known.
 
 namespace veridyn {
 namespace {
 
-class Stages : public testing::Test {
- protected:
-  Stages() : truth_(plausible_model(read_model("planar-2r"), 3).arm) {}
+Model with_gravity(const Model& arm, const Eigen::Vector3d& gravity) {
+  ModelDescription d = arm.description();
+  d.gravity = gravity;
+  return Model(std::move(d));
+}
 
-  // Several waves in each joint, other ones in each recording.
-  static MotionSamples motion(unsigned seed) {
-    MotionSamples m = waves(2, 0.5);
-    std::mt19937 random(seed);
-    std::uniform_real_distribution<double> phase(-M_PI, M_PI);
-    for (int i = 0; i < 2; ++i) {
-      for (const double w : {0.9 + 0.13 * seed, 2.1 + 0.1 * i, 3.7}) {
-        const Eigen::ArrayXd angle = w * m.time.array() + phase(random);
-        m.q.col(i).array() += 0.3 * angle.sin();
-        m.dq.col(i).array() += 0.3 * w * angle.cos();
-        m.ddq.col(i).array() -= 0.3 * w * w * angle.sin();
-      }
-    }
-    return m;
-  }
+// Both joints turn about the vertical: gravity does nothing. Once the base leans the first link's first
+// moments act; its inertia counts together with one of them before, and alone then.
+TEST_F(Stages, ALeanShowsTheFirstMomentsOfAnArmThatStoodUpright) {
+  const Eigen::Vector3d upright(0.0, 0.0, -9.81);
+  const Eigen::Vector3d leaning(0.25, -0.15, -9.8);
+  const std::vector<std::string> names = newly_visible(with_gravity(truth_, leaning), upright);
+  EXPECT_EQ(names, (std::vector<std::string>{"hx_upper", "hy_upper", "Lzz_upper"}));
+  EXPECT_TRUE(newly_visible(with_gravity(truth_, upright), upright).empty());
+  const Eigen::Vector3d in_the_plane(1.0, -9.7, 0.0);
+  EXPECT_TRUE(newly_visible(with_gravity(truth_, in_the_plane), truth_.gravity()).empty());
+}
 
-  std::string record(unsigned seed, const std::vector<std::string>& hidden,
-                     std::optional<double> velocity_noise = {}) const {
-    SimulationOptions options;
-    for (const std::string& one : hidden) options.hidden.push_back(parse_hidden_effect(one));
-    options.noise = sensor_noise("low");
-    if (velocity_noise) options.noise.velocity = {*velocity_noise, *velocity_noise};
-    options.seed = seed;
-    const SimulatedRecording s = simulate_recording(truth_, motion(seed), options);
-    Recording r;
-    r.time = s.measured.time;
-    r.q = s.measured.q;
-    r.dq = s.measured.dq;
-    r.tau = s.tau;
-    const std::string path = folder_.path("recording" + std::to_string(seed) + ".csv");
-    write_recording(r, path);
-    return path;
-  }
-
-  // Baseline of this robot file on four recordings, one held out.
-  Investigation investigation(const Model& robot, const std::vector<std::string>& hidden) const {
-    Investigation x{robot, {}, {}, {}, {}, {}, 0, {}, {}, {}};
-    for (unsigned k = 1; k <= 4; ++k) x.train.push_back(record(k, hidden));
-    x.test = {record(5, hidden)};
-    x.options.identification.threads = 1;
-    EXPECT_TRUE(fit_baseline(x));
-    return x;
-  }
-
-  static Model without_effects(const Model& arm) {
-    ModelDescription d = arm.description();
-    d.effects.clear();
-    return Model(std::move(d));
-  }
-
-  Model truth_;
-  TemporaryFolder folder_;
-};
+// The model of the upright arm cannot know them; that they are wrong is no load.
+TEST_F(Stages, WhatOnlyALeanShowsIsNoLoad) {
+  ModelDescription d = with_gravity(truth_, {0.0, 0.0, -9.81}).description();
+  d.name = "upright";
+  (*d.frames[0].body->phi)[1] += 0.4;
+  (*d.frames[0].body->phi)[2] -= 0.3;
+  truth_ = with_gravity(truth_, {0.25, -0.15, -9.8});
+  std::vector<std::string> train;
+  for (unsigned k = 1; k <= 4; ++k) train.push_back(record(k, {}));
+  const std::string test = record(5, {});
+  DiagnosisOptions options;
+  options.effects = {"gravity_tilt", "payload"};
+  options.identification.threads = 1;
+  const Diagnosis found = diagnose(Model(std::move(d)), train, {test}, options);
+  ASSERT_EQ(found.findings.size(), 1U);
+  EXPECT_EQ(effect_of(found.findings[0].cause), "gravity_tilt");
+  EXPECT_LT(found.extended.test_error.relative.maxCoeff(), 0.02);
+}
 
 // A file without friction: what the joints have is found together, with its size, and nothing else.
 TEST_F(Stages, PlainFrictionOfAllJointsIsFoundTogether) {
@@ -85,14 +58,16 @@ TEST_F(Stages, PlainFrictionOfAllJointsIsFoundTogether) {
   for (const Finding& f : x.d.findings) {
     ASSERT_FALSE(f.parameters.empty());
     const FoundParameter& p = f.parameters.front();
-    if (f.effect != "viscous_friction" && f.effect != "coulomb_friction") continue;
+    const std::string effect = effect_of(f.cause);
+    if (effect != "viscous_friction" && effect != "coulomb_friction") continue;
+    ASSERT_TRUE(f.joint.has_value());
     ++friction;
     for (const EffectTerm& term : truth_.effects()) {
-      if (term.effect != f.effect || term.axis.coefficients[f.joint - 1] == 0.0) continue;
+      if (term.effect != effect || term.axis.coefficients[f.joint->value] == 0.0) continue;
       const double truth = term.values.at(p.name);
-      EXPECT_NEAR(p.value, truth, 0.05 * std::abs(truth)) << f.sentence;
+      EXPECT_NEAR(p.value, truth, 0.05 * std::abs(truth)) << f.phrase;
     }
-    EXPECT_EQ(f.status, FindingStatus::kConfirmed) << f.sentence;
+    EXPECT_EQ(f.status, FindingStatus::kConfirmed) << f.phrase;
   }
   EXPECT_EQ(friction, 4);
   EXPECT_EQ(x.fitted_by_start.size(), x.d.findings.size());
@@ -107,7 +82,7 @@ TEST_F(Stages, ALargeDelayOfTheWholeArmIsUndone) {
   const Questions asked = ask(x, list, x.start);
   const Hypothesis* common = nullptr;
   for (const Hypothesis& h : asked.q.augmented.hypotheses) {
-    if (h.joint < 0) common = &h;
+    if (!h.joint) common = &h;
   }
   ASSERT_NE(common, nullptr);
   const auto corrected = correct_channel(x, asked, *common);
@@ -143,7 +118,7 @@ TEST_F(Stages, ASmoothStepOfTheModelsOwnFrictionIsARemarkAndNoCause) {
   truth_ = Model(std::move(d));
   Investigation x = investigation(read_model("planar-2r"), {});
   select_causes(x);
-  EXPECT_TRUE(x.d.findings.empty()) << x.d.findings.front().sentence;
+  EXPECT_TRUE(x.d.findings.empty()) << x.d.findings.front().phrase;
   EXPECT_EQ(x.d.remarks.size(), 2U);
   EXPECT_LT(x.d.extended.test_error.relative.norm(), 0.8 * x.start.test_error.relative.norm());
 }
@@ -152,13 +127,12 @@ TEST_F(Stages, ASmoothStepOfTheModelsOwnFrictionIsARemarkAndNoCause) {
 TEST_F(Stages, OneChannelHasOneError) {
   Investigation x = investigation(read_model("planar-2r"), {"time_delay:arm:seconds=0.04"});
   Finding half;
-  half.effect = "time_delay";
-  half.joint = 0;
+  half.cause = ChannelError{"time_delay", std::nullopt};
   half.parameters = {{"seconds", "s", 0.01, 0.009, 0.011}};
   half.test_before = half.test_after = x.start.test_error.relative;
   x.d.findings.push_back(half);
   select_causes(x);
-  ASSERT_EQ(x.d.findings.size(), 1U) << x.d.findings.back().sentence;
+  ASSERT_EQ(x.d.findings.size(), 1U) << x.d.findings.back().phrase;
   EXPECT_NEAR(x.d.findings[0].parameters[0].value, 0.05, 0.001);
 }
 
@@ -195,10 +169,10 @@ TEST_F(Stages, EveryRecordingIsParsedOnce) {
 
 TEST_F(Stages, RecordingsBeyondTheBoundAreStreamed) {
   const std::string path = record(1, {});
-  const KeptRecordings none(10);
+  KeptRecordings none(10);
   const long before = files_parsed();
-  const auto first = open_rows(path, {}).next;
-  const auto second = open_rows(path, {}).next;
+  const auto first = open_rows(path, {}, &none).next;
+  const auto second = open_rows(path, {}, &none).next;
   EXPECT_EQ(files_parsed() - before, 2);
   const Recording a = first(100);
   EXPECT_EQ(a.rows(), 100);
@@ -208,8 +182,8 @@ TEST_F(Stages, RecordingsBeyondTheBoundAreStreamed) {
 TEST_F(Stages, KeptRowsAreTheFilesRows) {
   const std::string path = record(1, {});
   const Recording streamed = read_recording(path);
-  const KeptRecordings kept;
-  const auto rows = open_rows(path, {}).next;
+  KeptRecordings kept;
+  const auto rows = open_rows(path, {}, &kept).next;
   int total = 0;
   while (true) {
     const Recording piece = rows(97);

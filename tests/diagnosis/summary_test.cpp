@@ -14,8 +14,8 @@ VectorXd errors(double a, double b) {
 
 Finding finding(const std::string& effect, int joint, double explains) {
   Finding f;
-  f.effect = effect;
-  f.joint = joint;
+  f.cause = NewEffect{effect, {joint}};
+  f.joint = JointIndex{joint};
   f.explains = explains;
   return f;
 }
@@ -29,13 +29,13 @@ Diagnosis diagnosis(const VectorXd& before, const VectorXd& after) {
 
 TEST(Summary, TheFewThatExplainMostComeFirst) {
   Diagnosis d = diagnosis(errors(0.2, 0.2), errors(0.05, 0.05));
-  d.findings = {finding("first found", 1, 0.01), finding("small", 1, 0.02),
-                finding("large", 2, 0.6), finding("middling", 1, 0.3)};
+  d.findings = {finding("first found", 0, 0.01), finding("small", 0, 0.02),
+                finding("large", 1, 0.6), finding("middling", 0, 0.3)};
   summarize(d, {});
   EXPECT_EQ(d.summary.main, 3);
-  EXPECT_EQ(d.findings[0].effect, "first found");  // it was found first, whatever it explains
-  EXPECT_EQ(d.findings[1].effect, "large");
-  EXPECT_EQ(d.findings[2].effect, "middling");
+  EXPECT_EQ(effect_of(d.findings[0].cause), "first found");  // it was found first, whatever it explains
+  EXPECT_EQ(effect_of(d.findings[1].cause), "large");
+  EXPECT_EQ(effect_of(d.findings[2].cause), "middling");
   EXPECT_FALSE(d.findings[3].main);
   for (int k = 0; k < 4; ++k) EXPECT_EQ(d.findings[static_cast<size_t>(k)].rank, k + 1);
   EXPECT_NEAR(d.summary.explained_by_main, 0.91, 1e-12);
@@ -45,8 +45,8 @@ TEST(Summary, TheFewThatExplainMostComeFirst) {
 
 TEST(Summary, JointsThatAreWorseAreNamedInTheVerdict) {
   Diagnosis d = diagnosis(errors(0.2, 0.1), errors(0.1, 0.15));
-  d.findings = {finding("backlash", 2, -0.1)};
-  d.findings[0].sentence = "Joint 2 (elbow): a gap.";
+  d.findings = {finding("backlash", 1, -0.1)};
+  d.findings[0].phrase = "a gap";
   d.findings[0].status = FindingStatus::kNotConfirmed;
   summarize(d, {});
   ASSERT_EQ(d.summary.worse_joints, std::vector<int>{2});
@@ -57,7 +57,7 @@ TEST(Summary, JointsThatAreWorseAreNamedInTheVerdict) {
 }
 
 TEST(Status, AsksForASmallerErrorInSumAndOnTheFindingsOwnJoint) {
-  Finding f = finding("backlash", 1, 0.0);
+  Finding f = finding("backlash", 0, 0.0);
   const auto status = [&f](const VectorXd& before, const VectorXd& after) {
     f.test_before = before;
     f.test_after = after;
@@ -66,7 +66,7 @@ TEST(Status, AsksForASmallerErrorInSumAndOnTheFindingsOwnJoint) {
   EXPECT_EQ(status(errors(0.2, 0.2), errors(0.1, 0.2)), FindingStatus::kConfirmed);
   EXPECT_EQ(status(errors(0.2, 0.2), errors(0.21, 0.1)), FindingStatus::kNotConfirmed);
   EXPECT_EQ(status(errors(0.2, 0.2), errors(0.19, 0.4)), FindingStatus::kNotConfirmed);
-  f.joint = 0;  // the whole arm: only the sum counts
+  f.joint.reset();  // the whole arm: only the sum counts
   EXPECT_EQ(status(errors(0.2, 0.2), errors(0.21, 0.1)), FindingStatus::kConfirmed);
 }
 

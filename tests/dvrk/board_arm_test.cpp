@@ -24,13 +24,17 @@ class OnBoards : public testing::Test {
         emulator_(Bench::setups(robot_)),
         server_(emulator_, 0) {
     emulator_.attach(&load_);
-    thread_ = std::thread([this] { server_.run(stop_); });
+    begin();
     options_.port = server_.port();
     options_.watchdog = 0.3;  // a busy machine misses some
     options_.reply_timeout = 0.05;
   }
   ~OnBoards() override { end(); }
 
+  void begin() {
+    stop_ = false;
+    thread_ = std::thread([this] { server_.run(stop_); });
+  }
   void end() {
     stop_ = true;
     if (thread_.joinable()) thread_.join();
@@ -75,8 +79,20 @@ TEST_F(OnBoards, TorquesMoveTheirJointsAndTheOthersAreHeld) {
     arm.set_torques(tau);
     return arm.q()[1] > start[1] + 0.05;
   }));
-  EXPECT_LT((arm.q() - start).tail(4).cwiseAbs().maxCoeff(), 0.02);
+  EXPECT_LT((arm.q() - start).tail(4).cwiseAbs().maxCoeff(), 0.005);
   EXPECT_NEAR(arm.tau()[1], 0.2, 0.02);  // as the boards measure their currents
+  // A joint that no torques were given for is pushed aside, and comes back.
+  end();
+  load_.q[4] += 0.03;
+  begin();
+  ASSERT_TRUE(cycles(arm, [&] {
+    arm.set_torques(tau);
+    return arm.q()[4] > start[4] + 0.02;
+  }));
+  EXPECT_TRUE(cycles(arm, [&] {
+    arm.set_torques(tau);
+    return arm.q()[4] < start[4] + 0.005;
+  })) << arm.q()[4] - start[4];
   // Nobody asks for torques any more: no current, though power is on.
   int left = 20;
   EXPECT_TRUE(cycles(arm, [&] { return --left == 0; }));

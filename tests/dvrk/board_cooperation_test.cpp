@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdio>
 #include <optional>
 
 #include "dvrk/board_bench.hpp"
@@ -117,6 +118,67 @@ TEST(BoardCooperation, SaysWhatDoesNotFit) {
   for (const char* bad : {"limp", "limp:slave", "limp:slave@", "limp:slave@x", "limp:slave@-1",
                           "limb:slave@1", "limp:slav@1"})
     EXPECT_THROW(parse_emulated_fault(bad, scenario), InvalidInput) << bad;
+}
+
+// Tissue as Kelvin and Voigt have it beneath an impedance: at rest both stiffnesses share the way.
+TEST(BoardCooperation, AnArmPressesOnTissueAsItsImpedanceAllows) {
+  const Scenario scenario = board_example("two-psm-tissue");
+  const BoardCooperationRun done = on_emulated_boards(scenario);
+  ASSERT_TRUE(done.met()) << done.report();
+  const double tissue = scenario.walls[0].stiffness, impedance = scenario.control.stiffness[2];
+  const double depth = -scenario.phases[1].commands[0].way.z() + scenario.walls[0].point.z();
+  const VectorXd& force = done.run.member[1].force;
+  EXPECT_NEAR(force[3990], depth * tissue * impedance / (tissue + impedance), 0.03);
+  EXPECT_NEAR(done.run.member[1].measured[3990], force[3990], 0.05);
+  EXPECT_LT(force.head(2000).maxCoeff(), 1e-9);
+  EXPECT_LT(force.tail(200).maxCoeff(), 1e-9);
+}
+
+class Lines final : public LineSource {
+ public:
+  explicit Lines(std::vector<std::string> lines) : lines_(std::move(lines)) {}
+  bool next(std::string& line) override {
+    if (closed()) return false;
+    line = lines_[next_++];
+    return true;
+  }
+  bool closed() const override { return next_ == lines_.size(); }
+
+ private:
+  std::vector<std::string> lines_;
+  std::size_t next_ = 0;
+};
+
+TEST(BoardCooperation, CommandsByLineMoveTheArmsAndTheirLossLetsGo) {
+  const Scenario scenario = board_example("two-psm-spring");
+  for (const bool quits : {true, false}) {
+    Lines lines({"force spring 2 0.8", "wait 1", "leap 1", "move 0.005 0 0 0.5", "wait 0.8",
+                 quits ? "quit" : "alive"});
+    BoardCooperationOptions options;
+    options.emulate = options.stepped = true;
+    options.hold = options.release = 0.5;
+    options.lines = &lines;
+    options.live.pace = 0.0;
+    std::vector<std::string> states, refusals;
+    options.live_report.state = [&](const std::string& line) { states.push_back(line); };
+    options.live_report.refused = [&](const std::string& line) { refusals.push_back(line); };
+    const std::atomic<bool> stop{false};
+    const BoardCooperationRun done = run_on_boards(scenario, patient_side(2), options, stop);
+    EXPECT_EQ(done.end, quits ? BoardEnd::kDone : BoardEnd::kStopped) << done.report();
+    EXPECT_EQ(done.power, OffState::kConfirmed);
+    EXPECT_EQ(done.commands, quits ? 5 : 4);
+    EXPECT_EQ(done.refused, 1);
+    ASSERT_EQ(refusals.size(), 1U);
+    EXPECT_NE(refusals[0].find("found 'leap'"), std::string::npos);
+    EXPECT_LT(done.force_at_off, 0.5);
+    ASSERT_GT(states.size(), 15U);
+    double time = 0.0, x0 = 0.0, x1 = 0.0, force = 0.0;
+    ASSERT_EQ(std::sscanf(states.front().c_str(), "t=%lf state=\"tracks\" master=%lf", &time, &x0), 2);
+    ASSERT_EQ(std::sscanf(states.back().c_str(), "t=%lf state=\"tracks\" master=%lf", &time, &x1), 2);
+    EXPECT_NEAR(x1 - x0, 0.005, 1e-4);
+    ASSERT_EQ(std::sscanf(states.back().c_str() + states.back().find("spring="), "spring=%lf", &force), 1);
+    EXPECT_NEAR(force, 2.0, 0.05);
+  }
 }
 
 TEST(BoardCooperation, ASignalReleasesAndSwitchesOff) {

@@ -44,6 +44,12 @@ TEST(Cause, PrintsWhatItReads) {
   }
   for (const auto& [name, value] : arm.description().constants)
     causes.emplace_back(KinematicError{name});
+  for (int k = 0; k < static_cast<int>(arm.frames().size()); ++k) {
+    if (arm.frames()[static_cast<size_t>(k)].dh)
+      causes.emplace_back(KinematicError{"theta", FrameIndex{k}});
+  }
+  for (int i = 0; i < arm.joints(); ++i)
+    causes.emplace_back(KinematicError{KinematicError::kZero, JointIndex{i}});
   ASSERT_GT(causes.size(), 60U);
   for (const Cause& cause : causes) {
     const std::string words = to_text(arm, cause);
@@ -76,8 +82,30 @@ TEST(Cause, RefusesWhatTheArmDoesNotHaveAndSaysWhatItHas) {
   EXPECT_NE(refusal("backlahs:1").find("did you mean 'backlash'?"), std::string::npos);
   EXPECT_NE(refusal("payload:tol").find("found the frame 'tol'"), std::string::npos);
   EXPECT_NE(refusal("gravity_tilt:yaw").find("expected 'arm'"), std::string::npos);
+  EXPECT_NE(refusal("coupling_error:yaw.beta").find("as in FRAME.theta"), std::string::npos);
   EXPECT_NE(refusal("coupling_error:gamma").find("expected a constant of the robot file"),
             std::string::npos);
+}
+
+// A load and a number of a frame's row act where the last joint moves the frame.
+TEST(Cause, ActsAtAJointOrOnTheArm) {
+  const Model arm = psm();
+  const int tool = arm.find_frame("tool");
+  ASSERT_GE(tool, 0);
+  EXPECT_EQ(acting_joint(arm, AddedLoad{{tool}}), JointIndex{2});
+  EXPECT_EQ(acting_joint(arm, KinematicError{"theta", FrameIndex{tool}}), JointIndex{2});
+  EXPECT_EQ(acting_joint(arm, NewEffect{"backlash", {1}}), JointIndex{1});
+  EXPECT_FALSE(acting_joint(arm, ChannelError{"gravity_tilt", std::nullopt}).has_value());
+  const CauseWords w = words_of(arm, AddedLoad{{tool}});
+  EXPECT_EQ(w.effect, "payload");
+  EXPECT_EQ(w.joint, 3);
+  EXPECT_EQ(w.coordinate, "insertion");
+  EXPECT_EQ(w.frame, "tool");
+  const CauseWords of_arm = words_of(arm, ChannelError{"time_delay", std::nullopt});
+  EXPECT_EQ(of_arm.joint, 0);
+  EXPECT_EQ(of_arm.coordinate, "arm");
+  EXPECT_TRUE(alike(NewEffect{"backlash", {1}}, ChangedEffect{"backlash", {1}}));
+  EXPECT_FALSE(alike(NewEffect{"backlash", {1}}, NewEffect{"backlash", {2}}));
 }
 
 }  // namespace

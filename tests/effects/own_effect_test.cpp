@@ -150,8 +150,8 @@ TEST_F(OwnEffect, IsDiagnosedWithItsConstantRefined) {
   const Diagnosis d = diagnose(unknown(plain()), {recording(1), recording(2)}, {recording(3)});
   ASSERT_FALSE(d.findings.empty()) << d.report();
   const Finding& first = d.findings.front();
-  EXPECT_EQ(first.effect, "eddy_current_brake") << d.report();
-  EXPECT_EQ(first.joint, 1);
+  EXPECT_EQ(effect_of(first.cause), "eddy_current_brake") << d.report();
+  EXPECT_EQ(first.joint, JointIndex{0});
   ASSERT_EQ(first.parameters.size(), 2U);
   EXPECT_NEAR(first.parameters[0].value, kLevel, 0.1 * kLevel);
   const FoundParameter& peak = first.parameters[1];
@@ -159,7 +159,7 @@ TEST_F(OwnEffect, IsDiagnosedWithItsConstantRefined) {
   EXPECT_NEAR(peak.value, kPeak, 0.05 * kPeak);
   EXPECT_LT(peak.low, kPeak);
   EXPECT_GT(peak.high, kPeak);
-  EXPECT_NE(first.sentence.find("an eddy-current brake of"), std::string::npos) << first.sentence;
+  EXPECT_NE(first.phrase.find("an eddy-current brake of"), std::string::npos) << first.phrase;
 }
 
 // A request without numbers makes a tenth of the joint's effort, as for every other effect.

@@ -56,8 +56,8 @@ Cause cause_of(const Json& j) {
   return c;
 }
 
-Rival rival_of(const Json& j) {
-  Rival r;
+Named rival_of(const Json& j) {
+  Named r;
   r.effect = j.at("effect").get<std::string>();
   r.joint = j.value("joint", 0);
   r.frame = j.value("frame", "");
@@ -65,8 +65,8 @@ Rival rival_of(const Json& j) {
   return r;
 }
 
-Finding finding_of(const Json& j) {
-  Finding f;
+NamedFinding finding_of(const Json& j) {
+  NamedFinding f;
   f.effect = j.at("effect").get<std::string>();
   f.joint = j.value("joint", 0);
   f.frame = j.value("frame", "");
@@ -81,8 +81,8 @@ Finding finding_of(const Json& j) {
 }
 
 // Findings of one case; `where` begins the message if they have another form.
-std::vector<Finding> findings_of(const Json& answer, const std::string& where) {
-  std::vector<Finding> out;
+std::vector<NamedFinding> findings_of(const Json& answer, const std::string& where) {
+  std::vector<NamedFinding> out;
   require(answer.contains("findings") && answer["findings"].is_array(), where,
           ": found no list `findings`, expected one (empty where nothing is named).");
   for (const Json& one : answer["findings"]) {
@@ -173,7 +173,7 @@ Json answer_cases(const std::string& folder, const DiagnosisOptions& options) {
     const Diagnosis d =
         diagnose(arm, paths_of(one, "train", here), paths_of(one, "test", here), options);
     out["answers"][id] = {{"findings", Json::parse(to_json(d)).at("findings")}};
-    fmt::print(stderr, "{}: {}\n", id, findings_text(d.findings));
+    fmt::print(stderr, "{}: {}\n", id, findings_text(named_by(d)));
   }
   return out;
 }
@@ -193,7 +193,7 @@ std::vector<Outcome> score(const std::string& folder, const std::string& answers
     const Json& hidden = sealed["cases"][id];
     std::vector<Cause> causes;
     for (const Json& c : hidden.at("causes")) causes.push_back(cause_of(c));
-    std::vector<Finding> findings;
+    std::vector<NamedFinding> findings;
     if (given["answers"].contains(id))
       findings = findings_of(given["answers"][id], answers + ": " + id);
     Outcome o;

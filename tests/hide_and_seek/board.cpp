@@ -121,9 +121,9 @@ void print_row(const std::string& name, const std::vector<Outcome>& all) {
 
 }  // namespace
 
-std::string findings_text(const std::vector<Finding>& findings) {
+std::string findings_text(const std::vector<NamedFinding>& findings) {
   std::string out;
-  for (const Finding& f : findings) {
+  for (const NamedFinding& f : findings) {
     out += fmt::format("{}{}@{}", out.empty() ? "" : ", ", f.effect,
                        f.frame.empty() ? std::to_string(f.joint) : f.frame);
     if (!f.rivals.empty()) out += fmt::format("(+{} rivals)", f.rivals.size());
@@ -195,7 +195,7 @@ Outcome play(const BoardCase& one, const BoardRequest& request) {
       std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   fmt::print("{:<11} {} {} [gain at best {:.2f}]: {} | {} | {}{:.1f} of {:.1f} s\n", asked.arm,
              asked.seed, what.empty() ? one.group : what, out.best_gain, words_of(out.verdict),
-             findings_text(d.findings), out.verdict.outside, d.seconds, all);
+             findings_text(named_by(d)), out.verdict.outside, d.seconds, all);
   std::fflush(stdout);
   return out;
 }

@@ -62,7 +62,7 @@ struct Totals {
 Totals totals(const std::vector<Outcome>& all);
 
 /// "torque_drift@3(+2 rivals), ..."; "none" where there is nothing.
-std::string findings_text(const std::vector<Finding>& findings);
+std::string findings_text(const std::vector<NamedFinding>& findings);
 
 /// "first", "rival", "MISSED +2 wrong", ...
 std::string words_of(const Verdict& v);

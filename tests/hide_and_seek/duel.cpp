@@ -19,19 +19,19 @@ constexpr int kFirstDesigned = 200;   // number of the first designed recording
 constexpr double kFineRate = 1000.0;  // [Hz] of the designed motions before they are recorded
 constexpr double kFrequencies[] = {0.1, 0.13, 0.08, 0.16};  // [Hz] of the designed motions
 
-bool names(const Finding& f, const std::string& effect) {
+bool names(const NamedFinding& f, const std::string& effect) {
   return f.effect == effect;
 }
 
 // The other cause of a pair; where both are of a joint, one elsewhere is no rival but a mistake of
 // its own.
-bool is_other(const Finding& f, const std::string& other, const Cause& cause) {
+bool is_other(const NamedFinding& f, const std::string& other, const Cause& cause) {
   return names(f, other) && (cause.joint < 0 || f.joint < 1 || f.joint == cause.joint + 1);
 }
 
-bool lists(const Finding& f, const std::string& effect) {
+bool lists(const NamedFinding& f, const std::string& effect) {
   return std::any_of(f.rivals.begin(), f.rivals.end(),
-                     [&](const veridyn::Rival& r) { return r.effect == effect; });
+                     [&](const Named& r) { return r.effect == effect; });
 }
 
 // The name of the frame that moves a frame: all that are fixed to it carry the same loads.
@@ -43,13 +43,13 @@ std::string link_of(const Model& arm, const std::string& frame) {
 }
 
 // A load's finding stands for all links that carry it alike: they are among its rivals.
-bool is_at(const Model& arm, const Cause& cause, const Finding& f) {
+bool is_at(const Model& arm, const Cause& cause, const NamedFinding& f) {
   if (cause.effect == "payload") {
     const auto there = [&](const std::string& frame) {
       return link_of(arm, frame) == link_of(arm, cause.frame);
     };
     return there(f.frame) ||
-           std::any_of(f.rivals.begin(), f.rivals.end(), [&](const veridyn::Rival& r) {
+           std::any_of(f.rivals.begin(), f.rivals.end(), [&](const Named& r) {
              return r.effect == cause.effect && there(r.frame);
            });
   }
@@ -62,7 +62,7 @@ Answer answer(const Model& arm, const Diagnosis& d, const Cause& cause, const st
   bool right_elsewhere = false;
   bool both = false;
   bool wrong = false;
-  for (const Finding& f : d.findings) {
+  for (const NamedFinding& f : named_by(d)) {
     const bool of_pair = names(f, cause.effect) || is_other(f, other, cause);
     if (names(f, cause.effect)) (is_at(arm, cause, f) ? right : right_elsewhere) = true;
     wrong |= is_other(f, other, cause);
@@ -77,9 +77,9 @@ Answer answer(const Model& arm, const Diagnosis& d, const Cause& cause, const st
 
 // The kind that is named beside the hidden one, as far as a motion can be asked for it.
 std::string rival_of(const Model& arm, const Diagnosis& d, const Cause& cause) {
-  for (const Finding& f : d.findings) {
+  for (const NamedFinding& f : named_by(d)) {
     if (f.effect != cause.effect || !is_at(arm, cause, f)) continue;
-    for (const veridyn::Rival& r : f.rivals) {
+    for (const Named& r : f.rivals) {
       const bool can =
           has_axis_effect(r.effect)
               ? !find_effect(r.effect).traits().uses_source
@@ -92,10 +92,10 @@ std::string rival_of(const Model& arm, const Diagnosis& d, const Cause& cause) {
 
 std::string words(const Diagnosis& d) {
   std::string out;
-  for (const Finding& f : d.findings) {
+  for (const NamedFinding& f : named_by(d)) {
     out += fmt::format("{}{}@{}", out.empty() ? "" : ", ", f.effect,
                        f.frame.empty() ? std::to_string(f.joint) : f.frame);
-    for (const veridyn::Rival& r : f.rivals)
+    for (const Named& r : f.rivals)
       out += fmt::format("/{}@{}", r.effect, r.frame.empty() ? std::to_string(r.joint) : r.frame);
   }
   return out.empty() ? "none" : out;
@@ -108,16 +108,17 @@ std::string place_text(const std::string& effect, int joint, const std::string& 
 
 // The two causes as the tool prints them; where it asks about others first, from the findings.
 std::string between_of(const Diagnosis& d, const Pair& pair, bool& from_tool) {
-  const std::vector<CauseText>& next = d.next_experiment.between;
+  const std::vector<veridyn::Cause>& next = d.next_experiment.between;
   from_tool = false;
   if (next.size() == 2) {
-    const std::string asked = to_text(next[0]) + "," + to_text(next[1]);
+    const Model& arm = *d.baseline.model;
+    const std::string asked = to_text(arm, next[0]) + "," + to_text(arm, next[1]);
     from_tool =
         asked.find(pair.first) != std::string::npos && asked.find(pair.second) != std::string::npos;
     if (from_tool) return asked;
   }
-  for (const Finding& f : d.findings) {
-    for (const veridyn::Rival& r : f.rivals) {
+  for (const NamedFinding& f : named_by(d)) {
+    for (const Named& r : f.rivals) {
       const bool forth = f.effect == pair.first && r.effect == pair.second;
       const bool back = f.effect == pair.second && r.effect == pair.first;
       if (!forth && !back) continue;

@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "hide_and_seek/judge.hpp"
+#include "veridyn/model/model_file.hpp"
 
 // A few cases of the scoreboard that must never be lost: different arms, different effects, and
 // nothing hidden. The whole board is veridyn-hide-and-seek.
@@ -77,7 +78,8 @@ TEST(HideAndSeek, NoiseOfAccelerationsIsNoElasticTransmission) {
 TEST(HideAndSeek, ARotorsInertiaIsNotTakenForALoadOnOneNarrowRecording) {
   const Played played = play({"pallet-4", {"rotor_inertia"}, 2, 0.1, Mode::kChanged}, 1, 0.4);
   EXPECT_TRUE(played.verdict.first) << played.diagnosis.report();
-  for (const Rival& r : played.diagnosis.findings.front().rivals) EXPECT_NE(r.effect, "payload");
+  for (const Rival& r : played.diagnosis.findings.front().rivals)
+    EXPECT_NE(effect_of(r.cause), "payload");
 }
 
 TEST(HideAndSeek, ACableOnAPalletizer) {
@@ -104,16 +106,15 @@ TEST(Judge, CountsRightNamesStandInsAndWrongOnes) {
                     {},
                     true};
   Diagnosis d;
+  d.baseline.model = read_model("psm-3dof");
   Finding right;
-  right.effect = "backlash";
-  right.joint = 2;
+  right.cause = NewEffect{"backlash", {1}};
   right.parameters = {{"level", "N m", 2.1, 1.9, 2.3}};
   Finding elsewhere = right;
-  elsewhere.joint = 1;
+  elsewhere.cause = NewEffect{"backlash", {0}};
   Finding stand_in;
-  stand_in.effect = "presliding_hysteresis";
-  stand_in.joint = 2;
-  stand_in.rivals = {{"backlash", 2, "pitch", "", ""}};
+  stand_in.cause = NewEffect{"presliding_hysteresis", {1}};
+  stand_in.rivals = {{NewEffect{"backlash", {1}}, ""}};
 
   EXPECT_FALSE(judge(hidden, d).first_rival);
   d.findings = {right};

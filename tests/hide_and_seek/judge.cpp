@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
 #include <vector>
 
 #include "veridyn/math/require.hpp"
@@ -15,32 +16,37 @@ bool is_on_a_frame(const std::string& effect) {
   return effect == "payload" || effect == "coupling_error";
 }
 
-bool matches(const Cause& cause, const Finding& f) {
+Named named(const Diagnosis& d, const veridyn::Cause& cause, const std::string& why) {
+  const CauseWords w = words_of(*d.baseline.model, cause);
+  return {w.effect, w.joint, w.frame, why};
+}
+
+bool matches(const Cause& cause, const NamedFinding& f) {
   if (f.effect != cause.effect) return false;
   if (is_on_a_frame(cause.effect)) return f.frame == cause.frame;
   return f.joint == cause.joint + 1;  // 0: the whole arm
 }
 
 // Rivals of tools that give them no frame of their own name it in the reason.
-bool matches(const Cause& cause, const Rival& r) {
+bool matches_rival(const Cause& cause, const Named& r) {
   if (r.effect != cause.effect) return false;
   if (is_on_a_frame(cause.effect))
     return r.frame == cause.frame || r.why.find(cause.frame) != std::string::npos;
   return r.joint == cause.joint + 1;
 }
 
-bool has_rival(const Cause& cause, const Finding& f) {
+bool has_rival(const Cause& cause, const NamedFinding& f) {
   return std::any_of(f.rivals.begin(), f.rivals.end(),
-                     [&](const Rival& r) { return matches(cause, r); });
+                     [&](const Named& r) { return matches_rival(cause, r); });
 }
 
 // The straight part of a force of position is a spring of its own in CONTRACT.md.
-bool is_part_of(const Cause& cause, const Finding& f) {
+bool is_part_of(const Cause& cause, const NamedFinding& f) {
   return cause.effect == "position_force" && f.effect == "joint_spring" &&
          f.joint == cause.joint + 1;
 }
 
-void compare_intervals(const Cause& cause, const Finding& f, Verdict& v) {
+void compare_intervals(const Cause& cause, const NamedFinding& f, Verdict& v) {
   for (const FoundParameter& p : f.parameters) {
     // Of friction that changed, the change and what it is now are both right answers.
     std::vector<double> truths;
@@ -62,7 +68,17 @@ void compare_intervals(const Cause& cause, const Finding& f, Verdict& v) {
 
 }  // namespace
 
-Verdict judge(const std::vector<Cause>& hidden, const std::vector<Finding>& findings) {
+std::vector<NamedFinding> named_by(const Diagnosis& d) {
+  std::vector<NamedFinding> out;
+  for (const Finding& f : d.findings) {
+    NamedFinding one{named(d, f.cause, ""), f.parameters, {}};
+    for (const Rival& r : f.rivals) one.rivals.push_back(named(d, r.cause, r.why));
+    out.push_back(std::move(one));
+  }
+  return out;
+}
+
+Verdict judge(const std::vector<Cause>& hidden, const std::vector<NamedFinding>& findings) {
   Verdict v;
   v.hidden = static_cast<int>(hidden.size());
   std::vector<char> right(findings.size(), 0);
@@ -70,7 +86,7 @@ Verdict judge(const std::vector<Cause>& hidden, const std::vector<Finding>& find
     bool named = false;
     bool loosely = false;
     for (size_t k = 0; k < findings.size(); ++k) {
-      const Finding& f = findings[k];
+      const NamedFinding& f = findings[k];
       loosely |= f.effect == cause.effect;
       if (is_part_of(cause, f)) right[k] = 1;
       if (!matches(cause, f)) continue;
@@ -96,7 +112,7 @@ Verdict judge(const std::vector<Cause>& hidden, const std::vector<Finding>& find
 }
 
 Verdict judge(const HiddenCase& hidden, const Diagnosis& d) {
-  Verdict v = judge(hidden.causes, d.findings);
+  Verdict v = judge(hidden.causes, named_by(d));
   const VectorXd& before = d.baseline.test_error.relative;
   const VectorXd& after = d.extended.test_error.relative;
   if (!hidden.causes.empty() && before.size() > 0 && after.size() == before.size()) {

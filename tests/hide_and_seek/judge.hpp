@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "hide_and_seek/generator.hpp"
 #include "veridyn/diagnosis/diagnosis.hpp"
@@ -22,10 +23,26 @@ struct Verdict {
   std::string outside;       ///< parameters that are not covered: name, truth and interval
 };
 
+/// A cause as some tool names it.
+struct Named {
+  std::string effect;
+  int joint = 0;      ///< from 1; 0: the whole arm
+  std::string frame;  ///< of a load or a wrong constant
+  std::string why;    ///< of a rival
+};
+
+struct NamedFinding : Named {
+  std::vector<FoundParameter> parameters;
+  std::vector<Named> rivals;
+};
+
+/// What this tool names.
+std::vector<NamedFinding> named_by(const Diagnosis& d);
+
 Verdict judge(const HiddenCase& hidden, const Diagnosis& d);
 
 /// The same for the findings of any tool; `error_ratio` stays 1.
-Verdict judge(const std::vector<Cause>& hidden, const std::vector<Finding>& findings);
+Verdict judge(const std::vector<Cause>& hidden, const std::vector<NamedFinding>& findings);
 
 /// Identifies the clean arm first in kChanged, and diagnoses.
 Diagnosis seek_causes(const HiddenCase& hidden, const CaseFiles& files, const std::string& folder,

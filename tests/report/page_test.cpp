@@ -77,14 +77,13 @@ Diagnosis diagnosis() {
   for (double& tau : d.extended.test[0].series.modelled[1]) tau += 0.01;
   Finding f;
   f.rank = 1;
-  f.effect = "joint_spring";
-  f.joint = 2;
-  f.coordinate = "elbow";
+  f.cause = NewEffect{"joint_spring", {1}};
+  f.joint = JointIndex{1};
   f.parameters = {{"stiffness", "N m/rad", 0.5, 0.4, 0.6}};
   f.p_value = 1e-9;
   f.test_before = VectorXd::Constant(2, 0.2);
   f.test_after = VectorXd::Constant(2, 0.1);
-  f.sentence = "Joint 2 (elbow): a spring of 0.5 N m/rad.";
+  f.phrase = "a spring of 0.5 N m/rad";
   d.findings = {f};
   return d;
 }
@@ -160,14 +159,14 @@ TEST_F(OpenedInMemory, NothingInTheResultIsTakenForMarkup) {
   Diagnosis d = diagnosis();
   const std::string name = "</script><b data-planted=\"1\">&amp; \\ \xff \u00e9.csv";
   d.baseline.test[0].source = name;
-  d.findings[0].sentence = "<b data-planted=\"1\">bold</b> {{result}}";
-  d.findings[0].rivals = {{"payload", 0, "", "<i data-planted=\"1\">", ""}};
+  d.findings[0].phrase = "<b data-planted=\"1\">bold</b> {{result}}";
+  d.findings[0].rivals = {{AddedLoad{{0}}, "<i data-planted=\"1\">"}};
   const OpenedPage page = open(to_page(d, "veridyn 'a</script>b'"));
   expect_sound(page, 800);
   EXPECT_TRUE(page.with("data-planted").empty());
   EXPECT_EQ(embedded(page.html, "series")["command"].get<std::string>(), "veridyn 'a</script>b'");
   EXPECT_EQ(embedded(page.html, "result")["findings"][0]["sentence"].get<std::string>(),
-            d.findings[0].sentence);
+            "Joint 2 (elbow): " + d.findings[0].phrase + ".");
 }
 
 // Parts of the result that most diagnoses do not have.

@@ -66,6 +66,7 @@ TEST(CrtkArm, OperatingStatesAreThoseOfCrtk) {
   EXPECT_EQ(rig.ask(Kind::kResume), Refusal::kInvalidTransition);
   EXPECT_EQ(rig.ask(Kind::kMoveJp, near_by()), Refusal::kNotEnabled);
   EXPECT_EQ(rig.tau.norm(), 0.0);
+  EXPECT_EQ(rig.arm.feedback().wrench[2], 0.0);  // brakes carry the arm, nobody pulls at it
   EXPECT_EQ(rig.ask(Kind::kEnable), Refusal::kNone);
   EXPECT_EQ(rig.ask(Kind::kResume), Refusal::kInvalidTransition);
   EXPECT_EQ(rig.ask(Kind::kPause), Refusal::kNone);
@@ -108,6 +109,31 @@ TEST(CrtkArm, WaitsForTheMotorsPower) {
   EXPECT_FALSE(rig.arm.feedback().busy);
   EXPECT_LT((rig.plant.q() - q).cwiseAbs().maxCoeff(), 1e-3);
   EXPECT_EQ(rig.ask(Kind::kMoveJp, near_by()), Refusal::kNone);
+}
+
+// What a network held up for a while comes at once: the arm follows, at a speed that it may have.
+TEST(CrtkArm, FollowsABurstOfMessages) {
+  Rig rig;
+  rig.ask(Kind::kEnable);
+  rig.run(0.1);
+  VectorXd q = rig.plant.q();
+  double fastest = 0.0;
+  for (int burst = 0; burst < 5; ++burst) {
+    for (int k = 0; k < 10; ++k) {
+      q[0] -= 0.015;
+      ASSERT_EQ(rig.ask(Kind::kServoJp, q), Refusal::kNone) << burst;
+    }
+    for (int k = 0; k < 95; ++k) {
+      rig.run(kCycle);
+      fastest = std::max(fastest, std::abs(rig.plant.dq()[0]));
+    }
+  }
+  EXPECT_EQ(rig.arm.state(), OperatingState::kEnabled) << veridyn::describe(rig.arm.feedback().fault);
+  EXPECT_GT(fastest, 1.3);
+  EXPECT_LT(fastest, 1.7);  // 0.8 of 2 rad/s
+  EXPECT_EQ(rig.ask(Kind::kMoveJp, q), Refusal::kNone);
+  rig.run(2.0);
+  EXPECT_LT((rig.plant.q() - q).cwiseAbs().maxCoeff(), 2e-3);
 }
 
 // A pose that feedback told is a pose that move_cp goes to.

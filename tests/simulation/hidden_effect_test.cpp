@@ -118,6 +118,32 @@ TEST(HiddenEffect, TiltTurnsGravityInTheBase) {
   EXPECT_NEAR(g.z, -9.81, 1e-14);
 }
 
+// A number of a frame's row, a ratio of a coupled joint, and a joint's zero.
+TEST(HiddenEffect, NumbersOfRowsAndZerosAreConstantsToo) {
+  const Model arm = plausible_model(read_model("planar-2r"), 1).arm;
+  const VectorXd q = VectorXd::Constant(2, 0.3);
+  const VectorXd rest = VectorXd::Zero(2);
+  const auto torque = [&](const Model& one, const VectorXd& at) {
+    return inverse_dynamics(one, at, rest, rest);
+  };
+  const Model turned = simulated(arm, {"coupling_error:fore.theta:change=0.2"}).truth;
+  EXPECT_NEAR(turned.frames()[1].variable.offset, 0.2, 1e-15);
+  VectorXd ahead = q;
+  ahead[1] += 0.2;
+  EXPECT_TRUE(near(torque(turned, q), torque(arm, ahead), 1e-9));
+  const Model zero = simulated(arm, {"coupling_error:elbow.zero:change=0.2"}).truth;
+  EXPECT_TRUE(near(torque(zero, q), torque(arm, ahead), 1e-9));
+  const Model longer = simulated(arm, {"coupling_error:upper.a"}).truth;
+  EXPECT_NEAR(longer.frames()[0].dh->a, 0.55, 1e-12);
+  const Model wrist = plausible_model(read_model("psm-wrist"), 1).arm;
+  const PerturbedArm ratio =
+      inject_effects(wrist, {parse_hidden_effect("coupling_error:wrist_pitch.ratio of pitch_motor:change=0.5")});
+  const int k = wrist.find_frame("wrist_pitch");
+  const int i = wrist.find_coordinate("pitch_motor");
+  EXPECT_NEAR(ratio.arm.frames()[static_cast<size_t>(k)].variable.coefficients[i],
+              wrist.frames()[static_cast<size_t>(k)].variable.coefficients[i] + 0.5, 1e-12);
+}
+
 TEST(HiddenEffect, AWrongConstantIsAnotherArm) {
   const Model arm = plausible_model(read_model("psm-3dof"), 1).arm;
   const SimulatedRecording s = simulated(arm, {"coupling_error:delta:change=0.1"});

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -37,9 +38,9 @@ struct DiagnosisOptions {
   RobotValues values = RobotValues::kFacts;
   /// An effect is accepted when the sum over joints of ln(held-out mean square error) falls by more
   /// than `smallest_gain`, in the mean over the folds (recordings, or phases of the period of a
-  /// single one), in `fold_share` of the folds, and when the p value of its parameters over clusters
-  /// (phases of the period, repeats merged) is below `significance` over the number of causes asked
-  /// about. With one recording only causes that depend on place are held to the number of causes:
+  /// single one), in all folds but one or beyond chance by their signed ranks, and when the p value
+  /// of its parameters over clusters (phases of the period, repeats merged) is below `significance`
+  /// over the number of causes asked about. With one recording only causes that depend on place are held to the number of causes:
   /// names are provisional then.
   Thresholds thresholds;
 };
@@ -53,12 +54,10 @@ struct FoundParameter {
   double high = 0.0;
 };
 
+/// Another cause that these recordings cannot separate from a finding.
 struct Rival {
-  std::string effect;
-  int joint = 0;  ///< from 1
-  std::string coordinate;
+  Cause cause;
   std::string why;
-  std::string frame;  ///< Frame of a payload
 };
 
 /// What the held-out recordings say of a finding, which was chosen without them.
@@ -70,13 +69,12 @@ const char* name_of(FindingStatus status);
 
 struct Finding {
   int rank = 0;
-  std::string effect;  ///< name in CONTRACT.md
-  int joint = 0;       ///< from 1; 0: the whole arm
-  std::string coordinate;
-  std::string frame;   ///< Frame of a payload or a wrong constant
-  std::string constant;  ///< of a wrong one: "theta", "ratio of pitch"
-  std::string source;  ///< the recording that a contact is in
-  std::string unit;    ///< Unit of the first parameter
+  Cause cause;                      ///< words_of() gives the words for it
+  std::optional<JointIndex> joint;  ///< acting_joint() of the cause; nothing: the whole arm
+  std::string phrase;               ///< what was found, without its place: "a spring of 2 N m/rad"
+  std::string remark;               ///< a sentence on its size where that is unusual
+  std::string source;               ///< the recording that a contact is in
+  std::string unit;                 ///< Unit of the first parameter
   std::vector<FoundParameter> parameters;
   double p_value = 1.0;
   double gain = 0.0;  ///< fall of the sum over joints of ln(mean square) on held-out folds of the
@@ -90,28 +88,31 @@ struct Finding {
   FindingStatus status = FindingStatus::kConfirmed;
   bool main = true;  ///< false: one of the small ones, see DiagnosisSummary
   std::vector<Rival> rivals;
-  std::string sentence;
 };
 
+/// Place and phrase of a finding in one sentence.
+std::string sentence(const Model& arm, const Finding& finding);
+
 struct NotSupported {
-  std::string effect;
-  int joint = 0;
+  Cause cause;
   double p_value = 1.0;
   std::string why;
 };
 
 struct CannotTell {
   std::string effect;
-  int joint = 0;
+  std::optional<Cause> cause;  ///< nothing: wherever it were
   std::string why;
 };
 
 /// The recording that would separate what these recordings cannot.
 struct NextExperiment {
-  std::vector<std::string> separates;  ///< "payload on wrist", "torque_gain on joint 2"
-  std::vector<CauseText> between;      ///< the two causes, as ExcitationOptions::between has them
-  int slow_passes = 0;                 ///< ExcitationOptions::slow_passes that it needs
-  std::string trajectory;              ///< the command that makes it, where a tool wrote one
+  std::vector<Cause> between;  ///< the two causes; empty: there is nothing to separate
+  int slow_passes = 0;         ///< ExcitationOptions::slow_passes that it needs
+  std::string trajectory;      ///< the command that makes it, where a tool wrote one
+
+  /// One of the two in words: "payload on wrist", "torque_gain on joint 2".
+  std::string words(const Model& arm, size_t k) const;
 };
 
 /// What a reader must see first.
@@ -142,6 +143,9 @@ struct Diagnosis {
   bool provisional = false;        ///< one training recording only: names are provisional
   int hypotheses = 0;              ///< how many were asked
   double seconds = 0.0;
+
+  /// Place and phrase of one of the findings in one sentence.
+  std::string sentence(const Finding& finding) const;
 
   /// One sentence: the first finding, and what the held-out recordings hold against the whole;
   /// "none" where nothing was found.

@@ -12,7 +12,6 @@ struct Thresholds {
   // Selection of causes.
   double smallest_gain = 0.04;
   double smallest_change = 0.1;
-  double fold_share = 0.8;
   double significance = 0.05;
   double tie = 0.95;
   double rival_share = 0.8;

@@ -62,10 +62,14 @@ struct ChannelError {
   std::optional<JointIndex> joint;  ///< nothing: of the whole arm
 };
 
-/// A constant of the robot file that is wrong.
+/// A constant of the robot file that is wrong: one that has a name there, a number of a frame's row
+/// ("theta", "alpha", "a", "d", "ratio of pitch"), or the zero of a joint ("zero").
 struct KinematicError {
   static constexpr const char* kName = "coupling_error";
-  std::string constant;  ///< its name in the file
+  static constexpr const char* kZero = "zero";
+  std::string constant;
+  /// Whose number it is; nothing: it has a name of its own.
+  std::variant<std::monostate, FrameIndex, JointIndex> of = {};
 };
 
 /// A push from outside, limited in time.
@@ -78,7 +82,8 @@ struct ExternalContact {
 /// what an excitation is to tell from another, and what a simulation injects.
 ///
 /// Its text form is EFFECT:PLACE, where PLACE is a joint (name or number from 1), the frame of a
-/// load, "arm", or the name of a constant: "backlash:2", "payload:tool", "gravity_tilt:arm".
+/// load, "arm", or a constant, by its name or after its frame or joint: "backlash:2",
+/// "payload:tool", "gravity_tilt:arm", "coupling_error:delta", "coupling_error:elbow.theta".
 using Cause = std::variant<NewEffect, ChangedEffect, AddedLoad, AddedInertia, ChannelError,
                            KinematicError, ExternalContact>;
 
@@ -116,6 +121,23 @@ std::string effect_of(const Cause& cause);
 /// The joint or the frame it is about, where it has one.
 std::optional<JointIndex> joint_of(const Cause& cause);
 std::optional<FrameIndex> frame_of(const Cause& cause);
+
+/// Where it acts: its joint; of a load and of a number of a frame's row the last joint that moves
+/// the frame; nothing: on the whole arm.
+std::optional<JointIndex> acting_joint(const Model& arm, const Cause& cause);
+
+/// True if they are of one name at one joint or frame: a new effect and a changed one are.
+bool alike(const Cause& a, const Cause& b);
+
+/// A cause in the words that reports are made of.
+struct CauseWords {
+  std::string effect;
+  int joint = 0;           ///< number of acting_joint() from 1; 0: the whole arm
+  std::string coordinate;  ///< its name; "arm"
+  std::string frame;       ///< of a load, a frame's row, or the first one that a contact can be on
+  std::string constant;    ///< "theta", "delta"; empty where it is none
+};
+CauseWords words_of(const Model& arm, const Cause& cause);
 
 /// Joint by name or by number from 1. @throws InvalidInput  as find_cause().
 JointIndex find_joint(const Model& arm, const std::string& word, const std::string& where);

@@ -21,8 +21,12 @@ namespace veridyn {
 ///                  differ from the torques of an arm with values by just these; a warning where they
 ///                  are merely as small as currents beside the robot's limits
 ///   torque_scale   torques differ from those of an arm with values by one factor a joint
+///   not_compared   information: the recording leaves base parameters of the arm open or hardly tells
+///                  them apart, so that wrong signals would fit as well; value: how many it
+///                  determines. No fault is named then
 ///
-/// Nothing is found in a recording that the arm explains, or one that hardly moves.
+/// Only joints that move are judged. Nothing is found in a recording that the arm explains, or in
+/// one without motion.
 /// @throws InvalidInput  as RecordingReader does, or the recording is not of this arm.
 std::vector<QualityFinding> check_against(const Model& arm, const std::string& path,
                                           const PreprocessingOptions& options = {});

@@ -3,6 +3,7 @@
 #include <exception>
 #include <functional>
 #include <map>
+#include <memory>
 #include <string>
 
 #include "veridyn/recordings/recording_list.hpp"
@@ -10,6 +11,8 @@
 #include "veridyn/model/model.hpp"
 
 namespace veridyn {
+
+class KeptRecordings;
 
 /// What is low-pass filtered.
 enum class Filtering {
@@ -72,6 +75,9 @@ struct PreprocessingOptions {
   SignalChoice signals;              ///< topics, names and units; joints are those of the arm
   /// Recordings that are not read from files: a name found here is one of these. See Recordings.
   RecordingsInMemory in_memory;
+  /// Files that were read already: whoever asks many questions of them owns it. Nothing: every file
+  /// is read anew whenever it is asked for.
+  std::shared_ptr<KeptRecordings> kept;
   /// Asked now and then while recordings are read; once true, what asked for them ends with
   /// Interrupted.
   std::function<bool()> interrupted;

@@ -13,6 +13,7 @@ using Kind = Command::Kind;
 
 constexpr double kTwoPi = 6.283185307179586;
 constexpr double kReach = 0.1;           // [s] at the velocity limit: farther is no stream
+constexpr double kServoSpeed = 0.8;      // of the velocity limits, at most, in streams of positions
 constexpr double kStop = 0.1;            // [s] in which a move stops
 constexpr double kLeastMove = 0.2;       // [s]
 constexpr double kReleaseDamping = 5.0;  // [1/s]: of an arm that gives way
@@ -132,7 +133,7 @@ CrtkArm::CrtkArm(const Model& model, const CrtkOptions& options)
       setpoint_(model, tip_), safety_(model, limits_of(model, options)), input_(n_),
       way_(VectorXd::Zero(n_)), wanted_(n_), limits_(limits_of(model, options)),
       goal_(VectorXd::Zero(n_)), effort_(goal_), tau_(goal_), out_(goal_), zero_(goal_),
-      speed_(goal_), smoothed_(goal_) {
+      speed_(goal_), led_(goal_), smoothed_(goal_) {
   require(n_ <= kMostJoints, "veridyn_ros: found ", n_, " joints, expected at most ", kMostJoints, ".");
   require(options.oldest_positions > 0.0 && options.longest_cycle > 0.0,
           "veridyn_ros: expected oldest_positions and longest_cycle above zero.");
@@ -253,7 +254,7 @@ Refusal CrtkArm::take_joints(const Command& c, bool move) noexcept {
     way_.move_to(goal_, seconds);
     mode_ = Mode::kMove;
   } else {
-    way_.reset(goal_);
+    led_ = goal_;
   }
   return Refusal::kNone;
 }
@@ -339,6 +340,15 @@ void CrtkArm::follow_twist(double dt) noexcept {
   way_.reset(goal_);
 }
 
+// The setpoint goes to where the stream is, never faster than the arm may: messages come in bursts.
+void CrtkArm::follow_joints(double dt) noexcept {
+  for (int i = 0; i < n_; ++i) {
+    const double most = kServoSpeed * limits_.velocity[i] * dt;
+    goal_[i] = way_.x()[i] + std::clamp(led_[i] - way_.x()[i], -most, most);
+  }
+  way_.reset(goal_);
+}
+
 // The controller's reference rests where the arm is.
 void CrtkArm::stand() noexcept {
   smoothed_ = goal_;
@@ -377,6 +387,7 @@ const VectorXd& CrtkArm::update(const VectorXd& q, const VectorXd& dq, double ag
     stream_ = Kind::kHold;
   }
   if (mode_ == Mode::kServo && stream_ == Kind::kServoCv) follow_twist(dt);
+  if (mode_ == Mode::kServo && (stream_ == Kind::kServoJp || stream_ == Kind::kServoCp)) follow_joints(dt);
   way_.advance(dt);
   const bool by_effort =
       mode_ == Mode::kServo && (stream_ == Kind::kServoJf || stream_ == Kind::kServoCf);
@@ -419,6 +430,7 @@ void CrtkArm::tell() noexcept {
   setpoint_.update(way_.x(), way_.dx());
   const TipKinematics& tip = arm_.tip();
   tau_ = out_ - arm_.bias();  // torque beyond gravity
+  if (state_ == OperatingState::kDisabled || !powered_) tau_.setZero();  // brakes carry it
   Vector6d wrench = Vector6d::Zero();
   task_.update(tip.jacobian());
   task_.solve_wrench(tau_, wrench);

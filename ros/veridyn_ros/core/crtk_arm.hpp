@@ -93,7 +93,8 @@ struct CrtkOptions {
 /// - Commands that are not finite, beyond limits, farther than the velocity limits allow, older than
 ///   `oldest`, or from another client than the one that streams, are refused; the arm goes on with
 ///   what it did.
-/// - Setpoints go through three lags of 1 / smoothing each: a stream at 50 Hz makes no steps.
+/// - Setpoints go through three lags of 1 / smoothing each: a stream at 50 Hz makes no steps. Streams
+///   of positions are followed at 0.8 of the velocity limits at most: bursts of messages do no harm.
 /// - servo_jf and servo_cf come on top of gravity compensation.
 ///
 ///   CrtkArm arm(model);
@@ -129,6 +130,7 @@ class CrtkArm {
   void hold() noexcept;
   void watch_silence(double dt) noexcept;
   void follow_twist(double dt) noexcept;
+  void follow_joints(double dt) noexcept;
   void smooth(double dt) noexcept;
   void stand() noexcept;
   void tell() noexcept;
@@ -148,7 +150,7 @@ class CrtkArm {
   veridyn::QuinticInterpolator way_;
   veridyn::JointReference wanted_;
   veridyn::SafetyLimits limits_;
-  VectorXd goal_, effort_, tau_, out_, zero_, speed_, smoothed_;
+  VectorXd goal_, effort_, tau_, out_, zero_, speed_, led_, smoothed_;
   Vector6d twist_{Vector6d::Zero()};
   OperatingState state_ = OperatingState::kDisabled;
   Mode mode_ = Mode::kOff;

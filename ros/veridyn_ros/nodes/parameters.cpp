@@ -1,6 +1,8 @@
 #include "nodes/parameters.hpp"
 
+#include <chrono>
 #include <cmath>
+#include <thread>
 
 #include "veridyn/identification/identification.hpp"
 #include "veridyn/math/require.hpp"
@@ -23,6 +25,22 @@ VectorXd middle(const Model& arm) {
     if (std::isfinite(m)) q[i] = m;
   }
   return q;
+}
+
+// Says once that the master is gone: what is connected goes on, nothing new can connect.
+void watch_master(const std::string& name) {
+  constexpr int kPause = 20;  // tenths of a second
+  bool there = true;
+  for (int k = 1; ros::ok(); ++k) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    if (k % kPause != 0) continue;
+    const bool now = ros::master::check();
+    if (now != there)
+      std::fprintf(stderr, "%s: %s %s\n", name.c_str(),
+                   now ? "the master is back at" : "what is connected goes on without a master; found none any more at",
+                   ros::master::getURI().c_str());
+    there = now;
+  }
 }
 
 }  // namespace
@@ -61,14 +79,23 @@ int run_node(int argc, char** argv, const std::string& name, void (*run)(ros::No
                  ros::master::getURI().c_str());
     return kBadInput;
   }
+  int status = 0;
   try {
     ros::NodeHandle own("~");
-    run(own);
-    return 0;
+    std::thread watch([&name] { watch_master(name); });
+    try {
+      run(own);
+    } catch (const std::exception& error) {
+      std::fprintf(stderr, "%s: %s\n", name.c_str(), error.what());
+      status = kBadInput;
+    }
+    ros::shutdown();
+    watch.join();
   } catch (const std::exception& error) {
     std::fprintf(stderr, "%s: %s\n", name.c_str(), error.what());
-    return kBadInput;
+    status = kBadInput;
   }
+  return status;
 }
 
 }  // namespace veridyn_ros

@@ -198,14 +198,6 @@ std::vector<LeftOut> left_out_rows(const std::vector<Contact>& contacts) {
 
 namespace {
 
-// The links that the last joint moves, nearest first: "fore", or "fore and what it carries".
-std::string link_words(const Model& arm, int joint) {
-  for (size_t k = 0; k < arm.frames().size(); ++k) {
-    if (arm.moves(static_cast<int>(k), joint)) return arm.frames()[k].name;
-  }
-  return arm.coordinates()[static_cast<size_t>(joint)].name;
-}
-
 std::string efforts_words(const Model& arm, const Contact& c) {
   std::string out;
   for (Eigen::Index i = 0; i <= c.last_joint; ++i) {
@@ -223,11 +215,9 @@ void add_contacts(const std::vector<Contact>& contacts, const Identification& se
   for (const Contact& c : contacts) {
     Finding f;
     f.rank = static_cast<int>(d.findings.size()) + 1;
-    f.effect = ExternalContact::kName;
-    f.joint = c.last_joint + 1;
+    f.cause = ExternalContact{{c.last_joint}};
+    f.joint = JointIndex{c.last_joint};
     const Coordinate& joint = arm.coordinates()[static_cast<size_t>(c.last_joint)];
-    f.coordinate = joint.name;
-    f.frame = link_words(arm, c.last_joint);
     f.source = c.source;
     f.unit = effort_unit(joint);
     const double effort = c.effort[c.last_joint];
@@ -243,10 +233,10 @@ void add_contacts(const std::vector<Contact>& contacts, const Identification& se
     f.test_outside = seen.test_without_excluded.relative.size() > 0
                          ? seen.test_without_excluded.relative
                          : seen.test_error.relative;
-    f.sentence = fmt::format(
-        "{}: from {:.1f} to {:.1f} s something pushes the arm on link {} or beyond it: {} (mean "
-        "torque that the model does not explain). These {:.1f} s are left out of the fit.",
-        c.source, c.from, c.to, f.frame, efforts_words(arm, c), c.to - c.from);
+    f.phrase = fmt::format(
+        "from {:.1f} to {:.1f} s something pushes the arm on link {} or beyond it: {} (mean "
+        "torque that the model does not explain). These {:.1f} s are left out of the fit",
+        c.from, c.to, words_of(arm, f.cause).frame, efforts_words(arm, c), c.to - c.from);
     d.findings.push_back(std::move(f));
   }
 }

@@ -11,7 +11,7 @@ bool is_friction(const std::string& effect) {
 }
 
 bool is_channel(const Hypothesis& h) {
-  return h.term >= 0 && h.changes < 0 && channel_effect(h.effect) != nullptr;
+  return std::holds_alternative<ChannelError>(h.cause);
 }
 
 std::string channel_phrase(const Model& arm, const EffectTerm& term,

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <string>
 
+#include "diagnosis/causes/effect_facts.hpp"
 #include "veridyn/effects/cause.hpp"
 #include "veridyn/effects/channel_effect.hpp"
 
@@ -18,7 +19,7 @@ void add_load(const FoundCause& found, int joints, ModelDescription& d) {
   load.name = AddedLoad::kName;
   for (int count = 2; known(load.name); ++count)
     load.name = std::string(AddedLoad::kName) + "_" + std::to_string(count);
-  load.parent = found.hypothesis.frame;
+  load.parent = frame_of(found.hypothesis.cause)->value;
   load.variable.coefficients = VectorXd::Zero(joints);
   load.body = Body{};
   load.body->phi = found.load;
@@ -48,19 +49,17 @@ Model extended_arm(const Model& arm, const std::vector<FoundCause>& found, bool 
   if (changes) d.identified.reset();  // statistics of values that are no longer there
   for (const FoundCause& f : found) {
     const Hypothesis& h = f.hypothesis;
-    if (h.body >= 0) {
+    if (is_load(h)) {
       add_load(f, arm.joints(), d);
-    } else if (h.changes >= 0) {
-      change(d.effects[static_cast<size_t>(h.changes)], f.values);
-    } else if (channel_effect(h.effect) == nullptr) {
+    } else if (is_change(h)) {
+      change(d.effects[h.own->value], f.values);
+    } else if (!is_channel(h)) {
       d.effects.push_back(changes ? with_values(f.term, f.values) : f.term);
     }
   }
   Model out(std::move(d));
   for (const FoundCause& f : found) {
-    const bool channel = channel_effect(f.hypothesis.effect) != nullptr;
-    if (f.hypothesis.body < 0 && f.hypothesis.changes < 0 && channel)
-      out = with_channel_error(out, f.term, f.values);
+    if (is_channel(f.hypothesis)) out = with_channel_error(out, f.term, f.values);
   }
   return out;
 }

@@ -7,6 +7,7 @@
 #include "diagnosis/evidence/clustered_fit.hpp"
 #include "diagnosis/numerics.hpp"
 
+#include "effects/kinematic_error.hpp"
 #include "veridyn/dynamics/regressor_batch.hpp"
 #include "identification/base_solution.hpp"
 #include "math/parallel.hpp"
@@ -416,32 +417,23 @@ std::vector<GeometryConstant> geometry_constants(const Model& arm) {
     const Frame& frame = arm.frames()[static_cast<size_t>(k)];
     if (!frame.dh || carries[static_cast<size_t>(k)] == 0) continue;
     const std::string of = " of frame " + frame.name;
-    out.push_back({k, Kind::kTheta, -1, frame.dh->theta, true, "theta", "theta" + of});
-    out.push_back({k, Kind::kAlpha, -1, frame.dh->alpha, true, "alpha", "alpha" + of});
-    out.push_back({k, Kind::kA, -1, frame.dh->a, false, "a", "a" + of});
-    out.push_back({k, Kind::kD, -1, frame.dh->d, false, "d", "d" + of});
+    out.push_back({k, Kind::kTheta, frame.dh->theta, true, "theta", "theta" + of});
+    out.push_back({k, Kind::kAlpha, frame.dh->alpha, true, "alpha", "alpha" + of});
+    out.push_back({k, Kind::kA, frame.dh->a, false, "a", "a" + of});
+    out.push_back({k, Kind::kD, frame.dh->d, false, "d", "d" + of});
     for (int i = 0; i < arm.joints(); ++i) {
       const double c = frame.variable.coefficients[i];
       if (c == 0.0 || std::abs(c) == 1.0) continue;
       const std::string ratio = "ratio of " + arm.coordinates()[static_cast<size_t>(i)].name;
-      out.push_back({k, Kind::kCoefficient, i, c, false, ratio, ratio + " in frame " + frame.name});
+      out.push_back({k, Kind::kCoefficient, c, false, ratio, ratio + " in frame " + frame.name});
     }
   }
   return out;
 }
 
 Model with_constant(const Model& arm, const GeometryConstant& constant, double value) {
-  using Kind = GeometryConstant::Kind;
   ModelDescription d = arm.description();
-  Frame& frame = d.frames[static_cast<size_t>(constant.frame)];
-  DhRow row = *frame.dh;
-  if (constant.kind == Kind::kA) row.a = value;
-  if (constant.kind == Kind::kAlpha) row.alpha = value;
-  if (constant.kind == Kind::kD) row.d = value;
-  if (constant.kind == Kind::kTheta) row.theta = value;
-  if (constant.kind == Kind::kCoefficient) frame.variable.coefficients[constant.coordinate] = value;
-  frame.variable.offset = 0.0;
-  place(frame, row);
+  set_value({constant.name, FrameIndex{constant.frame}}, value, d);
   return Model(std::move(d));
 }
 

@@ -12,7 +12,6 @@ struct GeometryConstant {
   enum class Kind { kA, kAlpha, kD, kTheta, kCoefficient };
   int frame = 0;
   Kind kind = Kind::kTheta;
-  int coordinate = -1;  ///< Coordinate of a coefficient
   double value = 0.0;   ///< as it stands
   bool angle = false;
   std::string name;   ///< "theta", or "ratio of pitch" where it is a coefficient

@@ -39,15 +39,20 @@ AxisMotion motion_along(const Model& arm, const Axis& axis,
   return m;
 }
 
-// Index of the arm's own term, or -1.
-int own_term(const Model& arm, const std::string& effect, const Axis& axis) {
+std::optional<TermIndex> own_term(const Model& arm, const std::string& effect, const Axis& axis) {
   for (size_t k = 0; k < arm.effects().size(); ++k) {
     const EffectTerm& term = arm.effects()[k];
-    if (term.effect == effect && term.axis.coefficients == axis.coefficients)
-      return static_cast<int>(k);
+    if (term.effect == effect && term.axis.coefficients == axis.coefficients) return TermIndex{k};
   }
-  return -1;
+  return std::nullopt;
 }
+
+// Beside where and with what constants: what a term is to the arm that is asked about.
+struct Relation {
+  std::optional<JointIndex> from;  // the coordinate that a coupling comes from
+  std::optional<TermIndex> own;    // the arm's own effect that it is about
+  bool changes = false;            // that one has changed
+};
 
 // The frame that a link's frames are fixed to, itself if it moves.
 int link_of(const Model& arm, int frame) {
@@ -64,7 +69,7 @@ class Builder {
   void ask_all() {
     for (const auto& [hypothesis, term] : list_.known) {
       Hypothesis h = hypothesis;
-      h.term = static_cast<int>(description_.effects.size());
+      h.part = TermIndex{description_.effects.size()};
       h.columns.clear();
       asked_.insert(key(term));
       description_.effects.push_back(term);
@@ -96,11 +101,7 @@ class Builder {
   AugmentedModel take() {
     AugmentedModel out{Model(std::move(description_)), std::move(hypotheses_)};
     const std::vector<StandardParameter> parameters = standard_parameters(out.model);
-    for (Hypothesis& h : out.hypotheses) {
-      for (const StandardParameter& p : parameters) {
-        if (h.term >= 0 ? p.effect == h.term : p.body == h.body) h.columns.push_back(p.name);
-      }
-    }
+    for (Hypothesis& h : out.hypotheses) h.columns = columns_in(parameters, h);
     return out;
   }
 
@@ -157,20 +158,20 @@ class Builder {
     const EffectTraits traits = effect.traits();
     const bool plain = (axis.coefficients.array() != 0.0).count() == 1;
     if (!plain && !traits.mixed_axes) return;
-    const int own = own_term(arm_, effect.name(), axis);
-    if (own >= 0 && list_.changes && !traits.uses_source) {
-      add(effect, axis, arm_.effects()[static_cast<size_t>(own)].values, -1, own);
+    const std::optional<TermIndex> own = own_term(arm_, effect.name(), axis);
+    if (own && list_.changes && !traits.uses_source) {
+      add(effect, axis, arm_.effects()[own->value].values, {std::nullopt, own, true});
       if (effect.shapes().empty()) return;
     }
-    if (own >= 0 && !list_.changes) ask_other_constants(effect, axis, m, own);
-    if (own >= 0 && !list_.changes && !traits.memory) return;
+    if (own && !list_.changes) ask_other_constants(effect, axis, m, *own);
+    if (own && !list_.changes && !traits.memory) return;
     const auto joint = static_cast<size_t>(main_coordinate(axis));
     m.waves.emplace();
     if (joint < list_.ripple_orders.size()) m.waves = list_.ripple_orders[joint];
     for (const ShapeChoice& choice : effect.grid(m)) {
       if (!traits.uses_source) add(effect, axis, choice);
       for (int from = 0; traits.uses_source && from < arm_.joints(); ++from) {
-        if (axis.coefficients[from] == 0.0) add(effect, axis, choice, from);
+        if (axis.coefficients[from] == 0.0) add(effect, axis, choice, {JointIndex{from}, std::nullopt, false});
       }
     }
   }
@@ -179,36 +180,44 @@ class Builder {
   // another one than its file says, in shares of one over the largest speed (a step of friction that
   // is smooth). It is asked beside the causes, for what it leaves over looks like them.
   void ask_other_constants(const AxisEffect& effect, const Axis& axis, const AxisMotion& m,
-                           int own) {
+                           TermIndex own) {
     if (m.speed <= 0.0) return;
     for (const EffectShape& constant : effect.shapes()) {
       if (constant.searched || constant.scale != ShapeScale::kByUnit) continue;
       for (const double share : constant.grid) {
         const double value = std::clamp(share / m.speed, constant.lower, constant.upper);
-        add(effect, axis, {{constant.name, value}}, -1, -1, own);
+        add(effect, axis, {{constant.name, value}}, {std::nullopt, own, false});
       }
     }
   }
 
-  void add(const Effect& effect, const Axis& axis, const ShapeChoice& shape, int from = -1,
-           int changes = -1, int instead_of = -1) {
+  static Cause cause_of(const Effect& effect, const Axis& axis, bool changes) {
+    const std::string name = effect.name();
+    if (axis.coefficients.isZero(0.0)) return ChannelError{name, std::nullopt};
+    const JointIndex joint{main_coordinate(axis)};
+    if (channel_effect(name) != nullptr) return ChannelError{name, joint};
+    if (changes) return ChangedEffect{name, joint};
+    return NewEffect{name, joint};
+  }
+
+  void add(const Effect& effect, const Axis& axis, const ShapeChoice& shape,
+           const Relation& relation = {}) {
     EffectTerm term;
     term.effect = effect.name();
     term.axis = axis;
     term.values = shape;
     const std::vector<EffectParameter> parameters = effect.parameters();
     const EffectTraits traits = effect.traits();
-    const bool whole_arm = axis.coefficients.isZero(0.0);
     const bool slides = is_prismatic(arm_, axis);
     for (const EffectParameter& p : parameters) term.values.erase(p.name);
-    if (from >= 0) term.from = Axis{VectorXd::Unit(arm_.joints(), from), 0.0};
+    if (relation.from)
+      term.from = Axis{VectorXd::Unit(arm_.joints(), relation.from->value), 0.0};
     if (!asked_.insert(key(term)).second) return;
     Hypothesis h;
-    h.effect = term.effect;
-    h.joint = whole_arm ? -1 : main_coordinate(axis);
-    h.changes = changes;
-    h.instead_of = instead_of;
-    h.term = static_cast<int>(description_.effects.size());
+    h.cause = cause_of(effect, axis, relation.changes);
+    h.joint = joint_of(h.cause);
+    h.own = relation.own;
+    h.part = TermIndex{description_.effects.size()};
     h.stage = static_cast<int>(traits.stage);
     h.extrapolates = traits.depends_on_position || traits.depends_on_time;
     h.repeats = traits.memory;
@@ -220,13 +229,15 @@ class Builder {
     for (const EffectParameter& p : parameters)
       h.largest_value =
           std::min(h.largest_value, slides ? p.largest_prismatic : p.largest_revolute);
-    h.family = std::string(changes >= 0 ? "changed " : instead_of >= 0 ? "own " : "") + term.effect + " " + axis_text(arm_, axis) +
-               (from >= 0 ? " from " + arm_.coordinates()[from].name : "");
+    h.family = relation.changes ? "changed " : relation.own ? "own " : "";
+    h.family += term.effect + " " + axis_text(arm_, axis);
+    if (relation.from)
+      h.family += " from " + arm_.coordinates()[static_cast<size_t>(relation.from->value)].name;
     for (const EffectParameter& p : parameters)
-      h.signs.push_back(changes >= 0 ? ParameterSign::kAny : p.sign);
+      h.signs.push_back(relation.changes ? ParameterSign::kAny : p.sign);
     for (const EffectParameter& p : parameters) {
-      if (changes < 0) break;
-      const auto& own = arm_.effects()[static_cast<size_t>(changes)].values;
+      if (!relation.changes) break;
+      const auto& own = arm_.effects()[relation.own->value].values;
       const auto value = own.find(p.name);
       h.lowest.push_back(p.sign == ParameterSign::kAny || value == own.end() ? -numerics::kHuge
                                                                              : -value->second);
@@ -245,12 +256,9 @@ class Builder {
     load.body = Body{};
     load.body->phi = InertialParameters::Zero();
     Hypothesis h;
-    h.effect = AddedLoad::kName;
-    h.frame = frame;
-    for (int i = 0; i < arm_.joints(); ++i) {
-      if (arm_.moves(frame, i)) h.joint = i;
-    }
-    h.body = static_cast<int>(arm_.bodies().size()) + payloads_++;
+    h.cause = AddedLoad{{frame}};
+    h.joint = acting_joint(arm_, h.cause);
+    h.part = BodyIndex{static_cast<int>(arm_.bodies().size()) + payloads_++};
     h.stage = static_cast<int>(DiagnosisStage::kChannel);
     if (description_.box.com_reach > 0.0) h.reach = description_.box.com_reach;
     h.family = load.name;
@@ -269,6 +277,35 @@ class Builder {
 };
 
 }  // namespace
+
+bool is_load(const Hypothesis& h) {
+  return std::holds_alternative<BodyIndex>(h.part);
+}
+
+bool is_change(const Hypothesis& h) {
+  return std::holds_alternative<ChangedEffect>(h.cause);
+}
+
+bool is_other_constant(const Hypothesis& h) {
+  return h.own && !is_change(h);
+}
+
+const EffectTerm& term_of(const Model& augmented, const Hypothesis& h) {
+  return augmented.effects()[std::get<TermIndex>(h.part).value];
+}
+
+std::vector<std::string> columns_in(const std::vector<StandardParameter>& all,
+                                    const Hypothesis& h) {
+  const auto* term = std::get_if<TermIndex>(&h.part);
+  const auto* body = std::get_if<BodyIndex>(&h.part);
+  std::vector<std::string> out;
+  for (const StandardParameter& p : all) {
+    const bool own = term != nullptr ? p.effect == static_cast<int>(term->value)
+                                     : p.body == body->value;
+    if (own) out.push_back(p.name);
+  }
+  return out;
+}
 
 std::vector<std::string> elementary_effects() {
   std::vector<const AxisEffect*> found;

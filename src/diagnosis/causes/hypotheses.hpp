@@ -1,29 +1,38 @@
 #pragma once
 
-#include <map>
+#include <optional>
 #include <string>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "diagnosis/numerics.hpp"
 #include "veridyn/diagnosis/thresholds.hpp"
+#include "veridyn/effects/cause.hpp"
 #include "veridyn/identification/compressed_recording.hpp"
+#include "veridyn/regressor/standard_parameters.hpp"
 
 namespace veridyn {
 
+/// Index among a model's effects, and among its bodies.
+struct TermIndex {
+  size_t value = 0;
+};
+struct BodyIndex {
+  int value = 0;
+};
+
 /// One thing that may be missing in the model: an effect on one coordinate with one choice of its
-/// shape constants.
+/// shape constants, or a load on a link.
 struct Hypothesis {
-  std::string effect;
-  int joint = 0;       ///< coordinate, from 0; -1: the whole arm
-  int term = -1;       ///< index among the augmented model's effects; -1: a payload
-  int frame = -1;      ///< A payload's link: its frame in the arm asked about
-  int body = -1;       ///< A payload's index among the augmented model's bodies
-  double reach = 1.0;  ///< A payload's reach: largest distance [m] of its centre along each axis from the frame
-  int changes = -1;    ///< index of the arm's own effect that has changed; -1: a new one
-  /// Index of the arm's own effect that this is, with another constant; -1: none. The model has the
-  /// effect: accepted, it is a remark and no finding.
-  int instead_of = -1;
+  Cause cause;
+  std::optional<JointIndex> joint;  ///< acting_joint(); nothing: the whole arm
+  /// What has its columns in the augmented model: an effect, or a load's body.
+  std::variant<TermIndex, BodyIndex> part;
+  double reach = 1.0;  ///< A load's reach: largest distance [m] of its centre along each axis from the frame
+  /// The arm's own effect that has changed, or that has another constant than its file says. That
+  /// one is no cause: accepted, it is a remark and no finding.
+  std::optional<TermIndex> own;
   std::vector<std::string> columns;
   std::vector<ParameterSign> signs;
   std::vector<double> lowest;    ///< Least value of a change: less would make the parameter impossible
@@ -35,6 +44,10 @@ struct Hypothesis {
       0;  ///< order of the questions: 0 channels, 1 inertia and elasticity, 2 friction and forces
   std::string family;  ///< hypotheses that differ in shape constants only share it
 };
+
+bool is_load(const Hypothesis& h);
+bool is_change(const Hypothesis& h);
+bool is_other_constant(const Hypothesis& h);
 
 /// The arm with one more effect for every hypothesis; the effects' columns then come out of the
 /// same pass as all others.
@@ -55,6 +68,12 @@ struct QuestionList {
   /// hypotheses.
   std::vector<std::pair<Hypothesis, EffectTerm>> known;
 };
+
+/// The effect of a hypothesis among those of its augmented model. Not of a load.
+const EffectTerm& term_of(const Model& augmented, const Hypothesis& h);
+
+/// Names of the standard parameters of its effect or its load.
+std::vector<std::string> columns_in(const std::vector<StandardParameter>& all, const Hypothesis& h);
 
 /// @param arm    with values, so that effects that depend on the load have one.
 /// @param facts  of the training recordings: ranges of motion, for grids of lengths and speeds.

@@ -156,8 +156,8 @@ class LoadProblem {
                   sums.b.head(kBodyParameters)};
     if (n > 0) {
       const MatrixXd C = sums.A.topRightCorner(kBodyParameters, n);
-      const Eigen::LDLT<MatrixXd> solver = nuisance_solver(sums);
-      out.A -= C * solver.solve(C.transpose());
+      const RidgedSolver solver = nuisance_solver(sums);
+      out.A -= C * solver.solve_columns(C.transpose());
       out.b -= C * solver.solve(sums.b.tail(n));
     }
     const VectorXd s = scale();
@@ -195,12 +195,9 @@ class LoadProblem {
     return out;
   }
 
-  static Eigen::LDLT<MatrixXd> nuisance_solver(const Quadratic& sums) {
+  static RidgedSolver nuisance_solver(const Quadratic& sums) {
     const Eigen::Index n = sums.b.size() - kBodyParameters;
-    MatrixXd N = sums.A.bottomRightCorner(n, n);
-    N.diagonal() *= 1.0 + numerics::kLoadRidge;
-    N.diagonal().array() += numerics::kTiny;
-    return Eigen::LDLT<MatrixXd>(N);
+    return RidgedSolver(sums.A.bottomRightCorner(n, n), numerics::kLoadRidge);
   }
 
   // Weighted sums of all clusters but one (-1: of all), over load and nuisances, scaled columns.
@@ -244,14 +241,15 @@ Eigen::Matrix<double, 6, 1> possible(const Eigen::Matrix<double, 6, 1>& L) {
 
 }  // namespace
 
-std::vector<ColumnSet> nuisance_sets(const Inquiry& q, const NormalBlocks& data, int frame) {
+std::vector<ColumnSet> nuisance_sets(const Inquiry& q, const NormalBlocks& data,
+                                     FrameIndex frame) {
   std::vector<ColumnSet> out(1);
   for (const std::string& effect : elementary_effects()) {
     ColumnSet next = out.back();
     for (const Hypothesis& h : q.augmented.hypotheses) {
-      if (h.effect != effect || h.joint < 0 || h.term < 0) continue;
-      if (!q.augmented.model.moves(frame, h.joint)) continue;
-      const Axis& axis = q.augmented.model.effects()[static_cast<size_t>(h.term)].axis;
+      if (effect_of(h.cause) != effect || !h.joint || is_load(h)) continue;
+      if (!q.augmented.model.moves(frame.value, h.joint->value)) continue;
+      const Axis& axis = term_of(q.augmented.model, h).axis;
       if ((axis.coefficients.array() != 0.0).count() != 1) continue;
       const ColumnSet own = columns_of(data, h);
       next.insert(next.end(), own.begin(), own.end());
@@ -262,7 +260,8 @@ std::vector<ColumnSet> nuisance_sets(const Inquiry& q, const NormalBlocks& data,
 }
 
 PayloadEstimate fit_payload(const Inquiry& q, const NormalBlocks& data, const Hypothesis& payload) {
-  const std::vector<ColumnSet> sets = nuisance_sets(q, data, payload.frame);
+  const FrameIndex frame = *frame_of(payload.cause);
+  const std::vector<ColumnSet> sets = nuisance_sets(q, data, frame);
   ColumnSet all = columns_of(data, payload);
   all.insert(all.end(), sets.back().begin(), sets.back().end());
   const VectorXd w = joint_weights(data, all);
@@ -270,7 +269,7 @@ PayloadEstimate fit_payload(const Inquiry& q, const NormalBlocks& data, const Hy
   const Quadratic whole = problem.without(-1);
   const Solution main = fit_point(whole, nullptr);
   PayloadEstimate out;
-  out.frame = q.augmented.model.frames()[static_cast<size_t>(payload.frame)].name;
+  out.frame = q.augmented.model.frames()[static_cast<size_t>(frame.value)].name;
   out.phi = main.phi;
   out.mass = main.mass();
   out.moment = main.moment();
@@ -287,17 +286,13 @@ PayloadEstimate fit_payload(const Inquiry& q, const NormalBlocks& data, const Hy
     return v;
   };
   const Numbers centre = numbers(main, beyond);
-  std::vector<Numbers> jackknife;
-  Numbers mean = Numbers::Zero();
+  MatrixXd without(kBodyParameters + 3, clusters);
   for (int c = 0; c < clusters; ++c) {
     const Quadratic f = problem.without(c);
     const Solution s = fit_point(f, &main);
-    jackknife.push_back(numbers(s, extent(f, s)));
-    mean += jackknife.back() / clusters;
+    without.col(c) = numbers(s, extent(f, s));
   }
-  Numbers variance = Numbers::Zero();
-  for (const Numbers& v : jackknife)
-    variance += (v - mean).cwiseAbs2() * (clusters - 1.0) / clusters;
+  const Numbers variance = jackknife_deviations(without).cwiseAbs2();
   Numbers drift = valley<Numbers>(whole, main, numbers);
   for (size_t k = 0; k + 1 < sets.size(); ++k) {
     const Quadratic f = LoadProblem(data, payload, sets[k], w).without(-1);

@@ -14,7 +14,8 @@ PayloadEstimate fit_payload(const Inquiry& inquiry, const NormalBlocks& data,
 
 /// Columns of what may have changed with a load: offset, Coulomb and viscous friction of the joints
 /// that carry it; growing sets, the first one empty.
-std::vector<ColumnSet> nuisance_sets(const Inquiry& inquiry, const NormalBlocks& data, int frame);
+std::vector<ColumnSet> nuisance_sets(const Inquiry& inquiry, const NormalBlocks& data,
+                                     FrameIndex frame);
 
 /// Of what the ten parameters of a payload explain when they may be anything, the share that they
 /// explain as those of a point mass within the hypothesis's reach; 0 to 1. A rotor's inertia and a

@@ -75,16 +75,8 @@ std::optional<WrongConstant> wrong_constant(const Model& arm,
     return std::nullopt;
   Finding& f = out.finding;
   f.rank = 1;
-  f.effect = KinematicError::kName;
-  const Frame& frame = arm.frames()[static_cast<size_t>(best.constant.frame)];
-  f.frame = frame.name;
-  f.constant = best.constant.name;
-  int joint = 0;
-  for (int i = 0; i < arm.joints(); ++i) {
-    if (arm.moves(best.constant.frame, i)) joint = i;
-  }
-  f.joint = joint + 1;
-  f.coordinate = arm.coordinates()[static_cast<size_t>(joint)].name;
+  f.cause = KinematicError{best.constant.name, FrameIndex{best.constant.frame}};
+  f.joint = acting_joint(arm, f.cause);
   f.unit = best.constant.kind == GeometryConstant::Kind::kCoefficient ? "1"
            : best.constant.angle                                      ? "rad"
                                                                       : "m";
@@ -101,24 +93,22 @@ std::optional<WrongConstant> wrong_constant(const Model& arm,
   for (size_t k = 1; k < geometry.size(); ++k) {
     if (geometry[k].gain < limits.rival_share * profiled) continue;
     f.rivals.push_back(
-        {KinematicError::kName, f.joint, f.coordinate,
-         "another constant, " + geometry[k].constant.words + ", would explain as much", ""});
+        {KinematicError{geometry[k].constant.name, FrameIndex{geometry[k].constant.frame}},
+         "another constant, " + geometry[k].constant.words + ", would explain as much"});
   }
   for (const auto& [h, gain] : instead) {
     if (gain < limits.weaker_rival * best.gain || f.rivals.size() > kRivals) break;
     f.rivals.push_back(
-        {h.effect, h.joint + 1,
-         h.joint < 0 ? "arm" : arm.coordinates()[static_cast<size_t>(h.joint)].name,
-         fmt::format("hides it: alone it gains {:.0f} % as much", numerics::kPercent * gain / best.gain), ""});
+        {h.cause, fmt::format("hides it: alone it gains {:.0f} % as much",
+                              numerics::kPercent * gain / best.gain)});
   }
   const bool angle = f.unit == "rad";
   const auto shown = [&](double v) {
     return angle ? fmt::format("{:.4g} deg", numerics::kDegrees * v)
                  : fmt::format("{:.5g} {}", v, f.unit);
   };
-  f.sentence =
-      fmt::format("The robot file has a wrong constant: {} is {} there; the recordings ask for {}.",
-                  best.constant.words, shown(best.constant.value), shown(best.found));
+  f.phrase = fmt::format("{} is {} there; the recordings ask for {}", best.constant.words,
+                         shown(best.constant.value), shown(best.found));
   return out;
 }
 

@@ -3,7 +3,8 @@
 #include <Eigen/Cholesky>
 #include <vector>
 
-#include "veridyn/model/model.hpp"
+#include "diagnosis/numerics.hpp"
+#include "math/clustered_statistics.hpp"
 
 namespace veridyn {
 
@@ -16,8 +17,9 @@ namespace veridyn {
 class RidgedSolver {
  public:
   RidgedSolver() = default;
-  /// @param A  (k x k) its lower triangle is read.
-  explicit RidgedSolver(MatrixXd A);
+  /// @param A      (k x k) its lower triangle is read.
+  /// @param ridge  share of every diagonal entry that is added to it.
+  explicit RidgedSolver(MatrixXd A, double ridge = numerics::kRidge);
   VectorXd solve(const VectorXd& b) const { return factor_.solve(b); }
   MatrixXd solve_columns(const MatrixXd& B) const { return factor_.solve(B); }
 
@@ -28,19 +30,11 @@ class RidgedSolver {
 /// The same for columns of any size: scaled to a diagonal of ones first.
 VectorXd solve_scaled(const MatrixXd& A, const VectorXd& b);
 
-/// Standard deviations by the jackknife, (k): `without` (k x g) holds the estimates that leave one
-/// of g clusters out.
-///
-///   s^2 = (g - 1) / g * sum_c (x_c - mean x)^2
-VectorXd jackknife_deviations(const MatrixXd& without);
-
-/// Covariance by the jackknife, (k x k).
-MatrixXd jackknife_covariance(const MatrixXd& without);
+/// Least squares of any rows, or a square system without symmetry.
+VectorXd solve_general(const MatrixXd& A, const VectorXd& b);
 
 /// p value of all parameters together over g clusters, by Hotelling's statistic: parameters that
 /// share one cause may each be uncertain while their sum is not.
 double wald_p_value(const VectorXd& x, const MatrixXd& without);
-
-double median(std::vector<double> values);
 
 }  // namespace veridyn

@@ -9,10 +9,20 @@
 #include "diagnosis/evidence/clustered_fit.hpp"
 #include "diagnosis/numerics.hpp"
 #include "math/parallel.hpp"
+#include "math/signed_rank.hpp"
 #include "math/student_t.hpp"
 
 namespace veridyn {
 namespace {
+
+constexpr size_t kMayDisagree = 4;
+
+// One fold of four or more may disagree, by however much: a recording can have a fault of its own.
+bool improve(const std::vector<double>& falls) {
+  const auto worse =
+      std::count_if(falls.begin(), falls.end(), [](double d) { return !(d > 0.0); });
+  return worse <= (falls.size() >= kMayDisagree ? 1 : 0);
+}
 
 // Of the columns of a body those that the others do not span, first ones first.
 ColumnSet independent(const NormalBlocks& data, const ColumnSet& all, double new_share) {
@@ -46,7 +56,7 @@ ColumnSet columns_of(const NormalBlocks& data, const Hypothesis& hypothesis) {
       if (data.names()[static_cast<size_t>(k)] == name && data.scale()[k] > 0.0) out.push_back(k);
     }
   }
-  return hypothesis.body >= 0 ? independent(data, out, Thresholds().new_share) : out;
+  return is_load(hypothesis) ? independent(data, out, Thresholds().new_share) : out;
 }
 
 Examiner::Examiner(const NormalBlocks& data, const ColumnSet& base,
@@ -95,7 +105,7 @@ std::unique_ptr<Examiner::Stand> Examiner::stand(const std::vector<int>& chosen)
 // between folds. A single parameter with a sign that nature forbids is no answer at all.
 bool Examiner::impossible(const Hypothesis& h, const ColumnSet& own, const VectorXd& values,
                           const VectorXd& deviations) const {
-  if (h.body >= 0) return false;
+  if (is_load(h)) return false;
   for (size_t k = 0; k < own.size(); ++k) {
     const auto at = static_cast<Eigen::Index>(k);
     const double value = values[at];
@@ -120,23 +130,20 @@ Evidence Examiner::ask(int h, const Stand& before) const {
   if (e.absorbed) return e;
   // The mean over folds and not the fall of the pooled error: one recording with a fault of its
   // own must not outvote the others.
-  int better = 0;
+  std::vector<double> falls;
   MatrixXd without(whole.values.size(), static_cast<Eigen::Index>(before.folds.size()));
   for (size_t f = 0; f < before.folds.size(); ++f) {
     const BorderedFit::Border held_out = before.folds[f].with(own);
     const double d = log_fall(before.folds[f].residual2(), held_out.residual2);
     without.col(static_cast<Eigen::Index>(f)) = held_out.values;
     e.gain += d / static_cast<double>(folds_.size());
-    better += static_cast<int>(d > 0.0);
+    falls.push_back(d);
   }
   e.sign_broken = impossible(hypothesis(h), own, whole.values, jackknife_deviations(without));
-  const auto folds = static_cast<double>(folds_.size());
-  e.fold_share = static_cast<double>(better) / folds;
-  // One fold of four or more may disagree: a recording can have a fault of its own.
-  const double allowed =
-      std::max(folds_.size() >= 4 ? 1.0 : 0.0, (1.0 - options_.thresholds.fold_share) * folds);
-  e.consistent = folds - better <= allowed + 0.5 * numerics::kNoise;
-  if (hypothesis(h).body >= 0 && passes(e)) {
+  e.consistent = improve(falls);
+  e.lasting =
+      e.consistent || signed_rank_p_value(falls) <= options_.thresholds.significance;
+  if (is_load(hypothesis(h)) && passes(e)) {
     e.sign_broken = compact_share(data_, hypothesis(h), before.set, before.weights) <
                     options_.thresholds.compact_load;
   }
@@ -190,7 +197,11 @@ std::vector<Evidence> Examiner::ask_all(const std::vector<int>& chosen) const {
 }
 
 bool Examiner::passes(const Evidence& e) const {
-  return !e.taken && !e.absorbed && !e.sign_broken && e.consistent &&
+  return stays(e) && e.consistent;
+}
+
+bool Examiner::stays(const Evidence& e) const {
+  return !e.taken && !e.absorbed && !e.sign_broken && e.lasting &&
          e.gain > options_.thresholds.smallest_gain;
 }
 

@@ -15,8 +15,8 @@ namespace veridyn {
 struct Evidence {
   int hypothesis = -1;
   double gain = 0.0;        ///< d: fall of the sum over joints of ln(held-out mean square error)
-  double fold_share = 0.0;  ///< Share of the folds that improve
-  bool consistent = false;  ///< enough of the folds improve
+  bool consistent = false;  ///< the folds improve, of four or more all but one
+  bool lasting = false;     ///< they do, or by their signed ranks they do beyond chance
   double p_value = 1.0;
   bool taken = false;     ///< it is one of the accepted: there was nothing to ask
   bool absorbed = false;  ///< its columns lie in the span of the others: these data cannot answer
@@ -50,6 +50,10 @@ class Examiner {
 
   /// Whether ask() speaks for it.
   bool passes(const Evidence& e) const;
+
+  /// Whether one that was taken may stay beside those that came later: what made it enter is not asked
+  /// again as strictly, or causes that share a torque would push each other out.
+  bool stays(const Evidence& e) const;
 
   /// The chosen columns on the rows outside of every cluster, for p_value().
   std::vector<BorderedFit> without_clusters(const Stand& before) const;

@@ -64,7 +64,7 @@ VectorXd least_squares(const Moments& m) {
 }
 
 VectorXd instrumental(const Moments& m) {
-  return Eigen::ColPivHouseholderQR<MatrixXd>(m.ZA).solve(m.Zb);
+  return solve_general(m.ZA, m.Zb);
 }
 
 }  // namespace

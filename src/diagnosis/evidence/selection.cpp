@@ -56,7 +56,7 @@ class Selector {
         others.erase(others.begin() + static_cast<long>(k));
         const Evidence e = examiner_.ask(own, *examiner_.stand(others));
         const double worth = e.absorbed ? -numerics::kHuge : e.gain;
-        if (examiner_.passes(e) || worth >= least) continue;
+        if (examiner_.stays(e) || worth >= least) continue;
         least = worth;
         weakest = k;
       }
@@ -163,8 +163,9 @@ class Selector {
     }
   }
 
-  // What is no longer needed beside those that came after it goes, and is not asked again. True if
-  // any went: what it hid while it was there may have to be taken instead.
+  // What is no longer needed beside those that came after it goes, and is not asked again. It was
+  // found among many; now it is one question. True if any went: what it hid while it was there may
+  // have to be taken instead.
   bool drop_superfluous() {
     const size_t before = accepted_.size();
     for (size_t k = accepted_.size(); k-- > 0;) {
@@ -173,13 +174,12 @@ class Selector {
       others.erase(others.begin() + static_cast<long>(k));
       const std::unique_ptr<Examiner::Stand> beside = examiner_.stand(others);
       const Evidence e = examiner_.ask(own, *beside);
-      if (!examiner_.passes(e)) {
+      const double p = examiner_.p_value(own, *beside, examiner_.without_clusters(*beside));
+      if (!examiner_.stays(e) || p >= options_.thresholds.significance) {
         dropped_.insert(own);
         accepted_.erase(accepted_.begin() + static_cast<long>(k));
       } else {
-        accepted_[k].evidence.p_value =
-            std::min(accepted_[k].evidence.p_value,
-                     examiner_.p_value(own, *beside, examiner_.without_clusters(*beside)));
+        accepted_[k].evidence.p_value = std::min(accepted_[k].evidence.p_value, p);
       }
     }
     return accepted_.size() < before;

@@ -21,12 +21,12 @@ std::optional<size_t> second_twin(const Inquiry& asked, const Selection& selecti
     for (size_t first = 0; first < second; ++first) {
       const Hypothesis& a = hypothesis(first);
       const Hypothesis& b = hypothesis(second);
-      if (a.family != b.family || a.term < 0) continue;
-      const auto& effects = asked.augmented.model.effects();
+      if (a.family != b.family || is_load(a)) continue;
+      const auto& others = term_of(asked.augmented.model, b).values;
       bool near = true;
-      for (const auto& [key, value] : effects[static_cast<size_t>(a.term)].values) {
-        const auto other = effects[static_cast<size_t>(b.term)].values.find(key);
-        if (other == effects[static_cast<size_t>(b.term)].values.end() || value <= 0.0) continue;
+      for (const auto& [key, value] : term_of(asked.augmented.model, a).values) {
+        const auto other = others.find(key);
+        if (other == others.end() || value <= 0.0) continue;
         near = near && std::abs(std::log(other->second / value)) < std::log(near_duplicate);
       }
       if (near) return second;
@@ -135,7 +135,7 @@ std::vector<std::pair<Hypothesis, EffectTerm>> refined_rivals(
   const AugmentedModel refined = refine_shapes(start, asked, swapped, changes, train, how).model;
   for (const size_t k : places) {
     const Hypothesis& h = refined.hypotheses[k];
-    out.emplace_back(h, refined.model.effects()[static_cast<size_t>(h.term)]);
+    out.emplace_back(h, term_of(refined.model, h));
   }
   return out;
 }

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -34,26 +33,22 @@ AugmentedModel model_with(const Model& arm, const AugmentedModel& asked,
   auto bodies = static_cast<int>(arm.bodies().size());
   for (Variant& v : variants) {
     Hypothesis& h = v.hypothesis;
-    if (h.body >= 0) {
-      d.frames.push_back(
-          asked.model
-              .frames()[static_cast<size_t>(asked.model.bodies()[static_cast<size_t>(h.body)])]);
-      h.body = bodies++;
+    if (const auto* body = std::get_if<BodyIndex>(&h.part)) {
+      const int frame = asked.model.bodies()[static_cast<size_t>(body->value)];
+      d.frames.push_back(asked.model.frames()[static_cast<size_t>(frame)]);
+      h.part = BodyIndex{bodies++};
       continue;
     }
-    EffectTerm term = asked.model.effects()[static_cast<size_t>(h.term)];
+    EffectTerm term = term_of(asked.model, h);
     for (const auto& [key, value] : v.shapes) term.values[key] = value;
-    h.term = static_cast<int>(d.effects.size());
+    h.part = TermIndex{d.effects.size()};
     d.effects.push_back(std::move(term));
   }
   AugmentedModel out{Model(std::move(d)), {}};
   const std::vector<StandardParameter> parameters = standard_parameters(out.model);
   for (Variant& v : variants) {
     Hypothesis& h = v.hypothesis;
-    h.columns.clear();
-    for (const StandardParameter& p : parameters) {
-      if (h.body >= 0 ? p.body == h.body : p.effect == h.term) h.columns.push_back(p.name);
-    }
+    h.columns = columns_in(parameters, h);
     out.hypotheses.push_back(h);
   }
   return out;
@@ -68,11 +63,11 @@ std::optional<EffectShape> shape_of(const std::string& effect, const std::string
 }
 
 bool searched(const Hypothesis& h, const std::string& key) {
-  if (h.changes >= 0) return false;
-  const auto shape = shape_of(h.effect, key);
+  if (is_change(h)) return false;
+  const auto shape = shape_of(effect_of(h.cause), key);
   if (!shape) return false;
   // A wave number comes from a spectrum, near its peak already.
-  const bool asked = shape->searched || h.instead_of >= 0;
+  const bool asked = shape->searched || is_other_constant(h);
   return shape->scale == ShapeScale::kWaves || (asked && shape->lower > 0.0);
 }
 
@@ -95,9 +90,8 @@ class Refiner {
       const Hypothesis& h = asked.augmented.hypotheses[static_cast<size_t>(a.evidence.hypothesis)];
       chosen_.push_back(h);
       shapes_.emplace_back();
-      if (h.term < 0) continue;
-      for (const auto& [key, value] :
-           asked.augmented.model.effects()[static_cast<size_t>(h.term)].values) {
+      if (is_load(h)) continue;
+      for (const auto& [key, value] : term_of(asked.augmented.model, h).values) {
         if (searched(h, key)) shapes_.back()[key] = value;
       }
     }
@@ -129,10 +123,10 @@ class Refiner {
   }
 
   // One wave per travel, in the units of an order.
-  double one_wave(int joint) const {
+  double one_wave(JointIndex joint) const {
     double travel = numerics::kSmallestTravel;
     for (const CompressedRecording& r : start_.factors)
-      travel = std::max(travel, r.joints[static_cast<size_t>(joint)].travel());
+      travel = std::max(travel, r.joints[static_cast<size_t>(joint.value)].travel());
     return 2.0 * M_PI / travel;
   }
 
@@ -149,12 +143,12 @@ class Refiner {
     }
     for (size_t k = 0; k < chosen_.size(); ++k) {
       for (const auto& [key, value] : shapes_[k]) {
-        const EffectShape shape = *shape_of(chosen_[k].effect, key);
+        const EffectShape shape = *shape_of(effect_of(chosen_[k].cause), key);
         for (const double wide : factors) {
           // A wave number is known to a share of one wave per travel.
           const double factor =
               shape.scale == ShapeScale::kWaves
-                  ? 1.0 + numerics::kWaveStep * (wide - 1.0) * one_wave(chosen_[k].joint) / value
+                  ? 1.0 + numerics::kWaveStep * (wide - 1.0) * one_wave(*chosen_[k].joint) / value
                   : wide;
           const double moved = value * factor;
           if (moved < shape.lower || moved > shape.upper) continue;
@@ -222,7 +216,7 @@ class Refiner {
             const VectorXd& m = misfits[static_cast<size_t>(r)];
             y[r] = m[0] - (without < 0 ? 0.0 : m[without + 1]);
           }
-          const VectorXd c = P.colPivHouseholderQr().solve(y);
+          const VectorXd c = solve_general(P, y);
           return c[2] > 0.0 ? std::clamp(-0.5 * c[1] / c[2], -1.0, 1.0) : 0.0;
         };
         const int clusters = data.clusters();
@@ -254,8 +248,8 @@ class Refiner {
 }  // namespace
 
 bool has_searched_shape(const Inquiry& asked, const Hypothesis& hypothesis) {
-  if (hypothesis.term < 0) return false;
-  const EffectTerm& term = asked.augmented.model.effects()[static_cast<size_t>(hypothesis.term)];
+  if (is_load(hypothesis)) return false;
+  const EffectTerm& term = term_of(asked.augmented.model, hypothesis);
   return std::any_of(term.values.begin(), term.values.end(),
                      [&](const auto& value) { return searched(hypothesis, value.first); });
 }

@@ -26,7 +26,7 @@ std::optional<Estimate> estimate(const Questions& asked, const Hypothesis& h,
   if (own.empty() || own.size() != h.columns.size()) return std::nullopt;
   const Selection fit = refit(asked.data, asked.q.base, {h}, options);
   const double t = student_t_quantile(numerics::kOutside, fit.degrees_of_freedom);
-  Estimate out{asked.q.augmented.model.effects()[static_cast<size_t>(h.term)], {}, {}};
+  Estimate out{term_of(asked.q.augmented.model, h), {}, {}};
   out.half_widths.resize(static_cast<Eigen::Index>(own.size()));
   const auto first = static_cast<Eigen::Index>(fit.columns.size() - own.size());
   for (Eigen::Index p = 0; p < out.half_widths.size(); ++p) {
@@ -48,7 +48,7 @@ const Hypothesis* same(const Questions& asked, const Hypothesis& h) {
 
 std::vector<double> together(const Hypothesis& h, const std::vector<double>& first,
                              const std::vector<double>& second) {
-  const std::vector<EffectParameter> parameters = find_effect(h.effect).parameters();
+  const std::vector<EffectParameter> parameters = find_effect(effect_of(h.cause)).parameters();
   std::vector<double> out;
   for (size_t p = 0; p < first.size(); ++p) {
     const bool relative = parameters[p].unit_revolute == "1";
@@ -86,7 +86,7 @@ std::optional<CorrectedChannel> correct_channel(const Investigation& x, const Qu
     moved = true;
     out.values = together(h, out.values, step->values);
     QuestionList list = x.list();
-    list.wanted = {h.effect};
+    list.wanted = {effect_of(h.cause)};
     const Questions again = ask(x, list, out.corrected);
     const Hypothesis* same_one = same(again, h);
     step = same_one == nullptr ? std::nullopt : estimate(again, *same_one, x.options);

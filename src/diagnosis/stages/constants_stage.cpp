@@ -41,10 +41,9 @@ double p_value_beside_base(const Questions& asked, const Hypothesis& h,
 }
 
 // The constant that a channel's error took the place of.
-Rival as_rival(const Finding& wrong, double share) {
-  return {wrong.effect, wrong.joint, wrong.coordinate,
-          fmt::format("{} It gains {:.0f} % as much.", wrong.sentence, numerics::kPercent * share),
-          wrong.frame};
+Rival as_rival(const Model& arm, const Finding& wrong, double share) {
+  return {wrong.cause, fmt::format("{} It gains {:.0f} % as much.", sentence(arm, wrong),
+                                   numerics::kPercent * share)};
 }
 
 void correct(const Questions& asked, const Hypothesis& h, const CorrectedChannel& channel,
@@ -56,7 +55,7 @@ void correct(const Questions& asked, const Hypothesis& h, const CorrectedChannel
   f.test_after = channel.corrected.test_error.relative;
   f.explains = explained_share(f.test_before, f.test_after, x.d.baseline);
   f.status = status_of(f);
-  f.rivals.push_back(as_rival(instead, instead.gain / gain));
+  f.rivals.push_back(as_rival(x.arm, instead, instead.gain / gain));
   x.d.findings.push_back(std::move(f));
   x.start = channel.corrected;
 }

@@ -44,7 +44,8 @@ void add_plain_friction(Investigation& x) {
   auto& all = asked.q.augmented.hypotheses;
   all.erase(std::remove_if(all.begin(), all.end(),
                            [&](const Hypothesis& h) {
-                             return joints.count(h.joint) == 0 || columns_of(asked.data, h).empty();
+                             return !h.joint || joints.count(h.joint->value) == 0 ||
+                                    columns_of(asked.data, h).empty();
                            }),
             all.end());
   Selection needed = keep_needed(asked.data, asked.q.base, all, x.options);

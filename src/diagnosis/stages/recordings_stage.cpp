@@ -4,6 +4,7 @@
 #include "diagnosis/causes/contacts.hpp"
 #include "diagnosis/stages/investigation.hpp"
 #include "math/parallel.hpp"
+#include "recordings/kept_recordings.hpp"
 #include "veridyn/effects/cause.hpp"
 
 // The stages that are about recordings and not about the arm.
@@ -158,7 +159,7 @@ void check_quality(Investigation& x) {
     const Recording* there = find_in_memory(how.in_memory, name);
     RecordingQuality& quality = x.d.data_quality[static_cast<size_t>(k)];
     quality = there != nullptr ? check_recording(*there)
-                               : check_recording(name, reading_of(x.arm, how));
+                               : check_rows(name, open_rows(name, reading_of(x.arm, how), how.kept.get()));
     quality.file = name;
   });
   choose_velocities(x);

@@ -11,6 +11,7 @@
 #include "diagnosis/shapes/refinement.hpp"
 #include "diagnosis/stages/channel_correction.hpp"
 #include "diagnosis/stages/investigation.hpp"
+#include "diagnosis/stages/newly_visible.hpp"
 #include "diagnosis/next_experiment.hpp"
 
 namespace veridyn {
@@ -28,7 +29,7 @@ struct Round : Questions {
 std::vector<std::pair<Hypothesis, EffectTerm>> known_terms(const AugmentedModel& fitted) {
   std::vector<std::pair<Hypothesis, EffectTerm>> out;
   for (const Hypothesis& h : fitted.hypotheses) {
-    if (h.term >= 0) out.emplace_back(h, fitted.model.effects()[static_cast<size_t>(h.term)]);
+    if (!is_load(h)) out.emplace_back(h, term_of(fitted.model, h));
   }
   return out;
 }
@@ -81,7 +82,7 @@ const Hypothesis& accepted(const Round& round, size_t k) {
 template <typename SomeDiagnosis>
 auto same_channel(SomeDiagnosis& d, const Hypothesis& h) -> decltype(d.findings.data()) {
   for (auto& f : d.findings) {
-    if (f.effect == h.effect && f.joint == h.joint + 1) return &f;
+    if (effect_of(f.cause) == effect_of(h.cause) && f.joint == h.joint) return &f;
   }
   return nullptr;
 }
@@ -122,7 +123,7 @@ bool correct_first_channel(Investigation& x, const Round& round) {
   const std::optional<size_t> at = channel_to_correct(x, round);
   if (!at) return false;
   const Hypothesis& h = accepted(round, *at);
-  const std::optional<CorrectedChannel> channel = correct_channel(x, round, h);
+  std::optional<CorrectedChannel> channel = correct_channel(x, round, h);
   if (!channel) {
     x.refused.insert(h.family);
     return true;
@@ -132,6 +133,7 @@ bool correct_first_channel(Investigation& x, const Round& round) {
     x.refused.insert(h.family);
     return true;
   }
+  estimate_newly_visible(x, h, *channel);
   if (Finding* earlier = same_channel(x.d, h)) {
     std::vector<double> before;
     for (size_t p = 0; p < channel->values.size(); ++p)
@@ -139,7 +141,8 @@ bool correct_first_channel(Investigation& x, const Round& round) {
     const Finding both = channel_finding(round.q, h, together(h, before, channel->values),
                                          channel->half_widths);
     earlier->parameters = both.parameters;
-    earlier->sentence = both.sentence;
+    earlier->phrase = both.phrase;
+    earlier->remark = both.remark;
     earlier->test_after = channel->corrected.test_error.relative;
     earlier->explains = explained_share(earlier->test_before, earlier->test_after, x.d.baseline);
     earlier->status = status_of(*earlier);
@@ -199,7 +202,7 @@ void write_down(Investigation& x, const Round& round, const Fit& fit) {
     if (x.options.extended == ExtendedModel::kAllFindings ||
         x.d.findings[k].status == FindingStatus::kConfirmed)
       kept.insert(k - first);
-    if (own[k - first] != 0) x.d.remarks.push_back(x.d.findings[k].sentence);
+    if (own[k - first] != 0) x.d.remarks.push_back(sentence(x.arm, x.d.findings[k]));
   }
   for (size_t k = own.size(); k-- > 0;) {
     if (own[k] != 0) x.d.findings.erase(x.d.findings.begin() + static_cast<long>(first + k));

@@ -5,12 +5,14 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <thread>
 
 #include "board_loop.hpp"
 #include "cooperation/empty_run.hpp"
 #include "cooperation/loop_gains.hpp"
 #include "cooperation/phase_commands.hpp"
 #include "cooperation/phase_figures.hpp"
+#include "live_hand.hpp"
 #include "veridyn/control/load_cell.hpp"
 #include "veridyn/math/require.hpp"
 
@@ -29,12 +31,12 @@ class BoardRun : private BoardLoop {
   BoardRun(const Scenario& scenario, const std::vector<CooperatingArm>& arms,
            const BoardCooperationOptions& options, const std::atomic<bool>& stop)
       : BoardLoop(scenario, arms, options, stop) {
-    require(options_.force_sources.empty() ||
-                options_.force_sources.size() == scenario_.members.size(),
+    const size_t sensors = scenario_.members.size() + scenario_.walls.size();
+    require(options_.force_sources.empty() || options_.force_sources.size() == sensors,
             "boards: found ", options_.force_sources.size(),
-            " force sources, expected one for each of ", scenario_.members.size(), " members.");
-    require(options_.emulate || !options_.force_sources.empty() || scenario_.members.empty(),
-            "boards: found no force source, expected one for each member.");
+            " force sources, expected one for each of ", sensors, " members and walls.");
+    require(options_.emulate || !options_.force_sources.empty() || sensors == 0,
+            "boards: found no force source, expected one for each member and wall.");
     open_sensors();
   }
 
@@ -42,7 +44,7 @@ class BoardRun : private BoardLoop {
     const auto begun = std::chrono::steady_clock::now();
     if (power_up()) {
       begin();
-      play();
+      options_.lines != nullptr ? play_by_line() : play();
       wind_down();
     }
     out_.off_at = time_;
@@ -56,9 +58,13 @@ class BoardRun : private BoardLoop {
 
  private:
   void open_sensors() {
-    for (size_t k = 0; k < scenario_.members.size(); ++k) {
+    const size_t members = scenario_.members.size();
+    for (size_t k = 0; k < members + scenario_.walls.size(); ++k) {
       if (options_.force_sources.empty()) {
-        simulated_.emplace_back(sensor_options(scenario_, static_cast<int>(k)), 0.1);
+        ForceSensorOptions sensor = k < members ? sensor_options(scenario_, static_cast<int>(k))
+                                                : scenario_.walls[k - members].sensor;
+        if (k >= members) sensor.seed = scenario_.seed + 2000 + static_cast<unsigned>(k - members);
+        simulated_.emplace_back(sensor, 0.1);
         continue;
       }
       ForceChannelOptions channel;
@@ -68,7 +74,7 @@ class BoardRun : private BoardLoop {
       channels_.push_back(
           std::make_unique<ForceChannel>(open_force_source(options_.force_sources[k]), channel));
     }
-    readings_.resize(scenario_.members.size());
+    readings_.resize(members + scenario_.walls.size());
     exerted_.assign(sides_.size(), Vector3d::Zero());
     ages_.assign(sides_.size(), 0.0);
   }
@@ -87,7 +93,8 @@ class BoardRun : private BoardLoop {
                                                 static_cast<int>(scenario_.members.size()));
     bound_ = scenario_.control.relief_force;
     Eigen::Index rows = 0;
-    for (const ScenarioPhase& phase : scenario_.phases) rows += rows_of(phase);
+    for (const ScenarioPhase& phase : scenario_.phases)
+      rows += options_.lines != nullptr ? 0 : rows_of(phase);
     out_.run = empty_run(scenario_, "boards", rows);
     spans_.reserve(scenario_.phases.size());
     for (MemberTrace& trace : out_.run.member) trace.rate.setConstant(kUnknown);
@@ -102,11 +109,15 @@ class BoardRun : private BoardLoop {
     std::fill(ages_.begin(), ages_.end(), 0.0);
     for (size_t k = 0; k < readings_.size(); ++k) {
       if (channels_.empty()) {
-        const ForceSample sample = simulated_[k].read(time_, joined_->tension(static_cast<int>(k)));
+        const ForceSample sample = simulated_[k].read(time_, true_force(k));
         readings_[k] = {sample.force, time_ - sample.time, sample.number, sample.force};
       } else {
         readings_[k] = channels_[k]->update(now_);
         if (channels_[k]->state() == ForceState::kStuck) readings_[k].age = kNever;
+      }
+      if (k >= scenario_.members.size()) {
+        feel_wall(scenario_.walls[k - scenario_.members.size()], readings_[k]);
+        continue;
       }
       input_->force[k] = readings_[k];
       const ScenarioMember& m = scenario_.members[k];
@@ -120,6 +131,19 @@ class BoardRun : private BoardLoop {
       ages_[from] = std::max(ages_[from], readings_[k].age);
       ages_[to] = std::max(ages_[to], readings_[k].age);
     }
+  }
+
+  void feel_wall(const ScenarioWall& wall, const ForceReading& reading) noexcept {
+    const auto arm = static_cast<size_t>(wall.arm);
+    exerted_[arm] -= reading.force * wall.normal;
+    if (reading.number >= 0) ages_[arm] = std::max(ages_[arm], reading.age);
+  }
+
+  // Of a member or, behind them, of a wall; emulated ones alone.
+  double true_force(size_t k) const noexcept {
+    const size_t members = scenario_.members.size();
+    return k < members ? joined_->tension(static_cast<int>(k))
+                       : joined_->push(static_cast<int>(k - members));
   }
 
   void watch_arms() noexcept {
@@ -163,8 +187,7 @@ class BoardRun : private BoardLoop {
   double largest_now() const noexcept {
     double largest = 0.0;
     for (size_t k = 0; k < readings_.size(); ++k)
-      largest = std::max(largest, std::abs(joined_ ? joined_->tension(static_cast<int>(k))
-                                                   : readings_[k].force));
+      largest = std::max(largest, std::abs(joined_ ? true_force(k) : readings_[k].force));
     return largest;
   }
 
@@ -182,9 +205,10 @@ class BoardRun : private BoardLoop {
     }
     for (size_t i = 0; i < readings_.size(); ++i) {
       MemberTrace& trace = run.member[i];
-      trace.wanted[k] = control_->wanted_force(static_cast<int>(i));
-      trace.force[k] = joined_ ? joined_->tension(static_cast<int>(i)) : readings_[i].force;
+      trace.force[k] = joined_ ? true_force(i) : readings_[i].force;
       trace.measured[k] = readings_[i].force;
+      if (i >= scenario_.members.size()) continue;
+      trace.wanted[k] = control_->wanted_force(static_cast<int>(i));
       trace.x_f[k] = control_->correction(static_cast<int>(i));
       trace.tracked[k] = 1.0;
       if (joined_) trace.rate[k] = joined_->rate(static_cast<int>(i));
@@ -204,6 +228,29 @@ class BoardRun : private BoardLoop {
       if (row_ > first) spans_.push_back({&phase, first, row_});
       if (why_ != nullptr) return;
     }
+  }
+
+  // Commands by line, until it says so or is lost.
+  void play_by_line() {
+    using Clock = std::chrono::steady_clock;
+    LiveHand hand(scenario_, *options_.lines, options_.live, options_.live_report,
+                  options_.stepped ? LiveHand::Reads::kBetweenCycles : LiveHand::Reads::kBeside);
+    const Clock::time_point begun = Clock::now();
+    out_.live = true;
+    for (LiveHand::End end = LiveHand::End::kGoesOn; end != LiveHand::End::kQuit;) {
+      cycle([this] { work(); });
+      hand.show(time_, control_->state(), input_->position, readings_);
+      if (why_ == nullptr) end = hand.act(time_, *control_);
+      if (end == LiveHand::End::kLost)
+        fail("the line of commands is lost", -1, BoardEnd::kStopped);
+      if (stopped()) fail("stopped by a signal", -1, BoardEnd::kStopped);
+      if (why_ != nullptr) break;
+      if (options_.stepped && options_.live.pace > 0.0)
+        std::this_thread::sleep_until(begun + std::chrono::duration_cast<Clock::duration>(
+                                                  std::chrono::duration<double>(time_ / options_.live.pace)));
+    }
+    out_.commands = hand.commands();
+    out_.refused = hand.refused();
   }
 
   // Hold, then release the pretension, then let power go.
@@ -267,8 +314,8 @@ class BoardRun : private BoardLoop {
 BoardCooperationRun run_on_boards(const Scenario& scenario, const std::vector<CooperatingArm>& arms,
                                   const BoardCooperationOptions& options,
                                   const std::atomic<bool>& stop) {
-  require(scenario.bodies.empty() && scenario.walls.empty(), "boards: scenario '", scenario.name,
-          "': found walls or bodies, expected members between arms alone.");
+  require(scenario.bodies.empty(), "boards: scenario '", scenario.name,
+          "': found bodies, expected members between arms and walls alone.");
   return BoardRun(scenario, arms, options, stop).run();
 }
 

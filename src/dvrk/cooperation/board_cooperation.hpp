@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "veridyn/control/safety_supervisor.hpp"
+#include "veridyn/cooperation/live.hpp"
 #include "veridyn/cooperation/scenario_run.hpp"
 #include "dvrk/boards/board_session.hpp"
 #include "dvrk/config/io_config.hpp"
@@ -52,13 +53,19 @@ struct BoardCooperationOptions {
   /// [s] in which an arm's boards must answer; it is what one silent arm costs the others in a
   /// cycle, three times, before it counts as lost.
   double reply_timeout = 0.004;
-  /// Where member k's force comes from, see open_force_source(); empty: the emulated world's.
+  /// Where the force of member k comes from, then that of the walls, see open_force_source();
+  /// empty: the emulated world's.
   std::vector<std::string> force_sources;
   std::vector<std::string> force_calibrations;  ///< files of `loadcell calibrate`; empty: newtons
   double power_timeout = 3.0;                   ///< [s]
   double hold = 1.0;     ///< [s] for which all is held after a fault, forces within relief_force
   double release = 1.0;  ///< [s] over which pretension is then given up, before power goes
   std::vector<EmulatedFault> faults;  ///< Faults of emulated arms, for drills
+  /// Commands from here take the place of the scenario's phases; not owned. Null: the phases.
+  /// `live.engine` and `live.hold` mean nothing here, `live.pace` to a stepped clock alone.
+  LineSource* lines = nullptr;
+  LiveOptions live;
+  LiveReport live_report;
 };
 
 /// How the end came, if it was not the scenario's.
@@ -77,6 +84,8 @@ struct BoardCooperationRun {
   double force_at_off = 0.0;              ///< [N] likewise at power off
   double largest_force = 0.0;             ///< [N] true where emulated, else measured
   double largest_force_after_fault = 0.0;  ///< [N]
+  bool live = false;               ///< It ran by commands from a line.
+  long commands = 0, refused = 0;  ///< Commands that came from the line
   OffState power = OffState::kNotAsked;    ///< the worst answer of any arm's boards
   bool met() const { return end == BoardEnd::kDone && run.met(); }
   std::string report() const;
@@ -86,7 +95,7 @@ struct BoardCooperationRun {
 /// safety supervisor for every arm. The fault of one (its supervisor, its boards, its line) stops
 /// all: motion ends and all arms hold, giving way to forces beyond the scenario's relief_force and
 /// going along with an arm that falls (TetherGuard), for `hold`; the pretension is then given up
-/// over `release`; then power goes off everywhere.
+/// over `release`; then power goes off everywhere. The loss of a line of commands does the same.
 ///
 /// The loop allocates nothing, throws nothing and waits for its clock and its sockets alone.
 /// @throws InvalidInput  another number of boards than arms; as ArmSession::start().

@@ -42,6 +42,10 @@ EmulatedFault parse_emulated_fault(const std::string& words, const Scenario& sce
 
 std::string BoardCooperationRun::report() const {
   std::string out = run.report();
+  if (live)
+    out = fmt::format("{}: {:.4g} s by commands from a line, {} of them, {} refused.\n"
+                      "Largest force: {:.3g} N.\n",
+                      run.name, off_at, commands, refused, largest_force);
   out += fmt::format("{} cycles, {} late; a cycle took {:.0f} us, at most {:.0f} us.\n", cycles,
                      late, 1e6 * mean_cycle, 1e6 * longest_cycle);
   if (end != BoardEnd::kDone && release_at > 0.0)

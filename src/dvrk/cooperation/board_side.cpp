@@ -13,6 +13,7 @@ constexpr double kAgeFactor = 10.0;       // likewise: the controller holds firs
 constexpr double kOverrun = 0.05;         // [s]
 constexpr double kSensorAge = 0.02;       // [s] of positions
 constexpr double kSaturatedSeconds = 0.5;
+constexpr int kStarts = 20;
 
 ArmSessionOptions options_of(const Scenario& scenario, const CooperatingArm& arm,
                              const BoardCooperationOptions& options) {
@@ -40,7 +41,15 @@ BoardSide::BoardSide(const Scenario& scenario, std::size_t index, const Cooperat
       input_(joints_) {
   require(joints_ <= session_.size(), "arm '", scenario.arms[index].name, "': found a model of ",
           joints_, " joints, but boards for ", session_.size(), ".");
-  session_.start();
+  // Emulated boards share the machine with this program: on a busy one they answer late.
+  for (int left = options.emulate ? kStarts : 1;;) {
+    try {
+      session_.start();
+      return;
+    } catch (const InvalidInput&) {
+      if (--left == 0) throw;
+    }
+  }
 }
 
 void BoardSide::begin(const Scenario& scenario, std::size_t index) {

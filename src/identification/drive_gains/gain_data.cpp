@@ -1,13 +1,13 @@
 #include "identification/drive_gains/gain_data.hpp"
 
 #include <algorithm>
-#include <random>
 #include <unordered_map>
 
 #include "veridyn/dynamics/rigid_body_dynamics.hpp"
 #include "veridyn/effects/effect.hpp"
 #include "veridyn/regressor/base_parameters.hpp"
 #include "math/parallel.hpp"
+#include "math/random_numbers.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn {
@@ -181,13 +181,12 @@ VectorXd GainData::weight_torque(int load) const {
   const int n = arm.joints();
   const Eigen::Index mass =
       kBodyParameters * (static_cast<Eigen::Index>(arm.bodies().size()) - 1);  // the last body
-  std::mt19937 random(1);
-  std::uniform_real_distribution<double> angle(-1.0, 1.0);
+  RandomNumbers random(1);
   VectorXd out = VectorXd::Zero(n);
   const VectorXd rest = VectorXd::Zero(n);
   for (int k = 0; k < kStates; ++k) {
     VectorXd q(n);
-    for (double& value : q) value = angle(random);
+    for (double& value : q) value = random.uniform(-1.0, 1.0);
     out = out.cwiseMax(torque_regressor(arm, q, rest, rest).col(mass).cwiseAbs());
   }
   return out;

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <optional>
 
+#include "math/clustered_statistics.hpp"
+
 namespace veridyn {
 namespace {
 
@@ -71,12 +73,6 @@ MatrixXd left_out(const Clusters& clusters, const GainFit& fit) {
   return out;
 }
 
-VectorXd jackknife(const MatrixXd& solutions) {
-  const auto g = static_cast<double>(solutions.cols());
-  const VectorXd mean = solutions.rowwise().mean();
-  return ((solutions.colwise() - mean).rowwise().squaredNorm() * ((g - 1.0) / g)).cwiseSqrt();
-}
-
 VectorXd mass_shares(const GainData& data, const Clusters& clusters,
                      const std::vector<KnownMass>& loads, const GainFit& fit) {
   VectorXd mass2 = VectorXd::Zero(fit.joints());
@@ -107,7 +103,7 @@ GainFit fit_gains(const GainData& data, const std::vector<KnownMass>& loads,
   const GainData::Columns columns = data.columns(loaded);
   const std::vector<GainEquation> equations = all_equations(clusters, columns);
   GainFit fit = solved(data, loaded, equations, columns);
-  fit.deviation = jackknife(left_out(clusters, fit));
+  fit.deviation = jackknife_deviations(left_out(clusters, fit));
   const VectorXd shares = independent_shares(equations, fit.sigma, fit.solution);
   for (Eigen::Index j = 0; j < fit.joints(); ++j) {
     if (shares[j] < kUntied) fit.deviation[fit.solution.y.size() + j] = kInfinity;

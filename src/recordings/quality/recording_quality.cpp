@@ -151,7 +151,10 @@ std::string RecordingQuality::report() const {
 }
 
 RecordingQuality check_recording(const std::string& path, const RecordingOptions& options) {
-  const OpenedRows rows = open_rows(path, options);
+  return check_rows(path, open_rows(path, options));
+}
+
+RecordingQuality check_rows(const std::string& path, const OpenedRows& rows) {
   RecordingQuality quality = judged(rows.next(kHeadRows), path, rows.next);
   quality.facts = rows.facts();
   // What reading brought up comes behind faults and warnings.

@@ -50,12 +50,10 @@ function rivalList(finding) {
           ': ' + typeset(why) + '.'));
 }
 
-// The sentence without the joint, where that is what it starts with: the line above says it.
-function sentenceOf(finding) {
-  const start = 'Joint ' + finding.joint + ' (' + finding.coordinate + '): ';
-  const rest =
-      finding.sentence.startsWith(start) ? finding.sentence.slice(start.length) : finding.sentence;
-  return typeset(rest.charAt(0).toUpperCase() + rest.slice(1));
+// What was found, without its place: the line above says it.
+function phraseOf(finding) {
+  const words = finding.phrase.charAt(0).toUpperCase() + finding.phrase.slice(1) + '.';
+  return typeset(finding.remark ? words + ' ' + finding.remark : words);
 }
 
 function findingRow(finding, k) {
@@ -69,7 +67,7 @@ function findingRow(finding, k) {
       element(
           'strong', {class: 'cause'}, number(place + '/rank', 'whole'),
           '\u2002' + words(finding.effect)),
-      element('span', {class: 'where'}, ', ' + where), element('p', {}, sentenceOf(finding)),
+      element('span', {class: 'where'}, ', ' + where), element('p', {}, phraseOf(finding)),
       rivalList(finding));
   return [
     cause, parameterList(finding, k), number(place + '/p_value', 'chance'),

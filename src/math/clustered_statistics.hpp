@@ -1,0 +1,47 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "veridyn/math/types.hpp"
+
+namespace veridyn {
+
+/// Statistics of estimates over clusters: `without` (k x g) holds the estimates that leave one of g
+/// clusters out. The jackknife,
+///
+///   C = (g - 1) / g * sum_c (x_c - mean x) (x_c - mean x)'
+///
+/// Efron and Stein, Annals of Statistics 9(3), 1981.
+
+/// A factor F of the covariance, C = F F', (k x g).
+inline MatrixXd jackknife_factor(const MatrixXd& without) {
+  const auto g = static_cast<double>(without.cols());
+  const VectorXd mean = without.rowwise().mean();
+  return (without.colwise() - mean) * std::sqrt((g - 1.0) / g);
+}
+
+/// Covariance, (k x k).
+inline MatrixXd jackknife_covariance(const MatrixXd& without) {
+  const auto g = static_cast<double>(without.cols());
+  const MatrixXd centred = without.colwise() - without.rowwise().mean();
+  return centred * centred.transpose() * ((g - 1.0) / g);
+}
+
+/// Standard deviations, (k).
+inline VectorXd jackknife_deviations(const MatrixXd& without) {
+  const auto g = static_cast<double>(without.cols());
+  const MatrixXd centred = without.colwise() - without.rowwise().mean();
+  return (centred.rowwise().squaredNorm() * ((g - 1.0) / g)).cwiseSqrt();
+}
+
+/// The upper one of two middle values; zero of nothing.
+inline double median(std::vector<double> values) {
+  if (values.empty()) return 0.0;
+  const auto middle = values.begin() + static_cast<long>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+}  // namespace veridyn

@@ -1,0 +1,14 @@
+#pragma once
+
+#include <vector>
+
+namespace veridyn {
+
+/// Wilcoxon's signed-rank test, one-sided: the probability that paired differences which scatter
+/// symmetrically about zero favour the positive side as clearly as these do, or more clearly. Exact
+/// by counting all 2^n choices of signs; differences of zero count as negative, and equal sizes keep
+/// the order in which they come. Source: Wilcoxon, Biometrics Bulletin 1(6), 1945.
+/// @return 1 without differences.
+double signed_rank_p_value(const std::vector<double>& differences);
+
+}  // namespace veridyn

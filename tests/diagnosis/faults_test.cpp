@@ -1,0 +1,109 @@
+#include <gtest/gtest.h>
+
+#include "diagnosis/causes/geometry.hpp"
+#include "diagnosis/shapes/refinement.hpp"
+#include "diagnosis/shapes/shape_search.hpp"
+#include "diagnosis/stage_support.hpp"
+
+// Stages that look for one kind of fault each, and the search for constants.
+
+namespace veridyn {
+namespace {
+
+const QualityFinding* quality(const Diagnosis& d, const std::string& name) {
+  for (const RecordingQuality& q : d.data_quality) {
+    for (const QualityFinding& f : q.findings) {
+      if (f.finding == name) return &f;
+    }
+  }
+  return nullptr;
+}
+
+TEST_F(Stages, ATorqueWithTheWrongSignIsAFault) {
+  for (const double sign : {1.0, -1.0}) {
+    Investigation x = investigation(read_model("planar-2r"), {});
+    for (const auto* list : {&x.train, &x.test}) {
+      for (const std::string& path : *list) {
+        Recording r = read_recording(path);
+        r.tau.col(1) *= sign;
+        write_recording(r, path);
+      }
+    }
+    check_quality(x);
+    ASSERT_TRUE(fit_baseline(x));
+    check_torque_signs(x);
+    const QualityFinding* found = quality(x.d, "torque_sign");
+    ASSERT_EQ(found != nullptr, sign < 0.0);
+    if (found == nullptr) continue;
+    EXPECT_EQ(found->joint, 2);
+    EXPECT_EQ(found->severity, Severity::kFault);
+  }
+}
+
+TEST_F(Stages, AWrongLengthIsFoundAndCorrected) {
+  const Model right = read_model("planar-2r");
+  ModelFileOptions longer;
+  longer.constants["l1"] = 0.6;
+  for (const bool wrong : {false, true}) {
+    Investigation x = investigation(
+        wrong ? read_model("planar-2r", longer) : right, {});
+    correct_constants(x);
+    ASSERT_EQ(x.d.findings.size(), wrong ? 1U : 0U);
+    if (!wrong) continue;
+    const Finding& f = x.d.findings[0];
+    EXPECT_EQ(to_text(right, f.cause), "coupling_error:upper.a");
+    EXPECT_NEAR(f.parameters[0].value, 0.5, 0.01);
+    EXPECT_LT(f.parameters[0].low, 0.505);
+    EXPECT_GT(f.parameters[0].high, 0.495);
+    EXPECT_EQ(f.status, FindingStatus::kConfirmed);
+    EXPECT_LT(x.start.test_error.relative.norm(), x.d.baseline.test_error.relative.norm());
+  }
+}
+
+// From a grid to the hidden distance.
+TEST_F(Stages, AConstantIsRefinedFromTheGridToTheTruth) {
+  Investigation x = investigation(read_model("planar-2r"),
+                                  {"presliding_hysteresis:shoulder:level=3,distance=0.04"});
+  x.options.max_effects = 1;
+  QuestionList list = x.list();
+  list.wanted = {"presliding_hysteresis", "joint_spring"};
+  const Questions asked = ask(x, list, x.start);
+  EXPECT_EQ(asked.q.train.size(), x.train.size());
+  EXPECT_LE(blocks_that_fit(x.arm, 4000), blocks_that_fit(x.arm, 4));
+  for (const Hypothesis& h : asked.q.augmented.hypotheses)
+    EXPECT_EQ(has_searched_shape(asked.q, h), effect_of(h.cause) != "joint_spring") << h.family;
+  Selection selection =
+      select_effects(asked.data, asked.q.base, asked.q.augmented.hypotheses, x.options);
+  ASSERT_EQ(selection.accepted.size(), 1U);
+  const auto distance_of = [](const AugmentedModel& model, int k) {
+    return term_of(model.model, model.hypotheses[static_cast<size_t>(k)]).values.at("distance");
+  };
+  const double coarse =
+      distance_of(asked.q.augmented, selection.accepted[0].evidence.hypothesis);
+  const Fit fit = fit_accepted(x.start, asked.q, selection, false, x.train, x.test, x.options);
+  ASSERT_EQ(fit.inquiry.augmented.hypotheses.size(), 1U);
+  const double fine = distance_of(fit.inquiry.augmented, 0);
+  EXPECT_GT(std::abs(coarse - 0.04), 0.005);  // the grid does not have it
+  EXPECT_NEAR(fine, 0.04, 0.004);
+  ASSERT_EQ(fit.selection.shapes.size(), 1U);
+  EXPECT_LT(fit.selection.shapes[0].low, fine);
+  EXPECT_GT(fit.selection.shapes[0].high, fine);
+  // A rival with a constant of its own is refined in the accepted one's place.
+  Selection rivalled = selection;
+  rivalled.accepted[0].rivals = {selection.accepted[0].evidence};
+  EXPECT_TRUE(refined_rivals(x.start, asked.q, rivalled, false, x.train, x.options.identification)
+                  .empty());  // itself is none
+  int other = 0;
+  while (other == selection.accepted[0].evidence.hypothesis ||
+         !has_searched_shape(asked.q, asked.q.augmented.hypotheses[static_cast<size_t>(other)]))
+    ++other;
+  rivalled.accepted[0].rivals[0].hypothesis = other;
+  const auto rivals =
+      refined_rivals(x.start, asked.q, rivalled, false, x.train, x.options.identification);
+  ASSERT_EQ(rivals.size(), 1U);
+  EXPECT_EQ(rivals[0].first.family,
+            asked.q.augmented.hypotheses[static_cast<size_t>(other)].family);
+}
+
+}  // namespace
+}  // namespace veridyn

@@ -1,0 +1,205 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "diagnosis/causes/effect_facts.hpp"
+#include "diagnosis/causes/extended_arm.hpp"
+#include "diagnosis/causes/geometry.hpp"
+#include "diagnosis/causes/hypotheses.hpp"
+#include "diagnosis/causes/ripple.hpp"
+#include "veridyn/model/model_file.hpp"
+
+// What is asked of an arm, and what becomes of an arm with the answers.
+
+namespace veridyn {
+namespace {
+
+// A recording in which the joints move so far.
+CompressedRecording moving(const std::vector<double>& travels) {
+  CompressedRecording out;
+  for (const double travel : travels) {
+    TorqueFacts joint;
+    joint.lowest = -0.5 * travel;
+    joint.highest = 0.5 * travel;
+    joint.largest_speed = travel;
+    out.joints.push_back(joint);
+  }
+  out.facts.duration = 20.0;
+  return out;
+}
+
+std::multiset<std::string> causes_of(const Model& arm, const AugmentedModel& asked) {
+  std::multiset<std::string> out;
+  for (const Hypothesis& h : asked.hypotheses) out.insert(to_text(arm, h.cause));
+  return out;
+}
+
+TEST(Hypotheses, AskForEveryJointThatMovesAndForTheArm) {
+  const Model arm = read_model("planar-2r");
+  QuestionList list;
+  list.wanted = {"joint_spring", "time_delay"};
+  const auto asked = [&](const std::vector<double>& travels) {
+    return causes_of(arm, augmented_model(arm, {moving(travels)}, list));
+  };
+  EXPECT_EQ(asked({1.0, 1.0}),
+            (std::multiset<std::string>{"joint_spring:shoulder", "joint_spring:elbow",
+                                        "time_delay:arm", "time_delay:shoulder",
+                                        "time_delay:elbow"}));
+  EXPECT_EQ(asked({0.0, 1.0}), (std::multiset<std::string>{"joint_spring:elbow", "time_delay:arm",
+                                                           "time_delay:elbow"}));
+  EXPECT_TRUE(asked({0.0, 0.0}).empty());
+}
+
+// Every hypothesis has its columns among the parameters of the augmented model, and nobody else has
+// them.
+TEST(Hypotheses, HaveColumnsOfTheirOwn) {
+  const Model arm = read_model("planar-2r");
+  QuestionList list;
+  list.changes = true;
+  const AugmentedModel asked = augmented_model(arm, {moving({1.0, 1.0})}, list);
+  const auto parameters = standard_parameters(asked.model);
+  std::set<std::string> seen;
+  ASSERT_GT(asked.hypotheses.size(), 20U);
+  for (const Hypothesis& h : asked.hypotheses) {
+    EXPECT_FALSE(h.columns.empty()) << h.family;
+    EXPECT_EQ(h.columns, columns_in(parameters, h)) << h.family;
+    EXPECT_EQ(h.columns.size(), h.signs.size()) << h.family;
+    for (const std::string& column : h.columns) EXPECT_TRUE(seen.insert(column).second) << column;
+  }
+}
+
+TEST(Hypotheses, OfAModelWithValuesAreChangesAndLoads) {
+  const Model arm = read_model("planar-2r");
+  QuestionList list;
+  list.changes = true;
+  list.wanted = {"payload", "viscous_friction"};
+  const AugmentedModel asked = augmented_model(arm, {moving({1.0, 1.0})}, list);
+  int loads = 0;
+  int changes = 0;
+  for (const Hypothesis& h : asked.hypotheses) {
+    if (is_load(h)) {
+      ++loads;
+      EXPECT_EQ(h.joint->value, frame_of(h.cause)->value);  // a frame for every joint here
+      continue;
+    }
+    ++changes;
+    EXPECT_TRUE(is_change(h)) << h.family;
+    EXPECT_FALSE(is_other_constant(h));
+    ASSERT_EQ(h.lowest.size(), 1U);
+    EXPECT_DOUBLE_EQ(h.lowest[0], h.joint->value == 0 ? -0.8 : -0.4);
+    EXPECT_EQ(term_of(asked.model, h).effect, "viscous_friction");
+    EXPECT_EQ(arm.effects()[h.own->value].effect, "viscous_friction");
+  }
+  EXPECT_EQ(loads, 2);
+  EXPECT_EQ(changes, 2);
+}
+
+TEST(Hypotheses, FramesThatAreFixedToEachOtherAreOneLink) {
+  const Model arm = read_model("psm-3dof");
+  const std::vector<int> frames = payload_frames(arm);
+  for (size_t a = 0; a < frames.size(); ++a) {
+    for (size_t b = 0; b < a; ++b) EXPECT_FALSE(same_link(arm, frames[a], frames[b]));
+  }
+  for (int k = 0; k < static_cast<int>(arm.frames().size()); ++k) {
+    const bool moves = arm.moves(k, 0) || arm.moves(k, 1) || arm.moves(k, 2);
+    EXPECT_EQ(std::count_if(frames.begin(), frames.end(),
+                            [&](int other) { return moves && same_link(arm, k, other); }),
+              moves ? 1 : 0);
+  }
+}
+
+TEST(EffectFacts, ComeFromTheEffects) {
+  EXPECT_TRUE(is_friction("coulomb_friction"));
+  EXPECT_FALSE(is_friction("joint_spring"));
+  EXPECT_FALSE(is_friction("payload"));
+  EXPECT_TRUE(asks_for_waves({}));
+  EXPECT_TRUE(asks_for_waves({"torque_ripple"}));
+  EXPECT_FALSE(asks_for_waves({"joint_spring"}));
+  EXPECT_EQ(elementary_effects(), (std::vector<std::string>{"torque_offset", "coulomb_friction",
+                                                            "viscous_friction"}));
+}
+
+TEST(ExtendedArm, HasNewChangedLoadedAndCorrectedParts) {
+  const Model arm = read_model("planar-2r");
+  FoundCause change;
+  change.hypothesis.cause = ChangedEffect{"viscous_friction", {0}};
+  change.hypothesis.own = TermIndex{0};
+  change.values = {0.5};
+  FoundCause spring;
+  spring.hypothesis.cause = NewEffect{"joint_spring", {1}};
+  spring.term.effect = "joint_spring";
+  spring.term.axis.coefficients = VectorXd::Unit(2, 1);
+  spring.values = {3.0, 1.0};
+  FoundCause load;
+  load.hypothesis.cause = AddedLoad{{1}};
+  load.hypothesis.part = BodyIndex{2};
+  load.load = inertial_parameters(2.0, Eigen::Vector3d(0.1, 0.0, 0.0),
+                                  Eigen::Matrix<double, 6, 1>::Zero());
+  FoundCause delay;
+  delay.hypothesis.cause = ChannelError{"time_delay", JointIndex{1}};
+  delay.term.effect = "time_delay";
+  delay.term.axis.coefficients = VectorXd::Unit(2, 1);
+  delay.values = {0.02};
+  const Model out = extended_arm(arm, {change, spring, load, delay}, true);
+  EXPECT_DOUBLE_EQ(out.effects()[0].values.at("coefficient"), 1.3);
+  ASSERT_EQ(out.effects().size(), arm.effects().size() + 1);
+  EXPECT_EQ(out.effects().back().effect, "joint_spring");
+  EXPECT_FALSE(out.effects().back().values.empty());
+  ASSERT_EQ(out.frames().size(), 3U);
+  EXPECT_EQ(out.frames()[2].name, "payload");
+  EXPECT_EQ(out.frames()[2].parent, 1);
+  EXPECT_DOUBLE_EQ((*out.frames()[2].body->phi)[0], 2.0);
+  EXPECT_DOUBLE_EQ(out.coordinates()[1].recorded.torque_delay, 0.02);
+  // Friction cannot fall below nothing.
+  change.values = {-5.0};
+  EXPECT_DOUBLE_EQ(extended_arm(arm, {change}, true).effects()[0].values.at("coefficient"), 0.0);
+  // An arm that is to be identified gets no values.
+  EXPECT_TRUE(extended_arm(arm, {spring}, false).effects().back().values.empty());
+}
+
+TEST(Ripple, WavesOfTheResidualAlongTheTravel) {
+  Identification id;
+  id.model = read_model("planar-2r");
+  id.train.resize(1);
+  PredictionSeries& x = id.train[0].series;
+  for (auto* table : {&x.q, &x.measured, &x.modelled}) table->resize(2);
+  for (int k = 0; k < 3000; ++k) {
+    x.time.push_back(0.01 * k);
+    const double q = 1.5 * std::sin(0.7 * x.time.back());
+    for (size_t i = 0; i < 2; ++i) {
+      x.q[i].push_back(q);
+      x.modelled[i].push_back(std::cos(q));
+      x.measured[i].push_back(std::cos(q) + (i == 0 ? 0.1 * std::sin(40.0 * q) : 0.0));
+    }
+  }
+  const auto orders = ripple_orders(id);
+  ASSERT_EQ(orders.size(), 2U);
+  ASSERT_FALSE(orders[0].empty());
+  EXPECT_NEAR(orders[0].front(), 40.0, 0.5);
+  EXPECT_LE(orders[0].size(), 2U);
+  EXPECT_EQ(ripple_orders(id, {}, 1)[0].size(), 1U);
+}
+
+TEST(Geometry, NumbersOfTheRowsAndTheArmWithAnother) {
+  const Model arm = read_model("planar-2r");
+  const std::vector<GeometryConstant> constants = geometry_constants(arm);
+  ASSERT_EQ(constants.size(), 8U);  // four for each of two frames
+  for (const GeometryConstant& c : constants) {
+    const Model other = with_constant(arm, c, c.value + 0.1);
+    const DhRow& row = *other.frames()[static_cast<size_t>(c.frame)].dh;
+    const DhRow& before = *arm.frames()[static_cast<size_t>(c.frame)].dh;
+    const double changed = std::abs(row.a - before.a) + std::abs(row.alpha - before.alpha) +
+                           std::abs(row.d - before.d) + std::abs(row.theta - before.theta);
+    EXPECT_NEAR(changed, 0.1, 1e-12) << c.words;
+    EXPECT_NE(c.words.find(c.name + " of frame "), std::string::npos);
+    EXPECT_EQ(c.angle, c.name == "theta" || c.name == "alpha");
+    // The text form of the cause is read back.
+    const Cause cause = KinematicError{c.name, FrameIndex{c.frame}};
+    EXPECT_TRUE(alike(parse_cause(arm, to_text(arm, cause)), cause)) << to_text(arm, cause);
+  }
+}
+
+}  // namespace
+}  // namespace veridyn

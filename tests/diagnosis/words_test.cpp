@@ -1,0 +1,122 @@
+#include <gtest/gtest.h>
+
+#include "diagnosis/finding_words.hpp"
+#include "diagnosis/next_experiment.hpp"
+#include "veridyn/model/model_file.hpp"
+
+// What is said of a finding, and what is proposed to do next.
+
+namespace veridyn {
+namespace {
+
+Finding finding(Cause cause, const std::string& phrase) {
+  Finding f;
+  f.cause = std::move(cause);
+  f.joint = acting_joint(read_model("planar-2r"), f.cause);
+  f.phrase = phrase;
+  return f;
+}
+
+TEST(FindingWords, PlaceAndPhraseMakeASentenceForEveryKindOfCause) {
+  const Model arm = read_model("planar-2r");
+  const auto said = [&arm](Cause cause, const std::string& phrase) {
+    return sentence(arm, finding(std::move(cause), phrase));
+  };
+  EXPECT_EQ(said(NewEffect{"joint_spring", {1}}, "a spring"), "Joint 2 (elbow): a spring.");
+  EXPECT_EQ(said(ChangedEffect{"joint_spring", {0}}, "it changed"),
+            "Joint 1 (shoulder): it changed.");
+  EXPECT_EQ(said(AddedLoad{{1}}, "a load of 1 kg"), "A load of 1 kg sits on fore.");
+  EXPECT_EQ(said(ChannelError{"time_delay", {}}, "a delay"), "The arm has a delay.");
+  EXPECT_EQ(said(ChannelError{"time_delay", JointIndex{1}}, "a delay"),
+            "Joint 2 (elbow) has a delay.");
+  EXPECT_EQ(said(KinematicError{"a", FrameIndex{0}}, "a of frame upper is 1 m there"),
+            "The robot file has a wrong constant: a of frame upper is 1 m there.");
+  Finding contact = finding(ExternalContact{{1}}, "something pushes");
+  contact.source = "one.csv";
+  EXPECT_EQ(sentence(arm, contact), "one.csv: something pushes.");
+  Finding large = finding(ChannelError{"time_delay", {}}, "a delay");
+  large.remark = "That is large.";
+  EXPECT_EQ(sentence(arm, large), "The arm has a delay. That is large.");
+}
+
+TEST(FindingWords, AFindingOfAHypothesisStandsWhereItDoes) {
+  Hypothesis h;
+  h.cause = NewEffect{"backlash", {1}};
+  h.joint = JointIndex{1};
+  h.largest_value = 2.0;
+  EXPECT_TRUE(alike(finding_at(h).cause, h.cause));
+  EXPECT_EQ(finding_at(h).joint, h.joint);
+  EXPECT_TRUE(remark_on_size(h, {1.9, -1.9}).empty());
+  EXPECT_FALSE(remark_on_size(h, {0.0, -2.1}).empty());
+}
+
+// The interval keeps its width where the new fit claims to know more.
+TEST(FindingWords, AnotherFitMovesValuesAndTheirIntervals) {
+  Identification id;
+  id.model = read_model("planar-2r");
+  const std::vector<std::string> names = parameter_names(standard_parameters(*id.model));
+  const auto count = static_cast<Eigen::Index>(names.size());
+  id.parameters = VectorXd::LinSpaced(count, 1.0, static_cast<double>(count));
+  id.parameter_deviations = VectorXd::Constant(count, 1e-3);
+  id.effective_samples = 1000.0;
+  Finding f = finding(NewEffect{"viscous_friction", {0}}, "");
+  f.parameters = {{"coefficient", "", 0.0, -0.5, 0.5}};
+  refresh(id, {names[4]}, f);
+  EXPECT_DOUBLE_EQ(f.parameters[0].value, 5.0);
+  EXPECT_DOUBLE_EQ(f.parameters[0].low, 4.5);
+  id.parameter_deviations[4] = 1.0;
+  refresh(id, {names[4]}, f);
+  EXPECT_NEAR(f.parameters[0].high, 5.0 + 1.96, 0.01);
+}
+
+Diagnosis with_rival(Cause cause, Cause rival) {
+  Diagnosis d;
+  d.baseline.model = read_model("planar-2r");
+  d.findings = {finding(std::move(cause), "something")};
+  d.findings[0].rivals = {{std::move(rival), "as good"}};
+  return d;
+}
+
+TEST(NextExperiment, AsksForTheFirstPairThatAMotionCanSeparate) {
+  const Model arm = read_model("planar-2r");
+  const NextExperiment load =
+      next_experiment(with_rival(AddedLoad{{1}}, ChannelError{"torque_gain", JointIndex{1}}));
+  ASSERT_EQ(load.between.size(), 2U);
+  EXPECT_EQ(to_text(arm, load.between[0]), "payload:fore");
+  EXPECT_EQ(to_text(arm, load.between[1]), "torque_gain:elbow");
+  EXPECT_EQ(load.words(arm, 0), "payload on fore");
+  EXPECT_EQ(load.words(arm, 1), "torque_gain on joint 2");
+  EXPECT_EQ(load.slow_passes, 0);
+  EXPECT_GT(next_experiment(with_rival(NewEffect{"backlash", {0}},
+                                       NewEffect{"presliding_hysteresis", {0}}))
+                .slow_passes,
+            0);
+  // The same cause elsewhere, and what no motion of joints can show.
+  EXPECT_TRUE(next_experiment(with_rival(NewEffect{"backlash", {0}}, NewEffect{"backlash", {1}}))
+                  .between.empty());
+  EXPECT_TRUE(next_experiment(with_rival(ChannelError{"encoder_offset", JointIndex{0}},
+                                         KinematicError{KinematicError::kZero, JointIndex{0}}))
+                  .between.empty());
+}
+
+TEST(DiagnosisReport, SaysFindingsRivalsAndWhatIsLeftOpen) {
+  Diagnosis d = with_rival(NewEffect{"backlash", {1}}, AddedLoad{{1}});
+  d.findings[0].rank = 1;
+  d.findings[0].explains = 0.25;
+  d.cannot_tell = {{"joint_spring", NewEffect{"joint_spring", {0}}, "it never acts"},
+                   {AddedLoad::kName, std::nullopt, "no model from before"}};
+  d.next_experiment.between = {d.findings[0].cause, d.findings[0].rivals[0].cause};
+  d.next_experiment.trajectory = "excite it";
+  d.summary.main = 1;
+  const std::string report = d.report();
+  for (const char* words :
+       {"1. Joint 2 (elbow): something.", "explains 25 %", "rival: payload on fore: as good",
+        "to separate backlash on joint 2 from payload on fore:\n  excite it",
+        "cannot tell: joint_spring on joint 1: it never acts",
+        "cannot tell: payload on joint 0: no model from before"})
+    EXPECT_NE(report.find(words), std::string::npos) << words << "\n" << report;
+  EXPECT_EQ(d.verdict(), "Joint 2 (elbow): something.");
+}
+
+}  // namespace
+}  // namespace veridyn

@@ -1,0 +1,69 @@
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <regex>
+#include <set>
+#include <sstream>
+#include <string>
+
+// What stands once: one solver of the diagnosis, one jackknife, one engine of random numbers, one
+// file of regressor columns that span a space. A second one drifts away from the first.
+
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string without_comments(const std::string& path) {
+  std::ifstream stream(path);
+  std::string out;
+  for (std::string line; std::getline(stream, line);) out += line.substr(0, line.find("//")) + "\n";
+  return out;
+}
+
+// Files below `folder` in which the pattern stands, comments aside.
+std::set<std::string> files_with(const std::string& folder, const std::regex& pattern) {
+  std::set<std::string> out;
+  const fs::path root = fs::path(VERIDYN_SOURCE_DIR) / "src";
+  for (const auto& entry : fs::recursive_directory_iterator(root / folder)) {
+    const std::string kind = entry.path().extension().string();
+    if (kind != ".cpp" && kind != ".hpp") continue;
+    if (std::regex_search(without_comments(entry.path().string()), pattern))
+      out.insert(fs::relative(entry.path(), root).generic_string());
+  }
+  return out;
+}
+
+using Files = std::set<std::string>;
+
+TEST(SingleSites, DiagnosisHasOneSolver) {
+  const std::regex solver("LDLT<|LLT<|HouseholderQR<|\\bldlt\\(\\)|\\bllt\\(\\)|[a-z]*[hH]ouseholderQr"
+                          "\\(\\)|BDCSVD<|JacobiSVD<|fullPivLu|partialPivLu");
+  EXPECT_EQ(files_with("diagnosis", solver), (Files{"diagnosis/evidence/clustered_fit.cpp",
+                                                    "diagnosis/evidence/clustered_fit.hpp"}));
+}
+
+// (g - 1) / g is the jackknife's; whoever writes it has one of his own.
+TEST(SingleSites, TheJackknifeIsOne) {
+  const std::regex share("\\((\\w+|\\w+\\.0) - 1\\.0\\) / \\w+");
+  const std::regex centred("rowwise\\(\\)\\.mean\\(\\)");
+  Files both = files_with("", centred);
+  for (const std::string& file : files_with("", share)) {
+    if (both.count(file) != 0) {
+      EXPECT_EQ(file, "math/clustered_statistics.hpp");
+    }
+  }
+  EXPECT_EQ(both.count("math/clustered_statistics.hpp"), 1U);
+}
+
+TEST(SingleSites, OneEngineMakesRandomNumbers) {
+  EXPECT_EQ(files_with("", std::regex("std::(mt19937|minstd_rand|default_random_engine|ranlux)")),
+            (Files{"dvrk/arms/gravity_chain.cpp", "math/random_numbers.hpp"}));
+}
+
+TEST(SingleSites, OneFileDefinesBaseParameters) {
+  EXPECT_EQ(files_with("", std::regex("\\nBaseParameters base_parameters\\(")),
+            (Files{"regressor/base_parameters.cpp"}));
+}
+
+}  // namespace
