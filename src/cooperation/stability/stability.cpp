@@ -248,9 +248,9 @@ std::string StabilityAnalysis::report() const {
                        stiffness_bounded ? "" : ", the end of the search",
                        simulated_runs > 0
                            ? fmt::format("; with the arms' dry friction up to {:.4g} N/m, by {} "
-                                         "simulated {}",
+                                         "simulated run{}",
                                          largest_stable_stiffness, simulated_runs,
-                                         simulated_runs == 1 ? "run" : "runs")
+                                         simulated_runs == 1 ? "" : "s")
                            : std::string());
   for (const DeadbandSwing& d : deadbands)
     out += fmt::format(
