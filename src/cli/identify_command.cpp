@@ -208,11 +208,11 @@ ExitStatus run(const IdentifyRequest& request, const std::string& command_line) 
   require_writable(request.model_out);
   require_writable(request.factor_out);
   if (ranks && ranks->size() > 1) return run_on_ranks(request, command_line, *ranks);
-  warn_of_repeated_recordings(request.train);
   if (!request.test_rows) warn_of_shared_recordings(request.train, request.test);
   const Model arm = arm_with_friction(request);
   const IdentificationOptions options = identification_options(request);
   expect_known_masses(request, arm, options.known_masses);
+  warn_of_repeated_recordings(request.train);
   std::vector<std::string> recordings = request.train;
   recordings.insert(recordings.end(), request.test.begin(), request.test.end());
   look_at_recordings(arm, recordings, options.preprocessing, options.threads);
