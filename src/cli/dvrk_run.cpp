@@ -38,8 +38,8 @@ PidGains gains_of(const DvrkRequest& request, const DvrkArm& arm) {
   }
   if (request.model.empty()) return gains;
   const Model model = read_model(request.model);
-  require(model.joints() <= n, "--model: ", model.name(), " has ", model.joints(),
-          " joints, but the arm has ", n, " actuators.");
+  require(model.joints() <= n, model.name(), " has ", model.joints(),
+          " joints, expected at most the ", n, " actuators of the arm (--model).");
   const PidGains fit =
       request.gains.empty() ? sensible_gains(model) : read_gains(request.gains, model);
   gains.p.head(model.joints()) = fit.p;

@@ -31,12 +31,15 @@ struct ExportRequest {
 ExportedModel exported(const ExportRequest& request, const Model& model) {
   std::optional<Model> prior;
   if (!request.prior.empty()) prior = read_model(request.prior);
-  ExportedModel out = exported_model(model, prior, request.meshes_from);
+  return exported_model(model, prior, request.meshes_from);
+}
+
+// Once the files are there: a refusal stands alone.
+void tell(const ExportRequest& request, const ExportedModel& out) {
   for (const std::string& warning : out.warnings)
     say("warning: " + request.model + ": " + warning + ".");
-  if (request.quiet) return out;
+  if (request.quiet) return;
   for (const std::string& note : out.notes) say(note + ".");
-  return out;
 }
 
 // A MODEL's origin goes with it.
@@ -81,6 +84,7 @@ void run(const ExportRequest& request) {
       write_xml(request, request.mjcf, "MJCF", to_mjcf(out.arm, out.extras.remarks));
     if (!request.sdf.empty())
       write_xml(request, request.sdf, "SDF", to_sdf(out.arm, out.extras));
+    tell(request, out);
   }
   if (!request.cpp.empty()) save_c_code(model, request.cpp);
   if (!request.yaml.empty()) save_yaml(request, model);

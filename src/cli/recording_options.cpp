@@ -120,7 +120,7 @@ void look_at_recordings(const Model& arm, const std::vector<std::string>& record
   tell_facts(seen);
   for (const RecordingQuality& quality : seen) {
     for (const QualityFinding& f : quality.findings) {
-      if (f.finding == "degrees") say("warning: " + quality.file + ": " + f.sentence);
+      if (f.finding == "degrees" || f.severity == Severity::kFault) say("warning: " + quality.file + ": " + f.sentence);
     }
   }
 }

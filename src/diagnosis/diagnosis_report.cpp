@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "diagnosis/numerics.hpp"
@@ -10,10 +11,20 @@ namespace {
 
 using numerics::kPercent;
 
+constexpr size_t kNumberWidth = 8;
+
 std::string percents(const VectorXd& v) {
   std::string out;
-  for (Eigen::Index i = 0; i < v.size(); ++i) out += fmt::format("{:8.2f}", kPercent * v[i]);
+  for (Eigen::Index i = 0; i < v.size(); ++i)
+    out += fmt::format("{:{}.2f}", kPercent * v[i], kNumberWidth);
   return out;
+}
+
+// Columns of one width, as the longest name of a joint needs it.
+size_t table_width(const Model& arm) {
+  size_t width = kNumberWidth;
+  for (const Coordinate& c : arm.coordinates()) width = std::max(width, c.name.size() + 2);
+  return width;
 }
 
 std::string status_words(const Finding& f) {
@@ -137,14 +148,17 @@ std::string Diagnosis::report() const {
     out += "the held-out recordings chose among the findings: the held-out error of the extended "
            "model is no longer that of recordings that took no part\n";
   out += "\nerrors, % of the torque, per joint; held out: every row as recorded\n";
-  if (baseline.model) {
-    out += fmt::format("  {:<24}", "");
-    for (const Coordinate& c : baseline.model->coordinates())
-      out += fmt::format("{:>8.8}", c.name);
+  const size_t width = table_width(*baseline.model);
+  out += fmt::format("  {:<24}", "");
+  for (const Coordinate& c : baseline.model->coordinates())
+    out += fmt::format("{:>{}}", c.name, width);
+  out += "\n";
+  const auto line = [&](const char* name, const VectorXd& v) {
+    if (v.size() == 0) return;
+    out += fmt::format("  {:<24}", name);
+    for (Eigen::Index i = 0; i < v.size(); ++i)
+      out += fmt::format("{:{}.2f}", kPercent * v[i], width);
     out += "\n";
-  }
-  const auto line = [&out](const char* name, const VectorXd& v) {
-    if (v.size() > 0) out += fmt::format("  {:<24}{}\n", name, percents(v));
   };
   line("held out, baseline", baseline.test_error.relative);
   line("held out, extended", extended.test_error.relative);
@@ -160,8 +174,12 @@ std::string Diagnosis::report() const {
     out += next_experiment.trajectory.empty() ? "\n" : ":\n  " + next_experiment.trajectory + "\n";
   }
   for (const CannotTell& c : cannot_tell) {
-    const int joint = c.cause ? words_of(*baseline.model, *c.cause).joint : 0;
-    out += fmt::format("cannot tell: {} on joint {}: {}\n", c.effect, joint, c.why);
+    std::string place;
+    if (c.cause) {
+      const CauseWords w = words_of(*baseline.model, *c.cause);
+      place = w.joint > 0 ? fmt::format(" on joint {} ({})", w.joint, w.coordinate) : " of the whole arm";
+    }
+    out += fmt::format("cannot tell: {}{}: {}\n", c.effect, place, c.why);
   }
   return out;
 }

@@ -112,8 +112,8 @@ TEST(DiagnosisReport, SaysFindingsRivalsAndWhatIsLeftOpen) {
   for (const char* words :
        {"1. Joint 2 (elbow): something.", "explains 25 %", "rival: payload on fore: as good",
         "to separate backlash on joint 2 from payload on fore:\n  excite it",
-        "cannot tell: joint_spring on joint 1: it never acts",
-        "cannot tell: payload on joint 0: no model from before"})
+        "cannot tell: joint_spring on joint 1 (shoulder): it never acts",
+        "cannot tell: payload: no model from before"})
     EXPECT_NE(report.find(words), std::string::npos) << words << "\n" << report;
   EXPECT_EQ(d.verdict(), "Joint 2 (elbow): something.");
 }
