@@ -1,5 +1,7 @@
 #include "excite_poses.hpp"
 
+#include <fmt/format.h>
+
 #include <iostream>
 
 #include "math/output_file.hpp"
