@@ -202,7 +202,7 @@ struct Rival {
   NonlinearSolver solver;
 };
 
-NonlinearSolver limited(const NonlinearSolver& solver) {
+[[maybe_unused]] NonlinearSolver limited(const NonlinearSolver& solver) {
   return [solver](NonlinearProgram& program, const VectorXd& start, const SolverOptions& options) {
     return with_working_set(solver, program, start, options);
   };
