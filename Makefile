@@ -11,7 +11,7 @@ packages:
 	@cmake/install-packages.sh cmake/debian-packages.txt
 
 packages-tests:
-	@cmake/install-packages.sh cmake/debian-packages.txt cmake/debian-packages-tests.txt cmake/debian-packages-python.txt
+	@cmake/install-packages.sh cmake/debian-packages.txt cmake/debian-packages-tests.txt cmake/debian-packages-python.txt cmake/debian-packages-deb.txt
 
 # The tool alone; what tests need is neither installed nor built.
 tool: packages
