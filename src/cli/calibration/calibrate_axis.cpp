@@ -2,8 +2,8 @@
 
 #include "cli/calibration/calibrate_options.hpp"
 #include "veridyn/calibration/axes.hpp"
-#include "report/calibration_json.hpp"
-#include "report/calibration_page.hpp"
+#include "report/json/calibration_json.hpp"
+#include "report/pages/calibration_page.hpp"
 
 namespace veridyn::cli {
 namespace {

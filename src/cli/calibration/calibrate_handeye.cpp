@@ -3,8 +3,8 @@
 #include "cli/calibration/calibrate_options.hpp"
 #include "cli/options/choice.hpp"
 #include "veridyn/calibration/hand_eye.hpp"
-#include "report/calibration_json.hpp"
-#include "report/calibration_page.hpp"
+#include "report/json/calibration_json.hpp"
+#include "report/pages/calibration_page.hpp"
 
 namespace veridyn::cli {
 namespace {

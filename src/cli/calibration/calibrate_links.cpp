@@ -11,8 +11,8 @@
 #include "veridyn/effects/effect.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/model_file.hpp"
-#include "report/calibration_json.hpp"
-#include "report/calibration_page.hpp"
+#include "report/json/calibration_json.hpp"
+#include "report/pages/calibration_page.hpp"
 
 namespace veridyn::cli {
 namespace {

@@ -4,8 +4,8 @@
 #include "cli/options/messages.hpp"
 #include "veridyn/calibration/remote_center.hpp"
 #include "veridyn/math/require.hpp"
-#include "report/calibration_json.hpp"
-#include "report/calibration_page.hpp"
+#include "report/json/calibration_json.hpp"
+#include "report/pages/calibration_page.hpp"
 
 namespace veridyn::cli {
 namespace {

@@ -15,7 +15,7 @@
 #include "cli/options/sound_arguments.hpp"
 #include "veridyn/control/load_cell.hpp"
 #include "veridyn/math/require.hpp"
-#include "report/loadcell_json.hpp"
+#include "report/json/loadcell_json.hpp"
 
 namespace veridyn::cli {
 namespace {

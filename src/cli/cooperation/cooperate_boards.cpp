@@ -13,7 +13,7 @@
 #include "dvrk/arms/arm_facts.hpp"
 #include "dvrk/cooperation/board_cooperation.hpp"
 #include "dvrk/cooperation/board_teleoperation.hpp"
-#include "report/cooperation_json.hpp"
+#include "report/json/cooperation_json.hpp"
 #include "cli/cooperation/teleoperation_json.hpp"
 
 namespace veridyn::cli {

@@ -15,7 +15,7 @@
 #include "veridyn/math/require.hpp"
 #include "math/output_file.hpp"
 #include "model/suggestion.hpp"
-#include "report/cooperation_json.hpp"
+#include "report/json/cooperation_json.hpp"
 #include "veridyn/simulation/engine.hpp"
 
 namespace veridyn::cli {

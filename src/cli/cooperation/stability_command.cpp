@@ -9,7 +9,7 @@
 #include "cooperation/scenario_models.hpp"
 #include "veridyn/cooperation/stability.hpp"
 #include "math/output_file.hpp"
-#include "report/stability_json.hpp"
+#include "report/json/stability_json.hpp"
 
 namespace veridyn::cli {
 namespace {

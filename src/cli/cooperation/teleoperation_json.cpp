@@ -1,6 +1,6 @@
 #include "cli/cooperation/teleoperation_json.hpp"
 
-#include "report/json_value.hpp"
+#include "report/json/json_value.hpp"
 
 namespace veridyn::cli {
 

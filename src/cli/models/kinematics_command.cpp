@@ -14,7 +14,7 @@
 #include "math/output_file.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/model_file.hpp"
-#include "report/kinematics_json.hpp"
+#include "report/json/kinematics_json.hpp"
 
 namespace veridyn::cli {
 namespace {

@@ -9,7 +9,7 @@
 #include "cli/options/option_checks.hpp"
 #include "veridyn/calibration/pose_design.hpp"
 #include "veridyn/model/model_file.hpp"
-#include "report/calibration_json.hpp"
+#include "report/json/calibration_json.hpp"
 
 namespace veridyn::cli {
 namespace {

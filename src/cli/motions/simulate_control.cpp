@@ -13,7 +13,7 @@
 #include "veridyn/model/model_file.hpp"
 #include "model/suggestion.hpp"
 #include "veridyn/report/motion_json.hpp"
-#include "report/simulation_page.hpp"
+#include "report/pages/simulation_page.hpp"
 
 namespace veridyn::cli {
 namespace {

@@ -14,7 +14,7 @@
 #include "math/output_file.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/report/motion_json.hpp"
-#include "report/simulation_page.hpp"
+#include "report/pages/simulation_page.hpp"
 #include "veridyn/simulation/engine.hpp"
 
 namespace veridyn::cli {
