@@ -388,7 +388,8 @@ Identification identify_compressed(const Model& arm, std::vector<CompressedRecor
 
 Identification identify(const Model& arm, const Recordings& train, const Recordings& test,
                         const IdentificationOptions& options) {
-  const NamedRecordings<IdentificationOptions> named(train, test, options);
+  NamedRecordings<IdentificationOptions> named(train, test, options);
+  keep_recordings(named.how, KeptRecordings::kFewPasses);
   Identification id = identify_named(arm, named.train, named.test, named.how);
   forget_recordings(id);
   return id;
