@@ -10,6 +10,7 @@
 #include "recordings/files/byte_stream.hpp"
 #include "recordings/kept_recordings.hpp"
 #include "recordings/samples.hpp"
+#include "veridyn/math/require.hpp"
 #include "veridyn/recordings/recording.hpp"
 
 // What a file is, its header and its rows are found in one opening of it.
@@ -80,8 +81,11 @@ TEST_F(Opened, SomeRowsOfAKeptFileAreThoseOfTheFile) {
       options.first_row = first;
       options.row_count = count;
       const Recording of_file = read_recording(path_, options);
-      EXPECT_EQ(read_rows(path_, options, &kept).q, of_file.q) << first << " " << count;
-      EXPECT_EQ(open_rows(path_, options, &kept).next(100).q, of_file.q) << first << " " << count;
+      for (const Recording& r :
+           {read_rows(path_, options, &kept), open_rows(path_, options, &kept).next(100)}) {
+        ASSERT_EQ(r.rows(), of_file.rows()) << first << " " << count;
+        EXPECT_EQ(r.q, of_file.q) << first << " " << count;
+      }
     }
   }
 }
@@ -97,6 +101,7 @@ TEST_F(Opened, APipeIsReadAsAFileIs) {
     const Recording of_pipe = read_recording(path_);
     writer.join();
     std::remove(path_.c_str());
+    ASSERT_EQ(of_pipe.rows(), of_file.rows()) << content;
     EXPECT_EQ(of_pipe.q, of_file.q) << content;
     EXPECT_EQ(of_pipe.time, of_file.time) << content;
   }
@@ -111,6 +116,14 @@ TEST_F(Opened, AHeaderFarBehindTheFirstByteIsFound) {
     write(comments.str() + content);
     EXPECT_EQ(opened_by_reading(path_), 1);
     EXPECT_EQ(read_recording(path_).q, (MatrixXd(3, 1) << 1, 2, 3).finished());
+    write(comments.str() + content + "0.3,text,8\n");  // lines are counted from the first one
+    try {
+      read_recording(path_);
+      ADD_FAILURE() << "a row of text was read";
+    } catch (const InvalidInput& error) {
+      EXPECT_NE(std::string(error.what()).find(":60005:2: found 'text'"), std::string::npos)
+          << error.what();
+    }
   }
 }
 
