@@ -6,6 +6,7 @@
 #include <cmath>
 #include <unordered_map>
 
+#include "math/median.hpp"
 #include "math/clustered_statistics.hpp"
 
 namespace veridyn {
