@@ -58,7 +58,6 @@ Diagnosis diagnose(const Model& arm, const Recordings& train, const Recordings& 
   const NamedRecordings<IdentificationOptions> named(train, test, options.identification);
   Investigation x{arm, named.train, named.test, options, {}, {}, 0, {}, {}, {}};
   x.options.identification = named.how;
-  x.options.identification.choose_velocities = false;  // a stage of its own
   keep_recordings(x.options.identification);
   x.d.changes = are_facts(arm, options);
   x.d.provisional = named.train.size() == 1;

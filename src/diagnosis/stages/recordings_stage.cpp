@@ -129,6 +129,7 @@ void check_quality(Investigation& x) {
   for (const std::string& path : x.test) {
     if (std::find(all.begin(), all.end(), path) == all.end()) all.push_back(path);
   }
+  x.options.identification.choose_velocities = false;  // choose_quieter_velocities() does, once
   const PreprocessingOptions& how = x.options.identification.preprocessing;
   x.d.data_quality.resize(all.size());
   parallel_for(static_cast<int>(all.size()), x.options.identification.threads, [&](int k) {
