@@ -32,9 +32,7 @@ struct Thresholds {
   double still_prismatic = 5e-4;
   // Wrong constants of the robot file.
   double constant_gain = 2.0;
-  double constant_worth = 0.02;
   double constant_sharpness = 0.4;
-  double constant_tie = 0.8;
   double commoner_cause = 0.93;
   double weaker_rival = 0.3;
   // Ripple of a torque along the travel.
