@@ -117,9 +117,14 @@ TEST_F(ErrorsInVariables, NothingIsToldWhereNothingRepeatsOrNothingWasFitted) {
   EXPECT_TRUE(x.d.data_quality[0].findings.empty());
 }
 
-// What a diagnosis leaves out, the comparison leaves out as well: here all rows but one period's.
+// What a diagnosis leaves out, the comparison leaves out as well, here all rows but one period's; of the
+// recording that is meant.
 TEST_F(ErrorsInVariables, RowsThatAreLeftOutAreNotCompared) {
   Investigation x = investigated(1, 0.2, 0.1);
+  x.options.identification.preprocessing.left_out = {{"another", -1, 0.0, kSeconds, "a test"}};
+  check_errors_in_variables(x);
+  EXPECT_EQ(x.d.data_quality[0].findings.size(), 1U);
+  x.d.data_quality[0].findings.clear();
   for (const std::string& path : x.train)
     x.options.identification.preprocessing.left_out.push_back({path, -1, kPeriod, kSeconds, "a test"});
   check_errors_in_variables(x);
