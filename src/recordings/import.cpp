@@ -9,9 +9,9 @@
 #include "recordings/arrays/array_recording.hpp"
 #include "recordings/bags/bag_recording.hpp"
 #include "recordings/bags/bag_sink.hpp"
-#include "recordings/bags/mapped_file.hpp"
+#include "recordings/files/mapped_file.hpp"
 #include "recordings/csv/csv_table.hpp"
-#include "recordings/file_kind.hpp"
+#include "recordings/files/file_kind.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn::recordings {

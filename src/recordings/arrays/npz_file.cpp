@@ -6,7 +6,7 @@
 
 #include "recordings/arrays/array_recording.hpp"
 #include "recordings/bags/byte_reader.hpp"
-#include "recordings/bags/mapped_file.hpp"
+#include "recordings/files/mapped_file.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn::recordings {

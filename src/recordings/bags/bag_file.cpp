@@ -6,7 +6,7 @@
 #include <filesystem>
 
 #include "recordings/bags/bag_sink.hpp"
-#include "recordings/bags/mapped_file.hpp"
+#include "recordings/files/mapped_file.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn::bags {

@@ -8,7 +8,7 @@
 #include <map>
 #include <set>
 
-#include "recordings/bags/mapped_file.hpp"
+#include "recordings/files/mapped_file.hpp"
 #include "recordings/csv/time_column.hpp"
 #include "recordings/joint_fields.hpp"
 #include "recordings/units.hpp"

@@ -1,11 +1,11 @@
-#include "recordings/file_kind.hpp"
+#include "recordings/files/file_kind.hpp"
 
 #include <sys/stat.h>
 
 #include <string_view>
 
 #include "recordings/bags/bag_sink.hpp"
-#include "recordings/bags/mapped_file.hpp"
+#include "recordings/files/mapped_file.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn::recordings {

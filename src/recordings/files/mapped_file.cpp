@@ -1,4 +1,4 @@
-#include "recordings/bags/mapped_file.hpp"
+#include "recordings/files/mapped_file.hpp"
 
 #include <fcntl.h>
 #include <sys/mman.h>
