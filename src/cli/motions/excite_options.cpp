@@ -1,0 +1,96 @@
+#include "cli/motions/excite_options.hpp"
+
+#include <CLI/CLI.hpp>
+#include <cstdlib>
+
+namespace veridyn::cli {
+namespace {
+
+[[noreturn]] void fail(const std::string& option, const std::string& words,
+                       const std::string& expected) {
+  throw CLI::ValidationError(option, "found '" + words + "', expected " + expected);
+}
+
+// Numbers between commas; `counts` says how many there may be.
+std::vector<double> numbers(const std::string& option, const std::string& words,
+                            const std::string& list, const std::vector<size_t>& counts,
+                            const std::string& expected) {
+  std::vector<double> out;
+  for (const std::string& word : CLI::detail::split(list, ',')) {
+    char* end = nullptr;
+    const double value = std::strtod(word.c_str(), &end);
+    if (word.empty() || *end != '\0' || value != value) fail(option, words, expected);
+    out.push_back(value);
+  }
+  for (const size_t count : counts) {
+    if (out.size() == count) return out;
+  }
+  fail(option, words, expected);
+}
+
+struct Named {
+  std::string frame;
+  std::vector<double> numbers;
+};
+
+Named named(const std::string& option, const std::string& words, const std::vector<size_t>& counts,
+            const std::string& expected) {
+  const auto colon = words.find(':');
+  if (colon == 0 || colon == std::string::npos) fail(option, words, expected);
+  return {words.substr(0, colon),
+          numbers(option, words, words.substr(colon + 1), counts, expected)};
+}
+
+}  // namespace
+
+std::pair<RivalCause, RivalCause> rivals(const std::string& words) {
+  const std::vector<std::string> two = CLI::detail::split(words, ',');
+  if (two.size() != 2 || two[0].empty() || two[1].empty()) {
+    fail("--between", words, "two causes EFFECT:PLACE,EFFECT:PLACE, as payload:tool,torque_gain:2");
+  }
+  return {split_cause(two[0]), split_cause(two[1])};
+}
+
+FrameBox frame_box(const std::string& words) {
+  const Named n = named("--box", words, {6}, "FRAME:X,X,Y,Y,Z,Z from and to, in m; inf is open");
+  return {n.frame,
+          {n.numbers[0], n.numbers[2], n.numbers[4]},
+          {n.numbers[1], n.numbers[3], n.numbers[5]}};
+}
+
+Sphere sphere(const std::string& words) {
+  const Named n = named("--sphere", words, {1, 4}, "FRAME:R or FRAME:R,X,Y,Z in m");
+  if (!(n.numbers[0] > 0.0)) fail("--sphere", words, "a positive radius");
+  Sphere out{n.frame, n.numbers[0]};
+  if (n.numbers.size() == 4) out.centre = {n.numbers[1], n.numbers[2], n.numbers[3]};
+  return out;
+}
+
+Sphere obstacle(const std::string& words) {
+  const std::string expected = "X,Y,Z,R in m, with a positive radius";
+  const std::vector<double> v = numbers("--obstacle", words, words, {4}, expected);
+  if (!(v[3] > 0.0)) fail("--obstacle", words, expected);
+  return {"world", v[3], {v[0], v[1], v[2]}};
+}
+
+InsertionRange insertion_range(const std::string& words) {
+  const Named n = named("--insertion", words, {2, 5},
+                        "FRAME:LOW,HIGH or FRAME:LOW,HIGH,X,Y,Z (the remote centre) in m");
+  InsertionRange out{n.frame, {0, 0, 0}, n.numbers[0], n.numbers[1]};
+  if (n.numbers.size() == 5) out.centre = {n.numbers[2], n.numbers[3], n.numbers[4]};
+  return out;
+}
+
+std::vector<SpherePair> sphere_pairs(const std::vector<Sphere>& spheres,
+                                     const std::vector<Sphere>& obstacles, double clearance) {
+  std::vector<SpherePair> out;
+  for (size_t a = 0; a < spheres.size(); ++a) {
+    for (size_t b = a + 1; b < spheres.size(); ++b) {
+      if (spheres[a].frame != spheres[b].frame) out.push_back({spheres[a], spheres[b], clearance});
+    }
+    for (const Sphere& fixed : obstacles) out.push_back({spheres[a], fixed, clearance});
+  }
+  return out;
+}
+
+}  // namespace veridyn::cli
