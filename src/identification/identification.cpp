@@ -7,6 +7,7 @@
 
 #include "identified_base.hpp"
 #include "many_recordings.hpp"
+#include "shortfall.hpp"
 #include "math/numbers.hpp"
 #include "recordings/named_recordings.hpp"
 #include "validation.hpp"
@@ -21,28 +22,14 @@
 namespace veridyn {
 namespace {
 
-constexpr double kStillRevolute = 2e-3;  // [rad] a joint that travels less than this does not move
 // [kg, kg m^2] of every pseudo-inertia: a body is not only possible but has a size, so that
 // simulations of it run.
 constexpr double kSmallestEigenvalue = 1e-8;
 constexpr double kGap =
     1e-6;  // of the feasible solve; far below what a sample more or less changes
-constexpr double kStillPrismatic = 2e-4;  // [m]
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
-void find_still_joints(const Model& arm, const std::vector<CompressedRecording>& recordings,
-                       Identification& id) {
-  for (int i = 0; i < arm.joints(); ++i) {
-    double travel = 0.0;
-    for (const CompressedRecording& r : recordings)
-      travel = std::max(travel, r.joints[static_cast<size_t>(i)].travel());
-    if (travel < (arm.coordinates()[i].prismatic ? kStillPrismatic : kStillRevolute)) {
-      id.still_joints.push_back(arm.coordinates()[i].name);
-    }
-  }
 }
 
 // Base parameters of the arm outside the row space of the data.
@@ -77,8 +64,6 @@ bool rank_deficient(const Model& arm, const BaseParameters& arm_base,
   id.undetermined =
       undetermined_parameters(arm_base, determined, identifiable_factor(arm, 3).column_norms());
   id.status = IdentificationStatus::kRankDeficient;
-  std::string still;
-  for (const std::string& name : id.still_joints) still += (still.empty() ? "" : ", ") + name;
   std::string open;
   int told = 0;
   for (const std::string& name : id.undetermined) {
@@ -88,12 +73,9 @@ bool rank_deficient(const Model& arm, const BaseParameters& arm_base,
   }
   const int rest = static_cast<int>(id.undetermined.size()) - told;
   if (rest > 0) open += text(told > 0 ? " and " : "", rest, told > 0 ? " more" : " sums of parameters");
-  id.reason = still.empty() ? text("the recordings determine ", data_base.size(), " of ",
-                                   arm_base.size(), " base parameters")
-                            : text(id.still_joints.size() > 1 ? "joints " : "joint ", still,
-                                   id.still_joints.size() > 1 ? " never move" : " never moves");
+  id.reason = shortfall(arm_base, data_base, id.still_joints);
   // Where the gap lies across nearly all of them, their names would tell nothing.
-  if (!still.empty() || static_cast<int>(id.undetermined.size()) <= arm_base.size() / 2) {
+  if (!id.still_joints.empty() || static_cast<int>(id.undetermined.size()) <= arm_base.size() / 2) {
     id.reason += "; undetermined: " + open;
   } else {
     id.reason += text("; the ", arm_base.size() - data_base.size(),
@@ -309,7 +291,7 @@ bool fit_factors(const Model& arm, const std::vector<CompressedRecording>& recor
       return false;
     }
   }
-  find_still_joints(arm, recordings, id);
+  id.still_joints = still_joints(arm, recordings);
   id.noise_floor = mean_noise_floor(recordings, arm.joints());
   const auto begin = std::chrono::steady_clock::now();
   solve(arm, recordings, options, id);
