@@ -398,9 +398,8 @@ Identification with_chosen_velocities(const Model& arm, Identification id,
   for (const int j : choice.better) {
     const std::string& name = arm.coordinates()[static_cast<size_t>(j)].name;
     choice.fit->remarks.push_back(
-        text("the recorded velocity of ", name, " (dq", j + 1,
-             ") is noisier than its position's derivative, or wrong in scale; it is taken from the "
-             "position, which predicts the torque better"));
+        text("dq", j + 1, " (", name, ") predicts the torque worse than the derivative of q", j + 1,
+             ", which is used instead"));
   }
   return std::move(*choice.fit);
 }
