@@ -30,6 +30,7 @@ struct Thresholds {
   // What counts as motion.
   double still_revolute = 5e-3;
   double still_prismatic = 5e-4;
+  double moving_share = 0.02;
   // Wrong constants of the robot file.
   double constant_gain = 2.0;
   double constant_sharpness = 0.4;
@@ -53,6 +54,9 @@ struct Thresholds {
   double snag_prominence = 6.0;
   double snag_torque_share = 0.2;
   double snag_widest = 0.4;
+
+  /// The largest travel of a joint that does not move, rad or m.
+  double still(bool prismatic) const { return prismatic ? still_prismatic : still_revolute; }
 };
 
 /// What one of these numbers decides.
