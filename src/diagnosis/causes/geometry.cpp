@@ -352,7 +352,9 @@ GeometryFinding profile(const Model& arm, const GeometryConstant& constant,
   const auto at = [&](double v) {
     return profiler.criterion(with_constant(arm, constant, v), columns);
   };
-  const double centre = at(v0);
+  // Columns that are independent beside the file's value may vanish at it, and others in their place
+  // not: there the arm as it stands is the measure.
+  const double centre = std::min(at(v0), profiler.start());
   const double up = at(v0 + range.step);
   const double down = at(v0 - range.step);
   if (std::min(up, down) > centre - 0.5 * limits.smallest_gain || (up < centre && down < centre))
