@@ -408,7 +408,8 @@ Identification with_chosen_velocities(const Model& arm, Identification id,
 
 Identification identify(const Model& arm, const Recordings& train, const Recordings& test,
                         const IdentificationOptions& options) {
-  const NamedRecordings<IdentificationOptions> named(train, test, options);
+  NamedRecordings<IdentificationOptions> named(train, test, options);
+  keep_recordings(named.how, KeptRecordings::kFewPasses);
   Identification id = identify_named(arm, named.train, named.test, named.how);
   id = with_chosen_velocities(arm, std::move(id), named.train, named.test, named.how);
   forget_recordings(id);
