@@ -24,7 +24,8 @@ RecordingQuality quality_of(const Model& arm, const std::string& name,
   reading.row_count = how.row_count < 0 ? kLookedAt : std::min(how.row_count, kLookedAt);
   try {
     const Recording* there = find_in_memory(how.in_memory, name);
-    return there != nullptr ? check_recording(*there) : check_recording(name, reading);
+    return there != nullptr ? check_recording(*there)
+                            : check_rows(name, open_rows(name, reading, how.kept.get()));
   } catch (const InvalidInput&) {
     return {};
   }
