@@ -60,6 +60,48 @@ TEST_F(Stages, AWrongLengthIsFoundAndCorrected) {
   }
 }
 
+// An angle of the table and the zero of its encoder do the same; the zero is the commoner fault.
+TEST_F(Stages, AnEncodersZeroGoesBeforeTheAngleThatDoesTheSame) {
+  Investigation x = investigation(read_model("planar-2r"), {"encoder_offset:shoulder:offset=0.1"});
+  correct_constants(x);
+  ASSERT_EQ(x.d.findings.size(), 1U);
+  const Finding& f = x.d.findings[0];
+  EXPECT_EQ(to_text(x.arm, f.cause), "encoder_offset:shoulder");
+  EXPECT_NEAR(f.parameters[0].value, 0.1, 0.002);
+  EXPECT_LT(f.parameters[0].low, 0.1);
+  EXPECT_GT(f.parameters[0].high, 0.1);
+  EXPECT_LT(f.p_value, 1e-3);
+  ASSERT_FALSE(f.rivals.empty());
+  EXPECT_TRUE(std::holds_alternative<KinematicError>(f.rivals[0].cause));
+  EXPECT_NEAR(x.start.model->coordinates()[0].recorded.position_offset, 0.1, 0.002);
+}
+
+// Learned on an arm with another length, held out on one that is as the file says.
+TEST_F(Stages, ALengthThatTheHeldOutRecordingContradictsIsNotConfirmed) {
+  ModelFileOptions longer;
+  longer.constants["l1"] = 0.6;
+  const Model file = read_model("planar-2r", longer);
+  Model as_the_file = plausible_model(file, 3).arm;
+  for (const ExtendedModel extended : {ExtendedModel::kAllFindings, ExtendedModel::kConfirmedOnly}) {
+    Investigation x{file, {}, {}, {}, {}, {}, 0, {}, {}, {}};
+    for (unsigned k = 1; k <= 4; ++k) x.train.push_back(record(k, {}));
+    std::swap(truth_, as_the_file);
+    x.test = {record(5, {})};
+    std::swap(truth_, as_the_file);
+    x.options.identification.threads = 1;
+    x.options.extended = extended;
+    ASSERT_TRUE(fit_baseline(x));
+    correct_constants(x);
+    if (extended == ExtendedModel::kConfirmedOnly) {
+      EXPECT_TRUE(x.d.findings.empty());
+      EXPECT_EQ(x.start.test_error.relative, x.d.baseline.test_error.relative);
+      continue;
+    }
+    ASSERT_EQ(x.d.findings.size(), 1U);
+    EXPECT_EQ(x.d.findings[0].status, FindingStatus::kNotConfirmed);
+  }
+}
+
 // From a grid to the hidden distance.
 TEST_F(Stages, AConstantIsRefinedFromTheGridToTheTruth) {
   Investigation x = investigation(read_model("planar-2r"),

@@ -4,6 +4,7 @@
 #include "diagnosis/stages/channel_correction.hpp"
 #include "diagnosis/stages/newly_visible.hpp"
 #include "effects/plain_friction.hpp"
+#include "identification/velocity_choice.hpp"
 #include "recordings/files/byte_stream.hpp"
 #include "recordings/kept_recordings.hpp"
 
@@ -16,6 +17,32 @@ Model with_gravity(const Model& arm, const Eigen::Vector3d& gravity) {
   ModelDescription d = arm.description();
   d.gravity = gravity;
   return Model(std::move(d));
+}
+
+// Questions are those that were asked for, with the limits that were asked for.
+TEST_F(Stages, TheListAsksWhatTheOptionsSay) {
+  Investigation x{truth_, {}, {}, {}, {}, {}, 0, {}, {}, {}};
+  EXPECT_TRUE(x.list().wanted.empty());
+  EXPECT_TRUE(x.asks_for("backlash"));
+  x.options.effects = {"joint_spring"};
+  x.options.thresholds.smallest_gain = 0.7;
+  x.d.changes = true;
+  EXPECT_EQ(x.list().wanted, x.options.effects);
+  EXPECT_EQ(x.list().limits.smallest_gain, 0.7);
+  EXPECT_TRUE(x.list().changes);
+  EXPECT_TRUE(x.asks_for("joint_spring"));
+  EXPECT_FALSE(x.asks_for("backlash"));
+}
+
+// Errors count where the fit looked: without excluded rows, else on repaired ones, else on all.
+TEST_F(Stages, TrainingErrorsAreThoseOfTheRowsThatWereFitted) {
+  Identification id;
+  id.train_error.relative = Eigen::Vector2d(0.3, 0.5);
+  EXPECT_NEAR(log_training_errors(id)[1], 2.0 * std::log(0.5), 1e-12);
+  id.train_repaired.relative = Eigen::Vector2d(0.2, 0.4);
+  EXPECT_NEAR(log_training_error(id), 2.0 * std::log(0.2 * 0.4), 1e-12);
+  id.train_without_excluded.relative = Eigen::Vector2d(0.1, 0.2);
+  EXPECT_NEAR(log_training_error(id), 2.0 * std::log(0.1 * 0.2), 1e-12);
 }
 
 // Both joints turn about the vertical: gravity does nothing. Once the base leans the first link's first

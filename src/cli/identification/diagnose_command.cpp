@@ -47,6 +47,9 @@ std::string next_command(const DiagnoseRequest& request, const Model& arm,
     words.insert(words.end(), {"--slow-passes", std::to_string(next.slow_passes)});
   words.emplace_back("--given");
   words.insert(words.end(), request.train.begin(), request.train.end());
+  const std::vector<std::string> reading =
+      words_for_given(request.options.identification.preprocessing, request.common.fixed);
+  words.insert(words.end(), reading.begin(), reading.end());
   if (!request.model_out.empty()) words.insert(words.end(), {"--model", request.model_out});
   return cli::command_line(words);
 }

@@ -19,7 +19,7 @@ struct FleetRequest {
   CommonOptions common;
 };
 
-void run(const FleetRequest& request) {
+ExitStatus run(const FleetRequest& request) {
   const std::vector<FleetArm> arms = read_fleet(request.list);
   for (const FleetArm& one : arms) {
     expect_apart("--model-out", request.model_out, one.files);
@@ -33,14 +33,19 @@ void run(const FleetRequest& request) {
   options.progress = progress(request.common);
   const Fleet fleet = identify_fleet(arm, arms, options);
   for (const UnusedRecording& r : fleet.left_out) say("warning: left out: " + r.why);
-  if (!request.model_out.empty()) save_model(*fleet.model, request.model_out);
   if (!request.common.json.empty()) write_file(request.common.json, to_json(fleet));
+  if (!fleet.model) {
+    say(request.list + ": " + fleet.reason + ".");
+    return kDataCannotAnswer;
+  }
+  if (!request.model_out.empty()) save_model(*fleet.model, request.model_out);
   std::cout << fleet.report();
+  return kDone;
 }
 
 }  // namespace
 
-void add_fleet_command(CLI::App& tool, Outcome&) {
+void add_fleet_command(CLI::App& tool, Outcome& outcome) {
   const auto request = std::make_shared<FleetRequest>();
   CLI::App& command = *tool.add_subcommand(
       "fleet", "One model for many arms of one type: what they share, and which stands out");
@@ -58,7 +63,7 @@ void add_fleet_command(CLI::App& tool, Outcome&) {
   add_output_option(command, "--model-out", request->model_out, "Write the fleet's model as YAML");
   add_preprocessing_options(command, request->options.preprocessing);
   add_common_options(command, request->common);
-  command.callback([request] { run(*request); });
+  command.callback([request, &outcome] { outcome.status = run(*request); });
 }
 
 }  // namespace veridyn::cli

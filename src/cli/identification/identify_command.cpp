@@ -41,6 +41,7 @@ struct IdentifyRequest {
 
 IdentificationOptions identification_options(const IdentifyRequest& request) {
   IdentificationOptions options = request.options;
+  options.choose_velocities = request.command->count("--velocity") == 0;
   options.threads = request.common.threads;
   options.progress = progress(request.common);
   if (!request.prior.empty()) options.prior = read_model(request.prior);

@@ -7,19 +7,20 @@
 #include <optional>
 #include <utility>
 
-#include "cli/options/choice.hpp"
 #include "cli/commands.hpp"
 #include "cli/options/common_options.hpp"
 #include "cli/motions/excite_options.hpp"
 #include "cli/motions/excite_poses.hpp"
 #include "cli/options/messages.hpp"
 #include "cli/options/option_checks.hpp"
+#include "cli/options/recording_options.hpp"
 #include "cli/options/sound_arguments.hpp"
 #include "veridyn/excitation/excitation.hpp"
 #include "recordings/recorded_motion.hpp"
 #include "veridyn/recordings/recording.hpp"
 #include "math/output_file.hpp"
 #include "veridyn/math/require.hpp"
+#include "veridyn/model/fixed_coordinates.hpp"
 #include "veridyn/model/model_file.hpp"
 #include "veridyn/report/excitation_page.hpp"
 #include "veridyn/report/motion_json.hpp"
@@ -35,6 +36,7 @@ struct ExciteRequest {
   std::string coefficients;
   std::string model;
   std::vector<std::string> given;
+  PreprocessingOptions reading;  // of what is given
   std::vector<std::string> boxes, spheres, obstacles, insertions;
   std::string between;
   double clearance = 0.0;
@@ -72,6 +74,17 @@ Model without_efforts(const Model& arm) {
   return Model(std::move(description));
 }
 
+// The arm of --model. One that was identified with joints held has lost them already.
+Model read_powered(const ExciteRequest& request) {
+  const Model arm = read_model(request.model);
+  std::map<std::string, double> fixed;
+  for (const auto& [joint, value] : request.common.fixed) {
+    for (const Coordinate& c : arm.coordinates())
+      if (c.name == joint) fixed[joint] = value;
+  }
+  return with_fixed(arm, fixed);
+}
+
 ExcitationOptions options_of(const ExciteRequest& request, const Model& arm,
                              std::string& made_up_words) {
   ExcitationOptions o = request.options;
@@ -87,11 +100,11 @@ ExcitationOptions options_of(const ExciteRequest& request, const Model& arm,
   for (const std::string& words : request.obstacles) obstacles.push_back(obstacle(words));
   o.workspace.pairs = sphere_pairs(spheres, obstacles, request.clearance);
   for (const std::string& path : request.given) {
-    for (MotionSamples& motion : recorded_motion(arm, path)) o.given.push_back(std::move(motion));
+    for (MotionSamples& motion : recorded_motion(arm, path, request.reading)) o.given.push_back(std::move(motion));
   }
   if (!request.between.empty()) o.between = rivals(request.between);
   if (o.between) o.criterion = ExcitationCriterion::kDiscriminate;
-  if (!request.model.empty()) o.powered = read_model(request.model);
+  if (!request.model.empty()) o.powered = read_powered(request);
   if (request.torque_noise) {
     o.noise = TorqueNoise();
     o.noise->share = VectorXd::Constant(arm.joints(), *request.torque_noise);
@@ -162,9 +175,11 @@ ExitStatus run(const ExciteRequest& request, const std::string& command_line) {
                  "--criterion discriminate"},
                 {"--obstacle", !request.spheres.empty(), "--sphere"},
                 {"--clearance", !request.spheres.empty(), "--sphere"}});
+  for (const char* option : {"--columns", "--given-rate", "--topic", "--map", "--units", "--rows"})
+    expect_needs(*request.command, {{option, !request.given.empty(), "--given"}});
   expect_value(!discriminates || !request.between.empty(), "--criterion",
                "discriminate needs --between");
-  const Model arm = read_model(request.robot);
+  const Model arm = read_robot(request.robot, request.common.fixed);
   require(arm.joints() > 0, request.robot, ": found no coordinates, expected some to move.");
   std::string made_up_words;
   const ExcitationOptions options = options_of(request, arm, made_up_words);
@@ -192,74 +207,6 @@ ExitStatus run(const ExciteRequest& request, const std::string& command_line) {
     write_file(request.common.report, to_page(found, command_line));
   std::cout << found.report();
   return kDone;
-}
-
-void add_motion_options(CLI::App& command, ExcitationOptions& o) {
-  const char* const group = "Motion";
-  const auto number = [&](const char* option, double& target, const char* unit, const char* help) {
-    command.add_option(option, target, help)
-        ->option_text(unit)
-        ->check(CLI::PositiveNumber)
-        ->capture_default_str()
-        ->group(group);
-  };
-  number("--frequency", o.frequency, "HZ", "Of the slowest wave (0.13)");
-  command.add_option("--harmonics", o.harmonics, "Waves per joint (5)")
-      ->option_text("N")
-      ->check(CLI::Range(2, 100))
-      ->group(group);
-  number("--duration", o.duration, "S", "Rounded to whole periods, at least two (30)");
-  command
-      .add_option("--slow-passes", o.slow_passes,
-                  "Of every joint afterwards, there and back at 1 to 10 % of its speed (0)")
-      ->option_text("N")
-      ->check(CLI::Range(0, 100))
-      ->group(group);
-  number("--rate", o.rate, "HZ", "Rows per second (200)");
-  command
-      .add_option("--limit-share", o.limit_share,
-                  "Share of range, speed, acceleration and torque to use (0.95)")
-      ->option_text("X")
-      ->check(CLI::Range(0.01, 1.0))
-      ->group(group);
-}
-
-void add_search_options(CLI::App& command, ExcitationOptions& o) {
-  const char* const group = "Search";
-  add_choice(command, "--criterion", o.criterion,
-             {ExcitationCriterion::kCondition, ExcitationCriterion::kDOptimal,
-              ExcitationCriterion::kAOptimal, ExcitationCriterion::kDiscriminate},
-             "Smallest condition number, confidence ellipsoid or mean relative deviation, or two "
-             "causes told apart")
-      ->group(group);
-  add_choice(command, "--columns-scaled", o.scaling,
-             {ColumnScaling::kNorm, ColumnScaling::kNone, ColumnScaling::kOrthogonal},
-             "Columns of the regressor before its condition number")
-      ->group(group);
-  command
-      .add_option(
-          "--essential", o.essential,
-          "Regroup base parameters whose columns add less than this to the others' (0: keep all)")
-      ->option_text("SHARE")
-      ->check(CLI::Range(0.0, 0.99))
-      ->group(group);
-  add_choice(command, "--solver", o.solver,
-             {ExcitationSolver::kInteriorPoint, ExcitationSolver::kRandom}, "Who searches",
-             {{"ipopt", ExcitationSolver::kInteriorPoint},
-              {"nlopt", ExcitationSolver::kInteriorPoint},
-              {"nlopt-derivative-free", ExcitationSolver::kInteriorPoint}})
-      ->group(group);
-  command.add_option("--starts", o.starts, "Independent searches (2)")
-      ->option_text("N")
-      ->check(CLI::Range(1, 100000))
-      ->group(group);
-  command.add_option("--iterations,--evaluations", o.iterations, "Of each search, at most (400)")
-      ->option_text("N")
-      ->check(CLI::Range(1, 100000000))
-      ->group(group);
-  command.add_option("--seed", o.seed, "The same seed gives the same motion (1)")
-      ->option_text("N")
-      ->group(group);
 }
 
 void add_limit_options(CLI::App& command, ExciteRequest& r) {
@@ -315,6 +262,13 @@ void add_excite_command(CLI::App& tool, Outcome& outcome) {
       ->check(CLI::Range(1e-6, 10.0))
       ->group("Search");
   add_limit_options(command, *request);
+  add_headerless_options(command, request->reading.columns, request->reading.header_rate, "--given-rate");
+  add_signal_options(command, request->reading.signals);
+  add_row_range(command, "--rows", "Rows of the recordings given", [request](RowRange rows) {
+    request->reading.first_row = rows.first;
+    request->reading.row_count = rows.count;
+  });
+  add_fix_option(command, request->common.fixed);
   add_poses_options(command, request->poses);
   add_report_option(command, request->common);
   add_common_options(command, request->common);

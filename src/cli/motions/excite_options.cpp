@@ -3,6 +3,8 @@
 #include <CLI/CLI.hpp>
 #include <cstdlib>
 
+#include "cli/options/choice.hpp"
+
 namespace veridyn::cli {
 namespace {
 
@@ -91,6 +93,74 @@ std::vector<SpherePair> sphere_pairs(const std::vector<Sphere>& spheres,
     for (const Sphere& fixed : obstacles) out.push_back({spheres[a], fixed, clearance});
   }
   return out;
+}
+
+void add_motion_options(CLI::App& command, ExcitationOptions& o) {
+  const char* const group = "Motion";
+  const auto number = [&](const char* option, double& target, const char* unit, const char* help) {
+    command.add_option(option, target, help)
+        ->option_text(unit)
+        ->check(CLI::PositiveNumber)
+        ->capture_default_str()
+        ->group(group);
+  };
+  number("--frequency", o.frequency, "HZ", "Of the slowest wave (0.13)");
+  command.add_option("--harmonics", o.harmonics, "Waves per joint (5)")
+      ->option_text("N")
+      ->check(CLI::Range(2, 100))
+      ->group(group);
+  number("--duration", o.duration, "S", "Rounded to whole periods, at least two (30)");
+  command
+      .add_option("--slow-passes", o.slow_passes,
+                  "Of every joint afterwards, there and back at 1 to 10 % of its speed (0)")
+      ->option_text("N")
+      ->check(CLI::Range(0, 100))
+      ->group(group);
+  number("--rate", o.rate, "HZ", "Rows per second (200)");
+  command
+      .add_option("--limit-share", o.limit_share,
+                  "Share of range, speed, acceleration and torque to use (0.95)")
+      ->option_text("X")
+      ->check(CLI::Range(0.01, 1.0))
+      ->group(group);
+}
+
+void add_search_options(CLI::App& command, ExcitationOptions& o) {
+  const char* const group = "Search";
+  add_choice(command, "--criterion", o.criterion,
+             {ExcitationCriterion::kCondition, ExcitationCriterion::kDOptimal,
+              ExcitationCriterion::kAOptimal, ExcitationCriterion::kDiscriminate},
+             "Smallest condition number, confidence ellipsoid or mean relative deviation, or two "
+             "causes told apart")
+      ->group(group);
+  add_choice(command, "--columns-scaled", o.scaling,
+             {ColumnScaling::kNorm, ColumnScaling::kNone, ColumnScaling::kOrthogonal},
+             "Columns of the regressor before its condition number")
+      ->group(group);
+  command
+      .add_option(
+          "--essential", o.essential,
+          "Regroup base parameters whose columns add less than this to the others' (0: keep all)")
+      ->option_text("SHARE")
+      ->check(CLI::Range(0.0, 0.99))
+      ->group(group);
+  add_choice(command, "--solver", o.solver,
+             {ExcitationSolver::kInteriorPoint, ExcitationSolver::kRandom}, "Who searches",
+             {{"ipopt", ExcitationSolver::kInteriorPoint},
+              {"nlopt", ExcitationSolver::kInteriorPoint},
+              {"nlopt-derivative-free", ExcitationSolver::kInteriorPoint}})
+      ->group(group);
+  command.add_option("--starts", o.starts, "Independent searches (2)")
+      ->option_text("N")
+      ->check(CLI::Range(1, 100000))
+      ->group(group);
+  command.add_option("--iterations,--evaluations", o.iterations, "Of each search, at most (400)")
+      ->option_text("N")
+      ->check(CLI::Range(1, 100000000))
+      ->group(group);
+  command.add_option("--seed", o.seed, "The same seed gives the same motion (1)")
+      ->option_text("N")
+      ->group(group);
 }
 
 }  // namespace veridyn::cli

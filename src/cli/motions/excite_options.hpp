@@ -1,6 +1,8 @@
 #pragma once
 
+#include <CLI/CLI.hpp>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "veridyn/excitation/excitation.hpp"
@@ -28,5 +30,11 @@ InsertionRange insertion_range(const std::string& words);
 /// Every sphere keeps away from every obstacle and from the spheres on other frames.
 std::vector<SpherePair> sphere_pairs(const std::vector<Sphere>& spheres,
                                      const std::vector<Sphere>& obstacles, double clearance);
+
+/// Adds what shapes the motion: --frequency to --limit-share.
+void add_motion_options(CLI::App& command, ExcitationOptions& options);
+
+/// Adds how the motion is looked for: --criterion to --seed.
+void add_search_options(CLI::App& command, ExcitationOptions& options);
 
 }  // namespace veridyn::cli

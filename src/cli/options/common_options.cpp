@@ -106,7 +106,8 @@ CLI::Option* add_row_range(CLI::App& command, const std::string& option, const s
       ->group(kRecordings);
 }
 
-void add_headerless_options(CLI::App& command, std::vector<std::string>& columns, double& rate) {
+void add_headerless_options(CLI::App& command, std::vector<std::string>& columns, double& rate,
+                            const std::string& rate_option) {
   const auto parse = [&columns](const std::string& words) {
     columns = signal_names("--columns", words);
   };
@@ -115,7 +116,7 @@ void add_headerless_options(CLI::App& command, std::vector<std::string>& columns
                                         "Signals of CSV files in their order, as q,dq,tau; a header is passed over")
       ->option_text("NAMES")
       ->group(kRecordings);
-  command.add_option("--rate", rate, "Rate of CSV files without a time column [Hz]")
+  command.add_option(rate_option, rate, "Rate of CSV files without a time column [Hz]")
       ->option_text("HZ")
       ->check(CLI::PositiveNumber)
       ->group(kRecordings);

@@ -41,7 +41,8 @@ CLI::Option* add_row_range(CLI::App& command, const std::string& option, const s
                            std::function<void(RowRange)> take);
 
 /// Adds --columns and --rate, for files without a header.
-void add_headerless_options(CLI::App& command, std::vector<std::string>& columns, double& rate);
+void add_headerless_options(CLI::App& command, std::vector<std::string>& columns, double& rate,
+                            const std::string& rate_option = "--rate");
 
 /// Adds everything that turns recordings into samples: filter, velocities, grid, rows, edges.
 void add_preprocessing_options(CLI::App& command, PreprocessingOptions& options);

@@ -1,5 +1,7 @@
 #include "cli/options/recording_options.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <charconv>
 #include <set>
@@ -92,6 +94,25 @@ void add_fix_option(CLI::App& command, std::map<std::string, double>& fixed) {
 Model read_robot(const std::string& robot, const std::map<std::string, double>& fixed) {
   const Model arm = read_model(robot);
   return value_of("--fix", [&] { return with_fixed(arm, fixed); });
+}
+
+std::vector<std::string> words_for_given(const PreprocessingOptions& how,
+                                         const std::map<std::string, double>& fixed) {
+  std::vector<std::string> words;
+  const auto add = [&words](const char* option, const std::string& value) {
+    words.insert(words.end(), {option, value});
+  };
+  if (!how.columns.empty()) add("--columns", CLI::detail::join(how.columns));
+  if (how.header_rate > 0.0) add("--given-rate", fmt::format("{}", how.header_rate));
+  for (const std::string& topic : how.signals.topics) add("--topic", topic);
+  for (const auto& [signal, source] : how.signals.map) add("--map", signal + "=" + source);
+  for (const auto& [signal, unit] : how.signals.units) add("--units", signal + "=" + unit);
+  if (how.first_row > 0 || how.row_count >= 0) {
+    add("--rows", text(how.first_row, ":",
+                       how.row_count < 0 ? "" : std::to_string(how.first_row + how.row_count)));
+  }
+  for (const auto& [joint, value] : fixed) add("--fix", joint + "=" + fmt::format("{}", value));
+  return words;
 }
 
 void tell_facts(const std::vector<RecordingQuality>& recordings) {

@@ -24,6 +24,11 @@ void add_fix_option(CLI::App& command, std::map<std::string, double>& fixed);
 /// @throws InvalidInput  the file is bad. @throws CLI::ValidationError  --fix names no joint of it.
 Model read_robot(const std::string& robot, const std::map<std::string, double>& fixed);
 
+/// The options by which `excite --given` reads recordings as `how` does: columns, rate, topics, names,
+/// units, rows, and joints that --fix holds.
+std::vector<std::string> words_for_given(const PreprocessingOptions& how,
+                                         const std::map<std::string, double>& fixed);
+
 /// Says which joints were matched, and what reading the files brought up.
 void tell_facts(const std::vector<RecordingQuality>& recordings);
 

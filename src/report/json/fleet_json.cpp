@@ -6,6 +6,8 @@ namespace veridyn {
 std::string to_json(const Fleet& fleet) {
   Json out = json_head("fleet");
   out["robot"] = fleet.robot;
+  out["status"] = fleet.model ? "done" : "undetermined";
+  out["reason"] = fleet.reason;
   out["arms"] = fleet.members.size();
   out["rows"] = fleet.rows;
   out["outliers"] = Json::array();
@@ -55,6 +57,9 @@ std::string to_json(const Fleet& fleet) {
                                    {"median_excess", o.median_excess},
                                    {"deviations", o.deviations}});
   }
+  out["undetermined"] = Json::array();
+  for (const UndeterminedArm& u : fleet.undetermined)
+    out["undetermined"].push_back({{"arm", u.arm}, {"why", u.why}});
   out["left_out_recordings"] = Json::array();
   for (const UnusedRecording& r : fleet.left_out)
     out["left_out_recordings"].push_back({{"file", r.source}, {"why", r.why}});
