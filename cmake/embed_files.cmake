@@ -24,7 +24,7 @@ foreach(file IN LISTS FILES)
   math(EXPR number "${number} + 1")
 endforeach()
 file(WRITE "${OUT}" "// Made by cmake/embed_files.cmake.
-#include \"report/page_files.hpp\"
+#include \"report/pages/page_files.hpp\"
 
 namespace veridyn {
 namespace {

@@ -2,10 +2,10 @@
 #include <iostream>
 #include <string>
 
-#include "commands.hpp"
-#include "messages.hpp"
-#include "sound_arguments.hpp"
-#include "usage.hpp"
+#include "cli/commands.hpp"
+#include "cli/options/messages.hpp"
+#include "cli/options/sound_arguments.hpp"
+#include "cli/options/usage.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn::cli {

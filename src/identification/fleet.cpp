@@ -10,6 +10,7 @@
 
 #include "fleet_problem.hpp"
 #include "many_recordings.hpp"
+#include "shortfall.hpp"
 #include "math/clustered_statistics.hpp"
 #include "math/numbers.hpp"
 #include "math/parallel.hpp"
@@ -48,9 +49,10 @@ std::pair<double, double> centre_of(const std::vector<double>& all) {
   return {median, 1.4826 * median_of(finite)};
 }
 
-ArmFactor arm_factor(const FactorSet& set, const std::string& name) {
+ArmFactor arm_factor(const Model& arm, const FactorSet& set, const std::string& name) {
   ArmFactor out;
   out.name = name;
+  out.still = still_joints(arm, set.recordings);
   for (const CompressedRecording& r : set.recordings) {
     ++out.recordings;
     out.rows += r.rows;
@@ -331,19 +333,53 @@ void add_parameters(const Model& arm, const FleetSolver& solver, Fleet& fleet) {
       with_values(arm, fleet.parameters, VectorXd::Constant(fleet.parameters.size(), kNaN));
 }
 
+// Takes out the arms whose own recordings leave their bodies open: with bodies of its own such an
+// arm explains everything, so that it would always seem to have others.
+std::vector<UndeterminedArm> take_undetermined(const Model& arm, std::vector<ArmFactor>& arms) {
+  const FleetProblem problem(arm, arms);
+  std::vector<UndeterminedArm> out;
+  std::vector<ArmFactor> rest;
+  for (ArmFactor& one : arms) {
+    const std::string why = problem.shortfall_of(one);
+    if (why.empty()) {
+      rest.push_back(std::move(one));
+    } else {
+      out.push_back({one.name, why});
+    }
+  }
+  arms = std::move(rest);
+  return out;
+}
+
+// Why so few arms give no fleet.
+std::string too_few(size_t left, const std::vector<UndeterminedArm>& undetermined) {
+  std::string out = text("found ", left, left == 1 ? " arm" : " arms",
+                         undetermined.empty() ? "" : " whose recordings determine the bodies",
+                         ", expected ", kFewest, " at least");
+  if (!undetermined.empty())
+    out += "; " + undetermined.front().arm + ": " + undetermined.front().why;
+  return out;
+}
+
 Fleet solved_fleet(const Model& arm, std::vector<ArmFactor> arms,
                    std::vector<UnusedRecording> left_out, const FleetOptions& options) {
   arms.erase(std::remove_if(arms.begin(), arms.end(),
                             [](const ArmFactor& a) { return a.joints.empty(); }),
              arms.end());
-  require(static_cast<int>(arms.size()) >= kFewest, "fleet: found ", arms.size(),
-          " arms with usable recordings, expected ", kFewest, " at least",
-          left_out.empty() ? "." : "; the first that is not: " + left_out.front().why);
+  require(static_cast<int>(arms.size()) >= kFewest || left_out.empty(), "fleet: found ", arms.size(),
+          " arms with usable recordings, expected ", kFewest, " at least; the first that is not: ",
+          left_out.empty() ? "" : left_out.front().why);
   if (options.progress) options.progress("solving", 0.9);
-  FleetSolver solver(arm, arms, options);
-  solver.solve();
   Fleet fleet;
   fleet.robot = arm.name();
+  if (!arms.empty()) fleet.undetermined = take_undetermined(arm, arms);
+  if (static_cast<int>(arms.size()) < kFewest) {
+    fleet.reason = too_few(arms.size(), fleet.undetermined);
+    fleet.left_out = std::move(left_out);
+    return fleet;
+  }
+  FleetSolver solver(arm, arms, options);
+  solver.solve();
   fleet.joints = arm.joints();
   fleet.left_out = std::move(left_out);
   add_members(arms, solver, fleet);
@@ -415,7 +451,7 @@ Fleet identify_fleet(const Model& arm, const std::vector<FleetArm>& arms,
         unused[at].push_back({file, error.what()});
       }
     }
-    factors[at] = arm_factor(set, arms[at].name);
+    factors[at] = arm_factor(arm, set, arms[at].name);
     const std::lock_guard<std::mutex> lock(guard);
     ++done;
     if (options.progress)
@@ -432,11 +468,13 @@ Fleet identify_fleet(const Model& arm, const std::vector<std::string>& names,
   require(names.size() == factors.size(), "fleet: found ", names.size(), " names and ",
           factors.size(), " factor sets, expected one of each per arm.");
   std::vector<ArmFactor> arms;
+  std::vector<UnusedRecording> empty;
   for (size_t k = 0; k < names.size(); ++k) {
     require_factors_of(arm, factors[k], options.preprocessing);
-    arms.push_back(arm_factor(factors[k], names[k]));
+    arms.push_back(arm_factor(arm, factors[k], names[k]));
+    if (arms.back().joints.empty()) empty.push_back({names[k], names[k] + ": found no usable samples."});
   }
-  return solved_fleet(arm, std::move(arms), {}, options);
+  return solved_fleet(arm, std::move(arms), std::move(empty), options);
 }
 
 }  // namespace veridyn

@@ -1,8 +1,11 @@
 #include "fleet_problem.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <unordered_map>
 
 #include "many_recordings.hpp"
+#include "shortfall.hpp"
 
 namespace veridyn {
 namespace {
@@ -23,6 +26,15 @@ FleetProblem::FleetProblem(const Model& arm, const std::vector<ArmFactor>& arms)
     const StandardParameter& p = parameters_[static_cast<size_t>(j)];
     (p.effect >= 0 ? own_ : shared_).push_back(p.name);
   }
+}
+
+std::string FleetProblem::shortfall_of(const ArmFactor& arm) const {
+  std::vector<std::string> names;
+  for (const StandardParameter& p : parameters_) names.push_back(p.name);
+  SquareRootInformation total(names);
+  for (const SquareRootInformation& f : arm.joints)
+    total.merge(f, 1.0 / std::sqrt(std::max(1e-300, f.rhs_norm2())));
+  return shortfall(base_, base_parameters(total, preferred_columns(parameters_)), arm.still);
 }
 
 VectorXd FleetProblem::on_joint(const SquareRootInformation& factor, const VectorXd& beta,

@@ -14,6 +14,7 @@ struct ArmFactor {
   int recordings = 0;
   double rows = 0.0;
   std::vector<SquareRootInformation> joints;
+  std::vector<std::string> still;  ///< coordinates that never move
 };
 
 /// The block arrow of a fleet: columns that all arms share, and columns that each has for itself.
@@ -30,6 +31,9 @@ class FleetProblem {
   /// that `beta` and `eta` give, none where they are empty.
   SquareRootInformation of_arm(size_t arm, const VectorXd& weights, const VectorXd& beta,
                                const VectorXd& eta) const;
+
+  /// Why an arm's recordings do not determine its base parameters; empty where they do.
+  std::string shortfall_of(const ArmFactor& arm) const;
 
   /// What an arm's factor says of the shared columns once its own are eliminated.
   SquareRootInformation over_shared(const SquareRootInformation& of_arm) const;

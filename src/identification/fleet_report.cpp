@@ -26,6 +26,7 @@ std::string line_of(const FleetOutlier& o) {
 }  // namespace
 
 std::string Fleet::report() const {
+  if (!model) return fmt::format("{}: no fleet: {}.\n", robot, reason);
   std::string out = fmt::format("{}: {} arms, {:.0f} rows, {} base parameters in common\n", robot,
                                 members.size(), rows, base.size());
   out += "\nunexplained torque, median over the arms\n";
@@ -59,6 +60,14 @@ std::string Fleet::report() const {
     }
     if (other_bodies.size() > kShown)
       out += fmt::format("  and {} more\n", other_bodies.size() - kShown);
+  }
+  if (!undetermined.empty()) {
+    out += fmt::format("\n{} left out whose recordings leave the bodies open\n",
+                       undetermined.size() == 1 ? "1 arm" : fmt::format("{} arms", undetermined.size()));
+    for (size_t k = 0; k < std::min(kShown, undetermined.size()); ++k)
+      out += fmt::format("  {}: {}\n", undetermined[k].arm, undetermined[k].why);
+    if (undetermined.size() > kShown)
+      out += fmt::format("  and {} more\n", undetermined.size() - kShown);
   }
   if (!left_out.empty()) out += fmt::format("\n{} files left out\n", left_out.size());
   return out;

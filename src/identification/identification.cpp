@@ -2,14 +2,17 @@
 
 #include <chrono>
 #include <cmath>
+#include <set>
 #include <utility>
 
 #include "identified_base.hpp"
 #include "many_recordings.hpp"
+#include "shortfall.hpp"
 #include "math/numbers.hpp"
 #include "recordings/named_recordings.hpp"
 #include "validation.hpp"
 #include "identification/base_solution.hpp"
+#include "identification/velocity_choice.hpp"
 #include "math/dense.hpp"
 #include "math/output_file.hpp"
 #include "veridyn/math/require.hpp"
@@ -19,28 +22,14 @@
 namespace veridyn {
 namespace {
 
-constexpr double kStillRevolute = 2e-3;  // [rad] a joint that travels less than this does not move
 // [kg, kg m^2] of every pseudo-inertia: a body is not only possible but has a size, so that
 // simulations of it run.
 constexpr double kSmallestEigenvalue = 1e-8;
 constexpr double kGap =
     1e-6;  // of the feasible solve; far below what a sample more or less changes
-constexpr double kStillPrismatic = 2e-4;  // [m]
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
-void find_still_joints(const Model& arm, const std::vector<CompressedRecording>& recordings,
-                       Identification& id) {
-  for (int i = 0; i < arm.joints(); ++i) {
-    double travel = 0.0;
-    for (const CompressedRecording& r : recordings)
-      travel = std::max(travel, r.joints[static_cast<size_t>(i)].travel());
-    if (travel < (arm.coordinates()[i].prismatic ? kStillPrismatic : kStillRevolute)) {
-      id.still_joints.push_back(arm.coordinates()[i].name);
-    }
-  }
 }
 
 // Base parameters of the arm outside the row space of the data.
@@ -75,8 +64,6 @@ bool rank_deficient(const Model& arm, const BaseParameters& arm_base,
   id.undetermined =
       undetermined_parameters(arm_base, determined, identifiable_factor(arm, 3).column_norms());
   id.status = IdentificationStatus::kRankDeficient;
-  std::string still;
-  for (const std::string& name : id.still_joints) still += (still.empty() ? "" : ", ") + name;
   std::string open;
   int told = 0;
   for (const std::string& name : id.undetermined) {
@@ -86,12 +73,9 @@ bool rank_deficient(const Model& arm, const BaseParameters& arm_base,
   }
   const int rest = static_cast<int>(id.undetermined.size()) - told;
   if (rest > 0) open += text(told > 0 ? " and " : "", rest, told > 0 ? " more" : " sums of parameters");
-  id.reason = still.empty() ? text("the recordings determine ", data_base.size(), " of ",
-                                   arm_base.size(), " base parameters")
-                            : text(id.still_joints.size() > 1 ? "joints " : "joint ", still,
-                                   id.still_joints.size() > 1 ? " never move" : " never moves");
+  id.reason = shortfall(arm_base, data_base, id.still_joints);
   // Where the gap lies across nearly all of them, their names would tell nothing.
-  if (!still.empty() || static_cast<int>(id.undetermined.size()) <= arm_base.size() / 2) {
+  if (!id.still_joints.empty() || static_cast<int>(id.undetermined.size()) <= arm_base.size() / 2) {
     id.reason += "; undetermined: " + open;
   } else {
     id.reason += text("; the ", arm_base.size() - data_base.size(),
@@ -261,13 +245,12 @@ void solve(const Model& arm, const std::vector<CompressedRecording>& recordings,
   SquareRootInformation total = weighted_total(recordings, weights, names);
   if (rank_deficient(arm, base, total, id)) return;
   const VectorXd norms = total.column_norms();
-  if (options.method == Method::kOls || options.weights == JointWeights::kResidual)
+  if (options.method == Method::kOls) {
     weights = VectorXd::Ones(weights.size());
-  BaseSolution solution = solve_base(recordings, weights, base, names);
-  if (options.method != Method::kOls && options.weights == JointWeights::kResidual) {
-    weights = residual_weights(recordings, shortest_parameters(base, solution.beta, norms), names);
-    solution = solve_base(recordings, weights, base, names);
+  } else if (options.weights == JointWeights::kResidual) {
+    weights = residual_weights(recordings, weights, base, names);
   }
+  const BaseSolution solution = solve_base(recordings, weights, base, names);
   id.status = IdentificationStatus::kDone;
   id.condition_number = solution.condition_number;
   id.condition_number_scaled = solution.condition_number_scaled;
@@ -308,7 +291,7 @@ bool fit_factors(const Model& arm, const std::vector<CompressedRecording>& recor
       return false;
     }
   }
-  find_still_joints(arm, recordings, id);
+  id.still_joints = still_joints(arm, recordings);
   id.noise_floor = mean_noise_floor(recordings, arm.joints());
   const auto begin = std::chrono::steady_clock::now();
   solve(arm, recordings, options, id);
@@ -341,6 +324,7 @@ Identification identify_with_known_masses(const Model& arm, const std::vector<st
   if (open.empty()) {
     IdentificationOptions plain = options;
     plain.known_masses.clear();
+    plain.choose_velocities = false;  // asked of the whole, with the gains
     id = identify(with_drive_gains(arm, gains), gains.unloaded, test, plain);
   } else {
     id = described(arm, options);
@@ -386,10 +370,48 @@ Identification identify_compressed(const Model& arm, std::vector<CompressedRecor
   return id;
 }
 
+namespace {
+
+void derive(const std::set<int>& joints, IdentificationOptions& how) {
+  how.preprocessing.derive_velocity_of.assign(joints.begin(), joints.end());
+  if (how.test_preprocessing)
+    how.test_preprocessing->derive_velocity_of = how.preprocessing.derive_velocity_of;
+}
+
+// The same fit with those velocities from the position that the torques want so.
+Identification with_chosen_velocities(const Model& arm, Identification id,
+                                      const std::vector<std::string>& train,
+                                      const std::vector<std::string>& test,
+                                      IdentificationOptions how) {
+  const PreprocessingOptions& from = how.preprocessing;
+  const bool asked = how.choose_velocities && from.velocity == VelocitySource::kRecorded &&
+                     from.derive_velocity_of.empty();
+  if (!asked || !id.model) return id;
+  for (const RecordingError& r : id.train) how.preprocessing.known_periods.emplace(r.source, r.period);
+  VelocityChoice choice = choose_velocities(
+      id, doubtful_velocities(arm, train, from, how.threads), kVelocityGain,
+      [&](const std::set<int>& joints) {
+        derive(joints, how);
+        return identify_named(arm, train, test, how);
+      });
+  if (!choice.fit) return id;
+  for (const int j : choice.better) {
+    const std::string& name = arm.coordinates()[static_cast<size_t>(j)].name;
+    choice.fit->remarks.push_back(
+        text("dq", j + 1, " (", name, ") predicts the torque worse than the derivative of q", j + 1,
+             ", which is used instead"));
+  }
+  return std::move(*choice.fit);
+}
+
+}  // namespace
+
 Identification identify(const Model& arm, const Recordings& train, const Recordings& test,
                         const IdentificationOptions& options) {
-  const NamedRecordings<IdentificationOptions> named(train, test, options);
+  NamedRecordings<IdentificationOptions> named(train, test, options);
+  keep_recordings(named.how, KeptRecordings::kFewPasses);
   Identification id = identify_named(arm, named.train, named.test, named.how);
+  id = with_chosen_velocities(arm, std::move(id), named.train, named.test, named.how);
   forget_recordings(id);
   return id;
 }

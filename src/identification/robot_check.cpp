@@ -8,6 +8,7 @@
 
 #include "identification/base_solution.hpp"
 #include "math/parallel.hpp"
+#include "recordings/kept_recordings.hpp"
 #include "recordings/quality/quality_checks.hpp"
 #include "veridyn/effects/effect.hpp"
 #include "effects/plain_friction.hpp"
@@ -508,7 +509,7 @@ std::vector<QualityFinding> check_against(const Model& arm, const std::string& p
   RecordingOptions reading = reading_of(arm, options);
   reading.first_row = std::max(0L, options.first_row);
   reading.row_count = options.row_count < 0 ? kMostRows : std::min<long>(options.row_count, kMostRows);
-  Recording recording = read_recording(path, reading);
+  Recording recording = read_rows(path, reading, options.kept.get());
   recording.source = path;
   PreprocessingOptions rest = options;
   rest.first_row = 0;

@@ -1,6 +1,5 @@
 #include "recordings/recorded_motion.hpp"
 
-#include "veridyn/recordings/preprocessing.hpp"
 #include "veridyn/recordings/recording.hpp"
 #include "veridyn/math/require.hpp"
 
@@ -11,8 +10,12 @@ constexpr Eigen::Index kFewest = 20;  // rows of a stretch
 
 }  // namespace
 
-std::vector<MotionSamples> recorded_motion(const Model& arm, const std::string& path) {
-  Recording rows = read_recording(path, reading_of(arm, {}));
+std::vector<MotionSamples> recorded_motion(const Model& arm, const std::string& path,
+                                           const PreprocessingOptions& how) {
+  RecordingOptions reading = reading_of(arm, how);
+  reading.first_row = how.first_row;
+  reading.row_count = how.row_count;
+  Recording rows = read_recording(path, reading);
   require(rows.joints() == arm.joints(), path, ": found ", rows.joints(), " joints, but '",
           arm.name(), "' has ", arm.joints(), ".");
   const bool whole = rows.q.allFinite() && rows.dq.allFinite() && rows.ddq.allFinite();

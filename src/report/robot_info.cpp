@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-#include "text_table.hpp"
+#include "report/text_table.hpp"
 #include "veridyn/effects/effect.hpp"
 
 namespace veridyn {

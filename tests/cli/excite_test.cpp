@@ -159,7 +159,28 @@ TEST(Excite, NoisyRecordingsThatAreGivenCountAsTheMotionThatTheyShow) {
   };
   const double exact = median({"--given", path("m.csv")});
   EXPECT_NEAR(median({"--given", path("r.csv")}) / exact, 1.0, 0.15);
+  // However the file says it, and no more of it than asked.
+  std::string other = content_of(path("m.csv"));
+  other.replace(0, 1, "stamp");
+  folder.write("o.csv", other);
+  EXPECT_EQ(median({"--given", path("o.csv"), "--map", "t=stamp"}), exact);
+  EXPECT_GT(median({"--given", path("m.csv"), "--rows", "0:600"}), 1.02 * exact);
+  EXPECT_LT(median({"--given", path("m.csv"), "--units", "tau=Nm,q=rad"}), 1.02 * exact);
   EXPECT_GT(median({}), 1.1 * exact);
+}
+
+TEST(Excite, AJointThatIsHeldIsLeftOutAndReadingOptionsNeedARecording) {
+  const TemporaryFolder folder;
+  const Words held = Words{"excite", "planar-2r", "-o", folder.path("m.csv")} + kQuick;
+  const ToolRun run = run_tool(held + Words{"--fix", "elbow=0.3"});
+  ASSERT_EQ(run.status, 0) << run.err;
+  EXPECT_EQ(content_of(folder.path("m.csv")).rfind("t,q1,dq1,ddq1\n", 0), 0U);
+  for (const Words& option : std::vector<Words>{{"--units", "q=deg"}, {"--rows", "0:9"}, {"--topic", "x"}}) {
+    const ToolRun refused = run_tool(held + option);
+    EXPECT_EQ(refused.status, 2) << option[0];
+    EXPECT_NE(refused.err.find(option[0] + ": means nothing here, it needs --given"), std::string::npos)
+        << refused.err;
+  }
 }
 
 // What `diagnose` prints as the next experiment is a command that runs as it stands, and its
@@ -174,6 +195,9 @@ TEST(Excite, TheNextExperimentOfADiagnosisTellsItsRivalsApart) {
                         seed, "--quiet"})
                   .status,
               0);
+    std::string rows = content_of(recording);
+    EXPECT_EQ(rows.rfind("t,", 0), 0U);
+    folder.write("recording" + seed + ".csv", rows.replace(0, 1, "stamp"));
     return recording;
   };
   // Motions that go half as far as they could: where the load hardly changes.
@@ -188,7 +212,7 @@ TEST(Excite, TheNextExperimentOfADiagnosisTellsItsRivalsApart) {
   }
   const auto diagnosis = [&](const Words& train) {
     EXPECT_EQ(run_tool(Words{"diagnose", "psm-3dof", "--train"} + train +
-                       Words{"--test", recordings[1], "--json", path("why.json"), "--model-out",
+                       Words{"--test", recordings[1], "--map", "t=stamp", "--json", path("why.json"), "--model-out",
                              path("model.yaml"), "--quiet"})
                   .status,
               0);

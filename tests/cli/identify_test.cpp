@@ -164,6 +164,7 @@ TEST_F(Identify, SettingsSayHowToRepeatTheRun) {
   EXPECT_EQ(s["filter_order"], 3);
   EXPECT_EQ(s["filtering"], "signals");
   EXPECT_EQ(s["velocity"], "derived");
+  EXPECT_EQ(s["velocity_derived_of"], json::array());
   EXPECT_EQ(s["resample"], 90.0);
   EXPECT_EQ(s["drop_start"], 1.5);
   EXPECT_EQ(s["drop_end"], 0.25);

@@ -6,6 +6,8 @@
 #include "diagnosis/stages/channel_correction.hpp"
 #include "diagnosis/stages/newly_visible.hpp"
 #include "effects/plain_friction.hpp"
+#include "identification/velocity_choice.hpp"
+#include "recordings/files/byte_stream.hpp"
 #include "recordings/kept_recordings.hpp"
 
 // Stages of a diagnosis on a simulated arm of two joints whose truth is known.
@@ -195,8 +197,8 @@ TEST_F(Stages, ADelayThatIsNotThereIsNotCorrected) {
             asked.q.augmented.hypotheses.size() - 1);
 }
 
-// However many questions are asked of a recording, its text is read once.
-TEST_F(Stages, EveryRecordingIsParsedOnce) {
+// However many questions are asked of a recording, its file is opened once.
+TEST_F(Stages, EveryRecordingIsOpenedAndParsedOnce) {
   std::vector<std::string> train;
   for (unsigned k = 1; k <= 2; ++k) train.push_back(record(k, {"quadratic_drag:elbow"}));
   const std::string test = record(3, {"quadratic_drag:elbow"});
@@ -204,9 +206,18 @@ TEST_F(Stages, EveryRecordingIsParsedOnce) {
   options.effects = {"quadratic_drag", "presliding_hysteresis"};
   options.identification.threads = 2;
   const long before = files_parsed();
+  const long opened = files_opened();
   const Diagnosis d = diagnose(read_model("planar-2r"), train, {test}, options);
   EXPECT_TRUE(d.baseline.model.has_value());
   EXPECT_EQ(files_parsed() - before, 3);
+  EXPECT_EQ(files_opened() - opened, 3);
+}
+
+TEST_F(Stages, AnIdentificationOpensEveryRecordingOnce) {
+  const std::vector<std::string> files = {record(1, {}), record(2, {}), record(3, {})};
+  const long before = files_opened();
+  EXPECT_TRUE(identify(read_model("planar-2r"), {files[0], files[1]}, {files[2]}).model.has_value());
+  EXPECT_EQ(files_opened() - before, 3);
 }
 
 TEST_F(Stages, RecordingsBeyondTheBoundAreStreamed) {

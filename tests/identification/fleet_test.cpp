@@ -105,6 +105,49 @@ TEST(AFleet, SaysWhichArmIsLeftOutOfTheSharedBodies) {
         << found.base[k].expression;
 }
 
+// Joints that go one way only: friction and offset are one column, and with bodies of its own the
+// arm explains nearly everything, which says nothing of them.
+FactorSet one_way(const Model& arm) {
+  MotionShape shape;
+  shape.duration = 4.0;
+  shape.highest = 0.01;
+  shape.rate = 100.0;
+  FactorSet set = compress(arm, std::vector<std::string>());
+  set.recordings.push_back(compress(arm, synthetic_recording(arm, shape), {}));
+  return set;
+}
+
+TEST(AFleet, LeavesOutWhoseRecordingsLeaveTheBodiesOpen) {
+  Simulated all = fleet(12, -1, nothing);
+  const Fleet same = identify_fleet(scara(), all.names, all.factors);
+  EXPECT_TRUE(same.undetermined.empty());
+  all.names.insert(all.names.begin() + 2, "one-way");
+  all.factors.insert(all.factors.begin() + 2, one_way(scara()));
+  const Fleet found = identify_fleet(scara(), all.names, all.factors);
+  ASSERT_EQ(found.undetermined.size(), 1U) << found.report();
+  EXPECT_EQ(found.undetermined[0].arm, "one-way");
+  EXPECT_NE(found.undetermined[0].why.find("base parameters"), std::string::npos)
+      << found.undetermined[0].why;
+  EXPECT_TRUE(found.other_bodies.empty()) << found.report();
+  EXPECT_NE(found.report().find("1 arm left out whose recordings leave the bodies open\n  one-way: "),
+            std::string::npos)
+      << found.report();
+  EXPECT_EQ(found.members.size(), 12U);
+  EXPECT_TRUE(near(found.parameters, same.parameters, 1e-12));
+}
+
+TEST(AFleet, OfFewerThanThreeDeterminedArmsHasAReasonAndNoModel) {
+  Simulated all = fleet(2, -1, nothing);
+  const Fleet two = identify_fleet(scara(), all.names, all.factors);
+  EXPECT_FALSE(two.model);
+  EXPECT_EQ(two.reason, "found 2 arms, expected 3 at least");
+  all.names.push_back("one-way");
+  all.factors.push_back(one_way(scara()));
+  const Fleet found = identify_fleet(scara(), all.names, all.factors);
+  EXPECT_FALSE(found.model);
+  EXPECT_NE(found.reason.find("one-way: "), std::string::npos) << found.reason;
+}
+
 TEST(AFleet, NamesTheArmWithAnotherFriction) {
   const Simulated all = fleet(12, 7, [](const auto& parameters, VectorXd& factors, double&) {
     for (size_t p = 0; p < parameters.size(); ++p)

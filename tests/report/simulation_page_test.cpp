@@ -1,4 +1,4 @@
-#include "report/simulation_page.hpp"
+#include "report/pages/simulation_page.hpp"
 
 #include <gtest/gtest.h>
 

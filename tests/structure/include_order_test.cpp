@@ -98,7 +98,7 @@ TEST(IncludeOrder, AWrongIncludeIsNoticed) {
       fs::temp_directory_path() / ("veridyn_include_order_" + std::to_string(::getpid()) + ".hpp");
   std::ofstream(file) << "#include \"veridyn/effects/effect.hpp\"\n"
                          "#include \"veridyn/identification/recording.hpp\"\n"
-                         "#include \"report/json_value.hpp\"\n";
+                         "#include \"report/json/json_value.hpp\"\n";
   const std::string wrong = wrong_includes(file, "simulation");
   fs::remove(file);
   EXPECT_NE(wrong.find(":2: simulation includes veridyn/identification"), std::string::npos)

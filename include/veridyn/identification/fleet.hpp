@@ -60,6 +60,13 @@ struct FleetLeftOut {
   double deviations = 0.0;      ///< robust standard deviations from that median
 };
 
+/// An arm whose recordings do not determine its base parameters: whether its bodies are the fleet's
+/// cannot be told, so that it takes no part.
+struct UndeterminedArm {
+  std::string arm;
+  std::string why;
+};
+
 /// What one arm has for itself.
 struct FleetMember {
   std::string name;
@@ -80,8 +87,10 @@ struct Fleet {
   std::vector<FleetMember> members;
   std::vector<FleetOutlier> outliers;     ///< the farthest first
   std::vector<FleetLeftOut> other_bodies; ///< arms that the shared bodies were not fitted to
+  std::vector<UndeterminedArm> undetermined;  ///< arms that took no part
   std::vector<UnusedRecording> left_out;  ///< files that could not be used
-  std::optional<Model> model;             ///< the arm with `parameters`
+  std::optional<Model> model;             ///< the arm with `parameters`; none where there is a reason
+  std::string reason;                     ///< why the arms cannot answer, fewer than three being left
 
   std::string report() const;
 };
@@ -96,7 +105,9 @@ struct Fleet {
 /// arms, and no sample is looked at twice. Source: Bierman, 1977, ch. VII (considered and local
 /// parameters).
 ///
-/// @throws InvalidInput  fewer than three arms, no usable file, or factors of another arm.
+/// Fewer than three arms with data of their own give no model, but a reason.
+/// @throws InvalidInput  fewer than three arms are left because files cannot be used, or factors of
+///   another arm.
 Fleet identify_fleet(const Model& arm, const std::vector<FleetArm>& arms,
                      const FleetOptions& options = {});
 

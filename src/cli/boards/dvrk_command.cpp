@@ -1,0 +1,290 @@
+#include <algorithm>
+#include <csignal>
+#include <memory>
+#include <sstream>
+
+#include "cli/boards/dvrk_events.hpp"
+#include "cli/boards/dvrk_request.hpp"
+#include "cli/options/messages.hpp"
+#include "cli/options/option_checks.hpp"
+#include "cli/options/sound_arguments.hpp"
+#include "dvrk/arms/arm_facts.hpp"
+#include "veridyn/math/require.hpp"
+
+namespace veridyn::cli {
+namespace {
+
+std::atomic<bool> stop_flag{false};
+static_assert(std::atomic<bool>::is_always_lock_free, "set by a signal handler");
+
+extern "C" void ask_to_stop(int) {
+  stop_flag.store(true, std::memory_order_relaxed);
+}
+
+void add_config_options(CLI::App& command, DvrkRequest& request) {
+  command.add_option("--config", request.config, "sawRobotIO1394 file of the arm, XML or JSON")
+      ->option_text("FILE");
+  command.add_option("--robot", request.robot, "The robot in it, where there are several")
+      ->option_text("NAME");
+  command.add_option("--instrument", request.instrument, "The instrument that couples the discs")
+      ->option_text("NAME");
+}
+
+void add_arm_options(CLI::App& command, DvrkRequest& request) {
+  add_config_options(command, request);
+  command
+      .add_option(
+          "--arm", request.arm,
+          "A known arm, PSM1 to PSM3, MTML, MTMR, ECM: its nominal configuration, or beside "
+          "--config the arm whose coupling and gains hold for a robot of another name")
+      ->option_text("NAME");
+}
+
+void add_client_options(CLI::App& command, DvrkRequest& request) {
+  add_arm_options(command, request);
+  command.add_option("--host", request.host, "Address of the boards (127.0.0.1)")
+      ->option_text("HOST");
+  command.add_option("--port", request.port, "UDP port of the boards (1394)")->option_text("PORT");
+  command.add_option("--rate", request.rate, "Of the cycle (monitor 25, else 1500)")
+      ->option_text("HZ")
+      ->check(CLI::Range(1.0, 10000.0));
+  command
+      .add_option("--watchdog", request.watchdog,
+                  "Amplifiers go off after so long without a word from here; a reading command "
+                  "sets it with --home alone (0.03)")
+      ->option_text("S")
+      ->check(CLI::Range(0.001, 0.34));
+  command.add_option("--mtu", request.mtu, "Of the network to the boards (1500)")
+      ->option_text("BYTES")
+      ->check(CLI::Range(576, 65535));
+  command
+      .add_option("--protocol", request.protocol,
+                  "sequential: one board after the other; broadcast-write: one write for all; "
+                  "broadcast: one read and one write for all; to a reading command its query is "
+                  "a write, too, that only keeps watchdogs quiet (what the firmware allows)")
+      ->option_text("automatic|sequential|broadcast-write|broadcast")
+      ->check(CLI::IsMember({"automatic", "sequential", "broadcast-write", "broadcast"}));
+}
+
+void add_reading_options(CLI::App& command, DvrkRequest& request) {
+  command.add_flag("--home", request.home,
+                   "Writes to the boards first: encoders that nobody has loaded since power-up are "
+                   "loaded from the pots, watchdogs are set. Refused while any motor has power");
+  command.add_flag("--announce", request.announce,
+                   "Writes the first two packets of a session (IP address, PHY request), which "
+                   "boards need once after they were switched on");
+}
+
+void add_seconds(CLI::App& command, DvrkRequest& request, const char* help) {
+  command.add_option("--seconds", request.seconds, help)
+      ->option_text("S")
+      ->check(CLI::PositiveNumber);
+}
+
+using Action = ExitStatus (*)(const DvrkRequest&);
+
+CLI::App& add(CLI::App& dvrk, const char* name, const char* help, Action action, Outcome& outcome,
+              const std::shared_ptr<DvrkRequest>& request) {
+  CLI::App& command = *dvrk.add_subcommand(name, help);
+  add_common_options(command, request->common);
+  request->command = &command;
+  command.callback([=, &outcome] { outcome.status = action(*request); });
+  return command;
+}
+
+void add_emulate(CLI::App& dvrk, Outcome& outcome) {
+  const auto request = std::make_shared<DvrkRequest>();
+  CLI::App& command = add(dvrk, "emulate", "Boards with a simulated arm behind them, in real time",
+                          run_dvrk_emulate, outcome, request);
+  add_config_options(command, *request);
+  command
+      .add_option("--arm", request->arms,
+                  "A known arm, PSM1 to PSM3, MTML, MTMR, ECM: its nominal configuration. Several: "
+                  "all of them on one bus. Beside --config the arm whose coupling holds")
+      ->option_text("NAME...");
+  command
+      .add_option("--model", request->models,
+                  "What moves: a robot with values, one for all arms or one for each (nothing "
+                  "moves)")
+      ->option_text("MODEL...");
+  command.add_option("--port", request->port, "UDP port to listen on; 0: any (1394)")
+      ->option_text("PORT");
+  command.add_option("--firmware", request->firmware, "Of the boards (8)")
+      ->option_text("7|8|9")
+      ->check(CLI::Range(7, 9));
+  command
+      .add_option(
+          "--start", request->start,
+          "Where the joints stand (0 where that is well inside their limits, else the middle)")
+      ->option_text("Q,Q,...")
+      ->delimiter(',');
+  command
+      .add_option("--event", request->events,
+                  "What happens at a time, as the list below has it; may be given several times")
+      ->option_text("EVENT@S");
+  command.footer(board_event_help());
+  command.add_option("--pot-noise", request->pot_noise, "Standard deviation of the pots (3)")
+      ->option_text("BITS")
+      ->check(CLI::NonNegativeNumber);
+  command
+      .add_option("--current-noise", request->current_noise,
+                  "Standard deviation of measured currents (4)")
+      ->option_text("BITS")
+      ->check(CLI::NonNegativeNumber);
+  command
+      .add_option("--instrument-chip", request->chips,
+                  "Memory of the Dallas chip on a board, 256 bytes (no chip)")
+      ->option_text("BOARD=FILE");
+  add_output_option(command, "--config-out", request->config_out, "Writes the configuration in use (XML)");
+  add_seconds(command, *request, "Ends after so long (Ctrl-C)");
+}
+
+void add_clients(CLI::App& dvrk, Outcome& outcome) {
+  const auto monitor = std::make_shared<DvrkRequest>();
+  monitor->rate = 25.0;
+  CLI::App& live = add(dvrk, "monitor",
+                       "Joints, currents, temperatures and faults, live. Sends no write, so it may "
+                       "run beside the program that drives the arm",
+                       run_dvrk_monitor, outcome, monitor);
+  add_client_options(live, *monitor);
+  add_reading_options(live, *monitor);
+  add_seconds(live, *monitor, "Ends after so long (Ctrl-C)");
+
+  const auto read = std::make_shared<DvrkRequest>();
+  read->seconds = 30.0;
+  CLI::App& recording =
+      add(dvrk, "read",
+          "Records positions, velocities and efforts, and sends no write; power stays as it is",
+          run_dvrk_read, outcome, read);
+  add_client_options(recording, *read);
+  add_reading_options(recording, *read);
+  add_seconds(recording, *read, "How long (30)");
+  add_output_option(recording, "-o,--output", read->output, "The recording")
+      ->option_text("REC.csv")
+      ->required();
+}
+
+void add_run(CLI::App& dvrk, Outcome& outcome) {
+  const auto run = std::make_shared<DvrkRequest>();
+  run->seconds = 30.0;
+  CLI::App& motion = add(dvrk, "run", "Plays a motion with a controller and records it",
+                         run_dvrk_run, outcome, run);
+  add_client_options(motion, *run);
+  motion
+      .add_option("--controller", run->controller,
+                  "pid: one per joint; computed-torque: the joints follow, with the model as "
+                  "feed-forward; impedance: the tip follows like a spring; gravity: the arm is "
+                  "weightless, without a trajectory. All but pid need --model (pid)")
+      ->option_text("pid|computed-torque|impedance|gravity")
+      ->check(CLI::IsMember({"pid", "computed-torque", "impedance", "gravity"}));
+  motion.add_option("--trajectory", run->trajectory, "CSV with t and q; dq if there")
+      ->option_text("TRAJ.csv");
+  add_output_option(motion, "-o,--output", run->output, "The recording")
+      ->option_text("REC.csv")
+      ->required();
+  motion
+      .add_option("--model", run->model,
+                  "A robot with values: the controller's, or the one whose inertia the PID's gains "
+                  "shall fit (those of the laboratory for a known arm)")
+      ->option_text("MODEL");
+  motion.add_option("--gains", run->gains, "YAML file with lists p, i and d; needs --model")
+      ->option_text("FILE");
+  motion.add_option("--tip", run->tip, "Frame of the impedance (the one behind most joints)")
+      ->option_text("FRAME");
+  motion.add_option("--stiffness", run->stiffness, "Of the impedance (800 N/m)")
+      ->option_text("K")
+      ->check(CLI::PositiveNumber);
+  add_seconds(motion, *run, "How long the arm is weightless (30)");
+  motion.add_option("--approach-speed", run->approach_speed, "To the first set point (0.25 rad/s)")
+      ->option_text("V")
+      ->check(CLI::PositiveNumber);
+  motion
+      .add_option(
+          "--largest-error", run->largest_error,
+          "Of a joint from its set point, then power goes off: one number per joint, each in its "
+          "own unit, or one in rad for the joints that turn (0.35 rad; 0.02 m where a joint "
+          "slides); not for gravity")
+      ->option_text("Q[,Q...]")
+      ->delimiter(',')
+      ->check(CLI::PositiveNumber);
+}
+
+}  // namespace
+
+const std::atomic<bool>& stop_asked() {
+  return stop_flag;
+}
+
+void catch_signals() {
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+    struct sigaction action {};
+    action.sa_handler = ask_to_stop;
+    ::sigemptyset(&action.sa_mask);
+    ::sigaction(signal, &action, nullptr);
+  }
+}
+
+DvrkArm dvrk_arm(const DvrkRequest& request) {
+  if (request.config.empty() && request.arm.empty())
+    throw CLI::ValidationError("dvrk", "expected --config or --arm");
+  expect_needs(*request.command, {{"--robot", !request.config.empty(), "--config"}});
+  const std::vector<std::string> known = dvrk::arm_names();
+  if (!request.arm.empty()) expect_one_of("--arm", request.arm, known);
+  DvrkArm arm;
+  arm.config = request.config.empty() ? dvrk::nominal_config(dvrk::read_arm(request.arm))
+                                      : dvrk::read_io_config(request.config);
+  if (!request.robot.empty()) {
+    std::vector<std::string> robots;
+    for (const dvrk::RobotConfig& robot : arm.config.robots) robots.push_back(robot.name);
+    expect_one_of("--robot", request.robot, robots);
+  }
+  arm.robot = arm.config.robot(request.robot);
+  const auto is_known = [&](const std::string& name) {
+    return std::find(known.begin(), known.end(), name) != known.end();
+  };
+  expect_value(request.arm.empty() || request.arm == arm.robot.name || !is_known(arm.robot.name),
+               "--arm", "found ", request.arm, ", but the robot of ", request.config, " is ",
+               arm.robot.name);
+  const std::string name = request.arm.empty() ? arm.robot.name : request.arm;
+  expect_needs(*request.command, {{"--instrument", is_known(name), "--arm with a known arm"}});
+  if (is_known(name)) {
+    const dvrk::ArmFacts facts = dvrk::read_arm(name);
+    arm.coupling = value_of("--instrument", [&] { return facts.coupling(request.instrument); });
+    expect_value(arm.coupling.rows() == arm.robot.size(), "--arm", name, " has ",
+                 arm.coupling.rows(), " actuators, but ", arm.robot.name, " has ",
+                 arm.robot.size());
+  }
+  return arm;
+}
+
+dvrk::ArmSessionOptions session_options(const DvrkRequest& request, const DvrkArm& arm) {
+  dvrk::ArmSessionOptions options;
+  options.actuator_to_joint = arm.coupling;
+  options.rate = request.rate;
+  options.mtu = request.mtu;
+  options.watchdog = request.watchdog;
+  options.announce = request.announce;
+  options.protocol = request.protocol == "sequential"        ? dvrk::CycleProtocol::kSequential
+                     : request.protocol == "broadcast-write" ? dvrk::CycleProtocol::kBroadcastWrite
+                     : request.protocol == "broadcast"       ? dvrk::CycleProtocol::kBroadcast
+                                                             : dvrk::CycleProtocol::kAutomatic;
+  return options;
+}
+
+void say_faults(const dvrk::FaultLog& faults, const CommonOptions& common) {
+  if (common.quiet) return;
+  std::istringstream lines(faults.report());
+  for (std::string line; std::getline(lines, line);) say(line);
+}
+
+void add_dvrk_command(CLI::App& tool, Outcome& outcome) {
+  CLI::App& dvrk = *tool.add_subcommand(
+      "dvrk", "Speaks to the controller boards of a da Vinci Research Kit, or emulates them");
+  dvrk.require_subcommand(1);
+  add_emulate(dvrk, outcome);
+  add_clients(dvrk, outcome);
+  add_run(dvrk, outcome);
+  add_dvrk_config(dvrk);
+}
+
+}  // namespace veridyn::cli

@@ -1,0 +1,246 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <iostream>
+#include <iterator>
+#include <memory>
+#include <set>
+
+#include "cli/boards/dvrk_events.hpp"
+#include "cli/boards/dvrk_request.hpp"
+#include "math/output_file.hpp"
+#include "cli/options/messages.hpp"
+#include "cli/options/option_checks.hpp"
+#include "dvrk/emulator/board_server.hpp"
+#include "veridyn/control/real_time.hpp"
+#include "dvrk/run/run_json.hpp"
+#include "dvrk/emulator/simulated_arm.hpp"
+#include "veridyn/math/require.hpp"
+#include "veridyn/model/model_file.hpp"
+#include "veridyn/simulation/plant.hpp"
+
+namespace veridyn::cli {
+namespace {
+
+using dvrk::BoardEmulator;
+
+constexpr double kPotNoise = 3.0;      // [bits], standard deviation: 0.2 mV
+constexpr double kCurrentNoise = 4.0;  // [bits]: 0.8 mA
+constexpr double kStopsBeyond = 0.02;  // share of a joint's range: end stops behind its limits
+
+/// An arm that is emulated: its part of a configuration, and what moves behind it.
+struct EmulatedArm {
+  DvrkArm of;
+  std::unique_ptr<Plant> plant;
+  std::unique_ptr<dvrk::SimulatedArm> load;
+  bool failed = false;  ///< and it was said
+};
+
+/// All arms behind the motors of all boards.
+class Arms final : public dvrk::BoardLoad {
+ public:
+  explicit Arms(const std::vector<EmulatedArm>& arms) {
+    for (const EmulatedArm& arm : arms) {
+      if (arm.load) loads_.push_back(arm.load.get());
+    }
+  }
+  void advance(double seconds, const dvrk::MotorDrive* drives, dvrk::ChannelMotion* motions,
+               std::size_t channels) noexcept override {
+    none_.advance(seconds, drives, motions, channels);
+    for (dvrk::SimulatedArm* load : loads_) load->advance(seconds, drives, motions, channels);
+  }
+
+ private:
+  std::vector<dvrk::SimulatedArm*> loads_;
+  dvrk::StandingLoad none_;
+};
+
+// Zero where it is well inside the limits, else the middle of the range: an arm that stands at a
+// limit is not driven.
+VectorXd start_of(const DvrkRequest& request, const Model& model) {
+  const int n = model.joints();
+  if (!request.start.empty()) {
+    expect_value(static_cast<int>(request.start.size()) == n, "--start", "found ",
+                 request.start.size(), " numbers, expected ", n, ", one per joint of ",
+                 model.name());
+    for (int j = 0; j < n; ++j) {
+      const Coordinate& c = model.coordinates()[static_cast<size_t>(j)];
+      const double q = request.start[static_cast<size_t>(j)];
+      expect_value(!(q < c.limits.lower || q > c.limits.upper), "--start", "found ", q, " for ",
+                   c.name, ", expected ", c.limits.lower, " to ", c.limits.upper, ", its limits");
+    }
+    return Eigen::Map<const VectorXd>(request.start.data(), n);
+  }
+  VectorXd q = VectorXd::Zero(n);
+  for (int j = 0; j < n; ++j) {
+    const Limits& limits = model.coordinates()[static_cast<size_t>(j)].limits;
+    const double room = kStopsBeyond * (limits.upper - limits.lower);
+    if (limits.lower + room > 0.0 || limits.upper - room < 0.0)
+      q[j] = 0.5 * (limits.lower + limits.upper);
+  }
+  return q;
+}
+
+// Every robot of the file, or the named ones; or the known arms, each on its usual boards.
+std::vector<EmulatedArm> arms_of(const DvrkRequest& request) {
+  std::vector<DvrkRequest> each;
+  DvrkRequest one = request;
+  const bool all = !request.config.empty() && request.robot.empty() && request.arms.empty();
+  if (all) {
+    for (const dvrk::RobotConfig& robot : dvrk::read_io_config(request.config).robots) {
+      one.robot = robot.name;
+      each.push_back(one);
+    }
+  } else {
+    expect_value(request.config.empty() || request.arms.size() <= 1, "--arm",
+                 "expected one arm beside --config");
+    for (const std::string& arm : request.arms) {
+      one.arm = arm;
+      each.push_back(one);
+    }
+    if (each.empty()) each.push_back(one);
+  }
+  std::vector<EmulatedArm> arms;
+  for (const DvrkRequest& its : each) {
+    arms.emplace_back();
+    arms.back().of = dvrk_arm(its);
+    const dvrk::RobotConfig& robot = arms.back().of.robot;
+    require(robot.hardware == "QLA1", "robot '", robot.name, "': found hardware ", robot.hardware,
+            ", expected QLA1: other boards are not emulated.");
+  }
+  return arms;
+}
+
+std::vector<std::uint8_t> chip_of(const DvrkRequest& request, int board) {
+  for (const std::string& words : request.chips) {
+    const auto equals = words.find('=');
+    expect_value(equals != std::string::npos, "--instrument-chip", "found '", words,
+                 "', expected BOARD=FILE");
+    if (words.substr(0, equals) != std::to_string(board)) continue;
+    std::ifstream file(words.substr(equals + 1), std::ios::binary);
+    require(file.good(), words.substr(equals + 1), ": cannot be read.");
+    std::vector<std::uint8_t> bytes((std::istreambuf_iterator<char>(file)), {});
+    bytes.resize(256, 0xFF);
+    return bytes;
+  }
+  return {};
+}
+
+std::vector<dvrk::BoardSetup> boards_of(const DvrkRequest& request,
+                                        const std::vector<EmulatedArm>& arms) {
+  std::set<int> ids;
+  for (const EmulatedArm& arm : arms) {
+    for (const int id : dvrk::boards_of(arm.of.robot)) ids.insert(id);
+  }
+  std::vector<dvrk::BoardSetup> boards;
+  for (const int id : ids) {
+    dvrk::BoardSetup setup;
+    setup.id = id;
+    setup.firmware = request.firmware;
+    setup.pot_noise = request.pot_noise < 0.0 ? kPotNoise : request.pot_noise;
+    setup.current_noise = request.current_noise < 0.0 ? kCurrentNoise : request.current_noise;
+    setup.dallas = chip_of(request, id);
+    boards.push_back(setup);
+  }
+  return boards;
+}
+
+// One model for all arms, or one for each.
+void attach_models(const DvrkRequest& request, const std::vector<dvrk::BoardSetup>& boards,
+                   std::vector<EmulatedArm>& arms) {
+  if (request.models.empty()) return;
+  expect_value(request.models.size() == 1 || request.models.size() == arms.size(), "--model",
+               "found ", request.models.size(), ", expected one, or one for each of ", arms.size(),
+               " arms");
+  std::vector<int> ids;
+  for (const dvrk::BoardSetup& setup : boards) ids.push_back(setup.id);
+  for (size_t k = 0; k < arms.size(); ++k) {
+    EmulatedArm& arm = arms[k];
+    const Model model = read_model(request.models[request.models.size() == 1 ? 0 : k]);
+    arm.plant = std::make_unique<Plant>(model);
+    arm.load = std::make_unique<dvrk::SimulatedArm>(*arm.plant, arm.of.robot, arm.of.coupling, ids,
+                                                    start_of(request, model));
+    VectorXd lower(model.joints()), upper(model.joints());
+    for (int j = 0; j < model.joints(); ++j) {
+      const Limits& limits = model.coordinates()[static_cast<size_t>(j)].limits;
+      const double range = limits.upper - limits.lower;
+      const double beyond = std::isfinite(range) ? kStopsBeyond * range : 0.0;
+      lower[j] = limits.lower - beyond;
+      upper[j] = limits.upper + beyond;
+    }
+    arm.load->set_end_stops(lower, upper);
+  }
+}
+
+std::string names_of(const std::vector<EmulatedArm>& arms) {
+  std::string names;
+  for (const EmulatedArm& arm : arms) names += (names.empty() ? "" : ", ") + arm.of.robot.name;
+  return names;
+}
+
+dvrk::IoConfig config_of(const std::vector<EmulatedArm>& arms) {
+  dvrk::IoConfig all = arms.front().of.config;
+  all.robots.clear();
+  for (const EmulatedArm& arm : arms) all.robots.push_back(arm.of.robot);
+  return all;
+}
+
+// Says once what ended the simulation of an arm, which stands still from then on.
+void watch_arms(std::vector<EmulatedArm>& arms, double t) {
+  for (EmulatedArm& arm : arms) {
+    if (!arm.load || arm.load->status() == StepStatus::kOk || arm.failed) continue;
+    arm.failed = true;
+    say(fmt::format("the simulated arm {} {} at {:.3f} s; it stands still now.", arm.of.robot.name,
+                    describe(arm.load->status()), t));
+  }
+}
+
+}  // namespace
+
+ExitStatus run_dvrk_emulate(const DvrkRequest& request) {
+  require_writable(request.common.json);
+  require_writable(request.config_out);
+  expect_needs(*request.command, {{"--start", !request.models.empty(), "--model"}});
+  std::vector<EmulatedArm> arms = arms_of(request);
+  const std::vector<dvrk::BoardSetup> boards = boards_of(request, arms);
+  BoardEmulator emulator(boards);
+  const std::vector<BoardEvent> events = board_events(request.events, emulator);
+  attach_models(request, boards, arms);
+  Arms load(arms);
+  if (!request.config_out.empty()) write_file(request.config_out, dvrk::to_io_xml(config_of(arms)));
+  catch_signals();
+  dvrk::BoardServer server(emulator, request.port);
+  emulator.attach(&load);
+  std::cout << fmt::format("{}: {} boards on UDP port {}, firmware {}{}\n", names_of(arms),
+                           boards.size(), server.port(), request.firmware,
+                           request.models.empty() ? ", nothing moves (no --model)" : "")
+            << std::flush;
+  take_real_time_priority(40);
+  lock_memory();
+  size_t next = 0;
+  double latest_said = 0.02;
+  while (!stop_asked().load()) {
+    const double t = static_cast<double>(emulator.time()) / dvrk::kTicksPerSecond;
+    if (request.seconds > 0.0 && t > request.seconds) break;
+    for (; next < events.size() && events[next].time <= t; ++next) {
+      events[next].happen(emulator);
+      if (!request.common.quiet) say(fmt::format("{:.3f} s: {}", t, events[next].words));
+    }
+    server.serve(0.001);
+    watch_arms(arms, t);
+    if (server.latest() > 2.0 * latest_said && !request.common.quiet) {
+      latest_said = server.latest();
+      say(fmt::format("the simulated arm is {:.0f} ms late", 1e3 * latest_said));
+    }
+  }
+  const BoardEmulator::Counters& counters = emulator.counters();
+  std::cout << fmt::format("{} requests ({} writes), {} malformed, {} dropped\n", counters.requests,
+                           counters.writes, counters.malformed, counters.dropped);
+  if (!request.common.json.empty())
+    write_file(request.common.json, dvrk::to_json(counters, names_of(arms)));
+  return kDone;
+}
+
+}  // namespace veridyn::cli

@@ -1,0 +1,90 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "cli/commands.hpp"
+#include "cli/options/common_options.hpp"
+#include "dvrk/run/arm_run.hpp"
+#include "dvrk/run/arm_session.hpp"
+#include "dvrk/config/io_config.hpp"
+
+namespace veridyn::cli {
+
+/// What the commands under `veridyn dvrk` are asked for; each uses a part of it.
+struct DvrkRequest {
+  const CLI::App* command = nullptr;  ///< The command at which the options were given
+  std::string config;                 ///< XML or JSON
+  std::string robot;                  ///< name in it
+  std::string arm;                    ///< PSM1, ...: nominal configuration, gains
+  std::string instrument;             ///< whose coupling
+  std::string model;
+  std::string host = "127.0.0.1";
+  std::uint16_t port = 1394;
+  std::string protocol = "automatic";
+  std::size_t mtu = 1500;
+  double rate = 1500.0;     ///< [Hz]
+  double watchdog = 0.030;  ///< [s]
+  double seconds = 0.0;     ///< 0: until a signal
+  std::string output;
+  std::string trajectory;
+  std::string gains;
+  std::string controller = "pid";  ///< or computed-torque, impedance, gravity
+  std::string tip;                 ///< frame of the impedance
+  double stiffness = 800.0;        ///< [N/m] of it
+  double approach_speed = 0.25;
+  std::vector<double> largest_error;  ///< one per joint, or one for the joints that turn
+  bool home = false;                  ///< a reading command may load encoders
+  bool announce = false;              ///< and send a session's first packets
+  int firmware = 8;
+  std::vector<double> start;  ///< joint positions of the emulated arm
+  std::string config_out;
+  std::vector<std::string> events;
+  std::vector<std::string> arms, models;          ///< Arms of the emulator, which may have several
+  std::vector<std::string> chips;                 ///< BOARD=FILE
+  double pot_noise = -1.0, current_noise = -1.0;  ///< [bits]; negative: as usual
+  CommonOptions common;
+};
+
+/// Set by SIGINT and SIGTERM from the first call of catch_signals() on.
+const std::atomic<bool>& stop_asked();
+void catch_signals();
+
+/// The arm's configuration: a file, or the nominal one of a known arm.
+struct DvrkArm {
+  dvrk::IoConfig config;
+  dvrk::RobotConfig robot;
+  MatrixXd coupling;
+};
+DvrkArm dvrk_arm(const DvrkRequest& request);
+
+dvrk::ArmSessionOptions session_options(const DvrkRequest& request, const DvrkArm& arm);
+
+/// What the session noticed, on standard error.
+void say_faults(const dvrk::FaultLog& faults, const CommonOptions& common);
+
+/// Before a loop that has a cycle to keep: priority, memory that stays where it is. What the system
+/// refuses is said.
+void prepare_loop(const DvrkRequest& request);
+
+/// "power off is NOT CONFIRMED (an amplifier is still on): press the emergency stop".
+std::string not_confirmed(dvrk::OffState power);
+
+/// Where not all rows are in the file: how many are, and why.
+void say_kept(const DvrkRequest& request, const dvrk::RunResult& done);
+
+/// Timing, faults and the JSON file of a client's command.
+void finish_dvrk(const DvrkRequest& request, const char* command, const dvrk::RunResult& done,
+                 const dvrk::ArmSession& session);
+
+/// `veridyn dvrk config`.
+void add_dvrk_config(CLI::App& dvrk);
+
+ExitStatus run_dvrk_emulate(const DvrkRequest& request);
+ExitStatus run_dvrk_monitor(const DvrkRequest& request);
+ExitStatus run_dvrk_read(const DvrkRequest& request);
+ExitStatus run_dvrk_run(const DvrkRequest& request);
+
+}  // namespace veridyn::cli

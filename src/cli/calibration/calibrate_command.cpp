@@ -1,0 +1,50 @@
+#include <iostream>
+
+#include "cli/calibration/calibrate_options.hpp"
+#include "cli/commands.hpp"
+#include "cli/options/messages.hpp"
+#include "math/output_file.hpp"
+
+namespace veridyn::cli {
+
+void add_capture_options(CLI::App& command, CaptureOptions& options) {
+  command.add_option("--unit", options.unit, "Of positions (default: as the file states, else m)")
+      ->option_text("m|cm|mm")
+      ->check(CLI::IsMember({"m", "cm", "mm"}))
+      ->group("Recordings");
+  command.add_option("--rate", options.rate, "Of files without a time column [Hz]")
+      ->option_text("HZ")
+      ->check(CLI::PositiveNumber)
+      ->group("Recordings");
+}
+
+void add_body_option(CLI::App& command, CaptureOptions& options) {
+  command.add_option("--body", options.body, "The rigid body to take, where a file has several")
+      ->option_text("NAME")
+      ->group("Recordings");
+}
+
+ExitStatus finish_calibration(bool done, const std::string& reason, const std::string& report,
+                              const CommonOptions& common, const std::string& json,
+                              const std::string& page) {
+  if (!done) {
+    say(reason + ".");
+    return kDataCannotAnswer;
+  }
+  if (!common.json.empty()) write_file(common.json, json);
+  if (!common.report.empty()) write_file(common.report, page);
+  std::cout << report;
+  return kDone;
+}
+
+void add_calibrate_command(CLI::App& tool, Outcome& outcome) {
+  CLI::App& command = *tool.add_subcommand(
+      "calibrate", "Axes, remote centre, link constants and poses between bases, from poses");
+  command.require_subcommand(1);
+  add_calibrate_axis(command, outcome);
+  add_calibrate_rcm(command, outcome);
+  add_calibrate_links(command, outcome);
+  add_calibrate_handeye(command, outcome);
+}
+
+}  // namespace veridyn::cli

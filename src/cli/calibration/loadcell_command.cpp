@@ -1,0 +1,242 @@
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cmath>
+#include <iostream>
+#include <memory>
+#include <thread>
+
+#include "cli/options/column_file.hpp"
+#include "cli/commands.hpp"
+#include "cli/options/common_options.hpp"
+#include "math/output_file.hpp"
+#include "cli/options/messages.hpp"
+#include "cli/options/option_checks.hpp"
+#include "cli/options/sound_arguments.hpp"
+#include "veridyn/control/load_cell.hpp"
+#include "veridyn/math/require.hpp"
+#include "report/json/loadcell_json.hpp"
+
+namespace veridyn::cli {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr double kPollPeriod = 0.001;  // [s]
+
+struct LoadcellRequest {
+  std::string readings, source, output, calibration;
+  std::vector<double> weights;
+  double gravity = 9.81;
+  double seconds = 2.0;
+  double cutoff = 0.0, range = 200.0, silence = 15.0, stuck = 15.0;
+  CommonOptions common;
+};
+
+double now() {
+  return std::chrono::duration<double>(Clock::now().time_since_epoch()).count();
+}
+
+struct Readings {
+  std::vector<double> force, raw;
+};
+
+Readings from_file(const LoadcellRequest& request) {
+  const ColumnFile file =
+      read_columns(request.readings, "readings as CSV: mass,raw [kg, counts] or force,raw [N, counts]");
+  const bool mass = file.find("mass") >= 0;
+  const int under = mass ? file.at("mass") : file.at("force");
+  const int raw = file.at("raw");
+  Readings out;
+  for (Eigen::Index k = 0; k < file.values.rows(); ++k) {
+    out.force.push_back(file.values(k, under) * (mass ? request.gravity : 1.0));
+    out.raw.push_back(file.values(k, raw));
+  }
+  return out;
+}
+
+// One weight after the other, each announced and waited for.
+Readings from_source(const LoadcellRequest& request) {
+  const std::unique_ptr<ForceSource> source = open_force_source(request.source);
+  Readings out;
+  for (const double mass : request.weights) {
+    say(fmt::format("hang {:.6g} kg on the cell and press return", mass));
+    std::string line;
+    require(static_cast<bool>(std::getline(std::cin, line)),
+            "standard input: ended before all weights were read.");
+    source->poll();  // what came meanwhile belongs to no weight
+    const double end = now() + request.seconds;
+    int taken = 0;
+    while (now() < end) {
+      if (source->poll() > 0) {
+        out.force.push_back(mass * request.gravity);
+        out.raw.push_back(source->raw());
+        ++taken;
+      }
+      std::this_thread::sleep_for(std::chrono::duration<double>(kPollPeriod));
+    }
+    require(taken > 0, request.source, ": found no readings under ", mass,
+            " kg, expected at least one in ", request.seconds, " s.");
+  }
+  return out;
+}
+
+// Two readings make a line, and nothing is left to tell how well it lies.
+std::string calibration_report(const LoadCellCalibration& found, std::size_t readings) {
+  if (!std::isfinite(found.offset_interval) || !std::isfinite(found.scale_interval)) {
+    return fmt::format("{} weights, {} readings: offset {:.1f} counts, scale {:.6g} N per count; no "
+                       "interval from {} readings.\n",
+                       found.weights, readings, found.offset, found.scale, readings);
+  }
+  std::string out = fmt::format(
+      "{} weights, {} readings: offset {:.1f} +- {:.2g} counts, scale {:.6g} +- {:.2g} N per count "
+      "(95 %).\n",
+      found.weights, readings, found.offset, found.offset_interval, found.scale,
+      found.scale_interval);
+  out += std::isfinite(found.noise) ? fmt::format("Noise of a reading {:.2g} N; ", found.noise)
+                                    : std::string("No noise from one reading per weight; ");
+  if (found.weights > 2)
+    return out + fmt::format("weights lie within {:.2g} N of the line.\n", found.nonlinearity);
+  return out + "two weights do not tell how straight the line is.\n";
+}
+
+ExitStatus calibrate(const LoadcellRequest& request) {
+  for (const std::string& path : {request.common.json, request.output}) require_writable(path);
+  const bool live = !request.source.empty();
+  if (live == !request.readings.empty())
+    throw CLI::ValidationError("calibrate", "expected a file of readings, or --source and --weights.");
+  expect_value(!live || request.weights.size() >= 2, "--weights", "found ", request.weights.size(),
+               ", expected two or more with --source.");
+  const Readings readings = live ? from_source(request) : from_file(request);
+  const LoadCellCalibration found = [&] {
+    try {
+      return calibrate_load_cell(readings.force, readings.raw);
+    } catch (const InvalidInput& error) {
+      throw InvalidInput((live ? request.source : request.readings) + ": " + error.what());
+    }
+  }();
+  if (!request.output.empty()) write_file(request.output, load_cell_text(found));
+  if (!request.common.json.empty()) write_file(request.common.json, to_json(found));
+  std::cout << calibration_report(found, readings.raw.size());
+  return kDone;
+}
+
+ExitStatus read(const LoadcellRequest& request) {
+  for (const std::string& path : {request.common.json, request.output}) require_writable(path);
+  ForceChannelOptions options;
+  if (!request.calibration.empty()) options.calibration = read_load_cell(request.calibration);
+  options.cutoff = request.cutoff;
+  options.range = request.calibration.empty() ? std::numeric_limits<double>::max() : request.range;
+  options.largest_silence = 1e-3 * request.silence;
+  options.stuck_after = 1e-3 * request.stuck;
+  ForceChannel channel(open_force_source(request.source), options);
+  std::string rows = "t,raw,force\n";
+  const double begun = now();
+  double worst = 0.0, lowest = 0.0, highest = 0.0, sum = 0.0;
+  long readings = 0, last = -1;
+  ForceState bad = ForceState::kGood;
+  while (now() - begun < request.seconds) {
+    const double t = now();
+    const ForceReading reading = channel.update(t);
+    if (reading.number > last) {
+      lowest = readings == 0 ? reading.force : std::min(lowest, reading.force);
+      highest = readings == 0 ? reading.force : std::max(highest, reading.force);
+      sum += reading.force;
+      ++readings;
+      last = reading.number;
+      rows += fmt::format("{:.6f},{:.9g},{:.9g}\n", t - begun, channel.source().raw(), reading.force);
+    }
+    if (last >= 0) worst = std::max(worst, reading.age);
+    if (last >= 0 && channel.state() != ForceState::kGood) bad = channel.state();
+    std::this_thread::sleep_for(std::chrono::duration<double>(kPollPeriod));
+  }
+  if (!request.output.empty()) write_file(request.output, rows);
+  std::cout << fmt::format("{} readings in {:.3g} s ({:.4g} Hz), {} refused; from {:.4g} to {:.4g}, "
+                           "mean {:.5g}; oldest {:.3g} ms.\n",
+                           readings, request.seconds, static_cast<double>(readings) / request.seconds,
+                           channel.source().refused(), lowest, highest,
+                           readings > 0 ? sum / static_cast<double>(readings) : 0.0, 1e3 * worst);
+  if (readings == 0) bad = ForceState::kWaiting;
+  if (!request.common.json.empty()) {
+    const double count = static_cast<double>(readings);
+    const auto known = [readings](double value) {
+      return readings > 0 ? nlohmann::ordered_json(value) : nlohmann::ordered_json();
+    };
+    const nlohmann::ordered_json page = {{"source", request.source},
+                                         {"calibrated", !request.calibration.empty()},
+                                         {"seconds", request.seconds},
+                                         {"readings", readings},
+                                         {"rate", count / request.seconds},
+                                         {"refused", channel.source().refused()},
+                                         {"lowest", known(lowest)},
+                                         {"highest", known(highest)},
+                                         {"mean", known(sum / std::max(1.0, count))},
+                                         {"oldest", known(worst)},
+                                         {"state", describe(bad)}};
+    write_file(request.common.json, page.dump(2) + "\n");
+  }
+  if (bad == ForceState::kGood) return kDone;
+  say(fmt::format("{}: the sensor {}", request.source, describe(bad)));
+  return kDataCannotAnswer;
+}
+
+void add_calibrate(CLI::App& parent, Outcome& outcome) {
+  const auto request = std::make_shared<LoadcellRequest>();
+  CLI::App& command = *parent.add_subcommand("calibrate", "Offset and scale from known weights");
+  command.add_option("READINGS", request->readings, "CSV: mass,raw or force,raw; rows per weight")
+      ->option_text(" ");
+  command.add_option("--source", request->source, "Read the cell itself, weight after weight")
+      ->option_text("serial:DEVICE[:BAUD][:text|binary]|udp:PORT[:text|binary]");
+  command.add_option("--weights", request->weights, "Masses that are hung on it [kg]")
+      ->option_text("M1,M2,...")
+      ->delimiter(',');
+  command.add_option("--seconds", request->seconds, "Of readings under each weight (2)")
+      ->option_text("S")
+      ->check(CLI::Range(0.01, 3600.0));
+  command.add_option("--gravity", request->gravity, "[m/s^2] (9.81)")
+      ->option_text("G")
+      ->check(CLI::Range(0.1, 100.0));
+  add_output_option(command, "-o,--output", request->output, "Write the calibration as YAML");
+  add_common_options(command, request->common);
+  command.callback([request, &outcome] { outcome.status = calibrate(*request); });
+}
+
+void add_read(CLI::App& parent, Outcome& outcome) {
+  const auto request = std::make_shared<LoadcellRequest>();
+  CLI::App& command = *parent.add_subcommand("read", "Readings, and whether the sensor lives");
+  command.add_option("SOURCE", request->source,
+                     "serial:DEVICE[:BAUD][:text|binary] or udp:PORT[:text|binary]")
+      ->required()
+      ->option_text(" ");
+  command.add_option("--calibration", request->calibration, "YAML that calibrate wrote; none: counts")
+      ->option_text("FILE");
+  command.add_option("--seconds", request->seconds, "How long (2)")
+      ->option_text("S")
+      ->check(CLI::Range(0.01, 1e6));
+  command.add_option("--cutoff", request->cutoff, "Low-pass of the readings [Hz]; 0: none")
+      ->option_text("HZ")
+      ->check(CLI::NonNegativeNumber);
+  command.add_option("--range", request->range, "Of the cell [N] (200)")
+      ->option_text("N")
+      ->check(CLI::PositiveNumber);
+  command.add_option("--silence", request->silence, "After which it is dead [ms] (15)")
+      ->option_text("MS")
+      ->check(CLI::PositiveNumber);
+  command.add_option("--stuck", request->stuck, "Of equal readings, after which it is stuck [ms] (15); 0: never")
+      ->option_text("MS")
+      ->check(CLI::NonNegativeNumber);
+  add_output_option(command, "-o,--output", request->output, "Write t, raw, force as CSV");
+  add_common_options(command, request->common);
+  command.callback([request, &outcome] { outcome.status = read(*request); });
+}
+
+}  // namespace
+
+void add_loadcell_command(CLI::App& tool, Outcome& outcome) {
+  CLI::App& command = *tool.add_subcommand("loadcell", "Force sensors: calibration and readings");
+  command.require_subcommand(1);
+  add_calibrate(command, outcome);
+  add_read(command, outcome);
+}
+
+}  // namespace veridyn::cli

@@ -1,0 +1,134 @@
+#include <iostream>
+#include <memory>
+
+#include "cli/commands.hpp"
+#include "cli/options/common_options.hpp"
+#include "cli/cooperation/cooperate_boards.hpp"
+#include "cli/options/messages.hpp"
+#include "cli/options/option_checks.hpp"
+#include "cooperation/scenario_models.hpp"
+#include "cli/options/sound_arguments.hpp"
+#include "veridyn/cooperation/live.hpp"
+#include "veridyn/cooperation/scenario_run.hpp"
+#include "veridyn/cooperation/scenario_sweep.hpp"
+#include "veridyn/cooperation/teleoperation_scenario.hpp"
+#include "veridyn/math/require.hpp"
+#include "math/output_file.hpp"
+#include "model/suggestion.hpp"
+#include "report/json/cooperation_json.hpp"
+#include "veridyn/simulation/engine.hpp"
+
+namespace veridyn::cli {
+namespace {
+
+struct CooperateRequest {
+  const CLI::App* command = nullptr;  // the command whose options were given
+  std::string scenario, output;
+  std::string engine = "veridyn";
+  bool sweep = false;
+  LiveRequest live;
+  BoardsRequest boards;
+  CommonOptions common;
+};
+
+void tell_made_up(const CooperateRequest& request, const Scenario& scenario) {
+  if (request.common.quiet) return;
+  for (const std::string& line : made_up_values(scenario)) say(line);
+}
+
+template <typename Result>
+void write(const CooperateRequest& request, const Result& done, const Scenario& scenario,
+           const std::string& command) {
+  tell_made_up(request, scenario);  // once it has run: a refusal has one line
+  if (!request.common.json.empty()) write_file(request.common.json, to_json(done, scenario));
+  if (!request.common.report.empty())
+    write_file(request.common.report, to_page(done, scenario, command));
+  std::cout << done.report();
+}
+
+// Commands from a line, in real time; what is goes to standard output as it happens.
+ExitStatus run_by_line(const CooperateRequest& request) {
+  const Scenario scenario = read_scenario(request.scenario);
+  tell_made_up(request, scenario);
+  const std::unique_ptr<LineSource> lines = open_line(request.live);
+  LiveOptions options = live_options(request.live);
+  options.engine = request.engine;
+  const LiveRun done = run_live(scenario, *lines, options, live_report());
+  std::cout << done.report();
+  const bool sound = done.status == StepStatus::kOk && done.state == CooperativeState::kTracking;
+  return sound && !done.lost ? kDone : kDataCannotAnswer;
+}
+
+ExitStatus run(const CooperateRequest& request, const std::string& command) {
+  const bool live = !request.live.line.empty();
+  const bool on_boards = !request.boards.configs.empty();
+  expect_needs(*request.command,
+               {{"--output", !request.sweep && !live, "a run: --sweep or --live beside it has no rows"},
+                {"--sweep", !live && !on_boards, "no --live or --boards beside it"},
+                {"--emulate", on_boards, "--boards"},
+                {"--stepped", request.boards.emulate, "--emulate"},
+                {"--board-hosts", on_boards, "--boards"},
+                {"--board-fault", on_boards && request.boards.emulate, "--boards and --emulate"},
+                {"--force-sensor", on_boards, "--boards"},
+                {"--force-calibration", !request.boards.sensors.empty(), "--force-sensor"},
+                {"--json", !live, "no --live beside it"},
+                {"--report", !live, "no --live beside it"},
+                {"--pace", live && (!on_boards || request.boards.stepped), "--live, and --stepped on boards"},
+                {"--silence", live, "--live"}});
+  if (live && !on_boards) return run_by_line(request);
+  for (const std::string& path : {request.output, request.common.json, request.common.report})
+    require_writable(path);
+  const Scenario scenario = read_scenario(request.scenario);
+  if (on_boards) tell_made_up(request, scenario);
+  if (on_boards)
+    return run_boards(request.boards, request.live, scenario, request.scenario, request.common, request.output,
+                      command);
+  require(!is_teleoperation(request.scenario), request.scenario,
+          ": found a teleoperation, which runs on boards alone: expected --boards, with --emulate "
+          "for emulated ones.");
+  const Progress bar = progress(request.common);
+  const auto told = [&](double share) {
+    if (bar) bar("cooperating", share);
+  };
+  if (request.sweep) {
+    write(request, sweep_scenario(scenario, request.engine, request.common.threads, told), scenario,
+          command);
+    return kDone;
+  }
+  const ScenarioRun done = run_scenario(scenario, request.engine, told);
+  if (!request.output.empty()) write_scenario_rows(done, request.output);
+  write(request, done, scenario, command);
+  return done.met() ? kDone : kDataCannotAnswer;
+}
+
+}  // namespace
+
+void add_cooperate_command(CLI::App& tool, Outcome& outcome) {
+  const auto request = std::make_shared<CooperateRequest>();
+  CLI::App& command =
+      *tool.add_subcommand("cooperate", "Arms that hold one object together: simulated, or on boards");
+  request->command = &command;
+  command.add_option("SCENARIO", request->scenario, "YAML: arms, object, loops, phases")
+      ->required()
+      ->option_text(" ");
+  add_output_option(command, "-o,--output", request->output, "Write what happened as CSV");
+  command.add_option("--engine", request->engine, "What computes the motion (veridyn)")
+      ->option_text(listed(engine_names()))
+      ->check(CLI::IsMember(engine_names()));
+  command.add_flag("--sweep", request->sweep,
+                   "Run the scenario's sweep instead: a map of stability");
+  add_boards_options(command, request->boards);
+  command.add_option("--live", request->live.line, "Take commands from a line instead of the phases")
+      ->option_text("-|udp:[ADDRESS:]PORT");
+  command.add_option("--pace", request->live.pace, "Simulated seconds per second (1); 0: at once")
+      ->option_text("X")
+      ->check(CLI::NonNegativeNumber);
+  command.add_option("--silence", request->live.silence, "After which a socket's line is lost [s] (0.5)")
+      ->option_text("S")
+      ->check(CLI::PositiveNumber);
+  add_common_options(command, request->common);
+  add_report_option(command, request->common);
+  command.callback([request, &outcome] { outcome.status = run(*request, outcome.command_line); });
+}
+
+}  // namespace veridyn::cli

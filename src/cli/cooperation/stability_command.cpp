@@ -1,0 +1,148 @@
+#include <iostream>
+#include <memory>
+#include <optional>
+
+#include "cli/commands.hpp"
+#include "cli/options/common_options.hpp"
+#include "cli/options/messages.hpp"
+#include "cli/options/option_checks.hpp"
+#include "cooperation/scenario_models.hpp"
+#include "veridyn/cooperation/stability.hpp"
+#include "math/output_file.hpp"
+#include "report/json/stability_json.hpp"
+
+namespace veridyn::cli {
+namespace {
+
+struct StabilityRequest {
+  std::string scenario, map, locus, frame;
+  std::vector<std::string> set;
+  std::vector<double> pose;
+  double recommend = 0.0;
+  int bounds = 0;
+  CommonOptions common;
+};
+
+// "stiffness=1e4".
+Scenario changed(Scenario scenario, const std::string& word) {
+  const auto equals = word.find('=');
+  expect_value(equals != std::string::npos && equals > 0, "--set", "found '", word,
+               "', expected NAME=VALUE.");
+  std::size_t end = 0;
+  double value = 0.0;
+  try {
+    value = std::stod(word.substr(equals + 1), &end);
+  } catch (const std::exception&) {
+    end = 0;
+  }
+  expect_value(end > 0 && equals + 1 + end == word.size(), "--set", "found '", word,
+               "', expected NAME=VALUE with a number.");
+  return value_of("--set", [&] { return with_parameter(scenario, word.substr(0, equals), value); });
+}
+
+struct Ranges {
+  std::optional<ParameterRange> a, b, locus;
+};
+
+Ranges ranges(const StabilityRequest& request) {
+  Ranges out;
+  if (!request.map.empty()) {
+    const auto comma = request.map.find(',');
+    expect_value(comma != std::string::npos, "--map", "found '", request.map,
+                 "', expected two ranges, A=FROM:TO:COUNT,B=FROM:TO:COUNT.");
+    out.a = value_of("--map", [&] { return parse_range(request.map.substr(0, comma)); });
+    out.b = value_of("--map", [&] { return parse_range(request.map.substr(comma + 1)); });
+    expect_value(out.a->name != out.b->name, "--map", "found ", out.a->name,
+                 " twice, expected two different parameters.");
+  }
+  if (!request.locus.empty())
+    out.locus = value_of("--locus", [&] { return parse_range(request.locus); });
+  return out;
+}
+
+ExitStatus run(const StabilityRequest& request, const std::string& command) {
+  for (const std::string& path : {request.common.json, request.common.report})
+    require_writable(path);
+  const Ranges asked = ranges(request);
+  StabilityModelOptions of_model;
+  of_model.frame = request.frame;
+  of_model.pose = request.pose;
+  Scenario scenario = read_scenario_or_model(request.scenario, of_model);
+  for (const std::string& word : request.set) scenario = changed(std::move(scenario), word);
+  for (const std::string& line : made_up_values(scenario)) {
+    if (!request.common.quiet) say(line);
+  }
+  const Progress bar = progress(request.common);
+  const auto told = [&](const char* what) {
+    if (bar) bar(what, 0.0);
+  };
+  StabilityStudy study;
+  study.scenario = scenario;
+  told("eigenvalues and margins");
+  study.analysis = analyse_stability(scenario);
+  if (asked.a) {
+    told("map");
+    study.map = map_stability(scenario, *asked.a, *asked.b, request.common.threads);
+  }
+  if (asked.locus) {
+    told("root locus");
+    study.locus = root_locus(scenario, *asked.locus);
+  }
+  if (request.recommend > 0.0) {
+    told("recommended gains");
+    study.recommendation = recommend_gains(scenario, request.recommend);
+  }
+  if (request.bounds > 0) {
+    told("bounds over the parameters' intervals");
+    study.bounds = bound_stability(scenario, request.bounds, request.common.threads);
+  }
+  if (!request.common.report.empty()) {
+    told("step responses");
+    study.steps = step_responses(scenario);
+  }
+  if (!request.common.json.empty()) write_file(request.common.json, to_json(study));
+  if (!request.common.report.empty()) write_file(request.common.report, to_page(study, command));
+  std::cout << study.report();
+  return kDone;
+}
+
+}  // namespace
+
+void add_stability_command(CLI::App& tool, Outcome& outcome) {
+  const auto request = std::make_shared<StabilityRequest>();
+  CLI::App& command = *tool.add_subcommand(
+      "stability", "Whether a cooperation loop is stable: eigenvalues, margins, maps");
+  command
+      .add_option("SCENARIO", request->scenario,
+                  "YAML of a scenario; or a MODEL: its impedance against a wall")
+      ->required()
+      ->option_text(" ");
+  command.add_option("--set", request->set, "Change a parameter first: NAME=VALUE")
+      ->option_text("NAME=VALUE")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  command.add_option("--map", request->map, "Stability over two parameters")
+      ->option_text("A=FROM:TO:COUNT,B=FROM:TO:COUNT");
+  command.add_option("--locus", request->locus, "Eigenvalues over one parameter")
+      ->option_text("A=FROM:TO:COUNT");
+  command
+      .add_option("--recommend", request->recommend,
+                  "Recommend gains with at least this phase margin")
+      ->option_text("DEGREES")
+      ->check(CLI::Range(1.0, 120.0));
+  command
+      .add_option("--bounds", request->bounds,
+                  "Bounds over all parameters in their intervals, from so many samples")
+      ->option_text("COUNT")
+      ->check(CLI::Range(1, 10000));
+  command.add_option("--frame", request->frame, "Of a MODEL: the frame that touches the wall")
+      ->option_text("NAME");
+  command.add_option("--pose", request->pose, "Of a MODEL: joints at rest (middle of the ranges)")
+      ->option_text("Q1,Q2,...")
+      ->delimiter(',');
+  add_common_options(command, request->common);
+  add_report_option(command, request->common);
+  command.callback([request, &outcome] { outcome.status = run(*request, outcome.command_line); });
+}
+
+}  // namespace veridyn::cli

@@ -1,0 +1,103 @@
+#include <sys/stat.h>
+
+#include <algorithm>
+#include <iostream>
+#include <memory>
+
+#include "cli/commands.hpp"
+#include "cli/options/common_options.hpp"
+#include "math/output_file.hpp"
+#include "math/parallel.hpp"
+#include "cli/options/option_checks.hpp"
+#include "cli/options/recording_options.hpp"
+#include "veridyn/identification/robot_check.hpp"
+#include "veridyn/model/model_file.hpp"
+#include "recordings/kept_recordings.hpp"
+#include "veridyn/report/json.hpp"
+
+namespace veridyn::cli {
+namespace {
+
+struct CheckRequest {
+  std::vector<std::string> files;  // a robot may stand in front of the recordings
+  PreprocessingOptions reading;
+  CommonOptions common;
+};
+
+bool ends_with(const std::string& text, const std::string& end) {
+  return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
+}
+
+// A robot file, or a bare name that is no file.
+bool is_robot(const std::string& name) {
+  struct stat about {};
+  const bool there = ::stat(name.c_str(), &about) == 0;
+  const bool file = ends_with(name, ".yaml") || ends_with(name, ".yml") ||
+                    ends_with(name, ".urdf") || ends_with(name, ".xml");
+  return there ? file && !S_ISDIR(about.st_mode) : file || name.find('.') == std::string::npos;
+}
+
+bool is_known_robot(const std::string& name) {
+  struct stat about {};
+  const std::vector<std::string> known = robot_names();
+  return ::stat(name.c_str(), &about) != 0 &&
+         std::find(known.begin(), known.end(), name) != known.end();
+}
+
+void run(CheckRequest& request) {
+  require_writable(request.common.json);
+  std::vector<std::string> recordings = request.files;
+  std::optional<Model> arm;
+  if (recordings.size() > 1 && is_robot(recordings.front())) {
+    arm = read_robot(recordings.front(), request.common.fixed);
+    recordings.erase(recordings.begin());
+  }
+  expect_value(arm || recordings.size() > 1 || !is_known_robot(recordings.front()), "REC",
+               "found the robot '", recordings.front(), "' alone, expected recordings behind it");
+  expect_value(arm || request.common.fixed.empty(), "--fix",
+               "found no robot, expected one in front of the recordings");
+  RecordingOptions reading;
+  reading.columns = request.reading.columns;
+  reading.rate = request.reading.header_rate;
+  reading.signals = request.reading.signals;
+  if (arm) reading = reading_of(*arm, request.reading);
+  reading.first_row = request.reading.first_row;
+  reading.row_count = request.reading.row_count;
+  std::vector<RecordingQuality> checked(recordings.size());
+  parallel_for(static_cast<int>(checked.size()), request.common.threads, [&](int k) {
+    const auto at = static_cast<std::size_t>(k);
+    PreprocessingOptions how = request.reading;
+    if (arm && how.row_count < 0) how.kept = std::make_shared<KeptRecordings>(KeptRecordings::kFewPasses);
+    checked[at] = check_rows(recordings[at], open_rows(recordings[at], reading, how.kept.get()));
+    if (!arm) return;
+    std::vector<QualityFinding> findings = check_against(*arm, recordings[at], how);
+    findings.insert(findings.end(), checked[at].findings.begin(), checked[at].findings.end());
+    checked[at].findings = std::move(findings);
+  });
+  if (!request.common.json.empty()) write_file(request.common.json, to_json(checked));
+  for (const RecordingQuality& quality : checked) std::cout << quality.report();
+}
+
+}  // namespace
+
+void add_check_command(CLI::App& tool, Outcome&) {
+  const auto request = std::make_shared<CheckRequest>();
+  CLI::App& command =
+      *tool.add_subcommand("check", "Quality of recordings, and whether they fit a robot");
+  command
+      .add_option("REC", request->files,
+                  "Recordings (CSV, bags, MCAP, .npz, .mat, HDF5); a ROBOT may stand in front")
+      ->required()
+      ->option_text("[ROBOT] REC...");
+  add_headerless_options(command, request->reading.columns, request->reading.header_rate);
+  add_signal_options(command, request->reading.signals);
+  add_fix_option(command, request->common.fixed);
+  add_row_range(command, "--rows", "Rows to look at", [request](RowRange rows) {
+    request->reading.first_row = rows.first;
+    request->reading.row_count = rows.count;
+  });
+  add_common_options(command, request->common);
+  command.callback([request] { run(*request); });
+}
+
+}  // namespace veridyn::cli

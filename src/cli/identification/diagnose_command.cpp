@@ -1,0 +1,137 @@
+#include <iostream>
+#include <memory>
+
+#include "cli/options/choice.hpp"
+#include "cli/commands.hpp"
+#include "cli/options/common_options.hpp"
+#include "cli/options/makers_file.hpp"
+#include "cli/options/messages.hpp"
+#include "cli/options/option_checks.hpp"
+#include "cli/options/recording_options.hpp"
+#include "cli/options/sound_arguments.hpp"
+#include "veridyn/diagnosis/diagnosis.hpp"
+#include "effects/plain_friction.hpp"
+#include "math/output_file.hpp"
+#include "model/effect_names.hpp"
+#include "veridyn/model/model_file.hpp"
+#include "veridyn/report/diagnosis_json.hpp"
+#include "veridyn/report/diagnosis_page.hpp"
+#include "veridyn/report/setting_names.hpp"
+
+namespace veridyn::cli {
+namespace {
+
+struct DiagnoseRequest {
+  std::string robot;
+  std::vector<std::string> train, test;
+  std::optional<RowRange> test_rows;
+  std::string model_out;
+  std::string values;
+  DiagnosisOptions options;
+  CommonOptions common;
+};
+
+void expect_known_effects(const std::vector<std::string>& names) {
+  for (const std::string& name : names) expect_one_of("--effects", name, effect_names());
+}
+
+// The command that makes the recording, with the robot as it was named here and with what is
+// recorded and known already.
+std::string next_command(const DiagnoseRequest& request, const Model& arm,
+                         const NextExperiment& next) {
+  if (next.between.empty()) return "";
+  std::vector<std::string> words = {"veridyn", "excite", request.robot, "-o", "next.csv",
+                                    "--criterion", "discriminate", "--between",
+                                    to_text(arm, next.between[0]) + "," + to_text(arm, next.between[1])};
+  if (next.slow_passes > 0)
+    words.insert(words.end(), {"--slow-passes", std::to_string(next.slow_passes)});
+  words.emplace_back("--given");
+  words.insert(words.end(), request.train.begin(), request.train.end());
+  const std::vector<std::string> reading =
+      words_for_given(request.options.identification.preprocessing, request.common.fixed);
+  words.insert(words.end(), reading.begin(), reading.end());
+  if (!request.model_out.empty()) words.insert(words.end(), {"--model", request.model_out});
+  return cli::command_line(words);
+}
+
+ExitStatus run(DiagnoseRequest& request, const std::string& command_line) {
+  expect_known_effects(request.options.effects);
+  require_writable(request.common.json);
+  require_writable(request.common.report);
+  require_writable(request.model_out);
+  warn_of_repeated_recordings(request.train);
+  if (!request.test_rows) warn_of_shared_recordings(request.train, request.test);
+  const Model arm = read_robot(request.robot, request.common.fixed);
+  const bool prior =
+      request.values.empty() ? is_makers_file(request.robot) : request.values == "prior";
+  if (prior) request.options.values = RobotValues::kPrior;
+  if (has_no_friction(arm))
+    say(request.robot + " has no friction; viscous and Coulomb friction and an offset of all joints "
+        "are asked about first");
+  IdentificationOptions& how = request.options.identification;
+  how.threads = request.common.threads;
+  how.progress = progress(request.common);
+  if (request.test_rows) {
+    how.test_preprocessing = how.preprocessing;
+    how.test_preprocessing->first_row = request.test_rows->first;
+    how.test_preprocessing->row_count = request.test_rows->count;
+  }
+  Diagnosis d = diagnose(arm, request.train, request.test, request.options);
+  if (!d.baseline.model) {
+    say(d.baseline.reason);
+    return kDataCannotAnswer;
+  }
+  tell_facts(d.data_quality);
+  d.next_experiment.trajectory = next_command(request, arm, d.next_experiment);
+  if (!request.model_out.empty())
+    save(d.extended, request.model_out, "diagnose", robot_path(request.robot));
+  if (!request.common.json.empty()) write_file(request.common.json, to_json(d));
+  if (!request.common.report.empty()) {
+    write_file(request.common.report, to_page(d, command_line));
+  }
+  std::cout << d.report();
+  return kDone;
+}
+
+}  // namespace
+
+void add_diagnose_command(CLI::App& tool, Outcome& outcome) {
+  const auto request = std::make_shared<DiagnoseRequest>();
+  CLI::App& command =
+      *tool.add_subcommand("diagnose", "What the model gets wrong, why, and what that costs");
+  add_robot_argument(command, request->robot);
+  command.add_option("--train", request->train, "Recordings to learn from")
+      ->required()
+      ->option_text("REC...");
+  command.add_option("--test", request->test, "Recordings held out, to measure the gain on")
+      ->required()
+      ->option_text("REC...");
+  command.add_option("--effects", request->options.effects, "Ask about these effects only")
+      ->delimiter(',')
+      ->option_text("NAME,...");
+  command.add_option("--max-effects", request->options.max_effects, "Findings at most")
+      ->check(CLI::Range(0, 100));
+  command.add_flag_callback(
+      "--confirmed-only",
+      [request] { request->options.extended = ExtendedModel::kConfirmedOnly; },
+      "Leave what the held-out recordings contradict out of the extended model");
+  command
+      .add_option("--values", request->values,
+                  "What values in the robot file are: facts of a MODEL (what changed since?) or a "
+                  "prior, as in a maker's file (identified first; default of URDF)")
+      ->check(CLI::IsMember({"facts", "prior"}))
+      ->option_text("facts|prior");
+  add_output_option(command, "--model-out", request->model_out, "Write the extended model as YAML");
+  add_choice(command, "--weights", request->options.identification.weights,
+             {JointWeights::kResidual, JointWeights::kRange},
+             "Joints weighted by their residual or by the range of their torque");
+  add_preprocessing_options(command, request->options.identification.preprocessing);
+  add_fix_option(command, request->common.fixed);
+  add_row_range(command, "--test-rows", "Rows of the held-out recordings (default: as --rows)",
+                [request](RowRange rows) { request->test_rows = rows; });
+  add_common_options(command, request->common);
+  add_report_option(command, request->common);
+  command.callback([request, &outcome] { outcome.status = run(*request, outcome.command_line); });
+}
+
+}  // namespace veridyn::cli

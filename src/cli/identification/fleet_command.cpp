@@ -1,0 +1,69 @@
+#include <iostream>
+#include <memory>
+
+#include "cli/commands.hpp"
+#include "cli/options/common_options.hpp"
+#include "math/output_file.hpp"
+#include "cli/options/messages.hpp"
+#include "cli/options/sound_arguments.hpp"
+#include "veridyn/identification/fleet.hpp"
+#include "veridyn/model/model_file.hpp"
+#include "veridyn/report/json.hpp"
+
+namespace veridyn::cli {
+namespace {
+
+struct FleetRequest {
+  std::string robot, list, model_out;
+  FleetOptions options;
+  CommonOptions common;
+};
+
+ExitStatus run(const FleetRequest& request) {
+  const std::vector<FleetArm> arms = read_fleet(request.list);
+  for (const FleetArm& one : arms) {
+    expect_apart("--model-out", request.model_out, one.files);
+    expect_apart("--json", request.common.json, one.files);
+  }
+  require_writable(request.common.json);
+  require_writable(request.model_out);
+  const Model arm = read_model(request.robot);
+  FleetOptions options = request.options;
+  options.threads = request.common.threads;
+  options.progress = progress(request.common);
+  const Fleet fleet = identify_fleet(arm, arms, options);
+  for (const UnusedRecording& r : fleet.left_out) say("warning: left out: " + r.why);
+  if (!request.common.json.empty()) write_file(request.common.json, to_json(fleet));
+  if (!fleet.model) {
+    say(request.list + ": " + fleet.reason + ".");
+    return kDataCannotAnswer;
+  }
+  if (!request.model_out.empty()) save_model(*fleet.model, request.model_out);
+  std::cout << fleet.report();
+  return kDone;
+}
+
+}  // namespace
+
+void add_fleet_command(CLI::App& tool, Outcome& outcome) {
+  const auto request = std::make_shared<FleetRequest>();
+  CLI::App& command = *tool.add_subcommand(
+      "fleet", "One model for many arms of one type: what they share, and which stands out");
+  add_robot_argument(command, request->robot);
+  command
+      .add_option("LIST", request->list,
+                  "Lines ARM,FILE: recordings, or factor files of identify --factor-out")
+      ->required()
+      ->option_text(" ");
+  command
+      .add_option("--significance", request->options.significance,
+                  "Chance of naming an arm of a fleet without an odd one (0.01)")
+      ->option_text("P")
+      ->check(CLI::Range(1e-12, 0.5));
+  add_output_option(command, "--model-out", request->model_out, "Write the fleet's model as YAML");
+  add_preprocessing_options(command, request->options.preprocessing);
+  add_common_options(command, request->common);
+  command.callback([request, &outcome] { outcome.status = run(*request); });
+}
+
+}  // namespace veridyn::cli

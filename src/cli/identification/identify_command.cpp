@@ -1,0 +1,289 @@
+#include <cstdio>
+#include <iostream>
+#include <memory>
+#include <optional>
+
+#include "cli/options/choice.hpp"
+#include "cli/commands.hpp"
+#include "cli/options/common_options.hpp"
+#include "cli/options/messages.hpp"
+#include "cli/options/makers_file.hpp"
+#include "cli/options/option_checks.hpp"
+#include "math/output_file.hpp"
+#include "cli/identification/ranks.hpp"
+#include "cli/options/recording_options.hpp"
+#include "cli/options/sound_arguments.hpp"
+#include "effects/plain_friction.hpp"
+#include "veridyn/identification/factor_set.hpp"
+#include "veridyn/math/require.hpp"
+#include "veridyn/model/model_file.hpp"
+#include "veridyn/report/identification_page.hpp"
+#include "veridyn/report/json.hpp"
+#include "recordings/named_recordings.hpp"
+#include "veridyn/report/setting_names.hpp"
+
+namespace veridyn::cli {
+namespace {
+
+struct IdentifyRequest {
+  const CLI::App* command = nullptr;  // the command whose options were given
+  std::string robot;
+  std::vector<std::string> train, test, factors;
+  std::string factor_out;
+  std::optional<RowRange> test_rows;
+  std::string prior;
+  std::vector<std::string> known_masses;
+  std::string model_out;
+  std::string friction = "auto";
+  IdentificationOptions options;
+  CommonOptions common;
+};
+
+IdentificationOptions identification_options(const IdentifyRequest& request) {
+  IdentificationOptions options = request.options;
+  options.choose_velocities = request.command->count("--velocity") == 0;
+  options.threads = request.common.threads;
+  options.progress = progress(request.common);
+  if (!request.prior.empty()) options.prior = read_model(request.prior);
+  for (const std::string& asked : request.known_masses)
+    options.known_masses.push_back(
+        value_of("--known-mass", [&] { return parse_known_mass(asked); }));
+  if (request.test_rows) {
+    options.test_preprocessing = options.preprocessing;
+    options.test_preprocessing->first_row = request.test_rows->first;
+    options.test_preprocessing->row_count = request.test_rows->count;
+  }
+  return options;
+}
+
+void expect_options_that_mean_something(const IdentifyRequest& request) {
+  const bool feasible = request.options.method == Method::kFeasible;
+  expect_needs(*request.command,
+               {{"--prior", feasible, "--method feasible"},
+                {"--condition", feasible, "--method feasible"},
+                {"--signs", feasible, "--method feasible"},
+                {"--weights", request.options.method != Method::kOls, "--method wls or feasible"},
+                {"--test-rows", !request.test.empty(), "--test"}});
+  expect_value(!request.train.empty() || !request.factors.empty(), "--train",
+               "found no recording, expected some, or factor files of them after --factors");
+  expect_value(request.factors.empty() || request.known_masses.empty(), "--factors",
+               "found with --known-mass, expected recordings: drive gains need their samples");
+  for (const std::string& asked : request.known_masses)
+    value_of("--known-mass", [&] { return parse_known_mass(asked); });
+  expect_value(request.known_masses.empty() || request.train.size() > 1, "--known-mass",
+               "found one recording, expected one at least with the load and one without");
+}
+
+// On frames of this arm, in recordings to learn from.
+void expect_known_masses(const IdentifyRequest& request, const Model& arm,
+                         const std::vector<KnownMass>& masses) {
+  std::vector<std::string> recordings = request.train;
+  for (const std::string& path : request.train)
+    recordings.push_back(path.substr(path.find_last_of('/') + 1));
+  for (const KnownMass& mass : masses) {
+    expect_one_of("--known-mass", mass.frame, frame_names(arm));
+    for (const std::string& name : mass.recordings) expect_one_of("--known-mass", name, recordings);
+  }
+}
+
+// A file without friction: makers leave it out, and every joint has it.
+Model arm_with_friction(const IdentifyRequest& request) {
+  Model arm = read_robot(request.robot, request.common.fixed);
+  const bool none = has_no_friction(arm);
+  if (request.friction == "plain" || (request.friction == "auto" && none && is_makers_file(request.robot))) {
+    if (none && request.friction == "auto")
+      say(request.robot + " has no friction; viscous and Coulomb friction and an offset of every "
+          "joint are identified with it (--friction file: not)");
+    return with_plain_friction(arm);
+  }
+  if (none)
+    say(request.robot + " has no friction, and every real joint has; --friction plain identifies "
+        "viscous and Coulomb friction and an offset of every joint");
+  return arm;
+}
+
+FactorSet read_all_factors(const std::vector<std::string>& paths) {
+  FactorSet out;
+  for (const std::string& path : paths) {
+    try {
+      out = merge(std::move(out), read_factors(path));
+    } catch (const InvalidInput& e) {
+      const std::string what = e.what();
+      if (what.compare(0, path.size(), path) == 0) throw;
+      throw InvalidInput(path + ": " + what);
+    }
+  }
+  return out;
+}
+
+// The training recordings become factors; without a fit of their own if that is all there is to do.
+FactorSet compressed(const IdentifyRequest& request, const Model& arm,
+                     const IdentificationOptions& options) {
+  FactorSet factors = read_all_factors(request.factors);
+  if (request.factor_out.empty()) return factors;
+  const FactorSet fresh = compress(arm, request.train, options.preprocessing, options.threads);
+  factors = merge(std::move(factors), fresh);
+  save_factors(factors, request.factor_out);
+  return factors;
+}
+
+// --factor-out keeps what the recordings say even where they alone cannot answer.
+Identification identified(const IdentifyRequest& request, const Model& arm,
+                          const IdentificationOptions& options) {
+  if (request.factors.empty() && request.factor_out.empty())
+    return identify(arm, request.train, request.test, options);
+  const FactorSet factors = compressed(request, arm, options);
+  const bool all_in = !request.factor_out.empty();
+  return identify(arm, factors, all_in ? std::vector<std::string>() : request.train, request.test,
+                  options);
+}
+
+void write_results(const IdentifyRequest& request, const Identification& id,
+                   const std::string& command_line) {
+  if (id.status == IdentificationStatus::kNotConverged) say("warning: " + id.reason);
+  if (!request.model_out.empty()) save(id, request.model_out, "identify", robot_path(request.robot));
+  if (!request.common.json.empty()) write_file(request.common.json, to_json(id));
+  if (!request.common.report.empty()) write_file(request.common.report, to_page(id, command_line));
+  std::cout << id.report();
+}
+
+// A file for what a rank has done so far, beside the one that is asked for.
+std::string part_of(const IdentifyRequest& request, const Communicator& ranks) {
+  return text(request.factor_out, ".rank-", ranks.rank());
+}
+
+Identification identified_by_ranks(const IdentifyRequest& request, const Model& arm,
+                                   const IdentificationOptions& options, Communicator& ranks) {
+  KeepFactors keep;
+  if (!request.factor_out.empty()) {
+    keep = [&](const FactorSet& factors, bool whole) {
+      save_factors(factors, whole ? request.factor_out : part_of(request, ranks));
+    };
+  }
+  when_another_rank_is_lost(
+      text("rank ", ranks.rank(), ": another rank was lost and the work ends here; ",
+           keep ? "what this one has done is in " + part_of(request, ranks)
+                : std::string("with --factor-out what was done would have been kept"),
+           "."));
+  Identification id = identify(arm, request.train, request.test, options, ranks, keep);
+  if (keep) std::remove(part_of(request, ranks).c_str());
+  return id;
+}
+
+// Every rank runs this; the first one alone speaks.
+ExitStatus run_on_ranks(const IdentifyRequest& request, const std::string& command_line,
+                        Communicator& ranks) {
+  const bool first = ranks.rank() == 0;
+  try {
+    expect_value(request.factors.empty(), "--factors",
+                 "found under mpirun, expected recordings to spread over the ranks");
+    const Model arm = arm_with_friction(request);
+    IdentificationOptions options = identification_options(request);
+    options.threads = threads_of_a_rank(request.common.threads);
+    if (!first) options.progress = nullptr;
+    const Identification id = identified_by_ranks(request, arm, options, ranks);
+    if (first) {
+      for (const UnusedRecording& r : id.left_out) say("warning: left out: " + r.why);
+    }
+    if (id.parameters.size() == 0) {
+      if (first) say(id.reason);
+      return kDataCannotAnswer;
+    }
+    if (first) write_results(request, id, command_line);
+    return kDone;
+  } catch (const InvalidInput& error) {
+    if (first) say(error.what());
+    end_all_ranks(kBadInput);
+  } catch (const CLI::Error&) {
+    throw;  // the same on every rank
+  } catch (const std::exception& error) {
+    say(text("rank ", ranks.rank(), ": internal fault: ", error.what()));
+    end_all_ranks(kProgramFault);
+  }
+}
+
+ExitStatus run(const IdentifyRequest& request, const std::string& command_line) {
+  const std::unique_ptr<Communicator> ranks = mpi_ranks();
+  expect_options_that_mean_something(request);
+  require_writable(request.common.json);
+  require_writable(request.common.report);
+  require_writable(request.model_out);
+  require_writable(request.factor_out);
+  if (ranks && ranks->size() > 1) return run_on_ranks(request, command_line, *ranks);
+  if (!request.test_rows) warn_of_shared_recordings(request.train, request.test);
+  const Model arm = arm_with_friction(request);
+  IdentificationOptions options = identification_options(request);
+  keep_recordings(options, KeptRecordings::kFewPasses);
+  expect_known_masses(request, arm, options.known_masses);
+  warn_of_repeated_recordings(request.train);
+  std::vector<std::string> recordings = request.train;
+  recordings.insert(recordings.end(), request.test.begin(), request.test.end());
+  look_at_recordings(arm, recordings, options.preprocessing, options.threads);
+  const Identification id = identified(request, arm, options);
+  if (!id.model) {
+    if (id.drive_gains && id.drive_gains->problem.empty()) std::cout << id.drive_gains->report();
+    if (id.drive_gains && !request.common.json.empty())
+      write_file(request.common.json, to_json(id));
+    say(id.reason);
+    return kDataCannotAnswer;
+  }
+  write_results(request, id, command_line);
+  return kDone;
+}
+
+void add_fit_options(CLI::App& command, IdentifyRequest& request) {
+  IdentificationOptions& options = request.options;
+  add_choice(command, "--method", options.method, {Method::kOls, Method::kWls, Method::kFeasible},
+             "Ordinary or weighted least squares, or weighted and physically feasible");
+  add_choice(command, "--weights", options.weights, {JointWeights::kRange, JointWeights::kResidual},
+             "Joints weighted by the range of their torque or by their residual");
+  add_choice(command, "--condition", options.condition,
+             {PhysicalCondition::kPseudoInertia, PhysicalCondition::kPrincipalMoments},
+             "What makes a body physical, with --method feasible");
+  add_choice(command, "--signs", options.signs, {EffectSigns::kPhysical, EffectSigns::kAny},
+             "Signs of friction, inertia and stiffness, with --method feasible");
+  command
+      .add_option("--friction", request.friction,
+                  "Friction to identify: plain adds viscous and Coulomb friction and an offset of "
+                  "every joint, file takes the file's, auto is plain for a maker's file (URDF) "
+                  "without any")
+      ->check(CLI::IsMember({"auto", "plain", "file"}))
+      ->option_text("auto|plain|file");
+  command.add_option("--prior", request.prior, "Model to stay close to, with --method feasible")
+      ->option_text("MODEL");
+  command
+      .add_option("--known-mass", request.known_masses,
+                  "Find the drive gains of an arm that reports currents: KG is mounted on FRAME in "
+                  "the training recordings REC; without REC the data tell which are heavier")
+      ->option_text("KG@FRAME[=REC,REC]")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+}
+
+}  // namespace
+
+void add_identify_command(CLI::App& tool, Outcome& outcome) {
+  const auto request = std::make_shared<IdentifyRequest>();
+  CLI::App& command = *tool.add_subcommand("identify", "Parameters of an arm from its recordings");
+  request->command = &command;
+  add_robot_argument(command, request->robot);
+  command.add_option("--train", request->train, "Recordings to identify from")
+      ->option_text("REC...");
+  command.add_option("--factors", request->factors, "Factor files of recordings to identify from")
+      ->option_text("FILE...");
+  add_output_option(command, "--factor-out", request->factor_out,
+                  "Write what the training recordings say as a factor file, without a sample");
+  command.add_option("--test", request->test, "Recordings held out, to validate on")
+      ->option_text("REC...");
+  add_fit_options(command, *request);
+  add_output_option(command, "--model-out", request->model_out, "Write the identified model as YAML");
+  add_preprocessing_options(command, request->options.preprocessing);
+  add_fix_option(command, request->common.fixed);
+  add_row_range(command, "--test-rows", "Rows of the held-out recordings (default: as --rows)",
+                [request](RowRange rows) { request->test_rows = rows; });
+  add_common_options(command, request->common);
+  add_report_option(command, request->common);
+  command.callback([request, &outcome] { outcome.status = run(*request, outcome.command_line); });
+}
+
+}  // namespace veridyn::cli

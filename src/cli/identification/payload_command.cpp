@@ -1,0 +1,61 @@
+#include <iostream>
+#include <memory>
+
+#include "cli/commands.hpp"
+#include "cli/options/common_options.hpp"
+#include "cli/options/messages.hpp"
+#include "cli/options/option_checks.hpp"
+#include "cli/options/recording_options.hpp"
+#include "veridyn/diagnosis/payload.hpp"
+#include "math/output_file.hpp"
+#include "veridyn/model/model_file.hpp"
+#include "veridyn/report/payload_json.hpp"
+
+namespace veridyn::cli {
+namespace {
+
+struct PayloadRequest {
+  std::string model;
+  std::vector<std::string> recordings;
+  std::string link;
+  IdentificationOptions options;
+  CommonOptions common;
+};
+
+ExitStatus run(PayloadRequest& request) {
+  require_writable(request.common.json);
+  const Model model = read_robot(request.model, request.common.fixed);
+  if (!request.link.empty()) expect_one_of("--link", request.link, frame_names(model));
+  request.options.threads = request.common.threads;
+  look_at_recordings(model, request.recordings, request.options.preprocessing, request.options.threads);
+  const PayloadReport report =
+      find_payload(model, request.recordings, request.options, request.link);
+  if (report.links.empty()) {
+    say(report.reason);
+    return kDataCannotAnswer;
+  }
+  if (!request.common.json.empty()) write_file(request.common.json, to_json(report));
+  std::cout << report.report();
+  return kDone;
+}
+
+}  // namespace
+
+void add_payload_command(CLI::App& tool, Outcome& outcome) {
+  const auto request = std::make_shared<PayloadRequest>();
+  CLI::App& command = *tool.add_subcommand(
+      "payload", "Mass, centre and inertia of a load that the model does not have, per link");
+  command.add_option("MODEL", request->model, "A YAML file that identify or diagnose wrote")
+      ->required();
+  command.add_option("--recording", request->recordings, "Recordings with the load")
+      ->required()
+      ->option_text("REC...");
+  command.add_option("--link", request->link, "Only the link of this frame (default: all)")
+      ->option_text("FRAME");
+  add_preprocessing_options(command, request->options.preprocessing);
+  add_fix_option(command, request->common.fixed);
+  add_common_options(command, request->common);
+  command.callback([request, &outcome] { outcome.status = run(*request); });
+}
+
+}  // namespace veridyn::cli

@@ -1,0 +1,211 @@
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <csignal>
+#include <iostream>
+#include <memory>
+
+#include "cli/commands.hpp"
+#include "cli/options/common_options.hpp"
+#include "math/output_file.hpp"
+#include "cli/options/messages.hpp"
+#include "cli/options/option_checks.hpp"
+#include "cli/options/recording_options.hpp"
+#include "veridyn/math/require.hpp"
+#include "veridyn/model/model_file.hpp"
+#include "veridyn/recordings/growing_recording.hpp"
+#include "veridyn/recordings/preprocessing.hpp"
+#include "veridyn/report/watch_json.hpp"
+
+namespace veridyn::cli {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr int kRowsAtOnce = 200;
+constexpr std::chrono::seconds kPageEvery{2};
+constexpr size_t kMostStates = 200000;  // five hours and more of steps for the page
+constexpr double kDoubtful = 0.5;  // share of a joint's torque
+
+volatile std::sig_atomic_t interrupted = 0;
+
+void stop(int /*signal*/) { interrupted = 1; }
+
+struct WatchRequest {
+  std::string model;
+  std::vector<std::string> sources, learn_from;
+  bool follow = false, json_lines = false;
+  double idle = 0.0;
+  WatchOptions options;
+  PreprocessingOptions reading;
+  CommonOptions common;
+};
+
+// One source after the other, and what reports need of them.
+class Watching {
+ public:
+  Watching(const Model& arm, WatchRequest& request, const std::string& command_line)
+      : arm_(arm), request_(request), command_line_(command_line) {}
+
+  ExitStatus run() {
+    for (const std::string& source : request_.sources) {
+      Watch watch(arm_, request_.options);
+      for (const std::string& quiet : request_.learn_from)
+        watch.learn(read_recording(quiet, reading_of(arm_, request_.reading)));
+      watched_.push_back({});
+      watched_.back().source = source;
+      watch.on_step([this](const WatchState& state) { note(state); });
+      if (source == "-" || request_.follow) {
+        follow(watch, source);
+      } else {
+        replay(watch, source);
+      }
+      tell(watch.finish());
+      doubt_model(source);
+    }
+    write(false);
+    for (const WatchedSource& s : watched_) {
+      if (!s.states.empty() && s.learned < s.to - s.from - 0.5 * request_.options.step) continue;
+      say(text(s.source, ": found ", s.to - s.from, " s, expected more than the ",
+               request_.options.learn, " s in which noise is learned (--learn)."));
+      return kDataCannotAnswer;
+    }
+    return kDone;
+  }
+
+ private:
+  // What the model does not explain while noise is learned counts as the arm's own from then on.
+  void doubt_model(const std::string& source) {
+    std::string shares;
+    bool wrong = false;
+    for (Eigen::Index i = 0; i < missed_.size(); ++i) {
+      const double share = std::sqrt(missed_[i] / std::max(measured_[i], 1e-12));
+      wrong = wrong || share > kDoubtful;
+      shares += text(i > 0 ? ", " : "", std::lround(100.0 * share));
+    }
+    missed_.resize(0);
+    if (wrong)
+      say(text("warning: ", source, ": the model leaves ", shares, " % of the joints' torques unexplained while noise is learned, expected at "
+               "most 50 %: it may be another arm's; only what changes afterwards is told."));
+  }
+
+  void replay(Watch& watch, const std::string& source) {
+    RecordingReader reader(source, reading_of(arm_, request_.reading));
+    for (Recording rows = reader.next(kRowsAtOnce); rows.rows() > 0 && interrupted == 0;
+         rows = reader.next(kRowsAtOnce))
+      tell(watch.add(rows));
+  }
+
+  void follow(Watch& watch, const std::string& source) {
+    auto heard = Clock::now();
+    const auto go_on = [&] {
+      const double silent = std::chrono::duration<double>(Clock::now() - heard).count();
+      update();
+      return interrupted == 0 && (request_.idle <= 0.0 || silent < request_.idle);
+    };
+    GrowingRecording rows(source, reading_of(arm_, request_.reading), go_on);
+    for (Recording row = rows.next(1); row.rows() > 0 && interrupted == 0; row = rows.next(1)) {
+      heard = Clock::now();
+      tell(watch.add(row));
+      update();
+    }
+  }
+
+  void note(const WatchState& state) {
+    WatchedSource& s = watched_.back();
+    if (s.states.empty()) s.from = state.time - 0.5 * request_.options.step;
+    s.to = state.time + 0.5 * request_.options.step;
+    if (state.learning) {
+      s.learned += request_.options.step;
+      if (missed_.size() == 0) missed_ = measured_ = VectorXd::Zero(state.torque.size());
+      missed_ += state.residual.cwiseAbs2();
+      measured_ += state.torque.cwiseAbs2();
+    }
+    s.states.push_back(state);
+    if (s.states.size() > kMostStates) s.states.erase(s.states.begin(), s.states.begin() + kMostStates / 2);
+  }
+
+  void tell(const std::vector<WatchEvent>& events) {
+    for (const WatchEvent& e : events) {
+      watched_.back().events.push_back(e);
+      if (request_.json_lines) {
+        std::cout << json_line(e, watched_.back().source) << std::endl;
+      } else {
+        std::cout << watched_.back().source << ": " << e.sentence << std::endl;
+      }
+    }
+  }
+
+  void update() {
+    if (request_.common.report.empty() || Clock::now() - written_ < kPageEvery) return;
+    write(true);
+    written_ = Clock::now();
+  }
+
+  void write(bool running) {
+    if (!running && !request_.common.json.empty())
+      write_file(request_.common.json, to_json(watched_, arm_, running));
+    if (!request_.common.report.empty())
+      write_file(request_.common.report, to_page(watched_, arm_, command_line_, running));
+    if (running || request_.json_lines) return;
+    for (const WatchedSource& s : watched_)
+      std::cout << s.source << ": " << s.alarms() << (s.alarms() == 1 ? " change" : " changes") << " in "
+                << s.to - s.from << " s, " << s.learned << " s of them learned from\n";
+  }
+
+  const Model& arm_;
+  WatchRequest& request_;
+  std::string command_line_;
+  std::vector<WatchedSource> watched_;
+  VectorXd missed_, measured_;  // (n) sums of squares while noise is learned
+  Clock::time_point written_{};
+};
+
+ExitStatus run(WatchRequest& request, const std::string& command_line) {
+  require_writable(request.common.json);
+  require_writable(request.common.report);
+  const Model arm = read_robot(request.model, request.common.fixed);
+  for (const std::string& link : request.options.links) expect_one_of("--link", link, frame_names(arm));
+  struct sigaction action {};  // without SA_RESTART: a read that waits ends
+  action.sa_handler = stop;
+  ::sigaction(SIGINT, &action, nullptr);
+  ::sigaction(SIGTERM, &action, nullptr);
+  return Watching(arm, request, command_line).run();
+}
+
+}  // namespace
+
+void add_watch_command(CLI::App& tool, Outcome& outcome) {
+  const auto request = std::make_shared<WatchRequest>();
+  CLI::App& command = *tool.add_subcommand(
+      "watch", "Follow a running arm against its MODEL: what changed, since when, by how much");
+  command.add_option("MODEL", request->model, "A YAML file that identify or diagnose wrote")->required();
+  command.add_option("SOURCE", request->sources, "Recordings, one after the other; - is standard input")
+      ->required()
+      ->option_text("SOURCE...");
+  command.add_flag("--follow", request->follow, "The file still grows: wait for more rows");
+  command.add_option("--idle", request->idle, "With --follow: end after so long without a row; 0: never")
+      ->option_text("S")
+      ->check(CLI::NonNegativeNumber);
+  command.add_option("--learn", request->options.learn, "Quiet beginning in which noise is learned")
+      ->option_text("S")
+      ->check(CLI::PositiveNumber);
+  command.add_option("--learn-from", request->learn_from, "Quiet recordings of the same arm to learn noise from")
+      ->option_text("REC...");
+  command.add_option("--false-alarms", request->options.false_alarms, "Alarms per hour that a quiet arm may give")
+      ->option_text("N")
+      ->check(CLI::PositiveNumber);
+  command.add_option("--link", request->options.links, "Links that may take up a load (default: all)")
+      ->option_text("FRAME...");
+  command.add_flag("--json-lines", request->json_lines, "Each event as a line of JSON on standard output");
+  add_signal_options(command, request->reading.signals);
+  add_fix_option(command, request->common.fixed);
+  add_common_options(command, request->common);
+  add_report_option(command, request->common);
+  command.callback([request, &outcome] {
+    request->options.learn_more = std::max(request->options.learn_more, request->options.learn);
+    outcome.status = run(*request, outcome.command_line);
+  });
+}
+
+}  // namespace veridyn::cli

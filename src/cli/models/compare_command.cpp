@@ -1,0 +1,49 @@
+#include <iostream>
+#include <memory>
+
+#include "cli/commands.hpp"
+#include "cli/options/common_options.hpp"
+#include "veridyn/comparison/model_comparison.hpp"
+#include "math/output_file.hpp"
+#include "veridyn/model/model_file.hpp"
+#include "veridyn/report/comparison_json.hpp"
+
+namespace veridyn::cli {
+namespace {
+
+struct CompareRequest {
+  std::string before, after;
+  ComparisonOptions options;
+  CommonOptions common;
+};
+
+void run(const CompareRequest& request) {
+  require_writable(request.common.json);
+  const ModelComparison found =
+      compare(read_model(request.before), read_model(request.after), request.options);
+  if (!request.common.json.empty()) write_file(request.common.json, to_json(found));
+  std::cout << found.report();
+}
+
+}  // namespace
+
+void add_compare_command(CLI::App& tool, Outcome&) {
+  const auto request = std::make_shared<CompareRequest>();
+  CLI::App& command =
+      *tool.add_subcommand("compare", "What differs between two models of one arm, beyond chance");
+  command.add_option("BEFORE", request->before, "MODEL that identify or diagnose wrote")
+      ->required()
+      ->option_text(" ");
+  command.add_option("AFTER", request->after, "MODEL of the same arm, later or after a repair")
+      ->required()
+      ->option_text(" ");
+  command
+      .add_option("--significance", request->options.significance,
+                  "Chance of calling an unchanged arm different (0.05)")
+      ->option_text("P")
+      ->check(CLI::Range(1e-12, 0.5));
+  add_common_options(command, request->common);
+  command.callback([request] { run(*request); });
+}
+
+}  // namespace veridyn::cli

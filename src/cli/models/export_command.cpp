@@ -1,0 +1,129 @@
+#include <memory>
+#include <optional>
+
+#include "cli/commands.hpp"
+#include "cli/options/common_options.hpp"
+#include "cli/models/export_dvrk.hpp"
+#include "math/output_file.hpp"
+#include "cli/options/messages.hpp"
+#include "cli/options/sound_arguments.hpp"
+#include "veridyn/math/require.hpp"
+#include "veridyn/export/c_code.hpp"
+#include "veridyn/export/mjcf.hpp"
+#include "veridyn/export/model_json.hpp"
+#include "veridyn/export/portable_model.hpp"
+#include "veridyn/export/sdf.hpp"
+#include "veridyn/model/model_file.hpp"
+#include "veridyn/model/model_origin.hpp"
+#include "veridyn/model/urdf.hpp"
+
+namespace veridyn::cli {
+namespace {
+
+struct ExportRequest {
+  std::string model;
+  std::string urdf, mjcf, sdf, cpp, yaml, json;
+  std::string prior, meshes_from;
+  bool quiet = false;
+  DvrkExport dvrk;
+};
+
+ExportedModel exported(const ExportRequest& request, const Model& model) {
+  std::optional<Model> prior;
+  if (!request.prior.empty()) prior = read_model(request.prior);
+  return exported_model(model, prior, request.meshes_from);
+}
+
+// Once the files are there: a refusal stands alone.
+void tell(const ExportRequest& request, const ExportedModel& out) {
+  for (const std::string& warning : out.warnings)
+    say("warning: " + request.model + ": " + warning + ".");
+  if (request.quiet) return;
+  for (const std::string& note : out.notes) say(note + ".");
+}
+
+// A MODEL's origin goes with it.
+void save_yaml(const ExportRequest& request, const Model& model) {
+  const std::string path = robot_path(request.model);
+  const bool urdf = path.size() > 5 && path.compare(path.size() - 5, 5, ".urdf") == 0;
+  const std::optional<ModelOrigin> origin = urdf ? std::nullopt : read_origin(path);
+  write_file(request.yaml, origin ? with_origin(to_yaml(model), *origin) : to_yaml(model));
+}
+
+// What a format has no words for stands in the file's comments; here their number.
+void write_xml(const ExportRequest& request, const std::string& file, const char* format,
+               const std::string& xml) {
+  if (file.empty()) return;
+  write_file(file, xml);
+  const std::string mark = "<!-- left out:";
+  int lost = 0;
+  for (std::size_t at = xml.find(mark); at != std::string::npos; at = xml.find(mark, at + 1)) ++lost;
+  if (lost == 0 || request.quiet) return;
+  say(text(file, ": ", format, " has no words for ", lost, lost == 1 ? " item" : " items",
+           " of the model; the file names them in comments that begin with 'left out:'."));
+}
+
+void run(const ExportRequest& request) {
+  const DvrkExport& dvrk = request.dvrk;
+  if ((request.urdf + request.mjcf + request.sdf + request.cpp + request.yaml + request.json +
+       dvrk.gravity + dvrk.scales)
+          .empty()) {
+    throw CLI::RequiredError(
+        "--urdf, --mjcf, --sdf, --cpp, --json, --yaml, --dvrk-gravity or --dvrk-scales");
+  }
+  check_dvrk_export(dvrk);
+  for (const std::string& file : {request.urdf, request.mjcf, request.sdf, request.cpp,
+                                  request.yaml, request.json, dvrk.gravity, dvrk.scales})
+    require_writable(file);
+  const Model model = read_model(request.model);
+  if (!(request.urdf + request.mjcf + request.sdf).empty()) {
+    const ExportedModel out = exported(request, model);
+    if (!request.urdf.empty())
+      write_xml(request, request.urdf, "URDF", to_urdf(out.arm, out.extras));
+    if (!request.mjcf.empty())
+      write_xml(request, request.mjcf, "MJCF", to_mjcf(out.arm, out.extras.remarks));
+    if (!request.sdf.empty())
+      write_xml(request, request.sdf, "SDF", to_sdf(out.arm, out.extras));
+    tell(request, out);
+  }
+  if (!request.cpp.empty()) save_c_code(model, request.cpp);
+  if (!request.yaml.empty()) save_yaml(request, model);
+  if (!request.json.empty()) save_model_json(model, request.json);
+  export_dvrk(model, dvrk);
+}
+
+}  // namespace
+
+void add_export_command(CLI::App& tool, Outcome&) {
+  const auto request = std::make_shared<ExportRequest>();
+  CLI::App& command = *tool.add_subcommand("export", "A model in another format");
+  command.add_option("MODEL", request->model, "Identified model, or any robot")
+      ->required()
+      ->option_text(" ");
+  const auto file = [&command](const char* option, std::string& target, const char* help) {
+    add_output_option(command, option, target, help);
+  };
+  file("--urdf", request->urdf, "Write URDF; meshes that came from URDF stay");
+  file("--mjcf", request->mjcf, "Write MuJoCo's XML");
+  file("--sdf", request->sdf, "Write SDFormat, for Gazebo");
+  file("--cpp", request->cpp,
+       "Write one file of C and C++: inverse dynamics, regressor, friction; no dependencies");
+  file("--json", request->json, "Write the robot file as JSON");
+  file("--yaml", request->yaml, "Write YAML");
+  command
+      .add_option("--prior", request->prior,
+                  "For --urdf, --mjcf and --sdf: model (CAD) near which the values are chosen that "
+                  "torques do not determine (small rods)")
+      ->option_text("MODEL");
+  command
+      .add_option("--meshes-from", request->meshes_from,
+                  "For --urdf and --sdf: URDF file whose links look like this arm's (the one that "
+                  "the model came from)")
+      ->option_text("URDF");
+  command.add_flag("--quiet", request->quiet, "Nothing on standard error but errors");
+  add_dvrk_export_options(command, request->dvrk);
+  command.set_version_flag("--version", "veridyn " VERIDYN_VERSION);
+  command.callback([request] { run(*request); });
+}
+
+}  // namespace veridyn::cli

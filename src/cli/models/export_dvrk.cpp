@@ -1,0 +1,144 @@
+#include "cli/models/export_dvrk.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <iostream>
+
+#include "cli/options/option_checks.hpp"
+#include "cli/options/sound_arguments.hpp"
+#include "dvrk/arms/effort_scales.hpp"
+#include "dvrk/arms/gravity_chain.hpp"
+#include "math/output_file.hpp"
+#include "veridyn/math/require.hpp"
+#include "model/suggestion.hpp"
+
+namespace veridyn::cli {
+namespace {
+
+// The arm that a model is about, from the first letters of its name.
+dvrk::ArmFacts find_arm(const Model& model, const std::string& name) {
+  if (!name.empty()) {
+    expect_one_of("--dvrk-arm", name, dvrk::arm_names());
+    return dvrk::read_arm(name);
+  }
+  std::string start = model.name().substr(0, 3);
+  for (char& letter : start)
+    letter = static_cast<char>(std::toupper(static_cast<unsigned char>(letter)));
+  for (const std::string& known : dvrk::arm_names())
+    if (known.rfind(start, 0) == 0 && start.size() == 3) return dvrk::read_arm(known);
+  throw InvalidInput(text("model '", model.name(),
+                          "': found no dVRK arm in its name, expected --dvrk-arm with one of: ",
+                          listed(dvrk::arm_names()), "."));
+}
+
+std::string effort_unit_of(const dvrk::GravityChain& chain, const std::string& joint) {
+  for (const dvrk::GravityRow& row : chain.rows)
+    if (row.joint == joint) return row.prismatic ? "N" : "N m";
+  return "";
+}
+
+void print_gravity(const dvrk::GravityChain& chain) {
+  fmt::print("{}: gravity of the model in {} rows\n", chain.arm, chain.rows.size());
+  for (std::size_t k = 0; k < chain.joints.size(); ++k) {
+    const auto i = static_cast<Eigen::Index>(k);
+    fmt::print("  {:<12} up to {:.4g} {unit}, the rows differ by up to {:.2g} {unit}\n",
+               chain.joints[k], chain.largest_torque[i], chain.largest_error[i],
+               fmt::arg("unit", effort_unit_of(chain, chain.joints[k])));
+  }
+  for (const dvrk::GravityRow& row : chain.rows) {
+    if (row.mass < 0.0)
+      fmt::print("  the mass of {} is {:.4g} kg: counterweights outweigh it\n", row.joint,
+                 row.mass);
+  }
+  if (!chain.left_out.empty())
+    fmt::print("  torques at rest that rows cannot carry: {}\n", listed(chain.left_out));
+}
+
+// Reported efforts against the rows: root mean square of what is left, and of the efforts.
+void print_static_torques(const dvrk::GravityChain& chain, const std::string& path) {
+  const dvrk::StaticTorques measured = dvrk::read_static_torques(path);
+  const auto n =
+      std::min<Eigen::Index>(measured.q.cols(), static_cast<Eigen::Index>(chain.rows.size()));
+  VectorXd rest = VectorXd::Zero(n);
+  VectorXd all = VectorXd::Zero(n);
+  for (Eigen::Index s = 0; s < measured.q.rows(); ++s) {
+    VectorXd q = VectorXd::Zero(static_cast<Eigen::Index>(chain.rows.size()));
+    q.head(n) = measured.q.row(s).head(n);
+    const VectorXd tau = dvrk::gravity_torques(chain, q);
+    for (Eigen::Index i = 0; i < n; ++i) {
+      rest[i] += std::pow(measured.tau(s, i) - tau[i], 2);
+      all[i] += std::pow(measured.tau(s, i), 2);
+    }
+  }
+  const double samples = static_cast<double>(measured.q.rows());
+  fmt::print("{}: {} samples at rest\n", path, measured.q.rows());
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const dvrk::GravityRow& row = chain.rows[static_cast<std::size_t>(i)];
+    fmt::print("  {:<12} {:.4g} {unit} rms, without gravity {:.4g} {unit}\n", row.joint,
+               std::sqrt(all[i] / samples), std::sqrt(rest[i] / samples),
+               fmt::arg("unit", row.prismatic ? "N" : "N m"));
+  }
+}
+
+void write_scales(const Model& model, const dvrk::ArmFacts& arm, const DvrkExport& request) {
+  const dvrk::IoConfig config =
+      request.config.empty() ? dvrk::nominal_config(arm) : dvrk::read_io_config(request.config);
+  const std::vector<dvrk::EffortScale> scales =
+      dvrk::corrected_scales(model, arm, config.robot(arm.name));
+  write_file(request.scales, dvrk::to_scales_json(arm.name, scales));
+  fmt::print("{}: current per effort\n", arm.name);
+  for (const dvrk::EffortScale& scale : scales) {
+    fmt::print("  {:<12} {:.7g} {}", scale.actuator, scale.scale, scale.unit);
+    if (scale.source.empty())
+      fmt::print(", unchanged\n");
+    else
+      fmt::print(", was {:.7g} ({})\n", scale.before, scale.source);
+  }
+}
+
+}  // namespace
+
+void add_dvrk_export_options(CLI::App& command, DvrkExport& request) {
+  add_output_option(command, "--dvrk-gravity", request.gravity,
+                  "Write gravity as rows of a PSM or ECM for the dVRK's compensation (JSON)");
+  add_output_option(command, "--dvrk-scales", request.scales,
+                  "Write current per effort with identified gains (JSON)");
+  command
+      .add_option("--dvrk-arm", request.arm,
+                  "Arm, such as PSM1 [the first whose name the model's begins with]")
+      ->option_text("NAME");
+  command
+      .add_option("--dvrk-config", request.config,
+                  "Configuration of the controllers whose scales are corrected (XML or JSON) "
+                  "[nominal]")
+      ->option_text("FILE");
+  command
+      .add_option("--static-torques", request.torques,
+                  "Compare the gravity rows with efforts of the resting arm (CSV)")
+      ->option_text("FILE");
+}
+
+void check_dvrk_export(const DvrkExport& request) {
+  if (!request.config.empty() && request.scales.empty())
+    throw CLI::RequiresError("--dvrk-config", "--dvrk-scales");
+  if (!request.torques.empty() && request.gravity.empty())
+    throw CLI::RequiresError("--static-torques", "--dvrk-gravity");
+  if (!request.arm.empty() && request.gravity.empty() && request.scales.empty())
+    throw CLI::RequiresError("--dvrk-arm", "--dvrk-gravity or --dvrk-scales");
+}
+
+void export_dvrk(const Model& model, const DvrkExport& request) {
+  if (request.gravity.empty() && request.scales.empty()) return;
+  const dvrk::ArmFacts arm = find_arm(model, request.arm);
+  if (!request.gravity.empty()) {
+    const dvrk::GravityChain chain = dvrk::fit_gravity_chain(model, arm);
+    write_file(request.gravity, dvrk::to_gravity_json(chain, model.name()));
+    print_gravity(chain);
+    if (!request.torques.empty()) print_static_torques(chain, request.torques);
+  }
+  if (!request.scales.empty()) write_scales(model, arm, request);
+}
+
+}  // namespace veridyn::cli

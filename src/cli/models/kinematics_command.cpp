@@ -1,0 +1,167 @@
+#include <algorithm>
+#include <iostream>
+#include <memory>
+#include <sstream>
+
+#include "cli/options/column_file.hpp"
+#include "cli/commands.hpp"
+#include "cli/options/common_options.hpp"
+#include "cli/models/kinematics_closed_form.hpp"
+#include "cli/options/messages.hpp"
+#include "cli/options/option_checks.hpp"
+#include "cli/options/sound_arguments.hpp"
+#include "control/kinematics_table.hpp"
+#include "math/output_file.hpp"
+#include "veridyn/math/require.hpp"
+#include "veridyn/model/model_file.hpp"
+#include "report/json/kinematics_json.hpp"
+
+namespace veridyn::cli {
+namespace {
+
+struct KinematicsRequest {
+  std::string robot, forward, inverse, frame, output, solver = "closed-form";
+  std::vector<double> start;
+  int workspace = 0;
+  bool jacobian = false;
+  CommonOptions common;
+};
+
+// "0.1,0.2,0.3", or nothing where it is a file's name.
+std::vector<double> numbers_of(const std::string& word) {
+  std::vector<double> out;
+  std::istringstream parts(word);
+  std::string part;
+  while (std::getline(parts, part, ',')) {
+    char* end = nullptr;
+    out.push_back(std::strtod(part.c_str(), &end));
+    if (part.empty() || *end != '\0') return {};
+  }
+  return out;
+}
+
+Eigen::Isometry3d pose_of(const ColumnFile& file, Eigen::Index row, bool oriented) {
+  const auto value = [&](const char* name) { return file.values(row, file.at(name)); };
+  Eigen::Isometry3d out = Eigen::Isometry3d::Identity();
+  out.translation() << value("x"), value("y"), value("z");
+  if (!oriented) return out;
+  const Eigen::Quaterniond q(value("qw"), value("qx"), value("qy"), value("qz"));
+  require(q.norm() > 1e-6, file.path, ":", row + 2,
+          ": found a quaternion of length zero, expected one of length one.");
+  out.linear() = q.normalized().toRotationMatrix();
+  return out;
+}
+
+struct Times {
+  bool has = false;
+  VectorXd values;
+};
+
+KinematicTable forward(const KinematicsRequest& request, const Arm& arm, Times& times) {
+  const std::vector<double> given = numbers_of(request.forward);
+  if (!given.empty()) {
+    expect_value(static_cast<int>(given.size()) == arm.model.joints(), "--forward", "found ",
+                 given.size(), " joints, expected the ", arm.model.joints(), " of ",
+                 arm.model.name(), ".");
+    return forward_kinematics(arm.model, arm.frame,
+                              Eigen::Map<const Eigen::RowVectorXd>(
+                                  given.data(), static_cast<Eigen::Index>(given.size())));
+  }
+  const ColumnFile file = read_columns(request.forward, "joints as CSV: [t,]q1,q2,...");
+  MatrixXd q(file.values.rows(), arm.model.joints());
+  for (Eigen::Index i = 0; i < q.cols(); ++i)
+    q.col(i) = file.values.col(file.at("q" + std::to_string(i + 1)));
+  times = {file.find("t") >= 0, file.find("t") >= 0 ? VectorXd(file.values.col(file.find("t"))) : VectorXd()};
+  return forward_kinematics(arm.model, arm.frame, q);
+}
+
+KinematicTable inverse(const KinematicsRequest& request, const Arm& arm, Times& times) {
+  InverseTask task;
+  task.start = Eigen::Map<const VectorXd>(request.start.data(),
+                                          static_cast<Eigen::Index>(request.start.size()));
+  const std::vector<double> given = numbers_of(request.inverse);
+  if (!given.empty()) {
+    expect_value(given.size() == 3 || given.size() == 7, "--inverse", "found ", given.size(),
+                 " numbers, expected x,y,z or x,y,z,qw,qx,qy,qz.");
+    Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+    pose.translation() << given[0], given[1], given[2];
+    task.has_orientation = given.size() == 7;
+    if (task.has_orientation) {
+      const double length = Eigen::Vector4d(given[3], given[4], given[5], given[6]).norm();
+      expect_value(length > 1e-6, "--inverse",
+                   "found a quaternion of length zero, expected one of length one.");
+      pose.linear() =
+          Eigen::Quaterniond(given[3], given[4], given[5], given[6]).normalized().toRotationMatrix();
+    }
+    task.poses.push_back(pose);
+  } else {
+    const ColumnFile file = read_columns(request.inverse, "poses as CSV: [t,]x,y,z[,qw,qx,qy,qz]");
+    task.has_orientation = file.find("qw") >= 0;
+    for (Eigen::Index k = 0; k < file.values.rows(); ++k)
+      task.poses.push_back(pose_of(file, k, task.has_orientation));
+    times = {file.find("t") >= 0, file.find("t") >= 0 ? VectorXd(file.values.col(file.find("t"))) : VectorXd()};
+  }
+  const bool closed = request.solver == "closed-form" && arm.closed_form && task.has_orientation;
+  return inverse_kinematics(arm.model, arm.frame, task, closed ? arm.closed_form : InverseSolver{});
+}
+
+ExitStatus run(const KinematicsRequest& request, const std::string& command) {
+  for (const std::string& path : {request.output, request.common.json, request.common.report})
+    require_writable(path);
+  const int asked = (request.forward.empty() ? 0 : 1) + (request.inverse.empty() ? 0 : 1) +
+                    (request.workspace > 0 ? 1 : 0);
+  if (asked != 1)
+    throw CLI::ValidationError("kinematics", "expected one of --forward, --inverse, --workspace.");
+  const Arm arm = read_kinematic_arm(request.robot, request.frame);
+  Times times;
+  KinematicTable table = request.workspace > 0
+                             ? sample_workspace(arm.model, arm.frame, request.workspace)
+                         : request.inverse.empty() ? forward(request, arm, times)
+                                                   : inverse(request, arm, times);
+  table.has_time = times.has;
+  for (std::size_t k = 0; times.has && k < table.rows.size(); ++k)
+    table.rows[k].time = times.values[static_cast<Eigen::Index>(k)];
+  if (!request.output.empty())
+    write_kinematic_rows(table, request.output,
+                         request.jacobian ? JacobianColumns::kWith : JacobianColumns::kWithout);
+  if (!request.common.json.empty()) write_file(request.common.json, to_json(table));
+  if (!request.common.report.empty())
+    write_file(request.common.report, to_page(table, arm.model, command));
+  std::cout << table.report();
+  return table.unreached() > 0 ? kDataCannotAnswer : kDone;
+}
+
+}  // namespace
+
+void add_kinematics_command(CLI::App& tool, Outcome& outcome) {
+  const auto request = std::make_shared<KinematicsRequest>();
+  CLI::App& command = *tool.add_subcommand(
+      "kinematics", "Poses, joints, Jacobians and conditioning of an arm");
+  command
+      .add_option("ROBOT", request->robot,
+                  "Robot file or name, or an arm of the dVRK by its closed form: PSM1, MTMR, ECM")
+      ->required()
+      ->option_text(" ");
+  command.add_option("--forward", request->forward, "Poses of these joints")
+      ->option_text("FILE.csv|Q1,Q2,...");
+  command.add_option("--inverse", request->inverse, "Joints for these poses")
+      ->option_text("FILE.csv|X,Y,Z[,QW,QX,QY,QZ]");
+  command.add_option("--workspace", request->workspace, "Conditioning of postures over the ranges")
+      ->option_text("COUNT")
+      ->check(CLI::Range(1, 1000000));
+  command.add_option("--frame", request->frame, "The frame that counts (tip, tool, or the last)")
+      ->option_text("NAME");
+  command.add_option("--start", request->start, "Where inverse kinematics begins")
+      ->option_text("Q1,Q2,...")
+      ->delimiter(',');
+  command.add_option("--solver", request->solver, "For an arm with a closed form")
+      ->option_text("closed-form|newton")
+      ->check(CLI::IsMember({"closed-form", "newton"}));
+  command.add_flag("--jacobian", request->jacobian, "Write the Jacobian's entries too");
+  add_output_option(command, "-o,--output", request->output, "Write the rows as CSV");
+  add_common_options(command, request->common);
+  add_report_option(command, request->common);
+  command.callback([request, &outcome] { outcome.status = run(*request, outcome.command_line); });
+}
+
+}  // namespace veridyn::cli

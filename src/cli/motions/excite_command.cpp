@@ -1,0 +1,279 @@
+#include <algorithm>
+#include <cmath>
+#include <csignal>
+#include <iostream>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <utility>
+
+#include "cli/commands.hpp"
+#include "cli/options/common_options.hpp"
+#include "cli/motions/excite_options.hpp"
+#include "cli/motions/excite_poses.hpp"
+#include "cli/options/messages.hpp"
+#include "cli/options/option_checks.hpp"
+#include "cli/options/recording_options.hpp"
+#include "cli/options/sound_arguments.hpp"
+#include "veridyn/excitation/excitation.hpp"
+#include "recordings/recorded_motion.hpp"
+#include "veridyn/recordings/recording.hpp"
+#include "math/output_file.hpp"
+#include "veridyn/math/require.hpp"
+#include "veridyn/model/fixed_coordinates.hpp"
+#include "veridyn/model/model_file.hpp"
+#include "veridyn/report/excitation_page.hpp"
+#include "veridyn/report/motion_json.hpp"
+#include "veridyn/simulation/plausible_model.hpp"
+
+namespace veridyn::cli {
+namespace {
+
+struct ExciteRequest {
+  const CLI::App* command = nullptr;  // the command whose options were given
+  std::string robot;
+  std::string output;
+  std::string coefficients;
+  std::string model;
+  std::vector<std::string> given;
+  PreprocessingOptions reading;  // of what is given
+  std::vector<std::string> boxes, spheres, obstacles, insertions;
+  std::string between;
+  double clearance = 0.0;
+  std::optional<double> torque_noise;
+  PosesRequest poses;
+  ExcitationOptions options;
+  CommonOptions common;
+};
+
+// Ctrl-C asks the search to end with the best motion so far; a second one ends the program.
+volatile std::sig_atomic_t interrupted = 0;
+
+class Interruptible {
+ public:
+  Interruptible() {
+    interrupted = 0;
+    struct sigaction action {};
+    action.sa_handler = [](int) { interrupted = 1; };
+    action.sa_flags = static_cast<int>(SA_RESETHAND);
+    ::sigaction(SIGINT, &action, &before_);
+  }
+  ~Interruptible() { ::sigaction(SIGINT, &before_, nullptr); }
+  Interruptible(const Interruptible&) = delete;
+  Interruptible& operator=(const Interruptible&) = delete;
+
+ private:
+  struct sigaction before_ {};
+};
+
+// Plausible values say how an arm behaves, and nothing about how strong it must be.
+Model without_efforts(const Model& arm) {
+  ModelDescription description = arm.description();
+  for (Coordinate& c : description.coordinates)
+    c.limits.effort = std::numeric_limits<double>::infinity();
+  return Model(std::move(description));
+}
+
+// The arm of --model. One that was identified with joints held has lost them already.
+Model read_powered(const ExciteRequest& request) {
+  const Model arm = read_model(request.model);
+  std::map<std::string, double> fixed;
+  for (const auto& [joint, value] : request.common.fixed) {
+    for (const Coordinate& c : arm.coordinates())
+      if (c.name == joint) fixed[joint] = value;
+  }
+  return with_fixed(arm, fixed);
+}
+
+ExcitationOptions options_of(const ExciteRequest& request, const Model& arm,
+                             std::string& made_up_words) {
+  ExcitationOptions o = request.options;
+  o.threads = request.common.threads;
+  o.progress = progress(request.common);
+  o.stop = [] { return interrupted != 0; };
+  for (const std::string& words : request.boxes) o.workspace.boxes.push_back(frame_box(words));
+  for (const std::string& words : request.insertions)
+    o.workspace.insertions.push_back(insertion_range(words));
+  std::vector<Sphere> spheres;
+  std::vector<Sphere> obstacles;
+  for (const std::string& words : request.spheres) spheres.push_back(sphere(words));
+  for (const std::string& words : request.obstacles) obstacles.push_back(obstacle(words));
+  o.workspace.pairs = sphere_pairs(spheres, obstacles, request.clearance);
+  for (const std::string& path : request.given) {
+    for (MotionSamples& motion : recorded_motion(arm, path, request.reading)) o.given.push_back(std::move(motion));
+  }
+  if (!request.between.empty()) o.between = rivals(request.between);
+  if (o.between) o.criterion = ExcitationCriterion::kDiscriminate;
+  if (!request.model.empty()) o.powered = read_powered(request);
+  if (request.torque_noise) {
+    o.noise = TorqueNoise();
+    o.noise->share = VectorXd::Constant(arm.joints(), *request.torque_noise);
+    o.noise->source = "as asked";
+  }
+  if (o.criterion == ExcitationCriterion::kDiscriminate && !o.powered && !arm.inertial_values()) {
+    if (!request.common.quiet) {
+      made_up_words = text(request.robot,
+                           " has no values: the rivals are built from plausible ones (--model "
+                           "gives others).");
+    }
+    o.powered = without_efforts(plausible_model(arm, 1).arm);
+  }
+  if (!o.powered && !arm.inertial_values()) o.valued = plausible_model(arm, 1).arm;
+  return o;
+}
+
+// The limit that is crossed most, as a share of its size.
+const LimitMargin& most_crossed(const Excitation& found) {
+  const auto share = [](const LimitMargin& m) {
+    const double size = std::isfinite(m.upper - m.lower) ? m.upper - m.lower : std::abs(m.lower);
+    return m.margin / std::max(size, 1e-9);
+  };
+  return *std::min_element(
+      found.margins.begin(), found.margins.end(),
+      [&](const LimitMargin& a, const LimitMargin& b) { return share(a) < share(b); });
+}
+
+// What stands in the way of a motion, or nothing.
+std::string why_not(const Excitation& found) {
+  if (found.status == ExcitationStatus::kRankDeficient) {
+    return text("no motion of ", found.trajectory.harmonics(),
+                " harmonics was found that excites all ", found.base_parameters,
+                " base parameters; more --harmonics or --starts may help.");
+  }
+  if (found.status != ExcitationStatus::kLimitsNotMet) return "";
+  const LimitMargin& m = most_crossed(found);
+  return text("the limits cannot be met: ", m.name, " must stay within ", m.lower, " .. ", m.upper,
+              " ", m.unit, ", the nearest motion found crosses that by ", -m.margin, " ", m.unit,
+              "; nothing is written.");
+}
+
+// A solver of earlier versions: the interior point searches in its place.
+void remark_former_solver(const ExciteRequest& request) {
+  if (request.common.quiet || request.command->count("--solver") == 0) return;
+  const std::string word = request.command->get_option("--solver")->results().back();
+  if (word != name_of(request.options.solver))
+    say(text("--solver ", word, " is gone: ", name_of(request.options.solver),
+             " searches in its place, see docs/excitation.md."));
+}
+
+ExitStatus run(const ExciteRequest& request, const std::string& command_line) {
+  remark_former_solver(request);
+  for (const std::string* path :
+       {&request.common.json, &request.common.report, &request.coefficients})
+    require_writable(*path);
+  require_writable(request.output);
+  if (request.poses.purpose == "calibration") {
+    expect_no_motion_options(*request.command);
+    return excite_poses(request.robot, request.output, request.poses, request.options.seed,
+                        request.options.limit_share, request.common);
+  }
+  expect_needs(*request.command, {{"--poses", false, "--for calibration"},
+                                  {"--frame", false, "--for calibration"}});
+  const bool discriminates = request.options.criterion == ExcitationCriterion::kDiscriminate;
+  expect_needs(*request.command,
+               {{"--between", discriminates || request.command->count("--criterion") == 0,
+                 "--criterion discriminate"},
+                {"--obstacle", !request.spheres.empty(), "--sphere"},
+                {"--clearance", !request.spheres.empty(), "--sphere"}});
+  for (const char* option : {"--columns", "--given-rate", "--topic", "--map", "--units", "--rows"})
+    expect_needs(*request.command, {{option, !request.given.empty(), "--given"}});
+  expect_value(!discriminates || !request.between.empty(), "--criterion",
+               "discriminate needs --between");
+  const Model arm = read_robot(request.robot, request.common.fixed);
+  require(arm.joints() > 0, request.robot, ": found no coordinates, expected some to move.");
+  std::string made_up_words;
+  const ExcitationOptions options = options_of(request, arm, made_up_words);
+  if (!made_up_words.empty()) say(made_up_words);
+  const Interruptible until_interrupted;
+  // What it refuses is what an option asks of this arm.
+  Excitation found = value_of("excite", [&] { return optimise_excitation(arm, options); });
+  const bool known = arm.inertial_values() || !request.model.empty();
+  if (found.prediction && !known)
+    found.prediction->values = "of a plausible arm (" + request.robot + " has none)";
+  const std::string problem = why_not(found);
+  if (!problem.empty()) {
+    say(problem);
+    return kDataCannotAnswer;
+  }
+  Recording rows;
+  rows.time = found.motion.time;
+  rows.q = found.motion.q;
+  rows.dq = found.motion.dq;
+  rows.ddq = found.motion.ddq;
+  write_recording(rows, request.output);
+  if (!request.coefficients.empty()) write_file(request.coefficients, coefficients_yaml(found));
+  if (!request.common.json.empty()) write_file(request.common.json, to_json(found));
+  if (!request.common.report.empty())
+    write_file(request.common.report, to_page(found, command_line));
+  std::cout << found.report();
+  return kDone;
+}
+
+void add_limit_options(CLI::App& command, ExciteRequest& r) {
+  const char* const group = "Limits beside those of the robot file";
+  const auto several = [&](const char* option, std::vector<std::string>& target, const char* form,
+                           const char* help) {
+    command.add_option(option, target, help)
+        ->option_text(form)
+        ->expected(1)
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
+        ->group(group);
+  };
+  command
+      .add_option("--model", r.model,
+                  "The arm with values: its efforts limit the torques, rivals follow from it")
+      ->option_text("FILE")
+      ->group(group);
+  several("--box", r.boxes, "FRAME:X,X,Y,Y,Z,Z", "A frame's origin stays in a box of the world");
+  several("--sphere", r.spheres, "FRAME:R[,X,Y,Z]",
+          "A sphere on a frame; it keeps away from the others and from obstacles");
+  several("--obstacle", r.obstacles, "X,Y,Z,R", "A sphere that stands in the world");
+  command.add_option("--clearance", r.clearance, "Between spheres [m]")
+      ->option_text("M")
+      ->check(CLI::NonNegativeNumber)
+      ->group(group);
+  several("--insertion", r.insertions, "FRAME:LOW,HIGH[,X,Y,Z]",
+          "How far a frame reaches through a remote centre (the world's origin), along its z axis");
+}
+
+}  // namespace
+
+void add_excite_command(CLI::App& tool, Outcome& outcome) {
+  const auto request = std::make_shared<ExciteRequest>();
+  CLI::App& command = *tool.add_subcommand(
+      "excite", "A motion that starts and stops at rest and tells the parameters apart");
+  add_robot_argument(command, request->robot);
+  add_output_option(command, "-o,--output", request->output, "Write the motion as CSV: t, q, dq, ddq")->required();
+  add_output_option(command, "--coefficients", request->coefficients, "Write the series' coefficients as YAML");
+  add_motion_options(command, request->options);
+  add_search_options(command, request->options);
+  command
+      .add_option("--between", request->between,
+                  "The two causes of --criterion discriminate, as payload:tool,torque_gain:2")
+      ->option_text("EFFECT:PLACE,EFFECT:PLACE")
+      ->group("Search");
+  command.add_option("--given", request->given, "Recordings whose information counts")
+      ->option_text("FILE...")
+      ->group("Search");
+  command
+      .add_option("--torque-noise", request->torque_noise,
+                  "Share of the rms torque, for what is predicted (the model's error, or 0.04)")
+      ->option_text("X")
+      ->check(CLI::Range(1e-6, 10.0))
+      ->group("Search");
+  add_limit_options(command, *request);
+  add_headerless_options(command, request->reading.columns, request->reading.header_rate, "--given-rate");
+  add_signal_options(command, request->reading.signals);
+  add_row_range(command, "--rows", "Rows of the recordings given", [request](RowRange rows) {
+    request->reading.first_row = rows.first;
+    request->reading.row_count = rows.count;
+  });
+  add_fix_option(command, request->common.fixed);
+  add_poses_options(command, request->poses);
+  add_report_option(command, request->common);
+  add_common_options(command, request->common);
+  request->command = &command;
+  command.callback([request, &outcome] { outcome.status = run(*request, outcome.command_line); });
+}
+
+}  // namespace veridyn::cli

@@ -1,0 +1,166 @@
+#include "cli/motions/excite_options.hpp"
+
+#include <CLI/CLI.hpp>
+#include <cstdlib>
+
+#include "cli/options/choice.hpp"
+
+namespace veridyn::cli {
+namespace {
+
+[[noreturn]] void fail(const std::string& option, const std::string& words,
+                       const std::string& expected) {
+  throw CLI::ValidationError(option, "found '" + words + "', expected " + expected);
+}
+
+// Numbers between commas; `counts` says how many there may be.
+std::vector<double> numbers(const std::string& option, const std::string& words,
+                            const std::string& list, const std::vector<size_t>& counts,
+                            const std::string& expected) {
+  std::vector<double> out;
+  for (const std::string& word : CLI::detail::split(list, ',')) {
+    char* end = nullptr;
+    const double value = std::strtod(word.c_str(), &end);
+    if (word.empty() || *end != '\0' || value != value) fail(option, words, expected);
+    out.push_back(value);
+  }
+  for (const size_t count : counts) {
+    if (out.size() == count) return out;
+  }
+  fail(option, words, expected);
+}
+
+struct Named {
+  std::string frame;
+  std::vector<double> numbers;
+};
+
+Named named(const std::string& option, const std::string& words, const std::vector<size_t>& counts,
+            const std::string& expected) {
+  const auto colon = words.find(':');
+  if (colon == 0 || colon == std::string::npos) fail(option, words, expected);
+  return {words.substr(0, colon),
+          numbers(option, words, words.substr(colon + 1), counts, expected)};
+}
+
+}  // namespace
+
+std::pair<RivalCause, RivalCause> rivals(const std::string& words) {
+  const std::vector<std::string> two = CLI::detail::split(words, ',');
+  if (two.size() != 2 || two[0].empty() || two[1].empty()) {
+    fail("--between", words, "two causes EFFECT:PLACE,EFFECT:PLACE, as payload:tool,torque_gain:2");
+  }
+  return {split_cause(two[0]), split_cause(two[1])};
+}
+
+FrameBox frame_box(const std::string& words) {
+  const Named n = named("--box", words, {6}, "FRAME:X,X,Y,Y,Z,Z from and to, in m; inf is open");
+  return {n.frame,
+          {n.numbers[0], n.numbers[2], n.numbers[4]},
+          {n.numbers[1], n.numbers[3], n.numbers[5]}};
+}
+
+Sphere sphere(const std::string& words) {
+  const Named n = named("--sphere", words, {1, 4}, "FRAME:R or FRAME:R,X,Y,Z in m");
+  if (!(n.numbers[0] > 0.0)) fail("--sphere", words, "a positive radius");
+  Sphere out{n.frame, n.numbers[0]};
+  if (n.numbers.size() == 4) out.centre = {n.numbers[1], n.numbers[2], n.numbers[3]};
+  return out;
+}
+
+Sphere obstacle(const std::string& words) {
+  const std::string expected = "X,Y,Z,R in m, with a positive radius";
+  const std::vector<double> v = numbers("--obstacle", words, words, {4}, expected);
+  if (!(v[3] > 0.0)) fail("--obstacle", words, expected);
+  return {"world", v[3], {v[0], v[1], v[2]}};
+}
+
+InsertionRange insertion_range(const std::string& words) {
+  const Named n = named("--insertion", words, {2, 5},
+                        "FRAME:LOW,HIGH or FRAME:LOW,HIGH,X,Y,Z (the remote centre) in m");
+  InsertionRange out{n.frame, {0, 0, 0}, n.numbers[0], n.numbers[1]};
+  if (n.numbers.size() == 5) out.centre = {n.numbers[2], n.numbers[3], n.numbers[4]};
+  return out;
+}
+
+std::vector<SpherePair> sphere_pairs(const std::vector<Sphere>& spheres,
+                                     const std::vector<Sphere>& obstacles, double clearance) {
+  std::vector<SpherePair> out;
+  for (size_t a = 0; a < spheres.size(); ++a) {
+    for (size_t b = a + 1; b < spheres.size(); ++b) {
+      if (spheres[a].frame != spheres[b].frame) out.push_back({spheres[a], spheres[b], clearance});
+    }
+    for (const Sphere& fixed : obstacles) out.push_back({spheres[a], fixed, clearance});
+  }
+  return out;
+}
+
+void add_motion_options(CLI::App& command, ExcitationOptions& o) {
+  const char* const group = "Motion";
+  const auto number = [&](const char* option, double& target, const char* unit, const char* help) {
+    command.add_option(option, target, help)
+        ->option_text(unit)
+        ->check(CLI::PositiveNumber)
+        ->capture_default_str()
+        ->group(group);
+  };
+  number("--frequency", o.frequency, "HZ", "Of the slowest wave (0.13)");
+  command.add_option("--harmonics", o.harmonics, "Waves per joint (5)")
+      ->option_text("N")
+      ->check(CLI::Range(2, 100))
+      ->group(group);
+  number("--duration", o.duration, "S", "Rounded to whole periods, at least two (30)");
+  command
+      .add_option("--slow-passes", o.slow_passes,
+                  "Of every joint afterwards, there and back at 1 to 10 % of its speed (0)")
+      ->option_text("N")
+      ->check(CLI::Range(0, 100))
+      ->group(group);
+  number("--rate", o.rate, "HZ", "Rows per second (200)");
+  command
+      .add_option("--limit-share", o.limit_share,
+                  "Share of range, speed, acceleration and torque to use (0.95)")
+      ->option_text("X")
+      ->check(CLI::Range(0.01, 1.0))
+      ->group(group);
+}
+
+void add_search_options(CLI::App& command, ExcitationOptions& o) {
+  const char* const group = "Search";
+  add_choice(command, "--criterion", o.criterion,
+             {ExcitationCriterion::kCondition, ExcitationCriterion::kDOptimal,
+              ExcitationCriterion::kAOptimal, ExcitationCriterion::kDiscriminate},
+             "Smallest condition number, confidence ellipsoid or mean relative deviation, or two "
+             "causes told apart")
+      ->group(group);
+  add_choice(command, "--columns-scaled", o.scaling,
+             {ColumnScaling::kNorm, ColumnScaling::kNone, ColumnScaling::kOrthogonal},
+             "Columns of the regressor before its condition number")
+      ->group(group);
+  command
+      .add_option(
+          "--essential", o.essential,
+          "Regroup base parameters whose columns add less than this to the others' (0: keep all)")
+      ->option_text("SHARE")
+      ->check(CLI::Range(0.0, 0.99))
+      ->group(group);
+  add_choice(command, "--solver", o.solver,
+             {ExcitationSolver::kInteriorPoint, ExcitationSolver::kRandom}, "Who searches",
+             {{"ipopt", ExcitationSolver::kInteriorPoint},
+              {"nlopt", ExcitationSolver::kInteriorPoint},
+              {"nlopt-derivative-free", ExcitationSolver::kInteriorPoint}})
+      ->group(group);
+  command.add_option("--starts", o.starts, "Independent searches (2)")
+      ->option_text("N")
+      ->check(CLI::Range(1, 100000))
+      ->group(group);
+  command.add_option("--iterations,--evaluations", o.iterations, "Of each search, at most (400)")
+      ->option_text("N")
+      ->check(CLI::Range(1, 100000000))
+      ->group(group);
+  command.add_option("--seed", o.seed, "The same seed gives the same motion (1)")
+      ->option_text("N")
+      ->group(group);
+}
+
+}  // namespace veridyn::cli

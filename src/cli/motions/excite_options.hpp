@@ -1,0 +1,40 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "veridyn/excitation/excitation.hpp"
+
+namespace veridyn::cli {
+
+// The words behind the options of `excite`; each throws CLI::ValidationError with what was found
+// and what was expected.
+
+/// "EFFECT:PLACE,EFFECT:PLACE".
+std::pair<RivalCause, RivalCause> rivals(const std::string& words);
+
+/// "FRAME:X,X,Y,Y,Z,Z", from and to; "-inf" and "inf" leave a side open.
+FrameBox frame_box(const std::string& words);
+
+/// "FRAME:R" or "FRAME:R,X,Y,Z".
+Sphere sphere(const std::string& words);
+
+/// "X,Y,Z,R".
+Sphere obstacle(const std::string& words);
+
+/// "FRAME:LOW,HIGH" or "FRAME:LOW,HIGH,X,Y,Z".
+InsertionRange insertion_range(const std::string& words);
+
+/// Every sphere keeps away from every obstacle and from the spheres on other frames.
+std::vector<SpherePair> sphere_pairs(const std::vector<Sphere>& spheres,
+                                     const std::vector<Sphere>& obstacles, double clearance);
+
+/// Adds what shapes the motion: --frequency to --limit-share.
+void add_motion_options(CLI::App& command, ExcitationOptions& options);
+
+/// Adds how the motion is looked for: --criterion to --seed.
+void add_search_options(CLI::App& command, ExcitationOptions& options);
+
+}  // namespace veridyn::cli

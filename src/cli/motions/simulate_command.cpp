@@ -1,0 +1,165 @@
+#include <fmt/format.h>
+
+#include <iostream>
+#include <memory>
+
+#include "cli/commands.hpp"
+#include "cli/options/common_options.hpp"
+#include "cli/options/messages.hpp"
+#include "cli/options/option_checks.hpp"
+#include "cli/options/recording_options.hpp"
+#include "cli/motions/simulate_request.hpp"
+#include "cli/options/sound_arguments.hpp"
+#include "veridyn/recordings/recording.hpp"
+#include "math/output_file.hpp"
+#include "veridyn/math/require.hpp"
+#include "veridyn/model/model_file.hpp"
+#include "model/suggestion.hpp"
+#include "veridyn/report/motion_json.hpp"
+#include "veridyn/simulation/engine.hpp"
+#include "veridyn/simulation/plant.hpp"
+#include "veridyn/simulation/plausible_model.hpp"
+#include "veridyn/simulation/resampled_motion.hpp"
+#include "simulation/rotors_at_zero.hpp"
+#include "veridyn/simulation/simulate_recording.hpp"
+
+namespace veridyn::cli {
+namespace {
+
+
+MotionSamples wanted_motion(const Model& arm, const std::string& path) {
+  const Recording rows = read_recording(path, reading_of(arm, {}));
+  try {
+    return with_derivatives({rows.time, rows.q, rows.dq, rows.ddq});
+  } catch (const InvalidInput& error) {
+    throw InvalidInput(text(path, ": ", error.what()));
+  }
+}
+
+// What was made up is told once the motion is read: a bad file has one line.
+Model arm_with_values(const SimulateRequest& request, std::string& made_up_words) {
+  PlausibleModel plausible = plausible_model(read_robot(request.robot, request.common.fixed), request.arm_seed);
+  const bool made_up = plausible.bodies + plausible.effects > 0;
+  require(!made_up || request.replay.empty(), "simulate --replay: robot '", request.robot,
+          "' has no values; expected a MODEL that identify or diagnose wrote.");
+  if (made_up && !request.common.quiet) {
+    made_up_words =
+        fmt::format("{} has no values for {} bodies and {} effects: they get plausible ones "
+                    "(--arm-seed {}); --model-out writes them.",
+                    request.robot, plausible.bodies, plausible.effects, request.arm_seed);
+  }
+  return plausible.arm;
+}
+
+// Forward dynamics need inertia.
+Model movable_arm(const SimulateRequest& request, const Model& arm) {
+  const MovableArm movable = with_movable_rotors(arm);
+  for (const std::string& one : movable.changed) {
+    if (!request.common.quiet) say(one + ".");
+  }
+  return movable.arm;
+}
+
+ExitStatus run(const SimulateRequest& request, const std::string& command_line) {
+  check_simulate_request(request);
+  for (const std::string& path :
+       {request.output, request.model_out, request.common.json, request.common.report}) {
+    require_writable(path);
+  }
+  SimulationOptions options;
+  options.noise = sensor_noise(request.noise);
+  options.seed = request.seed;
+  for (const std::string& asked : request.effects) {
+    if (asked == "none") continue;
+    options.hidden.push_back(value_of("--effect", [&] { return parse_hidden_effect(asked); }));
+  }
+  std::string made_up_words;
+  Model arm = arm_with_values(request, made_up_words);
+  if (!request.replay.empty() || request.controller == "pid") arm = movable_arm(request, arm);
+  if (!request.breakaway.empty()) return run_breakaway(request, arm, command_line);
+  if (!request.replay.empty()) return run_replay(request, arm, command_line);
+  value_of("--effect", [&] { inject_effects(arm, options.hidden); });
+  MotionSamples wanted = wanted_motion(arm, request.trajectory);
+  require(wanted.q.cols() == arm.joints(), request.trajectory, ": found ", wanted.q.cols(),
+          " joints, expected the ", arm.joints(), " of ", arm.name(), ".");
+  if (!made_up_words.empty()) say(made_up_words);
+  if (request.sample_rate > 0.0)
+    wanted = value_of("--sample-rate", [&] { return resampled(wanted, request.sample_rate); });
+  if (request.controller == "pid")
+    return run_controlled(request, arm, wanted, options, command_line);
+  const std::string trouble = infeasibility(arm);
+  if (!trouble.empty()) say("warning: " + trouble);
+  const SimulatedRecording simulated = simulate_recording(arm, wanted, options);
+  write_simulated(request, simulated);
+  if (!request.common.json.empty()) write_file(request.common.json, to_json(simulated));
+  std::cout << simulation_report(request, simulated);
+  return kDone;
+}
+
+std::string footer() {
+  std::string out = "Noise presets (turning joints / sliding joints):\n";
+  for (const std::string& name : sensor_noise_names()) {
+    const std::string words = name == "none" ? "ideal" : describe(sensor_noise(name));
+    out += fmt::format("  {:<5} {}\n", name, words);
+  }
+  out +=
+      "KEYs of noise, in seconds and shares: stale_rows, stale_run (rows), dropouts, dropout_run\n"
+      "(rows), delay, late, torque_white, torque_coloured.\n"
+      "Effects: JOINT is a coordinate's name or its number from 1; KEY is a parameter or a shape\n"
+      "constant of the effect, and from=JOINT for couplings. Parameters that are not given make\n"
+      "10 % of the joint's rms effort. Of other kinds:\n"
+      "  payload:FRAME:mass=KG,x=M,y=M,z=M       gravity_tilt:arm:roll=RAD,pitch=RAD\n"
+      "  torque_gain:JOINT:gain=X                time_delay:JOINT:seconds=S\n"
+      "  encoder_offset:JOINT:offset=RAD         external_contact:JOINT:from=S,to=S,effort=NM\n"
+      "  coupling_error:CONSTANT:change=X        (a constant of the robot file)";
+  return out;
+}
+
+}  // namespace
+
+void add_simulate_command(CLI::App& tool, Outcome& outcome) {
+  const auto request = std::make_shared<SimulateRequest>();
+  CLI::App& command =
+      *tool.add_subcommand("simulate", "A recording of an arm along a motion, with hidden effects");
+  request->command = &command;
+  add_robot_argument(command, request->robot);
+  command.add_option("--trajectory", request->trajectory, "CSV with t and q; dq and ddq if there")
+      ->option_text("TRAJ");
+  add_output_option(command, "-o,--output", request->output, "Write the recording as CSV: t, q, dq, tau");
+  command.add_option("--effect", request->effects, "What the arm has beyond its file; see below")
+      ->option_text("NAME:JOINT[:KEY=VALUE,...]")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  command.add_option("--noise", request->noise, "Sensors and controller; see below (low)")
+      ->option_text(listed(sensor_noise_names()) + "[:KEY=VALUE,...]")
+      ->check(CLI::Validator(
+          [](const std::string& asked) {
+            try {
+              sensor_noise(asked);
+            } catch (const InvalidInput& error) {
+              return std::string(error.what());
+            }
+            return std::string();
+          },
+          ""));
+  command
+      .add_option("--sample-rate", request->sample_rate,
+                  "Of the recording, whatever that of the trajectory (the same)")
+      ->option_text("HZ")
+      ->check(CLI::PositiveNumber);
+  command.add_option("--engine", request->engine, "What computes the motion (veridyn)")
+      ->option_text(listed(engine_names()));
+  command.add_option("--seed", request->seed, "Of the noise (1)")->option_text("N");
+  command
+      .add_option("--arm-seed", request->arm_seed,
+                  "Of the values of an arm whose file has none; the same in all its recordings (1)")
+      ->option_text("N");
+  add_output_option(command, "--model-out", request->model_out, "Write the true arm as YAML");
+  add_control_options(command, *request);
+  add_common_options(command, request->common);
+  add_report_option(command, request->common);
+  command.footer(footer());
+  command.callback([request, &outcome] { outcome.status = run(*request, outcome.command_line); });
+}
+
+}  // namespace veridyn::cli

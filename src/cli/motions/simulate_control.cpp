@@ -1,0 +1,216 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <iostream>
+
+#include "cli/options/messages.hpp"
+#include "cli/options/option_checks.hpp"
+#include "cli/options/recording_options.hpp"
+#include "cli/motions/simulate_request.hpp"
+#include "veridyn/recordings/preprocessing.hpp"
+#include "math/output_file.hpp"
+#include "veridyn/math/require.hpp"
+#include "veridyn/model/model_file.hpp"
+#include "model/suggestion.hpp"
+#include "veridyn/report/motion_json.hpp"
+#include "report/pages/simulation_page.hpp"
+
+namespace veridyn::cli {
+namespace {
+
+const char* const kControl = "Control";
+
+VectorXd per_joint(const std::vector<double>& numbers, const Model& arm, const char* option) {
+  if (numbers.empty()) return {};
+  expect_value(static_cast<int>(numbers.size()) == arm.joints(), option, "found ", numbers.size(),
+               " numbers, expected ", arm.joints(), ", one per joint of ", arm.name());
+  const bool limits = std::string(option) == "--torque-limit";
+  for (const double x : numbers)
+    expect_value(x > 0.0 || (x == 0.0 && !limits), option, "found ", x, ", expected ",
+                 limits ? "numbers above zero" : "no number below zero");
+  return Eigen::Map<const VectorXd>(numbers.data(), arm.joints());
+}
+
+}  // namespace
+
+LoopOptions loop_of(const SimulateRequest& request, const Model& arm) {
+  LoopOptions loop = request.loop;
+  loop.drive.limit = per_joint(request.limit, arm, "--torque-limit");
+  if (!request.gains.empty()) loop.gains = read_gains(request.gains, arm);
+  if (request.p.empty()) return loop;
+  loop.gains.p = per_joint(request.p, arm, "--kp");
+  loop.gains.i = request.i.empty() ? VectorXd(VectorXd::Zero(arm.joints()))
+                                   : per_joint(request.i, arm, "--ki");
+  loop.gains.d =
+      request.d.empty() ? critical_damping(arm, loop.gains.p) : per_joint(request.d, arm, "--kd");
+  return loop;
+}
+
+Recording rows_of(const MotionSamples& motion, const MatrixXd& tau) {
+  Recording rows;
+  rows.time = motion.time;
+  rows.q = motion.q;
+  rows.dq = motion.dq;
+  rows.tau = tau;
+  return rows;
+}
+
+void tell_left_out(const SimulateRequest& request, const std::vector<std::string>& left_out) {
+  if (request.common.quiet) return;
+  for (const std::string& one : left_out) say("left out: " + one + ".");
+}
+
+bool stopped(const EngineRun& run, const Model& arm) {
+  if (run.complete()) return false;
+  say("the run " + run.why(arm) + "; nothing is written.");
+  return true;
+}
+
+void add_control_options(CLI::App& command, SimulateRequest& request) {
+  const auto numbers = [&](const char* name, std::vector<double>& target, const char* help) {
+    command.add_option(name, target, help)->option_text("X,X,...")->delimiter(',')->group(kControl);
+  };
+  const auto number = [&](const char* name, double& target, const char* unit, const char* help) {
+    command.add_option(name, target, help)
+        ->option_text(unit)
+        ->check(CLI::NonNegativeNumber)
+        ->group(kControl);
+  };
+  command
+      .add_option("--controller", request.controller,
+                  "pid: forward dynamics under a PID per joint; none: the arm makes the motion "
+                  "exactly, its torques by inverse dynamics (none)")
+      ->option_text("none|pid")
+      ->check(CLI::IsMember({"none", "pid"}))
+      ->group(kControl);
+  command
+      .add_option("--replay", request.replay,
+                  "Drive the arm with this recording and compare, instead of a trajectory")
+      ->option_text("REC")
+      ->group(kControl);
+  command
+      .add_option(
+          "--drive", request.drive,
+          "What of the recording drives: the commands that its PD must have had, its motion "
+          "as set points, or its torques (commands)")
+      ->option_text("commands|set-points|torques")
+      ->check(CLI::IsMember({"commands", "set-points", "torques"}))
+      ->group(kControl);
+  command
+      .add_option("--breakaway", request.breakaway,
+                  "With --replay of slow ramps: the effort at which this joint gives way")
+      ->option_text("JOINT")
+      ->group(kControl);
+  number("--breakaway-speed", request.breakaway_speed, "M/S",
+         "Above which it slides and no longer creeps (5 mm/s, 50 mrad/s)");
+  command.add_option("--gains", request.gains, "YAML file with lists p, i and d")
+      ->option_text("FILE")
+      ->group(kControl);
+  numbers("--kp", request.p, "Gains of position (6 Hz of bandwidth)");
+  numbers("--ki", request.i, "Gains of its integral (none with --kp)");
+  numbers("--kd", request.d, "Gains of velocity (critical damping)");
+  command.add_option("--control-rate", request.loop.rate, "Of the controller (1000)")
+      ->option_text("HZ")
+      ->check(CLI::Range(1.0, 1e6))
+      ->group(kControl);
+  numbers("--torque-limit", request.limit, "Of the motors (the robot file's)");
+  number("--current-lag", request.loop.drive.lag, "S", "Time constant of the current loop (0)");
+  number("--torque-step", request.loop.drive.step, "NM", "Quantum of the amplifiers (0)");
+  number("--encoder-delay", request.loop.sensors.delay, "S", "Of what the controller sees (0)");
+  number("--set-point-cutoff", request.set_point_cutoff, "HZ",
+         "A further low-pass of the recorded motion and torque before they lead (none)");
+  number("--filter-cutoff", request.preprocessing.cutoff, "HZ",
+         "Low-pass of both torques before they are compared (5)");
+  add_signal_options(command, request.preprocessing.signals);
+  add_fix_option(command, request.common.fixed);
+}
+
+namespace {
+
+std::vector<OptionNeed> simulate_needs(const SimulateRequest& request) {
+  const bool replay = !request.replay.empty();
+  const bool ramps = !request.breakaway.empty();
+  const bool moves = replay || request.controller == "pid";
+  const bool loop = replay ? request.drive != "torques" && !ramps : moves;
+  std::vector<OptionNeed> needs = {
+      {"--breakaway", replay, "--replay"},
+      {"--drive", replay && !ramps, "--replay without --breakaway"},
+      {"--breakaway-speed", ramps, "--breakaway"},
+      {"--filter-cutoff", replay, "--replay"},
+      {"--topic", replay, "--replay"},
+      {"--map", replay, "--replay"},
+      {"--units", replay, "--replay"},
+      {"--set-point-cutoff", replay && loop, "--replay led by commands or set-points"},
+      {"--report", moves, "--controller pid or --replay"},
+      {"--engine", moves, "--controller pid or --replay"}};
+  for (const char* option :
+       {"--effect", "--noise", "--sample-rate", "--seed", "--arm-seed", "--model-out"})
+    needs.push_back({option, !replay, "--trajectory"});
+  for (const char* option : {"--gains", "--kp", "--ki", "--kd", "--control-rate", "--torque-limit",
+                             "--current-lag", "--torque-step", "--encoder-delay"})
+    needs.push_back({option, loop, "--controller pid, or --replay led by commands or set-points"});
+  return needs;
+}
+
+}  // namespace
+
+void check_simulate_request(const SimulateRequest& request) {
+  if (request.trajectory.empty() == request.replay.empty())
+    throw CLI::ValidationError("simulate", "expected either --trajectory or --replay");
+  if (request.output.empty() && request.replay.empty()) throw CLI::RequiredError("--output");
+  expect_needs(*request.command, simulate_needs(request));
+  if (!request.gains.empty() && !request.p.empty())
+    throw CLI::ValidationError("--gains", "found --kp beside it, expected one of them");
+  if (request.p.empty() && (!request.i.empty() || !request.d.empty()))
+    throw CLI::ValidationError("--kp", "found --ki or --kd without it");
+  expect_one_of("--engine", request.engine, engine_names());
+}
+
+void write_simulated(const SimulateRequest& request, const SimulatedRecording& simulated) {
+  write_recording(rows_of(simulated.measured, simulated.tau), request.output);
+  if (!request.model_out.empty()) save_model(simulated.truth, request.model_out);
+}
+
+std::string simulation_report(const SimulateRequest& request, const SimulatedRecording& simulated) {
+  const MotionSamples& m = simulated.measured;
+  std::string out =
+      fmt::format("Simulated {}: {} rows, {:.4g} s, noise {}.\n", simulated.truth.name(), m.rows(),
+                  m.time[m.rows() - 1] - m.time[0], request.noise);
+  for (const InjectedEffect& injected : simulated.injected) {
+    out += fmt::format("Hidden: {} on {}", injected.effect, injected.place);
+    if (injected.joint > 0) out += fmt::format(" (joint {})", injected.joint);
+    for (const auto& [key, value] : injected.values) out += fmt::format(", {} {:.5g}", key, value);
+    out += ".\n";
+  }
+  return out;
+}
+
+ExitStatus run_controlled(const SimulateRequest& request, const Model& arm,
+                          const MotionSamples& wanted, const SimulationOptions& options,
+                          const std::string& command_line) {
+  const double lasts = wanted.time[wanted.rows() - 1] - wanted.time[0];
+  expect_value(request.loop.sensors.delay < lasts, "--encoder-delay", "found ",
+               request.loop.sensors.delay, " s, expected less than the ", lasts,
+               " s of the motion");
+  const ControlledRecording done =
+      simulate_controlled(arm, wanted, {options, loop_of(request, arm), request.engine});
+  tell_left_out(request, done.left_out);
+  if (stopped(done.run, arm)) return kDataCannotAnswer;
+  write_simulated(request, done.recording);
+  if (!request.common.json.empty()) write_file(request.common.json, to_json(done, wanted));
+  std::string report = simulation_report(request, done.recording);
+  const MatrixXd& q = done.run.motion.q;
+  for (int i = 0; i < arm.joints(); ++i) {
+    const Coordinate& c = arm.coordinates()[static_cast<size_t>(i)];
+    report += fmt::format("joint {} ({}): at most {:.3g} {} off its set point\n", i + 1, c.name,
+                          1e3 * (q.col(i) - wanted.q.col(i).head(q.rows())).cwiseAbs().maxCoeff(),
+                          c.prismatic ? "mm" : "mrad");
+  }
+  if (!request.common.report.empty())
+    write_file(request.common.report,
+               to_page(done, wanted, {request.trajectory, command_line, report}));
+  std::cout << report;
+  return kDone;
+}
+
+}  // namespace veridyn::cli

@@ -1,0 +1,197 @@
+#include "cli/options/common_options.hpp"
+
+#include <sys/stat.h>
+
+#include <algorithm>
+#include <charconv>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <system_error>
+#include <utility>
+
+#include "cli/options/choice.hpp"
+#include "cli/options/messages.hpp"
+#include "cli/options/recording_options.hpp"
+#include "cli/options/sound_arguments.hpp"
+#include "math/output_file.hpp"
+#include "veridyn/math/require.hpp"
+#include "veridyn/report/setting_names.hpp"
+
+namespace veridyn::cli {
+namespace {
+
+// A whole number that is not negative, or -1.
+long row_number(const std::string& digits) {
+  long value = -1;
+  const char* end = digits.data() + digits.size();
+  const auto [stop, error] = std::from_chars(digits.data(), end, value);
+  return error == std::errc() && stop == end && value >= 0 ? value : -1;
+}
+
+RowRange row_range(const std::string& option, const std::string& words) {
+  const auto colon = words.find(':');
+  const std::string first = words.substr(0, colon);
+  const std::string end = colon == std::string::npos ? "" : words.substr(colon + 1);
+  const long a = first.empty() ? 0 : row_number(first);
+  const long b = end.empty() ? -1 : row_number(end);
+  if (colon == std::string::npos || a < 0 || (!end.empty() && b <= a)) {
+    throw CLI::ValidationError(option, "found '" + words +
+                                           "', expected rows A:B with A < B, as 200:1311 (the "
+                                           "first row is 0, B itself is left out)");
+  }
+  return {a, end.empty() ? -1 : b - a};
+}
+
+std::vector<std::string> signal_names(const std::string& option, const std::string& words) {
+  std::vector<std::string> known = {"t"};
+  for (const RecordingSignal& signal : kRecordingSignals) known.emplace_back(signal.name);
+  std::vector<std::string> names = CLI::detail::split(words, ',');
+  for (const std::string& name : names) {
+    if (std::find(known.begin(), known.end(), name) != known.end()) continue;
+    throw CLI::ValidationError(
+        option, "found '" + name + "', expected names out of " + listed(known) + ", as q,dq,tau");
+  }
+  return names;
+}
+
+// One file under two names, or a copy of it.
+bool same_recording(const std::string& a, const std::string& b) {
+  namespace fs = std::filesystem;
+  std::error_code error;
+  if (a == b || fs::equivalent(a, b, error)) return true;
+  if (!fs::is_regular_file(a, error) || !fs::is_regular_file(b, error)) return false;
+  if (fs::file_size(a, error) != fs::file_size(b, error) || fs::file_size(a, error) == 0) return false;
+  std::ifstream one(a, std::ios::binary);
+  std::ifstream other(b, std::ios::binary);
+  return one && other &&
+         std::equal(std::istreambuf_iterator<char>(one), std::istreambuf_iterator<char>(),
+                    std::istreambuf_iterator<char>(other));
+}
+
+}  // namespace
+
+void add_common_options(CLI::App& command, CommonOptions& options) {
+  const char* const group = "Common";
+  add_output_option(command, "--json", options.json, "Write the result as JSON")
+      ->group(group);
+  command.add_option("--threads", options.threads, "Threads; 0: one per core")
+      ->option_text("N")
+      ->check(CLI::NonNegativeNumber)
+      ->group(group);
+  command.add_flag("--quiet", options.quiet, "No progress on standard error")->group(group);
+  command.set_version_flag("--version", "veridyn " VERIDYN_VERSION)->group(group);
+}
+
+void add_report_option(CLI::App& command, CommonOptions& options) {
+  add_output_option(command, "--report", options.report, "Write the result as one HTML page, with plots")
+      ->group("Common");
+}
+
+void add_robot_argument(CLI::App& command, std::string& robot) {
+  command
+      .add_option("ROBOT", robot,
+                  "YAML or URDF file, or the bare name of a robot that comes with the tool")
+      ->required()
+      ->option_text(" ");
+}
+
+CLI::Option* add_row_range(CLI::App& command, const std::string& option, const std::string& help,
+                           std::function<void(RowRange)> take) {
+  const auto parse = [option, take = std::move(take)](const std::string& words) {
+    take(row_range(option, words));
+  };
+  return command.add_option_function<std::string>(option, parse, help)
+      ->option_text("A:B")
+      ->group(kRecordings);
+}
+
+void add_headerless_options(CLI::App& command, std::vector<std::string>& columns, double& rate,
+                            const std::string& rate_option) {
+  const auto parse = [&columns](const std::string& words) {
+    columns = signal_names("--columns", words);
+  };
+  command
+      .add_option_function<std::string>("--columns", parse,
+                                        "Signals of CSV files in their order, as q,dq,tau; a header is passed over")
+      ->option_text("NAMES")
+      ->group(kRecordings);
+  command.add_option(rate_option, rate, "Rate of CSV files without a time column [Hz]")
+      ->option_text("HZ")
+      ->check(CLI::PositiveNumber)
+      ->group(kRecordings);
+}
+
+void add_preprocessing_options(CLI::App& command, PreprocessingOptions& o) {
+  add_headerless_options(command, o.columns, o.header_rate);
+  add_signal_options(command, o.signals);
+  add_row_range(command, "--rows", "Rows to use; the filter sees the others", [&o](RowRange rows) {
+    o.first_row = rows.first;
+    o.row_count = rows.count;
+  });
+  const auto number = [&command](const char* option, double& target, const char* unit,
+                                 const char* help) {
+    command.add_option(option, target, help)
+        ->option_text(unit)
+        ->check(CLI::NonNegativeNumber)
+        ->capture_default_str()
+        ->group(kRecordings);
+  };
+  number("--filter-cutoff", o.cutoff, "HZ", "Low-pass, zero phase; 0: none");
+  command.add_option("--filter-order", o.order, "Order of one of its two passes")
+      ->option_text("N")
+      ->check(CLI::Range(1, 20))
+      ->group(kRecordings);
+  add_choice(command, "--filtering", o.filtering, {Filtering::kMatched, Filtering::kSignals},
+             "Filter torque and regressor columns alike, or the signals before")
+      ->group(kRecordings);
+  add_choice(command, "--velocity", o.velocity,
+             {VelocitySource::kRecorded, VelocitySource::kDerived}, "Where velocities come from")
+      ->group(kRecordings);
+  add_choice(command, "--stale-rows", o.stale_rows, {StaleRows::kFilled, StaleRows::kKept},
+             "Rows that a late publisher wrote twice: filled in, or kept as recorded")
+      ->group(kRecordings);
+  number("--resample", o.rate, "HZ", "Uniform grid; 0: one over the median time step");
+  number("--drop-start", o.drop_start, "S", "Left out at the start of each file");
+  number("--drop-end", o.drop_end, "S", "Left out at the end of each file");
+  number("--min-speed", o.min_speed, "V",
+         "Leave a joint's slower rows out of the fit, rad/s or m/s");
+  command
+      .add_option("--decimation", o.decimation,
+                  "Keep one filtered sample in N; 0: as the cut-off allows")
+      ->option_text("N")
+      ->check(CLI::NonNegativeNumber)
+      ->group(kRecordings);
+}
+
+void require_writable(const std::string& path) {
+  if (path.empty()) return;
+  struct stat there {};
+  const bool exists = ::stat(path.c_str(), &there) == 0;
+  require(!exists || !S_ISDIR(there.st_mode), path,
+          ": cannot be written: found a folder, expected a file name.");
+  const OutputFile probe(path);
+}
+
+void warn_of_shared_recordings(const std::vector<std::string>& train,
+                               const std::vector<std::string>& test) {
+  for (const std::string& path : test) {
+    if (std::any_of(train.begin(), train.end(),
+                    [&path](const std::string& other) { return same_recording(path, other); }))
+      say("warning: " + path + " is both learned from and tested on: its error is not held out.");
+  }
+}
+
+void warn_of_repeated_recordings(const std::vector<std::string>& train) {
+  for (size_t k = 1; k < train.size(); ++k) {
+    const auto here = train.begin() + static_cast<std::ptrdiff_t>(k);
+    const auto other = std::find_if(train.begin(), here, [&](const std::string& before) {
+      return same_recording(*here, before);
+    });
+    if (other != here)
+      say("warning: " + *here + " holds the same as " + *other +
+          " and counts once more: error bars come out too small; give it once.");
+  }
+}
+
+}  // namespace veridyn::cli

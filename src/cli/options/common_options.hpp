@@ -1,0 +1,61 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <functional>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "veridyn/recordings/preprocessing.hpp"
+#include "veridyn/recordings/recording.hpp"
+
+namespace veridyn::cli {
+
+/// Options that every command has.
+struct CommonOptions {
+  std::string json;    ///< file for the machine-readable result; empty: none
+  std::string report;  ///< file for the HTML page; empty: none
+  int threads = 0;     ///< 0: one per core
+  bool quiet = false;
+  std::map<std::string, double> fixed;  ///< coordinates that are not recorded, and where they stay
+};
+
+/// A half-open range of rows; count -1: to the end.
+struct RowRange {
+  long first = 0;
+  long count = -1;
+};
+
+/// Adds --json, --threads, --quiet and --version.
+void add_common_options(CLI::App& command, CommonOptions& options);
+
+/// Adds --report, for a command that has a page.
+void add_report_option(CLI::App& command, CommonOptions& options);
+
+/// Adds ROBOT, the first argument: a file or a bare name.
+void add_robot_argument(CLI::App& command, std::string& robot);
+
+/// Adds an option A:B; A or B may be left away.
+CLI::Option* add_row_range(CLI::App& command, const std::string& option, const std::string& help,
+                           std::function<void(RowRange)> take);
+
+/// Adds --columns and --rate, for files without a header.
+void add_headerless_options(CLI::App& command, std::vector<std::string>& columns, double& rate,
+                            const std::string& rate_option = "--rate");
+
+/// Adds everything that turns recordings into samples: filter, velocities, grid, rows, edges.
+void add_preprocessing_options(CLI::App& command, PreprocessingOptions& options);
+
+/// Finds out before long work whether a file can be written. An empty path is no file.
+/// @throws InvalidInput  it cannot.
+void require_writable(const std::string& path);
+
+/// Says so where a recording, or a copy of it, is learned from and tested on.
+void warn_of_shared_recordings(const std::vector<std::string>& train,
+                               const std::vector<std::string>& test);
+
+/// Says so where a recording, or a copy of it, is learned from twice.
+void warn_of_repeated_recordings(const std::vector<std::string>& train);
+
+}  // namespace veridyn::cli

@@ -1,0 +1,151 @@
+#include "cli/options/recording_options.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <set>
+
+#include "math/parallel.hpp"
+#include "cli/options/messages.hpp"
+#include "cli/options/option_checks.hpp"
+#include "recordings/kept_recordings.hpp"
+#include "recordings/units.hpp"
+#include "veridyn/math/require.hpp"
+#include "veridyn/model/fixed_coordinates.hpp"
+#include "veridyn/model/model_file.hpp"
+
+namespace veridyn::cli {
+namespace {
+
+constexpr long kLookedAt = 20000;  // rows of a recording that show its units
+
+// "a=b" and "c=d" out of "a=b,c=d".
+std::vector<std::pair<std::string, std::string>> pairs_in(const std::string& option,
+                                                          const std::string& words,
+                                                          const char* example) {
+  std::vector<std::pair<std::string, std::string>> pairs;
+  for (const std::string& one : CLI::detail::split(words, ',')) {
+    const std::size_t equals = one.find('=');
+    if (equals == std::string::npos || equals == 0 || equals + 1 == one.size())
+      throw CLI::ValidationError(option, "found '" + one + "', expected NAME=VALUE, as " + example);
+    pairs.emplace_back(one.substr(0, equals), one.substr(equals + 1));
+  }
+  return pairs;
+}
+
+// An option that may be given several times, each with a list of its own.
+void add_list(CLI::App& command, const std::string& option, const char* shape, const char* help,
+              const std::function<void(const std::string&)>& take) {
+  command
+      .add_option_function<std::vector<std::string>>(
+          option,
+          [take](const std::vector<std::string>& all) {
+            for (const std::string& one : all) take(one);
+          },
+          help)
+      ->option_text(shape)
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
+      ->group(kRecordings);
+}
+
+}  // namespace
+
+void add_signal_options(CLI::App& command, SignalChoice& signals) {
+  add_list(command, "--topic", "NAME", "Topic with the joints, where a bag has several",
+           [&signals](const std::string& words) {
+             for (const std::string& topic : CLI::detail::split(words, ','))
+               signals.topics.push_back(topic);
+           });
+  add_list(command, "--map", "SIGNAL=SOURCE",
+           "Where a signal is found, as tau1=/arm/effort/0, tau=/arm/effort, t=stamp, or a joint: "
+           "yaw=outer_yaw",
+           [&signals](const std::string& words) {
+             for (const auto& [key, source] : pairs_in("--map", words, "tau1=/arm/effort/0"))
+               signals.map[key] = source;
+           });
+  add_list(command, "--units", "SIGNAL=UNIT",
+           "Units that are not SI, as q=deg,t=ms; tau=A: efforts are motor currents",
+           [&signals](const std::string& words) {
+             for (const auto& [key, unit] : pairs_in("--units", words, "q=deg,t=ms"))
+               signals.units[key] = unit;
+             try {
+               recordings::require_known_units(signals);
+             } catch (const InvalidInput& error) {
+               throw CLI::ValidationError(error.what());
+             }
+           });
+}
+
+void add_fix_option(CLI::App& command, std::map<std::string, double>& fixed) {
+  add_list(command, "--fix", "JOINT=VALUE",
+           "A joint that is not recorded stays at this position, rad or m",
+           [&fixed](const std::string& words) {
+             for (const auto& [joint, value] : pairs_in("--fix", words, "finger=0")) {
+               const char* end = value.data() + value.size();
+               const auto [rest, error] = std::from_chars(value.data(), end, fixed[joint]);
+               if (error != std::errc() || rest != end)
+                 throw CLI::ValidationError("--fix", "found '" + value + "', expected a number");
+             }
+           });
+}
+
+Model read_robot(const std::string& robot, const std::map<std::string, double>& fixed) {
+  const Model arm = read_model(robot);
+  return value_of("--fix", [&] { return with_fixed(arm, fixed); });
+}
+
+std::vector<std::string> words_for_given(const PreprocessingOptions& how,
+                                         const std::map<std::string, double>& fixed) {
+  std::vector<std::string> words;
+  const auto add = [&words](const char* option, const std::string& value) {
+    words.insert(words.end(), {option, value});
+  };
+  if (!how.columns.empty()) add("--columns", CLI::detail::join(how.columns));
+  if (how.header_rate > 0.0) add("--given-rate", fmt::format("{}", how.header_rate));
+  for (const std::string& topic : how.signals.topics) add("--topic", topic);
+  for (const auto& [signal, source] : how.signals.map) add("--map", signal + "=" + source);
+  for (const auto& [signal, unit] : how.signals.units) add("--units", signal + "=" + unit);
+  if (how.first_row > 0 || how.row_count >= 0) {
+    add("--rows", text(how.first_row, ":",
+                       how.row_count < 0 ? "" : std::to_string(how.first_row + how.row_count)));
+  }
+  for (const auto& [joint, value] : fixed) add("--fix", joint + "=" + fmt::format("{}", value));
+  return words;
+}
+
+void tell_facts(const std::vector<RecordingQuality>& recordings) {
+  std::set<std::string> told;
+  for (const RecordingQuality& quality : recordings) {
+    const std::string match = quality.facts.match();
+    if (!match.empty() && told.insert(match).second) say(quality.file + ": " + match);
+    for (const std::string& remark : quality.facts.remarks) say(quality.file + ": " + remark);
+  }
+}
+
+void look_at_recordings(const Model& arm, const std::vector<std::string>& recordings,
+                        const PreprocessingOptions& how, int threads) {
+  std::vector<RecordingQuality> seen(recordings.size());
+  parallel_for(static_cast<int>(recordings.size()), threads, [&](int k) {
+    RecordingOptions reading = reading_of(arm, how);
+    reading.first_row = std::max(0L, how.first_row);
+    reading.row_count = how.row_count < 0 ? kLookedAt : std::min(how.row_count, kLookedAt);
+    const auto at = static_cast<std::size_t>(k);
+    try {
+      seen[at] = check_rows(recordings[at], open_rows(recordings[at], reading, how.kept.get()));
+    } catch (const InvalidInput&) {
+      // Whoever reads it in earnest tells why it cannot be read.
+    }
+  });
+  tell_facts(seen);
+  for (const RecordingQuality& quality : seen) {
+    for (const QualityFinding& f : quality.findings) {
+      // Where hardly a row is left, whoever reads it in earnest says so.
+      if (f.finding == "degrees" || (f.severity == Severity::kFault && f.finding != "gaps"))
+        say("warning: " + quality.file + ": " + f.sentence);
+    }
+  }
+}
+
+}  // namespace veridyn::cli

@@ -1,0 +1,107 @@
+#include "cli/options/sound_arguments.hpp"
+
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+namespace veridyn::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+// The type of options whose value is a file to write; messages say it where the value is missing.
+constexpr const char* kOutputType = "FILE to write";
+
+struct NamedFile {
+  std::string option;
+  fs::path path;
+};
+
+bool is_output(const CLI::Option& option) { return option.get_type_name() == kOutputType; }
+
+bool is_number(const std::string& word, double& value) {
+  char* end = nullptr;
+  value = std::strtod(word.c_str(), &end);
+  return !word.empty() && end == word.c_str() + word.size();
+}
+
+// The place that a path means, though nothing may be there yet.
+fs::path place(const std::string& path) {
+  std::error_code error;
+  const fs::path out = fs::weakly_canonical(fs::absolute(path, error), error);
+  return error ? fs::path(path) : out;
+}
+
+// Two names of one file, hard links included.
+bool same_file(const fs::path& a, const fs::path& b) {
+  std::error_code error;
+  return a == b || fs::equivalent(a, b, error);
+}
+
+void expect_finite(const std::string& name, const std::string& word) {
+  double value = 0.0;
+  if (is_number(word, value) && !std::isfinite(value))
+    throw CLI::ValidationError(name, "found " + word + ", expected a finite number");
+}
+
+void expect_sound(const CLI::App& command) {
+  std::vector<NamedFile> outputs;
+  std::vector<NamedFile> inputs;
+  for (const CLI::Option* option : command.get_options()) {
+    const std::string name = option->get_name();
+    for (const std::string& word : option->results()) {
+      if (is_output(*option)) {
+        // A device takes any number of outputs.
+        std::error_code error;
+        if (!fs::exists(word, error) || fs::is_regular_file(word, error))
+          outputs.push_back({name, place(word)});
+        continue;
+      }
+      expect_finite(name, word);
+      double number = 0.0;
+      std::error_code error;
+      if (!is_number(word, number) && fs::is_regular_file(word, error))
+        inputs.push_back({name, place(word)});
+    }
+  }
+  for (size_t k = 0; k < outputs.size(); ++k) {
+    for (size_t other = 0; other < k; ++other) {
+      if (same_file(outputs[k].path, outputs[other].path))
+        throw CLI::ValidationError(outputs[k].option,
+                                   "found the same file as for " + outputs[other].option);
+    }
+    for (const NamedFile& input : inputs) {
+      if (same_file(outputs[k].path, input.path))
+        throw CLI::ValidationError(
+            outputs[k].option, "found the same file as for " + input.option + ", which is read");
+    }
+  }
+}
+
+}  // namespace
+
+CLI::Option* add_output_option(CLI::App& command, const std::string& option, std::string& target,
+                               const std::string& help) {
+  return command.add_option(option, target, help)->type_name(kOutputType)->option_text("FILE");
+}
+
+void expect_apart(const std::string& option, const std::string& output,
+                  const std::vector<std::string>& inputs) {
+  for (const std::string& input : inputs) {
+    if (!output.empty() && same_file(place(output), place(input)))
+      throw CLI::ValidationError(option, "found '" + output + "', which is read, expected another file");
+  }
+}
+
+void expect_sound_arguments(CLI::App& tool) {
+  for (CLI::App* command : tool.get_subcommands([](const CLI::App*) { return true; })) {
+    command->parse_complete_callback([command] { expect_sound(*command); });
+    expect_sound_arguments(*command);
+  }
+}
+
+}  // namespace veridyn::cli

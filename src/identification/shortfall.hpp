@@ -1,0 +1,21 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "veridyn/identification/compressed_recording.hpp"
+#include "veridyn/regressor/base_parameters.hpp"
+
+namespace veridyn {
+
+/// Names of the coordinates that travel less than 2 mrad or 0.2 mm in every recording.
+std::vector<std::string> still_joints(const Model& arm,
+                                      const std::vector<CompressedRecording>& recordings);
+
+/// Why recordings do not determine the base parameters of their arm, in words: which joints never
+/// move, else how many parameters are determined. Empty where all of them are.
+/// @param arm_base   of the arm. @param data_base  of the recordings' factor.
+std::string shortfall(const BaseParameters& arm_base, const BaseParameters& data_base,
+                      const std::vector<std::string>& still);
+
+}  // namespace veridyn

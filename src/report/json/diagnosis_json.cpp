@@ -1,0 +1,166 @@
+#include "veridyn/report/diagnosis_json.hpp"
+#include "report/json/error_json.hpp"
+#include "report/json/json_value.hpp"
+#include "report/json/settings_json.hpp"
+
+namespace veridyn {
+namespace {
+
+Json error_pair(const Identification& id) {
+  Json out;
+  out["train"] = error_json(id.train_error, id.train_repaired, id.train_without_excluded);
+  out["test"] = error_json(id.test_error, id.test_repaired, id.test_without_excluded);
+  out["recordings"] = Json::array();
+  for (const RecordingError& r : id.test) {
+    Json one = error_json(r.error, r.repaired, r.without_excluded);
+    one["source"] = r.source;
+    out["recordings"].push_back(std::move(one));
+  }
+  return out;
+}
+
+Json summary_json(const DiagnosisSummary& s) {
+  return {{"main_findings", s.main},
+          {"explained_by_main", s.explained_by_main},
+          {"explained_by_all", s.explained_by_all},
+          {"worse_joints", s.worse_joints},
+          {"held_out_untouched", s.held_out_untouched}};
+}
+
+// Name and joint of a cause; where there is no arm there is nothing that it could be about.
+Json cause_json(const Diagnosis& d, const Cause& cause) {
+  if (!d.baseline.model) return {{"effect", effect_of(cause)}};
+  const CauseWords w = words_of(*d.baseline.model, cause);
+  return {{"effect", w.effect}, {"joint", w.joint}};
+}
+
+// Its place in all other words.
+void add_place(const Diagnosis& d, const Cause& cause, Json& out) {
+  if (!d.baseline.model) return;
+  const CauseWords w = words_of(*d.baseline.model, cause);
+  out["coordinate"] = w.coordinate;
+  if (!w.frame.empty()) out["frame"] = w.frame;
+  if (!w.constant.empty()) out["constant"] = w.constant;
+  out["cause"] = to_text(*d.baseline.model, cause);
+}
+
+Json next_json(const Diagnosis& d) {
+  const NextExperiment& next = d.next_experiment;
+  Json out = {{"separates", Json::array()}, {"trajectory", next.trajectory}};
+  if (next.between.empty() || !d.baseline.model) return out;
+  out["between"] = Json::array();
+  for (size_t k = 0; k < next.between.size(); ++k) {
+    out["separates"].push_back(next.words(*d.baseline.model, k));
+    out["between"].push_back(to_text(*d.baseline.model, next.between[k]));
+  }
+  return out;
+}
+
+Json finding_json(const Diagnosis& d, const Finding& f) {
+  Json out = {{"rank", f.rank}};
+  out.update(cause_json(d, f.cause));
+  add_place(d, f.cause, out);
+  out["unit"] = f.unit;
+  out["status"] = name_of(f.status);
+  out["main"] = f.main;
+  if (!f.source.empty()) out["recording"] = f.source;
+  out["parameters"] = Json::object();
+  for (const FoundParameter& p : f.parameters) {
+    out["parameters"][p.name] = {
+        {"value", p.value}, {"unit", p.unit}, {"ci95", Json::array({p.low, p.high})}};
+  }
+  out["p_value"] = f.p_value;
+  out["gain"] = {{"test_relative_error",
+                  {{"before", json_list(f.test_before)}, {"after", json_list(f.test_after)}}},
+                 {"log_mean_square", f.gain}};
+  if (f.test_outside.size() > 0)
+    out["outside"] = {{"relative_error", json_list(f.test_outside)}};
+  out["explains"] = f.explains;
+  out["rivals"] = Json::array();
+  for (const Rival& r : f.rivals) {
+    Json rival = cause_json(d, r.cause);
+    add_place(d, r.cause, rival);
+    rival["why"] = r.why;
+    out["rivals"].push_back(std::move(rival));
+  }
+  out["phrase"] = f.phrase;
+  if (!f.remark.empty()) out["remark"] = f.remark;
+  out["sentence"] = d.sentence(f);
+  return out;
+}
+
+const RecordingError* with_filled_rows(const Identification& id, const std::string& file) {
+  for (const auto* list : {&id.train, &id.test}) {
+    for (const RecordingError& r : *list) {
+      if (r.source == file && r.filled.count > 0) return &r;
+    }
+  }
+  return nullptr;
+}
+
+Json quality_json(const Diagnosis& d) {
+  Json out = Json::array();
+  for (const RecordingQuality& r : d.data_quality) {
+    for (const QualityFinding& f : r.findings) {
+      if (f.severity == Severity::kInfo) continue;
+      out.push_back({{"file", f.file},
+                     {"finding", f.finding},
+                     {"severity", name_of(f.severity)},
+                     {"joint", f.joint},
+                     {"share", f.share},
+                     {"sentence", f.sentence}});
+      if (f.finding != "stale_rows") continue;
+      const RecordingError* filled = with_filled_rows(d.baseline, f.file);
+      if (filled != nullptr) out.back()["filled_rows"] = filled_json(*filled);
+    }
+  }
+  return out;
+}
+
+}  // namespace
+
+std::string to_json(const Diagnosis& d) {
+  Json out = json_head("diagnose");
+  out["robot"] = d.baseline.robot;
+  out["verdict"] = d.verdict();
+  out["summary"] = summary_json(d.summary);
+  out["provisional"] = d.provisional;
+  out["changes_since"] = d.changes;
+  out["hypotheses"] = d.hypotheses;
+  out["baseline"] = error_pair(d.baseline);
+  out["findings"] = Json::array();
+  for (const Finding& f : d.findings) out["findings"].push_back(finding_json(d, f));
+  out["not_supported"] = Json::array();
+  for (const NotSupported& n : d.not_supported) {
+    out["not_supported"].push_back(cause_json(d, n.cause));
+    out["not_supported"].back()["p_value"] = n.p_value;
+    out["not_supported"].back()["why"] = n.why;
+    add_place(d, n.cause, out["not_supported"].back());
+  }
+  out["cannot_tell"] = Json::array();
+  for (const CannotTell& c : d.cannot_tell) {
+    out["cannot_tell"].push_back(c.cause ? cause_json(d, *c.cause)
+                                         : Json{{"effect", c.effect}, {"joint", 0}});
+    out["cannot_tell"].back()["why"] = c.why;
+    if (c.cause) add_place(d, *c.cause, out["cannot_tell"].back());
+  }
+  out["noise_floor"] = {{"relative_error", json_list(d.baseline.noise_floor)}};
+  out["extended"] = error_pair(d.extended);
+  out["next_experiment"] = next_json(d);
+  out["remarks"] = d.remarks;
+  out["excluded_intervals"] = Json::array();
+  for (const LeftOut& part : d.left_out) {
+    out["excluded_intervals"].push_back({{"file", part.source},
+                                         {"joint", part.joint + 1},
+                                         {"from", part.from},
+                                         {"to", part.to},
+                                         {"why", part.why}});
+  }
+  out["left_out"] = out["excluded_intervals"];  // the key of earlier versions
+  out["data_quality"] = quality_json(d);
+  out["settings"] = settings_json(d.baseline);
+  out["seconds"] = d.seconds;
+  return written(out);
+}
+
+}  // namespace veridyn

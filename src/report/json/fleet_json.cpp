@@ -1,0 +1,69 @@
+#include "report/json/json_value.hpp"
+#include "veridyn/report/json.hpp"
+
+namespace veridyn {
+
+std::string to_json(const Fleet& fleet) {
+  Json out = json_head("fleet");
+  out["robot"] = fleet.robot;
+  out["status"] = fleet.model ? "done" : "undetermined";
+  out["reason"] = fleet.reason;
+  out["arms"] = fleet.members.size();
+  out["rows"] = fleet.rows;
+  out["outliers"] = Json::array();
+  for (const FleetOutlier& o : fleet.outliers) {
+    out["outliers"].push_back({{"arm", o.arm},
+                               {"what", o.what},
+                               {"joint", o.joint},
+                               {"value", o.value},
+                               {"median", o.median},
+                               {"deviations", o.deviations}});
+  }
+  out["base_parameters"] = Json::array();
+  for (const BaseValue& b : fleet.base) {
+    out["base_parameters"].push_back({{"name", b.name},
+                                      {"expression", b.expression},
+                                      {"value", b.value},
+                                      {"std", b.std},
+                                      {"unit", b.unit}});
+  }
+  out["spreads"] = Json::array();
+  for (const FleetSpread& s : fleet.spreads) {
+    out["spreads"].push_back({{"name", s.name},
+                              {"unit", s.unit},
+                              {"median", s.median},
+                              {"spread", s.spread},
+                              {"arms", s.arms}});
+  }
+  out["members"] = Json::array();
+  for (const FleetMember& m : fleet.members) {
+    Json own = Json::object();
+    for (std::size_t k = 0; k < fleet.spreads.size(); ++k)
+      own[fleet.spreads[k].name] = m.own[static_cast<Eigen::Index>(k)];
+    out["members"].push_back({{"arm", m.name},
+                              {"recordings", m.recordings},
+                              {"rows", m.rows},
+                              {"relative_error", json_list(m.relative_error)},
+                              {"alone", {{"relative_error", json_list(m.alone_error)}}},
+                              {"own", std::move(own)}});
+  }
+  out["other_bodies"] = Json::array();
+  for (const FleetLeftOut& o : fleet.other_bodies) {
+    out["other_bodies"].push_back({{"arm", o.arm},
+                                   {"joint", o.joint},
+                                   {"relative_error", o.with_fleet},
+                                   {"alone", {{"relative_error", o.with_own}}},
+                                   {"excess", o.excess},
+                                   {"median_excess", o.median_excess},
+                                   {"deviations", o.deviations}});
+  }
+  out["undetermined"] = Json::array();
+  for (const UndeterminedArm& u : fleet.undetermined)
+    out["undetermined"].push_back({{"arm", u.arm}, {"why", u.why}});
+  out["left_out_recordings"] = Json::array();
+  for (const UnusedRecording& r : fleet.left_out)
+    out["left_out_recordings"].push_back({{"file", r.source}, {"why", r.why}});
+  return written(out);
+}
+
+}  // namespace veridyn

@@ -1,0 +1,48 @@
+#include "veridyn/report/payload_json.hpp"
+
+#include "report/json/json_value.hpp"
+
+namespace veridyn {
+namespace {
+
+Json interval(double value, double low, double high, const char* unit) {
+  return {{"value", value}, {"unit", unit}, {"ci95", Json::array({low, high})}};
+}
+
+Json link_json(const PayloadEstimate& p) {
+  Json out = {{"frame", p.frame}, {"same_torques", p.others}};
+  out["mass"] = interval(p.mass, p.mass_low, p.mass_high, "kg");
+  const char* const axes[] = {"x", "y", "z"};
+  for (int c = 0; c < 3; ++c) {
+    out["com"][axes[c]] =
+        interval(p.com[c], p.com[c] - p.com_half_width[c], p.com[c] + p.com_half_width[c], "m");
+    out["moment"][axes[c]] = interval(p.moment[c], p.moment[c] - p.moment_half_width[c],
+                                      p.moment[c] + p.moment_half_width[c], "kg m");
+  }
+  const char* const entries[] = {"xx", "xy", "yy", "xz", "yz", "zz"};
+  for (int c = 0; c < 6; ++c) {
+    out["inertia"][entries[c]] = interval(p.inertia[c], p.inertia[c] - p.inertia_half_width[c],
+                                          p.inertia[c] + p.inertia_half_width[c], "kg m^2");
+  }
+  out["explained"] = p.explained;
+  out["gain"] = p.gain;
+  return out;
+}
+
+}  // namespace
+
+std::string to_json(const PayloadReport& report) {
+  Json out = json_head("payload");
+  out["robot"] = report.robot;
+  out["verdict"] = report.found() ? "payload" : "none";
+  out["links"] = Json::array();
+  for (const PayloadEstimate& link : report.links) out["links"].push_back(link_json(link));
+  out["relative_error"] = {{"before", json_list(report.error_before)},
+                           {"with_drift", json_list(report.error_with_drift)},
+                           {"after", json_list(report.error_after)}};
+  out["reason"] = report.reason;
+  out["seconds"] = report.seconds;
+  return written(out);
+}
+
+}  // namespace veridyn

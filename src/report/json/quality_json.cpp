@@ -1,0 +1,71 @@
+#include "report/json/json_value.hpp"
+#include "veridyn/report/json.hpp"
+
+namespace veridyn {
+namespace {
+
+Json finding_json(const QualityFinding& finding) {
+  return {{"file", finding.file},        {"finding", finding.finding},
+          {"signal", finding.signal},    {"joint", finding.joint},
+          {"share", finding.share},      {"value", finding.value},
+          {"unit", finding.unit},        {"severity", name_of(finding.severity)},
+          {"sentence", finding.sentence}};
+}
+
+Json topics_json(const RecordingFacts& facts) {
+  Json topics = Json::array();
+  for (const TopicFacts& topic : facts.topics) {
+    topics.push_back({{"name", topic.name},
+                      {"type", topic.type},
+                      {"messages", topic.messages},
+                      {"rate", topic.rate},
+                      {"joints", topic.joints},
+                      {"used", topic.used},
+                      {"undecoded", topic.undecoded}});
+  }
+  return topics;
+}
+
+Json matched_json(const RecordingFacts& facts) {
+  Json matched = Json::object();
+  for (const JointMatch& one : facts.matched) matched[one.joint] = one.recorded;
+  return matched;
+}
+
+}  // namespace
+
+std::string to_json(const std::vector<RecordingQuality>& recordings) {
+  Json out = json_head("check");
+  out["recordings"] = Json::array();
+  out["data_quality"] = Json::array();
+  for (const RecordingQuality& recording : recordings) {
+    Json findings = Json::array();
+    for (const QualityFinding& finding : recording.findings) {
+      findings.push_back(finding_json(finding));
+      out["data_quality"].push_back(findings.back());
+    }
+    const Json period = recording.period.found() ? Json(recording.period.seconds) : Json();
+    out["recordings"].push_back({{"file", recording.file},
+                                 {"rows", recording.rows},
+                                 {"joints", recording.facts.joints},
+                                 {"joint_count", recording.joints},
+                                 {"format", recording.facts.format},
+                                 {"start", recording.facts.start},
+                                 {"matched", matched_json(recording.facts)},
+                                 {"topics", topics_json(recording.facts)},
+                                 {"remarks", recording.facts.remarks},
+                                 {"duration", recording.duration},
+                                 {"rate", recording.rate},
+                                 {"period", period},
+                                 {"repeats", recording.period.repeats},
+                                 {"severity", name_of(recording.severity())},
+                                 {"findings", std::move(findings)}});
+  }
+  // Of a single recording the common questions are answered at the top, too.
+  if (recordings.size() == 1) {
+    for (const char* key : {"rate", "joints", "rows", "topics"}) out[key] = out["recordings"][0][key];
+  }
+  return written(out);
+}
+
+}  // namespace veridyn

@@ -1,0 +1,54 @@
+#include "report/json/settings_json.hpp"
+
+#include "veridyn/report/setting_names.hpp"
+
+namespace veridyn {
+namespace {
+
+Json rows_json(const PreprocessingOptions& o) {
+  const Json end = o.row_count < 0 ? Json() : Json(o.first_row + o.row_count);
+  return Json::array({o.first_row, end});
+}
+
+}  // namespace
+
+Json settings_json(const Identification& id) {
+  const PreprocessingOptions& o = id.preprocessing;
+  const auto sources = [](const std::vector<RecordingError>& recordings) {
+    Json out = Json::array();
+    for (const RecordingError& r : recordings) out.push_back(r.source);
+    return out;
+  };
+  Json derived = Json::array();
+  for (const int joint : o.derive_velocity_of) derived.push_back(joint + 1);
+  return {{"train", sources(id.train)},
+          {"test", sources(id.test)},
+          {"method", name_of(id.method)},
+          {"weights", id.method == Method::kOls ? Json() : Json(name_of(id.weights))},
+          {"condition", id.method == Method::kFeasible ? Json(name_of(id.condition)) : Json()},
+          {"signs", id.method == Method::kFeasible ? Json(name_of(id.signs)) : Json()},
+          {"prior", id.prior.empty() ? Json() : Json(id.prior)},
+          {"filter_cutoff", o.cutoff},
+          {"filter_order", o.order},
+          {"filtering", name_of(o.filtering)},
+          {"velocity", name_of(o.velocity)},
+          {"velocity_derived_of", derived},
+          {"stale_rows", name_of(o.stale_rows)},
+          {"resample", o.rate},
+          {"decimation", o.decimation},
+          {"drop_start", o.drop_start},
+          {"drop_end", o.drop_end},
+          {"min_speed", o.min_speed},
+          {"rows", rows_json(o)},
+          {"test_rows", rows_json(id.test_preprocessing)},
+          {"columns", o.columns},
+          {"rate", o.header_rate}};
+}
+
+Json filled_json(const RecordingError& recording) {
+  return {
+      {"share", static_cast<double>(recording.filled.count) / static_cast<double>(recording.rows)},
+      {"lateness", recording.filled.lateness()}};
+}
+
+}  // namespace veridyn

@@ -1,0 +1,169 @@
+#include "report/json/stability_json.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "report/json/json_value.hpp"
+#include "report/pages/page.hpp"
+
+namespace veridyn {
+namespace {
+
+template <typename Values>
+Json list(const Values& values) {
+  Json out = Json::array();
+  for (const auto& value : values) out.push_back(value);
+  return out;
+}
+
+Json flags(const std::vector<char>& values) {
+  Json out = Json::array();
+  for (const char value : values) out.push_back(value != 0);
+  return out;
+}
+
+Json pairs(const std::vector<std::pair<double, double>>& values) {
+  Json out = Json::array();
+  for (const auto& [re, im] : values) out.push_back({re, im});
+  return out;
+}
+
+Json point_json(const StabilityPoint& p) {
+  return {{"phase", p.phase}, {"time", p.time}, {"radius", p.radius}, {"stable", p.stable}};
+}
+
+Json margins_json(const StabilityMargins& m) {
+  return {{"gain", m.gain}, {"phase_deg", m.phase_deg}, {"delay_s", m.delay}};
+}
+
+std::string unit_of(const std::string& name) {
+  for (const StabilityParameter& p : stability_parameters()) {
+    if (p.name == name) return p.unit;
+  }
+  return "";
+}
+
+Json map_json(const StabilityMap& map) {
+  const std::size_t columns = map.a_values.size();
+  Json radius = Json::array(), stable = Json::array();
+  for (std::size_t j = 0; j < map.b_values.size(); ++j) {
+    Json radii = Json::array(), row = Json::array();
+    for (std::size_t i = 0; i < columns; ++i) {
+      radii.push_back(map.radius[i + columns * j]);
+      row.push_back(map.stable[i + columns * j] != 0);
+    }
+    radius.push_back(radii);
+    stable.push_back(row);
+  }
+  return {{"a", map.a.name},
+          {"b", map.b.name},
+          {"a_unit", unit_of(map.a.name)},
+          {"b_unit", unit_of(map.b.name)},
+          {"a_values", list(map.a_values)},
+          {"b_values", list(map.b_values)},
+          {"stable", stable},   // rows by b, columns by a
+          {"radius", radius},
+          {"seconds", map.seconds}};
+}
+
+Json law_json(const ForceLaw& law) {
+  return {{"gain", law.gain},
+          {"proportional", law.proportional},
+          {"damping", law.damping},
+          {"feed_forward", law.feed_forward}};
+}
+
+Json settings(const Scenario& s) {
+  Json out = Json::object();
+  for (const StabilityParameter& p : stability_parameters())
+    out[p.name + (p.unit.empty() || p.unit == "1" ? "" : " [" + p.unit + "]")] =
+        parameter(s, p.name);
+  return out;
+}
+
+Json study_json(const StabilityStudy& study) {
+  const StabilityAnalysis& a = study.analysis;
+  Json out = json_head("stability");
+  out["scenario"] = a.name;
+  out["source"] = study.scenario.source;
+  out["stable"] = a.stable;
+  out["eigenvalues"] = pairs(a.eigenvalues);
+  out["eigenvalue_cycles"] = a.cycles;
+  out["period"] = a.period;
+  out["radius"] = a.radius;
+  out["worst"] = point_json(a.worst);
+  out["margins"] = margins_json(a.margins);
+  const bool coupled = std::isfinite(a.largest_stable_stiffness);
+  out["largest_stable_stiffness"] = coupled ? Json(a.largest_stable_stiffness) : Json();
+  out["smallest_stable_stiffness"] = coupled ? Json(a.smallest_stable_stiffness) : Json();
+  out["stiffness_bounded"] = a.stiffness_bounded;
+  out["linear_stable_stiffness"] = coupled ? Json(a.linear_stable_stiffness) : Json();
+  out["simulated_runs"] = a.simulated_runs;
+  out["points"] = Json::array();
+  for (const StabilityPoint& p : a.points) out["points"].push_back(point_json(p));
+  out["deadbands"] = Json::array();
+  for (const DeadbandSwing& d : a.deadbands) {
+    out["deadbands"].push_back({{"member", d.member},
+                                {"largest_gain", d.largest_gain},
+                                {"critical_gain", d.critical_gain},
+                                {"describing_function_swings", d.describing_function_swings},
+                                {"swings", d.swings},
+                                {"amplitude", d.amplitude},
+                                {"frequency", d.frequency}});
+  }
+  if (study.map) out["map"] = map_json(*study.map);
+  if (study.locus) {
+    Json values = Json::array();
+    for (const auto& one : study.locus->eigenvalues) values.push_back(pairs(one));
+    out["locus"] = {{"parameter", study.locus->range.name},
+                    {"values", list(study.locus->values)},
+                    {"stable", flags(study.locus->stable)},
+                    {"eigenvalues", values}};
+  }
+  if (study.recommendation) {
+    const GainRecommendation& r = *study.recommendation;
+    out["recommendation"] = {{"phase_deg", r.phase_deg},
+                             {"found", r.found},
+                             {"crossover", r.crossover},
+                             {"impedance_damping", r.impedance_damping},
+                             {"law", law_json(r.law)},
+                             {"radius", r.radius},
+                             {"margins", margins_json(r.margins)},
+                             {"tried", r.tried}};
+  }
+  if (study.bounds) {
+    const StabilityBounds& b = *study.bounds;
+    out["bounds"] = {{"samples", b.samples},
+                     {"share", b.share},
+                     {"unstable", b.unstable},
+                     {"worst_radius", b.worst_radius},
+                     {"factor", b.factor},
+                     {"factor_bounded", b.factor_bounded},
+                     {"guaranteed_mass_error", b.guaranteed_mass_error}};
+  }
+  out["settings"] = settings(study.scenario);
+  out["seconds"] = a.seconds;
+  return out;
+}
+
+}  // namespace
+
+std::string to_json(const StabilityStudy& study) {
+  return written(study_json(study));
+}
+
+std::string to_page(const StabilityStudy& study, const std::string& command) {
+  Json series = {{"command", command}, {"joints", Json::array()}, {"recordings", Json::array()},
+                 {"time", Json::array()}, {"plots", Json::array()}};
+  if (study.steps) {
+    Json forces = Json::array();
+    for (std::size_t k = 0; k < study.steps->members.size(); ++k)
+      forces.push_back({{"member", study.steps->members[k]}, {"force", list(study.steps->force[k])}});
+    series["steps"] = {{"time", list(study.steps->time)}, {"forces", forces}};
+  }
+  return html_page({study.analysis.name + ": stability", "stability.html", to_json(study),
+                    series.dump(-1, ' ', false, Json::error_handler_t::replace), study.report()});
+}
+
+}  // namespace veridyn

@@ -1,0 +1,56 @@
+#include "veridyn/report/watch_json.hpp"
+
+#include <set>
+
+#include "report/json/json_value.hpp"
+
+namespace veridyn {
+namespace {
+
+Json event_json(const WatchEvent& e) {
+  Json rivals = Json::array();
+  for (const WatchRival& r : e.rivals) rivals.push_back({{"cause", r.cause}, {"lacks", r.evidence}});
+  Json out = {{"event", name_of(e.stage)}, {"id", e.id},       {"time", e.time},
+              {"since", e.since},          {"cause", e.cause}, {"effect", e.effect},
+              {"joint", e.joint},          {"place", e.place}, {"value", e.value},
+              {"ci95", {e.low, e.high}},   {"unit", e.unit},   {"strength", e.strength}};
+  if (e.stage == WatchStage::kOver) out["until"] = e.until;
+  out["rivals"] = rivals;
+  out["sentence"] = e.sentence;
+  return out;
+}
+
+}  // namespace
+
+int WatchedSource::alarms() const {
+  std::set<int> ids;
+  for (const WatchEvent& e : events) ids.insert(e.id);
+  return static_cast<int>(ids.size());
+}
+
+std::string json_line(const WatchEvent& event, const std::string& source) {
+  Json out = event_json(event);
+  out["source"] = source;
+  return out.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+std::string to_json(const std::vector<WatchedSource>& sources, const Model& arm, bool running) {
+  Json out = json_head("watch");
+  out["robot"] = arm.name();
+  out["running"] = running;
+  out["sources"] = Json::array();
+  for (const WatchedSource& s : sources) {
+    Json events = Json::array();
+    for (const WatchEvent& e : s.events) events.push_back(event_json(e));
+    const double watched = s.to - s.from - s.learned;
+    out["sources"].push_back({{"source", s.source},
+                              {"seconds", s.to - s.from},
+                              {"learned", s.learned},
+                              {"alarms", s.alarms()},
+                              {"alarms_per_hour", watched > 0.0 ? 3600.0 * s.alarms() / watched : 0.0},
+                              {"events", events}});
+  }
+  return written(out);
+}
+
+}  // namespace veridyn
