@@ -40,7 +40,7 @@ TEST_F(Stages, TheListAsksWhatTheOptionsSay) {
 TEST_F(Stages, TrainingErrorsAreThoseOfTheRowsThatWereFitted) {
   Identification id;
   id.train_error.relative = Eigen::Vector2d(0.3, 0.5);
-  EXPECT_NEAR(log_training_errors(id)[1], 2.0 * std::log(0.5), 1e-12);
+  EXPECT_NEAR(log_training_error(id), 2.0 * std::log(0.3 * 0.5), 1e-12);
   id.train_repaired.relative = Eigen::Vector2d(0.2, 0.4);
   EXPECT_NEAR(log_training_error(id), 2.0 * std::log(0.2 * 0.4), 1e-12);
   id.train_without_excluded.relative = Eigen::Vector2d(0.1, 0.2);
