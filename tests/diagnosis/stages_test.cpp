@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <set>
+
 #include "diagnosis/stage_support.hpp"
 #include "diagnosis/stages/channel_correction.hpp"
 #include "diagnosis/stages/newly_visible.hpp"
@@ -38,7 +40,7 @@ TEST_F(Stages, TheListAsksWhatTheOptionsSay) {
 TEST_F(Stages, TrainingErrorsAreThoseOfTheRowsThatWereFitted) {
   Identification id;
   id.train_error.relative = Eigen::Vector2d(0.3, 0.5);
-  EXPECT_NEAR(log_training_errors(id)[1], 2.0 * std::log(0.5), 1e-12);
+  EXPECT_NEAR(log_training_error(id), 2.0 * std::log(0.3 * 0.5), 1e-12);
   id.train_repaired.relative = Eigen::Vector2d(0.2, 0.4);
   EXPECT_NEAR(log_training_error(id), 2.0 * std::log(0.2 * 0.4), 1e-12);
   id.train_without_excluded.relative = Eigen::Vector2d(0.1, 0.2);
@@ -100,6 +102,20 @@ TEST_F(Stages, PlainFrictionOfAllJointsIsFoundTogether) {
   EXPECT_EQ(friction, 4);
   EXPECT_EQ(x.fitted_by_start.size(), x.d.findings.size());
   EXPECT_LT(x.start.test_error.relative.norm(), 0.5 * x.d.baseline.test_error.relative.norm());
+}
+
+// Of a joint that has friction in the file nothing is asked here.
+TEST_F(Stages, PlainFrictionIsAskedWhereTheFileHasNone) {
+  ModelDescription d = read_model("planar-2r").description();
+  d.effects.resize(2);  // the shoulder's
+  Investigation x = investigation(Model(std::move(d)), {});
+  add_plain_friction(x);
+  std::set<std::string> found;
+  for (const Finding& f : x.d.findings) {
+    EXPECT_EQ(f.joint, JointIndex{1}) << f.phrase;
+    found.insert(effect_of(f.cause));
+  }
+  EXPECT_EQ(found.count("viscous_friction") + found.count("coulomb_friction"), 2U);
 }
 
 // 40 ms is twice what anybody expects, and two joints have it: one cause, undone completely.
