@@ -117,7 +117,7 @@ std::string Diagnosis::verdict() const {
   return out;
 }
 
-std::string Diagnosis::report() const {
+std::string Diagnosis::report(const std::string& next_command) const {
   if (!baseline.model) return baseline.report();
   std::string out =
       fmt::format("{}: {} hypotheses tested in {:.1f} s\n", baseline.robot, hypotheses, seconds);
@@ -174,7 +174,7 @@ std::string Diagnosis::report() const {
     out += fmt::format("next experiment, to separate {} from {}",
                        next_experiment.words(*baseline.model, 0),
                        next_experiment.words(*baseline.model, 1));
-    out += next_experiment.trajectory.empty() ? "\n" : ":\n  " + next_experiment.trajectory + "\n";
+    out += next_command.empty() ? "\n" : ":\n  " + next_command + "\n";
   }
   for (const CannotTell& c : cannot_tell) {
     const std::string place = c.cause ? place_of_joint(words_of(*baseline.model, *c.cause)) : "";

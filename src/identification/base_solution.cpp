@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "math/median.hpp"
 #include "math/clustered_statistics.hpp"
 
 namespace veridyn {

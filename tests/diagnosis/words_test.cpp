@@ -109,9 +109,8 @@ TEST(DiagnosisReport, SaysFindingsRivalsAndWhatIsLeftOpen) {
   d.cannot_tell = {{"joint_spring", NewEffect{"joint_spring", {0}}, "it never acts"},
                    {AddedLoad::kName, std::nullopt, "no model from before"}};
   d.next_experiment.between = {d.findings[0].cause, d.findings[0].rivals[0].cause};
-  d.next_experiment.trajectory = "excite it";
   d.summary.main = 1;
-  const std::string report = d.report();
+  const std::string report = d.report("excite it");
   for (const char* words :
        {"1. Joint 2 (elbow): something.", "explains 25 %", "rival: payload on fore: as good",
         "to separate backlash on joint 2 from payload on fore:\n  excite it",

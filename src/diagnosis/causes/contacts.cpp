@@ -8,6 +8,7 @@
 #include "diagnosis/evidence/clustered_fit.hpp"
 #include "diagnosis/numerics.hpp"
 #include "veridyn/effects/cause.hpp"
+#include "math/median.hpp"
 #include "math/student_t.hpp"
 
 namespace veridyn {
@@ -32,7 +33,7 @@ std::vector<double> slow_part(const std::vector<double>& time, const std::vector
     const auto begin = std::lower_bound(time.begin(), time.end(), t - numerics::kContactMedian) - time.begin();
     const auto end = std::upper_bound(time.begin(), time.end(), t + numerics::kContactMedian) - time.begin();
     at.push_back(t);
-    level.push_back(median({r.begin() + begin, r.begin() + end}));
+    level.push_back(median(std::vector<double>(r.begin() + begin, r.begin() + end)));
     if (t >= time.back()) break;
   }
   std::vector<double> out(r.size());

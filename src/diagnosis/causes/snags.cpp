@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "math/median.hpp"
 #include "diagnosis/evidence/clustered_fit.hpp"
 #include "diagnosis/numerics.hpp"
 

@@ -8,6 +8,7 @@
 #include <map>
 #include <set>
 
+#include "math/median.hpp"
 #include "recordings/csv/time_column.hpp"
 #include "recordings/joint_fields.hpp"
 #include "recordings/units.hpp"
@@ -357,9 +358,8 @@ class Table {
       if (k > 0) steps.push_back(std::stod(times_[k]) - std::stod(times_[k - 1]));
     }
     if (steps.empty()) return 1000000000;
-    std::nth_element(steps.begin(), steps.begin() + static_cast<long>(steps.size() / 2), steps.end());
     const std::int64_t unit =
-        likely_time_unit(std::stod(times_.front()), steps[steps.size() / 2], whole);
+        likely_time_unit(std::stod(times_.front()), median(std::move(steps)), whole);
     if (unit != 1000000000)
       raw_.remarks.push_back(text("times are taken for ",
                                   unit == 1      ? "nanoseconds"
