@@ -172,18 +172,23 @@ class Twins : public Stages {
     return out;
   }
 
-  std::vector<double> fitted(const std::vector<std::string>& hidden,
-                             const std::vector<double>& distances) const {
+  Fit fit(const std::vector<std::string>& hidden, const std::vector<double>& distances) const {
     Investigation x = investigation(read_model("planar-2r"), hidden);
     QuestionList list = x.list();
     list.wanted = {"presliding_hysteresis"};
     const Questions asked = ask(x, list, x.start);
     Selection selection = accepted(asked, distances);
-    EXPECT_NE(selection.accepted[0].evidence.hypothesis, selection.accepted[1].evidence.hypothesis);
-    const Fit fit = fit_accepted(x.start, asked.q, selection, false, x.train, x.test, x.options);
+    EXPECT_NE(selection.accepted.front().evidence.hypothesis,
+              distances.size() < 2 ? -1 : selection.accepted[1].evidence.hypothesis);
+    return fit_accepted(x.start, asked.q, selection, false, x.train, x.test, x.options);
+  }
+
+  std::vector<double> fitted(const std::vector<std::string>& hidden,
+                             const std::vector<double>& distances) const {
+    const Fit found = fit(hidden, distances);
     std::vector<double> out;
-    for (const Hypothesis& h : fit.inquiry.augmented.hypotheses)
-      out.push_back(term_of(fit.inquiry.augmented.model, h).values.at("distance"));
+    for (const Hypothesis& h : found.inquiry.augmented.hypotheses)
+      out.push_back(term_of(found.inquiry.augmented.model, h).values.at("distance"));
     return out;
   }
 };
@@ -203,6 +208,24 @@ TEST_F(Twins, TwoMemoriesThatAreThereStay) {
   ASSERT_EQ(two.size(), 2U);
   EXPECT_NEAR(two[0], 0.02, 0.004);
   EXPECT_NEAR(two[1], 0.08, 0.016);
+}
+
+// A constant of a strong effect is known to what the search leaves open, that of a weak one less well.
+TEST_F(Twins, TheIntervalOfAConstantGrowsWithTheNoise) {
+  std::vector<double> widths;
+  for (const char* level : {"3", "0.2"}) {
+    const Fit found =
+        fit({std::string("presliding_hysteresis:shoulder:distance=0.04,level=") + level}, {0.04});
+    ASSERT_EQ(found.selection.shapes.size(), 1U) << level;
+    const ShapeInterval& interval = found.selection.shapes[0];
+    EXPECT_EQ(interval.shape, "distance");
+    EXPECT_LT(interval.low, 0.04) << level;
+    EXPECT_GT(interval.high, 0.04) << level;
+    widths.push_back(std::log(interval.high / interval.low));
+  }
+  EXPECT_GE(widths[0], 2.0 * numerics::kShapeOpen);
+  EXPECT_GT(widths[1], 1.5 * widths[0]);
+  EXPECT_LT(widths[1], 2.0);
 }
 
 }  // namespace

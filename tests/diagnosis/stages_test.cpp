@@ -104,6 +104,29 @@ TEST_F(Stages, PlainFrictionOfAllJointsIsFoundTogether) {
   EXPECT_LT(x.start.test_error.relative.norm(), 0.5 * x.d.baseline.test_error.relative.norm());
 }
 
+// What is left out of the fit is not left out of held-out errors, and few recordings keep enough blocks.
+TEST_F(Stages, HeldOutErrorsAreThoseOfEveryRow) {
+  const Investigation x = investigation(read_model("planar-2r"), {});
+  QuestionList list;
+  list.wanted = {"joint_spring"};
+  const auto rows = [&](const std::vector<LeftOut>& parts) {
+    IdentificationOptions how = x.options.identification;
+    how.preprocessing.left_out = parts;
+    const Inquiry q = prepare(x.start, x.train, x.test, list, how);
+    Eigen::Vector2d out(0.0, 0.0);  // of the first training recording, of the held-out one
+    for (const auto& block : q.train[0].blocks) out[0] += block[0].rows();
+    for (const auto& block : q.test[0].blocks) out[1] += block[0].rows();
+    return out;
+  };
+  const Eigen::Vector2d all = rows({});
+  const Eigen::Vector2d some =
+      rows({{x.train[0], -1, 2.0, 6.0, "a test"}, {x.test[0], -1, 2.0, 6.0, "a test"}});
+  EXPECT_LT(some[0], 0.7 * all[0]);
+  EXPECT_EQ(some[1], all[1]);
+  EXPECT_GE(blocks_that_fit(x.arm, 1), 8);
+  EXPECT_GE(blocks_that_fit(x.arm, 1000000), 1);
+}
+
 // Of a joint that has friction in the file nothing is asked here.
 TEST_F(Stages, PlainFrictionIsAskedWhereTheFileHasNone) {
   ModelDescription d = read_model("planar-2r").description();
