@@ -49,6 +49,7 @@ RecordingReader::RecordingReader(const std::string& path, const RecordingOptions
   } else {
     source_ = recordings::csv_rows(path, options);
   }
+  recordings::require_joints_of(options.signals, source_->joints(), path);
 }
 
 RecordingReader::~RecordingReader() = default;
