@@ -195,6 +195,7 @@ IdentificationOptions read_identification(Keywords& keywords, const Progress& pr
       o.known_masses.push_back(parse_known_mass(asked));
   }
   keywords.read("threads", o.threads);
+  o.choose_velocities = o.choose_velocities && !keywords.given("velocity");
   read_preprocessing(keywords, o.preprocessing);
   PreprocessingOptions test = o.preprocessing;
   read_rows(keywords, "test_rows", test);

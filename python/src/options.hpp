@@ -19,6 +19,9 @@ class Keywords {
  public:
   Keywords(std::string function, const py::dict& given);
 
+  /// Whether that name was given and not taken yet.
+  bool given(const std::string& name) const { return left_.count(name) != 0; }
+
   /// The value of that name, or null where it was not given or is None.
   py::object take(const std::string& name);
 

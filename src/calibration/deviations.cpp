@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "math/median.hpp"
 #include "math/student_t.hpp"
 
 namespace veridyn::internal {
@@ -13,13 +14,6 @@ constexpr double kLengthMedian = 1.538172;    // median of the length of a norma
 constexpr double kUncorrelated = 0.05;        // a correlation below this ends the sum
 constexpr std::size_t kLongestLag = 200;
 constexpr double kUpperTail = 1.6448536;      // quantile of the normal distribution, 5 %
-
-double median(std::vector<double> values) {
-  if (values.empty()) return 0.0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 }  // namespace
 

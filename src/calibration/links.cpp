@@ -8,6 +8,7 @@
 #include <limits>
 #include <memory>
 
+#include "math/median.hpp"
 #include "deviations.hpp"
 #include "link_selection.hpp"
 #include "veridyn/math/require.hpp"
@@ -100,12 +101,8 @@ bool near_file(const Model& arm, int frame, const PoseCapture& poses) {
   data.poses = &poses;
   data.rows = every_row(poses.frames());
   LinkErrors errors = link_errors(chain, data, VectorXd::Zero(none.size()));
-  const auto middle = [](std::vector<double>& v) {
-    std::nth_element(v.begin(), v.begin() + static_cast<std::ptrdiff_t>(v.size() / 2), v.end());
-    return v[v.size() / 2];
-  };
-  return middle(errors.position) < kNearPosition &&
-         (!poses.has_orientation || middle(errors.angle) < kNearAngle);
+  return median(errors.position) < kNearPosition &&
+         (!poses.has_orientation || median(errors.angle) < kNearAngle);
 }
 
 Attachment chosen_attachment(const Model& arm, int frame, const PoseCapture& poses,

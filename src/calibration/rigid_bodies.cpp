@@ -9,6 +9,7 @@
 #include <numeric>
 
 #include "deviations.hpp"
+#include "math/median.hpp"
 #include "math/numbers.hpp"
 
 namespace veridyn::internal {
@@ -69,8 +70,7 @@ class BodyFit {
               name(b), name(a), body_.name, d.size());
           return false;
         }
-        std::nth_element(d.begin(), d.begin() + static_cast<std::ptrdiff_t>(d.size() / 2), d.end());
-        const double middle = d[d.size() / 2];
+        const double middle = median(d);
         distances_(a, b) = distances_(b, a) = middle;
         for (const double one : d) deviations.push_back(one - middle);
       }

@@ -3,11 +3,9 @@
 #include <algorithm>
 #include <chrono>
 #include <functional>
-#include <memory>
 #include <utility>
 
 #include "diagnosis/stages/investigation.hpp"
-#include "recordings/kept_recordings.hpp"
 #include "recordings/named_recordings.hpp"
 
 namespace veridyn {
@@ -15,12 +13,6 @@ namespace {
 
 bool are_facts(const Model& arm, const DiagnosisOptions& options) {
   return options.values == RobotValues::kFacts && has_all_values(arm);
-}
-
-// Every file is parsed once.
-void keep_recordings(IdentificationOptions& how) {
-  how.preprocessing.kept = std::make_shared<KeptRecordings>();
-  if (how.test_preprocessing) how.test_preprocessing->kept = how.preprocessing.kept;
 }
 
 // Says which stage runs.
@@ -69,7 +61,7 @@ Diagnosis diagnose(const Model& arm, const Recordings& train, const Recordings& 
   const NamedRecordings<IdentificationOptions> named(train, test, options.identification);
   Investigation x{arm, named.train, named.test, options, {}, {}, 0, {}, {}, {}};
   x.options.identification = named.how;
-  keep_recordings(x.options.identification);
+  keep_recordings(x.options.identification, KeptRecordings::kManyQuestions);
   for (std::string& one : x.options.effects) one = asked_cause(arm, one);
   x.d.changes = are_facts(arm, options);
   x.d.provisional = named.train.size() == 1;

@@ -44,6 +44,10 @@ std::string status_words(const Finding& f) {
              : "NOT CONFIRMED: the held-out error of its joint is no smaller with it";
 }
 
+std::string place_of_joint(const CauseWords& w) {
+  return w.joint > 0 ? fmt::format(" on joint {} ({})", w.joint, w.coordinate) : " of the whole arm";
+}
+
 std::string finding_text(const Diagnosis& d, const Finding& f) {
   std::string out = fmt::format("{}. {}\n", f.rank, d.sentence(f));
   for (const FoundParameter& p : f.parameters) {
@@ -60,9 +64,8 @@ std::string finding_text(const Diagnosis& d, const Finding& f) {
   }
   for (const Rival& r : f.rivals) {
     const CauseWords w = words_of(*d.baseline.model, r.cause);
-    const std::string place =
-        w.frame.empty() ? fmt::format("joint {} ({})", w.joint, w.coordinate) : w.frame;
-    out += fmt::format("     rival: {} on {}: {}\n", w.effect, place, r.why);
+    const std::string place = w.frame.empty() ? place_of_joint(w) : " on " + w.frame;
+    out += fmt::format("     rival: {}{}: {}\n", w.effect, place, r.why);
   }
   return out;
 }
@@ -130,7 +133,7 @@ std::string Diagnosis::verdict() const {
   return out;
 }
 
-std::string Diagnosis::report() const {
+std::string Diagnosis::report(const std::string& next_command) const {
   if (!baseline.model) return baseline.report();
   std::string out =
       fmt::format("{}: {} hypotheses tested in {:.1f} s\n", baseline.robot, hypotheses, seconds);
@@ -192,14 +195,10 @@ std::string Diagnosis::report() const {
     out += fmt::format("next experiment, to separate {} from {}",
                        next_experiment.words(*baseline.model, 0),
                        next_experiment.words(*baseline.model, 1));
-    out += next_experiment.trajectory.empty() ? "\n" : ":\n  " + next_experiment.trajectory + "\n";
+    out += next_command.empty() ? "\n" : ":\n  " + next_command + "\n";
   }
   for (const CannotTell& c : cannot_tell) {
-    std::string place;
-    if (c.cause) {
-      const CauseWords w = words_of(*baseline.model, *c.cause);
-      place = w.joint > 0 ? fmt::format(" on joint {} ({})", w.joint, w.coordinate) : " of the whole arm";
-    }
+    const std::string place = c.cause ? place_of_joint(words_of(*baseline.model, *c.cause)) : "";
     out += fmt::format("cannot tell: {}{}: {}\n", c.effect, place, c.why);
   }
   return out;

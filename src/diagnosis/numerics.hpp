@@ -25,11 +25,6 @@ constexpr double kContactJoin = 0.5;      ///< [s] bursts nearer than this are o
 constexpr double kContactMargin = 0.25;   ///< [s] left out on either side
 constexpr double kContactFreedom = 10.0;  ///< scatter of a residual is known from some tens of
                                           ///< independent moments
-constexpr double kMovingShare = 0.02;     ///< Moving share of the largest speed: a joint moves
-constexpr double kMoves = 0.02;           ///< [rad/s] or [m/s]: it moves in this recording at all
-
-// Local friction by place.
-constexpr double kSnagMovingShare = 0.03;  ///< Snag moving share of the largest speed: slower says nothing about it
 
 // How a constant of the robot file is searched: what lies beyond the reach is no optimum inside.
 constexpr double kGeometryRate = 10.0;   ///< [Hz] of the samples: the motions of a rigid arm

@@ -17,7 +17,8 @@ const std::vector<ThresholdEntry>& threshold_table() {
   using T = Thresholds;
   static const std::vector<ThresholdEntry> kTable = {
       {"smallest_gain", &T::smallest_gain,
-       "mean over folds of the fall of sum_j ln(held-out mean square) > smallest_gain",
+       "mean over folds of the fall of sum_j ln(held-out mean square) > smallest_gain; half of it at the "
+       "first step of a constant's profile",
        "0.03 alone left 0.22 false names per diagnosis under periodic noise; a little above it, with "
        "the test of significance beside it",
        kNotRecorded},
@@ -34,8 +35,11 @@ const std::vector<ThresholdEntry>& threshold_table() {
       {"tie", &T::tie, "gain > tie * best gain: the earlier question wins",
        "gains that differ by less are equal within the scatter between folds", kNotRecorded},
       {"rival_share", &T::rival_share,
-       "gain >= rival_share * best gain: tested as well; a constant must reach it",
-       "rivals within 20 % of the gain are a tie on the thesis's arm", ""},
+       "gain >= rival_share * best gain: tested as well; a constant must reach it; a branch with it "
+       "goes before the longest chain",
+       "rivals within 20 % of the gain are a tie on the thesis's arm; a wrong angle between branches "
+       "can be corrected in either",
+       ""},
       {"own_cause", &T::own_cause,
        "gain beside the finding < own_cause * gain in its place: a rival, else a cause of its own",
        "a cause that keeps half of its gain explains something else", kNotRecorded},
@@ -78,18 +82,15 @@ const std::vector<ThresholdEntry>& threshold_table() {
        "friction holds a joint at rest against anything", ""},
       {"still_prismatic", &T::still_prismatic, "travel [m] > still_prismatic: the joint moves",
        "as above", ""},
+      {"moving_share", &T::moving_share,
+       "speed >= moving_share * the largest speed: the joint moves at this moment",
+       "slower, its friction says nothing; the contract's share for errors of moving rows", ""},
       {"constant_gain", &T::constant_gain,
        "gain of a wrong constant >= constant_gain * smallest_gain",
        "some hundred constants are looked at before one is proposed", kNotRecorded},
-      {"constant_worth", &T::constant_worth,
-       "fall of sum_j ln(mean square) at the first step of a profile > constant_worth",
-       "half of the smallest gain: the optimum gains more than the first step", ""},
       {"constant_sharpness", &T::constant_sharpness,
        "the mirrored value is worse by more than constant_sharpness * gain",
        "improvement with both signs is flexibility and no wrong constant (thesis's arm)", ""},
-      {"constant_tie", &T::constant_tie,
-       "gain > constant_tie * best gain: a branch goes before the longest chain",
-       "a wrong angle between branches can be corrected in either", ""},
       {"commoner_cause", &T::commoner_cause,
        "gain of an encoder's zero or of a tilt > commoner_cause * gain of the constant: it goes first",
        "an angle of the table and the zero of its encoder do the same; the zero is commoner",

@@ -6,6 +6,7 @@
 #include <limits>
 #include <numeric>
 
+#include "math/median.hpp"
 #include "regressor/arm_columns.hpp"
 #include "regressor/stacked_columns.hpp"
 #include "veridyn/regressor/standard_parameters.hpp"
@@ -93,11 +94,9 @@ Prediction predict_identification(const Model& arm, const MotionSamples& motion,
     if (share < kNothing) relative.push_back(share);
   }
   if (relative.empty()) relative.push_back(std::numeric_limits<double>::infinity());
-  const auto middle = relative.begin() + static_cast<long>(relative.size() / 2);
   out.mean_relative =
       std::accumulate(relative.begin(), relative.end(), 0.0) / static_cast<double>(relative.size());
-  std::nth_element(relative.begin(), middle, relative.end());
-  out.median_relative = *middle;
+  out.median_relative = median(std::move(relative));
   return out;
 }
 

@@ -4,12 +4,22 @@
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
-#include <unordered_map>
 
+#include "math/median.hpp"
 #include "math/clustered_statistics.hpp"
 
 namespace veridyn {
 namespace {
+
+constexpr int kMostRounds = 20;
+constexpr double kSettled = 0.01;  // change of the ratio of two joints' weights
+
+std::vector<std::string> independent_columns(const BaseParameters& base,
+                                             const std::vector<std::string>& names) {
+  std::vector<std::string> out;
+  for (const int j : base.independent) out.push_back(names[static_cast<size_t>(j)]);
+  return out;
+}
 
 SquareRootInformation weighted_block(const std::vector<SquareRootInformation>& joints,
                                      const VectorRef& weights,
@@ -71,8 +81,7 @@ SquareRootInformation weighted_total(const std::vector<CompressedRecording>& rec
 BaseSolution solve_base(const std::vector<CompressedRecording>& recordings,
                         const VectorRef& weights, const BaseParameters& base,
                         const std::vector<std::string>& names) {
-  std::vector<std::string> columns;
-  for (const int j : base.independent) columns.push_back(names[static_cast<size_t>(j)]);
+  const std::vector<std::string> columns = independent_columns(base, names);
   std::vector<SquareRootInformation> blocks;
   SquareRootInformation total(columns);
   for (const CompressedRecording& recording : recordings) {
@@ -122,25 +131,29 @@ VectorXd range_weights(const std::vector<CompressedRecording>& recordings) {
 }
 
 VectorXd residual_weights(const std::vector<CompressedRecording>& recordings,
-                          const VectorRef& parameters, const std::vector<std::string>& names) {
-  std::unordered_map<std::string, Eigen::Index> index;
-  for (size_t j = 0; j < names.size(); ++j) index.emplace(names[j], static_cast<Eigen::Index>(j));
-  const auto n = static_cast<Eigen::Index>(recordings.front().joints.size());
-  VectorXd sum = VectorXd::Zero(n);
-  VectorXd rows = VectorXd::Zero(n);
+                          const VectorRef& start, const BaseParameters& base,
+                          const std::vector<std::string>& names) {
+  const std::vector<std::string> columns = independent_columns(base, names);
+  const auto n = recordings.front().joints.size();
+  std::vector<SquareRootInformation> joints(n, SquareRootInformation(columns));
   for (const CompressedRecording& r : recordings) {
     for (const auto& block : r.blocks) {
-      for (Eigen::Index i = 0; i < n; ++i) {
-        const SquareRootInformation& factor = block[static_cast<size_t>(i)];
-        VectorXd x(factor.size());
-        for (int j = 0; j < factor.size(); ++j)
-          x[j] = parameters[index.at(factor.columns()[static_cast<size_t>(j)])];
-        sum[i] += factor.residual2(x);
-        rows[i] += factor.rows();
-      }
+      for (size_t i = 0; i < n; ++i) joints[i].merge(block[i].restricted(columns));
     }
   }
-  return (rows.array() / sum.array().max(1e-300)).sqrt();
+  VectorXd weights = start;
+  for (int round = 0; round < kMostRounds; ++round) {
+    const VectorXd beta = solve(weighted_block(joints, weights, columns));
+    VectorXd next(weights.size());
+    for (size_t i = 0; i < n; ++i)
+      next[static_cast<Eigen::Index>(i)] =
+          std::sqrt(joints[i].rows() / std::max(joints[i].residual2(beta), 1e-300));
+    // What counts is the ratio of the joints' weights.
+    const VectorXd change = next.cwiseQuotient(weights);
+    weights = next;
+    if (change.maxCoeff() < (1.0 + kSettled) * change.minCoeff()) break;
+  }
+  return weights;
 }
 
 }  // namespace veridyn

@@ -37,8 +37,13 @@ BaseSolution solve_base(const std::vector<CompressedRecording>& recordings,
 /// 1 / (max - min) of every joint's torque over all recordings; one where it never changes.
 VectorXd range_weights(const std::vector<CompressedRecording>& recordings);
 
-/// 1 / standard deviation of every joint's residual for these standard parameters.
+/// 1 / standard deviation of every joint's residual in the fit that these weights give: from
+/// `start`, until they no longer change. One step from equal weights would be too few: a joint with
+/// small torques is fitted badly there where parameters are shared, and would keep a small weight.
+/// Source: iterated feasible generalised least squares (Oberhofer and Kmenta, Econometrica 42(3),
+/// 1974).
 VectorXd residual_weights(const std::vector<CompressedRecording>& recordings,
-                          const VectorRef& parameters, const std::vector<std::string>& names);
+                          const VectorRef& start, const BaseParameters& base,
+                          const std::vector<std::string>& names);
 
 }  // namespace veridyn

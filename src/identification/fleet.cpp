@@ -12,8 +12,11 @@
 #include "many_recordings.hpp"
 #include "shortfall.hpp"
 #include "math/clustered_statistics.hpp"
+#include "math/median.hpp"
 #include "math/numbers.hpp"
 #include "math/parallel.hpp"
+#include "veridyn/effects/cause.hpp"
+#include "veridyn/effects/channel_effect.hpp"
 #include "veridyn/math/require.hpp"
 #include "math/student_t.hpp"
 
@@ -36,10 +39,7 @@ VectorXd solved(const SquareRootInformation& f) {
 }
 
 double median_of(std::vector<double> v) {
-  if (v.empty()) return kNaN;
-  const auto middle = v.begin() + static_cast<std::ptrdiff_t>(v.size() / 2);
-  std::nth_element(v.begin(), middle, v.end());
-  return *middle;
+  return v.empty() ? kNaN : median(std::move(v));
 }
 
 // Median and robust standard deviation of the finite ones.
@@ -47,9 +47,9 @@ std::pair<double, double> centre_of(const std::vector<double>& all) {
   std::vector<double> finite;
   for (const double x : all)
     if (std::isfinite(x)) finite.push_back(x);
-  const double median = median_of(finite);
-  for (double& x : finite) x = std::abs(x - median);
-  return {median, 1.4826 * median_of(finite)};
+  const double centre = median_of(finite);
+  for (double& x : finite) x = std::abs(x - centre);
+  return {centre, 1.4826 * median_of(finite)};
 }
 
 ArmFactor arm_factor(const Model& arm, const FactorSet& set, const std::string& name) {
@@ -224,8 +224,18 @@ class FleetSolver {
   double median_excess_ = 0.0;
 };
 
+// The error that scales a joint's recorded torque, spelled as a cause.
 std::string gain_name(const Model& arm, int joint) {
-  return "torque_gain:" + arm.coordinates()[static_cast<size_t>(joint)].name;
+  const auto gain = [joint](const std::vector<Coordinate>& all) {
+    return all[static_cast<size_t>(joint)].recorded.torque_gain;
+  };
+  for (const ChannelEffect* effect : channel_effects()) {
+    ModelDescription changed = arm.description();
+    effect->apply(changed, joint, std::vector<double>(effect->parameters().size(), 0.5));
+    if (gain(changed.coordinates) != gain(arm.coordinates()))
+      return to_text(arm, ChannelError{effect->name(), JointIndex{joint}});
+  }
+  return arm.coordinates()[static_cast<size_t>(joint)].name;
 }
 
 int joint_of(const Model& arm, const std::string& parameter,

@@ -6,6 +6,8 @@
 
 #include "veridyn/identification/fleet.hpp"
 
+#include "math/median.hpp"
+
 namespace veridyn {
 namespace {
 
@@ -14,8 +16,7 @@ constexpr size_t kShown = 20;  // outliers in the text; all of them are in the J
 double median_error(const Fleet& fleet, Eigen::Index joint, VectorXd FleetMember::*of) {
   std::vector<double> all;
   for (const FleetMember& m : fleet.members) all.push_back((m.*of)[joint]);
-  std::nth_element(all.begin(), all.begin() + static_cast<long>(all.size() / 2), all.end());
-  return all[all.size() / 2];
+  return median(std::move(all));
 }
 
 std::string line_of(const FleetOutlier& o) {

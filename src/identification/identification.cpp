@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cmath>
+#include <set>
 #include <utility>
 
 #include "identified_base.hpp"
@@ -11,6 +12,7 @@
 #include "recordings/named_recordings.hpp"
 #include "validation.hpp"
 #include "identification/base_solution.hpp"
+#include "identification/velocity_choice.hpp"
 #include "math/dense.hpp"
 #include "math/output_file.hpp"
 #include "veridyn/math/require.hpp"
@@ -243,13 +245,12 @@ void solve(const Model& arm, const std::vector<CompressedRecording>& recordings,
   SquareRootInformation total = weighted_total(recordings, weights, names);
   if (rank_deficient(arm, base, total, id)) return;
   const VectorXd norms = total.column_norms();
-  if (options.method == Method::kOls || options.weights == JointWeights::kResidual)
+  if (options.method == Method::kOls) {
     weights = VectorXd::Ones(weights.size());
-  BaseSolution solution = solve_base(recordings, weights, base, names);
-  if (options.method != Method::kOls && options.weights == JointWeights::kResidual) {
-    weights = residual_weights(recordings, shortest_parameters(base, solution.beta, norms), names);
-    solution = solve_base(recordings, weights, base, names);
+  } else if (options.weights == JointWeights::kResidual) {
+    weights = residual_weights(recordings, weights, base, names);
   }
+  const BaseSolution solution = solve_base(recordings, weights, base, names);
   id.status = IdentificationStatus::kDone;
   id.condition_number = solution.condition_number;
   id.condition_number_scaled = solution.condition_number_scaled;
@@ -323,6 +324,7 @@ Identification identify_with_known_masses(const Model& arm, const std::vector<st
   if (open.empty()) {
     IdentificationOptions plain = options;
     plain.known_masses.clear();
+    plain.choose_velocities = false;  // asked of the whole, with the gains
     id = identify(with_drive_gains(arm, gains), gains.unloaded, test, plain);
   } else {
     id = described(arm, options);
@@ -368,10 +370,48 @@ Identification identify_compressed(const Model& arm, std::vector<CompressedRecor
   return id;
 }
 
+namespace {
+
+void derive(const std::set<int>& joints, IdentificationOptions& how) {
+  how.preprocessing.derive_velocity_of.assign(joints.begin(), joints.end());
+  if (how.test_preprocessing)
+    how.test_preprocessing->derive_velocity_of = how.preprocessing.derive_velocity_of;
+}
+
+// The same fit with those velocities from the position that the torques want so.
+Identification with_chosen_velocities(const Model& arm, Identification id,
+                                      const std::vector<std::string>& train,
+                                      const std::vector<std::string>& test,
+                                      IdentificationOptions how) {
+  const PreprocessingOptions& from = how.preprocessing;
+  const bool asked = how.choose_velocities && from.velocity == VelocitySource::kRecorded &&
+                     from.derive_velocity_of.empty();
+  if (!asked || !id.model) return id;
+  for (const RecordingError& r : id.train) how.preprocessing.known_periods.emplace(r.source, r.period);
+  VelocityChoice choice = choose_velocities(
+      id, doubtful_velocities(arm, train, from, how.threads), kVelocityGain,
+      [&](const std::set<int>& joints) {
+        derive(joints, how);
+        return identify_named(arm, train, test, how);
+      });
+  if (!choice.fit) return id;
+  for (const int j : choice.better) {
+    const std::string& name = arm.coordinates()[static_cast<size_t>(j)].name;
+    choice.fit->remarks.push_back(
+        text("dq", j + 1, " (", name, ") predicts the torque worse than the derivative of q", j + 1,
+             ", which is used instead"));
+  }
+  return std::move(*choice.fit);
+}
+
+}  // namespace
+
 Identification identify(const Model& arm, const Recordings& train, const Recordings& test,
                         const IdentificationOptions& options) {
-  const NamedRecordings<IdentificationOptions> named(train, test, options);
+  NamedRecordings<IdentificationOptions> named(train, test, options);
+  keep_recordings(named.how, KeptRecordings::kFewPasses);
   Identification id = identify_named(arm, named.train, named.test, named.how);
+  id = with_chosen_velocities(arm, std::move(id), named.train, named.test, named.how);
   forget_recordings(id);
   return id;
 }

@@ -50,6 +50,7 @@ std::string Identification::report() const {
         out += fmt::format("{}: {}\n", r.source, filled_text(r.filled, r.rows));
     }
   }
+  for (const std::string& remark : remarks) out += "remark: " + remark + "\n";
   if (!active_constraints.empty()) {
     out += "\nat the edge of what is physically possible:\n";
     for (const std::string& c : active_constraints) out += "  " + c + "\n";

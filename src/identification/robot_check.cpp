@@ -6,14 +6,10 @@
 #include <limits>
 #include <utility>
 
-#include "identification/base_solution.hpp"
+#include "identification/quick_fit.hpp"
 #include "math/parallel.hpp"
+#include "recordings/kept_recordings.hpp"
 #include "recordings/quality/quality_checks.hpp"
-#include "veridyn/effects/effect.hpp"
-#include "effects/plain_friction.hpp"
-#include "veridyn/regressor/base_parameters.hpp"
-#include "veridyn/identification/compressed_recording.hpp"
-#include "veridyn/identification/identification.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn {
@@ -26,10 +22,9 @@ constexpr double kWorstCondition = 2e4;  // columns scaled; whole recordings of 
 // that is left unexplained: a joint that fits badly anyway does not hide another. A way in which
 // signals may have been mistaken must lower it by the first number, as it does where one joint's
 // share falls to 0.4 times what it was; drive gains differ little from joint to joint, and so do
-// their fits. Shares below the third are noise.
+// their fits.
 constexpr double kBetter = 0.9;
 constexpr double kGainsBetter = 0.3;
-constexpr double kSmallestShare = 1e-3;
 constexpr double kWellFitted = 0.02;  // share of a joint; no joints are swapped where all are below
 // Power lost to friction, as a share of rms torque times rms speed, that tells its sign: above the
 // first number, and above the second times the rms share of the torque that is left unexplained,
@@ -40,144 +35,6 @@ constexpr double kFrictionAboveRest = 0.3;
 // other parameters, as in the first seconds of a motion. Real recordings of a PSM have 0.27 to 2.3.
 constexpr double kFrictionTold = 0.25;
 const double kDegree = std::acos(-1.0) / 180.0;
-
-// The arm with plain friction on every coordinate: whatever moves loses energy. Facts of the file
-// are facts about sound recordings; here all is open.
-Model with_everything_open(const Model& arm) {
-  ModelDescription d = with_plain_friction(arm).description();
-  for (EffectTerm& term : d.effects) term.fixed = false;
-  for (Frame& frame : d.frames) {
-    if (frame.body) frame.body->fixed = false;
-  }
-  d.identified.reset();
-  return Model(std::move(d));
-}
-
-// One short identification.
-struct Fit {
-  double unexplained = 1.0;          // share of the weighted squares of the torques
-  double misfit = 0.0;
-  std::vector<double> shares;        // of each joint's squared torque, unexplained
-  VectorXd friction;                 // by joint: power lost to it, of rms torque times rms speed
-  std::vector<double> told;          // by joint: rise of the rms misfit without that loss, as a share
-  std::vector<SquareRootInformation> joints;
-};
-
-class Fitter {
- public:
-  Fitter(const Model& arm, const PreprocessingOptions& options)
-      : arm_(with_everything_open(arm)), options_(options) {
-    options_.left_out.clear();
-    options_.first_row = 0;
-    options_.row_count = -1;
-    options_.min_speed = 0.0;
-    parameters_ = standard_parameters(arm_);
-    names_ = parameter_names(parameters_);
-    const BaseParameters base = base_parameters(arm_);
-    for (const int j : base.independent) base_columns_.push_back(names_[static_cast<size_t>(j)]);
-  }
-
-  const Model& arm() const { return arm_; }
-  const std::vector<StandardParameter>& parameters() const { return parameters_; }
-  const std::vector<std::string>& names() const { return names_; }
-
-  int base_size() const { return static_cast<int>(base_columns_.size()); }
-
-  // How many base parameters the recording determines, and how well.
-  std::pair<int, double> determined(const Recording& recording) const {
-    const std::vector<CompressedRecording> c = {compress(arm_, recording, options_)};
-    const VectorXd weights = range_weights(c);
-    const BaseParameters found =
-        base_parameters(weighted_total(c, weights, names_), preferred_columns(parameters_));
-    return {found.size(), solve_base(c, weights, found, names_).condition_number_scaled};
-  }
-
-  Fit fit(const Recording& recording) const {
-    const CompressedRecording c = compress(arm_, recording, options_);
-    Fit out;
-    const VectorXd weights = range_weights({c});
-    SquareRootInformation total(names_);
-    for (int i = 0; i < arm_.joints(); ++i) {
-      SquareRootInformation joint(names_);
-      for (const auto& block : c.blocks) joint.merge(block[static_cast<size_t>(i)]);
-      total.merge(joint, weights[i]);
-      out.joints.push_back(std::move(joint));
-    }
-    const SquareRootInformation base = total.restricted(base_columns_);
-    const VectorXd beta = base.R().triangularView<Eigen::Upper>().solve(base.z());
-    out.unexplained = base.rho2() / std::max(base.rhs_norm2(), 1e-300);
-    for (const SquareRootInformation& joint : out.joints) {
-      const SquareRootInformation own = joint.restricted(base_columns_);
-      const double share = own.residual2(beta) / std::max(own.rhs_norm2(), 1e-300);
-      out.misfit += std::log(std::max(share, kSmallestShare));
-      out.shares.push_back(share);
-    }
-    const MatrixXd power = friction_power(recording);
-    out.friction = power * beta;
-    const MatrixXd spread = base.R().triangularView<Eigen::Upper>().transpose().solve(power.transpose());
-    for (int i = 0; i < arm_.joints(); ++i)
-      out.told.push_back(std::abs(out.friction[i]) /
-                         std::max(spread.col(i).norm() * std::sqrt(base.rho2()), 1e-300));
-    return out;
-  }
-
- private:
-  // Plain friction along an axis s = c . q: a level against ds, or in proportion to it.
-  struct Friction {
-    VectorXd axis;
-    Eigen::Index parameter;  // of the base
-    bool dry;
-  };
-
-  std::vector<Friction> frictions() const {
-    std::vector<Friction> out;
-    for (std::size_t j = 0; j < base_columns_.size(); ++j) {
-      const auto known = std::find(names_.begin(), names_.end(), base_columns_[j]);
-      const StandardParameter& p = parameters_[static_cast<std::size_t>(known - names_.begin())];
-      if (p.effect < 0) continue;
-      const EffectTerm& term = arm_.effects()[static_cast<std::size_t>(p.effect)];
-      const EffectTraits traits = find_effect(term.effect).traits();
-      if (!traits.elementary || traits.role != EffectRole::kFriction) continue;
-      out.push_back({term.axis.coefficients, static_cast<Eigen::Index>(j),
-                     traits.dry == DryFriction::kConstant});
-    }
-    return out;
-  }
-
-  // The power that friction takes from each joint, by base parameter (joints x base), of rms torque
-  // times rms speed; several axes may share a joint.
-  MatrixXd friction_power(const Recording& recording) const {
-    const std::vector<Friction> all = frictions();
-    MatrixXd power = MatrixXd::Zero(arm_.joints(), base_size());
-    VectorXd speed2 = VectorXd::Zero(arm_.joints());
-    VectorXd torque2 = speed2;
-    for (Eigen::Index k = 1; k < recording.time.size(); ++k) {
-      VectorXd v = recording.q.row(k) - recording.q.row(k - 1);
-      v /= recording.time[k] - recording.time[k - 1];
-      if (recording.dq.size() > 0) v = recording.dq.row(k);
-      const VectorXd tau = recording.tau.row(k);
-      if (!v.allFinite() || !tau.allFinite()) continue;
-      for (const Friction& f : all) {
-        const double ds = f.axis.dot(v);
-        const double shape = f.dry ? (ds > 0.0 ? 1.0 : ds < 0.0 ? -1.0 : 0.0) : ds;
-        power.col(f.parameter) += shape * f.axis.cwiseProduct(v);
-      }
-      speed2 += v.cwiseAbs2();
-      torque2 += tau.cwiseAbs2();
-    }
-    for (int i = 0; i < arm_.joints(); ++i) {
-      const double scale = std::sqrt(torque2[i] * speed2[i]);
-      power.row(i) *= scale > 0.0 ? 1.0 / scale : 0.0;
-    }
-    return power;
-  }
-
-  Model arm_;
-  PreprocessingOptions options_;
-  std::vector<StandardParameter> parameters_;
-  std::vector<std::string> names_;
-  std::vector<std::string> base_columns_;
-};
 
 using Change = std::function<void(Recording*)>;
 
@@ -262,13 +119,13 @@ class RobotCheck {
     findings_.push_back(std::move(f));
   }
 
-  Fit tried(const Way& way) const {
+  QuickFit tried(const Way& way) const {
     Recording changed = recording_;
     way.mend(&changed);
     return fitter_.fit(changed);
   }
 
-  void accept(const Way& way, const Fit& fit) {
+  void accept(const Way& way, const QuickFit& fit) {
     if (way.finding == "torque_sign") {  // told at the end: friction has a say
       turned_[static_cast<size_t>(way.joint) - 1] ^= 1;
     } else {
@@ -284,11 +141,11 @@ class RobotCheck {
   // The best of some ways, if it is much better than the recording as it is.
   bool accept_best(const std::vector<Way>& ways, double better) {
     if (ways.empty()) return false;
-    std::vector<Fit> fits(ways.size());
+    std::vector<QuickFit> fits(ways.size());
     parallel_for(static_cast<int>(ways.size()), 0, [&](int k) {
       fits[static_cast<size_t>(k)] = tried(ways[static_cast<size_t>(k)]);
     });
-    const auto best = std::min_element(fits.begin(), fits.end(), [](const Fit& a, const Fit& b) {
+    const auto best = std::min_element(fits.begin(), fits.end(), [](const QuickFit& a, const QuickFit& b) {
       return a.misfit < b.misfit;
     });
     if (best->misfit > now_.misfit - better || best->unexplained >= now_.unexplained) return false;
@@ -362,7 +219,7 @@ class RobotCheck {
       if (turned_[static_cast<size_t>(i)] == 0) continue;
       Recording back = recording_;  // all but this joint mended
       back.tau.col(i) *= -1.0;
-      const Fit without = fitter_.fit(back);
+      const QuickFit without = fitter_.fit(back);
       const bool fits =
           now_.misfit < without.misfit - kBetter && now_.unexplained < without.unexplained;
       add("torque_sign", i + 1, now_.shares[static_cast<size_t>(i)],
@@ -493,9 +350,9 @@ class RobotCheck {
 
   const Model& given_;
   Recording recording_;
-  Fitter fitter_;
+  QuickFitter fitter_;
   std::vector<std::string> names_;
-  Fit now_;
+  QuickFit now_;
   std::vector<bool> moves_;   // joints that can be judged
   std::vector<char> turned_;  // joints whose torques were turned round
   std::vector<QualityFinding> findings_;
@@ -508,7 +365,7 @@ std::vector<QualityFinding> check_against(const Model& arm, const std::string& p
   RecordingOptions reading = reading_of(arm, options);
   reading.first_row = std::max(0L, options.first_row);
   reading.row_count = options.row_count < 0 ? kMostRows : std::min<long>(options.row_count, kMostRows);
-  Recording recording = read_recording(path, reading);
+  Recording recording = read_rows(path, reading, options.kept.get());
   recording.source = path;
   PreprocessingOptions rest = options;
   rest.first_row = 0;

@@ -36,12 +36,4 @@ inline VectorXd jackknife_deviations(const MatrixXd& without) {
   return (centred.rowwise().squaredNorm() * ((g - 1.0) / g)).cwiseSqrt();
 }
 
-/// The upper one of two middle values; zero of nothing.
-inline double median(std::vector<double> values) {
-  if (values.empty()) return 0.0;
-  const auto middle = values.begin() + static_cast<long>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 }  // namespace veridyn

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "recordings/choose_fields.hpp"
+#include "math/median.hpp"
 #include "recordings/import.hpp"
 #include "recordings/stream_clock.hpp"
 #include "recordings/units.hpp"
@@ -36,10 +37,7 @@ int base_stream(const RawRecording& raw, const ChosenFields& chosen) {
 std::int64_t median_step(const std::vector<std::int64_t>& time) {
   std::vector<std::int64_t> steps;
   for (std::size_t k = 1; k < time.size(); ++k) steps.push_back(time[k] - time[k - 1]);
-  if (steps.empty()) return 0;
-  const auto middle = steps.begin() + static_cast<long>(steps.size() / 2);
-  std::nth_element(steps.begin(), middle, steps.end());
-  return *middle;
+  return median(std::move(steps));
 }
 
 // A column of another stream at the times of the base, linear between its rows; gaps where these

@@ -21,7 +21,7 @@ GrowingRecording::GrowingRecording(const std::string& path, const RecordingOptio
     std::this_thread::sleep_for(kPause);
     return true;
   };
-  source_ = recordings::csv_rows(pipe ? "/dev/stdin" : path, options, wait);
+  source_ = recordings::csv_rows(CsvLines(ByteStream(pipe ? "/dev/stdin" : path, wait)), options);
 }
 
 GrowingRecording::~GrowingRecording() = default;

@@ -8,10 +8,7 @@
 
 #include "recordings/arrays/array_recording.hpp"
 #include "recordings/bags/bag_recording.hpp"
-#include "recordings/bags/bag_sink.hpp"
-#include "recordings/bags/mapped_file.hpp"
 #include "recordings/csv/csv_table.hpp"
-#include "recordings/file_kind.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn::recordings {
@@ -27,6 +24,7 @@ std::string key_of(const std::string& path, const RecordingOptions& options) {
   ::stat(path.c_str(), &about);
   key << path << '\n' << about.st_size << ' ' << about.st_mtim.tv_sec << ' ' << about.st_mtim.tv_nsec
       << ' ' << about.st_ino << ' ' << options.rate << '\n';
+  for (const std::string& column : options.columns) key << column << ' ';
   for (const std::string& topic : options.signals.topics) key << topic << '\n';
   for (const auto& [name, source] : options.signals.map) key << name << '=' << source << '\n';
   for (const auto& [name, unit] : options.signals.units) key << name << '~' << unit << '\n';
@@ -80,36 +78,45 @@ Kept& kept() {
   return recordings;
 }
 
-RawRecording read_raw(const std::string& path, const RecordingOptions& options) {
-  switch (file_kind(path)) {
-    case FileKind::kBag:
-      return bags::read_bag_recording(path, options.signals);
+RawRecording read_raw(const OpenedFile& file, const RecordingOptions& options) {
+  switch (file.kind) {
     case FileKind::kNpz:
-      return raw_from_arrays(read_npz(path), path, "NumPy .npz", options);
+      return raw_from_arrays(read_npz(*file.bytes), file.path, "NumPy .npz", options);
     case FileKind::kMat:
-      return raw_from_arrays(read_mat(path), path, "MATLAB MAT-file", options);
+      return raw_from_arrays(read_mat(file.path), file.path, "MATLAB MAT-file", options);
     case FileKind::kHdf5:
-      return raw_from_arrays(read_hdf5(path), path, "HDF5", options);
+      return raw_from_arrays(read_hdf5(file.path), file.path, "HDF5", options);
+    case FileKind::kBag:
     case FileKind::kText:
       break;
   }
-  return read_csv_table(path, options);
+  return bags::read_bag_recording(file, options.signals);
+}
+
+template <typename Read>
+std::shared_ptr<const Imported> read_and_keep(const std::string& path,
+                                              const RecordingOptions& options, Read read) {
+  const std::string key = key_of(path, options);  // of the file before it is read
+  auto imported = std::make_shared<const Imported>(assemble(read(), path, options.signals));
+  kept().keep(key, imported);
+  return imported;
 }
 
 }  // namespace
 
-bool needs_import(const std::string& path, const RecordingOptions& options) {
-  return file_kind(path) != FileKind::kText || is_csv_table(path, options);
+std::shared_ptr<const Imported> import_file(const OpenedFile& file,
+                                            const RecordingOptions& options) {
+  return read_and_keep(file.path, options, [&] { return read_raw(file, options); });
 }
 
-std::shared_ptr<const Imported> import_recording(const std::string& path,
-                                                 const RecordingOptions& options) {
-  const std::string key = key_of(path, options);
-  if (std::shared_ptr<const Imported> before = kept().find(key)) return before;
-  auto imported =
-      std::make_shared<const Imported>(assemble(read_raw(path, options), path, options.signals));
-  kept().keep(key, imported);
-  return imported;
+std::shared_ptr<const Imported> import_table(CsvLines lines, const RecordingOptions& options) {
+  const std::string path = lines.path();
+  return read_and_keep(path, options, [&] { return read_csv_table(std::move(lines), options); });
+}
+
+std::shared_ptr<const Imported> imported_before(const std::string& path,
+                                                const RecordingOptions& options) {
+  return kept().find(key_of(path, options));
 }
 
 }  // namespace veridyn::recordings

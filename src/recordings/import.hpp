@@ -3,6 +3,8 @@
 #include <memory>
 #include <string>
 
+#include "recordings/csv/csv_lines.hpp"
+#include "recordings/files/file_kind.hpp"
 #include "recordings/raw_recording.hpp"
 #include "veridyn/recordings/recording.hpp"
 #include "veridyn/recordings/recording_facts.hpp"
@@ -21,12 +23,15 @@ struct Imported {
 /// equally well (only if joints are wanted; otherwise the first is taken and that is remarked).
 Imported assemble(const RawRecording& raw, const std::string& path, const SignalChoice& choice);
 
-/// A bag, an array file, or a CSV table with other names than t, q1..qn.
+/// A bag or an array file.
 /// @throws InvalidInput  as assemble() does, or the file is damaged beyond use.
-std::shared_ptr<const Imported> import_recording(const std::string& path,
-                                                 const RecordingOptions& options);
+std::shared_ptr<const Imported> import_file(const OpenedFile& file, const RecordingOptions& options);
 
-/// Whether the file needs import_recording().
-bool needs_import(const std::string& path, const RecordingOptions& options);
+/// A CSV table with other names than t, q1..qn. @throws InvalidInput  as import_file().
+std::shared_ptr<const Imported> import_table(CsvLines lines, const RecordingOptions& options);
+
+/// What one of the above gave of the same file before, or nothing.
+std::shared_ptr<const Imported> imported_before(const std::string& path,
+                                                const RecordingOptions& options);
 
 }  // namespace veridyn::recordings

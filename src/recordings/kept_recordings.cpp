@@ -53,6 +53,16 @@ std::shared_ptr<const Whole> parsed(const std::string& path, const RecordingOpti
   return whole;
 }
 
+// All rows of a file, where it is kept.
+std::shared_ptr<const Whole> whole_file(const std::string& path, const RecordingOptions& options,
+                                        KeptRecordings* kept) {
+  if (kept == nullptr) return nullptr;
+  RecordingOptions all = options;
+  all.first_row = 0;
+  all.row_count = -1;
+  return kept->find(path, all);
+}
+
 }  // namespace
 
 KeptRecordings::KeptRecordings(long most_bytes) : state_(std::make_unique<State>()) {
@@ -91,7 +101,9 @@ std::shared_ptr<const Whole> KeptRecordings::find(const std::string& path,
 
 OpenedRows open_rows(const std::string& path, const RecordingOptions& options,
                      KeptRecordings* kept) {
-  if (const auto whole = kept != nullptr ? kept->find(path, options) : nullptr) {
+  const auto whole = whole_file(path, options, kept);
+  if (whole != nullptr && options.first_row == 0 &&
+      (options.row_count < 0 || options.row_count >= whole->rows.rows())) {
     auto at = std::make_shared<int>(0);
     return {[whole, at](int rows) {
               const int count = std::min(rows, whole->rows.rows() - *at);
@@ -103,6 +115,16 @@ OpenedRows open_rows(const std::string& path, const RecordingOptions& options,
   ++g_parsed;
   auto reader = std::make_shared<RecordingReader>(path, options);
   return {[reader](int rows) { return reader->next(rows); }, [reader] { return reader->facts(); }};
+}
+
+Recording read_rows(const std::string& path, const RecordingOptions& options,
+                    KeptRecordings* kept) {
+  const auto whole = whole_file(path, options, kept);
+  const long rows = whole != nullptr ? whole->rows.rows() : 0;
+  if (options.first_row >= rows || options.row_count == 0) return read_recording(path, options);
+  const long behind = rows - options.first_row;
+  const long count = options.row_count < 0 ? behind : std::min(options.row_count, behind);
+  return rows_of(whole->rows, static_cast<int>(options.first_row), static_cast<int>(count));
 }
 
 long files_parsed() {

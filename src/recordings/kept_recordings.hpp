@@ -21,7 +21,10 @@ struct OpenedRows {
 /// one and hands it on in PreprocessingOptions::kept. Threads may share it.
 class KeptRecordings {
  public:
-  explicit KeptRecordings(long most_bytes = 400L << 20);
+  static constexpr long kManyQuestions = 400L << 20;  ///< bound of a diagnosis
+  static constexpr long kFewPasses = 32L << 20;       ///< bound where files are read a few times
+
+  explicit KeptRecordings(long most_bytes = kManyQuestions);
   ~KeptRecordings();
   KeptRecordings(const KeptRecordings&) = delete;
   KeptRecordings& operator=(const KeptRecordings&) = delete;
@@ -38,9 +41,14 @@ class KeptRecordings {
   std::unique_ptr<State> state_;
 };
 
-/// The rows of a file, from memory where it is kept. @throws InvalidInput  as RecordingReader.
+/// The rows of a file, from memory where it is kept and options.row_count takes in all of them.
+/// @throws InvalidInput  as RecordingReader.
 OpenedRows open_rows(const std::string& path, const RecordingOptions& options,
                      KeptRecordings* kept = nullptr);
+
+/// As read_recording(), from memory where the file is kept.
+Recording read_rows(const std::string& path, const RecordingOptions& options,
+                    KeptRecordings* kept);
 
 /// As check_recording(), of rows that are open.
 RecordingQuality check_rows(const std::string& path, const OpenedRows& rows);

@@ -1,8 +1,10 @@
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
+#include "recordings/kept_recordings.hpp"
 #include "veridyn/recordings/preprocessing.hpp"
 
 namespace veridyn {
@@ -22,6 +24,15 @@ struct NamedRecordings {
       how.test_preprocessing->in_memory = how.preprocessing.in_memory;
   }
 };
+
+/// Files are parsed once and kept in memory, up to `most_bytes` of text in all; whoever has set
+/// `kept` keeps them already.
+template <typename Options>
+void keep_recordings(Options& how, long most_bytes) {
+  if (!how.preprocessing.kept)
+    how.preprocessing.kept = std::make_shared<KeptRecordings>(most_bytes);
+  if (how.test_preprocessing) how.test_preprocessing->kept = how.preprocessing.kept;
+}
 
 /// Results do not keep recordings alive, nor what may interrupt a run.
 template <typename Result>

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "recordings/csv/csv_table.hpp"
 #include "recordings/import.hpp"
 #include "recordings/row_source.hpp"
 #include "recordings/units.hpp"
@@ -35,6 +36,23 @@ class ImportedRows : public recordings::RowSource {
   long end_ = 0;
 };
 
+std::unique_ptr<recordings::RowSource> rows_in(const std::string& path,
+                                               const RecordingOptions& options) {
+  std::shared_ptr<const recordings::Imported> whole = recordings::imported_before(path, options);
+  if (whole == nullptr) {
+    recordings::OpenedFile file(path);
+    if (file.kind == recordings::FileKind::kText) {
+      CsvLines lines(std::move(*file.bytes));
+      if (!recordings::is_csv_table(lines, options))
+        return recordings::csv_rows(std::move(lines), options);
+      whole = recordings::import_table(std::move(lines), options);
+    } else {
+      whole = recordings::import_file(file, options);
+    }
+  }
+  return std::make_unique<ImportedRows>(std::move(whole), options);
+}
+
 }  // namespace
 
 RecordingReader::RecordingReader(const std::string& path, const RecordingOptions& options) {
@@ -43,12 +61,7 @@ RecordingReader::RecordingReader(const std::string& path, const RecordingOptions
   require(std::isfinite(options.rate) && options.rate >= 0.0, "--rate: found ", options.rate,
           ", expected a rate in Hz.");
   recordings::require_known_units(options.signals);
-  if (recordings::needs_import(path, options)) {
-    source_ =
-        std::make_unique<ImportedRows>(recordings::import_recording(path, options), options);
-  } else {
-    source_ = recordings::csv_rows(path, options);
-  }
+  source_ = rows_in(path, options);
   recordings::require_joints_of(options.signals, source_->joints(), path);
 }
 

@@ -1,9 +1,9 @@
 #pragma once
 
-#include <functional>
 #include <memory>
 #include <string>
 
+#include "recordings/csv/csv_lines.hpp"
 #include "veridyn/recordings/recording.hpp"
 
 namespace veridyn::recordings {
@@ -18,8 +18,6 @@ class RowSource {
 };
 
 /// Rows of a CSV file with columns t, q1..qn, one after the other.
-/// @param wait  see CsvLines.
-std::unique_ptr<RowSource> csv_rows(const std::string& path, const RecordingOptions& options,
-                                    std::function<bool()> wait = {});
+std::unique_ptr<RowSource> csv_rows(CsvLines lines, const RecordingOptions& options);
 
 }  // namespace veridyn::recordings

@@ -6,6 +6,7 @@
 #include <limits>
 #include <numeric>
 
+#include "math/median.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn::recordings {
@@ -38,10 +39,7 @@ std::int64_t median_delay(const RawStream& stream) {
   for (std::size_t k = 0; k < stream.rows(); ++k) {
     if (stream.stamped[k] > 0) delays.push_back(stream.recorded[k] - stream.stamped[k]);
   }
-  if (delays.empty()) return 0;
-  const auto middle = delays.begin() + static_cast<long>(delays.size() / 2);
-  std::nth_element(delays.begin(), middle, delays.end());
-  return *middle;
+  return median(std::move(delays));
 }
 
 // The stamps, and recorded times in place of those that are missing or do not grow.

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "math/median.hpp"
 #include "math/most_rows.hpp"
 #include "veridyn/math/require.hpp"
 
@@ -18,8 +19,7 @@ constexpr double kGapInSteps = 2.5;  // one lost row is interpolated, more are a
 double median_step(const VectorXd& time) {
   std::vector<double> steps;
   for (Eigen::Index i = 1; i < time.size(); ++i) steps.push_back(time[i] - time[i - 1]);
-  std::nth_element(steps.begin(), steps.begin() + static_cast<long>(steps.size() / 2), steps.end());
-  return steps[steps.size() / 2];
+  return median(std::move(steps));
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "breakaway_ramps.hpp"
+#include "math/median.hpp"
 #include "math/numbers.hpp"
 #include "veridyn/math/require.hpp"
 
@@ -16,13 +17,10 @@ constexpr double kSettle = 3.0;    // [s] of creeping before a ramp
 constexpr double kHeavy = 3.0;     // times the damping of a held joint, while it creeps
 constexpr double kSettled = 0.02;  // share of the speed of sliding, that still counts as rest
 
-double median(std::vector<double> values) {
+double median_of_known(std::vector<double> values) {
   values.erase(std::remove_if(values.begin(), values.end(), [](double v) { return std::isnan(v); }),
                values.end());
-  if (values.empty()) return kNaN;
-  const auto middle = values.begin() + static_cast<long>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
+  return values.empty() ? kNaN : median(std::move(values));
 }
 
 // Pushes the model through one ramp. Where the recording has moved on, the effort goes on rising as
@@ -134,10 +132,10 @@ Breakaway breakaway(Engine& engine, const Model& arm, const ReplayInput& input,
     simulated[side].push_back(event.simulated);
     out.events.push_back(event);
   }
-  out.recorded_forward = median(recorded[0]);
-  out.recorded_backward = median(recorded[1]);
-  out.simulated_forward = median(simulated[0]);
-  out.simulated_backward = median(simulated[1]);
+  out.recorded_forward = median_of_known(recorded[0]);
+  out.recorded_backward = median_of_known(recorded[1]);
+  out.simulated_forward = median_of_known(simulated[0]);
+  out.simulated_backward = median_of_known(simulated[1]);
   return out;
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "math/median.hpp"
 #include "math/decompositions.hpp"
 #include "veridyn/math/require.hpp"
 
@@ -45,8 +46,7 @@ MatrixXd local_polynomial(int half, int degree) {
 double median_step(const std::vector<double>& times) {
   std::vector<double> steps;
   for (size_t k = 1; k < times.size(); ++k) steps.push_back(times[k] - times[k - 1]);
-  std::nth_element(steps.begin(), steps.begin() + static_cast<long>(steps.size() / 2), steps.end());
-  return steps[steps.size() / 2];
+  return median(std::move(steps));
 }
 
 }  // namespace

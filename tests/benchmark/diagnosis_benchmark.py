@@ -46,6 +46,10 @@ def cases(data):
                 os.path.join(data, "mtm", "two.csv"), "--filter-cutoff", "5.65"],
         "ur10e": ["ur10e", "--train", ur("free-12harm30s-2020-02-10.csv"), "--test",
                   ur("free-point-to-point-2020-01-17.csv")] + ur_settings,
+        # The motion of another day, without the rests at its ends; above, joint 6 rests half of the time.
+        "ur10e/50s": ["ur10e", "--train", ur("free-12harm30s-2020-02-10.csv"), "--test",
+                      ur("free-14harm50s-2020-02-19.csv"), "--rows", "635:3510", "--test-rows",
+                      "260:4960", "--filter-cutoff", "7", "--resample", "100"],
         "psm-3dof/defaults": ["psm-3dof", "--train"] + fourier[:4] + ["--test"] + fourier[4:],
         "psm-3dof-one/defaults": ["psm-3dof", "--train", fourier[0], "--test", fourier[4]],
         "psm-wrist/defaults": ["psm-wrist", "--train", wrist("one.csv"), "--test",

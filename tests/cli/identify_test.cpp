@@ -164,6 +164,7 @@ TEST_F(Identify, SettingsSayHowToRepeatTheRun) {
   EXPECT_EQ(s["filter_order"], 3);
   EXPECT_EQ(s["filtering"], "signals");
   EXPECT_EQ(s["velocity"], "derived");
+  EXPECT_EQ(s["velocity_derived_of"], json::array());
   EXPECT_EQ(s["resample"], 90.0);
   EXPECT_EQ(s["drop_start"], 1.5);
   EXPECT_EQ(s["drop_end"], 0.25);
@@ -247,6 +248,35 @@ TEST_F(Identify, ARecordingInDegreesIsWarnedOf) {
   EXPECT_NE(done.err.find("warning: " + train + ": The position of joint 1"), std::string::npos)
       << done.err;
   EXPECT_NE(done.err.find("degrees or millimetres"), std::string::npos) << done.err;
+}
+
+// What `check` calls a fault is told where a recording is learned from, too.
+TEST_F(Identify, ANumberThatNoArmReachesIsWarnedOf) {
+  std::string spoilt = content_of(train_);
+  const size_t row = spoilt.find("\n4.00,") + 1;
+  ASSERT_NE(row, 0U);
+  const size_t torque = spoilt.rfind(',', spoilt.find('\n', row)) + 1;
+  spoilt.replace(torque, spoilt.find('\n', row) - torque, "3e9");
+  const std::string train = folder_.write("spoilt.csv", spoilt);
+  for (const Words& command : {Words{"identify", "planar-2r", "--train"}, Words{"payload", "planar-2r", "--recording"}}) {
+    const ToolRun done = run_tool(command + Words{train, "--quiet"});
+    EXPECT_EQ(done.status, 0) << done.err;
+    EXPECT_EQ(done.error_lines(), 1) << done.err;
+    EXPECT_EQ(done.err.find("veridyn: warning: " + train + ": "), 0U) << done.err;
+  }
+}
+
+// Hardly a row between gaps: whoever reads it in earnest says so, once.
+TEST_F(Identify, ARecordingOfGapsIsRefusedInOneLine) {
+  std::istringstream lines(content_of(train_));
+  std::string line, sparse;
+  for (int k = 0; std::getline(lines, line); ++k)
+    sparse += (k == 0 || k % 400 < 12 ? line : line.substr(0, line.rfind(',')) + ",nan") + "\n";
+  const std::string train = folder_.write("sparse.csv", sparse);
+  const ToolRun done = run_tool({"identify", "planar-2r", "--train", train, "--quiet"});
+  EXPECT_EQ(done.status, 4) << done.err;
+  EXPECT_EQ(done.error_lines(), 1) << done.err;
+  EXPECT_NE(done.err.find("no usable samples are left after gaps"), std::string::npos) << done.err;
 }
 
 }  // namespace

@@ -102,5 +102,55 @@ TEST_F(Residuals, RowsAroundTheContactAreLeftOut) {
   EXPECT_GT(rows[0].to, 13.0);
 }
 
+// The low-pass smears anything shorter over a third of a second.
+TEST_F(Residuals, WhatIsShorterThanTheFilterIsNoContact) {
+  push(0, 12.0, 12.15, 4.0);
+  EXPECT_TRUE(find_contacts(id_).empty());
+}
+
+// What the model misses slowly is the model's error, however large it becomes.
+TEST_F(Residuals, WhatChangesSlowlyIsNoContact) {
+  PredictionSeries& x = id_.train[0].series;
+  for (size_t k = 0; k < x.time.size(); ++k) x.measured[0][k] += 5.0 * x.time[k] / x.time.back();
+  EXPECT_TRUE(find_contacts(id_).empty());
+}
+
+// A small part of the torques that a joint has anyway.
+TEST_F(Residuals, WhatIsSmallBesideTheTorqueIsNoContact) {
+  PredictionSeries& x = id_.train[0].series;
+  for (std::vector<double>* torque : {&x.measured[0], &x.modelled[0]}) {
+    for (size_t k = 0; k < torque->size(); ++k) (*torque)[k] += 100.0;
+  }
+  push(0, 12.0, 13.0, 3.0);
+  EXPECT_TRUE(find_contacts(id_).empty());
+  push(0, 12.0, 13.0, 3.0);
+  EXPECT_EQ(find_contacts(id_).size(), 1U);
+}
+
+TEST_F(Residuals, FindingsSayWhenWhereAndHowHard) {
+  push(1, 12.0, 13.0, -1.4);
+  push(0, 21.0, 21.6, -2.0);
+  id_.test_error.relative = Eigen::Vector2d(0.3, 0.2);
+  id_.test_without_excluded.relative = Eigen::Vector2d(0.1, 0.1);
+  Diagnosis d;
+  add_contacts(find_contacts(id_), id_, d);
+  ASSERT_EQ(d.findings.size(), 2U);
+  EXPECT_EQ(d.findings[0].rank, 1);
+  EXPECT_EQ(d.findings[1].rank, 2);
+  const Finding& f = d.findings[0];
+  EXPECT_EQ(f.joint, JointIndex{1});
+  EXPECT_EQ(f.source, "push.csv");
+  ASSERT_EQ(f.parameters.size(), 3U);
+  EXPECT_LT(f.parameters[0].low, -1.4);
+  EXPECT_GT(f.parameters[0].high, -1.4);
+  EXPECT_GT(f.parameters[0].low, -2.0);
+  EXPECT_NEAR(f.parameters[1].value, 12.0, 0.05);
+  EXPECT_NEAR(f.parameters[2].value, 13.0, 0.05);
+  EXPECT_LT(f.p_value, 1e-3);
+  EXPECT_EQ(f.test_before, id_.test_error.relative);
+  EXPECT_EQ(f.test_outside, id_.test_without_excluded.relative);
+  EXPECT_NE(f.phrase.find("pushes the arm on link fore or beyond it"), std::string::npos) << f.phrase;
+}
+
 }  // namespace
 }  // namespace veridyn

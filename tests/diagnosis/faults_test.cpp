@@ -60,6 +60,48 @@ TEST_F(Stages, AWrongLengthIsFoundAndCorrected) {
   }
 }
 
+// An angle of the table and the zero of its encoder do the same; the zero is the commoner fault.
+TEST_F(Stages, AnEncodersZeroGoesBeforeTheAngleThatDoesTheSame) {
+  Investigation x = investigation(read_model("planar-2r"), {"encoder_offset:shoulder:offset=0.1"});
+  correct_constants(x);
+  ASSERT_EQ(x.d.findings.size(), 1U);
+  const Finding& f = x.d.findings[0];
+  EXPECT_EQ(to_text(x.arm, f.cause), "encoder_offset:shoulder");
+  EXPECT_NEAR(f.parameters[0].value, 0.1, 0.002);
+  EXPECT_LT(f.parameters[0].low, 0.1);
+  EXPECT_GT(f.parameters[0].high, 0.1);
+  EXPECT_LT(f.p_value, 1e-3);
+  ASSERT_FALSE(f.rivals.empty());
+  EXPECT_TRUE(std::holds_alternative<KinematicError>(f.rivals[0].cause));
+  EXPECT_NEAR(x.start.model->coordinates()[0].recorded.position_offset, 0.1, 0.002);
+}
+
+// Learned on an arm with another length, held out on one that is as the file says.
+TEST_F(Stages, ALengthThatTheHeldOutRecordingContradictsIsNotConfirmed) {
+  ModelFileOptions longer;
+  longer.constants["l1"] = 0.6;
+  const Model file = read_model("planar-2r", longer);
+  Model as_the_file = plausible_model(file, 3).arm;
+  for (const ExtendedModel extended : {ExtendedModel::kAllFindings, ExtendedModel::kConfirmedOnly}) {
+    Investigation x{file, {}, {}, {}, {}, {}, 0, {}, {}, {}};
+    for (unsigned k = 1; k <= 4; ++k) x.train.push_back(record(k, {}));
+    std::swap(truth_, as_the_file);
+    x.test = {record(5, {})};
+    std::swap(truth_, as_the_file);
+    x.options.identification.threads = 1;
+    x.options.extended = extended;
+    ASSERT_TRUE(fit_baseline(x));
+    correct_constants(x);
+    if (extended == ExtendedModel::kConfirmedOnly) {
+      EXPECT_TRUE(x.d.findings.empty());
+      EXPECT_EQ(x.start.test_error.relative, x.d.baseline.test_error.relative);
+      continue;
+    }
+    ASSERT_EQ(x.d.findings.size(), 1U);
+    EXPECT_EQ(x.d.findings[0].status, FindingStatus::kNotConfirmed);
+  }
+}
+
 // From a grid to the hidden distance.
 TEST_F(Stages, AConstantIsRefinedFromTheGridToTheTruth) {
   Investigation x = investigation(read_model("planar-2r"),
@@ -103,6 +145,64 @@ TEST_F(Stages, AConstantIsRefinedFromTheGridToTheTruth) {
   ASSERT_EQ(rivals.size(), 1U);
   EXPECT_EQ(rivals[0].first.family,
             asked.q.augmented.hypotheses[static_cast<size_t>(other)].family);
+}
+
+// Two memories of one joint beside the hidden one, a value of the grid to either side.
+class Twins : public Stages {
+ protected:
+  // Accepted: hysteresis of the shoulder with the grid's distances just below and above these.
+  Selection accepted(const Questions& asked, const std::vector<double>& distances) const {
+    Selection out;
+    for (const double distance : distances) {
+      int nearest = -1;
+      double least = 0.0;
+      for (size_t k = 0; k < asked.q.augmented.hypotheses.size(); ++k) {
+        const Hypothesis& h = asked.q.augmented.hypotheses[k];
+        if (h.joint != JointIndex{0}) continue;
+        const double away =
+            std::abs(std::log(term_of(asked.q.augmented.model, h).values.at("distance") / distance));
+        if (nearest >= 0 && away >= least) continue;
+        nearest = static_cast<int>(k);
+        least = away;
+      }
+      Evidence e;
+      e.hypothesis = nearest;
+      out.accepted.push_back({e});
+    }
+    return out;
+  }
+
+  std::vector<double> fitted(const std::vector<std::string>& hidden,
+                             const std::vector<double>& distances) const {
+    Investigation x = investigation(read_model("planar-2r"), hidden);
+    QuestionList list = x.list();
+    list.wanted = {"presliding_hysteresis"};
+    const Questions asked = ask(x, list, x.start);
+    Selection selection = accepted(asked, distances);
+    EXPECT_NE(selection.accepted[0].evidence.hypothesis, selection.accepted[1].evidence.hypothesis);
+    const Fit fit = fit_accepted(x.start, asked.q, selection, false, x.train, x.test, x.options);
+    std::vector<double> out;
+    for (const Hypothesis& h : fit.inquiry.augmented.hypotheses)
+      out.push_back(term_of(fit.inquiry.augmented.model, h).values.at("distance"));
+    return out;
+  }
+};
+
+TEST_F(Twins, NeighboursOfTheGridAreOneMemoryBetweenThem) {
+  const std::vector<double> one =
+      fitted({"presliding_hysteresis:shoulder:level=3,distance=0.04"}, {0.025, 0.06});
+  ASSERT_EQ(one.size(), 1U);
+  EXPECT_NEAR(one[0], 0.04, 0.004);
+}
+
+// Near each other as well, but one alone predicts held-out data worse.
+TEST_F(Twins, TwoMemoriesThatAreThereStay) {
+  const std::vector<double> two = fitted({"presliding_hysteresis:shoulder:level=3,distance=0.02",
+                                          "presliding_hysteresis:shoulder:level=3,distance=0.08"},
+                                         {0.02, 0.08});
+  ASSERT_EQ(two.size(), 2U);
+  EXPECT_NEAR(two[0], 0.02, 0.004);
+  EXPECT_NEAR(two[1], 0.08, 0.016);
 }
 
 }  // namespace

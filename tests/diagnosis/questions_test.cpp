@@ -121,6 +121,46 @@ TEST(EffectFacts, ComeFromTheEffects) {
                                                             "viscous_friction"}));
 }
 
+// A slide's zero is a length, a hinge's an angle.
+TEST(EffectFacts, PhrasesOfChannelsKnowSlidesFromHinges) {
+  const Model arm = read_model("psm-3dof");
+  int slides = 0;
+  for (int i = 0; i < arm.joints(); ++i) {
+    EffectTerm term;
+    term.effect = "encoder_offset";
+    term.axis.coefficients = VectorXd::Unit(arm.joints(), i);
+    const bool slide = arm.coordinates()[static_cast<size_t>(i)].prismatic;
+    slides += static_cast<int>(slide);
+    const std::string words = channel_phrase(arm, term, {0.002});
+    EXPECT_NE(words.find(slide ? "2 mm too large" : "2 mrad too large"), std::string::npos) << words;
+  }
+  EXPECT_EQ(slides, 1);
+}
+
+// In one motion much goes together: what depends on the place, and errors of channels, need another.
+TEST(Hypotheses, ThatOneMotionMayMisleadAboutAreKnown) {
+  QuestionList list;
+  list.wanted = {"joint_spring", "time_delay", "quadratic_drag"};
+  const AugmentedModel asked = augmented_model(read_model("planar-2r"), {moving({1.0, 1.0})}, list);
+  for (const Hypothesis& h : asked.hypotheses)
+    EXPECT_EQ(h.extrapolates, effect_of(h.cause) != "quadratic_drag") << h.family;
+}
+
+// An order of a ripple is the best of many that were looked at; its significance pays for that.
+TEST(Hypotheses, OrdersOfARippleHaveBeenTriedManyTimes) {
+  QuestionList list;
+  list.wanted = {"torque_ripple", "joint_spring"};
+  list.ripple_orders = {{40.0}, {}};
+  const AugmentedModel asked = augmented_model(read_model("planar-2r"), {moving({1.0, 1.0})}, list);
+  int ripples = 0;
+  for (const Hypothesis& h : asked.hypotheses) {
+    const bool ripple = effect_of(h.cause) == "torque_ripple";
+    ripples += static_cast<int>(ripple);
+    EXPECT_DOUBLE_EQ(h.tried, ripple ? list.limits.ripple_finest : 1.0) << h.family;
+  }
+  EXPECT_EQ(ripples, 1);
+}
+
 TEST(ExtendedArm, HasNewChangedLoadedAndCorrectedParts) {
   const Model arm = read_model("planar-2r");
   FoundCause change;

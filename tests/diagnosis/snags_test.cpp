@@ -79,5 +79,19 @@ TEST(Snags, TwoRecordingsCannotTellWhoseFrictionItIs) {
   EXPECT_TRUE(find_snags(id).empty());
 }
 
+// The same friction beside large torques may be anything.
+TEST(Snags, SmallFrictionBesideLargeTorquesIsNone) {
+  Identification id = four_recordings();
+  for (RecordingError& r : id.train) {
+    for (std::vector<double>* torque : {&r.series.measured[1], &r.series.modelled[1]}) {
+      for (size_t k = 0; k < torque->size(); ++k) (*torque)[k] += 5.0;
+    }
+  }
+  add_friction(id.train[2], 1, 0.2, 0.5, 0.4);
+  EXPECT_TRUE(find_snags(id).empty());
+  add_friction(id.train[2], 1, 0.2, 0.5, 2.0);
+  EXPECT_EQ(find_snags(id).size(), 1U);
+}
+
 }  // namespace
 }  // namespace veridyn

@@ -1,11 +1,14 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <set>
 
 #include "diagnosis/stage_support.hpp"
 #include "diagnosis/stages/channel_correction.hpp"
 #include "diagnosis/stages/newly_visible.hpp"
 #include "effects/plain_friction.hpp"
+#include "identification/velocity_choice.hpp"
+#include "recordings/files/byte_stream.hpp"
 #include "recordings/kept_recordings.hpp"
 #include "veridyn/math/require.hpp"
 
@@ -18,6 +21,32 @@ Model with_gravity(const Model& arm, const Eigen::Vector3d& gravity) {
   ModelDescription d = arm.description();
   d.gravity = gravity;
   return Model(std::move(d));
+}
+
+// Questions are those that were asked for, with the limits that were asked for.
+TEST_F(Stages, TheListAsksWhatTheOptionsSay) {
+  Investigation x{truth_, {}, {}, {}, {}, {}, 0, {}, {}, {}};
+  EXPECT_TRUE(x.list().wanted.empty());
+  EXPECT_TRUE(x.asks_for("backlash"));
+  x.options.effects = {"joint_spring"};
+  x.options.thresholds.smallest_gain = 0.7;
+  x.d.changes = true;
+  EXPECT_EQ(x.list().wanted, x.options.effects);
+  EXPECT_EQ(x.list().limits.smallest_gain, 0.7);
+  EXPECT_TRUE(x.list().changes);
+  EXPECT_TRUE(x.asks_for("joint_spring"));
+  EXPECT_FALSE(x.asks_for("backlash"));
+}
+
+// Errors count where the fit looked: without excluded rows, else on repaired ones, else on all.
+TEST_F(Stages, TrainingErrorsAreThoseOfTheRowsThatWereFitted) {
+  Identification id;
+  id.train_error.relative = Eigen::Vector2d(0.3, 0.5);
+  EXPECT_NEAR(log_training_error(id), 2.0 * std::log(0.3 * 0.5), 1e-12);
+  id.train_repaired.relative = Eigen::Vector2d(0.2, 0.4);
+  EXPECT_NEAR(log_training_error(id), 2.0 * std::log(0.2 * 0.4), 1e-12);
+  id.train_without_excluded.relative = Eigen::Vector2d(0.1, 0.2);
+  EXPECT_NEAR(log_training_error(id), 2.0 * std::log(0.1 * 0.2), 1e-12);
 }
 
 // Both joints turn about the vertical: gravity does nothing. Once the base leans the first link's first
@@ -102,6 +131,20 @@ TEST_F(Stages, PlainFrictionOfAllJointsIsFoundTogether) {
   EXPECT_LT(x.start.test_error.relative.norm(), 0.5 * x.d.baseline.test_error.relative.norm());
 }
 
+// Of a joint that has friction in the file nothing is asked here.
+TEST_F(Stages, PlainFrictionIsAskedWhereTheFileHasNone) {
+  ModelDescription d = read_model("planar-2r").description();
+  d.effects.resize(2);  // the shoulder's
+  Investigation x = investigation(Model(std::move(d)), {});
+  add_plain_friction(x);
+  std::set<std::string> found;
+  for (const Finding& f : x.d.findings) {
+    EXPECT_EQ(f.joint, JointIndex{1}) << f.phrase;
+    found.insert(effect_of(f.cause));
+  }
+  EXPECT_EQ(found.count("viscous_friction") + found.count("coulomb_friction"), 2U);
+}
+
 // 40 ms is twice what anybody expects, and two joints have it: one cause, undone completely.
 TEST_F(Stages, ALargeDelayOfTheWholeArmIsUndone) {
   Investigation x = investigation(read_model("planar-2r"), {"time_delay:arm:seconds=0.04"});
@@ -181,8 +224,8 @@ TEST_F(Stages, ADelayThatIsNotThereIsNotCorrected) {
             asked.q.augmented.hypotheses.size() - 1);
 }
 
-// However many questions are asked of a recording, its text is read once.
-TEST_F(Stages, EveryRecordingIsParsedOnce) {
+// However many questions are asked of a recording, its file is opened once.
+TEST_F(Stages, EveryRecordingIsOpenedAndParsedOnce) {
   std::vector<std::string> train;
   for (unsigned k = 1; k <= 2; ++k) train.push_back(record(k, {"quadratic_drag:elbow"}));
   const std::string test = record(3, {"quadratic_drag:elbow"});
@@ -190,9 +233,18 @@ TEST_F(Stages, EveryRecordingIsParsedOnce) {
   options.effects = {"quadratic_drag", "presliding_hysteresis"};
   options.identification.threads = 2;
   const long before = files_parsed();
+  const long opened = files_opened();
   const Diagnosis d = diagnose(read_model("planar-2r"), train, {test}, options);
   EXPECT_TRUE(d.baseline.model.has_value());
   EXPECT_EQ(files_parsed() - before, 3);
+  EXPECT_EQ(files_opened() - opened, 3);
+}
+
+TEST_F(Stages, AnIdentificationOpensEveryRecordingOnce) {
+  const std::vector<std::string> files = {record(1, {}), record(2, {}), record(3, {})};
+  const long before = files_opened();
+  EXPECT_TRUE(identify(read_model("planar-2r"), {files[0], files[1]}, {files[2]}).model.has_value());
+  EXPECT_EQ(files_opened() - before, 3);
 }
 
 TEST_F(Stages, RecordingsBeyondTheBoundAreStreamed) {

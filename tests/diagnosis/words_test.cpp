@@ -1,5 +1,8 @@
 #include <gtest/gtest.h>
 
+#include <cctype>
+#include <sstream>
+
 #include "diagnosis/finding_words.hpp"
 #include "diagnosis/next_experiment.hpp"
 #include "veridyn/model/model_file.hpp"
@@ -106,9 +109,8 @@ TEST(DiagnosisReport, SaysFindingsRivalsAndWhatIsLeftOpen) {
   d.cannot_tell = {{"joint_spring", NewEffect{"joint_spring", {0}}, "it never acts"},
                    {AddedLoad::kName, std::nullopt, "no model from before"}};
   d.next_experiment.between = {d.findings[0].cause, d.findings[0].rivals[0].cause};
-  d.next_experiment.trajectory = "excite it";
   d.summary.main = 1;
-  const std::string report = d.report();
+  const std::string report = d.report("excite it");
   for (const char* words :
        {"1. Joint 2 (elbow): something.", "explains 25 %", "rival: payload on fore: as good",
         "to separate backlash on joint 2 from payload on fore:\n  excite it",
@@ -136,6 +138,54 @@ TEST(DiagnosisReport, SaysWhereErrorsJumpAndGivesNoShareOfZero) {
   EXPECT_NE(d.report().find("\nsmall ones:\n"), std::string::npos) << d.report();
   d.findings[1].test_before = Eigen::Vector2d(0.2, 0.24);
   EXPECT_NE(d.report().find("\nsmall ones, which came between"), std::string::npos) << d.report();
+}
+
+// A cause of no joint is not one of "joint 0".
+TEST(DiagnosisReport, PlacesAreJointsFramesOrTheWholeArm) {
+  Diagnosis d = with_rival(NewEffect{"backlash", {1}}, ChannelError{"time_delay", {}});
+  d.findings[0].rivals.push_back({ChannelError{"time_delay", JointIndex{0}}, "as good"});
+  d.findings[0].main = true;
+  d.cannot_tell = {{"time_delay", ChannelError{"time_delay", {}}, "nothing moves"},
+                   {AddedLoad::kName, AddedLoad{{1}}, "nothing moves"}};
+  const std::string report = d.report();
+  for (const char* words :
+       {"rival: time_delay of the whole arm: as good", "rival: time_delay on joint 1 (shoulder): as good",
+        "cannot tell: time_delay of the whole arm: nothing moves", "cannot tell: payload on joint 2 (elbow): nothing moves"})
+    EXPECT_NE(report.find(words), std::string::npos) << words << "\n" << report;
+}
+
+std::vector<std::string> lines_of(const std::string& report, size_t from) {
+  std::istringstream text(report.substr(from));
+  std::vector<std::string> out;
+  for (std::string line; std::getline(text, line) && !line.empty();) out.push_back(line);
+  return out;
+}
+
+// Names and numbers end in the same columns, and no name touches its neighbour, however long it is.
+TEST(DiagnosisReport, ColumnsOfTheErrorsStandUnderTheNamesOfTheirJoints) {
+  for (const char* robot : {"planar-2r", "ur10e"}) {
+    Diagnosis d;
+    d.baseline.model = read_model(robot);
+    const int joints = d.baseline.model->joints();
+    d.baseline.test_error.relative = VectorXd::LinSpaced(joints, 0.01, 1.2345);
+    d.extended.test_error.relative = VectorXd::LinSpaced(joints, 0.02, 0.9);
+    const std::string report = d.report();
+    const std::vector<std::string> lines = lines_of(report, report.find("  held out, baseline"));
+    ASSERT_GE(lines.size(), 2U) << report;
+    const size_t at = report.rfind('\n', report.find("  held out, baseline") - 2) + 1;
+    const std::string header = lines_of(report, at).front();
+    for (const Coordinate& c : d.baseline.model->coordinates()) {
+      const size_t begins = header.find(" " + c.name);
+      ASSERT_NE(begins, std::string::npos) << header;
+      const size_t end = begins + 1 + c.name.size();
+      EXPECT_TRUE(end == header.size() || header[end] == ' ') << header;
+      for (size_t k = 0; k < 2; ++k) {
+        EXPECT_TRUE(std::isdigit(lines[k][end - 1])) << lines[k];
+        EXPECT_TRUE(lines[k].size() == end || lines[k][end] == ' ') << lines[k];
+      }
+    }
+    EXPECT_EQ(header.size(), lines[0].size());
+  }
 }
 
 }  // namespace

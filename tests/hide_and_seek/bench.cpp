@@ -68,7 +68,7 @@ double rms(const VectorXd& x) {
 }
 
 void add_friction(const Bench& bench, int number, IdealRecording& out) {
-  const double viscosity = viscosity_factor(bench.trouble, bench.seed, number);
+  const double viscosity = viscosity_factor(bench.trouble, bench.seed, place_in_time(number));
   for (int i = 0; i < bench.arm.joints; ++i) {
     const JointFriction& f = bench.friction[static_cast<size_t>(i)];
     const double fastest = out.rows.dq.col(i).cwiseAbs().maxCoeff();

@@ -13,6 +13,16 @@ namespace veridyn::seek {
 
 constexpr double kRate = 200.0;  // [Hz] of the recordings
 
+/// Recordings of the arm before anything happened, numbered from 1, where a model is made first; the
+/// first one after that has this number, so that no motion is made twice.
+constexpr int kCleanRecordings = 4;
+constexpr int kFirstChanged = 100;
+
+/// The how manyth recording a number is, in the order in which they are made.
+constexpr int place_in_time(int number) {
+  return number < kFirstChanged ? number : number - kFirstChanged + kCleanRecordings + 1;
+}
+
 /// What every joint has beside the rigid bodies, as the robot files of the bench say.
 struct JointFriction {
   double viscous = 0.0, coulomb = 0.0, offset = 0.0;

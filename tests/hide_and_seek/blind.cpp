@@ -106,6 +106,9 @@ Json manifest(const std::string& folder) {
 }  // namespace
 
 Json truth_json(const HiddenCase& hidden) {
+  Json also = Json::array();
+  for (const Cause& c : hidden.also_true)
+    also.push_back({{"effect", c.effect}, {"joint", c.joint + 1}, {"values", c.values}});
   Json causes = Json::array();
   for (size_t k = 0; k < hidden.causes.size(); ++k) {
     const Cause& c = hidden.causes[k];
@@ -118,6 +121,7 @@ Json truth_json(const HiddenCase& hidden) {
                       {"values", c.values}});
   }
   return {{"causes", causes},
+          {"also_true", also},
           {"arm", hidden.request.arm},
           {"seed", hidden.request.seed},
           {"trouble", name_of(hidden.request.trouble)},
@@ -199,7 +203,9 @@ std::vector<Outcome> score(const std::string& folder, const std::string& answers
     Outcome o;
     o.group = hidden.value("group", "all cases");
     o.best_gain = hidden.value("best_gain", 0.0);
-    o.verdict = judge(causes, findings);
+    std::vector<Cause> also;
+    for (const Json& c : hidden.value("also_true", Json::array())) also.push_back(cause_of(c));
+    o.verdict = judge(causes, findings, also);
     std::string what;
     for (const Cause& c : causes) {
       what += fmt::format("{}{}@{}", what.empty() ? "" : " + ", c.effect,

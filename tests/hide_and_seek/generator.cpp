@@ -12,7 +12,6 @@ namespace {
 
 constexpr double kSeen = 0.1;         // share of a cause that must be left over
 constexpr double kHighestPeak = 0.4;  // of the rms torque at share 0.1: no narrow giants
-constexpr int kFirstChanged = 100;    // number of the first recording with causes in kChanged
 
 double rms(const VectorXd& x) {
   return std::sqrt(x.squaredNorm() / static_cast<double>(x.size()));
@@ -24,7 +23,7 @@ class Hider {
   explicit Hider(const CaseRequest& request)
       : request_(request),
         draw_(request.seed, "case " + text_of(request)),
-        hidden_{request, make_bench(request.arm, seed_of(request)), {}, {}, {}, true} {
+        hidden_{request, make_bench(request.arm, seed_of(request)), {}, {}, {}, {}, true} {
     hidden_.bench.trouble = request.trouble;
     for (JointSensors& s : hidden_.bench.sensors) {
       if (request.noise > 0.0) s.torque_noise = request.noise;
@@ -282,6 +281,27 @@ class Hider {
 
 }  // namespace
 
+namespace {
+
+// Later recordings are warmer than those that the model was made from.
+std::vector<Cause> changes_of_trouble(const HiddenCase& hidden) {
+  std::vector<Cause> out;
+  const Bench& bench = hidden.bench;
+  if (hidden.request.mode != Mode::kChanged || bench.trouble != Trouble::kTemperatureDrift) return out;
+  const double first = viscosity_factor(bench.trouble, bench.seed, place_in_time(kFirstChanged));
+  for (size_t i = 0; i < bench.friction.size(); ++i) {
+    if (bench.friction[i].viscous <= 0.0) continue;
+    Cause warmer;
+    warmer.effect = "viscous_friction";
+    warmer.joint = static_cast<int>(i);
+    warmer.values = {{"now", first * bench.friction[i].viscous}};
+    out.push_back(std::move(warmer));
+  }
+  return out;
+}
+
+}  // namespace
+
 const std::vector<std::string>& special_cases() {
   static const std::vector<std::string> kNames = {"common_delay", "large_zero", "large_delay",
                                                   "common_gain", "no_friction"};
@@ -289,7 +309,9 @@ const std::vector<std::string>& special_cases() {
 }
 
 HiddenCase hide(const CaseRequest& request) {
-  return Hider(request).run();
+  HiddenCase out = Hider(request).run();
+  out.also_true = changes_of_trouble(out);
+  return out;
 }
 
 CaseFiles write_case(const HiddenCase& hidden, const std::string& folder, double reach) {

@@ -104,6 +104,7 @@ TEST(Judge, CountsRightNamesStandInsAndWrongOnes) {
                     {{"backlash", 1, -1, "", "", {{"level", 2.0}}}},
                     {},
                     {},
+                    {},
                     true};
   Diagnosis d;
   d.baseline.model = read_model("psm-3dof");
@@ -132,6 +133,28 @@ TEST(Judge, CountsRightNamesStandInsAndWrongOnes) {
   d.findings = {right};
   d.findings[0].parameters[0].low = 2.05;
   EXPECT_EQ(judge(hidden, d).covered, 0);
+  d.findings = {right, elsewhere};
+  EXPECT_EQ(judge(hidden, d).extras, 1);
+  hidden.also_true = {{"backlash", 0, -1, "", "", {}}};
+  EXPECT_EQ(judge(hidden, d).extras, 0);
+  EXPECT_EQ(judge(hidden, d).named, 1);
+}
+
+// The arm warms up by 1 to 3 % from one recording to the next, and the model is of the first four.
+TEST(TemperatureDrift, IsSmallFromTheModelToTodayAndNoMistakeToName) {
+  for (const unsigned seed : {1U, 2U, 3U}) {
+    CaseRequest asked{"psm-3dof", {}, seed, 0.1, Mode::kChanged, Trouble::kTemperatureDrift};
+    const HiddenCase hidden = hide(asked);
+    ASSERT_FALSE(hidden.also_true.empty());
+    for (const Cause& warmer : hidden.also_true) {
+      const double before = hidden.bench.friction[static_cast<size_t>(warmer.joint)].viscous;
+      const double now = warmer.values.at("now") / before;
+      EXPECT_GT(now, 0.85);
+      EXPECT_LT(now, 0.96);
+    }
+    asked.mode = Mode::kBare;
+    EXPECT_TRUE(hide(asked).also_true.empty());
+  }
 }
 
 }  // namespace

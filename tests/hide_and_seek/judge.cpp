@@ -78,7 +78,8 @@ std::vector<NamedFinding> named_by(const Diagnosis& d) {
   return out;
 }
 
-Verdict judge(const std::vector<Cause>& hidden, const std::vector<NamedFinding>& findings) {
+Verdict judge(const std::vector<Cause>& hidden, const std::vector<NamedFinding>& findings,
+              const std::vector<Cause>& also_true) {
   Verdict v;
   v.hidden = static_cast<int>(hidden.size());
   std::vector<char> right(findings.size(), 0);
@@ -106,13 +107,16 @@ Verdict judge(const std::vector<Cause>& hidden, const std::vector<NamedFinding>&
     v.named_rival += static_cast<int>(named || stand_in);
     v.named_loosely += static_cast<int>(loosely);
   }
+  for (const Cause& cause : also_true) {
+    for (size_t k = 0; k < findings.size(); ++k) right[k] |= matches(cause, findings[k]) ? 1 : 0;
+  }
   v.first_rival |= v.first;
   v.extras = static_cast<int>(std::count(right.begin(), right.end(), 0));
   return v;
 }
 
 Verdict judge(const HiddenCase& hidden, const Diagnosis& d) {
-  Verdict v = judge(hidden.causes, named_by(d));
+  Verdict v = judge(hidden.causes, named_by(d), hidden.also_true);
   const VectorXd& before = d.baseline.test_error.relative;
   const VectorXd& after = d.extended.test_error.relative;
   if (!hidden.causes.empty() && before.size() > 0 && after.size() == before.size()) {

@@ -42,7 +42,9 @@ std::vector<NamedFinding> named_by(const Diagnosis& d);
 Verdict judge(const HiddenCase& hidden, const Diagnosis& d);
 
 /// The same for the findings of any tool; `error_ratio` stays 1.
-Verdict judge(const std::vector<Cause>& hidden, const std::vector<NamedFinding>& findings);
+/// @param also_true  what is no mistake to name, and was not asked for.
+Verdict judge(const std::vector<Cause>& hidden, const std::vector<NamedFinding>& findings,
+              const std::vector<Cause>& also_true = {});
 
 /// Identifies the clean arm first in kChanged, and diagnoses.
 Diagnosis seek_causes(const HiddenCase& hidden, const CaseFiles& files, const std::string& folder,

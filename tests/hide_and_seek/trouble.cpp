@@ -97,10 +97,10 @@ double smooth_direction(double speed, double width) {
   return std::tanh(speed / width);
 }
 
-double viscosity_factor(Trouble trouble, unsigned seed, int number) {
+double viscosity_factor(Trouble trouble, unsigned seed, int place) {
   if (trouble != Trouble::kTemperatureDrift) return 1.0;
   const double step = Draw(seed, "temperature").in(0.01, 0.03);
-  return std::pow(1.0 - step, number);
+  return std::pow(1.0 - step, place);
 }
 
 double step_width(Trouble trouble, unsigned seed, int joint, double largest_speed) {

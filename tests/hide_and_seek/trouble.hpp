@@ -32,7 +32,8 @@ Trouble trouble_of(const std::string& name);
 double smooth_direction(double speed, double width);
 
 /// What viscous friction is multiplied with in one recording.
-double viscosity_factor(Trouble trouble, unsigned seed, int number);
+/// @param place  the how manyth it is.
+double viscosity_factor(Trouble trouble, unsigned seed, int place);
 
 /// Width of the step of Coulomb friction of one joint; zero: a sharp step.
 double step_width(Trouble trouble, unsigned seed, int joint, double largest_speed);

@@ -39,8 +39,9 @@ BaseParameters base() {
   return out;
 }
 
-// Two recordings of `blocks` blocks each; the noise has the given size.
-Data data(int blocks, double noise, unsigned seed) {
+// Two recordings of `blocks` blocks each; the noise has the given size, and what the second joint
+// says is `second` times as large.
+Data data(int blocks, double noise, unsigned seed, double second = 1.0) {
   Random random(seed);
   Data d;
   for (int r = 0; r < 2; ++r) {
@@ -54,8 +55,10 @@ Data data(int blocks, double noise, unsigned seed) {
         A.col(i) = random.vector(rows, -1, 1);
         A.col(2) = random.vector(rows, -3, 3);
         A.col(3) = 2.0 * A.col(2);
+        if (i == 1) A *= second;
         const VectorXd b =
-            A * Eigen::Vector4d(1.0, -2.0, 0.5, 0.0) + noise * random.vector(rows, -1, 1);
+            A * Eigen::Vector4d(1.0, -2.0, 0.5, 0.0) +
+            (i == 1 ? second : 1.0) * noise * random.vector(rows, -1, 1);
         SquareRootInformation f(Names{names()[static_cast<size_t>(i)], "p2", "p3"});
         MatrixXd mine(rows, 3);
         mine << A.col(i), A.rightCols(2);
@@ -190,17 +193,31 @@ TEST(RangeWeights, AreOneOverTheRangeOverAllRecordings) {
   EXPECT_TRUE(near(range_weights(d.recordings), Eigen::Vector2d(0.2, 1.0), 1e-15));
 }
 
-TEST(ResidualWeights, AreOneOverTheStandardDeviationOfTheResiduals) {
-  const Data d = data(3, 0.3, 7);
-  const Eigen::Vector4d x(0.9, -1.5, 0.1, 0.2);
-  Eigen::Vector2d sum = Eigen::Vector2d::Zero();
-  Eigen::Vector2d rows = Eigen::Vector2d::Zero();
+// 1 / standard deviation of the residuals of both joints for these parameters.
+VectorXd deviations_turned_round(const Data& d, const VectorXd& x) {
+  VectorXd sum = VectorXd::Zero(2);
+  VectorXd rows = VectorXd::Zero(2);
   for (size_t k = 0; k < d.A.size(); ++k) {
-    sum[static_cast<Eigen::Index>(k % 2)] += (d.A[k] * x - d.b[k]).squaredNorm();
+    sum[static_cast<Eigen::Index>(k % 2)] += (d.A[k].leftCols(3) * x - d.b[k]).squaredNorm();
     rows[static_cast<Eigen::Index>(k % 2)] += static_cast<double>(d.b[k].size());
   }
-  EXPECT_TRUE(near(residual_weights(d.recordings, x, names()),
-                   (rows.array() / sum.array()).sqrt().matrix(), 1e-11));
+  return (rows.array() / sum.array()).sqrt();
+}
+
+TEST(ResidualWeights, AreThoseOfTheFitThatTheyGiveThemselves) {
+  const Data d = data(3, 0.3, 7, 0.01);
+  for (const Eigen::Vector2d& start : {Eigen::Vector2d(1, 1), Eigen::Vector2d(1, 1000)}) {
+    const VectorXd w = residual_weights(d.recordings, start, base(), names());
+    const VectorXd again = deviations_turned_round(d, stacked(d, w).solution());
+    EXPECT_TRUE(near(w, again, 0.01)) << w.transpose() << ", again " << again.transpose();
+  }
+}
+
+TEST(ResidualWeights, OfAJointWithSmallTorquesAreThoseOfItsNoise) {
+  // From equal weights a single step believes that its residual is that of a fit which ignores it.
+  const Data d = data(3, 0.01, 8, 1e-3);
+  const VectorXd w = residual_weights(d.recordings, Eigen::Vector2d(1, 1), base(), names());
+  EXPECT_NEAR(w[1] / w[0], 1e3, 0.1 * 1e3);
 }
 
 }  // namespace

@@ -58,7 +58,14 @@ TEST(SingleSites, TheJackknifeIsOne) {
 
 TEST(SingleSites, OneEngineMakesRandomNumbers) {
   EXPECT_EQ(files_with("", std::regex("std::(mt19937|minstd_rand|default_random_engine|ranlux)")),
-            (Files{"dvrk/arms/gravity_chain.cpp", "math/random_numbers.hpp"}));
+            (Files{"math/random_numbers.hpp"}));
+}
+
+// Where values are ordered up to a place: the median, a quantile of rows with gaps, a trimmed sum.
+TEST(SingleSites, TheMedianIsOne) {
+  EXPECT_EQ(files_with("", std::regex("nth_element")),
+            (Files{"math/median.hpp", "recordings/quality/quality_checks.cpp",
+                   "recordings/recording_period.cpp"}));
 }
 
 TEST(SingleSites, OneFileDefinesBaseParameters) {

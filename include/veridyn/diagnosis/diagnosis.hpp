@@ -111,7 +111,6 @@ struct CannotTell {
 struct NextExperiment {
   std::vector<Cause> between;  ///< the two causes; empty: there is nothing to separate
   int slow_passes = 0;         ///< ExcitationOptions::slow_passes that it needs
-  std::string trajectory;      ///< the command that makes it, where a tool wrote one
 
   /// One of the two in words: "payload on wrist", "torque_gain on joint 2".
   std::string words(const Model& arm, size_t k) const;
@@ -152,7 +151,10 @@ struct Diagnosis {
   /// One sentence: the first finding, and what the held-out recordings hold against the whole;
   /// "none" where nothing was found.
   std::string verdict() const;
-  std::string report() const;
+
+  /// @param next_command  how the next experiment is made, as whoever asks would type it; empty:
+  ///                      what it separates is said alone.
+  std::string report(const std::string& next_command = "") const;
 };
 
 /// Asks which physical causes the recordings accept beyond the robot's own model. Causes are

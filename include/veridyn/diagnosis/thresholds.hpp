@@ -30,11 +30,10 @@ struct Thresholds {
   // What counts as motion.
   double still_revolute = 5e-3;
   double still_prismatic = 5e-4;
+  double moving_share = 0.02;
   // Wrong constants of the robot file.
   double constant_gain = 2.0;
-  double constant_worth = 0.02;
   double constant_sharpness = 0.4;
-  double constant_tie = 0.8;
   double commoner_cause = 0.93;
   double weaker_rival = 0.3;
   // Ripple of a torque along the travel.
@@ -55,6 +54,9 @@ struct Thresholds {
   double snag_prominence = 6.0;
   double snag_torque_share = 0.2;
   double snag_widest = 0.4;
+
+  /// The largest travel of a joint that does not move, rad or m.
+  double still(bool prismatic) const { return prismatic ? still_prismatic : still_revolute; }
 };
 
 /// What one of these numbers decides.

@@ -21,7 +21,7 @@ enum class Method {
 /// How the joints' rows are weighted by kWls and kFeasible.
 enum class JointWeights {
   kRange,     ///< 1 / (max - min) of the joint's torque
-  kResidual,  ///< 1 / standard deviation of the joint's residual after ordinary least squares
+  kResidual,  ///< 1 / standard deviation of the joint's residual in the fit with these weights
 };
 
 /// What feasible least squares asks of the effects' parameters.
@@ -45,6 +45,11 @@ struct IdentificationOptions {
   /// Loads that some training recordings carry: the drive gains are found first, see
   /// find_drive_gains(), and the arm is then identified from the recordings without a load.
   std::vector<KnownMass> known_masses;
+  /// identify() of recordings: a velocity that `preprocessing` takes as recorded, and that is noisier
+  /// than its position's derivative or wrong in scale, is taken from the position where the joint's
+  /// torque is predicted better with it, by 2 % of its error or more, on the training recordings;
+  /// Identification::preprocessing then says so. Factors and ranks take velocities as they come.
+  bool choose_velocities = true;
   int threads = 0;  ///< recordings are read in parallel; 0: one thread per core
   /// Called with (what is being done, share done) between recordings.
   std::function<void(const std::string&, double)> progress;
@@ -135,6 +140,8 @@ struct Identification {
   std::optional<Model> model;     ///< the arm with these values
   std::vector<CompressedRecording>
       factors;  ///< the training recordings, for further questions without their samples
+  /// A sentence on every velocity that was taken from the position, see choose_velocities.
+  std::vector<std::string> remarks;
   std::vector<UnusedRecording> left_out;  ///< Left out of the list, see there
   std::optional<DriveGains> drive_gains;  ///< Given where known masses were given
   StageSeconds seconds;

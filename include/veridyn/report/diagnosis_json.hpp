@@ -7,6 +7,7 @@
 namespace veridyn {
 
 /// What `diagnose --json` writes; keys as in CONTRACT.md.
-std::string to_json(const Diagnosis& diagnosis);
+/// @param next_command  as in Diagnosis::report(); it stands under next_experiment.trajectory.
+std::string to_json(const Diagnosis& diagnosis, const std::string& next_command = "");
 
 }  // namespace veridyn

@@ -12,6 +12,8 @@ namespace veridyn {
 ///
 /// Every number in its text is one of to_json(), which stands in the page as the element "result".
 /// @param command  the command line of the run, shown as it is; empty: none.
-std::string to_page(const Diagnosis& diagnosis, const std::string& command = "");
+/// @param next_command  as in Diagnosis::report().
+std::string to_page(const Diagnosis& diagnosis, const std::string& command = "",
+                    const std::string& next_command = "");
 
 }  // namespace veridyn

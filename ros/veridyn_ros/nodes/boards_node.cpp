@@ -12,6 +12,7 @@
 #include <thread>
 
 #include "nodes/motor_link.hpp"
+#include "nodes/motor_topics.hpp"
 #include "nodes/parameters.hpp"
 #include "veridyn/control/real_time.hpp"
 #include "veridyn/dvrk/board_arm.hpp"
@@ -22,7 +23,6 @@ namespace {
 
 using veridyn::BoardArm;
 using veridyn::VectorXd;
-
 
 // What the loop says of an arm, in words that never change.
 struct BoardWords {
@@ -49,24 +49,6 @@ struct Arm {
   ros::Publisher measured_js, state;
   std::vector<ros::Subscriber> subscribers;
 };
-
-void hear(Arm& arm, const sensor_msgs::JointState& m) {
-  if (m.effort.size() != static_cast<std::size_t>(arm.joints)) {
-    ROS_WARN_THROTTLE(1.0, "%s/io/servo_jf: found %zu efforts, expected %d", arm.name.c_str(), m.effort.size(), arm.joints);
-    return;
-  }
-  MotorTorque t;
-  for (std::size_t i = 0; i < m.effort.size(); ++i) {
-    if (!std::isfinite(m.effort[i])) {
-      ROS_WARN_THROTTLE(1.0, "%s/io/servo_jf: found an effort that is not finite", arm.name.c_str());
-      return;
-    }
-    t.tau[i] = m.effort[i];
-  }
-  t.stamp = steady_now();
-  t.said = m.header.stamp.toSec();
-  arm.asked.write(t);
-}
 
 class Boards {
  public:
@@ -124,7 +106,7 @@ class Boards {
     arm.state = space.advertise<std_msgs::String>("io/state", 10, true);
     arm.subscribers = {
         space.subscribe<sensor_msgs::JointState>(
-            "io/servo_jf", 1, [&arm](const sensor_msgs::JointState::ConstPtr& m) { hear(arm, *m); }, ros::VoidConstPtr(),
+            "io/servo_jf", 1, [&arm](const sensor_msgs::JointState::ConstPtr& m) { hear_torques(arm.name, arm.joints, *m, arm.asked); }, ros::VoidConstPtr(),
             ros::TransportHints().tcpNoDelay()),
         space.subscribe<crtk_msgs::OperatingState>("operating_state", 10, [&arm](const crtk_msgs::OperatingState::ConstPtr& m) {
           arm.enabled = m->state == "ENABLED" || m->state == "PAUSED";

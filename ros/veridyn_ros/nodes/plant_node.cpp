@@ -11,6 +11,7 @@
 #include <thread>
 
 #include "nodes/motor_link.hpp"
+#include "nodes/motor_topics.hpp"
 #include "nodes/parameters.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/simulation/engine.hpp"
@@ -32,25 +33,6 @@ struct Arm {
   bool braked = true;
   std::string name;
 };
-
-void hear(Arm& arm, const sensor_msgs::JointState& m) {
-  if (m.effort.size() != static_cast<std::size_t>(arm.q.size())) {
-    ROS_WARN_THROTTLE(1.0, "%s/io/servo_jf: found %zu efforts, expected %ld", arm.name.c_str(),
-                      m.effort.size(), static_cast<long>(arm.q.size()));
-    return;
-  }
-  MotorTorque t;
-  for (std::size_t i = 0; i < m.effort.size(); ++i) {
-    if (!std::isfinite(m.effort[i])) {
-      ROS_WARN_THROTTLE(1.0, "%s/io/servo_jf: found an effort that is not finite", arm.name.c_str());
-      return;
-    }
-    t.tau[i] = m.effort[i];
-  }
-  t.stamp = steady_now();
-  t.said = m.header.stamp.toSec();
-  arm.asked.write(t);
-}
 
 void step(Arm& arm, double dt, double patience) {
   if (arm.asked.read(arm.now) && arm.now.said > 0.0) arm.answered->note(ros::Time::now().toSec() - arm.now.said);
@@ -91,7 +73,9 @@ void run(ros::NodeHandle& own) {
     ros::NodeHandle space(root, p.name);
     arm.measured_js = space.advertise<sensor_msgs::JointState>("io/measured_js", 1);
     arm.servo_jf = space.subscribe<sensor_msgs::JointState>(
-        "io/servo_jf", 1, [&arm](const sensor_msgs::JointState::ConstPtr& m) { hear(arm, *m); },
+        "io/servo_jf", 1, [&arm](const sensor_msgs::JointState::ConstPtr& m) {
+          hear_torques(arm.name, static_cast<int>(arm.q.size()), *m, arm.asked);
+        },
         ros::VoidConstPtr(), ros::TransportHints().tcpNoDelay());
   }
   ros::Publisher clock;

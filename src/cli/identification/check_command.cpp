@@ -12,6 +12,7 @@
 #include "cli/options/recording_options.hpp"
 #include "veridyn/identification/robot_check.hpp"
 #include "veridyn/model/model_file.hpp"
+#include "recordings/kept_recordings.hpp"
 #include "veridyn/report/json.hpp"
 
 namespace veridyn::cli {
@@ -65,9 +66,11 @@ void run(CheckRequest& request) {
   std::vector<RecordingQuality> checked(recordings.size());
   parallel_for(static_cast<int>(checked.size()), request.common.threads, [&](int k) {
     const auto at = static_cast<std::size_t>(k);
-    checked[at] = check_recording(recordings[at], reading);
+    PreprocessingOptions how = request.reading;
+    if (arm && how.row_count < 0) how.kept = std::make_shared<KeptRecordings>(KeptRecordings::kFewPasses);
+    checked[at] = check_rows(recordings[at], open_rows(recordings[at], reading, how.kept.get()));
     if (!arm) return;
-    std::vector<QualityFinding> findings = check_against(*arm, recordings[at], request.reading);
+    std::vector<QualityFinding> findings = check_against(*arm, recordings[at], how);
     findings.insert(findings.end(), checked[at].findings.begin(), checked[at].findings.end());
     checked[at].findings = std::move(findings);
   });

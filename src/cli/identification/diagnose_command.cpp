@@ -84,20 +84,20 @@ ExitStatus run(DiagnoseRequest& request, const std::string& command_line) {
     how.test_preprocessing->first_row = request.test_rows->first;
     how.test_preprocessing->row_count = request.test_rows->count;
   }
-  Diagnosis d = diagnose(arm, request.train, request.test, request.options);
+  const Diagnosis d = diagnose(arm, request.train, request.test, request.options);
   if (!d.baseline.model) {
     say(d.baseline.reason);
     return kDataCannotAnswer;
   }
   tell_facts(d.data_quality);
-  d.next_experiment.trajectory = next_command(request, arm, d.next_experiment);
+  const std::string next = next_command(request, arm, d.next_experiment);
   if (!request.model_out.empty())
     save(d.extended, request.model_out, "diagnose", robot_path(request.robot));
-  if (!request.common.json.empty()) write_file(request.common.json, to_json(d));
+  if (!request.common.json.empty()) write_file(request.common.json, to_json(d, next));
   if (!request.common.report.empty()) {
-    write_file(request.common.report, to_page(d, command_line));
+    write_file(request.common.report, to_page(d, command_line, next));
   }
-  std::cout << d.report();
+  std::cout << d.report(next);
   return kDone;
 }
 

@@ -19,6 +19,7 @@
 #include "veridyn/model/model_file.hpp"
 #include "veridyn/report/identification_page.hpp"
 #include "veridyn/report/json.hpp"
+#include "recordings/named_recordings.hpp"
 #include "veridyn/report/setting_names.hpp"
 
 namespace veridyn::cli {
@@ -40,6 +41,7 @@ struct IdentifyRequest {
 
 IdentificationOptions identification_options(const IdentifyRequest& request) {
   IdentificationOptions options = request.options;
+  options.choose_velocities = request.command->count("--velocity") == 0;
   options.threads = request.common.threads;
   options.progress = progress(request.common);
   if (!request.prior.empty()) options.prior = read_model(request.prior);
@@ -210,7 +212,8 @@ ExitStatus run(const IdentifyRequest& request, const std::string& command_line) 
   if (ranks && ranks->size() > 1) return run_on_ranks(request, command_line, *ranks);
   if (!request.test_rows) warn_of_shared_recordings(request.train, request.test);
   const Model arm = arm_with_friction(request);
-  const IdentificationOptions options = identification_options(request);
+  IdentificationOptions options = identification_options(request);
+  keep_recordings(options, KeptRecordings::kFewPasses);
   expect_known_masses(request, arm, options.known_masses);
   warn_of_repeated_recordings(request.train);
   std::vector<std::string> recordings = request.train;

@@ -9,6 +9,7 @@
 #include "math/parallel.hpp"
 #include "cli/options/messages.hpp"
 #include "cli/options/option_checks.hpp"
+#include "recordings/kept_recordings.hpp"
 #include "recordings/units.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/fixed_coordinates.hpp"
@@ -132,7 +133,7 @@ void look_at_recordings(const Model& arm, const std::vector<std::string>& record
     reading.row_count = how.row_count < 0 ? kLookedAt : std::min(how.row_count, kLookedAt);
     const auto at = static_cast<std::size_t>(k);
     try {
-      seen[at] = check_recording(recordings[at], reading);
+      seen[at] = check_rows(recordings[at], open_rows(recordings[at], reading, how.kept.get()));
     } catch (const InvalidInput&) {
       // Whoever reads it in earnest tells why it cannot be read.
     }

@@ -8,7 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include "recordings/import.hpp"
+#include "recordings/csv/csv_table.hpp"
+#include "recordings/files/file_kind.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn::cli {
@@ -56,7 +57,10 @@ bool may_have_topics(const std::string& path) {
   std::error_code error;
   if (!fs::is_regular_file(path, error)) return true;  // a pipe
   try {
-    return recordings::needs_import(path, {});
+    recordings::OpenedFile file(path);
+    if (file.kind != recordings::FileKind::kText) return true;
+    CsvLines lines(std::move(*file.bytes));
+    return recordings::is_csv_table(lines, {});
   } catch (const InvalidInput&) {
     return true;  // whoever reads it tells why
   }

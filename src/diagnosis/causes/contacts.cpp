@@ -8,6 +8,7 @@
 #include "diagnosis/evidence/clustered_fit.hpp"
 #include "diagnosis/numerics.hpp"
 #include "veridyn/effects/cause.hpp"
+#include "math/median.hpp"
 #include "math/student_t.hpp"
 
 namespace veridyn {
@@ -32,7 +33,7 @@ std::vector<double> slow_part(const std::vector<double>& time, const std::vector
     const auto begin = std::lower_bound(time.begin(), time.end(), t - numerics::kContactMedian) - time.begin();
     const auto end = std::upper_bound(time.begin(), time.end(), t + numerics::kContactMedian) - time.begin();
     at.push_back(t);
-    level.push_back(median({r.begin() + begin, r.begin() + end}));
+    level.push_back(median(std::vector<double>(r.begin() + begin, r.begin() + end)));
     if (t >= time.back()) break;
   }
   std::vector<double> out(r.size());
@@ -75,13 +76,15 @@ Residual residual_of(const Model& arm, const PredictionSeries& x, size_t joint,
   out.scatter = std::max(numerics::kMadToDeviation * median(size), numerics::kNoise);
   // Where the joint moves, what its friction does at a start or a reversal is no contact; where it
   // holds a pose, friction is part of what it holds.
-  const double friction = fastest > numerics::kMoves ? rest_friction(arm, joint) : 0.0;
+  const auto [low, high] = std::minmax_element(x.q[joint].begin(), x.q[joint].end());
+  const bool moves = *high - *low > limits.still(arm.coordinates()[joint].prismatic);
+  const double friction = moves ? rest_friction(arm, joint) : 0.0;
   const double level =
       std::max({limits.contact_threshold * out.scatter, limits.contact_torque_share * most, friction});
   const double at_rest = limits.contact_rest_share * friction;
   out.threshold.assign(n, level);
   for (size_t k = 0; k < n; ++k) {
-    if (std::abs(x.dq[joint][k]) < numerics::kMovingShare * fastest)
+    if (std::abs(x.dq[joint][k]) < limits.moving_share * fastest)
       out.threshold[k] = std::max(level, at_rest);
   }
   return out;

@@ -352,10 +352,12 @@ GeometryFinding profile(const Model& arm, const GeometryConstant& constant,
   const auto at = [&](double v) {
     return profiler.criterion(with_constant(arm, constant, v), columns);
   };
-  const double centre = at(v0);
+  // Columns that are independent beside the file's value may vanish at it, and others in their place
+  // not: there the arm as it stands is the measure.
+  const double centre = std::min(at(v0), profiler.start());
   const double up = at(v0 + range.step);
   const double down = at(v0 - range.step);
-  if (std::min(up, down) > centre - limits.constant_worth || (up < centre && down < centre))
+  if (std::min(up, down) > centre - 0.5 * limits.smallest_gain || (up < centre && down < centre))
     return out;
   const double sign = up < down ? 1.0 : -1.0;
   double inner = 0.0;
@@ -450,7 +452,7 @@ std::vector<GeometryFinding> profile_geometry(const Model& arm,
         profile(arm, constants[static_cast<size_t>(k)], profiler, base, limits);
   });
   all.erase(std::remove_if(all.begin(), all.end(),
-                           [&limits](const GeometryFinding& f) { return f.gain < limits.constant_worth; }),
+                           [&limits](const GeometryFinding& f) { return f.gain < 0.5 * limits.smallest_gain; }),
             all.end());
   std::sort(all.begin(), all.end(),
             [](const GeometryFinding& a, const GeometryFinding& b) { return a.gain > b.gain; });
@@ -459,7 +461,7 @@ std::vector<GeometryFinding> profile_geometry(const Model& arm,
   // An angle between two branches may be wrong in either. The longest chain ends in the tool, where
   // everyone would see it; the other branch goes first.
   const std::vector<char> main_chain = longest_chain(arm);
-  const double tie = limits.constant_tie * all.front().gain;
+  const double tie = limits.rival_share * all.front().gain;
   std::stable_sort(all.begin(), all.end(), [&](const GeometryFinding& a, const GeometryFinding& b) {
     const bool tied = a.gain > tie && b.gain > tie;
     if (!tied) return a.gain > b.gain;

@@ -140,9 +140,8 @@ class Builder {
   }
 
   bool moves(int joint) const {
-    const Thresholds& limits = list_.limits;
     const double still =
-        arm_.coordinates()[static_cast<size_t>(joint)].prismatic ? limits.still_prismatic : limits.still_revolute;
+        list_.limits.still(arm_.coordinates()[static_cast<size_t>(joint)].prismatic);
     return std::any_of(facts_.begin(), facts_.end(), [&](const CompressedRecording& r) {
       return r.joints[static_cast<size_t>(joint)].travel() > still;
     });
@@ -219,7 +218,8 @@ class Builder {
     h.own = relation.own;
     h.part = TermIndex{description_.effects.size()};
     h.stage = static_cast<int>(traits.stage);
-    h.extrapolates = traits.depends_on_position || traits.depends_on_time;
+    h.extrapolates = traits.depends_on_position || traits.depends_on_time ||
+                     traits.role == EffectRole::kChannel;
     h.repeats = traits.memory;
     for (const EffectShape& constant : effect.shapes()) {
       h.repeats = h.repeats || constant.scale == ShapeScale::kWaves;

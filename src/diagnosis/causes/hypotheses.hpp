@@ -38,7 +38,9 @@ struct Hypothesis {
   std::vector<double> lowest;    ///< Least value of a change: less would make the parameter impossible
   double tried = 1.0;            ///< how many constants were looked at before this one was proposed
   bool repeats = true;  ///< several constants of it may act on one axis: memories, waves
-  bool extrapolates = false;     ///< it depends on where the arm is: one motion may mislead
+  /// It depends on where the arm is or on the time, or is an error of a channel: one motion, in which
+  /// much goes together, may mislead about it.
+  bool extrapolates = false;
   double largest_value = numerics::kHuge;  ///< a parameter beyond this is unusual
   int stage =
       0;  ///< order of the questions: 0 channels, 1 inertia and elasticity, 2 friction and forces

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <complex>
 
+#include "math/median.hpp"
 #include "diagnosis/evidence/clustered_fit.hpp"
 
 namespace veridyn {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "math/median.hpp"
 #include "diagnosis/evidence/clustered_fit.hpp"
 #include "diagnosis/numerics.hpp"
 
@@ -45,12 +46,13 @@ Way way_of(const std::vector<const RecordingError*>& all, size_t joint) {
 }
 
 // Half the difference of the mean residuals to and fro, per bin; NaN where one is missing.
-std::vector<double> friction_by_place(const PredictionSeries& x, size_t joint, const Way& way) {
+std::vector<double> friction_by_place(const PredictionSeries& x, size_t joint, const Way& way,
+                                      double moving_share) {
   std::vector<double> sum[2] = {std::vector<double>(kBins), std::vector<double>(kBins)};
   std::vector<int> count[2] = {std::vector<int>(kBins), std::vector<int>(kBins)};
   for (size_t k = 0; k < x.time.size(); ++k) {
     const double v = x.dq[joint][k];
-    if (std::abs(v) < numerics::kSnagMovingShare * way.speed) continue;
+    if (std::abs(v) < moving_share * way.speed) continue;
     const int side = v > 0.0 ? 1 : 0;
     const auto bin = static_cast<size_t>(way.bin(x.q[joint][k]));
     sum[side][bin] += x.measured[joint][k] - x.modelled[joint][k];
@@ -83,7 +85,7 @@ void snags_of(const std::vector<const RecordingError*>& all, size_t joint,
   const Way way = way_of(all, joint);
   if (!(way.high > way.low)) return;
   std::vector<std::vector<double>> friction;
-  for (const RecordingError* r : all) friction.push_back(friction_by_place(r->series, joint, way));
+  for (const RecordingError* r : all) friction.push_back(friction_by_place(r->series, joint, way, limits.moving_share));
   friction = excess(std::move(friction));
   std::vector<double> sizes;
   for (const auto& f : friction) {

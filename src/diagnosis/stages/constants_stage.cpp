@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <utility>
+#include <variant>
 
 #include "diagnosis/causes/geometry.hpp"
 #include "diagnosis/causes/wrong_constant.hpp"
@@ -56,6 +57,9 @@ void correct(const Questions& asked, const Hypothesis& h, const CorrectedChannel
   f.explains = explained_share(f.test_before, f.test_after, x.d.baseline);
   f.status = status_of(f);
   f.rivals.push_back(as_rival(x.arm, instead, instead.gain / gain));
+  for (const Rival& other : instead.rivals) {  // what stands for the constant stands for the channel
+    if (std::holds_alternative<KinematicError>(other.cause)) f.rivals.push_back(other);
+  }
   x.d.findings.push_back(std::move(f));
   x.start = channel.corrected;
 }

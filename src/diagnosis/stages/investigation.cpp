@@ -1,5 +1,7 @@
 #include "diagnosis/stages/investigation.hpp"
 
+#include "identification/velocity_choice.hpp"
+
 #include <algorithm>
 #include <cmath>
 
@@ -53,14 +55,6 @@ Questions ask(const Investigation& x, const QuestionList& list, const Identifica
             all.end());
   NormalBlocks data(q.train, q.columns, NormalBlocks::EmptiedFactors());
   return {std::move(q), std::move(data)};
-}
-
-VectorXd log_training_errors(const Identification& id) {
-  const PredictionError& error = id.train_without_excluded.relative.size() > 0
-                                     ? id.train_without_excluded
-                                 : id.train_repaired.relative.size() > 0 ? id.train_repaired
-                                                                         : id.train_error;
-  return 2.0 * error.relative.array().max(numerics::kTiny).log();
 }
 
 double log_training_error(const Identification& id) {

@@ -63,9 +63,7 @@ struct Questions {
 /// @param start  what the questions stand on; x.start unless a stage tries something.
 Questions ask(const Investigation& x, const QuestionList& list, const Identification& start);
 
-/// ln(mean square) per joint of an identification on its training recordings, on the rows that it
-/// was fitted to; and its sum.
-VectorXd log_training_errors(const Identification& id);
+/// Sum over joints of ln(mean square) on the training recordings, on the rows that were fitted.
 double log_training_error(const Identification& id);
 
 /// Quality of the recordings; channels that they cannot trust.

@@ -1,8 +1,10 @@
 #include <algorithm>
 #include <set>
+#include <utility>
 
 #include "diagnosis/causes/contacts.hpp"
 #include "diagnosis/stages/investigation.hpp"
+#include "identification/velocity_choice.hpp"
 #include "math/parallel.hpp"
 #include "recordings/kept_recordings.hpp"
 #include "veridyn/effects/cause.hpp"
@@ -32,18 +34,6 @@ void choose_velocities(Investigation& x) {
   derive_velocities(wrong, x);
 }
 
-// Joints of which some training recording has a finding of this name.
-std::set<int> joints_with(const std::string& finding, const Investigation& x) {
-  std::set<int> out;
-  for (const RecordingQuality& recording : x.d.data_quality) {
-    if (std::find(x.train.begin(), x.train.end(), recording.file) == x.train.end()) continue;
-    for (const QualityFinding& f : recording.findings) {
-      if (f.finding == finding && f.joint > 0) out.insert(f.joint - 1);
-    }
-  }
-  return out;
-}
-
 void say_that_it_is_derived(int joint, Investigation& x) {
   for (const RecordingQuality& recording : x.d.data_quality) {
     for (const QualityFinding& f : recording.findings) {
@@ -56,14 +46,13 @@ void say_that_it_is_derived(int joint, Investigation& x) {
   }
 }
 
-// By how much ln(mean square) falls per joint, on the rows as they were fitted and as recorded: of
-// rows that come late a derivative makes something that no repair will be there to mend.
-VectorXd fall(const Identification& before, const Identification& after) {
-  const auto as_recorded = [](const Identification& id) {
-    return id.train_error.relative.array().max(numerics::kTiny).log();
-  };
-  return (log_training_errors(before) - log_training_errors(after))
-      .cwiseMin(VectorXd(2.0 * (as_recorded(before) - as_recorded(after))));
+std::vector<RecordingQuality> of_training(const Investigation& x) {
+  std::vector<RecordingQuality> out;
+  for (const RecordingQuality& recording : x.d.data_quality) {
+    if (std::find(x.train.begin(), x.train.end(), recording.file) != x.train.end())
+      out.push_back(recording);
+  }
+  return out;
 }
 
 // The sign of a noisy velocity flutters at low speed, and dry friction made of it looks like
@@ -71,34 +60,22 @@ VectorXd fall(const Identification& before, const Identification& after) {
 // position where the joint's torque is predicted better by as much as a cause must gain.
 void choose_quieter_velocities(Investigation& x) {
   const PreprocessingOptions& how = x.options.identification.preprocessing;
-  const std::vector<int> before = how.derive_velocity_of;
-  const std::set<int> known(before.begin(), before.end());
-  std::set<int> noisy = joints_with("velocity_noise", x);
+  if (how.velocity == VelocitySource::kDerived) return;
+  const std::set<int> known(how.derive_velocity_of.begin(), how.derive_velocity_of.end());
+  std::set<int> noisy = joints_with_finding(of_training(x), "velocity_noise", Severity::kInfo);
   for (const int j : known) noisy.erase(j);
-  if (noisy.empty() || how.velocity == VelocitySource::kDerived) return;
-  const double least = x.options.thresholds.smallest_gain;
-  // All of them first, then those alone that are better for it.
-  for (int round = 0; round < 2; ++round) {
-    std::set<int> all = known;
-    all.insert(noisy.begin(), noisy.end());
-    derive_velocities(all, x);
-    const Identification derived = x.look(x.arm);
-    std::set<int> better;
-    if (derived.model) {
-      const VectorXd gain = fall(x.d.baseline, derived);
-      for (const int j : noisy) {
-        if (gain[j] > least) better.insert(j);
-      }
-    }
-    if (better == noisy) {
-      x.d.baseline = derived;
-      for (const int j : noisy) say_that_it_is_derived(j, x);
-      return;
-    }
-    noisy = better;
-    if (noisy.empty()) break;
+  VelocityChoice choice = choose_velocities(x.d.baseline, noisy, x.options.thresholds.smallest_gain,
+                                            [&](std::set<int> joints) {
+                                              joints.insert(known.begin(), known.end());
+                                              derive_velocities(joints, x);
+                                              return x.look(x.arm);
+                                            });
+  if (!choice.fit) {
+    derive_velocities(known, x);
+    return;
   }
-  derive_velocities(known, x);
+  x.d.baseline = std::move(*choice.fit);
+  for (const int j : choice.better) say_that_it_is_derived(j, x);
 }
 
 // The recordings are asked many times; their periods stay what they are.
@@ -152,6 +129,7 @@ void check_quality(Investigation& x) {
   for (const std::string& path : x.test) {
     if (std::find(all.begin(), all.end(), path) == all.end()) all.push_back(path);
   }
+  x.options.identification.choose_velocities = false;  // choose_quieter_velocities() does, once
   const PreprocessingOptions& how = x.options.identification.preprocessing;
   x.d.data_quality.resize(all.size());
   parallel_for(static_cast<int>(all.size()), x.options.identification.threads, [&](int k) {

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <random>
 
+#include "math/random_numbers.hpp"
 #include "model/suggestion.hpp"
 #include "veridyn/dynamics/rigid_body_dynamics.hpp"
 #include "veridyn/effects/effect.hpp"
@@ -14,7 +14,8 @@
 namespace veridyn::dvrk {
 namespace {
 
-constexpr int kSamples = 300;
+constexpr int kFitted = 300;   // random places by which the masses are found
+constexpr int kJudged = 2000;  // others by which the largest error is
 constexpr double kTolerance = 0.05;    // share of a joint's largest torque
 constexpr double kIndependent = 1e-9;  // share of a column's length, what may be left of a dependent one
 constexpr double kNothing = 1e-12;     // kg or kg m that are rounding
@@ -52,16 +53,6 @@ Model chain_with_bodies(const ArmFacts& arm, double gravity) {
   return Model(description);
 }
 
-// Uniform numbers that are the same on every machine.
-class Uniform {
- public:
-  explicit Uniform(unsigned seed) : engine_(seed) {}
-  double in(double lower, double upper) { return lower + (upper - lower) * (engine_() * 0x1p-32); }
-
- private:
-  std::mt19937 engine_;
-};
-
 // Gravity of model and chain at random places within the limits of both.
 struct Samples {
   MatrixXd Y;    // (samples * joints x 4 * rows)
@@ -73,16 +64,16 @@ class Sampler {
   Sampler(const Model& model, const Model& chain, const Match& match)
       : model_(model), chain_(chain), match_(match) {}
 
-  Samples draw(unsigned seed) const {
+  Samples draw(unsigned seed, int count) const {
     const auto n = static_cast<Eigen::Index>(match_.rows.size());
-    Samples samples{MatrixXd(kSamples * n, kMoments * chain_.joints()), VectorXd(kSamples * n)};
-    Uniform random(seed);
-    for (int s = 0; s < kSamples; ++s) place(random, s * n, samples);
+    Samples samples{MatrixXd(count * n, kMoments * chain_.joints()), VectorXd(count * n)};
+    RandomNumbers random(seed);
+    for (int s = 0; s < count; ++s) place(random, s * n, samples);
     return samples;
   }
 
  private:
-  void place(Uniform& random, Eigen::Index first, Samples& samples) const {
+  void place(RandomNumbers& random, Eigen::Index first, Samples& samples) const {
     VectorXd q = VectorXd::Zero(model_.joints());
     VectorXd q_chain = VectorXd::Zero(chain_.joints());
     for (int i = 0; i < model_.joints(); ++i) {
@@ -96,7 +87,7 @@ class Sampler {
       const double upper = std::min(own.upper, facts.upper);
       const bool overlap = lower < upper;
       q_chain[match_.rows[k]] =
-          random.in(overlap ? lower : facts.lower, overlap ? upper : facts.upper);
+          random.uniform(overlap ? lower : facts.lower, overlap ? upper : facts.upper);
       q[match_.coordinates[k]] = q_chain[match_.rows[k]];
     }
     const VectorXd tau =
@@ -234,9 +225,9 @@ GravityChain fit_gravity_chain(const Model& model, const ArmFacts& arm) {
   const Model chain = chain_with_bodies(arm, result.gravity);
   const Match match = match_joints(model, chain, arm);
   const Sampler sampler(model, chain, match);
-  const Samples samples = sampler.draw(1);
+  const Samples samples = sampler.draw(1, kFitted);
   result.rows = rows_of(arm, with_masses(samples, independent_columns(samples.Y)));
-  const Samples others = sampler.draw(2);
+  const Samples others = sampler.draw(2, kJudged);
   const VectorXd error = others.Y * moments_of(result.rows) - others.tau;
   result.largest_torque = largest_per_joint(others.tau, match.rows.size());
   result.largest_error = largest_per_joint(error, match.rows.size());

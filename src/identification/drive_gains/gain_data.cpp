@@ -8,6 +8,7 @@
 #include "veridyn/regressor/base_parameters.hpp"
 #include "math/parallel.hpp"
 #include "math/random_numbers.hpp"
+#include "recordings/kept_recordings.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn {
@@ -48,7 +49,8 @@ Model arm_with_load(const Model& arm, const KnownMass& load, int index) {
 Recording currents_of(const Model& arm, const std::string& path,
                       const PreprocessingOptions& preprocessing) {
   const Recording* there = find_in_memory(preprocessing.in_memory, path);
-  Recording r = there != nullptr ? *there : read_recording(path, reading_of(arm, preprocessing));
+  Recording r = there != nullptr ? *there
+                                 : read_rows(path, reading_of(arm, preprocessing), preprocessing.kept.get());
   require(r.current.size() > 0, path, ": found no motor currents, expected columns i1..i",
           r.joints(), " to find drive gains from.");
   require(

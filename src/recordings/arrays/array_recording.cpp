@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 
+#include "math/median.hpp"
 #include "recordings/csv/time_column.hpp"
 #include "recordings/joint_fields.hpp"
 #include "recordings/units.hpp"
@@ -58,9 +59,7 @@ std::int64_t unit_of_clock(const NamedArray& clock, const TimeColumns& columns,
     whole = whole && clock.values[k] == std::floor(clock.values[k]);
     if (k > 0) steps.push_back(clock.values[k] - clock.values[k - 1]);
   }
-  std::nth_element(steps.begin(), steps.begin() + static_cast<long>(steps.size() / 2), steps.end());
-  const std::int64_t unit =
-      likely_time_unit(clock.values.front(), steps[steps.size() / 2], whole);
+  const std::int64_t unit = likely_time_unit(clock.values.front(), median(std::move(steps)), whole);
   if (unit != 1000000000)
     raw->remarks.emplace_back(
         "times are not taken for seconds, by their size (--units t=s says otherwise).");

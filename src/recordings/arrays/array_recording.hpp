@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "recordings/files/byte_stream.hpp"
 #include "recordings/raw_recording.hpp"
 #include "veridyn/recordings/recording.hpp"
 
@@ -29,7 +30,7 @@ RawRecording raw_from_arrays(ArraySet set, const std::string& path, const std::s
                              const RecordingOptions& options);
 
 /// NumPy's .npz, stored or deflated. @throws InvalidInput  damaged, or of other types.
-ArraySet read_npz(const std::string& path);
+ArraySet read_npz(const ByteStream& opened);
 /// MATLAB's .mat, version 4 to 7.3. @throws InvalidInput  damaged, or built without matio.
 ArraySet read_mat(const std::string& path);
 /// HDF5. @throws InvalidInput  damaged, or built without HDF5.

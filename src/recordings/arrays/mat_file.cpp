@@ -84,6 +84,7 @@ void take(matvar_t& var, const std::string& name, int depth, ArraySet* set) {
 }  // namespace
 
 ArraySet read_mat(const std::string& path) {
+  count_opened_file();
   const std::unique_ptr<mat_t, int (*)(mat_t*)> file(Mat_Open(path.c_str(), MAT_ACC_RDONLY),
                                                      Mat_Close);
   require(file != nullptr, path, ": cannot be opened as a MAT-file of MATLAB, expected an intact one.");

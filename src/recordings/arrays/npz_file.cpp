@@ -6,7 +6,7 @@
 
 #include "recordings/arrays/array_recording.hpp"
 #include "recordings/bags/byte_reader.hpp"
-#include "recordings/bags/mapped_file.hpp"
+#include "recordings/files/mapped_file.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn::recordings {
@@ -230,8 +230,9 @@ void take_array(const std::string& name, std::string_view bytes, ArraySet* set) 
 
 }  // namespace
 
-ArraySet read_npz(const std::string& path) {
-  const MappedFile file(path);
+ArraySet read_npz(const ByteStream& opened) {
+  const std::string& path = opened.path();
+  const MappedFile file(path, &opened);
   ArraySet set;
   try {
     for (const Entry& entry : directory_of(file.bytes())) {

@@ -6,7 +6,7 @@
 #include <filesystem>
 
 #include "recordings/bags/bag_sink.hpp"
-#include "recordings/bags/mapped_file.hpp"
+#include "recordings/files/mapped_file.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn::bags {
@@ -123,8 +123,9 @@ Metadata metadata_of(const std::string& folder, BagSink* sink) {
   return metadata;
 }
 
-void read_file(const std::string& path, bool packed_messages, BagSink* sink) {
-  const MappedFile file(path);
+void read_file(const std::string& path, bool packed_messages, BagSink* sink,
+               const ByteStream* opened = nullptr) {
+  const MappedFile file(path, opened);
   switch (container_of(file.bytes())) {
     case Container::kRos1:
       return read_ros1_bag(file.bytes(), path, sink);
@@ -153,14 +154,13 @@ bool packed_beside(const std::string& path) {
 
 }  // namespace
 
-bool is_bag(const std::string& path) {
-  if (!is_folder(path)) return container_of(first_bytes(path, kProbe)) != Container::kNone;
-  return true;
+bool is_bag(std::string_view first_bytes) {
+  return container_of(first_bytes) != Container::kNone;
 }
 
-void read_bag(const std::string& path, BagSink* sink) {
+void read_bag(const std::string& path, BagSink* sink, const ByteStream* opened) {
   if (!is_folder(path)) {
-    read_file(path, packed_beside(path), sink);
+    read_file(path, packed_beside(path), sink, opened);
     return;
   }
   Metadata metadata;

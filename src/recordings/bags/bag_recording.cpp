@@ -6,7 +6,7 @@
 #include <map>
 #include <memory>
 
-#include "recordings/bags/mapped_file.hpp"
+#include "recordings/files/mapped_file.hpp"
 #include "recordings/bags/topic_decoder.hpp"
 #include "veridyn/math/require.hpp"
 
@@ -92,10 +92,9 @@ class Collector {
   std::map<std::string, int> entry_by_key_;
 };
 
-std::string format_of(const std::string& path) {
-  struct stat about {};
-  if (::stat(path.c_str(), &about) == 0 && S_ISDIR(about.st_mode)) return "bag (folder)";
-  const std::string probe = first_bytes(path, 8);
+std::string format_of(const recordings::OpenedFile& file) {
+  if (!file.bytes) return "bag (folder)";
+  const std::string_view probe = file.bytes->unread().substr(0, 8);
   if (probe.substr(0, 7) == "#ROSBAG") return "ROS 1 bag";
   if (probe.substr(1, 4) == "MCAP") return "MCAP";
   return "ROS 2 bag";
@@ -103,11 +102,11 @@ std::string format_of(const std::string& path) {
 
 }  // namespace
 
-RawRecording read_bag_recording(const std::string& path, const SignalChoice& choice) {
+RawRecording read_bag_recording(const recordings::OpenedFile& file, const SignalChoice& choice) {
   Collector collector(choice);
-  read_bag(path, collector.sink());
+  read_bag(file.path, collector.sink(), file.bytes ? &*file.bytes : nullptr);
   RawRecording raw = collector.finish();
-  raw.format = format_of(path);
+  raw.format = format_of(file);
   return raw;
 }
 

@@ -6,6 +6,8 @@
 #include <string_view>
 #include <vector>
 
+#include "recordings/files/byte_stream.hpp"
+
 namespace veridyn::bags {
 
 /// One publisher of one topic, as a container declares it.
@@ -43,10 +45,11 @@ void read_db3(std::string_view bytes, const std::string& path, bool message_comp
 
 /// Any of the above, recognised by its first bytes, or a folder: a ROS 2 bag with or without
 /// metadata.yaml, or the pieces of a split ROS 1 bag or MCAP.
+/// @param opened  the file itself, where it is open already.
 /// @throws InvalidInput  see above, or a folder that holds none of them.
-void read_bag(const std::string& path, BagSink* sink);
+void read_bag(const std::string& path, BagSink* sink, const ByteStream* opened = nullptr);
 
-/// Whether the first bytes (or the files of the folder) are those of a bag.
-bool is_bag(const std::string& path);
+/// Whether the first bytes of a file are those of a bag.
+bool is_bag(std::string_view first_bytes);
 
 }  // namespace veridyn::bags

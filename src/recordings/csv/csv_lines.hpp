@@ -1,11 +1,9 @@
 #pragma once
 
-#include <cstdio>
-#include <functional>
-#include <memory>
 #include <string>
 #include <string_view>
-#include <vector>
+
+#include "recordings/files/byte_stream.hpp"
 
 namespace veridyn {
 
@@ -15,35 +13,30 @@ namespace veridyn {
 /// are taken off. Cost: memory for the longest line or 1 MiB, whichever is more.
 class CsvLines {
  public:
-  /// @throws InvalidInput  the file is missing, unreadable, a folder, or empty.
-  /// @param wait  called where a file that still grows ends for now; true: look again.
-  explicit CsvLines(const std::string& path, std::function<bool()> wait = {});
+  /// @throws InvalidInput  the file is empty, or not text (a NUL in the first piece).
+  explicit CsvLines(ByteStream bytes);
+  /// @throws InvalidInput  as ByteStream does, too.
+  explicit CsvLines(const std::string& path) : CsvLines(ByteStream(path)) {}
 
   /// The next line, valid until the next call. False at the end.
-  /// @throws InvalidInput  not text (a NUL in the first piece, or a line of 16 MiB), or reading
-  /// fails.
+  /// @throws InvalidInput  not text (a line of 16 MiB), or reading fails.
   bool next(std::string_view* line);
 
+  /// Back to the first line. @throws InvalidInput  see ByteStream::rewind().
+  void rewind();
+
   /// Whether the file ends behind the line last returned.
-  bool at_end() const { return at_end_ && begin_ == end_; }
+  bool at_end() const { return bytes_.at_end() && bytes_.unread().empty(); }
   long number() const { return number_; }  ///< Number of the line last returned, from 1
   const std::string& last_comment() const { return comment_; }  ///< without its `#`
-  const std::string& path() const { return path_; }
+  const std::string& path() const { return bytes_.path(); }
 
  private:
   bool next_raw(std::string_view* line);
-  bool refill();
+  void read_on();
+  void skip_byte_order_mark();
 
-  struct Close {
-    void operator()(std::FILE* file) const { std::fclose(file); }
-  };
-  std::string path_;
-  std::function<bool()> wait_;
-  std::unique_ptr<std::FILE, Close> file_;
-  std::vector<char> buffer_;
-  std::size_t begin_ = 0;  // unread bytes are buffer_[begin_, end_)
-  std::size_t end_ = 0;
-  bool at_end_ = false;
+  ByteStream bytes_;
   long number_ = 0;
   std::string comment_;
 };

@@ -172,8 +172,8 @@ namespace {
 
 class CsvRows : public RowSource {
  public:
-  CsvRows(const std::string& path, const RecordingOptions& wanted, std::function<bool()> wait)
-      : options(wanted), lines(path, std::move(wait)) {
+  CsvRows(CsvLines text, const RecordingOptions& wanted)
+      : options(wanted), lines(std::move(text)) {
     read_layout();
   }
 
@@ -390,9 +390,8 @@ Recording CsvRows::next(int rows) {
 
 }  // namespace
 
-std::unique_ptr<RowSource> csv_rows(const std::string& path, const RecordingOptions& options,
-                                    std::function<bool()> wait) {
-  return std::make_unique<CsvRows>(path, options, std::move(wait));
+std::unique_ptr<RowSource> csv_rows(CsvLines lines, const RecordingOptions& options) {
+  return std::make_unique<CsvRows>(std::move(lines), options);
 }
 
 }  // namespace recordings

@@ -8,13 +8,12 @@
 #include <map>
 #include <set>
 
-#include "recordings/bags/mapped_file.hpp"
+#include "math/median.hpp"
 #include "recordings/csv/time_column.hpp"
 #include "recordings/joint_fields.hpp"
 #include "recordings/units.hpp"
 #include "veridyn/math/require.hpp"
 #include "recordings/csv/csv_layout.hpp"
-#include "recordings/csv/csv_lines.hpp"
 
 namespace veridyn::recordings {
 namespace {
@@ -118,8 +117,7 @@ std::string bare_unit(std::string unit) {
 
 class Table {
  public:
-  Table(const std::string& path, const RecordingOptions& options)
-      : lines_(path), options_(options) {
+  Table(CsvLines& lines, const RecordingOptions& options) : lines_(lines), options_(options) {
     const auto time = options.signals.map.find("t");
     if (time != options.signals.map.end()) time_name_ = time->second;
   }
@@ -360,9 +358,8 @@ class Table {
       if (k > 0) steps.push_back(std::stod(times_[k]) - std::stod(times_[k - 1]));
     }
     if (steps.empty()) return 1000000000;
-    std::nth_element(steps.begin(), steps.begin() + static_cast<long>(steps.size() / 2), steps.end());
     const std::int64_t unit =
-        likely_time_unit(std::stod(times_.front()), steps[steps.size() / 2], whole);
+        likely_time_unit(std::stod(times_.front()), median(std::move(steps)), whole);
     if (unit != 1000000000)
       raw_.remarks.push_back(text("times are taken for ",
                                   unit == 1      ? "nanoseconds"
@@ -394,7 +391,7 @@ class Table {
     }
   }
 
-  CsvLines lines_;
+  CsvLines& lines_;
   const RecordingOptions& options_;
   std::string time_name_;
   Header header_, fallback_;
@@ -432,10 +429,12 @@ bool is_plain(const Header& header) {
 
 }  // namespace
 
-bool is_csv_table(const std::string& path, const RecordingOptions& options) {
+bool is_csv_table(CsvLines& lines, const RecordingOptions& options) {
   if (!options.columns.empty()) return false;
-  Table table(path, options);
-  if (!table.find_header()) return false;
+  Table table(lines, options);
+  const bool found = table.find_header();
+  lines.rewind();
+  if (!found) return false;
   if (!options.signals.map.empty()) return true;
   if (is_plain(table.header())) return false;
   if (table.header().positions > 0) return true;
@@ -447,8 +446,8 @@ bool is_csv_table(const std::string& path, const RecordingOptions& options) {
   return named > 0 && named >= options.signals.joints.size();
 }
 
-RawRecording read_csv_table(const std::string& path, const RecordingOptions& options) {
-  return Table(path, options).read();
+RawRecording read_csv_table(CsvLines lines, const RecordingOptions& options) {
+  return Table(lines, options).read();
 }
 
 }  // namespace veridyn::recordings

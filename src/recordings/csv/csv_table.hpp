@@ -1,7 +1,6 @@
 #pragma once
 
-#include <string>
-
+#include "recordings/csv/csv_lines.hpp"
 #include "recordings/raw_recording.hpp"
 #include "veridyn/recordings/recording.hpp"
 
@@ -16,10 +15,10 @@ namespace veridyn::recordings {
 /// empty. Degrees and millimetres in a column's name, or in a second line of units, are turned into
 /// SI. Numbers with a decimal comma are read where another sign separates the columns.
 /// @throws InvalidInput  ragged rows, text in a column that is a joint's signal, no time.
-RawRecording read_csv_table(const std::string& path, const RecordingOptions& options);
+RawRecording read_csv_table(CsvLines lines, const RecordingOptions& options);
 
 /// Whether the first line of a text file is a header that read_csv_table() understands and that is
-/// not that of a plain recording (t, q1..qn).
-bool is_csv_table(const std::string& path, const RecordingOptions& options);
+/// not that of a plain recording (t, q1..qn). The lines are at the first one again afterwards.
+bool is_csv_table(CsvLines& lines, const RecordingOptions& options);
 
 }  // namespace veridyn::recordings

@@ -44,9 +44,9 @@ void add_place(const Diagnosis& d, const Cause& cause, Json& out) {
   out["cause"] = to_text(*d.baseline.model, cause);
 }
 
-Json next_json(const Diagnosis& d) {
+Json next_json(const Diagnosis& d, const std::string& command) {
   const NextExperiment& next = d.next_experiment;
-  Json out = {{"separates", Json::array()}, {"trajectory", next.trajectory}};
+  Json out = {{"separates", Json::array()}, {"trajectory", command}};
   if (next.between.empty() || !d.baseline.model) return out;
   out["between"] = Json::array();
   for (size_t k = 0; k < next.between.size(); ++k) {
@@ -119,7 +119,7 @@ Json quality_json(const Diagnosis& d) {
 
 }  // namespace
 
-std::string to_json(const Diagnosis& d) {
+std::string to_json(const Diagnosis& d, const std::string& next_command) {
   Json out = json_head("diagnose");
   out["robot"] = d.baseline.robot;
   out["verdict"] = d.verdict();
@@ -146,7 +146,7 @@ std::string to_json(const Diagnosis& d) {
   }
   out["noise_floor"] = {{"relative_error", json_list(d.baseline.noise_floor)}};
   out["extended"] = error_pair(d.extended);
-  out["next_experiment"] = next_json(d);
+  out["next_experiment"] = next_json(d, next_command);
   out["remarks"] = d.remarks;
   out["excluded_intervals"] = Json::array();
   for (const LeftOut& part : d.left_out) {

@@ -89,6 +89,7 @@ std::string to_json(const Identification& id) {
   out["method"] = name_of(id.method);
   out["status"] = name_of(id.status);
   out["reason"] = id.reason;
+  out["remarks"] = id.remarks;
   out["rows"] = id.rows;
   out["base_parameters"] = base_json(id.base);
   out["condition_number"] = id.condition_number_scaled;

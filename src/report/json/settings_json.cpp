@@ -19,6 +19,8 @@ Json settings_json(const Identification& id) {
     for (const RecordingError& r : recordings) out.push_back(r.source);
     return out;
   };
+  Json derived = Json::array();
+  for (const int joint : o.derive_velocity_of) derived.push_back(joint + 1);
   return {{"train", sources(id.train)},
           {"test", sources(id.test)},
           {"method", name_of(id.method)},
@@ -30,6 +32,7 @@ Json settings_json(const Identification& id) {
           {"filter_order", o.order},
           {"filtering", name_of(o.filtering)},
           {"velocity", name_of(o.velocity)},
+          {"velocity_derived_of", derived},
           {"stale_rows", name_of(o.stale_rows)},
           {"resample", o.rate},
           {"decimation", o.decimation},

@@ -1,17 +1,18 @@
-#include "recordings/file_kind.hpp"
+#include "recordings/files/file_kind.hpp"
 
 #include <sys/stat.h>
 
 #include <string_view>
 
 #include "recordings/bags/bag_sink.hpp"
-#include "recordings/bags/mapped_file.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn::recordings {
 namespace {
 
 using std::string_view_literals::operator""sv;
+
+constexpr std::size_t kProbe = 640;  // bytes that tell the kind
 
 struct Refused {
   std::string_view magic;
@@ -50,25 +51,38 @@ bool starts_with(std::string_view bytes, std::string_view magic) {
   return bytes.substr(0, magic.size()) == magic;
 }
 
-}  // namespace
-
-FileKind file_kind(const std::string& path) {
-  struct stat about {};
-  if (::stat(path.c_str(), &about) != 0) return FileKind::kText;
-  if (S_ISDIR(about.st_mode)) return FileKind::kBag;
-  const std::string probe = first_bytes(path, 640);
-  if (bags::is_bag(path)) return FileKind::kBag;
+// By the first kProbe bytes.
+FileKind kind_of(std::string_view probe, const std::string& path) {
+  if (bags::is_bag(probe)) return FileKind::kBag;
   if (starts_with(probe, "PK\x03\x04")) return FileKind::kNpz;
   if (starts_with(probe, "MATLAB 5.0 MAT-file") || starts_with(probe, "MATLAB 7.3 MAT-file"))
     return FileKind::kMat;
   const std::string_view hdf5 = "\x89HDF\r\n\x1A\n";
-  if (starts_with(probe, hdf5) || (probe.size() > 520 && std::string_view(probe).substr(512, 8) == hdf5))
+  if (starts_with(probe, hdf5) || (probe.size() > 520 && probe.substr(512, 8) == hdf5))
     return FileKind::kHdf5;
   for (const Refused& refused : kRefused) {
     require(!starts_with(probe, refused.magic), path, ": found ", refused.found, ", expected ",
             refused.expected, ".");
   }
   return FileKind::kText;
+}
+
+bool is_folder(const std::string& path) {
+  struct stat about {};
+  return ::stat(path.c_str(), &about) == 0 && S_ISDIR(about.st_mode);
+}
+
+}  // namespace
+
+OpenedFile::OpenedFile(const std::string& file) : path(file) {
+  if (is_folder(path)) {
+    kind = FileKind::kBag;
+    return;
+  }
+  bytes.emplace(path);
+  while (bytes->unread().size() < kProbe && bytes->read_on()) {
+  }
+  kind = kind_of(bytes->unread(), path);
 }
 
 }  // namespace veridyn::recordings

@@ -3,13 +3,16 @@
 #include <string>
 #include <string_view>
 
+#include "recordings/files/byte_stream.hpp"
+
 namespace veridyn {
 
 /// The bytes of a file, mapped into memory for reading.
 class MappedFile {
  public:
+  /// @param opened  the file itself, where it is open already.
   /// @throws InvalidInput  the file is missing, unreadable or a folder.
-  explicit MappedFile(const std::string& path);
+  explicit MappedFile(const std::string& path, const ByteStream* opened = nullptr);
   ~MappedFile();
   MappedFile(const MappedFile&) = delete;
   MappedFile& operator=(const MappedFile&) = delete;

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "veridyn/math/square_root_information.hpp"
+#include "veridyn/model/model.hpp"
+#include "veridyn/recordings/preprocessing.hpp"
+#include "veridyn/regressor/standard_parameters.hpp"
+
+namespace veridyn {
+
+/// What one short identification leaves of a recording's torques.
+struct QuickFit {
+  double unexplained = 1.0;    ///< Share of the weighted squares of the torques
+  double misfit = 0.0;         ///< sum over the joints of log(share); shares below 0.001 are noise
+  std::vector<double> shares;  ///< Share of each joint's squared torque that is unexplained
+  VectorXd friction;           ///< by joint: power lost to it, of rms torque times rms speed
+  std::vector<double> told;    ///< by joint: rise of the rms misfit without that loss, as a share
+  std::vector<SquareRootInformation> joints;  ///< factor of each joint's torques
+};
+
+/// Fits an arm with plain friction and all parameters open to one short recording after the other.
+class QuickFitter {
+ public:
+  QuickFitter(const Model& arm, const PreprocessingOptions& options);
+
+  const std::vector<StandardParameter>& parameters() const { return parameters_; }
+  int base_size() const { return static_cast<int>(base_columns_.size()); }
+
+  /// How many base parameters the recording determines, and the condition number with which.
+  std::pair<int, double> determined(const Recording& recording) const;
+
+  QuickFit fit(const Recording& recording) const;
+
+ private:
+  struct Friction;
+
+  std::vector<Friction> frictions() const;
+  MatrixXd friction_power(const Recording& recording) const;
+
+  Model arm_;
+  PreprocessingOptions options_;
+  std::vector<StandardParameter> parameters_;
+  std::vector<std::string> names_;
+  std::vector<std::string> base_columns_;
+};
+
+}  // namespace veridyn

@@ -1,0 +1,89 @@
+#include "identification/velocity_choice.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "math/parallel.hpp"
+#include "recordings/kept_recordings.hpp"
+
+namespace veridyn {
+namespace {
+
+constexpr double kLeastError = 1e-300;
+constexpr long kLookedAt = 20000;  // rows of a recording that show its noise
+
+VectorXd logarithm(const VectorXd& relative) {
+  return 2.0 * relative.array().max(kLeastError).log();
+}
+
+// Whoever reads the recording in earnest says why it cannot be read.
+RecordingQuality quality_of(const Model& arm, const std::string& name,
+                            const PreprocessingOptions& how) {
+  RecordingOptions reading = reading_of(arm, how);
+  reading.first_row = std::max(0L, how.first_row);
+  reading.row_count = how.row_count < 0 ? kLookedAt : std::min(how.row_count, kLookedAt);
+  try {
+    const Recording* there = find_in_memory(how.in_memory, name);
+    return there != nullptr ? check_recording(*there)
+                            : check_rows(name, open_rows(name, reading, how.kept.get()));
+  } catch (const InvalidInput&) {
+    return {};
+  }
+}
+
+}  // namespace
+
+VectorXd log_training_errors(const Identification& id) {
+  const PredictionError& error = id.train_without_excluded.relative.size() > 0
+                                     ? id.train_without_excluded
+                                 : id.train_repaired.relative.size() > 0 ? id.train_repaired
+                                                                         : id.train_error;
+  return logarithm(error.relative);
+}
+
+VectorXd fall_of_errors(const Identification& before, const Identification& after) {
+  return (log_training_errors(before) - log_training_errors(after))
+      .cwiseMin(logarithm(before.train_error.relative) - logarithm(after.train_error.relative));
+}
+
+std::set<int> joints_with_finding(const std::vector<RecordingQuality>& recordings,
+                                  const std::string& finding, Severity least) {
+  std::set<int> out;
+  for (const RecordingQuality& recording : recordings) {
+    for (const QualityFinding& f : recording.findings) {
+      if (f.finding == finding && f.severity >= least && f.joint > 0) out.insert(f.joint - 1);
+    }
+  }
+  return out;
+}
+
+VelocityChoice choose_velocities(const Identification& before, std::set<int> candidates,
+                                 double least,
+                                 const std::function<Identification(const std::set<int>&)>& look) {
+  for (int round = 0; round < 2 && !candidates.empty(); ++round) {
+    Identification derived = look(candidates);
+    if (!derived.model) break;
+    const VectorXd gain = fall_of_errors(before, derived);
+    std::set<int> better;
+    for (const int j : candidates) {
+      if (gain[j] > least) better.insert(j);
+    }
+    if (better == candidates) return {std::move(better), std::move(derived)};
+    candidates = std::move(better);
+  }
+  return {};
+}
+
+std::set<int> doubtful_velocities(const Model& arm, const std::vector<std::string>& recordings,
+                                  const PreprocessingOptions& how, int threads) {
+  std::vector<RecordingQuality> seen(recordings.size());
+  parallel_for(static_cast<int>(recordings.size()), threads, [&](int k) {
+    const auto at = static_cast<size_t>(k);
+    seen[at] = quality_of(arm, recordings[at], how);
+  });
+  std::set<int> out = joints_with_finding(seen, "velocity_noise", Severity::kInfo);
+  out.merge(joints_with_finding(seen, "velocity_scale", Severity::kWarning));
+  return out;
+}
+
+}  // namespace veridyn

@@ -1,0 +1,92 @@
+#include "identification/velocity_choice.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "identification/synthetic_recording.hpp"
+#include "veridyn/model/model_file.hpp"
+
+namespace veridyn {
+namespace {
+
+const Model& arm() {
+  static const Model kArm = read_model(VERIDYN_SOURCE_DIR "/data/robots/planar-2r.yaml");
+  return kArm;
+}
+
+Recording recording() {
+  MotionShape shape;
+  shape.duration = 30.0;
+  Recording r = synthetic_recording(arm(), shape);
+  r.tau += noise_like(r.tau, 0.02, 3);
+  return r;
+}
+
+// A velocity that goes in steps of this share of its range.
+void quantise(Recording& r, int joint, double share) {
+  auto dq = r.dq.col(joint);
+  const double step = share * (dq.maxCoeff() - dq.minCoeff());
+  for (double& x : dq) x = std::round(x / step) * step;
+}
+
+std::vector<int> derived(const Recording& r, bool choose = true) {
+  IdentificationOptions options;
+  options.choose_velocities = choose;
+  const Identification id = identify(arm(), r, options);
+  EXPECT_EQ(id.remarks.size(), id.preprocessing.derive_velocity_of.size());
+  return id.preprocessing.derive_velocity_of;
+}
+
+double distance(const Recording& r, bool choose) {
+  IdentificationOptions options;
+  options.choose_velocities = choose;
+  return (identify(arm(), r, options).parameters - true_parameters(arm())).norm();
+}
+
+TEST(VelocityChoice, SoundVelocitiesAreTakenAsRecorded) {
+  EXPECT_TRUE(derived(recording()).empty());
+}
+
+TEST(VelocityChoice, ACoarseVelocityComesFromThePositionAndItsJointOnly) {
+  Recording r = recording();
+  quantise(r, 1, 0.1);
+  EXPECT_EQ(derived(r), std::vector<int>{1});
+  EXPECT_TRUE(derived(r, false).empty());
+  quantise(r, 0, 0.1);
+  EXPECT_EQ(derived(r), (std::vector<int>{0, 1}));
+  EXPECT_LT(distance(r, true), distance(r, false));
+}
+
+TEST(VelocityChoice, AVelocityOfAnotherUnitComesFromThePosition) {
+  Recording r = recording();
+  r.dq.col(0) *= 1.2;
+  EXPECT_EQ(derived(r), std::vector<int>{0});
+}
+
+// The torques are the judge: a position that is worse than the doubtful velocity is not asked.
+TEST(VelocityChoice, ItIsTheTorquesThatDecide) {
+  Identification before;
+  before.train_error.relative = Eigen::Vector3d(0.10, 0.10, 0.10);
+  std::vector<std::set<int>> asked;
+  const auto look = [&](const std::set<int>& joints) {
+    asked.push_back(joints);
+    Identification id;
+    id.model = arm();
+    id.train_error.relative = Eigen::Vector3d(0.09, 0.11, 0.099);  // better, worse, not worth it
+    return id;
+  };
+  const VelocityChoice some = choose_velocities(before, {0, 1, 2}, kVelocityGain, look);
+  EXPECT_EQ(some.better, std::set<int>{0});
+  EXPECT_TRUE(some.fit.has_value());
+  EXPECT_EQ(asked, (std::vector<std::set<int>>{{0, 1, 2}, {0}}));
+  const VelocityChoice none = choose_velocities(before, {1, 2}, kVelocityGain, look);
+  EXPECT_TRUE(none.better.empty());
+  EXPECT_FALSE(none.fit.has_value());
+  EXPECT_FALSE(choose_velocities(before, {}, kVelocityGain, look).fit.has_value());
+}
+
+}  // namespace
+}  // namespace veridyn

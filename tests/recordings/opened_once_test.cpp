@@ -1,0 +1,131 @@
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <fstream>
+#include <sstream>
+#include <thread>
+
+#include "recordings/files/byte_stream.hpp"
+#include "recordings/kept_recordings.hpp"
+#include "recordings/samples.hpp"
+#include "veridyn/math/require.hpp"
+#include "veridyn/recordings/recording.hpp"
+
+// What a file is, its header and its rows are found in one opening of it.
+
+namespace veridyn {
+namespace {
+
+const std::string kPlain = "t,q1,tau1\n0,1,5\n0.1,2,6\n0.2,3,7\n";
+const std::string kTable = "time,elbow_position,elbow_effort\n0,1,5\n0.1,2,6\n0.2,3,7\n";
+
+class Opened : public testing::Test {
+ protected:
+  void SetUp() override {
+    path_ = testing::TempDir() + "veridyn-opened-" + std::to_string(::getpid()) + ".csv";
+  }
+  void TearDown() override { std::remove(path_.c_str()); }
+
+  void write(const std::string& content) const {
+    std::ofstream(path_, std::ios::binary) << content;
+  }
+
+  std::string path_;
+};
+
+long opened_by_reading(const std::string& path) {
+  const long before = files_opened();
+  EXPECT_GT(read_recording(path).rows(), 0) << path;
+  return files_opened() - before;
+}
+
+TEST_F(Opened, APlainRecordingIsOpenedOnceEveryTime) {
+  write(kPlain);
+  EXPECT_EQ(opened_by_reading(path_), 1);
+  EXPECT_EQ(opened_by_reading(path_), 1);
+}
+
+TEST_F(Opened, ATableWithOtherNamesIsOpenedOnceAndThenKept) {
+  write(kTable);
+  EXPECT_EQ(opened_by_reading(path_), 1);
+  EXPECT_EQ(opened_by_reading(path_), 0);
+}
+
+TEST_F(Opened, BagsAndArraysAreOpenedOnce) {
+  for (const char* name : {"ros1_lz4.bag", "mcap_cdr_zstd.mcap", "numpy.npz"})
+    EXPECT_EQ(opened_by_reading(sample(name)), 1) << name;
+}
+
+TEST_F(Opened, AFileThatIsKeptIsOpenedOnceForAllItsReaders) {
+  write(kPlain);
+  KeptRecordings kept;
+  RecordingOptions first_two;
+  first_two.row_count = 2;
+  RecordingOptions more_than_there_are;
+  more_than_there_are.row_count = 20;
+  const long before = files_opened();
+  EXPECT_EQ(open_rows(path_, {}, &kept).next(100).rows(), 3);
+  EXPECT_EQ(open_rows(path_, more_than_there_are, &kept).next(100).rows(), 3);
+  EXPECT_EQ(read_rows(path_, first_two, &kept).rows(), 2);
+  EXPECT_EQ(files_opened() - before, 1);
+}
+
+TEST_F(Opened, SomeRowsOfAKeptFileAreThoseOfTheFile) {
+  write(kPlain);
+  KeptRecordings kept;
+  for (const long first : {0, 1, 2}) {
+    for (const long count : {-1, 1, 5}) {
+      RecordingOptions options;
+      options.first_row = first;
+      options.row_count = count;
+      const Recording of_file = read_recording(path_, options);
+      for (const Recording& r :
+           {read_rows(path_, options, &kept), open_rows(path_, options, &kept).next(100)}) {
+        ASSERT_EQ(r.rows(), of_file.rows()) << first << " " << count;
+        EXPECT_EQ(r.q, of_file.q) << first << " " << count;
+      }
+    }
+  }
+}
+
+// Nothing of a pipe can be read twice.
+TEST_F(Opened, APipeIsReadAsAFileIs) {
+  for (const std::string& content : {kPlain, kTable}) {
+    write(content);
+    const Recording of_file = read_recording(path_);
+    std::remove(path_.c_str());
+    ASSERT_EQ(::mkfifo(path_.c_str(), 0600), 0);
+    std::thread writer([&] { write(content); });
+    const Recording of_pipe = read_recording(path_);
+    writer.join();
+    std::remove(path_.c_str());
+    ASSERT_EQ(of_pipe.rows(), of_file.rows()) << content;
+    EXPECT_EQ(of_pipe.q, of_file.q) << content;
+    EXPECT_EQ(of_pipe.time, of_file.time) << content;
+  }
+}
+
+// More comments than are kept in memory while the header is looked for: the file is wound back.
+TEST_F(Opened, AHeaderFarBehindTheFirstByteIsFound) {
+  std::ostringstream comments;
+  for (int k = 0; k < 60000; ++k) comments << "# a line that says nothing, number " << k << "\n";
+  ASSERT_GT(comments.str().size(), std::size_t{2} << 20);
+  for (const std::string& content : {kPlain, kTable}) {
+    write(comments.str() + content);
+    EXPECT_EQ(opened_by_reading(path_), 1);
+    EXPECT_EQ(read_recording(path_).q, (MatrixXd(3, 1) << 1, 2, 3).finished());
+    write(comments.str() + content + "0.3,text,8\n");  // lines are counted from the first one
+    try {
+      read_recording(path_);
+      ADD_FAILURE() << "a row of text was read";
+    } catch (const InvalidInput& error) {
+      EXPECT_NE(std::string(error.what()).find(":60005:2: found 'text'"), std::string::npos)
+          << error.what();
+    }
+  }
+}
+
+}  // namespace
+}  // namespace veridyn
