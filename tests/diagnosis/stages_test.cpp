@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <set>
 
 #include "diagnosis/stage_support.hpp"
@@ -9,6 +10,7 @@
 #include "identification/velocity_choice.hpp"
 #include "recordings/files/byte_stream.hpp"
 #include "recordings/kept_recordings.hpp"
+#include "veridyn/math/require.hpp"
 
 // Stages of a diagnosis on a simulated arm of two joints whose truth is known.
 
@@ -76,6 +78,31 @@ TEST_F(Stages, WhatOnlyALeanShowsIsNoLoad) {
   ASSERT_EQ(found.findings.size(), 1U);
   EXPECT_EQ(effect_of(found.findings[0].cause), "gravity_tilt");
   EXPECT_LT(found.extended.test_error.relative.maxCoeff(), 0.02);
+}
+
+// Two springs are hidden. Who asks about the elbow's hears of the elbow's alone.
+TEST_F(Stages, ACauseAtOnePlaceIsAskedAboutThereOnly) {
+  const std::vector<std::string> hidden = {"joint_spring:1", "joint_spring:2"};
+  std::vector<std::string> train;
+  for (unsigned k = 1; k <= 4; ++k) train.push_back(record(k, hidden));
+  const std::string test = record(5, hidden);
+  const auto found = [&](const std::string& asked) {
+    DiagnosisOptions options;
+    options.effects = {asked};
+    options.identification.threads = 1;
+    const Diagnosis d = diagnose(read_model("planar-2r"), train, {test}, options);
+    std::vector<std::string> names;
+    for (const Finding& f : d.findings) names.push_back(to_text(truth_, f.cause));
+    for (const NotSupported& n : d.not_supported) names.push_back("not " + to_text(truth_, n.cause));
+    std::sort(names.begin(), names.end());
+    return names;
+  };
+  EXPECT_EQ(found("joint_spring"), (Words{"joint_spring:elbow", "joint_spring:shoulder"}));
+  EXPECT_EQ(found("joint_spring:2"), Words{"joint_spring:elbow"});
+  EXPECT_EQ(found("joint_spring:elbow"), Words{"joint_spring:elbow"});
+  EXPECT_TRUE(found("external_contact:elbow").empty());
+  EXPECT_THROW(found("joint_spring:wrist"), InvalidInput);
+  EXPECT_THROW(found("coupling_error:elbow.zero"), InvalidInput);
 }
 
 // A file without friction: what the joints have is found together, with its size, and nothing else.
