@@ -38,8 +38,10 @@ std::string key_of(const std::string& path, const RecordingOptions& options) {
   return out;
 }
 
+// Nothing of a pipe can be read twice: it is kept, however long it turns out to be.
 long text_bytes(const std::string& path) {
   std::error_code error;
+  if (std::filesystem::is_fifo(path, error)) return 0;
   const auto size = std::filesystem::file_size(path, error);
   return error ? -1 : static_cast<long>(size);
 }

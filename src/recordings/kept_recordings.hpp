@@ -17,8 +17,9 @@ struct OpenedRows {
 };
 
 /// Files that are parsed once and kept in memory, up to `most_bytes` of text in all; files beyond
-/// that are streamed every time. For work that asks many questions of the same recordings: it makes
-/// one and hands it on in PreprocessingOptions::kept. Threads may share it.
+/// that are streamed every time. Pipes are kept in any case. For work that asks many questions of
+/// the same recordings: it makes one and hands it on in PreprocessingOptions::kept. Threads may
+/// share it.
 class KeptRecordings {
  public:
   static constexpr long kManyQuestions = 400L << 20;  ///< bound of a diagnosis

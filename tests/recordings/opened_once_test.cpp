@@ -107,6 +107,22 @@ TEST_F(Opened, APipeIsReadAsAFileIs) {
   }
 }
 
+TEST_F(Opened, APipeIsKeptForAllItsReaders) {
+  write(kPlain);
+  const Recording of_file = read_recording(path_);
+  std::remove(path_.c_str());
+  ASSERT_EQ(::mkfifo(path_.c_str(), 0600), 0);
+  std::thread writer([&] { write(kPlain); });
+  KeptRecordings kept(0);
+  const Recording first = open_rows(path_, {}, &kept).next(100);
+  writer.join();
+  const Recording second = open_rows(path_, {}, &kept).next(100);
+  for (const Recording& r : {first, second}) {
+    ASSERT_EQ(r.rows(), of_file.rows());
+    EXPECT_EQ(r.q, of_file.q);
+  }
+}
+
 // More comments than are kept in memory while the header is looked for: the file is wound back.
 TEST_F(Opened, AHeaderFarBehindTheFirstByteIsFound) {
   std::ostringstream comments;

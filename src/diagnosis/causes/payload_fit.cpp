@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 
+#include "diagnosis/causes/point_load.hpp"
 #include "diagnosis/evidence/clustered_fit.hpp"
 #include "diagnosis/numerics.hpp"
 #include "math/student_t.hpp"
@@ -12,126 +13,15 @@
 namespace veridyn {
 namespace {
 
-constexpr int kSteps = 60;
-
-// || phi ||: phi' A phi - 2 b' phi + c over the ten parameters of the load, nuisances fitted.
-struct Quadratic {
-  MatrixXd A;
-  VectorXd b;
-
-  double cost(const VectorXd& phi) const { return phi.dot(A * phi) - 2.0 * b.dot(phi); }
-};
-
-struct Solution {
-  InertialParameters phi = InertialParameters::Zero();
-  double cost = 0.0;
-  double mass() const { return phi[0]; }
-  Eigen::Vector3d moment() const { return phi.segment<3>(1); }
-};
-
-InertialParameters point_mass(double mass, const Eigen::Vector3d& h) {
-  InertialParameters phi;
-  phi << mass, h, (h.y() * h.y() + h.z() * h.z()) / mass, -h.x() * h.y() / mass,
-      (h.x() * h.x() + h.z() * h.z()) / mass, -h.x() * h.z() / mass, -h.y() * h.z() / mass,
-      (h.x() * h.x() + h.y() * h.y()) / mass;
-  return phi;
-}
-
-// Derivative of point_mass() by (ln m, h).
-Eigen::Matrix<double, 10, 4> slopes(double mass, const Eigen::Vector3d& h) {
-  Eigen::Matrix<double, 10, 4> J = Eigen::Matrix<double, 10, 4>::Zero();
-  const InertialParameters phi = point_mass(mass, h);
-  J(0, 0) = mass;
-  J.block<6, 1>(4, 0) = -phi.segment<6>(4);
-  for (int k = 0; k < 3; ++k) J(1 + k, 1 + k) = 1.0;
-  const double x = h.x() / mass;
-  const double y = h.y() / mass;
-  const double z = h.z() / mass;
-  J.block<6, 3>(4, 1) << 0.0, 2.0 * y, 2.0 * z,  // xx
-      -y, -x, 0.0,                               // xy
-      2.0 * x, 0.0, 2.0 * z,                     // yy
-      -z, 0.0, -x,                               // xz
-      0.0, -z, -y,                               // yz
-      2.0 * x, 2.0 * y, 0.0;                     // zz
-  return J;
-}
-
-// Levenberg and Marquardt from one start; the centre stays within `reach` of the frame.
-Solution descend(const Quadratic& f, double mass, Eigen::Vector3d h, double reach) {
-  const auto within = [&](const Eigen::Vector3d& moment, double of) -> Eigen::Vector3d {
-    return moment.cwiseMin(of * reach).cwiseMax(-of * reach);
-  };
-  h = within(h, mass);
-  Solution best{point_mass(mass, h), 0.0};
-  best.cost = f.cost(best.phi);
-  double damping = numerics::kFirstDamping;
-  for (int step = 0; step < kSteps; ++step) {
-    const Eigen::Matrix<double, 10, 4> J = slopes(mass, h);
-    const Eigen::Vector4d g = J.transpose() * (f.b - f.A * best.phi);
-    Eigen::Matrix4d H = J.transpose() * f.A * J;
-    const Eigen::Vector4d scale = H.diagonal().cwiseMax(numerics::kNoise * H.diagonal().maxCoeff() + numerics::kTiny);
-    H.diagonal() += damping * scale;
-    const Eigen::Vector4d d = RidgedSolver(H).solve(g);
-    const double next_mass =
-        std::clamp(mass * std::exp(std::clamp(d[0], -1.0, 1.0)), numerics::kLightest, numerics::kHeaviest);
-    const Eigen::Vector3d next_h = within(h + d.tail<3>(), next_mass);
-    const InertialParameters phi = point_mass(next_mass, next_h);
-    const double cost = f.cost(phi);
-    if (!(cost < best.cost)) {
-      damping *= numerics::kMoreDamping;
-      if (damping > numerics::kMostDamping) break;
-      continue;
-    }
-    const bool small = best.cost - cost < numerics::kConverged * std::abs(cost);
-    mass = next_mass;
-    h = next_h;
-    best = {phi, cost};
-    damping = std::max(damping * numerics::kLessDamping, numerics::kNoise);
-    if (small) break;
-  }
-  return best;
-}
-
-std::vector<Solution> all_solutions(const Quadratic& f, const Eigen::Vector3d& h,
-                                    double reach = numerics::kAnywhere) {
-  std::vector<Solution> out;
-  for (const double mass : numerics::kFirstMasses) {
-    for (const double share : {1.0, numerics::kFirstPlaces, -numerics::kFirstPlaces}) out.push_back(descend(f, mass, share * h, reach));
-  }
-  return out;
-}
-
-// What the torques ask for beyond the point mass, about its centre; least squares, made possible
-// (no negative moment of inertia).
-Eigen::Matrix<double, 6, 1> extent(const Quadratic& f, const Solution& s) {
-  MatrixXd A = f.A.bottomRightCorner(6, 6);
-  A.diagonal() *= 1.0 + numerics::kLoadPrior;
-  A.diagonal().array() += numerics::kTiny;
-  return RidgedSolver(A).solve((f.b - f.A * s.phi).tail(6));
-}
-
-Solution fit_point(const Quadratic& f, const Solution* near, double reach = numerics::kAnywhere) {
-  if (near != nullptr) return descend(f, near->mass(), near->moment(), reach);
-  MatrixXd first = f.A.block(1, 1, 3, 3);
-  first.diagonal() *= 1.0 + numerics::kLoadRidge;
-  first.diagonal().array() += numerics::kTiny;
-  const Eigen::Vector3d h = RidgedSolver(first).solve(f.b.segment(1, 3));
-  Solution best;
-  for (const Solution& s : all_solutions(f, h, reach)) {
-    if (s.cost < best.cost) best = s;
-  }
-  return best;
-}
-
 // Largest distance of solutions from other starts that fit as well: where the torques leave a
 // valley, every point of it is an answer.
 template <typename Numbers, typename ToNumbers>
-Numbers valley(const Quadratic& f, const Solution& best, const ToNumbers& numbers) {
+Numbers valley(const LoadCost& f, const PointLoad& best, const ToNumbers& numbers) {
   Numbers widest = Numbers::Zero();
-  for (const Solution& s : all_solutions(f, best.moment())) {
+  for (const PointLoad& s : all_point_loads(f, best.moment())) {
     if (s.cost > best.cost + numerics::kAsGoodLoad * std::abs(best.cost)) continue;
-    widest =
-        widest.cwiseMax((numbers(s, extent(f, s)) - numbers(best, extent(f, best))).cwiseAbs());
+    widest = widest.cwiseMax(
+        (numbers(s, load_extent(f, s)) - numbers(best, load_extent(f, best))).cwiseAbs());
   }
   return widest;
 }
@@ -149,10 +39,10 @@ class LoadProblem {
   }
 
   // Over the load's ten parameters, nuisances eliminated.
-  Quadratic without(int cluster) const {
-    const Quadratic sums = weighted(cluster);
+  LoadCost without(int cluster) const {
+    const LoadCost sums = weighted(cluster);
     const Eigen::Index n = sums.b.size() - kBodyParameters;
-    Quadratic out{sums.A.topLeftCorner(kBodyParameters, kBodyParameters),
+    LoadCost out{sums.A.topLeftCorner(kBodyParameters, kBodyParameters),
                   sums.b.head(kBodyParameters)};
     if (n > 0) {
       const MatrixXd C = sums.A.topRightCorner(kBodyParameters, n);
@@ -182,7 +72,7 @@ class LoadProblem {
 
   // Squared residual per joint with this load, nuisances fitted beside it.
   VectorXd residual2(const InertialParameters& phi) const {
-    const Quadratic sums = weighted(-1);
+    const LoadCost sums = weighted(-1);
     const Eigen::Index n = sums.b.size() - kBodyParameters;
     VectorXd x(sums.b.size());
     x.head(kBodyParameters) = scale().cwiseProduct(phi);
@@ -210,16 +100,16 @@ class LoadProblem {
     return out;
   }
 
-  static RidgedSolver nuisance_solver(const Quadratic& sums) {
+  static RidgedSolver nuisance_solver(const LoadCost& sums) {
     const Eigen::Index n = sums.b.size() - kBodyParameters;
     return RidgedSolver(sums.A.bottomRightCorner(n, n), numerics::kLoadRidge);
   }
 
   // Weighted sums of all clusters but one (-1: of all), over load and nuisances, scaled columns.
-  Quadratic weighted(int cluster) const {
+  LoadCost weighted(int cluster) const {
     const ColumnSet columns = all();
     const auto k = static_cast<Eigen::Index>(columns.size());
-    Quadratic out{MatrixXd::Zero(k, k), VectorXd::Zero(k)};
+    LoadCost out{MatrixXd::Zero(k, k), VectorXd::Zero(k)};
     for (int j = 0; j < data_.joints(); ++j) {
       const auto at = static_cast<size_t>(j);
       for (Eigen::Index r = 0; r < k; ++r) {
@@ -281,8 +171,8 @@ PayloadEstimate fit_payload(const Inquiry& q, const NormalBlocks& data, const Hy
   all.insert(all.end(), sets.back().begin(), sets.back().end());
   const VectorXd w = joint_weights(data, all);
   const LoadProblem problem(data, payload, sets.back(), w);
-  const Quadratic whole = problem.without(-1);
-  const Solution main = fit_point(whole, nullptr);
+  const LoadCost whole = problem.without(-1);
+  const PointLoad main = fit_point_load(whole, nullptr);
   PayloadEstimate out;
   out.frame = q.augmented.model.frames()[static_cast<size_t>(frame.value)].name;
   out.phi = main.phi;
@@ -290,12 +180,12 @@ PayloadEstimate fit_payload(const Inquiry& q, const NormalBlocks& data, const Hy
   out.moment = main.moment();
   out.com =
       main.mass() > 0.0 ? Eigen::Vector3d(main.moment() / main.mass()) : Eigen::Vector3d::Zero();
-  const Eigen::Matrix<double, 6, 1> beyond = extent(whole, main);
+  const Eigen::Matrix<double, 6, 1> beyond = load_extent(whole, main);
   out.inertia = possible(beyond);
   // Scatter between phases, and between what else may have changed with the load.
   const int clusters = data.clusters();
   using Numbers = Eigen::Matrix<double, 13, 1>;
-  const auto numbers = [](const Solution& s, const Eigen::Matrix<double, 6, 1>& L) {
+  const auto numbers = [](const PointLoad& s, const Eigen::Matrix<double, 6, 1>& L) {
     Numbers v;
     v << s.mass(), s.moment(), s.moment() / std::max(s.mass(), numerics::kSameAxis), L;
     return v;
@@ -303,16 +193,16 @@ PayloadEstimate fit_payload(const Inquiry& q, const NormalBlocks& data, const Hy
   const Numbers centre = numbers(main, beyond);
   MatrixXd without(kBodyParameters + 3, clusters);
   for (int c = 0; c < clusters; ++c) {
-    const Quadratic f = problem.without(c);
-    const Solution s = fit_point(f, &main);
-    without.col(c) = numbers(s, extent(f, s));
+    const LoadCost f = problem.without(c);
+    const PointLoad s = fit_point_load(f, &main);
+    without.col(c) = numbers(s, load_extent(f, s));
   }
   const Numbers variance = jackknife_deviations(without).cwiseAbs2();
   Numbers drift = valley<Numbers>(whole, main, numbers);
   for (size_t k = 0; k + 1 < sets.size(); ++k) {
-    const Quadratic f = LoadProblem(data, payload, sets[k], w).without(-1);
-    const Solution s = fit_point(f, &main);
-    drift = drift.cwiseMax((numbers(s, extent(f, s)) - centre).cwiseAbs());
+    const LoadCost f = LoadProblem(data, payload, sets[k], w).without(-1);
+    const PointLoad s = fit_point_load(f, &main);
+    drift = drift.cwiseMax((numbers(s, load_extent(f, s)) - centre).cwiseAbs());
   }
   const double t = student_t_quantile(numerics::kOutside, std::max(1, clusters - 1));
   const Numbers half = (t * t * variance + drift.cwiseAbs2()).cwiseSqrt();
@@ -338,12 +228,13 @@ PayloadEstimate fit_payload(const Inquiry& q, const NormalBlocks& data, const Hy
 
 double compact_share(const NormalBlocks& data, const Hypothesis& payload, const ColumnSet& beside,
                      const VectorXd& weights) {
-  const Quadratic f = LoadProblem(data, payload, beside, weights).without(-1);
+  const LoadCost f = LoadProblem(data, payload, beside, weights).without(-1);
   MatrixXd A = f.A;
   A.diagonal() *= 1.0 + numerics::kLoadRidge;
   A.diagonal().array() += numerics::kTiny;
   const double free = f.b.dot(RidgedSolver(A).solve(f.b));
-  return free > 0.0 ? std::clamp(-fit_point(f, nullptr, payload.reach).cost / free, 0.0, 1.0) : 0.0;
+  return free > 0.0 ? std::clamp(-fit_point_load(f, nullptr, payload.reach).cost / free, 0.0, 1.0)
+                    : 0.0;
 }
 
 bool same_torques(const NormalBlocks& data, const Hypothesis& a, const Hypothesis& b) {

@@ -1,7 +1,6 @@
 #include "recordings/csv/csv_table.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <iterator>
 #include <limits>
@@ -9,6 +8,7 @@
 #include <set>
 
 #include "math/median.hpp"
+#include "recordings/csv/csv_header.hpp"
 #include "recordings/csv/time_column.hpp"
 #include "recordings/joint_fields.hpp"
 #include "recordings/units.hpp"
@@ -19,101 +19,14 @@ namespace veridyn::recordings {
 namespace {
 
 constexpr double kGap = std::numeric_limits<double>::quiet_NaN();
-constexpr int kRecordedSignals = static_cast<int>(std::size(kRecordingSignals));
 constexpr int kPreamble = 30;        // lines in front of a header
 constexpr std::size_t kProbe = 400;  // rows by which the unit of the time is judged
-
-// A number, with a decimal comma where the comma does not separate.
-bool parse_number(std::string* field, char separator, double* value) {
-  if (separator != ',') std::replace(field->begin(), field->end(), ',', '.');
-  const char* p = field->data() + (field->rfind('+', 0) == 0 ? 1 : 0);
-  const char* end = field->data() + field->size();
-  if (p == end || *field == "-" || *field == "NA" || *field == "null" || *field == "None") {
-    *value = kGap;
-    return true;
-  }
-  const auto [rest, error] = std::from_chars(p, end, *value);
-  if (error == std::errc::result_out_of_range) *value = std::numeric_limits<double>::infinity();
-  return error != std::errc::invalid_argument && rest == end;
-}
-
-bool is_number(std::string field, char separator) {
-  double value = 0.0;
-  return parse_number(&field, separator, &value);
-}
-
-bool all_numbers(const std::vector<std::string>& fields, char separator) {
-  return std::all_of(fields.begin(), fields.end(),
-                     [separator](const auto& f) { return is_number(f, separator); });
-}
-
-struct Header {
-  char separator = ',';
-  std::vector<std::string> names;
-  std::vector<std::string> units;  // of a second line, or empty
-  TimeColumns time;
-  int positions = 0;               // columns that are positions of joints
-};
 
 // A column's place: its stream, and its field in it; stream -1: not kept.
 struct Place {
   int stream = -1;
   std::size_t field = 0;
 };
-
-struct Split {
-  std::string topic, path;
-};
-
-// `/joint_states/elbow/position` is elbow/position on /joint_states; `/arm/effort/data[0]` is
-// data[0] on /arm/effort; other names have no topic.
-Split split_topic(const std::string& name) {
-  if (name.rfind('/', 0) != 0) return {"", name};
-  const std::size_t last = name.rfind('/');
-  const std::size_t before = last > 0 ? name.rfind('/', last - 1) : std::string::npos;
-  const RawField field = field_of(name.substr(before == std::string::npos ? 0 : before + 1));
-  const bool of_joint = field.signal >= 0 && before != std::string::npos && before > 0 &&
-                        name.find('[', last) == std::string::npos;
-  const std::size_t cut = of_joint ? before : last;
-  if (cut == 0) return {"", name};
-  return {name.substr(0, cut), name.substr(cut + 1)};
-}
-
-// A column of rostopic echo -p without the `field.` in front.
-std::string plain_name(const std::string& name) {
-  return name.rfind("field.", 0) == 0 ? name.substr(6) : name;
-}
-
-Header parse_header(std::string_view line, const std::string& time_name) {
-  Header header;
-  header.separator = csv_separator(line);
-  header.names = csv_fields(line, header.separator);
-  header.time = time_columns(header.names, time_name);
-  for (const std::string& name : header.names) {
-    if (field_of(split_topic(plain_name(name)).path).signal == 0) ++header.positions;
-  }
-  return header;
-}
-
-bool is_unit_word(const std::string& word) {
-  static const std::set<std::string> kUnits = {
-      "s",   "ms",  "us",   "ns",   "rad",  "deg",   "m",     "mm",    "rad/s", "deg/s",
-      "m/s", "nm",  "n",    "n m",  "n*m",  "a",     "ma",    "mnm",   "-",     "",
-      "[s]", "[rad]", "[deg]", "[nm]", "[a]", "[rad/s]", "[deg/s]", "°", "°/s", "ncm"};
-  std::string lower = word;
-  for (char& c : lower) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return kUnits.count(lower) > 0;
-}
-
-std::string bare_unit(std::string unit) {
-  for (const char* sign : {"[", "]", "(", ")", " ", "*"}) {
-    for (std::size_t at = unit.find(sign); at != std::string::npos; at = unit.find(sign))
-      unit.erase(at, 1);
-  }
-  if (unit == "°") return "deg";
-  if (unit == "°/s") return "deg/s";
-  return unit;
-}
 
 class Table {
  public:
@@ -126,11 +39,11 @@ class Table {
   bool find_header() {
     std::string_view line;
     for (int k = 0; k < kPreamble && lines_.next(&line); ++k) {
-      Header header = parse_header(line, time_name_);
+      CsvHeader header = parse_csv_header(line, time_name_);
       const bool numbers = all_numbers(header.names, header.separator);
       const std::string comment = lines_.last_comment();
       if (numbers && !comment.empty()) {  // the last comment may be the header
-        Header above = parse_header(comment, time_name_);
+        CsvHeader above = parse_csv_header(comment, time_name_);
         above.separator = header.separator;
         above.names = csv_fields(comment, header.separator);
         if (above.names.size() != header.names.size()) return false;
@@ -146,12 +59,11 @@ class Table {
         header_line_ = lines_.number();
         return true;
       }
-      if (k == 0) fallback_ = parse_header(line, time_name_);
     }
     return false;
   }
 
-  const Header& header() const { return header_; }
+  const CsvHeader& header() const { return header_; }
 
   RawRecording read() {
     require(find_header(), lines_.path(), ": found no header with names of joints, expected one.");
@@ -204,7 +116,7 @@ class Table {
         names_column_[std::stoi(name.substr(4, 4))] = static_cast<int>(k);
         continue;
       }
-      const Split split = split_topic(name);
+      const TopicColumn split = split_topic(name);
       const auto [at, fresh] =
           stream_of_topic.try_emplace(split.topic, static_cast<int>(raw_.streams.size()));
       if (fresh) {
@@ -295,7 +207,7 @@ class Table {
       if (place.stream < 0) continue;
       const auto s = static_cast<std::size_t>(place.stream);
       double value = kGap;
-      if (!(*fields)[k].empty() && !parse_number(&(*fields)[k], header_.separator, &value)) {
+      if (!(*fields)[k].empty() && !parse_csv_number(&(*fields)[k], header_.separator, &value)) {
         const RawField& field = raw_.streams[s].fields[place.field];
         require(field.signal < 0, lines_.path(), ":", lines_.number(), ":", k + 1, ": found '",
                 (*fields)[k].substr(0, 40), "' in column ", header_.names[k],
@@ -394,7 +306,7 @@ class Table {
   CsvLines& lines_;
   const RecordingOptions& options_;
   std::string time_name_;
-  Header header_, fallback_;
+  CsvHeader header_;
   long header_line_ = 0;
   std::string first_row_;
   RawRecording raw_;
@@ -406,26 +318,6 @@ class Table {
   std::vector<long> numbers_;
   long skipped_ = 0;
 };
-
-// A header of t, q1..qn, which the plain reader takes, row by row.
-bool is_plain(const Header& header) {
-  const auto has = [&header](const char* name) {
-    return std::find(header.names.begin(), header.names.end(), name) != header.names.end();
-  };
-  if (!has("q1") || (!has("t") && header.time.recorded >= 0)) return false;
-  // A signal under another name, as qd1 beside q1, needs its name read.
-  int own[kRecordedSignals] = {};
-  int other[kRecordedSignals] = {};
-  for (const std::string& name : header.names) {
-    const RawField field = field_of(name);
-    if (field.signal < 0 || field.joint.find_first_not_of("0123456789") != std::string::npos) continue;
-    ++(name == kRecordingSignals[field.signal].name + field.joint ? own : other)[field.signal];
-  }
-  for (int s = 1; s < kRecordedSignals; ++s) {
-    if (own[s] == 0 && other[s] == own[0]) return false;
-  }
-  return true;
-}
 
 }  // namespace
 

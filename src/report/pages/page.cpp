@@ -1,5 +1,6 @@
 #include "report/pages/page.hpp"
 
+#include <cctype>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -51,20 +52,40 @@ std::string filled(std::string_view source, const std::vector<Part>& parts) {
   return out;
 }
 
+std::string part(std::string_view name) {
+  return std::string(page_file(name));
+}
+
+// A part of several bodies, for a line that holds its name alone.
+std::string shared(std::string_view name) {
+  std::string_view text = page_file(name);
+  if (!text.empty() && text.back() == '\n') text.remove_suffix(1);
+  return std::string(text);
+}
+
+// The body, with the parts that pages share. Its file is named for what the page is about.
+std::string body_of(const std::string& file) {
+  std::string kind = file.substr(0, file.find('.'));
+  kind[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(kind[0])));
+  return filled(page_file(file), {{"head", filled(shared("head.html"), {{"kind", kind}})},
+                                  {"run", shared("run.html")},
+                                  {"torques", shared("torques.html")}});
+}
+
 }  // namespace
 
 std::string html_page(const PageContent& content) {
   return filled(page_file("page.html"),
                 {{"title", html_text(content.title)},
-                 {"plot style", std::string(page_file("dygraph.css"))},
-                 {"style", std::string(page_file("page.css"))},
-                 {"body", std::string(page_file(content.body))},
+                 {"plot style", part("dygraph.css")},
+                 {"style", part("page.css")},
+                 {"body", body_of(content.body)},
                  {"report", html_text(content.report)},
                  {"result", json_in_html(content.result)},
                  {"series", json_in_html(content.series)},
                  {"plot licence", html_text(page_file("dygraph-licence.txt"))},
-                 {"plots", std::string(page_file("dygraph.js"))},
-                 {"script", std::string(page_file("script.js"))}});
+                 {"plots", part("dygraph.js")},
+                 {"script", part("script.js")}});
 }
 
 }  // namespace veridyn

@@ -1,0 +1,109 @@
+#include "recordings/csv/csv_header.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <iterator>
+#include <limits>
+#include <set>
+
+#include "recordings/csv/csv_layout.hpp"
+#include "recordings/joint_fields.hpp"
+#include "veridyn/recordings/recording.hpp"
+
+namespace veridyn::recordings {
+namespace {
+
+constexpr double kGap = std::numeric_limits<double>::quiet_NaN();
+constexpr int kRecordedSignals = static_cast<int>(std::size(kRecordingSignals));
+
+}  // namespace
+
+bool parse_csv_number(std::string* field, char separator, double* value) {
+  if (separator != ',') std::replace(field->begin(), field->end(), ',', '.');
+  const char* p = field->data() + (field->rfind('+', 0) == 0 ? 1 : 0);
+  const char* end = field->data() + field->size();
+  if (p == end || *field == "-" || *field == "NA" || *field == "null" || *field == "None") {
+    *value = kGap;
+    return true;
+  }
+  const auto [rest, error] = std::from_chars(p, end, *value);
+  if (error == std::errc::result_out_of_range) *value = std::numeric_limits<double>::infinity();
+  return error != std::errc::invalid_argument && rest == end;
+}
+
+bool all_numbers(const std::vector<std::string>& fields, char separator) {
+  return std::all_of(fields.begin(), fields.end(),
+                     [separator](std::string f) {
+                       double value = 0.0;
+                       return parse_csv_number(&f, separator, &value);
+                     });
+}
+
+TopicColumn split_topic(const std::string& name) {
+  if (name.rfind('/', 0) != 0) return {"", name};
+  const std::size_t last = name.rfind('/');
+  const std::size_t before = last > 0 ? name.rfind('/', last - 1) : std::string::npos;
+  const RawField field = field_of(name.substr(before == std::string::npos ? 0 : before + 1));
+  const bool of_joint = field.signal >= 0 && before != std::string::npos && before > 0 &&
+                        name.find('[', last) == std::string::npos;
+  const std::size_t cut = of_joint ? before : last;
+  if (cut == 0) return {"", name};
+  return {name.substr(0, cut), name.substr(cut + 1)};
+}
+
+std::string plain_name(const std::string& name) {
+  return name.rfind("field.", 0) == 0 ? name.substr(6) : name;
+}
+
+CsvHeader parse_csv_header(std::string_view line, const std::string& time_name) {
+  CsvHeader header;
+  header.separator = csv_separator(line);
+  header.names = csv_fields(line, header.separator);
+  header.time = time_columns(header.names, time_name);
+  for (const std::string& name : header.names) {
+    if (field_of(split_topic(plain_name(name)).path).signal == 0) ++header.positions;
+  }
+  return header;
+}
+
+bool is_unit_word(const std::string& word) {
+  static const std::set<std::string> kUnits = {
+      "s",   "ms",  "us",   "ns",   "rad",  "deg",   "m",     "mm",    "rad/s", "deg/s",
+      "m/s", "nm",  "n",    "n m",  "n*m",  "a",     "ma",    "mnm",   "-",     "",
+      "[s]", "[rad]", "[deg]", "[nm]", "[a]", "[rad/s]", "[deg/s]", "°", "°/s", "ncm"};
+  std::string lower = word;
+  for (char& c : lower) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return kUnits.count(lower) > 0;
+}
+
+std::string bare_unit(std::string unit) {
+  for (const char* sign : {"[", "]", "(", ")", " ", "*"}) {
+    for (std::size_t at = unit.find(sign); at != std::string::npos; at = unit.find(sign))
+      unit.erase(at, 1);
+  }
+  if (unit == "°") return "deg";
+  if (unit == "°/s") return "deg/s";
+  return unit;
+}
+
+bool is_plain(const CsvHeader& header) {
+  const auto has = [&header](const char* name) {
+    return std::find(header.names.begin(), header.names.end(), name) != header.names.end();
+  };
+  if (!has("q1") || (!has("t") && header.time.recorded >= 0)) return false;
+  // A signal under another name, as qd1 beside q1, needs its name read.
+  int own[kRecordedSignals] = {};
+  int other[kRecordedSignals] = {};
+  for (const std::string& name : header.names) {
+    const RawField field = field_of(name);
+    if (field.signal < 0 || field.joint.find_first_not_of("0123456789") != std::string::npos) continue;
+    ++(name == kRecordingSignals[field.signal].name + field.joint ? own : other)[field.signal];
+  }
+  for (int s = 1; s < kRecordedSignals; ++s) {
+    if (own[s] == 0 && other[s] == own[0]) return false;
+  }
+  return true;
+}
+
+}  // namespace veridyn::recordings
