@@ -58,18 +58,6 @@ class LoadProblem {
     return out;
   }
 
-  // Whether the torques see a load move along each axis of its frame: more than what holds it at
-  // zero does.
-  static std::array<bool, 3> seen(const Quadratic& f, const Solution& at) {
-    const Eigen::Matrix<double, 10, 4> J = slopes(at.mass(), at.moment());
-    const Eigen::Vector4d curvature = (J.transpose() * f.A * J).diagonal();
-    const double most = curvature.tail<3>().maxCoeff();
-    std::array<bool, 3> out{};
-    for (size_t k = 0; k < out.size(); ++k)
-      out[k] = curvature[static_cast<Eigen::Index>(k) + 1] > 2.0 * numerics::kUnseenLoad * most;
-    return out;
-  }
-
   // Squared residual per joint with this load, nuisances fitted beside it.
   VectorXd residual2(const InertialParameters& phi) const {
     const LoadCost sums = weighted(-1);
@@ -90,7 +78,7 @@ class LoadProblem {
     return out;
   }
 
-  static double unseen_curvature(const Quadratic& f) {
+  static double unseen_curvature(const LoadCost& f) {
     return numerics::kUnseenLoad * f.A.diagonal().segment(1, 3).maxCoeff();
   }
 
@@ -211,7 +199,7 @@ PayloadEstimate fit_payload(const Inquiry& q, const NormalBlocks& data, const Hy
   out.moment_half_width = half.segment<3>(1);
   out.com_half_width = half.segment<3>(4);
   out.inertia_half_width = half.tail<6>();
-  out.seen = LoadProblem::seen(whole, main);
+  out.seen = seen_directions(whole, main);
   for (int k = 0; k < 3; ++k) {
     if (out.seen[static_cast<size_t>(k)]) continue;
     out.com_half_width[k] = payload.reach;

@@ -105,4 +105,14 @@ Eigen::Matrix<double, 6, 1> load_extent(const LoadCost& f, const PointLoad& s) {
   return RidgedSolver(A).solve((f.b - f.A * s.phi).tail(6));
 }
 
+std::array<bool, 3> seen_directions(const LoadCost& f, const PointLoad& at) {
+  const Eigen::Matrix<double, 10, 4> J = slopes(at.mass(), at.moment());
+  const Eigen::Vector4d curvature = (J.transpose() * f.A * J).diagonal();
+  const double most = curvature.tail<3>().maxCoeff();
+  std::array<bool, 3> out{};
+  for (size_t k = 0; k < out.size(); ++k)
+    out[k] = curvature[static_cast<Eigen::Index>(k) + 1] > 2.0 * numerics::kUnseenLoad * most;
+  return out;
+}
+
 }  // namespace veridyn

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "diagnosis/numerics.hpp"
@@ -36,5 +37,9 @@ PointLoad fit_point_load(const LoadCost& f, const PointLoad* near,
 
 /// What the torques ask for beyond the point mass, about its centre; least squares.
 Eigen::Matrix<double, 6, 1> load_extent(const LoadCost& f, const PointLoad& s);
+
+/// Whether the torques see the load move along each axis of its frame: more than what holds it at zero
+/// where they do not.
+std::array<bool, 3> seen_directions(const LoadCost& f, const PointLoad& at);
 
 }  // namespace veridyn
