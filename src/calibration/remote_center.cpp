@@ -195,7 +195,7 @@ RemoteCenter calibrate_remote_center(const PoseCapture& poses, const RemoteCente
   } else {
     out.reason = fmt::format(
         "no point stays where it is: {} of {} frames contradict any centre, and {} or more that "
-        "agree are needed; does the body slide while it turns?",
+        "agree are needed; the body may slide while it turns",
         out.outliers, out.frames, options.fewest_frames);
   }
   return out;

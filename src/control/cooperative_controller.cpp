@@ -67,6 +67,8 @@ const char* describe(CooperativeState state) {
       return "tracks";
     case CooperativeState::kForceTooLarge:
       return "holds: a force is too large";
+    case CooperativeState::kForceMissed:
+      return "holds: a force is too far from the one wanted";
     case CooperativeState::kSensorStale:
       return "holds: a force sensor's samples are too old";
     case CooperativeState::kSensorStuck:
@@ -294,9 +296,10 @@ CooperativeState CooperativeController::judge(const CooperativeInput& input) noe
     if (!std::isfinite(reading.force)) return CooperativeState::kNotFinite;
     if (reading.age > options_.largest_age) return CooperativeState::kSensorStale;
     const double wanted = wanted_.x()[static_cast<Eigen::Index>(k)];
-    if (reading.number >= 0 && (std::abs(reading.force) > options_.largest_force ||
-                                std::abs(reading.force - wanted) > options_.largest_force_error))
+    if (reading.number >= 0 && std::abs(reading.force) > options_.largest_force)
       return CooperativeState::kForceTooLarge;
+    if (reading.number >= 0 && std::abs(reading.force - wanted) > options_.largest_force_error)
+      return CooperativeState::kForceMissed;
     const CooperativeMember& m = options_.members[k];
     if (makes_energy(k, reading, input)) return CooperativeState::kEnergyMade;
     const double length =

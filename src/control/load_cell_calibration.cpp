@@ -1,10 +1,9 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <fstream>
-#include <iterator>
 #include <map>
 
+#include "math/input_file.hpp"
 #include "math/student_t.hpp"
 #include "model/yaml/yaml_node.hpp"
 #include "veridyn/control/load_cell.hpp"
@@ -93,9 +92,7 @@ std::string load_cell_text(const LoadCellCalibration& c) {
 }
 
 LoadCellCalibration read_load_cell(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  require(file.is_open(), path, ": found no such file, expected a load cell's calibration (YAML).");
-  const std::string content{std::istreambuf_iterator<char>(file), {}};
+  const std::string content = content_of_file(path, "a load cell's calibration (YAML)");
   YamlSource source;
   source.file = path;
   source.expected = "a load cell's calibration";

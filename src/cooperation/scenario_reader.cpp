@@ -1,9 +1,9 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <iterator>
 
+#include "math/input_file.hpp"
 #include "math/random_numbers.hpp"
 #include "model/yaml/yaml_node.hpp"
 #include "scenario_objects.hpp"
@@ -242,11 +242,7 @@ Scenario parse_scenario(const std::string& content, const std::string& path) {
 }
 
 Scenario read_scenario(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::error_code ignored;
-  require(file.is_open() && !fs::is_directory(path, ignored), path,
-          ": found no such file, expected a scenario (YAML).");
-  return parse_scenario({std::istreambuf_iterator<char>(file), {}}, path);
+  return parse_scenario(content_of_file(path, "a scenario (YAML)"), path);
 }
 
 }  // namespace veridyn

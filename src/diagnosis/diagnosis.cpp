@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <functional>
 #include <utility>
 
 #include "diagnosis/stages/investigation.hpp"
@@ -14,7 +15,10 @@ bool are_facts(const Model& arm, const DiagnosisOptions& options) {
   return options.values == RobotValues::kFacts && has_all_values(arm);
 }
 
-void ask_everything(Investigation& x) {
+// Says which stage runs.
+using Tell = std::function<void(const char* stage)>;
+
+void ask_everything(Investigation& x, const Tell& tell) {
   x.d.findings.resize(x.contacts);
   x.d.not_supported.clear();
   x.d.cannot_tell.clear();
@@ -22,23 +26,30 @@ void ask_everything(Investigation& x) {
   x.fitted_by_start.clear();
   x.refused.clear();
   add_plain_friction(x);
+  tell("trying constants of the robot file");
   correct_constants(x);
+  tell("trying causes");
   select_causes(x);
 }
 
-void run_stages(Investigation& x) {
+void run_stages(Investigation& x, const Tell& tell) {
+  tell("checking the recordings");
   check_quality(x);
+  tell("fitting the model as it is");
   if (!fit_baseline(x)) return;
   check_torque_signs(x);
   check_errors_in_variables(x);
   exclude_snags(x.start, x);
-  ask_everything(x);
+  ask_everything(x, tell);
   // Contacts and small snags show once the model's own errors are out of the way; then everything
   // is asked anew without these moments.
   const Identification extended = x.d.extended;
   const bool snags = exclude_snags(extended, x);
   const bool contacts = exclude_contacts(extended, x);
-  if (snags || contacts) ask_everything(x);
+  if (snags || contacts) {
+    tell("once more, without snags and contacts");
+    ask_everything(x, tell);
+  }
   summarize(x.d, x.options.thresholds);
 }
 
@@ -51,12 +62,21 @@ Diagnosis diagnose(const Model& arm, const Recordings& train, const Recordings& 
   Investigation x{arm, named.train, named.test, options, {}, {}, 0, {}, {}, {}};
   x.options.identification = named.how;
   keep_recordings(x.options.identification, KeptRecordings::kManyQuestions);
+  for (std::string& one : x.options.effects) one = asked_cause(arm, one);
   x.d.changes = are_facts(arm, options);
   x.d.provisional = named.train.size() == 1;
   x.d.summary.held_out_untouched = options.extended == ExtendedModel::kAllFindings;
   Thresholds& limits = x.options.thresholds;
   if (x.d.changes) limits.smallest_gain = std::max(limits.smallest_gain, limits.smallest_change);
-  run_stages(x);
+  // Of the many identifications none tells how far it is: the stages do. A bar goes half of what is
+  // left with each.
+  const auto progress = std::exchange(x.options.identification.progress, {});
+  double left = 1.0;
+  run_stages(x, [&](const char* stage) {
+    if (progress) progress(stage, 1.0 - left);
+    left *= 0.5;
+  });
+  if (progress) progress("done", 1.0);
   forget_recordings(x.d.baseline);
   forget_recordings(x.d.extended);
   x.d.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();

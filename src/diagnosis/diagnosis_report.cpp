@@ -27,16 +27,20 @@ size_t table_width(const Model& arm) {
   return width;
 }
 
+// "3 %", and never "0 %" of something.
+std::string share_words(double share) {
+  const double percent = kPercent * std::abs(share);
+  return percent < 0.5 ? "less than 1 %" : fmt::format("{:.0f} %", percent);
+}
+
 std::string status_words(const Finding& f) {
-  const double share = kPercent * std::abs(f.explains);
   if (f.status == FindingStatus::kConfirmed && f.explains < 0.0)
     return "confirmed on its own joint and in the mean over all joints";
   if (f.status == FindingStatus::kConfirmed)
-    return fmt::format("confirmed: explains {:.0f} % of the removable error", kPercent * f.explains);
+    return "confirmed: explains " + share_words(f.explains) + " of the removable error";
   return f.explains < 0.0
-             ? fmt::format("NOT CONFIRMED: the held-out error is larger with it, by {:.0f} % of the "
-                           "removable error",
-                           share)
+             ? "NOT CONFIRMED: the held-out error is larger with it, by " + share_words(f.explains) +
+                   " of the removable error"
              : "NOT CONFIRMED: the held-out error of its joint is no smaller with it";
 }
 
@@ -64,6 +68,18 @@ std::string finding_text(const Diagnosis& d, const Finding& f) {
     out += fmt::format("     rival: {}{}: {}\n", w.effect, place, r.why);
   }
   return out;
+}
+
+// Findings stand by what they explain and were added in another order: where small ones came
+// between, the error before one is not the error after the one above it.
+bool errors_jump(const Diagnosis& d) {
+  const Finding* above = nullptr;
+  for (const Finding& f : d.findings) {
+    if (!f.main || f.test_before.size() == 0) continue;
+    if (above != nullptr && percents(above->test_after) != percents(f.test_before)) return true;
+    above = &f;
+  }
+  return false;
 }
 
 std::string small_text(const Diagnosis& d, const Finding& f) {
@@ -140,7 +156,12 @@ std::string Diagnosis::report(const std::string& next_command) const {
   for (const Finding& f : findings) {
     if (f.main) out += finding_text(*this, f);
   }
-  if (static_cast<size_t>(summary.main) < findings.size()) out += "small ones:\n";
+  if (static_cast<size_t>(summary.main) < findings.size()) {
+    out += "small ones";
+    if (errors_jump(*this))
+      out += ", which came between those above: the error before one of these is then not that after the last";
+    out += ":\n";
+  }
   for (const Finding& f : findings) {
     if (!f.main) out += small_text(*this, f);
   }

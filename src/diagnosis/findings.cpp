@@ -84,7 +84,10 @@ std::vector<FoundParameter> FindingWriter::payload_parameters(const Hypothesis& 
       out.push_back({std::string(1, "xyz"[c]), "m", p.com[c], p.com[c] - p.com_half_width[c],
                      p.com[c] + p.com_half_width[c]});
     const double lever = p.moment.norm();
-    const double half = p.moment_half_width.norm();
+    double half = 0.0;
+    for (int c = 0; c < 3; ++c) {
+      if (p.seen[static_cast<size_t>(c)]) half = std::hypot(half, p.moment_half_width[c]);
+    }
     out.push_back({"moment", "kg m", lever, std::max(0.0, lever - half), lever + half});
     return out;
   }

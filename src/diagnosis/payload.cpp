@@ -128,7 +128,9 @@ std::string PayloadReport::report() const {
         told ? fmt::format("{:.4g} to {:.4g}", link.mass_low, link.mass_high)
              : fmt::format("below {:.4g}", link.mass_high);
     std::string centre;
-    for (const double x : link.com) centre += told ? fmt::format("{:>8.3f}", x) : fmt::format("{:>8}", "-");
+    for (size_t c = 0; c < link.seen.size(); ++c)
+      centre += told && link.seen[c] ? fmt::format("{:>8.3f}", link.com[static_cast<Eigen::Index>(c)])
+                                     : fmt::format("{:>8}", "-");
     const double explained = numerics::kPercent * std::max(0.0, link.explained);
     out += fmt::format("  {:<22}{:>14}  {:<19}{}  {:>7.1f} %{:>10.3f}\n", link.frame, mass, range, centre,
                        explained, link.gain == 0.0 ? 0.0 : link.gain);

@@ -5,6 +5,7 @@
 #include <iterator>
 #include <utility>
 
+#include "math/input_file.hpp"
 #include "factor_bytes.hpp"
 #include "many_recordings.hpp"
 #include "math/output_file.hpp"
@@ -250,10 +251,7 @@ void save_factors(const FactorSet& factors, const std::string& path) {
 }
 
 FactorSet read_factors(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  require(file.is_open(), path, ": cannot be opened; expected a factor file.");
-  const std::string bytes((std::istreambuf_iterator<char>(file)), {});
-  return factors_from_bytes(bytes, path);
+  return factors_from_bytes(content_of_file(path, "a factor file"), path);
 }
 
 Identification identify(const Model& arm, const FactorSet& factors,

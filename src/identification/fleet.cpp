@@ -3,11 +3,11 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <mutex>
 #include <sstream>
 #include <utility>
 
+#include "math/input_file.hpp"
 #include "fleet_problem.hpp"
 #include "many_recordings.hpp"
 #include "shortfall.hpp"
@@ -28,6 +28,9 @@ constexpr int kFewest = 3;        // arms of a fleet
 constexpr int kRounds = 4;        // rounds of weights, gains, and arms that are left out of the bodies
 constexpr int kGroups = 64;       // groups of arms, for the deviations of the bodies
 constexpr double kFreedom = 30.0; // of robust deviations: fleets have heavier tails than a normal law
+// Of a median deviation against a standard deviation (Rousseeuw and Croux, JASA 88(424), 1993): a
+// ratio to one of few arms scatters as Student's t of so many degrees of freedom fewer.
+constexpr double kEfficiency = 0.37;
 constexpr double kTelling = 1e-6; // of a column's norm that the others must leave for a value to mean anything
 constexpr double kLeastExcess = 0.02;  // share of the squares that bodies of its own must explain
 
@@ -127,7 +130,7 @@ class FleetSolver {
   double threshold(double looked_at) const {
     const auto arms = static_cast<double>(arms_.size());
     return student_t_quantile(options_.significance / std::max(1.0, looked_at),
-                              std::min(kFreedom, arms - 1.0));
+                              std::min(kFreedom, kEfficiency * (arms - 1.0)));
   }
 
   // Things that are looked at: every own value and the bodies of every arm.
@@ -406,8 +409,7 @@ Fleet solved_fleet(const Model& arm, std::vector<ArmFactor> arms,
 }  // namespace
 
 std::vector<FleetArm> read_fleet(const std::string& path) {
-  std::ifstream file(path);
-  require(file.is_open(), path, ": cannot be opened; expected a list of arms and their files.");
+  std::istringstream file(content_of_file(path, "a list of arms and their files"));
   const auto slash = path.find_last_of('/');
   const std::string folder = slash == std::string::npos ? "" : path.substr(0, slash + 1);
   std::vector<FleetArm> out;

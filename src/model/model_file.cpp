@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <iterator>
 
+#include "math/input_file.hpp"
 #include "math/beside_program.hpp"
 #include "math/output_file.hpp"
 #include "veridyn/math/require.hpp"
@@ -49,17 +49,20 @@ fs::path find_robot(const std::string& name) {
     }
   }
   const std::vector<std::string> known = robot_names();
-  throw InvalidInput(text(name, ": found no robot of this name", did_you_mean(name, known),
-                          ", expected a file that ends in .yaml, .yml, .urdf or .xml, or one of: ",
+  const bool there = fs::exists(name, ignored);
+  throw InvalidInput(text(name,
+                          fs::is_directory(name, ignored) ? ": found a folder"
+                          : there                         ? ": found a file that is no robot's"
+                                                          : ": found no robot of this name",
+                          there ? "" : did_you_mean(name, known), ", expected a file that ends in .yaml, .yml, .urdf or .xml, or one of: ",
                           listed(known), "."));
 }
 
 std::string content_of(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
   std::error_code ignored;
-  require(file.is_open() && !fs::is_directory(path, ignored), path, ": found no such file",
+  require(fs::exists(path, ignored), path, ": found no such file",
           did_you_mean(fs::path(path).stem().string(), robot_names()), ", expected a robot file.");
-  return {std::istreambuf_iterator<char>(file), {}};
+  return content_of_file(path, "a robot file");
 }
 
 }  // namespace

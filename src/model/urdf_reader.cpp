@@ -10,11 +10,11 @@
 
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <iterator>
 #include <limits>
 #include <mutex>
 
+#include "math/input_file.hpp"
 #include "model/joint_placement.hpp"
 #include "model/effect_names.hpp"
 
@@ -291,12 +291,7 @@ class UrdfReader {
 }  // namespace
 
 Model read_urdf(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::error_code ignored;
-  require(file.is_open() && !std::filesystem::is_directory(path, ignored), path,
-          ": found no such file, expected a URDF file.");
-  const std::string content(std::istreambuf_iterator<char>(file), {});
-  return UrdfReader(path, content).model();
+  return UrdfReader(path, content_of_file(path, "a URDF file")).model();
 }
 
 }  // namespace veridyn

@@ -62,6 +62,7 @@ RecordingReader::RecordingReader(const std::string& path, const RecordingOptions
           ", expected a rate in Hz.");
   recordings::require_known_units(options.signals);
   source_ = rows_in(path, options);
+  recordings::require_joints_of(options.signals, source_->joints(), path);
 }
 
 RecordingReader::~RecordingReader() = default;

@@ -99,4 +99,14 @@ void require_known_units(const SignalChoice& choice) {
   }
 }
 
+void require_joints_of(const SignalChoice& choice, int joints, const std::string& path) {
+  for (const auto& [key, unit] : choice.units) {
+    const std::size_t digits = key.find_last_not_of("0123456789") + 1;
+    if (digits == key.size()) continue;
+    const bool there = key.size() - digits <= 6 && std::stoi(key.substr(digits)) <= joints;
+    require(there, "--units: found '", key, "', but ", path, " has ", joints,
+            joints == 1 ? " joint." : " joints.");
+  }
+}
+
 }  // namespace veridyn::recordings

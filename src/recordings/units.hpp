@@ -23,4 +23,7 @@ double factor_for(const SignalChoice& choice, const std::string& signal, int joi
 /// @throws InvalidInput  a signal or unit that is not known.
 void require_known_units(const SignalChoice& choice);
 
+/// @throws InvalidInput  a unit is given for a joint beyond those of the recording.
+void require_joints_of(const SignalChoice& choice, int joints, const std::string& path);
+
 }  // namespace veridyn::recordings

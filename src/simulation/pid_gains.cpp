@@ -1,7 +1,5 @@
-#include <fstream>
-#include <sstream>
-
 #include "model/yaml/yaml_node.hpp"
+#include "math/input_file.hpp"
 #include "simulation/plant/plant_forces.hpp"
 #include "veridyn/dynamics/rigid_body_dynamics.hpp"
 #include "kinematics/motion_limits.hpp"
@@ -39,13 +37,10 @@ PidGains sensible_gains(const Model& arm, double frequency) {
 }
 
 PidGains read_gains(const std::string& path, const Model& arm) {
-  std::ifstream file(path);
-  require(file.good(), path, ": cannot be opened.");
-  std::ostringstream content;
-  content << file.rdbuf();
+  const std::string content = content_of_file(path, "gains (YAML with lists p, i and d)");
   YamlSource source{path, {}, {}};
   source.expected = "lists p, i and d";
-  const YamlNode root = YamlNode::parse(content.str(), source);
+  const YamlNode root = YamlNode::parse(content, source);
   root.allow_keys({"p", "i", "d"});
   PidGains gains{list(root.at("p"), arm.joints()), VectorXd::Zero(arm.joints()), {}};
   if (const auto i = root.find("i")) gains.i = list(*i, arm.joints());

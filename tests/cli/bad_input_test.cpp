@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <filesystem>
 #include <fstream>
 
 #include "cli/tool.hpp"
@@ -70,6 +71,43 @@ TEST_F(BadInput, NoOutputGoesOverAnInput) {
 
 TEST_F(BadInput, MissingRecording) {
   expect_refused(identify("planar-2r", folder_.path("missing.csv")), 3, {"missing.csv"});
+}
+
+// A folder opens like a file, and reading it fails: everywhere in one line that says so.
+TEST_F(BadInput, AFolderInPlaceOfAFile) {
+  const std::string folder = folder_.path("folder");
+  ASSERT_TRUE(std::filesystem::create_directory(folder));
+  const std::string recording = folder_.write("recording.csv", planar_recording(3.0));
+  const Words cases[] = {
+      {"identify", "planar-2r", "--train", folder},
+      {"identify", "planar-2r", "--factors", folder},
+      {"check", folder},
+      {"info", folder},
+      {"compare", "planar-2r", folder},
+      {"fleet", "planar-2r", folder},
+      {"kinematics", "planar-2r", "--forward", folder},
+      {"loadcell", "calibrate", folder},
+      {"loadcell", "read", "udp:0", "--seconds", "0.1", "--calibration", folder},
+      {"calibrate", "rcm", folder},
+      {"cooperate", folder},
+      {"stability", folder},
+      {"dvrk", "config", "--config", folder},
+      {"simulate", "planar-2r", "--trajectory", recording, "-o", folder_.path("o.csv"), "--controller", "pid",
+       "--gains", folder},
+  };
+  for (const Words& words : cases) {
+    const ToolRun run = run_tool(words[0] == "dvrk" ? words : words + Words{"--quiet"});
+    EXPECT_EQ(run.status, 3) << words[0] << ": " << run.err;
+    EXPECT_NE(run.err.find("folder: found a folder"), std::string::npos) << words[0] << ": " << run.err;
+    EXPECT_EQ(run.error_lines(), 1) << run.err;
+  }
+}
+
+// Where a motion has a gap, its file and row are named.
+TEST_F(BadInput, AMotionWithAGap) {
+  const std::string motion = with_line(5, "0.03,nan,0,0,0,0,0");
+  const ToolRun run = run_tool({"simulate", "planar-2r", "--trajectory", motion, "-o", folder_.path("o.csv"), "--quiet"});
+  expect_refused(run, 3, {"recording.csv", "gap", "row 3"});
 }
 
 TEST_F(BadInput, MissingRobotSuggestsOne) {

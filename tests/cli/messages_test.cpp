@@ -40,6 +40,9 @@ TEST_F(Messages, SayWhatWasFoundAndExpected) {
   expect(identify + Words{"--filter-cutoff", "five"}, 2,
          {"--filter-cutoff: found 'five', expected a number that is not negative"});
   expect(identify + Words{"--rows"}, 2, {"--rows: found nothing, expected A:B"});
+  expect(identify + Words{"--json"}, 2, {"--json: found nothing, expected FILE;"});
+  expect({"cooperate", VERIDYN_SOURCE_DIR "/examples/cooperate/two-arms-spring.yaml", "--boards", "PSM1"}, 2,
+         {"--boards: found 1 configurations, expected one for each of 2 arms"});
   expect({"compare", "a", "b", "--significance", "0.9"}, 2,
          {"--significance: found '0.9', expected a number from 0 to 0.5"});
   expect({"kinematics", "planar-2r", "--workspace", "0"}, 2, {"found '0', expected a number from 1 to 1000000"});

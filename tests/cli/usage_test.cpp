@@ -131,6 +131,9 @@ TEST(Usage, OptionsThatMeanNothingAreRefused) {
       {weightless, "--largest-error", "1", "another controller"},
       {weightless, "--gains", "g.yaml", "--controller pid"},
       {{"dvrk", "emulate", "--arm", "PSM1", "--port", "0"}, "--start", "1,1,1", "--model"},
+      {{"kinematics", "planar-2r", "--forward", "0,0"}, "--start", "0,0", "--inverse"},
+      {{"kinematics", "planar-2r", "--inverse", "0.5,0,0"}, "--solver", "closed-form", "a closed form"},
+      {{"watch", "planar-2r", "rec.csv"}, "--idle", "3", "--follow"},
   };
   for (const auto& one : cases) {
     SCOPED_TRACE(std::string(one.option) + " of " + one.words[0]);
@@ -155,7 +158,7 @@ TEST(Usage, ValuesThatDoNotFitTheArmAreWrongUsage) {
   ASSERT_EQ(run_tool({"dvrk", "config", "--arm", "PSM1", "-o", io}).status, 0);
   const struct {
     Words words;
-    const char* says;
+    std::string says;
   } cases[] = {
       {identify + Words{"--known-mass", "1kg"}, "--known-mass: "},
       {identify + Words{"--known-mass", "1@fore"}, "found one recording"},
@@ -163,6 +166,8 @@ TEST(Usage, ValuesThatDoNotFitTheArmAreWrongUsage) {
       {identify + Words{"--test", rec, "--signs", "some"}, "--signs"},
       {{"diagnose", "planar-2r", "--train", rec, "--test", rec, "--effects", "backlsh"},
        "did you mean 'backlash'?"},
+      {{"diagnose", "planar-2r", "--train", rec, "--test", rec, "--effects", "backlash:elbw"},
+       "--effects: cause 'backlash:elbw': found the joint 'elbw' (did you mean 'elbow'?)"},
       {{"payload", "planar-2r", "--recording", rec, "--link", "for"}, "did you mean 'fore'?"},
       {{"export", "planar-2r", "--dvrk-gravity", out, "--dvrk-arm", "PSM9"}, "--dvrk-arm: "},
       {simulate + Words{"--effect", "backlsh:1"}, "did you mean 'backlash'?"},
@@ -170,6 +175,12 @@ TEST(Usage, ValuesThatDoNotFitTheArmAreWrongUsage) {
       {simulate + Words{"--effect", "payload:hand"}, "found the frame 'hand'"},
       {simulate + Words{"--sample-rate", "1e12"}, "--sample-rate: "},
       {simulate + Words{"--sample-rate", "0.01"}, "two rows at least"},
+      {{"kinematics", "planar-2r", "--inverse", "0.5,0,0", "--start", "1"},
+       "--start: found 1 joints, expected the 2 of planar-2r"},
+      {{"check", rec, "--units", "tau9=-Nm"}, "--units: found 'tau9', but " + rec + " has 2 joints."},
+      {identify + Words{"--units", "q3=deg"}, "--units: found 'q3', but " + rec + " has 2 joints."},
+      {identify + Words{"--topic", "x"}, "--topic: means nothing here, " + rec + " is a plain table"},
+      {{"check", "planar-2r", rec, "--topic", "x"}, "--topic: means nothing here"},
       {pid + Words{"--kp", "1"}, "--kp: found 1 numbers, expected 2"},
       {pid + Words{"--kp", "-1,1"}, "--kp: found -1"},
       {pid + Words{"--torque-limit", "0,1"}, "--torque-limit: found 0"},

@@ -93,12 +93,12 @@ TEST(ScenarioRun, FaultsEndInAHoldBelowTheStatedForce) {
     CooperativeState state;
     double force;
   } faults[] = {
-      {"fault-frozen", CooperativeState::kForceTooLarge, 10.0},
+      {"fault-frozen", CooperativeState::kForceMissed, 10.0},
       {"fault-stuck", CooperativeState::kSensorStuck, 10.0},
       {"fault-stale", CooperativeState::kSensorStale, 10.0},
       // The arm of these is out of balance and falls; see the files.
-      {"fault-limp", CooperativeState::kForceTooLarge, 30.0},
-      {"fault-limp-string", CooperativeState::kForceTooLarge, 20.0},
+      {"fault-limp", CooperativeState::kForceMissed, 30.0},
+      {"fault-limp-string", CooperativeState::kForceMissed, 20.0},
   };
   for (const auto& fault : faults) {
     const ScenarioRun run = run_scenario(example(fault.name));

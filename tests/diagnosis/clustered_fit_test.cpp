@@ -4,7 +4,9 @@
 
 #include <cmath>
 #include <random>
+#include <vector>
 
+#include "math/median.hpp"
 #include "support/near.hpp"
 #include "math/student_t.hpp"
 
@@ -70,8 +72,8 @@ TEST(SolveScaled, IsIndifferentToTheUnitsOfColumns) {
 }
 
 TEST(Median, IsTheMiddleOne) {
-  EXPECT_EQ(median({3.0, 1.0, 2.0}), 2.0);
-  EXPECT_EQ(median({}), 0.0);
+  EXPECT_EQ(median(std::vector<double>{3.0, 1.0, 2.0}), 2.0);
+  EXPECT_EQ(median(std::vector<double>{}), 0.0);
 }
 
 }  // namespace

@@ -147,5 +147,86 @@ TEST_F(Stages, AConstantIsRefinedFromTheGridToTheTruth) {
             asked.q.augmented.hypotheses[static_cast<size_t>(other)].family);
 }
 
+// Two memories of one joint beside the hidden one, a value of the grid to either side.
+class Twins : public Stages {
+ protected:
+  // Accepted: hysteresis of the shoulder with the grid's distances just below and above these.
+  Selection accepted(const Questions& asked, const std::vector<double>& distances) const {
+    Selection out;
+    for (const double distance : distances) {
+      int nearest = -1;
+      double least = 0.0;
+      for (size_t k = 0; k < asked.q.augmented.hypotheses.size(); ++k) {
+        const Hypothesis& h = asked.q.augmented.hypotheses[k];
+        if (h.joint != JointIndex{0}) continue;
+        const double away =
+            std::abs(std::log(term_of(asked.q.augmented.model, h).values.at("distance") / distance));
+        if (nearest >= 0 && away >= least) continue;
+        nearest = static_cast<int>(k);
+        least = away;
+      }
+      Evidence e;
+      e.hypothesis = nearest;
+      out.accepted.push_back({e});
+    }
+    return out;
+  }
+
+  Fit fit(const std::vector<std::string>& hidden, const std::vector<double>& distances) const {
+    Investigation x = investigation(read_model("planar-2r"), hidden);
+    QuestionList list = x.list();
+    list.wanted = {"presliding_hysteresis"};
+    const Questions asked = ask(x, list, x.start);
+    Selection selection = accepted(asked, distances);
+    EXPECT_NE(selection.accepted.front().evidence.hypothesis,
+              distances.size() < 2 ? -1 : selection.accepted[1].evidence.hypothesis);
+    return fit_accepted(x.start, asked.q, selection, false, x.train, x.test, x.options);
+  }
+
+  std::vector<double> fitted(const std::vector<std::string>& hidden,
+                             const std::vector<double>& distances) const {
+    const Fit found = fit(hidden, distances);
+    std::vector<double> out;
+    for (const Hypothesis& h : found.inquiry.augmented.hypotheses)
+      out.push_back(term_of(found.inquiry.augmented.model, h).values.at("distance"));
+    return out;
+  }
+};
+
+TEST_F(Twins, NeighboursOfTheGridAreOneMemoryBetweenThem) {
+  const std::vector<double> one =
+      fitted({"presliding_hysteresis:shoulder:level=3,distance=0.04"}, {0.025, 0.06});
+  ASSERT_EQ(one.size(), 1U);
+  EXPECT_NEAR(one[0], 0.04, 0.004);
+}
+
+// Near each other as well, but one alone predicts held-out data worse.
+TEST_F(Twins, TwoMemoriesThatAreThereStay) {
+  const std::vector<double> two = fitted({"presliding_hysteresis:shoulder:level=3,distance=0.02",
+                                          "presliding_hysteresis:shoulder:level=3,distance=0.08"},
+                                         {0.02, 0.08});
+  ASSERT_EQ(two.size(), 2U);
+  EXPECT_NEAR(two[0], 0.02, 0.004);
+  EXPECT_NEAR(two[1], 0.08, 0.016);
+}
+
+// A constant of a strong effect is known to what the search leaves open, that of a weak one less well.
+TEST_F(Twins, TheIntervalOfAConstantGrowsWithTheNoise) {
+  std::vector<double> widths;
+  for (const char* level : {"3", "0.2"}) {
+    const Fit found =
+        fit({std::string("presliding_hysteresis:shoulder:distance=0.04,level=") + level}, {0.04});
+    ASSERT_EQ(found.selection.shapes.size(), 1U) << level;
+    const ShapeInterval& interval = found.selection.shapes[0];
+    EXPECT_EQ(interval.shape, "distance");
+    EXPECT_LT(interval.low, 0.04) << level;
+    EXPECT_GT(interval.high, 0.04) << level;
+    widths.push_back(std::log(interval.high / interval.low));
+  }
+  EXPECT_GE(widths[0], 2.0 * numerics::kShapeOpen);
+  EXPECT_GT(widths[1], 1.5 * widths[0]);
+  EXPECT_LT(widths[1], 2.0);
+}
+
 }  // namespace
 }  // namespace veridyn

@@ -79,6 +79,23 @@ TEST_F(Payload, MassAndCentreOnTheLastLinkAreFound) {
 }
 
 // Ten free parameters of a body can follow a rotor's inertia; a load of whatever mass cannot.
+// The axes of a SCARA are all vertical: no torque tells at which height a load hangs, and an interval
+// that says so cannot be narrow.
+TEST_F(Payload, AHeightThatNoTorqueSeesIsBoundedByTheReachOnly) {
+  arm_ = plausible_model(read_model("scara"), 4).arm;
+  const std::string frame = arm_.frames().back().name;
+  const std::string path =
+      recording_with("payload:" + frame + ":mass=0.8,x=0.02,y=0.01,z=0.05", 3, two_waves(arm_.joints()));
+  const PayloadReport found = find_payload(arm_, {path}, {}, frame);
+  ASSERT_EQ(found.links.size(), 1U) << found.reason;
+  const PayloadEstimate& load = found.links[0];
+  EXPECT_TRUE(load.seen[0] && load.seen[1]);
+  EXPECT_FALSE(load.seen[2]);
+  EXPECT_GT(load.com_half_width[2], 0.1);
+  EXPECT_LT(load.com_half_width[0], 0.1);
+  EXPECT_NEAR(load.com[0], 0.02, 0.02);
+}
+
 TEST_F(Payload, ARotorsInertiaIsNoCompactLoad) {
   const std::string last = arm_.frames().back().name;
   // Of the torques that the columns of a load on the last link explain.

@@ -137,6 +137,15 @@ TEST(EffectFacts, PhrasesOfChannelsKnowSlidesFromHinges) {
   EXPECT_EQ(slides, 1);
 }
 
+// In one motion much goes together: what depends on the place, and errors of channels, need another.
+TEST(Hypotheses, ThatOneMotionMayMisleadAboutAreKnown) {
+  QuestionList list;
+  list.wanted = {"joint_spring", "time_delay", "quadratic_drag"};
+  const AugmentedModel asked = augmented_model(read_model("planar-2r"), {moving({1.0, 1.0})}, list);
+  for (const Hypothesis& h : asked.hypotheses)
+    EXPECT_EQ(h.extrapolates, effect_of(h.cause) != "quadratic_drag") << h.family;
+}
+
 // An order of a ripple is the best of many that were looked at; its significance pays for that.
 TEST(Hypotheses, OrdersOfARippleHaveBeenTriedManyTimes) {
   QuestionList list;

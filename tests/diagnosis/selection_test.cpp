@@ -105,6 +105,15 @@ TEST(Selection, NamesWhatIsThereTheLargestFirst) {
   EXPECT_EQ(accepted(s, asked), (Names{"other", "cause"}));
 }
 
+// All accepted to begin with: what does nothing beside the others goes, the rest by what it gains.
+TEST(Selection, WhatIsNeededStandsInTheOrderOfItsGains) {
+  const std::vector<Hypothesis> all = {hypothesis("cause"), hypothesis("idle"), hypothesis("other")};
+  const NormalBlocks data = Columns({{"base", 1.0}, {"cause", 0.3}, {"other", 0.6}}).blocks();
+  const Selection s = keep_needed(data, {0}, all, {});
+  EXPECT_EQ(accepted(s, all), (Names{"other", "cause"}));
+  EXPECT_GT(s.accepted[0].evidence.gain, s.accepted[1].evidence.gain);
+}
+
 TEST(Selection, NamesNothingWhereNothingIs) {
   const auto asked = all_hypotheses();
   EXPECT_TRUE(accepted(selected(Columns({{"base", 1.0}}), asked), asked).empty());

@@ -1,5 +1,8 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <set>
+
 #include "diagnosis/stage_support.hpp"
 #include "diagnosis/stages/channel_correction.hpp"
 #include "diagnosis/stages/newly_visible.hpp"
@@ -7,6 +10,7 @@
 #include "identification/velocity_choice.hpp"
 #include "recordings/files/byte_stream.hpp"
 #include "recordings/kept_recordings.hpp"
+#include "veridyn/math/require.hpp"
 
 // Stages of a diagnosis on a simulated arm of two joints whose truth is known.
 
@@ -38,7 +42,7 @@ TEST_F(Stages, TheListAsksWhatTheOptionsSay) {
 TEST_F(Stages, TrainingErrorsAreThoseOfTheRowsThatWereFitted) {
   Identification id;
   id.train_error.relative = Eigen::Vector2d(0.3, 0.5);
-  EXPECT_NEAR(log_training_errors(id)[1], 2.0 * std::log(0.5), 1e-12);
+  EXPECT_NEAR(log_training_error(id), 2.0 * std::log(0.3 * 0.5), 1e-12);
   id.train_repaired.relative = Eigen::Vector2d(0.2, 0.4);
   EXPECT_NEAR(log_training_error(id), 2.0 * std::log(0.2 * 0.4), 1e-12);
   id.train_without_excluded.relative = Eigen::Vector2d(0.1, 0.2);
@@ -76,6 +80,31 @@ TEST_F(Stages, WhatOnlyALeanShowsIsNoLoad) {
   EXPECT_LT(found.extended.test_error.relative.maxCoeff(), 0.02);
 }
 
+// Two springs are hidden. Who asks about the elbow's hears of the elbow's alone.
+TEST_F(Stages, ACauseAtOnePlaceIsAskedAboutThereOnly) {
+  const std::vector<std::string> hidden = {"joint_spring:1", "joint_spring:2"};
+  std::vector<std::string> train;
+  for (unsigned k = 1; k <= 4; ++k) train.push_back(record(k, hidden));
+  const std::string test = record(5, hidden);
+  const auto found = [&](const std::string& asked) {
+    DiagnosisOptions options;
+    options.effects = {asked};
+    options.identification.threads = 1;
+    const Diagnosis d = diagnose(read_model("planar-2r"), train, {test}, options);
+    std::vector<std::string> names;
+    for (const Finding& f : d.findings) names.push_back(to_text(truth_, f.cause));
+    for (const NotSupported& n : d.not_supported) names.push_back("not " + to_text(truth_, n.cause));
+    std::sort(names.begin(), names.end());
+    return names;
+  };
+  EXPECT_EQ(found("joint_spring"), (Words{"joint_spring:elbow", "joint_spring:shoulder"}));
+  EXPECT_EQ(found("joint_spring:2"), Words{"joint_spring:elbow"});
+  EXPECT_EQ(found("joint_spring:elbow"), Words{"joint_spring:elbow"});
+  EXPECT_TRUE(found("external_contact:elbow").empty());
+  EXPECT_THROW(found("joint_spring:wrist"), InvalidInput);
+  EXPECT_THROW(found("coupling_error:elbow.zero"), InvalidInput);
+}
+
 // A file without friction: what the joints have is found together, with its size, and nothing else.
 TEST_F(Stages, PlainFrictionOfAllJointsIsFoundTogether) {
   const Model bare = without_effects(read_model("planar-2r"));
@@ -100,6 +129,43 @@ TEST_F(Stages, PlainFrictionOfAllJointsIsFoundTogether) {
   EXPECT_EQ(friction, 4);
   EXPECT_EQ(x.fitted_by_start.size(), x.d.findings.size());
   EXPECT_LT(x.start.test_error.relative.norm(), 0.5 * x.d.baseline.test_error.relative.norm());
+}
+
+// What is left out of the fit is not left out of held-out errors, and few recordings keep enough blocks.
+TEST_F(Stages, HeldOutErrorsAreThoseOfEveryRow) {
+  const Investigation x = investigation(read_model("planar-2r"), {});
+  QuestionList list;
+  list.wanted = {"joint_spring"};
+  const auto rows = [&](const std::vector<LeftOut>& parts) {
+    IdentificationOptions how = x.options.identification;
+    how.preprocessing.left_out = parts;
+    const Inquiry q = prepare(x.start, x.train, x.test, list, how);
+    Eigen::Vector2d out(0.0, 0.0);  // of the first training recording, of the held-out one
+    for (const auto& block : q.train[0].blocks) out[0] += block[0].rows();
+    for (const auto& block : q.test[0].blocks) out[1] += block[0].rows();
+    return out;
+  };
+  const Eigen::Vector2d all = rows({});
+  const Eigen::Vector2d some =
+      rows({{x.train[0], -1, 2.0, 6.0, "a test"}, {x.test[0], -1, 2.0, 6.0, "a test"}});
+  EXPECT_LT(some[0], 0.7 * all[0]);
+  EXPECT_EQ(some[1], all[1]);
+  EXPECT_GE(blocks_that_fit(x.arm, 1), 8);
+  EXPECT_GE(blocks_that_fit(x.arm, 1000000), 1);
+}
+
+// Of a joint that has friction in the file nothing is asked here.
+TEST_F(Stages, PlainFrictionIsAskedWhereTheFileHasNone) {
+  ModelDescription d = read_model("planar-2r").description();
+  d.effects.resize(2);  // the shoulder's
+  Investigation x = investigation(Model(std::move(d)), {});
+  add_plain_friction(x);
+  std::set<std::string> found;
+  for (const Finding& f : x.d.findings) {
+    EXPECT_EQ(f.joint, JointIndex{1}) << f.phrase;
+    found.insert(effect_of(f.cause));
+  }
+  EXPECT_EQ(found.count("viscous_friction") + found.count("coulomb_friction"), 2U);
 }
 
 // 40 ms is twice what anybody expects, and two joints have it: one cause, undone completely.

@@ -120,6 +120,26 @@ TEST(DiagnosisReport, SaysFindingsRivalsAndWhatIsLeftOpen) {
   EXPECT_EQ(d.verdict(), "Joint 2 (elbow): something.");
 }
 
+// No "explains 0 %" of what is confirmed, and a word where a small finding lies between two others.
+TEST(DiagnosisReport, SaysWhereErrorsJumpAndGivesNoShareOfZero) {
+  Diagnosis d = with_rival(NewEffect{"backlash", {1}}, AddedLoad{{1}});
+  d.findings[0].status = FindingStatus::kConfirmed;
+  d.findings[0].explains = 0.004;
+  d.findings[0].test_before = Eigen::Vector2d(0.2, 0.3);
+  d.findings[0].test_after = Eigen::Vector2d(0.2, 0.25);
+  d.findings.push_back(d.findings[0]);
+  d.findings[1].test_before = d.findings[0].test_after;
+  d.findings.push_back(d.findings[0]);
+  d.findings[2].main = false;
+  d.summary.main = 2;
+  d.summary.explained_by_main = d.summary.explained_by_all = 0.3;
+  EXPECT_NE(d.report().find("explains less than 1 % of"), std::string::npos) << d.report();
+  EXPECT_EQ(d.report().find(" 0 %"), std::string::npos) << d.report();
+  EXPECT_NE(d.report().find("\nsmall ones:\n"), std::string::npos) << d.report();
+  d.findings[1].test_before = Eigen::Vector2d(0.2, 0.24);
+  EXPECT_NE(d.report().find("\nsmall ones, which came between"), std::string::npos) << d.report();
+}
+
 // A cause of no joint is not one of "joint 0".
 TEST(DiagnosisReport, PlacesAreJointsFramesOrTheWholeArm) {
   Diagnosis d = with_rival(NewEffect{"backlash", {1}}, ChannelError{"time_delay", {}});

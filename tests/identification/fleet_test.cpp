@@ -148,6 +148,17 @@ TEST(AFleet, OfFewerThanThreeDeterminedArmsHasAReasonAndNoModel) {
   EXPECT_NE(found.reason.find("one-way: "), std::string::npos) << found.reason;
 }
 
+// The spread of few arms is itself chance: equal ones are not named for it.
+TEST(AFleet, OfFewEqualArmsNamesNone) {
+  for (const int arms : {3, 4, 5, 6, 8}) {
+    const Simulated all = fleet(arms, -1, nothing);
+    const Fleet found = identify_fleet(scara(), all.names, all.factors);
+    ASSERT_TRUE(found.model);
+    EXPECT_TRUE(found.outliers.empty()) << arms << ": " << found.report();
+    EXPECT_TRUE(found.other_bodies.empty()) << arms << ": " << found.report();
+  }
+}
+
 TEST(AFleet, NamesTheArmWithAnotherFriction) {
   const Simulated all = fleet(12, 7, [](const auto& parameters, VectorXd& factors, double&) {
     for (size_t p = 0; p < parameters.size(); ++p)

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "veridyn/diagnosis/thresholds.hpp"
+#include "veridyn/math/require.hpp"
 
 // Numbers that decide verdicts stand in one table; numbers that keep arithmetic sound in another
 // file. Anywhere else in diagnosis/ there are only 0, 1/2, 1 and 2.
@@ -51,6 +52,17 @@ TEST(Thresholds, TheTableHasAReasonForEveryNumber) {
     EXPECT_NE(entry.inequality.find(entry.name), std::string::npos) << entry.name;
   }
   EXPECT_EQ(names.size() * sizeof(double), sizeof(Thresholds)) << "a number is not in the table";
+}
+
+TEST(Thresholds, AreFoundByNameAndNearNamesAreProposed) {
+  EXPECT_EQ(veridyn::find_threshold("tie").value, &veridyn::Thresholds::tie);
+  try {
+    veridyn::find_threshold("smalest_gain");
+    ADD_FAILURE() << "found what is not there";
+  } catch (const veridyn::InvalidInput& error) {
+    const std::string what = error.what();
+    EXPECT_NE(what.find("'smalest_gain' (did you mean 'smallest_gain'?)"), std::string::npos) << what;
+  }
 }
 
 }  // namespace

@@ -70,6 +70,7 @@ struct TipTarget {
 enum class CooperativeState {
   kTracking,
   kForceTooLarge,
+  kForceMissed,  ///< farther from the force wanted than largest_force_error: a slack member, too
   kSensorStale,
   kSensorStuck,
   kArmLost,

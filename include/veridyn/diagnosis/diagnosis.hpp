@@ -32,7 +32,9 @@ struct DiagnosisOptions {
   /// what the model lacks on one joint would otherwise spoil the parameters that it shares with
   /// others.
   IdentificationOptions identification;
-  std::vector<std::string> effects;  ///< names to ask about; empty: all that the tool knows
+  /// What to ask about: names of effects, or causes as EFFECT:PLACE (see Cause); empty: all that the
+  /// tool knows.
+  std::vector<std::string> effects;
   int max_effects = 20;  ///< findings at most; contacts and plain friction do not count
   ExtendedModel extended = ExtendedModel::kAllFindings;
   RobotValues values = RobotValues::kFacts;

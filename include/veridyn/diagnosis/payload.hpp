@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <string>
 #include <vector>
 
@@ -16,7 +17,10 @@ struct PayloadEstimate {
   double mass_low = 0.0;            ///< 95 % interval
   double mass_high = 0.0;
   Eigen::Vector3d com = Eigen::Vector3d::Zero();  ///< [m]
+  /// Of a direction that the torques see nothing of (along parallel axes without gravity), the reach
+  /// of the link: nothing else bounds it.
   Eigen::Vector3d com_half_width = Eigen::Vector3d::Zero();
+  std::array<bool, 3> seen = {true, true, true};  ///< directions that the torques see
   Eigen::Vector3d moment = Eigen::Vector3d::Zero();  ///< mass times centre [kg m]
   Eigen::Vector3d moment_half_width = Eigen::Vector3d::Zero();
   /// About the centre of mass (xx, xy, yy, xz, yz, zz) [kg m^2]: what the torques ask for beyond a

@@ -2,12 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <iostream>
-#include <iterator>
 #include <memory>
 #include <set>
 
+#include "math/input_file.hpp"
 #include "cli/boards/dvrk_events.hpp"
 #include "cli/boards/dvrk_request.hpp"
 #include "math/output_file.hpp"
@@ -119,9 +118,8 @@ std::vector<std::uint8_t> chip_of(const DvrkRequest& request, int board) {
     expect_value(equals != std::string::npos, "--instrument-chip", "found '", words,
                  "', expected BOARD=FILE");
     if (words.substr(0, equals) != std::to_string(board)) continue;
-    std::ifstream file(words.substr(equals + 1), std::ios::binary);
-    require(file.good(), words.substr(equals + 1), ": cannot be read.");
-    std::vector<std::uint8_t> bytes((std::istreambuf_iterator<char>(file)), {});
+    const std::string content = content_of_file(words.substr(equals + 1), "the bytes of an instrument's chip");
+    std::vector<std::uint8_t> bytes(content.begin(), content.end());
     bytes.resize(256, 0xFF);
     return bytes;
   }

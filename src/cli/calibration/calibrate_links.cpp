@@ -1,8 +1,8 @@
-#include <fstream>
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "math/input_file.hpp"
 #include "cli/calibration/calibrate_options.hpp"
 #include "cli/options/option_checks.hpp"
 #include "cli/options/sound_arguments.hpp"
@@ -31,9 +31,8 @@ AttachedPose attached(const std::string& word) {
 
 // The wrong constant that `diagnose --json` names, compared in one line; empty: it names none.
 std::string compared(const std::string& file, const LinksCalibration& links) {
-  std::ifstream stream(file);
-  require(stream.good(), file, ": cannot be read, expected what diagnose --json wrote.");
-  const nlohmann::json diagnosis = nlohmann::json::parse(stream, nullptr, false);
+  const nlohmann::json diagnosis =
+      nlohmann::json::parse(content_of_file(file, "what diagnose --json wrote"), nullptr, false);
   require(diagnosis.is_object() && diagnosis.contains("findings"), file,
           ": found no findings, expected what diagnose --json wrote.");
   std::string zero;

@@ -10,6 +10,7 @@
 #include "math/output_file.hpp"
 #include "cli/options/messages.hpp"
 #include "cli/options/option_checks.hpp"
+#include "cooperation/scenario_models.hpp"
 #include "dvrk/arms/arm_facts.hpp"
 #include "dvrk/cooperation/board_cooperation.hpp"
 #include "dvrk/cooperation/board_teleoperation.hpp"
@@ -151,6 +152,8 @@ ExitStatus run_boards(const BoardsRequest& request, const LiveRequest& live,
   expect_value(request.emulate || request.hosts.size() == scenario.arms.size(), "--board-hosts",
                "found ", request.hosts.size(), ", expected one for each of ", scenario.arms.size(),
                " arms, or --emulate.");
+  for (const std::string& line : made_up_values(scenario))
+    if (!common.quiet) say(line);
   if (is_teleoperation(path)) {
     expect_value(live.line.empty(), "--live", "found a teleoperation: a hand leads it.");
     return run_teleoperation(request, path, common, output);

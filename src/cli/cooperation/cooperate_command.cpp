@@ -79,7 +79,6 @@ ExitStatus run(const CooperateRequest& request, const std::string& command) {
   for (const std::string& path : {request.output, request.common.json, request.common.report})
     require_writable(path);
   const Scenario scenario = read_scenario(request.scenario);
-  if (on_boards) tell_made_up(request, scenario);
   if (on_boards)
     return run_boards(request.boards, request.live, scenario, request.scenario, request.common, request.output,
                       command);

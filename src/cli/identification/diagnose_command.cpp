@@ -10,6 +10,7 @@
 #include "cli/options/recording_options.hpp"
 #include "cli/options/sound_arguments.hpp"
 #include "veridyn/diagnosis/diagnosis.hpp"
+#include "diagnosis/stages/investigation.hpp"
 #include "effects/plain_friction.hpp"
 #include "math/output_file.hpp"
 #include "model/effect_names.hpp"
@@ -31,8 +32,14 @@ struct DiagnoseRequest {
   CommonOptions common;
 };
 
+// Names of effects, or causes EFFECT:PLACE of the arm.
 void expect_known_effects(const std::vector<std::string>& names) {
-  for (const std::string& name : names) expect_one_of("--effects", name, effect_names());
+  for (const std::string& name : names)
+    expect_one_of("--effects", split_cause(name).effect, effect_names());
+}
+
+void expect_known_places(const Model& arm, const std::vector<std::string>& names) {
+  for (const std::string& name : names) value_of("--effects", [&] { return asked_cause(arm, name); });
 }
 
 // The command that makes the recording, with the robot as it was named here and with what is
@@ -59,9 +66,10 @@ ExitStatus run(DiagnoseRequest& request, const std::string& command_line) {
   require_writable(request.common.json);
   require_writable(request.common.report);
   require_writable(request.model_out);
+  const Model arm = read_robot(request.robot, request.common.fixed);
+  expect_known_places(arm, request.options.effects);
   warn_of_repeated_recordings(request.train);
   if (!request.test_rows) warn_of_shared_recordings(request.train, request.test);
-  const Model arm = read_robot(request.robot, request.common.fixed);
   const bool prior =
       request.values.empty() ? is_makers_file(request.robot) : request.values == "prior";
   if (prior) request.options.values = RobotValues::kPrior;
@@ -106,9 +114,9 @@ void add_diagnose_command(CLI::App& tool, Outcome& outcome) {
   command.add_option("--test", request->test, "Recordings held out, to measure the gain on")
       ->required()
       ->option_text("REC...");
-  command.add_option("--effects", request->options.effects, "Ask about these effects only")
+  command.add_option("--effects", request->options.effects, "Ask about these effects only, at every place or at one")
       ->delimiter(',')
-      ->option_text("NAME,...");
+      ->option_text("EFFECT[:PLACE],...");
   command.add_option("--max-effects", request->options.max_effects, "Findings at most")
       ->check(CLI::Range(0, 100));
   command.add_flag_callback(

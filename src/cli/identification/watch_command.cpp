@@ -202,7 +202,10 @@ void add_watch_command(CLI::App& tool, Outcome& outcome) {
   add_fix_option(command, request->common.fixed);
   add_common_options(command, request->common);
   add_report_option(command, request->common);
-  command.callback([request, &outcome] {
+  command.callback([request, &outcome, &command] {
+    const auto& sources = request->sources;
+    const bool waits = request->follow || std::find(sources.begin(), sources.end(), "-") != sources.end();
+    expect_needs(command, {{"--idle", waits, "--follow"}});
     request->options.learn_more = std::max(request->options.learn_more, request->options.learn);
     outcome.status = run(*request, outcome.command_line);
   });

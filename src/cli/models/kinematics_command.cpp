@@ -67,7 +67,7 @@ KinematicTable forward(const KinematicsRequest& request, const Arm& arm, Times& 
                               Eigen::Map<const Eigen::RowVectorXd>(
                                   given.data(), static_cast<Eigen::Index>(given.size())));
   }
-  const ColumnFile file = read_columns(request.forward, "joints as CSV: [t,]q1,q2,...");
+  const ColumnFile file = read_columns(request.forward, "joints as CSV: [t,]q1,q2 and so on");
   MatrixXd q(file.values.rows(), arm.model.joints());
   for (Eigen::Index i = 0; i < q.cols(); ++i)
     q.col(i) = file.values.col(file.at("q" + std::to_string(i + 1)));
@@ -105,7 +105,7 @@ KinematicTable inverse(const KinematicsRequest& request, const Arm& arm, Times& 
   return inverse_kinematics(arm.model, arm.frame, task, closed ? arm.closed_form : InverseSolver{});
 }
 
-ExitStatus run(const KinematicsRequest& request, const std::string& command) {
+ExitStatus run(const CLI::App& used, const KinematicsRequest& request, const std::string& command) {
   for (const std::string& path : {request.output, request.common.json, request.common.report})
     require_writable(path);
   const int asked = (request.forward.empty() ? 0 : 1) + (request.inverse.empty() ? 0 : 1) +
@@ -113,6 +113,14 @@ ExitStatus run(const KinematicsRequest& request, const std::string& command) {
   if (asked != 1)
     throw CLI::ValidationError("kinematics", "expected one of --forward, --inverse, --workspace.");
   const Arm arm = read_kinematic_arm(request.robot, request.frame);
+  expect_needs(used, {{"--start", !request.inverse.empty(), "--inverse"},
+                      {"--solver", !request.inverse.empty(), "--inverse"},
+                      {"--solver", arm.closed_form || request.solver == "newton",
+                       "the tip of an arm with a closed form, as PSM1"},
+                      {"--jacobian", !request.output.empty(), "-o"}});
+  expect_value(request.start.empty() || static_cast<int>(request.start.size()) == arm.model.joints(),
+               "--start", "found ", request.start.size(), " joints, expected the ", arm.model.joints(),
+               " of ", arm.model.name());
   Times times;
   KinematicTable table = request.workspace > 0
                              ? sample_workspace(arm.model, arm.frame, request.workspace)
@@ -161,7 +169,9 @@ void add_kinematics_command(CLI::App& tool, Outcome& outcome) {
   add_output_option(command, "-o,--output", request->output, "Write the rows as CSV");
   add_common_options(command, request->common);
   add_report_option(command, request->common);
-  command.callback([request, &outcome] { outcome.status = run(*request, outcome.command_line); });
+  command.callback([request, &outcome, &command] {
+    outcome.status = run(command, *request, outcome.command_line);
+  });
 }
 
 }  // namespace veridyn::cli

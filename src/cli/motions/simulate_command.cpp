@@ -82,6 +82,9 @@ ExitStatus run(const SimulateRequest& request, const std::string& command_line) 
   MotionSamples wanted = wanted_motion(arm, request.trajectory);
   require(wanted.q.cols() == arm.joints(), request.trajectory, ": found ", wanted.q.cols(),
           " joints, expected the ", arm.joints(), " of ", arm.name(), ".");
+  for (Eigen::Index k = 0; k < wanted.q.rows(); ++k)
+    require(wanted.q.row(k).allFinite(), request.trajectory, ": found a gap in the positions of row ", k,
+            " (the first is 0), expected none in a motion.");
   if (!made_up_words.empty()) say(made_up_words);
   if (request.sample_rate > 0.0)
     wanted = value_of("--sample-rate", [&] { return resampled(wanted, request.sample_rate); });

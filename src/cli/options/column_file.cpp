@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <filesystem>
-#include <fstream>
+#include <sstream>
 
+#include "math/input_file.hpp"
 #include "veridyn/math/require.hpp"
 #include "model/suggestion.hpp"
 
@@ -47,10 +47,7 @@ int ColumnFile::at(const std::string& name) const {
 }
 
 ColumnFile read_columns(const std::string& path, const std::string& expected) {
-  std::error_code ignored;
-  std::ifstream file(path);
-  require(file.is_open() && !std::filesystem::is_directory(path, ignored), path,
-          ": found no such file, expected ", expected, ".");
+  std::istringstream file(content_of_file(path, expected));
   ColumnFile out;
   out.path = path;
   std::string line;

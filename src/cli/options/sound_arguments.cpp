@@ -8,6 +8,10 @@
 #include <utility>
 #include <vector>
 
+#include "recordings/csv/csv_table.hpp"
+#include "recordings/files/file_kind.hpp"
+#include "veridyn/math/require.hpp"
+
 namespace veridyn::cli {
 namespace {
 
@@ -48,7 +52,42 @@ void expect_finite(const std::string& name, const std::string& word) {
     throw CLI::ValidationError(name, "found " + word + ", expected a finite number");
 }
 
+// Whether what is at a path may have topics: anything but a plain table t,q1,...
+bool may_have_topics(const std::string& path) {
+  std::error_code error;
+  if (!fs::is_regular_file(path, error)) return true;  // a pipe
+  try {
+    recordings::OpenedFile file(path);
+    if (file.kind != recordings::FileKind::kText) return true;
+    CsvLines lines(std::move(*file.bytes));
+    return recordings::is_csv_table(lines, {});
+  } catch (const InvalidInput&) {
+    return true;  // whoever reads it tells why
+  }
+}
+
+void expect_topics_somewhere(const CLI::App& command) {
+  const CLI::Option* topic = command.get_option_no_throw("--topic");
+  if (topic == nullptr || topic->count() == 0) return;
+  std::string plain;
+  for (const char* name : {"REC", "SOURCE", "--train", "--test", "--recording", "--given", "--replay"}) {
+    const CLI::Option* option = command.get_option_no_throw(name);
+    if (option == nullptr) continue;
+    for (const std::string& path : option->results()) {
+      std::error_code error;
+      const std::string kind = fs::path(path).extension().string();
+      const bool robot = kind == ".yaml" || kind == ".yml" || kind == ".urdf" || kind == ".xml";
+      if (robot || (path != "-" && !fs::exists(path, error))) continue;  // what is missing is told elsewhere
+      if (path == "-" || may_have_topics(path)) return;
+      plain = path;
+    }
+  }
+  if (!plain.empty())
+    throw CLI::ValidationError("--topic", "means nothing here, " + plain + " is a plain table without topics");
+}
+
 void expect_sound(const CLI::App& command) {
+  expect_topics_somewhere(command);
   std::vector<NamedFile> outputs;
   std::vector<NamedFile> inputs;
   for (const CLI::Option* option : command.get_options()) {

@@ -73,7 +73,7 @@ std::string found_and_expected(const CLI::App& command, const std::string& words
   static const std::regex kRange("^(.*): Value (.*) not in range (\\S+) to (\\S+)$");
   static const std::regex kOneOf("^(.*): (.*) not in \\{(.*)\\}$");
   static const std::regex kConversion("^Could not convert: (\\S+) = (.*)$");
-  static const std::regex kMissing("^(.*): [0-9]+ required \\S+ missing$");
+  static const std::regex kMissing("^(.*): [0-9]+ required .+ missing$");
   static const std::regex kRequired("^(.*) is required$");
   std::smatch m;
   const auto option = [&command](const std::string& name) {

@@ -72,7 +72,8 @@ Scenario read_scenario_or_model(const std::string& path, const StabilityModelOpt
   }
   const std::string file = robot_path(path);
   require(std::filesystem::is_regular_file(file, ignored), path,
-          ": found no such file, expected a scenario (YAML) or a MODEL.");
+          std::filesystem::is_directory(file, ignored) ? ": found a folder" : ": found no such file",
+          ", expected a scenario (YAML) or a MODEL.");
   return contact_scenario(path, options);
 }
 

@@ -54,8 +54,19 @@ class LoadProblem {
     out.A = s.asDiagonal() * out.A * s.asDiagonal();
     out.b = s.asDiagonal() * out.b;
     // Where the torques see nothing of a direction, the load lies at its zero.
-    const double most = out.A.diagonal().segment(1, 3).maxCoeff();
-    out.A.diagonal().segment(1, 3).array() += numerics::kUnseenLoad * most;
+    out.A.diagonal().segment(1, 3).array() += unseen_curvature(out);
+    return out;
+  }
+
+  // Whether the torques see a load move along each axis of its frame: more than what holds it at
+  // zero does.
+  static std::array<bool, 3> seen(const LoadCost& f, const PointLoad& at) {
+    const Eigen::Matrix<double, 10, 4> J = point_load_slopes(at.mass(), at.moment());
+    const Eigen::Vector4d curvature = (J.transpose() * f.A * J).diagonal();
+    const double most = curvature.tail<3>().maxCoeff();
+    std::array<bool, 3> out{};
+    for (size_t k = 0; k < out.size(); ++k)
+      out[k] = curvature[static_cast<Eigen::Index>(k) + 1] > 2.0 * numerics::kUnseenLoad * most;
     return out;
   }
 
@@ -77,6 +88,10 @@ class LoadProblem {
     ColumnSet out = load_;
     out.insert(out.end(), nuisances_.begin(), nuisances_.end());
     return out;
+  }
+
+  static double unseen_curvature(const LoadCost& f) {
+    return numerics::kUnseenLoad * f.A.diagonal().segment(1, 3).maxCoeff();
   }
 
   VectorXd scale() const {
@@ -196,6 +211,12 @@ PayloadEstimate fit_payload(const Inquiry& q, const NormalBlocks& data, const Hy
   out.moment_half_width = half.segment<3>(1);
   out.com_half_width = half.segment<3>(4);
   out.inertia_half_width = half.tail<6>();
+  out.seen = LoadProblem::seen(whole, main);
+  for (int k = 0; k < 3; ++k) {
+    if (out.seen[static_cast<size_t>(k)]) continue;
+    out.com_half_width[k] = payload.reach;
+    out.moment_half_width[k] = out.mass_high * payload.reach;
+  }
   const VectorXd drift_only = problem.residual2(InertialParameters::Zero());
   const double weighted = w.dot(drift_only);
   out.explained = weighted > 0.0 ? -main.cost / weighted : 0.0;

@@ -18,25 +18,6 @@ InertialParameters point_mass(double mass, const Eigen::Vector3d& h) {
   return phi;
 }
 
-// Derivative of point_mass() by (ln m, h).
-Eigen::Matrix<double, 10, 4> slopes(double mass, const Eigen::Vector3d& h) {
-  Eigen::Matrix<double, 10, 4> J = Eigen::Matrix<double, 10, 4>::Zero();
-  const InertialParameters phi = point_mass(mass, h);
-  J(0, 0) = mass;
-  J.block<6, 1>(4, 0) = -phi.segment<6>(4);
-  for (int k = 0; k < 3; ++k) J(1 + k, 1 + k) = 1.0;
-  const double x = h.x() / mass;
-  const double y = h.y() / mass;
-  const double z = h.z() / mass;
-  J.block<6, 3>(4, 1) << 0.0, 2.0 * y, 2.0 * z,  // xx
-      -y, -x, 0.0,                               // xy
-      2.0 * x, 0.0, 2.0 * z,                     // yy
-      -z, 0.0, -x,                               // xz
-      0.0, -z, -y,                               // yz
-      2.0 * x, 2.0 * y, 0.0;                     // zz
-  return J;
-}
-
 // Levenberg and Marquardt from one start; the centre stays within `reach` of the frame.
 PointLoad descend(const LoadCost& f, double mass, Eigen::Vector3d h, double reach) {
   const auto within = [&](const Eigen::Vector3d& moment, double of) -> Eigen::Vector3d {
@@ -47,7 +28,7 @@ PointLoad descend(const LoadCost& f, double mass, Eigen::Vector3d h, double reac
   best.cost = f.cost(best.phi);
   double damping = numerics::kFirstDamping;
   for (int step = 0; step < kDescentSteps; ++step) {
-    const Eigen::Matrix<double, 10, 4> J = slopes(mass, h);
+    const Eigen::Matrix<double, 10, 4> J = point_load_slopes(mass, h);
     const Eigen::Vector4d g = J.transpose() * (f.b - f.A * best.phi);
     Eigen::Matrix4d H = J.transpose() * f.A * J;
     const Eigen::Vector4d scale =
@@ -75,6 +56,24 @@ PointLoad descend(const LoadCost& f, double mass, Eigen::Vector3d h, double reac
 }
 
 }  // namespace
+
+Eigen::Matrix<double, 10, 4> point_load_slopes(double mass, const Eigen::Vector3d& h) {
+  Eigen::Matrix<double, 10, 4> J = Eigen::Matrix<double, 10, 4>::Zero();
+  const InertialParameters phi = point_mass(mass, h);
+  J(0, 0) = mass;
+  J.block<6, 1>(4, 0) = -phi.segment<6>(4);
+  for (int k = 0; k < 3; ++k) J(1 + k, 1 + k) = 1.0;
+  const double x = h.x() / mass;
+  const double y = h.y() / mass;
+  const double z = h.z() / mass;
+  J.block<6, 3>(4, 1) << 0.0, 2.0 * y, 2.0 * z,  // xx
+      -y, -x, 0.0,                               // xy
+      2.0 * x, 0.0, 2.0 * z,                     // yy
+      -z, 0.0, -x,                               // xz
+      0.0, -z, -y,                               // yz
+      2.0 * x, 2.0 * y, 0.0;                     // zz
+  return J;
+}
 
 std::vector<PointLoad> all_point_loads(const LoadCost& f, const Eigen::Vector3d& h, double reach) {
   std::vector<PointLoad> out;

@@ -24,6 +24,9 @@ struct PointLoad {
   Eigen::Vector3d moment() const { return phi.segment<3>(1); }
 };
 
+/// Derivative of a point mass's ten parameters by (ln m, h), where h is its moment m c [kg m].
+Eigen::Matrix<double, 10, 4> point_load_slopes(double mass, const Eigen::Vector3d& h);
+
 /// Local minima from several first masses and places, one for each start.
 /// @param h  the moment from which the places start [kg m].
 /// @param reach  [m] that the centre may be away from the frame, along each axis.

@@ -69,8 +69,14 @@ void correct(const Questions& asked, const Hypothesis& h, const CorrectedChannel
 void correct_constants(Investigation& x) {
   if (x.d.changes || !x.asks_for(KinematicError::kName)) return;
   const Model arm = *x.start.model;
-  const std::vector<GeometryFinding> geometry =
+  std::vector<GeometryFinding> geometry =
       profile_geometry(arm, x.train, x.options.identification, x.options.thresholds);
+  geometry.erase(std::remove_if(geometry.begin(), geometry.end(),
+                                [&x](const GeometryFinding& g) {
+                                  return !x.asks_about(KinematicError{
+                                      g.constant.name, FrameIndex{g.constant.frame}});
+                                }),
+                 geometry.end());
   if (geometry.empty()) return;
   const Questions asked = ask(x, x.list(), x.start);
   std::optional<WrongConstant> wrong =

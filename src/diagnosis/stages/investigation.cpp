@@ -5,11 +5,31 @@
 #include <algorithm>
 #include <cmath>
 
+#include "veridyn/math/require.hpp"
+
 namespace veridyn {
+
+std::string asked_cause(const Model& arm, const std::string& words) {
+  if (split_cause(words).place.empty()) return words;
+  const Cause cause = parse_cause(arm, words);
+  const auto* constant = std::get_if<KinematicError>(&cause);
+  require(constant == nullptr || std::holds_alternative<FrameIndex>(constant->of), "cause '", words,
+          "': is asked about as a number of a frame's row only, as coupling_error:FRAME.theta.");
+  return to_text(arm, cause);
+}
 
 bool Investigation::asks_for(const std::string& effect) const {
   const std::vector<std::string>& some = options.effects;
-  return some.empty() || std::find(some.begin(), some.end(), effect) != some.end();
+  return some.empty() || std::any_of(some.begin(), some.end(), [&effect](const std::string& one) {
+           return split_cause(one).effect == effect;
+         });
+}
+
+bool Investigation::asks_about(const Cause& cause) const {
+  const std::vector<std::string>& some = options.effects;
+  return some.empty() || std::any_of(some.begin(), some.end(), [&](const std::string& one) {
+           return one == effect_of(cause) || one == to_text(arm, cause);
+         });
 }
 
 Identification Investigation::look(const Model& any) const {
@@ -19,7 +39,7 @@ Identification Investigation::look(const Model& any) const {
 
 QuestionList Investigation::list() const {
   QuestionList out;
-  out.wanted = options.effects;
+  for (const std::string& one : options.effects) out.wanted.push_back(split_cause(one).effect);
   out.changes = d.changes;
   out.limits = options.thresholds;
   return out;
@@ -29,7 +49,9 @@ Questions ask(const Investigation& x, const QuestionList& list, const Identifica
   Inquiry q = prepare(start, x.train, {}, list, x.options.identification);
   auto& all = q.augmented.hypotheses;
   all.erase(std::remove_if(all.begin(), all.end(),
-                           [&x](const Hypothesis& h) { return x.refused.count(h.family) != 0; }),
+                           [&x](const Hypothesis& h) {
+                             return x.refused.count(h.family) != 0 || !x.asks_about(h.cause);
+                           }),
             all.end());
   NormalBlocks data(q.train, q.columns, NormalBlocks::EmptiedFactors());
   return {std::move(q), std::move(data)};

@@ -13,6 +13,10 @@
 
 namespace veridyn {
 
+/// One of DiagnosisOptions::effects with the names of its joint or frame; the name of an effect as
+/// it is. @throws InvalidInput  there is no such cause, or only a simulation knows it.
+std::string asked_cause(const Model& arm, const std::string& words);
+
 /// What the stages of a diagnosis hand from one to the next. Every stage is a function of it, in
 /// its own file; run_stages() in diagnosis.cpp says their order.
 struct Investigation {
@@ -38,8 +42,11 @@ struct Investigation {
   /// Remarks on the recordings, which outlive another run of the questions.
   std::vector<std::string> remarks = {};
 
-  /// True if the effect is one of those asked for.
+  /// True if the effect is one of those asked for, at whatever place.
   bool asks_for(const std::string& effect) const;
+
+  /// True if the cause is asked for, at its place.
+  bool asks_about(const Cause& cause) const;
 
   /// An arm on the recordings: identified, or as it stands if its values are facts.
   Identification look(const Model& any) const;

@@ -170,7 +170,12 @@ bool exclude_snags(const Identification& seen, Investigation& x) {
 
 bool exclude_contacts(const Identification& seen, Investigation& x) {
   if (!x.asks_for(ExternalContact::kName) || !seen.model) return false;
-  const std::vector<Contact> contacts = find_contacts(seen, x.options.thresholds);
+  std::vector<Contact> contacts = find_contacts(seen, x.options.thresholds);
+  contacts.erase(std::remove_if(contacts.begin(), contacts.end(),
+                                [&x](const Contact& c) {
+                                  return !x.asks_about(ExternalContact{JointIndex{c.last_joint}});
+                                }),
+                 contacts.end());
   if (contacts.empty()) return false;
   x.contacts = contacts.size();
   leave_out(left_out_rows(contacts), x);

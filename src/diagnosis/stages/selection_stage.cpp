@@ -216,7 +216,7 @@ void write_down(Investigation& x, const Round& round, const Fit& fit) {
 
 void select_causes(Investigation& x) {
   QuestionList list = x.list();
-  if (asks_for_waves(x.options.effects))
+  if (asks_for_waves(list.wanted))
     list.ripple_orders = ripple_orders(x.start, x.options.thresholds);
   std::optional<Round> round(answer(x, ask(x, list, x.start)));
   for (int turn = 0; turn < kChannels && correct_first_channel(x, *round); ++turn) {

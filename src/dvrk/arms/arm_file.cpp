@@ -3,9 +3,9 @@
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <iterator>
 
+#include "math/input_file.hpp"
 #include "math/beside_program.hpp"
 #include "model/suggestion.hpp"
 #include "model/yaml/yaml_node.hpp"
@@ -122,11 +122,7 @@ Eigen::Matrix4d read_tip(const YamlNode& node) {
 }
 
 std::string content_of(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::error_code ignored;
-  require(file.is_open() && !fs::is_directory(path, ignored), path,
-          ": found no such file, expected the facts of an arm.");
-  return {std::istreambuf_iterator<char>(file), {}};
+  return content_of_file(path, "the facts of an arm");
 }
 
 class File {

@@ -34,6 +34,9 @@ void YamlNode::fail(const std::string& found, const std::string& expected) const
 }
 
 std::string YamlNode::found() const {
+  constexpr std::size_t kShown = 60;  // of a file that is no YAML all may be one word
+  if (node_.IsScalar() && node_.Scalar().size() > kShown)
+    return quoted(node_.Scalar().substr(0, kShown) + "...");
   if (node_.IsScalar()) return quoted(node_.Scalar());
   if (node_.IsSequence()) return text("a list of ", node_.size());
   return node_.IsMap() ? "a map" : "nothing";

@@ -1,0 +1,140 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "diagnosis/stage_support.hpp"
+
+// Stages that are about recordings: which velocities are taken, which moments left out.
+
+namespace veridyn {
+namespace {
+
+class OfRecordings : public Stages {
+ protected:
+  Investigation recorded() const {
+    Investigation x{read_model("planar-2r"), {}, {}, {}, {}, {}, 0, {}, {}, {}};
+    for (unsigned k = 1; k <= 4; ++k) x.train.push_back(record(k, {}));
+    x.test = {record(5, {})};
+    x.options.identification.threads = 1;
+    return x;
+  }
+
+  template <typename Change>
+  static void rewrite(const std::string& path, const Change& change) {
+    Recording r = read_recording(path);
+    change(r);
+    write_recording(r, path);
+  }
+
+  static std::vector<QualityFinding> told(const Investigation& x, const std::string& path,
+                                          const std::string& name) {
+    std::vector<QualityFinding> out;
+    for (const RecordingQuality& q : x.d.data_quality) {
+      if (q.file != path) continue;
+      for (const QualityFinding& f : q.findings) {
+        if (f.finding == name) out.push_back(f);
+      }
+    }
+    return out;
+  }
+};
+
+TEST_F(OfRecordings, AVelocityOfAnotherScaleIsTakenFromThePosition) {
+  Investigation x = recorded();
+  for (const std::string& path : x.train) rewrite(path, [](Recording& r) { r.dq.col(1) *= 0.5; });
+  x.options.identification.test_preprocessing = x.options.identification.preprocessing;
+  check_quality(x);
+  EXPECT_EQ(x.options.identification.preprocessing.derive_velocity_of, std::vector<int>{1});
+  EXPECT_EQ(x.options.identification.test_preprocessing->derive_velocity_of, std::vector<int>{1});
+  const std::vector<QualityFinding> found = told(x, x.train[0], "velocity_scale");
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_NE(found[0].sentence.find("taken from its position"), std::string::npos);
+  ASSERT_TRUE(fit_baseline(x));
+  EXPECT_LT(x.start.train_error.relative.maxCoeff(), 0.02);
+}
+
+TEST_F(OfRecordings, ARecordingThatIsLearnedFromAndTestedOnIsJudgedOnce) {
+  Investigation x = recorded();
+  x.test = {x.train[1], x.train[3], x.test[0]};
+  check_quality(x);
+  ASSERT_EQ(x.d.data_quality.size(), 5U);
+  EXPECT_EQ(x.d.data_quality[4].file, x.test[2]);
+}
+
+// Both velocities are noisier than what the position gives, but beside the noise of the first joint's torque
+// that of the velocities does no harm: the other joint, which is predicted better for it, alone is changed.
+TEST_F(OfRecordings, OnlyJointsThatAreBetterForItTakeTheirVelocityFromThePosition) {
+  Investigation x = recorded();
+  for (const std::string& path : x.train) {
+    rewrite(path, [](Recording& r) {
+      std::mt19937 random(7);
+      std::normal_distribution<double> gauss;
+      for (Eigen::Index k = 0; k < r.dq.rows(); ++k) {
+        r.dq.row(k) += Eigen::RowVector2d(0.003 * gauss(random), 0.3 * gauss(random));
+        r.tau(k, 0) += 30.0 * gauss(random);
+      }
+    });
+  }
+  check_quality(x);
+  EXPECT_EQ(told(x, x.train[0], "velocity_noise").size(), 2U);
+  ASSERT_TRUE(fit_baseline(x));
+  EXPECT_EQ(x.options.identification.preprocessing.derive_velocity_of, std::vector<int>{1});
+  ASSERT_EQ(x.remarks.size(), 1U);
+  EXPECT_NE(x.remarks[0].find("joint 2"), std::string::npos) << x.remarks[0];
+}
+
+// Friction at one place of one recording: told of that recording, left out, and known from then on.
+TEST_F(OfRecordings, ASnagIsLeftOutOnceAndToldOfItsRecording) {
+  Investigation x = recorded();
+  rewrite(x.train[2], [](Recording& r) {
+    const double middle = 0.5 * (r.q.col(1).maxCoeff() + r.q.col(1).minCoeff());
+    for (Eigen::Index k = 0; k < r.tau.rows(); ++k) {
+      if (std::abs(r.q(k, 1) - middle) < 0.15) r.tau(k, 1) += std::copysign(6.0, r.dq(k, 1));
+    }
+  });
+  check_quality(x);
+  ASSERT_TRUE(fit_baseline(x));
+  const double before = log_training_error(x.start);
+  ASSERT_TRUE(exclude_snags(x.start, x));
+  EXPECT_EQ(x.snags.size(), 1U);
+  const std::vector<QualityFinding> found = told(x, x.train[2], "snag");
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found[0].joint, 2);
+  EXPECT_EQ(found[0].severity, Severity::kWarning);
+  for (const std::string& path : {x.train[0], x.train[1], x.train[3]})
+    EXPECT_TRUE(told(x, path, "snag").empty());
+  ASSERT_FALSE(x.d.left_out.empty());
+  for (const LeftOut& part : x.d.left_out) EXPECT_EQ(part.source, x.train[2]);
+  EXPECT_EQ(x.options.identification.preprocessing.left_out.size(), x.d.left_out.size());
+  EXPECT_LT(log_training_error(x.start), before - 0.5);
+  EXPECT_FALSE(exclude_snags(x.start, x));
+}
+
+// A push in the held-out recording: told with its time, and the error without it is told beside the other.
+TEST_F(OfRecordings, APushIsAFindingAndItsMomentsAreLeftOut) {
+  Investigation x = recorded();
+  rewrite(x.test[0], [](Recording& r) {
+    for (Eigen::Index k = 0; k < r.tau.rows(); ++k) {
+      if (r.time[k] > 5.0 && r.time[k] < 6.0) r.tau(k, 1) += 15.0;
+    }
+  });
+  x.options.identification.test_preprocessing = x.options.identification.preprocessing;
+  ASSERT_TRUE(fit_baseline(x));
+  x.options.effects = {"joint_spring"};
+  EXPECT_FALSE(exclude_contacts(x.start, x));
+  x.options.effects.clear();
+  x.d.findings.resize(1);  // of the questions before
+  ASSERT_TRUE(exclude_contacts(x.start, x));
+  EXPECT_EQ(x.contacts, 1U);
+  ASSERT_EQ(x.d.findings.size(), 1U);
+  const Finding& f = x.d.findings[0];
+  EXPECT_TRUE(std::holds_alternative<ExternalContact>(f.cause));
+  EXPECT_EQ(f.source, x.test[0]);
+  EXPECT_NEAR(f.parameters[1].value, 5.0, 0.2);
+  EXPECT_NEAR(f.parameters[2].value, 6.0, 0.2);
+  EXPECT_LT(f.test_outside[1], 0.5 * f.test_before[1]);
+  EXPECT_EQ(x.options.identification.test_preprocessing->left_out.size(), 1U);
+}
+
+}  // namespace
+}  // namespace veridyn
