@@ -4,6 +4,7 @@
 
 #include "simulation/simulation_support.hpp"
 #include "support/near.hpp"
+#include "support/simulated.hpp"
 #include "veridyn/recordings/preprocessing.hpp"
 #include "veridyn/identification/regressor_columns.hpp"
 #include "veridyn/simulation/plausible_model.hpp"
@@ -12,16 +13,6 @@
 
 namespace veridyn {
 namespace {
-
-Recording recording_of(const SimulatedRecording& s) {
-  Recording r;
-  r.source = "simulated";
-  r.time = s.measured.time;
-  r.q = s.measured.q;
-  r.dq = s.measured.dq;
-  r.tau = s.tau;
-  return r;
-}
 
 PreprocessingOptions unfiltered() {
   PreprocessingOptions o;

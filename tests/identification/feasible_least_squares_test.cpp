@@ -9,6 +9,7 @@
 #include <limits>
 #include <random>
 
+#include "identification/random_bodies.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn {
@@ -18,22 +19,6 @@ using Eigen::Matrix4d;
 
 // ---- problems
 // ----------------------------------------------------------------------------------------
-
-MatrixXd random_matrix(int rows, int columns, std::mt19937& generator) {
-  std::normal_distribution<double> normal;
-  return MatrixXd::NullaryExpr(rows, columns, [&]() { return normal(generator); });
-}
-
-// A body of positive mass: a cloud of 20 points.
-InertialVector random_body(std::mt19937& generator) {
-  Matrix4d J = Matrix4d::Zero();
-  for (int point = 0; point < 20; ++point) {
-    Eigen::Vector4d r;
-    r << 0.2 * random_matrix(3, 1, generator), 1.0;
-    J += 0.1 * r * r.transpose();
-  }
-  return inertial_parameters(J);
-}
 
 void add_row(FeasibleProblem& problem, const VectorXd& row, double bound) {
   problem.G.conservativeResize(problem.G.rows() + 1, problem.R.cols());

@@ -6,26 +6,12 @@
 #include <limits>
 #include <random>
 
+#include "identification/random_bodies.hpp"
+
 namespace veridyn {
 namespace {
 
 using Eigen::Matrix4d;
-
-MatrixXd random_matrix(int rows, int columns, std::mt19937& generator) {
-  std::normal_distribution<double> normal;
-  return MatrixXd::NullaryExpr(rows, columns, [&]() { return normal(generator); });
-}
-
-// A body of positive mass: a cloud of 20 points.
-InertialVector random_body(std::mt19937& generator) {
-  Matrix4d J = Matrix4d::Zero();
-  for (int point = 0; point < 20; ++point) {
-    Eigen::Vector4d r;
-    r << 0.2 * random_matrix(3, 1, generator), 1.0;
-    J += 0.1 * r * r.transpose();
-  }
-  return inertial_parameters(J);
-}
 
 TEST(PseudoInertia, OfAPointMassIsItsOuterProduct) {
   // m = 2 at (1, 2, 3): I = m*(r.r*1 - r*r').

@@ -8,6 +8,7 @@
 #include "veridyn/model/model_file.hpp"
 #include "veridyn/simulation/plausible_model.hpp"
 #include "veridyn/simulation/simulate_recording.hpp"
+#include "support/simulated.hpp"
 #include "watch/event_words.hpp"
 
 namespace veridyn {
@@ -48,14 +49,7 @@ Recording recorded(const std::vector<std::string>& hidden, double seconds, unsig
   for (const std::string& one : hidden) options.hidden.push_back(parse_hidden_effect(one));
   options.noise = sensor_noise("low");
   options.seed = seed;
-  const SimulatedRecording s = simulate_recording(arm(), waves(seconds), options);
-  Recording out;
-  out.source = "simulated";
-  out.time = s.measured.time;
-  out.q = s.measured.q;
-  out.dq = s.measured.dq;
-  out.tau = s.tau;
-  return out;
+  return recording_of(simulate_recording(arm(), waves(seconds), options));
 }
 
 // The arm as it is, and from kChange on with something hidden in it.
