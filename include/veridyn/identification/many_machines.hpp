@@ -24,7 +24,7 @@ class Communicator {
 ///
 /// Each rank compresses its share, the factors come together at rank 0 in a fixed binary tree and
 /// in the order of the list, and each rank measures the errors of its own recordings: the result is
-/// that of identify(), whatever the number of ranks. A recording that cannot be read or used is
+/// that of identify() with choose_velocities = false, whatever the number of ranks. A recording that cannot be read or used is
 /// left out and named in `left_out` of the result.
 ///
 /// @param keep  called on every rank with its factors so far, now and then, so that they survive a
