@@ -11,9 +11,6 @@
 namespace veridyn {
 namespace {
 
-constexpr int kMostRounds = 20;
-constexpr double kSettled = 0.01;  // change of the ratio of two joints' weights
-
 std::vector<std::string> independent_columns(const BaseParameters& base,
                                              const std::vector<std::string>& names) {
   std::vector<std::string> out;
@@ -141,18 +138,11 @@ VectorXd residual_weights(const std::vector<CompressedRecording>& recordings,
       for (size_t i = 0; i < n; ++i) joints[i].merge(block[i].restricted(columns));
     }
   }
-  VectorXd weights = start;
-  for (int round = 0; round < kMostRounds; ++round) {
-    const VectorXd beta = solve(weighted_block(joints, weights, columns));
-    VectorXd next(weights.size());
-    for (size_t i = 0; i < n; ++i)
-      next[static_cast<Eigen::Index>(i)] =
-          std::sqrt(joints[i].rows() / std::max(joints[i].residual2(beta), 1e-300));
-    // What counts is the ratio of the joints' weights.
-    const VectorXd change = next.cwiseQuotient(weights);
-    weights = next;
-    if (change.maxCoeff() < (1.0 + kSettled) * change.minCoeff()) break;
-  }
+  const VectorXd beta = solve(weighted_block(joints, start, columns));
+  VectorXd weights(start.size());
+  for (size_t i = 0; i < n; ++i)
+    weights[static_cast<Eigen::Index>(i)] =
+        std::sqrt(joints[i].rows() / std::max(joints[i].residual2(beta), 1e-300));
   return weights;
 }
 

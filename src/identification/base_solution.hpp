@@ -37,11 +37,9 @@ BaseSolution solve_base(const std::vector<CompressedRecording>& recordings,
 /// 1 / (max - min) of every joint's torque over all recordings; one where it never changes.
 VectorXd range_weights(const std::vector<CompressedRecording>& recordings);
 
-/// 1 / standard deviation of every joint's residual in the fit that these weights give: from
-/// `start`, until they no longer change. One step from equal weights would be too few: a joint with
-/// small torques is fitted badly there where parameters are shared, and would keep a small weight.
-/// Source: iterated feasible generalised least squares (Oberhofer and Kmenta, Econometrica 42(3),
-/// 1974).
+/// 1 / standard deviation of every joint's residual in the fit with the weights `start`: one step of
+/// feasible generalised least squares. Starting from equal weights would not do: a joint with small
+/// torques is fitted badly there where parameters are shared, and would keep a small weight.
 VectorXd residual_weights(const std::vector<CompressedRecording>& recordings,
                           const VectorRef& start, const BaseParameters& base,
                           const std::vector<std::string>& names);

@@ -385,7 +385,7 @@ Identification with_chosen_velocities(const Model& arm, Identification id,
                                       IdentificationOptions how) {
   const PreprocessingOptions& from = how.preprocessing;
   const bool asked = how.choose_velocities && from.velocity == VelocitySource::kRecorded &&
-                     from.derive_velocity_of.empty();
+                     from.filtering == Filtering::kMatched && from.derive_velocity_of.empty();
   if (!asked || !id.model) return id;
   for (const RecordingError& r : id.train) how.preprocessing.known_periods.emplace(r.source, r.period);
   VelocityChoice choice = choose_velocities(

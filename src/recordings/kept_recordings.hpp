@@ -23,7 +23,7 @@ struct OpenedRows {
 class KeptRecordings {
  public:
   static constexpr long kManyQuestions = 400L << 20;  ///< bound of a diagnosis
-  static constexpr long kFewPasses = 32L << 20;       ///< bound where files are read a few times
+  static constexpr long kFewPasses = 10L << 20;       ///< bound where files are read a few times
 
   explicit KeptRecordings(long most_bytes = kManyQuestions);
   ~KeptRecordings();

@@ -21,7 +21,7 @@ enum class Method {
 /// How the joints' rows are weighted by kWls and kFeasible.
 enum class JointWeights {
   kRange,     ///< 1 / (max - min) of the joint's torque
-  kResidual,  ///< 1 / standard deviation of the joint's residual in the fit with these weights
+  kResidual,  ///< 1 / standard deviation of the joint's residual in the fit with kRange
 };
 
 /// What feasible least squares asks of the effects' parameters.
@@ -48,7 +48,8 @@ struct IdentificationOptions {
   /// identify() of recordings: a velocity that `preprocessing` takes as recorded, and that is noisier
   /// than its position's derivative or wrong in scale, is taken from the position where the joint's
   /// torque is predicted better with it, by 2 % of its error or more, on the training recordings;
-  /// Identification::preprocessing then says so. Factors and ranks take velocities as they come.
+  /// Identification::preprocessing then says so. Factors, ranks and Filtering::kSignals, which
+  /// filters the velocity itself, take it as it comes.
   bool choose_velocities = true;
   int threads = 0;  ///< recordings are read in parallel; 0: one thread per core
   /// Called with (what is being done, share done) between recordings.
