@@ -60,6 +60,18 @@ TEST(VelocityChoice, ACoarseVelocityComesFromThePositionAndItsJointOnly) {
   EXPECT_LT(distance(r, true), distance(r, false));
 }
 
+// Published identifications filter the signals and take the velocity as it is; to compare with them
+// this must too.
+TEST(VelocityChoice, FilteredSignalsKeepTheRecordedVelocity) {
+  Recording r = recording();
+  quantise(r, 1, 0.1);
+  IdentificationOptions options;
+  options.preprocessing.filtering = Filtering::kSignals;
+  EXPECT_TRUE(identify(arm(), r, options).preprocessing.derive_velocity_of.empty());
+  options.preprocessing.filtering = Filtering::kMatched;
+  EXPECT_FALSE(identify(arm(), r, options).preprocessing.derive_velocity_of.empty());
+}
+
 TEST(VelocityChoice, AVelocityOfAnotherUnitComesFromThePosition) {
   Recording r = recording();
   r.dq.col(0) *= 1.2;

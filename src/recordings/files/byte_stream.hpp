@@ -15,7 +15,8 @@ namespace veridyn {
 class ByteStream {
  public:
   /// @throws InvalidInput  the file is missing, cannot be opened, or is a folder.
-  /// @param wait  called where a file that still grows ends for now; true: look again.
+  /// @param wait  asked at the present end of a file that may still grow: whether to look there once
+  ///     more; false ends the recording.
   explicit ByteStream(const std::string& path, std::function<bool()> wait = {});
 
   /// Reads on behind what is unread. False: the file ends here, or reading failed.
