@@ -10,13 +10,12 @@ namespace veridyn {
 namespace {
 
 constexpr double kLeastError = 1e-300;
-constexpr long kLookedAt = 20000;  // rows of a recording that show its noise
+constexpr long kLookedAt = 20000;  // rows of a recording that show its units and noise
 
 VectorXd logarithm(const VectorXd& relative) {
   return 2.0 * relative.array().max(kLeastError).log();
 }
 
-// Whoever reads the recording in earnest says why it cannot be read.
 RecordingQuality quality_of(const Model& arm, const std::string& name,
                             const PreprocessingOptions& how) {
   RecordingOptions reading = reading_of(arm, how);
@@ -74,13 +73,19 @@ VelocityChoice choose_velocities(const Identification& before, std::set<int> can
   return {};
 }
 
-std::set<int> doubtful_velocities(const Model& arm, const std::vector<std::string>& recordings,
-                                  const PreprocessingOptions& how, int threads) {
+std::vector<RecordingQuality> glance_at(const Model& arm, const std::vector<std::string>& recordings,
+                                        const PreprocessingOptions& how, int threads) {
   std::vector<RecordingQuality> seen(recordings.size());
   parallel_for(static_cast<int>(recordings.size()), threads, [&](int k) {
     const auto at = static_cast<size_t>(k);
     seen[at] = quality_of(arm, recordings[at], how);
   });
+  return seen;
+}
+
+std::set<int> doubtful_velocities(const Model& arm, const std::vector<std::string>& recordings,
+                                  const PreprocessingOptions& how, int threads) {
+  const std::vector<RecordingQuality> seen = glance_at(arm, recordings, how, threads);
   std::set<int> out = joints_with_finding(seen, "velocity_noise", Severity::kInfo);
   out.merge(joints_with_finding(seen, "velocity_scale", Severity::kWarning));
   return out;

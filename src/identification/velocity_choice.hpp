@@ -41,6 +41,11 @@ VelocityChoice choose_velocities(const Identification& before, std::set<int> can
                                  double least,
                                  const std::function<Identification(const std::set<int>&)>& look);
 
+/// Quality of the first rows of each recording, enough to show units and noise; empty where it cannot
+/// be read: whoever reads it in earnest says why.
+std::vector<RecordingQuality> glance_at(const Model& arm, const std::vector<std::string>& recordings,
+                                        const PreprocessingOptions& how, int threads);
+
 /// Joints whose recorded velocity the quality of these recordings doubts.
 std::set<int> doubtful_velocities(const Model& arm, const std::vector<std::string>& recordings,
                                   const PreprocessingOptions& how, int threads);

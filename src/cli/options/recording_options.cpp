@@ -6,10 +6,9 @@
 #include <charconv>
 #include <set>
 
-#include "math/parallel.hpp"
 #include "cli/options/messages.hpp"
 #include "cli/options/option_checks.hpp"
-#include "recordings/kept_recordings.hpp"
+#include "identification/velocity_choice.hpp"
 #include "recordings/units.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/fixed_coordinates.hpp"
@@ -18,7 +17,6 @@
 namespace veridyn::cli {
 namespace {
 
-constexpr long kLookedAt = 20000;  // rows of a recording that show its units
 
 // "a=b" and "c=d" out of "a=b,c=d".
 std::vector<std::pair<std::string, std::string>> pairs_in(const std::string& option,
@@ -126,18 +124,7 @@ void tell_facts(const std::vector<RecordingQuality>& recordings) {
 
 void look_at_recordings(const Model& arm, const std::vector<std::string>& recordings,
                         const PreprocessingOptions& how, int threads) {
-  std::vector<RecordingQuality> seen(recordings.size());
-  parallel_for(static_cast<int>(recordings.size()), threads, [&](int k) {
-    RecordingOptions reading = reading_of(arm, how);
-    reading.first_row = std::max(0L, how.first_row);
-    reading.row_count = how.row_count < 0 ? kLookedAt : std::min(how.row_count, kLookedAt);
-    const auto at = static_cast<std::size_t>(k);
-    try {
-      seen[at] = check_rows(recordings[at], open_rows(recordings[at], reading, how.kept.get()));
-    } catch (const InvalidInput&) {
-      // Whoever reads it in earnest tells why it cannot be read.
-    }
-  });
+  const std::vector<RecordingQuality> seen = glance_at(arm, recordings, how, threads);
   tell_facts(seen);
   for (const RecordingQuality& quality : seen) {
     for (const QualityFinding& f : quality.findings) {
