@@ -50,7 +50,9 @@ int main() {
     tau += friction.update(state, control.joint_velocity(), control.joint_error(), dt);
     tau += error.update(state, control.acceleration(), dt);
     input.force = wrench.head<3>();
-    tau = safety.update(state, input, tau);
+    const VectorXd& sent = safety.update(state, input, tau);
+    error.sent(tau, sent);
+    tau = sent;
     tau -= state.tip().jacobian().transpose() * wrench;  // the spring on the arm
     plant.step(tau, dt);
   }
