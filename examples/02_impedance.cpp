@@ -52,8 +52,7 @@ int main() {
     input.force = wrench.head<3>();
     const VectorXd& sent = safety.update(state, input, tau);
     error.sent(tau, sent);
-    tau = sent;
-    tau -= state.tip().jacobian().transpose() * wrench;  // the spring on the arm
+    tau = sent - state.tip().jacobian().transpose() * wrench;  // the spring on the arm
     plant.step(tau, dt);
   }
   std::cout << "force " << wrench.head<3>().norm() << " N, safety: " << describe(safety.state())
