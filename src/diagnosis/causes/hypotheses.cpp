@@ -219,7 +219,7 @@ class Builder {
     h.part = TermIndex{description_.effects.size()};
     h.stage = static_cast<int>(traits.stage);
     h.extrapolates = traits.depends_on_position || traits.depends_on_time ||
-                     traits.role == EffectRole::kChannel;
+                     traits.role == EffectRole::kSensor || traits.role == EffectRole::kArm;
     h.repeats = traits.memory;
     for (const EffectShape& constant : effect.shapes()) {
       h.repeats = h.repeats || constant.scale == ShapeScale::kWaves;
