@@ -49,6 +49,10 @@ class ChannelEffect : public Effect {
   /// True if the same error on all joints is one cause: one clock, one amplifier.
   virtual bool can_be_common() const { return false; }
 
+  /// True if a diagnosis asks about it of itself; false: only where it is named, since it explains
+  /// too much of whatever else is wrong.
+  virtual bool asked_unnamed() const { return true; }
+
   /// True if joint i's torque has columns of it; `joint` is the one whose channel has the error, or
   /// kAllJoints where all have the same one (can_be_common()).
   virtual bool acts_on(int i, int joint) const = 0;

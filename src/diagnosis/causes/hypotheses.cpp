@@ -81,7 +81,8 @@ class Builder {
     const bool whole_arm = 2 * moving >= arm_.joints();
     for (const ChannelEffect* channel : channel_effects()) {
       const bool of_arm = channel->whole_arm() || channel->can_be_common();
-      if (whole_arm && of_arm && wanted(channel->name()))
+      const bool asked = channel->asked_unnamed() || !list_.wanted.empty();
+      if (whole_arm && of_arm && asked && wanted(channel->name()))
         add(*channel, {VectorXd::Zero(arm_.joints()), 0.0}, {});
     }
     for (const Axis& axis : axes()) {
