@@ -63,9 +63,11 @@ demo: tool
 test: build
 	@ctest --test-dir $(BUILD) --output-on-failure -j $(JOBS)
 
-# README's blocks, made anew by the commands in them; a test compares them.
+# Blocks of the README and of the pages below, made anew by the commands in them; tests compare them.
+PAGES := README.md docs/tour.md
 readme: tool python
-	@PATH="$(CURDIR)/$(BUILD)/bin:/usr/bin:$$PATH" VERIDYN_SOURCE="$(CURDIR)" /usr/bin/python3 tests/readme/blocks.py write README.md out/readme
+	@for page in $(PAGES); do PATH="$(CURDIR)/$(BUILD)/bin:/usr/bin:$$PATH" VERIDYN_SOURCE="$(CURDIR)" \
+	  /usr/bin/python3 tests/readme/blocks.py write $$page out/readme || exit 1; done
 
 # The second test configuration: address and undefined-behaviour sanitizers.
 sanitize: packages-tests

@@ -6,6 +6,7 @@ namespace veridyn::numerics {
 
 /// Numbers that keep arithmetic sound and decide nothing; those that decide are in Thresholds.
 
+constexpr double kLoadRank = 1e-6;  // share of a load column's square that its other columns do not span
 constexpr double kTiny = 1e-300;  ///< smallest divisor, smallest argument of a logarithm
 constexpr double kHuge = 1e300;   ///< no bound at all
 constexpr double kNoise = 1e-12;  ///< a share that rounding may leave
