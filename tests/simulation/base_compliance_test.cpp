@@ -20,8 +20,11 @@ namespace {
 
 constexpr double kCompliance = 1e-4;  // [rad/(N m)]
 
+// Without dry friction, whose jumps a derivative cannot follow.
 Model stiff() {
-  return plausible_model(read_model("elbow-6r"), 2).arm;
+  ModelDescription d = plausible_model(read_model("elbow-6r"), 2).arm.description();
+  d.effects.clear();
+  return Model(std::move(d));
 }
 
 Model on_soft_base(double about_x, double about_y) {
