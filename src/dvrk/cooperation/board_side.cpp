@@ -97,6 +97,7 @@ void BoardSide::act(const TipTarget& target, const Eigen::Vector3d& exerted, dou
   const VectorXd& wanted = loop_->torque(target, exerted);
   supervisor_->set_holding_torque(loop_->extra_torque());
   drive(wanted, exerted, age, dt);
+  loop_->sent(tau_);
 }
 
 void BoardSide::drive(const VectorXd& wanted, const Eigen::Vector3d& exerted, double age,
@@ -110,6 +111,7 @@ void BoardSide::drive(const VectorXd& wanted, const Eigen::Vector3d& exerted, do
   tau_ = supervisor_->update(state_, input_, wanted);
   all_.head(joints_) = tau_;
   session_.set_torques(all_);
+  tau_ = session_.command().tau.head(joints_);
 }
 
 const char* BoardSide::lost_by(double largest_age) noexcept {
