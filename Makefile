@@ -66,6 +66,7 @@ test: build
 # README's blocks, made anew by the commands in them; a test compares them.
 readme: tool python
 	@PATH="$(CURDIR)/$(BUILD)/bin:/usr/bin:$$PATH" VERIDYN_SOURCE="$(CURDIR)" /usr/bin/python3 tests/readme/blocks.py write README.md out/readme
+	@PATH="$(CURDIR)/$(BUILD)/bin:/usr/bin:$$PATH" VERIDYN_SOURCE="$(CURDIR)" /usr/bin/python3 tests/readme/blocks.py write docs/own-robot.md out/own-robot
 
 # The second test configuration: address and undefined-behaviour sanitizers.
 sanitize: packages-tests

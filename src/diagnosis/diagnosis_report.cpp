@@ -108,6 +108,22 @@ std::string worse_words(const Diagnosis& d, int joint) {
                      kPercent * d.extended.test_error.relative[i]);
 }
 
+// What every joint has and the file does not: one line for each joint.
+std::string friction_table(const Diagnosis& d) {
+  std::string out = "\nfriction, offset and rotor inertia that were found, +- standard deviation\n";
+  int joint = -1;
+  for (const JointNumber& n : d.friction) {
+    if (n.joint != joint)
+      out += fmt::format("{}  {:<22}", joint < 0 ? "" : "\n",
+                         d.extended.model->coordinates()[static_cast<size_t>(n.joint)].name);
+    joint = n.joint;
+    const std::string spread =
+        std::isfinite(n.deviation) ? fmt::format(" +- {:.1g}", n.deviation) : std::string();
+    out += fmt::format(" {} {:.4g}{} {};", n.effect, n.value, spread, n.unit);
+  }
+  return out + "\n";
+}
+
 }  // namespace
 
 std::string Diagnosis::sentence(const Finding& finding) const {
@@ -149,6 +165,7 @@ std::string Diagnosis::report(const std::string& next_command) const {
         out += fmt::format("recording {}: {}\n", r.source, filled_text(r.filled, r.rows));
     }
   }
+  if (!friction_remark.empty()) out += friction_remark + " Found: table below.\n";
   if (provisional) out += "one recording to learn from: names are provisional\n";
   out += findings.empty() ? "\nverdict: none; the data support no further effect\n"
          : changes        ? "\nwhat changed since the model was made:\n"
@@ -191,6 +208,7 @@ std::string Diagnosis::report(const std::string& next_command) const {
   line("training, baseline", baseline.train_error.relative);
   line("training, extended", extended.train_error.relative);
   line("noise floor", baseline.noise_floor);
+  if (!friction.empty()) out += friction_table(*this);
   if (!next_experiment.between.empty()) {
     out += fmt::format("next experiment, to separate {} from {}",
                        next_experiment.words(*baseline.model, 0),

@@ -41,7 +41,9 @@ void UniformStream::check(const Recording& piece) const {
           ") nor motor currents (i1..i", n, ").");
   for (const Coordinate& c : arm_.coordinates()) {
     require(c.drive_gain != 0.0, name_, ": found motor currents only, and robot '", arm_.name(),
-            "' has no drive_gain for coordinate '", c.name, "'.");
+            "' has no drive_gain for coordinate '", c.name, "'; drive gains (--drive-gains K,K,..., "
+            "drive_gains= in Python) give the torque per ampere of each joint, known masses find it "
+            "(--known-mass), and a robot file (info --yaml writes one) keeps it.");
   }
 }
 

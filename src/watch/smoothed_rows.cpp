@@ -67,7 +67,7 @@ void SmoothedRows::check(const Recording& rows) const {
           ") nor motor currents (i1..i", n, ").");
   for (const Coordinate& c : arm_.coordinates())
     require(c.drive_gain != 0.0, rows.source, ": found motor currents only, and robot '",
-            arm_.name(), "' has no drive_gain for coordinate '", c.name, "'.");
+            arm_.name(), "' has no drive_gain for coordinate '", c.name, "' (--drive-gains, --known-mass).");
 }
 
 bool SmoothedRows::take(const Recording& rows, int k, Row& row) const {
