@@ -45,8 +45,9 @@ JointState state_of(const JointVerdict& j) {
   return JointState::kUnexplained;
 }
 
-// "a, b and c (2.1, 3 and 4 ...)" of the joints in one state.
-std::string listed_in(const Verdict& v, JointState state, const std::string& what,
+// "a, b and c VERB 2.1, 3 and 4 WHAT; " of the joints in one state; {} are the figures.
+std::string listed_in(const Verdict& v, JointState state, const char* one, const char* several,
+                      const std::string& what,
                       const std::function<std::string(const JointVerdict&)>& figure) {
   std::vector<const JointVerdict*> in;
   for (const JointVerdict& j : v.joints)
@@ -58,21 +59,22 @@ std::string listed_in(const Verdict& v, JointState state, const std::string& wha
     names += between + in[k]->joint;
     figures += between + figure(*in[k]);
   }
-  return names + " " + fmt::format(fmt::runtime(what), figures) + "; ";
+  return names + " " + (in.size() == 1 ? one : several) + " " +
+         fmt::format(fmt::runtime(what), figures) + "; ";
 }
 
 std::string sentence_of(const Verdict& v) {
   const std::string whose = v.held_out ? "held out" : "on the training recordings";
   const auto error = [](const JointVerdict& j) { return fmt::format("{:.2g} %", 100.0 * j.error); };
   std::string out = listed_in(v, JointState::kHardlyMoved,
-                              "moved over {} of the range: record again with a motion of `veridyn excite`",
+                              "moved", "moved", "over {} of the range: record again with a motion of `veridyn excite`",
                               [](const JointVerdict& j) { return fmt::format("{:.2g} %", 100.0 * j.range); });
   out += listed_in(v, JointState::kUnexplained,
-                   "leave {} times the noise " + whose + ": `veridyn diagnose` says why",
+                   "leaves", "leave", "{} times the noise " + whose + ": `veridyn diagnose` says why",
                    [](const JointVerdict& j) { return fmt::format("{:.2g}", j.error / j.floor); });
-  out += listed_in(v, JointState::kAtFloor, "are at the noise (error {} " + whose + ")", error);
+  out += listed_in(v, JointState::kAtFloor, "is", "are", "at the noise (error {} " + whose + ")", error);
   out += listed_in(v, JointState::kCannotTell,
-                   "leave {} " + whose + ", and as no motion is repeated, the noise is not known", error);
+                   "leaves", "leave", "{} " + whose + ", and as no motion is repeated, the noise is not known", error);
   out.erase(out.size() - std::min<size_t>(out.size(), 2));
   return out;
 }

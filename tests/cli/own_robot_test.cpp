@@ -156,7 +156,7 @@ TEST_F(OwnRobot, TheVerdictSaysWhichJointIsNotExplained) {
   EXPECT_EQ(verdict["joints"][0]["state"], "at_floor") << verdict;
   const std::string sentence = verdict["sentence"];
   EXPECT_EQ(run.out.substr(0, sentence.size()), sentence);
-  EXPECT_NE(sentence.find("elbow leave"), std::string::npos) << sentence;
+  EXPECT_NE(sentence.find("elbow leaves"), std::string::npos) << sentence;
   EXPECT_NE(sentence.find("veridyn diagnose"), std::string::npos) << sentence;
 }
 

@@ -116,7 +116,7 @@ TEST(Excitation, ConditionNumbersAreNoWorseThanThoseOfTheThesis) {
 }
 
 // A supervisor stops an arm that is too fast to stop before a limit: from every instant of the motion
-// q + dq / braking lies within the range, and speeds have a twentieth to spare.
+// q + dq / braking lies within the range, and speeds have a fiftieth to spare.
 TEST(Excitation, LeavesWhatASafetySupervisorNeeds) {
   const Model arm = read_model("psm-3dof");
   const Excitation e = optimise_excitation(arm, small_search());
@@ -127,7 +127,7 @@ TEST(Excitation, LeavesWhatASafetySupervisorNeeds) {
     const VectorXd stop = fine.q.col(i) + fine.dq.col(i) / 30.0;
     EXPECT_GE(stop.minCoeff(), limits.lower[i] + room) << i;
     EXPECT_LE(stop.maxCoeff(), limits.upper[i] - room) << i;
-    EXPECT_LE(fine.dq.col(i).cwiseAbs().maxCoeff(), 0.95 * (1.0 + 1e-9) * limits.velocity[i]) << i;
+    EXPECT_LE(fine.dq.col(i).cwiseAbs().maxCoeff(), 0.98 * (1.0 + 1e-9) * limits.velocity[i]) << i;
   }
 }
 

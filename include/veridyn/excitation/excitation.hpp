@@ -79,7 +79,7 @@ struct ExcitationOptions {
   /// Iterations of each descent of the interior point, motions of kRandom in each search; the result depends on this and not on the clock.
   int iterations = 400;
   /// Of the limits of joints and torques that may be used, above 0 and at most 1. Nothing: what a
-  /// safety supervisor needs (SafetySupervisor, MotionCheck): 95 % of speeds and torques, of ranges
+  /// safety supervisor needs (SafetySupervisor, MotionCheck): 98 % of speeds, 95 % of torques, of ranges
   /// all but 0.25 % at each end from where the joint still stops before the limit, accelerations
   /// whole.
   std::optional<double> limit_share{};

@@ -121,7 +121,7 @@ void add_motion_options(CLI::App& command, ExcitationOptions& o) {
   command
       .add_option("--limit-share", o.limit_share,
                   "Share of range, speed, acceleration and torque to use (what a safety supervisor "
-                  "needs: 0.95 of speed and torque, the range as far as the arm can stop before its end)")
+                  "needs: 0.98 of speed, 0.95 of torque, the range as far as the arm can stop before its end)")
       ->option_text("X")
       ->check(CLI::Range(0.01, 1.0))
       ->group(group);

@@ -21,8 +21,8 @@ struct LimitSignal {
   double scale;  ///< its size, so that margins of different units compare
 };
 
-/// Of speeds and torques: a supervisor stops an arm at the limit, and controllers overshoot.
-constexpr double kShareOfSupervisor = 0.95;
+/// Of torques: a supervisor stops an arm whose motors saturate, and friction is not known yet.
+constexpr double kTorqueOfSupervisor = 0.95;
 
 /// Everything that a motion has to keep, as signals along it. Signals 0 .. 3 n - 1 are q, dq, ddq
 /// themselves.

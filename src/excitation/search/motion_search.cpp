@@ -52,7 +52,7 @@ MotionSearch::Bounds MotionSearch::allowed() const {
   Bounds out{VectorXd(signals_.count()), VectorXd(signals_.count())};
   for (int k = 0; k < signals_.count(); ++k) {
     const bool torque = signals_[k].name.rfind("torque", 0) == 0;
-    const double share = torque ? options_.limit_share.value_or(kShareOfSupervisor) : 1.0;
+    const double share = torque ? options_.limit_share.value_or(kTorqueOfSupervisor) : 1.0;
     out.lower[k] = share * signals_[k].lower;
     out.upper[k] = share * signals_[k].upper;
   }
