@@ -165,6 +165,8 @@ ExitStatus run(WatchRequest& request, const std::string& command_line) {
   require_writable(request.common.json);
   require_writable(request.common.report);
   const Model arm = read_robot(request.model, request.common);
+  for (const EffectTerm& term : arm.arm_effects())
+    say("warning: " + term.effect + " on the arm is left out here: what it does may be named as something else.");
   for (const std::string& link : request.options.links) expect_one_of("--link", link, frame_names(arm));
   struct sigaction action {};  // without SA_RESTART: a read that waits ends
   action.sa_handler = stop;
