@@ -57,6 +57,8 @@ void run_stages(Investigation& x, const Tell& tell) {
     tell("once more, without snags and contacts");
     ask_everything(x, tell);
   }
+  tell("accounting for what is left over");
+  account_for_errors(x);
   summarize(x.d, x.options.thresholds);
   if (!x.d.friction_remark.empty()) x.d.friction = plain_friction_of(*x.d.extended.model);
 }
