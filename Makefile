@@ -68,7 +68,7 @@ test: build
 	@ctest --test-dir $(BUILD) --output-on-failure -j $(JOBS)
 
 # Blocks of the README and of the pages below, made anew by the commands in them; tests compare them.
-PAGES ?= README.md docs/tour.md docs/own-robot.md
+PAGES ?= README.md docs/own-robot.md docs/tour.md
 readme: tool python
 	@for page in $(PAGES); do PATH="$(CURDIR)/$(BUILD)/bin:/usr/bin:$$PATH" VERIDYN_SOURCE="$(CURDIR)" \
 	  /usr/bin/python3 tests/readme/blocks.py write $$page out/readme || exit 1; done
