@@ -41,7 +41,12 @@ IdentificationOptions identification_options(const IdentifyRequest& request) {
   options.choose_velocities = request.command->count("--velocity") == 0;
   options.threads = request.common.threads;
   options.progress = progress(request.common);
-  if (!request.prior.empty()) options.prior = read_model(request.prior);
+  if (!request.prior.empty()) {
+    options.prior = read_model(request.prior);
+    expect_value(options.prior->inertial_values().has_value(), "--prior",
+                 "found bodies without values in '", options.prior->name(),
+                 "', expected a model with values, as from CAD or identify");
+  }
   for (const std::string& asked : request.known_masses)
     options.known_masses.push_back(
         value_of("--known-mass", [&] { return parse_known_mass(asked); }));
