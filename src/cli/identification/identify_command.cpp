@@ -17,7 +17,7 @@
 #include "veridyn/identification/factor_set.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/model_file.hpp"
-#include "veridyn/report/identification_page.hpp"
+#include "veridyn/report/pages.hpp"
 #include "veridyn/report/json.hpp"
 #include "recordings/named_recordings.hpp"
 #include "veridyn/report/setting_names.hpp"
