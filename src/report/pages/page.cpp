@@ -1,14 +1,12 @@
 #include "report/pages/page.hpp"
 
-#include <fmt/chrono.h>
-
-#include <ctime>
 #include <string_view>
 #include <utility>
 #include <vector>
 
 #include "report/pages/page_files.hpp"
 #include "report/pages/page_series.hpp"
+#include "veridyn/model/model_origin.hpp"
 
 namespace veridyn {
 namespace {
@@ -73,8 +71,7 @@ std::string three(const Json& series) {
 std::string html_page(const std::string& title, const std::string& result, const Json& series,
                       const std::string& report) {
   Json figures = series;
-  const std::time_t now = std::time(nullptr);
-  figures["made"] = fmt::format("{:%Y-%m-%d %H:%M} UTC", fmt::gmtime(now));
+  figures["made"] = origin_now("", {}).date;
   return filled(page_file("page.html"),
                 {{"title", html_text(title)},
                  {"plot style", part("dygraph.css")},

@@ -4,6 +4,7 @@
 #include "report/pages/page_series.hpp"
 #include "veridyn/effects/effect.hpp"
 #include "veridyn/math/require.hpp"
+#include "veridyn/regressor/standard_parameters.hpp"
 #include "veridyn/report/comparison_json.hpp"
 #include "veridyn/report/diagnosis_json.hpp"
 #include "veridyn/report/json.hpp"
@@ -35,13 +36,35 @@ void plot_errors(const char* role, const std::vector<RecordingError>& model,
   }
 }
 
+// What the robot file says of each base parameter; null where it lacks a value that it needs.
+Json values_in_file(const Identification& id, const Model& robot) {
+  Json out = Json::array();
+  const auto& identified = id.model->description().identified;
+  if (!identified || !robot.inertial_values()) return out;
+  std::map<std::string, double> known;
+  for (const StandardParameter& p : standard_parameters(robot))
+    if (p.effect < 0 || !robot.effects()[static_cast<std::size_t>(p.effect)].values.empty())
+      known[p.name] = p.value;
+  for (const IdentifiedParameter& one : identified->parameters) {
+    double value = 0.0;
+    bool all = true;
+    for (const auto& [name, coefficient] : one.combination) {
+      const auto at = known.find(name);
+      all = all && at != known.end();
+      value += all ? coefficient * at->second : 0.0;
+    }
+    out.push_back({{"name", one.name}, {"value", all ? Json(value) : Json()}});
+  }
+  return out;
+}
+
 Json limits_json(double lower, double upper) {
   return {lower, upper};
 }
 
 }  // namespace
 
-std::string to_page(const Identification& id, const std::string& command) {
+std::string to_page(const Identification& id, const std::string& command, const Model* robot) {
   require(id.model.has_value(), "to_page: found an identification without a model: ", id.reason,
           ".");
   Json series = series_of(command, *id.model);
@@ -50,6 +73,7 @@ std::string to_page(const Identification& id, const std::string& command) {
   plot_errors("training", id.train, nullptr, recordings);
   add_recordings(series, recordings);
   add_friction(series, id);
+  if (robot != nullptr) series["file"] = values_in_file(id, *robot);
   series["arms"].clear();  // nothing here moves
   return html_page(id.robot + ": identified", to_json(id), series, id.report());
 }
@@ -96,28 +120,31 @@ std::string to_page(const Excitation& e, const std::string& command, const Model
   return html_page(e.robot + ": a motion to record", to_json(e), series, e.report());
 }
 
+std::string result_page(const std::string& title, const std::string& result,
+                        const std::string& report, const std::string& command, const Model* arm) {
+  return html_page(title, result, arm != nullptr ? series_of(command, *arm) : series_of(command), report);
+}
+
 std::string to_page(const RobotInfo& info, const std::string& command) {
-  return html_page(info.arm.name() + ": the robot", to_json(info), series_of(command, info.arm),
-                   info.report());
+  return result_page(info.arm.name() + ": the robot", to_json(info), info.report(), command, &info.arm);
 }
 
 std::string to_page(const std::vector<RecordingQuality>& recordings, const std::string& command) {
   std::string report;
   for (const RecordingQuality& one : recordings) report += one.report();
-  return html_page("Quality of recordings", to_json(recordings), series_of(command), report);
+  return result_page("Quality of recordings", to_json(recordings), report, command);
 }
 
 std::string to_page(const PayloadReport& report, const std::string& command) {
-  return html_page(report.robot + ": payload", to_json(report), series_of(command),
-                   report.report());
+  return result_page(report.robot + ": payload", to_json(report), report.report(), command);
 }
 
 std::string to_page(const ModelComparison& found, const std::string& command) {
-  return html_page(found.robot + ": compared", to_json(found), series_of(command), found.report());
+  return result_page(found.robot + ": compared", to_json(found), found.report(), command);
 }
 
 std::string to_page(const Fleet& fleet, const std::string& command) {
-  return html_page(fleet.robot + ": fleet", to_json(fleet), series_of(command), fleet.report());
+  return result_page(fleet.robot + ": fleet", to_json(fleet), fleet.report(), command);
 }
 
 }  // namespace veridyn

@@ -1,3 +1,5 @@
+#include <cmath>
+
 #include "report/pages/page.hpp"
 #include "report/pages/page_series.hpp"
 #include "veridyn/report/watch_json.hpp"
@@ -8,13 +10,16 @@ namespace {
 // Torque, and what the model leaves of it, joint by joint.
 Json watched_joint(const WatchedSource& source, Eigen::Index joint, const std::string& unit) {
   const auto rows = static_cast<Eigen::Index>(source.states.size());
-  VectorXd torque(rows), rest(rows);
+  VectorXd torque(rows), rest(rows), q(rows);
   for (Eigen::Index k = 0; k < rows; ++k) {
     torque[k] = source.states[static_cast<std::size_t>(k)].torque[joint];
     rest[k] = source.states[static_cast<std::size_t>(k)].residual[joint];
+    const VectorXd& position = source.states[static_cast<std::size_t>(k)].position;
+    q[k] = joint < position.size() ? position[joint] : NAN;
   }
   const Eigen::Index step = curve_step(rows);
-  return {{"plots",
+  return {{"q", packed(q, step)},
+          {"plots",
            {plot_json("time", "Torque", unit,
                       {curve_json("measured", "recorded", packed(torque, step)),
                        curve_json("model with known changes", "model", packed(torque - rest, step))}),
@@ -30,7 +35,6 @@ std::string to_page(const std::vector<WatchedSource>& sources, const Model& arm,
   for (const WatchedSource& s : sources)
     for (const WatchEvent& e : s.events) report += s.source + ": " + e.sentence + "\n";
   Json series = series_of(command, arm);
-  series["arms"].clear();  // states hold no positions
   if (!sources.empty() && !sources.back().states.empty()) {
     const WatchedSource& source = sources.back();
     VectorXd time(static_cast<Eigen::Index>(source.states.size()));

@@ -18,6 +18,7 @@ function identifyNext(rows) {
 }
 
 pages.identify = () => {
+  const file = new Map((series.file || []).filter((one) => isNumber(one.value)).map((one) => [one.name, one.value]));
   const rows = verdictRows();
   const worst = rows.reduce((a, b) => (b.ratio || valueAt(b.error) || 0) > (a.ratio || valueAt(a.error) || 0) ? b : a, rows[0]);
   const floor = '/noise_floor/relative_error';
@@ -39,9 +40,9 @@ pages.identify = () => {
               recordingErrors()),
       frictionSection(),
       section('parameters', 'Parameters', 'Friction, rotor and offset of each joint; then the combinations of inertial and effect parameters that torques determine, with ' +
-                  'standard deviations that respect autocorrelation, and their 95 % intervals as bars' + (result.base_parameters.some((p) => isNumber(p.cad)) ? '; orange ticks: the robot file.' : '.'),
+                  'standard deviations that respect autocorrelation, and their 95 % intervals as bars' + (file.size ? '; orange ticks: the robot file.' : '.'),
               jointTable(result.standard_parameters || [], '/standard_parameters'), baseTable(result.base_parameters, '/base_parameters'),
-              grid(parameterDots(result.base_parameters))),
+              grid(parameterDots(result.base_parameters, file))),
       ...torqueSections(worst && worst.joint),
       section('numerics', 'Numerics', null, folded('How well the equations are posed', factList([
         ['Condition number, columns scaled', '/condition_number'], ['Condition number, as they are', '/condition_number_unscaled'], ['Rank gap', '/rank_gap'],

@@ -175,7 +175,11 @@ pages.watch = () => {
     const place = '/sources/' + s + '/events/' + e;
     return [fileName(source.source), seconds(place + '/time'), seconds(place + '/since'), event.event, typeset(event.sentence)];
   }));
-  if (result.running && !window.EventSource_follows) setTimeout(() => location.reload(), kReload);
+  if (result.running && location.protocol === 'http:') {
+    new EventSource('/events').onmessage = () => location.reload();
+  } else if (result.running) {
+    setTimeout(() => location.reload(), kReload);
+  }
   return {
     title: result.robot, kind: 'Watch', facts: [result.running ? 'running; this page follows it' : 'ended'],
     lead: alarms === 0 ? 'Nothing changed.' : countOf(alarms, 'change') + ' in ' + countOf(result.sources.length, 'source') + '.', state: alarms ? 'bad' : 'good',

@@ -262,17 +262,18 @@ function jointTable(list, place) {
 }
 
 /** Dots with 95 % intervals, one drawing a unit; a tick where the robot file has a value. */
-function parameterDots(list) {
+function parameterDots(list, file) {
+  const said = (item) => file && file.get(item.name);
   return groupBy(list, (p) => p.unit).map((group) => {
     const shown = group.filter(({item}) => isNumber(item.value)).slice(0, 24);
-    const reach = Math.max(1e-12, ...shown.map(({item}) => Math.abs(item.value) + kNormal95 * (item.std || 0)), ...shown.map(({item}) => Math.abs(item.cad || 0)));
+    const reach = Math.max(1e-12, ...shown.map(({item}) => Math.abs(item.value) + kNormal95 * (item.std || 0)), ...shown.map(({item}) => Math.abs(said(item) || 0)));
     return rowChart({
       name: 'intervals', joint: 0, title: 'In ' + typeset(group[0].item.unit), width: 560, left: 190, right: 110, range: [-reach, reach],
       marks: [{at: 0, text: '0', kind: 'zero'}, {at: -reach, text: short(-reach, 2)}, {at: reach, text: short(reach, 2)}],
       rows: shown.map(({item}) => ({
         label: item.name.length > 28 ? item.name.slice(0, 27) + '\u2026' : item.name, title: item.expression || item.name,
         parts: [{from: item.value - kNormal95 * (item.std || 0), to: item.value + kNormal95 * (item.std || 0), colour: 'quiet', thin: true}],
-        dots: [{at: item.value, colour: 'extended'}].concat(isNumber(item.cad) ? [{at: item.cad, colour: 'model', tick: true}] : []),
+        dots: [{at: item.value, colour: 'extended'}].concat(isNumber(said(item)) ? [{at: said(item), colour: 'model', tick: true}] : []),
         value: isNumber(item.std) && item.value ? '\u00b1' + short(100 * item.std / Math.abs(item.value), 2) + ' %' : ''
       }))});
   });
@@ -281,7 +282,6 @@ function parameterDots(list) {
 // The value with two digits of its deviation.
 function baseRow(one, k, place) {
   const write = isNumber(one.std) && one.std > 1e-7 && Math.abs(one.value) < 1e5 ? fixed(Math.max(0, 1 - Math.floor(Math.log10(one.std)))) : undefined;
-  const share = isNumber(one.std) && one.value ? '\u00b1' : '\u2013';
   return [
     element('span', {class: 'expression'}, (one.expression || one.name).replace(/(^| )- ?/g, '$1\u2212 ')),
     number(place + '/' + k + '/value', 'plain', write), number(place + '/' + k + '/std', 'plain', write), typeset(one.unit)
