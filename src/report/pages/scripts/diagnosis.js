@@ -23,7 +23,7 @@ function worseJoints() {
 function explainedByMain() {
   const s = result.summary;
   if (!s || s.main_findings >= result.findings.length) return null;
-  return paragraph('', 'The first ', number('/summary/main_findings', 'whole'), ' explain ', number('/summary/explained_by_main', 'share'),
+  return paragraph('', s.main_findings === 1 ? 'The first explains ' : ['The first ', number('/summary/main_findings', 'whole'), ' explain '], number('/summary/explained_by_main', 'share'),
                    '\u00a0% of the removable held-out error, all ', String(result.findings.length), ' of them ', number('/summary/explained_by_all', 'share'), '\u00a0%.');
 }
 
