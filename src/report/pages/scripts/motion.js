@@ -71,7 +71,7 @@ pages.excite = () => {
                 number('/duration', 'plain'), '\u00a0s in all', result.slow_seconds ? ['; slow passes of one joint after the other follow for ', number('/slow_seconds', 'plain'), '\u00a0s.'] : '.',
                 ' Condition number ', number('/condition_number', 'plain'), ' against ', number('/start_condition_number', 'plain'), ' of a random motion, for ',
                 number('/base_parameters', 'whole'), ' base parameters.'),
-      discriminationWords(), usedBars(used)],
+      discriminationWords(), ...(result.warnings || []).map((w) => paragraph('warning', typeset(w))), usedBars(used)],
     next: [{why: 'Record it on the arm (it starts and stops at rest), or try it in simulation:', command: 'veridyn simulate ' + result.robot + ' --trajectory ' + output + ' -o RECORDING.csv'},
            {why: 'Then:', command: 'veridyn identify ' + result.robot + ' --train RECORDING.csv --test OTHER.csv --report model.html'}],
     picture: armView(),
