@@ -1,5 +1,12 @@
 #include <gtest/gtest.h>
 
+#include <arpa/inet.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <thread>
+
 #include "cli/tool.hpp"
 #include "support/browser.hpp"
 
@@ -52,6 +59,7 @@ class EveryPage : public testing::TestWithParam<PageCase> {
     run({"payload", path("ext.yaml"), "--recording", path("rec2.csv"), "--report",
          path("payload.html"), "--quiet"});
     run({"watch", path("ext.yaml"), path("rec2.csv"), "--report", path("watch.html"), "--quiet"});
+    run({"page", path(""), "-o", path("index.html")});
   }
 
   static void TearDownTestSuite() {
@@ -87,7 +95,8 @@ INSTANTIATE_TEST_SUITE_P(
                     PageCase{"stability", {"plane", "map", "steps"}},
                     PageCase{"kinematics", {"condition", "arm"}}, PageCase{"info", {"arm"}},
                     PageCase{"check", {}}, PageCase{"compare", {"differences"}},
-                    PageCase{"payload", {"verdict"}}, PageCase{"watch", {"time"}}),
+                    PageCase{"payload", {"verdict"}}, PageCase{"watch", {"time", "arm"}},
+                    PageCase{"index", {"history"}}),
     [](const testing::TestParamInfo<PageCase>& info) { return std::string(info.param.name); });
 
 std::map<std::string, int> kinds_of(const OpenedPage& page) {
@@ -176,6 +185,99 @@ TEST_P(EveryPage, ThePictureOfTheArmChanges) {
   EXPECT_GT(first.size(), 20000u);
   EXPECT_EQ(first, picture_of(page(), 0.0));
   EXPECT_NE(first, picture_of(page(), 3.3));
+}
+
+// ---- a folder
+
+TEST(ProjectPage, HoldsModelsInTheirOrderAndWhatChanged) {
+  const TemporaryFolder folder;
+  const std::string recording = folder.write("a.csv", planar_recording(20.0));
+  for (const char* name : {"one.yaml", "two.yaml"})
+    ASSERT_EQ(run_tool({"identify", "planar-2r", "--train", recording, "--model-out",
+                        folder.path(name), "--quiet"})
+                  .status,
+              0);
+  const ToolRun made = run_tool({"page", folder.path("")});
+  ASSERT_EQ(made.status, 0) << made.err;
+  const json result = embedded(content_of(folder.path("index.html")), "result");
+  ASSERT_EQ(result["models"].size(), 2u);
+  EXPECT_EQ(result["models"][0]["inputs"][0], "a.csv");
+  EXPECT_EQ(result["recordings"].size(), 1u);
+  ASSERT_EQ(result["changes"].size(), 1u);
+  EXPECT_NE(result["changes"][0]["verdict"], "differ");  // the same recording twice
+}
+
+TEST(ProjectPage, AFolderWithoutResultsIsRefused) {
+  const TemporaryFolder folder;
+  EXPECT_EQ(run_tool({"page", folder.path("")}).status, 3);
+  EXPECT_EQ(run_tool({"page", folder.path("nowhere")}).status, 3);
+  EXPECT_TRUE(folder.files().empty());
+}
+
+// ---- a page that is served
+
+// What a server on this machine answers within a few seconds, or until it has said `enough`.
+std::string answer_of(int port, const std::string& place, const std::string& enough) {
+  const int line = ::socket(AF_INET, SOCK_STREAM, 0);
+  sockaddr_in where{};
+  where.sin_family = AF_INET;
+  where.sin_port = htons(static_cast<std::uint16_t>(port));
+  where.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  std::string out;
+  if (::connect(line, reinterpret_cast<sockaddr*>(&where), sizeof where) == 0) {
+    const timeval patience{5, 0};
+    ::setsockopt(line, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
+    const std::string words = "GET " + place + " HTTP/1.1\r\nHost: here\r\nConnection: close\r\n\r\n";
+    if (::send(line, words.data(), words.size(), 0) > 0) {
+      char part[4096];
+      for (long n = 1; n > 0 && out.find(enough) == std::string::npos;) {
+        n = ::recv(line, part, sizeof part, 0);
+        if (n > 0) out.append(part, static_cast<std::size_t>(n));
+      }
+    }
+  }
+  ::close(line);
+  return out;
+}
+
+int free_port() {
+  const int line = ::socket(AF_INET, SOCK_STREAM, 0);
+  sockaddr_in where{};
+  where.sin_family = AF_INET;
+  where.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  socklen_t size = sizeof where;
+  EXPECT_EQ(::bind(line, reinterpret_cast<sockaddr*>(&where), size), 0);
+  EXPECT_EQ(::getsockname(line, reinterpret_cast<sockaddr*>(&where), &size), 0);
+  ::close(line);
+  return ntohs(where.sin_port);
+}
+
+TEST(ServedPage, ABrowserSeesThePageAndIsToldOfNewOnes) {
+  const TemporaryFolder folder;
+  const std::string recording = folder.write("a.csv", planar_recording(30.0));
+  ASSERT_EQ(run_tool({"identify", "planar-2r", "--train", recording, "--model-out",
+                      folder.path("m.yaml"), "--quiet"})
+                .status,
+            0);
+  const int port = free_port();
+  ToolRun watched;
+  std::thread running([&] {
+    watched = run_tool({"watch", folder.path("m.yaml"), recording, "--follow", "--idle", "9",
+                        "--learn", "5", "--serve", std::to_string(port)});
+  });
+  std::string page;
+  for (int k = 0; k < 40 && page.find("\"running\": true") == std::string::npos; ++k) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(200));
+    page = answer_of(port, "/", "</html>");
+  }
+  const std::string events = answer_of(port, "/events", "data: new");
+  running.join();
+  if (watched.err.find("without cpp-httplib") != std::string::npos) GTEST_SKIP() << watched.err;
+  EXPECT_NE(page.find("\"command\": \"watch\""), std::string::npos) << watched.err;
+  EXPECT_NE(page.find("\"running\": true"), std::string::npos);
+  EXPECT_NE(events.find("text/event-stream"), std::string::npos) << events;
+  EXPECT_NE(events.find("data: new"), std::string::npos) << events;
+  EXPECT_NE(watched.err.find("http://127.0.0.1:" + std::to_string(port)), std::string::npos);
 }
 
 }  // namespace

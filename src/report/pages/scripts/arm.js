@@ -164,7 +164,7 @@ function svgStage(box) {
 
 // ---- a stage with a slider
 
-const kFrames = 24;      // [ms] between drawings, at least
+const kFrames = 15;      // [ms] between drawings, at least
 const kTrail = 400;      // points of the tip's path
 let playing = null;
 

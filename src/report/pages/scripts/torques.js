@@ -234,7 +234,8 @@ function frictionSection() {
   return section(
       'friction', 'Friction', 'Torque that depends on the speed: what the model says, with 95 % of its curve, over what the rest of the model leaves for it ' +
           '(component plus residual). Dots that leave the curve in a pattern are friction that the model does not have.',
-      grid(there.map((f) => frictionChart(f, {width: 420, height: 240}))));
+      grid(there.map((f) => frictionChart(f, {width: 420, height: 240}))),
+      jointTable((result.friction || []).map((f) => ({...f, name: f.effect + '(' + f.coordinate + ').' + f.parameter})), '/friction'));
 }
 
 // ---- parameters
