@@ -15,6 +15,7 @@ namespace veridyn::cli {
 namespace {
 
 constexpr const char* kHere = "127.0.0.1";
+constexpr std::chrono::seconds kFarewell{1};        // in which a browser fetches the last page
 constexpr std::chrono::milliseconds kSilence{500};  // after which a browser that left is noticed
 
 }  // namespace
@@ -25,6 +26,7 @@ class LivePage::Implementation {
     server_.Get("/", [this](const httplib::Request&, httplib::Response& answer) {
       const std::lock_guard<std::mutex> hold(guard_);
       answer.set_header("Cache-Control", "no-store");
+      seen_ = true;
       answer.set_content(html_, "text/html; charset=utf-8");
     });
     server_.Get("/events", [this](const httplib::Request&, httplib::Response& answer) {
@@ -40,6 +42,7 @@ class LivePage::Implementation {
   }
 
   ~Implementation() {
+    if (seen()) std::this_thread::sleep_for(kFarewell);
     {
       const std::lock_guard<std::mutex> hold(guard_);
       ended_ = true;
@@ -61,6 +64,11 @@ class LivePage::Implementation {
   int port() const { return port_; }
 
  private:
+  bool seen() {
+    const std::lock_guard<std::mutex> hold(guard_);
+    return seen_;
+  }
+
   long count() {
     const std::lock_guard<std::mutex> hold(guard_);
     return count_;
@@ -82,7 +90,7 @@ class LivePage::Implementation {
   std::condition_variable changed_;
   std::string html_ = "<!DOCTYPE html><title>veridyn</title><p>Waiting for the first rows.";
   long count_ = 0;
-  bool ended_ = false;
+  bool ended_ = false, seen_ = false;
   int port_ = 0;
   std::thread thread_;
 };

@@ -176,7 +176,7 @@ pages.watch = () => {
     return [fileName(source.source), seconds(place + '/time'), seconds(place + '/since'), event.event, typeset(event.sentence)];
   }));
   if (result.running && location.protocol === 'http:') {
-    new EventSource('/events').onmessage = () => location.reload();
+    new EventSource('/events').onmessage = () => fetch('/').then(() => location.reload(), () => 0);  // it may have ended
   } else if (result.running) {
     setTimeout(() => location.reload(), kReload);
   }
