@@ -15,7 +15,7 @@
 #include "veridyn/identification/factor_set.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/model_file.hpp"
-#include "veridyn/report/identification_page.hpp"
+#include "veridyn/report/pages.hpp"
 #include "veridyn/report/json.hpp"
 #include "recordings/named_recordings.hpp"
 #include "veridyn/report/setting_names.hpp"
@@ -130,7 +130,10 @@ void write_results(const IdentifyRequest& request, const Identification& id,
   if (id.status == IdentificationStatus::kNotConverged) say("warning: " + id.reason);
   if (!request.model_out.empty()) save(id, request.model_out, "identify", robot_path(request.robot));
   if (!request.common.json.empty()) write_file(request.common.json, to_json(id));
-  if (!request.common.report.empty()) write_file(request.common.report, to_page(id, command_line));
+  if (!request.common.report.empty()) {
+    const Model robot = read_model(request.robot);
+    write_file(request.common.report, to_page(id, command_line, &robot));
+  }
   std::cout << id.report();
 }
 
