@@ -46,6 +46,13 @@ constexpr double kShapeOpen = 0.03;   ///< half a step of the last factors: what
 constexpr double kSmallestTravel = 1e-6;
 constexpr double kSameAxis = 1e-9;    ///< by which directions may differ
 
+// Residuals against signals.
+constexpr double kReversalShare = 0.02;  ///< of the largest speed: slower is no new direction
+constexpr double kHistoryUnit = 0.005;   ///< of the travel: ways after a reversal that are told apart
+constexpr double kRowsPerCutoff = 5.0;   ///< rows per period of the cut-off frequency
+constexpr double kShapeFlat = 0.15;      ///< of a curve's range: it keeps its value
+constexpr double kShapeMost = 0.8;       ///< of a curve's mean square: it is odd, or even
+
 // Loads.
 constexpr double kUnseenLoad = 1e-7;  ///< Unseen load of the best seen direction's square
 constexpr double kSameSpan = 1e-5;    ///< Same span of a column's square that may lie outside the other load's

@@ -16,7 +16,8 @@ TEST(Excite, WritesMotionCoefficientsAndMargins) {
   const TemporaryFolder folder;
   const ToolRun run =
       run_tool(Words{"excite", "psm-3dof", "-o", folder.path("m.csv"), "--json",
-                     folder.path("m.json"), "--coefficients", folder.path("m.yaml")} +
+                     folder.path("m.json"), "--coefficients", folder.path("m.yaml"),
+                     "--criterion", "condition"} +
                kQuick);
   ASSERT_EQ(run.status, 0) << run.err;
   std::istringstream csv(content_of(folder.path("m.csv")));
@@ -27,7 +28,14 @@ TEST(Excite, WritesMotionCoefficientsAndMargins) {
   EXPECT_EQ(out["status"], "done");
 
   EXPECT_LT(out["condition_number"], out["start_condition_number"]);
-  EXPECT_EQ(out["margins"].size(), 6U);
+  EXPECT_EQ(out["margins"].size(), 9U);
+  ASSERT_EQ(out["used"].size(), 3U);
+  for (const auto& used : out["used"]) {
+    EXPECT_GT(used["range"], 0.0);
+    EXPECT_LE(used["range"], 1.0);
+    EXPECT_LE(used["velocity"], 0.98 + 1e-9);
+    EXPECT_TRUE(used["effort"].is_null());  // its torques are not known
+  }
   for (const auto& margin : out["margins"]) EXPECT_GE(margin["margin"], 0.0) << margin;
   const std::string yaml = content_of(folder.path("m.yaml"));
   EXPECT_NE(yaml.find("  - name: insertion\n    q0: "), std::string::npos) << yaml;
@@ -84,7 +92,11 @@ TEST(Excite, ThePageShowsTheMotionItsLimitsAndWhatItWillIdentify) {
   for (const int width : {400, 1200}) {
     const OpenedPage page = open_page(folder.path("m.html"), width);
     expect_sound(page, width);
-    EXPECT_EQ(page.with("data-plot").size(), 3U);
+    std::map<std::string, int> kinds;
+    for (const PageElement& plot : page.with("data-plot")) ++kinds[plot.at("data-plot")];
+    EXPECT_EQ(kinds["error"], 3 * 3);  // position, velocity and acceleration of three joints
+    EXPECT_EQ(kinds["arm"], 1);
+    EXPECT_EQ(kinds["used"], 1);
     const auto numbers = page.with("data-from");
     EXPECT_GT(numbers.size(),
               4U * result["margins"].size() + 3U * result["base_parameters"].get<size_t>());

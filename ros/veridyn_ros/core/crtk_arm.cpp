@@ -198,6 +198,7 @@ const VectorXd& CrtkArm::update(const VectorXd& shown_q, const VectorXd& dq, dou
   input_.sensor_age = age;
   safety_.set_holding_torque(error_.torque());
   out_ = safety_.update(arm_, input_, tau_);
+  error_.sent(tau_, out_);
   if (safety_.fault() != SafetyFault::kNone && state_ != OperatingState::kFault &&
       state_ != OperatingState::kDisabled) {
     state_ = OperatingState::kFault;

@@ -82,7 +82,8 @@ ModelController::ModelController(const Model& model, const PidGains& rest, const
       q_(VectorXd::Zero(model.joints())),
       dq_(q_),
       off_(q_),
-      tau_(q_) {
+      tau_(q_),
+      sent_(q_) {
   input_.q_wanted.setConstant(std::numeric_limits<double>::quiet_NaN());  // the run's to judge
   input_.force_expected.setConstant(std::numeric_limits<double>::quiet_NaN());
 }
@@ -145,6 +146,11 @@ bool ModelController::torques(const BoardArmState& state, const JointReference& 
   tau.head(n) = safe;
   sensors_.show_torques(tau.head(n));
   return true;
+}
+
+void ModelController::sent(const VectorXd& tau) noexcept {
+  sent_ = tau.head(sent_.size());
+  error_.sent(tau_, sent_);
 }
 
 std::string ModelController::why() const {

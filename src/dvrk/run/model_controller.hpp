@@ -61,6 +61,7 @@ class ModelController final : public MotionController {
   void motion_begins() noexcept override { moves_ = true; }
   bool torques(const BoardArmState& state, const JointReference& wanted, const CycleTimes& times,
                VectorXd& tau) noexcept override;
+  void sent(const VectorXd& tau) noexcept override;
   std::string why() const override;
   bool follows() const override { return options_.law != ControlLaw::kGravity; }
   MotionLimits limits() const override;
@@ -95,7 +96,7 @@ class ModelController final : public MotionController {
   JointReference wanted_;  // of the model's joints
   TaskReference task_;
   SafetyInput input_;
-  VectorXd q_, dq_, off_, tau_;
+  VectorXd q_, dq_, off_, tau_, sent_;
   bool moves_ = false;  // the motion, not the way to its start
 };
 

@@ -42,6 +42,10 @@ class MotionController {
   virtual bool torques(const BoardArmState& state, const JointReference& wanted, const CycleTimes& times,
                        VectorXd& tau) noexcept = 0;
 
+  /// What the motors were sent of tau, (n of the arm): currents have limits. Neither throws nor
+  /// allocates.
+  virtual void sent(const VectorXd& tau) noexcept { (void)tau; }
+
   /// Why torques() returned false.
   virtual std::string why() const { return ""; }
   /// Whether joints shall stay near their set points.
