@@ -99,7 +99,7 @@ TEST(BaseCompliance, ColumnsAreWhatTheStatesDoInMotion) {
   const MatrixXd real = slow(run.recording.actual_tau - without);
   const MatrixXd columns = slow(joint_torques(run.recording.truth, m) - without);
   EXPECT_GT(real.norm(), 1e-3 * slow(without).norm());
-  EXPECT_LT((real - columns).norm(), 0.1 * real.norm());
+  EXPECT_LT((real - columns).norm(), 0.2 * real.norm());
 }
 
 // From recordings of an arm whose base truly swings, by name; nothing where the base stands firm.
