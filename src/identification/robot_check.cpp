@@ -1,3 +1,4 @@
+#include "veridyn/identification/verdict.hpp"
 #include "veridyn/identification/robot_check.hpp"
 
 #include <algorithm>
@@ -28,8 +29,6 @@ constexpr double kWorstCondition = 2e4;  // columns scaled; whole recordings of 
 // their fits.
 constexpr double kBetter = 0.9;
 constexpr double kGainsBetter = 0.3;
-// Of its range: less shows friction at one place.
-constexpr double kHardlyMoves = 0.05;
 constexpr double kWellFitted = 0.02;  // share of a joint; no joints are swapped where all are below
 // Power lost to friction, as a share of rms torque times rms speed, that tells its sign: above the
 // first number, and above the second times the rms share of the torque that is left unexplained,
