@@ -51,7 +51,10 @@ function verdictFindings() {
         'p', {class: 'lead'},
         result.changes_since ?
             'Nothing has changed since the model was made, as far as these recordings tell.' :
-            'Nothing found: the recordings support no further effect.')];
+            'Nothing found' +
+                ((result.verdict || []).every((v) => v.state === 'at_floor') ?
+                     ': every joint is at its floor.' :
+                     ', yet not every joint is at its floor.'))];
   }
   const points = findings.length === 1 ? 'one point' : findings.length + ' points';
   const lead = (result.changes_since ? 'Since the model was made, the arm has changed in ' :
@@ -132,6 +135,7 @@ function fillDiagnosis() {
             extended && {name: 'Training, extended', place: '/extended/train/relative_error'},
           ].filter(Boolean),
           '/noise_floor/relative_error'));
+  fillJointVerdicts();
   fillFindings();
   fillNextExperiment();
   fillWaterfalls();

@@ -68,7 +68,7 @@ function findingRow(finding, k) {
           'strong', {class: 'cause'}, number(place + '/rank', 'whole'),
           '\u2002' + words(finding.effect)),
       element('span', {class: 'where'}, ', ' + where), element('p', {}, phraseOf(finding)),
-      rivalList(finding));
+      shapeCurve(finding), rivalList(finding));
   return [
     cause, parameterList(finding, k), number(place + '/p_value', 'chance'),
     heldOutChange(finding, k),
@@ -98,13 +98,13 @@ function fillFindings() {
 // { separates: [a, b], trajectory: file or words, ... }; whatever else is there is text as well.
 function fillNextExperiment() {
   const next = result.next_experiment;
-  if (!next || !(next.separates || []).length) return;
+  if (!next || !((next.separates || []).length || next.shows)) return;
   const rest = Object.entries(next).filter(
-      ([name, value]) => name !== 'separates' && value && typeof value === 'string');
+      ([name, value]) => !['separates', 'shows'].includes(name) && value && typeof value === 'string');
   byId('next-experiment')
       .append(
-          element('h3', {}, 'The recording that would separate them'),
-          element('p', {}, element('strong', {}, next.separates.map(words).join(' from '))),
+          element('h3', {}, next.shows ? 'The recording that would show it best' : 'The recording that would separate them'),
+          element('p', {}, element('strong', {}, next.shows || next.separates.map(words).join(' from '))),
           ...rest.map(
               ([name, value]) =>
                   element('p', {}, element('span', {class: 'name'}, words(name) + ': '), value)));
