@@ -52,11 +52,11 @@ class ArmLoop {
 
   /// While all is held: the arm keeps its place as long as the force on it stays within `bound`
   /// [N]; beyond that it gives way as a light damped mass does, until the force is back and the tip
-  /// An arm that gives way moves: it is not expected to stand.
-  bool yields() const { return yielding_; }
   /// rests, and keeps the place where it then is. Call it every cycle before torque().
   /// @param force  as torque() takes it.
   void hold_within(double bound, const Eigen::Vector3d& force) noexcept;
+  /// An arm that gives way moves: it is not expected to stand.
+  bool yields() const { return yielding_; }
   /// What the observer of model errors adds, (n) [N m], [N].
   const VectorXd& extra_torque() const { return model_error_.torque(); }
 

@@ -39,7 +39,7 @@ function unexplained() {
 
 function diagnosisLead() {
   const count = result.findings.length;
-  if (!count) return result.changes_since ? 'Nothing has changed since the model was made, as far as these recordings tell.' : 'Nothing found: the recordings support no further effect.';
+  if (!count) return result.changes_since ? 'Nothing has changed since the model was made, as far as these recordings tell.' : 'Nothing found' + ((Array.isArray(result.verdict) ? result.verdict : []).every((v) => v.state === 'at_floor') ? ': every joint is at its floor.' : ', yet not every joint is at its floor.');
   return (result.changes_since ? 'Since the model was made, the arm has changed in ' : 'The arm differs from the model in ') + (count === 1 ? 'one point' : count + ' points') + '.';
 }
 
@@ -72,6 +72,7 @@ function diagnosisNext() {
   const out = [];
   if (next && (next.separates || []).length)
     out.push({why: 'Record what separates ' + next.separates.map(words).join(' from ') + ':', command: next.trajectory});
+  if (next && next.shows) out.push({why: 'Record what shows it best: ' + next.shows, command: next.trajectory});
   if (model) out.push({why: 'Look for a change with the next recordings:', command: 'veridyn diagnose ' + model + ' --train NEW.csv --test OTHER.csv'});
   else if (result.findings.length) out.push({why: 'Write the extended model:', command: otherCommand('diagnose') + ' --model-out extended.yaml'});
   return out.length ? out : null;
@@ -209,6 +210,15 @@ function cannotTell() {
       (group) => [strong(words(group[0].item.effect)), group.map(({item}) => shortJoint(item.joint)).join(', '), typeset(group[0].item.why)]), 'cannot-tell')] : null;
 }
 
+// What the held-out error of each joint is made of.
+function jointVerdicts() {
+  const list = Array.isArray(result.verdict) ? result.verdict : [];
+  return list.length ? [heading('What it is made of'), table(['Joint', '#Held out, %', '#Floor, %', '#Removable, %', 'State'], list.map((v, k) => {
+    const place = '/verdict/' + k;
+    return [strong(jointName(v.joint)), number(place + '/held_out', 'share'), number(place + '/floor', 'share'), number(place + '/removable', 'share'), words(v.state)];
+  }), 'joint-verdicts')] : null;
+}
+
 function leftOut() {
   const list = result.left_out || [];
   return list.length ? [
@@ -256,7 +266,7 @@ pages.diagnose = () => {
                           part('repaired') && {name: 'Extended, late rows repaired', place: part('repaired')},
                           part('without_excluded') && {name: 'Extended, without excluded rows', place: part('without_excluded')},
                           {name: 'Noise floor', place: floor}, {name: 'Training, baseline', place: '/baseline/train/relative_error'},
-                          extended && {name: 'Training, extended', place: '/extended/train/relative_error'}], floor)),
+                          extended && {name: 'Training, extended', place: '/extended/train/relative_error'}], floor), jointVerdicts()),
       ...torqueSections(first && first.joint),
       section('excluded', 'Ruled out, and what cannot be told', null, cannotTell(), notSupported()),
       section('quality', 'Quality of the recordings', null, leftOut(), qualityTable())
