@@ -110,7 +110,7 @@ class RobotCheck {
         highest = std::max(highest, q);
       }
       const double share = (highest - lowest) / (limits.upper - limits.lower);
-      if (!std::isfinite(limits.upper - limits.lower) || !(share < kHardlyMoves)) continue;
+      if (!moves(i) || !std::isfinite(limits.upper - limits.lower) || !(share < kHardlyMoves)) continue;
       add("hardly_moves", i + 1, share,
           text("In its first ", quality::number(recording_.time[recording_.rows() - 1] - recording_.time[0]), " s ", joint(i),
                " moves over ", percent(share), " of its range: little of its friction and inertia can be identified."));
