@@ -321,7 +321,27 @@ Excitation Design::run() {
 
 }  // namespace
 
+bool is_built_in(ExcitationSolver solver) {
+#ifndef VERIDYN_WITH_IPOPT
+  if (solver == ExcitationSolver::kIpopt) return false;
+#endif
+#ifndef VERIDYN_WITH_NLOPT
+  if (solver == ExcitationSolver::kNlopt) return false;
+#endif
+  return solver <= ExcitationSolver::kRandom;
+}
+
 Excitation optimise_excitation(const Model& arm, const ExcitationOptions& options) {
+  require(is_built_in(options.solver), "excitation: found the solver ", name_of(options.solver),
+          ", with which this library was not built.");
+#ifdef VERIDYN_WITH_IPOPT
+  if (options.solver == ExcitationSolver::kIpopt)
+    return optimise_excitation(arm, options, solve_with_ipopt);
+#endif
+#ifdef VERIDYN_WITH_NLOPT
+  if (options.solver == ExcitationSolver::kNlopt)
+    return optimise_excitation(arm, options, solve_with_nlopt);
+#endif
   return optimise_excitation(arm, options, solve_with_interior_point);
 }
 

@@ -15,6 +15,8 @@ const char* name_of(ExcitationCriterion criterion) {
 }
 
 const char* name_of(ExcitationSolver solver) {
+  if (solver == ExcitationSolver::kIpopt) return "ipopt";
+  if (solver == ExcitationSolver::kNlopt) return "nlopt";
   return solver == ExcitationSolver::kRandom ? "random" : "interior-point";
 }
 

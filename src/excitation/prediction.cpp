@@ -20,7 +20,7 @@ namespace {
 
 constexpr int kStates = 200;
 constexpr double kOfRms = 4.0;     // shares of an effort in shares of an rms torque, as arms are built
-constexpr double kNothing = 1e9;  // deviations in units of a value that is zero
+constexpr double kBeyondCount = 1e9;  // deviations in units of a value that is zero
 
 double lasts(const MotionSamples& motion) {
   require(motion.rows() >= 2, "prediction: found a motion of ", motion.rows(),
@@ -110,7 +110,7 @@ Prediction predict_identification(const Model& arm, const MotionSamples& motion,
     const StandardParameter& name = names[static_cast<size_t>(regressor.base()[static_cast<size_t>(b)])];
     const double share = deviations[b] / std::abs(beta[b]);
     out.parameters.push_back({name.name, name.unit, beta[b], deviations[b], share});
-    if (share < kNothing) relative.push_back(share);
+    if (share < kBeyondCount) relative.push_back(share);
   }
   if (relative.empty()) relative.push_back(std::numeric_limits<double>::infinity());
   out.mean_relative =

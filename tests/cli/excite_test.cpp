@@ -1,10 +1,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <fstream>
 #include <sstream>
 
 #include "cli/tool.hpp"
 #include "support/browser.hpp"
+#include "veridyn/excitation/excitation.hpp"
 #include "veridyn/recordings/recording.hpp"
 
 namespace veridyn {
@@ -253,21 +255,27 @@ TEST(Excite, TheNextExperimentOfADiagnosisTellsItsRivalsApart) {
     EXPECT_NE(finding["effect"], "position_dependent_friction") << finding;
 }
 
-// Scripts that name a solver of earlier versions go on, and are told which one searches.
-TEST(Excite, FormerSolversAreAliases) {
+// A solver that is named is the one that searches, or it is refused.
+TEST(Excite, TheNamedSolverSearches) {
   const TemporaryFolder folder;
-  const auto motion = [&](const std::string& solver) {
-    const ToolRun run = run_tool({"excite", "planar-2r", "-o", folder.path(solver + ".csv"), "--solver",
-                                  solver, "--iterations", "5", "--starts", "1"});
-    EXPECT_EQ(run.status, 0) << run.err;
-    EXPECT_EQ(run.err.find("is gone: interior-point searches in its place") != std::string::npos,
-              solver != "interior-point")
-        << run.err;
-    return read_recording(folder.path(solver + ".csv")).q;
-  };
-  const MatrixXd q = motion("interior-point");
-  for (const char* former : {"ipopt", "nlopt", "nlopt-derivative-free"})
-    EXPECT_EQ((motion(former) - q).norm(), 0.0) << former;
+  for (const ExcitationSolver solver :
+       {ExcitationSolver::kInteriorPoint, ExcitationSolver::kIpopt, ExcitationSolver::kNlopt}) {
+    const std::string name = name_of(solver);
+    const std::string motion = folder.path(name + ".csv");
+    const std::string json = folder.path(name + ".json");
+    const ToolRun run = run_tool({"excite", "planar-2r", "-o", motion, "--solver", name, "--criterion", "condition",
+                                  "--iterations", "60", "--starts", "1", "--json", json});
+    if (!is_built_in(solver)) {
+      EXPECT_EQ(run.status, 2) << run.err;
+      EXPECT_NE(run.err.find(name), std::string::npos) << run.err;
+      EXPECT_FALSE(std::ifstream(motion).good()) << "a refused search writes nothing";
+      continue;
+    }
+    ASSERT_EQ(run.status, 0) << run.err;
+    EXPECT_EQ(json_of(json)["solver"], name);
+    // Random motions of this arm and seed reach 5.5 at best; all three find what is near 3.
+    EXPECT_LT(json_of(json)["condition_number"], 4.0) << name;
+  }
 }
 
 TEST(Excite, WordsThatMakeNoSenseAreUsageErrors) {

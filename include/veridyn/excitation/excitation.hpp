@@ -36,11 +36,16 @@ const char* name_of(ExcitationCriterion criterion);
 /// Who searches.
 enum class ExcitationSolver {
   kInteriorPoint,  ///< primal-dual interior point with exact gradients and Jacobian
+  kIpopt,          ///< Ipopt, where the library was built with it
+  kNlopt,          ///< sequential quadratic programming of NLopt, where the library was built with it
   kRandom,         ///< random motions within the joints' limits; the best of them
 };
 
-/// "interior-point", "random".
+/// "interior-point", "ipopt", "nlopt", "random".
 const char* name_of(ExcitationSolver solver);
+
+/// False for Ipopt and NLopt where the library was built without them.
+bool is_built_in(ExcitationSolver solver);
 
 /// How columns of the base regressor are scaled before the condition number.
 enum class ColumnScaling {
@@ -76,7 +81,7 @@ struct ExcitationOptions {
   double essential = 0.0;
   ExcitationSolver solver = ExcitationSolver::kInteriorPoint;
   int starts = 2;  ///< independent searches, of which the best wins
-  /// Iterations of each descent of the interior point, motions of kRandom in each search; the result depends on this and not on the clock.
+  /// Iterations of each descent, motions of kRandom in each search; the result depends on this and not on the clock.
   int iterations = 400;
   /// Of the limits of joints and torques that may be used, above 0 and at most 1. Nothing: what a
   /// safety supervisor needs (SafetySupervisor, MotionCheck): 98 % of speeds, 95 % of torques, of ranges

@@ -46,9 +46,6 @@ InertialVector inertial_parameters(const Eigen::Matrix4d& J);
 /// that break the triangle inequality. Kept to compare with results of the older literature.
 Eigen::Matrix4d principal_moment_matrix(const Eigen::Ref<const InertialVector>& phi);
 
-/// The adjoint of principal_moment_matrix, as pseudo_inertia_adjoint.
-InertialVector principal_moment_adjoint(const Eigen::Matrix4d& Z);
-
 /// Smallest eigenvalue of a symmetric 4x4 matrix.
 double smallest_eigenvalue(const Eigen::Matrix4d& J);
 

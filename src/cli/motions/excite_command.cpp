@@ -146,17 +146,16 @@ std::string why_not(const Excitation& found) {
               "; nothing is written.");
 }
 
-// A solver of earlier versions: the interior point searches in its place.
-void remark_former_solver(const ExciteRequest& request) {
-  if (request.common.quiet || request.command->count("--solver") == 0) return;
-  const std::string word = request.command->get_option("--solver")->results().back();
-  if (word != name_of(request.options.solver))
-    say(text("--solver ", word, " is gone: ", name_of(request.options.solver),
-             " searches in its place, see docs/excitation.md."));
+// Nobody searches in the place of a solver that is not there.
+void expect_solver(const ExciteRequest& request) {
+  const ExcitationSolver solver = request.options.solver;
+  expect_value(is_built_in(solver), "--solver", "found '", name_of(solver),
+               "', with which this program was not built; expected interior-point or random, or a build beside ",
+               solver == ExcitationSolver::kIpopt ? "coinor-libipopt-dev" : "libnlopt-dev");
 }
 
 ExitStatus run(const ExciteRequest& request, const std::string& command_line) {
-  remark_former_solver(request);
+  expect_solver(request);
   for (const std::string* path :
        {&request.common.json, &request.common.report, &request.coefficients})
     require_writable(*path);

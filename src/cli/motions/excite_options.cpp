@@ -148,10 +148,9 @@ void add_search_options(CLI::App& command, ExcitationOptions& o) {
       ->check(CLI::Range(0.0, 0.99))
       ->group(group);
   add_choice(command, "--solver", o.solver,
-             {ExcitationSolver::kInteriorPoint, ExcitationSolver::kRandom}, "Who searches",
-             {{"ipopt", ExcitationSolver::kInteriorPoint},
-              {"nlopt", ExcitationSolver::kInteriorPoint},
-              {"nlopt-derivative-free", ExcitationSolver::kInteriorPoint}})
+             {ExcitationSolver::kInteriorPoint, ExcitationSolver::kIpopt, ExcitationSolver::kNlopt,
+              ExcitationSolver::kRandom},
+             "Who searches", {{"nlopt-derivative-free", ExcitationSolver::kNlopt}})
       ->group(group);
   command.add_option("--starts", o.starts, "Independent searches (2)")
       ->option_text("N")

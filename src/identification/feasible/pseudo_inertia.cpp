@@ -69,13 +69,6 @@ Eigen::Matrix4d principal_moment_matrix(const Eigen::Ref<const InertialVector>& 
   return D;
 }
 
-InertialVector principal_moment_adjoint(const Eigen::Matrix4d& Z) {
-  InertialVector phi;
-  phi << Z(3, 3), 0.0, 0.0, 0.0,  //
-      Z(0, 0), Z(0, 1) + Z(1, 0), Z(1, 1), Z(0, 2) + Z(2, 0), Z(1, 2) + Z(2, 1), Z(2, 2);
-  return phi;
-}
-
 double smallest_eigenvalue(const Eigen::Matrix4d& J) {
   return Eigen::SelfAdjointEigenSolver<Eigen::Matrix4d>(J, Eigen::EigenvaluesOnly).eigenvalues()(0);
 }
