@@ -30,4 +30,5 @@ PYBIND11_MODULE(_veridyn, m) {
 #endif
   veridyn::python::bind_motion(m);
   veridyn::python::bind_control(m);
+  veridyn::python::bind_watching(m);
 }

@@ -34,9 +34,9 @@ class TimeDelay final : public TorqueChannel {
     return "a recorded torque that comes " + digits(1e3 * std::abs(values[0]), 2) + " ms too " +
            (values[0] > 0.0 ? "late" : "early");
   }
-
- private:
-  void change(RecordedChannel& recorded, double value) const override { recorded.torque_delay += value; }
+  void change(RecordedChannel& shown, const std::vector<double>& values) const override {
+    shown.torque_delay += values[0];
+  }
 };
 
 }  // namespace

@@ -18,7 +18,8 @@ TEST(Excite, WritesMotionCoefficientsAndMargins) {
   const TemporaryFolder folder;
   const ToolRun run =
       run_tool(Words{"excite", "psm-3dof", "-o", folder.path("m.csv"), "--json",
-                     folder.path("m.json"), "--coefficients", folder.path("m.yaml")} +
+                     folder.path("m.json"), "--coefficients", folder.path("m.yaml"),
+                     "--criterion", "condition"} +
                kQuick);
   ASSERT_EQ(run.status, 0) << run.err;
   std::istringstream csv(content_of(folder.path("m.csv")));
@@ -29,7 +30,14 @@ TEST(Excite, WritesMotionCoefficientsAndMargins) {
   EXPECT_EQ(out["status"], "done");
 
   EXPECT_LT(out["condition_number"], out["start_condition_number"]);
-  EXPECT_EQ(out["margins"].size(), 6U);
+  EXPECT_EQ(out["margins"].size(), 9U);
+  ASSERT_EQ(out["used"].size(), 3U);
+  for (const auto& used : out["used"]) {
+    EXPECT_GT(used["range"], 0.0);
+    EXPECT_LE(used["range"], 1.0);
+    EXPECT_LE(used["velocity"], 0.98 + 1e-9);
+    EXPECT_TRUE(used["effort"].is_null());  // its torques are not known
+  }
   for (const auto& margin : out["margins"]) EXPECT_GE(margin["margin"], 0.0) << margin;
   const std::string yaml = content_of(folder.path("m.yaml"));
   EXPECT_NE(yaml.find("  - name: insertion\n    q0: "), std::string::npos) << yaml;

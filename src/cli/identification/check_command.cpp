@@ -49,7 +49,7 @@ void run(CheckRequest& request) {
   std::vector<std::string> recordings = request.files;
   std::optional<Model> arm;
   if (recordings.size() > 1 && is_robot(recordings.front())) {
-    arm = read_robot(recordings.front(), request.common.fixed);
+    arm = read_robot(recordings.front(), request.common);
     recordings.erase(recordings.begin());
   }
   expect_value(arm || recordings.size() > 1 || !is_known_robot(recordings.front()), "REC",
@@ -91,7 +91,7 @@ void add_check_command(CLI::App& tool, Outcome&) {
       ->option_text("[ROBOT] REC...");
   add_headerless_options(command, request->reading.columns, request->reading.header_rate);
   add_signal_options(command, request->reading.signals);
-  add_fix_option(command, request->common.fixed);
+  add_robot_options(command, request->common);
   add_row_range(command, "--rows", "Rows to look at", [request](RowRange rows) {
     request->reading.first_row = rows.first;
     request->reading.row_count = rows.count;

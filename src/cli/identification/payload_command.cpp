@@ -24,7 +24,7 @@ struct PayloadRequest {
 
 ExitStatus run(PayloadRequest& request) {
   require_writable(request.common.json);
-  const Model model = read_robot(request.model, request.common.fixed);
+  const Model model = read_robot(request.model, request.common);
   if (!request.link.empty()) expect_one_of("--link", request.link, frame_names(model));
   request.options.threads = request.common.threads;
   look_at_recordings(model, request.recordings, request.options.preprocessing, request.options.threads);
@@ -53,7 +53,7 @@ void add_payload_command(CLI::App& tool, Outcome& outcome) {
   command.add_option("--link", request->link, "Only the link of this frame (default: all)")
       ->option_text("FRAME");
   add_preprocessing_options(command, request->options.preprocessing);
-  add_fix_option(command, request->common.fixed);
+  add_robot_options(command, request->common);
   add_common_options(command, request->common);
   command.callback([request, &outcome] { outcome.status = run(*request); });
 }

@@ -164,7 +164,7 @@ class Watching {
 ExitStatus run(WatchRequest& request, const std::string& command_line) {
   require_writable(request.common.json);
   require_writable(request.common.report);
-  const Model arm = read_robot(request.model, request.common.fixed);
+  const Model arm = read_robot(request.model, request.common);
   for (const std::string& link : request.options.links) expect_one_of("--link", link, frame_names(arm));
   struct sigaction action {};  // without SA_RESTART: a read that waits ends
   action.sa_handler = stop;
@@ -199,7 +199,7 @@ void add_watch_command(CLI::App& tool, Outcome& outcome) {
       ->option_text("FRAME...");
   command.add_flag("--json-lines", request->json_lines, "Each event as a line of JSON on standard output");
   add_signal_options(command, request->reading.signals);
-  add_fix_option(command, request->common.fixed);
+  add_robot_options(command, request->common);
   add_common_options(command, request->common);
   add_report_option(command, request->common);
   command.callback([request, &outcome, &command] {

@@ -105,20 +105,19 @@ ExcitationOptions options_of(const ExciteRequest& request, const Model& arm,
   if (!request.between.empty()) o.between = rivals(request.between);
   if (o.between) o.criterion = ExcitationCriterion::kDiscriminate;
   if (!request.model.empty()) o.powered = read_powered(request);
-  if (request.torque_noise) {
-    o.noise = TorqueNoise();
-    o.noise->share = VectorXd::Constant(arm.joints(), *request.torque_noise);
-    o.noise->source = "as asked";
-  }
+  const Model moved = with_friction(arm, o.friction);
   if (o.criterion == ExcitationCriterion::kDiscriminate && !o.powered && !arm.inertial_values()) {
     if (!request.common.quiet) {
       made_up_words = text(request.robot,
                            " has no values: the rivals are built from plausible ones (--model "
                            "gives others).");
     }
-    o.powered = without_efforts(plausible_model(arm, 1).arm);
+    o.powered = without_efforts(plausible_model(moved, 1).arm);
   }
-  if (!o.powered && !arm.inertial_values()) o.valued = plausible_model(arm, 1).arm;
+  if (!o.powered && !arm.inertial_values()) o.valued = plausible_model(moved, 1).arm;
+  if (request.torque_noise)
+    o.noise = noise_of_efforts(o.powered ? *o.powered : o.valued ? *o.valued : moved,
+                               *request.torque_noise);
   return o;
 }
 
@@ -164,7 +163,7 @@ ExitStatus run(const ExciteRequest& request, const std::string& command_line) {
   if (request.poses.purpose == "calibration") {
     expect_no_motion_options(*request.command);
     return excite_poses(request.robot, request.output, request.poses, request.options.seed,
-                        request.options.limit_share, request.common);
+                        request.options.limit_share.value_or(0.95), request.common);
   }
   expect_needs(*request.command, {{"--poses", false, "--for calibration"},
                                   {"--frame", false, "--for calibration"}});
@@ -178,7 +177,7 @@ ExitStatus run(const ExciteRequest& request, const std::string& command_line) {
     expect_needs(*request.command, {{option, !request.given.empty(), "--given"}});
   expect_value(!discriminates || !request.between.empty(), "--criterion",
                "discriminate needs --between");
-  const Model arm = read_robot(request.robot, request.common.fixed);
+  const Model arm = read_robot(request.robot, request.common);
   require(arm.joints() > 0, request.robot, ": found no coordinates, expected some to move.");
   std::string made_up_words;
   const ExcitationOptions options = options_of(request, arm, made_up_words);
@@ -204,6 +203,7 @@ ExitStatus run(const ExciteRequest& request, const std::string& command_line) {
   if (!request.common.json.empty()) write_file(request.common.json, to_json(found));
   if (!request.common.report.empty())
     write_file(request.common.report, to_page(found, command_line));
+  for (const std::string& warning : found.warnings()) say("warning: " + warning);
   std::cout << found.report();
   return kDone;
 }
@@ -256,7 +256,7 @@ void add_excite_command(CLI::App& tool, Outcome& outcome) {
       ->group("Search");
   command
       .add_option("--torque-noise", request->torque_noise,
-                  "Share of the rms torque, for what is predicted (the model's error, or 0.04)")
+                  "Share of the largest effort, for what is designed and predicted (the model's error, or 0.01)")
       ->option_text("X")
       ->check(CLI::Range(1e-6, 10.0))
       ->group("Search");
@@ -267,7 +267,7 @@ void add_excite_command(CLI::App& tool, Outcome& outcome) {
     request->reading.first_row = rows.first;
     request->reading.row_count = rows.count;
   });
-  add_fix_option(command, request->common.fixed);
+  add_robot_options(command, request->common);
   add_poses_options(command, request->poses);
   add_report_option(command, request->common);
   add_common_options(command, request->common);

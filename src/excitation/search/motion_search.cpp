@@ -52,8 +52,9 @@ MotionSearch::Bounds MotionSearch::allowed() const {
   Bounds out{VectorXd(signals_.count()), VectorXd(signals_.count())};
   for (int k = 0; k < signals_.count(); ++k) {
     const bool torque = signals_[k].name.rfind("torque", 0) == 0;
-    out.lower[k] = (torque ? options_.limit_share : 1.0) * signals_[k].lower;
-    out.upper[k] = (torque ? options_.limit_share : 1.0) * signals_[k].upper;
+    const double share = torque ? options_.limit_share.value_or(kTorqueOfSupervisor) : 1.0;
+    out.lower[k] = share * signals_[k].lower;
+    out.upper[k] = share * signals_[k].upper;
   }
   const MotionLimits& own = space_.limits();
   out.lower.head(3 * n) << own.lower, -own.velocity, -own.acceleration;

@@ -44,6 +44,20 @@ InertialVector inertial_parameters(const Eigen::Matrix4d& J) {
   return phi;
 }
 
+InertialVector with_size(const InertialVector& phi, double radius) {
+  if (!(phi(0) > 0.0)) return InertialVector::Zero();
+  Eigen::Matrix4d J = pseudo_inertia(phi);
+  const Eigen::Vector3d h = phi.segment<3>(1);
+  const Eigen::Matrix3d of_centre = h * h.transpose() / phi(0);
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(J.topLeftCorner<3, 3>() - of_centre);
+  const double least = phi(0) * radius * radius;
+  if (eigen.eigenvalues()(0) >= least) return phi;
+  J.topLeftCorner<3, 3>() = of_centre + eigen.eigenvectors() *
+                                            eigen.eigenvalues().cwiseMax(least).asDiagonal() *
+                                            eigen.eigenvectors().transpose();
+  return inertial_parameters(J);
+}
+
 Eigen::Matrix4d principal_moment_matrix(const Eigen::Ref<const InertialVector>& phi) {
   Eigen::Matrix4d D;
   // clang-format off

@@ -7,6 +7,9 @@ function identificationWords() {
       'p', {class: 'lead'}, String(result.base_parameters.length), ' base parameters from ',
       number('/rows', 'whole'), ' rows; ' + feasible + '.');
   const out = [
+    ...(result.verdict && result.verdict.sentence ?
+            [element('p', {class: 'lead'}, result.verdict.sentence + '.')] :
+            []),
     lead,
     ...errorsInWords(
         result.test ? 'Held-out error, per joint:' : 'Error on the training recordings, per joint:',
