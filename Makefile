@@ -59,14 +59,14 @@ deb: packages
 	@cd $(BUILD) && cpack -B packages >cpack.log || { cat cpack.log; exit 1; }
 	@ls $(BUILD)/packages/*.deb
 
+# The thesis's tables and figures beside ours: docs/thesis-figures.md, made anew.
+thesis:
+	@$(MAKE) --no-print-directory readme PAGES=docs/thesis-figures.md
+
 # Seconds of each unit of the last build in $(BUILD), the longest first; UNITS=40 of them, and the sum.
 build-times:
 	@awk -F'\t' '!/^#/ {took[$$4] = $$2 - $$1} END {for (unit in took) {sum += took[unit]; printf "%8.1f s  %s\n", took[unit] / 1000, unit}; \
 	  printf "%8.1f s  all, over the jobs that ran side by side\n", sum / 1000}' $(BUILD)/.ninja_log | sort -rn | head -n $$(($(or $(UNITS),40) + 1))
-
-# The thesis's tables and figures beside ours: docs/thesis-figures.md, made anew.
-thesis:
-	@$(MAKE) --no-print-directory readme PAGES=docs/thesis-figures.md
 
 demo: tool
 	@examples/demo.sh $(BUILD)/bin/veridyn out/demo

@@ -11,8 +11,7 @@
 #include "veridyn/math/require.hpp"
 #include "veridyn/report/comparison_json.hpp"
 #include "veridyn/report/diagnosis_json.hpp"
-#include "veridyn/report/diagnosis_page.hpp"
-#include "veridyn/report/identification_page.hpp"
+#include "veridyn/report/pages.hpp"
 #include "veridyn/report/json.hpp"
 #include "veridyn/report/payload_json.hpp"
 

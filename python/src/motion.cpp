@@ -8,7 +8,7 @@
 #include "options.hpp"
 #include "veridyn/excitation/excitation.hpp"
 #include "veridyn/math/require.hpp"
-#include "veridyn/report/excitation_page.hpp"
+#include "veridyn/report/pages.hpp"
 #include "veridyn/report/motion_json.hpp"
 #include "veridyn/simulation/plausible_model.hpp"
 #include "veridyn/simulation/resampled_motion.hpp"

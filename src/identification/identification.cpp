@@ -352,12 +352,22 @@ VectorXd rms_residuals(const Model& arm, const Identification& id) {
   return squares.cwiseQuotient(rows.cwiseMax(1.0)).cwiseSqrt();
 }
 
+// How much larger the residuals would be if they scattered as much as they do with one independent
+// sample in kUsualIndependence: they stay alike for longer.
+double as_if_independent(const Model& arm, const Identification& id) {
+  constexpr double kUsualIndependence = 0.1;  // [s], as TorqueNoise::seconds has it
+  double seconds = 0.0;
+  for (const CompressedRecording& r : id.factors) seconds += r.facts.duration;
+  if (!(id.effective_samples > 0.0)) return 1.0;
+  return std::sqrt(std::max(1.0, seconds * arm.joints() / id.effective_samples / kUsualIndependence));
+}
+
 }  // namespace
 
 void keep_training_error(Identification& id) {
   ModelDescription description = id.model->description();
   description.identified->error = id.train_error.relative;
-  description.identified->noise = rms_residuals(*id.model, id);
+  description.identified->noise = rms_residuals(*id.model, id) * as_if_independent(*id.model, id);
   id.model = Model(std::move(description));
 }
 

@@ -38,19 +38,19 @@ double share_of_speed(const Identification& id, const Coordinate& joint, size_t 
   return std::isfinite(joint.limits.velocity) ? largest / joint.limits.velocity : kNaN;
 }
 
-JointState state_of(const JointVerdict& j) {
-  if (j.range < kHardlyMoves && j.speed < kHardlyMoves) return JointState::kHardlyMoved;
-  if (!std::isfinite(j.floor)) return JointState::kCannotTell;
-  if (j.error <= kBelowAnySensor || j.error <= kFarAboveFloor * j.floor) return JointState::kAtFloor;
-  return JointState::kUnexplained;
+IdentifiedState state_of(const IdentifiedJoint& j) {
+  if (j.range < kHardlyMoves && j.speed < kHardlyMoves) return IdentifiedState::kHardlyMoved;
+  if (!std::isfinite(j.floor)) return IdentifiedState::kCannotTell;
+  if (j.error <= kBelowAnySensor || j.error <= kFarAboveFloor * j.floor) return IdentifiedState::kAtFloor;
+  return IdentifiedState::kUnexplained;
 }
 
 // "a, b and c VERB 2.1, 3 and 4 WHAT; " of the joints in one state; {} are the figures.
-std::string listed_in(const Verdict& v, JointState state, const char* one, const char* several,
+std::string listed_in(const IdentificationVerdict& v, IdentifiedState state, const char* one, const char* several,
                       const std::string& what,
-                      const std::function<std::string(const JointVerdict&)>& figure) {
-  std::vector<const JointVerdict*> in;
-  for (const JointVerdict& j : v.joints)
+                      const std::function<std::string(const IdentifiedJoint&)>& figure) {
+  std::vector<const IdentifiedJoint*> in;
+  for (const IdentifiedJoint& j : v.joints)
     if (j.state == state) in.push_back(&j);
   if (in.empty()) return "";
   std::string names, figures;
@@ -63,17 +63,17 @@ std::string listed_in(const Verdict& v, JointState state, const char* one, const
          fmt::format(fmt::runtime(what), figures) + "; ";
 }
 
-std::string sentence_of(const Verdict& v) {
+std::string sentence_of(const IdentificationVerdict& v) {
   const std::string whose = v.held_out ? "held out" : "on the training recordings";
-  const auto error = [](const JointVerdict& j) { return fmt::format("{:.2g} %", 100.0 * j.error); };
-  std::string out = listed_in(v, JointState::kHardlyMoved,
+  const auto error = [](const IdentifiedJoint& j) { return fmt::format("{:.2g} %", 100.0 * j.error); };
+  std::string out = listed_in(v, IdentifiedState::kHardlyMoved,
                               "moved", "moved", "over {} of the range: record again with a motion of `veridyn excite`",
-                              [](const JointVerdict& j) { return fmt::format("{:.2g} %", 100.0 * j.range); });
-  out += listed_in(v, JointState::kUnexplained,
+                              [](const IdentifiedJoint& j) { return fmt::format("{:.2g} %", 100.0 * j.range); });
+  out += listed_in(v, IdentifiedState::kUnexplained,
                    "leaves", "leave", "{} times the noise " + whose + ": `veridyn diagnose` says why",
-                   [](const JointVerdict& j) { return fmt::format("{:.2g}", j.error / j.floor); });
-  out += listed_in(v, JointState::kAtFloor, "is", "are", "at the noise (error {} " + whose + ")", error);
-  out += listed_in(v, JointState::kCannotTell,
+                   [](const IdentifiedJoint& j) { return fmt::format("{:.2g}", j.error / j.floor); });
+  out += listed_in(v, IdentifiedState::kAtFloor, "is", "are", "at the noise (error {} " + whose + ")", error);
+  out += listed_in(v, IdentifiedState::kCannotTell,
                    "leaves", "leave", "{} " + whose + ", and as no motion is repeated, the noise is not known", error);
   out.erase(out.size() - std::min<size_t>(out.size(), 2));
   return out;
@@ -81,29 +81,29 @@ std::string sentence_of(const Verdict& v) {
 
 }  // namespace
 
-const char* name_of(JointState state) {
+const char* name_of(IdentifiedState state) {
   switch (state) {
-    case JointState::kAtFloor:
+    case IdentifiedState::kAtFloor:
       return "at_floor";
-    case JointState::kUnexplained:
+    case IdentifiedState::kUnexplained:
       return "unexplained";
-    case JointState::kHardlyMoved:
+    case IdentifiedState::kHardlyMoved:
       return "hardly_moved";
-    case JointState::kCannotTell:
+    case IdentifiedState::kCannotTell:
       return "cannot_tell";
   }
   return "";
 }
 
-Verdict verdict_of(const Identification& id) {
-  Verdict out;
+IdentificationVerdict verdict_of(const Identification& id) {
+  IdentificationVerdict out;
   if (!id.model) return out;
   out.held_out = id.test_error.relative.size() > 0;
   const VectorXd& error = (out.held_out ? id.test_error : id.train_error).relative;
   const std::vector<Coordinate>& joints = id.model->coordinates();
   for (size_t i = 0; i < joints.size() && static_cast<Eigen::Index>(i) < error.size(); ++i) {
     const auto k = static_cast<Eigen::Index>(i);
-    JointVerdict j;
+    IdentifiedJoint j;
     j.joint = joints[i].name;
     j.error = error[k];
     j.floor = k < id.noise_floor.size() ? id.noise_floor[k] : kNaN;

@@ -125,6 +125,8 @@ class UrdfWriter {
       line(1, comment("source: " + arm_.description().source));
     const Eigen::Vector3d& g = arm_.gravity();
     line(1, comment(fmt::format("gravity in link world: {} {} {} m/s^2", g.x(), g.y(), g.z())));
+    for (const EffectTerm& term : arm_.arm_effects())
+      line(1, comment("left out: " + term.effect + " on the arm"));
     int unknown = 0;
     for (const EffectTerm& term : arm_.effects()) {
       if (term.values.empty()) {

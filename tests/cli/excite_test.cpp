@@ -94,7 +94,11 @@ TEST(Excite, ThePageShowsTheMotionItsLimitsAndWhatItWillIdentify) {
   for (const int width : {400, 1200}) {
     const OpenedPage page = open_page(folder.path("m.html"), width);
     expect_sound(page, width);
-    EXPECT_EQ(page.with("data-plot").size(), 3U);
+    std::map<std::string, int> kinds;
+    for (const PageElement& plot : page.with("data-plot")) ++kinds[plot.at("data-plot")];
+    EXPECT_EQ(kinds["error"], 3 * 3);  // position, velocity and acceleration of three joints
+    EXPECT_EQ(kinds["arm"], 1);
+    EXPECT_EQ(kinds["used"], 1);
     const auto numbers = page.with("data-from");
     EXPECT_GT(numbers.size(),
               4U * result["margins"].size() + 3U * result["base_parameters"].get<size_t>());

@@ -204,6 +204,15 @@ TEST_F(OwnRobot, InfoWritesARobotFileToGoOnWith) {
   EXPECT_EQ(model.bodies().size(), 4u);
 }
 
+TEST_F(OwnRobot, AModelIsNotWrittenUnderTheNameOfAnotherFormat) {
+  const std::string out = folder().path("model.urdf");
+  const ToolRun run = run_tool({"identify", kUrdf, "--train", path("plain", "1"), "--model-out", out});
+  EXPECT_EQ(run.status, 2);
+  EXPECT_EQ(run.error_lines(), 1) << run.err;
+  EXPECT_NE(run.err.find("expected a .yaml file"), std::string::npos) << run.err;
+  EXPECT_FALSE(std::ifstream(out));
+}
+
 TEST_F(OwnRobot, HelpAndBeginningsOfNamesAreUnderstood) {
   const ToolRun help = run_tool({"help", "identify"});
   EXPECT_EQ(help.status, 0);

@@ -8,18 +8,18 @@
 namespace veridyn {
 
 /// How good an identification is on one joint.
-enum class JointState {
+enum class IdentifiedState {
   kAtFloor,      ///< the model leaves little more than the noise
   kUnexplained,  ///< it leaves far more: the model lacks something
   kHardlyMoved,  ///< the recordings hardly move the joint: record it again
   kCannotTell,   ///< nothing repeats, so that the noise is not known
 };
 /// "at_floor", "unexplained", "hardly_moved", "cannot_tell".
-const char* name_of(JointState state);
+const char* name_of(IdentifiedState state);
 
-struct JointVerdict {
+struct IdentifiedJoint {
   std::string joint;
-  JointState state = JointState::kCannotTell;
+  IdentifiedState state = IdentifiedState::kCannotTell;
   double error = 0.0;  ///< relative, held out where recordings were, else of training
   double floor = 0.0;  ///< relative noise floor; NaN where nothing repeats
   double range = 0.0;  ///< share of the range of the file that training moved over; NaN: no limits
@@ -27,13 +27,13 @@ struct JointVerdict {
 };
 
 /// What an identification is worth, joint by joint, and what to do next.
-struct Verdict {
-  std::vector<JointVerdict> joints;
+struct IdentificationVerdict {
+  std::vector<IdentifiedJoint> joints;
   bool held_out = false;  ///< errors are of held-out recordings
   std::string sentence;   ///< joints by state, with what to do next
 };
 
 /// @param id  with a model.
-Verdict verdict_of(const Identification& id);
+IdentificationVerdict verdict_of(const Identification& id);
 
 }  // namespace veridyn

@@ -14,7 +14,7 @@
 #include "model/effect_names.hpp"
 #include "veridyn/model/model_file.hpp"
 #include "veridyn/report/diagnosis_json.hpp"
-#include "veridyn/report/diagnosis_page.hpp"
+#include "veridyn/report/pages.hpp"
 #include "veridyn/report/setting_names.hpp"
 
 namespace veridyn::cli {

@@ -15,7 +15,7 @@
 #include "veridyn/identification/factor_set.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/model_file.hpp"
-#include "veridyn/report/identification_page.hpp"
+#include "veridyn/report/pages.hpp"
 #include "veridyn/report/json.hpp"
 #include "recordings/named_recordings.hpp"
 #include "veridyn/report/setting_names.hpp"
@@ -41,7 +41,12 @@ IdentificationOptions identification_options(const IdentifyRequest& request) {
   options.choose_velocities = request.command->count("--velocity") == 0;
   options.threads = request.common.threads;
   options.progress = progress(request.common);
-  if (!request.prior.empty()) options.prior = read_model(request.prior);
+  if (!request.prior.empty()) {
+    options.prior = read_model(request.prior);
+    expect_value(options.prior->inertial_values().has_value(), "--prior",
+                 "found bodies without values in '", options.prior->name(),
+                 "', expected a model with values, as from CAD or identify");
+  }
   for (const std::string& asked : request.known_masses)
     options.known_masses.push_back(
         value_of("--known-mass", [&] { return parse_known_mass(asked); }));
@@ -125,7 +130,10 @@ void write_results(const IdentifyRequest& request, const Identification& id,
   if (id.status == IdentificationStatus::kNotConverged) say("warning: " + id.reason);
   if (!request.model_out.empty()) save(id, request.model_out, "identify", robot_path(request.robot));
   if (!request.common.json.empty()) write_file(request.common.json, to_json(id));
-  if (!request.common.report.empty()) write_file(request.common.report, to_page(id, command_line));
+  if (!request.common.report.empty()) {
+    const Model robot = read_model(request.robot);
+    write_file(request.common.report, to_page(id, command_line, &robot));
+  }
   std::cout << id.report();
 }
 

@@ -7,6 +7,7 @@
 #include "math/output_file.hpp"
 #include "veridyn/model/model_file.hpp"
 #include "veridyn/report/json.hpp"
+#include "veridyn/report/pages.hpp"
 
 namespace veridyn::cli {
 namespace {
@@ -17,19 +18,21 @@ struct InfoRequest {
   CommonOptions common;
 };
 
-void run(const InfoRequest& request) {
+void run(const InfoRequest& request, const std::string& command_line) {
   require_writable(request.common.json);
+  require_writable(request.common.report);
   require_writable(request.yaml);
   const Model arm = read_model(request.robot);
   const RobotInfo info = robot_info(arm);
   if (!request.yaml.empty()) save_model(arm, request.yaml);
   if (!request.common.json.empty()) write_file(request.common.json, to_json(info));
+  if (!request.common.report.empty()) write_file(request.common.report, to_page(info, command_line));
   std::cout << info.report();
 }
 
 }  // namespace
 
-void add_info_command(CLI::App& tool, Outcome&) {
+void add_info_command(CLI::App& tool, Outcome& outcome) {
   const auto request = std::make_shared<InfoRequest>();
   CLI::App& command =
       *tool.add_subcommand("info", "What a robot file says, and which parameters torques can tell");
@@ -37,7 +40,8 @@ void add_info_command(CLI::App& tool, Outcome&) {
   add_output_option(command, "--yaml", request->yaml,
                     "Write the robot as YAML, to go on with: drive gains, effects, boxes, constants");
   add_common_options(command, request->common);
-  command.callback([request] { run(*request); });
+  add_report_option(command, request->common);
+  command.callback([request, &outcome] { run(*request, outcome.command_line); });
 }
 
 }  // namespace veridyn::cli

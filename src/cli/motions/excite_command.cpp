@@ -22,7 +22,7 @@
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/fixed_coordinates.hpp"
 #include "veridyn/model/model_file.hpp"
-#include "veridyn/report/excitation_page.hpp"
+#include "veridyn/report/pages.hpp"
 #include "veridyn/report/motion_json.hpp"
 #include "veridyn/simulation/plausible_model.hpp"
 
@@ -202,7 +202,7 @@ ExitStatus run(const ExciteRequest& request, const std::string& command_line) {
   if (!request.coefficients.empty()) write_file(request.coefficients, coefficients_yaml(found));
   if (!request.common.json.empty()) write_file(request.common.json, to_json(found));
   if (!request.common.report.empty())
-    write_file(request.common.report, to_page(found, command_line));
+    write_file(request.common.report, to_page(found, command_line, &arm));
   for (const std::string& warning : found.warnings()) say("warning: " + warning);
   std::cout << found.report();
   return kDone;

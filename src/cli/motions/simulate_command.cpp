@@ -114,7 +114,8 @@ std::string footer() {
       "  payload:FRAME:mass=KG,x=M,y=M,z=M       gravity_tilt:arm:roll=RAD,pitch=RAD\n"
       "  torque_gain:JOINT:gain=X                time_delay:JOINT:seconds=S\n"
       "  encoder_offset:JOINT:offset=RAD         external_contact:JOINT:from=S,to=S,effort=NM\n"
-      "  coupling_error:CONSTANT:change=X        (a constant of the robot file)";
+      "  coupling_error:CONSTANT:change=X        (a constant of the robot file)\n"
+      "  base_compliance:arm:about_x=X,about_y=X (rad/(N m))";
   return out;
 }
 

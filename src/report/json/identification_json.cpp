@@ -87,10 +87,10 @@ Json known_masses_json(const std::vector<MountedLoad>& loads) {
 
 Json number_or_null(double value) { return std::isfinite(value) ? Json(value) : Json(); }
 
-Json verdict_json(const Verdict& verdict) {
+Json identification_verdict_json(const IdentificationVerdict& verdict) {
   Json joints = Json::array();
   for (size_t i = 0; i < verdict.joints.size(); ++i) {
-    const JointVerdict& j = verdict.joints[i];
+    const IdentifiedJoint& j = verdict.joints[i];
     joints.push_back({{"joint", i + 1},
                       {"coordinate", j.joint},
                       {"state", name_of(j.state)},
@@ -112,7 +112,7 @@ std::string to_json(const Identification& id) {
   out["method"] = name_of(id.method);
   out["status"] = name_of(id.status);
   out["reason"] = id.reason;
-  out["verdict"] = verdict_json(verdict_of(id));
+  out["verdict"] = identification_verdict_json(verdict_of(id));
   out["remarks"] = id.remarks;
   out["rows"] = id.rows;
   out["base_parameters"] = base_json(id.base);
