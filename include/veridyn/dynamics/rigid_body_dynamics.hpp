@@ -41,7 +41,8 @@ class AlignedWorkspace {
 /// and for the widest vectors that the processor has.
 class RigidBodyDynamics {
  public:
-  /// @param phi  (10 * bodies) inertial parameters, in the order of InertialParameters.
+  /// @param phi  (10 * bodies) mass, first moments and inertias of all bodies, ten of each in the order
+  ///             of InertialParameters; `*arm.inertial_values()` where the file or MODEL has them.
   /// @throws InvalidInput  phi has the wrong size.
   RigidBodyDynamics(const Model& arm, const VectorRef& phi);
 
