@@ -139,7 +139,7 @@ struct ArmKernelLoops {
   }
 
   __attribute__((flatten)) static void batch_regressor(const Links& tree, const BatchInput& in,
-                                                       const RegressorColumns<double>& out,
+                                                       const ColumnsByJoint<double>& out,
                                                        void* memory) {
     const BatchMemory m = divide(tree, memory);
     const Workspace<P> r{m.at.state, m.jacobian, nullptr};
@@ -207,7 +207,7 @@ struct ArmKernelLoops {
 
   // The same recursions over dual numbers of packs, one direction at a time.
   __attribute__((flatten)) static void batch_gradient(const Links& tree, const BatchInput& in,
-                                                      const RegressorColumns<const double>& weights,
+                                                      const ColumnsByJoint<const double>& weights,
                                                       double* out, void* memory) {
     const BatchMemory m = divide(tree, memory);
     LinkState<D>* const link = reinterpret_cast<LinkState<D>*>(m.duals);

@@ -17,7 +17,7 @@ struct BatchInput {
 
 /// The regressor by joints: column c of joint i stands at Y[i] + c * rows; null: nobody wants it.
 template <typename Number>
-struct RegressorColumns {
+struct ColumnsByJoint {
   Number* const* Y;
   /// First of body b's ten columns in joint i's matrix at b * n + i; -1: the joint does not move it.
   const int* first_column;
@@ -54,7 +54,7 @@ struct ArmKernels {
   // Batches: samples in lanes.
   int lanes = 0;
   std::size_t (*batch_workspace)(const Links&) = nullptr;
-  void (*batch_regressor)(const Links&, const BatchInput&, const RegressorColumns<double>&,
+  void (*batch_regressor)(const Links&, const BatchInput&, const ColumnsByJoint<double>&,
                           void* workspace) = nullptr;
   /// tau: (rows x n).
   void (*batch_torques)(const InertialLinks&, const BatchInput&, double* tau,
@@ -63,7 +63,7 @@ struct ArmKernels {
   void (*batch_derivatives)(const InertialLinks&, const BatchInput&, double* out,
                             void* workspace) = nullptr;
   /// Derivatives of the sum of weights times regressor along q, dq and ddq: (rows x 3 n).
-  void (*batch_gradient)(const Links&, const BatchInput&, const RegressorColumns<const double>&,
+  void (*batch_gradient)(const Links&, const BatchInput&, const ColumnsByJoint<const double>&,
                          double* out, void* workspace) = nullptr;
 };
 

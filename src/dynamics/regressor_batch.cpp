@@ -75,7 +75,7 @@ void RegressorBatch::evaluate(const MatrixRef& q, const MatrixRef& dq, const Mat
   const Links tree = tree_;
   const AlignedMemory workspace(arm_kernels().batch_workspace(tree));
   std::vector<double*> data(static_cast<size_t>(joints()), nullptr);
-  const RegressorColumns<double> out{data.data(), first_column_.data()};
+  const ColumnsByJoint<double> out{data.data(), first_column_.data()};
   if (in.rows <= 2 * kBlockRows) {
     for (int i = first; i < end; ++i) data[static_cast<size_t>(i)] = Y[i].data();
     arm_kernels().batch_regressor(tree, in, out, workspace.get());
