@@ -102,7 +102,8 @@ std::string why_no_finding(const Finding& f, const Identification& fitted) {
                          p.value, p.unit, most, p.unit);
     }
   }
-  if (sizes > 0 && nothing == sizes) return "its interval holds zero after the last fit";
+  // Several sizes of one curve may each be nothing while the curve is not: their p value counts.
+  if (sizes == 1 && nothing == 1) return "its interval holds zero after the last fit";
   return {};
 }
 

@@ -15,7 +15,7 @@ struct LostRight {
   std::string why;
 };
 
-/// Why a finding with these intervals is none: each of its sizes may be nothing, or one is larger than
+/// Why a finding with these intervals is none: its only size may be nothing, or one is larger than
 /// the torque of its joint ever was in training. Empty: it may keep its name.
 std::string why_no_finding(const Finding& f, const Identification& fitted);
 
