@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "diagnosis/numerics.hpp"
+#include "math/correlated_columns.hpp"
 #include "veridyn/diagnosis/diagnosis.hpp"
 
 namespace veridyn {
@@ -28,12 +29,23 @@ size_t table_width(const Model& arm) {
 }
 
 // "3 %", and never "0 %" of something.
+const char* state_words(JointState state) {
+  switch (state) {
+    case JointState::kAtFloor: return "at its floor";
+    case JointState::kNamed: return "named";
+    case JointState::kUnnamed: return "without a name";
+    case JointState::kCannotTell: return "these recordings cannot tell";
+  }
+  return "";
+}
+
 std::string share_words(double share) {
   const double percent = kPercent * std::abs(share);
   return percent < 0.5 ? "less than 1 %" : fmt::format("{:.0f} %", percent);
 }
 
 std::string status_words(const Finding& f) {
+  if (!f.why_not.empty()) return "NOT CONFIRMED: " + f.why_not;
   if (f.status == FindingStatus::kConfirmed && f.explains < 0.0)
     return "confirmed on its own joint and in the mean over all joints";
   if (f.status == FindingStatus::kConfirmed)
@@ -86,6 +98,23 @@ std::string small_text(const Diagnosis& d, const Finding& f) {
   return fmt::format("{:>4}. {} p = {:.1e}, {}\n", f.rank, d.sentence(f), f.p_value, status_words(f));
 }
 
+// 12.3 % = 4.1 % floor + 8.2 %, and what became of these.
+std::string joint_text(const Diagnosis& d, const JointVerdict& v) {
+  const auto& joints = d.baseline.model->coordinates();
+  std::string out =
+      fmt::format("  joint {} ({}): {:.2f} = {:.2f} {} + {:.2f}: {}", v.joint.value + 1,
+                  joints[static_cast<size_t>(v.joint.value)].name, kPercent * v.held_out,
+                  kPercent * v.floor,
+                  v.source == FloorSource::kRepeats ? "between repeats" : "that nothing predicts",
+                  kPercent * v.removable, state_words(v.state));
+  if (v.state != JointState::kAtFloor) {
+    out += fmt::format(" ({:.2f} with names, {:.2f} without, {:.2f} left)",
+                       kPercent * (v.held_out - v.extended), kPercent * (v.extended - v.left),
+                       kPercent * (v.left - v.floor));
+  }
+  return out + (v.why.empty() ? "\n" : ": " + v.why + "\n");
+}
+
 std::string summary_text(const Diagnosis& d) {
   const DiagnosisSummary& s = d.summary;
   const size_t all = d.findings.size();
@@ -108,6 +137,22 @@ std::string worse_words(const Diagnosis& d, int joint) {
                      kPercent * d.extended.test_error.relative[i]);
 }
 
+// What every joint has and the file does not: one line for each joint.
+std::string friction_table(const Diagnosis& d) {
+  std::string out = "\nfriction, offset and rotor inertia that were found, +- standard deviation\n";
+  int joint = -1;
+  for (const JointNumber& n : d.friction) {
+    if (n.joint != joint)
+      out += fmt::format("{}  {:<22}", joint < 0 ? "" : "\n",
+                         d.extended.model->coordinates()[static_cast<size_t>(n.joint)].name);
+    joint = n.joint;
+    const std::string spread =
+        std::isfinite(n.deviation) ? fmt::format(" +- {:.1g}", n.deviation) : std::string();
+    out += fmt::format(" {} {:.4g}{} {};", n.effect, n.value, spread, n.unit);
+  }
+  return out + "\n";
+}
+
 }  // namespace
 
 std::string Diagnosis::sentence(const Finding& finding) const {
@@ -120,8 +165,29 @@ std::string NextExperiment::words(const Model& arm, size_t k) const {
   return w.joint > 0 ? w.effect + " on joint " + std::to_string(w.joint) : w.effect;
 }
 
+const char* name_of(JointState state) {
+  switch (state) {
+    case JointState::kAtFloor: return "at_floor";
+    case JointState::kNamed: return "named";
+    case JointState::kUnnamed: return "unnamed";
+    case JointState::kCannotTell: return "cannot_tell";
+  }
+  return "";
+}
+
+const char* name_of(FloorSource source) {
+  return source == FloorSource::kRepeats ? "repeats" : "regression";
+}
+
 std::string Diagnosis::verdict() const {
-  if (findings.empty()) return "none";
+  if (findings.empty()) {
+    std::string left;
+    for (const JointVerdict& v : joints) {
+      if (v.state != JointState::kAtFloor)
+        left += (left.empty() ? "" : ", ") + std::to_string(v.joint.value + 1);
+    }
+    return left.empty() ? "none" : "no cause was found; joints above their floor: " + left;
+  }
   std::string out = sentence(findings.front());
   if (findings.front().status == FindingStatus::kNotConfirmed)
     out += " The held-out recordings do not confirm it.";
@@ -149,8 +215,14 @@ std::string Diagnosis::report(const std::string& next_command) const {
         out += fmt::format("recording {}: {}\n", r.source, filled_text(r.filled, r.rows));
     }
   }
+  if (!friction_remark.empty()) out += friction_remark + " Found: table below.\n";
   if (provisional) out += "one recording to learn from: names are provisional\n";
-  out += findings.empty() ? "\nverdict: none; the data support no further effect\n"
+  for (const std::vector<int>& group : moving_as_one) {
+    out += "joints " + numbers_from_one(group) +
+           " move as one in all training recordings: what depends on one of them cannot be told from "
+           "the others\n";
+  }
+  out += findings.empty() ? "\nverdict: " + verdict() + "\n"
          : changes        ? "\nwhat changed since the model was made:\n"
                           : "\nwhat the model lacks:\n";
   for (const Finding& f : findings) {
@@ -191,10 +263,17 @@ std::string Diagnosis::report(const std::string& next_command) const {
   line("training, baseline", baseline.train_error.relative);
   line("training, extended", extended.train_error.relative);
   line("noise floor", baseline.noise_floor);
+  out += "\nwhat the held-out error of each joint is made of, % of its torque\n";
+  for (const JointVerdict& v : joints) out += joint_text(*this, v);
+  if (!friction.empty()) out += friction_table(*this);
   if (!next_experiment.between.empty()) {
     out += fmt::format("next experiment, to separate {} from {}",
                        next_experiment.words(*baseline.model, 0),
                        next_experiment.words(*baseline.model, 1));
+    out += next_command.empty() ? "\n" : ":\n  " + next_command + "\n";
+  }
+  if (!next_experiment.shows.empty()) {
+    out += "next experiment, to show " + next_experiment.shows;
     out += next_command.empty() ? "\n" : ":\n  " + next_command + "\n";
   }
   for (const CannotTell& c : cannot_tell) {

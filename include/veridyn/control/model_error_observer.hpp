@@ -33,13 +33,14 @@ struct ModelErrorOptions {
 class ModelErrorObserver {
  public:
   /// @throws InvalidInput  limits that are not `joints` finite numbers, none below zero; a
-  /// bandwidth
-  ///                       that is not above zero.
+  ///                       bandwidth that is not above zero.
   ModelErrorObserver(int joints, const ModelErrorOptions& options);
 
   /// @param y  (n) acceleration that the motors were told to make from now on. @param dt [s] since
   /// the last update(). @returns d (n), to be added to the torque; as it was where a number is
   /// none.
+  /// Sizes are those of the constructor; another one is a fault of the program, asserted in debug
+  /// builds alone.
   const VectorXd& update(const ArmState& arm, const VectorXd& y, double dt) noexcept;
 
   /// After update(), as often as there is something new to say about its cycle.

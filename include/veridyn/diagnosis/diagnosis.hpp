@@ -19,10 +19,10 @@ enum class ExtendedModel {
                    ///< that of recordings which took no part
 };
 
-/// What the values of a robot file are.
-enum class RobotValues {
-  kFacts,  ///< a MODEL: the diagnosis asks what changed since it was made
-  kPrior,  ///< a maker's file: the arm is identified first
+/// What becomes of dependences without a name.
+enum class UnnamedForces {
+  kReported,  ///< they are findings, and the extended model is without them
+  kKept,      ///< those that a force can have are tables (tabulated_force) of the extended model
 };
 
 struct DiagnosisOptions {
@@ -36,8 +36,10 @@ struct DiagnosisOptions {
   /// tool knows.
   std::vector<std::string> effects;
   int max_effects = 20;  ///< findings at most; contacts and plain friction do not count
-  ExtendedModel extended = ExtendedModel::kAllFindings;
-  RobotValues values = RobotValues::kFacts;
+  ExtendedModel extended = ExtendedModel::kConfirmedOnly;
+  UnnamedForces unnamed = UnnamedForces::kReported;
+  /// What the values of the robot are; nothing: as its file says.
+  std::optional<RobotValues> values{};
   /// An effect is accepted when the sum over joints of ln(held-out mean square error) falls by more
   /// than `smallest_gain`, in the mean over the folds (recordings, or phases of the period of a
   /// single one), in all folds but one or beyond chance by their signed ranks, and when the p value
@@ -69,6 +71,31 @@ enum class FindingStatus {
 };
 const char* name_of(FindingStatus status);
 
+/// A point of a curve: where on its signals, the torque there and its 95 % band.
+struct CurvePoint {
+  std::vector<double> at;  ///< one for each signal
+  double value = 0.0;      ///< [N m] or [N], its mean over the training recordings taken away
+  double low = 0.0, high = 0.0;
+};
+
+/// What a residual depends on where no cause of the list has that shape.
+struct UnnamedShape {
+  static constexpr const char* kName = "unnamed";
+  /// One or two of "q1".., "dq1".., "ddq1".., "tau1".. (the model's torque), "history1".. (signed
+  /// travel since the last reversal) and "t" (since the recording began).
+  std::vector<std::string> signals;
+  std::vector<std::string> units;
+  /// The second signal is a velocity of which only the sign counts: one curve for each direction.
+  bool on_sides = false;
+  std::string words;  ///< "one-sided: nothing below 0.43 rad, ..."
+  std::string effort = "N m";
+  std::vector<CurvePoint> curve;
+  bool kept = false;   ///< the extended model has it as a table
+  double share = 0.0;  ///< of the mean square that is left over, on the held-out recordings
+  /// Other signals that would predict as much in their place: the recordings cannot tell.
+  std::vector<std::vector<std::string>> as_good;
+};
+
 struct Finding {
   int rank = 0;
   Cause cause;                      ///< words_of() gives the words for it
@@ -88,8 +115,10 @@ struct Finding {
   VectorXd test_outside;
   double explains = 0.0;  ///< share of the removable held-out error; negative where it grows
   FindingStatus status = FindingStatus::kConfirmed;
+  std::string why_not;  ///< of one that is not confirmed although its held-out error fell
   bool main = true;  ///< false: one of the small ones, see DiagnosisSummary
   std::vector<Rival> rivals;
+  std::optional<UnnamedShape> shape;  ///< of a finding without a name
 };
 
 /// Place and phrase of a finding in one sentence.
@@ -107,13 +136,46 @@ struct CannotTell {
   std::string why;
 };
 
-/// The recording that would separate what these recordings cannot.
+/// The recording that would separate what these recordings cannot, or show a curve without a name
+/// best.
 struct NextExperiment {
   std::vector<Cause> between;  ///< the two causes; empty: there is nothing to separate
+  std::string shows;           ///< "what joint 1 depends on over q1"; empty where `between` is not
   int slow_passes = 0;         ///< ExcitationOptions::slow_passes that it needs
 
   /// One of the two in words: "payload on wrist", "torque_gain on joint 2".
   std::string words(const Model& arm, size_t k) const;
+};
+
+/// What a verdict says of one joint.
+enum class JointState {
+  kAtFloor,     ///< nothing is left over that could be predicted
+  kNamed,       ///< findings with names explain what is left over, or most of it
+  kUnnamed,     ///< it depends on signals of the recordings as no cause of the list does
+  kCannotTell,  ///< there is more than the floor, and the recordings do not tell of what
+};
+const char* name_of(JointState state);
+
+/// Where a noise floor comes from.
+enum class FloorSource {
+  kRepeats,     ///< what differs between repeats of a motion
+  kRegression,  ///< what a flexible regression of the motion leaves of the residual, held out
+};
+const char* name_of(FloorSource source);
+
+/// Errors of one joint that add up, relative, on every row of the held-out recordings:
+/// held_out = floor + removable, and of that the findings with names take held_out - extended, those
+/// without take extended - left.
+struct JointVerdict {
+  JointIndex joint;
+  double held_out = 0.0;  ///< of the model as it stands
+  double floor = 0.0;
+  double removable = 0.0;
+  double extended = 0.0;  ///< with the findings that have names
+  double left = 0.0;      ///< with those that have none beside them
+  FloorSource source = FloorSource::kRegression;
+  JointState state = JointState::kAtFloor;
+  std::string why;  ///< of kCannotTell
 };
 
 /// What a reader must see first.
@@ -133,6 +195,10 @@ struct Diagnosis {
   Identification baseline;  ///< the robot as it stands; a MODEL's values are not fitted anew
   Identification extended;  ///< with the findings
   std::vector<Finding> findings;
+  std::vector<JointVerdict> joints;  ///< one for each
+  /// Groups of joints, from 0, whose positions are straight lines of one another in all training
+  /// recordings: what depends on one of them cannot be told from the others.
+  std::vector<std::vector<int>> moving_as_one;
   std::vector<NotSupported> not_supported;
   std::vector<CannotTell> cannot_tell;
   std::vector<RecordingQuality> data_quality;
@@ -142,6 +208,10 @@ struct Diagnosis {
   std::vector<std::string> remarks;
   NextExperiment next_experiment;  ///< empty where nothing is left to separate
   bool provisional = false;        ///< one training recording only: names are provisional
+  /// Friction, offsets and rotor inertia of the extended model, where the file has no friction and
+  /// the arm was asked about with plain friction from the start; no findings.
+  std::vector<JointNumber> friction;
+  std::string friction_remark;     ///< what the file lacks, in words; empty: nothing was added
   int hypotheses = 0;              ///< how many were asked
   double seconds = 0.0;
 
@@ -149,7 +219,7 @@ struct Diagnosis {
   std::string sentence(const Finding& finding) const;
 
   /// One sentence: the first finding, and what the held-out recordings hold against the whole;
-  /// "none" where nothing was found.
+  /// "none" where every joint is at its floor.
   std::string verdict() const;
 
   /// @param next_command  how the next experiment is made, as whoever asks would type it; empty:

@@ -7,7 +7,8 @@ enum class EffectRole {
   kInertia,   ///< torque per acceleration: part of the mass matrix
   kFriction,  ///< opposes the motion along its axis
   kForce,     ///< any other torque along its axis
-  kChannel,   ///< no torque: an error of a recorded signal or of the base, see ChannelEffect
+  kSensor,    ///< no torque: an error of a recorded signal, see SensorError
+  kArm,       ///< no force along an axis: a fact about the whole arm, see ArmEffect
 };
 
 /// When a diagnosis asks about an effect. Errors of the measurement come first, because every other
@@ -47,6 +48,7 @@ struct EffectTraits {
   bool holds_at_rest = false;  ///< moves a joint at rest, like a spring or a cable
   bool lasting = false;        ///< the same on every day; friction and offsets are not
   bool elementary = false;     ///< in every joint, different every day: level, damping, zero
+  bool tabulated = false;      ///< a measured curve and no cause: it has no name
   bool mixed_axes = false;     ///< plausible along a combination of coordinates (a tendon, a wrist)
   /// False: describes measured motion to first order, and would be unstable as a force in a forward
   /// simulation.

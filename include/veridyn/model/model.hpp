@@ -8,6 +8,7 @@
 #include "veridyn/math/types.hpp"
 #include "veridyn/math/vector3.hpp"
 #include "veridyn/model/identified_base.hpp"
+#include "veridyn/model/joint_type.hpp"
 
 namespace veridyn {
 
@@ -16,8 +17,6 @@ struct Axis {
   VectorXd coefficients;  ///< c, (n)
   double offset = 0.0;    ///< s0 [rad] or [m]
 };
-
-enum class JointType { kFixed, kRevolute, kPrismatic };
 
 enum class DhConvention { kStandard, kModified };
 
@@ -58,10 +57,22 @@ struct ParameterBox {
   double effect_max = 0.0;
 };
 
+/// What the values of a robot file are.
+enum class RobotValues {
+  kFacts,  ///< of this very arm, as a MODEL's
+  kPrior,  ///< of a series of arms: a maker's file (URDF), or `values: prior` in YAML
+};
+
+/// "facts", "prior".
+const char* name_of(RobotValues values);
+
 /// A rigid body that moves with its frame.
 struct Body {
   std::optional<InertialParameters> phi;      ///< known, started or identified values
   std::optional<InertialParameters> std_phi;  ///< their standard deviations, where identified
+  /// What the maker's file had in their place: an identification stays close to it wherever the
+  /// recordings leave a choice.
+  std::optional<InertialParameters> prior;
   bool fixed = false;                         ///< true: the values are facts and are not identified
   ParameterBox box;                           ///< bounds of its own, where given
 };
@@ -87,7 +98,7 @@ struct Limits {
   double effort;
 };
 
-/// What the recordings of a joint get wrong, as diagnosed: undone when a recording is read.
+/// What the sensors of a joint show wrong, as diagnosed: JointSensors undoes it.
 struct RecordedChannel {
   double torque_gain = 1.0;      ///< recorded torque per true torque
   double torque_delay = 0.0;     ///< [s] by which the recorded torque is late
@@ -119,11 +130,15 @@ struct EffectTerm {
 struct ModelDescription {
   std::string name;
   std::string source;  ///< Origin of the numbers
+  RobotValues values = RobotValues::kFacts;
   Eigen::Vector3d gravity{0.0, 0.0, -9.81};
   std::map<std::string, double> constants;
   std::vector<Coordinate> coordinates;
   std::vector<Frame> frames;  ///< parents before children
   std::vector<EffectTerm> effects;
+  /// Effects on the arm as a whole, with values and without an axis: a base that gives way. See
+  /// ArmEffect, which knows what they do.
+  std::vector<EffectTerm> arm_effects;
   ParameterBox box;
   std::map<std::string, std::string>
       formulas;  ///< arithmetic of the file by place, as "frames/elbow/dh/3"
@@ -145,6 +160,7 @@ class Model {
   const std::vector<Coordinate>& coordinates() const { return description_.coordinates; }
   const std::vector<Frame>& frames() const { return description_.frames; }
   const std::vector<EffectTerm>& effects() const { return description_.effects; }
+  const std::vector<EffectTerm>& arm_effects() const { return description_.arm_effects; }
 
   /// n, the number of generalized coordinates.
   int joints() const { return static_cast<int>(description_.coordinates.size()); }

@@ -18,7 +18,7 @@
 #include "dvrk/emulator/simulated_arm.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/model_file.hpp"
-#include "veridyn/simulation/plant.hpp"
+#include "veridyn/simulation/engine.hpp"
 
 namespace veridyn::cli {
 namespace {
@@ -32,7 +32,7 @@ constexpr double kStopsBeyond = 0.02;  // share of a joint's range: end stops be
 /// An arm that is emulated: its part of a configuration, and what moves behind it.
 struct EmulatedArm {
   DvrkArm of;
-  std::unique_ptr<Plant> plant;
+  std::unique_ptr<Engine> plant;
   std::unique_ptr<dvrk::SimulatedArm> load;
   bool failed = false;  ///< and it was said
 };
@@ -120,7 +120,9 @@ std::vector<std::uint8_t> chip_of(const DvrkRequest& request, int board) {
     if (words.substr(0, equals) != std::to_string(board)) continue;
     const std::string content = content_of_file(words.substr(equals + 1), "the bytes of an instrument's chip");
     std::vector<std::uint8_t> bytes(content.begin(), content.end());
-    bytes.resize(256, 0xFF);
+    require(bytes.size() <= dvrk::kDallasBytes, words.substr(equals + 1), ": found ", bytes.size(),
+            " bytes, expected at most ", dvrk::kDallasBytes, ", what an instrument's chip holds.");
+    bytes.resize(dvrk::kDallasBytes, 0xFF);
     return bytes;
   }
   return {};
@@ -140,6 +142,11 @@ std::vector<dvrk::BoardSetup> boards_of(const DvrkRequest& request,
     setup.pot_noise = request.pot_noise < 0.0 ? kPotNoise : request.pot_noise;
     setup.current_noise = request.current_noise < 0.0 ? kCurrentNoise : request.current_noise;
     setup.dallas = chip_of(request, id);
+    for (const EmulatedArm& arm : arms) {
+      for (const dvrk::BoardSerial& own : arm.of.robot.board_serials)
+        if (own.board == id) setup.qla_serial = "QLA " + own.serial;
+    }
+    setup.io_expander = request.io_expander;
     boards.push_back(setup);
   }
   return boards;
@@ -157,9 +164,10 @@ void attach_models(const DvrkRequest& request, const std::vector<dvrk::BoardSetu
   for (size_t k = 0; k < arms.size(); ++k) {
     EmulatedArm& arm = arms[k];
     const Model model = read_model(request.models[request.models.size() == 1 ? 0 : k]);
-    arm.plant = std::make_unique<Plant>(model);
+    arm.plant = make_engine("veridyn", model);
     arm.load = std::make_unique<dvrk::SimulatedArm>(*arm.plant, arm.of.robot, arm.of.coupling, ids,
                                                     start_of(request, model));
+    arm.load->set_sensors(JointSensors(model));
     VectorXd lower(model.joints()), upper(model.joints());
     for (int j = 0; j < model.joints(); ++j) {
       const Limits& limits = model.coordinates()[static_cast<size_t>(j)].limits;
@@ -204,12 +212,17 @@ ExitStatus run_dvrk_emulate(const DvrkRequest& request) {
   std::vector<EmulatedArm> arms = arms_of(request);
   const std::vector<dvrk::BoardSetup> boards = boards_of(request, arms);
   BoardEmulator emulator(boards);
+  expect_value(!request.ethernet_only || request.firmware >= 9, "--ethernet-only", "found firmware ",
+               request.firmware, ", expected 9");
+  if (request.ethernet_only) emulator.without_firewire();
   const std::vector<BoardEvent> events = board_events(request.events, emulator);
   attach_models(request, boards, arms);
   Arms load(arms);
   if (!request.config_out.empty()) write_file(request.config_out, dvrk::to_io_xml(config_of(arms)));
   catch_signals();
-  dvrk::BoardServer server(emulator, request.port);
+  dvrk::BoardServer server(emulator, request.port,
+                           request.everywhere ? dvrk::BoardServer::Listens::kEverywhere
+                                              : dvrk::BoardServer::Listens::kHere);
   emulator.attach(&load);
   std::cout << fmt::format("{}: {} boards on UDP port {}, firmware {}{}\n", names_of(arms),
                            boards.size(), server.port(), request.firmware,

@@ -4,19 +4,17 @@
 #include "cli/options/choice.hpp"
 #include "cli/commands.hpp"
 #include "cli/options/common_options.hpp"
-#include "cli/options/makers_file.hpp"
 #include "cli/options/messages.hpp"
 #include "cli/options/option_checks.hpp"
 #include "cli/options/recording_options.hpp"
 #include "cli/options/sound_arguments.hpp"
 #include "veridyn/diagnosis/diagnosis.hpp"
 #include "diagnosis/stages/investigation.hpp"
-#include "effects/plain_friction.hpp"
 #include "math/output_file.hpp"
 #include "model/effect_names.hpp"
 #include "veridyn/model/model_file.hpp"
 #include "veridyn/report/diagnosis_json.hpp"
-#include "veridyn/report/diagnosis_page.hpp"
+#include "veridyn/report/pages.hpp"
 #include "veridyn/report/setting_names.hpp"
 
 namespace veridyn::cli {
@@ -46,12 +44,18 @@ void expect_known_places(const Model& arm, const std::vector<std::string>& names
 // recorded and known already.
 std::string next_command(const DiagnoseRequest& request, const Model& arm,
                          const NextExperiment& next) {
-  if (next.between.empty()) return "";
-  std::vector<std::string> words = {"veridyn", "excite", request.robot, "-o", "next.csv",
-                                    "--criterion", "discriminate", "--between",
-                                    to_text(arm, next.between[0]) + "," + to_text(arm, next.between[1])};
+  if (next.between.empty() && next.shows.empty()) return "";
+  std::vector<std::string> words = {"veridyn", "excite", request.robot, "-o", "next.csv", "--criterion"};
+  if (next.between.empty()) {
+    words.emplace_back("d-optimal");
+    if (!request.model_out.empty()) words[2] = request.model_out;  // whose tables count as parameters
+  } else {
+    words.insert(words.end(), {"discriminate", "--between",
+                               to_text(arm, next.between[0]) + "," + to_text(arm, next.between[1])});
+  }
   if (next.slow_passes > 0)
     words.insert(words.end(), {"--slow-passes", std::to_string(next.slow_passes)});
+  if (next.between.empty()) return cli::command_line(words);
   words.emplace_back("--given");
   words.insert(words.end(), request.train.begin(), request.train.end());
   const std::vector<std::string> reading =
@@ -66,16 +70,12 @@ ExitStatus run(DiagnoseRequest& request, const std::string& command_line) {
   require_writable(request.common.json);
   require_writable(request.common.report);
   require_writable(request.model_out);
-  const Model arm = read_robot(request.robot, request.common.fixed);
+  const Model arm = read_robot(request.robot, request.common);
   expect_known_places(arm, request.options.effects);
   warn_of_repeated_recordings(request.train);
   if (!request.test_rows) warn_of_shared_recordings(request.train, request.test);
-  const bool prior =
-      request.values.empty() ? is_makers_file(request.robot) : request.values == "prior";
-  if (prior) request.options.values = RobotValues::kPrior;
-  if (has_no_friction(arm))
-    say(request.robot + " has no friction; viscous and Coulomb friction and an offset of all joints "
-        "are asked about first");
+  if (!request.values.empty())
+    request.options.values = request.values == "prior" ? RobotValues::kPrior : RobotValues::kFacts;
   IdentificationOptions& how = request.options.identification;
   how.threads = request.common.threads;
   how.progress = progress(request.common);
@@ -122,19 +122,26 @@ void add_diagnose_command(CLI::App& tool, Outcome& outcome) {
   command.add_flag_callback(
       "--confirmed-only",
       [request] { request->options.extended = ExtendedModel::kConfirmedOnly; },
-      "Leave what the held-out recordings contradict out of the extended model");
+      "Leave what the held-out recordings contradict out of the extended model (the default)");
+  command.add_flag_callback(
+      "--all-findings", [request] { request->options.extended = ExtendedModel::kAllFindings; },
+      "Keep it in: the held-out recordings take no part in choosing");
+  command.add_flag_callback(
+      "--keep-unnamed", [request] { request->options.unnamed = UnnamedForces::kKept; },
+      "Keep what was found without a name in the extended model, as tables of its signals");
   command
       .add_option("--values", request->values,
                   "What values in the robot file are: facts of a MODEL (what changed since?) or a "
                   "prior, as in a maker's file (identified first; default of URDF)")
       ->check(CLI::IsMember({"facts", "prior"}))
       ->option_text("facts|prior");
+  add_friction_option(command, request->options.identification.friction);
   add_output_option(command, "--model-out", request->model_out, "Write the extended model as YAML");
   add_choice(command, "--weights", request->options.identification.weights,
              {JointWeights::kResidual, JointWeights::kRange},
              "Joints weighted by their residual or by the range of their torque");
   add_preprocessing_options(command, request->options.identification.preprocessing);
-  add_fix_option(command, request->common.fixed);
+  add_robot_options(command, request->common);
   add_row_range(command, "--test-rows", "Rows of the held-out recordings (default: as --rows)",
                 [request](RowRange rows) { request->test_rows = rows; });
   add_common_options(command, request->common);

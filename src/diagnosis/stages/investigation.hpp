@@ -72,6 +72,13 @@ void check_quality(Investigation& x);
 /// The arm as the file says. False if the data cannot answer: d.baseline.status says why.
 bool fit_baseline(Investigation& x);
 
+/// Leaves out the rests at either end of the training recordings, says of the joints that move as
+/// one that they do, and fits the arm again where anything was left out.
+void exclude_rests(Investigation& x);
+
+/// Leaves out parts of recordings from now on.
+void leave_out(const std::vector<LeftOut>& parts, Investigation& x);
+
 /// Reports joints whose friction comes out negative beyond doubt: a torque with the wrong sign.
 void check_torque_signs(Investigation& x);
 
@@ -95,6 +102,10 @@ void correct_constants(Investigation& x);
 /// Selects causes among all, corrects channels that come first, refines constants, weighs rivals,
 /// and writes down what was found.
 void select_causes(Investigation& x);
+
+/// Says of every joint what is left over, and of which signals it is a function where no cause of
+/// the list has that shape.
+void account_for_errors(Investigation& x);
 
 /// Marks what the held-out recordings contradict, orders by what matters.
 void summarize(Diagnosis& d, const Thresholds& thresholds);

@@ -88,16 +88,6 @@ void remember_periods(Investigation& x) {
   if (how.test_preprocessing) how.test_preprocessing->known_periods = known;
 }
 
-void leave_out(const std::vector<LeftOut>& parts, Investigation& x) {
-  IdentificationOptions& how = x.options.identification;
-  how.preprocessing.left_out.insert(how.preprocessing.left_out.end(), parts.begin(), parts.end());
-  if (how.test_preprocessing) {
-    auto& there = how.test_preprocessing->left_out;
-    there.insert(there.end(), parts.begin(), parts.end());
-  }
-  x.d.left_out.insert(x.d.left_out.end(), parts.begin(), parts.end());
-}
-
 // Rows that are left out still show their friction.
 bool is_known(const Snag& snag, const std::vector<Snag>& known) {
   return std::any_of(known.begin(), known.end(), [&snag](const Snag& other) {
@@ -124,6 +114,16 @@ void report(const Snag& snag, const Model& arm, Diagnosis& d) {
 
 }  // namespace
 
+void leave_out(const std::vector<LeftOut>& parts, Investigation& x) {
+  IdentificationOptions& how = x.options.identification;
+  how.preprocessing.left_out.insert(how.preprocessing.left_out.end(), parts.begin(), parts.end());
+  if (how.test_preprocessing) {
+    auto& there = how.test_preprocessing->left_out;
+    there.insert(there.end(), parts.begin(), parts.end());
+  }
+  x.d.left_out.insert(x.d.left_out.end(), parts.begin(), parts.end());
+}
+
 void check_quality(Investigation& x) {
   std::vector<std::string> all = x.train;
   for (const std::string& path : x.test) {
@@ -144,8 +144,20 @@ void check_quality(Investigation& x) {
 }
 
 bool fit_baseline(Investigation& x) {
+  const Model file = x.arm;
+  const JointFriction friction = x.options.identification.friction;
   x.d.baseline = x.look(x.arm);
   if (!x.d.baseline.model) return false;
+  // From now on the arm is the one that was identified, with what its file lacks.
+  const size_t given = file.effects().size();
+  if (x.d.baseline.model->effects().size() > given) {
+    x.arm = with_friction(file, friction);
+    if (x.arm.effects().size() > x.d.baseline.model->effects().size())
+      x.arm = with_friction_alone(file, friction);
+    x.d.friction_remark = friction_remark(file, x.arm);
+    x.d.baseline.remarks.clear();  // it is told once
+  }
+  x.options.identification.friction = JointFriction::kFile;
   choose_quieter_velocities(x);
   remember_periods(x);
   x.start = x.d.baseline;

@@ -33,6 +33,7 @@ BoardSide::BoardSide(const Scenario& scenario, std::size_t index, const Cooperat
     : models_(scenario_models(scenario, index)),
       link_(std::move(link)),
       session_(*link_, arm.robot, options_of(scenario, arm, options)),
+      sensors_(models_.known),
       joints_(models_.known.joints()),
       q_(VectorXd::Zero(joints_)),
       dq_(q_),
@@ -57,6 +58,8 @@ void BoardSide::begin(const Scenario& scenario, std::size_t index) {
   const ScenarioArm& arm = scenario.arms[index];
   require(session_.state().q.allFinite(), "arm '", arm.name,
           "': found no position, expected its boards to answer.");
+  q_ = session_.state().q.head(joints_);
+  sensors_.correct_positions(q_);
   loop_.emplace(ArmLoopSetup{models_.known,
                              {arm.frame, arm.offset},
                              models_.R_world_base_known,
@@ -64,7 +67,7 @@ void BoardSide::begin(const Scenario& scenario, std::size_t index) {
                              arm.control,
                              scenario.control,
                              VectorXd::Zero(joints_),
-                             session_.state().q.head(joints_)});
+                             q_});
   SafetyLimits limits = safety_limits(models_.known, 1.0);
   limits.torque = largest_torque();
   limits.force = kForceFactor * scenario.control.largest_force;
@@ -85,9 +88,11 @@ VectorXd BoardSide::largest_torque() const {
   VectorXd out(joints_);
   for (int i = 0; i < joints_; ++i) {
     const ActuatorConfig& a = session_.robot().actuators[static_cast<size_t>(i)];
-    const double effort = models_.known.coordinates()[static_cast<size_t>(i)].limits.effort;
-    out[i] = std::min(std::abs(a.max_current / a.effort_to_amps), effort);
+    out[i] = std::abs(a.max_current / a.effort_to_amps);
   }
+  sensors_.correct_torques(out);
+  for (int i = 0; i < joints_; ++i)
+    out[i] = std::min(out[i], models_.known.coordinates()[static_cast<size_t>(i)].limits.effort);
   return out;
 }
 
@@ -97,6 +102,7 @@ void BoardSide::read(double now) noexcept {
   if (!valid_) return;
   heard_ = now;
   q_ = session_.state().q.head(joints_);
+  sensors_.correct_positions(q_);
   dq_ = session_.state().dq.head(joints_);
   if (loop_) loop_->measure(q_);
 }
@@ -124,8 +130,10 @@ void BoardSide::drive(const VectorXd& wanted, const Eigen::Vector3d& exerted, do
     session_.power_off();
   }
   all_.head(joints_) = tau_;
+  sensors_.show_torques(all_.head(joints_));
   session_.set_torques(all_);
   tau_ = session_.command().tau.head(joints_);
+  sensors_.correct_torques(tau_);
 }
 
 BoardSide::News BoardSide::news(double largest_age) noexcept {

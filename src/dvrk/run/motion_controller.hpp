@@ -56,6 +56,9 @@ class MotionController {
   /// @throws InvalidInput  a motion that this controller would refuse on the way for another
   /// reason.
   virtual void require_possible(const MotionSamples& motion) const { (void)motion; }
+  /// A motion in positions as the boards show them, which a run goes by: a controller may know errors
+  /// of the encoders. torques() and limits() go by them, too.
+  virtual MotionSamples as_shown(const MotionSamples& motion) const { return motion; }
 };
 
 }  // namespace veridyn::dvrk

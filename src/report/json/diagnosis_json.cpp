@@ -1,4 +1,7 @@
 #include "veridyn/report/diagnosis_json.hpp"
+
+#include <cmath>
+
 #include "report/json/error_json.hpp"
 #include "report/json/json_value.hpp"
 #include "report/json/settings_json.hpp"
@@ -47,6 +50,7 @@ void add_place(const Diagnosis& d, const Cause& cause, Json& out) {
 Json next_json(const Diagnosis& d, const std::string& command) {
   const NextExperiment& next = d.next_experiment;
   Json out = {{"separates", Json::array()}, {"trajectory", command}};
+  if (!next.shows.empty()) out["shows"] = next.shows;
   if (next.between.empty() || !d.baseline.model) return out;
   out["between"] = Json::array();
   for (size_t k = 0; k < next.between.size(); ++k) {
@@ -56,12 +60,41 @@ Json next_json(const Diagnosis& d, const std::string& command) {
   return out;
 }
 
+Json verdict_json(const Diagnosis& d, const JointVerdict& v) {
+  Json out = {{"joint", v.joint.value + 1},
+              {"held_out", v.held_out},
+              {"floor", v.floor},
+              {"removable", v.removable},
+              {"state", name_of(v.state)},
+              {"floor_source", name_of(v.source)},
+              {"named", v.held_out - v.extended},
+              {"unnamed", v.extended - v.left},
+              {"left", v.left - v.floor}};
+  if (d.baseline.model)
+    out["coordinate"] = d.baseline.model->coordinates()[static_cast<size_t>(v.joint.value)].name;
+  if (!v.why.empty()) out["why"] = v.why;
+  return out;
+}
+
+void add_shape(const UnnamedShape& shape, Json& out) {
+  out["signals"] = shape.signals;
+  out["shape"] = shape.words;
+  out["share"] = shape.share;
+  out["kept"] = shape.kept;
+  if (!shape.as_good.empty()) out["as_good"] = shape.as_good;
+  out["curve"] = Json::array();
+  for (const CurvePoint& p : shape.curve)
+    out["curve"].push_back({{"at", p.at}, {"value", p.value}, {"band", Json::array({p.low, p.high})}});
+  out["curve_units"] = shape.units;
+}
+
 Json finding_json(const Diagnosis& d, const Finding& f) {
   Json out = {{"rank", f.rank}};
   out.update(cause_json(d, f.cause));
   add_place(d, f.cause, out);
   out["unit"] = f.unit;
   out["status"] = name_of(f.status);
+  if (!f.why_not.empty()) out["why_not"] = f.why_not;
   out["main"] = f.main;
   if (!f.source.empty()) out["recording"] = f.source;
   out["parameters"] = Json::object();
@@ -83,6 +116,7 @@ Json finding_json(const Diagnosis& d, const Finding& f) {
     rival["why"] = r.why;
     out["rivals"].push_back(std::move(rival));
   }
+  if (f.shape) add_shape(*f.shape, out);
   out["phrase"] = f.phrase;
   if (!f.remark.empty()) out["remark"] = f.remark;
   out["sentence"] = d.sentence(f);
@@ -122,12 +156,19 @@ Json quality_json(const Diagnosis& d) {
 std::string to_json(const Diagnosis& d, const std::string& next_command) {
   Json out = json_head("diagnose");
   out["robot"] = d.baseline.robot;
-  out["verdict"] = d.verdict();
+  out["verdict"] = Json::array();
+  for (const JointVerdict& v : d.joints) out["verdict"].push_back(verdict_json(d, v));
+  out["verdict_sentence"] = d.verdict();
   out["summary"] = summary_json(d.summary);
   out["provisional"] = d.provisional;
   out["changes_since"] = d.changes;
   out["hypotheses"] = d.hypotheses;
   out["baseline"] = error_pair(d.baseline);
+  out["moving_as_one"] = Json::array();
+  for (std::vector<int> group : d.moving_as_one) {
+    for (int& joint : group) ++joint;
+    out["moving_as_one"].push_back(group);
+  }
   out["findings"] = Json::array();
   for (const Finding& f : d.findings) out["findings"].push_back(finding_json(d, f));
   out["not_supported"] = Json::array();
@@ -148,6 +189,17 @@ std::string to_json(const Diagnosis& d, const std::string& next_command) {
   out["extended"] = error_pair(d.extended);
   out["next_experiment"] = next_json(d, next_command);
   out["remarks"] = d.remarks;
+  if (!d.friction_remark.empty()) out["remarks"].insert(out["remarks"].begin(), d.friction_remark);
+  out["friction"] = Json::array();
+  for (const JointNumber& n : d.friction) {
+    out["friction"].push_back({{"joint", n.joint + 1},
+                               {"coordinate", d.extended.model->coordinates()[static_cast<std::size_t>(n.joint)].name},
+                               {"effect", n.effect},
+                               {"parameter", n.parameter},
+                               {"unit", n.unit},
+                               {"value", n.value},
+                               {"std", std::isfinite(n.deviation) ? Json(n.deviation) : Json()}});
+  }
   out["excluded_intervals"] = Json::array();
   for (const LeftOut& part : d.left_out) {
     out["excluded_intervals"].push_back({{"file", part.source},
