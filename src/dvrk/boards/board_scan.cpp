@@ -217,6 +217,7 @@ void BoardBus::start() {
 }
 
 void BoardBus::begin_scan(Condition why) noexcept {
+  if (why == Condition::kDropped && exchange_.generation_changed()) why = Condition::kGenerationChanged;
   if (state_ != BusState::kScanning) unrest_ = why;
   state_ = BusState::kScanning;
   scan_ = Scan();

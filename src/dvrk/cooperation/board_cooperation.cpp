@@ -50,7 +50,8 @@ class BoardRun : private BoardLoop {
     plan();
     look();
     hear(channels_);
-    if (!stopped() && power_up()) {
+    if (stopped()) fail("stopped by a signal", -1, BoardEnd::kStopped);
+    if (why_ == nullptr && power_up()) {
       begin();
       options_.lines != nullptr ? play_by_line() : play();
       wind_down();

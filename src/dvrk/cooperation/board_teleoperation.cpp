@@ -69,7 +69,8 @@ class TeleoperationLoop : private BoardLoop {
     out_.name = scenario_.name;
     look();
     hear(line_);
-    if (!stopped() && power_up()) {
+    if (stopped()) fail("stopped by a signal", -1, BoardEnd::kStopped);
+    if (why_ == nullptr && power_up()) {
       begin();
       play();
       holds_ = true;
