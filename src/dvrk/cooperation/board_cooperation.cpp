@@ -359,7 +359,7 @@ class BoardRun : private BoardLoop {
   BoardCooperationRun out_;
   Eigen::Index row_ = 0;
   double bound_ = 5.0;  // [N]
-  bool winding_ = false, gives_up_ = false;
+  bool winding_ = false;
   std::unique_ptr<MotionPlan> plan_;
   std::unique_ptr<ScenarioRowFile> file_;
 };

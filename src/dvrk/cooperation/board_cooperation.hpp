@@ -101,13 +101,14 @@ struct BoardCooperationOptions {
 /// How the end came, if it was not the scenario's.
 enum class BoardEnd { kDone, kFault, kStopped };
 
-/// What an arm did between the first fault and the power's end, by its own encoders.
+/// What an arm did between the first fault and the time at which pretension is given up, by its own
+/// encoders.
 struct ArmAfterFault {
   std::string name;
   bool known = true;          ///< its boards answered throughout
   double moved = 0.0;         ///< [m] largest way of its tip
   double rest_after = -1.0;   ///< [s] from which on it was at rest; below zero: it was not at the end
-  double off_at = -1.0;       ///< [s] at which its own power went before that of all; below zero: not
+  double off_at = -1.0;  ///< [s] at which its own power went, before that of all; below zero: not
   /// It was under power and came to rest.
   bool held() const { return known && rest_after >= 0.0 && off_at < 0.0; }
 };

@@ -110,6 +110,7 @@ class BoardLoop {
   int faulty_joint_ = -1;
   double fault_at_ = 0.0;
   double now_ = 0.0, dt_ = 0.0, time_ = 0.0;
+  bool gives_up_ = false;  // the pretension, after the hold
   std::string not_off_;  // arms whose boards did not confirm that they are off
 
  private:
