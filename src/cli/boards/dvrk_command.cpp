@@ -109,6 +109,9 @@ void add_emulate(CLI::App& dvrk, Outcome& outcome) {
       ->option_text("MODEL...");
   command.add_option("--port", request->port, "UDP port to listen on; 0: any (1394)")
       ->option_text("PORT");
+  command.add_flag("--all-addresses", request->everywhere,
+                   "Listens to other machines too: whoever reaches the port drives the arm (programs "
+                   "of this machine alone)");
   command.add_option("--firmware", request->firmware, "Of the boards (8)")
       ->option_text("7|8|9")
       ->check(CLI::Range(7, 9));

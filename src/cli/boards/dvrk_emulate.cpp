@@ -209,7 +209,9 @@ ExitStatus run_dvrk_emulate(const DvrkRequest& request) {
   Arms load(arms);
   if (!request.config_out.empty()) write_file(request.config_out, dvrk::to_io_xml(config_of(arms)));
   catch_signals();
-  dvrk::BoardServer server(emulator, request.port);
+  dvrk::BoardServer server(emulator, request.port,
+                           request.everywhere ? dvrk::BoardServer::Listens::kEverywhere
+                                              : dvrk::BoardServer::Listens::kHere);
   emulator.attach(&load);
   std::cout << fmt::format("{}: {} boards on UDP port {}, firmware {}{}\n", names_of(arms),
                            boards.size(), server.port(), request.firmware,

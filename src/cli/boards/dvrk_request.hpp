@@ -39,6 +39,7 @@ struct DvrkRequest {
   bool home = false;                  ///< a reading command may load encoders
   bool announce = false;              ///< and send a session's first packets
   int firmware = 8;
+  bool everywhere = false;    ///< the emulator listens on all addresses
   std::vector<double> start;  ///< joint positions of the emulated arm
   std::string config_out;
   std::vector<std::string> events;

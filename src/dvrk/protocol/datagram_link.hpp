@@ -16,7 +16,7 @@ enum class Destination { kBoard, kEveryone, kMulticast };
 struct Arrival {
   bool any = false;
   std::size_t size = 0;      ///< bytes, cut at the buffer's end
-  bool known_source = true;  ///< from the board's address or its subnet
+  bool known_source = true;  ///< from an address that the boards have
   double lay = 0.0;          ///< [s] for which it lay ready before this program took it
 };
 
