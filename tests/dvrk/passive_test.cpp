@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <thread>
 
+#include "dvrk/arm_bench.hpp"
 #include "dvrk/bad_link.hpp"
 #include "dvrk/planar_arm.hpp"
 #include "dvrk/rig.hpp"
@@ -55,6 +56,27 @@ TEST_P(Listeners, SendNoWriteAndSeeTheArm) {
   ArmSession active(link, planar_config());
   active.start();
   EXPECT_GT(link.writes, 3);
+}
+
+// Homing beside a program that drives is refused before anything is written.
+TEST(Homing, LooksForPowerWithoutAWrite) {
+  PlanarArm arm;
+  BadLink link(arm.emulator);
+  EXPECT_NO_THROW(require_no_power(link, planar_config(), {}));
+  EXPECT_EQ(link.writes, 0);
+  ArmSession driver(arm.link, planar_config());
+  driver.start();
+  driver.update();
+  driver.commit();
+  ASSERT_EQ(driver.power_on(), nullptr);
+  for (int k = 0; k < 200; ++k) {
+    driver.update();
+    driver.commit();
+    arm.link.wait(kCycle);
+  }
+  ASSERT_TRUE(arm.emulator.board(0).status().power_requested());
+  EXPECT_THROW(require_no_power(link, planar_config(), {}), InvalidInput);
+  EXPECT_EQ(link.writes, 0);
 }
 
 TEST_P(Listeners, SeeWhatTheRealTimeBlockSays) {

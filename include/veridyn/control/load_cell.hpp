@@ -132,6 +132,7 @@ class ForceChannel {
   /// Of the filter and the line together, at low frequency [s]: for stability analyses.
   double delay() const;
   double unfiltered() const { return force_; }  ///< [N] of the latest reading
+  double believed() const { return last_raw_; }         ///< raw of the latest reading that was given
   long beyond_range() const { return beyond_range_; }  ///< readings that were not given
   long jumps() const { return jumps_; }                ///< likewise
   const ForceSource& source() const { return *source_; }

@@ -115,6 +115,8 @@ void add_emulate(CLI::App& dvrk, Outcome& outcome) {
   command.add_option("--firmware", request->firmware, "Of the boards (8)")
       ->option_text("7|8|9")
       ->check(CLI::Range(7, 9));
+  command.add_flag("--io-expander", request->io_expander,
+                   "Boards are QLA 1.5: I/O expander, voltage mode, comparator of the motor supply");
   command
       .add_option(
           "--start", request->start,
@@ -136,7 +138,7 @@ void add_emulate(CLI::App& dvrk, Outcome& outcome) {
       ->check(CLI::NonNegativeNumber);
   command
       .add_option("--instrument-chip", request->chips,
-                  "Memory of the Dallas chip on a board, 256 bytes (no chip)")
+                  "Memory of the Dallas chip on a board, up to 2048 bytes (no chip)")
       ->option_text("BOARD=FILE");
   add_output_option(command, "--config-out", request->config_out, "Writes the configuration in use (XML)");
   add_seconds(command, *request, "Ends after so long (Ctrl-C)");
@@ -219,7 +221,7 @@ const std::atomic<bool>& stop_asked() {
 }
 
 void catch_signals() {
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGPIPE}) {
     struct sigaction action {};
     action.sa_handler = ask_to_stop;
     ::sigemptyset(&action.sa_mask);
@@ -274,8 +276,7 @@ dvrk::ArmSessionOptions session_options(const DvrkRequest& request, const DvrkAr
   return options;
 }
 
-void say_faults(const dvrk::FaultLog& faults, const CommonOptions& common) {
-  if (common.quiet) return;
+void say_faults(const dvrk::FaultLog& faults) {
   std::istringstream lines(faults.report());
   for (std::string line; std::getline(lines, line);) say(line);
 }

@@ -120,7 +120,9 @@ std::vector<std::uint8_t> chip_of(const DvrkRequest& request, int board) {
     if (words.substr(0, equals) != std::to_string(board)) continue;
     const std::string content = content_of_file(words.substr(equals + 1), "the bytes of an instrument's chip");
     std::vector<std::uint8_t> bytes(content.begin(), content.end());
-    bytes.resize(256, 0xFF);
+    require(bytes.size() <= dvrk::kDallasBytes, words.substr(equals + 1), ": found ", bytes.size(),
+            " bytes, expected at most ", dvrk::kDallasBytes, ", what an instrument's chip holds.");
+    bytes.resize(dvrk::kDallasBytes, 0xFF);
     return bytes;
   }
   return {};
@@ -140,6 +142,7 @@ std::vector<dvrk::BoardSetup> boards_of(const DvrkRequest& request,
     setup.pot_noise = request.pot_noise < 0.0 ? kPotNoise : request.pot_noise;
     setup.current_noise = request.current_noise < 0.0 ? kCurrentNoise : request.current_noise;
     setup.dallas = chip_of(request, id);
+    setup.io_expander = request.io_expander;
     boards.push_back(setup);
   }
   return boards;

@@ -13,6 +13,7 @@ constexpr double kQueryLatency = 10e-6;  // [s] section 8.3, #3
 constexpr double kQueryPerBoard = 10e-6;
 constexpr double kShortestWait = 0.001;  // [s] that a reply gets when the cycle is late already
 constexpr double kLateCycles = 2.5;      // timestamps of so many cycles tell of missed ones
+constexpr int kRegisterEvery = 4;        // cycles between two looks at a command of Rev 7
 constexpr double kJump = 0.005;          // [s] between timestamp and clock: look at the board
 
 Route everyone() {
@@ -81,12 +82,14 @@ bool BoardBus::read() noexcept {
   ++cycles_;
   exchange_.forget_lay();
   const double start = link_.now();
-  if (state_ == BusState::kRunning && exchange_.generation_changed()) begin_scan();
+  if (state_ == BusState::kRunning && exchange_.generation_changed())
+    begin_scan(Condition::kGenerationChanged);
   if (state_ != BusState::kRunning) {
     for (Board& b : boards_) lose(b, Condition::kGenerationChanged);
     if (state_ == BusState::kScanning) scan_step();
     return false;
   }
+  exchange_.repeat_after(options_.repeat_after);
   if (options_.access == Access::kListenByRegister) {
     read_by_register();
   } else if (protocol_ == CycleProtocol::kBroadcast) {
@@ -95,6 +98,9 @@ bool BoardBus::read() noexcept {
     read_sequential();
   }
   read_seconds_ = link_.now() - start;
+  if (options_.access == Access::kDrive && boards_.front().info.firmware < 8 &&
+      cycles_ % kRegisterEvery == 0)
+    look_for_lost_writes();
   keep_house();
   return std::all_of(boards_.begin(), boards_.end(), [](const Board& b) { return b.valid; });
 }
@@ -116,7 +122,7 @@ void BoardBus::read_sequential() noexcept {
     if (result == ReadResult::kDropped) {  // no more node-addressed traffic (section 17 #3)
       for (Board* other = &b + 1; other < boards_.data() + boards_.size(); ++other)
         lose(*other, Condition::kDropped);
-      if (state_ == BusState::kRunning) begin_scan();
+      if (state_ == BusState::kRunning) begin_scan(Condition::kDropped);
       return;
     }
   }
@@ -140,7 +146,7 @@ void BoardBus::read_broadcast() noexcept {
   if (result != ReadResult::kOk) {
     for (Board& b : boards_) lose(b, condition_of(result));
     link_lost_ = link_lost_ || result == ReadResult::kNotSent;
-    if (result == ReadResult::kDropped) begin_scan();
+    if (result == ReadResult::kDropped) begin_scan(Condition::kDropped);
     return;
   }
   std::size_t at = 0;
@@ -167,7 +173,7 @@ void BoardBus::accept(Board& b, QuadletView block) noexcept {
   const Status status{block[1]};
   if (status.board() != b.info.id) {
     lose_noted(b, Condition::kWrongBoard, status.word);
-    if (state_ == BusState::kRunning) begin_scan();
+    if (state_ == BusState::kRunning) begin_scan(Condition::kWrongBoard);
     return;
   }
   if (status.channels() != kChannels) {
@@ -200,7 +206,7 @@ void BoardBus::check_timestamp(Board& b) noexcept {
 
 // Section 17 #27: the board shows the last command that it took.
 void BoardBus::check_commands(Board& b) noexcept {
-  if (b.info.firmware < 8) return;
+  if (b.info.firmware < 8) return;  // look_at() asks for its registers
   for (size_t c = 0; c < kChannels; ++c) {
     const std::uint16_t shown = b.feedback.channel[c].motor.command();
     // The last write may still be on its way: a network may let a read overtake it.

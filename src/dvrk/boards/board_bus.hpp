@@ -39,6 +39,9 @@ struct BusOptions {
   bool announce = false;
   CycleProtocol protocol = CycleProtocol::kAutomatic;
   double reply_timeout = 0.020;      ///< [s]; that of a whole cycle too
+  /// [s] after which a read of a cycle without a reply is sent again (Exchange); 0: never. A reply
+  /// takes 0.15 ms; the rest of the cycle makes up for the wait.
+  double repeat_after = 0.001;
   double rescan_timeout = 0.005;     ///< [s] per node while the cycle runs on
   double cycle_time = 1.0 / 1500.0;  ///< [s] nominal; 0: timestamps are not judged
   std::size_t mtu = 1500;            ///< Largest packet on the way to the boards [bytes]
@@ -93,11 +96,14 @@ class BoardBus {
   int lost_reads(int b) const { return boards_[static_cast<size_t>(b)].lost_reads; }
   /// Why the last one of them was lost.
   Condition loss(int b) const { return boards_[static_cast<size_t>(b)].loss; }
-  /// Cycles in a row in which a command was not found in the motor status (Rev 8 on).
+  /// Cycles in a row in which a command was not found in the motor status; on Rev 7 in the
+  /// registers of its channels, one of them every few cycles.
   int lost_writes(int b) const { return boards_[static_cast<size_t>(b)].lost_writes; }
   /// The board has woken up anew: watchdog and preloads are those of power-up.
   bool rebooted(int b) const { return boards_[static_cast<size_t>(b)].rebooted; }
   bool link_lost() const { return link_lost_; }
+  /// Why the boards are looked for again, while they are.
+  Condition unrest() const { return unrest_; }
 
   /// What the next write() sends; write() sets it back to "nothing".
   BoardCommand& command(int b) { return boards_[static_cast<size_t>(b)].command; }
@@ -168,7 +174,7 @@ class BoardBus {
   Objection assign() noexcept;
   std::string words_of(const Objection& objection) const;
   void choose_protocol();
-  void begin_scan() noexcept;
+  void begin_scan(Condition why) noexcept;
   void scan_step() noexcept;
 
   void read_sequential() noexcept;
@@ -182,6 +188,7 @@ class BoardBus {
   void lose_noted(Board& b, Condition why, std::uint32_t word) noexcept;
   void keep_house() noexcept;
   void look_at(Board& b) noexcept;
+  void look_for_lost_writes() noexcept;
 
   void write_blocks() noexcept;
   void remember(Board& b) noexcept;
@@ -196,6 +203,8 @@ class BoardBus {
   BusState state_ = BusState::kClosed;
   CycleProtocol protocol_ = CycleProtocol::kSequential;
   int hub_node_ = 0;
+  Condition unrest_ = Condition::kGenerationChanged;
+  std::size_t asked_channel_ = 0;  ///< of all boards, one after the other
   std::uint16_t sequence_ = 0;
   std::uint32_t watchdog_counts_ = 0;
   bool link_lost_ = false;

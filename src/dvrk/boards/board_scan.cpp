@@ -14,8 +14,11 @@ namespace {
 constexpr double kAfterIpAddress = 0.200;  // [s] section 5, #1
 constexpr double kAfterPhyRequest = 0.010;
 constexpr int kScannedNodes = 16;
+constexpr double kRepeatShare = 0.4;  // of the timeout, while nobody waits for a cycle
 
-// Gap counts that suffice for so many cable hops (IEEE 1394a-2000, annex E.1), from one hop on.
+// Gap counts that suffice for so many cable hops (IEEE 1394a-2000, annex E.1), from one hop on. The
+// laboratory's library takes them by the number of nodes, one hop more than a chain of them has: in
+// reserve for a node that answers no registers, as a computer on the bus.
 constexpr std::array<std::uint8_t, 16> kGapCount = {5,  7,  8,  10, 13, 16, 18, 21,
                                                     24, 26, 29, 32, 35, 37, 40, 43};
 constexpr std::uint32_t kGapCountNever = 63;  // gap count of power-up
@@ -102,8 +105,8 @@ void BoardBus::settle_gap_count() noexcept {
     high = std::max(high, result & 0x3F);
   }
   if (nodes == 0 || (low == high && low > 0 && low < kGapCountNever)) return;
-  const std::size_t hops = std::min(std::max<std::size_t>(nodes, 2) - 1, kGapCount.size());
-  exchange_.write(all, address::kPhyRequest, kWritePhy1 + kGapCount[hops - 1]);
+  const std::size_t place = std::min(nodes, kGapCount.size()) - 1;
+  exchange_.write(all, address::kPhyRequest, kWritePhy1 + kGapCount[place]);
 }
 
 // Gives the boards in use their nodes.
@@ -184,6 +187,7 @@ void BoardBus::choose_protocol() {
 void BoardBus::start() {
   state_ = BusState::kClosed;
   link_lost_ = false;
+  exchange_.repeat_after(options_.repeat_after > 0.0 ? kRepeatShare * options_.reply_timeout : 0.0);
   find_hub();
   exchange_.adopt_generation();
   for (int node = 0; node < kScannedNodes; ++node) probe(node, options_.reply_timeout);
@@ -209,7 +213,8 @@ void BoardBus::start() {
   state_ = BusState::kRunning;
 }
 
-void BoardBus::begin_scan() noexcept {
+void BoardBus::begin_scan(Condition why) noexcept {
+  if (state_ != BusState::kScanning) unrest_ = why;
   state_ = BusState::kScanning;
   scan_ = Scan();
 }
@@ -225,16 +230,16 @@ void BoardBus::scan_step() noexcept {
     exchange_.adopt_generation();
   }
   probe(scan_.node, timeout);
-  if (exchange_.generation_changed() || exchange_.resetting()) return begin_scan();
+  if (exchange_.generation_changed() || exchange_.resetting()) return begin_scan(unrest_);
   if (++scan_.node < kScannedNodes) return;
   std::uint32_t status = 0;
   if (exchange_.read(hub_route(), address::kStatus, timeout, status) != ReadResult::kOk)
-    return begin_scan();
+    return begin_scan(unrest_);
   std::array<int, kMaxBoards> firmware{};
   for (size_t k = 0; k < boards_.size(); ++k) firmware[k] = boards_[k].info.firmware;
   const Objection wrong = assign();
   if (wrong.board >= 0) {
-    if (wrong.condition == Condition::kMissingBoard) return begin_scan();  // it may come back
+    if (wrong.condition == Condition::kMissingBoard) return begin_scan(unrest_);  // it may come back
     state_ = BusState::kRefused;
     return;
   }

@@ -3,9 +3,11 @@
 #include <atomic>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
+#include "veridyn/control/load_cell.hpp"
 #include "veridyn/control/safety_supervisor.hpp"
 #include "veridyn/cooperation/live.hpp"
 #include "veridyn/cooperation/scenario_run.hpp"
@@ -56,6 +58,8 @@ struct BoardCooperationOptions {
   /// Where the force of member k comes from, then that of the walls, see open_force_source();
   /// empty: the emulated world's.
   std::vector<std::string> force_sources;
+  std::function<std::unique_ptr<ForceSource>(const std::string&)> open_source = open_force_source;
+  double sensor_patience = 2.0;  ///< [s] in which every sensor must have given good readings
   std::vector<std::string> force_calibrations;  ///< files of `loadcell calibrate`; empty: newtons
   double power_timeout = 3.0;                   ///< [s]
   double hold = 1.0;     ///< [s] for which all is held after a fault, forces within relief_force
@@ -98,7 +102,8 @@ struct BoardCooperationRun {
 /// over `release`; then power goes off everywhere. The loss of a line of commands does the same.
 ///
 /// The loop allocates nothing, throws nothing and waits for its clock and its sockets alone.
-/// @throws InvalidInput  another number of boards than arms; as ArmSession::start().
+/// @throws InvalidInput  another number of boards than arms; a force sensor that gives no good
+///                       readings, before any power; as ArmSession::start().
 BoardCooperationRun run_on_boards(const Scenario& scenario, const std::vector<CooperatingArm>& arms,
                                   const BoardCooperationOptions& options,
                                   const std::atomic<bool>& stop);

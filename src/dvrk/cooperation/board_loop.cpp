@@ -1,5 +1,7 @@
 #include "board_loop.hpp"
 
+#include <chrono>
+
 #include "veridyn/math/require.hpp"
 
 namespace veridyn::dvrk {
@@ -7,6 +9,7 @@ namespace {
 
 constexpr double kLooking = 0.1;  // [s] of reading before power is asked for
 constexpr double kAfter = 0.02;   // [s] of reading after power went
+constexpr double kJumpShare = 0.5;  // of the largest force: more between two readings is no force
 
 }  // namespace
 
@@ -83,6 +86,38 @@ std::string BoardLoop::cause() const {
 void BoardLoop::break_down() noexcept {
   for (const EmulatedFault& fault : options_.faults) {
     if (time_ >= fault.at) joined_->break_down(fault);
+  }
+}
+
+BoardLoop::Sensor BoardLoop::open_sensor(const std::string& source, const std::string& of,
+                                         ForceChannelOptions options) const {
+  options.largest_jump = kJumpShare * scenario_.control.largest_force;
+  return {source + " of " + of, std::make_unique<ForceChannel>(options_.open_source(source), options)};
+}
+
+void BoardLoop::hear(const std::vector<Sensor>& sensors) {
+  const std::size_t count = sensors.size();
+  std::vector<double> good_since(count, -1.0);
+  const auto heard = [&](std::size_t k) { return good_since[k] >= 0.0 && now_ - good_since[k] >= kHeard; };
+  for (const double until = time_ + options_.sensor_patience; !stopped();) {
+    cycle([&] {
+      for (std::size_t k = 0; k < count; ++k) {
+        sensors[k].channel->update(now_);
+        const bool good = sensors[k].channel->state() == ForceState::kGood;
+        if (!good || good_since[k] < 0.0) good_since[k] = good ? now_ : -1.0;
+      }
+    });
+    std::size_t k = 0;
+    while (k < count && heard(k)) ++k;
+    if (k == count) return;
+    const ForceChannel& silent = *sensors[k].channel;
+    require(time_ < until, "no power: the force sensor ", sensors[k].name, " ",
+            silent.state() == ForceState::kGood ? "does not stay good" : describe(silent.state()), " (",
+            silent.source().refused() + silent.beyond_range() + silent.jumps(),
+            " lines refused); expected good readings for ", kHeard, " s within ",
+            options_.sensor_patience, " s.");
+    // Lines keep the machine's time, whatever the boards' clock does.
+    if (options_.stepped) std::this_thread::sleep_for(std::chrono::duration<double>(period_));
   }
 }
 

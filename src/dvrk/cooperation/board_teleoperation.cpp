@@ -60,15 +60,15 @@ class TeleoperationLoop : private BoardLoop {
       if (options_.emulate) {
         sensor_.emplace(wall.sensor, 0.1);
       } else {
-        channel_ = std::make_unique<ForceChannel>(open_force_source(options_.force_sources.front()),
-                                                  ForceChannelOptions());
+        line_.push_back(open_sensor(options_.force_sources.front(), "the wall"));
       }
     }
   }
 
   TeleoperationRun run() {
     out_.name = scenario_.name;
-    if (power_up()) {
+    hear(line_);
+    if (!stopped() && power_up()) {
       begin();
       play();
       holds_ = true;
@@ -130,9 +130,11 @@ class TeleoperationLoop : private BoardLoop {
       const ForceSample sample = sensor_->read(time_, joined_->push(0));
       force_ = {sample.force, time_ - sample.time, sample.number, sample.force};
     } else {
-      force_ = channel_->update(now_);
+      force_ = line_.front().channel->update(now_);
+      if (line_.front().channel->state() == ForceState::kStuck)
+        fail("holds: a force sensor repeats one value", -1);
     }
-    if (force_.number >= 0 && !(force_.age <= scenario_.control.largest_age))
+    if (!(force_.age <= scenario_.control.largest_age))
       fail("holds: a force sensor's samples are too old", -1);
     if (std::abs(force_.force) > scenario_.control.largest_force)
       fail("holds: a force is too large", -1);
@@ -151,7 +153,7 @@ class TeleoperationLoop : private BoardLoop {
     }
     if (why_ != nullptr || holds_) tele_->clutch(false);
     tele_->update(leader().loop().position(), leader().loop().velocity(), force);
-    follower().act(tele_->follower(), force, force_.number < 0 ? 0.0 : force_.age, dt_);
+    follower().act(tele_->follower(), force, force_.age, dt_);
     const Vector3d in_base =
         leader().models().R_world_base_known.transpose() * tele_->leader_force();
     leader().drive(loop_->torque(leader().q(), leader().dq(), in_base), Vector3d::Zero(), 0.0, dt_);
@@ -246,7 +248,7 @@ class TeleoperationLoop : private BoardLoop {
   std::optional<QuinticInterpolator> hand_;
   VectorXd goal_;
   std::optional<ForceSensor> sensor_;
-  std::unique_ptr<ForceChannel> channel_;
+  std::vector<Sensor> line_;  // none with emulated boards
   ForceReading force_;
   MatrixXd rows_;
   std::vector<Span> spans_;

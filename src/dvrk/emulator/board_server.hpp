@@ -25,6 +25,11 @@ class BoardServer {
 
   std::uint16_t port() const { return port_; }
 
+  /// Whether datagrams from this address are taken, in host byte order.
+  bool is_heard(std::uint32_t address) const {
+    return listens_ == Listens::kEverywhere || (address >> 24) == 127;
+  }
+
   /// Answers until `stop` is true. The emulator belongs to this thread meanwhile.
   void run(const std::atomic<bool>& stop);
   /// Waits up to `seconds` for one datagram and answers it; the arm moves on in any case.

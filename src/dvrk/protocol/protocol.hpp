@@ -39,6 +39,7 @@ constexpr std::uint8_t kFlagDropped = 0x02;
 constexpr std::uint8_t kFlagInternalError = 0x04;
 constexpr std::uint8_t kFlagProtocolError = 0x08;
 constexpr std::uint8_t kFlagNoForward = 0x10;  ///< Rev 9: echo
+constexpr std::uint8_t kFlagSourcePort = 0x60;  ///< Rev 9 on FPGA V3: where the packet came in
 
 // Section 7: registers.
 namespace address {
@@ -85,6 +86,7 @@ constexpr std::uint16_t of_channel(int channel, Offset offset) {
 }
 }  // namespace address
 
+constexpr std::size_t kDallasBytes = 2048;  ///< memory of an instrument's chip, a DS2505
 constexpr std::uint32_t kHardwareQla1 = 0x514C4131;  ///< "QLA1", section 1
 constexpr std::uint32_t kPreloadNever = 0x800000;    ///< section 7.4; also the counter's zero
 constexpr double kTicksPerSecond = 49.152e6;

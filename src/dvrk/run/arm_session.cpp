@@ -73,6 +73,10 @@ SessionOptions session_options(const RobotConfig& robot, const ArmSessionOptions
   options.bus.announce = how.announce;
   options.watchdog = how.watchdog;
   options.bus.reply_timeout = how.reply_timeout;
+  options.bus.repeat_after = how.repeat_after;
+  // Whoever lets the boards wait longer for a word also waits longer for theirs.
+  const double reply = std::max(how.reply_timeout, BusOptions().reply_timeout);
+  options.lost_reads = std::max(options.lost_reads, static_cast<int>(how.watchdog / reply));
   options.bus.cycle_time = how.rate > 0.0 ? 1.0 / how.rate : 0.0;
   options.bus.boards = boards_of(robot);
   options.channels.assign(options.bus.boards.size(), {});
@@ -292,6 +296,37 @@ const HomingReport& ArmSession::home() {
   }
   homing_.done = homed_ = true;
   return homing_;
+}
+
+namespace {
+
+// @returns false: no board answers a client that never announced itself, as after they were
+// switched on.
+bool sees_no_power(DatagramLink& link, const RobotConfig& robot, const ArmSessionOptions& options) {
+  ArmSession look(link, robot, options);
+  try {
+    look.start();
+  } catch (const InvalidInput&) {
+    if (options.announce) throw;
+    return false;
+  }
+  require(look.update(), "boards: not a single valid read.");
+  const BoardBus& bus = look.boards().bus();
+  for (int b = 0; b < bus.boards(); ++b)
+    require(!bus.feedback(b).status.power_requested(), "--home: board ", bus.info(b).id,
+            " has motor power: another program drives it.");
+  return true;
+}
+
+}  // namespace
+
+void require_no_power(DatagramLink& link, const RobotConfig& robot, ArmSessionOptions options) {
+  options.access = Access::kListen;
+  options.homing = Homing::kNever;
+  options.announce = false;
+  if (sees_no_power(link, robot, options)) return;
+  options.announce = true;
+  sees_no_power(link, robot, options);
 }
 
 }  // namespace veridyn::dvrk
