@@ -3,6 +3,7 @@
 #include "dvrk/bad_link.hpp"
 #include "dvrk/boards/board_session.hpp"
 #include "dvrk/rig.hpp"
+#include "veridyn/math/require.hpp"
 
 // What the laboratory's programs and firmware showed where the specification is silent, and causes
 // that name their place.
@@ -117,6 +118,51 @@ TEST(Causes, AnotherBoardThanExpectedIsNamed) {
   other.emulator.bus_reset();
   other.cycles(5, 100.0);
   EXPECT_EQ(other.session.cause(), Condition::kGenerationChanged);
+}
+
+// Without FireWire a node is its board's id, nothing is forwarded, and "all" is a group (section
+// 8.5): a session comes up, drives both boards and goes down.
+TEST(EthernetOnly, ASessionDrivesBoardsOfFpgaV3) {
+  for (const CycleProtocol protocol : {CycleProtocol::kAutomatic, CycleProtocol::kSequential}) {
+    Rig rig(protocol, {Rig::setup(6, 9), Rig::setup(7, 9)});
+    rig.emulator.without_firewire();
+    ASSERT_TRUE(rig.bring_up()) << rig.session.faults().report();
+    EXPECT_TRUE(rig.session.bus().ethernet_only());
+    rig.cycles(50, 321.0);
+    EXPECT_EQ(rig.emulator.board(0).drive(2).bits, 321.0);
+    EXPECT_EQ(rig.emulator.board(1).drive(3).bits, 321.0);
+    EXPECT_EQ(rig.session.state(), PowerState::kOn) << rig.session.faults().report();
+    rig.emulator.bus_reset();  // of a FireWire that nobody uses
+    rig.cycles(5, 321.0);
+    EXPECT_EQ(rig.session.state(), PowerState::kOn) << rig.session.faults().report();
+    EXPECT_EQ(rig.session.shutdown(), OffState::kConfirmed);
+    EXPECT_FALSE(rig.any_amp_on());
+  }
+  SessionOptions forced = Rig::options();
+  forced.bus.firewire = true;
+  Rig bridge(forced, {Rig::setup(6, 9), Rig::setup(7, 9)});
+  bridge.emulator.without_firewire();
+  EXPECT_THROW(bridge.session.start(), InvalidInput);  // nobody is on FireWire
+  Rig broadcast(CycleProtocol::kBroadcast, {Rig::setup(6, 9), Rig::setup(7, 9)});
+  broadcast.emulator.without_firewire();
+  EXPECT_THROW(broadcast.session.start(), InvalidInput);
+}
+
+// The laboratory's query, byte for byte as section 19.10 captured it; the blocks come unasked.
+TEST(EthernetOnly, AQueryIsAnsweredUnasked) {
+  BoardEmulator emulator({Rig::setup(6, 9), Rig::setup(7, 9)}, 0);
+  emulator.without_firewire();
+  const std::array<std::uint8_t, 22> query{0x01, 0x03, 0xff, 0xff, 0xbc, 0x00, 0xff, 0xd0, 0x00, 0x00, 0x00,
+                                           0x00, 0x18, 0x00, 0x00, 0x03, 0x00, 0xc0, 0x53, 0x78, 0x75, 0xc8};
+  std::array<std::uint8_t, kDatagramBuffer> out{};
+  const Answer answer = emulator.handle({query.data(), query.size()}, 1000, {out.data(), out.size()});
+  ASSERT_EQ(answer.size, 32U + 268U);
+  EXPECT_EQ(load_quadlet(out.data()), 0xffd0bc70U);
+  EXPECT_EQ(load_quadlet(out.data() + 4), 0xffc60000U);
+  EXPECT_EQ(load_quadlet(out.data() + 12), 0x010c0000U);
+  EXPECT_EQ(load_quadlet(out.data() + 20) >> 16, 0x2103U);           // 33 quadlets, sequence 3
+  EXPECT_EQ((load_quadlet(out.data() + 20 + 4 * 35) >> 24) & 0xF, 7U);  // status of board 7
+  EXPECT_EQ(out[answer.size - 8], 0x10);
 }
 
 }  // namespace

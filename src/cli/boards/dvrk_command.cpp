@@ -57,6 +57,9 @@ void add_client_options(CLI::App& command, DvrkRequest& request) {
   command.add_option("--mtu", request.mtu, "Of the network to the boards (1500)")
       ->option_text("BYTES")
       ->check(CLI::Range(576, 65535));
+  command.add_flag("--firewire", request.firewire,
+                   "FireWire joins the boards, though they are FPGA V3 with firmware 9, which are "
+                   "otherwise taken for boards that Ethernet alone joins");
   command
       .add_option("--protocol", request.protocol,
                   "sequential: one board after the other; broadcast-write: one write for all; "
@@ -115,6 +118,8 @@ void add_emulate(CLI::App& dvrk, Outcome& outcome) {
   command.add_option("--firmware", request->firmware, "Of the boards (8)")
       ->option_text("7|8|9")
       ->check(CLI::Range(7, 9));
+  command.add_flag("--ethernet-only", request->ethernet_only,
+                   "Boards are FPGA V3 (firmware 9) that Ethernet alone joins");
   command.add_flag("--io-expander", request->io_expander,
                    "Boards are QLA 1.5: I/O expander, voltage mode, comparator of the motor supply");
   command
@@ -269,6 +274,7 @@ dvrk::ArmSessionOptions session_options(const DvrkRequest& request, const DvrkAr
   options.mtu = request.mtu;
   options.watchdog = request.watchdog;
   options.announce = request.announce;
+  options.firewire = request.firewire;
   options.protocol = request.protocol == "sequential"        ? dvrk::CycleProtocol::kSequential
                      : request.protocol == "broadcast-write" ? dvrk::CycleProtocol::kBroadcastWrite
                      : request.protocol == "broadcast"       ? dvrk::CycleProtocol::kBroadcast

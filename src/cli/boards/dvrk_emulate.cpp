@@ -142,6 +142,10 @@ std::vector<dvrk::BoardSetup> boards_of(const DvrkRequest& request,
     setup.pot_noise = request.pot_noise < 0.0 ? kPotNoise : request.pot_noise;
     setup.current_noise = request.current_noise < 0.0 ? kCurrentNoise : request.current_noise;
     setup.dallas = chip_of(request, id);
+    for (const EmulatedArm& arm : arms) {
+      for (const dvrk::BoardSerial& own : arm.of.robot.board_serials)
+        if (own.board == id) setup.qla_serial = "QLA " + own.serial;
+    }
     setup.io_expander = request.io_expander;
     boards.push_back(setup);
   }
@@ -207,6 +211,9 @@ ExitStatus run_dvrk_emulate(const DvrkRequest& request) {
   std::vector<EmulatedArm> arms = arms_of(request);
   const std::vector<dvrk::BoardSetup> boards = boards_of(request, arms);
   BoardEmulator emulator(boards);
+  expect_value(!request.ethernet_only || request.firmware >= 9, "--ethernet-only", "found firmware ",
+               request.firmware, ", expected 9");
+  if (request.ethernet_only) emulator.without_firewire();
   const std::vector<BoardEvent> events = board_events(request.events, emulator);
   attach_models(request, boards, arms);
   Arms load(arms);

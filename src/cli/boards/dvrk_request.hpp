@@ -39,6 +39,8 @@ struct DvrkRequest {
   bool home = false;                  ///< a reading command may load encoders
   bool announce = false;              ///< and send a session's first packets
   int firmware = 8;
+  bool ethernet_only = false; ///< emulated boards have no FireWire between them
+  bool firewire = false;      ///< FPGA V3 boards have it all the same
   bool io_expander = false;   ///< emulated boards are QLA 1.5
   bool everywhere = false;    ///< the emulator listens on all addresses
   std::vector<double> start;  ///< joint positions of the emulated arm

@@ -16,10 +16,6 @@ constexpr double kLateCycles = 2.5;      // timestamps of so many cycles tell of
 constexpr int kRegisterEvery = 4;        // cycles between two looks at a command of Rev 7
 constexpr double kJump = 0.005;          // [s] between timestamp and clock: look at the board
 
-Route everyone() {
-  return {kBroadcastNode, false, Destination::kBoard};
-}
-
 }  // namespace
 
 BoardBus::BoardBus(DatagramLink& link, const BusOptions& options)
@@ -52,7 +48,17 @@ void BoardBus::note(Condition condition, int board, int channel, std::uint32_t v
 }
 
 Route BoardBus::route(const Board& b) const {
-  return {static_cast<std::uint8_t>(b.info.node), false, Destination::kBoard};
+  return route_to(b.info.node);
+}
+
+// Section 2.3: without FireWire a node's number is its board's id, and each has its own address.
+Route BoardBus::route_to(int node) const {
+  return {static_cast<std::uint8_t>(node), ethernet_only_, Destination::kBoard, ethernet_only_ ? node : -1};
+}
+
+Route BoardBus::everyone() const {
+  return {kBroadcastNode, ethernet_only_,
+          ethernet_only_ ? Destination::kMulticast : Destination::kBoard};
 }
 
 bool BoardBus::one_group() const noexcept {

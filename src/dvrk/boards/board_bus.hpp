@@ -44,6 +44,9 @@ struct BusOptions {
   double repeat_after = 0.001;
   double rescan_timeout = 0.005;     ///< [s] per node while the cycle runs on
   double cycle_time = 1.0 / 1500.0;  ///< [s] nominal; 0: timestamps are not judged
+  /// FireWire joins the boards, though the hub is an FPGA V3 with firmware 9, which is taken for
+  /// one of a bus that Ethernet alone joins.
+  bool firewire = false;
   std::size_t mtu = 1500;            ///< Largest packet on the way to the boards [bytes]
   int housekeeping = 200;            ///< cycles between two reads of a slow register; 0: none
 };
@@ -83,6 +86,7 @@ class BoardBus {
 
   BusState state() const { return state_; }
   CycleProtocol protocol() const { return protocol_; }
+  bool ethernet_only() const { return ethernet_only_; }
   int boards() const { return static_cast<int>(boards_.size()); }
   const BoardInfo& info(int b) const { return boards_[static_cast<size_t>(b)].info; }
   const FaultLog& faults() const { return log_; }
@@ -124,6 +128,8 @@ class BoardBus {
   bool write_register(int b, std::uint16_t address, std::uint32_t value) noexcept;
   /// Writes, reads back, repeats twice. @returns whether it is there.
   bool write_checked(int b, std::uint16_t address, std::uint32_t value) noexcept;
+  /// "1234-56" of a QLA, from its memory: section 7.6. Empty: none is there.
+  std::string qla_serial(int b);
   /// Sets all watchdogs and verifies them; forgets that boards were rebooted.
   bool set_watchdog(double seconds) noexcept;
 
@@ -163,6 +169,8 @@ class BoardBus {
   };
 
   Route route(const Board& b) const;
+  Route route_to(int node) const;
+  Route everyone() const;
   void note(Condition condition, int board = -1, int channel = -1,
             std::uint32_t value = 0) noexcept;
 
@@ -203,6 +211,7 @@ class BoardBus {
   BusState state_ = BusState::kClosed;
   CycleProtocol protocol_ = CycleProtocol::kSequential;
   int hub_node_ = 0;
+  bool ethernet_only_ = false;  ///< boards on one Ethernet, without FireWire between them
   Condition unrest_ = Condition::kGenerationChanged;
   std::size_t asked_channel_ = 0;  ///< of all boards, one after the other
   std::uint16_t sequence_ = 0;

@@ -95,4 +95,21 @@ void BoardBus::read_by_register() noexcept {
   }
 }
 
+std::string BoardBus::qla_serial(int b) {
+  constexpr std::uint32_t kReadFromStart = 0xFE000000;
+  constexpr std::uint32_t kQuadlets = 3;
+  constexpr double kReading = 0.001;  // [s]
+  const std::string kPrefix = "QLA ";
+  QuadletView block;
+  if (!write_register(b, address::kQlaPromCommand, kReadFromStart | (kQuadlets - 1))) return "";
+  link_.wait(kReading);
+  if (exchange_.read_block(route(boards_[static_cast<size_t>(b)]), address::kQlaPromData, kQuadlets,
+                           options_.reply_timeout, block) != ReadResult::kOk)
+    return "";
+  std::string out;
+  for (std::size_t k = 0; k < block.bytes().size && block.bytes().data[k] != 0xFF; ++k)
+    out += static_cast<char>(block.bytes().data[k]);
+  return out.rfind(kPrefix, 0) == 0 ? out.substr(kPrefix.size()) : "";
+}
+
 }  // namespace veridyn::dvrk

@@ -64,11 +64,12 @@ void BoardBus::find_hub() {
   exchange_.expect_silence(true);                       // it is told again per node
   exchange_.read(hub, address::kEthernet, timeout, ethernet);
   exchange_.expect_silence(false);
+  ethernet_only_ = !options_.firewire && firmware >= 9 && is_fpga_v3(ethernet);
 }
 
 // Section 5 #7. A node that does not answer is not there.
 void BoardBus::probe(int node, double timeout) noexcept {
-  const Route route{static_cast<std::uint8_t>(node), false, Destination::kBoard};
+  const Route route = route_to(node);
   BoardInfo& info = scan_.found[static_cast<size_t>(node)];
   info = BoardInfo();
   std::uint32_t firmware = 0, git = 0;
@@ -157,7 +158,7 @@ std::string BoardBus::words_of(const Objection& objection) const {
     if (found.node >= 0) others += text(others.empty() ? " " : ", ", found.id);
   }
   return text("board ", there.id, " does not answer; found", others.empty() ? " none" : others,
-              ".");
+              ethernet_only_ ? " on an Ethernet without FireWire (--firewire: there is one)." : ".");
 }
 
 // Section 5, end; section 17 #11 and #16.
@@ -174,6 +175,8 @@ void BoardBus::choose_protocol() {
         "protocol; the sequential protocol takes any mix.");
   }
   if (protocol_ != CycleProtocol::kBroadcast) return;
+  require(!ethernet_only_, "boards: found the broadcast protocol for boards that Ethernet alone joins, "
+          "expected sequential or broadcast-write.");
   require(boards_.front().info.firmware >= 7, "boards: the broadcast protocol needs firmware 7.");
   std::size_t bytes = 4;
   for (const Board& b : boards_) bytes += 4 * hub_quadlets(b.info.firmware);
@@ -195,7 +198,7 @@ void BoardBus::start() {
   const Objection wrong = assign();
   require(wrong.board < 0, "boards: ", wrong.board < 0 ? "" : words_of(wrong));
   choose_protocol();
-  if (!listens()) settle_gap_count();
+  if (!listens() && !ethernet_only_) settle_gap_count();
   hub_node_ = 0;
   std::uint32_t status = 0;  // whoever answers to everyone is the hub
   if (exchange_.read(hub_route(), address::kStatus, options_.reply_timeout, status) ==

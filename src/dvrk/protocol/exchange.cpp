@@ -42,6 +42,7 @@ Request Exchange::request(const Route& route, Tcode tcode, std::uint16_t address
 }
 
 bool Exchange::send(const Request& request, const Route& route) noexcept {
+  if (route.board >= 0) link_.speak_to(route.board);
   sent_ = encode(request, {out_.data(), out_.size()});
   if (sent_ > 0 && link_.send({out_.data(), sent_}, route.to)) return true;
   log_.note(Condition::kNotSent, link_.now());

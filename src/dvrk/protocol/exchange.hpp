@@ -18,6 +18,7 @@ struct Route {
   std::uint8_t node = kBroadcastNode;
   bool local = false;  ///< NOFORWARD: the receiving board alone
   Destination to = Destination::kBoard;
+  int board = -1;  ///< Ethernet-only: the board that has an address of its own (section 2.3)
 };
 
 enum class ReadResult {

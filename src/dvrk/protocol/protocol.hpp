@@ -94,6 +94,11 @@ constexpr std::uint32_t kWatchdogTicks = 256;       ///< Clock ticks in one coun
 constexpr std::uint32_t kWatchdogDefault = 0x1680;  ///< 30 ms
 constexpr std::uint32_t kMotorConfigDefault = 0x01780418;
 constexpr std::uint32_t kEthernetHealthy = 0xA01C0000;
+constexpr std::uint32_t kEthernetV3 = 0x40B0B0B0;  ///< Healthy, FPGA V3
+/// Register 12: FPGA V3, whose two Ethernet ports may take FireWire's place.
+constexpr bool is_fpga_v3(std::uint32_t ethernet) {
+  return (ethernet >> 30) == 1;
+}
 constexpr std::uint32_t kEthernetErrors = 0x1FC00000;  ///< bits 28 to 22; V2
 
 // Section 7.3: the control word.

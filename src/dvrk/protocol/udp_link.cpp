@@ -139,6 +139,10 @@ bool UdpLink::may_answer(std::uint32_t address) const noexcept {
   return !hub_known_ && address - server_ < static_cast<std::uint32_t>(kMaxBoards);
 }
 
+void UdpLink::speak_to(int board) noexcept {
+  board_ = server_ + static_cast<std::uint32_t>(board);
+}
+
 void UdpLink::hub_is(int firmware, int board) noexcept {
   hub_known_ = true;
   board_ = firmware >= 9 ? server_ + static_cast<std::uint32_t>(board) : server_;

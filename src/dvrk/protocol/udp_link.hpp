@@ -26,6 +26,7 @@ class UdpLink final : public DatagramLink {
   void wait(double seconds) noexcept override;
   std::uint32_t address_word() const noexcept override;
   void hub_is(int firmware, int board) noexcept override;
+  void speak_to(int board) noexcept override;
 
  private:
   bool may_answer(std::uint32_t address) const noexcept;

@@ -71,6 +71,7 @@ SessionOptions session_options(const RobotConfig& robot, const ArmSessionOptions
   options.bus.mtu = how.mtu;
   options.bus.access = how.access;
   options.bus.announce = how.announce;
+  options.bus.firewire = how.firewire;
   options.watchdog = how.watchdog;
   options.bus.reply_timeout = how.reply_timeout;
   options.bus.repeat_after = how.repeat_after;
@@ -129,6 +130,7 @@ void ArmSession::start() {
   units_.reset();
   homing_ = {};
   require_velocities();
+  if (!boards_.listens()) require_own_boards();
   // Encoders that cannot be loaded stand where they stand.
   homed_ = !robot().has_encoder_preload || !needs_homing();
   if (homed_ || options_.homing == Homing::kNever || boards_.listens()) return;
@@ -145,6 +147,20 @@ void ArmSession::require_velocities() const {
             firmware,
             ", whose velocities have another form, expected 7 or more, or VelocitySource ",
             "SOFTWARE.");
+  }
+}
+
+// Ids are switches that anybody sets; serial numbers are not.
+void ArmSession::require_own_boards() {
+  const std::vector<int> ids = boards_of(robot());
+  for (const BoardSerial& own : robot().board_serials) {
+    const auto at = std::find(ids.begin(), ids.end(), own.board);
+    if (at == ids.end()) continue;
+    const std::string found = boards_.bus().qla_serial(static_cast<int>(at - ids.begin()));
+    require(found == own.serial, "robot '", robot().name, "'",
+            robot().serial.empty() ? "" : " (SN " + robot().serial + ")", ": found a board ", own.board,
+            found.empty() ? std::string(" without a serial number") : " with the serial number " + found,
+            ", expected ", own.serial, ": this is another arm, or a board was exchanged.");
   }
 }
 

@@ -31,6 +31,7 @@ struct ArmSessionOptions {
   std::size_t mtu = 1500;
   Access access = Access::kDrive;  ///< listening, start() neither writes nor loads encoders
   bool announce = false;           ///< see BusOptions
+  bool firewire = false;           ///< likewise
   double watchdog = 0.030;         ///< [s]
   double reply_timeout = 0.020;    ///< [s] for all replies of a cycle
   double repeat_after = BusOptions().repeat_after;  ///< [s] a read without a reply is sent again
@@ -116,6 +117,7 @@ class ArmSession {
 
  private:
   void require_velocities() const;
+  void require_own_boards();
   void read_raw() noexcept;
   void command_brakes() noexcept;
   std::string average_pots(VectorXd& mean);
