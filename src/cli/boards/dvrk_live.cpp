@@ -89,11 +89,12 @@ std::string never_loaded(ArmSession& session) {
 
 }  // namespace
 
-void prepare_loop() {
-  const bool priority = take_real_time_priority(30);
-  const bool locked = lock_memory();
-  if (!priority) say("no real-time priority: cycles will be late on a busy machine");
-  if (!locked) say("memory cannot be locked: a cycle may wait for a page of it");
+std::vector<std::string> prepare_loop() {
+  std::vector<std::string> refused;
+  if (!take_real_time_priority(30))
+    refused.push_back("no real-time priority: cycles are late on a busy machine");
+  if (!lock_memory()) refused.push_back("memory cannot be locked: a cycle may wait for a page of it");
+  return refused;
 }
 
 std::string not_confirmed(dvrk::OffState power) {
@@ -158,7 +159,7 @@ ExitStatus run_dvrk_read(const DvrkRequest& request) {
   home_first(request, arm, link);
   ArmSession session(link, arm.robot, reading_options(request, arm, dvrk::Access::kListen));
   catch_signals();
-  prepare_loop();
+  for (const std::string& line : prepare_loop()) say(line);
   const dvrk::RunResult done = dvrk::record_at_rest(session, link, request.seconds, request.rate,
                                                     stop_asked(), request.output);
   require(done.rows.rows() > 0, "boards: not a single valid read.");

@@ -70,8 +70,8 @@ dvrk::ArmSessionOptions session_options(const DvrkRequest& request, const DvrkAr
 void say_faults(const dvrk::FaultLog& faults);
 
 /// Before a loop that has a cycle to keep: priority, memory that stays where it is. What the system
-/// refuses is said.
-void prepare_loop();
+/// refuses is returned, in words.
+std::vector<std::string> prepare_loop();
 
 /// "power off is NOT CONFIRMED (an amplifier is still on): press the emergency stop".
 std::string not_confirmed(dvrk::OffState power);

@@ -133,7 +133,7 @@ ExitStatus run_dvrk_run(const DvrkRequest& request) {
   ArmSession session(link, arm.robot, session_options(request, arm));
   const auto controller = controller_of(request, gains, session);
   catch_signals();
-  prepare_loop();
+  const std::vector<std::string> refused = prepare_loop();
   const dvrk::RunResult done =
       in_place     ? dvrk::run_in_place(session, link, request.seconds, controller->joints(),
                                         *controller, options, stop_asked())
@@ -145,6 +145,7 @@ ExitStatus run_dvrk_run(const DvrkRequest& request) {
   const std::string power = off ? "power is off" : not_confirmed(done.power);
   if (!done.why.empty()) say("the run ended: " + done.why + "; " + power + ".");
   if (done.why.empty() && !off) say(power + ".");
+  for (const std::string& line : refused) say(line);  // behind what ended the run
   if (!done.remark.empty()) say(request.output + ": " + done.remark + ".");
   finish_dvrk(request, "run", done, session);
   say_kept(request, done);

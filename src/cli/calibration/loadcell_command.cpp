@@ -66,11 +66,12 @@ Readings from_source(const LoadcellRequest& request) {
     std::string line;
     require(static_cast<bool>(std::getline(std::cin, line)),
             "standard input: ended before all weights were read.");
-    source->poll();  // what came meanwhile belongs to no weight
+    while (source->poll() > 0) {  // what came meanwhile belongs to no weight
+    }
     const double end = now() + request.seconds;
     int taken = 0;
     while (now() < end) {
-      if (source->poll() > 0) {
+      while (source->poll() > 0) {
         out.force.push_back(mass * request.gravity);
         out.raw.push_back(source->raw());
         ++taken;

@@ -212,7 +212,7 @@ void BoardBus::check_timestamp(Board& b) noexcept {
 
 // Section 17 #27: the board shows the last command that it took.
 void BoardBus::check_commands(Board& b) noexcept {
-  if (b.info.firmware < 8) return;  // look_at() asks for its registers
+  if (b.info.firmware < 8) return;  // look_for_lost_writes() asks its registers
   for (size_t c = 0; c < kChannels; ++c) {
     const std::uint16_t shown = b.feedback.channel[c].motor.command();
     // The last write may still be on its way: a network may let a read overtake it.

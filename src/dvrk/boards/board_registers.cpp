@@ -19,9 +19,8 @@ void BoardBus::keep_house() noexcept {
   if (b.valid) look_at(b);
 }
 
-// Section 17 #27: Rev 7 shows its commands in registers alone. One channel in a cycle; a channel
-// that differs is asked again in the next cycle, so that a write which was overtaken is none that
-// was lost.
+// Section 17 #27: Rev 7 shows its commands in registers alone. One channel at a time; one
+// that differs is asked again, so that a write which was overtaken is none that was lost.
 void BoardBus::look_for_lost_writes() noexcept {
   if (state_ != BusState::kRunning || exchange_.generation_changed() || listens()) return;
   const std::size_t sockets = boards_.size() * kChannels;
