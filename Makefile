@@ -3,7 +3,7 @@ BUILD := build
 JOBS  ?= $(shell nproc)
 CMAKE_FLAGS ?= --preset dev
 
-.PHONY: all tool build demo test python ros ros-test mpi growth deb readme sanitize packages packages-tests clean
+.PHONY: all tool build demo test python ros ros-test mpi growth deb readme thesis sanitize packages packages-tests clean
 
 all: tool
 
@@ -57,15 +57,21 @@ deb: python
 	@cd $(BUILD) && cpack -B packages >cpack.log || { cat cpack.log; exit 1; }
 	@ls $(BUILD)/packages/*.deb
 
+# The thesis's tables and figures beside ours: docs/thesis-figures.md, made anew.
+thesis:
+	@$(MAKE) --no-print-directory readme PAGES=docs/thesis-figures.md
+
 demo: tool
 	@examples/demo.sh $(BUILD)/bin/veridyn out/demo
 
 test: build
 	@ctest --test-dir $(BUILD) --output-on-failure -j $(JOBS)
 
-# README's blocks, made anew by the commands in them; a test compares them.
+# Blocks of the README and of the pages below, made anew by the commands in them; tests compare them.
+PAGES ?= README.md docs/tour.md
 readme: tool python
-	@PATH="$(CURDIR)/$(BUILD)/bin:/usr/bin:$$PATH" VERIDYN_SOURCE="$(CURDIR)" /usr/bin/python3 tests/readme/blocks.py write README.md out/readme
+	@for page in $(PAGES); do PATH="$(CURDIR)/$(BUILD)/bin:/usr/bin:$$PATH" VERIDYN_SOURCE="$(CURDIR)" \
+	  /usr/bin/python3 tests/readme/blocks.py write $$page out/readme || exit 1; done
 
 # The second test configuration: address and undefined-behaviour sanitizers.
 sanitize: packages-tests

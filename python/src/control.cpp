@@ -179,6 +179,14 @@ void bind_compensation(py::module_& m) {
              return VectorXd(observer.update(arm, y, dt));
            },
            py::arg("state"), py::arg("acceleration"), py::arg("dt"), "tau (n) to be added.")
+      .def("sent",
+           [](ModelErrorObserver& observer, const VectorXd& asked, const VectorXd& sent) {
+             expect(asked, static_cast<int>(observer.torque().size()), "ModelErrorObserver.sent", "asked");
+             expect(sent, static_cast<int>(observer.torque().size()), "ModelErrorObserver.sent", "sent");
+             observer.sent(asked, sent);
+           },
+           py::arg("asked"), py::arg("sent"),
+           "Torques (n) asked of the motors and sent to them, after every limit.")
       .def("reset", &ModelErrorObserver::reset);
   py::class_<MomentumObserver>(m, "MomentumObserver",
                                "What touches the arm, without a force sensor.")

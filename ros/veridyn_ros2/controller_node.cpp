@@ -40,6 +40,7 @@ class Controller : public rclcpp::Node {
         model_(model_of(declare_parameter("model", "psm-3dof"))),
         arm_(model_),
         plant_(veridyn::make_engine("veridyn", model_)),
+        sensors_(model_),
         rate_(declare_parameter("rate", 1000.0)) {
     q_ = dq_ = veridyn::VectorXd::Zero(model_.joints());
     for (int i = 0; i < model_.joints(); ++i) {
@@ -48,6 +49,7 @@ class Controller : public rclcpp::Node {
       if (std::isfinite(middle)) q_[i] = middle;
     }
     plant_->set_state(q_, dq_);
+    sensors_.show_positions(q_);
     measured_js_ = create_publisher<JointState>(name_ + "/measured_js", 10);
     measured_cp_ = create_publisher<geometry_msgs::msg::PoseStamped>(name_ + "/measured_cp", 10);
     operating_state_ = create_publisher<crtk_msgs::msg::OperatingState>(name_ + "/operating_state",
@@ -114,8 +116,11 @@ class Controller : public rclcpp::Node {
       while (commands_.pop(c)) arm_.command(c);
       const veridyn::VectorXd& tau = arm_.update(q_, dq_, 0.0, 1.0 / rate_);
       if (arm_.state() != OperatingState::kDisabled) {  // else brakes hold it
-        plant_->step(tau, 1.0 / rate_);
+        tau_ = tau;
+        sensors_.correct_torques(tau_);
+        plant_->step(tau_, 1.0 / rate_);
         q_ = plant_->q();
+        sensors_.show_positions(q_);
         dq_ = plant_->dq();
       }
       feedback_.write(arm_.feedback());
@@ -158,8 +163,9 @@ class Controller : public rclcpp::Node {
   veridyn::Model model_;
   CrtkArm arm_;
   std::unique_ptr<veridyn::Engine> plant_;
+  veridyn::JointSensors sensors_;
   double rate_;
-  veridyn::VectorXd q_, dq_;
+  veridyn::VectorXd q_, dq_, tau_;
   Queue<Command, 64> commands_;
   Snapshot<Feedback> feedback_;
   Feedback now_;

@@ -57,7 +57,12 @@ Column effect(const Motion& m, const Vector3d& p) {
 
 LinkChain::LinkChain(const LinkParameters& parameters, const Isometry3d& base,
                      const Isometry3d& tool)
-    : parameters_(parameters), base_start_(base), tool_start_(tool), base_(base), tool_(tool) {
+    : parameters_(parameters),
+      sensors_(parameters.arm()),
+      base_start_(base),
+      tool_start_(tool),
+      base_(base),
+      tool_(tool) {
   const Model& arm = parameters.arm();
   entry_parameter_.assign(parameters.entries().size(), -1);
   zero_parameter_.assign(static_cast<std::size_t>(arm.joints()), -1);
@@ -93,8 +98,15 @@ void LinkChain::set(const VectorRef& x) {
   tool_.translation() += tool.tail<3>();
 }
 
-Isometry3d LinkChain::pose(const VectorRef& q, MatrixXd* J) const {
+Isometry3d LinkChain::pose(const VectorRef& recorded, MatrixXd* J) const {
   const Model& arm = parameters_.arm();
+  VectorXd q = recorded;
+  sensors_.correct_positions(q);
+  // What the fit takes off beyond that.
+  for (Eigen::Index i = 0; i < q.size(); ++i) {
+    const int zero = zero_parameter_[static_cast<std::size_t>(i)];
+    if (zero >= 0) q[i] -= x_[zero];
+  }
   std::vector<Motion> motions(J == nullptr ? 0 : parameters_.entries().size());
   std::vector<Motion> joints;  // by path frame
   std::vector<double> s_of(parameters_.path().size(), 0.0);
@@ -116,12 +128,7 @@ Isometry3d LinkChain::pose(const VectorRef& q, MatrixXd* J) const {
     while (entry + own + ratios < parameters_.entries().size() &&
            parameters_.entries()[entry + own + ratios].kind == EntryKind::kRatio &&
            parameters_.entries()[entry + own + ratios].frame == parameters_.path()[f]) {
-      const int i = parameters_.entries()[entry + own + ratios].coordinate;
-      const int zero = zero_parameter_[static_cast<std::size_t>(i)];
-      const double offset =
-          arm.coordinates()[static_cast<std::size_t>(i)].recorded.position_offset +
-          (zero < 0 ? 0.0 : x_[zero]);
-      s += v(own + ratios) * (q[i] - offset);
+      s += v(own + ratios) * q[parameters_.entries()[entry + own + ratios].coordinate];
       ++ratios;
     }
     Motion joint;
@@ -179,10 +186,7 @@ Isometry3d LinkChain::pose(const VectorRef& q, MatrixXd* J) const {
     double by_entry = 1.0;
     if (e.kind == EntryKind::kRatio) {
       const int zero = zero_parameter_[static_cast<std::size_t>(e.coordinate)];
-      const double offset =
-          arm.coordinates()[static_cast<std::size_t>(e.coordinate)].recorded.position_offset +
-          (zero < 0 ? 0.0 : x_[zero]);
-      by_entry = q[e.coordinate] - offset;
+      by_entry = q[e.coordinate];
       if (zero >= 0) J->col(zero) -= values_[static_cast<Eigen::Index>(k)] * column;
     }
     if (entry_parameter_[k] >= 0) J->col(entry_parameter_[k]) += by_entry * column;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "link_parameters.hpp"
+#include "veridyn/model/joint_sensors.hpp"
 
 namespace veridyn::internal {
 
@@ -28,6 +29,7 @@ class LinkChain {
 
  private:
   const LinkParameters& parameters_;
+  JointSensors sensors_;
   Eigen::Isometry3d base_start_, tool_start_;
   Eigen::Isometry3d base_, tool_;
   VectorXd x_;

@@ -7,6 +7,8 @@
 
 namespace veridyn {
 
+ArmState::ArmState(const Model& arm) : ArmState(arm, {default_tip(arm)}) {}
+
 ArmState::ArmState(const Model& arm, const Tip& tip)
     : tip_(arm, tip),
       rigid_(arm, control_parameters(arm, "ArmState")),
@@ -29,6 +31,7 @@ ArmState::ArmState(const Model& arm, const Tip& tip)
     const VectorXd& c = term.axis.coefficients;
     rotors_ += rotor.inertia() * c * c.transpose();
   }
+  for (const EffectTerm& term : arm.arm_effects()) left_out_.push_back(term.effect + "(arm)");
 }
 
 void ArmState::update(const VectorXd& q, const VectorXd& dq) noexcept {

@@ -6,9 +6,15 @@
 #include "veridyn/math/require.hpp"
 
 namespace veridyn {
+namespace {
+
+// Share of the largest torque asked for below which a difference is one of rounding.
+constexpr double kSentShare = 1e-9;
+
+}  // namespace
 
 ModelErrorObserver::ModelErrorObserver(int joints, const ModelErrorOptions& options)
-    : options_(options), d_(VectorXd::Zero(joints)), y_(d_), dq_(d_), lacking_(d_) {
+    : options_(options), d_(VectorXd::Zero(joints)), y_(d_), dq_(d_), lacking_(d_), step_(d_), not_sent_(d_) {
   require(options.limit.size() == joints && options.limit.allFinite() &&
               options.limit.minCoeff() >= 0.0,
           "ModelErrorObserver: found limits that are not ", joints,
@@ -20,7 +26,18 @@ ModelErrorObserver::ModelErrorObserver(int joints, const ModelErrorOptions& opti
 
 void ModelErrorObserver::reset() noexcept {
   d_.setZero();
+  not_sent_.setZero();
   first_ = true;
+}
+
+void ModelErrorObserver::sent(const VectorXd& asked, const VectorXd& sent) noexcept {
+  assert(asked.size() == d_.size() && sent.size() == d_.size());
+  const double least = kSentShare * asked.cwiseAbs().maxCoeff();
+  for (Eigen::Index i = 0; i < d_.size(); ++i) {
+    const double missing = asked[i] - sent[i];
+    const bool counts = std::abs(missing) > least;
+    not_sent_[i] = std::isfinite(missing) && counts ? missing : 0.0;
+  }
 }
 
 bool ModelErrorObserver::set_limit(const VectorXd& limit) noexcept {
@@ -38,10 +55,15 @@ const VectorXd& ModelErrorObserver::update(const ArmState& arm, const VectorXd& 
   }
   if (!first_) {
     lacking_ = y_ * dt - (arm.dq() - dq_);
-    d_.noalias() += options_.bandwidth * arm.mass_matrix().lazyProduct(lacking_);
+    step_.noalias() = arm.mass_matrix().lazyProduct(lacking_);
+    step_ = options_.bandwidth * (step_ - dt * not_sent_);
+    for (Eigen::Index i = 0; i < d_.size(); ++i) {
+      if (step_[i] * not_sent_[i] <= 0.0) d_[i] += step_[i];
+    }
     d_ = d_.cwiseMin(options_.limit).cwiseMax(-options_.limit);
   }
   first_ = false;
+  not_sent_.setZero();
   y_ = y;
   dq_ = arm.dq();
   return d_;

@@ -11,9 +11,25 @@ namespace veridyn {
 namespace {
 
 constexpr double kHoldStiffness = 100.0;  // [1/s^2] around the place where it stopped
-constexpr double kStillShare = 1e-3;      // share of the velocity limit: it has stopped
 constexpr double kBlindBraking = 0.8;     // share of the momentum: friction takes the rest
 constexpr double kJumpShare = 5.0;        // times the way of a cycle at the velocity limit
+
+// Of two faults the one with the stronger action counts.
+int strength(SafetyFault fault) {
+  switch (action_of(fault)) {
+    case SafetyAction::kMotorsOff:
+      return 4;
+    case SafetyAction::kFreeze:
+      return 3;
+    case SafetyAction::kRelease:
+      return 2;
+    case SafetyAction::kHold:
+      return 1;
+    case SafetyAction::kPass:
+      break;
+  }
+  return 0;
+}
 
 int first_not_finite(const VectorXd& v) {
   for (Eigen::Index i = 0; i < v.size(); ++i) {
@@ -42,7 +58,11 @@ SafetyLimits safety_limits(const Model& arm, double torque) {
 }
 
 SafetySupervisor::SafetySupervisor(const Model& arm, const SafetyLimits& limits)
-    : limits_(limits), gravity_(arm), saturated_(VectorXd::Zero(arm.joints())) {
+    : limits_(limits),
+      gravity_(arm),
+      uncertainty_(arm, {limits.model_error}),
+      sound_(arm, {arm.frames().back().name}),
+      saturated_(VectorXd::Zero(arm.joints())) {
   const auto n = static_cast<Eigen::Index>(arm.joints());
   for (const VectorXd* v :
        {&limits.lower, &limits.upper, &limits.velocity, &limits.torque, &limits.tracking})
@@ -55,15 +75,17 @@ SafetySupervisor::SafetySupervisor(const Model& arm, const SafetyLimits& limits)
           "finite torque.");
   for (const double v : {limits.force, limits.force_disagreement, limits.disagreement_seconds,
                          limits.sensor_age, limits.force_age, limits.overrun, limits.torque_seconds,
-                         limits.homing_share, limits.braking})
+                         limits.homing_share, limits.braking, limits.held_seconds,
+                         limits.rest_share, limits.runaway, limits.model_error})
     require(v > 0.0, "SafetySupervisor: found a limit of ", v, ", expected one above zero.");
-  q_sound_ = q_hold_ = frozen_ = momentum_ = extra_ = y_ = out_ = VectorXd::Zero(n);
+  q_sound_ = q_hold_ = frozen_ = momentum_ = extra_ = VectorXd::Zero(n);
+  extra_sound_ = load_ = rest_ = y_ = out_ = extra_;
 }
 
 bool SafetySupervisor::enable() noexcept {
   if (state_ != SafetyState::kDisabled || fault_ != SafetyFault::kNone) return false;
   state_ = SafetyState::kReady;
-  stopped_ = seen_ = false;
+  stopped_ = seen_ = watched_ = false;
   return true;
 }
 
@@ -102,7 +124,8 @@ bool SafetySupervisor::reset() noexcept {
   state_ = SafetyState::kDisabled;
   fault_ = SafetyFault::kNone;
   joint_ = -1;
-  disagreed_ = 0.0;
+  disagreed_ = fault_for_ = 0.0;
+  events_ = 0;
   saturated_.setZero();
   return true;
 }
@@ -172,29 +195,78 @@ SafetySupervisor::Finding SafetySupervisor::check_force(const SafetyInput& input
   return {};
 }
 
+bool SafetySupervisor::rests(const ArmState& arm) const noexcept {
+  return (arm.dq().cwiseAbs().array() <= limits_.rest_share * limits_.velocity.array()).all();
+}
+
+// The test of "hold": the kinetic energy must fall, unless the arm is at rest. Where the arm gives
+// way, after a fault about forces, it may move, but not run away.
+SafetySupervisor::Finding SafetySupervisor::check_held(const ArmState& arm,
+                                                       const SafetyInput& input) noexcept {
+  const bool brakes = action_ == SafetyAction::kHold;
+  const bool acts = brakes || action_ == SafetyAction::kRelease;
+  for (Eigen::Index i = 0; i < out_.size() && acts && state_ == SafetyState::kFault; ++i) {
+    if ((brakes && saturated_[i] > limits_.torque_seconds) ||
+        std::abs(arm.dq()[i]) > limits_.runaway * limits_.velocity[i])
+      return {SafetyFault::kNotHeld, static_cast<int>(i)};
+  }
+  if (!brakes && !input.held) {
+    watched_ = false;
+    return {};
+  }
+  const double energy = 0.5 * arm.dq().dot(arm.mass_matrix().lazyProduct(arm.dq()));
+  slow_for_ += input.dt;
+  if (!watched_ || rests(arm) || energy <= 0.5 * energy_) {
+    energy_ = energy;
+    slow_for_ = 0.0;
+    watched_ = true;
+  }
+  if (!(slow_for_ > limits_.held_seconds)) return {};
+  Eigen::Index fastest = 0;
+  arm.dq().cwiseAbs().cwiseQuotient(limits_.velocity).maxCoeff(&fastest);
+  return {SafetyFault::kNotHeld, static_cast<int>(fastest)};
+}
+
 SafetySupervisor::Finding SafetySupervisor::check(const ArmState& arm, const SafetyInput& input,
                                                   const VectorXd& tau) noexcept {
   const bool moves = state_ == SafetyState::kActive || state_ == SafetyState::kHoming;
   Finding found = check_sensors(arm, input);
   if (found.fault == SafetyFault::kNone && moves) found = check_motors(input, tau);
   if (found.fault == SafetyFault::kNone && moves) found = check_motion(arm, input);
+  if (found.fault == SafetyFault::kNone) found = check_held(arm, input);
   if (found.fault == SafetyFault::kNone) found = check_force(input);
   return found;
 }
 
 // What is kept of a sound position, for when there is none.
-void SafetySupervisor::trust(const ArmState& arm) noexcept {
+void SafetySupervisor::trust(const ArmState& arm, const SafetyInput& input) noexcept {
   q_sound_ = arm.q();
-  frozen_ = gravity_.update(q_sound_) + extra_;
+  extra_sound_ = extra_;
+  if (input.force.allFinite())
+    load_.noalias() = arm.tip().jacobian().topRows<3>().transpose().lazyProduct(input.force);
   momentum_.noalias() = arm.mass_matrix().lazyProduct(arm.dq());
   frozen_for_ = 0.0;
   seen_ = true;
 }
 
+// At a fault: what holds beside the model, within what the model may be wrong by and what the force
+// at the tip takes, and the torque that holds an arm whose positions are lost.
+void SafetySupervisor::keep_holding_torque() noexcept {
+  rest_.setZero();
+  sound_.update(q_sound_, rest_);
+  const VectorXd& u = uncertainty_.update(sound_, rest_);
+  for (Eigen::Index i = 0; i < extra_.size(); ++i) {
+    const double least = std::min(0.0, load_[i]) - u[i], most = std::max(0.0, load_[i]) + u[i];
+    extra_[i] = std::clamp(extra_[i], least, most);
+    extra_sound_[i] = std::clamp(extra_sound_[i], least, most);
+  }
+  frozen_ = gravity_.update(q_sound_) + extra_sound_;
+}
+
 // Brakes with -braking dq; once still, stays there.
 void SafetySupervisor::brake(const ArmState& arm) noexcept {
   if (!stopped_) {
-    stopped_ = (arm.dq().cwiseAbs().array() <= kStillShare * limits_.velocity.array()).all();
+    stopped_ = rests(arm);
     q_hold_ = arm.q();
   }
   y_ = kHoldStiffness * (q_hold_ - arm.q()) - limits_.braking * arm.dq();
@@ -225,10 +297,22 @@ void SafetySupervisor::act(const ArmState& arm, const VectorXd& tau, double dt) 
       frozen_for_ += std::isfinite(dt) && dt > 0.0 ? dt : 1e-3;
       break;
   }
+  // A motor may brake with all that it has, but it shall not press with it.
+  const bool presses = action_ == SafetyAction::kHold && rests(arm);
   for (Eigen::Index i = 0; i < out_.size(); ++i) {
+    if (presses)
+      saturated_[i] = std::abs(out_[i]) > limits_.torque[i] ? saturated_[i] + std::max(0.0, dt) : 0.0;
     out_[i] =
         std::isfinite(out_[i]) ? std::clamp(out_[i], -limits_.torque[i], limits_.torque[i]) : 0.0;
   }
+}
+
+void SafetySupervisor::note(const Finding& found) noexcept {
+  for (int k = 0; k < events_; ++k) {
+    if (event_[static_cast<size_t>(k)].fault == found.fault) return;
+  }
+  if (events_ < static_cast<int>(event_.size()))
+    event_[static_cast<size_t>(events_++)] = {found.fault, found.joint, fault_for_};
 }
 
 const VectorXd& SafetySupervisor::update(const ArmState& arm, const SafetyInput& input,
@@ -237,19 +321,23 @@ const VectorXd& SafetySupervisor::update(const ArmState& arm, const SafetyInput&
   if (state_ != SafetyState::kDisabled) {
     const Finding found = check(arm, input, tau);
     const bool trusted = action_of(found.fault) != SafetyAction::kFreeze;
-    // A later fault counts only where it takes the trust in positions away.
-    if (found.fault != SafetyFault::kNone && (state_ != SafetyState::kFault || !trusted)) {
-      if (state_ != SafetyState::kFault || action_ != SafetyAction::kFreeze) {
-        fault_ = found.fault;
-        joint_ = found.joint;
-      }
+    if (state_ == SafetyState::kFault && std::isfinite(input.dt)) fault_for_ += input.dt;
+    if (found.fault != SafetyFault::kNone) note(found);
+    // A sensor of forces that fails later changes nothing: an arm that brakes does without.
+    const bool worse = strength(found.fault) > strength(fault_) &&
+                       (fault_ == SafetyFault::kNone || found.fault != SafetyFault::kForceSensor);
+    if (worse) {
+      fault_ = found.fault;
+      joint_ = found.joint;
       state_ = SafetyState::kFault;
-      stopped_ = false;
+      stopped_ = watched_ = false;
+      saturated_.setZero();
     }
     // Only what was measured anew counts; and once blind, blind until reset: velocities are wrong
     // for a while after a jump.
     const bool fresh = input.sensor_age < input.dt || !seen_;
-    if (trusted && fresh && action_of(fault_) != SafetyAction::kFreeze) trust(arm);
+    if (trusted && fresh && action_of(fault_) != SafetyAction::kFreeze) trust(arm, input);
+    if (worse) keep_holding_torque();
   }
   switch (state_) {
     case SafetyState::kDisabled:
@@ -282,6 +370,8 @@ SafetyAction action_of(SafetyFault fault) noexcept {
     case SafetyFault::kForce:
     case SafetyFault::kForceSensor:
       return SafetyAction::kRelease;
+    case SafetyFault::kNotHeld:
+      return SafetyAction::kMotorsOff;
     case SafetyFault::kController:
     case SafetyFault::kOverrun:
     case SafetyFault::kPosition:

@@ -44,6 +44,8 @@ const char* describe(SafetyFault fault) noexcept {
       return "a saturated motor";
     case SafetyFault::kForce:
       return "a force limit";
+    case SafetyFault::kNotHeld:
+      return "an arm that does not come to rest";
     case SafetyFault::kForceSensor:
       break;
   }

@@ -6,7 +6,7 @@ namespace veridyn {
 
 ControlPart control_part(const EffectTraits& traits) {
   const bool left_out = traits.depends_on_time || !traits.forward_simulable;
-  if (left_out || traits.role == EffectRole::kChannel) return ControlPart::kLeftOut;
+  if (left_out || traits.role == EffectRole::kSensor || traits.role == EffectRole::kArm) return ControlPart::kLeftOut;
   if (traits.role == EffectRole::kInertia) return ControlPart::kInertia;
   return traits.role == EffectRole::kFriction ? ControlPart::kFriction : ControlPart::kForce;
 }

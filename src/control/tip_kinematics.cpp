@@ -64,6 +64,18 @@ void write(MatrixXd& J, int column, const Vec3d& linear, const Vec3d& angular) {
 
 }  // namespace
 
+std::string default_tip(const Model& arm) {
+  std::vector<int> joints;  // above each frame, its own included
+  int best = -1;
+  for (const Frame& frame : arm.frames()) {
+    const int above = frame.parent < 0 ? 0 : joints[static_cast<size_t>(frame.parent)];
+    joints.push_back(above + (frame.type == JointType::kFixed ? 0 : 1));
+    if (best < 0 || joints.back() >= joints[static_cast<size_t>(best)])
+      best = static_cast<int>(joints.size()) - 1;
+  }
+  return best < 0 ? "" : arm.frames()[static_cast<size_t>(best)].name;
+}
+
 TipKinematics::TipKinematics(const Model& arm, const Tip& tip)
     : tree_(chain_to(arm, tip)),
       link_(tree_.body_links.front()),

@@ -65,6 +65,7 @@ ArmLoop::ArmLoop(const ArmLoopSetup& setup)
       q_(setup.start),
       rest_(VectorXd::Zero(setup.start.size())),
       tau_(rest_),
+      asked_(rest_),
       joint_error_(rest_),
       wanted_dq_(rest_) {
   if (setup.control.friction > 0.0) friction_.emplace(setup.model, friction(setup.control));
@@ -140,10 +141,12 @@ const VectorXd& ArmLoop::torque(const TipTarget& target, const Eigen::Vector3d& 
   tau_ = loop.update(state_, wanted, wrench);
   if (friction_ && !yielding_ && (!frozen_ || goes_along)) compensate_friction(wanted);
   tau_ += model_error_.update(state_, loop.acceleration(), period_);
+  asked_ = tau_;
   for (Eigen::Index i = 0; i < tau_.size(); ++i) {
     const double limit = setup_.model.coordinates()[static_cast<size_t>(i)].limits.effort;
     if (std::isfinite(limit)) tau_[i] = std::clamp(tau_[i], -limit, limit);
   }
+  sent(tau_);
   return tau_;
 }
 

@@ -43,6 +43,9 @@ class ArmLoop {
   /// @param force  of the tip on the object as measured, in the world [N].
   const VectorXd& torque(const TipTarget& target, const Eigen::Vector3d& force) noexcept;
 
+  /// What the motors were sent after torque(), (n), where it is not what torque() returned.
+  void sent(const VectorXd& tau) noexcept { model_error_.sent(asked_, tau); }
+
   /// From now on a position loop, as an arm has that stops where it stands; from there it goes
   /// along with TipTarget::relief.
   void freeze() noexcept;
@@ -71,7 +74,7 @@ class ArmLoop {
   ModelErrorObserver model_error_;
   std::optional<FrictionCompensation> friction_;
   std::optional<AdaptiveFriction> adaptive_;
-  VectorXd q_, rest_, tau_, joint_error_, wanted_dq_;
+  VectorXd q_, rest_, tau_, asked_, joint_error_, wanted_dq_;
   bool frozen_ = false, yielding_ = false;
   double bound_ = 0.0;  // [N] of the force while yielding
   Eigen::Vector3d position_{Eigen::Vector3d::Zero()}, velocity_{Eigen::Vector3d::Zero()};

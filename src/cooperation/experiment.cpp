@@ -59,6 +59,9 @@ void Experiment::add_arm(std::size_t index, const std::string& engine) {
   const ScenarioModels models = scenario_models(scenario_, index);
   const Posed base{plain(models.R_world_base), {arm.position.x(), arm.position.y(), arm.position.z()}};
   arms_.push_back(models.real);
+  shown_.emplace_back(models.real);
+  known_.emplace_back(models.known);
+  measured_.push_back(arm.start);
   world_arms_.push_back({models.real, make_engine(engine, models.real), base});
   tips_.push_back({static_cast<int>(tips_.size()), models.real.find_frame(arm.frame), arm.offset});
   TipKinematics tip(models.real, {arm.frame, arm.offset});
@@ -180,7 +183,10 @@ void Experiment::read_sensors() {
   const double now = world_->time();
   std::fill(forces_.begin(), forces_.end(), Vector3d::Zero());
   for (size_t k = 0; k < loops_.size(); ++k) {
-    loops_[k].measure(world_->q(static_cast<int>(k)));
+    measured_[k] = world_->q(static_cast<int>(k));
+    shown_[k].show_positions(measured_[k]);
+    known_[k].correct_positions(measured_[k]);
+    loops_[k].measure(measured_[k]);
     input_->position[k] = loops_[k].position();
     input_->velocity[k] = loops_[k].velocity();
   }
@@ -239,6 +245,8 @@ bool Experiment::step() {
   for (size_t k = 0; k < loops_.size(); ++k) {
     if (guards) loops_[k].hold_within(control_->relief_force(), forces_[k]);
     tau_[k] = paths_[k].update(loops_[k].torque(targets_[k], forces_[k]));
+    known_[k].show_torques(tau_[k]);
+    shown_[k].correct_torques(tau_[k]);
     if (limp_[k] == 1) tau_[k].setZero();
   }
   status_ = world_->step(tau_, 1.0 / scenario_.control.rate);

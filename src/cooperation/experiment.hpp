@@ -7,6 +7,7 @@
 #include "held_object.hpp"
 #include "torque_path.hpp"
 #include "veridyn/cooperation/scenario_run.hpp"
+#include "veridyn/model/joint_sensors.hpp"
 #include "veridyn/simulation/world.hpp"
 
 namespace veridyn {
@@ -61,6 +62,8 @@ class Experiment {
   std::vector<Attachment> tips_;
   std::unique_ptr<World> world_;
   std::vector<ArmLoop> loops_;
+  std::vector<JointSensors> shown_, known_;  // as they are, as the controller knows them
+  std::vector<VectorXd> measured_;
   std::vector<Eigen::Vector3d> starts_;  // of the tips, true, in the world [m]
   WorldObjects objects_;
   std::vector<ForceSensor> sensors_, wall_sensors_;

@@ -50,6 +50,8 @@ void run_stages(Investigation& x, const Tell& tell) {
     tell("once more, without snags and contacts");
     ask_everything(x, tell);
   }
+  tell("accounting for what is left over");
+  account_for_errors(x);
   summarize(x.d, x.options.thresholds);
 }
 

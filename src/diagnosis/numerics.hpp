@@ -6,6 +6,7 @@ namespace veridyn::numerics {
 
 /// Numbers that keep arithmetic sound and decide nothing; those that decide are in Thresholds.
 
+constexpr double kLoadRank = 1e-6;  // share of a load column's square that its other columns do not span
 constexpr double kTiny = 1e-300;  ///< smallest divisor, smallest argument of a logarithm
 constexpr double kHuge = 1e300;   ///< no bound at all
 constexpr double kNoise = 1e-12;  ///< a share that rounding may leave
@@ -44,6 +45,13 @@ constexpr double kWaveStep = 0.4;     ///< Wave step of one wave per travel: ste
 constexpr double kShapeOpen = 0.03;   ///< half a step of the last factors: what the search leaves open
 constexpr double kSmallestTravel = 1e-6;
 constexpr double kSameAxis = 1e-9;    ///< by which directions may differ
+
+// Residuals against signals.
+constexpr double kReversalShare = 0.02;  ///< of the largest speed: slower is no new direction
+constexpr double kHistoryUnit = 0.005;   ///< of the travel: ways after a reversal that are told apart
+constexpr double kRowsPerCutoff = 5.0;   ///< rows per period of the cut-off frequency
+constexpr double kShapeFlat = 0.15;      ///< of a curve's range: it keeps its value
+constexpr double kShapeMost = 0.8;       ///< of a curve's mean square: it is odd, or even
 
 // Loads.
 constexpr double kUnseenLoad = 1e-7;  ///< Unseen load of the best seen direction's square

@@ -35,7 +35,8 @@ void keep_only(const Model& arm, const std::string& link, AugmentedModel& augmen
 
 // Fall of the held-out error (phases of the motion, or recordings) for every hypothesis, beside
 // changes of friction and offset: what more parameters explain in sample counts for nothing.
-std::vector<double> held_out_gains(const Inquiry& q, const NormalBlocks& data) {
+std::vector<double> held_out_gains(const Inquiry& q, const NormalBlocks& data,
+                                   const Thresholds& limits) {
   ColumnSet base;
   for (const Hypothesis& h : q.augmented.hypotheses) {
     if (is_load(h)) continue;
@@ -44,6 +45,7 @@ std::vector<double> held_out_gains(const Inquiry& q, const NormalBlocks& data) {
   }
   DiagnosisOptions none;
   none.max_effects = 0;
+  none.thresholds = limits;
   const Selection asked = select_effects(data, base, q.augmented.hypotheses, none);
   std::vector<double> out;
   for (const Evidence& e : asked.last_asked) out.push_back(e.absorbed ? 0.0 : e.gain);
@@ -53,9 +55,11 @@ std::vector<double> held_out_gains(const Inquiry& q, const NormalBlocks& data) {
 }  // namespace
 
 PayloadReport find_payload(const Model& model, const Recordings& loaded,
-                           const IdentificationOptions& given, const std::string& link) {
+                           const IdentificationOptions& given, const std::string& link,
+                           const Thresholds& limits) {
   const auto begin = std::chrono::steady_clock::now();
   PayloadReport out;
+  out.smallest_gain = limits.smallest_change;
   out.robot = model.name();
   require(has_all_values(model), "payload: robot '", model.name(),
           "' has no values; expected a MODEL that identify or diagnose wrote.");
@@ -75,7 +79,7 @@ PayloadReport find_payload(const Model& model, const Recordings& loaded,
   if (!link.empty()) keep_only(model, link, augmented);
   const Inquiry q = prepare(start, std::move(augmented), true, recordings, {}, options);
   const NormalBlocks data(q.train, q.columns);
-  const std::vector<double> gains = held_out_gains(q, data);
+  const std::vector<double> gains = held_out_gains(q, data, limits);
   std::vector<const Hypothesis*> asked;
   for (const Hypothesis& h : q.augmented.hypotheses) {
     if (!is_load(h) || columns_of(data, h).empty()) continue;
@@ -105,7 +109,7 @@ PayloadReport find_payload(const Model& model, const Recordings& loaded,
 }
 
 bool PayloadReport::found() const {
-  if (links.empty() || links.front().gain < Thresholds().smallest_change) return false;
+  if (links.empty() || links.front().gain < smallest_gain) return false;
   const PayloadEstimate& best = links.front();
   const bool has_moment = (best.moment.cwiseAbs() - best.moment_half_width).maxCoeff() > 0.0;
   return best.mass_low > 0.0 || has_moment;

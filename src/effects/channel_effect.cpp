@@ -15,6 +15,74 @@ std::string ChannelEffect::place(const Model& arm, const EffectTerm& term) const
   return of_arm ? "arm" : axis_text(arm, term.axis);
 }
 
+void SensorError::apply(ModelDescription& arm, int joint, const std::vector<double>& values) const {
+  for (size_t i = 0; i < arm.coordinates.size(); ++i) {
+    if (joint == kAllJoints || static_cast<int>(i) == joint)
+      change(arm.coordinates[i].recorded, values);
+  }
+}
+
+EffectTerm& ArmEffect::term_of(ModelDescription& arm) const {
+  for (EffectTerm& term : arm.arm_effects) {
+    if (term.effect == name()) return term;
+  }
+  EffectTerm term;
+  term.effect = name();
+  term.axis.coefficients = VectorXd::Zero(static_cast<Eigen::Index>(arm.coordinates.size()));
+  for (const EffectParameter& p : parameters()) term.values[p.name] = 0.0;
+  arm.arm_effects.push_back(std::move(term));
+  return arm.arm_effects.back();
+}
+
+namespace {
+
+const ArmEffect& arm_effect(const Model& arm, const EffectTerm& term) {
+  const auto* effect = dynamic_cast<const ArmEffect*>(channel_effect(term.effect));
+  require(effect != nullptr, "arm '", arm.name(), "': '", term.effect,
+          "' stands among the effects of the whole arm, and is none.");
+  return *effect;
+}
+
+std::vector<double> values_of(const ArmEffect& effect, const EffectTerm& term) {
+  std::vector<double> out;
+  for (const EffectParameter& p : effect.parameters()) {
+    const auto value = term.values.find(p.name);
+    require(value != term.values.end(), "effect '", term.effect, "' has no value for ", p.name, ".");
+    out.push_back(value->second);
+  }
+  return out;
+}
+
+}  // namespace
+
+MatrixXd arm_effect_torques(const Model& arm, const RegressorBatch& bodies, const MatrixXd& q,
+                            const MatrixXd& dq, const MatrixXd& ddq, double dt) {
+  const auto phi = arm.inertial_values();
+  if (arm.arm_effects().empty() || !phi) return {};
+  MatrixXd effort;
+  bodies.torques(q, dq, ddq, *phi, effort);
+  const ChannelMotion motion{arm, bodies, *phi, q, dq, ddq, effort, dt};
+  MatrixXd out = MatrixXd::Zero(q.rows(), q.cols());
+  for (const EffectTerm& term : arm.arm_effects()) {
+    const ArmEffect& effect = arm_effect(arm, term);
+    const std::vector<double> values = values_of(effect, term);
+    const std::vector<MatrixXd> columns = effect.columns(motion, kAllJoints);
+    for (size_t p = 0; p < columns.size(); ++p) out += values[p] * columns[p];
+  }
+  return out;
+}
+
+Model with_arm_states(const Model& arm) {
+  ModelDescription out = arm.description();
+  const std::vector<EffectTerm> terms = std::move(out.arm_effects);
+  out.arm_effects.clear();
+  for (const EffectTerm& term : terms) {
+    const ArmEffect& effect = arm_effect(arm, term);
+    out = effect.with_states(out, values_of(effect, term));
+  }
+  return Model(std::move(out));
+}
+
 int channel_joint(const ChannelEffect& effect, const EffectTerm& term) {
   if (effect.can_be_common() && term.axis.coefficients.isZero(0.0)) return kAllJoints;
   return main_coordinate(term.axis);

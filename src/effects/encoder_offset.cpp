@@ -12,7 +12,7 @@ constexpr double kStep = 1e-5;  // [rad] or [m] of the derivative by position
 /// recorded = true + offset, of one joint's position: a wrong zero. Every joint feels it:
 ///
 ///   d tau / d offset = - d tau / d q_joint        of the rigid bodies
-class EncoderOffset final : public ChannelEffect {
+class EncoderOffset final : public SensorError {
  public:
   std::string name() const override { return "encoder_offset"; }
   std::vector<EffectParameter> parameters() const override {
@@ -20,7 +20,7 @@ class EncoderOffset final : public ChannelEffect {
   }
   EffectTraits traits(const ShapeValues& /*shape*/) const override {
     EffectTraits t;
-    t.role = EffectRole::kChannel;
+    t.role = EffectRole::kSensor;
     t.stage = DiagnosisStage::kChannel;
     t.depends_on_position = true;
     t.same_as_wrong_constant = true;  // of the zero of this joint in the robot file
@@ -38,9 +38,10 @@ class EncoderOffset final : public ChannelEffect {
     motion.bodies.torques(q, motion.dq, motion.ddq, motion.phi, above);
     return {(below - above) / (2.0 * kStep)};
   }
-  void apply(ModelDescription& arm, int joint, const std::vector<double>& values) const override {
-    arm.coordinates[static_cast<size_t>(joint)].recorded.position_offset += values[0];
+  void change(RecordedChannel& shown, const std::vector<double>& values) const override {
+    shown.position_offset += values[0];
   }
+  bool may_begin_suddenly() const override { return true; }
   std::vector<InjectedValue> injected(JointType type) const override {
     return {{"offset", type == JointType::kPrismatic ? 0.001 : 0.01, 0.0, false}};
   }

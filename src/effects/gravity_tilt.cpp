@@ -22,7 +22,7 @@ Eigen::Vector3d change_of_gravity(const Eigen::Vector3d& gravity, double roll, d
 /// The base stands turned, R = Ry(pitch) Rx(roll): gravity has another direction in it.
 ///
 ///   d tau / d angle = the torque at rest under d(R' g) / d angle
-class GravityTilt final : public ChannelEffect {
+class GravityTilt final : public ArmEffect {
  public:
   std::string name() const override { return "gravity_tilt"; }
   std::vector<EffectParameter> parameters() const override {
@@ -32,14 +32,12 @@ class GravityTilt final : public ChannelEffect {
   }
   EffectTraits traits(const ShapeValues& /*shape*/) const override {
     EffectTraits t;
-    t.role = EffectRole::kChannel;
+    t.role = EffectRole::kArm;
     t.stage = DiagnosisStage::kChannel;
     t.depends_on_position = true;
     t.lasting = true;
     return t;
   }
-  bool whole_arm() const override { return true; }
-  bool acts_on(int /*i*/, int /*joint*/) const override { return true; }
   std::vector<MatrixXd> columns(const ChannelMotion& motion, int /*joint*/) const override {
     const MatrixXd rest = MatrixXd::Zero(motion.q.rows(), motion.q.cols());
     std::vector<MatrixXd> out(2);
@@ -61,8 +59,7 @@ class GravityTilt final : public ChannelEffect {
     const VectorXd joints = VectorXd::Ones(arm.joints());
     return {{across.cross(g), true, joints}, {other.cross(g), true, joints}};
   }
-  void apply(ModelDescription& arm, int /*joint*/,
-             const std::vector<double>& values) const override {
+  void change(ModelDescription& arm, const std::vector<double>& values) const override {
     arm.gravity += change_of_gravity(arm.gravity, values[0], values[1]);
   }
   std::vector<InjectedValue> injected(JointType /*type*/) const override {

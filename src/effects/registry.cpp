@@ -23,7 +23,7 @@ class Registry {
           &load_dependent_friction(), &quadratic_drag(), &sublinear_viscous(), &torque_ripple(),
           &cable_coupling(), &position_force(), &backlash(), &transmission_compliance(),
           &torque_gain(), &torque_drift(), &time_delay(), &gravity_tilt(), &encoder_offset(),
-          &warm_up()}) {
+          &warm_up(), &base_compliance()}) {
       add(effect);
     }
     // clang-format on
@@ -88,11 +88,13 @@ void check(const Effect& effect) {
   const std::string name = effect.name();
   for (const std::string& taken : effect_names())
     require(name != taken, "register_effect: the name '", name, "' is taken.");
-  require(effect.traits().role == EffectRole::kChannel
-              ? dynamic_cast<const ChannelEffect*>(&effect) != nullptr
-              : dynamic_cast<const AxisEffect*>(&effect) != nullptr,
+  const EffectRole role = effect.traits().role;
+  require(role == EffectRole::kSensor ? dynamic_cast<const SensorError*>(&effect) != nullptr
+          : role == EffectRole::kArm  ? dynamic_cast<const ArmEffect*>(&effect) != nullptr
+                                      : dynamic_cast<const AxisEffect*>(&effect) != nullptr,
           "register_effect: '", name,
-          "' is neither an AxisEffect nor a ChannelEffect whose role is kChannel.");
+          "' is neither an AxisEffect, nor a SensorError whose role is kSensor, nor an ArmEffect "
+          "whose role is kArm.");
   const std::vector<EffectParameter> parameters = effect.parameters();
   const std::vector<EffectShape> shapes = effect.shapes();
   require(!parameters.empty() && parameters.size() <= size_t{kMaxEffectParameters},

@@ -30,5 +30,6 @@ const Effect& time_delay();
 const Effect& gravity_tilt();
 const Effect& encoder_offset();
 const Effect& warm_up();
+const Effect& base_compliance();
 
 }  // namespace veridyn

@@ -35,9 +35,9 @@ class TimeDelay final : public TorqueChannel {
     return fmt::format("a recorded torque that comes {:.2g} ms too {}", 1e3 * std::abs(values[0]),
                        values[0] > 0.0 ? "late" : "early");
   }
-
- private:
-  void change(RecordedChannel& recorded, double value) const override { recorded.torque_delay += value; }
+  void change(RecordedChannel& shown, const std::vector<double>& values) const override {
+    shown.torque_delay += values[0];
+  }
 };
 
 }  // namespace

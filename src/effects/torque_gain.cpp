@@ -36,9 +36,11 @@ class TorqueGain final : public TorqueChannel {
     return fmt::format("a recorded torque that is {:.2g} % too {}", 100.0 * std::abs(values[0]),
                        values[0] > 0.0 ? "large" : "small");
   }
-
- private:
-  void change(RecordedChannel& recorded, double value) const override { recorded.torque_gain *= 1.0 + value; }
+  void change(RecordedChannel& shown, const std::vector<double>& values) const override {
+    shown.torque_gain *= 1.0 + values[0];
+  }
+  bool scales_torque() const override { return true; }
+  bool may_begin_suddenly() const override { return true; }
 };
 
 }  // namespace

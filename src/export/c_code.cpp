@@ -12,6 +12,7 @@
 #include "veridyn/kinematics/tree.hpp"
 #include "math/output_file.hpp"
 #include "veridyn/math/require.hpp"
+#include "veridyn/model/joint_sensors.hpp"
 
 namespace veridyn {
 namespace {
@@ -56,6 +57,7 @@ class CWriter {
     require(phi.has_value(), "export: arm '", arm.name(),
             "' has bodies without values, expected a MODEL that identify or diagnose wrote.");
     phi_ = *phi;
+    for (const EffectTerm& term : arm.arm_effects()) left_out_.push_back(term.effect + " on the arm");
     for (const EffectTerm& term : arm.effects()) {
       const BoundEffect effect(arm, term);
       require(effect.has_values(), "export: arm '", arm.name(), "' has ", term.effect,
@@ -96,6 +98,18 @@ class CWriter {
                      VERIDYN_VERSION));
     line(" * C99 and C++, without dependencies. SI units: rad, m, kg, N m, N, s.");
     for (const std::string& one : left_out_) line(" * Left out: " + plain(one) + ".");
+    line(fmt::format(R"( *
+ * memory: {0}_memory numbers of the caller's, one array for each running loop, in which effects with
+ * a memory (friction before sliding, backlash) keep where they are. Zeros begin afresh: clear the
+ * array before the first cycle and after every pause; nothing else is to be done with it. A cycle:
+ *
+ *   static double memory[{0}_memory];              begins with zeros
+ *   {0}_torque(q, dq, ddq_wanted, memory, tau);    once a cycle, with the states in their order
+ *
+ * q, dq, ddq and tau are true values.)", name_));
+    const std::vector<std::string> errors = JointSensors(arm_).in_words(arm_);
+    if (!errors.empty()) line(" * As the model knows the sensors of this arm, to be taken off before and put on after:");
+    for (const std::string& one : errors) line(" *   " + plain(one));
     line(" */");
     line(fmt::format("#ifndef VERIDYN_{0}\n#define VERIDYN_{0}\n\n#include <math.h>\n", name_));
     line(fmt::format("#ifndef {}_API", name_));

@@ -78,6 +78,7 @@ PlacedEffects placed_effects(const std::vector<SimpleForce>& forces, int joints)
 
 KnownEffects known_effects(const Model& arm) {
   KnownEffects out;
+  for (const EffectTerm& term : arm.arm_effects()) out.left_out.push_back(term.effect + " on the arm");
   for (const EffectTerm& term : arm.effects()) {
     const BoundEffect effect(arm, term);
     if (!effect.has_values() || !is_written(effect)) {

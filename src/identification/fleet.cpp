@@ -226,13 +226,9 @@ class FleetSolver {
 
 // The error that scales a joint's recorded torque, spelled as a cause.
 std::string gain_name(const Model& arm, int joint) {
-  const auto gain = [joint](const std::vector<Coordinate>& all) {
-    return all[static_cast<size_t>(joint)].recorded.torque_gain;
-  };
   for (const ChannelEffect* effect : channel_effects()) {
-    ModelDescription changed = arm.description();
-    effect->apply(changed, joint, std::vector<double>(effect->parameters().size(), 0.5));
-    if (gain(changed.coordinates) != gain(arm.coordinates()))
+    const auto* sensor = dynamic_cast<const SensorError*>(effect);
+    if (sensor != nullptr && sensor->scales_torque())
       return to_text(arm, ChannelError{effect->name(), JointIndex{joint}});
   }
   return arm.coordinates()[static_cast<size_t>(joint)].name;

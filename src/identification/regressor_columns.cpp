@@ -156,11 +156,13 @@ std::vector<JointRows> RegressorColumns::rows(const Stretch& s) const {
 
 std::vector<JointRows> RegressorColumns::rows(const Stretch& s, Joints joints) const {
   std::vector<MatrixXd> Y = raw_columns(s, joints);
+  const MatrixXd of_arm = arm_effect_torques(arm_, bodies_, s.q, s.dq, s.ddq, s.dt);
   std::vector<JointRows> out;
   for (int i = joints.first; i < joints.end; ++i) {
     MatrixXd& mine = Y[static_cast<size_t>(i)];
     JointRows of;
     MatrixXd b = s.tau.col(i);
+    if (of_arm.size() > 0) b -= of_arm.col(i);
     std::vector<Eigen::Index> free;
     for (size_t p = 0; p < of_joint_[static_cast<size_t>(i)].size(); ++p) {
       const int own = of_joint_[static_cast<size_t>(i)][p];
@@ -217,6 +219,8 @@ RegressorColumns::Prediction RegressorColumns::predict(const Stretch& s,
       out.modelled.col(i) = Y[static_cast<size_t>(i)] * mine;
     }
   }
+  const MatrixXd of_arm = arm_effect_torques(arm_, bodies_, s.q, s.dq, s.ddq, s.dt);
+  if (of_arm.size() > 0) out.modelled += of_arm;
   filter(out.measured, s.dt);
   filter(out.modelled, s.dt);
   return out;

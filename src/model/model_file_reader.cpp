@@ -29,6 +29,9 @@ class ModelReader {
     if (const auto effects = root_.find("effects")) {
       model_.effects = read_effects(*effects, coordinate_names_, frame_names());
     }
+    if (const auto effects = root_.find("arm_effects")) {
+      model_.arm_effects = read_effects(*effects, coordinate_names_, frame_names());
+    }
     if (const auto identified = root_.find("identified")) {
       model_.identified = read_identified(*identified, static_cast<int>(coordinate_names_.size()));
     }
@@ -44,7 +47,7 @@ class ModelReader {
     if (!version) root_.fail("no 'veridyn: 1'", "a robot file, which begins with it");
     if (version->number() != 1.0) version->fail("version " + version->found(), "'veridyn: 1'");
     root_.allow_keys({"veridyn", "name", "source", "gravity", "constants", "convention", "box",
-                      "coordinates", "frames", "effects", "identified", "made"});
+                      "coordinates", "frames", "effects", "arm_effects", "identified", "made"});
     model_.name = root_.at("name").word("the robot's name");
     if (const auto source = root_.find("source"))
       model_.source = source->word("where the numbers come from");

@@ -34,7 +34,11 @@ class ModelWriter {
     line(has_rows ? "frames:  # dh: [a, alpha, d, theta]" : "frames:");
     for (const Frame& frame : d_.frames) line("  - {" + frame_text(frame) + "}");
     if (!d_.effects.empty()) line("effects:");
-    for (std::size_t i = 0; i < d_.effects.size(); ++i) line("  - {" + effect_text(i) + "}");
+    for (std::size_t i = 0; i < d_.effects.size(); ++i)
+      line("  - {" + effect_text(d_.effects[i], text("effects/", i)) + "}");
+    if (!d_.arm_effects.empty()) line("arm_effects:");
+    for (std::size_t i = 0; i < d_.arm_effects.size(); ++i)
+      line("  - {" + effect_text(d_.arm_effects[i], text("arm_effects/", i)) + "}");
     if (d_.identified) out_ += identified_text(*d_.identified);
     return std::move(out_);
   }
@@ -263,9 +267,7 @@ class ModelWriter {
     return std::isfinite(deviation) ? shortest(deviation) : ".inf";
   }
 
-  std::string effect_text(std::size_t index) const {
-    const EffectTerm& term = d_.effects[index];
-    const std::string place = text("effects/", index);
+  std::string effect_text(const EffectTerm& term, const std::string& place) const {
     std::vector<std::string> parts{"effect: " + quoted_if_needed(term.effect)};
     const bool everywhere =
         term.axis.coefficients.isZero(0.0) && (!term.frame.empty() || may_lack_axis(term.effect));

@@ -53,16 +53,13 @@ std::vector<char> widened(const std::vector<char>& sound, Eigen::Index margin) {
   return use;
 }
 
-// A torque that was recorded late is brought forward, by straight lines between samples.
-void undo_delay(double delay, double dt, Eigen::Ref<VectorXd> tau) {
-  if (delay == 0.0) return;
-  const VectorXd recorded = tau;
-  const auto last = static_cast<double>(tau.size() - 1);
-  for (Eigen::Index k = 0; k < tau.size(); ++k) {
-    const double at = std::clamp(static_cast<double>(k) + delay / dt, 0.0, last);
-    const auto low = std::min<Eigen::Index>(static_cast<Eigen::Index>(at), tau.size() - 2);
-    if (low < 0) return;
-    tau[k] = recorded[low] + (at - static_cast<double>(low)) * (recorded[low + 1] - recorded[low]);
+// Torques that were recorded late are brought forward.
+void undo_delays(const JointSensors& sensors, double dt, MatrixXd& tau) {
+  for (int j = 0; j < sensors.joints(); ++j) {
+    if (sensors.torque_delay(j) == 0.0) continue;
+    const VectorXd recorded = tau.col(j);
+    for (Eigen::Index k = 0; k < tau.rows(); ++k)
+      tau(k, j) = sensors.torque_at(j, k, tau.rows(), dt, [&](Eigen::Index i) { return recorded[i]; });
   }
 }
 
@@ -86,8 +83,7 @@ Stretch make_stretch(const Model& arm, const UniformStream& stream, Eigen::Index
       s.tau(i, j) = values[static_cast<size_t>((blocks - 1) * n + j)];
     }
   }
-  for (int j = 0; j < n; ++j)
-    undo_delay(arm.coordinates()[j].recorded.torque_delay, s.dt, s.tau.col(j));
+  undo_delays(stream.sensors(), s.dt, s.tau);
   const bool signals = o.filtering == Filtering::kSignals;
   const ZeroPhaseFilter* filter =
       signals ? (f.main ? &*f.main : nullptr) : (f.light ? &*f.light : nullptr);

@@ -26,7 +26,11 @@ double median_step(const VectorXd& time) {
 
 UniformStream::UniformStream(const Model& arm, std::string name, Source source,
                              const PreprocessingOptions& options)
-    : arm_(arm), name_(std::move(name)), source_(std::move(source)), options_(options) {
+    : arm_(arm),
+      sensors_(arm),
+      name_(std::move(name)),
+      source_(std::move(source)),
+      options_(options) {
   read_piece();
 }
 
@@ -39,10 +43,7 @@ void UniformStream::check(const Recording& piece) const {
   if (piece.tau.size() > 0) return;
   require(piece.current.size() > 0, name_, ": found neither torques (tau1..tau", n,
           ") nor motor currents (i1..i", n, ").");
-  for (const Coordinate& c : arm_.coordinates()) {
-    require(c.drive_gain != 0.0, name_, ": found motor currents only, and robot '", arm_.name(),
-            "' has no drive_gain for coordinate '", c.name, "'.");
-  }
+  sensors_.require_drive_gains(arm_, name_);
 }
 
 bool UniformStream::usable(const Recording& piece, Eigen::Index row) const {
@@ -58,16 +59,17 @@ bool UniformStream::usable(const Recording& piece, Eigen::Index row) const {
 
 UniformStream::Row UniformStream::make_row(const Recording& piece, Eigen::Index row) const {
   const int n = arm_.joints();
-  Row out{piece.time[row], {}};
-  out.values.reserve(static_cast<size_t>(3 * n));
-  for (int j = 0; j < n; ++j)
-    out.values.push_back(piece.q(row, j) - arm_.coordinates()[j].recorded.position_offset);
-  for (int j = 0; j < n && has_velocity_; ++j) out.values.push_back(piece.dq(row, j));
-  for (int j = 0; j < n; ++j) {
-    const Coordinate& c = arm_.coordinates()[j];
-    const double tau =
-        piece.tau.size() > 0 ? piece.tau(row, j) : piece.current(row, j) * c.drive_gain;
-    out.values.push_back(tau / c.recorded.torque_gain);
+  const bool torques = piece.tau.size() > 0;
+  Row out{piece.time[row], std::vector<double>(static_cast<size_t>(has_velocity_ ? 3 * n : 2 * n))};
+  Eigen::Map<VectorXd> values(out.values.data(), static_cast<Eigen::Index>(out.values.size()));
+  values.head(n) = piece.q.row(row).transpose();
+  if (has_velocity_) values.segment(n, n) = piece.dq.row(row).transpose();
+  values.tail(n) = (torques ? piece.tau : piece.current).row(row).transpose();
+  sensors_.correct_positions(values.head(n));
+  if (torques) {
+    sensors_.correct_torques(values.tail(n));
+  } else {
+    sensors_.correct_currents(values.tail(n));
   }
   return out;
 }

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "veridyn/model/joint_sensors.hpp"
 #include "veridyn/recordings/preprocessing.hpp"
 
 namespace veridyn {
@@ -34,6 +35,9 @@ class UniformStream {
   /// Index on the grid of the first held sample.
   long first_index() const { return first_index_; }
 
+  /// What the samples' delays have yet to be undone by; offsets and gains are undone.
+  const JointSensors& sensors() const { return sensors_; }
+
   /// Time of a row of the file, for options.first_row; valid once that row was read.
   double first_wanted_time() const { return t_wanted_first_; }
   double last_wanted_time() const { return t_wanted_last_; }
@@ -50,6 +54,7 @@ class UniformStream {
   void check(const Recording& piece) const;
 
   const Model& arm_;
+  JointSensors sensors_;
   std::string name_;
   Source source_;
   PreprocessingOptions options_;

@@ -40,19 +40,8 @@ std::map<std::string, double> filled(const HiddenEffect& hidden, const Defaults&
 class Injector {
  public:
   explicit Injector(const Model& arm)
-      : out_{arm,
-             {},
-             VectorXd::Ones(arm.joints()),
-             VectorXd::Zero(arm.joints()),
-             VectorXd::Zero(arm.joints()),
-             {}},
-        effort_(standard_effort(arm)) {
-    for (int i = 0; i < arm.joints(); ++i) {
-      const RecordedChannel& recorded = arm.coordinates()[static_cast<size_t>(i)].recorded;
-      out_.torque_gain[i] = recorded.torque_gain;
-      out_.torque_delay[i] = recorded.torque_delay;
-      out_.encoder_offset[i] = recorded.position_offset;
-    }
+      : out_{arm, {}, JointSensors(arm), {}}, effort_(standard_effort(arm)) {
+    for (const Coordinate& c : arm.coordinates()) shown_.push_back(c.recorded);
   }
 
   void inject(const HiddenEffect& hidden) {
@@ -72,6 +61,7 @@ class Injector {
       ++term;
     }
     out_.arm = sized;
+    out_.sensors = JointSensors(shown_);
     return std::move(out_);
   }
 
@@ -90,11 +80,9 @@ class Injector {
     return out_.arm.coordinates()[static_cast<size_t>(joint.value)];
   }
 
-  // What the recordings of a joint get wrong acts on the signals; a base that leans, on the arm.
   void inject(const HiddenEffect& hidden, const ChannelError& cause) {
     const ChannelEffect& channel = *channel_effect(cause.effect);
-    const JointIndex joint = cause.joint.value_or(JointIndex{});
-    const bool slides = cause.joint && coordinate(joint).prismatic;
+    const bool slides = cause.joint && coordinate(*cause.joint).prismatic;
     const std::vector<InjectedValue> keys =
         channel.injected(slides ? JointType::kPrismatic : JointType::kRevolute);
     Defaults defaults;
@@ -107,31 +95,21 @@ class Injector {
               value, ", expected none below zero.");
       parameters.push_back(value - key.zero);
     }
-    ModelDescription arm = out_.arm.description();
-    const bool common = !cause.joint && !channel.whole_arm();
-    for (int i = 0; i < out_.arm.joints(); ++i) {
-      if (common || i == joint.value) apply(channel, i, parameters, arm);
+    if (const auto* sensor = dynamic_cast<const SensorError*>(&channel)) {
+      for (size_t i = 0; i < shown_.size(); ++i) {
+        if (!cause.joint || static_cast<int>(i) == cause.joint->value)
+          sensor->change(shown_[i], parameters);
+      }
+    } else {
+      ModelDescription arm = out_.arm.description();
+      channel.apply(arm, kAllJoints, parameters);
+      out_.arm = Model(std::move(arm));
     }
-    out_.arm = Model(std::move(arm));
     if (cause.joint) {
-      add(hidden, joint, std::move(values));
+      add(hidden, *cause.joint, std::move(values));
     } else {
       add(hidden, kWholeArm, 0, std::move(values));
     }
-  }
-
-  // The channel of the description stays as it was: it is what a reader of recordings undoes.
-  void apply(const ChannelEffect& channel, int joint, const std::vector<double>& parameters,
-             ModelDescription& arm) {
-    RecordedChannel& recorded = arm.coordinates[static_cast<size_t>(joint)].recorded;
-    const RecordedChannel before = recorded;
-    channel.apply(arm, joint, parameters);
-    if (!channel.whole_arm()) {
-      out_.torque_gain[joint] *= recorded.torque_gain / before.torque_gain;
-      out_.torque_delay[joint] += recorded.torque_delay - before.torque_delay;
-      out_.encoder_offset[joint] += recorded.position_offset - before.position_offset;
-    }
-    recorded = before;
   }
 
   void inject(const HiddenEffect& hidden, const ExternalContact& cause) {
@@ -271,6 +249,7 @@ class Injector {
   }
 
   PerturbedArm out_;
+  std::vector<RecordedChannel> shown_;  // by joint
   VectorXd effort_;
   std::vector<std::string> asked_;
   std::vector<size_t> terms_;  // among effects, those that are terms of the model

@@ -1,6 +1,7 @@
 #include "plant_torques.hpp"
 
 #include "regressor/effect_along.hpp"
+#include "veridyn/effects/channel_effect.hpp"
 #include "veridyn/dynamics/regressor_batch.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/simulation/resampled_motion.hpp"
@@ -56,8 +57,14 @@ MatrixXd effect_torques(const Model& arm, const MotionSamples& motion, const Mat
 
 MatrixXd plant_torques(const Model& arm, const MotionSamples& motion, int substeps) {
   const MatrixXd rigid = rigid_torques(arm, motion);
-  return rigid + effect_torques(arm, motion, rigid, substeps,
-                                [](const EffectTerm& /*term*/) { return true; });
+  MatrixXd tau = rigid + effect_torques(arm, motion, rigid, substeps,
+                                        [](const EffectTerm& /*term*/) { return true; });
+  if (motion.rows() < 2) return tau;
+  const double dt = (motion.time[motion.rows() - 1] - motion.time[0]) / static_cast<double>(motion.rows() - 1);
+  const MatrixXd of_arm =
+      arm_effect_torques(arm, RegressorBatch(arm), motion.q, motion.dq, motion.ddq, dt);
+  if (of_arm.size() > 0) tau += of_arm;
+  return tau;
 }
 
 }  // namespace veridyn

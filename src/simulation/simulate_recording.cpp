@@ -35,35 +35,13 @@ void check(const Model& arm, const MotionSamples& wanted, const SimulationOption
           " substeps, expected at least one.");
 }
 
-// signal(t - delay) by linear interpolation; before the first row it had its first value.
-VectorXd delayed(const VectorXd& signal, const VectorXd& time, double delay) {
-  VectorXd out(signal.size());
-  Eigen::Index k = 0;
-  for (Eigen::Index row = 0; row < signal.size(); ++row) {
-    const double t = time[row] - delay;
-    while (k + 1 < row && time[k + 1] <= t) ++k;
-    const double u = k + 1 < signal.size() ? (t - time[k]) / (time[k + 1] - time[k]) : 0.0;
-    out[row] = t <= time[0] ? signal[0] : (1.0 - u) * signal[k] + u * signal[k + 1];
-  }
-  return out;
-}
-
-// What lies between the true torque and the one that would be recorded without noise.
-void record_torques(const PerturbedArm& plant, const VectorXd& time, MatrixXd& tau) {
-  for (Eigen::Index i = 0; i < tau.cols(); ++i) {
-    if (plant.torque_delay[i] > 0.0) tau.col(i) = delayed(tau.col(i), time, plant.torque_delay[i]);
-    tau.col(i) *= plant.torque_gain[i];
-  }
-}
-
 }  // namespace
 
 void record(const Model& arm, const PerturbedArm& plant, const SimulationOptions& options,
             SimulatedRecording& out) {
   out.measured = out.actual;
-  out.measured.q.rowwise() += plant.encoder_offset.transpose();
   out.tau = out.actual_tau;
-  record_torques(plant, out.actual.time, out.tau);
+  plant.sensors.show(out.actual.time, out.measured.q, out.tau);
   measure(arm, options.noise, options.seed, out.measured, out.tau);
 }
 

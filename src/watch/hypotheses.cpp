@@ -20,13 +20,13 @@ std::vector<const AxisEffect*> axis_effects_watched() {
   return out;
 }
 
-// Errors of one joint's recorded signal that may come while it runs: of its torque, of its zero.
+// Errors of one joint's recorded signal that may come while it runs.
 std::vector<const ChannelEffect*> channel_effects_watched() {
   std::vector<const ChannelEffect*> out;
-  for (const ChannelEffect* effect : channel_effects())
-    if (!effect->whole_arm() &&
-        (effect->has_rigid_columns() || effect->traits().same_as_wrong_constant))
-      out.push_back(effect);
+  for (const ChannelEffect* effect : channel_effects()) {
+    const auto* sensor = dynamic_cast<const SensorError*>(effect);
+    if (sensor != nullptr && sensor->may_begin_suddenly()) out.push_back(sensor);
+  }
   return out;
 }
 

@@ -53,6 +53,7 @@ double median_step(const std::vector<double>& times) {
 
 SmoothedRows::SmoothedRows(const Model& arm)
     : arm_(arm),
+      sensors_(arm),
       offset_(VectorXd::Zero(arm.joints())),
       spread2_(VectorXd::Zero(arm.joints())),
       largest_(VectorXd::Zero(arm.joints())),
@@ -65,9 +66,7 @@ void SmoothedRows::check(const Recording& rows) const {
   if (rows.tau.size() > 0) return;
   require(rows.current.size() > 0, rows.source, ": found neither torques (tau1..tau", n,
           ") nor motor currents (i1..i", n, ").");
-  for (const Coordinate& c : arm_.coordinates())
-    require(c.drive_gain != 0.0, rows.source, ": found motor currents only, and robot '",
-            arm_.name(), "' has no drive_gain for coordinate '", c.name, "'.");
+  sensors_.require_drive_gains(arm_, rows.source);
 }
 
 bool SmoothedRows::take(const Recording& rows, int k, Row& row) const {
@@ -77,10 +76,11 @@ bool SmoothedRows::take(const Recording& rows, int k, Row& row) const {
   row.dq = has_velocity_ ? VectorXd(rows.dq.row(k).transpose()) : VectorXd::Zero(n);
   const bool torques = rows.tau.size() > 0;
   row.tau = torques ? rows.tau.row(k).transpose() : rows.current.row(k).transpose();
-  for (int j = 0; j < n; ++j) {
-    const Coordinate& c = arm_.coordinates()[static_cast<size_t>(j)];
-    row.q[j] -= c.recorded.position_offset;
-    row.tau[j] *= (torques ? 1.0 : c.drive_gain) / c.recorded.torque_gain;
+  sensors_.correct_positions(row.q);
+  if (torques) {
+    sensors_.correct_torques(row.tau);
+  } else {
+    sensors_.correct_currents(row.tau);
   }
   const double largest =
       std::max({row.q.lpNorm<Eigen::Infinity>(), row.dq.lpNorm<Eigen::Infinity>(),
@@ -252,12 +252,9 @@ void SmoothedRows::smooth() {
     out.ddq += has_velocity_ ? VectorXd(slope_[i] * row.dq) : VectorXd(curve_[i] * row.q);
   }
   for (int j = 0; j < n; ++j) {  // torques that were recorded late are brought forward
-    const double delay = arm_.coordinates()[static_cast<size_t>(j)].recorded.torque_delay;
-    const double at = std::clamp(half_ + delay / dt_, 0.0, static_cast<double>(count - 1));
-    const int low = std::min(static_cast<int>(at), count - 2);
-    const double share = at - low;
-    out.tau[j] = (1.0 - share) * grid_[static_cast<size_t>(low)].tau[j] +
-                 share * grid_[static_cast<size_t>(low) + 1].tau[j];
+    out.tau[j] = sensors_.torque_at(j, half_, count, dt_, [&](Eigen::Index k) {
+      return grid_[static_cast<size_t>(k)].tau[j];
+    });
   }
   if (on_row) on_row(out);
 }

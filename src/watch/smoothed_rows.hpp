@@ -4,7 +4,7 @@
 #include <functional>
 #include <vector>
 
-#include "veridyn/model/model.hpp"
+#include "veridyn/model/joint_sensors.hpp"
 #include "veridyn/recordings/recording.hpp"
 
 namespace veridyn::watching {
@@ -62,6 +62,7 @@ class SmoothedRows {
   void begin_again();
 
   Model arm_;
+  JointSensors sensors_;
   bool has_velocity_ = false, tell_jumps_ = false;
   double dt_ = 0.0;
   std::deque<Row> start_;  // until the step is known

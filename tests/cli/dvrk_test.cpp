@@ -272,9 +272,9 @@ TEST_F(Dvrk, SeveralArmsAreEmulatedOnOneBus) {
   }
 }
 
-// What the README tells a newcomer to type, word by word, on a port of its own.
+// What the tour tells a newcomer to type, word by word, on a port of its own.
 Words readme_words(const std::string& begin) {
-  std::istringstream readme(content_of(VERIDYN_SOURCE_DIR "/README.md"));
+  std::istringstream readme(content_of(VERIDYN_SOURCE_DIR "/docs/tour.md"));
   bool here = false;
   for (std::string line; std::getline(readme, line);) {
     if (line.rfind("## ", 0) == 0) here = line.find("da Vinci") != std::string::npos;

@@ -107,8 +107,20 @@ TEST(ArmState, LeavesOutWhatHasNoMeaningInControl) {
   }
   const std::vector<std::string> expected{
       "transmission_compliance", "torque_gain", "torque_drift", "time_delay", "gravity_tilt",
-      "encoder_offset",          "warm_up"};
+      "encoder_offset",          "warm_up",     "base_compliance"};
   EXPECT_EQ(left_out, expected);
+}
+
+// Joint control needs no tip: the same dynamics, with the frame behind the most joints for a tip.
+TEST(ArmState, NoTipIsAskedForWhereJointsAreControlled) {
+  const Model arm = sample_arms().at("planar_2R");
+  ArmState without(arm), with(arm, {last_frame(arm)});
+  const VectorXd q = Eigen::Vector2d(0.3, -0.7), dq = Eigen::Vector2d(0.5, 0.2);
+  without.update(q, dq);
+  with.update(q, dq);
+  EXPECT_EQ(without.mass_matrix(), with.mass_matrix());
+  EXPECT_EQ(without.bias(), with.bias());
+  EXPECT_EQ(without.tip().position(), with.tip().position());
 }
 
 TEST(ArmState, WhatHasNoValuesIsRefused) {

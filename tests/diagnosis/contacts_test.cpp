@@ -75,6 +75,22 @@ TEST_F(Residuals, WhatFrictionMayDoIsNoContact) {
   EXPECT_TRUE(find_contacts(id_).empty());
 }
 
+// The same bound from friction whose parameter is no "level": 0.6 N m/rad over 1 rad of travel.
+TEST_F(Residuals, WhatFrictionOfAnyNameMayDoIsNoContact) {
+  ModelDescription other = id_.model->description();
+  other.effects.clear();
+  id_.model = Model(other);
+  push(1, 12.0, 13.0, 0.5);
+  EXPECT_EQ(find_contacts(id_).size(), 1U);
+  EffectTerm friction;
+  friction.effect = "position_dependent_friction";
+  friction.axis.coefficients = VectorXd::Unit(2, 1);
+  friction.values = {{"slope", 0.6}, {"centre", 0.0}};
+  other.effects.push_back(friction);
+  id_.model = Model(other);
+  EXPECT_TRUE(find_contacts(id_).empty());
+}
+
 // As large as a push, but it swings both ways.
 TEST_F(Residuals, WhatHasNoDirectionIsNoContact) {
   PredictionSeries& x = id_.train[0].series;

@@ -31,6 +31,8 @@ const std::map<std::string, std::set<std::string>>& below() {
       sofar.insert(folder);
     }
     sofar.insert("recordings");
+    all["estimation"] = sofar;
+    sofar.insert("estimation");
     for (const char* folder :
          {"identification", "excitation", "simulation", "control", "calibration", "watch"})
       all[folder] = sofar;

@@ -33,6 +33,8 @@ class AdaptiveFriction {
 
   /// @param lacking  (n) torque that is lacking beside the compensation by `friction`:
   ///                 ModelErrorObserver::torque(), where nothing touches the arm. @param dt [s].
+  /// Sizes are those of the constructor; another one is a fault of the program, asserted in debug
+  /// builds alone.
   void update(const ArmState& arm, const VectorXd& lacking, double dt,
               FrictionCompensation& friction) noexcept;
 

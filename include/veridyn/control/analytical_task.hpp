@@ -36,6 +36,8 @@ class AnalyticalTask {
   AnalyticalTask(int joints, TaskRows rows,
                  const Eigen::Matrix3d& home = Eigen::Matrix3d::Identity());
 
+  /// Sizes are those of the constructor; another one is a fault of the program, asserted in debug
+  /// builds alone.
   void update(const TipKinematics& tip) noexcept;
 
   const Vector6d& x() const { return x_; }

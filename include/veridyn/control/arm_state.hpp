@@ -19,15 +19,21 @@ namespace veridyn {
 /// from the start of a recording or describe measured motion only are left out, see left_out().
 /// Nothing allocates after the constructor; one object serves one thread.
 ///
-///   ArmState state(arm, {"tool"});
+///   ArmState state(arm);                        // joint control; ArmState(arm, {"tool"}) for a tip
+///   sensors.correct_positions(q);               // q as encoders show it -> true, see JointSensors
 ///   state.update(q, dq);
 ///   tau = state.mass_matrix() * ddq_wanted + state.bias();
 class ArmState {
  public:
+  /// Its tip is default_tip(arm); joint control asks for none. @throws InvalidInput  as below.
+  explicit ArmState(const Model& arm);
+
   /// @throws InvalidInput  a body or an effect has no values, or the tip's frame is not there.
   ArmState(const Model& arm, const Tip& tip);
 
-  /// @param q, dq  n entries each: [rad], [m] where a joint is prismatic.
+  /// @param q, dq  n entries each, true ones: [rad], [m] where a joint is prismatic. A wrong size is
+  /// a fault of the program: asserted in debug builds, undefined in others, as in every update() of
+  /// this library.
   void update(const VectorXd& q, const VectorXd& dq) noexcept;
 
   int joints() const { return tip_.joints(); }

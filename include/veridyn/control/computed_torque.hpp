@@ -35,6 +35,8 @@ class ComputedTorque {
   ComputedTorque(int joints, const JointGains& gains);
 
   /// @returns tau (n), valid until the next update().
+  /// Sizes are those of the constructor; another one is a fault of the program, asserted in debug
+  /// builds alone.
   const VectorXd& update(const ArmState& arm, const JointReference& wanted) noexcept;
 
   /// y of the last update(), (n).

@@ -132,6 +132,8 @@ class CooperativeController {
   /// Forgets what ended the task; targets begin where the tips are.
   void restart(const std::vector<Eigen::Vector3d>& tips) noexcept;
 
+  /// Sizes are those of the constructor; another one is a fault of the program, asserted in debug
+  /// builds alone.
   const std::vector<TipTarget>& update(const CooperativeInput& input) noexcept;
 
   CooperativeState state() const { return state_; }

@@ -65,6 +65,8 @@ class FrictionCompensation {
   /// @param dt  [s] since the last update().
   /// @returns (n), valid until the next update(); to be added to the torque. Zero, and nothing is
   ///          remembered, where the arm's state is NaN or infinite.
+  /// Sizes are those of the constructor; another one is a fault of the program, asserted in debug
+  /// builds alone.
   const VectorXd& update(const ArmState& arm, const VectorXd& dq_wanted, const VectorXd& error,
                          double dt) noexcept;
 

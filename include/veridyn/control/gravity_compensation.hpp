@@ -18,7 +18,9 @@ class GravityCompensation {
   /// @throws InvalidInput  a body or an effect has no values.
   explicit GravityCompensation(const Model& arm);
 
-  /// @param q  (n). @returns tau (n), valid until the next update().
+  /// @param q  (n), true positions: see JointSensors. @returns tau (n), valid until the next update().
+  /// Sizes are those of the constructor; another one is a fault of the program, asserted in debug
+  /// builds alone.
   const VectorXd& update(const VectorXd& q) noexcept;
 
  private:

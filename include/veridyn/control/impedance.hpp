@@ -60,6 +60,8 @@ class Impedance {
   /// @param arm  of the same tip. @param wrench_world  h: [force; moment] about the tip [N, N m],
   ///             zero in what is not measured.
   /// @returns tau (n), valid until the next update().
+  /// Sizes are those of the constructor; another one is a fault of the program, asserted in debug
+  /// builds alone.
   const VectorXd& update(const ArmState& arm, const TaskReference& wanted,
                          const Vector6d& wrench_world) noexcept;
 

@@ -1,7 +1,10 @@
 #pragma once
 
+#include <array>
+
 #include "veridyn/control/arm_state.hpp"
 #include "veridyn/control/gravity_compensation.hpp"
+#include "veridyn/control/torque_uncertainty.hpp"
 #include "veridyn/math/types.hpp"
 
 namespace veridyn {
@@ -28,8 +31,10 @@ enum class SafetyFault {
   kTracking,    ///< too far from where it should be
   kTorque,      ///< asks for more than the motor has, for too long
   kForce,       ///< more than allowed at the tip
-  kForceSensor  ///< the force is NaN or infinite, older than allowed, or disagrees with the joints'
-                ///< torques
+  kForceSensor,  ///< the force is NaN or infinite, older than allowed, or disagrees with the
+                 ///< joints' torques
+  kNotHeld  ///< It is held and does not come to rest, or presses with all that a motor has for too
+            ///< long, or after a fault it is faster than `runaway` allows
 };
 
 /// What the motors do.
@@ -48,8 +53,9 @@ const char* describe(SafetyState state) noexcept;
 const char* describe(SafetyFault fault) noexcept;
 const char* describe(SafetyAction action) noexcept;
 
-/// The action of a fault: kFreeze where positions cannot be trusted, kRelease for forces, kHold for
-/// all others.
+/// The action of a fault: kMotorsOff for an arm that is not held, kFreeze where positions cannot be
+/// trusted, kRelease for forces, kHold for all others. Of several faults the one with the strongest
+/// action counts, in this order.
 SafetyAction action_of(SafetyFault fault) noexcept;
 
 struct SafetyLimits {
@@ -66,6 +72,14 @@ struct SafetyLimits {
   double torque_seconds = 0.2;        ///< [s] for which the motors may be saturated
   double homing_share = 0.2;          ///< Share of the velocity limit while homing
   double braking = 30.0;              ///< [1/s]: braking is -braking dq; stops within dq / braking
+  /// [s] in which the kinetic energy of a held arm must fall to a half. Braking alone takes
+  /// ln 2 / (2 braking) = 12 ms; a motor at its limit takes longer.
+  double held_seconds = 0.1;
+  double rest_share = 0.02;  ///< Share of the velocity limits below which a held arm is at rest
+  double runaway = 1.5;      ///< times the velocity limit: motors off, where a fault is there already
+  /// Of every parameter, UncertaintyOptions::relative: a holding torque leaves the model by no more
+  /// than TorqueUncertainty at rest and the measured force explain.
+  double model_error = 0.1;
 };
 
 /// Position and velocity limits of the robot file; its effort limits where it gives any, else
@@ -81,11 +95,20 @@ struct SafetyInput {
   Eigen::Vector3d force{0, 0, 0};  ///< [N] measured at the tip, in the world
   double force_age = 0.0;          ///< [s] of it
   Eigen::Vector3d force_expected{0, 0, 0};  ///< MomentumObserver::force(); NaN: not compared
+  bool held = false;  ///< the controller holds the arm, which must come to rest as under kHold
+};
+
+/// One fault that was found.
+struct SafetyEvent {
+  SafetyFault fault = SafetyFault::kNone;
+  int joint = -1;
+  double after = 0.0;  ///< [s] since the first fault
 };
 
 /// Stands between controller and motors: checks every cycle, and on a fault takes over within that
-/// cycle with an action that is defined for it, and says why. Nothing allocates or throws after the
-/// constructor; the reason is an enum with fixed words.
+/// cycle with an action that is defined for it, and says why. Checks go on in a fault: a later one
+/// with a stronger action takes over. Nothing allocates or throws after the constructor; the reason
+/// is an enum with fixed words.
 ///
 ///   safety.enable(); ... safety.activate();
 ///   tau = safety.update(state, input, tau);
@@ -111,13 +134,18 @@ class SafetySupervisor {
 
   /// The torque beyond the model that holds the arm (ModelErrorObserver::torque()), (n): kept for
   /// kFreeze and kHold, and no longer taken once there is a fault. Entries that are not
-  /// finite are taken for zero.
+  /// finite are taken for zero; at a fault each is brought within what SafetyLimits::model_error and
+  /// the measured force explain.
   void set_holding_torque(const VectorXd& extra) noexcept;
 
   SafetyState state() const { return state_; }
   SafetyFault fault() const { return fault_; }
   SafetyAction action() const { return action_; }
   int joint() const { return joint_; }  ///< Joint of the fault, from 0; -1: none in particular
+
+  /// Faults in the order in which they were found, each kind once; [0] is the first.
+  int events() const { return events_; }
+  const SafetyEvent& event(int k) const { return event_[static_cast<std::size_t>(k)]; }
 
  private:
   struct Finding {
@@ -129,12 +157,18 @@ class SafetySupervisor {
   Finding check_motion(const ArmState& arm, const SafetyInput& input) const noexcept;
   Finding check_motors(const SafetyInput& input, const VectorXd& tau) noexcept;
   Finding check_force(const SafetyInput& input) noexcept;
-  void trust(const ArmState& arm) noexcept;
+  Finding check_held(const ArmState& arm, const SafetyInput& input) noexcept;
+  bool rests(const ArmState& arm) const noexcept;
+  void note(const Finding& found) noexcept;
+  void trust(const ArmState& arm, const SafetyInput& input) noexcept;
+  void keep_holding_torque() noexcept;
   void act(const ArmState& arm, const VectorXd& tau, double dt) noexcept;
   void brake(const ArmState& arm) noexcept;
 
   SafetyLimits limits_;
   GravityCompensation gravity_;
+  TorqueUncertainty uncertainty_;
+  ArmState sound_;  // at q_sound_, at rest
   SafetyState state_ = SafetyState::kDisabled;
   SafetyFault fault_ = SafetyFault::kNone;
   SafetyAction action_ = SafetyAction::kMotorsOff;
@@ -143,8 +177,13 @@ class SafetySupervisor {
   bool stopped_ = false;  // while holding: q_hold_ is where
   double disagreed_ = 0.0;
   double frozen_for_ = 0.0;  // [s]
-  VectorXd saturated_;       // (n) [s]
-  VectorXd q_sound_, q_hold_, frozen_, momentum_, extra_, y_, out_;
+  double fault_for_ = 0.0;   // [s]
+  bool watched_ = false;     // while held: its energy is compared with
+  double energy_ = 0.0, slow_for_ = 0.0;  // [J], since [s]
+  std::array<SafetyEvent, 16> event_;
+  int events_ = 0;
+  VectorXd saturated_;  // (n) [s]
+  VectorXd q_sound_, q_hold_, frozen_, momentum_, extra_, extra_sound_, load_, rest_, y_, out_;
 };
 
 }  // namespace veridyn

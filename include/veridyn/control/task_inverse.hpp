@@ -56,6 +56,8 @@ class TaskInverse {
               const TaskInverseOptions& options = {});
 
   /// Factors J, (rows x n) or (6 x n), of which the first rows are used.
+  /// Sizes are those of the constructor; another one is a fault of the program, asserted in debug
+  /// builds alone.
   void update(const MatrixXd& J) noexcept;
 
   /// y (n) from a (first `rows` entries used) and a posture y0 (n).

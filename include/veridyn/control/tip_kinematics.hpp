@@ -19,6 +19,9 @@ struct Tip {
   Eigen::Vector3d offset_frame{Eigen::Vector3d::Zero()};  ///< [m] of the point in that frame
 };
 
+/// The frame behind the most joints; of several, the last.
+std::string default_tip(const Model& arm);
+
 /// Pose, geometric Jacobian and its rate of the tip, as frame_pose() and its neighbours give them,
 /// for control loops: only the frames above the tip are visited, and nothing allocates after the
 /// constructor.
@@ -30,7 +33,9 @@ class TipKinematics {
   /// @throws InvalidInput  the arm has no such frame, or the offset is not finite.
   TipKinematics(const Model& arm, const Tip& tip);
 
-  /// @param q, dq  n entries each.
+  /// @param q, dq  n entries each, true positions: see JointSensors.
+  /// Sizes are those of the constructor; another one is a fault of the program, asserted in debug
+  /// builds alone.
   void update(const VectorXd& q, const VectorXd& dq) noexcept;
 
   int joints() const { return tree_.joints; }

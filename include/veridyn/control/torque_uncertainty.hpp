@@ -37,6 +37,8 @@ class TorqueUncertainty {
   explicit TorqueUncertainty(const Model& arm, const UncertaintyOptions& options = {});
 
   /// @param ddq  (n) acceleration, as wanted. @returns u (n) [N m], [N].
+  /// Sizes are those of the constructor; another one is a fault of the program, asserted in debug
+  /// builds alone.
   const VectorXd& update(const ArmState& arm, const VectorXd& ddq) noexcept;
 
   const VectorXd& torque() const { return u_; }

@@ -22,9 +22,12 @@ class VelocityObserver {
   explicit VelocityObserver(int joints, double bandwidth = 300.0);
 
   /// @param ddq  (n) acceleration that is expected to act; zeros where not known.
+  /// A wrong zero of the encoders does not matter here.
   /// @returns dq (n), zero at the first update(). Positions that are not finite are passed over:
   /// give
   ///          NaN where no new sample came, and the velocity goes on as it was.
+  /// Sizes are those of the constructor; another one is a fault of the program, asserted in debug
+  /// builds alone.
   const VectorXd& update(const VectorXd& q, const VectorXd& ddq, double dt) noexcept;
 
   /// Starts afresh with the next position.

@@ -69,6 +69,30 @@ enum class FindingStatus {
 };
 const char* name_of(FindingStatus status);
 
+/// A point of a curve: where on its signals, the torque there and its 95 % band.
+struct CurvePoint {
+  std::vector<double> at;  ///< one for each signal
+  double value = 0.0;      ///< [N m] or [N], its mean over the training recordings taken away
+  double low = 0.0, high = 0.0;
+};
+
+/// What a residual depends on where no cause of the list has that shape.
+struct UnnamedShape {
+  static constexpr const char* kName = "unnamed";
+  /// One or two of "q1".., "dq1".., "ddq1".., "tau1".. (the model's torque), "history1".. (signed
+  /// travel since the last reversal) and "t" (since the recording began).
+  std::vector<std::string> signals;
+  std::vector<std::string> units;
+  /// The second signal is a velocity of which only the sign counts: one curve for each direction.
+  bool on_sides = false;
+  std::string words;  ///< "one-sided: nothing below 0.43 rad, ..."
+  std::string effort = "N m";
+  std::vector<CurvePoint> curve;
+  double share = 0.0;  ///< of the mean square that is left over, on the held-out recordings
+  /// Other signals that would predict as much in their place: the recordings cannot tell.
+  std::vector<std::vector<std::string>> as_good;
+};
+
 struct Finding {
   int rank = 0;
   Cause cause;                      ///< words_of() gives the words for it
@@ -90,6 +114,7 @@ struct Finding {
   FindingStatus status = FindingStatus::kConfirmed;
   bool main = true;  ///< false: one of the small ones, see DiagnosisSummary
   std::vector<Rival> rivals;
+  std::optional<UnnamedShape> shape;  ///< of a finding without a name
 };
 
 /// Place and phrase of a finding in one sentence.
@@ -116,6 +141,37 @@ struct NextExperiment {
   std::string words(const Model& arm, size_t k) const;
 };
 
+/// What a verdict says of one joint.
+enum class JointState {
+  kAtFloor,     ///< nothing is left over that could be predicted
+  kNamed,       ///< findings with names explain what is left over, or most of it
+  kUnnamed,     ///< it depends on signals of the recordings as no cause of the list does
+  kCannotTell,  ///< there is more than the floor, and the recordings do not tell of what
+};
+const char* name_of(JointState state);
+
+/// Where a noise floor comes from.
+enum class FloorSource {
+  kRepeats,     ///< what differs between repeats of a motion
+  kRegression,  ///< what a flexible regression of the motion leaves of the residual, held out
+};
+const char* name_of(FloorSource source);
+
+/// Errors of one joint that add up, relative, on every row of the held-out recordings:
+/// held_out = floor + removable, and of that the findings with names take held_out - extended, those
+/// without take extended - left.
+struct JointVerdict {
+  JointIndex joint;
+  double held_out = 0.0;  ///< of the model as it stands
+  double floor = 0.0;
+  double removable = 0.0;
+  double extended = 0.0;  ///< with the findings that have names
+  double left = 0.0;      ///< with those that have none beside them
+  FloorSource source = FloorSource::kRegression;
+  JointState state = JointState::kAtFloor;
+  std::string why;  ///< of kCannotTell
+};
+
 /// What a reader must see first.
 struct DiagnosisSummary {
   int main = 0;                    ///< findings that matter; they come first
@@ -133,6 +189,7 @@ struct Diagnosis {
   Identification baseline;  ///< the robot as it stands; a MODEL's values are not fitted anew
   Identification extended;  ///< with the findings
   std::vector<Finding> findings;
+  std::vector<JointVerdict> joints;  ///< one for each
   std::vector<NotSupported> not_supported;
   std::vector<CannotTell> cannot_tell;
   std::vector<RecordingQuality> data_quality;
@@ -149,7 +206,7 @@ struct Diagnosis {
   std::string sentence(const Finding& finding) const;
 
   /// One sentence: the first finding, and what the held-out recordings hold against the whole;
-  /// "none" where nothing was found.
+  /// "none" where every joint is at its floor.
   std::string verdict() const;
 
   /// @param next_command  how the next experiment is made, as whoever asks would type it; empty:

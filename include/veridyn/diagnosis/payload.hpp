@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "veridyn/diagnosis/thresholds.hpp"
 #include "veridyn/identification/identification.hpp"
 
 namespace veridyn {
@@ -42,6 +43,7 @@ struct PayloadReport {
   /// joints that carry the best load; with that load beside them. Fitted to these recordings.
   VectorXd error_before, error_with_drift, error_after;
   std::string reason;  ///< why there is no answer; empty otherwise
+  double smallest_gain = 0.0;  ///< Thresholds::smallest_change, that found() compares the gain with
   double seconds = 0.0;
 
   /// The best one predicts held-out torque better, by more than a model's own errors explain, and
@@ -63,6 +65,7 @@ struct PayloadReport {
 /// @param link        name of a frame: only this link; empty: all.
 /// @throws InvalidInput  the model has no values; there is no such frame; as identify().
 PayloadReport find_payload(const Model& model, const Recordings& recordings,
-                           const IdentificationOptions& options = {}, const std::string& link = {});
+                           const IdentificationOptions& options = {}, const std::string& link = {},
+                           const Thresholds& limits = {});
 
 }  // namespace veridyn

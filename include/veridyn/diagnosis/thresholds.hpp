@@ -27,6 +27,12 @@ struct Thresholds {
   double held_out_worse = 0.02;
   double main_share = 0.9;
   double negative_friction = 6.0;
+  // Dependences without a name.
+  double unnamed_gain = 0.05;
+  double unnamed_share = 0.2;
+  double unnamed_other_joint = 0.93;
+  double unnamed_two_signals = 0.85;
+  double at_floor = 1.15;
   // What counts as motion.
   double still_revolute = 5e-3;
   double still_prismatic = 5e-4;

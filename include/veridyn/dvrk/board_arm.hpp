@@ -53,6 +53,8 @@ class BoardArm {
   /// For the next write(), within the largest currents. @param tau  (m <= n) [N m], [N] of the
   /// first joints; not finite: no current anywhere.
   void set_torques(const VectorXd& tau) noexcept;
+  /// (n) What set_torques() made of them, for ModelErrorObserver::sent().
+  const VectorXd& sent() const;
   /// Sends; once in every cycle, whatever happened.
   void write() noexcept;
 

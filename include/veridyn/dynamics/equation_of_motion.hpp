@@ -16,7 +16,8 @@ namespace veridyn {
 /// Owns its workspace: after the constructor nothing allocates, and one object serves one thread.
 class EquationOfMotion {
  public:
-  /// @param phi  (10 * bodies) inertial parameters, in the order of InertialParameters.
+  /// @param phi  (10 * bodies) of all bodies, ten of each in the order of InertialParameters;
+  ///             `*arm.inertial_values()` where the file or MODEL has them.
   /// @throws InvalidInput  phi has the wrong size.
   EquationOfMotion(const Model& arm, const VectorRef& phi);
   ~EquationOfMotion();

@@ -22,7 +22,8 @@ class StateModel;  // internal
 /// this runs in control loops.
 class RigidBodyDynamics {
  public:
-  /// @param phi  (10 * bodies) inertial parameters, in the order of InertialParameters.
+  /// @param phi  (10 * bodies) mass, first moments and inertias of all bodies, ten of each in the order
+  ///             of InertialParameters; `*arm.inertial_values()` where the file or MODEL has them.
   /// @throws InvalidInput  phi has the wrong size.
   RigidBodyDynamics(const Model& arm, const VectorRef& phi);
 

@@ -7,7 +7,8 @@ enum class EffectRole {
   kInertia,   ///< torque per acceleration: part of the mass matrix
   kFriction,  ///< opposes the motion along its axis
   kForce,     ///< any other torque along its axis
-  kChannel,   ///< no torque: an error of a recorded signal or of the base, see ChannelEffect
+  kSensor,    ///< no torque: an error of a recorded signal, see SensorError
+  kArm,       ///< no force along an axis: a fact about the whole arm, see ArmEffect
 };
 
 /// When a diagnosis asks about an effect. Errors of the measurement come first, because every other

@@ -87,7 +87,7 @@ struct Limits {
   double effort;
 };
 
-/// What the recordings of a joint get wrong, as diagnosed: undone when a recording is read.
+/// What the sensors of a joint show wrong, as diagnosed: JointSensors undoes it.
 struct RecordedChannel {
   double torque_gain = 1.0;      ///< recorded torque per true torque
   double torque_delay = 0.0;     ///< [s] by which the recorded torque is late
@@ -124,6 +124,9 @@ struct ModelDescription {
   std::vector<Coordinate> coordinates;
   std::vector<Frame> frames;  ///< parents before children
   std::vector<EffectTerm> effects;
+  /// Effects on the arm as a whole, with values and without an axis: a base that gives way. See
+  /// ArmEffect, which knows what they do.
+  std::vector<EffectTerm> arm_effects;
   ParameterBox box;
   std::map<std::string, std::string>
       formulas;  ///< arithmetic of the file by place, as "frames/elbow/dh/3"
@@ -145,6 +148,7 @@ class Model {
   const std::vector<Coordinate>& coordinates() const { return description_.coordinates; }
   const std::vector<Frame>& frames() const { return description_.frames; }
   const std::vector<EffectTerm>& effects() const { return description_.effects; }
+  const std::vector<EffectTerm>& arm_effects() const { return description_.arm_effects; }
 
   /// n, the number of generalized coordinates.
   int joints() const { return static_cast<int>(description_.coordinates.size()); }

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "veridyn/math/types.hpp"
-#include "veridyn/model/model.hpp"
+#include "veridyn/model/joint_sensors.hpp"
 
 namespace veridyn {
 
@@ -45,14 +45,12 @@ struct InjectedEffect {
   std::map<std::string, double> values;
 };
 
-/// An arm with its hidden effects: physical ones are part of the model, the others act on what is
-/// recorded.
+/// An arm with its hidden effects: physical ones are part of the model, errors of sensors stand
+/// beside it.
 struct PerturbedArm {
   Model arm;
   std::vector<InjectedEffect> effects;
-  VectorXd torque_gain;     ///< (n)
-  VectorXd torque_delay;    ///< (n) [s]
-  VectorXd encoder_offset;  ///< (n) [rad] or [m]
+  JointSensors sensors;  ///< of the arm as it is; the model keeps what its file knew of them
   struct Contact {
     int coordinate;
     double from, to, effort;

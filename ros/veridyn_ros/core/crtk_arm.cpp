@@ -71,7 +71,7 @@ CrtkArm::CrtkArm(const Model& model, const CrtkOptions& options)
       inverse_(model, tip_, inverse_of(model)), task_(model, tip_, rows_of(model)),
       setpoint_(model, tip_), safety_(model, limits_of(model, options)), input_(n_),
       way_(VectorXd::Zero(n_)), wanted_(n_), limits_(limits_of(model, options)),
-      goal_(VectorXd::Zero(n_)), effort_(goal_), tau_(goal_), out_(goal_), zero_(goal_),
+      sensors_(model), q_(VectorXd::Zero(n_)), goal_(q_), effort_(q_), tau_(q_), out_(q_), drive_(q_), zero_(q_),
       speed_(goal_), led_(goal_), smoothed_(goal_) {
   require(n_ <= kMostJoints, "veridyn_ros: found ", n_, " joints, expected at most ", kMostJoints, ".");
   require(options.oldest_positions > 0.0 && options.longest_cycle > 0.0,
@@ -152,8 +152,11 @@ void CrtkArm::smooth(double dt) noexcept {
   wanted_.q += dt * wanted_.dq;
 }
 
-const VectorXd& CrtkArm::update(const VectorXd& q, const VectorXd& dq, double age,
+const VectorXd& CrtkArm::update(const VectorXd& shown_q, const VectorXd& dq, double age,
                                 double dt, bool powered) noexcept {
+  q_ = shown_q;
+  sensors_.correct_positions(q_);
+  const VectorXd& q = q_;
   now_ += dt;
   powered_ = powered;
   arm_.update(q, dq);
@@ -195,6 +198,7 @@ const VectorXd& CrtkArm::update(const VectorXd& q, const VectorXd& dq, double ag
   input_.sensor_age = age;
   safety_.set_holding_torque(error_.torque());
   out_ = safety_.update(arm_, input_, tau_);
+  error_.sent(tau_, out_);
   if (safety_.fault() != SafetyFault::kNone && state_ != OperatingState::kFault &&
       state_ != OperatingState::kDisabled) {
     state_ = OperatingState::kFault;
@@ -207,7 +211,9 @@ const VectorXd& CrtkArm::update(const VectorXd& q, const VectorXd& dq, double ag
     if (state_ == OperatingState::kDisabled) out_.setZero();
   }
   tell();
-  return out_;
+  drive_ = out_;
+  sensors_.show_torques(drive_);
+  return drive_;
 }
 
 void CrtkArm::tell() noexcept {

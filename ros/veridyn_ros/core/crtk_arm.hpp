@@ -9,7 +9,7 @@
 #include "veridyn/control/quintic_interpolator.hpp"
 #include "veridyn/control/safety_supervisor.hpp"
 #include "veridyn/control/task_inverse.hpp"
-#include "veridyn/model/model.hpp"
+#include "veridyn/model/joint_sensors.hpp"
 
 namespace veridyn_ros {
 
@@ -107,10 +107,13 @@ class CrtkArm {
   /// @returns why it was refused, or kNone.
   Refusal command(const Command& command) noexcept;
 
-  /// @param q, dq  (n) measured. @param age [s] of them. @param dt [s] since the last update(), as
+  /// Clients see and ask for true positions and torques; what the model knows of its sensors
+  /// (veridyn::JointSensors) is undone here.
+  ///
+  /// @param shown_q, dq  (n) as the encoders show them. @param age [s] of them. @param dt [s] since the last update(), as
   /// it was by a steady clock. @param powered  false: torques have no effect yet; the setpoint stays
-  /// with the arm, which is busy, and motions are refused. @returns (n) torques, always finite and within limits.
-  const VectorXd& update(const VectorXd& q, const VectorXd& dq, double age, double dt,
+  /// with the arm, which is busy, and motions are refused. @returns (n) torques as drives count them, always finite and within limits.
+  const VectorXd& update(const VectorXd& shown_q, const VectorXd& dq, double age, double dt,
                          bool powered = true) noexcept;
 
   const Feedback& feedback() const { return feedback_; }
@@ -150,7 +153,8 @@ class CrtkArm {
   veridyn::QuinticInterpolator way_;
   veridyn::JointReference wanted_;
   veridyn::SafetyLimits limits_;
-  VectorXd goal_, effort_, tau_, out_, zero_, speed_, led_, smoothed_;
+  veridyn::JointSensors sensors_;
+  VectorXd q_, goal_, effort_, tau_, out_, drive_, zero_, speed_, led_, smoothed_;
   Vector6d twist_{Vector6d::Zero()};
   OperatingState state_ = OperatingState::kDisabled;
   Mode mode_ = Mode::kOff;

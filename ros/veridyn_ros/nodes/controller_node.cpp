@@ -27,12 +27,14 @@ constexpr long kTold = 100;           // cycles between two tellings of how the 
 // One arm of the loop. All that both threads touch is lock-free.
 struct Arm {
   Arm(const ArmParameters& p, const CrtkOptions& options, bool inside)
-      : arm(p.model, options), q(p.start), dq(VectorXd::Zero(p.start.size())), tau(dq) {
+      : arm(p.model, options), sensors(p.model), q(p.start), dq(VectorXd::Zero(p.start.size())), tau(dq) {
     if (!inside) return;
     plant = veridyn::make_engine("veridyn", p.model);
     plant->set_state(q, dq);
+    sensors.show_positions(q);
   }
   CrtkArm arm;
+  veridyn::JointSensors sensors;  // of the arm that is simulated here
   std::unique_ptr<veridyn::Engine> plant;
   VectorXd q, dq, tau;
   ArmTopics::Commands commands;
@@ -152,12 +154,14 @@ class Controller {
     arm.tau = arm.arm.update(arm.q, arm.dq, age, inside_ ? 1.0 / rate_ : dt, inside_ || arm.motors.powered);
     if (inside_) {
       if (arm.arm.state() != OperatingState::kDisabled) {  // else its brakes hold it
+        arm.sensors.correct_torques(arm.tau);
         arm.plant->step(arm.tau, 1.0 / rate_);
         arm.q = arm.plant->q();
+        arm.sensors.show_positions(arm.q);
         arm.dq = arm.plant->dq();
       } else if (arm.dq.squaredNorm() > 0.0) {
         arm.dq.setZero();
-        arm.plant->set_state(arm.q, arm.dq);
+        arm.plant->set_state(VectorXd(arm.plant->q()), arm.dq);
       }
     } else if (age < kLostMotors && arm.arm.state() != OperatingState::kDisabled) {
       MotorTorque t;

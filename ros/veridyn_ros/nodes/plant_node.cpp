@@ -8,12 +8,14 @@
 #include <atomic>
 #include <cstdio>
 #include <deque>
+#include <optional>
 #include <thread>
 
 #include "nodes/motor_link.hpp"
 #include "nodes/motor_topics.hpp"
 #include "nodes/parameters.hpp"
 #include "veridyn/math/require.hpp"
+#include "veridyn/model/joint_sensors.hpp"
 #include "veridyn/simulation/engine.hpp"
 
 namespace veridyn_ros {
@@ -23,7 +25,9 @@ using veridyn::VectorXd;
 
 struct Arm {
   std::unique_ptr<veridyn::Engine> plant;
-  VectorXd q, dq, tau;
+  std::optional<veridyn::JointSensors> sensors;
+  VectorXd q, dq, tau;  // as sensors and drives count them
+  VectorXd acting;
   Snapshot<MotorTorque> asked;
   MotorTorque now;
   Spread* answered = nullptr;  // [s] from positions to the torques that answer them
@@ -42,14 +46,17 @@ void step(Arm& arm, double dt, double patience) {
   if (braked) {
     if (arm.dq.squaredNorm() == 0.0) return;
     arm.dq.setZero();
-    arm.plant->set_state(arm.q, arm.dq);
+    arm.plant->set_state(VectorXd(arm.plant->q()), arm.dq);
     return;
   }
   for (Eigen::Index i = 0; i < arm.q.size(); ++i) arm.tau[i] = arm.now.tau[i];
-  const veridyn::StepStatus status = arm.plant->step(arm.tau, dt);
+  arm.acting = arm.tau;
+  arm.sensors->correct_torques(arm.acting);
+  const veridyn::StepStatus status = arm.plant->step(arm.acting, dt);
   if (status != veridyn::StepStatus::kOk)
     ROS_ERROR_THROTTLE(1.0, "%s: an arm %s", arm.name.c_str(), veridyn::describe(status));
   arm.q = arm.plant->q();
+  arm.sensors->show_positions(arm.q);
   arm.dq = arm.plant->dq();
 }
 
@@ -69,6 +76,8 @@ void run(ros::NodeHandle& own) {
     arm.q = p.start;
     arm.dq = arm.tau = VectorXd::Zero(p.start.size());
     arm.plant->set_state(arm.q, arm.dq);
+    arm.sensors.emplace(p.model);
+    arm.sensors->show_positions(arm.q);
     for (const veridyn::Coordinate& c : p.model.coordinates()) arm.message.name.push_back(c.name);
     ros::NodeHandle space(root, p.name);
     arm.measured_js = space.advertise<sensor_msgs::JointState>("io/measured_js", 1);

@@ -18,7 +18,7 @@
 #include "dvrk/emulator/simulated_arm.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/model_file.hpp"
-#include "veridyn/simulation/plant.hpp"
+#include "veridyn/simulation/engine.hpp"
 
 namespace veridyn::cli {
 namespace {
@@ -32,7 +32,7 @@ constexpr double kStopsBeyond = 0.02;  // share of a joint's range: end stops be
 /// An arm that is emulated: its part of a configuration, and what moves behind it.
 struct EmulatedArm {
   DvrkArm of;
-  std::unique_ptr<Plant> plant;
+  std::unique_ptr<Engine> plant;
   std::unique_ptr<dvrk::SimulatedArm> load;
   bool failed = false;  ///< and it was said
 };
@@ -164,9 +164,10 @@ void attach_models(const DvrkRequest& request, const std::vector<dvrk::BoardSetu
   for (size_t k = 0; k < arms.size(); ++k) {
     EmulatedArm& arm = arms[k];
     const Model model = read_model(request.models[request.models.size() == 1 ? 0 : k]);
-    arm.plant = std::make_unique<Plant>(model);
+    arm.plant = make_engine("veridyn", model);
     arm.load = std::make_unique<dvrk::SimulatedArm>(*arm.plant, arm.of.robot, arm.of.coupling, ids,
                                                     start_of(request, model));
+    arm.load->set_sensors(JointSensors(model));
     VectorXd lower(model.joints()), upper(model.joints());
     for (int j = 0; j < model.joints(); ++j) {
       const Limits& limits = model.coordinates()[static_cast<size_t>(j)].limits;

@@ -13,6 +13,7 @@
 #include "veridyn/export/model_json.hpp"
 #include "veridyn/export/portable_model.hpp"
 #include "veridyn/export/sdf.hpp"
+#include "veridyn/model/joint_sensors.hpp"
 #include "veridyn/model/model_file.hpp"
 #include "veridyn/model/model_origin.hpp"
 #include "veridyn/model/urdf.hpp"
@@ -76,6 +77,11 @@ void run(const ExportRequest& request) {
                                   request.yaml, request.json, dvrk.gravity, dvrk.scales})
     require_writable(file);
   const Model model = read_model(request.model);
+  if (!request.quiet) {
+    for (const std::string& error : JointSensors(model).in_words(model))
+      say("the exported dynamics mean true positions and torques, and " + error +
+          ": take it off first (docs/control.md).");
+  }
   if (!(request.urdf + request.mjcf + request.sdf).empty()) {
     const ExportedModel out = exported(request, model);
     if (!request.urdf.empty())

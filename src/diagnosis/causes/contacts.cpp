@@ -10,6 +10,7 @@
 #include "veridyn/effects/cause.hpp"
 #include "math/median.hpp"
 #include "math/student_t.hpp"
+#include "regressor/effect_along.hpp"
 
 namespace veridyn {
 namespace {
@@ -46,15 +47,34 @@ std::vector<double> slow_part(const std::vector<double>& time, const std::vector
   return out;
 }
 
-// Friction of a joint at rest is anything between its two directions; the model cannot know it.
-double rest_friction(const Model& arm, size_t joint) {
-  double sum = 0.0;
-  for (const EffectTerm& term : arm.effects()) {
-    const auto level = term.values.find("level");
-    if (level == term.values.end()) continue;
-    sum += std::abs(term.axis.coefficients[static_cast<Eigen::Index>(joint)] * level->second);
+// Friction of a joint at rest is anything between its two directions; the model cannot know which.
+// The largest force of everything with the role of friction, along a slow pass to and fro over the
+// joint's recorded travel: whatever the effects' parameters are called.
+double rest_friction(const Model& arm, const PredictionSeries& x, size_t joint, double slow) {
+  const auto i = static_cast<Eigen::Index>(joint);
+  const auto [low, high] = std::minmax_element(x.q[joint].begin(), x.q[joint].end());
+  constexpr Eigen::Index kPass = 64;  // samples of one pass
+  const MatrixXd zero = MatrixXd::Zero(2 * kPass, arm.joints());
+  MotionSamples pass{VectorXd::Zero(2 * kPass), zero, zero, zero};
+  for (int j = 0; j < arm.joints(); ++j)
+    pass.q.col(j).setConstant(median(x.q[static_cast<size_t>(j)]));
+  for (Eigen::Index k = 0; k < kPass; ++k) {
+    const double s = *low + (*high - *low) * static_cast<double>(k) / (kPass - 1);
+    pass.q(k, i) = pass.q(2 * kPass - 1 - k, i) = s;
+    pass.dq(k, i) = slow;
+    pass.dq(2 * kPass - 1 - k, i) = -slow;
   }
-  return sum;
+  const MatrixXd load = rigid_load(arm, RegressorBatch(arm), pass);
+  VectorXd sum = VectorXd::Zero(2 * kPass);
+  for (const EffectTerm& term : arm.effects()) {
+    if (!has_axis_effect(term.effect) || term.axis.coefficients[i] == 0.0) continue;
+    const BoundEffect effect(arm, term);
+    if (effect.traits().role != EffectRole::kFriction) continue;
+    const MatrixXd columns = columns_along(effect, pass, load, 0.0);
+    for (int p = 0; p < effect.parameter_count(); ++p)
+      sum += term.axis.coefficients[i] * effect.values()[static_cast<size_t>(p)] * columns.col(p);
+  }
+  return sum.cwiseAbs().maxCoeff();
 }
 
 Residual residual_of(const Model& arm, const PredictionSeries& x, size_t joint,
@@ -78,7 +98,7 @@ Residual residual_of(const Model& arm, const PredictionSeries& x, size_t joint,
   // holds a pose, friction is part of what it holds.
   const auto [low, high] = std::minmax_element(x.q[joint].begin(), x.q[joint].end());
   const bool moves = *high - *low > limits.still(arm.coordinates()[joint].prismatic);
-  const double friction = moves ? rest_friction(arm, joint) : 0.0;
+  const double friction = moves ? rest_friction(arm, x, joint, limits.moving_share * fastest) : 0.0;
   const double level =
       std::max({limits.contact_threshold * out.scatter, limits.contact_torque_share * most, friction});
   const double at_rest = limits.contact_rest_share * friction;

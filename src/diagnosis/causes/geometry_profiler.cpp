@@ -5,6 +5,7 @@
 #include "diagnosis/evidence/clustered_fit.hpp"
 #include "diagnosis/numerics.hpp"
 #include "identification/base_solution.hpp"
+#include "regressor/effect_along.hpp"
 #include "veridyn/dynamics/regressor_batch.hpp"
 
 namespace veridyn {
@@ -46,12 +47,14 @@ struct GeometryProfiler::Parts {
 GeometryProfiler::GeometryProfiler(const Model& arm, const std::vector<std::string>& train,
                                    const IdentificationOptions& options)
     : arm_(arm) {
+  for (const EffectTerm& term : arm.effects())
+    acts_on_.insert(acts_on_.end(), static_cast<size_t>(BoundEffect(arm, term).parameter_count()),
+                    term.axis.coefficients);
   PreprocessingOptions how = options.preprocessing;
   how.filtering = Filtering::kSignals;
   for (const std::string& path : train) {
     Fold fold;
     for_each_stretch(arm, path, how, [&](const Stretch& s) { append(s, fold); });
-    fill_effects(fold);
     folds_.push_back(std::move(fold));
   }
   weights_ = VectorXd::Ones(arm.joints());
@@ -102,30 +105,23 @@ void GeometryProfiler::append(const Stretch& s, Fold& fold) const {
   grow(fold.dq, s.dq);
   grow(fold.ddq, s.ddq);
   grow(fold.tau, s.tau);
+  grow(fold.effects, effects_along(s));
 }
 
-void GeometryProfiler::fill_effects(Fold& fold) {
-  acts_on_.clear();
-  for (const EffectTerm& term : arm_.effects())
-    acts_on_.insert(acts_on_.end(), static_cast<size_t>(BoundEffect(arm_, term).parameter_count()),
-                    term.axis.coefficients);
-  const auto count = static_cast<Eigen::Index>(acts_on_.size());
-  fold.effects.assign(static_cast<size_t>(arm_.joints()), MatrixXd::Zero(fold.q.rows(), count));
+// On every sample: a memory that sees one in ten is another one.
+MatrixXd GeometryProfiler::effects_along(const Stretch& s) const {
+  const MotionView motion(s.time, s.q, s.dq, s.ddq);
+  MatrixXd load;
+  MatrixXd out(motion.rows(), static_cast<Eigen::Index>(acts_on_.size()));
   Eigen::Index at = 0;
   for (const EffectTerm& term : arm_.effects()) {
-    BoundEffect effect(arm_, term);
-    EffectColumns row{};
-    for (Eigen::Index k = 0; k < fold.q.rows(); ++k) {
-      effect.columns(effect.sample(0.0, fold.q.data() + k, fold.dq.data() + k, fold.ddq.data() + k,
-                                   fold.q.rows()),
-                     row);
-      for (int c = 0; c < effect.parameter_count(); ++c) {
-        for (int i = 0; i < arm_.joints(); ++i)
-          fold.effects[static_cast<size_t>(i)](k, at + c) = row[c] * term.axis.coefficients[i];
-      }
-    }
+    const BoundEffect effect(arm_, term);
+    if (effect.traits().uses_load && load.size() == 0)
+      load = rigid_load(arm_, RegressorBatch(arm_), motion);
+    out.middleCols(at, effect.parameter_count()) = columns_along(effect, motion, load, s.start);
     at += effect.parameter_count();
   }
+  return out;
 }
 
 std::vector<GeometryProfiler::Own> GeometryProfiler::own_columns(const RegressorBatch& batch,
@@ -184,7 +180,7 @@ GeometryProfiler::Parts GeometryProfiler::sums_of_parts(const Model& variant,
       for (Eigen::Index c = 0; c < A.cols(); ++c) {
         const Eigen::Index from = own.from[static_cast<size_t>(c)];
         if (from < 0)
-          A.col(c) = fold.effects[at].col(-1 - from);
+          A.col(c) = acts_on_[static_cast<size_t>(-1 - from)][i] * fold.effects.col(-1 - from);
         else
           A.col(c) = Y[at].col(from);
       }

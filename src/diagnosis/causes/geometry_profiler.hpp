@@ -34,15 +34,14 @@ class GeometryProfiler {
   struct Fold {
     MatrixXd q, dq, ddq;
     MatrixXd tau;
-    std::vector<MatrixXd>
-        effects;  // per joint: columns of the model's effects, zero where another joint's
+    MatrixXd effects;  // columns of the model's effects, per unit of their axes
   };
   struct Own;
   struct Sums;
   struct Parts;
 
   void append(const Stretch& s, Fold& fold) const;
-  void fill_effects(Fold& fold);
+  MatrixXd effects_along(const Stretch& s) const;
   std::vector<Own> own_columns(const RegressorBatch& batch, const std::vector<int>& columns,
                                int bodies, int joints) const;
   static void add(double sign, const Sums& from, Sums& to);
@@ -54,7 +53,7 @@ class GeometryProfiler {
 
   const Model& arm_;
   std::vector<Fold> folds_;
-  std::vector<VectorXd> acts_on_;  // of every effect column: the coefficients of its axis
+  std::vector<VectorXd> acts_on_;  // per effect column: the coefficients of its axis
   VectorXd weights_;
   double start_ = 0.0;
 };

@@ -81,7 +81,8 @@ class Builder {
     const bool whole_arm = 2 * moving >= arm_.joints();
     for (const ChannelEffect* channel : channel_effects()) {
       const bool of_arm = channel->whole_arm() || channel->can_be_common();
-      if (whole_arm && of_arm && wanted(channel->name()))
+      const bool asked = channel->asked_unnamed() || !list_.wanted.empty();
+      if (whole_arm && of_arm && asked && wanted(channel->name()))
         add(*channel, {VectorXd::Zero(arm_.joints()), 0.0}, {});
     }
     for (const Axis& axis : axes()) {
@@ -219,7 +220,7 @@ class Builder {
     h.part = TermIndex{description_.effects.size()};
     h.stage = static_cast<int>(traits.stage);
     h.extrapolates = traits.depends_on_position || traits.depends_on_time ||
-                     traits.role == EffectRole::kChannel;
+                     traits.role == EffectRole::kSensor || traits.role == EffectRole::kArm;
     h.repeats = traits.memory;
     for (const EffectShape& constant : effect.shapes()) {
       h.repeats = h.repeats || constant.scale == ShapeScale::kWaves;

@@ -56,7 +56,7 @@ ColumnSet columns_of(const NormalBlocks& data, const Hypothesis& hypothesis) {
       if (data.names()[static_cast<size_t>(k)] == name && data.scale()[k] > 0.0) out.push_back(k);
     }
   }
-  return is_load(hypothesis) ? independent(data, out, Thresholds().new_share) : out;
+  return is_load(hypothesis) ? independent(data, out, numerics::kLoadRank) : out;
 }
 
 Examiner::Examiner(const NormalBlocks& data, const ColumnSet& base,

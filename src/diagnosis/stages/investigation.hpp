@@ -96,6 +96,10 @@ void correct_constants(Investigation& x);
 /// and writes down what was found.
 void select_causes(Investigation& x);
 
+/// Says of every joint what is left over, and of which signals it is a function where no cause of
+/// the list has that shape.
+void account_for_errors(Investigation& x);
+
 /// Marks what the held-out recordings contradict, orders by what matters.
 void summarize(Diagnosis& d, const Thresholds& thresholds);
 

@@ -32,6 +32,7 @@ BoardSide::BoardSide(const Scenario& scenario, std::size_t index, const Cooperat
     : models_(scenario_models(scenario, index)),
       link_(std::move(link)),
       session_(*link_, arm.robot, options_of(scenario, arm, options)),
+      sensors_(models_.known),
       joints_(models_.known.joints()),
       q_(VectorXd::Zero(joints_)),
       dq_(q_),
@@ -56,6 +57,8 @@ void BoardSide::begin(const Scenario& scenario, std::size_t index) {
   const ScenarioArm& arm = scenario.arms[index];
   require(session_.state().q.allFinite(), "arm '", arm.name,
           "': found no position, expected its boards to answer.");
+  q_ = session_.state().q.head(joints_);
+  sensors_.correct_positions(q_);
   loop_.emplace(ArmLoopSetup{models_.known,
                              {arm.frame, arm.offset},
                              models_.R_world_base_known,
@@ -63,12 +66,13 @@ void BoardSide::begin(const Scenario& scenario, std::size_t index) {
                              arm.control,
                              scenario.control,
                              VectorXd::Zero(joints_),
-                             session_.state().q.head(joints_)});
+                             q_});
   SafetyLimits limits = safety_limits(models_.known, 1.0);
   for (int i = 0; i < joints_; ++i) {
     const ActuatorConfig& a = session_.robot().actuators[static_cast<size_t>(i)];
     limits.torque[i] = std::abs(a.max_current / a.effort_to_amps);
   }
+  sensors_.correct_torques(limits.torque);
   limits.force = kForceFactor * scenario.control.largest_force;
   limits.force_age = kAgeFactor * scenario.control.largest_age;
   limits.overrun = kOverrun;
@@ -87,6 +91,7 @@ void BoardSide::read(double now) noexcept {
   if (!valid_) return;
   heard_ = now;
   q_ = session_.state().q.head(joints_);
+  sensors_.correct_positions(q_);
   dq_ = session_.state().dq.head(joints_);
   if (loop_) loop_->measure(q_);
 }
@@ -97,6 +102,7 @@ void BoardSide::act(const TipTarget& target, const Eigen::Vector3d& exerted, dou
   const VectorXd& wanted = loop_->torque(target, exerted);
   supervisor_->set_holding_torque(loop_->extra_torque());
   drive(wanted, exerted, age, dt);
+  loop_->sent(tau_);
 }
 
 void BoardSide::drive(const VectorXd& wanted, const Eigen::Vector3d& exerted, double age,
@@ -109,7 +115,9 @@ void BoardSide::drive(const VectorXd& wanted, const Eigen::Vector3d& exerted, do
   input_.force_age = age;
   tau_ = supervisor_->update(state_, input_, wanted);
   all_.head(joints_) = tau_;
+  sensors_.show_torques(all_.head(joints_));
   session_.set_torques(all_);
+  tau_ = session_.command().tau.head(joints_);
 }
 
 const char* BoardSide::lost_by(double largest_age) noexcept {

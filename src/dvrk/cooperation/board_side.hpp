@@ -6,6 +6,7 @@
 #include "cooperation/arm_loop.hpp"
 #include "cooperation/scenario_models.hpp"
 #include "veridyn/control/safety_supervisor.hpp"
+#include "veridyn/model/joint_sensors.hpp"
 #include "dvrk/run/arm_session.hpp"
 #include "dvrk/cooperation/board_cooperation.hpp"
 
@@ -44,9 +45,9 @@ class BoardSide {
   ArmSession& session() { return session_; }
   DatagramLink& link() { return *link_; }
   const ScenarioModels& models() const { return models_; }
-  const VectorXd& q() const { return q_; }
+  const VectorXd& q() const { return q_; }  ///< true, as far as the model knows its sensors
   const VectorXd& dq() const { return dq_; }
-  const VectorXd& tau() const { return tau_; }
+  const VectorXd& tau() const { return tau_; }  ///< true torques
   int joints() const { return joints_; }
   bool valid() const { return valid_; }
   bool deaf() const { return deaf_; }  ///< It does not answer, and is not asked any more.
@@ -56,6 +57,7 @@ class BoardSide {
   ScenarioModels models_;
   std::unique_ptr<DatagramLink> link_;
   ArmSession session_;
+  JointSensors sensors_;
   int joints_;
   VectorXd q_, dq_, tau_, all_;
   veridyn::ArmState state_;

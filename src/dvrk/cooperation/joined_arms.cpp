@@ -61,6 +61,7 @@ JoinedArms::JoinedArms(const Scenario& scenario, const std::vector<RobotConfig>&
     emulators_.push_back(std::make_unique<BoardEmulator>(setups(robots[k], firmware)));
     loads_.push_back(std::make_unique<SimulatedArm>(*joints_[k], robots[k], couplings[k],
                                                     boards_of(robots[k]), arm.start));
+    loads_.back()->set_sensors(JointSensors(experiment_.real(static_cast<int>(k))));
     sockets_.push_back(sockets_of(robots[k]).front());
     slips_.push_back(std::llround(kSlip / std::abs(robots[k].actuators.front().bits_to_position)));
     if (!has_brakes(robots[k])) loads_[k]->falls_without_power();

@@ -22,7 +22,7 @@ void require_apart(const MatrixXd& K, int joints, const std::string& name) {
 SimulatedArm::SimulatedArm(Engine& engine, const RobotConfig& robot,
                            const MatrixXd& actuator_to_joint, const std::vector<int>& boards,
                            const VectorXd& q)
-    : engine_(engine) {
+    : engine_(engine), sensors_(std::vector<RecordedChannel>(static_cast<size_t>(engine.joints()))) {
   const int n = robot.size();
   const int joints = engine.joints();
   require(joints <= n, "arm '", robot.name, "': found a model of ", joints, " joints, but only ", n,
@@ -45,10 +45,16 @@ SimulatedArm::SimulatedArm(Engine& engine, const RobotConfig& robot,
   joint_to_actuator_ = K.inverse();
   joint_torque_ = joint_to_actuator_.transpose();
   if (robot.pots_to_actuators.size() > 0) actuator_to_pot_ = robot.pots_to_actuators.inverse();
-  effort_ = joint_effort_ = q_ = actuator_q_ = pot_q_ = VectorXd::Zero(n);
+  effort_ = joint_effort_ = q_ = shown_q_ = actuator_q_ = pot_q_ = VectorXd::Zero(n);
   tau_ = rest_ = VectorXd::Zero(joints);
   q_.head(joints) = q;
   engine_.set_state(q, rest_);
+}
+
+void SimulatedArm::set_sensors(const JointSensors& sensors) {
+  require(sensors.joints() == engine_.joints(), "sensors: found those of ", sensors.joints(),
+          " joints, expected ", engine_.joints(), ", one per joint of the model.");
+  sensors_ = sensors;
 }
 
 void SimulatedArm::set_end_stops(const VectorXd& lower, const VectorXd& upper) {
@@ -89,6 +95,7 @@ void SimulatedArm::advance(double seconds, const MotorDrive* drives, ChannelMoti
   }
   joint_effort_.noalias() = joint_torque_ * effort_;
   tau_ = joint_effort_.head(tau_.size());
+  sensors_.correct_torques(tau_);
   had_power_ = had_power_ || any;
   const bool stands = !any && (brakes_ || !had_power_);
   if (stands && !parked_) {  // the brakes fall in
@@ -101,7 +108,9 @@ void SimulatedArm::advance(double seconds, const MotorDrive* drives, ChannelMoti
     stop_at_ends();
     q_.head(tau_.size()) = engine_.q();
   }
-  actuator_q_.noalias() = joint_to_actuator_ * q_;
+  shown_q_ = q_;
+  sensors_.show_positions(shown_q_.head(tau_.size()));
+  actuator_q_.noalias() = joint_to_actuator_ * shown_q_;
   pot_q_ = actuator_q_;
   if (actuator_to_pot_.size() > 0) pot_q_.noalias() = actuator_to_pot_ * actuator_q_;
   for (Eigen::Index i = 0; i < actuator_q_.size(); ++i) {

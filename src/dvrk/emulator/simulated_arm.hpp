@@ -6,7 +6,7 @@
 #include "dvrk/emulator/board_load.hpp"
 #include "dvrk/config/io_config.hpp"
 #include "veridyn/math/types.hpp"
-#include "veridyn/model/model.hpp"
+#include "veridyn/model/joint_sensors.hpp"
 #include "veridyn/simulation/engine.hpp"
 
 namespace veridyn::dvrk {
@@ -34,6 +34,10 @@ class SimulatedArm final : public BoardLoad {
   /// Stops that no joint of the model passes, (joints) each; it hits them and stays. None at first.
   void set_end_stops(const VectorXd& lower, const VectorXd& upper);
 
+  /// Encoders, pots and currents have these errors from now on, but for delays: currents are those of
+  /// the cycle. None at first. @throws InvalidInput  another number of joints.
+  void set_sensors(const JointSensors& sensors);
+
   /// Without brakes: once its motors have had power, nothing holds the arm when they lose it.
   void falls_without_power() { brakes_ = false; }
 
@@ -55,7 +59,8 @@ class SimulatedArm final : public BoardLoad {
   MatrixXd joint_to_actuator_;
   MatrixXd actuator_to_pot_;  ///< where pots do not sit on the actuators; empty: they do
   MatrixXd joint_torque_;  ///< actuator to joint torques: inverse of K'
-  VectorXd effort_, joint_effort_, q_, actuator_q_, pot_q_, tau_, rest_;
+  JointSensors sensors_;
+  VectorXd effort_, joint_effort_, q_, shown_q_, actuator_q_, pot_q_, tau_, rest_;
   VectorXd lower_, upper_, held_q_, held_dq_;  ///< end stops; empty: none
   bool parked_ = true, brakes_ = true, had_power_ = false;
   StepStatus status_ = StepStatus::kOk;

@@ -72,7 +72,7 @@ RunResult run_motion(ArmSession& arm, DatagramLink& link, const MotionSamples& m
               motion.time.allFinite(),
           "arm '", arm.robot().name, "': found gaps in the motion, expected numbers.");
   controller.require_possible(motion);
-  return run_checked(arm, link, motion, motion.joints(), controller, options, stop);
+  return run_checked(arm, link, controller.as_shown(motion), motion.joints(), controller, options, stop);
 }
 
 RunResult run_motion(ArmSession& arm, DatagramLink& link, const MotionSamples& motion,

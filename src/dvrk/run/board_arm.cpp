@@ -104,6 +104,8 @@ void BoardArm::set_torques(const VectorXd& tau) noexcept {
   p.session.set_torques(p.all);
 }
 
+const VectorXd& BoardArm::sent() const { return parts_->session.command().tau; }
+
 void BoardArm::write() noexcept { parts_->session.commit(); }
 
 const char* BoardArm::power_on() noexcept {

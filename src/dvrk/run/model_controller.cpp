@@ -28,8 +28,10 @@ const ModelControlOptions& checked(const ModelControlOptions& options, const Mod
 }
 
 SafetyLimits limits_of(const Model& model, const VectorXd& largest, double longest_gap) {
-  SafetyLimits limits = safety_limits(model, largest.maxCoeff());
-  limits.torque = limits.torque.cwiseMin(largest.head(model.joints()));
+  VectorXd most = largest.head(model.joints());  // as the drives count
+  JointSensors(model).correct_torques(most);
+  SafetyLimits limits = safety_limits(model, most.maxCoeff());
+  limits.torque = limits.torque.cwiseMin(most);
   limits.sensor_age = limits.overrun = longest_gap;
   return limits;
 }
@@ -60,22 +62,11 @@ constexpr double kIntegralShare = 0.5;  // share of the largest torque, as in a 
 
 }  // namespace
 
-std::string default_tip(const Model& model) {
-  std::vector<int> joints;  // above each frame, its own included
-  int best = -1;
-  for (const Frame& frame : model.frames()) {
-    const int above = frame.parent < 0 ? 0 : joints[static_cast<size_t>(frame.parent)];
-    joints.push_back(above + (frame.type == JointType::kFixed ? 0 : 1));
-    if (best < 0 || joints.back() >= joints[static_cast<size_t>(best)])
-      best = static_cast<int>(joints.size()) - 1;
-  }
-  return best < 0 ? "" : model.frames()[static_cast<size_t>(best)].name;
-}
-
 ModelController::ModelController(const Model& model, const PidGains& rest, const VectorXd& largest,
                                  const ModelControlOptions& options)
     : options_(checked(options, model, rest, largest)),
       model_(model),
+      sensors_(model),
       limits_(limits_of(model, largest, options.longest_gap)),
       state_(model, tip_of(options, model)),
       computed_torque_(model.joints(), joint_gains(model.joints(), options.frequency)),
@@ -91,7 +82,8 @@ ModelController::ModelController(const Model& model, const PidGains& rest, const
       q_(VectorXd::Zero(model.joints())),
       dq_(q_),
       off_(q_),
-      tau_(q_) {
+      tau_(q_),
+      sent_(q_) {
   input_.q_wanted.setConstant(std::numeric_limits<double>::quiet_NaN());  // the run's to judge
   input_.force_expected.setConstant(std::numeric_limits<double>::quiet_NaN());
 }
@@ -130,6 +122,8 @@ bool ModelController::torques(const BoardArmState& state, const JointReference& 
   q_ = state.q.head(n);
   dq_ = state.dq.head(n);
   wanted_.q = wanted.q.head(n);
+  sensors_.correct_positions(q_);
+  sensors_.correct_positions(wanted_.q);
   wanted_.dq = wanted.dq.head(n);
   wanted_.ddq = wanted.ddq.head(n);
   state_.update(q_, dq_);
@@ -150,7 +144,13 @@ bool ModelController::torques(const BoardArmState& state, const JointReference& 
   if (safety_.fault() != SafetyFault::kNone) return false;
   rest_.torques(state.q, state.dq, wanted.q, wanted.dq, times.dt, tau);
   tau.head(n) = safe;
+  sensors_.show_torques(tau.head(n));
   return true;
+}
+
+void ModelController::sent(const VectorXd& tau) noexcept {
+  sent_ = tau.head(sent_.size());
+  error_.sent(tau_, sent_);
 }
 
 std::string ModelController::why() const {
@@ -195,9 +195,23 @@ MotionLimits ModelController::limits() const {
   MotionLimits out;
   out.lower = limits_.lower;
   out.upper = limits_.upper;
+  sensors_.show_positions(out.lower);
+  sensors_.show_positions(out.upper);
   out.velocity = limits_.velocity;
   out.braking = limits_.braking;
   for (const Coordinate& c : model_.coordinates()) out.names.push_back(c.name);
+  return out;
+}
+
+MotionSamples ModelController::as_shown(const MotionSamples& motion) const {
+  MotionSamples out = motion;
+  VectorXd at = VectorXd::Zero(q_.size());
+  const Eigen::Index n = std::min(q_.size(), motion.joints());
+  for (Eigen::Index row = 0; row < motion.rows(); ++row) {
+    at.head(n) = motion.q.row(row).head(n).transpose();
+    sensors_.show_positions(at);
+    out.q.row(row).head(n) = at.head(n).transpose();
+  }
   return out;
 }
 

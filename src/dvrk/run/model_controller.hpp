@@ -7,6 +7,7 @@
 #include "veridyn/control/impedance.hpp"
 #include "veridyn/control/model_error_observer.hpp"
 #include "veridyn/control/safety_supervisor.hpp"
+#include "veridyn/model/joint_sensors.hpp"
 #include "dvrk/run/joint_pid.hpp"
 #include "dvrk/run/motion_controller.hpp"
 
@@ -36,9 +37,9 @@ struct ModelControlOptions {
   double longest_gap = 0.03;
 };
 
-/// The frame behind the most joints; of several, the last.
-std::string default_tip(const Model& model);
-
+/// Errors of encoders and currents that the model knows are undone (JointSensors): a motion is led in
+/// true positions, while a run, its limits and its rows count as the boards do, see as_shown().
+///
 /// The laws of control/ for a run: torques of the model's joints, which are the arm's first ones,
 /// by a law; those of the others by a PID. SafetySupervisor watches the model's joints: numbers,
 /// jumps and age of positions, time of the cycle, position and velocity limits of the robot file,
@@ -60,15 +61,18 @@ class ModelController final : public MotionController {
   void motion_begins() noexcept override { moves_ = true; }
   bool torques(const BoardArmState& state, const JointReference& wanted, const CycleTimes& times,
                VectorXd& tau) noexcept override;
+  void sent(const VectorXd& tau) noexcept override;
   std::string why() const override;
   bool follows() const override { return options_.law != ControlLaw::kGravity; }
   MotionLimits limits() const override;
   void require_possible(const MotionSamples& motion) const override;
+  MotionSamples as_shown(const MotionSamples& motion) const override;
 
   int joints() const { return state_.joints(); }  ///< Joints of the model
   /// Effects of the model that these laws leave out, in words.
   const std::vector<std::string>& left_out() const { return state_.left_out(); }
   const SafetySupervisor& safety() const { return safety_; }
+  const JointSensors& sensors() const { return sensors_; }
 
  private:
   const std::string& name_of(Eigen::Index joint) const;
@@ -78,6 +82,7 @@ class ModelController final : public MotionController {
 
   ModelControlOptions options_;
   Model model_;
+  JointSensors sensors_;
   SafetyLimits limits_;
   veridyn::ArmState state_;
   ComputedTorque computed_torque_;
@@ -91,7 +96,7 @@ class ModelController final : public MotionController {
   JointReference wanted_;  // of the model's joints
   TaskReference task_;
   SafetyInput input_;
-  VectorXd q_, dq_, off_, tau_;
+  VectorXd q_, dq_, off_, tau_, sent_;
   bool moves_ = false;  // the motion, not the way to its start
 };
 

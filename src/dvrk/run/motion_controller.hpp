@@ -42,6 +42,10 @@ class MotionController {
   virtual bool torques(const BoardArmState& state, const JointReference& wanted, const CycleTimes& times,
                        VectorXd& tau) noexcept = 0;
 
+  /// What the motors were sent of tau, (n of the arm): currents have limits. Neither throws nor
+  /// allocates.
+  virtual void sent(const VectorXd& tau) noexcept { (void)tau; }
+
   /// Why torques() returned false.
   virtual std::string why() const { return ""; }
   /// Whether joints shall stay near their set points.
@@ -52,6 +56,9 @@ class MotionController {
   /// @throws InvalidInput  a motion that this controller would refuse on the way for another
   /// reason.
   virtual void require_possible(const MotionSamples& motion) const { (void)motion; }
+  /// A motion in positions as the boards show them, which a run goes by: a controller may know errors
+  /// of the encoders. torques() and limits() go by them, too.
+  virtual MotionSamples as_shown(const MotionSamples& motion) const { return motion; }
 };
 
 }  // namespace veridyn::dvrk

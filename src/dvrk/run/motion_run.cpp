@@ -82,6 +82,7 @@ bool MotionRun::control(double now) noexcept {
   before_ = now;
   if (!controller_.torques(arm_.state(), wanted_, times, tau_)) return false;
   arm_.set_torques(tau_);
+  controller_.sent(arm_.command().tau);
   return true;
 }
 

@@ -56,6 +56,33 @@ Json next_json(const Diagnosis& d, const std::string& command) {
   return out;
 }
 
+Json verdict_json(const Diagnosis& d, const JointVerdict& v) {
+  Json out = {{"joint", v.joint.value + 1},
+              {"held_out", v.held_out},
+              {"floor", v.floor},
+              {"removable", v.removable},
+              {"state", name_of(v.state)},
+              {"floor_source", name_of(v.source)},
+              {"named", v.held_out - v.extended},
+              {"unnamed", v.extended - v.left},
+              {"left", v.left - v.floor}};
+  if (d.baseline.model)
+    out["coordinate"] = d.baseline.model->coordinates()[static_cast<size_t>(v.joint.value)].name;
+  if (!v.why.empty()) out["why"] = v.why;
+  return out;
+}
+
+void add_shape(const UnnamedShape& shape, Json& out) {
+  out["signals"] = shape.signals;
+  out["shape"] = shape.words;
+  out["share"] = shape.share;
+  if (!shape.as_good.empty()) out["as_good"] = shape.as_good;
+  out["curve"] = Json::array();
+  for (const CurvePoint& p : shape.curve)
+    out["curve"].push_back({{"at", p.at}, {"value", p.value}, {"band", Json::array({p.low, p.high})}});
+  out["curve_units"] = shape.units;
+}
+
 Json finding_json(const Diagnosis& d, const Finding& f) {
   Json out = {{"rank", f.rank}};
   out.update(cause_json(d, f.cause));
@@ -83,6 +110,7 @@ Json finding_json(const Diagnosis& d, const Finding& f) {
     rival["why"] = r.why;
     out["rivals"].push_back(std::move(rival));
   }
+  if (f.shape) add_shape(*f.shape, out);
   out["phrase"] = f.phrase;
   if (!f.remark.empty()) out["remark"] = f.remark;
   out["sentence"] = d.sentence(f);
@@ -122,7 +150,9 @@ Json quality_json(const Diagnosis& d) {
 std::string to_json(const Diagnosis& d, const std::string& next_command) {
   Json out = json_head("diagnose");
   out["robot"] = d.baseline.robot;
-  out["verdict"] = d.verdict();
+  out["verdict"] = Json::array();
+  for (const JointVerdict& v : d.joints) out["verdict"].push_back(verdict_json(d, v));
+  out["verdict_sentence"] = d.verdict();
   out["summary"] = summary_json(d.summary);
   out["provisional"] = d.provisional;
   out["changes_since"] = d.changes;

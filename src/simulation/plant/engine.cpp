@@ -1,8 +1,12 @@
 #include "veridyn/simulation/engine.hpp"
 
+#include <utility>
+
 #ifdef VERIDYN_WITH_MUJOCO
 #include "simulation/plant/mujoco_engine.hpp"
 #endif
+#include "simulation/plant/passive_engine.hpp"
+#include "veridyn/effects/channel_effect.hpp"
 #include "veridyn/math/require.hpp"
 #include "model/suggestion.hpp"
 #include "veridyn/simulation/plant.hpp"
@@ -34,6 +38,13 @@ std::vector<std::string> engine_names() {
 }
 
 std::unique_ptr<Engine> make_engine(const std::string& name, const Model& arm) {
+  if (!arm.arm_effects().empty()) {
+    const Model whole = with_arm_states(arm);
+    auto engine = make_engine(name, whole);
+    return whole.joints() == arm.joints()
+               ? std::move(engine)
+               : make_passive_engine(std::move(engine), whole, arm.joints());
+  }
   if (name == "veridyn") return std::make_unique<Plant>(arm);
 #ifdef VERIDYN_WITH_MUJOCO
   if (name == "mujoco") return make_mujoco_engine(arm);

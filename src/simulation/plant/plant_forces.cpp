@@ -71,6 +71,8 @@ PlantForces::PlantForces(const Model& arm)
       damping_(inertia_),
       stiffness_(inertia_),
       constant_(VectorXd::Zero(n_)) {
+  for (const EffectTerm& of : arm.arm_effects())
+    left_out_.push_back(of.effect + " on the arm: it has states of its own, see make_engine()");
   for (const EffectTerm& of : arm.effects()) {
     Term term = bound(arm, of);
     if (!term.traits.forward_simulable) {

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "veridyn/model/joint_sensors.hpp"
+#include "veridyn/model/model_file.hpp"
+#include "veridyn/simulation/hidden_effect.hpp"
+#include "veridyn/simulation/plant.hpp"
+#include "veridyn/simulation/plausible_model.hpp"
+
+/// A da Vinci arm as a controller meets it, in place of a real one: it moves by its true dynamics,
+/// and it has what no model of it knows. Encoders count in steps; torques act for a cycle.
+class SimulatedRobot {
+ public:
+  static constexpr double kCycle = 0.001;  // [s]
+
+  /// @param unknown  as `veridyn simulate --effect`: "payload:tool:mass=0.1".
+  explicit SimulatedRobot(const std::vector<std::string>& unknown = {},
+                          const veridyn::VectorXd& start = Eigen::Vector3d(0.1, 0.05, 0.12))
+      : real_(make(unknown)), plant_(real_.arm), tau_(start), push_(veridyn::VectorXd::Zero(start.size())) {
+    plant_.set_state(start, push_);
+  }
+
+  /// What the encoders show [rad], [m].
+  void read(veridyn::VectorXd& q) {
+    q = plant_.q();
+    real_.sensors.show_positions(q);
+    q = (q / kEncoderStep).array().round() * kEncoderStep;
+  }
+
+  /// Torques of the drives [N m], [N], for a cycle. @returns false: it can't go on.
+  bool write(const veridyn::VectorXd& tau) {
+    tau_ = tau;
+    real_.sensors.correct_torques(tau_);
+    tau_ += push_;
+    return plant_.step(tau_, kCycle) == veridyn::StepStatus::kOk;
+  }
+
+  /// Torques that the world exerts on the joints from now on.
+  void push(const veridyn::VectorXd& tau) { push_ = tau; }
+
+  /// Where the joints truly are, which nobody knows of a real one.
+  const veridyn::VectorXd& true_q() const { return plant_.q(); }
+
+ private:
+  static constexpr double kEncoderStep = 2e-6;
+  static veridyn::PerturbedArm make(const std::vector<std::string>& unknown) {
+    std::vector<veridyn::HiddenEffect> hidden;
+    for (const std::string& one : unknown) hidden.push_back(veridyn::parse_hidden_effect(one));
+    // The values that `veridyn simulate psm-3dof` moves as well.
+    return inject_effects(plausible_model(veridyn::read_model("psm-3dof"), 1).arm, hidden);
+  }
+
+  veridyn::PerturbedArm real_;
+  veridyn::Plant plant_;
+  veridyn::VectorXd tau_, push_;
+};

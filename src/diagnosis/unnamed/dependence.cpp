@@ -1,0 +1,253 @@
+#include "diagnosis/unnamed/dependence.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numeric>
+
+#include "math/clustered_statistics.hpp"
+#include "math/student_t.hpp"
+
+namespace veridyn {
+namespace {
+
+constexpr int kIntervals = 10;        // of a function of one signal
+constexpr int kIntervalsOnSides = 7;  // of one function for each direction
+constexpr int kIntervalsOfTwo = 3;    // of each of two signals
+constexpr int kPoints = 41;
+constexpr int kPointsOfTwo = 9;
+
+bool has_step(SignalKind kind) {
+  return kind == SignalKind::kVelocity || kind == SignalKind::kHistory;
+}
+
+SmoothBasis basis_of(const MotionSignal& s, BasisKind kind, int intervals) {
+  const double size = std::max(std::abs(s.low), std::abs(s.high));
+  return {kind, s.low, s.high, intervals, size * numerics::kReversalShare};
+}
+
+class Terms {
+ public:
+  Terms(const std::vector<MotionSignal>& signals, int joint, const Thresholds& limits)
+      : signals_(signals), joint_(joint), limits_(limits) {}
+
+  std::vector<SmoothTerm> all() {
+    for (int k = 0; k < count(); ++k) add_one(k);
+    const int direction = find(SignalKind::kVelocity, joint_);
+    const int own = find(SignalKind::kPosition, joint_);
+    const int torque = find(SignalKind::kTorque, joint_);
+    for (int k = 0; k < count() && direction >= 0; ++k) {
+      if (kind(k) == SignalKind::kPosition || k == torque || kind(k) == SignalKind::kTime)
+        add_on_sides(k, direction);
+    }
+    for (int k = 0; k < count() && own >= 0; ++k) {
+      const bool other_position = kind(k) == SignalKind::kPosition && k != own;
+      if (other_position || k == torque || k == direction) add_product(own, k);
+    }
+    for (int k = 0; k < count(); ++k) {
+      for (int l = k + 1; l < count(); ++l) {
+        if (kind(k) == SignalKind::kPosition && kind(l) == SignalKind::kPosition && k != own &&
+            l != own)
+          add_product(k, l);
+      }
+    }
+    return std::move(out_);
+  }
+
+ private:
+  int count() const { return static_cast<int>(signals_.size()); }
+  SignalKind kind(int k) const { return signals_[static_cast<size_t>(k)].kind; }
+  bool is_own(int k) const { return signals_[static_cast<size_t>(k)].joint == joint_; }
+
+  int find(SignalKind kind, int joint) const {
+    for (int k = 0; k < count(); ++k) {
+      const MotionSignal& s = signals_[static_cast<size_t>(k)];
+      if (s.kind == kind && s.joint == joint) return k;
+    }
+    return -1;
+  }
+
+  double preference(const std::vector<int>& of) const {
+    const bool own = std::all_of(of.begin(), of.end(), [this](int k) { return is_own(k); });
+    return (own ? 1.0 : limits_.unnamed_other_joint) *
+           (of.size() > 1 ? limits_.unnamed_two_signals : 1.0);
+  }
+
+  void add_one(int k) {
+    const MotionSignal& s = signals_[static_cast<size_t>(k)];
+    if (!is_own(k) && has_step(s.kind) && s.kind == SignalKind::kHistory) return;
+    const BasisKind basis = has_step(s.kind) ? BasisKind::kSided : BasisKind::kSmooth;
+    out_.push_back({{k}, {basis_of(s, basis, kIntervals)}, preference({k})});
+  }
+
+  void add_on_sides(int k, int direction) {
+    out_.push_back({{k, direction},
+                    {basis_of(signals_[static_cast<size_t>(k)], BasisKind::kSmooth, kIntervalsOnSides),
+                     basis_of(signals_[static_cast<size_t>(direction)], BasisKind::kSides, 1)},
+                    preference({k, direction})});
+  }
+
+  void add_product(int k, int l) {
+    out_.push_back({{k, l},
+                    {basis_of(signals_[static_cast<size_t>(k)], BasisKind::kSmooth, kIntervalsOfTwo),
+                     basis_of(signals_[static_cast<size_t>(l)], BasisKind::kSmooth, kIntervalsOfTwo)},
+                    preference({k, l})});
+  }
+
+  const std::vector<MotionSignal>& signals_;
+  int joint_;
+  const Thresholds& limits_;
+  std::vector<SmoothTerm> out_;
+};
+
+// Rows of a joint that are not left out, in the order of their folds.
+std::vector<Eigen::Index> rows_in_folds(const MotionRows& rows, int joint) {
+  std::vector<Eigen::Index> out;
+  for (Eigen::Index r = 0; r < rows.residual.rows(); ++r) {
+    if (rows.used(r, joint)) out.push_back(r);
+  }
+  std::stable_sort(out.begin(), out.end(), [&rows](Eigen::Index a, Eigen::Index b) {
+    return rows.fold[static_cast<size_t>(a)] < rows.fold[static_cast<size_t>(b)];
+  });
+  return out;
+}
+
+FoldedRows folded(const MotionRows& rows, int joint, const std::vector<Eigen::Index>& order) {
+  FoldedRows out;
+  const auto count = static_cast<Eigen::Index>(order.size());
+  out.signals.resize(count, rows.values.cols());
+  out.response.resize(count);
+  int fold = -1;
+  for (Eigen::Index k = 0; k < count; ++k) {
+    const Eigen::Index r = order[static_cast<size_t>(k)];
+    out.signals.row(k) = rows.values.row(r);
+    out.response[k] = rows.residual(r, joint);
+    if (rows.fold[static_cast<size_t>(r)] == fold) continue;
+    fold = rows.fold[static_cast<size_t>(r)];
+    out.fold_begin.push_back(k);
+  }
+  out.fold_begin.push_back(count);
+  return out;
+}
+
+// The model with its first so many terms.
+VectorXd predicted_by(const Dependence& d, size_t terms_used, const std::vector<SmoothTerm>& terms,
+                      const MatrixXd& signals) {
+  AdditiveModel first = d.model;
+  first.chosen.resize(terms_used);
+  return predicted(first, terms, signals);
+}
+
+// A constant is an offset, which the list has: it is no dependence.
+double share_predicted(const VectorXd& residual, const VectorXd& predicted) {
+  const VectorXd centred = residual.array() - residual.mean();
+  VectorXd rest = residual - predicted;
+  rest.array() -= rest.mean();
+  const double before = centred.squaredNorm();
+  return before > 0.0 ? 1.0 - rest.squaredNorm() / before : 0.0;
+}
+
+}  // namespace
+
+std::vector<SmoothTerm> smooth_terms(const std::vector<MotionSignal>& signals, int joint,
+                                     const Thresholds& limits) {
+  return Terms(signals, joint, limits).all();
+}
+
+Dependence find_dependence(int joint, const MotionRows& train, const MotionRows& test,
+                           const std::vector<SmoothTerm>& terms, const Thresholds& limits) {
+  Dependence out;
+  out.joint = joint;
+  const std::vector<Eigen::Index> order = rows_in_folds(train, joint);
+  const FoldedRows rows = folded(train, joint, order);
+  if (rows.fold_begin.size() < 3 || terms.empty()) return out;
+  std::vector<MatrixXd> columns;
+  columns.reserve(terms.size());
+  for (const SmoothTerm& term : terms) columns.push_back(term.columns(rows.signals));
+  AdditiveOptions how;
+  how.smallest_gain = limits.unnamed_gain;
+  how.as_good = limits.tie;
+  how.significance = limits.significance;
+  out.model = additive_regression(rows, terms, columns, how);
+  const std::vector<Eigen::Index> there = rows_in_folds(test, joint);
+  const FoldedRows of_test = folded(test, joint, there);
+  double so_far = 0.0;
+  for (size_t k = 1; k <= out.model.chosen.size(); ++k) {
+    so_far = k == out.model.chosen.size() ? out.model.gain : so_far + out.model.chosen[k - 1].gain;
+    out.predicted_of_folds.push_back(1.0 - std::exp(-so_far));
+    out.predicted_of_test.push_back(
+        of_test.response.size() == 0
+            ? out.predicted_of_folds.back()
+            : share_predicted(of_test.response, predicted_by(out, k, terms, of_test.signals)));
+  }
+  return out;
+}
+
+UnnamedShape shape_of(const Dependence& found, size_t k, const MotionRows& train,
+                      const std::vector<SmoothTerm>& terms) {
+  UnnamedShape out;
+  const ChosenTerm& chosen = found.model.chosen[k];
+  const SmoothTerm& term = terms[static_cast<size_t>(chosen.term)];
+  for (const int s : term.signals)
+    out.signals.push_back(train.signals[static_cast<size_t>(s)].name);
+  for (const int other : chosen.as_good) {
+    std::vector<std::string> names;
+    for (const int s : terms[static_cast<size_t>(other)].signals)
+      names.push_back(train.signals[static_cast<size_t>(s)].name);
+    out.as_good.push_back(std::move(names));
+  }
+  // A grid over the range of the signals; of a direction its two sides.
+  std::vector<std::vector<double>> grids;
+  for (size_t s = 0; s < term.signals.size(); ++s) {
+    const SmoothBasis& basis = term.bases[s];
+    std::vector<double> grid;
+    const int points = term.signals.size() > 1 && term.bases[1].kind() != BasisKind::kSides
+                           ? kPointsOfTwo
+                           : kPoints;
+    if (basis.kind() == BasisKind::kSides) {
+      grid = {basis.low(), basis.high()};
+    } else {
+      for (int i = 0; i < points; ++i)
+        grid.push_back(basis.low() + (basis.high() - basis.low()) * i / (points - 1));
+    }
+    grids.push_back(std::move(grid));
+  }
+  const size_t second = grids.size() > 1 ? grids[1].size() : 1;
+  MatrixXd at = MatrixXd::Zero(static_cast<Eigen::Index>(grids[0].size() * second), train.values.cols());
+  Eigen::Index row = 0;
+  for (size_t b = 0; b < second; ++b) {
+    for (const double x : grids[0]) {
+      at(row, term.signals[0]) = x;
+      if (grids.size() > 1) at(row, term.signals[1]) = grids[1][b];
+      ++row;
+    }
+  }
+  const Eigen::Index first = found.model.first_of(terms, k);
+  const Eigen::RowVectorXd centre = term.columns(train.values).colwise().mean();
+  const MatrixXd columns = term.columns(at).rowwise() - centre;
+  const VectorXd value = columns * found.model.coefficients.segment(first, term.size());
+  const MatrixXd without = columns * found.model.without.middleRows(first, term.size());
+  const VectorXd deviation = jackknife_deviations(without);
+  const double t = student_t_quantile(numerics::kOutside, static_cast<double>(without.cols()) - 1.0);
+  for (Eigen::Index r = 0; r < at.rows(); ++r) {
+    CurvePoint p;
+    for (const int s : term.signals) {
+      const MotionSignal& signal = train.signals[static_cast<size_t>(s)];
+      p.at.push_back(signal.kind == SignalKind::kHistory
+                         ? travel_of_history(at(r, s), signal.unit_travel)
+                         : at(r, s));
+    }
+    p.value = value[r];
+    p.low = value[r] - t * deviation[r];
+    p.high = value[r] + t * deviation[r];
+    out.curve.push_back(std::move(p));
+  }
+  std::vector<MotionSignal> of;
+  for (const int s : term.signals) of.push_back(train.signals[static_cast<size_t>(s)]);
+  for (const MotionSignal& s : of) out.units.push_back(s.unit);
+  out.on_sides = term.bases.size() > 1 && term.bases[1].kind() == BasisKind::kSides;
+  out.words = shape_words(out, of);
+  return out;
+}
+
+}  // namespace veridyn

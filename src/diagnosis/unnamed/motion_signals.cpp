@@ -1,0 +1,197 @@
+#include "diagnosis/unnamed/motion_signals.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace veridyn {
+namespace {
+
+constexpr size_t kMostRows = 6000;    // of all recordings together
+constexpr size_t kFewestRows = 300;   // of each
+constexpr size_t kPhases = 8;
+constexpr size_t kManyRecordings = 4;
+
+const char* letter(SignalKind kind) {
+  switch (kind) {
+    case SignalKind::kPosition: return "q";
+    case SignalKind::kVelocity: return "dq";
+    case SignalKind::kAcceleration: return "ddq";
+    case SignalKind::kTorque: return "tau";
+    case SignalKind::kHistory: return "history";
+    case SignalKind::kTime: return "t";
+  }
+  return "";
+}
+
+std::string unit_of(SignalKind kind, bool slides) {
+  const std::string length = slides ? "m" : "rad";
+  switch (kind) {
+    case SignalKind::kPosition:
+    case SignalKind::kHistory: return length;
+    case SignalKind::kVelocity: return length + "/s";
+    case SignalKind::kAcceleration: return length + "/s^2";
+    case SignalKind::kTorque: return slides ? "N" : "N m";
+    case SignalKind::kTime: return "s";
+  }
+  return "";
+}
+
+double largest(const std::vector<double>& x) {
+  double out = 0.0;
+  for (const double v : x) out = std::max(out, std::abs(v));
+  return out;
+}
+
+// Signed travel since the last reversal; a joint that hardly moves has not reversed.
+std::vector<double> travel_since_reversal(const std::vector<double>& q,
+                                          const std::vector<double>& dq, double rest_speed) {
+  std::vector<double> out(q.size(), 0.0);
+  double from = q.empty() ? 0.0 : q.front();
+  double direction = 0.0;
+  for (size_t k = 0; k < q.size(); ++k) {
+    const double now = std::abs(dq[k]) > rest_speed ? (dq[k] > 0.0 ? 1.0 : -1.0) : direction;
+    if (now != direction) {
+      direction = now;
+      from = k > 0 ? q[k - 1] : q[k];
+    }
+    out[k] = direction * std::abs(q[k] - from);
+  }
+  return out;
+}
+
+// All values of a signal along one recording's series.
+std::vector<double> along(const MotionSignal& signal, const PredictionSeries& x, double rest_speed) {
+  const auto j = static_cast<size_t>(std::max(signal.joint, 0));
+  switch (signal.kind) {
+    case SignalKind::kPosition: return x.q[j];
+    case SignalKind::kVelocity: return x.dq[j];
+    case SignalKind::kAcceleration: return x.ddq[j];
+    case SignalKind::kTorque: return x.modelled[j];
+    case SignalKind::kTime: return x.time;
+    case SignalKind::kHistory: break;
+  }
+  std::vector<double> out = travel_since_reversal(x.q[j], x.dq[j], rest_speed);
+  for (double& v : out) v = history_coordinate(v, signal.unit_travel);
+  return out;
+}
+
+double rest_speed_of(const Identification& id, int joint) {
+  double fastest = 0.0;
+  for (const RecordingError& r : id.train)
+    fastest = std::max(fastest, largest(r.series.dq[static_cast<size_t>(joint)]));
+  return fastest * numerics::kReversalShare;
+}
+
+int fold_of(const RecordingError& r, double time, size_t recording, size_t recordings) {
+  if (recordings >= kManyRecordings) return static_cast<int>(recording % (2 * kPhases));
+  const double first = r.series.time.front();
+  const double length = r.period > 0.0 ? r.period : r.series.time.back() - first;
+  const double phase = std::fmod(time - first, length) / length;
+  const size_t parts = recordings == 1 ? kPhases : 2;
+  const auto part = std::min(static_cast<size_t>(phase * static_cast<double>(parts)), parts - 1);
+  return static_cast<int>(recording * parts + part);
+}
+
+}  // namespace
+
+double history_coordinate(double travel, double unit_travel) {
+  return std::copysign(std::log1p(std::abs(travel) / unit_travel), travel);
+}
+
+double travel_of_history(double coordinate, double unit_travel) {
+  return std::copysign(std::expm1(std::abs(coordinate)) * unit_travel, coordinate);
+}
+
+std::vector<MotionSignal> motion_signals(const Identification& id, const Thresholds& limits) {
+  std::vector<MotionSignal> out;
+  const Model& arm = *id.model;
+  const auto add = [&](SignalKind kind, int joint, bool slides, double unit_travel) {
+    MotionSignal s{kind, joint, letter(kind), unit_of(kind, slides), numerics::kHuge,
+                   -numerics::kHuge, unit_travel};
+    if (joint >= 0) s.name += std::to_string(joint + 1);
+    const double rest = joint >= 0 ? rest_speed_of(id, joint) : 0.0;
+    for (const RecordingError& r : id.train) {
+      for (const double v : along(s, r.series, rest)) {
+        s.low = std::min(s.low, v);
+        s.high = std::max(s.high, v);
+      }
+    }
+    if (s.high > s.low) out.push_back(std::move(s));
+  };
+  for (int i = 0; i < arm.joints(); ++i) {
+    const bool slides = arm.coordinates()[static_cast<size_t>(i)].prismatic;
+    add(SignalKind::kPosition, i, slides, 1.0);
+    if (out.empty() || out.back().joint != i) continue;
+    const double travel = out.back().high - out.back().low;
+    if (travel <= limits.still(slides)) {
+      out.pop_back();
+      continue;
+    }
+    add(SignalKind::kVelocity, i, slides, 1.0);
+    add(SignalKind::kAcceleration, i, slides, 1.0);
+    add(SignalKind::kTorque, i, slides, 1.0);
+    add(SignalKind::kHistory, i, slides, travel * numerics::kHistoryUnit);
+  }
+  add(SignalKind::kTime, -1, false, 1.0);
+  return out;
+}
+
+MotionRows motion_rows(const Identification& id, const std::vector<RecordingError>& recordings,
+                       const std::vector<LeftOut>& left_out, std::vector<MotionSignal> signals) {
+  MotionRows out;
+  out.signals = std::move(signals);
+  const int n = id.model->joints();
+  const size_t most = std::max(kFewestRows, kMostRows / std::max<size_t>(1, recordings.size()));
+  std::vector<size_t> strides;
+  Eigen::Index rows = 0;
+  for (const RecordingError& r : recordings) {
+    const size_t samples = r.series.time.size();
+    strides.push_back(std::max<size_t>(1, (samples + most - 1) / most));
+    const double rate = samples > 1 ? static_cast<double>(samples - 1) /
+                                          (r.series.time.back() - r.series.time.front())
+                                    : 0.0;
+    const double enough = numerics::kRowsPerCutoff * id.preprocessing.cutoff;
+    if (enough > 0.0)
+      strides.back() = std::max(strides.back(), static_cast<size_t>(std::max(1.0, rate / enough)));
+    rows += static_cast<Eigen::Index>((samples + strides.back() - 1) / strides.back());
+  }
+  out.values.resize(rows, static_cast<Eigen::Index>(out.signals.size()));
+  out.residual.resize(rows, n);
+  out.measured.resize(rows, n);
+  out.used.setConstant(rows, n, true);
+  out.fold.reserve(static_cast<size_t>(rows));
+  Eigen::Index first = 0;
+  for (size_t k = 0; k < recordings.size(); ++k) {
+    const RecordingError& r = recordings[k];
+    const PredictionSeries& x = r.series;
+    Eigen::Index row = first;
+    for (size_t s = 0; s < out.signals.size(); ++s) {
+      const MotionSignal& signal = out.signals[s];
+      const std::vector<double> all =
+          along(signal, x, signal.joint >= 0 ? rest_speed_of(id, signal.joint) : 0.0);
+      row = first;
+      for (size_t i = 0; i < x.time.size(); i += strides[k])
+        out.values(row++, static_cast<Eigen::Index>(s)) = all[i];
+    }
+    row = first;
+    for (size_t i = 0; i < x.time.size(); i += strides[k], ++row) {
+      for (int j = 0; j < n; ++j) {
+        const auto at = static_cast<size_t>(j);
+        out.measured(row, j) = x.measured[at][i];
+        out.residual(row, j) = x.measured[at][i] - x.modelled[at][i];
+      }
+      out.fold.push_back(fold_of(r, x.time[i], k, recordings.size()));
+      for (const LeftOut& part : left_out) {
+        if (part.source != r.source || x.time[i] < part.from || x.time[i] > part.to) continue;
+        for (int j = 0; j < n; ++j) {
+          if (part.joint < 0 || part.joint == j) out.used(row, j) = false;
+        }
+      }
+    }
+    first = row;
+  }
+  for (const int f : out.fold) out.folds = std::max(out.folds, f + 1);
+  return out;
+}
+
+}  // namespace veridyn

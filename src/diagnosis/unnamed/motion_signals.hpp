@@ -1,0 +1,49 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "diagnosis/numerics.hpp"
+#include "veridyn/diagnosis/thresholds.hpp"
+#include "veridyn/identification/identification.hpp"
+
+namespace veridyn {
+
+/// What a residual may depend on.
+enum class SignalKind { kPosition, kVelocity, kAcceleration, kTorque, kHistory, kTime };
+
+/// One signal of a recorded motion. Model torque is what the model says that the motor gives; a
+/// history is the signed travel since the last reversal, as history_coordinate() sees it.
+struct MotionSignal {
+  SignalKind kind = SignalKind::kPosition;
+  int joint = -1;  ///< -1: none, of the time
+  std::string name;  ///< "q1", "dq1", "ddq1", "tau1", "history1", "t"
+  std::string unit;
+  double low = 0.0, high = 0.0;  ///< range in the training recordings
+  double unit_travel = 1.0;      ///< of a history: the travel at which the coordinate bends
+};
+
+/// sign(x) ln(1 + |x| / unit_travel): ways just after a reversal are told apart as well as long ones.
+double history_coordinate(double travel, double unit_travel);
+double travel_of_history(double coordinate, double unit_travel);
+
+/// Rows of several recordings with what every joint's model leaves unexplained.
+struct MotionRows {
+  std::vector<MotionSignal> signals;
+  MatrixXd values;    ///< (rows x signals)
+  MatrixXd residual;  ///< (rows x n) measured minus modelled, filtered
+  MatrixXd measured;  ///< (rows x n)
+  Eigen::Array<bool, Eigen::Dynamic, Eigen::Dynamic> used;  ///< (rows x n): not left out
+  std::vector<int> fold;  ///< of every row: rows of one fold are held out together
+  int folds = 0;
+};
+
+/// The signals of the joints that move, from the series of an identification.
+std::vector<MotionSignal> motion_signals(const Identification& id, const Thresholds& limits);
+
+/// Rows of its training or test recordings, at a few times the filter's cut-off; recordings, or
+/// phases of the period of one to three of them, are the folds.
+MotionRows motion_rows(const Identification& id, const std::vector<RecordingError>& recordings,
+                       const std::vector<LeftOut>& left_out, std::vector<MotionSignal> signals);
+
+}  // namespace veridyn

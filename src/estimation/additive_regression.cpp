@@ -1,0 +1,308 @@
+#include "estimation/additive_regression.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+
+#include "math/signed_rank.hpp"
+
+namespace veridyn {
+namespace {
+
+constexpr std::array<double, 4> kSmoothings = {1e-3, 1e-1, 1e1, 1e3};  // of columns and penalty of one size
+constexpr double kRidge = 1e-7;  // of the columns' mean square: splines and the constant share one
+constexpr double kLeast = 1e-300;
+
+// Sums over the rows of one fold.
+struct Sums {
+  MatrixXd A;  // columns' products
+  VectorXd b;  // with the response
+  double y2 = 0.0;
+  double rows = 0.0;
+};
+
+double mean_square(const Sums& s, const VectorXd& x) {
+  return std::max(s.y2 - 2.0 * x.dot(s.b) + x.dot(s.A * x), 0.0) / std::max(s.rows, 1.0);
+}
+
+class Regression {
+ public:
+  Regression(const FoldedRows& rows, const std::vector<SmoothTerm>& terms,
+             const std::vector<MatrixXd>& columns, const AdditiveOptions& options)
+      : rows_(rows), terms_(terms), columns_(columns), options_(options) {
+    for (const SmoothTerm& term : terms) penalties_.push_back(term.penalty());
+  }
+
+  AdditiveModel run() {
+    reset();
+    while (static_cast<int>(model_.chosen.size()) < options_.most_terms && add_one()) {
+    }
+    drop_superfluous();
+    finish();
+    return std::move(model_);
+  }
+
+ private:
+  size_t folds() const { return rows_.fold_begin.size() - 1; }
+  Eigen::Index begin(size_t f) const { return rows_.fold_begin[f]; }
+  Eigen::Index count(size_t f) const { return rows_.fold_begin[f + 1] - rows_.fold_begin[f]; }
+
+  // The columns of the constant and the chosen terms, and what the folds say with them.
+  void reset() {
+    Eigen::Index size = 1;
+    for (const ChosenTerm& c : model_.chosen) size += terms_[static_cast<size_t>(c.term)].size();
+    Z_.resize(rows_.response.size(), size);
+    Z_.col(0).setOnes();
+    P_ = MatrixXd::Zero(size, size);
+    Eigen::Index at = 1;
+    for (const ChosenTerm& c : model_.chosen) {
+      const auto term = static_cast<size_t>(c.term);
+      const Eigen::Index k = columns_[term].cols();
+      Z_.middleCols(at, k) = columns_[term];
+      P_.block(at, at, k, k) = scaled_penalty(term) * c.smoothing;
+      at += k;
+    }
+    sums_.assign(folds(), {});
+    for (size_t f = 0; f < folds(); ++f) {
+      const auto Z = Z_.middleRows(begin(f), count(f));
+      const auto y = rows_.response.segment(begin(f), count(f));
+      sums_[f] = {Z.transpose() * Z, Z.transpose() * y, y.squaredNorm(),
+                  static_cast<double>(count(f))};
+    }
+    before_ = held_out(sums_, P_);
+  }
+
+  MatrixXd scaled_penalty(size_t term) const {
+    const double columns = columns_[term].squaredNorm();
+    const double penalty = penalties_[term].trace();
+    return penalty > 0.0 ? MatrixXd(penalties_[term] * (columns / penalty)) : penalties_[term];
+  }
+
+  static VectorXd solve(MatrixXd A, const VectorXd& b, const MatrixXd& P) {
+    const double ridge = kRidge * std::max(A.diagonal().mean(), kLeast);
+    A += P;
+    A.diagonal().array() += ridge;
+    return Eigen::LDLT<MatrixXd>(A).solve(b);
+  }
+
+  // Mean square of every fold from the fit to the others; the fits, where they are wanted.
+  static std::vector<double> held_out(const std::vector<Sums>& sums, const MatrixXd& P,
+                                      MatrixXd* fits = nullptr) {
+    MatrixXd A = sums.front().A;
+    VectorXd b = sums.front().b;
+    for (size_t f = 1; f < sums.size(); ++f) {
+      A += sums[f].A;
+      b += sums[f].b;
+    }
+    if (fits != nullptr) fits->resize(b.size(), static_cast<Eigen::Index>(sums.size()));
+    std::vector<double> out;
+    for (size_t f = 0; f < sums.size(); ++f) {
+      const VectorXd x = solve(A - sums[f].A, b - sums[f].b, P);
+      out.push_back(mean_square(sums[f], x));
+      if (fits != nullptr) fits->col(static_cast<Eigen::Index>(f)) = x;
+    }
+    return out;
+  }
+
+  struct Try {
+    int term = -1;
+    double smoothing = 0.0;
+    double gain = -1.0;
+    std::vector<double> falls;
+  };
+
+  std::vector<double> falls_to(const std::vector<double>& after) const {
+    std::vector<double> out;
+    for (size_t f = 0; f < after.size(); ++f)
+      out.push_back(std::log(std::max(before_[f], kLeast)) - std::log(std::max(after[f], kLeast)));
+    return out;
+  }
+
+  static double mean(const std::vector<double>& v) {
+    double sum = 0.0;
+    for (const double x : v) sum += x;
+    return sum / static_cast<double>(v.size());
+  }
+
+  Try attempt(int term) const {
+    const MatrixXd& C = columns_[static_cast<size_t>(term)];
+    const Eigen::Index m = Z_.cols();
+    const Eigen::Index k = C.cols();
+    std::vector<Sums> sums(folds());
+    for (size_t f = 0; f < folds(); ++f) {
+      const auto own = C.middleRows(begin(f), count(f));
+      Sums& s = sums[f];
+      s.A.resize(m + k, m + k);
+      s.A.topLeftCorner(m, m) = sums_[f].A;
+      s.A.topRightCorner(m, k) = Z_.middleRows(begin(f), count(f)).transpose() * own;
+      s.A.bottomLeftCorner(k, m) = s.A.topRightCorner(m, k).transpose();
+      s.A.bottomRightCorner(k, k) = own.transpose() * own;
+      s.b.resize(m + k);
+      s.b << sums_[f].b, own.transpose() * rows_.response.segment(begin(f), count(f));
+      s.y2 = sums_[f].y2;
+      s.rows = sums_[f].rows;
+    }
+    Try best;
+    best.term = term;
+    const MatrixXd own_penalty = scaled_penalty(static_cast<size_t>(term));
+    for (const double smoothing : kSmoothings) {
+      MatrixXd P = MatrixXd::Zero(m + k, m + k);
+      P.topLeftCorner(m, m) = P_;
+      P.bottomRightCorner(k, k) = smoothing * own_penalty;
+      const std::vector<double> falls = falls_to(held_out(sums, P));
+      const double gain = mean(falls);
+      if (best.falls.empty() || gain > best.gain) {
+        best.smoothing = smoothing;
+        best.gain = gain;
+        best.falls = falls;
+      }
+      if (own_penalty.isZero(0.0)) break;
+    }
+    return best;
+  }
+
+  bool passes(const Try& t) const {
+    return t.gain > options_.smallest_gain &&
+           (static_cast<size_t>(std::count_if(t.falls.begin(), t.falls.end(),
+                                              [](double d) { return d > 0.0; })) == t.falls.size() ||
+            signed_rank_p_value(t.falls) <= options_.significance);
+  }
+
+  bool add_one() {
+    std::vector<Try> good;
+    for (int k = 0; k < static_cast<int>(terms_.size()); ++k) {
+      const bool taken =
+          std::any_of(model_.chosen.begin(), model_.chosen.end(),
+                      [k](const ChosenTerm& c) { return c.term == k; });
+      if (taken) continue;
+      Try t = attempt(k);
+      if (passes(t)) good.push_back(std::move(t));
+    }
+    if (good.empty()) return false;
+    const auto worth = [this](const Try& t) {
+      return t.gain * terms_[static_cast<size_t>(t.term)].preference;
+    };
+    const auto best = std::max_element(good.begin(), good.end(), [&](const Try& a, const Try& b) {
+      return worth(a) < worth(b);
+    });
+    ChosenTerm chosen{best->term, best->smoothing, best->gain, {}};
+    const size_t signals = terms_[static_cast<size_t>(best->term)].signals.size();
+    for (const Try& t : good) {
+      if (t.term != best->term && t.gain >= options_.as_good * best->gain &&
+          terms_[static_cast<size_t>(t.term)].signals.size() == signals)
+        chosen.as_good.push_back(t.term);
+    }
+    model_.chosen.push_back(std::move(chosen));
+    reset();
+    return true;
+  }
+
+  // A term without which the held-out error is no larger goes.
+  void drop_superfluous() {
+    for (size_t k = model_.chosen.size(); k-- > 0 && model_.chosen.size() > 1;) {
+      const std::vector<double> with = before_;
+      const ChosenTerm own = model_.chosen[k];
+      model_.chosen.erase(model_.chosen.begin() + static_cast<long>(k));
+      reset();
+      double loss = 0.0;
+      for (size_t f = 0; f < with.size(); ++f)
+        loss += std::log(std::max(before_[f], kLeast)) - std::log(std::max(with[f], kLeast));
+      if (loss / static_cast<double>(with.size()) < options_.smallest_gain) continue;
+      model_.chosen.insert(model_.chosen.begin() + static_cast<long>(k), own);
+      reset();
+    }
+  }
+
+  void finish() {
+    const std::vector<double> after = held_out(sums_, P_, &model_.without);
+    const std::vector<ChosenTerm> chosen = std::move(model_.chosen);
+    MatrixXd A = sums_.front().A;
+    VectorXd b = sums_.front().b;
+    for (size_t f = 1; f < folds(); ++f) {
+      A += sums_[f].A;
+      b += sums_[f].b;
+    }
+    model_.coefficients = solve(A, b, P_);
+    MatrixXd without = std::move(model_.without);
+    model_.chosen.clear();
+    reset();  // the constant alone is what gains are counted from
+    model_.falls = falls_to(after);
+    model_.gain = mean(model_.falls);
+    model_.chosen = chosen;
+    model_.without = std::move(without);
+  }
+
+  const FoldedRows& rows_;
+  const std::vector<SmoothTerm>& terms_;
+  const std::vector<MatrixXd>& columns_;
+  const AdditiveOptions& options_;
+  std::vector<MatrixXd> penalties_;
+  AdditiveModel model_;
+  MatrixXd Z_, P_;
+  std::vector<Sums> sums_;
+  std::vector<double> before_;
+};
+
+}  // namespace
+
+Eigen::Index SmoothTerm::size() const {
+  Eigen::Index out = 1;
+  for (const SmoothBasis& basis : bases) out *= basis.size();
+  return out;
+}
+
+MatrixXd SmoothTerm::columns(const MatrixXd& x) const {
+  MatrixXd out(x.rows(), size());
+  const Eigen::Index k1 = bases.front().size();
+  VectorXd first(k1);
+  VectorXd second = VectorXd::Ones(bases.size() > 1 ? bases[1].size() : 1);
+  for (Eigen::Index r = 0; r < x.rows(); ++r) {
+    bases.front().values(x(r, signals.front()), first.data());
+    if (bases.size() > 1) bases[1].values(x(r, signals[1]), second.data());
+    for (Eigen::Index b = 0; b < second.size(); ++b)
+      out.row(r).segment(b * k1, k1) = second[b] * first.transpose();
+  }
+  return out;
+}
+
+MatrixXd SmoothTerm::penalty() const {
+  const MatrixXd first = bases.front().penalty();
+  if (bases.size() == 1) return first;
+  const MatrixXd second = bases[1].penalty();
+  const Eigen::Index k1 = first.rows();
+  const Eigen::Index k2 = second.rows();
+  MatrixXd out = MatrixXd::Zero(k1 * k2, k1 * k2);
+  for (Eigen::Index a = 0; a < k2; ++a) {
+    out.block(a * k1, a * k1, k1, k1) += first;
+    for (Eigen::Index b = 0; b < k2; ++b)
+      out.block(a * k1, b * k1, k1, k1).diagonal().array() += second(a, b);
+  }
+  return out;
+}
+
+Eigen::Index AdditiveModel::first_of(const std::vector<SmoothTerm>& terms, size_t k) const {
+  Eigen::Index at = 1;
+  for (size_t i = 0; i < k; ++i) at += terms[static_cast<size_t>(chosen[i].term)].size();
+  return at;
+}
+
+AdditiveModel additive_regression(const FoldedRows& rows, const std::vector<SmoothTerm>& terms,
+                                  const std::vector<MatrixXd>& columns,
+                                  const AdditiveOptions& options) {
+  return Regression(rows, terms, columns, options).run();
+}
+
+VectorXd predicted(const AdditiveModel& model, const std::vector<SmoothTerm>& terms,
+                   const MatrixXd& signals) {
+  VectorXd out = VectorXd::Constant(signals.rows(), model.coefficients[0]);
+  for (size_t k = 0; k < model.chosen.size(); ++k) {
+    const SmoothTerm& term = terms[static_cast<size_t>(model.chosen[k].term)];
+    out += term.columns(signals) *
+           model.coefficients.segment(model.first_of(terms, k), term.size());
+  }
+  return out;
+}
+
+}  // namespace veridyn

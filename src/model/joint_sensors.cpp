@@ -1,0 +1,93 @@
+#include "veridyn/model/joint_sensors.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <utility>
+
+#include "veridyn/math/require.hpp"
+
+namespace veridyn {
+namespace {
+
+std::vector<RecordedChannel> channels_of(const Model& arm) {
+  std::vector<RecordedChannel> out;
+  for (const Coordinate& c : arm.coordinates()) out.push_back(c.recorded);
+  return out;
+}
+
+// signal(t - delay) by linear interpolation; before the first row it had its first value.
+VectorXd delayed(const VectorXd& signal, const VectorXd& time, double delay) {
+  VectorXd out(signal.size());
+  Eigen::Index k = 0;
+  for (Eigen::Index row = 0; row < signal.size(); ++row) {
+    const double t = time[row] - delay;
+    while (k + 1 < row && time[k + 1] <= t) ++k;
+    const double u = k + 1 < signal.size() ? (t - time[k]) / (time[k + 1] - time[k]) : 0.0;
+    out[row] = t <= time[0] ? signal[0] : (1.0 - u) * signal[k] + u * signal[k + 1];
+  }
+  return out;
+}
+
+}  // namespace
+
+JointSensors::JointSensors(const Model& arm) : JointSensors(channels_of(arm)) {
+  for (Eigen::Index j = 0; j < drive_gain_.size(); ++j)
+    drive_gain_[j] = arm.coordinates()[static_cast<size_t>(j)].drive_gain;
+}
+
+JointSensors::JointSensors(std::vector<RecordedChannel> channels) : channels_(std::move(channels)) {
+  const auto n = static_cast<Eigen::Index>(channels_.size());
+  offset_ = delay_ = VectorXd::Zero(n);
+  gain_ = drive_gain_ = VectorXd::Ones(n);
+  for (Eigen::Index j = 0; j < n; ++j) {
+    const RecordedChannel& c = channels_[static_cast<size_t>(j)];
+    require(c.torque_gain > 0.0 && std::isfinite(c.torque_gain) &&
+                std::isfinite(c.position_offset) && std::isfinite(c.torque_delay),
+            "JointSensors: joint ", j + 1, " has a torque gain of ", c.torque_gain,
+            ", a position offset of ", c.position_offset, " and a torque delay of ", c.torque_delay,
+            " s, expected finite numbers, the gain above zero.");
+    offset_[j] = c.position_offset;
+    gain_[j] = c.torque_gain;
+    delay_[j] = c.torque_delay;
+    ideal_ = ideal_ && offset_[j] == 0.0 && gain_[j] == 1.0 && delay_[j] == 0.0;
+  }
+}
+
+void JointSensors::require_drive_gains(const Model& arm, const std::string& where) const {
+  for (int j = 0; j < joints(); ++j) {
+    require(drive_gain_[j] != 0.0, where, ": found motor currents only, and robot '", arm.name(),
+            "' has no drive_gain for coordinate '", arm.coordinates()[static_cast<size_t>(j)].name,
+            "'.");
+  }
+}
+
+void JointSensors::show(const VectorXd& time, MatrixXd& q, MatrixXd& tau) const {
+  q.rowwise() += offset_.transpose();
+  for (Eigen::Index j = 0; j < tau.cols(); ++j) {
+    if (delay_[j] > 0.0) tau.col(j) = delayed(tau.col(j), time, delay_[j]);
+    tau.col(j) *= gain_[j];
+  }
+}
+
+std::vector<std::string> JointSensors::in_words(const Model& arm) const {
+  std::vector<std::string> out;
+  for (int j = 0; j < joints(); ++j) {
+    const Coordinate& c = arm.coordinates()[static_cast<size_t>(j)];
+    const RecordedChannel& e = channels_[static_cast<size_t>(j)];
+    const std::string encoder = "the encoder of joint '" + c.name + "' shows ";
+    const std::string torque = "the recorded torque of joint '" + c.name + "' is ";
+    if (e.position_offset != 0.0)
+      out.push_back(encoder + fmt::format("{:.6g} {} {} than there is", std::abs(e.position_offset),
+                                          position_unit(c),
+                                          e.position_offset > 0.0 ? "more" : "less"));
+    if (e.torque_gain != 1.0)
+      out.push_back(torque + fmt::format("{:.6g} times the true one", e.torque_gain));
+    if (e.torque_delay != 0.0)
+      out.push_back(torque + fmt::format("{:.4g} ms {}", 1e3 * std::abs(e.torque_delay),
+                                         e.torque_delay > 0.0 ? "late" : "early"));
+  }
+  return out;
+}
+
+}  // namespace veridyn

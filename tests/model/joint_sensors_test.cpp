@@ -1,0 +1,94 @@
+#include "veridyn/model/joint_sensors.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "support/near.hpp"
+#include "veridyn/math/require.hpp"
+#include "veridyn/model/model_file.hpp"
+
+namespace veridyn {
+namespace {
+
+// An arm whose second joint is wrong in every way that a MODEL can know.
+Model wrong_arm() {
+  ModelDescription d = read_model("psm-3dof").description();
+  d.coordinates[1].recorded = {1.25, 0.004, 0.1};
+  d.coordinates[1].drive_gain = 2.0;
+  return Model(std::move(d));
+}
+
+TEST(JointSensors, ShowWhatTheModelSaysAndTakeItOffAgain) {
+  const JointSensors sensors(wrong_arm());
+  const VectorXd true_q = Eigen::Vector3d(0.3, -0.2, 0.1);
+  const VectorXd true_tau = Eigen::Vector3d(1.0, 2.0, -3.0);
+  VectorXd q = true_q;
+  VectorXd tau = true_tau;
+  sensors.show_positions(q);
+  sensors.show_torques(tau);
+  EXPECT_TRUE(near(q, Eigen::Vector3d(0.3, -0.1, 0.1), 1e-15));   // measured = true + offset
+  EXPECT_TRUE(near(tau, Eigen::Vector3d(1.0, 2.5, -3.0), 1e-15));  // measured = gain * true
+  sensors.correct_positions(q);
+  sensors.correct_torques(tau);
+  EXPECT_TRUE(near(q, true_q, 1e-15));
+  EXPECT_TRUE(near(tau, true_tau, 1e-15));
+  EXPECT_FALSE(sensors.ideal());
+}
+
+// Current times drive gain is the recorded torque; the gain is taken off that.
+TEST(JointSensors, CurrentsBecomeTrueTorques) {
+  const JointSensors sensors(wrong_arm());
+  VectorXd current = Eigen::Vector3d(0.0, 5.0, 0.0);
+  sensors.correct_currents(current);
+  EXPECT_DOUBLE_EQ(current[1], 5.0 * 2.0 / 1.25);
+}
+
+TEST(JointSensors, AModelThatKnowsNoErrorChangesNoBit) {
+  const JointSensors sensors(read_model("psm-3dof"));
+  const VectorXd before = Eigen::Vector3d(0.1, 1.0 / 3.0, -7e-12);
+  VectorXd v = before;
+  sensors.correct_positions(v);
+  sensors.show_positions(v);
+  sensors.correct_torques(v);
+  sensors.show_torques(v);
+  EXPECT_TRUE(sensors.ideal());
+  EXPECT_EQ(v, before);
+  EXPECT_TRUE(sensors.in_words(read_model("psm-3dof")).empty());
+}
+
+// A ramp that is recorded late is exactly the ramp of earlier times, and comes back whole but for
+// its last samples, whose record lies beyond the end.
+TEST(JointSensors, ADelayIsShownAndUndone) {
+  const JointSensors sensors(wrong_arm());
+  constexpr int kRows = 50;
+  constexpr double kStep = 0.0015;  // [s]: the delay is no whole number of rows
+  const VectorXd time = VectorXd::LinSpaced(kRows, 0.0, kStep * (kRows - 1));
+  MatrixXd q = MatrixXd::Zero(kRows, 3);
+  MatrixXd tau = time.replicate(1, 3);
+  sensors.show(time, q, tau);
+  EXPECT_NEAR(tau(40, 1), 1.25 * (time[40] - 0.004), 1e-12);
+  EXPECT_DOUBLE_EQ(tau(40, 0), time[40]);
+  EXPECT_DOUBLE_EQ(q(7, 1), 0.1);
+  const auto recorded = [&](Eigen::Index k) { return tau(k, 1); };
+  for (int k = 1; k < kRows - 3; ++k)  // what is recorded of row 0 is what was before
+    EXPECT_NEAR(sensors.torque_at(1, k, kRows, kStep, recorded), 1.25 * time[k], 1e-12);
+  EXPECT_DOUBLE_EQ(sensors.torque_at(1, kRows - 1, kRows, kStep, recorded), tau(kRows - 1, 1));
+}
+
+TEST(JointSensors, SayInWordsWhatIsWrong) {
+  const Model arm = wrong_arm();
+  const std::vector<std::string> words = JointSensors(arm).in_words(arm);
+  ASSERT_EQ(words.size(), 3U);
+  EXPECT_EQ(words[0], "the encoder of joint 'pitch' shows 0.1 rad more than there is");
+  EXPECT_EQ(words[1], "the recorded torque of joint 'pitch' is 1.25 times the true one");
+  EXPECT_EQ(words[2], "the recorded torque of joint 'pitch' is 4 ms late");
+}
+
+TEST(JointSensors, AGainThatCannotBeIsRefused) {
+  EXPECT_THROW(JointSensors({{0.0, 0.0, 0.0}}), InvalidInput);
+  EXPECT_THROW(JointSensors({{1.0, 0.0, std::nan("")}}), InvalidInput);
+}
+
+}  // namespace
+}  // namespace veridyn

@@ -1,0 +1,100 @@
+#include <gtest/gtest.h>
+
+#include "simulation/simulation_support.hpp"
+#include "support/near.hpp"
+#include "support/simulated.hpp"
+#include "veridyn/effects/channel_effect.hpp"
+#include "veridyn/math/require.hpp"
+#include "veridyn/model/model_file.hpp"
+#include "veridyn/simulation/engine.hpp"
+#include "veridyn/simulation/joint_torques.hpp"
+#include "veridyn/simulation/plausible_model.hpp"
+#include "veridyn/simulation/simulate_controlled.hpp"
+
+// A base that gives way: its columns (a derivative, along a motion) and its states (joints with
+// springs, in an engine) are two codes of one thing.
+
+namespace veridyn {
+namespace {
+
+constexpr double kCompliance = 1e-4;  // [rad/(N m)]
+
+Model stiff() {
+  return plausible_model(read_model("elbow-6r"), 2).arm;
+}
+
+Model on_soft_base(double about_x, double about_y) {
+  const auto hidden = parse_hidden_effect("base_compliance:arm:about_x=" + std::to_string(about_x) +
+                                          ",about_y=" + std::to_string(about_y));
+  return inject_effects(stiff(), {hidden}).arm;
+}
+
+MotionSamples slow_waves(int rows, double dt) {
+  MotionSamples m{VectorXd::LinSpaced(rows, 0.0, dt * (rows - 1)), MatrixXd(rows, 6), {}, {}};
+  for (int i = 0; i < 6; ++i)
+    m.q.col(i) = 0.4 + 0.3 * ((1.0 + 0.2 * i) * m.time.array() + i).sin();
+  return with_derivatives(m);
+}
+
+TEST(BaseCompliance, StandsAmongTheEffectsOfTheArmAndInFiles) {
+  const Model soft = on_soft_base(2e-4, 1e-4);
+  ASSERT_EQ(soft.arm_effects().size(), 1U);
+  EXPECT_DOUBLE_EQ(soft.arm_effects()[0].values.at("about_x"), 2e-4);
+  const Model again = read_yaml(to_yaml(soft), "again");
+  ASSERT_EQ(again.arm_effects().size(), 1U);
+  EXPECT_EQ(again.arm_effects()[0].effect, "base_compliance");
+  EXPECT_EQ(again.arm_effects()[0].values, soft.arm_effects()[0].values);
+  EXPECT_EQ(with_arm_states(soft).joints(), 8);
+  EXPECT_EQ(with_arm_states(stiff()).joints(), 6);
+}
+
+// At rest the columns times the compliance are what an engine in balance needs beyond the stiff arm,
+// to second order in the turn of the base.
+TEST(BaseCompliance, ColumnsAreWhatTheStatesDoAtRest) {
+  const VectorXd q = VectorXd::LinSpaced(6, 0.2, 0.8), rest = VectorXd::Zero(6);
+  double before = 0.0;
+  for (const double c : {2.0 * kCompliance, kCompliance}) {
+    const Model soft = on_soft_base(c, c);
+    const auto engine = make_engine("veridyn", soft);
+    engine->set_state(q, rest);
+    MotionSamples still{VectorXd::LinSpaced(9, 0.0, 0.08), q.transpose().replicate(9, 1),
+                        MatrixXd::Zero(9, 6), MatrixXd::Zero(9, 6)};
+    const VectorXd hold = joint_torques(soft, still).row(4).transpose();
+    const VectorXd extra = hold - joint_torques(stiff(), still).row(4).transpose();
+    EXPECT_GT(extra.norm(), 0.01 * hold.norm());
+    // The torque that is still missing, by the acceleration that it makes.
+    VectorXd ddq(6), unloaded(6);
+    ASSERT_EQ(engine->accelerate(hold, ddq), StepStatus::kOk);
+    const VectorXd stiffly = hold - extra;
+    ASSERT_EQ(engine->accelerate(stiffly, unloaded), StepStatus::kOk);
+    const double left = ddq.norm() / unloaded.norm();
+    EXPECT_LT(left, 0.05);
+    if (before > 0.0) {
+      EXPECT_NEAR(left / before, 0.5, 0.1);
+    }
+    before = left;
+  }
+}
+
+// In motion: what the motors of a controlled arm gave, beside what the columns say of its motion.
+TEST(BaseCompliance, ColumnsAreWhatTheStatesDoInMotion) {
+  ControlledOptions options;
+  options.recording.hidden = {parse_hidden_effect("base_compliance:arm:about_x=1e-4,about_y=1e-4")};
+  const ControlledRecording run = simulate_controlled(stiff(), slow_waves(4000, 0.001), options);
+  ASSERT_TRUE(run.run.complete());
+  EXPECT_TRUE(run.left_out.empty());
+  const MotionSamples& m = run.recording.actual;
+  const MatrixXd with = joint_torques(run.recording.truth, m), without = joint_torques(stiff(), m);
+  const auto late = [](const MatrixXd& all) { return all.bottomRows(3000).norm(); };  // once it rests
+  const double effect = late(with - without);
+  EXPECT_GT(effect, 0.01 * late(with));
+  EXPECT_LT(late(run.recording.actual_tau - with), 0.1 * effect);
+  EXPECT_GT(late(run.recording.actual_tau - without), 0.9 * effect);
+}
+
+TEST(BaseCompliance, AComplianceBelowZeroIsRefused) {
+  EXPECT_THROW(on_soft_base(-1e-4, 0.0), InvalidInput);
+}
+
+}  // namespace
+}  // namespace veridyn
