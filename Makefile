@@ -3,7 +3,7 @@ BUILD := build
 JOBS  ?= $(shell nproc)
 CMAKE_FLAGS ?= --preset dev
 
-.PHONY: all tool build demo test python ros ros-test mpi growth deb readme thesis sanitize packages packages-tests clean
+.PHONY: all tool build demo test python ros ros-test mpi growth deb build-times readme thesis sanitize packages packages-tests clean
 
 all: tool
 
@@ -50,16 +50,23 @@ growth: build
 	@python3 tests/benchmark/growth.py $(BUILD)/bin/veridyn --benchmark $(BUILD)/bin/veridyn-benchmark \
 	  $(if $(EARLIER),--beside $(EARLIER)) --json docs/growth.json --svg docs/growth.svg
 
-# Debian packages veridyn, libveridyn-dev and python3-veridyn in $(BUILD)/packages.
-deb: python
-	@cmake/install-packages.sh cmake/debian-packages-deb.txt
-	@cmake --build $(BUILD) -j $(JOBS) --target veridyn_tool
+# Debian packages veridyn, libveridyn0.1, libveridyn-dev and python3-veridyn in $(BUILD)/packages. The library becomes
+# shared: in a folder that is built already it is linked anew, and nothing is compiled.
+deb: packages
+	@cmake/install-packages.sh cmake/debian-packages-python.txt cmake/debian-packages-deb.txt
+	@cmake $(CMAKE_FLAGS) -B $(BUILD) -DVERIDYN_PYTHON=ON -DBUILD_SHARED_LIBS=ON >$(BUILD).log 2>&1 || { cat $(BUILD).log; exit 1; }
+	@cmake --build $(BUILD) -j $(JOBS) --target veridyn_tool --target veridyn_python --target veridyn_libraries
 	@cd $(BUILD) && cpack -B packages >cpack.log || { cat cpack.log; exit 1; }
 	@ls $(BUILD)/packages/*.deb
 
 # The thesis's tables and figures beside ours: docs/thesis-figures.md, made anew.
 thesis:
 	@$(MAKE) --no-print-directory readme PAGES=docs/thesis-figures.md
+
+# Seconds of each unit of the last build in $(BUILD), the longest first; UNITS=40 of them, and the sum.
+build-times:
+	@awk -F'\t' '!/^#/ {took[$$4] = $$2 - $$1} END {for (unit in took) {sum += took[unit]; printf "%8.1f s  %s\n", took[unit] / 1000, unit}; \
+	  printf "%8.1f s  all, over the jobs that ran side by side\n", sum / 1000}' $(BUILD)/.ninja_log | sort -rn | head -n $$(($(or $(UNITS),40) + 1))
 
 demo: tool
 	@examples/demo.sh $(BUILD)/bin/veridyn out/demo
@@ -68,7 +75,7 @@ test: build
 	@ctest --test-dir $(BUILD) --output-on-failure -j $(JOBS)
 
 # Blocks of the README and of the pages below, made anew by the commands in them; tests compare them.
-PAGES ?= README.md docs/tour.md
+PAGES ?= README.md docs/own-robot.md docs/tour.md
 readme: tool python
 	@for page in $(PAGES); do PATH="$(CURDIR)/$(BUILD)/bin:/usr/bin:$$PATH" VERIDYN_SOURCE="$(CURDIR)" \
 	  /usr/bin/python3 tests/readme/blocks.py write $$page out/readme || exit 1; done

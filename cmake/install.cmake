@@ -1,17 +1,74 @@
-# Headers, library, tool and robots; others find them with find_package(veridyn).
-include(GNUInstallDirs)
+# Headers, library, tool and robots; others find them with find_package(veridyn COMPONENTS ...) or with pkg-config.
 include(CMakePackageConfigHelpers)
 set(PACKAGE_DIR ${CMAKE_INSTALL_LIBDIR}/cmake/veridyn)
 
-# Components are Debian packages, see packages.cmake.
-install(TARGETS veridyn EXPORT veridynTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT dev
-        LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT dev)
+# Each component of the library has an export and a .pc file of its own. Who links a static one needs what stands behind
+# it; a shared one knows that itself.
+foreach(ROW fmt::fmt|fmt|-lfmt yaml-cpp|yaml-cpp|-lyaml-cpp muparser::muparser|muparser|-lmuparser pugixml::pugixml|pugixml|-lpugixml
+        "urdfdom::urdfdom_model|urdfdom|-lurdfdom_model -lconsole_bridge" "Ceres::ceres|Ceres|-lceres -lglog" Threads::Threads|Threads|-pthread)
+  string(REPLACE "|" ";" ROW "${ROW}")
+  list(GET ROW 0 LINK)
+  list(GET ROW 1 VERIDYN_PACKAGE_${LINK})
+  list(GET ROW 2 VERIDYN_PC_${LINK})
+endforeach()
+set(VERIDYN_NEEDS "")
+set(VERIDYN_PACKAGES "")
+list(JOIN VERIDYN_COMPONENTS ", veridyn-" PC_ALL)
+file(RELATIVE_PATH PC_TO_PREFIX /${CMAKE_INSTALL_LIBDIR}/pkgconfig /)
+foreach(component IN LISTS VERIDYN_COMPONENTS)
+  install(TARGETS veridyn_${component} EXPORT veridyn_${component}
+    ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT dev
+    LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT library NAMELINK_COMPONENT dev)
+  install(EXPORT veridyn_${component} NAMESPACE veridyn:: FILE veridyn_${component}.cmake DESTINATION ${PACKAGE_DIR} COMPONENT dev)
+  string(APPEND VERIDYN_NEEDS "set(veridyn_needs_${component} ${veridyn_needs_${component}})\n")
+  set(PACKAGES "")
+  set(PC_LIBS "")
+  set(PC_NEEDS eigen3)
+  foreach(needed IN LISTS veridyn_needs_${component})
+    string(APPEND PC_NEEDS ", veridyn-${needed}")
+  endforeach()
+  if(NOT BUILD_SHARED_LIBS)
+    get_target_property(LINKS veridyn_${component} LINK_LIBRARIES)
+    foreach(LINK IN LISTS LINKS)
+      if(LINK MATCHES "^veridyn_|^Eigen3::|BUILD_INTERFACE")
+        continue()
+      elseif(LINK MATCHES "^/")
+        string(APPEND PC_LIBS " ${LINK}")
+      elseif(DEFINED VERIDYN_PC_${LINK})
+        string(APPEND PC_LIBS " ${VERIDYN_PC_${LINK}}")
+        list(APPEND PACKAGES ${VERIDYN_PACKAGE_${LINK}})
+      else()
+        message(FATAL_ERROR "cmake/install.cmake: found ${LINK} behind veridyn_${component}, expected it in the table above")
+      endif()
+    endforeach()
+    list(REMOVE_DUPLICATES PACKAGES)
+  endif()
+  string(APPEND VERIDYN_PACKAGES "set(veridyn_packages_${component} ${PACKAGES})\n")
+  file(CONFIGURE OUTPUT ${CMAKE_CURRENT_BINARY_DIR}/veridyn-${component}.pc @ONLY CONTENT [=[
+prefix=${pcfiledir}/@PC_TO_PREFIX@
+Name: veridyn-@component@
+Description: @PROJECT_DESCRIPTION@: @component@
+Version: @PROJECT_VERSION@
+Requires: @PC_NEEDS@
+Cflags: -I${prefix}/include
+Libs: -L${prefix}/@CMAKE_INSTALL_LIBDIR@ -lveridyn_@component@@PC_LIBS@
+]=])
+  install(FILES ${CMAKE_CURRENT_BINARY_DIR}/veridyn-${component}.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT dev)
+endforeach()
+file(CONFIGURE OUTPUT ${CMAKE_CURRENT_BINARY_DIR}/veridyn.pc @ONLY CONTENT [=[
+Name: veridyn
+Description: @PROJECT_DESCRIPTION@
+Version: @PROJECT_VERSION@
+Requires: veridyn-@PC_ALL@
+]=])
+install(FILES ${CMAKE_CURRENT_BINARY_DIR}/veridyn.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT dev)
+
+# The components below are Debian packages, see packages.cmake.
 if(TARGET veridyn_tool)
   install(TARGETS veridyn_tool RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT tool)
 endif()
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/include/veridyn DESTINATION include COMPONENT dev)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/data/robots ${PROJECT_SOURCE_DIR}/data/dvrk DESTINATION share/veridyn COMPONENT tool)
-install(EXPORT veridynTargets NAMESPACE veridyn:: DESTINATION ${PACKAGE_DIR} COMPONENT dev)
 
 configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/veridynConfig.cmake.in
   ${CMAKE_CURRENT_BINARY_DIR}/veridynConfig.cmake INSTALL_DESTINATION ${PACKAGE_DIR})

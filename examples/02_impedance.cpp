@@ -49,7 +49,9 @@ int main(int argc, char** argv) {
     tau += friction.update(state, control.joint_velocity(), control.joint_error(), dt);
     tau += error.update(state, control.acceleration(), dt);
     input.force = wrench.head<3>();
-    tau = safety.update(state, input, tau);
+    const VectorXd& sent = safety.update(state, input, tau);
+    error.sent(tau, sent);
+    tau = sent;
     sensors.show_torques(tau);
     robot.push(-(state.tip().jacobian().transpose() * wrench));  // the spring on the arm
     if (!robot.write(tau)) return 1;

@@ -13,7 +13,7 @@ step() { printf '\n== %s\n' "$*"; }
 step "1. Two motions for $robot that tell its parameters apart: one to identify from, one held out"
 "$tool" excite "$robot" -o "$out/train-motion.csv" --criterion d-optimal --frequency 0.13 --seed 1 \
   --quiet --json "$out/excite.json"
-"$tool" excite "$robot" -o "$out/test-motion.csv" --frequency 0.17 --seed 2 --quiet >"$out/test-motion.txt"
+"$tool" excite "$robot" -o "$out/test-motion.csv" --criterion condition --frequency 0.17 --seed 2 --quiet >"$out/test-motion.txt"
 sed -n 's/^Condition/The held-out one: condition/p' "$out/test-motion.txt"
 
 step "2. A simulated arm makes them, with the noise of a da Vinci Research Kit arm"

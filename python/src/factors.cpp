@@ -19,7 +19,7 @@ py::bytes compress_call(const py::object& model, const py::object& given, const 
   return py::bytes(interruptible(progress, [arm, recordings, options] {
     PreprocessingOptions how = options.preprocessing;
     const std::vector<std::string> names = recordings.placed_in(how.in_memory);
-    return to_bytes(compress(arm, names, how, options.threads));
+    return to_bytes(compress(with_friction(arm, options.friction), names, how, options.threads));
   }));
 }
 

@@ -11,8 +11,7 @@
 #include "veridyn/math/require.hpp"
 #include "veridyn/report/comparison_json.hpp"
 #include "veridyn/report/diagnosis_json.hpp"
-#include "veridyn/report/diagnosis_page.hpp"
-#include "veridyn/report/identification_page.hpp"
+#include "veridyn/report/pages.hpp"
 #include "veridyn/report/json.hpp"
 #include "veridyn/report/payload_json.hpp"
 
@@ -38,6 +37,26 @@ void bind_page(py::class_<Result, std::shared_ptr<Result>>& type) {
   type.def("page",
            [](const Result& result, const std::string& call) { return to_page(result, call); },
            py::arg("call"), py::call_guard<py::gil_scoped_release>());
+}
+
+// Torques of one recording, held-out ones first, as they are plotted.
+py::dict series_of(const Identification& id, std::size_t recording) {
+  std::vector<const RecordingError*> all;
+  for (const auto* list : {&id.test, &id.train})
+    for (const RecordingError& one : *list) all.push_back(&one);
+  require(recording < all.size(), "series: found recording ", recording, ", expected one of ",
+          all.size(), ", counted from 0.");
+  const PredictionSeries& s = all[recording]->series;
+  std::vector<std::string> joints;
+  if (id.model)
+    for (const Coordinate& c : id.model->coordinates()) joints.push_back(c.name);
+  py::dict out;
+  out["source"] = all[recording]->source;
+  out["joints"] = joints;
+  out["time"] = s.time;
+  out["measured"] = s.measured;
+  out["modelled"] = s.modelled;
+  return out;
 }
 
 // What every function here takes: the model, the recordings, keywords and someone to report to.
@@ -89,6 +108,12 @@ std::shared_ptr<Diagnosis> diagnose_call(const py::object& model, const py::obje
   DiagnosisOptions options;
   call.keywords.read("effects", options.effects);
   call.keywords.read("max_effects", options.max_effects);
+  RobotValues values = RobotValues::kPrior;
+  if (call.keywords.given("values")) {
+    call.keywords.read_choice("values", values, {RobotValues::kFacts, RobotValues::kPrior},
+                              [](RobotValues v) { return name_of(v); });
+    options.values = values;
+  }
   for (const std::string& name : options.effects) {
     const std::vector<std::string>& known = effect_names();
     require(std::find(known.begin(), known.end(), name) != known.end(),
@@ -125,6 +150,7 @@ void bind_identification(py::module_& m) {
            save(r, path, command);
          },
          py::arg("path"), py::arg("command"));
+  id.def("series", &series_of, py::arg("recording"));
   id.def_property_readonly("model",
                            [](const Identification& r) { return model_or_none(r.model); });
   py::class_<Diagnosis, std::shared_ptr<Diagnosis>> diagnosis(m, "NativeDiagnosis");

@@ -1,8 +1,33 @@
+#include <cctype>
+#include <string>
+
 #include "bindings.hpp"
 #include "interruptible.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace py = pybind11;
+
+namespace {
+
+// Options are called as in Python: --filter-cutoff is filter_cutoff.
+std::string in_python(const std::string& message) {
+  std::string out;
+  for (std::size_t k = 0; k < message.size(); ++k) {
+    const bool begins = message.compare(k, 2, "--") == 0 && k + 2 < message.size() &&
+                        std::islower(static_cast<unsigned char>(message[k + 2])) != 0 &&
+                        (k == 0 || message[k - 1] == ' ' || message[k - 1] == '(');
+    if (!begins) {
+      out += message[k];
+      continue;
+    }
+    for (k += 2; k < message.size() && (std::islower(static_cast<unsigned char>(message[k])) != 0 || message[k] == '-'); ++k)
+      out += message[k] == '-' ? '_' : message[k];
+    --k;
+  }
+  return out;
+}
+
+}  // namespace
 
 PYBIND11_MODULE(_veridyn, m) {
   m.doc() = "The compiled part of veridyn; import veridyn instead.";
@@ -15,7 +40,7 @@ PYBIND11_MODULE(_veridyn, m) {
     try {
       if (thrown) std::rethrow_exception(thrown);
     } catch (const veridyn::InvalidInput& error) {
-      invalid_input(error.what());
+      invalid_input(in_python(error.what()).c_str());
     } catch (const veridyn::Interrupted&) {
       PyErr_SetNone(PyExc_KeyboardInterrupt);
     }
@@ -30,4 +55,5 @@ PYBIND11_MODULE(_veridyn, m) {
 #endif
   veridyn::python::bind_motion(m);
   veridyn::python::bind_control(m);
+  veridyn::python::bind_watching(m);
 }

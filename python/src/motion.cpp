@@ -8,7 +8,7 @@
 #include "options.hpp"
 #include "veridyn/excitation/excitation.hpp"
 #include "veridyn/math/require.hpp"
-#include "veridyn/report/excitation_page.hpp"
+#include "veridyn/report/pages.hpp"
 #include "veridyn/report/motion_json.hpp"
 #include "veridyn/simulation/plausible_model.hpp"
 #include "veridyn/simulation/resampled_motion.hpp"
@@ -77,12 +77,16 @@ std::shared_ptr<Excitation> excite_call(const py::object& model, const py::dict&
   keywords.read("essential", o.essential);
   keywords.read("starts", o.starts);
   keywords.read("iterations", o.iterations);
-  keywords.read("limit_share", o.limit_share);
+  if (keywords.given("limit_share")) keywords.read("limit_share", o.limit_share.emplace());
+  keywords.read_choice("friction", o.friction,
+                       {JointFriction::kAuto, JointFriction::kPlain, JointFriction::kFile},
+                       [](JointFriction f) { return name_of(f); });
   keywords.read("seed", o.seed);
   keywords.read("threads", o.threads);
   if (const py::object powered = keywords.take("model")) o.powered = model_of(powered);
   keywords.expect_all_taken();
-  if (!o.powered && !arm.inertial_values()) o.valued = plausible_model(arm, 1).arm;
+  if (!o.powered && !arm.inertial_values())
+    o.valued = plausible_model(with_friction(arm, o.friction), 1).arm;
   if (o.criterion == ExcitationCriterion::kDiscriminate && !o.powered && o.valued)
     o.powered = without_efforts(*o.valued);
   o.progress = [progress](const std::string& what, double share) { progress(what, share); };

@@ -149,7 +149,10 @@ void read_signals(Keywords& keywords, SignalChoice& signals) {
 Model with_fix(Keywords& keywords, const Model& arm) {
   std::map<std::string, double> fixed;
   keywords.read("fix", fixed);
-  return fixed.empty() ? arm : with_fixed(arm, fixed);
+  const Model kept = fixed.empty() ? arm : with_fixed(arm, fixed);
+  std::vector<double> gains;
+  keywords.read("drive_gains", gains);
+  return gains.empty() ? kept : with_drive_gains(kept, gains);
 }
 
 void read_preprocessing(Keywords& keywords, PreprocessingOptions& o) {
@@ -187,6 +190,9 @@ IdentificationOptions read_identification(Keywords& keywords, const Progress& pr
                        [](PhysicalCondition c) { return name_of(c); });
   keywords.read_choice("signs", o.signs, {EffectSigns::kPhysical, EffectSigns::kAny},
                        [](EffectSigns s) { return name_of(s); });
+  keywords.read_choice("friction", o.friction,
+                       {JointFriction::kAuto, JointFriction::kPlain, JointFriction::kFile},
+                       [](JointFriction f) { return name_of(f); });
   if (const py::object prior = keywords.take("prior")) o.prior = model_of(prior);
   if (const py::object masses = keywords.take("known_mass")) {
     const bool one = py::isinstance<py::str>(masses);

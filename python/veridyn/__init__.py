@@ -51,6 +51,7 @@ from ._calls import (  # noqa: E402
     regressor,
     robot_names,
     simulate,
+    watch,
 )
 from ._recording import Recording  # noqa: E402
 from ._results import (  # noqa: E402
@@ -104,4 +105,5 @@ __all__ = [
     "regressor",
     "robot_names",
     "simulate",
+    "watch",
 ]

@@ -2,12 +2,22 @@
 
 from __future__ import annotations
 
+import json
 import os
-from typing import Any, Mapping, Optional, Sequence, Union
+from typing import TYPE_CHECKING, Any, Iterator, Mapping, Optional, Sequence, Union
 
 import numpy as np
 
 from . import _veridyn
+from ._options import (
+    DiagnosisOptions,
+    ExcitationOptions,
+    FitOptions,
+    PreprocessingOptions,
+    RecordingOptions,
+    SimulationOptions,
+    WatchOptions,
+)
 from ._recording import Recording
 from ._results import (
     Comparison,
@@ -18,6 +28,9 @@ from ._results import (
     Quality,
     Simulation,
 )
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
 
 _PREPROCESSING = """
     filter_cutoff : float, Hz, zero-phase low-pass (5); 0: none
@@ -33,6 +46,7 @@ _PREPROCESSING = """
     columns, rate : signals and rate [Hz] of CSV files without a header or without time
 {signals}
     fix : {joint: position} [rad], [m] of joints that are not recorded: the arm without them
+    drive_gains : list, N m/A of every joint, for recordings of motor currents
     threads : int; 0: one per core
     progress : callable(what, share), called now and then
 """
@@ -50,6 +64,9 @@ _FIT = """
     weights : "range" or "residual": how joints are weighted
     condition : "pseudo-inertia" or "principal-moments"
     signs : "physical" or "any", of friction, inertia and stiffness
+    friction : "auto", "plain" or "file": plain identifies viscous and Coulomb friction, an offset
+        and, where it can be told, the rotor inertia of every joint; auto does so for a maker's
+        file (URDF) without friction
     prior : Model or its file, to stay close to
     known_mass : "KG@FRAME" or "KG@FRAME=REC,REC", or a list, to find drive gains with
     test_rows : (first, end) of the held-out recordings
@@ -75,7 +92,7 @@ def read_model(robot: Any, *, constants: Optional[Mapping[str, float]] = None) -
 
 
 @_documented
-def read_recording(path: Any, **options: Any) -> Recording:
+def read_recording(path: Any, **options: Unpack[RecordingOptions]) -> Recording:
     """Reads a whole recording into memory: CSV, ROS bags, MCAP, .npz, .mat, HDF5.
 
     robot : Model, or the name of its file: its joints are looked for by name, in its order
@@ -92,7 +109,7 @@ def read_recording(path: Any, **options: Any) -> Recording:
 
 
 @_documented
-def check(recordings: Any, **options: Any) -> Quality:
+def check(recordings: Any, **options: Unpack[RecordingOptions]) -> Quality:
     """Quality of recordings: rate, stale rows, gaps, jumps, saturation, units.
 
     With `robot` also whether they fit it: wrong signs of torque, swapped joints, degrees, currents.
@@ -103,7 +120,7 @@ def check(recordings: Any, **options: Any) -> Quality:
 
 @_documented
 def identify(
-    model: Any, train: Any = None, test: Any = None, *, factors: Any = None, **options: Any
+    model: Any, train: Any = None, test: Any = None, *, factors: Any = None, **options: Unpack[FitOptions]
 ) -> Identification:
     """Identifies an arm from training recordings and validates it on test recordings.
 
@@ -129,7 +146,7 @@ def identify(
 
 
 @_documented
-def compress(model: Any, recordings: Any, **options: Any) -> bytes:
+def compress(model: Any, recordings: Any, **options: Unpack[PreprocessingOptions]) -> bytes:
     """Recordings as square-root factors: all that identify() needs of them, and not one sample.
 
     model : Model, or the name of its file; recordings : as identify()
@@ -150,7 +167,7 @@ def merge(factors: Sequence[bytes]) -> bytes:
 
 
 @_documented
-def evaluate(model: Any, train: Any, test: Any = None, **options: Any) -> Identification:
+def evaluate(model: Any, train: Any, test: Any = None, **options: Unpack[FitOptions]) -> Identification:
     """What a model with values predicts of recordings; nothing is fitted.
 
     Arguments and result as identify():
@@ -160,13 +177,14 @@ def evaluate(model: Any, train: Any, test: Any = None, **options: Any) -> Identi
 
 
 @_documented
-def diagnose(model: Any, train: Any, test: Any, **options: Any) -> Diagnosis:
+def diagnose(model: Any, train: Any, test: Any, **options: Unpack[DiagnosisOptions]) -> Diagnosis:
     """Names the physical causes that the recordings accept beyond the robot's own model.
 
     An arm without values is identified first; of a MODEL the findings say what changed since.
 
     effects : list of names to ask about; all where it is not given
     max_effects : int, findings at most (20)
+    values : "facts" (what changed since?) or "prior" (identified first, as a URDF is)
 {fit}
 {preprocessing}
 
@@ -177,7 +195,7 @@ def diagnose(model: Any, train: Any, test: Any, **options: Any) -> Diagnosis:
 
 @_documented
 def find_payload(
-    model: Any, recordings: Any, *, link: Optional[str] = None, **options: Any
+    model: Any, recordings: Any, *, link: Optional[str] = None, **options: Unpack[FitOptions]
 ) -> Payload:
     """Mass, centre and inertia of an added load, for every link that might carry it.
 
@@ -189,6 +207,40 @@ def find_payload(
     return Payload(_veridyn.find_payload(model, recordings, link or "", options))
 
 
+def watch(
+    model: Any, rows: Any, *, learn_from: Any = None, block: int = 200, **options: Unpack[WatchOptions]
+) -> Iterator[dict]:
+    """Follows an arm against its MODEL and yields what changed as soon as it is sure.
+
+    model : a MODEL with values
+    rows : a Recording, a path or a pandas frame, or an iterable of them as they come in
+    learn_from : quiet recordings of the same arm, to learn its noise from beforehand
+    block : rows that are looked at together
+    learn : float, s, of the quiet beginning in which noise is learned (4)
+    false_alarms : alarms per hour that a quiet arm may give (1)
+    links : names of frames that may take up a load
+
+    Yields dictionaries with the keys of `veridyn watch --json-lines`: event, time, since, cause,
+    value, sentence.
+    """
+    native = _veridyn.watch(model, options)
+
+    def whole(given: Any) -> Recording:
+        return given if isinstance(given, _veridyn.NativeRecording) else Recording(given)
+
+    single = isinstance(rows, (str, os.PathLike, _veridyn.NativeRecording)) or hasattr(rows, "columns")
+    quiet = [] if learn_from is None else learn_from
+    for one in quiet if isinstance(quiet, (list, tuple)) else [quiet]:
+        native.learn(whole(one))
+    for piece in [rows] if single else rows:
+        recording = whole(piece)
+        for first in range(0, recording.rows, block):
+            for line in native.add(recording.part(first, first + block)):
+                yield json.loads(line)
+    for line in native.finish():
+        yield json.loads(line)
+
+
 def compare(before: Any, after: Any, *, significance: float = 0.05) -> Comparison:
     """What differs between two models of one arm, with statistics.
 
@@ -198,12 +250,13 @@ def compare(before: Any, after: Any, *, significance: float = 0.05) -> Compariso
     return Comparison(_veridyn.compare(before, after, significance))
 
 
-def excite(robot: Any, **options: Any) -> Excitation:
+def excite(robot: Any, **options: Unpack[ExcitationOptions]) -> Excitation:
     """A motion that starts and stops at rest and tells the parameters apart.
 
     frequency : float, Hz, of the slowest wave (0.13);  harmonics : int (5)
     duration : float, s (30);  rate : float, Hz (200);  slow_passes : int (0)
-    criterion : "condition", "d-optimal", "a-optimal" or "discriminate"
+    criterion : "d-optimal", "condition" (the thesis's), "a-optimal" or "discriminate"
+    friction : "auto", "plain" or "file", as identify()
     between : ("EFFECT:JOINT", "EFFECT:JOINT"), the two causes to tell apart
     essential, starts, iterations, limit_share, seed, threads : as the options of `veridyn excite`
     model : the arm with values, whose efforts limit the torques
@@ -214,7 +267,7 @@ def excite(robot: Any, **options: Any) -> Excitation:
     return Excitation(_veridyn.excite(robot, options), "veridyn.excite(...)")
 
 
-def simulate(robot: Any, motion: Any, **options: Any) -> Simulation:
+def simulate(robot: Any, motion: Any, **options: Unpack[SimulationOptions]) -> Simulation:
     """A recording of an arm along a motion, with hidden effects.
 
     motion : Excitation, Recording, path or pandas frame with q (and dq, ddq where known)

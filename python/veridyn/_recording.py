@@ -13,8 +13,17 @@ from . import _veridyn
 _SIGNALS = {"q": "q", "dq": "dq", "ddq": "ddq", "tau": "tau", "i": "current"}
 
 
+_TIME_COLUMNS = ("t", "time", "timestamp", "seconds", "__time")  # [s], as in CSV files
+
+
+def _RangeIndex() -> Any:
+    import pandas
+
+    return pandas.RangeIndex
+
+
 def _signals_of_frame(frame: Any) -> dict:
-    """Columns t, q1..qn, dq1.., ddq1.., tau1.., i1.. of a pandas frame; without t the index is time."""
+    """Columns t (or time), q1..qn, dq1.., ddq1.., tau1.., i1.. of a pandas frame; else the index is time."""
     columns: dict = {}
     for name in frame.columns:
         match = re.fullmatch(r"(q|dq|ddq|tau|i)([1-9][0-9]*)", str(name))
@@ -36,13 +45,19 @@ def _signals_of_frame(frame: Any) -> dict:
             )
         ordered = [own[k] for k in range(1, joints + 1)]
         out[_SIGNALS[signal]] = frame[ordered].to_numpy(dtype=float, na_value=np.nan)
-    if "t" in frame.columns:
-        out["time"] = frame["t"].to_numpy(dtype=float)
+    named = [name for name in _TIME_COLUMNS if name in frame.columns]
+    if named:
+        out["time"] = frame[named[0]].to_numpy(dtype=float)
     else:
         index = frame.index
         seconds = index.total_seconds() if hasattr(index, "total_seconds") else index
         if getattr(index, "dtype", None) is not None and index.dtype.kind == "M":
             seconds = (index - index[0]).total_seconds()
+        elif isinstance(index, _RangeIndex()):
+            raise _veridyn.InvalidInput(
+                "Recording: the frame has no time, only row numbers; expected a column t (or "
+                f"{', '.join(_TIME_COLUMNS[1:])}) in seconds, or an index of seconds or dates."
+            )
         out["time"] = np.asarray(seconds, dtype=float)
     return out
 
@@ -55,8 +70,8 @@ class Recording(_veridyn.NativeRecording):
     Recording(path, **options)
         from a file, as read_recording(path, **options).
     Recording(frame)
-        from a pandas frame with the columns t, q1..qn, dq1.., ddq1.., tau1.., i1..; without a
-        column t its index is the time (seconds, timedelta or datetime).
+        from a pandas frame with the columns t (or time), q1..qn, dq1.., ddq1.., tau1.., i1..;
+        without a column of time its index is the time (seconds, timedelta or datetime).
 
     Raises InvalidInput where sizes do not fit or time does not rise.
     """
@@ -113,6 +128,15 @@ class Recording(_veridyn.NativeRecording):
             if values is not None:
                 data.update({f"{short}{k + 1}": values[:, k] for k in range(values.shape[1])})
         return pandas.DataFrame(data)
+
+    def part(self, first: int, end: int) -> Recording:
+        """Rows `first` to `end`, the last one excluded."""
+
+        def cut(signal: Any) -> Any:
+            return None if signal is None else signal[first:end]
+
+        arrays = (self.time, self.q, self.dq, self.ddq, self.tau, self.current)
+        return Recording(*(cut(a) for a in arrays), self.source)  # type: ignore[arg-type]
 
     def __len__(self) -> int:
         return self.rows

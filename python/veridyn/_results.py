@@ -19,6 +19,31 @@ def _in_a_frame(page: str, height: int) -> str:
     )
 
 
+class _Stored:
+    """What of a result survives a pickle: its text, its page, its model."""
+
+    def __init__(self, report: str, page: str, model: Any) -> None:
+        self._report, self._page, self.model = report, page, model
+
+    def report(self) -> str:
+        return self._report
+
+    def page(self, call: str = "") -> str:
+        return self._page
+
+    def save(self, path: Any, command: str) -> None:
+        if self.model is None:
+            raise _veridyn.InvalidInput(f"{path}: there is no model to save.")
+        self.model.save(os.fspath(path))
+
+
+def _restored(kind: Any, keys: dict, stored: _Stored, call: str) -> Any:
+    result = kind.__new__(kind)
+    dict.__init__(result, keys)
+    result._native, result._call = stored, call
+    return result
+
+
 class Result(dict):
     """A dictionary with the keys of the command's `--json`, and `report()` as text.
 
@@ -53,7 +78,8 @@ class Result(dict):
         return _in_a_frame(page, 700) if page.lstrip().lower().startswith("<!doctype") else page
 
     def __reduce__(self) -> Any:
-        return dict, (dict(self),)
+        stored = _Stored(self.report(), self.page(), getattr(self, "model", None))
+        return _restored, (type(self), dict(self), stored, self._call)
 
 
 class _WithModel(Result):
@@ -70,8 +96,40 @@ class _WithModel(Result):
         self._native.save(os.fspath(path), self["command"])
 
 
+def _axes(rows: int, title: str) -> Any:
+    from matplotlib import pyplot
+
+    figure, axes = pyplot.subplots(rows, 1, sharex=True, squeeze=False, figsize=(9, 1.8 * rows))
+    figure.suptitle(title)
+    return figure, axes[:, 0]
+
+
 class Identification(_WithModel):
     """What identify() found, or what evaluate() measured."""
+
+    @property
+    def verdict(self) -> str:
+        """Which joints are good, which are not, and what to do next."""
+        return self["verdict"]["sentence"]
+
+    @property
+    def error_percent(self) -> list:
+        """Relative error of each joint in percent, on held-out recordings where there are any."""
+        return [joint["error_percent"] for joint in self["verdict"]["joints"]]
+
+    def plot(self, recording: int = 0) -> Any:
+        """Measured and modelled torques of one recording as a matplotlib figure; held-out ones first."""
+        series = self._native.series(recording)
+        figure, axes = _axes(len(series["joints"]), series["source"])
+        for axis, name, measured, modelled in zip(
+            axes, series["joints"], series["measured"], series["modelled"]
+        ):
+            axis.plot(series["time"], measured, label="measured")
+            axis.plot(series["time"], modelled, label="model")
+            axis.set_ylabel(name)
+        axes[0].legend(loc="upper right")
+        axes[-1].set_xlabel("time [s]")
+        return figure
 
 
 class Diagnosis(_WithModel):
@@ -117,6 +175,16 @@ class Excitation(Result):
     def motion(self) -> Recording:
         """time (N), q, dq, ddq (N, n) from rest to rest."""
         return Recording(self._native.motion)
+
+    def plot(self) -> Any:
+        """Positions against time as a matplotlib figure."""
+        motion = self.motion
+        figure, axes = _axes(motion.joints, f"{self['robot']}: {self['criterion']}")
+        for axis, joint, q in zip(axes, self["joints"], motion.q.T):
+            axis.plot(motion.time, q)
+            axis.set_ylabel(f"{joint['name']} [{joint['unit']}]")
+        axes[-1].set_xlabel("time [s]")
+        return figure
 
     def save(self, path: Any) -> None:
         """Writes the motion as CSV: t, q, dq, ddq."""

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "axis_results.hpp"
+#include "deviations.hpp"
 #include "hinges.hpp"
 
 namespace veridyn {
@@ -14,8 +15,6 @@ namespace {
 using internal::HingeBundle;
 using internal::HingeTree;
 using internal::RigidBody;
-
-constexpr double kDegree = M_PI / 180.0;
 
 void describe_bodies(const std::vector<RigidBody>& bodies, AxesCalibration& out) {
   for (const RigidBody& b : bodies) {

@@ -13,7 +13,6 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kDegree = M_PI / 180.0;
 constexpr double kStep = 1e-6;                // [rad], [m] of the differences
 constexpr double kSamePlace = 0.5 * kDegree;  // within which the joints above rest
 constexpr double kSweepShare = 0.5;           // share of a joint's range that it makes while they rest

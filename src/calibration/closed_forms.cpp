@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "math/dense.hpp"
+
 namespace veridyn::internal {
 
 using Eigen::Isometry3d;
@@ -112,43 +114,6 @@ RotationSpread rotation_spread(const Isometries& poses) {
   return {eigen.eigenvalues().cwiseMax(0.0), eigen.eigenvectors(), mean};
 }
 
-Ball fitted_ball(const MatrixRef& points) {
-  // |x|^2 = 2 c'x + (r^2 - |c|^2), about the mean of the points for the sake of rounding.
-  const VectorXd mean = points.rowwise().mean();
-  const MatrixXd x = points.colwise() - mean;
-  MatrixXd A(x.cols(), x.rows() + 1);
-  A << 2.0 * x.transpose(), VectorXd::Ones(x.cols());
-  const VectorXd b = x.colwise().squaredNorm().transpose();
-  const VectorXd u = A.colPivHouseholderQr().solve(b);
-  const VectorXd centre = u.head(x.rows());
-  return {centre + mean, std::sqrt(std::max(0.0, u[x.rows()] + centre.squaredNorm()))};
-}
-
-Line axis_of_paths(const std::vector<MatrixXd>& paths) {
-  Matrix3d A = Matrix3d::Zero();
-  for (const MatrixXd& path : paths) {
-    const MatrixXd centred = path.colwise() - VectorXd(path.rowwise().mean());
-    A += centred * centred.transpose() / static_cast<double>(path.cols());
-  }
-  const Eigen::SelfAdjointEigenSolver<Matrix3d> eigen(A);
-  Line line;
-  line.direction = eigen.eigenvectors().col(0);
-  // In the plane across the axis: |u|^2 = 2 c'u + k_p, with one centre c for all paths.
-  const Eigen::Matrix<double, 3, 2> plane = eigen.eigenvectors().rightCols<2>();
-  const Vector3d origin = paths.front().rowwise().mean();
-  Eigen::Matrix2d N = Eigen::Matrix2d::Zero();
-  Eigen::Vector2d g = Eigen::Vector2d::Zero();
-  for (const MatrixXd& path : paths) {
-    const MatrixXd u = plane.transpose() * (path.colwise() - origin);
-    const MatrixXd du = u.colwise() - VectorXd(u.rowwise().mean());
-    const VectorXd s = u.colwise().squaredNorm().transpose();
-    N += 2.0 * du * du.transpose();
-    g += du * (s.array() - s.mean()).matrix();
-  }
-  line.point = origin + plane * N.ldlt().solve(g);
-  return line;
-}
-
 CommonAxis common_axis(const Isometries& T_a_b) {
   const RotationSpread spread = rotation_spread(T_a_b);
   CommonAxis axis;
@@ -166,7 +131,7 @@ CommonAxis common_axis(const Isometries& T_a_b) {
     N += D.transpose() * D;
     g -= D.transpose() * (T.translation() - mean_p);
   }
-  axis.in_b.point = across * N.ldlt().solve(g);
+  axis.in_b.point = across * symmetric_solution(N, g);
   axis.in_a.point = spread.mean * axis.in_b.point + mean_p;
   measure(T_a_b, axis);
   return axis;
@@ -200,7 +165,7 @@ HandAndWorld hand_and_world(const Isometries& A, const Isometries& B) {
     N.block<3, 3>(row, 3) = -Matrix3d::Identity();
     b.segment<3>(row) = out.Y.linear() * B[k].translation() - A[k].translation();
   }
-  const VectorXd t = N.colPivHouseholderQr().solve(b);
+  const VectorXd t = least_squares_solution(N, b);
   out.X.translation() = t.head<3>();
   out.Y.translation() = t.tail<3>();
   return out;
@@ -219,7 +184,7 @@ Isometry3d hand_eye(const Isometries& A, const Isometries& B) {
     N.middleRows<3>(row) = A[k].linear() - Matrix3d::Identity();
     b.segment<3>(row) = X.linear() * B[k].translation() - A[k].translation();
   }
-  X.translation() = N.colPivHouseholderQr().solve(b);
+  X.translation() = least_squares_solution(N, b);
   return X;
 }
 

@@ -44,24 +44,11 @@ struct RotationSpread {
 };
 RotationSpread rotation_spread(const Isometries& poses);
 
-/// Centre and radius of a circle (2 x points) or sphere (3 x points) by linear least squares on the
-/// squared distances, thesis (A.6). Source: Gander, Golub and Strebel, BIT 34, 1994.
-struct Ball {
-  VectorXd centre;
-  double radius = 0.0;
-};
-Ball fitted_ball(const MatrixRef& points);
-
 /// A line in space; the direction has length one.
 struct Line {
   Eigen::Vector3d direction{0, 0, 1};
   Eigen::Vector3d point{0, 0, 0};
 };
-
-/// The axis about which markers turn, from their paths alone, thesis (A.1) to (A.7): the direction
-/// that every path is perpendicular to, and the centre that is common to their circles.
-/// @param paths  one per marker, (3 x frames).
-Line axis_of_paths(const std::vector<MatrixXd>& paths);
 
 /// The axis that is common to two bodies from T_a_b, written in a and in b. What it leaves over is
 /// without the largest twentieth.

@@ -4,6 +4,10 @@
 
 #include "veridyn/math/types.hpp"
 
+namespace veridyn {
+constexpr double kDegree = 0.017453292519943295;  ///< [rad]
+}
+
 namespace veridyn::internal {
 
 /// Standard deviation of normal values, from the median of their sizes: outliers do not count.

@@ -14,7 +14,6 @@ namespace {
 
 using internal::PairFit;
 
-constexpr double kDegree = M_PI / 180.0;
 constexpr double kAsGood = 1.5;       // a form whose noise is no more than this times the least fits
 constexpr double kSixDigits = 2e-6;    // [m], [rad] what files with six digits leave over
 constexpr double kCloseFit = 0.005;   // [m] what cannot be compared with another form must fit so well

@@ -21,7 +21,6 @@ constexpr double kLeastNoise = 1e-9;  // [m], [rad] noise is never taken for les
 constexpr double kHuber = 2.5;        // standard deviations, of a residual of three components
 constexpr double kOutlier = 5.0;      // standard deviations beyond which a pair does not count
 constexpr int kRounds = 4;            // fits, each with the noise that the one before showed
-constexpr double kDegree = M_PI / 180.0;
 constexpr double kNarrow = 0.01;  // breadth per length below which points are on a line
 
 class PairProblem {

@@ -14,7 +14,6 @@
 namespace veridyn::internal {
 namespace {
 
-constexpr double kDegree = M_PI / 180.0;
 constexpr double kDeviations = 4.0;          // multiple of the noise that a hinge may leave over
 constexpr double kLooseTurn = 0.5 * kDegree; // beside the noise: a real hinge has some play
 constexpr double kLoosePlay = 0.001;         // [m] likewise

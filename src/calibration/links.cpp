@@ -383,6 +383,7 @@ LinksCalibration calibrate_links(const Model& arm, const PoseCapture& poses,
   out.outliers = static_cast<int>(
       std::count(a.data.is_outlier.begin(), a.data.is_outlier.end(), 1));
   for (const Eigen::Isometry3d& T : poses.poses) out.positions.emplace_back(T.translation());
+  out.joints = poses.q;
   out.model = a.parameters->applied(x);
   out.status = CalibrationStatus::kDone;
   out.seconds =

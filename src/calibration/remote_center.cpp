@@ -8,6 +8,7 @@
 
 #include "closed_forms.hpp"
 #include "deviations.hpp"
+#include "math/dense.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn {
@@ -21,7 +22,6 @@ using Normal = Eigen::Matrix<double, 6, 6>;
 constexpr int kIterations = 12;
 constexpr double kHuber = 2.0;          // standard deviations of a frame's residual
 constexpr double kLeastNoise = 1e-9;    // [m], [rad] noise is never taken for less
-constexpr double kDegree = M_PI / 180.0;
 
 class PivotFit {
  public:
@@ -68,7 +68,7 @@ class PivotFit {
       normal_ += J.transpose() * W * J;
       g += J.transpose() * W * poses_[k].translation();
     }
-    const Eigen::Matrix<double, 6, 1> x = normal_.ldlt().solve(g);
+    const Eigen::Matrix<double, 6, 1> x = symmetric_solution(normal_, g);
     out_.rcm = x.head<3>();
     out_.tip = x.tail<3>();
   }

@@ -1,6 +1,8 @@
+#include <algorithm>
 #include <exception>
 #include <iostream>
 #include <string>
+#include <vector>
 
 #include "cli/commands.hpp"
 #include "cli/options/messages.hpp"
@@ -31,13 +33,21 @@ ExitStatus run(int argc, char** argv) {
   add_simulate_command(tool, outcome);
   add_cooperate_command(tool, outcome);
   add_kinematics_command(tool, outcome);
+  add_page_command(tool, outcome);
   add_loadcell_command(tool, outcome);
   add_stability_command(tool, outcome);
   add_dvrk_command(tool, outcome);
   add_watch_command(tool, outcome);
   expect_sound_arguments(tool);
+  // `veridyn help COMMAND` as `veridyn COMMAND --help`; CLI11 takes its words from the last.
+  std::vector<std::string> words(argv + 1, argv + argc);
+  if (!words.empty() && words.front() == "help") {
+    words.erase(words.begin());
+    words.emplace_back("--help");
+  }
+  std::reverse(words.begin(), words.end());
   try {
-    tool.parse(argc, argv);
+    tool.parse(words);
     return outcome.status;
   } catch (const CLI::Success& help_or_version) {
     tool.exit(help_or_version);

@@ -300,8 +300,8 @@ void SafetySupervisor::act(const ArmState& arm, const VectorXd& tau, double dt) 
   // A motor may brake with all that it has, but it shall not press with it.
   const bool presses = action_ == SafetyAction::kHold && rests(arm);
   for (Eigen::Index i = 0; i < out_.size(); ++i) {
-    if (presses)
-      saturated_[i] = std::abs(out_[i]) > limits_.torque[i] ? saturated_[i] + std::max(0.0, dt) : 0.0;
+    const bool strains = presses && std::abs(out_[i]) > limits_.torque[i];
+    if (action_ == SafetyAction::kHold) saturated_[i] = strains ? saturated_[i] + std::max(0.0, dt) : 0.0;
     out_[i] =
         std::isfinite(out_[i]) ? std::clamp(out_[i], -limits_.torque[i], limits_.torque[i]) : 0.0;
   }

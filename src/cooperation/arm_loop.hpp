@@ -55,7 +55,6 @@ class ArmLoop {
   /// rests, and keeps the place where it then is. Call it every cycle before torque().
   /// @param force  as torque() takes it.
   void hold_within(double bound, const Eigen::Vector3d& force) noexcept;
-  bool yields() const { return yielding_; }
   /// What the observer of model errors adds, (n) [N m], [N].
   const VectorXd& extra_torque() const { return model_error_.torque(); }
 

@@ -176,9 +176,7 @@ std::string ScenarioRun::report() const {
   return out;
 }
 
-void write_scenario_rows(const ScenarioRun& run, const std::string& path) {
-  OutputFile file(path);
-  std::ostream& out = file.stream();
+std::string scenario_row_names(const ScenarioRun& run) {
   std::string head = "t";
   for (const char* signal : {"q", "dq", "tau"}) {
     int number = 0;
@@ -193,25 +191,32 @@ void write_scenario_rows(const ScenarioRun& run, const std::string& path) {
   }
   for (const std::string& m : run.members)
     head += fmt::format(",wanted_{0},force_{0},measured_{0},x_f_{0}", m);
-  out << head << '\n';
-  for (Eigen::Index k = 0; k < run.time.size(); ++k) {
-    std::string row = fmt::format("{:.9g}", run.time[k]);
-    const auto add = [&](const auto& values) {
-      for (Eigen::Index i = 0; i < values.size(); ++i) row += fmt::format(",{:.10g}", values[i]);
-    };
-    for (const ArmTrace& arm : run.arm) add(arm.q.row(k));
-    for (const ArmTrace& arm : run.arm) add(arm.dq.row(k));
-    for (const ArmTrace& arm : run.arm) add(arm.tau.row(k));
-    for (const ArmTrace& arm : run.arm) {
-      add(arm.tip.row(k));
-      add(arm.motion.row(k));
-      add(arm.target.row(k));
-    }
-    for (const MemberTrace& m : run.member)
-      row += fmt::format(",{:.8g},{:.8g},{:.8g},{:.8g}", m.wanted[k], m.force[k], m.measured[k],
-                         m.x_f[k]);
-    out << row << '\n';
+  return head;
+}
+
+std::string scenario_row(const ScenarioRun& run, Eigen::Index k) {
+  std::string row = fmt::format("{:.9g}", run.time[k]);
+  const auto add = [&](const auto& values) {
+    for (Eigen::Index i = 0; i < values.size(); ++i) row += fmt::format(",{:.10g}", values[i]);
+  };
+  for (const ArmTrace& arm : run.arm) add(arm.q.row(k));
+  for (const ArmTrace& arm : run.arm) add(arm.dq.row(k));
+  for (const ArmTrace& arm : run.arm) add(arm.tau.row(k));
+  for (const ArmTrace& arm : run.arm) {
+    add(arm.tip.row(k));
+    add(arm.motion.row(k));
+    add(arm.target.row(k));
   }
+  for (const MemberTrace& m : run.member)
+    row += fmt::format(",{:.8g},{:.8g},{:.8g},{:.8g}", m.wanted[k], m.force[k], m.measured[k],
+                       m.x_f[k]);
+  return row;
+}
+
+void write_scenario_rows(const ScenarioRun& run, const std::string& path) {
+  OutputFile file(path);
+  file.stream() << scenario_row_names(run) << '\n';
+  for (Eigen::Index k = 0; k < run.time.size(); ++k) file.stream() << scenario_row(run, k) << '\n';
   file.commit();
 }
 

@@ -11,8 +11,15 @@
 namespace veridyn {
 namespace {
 
-bool are_facts(const Model& arm, const DiagnosisOptions& options) {
-  return options.values == RobotValues::kFacts && has_all_values(arm);
+bool are_facts(const Model& arm) {
+  return arm.description().values == RobotValues::kFacts && has_all_values(arm);
+}
+
+// The arm of a robot file, whose values are what the caller says.
+Model robot_of(const Model& file, const DiagnosisOptions& options) {
+  ModelDescription d = file.description();
+  d.values = options.values.value_or(d.values);
+  return Model(std::move(d));
 }
 
 // Says which stage runs.
@@ -53,6 +60,7 @@ void run_stages(Investigation& x, const Tell& tell) {
   tell("accounting for what is left over");
   account_for_errors(x);
   summarize(x.d, x.options.thresholds);
+  if (!x.d.friction_remark.empty()) x.d.friction = plain_friction_of(*x.d.extended.model);
 }
 
 }  // namespace
@@ -61,11 +69,11 @@ Diagnosis diagnose(const Model& arm, const Recordings& train, const Recordings& 
                    const DiagnosisOptions& options) {
   const auto begin = std::chrono::steady_clock::now();
   const NamedRecordings<IdentificationOptions> named(train, test, options.identification);
-  Investigation x{arm, named.train, named.test, options, {}, {}, 0, {}, {}, {}};
+  Investigation x{robot_of(arm, options), named.train, named.test, options, {}, {}, 0, {}, {}, {}};
   x.options.identification = named.how;
   keep_recordings(x.options.identification, KeptRecordings::kManyQuestions);
   for (std::string& one : x.options.effects) one = asked_cause(arm, one);
-  x.d.changes = are_facts(arm, options);
+  x.d.changes = are_facts(x.arm);
   x.d.provisional = named.train.size() == 1;
   x.d.summary.held_out_untouched = options.extended == ExtendedModel::kAllFindings;
   Thresholds& limits = x.options.thresholds;

@@ -135,6 +135,22 @@ std::string worse_words(const Diagnosis& d, int joint) {
                      kPercent * d.extended.test_error.relative[i]);
 }
 
+// What every joint has and the file does not: one line for each joint.
+std::string friction_table(const Diagnosis& d) {
+  std::string out = "\nfriction, offset and rotor inertia that were found, +- standard deviation\n";
+  int joint = -1;
+  for (const JointNumber& n : d.friction) {
+    if (n.joint != joint)
+      out += fmt::format("{}  {:<22}", joint < 0 ? "" : "\n",
+                         d.extended.model->coordinates()[static_cast<size_t>(n.joint)].name);
+    joint = n.joint;
+    const std::string spread =
+        std::isfinite(n.deviation) ? fmt::format(" +- {:.1g}", n.deviation) : std::string();
+    out += fmt::format(" {} {:.4g}{} {};", n.effect, n.value, spread, n.unit);
+  }
+  return out + "\n";
+}
+
 }  // namespace
 
 std::string Diagnosis::sentence(const Finding& finding) const {
@@ -197,6 +213,7 @@ std::string Diagnosis::report(const std::string& next_command) const {
         out += fmt::format("recording {}: {}\n", r.source, filled_text(r.filled, r.rows));
     }
   }
+  if (!friction_remark.empty()) out += friction_remark + " Found: table below.\n";
   if (provisional) out += "one recording to learn from: names are provisional\n";
   out += findings.empty() ? "\nverdict: " + verdict() + "\n"
          : changes        ? "\nwhat changed since the model was made:\n"
@@ -241,6 +258,7 @@ std::string Diagnosis::report(const std::string& next_command) const {
   line("noise floor", baseline.noise_floor);
   out += "\nwhat the held-out error of each joint is made of, % of its torque\n";
   for (const JointVerdict& v : joints) out += joint_text(*this, v);
+  if (!friction.empty()) out += friction_table(*this);
   if (!next_experiment.between.empty()) {
     out += fmt::format("next experiment, to separate {} from {}",
                        next_experiment.words(*baseline.model, 0),

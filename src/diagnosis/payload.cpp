@@ -61,8 +61,11 @@ PayloadReport find_payload(const Model& model, const Recordings& loaded,
   PayloadReport out;
   out.smallest_gain = limits.smallest_change;
   out.robot = model.name();
-  require(has_all_values(model), "payload: robot '", model.name(),
-          "' has no values; expected a MODEL that identify or diagnose wrote.");
+  require(has_all_values(model), "payload: robot '", model.name(), "' has ",
+          model.inertial_values() ? "bodies with values and effects without: its friction is to be "
+                                    "identified first"
+                                  : "no values",
+          "; expected a MODEL that identify or diagnose wrote.");
   const NamedRecordings<IdentificationOptions> named(loaded, {}, given);
   const std::vector<std::string>& recordings = named.train;
   const IdentificationOptions& options = named.how;

@@ -1,8 +1,7 @@
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 
+#include "math/digits.hpp"
 #include "veridyn/effects/effect.hpp"
 #include "veridyn/math/require.hpp"
 #include "model/suggestion.hpp"
@@ -25,7 +24,7 @@ std::string constants_text(const Model& arm, const EffectTerm& term,
                            const std::vector<EffectShape>& shapes) {
   const auto given = [](const EffectTerm& of, const std::string& key) {
     const auto it = of.values.find(key);
-    return it == of.values.end() ? std::string() : fmt::format("{:.4g}", it->second);
+    return it == of.values.end() ? std::string() : digits(it->second, 4);
   };
   std::string out;
   for (const EffectShape& shape : shapes) {
@@ -71,11 +70,11 @@ std::string axis_text(const Model& arm, const Axis& axis) {
     if (c == 0.0) continue;
     if (!out.empty()) out += c < 0.0 ? " - " : " + ";
     if (out.empty() && c < 0.0) out += "-";
-    if (std::abs(c) != 1.0) out += fmt::format("{:.6g} ", std::abs(c));
+    if (std::abs(c) != 1.0) out += digits(std::abs(c), 6) + " ";
     out += arm.coordinates()[i].name;
   }
   if (axis.offset != 0.0)
-    out += fmt::format(" {} {:.6g}", axis.offset < 0.0 ? "-" : "+", std::abs(axis.offset));
+    out += (axis.offset < 0.0 ? " - " : " + ") + digits(std::abs(axis.offset), 6);
   return out.empty() ? "0" : out;
 }
 
@@ -125,8 +124,7 @@ const std::string& BoundEffect::unit(int p) const {
 }
 
 std::string BoundEffect::parameter_name(int p) const {
-  return fmt::format("{}({}).{}", effect_->name(), label_,
-                     parameters_[static_cast<size_t>(p)].name);
+  return effect_->name() + "(" + label_ + ")." + parameters_[static_cast<size_t>(p)].name;
 }
 
 std::string BoundEffect::phrase(const std::vector<double>& values) const {

@@ -1,7 +1,6 @@
-#include <fmt/format.h>
-
 #include <cmath>
 
+#include "math/digits.hpp"
 #include "registry.hpp"
 
 namespace veridyn {
@@ -47,9 +46,9 @@ class EncoderOffset final : public SensorError {
   }
   std::string phrase(const std::vector<double>& values, const ShapeValues& /*shape*/,
                      JointType type) const override {
-    return fmt::format("a recorded position that is {:.3g} {} too {}", 1e3 * std::abs(values[0]),
-                       type == JointType::kPrismatic ? "mm" : "mrad",
-                       values[0] > 0.0 ? "large" : "small");
+    return "a recorded position that is " + digits(1e3 * std::abs(values[0]), 3) +
+           (type == JointType::kPrismatic ? " mm too " : " mrad too ") +
+           (values[0] > 0.0 ? "large" : "small");
   }
 };
 

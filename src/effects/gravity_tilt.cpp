@@ -1,9 +1,8 @@
-#include <fmt/format.h>
-
 #include <Eigen/Geometry>
 #include <cmath>
 #include <utility>
 
+#include "math/digits.hpp"
 #include "registry.hpp"
 
 namespace veridyn {
@@ -67,8 +66,8 @@ class GravityTilt final : public ArmEffect {
   }
   std::string phrase(const std::vector<double>& values, const ShapeValues& /*shape*/,
                      JointType /*type*/) const override {
-    return fmt::format("a base that leans by {:.3g} mrad about x and {:.3g} mrad about y",
-                       1e3 * values[0], 1e3 * values[1]);
+    return "a base that leans by " + digits(1e3 * values[0], 3) + " mrad about x and " +
+           digits(1e3 * values[1], 3) + " mrad about y";
   }
 };
 

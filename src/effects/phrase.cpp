@@ -1,9 +1,9 @@
 #include "phrase.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
+
+#include "math/digits.hpp"
 
 namespace veridyn {
 namespace {
@@ -11,9 +11,9 @@ namespace {
 constexpr double kSmall = 0.1;  // below it, thousandths
 
 std::string two_digits(double value) {
-  if (value == 0.0 || !std::isfinite(value)) return fmt::format("{}", value);
-  const int decimals = std::max(0, 1 - static_cast<int>(std::floor(std::log10(std::abs(value)))));
-  return fmt::format("{:.{}f}", value, decimals);
+  if (value == 0.0 || !std::isfinite(value)) return all_digits(value);
+  const int after_point = std::max(0, 1 - static_cast<int>(std::floor(std::log10(std::abs(value)))));
+  return decimals(value, after_point);
 }
 
 // A prefix before a power would read as part of what is raised to it: no "ms^2".

@@ -13,22 +13,35 @@ bool has_no_friction(const Model& arm) {
   });
 }
 
+namespace {
+
+void add_to(ModelDescription& d, const std::string& effect, int joint) {
+  const VectorXd axis = VectorXd::Unit(static_cast<Eigen::Index>(d.coordinates.size()), joint);
+  const bool known = std::any_of(d.effects.begin(), d.effects.end(), [&](const auto& term) {
+    return term.effect == effect && term.axis.coefficients == axis;
+  });
+  if (known) return;
+  EffectTerm term;
+  term.effect = effect;
+  term.axis = {axis, 0.0};
+  d.effects.push_back(std::move(term));
+}
+
+}  // namespace
+
 Model with_plain_friction(const Model& arm) {
   ModelDescription d = arm.description();
   for (int i = 0; i < arm.joints(); ++i) {
-    const VectorXd axis = VectorXd::Unit(arm.joints(), i);
     for (const AxisEffect* effect : axis_effects()) {
-      if (!effect->traits().elementary) continue;
-      const bool known = std::any_of(d.effects.begin(), d.effects.end(), [&](const auto& term) {
-        return term.effect == effect->name() && term.axis.coefficients == axis;
-      });
-      if (known) continue;
-      EffectTerm term;
-      term.effect = effect->name();
-      term.axis = {axis, 0.0};
-      d.effects.push_back(std::move(term));
+      if (effect->traits().elementary) add_to(d, effect->name(), i);
     }
   }
+  return Model(std::move(d));
+}
+
+Model with_effect_of_all_joints(const Model& arm, const std::string& effect) {
+  ModelDescription d = arm.description();
+  for (int i = 0; i < arm.joints(); ++i) add_to(d, effect, i);
   return Model(std::move(d));
 }
 

@@ -116,6 +116,12 @@ void check(const Effect& effect) {
 
 }  // namespace
 
+const std::vector<std::string>& effect_keys() {
+  static const std::vector<std::string> keys{"effect",      "axis",  "offset", "from",
+                                             "from_offset", "frame", "values", "std"};
+  return keys;
+}
+
 const std::vector<const Effect*>& all_effects() {
   return Registry::instance().all();
 }

@@ -1,7 +1,6 @@
-#include <fmt/format.h>
-
 #include <cmath>
 
+#include "math/digits.hpp"
 #include "registry.hpp"
 #include "torque_channel.hpp"
 #include "math/zero_phase_filter.hpp"
@@ -32,8 +31,8 @@ class TimeDelay final : public TorqueChannel {
   }
   std::string phrase(const std::vector<double>& values, const ShapeValues& /*shape*/,
                      JointType /*type*/) const override {
-    return fmt::format("a recorded torque that comes {:.2g} ms too {}", 1e3 * std::abs(values[0]),
-                       values[0] > 0.0 ? "late" : "early");
+    return "a recorded torque that comes " + digits(1e3 * std::abs(values[0]), 2) + " ms too " +
+           (values[0] > 0.0 ? "late" : "early");
   }
   void change(RecordedChannel& shown, const std::vector<double>& values) const override {
     shown.torque_delay += values[0];

@@ -1,7 +1,6 @@
-#include <fmt/format.h>
-
 #include <cmath>
 
+#include "math/digits.hpp"
 #include "registry.hpp"
 #include "torque_channel.hpp"
 
@@ -33,8 +32,8 @@ class TorqueGain final : public TorqueChannel {
   }
   std::string phrase(const std::vector<double>& values, const ShapeValues& /*shape*/,
                      JointType /*type*/) const override {
-    return fmt::format("a recorded torque that is {:.2g} % too {}", 100.0 * std::abs(values[0]),
-                       values[0] > 0.0 ? "large" : "small");
+    return "a recorded torque that is " + digits(100.0 * std::abs(values[0]), 2) + " % too " +
+           (values[0] > 0.0 ? "large" : "small");
   }
   void change(RecordedChannel& shown, const std::vector<double>& values) const override {
     shown.torque_gain *= 1.0 + values[0];

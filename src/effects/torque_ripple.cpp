@@ -1,7 +1,6 @@
-#include <fmt/format.h>
-
 #include <cmath>
 
+#include "math/digits.hpp"
 #include "phrase.hpp"
 #include "registry.hpp"
 #include "effects/written_in_c.hpp"
@@ -49,7 +48,7 @@ class TorqueRipple final : public AxisEffect, public WrittenInC {
     const std::string ripple = "a ripple of " + effort_text(std::hypot(values[0], values[1]), type);
     if (type == JointType::kPrismatic)
       return ripple + ", one wave every " + quantity(2.0 * M_PI / shape[0], "m");
-    return fmt::format("{}, {:.5g} waves per turn", ripple, shape[0]);
+    return ripple + ", " + digits(shape[0], 5) + " waves per turn";
   }
 };
 

@@ -1,13 +1,13 @@
 #include "effects/written_in_c.hpp"
 
-#include <fmt/format.h>
+#include "math/digits.hpp"
 
 namespace veridyn {
 
 std::string c_number(double value) {
-  std::string digits = fmt::format("{}", value + 0.0);
-  if (digits.find_first_of(".en") == std::string::npos) digits += ".0";
-  return value < 0.0 ? "(" + digits + ")" : digits;
+  std::string number = all_digits(value + 0.0);
+  if (number.find_first_of(".en") == std::string::npos) number += ".0";
+  return value < 0.0 ? "(" + number + ")" : number;
 }
 
 }  // namespace veridyn

@@ -33,51 +33,27 @@ MatrixXd inverse_of(const MatrixXd& M) {
 
 }  // namespace
 
-RelativeDeviations::RelativeDeviations(const Model& arm, const BaseRegressor& regressor,
-                                       VectorXd share, std::vector<MatrixXd> given)
-    : beta_(regressor.combination() * standard_values(arm)),
-      share_(std::move(share)),
-      given_(std::move(given)) {
+VectorXd parameter_sizes(const Model& arm, const BaseRegressor& regressor) {
+  const VectorXd beta = regressor.combination() * standard_values(arm);
   const std::vector<MatrixXd> grams = regressor.columns()->joint_grams(random_states(arm, kStates));
   VectorXd square(arm.joints());
   for (Eigen::Index i = 0; i < square.size(); ++i)
-    square[i] = beta_.dot(grams[static_cast<size_t>(i)] * beta_) / kStates;
+    square[i] = beta.dot(grams[static_cast<size_t>(i)] * beta) / kStates;
   const double none = std::max(1e-300, kNoTorque2 * square.maxCoeff());
-  least_square_ = (std::pow(kLeastTorque, 2) * square).cwiseMax(none);
-  VectorXd by_one = VectorXd::Zero(beta_.size());  // squared torque of one unit, relative
+  VectorXd by_one = VectorXd::Zero(beta.size());  // squared torque of one unit, relative
   for (Eigen::Index i = 0; i < square.size(); ++i)
-    by_one += grams[static_cast<size_t>(i)].diagonal() / kStates / (square[i] + least_square_[i]);
-  size_ = beta_.cwiseAbs().cwiseMax(kFloorOfTorque *
-                                    by_one.cwiseMax(1e-300).cwiseSqrt().cwiseInverse());
+    by_one += grams[static_cast<size_t>(i)].diagonal() / kStates / std::max(square[i], none);
+  return beta.cwiseAbs().cwiseMax(kFloorOfTorque *
+                                  by_one.cwiseMax(1e-300).cwiseSqrt().cwiseInverse());
 }
 
-SmoothJointValue RelativeDeviations::operator()(const std::vector<MatrixXd>& grams) const {
-  const Eigen::Index count = beta_.size();
-  MatrixXd M = MatrixXd::Zero(count, count);
-  VectorXd weight(static_cast<Eigen::Index>(grams.size()));
-  for (size_t i = 0; i < grams.size(); ++i) {
-    const auto at = static_cast<Eigen::Index>(i);
-    weight[at] =
-        1.0 / (share_[at] * share_[at] * (beta_.dot(grams[i] * beta_) + least_square_[at]));
-    M += weight[at] * (grams[i] + given_[i]);
-  }
-  const MatrixXd P = inverse_of(M);
+SmoothValue smooth_a_optimality(const MatrixXd& gram, const VectorXd& size) {
+  const MatrixXd P = inverse_of(gram);
   const VectorXd deviation = P.diagonal().cwiseMax(1e-300).cwiseSqrt();
-  const double mean = deviation.cwiseQuotient(size_).mean();
-  SmoothJointValue out;
-  out.value = std::log(mean);
+  const double mean = deviation.cwiseQuotient(size).mean();
   const VectorXd by_variance =
-      (0.5 / (mean * static_cast<double>(count)) / (deviation.array() * size_.array())).matrix();
-  const MatrixXd by_M = -P * by_variance.asDiagonal() * P;
-  const MatrixXd square = beta_ * beta_.transpose();
-  for (size_t i = 0; i < grams.size(); ++i) {
-    const double w = weight[static_cast<Eigen::Index>(i)];
-    const double share = share_[static_cast<Eigen::Index>(i)];
-    const double through_noise =
-        by_M.cwiseProduct(grams[i] + given_[i]).sum() * w * w * share * share;
-    out.by_gram.push_back(w * by_M - through_noise * square);
-  }
-  return out;
+      (0.5 / (mean * static_cast<double>(size.size())) / (deviation.array() * size.array())).matrix();
+  return {std::log(mean), -P * by_variance.asDiagonal() * P};
 }
 
 }  // namespace veridyn

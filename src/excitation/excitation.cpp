@@ -13,14 +13,17 @@
 #include "excitation/search/motion_search.hpp"
 #include "slow_passes.hpp"
 #include "math/most_rows.hpp"
+#include "math/numbers.hpp"
 #include "math/parallel.hpp"
 #include "veridyn/regressor/base_parameters.hpp"
+#include "veridyn/regressor/standard_parameters.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn {
 namespace {
 
 constexpr double kUsualShare = 0.01;  // share of essential parameters, where nobody asks
+constexpr double kClose = 0.06;      // of a limit's size: a motion that comes closer is held by it
 constexpr int kRounds = 3;            // rounds of new base columns and descents, at most
 
 void check(const ExcitationOptions& o) {
@@ -35,8 +38,10 @@ void check(const ExcitationOptions& o) {
           2.0 * o.frequency * o.harmonics, " Hz, and at most 1e5 Hz.");
   require(o.starts >= 1 && o.iterations >= 1, "excitation: found ", o.starts, " starts of ",
           o.iterations, " iterations, expected at least one of each.");
-  require(o.limit_share > 0.0 && o.limit_share <= 1.0, "excitation: found a limit share of ",
-          o.limit_share, ", expected above 0 and at most 1.");
+  const double share = o.limit_share.value_or(1.0);
+  require(share > 0.0 && share <= 1.0, "excitation: found a limit share of ", share,
+          ", expected above 0 and at most 1.");
+  require(o.braking > 0.0, "excitation: found a braking of ", o.braking, " 1/s, expected above 0.");
   require(o.essential >= 0.0 && o.essential < 1.0, "excitation: found an essential share of ",
           o.essential, ", expected 0 to 1.");
   require(
@@ -47,15 +52,42 @@ void check(const ExcitationOptions& o) {
           " slow passes, expected 0 to 100.");
 }
 
+constexpr double kRangeOfSupervisor = 1.0 - 2.0 * 0.0025;  // room of MotionCheck at both ends
+// A supervisor stops an arm at its limit of speed, and a loop overshoots: a PID on psm-3dof goes 1.5 %
+// beyond the wanted peak, noise included (simulate --controller pid --noise dvrk on a 0.1 Hz motion).
+constexpr double kSpeedOfSupervisor = 0.98;
+
 // What may be used of the joints' limits: a share of speed and acceleration, the middle of the
 // range.
-MotionLimits share_of(MotionLimits limits, double share) {
-  const VectorXd edge = 0.5 * (1.0 - share) * (limits.upper - limits.lower);
+MotionLimits share_of(MotionLimits limits, const ExcitationOptions& options) {
+  const std::optional<double>& share = options.limit_share;
+  const VectorXd edge =
+      0.5 * (1.0 - share.value_or(kRangeOfSupervisor)) * (limits.upper - limits.lower);
   limits.lower += edge;
   limits.upper -= edge;
-  limits.velocity *= share;
-  limits.acceleration *= share;
+  limits.velocity *= share.value_or(kSpeedOfSupervisor);
+  limits.acceleration *= share.value_or(1.0);
   return limits;
+}
+
+// Limits that a joint comes close to, or that tie it to others, beside its own range and speed.
+UsedLimits used_limits(const std::vector<LimitMargin>& margins, const std::string& joint) {
+  UsedLimits out{kNaN, kNaN, kNaN};
+  for (const LimitMargin& m : margins) {
+    const double size = m.upper - m.lower;
+    const double largest = std::max(std::abs(m.lowest), std::abs(m.highest));
+    if (m.name == "position of " + joint) out.range = (m.highest - m.lowest) / size;
+    if (m.name == "speed of " + joint) out.velocity = largest / m.upper;
+    if (m.name == "torque of " + joint) out.effort = largest / m.upper;
+    const auto of = m.name.rfind(" of " );
+    const bool own = of != std::string::npos && m.name.substr(of + 4) == joint;
+    const bool of_a_joint = m.name.rfind("position of", 0) == 0 || m.name.rfind("speed of", 0) == 0 ||
+                            m.name.rfind("acceleration of", 0) == 0 ||
+                            m.name.rfind("torque of", 0) == 0 || m.name.rfind("stop of", 0) == 0;
+    const double scale = std::isfinite(size) ? size : std::abs(std::isfinite(m.lower) ? m.lower : m.upper);
+    if ((own || !of_a_joint) && m.margin < kClose * scale) out.held_by.push_back(m.name);
+  }
+  return out;
 }
 
 // The arm whose values are known, if one is.
@@ -69,6 +101,10 @@ std::optional<Model> with_values(const Model& arm, const ExcitationOptions& opti
 std::vector<int> reported_base(const Model& arm) {
   const std::vector<int> free = identifiable_base_parameters(arm).independent;
   return free.empty() ? base_parameters(arm).independent : free;
+}
+
+bool same_parameters(const Model& a, const Model& b) {
+  return parameter_names(standard_parameters(a)) == parameter_names(standard_parameters(b));
 }
 
 // Whether a motion keeps all limits.
@@ -110,8 +146,9 @@ class Design {
         solver_(solver),
         periods_(std::max(2, static_cast<int>(std::lround(options.duration * options.frequency)))),
         limits_(motion_limits(arm)),
-        space_(share_of(limits_, options.limit_share), options.harmonics, options.frequency),
-        signals_(arm, limits_, options.workspace, with_values(arm, options)),
+        space_(share_of(limits_, options), options.harmonics, options.frequency),
+        signals_(arm, limits_, options.workspace, with_values(arm, options),
+                 options.limit_share ? 0.0 : options.braking),
         progress_(options.progress, options.starts, MotionSearch::most_steps(options)) {}
 
   Excitation run();
@@ -213,6 +250,8 @@ void Design::describe(const Candidate& best, const VectorXd& random, Excitation&
     out.slow_seconds = passes.time[passes.rows() - 1];
   }
   out.motion = joined(motion, passes);
+  for (const Coordinate& joint : arm_.coordinates()) out.used.push_back(used_limits(out.margins, joint.name));
+  out.limit_share = options_.limit_share.value_or(0.0);
   const BaseRegressor all(arm_);
   out.log_determinant =
       log_determinant(all.gram(motion) / static_cast<double>(motion.rows()), all.scale());
@@ -230,7 +269,7 @@ void Design::describe(const Candidate& best, const VectorXd& random, Excitation&
   if (known) {
     out.prediction =
         predict_identification(*known, out.motion, options_.noise.value_or(usual_noise(*known)),
-                               options_.given, reported_base(arm_));
+                               options_.given, same_parameters(*known, arm_) ? reported_base(arm_) : std::vector<int>());
   }
   if (options_.between && options_.criterion == ExcitationCriterion::kDiscriminate)
     out.discrimination = judge_rivals(asked.question, asked.question.exact_gram(motion), options_);
@@ -282,16 +321,38 @@ Excitation Design::run() {
 
 }  // namespace
 
+bool is_built_in(ExcitationSolver solver) {
+#ifndef VERIDYN_WITH_IPOPT
+  if (solver == ExcitationSolver::kIpopt) return false;
+#endif
+#ifndef VERIDYN_WITH_NLOPT
+  if (solver == ExcitationSolver::kNlopt) return false;
+#endif
+  return solver <= ExcitationSolver::kRandom;
+}
+
 Excitation optimise_excitation(const Model& arm, const ExcitationOptions& options) {
+  require(is_built_in(options.solver), "excitation: found the solver ", name_of(options.solver),
+          ", with which this library was not built.");
+#ifdef VERIDYN_WITH_IPOPT
+  if (options.solver == ExcitationSolver::kIpopt)
+    return optimise_excitation(arm, options, solve_with_ipopt);
+#endif
+#ifdef VERIDYN_WITH_NLOPT
+  if (options.solver == ExcitationSolver::kNlopt)
+    return optimise_excitation(arm, options, solve_with_nlopt);
+#endif
   return optimise_excitation(arm, options, solve_with_interior_point);
 }
 
-Excitation optimise_excitation(const Model& arm, const ExcitationOptions& options,
+Excitation optimise_excitation(const Model& file, const ExcitationOptions& options,
                                const NonlinearSolver& solver) {
   check(options);
+  const Model arm = with_friction(file, options.friction);
   const auto begun = std::chrono::steady_clock::now();
   require(arm.joints() >= 1, "excitation: the arm '", arm.name(), "' has no coordinates.");
   Excitation out = Design(arm, options, solver).run();
+  out.friction_remark = friction_remark(file, arm);
   out.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
   return out;
 }

@@ -15,6 +15,8 @@ const char* name_of(ExcitationCriterion criterion) {
 }
 
 const char* name_of(ExcitationSolver solver) {
+  if (solver == ExcitationSolver::kIpopt) return "ipopt";
+  if (solver == ExcitationSolver::kNlopt) return "nlopt";
   return solver == ExcitationSolver::kRandom ? "random" : "interior-point";
 }
 
@@ -45,11 +47,10 @@ std::string weakest_text(const Excitation& e) {
 
 std::string prediction_text(const Prediction& p) {
   std::vector<std::string> shares;
-  for (const double share : p.noise.share) shares.push_back(fmt::format("{:.2g}", 100.0 * share));
+  for (const double noise : p.noise.deviation) shares.push_back(fmt::format("{:.2g}", noise));
   std::string out = fmt::format(
       "Predicted standard deviations of the base parameters ({}): median {:.3g} %, mean {:.3g} % "
-      "of the values {}, with torque noise of {} % of the rms torque ({}), one independent sample "
-      "in {:.2g} s.\n",
+      "of the values {}, with torque noise of {} N m (N) ({}), one independent sample in {:.2g} s.\n",
       p.parameters.size(), 100.0 * p.median_relative, 100.0 * p.mean_relative, p.values,
       fmt::join(shares, ", "), p.noise.source, p.noise.seconds);
   std::vector<PredictedParameter> worst = p.parameters;
@@ -75,6 +76,25 @@ std::string essential_text(const EssentialParameters& p) {
                        100.0 * p.left_out[k].second);
   }
   return out + ".\n";
+}
+
+// A share of a limit in percent.
+std::string percent(double share) {
+  return std::isfinite(share) ? fmt::format("{:.0f} %", 100.0 * share) : "-";
+}
+
+std::string used_text(const Excitation& e) {
+  std::string out =
+      fmt::format("{:<28}{:>10}{:>10}{:>10}   used of its limits{}\n", "joint", "range", "speed",
+                  "torque",
+                  e.limit_share > 0.0 ? fmt::format(", of which {:.3g} may be", e.limit_share)
+                                      : ", but for what a safety supervisor needs");
+  for (size_t i = 0; i < e.used.size(); ++i) {
+    const UsedLimits& u = e.used[i];
+    out += fmt::format("{:<28}{:>10}{:>10}{:>10}\n", e.joints[i], percent(u.range),
+                       percent(u.velocity), percent(u.effort));
+  }
+  return out;
 }
 
 std::string quality_text(const Excitation& e) {
@@ -104,6 +124,22 @@ std::string quality_text(const Excitation& e) {
 
 }  // namespace
 
+std::vector<std::string> Excitation::warnings() const {
+  std::vector<std::string> out;
+  for (size_t i = 0; i < used.size(); ++i) {
+    const UsedLimits& u = used[i];
+    if (!(u.range < kLittleUse) || !(u.velocity < kLittleUse)) continue;
+    std::string why = "no limit holds it there: another --seed, more --starts or a higher --frequency move it more";
+    if (!u.held_by.empty()) {
+      why = "held by the " + u.held_by.front();
+      for (size_t k = 1; k < u.held_by.size(); ++k) why += ", the " + u.held_by[k];
+    }
+    out.push_back(fmt::format("{} uses {} of its range and {} of its speed, {}", joints[i],
+                              percent(u.range), percent(u.velocity), why));
+  }
+  return out;
+}
+
 std::string Excitation::report() const {
   std::string out = fmt::format(
       "Excitation of {}: {} periods of {:.4g} s, {} harmonics, {:.4g} s in all, from rest to "
@@ -120,9 +156,11 @@ std::string Excitation::report() const {
   } else {
     out += quality_text(*this);
   }
+  if (!friction_remark.empty()) out += friction_remark + "\n";
   out += fmt::format("{}{}, {} evaluations, {:.1f} s.\n",
                      interrupted ? "Interrupted; the best so far. " : "", name_of(solver),
                      evaluations, seconds);
+  out += used_text(*this);
   out += fmt::format("{:<28}{:>8} {:>21} {:>21} {:>10}\n", "limit", "unit", "motion", "limit",
                      "margin");
   for (const LimitMargin& m : margins) out += margin_line(m);

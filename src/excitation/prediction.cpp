@@ -1,12 +1,14 @@
 #include "veridyn/excitation/prediction.hpp"
 
 #include <Eigen/Cholesky>
+#include <fmt/format.h>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numeric>
 
 #include "math/median.hpp"
+#include "regressor/random_states.hpp"
 #include "regressor/arm_columns.hpp"
 #include "regressor/stacked_columns.hpp"
 #include "veridyn/regressor/standard_parameters.hpp"
@@ -16,7 +18,9 @@
 namespace veridyn {
 namespace {
 
-constexpr double kNothing = 1e9;  // deviations in units of a value that is zero
+constexpr int kStates = 200;
+constexpr double kOfRms = 4.0;     // shares of an effort in shares of an rms torque, as arms are built
+constexpr double kBeyondCount = 1e9;  // deviations in units of a value that is zero
 
 double lasts(const MotionSamples& motion) {
   require(motion.rows() >= 2, "prediction: found a motion of ", motion.rows(),
@@ -45,25 +49,43 @@ VectorXd variances(const MatrixXd& information) {
 
 }  // namespace
 
+TorqueNoise noise_of_efforts(const Model& arm, double share) {
+  TorqueNoise out;
+  out.deviation = VectorXd::Ones(arm.joints());
+  if (arm.inertial_values()) out.deviation = rms_torque(arm, random_states(arm, kStates));
+  // A joint without any torque has no noise in this picture: a little, so that nothing divides by
+  // zero.
+  const double floor = 1e-6 * std::max(1e-300, out.deviation.maxCoeff());
+  out.deviation = kOfRms * share * out.deviation.cwiseMax(floor);
+  bool limited = false;
+  for (int i = 0; i < arm.joints(); ++i) {
+    const double effort = arm.coordinates()[static_cast<size_t>(i)].limits.effort;
+    if (!std::isfinite(effort)) continue;
+    out.deviation[i] = share * effort;
+    limited = true;
+  }
+  out.source = fmt::format("{:.3g} % of the {}", 100.0 * (limited ? 1.0 : kOfRms) * share,
+                           limited ? "largest effort" : "rms torque at random states");
+  return out;
+}
+
 TorqueNoise usual_noise(const Model& arm) {
   const auto& identified = arm.description().identified;
+  if (!identified || identified->noise.size() != arm.joints() || !(identified->noise.minCoeff() > 0.0))
+    return noise_of_efforts(arm, kUsualNoise);
   TorqueNoise out;
-  if (identified && identified->error.size() == arm.joints()) {
-    out.share = identified->error;
-    out.source = "what the model's identification left";
-  } else {
-    out.share = VectorXd::Constant(arm.joints(), kUsualNoise);
-    out.source = "assumed";
-  }
+  out.deviation = identified->noise;
+  out.source = "what the model's identification left";
   return out;
 }
 
 Prediction predict_identification(const Model& arm, const MotionSamples& motion,
                                   const TorqueNoise& noise, const std::vector<MotionSamples>& given,
                                   const std::vector<int>& base) {
-  require(noise.share.size() == arm.joints() && noise.share.minCoeff() > 0.0 && noise.seconds > 0.0,
-          "prediction: found noise of ", noise.share.size(), " joints, expected ", arm.joints(),
-          " positive shares.");
+  require(noise.deviation.size() == arm.joints() && noise.deviation.minCoeff() > 0.0 &&
+              noise.seconds > 0.0,
+          "prediction: found noise of ", noise.deviation.size(), " joints, expected ", arm.joints(),
+          " positive deviations.");
   const BaseRegressor regressor(arm, base);
   const std::vector<StandardParameter> names = standard_parameters(arm);
   VectorXd unknown = standard_values(arm);  // facts are no part of what is identified
@@ -75,10 +97,7 @@ Prediction predict_identification(const Model& arm, const MotionSamples& motion,
   out.noise = noise;
   out.values = "of " + arm.name();
   out.rms_torque = rms_torque(arm, motion);
-  // A joint without any torque has no noise in this picture: a little, so that nothing divides by
-  // zero.
-  const double floor = 1e-6 * std::max(1e-300, out.rms_torque.maxCoeff());
-  const VectorXd weights = out.rms_torque.cwiseMax(floor).cwiseProduct(noise.share).cwiseInverse();
+  const VectorXd weights = noise.deviation.cwiseInverse();
   const auto information = [&](const MotionSamples& m) {
     const double independent = lasts(m) / noise.seconds / static_cast<double>(m.rows());
     return MatrixXd(independent * regressor.columns()->gram(m, weights));
@@ -91,7 +110,7 @@ Prediction predict_identification(const Model& arm, const MotionSamples& motion,
     const StandardParameter& name = names[static_cast<size_t>(regressor.base()[static_cast<size_t>(b)])];
     const double share = deviations[b] / std::abs(beta[b]);
     out.parameters.push_back({name.name, name.unit, beta[b], deviations[b], share});
-    if (share < kNothing) relative.push_back(share);
+    if (share < kBeyondCount) relative.push_back(share);
   }
   if (relative.empty()) relative.push_back(std::numeric_limits<double>::infinity());
   out.mean_relative =

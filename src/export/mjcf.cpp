@@ -8,7 +8,6 @@
 #include "known_effects.hpp"
 #include "dynamics/principal_body.hpp"
 #include "veridyn/kinematics/tree.hpp"
-#include "math/output_file.hpp"
 #include "veridyn/math/require.hpp"
 #include "xml.hpp"
 
@@ -320,11 +319,6 @@ class MjcfWriter {
 
 std::string to_mjcf(const Model& arm, const std::map<std::string, std::string>& remarks) {
   return MjcfWriter(arm, remarks).xml();
-}
-
-void save_mjcf(const Model& arm, const std::string& path,
-               const std::map<std::string, std::string>& remarks) {
-  write_file(path, to_mjcf(arm, remarks));
 }
 
 }  // namespace veridyn

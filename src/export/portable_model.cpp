@@ -17,6 +17,7 @@ namespace {
 constexpr double kRodRadius = 0.025;     // [m]
 constexpr double kRodDensity = 1000.0;   // [kg/m^3]
 constexpr double kShortestRod = 0.05;    // [m]
+constexpr double kSmallestRadius = 0.005;  // [m] of a maker's body, about its centre
 constexpr double kTorquesOverPrior = 1e4;  // weight of the torques' rows over the prior's pull
 
 const char* const kSymbols[] = {"m", "hx", "hy", "hz", "Lxx", "Lxy", "Lyy", "Lxz", "Lyz", "Lzz"};
@@ -55,7 +56,8 @@ InertialVector rod(const Model& arm, int frame) {
   return inertial_parameters(J);
 }
 
-// Of the prior's body of that name where it is one that can be, else the rod.
+// Of the prior's body of that name where it is one that can be, else what the maker's file had, else
+// the rod.
 InertialVector prior_of(const Model& arm, int frame, const std::optional<Model>& prior) {
   if (prior) {
     const int there = prior->find_frame(arm.frames()[static_cast<size_t>(frame)].name);
@@ -65,6 +67,8 @@ InertialVector prior_of(const Model& arm, int frame, const std::optional<Model>&
         return *body->phi;
     }
   }
+  const Body& own = *arm.frames()[static_cast<size_t>(frame)].body;
+  if (own.prior && (*own.prior)[0] > 0.0) return with_size(*own.prior, kSmallestRadius);
   return rod(arm, frame);
 }
 

@@ -3,7 +3,6 @@
 #include <cstring>
 #include <pugixml.hpp>
 
-#include "math/output_file.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/urdf.hpp"
 #include "xml.hpp"
@@ -167,10 +166,6 @@ std::string to_sdf(const Model& arm, const UrdfExtras& extras) {
   require(arm.inertial_values().has_value(), "export: arm '", arm.name(),
           "' has bodies without values, expected a MODEL that identify or diagnose wrote.");
   return SdfWriter(arm, extras).xml();
-}
-
-void save_sdf(const Model& arm, const std::string& path, const UrdfExtras& extras) {
-  write_file(path, to_sdf(arm, extras));
 }
 
 }  // namespace veridyn

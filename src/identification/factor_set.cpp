@@ -192,8 +192,9 @@ void require_factors_of(const Model& arm, const FactorSet& factors,
           factors.settings, "; expected ", settings_of(how), ".");
 }
 
-FactorSet compress(const Model& arm, const std::vector<std::string>& paths,
+FactorSet compress(const Model& file, const std::vector<std::string>& paths,
                    const PreprocessingOptions& options, int threads) {
+  const Model arm = with_friction(file, JointFriction::kAuto);
   FactorSet out;
   out.robot = arm.name();
   out.fingerprint = fingerprint_of(arm);

@@ -435,8 +435,9 @@ std::vector<FleetArm> read_fleet(const std::string& path) {
   return out;
 }
 
-Fleet identify_fleet(const Model& arm, const std::vector<FleetArm>& arms,
+Fleet identify_fleet(const Model& file, const std::vector<FleetArm>& arms,
                      const FleetOptions& options) {
+  const Model arm = with_friction(file, JointFriction::kAuto);
   std::vector<ArmFactor> factors(arms.size());
   std::vector<std::vector<UnusedRecording>> unused(arms.size());
   std::mutex guard;
@@ -444,10 +445,10 @@ Fleet identify_fleet(const Model& arm, const std::vector<FleetArm>& arms,
   parallel_for(static_cast<int>(arms.size()), options.threads, [&](int k) {
     const auto at = static_cast<size_t>(k);
     FactorSet set;
-    for (const std::string& file : arms[at].files) {
+    for (const std::string& path : arms[at].files) {
       try {
-        FactorSet one = is_factor_file(file) ? read_factors(file)
-                                             : compress(arm, std::vector<std::string>{file},
+        FactorSet one = is_factor_file(path) ? read_factors(path)
+                                             : compress(arm, std::vector<std::string>{path},
                                                         options.preprocessing, 1);
         require_factors_of(arm, one, options.preprocessing);
         for (CompressedRecording& r : one.recordings) {
@@ -456,7 +457,7 @@ Fleet identify_fleet(const Model& arm, const std::vector<FleetArm>& arms,
         }
         set = merge(std::move(set), one);
       } catch (const InvalidInput& error) {
-        unused[at].push_back({file, error.what()});
+        unused[at].push_back({path, error.what()});
       }
     }
     factors[at] = arm_factor(arm, set, arms[at].name);
@@ -471,8 +472,9 @@ Fleet identify_fleet(const Model& arm, const std::vector<FleetArm>& arms,
   return solved_fleet(arm, std::move(factors), std::move(left_out), options);
 }
 
-Fleet identify_fleet(const Model& arm, const std::vector<std::string>& names,
+Fleet identify_fleet(const Model& file, const std::vector<std::string>& names,
                      const std::vector<FactorSet>& factors, const FleetOptions& options) {
+  const Model arm = with_friction(file, JointFriction::kAuto);
   require(names.size() == factors.size(), "fleet: found ", names.size(), " names and ",
           factors.size(), " factor sets, expected one of each per arm.");
   std::vector<ArmFactor> arms;

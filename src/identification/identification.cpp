@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cmath>
+#include <map>
 #include <set>
 #include <utility>
 
@@ -84,6 +85,12 @@ bool rank_deficient(const Model& arm, const BaseParameters& arm_base,
   return true;
 }
 
+// What the maker's file says of a body.
+std::optional<InertialParameters> maker_of(const Model& arm, const Body& body) {
+  if (body.prior) return body.prior;
+  return arm.description().values == RobotValues::kPrior ? body.phi : std::nullopt;
+}
+
 struct Bounds {
   std::vector<VectorXd> rows;
   std::vector<double> limits;
@@ -160,8 +167,43 @@ FeasibleProblem feasible_problem(const Model& arm, const SquareRootInformation& 
   return problem;
 }
 
+// No mass of a prior is closer to its centre than this [m]: a point mass has no inertia, and bodies
+// of a drawing may have moments that no body has. Far below what a link's inertia is known to.
+constexpr double kSmallestRadius = 0.005;
+
+// What each body of the problem is pulled to: the prior that was given, or what the maker's file had;
+// a body without mass is pulled nowhere. Nothing where no body has a prior.
+std::optional<std::vector<InertialParameters>> priors_of(const Model& arm,
+                                                         const FeasibleProblem& problem,
+                                                         const IdentificationOptions& options) {
+  std::vector<InertialParameters> out;
+  if (options.prior) {
+    const auto phi = options.prior->inertial_values();
+    require(phi.has_value(), "prior: found bodies without values in '", options.prior->name(),
+            "', expected a model with values, as from CAD or identify.");
+    require(phi->size() == kBodyParameters * static_cast<int>(arm.bodies().size()),
+            "the prior '", options.prior->name(), "' does not give values to the same bodies as '",
+            arm.name(), "'.");
+    for (const int first : problem.body_columns)
+      out.push_back(with_size(phi->segment<kBodyParameters>(first), kSmallestRadius));
+    return out;
+  }
+  bool any = false;
+  for (const int first : problem.body_columns) {
+    const Body& body =
+        *arm.frames()[static_cast<size_t>(arm.bodies()[static_cast<size_t>(first / kBodyParameters)])].body;
+    const std::optional<InertialParameters> prior = maker_of(arm, body);
+    out.push_back(prior ? with_size(*prior, kSmallestRadius) : InertialParameters::Zero());
+    any = any || out.back()[0] > 0.0;
+  }
+  if (!any) return std::nullopt;
+  return out;
+}
+
+enum class PriorUse { kPull, kLeaveOut };
+
 void solve_feasible(const Model& arm, const SquareRootInformation& total,
-                    const IdentificationOptions& options, Identification& id) {
+                    const IdentificationOptions& options, PriorUse use, Identification& id) {
   const auto parameters = standard_parameters(arm);
   const Bounds bounds = parameter_bounds(arm, parameters, options.signs);
   const FeasibleProblem problem = feasible_problem(arm, total, bounds);
@@ -169,15 +211,9 @@ void solve_feasible(const Model& arm, const SquareRootInformation& total,
   solver.condition = options.condition;
   solver.gap_tolerance = kGap;
   solver.eigenvalue_margin = kSmallestEigenvalue;
-  if (options.prior) {
-    const auto phi = options.prior->inertial_values();
-    require(phi.has_value(), "--prior: found bodies without values in '", options.prior->name(),
-            "', expected a model with values, as from CAD or identify.");
-    require(phi->size() == kBodyParameters * static_cast<int>(arm.bodies().size()),
-            "the prior '", options.prior->name(), "' does not give values to the same bodies as '",
-            arm.name(), "'.");
-    for (const int first : problem.body_columns)
-      solver.entropic_prior.phi.emplace_back(phi->segment<kBodyParameters>(first));
+  std::optional<std::vector<InertialParameters>> prior = priors_of(arm, problem, options);
+  if (prior && use == PriorUse::kPull) {
+    solver.entropic_prior.phi = std::move(*prior);
     const double bodies = std::max<double>(1.0, static_cast<double>(problem.body_columns.size()));
     solver.entropic_prior.weight = options.prior_weight * id.unconstrained_objective / bodies;
   }
@@ -194,8 +230,18 @@ void solve_feasible(const Model& arm, const SquareRootInformation& total,
   for (const ActiveRow& active : result.active_rows)
     id.active_constraints.push_back(bounds.names[static_cast<size_t>(active.row)]);
   if (result.status == FeasibleStatus::kOptimal) return;
+  if (prior && use == PriorUse::kPull && !options.prior) {
+    id.active_constraints.clear();
+    solve_feasible(arm, total, options, PriorUse::kLeaveOut, id);
+    id.remarks.push_back("The bodies of the maker's file pulled at nothing: with them feasible least "
+                         "squares does not converge. What torques do not tell is not near them.");
+    return;
+  }
   id.status = IdentificationStatus::kNotConverged;
   id.reason = result.report().substr(0, result.report().find('\n'));
+  if (options.prior)
+    id.reason += "; the prior '" + options.prior->name() + "' does not let it: leave it out, or give "
+                 "its bodies the mass and size of this arm's";
 }
 
 // The shortest standard parameters (columns scaled) that have these base parameters.
@@ -260,7 +306,8 @@ void solve(const Model& arm, const std::vector<CompressedRecording>& recordings,
   VectorXd beta = solution.beta;
   if (options.method == Method::kFeasible) {
     total = weighted_total(recordings, weights, names);
-    solve_feasible(arm, total, options, id);
+    solve_feasible(arm, total, options, PriorUse::kPull, id);
+    if (id.status == IdentificationStatus::kNotConverged && options.prior) return;
     beta = base.K * id.parameters;
   } else {
     id.parameters = shortest_parameters(base, solution.beta, norms);
@@ -270,8 +317,49 @@ void solve(const Model& arm, const std::vector<CompressedRecording>& recordings,
   describe_base(arm, base, beta, solution.std, id);
   ModelDescription description =
       with_values(arm, id.parameters, id.parameter_deviations).description();
+  for (size_t k = 0; k < description.frames.size(); ++k) {
+    if (description.frames[k].body)
+      description.frames[k].body->prior = maker_of(arm, *arm.frames()[k].body);
+  }
+  description.values = RobotValues::kFacts;
   description.identified = identified_base(base, parameters, solution, beta, recordings);
   id.model = Model(std::move(description));
+}
+
+}  // namespace
+
+namespace {
+
+// Of the rows that were fitted.
+VectorXd rms_residuals(const Model& arm, const Identification& id) {
+  std::map<std::string, double> values;
+  const std::vector<std::string> names = parameter_names(standard_parameters(arm));
+  for (size_t p = 0; p < names.size(); ++p)
+    values[names[p]] = id.parameters[static_cast<Eigen::Index>(p)];
+  VectorXd squares = VectorXd::Zero(arm.joints());
+  VectorXd rows = squares;
+  for (const CompressedRecording& r : id.factors) {
+    for (const auto& block : r.blocks) {
+      for (size_t i = 0; i < block.size(); ++i) {
+        VectorXd x(block[i].size());
+        for (Eigen::Index c = 0; c < x.size(); ++c)
+          x[c] = values.at(block[i].columns()[static_cast<size_t>(c)]);
+        squares[static_cast<Eigen::Index>(i)] += block[i].residual2(x);
+        rows[static_cast<Eigen::Index>(i)] += block[i].rows();
+      }
+    }
+  }
+  return squares.cwiseQuotient(rows.cwiseMax(1.0)).cwiseSqrt();
+}
+
+// How much larger the residuals would be if they scattered as much as they do with one independent
+// sample in kUsualIndependence: they stay alike for longer.
+double as_if_independent(const Model& arm, const Identification& id) {
+  constexpr double kUsualIndependence = 0.1;  // [s], as TorqueNoise::seconds has it
+  double seconds = 0.0;
+  for (const CompressedRecording& r : id.factors) seconds += r.facts.duration;
+  if (!(id.effective_samples > 0.0)) return 1.0;
+  return std::sqrt(std::max(1.0, seconds * arm.joints() / id.effective_samples / kUsualIndependence));
 }
 
 }  // namespace
@@ -279,11 +367,42 @@ void solve(const Model& arm, const std::vector<CompressedRecording>& recordings,
 void keep_training_error(Identification& id) {
   ModelDescription description = id.model->description();
   description.identified->error = id.train_error.relative;
+  description.identified->noise = rms_residuals(*id.model, id) * as_if_independent(*id.model, id);
   id.model = Model(std::move(description));
 }
 
-bool fit_factors(const Model& arm, const std::vector<CompressedRecording>& recordings,
-                 const IdentificationOptions& options, Identification& id) {
+AskedArm::AskedArm(const Model& file, JointFriction friction)
+    : file_(file), friction_(friction), used_(with_friction(file, friction)) {}
+
+bool AskedArm::leave_rotors_out() {
+  Model lean = with_friction_alone(file_, friction_);
+  const bool fewer = lean.effects().size() < used_.effects().size();
+  used_ = std::move(lean);
+  return fewer;
+}
+
+std::string AskedArm::remark() const { return friction_remark(file_, used_); }
+
+namespace {
+
+// Columns of effects that the arm does not have, as factors of the arm with more of them hold them.
+void forget_other_columns(const Model& arm, std::vector<CompressedRecording>& recordings) {
+  const std::vector<std::string> names = parameter_names(standard_parameters(arm));
+  const std::set<std::string> known(names.begin(), names.end());
+  for (CompressedRecording& r : recordings) {
+    for (auto& block : r.blocks) {
+      for (SquareRootInformation& joint : block) {
+        std::vector<std::string> kept;
+        for (const std::string& name : joint.columns())
+          if (known.count(name) != 0) kept.push_back(name);
+        if (static_cast<Eigen::Index>(kept.size()) < joint.size()) joint = joint.restricted(kept);
+      }
+    }
+  }
+}
+
+bool fit_arm(const Model& arm, const std::vector<CompressedRecording>& recordings,
+             const IdentificationOptions& options, Identification& id) {
   for (const CompressedRecording& r : recordings) {
     id.rows += r.rows;
     if (r.rows == 0.0) {
@@ -304,6 +423,23 @@ bool fit_factors(const Model& arm, const std::vector<CompressedRecording>& recor
   return id.model.has_value();
 }
 
+}  // namespace
+
+bool fit_factors(AskedArm& arm, std::vector<CompressedRecording>& recordings,
+                 const IdentificationOptions& options, Identification& id) {
+  const Identification question = id;
+  forget_other_columns(arm.used(), recordings);
+  bool done = fit_arm(arm.used(), recordings, options, id);
+  if (!done && id.status == IdentificationStatus::kRankDeficient && arm.leave_rotors_out()) {
+    id = question;
+    forget_other_columns(arm.used(), recordings);
+    done = fit_arm(arm.used(), recordings, options, id);
+  }
+  if (std::string remark = arm.remark(); !remark.empty())
+    id.remarks.insert(id.remarks.begin(), std::move(remark));
+  return done;
+}
+
 namespace {
 
 // Drive gains first, then the arm from the recordings that carry nothing.
@@ -312,7 +448,7 @@ Identification identify_with_known_masses(const Model& arm, const std::vector<st
                                           const IdentificationOptions& options) {
   if (options.progress) options.progress("finding drive gains", 0.0);
   const DriveGains gains =
-      find_drive_gains(arm, train, options.known_masses, options.preprocessing, options.threads);
+      find_drive_gains(with_friction_alone(arm, options.friction), train, options.known_masses, options.preprocessing, options.threads);
   std::string open = gains.problem;
   for (size_t j = 0; j < gains.joints.size() && open.empty(); ++j) {
     const DriveGain& gain = gains.joints[j];
@@ -345,17 +481,18 @@ Identification identify_named(const Model& arm, const std::vector<std::string>& 
 
 }  // namespace
 
-Identification identify_compressed(const Model& arm, std::vector<CompressedRecording> trained,
+Identification identify_compressed(const Model& file, std::vector<CompressedRecording> trained,
                                    const std::vector<std::string>& train,
                                    const std::vector<std::string>& test,
                                    const IdentificationOptions& options) {
-  Identification id = described(arm, options);
+  Identification id = described(file, options);
   const auto say = [&options](const std::string& what, double share) {
     if (options.progress) options.progress(what, share);
   };
   say("compressing", 0.0);
   const auto begin = std::chrono::steady_clock::now();
-  for (CompressedRecording& r : compress_many(arm, train, id.preprocessing, options.threads))
+  AskedArm arm(file, options.friction);
+  for (CompressedRecording& r : compress_many(arm.used(), train, id.preprocessing, options.threads))
     trained.push_back(std::move(r));
   for (CompressedRecording& r : trained)
     merge_blocks(r, blocks_of_each(static_cast<int>(trained.size())));
@@ -364,7 +501,7 @@ Identification identify_compressed(const Model& arm, std::vector<CompressedRecor
   if (!fit_factors(arm, trained, options, id)) return id;
   say("validating", 0.6);
   id.factors = std::move(trained);
-  validate(arm, test, options, id);
+  validate(arm.used(), test, options, id);
   keep_training_error(id);
   say("done", 1.0);
   return id;

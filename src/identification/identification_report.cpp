@@ -3,6 +3,7 @@
 #include <string>
 
 #include "veridyn/identification/identification.hpp"
+#include "veridyn/identification/verdict.hpp"
 
 namespace veridyn {
 namespace {
@@ -22,7 +23,9 @@ const char* method_name(Method m) {
 }  // namespace
 
 std::string Identification::report() const {
-  std::string out = fmt::format("{}: {}, {:.0f} rows\n", robot, method_name(method), rows);
+  std::string out;
+  if (model) out += verdict_of(*this).sentence + "\n";
+  out += fmt::format("{}: {}, {:.0f} rows\n", robot, method_name(method), rows);
   if (!model) return out + "no model: " + reason + "\n";
   if (drive_gains) out += drive_gains->report() + "\n";
   if (!reason.empty()) out += "warning: " + reason + "\n";

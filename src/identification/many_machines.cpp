@@ -231,7 +231,7 @@ std::vector<CompressedRecording> compress_held_out(const Model& arm,
 }
 
 // From all factors to a model, at rank 0.
-void solve(const Model& arm, std::vector<CompressedRecording> all, size_t listed,
+void solve(AskedArm& arm, std::vector<CompressedRecording> all, size_t listed,
            const IdentificationOptions& options, Identification& id) {
   const std::string first = id.left_out.empty() ? "" : id.left_out.front().why;
   if (all.empty()) {
@@ -244,14 +244,15 @@ void solve(const Model& arm, std::vector<CompressedRecording> all, size_t listed
 
 }  // namespace
 
-Identification identify(const Model& arm, const std::vector<std::string>& train,
+Identification identify(const Model& file, const std::vector<std::string>& train,
                         const std::vector<std::string>& test, const IdentificationOptions& options,
                         Communicator& ranks, const KeepFactors& keep) {
   require(!train.empty(), "identify: there is no recording to train on.");
   require(options.known_masses.empty(),
           "identify: drive gains are found on one machine; leave known masses away.");
-  const Job job(arm, options, ranks, keep);
-  Identification id = described(arm, options);
+  AskedArm arm(file, options.friction);
+  const Job job(arm.used(), options, ranks, keep);  // compresses first, measures the arm that was used
+  Identification id = described(file, options);
   const auto begin = std::chrono::steady_clock::now();
   Part share = job.compress_share(train);
   const std::vector<CompressedRecording> mine = share.factors.recordings;
@@ -265,6 +266,7 @@ Identification identify(const Model& arm, const std::vector<std::string>& train,
   }
   ByteWriter answer;
   answer.number(id.model ? 1 : 0);
+  answer.number(arm.used().effects().size());
   answer.number(static_cast<std::uint64_t>(id.status));
   answer.text(id.reason);
   answer.vector(id.parameters);
@@ -272,6 +274,7 @@ Identification identify(const Model& arm, const std::vector<std::string>& train,
   const std::string name = "answer of rank 0";
   ByteReader in(bytes, 0, name);
   const bool solved = in.number() != 0;
+  if (in.number() < arm.used().effects().size()) arm.leave_rotors_out();
   id.status = static_cast<IdentificationStatus>(in.number());
   id.reason = in.text();
   id.parameters = in.vector();
@@ -280,19 +283,19 @@ Identification identify(const Model& arm, const std::vector<std::string>& train,
   if (!solved) return id;
   std::vector<UnusedRecording> unused;
   const std::vector<CompressedRecording> held_out =
-      compress_held_out(arm, test, id, options.threads, ranks, unused);
+      compress_held_out(arm.used(), test, id, options.threads, ranks, unused);
   const auto count = static_cast<int>(train.size() + test.size());
   std::vector<MeasuredRecording> of_train =
       job.measured(mine, id.preprocessing, id.parameters, count);
   std::vector<MeasuredRecording> of_test =
       job.measured(held_out, id.test_preprocessing, id.parameters, count);
   Part names;
-  names.factors = compress(arm, std::vector<std::string>(), options.preprocessing, 1);
+  names.factors = compress(arm.used(), std::vector<std::string>(), options.preprocessing, 1);
   names.left_out = std::move(unused);
   job.bring_together(names);
   if (ranks.rank() != 0) return id;
   id.left_out.insert(id.left_out.end(), names.left_out.begin(), names.left_out.end());
-  take_errors(arm, std::move(of_train), std::move(of_test), id);
+  take_errors(arm.used(), std::move(of_train), std::move(of_test), id);
   keep_training_error(id);
   return id;
 }

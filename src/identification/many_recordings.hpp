@@ -25,9 +25,25 @@ void merge_blocks(CompressedRecording& recording, int most);
 /// Blocks that each of so many recordings may keep.
 int blocks_of_each(int recordings);
 
-/// From factors to a model: fills everything but errors, and may replace id.reason. False if there is
-/// no model.
-bool fit_factors(const Model& arm, const std::vector<CompressedRecording>& recordings,
+/// The arm of a robot file with the friction that is asked for.
+class AskedArm {
+ public:
+  AskedArm(const Model& file, JointFriction friction);
+  const Model& used() const { return used_; }
+  /// From now on without the rotor inertia that the file does not have. False if there was none.
+  bool leave_rotors_out();
+  std::string remark() const;  ///< friction_remark()
+
+ private:
+  Model file_;
+  JointFriction friction_;
+  Model used_;
+};
+
+/// From factors to a model: fills everything but errors, and may replace id.reason. Rotor inertia
+/// that was added and that the recordings cannot tell is left out of the arm and of the factors.
+/// False if there is no model.
+bool fit_factors(AskedArm& arm, std::vector<CompressedRecording>& recordings,
                  const IdentificationOptions& options, Identification& id);
 
 /// The errors of training go into the MODEL file with the statistics.

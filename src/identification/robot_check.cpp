@@ -6,7 +6,10 @@
 #include <limits>
 #include <utility>
 
+#include "effects/plain_friction.hpp"
 #include "identification/quick_fit.hpp"
+#include "math/dense.hpp"
+#include "math/numbers.hpp"
 #include "math/parallel.hpp"
 #include "recordings/kept_recordings.hpp"
 #include "recordings/quality/quality_checks.hpp"
@@ -25,6 +28,8 @@ constexpr double kWorstCondition = 2e4;  // columns scaled; whole recordings of 
 // their fits.
 constexpr double kBetter = 0.9;
 constexpr double kGainsBetter = 0.3;
+// Of its range: less shows friction at one place.
+constexpr double kHardlyMoves = 0.05;
 constexpr double kWellFitted = 0.02;  // share of a joint; no joints are swapped where all are below
 // Power lost to friction, as a share of rms torque times rms speed, that tells its sign: above the
 // first number, and above the second times the rms share of the torque that is left unexplained,
@@ -64,6 +69,7 @@ class RobotCheck {
   }
 
   std::vector<QualityFinding> run() {
+    tell_what_hardly_moves();
     if (!tells_enough()) return std::move(findings_);
     now_ = fitter_.fit(recording_);
     turned_.assign(static_cast<size_t>(joints()), 0);
@@ -93,6 +99,24 @@ class RobotCheck {
     findings_.back().severity = Severity::kInfo;
     warn_of_small_efforts();
     return false;
+  }
+
+  void tell_what_hardly_moves() {
+    for (int i = 0; i < joints() && recording_.rows() > 0; ++i) {
+      const Limits& limits = given_.coordinates()[static_cast<size_t>(i)].limits;
+      double lowest = kInfinity, highest = -kInfinity;
+      for (const double q : recording_.q.col(i)) {
+        if (!std::isfinite(q)) continue;
+        lowest = std::min(lowest, q);
+        highest = std::max(highest, q);
+      }
+      const double share = (highest - lowest) / (limits.upper - limits.lower);
+      if (!std::isfinite(limits.upper - limits.lower) || !(share < kHardlyMoves)) continue;
+      add("hardly_moves", i + 1, share,
+          text("In its first ", quality::number(recording_.time[recording_.rows() - 1] - recording_.time[0]), " s ", joint(i),
+               " moves over ", percent(share), " of its range: little of its friction and inertia can be identified."));
+      findings_.back().severity = Severity::kWarning;
+    }
   }
 
   int joints() const { return given_.joints(); }
@@ -311,11 +335,29 @@ class RobotCheck {
     return nearest < 1.0;
   }
 
+  // By what the torques of an arm's values must be multiplied, where the arm has no friction of its
+  // own beside what friction explains: at low gravity most of a joint's torque is that.
+  double factor_beside_friction(const SquareRootInformation& f, const VectorXd& phi) const {
+    std::vector<Eigen::Index> open;
+    if (has_no_friction(given_)) {
+      for (size_t j = 0; j < fitter_.parameters().size(); ++j)
+        if (fitter_.parameters()[j].effect >= 0) open.push_back(static_cast<Eigen::Index>(j));
+    }
+    MatrixXd columns(f.R().rows(), 1 + static_cast<Eigen::Index>(open.size()));
+    columns.col(0) = f.R() * phi;
+    if (columns.col(0).norm() < 1e-300) return 1.0;
+    for (size_t k = 0; k < open.size(); ++k)
+      columns.col(1 + static_cast<Eigen::Index>(k)) = f.R().col(open[k]);
+    const VectorXd norms = columns.colwise().norm().transpose().cwiseMax(1e-300);
+    const MatrixXd scaled = columns * norms.cwiseInverse().asDiagonal();
+    return least_norm(scaled, f.z())[0] / norms[0];
+  }
+
   // Torques of an arm with values, by one factor a joint.
   void compare_with_values() {
     const bool told = std::any_of(findings_.begin(), findings_.end(),
                                   [](const QualityFinding& f) { return f.finding == "current"; });
-    if (told || !has_all_values(given_)) return;
+    if (told || !given_.inertial_values()) return;
     VectorXd phi(static_cast<Eigen::Index>(fitter_.parameters().size()));
     for (Eigen::Index j = 0; j < phi.size(); ++j) {
       const double value = fitter_.parameters()[static_cast<size_t>(j)].value;
@@ -326,8 +368,7 @@ class RobotCheck {
     bool alien = false;
     for (int i = 0; i < joints(); ++i) {
       const SquareRootInformation& f = now_.joints[static_cast<size_t>(i)];
-      const VectorXd modelled = f.R() * phi;
-      const double ratio = modelled.dot(f.z()) / std::max(modelled.squaredNorm(), 1e-300);
+      const double ratio = factor_beside_friction(f, phi);
       const double gain = given_.coordinates()[static_cast<size_t>(i)].drive_gain;
       ratios.push_back(ratio);
       as_currents = as_currents && gain > 0.0 && ratio > 0.0 && std::abs(std::log(ratio * gain)) < std::log(1.5) &&

@@ -23,9 +23,13 @@ extern template class LLT<MatrixXd>;
 extern template class SelfAdjointEigenSolver<MatrixXd>;
 extern template class SelfAdjointEigenSolver<Matrix3d>;
 extern template class SelfAdjointEigenSolver<Matrix4d>;
+extern template class LLT<Matrix4d>;
 
 // Member templates are not part of a class's explicit instantiation; those of the usual arguments are named here.
 extern template SelfAdjointEigenSolver<MatrixXd>& SelfAdjointEigenSolver<MatrixXd>::compute(const EigenBase<MatrixXd>&, int);
+extern template SelfAdjointEigenSolver<Matrix3d>& SelfAdjointEigenSolver<Matrix3d>::compute(const EigenBase<Matrix3d>&, int);
+extern template SelfAdjointEigenSolver<Matrix4d>& SelfAdjointEigenSolver<Matrix4d>::compute(const EigenBase<Matrix4d>&, int);
+extern template LLT<Matrix4d>& LLT<Matrix4d>::compute(const EigenBase<Matrix4d>&);
 extern template LLT<MatrixXd>& LLT<MatrixXd>::compute(const EigenBase<MatrixXd>&);
 extern template LDLT<MatrixXd>& LDLT<MatrixXd>::compute(const EigenBase<MatrixXd>&);
 extern template PartialPivLU<MatrixXd>& PartialPivLU<MatrixXd>::compute(const EigenBase<MatrixXd>&);

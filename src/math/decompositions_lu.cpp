@@ -6,6 +6,8 @@ template class FullPivLU<MatrixXd>;
 template class PartialPivLU<MatrixXd>;
 template class LDLT<MatrixXd>;
 template class LLT<MatrixXd>;
+template class LLT<Matrix4d>;
+template LLT<Matrix4d>& LLT<Matrix4d>::compute(const EigenBase<Matrix4d>&);
 template LLT<MatrixXd>& LLT<MatrixXd>::compute(const EigenBase<MatrixXd>&);
 template LDLT<MatrixXd>& LDLT<MatrixXd>::compute(const EigenBase<MatrixXd>&);
 template PartialPivLU<MatrixXd>& PartialPivLU<MatrixXd>::compute(const EigenBase<MatrixXd>&);

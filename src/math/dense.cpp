@@ -1,5 +1,6 @@
 #include "math/dense.hpp"
 
+#include <Eigen/Cholesky>
 #include <Eigen/QR>
 
 namespace veridyn {
@@ -11,6 +12,14 @@ MatrixXd orthonormal_basis(const MatrixRef& columns) {
 
 VectorXd least_norm(const MatrixRef& A, const VectorRef& b) {
   return Eigen::CompleteOrthogonalDecomposition<MatrixXd>(A).solve(b);
+}
+
+VectorXd least_squares_solution(const MatrixRef& A, const VectorRef& b) {
+  return Eigen::ColPivHouseholderQR<MatrixXd>(A).solve(b);
+}
+
+VectorXd symmetric_solution(const MatrixRef& A, const VectorRef& b) {
+  return Eigen::LDLT<MatrixXd>(A).solve(b);
 }
 
 }  // namespace veridyn

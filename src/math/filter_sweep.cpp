@@ -5,7 +5,7 @@
 namespace veridyn {
 namespace {
 
-FilterKernels widest() {
+FilterKernels widest_filter_kernels() {
   const InstructionSet isa = widest_instruction_set();
   // Even to ask for kernels runs code of their instruction set.
   if (isa >= InstructionSet::kAvx512 && filter_kernels_avx512().run != nullptr) return filter_kernels_avx512();
@@ -16,7 +16,7 @@ FilterKernels widest() {
 }  // namespace
 
 const FilterKernels& filter_kernels() {
-  static const FilterKernels chosen = widest();
+  static const FilterKernels chosen = widest_filter_kernels();
   return chosen;
 }
 

@@ -5,7 +5,7 @@
 namespace veridyn {
 namespace {
 
-TriangleKernels widest() {
+TriangleKernels widest_triangle_kernels() {
   const InstructionSet isa = widest_instruction_set();
   // Even to ask for kernels runs code of their instruction set.
   if (isa >= InstructionSet::kAvx512 && triangle_kernels_avx512().update != nullptr) return triangle_kernels_avx512();
@@ -16,7 +16,7 @@ TriangleKernels widest() {
 }  // namespace
 
 const TriangleKernels& triangle_kernels() {
-  static const TriangleKernels chosen = widest();
+  static const TriangleKernels chosen = widest_triangle_kernels();
   return chosen;
 }
 

@@ -1,5 +1,7 @@
 #include "veridyn/model/fixed_coordinates.hpp"
 
+#include <cmath>
+
 #include "veridyn/math/require.hpp"
 #include "model/suggestion.hpp"
 
@@ -80,6 +82,19 @@ Model with_fixed(const Model& arm, const std::map<std::string, double>& position
   }
   d.effects = std::move(effects);
   d.identified.reset();
+  return Model(std::move(d));
+}
+
+Model with_drive_gains(const Model& arm, const std::vector<double>& gains) {
+  require(gains.size() == arm.coordinates().size(), "found ", gains.size(),
+          " drive gains, expected one for each of the ", arm.joints(), " joints of '", arm.name(), "'.");
+  ModelDescription d = arm.description();
+  for (size_t i = 0; i < gains.size(); ++i) {
+    require(std::isfinite(gains[i]) && gains[i] != 0.0, "found the drive gain ", gains[i], " of ",
+            d.coordinates[i].name, ", expected one that is not zero.");
+    d.coordinates[i].drive_gain = gains[i];
+    d.coordinates[i].drive_gain_deviation = 0.0;
+  }
   return Model(std::move(d));
 }
 

@@ -58,7 +58,9 @@ void JointSensors::require_drive_gains(const Model& arm, const std::string& wher
   for (int j = 0; j < joints(); ++j) {
     require(drive_gain_[j] != 0.0, where, ": found motor currents only, and robot '", arm.name(),
             "' has no drive_gain for coordinate '", arm.coordinates()[static_cast<size_t>(j)].name,
-            "'.");
+            "'; drive gains (--drive-gains K,K,..., drive_gains= in Python) give the torque per ampere "
+            "of each joint, known masses find it (--known-mass), and a robot file (info --yaml writes "
+            "one) keeps it.");
   }
 }
 

@@ -22,6 +22,10 @@ InertialParameters inertial_parameters(double mass, const Eigen::Vector3d& com,
   return phi;
 }
 
+const char* name_of(RobotValues values) {
+  return values == RobotValues::kFacts ? "facts" : "prior";
+}
+
 void place(Frame& frame, const DhRow& dh) {
   frame.dh = dh;
   const bool turns = frame.type == JointType::kRevolute;

@@ -46,11 +46,16 @@ class ModelReader {
     const auto version = root_.find("veridyn");
     if (!version) root_.fail("no 'veridyn: 1'", "a robot file, which begins with it");
     if (version->number() != 1.0) version->fail("version " + version->found(), "'veridyn: 1'");
-    root_.allow_keys({"veridyn", "name", "source", "gravity", "constants", "convention", "box",
+    root_.allow_keys({"veridyn", "name", "source", "values", "gravity", "constants", "convention", "box",
                       "coordinates", "frames", "effects", "arm_effects", "identified", "made"});
     model_.name = root_.at("name").word("the robot's name");
     if (const auto source = root_.find("source"))
       model_.source = source->word("where the numbers come from");
+    if (const auto values = root_.find("values")) {
+      const std::string word = values->word("facts or prior");
+      if (word != "facts" && word != "prior") values->fail(values->found(), "facts or prior");
+      if (word == "prior") model_.values = RobotValues::kPrior;
+    }
     if (const auto convention = root_.find("convention"))
       convention_ = read_convention(*convention);
   }

@@ -50,6 +50,7 @@ class ModelWriter {
     line("veridyn: 1");
     line("name: " + quoted_if_needed(d_.name));
     if (!d_.source.empty()) line("source: " + quoted_if_needed(d_.source));
+    if (d_.values == RobotValues::kPrior) line("values: prior");
     line("gravity: " + numbers_.list("gravity", d_.gravity));
     if (const auto convention = common_convention()) line("convention: " + name_of(*convention));
     constants();
@@ -230,6 +231,7 @@ class ModelWriter {
     std::vector<std::string> parts;
     if (body.phi) parts.push_back(values_text(place, *body.phi, body.std_phi.has_value()));
     if (body.std_phi) parts.push_back("std: " + deviations_text(*body.std_phi));
+    if (body.prior) parts.push_back("prior: {" + values_text(place + "/prior", *body.prior, false) + "}");
     if (body.fixed) parts.push_back("fixed: true");
     const std::string box = box_text(place + "/box", body.box);
     if (!box.empty()) parts.push_back(box);

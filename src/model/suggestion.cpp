@@ -27,6 +27,20 @@ std::size_t edit_distance(const std::string& a, const std::string& b) {
   return row.back();
 }
 
+constexpr std::size_t kTellsEnough = 3;  // letters: one or two begin anything
+
+// "psm" may mean "psm-3dof".
+std::string shortest_that_begins_with(const std::string& name,
+                                      const std::vector<std::string>& candidates) {
+  std::string best;
+  for (const std::string& candidate : candidates) {
+    const bool begins = name.size() >= kTellsEnough && name.size() < candidate.size() &&
+                        std::equal(name.begin(), name.end(), candidate.begin(), same_letter);
+    if (begins && (best.empty() || candidate.size() < best.size())) best = candidate;
+  }
+  return best;
+}
+
 }  // namespace
 
 std::vector<std::string> by_similarity(const std::string& name,
@@ -40,9 +54,12 @@ std::vector<std::string> by_similarity(const std::string& name,
 
 std::string did_you_mean(const std::string& name, const std::vector<std::string>& candidates) {
   if (candidates.empty()) return "";
-  const std::string best = by_similarity(name, candidates).front();
+  std::string best = by_similarity(name, candidates).front();
   const std::size_t longest = std::max(name.size(), best.size());
-  if (2 * edit_distance(name, best) > longest) return "";
+  if (2 * edit_distance(name, best) > longest) {
+    best = shortest_that_begins_with(name, candidates);
+    if (best.empty()) return "";
+  }
   return " (did you mean '" + best + "'?)";
 }
 

@@ -88,6 +88,7 @@ class UrdfReader {
   Model model() {
     model_.name = urdf_->getName();
     model_.source = file_;
+    model_.values = RobotValues::kPrior;
     read_coordinates();
     const urdf::LinkConstSharedPtr root = urdf_->getRoot();
     if (root->name != "world") add_root(*root);

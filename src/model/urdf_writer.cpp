@@ -12,7 +12,7 @@
 namespace veridyn {
 namespace {
 
-constexpr double kUnlimited = 1e9;  // URDF wants a number where there is no limit
+constexpr double kWrittenUnlimited = 1e9;  // URDF wants a number where there is no limit
 
 std::string number(double value) {
   return fmt::format("{}", value + 0.0);
@@ -48,13 +48,13 @@ std::string comment(std::string words) {
   return "<!-- " + words + " -->";
 }
 
-std::string vector(const Vec3d& v) {
+std::string xyz_text(const Vec3d& v) {
   return number(v.x) + " " + number(v.y) + " " + number(v.z);
 }
 
 std::string origin(const Posed& T) {
-  return fmt::format("<origin xyz=\"{}\" rpy=\"{}\"/>", vector(T.p),
-                     vector(rpy_from_rotation(T.R)));
+  return fmt::format("<origin xyz=\"{}\" rpy=\"{}\"/>", xyz_text(T.p),
+                     xyz_text(rpy_from_rotation(T.R)));
 }
 
 class UrdfWriter {
@@ -125,6 +125,8 @@ class UrdfWriter {
       line(1, comment("source: " + arm_.description().source));
     const Eigen::Vector3d& g = arm_.gravity();
     line(1, comment(fmt::format("gravity in link world: {} {} {} m/s^2", g.x(), g.y(), g.z())));
+    for (const EffectTerm& term : arm_.arm_effects())
+      line(1, comment("left out: " + term.effect + " on the arm"));
     int unknown = 0;
     for (const EffectTerm& term : arm_.effects()) {
       if (term.values.empty()) {
@@ -206,7 +208,7 @@ class UrdfWriter {
     line(2, fmt::format("<child link=\"{}\"/>", escaped(j.child)));
     line(2, origin(j.origin));
     if (j.type != JointType::kFixed) {
-      line(2, fmt::format("<axis xyz=\"{}\"/>", vector(j.axis)));
+      line(2, fmt::format("<axis xyz=\"{}\"/>", xyz_text(j.axis)));
       coordinate ? dynamics_and_limits(j) : mimic(j);
     }
     line(1, "</joint>");
@@ -220,7 +222,9 @@ class UrdfWriter {
     return coordinate && limited ? "revolute" : "continuous";
   }
 
-  static double bounded(double value) { return std::max(-kUnlimited, std::min(kUnlimited, value)); }
+  static double bounded(double value) {
+    return std::max(-kWrittenUnlimited, std::min(kWrittenUnlimited, value));
+  }
 
   void dynamics_and_limits(const Joint& j) {
     const Limits& limits = arm_.coordinates()[at(j.coordinate)].limits;
@@ -238,7 +242,7 @@ class UrdfWriter {
   void mimic(const Joint& j) {
     if (j.type == JointType::kPrismatic) {
       line(2, fmt::format("<limit lower=\"{0}\" upper=\"{1}\" velocity=\"{1}\" effort=\"{1}\"/>",
-                          number(-kUnlimited), number(kUnlimited)));
+                          number(-kWrittenUnlimited), number(kWrittenUnlimited)));
     }
     line(2, fmt::format("<mimic joint=\"{}\" multiplier=\"{}\" offset=\"0\"/>",
                         escaped(arm_.coordinates()[at(j.coordinate)].name), number(j.multiplier)));
@@ -285,7 +289,7 @@ class UrdfWriter {
     const Eigen::Vector3d& com = body->com;
     const Eigen::Matrix<double, 6, 1>& I = body->inertia;
     line(2, "<inertial>");
-    line(3, fmt::format("<origin xyz=\"{}\" rpy=\"0 0 0\"/>", vector({com.x(), com.y(), com.z()})));
+    line(3, fmt::format("<origin xyz=\"{}\" rpy=\"0 0 0\"/>", xyz_text({com.x(), com.y(), com.z()})));
     line(3, fmt::format("<mass value=\"{}\"/>", number(body->mass)));
     line(3,
          fmt::format("<inertia ixx=\"{}\" ixy=\"{}\" ixz=\"{}\" iyy=\"{}\" iyz=\"{}\" izz=\"{}\"/>",

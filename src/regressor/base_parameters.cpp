@@ -1,13 +1,12 @@
 #include "veridyn/regressor/base_parameters.hpp"
 
-#include <fmt/format.h>
-
 #include <Eigen/QR>
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include "math/digits.hpp"
 #include "regressor/arm_columns.hpp"
 #include "regressor/random_states.hpp"
 #include "regressor/stacked_columns.hpp"
@@ -75,7 +74,7 @@ std::vector<int> leading_columns(const MatrixXd& A, const std::vector<int>& orde
 }
 
 std::string number(double x) {
-  return fmt::format("{:.6g}", x);
+  return digits(x, 6);
 }
 
 std::string expression(const VectorXd& row, const std::vector<std::string>& names) {

@@ -104,6 +104,7 @@ void ChangeFinder::calibrate() {
 void ChangeFinder::add(const Step& step, WatchState& state) {
   state.time = step.time;
   state.torque = step.torque;
+  state.position = step.position;
   if (learning_) {
     quiet_.push_back(step);
     quiet_live_ += options_.step;

@@ -33,6 +33,7 @@ void StepBuilder::finish() {
   Step step;
   step.time = motion.time.mean();
   step.torque = tau.colwise().mean().transpose();
+  step.position = motion.q.row(count - 1).transpose();
   step.residual = (tau - answer_.torque).colwise().mean().transpose();
   step.rest_friction2 = answer_.rest_friction.colwise().mean().transpose().cwiseAbs2();
   step.parts.resize(n, static_cast<Eigen::Index>(answer_.parts.size()));

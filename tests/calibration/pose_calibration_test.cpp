@@ -185,30 +185,5 @@ TEST(ClosedForms, ShahAndParkAgreeOnConjugateMotions) {
   EXPECT_TRUE(park.isApprox(X, 1e-9));
 }
 
-// Gander's ball, and thesis A.1 to A.7, on exact circles.
-TEST(ClosedForms, PathsOfMarkersGiveTheirAxis) {
-  RandomNumbers random(6);
-  internal::Line axis{random_pose(random, 1.0).linear().col(0), Vector3d(0.3, -0.2, 0.5)};
-  std::vector<MatrixXd> paths;
-  for (int m = 0; m < 3; ++m) {
-    const Vector3d x(random.normal(), random.normal(), random.normal());
-    MatrixXd path(3, 40);
-    for (int k = 0; k < 40; ++k)
-      path.col(k) =
-          Eigen::AngleAxisd(0.03 * k, axis.direction) * (x - axis.point) + axis.point;
-    paths.push_back(path);
-    const internal::Ball ball = internal::fitted_ball(path.topRows(2));
-    EXPECT_GT(ball.radius, 0.0);
-  }
-  const internal::Line found = internal::axis_of_paths(paths);
-  EXPECT_NEAR(std::abs(found.direction.dot(axis.direction)), 1.0, 1e-12);
-  EXPECT_LT((found.point - axis.point).cross(axis.direction).norm(), 1e-9);
-  MatrixXd circle(2, 30);
-  for (int k = 0; k < 30; ++k) circle.col(k) << 0.4 + 2.0 * std::cos(0.1 * k), -1.0 + 2.0 * std::sin(0.1 * k);
-  const internal::Ball ball = internal::fitted_ball(circle);
-  EXPECT_NEAR(ball.radius, 2.0, 1e-10);
-  EXPECT_NEAR(ball.centre[0], 0.4, 1e-10);
-}
-
 }  // namespace
 }  // namespace veridyn

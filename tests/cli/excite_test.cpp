@@ -1,10 +1,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <fstream>
 #include <sstream>
 
 #include "cli/tool.hpp"
 #include "support/browser.hpp"
+#include "veridyn/excitation/excitation.hpp"
 #include "veridyn/recordings/recording.hpp"
 
 namespace veridyn {
@@ -16,7 +18,8 @@ TEST(Excite, WritesMotionCoefficientsAndMargins) {
   const TemporaryFolder folder;
   const ToolRun run =
       run_tool(Words{"excite", "psm-3dof", "-o", folder.path("m.csv"), "--json",
-                     folder.path("m.json"), "--coefficients", folder.path("m.yaml")} +
+                     folder.path("m.json"), "--coefficients", folder.path("m.yaml"),
+                     "--criterion", "condition"} +
                kQuick);
   ASSERT_EQ(run.status, 0) << run.err;
   std::istringstream csv(content_of(folder.path("m.csv")));
@@ -27,7 +30,14 @@ TEST(Excite, WritesMotionCoefficientsAndMargins) {
   EXPECT_EQ(out["status"], "done");
 
   EXPECT_LT(out["condition_number"], out["start_condition_number"]);
-  EXPECT_EQ(out["margins"].size(), 6U);
+  EXPECT_EQ(out["margins"].size(), 9U);
+  ASSERT_EQ(out["used"].size(), 3U);
+  for (const auto& used : out["used"]) {
+    EXPECT_GT(used["range"], 0.0);
+    EXPECT_LE(used["range"], 1.0);
+    EXPECT_LE(used["velocity"], 0.98 + 1e-9);
+    EXPECT_TRUE(used["effort"].is_null());  // its torques are not known
+  }
   for (const auto& margin : out["margins"]) EXPECT_GE(margin["margin"], 0.0) << margin;
   const std::string yaml = content_of(folder.path("m.yaml"));
   EXPECT_NE(yaml.find("  - name: insertion\n    q0: "), std::string::npos) << yaml;
@@ -84,7 +94,11 @@ TEST(Excite, ThePageShowsTheMotionItsLimitsAndWhatItWillIdentify) {
   for (const int width : {400, 1200}) {
     const OpenedPage page = open_page(folder.path("m.html"), width);
     expect_sound(page, width);
-    EXPECT_EQ(page.with("data-plot").size(), 3U);
+    std::map<std::string, int> kinds;
+    for (const PageElement& plot : page.with("data-plot")) ++kinds[plot.at("data-plot")];
+    EXPECT_EQ(kinds["error"], 3 * 3);  // position, velocity and acceleration of three joints
+    EXPECT_EQ(kinds["arm"], 1);
+    EXPECT_EQ(kinds["used"], 1);
     const auto numbers = page.with("data-from");
     EXPECT_GT(numbers.size(),
               4U * result["margins"].size() + 3U * result["base_parameters"].get<size_t>());
@@ -241,21 +255,27 @@ TEST(Excite, TheNextExperimentOfADiagnosisTellsItsRivalsApart) {
     EXPECT_NE(finding["effect"], "position_dependent_friction") << finding;
 }
 
-// Scripts that name a solver of earlier versions go on, and are told which one searches.
-TEST(Excite, FormerSolversAreAliases) {
+// A solver that is named is the one that searches, or it is refused.
+TEST(Excite, TheNamedSolverSearches) {
   const TemporaryFolder folder;
-  const auto motion = [&](const std::string& solver) {
-    const ToolRun run = run_tool({"excite", "planar-2r", "-o", folder.path(solver + ".csv"), "--solver",
-                                  solver, "--iterations", "5", "--starts", "1"});
-    EXPECT_EQ(run.status, 0) << run.err;
-    EXPECT_EQ(run.err.find("is gone: interior-point searches in its place") != std::string::npos,
-              solver != "interior-point")
-        << run.err;
-    return read_recording(folder.path(solver + ".csv")).q;
-  };
-  const MatrixXd q = motion("interior-point");
-  for (const char* former : {"ipopt", "nlopt", "nlopt-derivative-free"})
-    EXPECT_EQ((motion(former) - q).norm(), 0.0) << former;
+  for (const ExcitationSolver solver :
+       {ExcitationSolver::kInteriorPoint, ExcitationSolver::kIpopt, ExcitationSolver::kNlopt}) {
+    const std::string name = name_of(solver);
+    const std::string motion = folder.path(name + ".csv");
+    const std::string json = folder.path(name + ".json");
+    const ToolRun run = run_tool({"excite", "planar-2r", "-o", motion, "--solver", name, "--criterion", "condition",
+                                  "--iterations", "60", "--starts", "1", "--json", json});
+    if (!is_built_in(solver)) {
+      EXPECT_EQ(run.status, 2) << run.err;
+      EXPECT_NE(run.err.find(name), std::string::npos) << run.err;
+      EXPECT_FALSE(std::ifstream(motion).good()) << "a refused search writes nothing";
+      continue;
+    }
+    ASSERT_EQ(run.status, 0) << run.err;
+    EXPECT_EQ(json_of(json)["solver"], name);
+    // Random motions of this arm and seed reach 5.5 at best; all three find what is near 3.
+    EXPECT_LT(json_of(json)["condition_number"], 4.0) << name;
+  }
 }
 
 TEST(Excite, WordsThatMakeNoSenseAreUsageErrors) {

@@ -46,6 +46,53 @@ TEST(ModelErrorObserver, FindsWhatTheModelLacksAsAFirstOrderLag) {
   }
 }
 
+// A motor that gives half of what is asked for is no error of the model: nothing winds up, and when
+// the motor is free again d is there at once. Not told, the observer takes it for one.
+TEST(ModelErrorObserver, WhatWasNotSentIsNoErrorOfTheModel) {
+  const Model& arm = sample_arms().at("spherical_RRP");
+  const double dt = 5e-4;
+  for (const bool told : {true, false}) {
+    ArmState state(arm, {last_frame(arm)});
+    ModelErrorObserver error(3, {20.0, VectorXd::Constant(3, 100.0)});
+    Plant plant(arm);
+    plant.set_state(Eigen::Vector3d(0.1, 0.2, 0.3), VectorXd::Zero(3));
+    const VectorXd unknown = Eigen::Vector3d(0.2, -0.1, 0.3);
+    VectorXd y(3), tau(3), sent(3);
+    double most = 0.0;
+    for (int k = 0; k < 1200; ++k) {
+      state.update(plant.q(), plant.dq());
+      y = Eigen::Vector3d(4.0, -4.0, 2.0) * (k > 400 && k < 600 ? 1.0 : 0.0) - 3.0 * plant.dq();
+      tau = state.bias() + state.mass_matrix() * y + error.update(state, y, dt);
+      sent = tau;
+      if (k > 400 && k < 600) sent = state.bias() + 0.5 * (tau - state.bias());
+      if (told) error.sent(tau, sent);
+      if (k > 400 && k < 600) most = std::max(most, (error.torque() - unknown).norm());
+      ASSERT_EQ(plant.step(sent - unknown, dt), StepStatus::kOk);
+    }
+    if (told) {
+      EXPECT_LT(most, 0.1) << "wound up";
+    } else {
+      EXPECT_GT(most, 0.25);
+    }
+  }
+}
+
+// Where less was sent than asked for, the estimate grows no further that way.
+TEST(ModelErrorObserver, DoesNotGrowBeyondAMotorThatGivesNoMore) {
+  const Model& arm = sample_arms().at("spherical_RRP");
+  ArmState state(arm, {last_frame(arm)});
+  state.update(Eigen::Vector3d(0.1, 0.2, 0.3), Eigen::Vector3d::Zero());
+  ModelErrorObserver error(3, {10.0, VectorXd::Constant(3, 100.0)});
+  const VectorXd y = Eigen::Vector3d(5, 5, 5), asked = Eigen::Vector3d(2, 2, 2);
+  const VectorXd sent = Eigen::Vector3d(1.99, 2, 2);
+  for (int k = 0; k < 100; ++k) {
+    error.update(state, y, 1e-3);
+    error.sent(asked, sent);
+  }
+  EXPECT_LE(error.torque()[0], 0.0);
+  EXPECT_GT(error.torque()[1], 0.1);
+}
+
 TEST(ModelErrorObserver, NeverAddsMoreThanItsLimit) {
   const Model& arm = sample_arms().at("spherical_RRP");
   ArmState state(arm, {last_frame(arm)});

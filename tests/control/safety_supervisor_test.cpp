@@ -1,11 +1,13 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <string>
 
 #include "control/control_support.hpp"
 #include "veridyn/control/safety_supervisor.hpp"
+#include "veridyn/control/torque_uncertainty.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/model_file.hpp"
 #include "veridyn/simulation/plausible_model.hpp"
@@ -189,6 +191,176 @@ TEST(SafetySupervisor, OldSamplesLeaveNoTraceInWhatIsHeld) {
   GravityCompensation gravity(s.arm_);
   const VectorXd holds = gravity.update(s.q_) + Eigen::Vector3d(0.1, 0.2, 0.3);
   EXPECT_TRUE(near(out, holds, 1e-9));
+}
+
+// Brings a supervised arm into kHold, by a joint that is too fast.
+void too_fast(Supervised& s) {
+  s.dq_[0] = 2.1;
+  s.run();
+  EXPECT_EQ(s.safety_.fault(), SafetyFault::kVelocity);
+  EXPECT_EQ(s.safety_.action(), SafetyAction::kHold);
+}
+
+// The test of hold: the energy falls to a half within held_seconds, or the motors go off.
+TEST(SafetySupervisor, AHeldArmComesToRestOrLosesItsPower) {
+  for (const bool by_controller : {false, true}) {
+    for (const double half_life : {0.08, 1.0}) {  // [s] of the energy
+      Supervised s;
+      if (by_controller) {
+        s.input_.held = true;
+      } else {
+        too_fast(s);
+      }
+      s.dq_[0] = 1.9;
+      for (int k = 0; k < 80; ++k) {
+        s.dq_[0] *= std::pow(0.5, 0.5 * 1e-3 / half_life);
+        s.run();
+        EXPECT_NE(s.safety_.fault(), SafetyFault::kNotHeld) << k;
+      }
+      for (int k = 0; k < 320; ++k) {
+        s.dq_[0] *= std::pow(0.5, 0.5 * 1e-3 / half_life);
+        s.run();
+        // It is found in time.
+        if (half_life == 1.0 && k == 40) EXPECT_EQ(s.safety_.fault(), SafetyFault::kNotHeld);
+      }
+      const bool slows = half_life < 0.1;
+      EXPECT_EQ(s.safety_.fault() == SafetyFault::kNotHeld, !slows) << by_controller;
+      EXPECT_EQ(s.safety_.action() == SafetyAction::kMotorsOff, !slows);
+      if (!slows) EXPECT_EQ(s.run().norm(), 0.0);
+    }
+  }
+  // An arm that moves because it is told to is not held.
+  Supervised s;
+  s.dq_[0] = 1.9;
+  for (int k = 0; k < 400; ++k) s.run();
+  EXPECT_EQ(s.safety_.fault(), SafetyFault::kNone);
+}
+
+TEST(SafetySupervisor, AnArmThatRunsAwayAfterAFaultLosesItsPowerAtOnce) {
+  Supervised s;
+  too_fast(s);
+  s.dq_[0] = 2.9;
+  s.run();
+  EXPECT_EQ(s.safety_.action(), SafetyAction::kHold);
+  s.dq_[0] = 3.1;
+  EXPECT_EQ(s.run().norm(), 0.0);
+  EXPECT_EQ(s.safety_.fault(), SafetyFault::kNotHeld);
+  EXPECT_EQ(s.safety_.joint(), 0);
+}
+
+TEST(SafetySupervisor, AMotorThatPressesWithAllThatItHasIsSwitchedOff) {
+  const Model arm = plausible_model(read_model("psm-3dof"), 1).arm;
+  ArmState state(arm, {"tool"});
+  const VectorXd q = Eigen::Vector3d(0.1, 0.2, 0.1), rest = VectorXd::Zero(3);
+  state.update(q, rest);
+  SafetyLimits limits = safety_limits(arm, kTorque);
+  limits.torque = 0.7 * state.bias().cwiseAbs().array() + 1e-3;
+  SafetySupervisor safety(arm, limits);
+  SafetyInput input(3);
+  input.q_wanted = q;
+  safety.enable();  // ready: held
+  safety.activate();
+  safety.update(state, input, rest);
+  input.dt = 0.01;
+  safety.update(state, input, rest);  // an overrun: from now on it holds
+  EXPECT_EQ(safety.fault(), SafetyFault::kOverrun);
+  input.dt = 0.001;
+  for (int k = 0; k < 190; ++k) safety.update(state, input, rest);
+  EXPECT_EQ(safety.fault(), SafetyFault::kOverrun);
+  for (int k = 0; k < 20; ++k) safety.update(state, input, rest);
+  EXPECT_EQ(safety.fault(), SafetyFault::kNotHeld);
+}
+
+TEST(SafetySupervisor, LaterFaultsCountWhereTheirActionIsStronger) {
+  Supervised s;
+  too_fast(s);
+  s.dq_.setZero();
+  s.input_.force_age = 1.0;  // forces are not needed to brake
+  s.run();
+  EXPECT_EQ(s.safety_.action(), SafetyAction::kHold);
+  s.input_.force_age = 0.0;
+  s.input_.force << 0, 0, 16;
+  s.run();
+  EXPECT_EQ(s.safety_.action(), SafetyAction::kRelease);
+  s.input_.force.setZero();
+  s.run();
+  s.q_[0] += 0.05;
+  s.run();
+  EXPECT_EQ(s.safety_.action(), SafetyAction::kFreeze);
+  s.input_.force << 0, 0, 16;
+  s.run();
+  EXPECT_EQ(s.safety_.action(), SafetyAction::kFreeze);
+  ASSERT_EQ(s.safety_.events(), 4);
+  EXPECT_EQ(s.safety_.event(0).fault, SafetyFault::kVelocity);
+  EXPECT_EQ(s.safety_.event(1).fault, SafetyFault::kForceSensor);
+  EXPECT_EQ(s.safety_.event(2).fault, SafetyFault::kForce);
+  EXPECT_EQ(s.safety_.event(3).fault, SafetyFault::kEncoderJump);
+  EXPECT_NEAR(s.safety_.event(3).after, 0.004, 1e-9);
+  EXPECT_TRUE(s.safety_.reset());
+  EXPECT_EQ(s.safety_.events(), 0);
+}
+
+// What holds beside the model is no more than the model may be wrong by and the measured force takes.
+TEST(SafetySupervisor, AHoldingTorqueStaysWithinWhatTheModelMayBeWrongBy) {
+  for (const bool pulled : {false, true}) {
+    for (const double sign : {-1.0, 1.0}) {
+      Supervised s;
+      if (pulled) s.input_.force << 0, 8, 0;
+      s.input_.force_expected.setConstant(NAN);
+      s.safety_.set_holding_torque(Eigen::Vector3d::Constant(sign * 25.0));
+      s.run();
+      s.input_.dt = 0.02;
+      s.run();
+      ASSERT_EQ(s.safety_.fault(), SafetyFault::kOverrun);
+      s.safety_.set_holding_torque(Eigen::Vector3d::Constant(9.0));  // too late
+      s.input_.dt = 0.001;
+      const VectorXd out = s.run();
+      TorqueUncertainty uncertainty(s.arm_);
+      VectorXd u = uncertainty.update(s.state_, VectorXd::Zero(3));
+      const VectorXd load =
+          s.state_.tip().jacobian().topRows<3>().transpose() * s.input_.force;
+      for (int i = 0; i < 3; ++i) {
+        const double most = u[i] + std::max(0.0, sign * load[i]);
+        const double wanted = s.state_.bias()[i] + sign * std::min(25.0, most);
+        EXPECT_NEAR(out[i], std::clamp(wanted, -kTorque, kTorque), 1e-9) << i;
+      }
+    }
+  }
+}
+
+TEST(SafetySupervisor, BrakesAndGivesWayAgainstTheMotion) {
+  Supervised s;
+  s.safety_.set_holding_torque(Eigen::Vector3d(0.01, 0.02, -0.01));
+  s.run();
+  s.dq_ << 0.3, -0.2, 0.05;
+  s.input_.dt = 0.02;
+  VectorXd out = s.run();
+  VectorXd wanted = s.state_.bias() - 30.0 * s.state_.mass_matrix() * s.dq_;
+  wanted += Eigen::Vector3d(0.01, 0.02, -0.01);
+  EXPECT_TRUE(near(out, wanted.cwiseMin(kTorque).cwiseMax(-kTorque), 1e-9));
+  s.input_.dt = 0.001;
+  s.input_.force << 0, 16, 0;
+  out = s.run();
+  wanted = s.state_.bias() - 30.0 * s.state_.mass_matrix() * s.dq_;
+  EXPECT_EQ(s.safety_.action(), SafetyAction::kRelease);
+  EXPECT_TRUE(near(out, wanted.cwiseMin(kTorque).cwiseMax(-kTorque), 1e-9));
+}
+
+TEST(SafetySupervisor, NeverSendsMoreThanTheMotorsHave) {
+  Supervised s;
+  s.tau_ << 50, -50, 31;
+  EXPECT_TRUE(near(s.run(), Eigen::Vector3d(30, -30, 30), 0.0));
+}
+
+TEST(SafetySupervisor, AnArmThatWasNeverSeenGetsNoTorque) {
+  Supervised s;
+  s.safety_.disable();
+  EXPECT_TRUE(s.safety_.enable());
+  EXPECT_TRUE(s.safety_.activate());
+  s.q_.setConstant(NAN);
+  EXPECT_EQ(s.run().norm(), 0.0);
+  EXPECT_EQ(s.safety_.fault(), SafetyFault::kNotFinite);
+  EXPECT_EQ(s.safety_.action(), SafetyAction::kMotorsOff);
 }
 
 TEST(SafetySupervisor, BadLimitsAreRefused) {

@@ -2,11 +2,18 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <fstream>
+#include <iterator>
 #include <optional>
+#include <thread>
 
+#include "cooperation/empty_run.hpp"
 #include "dvrk/board_bench.hpp"
+#include "dvrk/cooperation/scenario_row_file.hpp"
+#include "veridyn/cooperation/live.hpp"
 #include "veridyn/math/require.hpp"
 
 // Arms on emulated boards hold one object: UDP sockets, sessions, loops and supervisors as on real
@@ -219,6 +226,7 @@ Heard with_cell(const Cell::Speech& speech) {
   options.emulate = options.stepped = true;
   options.hold = options.release = 0.2;
   options.sensor_patience = 0.4;
+  options.rehearsed = false;
   options.force_sources = {"udp:5999"};
   Heard out;
   options.open_source = [&](const std::string&) { return std::make_unique<Cell>(speech, out.polls); };
@@ -256,6 +264,163 @@ TEST(BoardCooperation, ASensorThatFallsSilentUnderPowerHoldsAll) {
   EXPECT_EQ(heard.refusal, "");
   EXPECT_EQ(heard.run.run.state, CooperativeState::kSensorStale) << heard.run.report();
   EXPECT_EQ(heard.run.power, OffState::kConfirmed);
+}
+
+// Commands that no arm can carry out, and what must be said of each.
+struct Infeasible {
+  const char* line;
+  const char* why;
+};
+const Infeasible kInfeasible[] = {
+    {"move 5 0 0 0.1", "arm "},
+    {"move 0.08 0 0 0.3", "rad/s, expected at most 1.9"},
+    {"move 0 0 0.5 5", "short of it"},
+    {"move 1e308 0 0 1e308", "no finite place"},
+    {"turn 0 0 1.5 0.05", "arm "},
+    {"tighten 1 0.01", ""},
+    {"arm slave 0 0.6 0 5", "arm slave"},
+    {"force spring 1000 0.1", "found a force of 1000 N, expected at most 12 N"},
+    {"force spring nan 1", "found 'nan'"},
+};
+
+TEST(BoardCooperation, AScenarioThatCannotBeCarriedOutIsRefusedBeforePower) {
+  for (const Infeasible& one : kInfeasible) {
+    if (std::string(one.why).rfind("found 'nan'", 0) == 0) continue;  // no file says that
+    Scenario scenario = board_example("two-psm-spring");
+    scenario.phases.resize(2);
+    scenario.phases[1].commands = {
+        std::get<ScenarioCommand>(parse_live_command(one.line, scenario))};
+    BoardCooperationOptions options;
+    options.emulate = options.stepped = true;
+    options.rehearsed = false;
+    bool driven = false;
+    options.watch = [&](const EmulatedInstant& now) {
+      for (const EmulatedInstant::Arm& arm : now.arms) driven = driven || arm.driven;
+    };
+    const std::atomic<bool> stop{false};
+    try {
+      run_on_boards(scenario, patient_side(2), options, stop);
+      ADD_FAILURE() << one.line;
+    } catch (const InvalidInput& error) {
+      const std::string said = error.what();
+      EXPECT_NE(said.find(one.why), std::string::npos) << one.line << ": " << said;
+      EXPECT_NE(said.find("phase 'move'"), std::string::npos) << said;
+    }
+    EXPECT_FALSE(driven) << one.line;
+  }
+}
+
+TEST(BoardCooperation, AnAskThatSimulationMissesIsRefusedBeforePower) {
+  Scenario scenario = board_example("two-psm-spring");
+  scenario.phases.resize(1);
+  scenario.phases[0].asked_force_error = 0.001;
+  BoardCooperationOptions options;
+  options.emulate = options.stepped = true;
+  const std::atomic<bool> stop{false};
+  try {
+    run_on_boards(scenario, patient_side(2), options, stop);
+    ADD_FAILURE();
+  } catch (const InvalidInput& error) {
+    EXPECT_NE(std::string(error.what()).find("asked 0.001 N: NOT met"), std::string::npos) << error.what();
+  }
+}
+
+// By line they are refused one by one, and nothing moves; what can be done between them is done.
+TEST(BoardCooperation, LinesThatCannotBeCarriedOutMoveNothing) {
+  const Scenario scenario = board_example("two-psm-spring");
+  std::vector<std::string> words{"force spring 2 0.8", "wait 1"};
+  for (const Infeasible& one : kInfeasible) words.push_back(one.line);
+  for (const char* line : {"jog 100 0 0", "wait 0.3", "quit"}) words.push_back(line);
+  Lines lines(words);
+  BoardCooperationOptions options;
+  options.emulate = options.stepped = true;
+  options.hold = options.release = 0.3;
+  options.lines = &lines;
+  options.live.pace = 0.0;
+  std::vector<std::string> refusals;
+  options.live_report.refused = [&](const std::string& line) { refusals.push_back(line); };
+  double fastest = 0.0;
+  options.watch = [&](const EmulatedInstant& now) {
+    for (const EmulatedInstant::Arm& arm : now.arms)
+      if (arm.driven) fastest = std::max(fastest, arm.dq->cwiseAbs().maxCoeff());
+  };
+  const std::atomic<bool> stop{false};
+  const BoardCooperationRun done = run_on_boards(scenario, patient_side(2), options, stop);
+  EXPECT_EQ(done.end, BoardEnd::kDone) << done.report();
+  ASSERT_EQ(refusals.size(), std::size(kInfeasible) + 1);
+  for (std::size_t k = 0; k < std::size(kInfeasible); ++k)
+    EXPECT_NE(refusals[k].find(kInfeasible[k].why), std::string::npos) << refusals[k];
+  EXPECT_NE(refusals.back().find("jog 100 0 0"), std::string::npos);
+  EXPECT_LT(done.largest_force, 2.3);
+  EXPECT_LT(fastest, 0.2);  // the spring is drawn and let go
+}
+
+// A jog that is kept up ends before it leads where an arm cannot go.
+TEST(BoardCooperation, AJogEndsBeforeTheArmsDo) {
+  const Scenario scenario = board_example("two-psm-spring");
+  std::vector<std::string> words{"force spring 1 0.5", "wait 0.6"};
+  for (int k = 0; k < 20; ++k) {
+    words.push_back("jog 0 0 -0.05");
+    words.push_back("wait 0.3");
+  }
+  words.push_back("quit");
+  Lines lines(words);
+  BoardCooperationOptions options;
+  options.emulate = options.stepped = true;
+  options.hold = options.release = 0.3;
+  options.lines = &lines;
+  options.live.pace = 0.0;
+  std::vector<std::string> refusals;
+  options.live_report.refused = [&](const std::string& line) { refusals.push_back(line); };
+  const std::atomic<bool> stop{false};
+  const BoardCooperationRun done = run_on_boards(scenario, patient_side(2), options, stop);
+  EXPECT_EQ(done.end, BoardEnd::kDone) << done.report();
+  EXPECT_FALSE(refusals.empty());
+  EXPECT_LT(done.largest_force, 2.0);
+}
+
+TEST(BoardCooperation, RowsAreInTheFileWhileTheyAreMade) {
+  const std::string path = testing::TempDir() + "rows-as-they-come.csv";
+  ScenarioRun run = empty_run(board_example("two-psm-spring"), "boards", 100);
+  for (int k = 0; k < 100; ++k) run.time[k] = 0.001 * k;
+  const auto lines_in = [&] {
+    std::ifstream file(path);
+    std::vector<std::string> out;
+    for (std::string line; std::getline(file, line);) out.push_back(line);
+    return out;
+  };
+  ScenarioRowFile file(path, run);
+  file.count(60);
+  std::vector<std::string> lines;
+  for (int trial = 0; trial < 100 && lines.size() < 62; ++trial) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    lines = lines_in();
+  }
+  ASSERT_EQ(lines.size(), 62U);
+  EXPECT_EQ(lines[0].rfind("# incomplete", 0), 0U);
+  EXPECT_EQ(lines[1], scenario_row_names(run));
+  EXPECT_EQ(lines[61], scenario_row(run, 59));
+  write_scenario_rows(run, path);
+  lines = lines_in();
+  EXPECT_EQ(lines.size(), 101U);
+  EXPECT_EQ(lines[0], scenario_row_names(run));
+  std::remove(path.c_str());
+}
+
+// What the report says of an arm is what its encoders saw.
+TEST(BoardCooperation, TheReportSaysWhichArmWasHeld) {
+  Scenario scenario = board_example("two-psm-spring");
+  scenario.phases.resize(1);
+  const BoardCooperationRun done =
+      on_emulated_boards(scenario, {{EmulatedFault::Kind::kReversed, 1, 1.2}, {EmulatedFault::Kind::kPower, 0, 1.4}});
+  ASSERT_EQ(done.after_fault.size(), 2U);
+  EXPECT_FALSE(done.after_fault[1].held()) << done.report();
+  EXPECT_NE(done.report().find("NOT all arms were held"), std::string::npos) << done.report();
+  ASSERT_FALSE(done.later.empty());
+  for (const LaterFault& one : done.later) {
+    EXPECT_GE(one.at, done.fault_at);
+    EXPECT_NE(done.report().find("also: " + one.what), std::string::npos);
+  }
 }
 
 TEST(BoardCooperation, ASignalReleasesAndSwitchesOff) {

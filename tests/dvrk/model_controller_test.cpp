@@ -112,6 +112,58 @@ TEST(ModelController, GravityHoldsTheArmWhereItIs) {
   }
 }
 
+// planar-2r with a shoulder encoder that shows 0.1 rad too much, and drives there that give less than
+// they are asked for.
+Model with_wrong_shoulder() {
+  ModelDescription d = read_model("planar-2r").description();
+  d.coordinates[0].recorded.position_offset = 0.1;
+  d.coordinates[0].recorded.torque_gain = 1.1;
+  return Model(std::move(d));
+}
+
+// Where the joints truly were: rows are as the boards show them.
+Recording true_rows(Recording rows) {
+  rows.q.col(0).array() -= 0.1;
+  return rows;
+}
+
+// A motion is led in true positions by a model that knows its sensors, as well as without errors; by
+// one that does not, it is off by the zero.
+TEST(ModelController, WhatTheModelKnowsOfSensorsIsUndone) {
+  for (const bool knows : {true, false}) {
+    Trial trial(ControlLaw::kComputedTorque,
+                knows ? with_wrong_shoulder() : read_model("planar-2r"));
+    trial.bench.load.set_sensors(JointSensors(with_wrong_shoulder()));
+    const RunResult run = trial.run();
+    ASSERT_TRUE(run.complete) << run.why << "\n" << trial.arm.boards().faults().report();
+    const double worst = worst_joint_error(true_rows(run.rows));
+    if (knows) {
+      EXPECT_LT(worst, 0.01);
+    } else {
+      EXPECT_GT(worst, 0.09);
+    }
+  }
+}
+
+// The torque of gravity at the true place, as the drives count it; without that the arm sinks.
+TEST(ModelController, AWeightlessArmWithWrongSensorsStaysWhereItIs) {
+  for (const bool knows : {true, false}) {
+    Trial trial(ControlLaw::kGravity, knows ? with_wrong_shoulder() : read_model("planar-2r"));
+    trial.bench.load.set_sensors(JointSensors(with_wrong_shoulder()));
+    const RunResult run = trial.run();
+    const Recording rows = true_rows(run.rows);
+    const Eigen::Vector2d start(0.4, -0.7);
+    const double moved = (rows.q.rowwise() - start.transpose()).cwiseAbs().maxCoeff();
+    if (knows) {
+      EXPECT_TRUE(run.complete) << run.why;
+      EXPECT_LT(moved, 1e-3);
+      EXPECT_NEAR(rows.tau(1000, 0), 1.1 * gravity_torque(start)[0], 0.02);
+    } else {
+      EXPECT_GT(moved, 0.05);
+    }
+  }
+}
+
 // Everything from one cycle to the next: link, boards, controller, rows.
 TEST(ModelController, ACycleOfARunDoesNotAllocate) {
   if (dvrk_malloc_count() < 0) GTEST_SKIP() << "the sanitizer has a malloc of its own";

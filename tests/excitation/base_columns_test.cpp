@@ -87,6 +87,7 @@ TEST(BaseColumns, EssentialParametersOfTheWristAreWellConditioned) {
   options.starts = 1;
   options.iterations = 15;
   options.essential = 0.01;
+  options.criterion = ExcitationCriterion::kCondition;
   options.limit_share = 1.0;
   const Excitation e = optimise_excitation(read_model("psm-wrist"), options);
   ASSERT_EQ(e.status, ExcitationStatus::kDone);

@@ -10,6 +10,7 @@
 #include "excitation/base_regressor.hpp"
 #include "veridyn/excitation/excitation.hpp"
 #include "veridyn/excitation/fourier_trajectory.hpp"
+#include "math/numbers.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/model_file.hpp"
 #include "veridyn/regressor/base_parameters.hpp"
@@ -30,15 +31,15 @@ MotionSamples some_motion(int joints, unsigned seed) {
       .motion(2, kRate);
 }
 
-TorqueNoise noise(int joints, double share) {
-  return {VectorXd::Constant(joints, share), 1.0 / kRate, "assumed"};
+TorqueNoise noise(int joints, double deviation) {
+  return {VectorXd::Constant(joints, deviation), 1.0 / kRate, "assumed"};
 }
 
 // Weighted least squares on many noisy copies of the torques scatters as predicted.
 TEST(Prediction, IsTheScatterOfLeastSquares) {
   const Model arm = plausible_model(read_model("planar-2r"), 2).arm;
   const MotionSamples motion = some_motion(2, 3);
-  const TorqueNoise assumed = noise(2, 0.05);
+  const TorqueNoise assumed = noise(2, 0.05);  // [N m]
   const Prediction p = predict_identification(arm, motion, assumed);
   const BaseRegressor regressor(arm);
   ASSERT_EQ(static_cast<int>(p.parameters.size()), regressor.size());
@@ -51,7 +52,7 @@ TEST(Prediction, IsTheScatterOfLeastSquares) {
     const VectorXd own = tau.segment(i * motion.rows(), motion.rows());
     const double rms = own.norm() / std::sqrt(static_cast<double>(motion.rows()));
     EXPECT_NEAR(p.rms_torque[i], rms, 1e-9 * rms);
-    sigma.segment(i * motion.rows(), motion.rows()).setConstant(0.05 * rms);
+    sigma.segment(i * motion.rows(), motion.rows()).setConstant(0.05);
   }
   const MatrixXd weighted = sigma.cwiseInverse().asDiagonal() * W;
   const Eigen::HouseholderQR<MatrixXd> qr(weighted);
@@ -111,6 +112,19 @@ TEST(Prediction, SpeaksOfTheParametersThatAnIdentificationFinds) {
     for (const PredictedParameter& p : e.prediction->parameters) names.push_back(p.name);
     EXPECT_EQ(names, identifiable_base_parameters(arm).names) << robot;
   }
+}
+
+// What an identification left is the noise of the next one; without it a share of the largest effort.
+TEST(Prediction, TheUsualNoiseIsMeasuredOrAShareOfTheEffort) {
+  ModelDescription d = plausible_model(read_model("planar-2r"), 2).arm.description();
+  d.coordinates[0].limits.effort = 20.0;
+  d.coordinates[1].limits.effort = kInfinity;
+  const TorqueNoise assumed = usual_noise(Model(d));
+  EXPECT_DOUBLE_EQ(assumed.deviation[0], 0.2);
+  EXPECT_GT(assumed.deviation[1], 0.0);
+  d.identified.emplace();
+  d.identified->noise = Eigen::Vector2d(0.3, 0.04);
+  EXPECT_EQ(usual_noise(Model(d)).deviation, d.identified->noise);
 }
 
 TEST(Prediction, WithoutValuesThereIsNone) {

@@ -79,6 +79,7 @@ TEST_P(SearchGradient, OfTheConditionNumberInEveryScaling) {
   const Search s(read_model("psm-3dof"));
   ExcitationOptions options;
   if (GetParam()) options.given = {recorded(s)};
+  options.criterion = ExcitationCriterion::kCondition;
   for (const auto scaling :
        {ColumnScaling::kNorm, ColumnScaling::kNone, ColumnScaling::kOrthogonal}) {
     options.scaling = scaling;
@@ -103,13 +104,13 @@ TEST_P(SearchGradient, OfTheRelativeDeviations) {
     options.criterion = ExcitationCriterion::kAOptimal;
     options.valued = plausible_model(s.arm, 1).arm;
     options.noise = TorqueNoise();
-    options.noise->share = VectorXd::LinSpaced(s.arm.joints(), 0.02, 0.07);
+    options.noise->deviation = VectorXd::LinSpaced(s.arm.joints(), 0.02, 0.07);
     expect_exact(s, options, 0.0);
   }
 }
 
 // The criterion is what the prediction says, up to a factor that is the same for all motions; only
-// what is nearly nothing is taken relative to more than itself, and noise does not vanish.
+// what is nearly nothing is taken relative to more than itself.
 TEST_P(SearchGradient, TheRelativeDeviationsAreThoseOfThePrediction) {
   const Search s(plausible_model(read_model("psm-3dof"), 2).arm);
   ExcitationOptions options;
@@ -119,16 +120,12 @@ TEST_P(SearchGradient, TheRelativeDeviationsAreThoseOfThePrediction) {
   RandomNumbers random(6);
   const auto difference = [&] {
     const MotionSamples motion = s.space.trajectory(s.space.random(random)).motion(2, 100.0);
-    TorqueNoise noise = usual_noise(s.arm);
-    const VectorXd rms = predict_identification(s.arm, motion, noise).rms_torque;
-    const VectorXd least = question.exact_deviations->least_square();
-    EXPECT_LT(least.cwiseQuotient(rms.cwiseAbs2()).minCoeff(), 0.5);
-    noise.share.array() *= (1.0 + least.array() / rms.array().square()).sqrt();
-    const Prediction p = predict_identification(s.arm, motion, noise, options.given);
+    const Prediction p =
+        predict_identification(s.arm, motion, usual_noise(s.arm), options.given);
     double sum = 0.0;
     int floored = 0;
     for (size_t b = 0; b < p.parameters.size(); ++b) {
-      const double size = question.exact_deviations->size()[static_cast<Eigen::Index>(b)];
+      const double size = question.sizes[static_cast<Eigen::Index>(b)];
       const double value = std::abs(p.parameters[b].value);
       sum += p.parameters[b].deviation / size;
       EXPECT_GE(size, value * (1.0 - 1e-12));
@@ -172,8 +169,8 @@ TEST(SearchJacobian, OfEveryKindOfLimitAgreesWithCentralDifferences) {
   workspace.pairs = {{{"tool", 0.02, {0.0, 0.0, 0.01}}, {"world", 0.05, {0.1, 0.2, -0.1}}, 0.01},
                      {{"tool", 0.02, {}}, {"upper", 0.03, {0.01, 0.0, 0.0}}, 0.0}};
   workspace.insertions = {{"tool", {0.01, 0.02, 0.0}, 0.0, 0.3}};
-  const LimitSignals signals(s.arm, motion_limits(s.arm), workspace, Model(std::move(strong)));
-  EXPECT_EQ(signals.count(), 9 + 3 + 3 + 2 + 1);
+  const LimitSignals signals(s.arm, motion_limits(s.arm), workspace, Model(std::move(strong)), 30.0);
+  EXPECT_EQ(signals.count(), 9 + 3 + 3 + 3 + 2 + 1);
   const int instants = 7;
   const GridConstraints limits(s.space, signals, instants);
   const VectorXd entries = limits.jacobian(s.start);

@@ -59,6 +59,46 @@ struct Rig {
 
 VectorXd near_by() { return Eigen::Vector3d(0.15, 0.0, 0.13); }
 
+// An encoder shows 0.1 rad too much. The server of a model that knows it goes to the true place and
+// tells true positions; that of one that does not is off by it.
+TEST(CrtkArm, WhatTheModelKnowsOfSensorsIsUndone) {
+  veridyn::ModelDescription d = psm().description();
+  d.coordinates[1].recorded.position_offset = 0.1;
+  const Model slipped(std::move(d));
+  const veridyn::JointSensors sensors(slipped);
+  for (const bool knows : {true, false}) {
+    CrtkArm arm(knows ? slipped : psm());
+    veridyn::Plant plant(psm());
+    plant.set_state(Eigen::Vector3d(0.1, 0.05, 0.12), Eigen::Vector3d::Zero());
+    VectorXd shown = plant.q(), tau;
+    const auto run = [&](double seconds) {
+      for (int k = 0; k < static_cast<int>(seconds / kCycle + 0.5); ++k) {
+        shown = plant.q();
+        sensors.show_positions(shown);
+        tau = arm.update(shown, plant.dq(), 0.0, kCycle);
+        ASSERT_EQ(plant.step(tau, kCycle), veridyn::StepStatus::kOk);
+      }
+    };
+    run(0.002);
+    Command c;
+    c.client = 1;
+    c.kind = Kind::kEnable;
+    EXPECT_EQ(arm.command(c), Refusal::kNone);
+    c.kind = Kind::kMoveJp;
+    c.count = 3;
+    for (int i = 0; i < 3; ++i) c.joints[i] = near_by()[i];
+    EXPECT_EQ(arm.command(c), Refusal::kNone);
+    run(4.0);
+    const double off = (plant.q() - near_by()).cwiseAbs().maxCoeff();
+    EXPECT_NEAR(arm.feedback().q[1], knows ? plant.q()[1] : shown[1], 1e-6);
+    if (knows) {
+      EXPECT_LT(off, 2e-3);
+    } else {
+      EXPECT_GT(off, 0.09);
+    }
+  }
+}
+
 TEST(CrtkArm, OperatingStatesAreThoseOfCrtk) {
   Rig rig;
   EXPECT_EQ(rig.arm.state(), OperatingState::kDisabled);

@@ -3,6 +3,7 @@
 #include "simulation/simulation_support.hpp"
 #include "support/near.hpp"
 #include "support/simulated.hpp"
+#include "veridyn/diagnosis/diagnosis.hpp"
 #include "veridyn/effects/channel_effect.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/model_file.hpp"
@@ -19,8 +20,11 @@ namespace {
 
 constexpr double kCompliance = 1e-4;  // [rad/(N m)]
 
+// Without dry friction, whose jumps a derivative cannot follow.
 Model stiff() {
-  return plausible_model(read_model("elbow-6r"), 2).arm;
+  ModelDescription d = plausible_model(read_model("elbow-6r"), 2).arm.description();
+  d.effects.clear();
+  return Model(std::move(d));
 }
 
 Model on_soft_base(double about_x, double about_y) {
@@ -29,10 +33,10 @@ Model on_soft_base(double about_x, double about_y) {
   return inject_effects(stiff(), {hidden}).arm;
 }
 
-MotionSamples slow_waves(int rows, double dt) {
+MotionSamples slow_waves(int rows, double dt, unsigned seed = 0) {
   MotionSamples m{VectorXd::LinSpaced(rows, 0.0, dt * (rows - 1)), MatrixXd(rows, 6), {}, {}};
   for (int i = 0; i < 6; ++i)
-    m.q.col(i) = 0.4 + 0.3 * ((1.0 + 0.2 * i) * m.time.array() + i).sin();
+    m.q.col(i) = 0.4 + 0.3 * ((1.0 + 0.2 * i) * m.time.array() + i * (1.0 + seed)).sin();
   return with_derivatives(m);
 }
 
@@ -90,6 +94,35 @@ TEST(BaseCompliance, ColumnsAreWhatTheStatesDoInMotion) {
   EXPECT_GT(effect, 0.01 * late(with));
   EXPECT_LT(late(run.recording.actual_tau - with), 0.1 * effect);
   EXPECT_GT(late(run.recording.actual_tau - without), 0.9 * effect);
+}
+
+// From recordings of an arm whose base truly swings, by name; nothing where the base stands firm.
+TEST(BaseCompliance, IsFoundWhereItIsNamed) {
+  const auto diagnosed = [](const std::vector<HiddenEffect>& hidden) {
+    std::vector<Recording> rows;
+    for (const unsigned seed : {1U, 2U}) {
+      ControlledOptions options;
+      options.recording.hidden = hidden;
+      options.recording.noise = sensor_noise("low");
+      options.recording.seed = seed;
+      rows.push_back(recording_of(
+          simulate_controlled(stiff(), slow_waves(6000, 0.005, seed), options).recording));
+      rows.back().source = "run " + std::to_string(seed);
+    }
+    DiagnosisOptions options;
+    options.effects = {"base_compliance"};
+    return diagnose(stiff(), {rows[0]}, {rows[1]}, options);
+  };
+  const Diagnosis soft =
+      diagnosed({parse_hidden_effect("base_compliance:arm:about_x=1e-4,about_y=2e-4")});
+  ASSERT_EQ(soft.findings.size(), 1U);
+  EXPECT_EQ(to_text(stiff(), soft.findings[0].cause), "base_compliance:arm");
+  ASSERT_EQ(soft.findings[0].parameters.size(), 2U);
+  EXPECT_NEAR(soft.findings[0].parameters[0].value, 1e-4, 2e-5);
+  EXPECT_NEAR(soft.findings[0].parameters[1].value, 2e-4, 2e-5);
+  ASSERT_TRUE(soft.extended.model.has_value());
+  EXPECT_EQ(soft.extended.model->arm_effects().size(), 1U);
+  EXPECT_TRUE(diagnosed({}).findings.empty());
 }
 
 TEST(BaseCompliance, AComplianceBelowZeroIsRefused) {

@@ -64,7 +64,58 @@ std::string content_at(const std::string& html, const std::string& tag, std::siz
   return "";
 }
 
+fs::path new_folder() {
+  std::string folder = (fs::temp_directory_path() / "veridyn-browser-XXXXXX").string();
+  if (::mkdtemp(folder.data()) == nullptr) throw std::runtime_error("no temporary folder");
+  return folder;
+}
+
+void run_browser(const fs::path& work, const std::string& words) {
+  const std::string folder = work.string();
+  const std::string command =
+      "timeout 180 " + browser() +
+      " --headless=new --no-sandbox --disable-gpu --hide-scrollbars --allow-file-access-from-files"
+      " --enable-logging=stderr --user-data-dir=" +
+      folder + "/profile " + words + " >" + folder + "/dom 2>" + folder + "/log </dev/null";
+  EXPECT_EQ(std::system(command.c_str()), 0) << read(work / "log");
+}
+
 }  // namespace
+
+std::string picture_of(const std::string& path, double moment) {
+  const fs::path work = new_folder();
+  run_browser(work, "--window-size=1400,900 --virtual-time-budget=3000 --screenshot=" +
+                        (work / "page.png").string() + " 'file://" + path +
+                        "#t=" + std::to_string(moment) + "'");
+  std::string picture = read(work / "page.png");
+  std::error_code ignored;
+  fs::remove_all(work, ignored);
+  return picture;
+}
+
+std::vector<double> column(const nlohmann::json& packed) {
+  std::vector<double> out;
+  if (packed.is_array()) {
+    for (const auto& value : packed) out.push_back(value.is_null() ? NAN : value.get<double>());
+    return out;
+  }
+  static const std::string kDigits =
+      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::vector<unsigned> bytes;
+  unsigned bits = 0;
+  int count = 0;
+  for (const char c : packed["int16"].get<std::string>()) {
+    if (c == '=') break;
+    bits = (bits << 6 | static_cast<unsigned>(kDigits.find(c))) & 0xffffu;
+    count += 6;
+    if (count >= 8) bytes.push_back(bits >> (count -= 8) & 255u);
+  }
+  for (std::size_t k = 0; k + 1 < bytes.size(); k += 2) {
+    const unsigned step = bytes[k] | bytes[k + 1] << 8;
+    out.push_back(step == 65535u ? NAN : packed["from"].get<double>() + step * packed["step"].get<double>());
+  }
+  return out;
+}
 
 std::string without_scripts(const std::string& html) {
   std::string out;
@@ -130,19 +181,12 @@ std::string browser() {
   return "";
 }
 
-OpenedPage open_page(const std::string& path, int width, const std::string& script) {
-  std::string folder = (fs::temp_directory_path() / "veridyn-browser-XXXXXX").string();
-  if (::mkdtemp(folder.data()) == nullptr) throw std::runtime_error("no temporary folder");
-  const fs::path work(folder);
+OpenedPage open_page(const std::string& path, int width, const std::string& script, Scheme scheme) {
+  const fs::path work = new_folder();
   std::ofstream(work / "frame.html") << frame_page(path, width, script);
-  const std::string command =
-      "timeout 180 " + browser() +
-      " --headless=new --no-sandbox --disable-gpu --hide-scrollbars --allow-file-access-from-files"
-      " --enable-logging=stderr --window-size=1400,1000 --user-data-dir=" +
-      folder + "/profile --dump-dom file://" + folder + "/frame.html >" + folder + "/dom 2>" +
-      folder + "/log </dev/null";
+  const std::string dark = scheme == Scheme::kDark ? "--blink-settings=preferredColorScheme=0 " : "";
+  run_browser(work, dark + "--window-size=1400,1000 --dump-dom file://" + (work / "frame.html").string());
   OpenedPage page;
-  EXPECT_EQ(std::system(command.c_str()), 0) << read(work / "log");
   page.html = read(work / "dom");
   std::istringstream log(read(work / "log"));
   for (std::string line; std::getline(log, line);) {
@@ -164,10 +208,10 @@ void expect_sound(const OpenedPage& page, int width) {
   EXPECT_FALSE(plots.empty());
   for (const PageElement& plot : plots) {
     const std::string name = plot.at("data-plot") + " of joint " + plot.at("data-joint");
-    const bool is_svg = plot.content.find("<svg") != std::string::npos;
+    const bool over_time = plot.at("data-plot") == "time" || plot.at("data-plot") == "error";
     for (const char* what : {"data-points", "data-pixels"}) {
       const std::map<std::string, long> curves = counts(plot.at(what));
-      if (is_svg && std::string(what) == "data-pixels") continue;
+      if (!over_time && std::string(what) == "data-pixels") continue;
       EXPECT_FALSE(curves.empty()) << name << " has no " << what;
       for (const auto& [curve, count] : curves) {
         EXPECT_GT(count, 0) << name << ", " << curve << ", " << what;

@@ -33,9 +33,15 @@ struct OpenedPage {
 /// "chromium" or another browser of its family that is installed; "" if there is none.
 std::string browser();
 
+enum class Scheme { kLight, kDark };
+
 /// Opens a file in a frame of this width, without a network.
 /// @param script  runs when the page is ready, with `page` as its window.
-OpenedPage open_page(const std::string& path, int width, const std::string& script = "");
+OpenedPage open_page(const std::string& path, int width, const std::string& script = "",
+                     Scheme scheme = Scheme::kLight);
+
+/// The bytes of a picture of the page at a moment of its recording [s].
+std::string picture_of(const std::string& path, double moment);
 
 /// What the page says about itself is as it should be: no fault, nothing wider than the page, and
 /// every plot has points and pixels of every curve.
@@ -49,6 +55,9 @@ std::string without_scripts(const std::string& html);
 
 /// The JSON in one of the page's script elements.
 nlohmann::json embedded(const std::string& html, const std::string& id);
+
+/// A column of numbers as a page's series has it, packed or as a list; NaN where there is none.
+std::vector<double> column(const nlohmann::json& packed);
 
 /// "measured:12 model:30" as a map.
 std::map<std::string, long> counts(const std::string& words);

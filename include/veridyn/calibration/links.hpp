@@ -71,6 +71,7 @@ struct LinksCalibration {
   double correlation = 1.0;   ///< frames per independent frame
   std::optional<Model> model;  ///< the robot with the constants found
   std::vector<Eigen::Vector3d> positions;  ///< measured [m], for drawings
+  MatrixXd joints;  ///< (frames x joints) [rad], [m] as recorded, for drawings
   std::vector<double> residuals, residual_angles;  ///< [m], [rad] by frame
   double seconds = 0.0;
 

@@ -75,7 +75,9 @@ struct SafetyLimits {
   /// [s] in which the kinetic energy of a held arm must fall to a half. Braking alone takes
   /// ln 2 / (2 braking) = 12 ms; a motor at its limit takes longer.
   double held_seconds = 0.1;
-  double rest_share = 0.02;  ///< Share of the velocity limits below which a held arm is at rest
+  /// Share of the velocity limits below which a held arm is at rest: its place is kept from there on,
+  /// by a spring that a torque beside the model moves by a hundredth of its acceleration.
+  double rest_share = 0.05;
   double runaway = 1.5;      ///< times the velocity limit: motors off, where a fault is there already
   /// Of every parameter, UncertaintyOptions::relative: a holding torque leaves the model by no more
   /// than TorqueUncertainty at rest and the measured force explain.

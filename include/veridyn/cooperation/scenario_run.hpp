@@ -102,5 +102,8 @@ ScenarioRun run_scenario(const Scenario& scenario, const std::string& engine = "
 /// Rows as CSV: t, q1.., dq1.., tau1.. of all arms one after the other, then tips and forces by
 /// name. Whole or not there.
 void write_scenario_rows(const ScenarioRun& run, const std::string& path);
+/// Its first line and row k, without their ends.
+std::string scenario_row_names(const ScenarioRun& run);
+std::string scenario_row(const ScenarioRun& run, Eigen::Index k);
 
 }  // namespace veridyn

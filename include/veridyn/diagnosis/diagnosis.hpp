@@ -19,12 +19,6 @@ enum class ExtendedModel {
                    ///< that of recordings which took no part
 };
 
-/// What the values of a robot file are.
-enum class RobotValues {
-  kFacts,  ///< a MODEL: the diagnosis asks what changed since it was made
-  kPrior,  ///< a maker's file: the arm is identified first
-};
-
 struct DiagnosisOptions {
   DiagnosisOptions() { identification.weights = JointWeights::kResidual; }
 
@@ -37,7 +31,8 @@ struct DiagnosisOptions {
   std::vector<std::string> effects;
   int max_effects = 20;  ///< findings at most; contacts and plain friction do not count
   ExtendedModel extended = ExtendedModel::kAllFindings;
-  RobotValues values = RobotValues::kFacts;
+  /// What the values of the robot are; nothing: as its file says.
+  std::optional<RobotValues> values{};
   /// An effect is accepted when the sum over joints of ln(held-out mean square error) falls by more
   /// than `smallest_gain`, in the mean over the folds (recordings, or phases of the period of a
   /// single one), in all folds but one or beyond chance by their signed ranks, and when the p value
@@ -199,6 +194,10 @@ struct Diagnosis {
   std::vector<std::string> remarks;
   NextExperiment next_experiment;  ///< empty where nothing is left to separate
   bool provisional = false;        ///< one training recording only: names are provisional
+  /// Friction, offsets and rotor inertia of the extended model, where the file has no friction and
+  /// the arm was asked about with plain friction from the start; no findings.
+  std::vector<JointNumber> friction;
+  std::string friction_remark;     ///< what the file lacks, in words; empty: nothing was added
   int hypotheses = 0;              ///< how many were asked
   double seconds = 0.0;
 

@@ -11,6 +11,7 @@
 #include "veridyn/excitation/prediction.hpp"
 #include "veridyn/excitation/workspace_limits.hpp"
 #include "veridyn/model/model.hpp"
+#include "veridyn/regressor/joint_friction.hpp"
 
 namespace veridyn {
 
@@ -18,7 +19,9 @@ namespace veridyn {
 enum class ExcitationCriterion {
   /// Smallest condition number of the base regressor (thesis 5.27).
   kCondition,
-  /// Largest ln det of its weighted Gram matrix: the smallest volume of the confidence ellipsoid.
+  /// Largest ln det of its Gram matrix, rows divided by their noise (ExcitationOptions::noise): the
+  /// smallest volume of the confidence ellipsoid, and so the smallest geometric mean of the expected
+  /// standard deviations along its axes. Amplitude counts; a condition number knows none.
   kDOptimal,
   /// Smallest mean of the base parameters' predicted standard deviations, each relative to the
   /// parameter's value; one that is nearly nothing counts as one that makes 0.1 % of the torques.
@@ -33,11 +36,16 @@ const char* name_of(ExcitationCriterion criterion);
 /// Who searches.
 enum class ExcitationSolver {
   kInteriorPoint,  ///< primal-dual interior point with exact gradients and Jacobian
+  kIpopt,          ///< Ipopt, where the library was built with it
+  kNlopt,          ///< sequential quadratic programming of NLopt, where the library was built with it
   kRandom,         ///< random motions within the joints' limits; the best of them
 };
 
-/// "interior-point", "random".
+/// "interior-point", "ipopt", "nlopt", "random".
 const char* name_of(ExcitationSolver solver);
+
+/// False for Ipopt and NLopt where the library was built without them.
+bool is_built_in(ExcitationSolver solver);
 
 /// How columns of the base regressor are scaled before the condition number.
 enum class ColumnScaling {
@@ -65,7 +73,7 @@ struct ExcitationOptions {
   /// period, for friction: there and back at a slow, constant speed, within all limits. The
   /// criterion does not know of them.
   int slow_passes = 0;
-  ExcitationCriterion criterion = ExcitationCriterion::kCondition;
+  ExcitationCriterion criterion = ExcitationCriterion::kDOptimal;
   std::optional<std::pair<RivalCause, RivalCause>> between{};  ///< for kDiscriminate
   ColumnScaling scaling = ColumnScaling::kNorm;                ///< for kCondition
   /// Above zero: the criterion is about the essential parameters only, see EssentialParameters;
@@ -73,15 +81,22 @@ struct ExcitationOptions {
   double essential = 0.0;
   ExcitationSolver solver = ExcitationSolver::kInteriorPoint;
   int starts = 2;  ///< independent searches, of which the best wins
-  /// Iterations of each descent of the interior point, motions of kRandom in each search; the result depends on this and not on the clock.
+  /// Iterations of each descent, motions of kRandom in each search; the result depends on this and not on the clock.
   int iterations = 400;
-  /// Of the limits of joints and torques that may be used, above 0 and at most 1.
-  double limit_share = 0.95;
+  /// Of the limits of joints and torques that may be used, above 0 and at most 1. Nothing: what a
+  /// safety supervisor needs (SafetySupervisor, MotionCheck): 98 % of speeds, 95 % of torques, of ranges
+  /// all but 0.25 % at each end from where the joint still stops before the limit, accelerations
+  /// whole.
+  std::optional<double> limit_share{};
+  double braking = 30.0;  ///< [1/s] it stops within dq / braking, as SafetyLimits::braking has it
+  /// Friction beside that of the robot file, as an identification of the recording would have it.
+  JointFriction friction = JointFriction::kAuto;
   WorkspaceLimits workspace{};
   /// The arm with values of its bodies (and effects, where it has them): its efforts limit the
   /// torques, and rivals are built from it. Nothing: the arm itself, where it has values.
   std::optional<Model> powered{};
-  /// Of the torques, for the prediction; nothing: usual_noise() of the arm with values.
+  /// Of the torques, for kDOptimal, kAOptimal and the prediction; nothing: usual_noise() of the arm
+  /// with values.
   std::optional<TorqueNoise> noise{};
   /// The arm with values for the prediction and kAOptimal only; nothing: `powered`, or the arm
   /// itself.
@@ -112,6 +127,20 @@ struct LimitMargin {
   double upper = 0.0;
   double margin = 0.0;  ///< to the nearer bound, negative where it is crossed
 };
+
+/// What a motion uses of the limits of one joint, as shares; NaN where there is no limit, or where
+/// torques are not known.
+struct UsedLimits {
+  double range = 0.0;     ///< largest minus smallest position
+  double velocity = 0.0;  ///< largest speed
+  double effort = 0.0;    ///< largest torque
+  /// Limits that the motion comes closest to and that hold this joint; empty: none does.
+  std::vector<std::string> held_by{};
+};
+
+/// A joint that uses less than this of its range and of its speed says little of its inertia and
+/// nothing of its friction.
+constexpr double kLittleUse = 0.4;
 
 /// What the motion says about two rivals; roots of mean squares of torque in units of the
 /// rows' weights, per unit of the rival's parameter (of a payload: 1 kg within 0.1 m). Zero for a
@@ -174,6 +203,9 @@ struct Excitation {
   bool converged = false;  ///< the solver said so for the motion that won
   double seconds = 0.0;
   std::vector<LimitMargin> margins{};
+  std::vector<UsedLimits> used{};     ///< (n)
+  double limit_share = 0.0;           ///< ExcitationOptions::limit_share; 0: what a supervisor needs
+  std::string friction_remark{};      ///< veridyn::friction_remark()
   MotionBounds bounds{};              ///< Bounds of the periods
   MotionBounds limits{};              ///< Limits of the arm, in the same order
   std::vector<std::string> joints{};  ///< names of the coordinates
@@ -181,6 +213,9 @@ struct Excitation {
 
   /// Status, quality and margins to the limits, as text.
   std::string report() const;
+
+  /// A sentence on every joint of little use (kLittleUse), with the limit that forbids more.
+  std::vector<std::string> warnings() const;
 };
 
 /// Searches a Fourier trajectory that starts and stops at rest, repeats its period, keeps within

@@ -8,20 +8,24 @@
 
 namespace veridyn {
 
-/// The noise of the torques that a prediction assumes.
+/// The noise of the torques that a design and a prediction assume. It does not depend on the motion:
+/// a larger one says more.
 struct TorqueNoise {
-  /// (n) standard deviation as a share of each joint's rms torque along the motion.
-  VectorXd share;
+  VectorXd deviation;  ///< (n) standard deviation [N m] or [N]
   /// Torques are a sum of what the model says and of errors that stay alike for about so long;
   /// samples closer than that are no further evidence [s].
   double seconds = 0.1;
-  std::string source;  ///< Origin of the share, in words
+  std::string source;  ///< Origin of the deviations, in words
 };
 
-/// Without better knowledge.
-constexpr double kUsualNoise = 0.04;
+/// Share of the largest effort, without better knowledge.
+constexpr double kUsualNoise = 0.01;
 
-/// The relative errors that the identification of `arm` left, or else kUsualNoise on all joints.
+/// A share of each joint's largest effort; where the file gives none, four times that share of its
+/// rms torque at random states within the limits (of 1 N m or 1 N where the arm has no values).
+TorqueNoise noise_of_efforts(const Model& arm, double share);
+
+/// What the identification of `arm` left of the torques, or else noise_of_efforts(arm, kUsualNoise).
 TorqueNoise usual_noise(const Model& arm);
 
 /// How well a recording would tell one base parameter.

@@ -29,8 +29,4 @@ namespace veridyn {
 /// @param remarks  comments on links by the name of their frame; "": on the whole.
 std::string to_mjcf(const Model& arm, const std::map<std::string, std::string>& remarks = {});
 
-/// Writes to_mjcf() to a file. @throws InvalidInput  the file cannot be written.
-void save_mjcf(const Model& arm, const std::string& path,
-              const std::map<std::string, std::string>& remarks = {});
-
 }  // namespace veridyn

@@ -16,7 +16,4 @@ namespace veridyn {
 /// @throws InvalidInput  a body has no values.
 std::string to_sdf(const Model& arm, const UrdfExtras& extras = {});
 
-/// Writes to_sdf() to a file. @throws InvalidInput  the file cannot be written.
-void save_sdf(const Model& arm, const std::string& path, const UrdfExtras& extras = {});
-
 }  // namespace veridyn

@@ -20,7 +20,8 @@ struct FactorSet {
 };
 
 /// Compresses recordings, in parallel; the blocks of a recording are merged where there are many
-/// recordings, as identify() does it.
+/// recordings, as identify() does it. An arm whose file has no friction gets it as by
+/// JointFriction::kAuto; an identification may leave it out again.
 /// @throws InvalidInput  as compress().
 FactorSet compress(const Model& arm, const std::vector<std::string>& paths,
                    const PreprocessingOptions& options = {}, int threads = 0);

@@ -37,7 +37,7 @@ enum class PhysicalCondition {
 /// Entropic pull of body k toward given parameters: adds weight * entropic_divergence(J_k, J(phi)).
 struct EntropicPrior {
   double weight = 0.0;              ///< > 0 (in the unit of z squared), or 0: none
-  std::vector<InertialVector> phi;  ///< one per body, pseudo-inertia positive definite
+  std::vector<InertialVector> phi;  ///< one per body, pseudo-inertia positive definite; zero: none
 };
 
 /// Quadratic pull: adds the sum of weight_j * (x_j - x0_j)^2.

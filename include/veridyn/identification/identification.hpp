@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "veridyn/regressor/base_parameters.hpp"
+#include "veridyn/regressor/joint_friction.hpp"
 #include "veridyn/identification/compressed_recording.hpp"
 #include "veridyn/identification/drive_gains.hpp"
 #include "veridyn/identification/feasible_least_squares.hpp"
@@ -35,6 +36,8 @@ struct IdentificationOptions {
   JointWeights weights = JointWeights::kRange;
   PhysicalCondition condition = PhysicalCondition::kPseudoInertia;  ///< for kFeasible
   EffectSigns signs = EffectSigns::kPhysical;                       ///< for kFeasible
+  /// Friction that is identified beside what the robot file has; remarks say which.
+  JointFriction friction = JointFriction::kAuto;
   PreprocessingOptions preprocessing;
   std::optional<PreprocessingOptions>
       test_preprocessing;  ///< Preprocessing of held-out recordings; empty: the same
@@ -141,7 +144,8 @@ struct Identification {
   std::optional<Model> model;     ///< the arm with these values
   std::vector<CompressedRecording>
       factors;  ///< the training recordings, for further questions without their samples
-  /// A sentence on every velocity that was taken from the position, see choose_velocities.
+  /// Sentences on friction that the robot file does not have, and on every velocity that was taken
+  /// from the position, see choose_velocities.
   std::vector<std::string> remarks;
   std::vector<UnusedRecording> left_out;  ///< Left out of the list, see there
   std::optional<DriveGains> drive_gains;  ///< Given where known masses were given

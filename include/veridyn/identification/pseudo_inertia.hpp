@@ -30,6 +30,10 @@ Eigen::Matrix4d pseudo_inertia(const Eigen::Ref<const InertialVector>& phi);
 /// @param Z  (4x4), symmetric; of another matrix the symmetric part counts.
 InertialVector pseudo_inertia_adjoint(const Eigen::Matrix4d& Z);
 
+/// The nearest body of the same mass and centre whose mass lies at least `radius` [m] (rms) to the
+/// sides of its centre, in all three directions; zero where there is no mass.
+InertialVector with_size(const InertialVector& phi, double radius);
+
 /// The inverse of pseudo_inertia: the ten parameters of a given J (4x4, symmetric).
 InertialVector inertial_parameters(const Eigen::Matrix4d& J);
 
@@ -41,9 +45,6 @@ InertialVector inertial_parameters(const Eigen::Matrix4d& J);
 /// D > 0 is necessary and not sufficient for a real body: it ignores h and admits principal moments
 /// that break the triangle inequality. Kept to compare with results of the older literature.
 Eigen::Matrix4d principal_moment_matrix(const Eigen::Ref<const InertialVector>& phi);
-
-/// The adjoint of principal_moment_matrix, as pseudo_inertia_adjoint.
-InertialVector principal_moment_adjoint(const Eigen::Matrix4d& Z);
 
 /// Smallest eigenvalue of a symmetric 4x4 matrix.
 double smallest_eigenvalue(const Eigen::Matrix4d& J);

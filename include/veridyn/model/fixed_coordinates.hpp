@@ -2,6 +2,7 @@
 
 #include <map>
 #include <string>
+#include <vector>
 
 #include "veridyn/model/model.hpp"
 
@@ -18,5 +19,9 @@ namespace veridyn {
 /// @param positions  by name of the coordinate [rad] or [m].
 /// @throws InvalidInput  no such coordinate, or none would be left.
 Model with_fixed(const Model& arm, const std::map<std::string, double>& positions);
+
+/// The arm with these torques per ampere of motor current, one for each coordinate [N m/A], [N/A].
+/// @throws InvalidInput  another number of them, or one that is zero or not finite.
+Model with_drive_gains(const Model& arm, const std::vector<double>& gains);
 
 }  // namespace veridyn

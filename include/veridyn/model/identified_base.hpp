@@ -33,6 +33,7 @@ struct IdentifiedBase {
   std::vector<std::string> recordings;  ///< names of the files that it learned from
   int clusters = 0;                     ///< Clusters of the jackknife; its degrees of freedom are one fewer
   VectorXd error;  ///< (n) relative error on the recordings that it learned from
+  VectorXd noise;  ///< (n) [N m] or [N] white noise, one sample in 0.1 s, as uncertain as what it left; or empty
   /// (clusters x n) how the information is spread over the clusters, by joint: it is alike where
   /// the same motion was recorded again, and its clusters are then pairs. Empty where not known.
   MatrixXd motion;

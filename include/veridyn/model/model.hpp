@@ -58,10 +58,22 @@ struct ParameterBox {
   double effect_max = 0.0;
 };
 
+/// What the values of a robot file are.
+enum class RobotValues {
+  kFacts,  ///< of this very arm, as a MODEL's
+  kPrior,  ///< of a series of arms: a maker's file (URDF), or `values: prior` in YAML
+};
+
+/// "facts", "prior".
+const char* name_of(RobotValues values);
+
 /// A rigid body that moves with its frame.
 struct Body {
   std::optional<InertialParameters> phi;      ///< known, started or identified values
   std::optional<InertialParameters> std_phi;  ///< their standard deviations, where identified
+  /// What the maker's file had in their place: an identification stays close to it wherever the
+  /// recordings leave a choice.
+  std::optional<InertialParameters> prior;
   bool fixed = false;                         ///< true: the values are facts and are not identified
   ParameterBox box;                           ///< bounds of its own, where given
 };
@@ -119,6 +131,7 @@ struct EffectTerm {
 struct ModelDescription {
   std::string name;
   std::string source;  ///< Origin of the numbers
+  RobotValues values = RobotValues::kFacts;
   Eigen::Vector3d gravity{0.0, 0.0, -9.81};
   std::map<std::string, double> constants;
   std::vector<Coordinate> coordinates;

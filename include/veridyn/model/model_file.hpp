@@ -35,6 +35,7 @@ Model read_yaml(const std::string& content, const std::string& file,
 ///     recordings: [one.csv]         # it learned from
 ///     clusters: 8                   # of the jackknife; degrees of freedom are one fewer
 ///     error: [0.04, 0.12]           # relative, per joint, on these recordings
+///     noise: [0.2, 0.5]             # [N m], [N]: IdentifiedBase::noise
 ///     motion: [[..], ..]            # IdentifiedBase::motion, a row for every cluster
 ///     base:
 ///       - {name: hx_upper, unit: kg m, value: 2.25, free: 2.26, std: 0.01,

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "veridyn/simulation/replay.hpp"
@@ -33,6 +34,10 @@ struct Breakaway {
   double recorded_forward = 0.0, recorded_backward = 0.0;
   double simulated_forward = 0.0, simulated_backward = 0.0;
   VectorXd simulated_q;  ///< (rows) of the joint; NaN where nothing was simulated
+
+  /// Every ramp with both efforts, and the medians, as text.
+  /// @param joint  the coordinate. @param recording  what the recording is called.
+  std::string report(const Coordinate& joint, const std::string& recording) const;
 };
 
 /// The mean effort of a tenth of a second around row k.

@@ -1,5 +1,10 @@
 #pragma once
 
+#include <string>
+#include <vector>
+
+#include "veridyn/recordings/preprocessing.hpp"
+#include "veridyn/recordings/recording_quality.hpp"
 #include "veridyn/simulation/control_loop.hpp"
 
 namespace veridyn {
@@ -9,7 +14,15 @@ struct ReplayInput {
   MotionSamples motion;   ///< as recorded, lightly low-passed
   MatrixXd tau;           ///< (rows x n) as recorded
   std::vector<char> use;  ///< (rows) 0: in a gap or at an edge, left out of the errors
+  RecordingQuality quality{};           ///< Quality of the recording
+  std::vector<std::string> remarks{};   ///< velocities taken from positions, rows that were filled in
 };
+
+/// The recording on its uniform grid, lightly low-passed, as identification sees it. A recorded
+/// velocity that is wrong in scale, late or coarser than its position's derivative is taken from the
+/// position.
+/// @throws InvalidInput  as for_each_stretch().
+ReplayInput replay_input(const Model& arm, const std::string& recording, PreprocessingOptions how);
 
 /// What of the recording is given to the model, and what is compared.
 enum class ReplayDrive {

@@ -53,7 +53,6 @@ class World {
   StepStatus step(const std::vector<VectorXd>& tau, double dt) noexcept;
 
   double time() const;     ///< [s]
-  int failed_arm() const;  ///< Index (from 0) of the arm whose last step was not kOk; -1: none
   int substeps() const;    ///< Substeps of the last step
   const VectorXd& q(int arm) const;
   const VectorXd& dq(int arm) const;

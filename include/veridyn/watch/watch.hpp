@@ -62,6 +62,7 @@ struct WatchState {
   std::string suspect;   ///< its cause
   VectorXd residual;     ///< (n) mean of the step: measured minus modelled torque, known changes taken off
   VectorXd torque;       ///< (n) measured
+  VectorXd position;     ///< (n) [rad], [m] at the end of the step
   VectorXd noise;        ///< (n) standard deviation of a step's innovation
 };
 

@@ -56,6 +56,7 @@ dvrk::BoardCooperationOptions board_options(const BoardsRequest& request, const 
   options.force_sources = request.sensors;
   options.force_calibrations = request.calibrations;
   options.stepped = request.stepped;
+  options.rehearsed = !request.unrehearsed;
   for (const std::string& words : request.faults)
     options.faults.push_back(
         value_of("--board-fault", [&] { return dvrk::parse_emulated_fault(words, scenario); }));
@@ -80,7 +81,17 @@ std::string boards_json(const dvrk::BoardCooperationRun& done, const Scenario& s
                    {"force_at_off", done.force_at_off},
                    {"cycles", done.cycles},
                    {"late", done.late},
-                   {"power", dvrk::describe(done.power)}};
+                   {"power", dvrk::describe(done.power)},
+                   {"confirmed_off", done.power == dvrk::OffState::kConfirmed}};
+  for (const dvrk::ArmAfterFault& one : done.after_fault)
+    out["boards"]["after_fault"].push_back({{"arm", one.name},
+                                            {"held", one.held()},
+                                            {"answered", one.known},
+                                            {"moved", one.moved},
+                                            {"rest_after", one.rest_after < 0.0 ? nlohmann::ordered_json() : nlohmann::ordered_json(one.rest_after)},
+                                            {"off_at", one.off_at < 0.0 ? nlohmann::ordered_json() : nlohmann::ordered_json(one.off_at)}});
+  for (const dvrk::LaterFault& one : done.later)
+    out["boards"]["later"].push_back({{"at", one.at}, {"what", one.what}});
   out["met"] = done.met();
   return out.dump(1) + "\n";
 }
@@ -116,11 +127,13 @@ void add_boards_options(CLI::App& command, BoardsRequest& request) {
       ->option_text("SOURCE...");
   command.add_option("--force-calibration", request.calibrations, "For each sensor")
       ->option_text("FILE...");
+  command.add_flag("--unrehearsed", request.unrehearsed,
+                   "Do not simulate the scenario before power, to see whether it keeps what it asks for");
   command.add_flag("--stepped", request.stepped,
                    "Emulated boards whose time does not depend on this machine's");
   command
       .add_option("--board-fault", request.faults,
-                  "Of emulated boards: silent, amplifier, power, encoder, jump or limp")
+                  "Of emulated boards: silent, amplifier, power, encoder, jump, limp, weak, reversed or stuck")
       ->option_text("KIND:ARM@S...");
 }
 
@@ -167,6 +180,7 @@ ExitStatus run_boards(const BoardsRequest& request, const LiveRequest& live,
     options.live = live_options(live);
     options.live_report = live_report();
   }
+  options.rows = output;
   catch_signals();
   const dvrk::BoardCooperationRun done =
       dvrk::run_on_boards(scenario, arms, options, stop_asked());

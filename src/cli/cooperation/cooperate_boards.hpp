@@ -17,7 +17,7 @@ struct BoardsRequest {
   std::vector<std::string> sensors;       ///< force sources, one per member
   std::vector<std::string> calibrations;  ///< files, one per member
   std::vector<std::string> faults;        ///< see parse_emulated_fault()
-  bool emulate = false, stepped = false;
+  bool emulate = false, stepped = false, unrehearsed = false;
 };
 
 /// What `cooperate --live` is asked for, on boards or not.

@@ -14,6 +14,7 @@
 #include "veridyn/model/model_file.hpp"
 #include "recordings/kept_recordings.hpp"
 #include "veridyn/report/json.hpp"
+#include "veridyn/report/pages.hpp"
 
 namespace veridyn::cli {
 namespace {
@@ -44,12 +45,13 @@ bool is_known_robot(const std::string& name) {
          std::find(known.begin(), known.end(), name) != known.end();
 }
 
-void run(CheckRequest& request) {
+void run(CheckRequest& request, const std::string& command_line) {
   require_writable(request.common.json);
+  require_writable(request.common.report);
   std::vector<std::string> recordings = request.files;
   std::optional<Model> arm;
   if (recordings.size() > 1 && is_robot(recordings.front())) {
-    arm = read_robot(recordings.front(), request.common.fixed);
+    arm = read_robot(recordings.front(), request.common);
     recordings.erase(recordings.begin());
   }
   expect_value(arm || recordings.size() > 1 || !is_known_robot(recordings.front()), "REC",
@@ -75,12 +77,13 @@ void run(CheckRequest& request) {
     checked[at].findings = std::move(findings);
   });
   if (!request.common.json.empty()) write_file(request.common.json, to_json(checked));
+  if (!request.common.report.empty()) write_file(request.common.report, to_page(checked, command_line));
   for (const RecordingQuality& quality : checked) std::cout << quality.report();
 }
 
 }  // namespace
 
-void add_check_command(CLI::App& tool, Outcome&) {
+void add_check_command(CLI::App& tool, Outcome& outcome) {
   const auto request = std::make_shared<CheckRequest>();
   CLI::App& command =
       *tool.add_subcommand("check", "Quality of recordings, and whether they fit a robot");
@@ -91,13 +94,14 @@ void add_check_command(CLI::App& tool, Outcome&) {
       ->option_text("[ROBOT] REC...");
   add_headerless_options(command, request->reading.columns, request->reading.header_rate);
   add_signal_options(command, request->reading.signals);
-  add_fix_option(command, request->common.fixed);
+  add_robot_options(command, request->common);
   add_row_range(command, "--rows", "Rows to look at", [request](RowRange rows) {
     request->reading.first_row = rows.first;
     request->reading.row_count = rows.count;
   });
   add_common_options(command, request->common);
-  command.callback([request] { run(*request); });
+  add_report_option(command, request->common);
+  command.callback([request, &outcome] { run(*request, outcome.command_line); });
 }
 
 }  // namespace veridyn::cli

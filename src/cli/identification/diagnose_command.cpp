@@ -4,19 +4,17 @@
 #include "cli/options/choice.hpp"
 #include "cli/commands.hpp"
 #include "cli/options/common_options.hpp"
-#include "cli/options/makers_file.hpp"
 #include "cli/options/messages.hpp"
 #include "cli/options/option_checks.hpp"
 #include "cli/options/recording_options.hpp"
 #include "cli/options/sound_arguments.hpp"
 #include "veridyn/diagnosis/diagnosis.hpp"
 #include "diagnosis/stages/investigation.hpp"
-#include "effects/plain_friction.hpp"
 #include "math/output_file.hpp"
 #include "model/effect_names.hpp"
 #include "veridyn/model/model_file.hpp"
 #include "veridyn/report/diagnosis_json.hpp"
-#include "veridyn/report/diagnosis_page.hpp"
+#include "veridyn/report/pages.hpp"
 #include "veridyn/report/setting_names.hpp"
 
 namespace veridyn::cli {
@@ -66,16 +64,12 @@ ExitStatus run(DiagnoseRequest& request, const std::string& command_line) {
   require_writable(request.common.json);
   require_writable(request.common.report);
   require_writable(request.model_out);
-  const Model arm = read_robot(request.robot, request.common.fixed);
+  const Model arm = read_robot(request.robot, request.common);
   expect_known_places(arm, request.options.effects);
   warn_of_repeated_recordings(request.train);
   if (!request.test_rows) warn_of_shared_recordings(request.train, request.test);
-  const bool prior =
-      request.values.empty() ? is_makers_file(request.robot) : request.values == "prior";
-  if (prior) request.options.values = RobotValues::kPrior;
-  if (has_no_friction(arm))
-    say(request.robot + " has no friction; viscous and Coulomb friction and an offset of all joints "
-        "are asked about first");
+  if (!request.values.empty())
+    request.options.values = request.values == "prior" ? RobotValues::kPrior : RobotValues::kFacts;
   IdentificationOptions& how = request.options.identification;
   how.threads = request.common.threads;
   how.progress = progress(request.common);
@@ -129,12 +123,13 @@ void add_diagnose_command(CLI::App& tool, Outcome& outcome) {
                   "prior, as in a maker's file (identified first; default of URDF)")
       ->check(CLI::IsMember({"facts", "prior"}))
       ->option_text("facts|prior");
+  add_friction_option(command, request->options.identification.friction);
   add_output_option(command, "--model-out", request->model_out, "Write the extended model as YAML");
   add_choice(command, "--weights", request->options.identification.weights,
              {JointWeights::kResidual, JointWeights::kRange},
              "Joints weighted by their residual or by the range of their torque");
   add_preprocessing_options(command, request->options.identification.preprocessing);
-  add_fix_option(command, request->common.fixed);
+  add_robot_options(command, request->common);
   add_row_range(command, "--test-rows", "Rows of the held-out recordings (default: as --rows)",
                 [request](RowRange rows) { request->test_rows = rows; });
   add_common_options(command, request->common);

@@ -9,6 +9,7 @@
 #include "veridyn/identification/fleet.hpp"
 #include "veridyn/model/model_file.hpp"
 #include "veridyn/report/json.hpp"
+#include "veridyn/report/pages.hpp"
 
 namespace veridyn::cli {
 namespace {
@@ -19,13 +20,14 @@ struct FleetRequest {
   CommonOptions common;
 };
 
-ExitStatus run(const FleetRequest& request) {
+ExitStatus run(const FleetRequest& request, const std::string& command_line) {
   const std::vector<FleetArm> arms = read_fleet(request.list);
   for (const FleetArm& one : arms) {
     expect_apart("--model-out", request.model_out, one.files);
     expect_apart("--json", request.common.json, one.files);
   }
   require_writable(request.common.json);
+  require_writable(request.common.report);
   require_writable(request.model_out);
   const Model arm = read_model(request.robot);
   FleetOptions options = request.options;
@@ -34,6 +36,7 @@ ExitStatus run(const FleetRequest& request) {
   const Fleet fleet = identify_fleet(arm, arms, options);
   for (const UnusedRecording& r : fleet.left_out) say("warning: left out: " + r.why);
   if (!request.common.json.empty()) write_file(request.common.json, to_json(fleet));
+  if (!request.common.report.empty()) write_file(request.common.report, to_page(fleet, command_line));
   if (!fleet.model) {
     say(request.list + ": " + fleet.reason + ".");
     return kDataCannotAnswer;
@@ -63,7 +66,8 @@ void add_fleet_command(CLI::App& tool, Outcome& outcome) {
   add_output_option(command, "--model-out", request->model_out, "Write the fleet's model as YAML");
   add_preprocessing_options(command, request->options.preprocessing);
   add_common_options(command, request->common);
-  command.callback([request, &outcome] { outcome.status = run(*request); });
+  add_report_option(command, request->common);
+  command.callback([request, &outcome] { outcome.status = run(*request, outcome.command_line); });
 }
 
 }  // namespace veridyn::cli

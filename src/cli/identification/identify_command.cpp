@@ -7,17 +7,15 @@
 #include "cli/commands.hpp"
 #include "cli/options/common_options.hpp"
 #include "cli/options/messages.hpp"
-#include "cli/options/makers_file.hpp"
 #include "cli/options/option_checks.hpp"
 #include "math/output_file.hpp"
 #include "cli/identification/ranks.hpp"
 #include "cli/options/recording_options.hpp"
 #include "cli/options/sound_arguments.hpp"
-#include "effects/plain_friction.hpp"
 #include "veridyn/identification/factor_set.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/model_file.hpp"
-#include "veridyn/report/identification_page.hpp"
+#include "veridyn/report/pages.hpp"
 #include "veridyn/report/json.hpp"
 #include "recordings/named_recordings.hpp"
 #include "veridyn/report/setting_names.hpp"
@@ -34,7 +32,6 @@ struct IdentifyRequest {
   std::string prior;
   std::vector<std::string> known_masses;
   std::string model_out;
-  std::string friction = "auto";
   IdentificationOptions options;
   CommonOptions common;
 };
@@ -44,7 +41,12 @@ IdentificationOptions identification_options(const IdentifyRequest& request) {
   options.choose_velocities = request.command->count("--velocity") == 0;
   options.threads = request.common.threads;
   options.progress = progress(request.common);
-  if (!request.prior.empty()) options.prior = read_model(request.prior);
+  if (!request.prior.empty()) {
+    options.prior = read_model(request.prior);
+    expect_value(options.prior->inertial_values().has_value(), "--prior",
+                 "found bodies without values in '", options.prior->name(),
+                 "', expected a model with values, as from CAD or identify");
+  }
   for (const std::string& asked : request.known_masses)
     options.known_masses.push_back(
         value_of("--known-mass", [&] { return parse_known_mass(asked); }));
@@ -86,22 +88,6 @@ void expect_known_masses(const IdentifyRequest& request, const Model& arm,
   }
 }
 
-// A file without friction: makers leave it out, and every joint has it.
-Model arm_with_friction(const IdentifyRequest& request) {
-  Model arm = read_robot(request.robot, request.common.fixed);
-  const bool none = has_no_friction(arm);
-  if (request.friction == "plain" || (request.friction == "auto" && none && is_makers_file(request.robot))) {
-    if (none && request.friction == "auto")
-      say(request.robot + " has no friction; viscous and Coulomb friction and an offset of every "
-          "joint are identified with it (--friction file: not)");
-    return with_plain_friction(arm);
-  }
-  if (none)
-    say(request.robot + " has no friction, and every real joint has; --friction plain identifies "
-        "viscous and Coulomb friction and an offset of every joint");
-  return arm;
-}
-
 FactorSet read_all_factors(const std::vector<std::string>& paths) {
   FactorSet out;
   for (const std::string& path : paths) {
@@ -121,7 +107,8 @@ FactorSet compressed(const IdentifyRequest& request, const Model& arm,
                      const IdentificationOptions& options) {
   FactorSet factors = read_all_factors(request.factors);
   if (request.factor_out.empty()) return factors;
-  const FactorSet fresh = compress(arm, request.train, options.preprocessing, options.threads);
+  const FactorSet fresh = compress(with_friction(arm, options.friction), request.train,
+                                   options.preprocessing, options.threads);
   factors = merge(std::move(factors), fresh);
   save_factors(factors, request.factor_out);
   return factors;
@@ -143,7 +130,10 @@ void write_results(const IdentifyRequest& request, const Identification& id,
   if (id.status == IdentificationStatus::kNotConverged) say("warning: " + id.reason);
   if (!request.model_out.empty()) save(id, request.model_out, "identify", robot_path(request.robot));
   if (!request.common.json.empty()) write_file(request.common.json, to_json(id));
-  if (!request.common.report.empty()) write_file(request.common.report, to_page(id, command_line));
+  if (!request.common.report.empty()) {
+    const Model robot = read_model(request.robot);
+    write_file(request.common.report, to_page(id, command_line, &robot));
+  }
   std::cout << id.report();
 }
 
@@ -177,7 +167,7 @@ ExitStatus run_on_ranks(const IdentifyRequest& request, const std::string& comma
   try {
     expect_value(request.factors.empty(), "--factors",
                  "found under mpirun, expected recordings to spread over the ranks");
-    const Model arm = arm_with_friction(request);
+    const Model arm = read_robot(request.robot, request.common);
     IdentificationOptions options = identification_options(request);
     options.threads = threads_of_a_rank(request.common.threads);
     if (!first) options.progress = nullptr;
@@ -211,7 +201,7 @@ ExitStatus run(const IdentifyRequest& request, const std::string& command_line) 
   require_writable(request.factor_out);
   if (ranks && ranks->size() > 1) return run_on_ranks(request, command_line, *ranks);
   if (!request.test_rows) warn_of_shared_recordings(request.train, request.test);
-  const Model arm = arm_with_friction(request);
+  const Model arm = read_robot(request.robot, request.common);
   IdentificationOptions options = identification_options(request);
   keep_recordings(options, KeptRecordings::kFewPasses);
   expect_known_masses(request, arm, options.known_masses);
@@ -242,13 +232,7 @@ void add_fit_options(CLI::App& command, IdentifyRequest& request) {
              "What makes a body physical, with --method feasible");
   add_choice(command, "--signs", options.signs, {EffectSigns::kPhysical, EffectSigns::kAny},
              "Signs of friction, inertia and stiffness, with --method feasible");
-  command
-      .add_option("--friction", request.friction,
-                  "Friction to identify: plain adds viscous and Coulomb friction and an offset of "
-                  "every joint, file takes the file's, auto is plain for a maker's file (URDF) "
-                  "without any")
-      ->check(CLI::IsMember({"auto", "plain", "file"}))
-      ->option_text("auto|plain|file");
+  add_friction_option(command, options.friction);
   command.add_option("--prior", request.prior, "Model to stay close to, with --method feasible")
       ->option_text("MODEL");
   command
@@ -278,7 +262,7 @@ void add_identify_command(CLI::App& tool, Outcome& outcome) {
   add_fit_options(command, *request);
   add_output_option(command, "--model-out", request->model_out, "Write the identified model as YAML");
   add_preprocessing_options(command, request->options.preprocessing);
-  add_fix_option(command, request->common.fixed);
+  add_robot_options(command, request->common);
   add_row_range(command, "--test-rows", "Rows of the held-out recordings (default: as --rows)",
                 [request](RowRange rows) { request->test_rows = rows; });
   add_common_options(command, request->common);

@@ -9,6 +9,7 @@
 #include "veridyn/diagnosis/payload.hpp"
 #include "math/output_file.hpp"
 #include "veridyn/model/model_file.hpp"
+#include "veridyn/report/pages.hpp"
 #include "veridyn/report/payload_json.hpp"
 
 namespace veridyn::cli {
@@ -22,9 +23,10 @@ struct PayloadRequest {
   CommonOptions common;
 };
 
-ExitStatus run(PayloadRequest& request) {
+ExitStatus run(PayloadRequest& request, const std::string& command_line) {
   require_writable(request.common.json);
-  const Model model = read_robot(request.model, request.common.fixed);
+  require_writable(request.common.report);
+  const Model model = read_robot(request.model, request.common);
   if (!request.link.empty()) expect_one_of("--link", request.link, frame_names(model));
   request.options.threads = request.common.threads;
   look_at_recordings(model, request.recordings, request.options.preprocessing, request.options.threads);
@@ -35,6 +37,7 @@ ExitStatus run(PayloadRequest& request) {
     return kDataCannotAnswer;
   }
   if (!request.common.json.empty()) write_file(request.common.json, to_json(report));
+  if (!request.common.report.empty()) write_file(request.common.report, to_page(report, command_line));
   std::cout << report.report();
   return kDone;
 }
@@ -53,9 +56,10 @@ void add_payload_command(CLI::App& tool, Outcome& outcome) {
   command.add_option("--link", request->link, "Only the link of this frame (default: all)")
       ->option_text("FRAME");
   add_preprocessing_options(command, request->options.preprocessing);
-  add_fix_option(command, request->common.fixed);
+  add_robot_options(command, request->common);
   add_common_options(command, request->common);
-  command.callback([request, &outcome] { outcome.status = run(*request); });
+  add_report_option(command, request->common);
+  command.callback([request, &outcome] { outcome.status = run(*request, outcome.command_line); });
 }
 
 }  // namespace veridyn::cli

@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "cli/commands.hpp"
+#include "cli/identification/live_page.hpp"
 #include "cli/options/common_options.hpp"
 #include "math/output_file.hpp"
 #include "cli/options/messages.hpp"
@@ -36,6 +37,7 @@ struct WatchRequest {
   std::vector<std::string> sources, learn_from;
   bool follow = false, json_lines = false;
   double idle = 0.0;
+  std::optional<int> port;  // of --serve; 0: any
   WatchOptions options;
   PreprocessingOptions reading;
   CommonOptions common;
@@ -45,7 +47,11 @@ struct WatchRequest {
 class Watching {
  public:
   Watching(const Model& arm, WatchRequest& request, const std::string& command_line)
-      : arm_(arm), request_(request), command_line_(command_line) {}
+      : arm_(arm), request_(request), command_line_(command_line) {
+    if (!request.port) return;
+    live_ = std::make_unique<LivePage>(*request.port);
+    say(text("the page is at http://127.0.0.1:", live_->port(), "/"));
+  }
 
   ExitStatus run() {
     for (const std::string& source : request_.sources) {
@@ -137,7 +143,7 @@ class Watching {
   }
 
   void update() {
-    if (request_.common.report.empty() || Clock::now() - written_ < kPageEvery) return;
+    if ((request_.common.report.empty() && !live_) || Clock::now() - written_ < kPageEvery) return;
     write(true);
     written_ = Clock::now();
   }
@@ -145,8 +151,11 @@ class Watching {
   void write(bool running) {
     if (!running && !request_.common.json.empty())
       write_file(request_.common.json, to_json(watched_, arm_, running));
-    if (!request_.common.report.empty())
-      write_file(request_.common.report, to_page(watched_, arm_, command_line_, running));
+    if (!request_.common.report.empty() || live_) {
+      const std::string page = to_page(watched_, arm_, command_line_, running);
+      if (!request_.common.report.empty()) write_file(request_.common.report, page);
+      if (live_) live_->show(page);
+    }
     if (running || request_.json_lines) return;
     for (const WatchedSource& s : watched_)
       std::cout << s.source << ": " << s.alarms() << (s.alarms() == 1 ? " change" : " changes") << " in "
@@ -157,6 +166,7 @@ class Watching {
   WatchRequest& request_;
   std::string command_line_;
   std::vector<WatchedSource> watched_;
+  std::unique_ptr<LivePage> live_;
   VectorXd missed_, measured_;  // (n) sums of squares while noise is learned
   Clock::time_point written_{};
 };
@@ -164,7 +174,9 @@ class Watching {
 ExitStatus run(WatchRequest& request, const std::string& command_line) {
   require_writable(request.common.json);
   require_writable(request.common.report);
-  const Model arm = read_robot(request.model, request.common.fixed);
+  const Model arm = read_robot(request.model, request.common);
+  for (const EffectTerm& term : arm.arm_effects())
+    say("warning: " + term.effect + " on the arm is left out here: what it does may be named as something else.");
   for (const std::string& link : request.options.links) expect_one_of("--link", link, frame_names(arm));
   struct sigaction action {};  // without SA_RESTART: a read that waits ends
   action.sa_handler = stop;
@@ -187,6 +199,9 @@ void add_watch_command(CLI::App& tool, Outcome& outcome) {
   command.add_option("--idle", request->idle, "With --follow: end after so long without a row; 0: never")
       ->option_text("S")
       ->check(CLI::NonNegativeNumber);
+  command.add_option("--serve", request->port, "Show the page at http://127.0.0.1:PORT while it runs; 0: any port")
+      ->option_text("PORT")
+      ->check(CLI::Range(0, 65535));
   command.add_option("--learn", request->options.learn, "Quiet beginning in which noise is learned")
       ->option_text("S")
       ->check(CLI::PositiveNumber);
@@ -199,7 +214,7 @@ void add_watch_command(CLI::App& tool, Outcome& outcome) {
       ->option_text("FRAME...");
   command.add_flag("--json-lines", request->json_lines, "Each event as a line of JSON on standard output");
   add_signal_options(command, request->reading.signals);
-  add_fix_option(command, request->common.fixed);
+  add_robot_options(command, request->common);
   add_common_options(command, request->common);
   add_report_option(command, request->common);
   command.callback([request, &outcome, &command] {

@@ -7,6 +7,7 @@
 #include "math/output_file.hpp"
 #include "veridyn/model/model_file.hpp"
 #include "veridyn/report/comparison_json.hpp"
+#include "veridyn/report/pages.hpp"
 
 namespace veridyn::cli {
 namespace {
@@ -17,17 +18,19 @@ struct CompareRequest {
   CommonOptions common;
 };
 
-void run(const CompareRequest& request) {
+void run(const CompareRequest& request, const std::string& command_line) {
   require_writable(request.common.json);
+  require_writable(request.common.report);
   const ModelComparison found =
       compare(read_model(request.before), read_model(request.after), request.options);
   if (!request.common.json.empty()) write_file(request.common.json, to_json(found));
+  if (!request.common.report.empty()) write_file(request.common.report, to_page(found, command_line));
   std::cout << found.report();
 }
 
 }  // namespace
 
-void add_compare_command(CLI::App& tool, Outcome&) {
+void add_compare_command(CLI::App& tool, Outcome& outcome) {
   const auto request = std::make_shared<CompareRequest>();
   CLI::App& command =
       *tool.add_subcommand("compare", "What differs between two models of one arm, beyond chance");
@@ -43,7 +46,8 @@ void add_compare_command(CLI::App& tool, Outcome&) {
       ->option_text("P")
       ->check(CLI::Range(1e-12, 0.5));
   add_common_options(command, request->common);
-  command.callback([request] { run(*request); });
+  add_report_option(command, request->common);
+  command.callback([request, &outcome] { run(*request, outcome.command_line); });
 }
 
 }  // namespace veridyn::cli

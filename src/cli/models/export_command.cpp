@@ -112,7 +112,7 @@ void add_export_command(CLI::App& tool, Outcome&) {
   file("--urdf", request->urdf, "Write URDF; meshes that came from URDF stay");
   file("--mjcf", request->mjcf, "Write MuJoCo's XML");
   file("--sdf", request->sdf, "Write SDFormat, for Gazebo");
-  file("--cpp", request->cpp,
+  file("--cpp,--c", request->cpp,
        "Write one file of C and C++: inverse dynamics, regressor, friction; no dependencies");
   file("--json", request->json, "Write the robot file as JSON");
   file("--yaml", request->yaml, "Write YAML");

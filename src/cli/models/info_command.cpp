@@ -3,34 +3,45 @@
 
 #include "cli/commands.hpp"
 #include "cli/options/common_options.hpp"
+#include "cli/options/sound_arguments.hpp"
 #include "math/output_file.hpp"
 #include "veridyn/model/model_file.hpp"
 #include "veridyn/report/json.hpp"
+#include "veridyn/report/pages.hpp"
 
 namespace veridyn::cli {
 namespace {
 
 struct InfoRequest {
   std::string robot;
+  std::string yaml;
   CommonOptions common;
 };
 
-void run(const InfoRequest& request) {
+void run(const InfoRequest& request, const std::string& command_line) {
   require_writable(request.common.json);
-  const RobotInfo info = robot_info(read_model(request.robot));
+  require_writable(request.common.report);
+  require_writable(request.yaml);
+  const Model arm = read_model(request.robot);
+  const RobotInfo info = robot_info(arm);
+  if (!request.yaml.empty()) save_model(arm, request.yaml);
   if (!request.common.json.empty()) write_file(request.common.json, to_json(info));
+  if (!request.common.report.empty()) write_file(request.common.report, to_page(info, command_line));
   std::cout << info.report();
 }
 
 }  // namespace
 
-void add_info_command(CLI::App& tool, Outcome&) {
+void add_info_command(CLI::App& tool, Outcome& outcome) {
   const auto request = std::make_shared<InfoRequest>();
   CLI::App& command =
       *tool.add_subcommand("info", "What a robot file says, and which parameters torques can tell");
   add_robot_argument(command, request->robot);
+  add_output_option(command, "--yaml", request->yaml,
+                    "Write the robot as YAML, to go on with: drive gains, effects, boxes, constants");
   add_common_options(command, request->common);
-  command.callback([request] { run(*request); });
+  add_report_option(command, request->common);
+  command.callback([request, &outcome] { run(*request, outcome.command_line); });
 }
 
 }  // namespace veridyn::cli

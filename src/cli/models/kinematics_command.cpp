@@ -19,6 +19,8 @@
 namespace veridyn::cli {
 namespace {
 
+constexpr int kPostures = 1000;  // of the workspace, where nobody says how many
+
 struct KinematicsRequest {
   std::string robot, forward, inverse, frame, output, solver = "closed-form";
   std::vector<double> start;
@@ -105,12 +107,13 @@ KinematicTable inverse(const KinematicsRequest& request, const Arm& arm, Times& 
   return inverse_kinematics(arm.model, arm.frame, task, closed ? arm.closed_form : InverseSolver{});
 }
 
-ExitStatus run(const CLI::App& used, const KinematicsRequest& request, const std::string& command) {
+ExitStatus run(const CLI::App& used, KinematicsRequest request, const std::string& command) {
   for (const std::string& path : {request.output, request.common.json, request.common.report})
     require_writable(path);
   const int asked = (request.forward.empty() ? 0 : 1) + (request.inverse.empty() ? 0 : 1) +
                     (request.workspace > 0 ? 1 : 0);
-  if (asked != 1)
+  if (asked == 0) request.workspace = kPostures;
+  if (asked > 1)
     throw CLI::ValidationError("kinematics", "expected one of --forward, --inverse, --workspace.");
   const Arm arm = read_kinematic_arm(request.robot, request.frame);
   expect_needs(used, {{"--start", !request.inverse.empty(), "--inverse"},
@@ -154,7 +157,7 @@ void add_kinematics_command(CLI::App& tool, Outcome& outcome) {
       ->option_text("FILE.csv|Q1,Q2,...");
   command.add_option("--inverse", request->inverse, "Joints for these poses")
       ->option_text("FILE.csv|X,Y,Z[,QW,QX,QY,QZ]");
-  command.add_option("--workspace", request->workspace, "Conditioning of postures over the ranges")
+  command.add_option("--workspace", request->workspace, "Conditioning of postures over the ranges (1000, where nothing else is asked)")
       ->option_text("COUNT")
       ->check(CLI::Range(1, 1000000));
   command.add_option("--frame", request->frame, "The frame that counts (tip, tool, or the last)")

@@ -22,7 +22,7 @@
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/fixed_coordinates.hpp"
 #include "veridyn/model/model_file.hpp"
-#include "veridyn/report/excitation_page.hpp"
+#include "veridyn/report/pages.hpp"
 #include "veridyn/report/motion_json.hpp"
 #include "veridyn/simulation/plausible_model.hpp"
 
@@ -105,20 +105,19 @@ ExcitationOptions options_of(const ExciteRequest& request, const Model& arm,
   if (!request.between.empty()) o.between = rivals(request.between);
   if (o.between) o.criterion = ExcitationCriterion::kDiscriminate;
   if (!request.model.empty()) o.powered = read_powered(request);
-  if (request.torque_noise) {
-    o.noise = TorqueNoise();
-    o.noise->share = VectorXd::Constant(arm.joints(), *request.torque_noise);
-    o.noise->source = "as asked";
-  }
+  const Model moved = with_friction(arm, o.friction);
   if (o.criterion == ExcitationCriterion::kDiscriminate && !o.powered && !arm.inertial_values()) {
     if (!request.common.quiet) {
       made_up_words = text(request.robot,
                            " has no values: the rivals are built from plausible ones (--model "
                            "gives others).");
     }
-    o.powered = without_efforts(plausible_model(arm, 1).arm);
+    o.powered = without_efforts(plausible_model(moved, 1).arm);
   }
-  if (!o.powered && !arm.inertial_values()) o.valued = plausible_model(arm, 1).arm;
+  if (!o.powered && !arm.inertial_values()) o.valued = plausible_model(moved, 1).arm;
+  if (request.torque_noise)
+    o.noise = noise_of_efforts(o.powered ? *o.powered : o.valued ? *o.valued : moved,
+                               *request.torque_noise);
   return o;
 }
 
@@ -147,17 +146,16 @@ std::string why_not(const Excitation& found) {
               "; nothing is written.");
 }
 
-// A solver of earlier versions: the interior point searches in its place.
-void remark_former_solver(const ExciteRequest& request) {
-  if (request.common.quiet || request.command->count("--solver") == 0) return;
-  const std::string word = request.command->get_option("--solver")->results().back();
-  if (word != name_of(request.options.solver))
-    say(text("--solver ", word, " is gone: ", name_of(request.options.solver),
-             " searches in its place, see docs/excitation.md."));
+// Nobody searches in the place of a solver that is not there.
+void expect_solver(const ExciteRequest& request) {
+  const ExcitationSolver solver = request.options.solver;
+  expect_value(is_built_in(solver), "--solver", "found '", name_of(solver),
+               "', with which this program was not built; expected interior-point or random, or a build beside ",
+               solver == ExcitationSolver::kIpopt ? "coinor-libipopt-dev" : "libnlopt-dev");
 }
 
 ExitStatus run(const ExciteRequest& request, const std::string& command_line) {
-  remark_former_solver(request);
+  expect_solver(request);
   for (const std::string* path :
        {&request.common.json, &request.common.report, &request.coefficients})
     require_writable(*path);
@@ -165,7 +163,7 @@ ExitStatus run(const ExciteRequest& request, const std::string& command_line) {
   if (request.poses.purpose == "calibration") {
     expect_no_motion_options(*request.command);
     return excite_poses(request.robot, request.output, request.poses, request.options.seed,
-                        request.options.limit_share, request.common);
+                        request.options.limit_share.value_or(0.95), request.common);
   }
   expect_needs(*request.command, {{"--poses", false, "--for calibration"},
                                   {"--frame", false, "--for calibration"}});
@@ -179,7 +177,7 @@ ExitStatus run(const ExciteRequest& request, const std::string& command_line) {
     expect_needs(*request.command, {{option, !request.given.empty(), "--given"}});
   expect_value(!discriminates || !request.between.empty(), "--criterion",
                "discriminate needs --between");
-  const Model arm = read_robot(request.robot, request.common.fixed);
+  const Model arm = read_robot(request.robot, request.common);
   require(arm.joints() > 0, request.robot, ": found no coordinates, expected some to move.");
   std::string made_up_words;
   const ExcitationOptions options = options_of(request, arm, made_up_words);
@@ -204,7 +202,8 @@ ExitStatus run(const ExciteRequest& request, const std::string& command_line) {
   if (!request.coefficients.empty()) write_file(request.coefficients, coefficients_yaml(found));
   if (!request.common.json.empty()) write_file(request.common.json, to_json(found));
   if (!request.common.report.empty())
-    write_file(request.common.report, to_page(found, command_line));
+    write_file(request.common.report, to_page(found, command_line, &arm));
+  for (const std::string& warning : found.warnings()) say("warning: " + warning);
   std::cout << found.report();
   return kDone;
 }
@@ -257,7 +256,7 @@ void add_excite_command(CLI::App& tool, Outcome& outcome) {
       ->group("Search");
   command
       .add_option("--torque-noise", request->torque_noise,
-                  "Share of the rms torque, for what is predicted (the model's error, or 0.04)")
+                  "Share of the largest effort, for what is designed and predicted (the model's error, or 0.01)")
       ->option_text("X")
       ->check(CLI::Range(1e-6, 10.0))
       ->group("Search");
@@ -268,7 +267,7 @@ void add_excite_command(CLI::App& tool, Outcome& outcome) {
     request->reading.first_row = rows.first;
     request->reading.row_count = rows.count;
   });
-  add_fix_option(command, request->common.fixed);
+  add_robot_options(command, request->common);
   add_poses_options(command, request->poses);
   add_report_option(command, request->common);
   add_common_options(command, request->common);

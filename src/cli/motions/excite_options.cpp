@@ -4,6 +4,7 @@
 #include <cstdlib>
 
 #include "cli/options/choice.hpp"
+#include "cli/options/common_options.hpp"
 
 namespace veridyn::cli {
 namespace {
@@ -119,7 +120,8 @@ void add_motion_options(CLI::App& command, ExcitationOptions& o) {
   number("--rate", o.rate, "HZ", "Rows per second (200)");
   command
       .add_option("--limit-share", o.limit_share,
-                  "Share of range, speed, acceleration and torque to use (0.95)")
+                  "Share of range, speed, acceleration and torque to use (what a safety supervisor "
+                  "needs: 0.98 of speed, 0.95 of torque, the range as far as the arm can stop before its end)")
       ->option_text("X")
       ->check(CLI::Range(0.01, 1.0))
       ->group(group);
@@ -128,11 +130,12 @@ void add_motion_options(CLI::App& command, ExcitationOptions& o) {
 void add_search_options(CLI::App& command, ExcitationOptions& o) {
   const char* const group = "Search";
   add_choice(command, "--criterion", o.criterion,
-             {ExcitationCriterion::kCondition, ExcitationCriterion::kDOptimal,
+             {ExcitationCriterion::kDOptimal, ExcitationCriterion::kCondition,
               ExcitationCriterion::kAOptimal, ExcitationCriterion::kDiscriminate},
              "Smallest condition number, confidence ellipsoid or mean relative deviation, or two "
              "causes told apart")
       ->group(group);
+  add_friction_option(command, o.friction);
   add_choice(command, "--columns-scaled", o.scaling,
              {ColumnScaling::kNorm, ColumnScaling::kNone, ColumnScaling::kOrthogonal},
              "Columns of the regressor before its condition number")
@@ -145,10 +148,9 @@ void add_search_options(CLI::App& command, ExcitationOptions& o) {
       ->check(CLI::Range(0.0, 0.99))
       ->group(group);
   add_choice(command, "--solver", o.solver,
-             {ExcitationSolver::kInteriorPoint, ExcitationSolver::kRandom}, "Who searches",
-             {{"ipopt", ExcitationSolver::kInteriorPoint},
-              {"nlopt", ExcitationSolver::kInteriorPoint},
-              {"nlopt-derivative-free", ExcitationSolver::kInteriorPoint}})
+             {ExcitationSolver::kInteriorPoint, ExcitationSolver::kIpopt, ExcitationSolver::kNlopt,
+              ExcitationSolver::kRandom},
+             "Who searches", {{"nlopt-derivative-free", ExcitationSolver::kNlopt}})
       ->group(group);
   command.add_option("--starts", o.starts, "Independent searches (2)")
       ->option_text("N")

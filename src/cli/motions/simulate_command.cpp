@@ -38,7 +38,7 @@ MotionSamples wanted_motion(const Model& arm, const std::string& path) {
 
 // What was made up is told once the motion is read: a bad file has one line.
 Model arm_with_values(const SimulateRequest& request, std::string& made_up_words) {
-  PlausibleModel plausible = plausible_model(read_robot(request.robot, request.common.fixed), request.arm_seed);
+  PlausibleModel plausible = plausible_model(read_robot(request.robot, request.common), request.arm_seed);
   const bool made_up = plausible.bodies + plausible.effects > 0;
   require(!made_up || request.replay.empty(), "simulate --replay: robot '", request.robot,
           "' has no values; expected a MODEL that identify or diagnose wrote.");
@@ -114,7 +114,8 @@ std::string footer() {
       "  payload:FRAME:mass=KG,x=M,y=M,z=M       gravity_tilt:arm:roll=RAD,pitch=RAD\n"
       "  torque_gain:JOINT:gain=X                time_delay:JOINT:seconds=S\n"
       "  encoder_offset:JOINT:offset=RAD         external_contact:JOINT:from=S,to=S,effort=NM\n"
-      "  coupling_error:CONSTANT:change=X        (a constant of the robot file)";
+      "  coupling_error:CONSTANT:change=X        (a constant of the robot file)\n"
+      "  base_compliance:arm:about_x=X,about_y=X (rad/(N m))";
   return out;
 }
 

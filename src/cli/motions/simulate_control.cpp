@@ -122,7 +122,7 @@ void add_control_options(CLI::App& command, SimulateRequest& request) {
   number("--filter-cutoff", request.preprocessing.cutoff, "HZ",
          "Low-pass of both torques before they are compared (5)");
   add_signal_options(command, request.preprocessing.signals);
-  add_fix_option(command, request.common.fixed);
+  add_robot_options(command, request.common);
 }
 
 namespace {

@@ -164,6 +164,14 @@ void add_preprocessing_options(CLI::App& command, PreprocessingOptions& o) {
       ->group(kRecordings);
 }
 
+void add_friction_option(CLI::App& command, JointFriction& friction) {
+  add_choice(command, "--friction", friction,
+             {JointFriction::kAuto, JointFriction::kPlain, JointFriction::kFile},
+             "Friction of the joints: plain adds viscous and Coulomb friction, an offset and, where "
+             "it can be told, the rotor inertia of every joint; file takes the file's; auto is plain "
+             "for a maker's file (URDF) without any");
+}
+
 void require_writable(const std::string& path) {
   if (path.empty()) return;
   struct stat there {};

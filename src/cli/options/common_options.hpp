@@ -9,6 +9,7 @@
 
 #include "veridyn/recordings/preprocessing.hpp"
 #include "veridyn/recordings/recording.hpp"
+#include "veridyn/regressor/joint_friction.hpp"
 
 namespace veridyn::cli {
 
@@ -19,6 +20,7 @@ struct CommonOptions {
   int threads = 0;     ///< 0: one per core
   bool quiet = false;
   std::map<std::string, double> fixed;  ///< coordinates that are not recorded, and where they stay
+  std::vector<double> drive_gains;      ///< torque per ampere of each joint; empty: the file's
 };
 
 /// A half-open range of rows; count -1: to the end.
@@ -46,6 +48,9 @@ void add_headerless_options(CLI::App& command, std::vector<std::string>& columns
 
 /// Adds everything that turns recordings into samples: filter, velocities, grid, rows, edges.
 void add_preprocessing_options(CLI::App& command, PreprocessingOptions& options);
+
+/// Adds --friction.
+void add_friction_option(CLI::App& command, JointFriction& friction);
 
 /// Finds out before long work whether a file can be written. An empty path is no file.
 /// @throws InvalidInput  it cannot.

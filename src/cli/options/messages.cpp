@@ -4,25 +4,45 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cstdio>
+#include <cstdlib>
 
 namespace veridyn::cli {
 namespace {
 
 constexpr int kBarWidth = 30;
+constexpr double kFirstEstimate = 0.1;  // share of the work that must be done before one is made
+constexpr double kShort = 3.0;          // [s] of work that needs none
 const char* const kClearLine = "\r\033[K";
 
 bool on_terminal() {
   return ::isatty(STDERR_FILENO) != 0;
 }
 
-void draw_bar(const std::string& what, double share) {
-  const int filled = static_cast<int>(kBarWidth * std::clamp(share, 0.0, 1.0));
-  fmt::print(stderr, "{}[{:<{}}] {:3.0f} % {}", kClearLine, std::string(filled, '#'), kBarWidth,
-             100.0 * share, what);
-  if (share >= 1.0) fmt::print(stderr, "{}", kClearLine);
-  std::fflush(stderr);
-}
+// One bar for all of the work: it never goes back, and says how long it may take once enough is done.
+class Bar {
+ public:
+  void operator()(const std::string& what, double share) {
+    done_ = std::max(done_, std::clamp(share, 0.0, 1.0));
+    const int filled = static_cast<int>(kBarWidth * done_);
+    const double passed = std::chrono::duration<double>(Clock::now() - begun_).count();
+    const std::string left = done_ < kFirstEstimate || passed < kShort
+                                 ? ""
+                                 : fmt::format(", about {:.0f} s left", passed * (1.0 - done_) / done_);
+    const bool colour = std::getenv("NO_COLOR") == nullptr;
+    fmt::print(stderr, "{}[{}{:<{}}{}] {:3.0f} % {}{}", kClearLine, colour ? "\033[36m" : "",
+               std::string(static_cast<std::size_t>(filled), '#'), kBarWidth, colour ? "\033[0m" : "",
+               100.0 * done_, what, left);
+    if (share >= 1.0) fmt::print(stderr, "{}", kClearLine);
+    std::fflush(stderr);
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  double done_ = 0.0;
+  Clock::time_point begun_ = Clock::now();
+};
 
 // Anything that a shell could read differently goes between quotes.
 std::string quoted(const std::string& word) {
@@ -60,7 +80,7 @@ void say(const std::string& line) {
 
 Progress progress(const CommonOptions& options) {
   if (options.quiet) return {};
-  if (on_terminal()) return draw_bar;
+  if (on_terminal()) return Bar();
   return [last = std::string()](const std::string& what, double) mutable {
     if (what == last) return;
     last = what;

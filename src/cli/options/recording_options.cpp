@@ -76,7 +76,13 @@ void add_signal_options(CLI::App& command, SignalChoice& signals) {
            });
 }
 
-void add_fix_option(CLI::App& command, std::map<std::string, double>& fixed) {
+void add_robot_options(CLI::App& command, CommonOptions& options) {
+  command
+      .add_option("--drive-gains", options.drive_gains,
+                  "Torque per ampere of each joint [N m/A], for recordings of motor currents")
+      ->delimiter(',')
+      ->option_text("K,K,...");
+  std::map<std::string, double>& fixed = options.fixed;
   add_list(command, "--fix", "JOINT=VALUE",
            "A joint that is not recorded stays at this position, rad or m",
            [&fixed](const std::string& words) {
@@ -89,9 +95,11 @@ void add_fix_option(CLI::App& command, std::map<std::string, double>& fixed) {
            });
 }
 
-Model read_robot(const std::string& robot, const std::map<std::string, double>& fixed) {
-  const Model arm = read_model(robot);
-  return value_of("--fix", [&] { return with_fixed(arm, fixed); });
+Model read_robot(const std::string& robot, const CommonOptions& options) {
+  const Model whole = read_model(robot);
+  const Model arm = value_of("--fix", [&] { return with_fixed(whole, options.fixed); });
+  if (options.drive_gains.empty()) return arm;
+  return value_of("--drive-gains", [&] { return with_drive_gains(arm, options.drive_gains); });
 }
 
 std::vector<std::string> words_for_given(const PreprocessingOptions& how,

@@ -17,12 +17,13 @@ inline constexpr const char* kRecordings = "Recordings";
 /// Adds --topic, --map and --units.
 void add_signal_options(CLI::App& command, SignalChoice& signals);
 
-/// Adds --fix.
-void add_fix_option(CLI::App& command, std::map<std::string, double>& fixed);
+/// Adds --fix and --drive-gains.
+void add_robot_options(CLI::App& command, CommonOptions& options);
 
-/// The robot of a command, without the coordinates that --fix holds.
-/// @throws InvalidInput  the file is bad. @throws CLI::ValidationError  --fix names no joint of it.
-Model read_robot(const std::string& robot, const std::map<std::string, double>& fixed);
+/// The robot of a command, without the coordinates that --fix holds, with --drive-gains.
+/// @throws InvalidInput  the file is bad. @throws CLI::ValidationError  --fix names no joint of it, or
+/// there is not one drive gain for each.
+Model read_robot(const std::string& robot, const CommonOptions& options);
 
 /// The options by which `excite --given` reads recordings as `how` does: columns, rate, topics, names,
 /// units, rows, and joints that --fix holds.

@@ -125,7 +125,15 @@ void expect_sound(const CLI::App& command) {
 
 CLI::Option* add_output_option(CLI::App& command, const std::string& option, std::string& target,
                                const std::string& help) {
-  return command.add_option(option, target, help)->type_name(kOutputType)->option_text("FILE");
+  CLI::Option* const out =
+      command.add_option(option, target, help)->type_name(kOutputType)->option_text("FILE");
+  // Models are YAML, whatever the file is called: another format's ending would mislead its reader.
+  if (option != "--model-out" && option != "--robot-out" && option != "--yaml") return out;
+  return out->check([](const std::string& path) {
+    const std::string ending = fs::path(path).extension().string();
+    if (ending != ".urdf" && ending != ".xml" && ending != ".sdf" && ending != ".mjcf") return std::string();
+    return "found '" + path + "', expected a .yaml file; `veridyn export` writes the model as " + ending.substr(1);
+  });
 }
 
 void expect_apart(const std::string& option, const std::string& output,

@@ -55,9 +55,6 @@ class ClosedLoop {
   const MatrixXd& torque_input() const { return input_; }
   int joints() const { return joints_; }
 
-  /// Position and velocity of all joints, arm after arm: rows of X.
-  int position_row(int arm) const { return arm_[static_cast<size_t>(arm)].q; }
-  int velocity_row(int arm) const { return joints_ + arm_[static_cast<size_t>(arm)].q; }
   int correction_row(int element) const { return element_[static_cast<size_t>(element)].x_f; }
   /// (states): the true force of an element.
   VectorXd tension_row(int element) const;

@@ -53,6 +53,8 @@ Model extended_arm(const Model& arm, const std::vector<FoundCause>& found, bool 
       add_load(f, arm.joints(), d);
     } else if (is_change(h)) {
       change(d.effects[h.own->value], f.values);
+    } else if (is_other_constant(h)) {
+      d.effects[h.own->value] = f.term;  // beside each other the two would share their size
     } else if (!is_channel(h)) {
       d.effects.push_back(changes ? with_values(f.term, f.values) : f.term);
     }

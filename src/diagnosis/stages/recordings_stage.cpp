@@ -144,8 +144,20 @@ void check_quality(Investigation& x) {
 }
 
 bool fit_baseline(Investigation& x) {
+  const Model file = x.arm;
+  const JointFriction friction = x.options.identification.friction;
   x.d.baseline = x.look(x.arm);
   if (!x.d.baseline.model) return false;
+  // From now on the arm is the one that was identified, with what its file lacks.
+  const size_t given = file.effects().size();
+  if (x.d.baseline.model->effects().size() > given) {
+    x.arm = with_friction(file, friction);
+    if (x.arm.effects().size() > x.d.baseline.model->effects().size())
+      x.arm = with_friction_alone(file, friction);
+    x.d.friction_remark = friction_remark(file, x.arm);
+    x.d.baseline.remarks.clear();  // it is told once
+  }
+  x.options.identification.friction = JointFriction::kFile;
   choose_quieter_velocities(x);
   remember_periods(x);
   x.start = x.d.baseline;

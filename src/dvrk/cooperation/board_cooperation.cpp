@@ -5,11 +5,14 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <sstream>
 #include <thread>
 
 #include "board_loop.hpp"
+#include "scenario_row_file.hpp"
 #include "cooperation/empty_run.hpp"
 #include "cooperation/loop_gains.hpp"
+#include "cooperation/motion_plan.hpp"
 #include "cooperation/phase_commands.hpp"
 #include "cooperation/phase_figures.hpp"
 #include "live_hand.hpp"
@@ -23,6 +26,7 @@ using Eigen::Vector3d;
 
 constexpr double kSettled = 0.2;     // [s] at rest after the last phase
 constexpr double kLeastForce = 0.3;  // [N] of pretension that is left before power goes
+constexpr double kStands = 1e-3;     // [m/s] of a target
 constexpr double kNever = 1e3;       // [s] age of a reading that is not to be believed
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();  // nothing measures it
 
@@ -42,12 +46,16 @@ class BoardRun : private BoardLoop {
 
   BoardCooperationRun run() {
     const auto begun = std::chrono::steady_clock::now();
+    look();
+    plan();
+    look();
     hear(channels_);
     if (!stopped() && power_up()) {
       begin();
       options_.lines != nullptr ? play_by_line() : play();
       wind_down();
     }
+    file_.reset();
     out_.off_at = time_;
     out_.force_at_off = largest_now();
     out_.power = power_down();
@@ -81,6 +89,34 @@ class BoardRun : private BoardLoop {
     ages_.assign(sides_.size(), 0.0);
   }
 
+  // What can be known to fail is not begun: the phases from where the arms stand.
+  void plan() {
+    if (!options_.planned) return;
+    plan_ = std::make_unique<MotionPlan>(scenario_, planned_arms());
+    if (options_.lines != nullptr) return;
+    std::vector<VectorXd> q;
+    for (size_t k = 0; k < sides_.size(); ++k) {
+      q.push_back(sides_[k]->session().state().q.head(sides_[k]->joints()));
+      require(q[k].allFinite(), "arm '", scenario_.arms[k].name,
+              "': found no position, expected its boards to answer.");
+    }
+    MotionPlan::State state = plan_->standing(q);
+    for (const ScenarioPhase& phase : scenario_.phases) {
+      const double begins = state.time;
+      const std::string why = plan_->play(state, phase.commands, phase.duration);
+      require(why.empty(), "scenario '", scenario_.name, "', phase '", phase.name, "' (from ", begins,
+              " s): ", why, ". Nothing was switched on.");
+    }
+  }
+
+  std::vector<PlannedArm> planned_arms() const {
+    std::vector<PlannedArm> out;
+    for (const auto& side : sides_)
+      out.push_back({side->models().known, side->models().R_world_base_known,
+                     side->models().p_world_base_known, side->largest_torque()});
+    return out;
+  }
+
   void begin() {
     std::vector<Vector3d> tips;
     std::vector<Eigen::Matrix3d> bases;
@@ -100,6 +136,8 @@ class BoardRun : private BoardLoop {
     out_.run = empty_run(scenario_, "boards", rows);
     spans_.reserve(scenario_.phases.size());
     for (MemberTrace& trace : out_.run.member) trace.rate.setConstant(kUnknown);
+    if (!options_.rows.empty() && rows > 0)
+      file_ = std::make_unique<ScenarioRowFile>(options_.rows, out_.run);
   }
 
   Eigen::Index rows_of(const ScenarioPhase& phase) const {
@@ -149,11 +187,8 @@ class BoardRun : private BoardLoop {
 
   void watch_arms() noexcept {
     for (size_t k = 0; k < sides_.size(); ++k) {
-      if (const char* why = sides_[k]->lost_by(scenario_.control.largest_age)) {
-        input_->healthy[k] = 0;
-        input_->located[k] = sides_[k]->deaf() ? 0 : 1;
-        fail(why, static_cast<int>(k));
-      }
+      if (look_after(k)) input_->healthy[k] = 0;
+      input_->located[k] = sides_[k]->deaf() ? 0 : 1;
     }
   }
 
@@ -176,13 +211,20 @@ class BoardRun : private BoardLoop {
       } else if (holds && scenario_.control.guard) {
         side.loop().hold_within(bound_, exerted_[k]);
       }
+      side.keeps_still(holds && !gives_up_ && stands((*targets_)[k]) && !side.loop().yields());
       side.act((*targets_)[k], exerted_[k], ages_[k], dt_);
     }
+    watch_hold();
     const double force = largest_now();
     out_.largest_force = std::max(out_.largest_force, force);
     if (why_ != nullptr)
       out_.largest_force_after_fault = std::max(out_.largest_force_after_fault, force);
     break_down();
+  }
+
+  // Neither the end of the motion nor an arm that falls moves the target.
+  static bool stands(const TipTarget& target) noexcept {
+    return target.velocity.norm() < kStands && target.relief.velocity.norm() < kStands;
   }
 
   double largest_now() const noexcept {
@@ -224,6 +266,7 @@ class BoardRun : private BoardLoop {
       for (Eigen::Index k = 0; k < rows && why_ == nullptr; ++k) {
         cycle([this] { work(); });
         record(row_++);
+        if (file_) file_->count(row_);
         if (stopped()) fail("stopped by a signal", -1, BoardEnd::kStopped);
       }
       if (row_ > first) spans_.push_back({&phase, first, row_});
@@ -235,12 +278,15 @@ class BoardRun : private BoardLoop {
   void play_by_line() {
     using Clock = std::chrono::steady_clock;
     LiveHand hand(scenario_, *options_.lines, options_.live, options_.live_report,
-                  options_.stepped ? LiveHand::Reads::kBetweenCycles : LiveHand::Reads::kBeside);
+                  options_.stepped ? LiveHand::Reads::kBetweenCycles : LiveHand::Reads::kBeside,
+                  std::move(plan_));
+    const auto joints = [this](std::size_t k) -> const VectorXd& { return sides_[k]->q(); };
     const Clock::time_point begun = Clock::now();
     out_.live = true;
+    hand.show(time_, *control_, *input_, joints);
     for (LiveHand::End end = LiveHand::End::kGoesOn; end != LiveHand::End::kQuit;) {
       cycle([this] { work(); });
-      hand.show(time_, control_->state(), input_->position, readings_);
+      hand.show(time_, *control_, *input_, joints);
       if (why_ == nullptr) end = hand.act(time_, *control_);
       if (end == LiveHand::End::kLost)
         fail("the line of commands is lost", -1, BoardEnd::kStopped);
@@ -263,6 +309,7 @@ class BoardRun : private BoardLoop {
     repeat(why_ == nullptr ? kSettled : options_.hold, [this] { work(); });
     out_.release_at = time_;
     out_.force_at_release = largest_now();
+    gives_up_ = true;
     const double relief = scenario_.control.relief_force;
     repeat(options_.release, [this, relief] {
       const double share = (time_ - out_.release_at) / options_.release;
@@ -274,6 +321,9 @@ class BoardRun : private BoardLoop {
 
   void finish() {
     out_.why = cause();
+    out_.after_fault = after_fault();
+    out_.later = later_faults();
+    out_.not_off = not_off_;
     out_.end = end_;
     out_.faulty_arm = faulty_arm_;
     out_.fault_at = fault_at_;
@@ -307,8 +357,28 @@ class BoardRun : private BoardLoop {
   BoardCooperationRun out_;
   Eigen::Index row_ = 0;
   double bound_ = 5.0;  // [N]
-  bool winding_ = false;
+  bool winding_ = false, gives_up_ = false;
+  std::unique_ptr<MotionPlan> plan_;
+  std::unique_ptr<ScenarioRowFile> file_;
 };
+
+// By simulation, without the faults that a drill asks for.
+void rehearse(Scenario scenario) {
+  scenario.faults.clear();
+  bool asks = scenario.asked_largest_force > 0.0;
+  for (const ScenarioPhase& p : scenario.phases)
+    asks = asks || p.asked_force_error > 0.0 || p.asked_steady_error > 0.0 || p.asked_position_error > 0.0;
+  if (!asks) return;
+  const ScenarioRun run = run_scenario(scenario, "veridyn");
+  if (run.met()) return;
+  std::string why;
+  std::istringstream lines(run.report());
+  for (std::string line; std::getline(lines, line);)
+    if (line.find("NOT met") != std::string::npos || line.find("Stopped at") == 0 || line.find("the controller holds") != std::string::npos)
+      why += (why.empty() ? "" : " ") + line;
+  throw InvalidInput(text("scenario '", scenario.name, "': simulated, it does not keep what it asks for: ", why,
+                          " Nothing was switched on; --unrehearsed leaves the simulation out."));
+}
 
 }  // namespace
 
@@ -317,6 +387,7 @@ BoardCooperationRun run_on_boards(const Scenario& scenario, const std::vector<Co
                                   const std::atomic<bool>& stop) {
   require(scenario.bodies.empty(), "boards: scenario '", scenario.name,
           "': found bodies, expected members between arms and walls alone.");
+  if (options.rehearsed && options.lines == nullptr) rehearse(scenario);
   return BoardRun(scenario, arms, options, stop).run();
 }
 

@@ -32,11 +32,27 @@ struct EmulatedFault {
     kPower,      ///< its motor supply goes
     kEncoder,    ///< the encoders of its first board stand still, whatever the joints do
     kJump,       ///< the encoder of its first joint jumps by 0.05 rad (m): its supervisor trips
-    kLimp        ///< its motors make no torque, and its boards say that all is well
+    kLimp,       ///< its motors make no torque, and its boards say that all is well
+    kWeak,       ///< its motors make half of the torque that their currents are for
+    kReversed,   ///< its motors turn the wrong way, as wired so
+    kStuck       ///< its motors go on with the torque of that moment, until amplifiers are off
   };
   Kind kind = Kind::kSilent;
   int arm = -1;     ///< Index of the arm, from 0
   double at = 0.0;  ///< [s]
+};
+
+/// Emulated boards and their world as they are at an instant.
+struct EmulatedInstant {
+  double time = 0.0;  ///< [s] of the world
+  struct Arm {
+    const VectorXd* q = nullptr;
+    const VectorXd* dq = nullptr;
+    const VectorXd* tau = nullptr;  ///< [N m], [N] of the motors; without power that of brakes
+    bool driven = false;            ///< an amplifier is on
+  };
+  std::vector<Arm> arms;
+  double force = 0.0;  ///< [N] largest of any member or wall
 };
 
 /// "silent:slave@2.5", or amplifier, power, encoder, jump, limp.
@@ -65,6 +81,16 @@ struct BoardCooperationOptions {
   double hold = 1.0;     ///< [s] for which all is held after a fault, forces within relief_force
   double release = 1.0;  ///< [s] over which pretension is then given up, before power goes
   std::vector<EmulatedFault> faults;  ///< Faults of emulated arms, for drills
+  /// After each step of the emulated world, from the thread that serves the boards.
+  std::function<void(const EmulatedInstant&)> watch;
+  /// Before power the phases are planned from where the arms stand, and commands by line before
+  /// they are taken. Drills leave it out, to come to where motors saturate.
+  bool planned = true;
+  /// Before power the scenario is simulated, its faults left out, where it asks for something.
+  bool rehearsed = true;
+  /// The rows go to this file while they are made; its first line then says that it is incomplete.
+  /// write_scenario_rows() replaces it. Empty: not.
+  std::string rows;
   /// Commands from here take the place of the scenario's phases; not owned. Null: the phases.
   /// `live.engine` and `live.hold` mean nothing here, `live.pace` to a stepped clock alone.
   LineSource* lines = nullptr;
@@ -74,6 +100,29 @@ struct BoardCooperationOptions {
 
 /// How the end came, if it was not the scenario's.
 enum class BoardEnd { kDone, kFault, kStopped };
+
+/// What an arm did between the first fault and the power's end, by its own encoders.
+struct ArmAfterFault {
+  std::string name;
+  bool known = true;          ///< its boards answered throughout
+  double moved = 0.0;         ///< [m] largest way of its tip
+  double rest_after = -1.0;   ///< [s] from which on it was at rest; below zero: it was not at the end
+  double off_at = -1.0;       ///< [s] at which its own power went before that of all; below zero: not
+  /// It was under power and came to rest.
+  bool held() const { return known && rest_after >= 0.0 && off_at < 0.0; }
+};
+
+/// A fault that came after the first.
+struct LaterFault {
+  double at = 0.0;   ///< [s]
+  std::string what;  ///< with its arm
+};
+
+/// A line for each of both, for reports.
+std::string words_after_fault(const std::vector<ArmAfterFault>& arms,
+                              const std::vector<LaterFault>& later);
+/// "power is off", or that it is not confirmed for these arms.
+std::string words_at_end(OffState power, const std::string& not_off);
 
 struct BoardCooperationRun {
   ScenarioRun run;      ///< what was measured: tips from encoders, forces from sensors
@@ -88,6 +137,9 @@ struct BoardCooperationRun {
   double force_at_off = 0.0;              ///< [N] likewise at power off
   double largest_force = 0.0;             ///< [N] true where emulated, else measured
   double largest_force_after_fault = 0.0;  ///< [N]
+  std::vector<ArmAfterFault> after_fault;  ///< one for each arm; empty: there was none
+  std::vector<LaterFault> later;           ///< in the order in which they came
+  std::string not_off;  ///< arms whose boards did not confirm that they are off
   bool live = false;               ///< It ran by commands from a line.
   long commands = 0, refused = 0;  ///< Commands that came from the line
   OffState power = OffState::kNotAsked;    ///< the worst answer of any arm's boards
@@ -102,8 +154,9 @@ struct BoardCooperationRun {
 /// over `release`; then power goes off everywhere. The loss of a line of commands does the same.
 ///
 /// The loop allocates nothing, throws nothing and waits for its clock and its sockets alone.
-/// @throws InvalidInput  another number of boards than arms; a force sensor that gives no good
-///                       readings, before any power; as ArmSession::start().
+/// @throws InvalidInput  another number of boards than arms; as ArmSession::start(); before power: a
+/// phase that cannot be carried out, an `ask` that simulation does not meet, a force sensor that gives
+/// no good readings.
 BoardCooperationRun run_on_boards(const Scenario& scenario, const std::vector<CooperatingArm>& arms,
                                   const BoardCooperationOptions& options,
                                   const std::atomic<bool>& stop);

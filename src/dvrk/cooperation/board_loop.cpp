@@ -1,5 +1,6 @@
 #include "board_loop.hpp"
 
+#include <algorithm>
 #include <chrono>
 
 #include "veridyn/math/require.hpp"
@@ -10,6 +11,8 @@ namespace {
 constexpr double kLooking = 0.1;  // [s] of reading before power is asked for
 constexpr double kAfter = 0.02;   // [s] of reading after power went
 constexpr double kJumpShare = 0.5;  // of the largest force: more between two readings is no force
+constexpr double kAtRest = 0.05;  // SafetyLimits::rest_share: of the velocity limits
+constexpr std::size_t kMostTold = 64;  // later faults
 
 }  // namespace
 
@@ -23,6 +26,8 @@ BoardLoop::BoardLoop(const Scenario& scenario, const std::vector<CooperatingArm>
           " arms, expected one for each of the scenario's ", scenario_.arms.size(), ".");
   require(options_.emulate || (!options_.stepped && options_.faults.empty()),
           "boards: found a stepped clock or faults, expected them of emulated boards alone.");
+  watched_.resize(arms.size());
+  later_.reserve(kMostTold);
   if (options.emulate) join(arms);
   try {
     for (size_t k = 0; k < arms.size(); ++k)
@@ -46,6 +51,7 @@ void BoardLoop::join(const std::vector<CooperatingArm>& arms) {
       options_.faults.push_back({EmulatedFault::Kind::kLimp, fault.arm, fault.at});
   }
   joined_ = std::make_unique<JoinedArms>(scenario_, robots, couplings, options_.firmware);
+  if (options_.watch) joined_->watch(options_.watch);
   if (!options_.stepped) serving_ = std::thread([this] { joined_->run(stop_serving_); });
 }
 
@@ -70,17 +76,73 @@ bool BoardLoop::fail(const char* why, int arm, BoardEnd end) noexcept {
   return false;
 }
 
+bool BoardLoop::look_after(std::size_t k) noexcept {
+  bool found = false;
+  for (;;) {
+    const BoardSide::News news = sides_[k]->news(scenario_.control.largest_age);
+    if (news.what == nullptr) return found;
+    found = true;
+    if (why_ == nullptr) {
+      fail(news.what, static_cast<int>(k));
+      faulty_joint_ = news.joint;
+    } else if (later_.size() < later_.capacity()) {
+      later_.push_back({news.what, static_cast<int>(k), news.joint, time_});
+    }
+  }
+}
+
+void BoardLoop::watch_hold() noexcept {
+  for (std::size_t k = 0; k < sides_.size() && why_ != nullptr; ++k) {
+    Watched& arm = watched_[k];
+    const BoardSide& side = *sides_[k];
+    if (!arm.began) {
+      arm.began = true;
+      arm.from = side.tip();
+      arm.at_fault = side.speed();
+    }
+    if (side.deaf()) arm.known = false;
+    if (!side.valid()) continue;
+    arm.moved = std::max(arm.moved, (side.tip() - arm.from).norm());
+    const bool rests = side.speed() <= kAtRest;
+    if (rests && arm.rest < 0.0) arm.rest = time_ - fault_at_;
+    if (!rests) arm.rest = -1.0;
+    if (arm.off < 0.0 && !side.powered()) arm.off = time_;
+  }
+}
+
+std::vector<ArmAfterFault> BoardLoop::after_fault() const {
+  std::vector<ArmAfterFault> out;
+  for (std::size_t k = 0; k < watched_.size() && why_ != nullptr; ++k) {
+    const Watched& seen = watched_[k];
+    if (!seen.began) continue;
+    ArmAfterFault arm;
+    arm.name = scenario_.arms[k].name;
+    arm.known = seen.known;
+    arm.moved = seen.moved;
+    arm.rest_after = seen.rest;
+    arm.off_at = seen.off;
+    out.push_back(arm);
+  }
+  return out;
+}
+
+std::string BoardLoop::words(const char* what, int arm, int joint) const {
+  const auto k = static_cast<size_t>(arm);
+  const std::string where =
+      joint >= 0 ? " (joint " + sides_[k]->models().known.coordinates()[static_cast<size_t>(joint)].name + ")" : "";
+  return "arm " + scenario_.arms[k].name + ": " + what + where;
+}
+
 std::string BoardLoop::cause() const {
   if (why_ == nullptr) return "";
-  if (faulty_arm_ >= 0) {
-    const auto k = static_cast<size_t>(faulty_arm_);
-    const SafetySupervisor* safety = sides_[k]->supervisor();
-    const int joint = safety != nullptr ? safety->joint() : -1;
-    const std::string where =
-        joint >= 0 ? " (joint " + sides_[k]->models().known.coordinates()[static_cast<size_t>(joint)].name + ")" : "";
-    return "arm " + scenario_.arms[k].name + ": " + why_ + where;
-  }
+  if (faulty_arm_ >= 0) return words(why_, faulty_arm_, faulty_joint_);
   return (end_ == BoardEnd::kStopped ? "" : "the controller ") + std::string(why_);
+}
+
+std::vector<LaterFault> BoardLoop::later_faults() const {
+  std::vector<LaterFault> out;
+  for (const Later& one : later_) out.push_back({one.at, words(one.what, one.arm, one.joint)});
+  return out;
 }
 
 void BoardLoop::break_down() noexcept {
@@ -121,8 +183,11 @@ void BoardLoop::hear(const std::vector<Sensor>& sensors) {
   }
 }
 
-bool BoardLoop::power_up() {
+void BoardLoop::look() {
   repeat(kLooking, [] {});
+}
+
+bool BoardLoop::power_up() {
   for (size_t k = 0; k < sides_.size(); ++k) {
     if (const char* refused = sides_[k]->session().power_on())
       return fail(refused, static_cast<int>(k));
@@ -154,7 +219,13 @@ OffState BoardLoop::power_down() {
   for (auto& side : sides_) side->session().power_off();
   repeat(kAfter, [] {});
   OffState worst = OffState::kConfirmed;
-  for (auto& side : sides_) worst = std::max(worst, side->session().boards().shutdown());
+  not_off_.clear();
+  for (std::size_t k = 0; k < sides_.size(); ++k) {
+    const OffState one = sides_[k]->session().boards().shutdown();
+    if (one != OffState::kConfirmed)
+      not_off_ += (not_off_.empty() ? "arm " : ", arm ") + scenario_.arms[k].name;
+    worst = std::max(worst, one);
+  }
   return worst;
 }
 

@@ -40,6 +40,9 @@ class BoardLoop {
   void hear(const std::vector<Sensor>& sensors);
   static constexpr double kHeard = 0.2;  ///< [s]
 
+  /// Boards are read, before anything is asked of them.
+  void look();
+  /// After look().
   bool power_up();
   /// Power goes off everywhere, and the boards are asked whether it did.
   OffState power_down();
@@ -78,10 +81,17 @@ class BoardLoop {
     for (const double until = time_ + seconds; time_ < until;) cycle(work);
   }
 
-  // The first cause counts.
+  // The first cause ends the run; what comes later is told beside it.
   bool fail(const char* why, int arm, BoardEnd end = BoardEnd::kFault) noexcept;
   /// The cause in words, with the arm that it is of.
   std::string cause() const;
+  /// What was found of the arms since the cycle before. @returns whether arm k was found lost now.
+  bool look_after(std::size_t k) noexcept;
+  /// Where the arms are since the fault; in every cycle.
+  void watch_hold() noexcept;
+  /// The end of that: what became of each arm.
+  std::vector<ArmAfterFault> after_fault() const;
+  std::vector<LaterFault> later_faults() const;
   bool stopped() const { return stop_.load(std::memory_order_relaxed); }
   void break_down() noexcept;
 
@@ -97,8 +107,10 @@ class BoardLoop {
   BoardEnd end_ = BoardEnd::kDone;
   const char* why_ = nullptr;
   int faulty_arm_ = -1;
+  int faulty_joint_ = -1;
   double fault_at_ = 0.0;
   double now_ = 0.0, dt_ = 0.0, time_ = 0.0;
+  std::string not_off_;  // arms whose boards did not confirm that they are off
 
  private:
   void join(const std::vector<CooperatingArm>& arms);
@@ -108,6 +120,21 @@ class BoardLoop {
   std::thread serving_;
   std::atomic<bool> stop_serving_{false};
   double next_ = 0.0, last_ = 0.0;
+
+  struct Watched {
+    Eigen::Vector3d from{Eigen::Vector3d::Zero()};
+    double moved = 0.0, at_fault = 0.0;  // [m], share of the velocity limits
+    double rest = -1.0, off = -1.0;      // [s]
+    bool known = true, began = false;
+  };
+  struct Later {
+    const char* what = nullptr;
+    int arm = -1, joint = -1;
+    double at = 0.0;
+  };
+  std::string words(const char* what, int arm, int joint) const;
+  std::vector<Watched> watched_;
+  std::vector<Later> later_;  // has room
 };
 
 }  // namespace veridyn::dvrk

@@ -1,5 +1,6 @@
 #include "board_side.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -68,21 +69,31 @@ void BoardSide::begin(const Scenario& scenario, std::size_t index) {
                              VectorXd::Zero(joints_),
                              q_});
   SafetyLimits limits = safety_limits(models_.known, 1.0);
-  for (int i = 0; i < joints_; ++i) {
-    const ActuatorConfig& a = session_.robot().actuators[static_cast<size_t>(i)];
-    limits.torque[i] = std::abs(a.max_current / a.effort_to_amps);
-  }
-  sensors_.correct_torques(limits.torque);
+  limits.torque = largest_torque();
   limits.force = kForceFactor * scenario.control.largest_force;
   limits.force_age = kAgeFactor * scenario.control.largest_age;
   limits.overrun = kOverrun;
   limits.sensor_age = kSensorAge;
   limits.torque_seconds = kSaturatedSeconds;
+  velocity_ = limits.velocity;
   supervisor_ = std::make_unique<SafetySupervisor>(models_.known, limits);
   supervisor_->enable();
   supervisor_->activate();
+  told_ = 0;
   input_.q_wanted.setConstant(std::numeric_limits<double>::quiet_NaN());
   input_.force_expected.setConstant(std::numeric_limits<double>::quiet_NaN());
+}
+
+VectorXd BoardSide::largest_torque() const {
+  VectorXd out(joints_);
+  for (int i = 0; i < joints_; ++i) {
+    const ActuatorConfig& a = session_.robot().actuators[static_cast<size_t>(i)];
+    out[i] = std::abs(a.max_current / a.effort_to_amps);
+  }
+  sensors_.correct_torques(out);
+  for (int i = 0; i < joints_; ++i)
+    out[i] = std::min(out[i], models_.known.coordinates()[static_cast<size_t>(i)].limits.effort);
+  return out;
 }
 
 void BoardSide::read(double now) noexcept {
@@ -111,27 +122,36 @@ void BoardSide::drive(const VectorXd& wanted, const Eigen::Vector3d& exerted, do
   state_.update(q_, dq_);
   input_.dt = dt;
   input_.sensor_age = now_ - heard_;
-  input_.force = exerted;
+  input_.force.noalias() = models_.R_world_base_known.transpose() * exerted;
   input_.force_age = age;
   tau_ = supervisor_->update(state_, input_, wanted);
+  if (supervisor_->action() == SafetyAction::kMotorsOff && !cut_) {
+    cut_ = true;  // brakes engage, where it has them
+    session_.power_off();
+  }
   all_.head(joints_) = tau_;
   sensors_.show_torques(all_.head(joints_));
   session_.set_torques(all_);
   tau_ = session_.command().tau.head(joints_);
 }
 
-const char* BoardSide::lost_by(double largest_age) noexcept {
-  if (lost_) return nullptr;
-  const bool silent = now_ - heard_ > largest_age;
+BoardSide::News BoardSide::news(double largest_age) noexcept {
   const bool off = session_.boards().state() == PowerState::kFault;
-  const SafetyFault fault = supervisor_->fault();
-  lost_ = silent || off || fault != SafetyFault::kNone;
   // Boards that do not answer cost the others time; they are told to switch off all the same.
-  deaf_ = lost_ && !valid_;
-  return silent  ? "its boards do not answer"
-         : off   ? describe(session_.boards().cause())
-         : lost_ ? describe(fault)
-                 : nullptr;
+  if (told_silent_ || told_off_ || told_ > 0) deaf_ = deaf_ || !valid_;
+  if (now_ - heard_ > largest_age && !told_silent_) {
+    told_silent_ = true;
+    deaf_ = !valid_;
+    return {"its boards do not answer"};
+  }
+  if (off && !told_off_) {
+    told_off_ = true;
+    deaf_ = !valid_;
+    return {describe(session_.boards().cause())};
+  }
+  if (told_ >= supervisor_->events()) return {};
+  const SafetyEvent& event = supervisor_->event(told_++);
+  return {describe(event.fault), event.joint};
 }
 
 }  // namespace veridyn::dvrk

@@ -36,9 +36,20 @@ class BoardSide {
   /// The same with torques from elsewhere, (joints).
   void drive(const VectorXd& tau, const Eigen::Vector3d& exerted, double age, double dt) noexcept;
 
-  /// Why the arm is lost, in fixed words and once; nullptr: it is not, or it was said before.
+  /// The controller holds the arm from now on, or not: its supervisor then wants it to come to rest.
+  void keeps_still(bool held) noexcept { input_.held = held; }
+
+  /// A fault that was not told before, in fixed words; `what` null: there is none.
+  struct News {
+    const char* what = nullptr;
+    int joint = -1;
+  };
   /// @param largest_age  [s] without a valid read.
-  const char* lost_by(double largest_age) noexcept;
+  News news(double largest_age) noexcept;
+
+  /// Position of the tip and largest speed of a joint, as a share of its limit, by the last read.
+  const Eigen::Vector3d& tip() const { return loop_->position(); }
+  double speed() const noexcept { return dq_.cwiseQuotient(velocity_).cwiseAbs().maxCoeff(); }
 
   ArmLoop& loop() { return *loop_; }
   const ArmLoop& loop() const { return *loop_; }
@@ -49,7 +60,14 @@ class BoardSide {
   const VectorXd& dq() const { return dq_; }
   const VectorXd& tau() const { return tau_; }  ///< true torques
   int joints() const { return joints_; }
+  /// (n) What the motors give, and the robot file allows [N m], [N].
+  VectorXd largest_torque() const;
   bool valid() const { return valid_; }
+  /// Its power is up or on its way.
+  bool powered() const {
+    const PowerState state = session_.boards().state();
+    return state != PowerState::kOff && state != PowerState::kFault;
+  }
   bool deaf() const { return deaf_; }  ///< It does not answer, and is not asked any more.
   const SafetySupervisor* supervisor() const { return supervisor_.get(); }  ///< null before power
 
@@ -64,7 +82,9 @@ class BoardSide {
   SafetyInput input_;
   std::optional<ArmLoop> loop_;
   std::unique_ptr<SafetySupervisor> supervisor_;
-  bool valid_ = false, lost_ = false, deaf_ = false;
+  VectorXd velocity_;  // limits
+  bool valid_ = false, deaf_ = false, told_silent_ = false, told_off_ = false, cut_ = false;
+  int told_ = 0;  // events of the supervisor
   double now_ = 0.0, heard_ = 0.0;  // [s] of this cycle and of the last valid read
 };
 

@@ -67,6 +67,7 @@ class TeleoperationLoop : private BoardLoop {
 
   TeleoperationRun run() {
     out_.name = scenario_.name;
+    look();
     hear(line_);
     if (!stopped() && power_up()) {
       begin();
@@ -77,6 +78,9 @@ class TeleoperationLoop : private BoardLoop {
     out_.power = power_down();
     out_.end = end_;
     out_.why = cause();
+    out_.after_fault = after_fault();
+    out_.later = later_faults();
+    out_.not_off = not_off_;
     out_.fault_at = fault_at_;
     out_.cycles = timing_.cycles;
     out_.late = timing_.late;
@@ -147,12 +151,12 @@ class TeleoperationLoop : private BoardLoop {
       joined_->lead(hand_->x());
     }
     const Vector3d force = read_force();
-    for (std::size_t k = 0; k < sides_.size(); ++k) {
-      if (const char* why = sides_[k]->lost_by(scenario_.control.largest_age))
-        fail(why, static_cast<int>(k));
-    }
+    for (std::size_t k = 0; k < sides_.size(); ++k) look_after(k);
     if (why_ != nullptr || holds_) tele_->clutch(false);
     tele_->update(leader().loop().position(), leader().loop().velocity(), force);
+    // Held, the follower must come to rest; the leader is free.
+    follower().keeps_still((why_ != nullptr || holds_) && !follower().loop().yields());
+    watch_hold();
     follower().act(tele_->follower(), force, force_.age, dt_);
     const Vector3d in_base =
         leader().models().R_world_base_known.transpose() * tele_->leader_force();

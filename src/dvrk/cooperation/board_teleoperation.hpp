@@ -28,6 +28,9 @@ struct TeleoperationRun {
   std::string why;        ///< in words, where it is not kDone
   double fault_at = 0.0;  ///< [s]
   OffState power = OffState::kNotAsked;
+  std::vector<ArmAfterFault> after_fault;  ///< see BoardCooperationRun
+  std::vector<LaterFault> later;
+  std::string not_off;
   MatrixXd rows;  ///< t, leader (3), target (3), follower (3), force, hand (3), clutch
   bool met() const { return end == BoardEnd::kDone; }
   std::string report() const;

@@ -57,6 +57,7 @@ JoinedArms::JoinedArms(const Scenario& scenario, const std::vector<RobotConfig>&
     tips_.push_back({static_cast<int>(k), experiment_.real(static_cast<int>(k)).find_frame(arm.frame),
                      arm.offset});
     tau_.push_back(VectorXd::Zero(arm.start.size()));
+    stuck_.push_back(tau_.back());
     joints_.push_back(std::make_unique<Joint>(experiment_.world(), static_cast<int>(k)));
     emulators_.push_back(std::make_unique<BoardEmulator>(setups(robots[k], firmware)));
     loads_.push_back(std::make_unique<SimulatedArm>(*joints_[k], robots[k], couplings[k],
@@ -78,6 +79,10 @@ void JoinedArms::advance(double seconds) {
     if (joints_[k]->driven()) {
       tau_[k] = joints_[k]->tau();
       if (has(k, Kind::kLimp)) tau_[k].setZero();
+      if (has(k, Kind::kWeak)) tau_[k] *= 0.5;
+      if (has(k, Kind::kReversed)) tau_[k] = -tau_[k];
+      if (!has(k, Kind::kStuck)) stuck_[k] = tau_[k];
+      if (amplifies(k)) tau_[k] = stuck_[k];
       brakes_[k] = q;
       continue;
     }
@@ -103,6 +108,38 @@ void JoinedArms::advance(double seconds) {
     push_[k].store(experiment_.wall_force(static_cast<int>(k)));
     largest_force_.store(std::max(largest_force_.load(), push_[k].load()));
   }
+  if (watcher_) show();
+}
+
+void JoinedArms::watch(std::function<void(const EmulatedInstant&)> watcher) {
+  watcher_ = std::move(watcher);
+  instant_.arms.resize(joints_.size());
+}
+
+bool JoinedArms::amplifies(std::size_t arm) {
+  BoardEmulator& boards = *emulators_[arm];
+  for (int b = 0; b < boards.boards(); ++b)
+    for (int c = 0; c < kChannels; ++c)
+      if (boards.board(b).amp_on(c)) return true;
+  return false;
+}
+
+void JoinedArms::show() {
+  const World& world = experiment_.world();
+  instant_.time = world.time();
+  instant_.force = 0.0;
+  for (const auto* forces : {&tension_, &push_})
+    for (const std::atomic<double>& force : *forces)
+      instant_.force = std::max(instant_.force, std::abs(force.load()));
+  for (size_t k = 0; k < joints_.size(); ++k) {
+    EmulatedInstant::Arm& arm = instant_.arms[k];
+    const auto index = static_cast<int>(k);
+    arm.q = &world.q(index);
+    arm.dq = &world.dq(index);
+    arm.tau = &tau_[k];
+    arm.driven = amplifies(k);
+  }
+  watcher_(instant_);
 }
 
 void JoinedArms::move_hand() {

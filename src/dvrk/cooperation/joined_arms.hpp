@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -64,6 +65,8 @@ class JoinedArms final : public SteppedClock {
   Eigen::Vector3d hand_force() const {
     return {hand_force_[0].load(), hand_force_[1].load(), hand_force_[2].load()};
   }
+  /// Called after each step of the world, by the thread that serves. Before that begins.
+  void watch(std::function<void(const EmulatedInstant&)> watcher);
   /// From now on the fault is there. From another thread.
   void break_down(const EmulatedFault& fault) {
     if (fault.arm >= 0) faults_[static_cast<size_t>(fault.arm)].fetch_or(bit_of(fault.kind));
@@ -123,6 +126,8 @@ class JoinedArms final : public SteppedClock {
 
   void advance(double seconds);
   void apply_faults();
+  void show();
+  bool amplifies(std::size_t arm);
   void move_hand();
   bool has(std::size_t arm, EmulatedFault::Kind kind) const {
     return (faults_[arm].load() & bit_of(kind)) != 0;
@@ -132,7 +137,7 @@ class JoinedArms final : public SteppedClock {
   Experiment experiment_;
   std::vector<std::unique_ptr<Joint>> joints_;
   std::vector<veridyn::ArmState> states_;
-  std::vector<VectorXd> brakes_, tau_;
+  std::vector<VectorXd> brakes_, tau_, stuck_;
   std::vector<std::unique_ptr<BoardEmulator>> emulators_;
   std::vector<std::unique_ptr<SimulatedArm>> loads_;
   std::vector<std::unique_ptr<BoardServer>> servers_;
@@ -148,6 +153,8 @@ class JoinedArms final : public SteppedClock {
   std::vector<std::int64_t> slips_;  // [counts] of them
   std::atomic<double> largest_force_{0.0};
   double now_ = 0.0, reached_ = 0.0;  // [s] of the stepped clock
+  std::function<void(const EmulatedInstant&)> watcher_;
+  EmulatedInstant instant_;
 };
 
 }  // namespace veridyn::dvrk

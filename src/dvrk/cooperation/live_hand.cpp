@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 
 #include "cooperation/phase_commands.hpp"
@@ -11,15 +12,19 @@ namespace veridyn::dvrk {
 namespace {
 
 constexpr double kJogAhead = 0.1;  // [s] that a jog plans ahead
+constexpr double kLongestPlan = 5.0;  // [s] of a command
 constexpr std::chrono::milliseconds kLook{2};
 
 }  // namespace
 
 LiveHand::LiveHand(const Scenario& scenario, LineSource& lines, const LiveOptions& options,
-                   const LiveReport& report, Reads reads)
-    : scenario_(scenario), lines_(lines), options_(options), report_(report), reads_(reads) {
-  shown_.tips.resize(scenario.arms.size(), Eigen::Vector3d::Zero());
-  shown_.forces.resize(scenario.members.size());
+                   const LiveReport& report, Reads reads, std::unique_ptr<MotionPlan> plan)
+    : scenario_(scenario),
+      lines_(lines),
+      options_(options),
+      report_(report),
+      reads_(reads),
+      plan_(std::move(plan)) {
   if (reads == Reads::kBetweenCycles) return;
   thread_ = std::thread([this] {
     while (!ends_.load()) {
@@ -35,52 +40,82 @@ LiveHand::~LiveHand() {
   if (thread_.joinable()) thread_.join();
 }
 
-// Lines that are there become commands, as far as the queue has room.
+LiveHand::Shown LiveHand::shown() {
+  const std::lock_guard<std::mutex> lock(showing_);
+  return shown_;
+}
+
+// The next line becomes a command when the loop has taken all before it: it is planned from there.
 void LiveHand::pump() {
+  const Shown now = shown();
+  if (!now.plan || now.taken != written_.load()) return;
+  if (now.jogs) plan_jog(now);
   std::string line;
-  while (written_.load() - read_.load() < kRoom && lines_.next(line)) {
-    LiveCommand command = LiveAlive{};  // also a line that is not understood shows a living hand
-    try {
-      command = parse_live_command(line, scenario_);
-    } catch (const InvalidInput& error) {
-      refused_by_words_.fetch_add(1);
-      if (report_.refused) report_.refused(error.what());
-    }
-    queue_[written_.load() % kRoom] = command;
-    written_.fetch_add(1);
-  }
+  if (!now.waits && lines_.next(line)) take(line, now);
   if (lines_.closed()) closed_.store(true);
 }
 
-void LiveHand::say() {
-  Shown now;
-  {
-    const std::lock_guard<std::mutex> lock(showing_);
-    if (!fresh_) return;
-    now = shown_;
-    fresh_ = false;
-  }
-  if (!report_.state) return;
-  std::string line = fmt::format("t={:.3f} state=\"{}\"", now.time, describe(now.state));
-  for (std::size_t k = 0; k < now.tips.size(); ++k)
-    line += fmt::format(" {}={:.5f},{:.5f},{:.5f}", scenario_.arms[k].name, now.tips[k].x(),
-                        now.tips[k].y(), now.tips[k].z());
-  for (std::size_t k = 0; k < now.forces.size(); ++k)
-    line += fmt::format(" {}={:.3f}", scenario_.members[k].name, now.forces[k].force);
-  report_.state(line);
+void LiveHand::put(const LiveCommand& command) {
+  queue_[written_.load() % kRoom] = command;
+  written_.fetch_add(1);
 }
 
-void LiveHand::show(double time, CooperativeState state, const std::vector<Eigen::Vector3d>& tips,
-                    const std::vector<ForceReading>& forces) noexcept {
-  if (time < next_show_ || !showing_.try_lock()) return;
-  next_show_ = time + options_.tell;
-  shown_.time = time;
-  shown_.state = state;
-  shown_.tips = tips;
-  for (std::size_t k = 0; k < shown_.forces.size(); ++k) shown_.forces[k] = forces[k];
-  fresh_ = true;
-  showing_.unlock();
-  if (reads_ == Reads::kBetweenCycles) say();
+void LiveHand::take(const std::string& line, const Shown& now) {
+  LiveCommand command = LiveAlive{};  // also a line that is not understood shows a living hand
+  try {
+    command = parse_live_command(line, scenario_);
+    const std::string why = plan_ ? objection(command, now) : "";
+    if (!why.empty()) throw InvalidInput(text("'", line, "': ", why, "."));
+    if (std::holds_alternative<LiveJog>(command)) jog_until_.store(now.time + options_.silence);
+  } catch (const InvalidInput& error) {
+    command = LiveAlive{};
+    refused_by_words_.fetch_add(1);
+    if (report_.refused) report_.refused(error.what());
+  }
+  put(command);
+}
+
+std::string LiveHand::objection(const LiveCommand& command, const Shown& now) {
+  MotionPlan::State state =
+      plan_->under_way(now.plan->control, now.plan->seen, now.plan->q);
+  if (state.control.state() != CooperativeState::kTracking) return "";  // all is held: not taken
+  if (const auto* jog = std::get_if<LiveJog>(&command))
+    return plan_->jog(std::move(state), jog->velocity, options_.silence);
+  const auto* one = std::get_if<ScenarioCommand>(&command);
+  if (one == nullptr) return "";
+  ScenarioCommand planned = *one;
+  // What can be done in this time can be done slower, and long plans take long.
+  planned.over = std::min(one->over, kLongestPlan);
+  return plan_->play(state, {planned}, planned.over + MotionPlan::kSettled);
+}
+
+// A jog goes on for as long as the next half second can be planned.
+void LiveHand::plan_jog(const Shown& now) {
+  if (!plan_ || now.time < planned_ + kJogAhead) return;
+  planned_ = now.time;
+  const std::string why = objection(LiveJog{now.velocity}, now);
+  if (why.empty()) {
+    jog_until_.store(now.time + options_.silence);
+    return;
+  }
+  jog_until_.store(0.0);
+  if (report_.refused) report_.refused(text("the jog ends: ", why, "."));
+}
+
+void LiveHand::say() {
+  if (!report_.state) return;
+  const Shown now = shown();
+  if (!now.plan || now.time < told_ + options_.tell) return;
+  told_ = now.time;
+  std::string line =
+      fmt::format("t={:.3f} state=\"{}\"", now.time, describe(now.plan->control.state()));
+  const CooperativeInput& seen = now.plan->seen;
+  for (std::size_t k = 0; k < seen.position.size(); ++k)
+    line += fmt::format(" {}={:.5f},{:.5f},{:.5f}", scenario_.arms[k].name, seen.position[k].x(),
+                        seen.position[k].y(), seen.position[k].z());
+  for (std::size_t k = 0; k < seen.force.size(); ++k)
+    line += fmt::format(" {}={:.3f}", scenario_.members[k].name, seen.force[k].force);
+  report_.state(line);
 }
 
 void LiveHand::give(const LiveCommand& command, double time,
@@ -101,7 +136,11 @@ void LiveHand::give(const LiveCommand& command, double time,
 }
 
 LiveHand::End LiveHand::act(double time, CooperativeController& control) noexcept {
-  if (reads_ == Reads::kBetweenCycles && time >= waits_until_) pump();
+  if (reads_ == Reads::kBetweenCycles) pump();
+  if (jogs_ && plan_ && time > jog_until_.load()) {
+    jogs_ = false;
+    control.stop();
+  }
   // Asked first: what was written before the end came is in the queue then.
   const bool closed = closed_.load();
   while (time >= waits_until_ && !quits_ && read_.load() != written_.load()) {

@@ -2,10 +2,13 @@
 
 #include <array>
 #include <atomic>
+#include <memory>
 #include <mutex>
+#include <optional>
 #include <thread>
 #include <vector>
 
+#include "cooperation/motion_plan.hpp"
 #include "veridyn/control/cooperative_controller.hpp"
 #include "veridyn/cooperation/live.hpp"
 
@@ -13,23 +16,45 @@ namespace veridyn::dvrk {
 
 /// Commands by line for arms on boards. Lines are read, parsed and answered in a thread of their
 /// own, or, for boards by a stepped clock, between two cycles; the loop takes commands from a queue
-/// and neither waits nor allocates.
+/// and neither waits nor allocates. What moves the arms is planned before it is taken, from where
+/// they are then: a line that cannot be carried out is refused, and a jog is planned again all the
+/// time, so that it stops before it leads where an arm cannot go.
 class LiveHand {
  public:
   enum class End { kGoesOn, kQuit, kLost };
   enum class Reads { kBeside, kBetweenCycles };
 
+  /// @param plan  null: nothing is planned.
   LiveHand(const Scenario& scenario, LineSource& lines, const LiveOptions& options,
-           const LiveReport& report, Reads reads);
+           const LiveReport& report, Reads reads, std::unique_ptr<MotionPlan> plan);
   ~LiveHand();
   LiveHand(const LiveHand&) = delete;
   LiveHand& operator=(const LiveHand&) = delete;
 
   /// Once per cycle: what was asked for goes to the controller. @param time  [s] of the loop.
   End act(double time, CooperativeController& control) noexcept;
-  /// What is, for LiveReport::state. @param tips  [m] @param forces  [N] of the members.
-  void show(double time, CooperativeState state, const std::vector<Eigen::Vector3d>& tips,
-            const std::vector<ForceReading>& forces) noexcept;
+  /// What is, for LiveReport::state and for plans, in every cycle before act().
+  /// @param joints  calls back with the index of each arm and gives its (n) positions.
+  template <typename Joints>
+  void show(double time, const CooperativeController& control, const CooperativeInput& seen,
+            Joints&& joints) noexcept {
+    if (!showing_.try_lock()) return;
+    shown_.time = time;
+    if (!shown_.plan) {
+      shown_.plan.emplace(MotionPlan::State{control, seen, {}, {}, {}, 0.0});
+      for (std::size_t k = 0; k < scenario_.arms.size(); ++k) shown_.plan->q.push_back(joints(k));
+    } else {
+      shown_.plan->control = control;
+      shown_.plan->seen = seen;
+      for (std::size_t k = 0; k < scenario_.arms.size(); ++k) shown_.plan->q[k] = joints(k);
+    }
+    shown_.taken = read_.load();
+    shown_.waits = time < waits_until_;
+    shown_.jogs = jogs_;
+    shown_.velocity = velocity_;
+    showing_.unlock();
+    if (reads_ == Reads::kBetweenCycles) say();
+  }
 
   long commands() const { return commands_; }
   long refused() const { return refused_by_words_.load() + refused_; }
@@ -38,12 +63,18 @@ class LiveHand {
   static constexpr std::size_t kRoom = 64;  // commands on their way to the loop
   struct Shown {
     double time = 0.0;
-    CooperativeState state = CooperativeState::kTracking;
-    std::vector<Eigen::Vector3d> tips;
-    std::vector<ForceReading> forces;
+    std::optional<MotionPlan::State> plan;
+    std::size_t taken = 0;  // commands that are in it
+    bool waits = false, jogs = false;
+    Eigen::Vector3d velocity{Eigen::Vector3d::Zero()};
   };
 
   void pump();
+  void take(const std::string& line, const Shown& now);
+  void put(const LiveCommand& command);
+  void plan_jog(const Shown& now);
+  std::string objection(const LiveCommand& command, const Shown& now);
+  Shown shown();
   void say();
   void give(const LiveCommand& command, double time, CooperativeController& control) noexcept;
 
@@ -58,10 +89,12 @@ class LiveHand {
   std::atomic<long> refused_by_words_{0};
   std::mutex showing_;
   Shown shown_;
-  bool fresh_ = false;
+  std::unique_ptr<MotionPlan> plan_;
+  double told_ = -1.0, planned_ = -1.0;  // [s] of the loop
+  std::atomic<double> jog_until_{0.0};   // [s] until which a jog was planned
   long commands_ = 0, refused_ = 0;
   bool began_ = false, jogs_ = false, quits_ = false;
-  double heard_ = 0.0, waits_until_ = 0.0, next_jog_ = 0.0, next_show_ = 0.0;
+  double heard_ = 0.0, waits_until_ = 0.0, next_jog_ = 0.0;
   Eigen::Vector3d velocity_{Eigen::Vector3d::Zero()};
   std::thread thread_;
 };

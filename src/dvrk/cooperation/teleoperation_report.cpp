@@ -18,9 +18,10 @@ std::string TeleoperationRun::report() const {
                    "0.06 s";
   out += fmt::format("; it touched with at most {:.3g} N.\n", largest_force);
   if (end != BoardEnd::kDone)
-    out += fmt::format("At {:.4g} s {}: the follower held, the leader was free, then power went.\n",
+    out += fmt::format("At {:.4g} s {}: the follower was to be held, the leader free, then power went.\n",
                        fault_at, why);
-  out += fmt::format("Boards at the end: {}.\n", describe(power));
+  out += words_after_fault(after_fault, later);
+  out += fmt::format("Boards at the end: {}.\n", words_at_end(power, not_off));
   return out;
 }
 

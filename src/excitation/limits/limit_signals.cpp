@@ -10,13 +10,15 @@
 namespace veridyn {
 namespace {
 
+constexpr double kRoomOfSupervisor = 0.0025;  // share of a range that MotionCheck leaves at each end
 constexpr double kRoundedShare = 0.01;  // share of the largest speed, for signs in torques
 
 }  // namespace
 
 LimitSignals::LimitSignals(const Model& arm, const MotionLimits& joints,
-                           const WorkspaceLimits& workspace, const std::optional<Model>& powered)
-    : joints_(arm.joints()), arm_(arm) {
+                           const WorkspaceLimits& workspace, const std::optional<Model>& powered,
+                           double braking)
+    : joints_(arm.joints()), arm_(arm), braking_(braking) {
   const auto each = [&](const char* what, const char* per, const VectorXd& lower,
                         const VectorXd& upper, const VectorXd& scale) {
     for (int i = 0; i < joints_; ++i) {
@@ -28,8 +30,18 @@ LimitSignals::LimitSignals(const Model& arm, const MotionLimits& joints,
   each("position", "", joints.lower, joints.upper, joints.upper - joints.lower);
   each("speed", "/s", -joints.velocity, joints.velocity, joints.velocity);
   each("acceleration", "/s^2", -joints.acceleration, joints.acceleration, joints.acceleration);
+  if (braking_ > 0.0) add_stops(joints);
   if (powered) add_torques(*powered);
   add_workspace(arm, workspace);
+}
+
+void LimitSignals::add_stops(const MotionLimits& joints) {
+  for (int i = 0; i < joints_; ++i) {
+    const Coordinate& c = arm_.coordinates()[static_cast<size_t>(i)];
+    const double room = kRoomOfSupervisor * (joints.upper[i] - joints.lower[i]);
+    signals_.push_back({text("stop of ", c.name), position_unit(c), joints.lower[i] + room,
+                        joints.upper[i] - room, joints.upper[i] - joints.lower[i]});
+  }
 }
 
 void LimitSignals::add_torques(const Model& powered) {
@@ -167,6 +179,8 @@ void LimitSignals::torque_slopes(const MotionSamples& motion, std::vector<Matrix
 MatrixXd LimitSignals::values(const MotionSamples& motion) const {
   MatrixXd out(motion.rows(), count() - 3 * joints_);
   Eigen::Index next = 0;
+  for (int i = 0; i < joints_ && braking_ > 0.0; ++i)
+    out.col(next++) = motion.q.col(i) + motion.dq.col(i) / braking_;
   if (!torque_joints_.empty()) {
     const MatrixXd tau = torques(motion);
     for (const int i : torque_joints_) out.col(next++) = tau.col(i);
@@ -184,6 +198,11 @@ MatrixXd LimitSignals::values(const MotionSamples& motion) const {
 
 std::vector<MatrixXd> LimitSignals::slopes(const MotionSamples& motion) const {
   std::vector<MatrixXd> out;
+  for (int i = 0; i < joints_ && braking_ > 0.0; ++i) {
+    out.push_back(MatrixXd::Zero(motion.rows(), 3 * motion.joints()));
+    out.back().col(i).setOnes();
+    out.back().col(joints_ + i).setConstant(1.0 / braking_);
+  }
   if (!torque_joints_.empty()) torque_slopes(motion, out);
   const size_t first = out.size();
   for (size_t k = 0; k < geometries_.size(); ++k) {

@@ -21,14 +21,19 @@ struct LimitSignal {
   double scale;  ///< its size, so that margins of different units compare
 };
 
+/// Of torques: a supervisor stops an arm whose motors saturate, and friction is not known yet.
+constexpr double kTorqueOfSupervisor = 0.95;
+
 /// Everything that a motion has to keep, as signals along it. Signals 0 .. 3 n - 1 are q, dq, ddq
 /// themselves.
 class LimitSignals {
  public:
   /// @param powered  the arm with values, where torques are limited; its efforts are the bounds.
+  /// @param braking  [1/s] above zero: where a joint would stop, q + dq / braking, stays within its
+  ///                 range as well.
   /// @throws InvalidInput  an unknown frame, bounds in the wrong order, no values.
   LimitSignals(const Model& arm, const MotionLimits& joints, const WorkspaceLimits& workspace,
-               const std::optional<Model>& powered);
+               const std::optional<Model>& powered, double braking = 0.0);
 
   int count() const { return static_cast<int>(signals_.size()); }
   int joints() const { return joints_; }
@@ -42,6 +47,7 @@ class LimitSignals {
   std::vector<MatrixXd> slopes(const MotionSamples& motion) const;
 
  private:
+  void add_stops(const MotionLimits& joints);
   void add_torques(const Model& powered);
   void add_workspace(const Model& arm, const WorkspaceLimits& workspace);
   int frame_index(const Model& arm, const std::string& name) const;
@@ -60,6 +66,7 @@ class LimitSignals {
   int joints_;
   Model arm_;
   std::vector<LimitSignal> signals_;
+  double braking_;  // 0: no stops
   // Torques.
   std::vector<int> torque_joints_;
   std::unique_ptr<RegressorBatch> bodies_;

@@ -84,8 +84,8 @@ struct BoundSide {
   static double longest(double decrease) { return decrease > kTau ? kTau / decrease : 1.0; }
 };
 
-// Damped BFGS updating, procedure 18.2 of the book: B stays positive definite.
-// @param s_k, y_k  change of x and of the Lagrangian's gradient.
+}  // namespace
+
 void update_hessian(MatrixXd& B, const VectorXd& s_k, const VectorXd& y_k, bool first) {
   const double s_y = s_k.dot(y_k);
   if (first && s_y > 0.0) B.diagonal().setConstant(y_k.squaredNorm() / s_y);
@@ -96,6 +96,8 @@ void update_hessian(MatrixXd& B, const VectorXd& s_k, const VectorXd& y_k, bool 
   const VectorXd r_k = theta * y_k + (1.0 - theta) * B_s;
   B += r_k * r_k.transpose() / s_k.dot(r_k) - B_s * B_s.transpose() / s_B_s;
 }
+
+namespace {
 
 class InteriorPoint {
  public:

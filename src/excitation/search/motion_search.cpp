@@ -17,7 +17,7 @@ constexpr int kDraws = 32;            // random motions of which the best begins
 constexpr int kTrials = 16;           // random motions from which short descents begin
 constexpr int kTrialIterations = 30;  // each
 constexpr int kFollowed = 3;          // descents that are followed to the end
-constexpr int kInstantsPerWave = 24;  // instants of the shortest wave, for the criterion
+constexpr int kCriterionInstantsPerWave = 24;  // instants of the shortest wave, for the criterion
 constexpr int kLimitsPerWave = 14;    // and for the limits; what is between is fitted afterwards
 static_assert(kStages == 2, "one for each sharpness");
 constexpr double kSharpness[] = {2.0, 16.0};  // sharpness of the smooth condition number, one after the other
@@ -52,8 +52,9 @@ MotionSearch::Bounds MotionSearch::allowed() const {
   Bounds out{VectorXd(signals_.count()), VectorXd(signals_.count())};
   for (int k = 0; k < signals_.count(); ++k) {
     const bool torque = signals_[k].name.rfind("torque", 0) == 0;
-    out.lower[k] = (torque ? options_.limit_share : 1.0) * signals_[k].lower;
-    out.upper[k] = (torque ? options_.limit_share : 1.0) * signals_[k].upper;
+    const double share = torque ? options_.limit_share.value_or(kTorqueOfSupervisor) : 1.0;
+    out.lower[k] = share * signals_[k].lower;
+    out.upper[k] = share * signals_[k].upper;
   }
   const MotionLimits& own = space_.limits();
   out.lower.head(3 * n) << own.lower, -own.velocity, -own.acceleration;
@@ -62,7 +63,7 @@ MotionSearch::Bounds MotionSearch::allowed() const {
 }
 
 double MotionSearch::smooth_cost(const VectorXd& x, double sharpness) const {
-  return question_.objective(space_, sharpness, kInstantsPerWave * space_.harmonics()).value(x);
+  return question_.objective(space_, sharpness, kCriterionInstantsPerWave * space_.harmonics()).value(x);
 }
 
 bool MotionSearch::keeps(const VectorXd& x, const Bounds& bounds) const {
@@ -115,7 +116,7 @@ VectorXd MotionSearch::descend(const VectorXd& from, const Bounds& bounds, const
   GridConstraints limits(space_, signals_, kLimitsPerWave * space_.harmonics());
   limits.set_bounds(bounds.lower, bounds.upper);
   const MotionObjective objective =
-      question_.objective(space_, descent.sharpness, kInstantsPerWave * space_.harmonics());
+      question_.objective(space_, descent.sharpness, kCriterionInstantsPerWave * space_.harmonics());
   SearchProgram program(objective, limits, space_.size());
   SolverOptions solver;
   solver.iterations = std::min(options_.iterations, descent.iterations);

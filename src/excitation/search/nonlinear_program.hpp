@@ -40,7 +40,6 @@ struct SolverResult {
   int iterations = 0;
 };
 
-/// A solver: solve_with_interior_point(), or another one to compare it with.
 using NonlinearSolver =
     std::function<SolverResult(NonlinearProgram&, const VectorXd& start, const SolverOptions&)>;
 
@@ -49,5 +48,18 @@ using NonlinearSolver =
 /// For up to some hundred variables (Nocedal and Wright, Numerical Optimization, 2006, chapter 19).
 SolverResult solve_with_interior_point(NonlinearProgram& program, const VectorXd& start,
                                        const SolverOptions& options);
+
+/// Ipopt (Waechter and Biegler, Mathematical Programming 106(1), 2006) with the same dense BFGS matrix
+/// as its Hessian, and NLopt's sequential quadratic programming (SLSQP, Kraft 1988). Both get those
+/// limits that can become active, see working_set.hpp. Built where their packages are installed.
+SolverResult solve_with_ipopt(NonlinearProgram& program, const VectorXd& start,
+                              const SolverOptions& options);
+SolverResult solve_with_nlopt(NonlinearProgram& program, const VectorXd& start,
+                              const SolverOptions& options);
+
+/// Damped BFGS updating, procedure 18.2 of Nocedal and Wright: B stays positive definite.
+/// @param s_k, y_k  change of x and of the Lagrangian's gradient.
+/// @param first  B says nothing yet about the curvature; its size is chosen first.
+void update_hessian(MatrixXd& B, const VectorXd& s_k, const VectorXd& y_k, bool first);
 
 }  // namespace veridyn

@@ -56,6 +56,7 @@ std::optional<Model> values_of(const Model& arm, const ExcitationOptions& option
 }
 
 SmoothValue Question::smooth(const MatrixXd& gram, double sharpness) const {
+  if (criterion == ExcitationCriterion::kAOptimal) return smooth_a_optimality(gram, sizes);
   if (criterion == ExcitationCriterion::kDOptimal) return smooth_d_optimality(gram, scale);
   if (criterion == ExcitationCriterion::kDiscriminate)
     return smooth_discrimination(gram, scale, rivals);
@@ -70,6 +71,7 @@ SmoothValue Question::smooth(const MatrixXd& gram, double sharpness) const {
 }
 
 double Question::verdict(const MatrixXd& gram) const {
+  if (criterion == ExcitationCriterion::kAOptimal) return smooth_a_optimality(gram, sizes).value;
   if (criterion == ExcitationCriterion::kDOptimal) return -log_determinant(gram, scale);
   if (criterion == ExcitationCriterion::kDiscriminate)
     return smooth_discrimination(gram, scale, rivals).value;
@@ -81,7 +83,6 @@ double Question::verdict(const MatrixXd& gram) const {
 
 MotionObjective Question::objective(const MotionSpace& space, double sharpness,
                                     int instants) const {
-  if (rounded_deviations) return {space, rounded, *rounded_deviations, instants};
   const auto smoothed = [this, sharpness](const MatrixXd& gram) { return smooth(gram, sharpness); };
   return {space, rounded, row_weights, rounded_given, smoothed, instants};
 }
@@ -90,28 +91,22 @@ MatrixXd Question::exact_gram(const MotionSamples& motion) const {
   return exact->gram(motion, row_weights) / static_cast<double>(motion.rows()) + exact_given;
 }
 
-double Question::cost(const MotionSamples& motion) const {
-  if (!exact_deviations) return verdict(exact_gram(motion));
-  std::vector<MatrixXd> grams = exact->joint_grams(motion);
-  for (MatrixXd& one : grams) one /= static_cast<double>(motion.rows());
-  return (*exact_deviations)(grams).value;
-}
+double Question::cost(const MotionSamples& motion) const { return verdict(exact_gram(motion)); }
 
 namespace {
 
-RelativeDeviations relative_deviations(const BaseRegressor& regressor,
-                                       const ExcitationOptions& options, const Model& known,
-                                       double seconds) {
-  const TorqueNoise noise = options.noise.value_or(usual_noise(known));
-  require(noise.share.size() == known.joints() && noise.share.minCoeff() > 0.0,
-          "excitation: found noise of ", noise.share.size(), " joints, expected ", known.joints(),
-          " positive shares.");
-  std::vector<MatrixXd> given;
-  for (int i = 0; i < known.joints(); ++i) {
-    const VectorXd own = VectorXd::Unit(known.joints(), i);
-    given.push_back(given_information(*regressor.columns(), own, options.given, seconds));
-  }
-  return {known, regressor, noise.share, std::move(given)};
+// The thesis's condition number is that of rows as they are; a confidence ellipsoid is that of rows
+// divided by their noise.
+VectorXd weights_of_rows(const Model& arm, const ExcitationOptions& options) {
+  if (options.criterion == ExcitationCriterion::kCondition) return VectorXd::Ones(arm.joints());
+  if (options.criterion == ExcitationCriterion::kDiscriminate)
+    return torque_sizes(options.powered.value_or(arm)).cwiseInverse();
+  const TorqueNoise noise =
+      options.noise.value_or(usual_noise(values_of(arm, options).value_or(arm)));
+  require(noise.deviation.size() == arm.joints() && noise.deviation.minCoeff() > 0.0,
+          "excitation: found noise of ", noise.deviation.size(), " joints, expected ", arm.joints(),
+          " positive deviations.");
+  return noise.deviation.cwiseInverse();
 }
 
 }  // namespace
@@ -125,10 +120,7 @@ Question make_question(const Model& arm, const BaseRegressor& exact, const BaseR
   out.rounded = rounded.columns();
   out.scale = exact.scale();
   out.basis = exact.orthogonal_basis();
-  // The thesis's condition number is that of rows as they are.
-  out.row_weights = options.criterion == ExcitationCriterion::kCondition
-                        ? VectorXd::Ones(arm.joints())
-                        : VectorXd(torque_sizes(options.powered.value_or(arm)).cwiseInverse());
+  out.row_weights = weights_of_rows(arm, options);
   if (options.criterion == ExcitationCriterion::kDiscriminate) {
     require(options.between.has_value(),
             "excitation: found the criterion discriminate without two rivals.");
@@ -140,8 +132,7 @@ Question make_question(const Model& arm, const BaseRegressor& exact, const BaseR
             "excitation: the criterion a-optimal is about deviations relative to "
             "the arm's values, but '",
             arm.name(), "' has none and no other model is given.");
-    out.exact_deviations = relative_deviations(exact, options, *known, seconds);
-    out.rounded_deviations = relative_deviations(rounded, options, *known, seconds);
+    out.sizes = parameter_sizes(*known, exact);
   }
   out.exact_given = given_information(*out.exact, out.row_weights, options.given, seconds);
   out.rounded_given = given_information(*out.rounded, out.row_weights, options.given, seconds);

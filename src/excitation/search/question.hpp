@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "excitation/a_optimality.hpp"
 #include "excitation/criterion.hpp"
 #include "excitation/search/motion_objective.hpp"
 #include "regressor/stacked_columns.hpp"
@@ -29,8 +30,7 @@ struct Question {
   MatrixXd rounded_given;  ///< information that is there already, per instant of the new motion
   MatrixXd exact_given;
 
-  /// For kAOptimal, as rounded and exact.
-  std::optional<RelativeDeviations> rounded_deviations{}, exact_deviations{};
+  VectorXd sizes{};  ///< parameter_sizes(), for kAOptimal
 
   /// What a search goes down, at some instants of a period.
   MotionObjective objective(const MotionSpace& space, double sharpness, int instants) const;
@@ -44,7 +44,7 @@ struct Question {
   /// The smooth stand-in of the criterion; only kCondition has a sharpness.
   SmoothValue smooth(const MatrixXd& gram, double sharpness) const;
 
-  /// The criterion itself, of the exact columns' Gram matrix per row; not for kAOptimal.
+  /// The criterion itself, of the exact columns' Gram matrix per row.
   double verdict(const MatrixXd& gram) const;
 
   ExcitationCriterion criterion = ExcitationCriterion::kCondition;

@@ -74,7 +74,7 @@ class SearchProgram final : public NonlinearProgram {
   const GridConstraints& limits_;
   int variables_;
   VectorXd objective_at_, constraints_at_;
-  SmoothJointValue there_;  // at objective_at_
+  SmoothValue there_;  // at objective_at_
   GridConstraints::Violation violation_{};
   std::optional<Best> best_;
   int evaluations_ = 0;

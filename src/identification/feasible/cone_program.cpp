@@ -243,10 +243,9 @@ double block_gap(const Block& block, const Eigen::Matrix4d& S, const Eigen::Matr
   if (weight == 0.0) return (S.cwiseProduct(Z)).sum();
   const Eigen::LLT<Eigen::Matrix4d> factor(S);
   const Eigen::Matrix4d L = factor.matrixL();
+  const Eigen::Matrix4d both = L.transpose() * Z * L;
   const Eigen::Vector4d ratio =
-      Eigen::SelfAdjointEigenSolver<Eigen::Matrix4d>(L.transpose() * Z * L, Eigen::EigenvaluesOnly)
-          .eigenvalues() /
-      weight;
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix4d>(both, Eigen::EigenvaluesOnly).eigenvalues() / weight;
   if (!(ratio(0) > 0.0)) return kInfinity;
   return weight * (ratio.array() - ratio.array().log() - 1.0).sum();
 }

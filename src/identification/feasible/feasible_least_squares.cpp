@@ -61,6 +61,7 @@ void check_options(const FeasibleOptions& options, size_t bodies, Eigen::Index n
     require(entropic.phi.size() == bodies, kHere, "the entropic prior has ", entropic.phi.size(),
             " bodies, the problem ", bodies, ".");
     for (size_t k = 0; k < bodies; ++k) {
+      if (entropic.phi[k].isZero(0.0)) continue;
       require(pseudo_inertia(entropic.phi[k]).llt().info() == Eigen::Success, kHere,
               "the entropic prior of body ", k, " is not positive definite.");
     }
@@ -90,6 +91,7 @@ void add_entropic_prior(const EntropicPrior& prior, const std::vector<int>& colu
                         cone::Program& program) {
   if (prior.weight == 0.0) return;
   for (size_t k = 0; k < columns.size(); ++k) {
+    if (prior.phi[k].isZero(0.0)) continue;
     const Eigen::LLT<Matrix4d> factor(pseudo_inertia(prior.phi[k]));
     const Matrix4d inverse = factor.solve(Matrix4d::Identity());
     const double log_det = 2.0 * factor.matrixLLT().diagonal().array().log().sum();

@@ -19,6 +19,9 @@ constexpr double kBoundary = 0.99;  // part of the way to the boundary of the co
 constexpr double kFirstRegularisation = 1e-14;
 constexpr double kLastRegularisation = 1e-5;
 constexpr int kPatience = 10;  // iterations without a smaller gap
+// The same with an entropic prior: a body far from its prior comes to its place in many short steps,
+// along which the gap is no measure yet.
+constexpr int kPatienceWithPrior = 50;
 
 class InteriorPoint {
  public:
@@ -41,6 +44,7 @@ class InteriorPoint {
   const Program& program_;
   const Stop& stop_;
   const int n_;
+  int patience_ = kPatience;
   int plain_degree_ = 0;  // of the cones without a log-det term
   MatrixXd hessian_;      // 2*R'*R, lower triangle
   MatrixXd M_;            // Schur complement, lower triangle
@@ -66,7 +70,10 @@ InteriorPoint::InteriorPoint(const Program& program, const Stop& stop, double fi
   blocks_ = std::move(start.blocks);
   row_follows_x_.assign(slack_.size(), 0);
   plain_degree_ = program.rows.size();
-  for (const Block& block : program.blocks) plain_degree_ += block.log_det_weight == 0.0 ? 4 : 0;
+  for (const Block& block : program.blocks) {
+    plain_degree_ += block.log_det_weight == 0.0 ? 4 : 0;
+    if (block.log_det_weight > 0.0) patience_ = kPatienceWithPrior;
+  }
   point_.Z.resize(blocks_.size());
   update_residuals();
 }
@@ -244,7 +251,7 @@ bool InteriorPoint::finish(Solution& solution) {
     solution.point = point_;
   }
   if (gap <= tolerance) solution.status = FeasibleStatus::kOptimal;
-  return gap <= tolerance || solution.iterations - best_iteration_ >= kPatience;
+  return gap <= tolerance || solution.iterations - best_iteration_ >= patience_;
 }
 
 Solution InteriorPoint::run() {
@@ -279,7 +286,10 @@ Solution solve(const Program& program, const Stop& stop) {
   for (const double first_gap : {1e-3, 1e1, 1e5}) {
     solution = InteriorPoint(program, stop, first_gap).run();
     iterations += solution.iterations;
-    if (solution.interior.size() > 0 || solution.status == FeasibleStatus::kInfeasible) break;
+    const bool prior = std::any_of(program.blocks.begin(), program.blocks.end(),
+                                   [](const Block& b) { return b.log_det_weight > 0.0; });
+    const bool over = solution.status == FeasibleStatus::kOptimal || !prior;
+    if ((solution.interior.size() > 0 && over) || solution.status == FeasibleStatus::kInfeasible) break;
   }
   solution.iterations = iterations;
   return solution;

@@ -81,8 +81,8 @@ ScaledBlock block_start(const Block& block, const VectorXd& x, double mu) {
   const Vector4d scale =
       J.diagonal().cwiseAbs().cwiseMax(largest > 0.0 ? 1e-9 * largest : 1.0).cwiseSqrt();
   const Vector4d inverse = scale.cwiseInverse();
-  const Eigen::SelfAdjointEigenSolver<Matrix4d> eigen(inverse.asDiagonal() * J *
-                                                      inverse.asDiagonal());
+  const Eigen::SelfAdjointEigenSolver<Matrix4d> eigen(
+      Matrix4d(inverse.asDiagonal() * J * inverse.asDiagonal()));
   const Vector4d values = eigen.eigenvalues().cwiseMax(kSmallestSlack);
   const Matrix4d V = scale.asDiagonal() * eigen.eigenvectors();
   const Matrix4d W = inverse.asDiagonal() * eigen.eigenvectors();

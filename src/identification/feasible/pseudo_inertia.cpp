@@ -44,6 +44,20 @@ InertialVector inertial_parameters(const Eigen::Matrix4d& J) {
   return phi;
 }
 
+InertialVector with_size(const InertialVector& phi, double radius) {
+  if (!(phi(0) > 0.0)) return InertialVector::Zero();
+  Eigen::Matrix4d J = pseudo_inertia(phi);
+  const Eigen::Vector3d h = phi.segment<3>(1);
+  const Eigen::Matrix3d of_centre = h * h.transpose() / phi(0);
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(J.topLeftCorner<3, 3>() - of_centre);
+  const double least = phi(0) * radius * radius;
+  if (eigen.eigenvalues()(0) >= least) return phi;
+  J.topLeftCorner<3, 3>() = of_centre + eigen.eigenvectors() *
+                                            eigen.eigenvalues().cwiseMax(least).asDiagonal() *
+                                            eigen.eigenvectors().transpose();
+  return inertial_parameters(J);
+}
+
 Eigen::Matrix4d principal_moment_matrix(const Eigen::Ref<const InertialVector>& phi) {
   Eigen::Matrix4d D;
   // clang-format off
@@ -53,13 +67,6 @@ Eigen::Matrix4d principal_moment_matrix(const Eigen::Ref<const InertialVector>& 
        0.0,    0.0,    0.0,    phi(0);
   // clang-format on
   return D;
-}
-
-InertialVector principal_moment_adjoint(const Eigen::Matrix4d& Z) {
-  InertialVector phi;
-  phi << Z(3, 3), 0.0, 0.0, 0.0,  //
-      Z(0, 0), Z(0, 1) + Z(1, 0), Z(1, 1), Z(0, 2) + Z(2, 0), Z(1, 2) + Z(2, 1), Z(2, 2);
-  return phi;
 }
 
 double smallest_eigenvalue(const Eigen::Matrix4d& J) {

@@ -46,16 +46,16 @@ InertialParameters read_mass_com_inertia(const YamlNode& node) {
   return inertial_parameters(mass, com, inertia);
 }
 
-void read_values(const YamlNode& node, Body& body) {
+std::optional<InertialParameters> read_values(const YamlNode& node) {
   const auto parameters = node.find("parameters");
   for (const char* key : {"mass", "com", "inertia"}) {
     const auto given = node.find(key);
     if (!given) continue;
     if (parameters) given->fail("both parameters and " + std::string(key), "one of them");
-    body.phi = read_mass_com_inertia(node);
-    return;
+    return read_mass_com_inertia(node);
   }
-  if (parameters) body.phi = ten_numbers(*parameters);
+  if (parameters) return ten_numbers(*parameters);
+  return std::nullopt;
 }
 
 InertialParameters read_deviations(const YamlNode& node) {
@@ -96,8 +96,12 @@ std::optional<Body> read_body(const YamlNode& node) {
     if (node.flag()) return body;
     return std::nullopt;
   }
-  node.allow_keys({"mass", "com", "inertia", "parameters", "std", "fixed", "box"});
-  read_values(node, body);
+  node.allow_keys({"mass", "com", "inertia", "parameters", "std", "prior", "fixed", "box"});
+  body.phi = read_values(node);
+  if (const auto prior = node.find("prior")) {
+    prior->allow_keys({"mass", "com", "inertia", "parameters"});
+    body.prior = read_values(*prior);
+  }
   if (const auto deviations = node.find("std")) body.std_phi = read_deviations(*deviations);
   if (const auto box = node.find("box")) body.box = read_box(*box);
   if (const auto fixed = node.find("fixed")) {

@@ -76,12 +76,6 @@ class EffectReader {
 
 }  // namespace
 
-const std::vector<std::string>& effect_keys() {
-  static const std::vector<std::string> keys{"effect",      "axis",  "offset", "from",
-                                             "from_offset", "frame", "values", "std"};
-  return keys;
-}
-
 std::vector<EffectTerm> read_effects(const YamlNode& list,
                                      const std::vector<std::string>& coordinates,
                                      const std::vector<std::string>& frames) {

@@ -72,7 +72,7 @@ std::string parameter_text(const IdentifiedParameter& p) {
 }  // namespace
 
 IdentifiedBase read_identified(const YamlNode& node, int joints) {
-  node.allow_keys({"recordings", "clusters", "error", "motion", "base"});
+  node.allow_keys({"recordings", "clusters", "error", "noise", "motion", "base"});
   IdentifiedBase out;
   if (const auto recordings = node.find("recordings")) {
     for (const YamlNode& name : recordings->items("a list of file names"))
@@ -83,11 +83,16 @@ IdentifiedBase read_identified(const YamlNode& node, int joints) {
   if (!(count >= 0.0 && count < 1e6 && count == std::floor(count)))
     clusters.fail(clusters.found(), "the number of clusters, 0 or more");
   out.clusters = static_cast<int>(count);
-  if (const auto error = node.find("error")) {
-    out.error = read_numbers(*error, "one relative error per joint");
-    if (out.error.size() != joints)
-      error->fail(error->found(), text("one relative error for each of the ", joints, " joints"));
-  }
+  const auto of_each_joint = [&](const char* key, const char* what) {
+    const auto given = node.find(key);
+    if (!given) return VectorXd();
+    VectorXd values = read_numbers(*given, text("one ", what, " per joint"));
+    if (values.size() != joints)
+      given->fail(given->found(), text("one ", what, " for each of the ", joints, " joints"));
+    return values;
+  };
+  out.error = of_each_joint("error", "relative error");
+  out.noise = of_each_joint("noise", "rms error");
   if (const auto motion = node.find("motion"))
     out.motion = read_motion(*motion, out.clusters, joints);
   for (const YamlNode& item : node.at("base").items("a list of base parameters")) {
@@ -113,6 +118,7 @@ std::string identified_text(const IdentifiedBase& identified) {
   out += "  recordings: [" + listed(recordings) + "]\n";
   out += text("  clusters: ", identified.clusters, "\n");
   if (identified.error.size() > 0) out += "  error: " + numbers_text(identified.error) + "\n";
+  if (identified.noise.size() > 0) out += "  noise: " + numbers_text(identified.noise) + "\n";
   if (identified.motion.rows() > 0) out += "  motion:\n";
   for (Eigen::Index c = 0; c < identified.motion.rows(); ++c)
     out += "    - " + numbers_text(identified.motion.row(c).transpose()) + "\n";

@@ -74,7 +74,7 @@ void suggest_missing(const CsvLayout& layout, const std::string& where) {
 }
 
 // First few names, for messages.
-std::string listed(const std::vector<std::string>& names) {
+std::string first_names(const std::vector<std::string>& names) {
   std::string list;
   for (std::size_t k = 0; k < names.size() && k < 8; ++k) list += (k > 0 ? ", " : "") + names[k];
   return names.size() > 8 ? text(list, ", ... (", names.size(), " columns)") : list;
@@ -196,7 +196,7 @@ CsvLayout layout_from_header(std::string_view header, const std::string& where) 
     }
   }
   suggest_missing(layout, where);
-  require(layout.joints > 0, where, ": found columns ", listed(layout.names),
+  require(layout.joints > 0, where, ": found columns ", first_names(layout.names),
           ", expected a header with t and q1 to qn.");
   return layout;
 }

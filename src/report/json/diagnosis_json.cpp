@@ -1,4 +1,7 @@
 #include "veridyn/report/diagnosis_json.hpp"
+
+#include <cmath>
+
 #include "report/json/error_json.hpp"
 #include "report/json/json_value.hpp"
 #include "report/json/settings_json.hpp"
@@ -178,6 +181,17 @@ std::string to_json(const Diagnosis& d, const std::string& next_command) {
   out["extended"] = error_pair(d.extended);
   out["next_experiment"] = next_json(d, next_command);
   out["remarks"] = d.remarks;
+  if (!d.friction_remark.empty()) out["remarks"].insert(out["remarks"].begin(), d.friction_remark);
+  out["friction"] = Json::array();
+  for (const JointNumber& n : d.friction) {
+    out["friction"].push_back({{"joint", n.joint + 1},
+                               {"coordinate", d.extended.model->coordinates()[static_cast<std::size_t>(n.joint)].name},
+                               {"effect", n.effect},
+                               {"parameter", n.parameter},
+                               {"unit", n.unit},
+                               {"value", n.value},
+                               {"std", std::isfinite(n.deviation) ? Json(n.deviation) : Json()}});
+  }
   out["excluded_intervals"] = Json::array();
   for (const LeftOut& part : d.left_out) {
     out["excluded_intervals"].push_back({{"file", part.source},

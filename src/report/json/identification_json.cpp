@@ -1,4 +1,8 @@
 #include "report/json/error_json.hpp"
+
+#include <cmath>
+
+#include "veridyn/identification/verdict.hpp"
 #include "report/json/json_value.hpp"
 #include "report/json/settings_json.hpp"
 #include "veridyn/report/json.hpp"
@@ -81,6 +85,25 @@ Json known_masses_json(const std::vector<MountedLoad>& loads) {
   return out;
 }
 
+Json number_or_null(double value) { return std::isfinite(value) ? Json(value) : Json(); }
+
+Json identification_verdict_json(const IdentificationVerdict& verdict) {
+  Json joints = Json::array();
+  for (size_t i = 0; i < verdict.joints.size(); ++i) {
+    const IdentifiedJoint& j = verdict.joints[i];
+    joints.push_back({{"joint", i + 1},
+                      {"coordinate", j.joint},
+                      {"state", name_of(j.state)},
+                      {"error", j.error},
+                      {"error_percent", 100.0 * j.error},
+                      {"floor", number_or_null(j.floor)},
+                      {"times_floor", number_or_null(j.error / j.floor)},
+                      {"range", number_or_null(j.range)},
+                      {"velocity", number_or_null(j.speed)}});
+  }
+  return {{"sentence", verdict.sentence}, {"held_out", verdict.held_out}, {"joints", joints}};
+}
+
 }  // namespace
 
 std::string to_json(const Identification& id) {
@@ -89,6 +112,7 @@ std::string to_json(const Identification& id) {
   out["method"] = name_of(id.method);
   out["status"] = name_of(id.status);
   out["reason"] = id.reason;
+  out["verdict"] = identification_verdict_json(verdict_of(id));
   out["remarks"] = id.remarks;
   out["rows"] = id.rows;
   out["base_parameters"] = base_json(id.base);

@@ -5,6 +5,7 @@
 
 #include "report/json/json_value.hpp"
 #include "report/pages/page.hpp"
+#include "report/pages/page_series.hpp"
 
 namespace veridyn {
 namespace {
@@ -65,21 +66,23 @@ std::string to_page(const KinematicTable& table, const Model& arm, const std::st
     points.push_back({p.x(), p.y(), p.z(), std::isfinite(condition) ? Json(condition) : Json()});
   }
   result["points"] = points;
-  Json arms = Json::array();
-  const std::size_t last = table.rows.size() - 1;
-  for (const std::size_t k : {std::size_t{0}, last / 2, last}) {
-    const ArmDrawing drawn = arm_drawing(arm, table.rows[k].q);
-    Json at = Json::array();
-    for (const Eigen::Vector3d& p : drawn.points) at.push_back({p.x(), p.y(), p.z()});
-    arms.push_back({{"points", at}, {"parents", drawn.parents}});
-    if (last == 0) break;
+  Json series = series_of(command, arm);
+  series["joints"].clear();
+  const int tip = arm.find_frame(table.frame);
+  if (tip >= 0) series["arms"][0]["tip"] = tip;
+  const auto shown = static_cast<Eigen::Index>((table.rows.size() + every - 1) / every);
+  MatrixXd q(shown, arm.joints());
+  VectorXd time(shown);
+  for (Eigen::Index k = 0; k < shown; ++k) {
+    const auto row = static_cast<std::size_t>(k) * every;
+    q.row(k) = table.rows[row].q.transpose();
+    time[k] = table.has_time ? table.rows[row].time : static_cast<double>(row);
   }
-  result["arms"] = arms;
-  const Json series = {{"command", command},          {"joints", Json::array()},
-                       {"recordings", Json::array()}, {"time", Json::array()},
-                       {"plots", Json::array()}};
-  return html_page({table.robot + ": kinematics", "kinematics.html", written(result),
-                    series.dump(-1, ' ', false, Json::error_handler_t::replace), table.report()});
+  Json columns = Json::array();
+  for (int i = 0; i < arm.joints(); ++i) columns.push_back(packed(q.col(i)));
+  series["recordings"].push_back(
+      {{"role", "postures"}, {"time", times(time)}, {"timed", table.has_time}, {"q", columns}});
+  return html_page(table.robot + ": kinematics", written(result), series, table.report());
 }
 
 }  // namespace veridyn

@@ -32,7 +32,8 @@ Json bounds_json(const Excitation& e, Eigen::Index i) {
 Json prediction_json(const Prediction& p) {
   Json out = {{"values", p.values},
               {"noise",
-               {{"share_of_rms_torque", json_list(p.noise.share)},
+               {{"share_of_rms_torque", json_list(p.noise.deviation.cwiseQuotient(p.rms_torque))},
+                {"std", json_list(p.noise.deviation)},
                 {"source", p.noise.source},
                 {"seconds_between_independent_samples", p.noise.seconds}}},
               {"rms_torque", json_list(p.rms_torque)},
@@ -104,6 +105,21 @@ std::string to_json(const Excitation& e) {
   for (const auto& [name, part] : e.weakest)
     out["weakest"].push_back({{"parameter", name}, {"part", part}});
   if (e.prediction) out["prediction"] = prediction_json(*e.prediction);
+  out["limit_share"] = e.limit_share > 0.0 ? Json(e.limit_share) : Json();
+  out["used"] = Json::array();
+  for (std::size_t i = 0; i < e.used.size(); ++i) {
+    const UsedLimits& u = e.used[i];
+    const auto share = [](double v) { return std::isfinite(v) ? Json(v) : Json(); };
+    out["used"].push_back({{"joint", i + 1},
+                           {"coordinate", e.joints[i]},
+                           {"range", share(u.range)},
+                           {"velocity", share(u.velocity)},
+                           {"effort", share(u.effort)},
+                           {"held_by", u.held_by}});
+  }
+  out["warnings"] = e.warnings();
+  out["remarks"] = Json::array();
+  if (!e.friction_remark.empty()) out["remarks"].push_back(e.friction_remark);
   out["margins"] = Json::array();
   for (const LimitMargin& m : e.margins) {
     out["margins"].push_back({{"limit", m.name},

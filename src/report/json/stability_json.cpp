@@ -6,6 +6,7 @@
 
 #include "report/json/json_value.hpp"
 #include "report/pages/page.hpp"
+#include "report/pages/page_series.hpp"
 
 namespace veridyn {
 namespace {
@@ -154,16 +155,14 @@ std::string to_json(const StabilityStudy& study) {
 }
 
 std::string to_page(const StabilityStudy& study, const std::string& command) {
-  Json series = {{"command", command}, {"joints", Json::array()}, {"recordings", Json::array()},
-                 {"time", Json::array()}, {"plots", Json::array()}};
+  Json series = series_of(command);
   if (study.steps) {
     Json forces = Json::array();
     for (std::size_t k = 0; k < study.steps->members.size(); ++k)
       forces.push_back({{"member", study.steps->members[k]}, {"force", list(study.steps->force[k])}});
     series["steps"] = {{"time", list(study.steps->time)}, {"forces", forces}};
   }
-  return html_page({study.analysis.name + ": stability", "stability.html", to_json(study),
-                    series.dump(-1, ' ', false, Json::error_handler_t::replace), study.report()});
+  return html_page(study.analysis.name + ": stability", to_json(study), series, study.report());
 }
 
 }  // namespace veridyn

@@ -7,8 +7,9 @@
 #include <cmath>
 
 #include "report/json/json_value.hpp"
-#include "report/pages/page.hpp"
 #include "report/json/calibration_json.hpp"
+#include "report/pages/page.hpp"
+#include "report/pages/page_series.hpp"
 
 namespace veridyn {
 namespace {
@@ -20,8 +21,7 @@ constexpr std::size_t kMostPoints = 1500;  // points of a drawing
 
 Json series_head(const std::string& command, const std::string& title, const std::string& facts,
                  const std::string& verdict) {
-  Json out = {{"command", command}, {"recordings", Json::array()}, {"left_out", 0}};
-  out["joints"] = Json::array();
+  Json out = series_of(command);
   out["title"] = title;
   out["facts"] = facts;
   out["verdict"] = verdict;
@@ -71,8 +71,7 @@ void add_histogram(Json& series, const std::string& name, const std::string& uni
 }
 
 std::string page(const Json& series, const std::string& result, const std::string& report) {
-  return html_page({series["title"].get<std::string>(), "calibration.html", result,
-                    series.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n", report});
+  return html_page(series["title"].get<std::string>(), result, series, report);
 }
 
 }  // namespace
@@ -130,6 +129,13 @@ std::string to_page(const LinksCalibration& r, const std::string& command,
   Json series = series_head(command, r.robot + ": constants from poses", r.source, verdict);
   add_points(series, r.frame, r.positions);
   add_frame(series, "base", r.base);
+  if (r.model && r.joints.rows() > 1) {
+    series["arms"].push_back(arm_json(*r.model, r.base));
+    Json q = Json::array();
+    for (Eigen::Index i = 0; i < r.joints.cols(); ++i) q.push_back(packed(r.joints.col(i)));
+    const VectorXd poses = VectorXd::LinSpaced(r.joints.rows(), 0.0, r.joints.rows() - 1.0);
+    series["recordings"].push_back({{"time", times(poses)}, {"q", q}});
+  }
   add_histogram(series, "Positions", "mm", r.residuals, 1e3);
   add_histogram(series, "Orientations", "deg", r.residual_angles, kDegrees);
   return page(series, to_json(r, "", comparison), r.report());

@@ -1,11 +1,12 @@
 #include "report/pages/page.hpp"
 
-#include <cctype>
 #include <string_view>
 #include <utility>
 #include <vector>
 
 #include "report/pages/page_files.hpp"
+#include "report/pages/page_series.hpp"
+#include "veridyn/model/model_origin.hpp"
 
 namespace veridyn {
 namespace {
@@ -56,33 +57,29 @@ std::string part(std::string_view name) {
   return std::string(page_file(name));
 }
 
-// A part of several bodies, for a line that holds its name alone.
-std::string shared(std::string_view name) {
-  std::string_view text = page_file(name);
-  if (!text.empty() && text.back() == '\n') text.remove_suffix(1);
-  return std::string(text);
-}
-
-// The body, with the parts that pages share. Its file is named for what the page is about.
-std::string body_of(const std::string& file) {
-  std::string kind = file.substr(0, file.find('.'));
-  kind[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(kind[0])));
-  return filled(page_file(file), {{"head", filled(shared("head.html"), {{"kind", kind}})},
-                                  {"run", shared("run.html")},
-                                  {"torques", shared("torques.html")}});
+// three.js as gzip in base64, for a page that has arms; its licence stands before it.
+std::string three(const Json& series) {
+  const std::string_view packed = page_file("three.gz");
+  const bool has_arms = !packed.empty() && series.contains("arms") && !series["arms"].empty();
+  if (!has_arms && !series.contains("space")) return "";
+  return "<!-- Arms are drawn by this library:\n" + html_text(page_file("three-licence.txt")) +
+         "-->\n<script type=\"text/plain\" id=\"three\">" + base64(packed) + "</script>";
 }
 
 }  // namespace
 
-std::string html_page(const PageContent& content) {
+std::string html_page(const std::string& title, const std::string& result, const Json& series,
+                      const std::string& report) {
+  Json figures = series;
+  figures["made"] = origin_now("", {}).date;
   return filled(page_file("page.html"),
-                {{"title", html_text(content.title)},
+                {{"title", html_text(title)},
                  {"plot style", part("dygraph.css")},
                  {"style", part("page.css")},
-                 {"body", body_of(content.body)},
-                 {"report", html_text(content.report)},
-                 {"result", json_in_html(content.result)},
-                 {"series", json_in_html(content.series)},
+                 {"report", html_text(report)},
+                 {"result", json_in_html(result)},
+                 {"series", json_in_html(figures.dump(-1, ' ', false, Json::error_handler_t::replace))},
+                 {"three", three(series)},
                  {"plot licence", html_text(page_file("dygraph-licence.txt"))},
                  {"plots", part("dygraph.js")},
                  {"script", part("script.js")}});

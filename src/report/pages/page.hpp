@@ -2,18 +2,17 @@
 
 #include <string>
 
+#include "report/json/json_value.hpp"
+
 namespace veridyn {
 
-/// What goes into one page.
-struct PageContent {
-  std::string title;
-  std::string body;    ///< name of the body's source in src/report/pages/html/
-  std::string result;  ///< JSON: every number that the page's text shows
-  std::string series;  ///< JSON of page_series.hpp: what the plots show
-  std::string report;  ///< plain text for a reader without scripts
-};
-
-/// One HTML file that needs no other: styles, scripts, plot library and data are inside.
-std::string html_page(const PageContent& content);
+/// One HTML file that needs no other: styles, scripts, plot library and data are inside. What it
+/// shows is a list of sections that its command has in src/report/pages/scripts.
+///
+/// @param result  JSON: every number that the page's text shows.
+/// @param series  what figures show, see page_series.hpp; a page with arms gets three.js, too.
+/// @param report  plain text for a reader without scripts.
+std::string html_page(const std::string& title, const std::string& result, const Json& series,
+                      const std::string& report);
 
 }  // namespace veridyn

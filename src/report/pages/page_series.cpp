@@ -1,11 +1,7 @@
 #include "report/pages/page_series.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
-
-#include "report/json/json_value.hpp"
 
 namespace veridyn {
 namespace {
@@ -13,52 +9,15 @@ namespace {
 using Column = std::vector<double>;
 
 constexpr std::size_t kFewestSamples = 500;  // below that a curve loses its shape
-constexpr std::size_t kNumbers = 500000;     // on a page; about 8 bytes each
+constexpr std::size_t kNumbers = 330000;     // on a page; about 2.7 bytes each
 constexpr std::size_t kColumns = 6;          // columns of a joint: q, dq, ddq and three torques
-constexpr double kResolution = 1e-4;         // share of a column's range
+constexpr double kSteps = 65533.0;           // between the ends of a packed column
+constexpr unsigned kMissing = 65535;
+constexpr double kTimeStep = 1e-4;           // [s]
 constexpr double kSameTime = 1e-6;           // [s]
 
-std::size_t thinning(std::size_t rows, std::size_t wanted) {
-  return std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(
-                                      static_cast<double>(rows) / static_cast<double>(wanted))));
-}
-
-Column thinned(const Column& column, std::size_t step) {
-  Column out;
-  for (std::size_t k = 0; k < column.size(); k += step) out.push_back(column[k]);
-  return out;
-}
-
-// Decimals that resolve a range.
-int decimals(const Column& column) {
-  double low = INFINITY;
-  double high = -INFINITY;
-  for (const double v : column) {
-    if (!std::isfinite(v)) continue;
-    low = std::min(low, v);
-    high = std::max(high, v);
-  }
-  if (!(high > low)) return 6;
-  return std::clamp(static_cast<int>(std::ceil(-std::log10(kResolution * (high - low)))), 0, 12);
-}
-
-std::string number(double value, int digits) {
-  if (!std::isfinite(value)) return "null";
-  std::string out = fmt::format("{:.{}f}", value, digits);
-  if (digits > 0) {
-    out.erase(out.find_last_not_of('0') + 1);
-    if (out.back() == '.') out.pop_back();
-  }
-  return out == "-0" ? "0" : out;
-}
-
-std::string list(const Column& column, int digits) {
-  std::string out = "[";
-  for (const double v : column) {
-    if (out.size() > 1) out += ',';
-    out += number(v, digits);
-  }
-  return out + "]";
+VectorXd vector_of(const Column& column) {
+  return Eigen::Map<const VectorXd>(column.data(), static_cast<Eigen::Index>(column.size()));
 }
 
 // A column on another time grid, interpolated; NaN outside.
@@ -99,66 +58,109 @@ Column extended_torque(const PredictionSeries& model, const PredictionSeries& ex
   return out;
 }
 
-std::string joint_json(const PlottedRecording& recording, std::size_t joint, std::size_t step) {
+Json joint_json(const PlottedRecording& recording, std::size_t joint, Eigen::Index step) {
   const PredictionSeries& s = recording.model->series;
-  std::string out;
-  const auto add = [&](const char* name, const Column& column, int digits) {
-    out += fmt::format("{}\"{}\": {}", out.empty() ? "{" : ", ", name,
-                       list(thinned(column, step), digits));
+  Json out;
+  const auto add = [&](const char* name, const Column& column) {
+    out[name] = packed(vector_of(column), step);
   };
-  const int digits = decimals(s.measured[joint]);
-  add("q", s.q[joint], decimals(s.q[joint]));
-  add("dq", s.dq[joint], decimals(s.dq[joint]));
-  add("ddq", s.ddq[joint], decimals(s.ddq[joint]));
-  add("measured", s.measured[joint], digits);
-  add("model", s.modelled[joint], digits);
-  if (recording.extended != nullptr && recording.extended->series.time.size() > 1) {
-    add("extended", extended_torque(s, recording.extended->series, joint), digits);
-  }
-  return out + "}";
-}
-
-std::string recording_json(const PlottedRecording& recording, std::size_t samples) {
-  const PredictionSeries& s = recording.model->series;
-  const std::size_t step = thinning(s.time.size(), samples);
-  std::string joints;
-  for (std::size_t i = 0; i < s.q.size(); ++i) {
-    joints += fmt::format("{}{}", joints.empty() ? "" : ",\n", joint_json(recording, i, step));
-  }
-  const Json head = {{"source", recording.model->source}, {"role", recording.role}};
-  const std::string names = head.dump(-1, ' ', false, Json::error_handler_t::replace);
-  return fmt::format("{}, \"time\": {}, \"joints\": [\n{}]}}", names.substr(0, names.size() - 1),
-                     list(thinned(s.time, step), 4), joints);
+  add("q", s.q[joint]);
+  add("dq", s.dq[joint]);
+  add("ddq", s.ddq[joint]);
+  add("measured", s.measured[joint]);
+  add("model", s.modelled[joint]);
+  if (recording.extended != nullptr && recording.extended->series.time.size() > 1)
+    add("extended", extended_torque(s, recording.extended->series, joint));
+  return out;
 }
 
 }  // namespace
 
-std::string number_list(const std::vector<double>& values) {
-  return list(values, decimals(values));
+std::string base64(std::string_view bytes) {
+  static const char kDigits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string out;
+  for (std::size_t k = 0; k < bytes.size(); k += 3) {
+    unsigned group = 0;
+    for (std::size_t i = 0; i < 3; ++i)
+      group = group << 8 | (k + i < bytes.size() ? static_cast<unsigned char>(bytes[k + i]) : 0u);
+    for (std::size_t i = 0; i < 4; ++i)
+      out += k + i > bytes.size() ? '=' : kDigits[group >> (18 - 6 * i) & 63];
+  }
+  return out;
 }
 
-std::string series_json(const Model& arm, const std::vector<PlottedRecording>& recordings,
-                        const std::string& command) {
-  Json joints = Json::array();
-  for (const Coordinate& c : arm.coordinates()) {
-    joints.push_back({{"name", c.name},
-                      {"unit", c.prismatic ? "m" : "rad"},
-                      {"torque_unit", c.prismatic ? "N" : "N m"}});
+Json packed(const VectorRef& values, Eigen::Index step) {
+  double low = INFINITY, high = -INFINITY;
+  for (const double v : values) {
+    if (!std::isfinite(v)) continue;
+    low = std::min(low, v);
+    high = std::max(high, v);
   }
-  const std::size_t columns = kColumns * std::max<std::size_t>(1, arm.coordinates().size());
+  const double unit = high > low ? (high - low) / (kSteps - 1.0) : 0.0;
+  const double from = unit > 0.0 ? unit * std::floor(low / unit) : std::isfinite(low) ? low : 0.0;
+  std::string bytes;
+  for (Eigen::Index k = 0; k < values.size(); k += step) {
+    const unsigned at = !std::isfinite(values[k]) ? kMissing
+                        : unit > 0.0 ? static_cast<unsigned>(std::lround((values[k] - from) / unit))
+                                     : 0u;
+    bytes += static_cast<char>(at & 255u);
+    bytes += static_cast<char>(at >> 8);
+  }
+  return {{"from", from}, {"step", unit}, {"int16", base64(bytes)}};
+}
+
+Json times(const VectorRef& time, Eigen::Index step) {
+  Json out = Json::array();
+  for (Eigen::Index k = 0; k < time.size(); k += step)
+    out.push_back(std::round(time[k] / kTimeStep) / (1.0 / kTimeStep));
+  return out;
+}
+
+Json series_of(const std::string& command) {
+  return {{"command", command}, {"joints", Json::array()}, {"arms", Json::array()},
+          {"recordings", Json::array()}, {"left_out", 0}};
+}
+
+Json series_of(const std::string& command, const Model& arm) {
+  Json out = series_of(command);
+  for (const Coordinate& c : arm.coordinates())
+    out["joints"].push_back(
+        {{"name", c.name}, {"unit", position_unit(c)}, {"torque_unit", effort_unit(c)}});
+  out["arms"].push_back(arm_json(arm));
+  return out;
+}
+
+Json curve_json(const std::string& name, const std::string& style, Json values) {
+  return {{"name", name}, {"style", style}, {"values", std::move(values)}};
+}
+
+Json plot_json(const char* kind, const std::string& title, const std::string& unit, Json curves) {
+  return {{"kind", kind}, {"title", title}, {"unit", unit}, {"curves", std::move(curves)}};
+}
+
+Eigen::Index curve_step(Eigen::Index rows) {
+  return std::max<Eigen::Index>(1, rows / kCurveSamples);
+}
+
+void add_recordings(Json& series, const std::vector<PlottedRecording>& recordings) {
+  const std::size_t columns = kColumns * std::max<std::size_t>(1, series["joints"].size());
   const std::size_t most = std::max<std::size_t>(1, kNumbers / (columns * kFewestSamples));
   const std::size_t shown = std::min(recordings.size(), most);
-  const std::size_t samples =
-      std::min(static_cast<std::size_t>(kCurveSamples), kNumbers / (columns * std::max<std::size_t>(1, shown)));
-  Json head = {{"command", command}, {"joints", joints}, {"left_out", recordings.size() - shown}};
-  std::string out = head.dump(-1, ' ', false, Json::error_handler_t::replace);
-  out.pop_back();
-  out += ",\n\"recordings\": [";
+  const double samples =
+      std::min(static_cast<double>(kCurveSamples),
+               static_cast<double>(kNumbers / (columns * std::max<std::size_t>(1, shown))));
+  series["left_out"] = recordings.size() - shown;
   for (std::size_t k = 0; k < shown; ++k) {
-    out += k > 0 ? ",\n" : "\n";
-    out += recording_json(recordings[k], samples);
+    const PredictionSeries& s = recordings[k].model->series;
+    const auto step = std::max<Eigen::Index>(
+        1, static_cast<Eigen::Index>(std::lround(static_cast<double>(s.time.size()) / samples)));
+    Json joints = Json::array();
+    for (std::size_t i = 0; i < s.q.size(); ++i) joints.push_back(joint_json(recordings[k], i, step));
+    series["recordings"].push_back({{"source", recordings[k].model->source},
+                                    {"role", recordings[k].role},
+                                    {"time", times(vector_of(s.time), step)},
+                                    {"joints", joints}});
   }
-  return out + "]}\n";
 }
 
 }  // namespace veridyn

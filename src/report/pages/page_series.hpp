@@ -1,13 +1,50 @@
 #pragma once
 
+#include <Eigen/Geometry>
 #include <string>
+#include <string_view>
 #include <vector>
 
+#include "report/json/json_value.hpp"
 #include "veridyn/identification/identification.hpp"
 
 namespace veridyn {
 
+// What the figures of a page show, beside its result. All pages share one form:
+//
+//   command     the command line that made them
+//   joints      [{name, unit, torque_unit}]
+//   arms        [{name, base, tip, middle, range, frames: [{name, parent, kind, c, s0, A, B}]}]
+//   recordings  [{source, role, time, joints: [{q, ...}]}]; instead of `joints`: `q`, columns of all
+//               arms one after the other. A joint has `plots` [{kind, title, unit, curves: [{name,
+//               style, values}]}], or q, dq, ddq, measured, model and extended
+//   friction    [{joint, velocity, torque, half}]: curves of the model with 95 % half widths
+//
+// and a page may add lists of its own. Columns are packed().
+
 inline constexpr Eigen::Index kCurveSamples = 3000;  ///< of one curve, at most
+
+/// Every `step`-th value as 16-bit numbers in base64: {"from", "step", "int16"}, value = from + k step,
+/// where zero is one of the steps, and k = 65535 is a value that is not finite.
+Json packed(const VectorRef& values, Eigen::Index step = 1);
+
+/// Every `step`-th time [s], to a tenth of a millisecond.
+Json times(const VectorRef& time, Eigen::Index step = 1);
+
+std::string base64(std::string_view bytes);
+
+/// Command, joints and the arm of a page, without recordings.
+Json series_of(const std::string& command, const Model& arm);
+Json series_of(const std::string& command);
+
+/// An arm that a page can move.
+Json arm_json(const Model& arm, const Eigen::Isometry3d& T_world_base = Eigen::Isometry3d::Identity());
+
+Json curve_json(const std::string& name, const std::string& style, Json values);
+Json plot_json(const char* kind, const std::string& title, const std::string& unit, Json curves);
+
+/// How many samples apart a curve of so many is shown.
+Eigen::Index curve_step(Eigen::Index rows);
 
 /// One recording as the plots show it.
 struct PlottedRecording {
@@ -16,16 +53,14 @@ struct PlottedRecording {
   const RecordingError* extended = nullptr;  ///< with what was found; null: nothing was
 };
 
-/// What the plots of a page show, as JSON: names and units of the joints, and for every recording
-/// its motion, measured and modelled torques with as many digits as a plot can use.
+/// Adds recordings with measured and modelled torques to a page.
 ///
 /// A recording is thinned to about 3000 samples, and to fewer where there are many recordings and
 /// joints. Recordings beyond what a page can hold are left out from the end, and counted.
-/// @param command  the command line that made them.
-std::string series_json(const Model& arm, const std::vector<PlottedRecording>& recordings,
-                        const std::string& command);
+void add_recordings(Json& series, const std::vector<PlottedRecording>& recordings);
 
-/// A JSON list with as many digits as a plot of it can use; null where a value is not finite.
-std::string number_list(const std::vector<double>& values);
+/// Adds the friction of every joint over its speed, with the band that the parameters' statistics
+/// give it, up to the speeds of the recordings.
+void add_friction(Json& series, const Identification& id);
 
 }  // namespace veridyn

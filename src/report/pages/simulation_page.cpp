@@ -14,70 +14,8 @@ constexpr Eigen::Index kRampSamples = 250;  // samples of one ramp
 constexpr double kLeap = 5e-3;              // [rad], [m] between rows: a new start
 constexpr double kMilli = 1e3;
 
-// One curve of a plot, a row for every row of the run.
-struct Curve {
-  const char* name;
-  const char* style;  // "recorded", "simulated" or "model"
-  VectorXd values;
-};
-
-struct Plot {
-  const char* kind;  // "time" or "error": high or low
-  std::string title, unit;
-  std::vector<Curve> curves;
-};
-
-Json thinned(const VectorXd& values, Eigen::Index step) {
-  Json out = Json::array();
-  for (Eigen::Index k = 0; k < values.size(); k += step) out.push_back(values[k]);
-  return out;
-}
-
-Json joints_json(const Model& arm) {
-  Json joints = Json::array();
-  for (const Coordinate& c : arm.coordinates()) {
-    joints.push_back({{"name", c.name},
-                      {"unit", c.prismatic ? "m" : "rad"},
-                      {"torque_unit", c.prismatic ? "N" : "N m"}});
-  }
-  return joints;
-}
-
-std::string series_of(const Model& arm, const SimulationRun& run, const VectorXd& time,
-                      const std::vector<std::vector<Plot>>& plots) {
-  const Eigen::Index step = std::max<Eigen::Index>(1, time.size() / kCurveSamples);
-  std::string joints;
-  for (const std::vector<Plot>& of_joint : plots) {
-    std::string list;
-    for (const Plot& plot : of_joint) {
-      std::string curves;
-      for (const Curve& c : plot.curves) {
-        std::vector<double> values;
-        for (Eigen::Index k = 0; k < c.values.size(); k += step) values.push_back(c.values[k]);
-        curves += (curves.empty() ? "" : ",\n") + std::string("{\"name\": \"") + c.name +
-                  "\", \"style\": \"" + c.style + "\", \"values\": " + number_list(values) + "}";
-      }
-      list += (list.empty() ? "" : ",\n") + std::string("{\"kind\": \"") + plot.kind +
-              "\", \"title\": \"" + plot.title + "\", \"unit\": \"" + plot.unit +
-              "\", \"curves\": [" + curves + "]}";
-    }
-    joints += (joints.empty() ? "" : ",\n") + std::string("{\"plots\": [") + list + "]}";
-  }
-  const Json head = {{"command", run.command}, {"joints", joints_json(arm)}, {"left_out", 0}};
-  std::string out = head.dump(-1, ' ', false, Json::error_handler_t::replace);
-  out.pop_back();
-  Json recording = {{"source", run.source}, {"role", "replay"}, {"time", thinned(time, step)}};
-  std::string one = recording.dump(-1, ' ', false, Json::error_handler_t::replace);
-  one.pop_back();
-  return out + ",\n\"recordings\": [" + one + ", \"joints\": [\n" + joints + "]}]}\n";
-}
-
 std::string unit_of(const Coordinate& c) {
   return c.prismatic ? "mm" : "mrad";
-}
-
-std::string effort_of(const Coordinate& c) {
-  return c.prismatic ? "N" : "N m";
 }
 
 // NaN where a row is left out, so that no line is drawn there.
@@ -88,31 +26,41 @@ VectorXd in_use(VectorXd values, const std::vector<char>& use) {
   return values;
 }
 
-std::vector<Plot> replay_plots(const Replay& r, const ReplayInput& input, const Coordinate& c,
-                               Eigen::Index i) {
-  const Eigen::Index rows = r.run.motion.rows();
+Json plots_of(const Coordinate& c, const char* leader, const VectorXd& led, const VectorXd& q,
+              Eigen::Index step) {
+  return {plot_json("time", "Position", position_unit(c),
+                    {curve_json(leader, "recorded", packed(led, step)),
+                     curve_json("simulated", "simulated", packed(q, step))}),
+          plot_json("error", std::string("Simulated minus ") + leader + " position", unit_of(c),
+                    Json::array({curve_json("simulated", "simulated", packed(kMilli * (q - led), step))}))};
+}
+
+Json replay_joint(const Replay& r, const ReplayInput& input, const Coordinate& c, Eigen::Index i,
+                  Eigen::Index step) {
   const VectorXd q = r.run.motion.q.col(i);
-  const VectorXd recorded_q = input.motion.q.col(i).head(rows);
   const VectorXd recorded = r.recorded_tau.col(i);
-  return {{"time",
-           "Position",
-           c.prismatic ? "m" : "rad",
-           {{"recorded", "recorded", recorded_q}, {"simulated", "simulated", q}}},
-          {"error",
-           "Simulated minus recorded position",
-           unit_of(c),
-           {{"simulated", "simulated", kMilli * (q - recorded_q)}}},
-          {"time",
-           "Torque",
-           effort_of(c),
-           {{"recorded", "recorded", in_use(recorded, r.use)},
-            {"model alone", "model", in_use(r.predicted_tau.col(i), r.use)},
-            {"simulated", "simulated", in_use(r.simulated_tau.col(i), r.use)}}},
-          {"error",
-           "Recorded minus simulated torque",
-           effort_of(c),
-           {{"model alone", "model", in_use(recorded - r.predicted_tau.col(i), r.use)},
-            {"simulated", "simulated", in_use(recorded - r.simulated_tau.col(i), r.use)}}}};
+  const auto curve = [&](const char* name, const char* style, const VectorXd& values) {
+    return curve_json(name, style, packed(in_use(values, r.use), step));
+  };
+  Json plots = plots_of(c, "recorded", input.motion.q.col(i).head(q.size()), q, step);
+  plots.push_back(plot_json("time", "Torque", effort_unit(c),
+                            {curve("recorded", "recorded", recorded),
+                             curve("model alone", "model", r.predicted_tau.col(i)),
+                             curve("simulated", "simulated", r.simulated_tau.col(i))}));
+  plots.push_back(plot_json("error", "Recorded minus simulated torque", effort_unit(c),
+                            {curve("model alone", "model", recorded - r.predicted_tau.col(i)),
+                             curve("simulated", "simulated", recorded - r.simulated_tau.col(i))}));
+  return {{"q", packed(q, step)}, {"plots", plots}};
+}
+
+std::string run_page(const Model& arm, const SimulationRun& run, const VectorXd& time,
+                     const std::string& title, const std::string& result, Json joints) {
+  Json series = series_of(run.command, arm);
+  series["recordings"].push_back({{"source", run.source},
+                                  {"role", "replay"},
+                                  {"time", times(time, curve_step(time.size()))},
+                                  {"joints", std::move(joints)}});
+  return html_page(arm.name() + title, result, series, run.report);
 }
 
 // The way over the effort of one ramp, from its rest until it slid. Efforts are means
@@ -137,37 +85,30 @@ Json way_over_effort(const VectorXd& time, const VectorXd& q, const VectorXd& ta
 
 std::string to_page(const Replay& replay, const Model& arm, const ReplayInput& input,
                     const SimulationRun& run) {
-  std::vector<std::vector<Plot>> plots;
+  const Eigen::Index step = curve_step(replay.run.motion.rows());
+  Json joints = Json::array();
   for (int i = 0; i < arm.joints(); ++i)
-    plots.push_back(replay_plots(replay, input, arm.coordinates()[static_cast<size_t>(i)], i));
-  return html_page({arm.name() + ": replayed", "simulation.html", to_json(replay, arm),
-                    series_of(arm, run, replay.run.motion.time, plots), run.report});
+    joints.push_back(
+        replay_joint(replay, input, arm.coordinates()[static_cast<size_t>(i)], i, step));
+  return run_page(arm, run, replay.run.motion.time, ": replayed", to_json(replay, arm), joints);
 }
 
 std::string to_page(const ControlledRecording& controlled, const MotionSamples& wanted,
                     const SimulationRun& run) {
   const Model& arm = controlled.recording.truth;
   const MatrixXd& q = controlled.run.motion.q;
-  std::vector<std::vector<Plot>> plots;
+  const Eigen::Index step = curve_step(q.rows());
+  Json joints = Json::array();
   for (int i = 0; i < arm.joints(); ++i) {
     const Coordinate& c = arm.coordinates()[static_cast<size_t>(i)];
-    const VectorXd asked = wanted.q.col(i).head(q.rows());
-    plots.push_back({{"time",
-                      "Position",
-                      c.prismatic ? "m" : "rad",
-                      {{"set point", "recorded", asked}, {"simulated", "simulated", q.col(i)}}},
-                     {"error",
-                      "Simulated position minus set point",
-                      unit_of(c),
-                      {{"simulated", "simulated", kMilli * (q.col(i) - asked)}}},
-                     {"time",
-                      "Torque",
-                      effort_of(c),
-                      {{"as measured", "recorded", controlled.recording.tau.col(i)},
-                       {"simulated", "simulated", controlled.run.tau.col(i)}}}});
+    Json plots = plots_of(c, "wanted", wanted.q.col(i).head(q.rows()), q.col(i), step);
+    plots.push_back(
+        plot_json("time", "Torque", effort_unit(c),
+                  {curve_json("as measured", "recorded", packed(controlled.recording.tau.col(i), step)),
+                   curve_json("simulated", "simulated", packed(controlled.run.tau.col(i), step))}));
+    joints.push_back({{"q", packed(q.col(i), step)}, {"plots", plots}});
   }
-  return html_page({arm.name() + ": simulated", "simulation.html", to_json(controlled, wanted),
-                    series_of(arm, run, controlled.run.motion.time, plots), run.report});
+  return run_page(arm, run, controlled.run.motion.time, ": simulated", to_json(controlled, wanted), joints);
 }
 
 std::string to_page(const Breakaway& found, const Model& arm, const ReplayInput& input,
@@ -183,12 +124,11 @@ std::string to_page(const Breakaway& found, const Model& arm, const ReplayInput&
          {"simulated", way_over_effort(time, found.simulated_q, tau, e.rest_from, slid)}});
   }
   const Coordinate& c = arm.coordinates()[static_cast<size_t>(found.joint)];
-  const Json series = {{"command", run.command}, {"joints", joints_json(arm)},
-                       {"left_out", 0},          {"recordings", Json::array()},
-                       {"source", run.source},   {"way_unit", unit_of(c)},
-                       {"ramps", ramps}};
-  return html_page({arm.name() + ": breakaway", "simulation.html", to_json(found, arm),
-                    series.dump(-1, ' ', false, Json::error_handler_t::replace), run.report});
+  Json series = series_of(run.command, arm);
+  series["source"] = run.source;
+  series["way_unit"] = unit_of(c);
+  series["ramps"] = ramps;
+  return html_page(arm.name() + ": breakaway", to_json(found, arm), series, run.report);
 }
 
 }  // namespace veridyn

@@ -1,6 +1,5 @@
-#include <algorithm>
+#include <cmath>
 
-#include "report/json/json_value.hpp"
 #include "report/pages/page.hpp"
 #include "report/pages/page_series.hpp"
 #include "veridyn/report/watch_json.hpp"
@@ -8,48 +7,24 @@
 namespace veridyn {
 namespace {
 
-std::string curve(const char* name, const char* style, const std::vector<double>& values) {
-  return std::string("{\"name\": \"") + name + "\", \"style\": \"" + style +
-         "\", \"values\": " + number_list(values) + "}";
-}
-
 // Torque, and what the model leaves of it, joint by joint.
-std::string plots_of(const WatchedSource& source, size_t step, Eigen::Index joint,
-                     const std::string& unit) {
-  std::vector<double> torque, modelled, rest;
-  for (size_t k = 0; k < source.states.size(); k += step) {
-    const WatchState& s = source.states[k];
-    torque.push_back(s.torque[joint]);
-    modelled.push_back(s.torque[joint] - s.residual[joint]);
-    rest.push_back(s.residual[joint]);
+Json watched_joint(const WatchedSource& source, Eigen::Index joint, const std::string& unit) {
+  const auto rows = static_cast<Eigen::Index>(source.states.size());
+  VectorXd torque(rows), rest(rows), q(rows);
+  for (Eigen::Index k = 0; k < rows; ++k) {
+    torque[k] = source.states[static_cast<std::size_t>(k)].torque[joint];
+    rest[k] = source.states[static_cast<std::size_t>(k)].residual[joint];
+    const VectorXd& position = source.states[static_cast<std::size_t>(k)].position;
+    q[k] = joint < position.size() ? position[joint] : NAN;
   }
-  return "{\"plots\": [{\"kind\": \"time\", \"title\": \"Torque\", \"unit\": \"" + unit +
-         "\", \"curves\": [" + curve("measured", "recorded", torque) + ", " +
-         curve("model with known changes", "model", modelled) +
-         "]}, {\"kind\": \"error\", \"title\": \"Not explained\", \"unit\": \"" + unit +
-         "\", \"curves\": [" + curve("not explained", "simulated", rest) + "]}]}";
-}
-
-std::string series_of(const WatchedSource& source, const Model& arm, const std::string& command) {
-  const size_t step = std::max<size_t>(1, source.states.size() / static_cast<size_t>(kCurveSamples));
-  Json joints = Json::array();
-  std::string plots;
-  for (int j = 0; j < arm.joints(); ++j) {
-    const Coordinate& c = arm.coordinates()[static_cast<size_t>(j)];
-    joints.push_back({{"name", c.name}, {"unit", position_unit(c)}, {"torque_unit", effort_unit(c)}});
-    plots += (j == 0 ? "" : ",\n") + plots_of(source, step, j, effort_unit(c));
-  }
-  std::vector<double> time;
-  for (size_t k = 0; k < source.states.size(); k += step) time.push_back(source.states[k].time);
-  const Json head = {{"command", command}, {"joints", joints}, {"left_out", 0}};
-  std::string out = head.dump(-1, ' ', false, Json::error_handler_t::replace);
-  out.pop_back();
-  if (time.empty()) return out + ", \"recordings\": []}\n";
-  const Json name = {{"source", source.source}};
-  std::string one = name.dump(-1, ' ', false, Json::error_handler_t::replace);
-  one.pop_back();
-  return out + ",\n\"recordings\": [" + one + ", \"role\": \"watched\", \"time\": " +
-         number_list(time) + ", \"joints\": [\n" + plots + "]}]}\n";
+  const Eigen::Index step = curve_step(rows);
+  return {{"q", packed(q, step)},
+          {"plots",
+           {plot_json("time", "Torque", unit,
+                      {curve_json("measured", "recorded", packed(torque, step)),
+                       curve_json("model with known changes", "model", packed(torque - rest, step))}),
+            plot_json("error", "Not explained", unit,
+                      Json::array({curve_json("not explained", "simulated", packed(rest, step))}))}}};
 }
 
 }  // namespace
@@ -59,9 +34,22 @@ std::string to_page(const std::vector<WatchedSource>& sources, const Model& arm,
   std::string report;
   for (const WatchedSource& s : sources)
     for (const WatchEvent& e : s.events) report += s.source + ": " + e.sentence + "\n";
-  const WatchedSource none;
-  return html_page({arm.name() + ": watched", "watch.html", to_json(sources, arm, running),
-                    series_of(sources.empty() ? none : sources.back(), arm, command), report});
+  Json series = series_of(command, arm);
+  if (!sources.empty() && !sources.back().states.empty()) {
+    const WatchedSource& source = sources.back();
+    VectorXd time(static_cast<Eigen::Index>(source.states.size()));
+    for (std::size_t k = 0; k < source.states.size(); ++k)
+      time[static_cast<Eigen::Index>(k)] = source.states[k].time;
+    Json joints = Json::array();
+    for (int j = 0; j < arm.joints(); ++j)
+      joints.push_back(
+          watched_joint(source, j, effort_unit(arm.coordinates()[static_cast<std::size_t>(j)])));
+    series["recordings"].push_back({{"source", source.source},
+                                    {"role", "watched"},
+                                    {"time", times(time, curve_step(time.size()))},
+                                    {"joints", joints}});
+  }
+  return html_page(arm.name() + ": watched", to_json(sources, arm, running), series, report);
 }
 
 }  // namespace veridyn

@@ -194,7 +194,6 @@ StepStatus World::State::substep(const std::vector<VectorXd>& tau, double h) {
     Arm& arm = arms[k];
     arm.all = tau[k] + arm.external;
     const StepStatus status = arm.engine->accelerate(arm.all, arm.ddq);
-    failed = static_cast<int>(k);
     if (status != StepStatus::kOk) return status;
   }
   start = bodies;
@@ -210,13 +209,11 @@ StepStatus World::State::substep(const std::vector<VectorXd>& tau, double h) {
     Arm& arm = arms[k];
     arm.all = tau[k] + arm.external;
     const StepStatus status = arm.engine->step(arm.all, h);
-    failed = static_cast<int>(k);
     if (status != StepStatus::kOk) return status;
   }
   move_bodies(h);
   settle();
   time += h;
-  failed = -1;
   return StepStatus::kOk;
 }
 
@@ -231,9 +228,6 @@ int World::arms() const {
 }
 double World::time() const {
   return state_->time;
-}
-int World::failed_arm() const {
-  return state_->failed;
 }
 int World::substeps() const {
   return state_->count;

@@ -62,7 +62,6 @@ struct World::State {
   double time = 0.0, work = 0.0;
   double fastest = 0.0, damping_rate = 0.0;  // [rad/s], [1/s]
   int until_review = 0;
-  int failed = -1;
   int count = 1;
 };
 

@@ -1,98 +1,54 @@
-// What identify found, in words and tables.
+// What identify found.
 
-function identificationWords() {
-  const feasible = result.feasible ? 'every body is physically possible' :
-                                     'not every body is physically possible';
-  const lead = element(
-      'p', {class: 'lead'}, String(result.base_parameters.length), ' base parameters from ',
-      number('/rows', 'whole'), ' rows; ' + feasible + '.');
-  const out = [
-    lead,
-    ...errorsInWords(
-        result.test ? 'Held-out error, per joint:' : 'Error on the training recordings, per joint:',
-        result.test ? '/test/relative_error/' : '/train/relative_error/')
-  ];
-  if (result.status !== 'done') out.push(element('p', {class: 'warning'}, result.reason));
-  const facts = [
-    ['Condition number, columns scaled', '/condition_number'],
-    ['Condition number, as they are', '/condition_number_unscaled'], ['Rank gap', '/rank_gap'],
-    ['Rows that count after autocorrelation', '/effective_samples'],
-    ['Weighted sum of squares', '/objective'],
-    ['The same without conditions', '/unconstrained_objective'], ['Duality gap', '/duality_gap']
-  ];
-  out.push(element(
-      'dl', {class: 'facts-list'},
-      facts.filter(([, place]) => isNumber(valueAt(place)))
-          .map(
-              ([name, place]) => (element(
-                  'div', {}, element('dt', {}, name),
-                  element('dd', {}, number(place, 'plain')))))));
-  if ((result.active_constraints || []).length) {
-    out.push(element(
-        'p', {class: 'small'},
-        'At the edge of what is possible: ' + result.active_constraints.join(', ') + '.'));
-  }
-  return out;
+function recordingErrors() {
+  const rows = ['test', 'train'].flatMap((part) => (result[part] && result[part].recordings || []).map((recording, k) => [
+    strong(fileName(recording.source)), part === 'test' ? 'held out' : 'training',
+    ...series.joints.map((_, i) => percent('/' + part + '/recordings/' + k + '/relative_error/' + i))]));
+  return rows.length < 2 ? null : [heading('By recording'), table(['Recording', 'Part', ...series.joints.map((joint, i) => '#' + (i + 1) + ' ' + joint.name)], rows, 'recording-errors')];
 }
 
-function fillRecordingErrors() {
-  const rows = [];
-  for (const part of ['test', 'train']) {
-    const recordings = result[part] && result[part].recordings || [];
-    recordings.forEach((recording, k) => {
-      const place = '/' + part + '/recordings/' + k + '/relative_error/';
-      rows.push([
-        element('strong', {}, fileName(recording.source)), part === 'test' ? 'held out' : 'training'
-      ].concat(series.joints.map((_, i) => percent(place + i))));
-    });
-  }
-  if (rows.length < 2) return;
-  const columns = [{name: 'Recording'}, {name: 'Part'}].concat(
-      series.joints.map((joint, i) => ({name: i + 1 + ' ' + joint.name, kind: 'number'})));
-  byId('recording-errors')
-      .append(element('h3', {}, 'By recording'), table(columns, rows, 'recording-errors'));
+function identifyNext(rows) {
+  const bad = rows.filter((r) => kStates[r.state][0] === 'bad');
+  const advice = rows.filter((r) => r.advice && r.state !== 'good' && r.state !== 'at_floor').map((r) => ({why: jointName(r.joint) + ': ' + typeset(r.advice)}));
+  const command = otherCommand('diagnose', ['--method', '--prior', '--known-mass', '--weights', '--condition', '--signs']);
+  if (!result.test) return [{why: 'Record a second motion and hold it out (--test): only that tells how good the model is.'}];
+  const why = bad.length ? 'Ask what the model lacks on ' + (bad.length === 1 ? 'joint ' : 'joints ') + jointsOf(bad) + ':' :
+      rows.some((r) => r.ratio === null) ? 'Ask whether the model lacks anything:' : 'The model is ready for simulation and control; ask what changes later:';
+  return advice.concat(command ? [{why, command}] : []);
 }
 
-// The value with two digits of its deviation.
-function baseRow(one, k) {
-  const place = '/base_parameters/' + k;
-  const decimals = isNumber(one.std) && one.std > 1e-7 && Math.abs(one.value) < 1e5 ?
-      Math.max(0, 1 - Math.floor(Math.log10(one.std))) :
-      null;
-  const write = decimals === null ? undefined : (v) => withMinus(v.toFixed(decimals));
-  return [
-    element(
-        'span', {class: 'expression'},
-        (one.expression || one.name).replace(/(^| )- ?/g, '$1\u2212 ')),
-    number(place + '/value', 'plain', write), number(place + '/std', 'plain', write),
-    typeset(one.unit)
-  ];
-}
-
-function fillIdentification() {
-  byId('title').textContent = result.robot;
-  byId('facts').append(words(result.method) + ' least squares');
-  byId('verdict').append(...identificationWords());
-  byId('error-table')
-      .append(errorTable(
-          [
-            {name: 'Held out', place: '/test/relative_error', kind: 'extended'},
-            {name: 'Held out, moving', place: '/test/moving/relative_error'},
-            {name: 'Held out, largest', place: '/test/max_error'},
-            {
-              name: 'Training',
-              place: '/train/relative_error',
-              kind: result.test ? undefined : 'extended'
-            },
-            {name: 'Noise floor', place: '/noise_floor/relative_error'},
-          ],
-          '/noise_floor/relative_error'));
-  fillRecordingErrors();
-  byId('base-table')
-      .append(table(
-          [
-            {name: 'Base parameter'}, {name: 'Value', kind: 'number'},
-            {name: 'Std. deviation', kind: 'number'}, {name: 'Unit'}
-          ],
-          result.base_parameters.map(baseRow), 'base'));
-}
+pages.identify = () => {
+  const file = new Map((series.file || []).filter((one) => isNumber(one.value)).map((one) => [one.name, one.value]));
+  const rows = verdictRows();
+  const worst = rows.reduce((a, b) => (b.ratio || valueAt(b.error) || 0) > (a.ratio || valueAt(a.error) || 0) ? b : a, rows[0]);
+  const floor = '/noise_floor/relative_error';
+  return {
+    title: result.robot, kind: 'Identification',
+    facts: [String(result.base_parameters.length), ' base parameters from ', number('/rows', 'whole'), ' rows by ' + words(result.method) + ' least squares; ' +
+                (result.feasible ? 'every body is physically possible' : 'not every body is physically possible') + '.'],
+    lead: (result.verdict || {}).sentence ? typeset(result.verdict.sentence) + '.' : verdictSentence(rows), state: rows.some((r) => kStates[r.state][0] === 'bad') ? 'bad' : 'good',
+    good: [verdictBars(rows), result.status !== 'done' ? paragraph('warning', result.reason) : null, ...heldOutWarnings(result.test, result.train)],
+    next: identifyNext(rows),
+    picture: worst ? torquePicture(worst.joint) : null,
+    sections: [
+      section('errors', 'Error per joint', 'Root mean square of measured minus modelled torque, in % of the measured torque. Held-out recordings took no part in the fit; moving: ' +
+                  'only samples at which the joint is faster than 2 % of its largest speed. The noise floor is how much the torque of the training recordings differs between ' +
+                  'repeats of one motion: about the best that a model can do.',
+              errorTable([{name: 'Held out', place: '/test/relative_error', kind: 'extended'}, {name: 'Held out, moving', place: '/test/moving/relative_error'},
+                          {name: 'Held out, largest', place: '/test/max_error'}, {name: 'Training', place: '/train/relative_error', kind: result.test ? undefined : 'extended'},
+                          {name: 'Noise floor', place: floor}], floor),
+              recordingErrors()),
+      frictionSection(),
+      section('parameters', 'Parameters', 'Friction, rotor and offset of each joint; then the combinations of inertial and effect parameters that torques determine, with ' +
+                  'standard deviations that respect autocorrelation, and their 95 % intervals as bars' + (file.size ? '; orange ticks: the robot file.' : '.'),
+              jointTable(result.standard_parameters || [], '/standard_parameters'), baseTable(result.base_parameters, '/base_parameters'),
+              grid(parameterDots(result.base_parameters, file))),
+      ...torqueSections(worst && worst.joint),
+      section('numerics', 'Numerics', null, folded('How well the equations are posed', factList([
+        ['Condition number, columns scaled', '/condition_number'], ['Condition number, as they are', '/condition_number_unscaled'], ['Rank gap', '/rank_gap'],
+        ['Rows that count after autocorrelation', '/effective_samples'], ['Weighted sum of squares', '/objective'], ['The same without conditions', '/unconstrained_objective'],
+        ['Duality gap', '/duality_gap']]),
+        (result.active_constraints || []).length ? paragraph('small', 'At the edge of what is possible: ' + result.active_constraints.join(', ') + '.') : null))
+    ]
+  };
+};

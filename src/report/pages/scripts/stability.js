@@ -1,136 +1,70 @@
-// Eigenvalues in the unit circle, a root locus, a map of two parameters and step responses, as drawings.
+// Eigenvalues in the unit circle, a root locus, a map of two parameters and step responses.
 
-const kTicks = 5;  // along each side of a map
-const kPlane = {size: 460, margin: 30, reach: 1.15};
+const kPlaneReach = 1.15;
 
-function planePoint([re, im]) {
-  const scale = (kPlane.size / 2 - kPlane.margin) / kPlane.reach;
-  const clip = (v) => Math.max(-kPlane.reach, Math.min(kPlane.reach, v));
-  return [kPlane.size / 2 + scale * clip(re), kPlane.size / 2 - scale * clip(im)];
+function eigenvaluePlane() {
+  const clip = (values) => values.map(([re, im]) => [re, im].map((v) => Math.max(-kPlaneReach, Math.min(kPlaneReach, v))));
+  const circle = Array.from({length: 181}, (_, k) => [Math.cos(k * Math.PI / 90), Math.sin(k * Math.PI / 90)]);
+  const locus = result.locus ? clip(result.locus.eigenvalues.flat()) : [];
+  const range = [-kPlaneReach, kPlaneReach];
+  return chart({
+    name: 'plane', joint: 0, title: 'Eigenvalues', x: {name: 'real part', range}, y: {name: 'imaginary part', range}, width: 470, height: 450,
+    marks: [{kind: 'line', name: 'unit circle', colour: 'quiet', silent: true, points: circle},
+            {kind: 'dots', name: 'locus', colour: 'extended', width: 3, opacity: 0.6, points: locus},
+            {kind: 'dots', name: 'eigenvalues', colour: 'model', width: 7, opacity: 1, points: clip(result.eigenvalues)}],
+    note: 'In discrete time, of ' + countOf(result.eigenvalue_cycles, 'cycle') + ' of ' + short(1e3 * result.period) + ' ms at the worst point of rest; the loop is stable where all lie within the circle.' +
+        (result.locus ? ' The locus goes over ' + words(result.locus.parameter) + ' from ' + short(result.locus.values[0]) + ' to ' + short(result.locus.values[result.locus.values.length - 1]) + '.' : '')
+  });
 }
 
-function dot(value, radius, colour, opacity) {
-  const [x, y] = planePoint(value);
-  return drawing('circle', {cx: x.toFixed(2), cy: y.toFixed(2), r: radius, fill: colour, 'fill-opacity': opacity});
-}
+const kCells = 5;  // names along each side of a map
 
-function drawPlane() {
-  const middle = kPlane.size / 2;
-  const one = planePoint([1, 0])[0] - middle;
-  const line = (x1, y1, x2, y2) => drawing('line', {x1, y1, x2, y2, stroke: '#dcdcd7'});
-  const parts = [
-    line(0, middle, kPlane.size, middle), line(middle, 0, middle, kPlane.size),
-    drawing('circle', {cx: middle, cy: middle, r: one, fill: 'none', stroke: '#5a5a55'})
-  ];
-  if (result.locus) {
-    const last = Math.max(1, result.locus.eigenvalues.length - 1);
-    result.locus.eigenvalues.forEach(
-        (values, k) => values.forEach((v) => parts.push(dot(v, 1.6, '#0f6ab4', 0.15 + 0.85 * k / last))));
-  }
-  for (const value of result.eigenvalues) parts.push(dot(value, 3.2, '#cf5b13', 1));
-  const drawn = 'eigenvalues:' + result.eigenvalues.length +
-      (result.locus ? ' locus:' + result.locus.eigenvalues.reduce((sum, values) => sum + values.length, 0) : '');
-  const plot = element('div', {class: 'plot plane', 'data-plot': 'plane', 'data-points': drawn}, drawing('svg', {viewBox: '0 0 460 460', width: '100%', style: 'max-width:34rem', role: 'img', 'aria-label': 'Eigenvalues'}, parts));
-  byId('plane-plot').append(plot);
-  byId('plane-note').textContent = 'In discrete time, of ' + result.eigenvalue_cycles + ' cycle' +
-      (result.eigenvalue_cycles === 1 ? '' : 's') + ' of ' + (1e3 * result.period).toPrecision(3) +
-      ' ms at the worst point of rest (orange); the loop is stable where all lie within the circle.' +
-      (result.locus ? ' Blue: over ' + words(result.locus.parameter) + ' from ' +
-               result.locus.values[0].toPrecision(3) + ' (pale) to ' +
-               result.locus.values[result.locus.values.length - 1].toPrecision(3) + '.' :
-                      '');
-}
-
-function drawMap() {
+function stabilityMap() {
   const map = result.map;
-  if (!map) {
-    byId('map').remove();
-    return;
-  }
-  const size = {left: 70, bottom: 40, width: 640, height: 420};
-  const wide = (size.width - size.left) / map.a_values.length;
-  const high = (size.height - size.bottom) / map.b_values.length;
-  const parts = [];
-  map.stable.forEach((row, j) => row.forEach((stable, i) => {
-    parts.push(drawing('rect', {
-      x: (size.left + i * wide).toFixed(2),
-      y: (size.height - size.bottom - (j + 1) * high).toFixed(2),
-      width: (wide + 0.3).toFixed(2),
-      height: (high + 0.3).toFixed(2),
-      fill: stable ? '#0f6ab4' : '#e8b48f',
-      'fill-opacity': stable ? Math.min(0.9, 0.15 + 12 * (1 - map.radius[j][i])).toFixed(2) : 1
-    }));
-  }));
-  const label = (x, y, value, anchor) => drawing('text', {x, y, 'font-size': 11, 'text-anchor': anchor, fill: '#1d1d1b'}, value);
-  const short = (v) => Number(v.toPrecision(3)).toString();
-  const bottom = size.height - size.bottom;
+  if (!map) return null;
   const named = (name, unit) => words(name) + (unit && unit !== '1' ? ' [' + unit + ']' : '');
-  for (let k = 0; k < kTicks; ++k) {
-    const i = Math.round(k * (map.a_values.length - 1) / (kTicks - 1));
-    const j = Math.round(k * (map.b_values.length - 1) / (kTicks - 1));
-    parts.push(
-        label(size.left + (i + 0.5) * wide, bottom + 16, short(map.a_values[i]), k === kTicks - 1 ? 'end' : k ? 'middle' : 'start'),
-        label(size.left - 6, Math.max(12, bottom - (j + 0.5) * high + 4), short(map.b_values[j]), 'end'));
-  }
-  parts.push(
-      label((size.left + size.width) / 2, bottom + 34, named(map.a, map.a_unit), 'middle'),
-      drawing('text', {x: 0, y: 0, 'font-size': 11, 'text-anchor': 'middle', fill: '#1d1d1b', transform: 'translate(14 ' + bottom / 2 + ') rotate(-90)'}, named(map.b, map.b_unit)));
-  byId('map-note').textContent = 'Blue: stable, darker where motion dies away faster; orange: not stable.';
-  byId('map-plot').append(element('div', {class: 'plot map', 'data-plot': 'map', 'data-points': 'cells:' + map.a_values.length * map.b_values.length}, drawing('svg', {viewBox: '0 0 640 420', width: '100%', role: 'img', 'aria-label': 'Stability map'}, parts)));
+  const picks = (values) => [...new Set(Array.from({length: kCells}, (_, k) => Math.round(k * (values.length - 1) / (kCells - 1))))].map((k) => ({at: k + 0.5, text: short(values[k])}));
+  const cells = (x, y) => map.stable.flatMap((row, j) => row.map((stable, i) => drawing('rect', {
+    x: x(i).toFixed(2), y: y(j + 1).toFixed(2), width: (x(1) - x(0) + 0.3).toFixed(2), height: (y(0) - y(1) + 0.3).toFixed(2), fill: 'var(--' + (stable ? 'extended' : 'pale-model') + ')',
+    'fill-opacity': stable ? Math.min(0.9, 0.15 + 12 * (1 - map.radius[j][i])).toFixed(2) : 1})));
+  const columns = map.a_values.length, rows = map.b_values.length;
+  return chart({
+    name: 'map', joint: 0, title: 'Stable region', x: {name: named(map.a, map.a_unit), range: [0, columns], ticks: picks(map.a_values)},
+    y: {name: named(map.b, map.b_unit), range: [0, rows], ticks: picks(map.b_values)}, width: 640, height: 400, extra: cells, note: 'Blue: stable, darker where motion dies away faster; pale orange: not stable.',
+    marks: [{kind: 'dots', name: 'cells', colour: 'extended', opacity: 0.001, points: Array.from({length: columns * rows}, (_, k) => [k % columns + 0.5, Math.floor(k / columns) + 0.5])}]
+  });
 }
 
-function drawSteps() {
-  if (!series.steps || !series.steps.forces.length) {
-    byId('steps').remove();
-    return;
-  }
-  const {time, forces} = series.steps;
-  for (const {member, force} of forces) {
-    const finite = force.filter(isNumber).map((v) => Math.max(-10, Math.min(10, v)));
-    const low = Math.min(-0.2, ...finite), high = Math.max(1, ...finite);
-    const x = (k) => 40 + 590 * time[k] / time[time.length - 1];
-    const y = (v) => 10 + 180 * (high - v) / (high - low);
-    const path = force.map((v, k) => (k ? 'L' : 'M') + x(k).toFixed(1) + ' ' + y(Math.max(low, Math.min(high, v || 0))).toFixed(1));
-    const text = (px, py, value) => drawing('text', {x: px, y: py, 'font-size': 11, 'text-anchor': 'end', fill: '#5a5a55'}, value);
-    byId('step-plots').append(element('div', {class: 'plot steps', 'data-plot': 'steps', 'data-points': 'force:' + force.length}, element('h3', {}, member), drawing('svg', {viewBox: '0 0 640 215', width: '100%', role: 'img', 'aria-label': 'Step response'},
-        drawing('line', {x1: 40, x2: 630, y1: y(0), y2: y(0), stroke: '#dcdcd7'}),
-        drawing('path', {d: path.join(''), fill: 'none', stroke: '#0f6ab4', 'stroke-width': 1.4}),
-        drawing('line', {x1: 40, x2: 630, y1: y(1), y2: y(1), stroke: '#dcdcd7', 'stroke-dasharray': '4 3'}),
-        text(36, y(1) + 4, '1 N'), text(36, y(0) + 4, '0'), text(630, 212, time[time.length - 1].toPrecision(2) + ' s'))));
-  }
+function stepCharts() {
+  const {time, forces} = series.steps || {forces: []};
+  return forces.map(({member, force}) => chart({
+    name: 'steps', joint: 0, title: member, x: {name: 'time [s]'}, y: {name: 'N'}, width: 420, height: 220, marks: [
+      {kind: 'line', name: 'wanted', colour: 'measured', silent: true, dash: '4 3', points: [[time[0], 1], [time[time.length - 1], 1]]},
+      {kind: 'line', name: 'force', colour: 'extended', points: force.map((v, k) => [time[k], isNumber(v) ? Math.max(-10, Math.min(10, v)) : null])}]}));
 }
 
-function margin(value, unit) {
-  return isNumber(value) ? withMinus(Number(value.toPrecision(3)).toString()) + unit : 'none found';
-}
-
-function fillStability() {
-  byId('title').textContent = result.scenario;
-  byId('facts').append(result.source || '');
+pages.stability = () => {
+  const margin = (value, unit) => isNumber(value) ? short(value) + unit : 'none found';
   const m = result.margins;
-  byId('verdict').append(
-      element('p', {class: 'lead'}, result.stable ? 'The loop is stable.' : 'The loop is not stable.'),
-      element('p', {}, 'Margins of the force readings: gain ' + margin(m.gain, '') + ', phase ' + margin(m.phase_deg, '°') + ', delay ' +
-          (isNumber(m.delay_s) ? margin(1e3 * m.delay_s, ' ms') : 'none found') + '.'));
-  if (isNumber(result.largest_stable_stiffness)) {
-    byId('verdict').append(element('p', {}, 'Stable for objects from ' + margin(result.smallest_stable_stiffness, ' N/m') + ' to ' +
-        margin(result.largest_stable_stiffness, ' N/m') + (result.stiffness_bounded ? '.' : ', the end of the search.')));
-  }
   const advice = result.recommendation;
-  if (advice) {
-    byId('verdict').append(element('p', {}, advice.found ?
-        'Gains for ' + advice.phase_deg + '°: crossover ' + advice.crossover.toPrecision(3) + ' 1/s, gain ' + advice.law.gain.toPrecision(3) +
-            ' m/(N s), damping of the law ' + advice.law.damping.toPrecision(3) + ' s, of the impedance ' + advice.impedance_damping.toPrecision(3) + ' N s/m.' :
-        'No gains found for ' + advice.phase_deg + '°.'));
-  }
   const bounds = result.bounds;
-  if (bounds) {
-    byId('verdict').append(element('p', {}, bounds.unstable + ' of ' + bounds.samples + ' arms with parameters at the corners of their intervals are not stable.'));
-  }
-  drawPlane();
-  drawMap();
-  drawSteps();
-  byId('point-table').append(table(
-      [{name: 'Phase'}, {name: 'Time [s]', kind: 'number'}, {name: 'Largest modulus per cycle', kind: 'number'}, {name: ''}],
-      result.points.map((p) => [p.phase, p.time.toFixed(2), p.radius.toFixed(6), p.stable ? 'stable' : element('span', {class: 'warning'}, 'not stable')]), 'points'));
-}
+  return {
+    title: result.scenario, kind: 'Stability', facts: [result.source || ''],
+    lead: result.stable ? 'The loop is stable.' : 'The loop is not stable.', state: result.stable ? 'good' : 'bad',
+    good: [
+      paragraph('', 'Margins of the force readings: gain ' + margin(m.gain, '') + ', phase ' + margin(m.phase_deg, '\u00b0') + ', delay ' + (isNumber(m.delay_s) ? margin(1e3 * m.delay_s, ' ms') : 'none found') + '.'),
+      isNumber(result.largest_stable_stiffness) ? paragraph('', 'Stable for objects from ' + margin(result.smallest_stable_stiffness, ' N/m') + ' to ' + margin(result.largest_stable_stiffness, ' N/m') +
+          (result.stiffness_bounded ? '.' : ', the end of the search.')) : null,
+      advice ? paragraph('', advice.found ? 'Gains for ' + advice.phase_deg + '\u00b0: crossover ' + short(advice.crossover) + ' 1/s, gain ' + short(advice.law.gain) + ' m/(N s), damping of the law ' +
+          short(advice.law.damping) + ' s, of the impedance ' + short(advice.impedance_damping) + ' N s/m.' : 'No gains found for ' + advice.phase_deg + '\u00b0.') : null,
+      bounds ? paragraph('', bounds.unstable + ' of ' + bounds.samples + ' arms with parameters at the corners of their intervals are not stable.') : null],
+    next: [{why: result.stable ? 'Run the scenario in full, with friction and noise:' : 'Look for gains that are stable:',
+            command: result.stable ? 'veridyn cooperate ' + fileOfRun('SCENARIO.yaml') + ' --report run.html' : 'veridyn stability ' + fileOfRun('SCENARIO.yaml') + ' --recommend 45'}],
+    picture: eigenvaluePlane(),
+    sections: [
+      section('map', 'Map', null, stabilityMap()),
+      section('steps', 'Step responses', 'True force in a member [N] after all wanted forces rose by 1 N at once, in the linear loop.', grid(stepCharts())),
+      section('points', 'Points of rest', 'Where arms would stand along the motion, with the forces wanted there.', table(['Phase', '#Time [s]', '#Largest modulus per cycle', ''],
+          result.points.map((p) => [p.phase, fixed(2)(p.time), fixed(6)(p.radius), p.stable ? 'stable' : element('span', {class: 'warning'}, 'not stable')]), 'points'))]
+  };
+};

@@ -1,0 +1,34 @@
+#include <memory>
+
+#include "cli/commands.hpp"
+#include "cli/options/common_options.hpp"
+#include "math/output_file.hpp"
+#include "veridyn/report/pages.hpp"
+
+namespace veridyn::cli {
+namespace {
+
+struct PageRequest {
+  std::string folder, output;
+  CommonOptions common;
+};
+
+}  // namespace
+
+void add_page_command(CLI::App& tool, Outcome& outcome) {
+  const auto request = std::make_shared<PageRequest>();
+  CLI::App& command = *tool.add_subcommand(
+      "page", "One page for a folder: its models over time, what changed when, and the other pages");
+  command.add_option("FOLDER", request->folder, "MODEL files, pages, results and recordings of one arm")
+      ->required()
+      ->option_text(" ");
+  command.add_option("-o,--output", request->output, "The page (FOLDER/index.html)")
+      ->option_text("F.html");
+  add_common_options(command, request->common);
+  command.callback([request, &outcome] {
+    if (request->output.empty()) request->output = request->folder + "/index.html";
+    write_file(request->output, project_page(request->folder, request->output, outcome.command_line));
+  });
+}
+
+}  // namespace veridyn::cli

@@ -1,0 +1,81 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "veridyn/control/arm_state.hpp"
+#include "veridyn/control/cooperative_controller.hpp"
+#include "veridyn/control/friction_compensation.hpp"
+#include "veridyn/control/inverse_kinematics.hpp"
+#include "veridyn/cooperation/scenario.hpp"
+
+namespace veridyn {
+
+/// An arm as its controller knows it, for MotionPlan.
+struct PlannedArm {
+  Model model;
+  Eigen::Matrix3d R_world_base{Eigen::Matrix3d::Identity()};
+  Eigen::Vector3d p_world_base{Eigen::Vector3d::Zero()};
+  VectorXd torque;  ///< (n) what the motors give at most [N m], [N]
+};
+
+/// Commands of a scenario carried out by the same controller with arms that do what their laws ask
+/// for: tips follow as a double integrator (position loops) or as their impedance, members pull by
+/// their stiffness. On the way every arm must come where its tip goes, within its joints' limits and
+/// with room to stop before them, within kSpeedShare of their velocities, and within its motors'
+/// torque by inverse dynamics; and the controller must not stop all. One object serves one thread.
+class MotionPlan {
+ public:
+  /// @throws InvalidInput  as ArmState and the controller.
+  MotionPlan(const Scenario& scenario, std::vector<PlannedArm> arms);
+
+  /// Where a plan is. Copies are plans of their own.
+  struct State {
+    CooperativeController control;
+    CooperativeInput seen;          ///< tips and forces
+    std::vector<VectorXd> q;        ///< (n) of each arm
+    std::vector<double> length;     ///< [m] of each member without force
+    std::vector<char> held;
+    double time = 0.0;              ///< [s] since the plan began
+  };
+  /// The arms stand there, and nothing has been asked of them.
+  State standing(const std::vector<VectorXd>& q);
+  /// In the middle of a run.
+  State under_way(const CooperativeController& control, const CooperativeInput& seen,
+                  const std::vector<VectorXd>& q) const;
+
+  /// @param seconds  [s] that are planned. @returns why the commands cannot be carried out, with
+  /// place and numbers; empty if they can. The state is then where they lead to.
+  std::string play(State& state, const std::vector<ScenarioCommand>& commands, double seconds);
+
+  /// The same for a velocity of the object that is kept for so long and then stopped [m/s].
+  std::string jog(State state, const Eigen::Vector3d& velocity, double seconds);
+
+  static constexpr double kSpeedShare = 0.95;  ///< of a joint's velocity limit
+  static constexpr double kSettled = 0.3;      ///< [s] that are planned beyond a command's end
+
+ private:
+  struct Arm {
+    PlannedArm known;
+    std::string name;
+    ArmState state;
+    FrictionCompensation friction;
+    InverseKinematics inverse;
+    TaskInverse rates;
+    VectorXd none, dq, ddq, tau;
+  };
+  struct Tip {
+    Eigen::Vector3d acceleration{Eigen::Vector3d::Zero()}, force{Eigen::Vector3d::Zero()};
+  };
+  std::string advance(State& state, double seconds);
+  void pull(State& state);
+  void move(State& state, const std::vector<TipTarget>& targets);
+  std::string objection(State& state, std::size_t k);
+
+  Scenario scenario_;
+  std::vector<Arm> arms_;
+  std::vector<Tip> tips_;
+  std::vector<Eigen::Vector3d> walls_;  // a point of each
+};
+
+}  // namespace veridyn

@@ -1,0 +1,119 @@
+#include "veridyn/identification/verdict.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "math/numbers.hpp"
+
+namespace veridyn {
+namespace {
+
+// Times the noise floor. What a good model leaves beside the noise is a little of everything: on the
+// recordings of the PSM with all that a diagnosis finds it is 1.1 to 2.6 times the floor, and the
+// smallest effect that hide-and-seek asks to be found doubles what is left.
+constexpr double kFarAboveFloor = 3.0;
+// And as a share of the torque: 1 % is better than torque sensors are.
+constexpr double kBelowAnySensor = 0.01;
+// Of range and of speed: what moves less shows friction at one place and inertia in the noise.
+constexpr double kHardlyMoves = 0.05;
+
+double share_of_range(const Identification& id, const Coordinate& joint, size_t i) {
+  double lowest = kInfinity, highest = -kInfinity;
+  for (const CompressedRecording& r : id.factors) {
+    if (i >= r.joints.size()) continue;
+    lowest = std::min(lowest, r.joints[i].lowest);
+    highest = std::max(highest, r.joints[i].highest);
+  }
+  const double range = joint.limits.upper - joint.limits.lower;
+  return std::isfinite(range) && lowest <= highest ? (highest - lowest) / range : kNaN;
+}
+
+double share_of_speed(const Identification& id, const Coordinate& joint, size_t i) {
+  double largest = 0.0;
+  for (const CompressedRecording& r : id.factors) {
+    if (i < r.joints.size()) largest = std::max(largest, r.joints[i].largest_speed);
+  }
+  return std::isfinite(joint.limits.velocity) ? largest / joint.limits.velocity : kNaN;
+}
+
+IdentifiedState state_of(const IdentifiedJoint& j) {
+  if (j.range < kHardlyMoves && j.speed < kHardlyMoves) return IdentifiedState::kHardlyMoved;
+  if (!std::isfinite(j.floor)) return IdentifiedState::kCannotTell;
+  if (j.error <= kBelowAnySensor || j.error <= kFarAboveFloor * j.floor) return IdentifiedState::kAtFloor;
+  return IdentifiedState::kUnexplained;
+}
+
+// "a, b and c VERB 2.1, 3 and 4 WHAT; " of the joints in one state; {} are the figures.
+std::string listed_in(const IdentificationVerdict& v, IdentifiedState state, const char* one, const char* several,
+                      const std::string& what,
+                      const std::function<std::string(const IdentifiedJoint&)>& figure) {
+  std::vector<const IdentifiedJoint*> in;
+  for (const IdentifiedJoint& j : v.joints)
+    if (j.state == state) in.push_back(&j);
+  if (in.empty()) return "";
+  std::string names, figures;
+  for (size_t k = 0; k < in.size(); ++k) {
+    const std::string between = k == 0 ? "" : k + 1 == in.size() ? " and " : ", ";
+    names += between + in[k]->joint;
+    figures += between + figure(*in[k]);
+  }
+  return names + " " + (in.size() == 1 ? one : several) + " " +
+         fmt::format(fmt::runtime(what), figures) + "; ";
+}
+
+std::string sentence_of(const IdentificationVerdict& v) {
+  const std::string whose = v.held_out ? "held out" : "on the training recordings";
+  const auto error = [](const IdentifiedJoint& j) { return fmt::format("{:.2g} %", 100.0 * j.error); };
+  std::string out = listed_in(v, IdentifiedState::kHardlyMoved,
+                              "moved", "moved", "over {} of the range: record again with a motion of `veridyn excite`",
+                              [](const IdentifiedJoint& j) { return fmt::format("{:.2g} %", 100.0 * j.range); });
+  out += listed_in(v, IdentifiedState::kUnexplained,
+                   "leaves", "leave", "{} times the noise " + whose + ": `veridyn diagnose` says why",
+                   [](const IdentifiedJoint& j) { return fmt::format("{:.2g}", j.error / j.floor); });
+  out += listed_in(v, IdentifiedState::kAtFloor, "is", "are", "at the noise (error {} " + whose + ")", error);
+  out += listed_in(v, IdentifiedState::kCannotTell,
+                   "leaves", "leave", "{} " + whose + ", and as no motion is repeated, the noise is not known", error);
+  out.erase(out.size() - std::min<size_t>(out.size(), 2));
+  return out;
+}
+
+}  // namespace
+
+const char* name_of(IdentifiedState state) {
+  switch (state) {
+    case IdentifiedState::kAtFloor:
+      return "at_floor";
+    case IdentifiedState::kUnexplained:
+      return "unexplained";
+    case IdentifiedState::kHardlyMoved:
+      return "hardly_moved";
+    case IdentifiedState::kCannotTell:
+      return "cannot_tell";
+  }
+  return "";
+}
+
+IdentificationVerdict verdict_of(const Identification& id) {
+  IdentificationVerdict out;
+  if (!id.model) return out;
+  out.held_out = id.test_error.relative.size() > 0;
+  const VectorXd& error = (out.held_out ? id.test_error : id.train_error).relative;
+  const std::vector<Coordinate>& joints = id.model->coordinates();
+  for (size_t i = 0; i < joints.size() && static_cast<Eigen::Index>(i) < error.size(); ++i) {
+    const auto k = static_cast<Eigen::Index>(i);
+    IdentifiedJoint j;
+    j.joint = joints[i].name;
+    j.error = error[k];
+    j.floor = k < id.noise_floor.size() ? id.noise_floor[k] : kNaN;
+    j.range = share_of_range(id, joints[i], i);
+    j.speed = share_of_speed(id, joints[i], i);
+    j.state = state_of(j);
+    out.joints.push_back(j);
+  }
+  out.sentence = sentence_of(out);
+  return out;
+}
+
+}  // namespace veridyn

@@ -1,0 +1,16 @@
+#pragma once
+
+#include <string>
+
+namespace veridyn {
+
+/// A number with that many significant digits, without zeros at its end: "0.0123", "1.5e-07".
+std::string digits(double value, int significant);
+
+/// A number with that many digits after the point.
+std::string decimals(double value, int after_point);
+
+/// The shortest text that is read back as the same number.
+std::string all_digits(double value);
+
+}  // namespace veridyn

@@ -1,0 +1,57 @@
+#include <set>
+
+#include "recordings/remark.hpp"
+#include "veridyn/simulation/replay.hpp"
+
+namespace veridyn {
+namespace {
+
+// Joints (from 0) whose recorded velocity is worse than the derivative of their position.
+std::vector<int> faulty_velocities(const RecordingQuality& quality, std::vector<std::string>& remarks) {
+  std::set<int> joints;
+  for (const QualityFinding& f : quality.findings) {
+    const bool velocity = f.finding == "velocity_scale" || f.finding == "velocity_quantised" ||
+                          f.finding == "velocity_delay";
+    if (!velocity || f.severity == Severity::kInfo || f.joint < 1) continue;
+    if (joints.insert(f.joint - 1).second)
+      remarks.push_back(f.sentence + " The replay takes it from the position.");
+  }
+  return {joints.begin(), joints.end()};
+}
+
+}  // namespace
+
+ReplayInput replay_input(const Model& arm, const std::string& recording, PreprocessingOptions how) {
+  ReplayInput out;
+  out.quality = check_recording(recording, reading_of(arm, how));
+  how.derive_velocity_of = faulty_velocities(out.quality, out.remarks);
+  std::vector<double> time;
+  std::vector<MatrixXd> pieces[4];
+  const auto collect = [&](const Stretch& s) {
+    const Eigen::Index first = s.core_begin;
+    const Eigen::Index count = s.core_end - s.core_begin;
+    for (Eigen::Index k = first; k < first + count; ++k) {
+      time.push_back(s.time[k]);
+      out.use.push_back(s.use[static_cast<size_t>(k)]);
+    }
+    const MatrixXd* all[] = {&s.q, &s.dq, &s.ddq, &s.tau};
+    for (size_t m = 0; m < 4; ++m) pieces[m].emplace_back(all[m]->middleRows(first, count));
+  };
+  const PreparationFacts facts = for_each_stretch(arm, recording, how, collect);
+  if (facts.filled.count > 0)
+    out.remarks.push_back(filled_text(facts.filled, facts.rows_read) + ".");
+  MatrixXd* const whole[] = {&out.motion.q, &out.motion.dq, &out.motion.ddq, &out.tau};
+  for (size_t m = 0; m < 4; ++m) {
+    whole[m]->resize(static_cast<Eigen::Index>(time.size()), arm.joints());
+    Eigen::Index row = 0;
+    for (const MatrixXd& piece : pieces[m]) {
+      whole[m]->middleRows(row, piece.rows()) = piece;
+      row += piece.rows();
+    }
+  }
+  out.motion.time =
+      Eigen::Map<const VectorXd>(time.data(), static_cast<Eigen::Index>(time.size()));
+  return out;
+}
+
+}  // namespace veridyn

@@ -1,0 +1,284 @@
+#include <gtest/gtest.h>
+
+#include <arpa/inet.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <thread>
+
+#include "cli/tool.hpp"
+#include "support/browser.hpp"
+
+// Every page of the tool in a browser, wide and narrow, light and dark: nothing is said on the
+// console, nothing sticks out, the main figure is drawn, the slider moves the arm, buttons work.
+
+namespace veridyn {
+namespace {
+
+using nlohmann::json;
+
+struct PageCase {
+  const char* name;
+  std::vector<const char*> figures;  ///< plots that it must have
+};
+
+std::ostream& operator<<(std::ostream& out, const PageCase& one) {
+  return out << one.name;
+}
+
+class EveryPage : public testing::TestWithParam<PageCase> {
+ protected:
+  static void SetUpTestSuite() {
+    if (browser().empty()) return;
+    folder_ = new TemporaryFolder;
+    const Words quick = {"--evaluations", "40", "--quiet"};
+    for (const std::string k : {"1", "2"}) {
+      run(Words{"excite", "psm-3dof", "-o", path("motion" + k + ".csv"), "--frequency", "0.1" + k,
+                "--seed", k, "--duration", "20", "--report", path("excite.html")} + quick);
+      run({"simulate", "psm-3dof", "--trajectory", path("motion" + k + ".csv"), "-o",
+           path("rec" + k + ".csv"), "--noise", "dvrk", "--seed", k, "--effect",
+           "position_dependent_friction:yaw", "--quiet"});
+    }
+    const Words inputs = {"--train", path("rec1.csv"), "--test", path("rec2.csv"), "--quiet"};
+    run(Words{"identify", "psm-3dof", "--model-out", path("id.yaml"), "--report",
+              path("identify.html")} + inputs);
+    run(Words{"diagnose", "psm-3dof", "--model-out", path("ext.yaml"), "--report",
+              path("diagnose.html")} + inputs);
+    run({"simulate", path("ext.yaml"), "--replay", path("rec2.csv"), "-o", path("replay.csv"),
+         "--report", path("replay.html"), "--quiet"});
+    const std::string scenario =
+        std::string(VERIDYN_SOURCE_DIR) + "/examples/cooperate/two-arms-spring.yaml";
+    run({"cooperate", scenario, "--report", path("cooperate.html"), "--quiet"});
+    run({"stability", scenario, "--map", "stiffness=500:50000:8,delay=0:0.02:6", "--report",
+         path("stability.html"), "--quiet"});
+    run({"kinematics", "PSM1", "--workspace", "100", "--report", path("kinematics.html"), "--quiet"});
+    run({"info", "ur10e", "--report", path("info.html")});
+    run({"check", "psm-3dof", path("rec1.csv"), path("rec2.csv"), "--report", path("check.html")});
+    run({"compare", path("id.yaml"), path("ext.yaml"), "--report", path("compare.html")});
+    run({"payload", path("ext.yaml"), "--recording", path("rec2.csv"), "--report",
+         path("payload.html"), "--quiet"});
+    run({"watch", path("ext.yaml"), path("rec2.csv"), "--report", path("watch.html"), "--quiet"});
+    run({"page", path(""), "-o", path("index.html")});
+  }
+
+  static void TearDownTestSuite() {
+    delete folder_;
+    folder_ = nullptr;
+  }
+
+  void SetUp() override {
+    if (browser().empty()) GTEST_SKIP() << "no browser: chromium is not installed";
+  }
+
+  static void run(const Words& words) {
+    const ToolRun done = run_tool(words);
+    ASSERT_EQ(done.status, 0) << words.front() << ": " << done.err;
+  }
+
+  static std::string path(const std::string& name) { return folder_->path(name); }
+
+  std::string page() const { return path(std::string(GetParam().name) + ".html"); }
+
+  static TemporaryFolder* folder_;
+};
+
+TemporaryFolder* EveryPage::folder_ = nullptr;
+
+INSTANTIATE_TEST_SUITE_P(
+    Of, EveryPage,
+    testing::Values(PageCase{"identify", {"verdict", "torque", "friction", "intervals", "time"}},
+                    PageCase{"diagnose", {"verdict", "cause", "friction", "arm", "waterfall", "time"}},
+                    PageCase{"excite", {"used", "arm", "error"}},
+                    PageCase{"replay", {"verdict", "arm", "time", "error"}},
+                    PageCase{"cooperate", {"verdict", "arm", "time"}},
+                    PageCase{"stability", {"plane", "map", "steps"}},
+                    PageCase{"kinematics", {"condition", "arm"}}, PageCase{"info", {"arm"}},
+                    PageCase{"check", {}}, PageCase{"compare", {"differences"}},
+                    PageCase{"payload", {"verdict"}}, PageCase{"watch", {"time", "arm"}},
+                    PageCase{"index", {"history"}}),
+    [](const testing::TestParamInfo<PageCase>& info) { return std::string(info.param.name); });
+
+std::map<std::string, int> kinds_of(const OpenedPage& page) {
+  std::map<std::string, int> kinds;
+  for (const PageElement& plot : page.with("data-plot")) ++kinds[plot.at("data-plot")];
+  return kinds;
+}
+
+PageElement arm_of(const OpenedPage& page) {
+  for (const PageElement& plot : page.with("data-plot"))
+    if (plot.at("data-plot") == "arm") return plot;
+  return {};
+}
+
+TEST_P(EveryPage, IsSoundWideAndNarrowLightAndDark) {
+  for (const auto& [width, scheme] : {std::pair(1400, Scheme::kLight), std::pair(1400, Scheme::kDark),
+                                      std::pair(400, Scheme::kLight), std::pair(400, Scheme::kDark)}) {
+    const OpenedPage opened = open_page(page(), width, "", scheme);
+    EXPECT_EQ(opened.root().at("data-scheme"), scheme == Scheme::kDark ? "dark" : "light");
+    EXPECT_EQ(opened.root().at("data-errors"), "0");
+    EXPECT_EQ(opened.root().at("data-overflow"), "0") << opened.root().at("data-overflow-by");
+    EXPECT_EQ(opened.console, "");
+    if (!GetParam().figures.empty()) expect_sound(opened, width);
+    std::map<std::string, int> kinds = kinds_of(opened);
+    for (const char* figure : GetParam().figures) EXPECT_GE(kinds[figure], 1) << figure;
+    const std::string text = without_scripts(opened.html);
+    for (const char* word : {"NaN", "undefined", "[object"})
+      EXPECT_EQ(text.find(word), std::string::npos)
+          << word << ": " << text.substr(text.find(word) - 120, 200);
+    const json result = embedded(opened.html, "result");
+    for (const PageElement& n : opened.with("data-from"))
+      if (n.at("data-from") != "/frequency") expect_number(n, result);  // shown as a period
+    // What it is, whether it is good, and what comes next stand first.
+    EXPECT_NE(text.find("class=\"lead"), std::string::npos);
+    EXPECT_LT(text.find("id=\"verdict\""), text.find("id=\"run\""));
+  }
+  EXPECT_LT(content_of(page()).size(), 2000000u);
+}
+
+TEST_P(EveryPage, ItsButtonsSaveFiguresAndUnfoldTables) {
+  const OpenedPage opened = open_page(page(), 1000, R"(
+    page.HTMLAnchorElement.prototype.click = () => 0;
+    const saved = [];
+    for (const button of page.document.querySelectorAll('.tools button')) {
+      if (button.textContent !== 'SVG' && button.textContent !== 'CSV') continue;
+      page.document.documentElement.dataset.saved = '';
+      button.click();
+      saved.push(page.document.documentElement.dataset.saved.split(' ')[1] > 60 ? 1 : 0);
+    }
+    for (const button of page.document.querySelectorAll('.all-rows')) button.click();
+    page.document.documentElement.dataset.saves = saved.length;
+    page.document.documentElement.dataset.good = saved.reduce((a, b) => a + b, 0);
+    page.document.documentElement.dataset.folded =
+        [...page.document.querySelectorAll('tr.more')].filter((row) => row.getBoundingClientRect().height === 0).length;
+  )");
+  const PageElement root = opened.root();
+  EXPECT_EQ(root.at("data-errors"), "0");
+  EXPECT_EQ(root.at("data-saves"), root.at("data-good"));
+  EXPECT_EQ(root.at("data-folded"), "0");
+  if (!GetParam().figures.empty()) EXPECT_NE(root.at("data-saves"), "0");
+}
+
+TEST_P(EveryPage, TheSliderMovesTheArmAndTheMarkInTimePlots) {
+  const OpenedPage still = open_page(page(), 1000);
+  if (arm_of(still).tag.empty()) GTEST_SKIP() << "a page without an arm";
+  const OpenedPage moved = open_page(page(), 1000, R"(
+    const slider = page.document.querySelector('.scrubber');
+    slider.value = 0.37 * slider.max;
+    slider.dispatchEvent(new page.Event('input'));
+  )");
+  EXPECT_EQ(moved.root().at("data-errors"), "0");
+  EXPECT_FALSE(arm_of(still).at("data-pose").empty());
+  EXPECT_NE(arm_of(still).at("data-pose"), arm_of(moved).at("data-pose"));
+  EXPECT_NE(arm_of(still).at("data-moment"), arm_of(moved).at("data-moment"));
+  if (kinds_of(moved)["error"] > 0) {
+    const std::string text = without_scripts(moved.html);
+    EXPECT_NE(text.find("class=\"moment\" style=\"left:"), std::string::npos);
+  }
+}
+
+// A page is a picture: what is drawn at another moment has other pixels.
+TEST_P(EveryPage, ThePictureOfTheArmChanges) {
+  const std::string name = GetParam().name;
+  if (name != "excite" && name != "cooperate") GTEST_SKIP() << "two pages stand for all";
+  const std::string first = picture_of(page(), 0.0);
+  EXPECT_GT(first.size(), 20000u);
+  EXPECT_EQ(first, picture_of(page(), 0.0));
+  EXPECT_NE(first, picture_of(page(), 3.3));
+}
+
+// ---- a folder
+
+TEST(ProjectPage, HoldsModelsInTheirOrderAndWhatChanged) {
+  const TemporaryFolder folder;
+  const std::string recording = folder.write("a.csv", planar_recording(20.0));
+  for (const char* name : {"one.yaml", "two.yaml"})
+    ASSERT_EQ(run_tool({"identify", "planar-2r", "--train", recording, "--model-out",
+                        folder.path(name), "--quiet"})
+                  .status,
+              0);
+  const ToolRun made = run_tool({"page", folder.path("")});
+  ASSERT_EQ(made.status, 0) << made.err;
+  const json result = embedded(content_of(folder.path("index.html")), "result");
+  ASSERT_EQ(result["models"].size(), 2u);
+  EXPECT_EQ(result["models"][0]["inputs"][0], "a.csv");
+  EXPECT_EQ(result["recordings"].size(), 1u);
+  ASSERT_EQ(result["changes"].size(), 1u);
+  EXPECT_NE(result["changes"][0]["verdict"], "differ");  // the same recording twice
+}
+
+TEST(ProjectPage, AFolderWithoutResultsIsRefused) {
+  const TemporaryFolder folder;
+  EXPECT_EQ(run_tool({"page", folder.path("")}).status, 3);
+  EXPECT_EQ(run_tool({"page", folder.path("nowhere")}).status, 3);
+  EXPECT_TRUE(folder.files().empty());
+}
+
+// ---- a page that is served
+
+// What a server on this machine answers within a few seconds, or until it has said `enough`.
+std::string answer_of(int port, const std::string& place, const std::string& enough) {
+  const int line = ::socket(AF_INET, SOCK_STREAM, 0);
+  sockaddr_in where{};
+  where.sin_family = AF_INET;
+  where.sin_port = htons(static_cast<std::uint16_t>(port));
+  where.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  std::string out;
+  if (::connect(line, reinterpret_cast<sockaddr*>(&where), sizeof where) == 0) {
+    const timeval patience{5, 0};
+    ::setsockopt(line, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
+    const std::string words = "GET " + place + " HTTP/1.1\r\nHost: here\r\nConnection: close\r\n\r\n";
+    if (::send(line, words.data(), words.size(), 0) > 0) {
+      char part[4096];
+      for (long n = 1; n > 0 && out.find(enough) == std::string::npos;) {
+        n = ::recv(line, part, sizeof part, 0);
+        if (n > 0) out.append(part, static_cast<std::size_t>(n));
+      }
+    }
+  }
+  ::close(line);
+  return out;
+}
+
+int free_port() {
+  const int line = ::socket(AF_INET, SOCK_STREAM, 0);
+  sockaddr_in where{};
+  where.sin_family = AF_INET;
+  where.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  socklen_t size = sizeof where;
+  EXPECT_EQ(::bind(line, reinterpret_cast<sockaddr*>(&where), size), 0);
+  EXPECT_EQ(::getsockname(line, reinterpret_cast<sockaddr*>(&where), &size), 0);
+  ::close(line);
+  return ntohs(where.sin_port);
+}
+
+TEST(ServedPage, ABrowserSeesThePageAndIsToldOfNewOnes) {
+  const TemporaryFolder folder;
+  const std::string recording = folder.write("a.csv", planar_recording(30.0));
+  ASSERT_EQ(run_tool({"identify", "planar-2r", "--train", recording, "--model-out",
+                      folder.path("m.yaml"), "--quiet"})
+                .status,
+            0);
+  const int port = free_port();
+  ToolRun watched;
+  std::thread running([&] {
+    watched = run_tool({"watch", folder.path("m.yaml"), recording, "--follow", "--idle", "9",
+                        "--learn", "5", "--serve", std::to_string(port)});
+  });
+  std::string page;
+  for (int k = 0; k < 40 && page.find("\"running\": true") == std::string::npos; ++k) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(200));
+    page = answer_of(port, "/", "</html>");
+  }
+  const std::string events = answer_of(port, "/events", "data: new");
+  running.join();
+  if (watched.err.find("without cpp-httplib") != std::string::npos) GTEST_SKIP() << watched.err;
+  EXPECT_NE(page.find("\"command\": \"watch\""), std::string::npos) << watched.err;
+  EXPECT_NE(page.find("\"running\": true"), std::string::npos);
+  EXPECT_NE(events.find("text/event-stream"), std::string::npos) << events;
+  EXPECT_NE(events.find("data: new"), std::string::npos) << events;
+  EXPECT_NE(watched.err.find("http://127.0.0.1:" + std::to_string(port)), std::string::npos);
+}
+
+}  // namespace
+}  // namespace veridyn
