@@ -1,8 +1,30 @@
 # Compiles a target's files several at a time: the headers and templates that they share are compiled once, which
 # halves the time of a clean build. Files of one first folder go together, by a hash of their names and a power of two of
-# groups: a new file joins one group and leaves all others as they are; more groups only split those that were. Two files of
-# a group may not give the same name to different things: rename one (files named in ALONE stay single: those with flags of
-# their own). A file compiles by itself too: -DVERIDYN_UNITY=OFF.
+# groups: a new file joins one group and leaves all others as they are. Two files that give the same name to different things
+# in their anonymous namespaces do not go together: the second goes to the next group, or stays single. (Where that is not
+# seen here, name one of them in ALONE, as those with flags of their own.) A file compiles by itself too: -DVERIDYN_UNITY=OFF.
+
+# Names that stand in the first anonymous namespace of a file.
+function(veridyn_local_names source result)
+  file(READ ${source} text)
+  set(${result} "" PARENT_SCOPE)
+  string(FIND "${text}" "\nnamespace {\n" begin)
+  if(begin LESS 0)
+    return()
+  endif()
+  string(SUBSTRING "${text}" ${begin} -1 text)
+  string(FIND "${text}" "\n}  // namespace\n" end)
+  string(SUBSTRING "${text}" 0 ${end} text)
+  string(REGEX MATCHALL "\n[a-zA-Z][a-zA-Z0-9_:<>,&* ]* [&*]?[a-zA-Z0-9_]+( = |[[({]| {)" lines "${text}")
+  set(names "")
+  foreach(line IN LISTS lines)
+    string(REGEX MATCH "([a-zA-Z0-9_]+)( = |[[({]| {)$" name "${line}")
+    list(APPEND names ${CMAKE_MATCH_1})
+  endforeach()
+  list(REMOVE_DUPLICATES names)
+  set(${result} ${names} PARENT_SCOPE)
+endfunction()
+
 function(veridyn_unity_groups target)
   cmake_parse_arguments(GROUP "" "SIZE" "ALONE" ${ARGN})
   if(NOT VERIDYN_UNITY)
@@ -32,8 +54,19 @@ function(veridyn_unity_groups target)
     foreach(source IN LISTS in_${folder})
       string(MD5 hash "${source}")
       string(SUBSTRING "${hash}" 31 1 digit)
-      math(EXPR number "0x${digit} % ${groups}")
-      set_source_files_properties(${source} TARGET_DIRECTORY ${target} PROPERTIES UNITY_GROUP ${folder}_${number})
+      veridyn_local_names(${CMAKE_CURRENT_SOURCE_DIR}/${source} names)
+      foreach(try RANGE 1 ${groups})
+        math(EXPR number "(0x${digit} + ${try} - 1) % ${groups}")
+        set(both ${names})
+        list(REMOVE_ITEM both ${taken_${folder}_${number}} "")
+        list(LENGTH names all)
+        list(LENGTH both new)
+        if(new EQUAL all)
+          list(APPEND taken_${folder}_${number} ${names})
+          set_source_files_properties(${source} TARGET_DIRECTORY ${target} PROPERTIES UNITY_GROUP ${folder}_${number})
+          break()
+        endif()
+      endforeach()
     endforeach()
   endforeach()
   set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)

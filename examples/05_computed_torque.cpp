@@ -25,7 +25,7 @@ int main(int argc, char** argv) {
   SafetySupervisor safety(arm, safety_limits(arm, 40.0));
   for (const std::string& effect : state.left_out()) std::cout << "not compensated: " << effect << "\n";
 
-  VectorXd q(n), dq(n), tau(n), off(n);
+  VectorXd q(n), dq(n), tau(n), sent(n), off(n);
   robot.read(q);
   sensors.correct_positions(q);
   QuinticInterpolator way(q);  // begins where the arm stands
@@ -50,9 +50,10 @@ int main(int argc, char** argv) {
     tau += friction.update(state, wanted.dq, off, dt);
     error.set_limit(uncertainty.update(state, control.acceleration()));
     tau += error.update(state, control.acceleration(), dt);
-    tau = safety.update(state, input, tau);
-    sensors.show_torques(tau);  // as the drives count
-    if (!robot.write(tau)) return 1;
+    sent = safety.update(state, input, tau);
+    error.sent(tau, sent);       // what limits took away is no error of the MODEL
+    sensors.show_torques(sent);  // as the drives count
+    if (!robot.write(sent)) return 1;
     worst = std::max(worst, (robot.true_q() - wanted.q).cwiseAbs().maxCoeff());
   }
   std::cout << "largest error " << 1e3 * worst << " mrad or mm, safety: " << describe(safety.state()) << "\n";

@@ -76,6 +76,21 @@ class Compiled:
         )
         return out
 
+    def derivatives(self, n, *state):
+        by_q, by_dq = np.zeros((n, n)), np.zeros((n, n))
+        pointers = [x.ctypes.data_as(ctypes.c_void_p) for x in (*state, by_q, by_dq)]
+        getattr(self.library, f"{self.name}_derivatives")(*pointers)
+        return by_q, by_dq
+
+
+def slope(model, q, dq, ddq, step=1e-5):
+    """Derivatives of the torques by q, by central differences."""
+    up = q + step * np.eye(len(q))
+    down = q - step * np.eye(len(q))
+    rates = np.tile(dq, (len(q), 1)), np.tile(ddq, (len(q), 1))
+    ahead, behind = (veridyn.inverse_dynamics(model, at, *rates) for at in (up, down))
+    return ((ahead - behind) / (2 * step)).T
+
 
 def expect_same(model, compiled):
     q, dq, ddq = states(model.joints)
@@ -90,6 +105,17 @@ def expect_same(model, compiled):
         tau = compiled.call("inverse_dynamics", n, *state)
         np.testing.assert_allclose(tau, rigid[k], atol=1e-12 * size)
         np.testing.assert_allclose(compiled.call("regressor", (n, p), *state), Y[k], atol=1e-11)
+        M, C = veridyn.mass_matrix(model, q[k]), veridyn.coriolis_matrix(model, q[k], dq[k])
+        np.testing.assert_allclose(compiled.call("mass_matrix", (n, n), q[k]), M, atol=1e-12 * size)
+        rest = veridyn.inverse_dynamics(model, q[k : k + 1], 0 * q[k : k + 1], 0 * q[k : k + 1])[0]
+        np.testing.assert_allclose(compiled.call("gravity", n, q[k]), rest, atol=1e-12 * size)
+        back = compiled.call("forward_dynamics", n, q[k], dq[k], tau)
+        np.testing.assert_allclose(M @ back, M @ ddq[k], atol=1e-10 * size)
+        by_q, by_dq = compiled.derivatives(n, *state)
+        # Torques are quadratic in dq, and central differences exact there: 2 C.
+        np.testing.assert_allclose(by_dq, 2 * C, atol=1e-11 * size)
+        if k % 10 == 0:
+            np.testing.assert_allclose(by_q, slope(model, q[k], dq[k], ddq[k]), atol=1e-5 * size)
         friction = compiled.call("friction", n, *state, memory)
         np.testing.assert_allclose(friction, whole[k] - rigid[k], atol=1e-10 * size)
         np.testing.assert_allclose(
@@ -102,6 +128,31 @@ def expect_same(model, compiled):
 def test_c_computes_the_torques(robot, compiler, suffix, tmp_path):
     model = veridyn.read_model(robot).with_plausible_values(3)
     expect_same(model, Compiled(model, tmp_path, compiler, suffix))
+
+
+FLOATS = """
+#include <cstdio>
+#include "arm.h"
+int main() {
+  float q[%(n)d], dq[%(n)d], ddq[%(n)d], tau[%(n)d];
+  for (int i = 0; i < %(n)d; ++i) q[i] = 0.1F * (i + 1), dq[i] = 0.2F * (i + 1), ddq[i] = -0.3F;
+  %(name)s_inverse_dynamics(q, dq, ddq, tau);
+  for (float t : tau) std::printf("%%.9g\\n", t);
+}
+"""
+
+
+def test_templates_compute_in_floats(tmp_path):
+    model = veridyn.read_model("ur10e").with_plausible_values(3)
+    n, name = model.joints, re.sub(r"[^A-Za-z0-9]", "_", model.name)
+    (tmp_path / "arm.h").write_text(model.to_c_code())
+    (tmp_path / "main.cpp").write_text(FLOATS % {"n": n, "name": name})
+    flags = ["-std=c++11", "-Wall", "-Wextra", "-Wno-unused-variable", "-Werror"]
+    subprocess.run(["c++", *flags, "-o", tmp_path / "main", tmp_path / "main.cpp"], check=True)
+    said = subprocess.run([tmp_path / "main"], check=True, capture_output=True, text=True).stdout
+    i = np.arange(1.0, n + 1)[None, :]
+    tau = veridyn.inverse_dynamics(model, 0.1 * i, 0.2 * i, -0.3 + 0 * i)[0]
+    np.testing.assert_allclose(np.array(said.split(), float), tau, atol=1e-5 * np.abs(tau).max())
 
 
 def planar(tmp_path, effects):

@@ -100,9 +100,9 @@ void TipKinematics::update(const VectorXd& q, const VectorXd& dq) noexcept {
   const Link& link = links.link[link_];
   const Vec3d omega = recursion_.link[link_].omega;
   twist_.setZero();
-  for (int m = link.first_mover; m < link.end_mover; ++m) {
+  for (int m = link.first_support; m < link.end_support; ++m) {
     // d(R c)/dt = R (dc/dt + omega x c), omega and c in the link's frame.
-    const int i = links.mover[m].coordinate;
+    const int i = links.support[m].coordinate;
     const Column<double>& c = recursion_.jacobian[m];
     const Column<double>& rate = recursion_.jacobian_rate[m];
     write(J_, i, rotate(T.R, c.v), rotate(T.R, c.w));

@@ -107,10 +107,10 @@ void TorqueUncertainty::add_parameters() noexcept {
     for (next = k; next < column_.size() && column_[next] / 10 == body;) ++next;
     const int link = tree_.body_links[static_cast<size_t>(body)];
     const BodyMotion<double> motion = body_motion(recursion_.link[link]);
-    for (int m = links.link[link].first_mover; m < links.link[link].end_mover; ++m) {
+    for (int m = links.link[link].first_support; m < links.link[link].end_support; ++m) {
       regressor_entries(motion, recursion_.jacobian[m],
                         [&](int c, double value) { y[static_cast<size_t>(c)] = value; });
-      const int i = links.mover[m].coordinate;
+      const int i = links.support[m].coordinate;
       for (size_t at = k; at < next; ++at) {
         const auto row = static_cast<Eigen::Index>(at);
         const double entry = y[static_cast<size_t>(column_[at] % 10)];

@@ -55,6 +55,8 @@ class ArmLoop {
   /// rests, and keeps the place where it then is. Call it every cycle before torque().
   /// @param force  as torque() takes it.
   void hold_within(double bound, const Eigen::Vector3d& force) noexcept;
+  /// An arm that gives way moves: it is not expected to stand.
+  bool yields() const { return yielding_; }
   /// What the observer of model errors adds, (n) [N m], [N].
   const VectorXd& extra_torque() const { return model_error_.torque(); }
 

@@ -44,6 +44,7 @@ void run_stages(Investigation& x, const Tell& tell) {
   check_quality(x);
   tell("fitting the model as it is");
   if (!fit_baseline(x)) return;
+  exclude_rests(x);
   check_torque_signs(x);
   check_errors_in_variables(x);
   exclude_snags(x.start, x);
@@ -61,6 +62,12 @@ void run_stages(Investigation& x, const Tell& tell) {
   account_for_errors(x);
   summarize(x.d, x.options.thresholds);
   if (!x.d.friction_remark.empty()) x.d.friction = plain_friction_of(*x.d.extended.model);
+  const bool any_left_out =
+      !x.refused.empty() || std::any_of(x.d.findings.begin(), x.d.findings.end(), [](const Finding& f) {
+        return f.status == FindingStatus::kNotConfirmed;
+      });
+  x.d.summary.held_out_untouched =
+      x.options.extended == ExtendedModel::kAllFindings || !any_left_out;
 }
 
 }  // namespace
@@ -75,7 +82,6 @@ Diagnosis diagnose(const Model& arm, const Recordings& train, const Recordings& 
   for (std::string& one : x.options.effects) one = asked_cause(arm, one);
   x.d.changes = are_facts(x.arm);
   x.d.provisional = named.train.size() == 1;
-  x.d.summary.held_out_untouched = options.extended == ExtendedModel::kAllFindings;
   Thresholds& limits = x.options.thresholds;
   if (x.d.changes) limits.smallest_gain = std::max(limits.smallest_gain, limits.smallest_change);
   // Of the many identifications none tells how far it is: the stages do. A bar goes half of what is

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "diagnosis/numerics.hpp"
+#include "math/correlated_columns.hpp"
 #include "veridyn/diagnosis/diagnosis.hpp"
 
 namespace veridyn {
@@ -44,6 +45,7 @@ std::string share_words(double share) {
 }
 
 std::string status_words(const Finding& f) {
+  if (!f.why_not.empty()) return "NOT CONFIRMED: " + f.why_not;
   if (f.status == FindingStatus::kConfirmed && f.explains < 0.0)
     return "confirmed on its own joint and in the mean over all joints";
   if (f.status == FindingStatus::kConfirmed)
@@ -215,6 +217,11 @@ std::string Diagnosis::report(const std::string& next_command) const {
   }
   if (!friction_remark.empty()) out += friction_remark + " Found: table below.\n";
   if (provisional) out += "one recording to learn from: names are provisional\n";
+  for (const std::vector<int>& group : moving_as_one) {
+    out += "joints " + numbers_from_one(group) +
+           " move as one in all training recordings: what depends on one of them cannot be told from "
+           "the others\n";
+  }
   out += findings.empty() ? "\nverdict: " + verdict() + "\n"
          : changes        ? "\nwhat changed since the model was made:\n"
                           : "\nwhat the model lacks:\n";
@@ -263,6 +270,10 @@ std::string Diagnosis::report(const std::string& next_command) const {
     out += fmt::format("next experiment, to separate {} from {}",
                        next_experiment.words(*baseline.model, 0),
                        next_experiment.words(*baseline.model, 1));
+    out += next_command.empty() ? "\n" : ":\n  " + next_command + "\n";
+  }
+  if (!next_experiment.shows.empty()) {
+    out += "next experiment, to show " + next_experiment.shows;
     out += next_command.empty() ? "\n" : ":\n  " + next_command + "\n";
   }
   for (const CannotTell& c : cannot_tell) {

@@ -92,6 +92,23 @@ std::vector<Rival> rivals_of(const Inquiry& asked, const NormalBlocks& data, con
   return out;
 }
 
+namespace {
+
+// The words of a single effect, from its values in the model.
+void renew_phrase(const Model& arm, const std::vector<std::string>& names, Finding& f) {
+  for (const EffectTerm& term : arm.effects()) {
+    if (!has_axis_effect(term.effect)) continue;
+    const BoundEffect effect(arm, term);
+    const auto count = static_cast<size_t>(effect.parameter_count());
+    if (count != names.size() || effect.parameter_name(0) != names.front()) continue;
+    std::vector<double> values;
+    for (size_t p = 0; p < count; ++p) values.push_back(f.parameters[p].value);
+    f.phrase = effect.phrase(values);
+  }
+}
+
+}  // namespace
+
 void refresh(const Identification& id, const std::vector<std::string>& names, Finding& f) {
   if (!id.model || id.parameters.size() == 0) return;
   const std::vector<std::string> all = parameter_names(standard_parameters(*id.model));
@@ -109,6 +126,7 @@ void refresh(const Identification& id, const std::vector<std::string>& names, Fi
     parameter.low = parameter.value - half;
     parameter.high = parameter.value + half;
   }
+  renew_phrase(*id.model, names, f);
 }
 
 FindingStatus status_of(const Finding& f) {

@@ -37,7 +37,20 @@ NextExperiment next_experiment(const Diagnosis& d) {
       return out;
     }
   }
-  return {};
+  NextExperiment out;
+  for (const Finding& f : d.findings) {
+    if (!f.shape) continue;
+    std::string signals;
+    bool slow = false;
+    for (const std::string& s : f.shape->signals) {
+      signals += (signals.empty() ? "" : " and ") + s;
+      slow = slow || s.front() == 'q' || s.front() == 'h';  // positions and ways since a reversal
+    }
+    out.shows = "what joint " + std::to_string(f.joint->value + 1) + " depends on over " + signals;
+    if (slow) out.slow_passes = kSlowPasses;
+    break;
+  }
+  return out;
 }
 
 }  // namespace veridyn

@@ -50,6 +50,7 @@ constexpr double kSameAxis = 1e-9;    ///< by which directions may differ
 constexpr double kReversalShare = 0.02;  ///< of the largest speed: slower is no new direction
 constexpr double kHistoryUnit = 0.005;   ///< of the travel: ways after a reversal that are told apart
 constexpr double kRowsPerCutoff = 5.0;   ///< rows per period of the cut-off frequency
+constexpr double kSparseEnds = 0.01;     ///< of the rows at either end of a signal: too few for a curve
 constexpr double kShapeFlat = 0.15;      ///< of a curve's range: it keeps its value
 constexpr double kShapeMost = 0.8;       ///< of a curve's mean square: it is odd, or even
 

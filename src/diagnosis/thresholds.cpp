@@ -86,6 +86,14 @@ const std::vector<ThresholdEntry>& threshold_table() {
        "share of the residual's mean square that smooth terms predict, on held-out folds and on the "
        "held-out recordings > unnamed_share: a finding without a name",
        "a tenth of the residual's size: less is what filters and small wrong shapes leave", ""},
+      {"unnamed_term", &T::unnamed_term,
+       "share of the residual's mean square that one more term predicts on the held-out recordings >= "
+       "unnamed_term: a finding of its own",
+       "a fortieth of the residual's size is left in the regression and not spoken of", ""},
+      {"small_beside_unnamed", &T::small_beside_unnamed,
+       "mean square that a name takes on its joint < small_beside_unnamed * what smooth terms take there: "
+       "not confirmed",
+       "a force of another shape that is ten times as large bends whatever is fitted beside it", ""},
       {"unnamed_other_joint", &T::unnamed_other_joint,
        "gain of another joint's signal * unnamed_other_joint > gain of the joint's own: it is taken",
        "signals of one motion go together, and a joint's own are the likelier cause", ""},
@@ -101,6 +109,12 @@ const std::vector<ThresholdEntry>& threshold_table() {
       {"moving_share", &T::moving_share,
        "speed >= moving_share * the largest speed: the joint moves at this moment",
        "slower, its friction says nothing; the contract's share for errors of moving rows", ""},
+      {"shortest_rest", &T::shortest_rest,
+       "seconds at an end of a recording in which no joint moves > shortest_rest: left out",
+       "friction at rest is any force: rests at the ends of 25 s came back as contacts and as warming up", ""},
+      {"move_as_one", &T::move_as_one,
+       "correlation of two positions > move_as_one: they are said to move as one",
+       "above it a function of one position is one of the other within the accuracy of recordings", ""},
       {"constant_gain", &T::constant_gain,
        "gain of a wrong constant >= constant_gain * smallest_gain",
        "some hundred constants are looked at before one is proposed", kNotRecorded},

@@ -4,9 +4,8 @@
 #include <new>
 #include <vector>
 
+#include "arm_kernels.hpp"
 #include "math/aligned_doubles.hpp"
-#include "math/processor.hpp"
-#include "motion_gradient_kernels.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn {
@@ -14,14 +13,6 @@ namespace {
 
 // An odd number of cache lines: columns of a block do not push each other out of the cache.
 constexpr int kBlockRows = 72;
-
-BatchKernels widest_kernels() {
-  const InstructionSet isa = widest_instruction_set();
-  // Even to ask for kernels runs code of their instruction set.
-  if (isa >= InstructionSet::kAvx512 && batch_kernels_avx512().regressor != nullptr) return batch_kernels_avx512();
-  if (isa >= InstructionSet::kAvx2 && batch_kernels_avx2().regressor != nullptr) return batch_kernels_avx2();
-  return batch_kernels_baseline();
-}
 
 // Bytes aligned for the widest vectors.
 class AlignedMemory {
@@ -52,22 +43,18 @@ BatchInput input(const char* where, int joints, const MatrixRef& q, const Matrix
 
 }  // namespace
 
-const BatchKernels& widest_batch_kernels() {
-  static const BatchKernels chosen = widest_kernels();
-  return chosen;
-}
-
 RegressorBatch::RegressorBatch(const Model& arm)
-    : tree_(arm),
+    : tree_(arm, Tree::Keep::kMovingLinks),
       columns_(static_cast<size_t>(arm.joints())),
-      column_of_mover_(tree_.movers.size(), -1) {
-  for (size_t b = 0; b < tree_.body_links.size(); ++b) {
-    const Link& link = tree_.links[tree_.body_links[b]];
-    for (int m = link.first_mover; m < link.end_mover; ++m) {
-      std::vector<int>& columns = columns_[tree_.movers[m].coordinate];
-      column_of_mover_[m] = static_cast<int>(columns.size());
+      first_column_(tree_.bodies.size() * static_cast<size_t>(arm.joints()), -1) {
+  for (size_t b = 0; b < tree_.bodies.size(); ++b) {
+    if (tree_.bodies[b].link < 0) continue;
+    const Link& link = tree_.links[static_cast<size_t>(tree_.bodies[b].link)];
+    for (int m = link.first_support; m < link.end_support; ++m) {
+      const auto i = static_cast<size_t>(tree_.supports[static_cast<size_t>(m)].coordinate);
+      first_column_[b * columns_.size() + i] = static_cast<int>(columns_[i].size());
       for (int c = 0; c < kBodyParameters; ++c)
-        columns.push_back(static_cast<int>(kBodyParameters * b) + c);
+        columns_[i].push_back(static_cast<int>(kBodyParameters * b) + c);
     }
   }
 }
@@ -86,12 +73,12 @@ void RegressorBatch::evaluate(const MatrixRef& q, const MatrixRef& dq, const Mat
   for (int i = first; i < end; ++i)
     Y[i].resize(in.rows, static_cast<Eigen::Index>(columns(i).size()));
   const Links tree = tree_;
-  const AlignedMemory workspace(widest_batch_kernels().workspace(tree));
+  const AlignedMemory workspace(arm_kernels().batch_workspace(tree));
   std::vector<double*> data(static_cast<size_t>(joints()), nullptr);
-  const RegressorOutput out{data.data(), column_of_mover_.data()};
+  const ColumnsByJoint<double> out{data.data(), first_column_.data()};
   if (in.rows <= 2 * kBlockRows) {
     for (int i = first; i < end; ++i) data[static_cast<size_t>(i)] = Y[i].data();
-    widest_batch_kernels().regressor(tree, in, out, workspace.get());
+    arm_kernels().batch_regressor(tree, in, out, workspace.get());
     return;
   }
   // Columns of many rows lie far apart: blocks are built side by side in the cache, and every
@@ -110,7 +97,7 @@ void RegressorBatch::evaluate(const MatrixRef& q, const MatrixRef& dq, const Mat
     const auto part = [row](const SampleColumns& of) {
       return SampleColumns{of.data + row, of.stride};
     };
-    widest_batch_kernels().regressor(tree, {rows, part(in.q), part(in.dq), part(in.ddq)}, out,
+    arm_kernels().batch_regressor(tree, {rows, part(in.q), part(in.dq), part(in.ddq)}, out,
                                      workspace.get());
     for (int i = first; i < end; ++i) {
       const double* from = data[static_cast<size_t>(i)];
@@ -123,11 +110,11 @@ void RegressorBatch::evaluate(const MatrixRef& q, const MatrixRef& dq, const Mat
 void RegressorBatch::torques(const MatrixRef& q, const MatrixRef& dq, const MatrixRef& ddq,
                              const VectorRef& phi, MatrixXd& tau) const {
   const BatchInput in = input("RegressorBatch", joints(), q, dq, ddq);
-  require_inertias(phi);
   tau.resize(in.rows, joints());
   const Links tree = tree_;
-  const AlignedMemory workspace(widest_batch_kernels().workspace(tree));
-  widest_batch_kernels().torques(tree, in, phi.data(), tau.data(), workspace.get());
+  const AlignedMemory workspace(arm_kernels().batch_workspace(tree));
+  const std::vector<LinkInertia> inertia = inertias(phi);
+  arm_kernels().batch_torques({tree, inertia.data()}, in, tau.data(), workspace.get());
 }
 
 void RegressorBatch::gradient(const MatrixRef& q, const MatrixRef& dq, const MatrixRef& ddq,
@@ -146,26 +133,29 @@ void RegressorBatch::gradient(const MatrixRef& q, const MatrixRef& dq, const Mat
   }
   slopes.resize(in.rows, Eigen::Index{3} * joints());
   const Links tree = tree_;
-  const AlignedMemory workspace(widest_batch_kernels().gradient_workspace(tree));
-  widest_batch_kernels().gradient(tree, in, {data.data(), column_of_mover_.data()}, slopes.data(),
-                                  workspace.get());
+  const AlignedMemory workspace(arm_kernels().batch_workspace(tree));
+  arm_kernels().batch_gradient(tree, in, {data.data(), first_column_.data()}, slopes.data(),
+                               workspace.get());
 }
 
-void RegressorBatch::torque_slopes(const MatrixRef& q, const MatrixRef& dq, const MatrixRef& ddq,
+void RegressorBatch::torque_derivatives(const MatrixRef& q, const MatrixRef& dq, const MatrixRef& ddq,
                                    const VectorRef& phi, MatrixXd& slopes) const {
   const BatchInput in = input("RegressorBatch", joints(), q, dq, ddq);
-  require_inertias(phi);
   slopes.resize(in.rows, Eigen::Index{3} * joints() * joints());
   const Links tree = tree_;
-  const AlignedMemory workspace(widest_batch_kernels().gradient_workspace(tree));
-  widest_batch_kernels().torque_slopes(tree, in, phi.data(), slopes.data(), workspace.get());
+  const AlignedMemory workspace(arm_kernels().batch_workspace(tree));
+  const std::vector<LinkInertia> inertia = inertias(phi);
+  arm_kernels().batch_derivatives({tree, inertia.data()}, in, slopes.data(), workspace.get());
 }
 
-void RegressorBatch::require_inertias(const VectorRef& phi) const {
-  const auto expected = static_cast<Eigen::Index>(kBodyParameters * tree_.body_links.size());
+std::vector<LinkInertia> RegressorBatch::inertias(const VectorRef& phi) const {
+  const auto expected = static_cast<Eigen::Index>(kBodyParameters * tree_.bodies.size());
   require(phi.size() == expected, "RegressorBatch: phi has ", phi.size(),
-          " entries, but the arm has ", tree_.body_links.size(), " bodies with ", kBodyParameters,
+          " entries, but the arm has ", tree_.bodies.size(), " bodies with ", kBodyParameters,
           " each.");
+  std::vector<LinkInertia> out(tree_.links.size());
+  link_inertias(tree_, phi.data(), out.data());
+  return out;
 }
 
 }  // namespace veridyn

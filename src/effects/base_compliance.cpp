@@ -1,9 +1,8 @@
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
+#include "math/digits.hpp"
 #include "math/zero_phase_filter.hpp"
 #include "registry.hpp"
 
@@ -140,8 +139,8 @@ class BaseCompliance final : public ArmEffect {
   }
   std::string phrase(const std::vector<double>& values, const ShapeValues& /*shape*/,
                      JointType /*type*/) const override {
-    return fmt::format("a base that gives way by {:.3g} mrad per N m about x and {:.3g} about y",
-                       1e3 * values[0], 1e3 * values[1]);
+    return "a base that gives way by " + digits(1e3 * values[0], 3) + " mrad per N m about x and " +
+           digits(1e3 * values[1], 3) + " about y";
   }
 
  private:

@@ -31,5 +31,6 @@ const Effect& gravity_tilt();
 const Effect& encoder_offset();
 const Effect& warm_up();
 const Effect& base_compliance();
+const Effect& tabulated_force();
 
 }  // namespace veridyn

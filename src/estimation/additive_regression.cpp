@@ -12,6 +12,7 @@ namespace veridyn {
 namespace {
 
 constexpr std::array<double, 4> kSmoothings = {1e-3, 1e-1, 1e1, 1e3};  // of columns and penalty of one size
+constexpr double kAsSmooth = 0.03;  // of the gain that a smoother function may lose
 constexpr double kRidge = 1e-7;  // of the columns' mean square: splines and the constant share one
 constexpr double kLeast = 1e-300;
 
@@ -40,6 +41,13 @@ class Regression {
     while (static_cast<int>(model_.chosen.size()) < options_.most_terms && add_one()) {
     }
     drop_superfluous();
+    finish();
+    return std::move(model_);
+  }
+
+  AdditiveModel fit(std::vector<ChosenTerm> chosen) {
+    model_.chosen = std::move(chosen);
+    reset();
     finish();
     return std::move(model_);
   }
@@ -144,23 +152,23 @@ class Regression {
       s.y2 = sums_[f].y2;
       s.rows = sums_[f].rows;
     }
-    Try best;
-    best.term = term;
+    std::vector<Try> tries;
     const MatrixXd own_penalty = scaled_penalty(static_cast<size_t>(term));
     for (const double smoothing : kSmoothings) {
       MatrixXd P = MatrixXd::Zero(m + k, m + k);
       P.topLeftCorner(m, m) = P_;
       P.bottomRightCorner(k, k) = smoothing * own_penalty;
       const std::vector<double> falls = falls_to(held_out(sums, P));
-      const double gain = mean(falls);
-      if (best.falls.empty() || gain > best.gain) {
-        best.smoothing = smoothing;
-        best.gain = gain;
-        best.falls = falls;
-      }
+      tries.push_back({term, smoothing, mean(falls), falls});
       if (own_penalty.isZero(0.0)) break;
     }
-    return best;
+    // The smoothest of those that are about as good.
+    double most = tries.front().gain;
+    for (const Try& t : tries) most = std::max(most, t.gain);
+    const auto smoothest = std::find_if(tries.rbegin(), tries.rend(), [most](const Try& t) {
+      return t.gain >= most - kAsSmooth * std::abs(most);
+    });
+    return *smoothest;
   }
 
   bool passes(const Try& t) const {
@@ -292,6 +300,12 @@ AdditiveModel additive_regression(const FoldedRows& rows, const std::vector<Smoo
                                   const std::vector<MatrixXd>& columns,
                                   const AdditiveOptions& options) {
   return Regression(rows, terms, columns, options).run();
+}
+
+AdditiveModel additive_fit(const FoldedRows& rows, const std::vector<SmoothTerm>& terms,
+                           const std::vector<MatrixXd>& columns, std::vector<ChosenTerm> chosen) {
+  const AdditiveOptions none;
+  return Regression(rows, terms, columns, none).fit(std::move(chosen));
 }
 
 VectorXd predicted(const AdditiveModel& model, const std::vector<SmoothTerm>& terms,

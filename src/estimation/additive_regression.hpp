@@ -64,6 +64,10 @@ AdditiveModel additive_regression(const FoldedRows& rows, const std::vector<Smoo
                                   const std::vector<MatrixXd>& columns,
                                   const AdditiveOptions& options);
 
+/// The model of these terms, chosen before.
+AdditiveModel additive_fit(const FoldedRows& rows, const std::vector<SmoothTerm>& terms,
+                           const std::vector<MatrixXd>& columns, std::vector<ChosenTerm> chosen);
+
 /// The model's value at other rows.
 VectorXd predicted(const AdditiveModel& model, const std::vector<SmoothTerm>& terms,
                    const MatrixXd& signals);

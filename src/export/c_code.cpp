@@ -7,9 +7,8 @@
 #include <vector>
 
 #include "traced.hpp"
-#include "veridyn/dynamics/recursion.hpp"
+#include "veridyn/dynamics/arm_dynamics.hpp"
 #include "effects/written_in_c.hpp"
-#include "veridyn/kinematics/tree.hpp"
 #include "math/output_file.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/joint_sensors.hpp"
@@ -52,7 +51,7 @@ std::string linear_form(const Axis& axis, const char* variable, double offset) {
 
 class CWriter {
  public:
-  explicit CWriter(const Model& arm) : arm_(arm), tree_(arm), name_(identifier(arm.name())) {
+  explicit CWriter(const Model& arm) : arm_(arm), tree_(arm, Tree::Keep::kMovingLinks), name_(identifier(arm.name())) {
     const auto phi = arm.inertial_values();
     require(phi.has_value(), "export: arm '", arm.name(),
             "' has bodies without values, expected a MODEL that identify or diagnose wrote.");
@@ -71,8 +70,7 @@ class CWriter {
   }
 
   std::string code() {
-    inverse_dynamics();
-    regressor();
+    rigid_bodies();
     friction();
     torque();
     const std::string functions = std::exchange(out_, {});
@@ -80,6 +78,7 @@ class CWriter {
     constants();
     helpers(functions);
     out_ += functions;
+    for_doubles();
     line("#endif");
     return std::move(out_);
   }
@@ -87,16 +86,12 @@ class CWriter {
  private:
   void line(const std::string& content) { out_ += content + "\n"; }
 
-  std::string signature(const std::string& function, const std::string& rest) const {
-    return fmt::format("{0}_API void {0}_{1}(const double q[], const double dq[], "
-                       "const double ddq[], {2})",
-                       name_, function, rest);
-  }
-
   void head() {
     line(fmt::format("/* Torques of {}, written by veridyn {}.", plain(arm_.name()),
                      VERIDYN_VERSION));
     line(" * C99 and C++, without dependencies. SI units: rad, m, kg, N m, N, s.");
+    line(fmt::format(" * In C numbers are doubles, or what {}_real was defined as before; in C++", name_));
+    line(" * the functions are templates over double and float. Matrices are by rows.");
     for (const std::string& one : left_out_) line(" * Left out: " + plain(one) + ".");
     line(fmt::format(R"( *
  * memory: {0}_memory numbers of the caller's, one array for each running loop, in which effects with
@@ -115,6 +110,10 @@ class CWriter {
     line(fmt::format("#ifndef {}_API", name_));
     line(fmt::format("#ifdef __cplusplus\n#define {0}_API extern \"C\"\n#else\n#define {0}_API\n"
                      "#endif\n#endif\n",
+                     name_));
+    line(fmt::format("#ifdef __cplusplus\n#define {0}_FUNCTION template <typename {0}_real> inline\n"
+                     "#else\n#ifndef {0}_real\n#define {0}_real double\n#endif\n"
+                     "#define {0}_FUNCTION {0}_API\n#endif\n",
                      name_));
   }
 
@@ -139,10 +138,6 @@ class CWriter {
         line(fmt::format("  \"{}_{}\",", symbol, plain(arm_.frames()[static_cast<std::size_t>(k)].name)));
     }
     line("};\n");
-    line(signature("inverse_dynamics", "double tau[]") + ";");
-    line(signature("regressor", "double Y[]") + ";");
-    line(signature("friction", "double memory[], double tau[]") + ";");
-    line(signature("torque", "double memory[], double tau[]") + ";\n");
   }
 
   // What expressions of effects call, see Effect::c_columns(); those that are called.
@@ -191,69 +186,116 @@ static double {0}_contact(double s, double distance, double* z) {{
     }
   }
 
-  struct Inputs {
-    std::vector<Traced> q, dq, ddq;
-  };
+  using Values = std::vector<std::pair<std::string, Traced>>;
+  using Vector = ArmDynamics<Traced>::Vector;
+  using Matrix = ArmDynamics<Traced>::Matrix;
 
-  Inputs inputs(TracedProgram& program) const {
-    Inputs in;
-    for (int i = 0; i < arm_.joints(); ++i) {
-      in.q.push_back(program.input(fmt::format("q[{}]", i)));
-      in.dq.push_back(program.input(fmt::format("dq[{}]", i)));
-      in.ddq.push_back(program.input(fmt::format("ddq[{}]", i)));
+  static Vector input(TracedProgram& program, const char* name, int n) {
+    Vector out(n);
+    for (int i = 0; i < n; ++i) out[i] = program.input(fmt::format("{}[{}]", name, i));
+    return out;
+  }
+
+  static void add(const char* name, const Vector& from, Values& to) {
+    for (Eigen::Index i = 0; i < from.size(); ++i)
+      to.emplace_back(fmt::format("{}[{}]", name, i), from[i]);
+  }
+
+  static void add(const char* name, const Matrix& from, Values& to) {
+    for (Eigen::Index i = 0; i < from.rows(); ++i) {
+      for (Eigen::Index j = 0; j < from.cols(); ++j)
+        to.emplace_back(fmt::format("{}[{}]", name, i * from.cols() + j), from(i, j));
     }
-    return in;
   }
 
-  void inverse_dynamics() {
+  // One algorithm of ArmDynamics, as it goes for this arm.
+  template <typename Run>
+  void traced(const std::string& what, const std::string& function,
+              const std::vector<const char*>& in, const std::vector<const char*>& out,
+              const Run& run) {
     TracedProgram program;
-    const Inputs in = inputs(program);
-    Recursion<Traced> r(tree_);
-    forward_pass<Traced>(tree_, in.q.data(), in.dq.data(), in.ddq.data(), tree_.gravity, r);
-    std::vector<Traced> tau(in.q.size());
-    const std::vector<Traced> phi(phi_.data(), phi_.data() + phi_.size());
-    backward_pass(tree_, phi.data(), r, tau.data());
-    std::vector<std::pair<std::string, Traced>> results;
-    for (std::size_t i = 0; i < tau.size(); ++i)
-      results.emplace_back(fmt::format("tau[{}]", i), tau[i]);
-    function("tau = M(q) ddq + C(q, dq) dq + g(q): the rigid bodies.",
-             signature("inverse_dynamics", "double tau[]"), program.statements(results));
+    const int n = arm_.joints();
+    ArmDynamics<Traced> dynamics(tree_, phi_.data());
+    std::vector<Vector> given;
+    for (const char* name : in) given.push_back(input(program, name, n));
+    Values results;
+    run(dynamics, given, results);
+    this->function(what, function, in, out, program.statements(results));
   }
 
-  void regressor() {
-    TracedProgram program;
-    const Inputs in = inputs(program);
-    Recursion<Traced> r(tree_);
-    forward_pass<Traced>(tree_, in.q.data(), in.dq.data(), in.ddq.data(), tree_.gravity, r);
-    jacobian_pass<Traced>(tree_, r);
-    const std::size_t p = kBodyParameters * arm_.bodies().size();
-    std::vector<std::pair<std::string, Traced>> results;
-    for (std::size_t b = 0; b < tree_.body_links.size(); ++b) {
-      const int k = tree_.body_links[b];
-      const BodyMotion<Traced> motion = body_motion(r.link[k]);
-      for (int m = tree_.links[static_cast<std::size_t>(k)].first_mover;
-           m < tree_.links[static_cast<std::size_t>(k)].end_mover; ++m) {
-        const auto i = static_cast<std::size_t>(tree_.movers[static_cast<std::size_t>(m)].coordinate);
-        regressor_entries(motion, r.jacobian[m], [&](int c, const Traced& y) {
-          results.emplace_back(
-              fmt::format("Y[{}]", i * p + kBodyParameters * b + static_cast<std::size_t>(c)), y);
-        });
+  void rigid_bodies() {
+    const int n = arm_.joints();
+    const auto p = static_cast<Eigen::Index>(kBodyParameters * arm_.bodies().size());
+    traced("tau = M(q) ddq + C(q, dq) dq + g(q): the rigid bodies.", "inverse_dynamics",
+           {"q", "dq", "ddq"}, {"tau"}, [&](auto& arm, const auto& x, Values& to) {
+             Vector tau(n);
+             arm.inverse_dynamics(x[0], x[1], x[2], tau);
+             add("tau", tau, to);
+           });
+    traced("g(q).", "gravity", {"q"}, {"tau"}, [&](auto& arm, const auto& x, Values& to) {
+      Vector tau(n);
+      arm.gravity_torques(x[0], tau);
+      add("tau", tau, to);
+    });
+    traced("M(q).", "mass_matrix", {"q"}, {"M"}, [&](auto& arm, const auto& x, Values& to) {
+      Matrix M(n, n);
+      arm.mass_matrix(x[0], M);
+      add("M", M, to);
+    });
+    traced("ddq = M^-1 (tau - C dq - g).", "forward_dynamics", {"q", "dq", "tau"}, {"ddq"},
+           [&](auto& arm, const auto& x, Values& to) {
+             Vector ddq(n);
+             arm.forward_dynamics(x[0], x[1], x[2], ddq);
+             add("ddq", ddq, to);
+           });
+    traced("Derivatives of inverse_dynamics by q and dq; that by ddq is M.", "derivatives",
+           {"q", "dq", "ddq"}, {"by_q", "by_dq"}, [&](auto& arm, const auto& x, Values& to) {
+             Vector tau(n);
+             Matrix by_q(n, n), by_dq(n, n), M(n, n);
+             arm.inverse_dynamics_derivatives(x[0], x[1], x[2], tau, by_q, by_dq, M);
+             add("by_q", by_q, to);
+             add("by_dq", by_dq, to);
+           });
+    traced(fmt::format("tau = Y * {}_phi.", name_), "regressor", {"q", "dq", "ddq"}, {"Y"},
+           [&](auto& arm, const auto& x, Values& to) {
+             Matrix Y(n, p);
+             arm.regressor(x[0], x[1], x[2], Y);
+             add("Y", Y, to);
+           });
+  }
+
+  // `in` and `out` are arrays; of the effects' memory see torque().
+  void function(const std::string& what, const std::string& name,
+                const std::vector<const char*>& in, const std::vector<const char*>& out,
+                const std::string& body) {
+    const auto arguments = [&](const std::string& type) {
+      std::string list;
+      for (const char* one : in) list += fmt::format("const {} {}[], ", type, one);
+      for (const char* one : out) {
+        const bool memory = std::string(one) == "memory";
+        list += fmt::format("{} {}[], ", memory ? "double" : type, one);
       }
-    }
-    const std::string body =
-        fmt::format("  int k;\n  for (k = 0; k < {0}_joints * {0}_parameters; ++k) Y[k] = 0.0;\n",
-                    name_) +
-        program.statements(results);
-    function(fmt::format("tau = Y * {}_phi, Y by rows.", name_),
-             signature("regressor", "double Y[]"), body);
-  }
-
-  void function(const std::string& what, const std::string& head, const std::string& body) {
+      return list.substr(0, list.size() - 2);
+    };
     line("/* " + what + " */");
-    line(head + " {");
-    for (const char* given : {"q", "dq", "ddq"}) line(fmt::format("  (void){};", given));
+    line(fmt::format("{0}_FUNCTION void {0}_{1}({2}) {{", name_, name, arguments(name_ + "_real")));
+    line(fmt::format("  typedef {}_real R;", name_));
+    line("  (void)sizeof(R);");
+    for (const char* one : in) line(fmt::format("  (void){};", one));
     out_ += body;
     line("}\n");
+    std::string passed;
+    for (const auto* list : {&in, &out}) {
+      for (const char* one : *list) passed += (passed.empty() ? "" : ", ") + std::string(one);
+    }
+    for_doubles_ += fmt::format("{0}_API void {0}_{1}({2}) {{ {0}_{1}<double>({3}); }}\n", name_,
+                                name, arguments("double"), passed);
+  }
+
+  void for_doubles() {
+    line("#ifdef __cplusplus\n/* For C and for whoever loads the compiled file. */");
+    out_ += for_doubles_;
+    line("#endif\n");
   }
 
   // One effect: its columns at this state, times its values, along its axis.
@@ -304,19 +346,18 @@ static double {0}_contact(double s, double distance, double* z) {{
     for (const BoundEffect& one : effects_) loaded = loaded || one.traits().uses_load;
     std::string body = "  int i;\n";
     if (loaded) {
-      body += fmt::format("  double rigid[{0}_joints];\n  {0}_inverse_dynamics(q, dq, ddq, rigid);\n",
+      body += fmt::format("  R rigid[{0}_joints];\n  {0}_inverse_dynamics(q, dq, ddq, rigid);\n",
                           name_);
     }
     body += fmt::format("  (void)memory;\n  for (i = 0; i < {}_joints; ++i) tau[i] = 0.0;\n", name_);
     for (std::size_t k = 0; k < effects_.size(); ++k) body += effect(k);
-    function("Friction and every other effect of the model.",
-             signature("friction", "double memory[], double tau[]"), body);
+    function("Friction and every other effect of the model.", "friction", {"q", "dq", "ddq"},
+             {"memory", "tau"}, body);
   }
 
   void torque() {
-    function("The whole torque of the motors.",
-             signature("torque", "double memory[], double tau[]"),
-             fmt::format("  int i;\n  double rigid[{0}_joints];\n"
+    function("The whole torque of the motors.", "torque", {"q", "dq", "ddq"}, {"memory", "tau"},
+             fmt::format("  int i;\n  R rigid[{0}_joints];\n"
                          "  {0}_inverse_dynamics(q, dq, ddq, rigid);\n"
                          "  {0}_friction(q, dq, ddq, memory, tau);\n"
                          "  for (i = 0; i < {0}_joints; ++i) tau[i] += rigid[i];\n",
@@ -329,7 +370,7 @@ static double {0}_contact(double s, double distance, double* z) {{
   VectorXd phi_;
   std::vector<BoundEffect> effects_;
   std::vector<std::string> left_out_;
-  std::string out_;
+  std::string out_, for_doubles_;
 };
 
 }  // namespace

@@ -85,8 +85,8 @@ class MjcfWriter {
   // i if the link's joint variable is coordinate i plus a constant, else -1.
   int plain_coordinate(int k) const {
     const Link& l = link(k);
-    if (l.motion == Motion::kNone || l.end_share != l.first_share + 1) return -1;
-    const Share& share = tree_.shares[at(l.first_share)];
+    if (l.type == JointType::kFixed || l.end_coefficient != l.first_coefficient + 1) return -1;
+    const JointCoefficient& share = tree_.coefficients[at(l.first_coefficient)];
     return share.coefficient == 1.0 ? share.coordinate : -1;
   }
 
@@ -110,22 +110,22 @@ class MjcfWriter {
     for (int k = 0; k < static_cast<int>(tree_.links.size()); ++k) {
       const Link& l = link(k);
       if (l.parent != parent) continue;
-      if (l.motion == Motion::kNone && l.body < 0) {
+      if (l.type == JointType::kFixed && l.body < 0) {
         site(above, k, before * l.A);
         children(above, k, before * l.A);
         continue;
       }
-      const bool turns = l.motion == Motion::kTurns;
+      const bool turns = l.type == JointType::kRevolute;
       Posed at_zero = identity_pose();
       if (turns) at_zero.R = rotation_z(l.offset);
-      if (l.motion == Motion::kSlides) at_zero.p.z = l.offset;
+      if (l.type == JointType::kPrismatic) at_zero.p.z = l.offset;
       const Posed T = before * l.A * at_zero;
       pugi::xml_node body = above.append_child("body");
       set(body, "name", frame_name(k));
       set_pose(body, T);
       if (remarks_.count(frame_name(k)) > 0) add_comment(body, remarks_.at(frame_name(k)));
       inertial(body, k);
-      if (l.motion != Motion::kNone) {
+      if (l.type != JointType::kFixed) {
         joint(body, joint_name(k), turns, plain_coordinate(k),
               main_link_of(plain_coordinate(k)) == k);
       }
@@ -219,7 +219,7 @@ class MjcfWriter {
   // A rotor along c . q: on the joint that moves like it, if there is one.
   bool inertia_along_joint(const SimpleForce& f) {
     for (int k = 0; k < static_cast<int>(tree_.links.size()); ++k) {
-      if (link(k).motion == Motion::kNone) continue;
+      if (link(k).type == JointType::kFixed) continue;
       const VectorXd c = coefficients(k);
       const double scale = c.dot(f.axis.coefficients) / f.axis.coefficients.squaredNorm();
       if (scale == 0.0 || !c.isApprox(scale * f.axis.coefficients, 1e-12)) continue;
@@ -249,8 +249,8 @@ class MjcfWriter {
 
   VectorXd coefficients(int k) const {
     VectorXd c = VectorXd::Zero(arm_.joints());
-    for (int e = link(k).first_share; e < link(k).end_share; ++e)
-      c[tree_.shares[at(e)].coordinate] += tree_.shares[at(e)].coefficient;
+    for (int e = link(k).first_coefficient; e < link(k).end_coefficient; ++e)
+      c[tree_.coefficients[at(e)].coordinate] += tree_.coefficients[at(e)].coefficient;
     return c;
   }
 
@@ -266,7 +266,7 @@ class MjcfWriter {
   // Joints that are no coordinate.
   void couple(int k) {
     const int i = plain_coordinate(k);
-    if (link(k).motion == Motion::kNone || (i >= 0 && main_link_of(i) == k)) return;
+    if (link(k).type == JointType::kFixed || (i >= 0 && main_link_of(i) == k)) return;
     couple(frame_name(k), joint_name(k), coefficients(k));
   }
 

@@ -63,6 +63,8 @@ Traced TracedProgram::sum(int a, int b) {
   if (x.kind == Kind::kConstant && y.kind == Kind::kConstant) return Traced(x.value + y.value);
   if (y.kind == Kind::kMinus) return difference(a, y.a);
   if (x.kind == Kind::kMinus) return difference(b, x.a);
+  if (x.kind == Kind::kDifference && x.b == b) return Traced::of_node(x.a);
+  if (y.kind == Kind::kDifference && y.b == a) return Traced::of_node(y.a);
   return Traced::of_node(node(Kind::kSum, a, b));
 }
 
@@ -74,6 +76,8 @@ Traced TracedProgram::difference(int a, int b) {
   if (is(a, 0.0)) return minus(b);
   if (x.kind == Kind::kConstant && y.kind == Kind::kConstant) return Traced(x.value - y.value);
   if (y.kind == Kind::kMinus) return sum(a, y.a);
+  if (x.kind == Kind::kSum && x.b == b) return Traced::of_node(x.a);
+  if (x.kind == Kind::kSum && x.a == b) return Traced::of_node(x.b);
   return Traced::of_node(node(Kind::kDifference, a, b));
 }
 
@@ -112,6 +116,13 @@ Traced operator*(const Traced& a, const Traced& b) {
   return TracedProgram::open().product(a.node(), b.node());
 }
 
+Traced operator/(const Traced& a, const Traced& b) {
+  TracedProgram& program = TracedProgram::open();
+  if (program.is(a.node(), 0.0)) return Traced(0.0);
+  if (program.is(b.node(), 1.0)) return a;
+  return Traced::of_node(program.node(TracedProgram::Kind::kQuotient, a.node(), b.node()));
+}
+
 Traced operator-(const Traced& a) {
   return TracedProgram::open().minus(a.node());
 }
@@ -131,7 +142,7 @@ void sine_cosine(const Traced& x, Traced& sine, Traced& cosine) {
 }
 
 // `around`: how tightly what stands around binds; 0 nothing, 1 a sum, 2 what follows a minus, 3 a
-// product.
+// product, 4 a divisor.
 std::string TracedProgram::expression(int at, const std::vector<int>& uses, int around) const {
   const Node& n = nodes_[static_cast<size_t>(at)];
   const auto part = [&](int child, int tightness) {
@@ -147,7 +158,7 @@ std::string TracedProgram::expression(int at, const std::vector<int>& uses, int 
     case Kind::kConstant: {
       std::string digits = fmt::format("{}", n.value);
       if (digits.find_first_of(".e") == std::string::npos) digits += ".0";
-      return enclosed(n.value < 0.0 && around > 0, digits);
+      return n.value < 0.0 ? "(R)(" + digits + ")" : "(R)" + digits;
     }
     case Kind::kInput:
       return n.name;
@@ -156,7 +167,9 @@ std::string TracedProgram::expression(int at, const std::vector<int>& uses, int 
     case Kind::kDifference:
       return enclosed(around > 1, part(n.a, 1) + " - " + part(n.b, 2));
     case Kind::kProduct:
-      return part(n.a, 3) + " * " + part(n.b, 3);
+      return enclosed(around > 3, part(n.a, 3) + " * " + part(n.b, 3));
+    case Kind::kQuotient:
+      return enclosed(around > 2, part(n.a, 3) + " / " + part(n.b, 4));
     case Kind::kMinus:
       return enclosed(around > 0, "-" + part(n.a, 3));
     case Kind::kSine:
@@ -187,7 +200,7 @@ std::string TracedProgram::statements(
     const std::string written = expression(static_cast<int>(k), uses, 0);
     if (uses[k] == 1 && written.size() <= kLongest && !function) continue;
     uses[k] = std::max(uses[k], 2);
-    out += fmt::format("  const double t{} = {};\n", k, written);
+    out += fmt::format("  const R t{} = {};\n", k, written);
   }
   for (const auto& [name, value] : results) {
     const Kind kind = nodes_[static_cast<size_t>(value.node())].kind;

@@ -34,6 +34,7 @@ class Traced {
 Traced operator+(const Traced& a, const Traced& b);
 Traced operator-(const Traced& a, const Traced& b);
 Traced operator*(const Traced& a, const Traced& b);
+Traced operator/(const Traced& a, const Traced& b);
 Traced operator-(const Traced& a);
 
 /// For the recursions, which take both at once.
@@ -50,7 +51,8 @@ class TracedProgram {
   /// An input, written as `name`.
   Traced input(const std::string& name);
 
-  /// C statements that compute every (left-hand side, value), with temporaries; indented by two.
+  /// C statements that compute every (left-hand side, value), with temporaries of a type R; indented
+  /// by two.
   std::string statements(const std::vector<std::pair<std::string, Traced>>& results) const;
 
  private:
@@ -58,10 +60,11 @@ class TracedProgram {
   friend Traced operator+(const Traced&, const Traced&);
   friend Traced operator-(const Traced&, const Traced&);
   friend Traced operator*(const Traced&, const Traced&);
+  friend Traced operator/(const Traced&, const Traced&);
   friend Traced operator-(const Traced&);
   friend void sine_cosine(const Traced&, Traced&, Traced&);
 
-  enum class Kind { kConstant, kInput, kSum, kDifference, kProduct, kMinus, kSine, kCosine };
+  enum class Kind { kConstant, kInput, kSum, kDifference, kProduct, kQuotient, kMinus, kSine, kCosine };
   struct Node {
     Kind kind;
     int a = -1, b = -1;

@@ -1,3 +1,4 @@
+#include "veridyn/identification/verdict.hpp"
 #include "veridyn/identification/robot_check.hpp"
 
 #include <algorithm>
@@ -28,8 +29,6 @@ constexpr double kWorstCondition = 2e4;  // columns scaled; whole recordings of 
 // their fits.
 constexpr double kBetter = 0.9;
 constexpr double kGainsBetter = 0.3;
-// Of its range: less shows friction at one place.
-constexpr double kHardlyMoves = 0.05;
 constexpr double kWellFitted = 0.02;  // share of a joint; no joints are swapped where all are below
 // Power lost to friction, as a share of rms torque times rms speed, that tells its sign: above the
 // first number, and above the second times the rms share of the torque that is left unexplained,
@@ -111,7 +110,7 @@ class RobotCheck {
         highest = std::max(highest, q);
       }
       const double share = (highest - lowest) / (limits.upper - limits.lower);
-      if (!std::isfinite(limits.upper - limits.lower) || !(share < kHardlyMoves)) continue;
+      if (!moves(i) || !std::isfinite(limits.upper - limits.lower) || !(share < kHardlyMoves)) continue;
       add("hardly_moves", i + 1, share,
           text("In its first ", quality::number(recording_.time[recording_.rows() - 1] - recording_.time[0]), " s ", joint(i),
                " moves over ", percent(share), " of its range: little of its friction and inertia can be identified."));

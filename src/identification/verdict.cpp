@@ -16,8 +16,6 @@ namespace {
 constexpr double kFarAboveFloor = 3.0;
 // And as a share of the torque: 1 % is better than torque sensors are.
 constexpr double kBelowAnySensor = 0.01;
-// Of range and of speed: what moves less shows friction at one place and inertia in the noise.
-constexpr double kHardlyMoves = 0.05;
 
 double share_of_range(const Identification& id, const Coordinate& joint, size_t i) {
   double lowest = kInfinity, highest = -kInfinity;

@@ -50,8 +50,8 @@ MatrixXd frame_jacobian(const Model& arm, const VectorRef& q, int frame) {
   const int link = tree.link_of_frame[frame];
   const Mat3d R_world_link = link_pose(tree, r, link).R;
   MatrixXd J = MatrixXd::Zero(6, arm.joints());
-  for (int m = tree.links[link].first_mover; m < tree.links[link].end_mover; ++m) {
-    const int i = tree.movers[m].coordinate;
+  for (int m = tree.links[link].first_support; m < tree.links[link].end_support; ++m) {
+    const int i = tree.supports[m].coordinate;
     const Column<double>& c = r.jacobian[m];
     J.block<3, 1>(0, i) = eigen(rotate(R_world_link, c.v));
     J.block<3, 1>(3, i) = eigen(rotate(R_world_link, c.w));
@@ -75,9 +75,9 @@ MatrixXd frame_jacobian_rate(const Model& arm, const VectorRef& q, const VectorR
   const Mat3d R_world_link = link_pose(tree, r, link).R;
   const Vec3d omega = r.link[link].omega;
   MatrixXd dJ = MatrixXd::Zero(6, arm.joints());
-  for (int m = tree.links[link].first_mover; m < tree.links[link].end_mover; ++m) {
+  for (int m = tree.links[link].first_support; m < tree.links[link].end_support; ++m) {
     // d(R c)/dt = R (dc/dt + omega x c), omega and c in the link's frame.
-    const int i = tree.movers[m].coordinate;
+    const int i = tree.supports[m].coordinate;
     const Column<double>& c = r.jacobian[m];
     const Column<double>& rate_i = r.jacobian_rate[m];
     dJ.block<3, 1>(0, i) = eigen(rotate(R_world_link, rate_i.v + cross(omega, c.v)));

@@ -12,9 +12,9 @@ inline Posed link_pose(const Tree& tree, const Workspace<double>& r, int link) {
     const Link& at = tree.links[static_cast<size_t>(k)];
     const LinkState<double>& joint = r.link[k];
     Posed J = identity_pose();
-    if (at.motion == Motion::kTurns)
+    if (at.type == JointType::kRevolute)
       J.R = {{joint.cosine, -joint.sine, 0}, {joint.sine, joint.cosine, 0}, {0, 0, 1}};
-    if (at.motion == Motion::kSlides) J.p.z = joint.s;
+    if (at.type == JointType::kPrismatic) J.p.z = joint.s;
     T = at.A * J * at.B * T;
   }
   return T;

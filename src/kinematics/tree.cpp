@@ -1,12 +1,12 @@
 #include "veridyn/kinematics/tree.hpp"
 
+#include <cmath>
+#include <limits>
+
+#include "veridyn/model/model.hpp"
+
 namespace veridyn {
 namespace {
-
-bool is_identity(const Posed& T) {
-  const Mat3d& R = T.R;
-  return T.p.x == 0 && T.p.y == 0 && T.p.z == 0 && R.row0.x == 1 && R.row1.y == 1 && R.row2.z == 1;
-}
 
 // Frames that the dynamics need: bodies and all moving frames above them.
 std::vector<char> needed_frames(const Model& arm) {
@@ -19,85 +19,65 @@ std::vector<char> needed_frames(const Model& arm) {
   return needed;
 }
 
-Motion motion_of(JointType type) {
-  if (type == JointType::kRevolute) return Motion::kTurns;
-  if (type == JointType::kPrismatic) return Motion::kSlides;
-  return Motion::kNone;
+std::vector<JointCoefficient> terms_of(const Axis& axis) {
+  std::vector<JointCoefficient> terms;
+  for (Eigen::Index i = 0; i < axis.coefficients.size(); ++i) {
+    if (axis.coefficients[i] != 0.0)
+      terms.push_back({static_cast<int>(i), axis.coefficients[i]});
+  }
+  return terms;
 }
 
-// Appends the shares and movers of the last link.
-void append_coordinates(const Model& arm, const Frame& frame, Tree& tree) {
-  Link& link = tree.links.back();
-  link.first_share = static_cast<int>(tree.shares.size());
-  link.first_mover = static_cast<int>(tree.movers.size());
-  for (int i = 0; i < tree.joints; ++i) {
-    const double share = link.motion == Motion::kNone ? 0.0 : frame.variable.coefficients[i];
-    if (share != 0.0) tree.shares.push_back({i, share});
-    if (!arm.moves(link.frame, i)) continue;
-    int above = -1;
-    if (link.parent >= 0) {
-      const Link& parent = tree.links[link.parent];
-      for (int m = parent.first_mover; m < parent.end_mover; ++m) {
-        if (tree.movers[m].coordinate == i) above = m;
-      }
+// Turns by a right angle, exactly: cos(pi/2) is 6e-17 in doubles, and every product with it is one
+// that generated code need not have.
+Posed snapped(Posed T) {
+  constexpr double kRounding = 4.0 * std::numeric_limits<double>::epsilon();
+  for (Vec3d* row : {&T.R.row0, &T.R.row1, &T.R.row2}) {
+    for (double* entry : {&row->x, &row->y, &row->z}) {
+      if (std::abs(*entry - std::round(*entry)) < kRounding) *entry = std::round(*entry) + 0.0;
     }
-    tree.movers.push_back({i, above, share});
   }
-  link.end_share = static_cast<int>(tree.shares.size());
-  link.end_mover = static_cast<int>(tree.movers.size());
+  return T;
 }
 
 }  // namespace
 
-Tree::Tree(const Model& arm, Keep keep) : joints(arm.joints()) {
-  const auto& frames = arm.frames();
-  gravity = {arm.gravity().x(), arm.gravity().y(), arm.gravity().z()};
+Tree::Tree(const Model& arm, Keep keep)
+    : Tree(arm.joints(), {arm.gravity().x(), arm.gravity().y(), arm.gravity().z()}) {
+  const auto& all = arm.frames();
   const std::vector<char> needed =
-      keep == Keep::kEveryFrame ? std::vector<char>(frames.size(), 1) : needed_frames(arm);
-  link_of_frame.assign(frames.size(), -1);
-  // T_link_frame: where a frame sits on the last link that was kept above it.
-  std::vector<Posed> T_link_frame(frames.size(), identity_pose());
-  std::vector<int> base(frames.size(), -1);
-  for (int k = 0; k < static_cast<int>(frames.size()); ++k) {
-    const Frame& frame = frames[k];
-    const int above = frame.parent < 0 ? -1 : base[frame.parent];
-    const Posed T_above_parent = frame.parent < 0 ? identity_pose() : T_link_frame[frame.parent];
+      keep == Keep::kBodiesOnly ? needed_frames(arm) : std::vector<char>(all.size(), 1);
+  link_of_frame.assign(all.size(), -1);
+  // Where a frame sits on the last link that was kept at or above it.
+  frames.assign(all.size(), {-1, true, identity_pose()});
+  for (int k = 0; k < static_cast<int>(all.size()); ++k) {
+    const Frame& frame = all[k];
+    const BodyPlace above =
+        frame.parent < 0 ? BodyPlace{-1, true, identity_pose()} : frames[frame.parent];
     const bool fixed = frame.type == JointType::kFixed;
-    if (needed[k] == 0 || (fixed && !frame.body && keep == Keep::kBodiesOnly)) {
-      base[k] = above;
-      T_link_frame[k] = T_above_parent * frame.A * frame.B;
+    const bool carries = keep == Keep::kBodiesOnly && frame.body;
+    if (needed[k] == 0 || (fixed && !carries && keep != Keep::kEveryFrame)) {
+      const Posed T = above.T_link_body * frame.A * frame.B;
+      frames[k] = {above.link, is_identity(T), T};
       continue;
     }
-    Link link{};
-    link.frame = k;
-    link.parent = above;
-    link.body = -1;
-    link.motion = motion_of(frame.type);
-    link.A = fixed ? T_above_parent * frame.A * frame.B : T_above_parent * frame.A;
-    link.B = fixed ? identity_pose() : frame.B;
-    link.A_is_identity = is_identity(link.A);
-    link.B_is_identity = is_identity(link.B);
-    link.offset = frame.variable.offset;
-    link_of_frame[k] = static_cast<int>(links.size());
-    base[k] = link_of_frame[k];
-    links.push_back(link);
-    append_coordinates(arm, frame, *this);
+    const bool in_joint = keep == Keep::kMovingLinks;
+    Posed A = above.T_link_body * frame.A;
+    if (in_joint) A = snapped(A);
+    link_of_frame[k] =
+        fixed ? add_link(above.link, frame.type, {}, frame.variable.offset, A * frame.B)
+              : add_link(above.link, frame.type, terms_of(frame.variable), frame.variable.offset, A,
+                         in_joint ? identity_pose() : frame.B);
+    links.back().frame = k;
+    const Posed T = in_joint ? frame.B : identity_pose();
+    frames[k] = {link_of_frame[k], is_identity(T), T};
   }
   for (const int k : arm.bodies()) {
-    const int l = link_of_frame[k];
-    links[l].body = static_cast<int>(body_links.size());
-    body_links.push_back(l);
+    const BodyPlace& at = frames[k];
+    if (at.link >= 0) links[at.link].body = static_cast<int>(bodies.size());
+    body_links.push_back(at.link);
+    bodies.push_back(at);
   }
-}
-
-Tree::operator Links() const {
-  return {joints,
-          static_cast<int>(links.size()),
-          static_cast<int>(movers.size()),
-          links.data(),
-          shares.data(),
-          movers.data(),
-          gravity};
 }
 
 }  // namespace veridyn

@@ -27,6 +27,7 @@ struct Dual {
   friend Dual operator*(const Dual& a, const Dual& b) {
     return {a.value * b.value, a.value * b.derivative + a.derivative * b.value};
   }
+  friend Dual operator*(double a, const Dual& b) { return {a * b.value, a * b.derivative}; }
   friend Dual operator/(const Dual& a, const Dual& b) {
     const S q = a.value / b.value;
     return {q, (a.derivative - q * b.derivative) / b.value};

@@ -3,7 +3,7 @@
 #include "filter_sweep.hpp"
 #include "math/pack.hpp"
 
-// The inner loops of the zero-phase filter, once per instruction set; see regressor_batch_kernels.hpp
+// The inner loops of the zero-phase filter, once per instruction set; see dynamics/arm_kernel_loops.hpp
 // for the rules that such files keep.
 
 namespace veridyn {

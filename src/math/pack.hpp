@@ -12,6 +12,8 @@ template <int kLanes, typename Isa>
 struct Pack {
   typedef double Lanes __attribute__((vector_size(kLanes * sizeof(double))));
   typedef long long Mask __attribute__((vector_size(kLanes * sizeof(long long))));
+  typedef double Unaligned
+      __attribute__((vector_size(kLanes * sizeof(double)), aligned(8), may_alias));
   static constexpr int kSize = kLanes;
 
   Lanes v;
@@ -20,6 +22,7 @@ struct Pack {
   Pack(double x)
       : v(x - Lanes{}) {
   }  // NOLINT: a constant is a pack of equals; x - 0 costs nothing, 0 + x an addition
+  Pack(const Pack<1, Isa>& x) : Pack(x.v) {}  // NOLINT: the same number in every lane
   explicit Pack(const Lanes& lanes) : v(lanes) {}
 
   Pack& operator+=(const Pack& b) {
@@ -36,6 +39,65 @@ struct Pack {
   friend Pack operator/(const Pack& a, const Pack& b) { return Pack(a.v / b.v); }
   friend Pack operator-(const Pack& a) { return Pack(-a.v); }
 };
+
+/// One sample with the tag of an instruction set: a number whose functions belong to that set alone,
+/// and which acts on all lanes of a wider pack.
+template <typename Isa>
+struct Pack<1, Isa> {
+  static constexpr int kSize = 1;
+
+  double v;
+
+  Pack() = default;
+  Pack(double x) : v(x) {}  // NOLINT: a constant
+
+  Pack& operator+=(const Pack& b) {
+    v += b.v;
+    return *this;
+  }
+  Pack& operator-=(const Pack& b) {
+    v -= b.v;
+    return *this;
+  }
+  friend Pack operator+(const Pack& a, const Pack& b) { return a.v + b.v; }
+  friend Pack operator-(const Pack& a, const Pack& b) { return a.v - b.v; }
+  friend Pack operator*(const Pack& a, const Pack& b) { return a.v * b.v; }
+  friend Pack operator/(const Pack& a, const Pack& b) { return a.v / b.v; }
+  friend Pack operator-(const Pack& a) { return -a.v; }
+};
+
+template <typename Isa>
+inline bool is_positive(const Pack<1, Isa>& x) {
+  return x.v > 0.0;
+}
+
+/// From memory that is aligned for doubles only.
+template <typename P>
+inline void load_lanes(const double* from, P& to) {
+  to.v = *reinterpret_cast<const typename P::Unaligned*>(from);
+}
+
+/// To such memory, the first `count` lanes.
+template <typename P>
+inline void store_lanes(const P& from, int count, double* to) {
+  if (count == P::kSize) {
+    *reinterpret_cast<typename P::Unaligned*>(to) = from.v;
+  } else {
+    for (int l = 0; l < count; ++l) to[l] = from.v[l];
+  }
+}
+
+/// The first `count` lanes; the others repeat the last of these.
+template <typename P>
+inline P load_lanes(int count, const double* from) {
+  P out(0.0);
+  if (count == P::kSize) {
+    load_lanes(from, out);
+    return out;
+  }
+  for (int l = 0; l < P::kSize; ++l) out.v[l] = from[l < count ? l : count - 1];
+  return out;
+}
 
 /// Sine and cosine of all lanes, to 2 units in the last place for |x| < 1e5 (Cody-Waite reduction
 /// in three parts, then the Taylor-like minimax polynomials of the Cephes library's published

@@ -3,7 +3,7 @@
 #include "triangle_update.hpp"
 #include "math/pack.hpp"
 
-// The inner loops of the streaming QR, once per instruction set; see regressor_batch_kernels.hpp
+// The inner loops of the streaming QR, once per instruction set; see dynamics/arm_kernel_loops.hpp
 // for the rules that such files keep: raw pointers, no standard library, templates over a pack.
 
 namespace veridyn {

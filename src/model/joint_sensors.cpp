@@ -1,10 +1,9 @@
 #include "veridyn/model/joint_sensors.hpp"
 
-#include <fmt/format.h>
-
 #include <cmath>
 #include <utility>
 
+#include "math/digits.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn {
@@ -80,14 +79,13 @@ std::vector<std::string> JointSensors::in_words(const Model& arm) const {
     const std::string encoder = "the encoder of joint '" + c.name + "' shows ";
     const std::string torque = "the recorded torque of joint '" + c.name + "' is ";
     if (e.position_offset != 0.0)
-      out.push_back(encoder + fmt::format("{:.6g} {} {} than there is", std::abs(e.position_offset),
-                                          position_unit(c),
-                                          e.position_offset > 0.0 ? "more" : "less"));
+      out.push_back(encoder + digits(std::abs(e.position_offset), 6) + " " + position_unit(c) +
+                    (e.position_offset > 0.0 ? " more" : " less") + " than there is");
     if (e.torque_gain != 1.0)
-      out.push_back(torque + fmt::format("{:.6g} times the true one", e.torque_gain));
+      out.push_back(torque + digits(e.torque_gain, 6) + " times the true one");
     if (e.torque_delay != 0.0)
-      out.push_back(torque + fmt::format("{:.4g} ms {}", 1e3 * std::abs(e.torque_delay),
-                                         e.torque_delay > 0.0 ? "late" : "early"));
+      out.push_back(torque + digits(1e3 * std::abs(e.torque_delay), 4) + " ms " +
+                    (e.torque_delay > 0.0 ? "late" : "early"));
   }
   return out;
 }

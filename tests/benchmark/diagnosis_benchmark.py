@@ -29,6 +29,14 @@ def cases(data):
     def wrist(name):
         return os.path.join(data, "psm-wrist", name)
 
+    def panda(name):
+        return os.path.join(data, "panda", name)
+
+    def lwr(numbers):
+        return [os.path.join(data, "lwr4", "lwr-%d.npz" % k) for k in numbers]
+
+    panda_robot = os.path.join(os.path.dirname(os.path.abspath(__file__)), "robots", "panda.yaml")
+
     def ur(name):
         return os.path.join(data, "ur10e", name)
 
@@ -50,6 +58,10 @@ def cases(data):
         "ur10e/50s": ["ur10e", "--train", ur("free-12harm30s-2020-02-10.csv"), "--test",
                       ur("free-14harm50s-2020-02-19.csv"), "--rows", "635:3510", "--test-rows",
                       "260:4960", "--filter-cutoff", "7", "--resample", "100"],
+        "panda/2": [panda_robot, "--train", panda("panda-1.csv"), "--test", panda("panda-2.csv")],
+        "panda/1": [panda_robot, "--train", panda("panda-2.csv"), "--test", panda("panda-1.csv")],
+        "lwr4/3": ["kuka-lwr4", "--train"] + lwr([1, 2]) + ["--test"] + lwr([3]),
+        "lwr4/1": ["kuka-lwr4", "--train"] + lwr([2, 3]) + ["--test"] + lwr([1]),
         "psm-3dof/defaults": ["psm-3dof", "--train"] + fourier[:4] + ["--test"] + fourier[4:],
         "psm-3dof-one/defaults": ["psm-3dof", "--train", fourier[0], "--test", fourier[4]],
         "psm-wrist/defaults": ["psm-wrist", "--train", wrist("one.csv"), "--test",

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstring>
 #include <ctime>
+#include <filesystem>
 #include <fstream>
 #include <functional>
 #include <iostream>
@@ -35,6 +36,8 @@
 // the median of each round's ratio.
 
 #ifdef VERIDYN_WITH_LAPACK
+#include <dlfcn.h>
+
 extern "C" void dtpqrt_(const int* m, const int* n, const int* l, const int* nb, double* a,
                         const int* lda, double* b, const int* ldb, double* t, const int* ldt,
                         double* work, int* info);
@@ -221,8 +224,8 @@ void add_dynamics(nlohmann::json& rows) {
   VectorXd tau(kJoints);
   MatrixXd M(kJoints, kJoints);
   MatrixXd Y(kJoints, phi.size());
-  RigidBodyDynamics::TorqueSlopes torque;
-  RigidBodyDynamics::AccelerationSlopes acceleration;
+  RigidBodyDynamics::TorqueDerivatives torque;
+  RigidBodyDynamics::AccelerationDerivatives acceleration;
   std::vector<Engine> id = {over_states("veridyn", [&](size_t k) {
     dynamics.inverse_dynamics(s.q[k], s.dq[k], s.ddq[k], tau);
   })};
@@ -278,12 +281,12 @@ void add_dynamics(nlohmann::json& rows) {
                               })}));
   rows.push_back(side_by_side("derivatives of inverse dynamics", "ns", 1e9,
                               {over_states("veridyn", [&](size_t k) {
-                                dynamics.inverse_dynamics_slopes(s.q[k], s.dq[k], s.ddq[k], tau,
+                                dynamics.inverse_dynamics_derivatives(s.q[k], s.dq[k], s.ddq[k], tau,
                                                                  torque);
                               })}));
   rows.push_back(side_by_side("derivatives of forward dynamics", "ns", 1e9,
                               {over_states("veridyn", [&](size_t k) {
-                                dynamics.forward_dynamics_slopes(s.q[k], s.dq[k], s.ddq[k], tau,
+                                dynamics.forward_dynamics_derivatives(s.q[k], s.dq[k], s.ddq[k], tau,
                                                                  acceleration);
                               })}));
 }
@@ -320,6 +323,16 @@ void add_batches(nlohmann::json& rows) {
   }
 }
 
+#ifdef VERIDYN_WITH_LAPACK
+// The file that dtpqrt_ comes from, links followed: liblapack.so.3 may be the reference's, ATLAS' or
+// OpenBLAS', and they differ by a factor of five.
+std::string linked_lapack() {
+  Dl_info found{};
+  if (dladdr(reinterpret_cast<const void*>(&dtpqrt_), &found) == 0) return "lapack";
+  return "lapack (" + std::filesystem::weakly_canonical(found.dli_fname).string() + ")";
+}
+#endif
+
 // A x ~ b, 60 columns, streamed in blocks of 1024 rows into a triangle.
 void add_factors(nlohmann::json& rows) {
   constexpr int kColumns = 60;
@@ -338,12 +351,12 @@ void add_factors(nlohmann::json& rows) {
                                   },
                                   kRows * kBlocks}};
 #ifdef VERIDYN_WITH_LAPACK
-  engines.push_back({"lapack",
+  engines.push_back({linked_lapack(),
                      [&] {
                        const int n = kColumns + 1;
                        const int m = kRows;
                        const int l = 0;
-                       const int nb = 16;
+                       const int nb = 8;  // faster than 16 with OpenBLAS at this width
                        MatrixXd R = MatrixXd::Zero(n, n);
                        MatrixXd B(m, n);
                        MatrixXd T(nb, n);

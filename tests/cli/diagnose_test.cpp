@@ -84,7 +84,12 @@ TEST_F(SimulatedArm, NothingHiddenNothingFound) {
   for (const char* limit_share : {"1", "0.95"}) {
     const json out = diagnosis_of("", limit_share);
     EXPECT_TRUE(out["findings"].empty()) << limit_share << ": " << out["findings"];
-    EXPECT_EQ(out["verdict"].get<std::string>(), "none");
+    EXPECT_EQ(out["verdict"].size(), out["baseline"]["test"]["relative_error"].size());
+    for (const json& v : out["verdict"]) {
+      EXPECT_NEAR(v["held_out"].get<double>(), v["floor"].get<double>() + v["removable"].get<double>(), 1e-12);
+      EXPECT_NE(v["state"], "named");
+      EXPECT_NE(v["state"], "unnamed");
+    }
   }
 }
 

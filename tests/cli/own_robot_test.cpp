@@ -45,8 +45,8 @@ class OwnRobot : public testing::Test {
   }
   static void TearDownTestSuite() { ::unsetenv("SOURCE_DATE_EPOCH"); }
   static const TemporaryFolder& folder() {
-    static const TemporaryFolder kFolder;
-    return kFolder;
+    static const TemporaryFolder kTemporary;
+    return kTemporary;
   }
   static std::string path(const std::string& name, const std::string& k) {
     return folder().path(name + k + ".csv");

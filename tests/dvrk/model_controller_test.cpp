@@ -130,6 +130,8 @@ Recording true_rows(Recording rows) {
 // A motion is led in true positions by a model that knows its sensors, as well as without errors; by
 // one that does not, it is off by the zero.
 TEST(ModelController, WhatTheModelKnowsOfSensorsIsUndone) {
+  Trial plain(ControlLaw::kComputedTorque);
+  const double usual = worst_joint_error(plain.run().rows);
   for (const bool knows : {true, false}) {
     Trial trial(ControlLaw::kComputedTorque,
                 knows ? with_wrong_shoulder() : read_model("planar-2r"));
@@ -138,7 +140,7 @@ TEST(ModelController, WhatTheModelKnowsOfSensorsIsUndone) {
     ASSERT_TRUE(run.complete) << run.why << "\n" << trial.arm.boards().faults().report();
     const double worst = worst_joint_error(true_rows(run.rows));
     if (knows) {
-      EXPECT_LT(worst, 0.01);
+      EXPECT_LT(worst, 1.5 * usual);
     } else {
       EXPECT_GT(worst, 0.09);
     }

@@ -27,14 +27,17 @@ std::vector<S> torques(const Tree& tree, const VectorXd& phi, const std::vector<
                        const std::vector<S>& dq, const std::vector<S>& ddq) {
   Recursion<S> r(tree);
   std::vector<S> tau(q.size());
-  forward_pass(tree, q.data(), dq.data(), ddq.data(), tree.gravity, r);
-  backward_pass(tree, phi.data(), r, tau.data());
+  std::vector<LinkInertia> inertia(tree.links.size());
+  link_inertias(tree, phi.data(), inertia.data());
+  forward_pass<S>(tree, q.data(), dq.data(), ddq.data(), tree.gravity, r);
+  force_pass<S>(tree, inertia.data(), r);
+  backward_pass<S>(tree, r, tau.data());
   return tau;
 }
 
 // The derivative of inverse dynamics along a direction of (q, dq, ddq).
 TEST_P(RecursionOnEverySampleArm, DualsCarryTheDerivativeOfTheTorques) {
-  const Tree tree(arm());
+  const Tree tree(arm(), Tree::Keep::kMovingLinks);
   Random random(81);
   for (const State& s : test_states(joints(), 82)) {
     const State along{random.vector(joints(), -1, 1), random.vector(joints(), -1, 1),
@@ -66,7 +69,7 @@ TEST_P(RecursionOnEverySampleArm, DualsCarryTheDerivativeOfTheTorques) {
 TEST_P(RecursionOnEverySampleArm, PacksHoldTheTorquesOfEachLane) {
   struct Here;
   using P = Pack<4, Here>;
-  const Tree tree(arm());
+  const Tree tree(arm(), Tree::Keep::kMovingLinks);
   const std::vector<State> states = test_states(joints(), 83);
   std::vector<P> q(joints());
   std::vector<P> dq(joints());
@@ -101,8 +104,8 @@ TEST_P(RecursionOnEverySampleArm, JacobiansAreTheMotionPerUnitOfTheCoordinates) 
       Vec3d alpha{0, 0, 0};
       Vec3d v{0, 0, 0};
       Vec3d accel{0, 0, 0};
-      for (int m = tree.links[k].first_mover; m < tree.links[k].end_mover; ++m) {
-        const int i = tree.movers[m].coordinate;
+      for (int m = tree.links[k].first_support; m < tree.links[k].end_support; ++m) {
+        const int i = tree.supports[m].coordinate;
         omega = omega + s.dq[i] * r.jacobian[m].w;
         v = v + s.dq[i] * r.jacobian[m].v;
         alpha = alpha + s.ddq[i] * r.jacobian[m].w + s.dq[i] * r.jacobian_rate[m].w;
@@ -126,7 +129,7 @@ TEST(Recursion, CopiesHaveAMemoryOfTheirOwn) {
   EXPECT_NE(first.link, second.link);
   second = first;
   EXPECT_NE(first.jacobian, second.jacobian);
-  EXPECT_EQ(second.jacobian_rate, second.jacobian + tree.movers.size());
+  EXPECT_EQ(second.jacobian_rate, second.jacobian + tree.supports.size());
 }
 
 }  // namespace

@@ -202,7 +202,7 @@ TEST_P(EveryEffect, OffersChoicesOfEveryConstantThatIsSearched) {
   motion.speed = 2.0;
   motion.duration = 30.0;
   const std::vector<ShapeChoice> grid = GetParam().effect->grid(motion);
-  ASSERT_FALSE(grid.empty());
+  EXPECT_EQ(grid.empty(), traits().tabulated);  // a table is what a residual looks like, and no guess
   for (const EffectShape& shape : GetParam().effect->shapes()) {
     std::set<double> values;
     for (const ShapeChoice& choice : grid) {

@@ -9,6 +9,7 @@
 
 #include "hide_and_seek/blind.hpp"
 #include "hide_and_seek/detection_limit.hpp"
+#include "hide_and_seek/outside.hpp"
 #include "hide_and_seek/threshold_sweep.hpp"
 #include "veridyn/math/require.hpp"
 
@@ -100,6 +101,10 @@ int run(int argc, char** argv) {
   limits->add_option("--sizes", request.sizes, "Shares of the joint's rms torque")->delimiter(',');
   add_board_options(*limits, request);
 
+  CLI::App* outside = app.add_subcommand("outside", "Causes that are on nobody's list: " +
+                                                        fmt::format("{}", fmt::join(outside_causes(), ", ")));
+  add_board_options(*outside, request);
+
   CLI::App* thresholds = app.add_subcommand("thresholds", "All numbers that decide, as a table");
   CLI11_PARSE(app, argc, argv);
 
@@ -116,6 +121,16 @@ int run(int argc, char** argv) {
   } else if (limits->parsed()) {
     if (request.board.noise <= 0.0) request.board.noise = kDvrkNoise;
     print_detection_limits(request.board, request.sizes);
+  } else if (outside->parsed()) {
+    OutsideRequest asked;
+    asked.causes = request.board.effects;
+    asked.arms = request.board.arms;
+    asked.seeds = request.board.seeds;
+    if (outside->count("--size") > 0) asked.share = request.board.share;
+    asked.threads = request.board.threads;
+    asked.keep = request.board.keep;
+    asked.options = request.board.options;
+    play_outside(asked);
   } else if (thresholds->parsed()) {
     print_thresholds();
   } else if (!request.sweep.empty()) {

@@ -20,11 +20,11 @@ TEST_P(TreeOnEverySampleArm, MoversAreTheCoordinatesThatTheModelSaysMoveTheLink)
         if (arm().moves(link.frame, i)) expected.push_back(i);
       }
       std::vector<int> movers;
-      for (int m = link.first_mover; m < link.end_mover; ++m) {
-        movers.push_back(tree.movers[m].coordinate);
-        const int above = tree.movers[m].above;
-        EXPECT_TRUE(above < 0 || tree.movers[above].coordinate == tree.movers[m].coordinate);
-        EXPECT_TRUE(above >= 0 || tree.movers[m].share != 0.0)
+      for (int m = link.first_support; m < link.end_support; ++m) {
+        movers.push_back(tree.supports[m].coordinate);
+        const int above = tree.supports[m].parent_entry;
+        EXPECT_TRUE(above < 0 || tree.supports[above].coordinate == tree.supports[m].coordinate);
+        EXPECT_TRUE(above >= 0 || tree.supports[m].coefficient != 0.0)
             << "neither the parent nor the joint moves with it";
       }
       EXPECT_EQ(movers, expected);

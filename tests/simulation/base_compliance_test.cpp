@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include "math/zero_phase_filter.hpp"
 #include "simulation/simulation_support.hpp"
 #include "support/near.hpp"
 #include "support/simulated.hpp"
@@ -65,7 +66,7 @@ TEST(BaseCompliance, ColumnsAreWhatTheStatesDoAtRest) {
                         MatrixXd::Zero(9, 6), MatrixXd::Zero(9, 6)};
     const VectorXd hold = joint_torques(soft, still).row(4).transpose();
     const VectorXd extra = hold - joint_torques(stiff(), still).row(4).transpose();
-    EXPECT_GT(extra.norm(), 0.01 * hold.norm());
+    EXPECT_GT(extra.norm(), 1e-3 * hold.norm());
     // The torque that is still missing, by the acceleration that it makes.
     VectorXd ddq(6), unloaded(6);
     ASSERT_EQ(engine->accelerate(hold, ddq), StepStatus::kOk);
@@ -80,20 +81,25 @@ TEST(BaseCompliance, ColumnsAreWhatTheStatesDoAtRest) {
   }
 }
 
-// In motion: what the motors of a controlled arm gave, beside what the columns say of its motion.
+// In motion, below the resonance of arm and base (7 Hz): what the motors of a controlled arm gave
+// beyond the stiff arm's torques, beside what the columns say of its motion.
 TEST(BaseCompliance, ColumnsAreWhatTheStatesDoInMotion) {
+  constexpr double kStep = 0.005;  // [s]
   ControlledOptions options;
   options.recording.hidden = {parse_hidden_effect("base_compliance:arm:about_x=1e-4,about_y=1e-4")};
-  const ControlledRecording run = simulate_controlled(stiff(), slow_waves(4000, 0.001), options);
+  const ControlledRecording run = simulate_controlled(stiff(), slow_waves(4000, kStep), options);
   ASSERT_TRUE(run.run.complete());
   EXPECT_TRUE(run.left_out.empty());
   const MotionSamples& m = run.recording.actual;
-  const MatrixXd with = joint_torques(run.recording.truth, m), without = joint_torques(stiff(), m);
-  const auto late = [](const MatrixXd& all) { return all.bottomRows(3000).norm(); };  // once it rests
-  const double effect = late(with - without);
-  EXPECT_GT(effect, 0.01 * late(with));
-  EXPECT_LT(late(run.recording.actual_tau - with), 0.1 * effect);
-  EXPECT_GT(late(run.recording.actual_tau - without), 0.9 * effect);
+  const MatrixXd without = joint_torques(stiff(), m);
+  const auto slow = [&](MatrixXd tau) {
+    ZeroPhaseFilter(2.0, 4, 1.0 / kStep).apply(tau);
+    return MatrixXd(tau.middleRows(1000, 2500));  // once it no longer swings from the start
+  };
+  const MatrixXd real = slow(run.recording.actual_tau - without);
+  const MatrixXd columns = slow(joint_torques(run.recording.truth, m) - without);
+  EXPECT_GT(real.norm(), 1e-3 * slow(without).norm());
+  EXPECT_LT((real - columns).norm(), 0.2 * real.norm());
 }
 
 // From recordings of an arm whose base truly swings, by name; nothing where the base stands firm.

@@ -19,6 +19,12 @@ enum class ExtendedModel {
                    ///< that of recordings which took no part
 };
 
+/// What becomes of dependences without a name.
+enum class UnnamedForces {
+  kReported,  ///< they are findings, and the extended model is without them
+  kKept,      ///< those that a force can have are tables (tabulated_force) of the extended model
+};
+
 struct DiagnosisOptions {
   DiagnosisOptions() { identification.weights = JointWeights::kResidual; }
 
@@ -30,7 +36,8 @@ struct DiagnosisOptions {
   /// tool knows.
   std::vector<std::string> effects;
   int max_effects = 20;  ///< findings at most; contacts and plain friction do not count
-  ExtendedModel extended = ExtendedModel::kAllFindings;
+  ExtendedModel extended = ExtendedModel::kConfirmedOnly;
+  UnnamedForces unnamed = UnnamedForces::kReported;
   /// What the values of the robot are; nothing: as its file says.
   std::optional<RobotValues> values{};
   /// An effect is accepted when the sum over joints of ln(held-out mean square error) falls by more
@@ -83,6 +90,7 @@ struct UnnamedShape {
   std::string words;  ///< "one-sided: nothing below 0.43 rad, ..."
   std::string effort = "N m";
   std::vector<CurvePoint> curve;
+  bool kept = false;   ///< the extended model has it as a table
   double share = 0.0;  ///< of the mean square that is left over, on the held-out recordings
   /// Other signals that would predict as much in their place: the recordings cannot tell.
   std::vector<std::vector<std::string>> as_good;
@@ -107,6 +115,7 @@ struct Finding {
   VectorXd test_outside;
   double explains = 0.0;  ///< share of the removable held-out error; negative where it grows
   FindingStatus status = FindingStatus::kConfirmed;
+  std::string why_not;  ///< of one that is not confirmed although its held-out error fell
   bool main = true;  ///< false: one of the small ones, see DiagnosisSummary
   std::vector<Rival> rivals;
   std::optional<UnnamedShape> shape;  ///< of a finding without a name
@@ -127,9 +136,11 @@ struct CannotTell {
   std::string why;
 };
 
-/// The recording that would separate what these recordings cannot.
+/// The recording that would separate what these recordings cannot, or show a curve without a name
+/// best.
 struct NextExperiment {
   std::vector<Cause> between;  ///< the two causes; empty: there is nothing to separate
+  std::string shows;           ///< "what joint 1 depends on over q1"; empty where `between` is not
   int slow_passes = 0;         ///< ExcitationOptions::slow_passes that it needs
 
   /// One of the two in words: "payload on wrist", "torque_gain on joint 2".
@@ -185,6 +196,9 @@ struct Diagnosis {
   Identification extended;  ///< with the findings
   std::vector<Finding> findings;
   std::vector<JointVerdict> joints;  ///< one for each
+  /// Groups of joints, from 0, whose positions are straight lines of one another in all training
+  /// recordings: what depends on one of them cannot be told from the others.
+  std::vector<std::vector<int>> moving_as_one;
   std::vector<NotSupported> not_supported;
   std::vector<CannotTell> cannot_tell;
   std::vector<RecordingQuality> data_quality;

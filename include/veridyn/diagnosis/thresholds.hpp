@@ -30,6 +30,8 @@ struct Thresholds {
   // Dependences without a name.
   double unnamed_gain = 0.05;
   double unnamed_share = 0.2;
+  double unnamed_term = 0.05;
+  double small_beside_unnamed = 0.1;
   double unnamed_other_joint = 0.93;
   double unnamed_two_signals = 0.85;
   double at_floor = 1.15;
@@ -37,6 +39,8 @@ struct Thresholds {
   double still_revolute = 5e-3;
   double still_prismatic = 5e-4;
   double moving_share = 0.02;
+  double shortest_rest = 1.0;
+  double move_as_one = 0.999;
   // Wrong constants of the robot file.
   double constant_gain = 2.0;
   double constant_sharpness = 0.4;

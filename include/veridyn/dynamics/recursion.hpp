@@ -1,141 +1,275 @@
 #pragma once
 
+#include "veridyn/dynamics/link_inertia.hpp"
 #include "veridyn/kinematics/recursion.hpp"
 
-// Forces along the tree, over any scalar S: one source for single states, packs of samples and dual
-// numbers.
+// Forces along the tree, over any scalar S, and their derivatives over any L: one number, or lanes
+// of several directions side by side. Trees are of moving links (Tree::Keep::kMovingLinks) wherever
+// inertias are asked for.
 //
 // Source of the forms: Featherstone, Rigid Body Dynamics Algorithms, 2008, ch. 5; regressor:
-// Atkeson, An and Hollerbach, IJRR 5(3), 1986; here written with body Jacobians, so that couplings
-// cost nothing extra.
+// Atkeson, An and Hollerbach, IJRR 5(3), 1986; derivatives: the tangents of the Newton-Euler
+// recursion, of which the mass matrix and the Coriolis matrix are parts.
 
 namespace veridyn {
 
-namespace recursion_detail {
-
-/// Force and moment back across a rigid piece.
-template <typename S>
-inline void carry_back(const Posed& T, Vec3<S>& force, Vec3<S>& moment) {
-  force = rotate(T.R, force);
-  moment = rotate(T.R, moment);
-  const Vec3<S> arm_moment = cross(T.p, force);
-  moment = moment + arm_moment;
-}
-
-}  // namespace recursion_detail
-
-/// What the regressor needs of one body's motion, for all coordinates that move it:
-///
-///   f = m a + E h,   n = N L + h x a,   E = [alpha]x + [omega]x [omega]x,   N L = alpha-part +
-///   omega x L omega
-///
-/// The entries of N are those of E up to sign, and differences of squares.
+/// What the regressor needs of one body's motion, for all coordinates that move it.
 template <typename S>
 struct BodyMotion {
   Vec3<S> accel, alpha;
-  Vec3<S> E_x, E_y, E_z;  ///< columns of E
-  Vec3<S> products;       ///< omega_y omega_z, omega_x omega_z, omega_x omega_y
-  Vec3<S> differences;    ///< omega_y^2 - omega_z^2, omega_z^2 - omega_x^2, omega_x^2 - omega_y^2
+  Spin<S> E;
+  Vec3<S> products;     ///< omega_y omega_z, omega_x omega_z, omega_x omega_y
+  Vec3<S> differences;  ///< omega_y^2 - omega_z^2, omega_z^2 - omega_x^2, omega_x^2 - omega_y^2
 };
 
 template <typename S>
 inline BodyMotion<S> body_motion(const LinkState<S>& at) {
-  const S xx = at.omega.x * at.omega.x;
-  const S yy = at.omega.y * at.omega.y;
-  const S zz = at.omega.z * at.omega.z;
-  const S yz = at.omega.y * at.omega.z;
-  const S xz = at.omega.x * at.omega.z;
-  const S xy = at.omega.x * at.omega.y;
   const Vec3<S>& alpha = at.alpha;
-  // clang-format off
-  return {at.accel, alpha,
-          {-(yy + zz), xy + alpha.z, xz - alpha.y},
-          {xy - alpha.z, -(xx + zz), yz + alpha.x},
-          {xz + alpha.y, yz - alpha.x, -(xx + yy)},
-          {yz, xz, xy},
-          {yy - zz, zz - xx, xx - yy}};
-  // clang-format on
+  const Spin<S>& E = at.E;
+  return {at.accel, alpha, E,
+          {E.z.y + alpha.x, E.x.z + alpha.y, E.y.x + alpha.z},
+          {E.y.y - E.z.z, E.z.z - E.x.x, E.x.x - E.y.y}};
 }
 
-/// The ten entries of the regressor that belong to one body and one coordinate, tau_i = w_i . n +
-/// v_i . f; needs forward_pass() and jacobian_pass(). Order: InertialParameters.
+/// The motion of a body that sits elsewhere on its link than in the link's frame.
+template <typename S>
+inline BodyMotion<S> body_motion(const LinkState<S>& at, const BodyPlace& place) {
+  if (place.is_identity) return body_motion(at);
+  LinkState<S> moved;
+  moved.omega = at.omega;
+  moved.alpha = at.alpha;
+  moved.accel = at.accel;
+  recursion_detail::carry(place.T_link_body, moved.omega, moved.alpha, moved.accel);
+  moved.E = spin(moved.omega, moved.alpha);
+  return body_motion(moved);
+}
+
+/// The ten entries of the regressor that belong to one body and one coordinate, or to several side
+/// by side, tau_i = w_i . n + v_i . f; needs forward_pass() and jacobian_pass(). Order:
+/// InertialParameters.
 ///
 /// @param put  called as put(k, entry) for k = 0 .. 9, so that entries go from registers to where
 /// they belong.
-template <typename S, typename Put>
-inline void regressor_entries(const BodyMotion<S>& b, const Column<S>& c, const Put& put) {
-  const Vec3<S>& w = c.w;
-  const Vec3<S> turned = cross(b.accel, w);  // w . (h x a) = h . (a x w)
+template <typename S, typename L, typename Put>
+inline void regressor_entries(const BodyMotion<S>& b, const Column<L>& c, const Put& put) {
+  const Vec3<L>& w = c.w;
+  const Vec3<L> turned = cross(b.accel, w);  // w . (h x a) = h . (a x w)
   put(0, dot(c.v, b.accel));
-  put(1, dot(c.v, b.E_x) + turned.x);
-  put(2, dot(c.v, b.E_y) + turned.y);
-  put(3, dot(c.v, b.E_z) + turned.z);
+  put(1, dot(c.v, b.E.x) + turned.x);
+  put(2, dot(c.v, b.E.y) + turned.y);
+  put(3, dot(c.v, b.E.z) + turned.z);
   put(4, w.x * b.alpha.x + w.y * b.products.y - w.z * b.products.z);
-  put(5, w.y * b.E_y.z - w.x * b.E_x.z + w.z * b.differences.z);
+  put(5, w.y * b.E.y.z - w.x * b.E.x.z + w.z * b.differences.z);
   put(6, w.y * b.alpha.y + w.z * b.products.z - w.x * b.products.x);
-  put(7, w.x * b.E_x.y - w.z * b.E_z.y + w.y * b.differences.y);
-  put(8, w.z * b.E_z.x - w.y * b.E_y.x + w.x * b.differences.x);
+  put(7, w.x * b.E.x.y - w.z * b.E.z.y + w.y * b.differences.y);
+  put(8, w.z * b.E.z.x - w.y * b.E.y.x + w.x * b.differences.x);
   put(9, w.z * b.alpha.z + w.x * b.products.x - w.y * b.products.y);
 }
 
-/// L a for the six entries of a symmetric tensor in the order of InertialParameters.
-template <typename P, typename S>
-inline Vec3<S> inertia_times(const P* L, const Vec3<S>& a) {
-  return {L[0] * a.x + L[1] * a.y + L[3] * a.z, L[1] * a.x + L[2] * a.y + L[4] * a.z,
-          L[3] * a.x + L[4] * a.y + L[5] * a.z};
-}
-
-/// Force and moment that one body needs for its motion; none where the link has no body.
-template <typename P, typename S>
-inline void body_force(const Links& tree, int k, const P* phi, const Workspace<S>& r) {
-  LinkState<S>& at = r.link[k];
-  at.force = recursion_detail::zero3<S>();
-  at.moment = recursion_detail::zero3<S>();
-  if (tree.link[k].body < 0) return;
-  const P* p = phi + 10 * tree.link[k].body;
-  const Vec3<P> h{p[1], p[2], p[3]};
-  const Vec3<S> swept = cross(at.omega, h);
-  const Vec3<S> spin = inertia_times(p + 4, at.omega);
-  const Vec3<S> weight{p[0] * at.accel.x, p[0] * at.accel.y, p[0] * at.accel.z};
-  at.force = weight + cross(at.alpha, h) + cross(at.omega, swept);
-  at.moment = inertia_times(p + 4, at.alpha) + cross(at.omega, spin) + cross(h, at.accel);
-}
-
-/// One link's share in the joint torques; its force and moment go on to its parent.
+/// Force and moment that a link needs for its own motion. Linear in accel and E: with their
+/// derivatives it gives those of force and moment.
 template <typename S>
-inline void backward_step(const Links& tree, int k, const Workspace<S>& r, S* tau) {
-  namespace d = recursion_detail;
-  const Link& link = tree.link[k];
-  const LinkState<S>& at = r.link[k];
-  Vec3<S> force = at.force;
-  Vec3<S> moment = at.moment;
-  if (!link.B_is_identity) d::carry_back(link.B, force, moment);
-  const S along = link.motion == Motion::kTurns ? moment.z : force.z;
-  for (int e = link.first_share; e < link.end_share; ++e) {
-    tau[tree.share[e].coordinate] += S(tree.share[e].coefficient) * along;
+inline void link_wrench(const Link& link, const LinkInertia& I, const Vec3<S>& accel,
+                        const Spin<S>& E, Vec3<S>& force, Vec3<S>& moment) {
+  using C = typename ConstantOf<S>::type;
+  const auto c = [](double x) { return static_cast<C>(x); };
+  if (link.type == JointType::kPrismatic) {
+    const auto h = constant<S>(I.h);
+    force = c(I.m) * accel + apply(E, h);
+    moment = cross(h, accel);
+    return;
   }
-  if (link.parent < 0) return;
-  if (link.motion == Motion::kTurns) {
-    force = d::turn(at.sine, at.cosine, force);
-    moment = d::turn(at.sine, at.cosine, moment);
-  } else if (link.motion == Motion::kSlides) {
-    moment.x -= at.s * force.y;  // (s z) x force
-    moment.y += at.s * force.x;
-  }
-  if (!link.A_is_identity) d::carry_back(link.A, force, moment);
-  LinkState<S>& above = r.link[link.parent];
-  above.force = above.force + force;
-  above.moment = above.moment + moment;
+  const C hx = c(I.h.x), hy = c(I.h.y);
+  const C xx = c(I.xx), xy = c(I.xy), yy = c(I.yy), xz = c(I.xz), yz = c(I.yz);
+  force = hx * E.x + hy * E.y;
+  // With X the second moments: the sum of x x E x is the skew part of E X.
+  moment = {xy * E.x.z + yy * E.y.z + yz * E.z.z - xz * E.x.y - yz * E.y.y + hy * accel.z,
+            xz * E.x.x + yz * E.y.x - xx * E.x.z - xy * E.y.z - xz * E.z.z - hx * accel.z,
+            xx * E.x.y + xy * E.y.y + xz * E.z.y - xy * E.x.x - yy * E.y.x - yz * E.z.x +
+                hx * accel.y - hy * accel.x};
 }
 
-/// Joint torques of rigid bodies with parameters phi (10 per body); needs forward_pass().
+/// The same for E = [alpha]x: what a link at rest needs.
+template <typename S>
+inline void link_wrench(const Link& link, const LinkInertia& I, const Vec3<S>& accel,
+                        const Vec3<S>& alpha, Vec3<S>& force, Vec3<S>& moment) {
+  using C = typename ConstantOf<S>::type;
+  const auto c = [](double x) { return static_cast<C>(x); };
+  if (link.type == JointType::kPrismatic) {
+    const auto h = constant<S>(I.h);
+    force = c(I.m) * accel + cross(alpha, h);
+    moment = cross(h, accel);
+    return;
+  }
+  const C hx = c(I.h.x), hy = c(I.h.y);
+  const C xx = c(I.xx), xy = c(I.xy), yy = c(I.yy), xz = c(I.xz), yz = c(I.yz), all = xx + yy;
+  force = {-(hy * alpha.z), hx * alpha.z, hy * alpha.x - hx * alpha.y};
+  moment = {yy * alpha.x - xy * alpha.y - xz * alpha.z + hy * accel.z,
+            xx * alpha.y - xy * alpha.x - yz * alpha.z - hx * accel.z,
+            all * alpha.z - xz * alpha.x - yz * alpha.y + hx * accel.y - hy * accel.x};
+}
+
+namespace recursion_detail {
+
+/// Force and moment of a link, about its joint's origin, in the frame of its parent.
+template <typename S, typename L>
+inline void to_parent(const Link& link, const Mat3<S>& R, const Vec3<L>& force,
+                      const Vec3<L>& moment, Vec3<L>& parent_force, Vec3<L>& parent_moment) {
+  const Vec3<L> f = from_joint(link, R, force);
+  parent_force = parent_force + f;
+  parent_moment = parent_moment + from_joint(link, R, moment);
+  if (link.A_moves) parent_moment = parent_moment + cross(constant<S>(link.A.p), f);
+}
+
+}  // namespace recursion_detail
+
+/// Forces that the links' own motions need; needs forward_pass().
+template <typename S>
+inline void force_pass(const Links& tree, const LinkInertia* inertia, const Workspace<S>& r) {
+  for (int k = 0; k < tree.count; ++k)
+    link_wrench(tree.link[k], inertia[k], r.link[k].accel, r.link[k].E, r.link[k].force,
+                r.link[k].moment);
+}
+
+/// Joint torques from the forces that stand in the links' states, which become those of all that a
+/// link carries.
 ///
 /// @param tau  n entries, overwritten.
-template <typename P, typename S>
-void backward_pass(const Links& tree, const P* phi, const Workspace<S>& r, S* tau) {
+template <typename S>
+inline void backward_pass(const Links& tree, const Workspace<S>& r, S* tau) {
+  using C = typename ConstantOf<S>::type;
   for (int i = 0; i < tree.joints; ++i) tau[i] = S(0.0);
-  for (int k = 0; k < tree.count; ++k) body_force(tree, k, phi, r);
-  for (int k = tree.count - 1; k >= 0; --k) backward_step(tree, k, r, tau);
+  for (int k = tree.count - 1; k >= 0; --k) {
+    const Link& link = tree.link[k];
+    const LinkState<S>& at = r.link[k];
+    const S& effort = link.type == JointType::kRevolute ? at.moment.z : at.force.z;
+    for (int e = link.first_coefficient; e < link.end_coefficient; ++e) {
+      const JointCoefficient& c = tree.coefficient[e];
+      tau[c.coordinate] += static_cast<C>(c.coefficient) * effort;
+    }
+    if (link.parent < 0) continue;
+    Vec3<S> moment = at.moment;
+    if (link.type == JointType::kPrismatic) {  // (s z) x force
+      moment.x -= at.s * at.force.y;
+      moment.y += at.s * at.force.x;
+    }
+    LinkState<S>& above = r.link[link.parent];
+    recursion_detail::to_parent(link, at.R, at.force, moment, above.force, above.moment);
+  }
+}
+
+/// Derivatives of a link's motion and forces along one direction of the state space, or several.
+template <typename L>
+struct Tangent {
+  Vec3<L> omega, alpha, accel;
+  Spin<L> E;
+  Vec3<L> force, moment;
+};
+
+/// The directions of a sweep of tangents: of q, dq and ddq; sums of them.
+enum : unsigned { kOfPosition = 1, kOfVelocity = 2, kOfAcceleration = 4 };
+
+/// How fast a joint variable and its derivatives change along the directions.
+template <typename L>
+struct Seed {
+  L s, ds, dds;
+};
+
+/// One link's tangents from its parent's; needs forward_pass().
+///
+/// @param above  tangents of the parent; null where they are zero.
+template <unsigned kOf, typename S, typename L>
+inline void tangent_step(const Link& link, const LinkInertia& I, const LinkState<S>& at,
+                         const Seed<L>& seed, const Tangent<L>* above, Tangent<L>& t) {
+  namespace d = recursion_detail;
+  constexpr bool kMoves = (kOf & (kOfPosition | kOfVelocity)) != 0;
+  const bool revolute = link.type == JointType::kRevolute;
+  t.omega = t.alpha = t.accel = d::zero3<L>();
+  if (above != nullptr) {
+    if constexpr (kMoves) t.omega = to_joint(link, at.R, above->omega);
+    t.alpha = to_joint(link, at.R, above->alpha);
+    Vec3<L> accel = above->accel;
+    if (link.A_moves) {
+      if constexpr (kMoves) accel = accel + apply(above->E, constant<S>(link.A.p));
+      if constexpr (!kMoves) accel = accel + cross(above->alpha, constant<S>(link.A.p));
+    }
+    t.accel = to_joint(link, at.R, accel);
+  }
+  if (revolute) {
+    if constexpr ((kOf & kOfPosition) != 0) {  // d(R' x)/ds = (R' x) x z
+      t.omega.x += seed.s * at.omega.y;
+      t.omega.y -= seed.s * at.omega.x;
+      t.alpha.x += seed.s * (at.alpha.y + at.ds * at.omega.x);  // alpha before the joint's own
+      t.alpha.y -= seed.s * (at.alpha.x - at.ds * at.omega.y);
+      t.accel.x += seed.s * at.accel.y;
+      t.accel.y -= seed.s * at.accel.x;
+    }
+    if constexpr (kMoves) {
+      t.alpha.x += at.ds * t.omega.y;
+      t.alpha.y -= at.ds * t.omega.x;
+    }
+    if constexpr ((kOf & kOfVelocity) != 0) {
+      t.alpha.x += seed.ds * at.omega.y;
+      t.alpha.y -= seed.ds * at.omega.x;
+      t.omega.z += seed.ds;
+    }
+    if constexpr ((kOf & kOfAcceleration) != 0) t.alpha.z += seed.dds;
+  }
+  if constexpr (kMoves) {
+    const L xx = (at.omega.x + at.omega.x) * t.omega.x;
+    const L yy = (at.omega.y + at.omega.y) * t.omega.y;
+    const L zz = (at.omega.z + at.omega.z) * t.omega.z;
+    const L yz = at.omega.y * t.omega.z + at.omega.z * t.omega.y;
+    const L xz = at.omega.x * t.omega.z + at.omega.z * t.omega.x;
+    const L xy = at.omega.x * t.omega.y + at.omega.y * t.omega.x;
+    t.E = {{-(yy + zz), xy + t.alpha.z, xz - t.alpha.y},
+           {xy - t.alpha.z, -(xx + zz), yz + t.alpha.x},
+           {xz + t.alpha.y, yz - t.alpha.x, -(xx + yy)}};
+  }
+  if (!revolute) {
+    if constexpr ((kOf & kOfPosition) != 0) t.accel = t.accel + seed.s * at.E.z;
+    if constexpr (kMoves) {
+      const S twice = at.ds + at.ds;
+      t.accel = t.accel + at.s * t.E.z;
+      t.accel.x += twice * t.omega.y;
+      t.accel.y -= twice * t.omega.x;
+    } else {
+      t.accel.x += at.s * t.alpha.y;
+      t.accel.y -= at.s * t.alpha.x;
+    }
+    if constexpr ((kOf & kOfVelocity) != 0) {
+      const L twice = seed.ds + seed.ds;
+      t.accel.x += twice * at.omega.y;
+      t.accel.y -= twice * at.omega.x;
+    }
+    if constexpr ((kOf & kOfAcceleration) != 0) t.accel.z += seed.dds;
+  }
+  if constexpr (kMoves) link_wrench(link, I, t.accel, t.E, t.force, t.moment);
+  if constexpr (!kMoves) link_wrench(link, I, t.accel, t.alpha, t.force, t.moment);
+}
+
+/// One link's tangents of force and moment on to its parent's, once backward_pass() has been there.
+template <unsigned kOf, typename S, typename L>
+inline void tangent_back(const Link& link, const LinkState<S>& at, const Seed<L>& seed,
+                         const Tangent<L>& t, Tangent<L>& above) {
+  Vec3<L> force = t.force;
+  Vec3<L> moment = t.moment;
+  if (link.type == JointType::kPrismatic) {
+    moment.x -= at.s * force.y;
+    moment.y += at.s * force.x;
+  }
+  if constexpr ((kOf & kOfPosition) != 0) {  // d(R x)/ds = R (z x x)
+    if (link.type == JointType::kRevolute) {
+      force.x -= seed.s * at.force.y;
+      force.y += seed.s * at.force.x;
+      moment.x -= seed.s * at.moment.y;
+      moment.y += seed.s * at.moment.x;
+    } else {
+      moment.x -= seed.s * at.force.y;
+      moment.y += seed.s * at.force.x;
+    }
+  }
+  recursion_detail::to_parent(link, at.R, force, moment, above.force, above.moment);
 }
 
 }  // namespace veridyn

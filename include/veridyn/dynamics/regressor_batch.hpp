@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "veridyn/dynamics/link_inertia.hpp"
 #include "veridyn/kinematics/tree.hpp"
 #include "veridyn/math/types.hpp"
 #include "veridyn/model/model.hpp"
@@ -59,16 +60,22 @@ class RegressorBatch {
   /// The derivatives of the torques: column d n + i holds dtau_i / dx_d, x = (q, dq, ddq).
   ///
   /// @param slopes  (rows x 3 n^2); sized here.
+  void torque_derivatives(const MatrixRef& q, const MatrixRef& dq, const MatrixRef& ddq,
+                          const VectorRef& phi, MatrixXd& slopes) const;
+
+  /// Former name.
   void torque_slopes(const MatrixRef& q, const MatrixRef& dq, const MatrixRef& ddq,
-                     const VectorRef& phi, MatrixXd& slopes) const;
+                     const VectorRef& phi, MatrixXd& slopes) const {
+    torque_derivatives(q, dq, ddq, phi, slopes);
+  }
 
  private:
-  void require_inertias(const VectorRef& phi) const;
+  std::vector<LinkInertia> inertias(const VectorRef& phi) const;
 
   Tree tree_;
   std::vector<std::vector<int>> columns_;
-  std::vector<int>
-      column_of_mover_;  // first of a body's columns in its joint's matrix; -1: no body
+  /// First of body b's columns in joint i's matrix, at b n + i; -1: the joint does not move it.
+  std::vector<int> first_column_;
 };
 
 }  // namespace veridyn

@@ -1,16 +1,34 @@
 #pragma once
 
-#include <memory>
 #include <vector>
 
-#include "veridyn/dynamics/recursion.hpp"
+#include "veridyn/dynamics/link_inertia.hpp"
 #include "veridyn/kinematics/tree.hpp"
 #include "veridyn/math/types.hpp"
 #include "veridyn/model/model.hpp"
 
 namespace veridyn {
 
-class StateModel;  // internal
+/// A wrench that the environment exerts on the arm at the origin of a frame, written in that frame.
+struct FrameWrench {
+  int frame = 0;  ///< index in the model
+  Eigen::Vector3d force{0, 0, 0};   ///< [N]
+  Eigen::Vector3d moment{0, 0, 0};  ///< [N m]
+};
+
+namespace internal {
+
+/// Memory whose first double is aligned for the widest vectors; copies have one of their own.
+class AlignedWorkspace {
+ public:
+  explicit AlignedWorkspace(std::size_t bytes);
+  double* get();
+
+ private:
+  std::vector<double> memory_;
+};
+
+}  // namespace internal
 
 /// The rigid bodies of an arm in motion, in one convention (thesis 4.10 with the errata):
 ///
@@ -19,7 +37,8 @@ class StateModel;  // internal
 /// Friction and the other effects are not in here. Owns its workspace: after the constructor
 /// nothing allocates, and one object serves one thread. Inputs must be stored vectors of n entries
 /// (an expression passed for a VectorRef allocates); sizes are asserted, not thrown about, because
-/// this runs in control loops.
+/// this runs in control loops. The algorithms are those of arm_algorithms.hpp, compiled for doubles
+/// and for the widest vectors that the processor has.
 class RigidBodyDynamics {
  public:
   /// @param phi  (10 * bodies) mass, first moments and inertias of all bodies, ten of each in the order
@@ -33,13 +52,18 @@ class RigidBodyDynamics {
   void inverse_dynamics(const VectorRef& q, const VectorRef& dq, const VectorRef& ddq,
                         VectorXd& tau);
 
+  /// The same where the environment acts on the arm: tau = M ddq + C dq + g - sum of J' w. At most
+  /// as many wrenches as the arm has frames.
+  void inverse_dynamics(const VectorRef& q, const VectorRef& dq, const VectorRef& ddq,
+                        const std::vector<FrameWrench>& external, VectorXd& tau);
+
   /// g(q), (n).
   void gravity_torques(const VectorRef& q, VectorXd& g);
 
   /// M(q), (n x n), symmetric.
   void mass_matrix(const VectorRef& q, MatrixXd& M);
 
-  /// C(q, dq), (n x n), the choice for which dM/dt - 2 C is skew symmetric.
+  /// C(q, dq), (n x n), of Christoffel's symbols: dM/dt - 2 C is skew symmetric.
   void coriolis_matrix(const VectorRef& q, const VectorRef& dq, MatrixXd& C);
 
   /// ddq from torques that act on the rigid bodies. False if M is not positive definite there.
@@ -50,36 +74,45 @@ class RigidBodyDynamics {
   void equation_of_motion(const VectorRef& q, const VectorRef& dq, MatrixXd& M, VectorXd& h);
 
   /// Derivatives of inverse dynamics, (n x n) each: column j is by coordinate j.
-  struct TorqueSlopes {
+  struct TorqueDerivatives {
     MatrixXd by_q, by_dq, by_ddq;  ///< by_ddq is M(q)
   };
+  using TorqueSlopes = TorqueDerivatives;  ///< former name
 
-  /// tau and its derivatives, analytically: tangents of the Newton-Euler recursion, eight
+  /// tau and its derivatives, analytically: tangents of the Newton-Euler recursion, several
   /// directions side by side.
-  void inverse_dynamics_slopes(const VectorRef& q, const VectorRef& dq, const VectorRef& ddq,
-                               VectorXd& tau, TorqueSlopes& slopes);
+  void inverse_dynamics_derivatives(const VectorRef& q, const VectorRef& dq, const VectorRef& ddq,
+                                    VectorXd& tau, TorqueDerivatives& derivatives);
 
   /// Derivatives of forward dynamics, (n x n) each.
-  struct AccelerationSlopes {
+  struct AccelerationDerivatives {
     MatrixXd by_q, by_dq, by_tau;  ///< by_tau is the inverse of M(q)
   };
+  using AccelerationSlopes = AccelerationDerivatives;  ///< former name
 
   /// ddq and its derivatives, from those of inverse dynamics at ddq: -M^-1 dtau/dx. False if M is
   /// not positive definite there.
+  bool forward_dynamics_derivatives(const VectorRef& q, const VectorRef& dq, const VectorRef& tau,
+                                    VectorXd& ddq, AccelerationDerivatives& derivatives);
+
+  /// Former names.
+  void inverse_dynamics_slopes(const VectorRef& q, const VectorRef& dq, const VectorRef& ddq,
+                               VectorXd& tau, TorqueDerivatives& derivatives) {
+    inverse_dynamics_derivatives(q, dq, ddq, tau, derivatives);
+  }
   bool forward_dynamics_slopes(const VectorRef& q, const VectorRef& dq, const VectorRef& tau,
-                               VectorXd& ddq, AccelerationSlopes& slopes);
+                               VectorXd& ddq, AccelerationDerivatives& derivatives) {
+    return forward_dynamics_derivatives(q, dq, tau, ddq, derivatives);
+  }
 
  private:
-  double* memory();
+  friend class EquationOfMotion;
 
   Tree tree_;
-  VectorXd phi_;
-  VectorXd rest_;
-  Recursion<double> recursion_;
-  std::shared_ptr<const StateModel> state_;
-  std::vector<double> memory_;
+  std::vector<LinkInertia> inertia_;
+  internal::AlignedWorkspace memory_;
+  std::vector<LinkWrench> wrenches_;
   MatrixXd M_;
-  VectorXd bias_;
 };
 
 /// torque_regressor() of one arm again and again: after the constructor nothing allocates.
@@ -91,8 +124,8 @@ class TorqueRegressor {
   void evaluate(const VectorRef& q, const VectorRef& dq, const VectorRef& ddq, MatrixXd& Y);
 
  private:
-  std::shared_ptr<const StateModel> state_;
-  std::vector<double> memory_;
+  Tree tree_;
+  internal::AlignedWorkspace memory_;
 };
 
 /// Joint torques as a linear map of the bodies' inertial parameters:

@@ -86,11 +86,19 @@ struct AxisMotion {
   std::optional<std::vector<double>> waves{};
 };
 
+/// A range of the axis' motion, or of that of `from`, in which an effect's columns change; beyond it
+/// they do not.
+struct ActiveRange {
+  bool of_source = false;
+  bool of_velocity = false;  ///< else of the position
+  double low = 0.0, high = 0.0;
+};
+
 /// Values of shape constants, by name.
 using ShapeChoice = std::map<std::string, double>;
 
 constexpr int kMaxEffectShapes = 6;
-constexpr int kMaxEffectParameters = 6;
+constexpr int kMaxEffectParameters = 12;
 constexpr int kMaxEffectStates = 8;
 
 using ShapeValues = std::array<double, kMaxEffectShapes>;
@@ -120,6 +128,9 @@ class Effect {
   /// combinations of the constants' own grids. One empty choice where there is nothing to choose;
   /// none where a spectrum proposes no wave.
   virtual std::vector<ShapeChoice> grid(const AxisMotion& motion) const;
+
+  /// Where states must lie that are to tell the columns apart; empty: anywhere.
+  virtual std::vector<ActiveRange> active_ranges(const ShapeValues& /*shape*/) const { return {}; }
 
   /// What was found, in a technician's words, to stand after "Joint 3 has": "0.50 N of friction
   /// with memory: after a reversal it builds up over 0.14 mm".

@@ -48,6 +48,7 @@ struct EffectTraits {
   bool holds_at_rest = false;  ///< moves a joint at rest, like a spring or a cable
   bool lasting = false;        ///< the same on every day; friction and offsets are not
   bool elementary = false;     ///< in every joint, different every day: level, damping, zero
+  bool tabulated = false;      ///< a measured curve and no cause: it has no name
   bool mixed_axes = false;     ///< plausible along a combination of coordinates (a tendon, a wrist)
   /// False: describes measured motion to first order, and would be unstable as a force in a forward
   /// simulation.

@@ -10,12 +10,17 @@ namespace veridyn {
 /// <math.h>. With NAME for the arm's name in letters, digits and underscores:
 ///
 ///   void NAME_inverse_dynamics(q, dq, ddq, tau)          tau[n] of the rigid bodies
+///   void NAME_gravity(q, tau)                            tau[n] at rest
+///   void NAME_mass_matrix(q, M)                          M[n][n]
+///   void NAME_forward_dynamics(q, dq, tau, ddq)          ddq[n]
+///   void NAME_derivatives(q, dq, ddq, by_q, by_dq)       [n][n] each, of inverse_dynamics
 ///   void NAME_regressor(q, dq, ddq, Y)                   Y[n][10 b], tau = Y * NAME_phi
 ///   void NAME_friction(q, dq, ddq, memory, tau)          tau[n] of friction and all other effects
 ///   void NAME_torque(q, dq, ddq, memory, tau)            the sum of the two
 ///
 /// and constants NAME_joints, NAME_parameters, NAME_memory, NAME_phi, NAME_joint_names,
-/// NAME_parameter_names. `memory` starts as zeros, one for every simulated or recorded arm; effects
+/// NAME_parameter_names. Numbers are doubles; in C floats where NAME_real is defined as float before,
+/// in C++ either, for the functions are templates there. `memory` starts as zeros, one for every simulated or recorded arm; effects
 /// with a memory see the states of successive calls. The recursions are unrolled for the arm: what
 /// is zero or one in its geometry is not computed. Effects that count time or describe measured
 /// motion are left out; a comment in the file names them.

@@ -7,6 +7,9 @@
 
 namespace veridyn {
 
+/// Of a joint's range and speed: what moves less shows friction at one place and inertia in the noise.
+constexpr double kHardlyMoves = 0.05;
+
 /// How good an identification is on one joint.
 enum class IdentifiedState {
   kAtFloor,      ///< the model leaves little more than the noise

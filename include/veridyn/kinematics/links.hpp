@@ -1,6 +1,7 @@
 #pragma once
 
 #include "veridyn/math/vector3.hpp"
+#include "veridyn/model/joint_type.hpp"
 
 // A tree as the recursions read it: plain arrays and nothing that brings inline functions of its
 // own. Kernels for several instruction sets are compiled against this, and must not share code with
@@ -8,45 +9,58 @@
 
 namespace veridyn {
 
-enum class Motion { kNone, kTurns, kSlides };
-
 /// One term of a joint variable s = c . q + s0.
-struct Share {
+struct JointCoefficient {
   int coordinate;
   double coefficient;
 };
 
 /// One coordinate that moves a link: one column of the link's Jacobian.
-struct Mover {
+struct SupportingCoordinate {
   int coordinate;
-  int above;     ///< index of the same coordinate among the movers of the parent link, or -1
-  double share;  ///< coefficient in the link's own joint variable, or 0
+  int parent_entry;    ///< index of the same coordinate among those of the parent link, or -1
+  double coefficient;  ///< in the link's own joint variable, or 0
 };
 
 /// T_parent_link = A * J(s) * B, where J turns about z or slides along z.
 struct Link {
-  int frame;   ///< index in the model
+  int frame;   ///< index in the model; -1: none
   int parent;  ///< index of the link it hangs on; -1: the world
   int body;    ///< index of its body, or -1
-  Motion motion;
-  bool A_is_identity;
+  JointType type;
+  bool A_moves;  ///< false: the joint's origin is that of the parent
   bool B_is_identity;
+  bool quarter_turn;  ///< A turns about x by exactly +-90 degrees, as most axes of most arms do
   Posed A;        ///< T_parent_joint
   Posed B;        ///< T_joint_link
   double offset;  ///< s0
-  int first_share, end_share;
-  int first_mover, end_mover;  ///< in ascending order of coordinates
+  int first_coefficient, end_coefficient;
+  int first_support, end_support;  ///< in ascending order of coordinates
+};
+
+/// A body's place on a link.
+struct BodyPlace {
+  int link;  ///< -1: the world
+  bool is_identity;
+  Posed T_link_body;
 };
 
 /// Parents before children. The arrays belong to a Tree.
 struct Links {
   int joints;
-  int count;   ///< links
-  int movers;  ///< Number of all links' entries together
+  int count;     ///< links
+  int supports;  ///< Number of all links' entries together
+  int bodies;
   const Link* link;
-  const Share* share;
-  const Mover* mover;
+  const JointCoefficient* coefficient;
+  const SupportingCoordinate* support;
+  const BodyPlace* body;
   Vec3d gravity;
+  /// Directions of the state space as lanes are seeded with them, link by link: `seed_width` entries
+  /// (c of s = c . q, then n zeros) for positions, and as many (n zeros, then c) for velocities.
+  const double* seeds;
+  int seed_width;
+  const int* first_moved;  ///< first link that a coordinate moves, by coordinate; -1: none
 };
 
 }  // namespace veridyn

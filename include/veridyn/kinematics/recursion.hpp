@@ -5,20 +5,74 @@
 #include "veridyn/kinematics/links.hpp"
 #include "veridyn/math/sine_cosine.hpp"
 
-// Motion along the tree, over any scalar S: double, a pack of samples, a dual number. One source
-// for all of them. All vectors of a link are written in the link's own frame, at its origin.
+// Motion along the tree, over any scalar S: double, float, a pack of samples, a dual number, a
+// number that remembers how it was computed, a user's own with + - * and sine_cosine(). One source
+// for all of them, and no dependency. All vectors of a link are written in the link's own frame, at
+// its origin.
 //
 // Source of the forms: Featherstone, Rigid Body Dynamics Algorithms, 2008, ch. 5.
 
 namespace veridyn {
 
+/// Constants are doubles; beside floats they become floats, so that arithmetic stays there.
+template <typename S>
+struct ConstantOf {
+  using type = double;
+};
+template <>
+struct ConstantOf<float> {
+  using type = float;
+};
+
+template <typename S>
+inline Vec3<typename ConstantOf<S>::type> constant(const Vec3d& a) {
+  using C = typename ConstantOf<S>::type;
+  return {static_cast<C>(a.x), static_cast<C>(a.y), static_cast<C>(a.z)};
+}
+
+template <typename S>
+inline Mat3<typename ConstantOf<S>::type> constant(const Mat3d& R) {
+  return {constant<S>(R.row0), constant<S>(R.row1), constant<S>(R.row2)};
+}
+
+/// E = [alpha]x + [omega]x [omega]x by columns: a point at p accelerates by E p against the origin.
+template <typename S>
+struct Spin {
+  Vec3<S> x, y, z;
+};
+
+template <typename S>
+inline Spin<S> spin(const Vec3<S>& omega, const Vec3<S>& alpha) {
+  const S xx = omega.x * omega.x;
+  const S yy = omega.y * omega.y;
+  const S zz = omega.z * omega.z;
+  const S yz = omega.y * omega.z;
+  const S xz = omega.x * omega.z;
+  const S xy = omega.x * omega.y;
+  // clang-format off
+  return {{-(yy + zz), xy + alpha.z, xz - alpha.y},
+          {xy - alpha.z, -(xx + zz), yz + alpha.x},
+          {xz + alpha.y, yz - alpha.x, -(xx + yy)}};
+  // clang-format on
+}
+
+/// E p.
+template <typename S, typename C>
+inline Vec3<S> apply(const Spin<S>& E, const Vec3<C>& p) {
+  return p.x * E.x + p.y * E.y + p.z * E.z;
+}
+
 template <typename S>
 struct LinkState {
-  S s, sine, cosine, ds, dds;
-  Vec3<S> omega;  ///< angular velocity
-  Vec3<S> alpha;  ///< its derivative
-  Vec3<S> accel;  ///< acceleration of the origin, minus gravity
-  Vec3<S> force, moment;
+  S s, ds, dds;      ///< joint variable and its derivatives
+  S sine, cosine;    ///< of s; only where the joint is revolute
+  Mat3<S> R;         ///< R_parent_joint
+  Vec3<S> omega;     ///< angular velocity
+  Vec3<S> alpha;     ///< its derivative
+  Vec3<S> accel;     ///< acceleration of the origin, minus gravity
+  Spin<S> E;         ///< of omega and alpha
+  Vec3<S> force;     ///< that the link and all that it carries need
+  Vec3<S> moment;
 };
 
 /// Angular and linear velocity of a link per unit of one coordinate's velocity.
@@ -31,8 +85,8 @@ struct Column {
 template <typename S>
 struct Workspace {
   LinkState<S>* link;        ///< one per link
-  Column<S>* jacobian;       ///< one per mover
-  Column<S>* jacobian_rate;  ///< one per mover, time derivative within the link's frame
+  Column<S>* jacobian;       ///< one per supporting coordinate
+  Column<S>* jacobian_rate;  ///< likewise, time derivative within the link's frame
 };
 
 /// A workspace with its memory; sized once, reused for ever.
@@ -40,7 +94,7 @@ template <typename S>
 class Recursion : public Workspace<S> {
  public:
   explicit Recursion(const Links& tree)
-      : links_(static_cast<size_t>(tree.count)), columns_(2 * static_cast<size_t>(tree.movers)) {
+      : links_(static_cast<size_t>(tree.count)), columns_(2 * static_cast<size_t>(tree.supports)) {
     point();
   }
   Recursion(const Recursion& other) : links_(other.links_), columns_(other.columns_) { point(); }
@@ -69,57 +123,67 @@ inline Vec3<S> zero3() {
   return {S(0.0), S(0.0), S(0.0)};
 }
 
-/// Rz(s)' a.
-template <typename S>
-inline Vec3<S> turn_back(const S& sine, const S& cosine, const Vec3<S>& a) {
-  return {cosine * a.x + sine * a.y, cosine * a.y - sine * a.x, a.z};
-}
-
-/// Rz(s) a.
-template <typename S>
-inline Vec3<S> turn(const S& sine, const S& cosine, const Vec3<S>& a) {
-  return {cosine * a.x - sine * a.y, cosine * a.y + sine * a.x, a.z};
-}
-
 /// omega, alpha, accel from one end of a rigid piece to the other.
 template <typename S>
 inline void carry(const Posed& T, Vec3<S>& omega, Vec3<S>& alpha, Vec3<S>& accel) {
-  const Vec3<S> swept = cross(omega, T.p);
-  accel = accel + cross(alpha, T.p) + cross(omega, swept);
-  omega = rotate_back(T.R, omega);
-  alpha = rotate_back(T.R, alpha);
-  accel = rotate_back(T.R, accel);
+  const auto p = constant<S>(T.p);
+  const auto R = constant<S>(T.R);
+  const Vec3<S> swept = cross(omega, p);
+  accel = rotate_back(R, accel + cross(alpha, p) + cross(omega, swept));
+  omega = rotate_back(R, omega);
+  alpha = rotate_back(R, alpha);
 }
 
 /// One column of a Jacobian across a rigid piece.
 template <typename S>
 inline void carry(const Posed& T, Vec3<S>& w, Vec3<S>& v) {
-  v = rotate_back(T.R, v + cross(w, T.p));
-  w = rotate_back(T.R, w);
+  const auto R = constant<S>(T.R);
+  v = rotate_back(R, v + cross(w, constant<S>(T.p)));
+  w = rotate_back(R, w);
 }
 
 }  // namespace recursion_detail
 
-/// One link's joint variable, its derivatives, and the sine and cosine.
+/// c . x of one link's joint variable.
 template <typename S>
-inline void joint_step(const Links& tree, int k, const S* q, const S* dq, const S* ddq,
-                       const Workspace<S>& r) {
-  const Link& link = tree.link[k];
-  S s(link.offset);
-  S ds(0.0);
-  S dds(0.0);
-  for (int e = link.first_share; e < link.end_share; ++e) {
-    const S c(tree.share[e].coefficient);
-    const int i = tree.share[e].coordinate;
-    s += c * q[i];
-    ds += c * dq[i];
-    dds += c * ddq[i];
+inline S along_joint(const Links& tree, const Link& link, const S* x) {
+  using C = typename ConstantOf<S>::type;
+  S sum(0.0);
+  for (int e = link.first_coefficient; e < link.end_coefficient; ++e)
+    sum += static_cast<C>(tree.coefficient[e].coefficient) * x[tree.coefficient[e].coordinate];
+  return sum;
+}
+
+/// R_parent_joint from the sine and cosine that stand in the link's state.
+template <typename S>
+inline void rotation_step(const Link& link, LinkState<S>& at) {
+  const auto A = constant<S>(link.A.R);
+  if (link.type != JointType::kRevolute) {
+    at.R = {{S(A.row0.x), S(A.row0.y), S(A.row0.z)},
+            {S(A.row1.x), S(A.row1.y), S(A.row1.z)},
+            {S(A.row2.x), S(A.row2.y), S(A.row2.z)}};
+    return;
   }
-  LinkState<S>& at = r.link[k];
-  at.s = s;
-  at.ds = ds;
-  at.dds = dds;
-  if (link.motion == Motion::kTurns) sine_cosine(s, at.sine, at.cosine);
+  const S& c = at.cosine;
+  const S& s = at.sine;
+  at.R = {{A.row0.x * c + A.row0.y * s, A.row0.y * c - A.row0.x * s, S(A.row0.z)},
+          {A.row1.x * c + A.row1.y * s, A.row1.y * c - A.row1.x * s, S(A.row1.z)},
+          {A.row2.x * c + A.row2.y * s, A.row2.y * c - A.row2.x * s, S(A.row2.z)}};
+}
+
+/// R' a, from the axes of the parent to those of the joint. Five products do where A is a quarter
+/// turn.
+template <typename S, typename V>
+inline Vec3<V> to_joint(const Link& link, const Mat3<S>& R, const Vec3<V>& a) {
+  if (!link.quarter_turn) return rotate_back(R, a);
+  return {R.row0.x * a.x + R.row2.x * a.z, R.row0.y * a.x + R.row2.y * a.z, R.row1.z * a.y};
+}
+
+/// R a.
+template <typename S, typename V>
+inline Vec3<V> from_joint(const Link& link, const Mat3<S>& R, const Vec3<V>& a) {
+  if (!link.quarter_turn) return rotate(R, a);
+  return {R.row0.x * a.x + R.row0.y * a.y, R.row1.z * a.z, R.row2.x * a.x + R.row2.y * a.y};
 }
 
 /// One link's velocity and acceleration from its parent's.
@@ -130,122 +194,127 @@ inline void forward_step(const Links& tree, int k, const Vec3d& gravity, const W
   LinkState<S>& at = r.link[k];
   Vec3<S> omega = d::zero3<S>();
   Vec3<S> alpha = d::zero3<S>();
-  Vec3<S> accel{S(-gravity.x), S(-gravity.y), S(-gravity.z)};
+  Vec3<S> accel;
   if (link.parent >= 0) {
     const LinkState<S>& above = r.link[link.parent];
-    omega = above.omega;
-    alpha = above.alpha;
+    omega = to_joint(link, at.R, above.omega);
+    alpha = to_joint(link, at.R, above.alpha);
     accel = above.accel;
+    if (link.A_moves) accel = accel + apply(above.E, constant<S>(link.A.p));
+    accel = to_joint(link, at.R, accel);
+  } else {
+    accel = rotate_back(at.R, constant<S>(Vec3d{-gravity.x, -gravity.y, -gravity.z}));
   }
-  if (!link.A_is_identity) d::carry(link.A, omega, alpha, accel);
-  if (link.motion == Motion::kTurns) {
-    omega = d::turn_back(at.sine, at.cosine, omega);
-    alpha = d::turn_back(at.sine, at.cosine, alpha);
-    accel = d::turn_back(at.sine, at.cosine, accel);
+  if (link.type == JointType::kRevolute) {
     alpha.x += omega.y * at.ds;  // omega_parent x z ds
     alpha.y -= omega.x * at.ds;
     alpha.z += at.dds;
     omega.z += at.ds;
-  } else if (link.motion == Motion::kSlides) {
-    const Vec3<S> along{S(0.0), S(0.0), at.s};
-    const Vec3<S> swept = cross(omega, along);
+  }
+  at.E = spin(omega, alpha);
+  if (link.type == JointType::kPrismatic) {
     const S twice = at.ds + at.ds;
-    accel = accel + cross(alpha, along) + cross(omega, swept);
+    accel = accel + at.s * at.E.z;
     accel.x += omega.y * twice;  // 2 omega x z ds
     accel.y -= omega.x * twice;
     accel.z += at.dds;
   }
-  if (!link.B_is_identity) d::carry(link.B, omega, alpha, accel);
+  if (!link.B_is_identity) {
+    d::carry(link.B, omega, alpha, accel);
+    at.E = spin(omega, alpha);
+  }
   at.omega = omega;
   at.alpha = alpha;
   at.accel = accel;
 }
 
+/// Joint variables and rotations. @param q, dq, ddq  n entries each.
+template <typename S>
+inline void joint_pass(const Links& tree, const S* q, const S* dq, const S* ddq,
+                       const Workspace<S>& r) {
+  using C = typename ConstantOf<S>::type;
+  for (int k = 0; k < tree.count; ++k) {
+    const Link& link = tree.link[k];
+    LinkState<S>& at = r.link[k];
+    at.s = along_joint(tree, link, q) + S(static_cast<C>(link.offset));
+    at.ds = along_joint(tree, link, dq);
+    at.dds = along_joint(tree, link, ddq);
+    if (link.type == JointType::kRevolute) sine_cosine(at.s, at.sine, at.cosine);
+    rotation_step(link, at);
+  }
+}
+
 /// Joint variables, velocities and accelerations of all links.
 ///
-/// @param q, dq, ddq  n entries each.
-/// @param gravity     in the world [m/s^2]; zero for pure motion.
+/// @param gravity  in the world [m/s^2]; zero for pure motion.
 template <typename S>
-void forward_pass(const Links& tree, const S* q, const S* dq, const S* ddq, const Vec3d& gravity,
-                  const Workspace<S>& r) {
-  for (int k = 0; k < tree.count; ++k) joint_step(tree, k, q, dq, ddq, r);
+inline void forward_pass(const Links& tree, const S* q, const S* dq, const S* ddq,
+                         const Vec3d& gravity, const Workspace<S>& r) {
+  joint_pass(tree, q, dq, ddq, r);
   for (int k = 0; k < tree.count; ++k) forward_step(tree, k, gravity, r);
 }
 
-/// Body Jacobian of one link from its parent's.
-template <typename S>
-inline void jacobian_step(const Links& tree, int k, const Workspace<S>& r) {
-  namespace d = recursion_detail;
-  const Link& link = tree.link[k];
-  const LinkState<S>& at = r.link[k];
-  for (int m = link.first_mover; m < link.end_mover; ++m) {
-    const Mover& mover = tree.mover[m];
-    Vec3<S> w = d::zero3<S>();
-    Vec3<S> v = d::zero3<S>();
-    if (mover.above >= 0) {
-      w = r.jacobian[mover.above].w;
-      v = r.jacobian[mover.above].v;
-      if (!link.A_is_identity) d::carry(link.A, w, v);
-      if (link.motion == Motion::kTurns) {
-        w = d::turn_back(at.sine, at.cosine, w);
-        v = d::turn_back(at.sine, at.cosine, v);
-      } else if (link.motion == Motion::kSlides) {
-        v.x += w.y * at.s;
-        v.y -= w.x * at.s;
-      }
-    }
-    if (mover.share != 0.0 && link.motion == Motion::kTurns) w.z += S(mover.share);
-    if (mover.share != 0.0 && link.motion == Motion::kSlides) v.z += S(mover.share);
-    if (!link.B_is_identity) d::carry(link.B, w, v);
-    r.jacobian[m].w = w;
-    r.jacobian[m].v = v;
+/// A column of the parent's Jacobian, or several side by side, at the link's joint: as it moves with
+/// the link.
+template <typename S, typename L>
+inline Column<L> to_joint(const Link& link, const LinkState<S>& at, const Column<L>& above) {
+  Vec3<L> v = above.v;
+  if (link.A_moves) v = v + cross(above.w, constant<S>(link.A.p));
+  Column<L> c{to_joint(link, at.R, above.w), to_joint(link, at.R, v)};
+  if (link.type == JointType::kPrismatic) {
+    c.v.x += at.s * c.w.y;
+    c.v.y -= at.s * c.w.x;
   }
+  return c;
 }
 
 /// Body Jacobians of all links; needs forward_pass() of the same q.
 template <typename S>
-void jacobian_pass(const Links& tree, const Workspace<S>& r) {
-  for (int k = 0; k < tree.count; ++k) jacobian_step(tree, k, r);
+inline void jacobian_pass(const Links& tree, const Workspace<S>& r) {
+  namespace d = recursion_detail;
+  using C = typename ConstantOf<S>::type;
+  for (int k = 0; k < tree.count; ++k) {
+    const Link& link = tree.link[k];
+    for (int m = link.first_support; m < link.end_support; ++m) {
+      const SupportingCoordinate& i = tree.support[m];
+      Column<S> c{d::zero3<S>(), d::zero3<S>()};
+      if (i.parent_entry >= 0) c = to_joint(link, r.link[k], r.jacobian[i.parent_entry]);
+      if (i.coefficient != 0.0 && link.type == JointType::kRevolute)
+        c.w.z += S(static_cast<C>(i.coefficient));
+      if (i.coefficient != 0.0 && link.type == JointType::kPrismatic)
+        c.v.z += S(static_cast<C>(i.coefficient));
+      if (!link.B_is_identity) d::carry(link.B, c.w, c.v);
+      r.jacobian[m] = c;
+    }
+  }
 }
 
 /// Time derivatives of the body Jacobians, taken within each link's frame; needs forward_pass() and
 /// jacobian_pass().
 template <typename S>
-void jacobian_rate_pass(const Links& tree, const Workspace<S>& r) {
+inline void jacobian_rate_pass(const Links& tree, const Workspace<S>& r) {
   namespace d = recursion_detail;
   for (int k = 0; k < tree.count; ++k) {
     const Link& link = tree.link[k];
     const LinkState<S>& at = r.link[k];
-    for (int m = link.first_mover; m < link.end_mover; ++m) {
-      const int above = tree.mover[m].above;
-      Vec3<S> dw = d::zero3<S>();
-      Vec3<S> dv = d::zero3<S>();
+    for (int m = link.first_support; m < link.end_support; ++m) {
+      const int above = tree.support[m].parent_entry;
+      Column<S> rate{d::zero3<S>(), d::zero3<S>()};
       if (above >= 0) {
-        Vec3<S> w = r.jacobian[above].w;
-        Vec3<S> v = r.jacobian[above].v;
-        dw = r.jacobian_rate[above].w;
-        dv = r.jacobian_rate[above].v;
-        if (!link.A_is_identity) {
-          d::carry(link.A, w, v);
-          d::carry(link.A, dw, dv);
+        const Column<S> c = to_joint(link, at, r.jacobian[above]);
+        rate = to_joint(link, at, r.jacobian_rate[above]);
+        if (link.type == JointType::kRevolute) {
+          rate.w.x += c.w.y * at.ds;  // w x z ds
+          rate.w.y -= c.w.x * at.ds;
+          rate.v.x += c.v.y * at.ds;
+          rate.v.y -= c.v.x * at.ds;
+        } else if (link.type == JointType::kPrismatic) {
+          rate.v.x += c.w.y * at.ds;
+          rate.v.y -= c.w.x * at.ds;
         }
-        if (link.motion == Motion::kTurns) {
-          w = d::turn_back(at.sine, at.cosine, w);
-          v = d::turn_back(at.sine, at.cosine, v);
-          dw = d::turn_back(at.sine, at.cosine, dw);
-          dv = d::turn_back(at.sine, at.cosine, dv);
-          dw.x += w.y * at.ds;  // w x z ds
-          dw.y -= w.x * at.ds;
-          dv.x += v.y * at.ds;
-          dv.y -= v.x * at.ds;
-        } else if (link.motion == Motion::kSlides) {
-          dv.x += dw.y * at.s + w.y * at.ds;
-          dv.y -= dw.x * at.s + w.x * at.ds;
-        }
-        if (!link.B_is_identity) d::carry(link.B, dw, dv);
+        if (!link.B_is_identity) d::carry(link.B, rate.w, rate.v);
       }
-      r.jacobian_rate[m].w = dw;
-      r.jacobian_rate[m].v = dv;
+      r.jacobian_rate[m] = rate;
     }
   }
 }

@@ -3,26 +3,114 @@
 #include <vector>
 
 #include "veridyn/kinematics/links.hpp"
-#include "veridyn/model/model.hpp"
 
 namespace veridyn {
 
-/// What the recursions need of a model, laid out for them: frames that neither move nor carry a
-/// body are folded into their children.
+class Model;
+
+/// What the recursions need of an arm, laid out for them.
 struct Tree {
-  /// Every frame as a link (for poses), or only what the dynamics need.
-  enum class Keep { kEveryFrame, kBodiesOnly };
+  enum class Keep {
+    kEveryFrame,   ///< every frame is a link: for poses
+    kBodiesOnly,   ///< frames that neither move nor carry a body are folded into their children
+    kMovingLinks,  ///< moving frames alone, each in the frame of its joint: B is the identity, and
+                   ///< bodies and frames stand where they are on these links: for dynamics
+  };
   explicit Tree(const Model& arm, Keep keep = Keep::kBodiesOnly);
 
-  operator Links() const;  // NOLINT: a view, valid while the tree is
+  /// A tree without a Model, to be filled by add_link() and add_body(): header-only.
+  Tree(int coordinates, const Vec3d& gravity_world)
+      : joints(coordinates),
+        gravity(gravity_world),
+        first_moved(static_cast<std::size_t>(coordinates), -1),
+        seed_width((2 * coordinates + 7) / 8 * 8) {}
+
+  /// A link on `parent` (-1: the world) with T_parent_link = A * J(s) * B and s = sum of `terms` +
+  /// offset. @returns its index.
+  int add_link(int parent, JointType type, const std::vector<JointCoefficient>& terms,
+               double offset, const Posed& A, const Posed& B = identity_pose());
+
+  /// The next body of phi.
+  void add_body(int link, const Posed& T_link_body = identity_pose()) {
+    bodies.push_back({link, is_identity(T_link_body), T_link_body});
+  }
+
+  operator Links() const {  // NOLINT: a view, valid while the tree is
+    return {joints,
+            static_cast<int>(links.size()),
+            static_cast<int>(supports.size()),
+            static_cast<int>(bodies.size()),
+            links.data(),
+            coefficients.data(),
+            supports.data(),
+            bodies.data(),
+            gravity,
+            seeds.data(),
+            seed_width,
+            first_moved.data()};
+  }
+
+  static bool is_identity(const Posed& T) {
+    return T.p.x == 0 && T.p.y == 0 && T.p.z == 0 && T.R.row0.x == 1 && T.R.row1.y == 1 &&
+           T.R.row2.z == 1;
+  }
 
   int joints = 0;
   std::vector<Link> links;
-  std::vector<Share> shares;
-  std::vector<Mover> movers;
-  std::vector<int> body_links;     ///< link of each body, in the model's order
+  std::vector<JointCoefficient> coefficients;
+  std::vector<SupportingCoordinate> supports;
+  std::vector<BodyPlace> bodies;   ///< place of each body, in the model's order
+  std::vector<BodyPlace> frames;   ///< place of each frame of the model
+  std::vector<int> body_links;     ///< link of each body
   std::vector<int> link_of_frame;  ///< -1 where folded away
   Vec3d gravity{0, 0, 0};
+  std::vector<int> first_moved;
+  std::vector<double> seeds;
+  int seed_width = 0;
 };
+
+inline int Tree::add_link(int parent, JointType type, const std::vector<JointCoefficient>& terms,
+                          double offset, const Posed& A, const Posed& B) {
+  const int k = static_cast<int>(links.size());
+  Link link{};
+  link.frame = -1;
+  link.parent = parent;
+  link.body = -1;
+  link.type = type;
+  link.A_moves = A.p.x != 0 || A.p.y != 0 || A.p.z != 0;
+  link.B_is_identity = is_identity(B);
+  link.quarter_turn = A.R.row0.x == 1 && A.R.row1.y == 0 && A.R.row1.x == 0 && A.R.row2.x == 0;
+  link.A = A;
+  link.B = B;
+  link.offset = offset;
+  link.first_coefficient = static_cast<int>(coefficients.size());
+  link.first_support = static_cast<int>(supports.size());
+  seeds.resize(seeds.size() + 2 * static_cast<std::size_t>(seed_width), 0.0);
+  double* seed = seeds.data() + seeds.size() - 2 * static_cast<std::size_t>(seed_width);
+  for (int i = 0; i < joints; ++i) {
+    double own = 0.0;
+    for (const JointCoefficient& c : terms) own += c.coordinate == i ? c.coefficient : 0.0;
+    if (type == JointType::kFixed) own = 0.0;
+    int above = -1;
+    if (parent >= 0) {
+      const Link& up = links[static_cast<std::size_t>(parent)];
+      for (int m = up.first_support; m < up.end_support; ++m) {
+        if (supports[static_cast<std::size_t>(m)].coordinate == i) above = m;
+      }
+    }
+    if (own == 0.0 && above < 0) continue;
+    int& first = first_moved[static_cast<std::size_t>(i)];
+    if (first < 0) first = k;
+    supports.push_back({i, above, own});
+    if (own == 0.0) continue;
+    coefficients.push_back({i, own});
+    seed[i] = own;
+    seed[seed_width + joints + i] = own;
+  }
+  link.end_coefficient = static_cast<int>(coefficients.size());
+  link.end_support = static_cast<int>(supports.size());
+  links.push_back(link);
+  return k;
+}
 
 }  // namespace veridyn

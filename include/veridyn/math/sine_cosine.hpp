@@ -10,4 +10,9 @@ inline void sine_cosine(double x, double& sine, double& cosine) {
   cosine = std::cos(x);
 }
 
+inline void sine_cosine(float x, float& sine, float& cosine) {
+  sine = std::sin(x);
+  cosine = std::cos(x);
+}
+
 }  // namespace veridyn

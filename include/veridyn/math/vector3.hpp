@@ -21,22 +21,23 @@ struct Mat3 {
 using Vec3d = Vec3<double>;
 using Mat3d = Mat3<double>;
 
-template <typename S>
-inline Vec3<S> operator+(const Vec3<S>& a, const Vec3<S>& b) {
+// The operands may differ in scalar: a constant and a variable, one number and a pack of them.
+
+template <typename A, typename B>
+inline auto operator+(const Vec3<A>& a, const Vec3<B>& b) -> Vec3<decltype(a.x + b.x)> {
   return {a.x + b.x, a.y + b.y, a.z + b.z};
 }
 
-template <typename S>
-inline Vec3<S> operator-(const Vec3<S>& a, const Vec3<S>& b) {
+template <typename A, typename B>
+inline auto operator-(const Vec3<A>& a, const Vec3<B>& b) -> Vec3<decltype(a.x - b.x)> {
   return {a.x - b.x, a.y - b.y, a.z - b.z};
 }
 
-template <typename S>
-inline Vec3<S> operator*(const S& k, const Vec3<S>& a) {
+template <typename A, typename B>
+inline auto operator*(const A& k, const Vec3<B>& a) -> Vec3<decltype(k * a.x)> {
   return {k * a.x, k * a.y, k * a.z};
 }
 
-/// The scalar product; the two may differ in scalar (a constant and a variable).
 template <typename A, typename B>
 inline auto dot(const Vec3<A>& a, const Vec3<B>& b) {
   return a.x * b.x + a.y * b.y + a.z * b.z;

@@ -8,6 +8,7 @@
 #include "veridyn/math/types.hpp"
 #include "veridyn/math/vector3.hpp"
 #include "veridyn/model/identified_base.hpp"
+#include "veridyn/model/joint_type.hpp"
 
 namespace veridyn {
 
@@ -16,8 +17,6 @@ struct Axis {
   VectorXd coefficients;  ///< c, (n)
   double offset = 0.0;    ///< s0 [rad] or [m]
 };
-
-enum class JointType { kFixed, kRevolute, kPrismatic };
 
 enum class DhConvention { kStandard, kModified };
 

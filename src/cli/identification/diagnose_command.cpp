@@ -44,12 +44,18 @@ void expect_known_places(const Model& arm, const std::vector<std::string>& names
 // recorded and known already.
 std::string next_command(const DiagnoseRequest& request, const Model& arm,
                          const NextExperiment& next) {
-  if (next.between.empty()) return "";
-  std::vector<std::string> words = {"veridyn", "excite", request.robot, "-o", "next.csv",
-                                    "--criterion", "discriminate", "--between",
-                                    to_text(arm, next.between[0]) + "," + to_text(arm, next.between[1])};
+  if (next.between.empty() && next.shows.empty()) return "";
+  std::vector<std::string> words = {"veridyn", "excite", request.robot, "-o", "next.csv", "--criterion"};
+  if (next.between.empty()) {
+    words.emplace_back("d-optimal");
+    if (!request.model_out.empty()) words[2] = request.model_out;  // whose tables count as parameters
+  } else {
+    words.insert(words.end(), {"discriminate", "--between",
+                               to_text(arm, next.between[0]) + "," + to_text(arm, next.between[1])});
+  }
   if (next.slow_passes > 0)
     words.insert(words.end(), {"--slow-passes", std::to_string(next.slow_passes)});
+  if (next.between.empty()) return cli::command_line(words);
   words.emplace_back("--given");
   words.insert(words.end(), request.train.begin(), request.train.end());
   const std::vector<std::string> reading =
@@ -116,7 +122,13 @@ void add_diagnose_command(CLI::App& tool, Outcome& outcome) {
   command.add_flag_callback(
       "--confirmed-only",
       [request] { request->options.extended = ExtendedModel::kConfirmedOnly; },
-      "Leave what the held-out recordings contradict out of the extended model");
+      "Leave what the held-out recordings contradict out of the extended model (the default)");
+  command.add_flag_callback(
+      "--all-findings", [request] { request->options.extended = ExtendedModel::kAllFindings; },
+      "Keep it in: the held-out recordings take no part in choosing");
+  command.add_flag_callback(
+      "--keep-unnamed", [request] { request->options.unnamed = UnnamedForces::kKept; },
+      "Keep what was found without a name in the extended model, as tables of its signals");
   command
       .add_option("--values", request->values,
                   "What values in the robot file are: facts of a MODEL (what changed since?) or a "

@@ -131,6 +131,8 @@ Evidence Examiner::ask(int h, const Stand& before) const {
   // The mean over folds and not the fall of the pooled error: one recording with a fault of its
   // own must not outvote the others.
   std::vector<double> falls;
+  std::vector<double> own_falls;  // on the joint that it acts on: another one's noise must not outvote it
+  const std::optional<JointIndex> joint = hypothesis(h).joint;
   MatrixXd without(whole.values.size(), static_cast<Eigen::Index>(before.folds.size()));
   for (size_t f = 0; f < before.folds.size(); ++f) {
     const BorderedFit::Border held_out = before.folds[f].with(own);
@@ -138,9 +140,16 @@ Evidence Examiner::ask(int h, const Stand& before) const {
     without.col(static_cast<Eigen::Index>(f)) = held_out.values;
     e.gain += d / static_cast<double>(folds_.size());
     falls.push_back(d);
+    if (joint) {
+      const Eigen::Index j = joint->value;
+      own_falls.push_back(log_fall(before.folds[f].residual2().segment(j, 1),
+                                   held_out.residual2.segment(j, 1)));
+    }
   }
   e.sign_broken = impossible(hypothesis(h), own, whole.values, jackknife_deviations(without));
-  e.consistent = improve(falls);
+  e.consistent = improve(falls) ||
+                 (joint && (improve(own_falls) ||
+                            signed_rank_p_value(own_falls) <= options_.thresholds.significance));
   e.lasting =
       e.consistent || signed_rank_p_value(falls) <= options_.thresholds.significance;
   if (is_load(hypothesis(h)) && passes(e)) {

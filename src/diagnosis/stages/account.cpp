@@ -2,10 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <set>
+#include <utility>
 
 #include "diagnosis/evidence/held_out.hpp"
+#include "diagnosis/next_experiment.hpp"
 #include "diagnosis/stages/investigation.hpp"
+#include "diagnosis/unnamed/asked_tables.hpp"
 #include "diagnosis/unnamed/dependence.hpp"
+#include "diagnosis/unnamed/tables.hpp"
+#include "effects/tabulated_force.hpp"
 #include "math/parallel.hpp"
 #include "math/signed_rank.hpp"
 #include "veridyn/effects/cause.hpp"
@@ -58,6 +65,68 @@ class Account {
         train_(motion_rows(d_.extended, d_.extended.train, d_.left_out, signals_)),
         test_(motion_rows(d_.extended, d_.extended.test, d_.left_out, signals_)) {}
 
+  // Names that are small beside what has none on their joint, taken out of the extended model: what
+  // is large and has another shape bends them. True if there were any.
+  bool take_out_small_names() {
+    std::vector<size_t> small;
+    for (size_t k = 0; k < d_.findings.size(); ++k) {
+      const Finding& f = d_.findings[k];
+      if (f.shape || !f.joint || f.status != FindingStatus::kConfirmed ||
+          !std::holds_alternative<NewEffect>(f.cause) || f.test_before.size() == 0)
+        continue;
+      const int j = f.joint->value;
+      const JointVerdict& v = d_.joints[static_cast<size_t>(j)];
+      const double unnamed = v.extended * v.extended - v.left * v.left;
+      const double own = f.test_before[j] * f.test_before[j] - f.test_after[j] * f.test_after[j];
+      if (v.state == JointState::kUnnamed && own < limits_.small_beside_unnamed * unnamed) small.push_back(k);
+    }
+    if (small.empty() || d_.changes) return false;
+    ModelDescription description = d_.extended.model->description();
+    const auto is_in = [](const std::vector<EffectTerm>& all, const EffectTerm& one) {
+      return std::any_of(all.begin(), all.end(), [&one](const EffectTerm& e) {
+        return e.effect == one.effect && e.axis.coefficients == one.axis.coefficients;
+      });
+    };
+    auto& effects = description.effects;
+    const size_t before = effects.size();
+    for (const size_t k : small) {
+      const Finding& f = d_.findings[k];
+      effects.erase(std::remove_if(effects.begin(), effects.end(),
+                                   [&](const EffectTerm& e) {
+                                     return e.effect == effect_of(f.cause) &&
+                                            e.axis.coefficients[f.joint->value] != 0.0 &&
+                                            !is_in(x_.arm.effects(), e);
+                                   }),
+                    effects.end());
+    }
+    if (effects.size() == before) return false;
+    description.identified.reset();
+    Identification without = x_.look(Model(std::move(description)));
+    if (!without.model) return false;
+    for (const size_t k : small) {
+      d_.findings[k].status = FindingStatus::kNotConfirmed;
+      d_.findings[k].why_not = "small beside what has no name on its joint, which may be what it stands for";
+    }
+    d_.findings.erase(std::remove_if(d_.findings.begin(), d_.findings.end(),
+                                     [](const Finding& f) { return f.shape.has_value(); }),
+                      d_.findings.end());
+    d_.joints.clear();
+    d_.extended = std::move(without);
+    return true;
+  }
+
+  // Findings without a name as tables of the extended model.
+  void keep_tables() {
+    std::vector<double> left;
+    for (const JointVerdict& v : d_.joints) left.push_back(v.left);
+    keep(left);
+    for (JointVerdict& v : d_.joints) {
+      v.left = left[static_cast<size_t>(v.joint.value)];
+      v.floor = std::min(v.floor, v.left);
+      v.removable = v.held_out - v.floor;
+    }
+  }
+
   void run() {
     const int n = d_.extended.model->joints();
     std::vector<Dependence> found(static_cast<size_t>(n));
@@ -67,11 +136,12 @@ class Account {
       terms[at] = smooth_terms(signals_, j, limits_);
       found[at] = find_dependence(j, train_, test_, terms[at], limits_);
     });
-    for (int j = 0; j < n; ++j) {
-      const auto at = static_cast<size_t>(j);
-      const double left = add_findings(found[at], terms[at]);
-      d_.joints.push_back(verdict_of(j, found[at], left));
-    }
+    std::vector<double> left;
+    for (int j = 0; j < n; ++j) left.push_back(add_findings(found[static_cast<size_t>(j)], terms[static_cast<size_t>(j)]));
+    const VectorXd named = d_.extended.test_error.relative;
+    add_asked_tables(left);
+    for (int j = 0; j < n; ++j)
+      d_.joints.push_back(verdict_of(j, found[static_cast<size_t>(j)], error_of(named, j), left[static_cast<size_t>(j)]));
   }
 
  private:
@@ -80,10 +150,15 @@ class Account {
     const int j = found.joint;
     const double before = error_of(d_.extended.test_error.relative, j);
     double error = before;
-    if (!is_clear(found)) return error;
+    if (!is_clear(found) || !x_.options.effects.empty()) return error;
     double so_far = 0.0;
     for (size_t k = 0; k < found.model.chosen.size(); ++k) {
       const double share = found.predicted_of_test[k];
+      const bool last = k + 1 == found.model.chosen.size();
+      if (share - so_far < limits_.unnamed_term) {  // in the regression, and too little to speak of
+        if (last) error = without_share(before, std::max(share, so_far));
+        continue;
+      }
       UnnamedShape shape = shape_of(found, k, train_, terms);
       Finding f;
       f.cause = NewEffect{UnnamedShape::kName, JointIndex{j}};
@@ -109,6 +184,123 @@ class Account {
     return error;
   }
 
+  // Joints that are above their floor and whose residual is no function of what it was asked about:
+  // parameters of the arm may have taken up what they lack.
+  void add_asked_tables(std::vector<double>& left) {
+    std::vector<int> joints;
+    for (size_t j = 0; j < left.size(); ++j) {
+      const int joint = static_cast<int>(j);
+      const double floor = error_of(d_.baseline.noise_floor, joint);
+      if (left[j] > limits_.at_floor * floor && !has_unnamed(joint)) joints.push_back(joint);
+    }
+    std::vector<AcceptedTable> tables = ask_tables(x_, signals_, joints);
+    if (tables.empty()) return;
+    ModelDescription description = d_.extended.model->description();
+    description.identified.reset();
+    for (const AcceptedTable& t : tables) description.effects.push_back(with_values(t));
+    const Identification with = x_.look(Model(std::move(description)));
+    if (!with.model) return;
+    const VectorXd& before = d_.extended.test_error.relative;
+    const VectorXd& after = with.test_error.relative;
+    for (AcceptedTable& t : tables) {
+      const int j = t.joint.value;
+      const double ratio = error_of(after, j) / std::max(error_of(before, j), numerics::kTiny);
+      const double share = 1.0 - ratio * ratio;
+      if (share < limits_.unnamed_share || has_unnamed(j)) continue;
+      Finding f;
+      f.cause = NewEffect{UnnamedShape::kName, t.joint};
+      f.joint = t.joint;
+      f.unit = t.shape.effort;
+      f.gain = t.gain;
+      f.p_value = t.p_value;
+      f.test_before = before;
+      f.test_after = after;
+      f.explains = explained_share(before, after, d_.baseline);
+      t.shape.share = share;
+      f.phrase = phrase_of(t.shape, share);
+      f.shape = std::move(t.shape);
+      left[static_cast<size_t>(j)] = error_of(after, j);
+      d_.findings.push_back(std::move(f));
+    }
+  }
+
+  // Where values are facts nothing is fitted: the table has those that it was accepted with.
+  EffectTerm with_values(const AcceptedTable& t) const {
+    EffectTerm term = t.term;
+    if (!d_.changes) return term;
+    const std::vector<EffectParameter> parameters = find_effect(term.effect).parameters();
+    for (const EffectParameter& p : parameters) term.values[p.name] = 0.0;
+    for (const CurvePoint& p : t.shape.curve) {
+      for (int k = 0; k < kTableNodes; ++k) {
+        if (k == kTableNodes / 2 || p.at.front() != table_node(term.values.at("low"), term.values.at("high"), k)) continue;
+        term.values[parameters[static_cast<size_t>(k > kTableNodes / 2 ? k - 1 : k)].name] = p.value;
+      }
+    }
+    return term;
+  }
+
+  bool has_unnamed(int joint) const {
+    return std::any_of(d_.findings.begin(), d_.findings.end(), [joint](const Finding& f) {
+      return f.shape && f.joint->value == joint;
+    });
+  }
+
+  // Tables of the findings without a name become part of the extended model, which is fitted again.
+  // A joint that it predicts worse goes without.
+  void keep(std::vector<double>& left) {
+    std::vector<EffectTerm> tables;
+    std::vector<size_t> of;
+    for (size_t k = 0; k < d_.findings.size(); ++k) {
+      const Finding& f = d_.findings[k];
+      if (!f.shape || f.status != FindingStatus::kConfirmed) continue;
+      std::vector<MotionSignal> signals;
+      for (const std::string& name : f.shape->signals) {
+        signals.push_back(*std::find_if(signals_.begin(), signals_.end(),
+                                        [&name](const MotionSignal& s) { return s.name == name; }));
+      }
+      for (EffectTerm& term : tables_of(x_.arm, *f.joint, *f.shape, signals)) {
+        tables.push_back(std::move(term));
+        of.push_back(k);
+      }
+    }
+    const VectorXd before = d_.extended.test_error.relative;
+    std::set<int> worse;
+    for (int turn = 0; turn < 2; ++turn) {
+      const Identification with = fitted_with(tables, of, worse);
+      if (!with.model) return;
+      const VectorXd& after = with.test_error.relative;
+      bool again = false;
+      for (const size_t k : of) {
+        const int j = d_.findings[k].joint->value;
+        if (worse.count(j) == 0 && error_of(after, j) > error_of(before, j)) again = worse.insert(j).second;
+      }
+      if (again && turn == 0) continue;
+      if (again) return;
+      for (const size_t k : of) {
+        const int j = d_.findings[k].joint->value;
+        if (worse.count(j) != 0) continue;
+        d_.findings[k].shape->kept = true;
+        left[static_cast<size_t>(j)] = error_of(after, j);
+      }
+      d_.extended = with;
+      return;
+    }
+  }
+
+  Identification fitted_with(const std::vector<EffectTerm>& tables, const std::vector<size_t>& of,
+                             const std::set<int>& without) const {
+    ModelDescription description = d_.extended.model->description();
+    bool any = false;
+    for (size_t t = 0; t < tables.size(); ++t) {
+      if (without.count(d_.findings[of[t]].joint->value) != 0) continue;
+      any = true;
+      description.effects.push_back(tables[t]);
+    }
+    if (!any) return {};
+    description.identified.reset();
+    return x_.look(Model(std::move(description)));
+  }
+
   // What the training recordings show and the held-out ones confirm, and enough of it.
   bool is_clear(const Dependence& found) const {
     if (found.model.chosen.empty()) return false;
@@ -116,22 +308,20 @@ class Account {
            limits_.unnamed_share;
   }
 
-  JointVerdict verdict_of(int j, const Dependence& found, double left) const {
+  JointVerdict verdict_of(int j, const Dependence& found, double extended, double left) const {
     JointVerdict v;
     v.joint = JointIndex{j};
     v.held_out = error_of(d_.baseline.test_error.relative, j);
-    v.extended = error_of(d_.extended.test_error.relative, j);
+    v.extended = extended;
     const bool repeats = d_.baseline.noise_floor.size() > j;
     v.source = repeats ? FloorSource::kRepeats : FloorSource::kRegression;
-    v.floor = std::min(v.held_out, repeats ? d_.baseline.noise_floor[j] : left);
+    v.floor = std::min(v.held_out, repeats ? std::min(d_.baseline.noise_floor[j], left) : left);
     v.removable = v.held_out - v.floor;
     v.left = left;
     const bool named = std::any_of(d_.findings.begin(), d_.findings.end(), [j](const Finding& f) {
       return !f.shape && acts_on(f, j);
     });
-    const bool unnamed = std::any_of(d_.findings.begin(), d_.findings.end(), [j](const Finding& f) {
-      return f.shape && f.joint->value == j;
-    });
+    const bool unnamed = has_unnamed(j);
     const bool at_floor = left <= limits_.at_floor * v.floor;
     if (unnamed) {
       v.state = JointState::kUnnamed;
@@ -147,6 +337,10 @@ class Account {
   }
 
   std::string why_not(const Dependence& found, bool repeats) const {
+    if (!x_.options.effects.empty() && is_clear(found)) {
+      return fmt::format("not all causes were asked about; signals of the motion predict {:.0f} % of what is left over",
+                         kPercent * found.predicted_of_test.back());
+    }
     if (!found.model.chosen.empty()) {
       return fmt::format("the training recordings predict {:.0f} % of what is left over, the held-out ones {:.0f} %",
                          kPercent * found.predicted_of_folds.back(),
@@ -167,8 +361,21 @@ class Account {
 }  // namespace
 
 void account_for_errors(Investigation& x) {
+  x.d.joints.clear();
   if (!x.d.extended.model || x.d.extended.train.empty()) return;
-  Account(x).run();
+  for (const auto* list : {&x.d.extended.train, &x.d.extended.test}) {
+    for (const RecordingError& r : *list) {
+      if (r.series.time.empty()) return;
+    }
+  }
+  std::optional<Account> account(std::in_place, x);
+  account->run();
+  if (x.options.extended == ExtendedModel::kConfirmedOnly && account->take_out_small_names()) {
+    account.emplace(x);
+    account->run();
+  }
+  if (x.options.unnamed == UnnamedForces::kKept) account->keep_tables();
+  x.d.next_experiment = next_experiment(x.d);
 }
 
 }  // namespace veridyn

@@ -64,6 +64,20 @@ void correct(const Questions& asked, const Hypothesis& h, const CorrectedChannel
   x.start = channel.corrected;
 }
 
+// The rules of every other cause: significance, and an interval without zero. What breaks them is
+// said, and stays out.
+bool is_sure(const Finding& f, Investigation& x) {
+  const bool holds_zero =
+      std::any_of(f.parameters.begin(), f.parameters.end(), [](const FoundParameter& p) {
+        return p.name == "correction" && p.low <= 0.0 && p.high >= 0.0;
+      });
+  if (!holds_zero && f.p_value < x.options.thresholds.significance) return true;
+  x.d.not_supported.push_back({f.cause, f.p_value,
+                               holds_zero ? "the interval of its correction holds zero"
+                                          : "it is not significant"});
+  return false;
+}
+
 }  // namespace
 
 void correct_constants(Investigation& x) {
@@ -92,6 +106,7 @@ void correct_constants(Investigation& x) {
             wrong->finding, x);
     return;
   }
+  if (!is_sure(wrong->finding, x)) return;
   const Identification corrected =
       x.look(with_constant(arm, geometry.front().constant, geometry.front().found));
   if (!corrected.model) return;

@@ -53,13 +53,21 @@ void add_plain_friction(Investigation& x) {
   const Fit fit =
       fit_accepted(x.start, asked.q, needed, x.d.changes, x.train, x.test, x.options);
   const FindingWriter writer(asked.q, asked.data, needed, fit, x.start, x.d.changes, x.options);
-  const Identification extended = x.look(writer.extended_arm());
-  if (!extended.model) return;
   const size_t first = x.d.findings.size();
   writer.add_findings(x.d);
+  std::set<size_t> kept;
+  for (size_t k = first; k < x.d.findings.size(); ++k) {
+    if (x.options.extended == ExtendedModel::kAllFindings ||
+        x.d.findings[k].status == FindingStatus::kConfirmed)
+      kept.insert(k - first);
+  }
+  const Identification extended = kept.empty() ? x.start : x.look(writer.extended_arm(kept));
+  if (!extended.model) {
+    x.d.findings.resize(first);
+    return;
+  }
   const std::vector<std::vector<std::string>> names = writer.parameter_names();
-  for (size_t k = first; k < x.d.findings.size(); ++k)
-    x.fitted_by_start[k] = names[k - first];
+  for (const size_t k : kept) x.fitted_by_start[first + k] = names[k];
   x.start = extended;
 }
 

@@ -88,16 +88,6 @@ void remember_periods(Investigation& x) {
   if (how.test_preprocessing) how.test_preprocessing->known_periods = known;
 }
 
-void leave_out(const std::vector<LeftOut>& parts, Investigation& x) {
-  IdentificationOptions& how = x.options.identification;
-  how.preprocessing.left_out.insert(how.preprocessing.left_out.end(), parts.begin(), parts.end());
-  if (how.test_preprocessing) {
-    auto& there = how.test_preprocessing->left_out;
-    there.insert(there.end(), parts.begin(), parts.end());
-  }
-  x.d.left_out.insert(x.d.left_out.end(), parts.begin(), parts.end());
-}
-
 // Rows that are left out still show their friction.
 bool is_known(const Snag& snag, const std::vector<Snag>& known) {
   return std::any_of(known.begin(), known.end(), [&snag](const Snag& other) {
@@ -123,6 +113,16 @@ void report(const Snag& snag, const Model& arm, Diagnosis& d) {
 }
 
 }  // namespace
+
+void leave_out(const std::vector<LeftOut>& parts, Investigation& x) {
+  IdentificationOptions& how = x.options.identification;
+  how.preprocessing.left_out.insert(how.preprocessing.left_out.end(), parts.begin(), parts.end());
+  if (how.test_preprocessing) {
+    auto& there = how.test_preprocessing->left_out;
+    there.insert(there.end(), parts.begin(), parts.end());
+  }
+  x.d.left_out.insert(x.d.left_out.end(), parts.begin(), parts.end());
+}
 
 void check_quality(Investigation& x) {
   std::vector<std::string> all = x.train;

@@ -4,10 +4,12 @@
 #include <utility>
 
 #include "diagnosis/causes/ripple.hpp"
+#include "diagnosis/evidence/folds.hpp"
 #include "diagnosis/evidence/held_out.hpp"
 #include "diagnosis/causes/effect_facts.hpp"
 #include "diagnosis/finding_words.hpp"
 #include "diagnosis/findings.hpp"
+#include "diagnosis/right_to_a_name.hpp"
 #include "diagnosis/shapes/refinement.hpp"
 #include "diagnosis/stages/channel_correction.hpp"
 #include "diagnosis/stages/investigation.hpp"
@@ -18,6 +20,7 @@ namespace veridyn {
 namespace {
 
 constexpr int kCycles = 2;
+constexpr int kSettling = 6;  // findings that may lose their names after the last fit
 constexpr int kChannels = 4;  // errors of channels that are corrected one after the other
 
 // One round of questions and what was accepted of them.
@@ -156,6 +159,7 @@ bool correct_first_channel(Investigation& x, const Round& round) {
   if (x.options.extended == ExtendedModel::kConfirmedOnly &&
       f.status == FindingStatus::kNotConfirmed) {
     x.refused.insert(h.family);
+    x.d.not_supported.push_back({h.cause, a.evidence.p_value, "the held-out recordings contradict it"});
     return true;
   }
   f.p_value = a.evidence.p_value;
@@ -187,6 +191,49 @@ void refresh_findings(Investigation& x) {
   }
 }
 
+// Fits the findings that are kept, and takes out what has no right to its name after that: its sizes
+// are nothing within their intervals, or larger than its joint's torque ever is, or a joint that is
+// predicted worse than by the baseline is better off without it.
+void settle(Investigation& x, const FindingWriter& writer, size_t first, std::set<size_t>& kept) {
+  const auto names = writer.parameter_names();
+  const auto fit = [&](const std::set<size_t>& some) {
+    return some.empty() ? x.start : x.look(writer.extended_arm(some));
+  };
+  const auto take_out = [&](size_t k, const std::string& why) {
+    x.d.findings[first + k].status = FindingStatus::kNotConfirmed;
+    x.d.findings[first + k].why_not = why;
+    kept.erase(k);
+  };
+  x.d.extended = fit(kept);
+  std::set<size_t> needed;  // taken out once, and the joint was no better off
+  for (int turn = 0; turn < kSettling && x.d.extended.model && !kept.empty(); ++turn) {
+    for (const size_t k : kept) {
+      if (!x.d.changes) refresh(x.d.extended, names[k], x.d.findings[first + k]);
+    }
+    if (x.options.extended == ExtendedModel::kAllFindings) return;
+    if (const std::optional<LostRight> lost = without_size(x.d, first, kept)) {
+      take_out(lost->finding, lost->why);
+      x.d.extended = fit(kept);
+      continue;
+    }
+    const std::optional<LostRight> lost =
+        worse_with(x.d, first, kept, needed, x.options.thresholds);
+    if (!lost) return;
+    std::set<size_t> others = kept;
+    others.erase(lost->finding);
+    Identification without = fit(others);
+    const Eigen::Index j = lost->joint;
+    if (without.model &&
+        log_fall(x.d.extended.test_error.relative, without.test_error.relative) > 0.0 &&
+        without.test_error.relative[j] < x.d.extended.test_error.relative[j]) {
+      take_out(lost->finding, lost->why);
+      x.d.extended = std::move(without);
+    } else {
+      needed.insert(lost->finding);
+    }
+  }
+}
+
 void write_down(Investigation& x, const Round& round, const Fit& fit) {
   std::set<std::string> families;
   for (const Hypothesis& h : round.q.augmented.hypotheses) families.insert(h.family);
@@ -202,12 +249,15 @@ void write_down(Investigation& x, const Round& round, const Fit& fit) {
     if (x.options.extended == ExtendedModel::kAllFindings ||
         x.d.findings[k].status == FindingStatus::kConfirmed)
       kept.insert(k - first);
-    if (own[k - first] != 0) x.d.remarks.push_back(sentence(x.arm, x.d.findings[k]));
+  }
+  settle(x, writer, first, kept);
+  for (size_t k = 0; k < own.size(); ++k) {
+    if (own[k] != 0 && kept.count(k) != 0)
+      x.d.remarks.push_back(sentence(x.arm, x.d.findings[first + k]));
   }
   for (size_t k = own.size(); k-- > 0;) {
     if (own[k] != 0) x.d.findings.erase(x.d.findings.begin() + static_cast<long>(first + k));
   }
-  x.d.extended = kept.empty() ? x.start : x.look(writer.extended_arm(kept));
   refresh_findings(x);
   x.d.next_experiment = next_experiment(x.d);
 }

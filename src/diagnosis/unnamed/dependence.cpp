@@ -11,8 +11,8 @@
 namespace veridyn {
 namespace {
 
-constexpr int kIntervals = 10;        // of a function of one signal
-constexpr int kIntervalsOnSides = 7;  // of one function for each direction
+constexpr int kIntervals = 20;        // of a function of one signal
+constexpr int kIntervalsOnSides = 12; // of one function for each direction
 constexpr int kIntervalsOfTwo = 3;    // of each of two signals
 constexpr int kPoints = 41;
 constexpr int kPointsOfTwo = 9;
@@ -130,14 +130,6 @@ FoldedRows folded(const MotionRows& rows, int joint, const std::vector<Eigen::In
   return out;
 }
 
-// The model with its first so many terms.
-VectorXd predicted_by(const Dependence& d, size_t terms_used, const std::vector<SmoothTerm>& terms,
-                      const MatrixXd& signals) {
-  AdditiveModel first = d.model;
-  first.chosen.resize(terms_used);
-  return predicted(first, terms, signals);
-}
-
 // A constant is an offset, which the list has: it is no dependence.
 double share_predicted(const VectorXd& residual, const VectorXd& predicted) {
   const VectorXd centred = residual.array() - residual.mean();
@@ -171,14 +163,15 @@ Dependence find_dependence(int joint, const MotionRows& train, const MotionRows&
   out.model = additive_regression(rows, terms, columns, how);
   const std::vector<Eigen::Index> there = rows_in_folds(test, joint);
   const FoldedRows of_test = folded(test, joint, there);
-  double so_far = 0.0;
   for (size_t k = 1; k <= out.model.chosen.size(); ++k) {
-    so_far = k == out.model.chosen.size() ? out.model.gain : so_far + out.model.chosen[k - 1].gain;
-    out.predicted_of_folds.push_back(1.0 - std::exp(-so_far));
+    const AdditiveModel first =
+        additive_fit(rows, terms, columns,
+                     {out.model.chosen.begin(), out.model.chosen.begin() + static_cast<long>(k)});
+    out.predicted_of_folds.push_back(1.0 - std::exp(-first.gain));
     out.predicted_of_test.push_back(
         of_test.response.size() == 0
             ? out.predicted_of_folds.back()
-            : share_predicted(of_test.response, predicted_by(out, k, terms, of_test.signals)));
+            : share_predicted(of_test.response, predicted(first, terms, of_test.signals)));
   }
   return out;
 }
@@ -196,7 +189,14 @@ UnnamedShape shape_of(const Dependence& found, size_t k, const MotionRows& train
       names.push_back(train.signals[static_cast<size_t>(s)].name);
     out.as_good.push_back(std::move(names));
   }
-  // A grid over the range of the signals; of a direction its two sides.
+  // A grid over the signals, without the outermost hundredth; of a direction its two sides.
+  const auto quantile = [&train](int column, double share) {
+    std::vector<double> values(train.values.col(column).data(),
+                               train.values.col(column).data() + train.values.rows());
+    const auto at = values.begin() + static_cast<long>(share * static_cast<double>(values.size() - 1));
+    std::nth_element(values.begin(), at, values.end());
+    return *at;
+  };
   std::vector<std::vector<double>> grids;
   for (size_t s = 0; s < term.signals.size(); ++s) {
     const SmoothBasis& basis = term.bases[s];
@@ -207,8 +207,9 @@ UnnamedShape shape_of(const Dependence& found, size_t k, const MotionRows& train
     if (basis.kind() == BasisKind::kSides) {
       grid = {basis.low(), basis.high()};
     } else {
-      for (int i = 0; i < points; ++i)
-        grid.push_back(basis.low() + (basis.high() - basis.low()) * i / (points - 1));
+      const double low = quantile(term.signals[s], numerics::kSparseEnds);
+      const double high = quantile(term.signals[s], 1.0 - numerics::kSparseEnds);
+      for (int i = 0; i < points; ++i) grid.push_back(low + (high - low) * i / (points - 1));
     }
     grids.push_back(std::move(grid));
   }

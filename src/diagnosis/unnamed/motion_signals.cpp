@@ -8,7 +8,7 @@ namespace {
 
 constexpr size_t kMostRows = 6000;    // of all recordings together
 constexpr size_t kFewestRows = 300;   // of each
-constexpr size_t kPhases = 8;
+constexpr size_t kPhasesOfPeriod = 8;
 constexpr size_t kManyRecordings = 4;
 
 const char* letter(SignalKind kind) {
@@ -83,11 +83,11 @@ double rest_speed_of(const Identification& id, int joint) {
 }
 
 int fold_of(const RecordingError& r, double time, size_t recording, size_t recordings) {
-  if (recordings >= kManyRecordings) return static_cast<int>(recording % (2 * kPhases));
+  if (recordings >= kManyRecordings) return static_cast<int>(recording % (2 * kPhasesOfPeriod));
   const double first = r.series.time.front();
   const double length = r.period > 0.0 ? r.period : r.series.time.back() - first;
   const double phase = std::fmod(time - first, length) / length;
-  const size_t parts = recordings == 1 ? kPhases : 2;
+  const size_t parts = recordings == 1 ? kPhasesOfPeriod : 2;
   const auto part = std::min(static_cast<size_t>(phase * static_cast<double>(parts)), parts - 1);
   return static_cast<int>(recording * parts + part);
 }

@@ -133,6 +133,7 @@ void BoardSide::drive(const VectorXd& wanted, const Eigen::Vector3d& exerted, do
   sensors_.show_torques(all_.head(joints_));
   session_.set_torques(all_);
   tau_ = session_.command().tau.head(joints_);
+  sensors_.correct_torques(tau_);
 }
 
 BoardSide::News BoardSide::news(double largest_age) noexcept {

@@ -149,7 +149,8 @@ bool ModelController::torques(const BoardArmState& state, const JointReference& 
 }
 
 void ModelController::sent(const VectorXd& tau) noexcept {
-  sent_ = tau.head(sent_.size());
+  sent_ = tau.head(sent_.size());  // as the drives count
+  sensors_.correct_torques(sent_);
   error_.sent(tau_, sent_);
 }
 

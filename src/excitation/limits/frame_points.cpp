@@ -23,8 +23,8 @@ void FramePoints::move_to(const VectorXd& q) {
   for (size_t k = 0; k < tree_.links.size(); ++k) {
     const Link& link = tree_.links[k];
     Posed J = identity_pose();
-    if (link.motion == Motion::kTurns) J.R = rotation_z(recursion_.link[k].s);
-    if (link.motion == Motion::kSlides) J.p.z = recursion_.link[k].s;
+    if (link.type == JointType::kRevolute) J.R = rotation_z(recursion_.link[k].s);
+    if (link.type == JointType::kPrismatic) J.p.z = recursion_.link[k].s;
     const Posed T_parent = link.A * J * link.B;
     T_world_[k] =
         link.parent < 0 ? T_parent : T_world_[static_cast<size_t>(link.parent)] * T_parent;
@@ -42,9 +42,9 @@ MatrixXd FramePoints::point_slope(int frame, const Eigen::Vector3d& in_frame) co
   if (frame < 0) return slope;
   const auto k = static_cast<size_t>(tree_.link_of_frame[static_cast<size_t>(frame)]);
   const Vec3d r{in_frame.x(), in_frame.y(), in_frame.z()};
-  for (int m = tree_.links[k].first_mover; m < tree_.links[k].end_mover; ++m) {
+  for (int m = tree_.links[k].first_support; m < tree_.links[k].end_support; ++m) {
     const Column<double>& c = recursion_.jacobian[m];
-    slope.col(tree_.movers[static_cast<size_t>(m)].coordinate) =
+    slope.col(tree_.supports[static_cast<size_t>(m)].coordinate) =
         eigen(rotate(T_world_[k].R, c.v + cross(c.w, r)));
   }
   return slope;

@@ -3,6 +3,7 @@
 #include "veridyn/kinematics/recursion.hpp"
 #include "veridyn/kinematics/tree.hpp"
 #include "veridyn/math/types.hpp"
+#include "veridyn/model/model.hpp"
 
 namespace veridyn {
 

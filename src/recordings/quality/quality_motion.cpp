@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "math/correlated_columns.hpp"
 #include "recordings/quality/quality_checks.hpp"
 #include "veridyn/math/require.hpp"
 
@@ -48,6 +49,16 @@ void check_motion(const Head& head, Findings* findings) {
     findings->add(Severity::kInfo, "joint_at_rest", place, {kNone, range, unit_of("q")},
                   text("Joint ", j + 1, " holds its position (within ", number(range),
                        "): its friction and inertia cannot be told from here."));
+  }
+  for (const std::vector<int>& group : correlated_columns(head.rows.q)) {
+    std::vector<int> moving;
+    for (const int j : group) {
+      if (head.moves[static_cast<std::size_t>(j)]) moving.push_back(j);
+    }
+    if (moving.size() < 2) continue;
+    findings->add(Severity::kWarning, "move_as_one", {"q", moving.front() + 1}, {},
+                  text("Joints ", numbers_from_one(moving),
+                       " move as one: what depends on one of them cannot be told from the others."));
   }
 }
 

@@ -50,6 +50,7 @@ void add_place(const Diagnosis& d, const Cause& cause, Json& out) {
 Json next_json(const Diagnosis& d, const std::string& command) {
   const NextExperiment& next = d.next_experiment;
   Json out = {{"separates", Json::array()}, {"trajectory", command}};
+  if (!next.shows.empty()) out["shows"] = next.shows;
   if (next.between.empty() || !d.baseline.model) return out;
   out["between"] = Json::array();
   for (size_t k = 0; k < next.between.size(); ++k) {
@@ -79,6 +80,7 @@ void add_shape(const UnnamedShape& shape, Json& out) {
   out["signals"] = shape.signals;
   out["shape"] = shape.words;
   out["share"] = shape.share;
+  out["kept"] = shape.kept;
   if (!shape.as_good.empty()) out["as_good"] = shape.as_good;
   out["curve"] = Json::array();
   for (const CurvePoint& p : shape.curve)
@@ -92,6 +94,7 @@ Json finding_json(const Diagnosis& d, const Finding& f) {
   add_place(d, f.cause, out);
   out["unit"] = f.unit;
   out["status"] = name_of(f.status);
+  if (!f.why_not.empty()) out["why_not"] = f.why_not;
   out["main"] = f.main;
   if (!f.source.empty()) out["recording"] = f.source;
   out["parameters"] = Json::object();
@@ -161,6 +164,11 @@ std::string to_json(const Diagnosis& d, const std::string& next_command) {
   out["changes_since"] = d.changes;
   out["hypotheses"] = d.hypotheses;
   out["baseline"] = error_pair(d.baseline);
+  out["moving_as_one"] = Json::array();
+  for (std::vector<int> group : d.moving_as_one) {
+    for (int& joint : group) ++joint;
+    out["moving_as_one"].push_back(group);
+  }
   out["findings"] = Json::array();
   for (const Finding& f : d.findings) out["findings"].push_back(finding_json(d, f));
   out["not_supported"] = Json::array();

@@ -63,13 +63,13 @@ void write_children(const Tree& tree, const VectorXd& phi, int parent, const Pos
   for (int k = 0; k < static_cast<int>(tree.links.size()); ++k) {
     const Link& link = tree.links[static_cast<size_t>(k)];
     if (link.parent != parent) continue;
-    const bool turns = link.motion == Motion::kTurns;
+    const bool turns = link.type == JointType::kRevolute;
     Posed at_zero = identity_pose();
     if (turns) at_zero.R = rotation_z(link.offset);
-    if (link.motion == Motion::kSlides) at_zero.p.z = link.offset;
+    if (link.type == JointType::kPrismatic) at_zero.p.z = link.offset;
     const Posed T = before * link.A * at_zero;
     out << "<body" << pose_text({T.p.x, T.p.y, T.p.z}, rotation_matrix(T.R)) << ">\n";
-    if (link.motion != Motion::kNone) {
+    if (link.type != JointType::kFixed) {
       out << "<joint name='" << joint_name(k) << "' type='" << (turns ? "hinge" : "slide")
           << "' axis='0 0 1'/>\n";
     }
@@ -169,10 +169,10 @@ class MujocoEngine final : public Engine {
     S_ = MatrixXd::Zero(model_->nv, n_);
     for (int k = 0; k < static_cast<int>(tree.links.size()); ++k) {
       const Link& link = tree.links[static_cast<size_t>(k)];
-      if (link.motion == Motion::kNone) continue;
+      if (link.type == JointType::kFixed) continue;
       const int joint = mj_name2id(model_.get(), mjOBJ_JOINT, joint_name(k).c_str());
-      for (int e = link.first_share; e < link.end_share; ++e) {
-        const Share& share = tree.shares[static_cast<size_t>(e)];
+      for (int e = link.first_coefficient; e < link.end_coefficient; ++e) {
+        const JointCoefficient& share = tree.coefficients[static_cast<size_t>(e)];
         S_(model_->jnt_dofadr[joint], share.coordinate) += share.coefficient;
       }
     }

@@ -38,8 +38,7 @@ bool Plant::State::factor(Instant& at) {
 
 // The stage in the middle of a substep, which two slopes share.
 bool Plant::State::evaluate_middle() {
-  if (!rigid.slopes_are_free()) return evaluate(stage);
-  rigid.evaluate_with_slopes(stage.q, stage.dq, stage.M, stage.h, slopes);
+  rigid.evaluate_with_derivative(stage.q, stage.dq, stage.M, stage.h, slopes);
   add_biases(stage);
   return factor(stage);
 }
@@ -48,13 +47,8 @@ bool Plant::State::evaluate_middle() {
 // They differ by O(h^2), so that the slope of h is enough for order four.
 void Plant::State::change_middle_velocity(double h) {
   for (int i = 0; i < n; ++i) white[i] = here.dq[i] + 0.5 * h * k2[i] - stage.dq[i];
-  if (rigid.slopes_are_free()) {
-    for (int j = 0; j < n; ++j) add_scaled(white[j], slopes.data() + j * n, n, stage.h.data());
-    stage.dq += white;
-  } else {
-    stage.dq += white;
-    rigid.evaluate(stage.q, stage.dq, stage.M, stage.h);
-  }
+  for (int j = 0; j < n; ++j) add_scaled(white[j], slopes.data() + j * n, n, stage.h.data());
+  stage.dq += white;
   add_biases(stage);
 }
 
@@ -108,30 +102,19 @@ bool Plant::State::nystroem(const VectorRef& tau, double h) {
   accelerate(stage, tau, Friction::kKeep, k3);
   there.time = here.time + h;
   there.q = here.q + h * here.dq + (h * h / 6.0) * (here.ddq + k2 + k3);
-  return rigid.surroundings_are_free() ? last_stage_from_end(tau, h) : last_stage(tau, h);
+  return last_stage(tau, h);
 }
 
-// The last slope, and with it the velocity at the end.
+// The last slope, and with it the velocity at the end: one evaluation serves both. The end's position
+// is known before the last slope is, and the stage lies O(h^3) from it: first order there is order
+// four. The end's velocity lies O(h^3) from that of the stage, at the usual tolerance by less than
+// 1e-5 of itself, see error(): to first order the velocity torques there are right to 1e-10.
 bool Plant::State::last_stage(const VectorRef& tau, double h) {
-  stage.time = there.time;
-  stage.q = here.q + h * here.dq + 0.5 * h * h * k3;
-  stage.dq = here.dq + h * k3;
-  if (!evaluate(stage)) return false;
-  accelerate(stage, tau, Friction::kKeep, k4);
-  there.dq = here.dq + (h / 6.0) * (here.ddq + 2.0 * (k2 + k3) + k4);
-  return true;
-}
-
-// The same, where one evaluation serves the last stage and the end. The end's position is known
-// before the last slope is, and the stage lies O(h^3) from it: first order there is order four. The
-// end's velocity lies O(h^3) from that of the stage, at the usual tolerance by less than 1e-5 of
-// itself, see error(): to first order the velocity torques there are right to 1e-10.
-bool Plant::State::last_stage_from_end(const VectorRef& tau, double h) {
   way = (h * h / 6.0) * (2.0 * k3 - here.ddq - k2);
   stage.time = there.time;
   stage.q = there.q + way;
   stage.dq = here.dq + h * k3;
-  rigid.evaluate_surroundings(there.q, stage.dq, k3, way, there.M, there.h, slopes, push);
+  rigid.evaluate_linearized(there.q, stage.dq, k3, way, there.M, there.h, slopes, push);
   if (!factor(there)) return false;
   stage.M = there.M;
   stage.L = there.L;
@@ -144,15 +127,7 @@ bool Plant::State::last_stage_from_end(const VectorRef& tau, double h) {
   return true;
 }
 
-// What is not yet known there after nystroem().
-bool Plant::State::evaluate_end() {
-  if (!rigid.surroundings_are_free()) return evaluate(there);
-  add_biases(there);
-  return true;
-}
-
-// The estimated error per allowed error, the worst of all joints; needs nystroem() and
-// evaluate_end().
+// The estimated error per allowed error, the worst of all joints; needs nystroem().
 double Plant::State::error(const VectorRef& tau, double h) {
   accelerate(there, tau, Friction::kKeep, there.ddq);
   double worst = 0.0;
@@ -241,7 +216,8 @@ StepStatus Plant::State::substep(const VectorRef& tau, double* h, double smalles
   for (;;) {
     bool sound = nystroem(tau, *h) && locate(tau, h);
     const bool finite = there.q.allFinite() && there.dq.allFinite();
-    sound = sound && finite && evaluate_end();
+    sound = sound && finite;
+    if (sound) add_biases(there);
     const double ratio = sound ? error(tau, *h) : 1e4;
     if (ratio <= 1.0) {
       const double factor = ratio < 2e-3 ? 4.0 : std::min(4.0, 0.9 / std::pow(ratio, 0.25));

@@ -55,8 +55,6 @@ struct Plant::State {
   bool factor(Instant& at);
   bool evaluate_middle();
   bool last_stage(const VectorRef& tau, double h);
-  bool last_stage_from_end(const VectorRef& tau, double h);
-  bool evaluate_end();
   void change_middle_velocity(double h);
   void add_biases(Instant& at);
   enum class Friction { kDecide, kKeep };
@@ -80,7 +78,7 @@ struct Plant::State {
   PlantForces forces;
   Sticking sticking;
   Instant here, there, stage;
-  MatrixXd slopes;     // of h by the velocity, where they are free
+  MatrixXd slopes;     // of h by the velocity
   VectorXd way, push;  // from there to the last stage, and what that changes in M ddq + h
   VectorXd k2, k3, k4, white, torques, effects;
   double next_h = 0.0;

@@ -34,8 +34,8 @@ void ArmPoints::move_to(const VectorXd& q, const VectorXd& dq) noexcept {
   for (size_t k = 0; k < tree_.links.size(); ++k) {
     const Link& link = tree_.links[k];
     Posed J = identity_pose();
-    if (link.motion == Motion::kTurns) J.R = rotation_z(recursion_.link[k].s);
-    if (link.motion == Motion::kSlides) J.p.z = recursion_.link[k].s;
+    if (link.type == JointType::kRevolute) J.R = rotation_z(recursion_.link[k].s);
+    if (link.type == JointType::kPrismatic) J.p.z = recursion_.link[k].s;
     const Posed& above = link.parent < 0 ? base_ : T_world_[static_cast<size_t>(link.parent)];
     T_world_[k] = above * link.A * J * link.B;
   }
@@ -47,8 +47,8 @@ ArmPoints::Point ArmPoints::point(int frame, const Eigen::Vector3d& offset) cons
   const Link& link = tree_.links[k];
   const Vec3d at = vec(offset);
   Vec3d v{0, 0, 0};
-  for (int m = link.first_mover; m < link.end_mover; ++m) {
-    v = v + dq_[tree_.movers[static_cast<size_t>(m)].coordinate] *
+  for (int m = link.first_support; m < link.end_support; ++m) {
+    v = v + dq_[tree_.supports[static_cast<size_t>(m)].coordinate] *
                 accelerated(recursion_.jacobian[m], at);
   }
   return {eigen(T.p + rotate(T.R, at)), eigen(rotate(T.R, v))};
@@ -60,8 +60,8 @@ void ArmPoints::add_force(int frame, const Eigen::Vector3d& offset, const Eigen:
   const Link& link = tree_.links[k];
   const Vec3d in_link = rotate_back(T_world_[k].R, vec(force));
   const Vec3d at = vec(offset);
-  for (int m = link.first_mover; m < link.end_mover; ++m) {
-    tau[tree_.movers[static_cast<size_t>(m)].coordinate] +=
+  for (int m = link.first_support; m < link.end_support; ++m) {
+    tau[tree_.supports[static_cast<size_t>(m)].coordinate] +=
         share * dot(accelerated(recursion_.jacobian[m], at), in_link);
   }
 }
@@ -70,8 +70,8 @@ void ArmPoints::jacobian(int frame, const Eigen::Vector3d& offset, MatrixXd& J) 
   const auto k = static_cast<size_t>(tree_.link_of_frame[static_cast<size_t>(frame)]);
   const Link& link = tree_.links[k];
   J.setZero();
-  for (int m = link.first_mover; m < link.end_mover; ++m) {
-    J.col(tree_.movers[static_cast<size_t>(m)].coordinate) =
+  for (int m = link.first_support; m < link.end_support; ++m) {
+    J.col(tree_.supports[static_cast<size_t>(m)].coordinate) =
         eigen(rotate(T_world_[k].R, accelerated(recursion_.jacobian[m], vec(offset))));
   }
 }

@@ -29,7 +29,7 @@ function explainedByMain() {
 
 // A verdict of an earlier version is one word; of this one a list, one entry a joint.
 function unexplained() {
-  const list = Array.isArray(result.verdict) ? result.verdict : [];
+  const list = verdictList();
   const said = {unnamed: 'have an error without a name', cannot_tell: 'cannot be told by these recordings'};
   return Object.entries(said).map(([state, what]) => {
     const joints = list.filter((v) => v.state === state).map((v) => ({joint: v.joint}));
@@ -39,7 +39,8 @@ function unexplained() {
 
 function diagnosisLead() {
   const count = result.findings.length;
-  if (!count) return result.changes_since ? 'Nothing has changed since the model was made, as far as these recordings tell.' : 'Nothing found: the recordings support no further effect.';
+  if (!count) return result.changes_since ? 'Nothing has changed since the model was made, as far as these recordings tell.' : 'Nothing found' +
+      (verdictList().some((v) => v.state !== 'at_floor') ? ', yet not every joint is at its floor.' : verdictList().length ? ': every joint is at its floor.' : ': the recordings support no further effect.');
   return (result.changes_since ? 'Since the model was made, the arm has changed in ' : 'The arm differs from the model in ') + (count === 1 ? 'one point' : count + ' points') + '.';
 }
 
@@ -70,7 +71,8 @@ function diagnosisNext() {
   const next = result.next_experiment;
   const model = wordAfter('--model-out');
   const out = [];
-  if (next && (next.separates || []).length)
+  if (next && next.shows) out.push({why: 'Record what shows it best: ' + typeset(next.shows), command: next.trajectory || undefined});
+  else if (next && (next.separates || []).length)
     out.push({why: 'Record what separates ' + next.separates.map(words).join(' from ') + ':', command: next.trajectory});
   if (model) out.push({why: 'Look for a change with the next recordings:', command: 'veridyn diagnose ' + model + ' --train NEW.csv --test OTHER.csv'});
   else if (result.findings.length) out.push({why: 'Write the extended model:', command: otherCommand('diagnose') + ' --model-out extended.yaml'});
@@ -153,7 +155,7 @@ function findingRow(finding, k) {
   const extra = finding.effect === 'unnamed' && finding.signals ? ' Depends on ' + listed(finding.signals) + '.' : '';
   return [
     element('div', {}, element('strong', {class: 'cause'}, number(place + '/rank', 'whole'), '\u2002' + words(finding.effect)), element('span', {class: 'where'}, ', ' + where),
-            paragraph('', typeset(finding.remark ? phrase + ' ' + finding.remark : phrase) + extra), rivalList(finding)),
+            paragraph('', typeset(finding.remark ? phrase + ' ' + finding.remark : phrase) + extra), finding.why_not ? paragraph('small', typeset(finding.why_not)) : null, rivalList(finding)),
     element('ul', {class: 'parameters'}, Object.keys(finding.parameters || {}).map((name) => element(
         'li', {}, element('span', {class: 'name'}, words(name)), ' ', sizeWithInterval(place + '/parameters/' + pointerKey(name))))),
     number(place + '/p_value', 'chance'), finding.gain ? heldOutChange(finding, k) : null,
@@ -256,7 +258,7 @@ pages.diagnose = () => {
                           part('repaired') && {name: 'Extended, late rows repaired', place: part('repaired')},
                           part('without_excluded') && {name: 'Extended, without excluded rows', place: part('without_excluded')},
                           {name: 'Noise floor', place: floor}, {name: 'Training, baseline', place: '/baseline/train/relative_error'},
-                          extended && {name: 'Training, extended', place: '/extended/train/relative_error'}], floor)),
+                          extended && {name: 'Training, extended', place: '/extended/train/relative_error'}], floor), verdictTable()),
       ...torqueSections(first && first.joint),
       section('excluded', 'Ruled out, and what cannot be told', null, cannotTell(), notSupported()),
       section('quality', 'Quality of the recordings', null, leftOut(), qualityTable())

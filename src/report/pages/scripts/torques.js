@@ -19,8 +19,24 @@ function heldOutPlace() {
 
 /** What the result's own verdict says of a joint. */
 function saidOf(joint) {
-  const list = Array.isArray(result.verdict) ? result.verdict : (result.verdict || {}).joints || [];
-  return list.find((v) => v.joint === joint);
+  return verdictList().find((v) => v.joint === joint);
+}
+
+/** The verdict's entries, one a joint, where the result has any. */
+function verdictList() {
+  return Array.isArray(result.verdict) ? result.verdict : (result.verdict || {}).joints || [];
+}
+
+/** What each joint's held-out error is made of, in numbers. */
+function verdictTable() {
+  const list = verdictList().filter((v) => isNumber(v.named));
+  return list.length ? [
+    heading('What it is made of'), paragraph('note', 'Held-out error of the model as it stands = its floor + what findings with names take + what signals without a name predict + what is left. The floor is the ' +
+        'scatter between repeats of a motion; where nothing repeats, what a regression on smooth functions of the motion leaves over.'),
+    table(['Joint', 'State', '#Held out', '#Floor', '#Named', '#Without a name', '#Left', 'Why'], list.map((v) => {
+      const place = '/verdict/' + result.verdict.indexOf(v) + '/';
+      return [strong(shortJoint(v.joint)), (kStates[v.state] || ['', words(v.state)])[1], ...['held_out', 'floor', 'named', 'unnamed', 'left'].map((part) => percent(place + part)), v.why ? typeset(v.why) : ''];
+    }), 'verdict-parts')] : null;
 }
 
 /** One entry a joint: {joint, error, floor: places, ratio, state}. */
@@ -60,7 +76,7 @@ function jointsOf(rows) {
 
 /** Bars of what each joint's held-out error is made of, where the verdict adds up. */
 function verdictParts() {
-  const list = (Array.isArray(result.verdict) ? result.verdict : []).filter((v) => isNumber(v.held_out) && isNumber(v.named));
+  const list = verdictList().filter((v) => isNumber(v.held_out) && isNumber(v.named));
   if (!list.length) return null;
   const kinds = [['floor', 'quiet', 'noise floor'], ['named', 'good', 'named'], ['unnamed', 'bad', 'without a name'], ['left', 'fair', 'not to be told']];
   const top = Math.max(1e-9, ...list.map((v) => Math.max(v.held_out, v.floor)));

@@ -1,4 +1,4 @@
-#include "dynamics/state_model.hpp"
+#include "dynamics/arm_kernels.hpp"
 
 #include <gtest/gtest.h>
 
@@ -14,8 +14,9 @@
 #include "veridyn/dynamics/regressor_batch.hpp"
 #include "veridyn/dynamics/rigid_body_dynamics.hpp"
 
-// The kernels of single states against the recursions over links (recursion.hpp), which share no
-// line with them, against their dual numbers, and against central differences.
+// The kernels of every instruction set against one another: single states in lanes of columns
+// against batches in lanes of samples; and their derivatives against central differences. All
+// scalars against plain doubles: scalars_test.cpp.
 
 namespace veridyn {
 namespace {
@@ -29,54 +30,79 @@ class OnEveryArm : public OnSampleArm {
 INSTANTIATE_TEST_SUITE_P(Sample, OnEveryArm, testing::ValuesIn(sample_arm_names()),
                          sample_arm_name);
 
-std::vector<StateKernels> all_kernels() {
-  std::vector<StateKernels> all = {state_kernels_baseline()};
-  if (widest_instruction_set() >= InstructionSet::kAvx2) all.push_back(state_kernels_avx2());
-  if (widest_instruction_set() >= InstructionSet::kAvx512) all.push_back(state_kernels_avx512());
+std::vector<ArmKernels> all_kernels() {
+  std::vector<ArmKernels> all = {arm_kernels_baseline()};
+  if (widest_instruction_set() >= InstructionSet::kAvx2) all.push_back(arm_kernels_avx2());
+  if (widest_instruction_set() >= InstructionSet::kAvx512) all.push_back(arm_kernels_avx512());
   all.erase(std::remove_if(all.begin(), all.end(),
-                           [](const StateKernels& k) { return k.workspace == nullptr; }),
+                           [](const ArmKernels& k) { return k.lanes == 0; }),
             all.end());
   return all;
 }
 
-TEST_P(OnEveryArm, AllInstructionSetsDoWhatTheRecursionsDo) {
+TEST_P(OnEveryArm, AllInstructionSetsAndBatchesAgree) {
   const int n = joints();
-  const StateModel model(Tree(arm()), phi());
+  const Tree tree(arm(), Tree::Keep::kMovingLinks);
+  std::vector<LinkInertia> inertia(tree.links.size());
+  link_inertias(tree, phi().data(), inertia.data());
+  const InertialLinks links{tree, inertia.data()};
   const RegressorBatch batch(arm());
-  const auto columns = static_cast<Eigen::Index>(phi().size());
-  for (const StateKernels& kernels : all_kernels()) {
-    std::vector<double> memory(kernels.workspace(model.view()) + 8,
-                               std::numeric_limits<double>::quiet_NaN());
-    double* work = StateModel::aligned(memory);
+  for (const ArmKernels& kernels : all_kernels()) {
+    internal::AlignedWorkspace memory(kernels.workspace(tree));
+    double* work = memory.get();
+    std::fill_n(work, kernels.workspace(tree) / sizeof(double),
+                std::numeric_limits<double>::quiet_NaN());
     for (const State& s : test_states(n, 51)) {
+      const double* q = s.q.data();
+      const double* dq = s.dq.data();
+      const double* ddq = s.ddq.data();
       MatrixXd expected;
       batch.torques(row(s.q), row(s.dq), row(s.ddq), phi(), expected);
-      MatrixXd slopes;
-      batch.torque_slopes(row(s.q), row(s.dq), row(s.ddq), phi(), slopes);
-      const Eigen::Map<const MatrixXd> by_all(slopes.data(), n, 3 * n);
-      const double scale = 1.0 + expected.norm() + slopes.norm();
+      MatrixXd derivatives;
+      batch.torque_derivatives(row(s.q), row(s.dq), row(s.ddq), phi(), derivatives);
+      const Eigen::Map<const MatrixXd> by_all(derivatives.data(), n, 3 * n);
+      const double allowed = kRounding * (1.0 + expected.norm() + derivatives.norm());
       VectorXd tau(n);
-      kernels.inverse_dynamics(model.view(), s.q.data(), s.dq.data(), s.ddq.data(), tau.data(),
-                               work);
-      EXPECT_TRUE(near(tau, expected.transpose(), kRounding * scale));
-      MatrixXd Y(n, columns);
-      kernels.regressor(model.view(), s.q.data(), s.dq.data(), s.ddq.data(), Y.data(), work);
-      EXPECT_TRUE(near(Y * phi(), expected.transpose(), kRounding * scale));
-      MatrixXd by_q(n, n);
-      MatrixXd by_dq(n, n);
-      MatrixXd M(n, n);
-      kernels.slopes(model.view(), s.q.data(), s.dq.data(), s.ddq.data(), tau.data(), by_q.data(),
-                     by_dq.data(), M.data(), work);
-      EXPECT_TRUE(near(tau, expected.transpose(), kRounding * scale));
-      EXPECT_TRUE(near(by_q, by_all.leftCols(n), kRounding * scale));
-      EXPECT_TRUE(near(by_dq, by_all.middleCols(n, n), kRounding * scale));
-      EXPECT_TRUE(near(M, by_all.rightCols(n), kRounding * scale));
+      kernels.inverse_dynamics(links, q, dq, ddq, nullptr, 0, tau.data(), work);
+      EXPECT_TRUE(near(tau, expected.transpose(), allowed));
+      MatrixXd Y(n, phi().size());
+      kernels.regressor(tree, q, dq, ddq, Y.data(), work);
+      EXPECT_TRUE(near(Y * phi(), expected.transpose(), allowed));
+      MatrixXd by_q(n, n), by_dq(n, n), M(n, n), same(n, n);
+      kernels.derivatives(links, q, dq, ddq, tau.data(), by_q.data(), by_dq.data(), M.data(),
+                          work);
+      EXPECT_TRUE(near(tau, expected.transpose(), allowed));
+      EXPECT_TRUE(near(by_q, by_all.leftCols(n), allowed));
+      EXPECT_TRUE(near(by_dq, by_all.middleCols(n, n), allowed));
+      EXPECT_TRUE(near(M, by_all.rightCols(n), allowed));
       VectorXd h(n);
-      MatrixXd same(n, n);
-      kernels.equation(model.view(), s.q.data(), s.dq.data(), same.data(), h.data(), work);
-      EXPECT_TRUE(near(same * s.ddq + h, expected.transpose(), kRounding * scale));
+      kernels.linearized_equation(links, q, dq, same.data(), h.data(), by_q.data(), work);
+      EXPECT_TRUE(near(same, M, allowed));
+      EXPECT_TRUE(near(same * s.ddq + h, expected.transpose(), allowed));
+      kernels.coriolis_matrix(links, q, dq, same.data(), work);
+      EXPECT_TRUE(near(2.0 * same, by_q, allowed));
+      VectorXd back(n);
+      ASSERT_TRUE(kernels.forward_dynamics(links, q, dq, tau.data(), back.data(), same.data(), work));
+      EXPECT_TRUE(near(M * back, M * s.ddq, 100.0 * allowed));
+      MatrixXd ddq_by_q(n, n), ddq_by_dq(n, n), inverse(n, n);
+      ASSERT_TRUE(kernels.forward_derivatives(links, q, dq, tau.data(), back.data(),
+                                              ddq_by_q.data(), ddq_by_dq.data(), inverse.data(),
+                                              work));
+      // dtau/dx is linear in ddq, and so is its error in that of ddq.
+      const double loose = 1e3 * allowed * (1.0 + inverse.norm() * M.norm());
+      EXPECT_TRUE(near(M * ddq_by_q, -by_all.leftCols(n), loose));
+      EXPECT_TRUE(near(M * ddq_by_dq, -by_all.middleCols(n, n), loose));
+      EXPECT_TRUE(near(M * inverse, MatrixXd::Identity(n, n), loose));
     }
   }
+}
+
+// Forward dynamics has no answer where M is not positive definite.
+TEST_P(OnEveryArm, AMassBelowZeroIsRefused) {
+  RigidBodyDynamics dynamics(arm(), -phi());
+  const State s = test_states(joints(), 56).back();
+  VectorXd ddq(joints());
+  EXPECT_FALSE(dynamics.forward_dynamics(s.q, s.dq, s.dq, ddq));
 }
 
 // Entries of columns that no body or no motion gives are zeros and not leftovers of the workspace.
@@ -107,8 +133,8 @@ TEST_P(OnEveryArm, ForwardDynamicsChangesAsItsDerivativesSay) {
     VectorXd tau(n);
     dynamics.inverse_dynamics(s.q, s.dq, s.ddq, tau);
     VectorXd ddq(n);
-    RigidBodyDynamics::AccelerationSlopes slopes;
-    ASSERT_TRUE(dynamics.forward_dynamics_slopes(s.q, s.dq, tau, ddq, slopes));
+    RigidBodyDynamics::AccelerationDerivatives slopes;
+    ASSERT_TRUE(dynamics.forward_dynamics_derivatives(s.q, s.dq, tau, ddq, slopes));
     MatrixXd M(n, n);
     dynamics.mass_matrix(s.q, M);
     EXPECT_TRUE(near(M * slopes.by_tau, MatrixXd::Identity(n, n), 1e-10 * M.norm()));
@@ -142,14 +168,14 @@ TEST_P(OnEveryArm, DerivativesAndRegressorAllocateNothingTheSecondTime) {
   VectorXd ddq(joints());
   MatrixXd M(joints(), joints());
   MatrixXd Y(joints(), phi().size());
-  RigidBodyDynamics::TorqueSlopes torque;
-  RigidBodyDynamics::AccelerationSlopes acceleration;
+  RigidBodyDynamics::TorqueDerivatives torque;
+  RigidBodyDynamics::AccelerationDerivatives acceleration;
   long before = 0;
   for (int turn = 0; turn < 2; ++turn) {
     before = malloc_count();
     dynamics.equation_of_motion(s.q, s.dq, M, tau);
-    dynamics.inverse_dynamics_slopes(s.q, s.dq, s.ddq, tau, torque);
-    dynamics.forward_dynamics_slopes(s.q, s.dq, tau, ddq, acceleration);
+    dynamics.inverse_dynamics_derivatives(s.q, s.dq, s.ddq, tau, torque);
+    dynamics.forward_dynamics_derivatives(s.q, s.dq, tau, ddq, acceleration);
     regressor.evaluate(s.q, s.dq, s.ddq, Y);
   }
   EXPECT_EQ(malloc_count(), before);

@@ -1,12 +1,12 @@
-#include "motion_gradient_kernels.hpp"
+#include "arm_kernel_loops.hpp"
 
 namespace veridyn {
 
 // Compiled with -mavx2 -mfma -mavx512f -mavx512dq -mavx512vl on x86.
-BatchKernels batch_kernels_avx512() {
+ArmKernels arm_kernels_avx512() {
 #if defined(__AVX512F__) && defined(__AVX512DQ__) && defined(__AVX512VL__) && defined(__FMA__)
   struct Avx512;
-  return GradientLoops<Pack<8, Avx512>>::kernels();
+  return ArmKernelLoops<8, Avx512>::kernels();
 #else
   return {};
 #endif

@@ -1,11 +1,11 @@
-#include "state_kernels.hpp"
+#include "arm_kernel_loops.hpp"
 
 namespace veridyn {
 
 // Two lanes are what every 64-bit x86 and ARM processor has.
-StateKernels state_kernels_baseline() {
+ArmKernels arm_kernels_baseline() {
   struct Baseline;
-  return StateLoops<Pack<2, Baseline>>::kernels();
+  return ArmKernelLoops<2, Baseline>::kernels();
 }
 
 }  // namespace veridyn

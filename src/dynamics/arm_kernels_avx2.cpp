@@ -1,12 +1,12 @@
-#include "motion_gradient_kernels.hpp"
+#include "arm_kernel_loops.hpp"
 
 namespace veridyn {
 
 // Compiled with -mavx2 -mfma on x86.
-BatchKernels batch_kernels_avx2() {
+ArmKernels arm_kernels_avx2() {
 #if defined(__AVX2__) && defined(__FMA__)
   struct Avx2;
-  return GradientLoops<Pack<4, Avx2>>::kernels();
+  return ArmKernelLoops<4, Avx2>::kernels();
 #else
   return {};
 #endif

@@ -1,0 +1,433 @@
+#pragma once
+
+#include <type_traits>
+#include <vector>
+
+#include "veridyn/dynamics/recursion.hpp"
+
+namespace veridyn {
+
+/// A tree of moving links with its inertias, see link_inertias().
+struct InertialLinks {
+  Links tree;
+  const LinkInertia* inertia;  ///< null where only motion and regressor are asked for
+};
+
+// Whether a pivot is above zero; scalars that cannot be compared are taken at their word.
+inline bool is_positive(double x) {
+  return x > 0.0;
+}
+inline bool is_positive(float x) {
+  return x > 0.0F;
+}
+template <typename S>
+inline bool is_positive(const S&) {
+  return true;
+}
+
+/// The dynamics of one state over any scalar S. Columns of matrices go side by side in the lanes of
+/// L: a pack of S, or S itself, then one at a time. Vectors hold n entries, matrices (n x n) are
+/// column-major without gaps. No memory of its own and no state: see ArmDynamics.
+template <typename S, typename L = S>
+struct ArmAlgorithms {
+  static constexpr bool kWide = !std::is_same<S, L>::value;
+
+  static constexpr int lanes() {
+    if constexpr (kWide) return L::kSize;
+    return 1;
+  }
+
+  struct Memory {
+    LinkState<S>* state;
+    Tangent<L>* tangent;
+    Column<L>* column;
+    L* angle;    ///< all angles, then sines, then cosines
+    L* rows;     ///< of (2 n) columns
+    L* inverse;  ///< rows of n columns
+    S* vector;   ///< n
+    S* matrix;   ///< n x n
+  };
+
+  static int groups(int columns) { return (columns + lanes() - 1) / lanes(); }
+
+  /// Bytes of workspace, and its parts; to be aligned for L.
+  static std::size_t workspace(const Links& tree) {
+    Parts parts{nullptr};
+    divide(tree, parts);
+    return parts.used;
+  }
+  static Memory divide(const Links& tree, void* memory) {
+    Parts parts{static_cast<char*>(memory)};
+    return divide(tree, parts);
+  }
+
+  // ---- motion and torques ------------------------------------------------------------------------
+
+  /// Joint variables, sines, cosines and rotations; null: at rest.
+  static void place(const Links& tree, const S* q, const S* dq, const S* ddq, const Memory& at) {
+    for (int k = 0; k < tree.count; ++k) {
+      const Link& link = tree.link[k];
+      LinkState<S>& state = at.state[k];
+      using C = typename ConstantOf<S>::type;
+      state.s = along_joint(tree, link, q) + S(static_cast<C>(link.offset));
+      state.ds = dq == nullptr ? S(0.0) : along_joint(tree, link, dq);
+      state.dds = ddq == nullptr ? S(0.0) : along_joint(tree, link, ddq);
+      if constexpr (kWide) at.angle[k / lanes()].v[k % lanes()] = state.s.v;
+      if constexpr (!kWide) {
+        if (link.type == JointType::kRevolute) sine_cosine(state.s, state.sine, state.cosine);
+      }
+    }
+    if constexpr (kWide) sines(tree, at);
+    for (int k = 0; k < tree.count; ++k) rotation_step(tree.link[k], at.state[k]);
+  }
+
+  /// Velocities, accelerations and the forces for them.
+  static void motion(const InertialLinks& arm, const Memory& at) {
+    const Workspace<S> r{at.state, nullptr, nullptr};
+    for (int k = 0; k < arm.tree.count; ++k) {
+      forward_step(arm.tree, k, arm.tree.gravity, r);
+      if (arm.inertia == nullptr) continue;
+      LinkState<S>& state = at.state[k];
+      link_wrench(arm.tree.link[k], arm.inertia[k], state.accel, state.E, state.force,
+                  state.moment);
+    }
+  }
+
+  /// g: every link accelerates against gravity alike, and nothing turns.
+  static void gravity_torques(const InertialLinks& arm, const S* q, S* g, const Memory& at) {
+    const Vec3d& down = arm.tree.gravity;
+    using C = typename ConstantOf<S>::type;
+    const Vec3<S> up{S(static_cast<C>(-down.x)), S(static_cast<C>(-down.y)),
+                     S(static_cast<C>(-down.z))};
+    place(arm.tree, q, nullptr, nullptr, at);
+    for (int k = 0; k < arm.tree.count; ++k) {
+      const Link& link = arm.tree.link[k];
+      LinkState<S>& state = at.state[k];
+      state.accel = to_joint(link, state.R, link.parent < 0 ? up : at.state[link.parent].accel);
+      const auto h = constant<S>(arm.inertia[k].h);
+      state.force = static_cast<C>(arm.inertia[k].m) * state.accel;
+      state.moment = cross(h, state.accel);
+    }
+    backward_pass(arm.tree, {at.state, nullptr, nullptr}, g);
+  }
+
+  /// tau of M ddq + C dq + g, without what the environment does; ddq null: zero.
+  static void inverse_dynamics(const InertialLinks& arm, const S* q, const S* dq, const S* ddq,
+                               const LinkWrench* external, int externals, S* tau,
+                               const Memory& at) {
+    place(arm.tree, q, dq, ddq, at);
+    motion(arm, at);
+    for (int e = 0; e < externals; ++e) {
+      LinkState<S>& state = at.state[external[e].link];
+      state.force = state.force - constant<S>(external[e].force);
+      state.moment = state.moment - constant<S>(external[e].moment);
+    }
+    backward_pass(arm.tree, {at.state, nullptr, nullptr}, tau);
+  }
+
+  static void mass_matrix(const InertialLinks& arm, const S* q, S* M, const Memory& at) {
+    place(arm.tree, q, nullptr, nullptr, at);
+    mass_of(arm, M, at);
+  }
+
+  /// M and h = C dq + g.
+  static void equation_of_motion(const InertialLinks& arm, const S* q, const S* dq, S* M, S* h,
+                                 const Memory& at) {
+    inverse_dynamics(arm, q, dq, nullptr, nullptr, 0, h, at);
+    mass_of(arm, M, at);
+  }
+
+  /// M, h and D = dh/ddq.
+  static void linearized_equation(const InertialLinks& arm, const S* q, const S* dq, S* M, S* h,
+                                  S* D, const Memory& at) {
+    equation_of_motion(arm, q, dq, M, h, at);
+    const int n = arm.tree.joints;
+    rows_along<kOfVelocity>(arm, n, at.rows, at);
+    columns(n, groups(n), 0, n, S(1.0), at.rows, D);
+  }
+
+  /// The Coriolis matrix of Christoffel's symbols, C = 1/2 d(C dq)/ddq: dM/dt - 2 C is skew.
+  static void coriolis_matrix(const InertialLinks& arm, const S* q, const S* dq, S* C,
+                              const Memory& at) {
+    const int n = arm.tree.joints;
+    inverse_dynamics(arm, q, dq, nullptr, nullptr, 0, at.vector, at);
+    rows_along<kOfVelocity>(arm, n, at.rows, at);
+    columns(n, groups(n), 0, n, S(0.5), at.rows, C);
+  }
+
+  /// tau and its derivatives by q, dq and ddq, the last of which is M.
+  static void derivatives(const InertialLinks& arm, const S* q, const S* dq, const S* ddq, S* tau,
+                          S* by_q, S* by_dq, S* M, const Memory& at) {
+    const int n = arm.tree.joints;
+    inverse_dynamics(arm, q, dq, ddq, nullptr, 0, tau, at);
+    mass_of(arm, M, at);
+    rows_along<kOfPosition | kOfVelocity>(arm, 2 * n, at.rows, at);
+    columns(n, groups(2 * n), 0, n, S(1.0), at.rows, by_q);
+    columns(n, groups(2 * n), n, 2 * n, S(1.0), at.rows, by_dq);
+  }
+
+  // ---- forward dynamics --------------------------------------------------------------------------
+
+  /// ddq of tau; M is left factored. False if it is not positive definite.
+  static bool forward_dynamics(const InertialLinks& arm, const S* q, const S* dq, const S* tau,
+                               S* ddq, S* M, const Memory& at) {
+    const int n = arm.tree.joints;
+    equation_of_motion(arm, q, dq, M, at.vector, at);
+    for (int i = 0; i < n; ++i) at.vector[i] = tau[i] - at.vector[i];
+    if (!factor(n, M)) return false;
+    solve(n, M, 1, at.vector);
+    for (int i = 0; i < n; ++i) ddq[i] = at.vector[i];
+    return true;
+  }
+
+  /// ddq and its derivatives by q, dq and tau: -M^-1 dtau/dx at that ddq, and M^-1.
+  static bool forward_derivatives(const InertialLinks& arm, const S* q, const S* dq, const S* tau,
+                                  S* ddq, S* by_q, S* by_dq, S* by_tau, const Memory& at) {
+    const int n = arm.tree.joints;
+    if (!forward_dynamics(arm, q, dq, tau, ddq, at.matrix, at)) return false;
+    for (int k = 0; k < arm.tree.count; ++k)
+      at.state[k].dds = along_joint(arm.tree, arm.tree.link[k], ddq);
+    motion(arm, at);
+    backward_pass(arm.tree, {at.state, nullptr, nullptr}, at.vector);
+    const int wide = groups(2 * n);
+    rows_along<kOfPosition | kOfVelocity>(arm, 2 * n, at.rows, at);
+    solve(n, at.matrix, wide, at.rows);
+    columns(n, wide, 0, n, S(-1.0), at.rows, by_q);
+    columns(n, wide, n, 2 * n, S(-1.0), at.rows, by_dq);
+    const int narrow = groups(n);
+    for (int e = 0; e < n * narrow; ++e) at.inverse[e] = L(0.0);
+    for (int i = 0; i < n; ++i) {
+      L& unit = at.inverse[i * narrow + i / lanes()];
+      if constexpr (kWide) unit.v[i % lanes()] = 1.0;
+      if constexpr (!kWide) unit = S(1.0);
+    }
+    solve(n, at.matrix, narrow, at.inverse);
+    columns(n, narrow, 0, n, S(1.0), at.inverse, by_tau);
+    return true;
+  }
+
+  /// M = L D L' in place: L below the diagonal, 1 / D on it. False if it is not positive definite.
+  static bool factor(int n, S* M) {
+    for (int j = 0; j < n; ++j) {
+      S* column = M + j * n;
+      if (!is_positive(column[j])) return false;
+      const S inverse = S(1.0) / column[j];
+      for (int k = j + 1; k < n; ++k) {
+        const S share = column[k] * inverse;
+        S* next = M + k * n;
+        for (int i = k; i < n; ++i) next[i] -= share * column[i];
+      }
+      column[j] = inverse;
+      for (int i = j + 1; i < n; ++i) column[i] = column[i] * inverse;
+    }
+    return true;
+  }
+
+  /// X = M^-1 X of a factored M; X has n rows of `width` entries.
+  template <typename X>
+  static void solve(int n, const S* M, int width, X* x) {
+    for (int j = 0; j < n; ++j) {
+      for (int i = j + 1; i < n; ++i) {
+        for (int g = 0; g < width; ++g) x[i * width + g] -= M[j * n + i] * x[j * width + g];
+      }
+    }
+    for (int j = n - 1; j >= 0; --j) {
+      for (int g = 0; g < width; ++g) {
+        X sum = M[j * n + j] * x[j * width + g];
+        for (int i = j + 1; i < n; ++i) sum -= M[j * n + i] * x[i * width + g];
+        x[j * width + g] = sum;
+      }
+    }
+  }
+
+  // ---- derivatives in lanes ----------------------------------------------------------------------
+
+  /// Derivatives of the torques along the first `count` directions of the state space, in rows: row
+  /// i, which is torque i, has groups(count) entries. Needs motion() and, but for kOfAcceleration,
+  /// backward_pass(). kOfPosition | kOfVelocity: 2 n directions, those of q before those of dq;
+  /// kOfVelocity and kOfAcceleration: n.
+  template <unsigned kOf>
+  static void rows_along(const InertialLinks& arm, int count, L* rows, const Memory& at) {
+    const int width = groups(count);
+    for (int e = 0; e < arm.tree.joints * width; ++e) rows[e] = L(0.0);
+    for (int g = 0; g < width; ++g) sweep<kOf>(arm, g, width, rows, at);
+  }
+
+  template <unsigned kOf>
+  static Seed<L> seed(const Links& tree, int k, int group) {
+    const double* q = tree.seeds + long{2} * k * tree.seed_width + group * lanes();
+    Seed<L> out{L(0.0), L(0.0), L(0.0)};
+    if constexpr (kOf == kOfAcceleration) out.dds = lanes_at(q);
+    if constexpr (kOf == kOfVelocity) out.ds = lanes_at(q);
+    if constexpr ((kOf & kOfPosition) != 0) out.s = lanes_at(q);
+    if constexpr (kOf == (kOfPosition | kOfVelocity)) out.ds = lanes_at(q + tree.seed_width);
+    return out;
+  }
+
+  template <unsigned kOf>
+  static void sweep(const InertialLinks& arm, int group, int width, L* rows, const Memory& at) {
+    const Links& tree = arm.tree;
+    namespace d = recursion_detail;
+    int first = tree.count;
+    for (int l = group * lanes(); l < (group + 1) * lanes() && l < 2 * tree.joints; ++l) {
+      const int moved = tree.first_moved[l % tree.joints];
+      if (moved >= 0 && moved < first) first = moved;
+    }
+    Tangent<L>* t = at.tangent;
+    for (int k = 0; k < first; ++k) t[k].force = t[k].moment = d::zero3<L>();
+    for (int k = first; k < tree.count; ++k) {
+      const Link& link = tree.link[k];
+      tangent_step<kOf>(link, arm.inertia[k], at.state[k], seed<kOf>(tree, k, group),
+                        link.parent < first ? nullptr : t + link.parent, t[k]);
+    }
+    for (int k = tree.count - 1; k >= 0; --k) {
+      const Link& link = tree.link[k];
+      const L& effort = link.type == JointType::kRevolute ? t[k].moment.z : t[k].force.z;
+      for (int e = link.first_coefficient; e < link.end_coefficient; ++e) {
+        const JointCoefficient& c = tree.coefficient[e];
+        using C = typename ConstantOf<S>::type;
+        rows[c.coordinate * width + group] += static_cast<C>(c.coefficient) * effort;
+      }
+      if (link.parent >= 0)
+        tangent_back<kOf>(link, at.state[k], seed<kOf>(tree, k, group), t[k], t[link.parent]);
+    }
+  }
+
+  // ---- regressor ---------------------------------------------------------------------------------
+
+  /// Y, (n x 10 bodies).
+  static void regressor(const Links& tree, const S* q, const S* dq, const S* ddq, S* Y,
+                        const Memory& at) {
+    place(tree, q, dq, ddq, at);
+    motion({tree, nullptr}, at);
+    const int n = tree.joints;
+    for (int group = 0; group < groups(n); ++group) {
+      jacobians(tree, group, at);
+      const int count = n - group * lanes() < lanes() ? n - group * lanes() : lanes();
+      for (int b = 0; b < tree.bodies; ++b) {
+        const BodyPlace& place = tree.body[b];
+        S* to = Y + 10L * b * n + group * lanes();
+        if (place.link < 0) {
+          for (int e = 0; e < 10 * count; ++e) to[e / count * n + e % count] = S(0.0);
+          continue;
+        }
+        Column<L> c = at.column[place.link];
+        if (!place.is_identity) recursion_detail::carry(place.T_link_body, c.w, c.v);
+        // A whole pack may be written where what it writes too much is still to come: columns
+        // follow each other in memory and in time.
+        const long left = 10L * (tree.bodies - b) * n;
+        regressor_entries(body_motion(at.state[place.link], place), c, [&](int k, const L& y) {
+          const bool whole = count == lanes() || (n <= lanes() && left - k * n >= lanes());
+          store(y, whole ? lanes() : count, to + k * n);
+        });
+      }
+    }
+  }
+
+  /// Jacobian columns of the coordinates of a group, in lanes.
+  static void jacobians(const Links& tree, int group, const Memory& at) {
+    for (int k = 0; k < tree.count; ++k) {
+      const Link& link = tree.link[k];
+      Column<L>& c = at.column[k];
+      if (link.parent >= 0) {
+        c = to_joint(link, at.state[k], at.column[link.parent]);
+      } else {
+        c.w = c.v = recursion_detail::zero3<L>();
+      }
+      const L own = lanes_at(tree.seeds + long{2} * k * tree.seed_width + group * lanes());
+      (link.type == JointType::kRevolute ? c.w.z : c.v.z) += own;
+    }
+  }
+
+ private:
+  /// Hands out parts of one block of memory; counts where there is none.
+  struct Parts {
+    char* memory;
+    std::size_t used = 0;
+
+    template <typename T>
+    T* take(int count) {
+      constexpr std::size_t kAlignment = 64;
+      T* const part = memory == nullptr ? nullptr : reinterpret_cast<T*>(memory + used);
+      used += (static_cast<std::size_t>(count) * sizeof(T) + kAlignment - 1) / kAlignment *
+              kAlignment;
+      return part;
+    }
+  };
+
+  static Memory divide(const Links& tree, Parts& parts) {
+    const int n = tree.joints;
+    Memory at;
+    at.state = parts.template take<LinkState<S>>(tree.count);
+    at.tangent = parts.template take<Tangent<L>>(tree.count);
+    at.column = parts.template take<Column<L>>(tree.count);
+    at.angle = parts.template take<L>(3 * groups(tree.count));
+    at.rows = parts.template take<L>(n * groups(2 * n));
+    at.inverse = parts.template take<L>(n * groups(n));
+    at.vector = parts.template take<S>(n);
+    at.matrix = parts.template take<S>(n * n);
+    return at;
+  }
+
+  static L lanes_at(const double* from) {
+    if constexpr (kWide) {
+      L to;
+      load_lanes(from, to);
+      return to;
+    } else {
+      return L(static_cast<typename ConstantOf<S>::type>(*from));
+    }
+  }
+
+  static void store(const L& from, int count, S* to) {
+    if constexpr (kWide) store_lanes(from, count, &to->v);
+    if constexpr (!kWide) *to = from;
+  }
+
+  /// Columns first .. end - 1 of the matrix whose rows are given, times a factor.
+  static void columns(int n, int width, int first, int end, const S& by, const L* rows, S* to) {
+    for (int d = first; d < end; ++d) {
+      for (int i = 0; i < n; ++i) {
+        const L& from = rows[i * width + d / lanes()];
+        S& entry = to[(d - first) * n + i];
+        if constexpr (kWide) entry = by * S(from.v[d % lanes()]);
+        if constexpr (!kWide) entry = by * from;
+      }
+    }
+  }
+
+  static void mass_of(const InertialLinks& arm, S* M, const Memory& at) {
+    const int n = arm.tree.joints;
+    const int width = groups(n);
+    rows_along<kOfAcceleration>(arm, n, at.inverse, at);
+    for (int i = 0; i < n; ++i) {  // rows are columns of M, which is symmetric
+      for (int g = 0; g < width; ++g) {
+        const int entry = i * n + g * lanes();
+        const int left = n - g * lanes() < lanes() ? n - g * lanes() : lanes();
+        const bool whole = entry + lanes() <= n * n;  // too much of it is written again
+        store(at.inverse[i * width + g], whole ? lanes() : left, M + entry);
+      }
+    }
+    for (int i = 0; i < n; ++i) {  // to the last bit
+      for (int j = i + 1; j < n; ++j) M[j * n + i] = M[i * n + j];
+    }
+  }
+
+  static void sines(const Links& tree, const Memory& at) {
+    constexpr double kQuickAngle = 1e5;  // [rad], beyond it the quick one loses digits
+    const int packs = groups(tree.count);
+    for (int k = tree.count; k < packs * lanes(); ++k) at.angle[k / lanes()].v[k % lanes()] = 0.0;
+    for (int g = 0; g < packs; ++g)
+      sine_cosine(at.angle[g], at.angle[packs + g], at.angle[2 * packs + g]);
+    for (int k = 0; k < tree.count; ++k) {
+      LinkState<S>& state = at.state[k];
+      state.sine = at.angle[packs + k / lanes()].v[k % lanes()];
+      state.cosine = at.angle[2 * packs + k / lanes()].v[k % lanes()];
+      if (__builtin_fabs(state.s.v) < kQuickAngle) continue;
+      state.sine = __builtin_sin(state.s.v);
+      state.cosine = __builtin_cos(state.s.v);
+    }
+  }
+};
+
+}  // namespace veridyn

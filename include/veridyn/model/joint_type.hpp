@@ -1,0 +1,7 @@
+#pragma once
+
+namespace veridyn {
+
+enum class JointType { kFixed, kRevolute, kPrismatic };
+
+}  // namespace veridyn

@@ -1,0 +1,264 @@
+#pragma once
+
+#include "arm_kernels.hpp"
+#include "math/dual.hpp"
+#include "math/pack.hpp"
+
+// Each arm_kernels_<isa>.cpp is compiled with flags of its own, so nothing in here may be shared
+// with the rest of the program: the linker keeps one copy of an inline function, and an old
+// processor would run into the new one. Hence raw pointers, no Eigen, and templates over packs whose
+// tag names the instruction set, single numbers included.
+
+namespace veridyn {
+
+template <int kLanes, typename Isa>
+struct ArmKernelLoops {
+  using One = Pack<1, Isa>;
+  using P = Pack<kLanes, Isa>;
+  using D = Dual<P>;
+  using State = ArmAlgorithms<One, P>;
+  using Batch = ArmAlgorithms<P>;
+
+  static const One* ones(const double* x) { return reinterpret_cast<const One*>(x); }
+  static One* ones(double* x) { return reinterpret_cast<One*>(x); }
+
+  // Everything in one function each: the compiler's own choice leaves calls in the innermost loops
+  // (a third slower).
+
+  __attribute__((flatten)) static void inverse_dynamics(const InertialLinks& arm, const double* q,
+                                                        const double* dq, const double* ddq,
+                                                        const LinkWrench* external, int externals,
+                                                        double* tau, void* memory) {
+    State::inverse_dynamics(arm, ones(q), ones(dq), ones(ddq), external, externals, ones(tau),
+                            State::divide(arm.tree, memory));
+  }
+  __attribute__((flatten)) static void gravity_torques(const InertialLinks& arm, const double* q,
+                                                       double* g, void* memory) {
+    State::gravity_torques(arm, ones(q), ones(g), State::divide(arm.tree, memory));
+  }
+  __attribute__((flatten)) static void mass_matrix(const InertialLinks& arm, const double* q,
+                                                   double* M, void* memory) {
+    State::mass_matrix(arm, ones(q), ones(M), State::divide(arm.tree, memory));
+  }
+  __attribute__((flatten)) static void equation_of_motion(const InertialLinks& arm,
+                                                          const double* q, const double* dq,
+                                                          double* M, double* h, void* memory) {
+    State::equation_of_motion(arm, ones(q), ones(dq), ones(M), ones(h), State::divide(arm.tree, memory));
+  }
+  __attribute__((flatten)) static void linearized_equation(const InertialLinks& arm,
+                                                           const double* q, const double* dq,
+                                                           double* M, double* h, double* D_,
+                                                           void* memory) {
+    State::linearized_equation(arm, ones(q), ones(dq), ones(M), ones(h), ones(D_),
+                               State::divide(arm.tree, memory));
+  }
+  __attribute__((flatten)) static void coriolis_matrix(const InertialLinks& arm, const double* q,
+                                                       const double* dq, double* C, void* memory) {
+    State::coriolis_matrix(arm, ones(q), ones(dq), ones(C), State::divide(arm.tree, memory));
+  }
+  __attribute__((flatten)) static void derivatives(const InertialLinks& arm, const double* q,
+                                                   const double* dq, const double* ddq,
+                                                   double* tau, double* by_q, double* by_dq,
+                                                   double* M, void* memory) {
+    State::derivatives(arm, ones(q), ones(dq), ones(ddq), ones(tau), ones(by_q), ones(by_dq), ones(M),
+                       State::divide(arm.tree, memory));
+  }
+  __attribute__((flatten)) static bool forward_dynamics(const InertialLinks& arm, const double* q,
+                                                        const double* dq, const double* tau,
+                                                        double* ddq, double* M, void* memory) {
+    return State::forward_dynamics(arm, ones(q), ones(dq), ones(tau), ones(ddq), ones(M),
+                                   State::divide(arm.tree, memory));
+  }
+  __attribute__((flatten)) static bool forward_derivatives(const InertialLinks& arm,
+                                                           const double* q, const double* dq,
+                                                           const double* tau, double* ddq,
+                                                           double* by_q, double* by_dq,
+                                                           double* by_tau, void* memory) {
+    return State::forward_derivatives(arm, ones(q), ones(dq), ones(tau), ones(ddq), ones(by_q), ones(by_dq),
+                                      ones(by_tau), State::divide(arm.tree, memory));
+  }
+  __attribute__((flatten)) static void regressor(const Links& tree, const double* q,
+                                                 const double* dq, const double* ddq, double* Y,
+                                                 void* memory) {
+    State::regressor(tree, ones(q), ones(dq), ones(ddq), ones(Y), State::divide(tree, memory));
+  }
+
+  // ---- batches -----------------------------------------------------------------------------------
+
+  struct BatchMemory {
+    typename Batch::Memory at;
+    D* duals;  ///< a whole workspace of dual numbers, in the same place
+    P* q;
+    P* dq;
+    P* ddq;
+    P* tau;
+    Column<P>* jacobian;
+  };
+
+  static std::size_t dual_bytes(const Links& tree) {
+    return sizeof(LinkState<D>) * static_cast<std::size_t>(tree.count) +
+           sizeof(Column<D>) * static_cast<std::size_t>(tree.supports);
+  }
+  static std::size_t padded(std::size_t bytes) { return (bytes + 63) / 64 * 64; }
+  static std::size_t batch_workspace(const Links& tree) {
+    const std::size_t plain = Batch::workspace(tree);
+    const std::size_t dual = dual_bytes(tree);
+    return padded(plain > dual ? plain : dual) +
+           sizeof(D) * 4 * static_cast<std::size_t>(tree.joints) +
+           sizeof(Column<P>) * static_cast<std::size_t>(tree.supports);
+  }
+  static BatchMemory divide(const Links& tree, void* memory) {
+    const std::size_t plain = Batch::workspace(tree);
+    const std::size_t dual = dual_bytes(tree);
+    char* const rest = static_cast<char*>(memory) + padded(plain > dual ? plain : dual);
+    P* const q = reinterpret_cast<P*>(rest);
+    Column<P>* const jacobian =
+        reinterpret_cast<Column<P>*>(rest + sizeof(D) * 4 * static_cast<std::size_t>(tree.joints));
+    const int n = tree.joints;
+    return {Batch::divide(tree, memory), static_cast<D*>(memory), q, q + n, q + 2 * n, q + 3 * n,
+            jacobian};
+  }
+
+  static void load(const Links& tree, const SampleColumns& from, int row, int count, P* to) {
+    for (int i = 0; i < tree.joints; ++i)
+      to[i] = load_lanes<P>(count, from.data + i * from.stride + row);
+  }
+  static void load(const Links& tree, const BatchInput& in, int row, int count,
+                   const BatchMemory& m) {
+    load(tree, in.q, row, count, m.q);
+    load(tree, in.dq, row, count, m.dq);
+    load(tree, in.ddq, row, count, m.ddq);
+  }
+
+  // Calls body(row, count) for every pack of rows.
+  template <typename Body>
+  static void for_packs(int rows, const Body& body) {
+    int row = 0;
+    for (; row + kLanes <= rows; row += kLanes) body(row, kLanes);
+    if (row < rows) body(row, rows - row);
+  }
+
+  __attribute__((flatten)) static void batch_regressor(const Links& tree, const BatchInput& in,
+                                                       const ColumnsByJoint<double>& out,
+                                                       void* memory) {
+    const BatchMemory m = divide(tree, memory);
+    const Workspace<P> r{m.at.state, m.jacobian, nullptr};
+    const long rows = in.rows;
+    for_packs(in.rows, [&](int row, int count) {
+      load(tree, in, row, count, m);
+      forward_pass(tree, m.q, m.dq, m.ddq, tree.gravity, r);
+      jacobian_pass(tree, r);
+      for_entries(tree, r, [&](int b, int i, const BodyMotion<P>& motion, const Column<P>& c) {
+        double* const Y = out.Y[i];
+        if (Y == nullptr) return;
+        double* const column = Y + out.first_column[b * tree.joints + i] * rows + row;
+        regressor_entries(motion, c, [&](int k, const P& y) { store_lanes(y, count, column + k * rows); });
+      });
+    });
+  }
+
+  // Calls body(b, i, motion, column) for every body and each coordinate that moves it.
+  template <typename S, typename Body>
+  static void for_entries(const Links& tree, const Workspace<S>& r, const Body& body) {
+    for (int b = 0; b < tree.bodies; ++b) {
+      const BodyPlace& place = tree.body[b];
+      if (place.link < 0) continue;
+      const BodyMotion<S> motion = body_motion(r.link[place.link], place);
+      for (int m = tree.link[place.link].first_support; m < tree.link[place.link].end_support;
+           ++m) {
+        Column<S> c = r.jacobian[m];
+        if (!place.is_identity) recursion_detail::carry(place.T_link_body, c.w, c.v);
+        body(b, tree.support[m].coordinate, motion, c);
+      }
+    }
+  }
+
+  __attribute__((flatten)) static void batch_torques(const InertialLinks& arm,
+                                                     const BatchInput& in, double* tau,
+                                                     void* memory) {
+    const BatchMemory m = divide(arm.tree, memory);
+    for_packs(in.rows, [&](int row, int count) {
+      load(arm.tree, in, row, count, m);
+      Batch::inverse_dynamics(arm, m.q, m.dq, m.ddq, nullptr, 0, m.tau, m.at);
+      for (int i = 0; i < arm.tree.joints; ++i)
+        store_lanes(m.tau[i], count, tau + long{i} * in.rows + row);
+    });
+  }
+
+  __attribute__((flatten)) static void batch_derivatives(const InertialLinks& arm,
+                                                         const BatchInput& in, double* out,
+                                                         void* memory) {
+    const BatchMemory m = divide(arm.tree, memory);
+    const int n = arm.tree.joints;
+    for_packs(in.rows, [&](int row, int count) {
+      load(arm.tree, in, row, count, m);
+      Batch::inverse_dynamics(arm, m.q, m.dq, m.ddq, nullptr, 0, m.tau, m.at);
+      Batch::template rows_along<kOfPosition | kOfVelocity>(arm, 2 * n, m.at.rows, m.at);
+      Batch::template rows_along<kOfAcceleration>(arm, n, m.at.inverse, m.at);
+      for (int i = 0; i < n; ++i) {
+        double* const to = out + long{i} * in.rows + row;
+        const long next = long{n} * in.rows;
+        for (int d = 0; d < 2 * n; ++d) store_lanes(m.at.rows[2 * i * n + d], count, to + d * next);
+        for (int d = 0; d < n; ++d)
+          store_lanes(m.at.inverse[i * n + d], count, to + (2 * n + d) * next);
+      }
+    });
+  }
+
+  // The same recursions over dual numbers of packs, one direction at a time.
+  __attribute__((flatten)) static void batch_gradient(const Links& tree, const BatchInput& in,
+                                                      const ColumnsByJoint<const double>& weights,
+                                                      double* out, void* memory) {
+    const BatchMemory m = divide(tree, memory);
+    LinkState<D>* const link = reinterpret_cast<LinkState<D>*>(m.duals);
+    const Workspace<D> r{link, reinterpret_cast<Column<D>*>(link + tree.count), nullptr};
+    D* const x = reinterpret_cast<D*>(m.q);
+    const int n = tree.joints;
+    const SampleColumns* const parts[] = {&in.q, &in.dq, &in.ddq};
+    for_packs(in.rows, [&](int row, int count) {
+      for (int k = 0; k < 3; ++k) {
+        for (int i = 0; i < n; ++i)
+          x[k * n + i] = {load_lanes<P>(count, parts[k]->data + i * parts[k]->stride + row), P(0.0)};
+      }
+      for (int d = 0; d < 3 * n; ++d) {
+        x[d].derivative = P(1.0);
+        forward_pass(tree, x, x + n, x + 2 * n, tree.gravity, r);
+        jacobian_pass(tree, r);
+        P sum(0.0);
+        for_entries(tree, r, [&](int b, int i, const BodyMotion<D>& motion, const Column<D>& c) {
+          const double* const w =
+              weights.Y[i] + long{weights.first_column[b * n + i]} * in.rows + row;
+          regressor_entries(motion, c, [&](int k, const D& y) {
+            sum += load_lanes<P>(count, w + long{k} * in.rows) * y.derivative;
+          });
+        });
+        x[d].derivative = P(0.0);
+        store_lanes(sum, count, out + long{d} * in.rows + row);
+      }
+    });
+  }
+
+  static ArmKernels kernels() {
+    ArmKernels out;
+    out.workspace = &State::workspace;
+    out.inverse_dynamics = &inverse_dynamics;
+    out.gravity_torques = &gravity_torques;
+    out.mass_matrix = &mass_matrix;
+    out.equation_of_motion = &equation_of_motion;
+    out.linearized_equation = &linearized_equation;
+    out.coriolis_matrix = &coriolis_matrix;
+    out.derivatives = &derivatives;
+    out.forward_dynamics = &forward_dynamics;
+    out.forward_derivatives = &forward_derivatives;
+    out.regressor = &regressor;
+    out.lanes = kLanes;
+    out.batch_workspace = &batch_workspace;
+    out.batch_regressor = &batch_regressor;
+    out.batch_torques = &batch_torques;
+    out.batch_derivatives = &batch_derivatives;
+    out.batch_gradient = &batch_gradient;
+    return out;
+  }
+};
+
+}  // namespace veridyn

@@ -1,0 +1,77 @@
+#pragma once
+
+#include "veridyn/dynamics/arm_algorithms.hpp"
+
+namespace veridyn {
+
+/// Column-major samples; `stride` is the distance between columns.
+struct SampleColumns {
+  const double* data;
+  long stride;
+};
+
+struct BatchInput {
+  int rows;
+  SampleColumns q, dq, ddq;
+};
+
+/// The regressor by joints: column c of joint i stands at Y[i] + c * rows; null: nobody wants it.
+template <typename Number>
+struct ColumnsByJoint {
+  Number* const* Y;
+  /// First of body b's ten columns in joint i's matrix at b * n + i; -1: the joint does not move it.
+  const int* first_column;
+};
+
+/// The algorithms of arm_algorithms.hpp for doubles, compiled for one instruction set. Vectors hold
+/// n entries, matrices are column-major without gaps; workspaces are aligned to 64 bytes. All null
+/// where the compiler was not allowed to use the instruction set.
+struct ArmKernels {
+  // Single states: numbers along the tree, columns of matrices in lanes.
+  std::size_t (*workspace)(const Links&) = nullptr;
+  void (*inverse_dynamics)(const InertialLinks&, const double* q, const double* dq,
+                           const double* ddq, const LinkWrench* external, int externals,
+                           double* tau, void* workspace) = nullptr;
+  void (*gravity_torques)(const InertialLinks&, const double* q, double* g,
+                          void* workspace) = nullptr;
+  void (*mass_matrix)(const InertialLinks&, const double* q, double* M, void* workspace) = nullptr;
+  void (*equation_of_motion)(const InertialLinks&, const double* q, const double* dq, double* M,
+                             double* h, void* workspace) = nullptr;
+  void (*linearized_equation)(const InertialLinks&, const double* q, const double* dq, double* M,
+                              double* h, double* D, void* workspace) = nullptr;
+  void (*coriolis_matrix)(const InertialLinks&, const double* q, const double* dq, double* C,
+                          void* workspace) = nullptr;
+  void (*derivatives)(const InertialLinks&, const double* q, const double* dq, const double* ddq,
+                      double* tau, double* by_q, double* by_dq, double* M,
+                      void* workspace) = nullptr;
+  bool (*forward_dynamics)(const InertialLinks&, const double* q, const double* dq,
+                           const double* tau, double* ddq, double* M, void* workspace) = nullptr;
+  bool (*forward_derivatives)(const InertialLinks&, const double* q, const double* dq,
+                              const double* tau, double* ddq, double* by_q, double* by_dq,
+                              double* by_tau, void* workspace) = nullptr;
+  void (*regressor)(const Links&, const double* q, const double* dq, const double* ddq, double* Y,
+                    void* workspace) = nullptr;
+  // Batches: samples in lanes.
+  int lanes = 0;
+  std::size_t (*batch_workspace)(const Links&) = nullptr;
+  void (*batch_regressor)(const Links&, const BatchInput&, const ColumnsByJoint<double>&,
+                          void* workspace) = nullptr;
+  /// tau: (rows x n).
+  void (*batch_torques)(const InertialLinks&, const BatchInput&, double* tau,
+                        void* workspace) = nullptr;
+  /// 3 n matrices (rows x n), one after the other.
+  void (*batch_derivatives)(const InertialLinks&, const BatchInput&, double* out,
+                            void* workspace) = nullptr;
+  /// Derivatives of the sum of weights times regressor along q, dq and ddq: (rows x 3 n).
+  void (*batch_gradient)(const Links&, const BatchInput&, const ColumnsByJoint<const double>&,
+                         double* out, void* workspace) = nullptr;
+};
+
+ArmKernels arm_kernels_baseline();
+ArmKernels arm_kernels_avx2();
+ArmKernels arm_kernels_avx512();
+
+/// The widest that this processor has.
+const ArmKernels& arm_kernels();
+
+}  // namespace veridyn

@@ -1,0 +1,50 @@
+#include "math/correlated_columns.hpp"
+
+#include <cmath>
+#include <string>
+
+namespace veridyn {
+
+std::vector<std::vector<int>> correlated_columns(const MatrixXd& values, double least) {
+  const Eigen::Index n = values.cols();
+  VectorXd mean = VectorXd::Zero(n);
+  double rows = 0.0;
+  for (Eigen::Index r = 0; r < values.rows(); ++r) {
+    if (!values.row(r).allFinite()) continue;
+    mean += values.row(r).transpose();
+    rows += 1.0;
+  }
+  if (rows < 2.0) return {};
+  mean /= rows;
+  MatrixXd products = MatrixXd::Zero(n, n);
+  for (Eigen::Index r = 0; r < values.rows(); ++r) {
+    if (!values.row(r).allFinite()) continue;
+    const VectorXd x = values.row(r).transpose() - mean;
+    products += x * x.transpose();
+  }
+  constexpr double kHardly = 1e-6;  // [rad] or [m] rms
+  std::vector<char> taken(static_cast<size_t>(n), 0);
+  std::vector<std::vector<int>> out;
+  for (Eigen::Index i = 0; i < n; ++i) {
+    if (taken[static_cast<size_t>(i)] != 0 || std::sqrt(products(i, i) / rows) < kHardly) continue;
+    std::vector<int> group = {static_cast<int>(i)};
+    for (Eigen::Index k = i + 1; k < n; ++k) {
+      if (taken[static_cast<size_t>(k)] != 0 || std::sqrt(products(k, k) / rows) < kHardly) continue;
+      if (std::abs(products(i, k)) < least * std::sqrt(products(i, i) * products(k, k))) continue;
+      group.push_back(static_cast<int>(k));
+      taken[static_cast<size_t>(k)] = 1;
+    }
+    if (group.size() > 1) out.push_back(std::move(group));
+  }
+  return out;
+}
+
+std::string numbers_from_one(const std::vector<int>& indices) {
+  std::string out;
+  for (size_t k = 0; k < indices.size(); ++k) {
+    out += (k == 0 ? "" : k + 1 == indices.size() ? " and " : ", ") + std::to_string(indices[k] + 1);
+  }
+  return out;
+}
+
+}  // namespace veridyn

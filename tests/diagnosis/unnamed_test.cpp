@@ -1,0 +1,101 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "diagnosis/right_to_a_name.hpp"
+#include "diagnosis/unnamed/dependence.hpp"
+#include "diagnosis/unnamed/tables.hpp"
+#include "math/correlated_columns.hpp"
+#include "math/random_numbers.hpp"
+#include "veridyn/effects/effect.hpp"
+#include "veridyn/model/model_file.hpp"
+
+// What a residual depends on, in words and as a table of the model.
+
+namespace veridyn {
+namespace {
+
+UnnamedShape shape_along(double low, double high, double (*curve)(double)) {
+  UnnamedShape out;
+  for (int k = 0; k <= 40; ++k) {
+    CurvePoint p;
+    p.at = {low + (high - low) * k / 40};
+    p.value = curve(p.at.front());
+    out.curve.push_back(p);
+  }
+  return out;
+}
+
+MotionSignal signal(SignalKind kind, double low, double high) {
+  MotionSignal s;
+  s.kind = kind;
+  s.joint = 0;
+  s.unit = "rad";
+  s.low = low;
+  s.high = high;
+  return s;
+}
+
+std::string words(SignalKind kind, double low, double high, double (*curve)(double)) {
+  return shape_words(shape_along(low, high, curve), {signal(kind, low, high)});
+}
+
+TEST(ShapeWords, SayWhatTheCurveLooksLike) {
+  const auto starts = [](const std::string& text, const char* with) { return text.find(with) != std::string::npos; };
+  EXPECT_TRUE(starts(words(SignalKind::kPosition, -1, 1, [](double x) { return std::max(0.0, x - 0.5); }), "one-sided: nothing below 0."));
+  EXPECT_TRUE(starts(words(SignalKind::kPosition, -1, 1, [](double x) { return std::min(0.0, x + 0.5); }), "one-sided: nothing above -0."));
+  EXPECT_TRUE(starts(words(SignalKind::kPosition, -1, 1, [](double x) { return std::sin(12.0 * x); }), "periodic"));
+  EXPECT_TRUE(starts(words(SignalKind::kVelocity, -1, 1, [](double x) { return std::tanh(6.0 * x); }), "odd, saturating"));
+  EXPECT_TRUE(starts(words(SignalKind::kVelocity, -1, 1, [](double x) { return x * x; }), "even"));
+  EXPECT_TRUE(starts(words(SignalKind::kTorque, -1, 1, [](double x) { return x > 0 ? std::max(0.0, x - 0.4) : std::min(0.0, x + 0.4); }), "dead zone"));
+  EXPECT_TRUE(starts(words(SignalKind::kPosition, -1, 1, [](double x) { return 2.0 * x; }), "a straight line"));
+  EXPECT_TRUE(starts(words(SignalKind::kHistory, -1, 1, [](double x) { return x; }), "with a memory"));
+}
+
+TEST(Tables, AreTheCurve) {
+  const Model arm = read_model("planar-2r");
+  const UnnamedShape shape = shape_along(-0.5, 1.1, [](double x) { return 2.0 * x + 0.3; });
+  const std::vector<EffectTerm> terms = tables_of(arm, {0}, shape, {signal(SignalKind::kPosition, -0.5, 1.1)});
+  ASSERT_EQ(terms.size(), 1u);
+  BoundEffect effect(arm, terms[0]);
+  ASSERT_TRUE(effect.has_values());
+  AxisSample x;
+  for (x.s = -0.5; x.s < 1.1; x.s += 0.1) EXPECT_NEAR(effect.force(x), 2.0 * (x.s - 0.3), 1e-9);
+  EXPECT_TRUE(tables_of(arm, {0}, shape, {signal(SignalKind::kTime, 0, 1)}).empty());
+}
+
+// The same arm in which joints 1 and 3 follow one sine, 2 another one.
+TEST(CorrelatedColumns, FindsStraightLinesOfOneAnother) {
+  MatrixXd q(500, 4);
+  for (int k = 0; k < 500; ++k) {
+    const double t = 0.02 * k;
+    q.row(k) << std::sin(t), std::sin(1.3 * t), 0.2 - 0.5 * std::sin(t), 0.0;
+  }
+  const auto groups = correlated_columns(q);
+  ASSERT_EQ(groups.size(), 1u);
+  EXPECT_EQ(groups[0], (std::vector<int>{0, 2}));
+  EXPECT_EQ(numbers_from_one({0, 2, 3}), "1, 3 and 4");
+}
+
+Finding found(const std::string& effect, const std::string& parameter, double value, double half) {
+  Finding f;
+  f.cause = NewEffect{effect, {0}};
+  f.joint = JointIndex{0};
+  f.parameters = {{parameter, "N m", value, value - half, value + half}};
+  return f;
+}
+
+TEST(RightToAName, IsLostByAnIntervalWithZeroAndByASizeBeyondTheJoint) {
+  Identification fitted;
+  CompressedRecording recording;
+  recording.joints.resize(1);
+  recording.joints[0].minimum = -0.43;
+  recording.joints[0].maximum = 0.40;
+  fitted.factors = {recording};
+  EXPECT_EQ(why_no_finding(found("coulomb_friction", "level", 0.3, 0.1), fitted), "");
+  EXPECT_NE(why_no_finding(found("coulomb_friction", "level", 0.1, 0.2), fitted).find("zero"), std::string::npos);
+  EXPECT_NE(why_no_finding(found("position_force", "chebyshev_2", 12.0, 1.0), fitted).find("more than"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace veridyn

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "hide_and_seek/bench.hpp"
+#include "veridyn/diagnosis/diagnosis.hpp"
+
+namespace veridyn::seek {
+
+/// Causes that no class of the product describes: what a diagnosis says of them is not their name,
+/// but the joint, the signals, and how much of the error these predict.
+const std::vector<std::string>& outside_causes();
+
+/// One of them at its place, with all its numbers.
+struct OutsideCause {
+  std::string name;
+  int joint = -1;  ///< -1: the whole arm
+  int from = -1;   ///< the other joint of a coupling
+  double size = 0.0;               ///< torque per unit of its shape; a dead zone's or a limit's torque
+  double place = 0.0, width = 0.0;  ///< on the signal, in its unit
+  /// Signals in the words of a verdict, one of which is right; empty: any of positions and torques.
+  std::vector<std::string> signals;
+  std::vector<std::string> words;  ///< effects of the list that say nearly the same
+};
+
+/// Draws a place and numbers, so that its torque has `share` of its joint's rms torque.
+OutsideCause draw_outside(const Bench& bench, const std::string& name, unsigned seed, double share);
+
+/// What would be recorded with it.
+void apply_outside(const Bench& bench, const OutsideCause& cause, IdealRecording& ideal);
+
+/// How a diagnosis did.
+struct OutsideScore {
+  std::string state;       ///< of its joint, or of the joint with most removable error
+  bool silent = false;     ///< nothing is said of a joint that is clearly above its floor
+  bool joint = false;      ///< its joint is among the findings
+  bool signals = false;    ///< without a name, on the right signals
+  bool worded = false;     ///< with a name that fits
+  int false_names = 0;     ///< findings with names that do not fit
+  double explained = 0.0;  ///< share of the removable error, measured on the same arm without it
+};
+OutsideScore score_outside(const OutsideCause& cause, const Diagnosis& d, const VectorXd& clean);
+
+struct OutsideRequest {
+  std::vector<std::string> causes = {}, arms = bench_arms();
+  std::vector<unsigned> seeds = {1};
+  double share = 0.3;
+  int threads = 2;
+  std::string keep;
+  DiagnosisOptions options;
+};
+
+/// Plays all cases, prints a line for each and a table.
+void play_outside(const OutsideRequest& request);
+
+}  // namespace veridyn::seek
