@@ -206,8 +206,7 @@ SafetySupervisor::Finding SafetySupervisor::check_held(const ArmState& arm,
   const bool brakes = action_ == SafetyAction::kHold;
   const bool acts = brakes || action_ == SafetyAction::kRelease;
   for (Eigen::Index i = 0; i < out_.size() && acts && state_ == SafetyState::kFault; ++i) {
-    if ((brakes && saturated_[i] > limits_.torque_seconds) ||
-        std::abs(arm.dq()[i]) > limits_.runaway * limits_.velocity[i])
+    if (std::abs(arm.dq()[i]) > limits_.runaway * limits_.velocity[i])
       return {SafetyFault::kNotHeld, static_cast<int>(i)};
   }
   if (!brakes && !input.held) {
@@ -297,11 +296,7 @@ void SafetySupervisor::act(const ArmState& arm, const VectorXd& tau, double dt) 
       frozen_for_ += std::isfinite(dt) && dt > 0.0 ? dt : 1e-3;
       break;
   }
-  // A motor may brake with all that it has, but it shall not press with it.
-  const bool presses = action_ == SafetyAction::kHold && rests(arm);
   for (Eigen::Index i = 0; i < out_.size(); ++i) {
-    const bool strains = presses && std::abs(out_[i]) > limits_.torque[i];
-    if (action_ == SafetyAction::kHold) saturated_[i] = strains ? saturated_[i] + std::max(0.0, dt) : 0.0;
     out_[i] =
         std::isfinite(out_[i]) ? std::clamp(out_[i], -limits_.torque[i], limits_.torque[i]) : 0.0;
   }

@@ -97,7 +97,7 @@ INSTANTIATE_TEST_SUITE_P(
                     PageCase{"check", {}}, PageCase{"compare", {"differences"}},
                     PageCase{"payload", {"verdict"}}, PageCase{"watch", {"time", "arm"}},
                     PageCase{"index", {"history"}}),
-    [](const testing::TestParamInfo<PageCase>& info) { return std::string(info.param.name); });
+    [](const testing::TestParamInfo<PageCase>& test) { return std::string(test.param.name); });
 
 std::map<std::string, int> kinds_of(const OpenedPage& page) {
   std::map<std::string, int> kinds;
@@ -156,7 +156,9 @@ TEST_P(EveryPage, ItsButtonsSaveFiguresAndUnfoldTables) {
   EXPECT_EQ(root.at("data-errors"), "0");
   EXPECT_EQ(root.at("data-saves"), root.at("data-good"));
   EXPECT_EQ(root.at("data-folded"), "0");
-  if (!GetParam().figures.empty()) EXPECT_NE(root.at("data-saves"), "0");
+  if (!GetParam().figures.empty()) {
+    EXPECT_NE(root.at("data-saves"), "0");
+  }
 }
 
 TEST_P(EveryPage, TheSliderMovesTheArmAndTheMarkInTimePlots) {

@@ -221,12 +221,14 @@ TEST(SafetySupervisor, AHeldArmComesToRestOrLosesItsPower) {
         s.dq_[0] *= std::pow(0.5, 0.5 * 1e-3 / half_life);
         s.run();
         // It is found in time.
-        if (half_life == 1.0 && k == 40) EXPECT_EQ(s.safety_.fault(), SafetyFault::kNotHeld);
+        if (half_life == 1.0 && k >= 40) {
+          EXPECT_EQ(s.safety_.fault(), SafetyFault::kNotHeld) << k;
+        }
       }
       const bool slows = half_life < 0.1;
       EXPECT_EQ(s.safety_.fault() == SafetyFault::kNotHeld, !slows) << by_controller;
       EXPECT_EQ(s.safety_.action() == SafetyAction::kMotorsOff, !slows);
-      if (!slows) EXPECT_EQ(s.run().norm(), 0.0);
+      EXPECT_EQ(s.run().norm() == 0.0, !slows);
     }
   }
   // An arm that moves because it is told to is not held.
@@ -246,29 +248,6 @@ TEST(SafetySupervisor, AnArmThatRunsAwayAfterAFaultLosesItsPowerAtOnce) {
   EXPECT_EQ(s.run().norm(), 0.0);
   EXPECT_EQ(s.safety_.fault(), SafetyFault::kNotHeld);
   EXPECT_EQ(s.safety_.joint(), 0);
-}
-
-TEST(SafetySupervisor, AMotorThatPressesWithAllThatItHasIsSwitchedOff) {
-  const Model arm = plausible_model(read_model("psm-3dof"), 1).arm;
-  ArmState state(arm, {"tool"});
-  const VectorXd q = Eigen::Vector3d(0.1, 0.2, 0.1), rest = VectorXd::Zero(3);
-  state.update(q, rest);
-  SafetyLimits limits = safety_limits(arm, kTorque);
-  limits.torque = 0.7 * state.bias().cwiseAbs().array() + 1e-3;
-  SafetySupervisor safety(arm, limits);
-  SafetyInput input(3);
-  input.q_wanted = q;
-  safety.enable();  // ready: held
-  safety.activate();
-  safety.update(state, input, rest);
-  input.dt = 0.01;
-  safety.update(state, input, rest);  // an overrun: from now on it holds
-  EXPECT_EQ(safety.fault(), SafetyFault::kOverrun);
-  input.dt = 0.001;
-  for (int k = 0; k < 190; ++k) safety.update(state, input, rest);
-  EXPECT_EQ(safety.fault(), SafetyFault::kOverrun);
-  for (int k = 0; k < 20; ++k) safety.update(state, input, rest);
-  EXPECT_EQ(safety.fault(), SafetyFault::kNotHeld);
 }
 
 TEST(SafetySupervisor, LaterFaultsCountWhereTheirActionIsStronger) {

@@ -26,7 +26,6 @@ MUTANTS = [
     ("input.force.norm() > limits_.force)", "input.force.norm() > 2.0 * limits_.force)"),
     ("(input.force - input.force_expected).norm() > limits_.force_disagreement", "(input.force - input.force_expected).norm() > 2.0 * limits_.force_disagreement"),
     ("disagreed_ > limits_.disagreement_seconds", "disagreed_ > 2.0 * limits_.disagreement_seconds"),
-    ("saturated_[i] > limits_.torque_seconds) ||", "saturated_[i] > 4.0 * limits_.torque_seconds) ||"),
     ("std::abs(arm.dq()[i]) > limits_.runaway * limits_.velocity[i]", "false"),
     ("!brakes && !input.held", "!brakes"),
     ("energy <= 0.5 * energy_", "energy <= 2.0 * energy_"),
@@ -89,8 +88,6 @@ def form(old, new):
         return "if (state_ == SafetyState::kFault && mutant() != {k}) return;  // what"
     if old.startswith("if (saturated_[i] > limits_.torque_seconds) return"):
         return "if (saturated_[i] > (mutant() == {k} ? 2.0 : 1.0) * limits_.torque_seconds) return {{SafetyFault::kTorque"
-    if old.startswith("saturated_[i] > limits_.torque_seconds) ||"):
-        return "saturated_[i] > (mutant() == {k} ? 4.0 : 1.0) * limits_.torque_seconds) ||"
     if old.endswith(") note(found)") or ") found = " in old:
         condition, rest = old.split(")", 1)
         return f"mutant() != {{k}} && {condition}){rest}"

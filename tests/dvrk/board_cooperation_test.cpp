@@ -273,12 +273,12 @@ struct Infeasible {
 };
 const Infeasible kInfeasible[] = {
     {"move 5 0 0 0.1", "arm "},
-    {"move 0.08 0 0 0.3", "rad/s, expected at most 1.9"},
-    {"move 0 0 0.5 5", "short of it"},
+    {"move 0.08 0 0 0.3", "N m at joint pitch, expected at most 2.6"},
+    {"move 0 0 0.5 5", "rad/s, expected at most 1.9"},
     {"move 1e308 0 0 1e308", "no finite place"},
     {"turn 0 0 1.5 0.05", "arm "},
     {"tighten 1 0.01", ""},
-    {"arm slave 0 0.6 0 5", "arm slave"},
+    {"arm slave 0 0.6 0 5", "the controller holds"},
     {"force spring 1000 0.1", "found a force of 1000 N, expected at most 12 N"},
     {"force spring nan 1", "found 'nan'"},
 };

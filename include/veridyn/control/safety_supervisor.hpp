@@ -33,8 +33,8 @@ enum class SafetyFault {
   kForce,       ///< more than allowed at the tip
   kForceSensor,  ///< the force is NaN or infinite, older than allowed, or disagrees with the
                  ///< joints' torques
-  kNotHeld  ///< It is held and does not come to rest, or presses with all that a motor has for too
-            ///< long, or after a fault it is faster than `runaway` allows
+  kNotHeld  ///< It is held and does not come to rest, or after a fault it is faster than `runaway`
+            ///< allows
 };
 
 /// What the motors do.

@@ -283,6 +283,7 @@ class BoardRun : private BoardLoop {
     const auto joints = [this](std::size_t k) -> const VectorXd& { return sides_[k]->q(); };
     const Clock::time_point begun = Clock::now();
     out_.live = true;
+    cycle([this] { work(); });
     hand.show(time_, *control_, *input_, joints);
     for (LiveHand::End end = LiveHand::End::kGoesOn; end != LiveHand::End::kQuit;) {
       cycle([this] { work(); });

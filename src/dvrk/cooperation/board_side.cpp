@@ -139,7 +139,6 @@ void BoardSide::drive(const VectorXd& wanted, const Eigen::Vector3d& exerted, do
 BoardSide::News BoardSide::news(double largest_age) noexcept {
   const bool off = session_.boards().state() == PowerState::kFault;
   // Boards that do not answer cost the others time; they are told to switch off all the same.
-  if (told_silent_ || told_off_ || told_ > 0) deaf_ = deaf_ || !valid_;
   if (now_ - heard_ > largest_age && !told_silent_) {
     told_silent_ = true;
     deaf_ = !valid_;
