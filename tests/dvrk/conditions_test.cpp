@@ -196,7 +196,7 @@ double wave(int k) {
 TEST_P(ConditionOfSection17, IsNoticedAnsweredAndSurvived) {
   const Row& row = GetParam();
   SessionOptions how = Rig::options(row.protocol);
-  how.bus.repeat_after = 0.0;  // a read that is sent again rides through
+  how.bus.repeat_after = 0.0;  // each of these replies is gone for good
   Rig rig(how);
   ASSERT_TRUE(rig.bring_up()) << rig.session.faults().report();
   for (int k = 0; k < 20; ++k) rig.cycle(wave(k));

@@ -128,7 +128,7 @@ void BoardBus::read_sequential() noexcept {
     if (result == ReadResult::kDropped) {  // no more node-addressed traffic (section 17 #3)
       for (Board* other = &b + 1; other < boards_.data() + boards_.size(); ++other)
         lose(*other, Condition::kDropped);
-      if (state_ == BusState::kRunning) begin_scan(Condition::kDropped);
+      if (state_ == BusState::kRunning) begin_scan(Condition::kGenerationChanged);
       return;
     }
   }
@@ -152,7 +152,7 @@ void BoardBus::read_broadcast() noexcept {
   if (result != ReadResult::kOk) {
     for (Board& b : boards_) lose(b, condition_of(result));
     link_lost_ = link_lost_ || result == ReadResult::kNotSent;
-    if (result == ReadResult::kDropped) begin_scan(Condition::kDropped);
+    if (result == ReadResult::kDropped) begin_scan(Condition::kGenerationChanged);
     return;
   }
   std::size_t at = 0;

@@ -179,6 +179,7 @@ class BoardBus {
   void find_hub();
   void settle_gap_count() noexcept;
   void probe(int node, double timeout) noexcept;
+  bool all_found() const noexcept;
   Objection assign() noexcept;
   std::string words_of(const Objection& objection) const;
   void choose_protocol();

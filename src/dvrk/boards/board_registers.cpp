@@ -75,7 +75,8 @@ bool BoardBus::read_words(Board& b, QuadletSpan words) noexcept {
     const ReadResult result = exchange_.read(route(b), where, options_.reply_timeout, value);
     if (result != ReadResult::kOk) {
       lose(b, condition_of(result));
-      if (result == ReadResult::kDropped && state_ == BusState::kRunning) begin_scan(Condition::kDropped);
+      if (result == ReadResult::kDropped && state_ == BusState::kRunning)
+        begin_scan(Condition::kGenerationChanged);
       return false;
     }
     words.set(k, value);

@@ -110,6 +110,14 @@ void BoardBus::settle_gap_count() noexcept {
   exchange_.write(all, address::kPhyRequest, kWritePhy1 + kGapCount[place]);
 }
 
+bool BoardBus::all_found() const noexcept {
+  return std::all_of(boards_.begin(), boards_.end(), [this](const Board& b) {
+    return std::any_of(scan_.found.begin(), scan_.found.end(), [&](const BoardInfo& found) {
+      return found.node >= 0 && found.id == b.info.id;
+    });
+  });
+}
+
 // Gives the boards in use their nodes.
 BoardBus::Objection BoardBus::assign() noexcept {
   unsigned seen = 0;
@@ -194,6 +202,11 @@ void BoardBus::start() {
   find_hub();
   exchange_.adopt_generation();
   for (int node = 0; node < kScannedNodes; ++node) probe(node, options_.reply_timeout);
+  if (!all_found()) {  // a datagram may have been lost
+    for (int node = 0; node < kScannedNodes; ++node) {
+      if (scan_.found[static_cast<size_t>(node)].node < 0) probe(node, options_.reply_timeout);
+    }
+  }
   require(!exchange_.generation_changed(), "boards: the bus was reset during the scan.");
   const Objection wrong = assign();
   require(wrong.board < 0, "boards: ", wrong.board < 0 ? "" : words_of(wrong));

@@ -144,7 +144,8 @@ ReadResult Exchange::read(const Request& request, const Route& route, double tim
   drain();
   if (!send(request, route)) return ReadResult::kNotSent;
   const double until = link_.now() + timeout;
-  double pause = repeat_after_ > 0.0 ? repeat_after_ : timeout;
+  const bool repeats = repeat_after_ > 0.0 && !silence_expected_;
+  double pause = repeats ? repeat_after_ : timeout;
   double next = link_.now() + pause;
   while (true) {
     const ReadResult result = await(request, std::min(next, until), reply);
