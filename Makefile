@@ -3,7 +3,7 @@ BUILD := build
 JOBS  ?= $(shell nproc)
 CMAKE_FLAGS ?= --preset dev
 
-.PHONY: all tool build demo test python ros ros-test mpi growth deb build-times readme thesis sanitize packages packages-tests clean
+.PHONY: all tool build demo test python ros ros-test mpi growth deb build-times readme thesis bare sanitize packages packages-tests clean
 
 all: tool
 
@@ -67,6 +67,10 @@ thesis:
 build-times:
 	@awk -F'\t' '!/^#/ {took[$$4] = $$2 - $$1} END {for (unit in took) {sum += took[unit]; printf "%8.1f s  %s\n", took[unit] / 1000, unit}; \
 	  printf "%8.1f s  all, over the jobs that ran side by side\n", sum / 1000}' $(BUILD)/.ninja_log | sort -rn | head -n $$(($(or $(UNITS),40) + 1))
+
+# Every list of packages in cmake/, tried in a bare Debian root: tool, tests, python, mpi, ros and deb; as root.
+bare: build
+	@for what in root tool tests python mpi ros deb; do tests/bare/bare_debian.sh $(BUILD) $$what || exit 1; done
 
 demo: tool
 	@examples/demo.sh $(BUILD)/bin/veridyn out/demo

@@ -109,8 +109,9 @@ def expect_same(model, compiled):
         np.testing.assert_allclose(compiled.call("mass_matrix", (n, n), q[k]), M, atol=1e-12 * size)
         rest = veridyn.inverse_dynamics(model, q[k : k + 1], 0 * q[k : k + 1], 0 * q[k : k + 1])[0]
         np.testing.assert_allclose(compiled.call("gravity", n, q[k]), rest, atol=1e-12 * size)
-        back = compiled.call("forward_dynamics", n, q[k], dq[k], tau)
-        np.testing.assert_allclose(M @ back, M @ ddq[k], atol=1e-10 * size)
+        if np.linalg.cond(M) < 1e12:  # a wrist without rotors has no forward dynamics
+            back = compiled.call("forward_dynamics", n, q[k], dq[k], tau)
+            np.testing.assert_allclose(M @ back, M @ ddq[k], atol=1e-10 * size)
         by_q, by_dq = compiled.derivatives(n, *state)
         # Torques are quadratic in dq, and central differences exact there: 2 C.
         np.testing.assert_allclose(by_dq, 2 * C, atol=1e-11 * size)

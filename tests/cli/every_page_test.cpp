@@ -144,7 +144,7 @@ TEST_P(EveryPage, ItsButtonsSaveFiguresAndUnfoldTables) {
       if (button.textContent !== 'SVG' && button.textContent !== 'CSV') continue;
       page.document.documentElement.dataset.saved = '';
       button.click();
-      saved.push(page.document.documentElement.dataset.saved.split(' ')[1] > 60 ? 1 : 0);
+      saved.push(page.document.documentElement.dataset.saved.split(' ').pop() > 60 ? 1 : 0);
     }
     for (const button of page.document.querySelectorAll('.all-rows')) button.click();
     page.document.documentElement.dataset.saves = saved.length;
