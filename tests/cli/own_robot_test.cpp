@@ -145,10 +145,10 @@ TEST_F(OwnRobot, APriorConvergesFromAnyBody) {
 }
 
 TEST_F(OwnRobot, TheVerdictSaysWhichJointIsNotExplained) {
-  record({"--effect", "position_dependent_friction:elbow:slope=0.3,curvature=0"}, "strib");
+  record({"--effect", "position_dependent_friction:elbow:slope=0.3,curvature=0"}, "grows");
   const std::string out = folder().path("strib.json");
-  const ToolRun run = run_tool({"identify", kUrdf, "--train", path("strib", "1"), "--test",
-                                path("strib", "2"), "--json", out});
+  const ToolRun run = run_tool({"identify", kUrdf, "--train", path("grows", "1"), "--test",
+                                path("grows", "2"), "--json", out});
   ASSERT_EQ(run.status, 0) << run.err;
   const json verdict = json_of(out)["verdict"];
   ASSERT_EQ(verdict["joints"].size(), 4u);
