@@ -162,7 +162,7 @@ TEST_F(OwnRobot, TheVerdictSaysWhichJointIsNotExplained) {
 
 // The hidden cause is the first finding: what every joint has is one line and a table.
 TEST_F(OwnRobot, DiagnosisOfAFileWithoutFrictionNamesTheHiddenCauseFirst) {
-  record({"--effect", "position_dependent_friction:elbow:slope=0.3,curvature=0"}, "strib");
+  record({"--effect", "stribeck_friction:elbow:level=1.3,velocity=0.25"}, "strib");
   const std::string out = folder().path("diagnosis.json");
   const ToolRun run = run_tool({"diagnose", kUrdf, "--train", path("strib", "1"), "--test",
                                 path("strib", "2"), "--json", out});
