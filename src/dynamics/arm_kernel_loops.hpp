@@ -146,29 +146,33 @@ struct ArmKernelLoops {
     const long rows = in.rows;
     for_packs(in.rows, [&](int row, int count) {
       load(tree, in, row, count, m);
-      forward_pass(tree, m.q, m.dq, m.ddq, tree.gravity, r);
-      jacobian_pass(tree, r);
-      for_entries(tree, r, [&](int b, int i, const BodyMotion<P>& motion, const Column<P>& c) {
+      for_entries(tree, m.q, r, [&](int b, int i, const BodyMotion<P>& motion, const Column<P>& c) {
         double* const Y = out.Y[i];
         if (Y == nullptr) return;
         double* const column = Y + out.first_column[b * tree.joints + i] * rows + row;
-        regressor_entries(motion, c, [&](int k, const P& y) { store_lanes(y, count, column + k * rows); });
+        regressor_entries(motion, c,
+                          [&](int k, const P& y) { store_lanes(y, count, column + k * rows); });
       });
     });
   }
 
-  // Calls body(b, i, motion, column) for every body and each coordinate that moves it.
+  // Calls body(b, i, motion, column) for every body and each coordinate that moves it, link by link:
+  // what is known of one is still in the cache. x holds q, dq and ddq.
   template <typename S, typename Body>
-  static void for_entries(const Links& tree, const Workspace<S>& r, const Body& body) {
-    for (int b = 0; b < tree.bodies; ++b) {
-      const BodyPlace& place = tree.body[b];
-      if (place.link < 0) continue;
-      const BodyMotion<S> motion = body_motion(r.link[place.link], place);
-      for (int m = tree.link[place.link].first_support; m < tree.link[place.link].end_support;
-           ++m) {
-        Column<S> c = r.jacobian[m];
-        if (!place.is_identity) recursion_detail::carry(place.T_link_body, c.w, c.v);
-        body(b, tree.support[m].coordinate, motion, c);
+  static void for_entries(const Links& tree, const S* x, const Workspace<S>& r, const Body& body) {
+    joint_pass(tree, x, x + tree.joints, x + 2 * tree.joints, r);
+    for (int k = 0; k < tree.count; ++k) {
+      const Link& link = tree.link[k];
+      forward_step(tree, k, tree.gravity, r);
+      jacobian_step(tree, k, r);
+      for (int b = link.body; b >= 0; b = tree.body[b].next) {
+        const BodyPlace& place = tree.body[b];
+        const BodyMotion<S> motion = body_motion(r.link[k], place);
+        for (int m = link.first_support; m < link.end_support; ++m) {
+          Column<S> c = r.jacobian[m];
+          if (!place.is_identity) recursion_detail::carry(place.T_link_body, c.w, c.v);
+          body(b, tree.support[m].coordinate, motion, c);
+        }
       }
     }
   }
@@ -222,10 +226,8 @@ struct ArmKernelLoops {
       }
       for (int d = 0; d < 3 * n; ++d) {
         x[d].derivative = P(1.0);
-        forward_pass(tree, x, x + n, x + 2 * n, tree.gravity, r);
-        jacobian_pass(tree, r);
         P sum(0.0);
-        for_entries(tree, r, [&](int b, int i, const BodyMotion<D>& motion, const Column<D>& c) {
+        for_entries(tree, x, r, [&](int b, int i, const BodyMotion<D>& motion, const Column<D>& c) {
           const double* const w =
               weights.Y[i] + long{weights.first_column[b * n + i]} * in.rows + row;
           regressor_entries(motion, c, [&](int k, const D& y) {

@@ -49,16 +49,16 @@ Tree::Tree(const Model& arm, Keep keep)
       keep == Keep::kBodiesOnly ? needed_frames(arm) : std::vector<char>(all.size(), 1);
   link_of_frame.assign(all.size(), -1);
   // Where a frame sits on the last link that was kept at or above it.
-  frames.assign(all.size(), {-1, true, identity_pose()});
+  frames.assign(all.size(), {-1, true, identity_pose(), -1});
   for (int k = 0; k < static_cast<int>(all.size()); ++k) {
     const Frame& frame = all[k];
     const BodyPlace above =
-        frame.parent < 0 ? BodyPlace{-1, true, identity_pose()} : frames[frame.parent];
+        frame.parent < 0 ? BodyPlace{-1, true, identity_pose(), -1} : frames[frame.parent];
     const bool fixed = frame.type == JointType::kFixed;
     const bool carries = keep == Keep::kBodiesOnly && frame.body;
     if (needed[k] == 0 || (fixed && !carries && keep != Keep::kEveryFrame)) {
       const Posed T = above.T_link_body * frame.A * frame.B;
-      frames[k] = {above.link, is_identity(T), T};
+      frames[k] = {above.link, is_identity(T), T, -1};
       continue;
     }
     const bool in_joint = keep == Keep::kMovingLinks;
@@ -70,13 +70,12 @@ Tree::Tree(const Model& arm, Keep keep)
                          in_joint ? identity_pose() : frame.B);
     links.back().frame = k;
     const Posed T = in_joint ? frame.B : identity_pose();
-    frames[k] = {link_of_frame[k], is_identity(T), T};
+    frames[k] = {link_of_frame[k], is_identity(T), T, -1};
   }
   for (const int k : arm.bodies()) {
     const BodyPlace& at = frames[k];
-    if (at.link >= 0) links[at.link].body = static_cast<int>(bodies.size());
     body_links.push_back(at.link);
-    bodies.push_back(at);
+    add_body(at.link, at.T_link_body);
   }
 }
 

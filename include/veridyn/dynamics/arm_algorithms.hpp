@@ -78,7 +78,9 @@ struct ArmAlgorithms {
       }
     }
     if constexpr (kWide) sines(tree, at);
-    for (int k = 0; k < tree.count; ++k) rotation_step(tree.link[k], at.state[k]);
+    if constexpr (!kWide) {
+      for (int k = 0; k < tree.count; ++k) rotation_step(tree.link[k], at.state[k]);
+    }
   }
 
   /// Velocities, accelerations and the forces for them.
@@ -413,6 +415,7 @@ struct ArmAlgorithms {
     }
   }
 
+  // Sines and cosines of all joints in packs, and the rotations.
   static void sines(const Links& tree, const Memory& at) {
     constexpr double kQuickAngle = 1e5;  // [rad], beyond it the quick one loses digits
     const int packs = groups(tree.count);
@@ -423,9 +426,11 @@ struct ArmAlgorithms {
       LinkState<S>& state = at.state[k];
       state.sine = at.angle[packs + k / lanes()].v[k % lanes()];
       state.cosine = at.angle[2 * packs + k / lanes()].v[k % lanes()];
-      if (__builtin_fabs(state.s.v) < kQuickAngle) continue;
-      state.sine = __builtin_sin(state.s.v);
-      state.cosine = __builtin_cos(state.s.v);
+      if (!(__builtin_fabs(state.s.v) < kQuickAngle)) {
+        state.sine = __builtin_sin(state.s.v);
+        state.cosine = __builtin_cos(state.s.v);
+      }
+      rotation_step(tree.link[k], state);
     }
   }
 };

@@ -26,7 +26,7 @@ struct SupportingCoordinate {
 struct Link {
   int frame;   ///< index in the model; -1: none
   int parent;  ///< index of the link it hangs on; -1: the world
-  int body;    ///< index of its body, or -1
+  int body;    ///< index of a body on it, or -1; BodyPlace::next has the others
   JointType type;
   bool A_moves;  ///< false: the joint's origin is that of the parent
   bool B_is_identity;
@@ -43,6 +43,7 @@ struct BodyPlace {
   int link;  ///< -1: the world
   bool is_identity;
   Posed T_link_body;
+  int next;  ///< index of another body on the same link, or -1
 };
 
 /// Parents before children. The arrays belong to a Tree.

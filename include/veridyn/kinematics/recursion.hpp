@@ -166,6 +166,11 @@ inline void rotation_step(const Link& link, LinkState<S>& at) {
   }
   const S& c = at.cosine;
   const S& s = at.sine;
+  if (link.quarter_turn) {
+    const S none(0.0);
+    at.R = {{c, -s, none}, {none, none, S(A.row1.z)}, {A.row2.y * s, A.row2.y * c, none}};
+    return;
+  }
   at.R = {{A.row0.x * c + A.row0.y * s, A.row0.y * c - A.row0.x * s, S(A.row0.z)},
           {A.row1.x * c + A.row1.y * s, A.row1.y * c - A.row1.x * s, S(A.row1.z)},
           {A.row2.x * c + A.row2.y * s, A.row2.y * c - A.row2.x * s, S(A.row2.z)}};
@@ -268,25 +273,28 @@ inline Column<L> to_joint(const Link& link, const LinkState<S>& at, const Column
   return c;
 }
 
+/// Body Jacobian of one link from its parent's.
+template <typename S>
+inline void jacobian_step(const Links& tree, int k, const Workspace<S>& r) {
+  namespace d = recursion_detail;
+  using C = typename ConstantOf<S>::type;
+  const Link& link = tree.link[k];
+  for (int m = link.first_support; m < link.end_support; ++m) {
+    const SupportingCoordinate& i = tree.support[m];
+    Column<S> c{d::zero3<S>(), d::zero3<S>()};
+    if (i.parent_entry >= 0) c = to_joint(link, r.link[k], r.jacobian[i.parent_entry]);
+    const S own(static_cast<C>(i.coefficient));
+    if (i.coefficient != 0.0 && link.type == JointType::kRevolute) c.w.z += own;
+    if (i.coefficient != 0.0 && link.type == JointType::kPrismatic) c.v.z += own;
+    if (!link.B_is_identity) d::carry(link.B, c.w, c.v);
+    r.jacobian[m] = c;
+  }
+}
+
 /// Body Jacobians of all links; needs forward_pass() of the same q.
 template <typename S>
 inline void jacobian_pass(const Links& tree, const Workspace<S>& r) {
-  namespace d = recursion_detail;
-  using C = typename ConstantOf<S>::type;
-  for (int k = 0; k < tree.count; ++k) {
-    const Link& link = tree.link[k];
-    for (int m = link.first_support; m < link.end_support; ++m) {
-      const SupportingCoordinate& i = tree.support[m];
-      Column<S> c{d::zero3<S>(), d::zero3<S>()};
-      if (i.parent_entry >= 0) c = to_joint(link, r.link[k], r.jacobian[i.parent_entry]);
-      if (i.coefficient != 0.0 && link.type == JointType::kRevolute)
-        c.w.z += S(static_cast<C>(i.coefficient));
-      if (i.coefficient != 0.0 && link.type == JointType::kPrismatic)
-        c.v.z += S(static_cast<C>(i.coefficient));
-      if (!link.B_is_identity) d::carry(link.B, c.w, c.v);
-      r.jacobian[m] = c;
-    }
-  }
+  for (int k = 0; k < tree.count; ++k) jacobian_step(tree, k, r);
 }
 
 /// Time derivatives of the body Jacobians, taken within each link's frame; needs forward_pass() and

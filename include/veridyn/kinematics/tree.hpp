@@ -32,7 +32,13 @@ struct Tree {
 
   /// The next body of phi.
   void add_body(int link, const Posed& T_link_body = identity_pose()) {
-    bodies.push_back({link, is_identity(T_link_body), T_link_body});
+    int next = -1;
+    if (link >= 0) {
+      int& last = links[static_cast<std::size_t>(link)].body;
+      next = last;
+      last = static_cast<int>(bodies.size());
+    }
+    bodies.push_back({link, is_identity(T_link_body), T_link_body, next});
   }
 
   operator Links() const {  // NOLINT: a view, valid while the tree is
