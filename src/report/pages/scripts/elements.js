@@ -36,13 +36,14 @@ function table(columns, rows, className) {
   const heads = columns.map(
       (c) => typeof c !== 'string' ? c : c[0] === '#' ? {name: c.slice(1), kind: 'number'} : {name: c});
   const head = heads.map((c) => element('th', {scope: 'col', class: c.kind}, c.name));
-  const body = rows.map((cells, r) => element('tr', {class: r >= kLongTable ? 'more' : null}, cells.map((cell, k) => {
+  const long = rows.length > kLongTable + 2;
+  const body = rows.map((cells, r) => element('tr', {class: long && r >= kLongTable ? 'more' : null}, cells.map((cell, k) => {
     const kind = (heads[k].kind || '') + (cell === null ? ' empty' : '');
     return element('td', {class: kind || null, 'data-label': heads[k].name}, cell);
   })));
   const made = element('table', {class: className}, element('thead', {}, element('tr', {}, head)), element('tbody', {}, body));
   const box = element('div', {class: 'table', tabindex: 0, role: 'region', 'aria-label': className || 'table'}, made);
-  if (rows.length <= kLongTable + 2) return box;
+  if (!long) return box;
   const all = element('button', {type: 'button', class: 'all-rows', 'aria-expanded': 'false'}, 'All ' + rows.length + ' rows');
   all.addEventListener('click', () => {
     made.classList.add('whole');
