@@ -73,6 +73,8 @@ const char* describe(CooperativeState state) {
       return "holds: a force sensor's samples are too old";
     case CooperativeState::kSensorStuck:
       return "holds: a force sensor repeats one value while its member changes its length";
+    case CooperativeState::kSensorJumped:
+      return "holds: a force sensor's reading jumps while its member keeps its length";
     case CooperativeState::kArmLost:
       return "holds: an arm does not follow any more";
     case CooperativeState::kTargetMissed:
@@ -247,13 +249,32 @@ bool CooperativeController::is_stuck(size_t member, const ForceReading& reading,
   Watch& watch = watches_[member];
   const double force = std::isfinite(reading.raw) ? reading.raw : reading.force;
   if (watch.number < 0 || force != watch.force) {
-    watch = {force, length, reading.number};
+    watch.force = force;
+    watch.length = length;
+    watch.number = reading.number;
     return false;
   }
   const double stiffness = options_.members[member].law.stiffness;
   // Repeated zeros are those of a slack member.
   return reading.number != watch.number && stiffness > 0.0 && force != 0.0 &&
          std::abs(length - watch.length) * stiffness > options_.stuck_force;
+}
+
+// Between two samples; the length of the member is measured in every cycle, its force as often as
+// the sensor speaks. A slack member carries nothing, whatever its length does.
+bool CooperativeController::jumps(size_t member, const ForceReading& reading,
+                                  double length) noexcept {
+  Watch& watch = watches_[member];
+  const double force = std::isfinite(reading.raw) ? reading.raw : reading.force;
+  if (reading.number == watch.last_number) return false;
+  const bool first = watch.last_number < 0;
+  const double change = std::abs(force - watch.last_force);
+  const double way = std::abs(length - watch.last_length);
+  watch.last_number = reading.number;
+  watch.last_force = force;
+  watch.last_length = length;
+  const double stiffness = options_.members[member].law.stiffness;
+  return !first && stiffness > 0.0 && change > options_.jump_force + 2.0 * stiffness * way;
 }
 
 // While the wanted force stands still: what it means otherwise is not known.
@@ -294,7 +315,10 @@ CooperativeState CooperativeController::judge(const CooperativeInput& input) noe
     if (tracked_[k] == 0) continue;
     const ForceReading& reading = input.force[k];
     if (!std::isfinite(reading.force)) return CooperativeState::kNotFinite;
-    if (reading.age > options_.largest_age) return CooperativeState::kSensorStale;
+    Watch& watch = watches_[k];
+    watch.silent = reading.number < 0 ? watch.silent + options_.period : 0.0;
+    if (std::max(reading.age, watch.silent) > options_.largest_age)
+      return CooperativeState::kSensorStale;
     const double wanted = wanted_.x()[static_cast<Eigen::Index>(k)];
     if (reading.number >= 0 && std::abs(reading.force) > options_.largest_force)
       return CooperativeState::kForceTooLarge;
@@ -306,6 +330,7 @@ CooperativeState CooperativeController::judge(const CooperativeInput& input) noe
         (input.position[static_cast<size_t>(m.to)] - input.position[static_cast<size_t>(m.from)])
             .norm();
     if (reading.number >= 0 && is_stuck(k, reading, length)) return CooperativeState::kSensorStuck;
+    if (reading.number >= 0 && jumps(k, reading, length)) return CooperativeState::kSensorJumped;
   }
   return CooperativeState::kTracking;
 }
@@ -313,7 +338,7 @@ CooperativeState CooperativeController::judge(const CooperativeInput& input) noe
 // While all is held: ends that still follow give way along members whose force is beyond the
 // bound, the leader's too. Readings of failed sensors move nothing.
 void CooperativeController::relieve(const CooperativeInput& input) noexcept {
-  if (state_ == CooperativeState::kSensorStale || state_ == CooperativeState::kSensorStuck) return;
+  if (sensor_failed()) return;
   for (size_t k = 0; k < trackers_.size(); ++k) {
     const ForceReading& reading = input.force[k];
     const double beyond = std::abs(reading.force) - options_.relief_force;

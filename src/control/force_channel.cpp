@@ -6,6 +6,11 @@
 #include "veridyn/math/require.hpp"
 
 namespace veridyn {
+namespace {
+
+constexpr int kMostReadings = 256;  // of one update: bounded in time
+
+}  // namespace
 
 const char* describe(ForceState state) {
   switch (state) {
@@ -19,6 +24,8 @@ const char* describe(ForceState state) {
       return "is stuck: it repeats one reading";
     case ForceState::kRange:
       return "is beyond its range";
+    case ForceState::kNoisy:
+      return "comes over a damaged line: too much of what arrives cannot be used";
   }
   return "";
 }
@@ -30,7 +37,8 @@ ForceChannel::ForceChannel(std::unique_ptr<ForceSource> source, const ForceChann
               std::isfinite(options.calibration.offset),
           "force channel: found a scale or an offset that cannot be.");
   require(options.largest_silence > 0.0 && options.stuck_after >= 0.0 && options.range > 0.0 &&
-              options.cutoff >= 0.0 && options.latency >= 0.0,
+              options.cutoff >= 0.0 && options.latency >= 0.0 && options.largest_jump > 0.0 &&
+              options.noisy_share > 0.0 && options.noisy_window > 0,
           "force channel: found a bound below zero.");
 }
 
@@ -39,29 +47,70 @@ double ForceChannel::delay() const {
   return options_.latency + filter;
 }
 
+// A jump counts where the next reading agrees with it.
+bool ForceChannel::is_believed(double force) noexcept {
+  beyond_ = !(std::abs(force) <= options_.range);
+  if (beyond_) {
+    ++beyond_range_;
+    return false;
+  }
+  const bool agrees = number_ < 0 || std::abs(force - force_) <= options_.largest_jump ||
+                      (waits_ && std::abs(force - waiting_) <= options_.largest_jump);
+  waits_ = !agrees;
+  waiting_ = force;
+  if (!agrees) ++jumps_;
+  return agrees;
+}
+
+// One window after the other.
+void ForceChannel::count(long good, long bad) noexcept {
+  good_ += good;
+  bad_ += bad;
+  const auto all = static_cast<double>(good_ + bad_);
+  if (static_cast<double>(bad_) > options_.noisy_share * options_.noisy_window) noisy_ = true;
+  if (all < options_.noisy_window) return;
+  noisy_ = static_cast<double>(bad_) > options_.noisy_share * all;
+  good_ = bad_ = 0;
+}
+
+void ForceChannel::take(int fresh, double at) noexcept {
+  const double raw = source_->raw();
+  const double force = options_.calibration.scale * (raw - options_.calibration.offset);
+  const bool believed = is_believed(force);
+  count(believed ? fresh : 0, believed ? 0 : fresh);
+  if (!believed) return;
+  force_ = force;
+  const bool alike = number_ >= 0 && raw == last_raw_;
+  alike_ = alike ? alike_ + fresh : 0;
+  if (!alike) changed_ = at;
+  if (number_ < 0 || options_.cutoff <= 0.0) {
+    filtered_ = force_;
+  } else {
+    const double since = std::max(0.0, at - heard_);
+    filtered_ += (1.0 - std::exp(-2.0 * M_PI * options_.cutoff * since)) * (force_ - filtered_);
+  }
+  last_raw_ = raw;
+  heard_ = number_ < 0 ? at : std::max(heard_, at);
+  number_ += fresh;
+}
+
 ForceReading ForceChannel::update(double now) noexcept {
-  const int fresh = source_->poll();
-  if (number_ < 0 && fresh == 0) return {};
-  if (fresh > 0) {
-    const double raw = source_->raw();
-    force_ = options_.calibration.scale * (raw - options_.calibration.offset);
-    const bool alike = number_ >= 0 && raw == last_raw_;
-    alike_ = alike ? alike_ + fresh : 0;
-    if (!alike) changed_ = now;
-    if (number_ < 0) {
-      filtered_ = force_;
-    } else if (options_.cutoff > 0.0) {
-      const double since = std::max(0.0, now - heard_);
-      filtered_ += (1.0 - std::exp(-2.0 * M_PI * options_.cutoff * since)) * (force_ - filtered_);
-    } else {
-      filtered_ = force_;
-    }
-    last_raw_ = raw;
-    heard_ = now;
-    number_ += fresh;
+  if (std::isnan(begun_)) begun_ = now;
+  for (int k = 0; k < kMostReadings; ++k) {
+    const int fresh = source_->poll();
+    if (fresh <= 0) break;
+    take(fresh, now - source_->lay());
+  }
+  const long refused = source_->refused();
+  count(0, refused - refused_);
+  refused_ = refused;
+  if (number_ < 0) {
+    state_ = beyond_ ? ForceState::kRange : ForceState::kWaiting;
+    return {0.0, now - begun_ + options_.latency, -1};
   }
   state_ = ForceState::kGood;
-  if (!(std::abs(force_) <= options_.range)) state_ = ForceState::kRange;
+  if (noisy_) state_ = ForceState::kNoisy;
+  if (beyond_) state_ = ForceState::kRange;
   if (options_.stuck_after > 0.0 && alike_ >= options_.stuck_readings &&
       now - changed_ > options_.stuck_after)
     state_ = ForceState::kStuck;

@@ -1,13 +1,7 @@
-#include <arpa/inet.h>
-#include <netinet/in.h>
-#include <sys/socket.h>
-#include <unistd.h>
-
-#include <cerrno>
 #include <cstdlib>
-#include <cstring>
 
 #include "terminal_line.hpp"
+#include "udp_port.hpp"
 #include "veridyn/control/load_cell.hpp"
 #include "veridyn/math/require.hpp"
 #ifdef VERIDYN_WITH_SERIALPORT
@@ -17,7 +11,8 @@
 namespace veridyn {
 namespace {
 
-constexpr int kMostReads = 64;  // reads of one poll: bounded in time
+constexpr int kMostReads = 64;         // reads of one poll: bounded in time
+constexpr double kOwnersSilence = 1.0;  // [s] after which another sender may have the port
 
 std::vector<std::string> parts_of(const std::string& name) {
   std::vector<std::string> parts(1);
@@ -34,7 +29,7 @@ std::vector<std::string> parts_of(const std::string& name) {
 [[noreturn]] void refuse(const std::string& name) {
   throw InvalidInput(text("found the force source '", name,
                           "', expected serial:DEVICE[:BAUD][:text|binary] or "
-                          "udp:PORT[:text|binary]."));
+                          "udp:[ADDRESS:]PORT[:text|binary]."));
 }
 
 LoadCellFormat format_of(const std::string& word, const std::string& name) {
@@ -52,42 +47,30 @@ int whole(const std::string& word, int least, int most, const std::string& name)
 
 class UdpForceSource final : public ForceSource {
  public:
-  UdpForceSource(int port, LoadCellFormat format) : decoder_(format), text_(format == LoadCellFormat::kText) {
-    socket_ = ::socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK, 0);
-    require(socket_ >= 0, "force source: found no socket: ", std::strerror(errno), ".");
-    sockaddr_in at{};
-    at.sin_family = AF_INET;
-    at.sin_addr.s_addr = htonl(INADDR_ANY);
-    at.sin_port = htons(static_cast<std::uint16_t>(port));
-    if (::bind(socket_, reinterpret_cast<const sockaddr*>(&at), sizeof(at)) != 0) {
-      const std::string why = std::strerror(errno);
-      ::close(socket_);
-      throw InvalidInput(text("force source: UDP port ", port, ": ", why, "."));
-    }
-    if (text_) decoder_.take('\n');  // datagrams begin with whole lines
+  UdpForceSource(const std::string& place, LoadCellFormat format)
+      : port_(place, kOwnersSilence, "force source"), bytes_(format), text_(format == LoadCellFormat::kText) {
+    if (text_) bytes_.decoder().take('\n');  // datagrams begin with whole lines
   }
-  ~UdpForceSource() override { ::close(socket_); }
-  UdpForceSource(const UdpForceSource&) = delete;
-  UdpForceSource& operator=(const UdpForceSource&) = delete;
 
   int poll() noexcept override {
-    int readings = 0;
-    std::uint8_t bytes[512];
-    for (int k = 0; k < kMostReads; ++k) {
-      const ssize_t got = ::recv(socket_, bytes, sizeof(bytes), 0);
-      if (got <= 0) break;
-      for (ssize_t i = 0; i < got; ++i) readings += decoder_.take(bytes[i]) ? 1 : 0;
-      if (text_ && decoder_.take('\n')) ++readings;
+    if (bytes_.reading()) return 1;
+    UdpPort::Datagram got;
+    for (int k = 0; k < kMostReads && port_.receive(bytes_.room(), bytes_.size(), got); ++k) {
+      lay_ = got.lay;
+      bytes_.filled(got.size, text_);
+      if (bytes_.reading()) return 1;
     }
-    return readings;
+    return 0;
   }
-  double raw() const noexcept override { return decoder_.raw(); }
-  long refused() const noexcept override { return decoder_.refused(); }
+  double raw() const noexcept override { return bytes_.decoder().raw(); }
+  double lay() const noexcept override { return lay_; }
+  long refused() const noexcept override { return bytes_.decoder().refused(); }
 
  private:
-  LoadCellDecoder decoder_;
+  UdpPort port_;
+  WaitingBytes bytes_;
   bool text_;
-  int socket_ = -1;
+  double lay_ = 0.0;
 };
 
 #ifdef VERIDYN_WITH_SERIALPORT
@@ -100,7 +83,7 @@ bool is_known(const std::string& device) {
 
 class SerialForceSource final : public ForceSource {
  public:
-  SerialForceSource(const std::string& device, int baud, LoadCellFormat format) : decoder_(format) {
+  SerialForceSource(const std::string& device, int baud, LoadCellFormat format) : bytes_(format) {
     require(sp_get_port_by_name(device.c_str(), &port_) == SP_OK,
             "force source: found no serial port '", device, "'.");
     if (sp_open(port_, SP_MODE_READ) != SP_OK) {
@@ -122,22 +105,22 @@ class SerialForceSource final : public ForceSource {
   SerialForceSource& operator=(const SerialForceSource&) = delete;
 
   int poll() noexcept override {
-    int readings = 0;
-    std::uint8_t bytes[256];
+    if (bytes_.reading()) return 1;
     for (int k = 0; k < kMostReads && connected_; ++k) {
-      const int got = sp_nonblocking_read(port_, bytes, sizeof(bytes));
+      const int got = sp_nonblocking_read(port_, bytes_.room(), bytes_.size());
       if (got < 0) connected_ = false;  // the plug was pulled
       if (got <= 0) break;
-      for (int i = 0; i < got; ++i) readings += decoder_.take(bytes[i]) ? 1 : 0;
+      bytes_.filled(static_cast<std::size_t>(got));
+      if (bytes_.reading()) return 1;
     }
-    return readings;
+    return 0;
   }
-  double raw() const noexcept override { return decoder_.raw(); }
+  double raw() const noexcept override { return bytes_.decoder().raw(); }
   bool connected() const noexcept override { return connected_; }
-  long refused() const noexcept override { return decoder_.refused(); }
+  long refused() const noexcept override { return bytes_.decoder().refused(); }
 
  private:
-  LoadCellDecoder decoder_;
+  WaitingBytes bytes_;
   sp_port* port_ = nullptr;
   bool connected_ = true;
 };
@@ -158,9 +141,12 @@ std::unique_ptr<ForceSource> open_force_source(const std::string& name) {
   if (parts.size() < 2 || parts[1].empty()) refuse(name);
   LoadCellFormat format = LoadCellFormat::kText;
   if (parts[0] == "udp") {
-    if (parts.size() > 3) refuse(name);
-    if (parts.size() == 3) format = format_of(parts[2], name);
-    return std::make_unique<UdpForceSource>(whole(parts[1], 1, 65535, name), format);
+    const bool has_address = parts[1].find('.') != std::string::npos;
+    const std::size_t port = has_address ? 2 : 1;
+    if (parts.size() <= port || parts.size() > port + 2) refuse(name);
+    if (parts.size() == port + 2) format = format_of(parts[port + 1], name);
+    whole(parts[port], 1, 65535, name);
+    return std::make_unique<UdpForceSource>((has_address ? parts[1] + ":" : "") + parts[port], format);
   }
   if (parts[0] != "serial" || parts.size() > 4) refuse(name);
   int baud = 115200;

@@ -10,37 +10,55 @@ namespace {
 constexpr std::uint8_t kFirst = 0xA5, kSecond = 0x5A;
 constexpr std::size_t kFrame = 10;
 
-bool is_number_byte(char c) {
-  return (c >= '0' && c <= '9') || c == '.' || c == '-' || c == '+' || c == 'e' || c == 'E';
+bool is_blank(char c) {
+  return c == ' ' || c == '\t';
 }
 
-// The last number of a line that holds no bytes but printable ones.
-bool last_number(const char* line, std::size_t length, double& out) {
-  std::size_t end = length;
+bool parts_fields(char c) {
+  return is_blank(c) || c == ',' || c == ';' || c == ':' || c == '=';
+}
+
+// A whole field in decimal digits: neither "nan" nor "inf" nor "0x1F" nor "3.2N".
+bool field_number(const char* begin, const char* end, double& out) {
+  char number[48] = {};
+  const auto length = static_cast<std::size_t>(end - begin);
+  if (length == 0 || length >= sizeof(number)) return false;
+  for (const char* c = begin; c != end; ++c) {
+    if (std::strchr("0123456789.+-eE", *c) == nullptr) return false;
+  }
+  std::memcpy(number, begin, length);
+  char* stop = nullptr;
+  out = std::strtod(number, &stop);
+  return *stop == '\0' && std::isfinite(out);
+}
+
+// Whether a reading may stand behind this part of a line: numbers, as a time, after a name that a
+// colon or an equals sign ends, or none. Other words say something else: "ERR 12".
+bool leads_to_reading(const char* begin, const char* end) {
+  while (end > begin && end[-1] != ':' && end[-1] != '=') {
+    const char* field = end;
+    while (field > begin && !parts_fields(field[-1])) --field;
+    double ignored = 0.0;
+    if (field < end && !field_number(field, end, ignored)) return false;
+    end = field > begin && field[-1] != ':' && field[-1] != '=' ? field - 1 : field;
+  }
+  return true;
+}
+
+// The last field of a line that holds no bytes but printable ones.
+bool reading_of_line(const char* line, std::size_t length, double& out) {
   for (std::size_t k = 0; k < length; ++k) {
     const auto c = static_cast<unsigned char>(line[k]);
     if ((c < 32 && c != '\t') || c > 126) return false;
   }
-  while (end > 0) {
-    while (end > 0 && (line[end - 1] < '0' || line[end - 1] > '9') && line[end - 1] != '.') --end;
-    std::size_t begin = end;
-    while (begin > 0 && is_number_byte(line[begin - 1])) --begin;
-    while (begin < end && (line[begin] == 'e' || line[begin] == 'E')) ++begin;
-    if (begin == end) return false;
-    char number[48] = {};
-    if (end - begin >= sizeof(number)) return false;
-    std::memcpy(number, line + begin, end - begin);
-    char* stop = nullptr;
-    const double value = std::strtod(number, &stop);
-    // A name that ends in a digit, as in "HX711", is none.
-    const bool in_word = begin > 0 && std::isalpha(static_cast<unsigned char>(line[begin - 1])) != 0;
-    if (*stop == '\0' && std::isfinite(value) && !in_word) {
-      out = value;
-      return true;
-    }
-    end = begin;
-  }
-  return false;
+  const char* end = line + length;
+  while (end > line && is_blank(end[-1])) --end;
+  const char* field = end;
+  while (field > line && !parts_fields(field[-1])) --field;
+  double value = 0.0;
+  if (!field_number(field, end, value) || !leads_to_reading(line, field)) return false;
+  out = value;
+  return true;
 }
 
 }  // namespace
@@ -74,7 +92,7 @@ bool LoadCellDecoder::take_text(std::uint8_t byte) noexcept {
   overlong_ = false;
   begun_ = true;
   if (length == 0) return false;
-  if (sound && last_number(line_.data(), length, raw_)) return true;
+  if (sound && reading_of_line(line_.data(), length, raw_)) return true;
   if (sound) ++refused_;
   return false;
 }

@@ -31,7 +31,7 @@ speed_t speed_of(int baud, const std::string& device) {
 
 class TerminalLine final : public ForceSource {
  public:
-  TerminalLine(const std::string& device, int baud, LoadCellFormat format) : decoder_(format) {
+  TerminalLine(const std::string& device, int baud, LoadCellFormat format) : bytes_(format) {
     const speed_t speed = speed_of(baud, device);
     line_ = ::open(device.c_str(), O_RDONLY | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
     require(line_ >= 0, "force source: serial port '", device, "': ", std::strerror(errno), ".");
@@ -53,21 +53,21 @@ class TerminalLine final : public ForceSource {
   TerminalLine& operator=(const TerminalLine&) = delete;
 
   int poll() noexcept override {
-    int readings = 0;
-    std::uint8_t bytes[256];
+    if (bytes_.reading()) return 1;
     for (int k = 0; k < kMostReads && connected_; ++k) {
-      const ssize_t got = ::read(line_, bytes, sizeof(bytes));
+      const ssize_t got = ::read(line_, bytes_.room(), bytes_.size());
       if (got <= 0) {
         connected_ = !pulled(got);
         break;
       }
-      for (ssize_t i = 0; i < got; ++i) readings += decoder_.take(bytes[i]) ? 1 : 0;
+      bytes_.filled(static_cast<std::size_t>(got));
+      if (bytes_.reading()) return 1;
     }
-    return readings;
+    return 0;
   }
-  double raw() const noexcept override { return decoder_.raw(); }
+  double raw() const noexcept override { return bytes_.decoder().raw(); }
   bool connected() const noexcept override { return connected_; }
-  long refused() const noexcept override { return decoder_.refused(); }
+  long refused() const noexcept override { return bytes_.decoder().refused(); }
 
  private:
   // Nothing to read, or nobody there any more?
@@ -77,7 +77,7 @@ class TerminalLine final : public ForceSource {
     return ::poll(&state, 1, 0) > 0 && (state.revents & (POLLHUP | POLLERR | POLLNVAL)) != 0;
   }
 
-  LoadCellDecoder decoder_;
+  WaitingBytes bytes_;
   int line_ = -1;
   bool connected_ = true;
 };

@@ -1,11 +1,42 @@
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <memory>
 #include <string>
 
 #include "veridyn/control/load_cell.hpp"
 
 namespace veridyn {
+
+/// Bytes that were read on their way to the decoder: readings come one at a time.
+class WaitingBytes {
+ public:
+  explicit WaitingBytes(LoadCellFormat format) : decoder_(format) {}
+
+  std::uint8_t* room() { return bytes_.data(); }
+  std::size_t size() const { return bytes_.size() - 1; }
+  /// So many bytes stand in room() now; `line` ends them with the end of a line.
+  void filled(std::size_t count, bool line = false) {
+    at_ = 0;
+    end_ = count;
+    if (line) bytes_[end_++] = '\n';
+  }
+  /// @returns false: all bytes are taken, and no reading was among them.
+  bool reading() {
+    while (at_ < end_) {
+      if (decoder_.take(bytes_[at_++])) return true;
+    }
+    return false;
+  }
+  LoadCellDecoder& decoder() { return decoder_; }
+  const LoadCellDecoder& decoder() const { return decoder_; }
+
+ private:
+  LoadCellDecoder decoder_;
+  std::array<std::uint8_t, 513> bytes_{};
+  std::size_t at_ = 0, end_ = 0;
+};
 
 /// A serial line by the system's own terminal interface: for devices that libserialport has no
 /// record of, as pseudo-terminals and lines over Bluetooth, and for builds without it.

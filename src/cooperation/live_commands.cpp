@@ -1,16 +1,12 @@
-#include <arpa/inet.h>
-#include <fcntl.h>
-#include <netinet/in.h>
 #include <poll.h>
-#include <sys/socket.h>
 #include <unistd.h>
 
-#include <cerrno>
 #include <cmath>
 #include <cstdlib>
-#include <cstring>
+#include <limits>
 #include <sstream>
 
+#include "control/udp_port.hpp"
 #include "model/suggestion.hpp"
 #include "veridyn/cooperation/live.hpp"
 #include "veridyn/math/require.hpp"
@@ -101,36 +97,24 @@ class StandardInput final : public LineSource {
   bool closed_ = false;
 };
 
+// The first sender has the line until the end of the run, which its silence is.
 class UdpLines final : public LineSource {
  public:
-  UdpLines(const std::string& address, int port) {
-    socket_ = ::socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK, 0);
-    require(socket_ >= 0, "live commands: found no socket: ", std::strerror(errno), ".");
-    sockaddr_in at{};
-    at.sin_family = AF_INET;
-    at.sin_port = htons(static_cast<std::uint16_t>(port));
-    const bool known = ::inet_pton(AF_INET, address.c_str(), &at.sin_addr) == 1;
-    if (known && ::bind(socket_, reinterpret_cast<const sockaddr*>(&at), sizeof(at)) == 0) return;
-    const std::string why = known ? std::strerror(errno) : "no IPv4 address";
-    ::close(socket_);
-    throw InvalidInput(text("live commands: UDP ", address, ":", port, ": ", why, "."));
-  }
-  ~UdpLines() override { ::close(socket_); }
-  UdpLines(const UdpLines&) = delete;
-  UdpLines& operator=(const UdpLines&) = delete;
+  explicit UdpLines(const std::string& place)
+      : port_(place, std::numeric_limits<double>::infinity(), "live commands") {}
 
   bool next(std::string& line) override {
     char bytes[1024];
-    const ssize_t got = ::recv(socket_, bytes, sizeof(bytes), 0);
-    if (got < 0) return false;
-    line.assign(bytes, static_cast<std::size_t>(got));
+    UdpPort::Datagram got;
+    if (!port_.receive(bytes, sizeof(bytes), got)) return false;
+    line.assign(bytes, got.size);
     while (!line.empty() && (line.back() == '\n' || line.back() == '\r')) line.pop_back();
     return true;
   }
   bool closed() const override { return false; }
 
  private:
-  int socket_ = -1;
+  UdpPort port_;
 };
 
 }  // namespace
@@ -187,13 +171,9 @@ LiveCommand parse_live_command(const std::string& line, const Scenario& scenario
 
 std::unique_ptr<LineSource> open_line_source(const std::string& name) {
   if (name == "-") return std::make_unique<StandardInput>();
-  const auto last = name.rfind(':');
-  char* end = nullptr;
-  const long port = last == std::string::npos ? 0 : std::strtol(name.c_str() + last + 1, &end, 10);
-  require(name.rfind("udp:", 0) == 0 && end != nullptr && *end == '\0' && port > 0 && port < 65536,
-          "found the line '", name, "', expected - or udp:[ADDRESS:]PORT.");
-  const std::string address = last > 4 ? name.substr(4, last - 4) : "127.0.0.1";
-  return std::make_unique<UdpLines>(address, static_cast<int>(port));
+  require(name.rfind("udp:", 0) == 0, "found the line '", name,
+          "', expected - or udp:[ADDRESS:]PORT.");
+  return std::make_unique<UdpLines>(name.substr(4));
 }
 
 }  // namespace veridyn

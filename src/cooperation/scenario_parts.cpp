@@ -151,19 +151,21 @@ ScenarioPhase read_phase(const YamlNode& node, const Names& arms, const Names& m
 }
 
 ScenarioFault read_fault(const YamlNode& node, const Names& arms, const Names& members) {
-  node.allow_keys({"kind", "arm", "member", "at", "reported"});
+  node.allow_keys({"kind", "arm", "member", "at", "by", "reported"});
   using FaultKind = ScenarioFault::Kind;
   ScenarioFault fault;
   fault.kind = choice<FaultKind>(node.at("kind"), {{"arm_limp", FaultKind::kArmLimp},
                                                    {"arm_frozen", FaultKind::kArmFrozen},
                                                    {"sensor_stuck", FaultKind::kSensorStuck},
-                                                   {"sensor_stale", FaultKind::kSensorStale}});
+                                                   {"sensor_stale", FaultKind::kSensorStale},
+                                                   {"sensor_jump", FaultKind::kSensorJump}});
   const bool of_arm = fault.kind == FaultKind::kArmLimp || fault.kind == FaultKind::kArmFrozen;
   if (of_arm) {
     fault.arm = arms.index(node.at("arm"));
   } else {
     fault.member = members.index(node.at("member"));
   }
+  if (fault.kind == FaultKind::kSensorJump) fault.by = node.at("by").number();
   fault.at = node.at("at").positive_number();
   if (const auto reported = node.find("reported")) fault.reported = reported->flag();
   return fault;

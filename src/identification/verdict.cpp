@@ -10,10 +10,9 @@
 namespace veridyn {
 namespace {
 
-// Times the noise floor. What a good model leaves beside the noise is a little of everything: on the
-// recordings of the PSM with all that a diagnosis finds it is 1.1 to 2.6 times the floor, and the
-// smallest effect that hide-and-seek asks to be found doubles what is left.
-constexpr double kFarAboveFloor = 3.0;
+// Times the noise floor: beyond twice, more than three quarters of the squares that are left are no noise
+// (floors from repeats hold a little of what differs from period to period, and lie above the noise).
+constexpr double kFarAboveFloor = 2.0;
 // And as a share of the torque: 1 % is better than torque sensors are.
 constexpr double kBelowAnySensor = 0.01;
 

@@ -145,7 +145,7 @@ TEST_F(OwnRobot, APriorConvergesFromAnyBody) {
 }
 
 TEST_F(OwnRobot, TheVerdictSaysWhichJointIsNotExplained) {
-  record({"--effect", "stribeck_friction:elbow:level=1.3,velocity=0.25"}, "strib");
+  record({"--effect", "joint_spring:elbow:stiffness=3"}, "strib");
   const std::string out = folder().path("strib.json");
   const ToolRun run = run_tool({"identify", kUrdf, "--train", path("strib", "1"), "--test",
                                 path("strib", "2"), "--json", out});
@@ -162,7 +162,7 @@ TEST_F(OwnRobot, TheVerdictSaysWhichJointIsNotExplained) {
 
 // The hidden cause is the first finding: what every joint has is one line and a table.
 TEST_F(OwnRobot, DiagnosisOfAFileWithoutFrictionNamesTheHiddenCauseFirst) {
-  record({"--effect", "stribeck_friction:elbow:level=1.3,velocity=0.25"}, "strib");
+  record({"--effect", "joint_spring:elbow:stiffness=3"}, "strib");
   const std::string out = folder().path("diagnosis.json");
   const ToolRun run = run_tool({"diagnose", kUrdf, "--train", path("strib", "1"), "--test",
                                 path("strib", "2"), "--json", out});

@@ -55,6 +55,30 @@ TEST(LoadCell, TextLinesOfUsualConvertersAreRead) {
   EXPECT_EQ(decoder.refused(), 2);  // a name without a number, bytes that are no text
 }
 
+// The number before "nan" is the time, and "ERR 12" is no force of 12 N.
+TEST(LoadCell, ALineWhoseLastFieldIsNoFiniteNumberIsRefused) {
+  const std::vector<std::string> none = {
+      "1.234,nan", "1.234,inf",   "1.234,-inf", "nan",     "1.234,",  "1.234;NaN", "5.2 N", "5.2N",
+      "ERR 12",    "overload 12", "1.234,ERR",  "1e999",   "0x1F",    "1.2.3",     "--4",   "1,two,3",
+      "12 12nan",  "reading:",    "1.234,1e",   "= nan",   "ERR,5",   "x 1: y 2"};
+  for (const std::string& line : none) {
+    LoadCellDecoder decoder(LoadCellFormat::kText);
+    std::vector<double> got;
+    readings_of(decoder, "cut\n" + line + "\n", got);
+    EXPECT_TRUE(got.empty()) << line << " gave " << got.front();
+    EXPECT_EQ(decoder.refused(), 1) << line;
+  }
+  const std::vector<std::pair<std::string, double>> readings = {
+      {"8388607", 8388607.0}, {"0.1,512", 512.0},  {"0.1; -512.5", -512.5}, {"1 2 3", 3.0},
+      {"force = 4.5", 4.5},   {"F:-1e-3 ", -1e-3}, {"t: 0.5, F: 2", 2.0},   {"HX711 reading: 7", 7.0}};
+  for (const auto& [line, value] : readings) {
+    LoadCellDecoder decoder(LoadCellFormat::kText);
+    std::vector<double> got;
+    readings_of(decoder, "cut\n" + line + "\n", got);
+    EXPECT_EQ(got, std::vector<double>{value}) << line;
+  }
+}
+
 // Every frame but the ones that were damaged, whatever stands between them.
 TEST(LoadCell, BinaryFramesSurviveGarbageAndCuts) {
   std::mt19937 random(7);
@@ -142,6 +166,94 @@ TEST(ForceChannel, ADeadOrStuckSensorIsFoundWithinTwentyMilliseconds) {
     EXPECT_LE(found, 0.020) << (stuck ? "stuck" : "dead");
     EXPECT_EQ(channel.state(), stuck ? ForceState::kStuck : ForceState::kDead);
   }
+}
+
+// Bytes out of the middle of a stream of lines, as a bad cable loses them.
+class Torn final : public ForceSource {
+ public:
+  explicit Torn(double lost) : lost_(lost), decoder_(LoadCellFormat::kText) {}
+  int poll() noexcept override {
+    const int count = fresh_ ? 1 : 0;
+    fresh_ = false;
+    return count;
+  }
+  void say(const std::string& line) {
+    for (const char c : line) {
+      const bool gone = std::uniform_real_distribution<double>()(random_) < lost_;
+      if (!gone && decoder_.take(static_cast<std::uint8_t>(c))) fresh_ = true;
+    }
+  }
+  double raw() const noexcept override { return decoder_.raw(); }
+  long refused() const noexcept override { return decoder_.refused(); }
+
+ private:
+  double lost_;
+  std::mt19937 random_{11};
+  LoadCellDecoder decoder_;
+  bool fresh_ = false;
+};
+
+TEST(ForceChannel, BytesThatAreLostGiveNoReadingBeyondTheRange) {
+  for (const bool watched : {true, false}) {
+    auto source = std::make_unique<Torn>(0.1);
+    Torn& line = *source;
+    ForceChannelOptions options;
+    options.stuck_after = 0.0;
+    if (!watched) {
+      options.range = 1e300;
+      options.largest_jump = 1e300;
+    } else {
+      options.largest_jump = 20.0;
+    }
+    ForceChannel channel(std::move(source), options);
+    double largest = 0.0;
+    bool noisy = false;
+    for (int k = 0; k < 5000; ++k) {
+      line.say("-12.3" + std::to_string(10 + k % 90) + "\n");
+      const ForceReading reading = channel.update(1e-3 * k);
+      if (reading.number >= 0) largest = std::max(largest, std::abs(reading.force));
+      noisy = noisy || channel.state() == ForceState::kNoisy;
+    }
+    if (watched) {
+      EXPECT_LT(largest, 200.0);
+      EXPECT_TRUE(noisy);
+      EXPECT_GT(channel.beyond_range(), 50);
+      EXPECT_GT(channel.jumps(), 50);
+    } else {
+      EXPECT_GT(largest, 1e5);  // what the range and the watch over jumps keep away
+    }
+  }
+}
+
+TEST(ForceChannel, AJumpIsBelievedWhereTheNextReadingAgrees) {
+  int fresh = 0;
+  double raw = 0.0;
+  ForceChannelOptions options;
+  options.largest_jump = 5.0;
+  options.stuck_after = 0.0;
+  ForceChannel channel(std::make_unique<Spoken>(fresh, raw), options);
+  std::vector<double> given;
+  for (const double said : {1.0, 1.1, 90.0, 1.2, 30.0, 30.1, -120.0, 500.0, 30.2}) {
+    raw = said;
+    fresh = 1;
+    given.push_back(channel.update(1e-3 * static_cast<double>(given.size())).force);
+    EXPECT_EQ(channel.state() == ForceState::kRange, said > 200.0) << said;
+  }
+  EXPECT_EQ(given, (std::vector<double>{1.0, 1.1, 1.1, 1.2, 1.2, 30.1, 30.1, 30.1, 30.2}));
+  EXPECT_EQ(channel.jumps(), 3);
+  EXPECT_EQ(channel.beyond_range(), 1);
+}
+
+// From the first look on: a line that never spoke is as old as the look.
+TEST(ForceChannel, TheAgeOfASensorThatNeverSpokeCountsFromTheStart) {
+  int fresh = 0;
+  double raw = 0.0;
+  ForceChannel channel(std::make_unique<Spoken>(fresh, raw), {});
+  EXPECT_EQ(channel.update(7.0).age, 0.0);
+  const ForceReading reading = channel.update(7.5);
+  EXPECT_EQ(reading.number, -1);
+  EXPECT_NEAR(reading.age, 0.5, 1e-12);
+  EXPECT_EQ(channel.state(), ForceState::kWaiting);
 }
 
 // A ramp of one unit per second lags by the filter's delay.
@@ -246,7 +358,7 @@ TEST(SerialLine, DeadStuckAndPulledAreFoundWithin20Milliseconds) {
       const bool well = k < 100;
       if (k == 100 && end == End::kPulled) line.unplug();
       if (k % 2 == 0 && (well || end == End::kStuck))
-        line.say("F " + std::to_string(well ? k : 100) + "\n");
+        line.say("F: " + std::to_string(well ? k : 100) + "\n");
       channel.update(1e-3 * k);
       if (!well && channel.state() != ForceState::kGood) found = 1e-3 * (k - 100);
       if (well && k > 5) {
@@ -264,26 +376,92 @@ TEST(SerialLine, SaysWhatIsNoLine) {
   EXPECT_THROW(open_force_source("serial:/dev/null"), InvalidInput);
 }
 
-TEST(Udp, DatagramsAreReadings) {
-  const auto source = open_force_source("udp:47113:text");
-  const int out = ::socket(AF_INET, SOCK_DGRAM, 0);
-  sockaddr_in at{};
-  at.sin_family = AF_INET;
-  at.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  at.sin_port = htons(47113);
-  for (const char* words : {"512.5", "cell 513\n"}) {
-    ::sendto(out, words, std::strlen(words), 0, reinterpret_cast<const sockaddr*>(&at), sizeof(at));
+// Somebody who sends datagrams to a port of this machine.
+class Sender {
+ public:
+  explicit Sender(int port, const char* address = "127.0.0.1") : socket_(::socket(AF_INET, SOCK_DGRAM, 0)) {
+    at_.sin_family = AF_INET;
+    at_.sin_port = htons(static_cast<std::uint16_t>(port));
+    ::inet_pton(AF_INET, address, &at_.sin_addr);
   }
-  int count = 0;
-  for (int k = 0; k < 100 && count < 2; ++k) {
-    count += source->poll();
+  ~Sender() { ::close(socket_); }
+  void say(const std::string& words) const {
+    ::sendto(socket_, words.data(), words.size(), 0, reinterpret_cast<const sockaddr*>(&at_), sizeof(at_));
+  }
+
+ private:
+  int socket_;
+  sockaddr_in at_{};
+};
+
+int poll_all(ForceSource& source) {
+  int all = 0;
+  for (int k = 0; k < 20; ++k) {
+    while (source.poll() > 0) ++all;
     ::usleep(1000);
   }
-  ::close(out);
-  EXPECT_EQ(count, 2);
-  EXPECT_EQ(source->raw(), 513.0);
-  EXPECT_THROW(open_force_source("udp:x"), InvalidInput);
-  EXPECT_THROW(open_force_source("usb:1"), InvalidInput);
+  return all;
+}
+
+TEST(Udp, DatagramsAreReadings) {
+  const auto source = open_force_source("udp:47113:text");
+  const Sender cell(47113);
+  cell.say("512.5");
+  cell.say("cell: 513\n");
+  cell.say("1\n2\n3");
+  EXPECT_EQ(poll_for(*source), 1);  // one at a time
+  EXPECT_EQ(source->raw(), 512.5);
+  EXPECT_EQ(poll_all(*source), 4);
+  EXPECT_EQ(source->raw(), 3.0);
+  for (const char* wrong : {"udp:x", "usb:1", "udp:0", "udp:1.2.3:5", "udp:127.0.0.1", "udp:127.0.0.1:5:6:7"})
+    EXPECT_THROW(open_force_source(wrong), InvalidInput) << wrong;
+}
+
+TEST(Udp, ThePortIsThisMachinesUnlessAnAddressIsGiven) {
+  const auto source = open_force_source("udp:47114");
+  Sender(47114, "127.0.0.2").say("5");
+  EXPECT_EQ(poll_all(*source), 0);
+  const auto other = open_force_source("udp:127.0.0.3:47114:text");
+  Sender(47114, "127.0.0.3").say("6");
+  EXPECT_EQ(poll_all(*source), 0);
+  EXPECT_EQ(poll_for(*other), 1);
+  const auto all = open_force_source("udp:0.0.0.0:47115");
+  Sender(47115, "127.0.0.2").say("7");
+  EXPECT_EQ(poll_for(*all), 1);
+}
+
+TEST(Udp, TheFirstSenderOwnsThePortUntilItIsSilent) {
+  const auto source = open_force_source("udp:47116");
+  const Sender cell(47116), stranger(47116);
+  cell.say("1");
+  stranger.say("99");
+  EXPECT_EQ(poll_all(*source), 1);
+  stranger.say("98");
+  cell.say("2");
+  stranger.say("97");
+  EXPECT_EQ(poll_all(*source), 1);
+  EXPECT_EQ(source->raw(), 2.0);
+  ::usleep(1100000);  // the cell is gone
+  EXPECT_EQ(source->poll(), 0);
+  stranger.say("96");
+  EXPECT_EQ(poll_for(*source), 1);
+  EXPECT_EQ(source->raw(), 96.0);
+  cell.say("3");
+  EXPECT_EQ(poll_all(*source), 0);
+}
+
+// What lay in the socket while the program did not look is as old as it is.
+TEST(Udp, TheAgeOfAReadingCountsFromItsArrival) {
+  ForceChannel channel(open_force_source("udp:47117"), {});
+  const Sender cell(47117);
+  cell.say("1");
+  cell.say("2");
+  ::usleep(50000);
+  const ForceReading reading = channel.update(10.0);
+  EXPECT_EQ(reading.number, 1);
+  EXPECT_EQ(reading.raw, 2.0);
+  EXPECT_GE(reading.age, 0.045);
+  EXPECT_EQ(channel.state(), ForceState::kDead);
 }
 
 }  // namespace

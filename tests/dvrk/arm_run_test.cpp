@@ -3,12 +3,17 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <functional>
 
+#include "dvrk/arm_bench.hpp"
 #include "dvrk/bad_link.hpp"
 #include "dvrk/planar_arm.hpp"
 #include "dvrk/rig.hpp"
 #include "dvrk/emulator/emulated_link.hpp"
 #include "dvrk/run/joint_pid.hpp"
+#include "dvrk/run/model_controller.hpp"
 #include "dvrk/emulator/simulated_arm.hpp"
 #include "veridyn/dynamics/rigid_body_dynamics.hpp"
 #include "veridyn/math/require.hpp"
@@ -19,6 +24,13 @@
 
 namespace veridyn::dvrk {
 namespace {
+
+std::string first_line(const std::string& path) {
+  std::ifstream file(path);
+  std::string line;
+  std::getline(file, line);
+  return line;
+}
 
 class ArmRun : public testing::Test {
  protected:
@@ -141,7 +153,7 @@ TEST_F(ArmRun, AFaultOnTheWayEndsItWithItsName) {
   const RunResult run =
       run_motion(arm, link_, motion(2.0), sensible_gains(model_), RunOptions(), stop_);
   EXPECT_FALSE(run.complete);
-  EXPECT_EQ(run.why, describe(Condition::kAmpOff));
+  EXPECT_EQ(run.why, describe(Condition::kAmpOff) + std::string(" (board 6, channel 2)"));
   EXPECT_FALSE(emulator_.board(0).amp_on(0));
 }
 
@@ -234,18 +246,159 @@ TEST_F(ArmRun, AnErrorIsInTheUnitOfItsJoint) {
   EXPECT_NE(run.why.find("joint 2 is"), std::string::npos) << run.why;
 }
 
+// Does as it is told, and changes the network when it is first asked for torques.
+class ChangesTheNetwork final : public MotionController {
+ public:
+  explicit ChangesTheNetwork(std::function<void()> change) : change_(std::move(change)) {}
+  void reset() noexcept override {}
+  bool torques(const BoardArmState&, const JointReference&, const CycleTimes&,
+               VectorXd& tau) noexcept override {
+    tau.setZero();
+    change_();
+    return true;
+  }
+  std::string why() const override { return ""; }
+  bool follows() const override { return false; }
+
+ private:
+  std::function<void()> change_;
+};
+
+// The arm of README's example by a clock of its own: the motors of a nominal PSM1 carry and move it.
+TEST(LightArm, MovesOnTheNominalBoardsOfPsm1) {
+  const ArmFacts facts = read_arm("PSM1");
+  const RobotConfig robot = nominal_config(facts).robot("");
+  const Model model = read_model(std::string(VERIDYN_SOURCE_DIR) + "/examples/dvrk/light-psm.yaml");
+  MotionSamples way;
+  way.time = VectorXd::LinSpaced(41, 0.0, 2.0);
+  way.q.resize(41, 3);
+  way.dq.resize(41, 3);
+  const Eigen::RowVector3d reach(0.9, -0.8, 0.15);
+  for (int k = 0; k <= 40; ++k) {
+    const double w = M_PI / 2.0, t = way.time[k];
+    way.q.row(k) = Eigen::RowVector3d(0.0, 0.0, 0.05) + (0.5 - 0.5 * std::cos(w * t)) * reach;
+    way.dq.row(k) = 0.5 * w * std::sin(w * t) * reach;
+  }
+  PidGains gains{VectorXd::Zero(7), VectorXd::Zero(7), VectorXd::Zero(7)};
+  for (int j = 0; j < 7; ++j) {
+    gains.p[j] = facts.actuators[static_cast<size_t>(j)].kp;
+    gains.d[j] = facts.actuators[static_cast<size_t>(j)].kd;
+  }
+  for (const bool pid : {true, false}) {
+    Plant plant(model);
+    BoardEmulator emulator(Bench::setups(robot));
+    EmulatedLink link(emulator);
+    SimulatedArm load(plant, robot, facts.coupling(), boards_of(robot), Eigen::Vector3d(0.0, 0.0, 0.12));
+    emulator.attach(&load);
+    ArmSessionOptions options;
+    options.actuator_to_joint = facts.coupling();
+    ArmSession arm(link, robot, options);
+    ModelControlOptions law;
+    law.law = ControlLaw::kComputedTorque;
+    ModelController computed(model, gains, largest_torques(arm), law);
+    RunOptions how;
+    how.approach_speed = 1.0;
+    how.largest_error = default_largest_errors(robot).cwiseMin(0.1);
+    const std::atomic<bool> stop{false};
+    const RunResult run = pid ? run_motion(arm, link, way, gains, how, stop)
+                              : run_motion(arm, link, way, computed, how, stop);
+    EXPECT_TRUE(run.complete) << run.why;
+    EXPECT_EQ(run.timing.late, 0);
+  }
+}
+
 // Replies that are 5 ms late: 94 cycles per second in place of 1500.
 TEST_F(ArmRun, ALoopThatIsAlwaysLateIsStopped) {
   BadLink link(emulator_);
   ArmSession arm(link, planar_config());
-  link.down.delay = 0.005;
-  const RunResult run =
-      run_motion(arm, link, motion(8.0), sensible_gains(model_), RunOptions(), stop_);
+  ChangesTheNetwork controller([&] { link.down.delay = 0.005; });
+  const RunResult run = run_in_place(arm, link, 8.0, 2, controller, RunOptions(), stop_);
   EXPECT_FALSE(run.complete);
   EXPECT_NE(run.why.find("the loop is late"), std::string::npos) << run.why;
   EXPECT_NE(run.why.find("replies took"), std::string::npos) << run.why;
   EXPECT_EQ(run.power, OffState::kConfirmed);
   EXPECT_LT(link.now(), 3.0);
+}
+
+// The same from the start: nothing is powered, and the first thing said is why.
+TEST_F(ArmRun, AMachineThatIsTooBusyIsSaidBeforePower) {
+  BadLink link(emulator_);
+  ArmSession arm(link, planar_config());
+  link.down.delay = 0.005;
+  bool powered = false;
+  ChangesTheNetwork controller([&] { powered = true; });
+  const RunResult run = run_in_place(arm, link, 1.0, 2, controller, RunOptions(), stop_);
+  EXPECT_FALSE(run.complete);
+  EXPECT_FALSE(powered);
+  EXPECT_NE(run.why.find("too busy"), std::string::npos) << run.why;
+  EXPECT_NE(run.why.find("Nothing was moved"), std::string::npos) << run.why;
+  EXPECT_EQ(run.power, OffState::kConfirmed);
+}
+
+// A stall before power is waited for.
+TEST_F(ArmRun, AStallBeforePowerIsWaitedFor) {
+  BadLink link(emulator_);
+  ArmSession arm(link, planar_config());
+  int asked = 0;
+  ChangesTheNetwork controller([&] { ++asked; });
+  arm.start();
+  link.down.lose = 1.0;
+  arm.update();  // 20 ms without a reply
+  link.down.lose = 0.0;
+  const RunResult run = run_in_place(arm, link, 0.2, 2, controller, RunOptions(), stop_);
+  EXPECT_TRUE(run.complete) << run.why;
+  EXPECT_GT(asked, 250);
+}
+
+// One datagram of a hundred gets lost, both ways: a read is asked for again within a millisecond.
+// Without that a cycle waits 20 ms for it, and the run does not keep its rate.
+TEST_F(ArmRun, OnePercentOfLossIsRiddenThrough) {
+  for (const bool again : {true, false}) {
+    PlanarArm bench;
+    BadLink link(bench.emulator, 7);
+    ArmSessionOptions options;
+    if (!again) options.repeat_after = 0.0;
+    ArmSession arm(link, planar_config(), options);
+    const Model model = read_model("planar-2r");
+    ModelControlOptions law;
+    law.law = ControlLaw::kComputedTorque;
+    ModelController control(model, sensible_gains(model), largest_torques(arm), law);
+    const MotionSamples way = swinging(4.0, Eigen::Vector2d(-0.4, 1.2), 0.4);
+    arm.start();
+    link.up.lose = link.down.lose = 0.01;
+    RunOptions how;
+    how.approach_speed = 1.0;
+    RunResult run;
+    try {
+      run = run_motion(arm, link, way, control, how, bench.stop);
+    } catch (const InvalidInput& error) {
+      run.why = error.what();  // boards that were not found
+    }
+    EXPECT_EQ(run.complete, again) << run.why;
+    if (again) {
+      EXPECT_GT(run.timing.reached(), 0.97 * 1500.0);
+    }
+  }
+}
+
+// Boards whose timestamps stand still: the rows have this program's times, and the file says so.
+TEST_F(ArmRun, AClockThatStandsStillIsMarkedInTheRecording) {
+  for (const bool stands : {true, false}) {
+    PlanarArm bench;
+    bench.emulator.board(0).faults.stops_clock = stands;
+    ArmSession arm(bench.link, planar_config());
+    RunOptions options;
+    options.recording = testing::TempDir() + "stopped-clock.csv";
+    const RunResult run = run_motion(arm, bench.link, swinging(1.0, Eigen::Vector2d(0.1, 0.1), 0.05),
+                                     sensible_gains(read_model("planar-2r")), options, bench.stop);
+    ASSERT_TRUE(run.complete) << run.why;
+    const Eigen::Index last = run.rows.rows() - 1;
+    EXPECT_NEAR(run.rows.time[last], 1.0, 2e-3);
+    const std::string first = first_line(options.recording);
+    EXPECT_EQ(first.find("# the clock of board 6 stood still") == 0, stands) << first;
+    EXPECT_EQ(run.remark.empty(), !stands);
+    std::remove(options.recording.c_str());
+  }
 }
 
 // A pot whose wire is gone reads zero: encoders are not loaded from it, and nothing is driven.

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <fstream>
 
 #include "dvrk/arm_bench.hpp"
 #include "support/near.hpp"
@@ -291,6 +292,58 @@ TEST(ArmSession, ChannelsAreGuardedByTheCalibration) {
       0.0);
   robot.actuators[6].axis = 5;
   EXPECT_THROW(session_options(robot), InvalidInput);
+}
+
+// Two arms may have boards with the same ids; the configuration says whose they are.
+TEST(ArmSessionBoards, AreTheRobotsOwn) {
+  for (const std::string& there : {std::string("1234-57"), std::string("9999-01"), std::string()}) {
+    RobotConfig robot = example();
+    const std::vector<int> ids = boards_of(robot);
+    std::vector<BoardSetup> setups = Bench::setups(robot);
+    setups[0].qla_serial = "QLA 1234-56";
+    setups[1].qla_serial = there.empty() ? "" : "QLA " + there;
+    BoardEmulator emulator(setups);
+    Inertias load(robot, example_start());
+    emulator.attach(&load);
+    EmulatedLink link(emulator);
+    ArmSession free(link, robot);
+    EXPECT_NO_THROW(free.start());  // nobody said whose boards they are
+    robot.board_serials = {{ids[0], "1234-56"}, {ids[1], "1234-57"}};
+    ArmSession own(link, robot);
+    try {
+      own.start();
+      EXPECT_EQ(there, "1234-57");
+    } catch (const InvalidInput& error) {
+      EXPECT_NE(there, "1234-57");
+      const std::string words = error.what();
+      EXPECT_NE(words.find("expected 1234-57"), std::string::npos) << words;
+      EXPECT_NE(words.find(there.empty() ? "without a serial number" : there), std::string::npos) << words;
+    }
+  }
+}
+
+TEST(ArmSessionBoards, SerialsAreInBothForms) {
+  IoConfig config = read_io_config(std::string(VERIDYN_SOURCE_DIR) +
+                                   "/data/dvrk/sawRobotIO1394-PSM1-example.xml");
+  config.robots[0].board_serials = {{6, "1234-56"}, {7, "1234-57"}};
+  for (const std::string& content : {to_io_xml(config), to_io_json(config)}) {
+    const std::string path = testing::TempDir() + "serials.io";
+    const auto parsed = [&](const std::string& text) {
+      std::ofstream(path) << text;
+      return read_io_config(path);
+    };
+    const IoConfig again = parsed(content);
+    ASSERT_EQ(again.robots[0].board_serials.size(), 2U);
+    EXPECT_EQ(again.robots[0].board_serials[1].board, 7);
+    EXPECT_EQ(again.robots[0].board_serials[1].serial, "1234-57");
+    for (const char* bad : {"6", "6=", "=1", "16=1", "x=1"}) {
+      std::string wrong = content;
+      const auto at = wrong.find("6=1234-56");
+      ASSERT_NE(at, std::string::npos);
+      wrong.replace(at, 9, bad);
+      EXPECT_THROW(parsed(wrong), InvalidInput) << bad;
+    }
+  }
 }
 
 }  // namespace

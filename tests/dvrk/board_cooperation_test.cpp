@@ -188,6 +188,84 @@ TEST(BoardCooperation, CommandsByLineMoveTheArmsAndTheirLossLetsGo) {
   }
 }
 
+// A load cell that is polled once a cycle and speaks from one poll to another.
+class Cell final : public ForceSource {
+ public:
+  struct Speech {
+    int from = 0, until = 1 << 30;  // polls that find a reading
+    bool stuck = false;
+  };
+  Cell(const Speech& speech, int& polls) : speech_(speech), polls_(polls) {}
+  int poll() noexcept override {
+    fresh_ = !fresh_;  // the channel asks until nothing more is there
+    if (!fresh_) return 0;
+    ++polls_;
+    return polls_ >= speech_.from && polls_ < speech_.until ? 1 : 0;
+  }
+  double raw() const noexcept override { return speech_.stuck ? 0.25 : 1e-3 * (polls_ % 7); }
+
+ private:
+  Speech speech_;
+  int& polls_;
+  bool fresh_ = false;
+};
+
+struct Heard {
+  BoardCooperationRun run;
+  std::string refusal;
+  int polls = 0;
+};
+
+// Two arms that shall do nothing but stand, with that cell.
+Heard with_cell(const Cell::Speech& speech) {
+  Scenario scenario = board_example("two-psm-spring");
+  scenario.phases.resize(1);
+  scenario.phases[0].duration = 0.5;
+  scenario.phases[0].commands.clear();
+  BoardCooperationOptions options;
+  options.emulate = options.stepped = true;
+  options.hold = options.release = 0.2;
+  options.sensor_patience = 0.4;
+  options.rehearsed = false;
+  options.force_sources = {"udp:5999"};
+  Heard out;
+  options.open_source = [&](const std::string&) { return std::make_unique<Cell>(speech, out.polls); };
+  const std::atomic<bool> stop{false};
+  try {
+    out.run = run_on_boards(scenario, patient_side(2), options, stop);
+  } catch (const InvalidInput& error) {
+    out.refusal = error.what();
+  }
+  return out;
+}
+
+TEST(BoardCooperation, NoPowerBeforeEverySensorHasSpokenForAWhile) {
+  const int never = 1 << 30;
+  for (const auto& [speech, words] : std::vector<std::pair<Cell::Speech, std::string>>{
+           {{never}, "waits for its first reading"},
+           {{0, never, true}, "is stuck"},
+           {{0, 100}, "is dead"}}) {
+    const Heard heard = with_cell(speech);
+    EXPECT_NE(heard.refusal.find("no power"), std::string::npos) << heard.run.report();
+    EXPECT_NE(heard.refusal.find("udp:5999 of member 'spring' " + words), std::string::npos) << heard.refusal;
+    EXPECT_LT(heard.polls, 600);  // the patience, and not a run
+  }
+  const Heard sound = with_cell({});
+  EXPECT_EQ(sound.refusal, "");
+  EXPECT_EQ(sound.run.end, BoardEnd::kDone) << sound.run.report();
+  // One that speaks late is waited for.
+  EXPECT_EQ(with_cell({150}).run.end, BoardEnd::kDone);
+}
+
+TEST(BoardCooperation, ASensorThatFallsSilentUnderPowerHoldsAll) {
+  Cell::Speech speech;
+  speech.until = with_cell({}).polls - 700;  // of the 500 cycles of the phase and 400 behind them
+  const Heard heard = with_cell(speech);
+  EXPECT_EQ(heard.refusal, "");
+  EXPECT_EQ(heard.run.run.state, CooperativeState::kSensorStale) << heard.run.report();
+  EXPECT_EQ(heard.run.power, OffState::kConfirmed);
+}
+
 // Commands that no arm can carry out, and what must be said of each.
 struct Infeasible {
   const char* line;

@@ -94,6 +94,28 @@ TEST(BoardDrills, AForceSensorThatFails) {
   }
 }
 
+// A sensor that is suddenly off by 2 N while the spring keeps its length: nothing but the sensor has
+// changed. Without the watch over jumps the loop believes it.
+TEST(BoardDrills, AForceSensorThatJumps) {
+  Scenario s = board_example("two-psm-spring");
+  s.phases.resize(1);
+  ScenarioFault fault;
+  fault.kind = ScenarioFault::Kind::kSensorJump;
+  fault.member = 0;
+  fault.at = 1.5;
+  fault.by = -2.0;
+  s.faults = {fault};
+  const BoardCooperationRun done = on_emulated_boards(s);
+  EXPECT_EQ(done.run.state, CooperativeState::kSensorJumped) << done.report();
+  EXPECT_LT(done.fault_at, 1.51);
+  EXPECT_LT(done.largest_force, 3.3);
+  EXPECT_EQ(done.power, OffState::kConfirmed);
+  s.control.jump_force = 1e9;
+  const BoardCooperationRun believed = on_emulated_boards(s);
+  EXPECT_NE(believed.run.state, CooperativeState::kSensorJumped);
+  EXPECT_GT(believed.largest_force, 4.5) << believed.report();
+}
+
 // An arm out of balance that loses its torque without a word, on a string: the other goes along
 // with it. Without the guard the string carries several times as much.
 TEST(BoardDrills, AnArmThatFallsDoesNotJerkTheString) {

@@ -338,7 +338,7 @@ TEST(BoardEmulator, RegistersKeepWhatTheyAreTold) {
   }
   bench.write(0, 0x8005, 0x12345678);  // waveform table
   EXPECT_EQ(bench.read(0, 0x8005), 0x12345678U);
-  EXPECT_EQ(bench.read(0, address::kDallas), 0U);  // no instrument
+  EXPECT_EQ(bench.read(0, address::kDallas), 9U);  // enabled, both directions, no instrument
   const std::uint8_t generation = bench.emulator.generation();
   bench.write(0, 0, control::kReboot);
   EXPECT_EQ(bench.emulator.generation(), generation + 1);  // the bus is reset because of it

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <thread>
 
+#include "dvrk/arm_bench.hpp"
 #include "dvrk/bad_link.hpp"
 #include "dvrk/planar_arm.hpp"
 #include "dvrk/rig.hpp"
@@ -55,6 +56,27 @@ TEST_P(Listeners, SendNoWriteAndSeeTheArm) {
   ArmSession active(link, planar_config());
   active.start();
   EXPECT_GT(link.writes, 3);
+}
+
+// Homing beside a program that drives is refused before anything is written.
+TEST(Homing, LooksForPowerWithoutAWrite) {
+  PlanarArm arm;
+  BadLink link(arm.emulator);
+  EXPECT_NO_THROW(require_no_power(link, planar_config(), {}));
+  EXPECT_EQ(link.writes, 0);
+  ArmSession driver(arm.link, planar_config());
+  driver.start();
+  driver.update();
+  driver.commit();
+  ASSERT_EQ(driver.power_on(), nullptr);
+  for (int k = 0; k < 200; ++k) {
+    driver.update();
+    driver.commit();
+    arm.link.wait(kCycle);
+  }
+  ASSERT_TRUE(arm.emulator.board(0).status().power_requested());
+  EXPECT_THROW(require_no_power(link, planar_config(), {}), InvalidInput);
+  EXPECT_EQ(link.writes, 0);
 }
 
 TEST_P(Listeners, SeeWhatTheRealTimeBlockSays) {
@@ -202,10 +224,10 @@ TEST(Listening, BesideARunOverUdp) {
   EXPECT_EQ(proxy.writes(), 0);
   EXPECT_GT(proxy.reads(), 0);
   EXPECT_GT(seen, 0);
-  EXPECT_GT(powered, 0);
+  EXPECT_TRUE(powered > 0 || run.why.find("too busy") != std::string::npos) << run.why;
   const bool by_the_clock = run.why.find("late") != std::string::npos ||
-                            run.why == describe(Condition::kWatchdog) ||
-                            run.why == describe(Condition::kNoReply);
+                            run.why.find(describe(Condition::kWatchdog)) == 0 ||
+                            run.why.find(describe(Condition::kNoReply)) == 0;
   EXPECT_TRUE(run.complete || by_the_clock) << run.why;
   EXPECT_EQ(run.power, OffState::kConfirmed);
   EXPECT_FALSE(arm.emulator.board(0).status().power_requested());

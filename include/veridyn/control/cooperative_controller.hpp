@@ -25,6 +25,9 @@ struct CooperativeOptions {
   double largest_age = 0.02;          ///< [s] of a reading
   double largest_error = 0.02;        ///< [m] of any tip from its way, beyond what its members
                                       ///< stretch under the wanted force, as far as known
+  /// [N] by which a reading may change from one sample to the next beyond twice of what the change
+  /// of the member's length explains; where its stiffness is known.
+  double jump_force = 1.0;
   double stuck_force = 1.0;    ///< [N] by which a member's length says that its force changed,
                                ///< while its samples stay the same to the last bit
   /// [J] that arms may put into a member beyond what is planned (PassivityMonitor): a loop that
@@ -73,6 +76,7 @@ enum class CooperativeState {
   kForceMissed,  ///< farther from the force wanted than largest_force_error: a slack member, too
   kSensorStale,
   kSensorStuck,
+  kSensorJumped,  ///< a reading changed by more than the member's length and stiffness explain
   kArmLost,
   kTargetMissed,
   kEnergyMade,
@@ -137,6 +141,7 @@ class CooperativeController {
   /// impedance with a wanted mass below the arm's own is many times stiffer without its sensor.)
   bool sensor_failed() const {
     return state_ == CooperativeState::kSensorStale || state_ == CooperativeState::kSensorStuck ||
+           state_ == CooperativeState::kSensorJumped ||
            state_ == CooperativeState::kNotFinite;
   }
   /// Where the object's motion is now: its turn since the start, and how fast that changes.
@@ -159,6 +164,9 @@ class CooperativeController {
   struct Watch {  // over one sensor
     double force = 0.0, length = 0.0;
     long number = -1;
+    double last_force = 0.0, last_length = 0.0;  // of the sample before
+    long last_number = -1;
+    double silent = 0.0;                         // [s] since the start without any
   };
 
   void plan() noexcept;
@@ -170,6 +178,7 @@ class CooperativeController {
   bool makes_energy(size_t member, const ForceReading& reading,
                     const CooperativeInput& input) noexcept;
   bool is_stuck(size_t member, const ForceReading& reading, double length) noexcept;
+  bool jumps(size_t member, const ForceReading& reading, double length) noexcept;
   bool commands_allowed() const { return state_ == CooperativeState::kTracking; }
 
   CooperativeOptions options_;

@@ -37,7 +37,9 @@ std::string load_cell_text(const LoadCellCalibration& calibration);
 
 /// How a converter speaks.
 enum class LoadCellFormat {
-  kText,   ///< lines; the last number of each is the reading ("HX711 reading: 8388607", "0.1,512")
+  /// Lines whose last field is the reading: "8388607", "0.1,512", "HX711 reading: 8388607". Numbers
+  /// may stand before it, and a name that a colon or an equals sign ends; any other line is none.
+  kText,
   kBinary  ///< frames of 10 bytes: A5 5A, number (uint16), raw (int32), CRC-16/CCITT-FALSE of the
            ///< six bytes before it (uint16); all little-endian
 };
@@ -73,14 +75,19 @@ std::uint16_t crc16(const std::uint8_t* bytes, std::size_t count) noexcept;
 class ForceSource {
  public:
   virtual ~ForceSource() = default;
-  /// Takes what has arrived, without waiting. @returns how many readings; raw() is the latest.
+  /// Takes what has arrived up to the next reading, without waiting. @returns how many readings
+  /// that were, 0 where nothing more is there; raw() is the latest.
   virtual int poll() noexcept = 0;
   virtual double raw() const noexcept = 0;
+  /// [s] for which the latest reading lay ready before it was taken, as far as the system tells.
+  virtual double lay() const noexcept { return 0.0; }
   virtual bool connected() const noexcept { return true; }
   virtual long refused() const noexcept { return 0; }
 };
 
-/// "serial:/dev/ttyUSB0[:115200][:text|binary]" or "udp:PORT[:text|binary]".
+/// "serial:/dev/ttyUSB0[:115200][:text|binary]" or "udp:[ADDRESS:]PORT[:text|binary]", which listens
+/// on 127.0.0.1 unless another address of this machine is given. The first sender has a port until
+/// it is silent for a second: what others send is not taken.
 /// @throws InvalidInput  another form, a port that cannot be opened.
 std::unique_ptr<ForceSource> open_force_source(const std::string& name);
 
@@ -90,7 +97,8 @@ enum class ForceState {
   kGood,
   kDead,   ///< nothing new for longer than ForceChannelOptions::largest_silence
   kStuck,  ///< the same counts for longer than stuck_after, though they keep coming
-  kRange   ///< beyond the range of the cell or its converter
+  kRange,  ///< beyond the range of the cell or its converter
+  kNoisy   ///< too large a share of what comes cannot be used: the line is damaged
 };
 const char* describe(ForceState state);
 
@@ -99,7 +107,14 @@ struct ForceChannelOptions {
   double largest_silence = 0.015;  ///< [s]; with a cycle of 1 ms a dead line is found within 16 ms
   double stuck_after = 0.015;      ///< [s] of readings that are alike to the last bit; 0: no watch
   int stuck_readings = 5;          ///< and at least so many
-  double range = 200.0;            ///< [N]
+  double range = 200.0;            ///< [N] readings beyond it are not given
+  /// [N] between two readings; a first one that is farther off waits for a second that agrees with
+  /// it, and is not given without: a digit got lost. Infinite: no watch.
+  double largest_jump = std::numeric_limits<double>::infinity();
+  /// Share of lines, frames and readings that cannot be used, over noisy_window of them; beyond it
+  /// the line is damaged. One of 100 is a line that lost a byte, not a cable that is loose.
+  double noisy_share = 0.05;
+  int noisy_window = 100;
   double cutoff = 0.0;             ///< [Hz] of a first-order low-pass; 0: none
   double latency = 0.0;            ///< [s] from the cell to the line's end, as far as known
 };
@@ -117,15 +132,26 @@ class ForceChannel {
   /// Of the filter and the line together, at low frequency [s]: for stability analyses.
   double delay() const;
   double unfiltered() const { return force_; }  ///< [N] of the latest reading
+  double believed() const { return last_raw_; }         ///< raw of the latest reading that was given
+  long beyond_range() const { return beyond_range_; }  ///< readings that were not given
+  long jumps() const { return jumps_; }                ///< likewise
   const ForceSource& source() const { return *source_; }
 
  private:
+  void take(int fresh, double at) noexcept;
+  bool is_believed(double force) noexcept;
+  void count(long good, long bad) noexcept;
+
   std::unique_ptr<ForceSource> source_;
   ForceChannelOptions options_;
   ForceState state_ = ForceState::kWaiting;
   double force_ = 0.0, filtered_ = 0.0, last_raw_ = 0.0;
   double heard_ = 0.0, changed_ = 0.0;
-  long number_ = -1;
+  double begun_ = std::numeric_limits<double>::quiet_NaN();
+  double waiting_ = 0.0;  // [N] of a jump that a second reading may confirm
+  bool waits_ = false, beyond_ = false, noisy_ = false;
+  long number_ = -1, beyond_range_ = 0, jumps_ = 0, refused_ = 0;
+  long good_ = 0, bad_ = 0;  // of the window
   int alike_ = 0;
 };
 

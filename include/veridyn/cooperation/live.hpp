@@ -47,7 +47,8 @@ class LineSource {
 };
 
 /// "-": standard input; "udp:PORT": every datagram is a line, from this machine alone unless
-/// "udp:ADDRESS:PORT" names another address to listen on.
+/// "udp:ADDRESS:PORT" names another address to listen on. Whoever sends first has the line: what
+/// others send is not taken.
 /// @throws InvalidInput  another form, a port that cannot be had.
 std::unique_ptr<LineSource> open_line_source(const std::string& name);
 

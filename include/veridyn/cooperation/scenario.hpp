@@ -95,10 +95,11 @@ struct ScenarioPhase {
 };
 
 struct ScenarioFault {
-  enum class Kind { kArmLimp, kArmFrozen, kSensorStuck, kSensorStale };
+  enum class Kind { kArmLimp, kArmFrozen, kSensorStuck, kSensorStale, kSensorJump };
   Kind kind = Kind::kArmLimp;
   int arm = -1, member = -1;
   double at = 0.0;        ///< [s]
+  double by = 0.0;        ///< [N] of kSensorJump
   bool reported = false;  ///< the arm tells the controller that it is lost
 };
 
@@ -122,6 +123,7 @@ struct ScenarioControl {
   double largest_error = 0.02;        ///< [m] likewise
   double largest_age = 0.02;          ///< [s] likewise
   double stuck_force = 1.0;           ///< [N] see CooperativeOptions
+  double jump_force = 1.0;            ///< [N] likewise
   double largest_energy = 0.0;        ///< [J] that a member may get; 0: no bound
   double relief_force = 5.0;          ///< [N] to which arms give way while all is held
   bool guard = true;                  ///< arms give way where a force leaves its bounds

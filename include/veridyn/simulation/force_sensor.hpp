@@ -17,6 +17,8 @@ struct ForceSensorOptions {
   /// (stuck), or nothing arrives any more (stale).
   double stuck_from = std::numeric_limits<double>::infinity();
   double stale_from = std::numeric_limits<double>::infinity();
+  double jump_from = std::numeric_limits<double>::infinity();  ///< readings are off by jump_by
+  double jump_by = 0.0;                                        ///< [N]
 };
 
 /// The latest sample that has arrived.

@@ -57,6 +57,9 @@ void add_client_options(CLI::App& command, DvrkRequest& request) {
   command.add_option("--mtu", request.mtu, "Of the network to the boards (1500)")
       ->option_text("BYTES")
       ->check(CLI::Range(576, 65535));
+  command.add_flag("--firewire", request.firewire,
+                   "FireWire joins the boards, though they are FPGA V3 with firmware 9, which are "
+                   "otherwise taken for boards that Ethernet alone joins");
   command
       .add_option("--protocol", request.protocol,
                   "sequential: one board after the other; broadcast-write: one write for all; "
@@ -109,9 +112,16 @@ void add_emulate(CLI::App& dvrk, Outcome& outcome) {
       ->option_text("MODEL...");
   command.add_option("--port", request->port, "UDP port to listen on; 0: any (1394)")
       ->option_text("PORT");
+  command.add_flag("--all-addresses", request->everywhere,
+                   "Listens to other machines too: whoever reaches the port drives the arm (programs "
+                   "of this machine alone)");
   command.add_option("--firmware", request->firmware, "Of the boards (8)")
       ->option_text("7|8|9")
       ->check(CLI::Range(7, 9));
+  command.add_flag("--ethernet-only", request->ethernet_only,
+                   "Boards are FPGA V3 (firmware 9) that Ethernet alone joins");
+  command.add_flag("--io-expander", request->io_expander,
+                   "Boards are QLA 1.5: I/O expander, voltage mode, comparator of the motor supply");
   command
       .add_option(
           "--start", request->start,
@@ -133,7 +143,7 @@ void add_emulate(CLI::App& dvrk, Outcome& outcome) {
       ->check(CLI::NonNegativeNumber);
   command
       .add_option("--instrument-chip", request->chips,
-                  "Memory of the Dallas chip on a board, 256 bytes (no chip)")
+                  "Memory of the Dallas chip on a board, up to 2048 bytes (no chip)")
       ->option_text("BOARD=FILE");
   add_output_option(command, "--config-out", request->config_out, "Writes the configuration in use (XML)");
   add_seconds(command, *request, "Ends after so long (Ctrl-C)");
@@ -216,7 +226,7 @@ const std::atomic<bool>& stop_asked() {
 }
 
 void catch_signals() {
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGQUIT, SIGPIPE}) {
     struct sigaction action {};
     action.sa_handler = ask_to_stop;
     ::sigemptyset(&action.sa_mask);
@@ -264,6 +274,7 @@ dvrk::ArmSessionOptions session_options(const DvrkRequest& request, const DvrkAr
   options.mtu = request.mtu;
   options.watchdog = request.watchdog;
   options.announce = request.announce;
+  options.firewire = request.firewire;
   options.protocol = request.protocol == "sequential"        ? dvrk::CycleProtocol::kSequential
                      : request.protocol == "broadcast-write" ? dvrk::CycleProtocol::kBroadcastWrite
                      : request.protocol == "broadcast"       ? dvrk::CycleProtocol::kBroadcast
@@ -271,8 +282,7 @@ dvrk::ArmSessionOptions session_options(const DvrkRequest& request, const DvrkAr
   return options;
 }
 
-void say_faults(const dvrk::FaultLog& faults, const CommonOptions& common) {
-  if (common.quiet) return;
+void say_faults(const dvrk::FaultLog& faults) {
   std::istringstream lines(faults.report());
   for (std::string line; std::getline(lines, line);) say(line);
 }

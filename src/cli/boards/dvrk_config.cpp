@@ -43,6 +43,8 @@ void print(const dvrk::IoConfig& config) {
     fmt::print("{} on {}{}{}\n", robot.name, robot.hardware,
                robot.serial.empty() ? "" : ", serial number " + robot.serial,
                robot.io_only ? ", inputs and outputs only" : "");
+    for (const dvrk::BoardSerial& own : robot.board_serials)
+      fmt::print("  board {:>2} has the serial number {}\n", own.board, own.serial);
     for (int k = 0; k < robot.size(); ++k)
       print_actuator(robot.actuators[static_cast<std::size_t>(k)], k);
   }

@@ -120,7 +120,9 @@ std::vector<std::uint8_t> chip_of(const DvrkRequest& request, int board) {
     if (words.substr(0, equals) != std::to_string(board)) continue;
     const std::string content = content_of_file(words.substr(equals + 1), "the bytes of an instrument's chip");
     std::vector<std::uint8_t> bytes(content.begin(), content.end());
-    bytes.resize(256, 0xFF);
+    require(bytes.size() <= dvrk::kDallasBytes, words.substr(equals + 1), ": found ", bytes.size(),
+            " bytes, expected at most ", dvrk::kDallasBytes, ", what an instrument's chip holds.");
+    bytes.resize(dvrk::kDallasBytes, 0xFF);
     return bytes;
   }
   return {};
@@ -140,6 +142,11 @@ std::vector<dvrk::BoardSetup> boards_of(const DvrkRequest& request,
     setup.pot_noise = request.pot_noise < 0.0 ? kPotNoise : request.pot_noise;
     setup.current_noise = request.current_noise < 0.0 ? kCurrentNoise : request.current_noise;
     setup.dallas = chip_of(request, id);
+    for (const EmulatedArm& arm : arms) {
+      for (const dvrk::BoardSerial& own : arm.of.robot.board_serials)
+        if (own.board == id) setup.qla_serial = "QLA " + own.serial;
+    }
+    setup.io_expander = request.io_expander;
     boards.push_back(setup);
   }
   return boards;
@@ -205,12 +212,17 @@ ExitStatus run_dvrk_emulate(const DvrkRequest& request) {
   std::vector<EmulatedArm> arms = arms_of(request);
   const std::vector<dvrk::BoardSetup> boards = boards_of(request, arms);
   BoardEmulator emulator(boards);
+  expect_value(!request.ethernet_only || request.firmware >= 9, "--ethernet-only", "found firmware ",
+               request.firmware, ", expected 9");
+  if (request.ethernet_only) emulator.without_firewire();
   const std::vector<BoardEvent> events = board_events(request.events, emulator);
   attach_models(request, boards, arms);
   Arms load(arms);
   if (!request.config_out.empty()) write_file(request.config_out, dvrk::to_io_xml(config_of(arms)));
   catch_signals();
-  dvrk::BoardServer server(emulator, request.port);
+  dvrk::BoardServer server(emulator, request.port,
+                           request.everywhere ? dvrk::BoardServer::Listens::kEverywhere
+                                              : dvrk::BoardServer::Listens::kHere);
   emulator.attach(&load);
   std::cout << fmt::format("{}: {} boards on UDP port {}, firmware {}{}\n", names_of(arms),
                            boards.size(), server.port(), request.firmware,

@@ -73,21 +73,10 @@ dvrk::ArmSessionOptions reading_options(const DvrkRequest& request, const DvrkAr
   return options;
 }
 
-// Refused while anybody has switched a motor on: homing writes "off".
+// Refused while anybody has switched a motor on, before anything is written: homing writes "off".
 void home_first(const DvrkRequest& request, const DvrkArm& arm, dvrk::UdpLink& link) {
   if (!request.home) return;
-  {
-    dvrk::ArmSessionOptions options = reading_options(request, arm, dvrk::Access::kListen);
-    options.announce = true;
-    ArmSession look(link, arm.robot, options);
-    look.start();
-    require(look.update(), "boards: not a single valid read.");
-    for (int b = 0; b < look.boards().bus().boards(); ++b) {
-      const dvrk::Status status = look.boards().bus().feedback(b).status;
-      require(!status.power_requested(), "--home: board ", look.boards().bus().info(b).id,
-              " has motor power: another program drives it.");
-    }
-  }
+  dvrk::require_no_power(link, arm.robot, reading_options(request, arm, dvrk::Access::kListen));
   ArmSession session(link, arm.robot, session_options(request, arm));
   session.start();
 }
@@ -100,12 +89,12 @@ std::string never_loaded(ArmSession& session) {
 
 }  // namespace
 
-void prepare_loop(const DvrkRequest& request) {
-  const bool priority = take_real_time_priority(30);
-  const bool locked = lock_memory();
-  if (request.common.quiet) return;
-  if (!priority) say("no real-time priority: cycles will be late on a busy machine");
-  if (!locked) say("memory cannot be locked: a cycle may wait for a page of it");
+std::vector<std::string> prepare_loop() {
+  std::vector<std::string> refused;
+  if (!take_real_time_priority(30))
+    refused.push_back("no real-time priority: cycles are late on a busy machine");
+  if (!lock_memory()) refused.push_back("memory cannot be locked: a cycle may wait for a page of it");
+  return refused;
 }
 
 std::string not_confirmed(dvrk::OffState power) {
@@ -122,7 +111,7 @@ void finish_dvrk(const DvrkRequest& request, const char* command, const dvrk::Ru
                  const ArmSession& session) {
   tell_timing(done.timing);
   const dvrk::FaultLog& faults = session.boards().faults();
-  say_faults(faults, request.common);
+  say_faults(faults);
   if (!request.common.json.empty())
     write_file(request.common.json, to_json(done, faults, command, session.robot().name));
 }
@@ -170,14 +159,14 @@ ExitStatus run_dvrk_read(const DvrkRequest& request) {
   home_first(request, arm, link);
   ArmSession session(link, arm.robot, reading_options(request, arm, dvrk::Access::kListen));
   catch_signals();
-  prepare_loop(request);
+  for (const std::string& line : prepare_loop()) say(line);
   const dvrk::RunResult done = dvrk::record_at_rest(session, link, request.seconds, request.rate,
                                                     stop_asked(), request.output);
   require(done.rows.rows() > 0, "boards: not a single valid read.");
   std::cout << fmt::format("{}: {} rows, {:.4g} s.\n", arm.robot.name, done.rows.rows(),
                            done.rows.time[done.rows.rows() - 1]);
   const std::string loaded = never_loaded(session);
-  if (!loaded.empty() && !request.common.quiet) say(loaded);
+  if (!loaded.empty()) say(loaded);
   finish_dvrk(request, "read", done, session);
   say_kept(request, done);
   if (done.complete) return kDone;

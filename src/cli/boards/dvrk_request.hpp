@@ -39,6 +39,10 @@ struct DvrkRequest {
   bool home = false;                  ///< a reading command may load encoders
   bool announce = false;              ///< and send a session's first packets
   int firmware = 8;
+  bool ethernet_only = false; ///< emulated boards have no FireWire between them
+  bool firewire = false;      ///< FPGA V3 boards have it all the same
+  bool io_expander = false;   ///< emulated boards are QLA 1.5
+  bool everywhere = false;    ///< the emulator listens on all addresses
   std::vector<double> start;  ///< joint positions of the emulated arm
   std::string config_out;
   std::vector<std::string> events;
@@ -48,7 +52,7 @@ struct DvrkRequest {
   CommonOptions common;
 };
 
-/// Set by SIGINT and SIGTERM from the first call of catch_signals() on.
+/// Set by every signal that asks a program to end (INT, TERM, HUP, QUIT, PIPE), from the first call of catch_signals() on.
 const std::atomic<bool>& stop_asked();
 void catch_signals();
 
@@ -62,12 +66,12 @@ DvrkArm dvrk_arm(const DvrkRequest& request);
 
 dvrk::ArmSessionOptions session_options(const DvrkRequest& request, const DvrkArm& arm);
 
-/// What the session noticed, on standard error.
-void say_faults(const dvrk::FaultLog& faults, const CommonOptions& common);
+/// What the session noticed, on standard error; a warning is no progress, so --quiet keeps it.
+void say_faults(const dvrk::FaultLog& faults);
 
 /// Before a loop that has a cycle to keep: priority, memory that stays where it is. What the system
-/// refuses is said.
-void prepare_loop(const DvrkRequest& request);
+/// refuses is returned, in words.
+std::vector<std::string> prepare_loop();
 
 /// "power off is NOT CONFIRMED (an amplifier is still on): press the emergency stop".
 std::string not_confirmed(dvrk::OffState power);

@@ -89,10 +89,8 @@ std::unique_ptr<dvrk::ModelController> controller_of(const DvrkRequest& request,
   if (!request.tip.empty()) expect_one_of("--tip", request.tip, frame_names(model));
   auto controller =
       std::make_unique<dvrk::ModelController>(model, gains, dvrk::largest_torques(arm), options);
-  if (!request.common.quiet) {
-    for (const std::string& effect : controller->left_out())
-      say("the controller leaves out " + effect);
-  }
+  for (const std::string& effect : controller->left_out())
+    say("the controller leaves out " + effect);
   return controller;
 }
 
@@ -135,7 +133,7 @@ ExitStatus run_dvrk_run(const DvrkRequest& request) {
   ArmSession session(link, arm.robot, session_options(request, arm));
   const auto controller = controller_of(request, gains, session);
   catch_signals();
-  prepare_loop(request);
+  const std::vector<std::string> refused = prepare_loop();
   const dvrk::RunResult done =
       in_place     ? dvrk::run_in_place(session, link, request.seconds, controller->joints(),
                                         *controller, options, stop_asked())
@@ -143,12 +141,14 @@ ExitStatus run_dvrk_run(const DvrkRequest& request) {
                    : dvrk::run_motion(session, link, motion, gains, options, stop_asked());
   std::cout << fmt::format("{}: {} rows of {}.\n", arm.robot.name, done.rows.rows(),
                            in_place ? "a weightless arm" : request.trajectory);
-  finish_dvrk(request, "run", done, session);
-  say_kept(request, done);
   const bool off = done.power == dvrk::OffState::kConfirmed;
   const std::string power = off ? "power is off" : not_confirmed(done.power);
   if (!done.why.empty()) say("the run ended: " + done.why + "; " + power + ".");
   if (done.why.empty() && !off) say(power + ".");
+  for (const std::string& line : refused) say(line);  // behind what ended the run
+  if (!done.remark.empty()) say(request.output + ": " + done.remark + ".");
+  finish_dvrk(request, "run", done, session);
+  say_kept(request, done);
   return done.complete ? kDone : kDataCannotAnswer;
 }
 

@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cmath>
 #include <iostream>
+#include <map>
 #include <memory>
 #include <thread>
 
@@ -31,7 +32,8 @@ struct LoadcellRequest {
   std::vector<double> weights;
   double gravity = 9.81;
   double seconds = 2.0;
-  double cutoff = 0.0, range = 200.0, silence = 15.0, stuck = 15.0;
+  double cutoff = 0.0, silence = 15.0, stuck = 15.0;
+  double range = 0.0, jump = 0.0;  // 0: as usual
   CommonOptions common;
 };
 
@@ -66,11 +68,12 @@ Readings from_source(const LoadcellRequest& request) {
     std::string line;
     require(static_cast<bool>(std::getline(std::cin, line)),
             "standard input: ended before all weights were read.");
-    source->poll();  // what came meanwhile belongs to no weight
+    while (source->poll() > 0) {  // what came meanwhile belongs to no weight
+    }
     const double end = now() + request.seconds;
     int taken = 0;
     while (now() < end) {
-      if (source->poll() > 0) {
+      while (source->poll() > 0) {
         out.force.push_back(mass * request.gravity);
         out.raw.push_back(source->raw());
         ++taken;
@@ -123,62 +126,98 @@ ExitStatus calibrate(const LoadcellRequest& request) {
   return kDone;
 }
 
-ExitStatus read(const LoadcellRequest& request) {
-  for (const std::string& path : {request.common.json, request.output}) require_writable(path);
+constexpr double kUsualRange = 200.0;  // [N] of a cell that is calibrated
+constexpr double kJumpShare = 0.1;     // of the range
+
+ForceChannelOptions channel_options(const LoadcellRequest& request) {
   ForceChannelOptions options;
-  if (!request.calibration.empty()) options.calibration = read_load_cell(request.calibration);
+  const bool calibrated = !request.calibration.empty();
+  if (calibrated) options.calibration = read_load_cell(request.calibration);
   options.cutoff = request.cutoff;
-  options.range = request.calibration.empty() ? std::numeric_limits<double>::max() : request.range;
+  options.range = request.range > 0.0 ? request.range
+                  : calibrated        ? kUsualRange
+                                      : std::numeric_limits<double>::max();
+  const bool bounded = request.range > 0.0 || calibrated;
+  if (request.jump > 0.0 || bounded)
+    options.largest_jump = request.jump > 0.0 ? request.jump : kJumpShare * options.range;
   options.largest_silence = 1e-3 * request.silence;
   options.stuck_after = 1e-3 * request.stuck;
-  ForceChannel channel(open_force_source(request.source), options);
+  return options;
+}
+
+// What was read and what was not: every state that the channel was in counts, not the last one.
+struct ReadingTally {
   std::string rows = "t,raw,force\n";
-  const double begun = now();
   double worst = 0.0, lowest = 0.0, highest = 0.0, sum = 0.0;
   long readings = 0, last = -1;
-  ForceState bad = ForceState::kGood;
-  while (now() - begun < request.seconds) {
-    const double t = now();
-    const ForceReading reading = channel.update(t);
+  std::map<ForceState, double> seconds;  // in each state
+
+  void take(double t, double passed, const ForceReading& reading, const ForceChannel& channel) {
     if (reading.number > last) {
       lowest = readings == 0 ? reading.force : std::min(lowest, reading.force);
       highest = readings == 0 ? reading.force : std::max(highest, reading.force);
       sum += reading.force;
       ++readings;
       last = reading.number;
-      rows += fmt::format("{:.6f},{:.9g},{:.9g}\n", t - begun, channel.source().raw(), reading.force);
+      rows += fmt::format("{:.6f},{:.9g},{:.9g}\n", t, channel.believed(), reading.force);
     }
     if (last >= 0) worst = std::max(worst, reading.age);
-    if (last >= 0 && channel.state() != ForceState::kGood) bad = channel.state();
+    if (last >= 0 || channel.state() != ForceState::kWaiting) seconds[channel.state()] += passed;
+  }
+  double mean() const { return readings > 0 ? sum / static_cast<double>(readings) : 0.0; }
+};
+
+void write_tally(const LoadcellRequest& request, const ReadingTally& tally, const ForceChannel& channel,
+                 const std::string& state) {
+  const auto known = [&](double value) {
+    return tally.readings > 0 ? nlohmann::ordered_json(value) : nlohmann::ordered_json();
+  };
+  nlohmann::ordered_json states = nlohmann::ordered_json::object();
+  for (const auto& [one, seconds] : tally.seconds) states[describe(one)] = seconds;
+  const nlohmann::ordered_json page = {
+      {"source", request.source},
+      {"calibrated", !request.calibration.empty()},
+      {"seconds", request.seconds},
+      {"readings", tally.readings},
+      {"rate", static_cast<double>(tally.readings) / request.seconds},
+      {"refused", channel.source().refused()},
+      {"beyond_range", channel.beyond_range()},
+      {"jumps", channel.jumps()},
+      {"lowest", known(tally.lowest)},
+      {"highest", known(tally.highest)},
+      {"mean", known(tally.mean())},
+      {"oldest", known(tally.worst)},
+      {"state", state},
+      {"states", states}};
+  write_file(request.common.json, page.dump(2) + "\n");
+}
+
+ExitStatus read(const LoadcellRequest& request) {
+  for (const std::string& path : {request.common.json, request.output}) require_writable(path);
+  ForceChannel channel(open_force_source(request.source), channel_options(request));
+  ReadingTally tally;
+  const double begun = now();
+  for (double t = begun, before = begun; t - begun < request.seconds; before = t, t = now()) {
+    const ForceReading reading = channel.update(t);
+    tally.take(t - begun, t - before, reading, channel);
     std::this_thread::sleep_for(std::chrono::duration<double>(kPollPeriod));
   }
-  if (!request.output.empty()) write_file(request.output, rows);
-  std::cout << fmt::format("{} readings in {:.3g} s ({:.4g} Hz), {} refused; from {:.4g} to {:.4g}, "
-                           "mean {:.5g}; oldest {:.3g} ms.\n",
-                           readings, request.seconds, static_cast<double>(readings) / request.seconds,
-                           channel.source().refused(), lowest, highest,
-                           readings > 0 ? sum / static_cast<double>(readings) : 0.0, 1e3 * worst);
-  if (readings == 0) bad = ForceState::kWaiting;
-  if (!request.common.json.empty()) {
-    const double count = static_cast<double>(readings);
-    const auto known = [readings](double value) {
-      return readings > 0 ? nlohmann::ordered_json(value) : nlohmann::ordered_json();
-    };
-    const nlohmann::ordered_json page = {{"source", request.source},
-                                         {"calibrated", !request.calibration.empty()},
-                                         {"seconds", request.seconds},
-                                         {"readings", readings},
-                                         {"rate", count / request.seconds},
-                                         {"refused", channel.source().refused()},
-                                         {"lowest", known(lowest)},
-                                         {"highest", known(highest)},
-                                         {"mean", known(sum / std::max(1.0, count))},
-                                         {"oldest", known(worst)},
-                                         {"state", describe(bad)}};
-    write_file(request.common.json, page.dump(2) + "\n");
+  if (!request.output.empty()) write_file(request.output, tally.rows);
+  std::cout << fmt::format("{} readings in {:.3g} s ({:.4g} Hz), {} refused, {} beyond the range, {} "
+                           "jumps; from {:.4g} to {:.4g}, mean {:.5g}; oldest {:.3g} ms.\n",
+                           tally.readings, request.seconds,
+                           static_cast<double>(tally.readings) / request.seconds,
+                           channel.source().refused(), channel.beyond_range(), channel.jumps(),
+                           tally.lowest, tally.highest, tally.mean(), 1e3 * tally.worst);
+  std::string words = tally.readings == 0 ? describe(channel.state()) : "";
+  for (const auto& [state, seconds] : tally.seconds) {
+    if (state == ForceState::kGood || tally.readings == 0) continue;
+    words += fmt::format("{}{} ({:.3g} s)", words.empty() ? "" : "; ", describe(state), seconds);
   }
-  if (bad == ForceState::kGood) return kDone;
-  say(fmt::format("{}: the sensor {}", request.source, describe(bad)));
+  if (!request.common.json.empty())
+    write_tally(request, tally, channel, words.empty() ? describe(ForceState::kGood) : words);
+  if (words.empty()) return kDone;
+  say(fmt::format("{}: the sensor {}", request.source, words));
   return kDataCannotAnswer;
 }
 
@@ -188,7 +227,7 @@ void add_calibrate(CLI::App& parent, Outcome& outcome) {
   command.add_option("READINGS", request->readings, "CSV: mass,raw or force,raw; rows per weight")
       ->option_text(" ");
   command.add_option("--source", request->source, "Read the cell itself, weight after weight")
-      ->option_text("serial:DEVICE[:BAUD][:text|binary]|udp:PORT[:text|binary]");
+      ->option_text("serial:DEVICE[:BAUD][:text|binary]|udp:[ADDRESS:]PORT[:text|binary]");
   command.add_option("--weights", request->weights, "Masses that are hung on it [kg]")
       ->option_text("M1,M2,...")
       ->delimiter(',');
@@ -207,7 +246,7 @@ void add_read(CLI::App& parent, Outcome& outcome) {
   const auto request = std::make_shared<LoadcellRequest>();
   CLI::App& command = *parent.add_subcommand("read", "Readings, and whether the sensor lives");
   command.add_option("SOURCE", request->source,
-                     "serial:DEVICE[:BAUD][:text|binary] or udp:PORT[:text|binary]")
+                     "serial:DEVICE[:BAUD][:text|binary] or udp:[ADDRESS:]PORT[:text|binary]")
       ->required()
       ->option_text(" ");
   command.add_option("--calibration", request->calibration, "YAML that calibrate wrote; none: counts")
@@ -218,7 +257,13 @@ void add_read(CLI::App& parent, Outcome& outcome) {
   command.add_option("--cutoff", request->cutoff, "Low-pass of the readings [Hz]; 0: none")
       ->option_text("HZ")
       ->check(CLI::NonNegativeNumber);
-  command.add_option("--range", request->range, "Of the cell [N] (200)")
+  command.add_option("--range", request->range,
+                     "Of the cell [N]: readings beyond it are not given (200; without a calibration none)")
+      ->option_text("N")
+      ->check(CLI::PositiveNumber);
+  command.add_option("--jump", request->jump,
+                     "Between two readings [N]: one that is farther off waits for a second that "
+                     "agrees with it (a tenth of the range)")
       ->option_text("N")
       ->check(CLI::PositiveNumber);
   command.add_option("--silence", request->silence, "After which it is dead [ms] (15)")

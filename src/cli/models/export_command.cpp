@@ -77,11 +77,6 @@ void run(const ExportRequest& request) {
                                   request.yaml, request.json, dvrk.gravity, dvrk.scales})
     require_writable(file);
   const Model model = read_model(request.model);
-  if (!request.quiet) {
-    for (const std::string& error : JointSensors(model).in_words(model))
-      say("the exported dynamics mean true positions and torques, and " + error +
-          ": take it off first (docs/control.md).");
-  }
   if (!(request.urdf + request.mjcf + request.sdf).empty()) {
     const ExportedModel out = exported(request, model);
     if (!request.urdf.empty())
@@ -96,6 +91,10 @@ void run(const ExportRequest& request) {
   if (!request.yaml.empty()) save_yaml(request, model);
   if (!request.json.empty()) save_model_json(model, request.json);
   export_dvrk(model, dvrk);
+  if (request.quiet) return;
+  for (const std::string& error : JointSensors(model).in_words(model))
+    say("the exported dynamics mean true positions and torques, and " + error +
+        ": take it off first (docs/control.md).");
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <set>
 #include <utility>
 
@@ -208,7 +209,9 @@ void settle(Investigation& x, const FindingWriter& writer, size_t first, std::se
   std::set<size_t> needed;  // taken out once, and the joint was no better off
   for (int turn = 0; turn < kSettling && x.d.extended.model && !kept.empty(); ++turn) {
     for (const size_t k : kept) {
-      if (!x.d.changes) refresh(x.d.extended, names[k], x.d.findings[first + k]);
+      // Several sizes of one curve may trade with the arm's parameters, which are all free there.
+      if (!x.d.changes && names[k].size() == 1)
+        refresh(x.d.extended, names[k], x.d.findings[first + k]);
     }
     if (x.options.extended == ExtendedModel::kAllFindings) return;
     if (const std::optional<LostRight> lost = without_size(x.d, first, kept)) {
@@ -231,6 +234,40 @@ void settle(Investigation& x, const FindingWriter& writer, size_t first, std::se
     } else {
       needed.insert(lost->finding);
     }
+  }
+}
+
+// Plain friction that is nothing once the causes are there, where the held-out error does without it.
+void drop_lost_friction(Investigation& x) {
+  if (x.options.extended == ExtendedModel::kAllFindings || !x.d.extended.model) return;
+  const Model& arm = *x.d.extended.model;
+  ModelDescription description = arm.description();
+  std::map<size_t, std::string> lost;
+  std::set<std::string> parameters;
+  for (const auto& [k, names] : x.fitted_by_start) {
+    if (k >= x.d.findings.size()) continue;
+    const std::string why = why_no_finding(x.d.findings[k], x.d.extended);
+    if (why.empty()) continue;
+    lost[k] = why;
+    parameters.insert(names.front());
+  }
+  if (lost.empty()) return;
+  auto& effects = description.effects;
+  effects.erase(std::remove_if(effects.begin(), effects.end(),
+                               [&](const EffectTerm& term) {
+                                 return has_axis_effect(term.effect) &&
+                                        parameters.count(BoundEffect(arm, term).parameter_name(0)) != 0;
+                               }),
+                effects.end());
+  description.identified.reset();
+  Identification without = x.look(Model(std::move(description)));
+  if (!without.model || log_fall(x.d.extended.test_error.relative, without.test_error.relative) <
+                            -x.options.thresholds.held_out_worse)
+    return;
+  x.d.extended = std::move(without);
+  for (const auto& [k, why] : lost) {
+    x.d.findings[k].status = FindingStatus::kNotConfirmed;
+    x.d.findings[k].why_not = why;
   }
 }
 
@@ -259,6 +296,7 @@ void write_down(Investigation& x, const Round& round, const Fit& fit) {
     if (own[k] != 0) x.d.findings.erase(x.d.findings.begin() + static_cast<long>(first + k));
   }
   refresh_findings(x);
+  drop_lost_friction(x);
   x.d.next_experiment = next_experiment(x.d);
 }
 

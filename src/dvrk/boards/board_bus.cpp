@@ -13,11 +13,8 @@ constexpr double kQueryLatency = 10e-6;  // [s] section 8.3, #3
 constexpr double kQueryPerBoard = 10e-6;
 constexpr double kShortestWait = 0.001;  // [s] that a reply gets when the cycle is late already
 constexpr double kLateCycles = 2.5;      // timestamps of so many cycles tell of missed ones
+constexpr int kRegisterEvery = 4;        // cycles between two looks at a command of Rev 7
 constexpr double kJump = 0.005;          // [s] between timestamp and clock: look at the board
-
-Route everyone() {
-  return {kBroadcastNode, false, Destination::kBoard};
-}
 
 }  // namespace
 
@@ -51,7 +48,17 @@ void BoardBus::note(Condition condition, int board, int channel, std::uint32_t v
 }
 
 Route BoardBus::route(const Board& b) const {
-  return {static_cast<std::uint8_t>(b.info.node), false, Destination::kBoard};
+  return route_to(b.info.node);
+}
+
+// Section 2.3: without FireWire a node's number is its board's id, and each has its own address.
+Route BoardBus::route_to(int node) const {
+  return {static_cast<std::uint8_t>(node), ethernet_only_, Destination::kBoard, ethernet_only_ ? node : -1};
+}
+
+Route BoardBus::everyone() const {
+  return {kBroadcastNode, ethernet_only_,
+          ethernet_only_ ? Destination::kMulticast : Destination::kBoard};
 }
 
 bool BoardBus::one_group() const noexcept {
@@ -81,12 +88,14 @@ bool BoardBus::read() noexcept {
   ++cycles_;
   exchange_.forget_lay();
   const double start = link_.now();
-  if (state_ == BusState::kRunning && exchange_.generation_changed()) begin_scan();
+  if (state_ == BusState::kRunning && exchange_.generation_changed())
+    begin_scan(Condition::kGenerationChanged);
   if (state_ != BusState::kRunning) {
     for (Board& b : boards_) lose(b, Condition::kGenerationChanged);
     if (state_ == BusState::kScanning) scan_step();
     return false;
   }
+  exchange_.repeat_after(options_.repeat_after);
   if (options_.access == Access::kListenByRegister) {
     read_by_register();
   } else if (protocol_ == CycleProtocol::kBroadcast) {
@@ -95,6 +104,9 @@ bool BoardBus::read() noexcept {
     read_sequential();
   }
   read_seconds_ = link_.now() - start;
+  if (options_.access == Access::kDrive && boards_.front().info.firmware < 8 &&
+      cycles_ % kRegisterEvery == 0)
+    look_for_lost_writes();
   keep_house();
   return std::all_of(boards_.begin(), boards_.end(), [](const Board& b) { return b.valid; });
 }
@@ -116,7 +128,7 @@ void BoardBus::read_sequential() noexcept {
     if (result == ReadResult::kDropped) {  // no more node-addressed traffic (section 17 #3)
       for (Board* other = &b + 1; other < boards_.data() + boards_.size(); ++other)
         lose(*other, Condition::kDropped);
-      if (state_ == BusState::kRunning) begin_scan();
+      if (state_ == BusState::kRunning) begin_scan(Condition::kGenerationChanged);
       return;
     }
   }
@@ -140,7 +152,7 @@ void BoardBus::read_broadcast() noexcept {
   if (result != ReadResult::kOk) {
     for (Board& b : boards_) lose(b, condition_of(result));
     link_lost_ = link_lost_ || result == ReadResult::kNotSent;
-    if (result == ReadResult::kDropped) begin_scan();
+    if (result == ReadResult::kDropped) begin_scan(Condition::kGenerationChanged);
     return;
   }
   std::size_t at = 0;
@@ -167,7 +179,7 @@ void BoardBus::accept(Board& b, QuadletView block) noexcept {
   const Status status{block[1]};
   if (status.board() != b.info.id) {
     lose_noted(b, Condition::kWrongBoard, status.word);
-    if (state_ == BusState::kRunning) begin_scan();
+    if (state_ == BusState::kRunning) begin_scan(Condition::kWrongBoard);
     return;
   }
   if (status.channels() != kChannels) {
@@ -200,7 +212,7 @@ void BoardBus::check_timestamp(Board& b) noexcept {
 
 // Section 17 #27: the board shows the last command that it took.
 void BoardBus::check_commands(Board& b) noexcept {
-  if (b.info.firmware < 8) return;
+  if (b.info.firmware < 8) return;  // look_for_lost_writes() asks its registers
   for (size_t c = 0; c < kChannels; ++c) {
     const std::uint16_t shown = b.feedback.channel[c].motor.command();
     // The last write may still be on its way: a network may let a read overtake it.

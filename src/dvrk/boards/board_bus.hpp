@@ -39,8 +39,14 @@ struct BusOptions {
   bool announce = false;
   CycleProtocol protocol = CycleProtocol::kAutomatic;
   double reply_timeout = 0.020;      ///< [s]; that of a whole cycle too
+  /// [s] after which a read of a cycle without a reply is sent again (Exchange); 0: never. A reply
+  /// takes 0.15 ms; the rest of the cycle makes up for the wait.
+  double repeat_after = 0.001;
   double rescan_timeout = 0.005;     ///< [s] per node while the cycle runs on
   double cycle_time = 1.0 / 1500.0;  ///< [s] nominal; 0: timestamps are not judged
+  /// FireWire joins the boards, though the hub is an FPGA V3 with firmware 9, which is taken for
+  /// one of a bus that Ethernet alone joins.
+  bool firewire = false;
   std::size_t mtu = 1500;            ///< Largest packet on the way to the boards [bytes]
   int housekeeping = 200;            ///< cycles between two reads of a slow register; 0: none
 };
@@ -80,6 +86,7 @@ class BoardBus {
 
   BusState state() const { return state_; }
   CycleProtocol protocol() const { return protocol_; }
+  bool ethernet_only() const { return ethernet_only_; }
   int boards() const { return static_cast<int>(boards_.size()); }
   const BoardInfo& info(int b) const { return boards_[static_cast<size_t>(b)].info; }
   const FaultLog& faults() const { return log_; }
@@ -93,11 +100,14 @@ class BoardBus {
   int lost_reads(int b) const { return boards_[static_cast<size_t>(b)].lost_reads; }
   /// Why the last one of them was lost.
   Condition loss(int b) const { return boards_[static_cast<size_t>(b)].loss; }
-  /// Cycles in a row in which a command was not found in the motor status (Rev 8 on).
+  /// Cycles in a row in which a command was not found in the motor status; on Rev 7 in the
+  /// registers of its channels, one of them every few cycles.
   int lost_writes(int b) const { return boards_[static_cast<size_t>(b)].lost_writes; }
   /// The board has woken up anew: watchdog and preloads are those of power-up.
   bool rebooted(int b) const { return boards_[static_cast<size_t>(b)].rebooted; }
   bool link_lost() const { return link_lost_; }
+  /// Why the boards are looked for again, while they are.
+  Condition unrest() const { return unrest_; }
 
   /// What the next write() sends; write() sets it back to "nothing".
   BoardCommand& command(int b) { return boards_[static_cast<size_t>(b)].command; }
@@ -118,6 +128,8 @@ class BoardBus {
   bool write_register(int b, std::uint16_t address, std::uint32_t value) noexcept;
   /// Writes, reads back, repeats twice. @returns whether it is there.
   bool write_checked(int b, std::uint16_t address, std::uint32_t value) noexcept;
+  /// "1234-56" of a QLA, from its memory: section 7.6. Empty: none is there.
+  std::string qla_serial(int b);
   /// Sets all watchdogs and verifies them; forgets that boards were rebooted.
   bool set_watchdog(double seconds) noexcept;
 
@@ -157,6 +169,8 @@ class BoardBus {
   };
 
   Route route(const Board& b) const;
+  Route route_to(int node) const;
+  Route everyone() const;
   void note(Condition condition, int board = -1, int channel = -1,
             std::uint32_t value = 0) noexcept;
 
@@ -165,10 +179,11 @@ class BoardBus {
   void find_hub();
   void settle_gap_count() noexcept;
   void probe(int node, double timeout) noexcept;
+  bool all_found() const noexcept;
   Objection assign() noexcept;
   std::string words_of(const Objection& objection) const;
   void choose_protocol();
-  void begin_scan() noexcept;
+  void begin_scan(Condition why) noexcept;
   void scan_step() noexcept;
 
   void read_sequential() noexcept;
@@ -182,6 +197,7 @@ class BoardBus {
   void lose_noted(Board& b, Condition why, std::uint32_t word) noexcept;
   void keep_house() noexcept;
   void look_at(Board& b) noexcept;
+  void look_for_lost_writes() noexcept;
 
   void write_blocks() noexcept;
   void remember(Board& b) noexcept;
@@ -196,6 +212,9 @@ class BoardBus {
   BusState state_ = BusState::kClosed;
   CycleProtocol protocol_ = CycleProtocol::kSequential;
   int hub_node_ = 0;
+  bool ethernet_only_ = false;  ///< boards on one Ethernet, without FireWire between them
+  Condition unrest_ = Condition::kGenerationChanged;
+  std::size_t asked_channel_ = 0;  ///< of all boards, one after the other
   std::uint16_t sequence_ = 0;
   std::uint32_t watchdog_counts_ = 0;
   bool link_lost_ = false;

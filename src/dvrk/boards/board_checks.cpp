@@ -20,17 +20,18 @@ constexpr double kRelayGrace = 0.050;  // [s] for the contacts
 void BoardSession::note(Condition condition, Reaction reaction, int b, int c,
                         std::uint32_t value) noexcept {
   faults().note(condition, link_.now(), bus_.info(b).id, c, value);
-  react(reaction, condition);
+  react(reaction, condition, bus_.info(b).id, c);
 }
 
 void BoardSession::check_bus() noexcept {
   if (bus_.link_lost()) react(Reaction::kPowerOff, Condition::kNotSent);
-  if (bus_.state() != BusState::kRunning) react(Reaction::kAmpsOff, Condition::kGenerationChanged);
+  if (bus_.state() != BusState::kRunning) react(Reaction::kAmpsOff, bus_.unrest());
   for (int b = 0; b < bus_.boards(); ++b) {
-    if (bus_.lost_reads(b) >= options_.lost_reads) react(Reaction::kPowerOff, bus_.loss(b));
+    const int id = bus_.info(b).id;
+    if (bus_.lost_reads(b) >= options_.lost_reads) react(Reaction::kPowerOff, bus_.loss(b), id);
     if (bus_.lost_writes(b) >= options_.lost_writes)
-      react(Reaction::kAmpsOff, Condition::kNotEffective);
-    if (bus_.rebooted(b)) react(Reaction::kPowerOff, Condition::kRebooted);
+      react(Reaction::kAmpsOff, Condition::kNotEffective, id);
+    if (bus_.rebooted(b)) react(Reaction::kPowerOff, Condition::kRebooted, id);
   }
 }
 
@@ -47,18 +48,22 @@ void BoardSession::check_board(int b) noexcept {
   }
 }
 
-// #17 to #20. In states kOff and kFault only faults that a client must hear of in any case.
+// #20
+void BoardSession::check_relay(int b, const BoardFeedback& f) noexcept {
+  if (checked_ == PowerState::kOff || checked_ == PowerState::kFault) return;
+  const bool late = checked_ != PowerState::kRelay || link_.now() - entered_ > kRelayGrace;
+  if (late && f.status.relay_requested() && !f.status.relay_closed())
+    note(Condition::kRelayOpen, Reaction::kAmpsOff, b, -1, f.status.word);
+}
+
+// #17 to #19. In states kOff and kFault only faults that a client must hear of in any case.
 void BoardSession::check_power(int b, const BoardFeedback& f) noexcept {
   const Status s = f.status;
   if (s.supply_fault()) note(Condition::kSupplyFault, Reaction::kPowerOff, b, -1, s.word);
   if (checked_ == PowerState::kOff || checked_ == PowerState::kFault) return;
-  const double in_state = link_.now() - entered_;
   if (had_power() && s.watchdog()) note(Condition::kWatchdog, Reaction::kAmpsOff, b, -1, s.word);
   if (had_power() && (!s.supply_good() || !s.power_requested()))
     note(Condition::kNoSupply, Reaction::kAmpsOff, b, -1, s.word);
-  const bool relay_late = checked_ != PowerState::kRelay || in_state > kRelayGrace;
-  if (relay_late && s.relay_requested() && !s.relay_closed())
-    note(Condition::kRelayOpen, Reaction::kAmpsOff, b, -1, s.word);
 }
 
 // #23

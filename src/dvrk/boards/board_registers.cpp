@@ -19,7 +19,32 @@ void BoardBus::keep_house() noexcept {
   if (b.valid) look_at(b);
 }
 
-// Sections 17 #25, #27 (Rev 7 shows its commands nowhere else) and #28.
+// Section 17 #27: Rev 7 shows its commands in registers alone. One channel at a time; one
+// that differs is asked again, so that a write which was overtaken is none that was lost.
+void BoardBus::look_for_lost_writes() noexcept {
+  if (state_ != BusState::kRunning || exchange_.generation_changed() || listens()) return;
+  const std::size_t sockets = boards_.size() * kChannels;
+  std::size_t turn = asked_channel_;
+  for (std::size_t k = 0; k < sockets; ++k) {
+    turn = (asked_channel_ + k) % sockets;
+    const Board& b = boards_[turn / kChannels];
+    if (b.info.firmware < 8 && b.valid && b.has_sent[turn % kChannels]) break;
+  }
+  Board& b = boards_[turn / kChannels];
+  const std::size_t c = turn % kChannels;
+  if (b.info.firmware >= 8 || !b.valid || !b.has_sent[c]) return;
+  std::uint32_t value = 0;
+  if (exchange_.read(route(b), address::of_channel(static_cast<int>(c), address::kDac),
+                     options_.rescan_timeout, value) != ReadResult::kOk)
+    return;
+  const auto shown = static_cast<std::uint16_t>(value & 0xFFFF);
+  const bool lost = shown != b.sent[c] && shown != b.before[c];
+  b.lost_writes = lost ? b.lost_writes + 1 : 0;
+  if (lost) note(Condition::kNotEffective, b.info.id, static_cast<int>(c), value);
+  asked_channel_ = lost ? turn : turn + 1;
+}
+
+// Sections 17 #25 and #28.
 void BoardBus::look_at(Board& b) noexcept {
   std::uint32_t value = 0;
   const double timeout = options_.rescan_timeout;
@@ -32,14 +57,6 @@ void BoardBus::look_at(Board& b) noexcept {
   if (exchange_.read(route(b), address::kEthernet, timeout, value) == ReadResult::kOk &&
       (value >> 31) != 0 && (value & kEthernetErrors) != 0)
     note(Condition::kEthernet, b.info.id, -1, value);
-  if (b.info.firmware >= 8) return;
-  for (int c = 0; c < kChannels; ++c) {
-    if (!b.has_sent[static_cast<size_t>(c)]) continue;
-    if (exchange_.read(route(b), address::of_channel(c, address::kDac), timeout, value) ==
-            ReadResult::kOk &&
-        (value & 0xFFFF) != b.sent[static_cast<size_t>(c)])
-      note(Condition::kNotEffective, b.info.id, c, value);
-  }
 }
 
 // Words 1 to 31 of a real-time block, each from its register. The boards' timestamp has none.
@@ -58,7 +75,8 @@ bool BoardBus::read_words(Board& b, QuadletSpan words) noexcept {
     const ReadResult result = exchange_.read(route(b), where, options_.reply_timeout, value);
     if (result != ReadResult::kOk) {
       lose(b, condition_of(result));
-      if (result == ReadResult::kDropped && state_ == BusState::kRunning) begin_scan();
+      if (result == ReadResult::kDropped && state_ == BusState::kRunning)
+        begin_scan(Condition::kGenerationChanged);
       return false;
     }
     words.set(k, value);
@@ -75,6 +93,23 @@ void BoardBus::read_by_register() noexcept {
     const QuadletSpan words({block_.data(), 4 * read_quadlets(b.info.firmware)});
     if (read_words(b, words)) accept(b, QuadletView(words));
   }
+}
+
+std::string BoardBus::qla_serial(int b) {
+  constexpr std::uint32_t kReadFromStart = 0xFE000000;
+  constexpr std::uint32_t kQuadlets = 3;
+  constexpr double kReading = 0.001;  // [s]
+  const std::string kPrefix = "QLA ";
+  QuadletView block;
+  if (!write_register(b, address::kQlaPromCommand, kReadFromStart | (kQuadlets - 1))) return "";
+  link_.wait(kReading);
+  if (exchange_.read_block(route(boards_[static_cast<size_t>(b)]), address::kQlaPromData, kQuadlets,
+                           options_.reply_timeout, block) != ReadResult::kOk)
+    return "";
+  std::string out;
+  for (std::size_t k = 0; k < block.bytes().size && block.bytes().data[k] != 0xFF; ++k)
+    out += static_cast<char>(block.bytes().data[k]);
+  return out.rfind(kPrefix, 0) == 0 ? out.substr(kPrefix.size()) : "";
 }
 
 }  // namespace veridyn::dvrk

@@ -14,8 +14,11 @@ namespace {
 constexpr double kAfterIpAddress = 0.200;  // [s] section 5, #1
 constexpr double kAfterPhyRequest = 0.010;
 constexpr int kScannedNodes = 16;
+constexpr double kRepeatShare = 0.4;  // of the timeout, while nobody waits for a cycle
 
-// Gap counts that suffice for so many cable hops (IEEE 1394a-2000, annex E.1), from one hop on.
+// Gap counts that suffice for so many cable hops (IEEE 1394a-2000, annex E.1), from one hop on. The
+// laboratory's library takes them by the number of nodes, one hop more than a chain of them has: in
+// reserve for a node that answers no registers, as a computer on the bus.
 constexpr std::array<std::uint8_t, 16> kGapCount = {5,  7,  8,  10, 13, 16, 18, 21,
                                                     24, 26, 29, 32, 35, 37, 40, 43};
 constexpr std::uint32_t kGapCountNever = 63;  // gap count of power-up
@@ -61,11 +64,12 @@ void BoardBus::find_hub() {
   exchange_.expect_silence(true);                       // it is told again per node
   exchange_.read(hub, address::kEthernet, timeout, ethernet);
   exchange_.expect_silence(false);
+  ethernet_only_ = !options_.firewire && firmware >= 9 && is_fpga_v3(ethernet);
 }
 
 // Section 5 #7. A node that does not answer is not there.
 void BoardBus::probe(int node, double timeout) noexcept {
-  const Route route{static_cast<std::uint8_t>(node), false, Destination::kBoard};
+  const Route route = route_to(node);
   BoardInfo& info = scan_.found[static_cast<size_t>(node)];
   info = BoardInfo();
   std::uint32_t firmware = 0, git = 0;
@@ -102,8 +106,16 @@ void BoardBus::settle_gap_count() noexcept {
     high = std::max(high, result & 0x3F);
   }
   if (nodes == 0 || (low == high && low > 0 && low < kGapCountNever)) return;
-  const std::size_t hops = std::min(std::max<std::size_t>(nodes, 2) - 1, kGapCount.size());
-  exchange_.write(all, address::kPhyRequest, kWritePhy1 + kGapCount[hops - 1]);
+  const std::size_t place = std::min(nodes, kGapCount.size()) - 1;
+  exchange_.write(all, address::kPhyRequest, kWritePhy1 + kGapCount[place]);
+}
+
+bool BoardBus::all_found() const noexcept {
+  return std::all_of(boards_.begin(), boards_.end(), [this](const Board& b) {
+    return std::any_of(scan_.found.begin(), scan_.found.end(), [&](const BoardInfo& found) {
+      return found.node >= 0 && found.id == b.info.id;
+    });
+  });
 }
 
 // Gives the boards in use their nodes.
@@ -154,7 +166,7 @@ std::string BoardBus::words_of(const Objection& objection) const {
     if (found.node >= 0) others += text(others.empty() ? " " : ", ", found.id);
   }
   return text("board ", there.id, " does not answer; found", others.empty() ? " none" : others,
-              ".");
+              ethernet_only_ ? " on an Ethernet without FireWire (--firewire: there is one)." : ".");
 }
 
 // Section 5, end; section 17 #11 and #16.
@@ -171,6 +183,8 @@ void BoardBus::choose_protocol() {
         "protocol; the sequential protocol takes any mix.");
   }
   if (protocol_ != CycleProtocol::kBroadcast) return;
+  require(!ethernet_only_, "boards: found the broadcast protocol for boards that Ethernet alone joins, "
+          "expected sequential or broadcast-write.");
   require(boards_.front().info.firmware >= 7, "boards: the broadcast protocol needs firmware 7.");
   std::size_t bytes = 4;
   for (const Board& b : boards_) bytes += 4 * hub_quadlets(b.info.firmware);
@@ -184,14 +198,20 @@ void BoardBus::choose_protocol() {
 void BoardBus::start() {
   state_ = BusState::kClosed;
   link_lost_ = false;
+  exchange_.repeat_after(options_.repeat_after > 0.0 ? kRepeatShare * options_.reply_timeout : 0.0);
   find_hub();
   exchange_.adopt_generation();
   for (int node = 0; node < kScannedNodes; ++node) probe(node, options_.reply_timeout);
+  if (!all_found()) {  // a datagram may have been lost
+    for (int node = 0; node < kScannedNodes; ++node) {
+      if (scan_.found[static_cast<size_t>(node)].node < 0) probe(node, options_.reply_timeout);
+    }
+  }
   require(!exchange_.generation_changed(), "boards: the bus was reset during the scan.");
   const Objection wrong = assign();
   require(wrong.board < 0, "boards: ", wrong.board < 0 ? "" : words_of(wrong));
   choose_protocol();
-  if (!listens()) settle_gap_count();
+  if (!listens() && !ethernet_only_) settle_gap_count();
   hub_node_ = 0;
   std::uint32_t status = 0;  // whoever answers to everyone is the hub
   if (exchange_.read(hub_route(), address::kStatus, options_.reply_timeout, status) ==
@@ -209,7 +229,9 @@ void BoardBus::start() {
   state_ = BusState::kRunning;
 }
 
-void BoardBus::begin_scan() noexcept {
+void BoardBus::begin_scan(Condition why) noexcept {
+  if (why == Condition::kDropped && exchange_.generation_changed()) why = Condition::kGenerationChanged;
+  if (state_ != BusState::kScanning) unrest_ = why;
   state_ = BusState::kScanning;
   scan_ = Scan();
 }
@@ -225,16 +247,16 @@ void BoardBus::scan_step() noexcept {
     exchange_.adopt_generation();
   }
   probe(scan_.node, timeout);
-  if (exchange_.generation_changed() || exchange_.resetting()) return begin_scan();
+  if (exchange_.generation_changed() || exchange_.resetting()) return begin_scan(unrest_);
   if (++scan_.node < kScannedNodes) return;
   std::uint32_t status = 0;
   if (exchange_.read(hub_route(), address::kStatus, timeout, status) != ReadResult::kOk)
-    return begin_scan();
+    return begin_scan(unrest_);
   std::array<int, kMaxBoards> firmware{};
   for (size_t k = 0; k < boards_.size(); ++k) firmware[k] = boards_[k].info.firmware;
   const Objection wrong = assign();
   if (wrong.board >= 0) {
-    if (wrong.condition == Condition::kMissingBoard) return begin_scan();  // it may come back
+    if (wrong.condition == Condition::kMissingBoard) return begin_scan(unrest_);  // it may come back
     state_ = BusState::kRefused;
     return;
   }

@@ -75,20 +75,33 @@ void BoardSession::start() {
 }
 
 // The reaction that is worse stays; nothing leads out of kFault but acknowledge().
-void BoardSession::react(Reaction reaction, Condition condition) noexcept {
+void BoardSession::react(Reaction reaction, Condition condition, int board, int channel) noexcept {
   if (reaction == Reaction::kReport) return;
   if (reaction == Reaction::kPowerOff) power_off_asked_ = true;
   if (!on_the_way()) return;
   if (reaction == Reaction::kAmpsOff) power_off_asked_ = false;
   cause_ = condition;
+  cause_board_ = board;
+  cause_channel_ = channel;
   enter(PowerState::kFault);
   if (reaction == Reaction::kPowerOff) off_cycles_ = kAmpsFirst;  // at once
+}
+
+std::string BoardSession::cause_words() const {
+  std::string out = describe(cause_);
+  if (cause_board_ >= 0) out += text(" (board ", cause_board_);
+  if (cause_channel_ >= 0) out += text(", channel ", cause_channel_ + 1);
+  return cause_board_ >= 0 ? out + ")" : out;
 }
 
 bool BoardSession::update() noexcept {
   all_valid_ = bus_.read();
   checked_ = state_;
   check_bus();
+  // A relay that opens takes the supply from all boards: it is the cause, wherever it is.
+  for (int b = 0; b < bus_.boards(); ++b) {
+    if (bus_.valid(b)) check_relay(b, bus_.feedback(b));
+  }
   for (int b = 0; b < bus_.boards(); ++b) {
     if (bus_.valid(b)) check_board(b);
   }

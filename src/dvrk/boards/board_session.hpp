@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "dvrk/protocol/analog.hpp"
@@ -119,6 +120,8 @@ class BoardSession {
   PowerState state() const { return state_; }
   /// The condition that led to kFault; kNoReply before any.
   Condition cause() const { return cause_; }
+  /// The same in words, with the board and the channel where it was seen.
+  std::string cause_words() const;
   BoardBus& bus() { return bus_; }
   const BoardBus& bus() const { return bus_; }
   FaultLog& faults() { return bus_.faults(); }
@@ -147,10 +150,11 @@ class BoardSession {
   bool had_power() const { return checked_ == PowerState::kAmps || checked_ == PowerState::kOn; }
   bool on_the_way() const { return state_ != PowerState::kOff && state_ != PowerState::kFault; }
   void enter(PowerState state) noexcept;
-  void react(Reaction reaction, Condition condition) noexcept;
+  void react(Reaction reaction, Condition condition, int board = -1, int channel = -1) noexcept;
   void note(Condition condition, Reaction reaction, int b, int c, std::uint32_t value) noexcept;
   void check_bus() noexcept;
   void check_board(int b) noexcept;
+  void check_relay(int b, const BoardFeedback& f) noexcept;
   void check_power(int b, const BoardFeedback& f) noexcept;
   void check_temperature(int b, const BoardFeedback& f) noexcept;
   void check_channel(int b, int c, const BoardFeedback& f) noexcept;
@@ -172,6 +176,7 @@ class BoardSession {
   PowerState state_ = PowerState::kOff;
   PowerState checked_ = PowerState::kOff;  ///< state_ when the cycle's checks began
   Condition cause_ = Condition::kNoReply;
+  int cause_board_ = -1, cause_channel_ = -1;  ///< id, and channel from 0
   double entered_ = 0.0;
   bool all_valid_ = false;
   bool started_ = false;

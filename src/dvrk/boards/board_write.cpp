@@ -10,10 +10,6 @@ namespace {
 
 constexpr int kWriteTries = 3;
 
-Route everyone() {
-  return {kBroadcastNode, false, Destination::kBoard};
-}
-
 }  // namespace
 
 void BoardBus::remember(Board& b) noexcept {

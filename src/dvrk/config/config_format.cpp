@@ -14,12 +14,13 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::array<std::pair<const char*, const char*>, 47> kNames{{
+constexpr std::array<std::pair<const char*, const char*>, 48> kNames{{
     {"Robot", "robots"},
     {"Name", "name"},
     {"HardwareVersion", "hardware_version"},
     {"NumOfActuator", "number_of_actuators"},
     {"SN", "serial_number"},
+    {"BoardSerials", "board_serials"},
     {"OnlyIO", "only_IO"},
     {"HasEncoderPreload", "has_encoder_preload"},
     {"Actuator", "actuators"},

@@ -49,11 +49,19 @@ struct PotTolerance {
   double latency = 0.0;   ///< [s]
 };
 
+/// Which QLA board carries an id: "1234-56", as its memory and its label have it.
+struct BoardSerial {
+  int board = 0;
+  std::string serial;
+};
+
 /// One arm on its boards.
 struct RobotConfig {
   std::string name;
   std::string hardware;  ///< "QLA1", "DQLA" or "dRA1"
   std::string serial;
+  /// Boards that are this robot's and no other's: two arms may have the same ids. Empty: not known.
+  std::vector<BoardSerial> board_serials;
   bool io_only = false;  ///< its actuators may lack drive and encoder: zeros there
   bool has_encoder_preload = true;
   std::vector<ActuatorConfig> actuators;

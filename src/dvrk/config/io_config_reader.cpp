@@ -70,6 +70,7 @@ class Reader {
     robot.hardware =
         hardware[static_cast<std::size_t>(node.choice("HardwareVersion", hardware, 0))];
     robot.serial = node.word("SN", "");
+    if (node.has("BoardSerials")) read_board_serials(node.at("BoardSerials"), robot);
     robot.io_only =
         json_ ? node.flag("OnlyIO", false) : node.choice("Type", {"robot", "io-only"}, 0) == 1;
     robot.has_encoder_preload = node.flag("HasEncoderPreload", true);
@@ -77,6 +78,20 @@ class Reader {
     read_actuators(node, robot);
     if (node.has("Potentiometers")) read_potentiometers(node.at("Potentiometers"), robot);
     return robot;
+  }
+
+  // "6=1234-56 7=1234-57": this program's own key; the laboratory's passes over it.
+  static void read_board_serials(const ConfigNode& node, RobotConfig& robot) {
+    std::istringstream list(node.word());
+    for (std::string one; list >> one;) {
+      const auto equals = one.find('=');
+      char* end = nullptr;
+      const long id = std::strtol(one.c_str(), &end, 10);
+      if (equals == std::string::npos || end != one.c_str() + equals || equals == 0 || id < 0 ||
+          id >= kBoards || equals + 1 == one.size())
+        node.fail("'" + one + "'", "BOARD=SERIAL, as 6=1234-56");
+      robot.board_serials.push_back({static_cast<int>(id), one.substr(equals + 1)});
+    }
   }
 
   void read_actuators(const ConfigNode& node, RobotConfig& robot) const {

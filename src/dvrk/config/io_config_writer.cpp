@@ -92,6 +92,10 @@ class Writer {
     add_text(tree, "HardwareVersion", robot.hardware);
     add_number(tree, "NumOfActuator", robot.size());
     if (!robot.serial.empty()) add_text(tree, "SN", robot.serial);
+    std::string serials;
+    for (const BoardSerial& one : robot.board_serials)
+      serials += text(serials.empty() ? "" : " ", one.board, "=", one.serial);
+    if (!serials.empty()) add_text(tree, "BoardSerials", serials);
     if (robot.io_only) {
       if (json_)
         add_flag(tree, "OnlyIO", true);

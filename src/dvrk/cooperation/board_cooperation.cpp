@@ -49,7 +49,9 @@ class BoardRun : private BoardLoop {
     look();
     plan();
     look();
-    if (power_up()) {
+    hear(channels_);
+    if (stopped()) fail("stopped by a signal", -1, BoardEnd::kStopped);
+    if (why_ == nullptr && power_up()) {
       begin();
       options_.lines != nullptr ? play_by_line() : play();
       wind_down();
@@ -79,8 +81,9 @@ class BoardRun : private BoardLoop {
       if (k < options_.force_calibrations.size() && !options_.force_calibrations[k].empty())
         channel.calibration = read_load_cell(options_.force_calibrations[k]);
       channel.cutoff = scenario_.control.force_cutoff;
-      channels_.push_back(
-          std::make_unique<ForceChannel>(open_force_source(options_.force_sources[k]), channel));
+      const std::string of = k < members ? "member '" + scenario_.members[k].name + "'"
+                                         : "wall " + std::to_string(k - members + 1);
+      channels_.push_back(open_sensor(options_.force_sources[k], of, channel));
     }
     readings_.resize(members + scenario_.walls.size());
     exerted_.assign(sides_.size(), Vector3d::Zero());
@@ -150,8 +153,8 @@ class BoardRun : private BoardLoop {
         const ForceSample sample = simulated_[k].read(time_, true_force(k));
         readings_[k] = {sample.force, time_ - sample.time, sample.number, sample.force};
       } else {
-        readings_[k] = channels_[k]->update(now_);
-        if (channels_[k]->state() == ForceState::kStuck) readings_[k].age = kNever;
+        readings_[k] = channels_[k].channel->update(now_);
+        if (channels_[k].channel->state() == ForceState::kStuck) readings_[k].age = kNever;
       }
       if (k >= scenario_.members.size()) {
         feel_wall(scenario_.walls[k - scenario_.members.size()], readings_[k]);
@@ -165,7 +168,6 @@ class BoardRun : private BoardLoop {
       const Vector3d u = line.norm() > 0.0 ? Vector3d(line.normalized()) : Vector3d::Zero();
       exerted_[from] -= readings_[k].force * u;
       exerted_[to] += readings_[k].force * u;
-      if (readings_[k].number < 0) continue;  // nothing yet: the controller's own patience
       ages_[from] = std::max(ages_[from], readings_[k].age);
       ages_[to] = std::max(ages_[to], readings_[k].age);
     }
@@ -174,7 +176,7 @@ class BoardRun : private BoardLoop {
   void feel_wall(const ScenarioWall& wall, const ForceReading& reading) noexcept {
     const auto arm = static_cast<size_t>(wall.arm);
     exerted_[arm] -= reading.force * wall.normal;
-    if (reading.number >= 0) ages_[arm] = std::max(ages_[arm], reading.age);
+    ages_[arm] = std::max(ages_[arm], reading.age);
   }
 
   // Of a member or, behind them, of a wall; emulated ones alone.
@@ -346,7 +348,7 @@ class BoardRun : private BoardLoop {
   };
 
   std::vector<ForceSensor> simulated_;
-  std::vector<std::unique_ptr<ForceChannel>> channels_;
+  std::vector<Sensor> channels_;
   std::vector<ForceReading> readings_;
   std::unique_ptr<CooperativeController> control_;
   std::unique_ptr<CooperativeInput> input_;
@@ -357,7 +359,7 @@ class BoardRun : private BoardLoop {
   BoardCooperationRun out_;
   Eigen::Index row_ = 0;
   double bound_ = 5.0;  // [N]
-  bool winding_ = false, gives_up_ = false;
+  bool winding_ = false;
   std::unique_ptr<MotionPlan> plan_;
   std::unique_ptr<ScenarioRowFile> file_;
 };

@@ -3,9 +3,11 @@
 #include <atomic>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
+#include "veridyn/control/load_cell.hpp"
 #include "veridyn/control/safety_supervisor.hpp"
 #include "veridyn/cooperation/live.hpp"
 #include "veridyn/cooperation/scenario_run.hpp"
@@ -72,6 +74,8 @@ struct BoardCooperationOptions {
   /// Where the force of member k comes from, then that of the walls, see open_force_source();
   /// empty: the emulated world's.
   std::vector<std::string> force_sources;
+  std::function<std::unique_ptr<ForceSource>(const std::string&)> open_source = open_force_source;
+  double sensor_patience = 2.0;  ///< [s] in which every sensor must have given good readings
   std::vector<std::string> force_calibrations;  ///< files of `loadcell calibrate`; empty: newtons
   double power_timeout = 3.0;                   ///< [s]
   double hold = 1.0;     ///< [s] for which all is held after a fault, forces within relief_force
@@ -97,13 +101,14 @@ struct BoardCooperationOptions {
 /// How the end came, if it was not the scenario's.
 enum class BoardEnd { kDone, kFault, kStopped };
 
-/// What an arm did between the first fault and the power's end, by its own encoders.
+/// What an arm did between the first fault and the time at which pretension is given up, by its own
+/// encoders.
 struct ArmAfterFault {
   std::string name;
   bool known = true;          ///< its boards answered throughout
   double moved = 0.0;         ///< [m] largest way of its tip
   double rest_after = -1.0;   ///< [s] from which on it was at rest; below zero: it was not at the end
-  double off_at = -1.0;       ///< [s] at which its own power went before that of all; below zero: not
+  double off_at = -1.0;  ///< [s] at which its own power went, before that of all; below zero: not
   /// It was under power and came to rest.
   bool held() const { return known && rest_after >= 0.0 && off_at < 0.0; }
 };
@@ -151,7 +156,8 @@ struct BoardCooperationRun {
 ///
 /// The loop allocates nothing, throws nothing and waits for its clock and its sockets alone.
 /// @throws InvalidInput  another number of boards than arms; as ArmSession::start(); before power: a
-/// phase that cannot be carried out, an `ask` that simulation does not meet.
+/// phase that cannot be carried out, an `ask` that simulation does not meet, a force sensor that gives
+/// no good readings.
 BoardCooperationRun run_on_boards(const Scenario& scenario, const std::vector<CooperatingArm>& arms,
                                   const BoardCooperationOptions& options,
                                   const std::atomic<bool>& stop);

@@ -1,6 +1,7 @@
 #include "board_loop.hpp"
 
 #include <algorithm>
+#include <chrono>
 
 #include "veridyn/math/require.hpp"
 
@@ -9,6 +10,7 @@ namespace {
 
 constexpr double kLooking = 0.1;  // [s] of reading before power is asked for
 constexpr double kAfter = 0.02;   // [s] of reading after power went
+constexpr double kJumpShare = 0.5;  // of the largest force: more between two readings is no force
 constexpr double kAtRest = 0.05;  // SafetyLimits::rest_share: of the velocity limits
 constexpr std::size_t kMostTold = 64;  // later faults
 
@@ -100,11 +102,12 @@ void BoardLoop::watch_hold() noexcept {
     }
     if (side.deaf()) arm.known = false;
     if (!side.valid()) continue;
+    if (arm.off < 0.0 && !side.powered()) arm.off = time_;
+    if (gives_up_) continue;  // arms give way then
     arm.moved = std::max(arm.moved, (side.tip() - arm.from).norm());
     const bool rests = side.speed() <= kAtRest;
     if (rests && arm.rest < 0.0) arm.rest = time_ - fault_at_;
     if (!rests) arm.rest = -1.0;
-    if (arm.off < 0.0 && !side.powered()) arm.off = time_;
   }
 }
 
@@ -146,6 +149,38 @@ std::vector<LaterFault> BoardLoop::later_faults() const {
 void BoardLoop::break_down() noexcept {
   for (const EmulatedFault& fault : options_.faults) {
     if (time_ >= fault.at) joined_->break_down(fault);
+  }
+}
+
+BoardLoop::Sensor BoardLoop::open_sensor(const std::string& source, const std::string& of,
+                                         ForceChannelOptions options) const {
+  options.largest_jump = kJumpShare * scenario_.control.largest_force;
+  return {source + " of " + of, std::make_unique<ForceChannel>(options_.open_source(source), options)};
+}
+
+void BoardLoop::hear(const std::vector<Sensor>& sensors) {
+  const std::size_t count = sensors.size();
+  std::vector<double> good_since(count, -1.0);
+  const auto heard = [&](std::size_t k) { return good_since[k] >= 0.0 && now_ - good_since[k] >= kHeard; };
+  for (const double until = time_ + options_.sensor_patience; !stopped();) {
+    cycle([&] {
+      for (std::size_t k = 0; k < count; ++k) {
+        sensors[k].channel->update(now_);
+        const bool good = sensors[k].channel->state() == ForceState::kGood;
+        if (!good || good_since[k] < 0.0) good_since[k] = good ? now_ : -1.0;
+      }
+    });
+    std::size_t k = 0;
+    while (k < count && heard(k)) ++k;
+    if (k == count) return;
+    const ForceChannel& silent = *sensors[k].channel;
+    require(time_ < until, "no power: the force sensor ", sensors[k].name, " ",
+            silent.state() == ForceState::kGood ? "does not stay good" : describe(silent.state()), " (",
+            silent.source().refused() + silent.beyond_range() + silent.jumps(),
+            " lines refused); expected good readings for ", kHeard, " s within ",
+            options_.sensor_patience, " s.");
+    // Lines keep the machine's time, whatever the boards' clock does.
+    if (options_.stepped) std::this_thread::sleep_for(std::chrono::duration<double>(period_));
   }
 }
 

@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <atomic>
 #include <memory>
+#include <string>
 #include <thread>
 #include <vector>
 
 #include "board_side.hpp"
 #include "joined_arms.hpp"
 #include "dvrk/cooperation/board_cooperation.hpp"
+#include "veridyn/control/load_cell.hpp"
 
 namespace veridyn::dvrk {
 
@@ -24,6 +26,19 @@ class BoardLoop {
   BoardLoop(const Scenario& scenario, const std::vector<CooperatingArm>& arms,
             const BoardCooperationOptions& options, const std::atomic<bool>& stop);
   ~BoardLoop() { end_serving(); }
+
+  /// A sensor on a line, and what a person calls it: "udp:5600 of member 'spring'".
+  struct Sensor {
+    std::string name;
+    std::unique_ptr<ForceChannel> channel;
+  };
+  /// Opens a source; its readings are refused where they jump by more than forces can.
+  Sensor open_sensor(const std::string& source, const std::string& of,
+                     ForceChannelOptions options = {}) const;
+  /// Cycles without power until every sensor has given good readings for kHeard; age counts from
+  /// the start. @throws InvalidInput  one has not after BoardCooperationOptions::sensor_patience.
+  void hear(const std::vector<Sensor>& sensors);
+  static constexpr double kHeard = 0.2;  ///< [s]
 
   /// Boards are read, before anything is asked of them.
   void look();
@@ -95,6 +110,7 @@ class BoardLoop {
   int faulty_joint_ = -1;
   double fault_at_ = 0.0;
   double now_ = 0.0, dt_ = 0.0, time_ = 0.0;
+  bool gives_up_ = false;  // the pretension, after the hold
   std::string not_off_;  // arms whose boards did not confirm that they are off
 
  private:

@@ -60,8 +60,7 @@ class TeleoperationLoop : private BoardLoop {
       if (options_.emulate) {
         sensor_.emplace(wall.sensor, 0.1);
       } else {
-        channel_ = std::make_unique<ForceChannel>(open_force_source(options_.force_sources.front()),
-                                                  ForceChannelOptions());
+        line_.push_back(open_sensor(options_.force_sources.front(), "the wall"));
       }
     }
   }
@@ -69,7 +68,9 @@ class TeleoperationLoop : private BoardLoop {
   TeleoperationRun run() {
     out_.name = scenario_.name;
     look();
-    if (power_up()) {
+    hear(line_);
+    if (stopped()) fail("stopped by a signal", -1, BoardEnd::kStopped);
+    if (why_ == nullptr && power_up()) {
       begin();
       play();
       holds_ = true;
@@ -134,9 +135,11 @@ class TeleoperationLoop : private BoardLoop {
       const ForceSample sample = sensor_->read(time_, joined_->push(0));
       force_ = {sample.force, time_ - sample.time, sample.number, sample.force};
     } else {
-      force_ = channel_->update(now_);
+      force_ = line_.front().channel->update(now_);
+      if (line_.front().channel->state() == ForceState::kStuck)
+        fail("holds: a force sensor repeats one value", -1);
     }
-    if (force_.number >= 0 && !(force_.age <= scenario_.control.largest_age))
+    if (!(force_.age <= scenario_.control.largest_age))
       fail("holds: a force sensor's samples are too old", -1);
     if (std::abs(force_.force) > scenario_.control.largest_force)
       fail("holds: a force is too large", -1);
@@ -155,7 +158,7 @@ class TeleoperationLoop : private BoardLoop {
     // Held, the follower must come to rest; the leader is free.
     follower().keeps_still((why_ != nullptr || holds_) && !follower().loop().yields());
     watch_hold();
-    follower().act(tele_->follower(), force, force_.number < 0 ? 0.0 : force_.age, dt_);
+    follower().act(tele_->follower(), force, force_.age, dt_);
     const Vector3d in_base =
         leader().models().R_world_base_known.transpose() * tele_->leader_force();
     leader().drive(loop_->torque(leader().q(), leader().dq(), in_base), Vector3d::Zero(), 0.0, dt_);
@@ -250,7 +253,7 @@ class TeleoperationLoop : private BoardLoop {
   std::optional<QuinticInterpolator> hand_;
   VectorXd goal_;
   std::optional<ForceSensor> sensor_;
-  std::unique_ptr<ForceChannel> channel_;
+  std::vector<Sensor> line_;  // none with emulated boards
   ForceReading force_;
   MatrixXd rows_;
   std::vector<Span> spans_;

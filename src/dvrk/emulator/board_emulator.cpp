@@ -81,6 +81,11 @@ void BoardEmulator::advance(Ticks now) noexcept {
   }
 }
 
+void BoardEmulator::without_firewire() noexcept {
+  ethernet_only_ = true;
+  for (EmulatedBoard& b : boards_) b.ethernet = kEthernetV3;
+}
+
 int BoardEmulator::place_of(int node) const noexcept {
   const auto found = std::find(nodes_.begin(), nodes_.end(), node);
   return found == nodes_.end() ? -1 : static_cast<int>(found - nodes_.begin());
@@ -116,8 +121,11 @@ Answer BoardEmulator::execute(const Request& request, ByteSpan reply) noexcept {
   }
   if (!reads) {
     ++counters_.writes;
-    if (!faults.lose_writes) write(request);
-    return {};
+    if (faults.lose_writes) return {};
+    write(request);
+    const bool query = request.node == kBroadcastNode && request.tcode == Tcode::kQuadletWrite &&
+                       (request.address & 0xFFFF) == address::kHubQuery;
+    return ethernet_only_ && exempt && query ? answer_query(request, reply) : Answer();
   }
   const int place = reader_of(request);
   return place < 0 ? Answer() : read(request, place, reply);
@@ -129,6 +137,14 @@ int BoardEmulator::reader_of(const Request& request) const noexcept {
   const bool local = (request.flags & kNoForward) != 0;
   const BoardSetup& its = boards_[static_cast<size_t>(hub())].setup();
   const bool by_id = local && its.firmware >= 9;
+  if (ethernet_only_) {
+    if (!local) return -1;  // nobody is behind the hub
+    if (request.node == kBroadcastNode) return hub();
+    const auto own = std::find_if(boards_.begin(), boards_.end(), [&](const EmulatedBoard& b) {
+      return b.setup().id == request.node;
+    });
+    return own == boards_.end() ? -1 : static_cast<int>(own - boards_.begin());
+  }
   if (request.node == kBroadcastNode) return local || its.firmware < 9 ? hub() : -1;
   if (by_id) return request.node == its.id ? hub() : -1;
   const int place = place_of(request.node);
@@ -144,7 +160,7 @@ void BoardEmulator::write(const Request& request) noexcept {
     return;
   }
   for (int b = 0; b < boards(); ++b) {
-    if (b == hub() || forwards) write_to(board(b), request);
+    if (b == hub() || forwards || ethernet_only_) write_to(board(b), request);
   }
   if (request.tcode == Tcode::kQuadletWrite && (request.address & 0xFFFF) == address::kHubQuery)
     start_query(request.data);
@@ -166,6 +182,20 @@ void BoardEmulator::write_to(EmulatedBoard& b, const Request& request) noexcept 
                                                   : 0U);
   }
   if (b.reboot_requested) reboot(static_cast<int>(&b - boards_.data()));
+}
+
+// Section 8.5: the board next to the computer sends all blocks, unasked.
+Answer BoardEmulator::answer_query(const Request& query, ByteSpan out) noexcept {
+  std::size_t quadlets = 1;
+  for (HubSlot& slot : slots_) slot.at = now_;
+  for (const EmulatedBoard& b : boards_) {
+    if (((query_ >> b.setup().id) & 1U) != 0) quadlets += hub_quadlets(b.setup().firmware);
+  }
+  Request block = query;
+  block.tcode = Tcode::kBlockRead;
+  block.address = address::kHub;
+  block.bytes = static_cast<std::uint16_t>(4 * quadlets);
+  return read(block, hub(), out);
 }
 
 Answer BoardEmulator::read(const Request& request, int place, ByteSpan out) noexcept {

@@ -78,6 +78,9 @@ class BoardEmulator {
   void bus_reset(double seconds = 0.0, const std::vector<int>& nodes = {});
   std::uint8_t generation() const { return generation_; }
 
+  /// Section 8.5: FPGA V3 with firmware 9, joined by Ethernet alone. Before the first datagram.
+  void without_firewire() noexcept;
+
   PowerChain chain;
   EmulatorFaults faults;
   /// Ticks in every trailer: packet received, answer sent.
@@ -111,6 +114,7 @@ class BoardEmulator {
   void write(const Request& request) noexcept;
   void write_to(EmulatedBoard& board, const Request& request) noexcept;
   Answer read(const Request& request, int place, ByteSpan reply) noexcept;
+  Answer answer_query(const Request& query, ByteSpan reply) noexcept;
   void read_block(const Request& request, int place, QuadletSpan out) noexcept;
   void start_query(std::uint32_t word) noexcept;
   void settle_hub() noexcept;
@@ -130,6 +134,7 @@ class BoardEmulator {
   BoardLoad* load_ = nullptr;
   Ticks now_ = 0;
   bool started_ = false;
+  bool ethernet_only_ = false;
   Ticks reset_until_ = 0;
   std::uint8_t gap_count_ = 63;  ///< Gap count of all PHYs, that of power-up
   std::uint8_t echo_ = 0;        ///< flags of the trailer that repeat the request's

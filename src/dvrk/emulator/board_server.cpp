@@ -14,7 +14,7 @@
 #include <ctime>
 
 #include "dvrk/protocol/datagram_link.hpp"
-#include "dvrk/protocol/stamped_datagram.hpp"
+#include "control/udp_port.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn::dvrk {
@@ -36,20 +36,25 @@ double seconds_now(clockid_t clock = CLOCK_MONOTONIC) {
 // One datagram with the time at which it came [s] (CLOCK_REALTIME); 0 if the system does not tell.
 ssize_t receive(int socket, ByteSpan buffer, sockaddr_in& from, double& came) {
   timespec at{};
-  const ssize_t got = receive_stamped(socket, buffer, from, at);
+  const ssize_t got = receive_stamped(socket, buffer.data, buffer.size, from, at);
   came = seconds_of(at);
   return got;
 }
 
+bool is_loopback(in_addr address) {
+  return (ntohl(address.s_addr) >> 24) == 127;
+}
+
 // From firmware 9 on hosts send to all boards by multicast (section 2.3), on whatever interface
 // leads to them.
-void join_multicast(int socket) {
+void join_multicast(int socket, BoardServer::Listens listens) {
   ifaddrs* all = nullptr;
   if (::getifaddrs(&all) != 0) return;
   for (const ifaddrs* one = all; one != nullptr; one = one->ifa_next) {
     if (one->ifa_addr == nullptr || one->ifa_addr->sa_family != AF_INET) continue;
     sockaddr_in own{};
     std::memcpy(&own, one->ifa_addr, sizeof own);
+    if (listens == BoardServer::Listens::kHere && !is_loopback(own.sin_addr)) continue;
     ip_mreq group{};
     group.imr_multiaddr.s_addr = htonl(kMulticastGroup);
     group.imr_interface = own.sin_addr;
@@ -61,8 +66,8 @@ void join_multicast(int socket) {
 
 }  // namespace
 
-BoardServer::BoardServer(BoardEmulator& emulator, std::uint16_t port)
-    : emulator_(emulator), start_(seconds_now()) {
+BoardServer::BoardServer(BoardEmulator& emulator, std::uint16_t port, Listens listens)
+    : emulator_(emulator), listens_(listens), start_(seconds_now()) {
   socket_ = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
   other_socket_ = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
   sockaddr_in at{};
@@ -70,6 +75,11 @@ BoardServer::BoardServer(BoardEmulator& emulator, std::uint16_t port)
   at.sin_addr.s_addr = htonl(INADDR_ANY);
   at.sin_port = htons(port);
   socklen_t size = sizeof at;
+  // One socket hears the boards' address, their broadcast address and their group. Systems that do
+  // not let it be tied to the loopback interface leave it to the test of every sender.
+  constexpr char kLoopback[] = "lo";
+  if (listens == Listens::kHere && socket_ >= 0)
+    ::setsockopt(socket_, SOL_SOCKET, SO_BINDTODEVICE, kLoopback, sizeof kLoopback);
   const bool bound = socket_ >= 0 && other_socket_ >= 0 &&
                      ::bind(socket_, reinterpret_cast<const sockaddr*>(&at), sizeof at) == 0 &&
                      ::getsockname(socket_, reinterpret_cast<sockaddr*>(&at), &size) == 0;
@@ -82,7 +92,7 @@ BoardServer::BoardServer(BoardEmulator& emulator, std::uint16_t port)
   port_ = ntohs(at.sin_port);
   const int yes = 1;
   ::setsockopt(socket_, SOL_SOCKET, SO_TIMESTAMPNS, &yes, sizeof yes);
-  join_multicast(socket_);
+  join_multicast(socket_, listens);
 }
 
 BoardServer::~BoardServer() {
@@ -125,6 +135,7 @@ bool BoardServer::serve_one(Ticks at, bool as_it_came) {
   double came = 0.0;
   const ssize_t got = receive(socket_, {in.data(), in.size()}, from, came);
   if (got < 0) return false;
+  if (!is_heard(ntohl(from.sin_addr.s_addr))) return true;
   if (as_it_came) at = came > 0.0 ? time_of(came) : now();
   const Answer answer =
       emulator_.handle({in.data(), static_cast<std::size_t>(got)}, std::max(at, emulator_.time()),

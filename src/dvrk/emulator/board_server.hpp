@@ -7,18 +7,28 @@
 
 namespace veridyn::dvrk {
 
-/// An emulator behind a UDP port, in real time. Listens on all addresses of the machine, because
-/// clients send to a broadcast address as well (section 1).
+/// An emulator behind a UDP port, in real time. Clients send to a broadcast address and to a group
+/// as well (sections 1 and 2.3), so that one address is not enough.
 class BoardServer {
  public:
+  enum class Listens {
+    kHere,       ///< to programs of this machine alone
+    kEverywhere  ///< on all addresses of the machine
+  };
+
   /// @param port  0: any that is free, see port(). Real hosts use 1394 alone.
   /// @throws InvalidInput  the port is taken.
-  BoardServer(BoardEmulator& emulator, std::uint16_t port);
+  BoardServer(BoardEmulator& emulator, std::uint16_t port, Listens listens = Listens::kHere);
   ~BoardServer();
   BoardServer(const BoardServer&) = delete;
   BoardServer& operator=(const BoardServer&) = delete;
 
   std::uint16_t port() const { return port_; }
+
+  /// Whether datagrams from this address are taken, in host byte order.
+  bool is_heard(std::uint32_t address) const {
+    return listens_ == Listens::kEverywhere || (address >> 24) == 127;
+  }
 
   /// Answers until `stop` is true. The emulator belongs to this thread meanwhile.
   void run(const std::atomic<bool>& stop);
@@ -39,6 +49,7 @@ class BoardServer {
   bool serve_one(Ticks at, bool as_it_came);
 
   BoardEmulator& emulator_;
+  Listens listens_;
   int socket_ = -1;
   int other_socket_ = -1;  ///< for answers from a place nobody knows
   std::uint16_t port_ = 0;

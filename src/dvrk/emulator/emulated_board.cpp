@@ -244,7 +244,8 @@ BoardFeedback EmulatedBoard::latch() noexcept {
 
 std::uint32_t EmulatedBoard::digital_word() const noexcept {
   std::uint32_t word =
-      (faults.encoder_supply ? 1U << 31 : 0U) | (outputs_ << 12) | (digital_inputs & 0xFFFU);
+      (faults.encoder_supply ? 1U << 31 : 0U) |
+      (setup_.firmware >= 8 && setup_.io_expander && supply_good_ ? 1U << 28 : 0U) | (outputs_ << 12) | (digital_inputs & 0xFFFU);
   for (int k = 0; k < kChannels; ++k) {
     const EmulatedEncoder& e = channels_[static_cast<size_t>(k)].encoder;
     word |= (e.line_a() ? 1U << (24 + k) : 0U) | (e.line_b() ? 1U << (20 + k) : 0U);

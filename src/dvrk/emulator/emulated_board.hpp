@@ -20,7 +20,8 @@ struct BoardSetup {
   std::uint32_t hardware = kHardwareQla1;
   std::string qla_serial = "QLA 0000-00";
   std::string fpga_serial = "FPGA 0000-00";
-  bool io_expander = false;          ///< QLA 1.5: amplifiers come 2.5 ms late, voltage mode exists
+  /// QLA 1.5: amplifiers come 2.5 ms late, voltage mode exists, the motor supply has a comparator
+  bool io_expander = false;
   bool senses_chain = true;          ///< Rev 8 on: status bit 14
   double pot_noise = 0.0;            ///< standard deviation [bits]
   double current_noise = 0.0;        ///< the same of measured currents
@@ -125,6 +126,8 @@ class EmulatedBoard {
   ChannelFeedback channel_feedback(int channel) const noexcept;
   std::uint32_t read_channel(int channel, int offset) const noexcept;
   void write_channel(int channel, int offset, std::uint32_t data) noexcept;
+  std::uint32_t dallas_status() const noexcept;
+  std::uint32_t dallas_quadlet(std::size_t place) const noexcept;
   void command_prom(std::uint32_t command) noexcept;
   void command_qla_prom(std::uint32_t command) noexcept;
 
@@ -146,6 +149,8 @@ class EmulatedBoard {
   std::uint32_t outputs_ = 0;
   std::uint32_t fpga_prom_result_ = 0;
   std::uint32_t qla_prom_result_ = 0;
+  std::size_t dallas_from_ = 0;  ///< byte of the chip
+  bool dallas_asked_ = false;
   std::uint64_t random_ = 0x9E3779B97F4A7C15;
   std::array<std::uint32_t, 1024> waveform_{};  ///< section 7, space 8
   std::array<std::uint8_t, 64> qla_prom_{};

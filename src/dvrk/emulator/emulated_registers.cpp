@@ -16,6 +16,9 @@ constexpr std::uint32_t kFpgaPromId = 0x00202015;
 constexpr std::uint32_t kQlaPromRead = 0xFE000000;
 constexpr std::uint32_t kQlaPromReadByte = 0x03000000;
 constexpr std::uint32_t kDallasFamily = 0x0B;  // DS2505
+constexpr std::uint32_t kDallasEnabled = 1U << 0;
+constexpr std::uint32_t kDallasSuccess = 1U << 1;        // bits 2:1
+constexpr std::uint32_t kDallasBothDirections = 1U << 3;  // as DOUT can be read
 constexpr std::uint32_t kFpgaPromWords = 64;
 
 // The string, then 0xFF.
@@ -58,10 +61,29 @@ std::uint32_t EmulatedBoard::read_channel(int channel, int offset) const noexcep
   }
 }
 
+// Register 13, Rev 7 on: never busy; the result of the last command.
+std::uint32_t EmulatedBoard::dallas_status() const noexcept {
+  if (setup_.firmware < 7) return 0;
+  const std::uint32_t word = kDallasEnabled | kDallasBothDirections;
+  if (setup_.dallas.empty()) return word;
+  return word | (kDallasFamily << 24) | (dallas_asked_ ? kDallasSuccess : 0U);
+}
+
+// The chip's memory from the byte on that the last command named.
+std::uint32_t EmulatedBoard::dallas_quadlet(std::size_t place) const noexcept {
+  std::uint32_t word = 0;
+  for (std::size_t k = 0; k < 4; ++k) {
+    const std::size_t at = dallas_from_ + 4 * place + k;
+    word = (word << 8) | (at < setup_.dallas.size() ? setup_.dallas[at] : 0U);
+  }
+  return word;
+}
+
 std::uint32_t EmulatedBoard::read(std::uint16_t where) const noexcept {
   if (where == address::kHubQuery) return query;
   if (where == 0x3001) return 0;  // QLA PROM: idle
   if (where == 0x3002) return qla_prom_result_;
+  if ((where >> 12) == 6) return dallas_quadlet(where & 0xFFFU);
   if ((where >> 12) == 8) return waveform_[where & 0x3FFU];
   if ((where >> 12) != 0) return 0;
   const int channel = ((where >> 4) & 0xF) - 1;
@@ -82,7 +104,7 @@ std::uint32_t EmulatedBoard::read(std::uint16_t where) const noexcept {
     case address::kFirmware:
       return static_cast<std::uint32_t>(setup_.firmware);
     case address::kDallas:
-      return setup_.dallas.empty() ? 0 : kDallasFamily << 24;
+      return dallas_status();
     case address::kFpgaPromResult:
       return fpga_prom_result_;
     case address::kDigitalIn:
@@ -183,6 +205,10 @@ void EmulatedBoard::write(std::uint16_t where, std::uint32_t data) noexcept {
     case address::kIpAddress:
       ip_address = data;
       break;
+    case address::kDallas:  // from which byte the chip is read
+      dallas_from_ = data >> 16;
+      dallas_asked_ = true;
+      break;
     default:
       break;
   }
@@ -196,8 +222,7 @@ void EmulatedBoard::read_block(std::uint16_t where, QuadletSpan out) noexcept {
   if ((where & 0xFF00) == address::kQlaPromData) return copy(qla_prom_, where & 0xFFU);
   if ((where >> 12) == 2) return copy(fpga_prom_, where & 0xFFFU);
   if ((where >> 12) == 6) {
-    const QuadletView chip(ByteView{setup_.dallas.data(), setup_.dallas.size() / 4 * 4});
-    for (std::size_t k = 0; k < out.size(); ++k) out.set(k, chip[(where & 0xFFFU) + k]);
+    for (std::size_t k = 0; k < out.size(); ++k) out.set(k, dallas_quadlet((where & 0xFFFU) + k));
     return;
   }
   for (std::size_t k = 0; k < out.size(); ++k) out.set(k, 0);

@@ -16,7 +16,7 @@ enum class Destination { kBoard, kEveryone, kMulticast };
 struct Arrival {
   bool any = false;
   std::size_t size = 0;      ///< bytes, cut at the buffer's end
-  bool known_source = true;  ///< from the board's address or its subnet
+  bool known_source = true;  ///< from an address that the boards have
   double lay = 0.0;          ///< [s] for which it lay ready before this program took it
 };
 
@@ -34,6 +34,8 @@ class DatagramLink {
   virtual void wait(double seconds) noexcept = 0;
   /// The server's IPv4 address as register 11 wants it: a.b.c.d is 0xddccbbaa (section 5).
   virtual std::uint32_t address_word() const noexcept = 0;
+  /// Destination::kBoard is the board of this id from now on, on a bus without FireWire.
+  virtual void speak_to(int board) noexcept { (void)board; }
   /// What was found to be the hub; from Rev 9 on its board id is part of its address (section 2.3).
   virtual void hub_is(int firmware, int board) noexcept {
     (void)firmware;

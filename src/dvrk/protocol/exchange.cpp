@@ -1,5 +1,7 @@
 #include "dvrk/protocol/exchange.hpp"
 
+#include <algorithm>
+
 namespace veridyn::dvrk {
 namespace {
 
@@ -40,8 +42,9 @@ Request Exchange::request(const Route& route, Tcode tcode, std::uint16_t address
 }
 
 bool Exchange::send(const Request& request, const Route& route) noexcept {
-  const std::size_t size = encode(request, {out_.data(), out_.size()});
-  if (size > 0 && link_.send({out_.data(), size}, route.to)) return true;
+  if (route.board >= 0) link_.speak_to(route.board);
+  sent_ = encode(request, {out_.data(), out_.size()});
+  if (sent_ > 0 && link_.send({out_.data(), sent_}, route.to)) return true;
   log_.note(Condition::kNotSent, link_.now());
   return false;
 }
@@ -51,25 +54,38 @@ void Exchange::drain() noexcept {
   for (int k = 0; k < kMostStale; ++k) {
     const Arrival stale = link_.receive({in_.data(), in_.size()}, 0.0);
     if (!stale.any) return;
+    if (stale.known_source && answers_repeated({in_.data(), stale.size})) continue;
     log_.note(stale.known_source ? Condition::kStaleReply : Condition::kForeignSender, link_.now(),
               -1, -1, static_cast<std::uint32_t>(stale.size));
   }
 }
 
+bool Exchange::answers_repeated(ByteView datagram) const noexcept {
+  constexpr std::size_t kWithLabel = 8;
+  if (repeated_ < 0 || datagram.size <= kWithLabel) return false;
+  return static_cast<int>((load_quadlet(datagram.data) >> 10) & 0x3F) == repeated_;
+}
+
 // Sections 4.3 and 17 #4, #5, #28.
 void Exchange::take_trailer(const Trailer& trailer) noexcept {
   const double now = link_.now();
-  if (!learnt_) generation_ = trailer.generation;
-  const bool changed = learnt_ && trailer.generation != told_;
-  learnt_ = true;
-  told_ = trailer.generation;
-  if (changed) log_.note(Condition::kGenerationChanged, now, -1, -1, trailer.generation);
-  resetting_ = (trailer.flags & kFlagBusReset) != 0;
-  if (resetting_) log_.note(Condition::kBusReset, now, -1, -1, trailer.flags);
   const bool errors = packet_errors_ >= 0 && trailer.packet_errors != packet_errors_;
   packet_errors_ = trailer.packet_errors;
   if (errors || (trailer.flags & (kFlagInternalError | kFlagProtocolError)) != 0)
     log_.note(Condition::kEthernet, now, -1, -1, trailer.flags);
+  // A packet that is not forwarded has nothing to do with the FireWire bus, nor has its answer: the
+  // laboratory's library does not learn a generation from it either. Before any other was learnt it
+  // is the only one there is.
+  const bool local = (trailer.flags & kFlagNoForward) != 0;
+  const bool changed = learnt_ && !local && trailer.generation != told_;
+  if (!learnt_) generation_ = told_ = trailer.generation;
+  if (!local) {
+    learnt_ = true;
+    told_ = trailer.generation;
+  }
+  if (changed) log_.note(Condition::kGenerationChanged, now, -1, -1, trailer.generation);
+  resetting_ = (trailer.flags & kFlagBusReset) != 0;
+  if (resetting_) log_.note(Condition::kBusReset, now, -1, -1, trailer.flags);
 }
 
 // Section 4.4; the sizes are those of 4.1 and 4.2.
@@ -90,15 +106,13 @@ ReadResult Exchange::judge(const Request& request, ByteView datagram, Malformed 
 
 // A late answer to an earlier request has an old label: it is thrown away, the wait goes on. Any
 // other reply that is wrong is the answer, and ends it.
-ReadResult Exchange::await(const Request& request, double timeout, Reply& reply) noexcept {
-  const double until = link_.now() + timeout;
+ReadResult Exchange::await(const Request& request, double until, Reply& reply) noexcept {
   while (true) {
     const double left = until - link_.now();
     const Arrival arrival = link_.receive({in_.data(), in_.size()}, left > 0.0 ? left : 0.0);
     const double now = link_.now();
     if (!arrival.any) {
       if (left > 0.0 && now < until) continue;
-      if (!silence_expected_) log_.note(Condition::kNoReply, now, -1, -1, request.address);
       return ReadResult::kNoReply;
     }
     if (!arrival.known_source) {
@@ -107,6 +121,7 @@ ReadResult Exchange::await(const Request& request, double timeout, Reply& reply)
     }
     lay_ += arrival.lay;
     const ByteView datagram{in_.data(), arrival.size};
+    if (repeated_ != request.label && answers_repeated(datagram)) continue;
     const Malformed malformed = decode(datagram, reply);
     if (malformed == Malformed::kNone) take_trailer(reply.trailer);
     const ReadResult result = judge(request, datagram, malformed, reply);
@@ -128,7 +143,21 @@ ReadResult Exchange::read(const Request& request, const Route& route, double tim
                           Reply& reply) noexcept {
   drain();
   if (!send(request, route)) return ReadResult::kNotSent;
-  return await(request, timeout, reply);
+  const double until = link_.now() + timeout;
+  const bool repeats = repeat_after_ > 0.0 && !silence_expected_;
+  double pause = repeats ? repeat_after_ : timeout;
+  double next = link_.now() + pause;
+  while (true) {
+    const ReadResult result = await(request, std::min(next, until), reply);
+    if (result != ReadResult::kNoReply) return result;
+    if (!(next < until) || link_.now() >= until) break;
+    repeated_ = request.label;
+    if (!link_.send({out_.data(), sent_}, route.to)) break;
+    pause *= 2.0;
+    next += pause;
+  }
+  if (!silence_expected_) log_.note(Condition::kNoReply, link_.now(), -1, -1, request.address);
+  return ReadResult::kNoReply;
 }
 
 ReadResult Exchange::read(const Route& route, std::uint16_t address, double timeout,

@@ -18,6 +18,7 @@ struct Route {
   std::uint8_t node = kBroadcastNode;
   bool local = false;  ///< NOFORWARD: the receiving board alone
   Destination to = Destination::kBoard;
+  int board = -1;  ///< Ethernet-only: the board that has an address of its own (section 2.3)
 };
 
 enum class ReadResult {
@@ -55,6 +56,10 @@ class Exchange {
   void adopt_generation() noexcept { generation_ = told_; }
   /// While set, silence is no condition: a scan asks nodes that may not exist.
   void expect_silence(bool expected) noexcept { silence_expected_ = expected; }
+  /// [s] after which a request without a reply is sent again, once more after twice as long, and so
+  /// on until the timeout; 0: never. A board executes a read as often as it comes: whichever reply
+  /// arrives first is the answer.
+  void repeat_after(double seconds) noexcept { repeat_after_ = seconds; }
   /// From now on write() and write_block() send nothing and say that they did. A query of the hub
   /// may be an exception: it changes no output of a board, but keeps its watchdog quiet.
   enum class Queries { kNone, kAllowed };
@@ -74,7 +79,9 @@ class Exchange {
   void drain() noexcept;
   ReadResult read(const Request& request, const Route& route, double timeout,
                   Reply& reply) noexcept;
-  ReadResult await(const Request& request, double timeout, Reply& reply) noexcept;
+  /// @param until  [s] of the link's clock. @returns kNoReply, not noted, where nothing came.
+  ReadResult await(const Request& request, double until, Reply& reply) noexcept;
+  bool answers_repeated(ByteView datagram) const noexcept;
   ReadResult judge(const Request& request, ByteView datagram, Malformed malformed,
                    const Reply& reply) noexcept;
   void take_trailer(const Trailer& trailer) noexcept;
@@ -89,6 +96,9 @@ class Exchange {
   bool silence_expected_ = false;
   bool listens_ = false;
   bool queries_ = false;
+  double repeat_after_ = 0.0;
+  int repeated_ = -1;  ///< Label of the last request that was sent twice: it may be answered twice
+  std::size_t sent_ = 0;  ///< bytes of the last request in out_
   double lay_ = 0.0;
   int packet_errors_ = -1;
   std::array<std::uint8_t, kDatagramBuffer> out_{};

@@ -39,6 +39,7 @@ constexpr std::uint8_t kFlagDropped = 0x02;
 constexpr std::uint8_t kFlagInternalError = 0x04;
 constexpr std::uint8_t kFlagProtocolError = 0x08;
 constexpr std::uint8_t kFlagNoForward = 0x10;  ///< Rev 9: echo
+constexpr std::uint8_t kFlagSourcePort = 0x60;  ///< Rev 9 on FPGA V3: where the packet came in
 
 // Section 7: registers.
 namespace address {
@@ -85,6 +86,7 @@ constexpr std::uint16_t of_channel(int channel, Offset offset) {
 }
 }  // namespace address
 
+constexpr std::size_t kDallasBytes = 2048;  ///< memory of an instrument's chip, a DS2505
 constexpr std::uint32_t kHardwareQla1 = 0x514C4131;  ///< "QLA1", section 1
 constexpr std::uint32_t kPreloadNever = 0x800000;    ///< section 7.4; also the counter's zero
 constexpr double kTicksPerSecond = 49.152e6;
@@ -92,6 +94,11 @@ constexpr std::uint32_t kWatchdogTicks = 256;       ///< Clock ticks in one coun
 constexpr std::uint32_t kWatchdogDefault = 0x1680;  ///< 30 ms
 constexpr std::uint32_t kMotorConfigDefault = 0x01780418;
 constexpr std::uint32_t kEthernetHealthy = 0xA01C0000;
+constexpr std::uint32_t kEthernetV3 = 0x40B0B0B0;  ///< Healthy, FPGA V3
+/// Register 12: FPGA V3, whose two Ethernet ports may take FireWire's place.
+constexpr bool is_fpga_v3(std::uint32_t ethernet) {
+  return (ethernet >> 30) == 1;
+}
 constexpr std::uint32_t kEthernetErrors = 0x1FC00000;  ///< bits 28 to 22; V2
 
 // Section 7.3: the control word.

@@ -12,7 +12,7 @@
 #include <cstring>
 #include <ctime>
 
-#include "dvrk/protocol/stamped_datagram.hpp"
+#include "control/udp_port.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn::dvrk {
@@ -46,16 +46,6 @@ std::uint32_t look_up(const std::string& host) {
   return ntohl(at.sin_addr.s_addr);
 }
 
-// [s] since the system got a datagram, by the stamp that it put on it; 0 if there is none.
-double seconds_since(const timespec& came) {
-  if (came.tv_sec == 0) return 0.0;
-  timespec now{};
-  ::clock_gettime(CLOCK_REALTIME, &now);
-  const double lay = static_cast<double>(now.tv_sec - came.tv_sec) +
-                     1e-9 * static_cast<double>(now.tv_nsec - came.tv_nsec);
-  return lay > 0.0 ? lay : 0.0;
-}
-
 // The address of this machine on the way to `server`: multicast leaves there as well.
 in_addr own_address(std::uint32_t server, std::uint16_t port) {
   sockaddr_in own{};
@@ -80,14 +70,17 @@ std::uint32_t host_part(std::uint32_t address) {
 UdpLink::UdpLink(const std::string& host, std::uint16_t port)
     : port_(port), server_(look_up(host)), board_(server_) {
   broadcast_ = server_ | host_part(server_);
-  subnet_ = ~host_part(server_);
   socket_ = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
   require(socket_ >= 0, "no UDP socket: ", std::strerror(errno), ".");
   const int yes = 1;
   ::setsockopt(socket_, SOL_SOCKET, SO_BROADCAST, &yes, sizeof yes);
   ::setsockopt(socket_, SOL_SOCKET, SO_TIMESTAMPNS, &yes, sizeof yes);
-  const in_addr own = own_address(server_, port_);
-  ::setsockopt(socket_, IPPROTO_IP, IP_MULTICAST_IF, &own, sizeof own);
+  // Answers come to the address on the way to the boards alone, whoever else knows this machine.
+  sockaddr_in own{};
+  own.sin_family = AF_INET;
+  own.sin_addr = own_address(server_, port_);
+  ::setsockopt(socket_, IPPROTO_IP, IP_MULTICAST_IF, &own.sin_addr, sizeof own.sin_addr);
+  ::bind(socket_, reinterpret_cast<const sockaddr*>(&own), sizeof own);
 }
 
 UdpLink::~UdpLink() {
@@ -112,10 +105,9 @@ Arrival UdpLink::receive(ByteSpan buffer, double timeout) noexcept {
   }
   sockaddr_in from{};
   timespec came{};
-  const ssize_t got = receive_stamped(socket_, buffer, from, came);
+  const ssize_t got = receive_stamped(socket_, buffer.data, buffer.size, from, came);
   if (got < 0) return {};
-  const std::uint32_t address = ntohl(from.sin_addr.s_addr);
-  const bool known = ntohs(from.sin_port) == port_ && ((address ^ server_) & subnet_) == 0;
+  const bool known = ntohs(from.sin_port) == port_ && may_answer(ntohl(from.sin_addr.s_addr));
   return {true, static_cast<std::size_t>(got), known, seconds_since(came)};
 }
 
@@ -141,7 +133,18 @@ std::uint32_t UdpLink::address_word() const noexcept {
   return __builtin_bswap32(server_);
 }
 
+// Before the hub is known any board may be it; from Rev 9 on its id is part of its address.
+bool UdpLink::may_answer(std::uint32_t address) const noexcept {
+  if (address == server_ || address == board_) return true;
+  return !hub_known_ && address - server_ < static_cast<std::uint32_t>(kMaxBoards);
+}
+
+void UdpLink::speak_to(int board) noexcept {
+  board_ = server_ + static_cast<std::uint32_t>(board);
+}
+
 void UdpLink::hub_is(int firmware, int board) noexcept {
+  hub_known_ = true;
   board_ = firmware >= 9 ? server_ + static_cast<std::uint32_t>(board) : server_;
 }
 

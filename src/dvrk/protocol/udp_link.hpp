@@ -26,14 +26,17 @@ class UdpLink final : public DatagramLink {
   void wait(double seconds) noexcept override;
   std::uint32_t address_word() const noexcept override;
   void hub_is(int firmware, int board) noexcept override;
+  void speak_to(int board) noexcept override;
 
  private:
+  bool may_answer(std::uint32_t address) const noexcept;
+
   int socket_ = -1;
   std::uint16_t port_;
   std::uint32_t server_ = 0;  ///< host byte order
   std::uint32_t board_ = 0;
   std::uint32_t broadcast_ = 0;
-  std::uint32_t subnet_ = 0;  ///< mask of addresses that may answer
+  bool hub_known_ = false;
 };
 
 }  // namespace veridyn::dvrk

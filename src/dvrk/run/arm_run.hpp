@@ -29,6 +29,7 @@ struct RunResult {
   Recording rows;  ///< t, q, dq, tau of the motion itself; t from the boards, 0 at its first row
   bool complete = false;
   std::string why;  ///< what ended it, where it is not complete
+  std::string remark;  ///< what a reader of the recording must know of it, complete or not
   LoopTiming timing;
   /// What the boards said when they were told to switch off.
   OffState power = OffState::kNotAsked;

@@ -71,8 +71,13 @@ SessionOptions session_options(const RobotConfig& robot, const ArmSessionOptions
   options.bus.mtu = how.mtu;
   options.bus.access = how.access;
   options.bus.announce = how.announce;
+  options.bus.firewire = how.firewire;
   options.watchdog = how.watchdog;
   options.bus.reply_timeout = how.reply_timeout;
+  options.bus.repeat_after = how.repeat_after;
+  // Whoever lets the boards wait longer for a word also waits longer for theirs.
+  const double reply = std::max(how.reply_timeout, BusOptions().reply_timeout);
+  options.lost_reads = std::max(options.lost_reads, static_cast<int>(how.watchdog / reply));
   options.bus.cycle_time = how.rate > 0.0 ? 1.0 / how.rate : 0.0;
   options.bus.boards = boards_of(robot);
   options.channels.assign(options.bus.boards.size(), {});
@@ -125,6 +130,7 @@ void ArmSession::start() {
   units_.reset();
   homing_ = {};
   require_velocities();
+  if (!boards_.listens()) require_own_boards();
   // Encoders that cannot be loaded stand where they stand.
   homed_ = !robot().has_encoder_preload || !needs_homing();
   if (homed_ || options_.homing == Homing::kNever || boards_.listens()) return;
@@ -141,6 +147,20 @@ void ArmSession::require_velocities() const {
             firmware,
             ", whose velocities have another form, expected 7 or more, or VelocitySource ",
             "SOFTWARE.");
+  }
+}
+
+// Ids are switches that anybody sets; serial numbers are not.
+void ArmSession::require_own_boards() {
+  const std::vector<int> ids = boards_of(robot());
+  for (const BoardSerial& own : robot().board_serials) {
+    const auto at = std::find(ids.begin(), ids.end(), own.board);
+    if (at == ids.end()) continue;
+    const std::string found = boards_.bus().qla_serial(static_cast<int>(at - ids.begin()));
+    require(found == own.serial, "robot '", robot().name, "'",
+            robot().serial.empty() ? "" : " (SN " + robot().serial + ")", ": found a board ", own.board,
+            found.empty() ? std::string(" without a serial number") : " with the serial number " + found,
+            ", expected ", own.serial, ": this is another arm, or a board was exchanged.");
   }
 }
 
@@ -292,6 +312,37 @@ const HomingReport& ArmSession::home() {
   }
   homing_.done = homed_ = true;
   return homing_;
+}
+
+namespace {
+
+// @returns false: no board answers a client that never announced itself, as after they were
+// switched on.
+bool sees_no_power(DatagramLink& link, const RobotConfig& robot, const ArmSessionOptions& options) {
+  ArmSession look(link, robot, options);
+  try {
+    look.start();
+  } catch (const InvalidInput&) {
+    if (options.announce) throw;
+    return false;
+  }
+  require(look.update(), "boards: not a single valid read.");
+  const BoardBus& bus = look.boards().bus();
+  for (int b = 0; b < bus.boards(); ++b)
+    require(!bus.feedback(b).status.power_requested(), "--home: board ", bus.info(b).id,
+            " has motor power: another program drives it.");
+  return true;
+}
+
+}  // namespace
+
+void require_no_power(DatagramLink& link, const RobotConfig& robot, ArmSessionOptions options) {
+  options.access = Access::kListen;
+  options.homing = Homing::kNever;
+  options.announce = false;
+  if (sees_no_power(link, robot, options)) return;
+  options.announce = true;
+  sees_no_power(link, robot, options);
 }
 
 }  // namespace veridyn::dvrk

@@ -31,8 +31,10 @@ struct ArmSessionOptions {
   std::size_t mtu = 1500;
   Access access = Access::kDrive;  ///< listening, start() neither writes nor loads encoders
   bool announce = false;           ///< see BusOptions
+  bool firewire = false;           ///< likewise
   double watchdog = 0.030;         ///< [s]
   double reply_timeout = 0.020;    ///< [s] for all replies of a cycle
+  double repeat_after = BusOptions().repeat_after;  ///< [s] a read without a reply is sent again
   Homing homing = Homing::kIfNeeded;
   int pot_readings = 100;  ///< cycles of pots whose mean gives the encoders their start
   /// Largest motion of a pot among them, peak to peak, in which it counts as resting: this share of
@@ -111,9 +113,11 @@ class ArmSession {
   const BoardSession& boards() const { return boards_; }
   /// Feedback of the board behind an actuator, for tables.
   const BoardFeedback& board_of(int actuator) const;
+  double watchdog() const { return options_.watchdog; }  ///< [s] of the boards
 
  private:
   void require_velocities() const;
+  void require_own_boards();
   void read_raw() noexcept;
   void command_brakes() noexcept;
   std::string average_pots(VectorXd& mean);
@@ -134,5 +138,10 @@ class ArmSession {
   bool homed_ = false;
   HomingReport homing_;
 };
+
+/// Looks whether another program drives the arm, and writes nothing where a board answers; the two
+/// packets of BusOptions::announce are sent only where none does, as after they were switched on.
+/// @throws InvalidInput  a board has motor power, or none answers.
+void require_no_power(DatagramLink& link, const RobotConfig& robot, ArmSessionOptions options);
 
 }  // namespace veridyn::dvrk

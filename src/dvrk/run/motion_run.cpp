@@ -10,7 +10,11 @@
 namespace veridyn::dvrk {
 namespace {
 
-constexpr double kLooking = 0.1;  // [s] of reading before power is asked for
+constexpr double kLooking = 0.1;       // [s] of reading before power is asked for
+constexpr double kLookingAgain = 0.5;  // [s] of it after a stall
+constexpr int kLooks = 6;
+constexpr double kLongestGap = 0.5;    // of the watchdog's time, between two writes
+constexpr double kMostLate = 0.05;     // share of cycles that begin late: as of a run on the whole
 
 }  // namespace
 
@@ -39,6 +43,10 @@ RunResult MotionRun::run() {
   result.power = power_down();
   result.rows = keeper_.take(recorded_);
   result.why = why_;
+  if (latch_.stood_still() > 0)
+    result.remark = text("the clock of board ", arm_.board_of(0).status.board(),
+                         " stood still at ", latch_.stood_still(),
+                         " rows, whose times are this program's");
   if (result.why.empty()) result.why = objection_to(result.timing);
   finish(file_, result);
   result.complete = result.complete && done && result.power == OffState::kConfirmed;
@@ -63,8 +71,8 @@ bool MotionRun::cycle(Make&& make) {
   clock_.end();
   if (!sound) return end(controller_.why());
   if (stop_.load(std::memory_order_relaxed)) return end("stopped by a signal");
-  if (state == PowerState::kFault) return end(describe(arm_.boards().cause()));
-  if (clock_.persistently_late()) return end(late_words(clock_));
+  if (state == PowerState::kFault) return end(arm_.boards().cause_words());
+  if (clock_.persistently_late() && !looks_) return end(late_words(clock_));
   if (file_.failed()) return end("the recording cannot be written");
   return !valid || !ready || (stays_inside() && follows());
 }
@@ -108,10 +116,31 @@ bool MotionRun::end(const std::string& why) {
   return false;
 }
 
-bool MotionRun::power_up() {
-  for (int k = 0; k < static_cast<int>(kLooking * options_.rate); ++k) {
-    if (!cycle([](double) {})) return false;
+// Before power: whether this machine and its boards keep the time that a watchdog allows. A stall is
+// waited for; a machine that stalls again and again is one that nothing should be moved with.
+bool MotionRun::look() {
+  looks_ = true;
+  for (int trial = 0; trial < kLooks; ++trial) {
+    clock_.restart_count();
+    const int cycles = static_cast<int>((trial == 0 ? kLooking : kLookingAgain) * options_.rate);
+    for (int k = 0; k < cycles; ++k) {
+      if (!cycle([](double) {})) return false;
+    }
+    const LoopTiming& seen = clock_.timing();
+    const bool slow = seen.longest_gap.seconds > kLongestGap * arm_.watchdog();
+    const bool late = static_cast<double>(seen.late) > kMostLate * static_cast<double>(seen.cycles);
+    looks_ = slow || late;
+    if (!looks_) return true;
+    busy_ = text("this machine is too busy, or the boards answer late: ", seen.late, " of ", seen.cycles,
+                 " cycles began late, at most ", 1e3 * seen.longest_gap.seconds,
+                 " ms passed between two writes, of ",
+                 1e3 * arm_.watchdog(), " ms that watchdogs allow; ", describe_reason(seen.longest_gap), ". Nothing was moved");
   }
+  return end(busy_);
+}
+
+bool MotionRun::power_up() {
+  if (!look()) return false;
   const std::string outside = check_.objection_to(arm_.state().q);
   if (!outside.empty()) return end(outside);
   if (const char* refused = arm_.power_on()) return end(refused);
@@ -161,18 +190,17 @@ bool MotionRun::play() {
   const double duration = points_.duration();
   double start = -1.0;
   double t = 0.0;
-  LatchTime latch;
   bool kept = false;
   while (t < duration) {
     const bool goes_on = cycle([&](double now) {
       if (start < 0.0) start = now;
       t = now - start;
       points_.at(t, wanted_);
-      const double latched = latch.next(now, arm_.board_of(0).seconds());
+      const double latched = latch_.next(now, arm_.board_of(0).seconds());
       keeper_.keep(latched, arm_.state());
       kept = true;
     });
-    if (!kept) latch.lost();
+    if (!kept) latch_.lost();
     kept = false;
     if (!goes_on) return false;
   }

@@ -33,6 +33,7 @@ class MotionRun {
   bool stays_inside();
   bool follows();
   bool end(const std::string& why);
+  bool look();
   bool power_up();
   void hold_here();
   void rest();
@@ -52,10 +53,12 @@ class MotionRun {
   RowKeeper keeper_;
   RowFile file_;
   CycleClock clock_;
+  LatchTime latch_;
   JointReference wanted_;
   VectorXd tau_;
   double before_ = -1.0;  // [s] when torques were last asked for
-  std::string why_;
+  std::string why_, busy_;
+  bool looks_ = false;  // before power
 };
 
 }  // namespace veridyn::dvrk

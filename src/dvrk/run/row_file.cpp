@@ -10,9 +10,12 @@
 #include <chrono>
 #include <csignal>
 #include <cstring>
+#include <fstream>
 #include <utility>
 
+#include "math/output_file.hpp"
 #include "recordings/remark.hpp"
+#include "veridyn/math/require.hpp"
 
 namespace veridyn::dvrk {
 namespace {
@@ -142,6 +145,17 @@ void RowFile::remark_in_place(const std::string& remark) {
   if (file_ >= 0 && ::pwrite(file_, line.data(), line.size(), 0) < 0) error_ = std::strerror(errno);
 }
 
+// What was followed, with another first line: rows are made into text once.
+void RowFile::copy_rows(const std::string& remark) const {
+  std::ifstream rows(path_, std::ios::binary);
+  rows.seekg(static_cast<std::streamoff>(kRemark));
+  OutputFile whole(path_);
+  if (!remark.empty()) whole.stream() << "# " << remark << '\n';
+  whole.stream() << rows.rdbuf();
+  require(rows.good() || rows.eof(), path_, ": cannot be read again.");
+  whole.commit();
+}
+
 // The file as every reader expects it, in one piece; what was followed stays where that fails, for
 // example on a disk that is full.
 void RowFile::finish(const std::string& remark) {
@@ -155,7 +169,10 @@ void RowFile::finish(const std::string& remark) {
   const Eigen::Index all = keeper_.count();
   if (all == 0) return;
   try {
-    write_recording(keeper_.take(joints_), path_, remark);
+    if (followed_)
+      copy_rows(remark);
+    else
+      write_recording(keeper_.take(joints_), path_, remark);
     written_ = all;
   } catch (const std::exception& problem) {
     if (followed_) {

@@ -38,6 +38,7 @@ class RowFile {
   bool put(const std::string& bytes);
   void stop();
   void remark_in_place(const std::string& remark);
+  void copy_rows(const std::string& remark) const;
 
   std::string path_;
   const RowKeeper& keeper_;

@@ -73,7 +73,9 @@ class LatchTime {
       start_ = now;
       started_ = true;
     } else {
-      time_ += gap_ || std::abs(seconds - passed) > kClocksDiffer ? passed : seconds;
+      const bool stands = seconds < kStands && passed > kStands;
+      if (stands) ++stood_still_;
+      time_ += gap_ || stands || std::abs(seconds - passed) > kClocksDiffer ? passed : seconds;
       find_foreign_reads(now - start_ - time_);
     }
     last_ = now;
@@ -81,6 +83,8 @@ class LatchTime {
     return time_;
   }
   void lost() noexcept { gap_ = true; }
+  /// Latches between which the boards' counter stood still: the link's clock timed them.
+  long stood_still() const { return stood_still_; }
   /// How often time was missing.
   long foreign_reads() const { return foreign_; }
 
@@ -100,13 +104,14 @@ class LatchTime {
     steps_ = 0;
   }
 
+  static constexpr double kStands = 1e-6;  // [s] no two reads follow each other so fast
   static constexpr double kClocksDiffer = 0.05;  // [s]
   static constexpr double kStep = 1e-4;          // [s]
   static constexpr int kStays = 8;               // reads in a row
   static constexpr double kFollowUp = 0.001, kFollowDown = 0.1;
   double time_ = 0.0, last_ = 0.0, start_ = 0.0, usual_ = 0.0, least_ = 0.0;
   int steps_ = 0;
-  long foreign_ = 0;
+  long foreign_ = 0, stood_still_ = 0;
   bool started_ = false, gap_ = false;
 };
 

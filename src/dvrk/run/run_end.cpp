@@ -17,7 +17,8 @@ std::string objection_to(const LoopTiming& timing) {
 
 void finish(RowFile& file, RunResult& result) {
   if (file.failed() && result.why.empty()) result.why = "the recording cannot be written";
-  file.finish(result.why.empty() ? "" : "incomplete: " + result.why);
+  const std::string also = result.remark.empty() ? "" : "; " + result.remark;
+  file.finish(result.why.empty() ? result.remark : "incomplete: " + result.why + also);
   result.kept = file.rows();
   result.file_error = file.error();
   if (!result.file_error.empty() && result.why.empty())
