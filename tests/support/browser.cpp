@@ -84,7 +84,7 @@ void run_browser(const fs::path& work, const std::string& words) {
 
 std::string picture_of(const std::string& path, double moment) {
   const fs::path work = new_folder();
-  run_browser(work, "--window-size=1400,900 --virtual-time-budget=3000 --screenshot=" +
+  run_browser(work, "--window-size=1400,650 --virtual-time-budget=3000 --screenshot=" +
                         (work / "page.png").string() + " 'file://" + path +
                         "#t=" + std::to_string(moment) + "'");
   std::string picture = read(work / "page.png");

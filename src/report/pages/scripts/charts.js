@@ -94,7 +94,7 @@ function svgFile(svg) {
 
 /** Buttons that save a figure; `svg` and `csv` are made when they are pressed. */
 function saveButtons(name, svg, csv) {
-  const file = (result.robot || result.scenario || 'veridyn') + '-' + name.replace(/[^a-z0-9]+/gi, '-').toLowerCase();
+  const file = ((result.robot || result.scenario || 'veridyn') + '-' + name).replace(/[^a-z0-9]+/gi, '-').toLowerCase();
   return element(
       'span', {class: 'tools'}, button('SVG', () => saveAs(file + '.svg', 'image/svg+xml', svg()), 'Save ' + name + ' as SVG'),
       button('CSV', () => saveAs(file + '.csv', 'text/csv', csv()), 'Save the numbers of ' + name + ' as CSV'));

@@ -54,6 +54,7 @@ const styles = {
   plain: {scale: 1, write: (v) => significant(v, 4)},
   milli: {scale: 1000, write: (v) => significant(v, 2)},
   whole: {scale: 1, write: fixed(0)},
+  kilo: {scale: 1e-3, write: fixed(0)},
 };
 
 /** The number at a pointer, in one of the styles, or with a writer of its own. */

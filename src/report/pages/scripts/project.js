@@ -48,7 +48,7 @@ pages.page = () => {
       section('pages', 'Pages and results', null, result.pages.length ? table(['Written', 'File', 'Command', 'Of', 'What it says'], result.pages.map((p) => [
         day(p.date), element('a', {href: encodeURI(p.link)}, p.file), p.command, p.robot, element('ul', {}, p.sentences.map((s) => element('li', {}, typeset(s))))]), 'pages') : null),
       section('recordings', 'Recordings', null, result.recordings.length ? table(['Written', 'File', '#Size [kB]'], result.recordings.map((r, k) => [
-        day(r.date), r.file, fixed(0)(r.bytes / 1000)]), 'recordings') : null),
+        day(r.date), r.file, number('/recordings/' + k + '/bytes', 'kilo')]), 'recordings') : null),
       section('unreadable', 'Not readable', null, result.unreadable.length ? element('ul', {}, result.unreadable.map((why) => element('li', {}, why))) : null)]
   };
 };
