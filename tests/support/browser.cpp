@@ -82,17 +82,6 @@ void run_browser(const fs::path& work, const std::string& words) {
 
 }  // namespace
 
-std::string picture_of(const std::string& path, double moment) {
-  const fs::path work = new_folder();
-  run_browser(work, "--window-size=1400,650 --virtual-time-budget=3000 --screenshot=" +
-                        (work / "page.png").string() + " 'file://" + path +
-                        "#t=" + std::to_string(moment) + "'");
-  std::string picture = read(work / "page.png");
-  std::error_code ignored;
-  fs::remove_all(work, ignored);
-  return picture;
-}
-
 std::vector<double> column(const nlohmann::json& packed) {
   std::vector<double> out;
   if (packed.is_array()) {

@@ -40,9 +40,6 @@ enum class Scheme { kLight, kDark };
 OpenedPage open_page(const std::string& path, int width, const std::string& script = "",
                      Scheme scheme = Scheme::kLight);
 
-/// The bytes of a picture of the page at a moment of its recording [s].
-std::string picture_of(const std::string& path, double moment);
-
 /// What the page says about itself is as it should be: no fault, nothing wider than the page, and
 /// every plot has points and pixels of every curve.
 void expect_sound(const OpenedPage& page, int width);
