@@ -66,13 +66,6 @@ KinematicTable inverse_kinematics(const Model& arm, const std::string& frame,
 /// `count` postures spread evenly over the joints' ranges (Halton's sequence).
 KinematicTable sample_workspace(const Model& arm, const std::string& frame, int count);
 
-/// The origins of all frames of a posture, each with its parent's index, for drawings; -1: world.
-struct ArmDrawing {
-  std::vector<Eigen::Vector3d> points;  ///< [m]
-  std::vector<int> parents;
-};
-ArmDrawing arm_drawing(const Model& arm, const VectorXd& q);
-
 /// t, q1.., x, y, z, qw, qx, qy, qz, condition, smallest, manipulability, and where asked the
 /// Jacobian's 6 n entries J11.. row by row; status and errors behind inverse kinematics.
 enum class JacobianColumns { kWithout, kWith };

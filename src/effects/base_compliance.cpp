@@ -73,14 +73,6 @@ class BaseCompliance final : public ArmEffect {
     return {{"about_x", "rad/(N m)", "rad/(N m)", ParameterSign::kNonnegative, kLargest, kLargest},
             {"about_y", "rad/(N m)", "rad/(N m)", ParameterSign::kNonnegative, kLargest, kLargest}};
   }
-  EffectTraits traits(const ShapeValues& /*shape*/) const override {
-    EffectTraits t;
-    t.role = EffectRole::kArm;
-    t.stage = DiagnosisStage::kChannel;
-    t.depends_on_position = true;
-    t.lasting = true;
-    return t;
-  }
 
   // Of five real recordings of a PSM it is named in all, and predicts three of them worse.
   bool asked_unnamed() const override { return false; }

@@ -1,3 +1,4 @@
+#include "math/words.hpp"
 #include "recordings/choose_fields.hpp"
 
 #include <algorithm>
@@ -16,10 +17,6 @@ namespace veridyn::recordings {
 namespace {
 
 constexpr int kQ = 0, kTau = 3, kCurrent = 4;
-
-bool is_number(const std::string& name) {
-  return !name.empty() && name.find_first_not_of("0123456789") == std::string::npos;
-}
 
 // Joints of a topic that have a position, in the order in which they first appear; mere numbers by
 // value.

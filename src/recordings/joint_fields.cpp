@@ -1,3 +1,4 @@
+#include "math/words.hpp"
 #include "recordings/joint_fields.hpp"
 
 #include <algorithm>
@@ -48,11 +49,6 @@ bool is_unit(const std::string& word) {
   static const std::set<std::string> kUnits = {"deg",  "rad", "mm",  "rads", "degs", "nm",
                                                "mrad", "mnm", "ma"};
   return kUnits.count(word) > 0;
-}
-
-std::string lower(std::string text) {
-  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return text;
 }
 
 bool is_digits(const std::string& word) {

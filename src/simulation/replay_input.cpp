@@ -1,6 +1,5 @@
 #include <set>
 
-#include "recordings/remark.hpp"
 #include "veridyn/simulation/replay.hpp"
 
 namespace veridyn {

@@ -102,6 +102,7 @@ class SensorError : public ChannelEffect {
 class ArmEffect : public ChannelEffect {
  public:
   bool whole_arm() const final { return true; }
+  EffectTraits traits(const ShapeValues& shape) const override;
   bool acts_on(int /*i*/, int /*joint*/) const override { return true; }
 
   /// Makes the arm one that has it, by facts that the model has anyway (its gravity) or by a term of

@@ -39,7 +39,4 @@ struct UrdfExtras {
 /// out, and comments say so.
 std::string to_urdf(const Model& arm, const UrdfExtras& extras = {});
 
-/// Writes to_urdf() to a file. @throws InvalidInput  the file cannot be written.
-void save_urdf(const Model& arm, const std::string& path, const UrdfExtras& extras = {});
-
 }  // namespace veridyn

@@ -18,7 +18,6 @@
 #include "veridyn/report/pages.hpp"
 #include "veridyn/report/json.hpp"
 #include "recordings/named_recordings.hpp"
-#include "veridyn/report/setting_names.hpp"
 
 namespace veridyn::cli {
 namespace {

@@ -1,3 +1,4 @@
+#include "math/words.hpp"
 #include "recordings/csv/csv_layout.hpp"
 
 #include <algorithm>
@@ -32,11 +33,6 @@ ColumnName split(const std::string& name) {
   if (digits < name.size() && name.size() - digits < 6)
     parts.number = std::stoi(name.substr(digits));
   return parts;
-}
-
-std::string lower(std::string text) {
-  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return text;
 }
 
 // The signal that a column name is likely meant to be, or -1: other case, `_` before the number,
