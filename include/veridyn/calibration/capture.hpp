@@ -10,7 +10,7 @@ namespace veridyn {
 
 /// Options for reading the export of a motion-capture program.
 struct CaptureOptions {
-  /// unit of positions: "m", "cm" or "mm"; empty: as stated in the file, else metres
+  /// Unit of positions: "m", "cm" or "mm"; empty: as stated in the file, else metres.
   std::string unit;
   std::string body;   ///< the body whose pose is wanted, for files with several
   /// [Hz] of files without time; 0: as stated in the file, else rows count seconds

@@ -38,7 +38,7 @@ struct LinkConstant {
   double low = 0.0, high = 0.0;  ///< 95 % interval of the estimate if this constant is free
   bool identifiable = false;
   bool changed = false;  ///< `found` differs from `file`
-  /// reason why it is not identifiable, or the constants that it is confounded with
+  /// Reason why it is not identifiable, or the constants that it is confounded with.
   std::string why;
 };
 

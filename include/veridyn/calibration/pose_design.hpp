@@ -28,7 +28,7 @@ struct PoseDesign {
   std::string robot, frame;
   MatrixXd q;       ///< (poses x joints)
   VectorXd time;    ///< (poses) [s] at which each is reached, speeds within their limits
-  /// factor by which the mean standard deviation falls against as many random poses
+  /// Factor by which the mean standard deviation falls against as many random poses.
   double gain = 0.0;
   int constants = 0;  ///< identifiable constants, base and tool included
   struct Prediction {

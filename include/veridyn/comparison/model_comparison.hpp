@@ -44,16 +44,16 @@ struct ModelDifference {
   std::string unit;
   std::string effect;   ///< name of the effect, for its parameters; else empty
   std::string same_as;  ///< expression of the one base parameter that a joint's number consists of
-  /// from 1; for a parameter, the joint where it has the largest share of the torque
+  /// Number from 1; for a parameter, the joint where it has the largest share of the torque.
   int joint = 0;
   std::string coordinate;  ///< its name
   double before = 0.0;     ///< unconstrained least squares, to which the statistics belong
   double after = 0.0;
   double difference = 0.0;  ///< after - before
-  /// standard deviation of the difference, from clusters; NaN: neither model has any
+  /// Standard deviation of the difference, from clusters; NaN: neither model has any.
   double deviation = 0.0;
   double t = 0.0;
-  /// by Welch and Satterthwaite, from the contributions of the clusters
+  /// Formula of Welch and Satterthwaite, from the contributions of the clusters.
   double degrees_of_freedom = 0.0;
   double low = 0.0, high = 0.0;     ///< 95 % interval of the difference, for this number alone
   double p_value = 1.0;
@@ -70,7 +70,7 @@ struct TorqueDifference {
   double before = 0.0, after = 0.0;  ///< rms torque of either model
   double difference = 0.0;           ///< rms
   double share = 0.0;                ///< difference / before
-  /// rms difference that scatter alone would cause; NaN: neither model has any
+  /// Rms difference that scatter alone would cause; NaN: neither model has any.
   double by_chance = 0.0;
   double bodies = 0.0;     ///< rms contribution of masses, moments and inertias
   double effects = 0.0;    ///< rms contribution of friction and the other effects
@@ -94,7 +94,7 @@ struct ModelComparison {
   std::vector<ModelDifference> joints;
   /// Base parameters. Significant ones first, by their share of the torque; then the others, by p.
   std::vector<ModelDifference> parameters;
-  /// parameters that only one of the models determines
+  /// Parameters that only one of the models determines.
   std::vector<std::string> only_before, only_after;
   std::vector<TorqueDifference> torque;              ///< one per joint
 

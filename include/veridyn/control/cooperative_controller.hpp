@@ -70,11 +70,11 @@ struct TipTarget {
   TetherGuard::Motion relief{};
 };
 
-/// kTracking, or the reason why targets are held; only restart() leaves such a state.
+/// KTracking, or the reason why targets are held; only restart() leaves such a state.
 enum class CooperativeState {
   kTracking,
   kForceTooLarge,
-  /// deviates from the wanted force by more than largest_force_error, as when a member is slack
+  /// Deviates from the wanted force by more than largest_force_error, as when a member is slack.
   kForceMissed,
   kSensorStale,
   kSensorStuck,

@@ -31,8 +31,8 @@ struct Deadband {
 
 struct FrictionOptions {
   FrictionRule rule = FrictionRule::kStickSlip;
-  Deadband velocity{0.01, 0.005};     ///< value of the thesis
-  /// the prismatic value is that of the thesis, which has none for revolute axes
+  Deadband velocity{0.01, 0.005};  ///< value of the thesis
+  /// The prismatic value is that of the thesis, which has none for revolute axes.
   Deadband position{0.0015, 0.0003};
   /// Share of the identified friction that is compensated: a lower bound of the real friction.
   /// Compensation above the real friction makes the arm move by itself.

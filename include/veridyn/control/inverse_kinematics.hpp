@@ -15,7 +15,7 @@ struct InverseKinematicsOptions {
   double position_tolerance = 1e-7;  ///< [m]: |p_d - p| <= this
   double angle_tolerance = 1e-7;     ///< [rad]: the angle of R_d R' <= this
   int most_iterations = 60;
-  /// largest change of a joint per iteration [rad], or characteristic lengths
+  /// Largest change of a joint per iteration [rad], or characteristic lengths.
   double longest_step = 0.4;
   TaskInverseOptions inverse{0.0, 0.02};
 };

@@ -135,7 +135,7 @@ class ForceChannel {
   double delay() const;
   double unfiltered() const { return force_; }  ///< [N] of the latest reading
   double believed() const { return last_raw_; }  ///< raw value of the latest accepted reading
-  /// readings discarded because of their range
+  /// Readings discarded because of their range.
   long beyond_range() const { return beyond_range_; }
   long jumps() const { return jumps_; }                ///< readings discarded because of their step
   const ForceSource& source() const { return *source_; }

@@ -18,10 +18,10 @@ struct ObjectMotion {
 };
 
 struct ObjectImpedanceOptions {
-  double mass = 0.0;                                 ///< [kg] of the object's model
+  double mass = 0.0;  ///< [kg] of the object's model
   /// [kg m^2] about its axes, of the object's model
   Eigen::Vector3d inertia{Eigen::Vector3d::Zero()};
-  Eigen::Vector3d gravity{0.0, 0.0, -9.81};          ///< [m/s^2]
+  Eigen::Vector3d gravity{0.0, 0.0, -9.81};  ///< [m/s^2]
   std::vector<Eigen::Vector3d> grasps;  ///< [m] points held by the hands, in the object's frame
   // Desired impedance of the object, in all directions.
   double wanted_mass = 1.0;        ///< M_d [kg]

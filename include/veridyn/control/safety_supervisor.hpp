@@ -43,9 +43,9 @@ enum class SafetyAction {
   kPass,       ///< the controller's torque, within the motors' limits
   kHold,       ///< brakes with the model's help, then holds the position where it stopped
   kRelease,    ///< gravity compensation and damping alone: yields to external forces
-  /// the torque that held the arm at its last valid position and, decaying with `braking`, most of
+  /// The torque that held the arm at its last valid position and, decaying with `braking`, most of
   /// the torque that stops its last valid momentum; no feedback. For counterbalanced arms; others
-  /// need their brakes
+  /// need their brakes.
   kFreeze
 };
 

@@ -7,7 +7,7 @@
 namespace veridyn {
 
 struct TeleoperationOptions {
-  /// rotation applied to motions and forces
+  /// Rotation applied to motions and forces.
   Eigen::Matrix3d R_follower_leader{Eigen::Matrix3d::Identity()};
   double scale = 0.5;         ///< motion of the follower per motion of the leader
   double force_scale = 1.0;   ///< force at the leader's tip per force at the follower's; 0: none

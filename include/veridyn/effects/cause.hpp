@@ -135,9 +135,9 @@ struct CauseWords {
   std::string effect;
   int joint = 0;           ///< number of acting_joint() from 1; 0: the whole arm
   std::string coordinate;  ///< name of that coordinate, or "arm"
-  /// frame of a load or of a frame's row, or the first frame that a contact can act on
+  /// Frame of a load or of a frame's row, or the first frame that a contact can act on.
   std::string frame;
-  std::string constant;    ///< "theta", "delta"; empty where the cause is no constant
+  std::string constant;  ///< "theta", "delta"; empty where the cause is no constant
 };
 CauseWords words_of(const Model& arm, const Cause& cause);
 

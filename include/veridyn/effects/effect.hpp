@@ -66,7 +66,7 @@ struct EffectShape {
   double upper = 0.0;
   bool logarithmic = true;  ///< search in the logarithm; a value from the file must be positive
   bool searched = true;     ///< false: taken from the file or the caller and never searched
-  /// initial value along prismatic axes, where it differs; 0: the same
+  /// Initial value along prismatic axes, where it differs; 0: the same.
   double initial_prismatic = 0.0;
   ShapeScale scale = ShapeScale::kByUnit;  ///< unit of the entries of `grid`
   /// Initial values of a search. Empty: three of kByUnit for a searched constant; a constant that

@@ -40,20 +40,20 @@ struct EffectTraits {
   DryFriction dry = DryFriction::kNone;
   bool affine = false;  ///< torque = constant + a s + b ds + c dds, at all times
 
-  /// depends on the position; a motion that couples the positions of all joints may mislead about
-  /// it
+  /// Depends on the position; a motion that couples the positions of all joints may mislead about
+  /// it.
   bool depends_on_position = false;
-  bool depends_on_time = false;      ///< counted from the start of the recording
+  bool depends_on_time = false;  ///< counted from the start of the recording
   /// A wrong constant of the robot file has exactly the same columns, and data cannot separate
   /// them.
   bool same_as_wrong_constant = false;
   bool slow = false;           ///< visible at low speed and after reversals
   bool holds_at_rest = false;  ///< exerts a force on a joint at rest, like a spring or a cable
   bool lasting = false;        ///< the same every day; friction and offsets are not
-  /// present in every joint and different every day: level, damping, zero
+  /// Present in every joint and different every day: level, damping, zero.
   bool elementary = false;
-  bool tabulated = false;      ///< a measured curve without a physical cause
-  bool mixed_axes = false;     ///< plausible along a combination of coordinates (a tendon, a wrist)
+  bool tabulated = false;   ///< a measured curve without a physical cause
+  bool mixed_axes = false;  ///< plausible along a combination of coordinates (a tendon, a wrist)
   /// False: describes measured motion to first order, and would be unstable as a force in a forward
   /// simulation.
   bool forward_simulable = true;

@@ -150,7 +150,7 @@ constexpr double kLittleUse = 0.4;
 /// torque the other one can reproduce, whatever the motion.
 struct Discrimination {
   std::string first, second;
-  /// part of the first cause's torque that remains after regression on everything else
+  /// Part of the first cause's torque that remains after regression on everything else.
   double first_left = 0.0;
   double second_left = 0.0;  ///< the same of the second cause
   /// The same as a share of the part that remains after regression on the rest of the model, 0 to
@@ -189,14 +189,14 @@ struct Excitation {
   std::vector<std::string> base{};
   double condition_number = 0.0;        ///< of the base regressor, columns scaled to norm one
   double plain_condition_number = 0.0;  ///< of the unscaled columns
-  /// columns divided by the difference of their largest and smallest entries
+  /// Columns divided by the difference of their largest and smallest entries.
   double range_condition_number = 0.0;
   double orthogonal_condition_number = 0.0;  ///< see ColumnScaling::kOrthogonal
   /// Like condition_number, of this motion and the given recordings together; equal without any.
   double condition_number_with_given = 0.0;
   /// ln det of the Gram matrix per instant, columns scaled by their size at random states.
   double log_determinant = 0.0;
-  /// condition number of the first random motion, in the same columns
+  /// Condition number of the first random motion, in the same columns.
   double start_condition_number = 0.0;
   /// For ExcitationOptions::essential, or for 0.01 where that is zero and regroups any parameter.
   std::optional<EssentialParameters> essential{};

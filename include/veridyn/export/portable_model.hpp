@@ -13,7 +13,7 @@ struct PortableBody {
   std::string frame;
   double mass_before = 0.0;               ///< [kg] in the MODEL file
   double mass = 0.0;                      ///< [kg] as exported
-  /// those of m, hx, ... Lzz that the torques do not determine
+  /// Those of m, hx, ... Lzz that the torques do not determine.
   std::vector<std::string> undetermined;
 };
 

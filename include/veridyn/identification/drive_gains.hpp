@@ -26,12 +26,12 @@ struct DriveGain {
   bool identifiable = false;
   std::string reason;      ///< reason why it is not identifiable
   double value = 0.0;      ///< best estimate, identifiable or not
-  /// standard deviation, from clusters; infinite where the data contain nothing about it
+  /// Standard deviation, from clusters; infinite where the data contain nothing about it.
   double deviation = 0.0;
   double low = 0.0;        ///< 95 % interval; infinite ends where the data leave them open
   double high = 0.0;
   double in_file = 0.0;  ///< value of the robot file; 0: none
-  /// share of the known mass in the joint's rms torque, in the recordings that carry it
+  /// Share of the known mass in the joint's rms torque, in the recordings that carry it.
   double share = 0.0;
 };
 

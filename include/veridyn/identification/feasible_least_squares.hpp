@@ -38,7 +38,7 @@ enum class PhysicalCondition {
 /// Entropic prior of body k: adds weight * entropic_divergence(J_k, J(phi)).
 struct EntropicPrior {
   double weight = 0.0;              ///< > 0 (in the unit of z squared), or 0: none
-  /// one per body, pseudo-inertia positive definite; zeros: no prior
+  /// One per body, pseudo-inertia positive definite; zeros: no prior.
   std::vector<InertialVector> phi;
 };
 
@@ -69,8 +69,8 @@ struct FeasibleOptions {
 enum class FeasibleStatus {
   kOptimal,      ///< x is strictly feasible and the gap is within the tolerance
   kInfeasible,   ///< no x satisfies all constraints; see `certificate` for how sure that is
-  /// the feasible set has no interior (as with x <= 1 and x >= 1); x satisfies the constraints up
-  /// to rounding
+  /// The feasible set has no interior (as with x <= 1 and x >= 1); x satisfies the constraints up
+  /// to rounding.
   kNoInterior,
   kNotConverged  ///< gap above tolerance after the last iteration; x is the best found, see
                  ///< `feasible`
@@ -106,7 +106,7 @@ struct FeasibleResult {
   bool feasible = false;     ///< checked afterwards with plain eigenvalues and G*x < h, strictly
   double objective = 0.0;    ///< ||R*x - z||^2 + rho2 at x
   double cost = 0.0;         ///< objective plus the terms of the priors: the minimised function
-  /// lower bound of the cost over all feasible points; infinity if there are none
+  /// Lower bound of the cost over all feasible points; infinity if there are none.
   double lower_bound = 0.0;
   double duality_gap = 0.0;  ///< (cost - lower_bound) / max(cost, floor)
   Certificate certificate = Certificate::kNoBox;

@@ -41,10 +41,10 @@ struct IdentificationOptions {
   PreprocessingOptions preprocessing;
   std::optional<PreprocessingOptions>
       test_preprocessing;  ///< Preprocessing of held-out recordings; empty: the same
-  /// kFeasible: regularises towards this model's inertial parameters by the entropic divergence;
+  /// KFeasible: regularises towards this model's inertial parameters by the entropic divergence;
   /// its bodies need values.
   std::optional<Model> prior;
-  /// weight of the prior, as a share of the weighted residual per body
+  /// Weight of the prior, as a share of the weighted residual per body.
   double prior_weight = 1e-3;
   /// Known loads of some training recordings: the drive gains are found first, see
   /// find_drive_gains(), and the arm is then identified from the recordings without a load.
@@ -62,11 +62,11 @@ struct IdentificationOptions {
 
 enum class IdentificationStatus {
   kDone,
-  /// the recordings leave base parameters of the arm undetermined; see `undetermined`
+  /// The recordings leave base parameters of the arm undetermined; see `undetermined`.
   kRankDeficient,
   kNoData,         ///< no usable samples are left
   kNotConverged,  ///< the feasible solver did not reach its duality gap; the best point is returned
-  /// the known masses do not determine the drive gains, and the robot file has none
+  /// The known masses do not determine the drive gains, and the robot file has none.
   kNoDriveGains,
 };
 
@@ -130,10 +130,10 @@ struct Identification {
   double unconstrained_objective =
       0.0;  ///< objective of unconstrained least squares on the same rows: never above `objective`
   double duality_gap = 0.0;
-  /// the duality gap is rigorous, because the robot file bounds all parameters
+  /// The duality gap is rigorous, because the robot file bounds all parameters.
   bool certified = false;
   std::vector<std::string> active_constraints;
-  /// standard parameters of the arm that these recordings do not determine
+  /// Standard parameters of the arm that these recordings do not determine.
   std::vector<std::string> undetermined;
   std::vector<std::string> still_joints;  ///< coordinates that never move
   std::vector<RecordingError> train, test;

@@ -43,7 +43,7 @@ InertialVector inertial_parameters(const Eigen::Matrix4d& J);
 ///            [ 0  m ]
 ///
 /// D > 0 is necessary and not sufficient for a real body: it ignores h and admits principal moments
-/// that break the triangle inequality. Kept to compare with results of the older literature.
+/// that violate the triangle inequality. Kept to compare with results of older literature.
 Eigen::Matrix4d principal_moment_matrix(const Eigen::Ref<const InertialVector>& phi);
 
 /// Smallest eigenvalue of a symmetric 4x4 matrix.

@@ -26,7 +26,7 @@ struct IdentifiedJoint {
   IdentifiedState state = IdentifiedState::kCannotTell;
   double error = 0.0;  ///< relative, on held-out recordings if there are any, else on the training
   double floor = 0.0;  ///< relative noise floor; NaN where nothing repeats
-  /// share of the joint's range covered by the training; NaN: no limits in the file
+  /// Share of the joint's range covered by the training; NaN: no limits in the file.
   double range = 0.0;
   double speed = 0.0;  ///< largest share of the speed limit; NaN: no limit
 };

@@ -109,7 +109,7 @@ struct Coordinate {
   std::string name;
   Limits limits;
   double drive_gain = 0.0;  ///< [N m/A] or [N/A]: torque per ampere of motor current; 0: not given
-  /// true where the coordinate moves prismatic frames only: metres and newtons
+  /// True where the coordinate moves prismatic frames only: metres and newtons.
   bool prismatic = false;
   double drive_gain_deviation = 0.0;  ///< standard deviation of an identified drive gain; 0: none
   RecordedChannel recorded{};

@@ -8,7 +8,7 @@ namespace veridyn {
 
 /// A file that a model was made from.
 struct OriginFile {
-  std::string file;    ///< its name without folders, or what a recording in memory is called
+  std::string file;  ///< its name without folders, or what a recording in memory is called
   /// SHA-256 of its bytes, as `sha256sum` prints it; empty for a recording in memory
   std::string sha256;
 };
