@@ -9,8 +9,8 @@
 
 namespace veridyn {
 
-/// A question's recordings by name; those in memory are found in the options' `in_memory`, which
-/// both kinds of recordings share.
+/// Recordings of a call by name; those in memory are stored in the options' `in_memory`, which both
+/// lists of recordings share.
 template <typename Options>
 struct NamedRecordings {
   std::vector<std::string> train, test;
@@ -25,8 +25,8 @@ struct NamedRecordings {
   }
 };
 
-/// Files are parsed once and kept in memory, up to `most_bytes` of text in all; whoever has set
-/// `kept` keeps them already.
+/// Parses files once and keeps them in memory, up to `most_bytes` of text in total; a caller that
+/// has set `kept` does so already.
 template <typename Options>
 void keep_recordings(Options& how, long most_bytes) {
   if (!how.preprocessing.kept)
