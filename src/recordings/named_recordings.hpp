@@ -34,7 +34,8 @@ void keep_recordings(Options& how, long most_bytes) {
   if (how.test_preprocessing) how.test_preprocessing->kept = how.preprocessing.kept;
 }
 
-/// Results do not keep recordings alive, nor what may interrupt a run.
+/// Removes recordings in memory and callbacks from the options inside a result, which would keep
+/// them alive.
 template <typename Result>
 void forget_recordings(Result& result) {
   for (PreprocessingOptions* how : {&result.preprocessing, &result.test_preprocessing}) {
