@@ -23,11 +23,12 @@ namespace veridyn {
 namespace {
 
 constexpr double kUnlimited =
-    1e9;  // what to_urdf() writes where URDF wants a number and there is none
+    1e9;  // value of to_urdf() where URDF requires a number and the model has none
 
 constexpr int kDeepestXml = 100;  // a URDF has five; TinyXML recurses once for each
 
-// How deep elements nest, without recursion. Comments, declarations and quoted values hold no tags.
+// The nesting depth of the elements, found without recursion. Comments, declarations and quoted
+// values hold no tags.
 int depth_of_xml(const std::string& content) {
   int depth = 0, deepest = 0;
   for (std::size_t at = content.find('<'); at != std::string::npos; at = content.find('<', at)) {
@@ -50,7 +51,7 @@ int depth_of_xml(const std::string& content) {
   return deepest;
 }
 
-// What urdfdom says while it parses; it prints to the console otherwise.
+// Collects the messages of urdfdom's parser, which otherwise go to the console.
 class ParserLog : public console_bridge::OutputHandler {
  public:
   ParserLog() { console_bridge::useOutputHandler(this); }
@@ -156,14 +157,15 @@ class UrdfReader {
     } catch (const std::exception& error) {
       log.first_error = error.what();
     }
-    // urdfdom drops what it cannot read and goes on; a body that is silently missing is worse than
-    // no robot.
+    // urdfdom drops elements that it cannot read and continues; a body that is silently missing is
+    // worse than an error.
     if (!urdf_ || !log.first_error.empty()) {
       fail("", "no valid URDF (" + one_line(log.first_error) + ")", "a URDF file");
     }
   }
 
-  // In the order of the file, which urdfdom forgets: recordings number their columns in this order.
+  // Reads coordinates in the order of the file, which urdfdom does not keep: it is the column order
+  // of recordings.
   void read_coordinates() {
     const TiXmlElement* element = xml_.RootElement()->FirstChildElement("joint");
     for (; element != nullptr; element = element->NextSiblingElement("joint")) {
@@ -198,7 +200,7 @@ class UrdfReader {
     return c;
   }
 
-  // s = c . q + s0 of a joint; that of a mimic joint follows from the one that it mimics.
+  // s = c . q + s0 of a joint; that of a mimic joint follows from the joint that it mimics.
   Axis variable(const urdf::Joint& joint, std::size_t depth) const {
     Axis axis{VectorXd::Zero(static_cast<Eigen::Index>(model_.coordinates.size())), 0.0};
     if (!moves(joint)) return axis;
@@ -237,7 +239,7 @@ class UrdfReader {
     return -1;
   }
 
-  // The child link of a joint, after the links that carry it.
+  // Adds the child link of a joint, after the links above it.
   void add_link_of(const urdf::Joint& joint) {
     if (find_frame(joint.child_link_name) >= 0) return;
     const urdf::LinkConstSharedPtr parent = urdf_->getLink(joint.parent_link_name);

@@ -28,7 +28,7 @@ struct Entry {
   std::uint64_t packed = 0, size = 0, offset = 0;
 };
 
-// Sizes beyond 4 GiB, and those that NumPy writes before it knows them, stand in an extra field.
+// An extra field holds sizes beyond 4 GiB, and those that NumPy did not know in advance.
 void take_large_sizes(std::string_view extra, Entry* entry) {
   ByteReader reader(extra);
   while (reader.left() >= 4) {
@@ -167,7 +167,7 @@ Header parse_header(ByteReader* reader) {
   return header;
 }
 
-// Texts of a fixed width, of one or four bytes a letter.
+// Reads texts of a fixed width, of one or four bytes a letter.
 std::vector<std::string> texts_in(const Header& header, ByteReader* reader) {
   std::size_t width = 0;
   std::from_chars(header.type.data() + 2, header.type.data() + header.type.size(), width);
@@ -217,7 +217,7 @@ void take_array(const std::string& name, std::string_view bytes, ArraySet* set) 
   } else if (kind == "u4") {
     convert<std::uint32_t>(&reader, big, &array.values);
   } else {
-    return;  // of no use as a signal
+    return;  // not usable as a signal
   }
   if (header.columns_first && array.columns > 1) {
     std::vector<double> turned(array.values.size());
