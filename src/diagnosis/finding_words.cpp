@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "diagnosis/causes/effect_facts.hpp"
+#include "diagnosis/evidence/effect_facts.hpp"
 #include "diagnosis/causes/payload_fit.hpp"
 #include "diagnosis/evidence/folds.hpp"
 #include "diagnosis/numerics.hpp"

@@ -15,6 +15,7 @@ namespace fs = std::filesystem;
 
 // The layers of the house. What stands in a folder's set is what it may include beside itself:
 //   math < model < kinematics < dynamics < effects < regressor,  model < recordings,
+//   {regressor | recordings} < estimation < causes,
 //   {identification < {diagnosis | comparison} | watch | excitation | simulation | control | calibration}
 //     < cooperation < {dvrk | report} < cli.
 const std::map<std::string, std::set<std::string>>& below() {
@@ -33,6 +34,8 @@ const std::map<std::string, std::set<std::string>>& below() {
     sofar.insert("recordings");
     all["estimation"] = sofar;
     sofar.insert("estimation");
+    all["causes"] = sofar;
+    sofar.insert("causes");
     for (const char* folder :
          {"identification", "excitation", "simulation", "control", "calibration", "watch"})
       all[folder] = sofar;

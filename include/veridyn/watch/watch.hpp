@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "veridyn/model/model.hpp"
+#include "veridyn/effects/cause.hpp"
 #include "veridyn/recordings/recording.hpp"
 
 namespace veridyn {
@@ -31,7 +31,8 @@ const char* name_of(WatchStage stage);
 
 /// One cause that explains a change about as well as the one that is named.
 struct WatchRival {
-  std::string cause;       ///< "payload:tool", in the words of diagnose
+  Cause cause;
+  std::string text;        ///< its text form, "payload:tool"
   double evidence = 0.0;   ///< log-likelihood that it lacks of the best one
 };
 
@@ -42,10 +43,8 @@ struct WatchEvent {
   double time = 0.0;   ///< [s] when it is said
   double since = 0.0;  ///< [s] since when it is so
   double until = 0.0;  ///< [s] kOver: until when it was so
-  std::string cause;   ///< best guess, "EFFECT:JOINT"; "contact:LINK" for a push
-  std::string effect;  ///< name of the effect, "payload", "external_contact"
-  int joint = 0;       ///< from 1; 0: none, or a common cause
-  std::string place;   ///< coordinate or frame
+  Cause cause;         ///< best guess; ExternalContact for a push
+  std::string text;    ///< its text form, "viscous_friction:yaw"
   double value = 0.0, low = 0.0, high = 0.0;  ///< size with its 95 % interval
   std::string unit;
   double strength = 0.0;   ///< statistic over its threshold when it was first seen

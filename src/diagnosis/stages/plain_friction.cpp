@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <set>
 
-#include "diagnosis/causes/effect_facts.hpp"
+#include "causes/candidates.hpp"
 #include "diagnosis/findings.hpp"
 #include "diagnosis/stages/investigation.hpp"
 
