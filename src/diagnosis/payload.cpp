@@ -7,8 +7,8 @@
 #include <cmath>
 
 #include "diagnosis/shapes/inquiry.hpp"
-#include "diagnosis/causes/payload_fit.hpp"
-#include "diagnosis/numerics.hpp"
+#include "diagnosis/evidence/payload_fit.hpp"
+#include "diagnosis/evidence/numerics.hpp"
 #include "veridyn/effects/cause.hpp"
 #include "veridyn/math/require.hpp"
 #include "model/suggestion.hpp"
@@ -99,7 +99,7 @@ PayloadReport find_payload(const Model& model, const Recordings& loaded,
       continue;
     }
     asked.push_back(&h);
-    out.links.push_back(fit_payload(q, data, h));
+    out.links.push_back(fit_payload(q.augmented, data, h));
     out.links.back().gain = gains[static_cast<size_t>(&h - q.augmented.hypotheses.data())];
   }
   std::stable_sort(out.links.begin(), out.links.end(),

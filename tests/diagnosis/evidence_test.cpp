@@ -7,7 +7,7 @@
 #include "diagnosis/evidence/folds.hpp"
 #include "diagnosis/evidence/held_out.hpp"
 #include "diagnosis/evidence/normal_blocks.hpp"
-#include "diagnosis/numerics.hpp"
+#include "diagnosis/evidence/numerics.hpp"
 
 // What stands under the selection, on columns of one joint whose rows are known.
 

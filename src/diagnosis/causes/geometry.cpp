@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "diagnosis/causes/geometry_profiler.hpp"
-#include "diagnosis/numerics.hpp"
+#include "diagnosis/evidence/numerics.hpp"
 #include "math/clustered_statistics.hpp"
 #include "math/parallel.hpp"
 #include "math/student_t.hpp"

@@ -7,7 +7,7 @@
 #include <set>
 #include <utility>
 
-#include "diagnosis/numerics.hpp"
+#include "diagnosis/evidence/numerics.hpp"
 #include "diagnosis/shapes/inquiry.hpp"
 #include "identification/many_recordings.hpp"
 #include "veridyn/effects/cause.hpp"

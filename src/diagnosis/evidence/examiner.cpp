@@ -5,9 +5,9 @@
 #include <set>
 #include <string>
 
-#include "diagnosis/causes/payload_fit.hpp"
+#include "diagnosis/evidence/payload_fit.hpp"
 #include "diagnosis/evidence/clustered_fit.hpp"
-#include "diagnosis/numerics.hpp"
+#include "diagnosis/evidence/numerics.hpp"
 #include "math/parallel.hpp"
 #include "math/signed_rank.hpp"
 #include "math/student_t.hpp"

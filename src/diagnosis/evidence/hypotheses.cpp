@@ -7,7 +7,7 @@
 #include <set>
 #include <utility>
 
-#include "diagnosis/numerics.hpp"
+#include "diagnosis/evidence/numerics.hpp"
 #include "veridyn/effects/channel_effect.hpp"
 
 namespace veridyn {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "causes/candidates.hpp"
-#include "diagnosis/numerics.hpp"
+#include "diagnosis/evidence/numerics.hpp"
 #include "veridyn/diagnosis/thresholds.hpp"
 #include "veridyn/identification/compressed_recording.hpp"
 #include "veridyn/regressor/standard_parameters.hpp"

@@ -7,7 +7,7 @@
 #include <set>
 #include <string>
 
-#include "diagnosis/numerics.hpp"
+#include "diagnosis/evidence/numerics.hpp"
 #include "math/parallel.hpp"
 
 namespace veridyn {

@@ -12,7 +12,7 @@
 
 #include "veridyn/effects/effect.hpp"
 #include "diagnosis/evidence/clustered_fit.hpp"
-#include "diagnosis/numerics.hpp"
+#include "diagnosis/evidence/numerics.hpp"
 #include "math/student_t.hpp"
 
 namespace veridyn {

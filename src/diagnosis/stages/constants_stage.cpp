@@ -8,7 +8,7 @@
 #include "diagnosis/causes/wrong_constant.hpp"
 #include "diagnosis/evidence/held_out.hpp"
 #include "diagnosis/evidence/effect_facts.hpp"
-#include "diagnosis/finding_words.hpp"
+#include "diagnosis/findings/finding_words.hpp"
 #include "diagnosis/stages/channel_correction.hpp"
 #include "diagnosis/stages/investigation.hpp"
 #include "veridyn/effects/cause.hpp"

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "diagnosis/causes/snags.hpp"
-#include "diagnosis/numerics.hpp"
+#include "diagnosis/evidence/numerics.hpp"
 #include "diagnosis/shapes/inquiry.hpp"
 #include "veridyn/diagnosis/diagnosis.hpp"
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "diagnosis/numerics.hpp"
+#include "diagnosis/evidence/numerics.hpp"
 #include "diagnosis/shapes/inquiry.hpp"
 #include "math/student_t.hpp"
 #include "veridyn/effects/channel_effect.hpp"

@@ -2,7 +2,7 @@
 #include <set>
 
 #include "causes/candidates.hpp"
-#include "diagnosis/findings.hpp"
+#include "diagnosis/findings/findings.hpp"
 #include "diagnosis/stages/investigation.hpp"
 
 // A robot file without friction, as makers publish them: what every joint has is asked first and of

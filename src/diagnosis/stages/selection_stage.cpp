@@ -9,14 +9,14 @@
 #include "diagnosis/evidence/folds.hpp"
 #include "diagnosis/evidence/held_out.hpp"
 #include "diagnosis/evidence/effect_facts.hpp"
-#include "diagnosis/finding_words.hpp"
-#include "diagnosis/findings.hpp"
-#include "diagnosis/right_to_a_name.hpp"
+#include "diagnosis/findings/finding_words.hpp"
+#include "diagnosis/findings/findings.hpp"
+#include "diagnosis/findings/right_to_a_name.hpp"
 #include "diagnosis/shapes/refinement.hpp"
 #include "diagnosis/stages/channel_correction.hpp"
 #include "diagnosis/stages/investigation.hpp"
 #include "diagnosis/stages/newly_visible.hpp"
-#include "diagnosis/next_experiment.hpp"
+#include "diagnosis/findings/next_experiment.hpp"
 
 namespace veridyn {
 namespace {

@@ -4,7 +4,7 @@
 
 #include "dvrk/run/arm_run.hpp"
 #include "dvrk/emulator/board_emulator.hpp"
-#include "dvrk/boards/fault_log.hpp"
+#include "dvrk/protocol/fault_log.hpp"
 
 namespace veridyn::dvrk {
 

@@ -10,10 +10,10 @@
 
 #include "diagnosis/evidence/effect_facts.hpp"
 #include "diagnosis/causes/extended_arm.hpp"
-#include "diagnosis/causes/payload_fit.hpp"
+#include "diagnosis/evidence/payload_fit.hpp"
 #include "diagnosis/evidence/held_out.hpp"
-#include "diagnosis/finding_words.hpp"
-#include "diagnosis/numerics.hpp"
+#include "diagnosis/findings/finding_words.hpp"
+#include "diagnosis/evidence/numerics.hpp"
 #include "veridyn/effects/cause.hpp"
 #include "veridyn/effects/channel_effect.hpp"
 #include "math/student_t.hpp"
@@ -48,7 +48,7 @@ FindingWriter::FindingWriter(const Inquiry& asked, const NormalBlocks& asked_dat
       changes_(changes),
       limits_(limits) {
   for (const Hypothesis& h : q_.augmented.hypotheses)
-    payloads_.push_back(is_load(h) ? fit_payload(asked_, asked_data_, asked_hypothesis(h))
+    payloads_.push_back(is_load(h) ? fit_payload(asked_.augmented, asked_data_, asked_hypothesis(h))
                                     : PayloadEstimate());
 }
 

@@ -1,4 +1,4 @@
-#include "diagnosis/unnamed/asked_tables.hpp"
+#include "diagnosis/stages/asked_tables.hpp"
 
 #include <algorithm>
 

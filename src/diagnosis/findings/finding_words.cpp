@@ -1,4 +1,4 @@
-#include "diagnosis/finding_words.hpp"
+#include "diagnosis/findings/finding_words.hpp"
 
 #include <fmt/format.h>
 
@@ -6,9 +6,9 @@
 #include <cmath>
 
 #include "diagnosis/evidence/effect_facts.hpp"
-#include "diagnosis/causes/payload_fit.hpp"
+#include "diagnosis/evidence/payload_fit.hpp"
 #include "diagnosis/evidence/folds.hpp"
-#include "diagnosis/numerics.hpp"
+#include "diagnosis/evidence/numerics.hpp"
 #include "veridyn/effects/cause.hpp"
 #include "veridyn/effects/channel_effect.hpp"
 #include "math/student_t.hpp"
