@@ -11,8 +11,8 @@
 namespace veridyn {
 namespace {
 
-constexpr int kMostReads = 64;         // reads of one poll: bounded in time
-constexpr double kOwnersSilence = 1.0;  // [s] after which another sender may have the port
+constexpr int kMostReads = 64;         // per poll, to bound its time
+constexpr double kOwnersSilence = 1.0;  // [s] after which another sender may take the port
 
 std::vector<std::string> parts_of(const std::string& name) {
   std::vector<std::string> parts(1);
@@ -108,7 +108,7 @@ class SerialForceSource final : public ForceSource {
     if (bytes_.reading()) return 1;
     for (int k = 0; k < kMostReads && connected_; ++k) {
       const int got = sp_nonblocking_read(port_, bytes_.room(), bytes_.size());
-      if (got < 0) connected_ = false;  // the plug was pulled
+      if (got < 0) connected_ = false;  // the device was unplugged
       if (got <= 0) break;
       bytes_.filled(static_cast<std::size_t>(got));
       if (bytes_.reading()) return 1;

@@ -19,6 +19,7 @@
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/model_file.hpp"
 #include "veridyn/model/model_origin.hpp"
+#include "veridyn/model/physical_faults.hpp"
 
 namespace veridyn {
 namespace {
@@ -443,6 +444,8 @@ bool fit_factors(AskedArm& arm, std::vector<CompressedRecording>& recordings,
   }
   if (std::string remark = arm.remark(); !remark.empty())
     id.remarks.insert(id.remarks.begin(), std::move(remark));
+  for (const std::string& fault : physical_faults(arm.used()))
+    id.remarks.push_back("The robot file has what no arm has: " + fault + ".");
   return done;
 }
 

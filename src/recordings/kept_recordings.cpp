@@ -82,7 +82,7 @@ std::string key_of(const std::string& path, const RecordingOptions& options) {
   return out;
 }
 
-// Nothing of a pipe can be read twice: it is kept, however long it turns out to be.
+// Size of a text file. A pipe cannot be read twice: it counts as small and is kept in any case.
 long text_bytes(const std::string& path) {
   std::error_code error;
   if (std::filesystem::is_fifo(path, error)) return 0;
@@ -99,7 +99,7 @@ std::shared_ptr<const Whole> parsed(const std::string& path, const RecordingOpti
   return whole;
 }
 
-// All rows of a file, where it is kept.
+// All rows of a file, if it is kept.
 std::shared_ptr<const Whole> whole_file(const std::string& path, const RecordingOptions& options,
                                         KeptRecordings* kept) {
   if (kept == nullptr) return nullptr;

@@ -14,16 +14,17 @@
 namespace veridyn {
 namespace {
 
-constexpr Eigen::Index kCore = 4096;  // samples of one stretch, at least
-constexpr Eigen::Index kCorePerHalo = 3;  // so that little is filtered twice
-constexpr double kHaloRemainder = 1e-9;  // what a cut leaves of itself at the core
+constexpr Eigen::Index kCore = 4096;  // samples of one segment, at least
+// Keeps the share of samples that are filtered twice small.
+constexpr Eigen::Index kCorePerHalo = 3;
+constexpr double kHaloRemainder = 1e-9;  // remainder of the filter's transient at the core
 constexpr Eigen::Index kDerivatives =
-    4;  // samples on either side that two central differences lean on
+    4;  // samples on either side that two central differences use
 constexpr double kPreparedBytes = 1.5 * sizeof(double);  // of a number of a stretch, with the rows around its core
 
 std::atomic<long> g_prepared{0};
 
-constexpr double kNyquistShare = 0.45;  // a light filter above this share of the rate is left away
+constexpr double kNyquistShare = 0.45;  // a light filter above this share of the rate is omitted
 
 struct Filters {
   std::optional<ZeroPhaseFilter> main;
@@ -45,7 +46,7 @@ struct Filters {
   }
 };
 
-// Samples near unsound ones lean on interpolation: not used either.
+// Samples near invalid ones depend on interpolation and are excluded as well.
 std::vector<char> widened(const std::vector<char>& sound, Eigen::Index margin) {
   std::vector<char> use(sound.size(), 1);
   const auto n = static_cast<Eigen::Index>(sound.size());
@@ -58,7 +59,7 @@ std::vector<char> widened(const std::vector<char>& sound, Eigen::Index margin) {
   return use;
 }
 
-// Torques that were recorded late are brought forward.
+// Shifts delayed torques forward.
 void undo_delays(const JointSensors& sensors, double dt, MatrixXd& tau) {
   for (int j = 0; j < sensors.joints(); ++j) {
     if (sensors.torque_delay(j) == 0.0) continue;
@@ -121,11 +122,11 @@ PreparationFacts run(const Model& arm, const std::string& name, UniformStream::S
   const Filters filters(o, dt);
   PreparationFacts facts;
   facts.dt = dt;
-  // So far is read ahead: the filters settle, and what is dropped at the end is known to be there.
+  // Number of samples to read ahead: the filters settle, and the end to drop is known.
   const Eigen::Index ahead =
       std::max(filters.halo, static_cast<Eigen::Index>(std::ceil(o.drop_end / dt)));
   const Eigen::Index core = std::max(kCore, kCorePerHalo * filters.halo);
-  Eigen::Index behind = 0;  // settled samples held in front of the core
+  Eigen::Index behind = 0;  // settled samples kept in front of the core
   Eigen::Index discard = 0;
   while (true) {
     if (o.interrupted && o.interrupted()) throw Interrupted();
@@ -160,7 +161,7 @@ PreparationFacts run(const Model& arm, const std::string& name, UniformStream::S
   return facts;
 }
 
-// A recording in memory under the name that options and messages have for it.
+// A recording in memory under the name that options and messages use.
 PreparationFacts for_each_stretch_of(const Model& arm, const std::string& name,
                                      const Recording& recording,
                                      const PreprocessingOptions& options,

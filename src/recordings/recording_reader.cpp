@@ -11,7 +11,7 @@
 namespace veridyn {
 namespace {
 
-// Rows of a recording that is in memory.
+// Rows of a recording in memory.
 class ImportedRows : public recordings::RowSource {
  public:
   ImportedRows(std::shared_ptr<const recordings::Imported> imported, const RecordingOptions& options)

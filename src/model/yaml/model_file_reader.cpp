@@ -72,7 +72,7 @@ class ModelReader {
       root_.fail("no constant '" + name + "'" + did_you_mean(name, names),
                  "one of: " + listed(names));
     }
-    // After the constants: gravity may use them.
+    // Gravity is read after the constants, which it may use.
     if (const auto gravity = root_.find("gravity")) {
       const std::vector<double> g = gravity->numbers(3, "three numbers, m/s^2 in the world");
       model_.gravity = {g[0], g[1], g[2]};

@@ -58,7 +58,7 @@ class ModelWriter {
     if (!box.empty()) line(box);
   }
 
-  // The constants that others need stand before them.
+  // Writes constants before those that depend on them.
   void constants() {
     if (d_.constants.empty()) return;
     line("constants:");
@@ -151,8 +151,8 @@ class ModelWriter {
     return listed(parts);
   }
 
-  // {coordinate: coefficient, ...}; a form without any coefficient keeps the first one, so that it
-  // stays a form.
+  // {coordinate: coefficient, ...}; if all coefficients are zero the first one is written, so that
+  // the map is not empty.
   std::string linear_form(const std::string& place, const VectorXd& c) const {
     std::vector<std::string> parts;
     for (int i = 0; i < arm_.joints(); ++i) {
@@ -181,7 +181,7 @@ class ModelWriter {
     return frame.body ? all + "," + body_text(place + "/body", *frame.body) : all;
   }
 
-  // The DH row with the present offset, unless A and B are no longer those of the row.
+  // The DH row with the present offset, unless A and B no longer follow from the row.
   static std::optional<DhRow> row_of(const Frame& frame) {
     if (!frame.dh) return std::nullopt;
     DhRow row = *frame.dh;
@@ -258,7 +258,7 @@ class ModelWriter {
            "}";
   }
 
-  // An unknown deviation is an infinite one.
+  // Writes an unknown deviation as infinite.
   static std::string deviations_text(const InertialParameters& deviations) {
     std::vector<std::string> texts;
     for (const double deviation : deviations) texts.push_back(deviation_text(deviation));
@@ -295,7 +295,7 @@ class ModelWriter {
     return listed(parts);
   }
 
-  // Parameters stand beside the other keys, except those that are called like one of them.
+  // Parameters are written beside the other keys, except those with the name of such a key.
   void add_values(const std::string& place, const EffectTerm& term,
                   std::vector<std::string>& parts) const {
     std::vector<std::string> apart;

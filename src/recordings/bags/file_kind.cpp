@@ -12,7 +12,7 @@ namespace {
 
 using std::string_view_literals::operator""sv;
 
-constexpr std::size_t kProbe = 640;  // bytes that tell the kind
+constexpr std::size_t kProbe = 640;  // bytes that identify the kind
 
 struct Refused {
   std::string_view magic;
@@ -20,7 +20,7 @@ struct Refused {
   const char* expected;
 };
 
-// What cannot be read, and what its owner can do.
+// Known formats that are not supported, with advice for the user.
 constexpr Refused kRefused[] = {
     {"PAR1"sv, "a Parquet file", "it saved as CSV or .npz"},
     {"ARROW1"sv, "an Arrow (Feather) file", "it saved as CSV or .npz"},
@@ -51,7 +51,7 @@ bool starts_with(std::string_view bytes, std::string_view magic) {
   return bytes.substr(0, magic.size()) == magic;
 }
 
-// By the first kProbe bytes.
+// Identifies the kind by the first kProbe bytes.
 FileKind kind_of(std::string_view probe, const std::string& path) {
   if (bags::is_bag(probe)) return FileKind::kBag;
   if (starts_with(probe, "PK\x03\x04")) return FileKind::kNpz;

@@ -7,17 +7,17 @@
 
 namespace veridyn::recordings {
 
-/// Kinds of files that recordings come in, told by their first bytes.
+/// Kinds of recordings' files, recognised by their first bytes.
 enum class FileKind { kText, kBag, kNpz, kMat, kHdf5 };
 
-/// A recording's file, opened once, and of what kind it is.
+/// A recording's file, opened once, with its kind.
 struct OpenedFile {
-  /// @throws InvalidInput  as ByteStream does, or a kind that is known and cannot be read (Parquet,
-  /// Excel, a compressed file, ...): the message says what to save it as.
+  /// @throws InvalidInput  as ByteStream, or a known kind that is not supported (Parquet, Excel, a
+  /// compressed file, ...); the message recommends another format.
   explicit OpenedFile(const std::string& file);
 
   std::string path;
-  std::optional<ByteStream> bytes;  ///< from the first one; none: a folder (a bag)
+  std::optional<ByteStream> bytes;  ///< from the first one; nullopt: a folder (a bag)
   FileKind kind = FileKind::kText;
 };
 

@@ -8,7 +8,7 @@
 
 namespace veridyn::recordings {
 
-/// Where a RecordingReader has its rows from.
+/// Source of a RecordingReader's rows.
 class RowSource {
  public:
   virtual ~RowSource() = default;

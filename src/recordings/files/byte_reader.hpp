@@ -7,13 +7,13 @@
 
 namespace veridyn::bags {
 
-/// Bytes end before what they announce, or announce what cannot be.
+/// Thrown where data end before their announced size, or announce an impossible one.
 class CutShort : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// Little-endian numbers and runs of bytes, one after the other, never beyond the end.
+/// Reads little-endian numbers and runs of bytes, never beyond the end.
 /// Every function that takes bytes throws CutShort where there are fewer left.
 class ByteReader {
  public:
@@ -53,7 +53,7 @@ class ByteReader {
     return value;
   }
 
-  /// A run of bytes behind its length as u32.
+  /// A run of bytes preceded by its length as u32.
   std::string_view sized_text() { return take(number<std::uint32_t>()); }
 
  private:

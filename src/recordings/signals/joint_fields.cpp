@@ -10,7 +10,7 @@ namespace {
 
 constexpr int kQ = 0, kDq = 1, kDdq = 2, kTau = 3, kCurrent = 4;
 
-// Words that name a signal, alone or as the words of a pair in this order.
+// Words that name a signal, alone or as a pair in this order.
 const std::map<std::string, int>& signal_words() {
   static const std::map<std::string, int> kWords = {
       {"q", kQ}, {"pos", kQ}, {"position", kQ}, {"positions", kQ}, {"angle", kQ}, {"angles", kQ},
@@ -27,7 +27,7 @@ const std::map<std::string, int>& signal_words() {
   return kWords;
 }
 
-// Not measured, or not of a joint.
+// True for words of signals that are not measured, or not of a joint.
 bool is_foreign(const std::string& word) {
   static const std::set<std::string> kForeign = {
       "target", "desired", "des",   "d",      "cmd",      "command", "commanded", "ref",
@@ -37,7 +37,7 @@ bool is_foreign(const std::string& word) {
   return kForeign.count(word) > 0;
 }
 
-// Words that say nothing: `actual q 0` is `q 0`.
+// True for words without information: `actual q 0` is `q 0`.
 bool is_filler(const std::string& word) {
   static const std::set<std::string> kFiller = {"actual", "measured", "meas", "motor", "field",
                                                 "state",  "actuator", "real", "msr",   "joints"};
@@ -61,7 +61,7 @@ bool is_digits(const std::string& word) {
   });
 }
 
-// A piece of a name and where it lies in it.
+// A part of a name and its position in it.
 struct Word {
   std::string text;
   std::size_t begin = 0, end = 0;
@@ -92,13 +92,13 @@ std::vector<Word> pieces_of(const std::string& name) {
   return words;
 }
 
-// The name without a unit in brackets behind it, and without brackets around array indices.
+// The name without a unit in brackets at its end, and without brackets around array indices.
 std::string without_unit(const std::string& name) {
   const std::size_t open = name.find_last_of("[(");
   if (open == std::string::npos || open == 0) return name;
   const std::string inner = name.substr(open + 1, name.find_last_of("])") - open - 1);
   if (is_digits(inner)) return name;
-  // `q(elbow)` names the joint; `q [deg]` the unit.
+  // `q(elbow)` contains the joint; `q [deg]` the unit.
   const bool unit = name[open] == '[' || (name[open - 1] == ' ') || is_unit(lower(inner));
   return unit ? name.substr(0, open) : name;
 }
@@ -108,7 +108,7 @@ struct Found {
   std::size_t first = 0, last = 0;  // words of the signal
 };
 
-// The signal at word k, with the words that belong to it: `tau J`, `q dot`, `joint position`.
+// The signal at word k, with all words that belong to it: `tau J`, `q dot`, `joint position`.
 Found signal_at(const std::vector<Word>& words, std::size_t k) {
   const auto found = signal_words().find(words[k].text);
   if (found == signal_words().end()) return {};
@@ -157,7 +157,7 @@ RawField field_of(const std::string& path) {
     words.push_back(std::move(word));
   }
   if (words.empty()) return field;
-  // The signal stands at the back (`elbow/position`), or at the front (`q_elbow`, `position 3`).
+  // The signal is the last word (`elbow/position`), or the first (`q_elbow`, `position 3`).
   Found found = signal_at(words, words.size() - 1);
   if (found.signal < 0) found = signal_at(words, 0);
   if (found.signal < 0 && words.size() > 1 && words[0].text == "joint") found = signal_at(words, 1);

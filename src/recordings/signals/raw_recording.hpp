@@ -6,13 +6,13 @@
 
 namespace veridyn::recordings {
 
-/// [ns] 95 years on either side of a clock's zero. Times of a RawRecording lie within it, so that sums
-/// and differences of three of them are numbers, too; later ones are damage.
+/// [ns] 95 years on either side of a clock's zero. Times of a RawRecording lie within it, so that
+/// sums and differences of three of them do not overflow; larger ones are damaged data.
 inline constexpr std::int64_t kLargestTime = 3000000000000000000;
 
-/// A column of numbers, and which signal of which joint it is where that shows.
+/// A column of numbers, with its signal and joint if known.
 struct RawField {
-  std::string path;   ///< as the file names it: "elbow_joint/position", "wrench/force/x", "data/0"
+  std::string path;   ///< path in the file: "elbow_joint/position", "wrench/force/x", "data/0"
   std::string joint;  ///< empty: no signal of a joint
   int signal = -1;    ///< index into kRecordingSignals; -1: none
 };
@@ -22,7 +22,7 @@ struct RawStream {
   std::string topic;      ///< empty: the only table of a file
   std::string publisher;  ///< empty: not kept
   std::vector<RawField> fields;
-  std::vector<std::int64_t> recorded;  ///< [ns] when each row was written down
+  std::vector<std::int64_t> recorded;  ///< [ns] time at which each row was recorded
   std::vector<std::int64_t> stamped;   ///< [ns] the sender's clock, 0: none; empty: no such clock
   std::vector<double> values;          ///< row by row
 
@@ -36,10 +36,10 @@ struct RawTopic {
   long messages = 0;
   std::int64_t first = 0;  ///< [ns] recorded
   std::int64_t last = 0;
-  std::string undecoded;  ///< why its messages are not decoded; empty: they are, or need not be
+  std::string undecoded;  ///< reason for not decoding its messages; empty: decoded, or not needed
 };
 
-/// What a file holds before anybody says which of it is the arm.
+/// Contents of a file before the arm's signals are selected.
 struct RawRecording {
   std::string format;  ///< "ROS 1 bag", "CSV", ...
   std::vector<RawTopic> topics;

@@ -7,17 +7,17 @@
 
 namespace veridyn::recordings {
 
-/// Factor from a unit of a signal ("q", "dq", "ddq", "tau", "i", "t") to SI, or nothing where it is
-/// none of them; a - in front turns the sign. `tau` in A has the factor of a current.
+/// Factor from a unit of a signal ("q", "dq", "ddq", "tau", "i", "t") to SI, or nullopt for an
+/// unknown unit; a leading - reverses the sign. `tau` in A has the factor of a current.
 std::optional<double> unit_factor(const std::string& signal, const std::string& unit);
 
-/// Whether the unit is one of amperes.
+/// True for a unit of current.
 bool is_current_unit(const std::string& unit);
 
-/// The unit that a choice gives a signal of joint number `joint` (from 1), or "".
+/// The chosen unit of a signal of joint number `joint` (from 1), or "".
 std::string unit_of(const SignalChoice& choice, const std::string& signal, int joint);
 
-/// The factor for one column: degrees are for joints that turn, millimetres for those that slide.
+/// The factor for one column: degrees apply to revolute joints, millimetres to prismatic ones.
 double factor_for(const SignalChoice& choice, const std::string& signal, int joint);
 
 /// @throws InvalidInput  a signal or unit that is not known.

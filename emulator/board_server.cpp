@@ -1,4 +1,4 @@
-#include "dvrk/emulator/board_server.hpp"
+#include "emulator/board_server.hpp"
 
 #include <arpa/inet.h>
 #include <ifaddrs.h>

@@ -1,4 +1,4 @@
-#include "dvrk/emulator/emulated_encoder.hpp"
+#include "emulator/emulated_encoder.hpp"
 
 #include <algorithm>
 #include <cmath>

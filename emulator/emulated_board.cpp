@@ -1,4 +1,4 @@
-#include "dvrk/emulator/emulated_board.hpp"
+#include "emulator/emulated_board.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -8,13 +8,13 @@
 #include <vector>
 
 #include "cooperation/experiment.hpp"
-#include "stepped_link.hpp"
+#include "emulator/stepped_link.hpp"
 #include "veridyn/control/arm_state.hpp"
 #include "dvrk/run/arm_session.hpp"
-#include "dvrk/cooperation/board_cooperation.hpp"
-#include "dvrk/emulator/board_emulator.hpp"
-#include "dvrk/emulator/board_server.hpp"
-#include "dvrk/emulator/simulated_arm.hpp"
+#include "dvrk/cooperation/joined_boards.hpp"
+#include "emulator/board_emulator.hpp"
+#include "emulator/board_server.hpp"
+#include "emulator/simulated_arm.hpp"
 
 namespace veridyn::dvrk {
 
@@ -25,50 +25,37 @@ namespace veridyn::dvrk {
 ///
 /// Before its first power an arm is held. Afterwards brakes hold it when no amplifier is on, where
 /// its configuration has brakes; other arms fall, down to the ends of their joints.
-class JoinedArms final : public SteppedClock {
+class JoinedArms final : public JoinedBoards, public SteppedClock {
  public:
-  /// @param robots  one for each arm of the scenario, with its coupling (empty: identity).
+  /// @param arms  one for each arm of the scenario.
   /// @throws InvalidInput  as Experiment, SimulatedArm and BoardServer.
-  JoinedArms(const Scenario& scenario, const std::vector<RobotConfig>& robots,
-             const std::vector<MatrixXd>& couplings, int firmware);
+  JoinedArms(const Scenario& scenario, const std::vector<CooperatingArm>& arms,
+             const BoardCooperationOptions& options);
 
-  std::uint16_t port(int arm) const { return servers_[static_cast<size_t>(arm)]->port(); }
-
-  /// Serves in real time until `stop` is true.
-  void run(const std::atomic<bool>& stop);
+  std::unique_ptr<DatagramLink> link(int arm) override;
+  void run(const std::atomic<bool>& stop) override;
 
   double now() const override { return now_; }
   void serve() override;
   void pass(double seconds) override;
 
-  /// True force of a member as it last was [N]; may be asked from another thread.
-  double tension(int member) const { return tension_[static_cast<size_t>(member)].load(); }
-  double rate(int member) const { return rate_[static_cast<size_t>(member)].load(); }  ///< [m/s] of its length
-  double largest_force() const { return largest_force_.load(); }  ///< [N] of any member, ever
-  /// True force that a wall exerts on its arm [N].
-  double push(int wall) const { return push_[static_cast<size_t>(wall)].load(); }
-  /// A hand holds an arm's tip by a spring and a damper [N/m], [N s/m], and goes to `place` [m] in
-  /// the world. From another thread.
-  struct Hand {
-    int arm = -1;
-    double stiffness = 0.0, damping = 0.0;
-  };
-  void take_by_hand(const Hand& hand, const Eigen::Vector3d& place) {
+  double tension(int member) const override { return tension_[static_cast<size_t>(member)].load(); }
+  double rate(int member) const override { return rate_[static_cast<size_t>(member)].load(); }
+  double largest_force() const override { return largest_force_.load(); }
+  double push(int wall) const override { return push_[static_cast<size_t>(wall)].load(); }
+  void take_by_hand(const Hand& hand, const Eigen::Vector3d& place) override {
     hand_ = hand;
     lead(place);
     led_.store(true);
   }
-  void lead(const Eigen::Vector3d& place) {
+  void lead(const Eigen::Vector3d& place) override {
     for (int i = 0; i < 3; ++i) place_[static_cast<size_t>(i)].store(place[i]);
   }
-  /// Force of the hand on the arm as it last was [N], in the world.
-  Eigen::Vector3d hand_force() const {
+  Eigen::Vector3d hand_force() const override {
     return {hand_force_[0].load(), hand_force_[1].load(), hand_force_[2].load()};
   }
-  /// Called after each step of the world, by the thread that serves. Before that begins.
-  void watch(std::function<void(const EmulatedInstant&)> watcher);
-  /// From now on the fault is there. From another thread.
-  void break_down(const EmulatedFault& fault) {
+  void watch(std::function<void(const EmulatedInstant&)> watcher) override;
+  void break_down(const EmulatedFault& fault) noexcept override {
     if (fault.arm >= 0) faults_[static_cast<size_t>(fault.arm)].fetch_or(bit_of(fault.kind));
   }
 
@@ -134,6 +121,7 @@ class JoinedArms final : public SteppedClock {
   }
   static unsigned bit_of(EmulatedFault::Kind kind) { return 1U << static_cast<unsigned>(kind); }
 
+  bool stepped_;
   Experiment experiment_;
   std::vector<std::unique_ptr<Joint>> joints_;
   std::vector<veridyn::ArmState> states_;
@@ -156,5 +144,9 @@ class JoinedArms final : public SteppedClock {
   std::function<void(const EmulatedInstant&)> watcher_;
   EmulatedInstant instant_;
 };
+
+/// JoinedArms, as BoardCooperationOptions::emulate takes it.
+std::unique_ptr<JoinedBoards> emulate_boards(const Scenario& scenario, const std::vector<CooperatingArm>& arms,
+                                             const BoardCooperationOptions& options);
 
 }  // namespace veridyn::dvrk

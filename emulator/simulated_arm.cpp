@@ -1,4 +1,4 @@
-#include "dvrk/emulator/simulated_arm.hpp"
+#include "emulator/simulated_arm.hpp"
 
 #include <Eigen/LU>
 #include <algorithm>

@@ -1,4 +1,4 @@
-#include "dvrk/emulator/board_emulator.hpp"
+#include "emulator/board_emulator.hpp"
 
 #include <algorithm>
 #include <set>

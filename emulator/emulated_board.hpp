@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
-#include "dvrk/emulator/board_load.hpp"
+#include "emulator/board_load.hpp"
 #include "dvrk/protocol/bytes.hpp"
 #include "dvrk/protocol/command.hpp"
-#include "dvrk/emulator/emulated_encoder.hpp"
+#include "emulator/emulated_encoder.hpp"
 #include "dvrk/protocol/feedback.hpp"
 #include "dvrk/protocol/protocol.hpp"
 

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "dvrk/emulator/board_emulator.hpp"
+#include "emulator/board_emulator.hpp"
 #include "dvrk/protocol/datagram_link.hpp"
 
 namespace veridyn::dvrk {

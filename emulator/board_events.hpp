@@ -4,24 +4,24 @@
 #include <string>
 #include <vector>
 
-#include "dvrk/emulator/board_emulator.hpp"
+#include "emulator/board_emulator.hpp"
 
-namespace veridyn::cli {
+namespace veridyn::dvrk {
 
 /// Something that happens to emulated boards at a time: "emergency-stop@2.5", "current:6.1=0.4@3".
 struct BoardEvent {
   std::string words;  ///< without the time
   double time = 0.0;  ///< [s]
-  std::function<void(dvrk::BoardEmulator&)> happen;
+  std::function<void(BoardEmulator&)> happen;
 };
 
 /// In the order in which they happen.
-/// @throws CLI::ValidationError  a name that is none, a board that is not emulated, a number that
+/// @throws InvalidInput  a name that is none, a board that is not emulated, a number that
 ///                               is missing.
 std::vector<BoardEvent> board_events(const std::vector<std::string>& words,
-                                     dvrk::BoardEmulator& emulator);
+                                     BoardEmulator& emulator);
 
 /// The names that exist, one per line with what they do, for --help.
 std::string board_event_help();
 
-}  // namespace veridyn::cli
+}  // namespace veridyn::dvrk

@@ -5,9 +5,9 @@
 #include <memory>
 #include <vector>
 
-#include "dvrk/emulator/board_load.hpp"
+#include "emulator/board_load.hpp"
 #include "dvrk/protocol/bytes.hpp"
-#include "dvrk/emulator/emulated_board.hpp"
+#include "emulator/emulated_board.hpp"
 #include "dvrk/protocol/reply.hpp"
 #include "dvrk/protocol/request.hpp"
 

@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-#include "dvrk/emulator/board_load.hpp"
+#include "emulator/board_load.hpp"
 #include "dvrk/protocol/encoder_words.hpp"
 
 namespace veridyn::dvrk {

@@ -3,7 +3,7 @@
 #include <atomic>
 #include <cstdint>
 
-#include "dvrk/emulator/board_emulator.hpp"
+#include "emulator/board_emulator.hpp"
 
 namespace veridyn::dvrk {
 

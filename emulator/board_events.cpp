@@ -1,6 +1,5 @@
-#include "cli/boards/dvrk_events.hpp"
+#include "emulator/board_events.hpp"
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -8,11 +7,8 @@
 #include "dvrk/protocol/analog.hpp"
 #include "veridyn/math/require.hpp"
 
-namespace veridyn::cli {
+namespace veridyn::dvrk {
 namespace {
-
-using dvrk::BoardEmulator;
-using dvrk::ReplyFault;
 
 struct Target {
   int place = -1;
@@ -23,7 +19,7 @@ struct Target {
 
 enum class Needs { kNothing, kBoard, kAxis };
 
-struct Kind {
+struct EventKind {
   const char* name;
   Needs needs;
   const char* value;  ///< what stands behind '='; nullptr: nothing
@@ -31,7 +27,7 @@ struct Kind {
   std::function<void(BoardEmulator&, const Target&)> happen;
 };
 
-dvrk::BoardFaults& of(BoardEmulator& emulator, const Target& at) {
+BoardFaults& of(BoardEmulator& emulator, const Target& at) {
   return emulator.board(at.place).faults;
 }
 
@@ -40,7 +36,7 @@ std::size_t axis(const Target& at) {
 }
 
 // "=N" replies are spoilt, or all of them.
-Kind reply(const char* name, ReplyFault fault, const char* help) {
+EventKind reply(const char* name, ReplyFault fault, const char* help) {
   return {name, Needs::kNothing, "[N]", help, [fault](BoardEmulator& e, const Target& at) {
             e.faults.reply = fault;
             e.faults.replies = at.has_value ? static_cast<int>(at.value) : -1;
@@ -48,18 +44,18 @@ Kind reply(const char* name, ReplyFault fault, const char* help) {
 }
 
 void repair(BoardEmulator& e) {
-  e.faults = dvrk::EmulatorFaults();
+  e.faults = EmulatorFaults();
   e.chain.emergency_stop = false;
   e.chain.supply_on = true;
   for (int b = 0; b < e.boards(); ++b) {
-    e.board(b).faults = dvrk::BoardFaults();
+    e.board(b).faults = BoardFaults();
     e.board(b).temperatures = 0x3234;
-    for (int c = 0; c < dvrk::kChannels; ++c)
+    for (int c = 0; c < kChannels; ++c)
       e.board(b).encoder(c).broken_lines = e.board(b).encoder(c).overflow_latched = false;
   }
 }
 
-std::vector<Kind> world_kinds() {
+std::vector<EventKind> world_kinds() {
   using E = BoardEmulator;
   using T = Target;
   return {
@@ -94,7 +90,7 @@ std::vector<Kind> world_kinds() {
   };
 }
 
-std::vector<Kind> board_kinds() {
+std::vector<EventKind> board_kinds() {
   using E = BoardEmulator;
   using T = Target;
   return {
@@ -122,7 +118,7 @@ std::vector<Kind> board_kinds() {
   };
 }
 
-std::vector<Kind> axis_kinds() {
+std::vector<EventKind> axis_kinds() {
   using E = BoardEmulator;
   using T = Target;
   return {
@@ -131,7 +127,7 @@ std::vector<Kind> axis_kinds() {
       {"current", Needs::kAxis, "AMPERE", "so much is added to its measured current",
        [](E& e, const T& at) {
          of(e, at).current[axis(at)] =
-             static_cast<std::int32_t>(std::lround(at.value * dvrk::kNominalAmpsToBits.scale));
+             static_cast<std::int32_t>(std::lround(at.value * kNominalAmpsToBits.scale));
        }},
       {"encoder-error", Needs::kAxis, nullptr, "its encoder makes illegal transitions",
        [](E& e, const T& at) { e.board(at.place).encoder(at.axis).broken_lines = true; }},
@@ -141,14 +137,14 @@ std::vector<Kind> axis_kinds() {
        [](E& e, const T& at) { of(e, at).pot_wire[axis(at)] = true; }},
       {"pot-shift", Needs::kAxis, "VOLT", "so much is added to its pot",
        [](E& e, const T& at) {
-         of(e, at).pot[axis(at)] = at.value / dvrk::kNominalBitsToVolts.scale;
+         of(e, at).pot[axis(at)] = at.value / kNominalBitsToVolts.scale;
        }},
   };
 }
 
-const std::vector<Kind>& kinds() {
-  static const std::vector<Kind> kAll = [] {
-    std::vector<Kind> all = world_kinds();
+const std::vector<EventKind>& kinds() {
+  static const std::vector<EventKind> kAll = [] {
+    std::vector<EventKind> all = world_kinds();
     for (const auto& more : {board_kinds(), axis_kinds()})
       all.insert(all.end(), more.begin(), more.end());
     return all;
@@ -156,7 +152,7 @@ const std::vector<Kind>& kinds() {
   return kAll;
 }
 
-std::string form_of(const Kind& kind) {
+std::string form_of(const EventKind& kind) {
   std::string form = kind.name;
   if (kind.needs == Needs::kBoard) form += ":BOARD";
   if (kind.needs == Needs::kAxis) form += ":BOARD.AXIS";
@@ -168,7 +164,7 @@ std::string form_of(const Kind& kind) {
 }
 
 [[noreturn]] void refuse(const std::string& words, const std::string& expected) {
-  throw CLI::ValidationError("--event", "found '" + words + "', expected " + expected);
+  throw InvalidInput("found '" + words + "', expected " + expected);
 }
 
 // The whole of `text` as a number.
@@ -189,11 +185,11 @@ int place_of(BoardEmulator& emulator, int id) {
   for (int b = 0; b < emulator.boards(); ++b) {
     if (emulator.board(b).setup().id == id) return b;
   }
-  throw CLI::ValidationError("--event", text("board ", id, " is not emulated"));
+  throw InvalidInput(text("board ", id, " is not emulated"));
 }
 
 Target target_of(const std::string& words, const std::string& where, const std::string& value,
-                 const Kind& kind, BoardEmulator& emulator) {
+                 const EventKind& kind, BoardEmulator& emulator) {
   Target at;
   int board = -1;
   const auto dot = where.find('.');
@@ -202,7 +198,7 @@ Target target_of(const std::string& words, const std::string& where, const std::
   if (kind.needs == Needs::kAxis)
     right = right && dot != std::string::npos && whole_number(where.substr(0, dot), board) &&
             whole_number(where.substr(dot + 1), at.axis) && at.axis >= 0 &&
-            at.axis < dvrk::kChannels;
+            at.axis < kChannels;
   at.has_value = !value.empty();
   if (at.has_value) right = right && kind.value != nullptr && number(value, at.value);
   if (!at.has_value) right = right && (kind.value == nullptr || kind.value[0] == '[');
@@ -221,10 +217,10 @@ BoardEvent event_of(const std::string& words, BoardEmulator& emulator) {
   const bool timed =
       at != std::string::npos && number(words.substr(at + 1), event.time) && event.time >= 0.0;
   const auto kind = std::find_if(kinds().begin(), kinds().end(),
-                                 [&](const Kind& one) { return name == one.name; });
+                                 [&](const EventKind& one) { return name == one.name; });
   if (kind == kinds().end() || !timed) {
     std::string names;
-    for (const Kind& one : kinds()) names += std::string(names.empty() ? "" : ", ") + one.name;
+    for (const EventKind& one : kinds()) names += std::string(names.empty() ? "" : ", ") + one.name;
     refuse(words, "EVENT@S with one of: " + names);
   }
   const std::string where =
@@ -251,7 +247,7 @@ std::vector<BoardEvent> board_events(const std::vector<std::string>& words,
 
 std::string board_event_help() {
   std::string help = "Events of --event, with the time in seconds since the start:\n";
-  for (const Kind& kind : kinds()) {
+  for (const EventKind& kind : kinds()) {
     std::string form = form_of(kind);
     form.resize(std::max<std::size_t>(form.size() + 1, 34), ' ');
     help += "  " + form + kind.help + "\n";
@@ -259,4 +255,4 @@ std::string board_event_help() {
   return help;
 }
 
-}  // namespace veridyn::cli
+}  // namespace veridyn::dvrk

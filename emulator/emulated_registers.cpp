@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cstring>
 
-#include "dvrk/emulator/emulated_board.hpp"
+#include "emulator/emulated_board.hpp"
 
 // Registers of an emulated board that are not the real-time blocks: section 7.
 

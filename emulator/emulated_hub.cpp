@@ -1,6 +1,6 @@
 #include <algorithm>
 
-#include "dvrk/emulator/board_emulator.hpp"
+#include "emulator/board_emulator.hpp"
 #include "dvrk/protocol/hub_block.hpp"
 
 // The hub of emulated boards: broadcast query and read.

@@ -1,4 +1,4 @@
-#include "joined_arms.hpp"
+#include "emulator/joined_arms.hpp"
 
 #include <algorithm>
 #include <chrono>
@@ -38,19 +38,18 @@ bool has_brakes(const RobotConfig& robot) {
 
 }  // namespace
 
-JoinedArms::JoinedArms(const Scenario& scenario, const std::vector<RobotConfig>& robots,
-                       const std::vector<MatrixXd>& couplings, int firmware)
-    : experiment_(scenario, "veridyn"),
+JoinedArms::JoinedArms(const Scenario& scenario, const std::vector<CooperatingArm>& arms,
+                       const BoardCooperationOptions& options)
+    : stepped_(options.stepped),
+      experiment_(scenario, "veridyn"),
       tension_(scenario.members.size()),
       rate_(scenario.members.size()),
       push_(scenario.walls.size()),
       faults_(scenario.arms.size()),
       applied_(scenario.arms.size(), 0) {
-  require(robots.size() == scenario.arms.size() && couplings.size() == robots.size(),
-          "emulated boards: found ", robots.size(), " configurations, expected one for each of ",
-          scenario.arms.size(), " arms.");
-  for (size_t k = 0; k < robots.size(); ++k) {
+  for (size_t k = 0; k < arms.size(); ++k) {
     const ScenarioArm& arm = scenario.arms[k];
+    const RobotConfig& robot = arms[k].robot;
     states_.emplace_back(experiment_.real(static_cast<int>(k)), Tip{arm.frame, arm.offset});
     brakes_.push_back(arm.start);
     R_world_base_.push_back(base_rotation(arm.turn));
@@ -59,13 +58,13 @@ JoinedArms::JoinedArms(const Scenario& scenario, const std::vector<RobotConfig>&
     tau_.push_back(VectorXd::Zero(arm.start.size()));
     stuck_.push_back(tau_.back());
     joints_.push_back(std::make_unique<Joint>(experiment_.world(), static_cast<int>(k)));
-    emulators_.push_back(std::make_unique<BoardEmulator>(setups(robots[k], firmware)));
-    loads_.push_back(std::make_unique<SimulatedArm>(*joints_[k], robots[k], couplings[k],
-                                                    boards_of(robots[k]), arm.start));
+    emulators_.push_back(std::make_unique<BoardEmulator>(setups(robot, options.firmware)));
+    loads_.push_back(std::make_unique<SimulatedArm>(*joints_[k], robot, arms[k].coupling,
+                                                    boards_of(robot), arm.start));
     loads_.back()->set_sensors(JointSensors(experiment_.real(static_cast<int>(k))));
-    sockets_.push_back(sockets_of(robots[k]).front());
-    slips_.push_back(std::llround(kSlip / std::abs(robots[k].actuators.front().bits_to_position)));
-    if (!has_brakes(robots[k])) loads_[k]->falls_without_power();
+    sockets_.push_back(sockets_of(robot).front());
+    slips_.push_back(std::llround(kSlip / std::abs(robot.actuators.front().bits_to_position)));
+    if (!has_brakes(robot)) loads_[k]->falls_without_power();
     servers_.push_back(std::make_unique<BoardServer>(*emulators_[k], 0));
     emulators_[k]->attach(loads_[k].get());
   }
@@ -177,6 +176,12 @@ void JoinedArms::apply_faults() {
   }
 }
 
+std::unique_ptr<DatagramLink> JoinedArms::link(int arm) {
+  const std::uint16_t port = servers_[static_cast<size_t>(arm)]->port();
+  if (stepped_) return std::make_unique<SteppedLink>(port, *this);
+  return std::make_unique<UdpLink>("127.0.0.1", port);
+}
+
 void JoinedArms::run(const std::atomic<bool>& stop) {
   const Clock::time_point begun = Clock::now();
   double reached = 0.0;
@@ -204,6 +209,11 @@ void JoinedArms::pass(double seconds) {
     advance(kStep);
     reached_ += kStep;
   }
+}
+
+std::unique_ptr<JoinedBoards> emulate_boards(const Scenario& scenario, const std::vector<CooperatingArm>& arms,
+                                             const BoardCooperationOptions& options) {
+  return std::make_unique<JoinedArms>(scenario, arms, options);
 }
 
 }  // namespace veridyn::dvrk

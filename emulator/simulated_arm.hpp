@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "dvrk/emulator/board_load.hpp"
+#include "emulator/board_load.hpp"
 #include "dvrk/config/io_config.hpp"
 #include "veridyn/math/types.hpp"
 #include "veridyn/model/joint_sensors.hpp"

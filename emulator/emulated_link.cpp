@@ -1,4 +1,4 @@
-#include "dvrk/emulator/emulated_link.hpp"
+#include "emulator/emulated_link.hpp"
 
 #include <algorithm>
 #include <cmath>
