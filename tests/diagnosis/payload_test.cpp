@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "cli/tool.hpp"
-#include "diagnosis/causes/payload_fit.hpp"
+#include "diagnosis/evidence/payload_fit.hpp"
 #include "simulation/simulation_support.hpp"
 #include "math/output_file.hpp"
 #include "veridyn/math/require.hpp"

@@ -6,8 +6,8 @@
 #include <optional>
 
 #include "recordings/arrays/array_recording.hpp"
-#include "recordings/bags/byte_reader.hpp"
 #include "math/most_rows.hpp"
+#include "recordings/files/byte_reader.hpp"
 #include "recordings/files/mapped_file.hpp"
 #include "veridyn/math/require.hpp"
 

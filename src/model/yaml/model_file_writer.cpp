@@ -2,7 +2,7 @@
 #include <cmath>
 #include <utility>
 
-#include "physical_body.hpp"
+#include "model/physical_body.hpp"
 #include "veridyn/math/require.hpp"
 #include "model/effect_names.hpp"
 #include "model/joint_placement.hpp"

@@ -8,12 +8,12 @@
 #include <numeric>
 #include <set>
 
-#include "diagnosis/causes/effect_facts.hpp"
+#include "diagnosis/evidence/effect_facts.hpp"
 #include "diagnosis/causes/extended_arm.hpp"
-#include "diagnosis/causes/payload_fit.hpp"
+#include "diagnosis/evidence/payload_fit.hpp"
 #include "diagnosis/evidence/held_out.hpp"
-#include "diagnosis/finding_words.hpp"
-#include "diagnosis/numerics.hpp"
+#include "diagnosis/findings/finding_words.hpp"
+#include "diagnosis/evidence/numerics.hpp"
 #include "veridyn/effects/cause.hpp"
 #include "veridyn/effects/channel_effect.hpp"
 #include "math/student_t.hpp"
@@ -48,7 +48,7 @@ FindingWriter::FindingWriter(const Inquiry& asked, const NormalBlocks& asked_dat
       changes_(changes),
       limits_(limits) {
   for (const Hypothesis& h : q_.augmented.hypotheses)
-    payloads_.push_back(is_load(h) ? fit_payload(asked_, asked_data_, asked_hypothesis(h))
+    payloads_.push_back(is_load(h) ? fit_payload(asked_.augmented, asked_data_, asked_hypothesis(h))
                                     : PayloadEstimate());
 }
 
@@ -59,7 +59,7 @@ const Hypothesis& FindingWriter::accepted(size_t k) const {
 // The same payload among all that was asked: with the columns of what may have changed beside it.
 const Hypothesis& FindingWriter::asked_hypothesis(const Hypothesis& h) const {
   return *std::find_if(asked_.augmented.hypotheses.begin(), asked_.augmented.hypotheses.end(),
-                       [&h](const Hypothesis& other) { return other.family == h.family; });
+                       [&h](const Hypothesis& other) { return same_candidate(other, h); });
 }
 
 std::vector<double> FindingWriter::values_of(const Hypothesis& h) const {
@@ -179,12 +179,12 @@ std::string FindingWriter::phrase_of(const Group& group, const Finding& f) const
   return out;
 }
 
-// Hypotheses of one family that were accepted with several constants are one finding.
+// Hypotheses of one candidate that were accepted with several constants are one finding.
 std::vector<FindingWriter::Group> FindingWriter::groups() const {
   std::vector<Group> out;
-  std::map<std::string, size_t> of_family;
+  std::map<Candidate, size_t> of_candidate;
   for (size_t k = 0; k < selection_.accepted.size(); ++k) {
-    const auto [found, is_new] = of_family.emplace(accepted(k).family, out.size());
+    const auto [found, is_new] = of_candidate.emplace(accepted(k), out.size());
     if (is_new) out.emplace_back();
     out[found->second].push_back(k);
   }
@@ -274,8 +274,8 @@ std::vector<char> FindingWriter::own_constants() const {
 }
 
 void FindingWriter::add_the_rest(Diagnosis& d) const {
-  std::set<std::string> known;
-  for (size_t k = 0; k < selection_.accepted.size(); ++k) known.insert(accepted(k).family);
+  std::set<Candidate> known;
+  for (size_t k = 0; k < selection_.accepted.size(); ++k) known.insert(accepted(k));
   std::vector<Evidence> rest = selection_.last_asked;
   const auto rank = [](const Evidence& e) { return e.taken ? 0 : e.absorbed ? 2 : 1; };
   std::stable_sort(rest.begin(), rest.end(), [&rank](const Evidence& a, const Evidence& b) {
@@ -283,7 +283,7 @@ void FindingWriter::add_the_rest(Diagnosis& d) const {
   });
   for (const Evidence& e : rest) {
     const Hypothesis& h = asked_.augmented.hypotheses[static_cast<size_t>(e.hypothesis)];
-    if (!known.insert(h.family).second || is_other_constant(h)) continue;
+    if (!known.insert(h).second || is_other_constant(h)) continue;
     if (e.taken) {
       d.not_supported.push_back({h.cause, e.p_value,
                                  "other findings explain it once their constants are refined"});

@@ -3,7 +3,7 @@
 #include <array>
 #include <vector>
 
-#include "diagnosis/numerics.hpp"
+#include "diagnosis/evidence/numerics.hpp"
 #include "veridyn/model/model.hpp"
 
 namespace veridyn {

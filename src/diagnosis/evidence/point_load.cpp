@@ -1,4 +1,4 @@
-#include "diagnosis/causes/point_load.hpp"
+#include "diagnosis/evidence/point_load.hpp"
 
 #include <algorithm>
 #include <cmath>

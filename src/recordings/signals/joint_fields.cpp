@@ -1,4 +1,4 @@
-#include "recordings/joint_fields.hpp"
+#include "recordings/signals/joint_fields.hpp"
 
 #include <algorithm>
 #include <cctype>

@@ -1,4 +1,4 @@
-#include "recordings/files/file_kind.hpp"
+#include "recordings/bags/file_kind.hpp"
 
 #include <sys/stat.h>
 

@@ -1,4 +1,4 @@
-#include "diagnosis/right_to_a_name.hpp"
+#include "diagnosis/findings/right_to_a_name.hpp"
 
 #include <fmt/format.h>
 
@@ -6,7 +6,7 @@
 #include <cmath>
 #include <iterator>
 
-#include "diagnosis/numerics.hpp"
+#include "diagnosis/evidence/numerics.hpp"
 #include "veridyn/effects/cause.hpp"
 #include "veridyn/effects/effect.hpp"
 

@@ -1,4 +1,4 @@
-#include "diagnosis/unnamed/asked_tables.hpp"
+#include "diagnosis/stages/asked_tables.hpp"
 
 #include <algorithm>
 
@@ -40,7 +40,8 @@ Hypothesis hypothesis_of(const EffectTerm& term, JointIndex joint, const std::st
   h.repeats = false;
   h.extrapolates = true;
   h.stage = static_cast<int>(DiagnosisStage::kFriction);
-  h.family = term.effect + " of " + signal + " on " + std::to_string(joint.value);
+  h.axis = term.axis;
+  h.signal = signal;
   return h;
 }
 

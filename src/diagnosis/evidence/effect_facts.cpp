@@ -1,18 +1,10 @@
-#include "diagnosis/causes/effect_facts.hpp"
+#include "diagnosis/evidence/effect_facts.hpp"
 
 #include <algorithm>
 
 #include "veridyn/effects/channel_effect.hpp"
 
 namespace veridyn {
-
-bool is_friction(const std::string& effect) {
-  return has_effect(effect) && find_effect(effect).traits().role == EffectRole::kFriction;
-}
-
-bool is_channel(const Hypothesis& h) {
-  return std::holds_alternative<ChannelError>(h.cause);
-}
 
 std::string channel_phrase(const Model& arm, const EffectTerm& term,
                            const std::vector<double>& values) {

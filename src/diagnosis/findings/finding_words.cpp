@@ -1,14 +1,14 @@
-#include "diagnosis/finding_words.hpp"
+#include "diagnosis/findings/finding_words.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "diagnosis/causes/effect_facts.hpp"
-#include "diagnosis/causes/payload_fit.hpp"
+#include "diagnosis/evidence/effect_facts.hpp"
+#include "diagnosis/evidence/payload_fit.hpp"
 #include "diagnosis/evidence/folds.hpp"
-#include "diagnosis/numerics.hpp"
+#include "diagnosis/evidence/numerics.hpp"
 #include "veridyn/effects/cause.hpp"
 #include "veridyn/effects/channel_effect.hpp"
 #include "math/student_t.hpp"

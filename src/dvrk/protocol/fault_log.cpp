@@ -1,4 +1,4 @@
-#include "dvrk/boards/fault_log.hpp"
+#include "dvrk/protocol/fault_log.hpp"
 
 #include <iomanip>
 #include <sstream>

@@ -1,13 +1,15 @@
-#include "diagnosis/causes/payload_fit.hpp"
+#include "diagnosis/evidence/payload_fit.hpp"
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <cmath>
 
-#include "diagnosis/causes/point_load.hpp"
+#include "diagnosis/evidence/point_load.hpp"
 #include "diagnosis/evidence/clustered_fit.hpp"
-#include "diagnosis/numerics.hpp"
+#include "diagnosis/evidence/examiner.hpp"
+#include "diagnosis/evidence/folds.hpp"
+#include "diagnosis/evidence/numerics.hpp"
 #include "math/student_t.hpp"
 
 namespace veridyn {
@@ -134,15 +136,15 @@ Eigen::Matrix<double, 6, 1> possible(const Eigen::Matrix<double, 6, 1>& L) {
 
 }  // namespace
 
-std::vector<ColumnSet> nuisance_sets(const Inquiry& q, const NormalBlocks& data,
+std::vector<ColumnSet> nuisance_sets(const AugmentedModel& asked, const NormalBlocks& data,
                                      FrameIndex frame) {
   std::vector<ColumnSet> out(1);
   for (const std::string& effect : elementary_effects()) {
     ColumnSet next = out.back();
-    for (const Hypothesis& h : q.augmented.hypotheses) {
+    for (const Hypothesis& h : asked.hypotheses) {
       if (effect_of(h.cause) != effect || !h.joint || is_load(h)) continue;
-      if (!q.augmented.model.moves(frame.value, h.joint->value)) continue;
-      const Axis& axis = term_of(q.augmented.model, h).axis;
+      if (!asked.model.moves(frame.value, h.joint->value)) continue;
+      const Axis& axis = term_of(asked.model, h).axis;
       if ((axis.coefficients.array() != 0.0).count() != 1) continue;
       const ColumnSet own = columns_of(data, h);
       next.insert(next.end(), own.begin(), own.end());
@@ -152,9 +154,10 @@ std::vector<ColumnSet> nuisance_sets(const Inquiry& q, const NormalBlocks& data,
   return out;
 }
 
-PayloadEstimate fit_payload(const Inquiry& q, const NormalBlocks& data, const Hypothesis& payload) {
+PayloadEstimate fit_payload(const AugmentedModel& asked, const NormalBlocks& data,
+                            const Hypothesis& payload) {
   const FrameIndex frame = *frame_of(payload.cause);
-  const std::vector<ColumnSet> sets = nuisance_sets(q, data, frame);
+  const std::vector<ColumnSet> sets = nuisance_sets(asked, data, frame);
   ColumnSet all = columns_of(data, payload);
   all.insert(all.end(), sets.back().begin(), sets.back().end());
   const VectorXd w = joint_weights(data, all);
@@ -162,7 +165,7 @@ PayloadEstimate fit_payload(const Inquiry& q, const NormalBlocks& data, const Hy
   const LoadCost whole = problem.without(-1);
   const PointLoad main = fit_point_load(whole, nullptr);
   PayloadEstimate out;
-  out.frame = q.augmented.model.frames()[static_cast<size_t>(frame.value)].name;
+  out.frame = asked.model.frames()[static_cast<size_t>(frame.value)].name;
   out.phi = main.phi;
   out.mass = main.mass();
   out.moment = main.moment();

@@ -1,4 +1,4 @@
-#include "recordings/units.hpp"
+#include "recordings/signals/units.hpp"
 
 #include <cmath>
 #include <iterator>

@@ -1,4 +1,4 @@
-#include "excitation/base_regressor.hpp"
+#include "excitation/search/base_regressor.hpp"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>

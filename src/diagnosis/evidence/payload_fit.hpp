@@ -2,19 +2,20 @@
 
 #include <vector>
 
-#include "diagnosis/shapes/inquiry.hpp"
+#include "diagnosis/evidence/hypotheses.hpp"
+#include "diagnosis/evidence/normal_blocks.hpp"
 #include "veridyn/diagnosis/payload.hpp"
 
 namespace veridyn {
 
 /// Fits a point mass to the columns of one payload hypothesis, beside changes of friction and
 /// offset of the joints that carry it.
-PayloadEstimate fit_payload(const Inquiry& inquiry, const NormalBlocks& data,
+PayloadEstimate fit_payload(const AugmentedModel& asked, const NormalBlocks& data,
                             const Hypothesis& payload);
 
 /// Columns of what may have changed with a load: offset, Coulomb and viscous friction of the joints
 /// that carry it; growing sets, the first one empty.
-std::vector<ColumnSet> nuisance_sets(const Inquiry& inquiry, const NormalBlocks& data,
+std::vector<ColumnSet> nuisance_sets(const AugmentedModel& asked, const NormalBlocks& data,
                                      FrameIndex frame);
 
 /// Of what the ten parameters of a payload explain when they may be anything, the share that they

@@ -1,4 +1,4 @@
-#include "physical_body.hpp"
+#include "model/physical_body.hpp"
 
 #include <fmt/format.h>
 

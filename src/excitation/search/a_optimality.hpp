@@ -1,7 +1,7 @@
 #pragma once
 
-#include "excitation/base_regressor.hpp"
-#include "excitation/criterion.hpp"
+#include "excitation/search/base_regressor.hpp"
+#include "excitation/search/criterion.hpp"
 
 namespace veridyn {
 
