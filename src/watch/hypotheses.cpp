@@ -10,9 +10,10 @@
 namespace veridyn::watching {
 namespace {
 
-constexpr double kRestShare = 0.03;  // of the largest speed: below it dry friction may be anything
+// Of the largest speed, below which dry friction is undetermined.
+constexpr double kRestShare = 0.03;
 
-// What may change on every joint and is different every day.
+// Effects that exist on every joint and vary from day to day.
 std::vector<const AxisEffect*> axis_effects_watched() {
   std::vector<const AxisEffect*> out;
   for (const AxisEffect* effect : axis_effects())
@@ -20,7 +21,7 @@ std::vector<const AxisEffect*> axis_effects_watched() {
   return out;
 }
 
-// Errors of one joint's recorded signal that may come while it runs.
+// Sensor errors of one joint that may begin during operation.
 std::vector<const ChannelEffect*> channel_effects_watched() {
   std::vector<const ChannelEffect*> out;
   for (const ChannelEffect* effect : channel_effects()) {
@@ -58,7 +59,7 @@ std::vector<int> load_frames(const Model& arm, const std::vector<std::string>& l
   return out;
 }
 
-// The arm with a body on each of the frames.
+// The arm with an additional body on each of the frames.
 Model with_bodies(const Model& arm, const std::vector<int>& frames) {
   ModelDescription d = arm.description();
   d.effects.clear();
