@@ -35,8 +35,8 @@ class Quantiles {
   /// (hypotheses) statistic beyond which memory m raises an alarm; infinite until enough is
   /// learned.
   const VectorXd& threshold(int memory) const { return threshold_[static_cast<size_t>(memory)]; }
-  /// How much more than white innovations' the statistics scatter, the mean of all hypotheses over
-  /// the memory in the middle; and with how many degrees of freedom that is known.
+  /// Dispersion of the statistics relative to white innovations, the mean of all hypotheses over
+  /// the middle memory; and its degrees of freedom.
   double dispersion() const { return dispersion_; }
   double freedom() const { return freedom_; }
 

@@ -48,7 +48,7 @@ class Hypotheses {
   };
   void evaluate(const StepMotion& motion, Answer& out);
 
-  /// After a pause: memories start afresh.
+  /// Restarts the memories after a pause.
   void reset();
 
  private:
