@@ -16,7 +16,7 @@ class WaitingBytes {
 
   std::uint8_t* room() { return bytes_.data(); }
   std::size_t size() const { return bytes_.size() - 1; }
-  /// So many bytes stand in room() now; `line` ends them with the end of a line.
+  /// Declares that room() now holds `count` bytes; `line` appends the end of a line.
   void filled(std::size_t count, bool line = false) {
     at_ = 0;
     end_ = count;

@@ -9,8 +9,8 @@ namespace {
 
 constexpr int kInstantsPerWave = 64;
 
-// The range of a signal, with what its curvature may add between two instants. One that does not
-// repeat is held at its ends.
+// Range of a signal, widened by its curvature between instants. The ends of a signal that does not
+// repeat are constant.
 std::pair<double, double> range_of(const VectorXd& v, bool periodic) {
   const Eigen::Index rows = v.size();
   double low = v.minCoeff();
