@@ -10,7 +10,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kShortest = 1e-9;  // [m] between tips that have a direction
+constexpr double kShortest = 1e-9;  // [m] smallest distance of tips with a defined direction
 
 Vector3d centroid(const std::vector<Vector3d>& points) {
   Vector3d sum = Vector3d::Zero();
@@ -197,7 +197,7 @@ void CooperativeController::stop() noexcept {
   for (QuinticInterpolator& grip : grips_) grip.stop(options_.stop_duration);
 }
 
-// x_d of every tip with its derivatives, from the object's motion.
+// Computes x_d of every tip and its derivatives from the object's motion.
 void CooperativeController::plan() noexcept {
   const Eigen::Matrix3d R = Eigen::AngleAxisd(angle_.x()[0], axis_).toRotationMatrix() * R_start_;
   const Vector3d omega = angle_.dx()[0] * axis_;
@@ -220,7 +220,7 @@ void CooperativeController::plan() noexcept {
   }
 }
 
-// (7.10) to (7.12) for every member.
+// Applies (7.10) to (7.12) to every member.
 void CooperativeController::correct(const CooperativeInput& input) noexcept {
   const bool active = commands_allowed();
   for (size_t k = 0; k < trackers_.size(); ++k) {
@@ -255,13 +255,13 @@ bool CooperativeController::is_stuck(size_t member, const ForceReading& reading,
     return false;
   }
   const double stiffness = options_.members[member].law.stiffness;
-  // Repeated zeros are those of a slack member.
+  // Repeated zeros belong to a slack member.
   return reading.number != watch.number && stiffness > 0.0 && force != 0.0 &&
          std::abs(length - watch.length) * stiffness > options_.stuck_force;
 }
 
-// Between two samples; the length of the member is measured in every cycle, its force as often as
-// the sensor speaks. A slack member carries nothing, whatever its length does.
+// Checks the change between two samples; the length of the member is measured in every cycle, its
+// force at the rate of the sensor. A slack member has no force at any length.
 bool CooperativeController::jumps(size_t member, const ForceReading& reading,
                                   double length) noexcept {
   Watch& watch = watches_[member];
@@ -277,7 +277,7 @@ bool CooperativeController::jumps(size_t member, const ForceReading& reading,
   return !first && stiffness > 0.0 && change > options_.jump_force + 2.0 * stiffness * way;
 }
 
-// While the wanted force stands still: what it means otherwise is not known.
+// Checks the generated energy while the wanted force is constant, because it is defined only then.
 bool CooperativeController::makes_energy(size_t member, const ForceReading& reading,
                                          const CooperativeInput& input) noexcept {
   PassivityMonitor& monitor = monitors_[member];
@@ -297,7 +297,7 @@ bool CooperativeController::makes_energy(size_t member, const ForceReading& read
 }
 
 CooperativeState CooperativeController::judge(const CooperativeInput& input) noexcept {
-  // A member stretches under its force, which takes its ends off the way of the motion alone.
+  // The stretch under its force displaces the ends of a member from the path of the motion alone.
   double stretch = 0.0;
   for (size_t k = 0; k < trackers_.size(); ++k) {
     const double stiffness = options_.members[k].law.stiffness;
@@ -335,8 +335,8 @@ CooperativeState CooperativeController::judge(const CooperativeInput& input) noe
   return CooperativeState::kTracking;
 }
 
-// While all is held: ends that still follow give way along members whose force is beyond the
-// bound, the leader's too. Readings of failed sensors move nothing.
+// While targets are held: ends that still follow yield along members whose force exceeds the bound,
+// the leader's too. Readings of failed sensors are ignored.
 void CooperativeController::relieve(const CooperativeInput& input) noexcept {
   if (sensor_failed()) return;
   for (size_t k = 0; k < trackers_.size(); ++k) {
@@ -364,12 +364,12 @@ void CooperativeController::learn_lengths(const CooperativeInput& input) noexcep
   }
 }
 
-// While all is held: along with an arm that falls, then what forces ask for.
+// While targets are held: follows a falling arm first, then yields to forces.
 void CooperativeController::give_way(const CooperativeInput& input) noexcept {
   if (options_.guard) {
     for (size_t k = 0; k < trackers_.size(); ++k) {
       const CooperativeMember& m = options_.members[k];
-      // Without its arm's place a member has no length: forces alone are left to go by.
+      // The length of a member needs both positions; without them only forces count.
       if (input.located[static_cast<size_t>(m.from)] == 0 ||
           input.located[static_cast<size_t>(m.to)] == 0)
         guard_.forget(static_cast<int>(k));

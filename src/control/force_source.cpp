@@ -13,8 +13,8 @@
 namespace veridyn {
 namespace {
 
-constexpr int kMostReads = 64;         // reads of one poll: bounded in time
-constexpr double kOwnersSilence = 1.0;  // [s] after which another sender may have the port
+constexpr int kMostReads = 64;         // per poll, to bound its time
+constexpr double kOwnersSilence = 1.0;  // [s] after which another sender may take the port
 
 std::vector<std::string> parts_of(const std::string& name) {
   std::vector<std::string> parts(1);
@@ -109,7 +109,7 @@ class SerialForceSource final : public ForceSource {
   int poll() noexcept override {
     return bytes_.poll([this]() -> std::size_t {
       const int got = connected_ ? sp_nonblocking_read(port_, bytes_.room(), bytes_.size()) : 0;
-      if (got < 0) connected_ = false;  // the plug was pulled
+      if (got < 0) connected_ = false;  // unplugged
       return got <= 0 ? 0 : static_cast<std::size_t>(got);
     });
   }

@@ -15,14 +15,14 @@
 namespace veridyn {
 namespace {
 
-constexpr double kSingular = 1e-9;  // share of the largest singular value
+constexpr double kSingular = 1e-9;  // relative to the largest singular value
 constexpr int kPrimes[] = {2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37};
-constexpr Eigen::Index kMostJoints = 12;  // one prime for each
+constexpr Eigen::Index kMostJoints = 12;  // one prime number for each in Halton's sequence
 constexpr int kStarts = 60;
-// Poses are printed with six decimals; arms of fewer than six joints meet none of those exactly.
+// Poses are printed with six decimals; arms with fewer than six joints reach none of those exactly.
 constexpr double kPrintedPosition = 2e-6;  // [m]
 constexpr double kPrintedAngle = 5e-6;     // [rad]
-constexpr double kOnLimit = 2e-6;          // [rad], [m] beyond a limit that printed joints may be
+constexpr double kOnLimit = 2e-6;          // [rad], [m] by which rounded joints may exceed a limit
 
 Conditioning conditioning(const MatrixXd& J) {
   const MatrixXd square = J.rows() <= J.cols() ? MatrixXd(J * J.transpose())
@@ -31,7 +31,7 @@ Conditioning conditioning(const MatrixXd& J) {
   const VectorXd s = solver.eigenvalues().cwiseMax(0.0).cwiseSqrt();
   Conditioning out;
   out.smallest = J.rows() <= J.cols() ? s.minCoeff() : 0.0;
-  // Fewer joints than rows: how well they move what they can.
+  // With fewer joints than rows, the conditioning of the reachable directions.
   const double least = s.minCoeff();
   out.condition = least > kSingular * s.maxCoeff() ? s.maxCoeff() / least
                                                    : std::numeric_limits<double>::infinity();
@@ -100,8 +100,8 @@ VectorXd spread(const MotionLimits& limits, int index) {
   return q;
 }
 
-// From where the joints are, from the start, then from all over the ranges: Newton's steps end at
-// joint limits and in folds between postures.
+// Tries Newton steps from the present joints, from the start, then from the whole ranges: the steps
+// may end at joint limits and at singularities between postures.
 bool reach(InverseKinematics& newton, const Eigen::Isometry3d& wanted, const MotionLimits& limits,
            const VectorXd& start, VectorXd& q) {
   VectorXd trial = q;

@@ -62,7 +62,7 @@ class TerminalLine final : public ForceSource {
   long refused() const noexcept override { return bytes_.decoder().refused(); }
 
  private:
-  // Nothing to read, or nobody there any more?
+  // True if the device is gone; false if there are merely no data.
   bool pulled(ssize_t got) const noexcept {
     if (got < 0 && errno != EAGAIN && errno != EINTR) return true;
     pollfd state{line_, POLLIN, 0};

@@ -7,7 +7,7 @@
 
 namespace veridyn {
 
-/// The upper one of two middle values; zero of nothing.
+/// Upper median: the larger one of two middle values; zero for an empty list.
 template <typename Number>
 Number median(std::vector<Number> values) {
   if (values.empty()) return Number(0);

@@ -12,7 +12,7 @@ namespace veridyn {
 namespace {
 
 constexpr int kPiece = 4096;
-constexpr double kOverhead = 8.0;    // numbers that a held sample takes beside its values
+constexpr double kOverhead = 8.0;    // memory of a held sample beside its values, in numbers
 constexpr double kAbsurd = 1e6;      // no arm has positions, speeds or torques beyond this
 constexpr double kGapInSteps = 2.5;  // one lost row is interpolated, more are a gap
 
@@ -97,7 +97,7 @@ void UniformStream::read_piece() {
   }
 }
 
-// All grid points between the previous row and this one (the grid starts at the first row).
+// Emits all grid points between the previous row and this one (the grid starts at the first row).
 void UniformStream::emit_until(const Row& row) {
   const double tolerance = 1e-6 * dt_;
   const double wanted = static_cast<double>(samples_.size()) + (row.t - t_first_) / dt_ -

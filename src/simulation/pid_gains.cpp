@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kIntegralShare = 0.1;  // share of the bandwidth
 
-// The inertia that each joint feels alone, rotors included, in the middle of the range.
+// The inertia of each joint by itself, rotors included, at the middle of the range.
 VectorXd middle_inertia(const Model& arm) {
   const MotionLimits limits = motion_limits(arm);
   const VectorXd middle = 0.5 * (limits.lower + limits.upper);

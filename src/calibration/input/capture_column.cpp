@@ -9,7 +9,7 @@
 namespace veridyn::internal {
 namespace {
 
-// Takes "[mm]" or "(mm)" off the end of a name.
+// Removes "[mm]" or "(mm)" from the end of a name.
 std::string without_unit(const std::string& name, double& metres) {
   const char closing = name.empty() ? ' ' : name.back();
   if (closing != ']' && closing != ')') return name;
@@ -26,7 +26,7 @@ int component_index(const std::string& word) {
   return found == kComponents.end() ? -1 : static_cast<int>(found - kComponents.begin());
 }
 
-// BODY/MARKER with '/' whatever stood between them.
+// BODY/MARKER with '/' in place of other separators.
 std::string with_slashes(std::string name) {
   for (const char other : {':', '.'}) {
     if (name.find('/') != std::string::npos) break;

@@ -147,15 +147,15 @@ void add_simulate_command(CLI::App& tool, Outcome& outcome) {
           ""));
   command
       .add_option("--sample-rate", request->sample_rate,
-                  "Of the recording, whatever that of the trajectory (the same)")
+                  "Sample rate of the recording (default: that of the trajectory)")
       ->option_text("HZ")
       ->check(CLI::PositiveNumber);
   command.add_option("--engine", request->engine, "What computes the motion (veridyn)")
       ->option_text(listed(engine_names()));
-  command.add_option("--seed", request->seed, "Of the noise (1)")->option_text("N");
+  command.add_option("--seed", request->seed, "Seed of the noise (1)")->option_text("N");
   command
       .add_option("--arm-seed", request->arm_seed,
-                  "Of the values of an arm whose file has none; the same in all its recordings (1)")
+                  "Seed of plausible values for a robot file without any (1)")
       ->option_text("N");
   add_output_option(command, "--model-out", request->model_out, "Write the true arm as YAML");
   add_control_options(command, *request);

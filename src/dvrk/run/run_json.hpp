@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "dvrk/run/arm_run.hpp"
-#include "dvrk/boards/fault_log.hpp"
+#include "dvrk/protocol/fault_log.hpp"
 
 namespace veridyn::dvrk {
 

@@ -29,7 +29,7 @@ Container container_of(std::string_view probe) {
   return Container::kNone;
 }
 
-// name_2 before name_10: runs of digits by their value.
+// Natural order: runs of digits compare by value, so that name_2 precedes name_10.
 bool in_natural_order(const std::string& a, const std::string& b) {
   const auto digit = [](char c) { return std::isdigit(static_cast<unsigned char>(c)) != 0; };
   std::size_t i = 0;
@@ -53,7 +53,7 @@ bool in_natural_order(const std::string& a, const std::string& b) {
   return a.size() - i < b.size() - j;
 }
 
-// Containers of one kind in a folder.
+// Lists the containers of one kind in a folder.
 std::vector<std::string> pieces_in(const std::string& folder) {
   std::vector<std::string> pieces;
   Container kind = Container::kNone;
@@ -93,7 +93,7 @@ Metadata metadata_of(const std::string& folder, BagSink* sink) {
     for (const YAML::Node& file : root["relative_file_paths"]) {
       const fs::path listed = file.as<std::string>();
       std::string place = (fs::path(folder) / listed).string();
-      // Some versions write the bag's own name in front.
+      // Some versions prepend the bag's own name.
       if (!fs::exists(place)) place = (fs::path(folder) / listed.filename()).string();
       if (fs::exists(place)) {
         metadata.files.push_back(place);
@@ -125,7 +125,7 @@ void read_file(const std::string& path, bool packed_messages, BagSink* sink,
   throw InvalidInput(path + ": found other first bytes, expected a ROS bag or MCAP.");
 }
 
-// Of a single file in a folder with metadata.yaml: whether its messages are packed.
+// True if metadata.yaml beside a single file says that its messages are compressed.
 bool packed_beside(const std::string& path) {
   const std::string folder = fs::path(path).parent_path().string();
   const std::string place = folder.empty() ? "." : folder;

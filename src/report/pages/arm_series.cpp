@@ -9,10 +9,10 @@ namespace veridyn {
 namespace {
 
 constexpr int kSpeeds = 30;         // of a friction curve, to either side of rest
-constexpr int kRun = 60;            // steps that friction with a memory slides before it is looked at
+constexpr int kRun = 60;  // steps of sliding that bring friction with memory to its steady state
 constexpr double kRunSeconds = 2.0;
 constexpr double kNormal95 = 1.96;  // standard deviations of a normal interval
-constexpr double kOpenTurn = 2.0;   // [rad] shown where a joint has no limits
+constexpr double kOpenTurn = 2.0;   // [rad] range shown for joints without limits
 constexpr double kOpenWay = 0.2;    // [m] likewise
 
 Json pose_rows(const Eigen::Matrix3d& R, const Eigen::Vector3d& p) {
@@ -35,7 +35,7 @@ const char* kind_of(JointType type) {
   return type == JointType::kFixed ? "fixed" : type == JointType::kRevolute ? "revolute" : "prismatic";
 }
 
-// The friction of one joint that slides steadily; the parameters' columns where they are asked for.
+// The friction of one joint that slides steadily, and on request the parameters' columns.
 double friction_at(std::vector<BoundEffect>& effects, int joint, double speed, double q, double load,
                    VectorXd* columns) {
   double torque = 0.0;
@@ -62,8 +62,8 @@ double friction_at(std::vector<BoundEffect>& effects, int joint, double speed, d
   return torque;
 }
 
-// Rows of F by parameter, where F F' is their covariance: those of the jackknife where a parameter
-// is told by itself, else its own standard deviation in a column of its own.
+// Rows of F by parameter, where F F' is their covariance: from the jackknife where a parameter is
+// identifiable alone, else its own standard deviation in a separate column.
 MatrixXd scatter_of(const Identification& id, const std::vector<std::string>& names) {
   const auto& identified = id.model->description().identified;
   const auto count = static_cast<Eigen::Index>(names.size());
@@ -112,7 +112,7 @@ JointUse use_of(const Identification& id, std::size_t joint) {
   return out;
 }
 
-// The frame that the most coordinates move; of several the last one.
+// The frame that the most coordinates move; the last one of several.
 int tip_of(const Model& arm) {
   int best = 0, most = -1;
   for (int k = 0; k < static_cast<int>(arm.frames().size()); ++k) {
