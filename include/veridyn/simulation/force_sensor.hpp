@@ -17,8 +17,10 @@ struct ForceSensorOptions {
   /// (stuck), or nothing arrives any more (stale).
   double stuck_from = std::numeric_limits<double>::infinity();
   double stale_from = std::numeric_limits<double>::infinity();
-  double jump_from = std::numeric_limits<double>::infinity();  ///< readings are off by jump_by
-  double jump_by = 0.0;                                        ///< [N]
+  /// From jump_from on readings are off by jump_by [N] and by `drift` [N/s] more and more.
+  double jump_from = std::numeric_limits<double>::infinity();
+  double jump_by = 0.0;
+  double drift = 0.0;
 };
 
 /// The latest sample that has arrived.
