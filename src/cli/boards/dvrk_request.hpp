@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -42,6 +43,7 @@ struct DvrkRequest {
   bool ethernet_only = false; ///< emulated boards have no FireWire between them
   bool firewire = false;      ///< FPGA V3 boards have it all the same
   bool io_expander = false;   ///< emulated boards are QLA 1.5
+  bool emulate = false;       ///< `run` has emulated boards in this process
   bool everywhere = false;    ///< the emulator listens on all addresses
   std::vector<double> start;  ///< joint positions of the emulated arm
   std::string config_out;
@@ -68,6 +70,10 @@ dvrk::ArmSessionOptions session_options(const DvrkRequest& request, const DvrkAr
 
 /// What the session noticed, on standard error; a warning is no progress, so --quiet keeps it.
 void say_faults(const dvrk::FaultLog& faults);
+
+/// The boards at --host, or emulated ones in this process with DvrkRequest::emulate: their clock stands
+/// still while the program computes. @throws InvalidInput, CLI::ValidationError  as `dvrk emulate`.
+std::unique_ptr<dvrk::DatagramLink> link_to_boards(const DvrkRequest& request);
 
 /// Before a loop that has a cycle to keep: priority, memory that stays where it is. What the system
 /// refuses is returned, in words.
