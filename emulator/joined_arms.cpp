@@ -7,7 +7,6 @@
 #include "cooperation/end_stops.hpp"
 #include "cooperation/scenario_models.hpp"
 #include "dvrk/run/arm_session.hpp"
-#include "veridyn/math/require.hpp"
 
 namespace veridyn::dvrk {
 namespace {

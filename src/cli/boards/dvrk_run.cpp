@@ -5,7 +5,6 @@
 #include <memory>
 
 #include "cli/boards/dvrk_request.hpp"
-#include "math/output_file.hpp"
 #include "cli/options/messages.hpp"
 #include "cli/options/option_checks.hpp"
 #include "dvrk/arms/arm_facts.hpp"
