@@ -26,7 +26,7 @@ enum class Needs { kNothing, kBoard, kAxis };
 struct Kind {
   const char* name;
   Needs needs;
-  const char* value;  ///< what stands behind '='; nullptr: nothing
+  const char* value;  ///< text after '='; nullptr: none
   const char* help;
   std::function<void(BoardEmulator&, const Target&)> happen;
 };
@@ -39,7 +39,7 @@ std::size_t axis(const Target& at) {
   return static_cast<std::size_t>(at.axis);
 }
 
-// "=N" replies are spoilt, or all of them.
+// "=N" replies are corrupted, or all of them.
 Kind reply(const char* name, ReplyFault fault, const char* help) {
   return {name, Needs::kNothing, "[N]", help, [fault](BoardEmulator& e, const Target& at) {
             e.faults.reply = fault;
@@ -171,7 +171,7 @@ std::string form_of(const Kind& kind) {
   throw CLI::ValidationError("--event", "found '" + words + "', expected " + expected);
 }
 
-// The whole of `text` as a number.
+// Parses the whole of `text` as a number.
 bool number(const std::string& text, double& value) {
   int used = 0;
   return std::sscanf(text.c_str(), "%lf%n", &value, &used) == 1 &&

@@ -8,20 +8,20 @@
 
 namespace veridyn::cli {
 
-/// Something that happens to emulated boards at a time: "emergency-stop@2.5", "current:6.1=0.4@3".
+/// An event on emulated boards at a given time: "emergency-stop@2.5", "current:6.1=0.4@3".
 struct BoardEvent {
   std::string words;  ///< without the time
   double time = 0.0;  ///< [s]
   std::function<void(dvrk::BoardEmulator&)> happen;
 };
 
-/// In the order in which they happen.
-/// @throws CLI::ValidationError  a name that is none, a board that is not emulated, a number that
-///                               is missing.
+/// The events in order of time.
+/// @throws CLI::ValidationError  an unknown name, a board that is not emulated, or a missing
+/// number.
 std::vector<BoardEvent> board_events(const std::vector<std::string>& words,
                                      dvrk::BoardEmulator& emulator);
 
-/// The names that exist, one per line with what they do, for --help.
+/// The available names, one per line with their effect, for --help.
 std::string board_event_help();
 
 }  // namespace veridyn::cli
