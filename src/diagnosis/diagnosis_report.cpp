@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "diagnosis/numerics.hpp"
+#include "diagnosis/evidence/numerics.hpp"
 #include "math/correlated_columns.hpp"
 #include "veridyn/diagnosis/diagnosis.hpp"
 

@@ -12,7 +12,7 @@
 #include "regressor/arm_columns.hpp"
 #include "regressor/stacked_columns.hpp"
 #include "veridyn/regressor/standard_parameters.hpp"
-#include "excitation/base_regressor.hpp"
+#include "excitation/search/base_regressor.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn {

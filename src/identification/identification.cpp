@@ -19,6 +19,7 @@
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/model_file.hpp"
 #include "veridyn/model/model_origin.hpp"
+#include "veridyn/model/physical_faults.hpp"
 
 namespace veridyn {
 namespace {
@@ -443,6 +444,8 @@ bool fit_factors(AskedArm& arm, std::vector<CompressedRecording>& recordings,
   }
   if (std::string remark = arm.remark(); !remark.empty())
     id.remarks.insert(id.remarks.begin(), std::move(remark));
+  for (const std::string& fault : physical_faults(arm.used()))
+    id.remarks.push_back("The robot file has what no arm has: " + fault + ".");
   return done;
 }
 
@@ -515,28 +518,18 @@ Identification identify_compressed(const Model& file, std::vector<CompressedReco
 
 namespace {
 
-void derive(const std::set<int>& joints, IdentificationOptions& how) {
-  how.preprocessing.derive_velocity_of.assign(joints.begin(), joints.end());
-  if (how.test_preprocessing)
-    how.test_preprocessing->derive_velocity_of = how.preprocessing.derive_velocity_of;
-}
-
-// Repeats the fit with those velocities derived from the position that improve the torques.
-Identification with_chosen_velocities(const Model& arm, Identification id,
+// The same fit with those noisy velocities from the position that the torques want so.
+Identification with_chosen_velocities(const Model& arm, Identification id, const VelocityTrust& trust,
                                       const std::vector<std::string>& train,
                                       const std::vector<std::string>& test,
                                       IdentificationOptions how) {
-  const PreprocessingOptions& from = how.preprocessing;
-  const bool asked = how.choose_velocities && from.velocity == VelocitySource::kRecorded &&
-                     from.filtering == Filtering::kMatched && from.derive_velocity_of.empty();
-  if (!asked || !id.model) return id;
+  if (trust.doubtful.empty() || !id.model) return id;
   for (const RecordingError& r : id.train) how.preprocessing.known_periods.emplace(r.source, r.period);
-  VelocityChoice choice = choose_velocities(
-      id, doubtful_velocities(arm, train, from, how.threads), kVelocityGain,
-      [&](const std::set<int>& joints) {
-        derive(joints, how);
-        return identify_named(arm, train, test, how);
-      });
+  VelocityChoice choice = choose_velocities(id, trust.doubtful, kVelocityGain, [&](std::set<int> joints) {
+    joints.insert(trust.wrong.begin(), trust.wrong.end());
+    derive_velocities(joints, how);
+    return identify_named(arm, train, test, how);
+  });
   if (!choice.fit) return id;
   for (const int j : choice.better) {
     const std::string& name = arm.coordinates()[static_cast<size_t>(j)].name;
@@ -553,8 +546,10 @@ Identification identify(const Model& arm, const Recordings& train, const Recordi
                         const IdentificationOptions& options) {
   NamedRecordings<IdentificationOptions> named(train, test, options);
   keep_recordings(named.how, KeptRecordings::kFewPasses);
+  const VelocityTrust trust = leave_wrong_velocities_out(arm, named.train, named.test, named.how);
   Identification id = identify_named(arm, named.train, named.test, named.how);
-  id = with_chosen_velocities(arm, std::move(id), named.train, named.test, named.how);
+  id = with_chosen_velocities(arm, std::move(id), trust, named.train, named.test, named.how);
+  for (std::string& remark : remarks_on(trust.wrong, arm)) id.remarks.push_back(std::move(remark));
   forget_recordings(id);
   return id;
 }

@@ -9,6 +9,7 @@
 
 #include "many_recordings.hpp"
 #include "math/parallel.hpp"
+#include "identification/velocity_choice.hpp"
 #include "recordings/named_recordings.hpp"
 #include "veridyn/math/require.hpp"
 
@@ -262,8 +263,11 @@ Identification evaluate_named(const Model& arm, const std::vector<std::string>& 
 
 Identification evaluate(const Model& arm, const Recordings& train, const Recordings& test,
                         const IdentificationOptions& options) {
-  const NamedRecordings<IdentificationOptions> named(train, test, options);
+  NamedRecordings<IdentificationOptions> named(train, test, options);
+  keep_recordings(named.how, KeptRecordings::kFewPasses);
+  const VelocityTrust trust = leave_wrong_velocities_out(arm, named.train, named.test, named.how);
   Identification id = evaluate_named(arm, named.train, named.test, named.how);
+  for (std::string& remark : remarks_on(trust.wrong, arm)) id.remarks.push_back(std::move(remark));
   forget_recordings(id);
   return id;
 }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "veridyn/identification/identification.hpp"
+#include "recordings/velocity_trust.hpp"
 #include "veridyn/recordings/recording_quality.hpp"
 
 namespace veridyn {
@@ -22,11 +23,7 @@ VectorXd log_training_errors(const Identification& id);
 /// derivative across late rows may be worse where they are not repaired.
 VectorXd fall_of_errors(const Identification& before, const Identification& after);
 
-/// Joints with a finding of this name and at least this severity.
-std::set<int> joints_with_finding(const std::vector<RecordingQuality>& recordings,
-                                  const std::string& finding, Severity least);
-
-/// Joints whose velocity is derived from the position, and the fit with them; nullopt: none.
+/// Which velocities are taken from the position, and the fit with them; no fit: none of them.
 struct VelocityChoice {
   std::set<int> better;
   std::optional<Identification> fit;
@@ -46,8 +43,17 @@ VelocityChoice choose_velocities(const Identification& before, std::set<int> can
 std::vector<RecordingQuality> glance_at(const Model& arm, const std::vector<std::string>& recordings,
                                         const PreprocessingOptions& how, int threads);
 
-/// Joints whose recorded velocity is doubtful according to the quality of these recordings.
-std::set<int> doubtful_velocities(const Model& arm, const std::vector<std::string>& recordings,
-                                  const PreprocessingOptions& how, int threads);
+/// Takes the velocities of these joints from the position, in training and in held-out recordings.
+void derive_velocities(const std::set<int>& joints, IdentificationOptions& how);
+
+/// What the first rows of these recordings say of their velocities, of which those that are wrong
+/// are taken from the position from now on. Nothing where somebody chose already: a source of the
+/// velocities, joints, filtered signals, or how.choose_velocities is off.
+VelocityTrust leave_wrong_velocities_out(const Model& arm, const std::vector<std::string>& train,
+                                         const std::vector<std::string>& test,
+                                         IdentificationOptions& how);
+
+/// "dq3 (insertion) is no derivative of q3, which is used instead", for each of them.
+std::vector<std::string> remarks_on(const std::set<int>& wrong, const Model& arm);
 
 }  // namespace veridyn

@@ -8,6 +8,7 @@
 #include <tinyxml.h>
 #include <urdf_parser/urdf_parser.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <iterator>
@@ -23,6 +24,32 @@ namespace {
 
 constexpr double kUnlimited =
     1e9;  // value of to_urdf() where URDF requires a number and the model has none
+
+constexpr int kDeepestXml = 100;  // a URDF has five; TinyXML recurses once for each
+
+// The nesting depth of the elements, found without recursion. Comments, declarations and quoted
+// values hold no tags.
+int depth_of_xml(const std::string& content) {
+  int depth = 0, deepest = 0;
+  for (std::size_t at = content.find('<'); at != std::string::npos; at = content.find('<', at)) {
+    if (content.compare(at, 4, "<!--") == 0 || content.compare(at, 9, "<![CDATA[") == 0) {
+      at = content.find(content[at + 2] == '-' ? "-->" : "]]>", at);
+      continue;
+    }
+    const bool closes = content.compare(at, 2, "</") == 0;
+    const bool declares = content.compare(at, 2, "<?") == 0 || content.compare(at, 2, "<!") == 0;
+    char quote = 0;
+    while (++at < content.size() && (quote != 0 || content[at] != '>')) {
+      const char c = content[at];
+      if (quote == 0 && !declares && (c == '"' || c == '\'')) quote = c;
+      else if (c == quote) quote = 0;
+    }
+    if (declares || at >= content.size()) continue;
+    if (closes) --depth;
+    else if (content[at - 1] != '/') deepest = std::max(deepest, ++depth);
+  }
+  return deepest;
+}
 
 // Collects the messages of urdfdom's parser, which otherwise go to the console.
 class ParserLog : public console_bridge::OutputHandler {
@@ -77,6 +104,9 @@ bool is_finite(const Vec3d& v) {
 class UrdfReader {
  public:
   UrdfReader(std::string file, const std::string& content) : file_(std::move(file)) {
+    if (const int depth = depth_of_xml(content); depth > kDeepestXml) {
+      fail("", text("elements ", depth, " deep"), text("at most ", kDeepestXml));
+    }
     xml_.Parse(content.c_str());
     if (xml_.Error()) {
       fail(text(xml_.ErrorRow(), ":", xml_.ErrorCol(), ":"),
@@ -272,6 +302,9 @@ class UrdfReader {
     if (!joint.dynamics || !moves(joint)) return;
     const auto add = [&](const char* attribute, double value) {
       if (value == 0.0) return;
+      if (!(value > 0.0)) {
+        fail_at("joint", joint.name, text("a ", attribute, " of ", value), "one that is not negative");
+      }
       const auto [effect, key] = effect_of_urdf(attribute).value();
       EffectTerm term;
       term.effect = effect;

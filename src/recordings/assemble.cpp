@@ -8,7 +8,7 @@
 #include "math/median.hpp"
 #include "recordings/import.hpp"
 #include "recordings/stream_clock.hpp"
-#include "recordings/units.hpp"
+#include "recordings/signals/units.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn::recordings {

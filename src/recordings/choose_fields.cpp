@@ -7,7 +7,7 @@
 #include <set>
 
 #include "recordings/field_map.hpp"
-#include "recordings/joint_fields.hpp"
+#include "recordings/signals/joint_fields.hpp"
 #include "recordings/joint_match.hpp"
 #include "veridyn/math/require.hpp"
 #include "model/suggestion.hpp"

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "recordings/raw_recording.hpp"
+#include "recordings/signals/raw_recording.hpp"
 #include "veridyn/recordings/signal_choice.hpp"
 
 namespace veridyn::recordings {

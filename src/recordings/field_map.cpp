@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <optional>
 
-#include "recordings/joint_fields.hpp"
+#include "recordings/signals/joint_fields.hpp"
 #include "veridyn/math/require.hpp"
 #include "model/suggestion.hpp"
 #include "veridyn/recordings/recording.hpp"

@@ -4,7 +4,7 @@
 #include <thread>
 #include <utility>
 
-#include "recordings/row_source.hpp"
+#include "recordings/csv/row_source.hpp"
 
 namespace veridyn {
 namespace {

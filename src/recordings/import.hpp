@@ -4,8 +4,8 @@
 #include <string>
 
 #include "recordings/csv/csv_lines.hpp"
-#include "recordings/files/file_kind.hpp"
-#include "recordings/raw_recording.hpp"
+#include "recordings/bags/file_kind.hpp"
+#include "recordings/signals/raw_recording.hpp"
 #include "veridyn/recordings/recording.hpp"
 #include "veridyn/recordings/recording_facts.hpp"
 

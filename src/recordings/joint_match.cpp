@@ -4,7 +4,7 @@
 #include <optional>
 #include <set>
 
-#include "recordings/joint_fields.hpp"
+#include "recordings/signals/joint_fields.hpp"
 #include "veridyn/math/require.hpp"
 #include "model/suggestion.hpp"
 

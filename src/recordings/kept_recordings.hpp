@@ -4,6 +4,7 @@
 #include <memory>
 #include <string>
 
+#include "recordings/prepared_recording.hpp"
 #include "veridyn/recordings/recording.hpp"
 #include "veridyn/recordings/recording_quality.hpp"
 
@@ -16,9 +17,10 @@ struct OpenedRows {
   std::function<RecordingFacts()> facts;
 };
 
-/// Files that are parsed once and kept in memory, up to `most_bytes` of text in total; others are
-/// streamed every time. Pipes are always kept. Code that reads the same recordings many times
-/// creates one and passes it on in PreprocessingOptions::kept. Threads may share it.
+/// Files that are parsed once and kept in memory, up to `most_bytes` of text in total, and their
+/// prepared forms, up to as many bytes; others are streamed every time. Pipes are always kept. Code
+/// that reads the same recordings many times creates one and passes it on in
+/// PreprocessingOptions::kept. Threads may share it.
 class KeptRecordings {
  public:
   static constexpr long kManyQuestions = 400L << 20;  ///< bound of a diagnosis
@@ -35,6 +37,12 @@ class KeptRecordings {
     RecordingFacts facts;
   };
   std::shared_ptr<const Whole> find(const std::string& path, const RecordingOptions& options);
+
+  /// A recording that is in memory, prepared by whoever asks first; nothing if it is not to be kept.
+  /// @param bytes  that it will take.
+  /// @throws  what make() throws; whoever asks then makes it again.
+  std::shared_ptr<const PreparedRecording> prepared(const PreparationKey& key, long bytes,
+                                                    const std::function<PreparedRecording()>& make);
 
  private:
   struct State;

@@ -3,8 +3,8 @@
 
 #include "recordings/csv/csv_table.hpp"
 #include "recordings/import.hpp"
-#include "recordings/row_source.hpp"
-#include "recordings/units.hpp"
+#include "recordings/csv/row_source.hpp"
+#include "recordings/signals/units.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/recordings/recording.hpp"
 

@@ -7,6 +7,7 @@
 
 #include "report/text_table.hpp"
 #include "veridyn/effects/effect.hpp"
+#include "veridyn/model/physical_faults.hpp"
 
 namespace veridyn {
 namespace {
@@ -124,6 +125,7 @@ std::string RobotInfo::report() const {
                      arm.gravity().z());
   if (has_no_friction(arm))
     out += "no friction: the file has none, and every real joint has (identify --friction plain)\n";
+  for (const std::string& fault : physical_faults(arm)) out += "impossible: " + fault + "\n";
   out += "\n" + coordinates(arm) + "\n" + frames(arm) + "\n" + effects(arm) + "\n";
   out += fmt::format("{} standard parameters, {} base parameters, rank gap {:.1e}\n",
                      parameters.size(), base.size(), base.rank_gap);

@@ -49,8 +49,8 @@ ChangeFinder::ChangeFinder(const Model& arm, const std::vector<Hypothesis>& hypo
   for (int j = 0; j < arm.joints(); ++j) {
     for (size_t h = 0; h < hypotheses.size(); ++h) {
       const Hypothesis& one = hypotheses[h];
-      if (one.joint != j || !has_axis_effect(one.effect)) continue;
-      const EffectTraits t = find_effect(one.effect).traits();
+      if (!one.along_axis() || one.of.joint->value != j) continue;
+      const EffectTraits t = find_effect(effect_of(one.of.cause)).traits();
       if (!t.uses_velocity && !t.uses_position && !t.uses_acceleration && !t.depends_on_time)
         offset_of_joint_.push_back(static_cast<int>(h));
     }
@@ -168,17 +168,18 @@ void ChangeFinder::set_largest() {
     if (f.body && f.body->phi) mass += std::abs((*f.body->phi)[0]);
   for (Eigen::Index h = 0; h < known_.size(); ++h) {
     const Hypothesis& one = hypotheses_[static_cast<size_t>(h)];
-    if (one.effect == AddedLoad::kName) {
+    if (is_load(one.of)) {
       largest_[h] = one.companion ? 0.0 : mass;
       continue;
     }
-    const Coordinate& c = arm_.coordinates()[static_cast<size_t>(std::max(one.joint, 0))];
-    const Effect& effect = find_effect(one.effect);
+    const int joint = one.of.joint ? one.of.joint->value : 0;
+    const Coordinate& c = arm_.coordinates()[static_cast<size_t>(joint)];
+    const Effect& effect = find_effect(effect_of(one.of.cause));
     const EffectParameter p = effect.parameters().front();
     largest_[h] = c.prismatic ? p.largest_prismatic : p.largest_revolute;
-    if (one.joint < 0 || !has_axis_effect(one.effect)) continue;
+    if (!one.along_axis()) continue;
     const bool viscous = effect.traits().affine && effect.traits().uses_velocity;
-    largest_[h] = kLargestTorques * noise_.scale()[one.joint] / (viscous ? kSlow : 1.0);
+    largest_[h] = kLargestTorques * noise_.scale()[joint] / (viscous ? kSlow : 1.0);
   }
 }
 
@@ -196,7 +197,7 @@ void ChangeFinder::look(double now, WatchState& state) {
     hypothesis = static_cast<int>(at);
     memory = m;
   }
-  state.suspect = hypothesis >= 0 ? hypotheses_[static_cast<size_t>(hypothesis)].cause() : "";
+  state.suspect = hypothesis >= 0 ? to_text(arm_, hypotheses_[static_cast<size_t>(hypothesis)].of.cause) : "";
   above_ = state.strength > 1.0 ? above_ + 1 : 0;
   if (open_ || above_ < kAboveInARow || now < deaf_until_) return;
   if (refining_) {  // values from the refinement are kept
@@ -251,8 +252,8 @@ void ChangeFinder::tell_apart(double now, bool last) {
   }
   double next = still ? ended.gain : 0.0;  // of another effect
   for (const Score& s : scores) {
-    if (hypotheses_[static_cast<size_t>(s.hypothesis)].effect ==
-        hypotheses_[static_cast<size_t>(best.hypothesis)].effect)
+    if (effect_of(hypotheses_[static_cast<size_t>(s.hypothesis)].of.cause) ==
+        effect_of(hypotheses_[static_cast<size_t>(best.hypothesis)].of.cause))
       continue;
     next = std::max(next, s.gain);
     break;
@@ -285,10 +286,7 @@ WatchEvent ChangeFinder::event(const Change& c, WatchStage stage, double now) co
   e.time = now;
   e.since = c.score.onset;
   e.until = now;
-  e.cause = h.cause();
-  e.effect = h.effect;
-  e.joint = h.joint >= 0 ? h.joint + 1 : 0;
-  e.place = h.place;
+  e.cause = h.of.cause;
   e.value = c.score.size.size() > 0 ? c.score.size[0] : 0.0;
   const double half = half_width(c.score);
   e.low = e.value - half;
@@ -307,8 +305,8 @@ void ChangeFinder::name(const std::vector<Score>& scores, double now) {
   const double phi = quantiles_.dispersion();
   for (const Score& s : scores) {
     if (s.hypothesis == c.score.hypothesis || c.score.gain - s.gain > phi * kOdds) continue;
-    e.rivals.push_back({hypotheses_[static_cast<size_t>(s.hypothesis)].cause(),
-                        0.5 * (c.score.gain - s.gain) / phi});
+    const Cause& other = hypotheses_[static_cast<size_t>(s.hypothesis)].of.cause;
+    e.rivals.push_back({other, to_text(arm_, other), 0.5 * (c.score.gain - s.gain) / phi});
   }
   // The same change, the other way round: it was taken back.
   const double size = c.score.size[0];
@@ -336,10 +334,7 @@ void ChangeFinder::push_is_over(const Push& push, double now) {
   const int j = std::max(push.last_joint, 0);
   const Coordinate& joint = arm_.coordinates()[static_cast<size_t>(j)];
   WatchEvent e = event(c, now - push.to < kPushEnds ? WatchStage::kNamed : WatchStage::kOver, now);
-  e.effect = ExternalContact::kName;
-  e.joint = j + 1;
-  e.place = joint.name;
-  e.cause = e.effect + ":" + e.place;
+  e.cause = ExternalContact{{j}};
   e.since = push.from;
   e.until = push.to;
   e.value = push.torque.size() > j ? push.torque[j] : 0.0;
@@ -369,8 +364,8 @@ void ChangeFinder::refine(const WhiteStep& white, double now) {
 
 void ChangeFinder::jump(const PositionJump& jump, double now) {
   const auto slip = std::find_if(hypotheses_.begin(), hypotheses_.end(), [&](const Hypothesis& h) {
-    return h.joint == jump.joint && !has_axis_effect(h.effect) &&
-           find_effect(h.effect).traits().same_as_wrong_constant;
+    return is_channel(h.of) && h.of.joint == JointIndex{jump.joint} &&
+           find_effect(effect_of(h.of.cause)).traits().same_as_wrong_constant;
   });
   if (slip == hypotheses_.end()) return;
   Change c;
@@ -397,6 +392,7 @@ void ChangeFinder::finish(double now) {
 }
 
 void ChangeFinder::tell(WatchEvent e) {
+  e.text = to_text(arm_, e.cause);
   e.sentence = sentence(e);
   events_.push_back(std::move(e));
 }

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "causes/candidates.hpp"
 #include "veridyn/dynamics/regressor_batch.hpp"
 #include "veridyn/effects/channel_effect.hpp"
 #include "veridyn/effects/effect.hpp"
@@ -11,16 +12,13 @@ namespace veridyn::watching {
 
 /// One possible change, of one unknown size.
 struct Hypothesis {
-  std::string effect;  ///< name of an effect, or "payload"
-  std::string place;   ///< coordinate, frame or "arm"
-  int joint = -1;      ///< from 0; kAllJoints where common or on a frame
-  int frame = -1;
-  std::string unit;
+  Candidate of;
+  std::string unit = {};
   /// Columns fitted together with it during isolation: the first moments of a load.
-  std::vector<int> companions{};
-  bool companion = false;  ///< true: such a column, no hypothesis of its own
+  std::vector<int> companions = {};
+  bool companion = false;  ///< such a column, no hypothesis of its own
 
-  std::string cause() const { return effect + ":" + place; }
+  bool along_axis() const { return std::holds_alternative<NewEffect>(of.cause); }
 };
 
 /// Motion of a step: (rows x n).

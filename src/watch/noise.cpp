@@ -29,10 +29,10 @@ NoiseModel::NoiseModel(const Model& arm, const std::vector<Hypothesis>& hypothes
       scale_(VectorXd::Ones(arm.joints())) {
   for (size_t h = 0; h < hypotheses.size(); ++h) {
     const Hypothesis& one = hypotheses[h];
-    joint_of_.push_back(one.joint);
-    if (one.joint < 0 || !has_axis_effect(one.effect)) continue;
+    if (!one.along_axis()) continue;
     daily_.push_back(static_cast<int>(h));
-    const EffectTraits t = find_effect(one.effect).traits();
+    joint_of_.push_back(one.of.joint->value);
+    const EffectTraits t = find_effect(effect_of(one.of.cause)).traits();
     speed_of_.push_back(t.uses_velocity && t.dry == DryFriction::kNone ? kSlow : 1.0);
   }
 }
@@ -137,17 +137,17 @@ void NoiseModel::fit_today(const std::vector<Step>& quiet) {
     const WhiteStep w = whiten(s, none);
     for (Eigen::Index p = 0; p < count; ++p) {
       const int h = daily_[static_cast<size_t>(p)];
-      const int j = joint_of_[static_cast<size_t>(h)];
+      const int j = joint_of_[static_cast<size_t>(p)];
       b[p] += w.X(j, h) * w.e[j];
       for (Eigen::Index o = 0; o < count; ++o) {
         const int other = daily_[static_cast<size_t>(o)];
-        if (joint_of_[static_cast<size_t>(other)] == j) A(p, o) += w.X(j, h) * w.X(j, other);
+        if (joint_of_[static_cast<size_t>(o)] == j) A(p, o) += w.X(j, h) * w.X(j, other);
       }
     }
   }
   past_.clear();
   for (Eigen::Index p = 0; p < count; ++p) {
-    const int j = joint_of_[static_cast<size_t>(daily_[static_cast<size_t>(p)])];
+    const int j = joint_of_[static_cast<size_t>(p)];
     const double prior = kDailyShare * scale_[j] / speed_of_[static_cast<size_t>(p)];
     A(p, p) += 1.0 / std::max(prior * prior, 1e-24);
   }

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "dvrk/rig.hpp"
-#include "dvrk/emulator/board_server.hpp"
+#include "emulator/board_server.hpp"
 #include "veridyn/control/real_time.hpp"
 #include "dvrk/protocol/udp_link.hpp"
 

@@ -6,7 +6,7 @@
 
 #include "dvrk/arms/arm_facts.hpp"
 #include "dvrk/run/arm_session.hpp"
-#include "dvrk/emulator/emulated_link.hpp"
+#include "emulator/emulated_link.hpp"
 
 namespace veridyn::dvrk {
 

@@ -4,6 +4,7 @@
 #include <fstream>
 #include <string>
 
+#include "emulator/joined_arms.hpp"
 #include "dvrk/board_bench.hpp"
 #include "dvrk/cooperation/board_cooperation.hpp"
 #include "veridyn/model/model_file.hpp"
@@ -134,7 +135,8 @@ TEST(BoardDrills, AnArmThatFallsDoesNotJerkTheString) {
   for (const bool guard : {true, false}) {
     s.control.guard = guard;
     BoardCooperationOptions options;
-    options.emulate = options.stepped = true;
+    options.emulate = emulate_boards;
+    options.stepped = true;
     options.faults = {{Kind::kLimp, 1, 2.5}};
     const std::atomic<bool> stop{false};
     const BoardCooperationRun done = run_on_boards(s, patient_side(2), options, stop);

@@ -1,3 +1,4 @@
+#include "emulator/joined_arms.hpp"
 #include "dvrk/cooperation/board_teleoperation.hpp"
 
 #include <gtest/gtest.h>
@@ -33,7 +34,8 @@ TeleoperationScenario example() {
 TeleoperationRun run(const TeleoperationScenario& scenario,
                      const std::vector<EmulatedFault>& faults = {}) {
   BoardCooperationOptions options;
-  options.emulate = options.stepped = true;
+  options.emulate = emulate_boards;
+  options.stepped = true;
   options.faults = faults;
   options.hold = 0.3;
   const std::atomic<bool> stop{false};

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "cooperation/scenario_models.hpp"
+#include "emulator/joined_arms.hpp"
 #include "dvrk/board_bench.hpp"
 #include "veridyn/control/tip_kinematics.hpp"
 #include "veridyn/cooperation/live.hpp"
@@ -178,7 +179,8 @@ TEST_P(SafetyDrills, NothingMovesThatShouldStand) {
   const Drill& drill = GetParam();
   Scenario scenario = scenario_of(drill);
   BoardCooperationOptions options;
-  options.emulate = options.stepped = true;
+  options.emulate = emulate_boards;
+  options.stepped = true;
   options.planned = options.rehearsed = false;
   options.hold = kHold;
   options.release = kRelease;

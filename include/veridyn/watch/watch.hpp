@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "veridyn/model/model.hpp"
+#include "veridyn/effects/cause.hpp"
 #include "veridyn/recordings/recording.hpp"
 
 namespace veridyn {
@@ -34,7 +34,8 @@ const char* name_of(WatchStage stage);
 
 /// An alternative cause that explains a change about as well.
 struct WatchRival {
-  std::string cause;       ///< "payload:tool", as diagnose writes it
+  Cause cause;
+  std::string text;        ///< its text form, "payload:tool"
   double evidence = 0.0;   ///< log-likelihood below that of the best cause
 };
 
@@ -45,10 +46,8 @@ struct WatchEvent {
   double time = 0.0;   ///< [s] of the report
   double since = 0.0;  ///< [s] estimated onset
   double until = 0.0;  ///< [s] kOver: estimated end
-  std::string cause;   ///< most likely cause, "EFFECT:JOINT"; "contact:LINK" for a push
-  std::string effect;  ///< name of the effect, "payload", "external_contact"
-  int joint = 0;       ///< from 1; 0: none, or a common cause
-  std::string place;   ///< coordinate or frame
+  Cause cause;         ///< the most likely one; ExternalContact for a push
+  std::string text;    ///< its text form, "viscous_friction:yaw"
   double value = 0.0, low = 0.0, high = 0.0;  ///< size with its 95 % interval
   std::string unit;
   double strength = 0.0;   ///< statistic divided by its threshold at the detection

@@ -3,7 +3,7 @@
 #include <memory>
 #include <sstream>
 
-#include "cli/boards/dvrk_events.hpp"
+#include "emulator/board_events.hpp"
 #include "cli/boards/dvrk_request.hpp"
 #include "cli/options/messages.hpp"
 #include "cli/options/option_checks.hpp"
@@ -132,7 +132,7 @@ void add_emulate(CLI::App& dvrk, Outcome& outcome) {
       .add_option("--event", request->events,
                   "What happens at a time, as the list below has it; may be given several times")
       ->option_text("EVENT@S");
-  command.footer(board_event_help());
+  command.footer(dvrk::board_event_help());
   command.add_option("--pot-noise", request->pot_noise, "Standard deviation of the pots (3)")
       ->option_text("BITS")
       ->check(CLI::NonNegativeNumber);

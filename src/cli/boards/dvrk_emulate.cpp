@@ -7,15 +7,15 @@
 #include <set>
 
 #include "math/input_file.hpp"
-#include "cli/boards/dvrk_events.hpp"
+#include "emulator/board_events.hpp"
 #include "cli/boards/dvrk_request.hpp"
 #include "math/output_file.hpp"
 #include "cli/options/messages.hpp"
 #include "cli/options/option_checks.hpp"
-#include "dvrk/emulator/board_server.hpp"
+#include "emulator/board_server.hpp"
 #include "veridyn/control/real_time.hpp"
 #include "dvrk/run/run_json.hpp"
-#include "dvrk/emulator/simulated_arm.hpp"
+#include "emulator/simulated_arm.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/model_file.hpp"
 #include "veridyn/simulation/engine.hpp"
@@ -215,7 +215,12 @@ ExitStatus run_dvrk_emulate(const DvrkRequest& request) {
   expect_value(!request.ethernet_only || request.firmware >= 9, "--ethernet-only", "found firmware ",
                request.firmware, ", expected 9");
   if (request.ethernet_only) emulator.without_firewire();
-  const std::vector<BoardEvent> events = board_events(request.events, emulator);
+  std::vector<dvrk::BoardEvent> events;
+  try {
+    events = dvrk::board_events(request.events, emulator);
+  } catch (const InvalidInput& error) {
+    throw CLI::ValidationError("--event", error.what());
+  }
   attach_models(request, boards, arms);
   Arms load(arms);
   if (!request.config_out.empty()) write_file(request.config_out, dvrk::to_io_xml(config_of(arms)));
@@ -250,7 +255,13 @@ ExitStatus run_dvrk_emulate(const DvrkRequest& request) {
   std::cout << fmt::format("{} requests ({} writes), {} malformed, {} dropped\n", counters.requests,
                            counters.writes, counters.malformed, counters.dropped);
   if (!request.common.json.empty())
-    write_file(request.common.json, dvrk::to_json(counters, names_of(arms)));
+    write_file(request.common.json,
+               dvrk::to_json({{"requests", counters.requests},
+                              {"malformed", counters.malformed},
+                              {"dropped", counters.dropped},
+                              {"wrong_crc", counters.wrong_crc},
+                              {"writes", counters.writes}},
+                             "emulate", names_of(arms)));
   return kDone;
 }
 

@@ -11,6 +11,7 @@
 #include "cli/options/messages.hpp"
 #include "cli/options/option_checks.hpp"
 #include "cooperation/scenario_models.hpp"
+#include "emulator/joined_arms.hpp"
 #include "dvrk/arms/arm_facts.hpp"
 #include "dvrk/cooperation/board_cooperation.hpp"
 #include "dvrk/cooperation/board_teleoperation.hpp"
@@ -52,7 +53,7 @@ dvrk::BoardCooperationOptions board_options(const BoardsRequest& request, const 
   for (std::size_t k = 0; k < request.hosts.size() && k < arms.size(); ++k)
     place(request.hosts[k], arms[k]);
   dvrk::BoardCooperationOptions options;
-  options.emulate = request.emulate;
+  if (request.emulate) options.emulate = dvrk::emulate_boards;
   options.force_sources = request.sensors;
   options.force_calibrations = request.calibrations;
   options.stepped = request.stepped;

@@ -9,7 +9,7 @@
 #include "cli/options/messages.hpp"
 #include "cli/options/option_checks.hpp"
 #include "identification/velocity_choice.hpp"
-#include "recordings/units.hpp"
+#include "recordings/signals/units.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/fixed_coordinates.hpp"
 #include "veridyn/model/model_file.hpp"

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "recordings/csv/csv_table.hpp"
-#include "recordings/files/file_kind.hpp"
+#include "recordings/bags/file_kind.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn::cli {

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "diagnosis/evidence/clustered_fit.hpp"
-#include "diagnosis/numerics.hpp"
+#include "diagnosis/evidence/numerics.hpp"
 #include "veridyn/effects/cause.hpp"
 #include "math/median.hpp"
 #include "math/student_t.hpp"

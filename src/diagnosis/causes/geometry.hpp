@@ -3,24 +3,15 @@
 #include <string>
 #include <vector>
 
+#include "causes/row_constants.hpp"
 #include "veridyn/diagnosis/diagnosis.hpp"
 
 namespace veridyn {
 
-/// One number of the robot file that may be wrong.
-struct GeometryConstant {
-  enum class Kind { kA, kAlpha, kD, kTheta, kCoefficient };
-  int frame = 0;
-  Kind kind = Kind::kTheta;
-  double value = 0.0;   ///< as it stands
-  bool angle = false;
-  std::string name;   ///< "theta", or "ratio of pitch" where it is a coefficient
-  std::string words;  ///< "theta of frame counterweight_rail"
-};
-
 /// A wrong constant that the recordings ask for.
 struct GeometryFinding {
-  GeometryConstant constant;
+  KinematicError constant;
+  double stated = 0.0;                  ///< its value in the robot file
   double found = 0.0;                   ///< the value with the smallest error
   double deviation = 0.0;               ///< standard deviation, jackknife over parts of the
                                         ///< recordings and over whole ones
@@ -28,13 +19,6 @@ struct GeometryFinding {
   double gain = 0.0;                    ///< fall of the sum over joints of ln(mean square)
   int base_before = 0, base_after = 0;  ///< numbers of base parameters
 };
-
-/// All DH numbers and joint coefficients of frames that move a body. Constants that change nothing
-/// are left away.
-std::vector<GeometryConstant> geometry_constants(const Model& arm);
-
-/// The arm with one constant replaced.
-Model with_constant(const Model& arm, const GeometryConstant& constant, double value);
 
 /// Profiles every constant: all parameters are fitted anew at every value. A constant counts if its
 /// optimum lies inside the search range, better than both sides, and does not ask for more base

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "diagnosis/evidence/clustered_fit.hpp"
-#include "diagnosis/numerics.hpp"
+#include "diagnosis/evidence/numerics.hpp"
 #include "identification/base_solution.hpp"
 #include "regressor/effect_along.hpp"
 #include "veridyn/dynamics/regressor_batch.hpp"

@@ -8,7 +8,7 @@
 
 #include "math/median.hpp"
 #include "diagnosis/evidence/clustered_fit.hpp"
-#include "diagnosis/numerics.hpp"
+#include "diagnosis/evidence/numerics.hpp"
 
 namespace veridyn {
 namespace {

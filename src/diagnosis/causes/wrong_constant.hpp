@@ -13,7 +13,7 @@ namespace veridyn {
 /// A constant of the robot file that the recordings ask for.
 struct WrongConstant {
   Finding finding;
-  /// What effects would gain in its place, alone: the best hypothesis of every family, best first.
+  /// What effects would gain in its place, alone: the best hypothesis of every candidate, best first.
   std::vector<std::pair<Hypothesis, double>> instead;
 };
 

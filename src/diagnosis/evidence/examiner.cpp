@@ -5,9 +5,9 @@
 #include <set>
 #include <string>
 
-#include "diagnosis/causes/payload_fit.hpp"
+#include "diagnosis/evidence/payload_fit.hpp"
 #include "diagnosis/evidence/clustered_fit.hpp"
-#include "diagnosis/numerics.hpp"
+#include "diagnosis/evidence/numerics.hpp"
 #include "math/parallel.hpp"
 #include "math/signed_rank.hpp"
 #include "math/student_t.hpp"
@@ -66,12 +66,9 @@ Examiner::Examiner(const NormalBlocks& data, const ColumnSet& base,
     if (fold.size() > 1) sums_.push_back(summed(data, fold));
     folds_.push_back(fold.size() > 1 ? &sums_.back() : &data.cluster(fold.front()));
   }
-  std::set<std::string> families;
-  for (const Hypothesis& h : hypotheses) {
-    columns_.push_back(columns_of(data, h));
-    families.insert(h.family);
-  }
-  families_ = static_cast<double>(std::max<size_t>(1, families.size()));
+  for (const Hypothesis& h : hypotheses) columns_.push_back(columns_of(data, h));
+  const std::set<Candidate> asked(hypotheses.begin(), hypotheses.end());
+  asked_ = static_cast<double>(std::max<size_t>(1, asked.size()));
 }
 
 // One recording gives eight clusters only: the folds decide
@@ -79,7 +76,7 @@ Examiner::Examiner(const NormalBlocks& data, const ColumnSet& base,
 double Examiner::limit(int h) const {
   const Hypothesis& hypothesis = hypotheses_[static_cast<size_t>(h)];
   const bool strict = several_recordings() || hypothesis.extrapolates;
-  return options_.thresholds.significance / ((strict ? families_ : 1.0) * hypothesis.tried);
+  return options_.thresholds.significance / ((strict ? asked_ : 1.0) * hypothesis.tried);
 }
 
 ColumnSet Examiner::set_with(const std::vector<int>& chosen) const {
@@ -194,11 +191,11 @@ std::vector<Evidence> Examiner::ask_all(const std::vector<int>& chosen) const {
     Evidence& e = all[static_cast<size_t>(h)];
     e.hypothesis = h;
     e.taken = std::find(chosen.begin(), chosen.end(), h) != chosen.end();
-    // A second constant of such a family would only bend the first one's curve.
+    // A second constant of such a candidate would only bend the first one's curve.
     const Hypothesis& mine = hypothesis(h);
     e.absorbed = !mine.repeats && !e.taken &&
                  std::any_of(chosen.begin(), chosen.end(),
-                             [&](int c) { return hypothesis(c).family == mine.family; });
+                             [&](int c) { return same_candidate(hypothesis(c), mine); });
     if (e.absorbed) return;
     if (!e.taken) e = ask(h, *before);
   });

@@ -6,7 +6,7 @@
 
 #include "diagnosis/evidence/bordered_fit.hpp"
 #include "diagnosis/evidence/folds.hpp"
-#include "diagnosis/causes/hypotheses.hpp"
+#include "diagnosis/evidence/hypotheses.hpp"
 #include "veridyn/diagnosis/diagnosis.hpp"
 
 namespace veridyn {
@@ -87,7 +87,7 @@ class Examiner {
   std::deque<NormalBlocks::Sums> sums_;           // of folds of several clusters
   std::vector<const NormalBlocks::Sums*> folds_;
   std::vector<ColumnSet> columns_;
-  double families_ = 1.0;
+  double asked_ = 1.0;  // candidates
 };
 
 }  // namespace veridyn

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "diagnosis/evidence/clustered_fit.hpp"
-#include "diagnosis/numerics.hpp"
+#include "diagnosis/evidence/numerics.hpp"
 
 namespace veridyn {
 namespace {

@@ -7,7 +7,7 @@
 #include <set>
 #include <string>
 
-#include "diagnosis/numerics.hpp"
+#include "diagnosis/evidence/numerics.hpp"
 #include "math/parallel.hpp"
 
 namespace veridyn {
@@ -136,7 +136,7 @@ class Selector {
     if (sure.empty()) return false;
     Evidence best = sure.front();
     for (const Evidence& e : sure) {
-      // A tie between families goes to the earlier question; within one family to the larger gain.
+      // A tie between candidates goes to the earlier question; within one to the larger gain.
       if (e.gain > options_.thresholds.tie * sure.front().gain && asked_earlier(e, best)) best = e;
     }
     accepted_.push_back({best});
@@ -204,16 +204,16 @@ class Selector {
     return true;
   }
 
-  // Of the best hypothesis of every family that was asked and not accepted.
+  // Of the best hypothesis of every candidate that was asked and not accepted.
   void give_p_values(std::vector<Evidence>& asked) const {
-    std::map<std::string, Evidence*> best;
+    std::map<Candidate, Evidence*> best;
     for (Evidence& e : asked) {
       if (e.taken || e.absorbed) continue;
-      Evidence*& of_family = best[examiner_.hypothesis(e.hypothesis).family];
-      if (of_family == nullptr || of_family->gain < e.gain) of_family = &e;
+      Evidence*& of_candidate = best[examiner_.hypothesis(e.hypothesis)];
+      if (of_candidate == nullptr || of_candidate->gain < e.gain) of_candidate = &e;
     }
     std::vector<Evidence*> list;
-    for (const auto& [family, e] : best) list.push_back(e);
+    for (const auto& [candidate, e] : best) list.push_back(e);
     const std::unique_ptr<Examiner::Stand> with = examiner_.stand(chosen());
     const std::vector<BorderedFit> left_out = examiner_.without_clusters(*with);
     parallel_for(static_cast<int>(list.size()), options_.identification.threads, [&](int k) {
@@ -242,7 +242,7 @@ class Selector {
       others.erase(others.begin() + static_cast<long>(k));
       const std::vector<Evidence> instead = examiner_.ask_all(others);
       const double own_gain = instead[static_cast<size_t>(all[k])].gain;
-      std::set<std::string> named = {examiner_.hypothesis(all[k]).family};
+      std::set<Candidate> named = {examiner_.hypothesis(all[k])};
       std::vector<Evidence> rivals;
       for (const Evidence& e : instead) {
         const Evidence& left = out.last_asked[static_cast<size_t>(e.hypothesis)];
@@ -259,8 +259,8 @@ class Selector {
       out.accepted[k].refuted.clear();
       out.accepted[k].evidence.gain = own_gain;
       for (const Evidence& e : rivals) {
-        // The best of a family speaks for it.
-        if (!named.insert(examiner_.hypothesis(e.hypothesis).family).second) continue;
+        // The best of a candidate speaks for it.
+        if (!named.insert(examiner_.hypothesis(e.hypothesis)).second) continue;
         Accepted& own = out.accepted[k];
         (refuted(e, all[k], others) ? own.refuted : own.rivals).push_back(e);
       }

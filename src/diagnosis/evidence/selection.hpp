@@ -8,7 +8,7 @@ namespace veridyn {
 
 struct Accepted {
   Evidence evidence;
-  std::vector<Evidence> rivals{};   ///< other families that explain as much, the best of each
+  std::vector<Evidence> rivals{};   ///< other candidates that explain as much, the best of each
   std::vector<Evidence> refuted{};  ///< Rivals in appearance, which leave something that this one explains
 };
 

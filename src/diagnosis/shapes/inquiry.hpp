@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "diagnosis/causes/hypotheses.hpp"
+#include "diagnosis/evidence/hypotheses.hpp"
 #include "diagnosis/evidence/normal_blocks.hpp"
 #include "diagnosis/evidence/selection.hpp"
 #include "veridyn/diagnosis/diagnosis.hpp"

@@ -7,11 +7,12 @@
 #include <cmath>
 #include <optional>
 #include <set>
+#include <tuple>
 #include <utility>
 
 #include "veridyn/effects/effect.hpp"
 #include "diagnosis/evidence/clustered_fit.hpp"
-#include "diagnosis/numerics.hpp"
+#include "diagnosis/evidence/numerics.hpp"
 #include "math/student_t.hpp"
 
 namespace veridyn {
@@ -134,9 +135,9 @@ class Refiner {
     std::vector<Variant> variants = present();
     // Two memories of one joint may meet on their way; columns are known by name, so only one of
     // them may have a value.
-    std::set<std::string> taken;
+    std::set<std::tuple<Candidate, std::string, std::string>> taken;
     const auto label = [](const Variant& v, const std::string& key) {
-      return fmt::format("{} {} {:.4g}", v.hypothesis.family, key, v.shapes.at(key));
+      return std::make_tuple(Candidate(v.hypothesis), key, fmt::format("{:.4g}", v.shapes.at(key)));
     };
     for (const Variant& v : variants) {
       for (const auto& [key, value] : v.shapes) taken.insert(label(v, key));

@@ -7,9 +7,9 @@
 #include <utility>
 
 #include "diagnosis/evidence/held_out.hpp"
-#include "diagnosis/next_experiment.hpp"
+#include "diagnosis/findings/next_experiment.hpp"
 #include "diagnosis/stages/investigation.hpp"
-#include "diagnosis/unnamed/asked_tables.hpp"
+#include "diagnosis/stages/asked_tables.hpp"
 #include "diagnosis/unnamed/dependence.hpp"
 #include "diagnosis/unnamed/tables.hpp"
 #include "effects/tabulated_force.hpp"

@@ -39,7 +39,7 @@ std::optional<Estimate> estimate(const Questions& asked, const Hypothesis& h,
 // The same hypothesis asked of another arm.
 const Hypothesis* same(const Questions& asked, const Hypothesis& h) {
   for (const Hypothesis& other : asked.q.augmented.hypotheses) {
-    if (other.family == h.family) return &other;
+    if (same_candidate(other, h)) return &other;
   }
   return nullptr;
 }

@@ -7,8 +7,8 @@
 #include "diagnosis/causes/geometry.hpp"
 #include "diagnosis/causes/wrong_constant.hpp"
 #include "diagnosis/evidence/held_out.hpp"
-#include "diagnosis/causes/effect_facts.hpp"
-#include "diagnosis/finding_words.hpp"
+#include "diagnosis/evidence/effect_facts.hpp"
+#include "diagnosis/findings/finding_words.hpp"
 #include "diagnosis/stages/channel_correction.hpp"
 #include "diagnosis/stages/investigation.hpp"
 #include "veridyn/effects/cause.hpp"
@@ -86,10 +86,7 @@ void correct_constants(Investigation& x) {
   std::vector<GeometryFinding> geometry =
       profile_geometry(arm, x.train, x.options.identification, x.options.thresholds);
   geometry.erase(std::remove_if(geometry.begin(), geometry.end(),
-                                [&x](const GeometryFinding& g) {
-                                  return !x.asks_about(KinematicError{
-                                      g.constant.name, FrameIndex{g.constant.frame}});
-                                }),
+                                [&x](const GeometryFinding& g) { return !x.asks_about(g.constant); }),
                  geometry.end());
   if (geometry.empty()) return;
   const Questions asked = ask(x, x.list(), x.start);

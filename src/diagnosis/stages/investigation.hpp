@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "diagnosis/causes/snags.hpp"
-#include "diagnosis/numerics.hpp"
+#include "diagnosis/evidence/numerics.hpp"
 #include "diagnosis/shapes/inquiry.hpp"
 #include "veridyn/diagnosis/diagnosis.hpp"
 
@@ -32,8 +32,8 @@ struct Investigation {
   size_t contacts = 0;
   std::vector<Snag> snags;
 
-  /// Families of hypotheses that the recordings refused once they were applied to the arm.
-  std::set<std::string> refused;
+  /// What the recordings refused once it was applied to the arm.
+  std::set<Candidate> refused;
 
   /// Findings whose effects are part of `start`, with the names of their parameters there: their
   /// values are those of the last fit. Indices of d.findings.
@@ -55,7 +55,7 @@ struct Investigation {
   QuestionList list() const;
 };
 
-/// Hypotheses of a list with the factors of their columns, without refused families.
+/// Hypotheses of a list with the factors of their columns, without refused ones.
 struct Questions {
   Inquiry q;
   NormalBlocks data;

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "diagnosis/numerics.hpp"
+#include "diagnosis/evidence/numerics.hpp"
 #include "diagnosis/shapes/inquiry.hpp"
 #include "math/student_t.hpp"
 #include "veridyn/effects/channel_effect.hpp"
@@ -52,13 +52,12 @@ AugmentedModel asked_together(const Investigation& x, const Identification& corr
   out.model = with_additions(out.model, arm.bodies());
   auto& all = out.hypotheses;
   all.erase(std::remove_if(all.begin(), all.end(),
-                           [&h](const Hypothesis& other) { return other.family != h.family; }),
+                           [&h](const Hypothesis& other) { return !same_candidate(other, h); }),
             all.end());
   const auto bodies = static_cast<int>(arm.bodies().size());
   Hypothesis unknown;
   unknown.cause = AddedLoad{FrameIndex{arm.bodies().front()}};
   unknown.part = BodyIndex{bodies};
-  unknown.family = kAddition;
   const std::vector<StandardParameter> additions = standard_parameters(out.model);
   for (const StandardParameter& p : standard_parameters(arm)) {
     if (std::find(names.begin(), names.end(), p.name) == names.end()) continue;

@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <set>
 
-#include "diagnosis/causes/effect_facts.hpp"
-#include "diagnosis/findings.hpp"
+#include "causes/candidates.hpp"
+#include "diagnosis/findings/findings.hpp"
 #include "diagnosis/stages/investigation.hpp"
 
 // A robot file without friction, as makers publish them: what every joint has is asked first and of

@@ -8,15 +8,15 @@
 #include "diagnosis/causes/ripple.hpp"
 #include "diagnosis/evidence/folds.hpp"
 #include "diagnosis/evidence/held_out.hpp"
-#include "diagnosis/causes/effect_facts.hpp"
-#include "diagnosis/finding_words.hpp"
-#include "diagnosis/findings.hpp"
-#include "diagnosis/right_to_a_name.hpp"
+#include "diagnosis/evidence/effect_facts.hpp"
+#include "diagnosis/findings/finding_words.hpp"
+#include "diagnosis/findings/findings.hpp"
+#include "diagnosis/findings/right_to_a_name.hpp"
 #include "diagnosis/shapes/refinement.hpp"
 #include "diagnosis/stages/channel_correction.hpp"
 #include "diagnosis/stages/investigation.hpp"
 #include "diagnosis/stages/newly_visible.hpp"
-#include "diagnosis/next_experiment.hpp"
+#include "diagnosis/findings/next_experiment.hpp"
 
 namespace veridyn {
 namespace {
@@ -44,7 +44,7 @@ std::vector<int> same_ones(const AugmentedModel& fitted, const Inquiry& q) {
   std::vector<int> out;
   for (const Hypothesis& h : fitted.hypotheses) {
     for (size_t k = 0; k < q.augmented.hypotheses.size(); ++k) {
-      if (q.augmented.hypotheses[k].family != h.family) continue;
+      if (!same_candidate(q.augmented.hypotheses[k], h)) continue;
       if (std::find(out.begin(), out.end(), static_cast<int>(k)) != out.end()) continue;
       out.push_back(static_cast<int>(k));
       break;
@@ -130,12 +130,12 @@ bool correct_first_channel(Investigation& x, const Round& round) {
   const Hypothesis& h = accepted(round, *at);
   std::optional<CorrectedChannel> channel = correct_channel(x, round, h);
   if (!channel) {
-    x.refused.insert(h.family);
+    x.refused.insert(h);
     return true;
   }
   const Accepted& a = round.selection.accepted[*at];
   if (gives_way(h, a, channel->values, x.options.thresholds)) {
-    x.refused.insert(h.family);
+    x.refused.insert(h);
     return true;
   }
   estimate_newly_visible(x, h, *channel);
@@ -160,7 +160,7 @@ bool correct_first_channel(Investigation& x, const Round& round) {
   f.status = status_of(f);
   if (x.options.extended == ExtendedModel::kConfirmedOnly &&
       f.status == FindingStatus::kNotConfirmed) {
-    x.refused.insert(h.family);
+    x.refused.insert(h);
     x.d.not_supported.push_back({h.cause, a.evidence.p_value, "the held-out recordings contradict it"});
     return true;
   }
@@ -298,9 +298,8 @@ void drop_lost_friction(Investigation& x) {
 }
 
 void write_down(Investigation& x, const Round& round, const Fit& fit) {
-  std::set<std::string> families;
-  for (const Hypothesis& h : round.q.augmented.hypotheses) families.insert(h.family);
-  x.d.hypotheses = static_cast<int>(families.size());
+  const auto& asked = round.q.augmented.hypotheses;
+  x.d.hypotheses = static_cast<int>(std::set<Candidate>(asked.begin(), asked.end()).size());
   const FindingWriter writer(round.q, round.data, round.selection, fit, x.start, x.d.changes,
                              x.options);
   const size_t first = x.d.findings.size();

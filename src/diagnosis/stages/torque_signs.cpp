@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "diagnosis/causes/effect_facts.hpp"
+#include "causes/candidates.hpp"
 #include "diagnosis/stages/investigation.hpp"
 #include "veridyn/effects/effect.hpp"
 

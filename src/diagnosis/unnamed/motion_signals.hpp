@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "diagnosis/numerics.hpp"
+#include "diagnosis/evidence/numerics.hpp"
 #include "veridyn/diagnosis/thresholds.hpp"
 #include "veridyn/identification/identification.hpp"
 

@@ -8,7 +8,7 @@
 
 #include "dvrk/protocol/command.hpp"
 #include "dvrk/protocol/exchange.hpp"
-#include "dvrk/boards/fault_log.hpp"
+#include "dvrk/protocol/fault_log.hpp"
 #include "dvrk/protocol/feedback.hpp"
 #include "dvrk/protocol/hub_block.hpp"
 

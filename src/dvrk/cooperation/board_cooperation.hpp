@@ -59,10 +59,17 @@ struct EmulatedInstant {
 /// @throws InvalidInput  another form, an arm that is not there, a time that is not above zero.
 EmulatedFault parse_emulated_fault(const std::string& text, const Scenario& scenario);
 
+class JoinedBoards;
+struct BoardCooperationOptions;
+/// Makes emulated boards for the arms of a scenario, see emulator/joined_arms.hpp.
+using EmulateBoards = std::function<std::unique_ptr<JoinedBoards>(
+    const Scenario&, const std::vector<CooperatingArm>&, const BoardCooperationOptions&)>;
+
 struct BoardCooperationOptions {
   /// Boards are emulated in this process, their arms joined through the scenario's world, and
-  /// spoken to over UDP sockets all the same; hosts and ports of the arms are not used.
-  bool emulate = false;
+  /// spoken to over UDP sockets all the same; hosts and ports of the arms are not used. Empty: the
+  /// arms' own boards.
+  EmulateBoards emulate;
   /// Time of emulated boards stands still while this program computes: the run does not depend on
   /// the machine, and takes as long as it takes. Otherwise it is the machine's time.
   bool stepped = false;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 
+#include "dvrk/protocol/udp_link.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn::dvrk {
@@ -40,26 +41,18 @@ BoardLoop::BoardLoop(const Scenario& scenario, const std::vector<CooperatingArm>
 }
 
 void BoardLoop::join(const std::vector<CooperatingArm>& arms) {
-  std::vector<RobotConfig> robots;
-  std::vector<MatrixXd> couplings;
-  for (const CooperatingArm& arm : arms) {
-    robots.push_back(arm.robot);
-    couplings.push_back(arm.coupling);
-  }
   for (const ScenarioFault& fault : scenario_.faults) {
     if (fault.kind == ScenarioFault::Kind::kArmLimp)
       options_.faults.push_back({EmulatedFault::Kind::kLimp, fault.arm, fault.at});
   }
-  joined_ = std::make_unique<JoinedArms>(scenario_, robots, couplings, options_.firmware);
+  joined_ = options_.emulate(scenario_, arms, options_);
   if (options_.watch) joined_->watch(options_.watch);
   if (!options_.stepped) serving_ = std::thread([this] { joined_->run(stop_serving_); });
 }
 
 std::unique_ptr<DatagramLink> BoardLoop::link_to(const CooperatingArm& arm, std::size_t k) {
-  if (!joined_) return std::make_unique<UdpLink>(arm.host, arm.port);
-  const std::uint16_t port = joined_->port(static_cast<int>(k));
-  if (options_.stepped) return std::make_unique<SteppedLink>(port, *joined_);
-  return std::make_unique<UdpLink>("127.0.0.1", port);
+  if (joined_) return joined_->link(static_cast<int>(k));
+  return std::make_unique<UdpLink>(arm.host, arm.port);
 }
 
 void BoardLoop::end_serving() {

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "board_side.hpp"
-#include "joined_arms.hpp"
 #include "dvrk/cooperation/board_cooperation.hpp"
+#include "dvrk/cooperation/joined_boards.hpp"
 #include "veridyn/control/load_cell.hpp"
 
 namespace veridyn::dvrk {
@@ -98,7 +98,7 @@ class BoardLoop {
   const Scenario& scenario_;
   BoardCooperationOptions options_;
   double period_;
-  std::unique_ptr<JoinedArms> joined_;
+  std::unique_ptr<JoinedBoards> joined_;
   std::vector<std::unique_ptr<BoardSide>> sides_;
   struct {
     long cycles = 0, late = 0;

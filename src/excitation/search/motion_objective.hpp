@@ -3,7 +3,7 @@
 #include <functional>
 #include <memory>
 
-#include "excitation/criterion.hpp"
+#include "excitation/search/criterion.hpp"
 #include "excitation/search/motion_space.hpp"
 #include "regressor/stacked_columns.hpp"
 

@@ -4,11 +4,11 @@
 #include <optional>
 #include <vector>
 
-#include "excitation/a_optimality.hpp"
-#include "excitation/criterion.hpp"
+#include "excitation/search/a_optimality.hpp"
+#include "excitation/search/criterion.hpp"
 #include "excitation/search/motion_objective.hpp"
 #include "regressor/stacked_columns.hpp"
-#include "excitation/base_regressor.hpp"
+#include "excitation/search/base_regressor.hpp"
 #include "veridyn/excitation/excitation.hpp"
 
 namespace veridyn {

@@ -6,8 +6,8 @@
 
 #include "math/median.hpp"
 #include "recordings/csv/time_column.hpp"
-#include "recordings/joint_fields.hpp"
-#include "recordings/units.hpp"
+#include "recordings/signals/joint_fields.hpp"
+#include "recordings/signals/units.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn::recordings {

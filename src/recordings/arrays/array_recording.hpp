@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "recordings/files/byte_stream.hpp"
-#include "recordings/raw_recording.hpp"
+#include "recordings/signals/raw_recording.hpp"
 #include "veridyn/recordings/recording.hpp"
 
 namespace veridyn::recordings {

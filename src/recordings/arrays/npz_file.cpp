@@ -1,11 +1,13 @@
 #include <zlib.h>
 
 #include <charconv>
+#include <cmath>
 #include <cstring>
 #include <optional>
 
 #include "recordings/arrays/array_recording.hpp"
-#include "recordings/bags/byte_reader.hpp"
+#include "math/most_rows.hpp"
+#include "recordings/files/byte_reader.hpp"
 #include "recordings/files/mapped_file.hpp"
 #include "veridyn/math/require.hpp"
 
@@ -235,7 +237,13 @@ ArraySet read_npz(const ByteStream& opened) {
   const MappedFile file(path, &opened);
   ArraySet set;
   try {
-    for (const Entry& entry : directory_of(file.bytes())) {
+    const std::vector<Entry> entries = directory_of(file.bytes());
+    double unpacked = 0.0;
+    for (const Entry& entry : entries) unpacked += static_cast<double>(entry.size);
+    const double most = sizeof(double) * most_rows(1.0);
+    require(unpacked <= most, path, ": found arrays of ", std::ceil(unpacked / 1e6),
+            " MB, expected at most ", std::floor(most / 1e6), " MB, what this machine holds.");
+    for (const Entry& entry : entries) {
       const bool workbook = entry.name.rfind("xl/", 0) == 0;
       require(!workbook, path, ": found an Excel workbook, expected it saved as CSV.");
       const std::size_t end = entry.name.rfind(".npy");

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "recordings/files/file_kind.hpp"
-#include "recordings/raw_recording.hpp"
+#include "recordings/bags/file_kind.hpp"
+#include "recordings/signals/raw_recording.hpp"
 #include "veridyn/recordings/signal_choice.hpp"
 
 namespace veridyn::bags {

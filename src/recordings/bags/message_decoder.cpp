@@ -4,7 +4,7 @@
 #include <cstring>
 #include <type_traits>
 
-#include "recordings/bags/byte_reader.hpp"
+#include "recordings/files/byte_reader.hpp"
 
 namespace veridyn::bags {
 namespace {

@@ -4,8 +4,8 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "recordings/bags/byte_reader.hpp"
-#include "recordings/joint_fields.hpp"
+#include "recordings/files/byte_reader.hpp"
+#include "recordings/signals/joint_fields.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn::bags {

@@ -7,7 +7,7 @@
 
 #include "recordings/bags/bag_sink.hpp"
 #include "recordings/bags/message_decoder.hpp"
-#include "recordings/raw_recording.hpp"
+#include "recordings/signals/raw_recording.hpp"
 
 namespace veridyn::bags {
 

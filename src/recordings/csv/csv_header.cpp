@@ -8,7 +8,7 @@
 #include <set>
 
 #include "recordings/csv/csv_layout.hpp"
-#include "recordings/joint_fields.hpp"
+#include "recordings/signals/joint_fields.hpp"
 #include "veridyn/recordings/recording.hpp"
 
 namespace veridyn::recordings {

@@ -9,8 +9,8 @@
 #include "recordings/csv/csv_layout.hpp"
 #include "recordings/csv/csv_lines.hpp"
 #include "veridyn/recordings/recording.hpp"
-#include "recordings/row_source.hpp"
-#include "recordings/units.hpp"
+#include "recordings/csv/row_source.hpp"
+#include "recordings/signals/units.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn {

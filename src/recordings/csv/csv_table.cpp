@@ -10,8 +10,8 @@
 #include "math/median.hpp"
 #include "recordings/csv/csv_header.hpp"
 #include "recordings/csv/time_column.hpp"
-#include "recordings/joint_fields.hpp"
-#include "recordings/units.hpp"
+#include "recordings/signals/joint_fields.hpp"
+#include "recordings/signals/units.hpp"
 #include "veridyn/math/require.hpp"
 #include "recordings/csv/csv_layout.hpp"
 

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "recordings/csv/csv_lines.hpp"
-#include "recordings/raw_recording.hpp"
+#include "recordings/signals/raw_recording.hpp"
 #include "veridyn/recordings/recording.hpp"
 
 namespace veridyn::recordings {

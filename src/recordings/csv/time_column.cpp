@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "recordings/joint_fields.hpp"
+#include "recordings/signals/joint_fields.hpp"
 
 namespace veridyn::recordings {
 namespace {
