@@ -30,14 +30,14 @@ using dvrk::BoardEmulator;
 
 constexpr double kPotNoise = 3.0;      // [bits], standard deviation: 0.2 mV
 constexpr double kCurrentNoise = 4.0;  // [bits]: 0.8 mA
-constexpr double kStopsBeyond = 0.02;  // share of a joint's range: end stops behind its limits
+constexpr double kStopsBeyond = 0.02;  // of a joint's range: distance of end stops from the limits
 
-/// An arm that is emulated: its part of a configuration, and what moves behind it.
+/// An emulated arm: its part of a configuration, and the simulation behind it.
 struct EmulatedArm {
   DvrkArm of;
   std::unique_ptr<Engine> plant;
   std::unique_ptr<dvrk::SimulatedArm> load;
-  bool failed = false;  ///< and it was said
+  bool failed = false;  ///< the failure was reported
 };
 
 /// All arms behind the motors of all boards.
@@ -59,8 +59,8 @@ class Arms final : public dvrk::BoardLoad {
   dvrk::StandingLoad none_;
 };
 
-// Zero where it is well inside the limits, else the middle of the range: an arm that stands at a
-// limit is not driven.
+// Initial position: zero where it is well inside the limits, else the middle of the range, because
+// an arm at a limit cannot be driven.
 VectorXd start_of(const DvrkRequest& request, const Model& model) {
   const int n = model.joints();
   if (!request.start.empty()) {
@@ -85,7 +85,7 @@ VectorXd start_of(const DvrkRequest& request, const Model& model) {
   return q;
 }
 
-// Every robot of the file, or the named ones; or the known arms, each on its usual boards.
+// Every robot of the file, or the selected ones; or the known arms, each on its usual boards.
 std::vector<EmulatedArm> arms_of(const DvrkRequest& request) {
   std::vector<DvrkRequest> each;
   DvrkRequest one = request;
@@ -155,7 +155,7 @@ std::vector<dvrk::BoardSetup> boards_of(const DvrkRequest& request,
   return boards;
 }
 
-// One model for all arms, or one for each.
+// Attaches one model to all arms, or one to each.
 void attach_models(const DvrkRequest& request, const std::vector<dvrk::BoardSetup>& boards,
                    std::vector<EmulatedArm>& arms) {
   if (request.models.empty()) return;
@@ -196,7 +196,7 @@ dvrk::IoConfig config_of(const std::vector<EmulatedArm>& arms) {
   return all;
 }
 
-// Says once what ended the simulation of an arm, which stands still from then on.
+// Reports once why the simulation of an arm ended; the arm then stands still.
 void watch_arms(std::vector<EmulatedArm>& arms, double t) {
   for (EmulatedArm& arm : arms) {
     if (!arm.load || arm.load->status() == StepStatus::kOk || arm.failed) continue;
