@@ -21,12 +21,12 @@ namespace veridyn::cli {
 namespace {
 
 struct CheckRequest {
-  std::vector<std::string> files;  // a robot may stand in front of the recordings
+  std::vector<std::string> files;  // a robot may precede the recordings
   PreprocessingOptions reading;
   CommonOptions common;
 };
 
-// A robot file, or a bare name that is no file.
+// True for a robot file, or a bare name that is no file.
 bool is_robot(const std::string& name) {
   struct stat about {};
   const bool there = ::stat(name.c_str(), &about) == 0;

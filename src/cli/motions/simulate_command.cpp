@@ -35,7 +35,7 @@ MotionSamples wanted_motion(const Model& arm, const std::string& path) {
   }
 }
 
-// What was made up is told once the motion is read: a bad file has one line.
+// Plausible values are reported after the motion is read, so that a bad file has one line.
 Model arm_with_values(const SimulateRequest& request, std::string& made_up_words) {
   PlausibleModel plausible = plausible_model(read_robot(request.robot, request.common), request.arm_seed);
   const bool made_up = plausible.bodies + plausible.effects > 0;
@@ -50,7 +50,7 @@ Model arm_with_values(const SimulateRequest& request, std::string& made_up_words
   return plausible.arm;
 }
 
-// Forward dynamics need inertia.
+// Gives rotors without inertia a small one, because forward dynamics needs it.
 Model movable_arm(const SimulateRequest& request, const Model& arm) {
   const MovableArm movable = with_movable_rotors(arm);
   for (const std::string& one : movable.changed) {
