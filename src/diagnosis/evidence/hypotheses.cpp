@@ -92,9 +92,9 @@ class Builder {
     for (const ShapeChoice& choice : find_effect(effect_of(c.cause)).grid(m)) add(c, choice);
   }
 
-  // A constant that no search looks for, yet has a grid: an effect that the arm has may have
-  // another one than its file says, in shares of one over the largest speed (a step of friction that
-  // is smooth). It is asked beside the causes, for what it leaves over looks like them.
+  // Constants that have a grid and are not searched: the width of a smooth step of friction may differ
+  // from the robot file's, in shares of one over the largest speed. They are asked together with the
+  // causes because the residual of a wrong one resembles theirs.
   void ask_other_constants(const Candidate& c, const AxisMotion& m) {
     if (m.speed <= 0.0) return;
     for (const EffectShape& constant : find_effect(effect_of(c.cause)).shapes()) {
@@ -144,7 +144,7 @@ class Builder {
     hypotheses_.push_back(std::move(h));
   }
 
-  // One body more on the link, without mass as long as nobody fits it.
+  // Another body on the link, whose mass is zero until it is fitted.
   void add_payload(const Candidate& c) {
     const FrameIndex on = *frame_of(c.cause);
     Frame load;

@@ -136,7 +136,8 @@ class Selector {
     if (sure.empty()) return false;
     Evidence best = sure.front();
     for (const Evidence& e : sure) {
-      // A tie between candidates goes to the earlier question; within one to the larger gain.
+      // A tie between two candidates goes to the earlier question, between two hypotheses of one
+      // candidate to the larger gain.
       if (e.gain > options_.thresholds.tie * sure.front().gain && asked_earlier(e, best)) best = e;
     }
     accepted_.push_back({best});
@@ -204,7 +205,7 @@ class Selector {
     return true;
   }
 
-  // Of the best hypothesis of every candidate that was asked and not accepted.
+  // P values of the best hypothesis of every candidate that was not accepted.
   void give_p_values(std::vector<Evidence>& asked) const {
     std::map<Candidate, Evidence*> best;
     for (Evidence& e : asked) {
@@ -259,7 +260,7 @@ class Selector {
       out.accepted[k].refuted.clear();
       out.accepted[k].evidence.gain = own_gain;
       for (const Evidence& e : rivals) {
-        // The best of a candidate speaks for it.
+        // Only the best hypothesis of each candidate is listed.
         if (!named.insert(examiner_.hypothesis(e.hypothesis)).second) continue;
         Accepted& own = out.accepted[k];
         (refuted(e, all[k], others) ? own.refuted : own.rivals).push_back(e);

@@ -32,7 +32,7 @@ class FindingWriter {
   /// the model has, and no cause.
   std::vector<char> own_constants() const;
 
-  /// One line for every candidate that was asked and not accepted.
+  /// One line for every candidate that was not accepted.
   void add_the_rest(Diagnosis& d) const;
 
   /// The arm with all that was found; what needs fitting has no values yet.

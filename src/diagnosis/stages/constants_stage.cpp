@@ -64,8 +64,8 @@ void correct(const Questions& asked, const Hypothesis& h, const CorrectedChannel
   x.start = channel.corrected;
 }
 
-// The rules of every other cause: significance, and an interval without zero. What breaks them is
-// said, and stays out.
+// A constant must meet the conditions of any other cause: significance, and an interval without zero.
+// One that does not is reported as not supported.
 bool is_sure(const Finding& f, Investigation& x) {
   const bool holds_zero =
       std::any_of(f.parameters.begin(), f.parameters.end(), [](const FoundParameter& p) {

@@ -72,8 +72,8 @@ void check_quality(Investigation& x);
 /// The arm as the file says. False if the data cannot answer: d.baseline.status says why.
 bool fit_baseline(Investigation& x);
 
-/// Leaves out the rests at either end of the training recordings, says of the joints that move as
-/// one that they do, and fits the arm again where anything was left out.
+/// Leaves out the rests at either end of the training recordings, reports joints that move as one,
+/// and fits the arm again where anything was left out.
 void exclude_rests(Investigation& x);
 
 /// Leaves out parts of recordings from now on.
