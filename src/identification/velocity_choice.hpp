@@ -46,10 +46,14 @@ std::vector<RecordingQuality> glance_at(const Model& arm, const std::vector<std:
 /// Takes the velocities of these joints from the position, in training and in held-out recordings.
 void derive_velocities(const std::set<int>& joints, IdentificationOptions& how);
 
-/// What the first rows of these recordings say of their velocities, of which those that are wrong
-/// are taken from the position from now on. Nothing where somebody chose already: a source of the
-/// velocities, joints, filtered signals, or how.choose_velocities is off.
-VelocityTrust leave_wrong_velocities_out(const Model& arm, const std::vector<std::string>& train,
+/// What the first rows of these recordings say of their velocities. Nothing where somebody chose
+/// already: a source of the velocities, joints, filtered signals, or how.choose_velocities is off.
+VelocityTrust trust_in_velocities(const Model& arm, const std::vector<std::string>& recordings,
+                                  const IdentificationOptions& how);
+
+/// From now on wrong velocities of any of these recordings are taken from the position.
+/// @returns  their joints.
+std::set<int> leave_wrong_velocities_out(const Model& arm, const std::vector<std::string>& train,
                                          const std::vector<std::string>& test,
                                          IdentificationOptions& how);
 
