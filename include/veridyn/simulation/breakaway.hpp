@@ -40,9 +40,6 @@ struct Breakaway {
   std::string report(const Coordinate& joint, const std::string& recording) const;
 };
 
-/// The mean effort of a tenth of a second around row k.
-double effort_at(const VectorXd& time, const VectorXd& tau, Eigen::Index k);
-
 /// The efforts at which one joint breaks away in a recording of slow ramps, that is at which it
 /// begins to slide, and those at which a model does that is pushed alike: it starts from each rest
 /// at the recorded place, gets the recorded efforts on this joint, and its other joints are held
