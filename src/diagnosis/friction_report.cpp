@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "diagnosis/numerics.hpp"
+#include "diagnosis/evidence/numerics.hpp"
 #include "math/median.hpp"
 #include "veridyn/diagnosis/friction_study.hpp"
 

@@ -7,16 +7,16 @@
 
 namespace veridyn {
 
-/// A time at which a joint was at rest, was pushed more and more, and gave way.
+/// One ramp: the joint rested, the effort rose, and the joint broke away.
 struct Ramp {
   Eigen::Index rest;   ///< the first row
-  Eigen::Index onset;  ///< the row at which it began to slide
-  Eigen::Index end;    ///< the row after the last one before the next jump of the position
+  Eigen::Index onset;  ///< first row of sliding
+  Eigen::Index end;    ///< last row before the next jump of the position, plus one
 };
 
-/// What counts as having left a rest, as sliding, and as having rested.
+/// Thresholds for leaving a rest, for sliding, and for having rested.
 struct RampThresholds {
-  double way;    ///< [rad], [m]
+  double way;    ///< [rad], [m] displacement
   double speed;  ///< [rad/s], [m/s]
   double rest;   ///< [s]
 };
@@ -25,8 +25,8 @@ struct RampThresholds {
 RampThresholds ramp_thresholds(const Coordinate& joint);
 
 /// The ramps of a joint: rests that end in sliding. A jump of the position (a new start) ends a
-/// ramp; a leap of the effort begins a new one. Ramps start low: rests whose effort was above 60 %
-/// of that at the onset are pauses. Rests pushed against an end of the range are none.
+/// ramp; a leap of the effort begins a new one. Ramps start low: rests with an effort above 60 % of
+/// the onset are pauses. Rests against an end stop are excluded.
 std::vector<Ramp> find_ramps(const Coordinate& joint, const VectorXd& time, const VectorXd& q,
                              const VectorXd& tau, const RampThresholds& limit);
 

@@ -1,10 +1,11 @@
+#include "math/words.hpp"
 #include "recordings/joint_match.hpp"
 
 #include <algorithm>
 #include <optional>
 #include <set>
 
-#include "recordings/joint_fields.hpp"
+#include "recordings/signals/joint_fields.hpp"
 #include "veridyn/math/require.hpp"
 #include "model/suggestion.hpp"
 
@@ -13,7 +14,7 @@ namespace {
 
 using Words = std::vector<std::string>;
 
-// Words that tell joints apart.
+// Words that distinguish joints.
 Words telling_words(const std::string& name) {
   static const std::set<std::string> kIdle = {"joint", "link", "axis", "jnt"};
   Words words = words_of(name);
@@ -23,7 +24,7 @@ Words telling_words(const std::string& name) {
   return words;
 }
 
-// Words that `longer` has in front of `shorter`, or nothing where it does not end in it.
+// Number of words of `longer` before `shorter`, or nullopt if it does not end with it.
 std::optional<int> words_in_front(const Words& shorter, const Words& longer) {
   if (shorter.empty() || shorter.size() > longer.size()) return std::nullopt;
   const auto behind = longer.end() - static_cast<long>(shorter.size());
@@ -40,7 +41,7 @@ std::optional<long> last_number(const std::string& name) {
   return std::stol(last);
 }
 
-// Numbers 1..n, or 0..n-1, one for each wanted joint; or nothing.
+// Indices of numbers 1..n, or 0..n-1, one for each joint; empty if there are none.
 std::vector<int> by_number(std::size_t wanted, const std::vector<std::string>& recorded) {
   std::vector<std::pair<long, int>> numbers;
   for (std::size_t k = 0; k < recorded.size(); ++k) {
@@ -56,10 +57,6 @@ std::vector<int> by_number(std::size_t wanted, const std::vector<std::string>& r
     out.push_back(numbers[k].second);
   }
   return out;
-}
-
-bool mere_number(const std::string& name) {
-  return !name.empty() && name.find_first_not_of("0123456789") == std::string::npos;
 }
 
 }  // namespace
@@ -103,7 +100,7 @@ std::vector<int> match_joints(const std::vector<std::string>& wanted,
             wanted[j], ", expected --map ", wanted[j], "=NAME.");
     if (!candidates.empty()) take(j, candidates.front());
   }
-  bool none = true;  // but what the user named
+  bool none = true;  // no match apart from those of the user
   for (std::size_t j = 0; j < wanted.size(); ++j)
     none = none && (out[j] < 0 || renamed.count(wanted[j]) > 0);
   if (none || numbers) {

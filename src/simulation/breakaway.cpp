@@ -11,11 +11,11 @@
 namespace veridyn {
 namespace {
 
-constexpr double kPeriod = 1e-3;   // [s] of the controller that holds the others
-constexpr double kLonger = 2.0;    // times the recorded ramp that the model is pushed
-constexpr double kSettle = 3.0;    // [s] of creeping before a ramp
-constexpr double kHeavy = 3.0;     // times the damping of a held joint, while it creeps
-constexpr double kSettled = 0.02;  // share of the speed of sliding, that still counts as rest
+constexpr double kPeriod = 1e-3;   // [s] of the controller that holds the other joints
+constexpr double kLonger = 2.0;    // times the recorded ramp during which the model is pushed
+constexpr double kSettle = 3.0;    // [s] of creep before a ramp
+constexpr double kHeavy = 3.0;     // times the damping of a held joint, during the creep
+constexpr double kSettled = 0.02;  // share of the sliding speed below which the joint rests
 
 double median_of_known(std::vector<double> values) {
   values.erase(std::remove_if(values.begin(), values.end(), [](double v) { return std::isnan(v); }),
@@ -23,14 +23,14 @@ double median_of_known(std::vector<double> values) {
   return values.empty() ? kNaN : median(std::move(values));
 }
 
-// Pushes the model through one ramp. Where the recording has moved on, the effort goes on rising as
-// it did on the way to the onset.
+// Applies one ramp to the model. Beyond the recorded onset the effort continues to rise at its rate
+// before the onset.
 class Push {
  public:
   Push(Engine& engine, const ReplayInput& input, const PidGains& gains, int joint)
       : engine_(engine), in_(input), gains_(gains), joint_(joint) {}
 
-  // Writes the rows of the ramp; ends where the model slides.
+  // Writes the rows of the ramp; ends when the model slides.
   void run(const Ramp& ramp, double speed, BreakawayEvent& event, Breakaway& out) {
     const VectorXd& time = in_.motion.time;
     const VectorXd home = in_.motion.q.row(ramp.rest).transpose();
@@ -63,9 +63,8 @@ class Push {
   }
 
  private:
-  // Lets the joint creep, heavily damped, until it rests under the effort under which the recorded
-  // one rests: friction with a memory comes to the state that the recording shows it to be in.
-  // False if the model does not rest under it.
+  // Lets the joint creep, heavily damped, until it rests under the recorded effort, so that
+  // friction with memory reaches its recorded state. False if the model does not rest under it.
   bool settle(const VectorXd& home, double effort, double speed) {
     while (engine_.time() < kSettle) {
       const double v = engine_.dq()[joint_];
@@ -74,7 +73,7 @@ class Push {
     return std::abs(engine_.dq()[joint_]) < kSettled * speed;
   }
 
-  // One period: the others are held at home.
+  // Advances one period; the other joints are held at home.
   bool step(const VectorXd& home, double effort) {
     VectorXd tau(home.size());
     for (Eigen::Index i = 0; i < tau.size(); ++i) {

@@ -242,7 +242,7 @@ TEST_F(Stages, ADelayThatIsNotThereIsNotCorrected) {
       EXPECT_LT(std::abs(corrected->values[0]), 1e-3);
     }
   }
-  x.refused.insert(asked.q.augmented.hypotheses.front().family);
+  x.refused.insert(asked.q.augmented.hypotheses.front());
   EXPECT_EQ(ask(x, list, x.start).q.augmented.hypotheses.size(),
             asked.q.augmented.hypotheses.size() - 1);
 }

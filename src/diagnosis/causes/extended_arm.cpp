@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <string>
 
-#include "diagnosis/causes/effect_facts.hpp"
+#include "diagnosis/evidence/effect_facts.hpp"
 #include "veridyn/effects/cause.hpp"
 #include "veridyn/effects/channel_effect.hpp"
 

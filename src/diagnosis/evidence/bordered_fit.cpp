@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "diagnosis/numerics.hpp"
+#include "diagnosis/evidence/numerics.hpp"
 
 namespace veridyn {
 namespace {

@@ -35,7 +35,7 @@ struct EmulatedFault {
     kLimp,       ///< its motors make no torque, and its boards say that all is well
     kWeak,       ///< its motors make half of the torque that their currents are for
     kReversed,   ///< its motors turn the wrong way, as wired so
-    kStuck       ///< its motors go on with the torque of that moment, until amplifiers are off
+    kStuck       ///< its amplifiers keep the currents of that moment, until they are off
   };
   Kind kind = Kind::kSilent;
   int arm = -1;     ///< Index of the arm, from 0
@@ -59,10 +59,17 @@ struct EmulatedInstant {
 /// @throws InvalidInput  another form, an arm that is not there, a time that is not above zero.
 EmulatedFault parse_emulated_fault(const std::string& text, const Scenario& scenario);
 
+class JoinedBoards;
+struct BoardCooperationOptions;
+/// Makes emulated boards for the arms of a scenario, see emulator/joined_arms.hpp.
+using EmulateBoards = std::function<std::unique_ptr<JoinedBoards>(
+    const Scenario&, const std::vector<CooperatingArm>&, const BoardCooperationOptions&)>;
+
 struct BoardCooperationOptions {
   /// Boards are emulated in this process, their arms joined through the scenario's world, and
-  /// spoken to over UDP sockets all the same; hosts and ports of the arms are not used.
-  bool emulate = false;
+  /// spoken to over UDP sockets all the same; hosts and ports of the arms are not used. Empty: the
+  /// arms' own boards.
+  EmulateBoards emulate;
   /// Time of emulated boards stands still while this program computes: the run does not depend on
   /// the machine, and takes as long as it takes. Otherwise it is the machine's time.
   bool stepped = false;

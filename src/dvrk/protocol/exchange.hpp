@@ -6,7 +6,7 @@
 
 #include "dvrk/protocol/bytes.hpp"
 #include "dvrk/protocol/datagram_link.hpp"
-#include "dvrk/boards/fault_log.hpp"
+#include "dvrk/protocol/fault_log.hpp"
 #include "dvrk/protocol/protocol.hpp"
 #include "dvrk/protocol/reply.hpp"
 #include "dvrk/protocol/request.hpp"

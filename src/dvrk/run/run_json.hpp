@@ -1,10 +1,12 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "dvrk/run/arm_run.hpp"
-#include "dvrk/emulator/board_emulator.hpp"
-#include "dvrk/boards/fault_log.hpp"
+#include "dvrk/protocol/fault_log.hpp"
 
 namespace veridyn::dvrk {
 
@@ -13,7 +15,8 @@ namespace veridyn::dvrk {
 std::string to_json(const RunResult& run, const FaultLog& faults, const std::string& command,
                     const std::string& arm);
 
-/// What came to emulated boards.
-std::string to_json(const BoardEmulator::Counters& counters, const std::string& arm);
+/// What a command counted, by name.
+std::string to_json(const std::vector<std::pair<std::string, std::int64_t>>& counts,
+                    const std::string& command, const std::string& arm);
 
 }  // namespace veridyn::dvrk

@@ -36,7 +36,7 @@ void plot_errors(const char* role, const std::vector<RecordingError>& model,
   }
 }
 
-// What the robot file says of each base parameter; null where it lacks a value that it needs.
+// Value of each base parameter in the robot file; null where the file lacks a value.
 Json values_in_file(const Identification& id, const Model& robot) {
   Json out = Json::array();
   const auto& identified = id.model->description().identified;
@@ -74,7 +74,7 @@ std::string to_page(const Identification& id, const std::string& command, const 
   add_recordings(series, recordings);
   add_friction(series, id);
   if (robot != nullptr) series["file"] = values_in_file(id, *robot);
-  series["arms"].clear();  // nothing here moves
+  series["arms"].clear();  // no arm is drawn
   return html_page(id.robot + ": identified", to_json(id), series, id.report());
 }
 

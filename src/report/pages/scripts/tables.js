@@ -11,6 +11,7 @@ pages.info = () => {
     lead: countOf(result.coordinates.length, 'coordinate') + ', ' + countOf(result.frames.filter((f) => f.body).length, 'body', 'bodies') + ', ' + countOf(result.effects.length, 'effect') + '; torques tell ' +
         countOf(result.base_parameters.length, 'combination') + ' of ' + result.standard_parameters.length + ' parameters.',
     good: [friction ? paragraph('warning', 'The file has no friction, and every real joint has (identify --friction plain).') : null,
+      ...(result.impossible || []).map((fault) => paragraph('warning', 'No arm has this: ' + typeset(fault) + '.')),
       paragraph('', 'Gravity ', numbers('/gravity', 'plain'), ' m/s\u00b2. The three lines of a frame are its x, y and z axes; the slider moves one joint after the other through its range.'),
       table(['Joint', '#From', '#To', '#Speed', '#Effort', 'Unit'], result.coordinates.map((c, k) => [
         strong(k + 1 + ' ' + c.name), bound('/coordinates/' + k + '/position/0'), bound('/coordinates/' + k + '/position/1'), bound('/coordinates/' + k + '/velocity'), bound('/coordinates/' + k + '/effort'),

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "emulator/board_emulator.hpp"
+
+namespace veridyn::dvrk {
+
+/// An event on emulated boards at a given time: "emergency-stop@2.5", "current:6.1=0.4@3".
+struct BoardEvent {
+  std::string words;  ///< without the time
+  double time = 0.0;  ///< [s]
+  std::function<void(BoardEmulator&)> happen;
+};
+
+/// In the order in which they happen.
+/// @throws InvalidInput  a name that is none, a board that is not emulated, a number that
+///                               is missing.
+std::vector<BoardEvent> board_events(const std::vector<std::string>& words,
+                                     BoardEmulator& emulator);
+
+/// The available names, one per line with their effect, for --help.
+std::string board_event_help();
+
+}  // namespace veridyn::dvrk

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "diagnosis/shapes/inquiry.hpp"
+
+namespace veridyn {
+
+/// A finding of a hypothesis with its place and nothing else.
+Finding finding_at(const Hypothesis& h);
+
+/// "That is unusually large ..." where a parameter is beyond what such errors usually are; empty
+/// elsewhere. It decides nothing.
+std::string remark_on_size(const Hypothesis& h, const std::vector<double>& values);
+
+/// A finding of a channel's error or a tilt that is undone already.
+Finding channel_finding(const Inquiry& asked, const Hypothesis& h,
+                        const std::vector<double>& values, const VectorXd& half_widths);
+
+/// Rivals of an accepted hypothesis, with what they gain.
+std::vector<Rival> rivals_of(const Inquiry& asked, const NormalBlocks& data, const Hypothesis& h,
+                             const Accepted& accepted, bool changes);
+
+/// Values and intervals of a finding whose effects are part of an identified arm.
+/// @param names  of its parameters there.
+void refresh(const Identification& id, const std::vector<std::string>& names, Finding& f);
+
+/// Verdict of the held-out recordings: their error, summed over the joints as ln(mean square), must
+/// fall, and on the finding's own joint too.
+FindingStatus status_of(const Finding& f);
+
+}  // namespace veridyn
