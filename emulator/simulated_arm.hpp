@@ -41,7 +41,7 @@ class SimulatedArm final : public BoardLoad {
   /// Without brakes: once its motors have had power, nothing holds the arm when they lose it.
   void falls_without_power() { brakes_ = false; }
 
-  /// How the last step of the engine ended; a failed engine stands still from then on.
+  /// Status of the last step; a failed engine stands still from then on.
   StepStatus status() const { return status_; }
   /// Joint torques that acted last (model's joints) [N m], [N].
   const VectorXd& tau() const { return tau_; }

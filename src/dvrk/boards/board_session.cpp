@@ -8,7 +8,7 @@
 namespace veridyn::dvrk {
 namespace {
 
-constexpr int kAmpsFirst = 2;             // cycles with amplifiers off before the supply goes
+constexpr int kAmpsFirst = 2;  // cycles with amplifiers off before the supply is switched off
 constexpr double kObeyBlocks = 0.005;     // [s] in which "off" must show, else by register
 constexpr double kObeyRegisters = 0.020;  // else silence: the watchdog is left to bite
 

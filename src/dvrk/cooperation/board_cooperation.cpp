@@ -25,7 +25,7 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kSettled = 0.2;     // [s] at rest after the last phase
-constexpr double kLeastForce = 0.3;  // [N] of pretension that is left before power goes
+constexpr double kLeastForce = 0.3;  // [N] pretension below which power may be switched off
 constexpr double kStands = 1e-3;     // [m/s] of a target
 constexpr double kNever = 1e3;       // [s] age of a reading that is not to be believed
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();  // nothing measures it
@@ -90,7 +90,8 @@ class BoardRun : private BoardLoop {
     ages_.assign(sides_.size(), 0.0);
   }
 
-  // What can be known to fail is not begun: the phases from where the arms stand.
+  // Plans the phases from the present positions, so that infeasible ones are refused before
+  // power-up.
   void plan() {
     if (!options_.planned) return;
     plan_ = std::make_unique<MotionPlan>(scenario_, planned_arms());
@@ -179,7 +180,7 @@ class BoardRun : private BoardLoop {
     ages_[arm] = std::max(ages_[arm], reading.age);
   }
 
-  // Of a member or, behind them, of a wall; emulated ones alone.
+  // Force of a member or, after the members, of a wall; emulated boards only.
   double true_force(size_t k) const noexcept {
     const size_t members = scenario_.members.size();
     return k < members ? joined_->tension(static_cast<int>(k))
@@ -193,7 +194,7 @@ class BoardRun : private BoardLoop {
     }
   }
 
-  // One cycle of the task; also while all is held.
+  // One cycle of the task, also while targets are held.
   void work() noexcept {
     for (size_t k = 0; k < sides_.size(); ++k) {
       input_->position[k] = sides_[k]->loop().position();
@@ -275,7 +276,7 @@ class BoardRun : private BoardLoop {
     }
   }
 
-  // Commands by line, until it says so or is lost.
+  // Executes commands from a line until it ends or is lost.
   void play_by_line() {
     using Clock = std::chrono::steady_clock;
     LiveHand hand(scenario_, *options_.lines, options_.live, options_.live_report,
@@ -364,7 +365,7 @@ class BoardRun : private BoardLoop {
   std::unique_ptr<ScenarioRowFile> file_;
 };
 
-// By simulation, without the faults that a drill asks for.
+// Simulates the scenario without the faults of a drill.
 void rehearse(Scenario scenario) {
   scenario.faults.clear();
   bool asks = scenario.asked_largest_force > 0.0;

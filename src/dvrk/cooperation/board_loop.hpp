@@ -40,16 +40,16 @@ class BoardLoop {
   void hear(const std::vector<Sensor>& sensors);
   static constexpr double kHeard = 0.2;  ///< [s]
 
-  /// Boards are read, before anything is asked of them.
+  /// Reads the boards for a while before power-up.
   void look();
   /// After look().
   bool power_up();
-  /// Power goes off everywhere, and the boards are asked whether it did.
+  /// Switches power off everywhere, and returns the boards' confirmation.
   OffState power_down();
   void end_serving();
   double clock() { return sides_.front()->link().now(); }
 
-  // All arms are read, `work` is done, all are written. The first arm's link keeps the time.
+  // Reads all arms, calls `work`, writes all arms. The first arm's link provides the time.
   template <typename Work>
   void cycle(Work&& work) {
     double now = clock();
@@ -81,13 +81,13 @@ class BoardLoop {
     for (const double until = time_ + seconds; time_ < until;) cycle(work);
   }
 
-  // The first cause ends the run; what comes later is told beside it.
+  // The first cause ends the run; later ones are added to the report.
   bool fail(const char* why, int arm, BoardEnd end = BoardEnd::kFault) noexcept;
   /// The cause in words, with the arm that it is of.
   std::string cause() const;
-  /// What was found of the arms since the cycle before. @returns whether arm k was found lost now.
+  /// Processes faults of arm k since the previous cycle. @returns true if the arm failed now.
   bool look_after(std::size_t k) noexcept;
-  /// Where the arms are since the fault; in every cycle.
+  /// Records the arms' motion after a fault; called in every cycle.
   void watch_hold() noexcept;
   /// The end of that: what became of each arm.
   std::vector<ArmAfterFault> after_fault() const;

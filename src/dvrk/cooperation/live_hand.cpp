@@ -84,12 +84,12 @@ std::string LiveHand::objection(const LiveCommand& command, const Shown& now) {
   const auto* one = std::get_if<ScenarioCommand>(&command);
   if (one == nullptr) return "";
   ScenarioCommand planned = *one;
-  // What can be done in this time can be done slower, and long plans take long.
+  // A feasible fast motion is feasible when slower, and long plans take long to compute.
   planned.over = std::min(one->over, kLongestPlan);
   return plan_->play(state, {planned}, planned.over + MotionPlan::kSettled);
 }
 
-// A jog goes on for as long as the next half second can be planned.
+// A jog continues while the next half second can be planned.
 void LiveHand::plan_jog(const Shown& now) {
   if (!plan_ || now.time < planned_ + kJogAhead) return;
   planned_ = now.time;
