@@ -19,8 +19,8 @@
 namespace veridyn::dvrk {
 
 /// Emulated boards of several arms whose tips hold one object: each arm's motors drive its part of
-/// a scenario's World, and every emulator stands behind a UDP port of its own. Either one thread
-/// serves all of them in real time (run()), or the loop that they are tested with moves their clock
+/// a scenario's World, and every emulator has a UDP port of its own. Either one thread serves all
+/// of them in real time (run()), or the caller's loop advances their clock (SteppedClock).
 /// (SteppedClock).
 ///
 /// Before its first power an arm is held. Afterwards brakes hold it when no amplifier is on, where

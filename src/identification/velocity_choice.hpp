@@ -23,7 +23,7 @@ VectorXd log_training_errors(const Identification& id);
 /// derivative across late rows may be worse where they are not repaired.
 VectorXd fall_of_errors(const Identification& before, const Identification& after);
 
-/// Which velocities are taken from the position, and the fit with them; no fit: none of them.
+/// Joints whose velocity is derived from the position, and the fit with them; nullopt: none.
 struct VelocityChoice {
   std::set<int> better;
   std::optional<Identification> fit;
@@ -46,9 +46,9 @@ std::vector<RecordingQuality> glance_at(const Model& arm, const std::vector<std:
 /// Takes the velocities of these joints from the position, in training and in held-out recordings.
 void derive_velocities(const std::set<int>& joints, IdentificationOptions& how);
 
-/// What the first rows of these recordings say of their velocities, of which those that are wrong
-/// are taken from the position from now on. Nothing where somebody chose already: a source of the
-/// velocities, joints, filtered signals, or how.choose_velocities is off.
+/// Velocities that the first rows of these recordings show to be wrong; they are derived from the
+/// position from now on. Empty if the choice was made already: a source of the velocities, joints,
+/// filtered signals, or how.choose_velocities is off.
 VelocityTrust leave_wrong_velocities_out(const Model& arm, const std::vector<std::string>& train,
                                          const std::vector<std::string>& test,
                                          IdentificationOptions& how);

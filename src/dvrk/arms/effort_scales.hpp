@@ -18,7 +18,7 @@ struct EffortScale {
   std::string source;      ///< origin of the correction; empty: there is none
 };
 
-/// What a model knows about the drives, for every actuator whose name is a coordinate of the model:
+/// Scales from a model's drive gains, for every actuator whose name is a coordinate of the model:
 ///
 ///   scale = recorded.torque_gain / drive_gain     (1 / before where no drive gain is identified)
 ///

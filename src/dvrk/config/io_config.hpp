@@ -115,7 +115,7 @@ struct IoConfig {
   const RobotConfig& robot(const std::string& name = "") const;
 };
 
-/// Reads XML (Config Version 5) or JSON ("$version" 6), told apart by the first character.
+/// Reads XML (Config Version 5) or JSON ("$version" 6), distinguished by the first character.
 ///
 /// @throws InvalidInput  "file:line: Robot PSM1/Actuator 3/Drive: found ..., expected ...".
 IoConfig read_io_config(const std::string& path);

@@ -334,7 +334,7 @@ class BoardRun : private BoardLoop {
     out_.late = timing_.late;
     out_.mean_cycle = timing_.mean_cycle;
     out_.longest_cycle = timing_.longest_cycle;
-    if (out_.run.arm.empty()) out_.run = empty_run(scenario_, "boards", 0);  // power never came
+    if (out_.run.arm.empty()) out_.run = empty_run(scenario_, "boards", 0);  // the arms were never powered
     cut(out_.run, row_);
     for (const Span& span : spans_)
       out_.run.phases.push_back(

@@ -89,7 +89,7 @@ class BoardLoop {
   bool look_after(std::size_t k) noexcept;
   /// Records the arms' motion after a fault; called in every cycle.
   void watch_hold() noexcept;
-  /// The end of that: what became of each arm.
+  /// Ends the recording of the motion after a fault, and returns the result for each arm.
   std::vector<ArmAfterFault> after_fault() const;
   std::vector<LaterFault> later_faults() const;
   bool stopped() const { return stop_.load(std::memory_order_relaxed); }

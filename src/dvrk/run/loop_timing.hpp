@@ -30,7 +30,8 @@ struct LoopTiming {
   long cycles = 0;
   long late = 0;          ///< cycles that began more than one period after their time
   long late_own = 0;      ///< of these, late because of this program's own computation
-  long late_replies = 0;  ///< Late replies of them: because of boards or network; the others by the system
+  /// Of these, late because of replies from boards or network; the others are due to the system.
+  long late_replies = 0;
   double longest = 0.0;   ///< [s] from the start of one cycle to its end
   double mean = 0.0;      ///< [s] of that
   double seconds = 0.0;   ///< from the start of the first cycle to the end of the last

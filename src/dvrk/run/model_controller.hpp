@@ -25,7 +25,7 @@ enum class ControlLaw {
 
 struct ModelControlOptions {
   ControlLaw law = ControlLaw::kComputedTorque;
-  double frequency = 20.0;   ///< [rad/s] of both poles of what is left of an error
+  double frequency = 20.0;   ///< [rad/s] of both poles of the position error
   std::string tip;           ///< frame of the impedance; empty: see default_tip()
   double tip_mass = 2.0;     ///< [kg] that the tip appears to have
   double stiffness = 800.0;  ///< [N/m] of the tip; damping is critical

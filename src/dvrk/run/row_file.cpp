@@ -94,8 +94,8 @@ bool RowFile::put(const std::string& bytes) {
   return true;
 }
 
-// Whole rows in every call of write(): a program that is killed leaves no half of one. A disk that
-// is full takes a part of them; the file is cut behind the last whole row then.
+// Every call of write() has whole rows, so that a killed program leaves no partial one. A full disk
+// may truncate them; the file is then cut after the last whole row.
 void RowFile::append() {
   const Recording& rows = keeper_.rows();
   const Eigen::Index count = keeper_.count();

@@ -12,7 +12,7 @@ namespace veridyn::dvrk {
 /// a RowKeeper, so that a killed program leaves nearly all of them. The first line says that the
 /// recording is incomplete until finish().
 ///
-/// What is no regular file (a pipe, a device) is not followed; it is written by finish() alone.
+/// Devices and pipes are not followed; finish() alone writes them.
 class RowFile {
  public:
   /// @param path  empty: nothing is written. @param joints  that are written, from the first on.
