@@ -130,7 +130,7 @@ const VectorXd& ArmLoop::torque(const TipTarget& target, const Eigen::Vector3d& 
   Vector6d wrench = Vector6d::Zero();
   if (gives_way() || yielding_) wrench.head<3>() = setup_.R_world_base.transpose() * force;
   Impedance& loop = acting();
-  if (yielding_) {  // the force within the bound is wanted: what is beyond it moves the tip
+  if (yielding_) {  // The reference is the force within the bound: the excess moves the tip.
     const double size = force.norm();
     wanted = TaskReference();
     wanted.ddx.head<3>() =

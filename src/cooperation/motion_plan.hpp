@@ -75,7 +75,7 @@ class MotionPlan {
   Scenario scenario_;
   std::vector<Arm> arms_;
   std::vector<Tip> tips_;
-  std::vector<Eigen::Vector3d> walls_;  // a point of each
+  std::vector<Eigen::Vector3d> walls_;  // a point on each wall
 };
 
 }  // namespace veridyn

@@ -34,7 +34,7 @@ class JoinedBoards {
   virtual void lead(const Eigen::Vector3d& place) = 0;  ///< Moves the hand.
   virtual Eigen::Vector3d hand_force() const = 0;       ///< [N] on the arm, in the world
 
-  /// Called after each step of the world, by the thread that serves. Before that begins.
+  /// Sets a function that the serving thread calls after each step of the world. Call it before serving.
   virtual void watch(std::function<void(const EmulatedInstant&)> watcher) = 0;
   /// Activates the fault.
   virtual void break_down(const EmulatedFault& fault) noexcept = 0;

@@ -34,7 +34,7 @@ class MotionCheck {
   struct Guard {
     std::string name;
     const char* whose;   ///< whose limits they are
-    VectorXd of_joints;  ///< (n) row: position of what is guarded per joint positions
+    VectorXd of_joints;  ///< (n) row: maps joint positions to the guarded position
     PositionRange range;
     double velocity;  ///< largest
   };

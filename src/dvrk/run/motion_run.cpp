@@ -11,7 +11,7 @@ namespace veridyn::dvrk {
 namespace {
 
 constexpr double kLooking = 0.1;       // [s] of reading before power-up
-constexpr double kLookingAgain = 0.5;  // [s] of it after a stall
+constexpr double kLookingAgain = 0.5;  // [s] of reading after a stall
 constexpr int kLooks = 6;
 constexpr double kLongestGap = 0.5;    // of the watchdog's time, between two writes
 constexpr double kMostLate = 0.05;     // share of cycles that begin late: as of a run on the whole
