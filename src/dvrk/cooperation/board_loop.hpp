@@ -83,7 +83,7 @@ class BoardLoop {
 
   // The first cause ends the run; later ones are added to the report.
   bool fail(const char* why, int arm, BoardEnd end = BoardEnd::kFault) noexcept;
-  /// The cause in words, with the arm that it is of.
+  /// The cause in words, with the arm concerned.
   std::string cause() const;
   /// Processes faults of arm k since the previous cycle. @returns true if the arm failed now.
   bool look_after(std::size_t k) noexcept;

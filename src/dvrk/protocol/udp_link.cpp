@@ -59,7 +59,7 @@ in_addr own_address(std::uint32_t server, std::uint16_t port) {
   return own.sin_addr;
 }
 
-// Section 1: by the class of the address.
+// Host part of an IPv4 address by its class: section 1.
 std::uint32_t host_part(std::uint32_t address) {
   const std::uint32_t first = address >> 24;
   return first < 128 ? 0x00FFFFFF : first < 192 ? 0x0000FFFF : first < 224 ? 0x000000FF : ~0U;
