@@ -29,6 +29,19 @@ class WaitingBytes {
     }
     return false;
   }
+  /// One poll of a line: `read` puts bytes into room() and returns how many, zero: no more now. At
+  /// most 64 reads, so that the time is bounded. @returns 1: there is a reading.
+  template <typename Read>
+  int poll(const Read& read) {
+    if (reading()) return 1;
+    for (int k = 0; k < 64; ++k) {
+      const std::size_t got = read();
+      if (got == 0) return 0;
+      filled(got);
+      if (reading()) return 1;
+    }
+    return 0;
+  }
   LoadCellDecoder& decoder() { return decoder_; }
   const LoadCellDecoder& decoder() const { return decoder_; }
 

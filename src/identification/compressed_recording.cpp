@@ -10,7 +10,6 @@
 #include "read_ahead.hpp"
 #include "math/parallel.hpp"
 #include "recordings/kept_recordings.hpp"
-#include "veridyn/math/require.hpp"
 
 namespace veridyn {
 namespace {

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <unordered_map>
 
-#include "many_recordings.hpp"
 #include "shortfall.hpp"
 
 namespace veridyn {

@@ -7,7 +7,6 @@
 #include "identification/base_solution.hpp"
 #include "veridyn/effects/effect.hpp"
 #include "veridyn/identification/compressed_recording.hpp"
-#include "veridyn/identification/identification.hpp"
 #include "veridyn/regressor/base_parameters.hpp"
 
 namespace veridyn {

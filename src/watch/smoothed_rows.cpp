@@ -44,12 +44,6 @@ MatrixXd local_polynomial(int half, int degree) {
   return kernel;
 }
 
-double median_step(const std::vector<double>& times) {
-  std::vector<double> steps;
-  for (size_t k = 1; k < times.size(); ++k) steps.push_back(times[k] - times[k - 1]);
-  return median(std::move(steps));
-}
-
 }  // namespace
 
 SmoothedRows::SmoothedRows(const Model& arm)

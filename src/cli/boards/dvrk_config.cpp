@@ -8,7 +8,6 @@
 #include "cli/options/option_checks.hpp"
 #include "cli/options/sound_arguments.hpp"
 #include "dvrk/arms/arm_facts.hpp"
-#include "veridyn/math/require.hpp"
 
 namespace veridyn::cli {
 namespace {

@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -42,6 +43,7 @@ struct DvrkRequest {
   bool ethernet_only = false; ///< emulated boards have no FireWire between them
   bool firewire = false;      ///< FPGA V3 boards have FireWire nevertheless
   bool io_expander = false;   ///< emulated boards are QLA 1.5
+  bool emulate = false;       ///< `run` has emulated boards in this process
   bool everywhere = false;    ///< the emulator listens on all addresses
   std::vector<double> start;  ///< joint positions of the emulated arm
   std::string config_out;
@@ -69,6 +71,10 @@ dvrk::ArmSessionOptions session_options(const DvrkRequest& request, const DvrkAr
 
 /// Prints the faults of the session on standard error; warnings are printed with --quiet as well.
 void say_faults(const dvrk::FaultLog& faults);
+
+/// The boards at --host, or emulated ones in this process with DvrkRequest::emulate: their clock stands
+/// still while the program computes. @throws InvalidInput, CLI::ValidationError  as `dvrk emulate`.
+std::unique_ptr<dvrk::DatagramLink> link_to_boards(const DvrkRequest& request);
 
 /// Prepares a real-time loop: priority and locked memory. Returns what the system refused, in
 /// words.

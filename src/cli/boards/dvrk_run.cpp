@@ -5,12 +5,10 @@
 #include <memory>
 
 #include "cli/boards/dvrk_request.hpp"
-#include "math/output_file.hpp"
 #include "cli/options/messages.hpp"
 #include "cli/options/option_checks.hpp"
 #include "dvrk/arms/arm_facts.hpp"
 #include "dvrk/run/model_controller.hpp"
-#include "dvrk/protocol/udp_link.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/model_file.hpp"
 #include "veridyn/simulation/simulate_recording.hpp"
@@ -69,7 +67,8 @@ void require_inputs(const DvrkRequest& request) {
                 {"--seconds", !plays, "--controller gravity"},
                 {"--trajectory", plays, "another controller than gravity"},
                 {"--approach-speed", plays, "another controller than gravity"},
-                {"--largest-error", plays, "another controller than gravity"}});
+                {"--largest-error", plays, "another controller than gravity"},
+                {"--event", request.emulate, "--emulate"}});
   expect_value(!plays || !request.trajectory.empty(), "--trajectory",
                "expected a motion for --controller ", name);
   expect_value(pid || !request.model.empty(), "--model", "--controller ", name,
@@ -130,11 +129,13 @@ ExitStatus run_dvrk_run(const DvrkRequest& request) {
   const MotionSamples motion = in_place ? MotionSamples() : motion_of(request.trajectory);
   const PidGains gains = gains_of(request, arm);
   const dvrk::RunOptions options = run_options(request, arm.robot);
-  dvrk::UdpLink link(request.host, request.port);
+  const std::unique_ptr<dvrk::DatagramLink> boards = link_to_boards(request);
+  dvrk::DatagramLink& link = *boards;
   ArmSession session(link, arm.robot, session_options(request, arm));
   const auto controller = controller_of(request, gains, session);
   catch_signals();
-  const std::vector<std::string> refused = prepare_loop();
+  const std::vector<std::string> refused =
+      request.emulate ? std::vector<std::string>() : prepare_loop();
   const dvrk::RunResult done =
       in_place     ? dvrk::run_in_place(session, link, request.seconds, controller->joints(),
                                         *controller, options, stop_asked())

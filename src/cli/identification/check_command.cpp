@@ -4,6 +4,7 @@
 #include <iostream>
 #include <memory>
 
+#include "math/words.hpp"
 #include "cli/commands.hpp"
 #include "cli/options/common_options.hpp"
 #include "math/output_file.hpp"
@@ -24,10 +25,6 @@ struct CheckRequest {
   PreprocessingOptions reading;
   CommonOptions common;
 };
-
-bool ends_with(const std::string& text, const std::string& end) {
-  return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
-}
 
 // True for a robot file, or a bare name that is no file.
 bool is_robot(const std::string& name) {

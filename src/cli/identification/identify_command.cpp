@@ -19,7 +19,6 @@
 #include "veridyn/report/json.hpp"
 #include "identification/velocity_choice.hpp"
 #include "recordings/named_recordings.hpp"
-#include "veridyn/report/setting_names.hpp"
 
 namespace veridyn::cli {
 namespace {

@@ -13,7 +13,6 @@
 #include "cli/options/option_checks.hpp"
 #include "cli/options/recording_options.hpp"
 #include "veridyn/math/require.hpp"
-#include "veridyn/model/model_file.hpp"
 #include "veridyn/recordings/growing_recording.hpp"
 #include "veridyn/recordings/preprocessing.hpp"
 #include "veridyn/report/watch_json.hpp"

@@ -13,7 +13,6 @@
 #include "control/kinematics_table.hpp"
 #include "math/output_file.hpp"
 #include "veridyn/math/require.hpp"
-#include "veridyn/model/model_file.hpp"
 #include "report/json/kinematics_json.hpp"
 
 namespace veridyn::cli {

@@ -13,7 +13,6 @@
 #include "veridyn/recordings/recording.hpp"
 #include "math/output_file.hpp"
 #include "veridyn/math/require.hpp"
-#include "veridyn/model/model_file.hpp"
 #include "model/suggestion.hpp"
 #include "veridyn/report/motion_json.hpp"
 #include "veridyn/simulation/engine.hpp"

@@ -9,7 +9,6 @@
 #include "cli/motions/simulate_request.hpp"
 #include "veridyn/recordings/preprocessing.hpp"
 #include "math/output_file.hpp"
-#include "veridyn/math/require.hpp"
 #include "veridyn/report/motion_json.hpp"
 #include "report/pages/simulation_page.hpp"
 #include "veridyn/simulation/engine.hpp"

@@ -35,7 +35,7 @@ struct EmulatedFault {
     kLimp,       ///< its motors produce no torque, while its boards report no fault
     kWeak,       ///< its motors make half of the torque that their currents are for
     kReversed,   ///< its motors turn in the wrong direction, as if miswired
-    kStuck       ///< its motors go on with the torque of that moment, until amplifiers are off
+    kStuck       ///< its amplifiers keep the currents of that moment, until they are off
   };
   Kind kind = Kind::kSilent;
   int arm = -1;     ///< Index of the arm, from 0

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "board_side.hpp"
+#include "cooperation/motion_plan.hpp"
 #include "dvrk/cooperation/board_cooperation.hpp"
 #include "dvrk/cooperation/joined_boards.hpp"
 #include "veridyn/control/load_cell.hpp"
@@ -39,6 +40,13 @@ class BoardLoop {
   /// the start. @throws InvalidInput  one has not after BoardCooperationOptions::sensor_patience.
   void hear(const std::vector<Sensor>& sensors);
   static constexpr double kHeard = 0.2;  ///< [s]
+
+  /// The arms and their joints as the boards have them, for a plan made before power.
+  std::vector<PlannedArm> planned_arms() const;
+  std::vector<VectorXd> standing() const;
+  /// @throws InvalidInput  `why` is not empty: phase p, which begins at that time [s], cannot be
+  ///                       carried out.
+  void require_feasible(std::size_t p, double begins, const std::string& why) const;
 
   /// Reads the boards for a while before power-up.
   void look();
@@ -81,15 +89,16 @@ class BoardLoop {
     for (const double until = time_ + seconds; time_ < until;) cycle(work);
   }
 
-  // The first cause ends the run; later ones are added to the report.
+  // The first cause ends the run; later_faults() has the others.
   bool fail(const char* why, int arm, BoardEnd end = BoardEnd::kFault) noexcept;
   /// The cause in words, with the arm concerned.
   std::string cause() const;
-  /// Processes faults of arm k since the previous cycle. @returns true if the arm failed now.
+  /// Takes the new faults of arm k into the report; the first of all ends the run.
+  /// @returns whether there was one.
   bool look_after(std::size_t k) noexcept;
-  /// Records the arms' motion after a fault; called in every cycle.
+  /// Follows the motion of every arm after a fault; once per cycle.
   void watch_hold() noexcept;
-  /// Ends the recording of the motion after a fault, and returns the result for each arm.
+  /// The motion of each arm between the fault and the release of the pretension.
   std::vector<ArmAfterFault> after_fault() const;
   std::vector<LaterFault> later_faults() const;
   bool stopped() const { return stop_.load(std::memory_order_relaxed); }
@@ -110,7 +119,7 @@ class BoardLoop {
   int faulty_joint_ = -1;
   double fault_at_ = 0.0;
   double now_ = 0.0, dt_ = 0.0, time_ = 0.0;
-  bool gives_up_ = false;  // the pretension, after the hold
+  bool gives_up_ = false;  // The pretension is being released: arms may move.
   std::string not_off_;  // arms whose boards did not confirm that they are off
 
  private:

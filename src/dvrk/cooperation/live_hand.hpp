@@ -31,10 +31,10 @@ class LiveHand {
   LiveHand(const LiveHand&) = delete;
   LiveHand& operator=(const LiveHand&) = delete;
 
-  /// Passes commands to the controller, once per cycle. @param time  [s] of the loop.
+  /// Gives the waiting commands to the controller; once per cycle. @param time  [s] of the loop.
   End act(double time, CooperativeController& control) noexcept;
-  /// Publishes the present state for LiveReport::state and for plans; called in every cycle before
-  /// act(). @param joints  calls back with the index of each arm and its (n) positions.
+  /// Keeps the state of the loop for LiveReport::state and for plans; in every cycle before act().
+  /// @param joints  calls back with the index of each arm and gives its (n) positions.
   template <typename Joints>
   void show(double time, const CooperativeController& control, const CooperativeInput& seen,
             Joints&& joints) noexcept {

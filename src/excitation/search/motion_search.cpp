@@ -8,7 +8,6 @@
 #include <tuple>
 #include <utility>
 
-#include "veridyn/math/require.hpp"
 
 namespace veridyn {
 namespace {

@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "regressor/random_states.hpp"
-#include "kinematics/motion_limits.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn {
