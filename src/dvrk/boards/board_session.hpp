@@ -74,10 +74,10 @@ enum class PowerState {
 
 const char* describe(PowerState state);
 
-/// A session with boards that drive an arm: power-up and power-down (section 14.5), checks in
-/// every cycle (14.6, 17), and no current but in state kOn. Whatever goes wrong ends in kFault,
-/// where amplifiers are told to be off in every cycle; nothing comes back by itself. One cycle is
-/// update(), set_command() for every channel, commit().
+/// A session with boards that drive an arm: power-up and power-down (section 14.5), checks in every
+/// cycle (14.6, 17), and currents in state kOn only. Any fault ends in kFault, where amplifiers are
+/// commanded off in every cycle; nothing restarts by itself. One cycle is update(), set_command()
+/// for every channel, commit().
 ///
 /// With BusOptions::access other than kDrive nothing is written at all: update() reads and checks,
 /// commit() and shutdown() do nothing, power_on() refuses.

@@ -155,13 +155,14 @@ struct BoardCooperationRun {
   std::string report() const;
 };
 
-/// Runs a scenario on boards, from where the arms stand: one clock, one cooperative controller, a
-/// safety supervisor for every arm. The fault of one (its supervisor, its boards, its line) stops
-/// all: motion ends and all arms hold, giving way to forces beyond the scenario's relief_force and
-/// going along with an arm that falls (TetherGuard), for `hold`; the pretension is then given up
-/// over `release`; then power goes off everywhere. The loss of a line of commands does the same.
+/// Runs a scenario on boards, from the arms' present positions: one clock, one cooperative
+/// controller, a safety supervisor for every arm. A fault of one arm (its supervisor, its boards,
+/// its link) stops all: motion ends and all arms hold for `hold`, yielding to forces beyond the
+/// scenario's relief_force and following a falling arm (TetherGuard); the pretension is then
+/// released over `release`, and power is switched off everywhere. The loss of a line of commands
+/// has the same effect.
 ///
-/// The loop allocates nothing, throws nothing and waits for its clock and its sockets alone.
+/// The loop never allocates or throws, and blocks on its clock and its sockets only.
 /// @throws InvalidInput  another number of boards than arms; as ArmSession::start(); before power: a
 /// phase that cannot be carried out, an `ask` that simulation does not meet, a force sensor that gives
 /// no good readings.

@@ -40,15 +40,14 @@ struct RunResult {
 /// Largest error of every joint from its set point: 0.35 rad, or 0.02 m where it slides.
 VectorXd default_largest_errors(const RobotConfig& robot);
 
-/// Powers an arm up, leads it along a motion with a PID per joint, records what the boards say, and
-/// powers it down: on every way out, exceptions included (the session's destructor). Joints beyond
-/// those of the motion hold where they stand.
+/// Powers an arm up, moves it along a motion with a PID per joint, records the boards' readings,
+/// and powers it down in any case, also after an exception (the session's destructor). Joints
+/// beyond those of the motion hold their position.
 ///
-/// Before power comes on, the whole motion and the place where the arm stands pass the test of
-/// position limits (leaves_range()) that the run makes while the arm moves, for the soft limits of
-/// the actuators and the limits of the controller. A loop that has had less than half of its cycles
-/// for half a second ends the run; one that reached less than 95 % of its rate on the whole has
-/// complete = false.
+/// Before power-up, the whole motion and the arm's position are tested against the soft limits of
+/// the actuators and the limits of the controller, with the test (leaves_range()) that is also used
+/// during the run. A loop with less than half of its cycles for half a second ends the run; one
+/// below 95 % of its rate on the whole has complete = false.
 ///
 /// @param motion  rows of q and dq; between them a cubic.
 /// @param gains   one per joint of the arm.

@@ -61,10 +61,9 @@ struct HomingReport {
 ///
 ///   arm.update();  ... controller on arm.state() ...  arm.set_torques(tau);  arm.commit();
 ///
-/// None of the three throws or allocates. Currents flow in PowerState::kOn alone; brakes open after
-/// power came up, and torques count only when all of them are open. A cycle without set_torques()
-/// is one without current; only where a read was lost the session holds the last currents, for as
-/// many cycles as it allows.
+/// None of the three throws or allocates. Currents flow in PowerState::kOn only; brakes open after
+/// power-up, and torques act only when all of them are open. A cycle without set_torques() has zero
+/// current; after a lost read the session keeps the last currents, for a limited number of cycles.
 class ArmSession {
  public:
   /// @throws InvalidInput  as session_options(), BoardSession and ArmUnits.
