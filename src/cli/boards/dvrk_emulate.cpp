@@ -206,13 +206,21 @@ void watch_arms(std::vector<EmulatedArm>& arms, double t) {
   }
 }
 
-// Boards, their arms and what happens to them, without a clock.
+std::vector<dvrk::BoardEvent> events_of(const DvrkRequest& request, const BoardEmulator& emulator) {
+  try {
+    return dvrk::board_events(request.events, emulator);
+  } catch (const InvalidInput& error) {
+    throw CLI::ValidationError("--event", error.what());
+  }
+}
+
+// Boards, their arms and their events, without a clock.
 struct Emulated {
   explicit Emulated(const DvrkRequest& request)
       : arms(arms_of(request)),
         boards(boards_of(request, arms)),
         emulator(boards),
-        events(board_events(request.events, emulator)),
+        events(events_of(request, emulator)),
         quiet(request.common.quiet) {
     expect_value(!request.ethernet_only || request.firmware >= 9, "--ethernet-only", "found firmware ",
                  request.firmware, ", expected 9");
@@ -234,7 +242,7 @@ struct Emulated {
   std::vector<EmulatedArm> arms;
   std::vector<dvrk::BoardSetup> boards;
   BoardEmulator emulator;
-  std::vector<BoardEvent> events;
+  std::vector<dvrk::BoardEvent> events;
   std::optional<Arms> load;
   std::size_t next = 0;
   bool quiet;
