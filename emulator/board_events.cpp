@@ -22,7 +22,7 @@ enum class Needs { kNothing, kBoard, kAxis };
 struct EventKind {
   const char* name;
   Needs needs;
-  const char* value;  ///< what stands behind '='; nullptr: nothing
+  const char* value;  ///< text after '='; nullptr: none
   const char* help;
   std::function<void(BoardEmulator&, const Target&)> happen;
 };
@@ -167,7 +167,7 @@ std::string form_of(const EventKind& kind) {
   throw InvalidInput("found '" + words + "', expected " + expected);
 }
 
-// The whole of `text` as a number.
+// Parses the whole of `text` as a number.
 bool number(const std::string& text, double& value) {
   int used = 0;
   return std::sscanf(text.c_str(), "%lf%n", &value, &used) == 1 &&

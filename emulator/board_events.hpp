@@ -8,7 +8,7 @@
 
 namespace veridyn::dvrk {
 
-/// Something that happens to emulated boards at a time: "emergency-stop@2.5", "current:6.1=0.4@3".
+/// An event on emulated boards at a given time: "emergency-stop@2.5", "current:6.1=0.4@3".
 struct BoardEvent {
   std::string words;  ///< without the time
   double time = 0.0;  ///< [s]
@@ -21,7 +21,7 @@ struct BoardEvent {
 std::vector<BoardEvent> board_events(const std::vector<std::string>& words,
                                      BoardEmulator& emulator);
 
-/// The names that exist, one per line with what they do, for --help.
+/// The available names, one per line with their effect, for --help.
 std::string board_event_help();
 
 }  // namespace veridyn::dvrk

@@ -59,6 +59,7 @@ void EmulatedBoard::advance(Ticks now, const PowerChain& chain) noexcept {
   if (period > 0 && now - last_write_ >= period) watchdog_tripped_ = true;
   for (int k = 0; k < kChannels; ++k) {
     Channel& c = channels_[static_cast<size_t>(k)];
+    if (!faults.stuck[static_cast<size_t>(k)]) c.driven = c.dac;
     check_current(c, measured_current(k));
     if (watchdog_tripped_ || c.tripped) c.disabled = true;
   }
@@ -168,7 +169,7 @@ MotorDrive EmulatedBoard::drive(int channel) const noexcept {
   MotorDrive d;
   d.powered = amp_on(channel);
   d.voltage_mode = c.mode == 1;
-  d.bits = d.powered ? static_cast<double>(c.dac) - kZeroCurrent : 0.0;
+  d.bits = d.powered ? static_cast<double>(faults.stuck[static_cast<size_t>(channel)] ? c.driven : c.dac) - kZeroCurrent : 0.0;
   return d;
 }
 

@@ -49,6 +49,7 @@ struct BoardFaults {
   int wrong_sequence = 0;                         ///< added to the sequence in its hub block
   int wrong_block_size = 0;                       ///< added to the size in its hub block; Rev 8 on
   std::array<bool, kChannels> amp{};              ///< amplifier fails
+  std::array<bool, kChannels> stuck{};            ///< amplifier keeps the current of that moment
   std::array<std::int32_t, kChannels> current{};  ///< added to the measured current [bits]
   std::array<double, kChannels> pot{};            ///< added to the pot [bits]
   std::array<bool, kChannels> pot_wire{};         ///< gone: the pot reads zero
@@ -76,8 +77,6 @@ class EmulatedBoard {
   bool write_block(std::uint16_t address, QuadletView block) noexcept;
   /// Real-time feedback; restarts its timestamp.
   BoardFeedback latch() noexcept;
-  /// Any write that reached the board (section 14.1).
-  void refresh_watchdog() noexcept { last_write_ = now_; }
 
   MotorDrive drive(int channel) const noexcept;
   void set_motion(int channel, const ChannelMotion& motion) noexcept;
@@ -103,6 +102,7 @@ class EmulatedBoard {
  private:
   struct Channel {
     std::uint16_t dac = kZeroCurrent;
+    std::uint16_t driven = kZeroCurrent;  ///< the command that the amplifier carries out
     std::uint8_t mode = 0;
     bool disabled = true;
     bool tripped = false;

@@ -7,7 +7,6 @@
 #include "cooperation/end_stops.hpp"
 #include "cooperation/scenario_models.hpp"
 #include "dvrk/run/arm_session.hpp"
-#include "veridyn/math/require.hpp"
 
 namespace veridyn::dvrk {
 namespace {
@@ -56,7 +55,6 @@ JoinedArms::JoinedArms(const Scenario& scenario, const std::vector<CooperatingAr
     tips_.push_back({static_cast<int>(k), experiment_.real(static_cast<int>(k)).find_frame(arm.frame),
                      arm.offset});
     tau_.push_back(VectorXd::Zero(arm.start.size()));
-    stuck_.push_back(tau_.back());
     joints_.push_back(std::make_unique<Joint>(experiment_.world(), static_cast<int>(k)));
     emulators_.push_back(std::make_unique<BoardEmulator>(setups(robot, options.firmware)));
     loads_.push_back(std::make_unique<SimulatedArm>(*joints_[k], robot, arms[k].coupling,
@@ -80,8 +78,6 @@ void JoinedArms::advance(double seconds) {
       if (has(k, Kind::kLimp)) tau_[k].setZero();
       if (has(k, Kind::kWeak)) tau_[k] *= 0.5;
       if (has(k, Kind::kReversed)) tau_[k] = -tau_[k];
-      if (!has(k, Kind::kStuck)) stuck_[k] = tau_[k];
-      if (amplifies(k)) tau_[k] = stuck_[k];
       brakes_[k] = q;
       continue;
     }
@@ -170,6 +166,8 @@ void JoinedArms::apply_faults() {
     if (begins(Kind::kPower)) boards.chain.supply_on = false;
     for (int c = 0; c < kChannels; ++c) {
       if (begins(Kind::kEncoder)) boards.board(0).encoder(c).stuck = true;
+      for (int b = 0; b < boards.boards() && begins(Kind::kStuck); ++b)
+        boards.board(b).faults.stuck[static_cast<size_t>(c)] = true;
     }
     if (begins(Kind::kJump))
       boards.board(sockets_[k].place).encoder(sockets_[k].channel).slip(slips_[k]);

@@ -125,7 +125,7 @@ class JoinedArms final : public JoinedBoards, public SteppedClock {
   Experiment experiment_;
   std::vector<std::unique_ptr<Joint>> joints_;
   std::vector<veridyn::ArmState> states_;
-  std::vector<VectorXd> brakes_, tau_, stuck_;
+  std::vector<VectorXd> brakes_, tau_;
   std::vector<std::unique_ptr<BoardEmulator>> emulators_;
   std::vector<std::unique_ptr<SimulatedArm>> loads_;
   std::vector<std::unique_ptr<BoardServer>> servers_;

@@ -39,6 +39,12 @@ SimulatedArm::SimulatedArm(Engine& engine, const RobotConfig& robot,
     require(place != boards.end() && actuator.axis < kChannels, "arm '", robot.name,
             "': found an actuator on board ", actuator.board, " axis ", actuator.axis,
             ", which is not emulated.");
+    if (actuator.brake) {
+      const auto at = std::find(boards.begin(), boards.end(), actuator.brake->board);
+      if (at != boards.end())
+        brake_channels_.push_back(
+            static_cast<std::size_t>(kChannels * (at - boards.begin()) + actuator.brake->axis));
+    }
     motors_.push_back(
         {actuator, static_cast<std::size_t>(kChannels * (place - boards.begin()) + actuator.axis)});
   }
@@ -84,6 +90,7 @@ void SimulatedArm::stop_at_ends() noexcept {
 void SimulatedArm::advance(double seconds, const MotorDrive* drives, ChannelMotion* motions,
                            std::size_t channels) noexcept {
   bool any = false;
+  for (const std::size_t k : brake_channels_) motions[k].current_bits = drives[k].bits;
   for (Eigen::Index i = 0; i < effort_.size(); ++i) {
     const Motor& motor = motors_[static_cast<std::size_t>(i)];
     const MotorDrive& drive = drives[motor.channel];

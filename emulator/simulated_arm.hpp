@@ -56,6 +56,7 @@ class SimulatedArm final : public BoardLoad {
 
   Engine& engine_;
   std::vector<Motor> motors_;
+  std::vector<std::size_t> brake_channels_;
   MatrixXd joint_to_actuator_;
   MatrixXd actuator_to_pot_;  ///< where pots do not sit on the actuators; empty: they do
   MatrixXd joint_torque_;  ///< actuator to joint torques: inverse of K'

@@ -7,7 +7,6 @@
 
 #include "model/expression.hpp"
 #include "model/joint_placement.hpp"
-#include "veridyn/math/require.hpp"
 
 namespace veridyn::internal {
 namespace {

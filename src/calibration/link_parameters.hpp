@@ -26,6 +26,7 @@ struct LinkParameter {
   std::string name, frame, unit;
   double file = 0.0;
   bool is_angle() const { return unit == "rad"; }
+  std::string full_name() const { return frame.empty() ? name : name + " of " + frame; }
 };
 
 /// The numbers of a robot file between its base and one frame.

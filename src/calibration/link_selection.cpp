@@ -40,10 +40,6 @@ MatrixXd inverse_of(const MatrixXd& N, const std::vector<int>& active) {
   return scale.asDiagonal() * MatrixXd(scaled.ldlt().solve(identity)) * scale.asDiagonal();
 }
 
-std::string full_name(const LinkParameter& p) {
-  return p.frame.empty() ? p.name : p.name + " of " + p.frame;
-}
-
 // The independent parameters that a dependent one combines.
 std::string made_of(const LinkParameters& parameters, const BaseParameters& base, int column) {
   std::string names;
@@ -51,7 +47,7 @@ std::string made_of(const LinkParameters& parameters, const BaseParameters& base
   for (int i = 0; i < base.size(); ++i) {
     if (base.K(i, column) == 0.0 || ++count > 4) continue;
     const int own = base.independent[static_cast<std::size_t>(i)];
-    names += (names.empty() ? "" : ", ") + full_name(parameters.all()[static_cast<std::size_t>(own)]);
+    names += (names.empty() ? "" : ", ") + parameters.all()[static_cast<std::size_t>(own)].full_name();
   }
   if (count > 4) names += fmt::format(" and {} more", count - 4);
   return names;

@@ -146,10 +146,6 @@ std::vector<int> joined(const std::vector<int>& a, const std::vector<int>& b) {
   return out;
 }
 
-std::string full_name(const LinkParameter& p) {
-  return p.frame.empty() ? p.name : p.name + " of " + p.frame;
-}
-
 // Relative change of a constant; constants that are zero by design change last.
 double relative_change(const LinkParameter& p, const LinkGain& gain) {
   constexpr double kNever = std::numeric_limits<double>::infinity();
@@ -180,7 +176,7 @@ int best_gain(const LinkParameters& parameters, const std::vector<LinkGain>& gai
   for (int k = 0; k < parameters.size(); ++k) {
     if (k == best || gain[static_cast<std::size_t>(k)].gain < kRival * most) continue;
     rivals += (rivals.empty() ? "" : ", ") +
-              full_name(parameters.all()[static_cast<std::size_t>(k)]);
+              parameters.all()[static_cast<std::size_t>(k)].full_name();
   }
   return best;
 }

@@ -67,7 +67,7 @@ std::optional<FrameIndex> link_of(const Model& arm, int frame) {
   return frame < 0 ? std::nullopt : std::make_optional(FrameIndex{frame});
 }
 
-// What tells candidates apart.
+// Identity of a candidate, for comparisons.
 auto identity(const Candidate& c) {
   const auto number = [](const auto& index) { return index ? index->value : -1; };
   const auto* constant = std::get_if<KinematicError>(&c.cause);
@@ -114,8 +114,8 @@ class Enumeration {
     return some.empty() || std::find(some.begin(), some.end(), name) != some.end();
   }
 
-  // What the arm has already may have changed, or have another constant than its file says. A second
-  // one beside it is a cause where there can be several (memories), or where the first one is a fact.
+  // An effect of the arm may have changed, or have another constant than in its file. A second one
+  // beside it is a cause if there can be several (memories), or if the first one is a fact.
   void add(const AxisEffect& effect, const Axis& axis, JointIndex joint) {
     const EffectTraits traits = effect.traits();
     if (!is_wanted(effect.name()) || (!is_plain(axis) && !traits.mixed_axes)) return;

@@ -14,15 +14,15 @@ struct TermIndex {
   size_t value = 0;
 };
 
-/// A cause that comes into question, whatever its constants. Diagnosis, watch and payload ask about
-/// these and no others.
+/// A possible cause, independent of shape constants. Diagnosis, watch and payload test these
+/// candidates and no others.
 struct Candidate {
   Cause cause;
   std::optional<JointIndex> joint;  ///< acting_joint(); nothing: the whole arm
   Axis axis;                        ///< of an effect; zero where it is of the whole arm, and of a load
-  std::optional<JointIndex> from;   ///< the coordinate that a coupling comes from
-  /// The arm's own effect that has changed, or that has another constant than its file says. That
-  /// one is no cause: accepted, it is a remark and no finding.
+  std::optional<JointIndex> from;   ///< second coordinate of a coupling
+  /// The arm's own effect that has changed, or has another constant than in its file. The latter is
+  /// no cause: if accepted, it becomes a remark and no finding.
   std::optional<TermIndex> own = {};
   std::string signal = {};  ///< what a table is a function of; empty for all others
 };
@@ -37,25 +37,26 @@ bool is_change(const Candidate& c);
 bool is_other_constant(const Candidate& c);
 bool is_channel(const Candidate& c);  ///< the error of a sensor, or of the arm as a whole
 
-/// Which candidates there are.
+/// Selection of candidates.
 struct Scope {
-  std::vector<std::string> wanted;  ///< names; empty: all that are asked about of themselves
+  std::vector<std::string> wanted;  ///< names; empty: all that are tested by default
   /// The arm's values are facts: its own effects may have changed, and a load may sit on every link.
   bool changes = false;
-  /// Of every joint whether it rests all the time; empty: none does. Friction holds a joint at rest
-  /// against anything: its torque says nothing.
+  /// For every joint true if it is always at rest; empty: none is. Friction at rest is
+  /// undetermined, so that the torque of such a joint has no information.
   std::vector<bool> still;
 };
 
-/// In the order of questions: errors of all channels and of the arm, what acts along each axis, loads.
+/// The candidates in the order of the tests: errors of all channels and of the arm, effects along
+/// each axis, loads.
 std::vector<Candidate> candidates(const Model& arm, const Scope& scope);
 
 /// Those that may begin while the arm moves: what every joint has and no day has from the day before,
 /// sensor errors that begin suddenly, a load on these frames.
 std::vector<Candidate> sudden_candidates(const Model& arm, const std::vector<FrameIndex>& loads);
 
-/// What every joint has and what differs from one day to another, in the order of questions: a
-/// zero, a level, a damping. A load must be told from them.
+/// Effects that every joint has and that vary from day to day, in the order of the tests: offset,
+/// level, damping. A load must be separated from them.
 std::vector<std::string> elementary_effects();
 
 /// Friction along an axis.

@@ -7,11 +7,11 @@
 
 namespace veridyn {
 
-/// All DH numbers and joint coefficients of frames that move a body. Constants that change nothing
-/// are left away.
+/// All DH numbers and joint coefficients of frames that move a body, without constants that have no
+/// effect.
 std::vector<KinematicError> row_constants(const Model& arm);
 
-/// As the robot file has it.
+/// The value in the robot file.
 double value_in(const Model& arm, const KinematicError& constant);
 
 /// The arm with one constant replaced.

@@ -36,11 +36,13 @@ void check(const CooperativeOptions& o, std::size_t tips) {
     require(m.share > 0.0 && m.share <= 1.0, "cooperative controller: found a share of ", m.share,
             ", expected a number above zero and at most one.");
   }
+  require(o.drift_factor >= 1.0, "cooperative controller: found a drift_factor of ", o.drift_factor,
+          ", expected one or more.");
   require(o.largest_energy > 0.0, "cooperative controller: found a largest energy of ",
           o.largest_energy, " J, expected one above zero.");
   for (const double value :
        {o.period, o.largest_force, o.largest_force_error, o.largest_age, o.largest_error,
-        o.stuck_force, o.stop_duration, o.relief_force, o.relief_gain, o.relief_speed}) {
+        o.stuck_force, o.jump_force, o.drift_force, o.drift_length, o.drift_way, o.stop_duration, o.relief_force, o.relief_gain, o.relief_speed}) {
     require(std::isfinite(value) && value > 0.0, "cooperative controller: found ", value,
             " for a period or a bound, expected a number above zero.");
   }
@@ -75,6 +77,8 @@ const char* describe(CooperativeState state) {
       return "holds: a force sensor repeats one value while its member changes its length";
     case CooperativeState::kSensorJumped:
       return "holds: a force sensor's reading jumps while its member keeps its length";
+    case CooperativeState::kSensorDrifted:
+      return "holds: a force sensor's reading leaves what its member's length says";
     case CooperativeState::kArmLost:
       return "holds: an arm does not follow any more";
     case CooperativeState::kTargetMissed:
@@ -277,6 +281,33 @@ bool CooperativeController::jumps(size_t member, const ForceReading& reading,
   return !first && stiffness > 0.0 && change > options_.jump_force + 2.0 * stiffness * way;
 }
 
+// A reading is compared with the member's length over the whole time since the wanted force last
+// arrived: a law that tracks a drifting sensor stretches or slackens the member until they disagree.
+// A string that is slack carries nothing, though its length says less.
+bool CooperativeController::drifts(size_t member, const ForceReading& reading,
+                                   const CooperativeInput& input) noexcept {
+  Watch& watch = watches_[member];
+  const CooperativeMember& m = options_.members[member];
+  const Vector3d& from = input.position[static_cast<size_t>(m.from)];
+  const Vector3d& to = input.position[static_cast<size_t>(m.to)];
+  const double length = (to - from).norm();
+  if (!watch.compared || (wanted_.arrived() && !arrived_)) {
+    watch.compared = true;
+    watch.sound_force = reading.force;
+    watch.sound_length = length;
+    watch.from = from;
+    watch.to = to;
+    return false;
+  }
+  const double k = m.law.stiffness;
+  const double change = k * (length - watch.sound_length);
+  const double less = watch.sound_force + std::min(change / options_.drift_factor, change * options_.drift_factor);
+  const double more = watch.sound_force + std::max(change / options_.drift_factor, change * options_.drift_factor);
+  const double way = (from - watch.from).norm() + (to - watch.to).norm();
+  const double margin = options_.drift_force + k * (options_.drift_length + options_.drift_way * way);
+  return k > 0.0 && (reading.force < less - margin || reading.force > std::max(more, 0.0) + margin);
+}
+
 // Checks the generated energy while the wanted force is constant, because it is defined only then.
 bool CooperativeController::makes_energy(size_t member, const ForceReading& reading,
                                          const CooperativeInput& input) noexcept {
@@ -331,6 +362,7 @@ CooperativeState CooperativeController::judge(const CooperativeInput& input) noe
             .norm();
     if (reading.number >= 0 && is_stuck(k, reading, length)) return CooperativeState::kSensorStuck;
     if (reading.number >= 0 && jumps(k, reading, length)) return CooperativeState::kSensorJumped;
+    if (reading.number >= 0 && drifts(k, reading, input)) return CooperativeState::kSensorDrifted;
   }
   return CooperativeState::kTracking;
 }
@@ -392,6 +424,7 @@ const std::vector<TipTarget>& CooperativeController::update(
   if (state_ == CooperativeState::kTracking) {
     state_ = judge(input);
     if (state_ != CooperativeState::kTracking) stop();
+    arrived_ = wanted_.arrived();
   }
   centre_.advance(options_.period);
   angle_.advance(options_.period);

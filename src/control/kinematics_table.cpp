@@ -8,11 +8,9 @@
 #include <limits>
 
 #include "veridyn/control/inverse_kinematics.hpp"
-#include "veridyn/kinematics/kinematics.hpp"
 #include "kinematics/motion_limits.hpp"
 #include "math/output_file.hpp"
 #include "veridyn/math/require.hpp"
-#include "model/suggestion.hpp"
 
 namespace veridyn {
 namespace {
@@ -203,16 +201,6 @@ KinematicTable sample_workspace(const Model& arm, const std::string& frame, int 
     rows.table().rows.push_back(rows.row(q));
   }
   return std::move(rows.table());
-}
-
-ArmDrawing arm_drawing(const Model& arm, const VectorXd& q) {
-  ArmDrawing out;
-  for (std::size_t k = 0; k < arm.frames().size(); ++k) {
-    const Eigen::Matrix4d T = frame_pose(arm, q, static_cast<int>(k)).matrix();
-    out.points.push_back(T.topRightCorner<3, 1>());
-    out.parents.push_back(arm.frames()[k].parent);
-  }
-  return out;
 }
 
 std::string KinematicTable::report() const {

@@ -67,13 +67,6 @@ KinematicTable inverse_kinematics(const Model& arm, const std::string& frame,
 /// `count` postures spread evenly over the joints' ranges (Halton's sequence).
 KinematicTable sample_workspace(const Model& arm, const std::string& frame, int count);
 
-/// The origins of all frames at a posture, each with its parent's index, for drawings; -1: world.
-struct ArmDrawing {
-  std::vector<Eigen::Vector3d> points;  ///< [m]
-  std::vector<int> parents;
-};
-ArmDrawing arm_drawing(const Model& arm, const VectorXd& q);
-
 /// Columns: t, q1.., x, y, z, qw, qx, qy, qz, condition, smallest, manipulability, optionally the
 /// Jacobian's 6 n entries J11.. row by row; after inverse kinematics also status and errors.
 enum class JacobianColumns { kWithout, kWith };

@@ -13,8 +13,6 @@
 namespace veridyn {
 namespace {
 
-constexpr int kMostReads = 64;  // per poll, to bound its time
-
 speed_t speed_of(int baud, const std::string& device) {
   static constexpr struct {
     int baud;
@@ -53,17 +51,11 @@ class TerminalLine final : public ForceSource {
   TerminalLine& operator=(const TerminalLine&) = delete;
 
   int poll() noexcept override {
-    if (bytes_.reading()) return 1;
-    for (int k = 0; k < kMostReads && connected_; ++k) {
-      const ssize_t got = ::read(line_, bytes_.room(), bytes_.size());
-      if (got <= 0) {
-        connected_ = !pulled(got);
-        break;
-      }
-      bytes_.filled(static_cast<std::size_t>(got));
-      if (bytes_.reading()) return 1;
-    }
-    return 0;
+    return bytes_.poll([this]() -> std::size_t {
+      const ssize_t got = connected_ ? ::read(line_, bytes_.room(), bytes_.size()) : 0;
+      if (got <= 0) connected_ = connected_ && !pulled(got);
+      return got <= 0 ? 0 : static_cast<std::size_t>(got);
+    });
   }
   double raw() const noexcept override { return bytes_.decoder().raw(); }
   bool connected() const noexcept override { return connected_; }

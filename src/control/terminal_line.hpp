@@ -16,7 +16,7 @@ class WaitingBytes {
 
   std::uint8_t* room() { return bytes_.data(); }
   std::size_t size() const { return bytes_.size() - 1; }
-  /// So many bytes stand in room() now; `line` ends them with the end of a line.
+  /// Declares that room() now holds `count` bytes; `line` appends the end of a line.
   void filled(std::size_t count, bool line = false) {
     at_ = 0;
     end_ = count;
@@ -28,6 +28,19 @@ class WaitingBytes {
       if (decoder_.take(bytes_[at_++])) return true;
     }
     return false;
+  }
+  /// One poll of a line: `read` puts bytes into room() and returns how many, zero: no more now. At
+  /// most 64 reads, so that the time is bounded. @returns 1: there is a reading.
+  template <typename Read>
+  int poll(const Read& read) {
+    if (reading()) return 1;
+    for (int k = 0; k < 64; ++k) {
+      const std::size_t got = read();
+      if (got == 0) return 0;
+      filled(got);
+      if (reading()) return 1;
+    }
+    return 0;
   }
   LoadCellDecoder& decoder() { return decoder_; }
   const LoadCellDecoder& decoder() const { return decoder_; }

@@ -39,6 +39,8 @@ class Experiment {
   /// True force of a wall on its arm now [N].
   double wall_force(int wall);
   const CooperativeController& controller() const { return *control_; }
+  /// What the controller last measured.
+  const CooperativeInput& seen() const { return *input_; }
   StepStatus status() const { return status_; }
   std::vector<std::string> left_out() const;
 

@@ -101,6 +101,11 @@ std::string MotionPlan::play(State& state, const std::vector<ScenarioCommand>& c
   return advance(state, seconds);
 }
 
+std::string MotionPlan::take(State state, ScenarioCommand command) {
+  command.over = std::min(command.over, kLongest);
+  return play(state, {command}, command.over + kSettled);
+}
+
 std::string MotionPlan::jog(State state, const Vector3d& velocity, double seconds) {
   ScenarioCommand move;
   move.way = velocity * 0.5 * kJogMove;

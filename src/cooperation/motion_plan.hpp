@@ -48,11 +48,16 @@ class MotionPlan {
   /// place and numbers; empty if they can. The state is then where they lead to.
   std::string play(State& state, const std::vector<ScenarioCommand>& commands, double seconds);
 
+  /// One command in the middle of a run, up to the time after its end at which all has settled; what
+  /// takes longer than kLongest is planned as if it took that long.
+  std::string take(State state, ScenarioCommand command);
+
   /// The same for a velocity of the object that is kept for so long and then stopped [m/s].
   std::string jog(State state, const Eigen::Vector3d& velocity, double seconds);
 
   static constexpr double kSpeedShare = 0.95;  ///< of a joint's velocity limit
   static constexpr double kSettled = 0.3;      ///< [s] that are planned beyond a command's end
+  static constexpr double kLongest = 5.0;      ///< [s] of a command by line: long plans take long
 
  private:
   struct Arm {

@@ -65,7 +65,7 @@ ScenarioArm read_arm(const YamlNode& node, const std::string& scenario) {
 ScenarioControl read_control(const YamlNode& node) {
   node.allow_keys({"rate", "position_frequency", "mass", "damping", "stiffness", "friction",
                    "observer", "velocity_cutoff", "largest_force", "largest_force_error",
-                   "largest_error", "largest_age", "stuck_force", "jump_force", "friction_rule",
+                   "largest_error", "largest_age", "stuck_force", "jump_force", "drift_force", "friction_rule",
                    "adaptive_friction", "force_cutoff", "motor_lag", "torque_delay", "guard", "largest_energy", "relief_force"});
   ScenarioControl c;
   c.rate = positive_or(node, "rate", c.rate);
@@ -102,6 +102,7 @@ ScenarioControl read_control(const YamlNode& node) {
   c.largest_age = positive_or(node, "largest_age", c.largest_age);
   c.stuck_force = positive_or(node, "stuck_force", c.stuck_force);
   c.jump_force = positive_or(node, "jump_force", c.jump_force);
+  c.drift_force = positive_or(node, "drift_force", c.drift_force);
   return c;
 }
 

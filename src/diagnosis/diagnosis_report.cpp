@@ -82,8 +82,8 @@ std::string finding_text(const Diagnosis& d, const Finding& f) {
   return out;
 }
 
-// Findings stand by what they explain and were added in another order: where small ones came
-// between, the error before one is not the error after the one above it.
+// True if errors before and after successive findings are not contiguous: findings are listed by
+// size and were added in another order.
 bool errors_jump(const Diagnosis& d) {
   const Finding* above = nullptr;
   for (const Finding& f : d.findings) {
@@ -137,7 +137,7 @@ std::string worse_words(const Diagnosis& d, int joint) {
                      kPercent * d.extended.test_error.relative[i]);
 }
 
-// What every joint has and the file does not: one line for each joint.
+// Table of friction that was added to the file: one line per joint.
 std::string friction_table(const Diagnosis& d) {
   std::string out = "\nfriction, offset and rotor inertia that were found, +- standard deviation\n";
   int joint = -1;

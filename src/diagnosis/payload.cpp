@@ -132,7 +132,7 @@ std::string PayloadReport::report() const {
   out += fmt::format("  {:<22}{:>14}  {:<19}{:>8}{:>8}{:>8}  {:>9}{:>10}\n", "if it is on", "mass kg",
                      "  95 %", "x m", "y m", "z m", "explains", "held out");
   for (const PayloadEstimate& link : links) {
-    // A mass that may be none has no size and no centre.
+    // A mass that may be zero has no centre.
     const bool told = link.mass_low > 0.0;
     const std::string mass = told ? fmt::format("{:.4g}", link.mass) : "not determined";
     const std::string range =

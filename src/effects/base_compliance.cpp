@@ -74,14 +74,6 @@ class BaseCompliance final : public ArmEffect {
     return {{"about_x", "rad/(N m)", "rad/(N m)", ParameterSign::kNonnegative, kLargest, kLargest},
             {"about_y", "rad/(N m)", "rad/(N m)", ParameterSign::kNonnegative, kLargest, kLargest}};
   }
-  EffectTraits traits(const ShapeValues& /*shape*/) const override {
-    EffectTraits t;
-    t.role = EffectRole::kArm;
-    t.stage = DiagnosisStage::kChannel;
-    t.depends_on_position = true;
-    t.lasting = true;
-    return t;
-  }
 
   // On five real recordings of a PSM it was found in all, and worsened the prediction of three.
   bool asked_unnamed() const override { return false; }

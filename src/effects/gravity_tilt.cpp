@@ -29,14 +29,6 @@ class GravityTilt final : public ArmEffect {
     return {{"roll", "rad", "rad", ParameterSign::kAny, kLargest, kLargest},
             {"pitch", "rad", "rad", ParameterSign::kAny, kLargest, kLargest}};
   }
-  EffectTraits traits(const ShapeValues& /*shape*/) const override {
-    EffectTraits t;
-    t.role = EffectRole::kArm;
-    t.stage = DiagnosisStage::kChannel;
-    t.depends_on_position = true;
-    t.lasting = true;
-    return t;
-  }
   std::vector<MatrixXd> columns(const ChannelMotion& motion, int /*joint*/) const override {
     const MatrixXd rest = MatrixXd::Zero(motion.q.rows(), motion.q.cols());
     std::vector<MatrixXd> out(2);

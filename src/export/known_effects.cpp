@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "veridyn/effects/effect.hpp"
-#include "veridyn/math/require.hpp"
 
 namespace veridyn {
 namespace {

@@ -16,16 +16,16 @@
 namespace veridyn {
 namespace {
 
-constexpr int kSeriesSamples = 30000;  // for plots, of all recordings together
+constexpr int kSeriesSamples = 30000;  // for plots, over all recordings
 
-// Figures that sums of squares do not determine are NaN.
+// Sets quantities that sums of squares do not determine to NaN.
 PredictionError only_relative(PredictionError error) {
   error.maximum.setConstant(std::numeric_limits<double>::quiet_NaN());
   error.moving_relative.setConstant(std::numeric_limits<double>::quiet_NaN());
   return error;
 }
 
-// Errors on the rows of factors whose samples are elsewhere: sums of squares and nothing else.
+// Errors on the rows of factors whose samples are elsewhere: sums of squares only.
 ErrorSums factor_errors(const Model& arm, const CompressedRecording& recording,
                         const VectorXd& values, RecordingError& out) {
   std::unordered_map<std::string, Eigen::Index> index;

@@ -11,7 +11,7 @@ namespace veridyn {
 namespace {
 
 constexpr double kLeastError = 1e-300;
-constexpr long kLookedAt = 20000;  // rows of a recording that show its units and noise
+constexpr long kLookedAt = 20000;  // rows of a recording from which units and noise are judged
 
 VectorXd logarithm(const VectorXd& relative) {
   return 2.0 * relative.array().max(kLeastError).log();

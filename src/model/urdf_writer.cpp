@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "physical_body.hpp"
-#include "math/output_file.hpp"
 #include "model/joint_placement.hpp"
 #include "model/effect_names.hpp"
 #include "veridyn/model/urdf.hpp"
@@ -342,10 +341,6 @@ class UrdfWriter {
 
 std::string to_urdf(const Model& arm, const UrdfExtras& extras) {
   return UrdfWriter(arm, extras).urdf();
-}
-
-void save_urdf(const Model& arm, const std::string& path, const UrdfExtras& extras) {
-  write_file(path, to_urdf(arm, extras));
 }
 
 }  // namespace veridyn

@@ -36,12 +36,6 @@ int base_stream(const RawRecording& raw, const ChosenFields& chosen) {
       ->first;
 }
 
-std::int64_t median_step(const std::vector<std::int64_t>& time) {
-  std::vector<std::int64_t> steps;
-  for (std::size_t k = 1; k < time.size(); ++k) steps.push_back(time[k] - time[k - 1]);
-  return median(std::move(steps));
-}
-
 // A column of another stream at the times of the base, by linear interpolation; NaN where its rows
 // are further apart than usual.
 VectorXd interpolated(const RawStream& stream, std::size_t field, const StreamClock& clock,

@@ -6,6 +6,7 @@
 #include <optional>
 #include <set>
 
+#include "math/words.hpp"
 #include "recordings/field_map.hpp"
 #include "recordings/signals/joint_fields.hpp"
 #include "recordings/joint_match.hpp"
@@ -16,10 +17,6 @@ namespace veridyn::recordings {
 namespace {
 
 constexpr int kQ = 0, kTau = 3, kCurrent = 4;
-
-bool is_number(const std::string& name) {
-  return !name.empty() && name.find_first_not_of("0123456789") == std::string::npos;
-}
 
 // Joints of a topic that have a position, in the order of first appearance; plain numbers by value.
 std::vector<std::string> joints_with_position(const RawRecording& raw, const std::string& topic) {

@@ -1,3 +1,4 @@
+#include "math/words.hpp"
 #include "recordings/joint_match.hpp"
 
 #include <algorithm>
@@ -56,10 +57,6 @@ std::vector<int> by_number(std::size_t wanted, const std::vector<std::string>& r
     out.push_back(numbers[k].second);
   }
   return out;
-}
-
-bool mere_number(const std::string& name) {
-  return !name.empty() && name.find_first_not_of("0123456789") == std::string::npos;
 }
 
 }  // namespace

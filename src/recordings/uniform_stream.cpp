@@ -16,12 +16,6 @@ constexpr double kOverhead = 8.0;    // memory of a held sample beside its value
 constexpr double kAbsurd = 1e6;      // no arm has positions, speeds or torques beyond this
 constexpr double kGapInSteps = 2.5;  // one lost row is interpolated, more are a gap
 
-double median_step(const VectorXd& time) {
-  std::vector<double> steps;
-  for (Eigen::Index i = 1; i < time.size(); ++i) steps.push_back(time[i] - time[i - 1]);
-  return median(std::move(steps));
-}
-
 }  // namespace
 
 UniformStream::UniformStream(const Model& arm, std::string name, Source source,

@@ -222,7 +222,7 @@ class EffectSource final : public ColumnSource {
     }
     if (!uses_load()) return;
     MatrixXd by_state;
-    batch_.torque_slopes(m.q, m.dq, m.ddq, *phi_, by_state);
+    batch_.torque_derivatives(m.q, m.dq, m.ddq, *phi_, by_state);
     const VectorXd share = axis() / axis().squaredNorm();
     for (Eigen::Index d = 0; d < 3 * n; ++d) {
       slopes.col(d).array() +=

@@ -7,6 +7,7 @@
 
 #include "report/text_table.hpp"
 #include "veridyn/effects/effect.hpp"
+#include "veridyn/identification/identification.hpp"
 #include "veridyn/model/physical_faults.hpp"
 
 namespace veridyn {
@@ -81,13 +82,6 @@ std::string base_parameter_list(const RobotInfo& info) {
     table.add({std::to_string(j + 1), value, info.parameters[own].unit, info.base.expressions[at]});
   }
   return table.text();
-}
-
-bool has_all_values(const Model& arm) {
-  for (const EffectTerm& term : arm.effects()) {
-    if (!BoundEffect(arm, term).has_values()) return false;
-  }
-  return arm.inertial_values().has_value();
 }
 
 std::string class_list(const RobotInfo& info, const char* title, Identifiability class_wanted) {

@@ -7,7 +7,6 @@
 #include "regressor/effect_along.hpp"
 #include "plant_torques.hpp"
 #include "kinematics/standard_motion.hpp"
-#include "veridyn/math/require.hpp"
 
 namespace veridyn {
 namespace {

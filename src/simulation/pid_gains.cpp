@@ -3,7 +3,6 @@
 #include "simulation/plant/plant_forces.hpp"
 #include "veridyn/dynamics/rigid_body_dynamics.hpp"
 #include "kinematics/motion_limits.hpp"
-#include "veridyn/math/require.hpp"
 #include "veridyn/simulation/control_loop.hpp"
 
 namespace veridyn {

@@ -8,7 +8,8 @@
 namespace veridyn::watching {
 namespace {
 
-constexpr double kRestShare = 0.03;  // of the largest speed: below it dry friction may be anything
+// Of the largest speed, below which dry friction is undetermined.
+constexpr double kRestShare = 0.03;
 
 std::string unit_of(const Model& arm, const Candidate& c) {
   if (is_load(c)) return "kg";
@@ -35,7 +36,7 @@ std::vector<FrameIndex> load_frames(const Model& arm, const std::vector<std::str
   return out;
 }
 
-// The arm with a body on each of the frames.
+// The arm with an additional body on each of the frames.
 Model with_bodies(const Model& arm, const std::vector<FrameIndex>& frames) {
   ModelDescription d = arm.description();
   d.effects.clear();

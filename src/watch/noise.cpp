@@ -10,13 +10,14 @@ namespace veridyn::watching {
 namespace {
 
 constexpr int kOrder = 2;             // of the autoregressions
-constexpr double kDailyShare = 0.1;   // of the rms torque: by how much days differ (prior)
+constexpr double kDailyShare = 0.1;   // of the rms torque: prior of day-to-day differences
 constexpr double kSlow = 0.1;         // [rad/s], [m/s] a speed that every joint reaches
-constexpr double kLeastShare = 2e-3;  // of the rms torque: no innovation is smaller
-constexpr double kLargestPole = 0.98; // beyond it a quiet beginning is too short to tell
-constexpr double kUnlearned = 0.5;    // share by which a model is wrong beyond what was learned
-constexpr double kBeyond = 1.1;       // times the envelope: beyond it is not learned
-constexpr int kRounds = 3;            // of fitting what is different today and the colour in turn
+constexpr double kLeastShare = 2e-3;  // of the rms torque: lower bound of innovations
+constexpr double kLargestPole = 0.98; // a quiet beginning is too short to estimate larger poles
+constexpr double kUnlearned = 0.5;    // relative model error outside the learned range
+constexpr double kBeyond = 1.1;  // factor on the envelope beyond which a motion counts as unseen
+// Alternations between fitting the day's differences and the autoregression.
+constexpr int kRounds = 3;
 
 }  // namespace
 
@@ -74,13 +75,14 @@ void NoiseModel::fit(const std::vector<Step>& before, const std::vector<Step>& t
   fit_colour(all);
 }
 
-// Least squares of every joint's rest on the two steps before; poles are pulled inside the circle.
+// Autoregression of every joint's residual on the two previous steps; poles are moved inside the
+// unit circle.
 void NoiseModel::fit_colour(const std::vector<const std::vector<Step>*>& quiet) {
   std::vector<VectorXd> rest;
   std::vector<const Step*> steps;
   for (const auto* part : quiet) {
     for (const Step& s : *part) {
-      // What is different today is not in the steps of other days.
+      // Earlier days have their own differences subtracted already.
       rest.push_back(part == quiet.back() ? VectorXd(s.residual - s.columns * today_) : s.residual);
       steps.push_back(&s);
     }
@@ -103,7 +105,8 @@ void NoiseModel::fit_colour(const std::vector<const std::vector<Step>*>& quiet) 
     const double least = std::max(kLeastShare * scale_[j], 1e-12);
     ar_.row(j).setZero();
     deviation_[j] = least;
-    if (count < 4.0 * kOrder) {  // at rest or nearly so: what friction may be is all there is to know
+    // At rest or nearly so: only the bound of friction at rest is known.
+    if (count < 4.0 * kOrder) {
       double all = 0.0;
       for (const VectorXd& x : rest) all += x[j] * x[j];
       deviation_[j] = std::max(least, std::sqrt(all / static_cast<double>(rest.size())));
@@ -111,7 +114,7 @@ void NoiseModel::fit_colour(const std::vector<const std::vector<Step>*>& quiet) 
     }
     const double ridge = count * least * least;
     Eigen::Vector2d a = (R + ridge * Eigen::Matrix2d::Identity()).ldlt().solve(r);
-    // Schur's condition for both poles within the circle.
+    // Schur's condition for both poles inside the unit circle.
     a[1] = std::clamp(a[1], -kLargestPole, kLargestPole);
     a[0] = std::clamp(a[0], -kLargestPole * (1.0 - a[1]), kLargestPole * (1.0 - a[1]));
     const double left = power - 2.0 * a.dot(r) + a.dot(R * a);

@@ -6,6 +6,7 @@
 
 #include "cli/tool.hpp"
 #include "diagnosis/evidence/payload_fit.hpp"
+#include "diagnosis/shapes/inquiry.hpp"
 #include "simulation/simulation_support.hpp"
 #include "math/output_file.hpp"
 #include "veridyn/math/require.hpp"

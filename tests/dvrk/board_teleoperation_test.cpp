@@ -97,6 +97,21 @@ TEST(BoardTeleoperation, AFaultHoldsTheFollower) {
   }
 }
 
+// A hand that is faster than the follower's joints, and one that leads it out of reach.
+TEST(BoardTeleoperation, StepsThatCannotBeCarriedOutMoveNothing) {
+  for (const auto& [way, over] : {std::pair{0.08, 0.03}, {0.9, 3.0}}) {
+    TeleoperationScenario scenario = example();
+    scenario.steps[0].way = {way, 0.0, 0.0};
+    scenario.steps[0].over = over;
+    try {
+      run(scenario);
+      ADD_FAILURE() << way;
+    } catch (const InvalidInput& error) {
+      EXPECT_NE(std::string(error.what()).find("Nothing was switched on"), std::string::npos) << error.what();
+    }
+  }
+}
+
 TEST(BoardTeleoperation, SaysWhatIsWrong) {
   TeleoperationScenario scenario = example();
   scenario.options.scale = -1.0;

@@ -29,10 +29,18 @@ struct CooperativeOptions {
   /// [N] largest change of a reading from one sample to the next, beyond twice the change that the
   /// member's length explains; checked where its stiffness is known.
   double jump_force = 1.0;
-  /// [N] change of force that a member's length implies while its samples repeat to the last bit
-  double stuck_force = 1.0;
-  /// [J] largest energy that arms may feed into a member beyond the planned work
-  /// (PassivityMonitor); an oscillating loop or a falling arm feeds more.
+  /// [N] by which a reading may be off what its member's length says, with the reading and the length
+  /// when the wanted force last arrived to compare with; where the stiffness is known. Beyond it come
+  /// `drift_length` [m] times the stiffness, `drift_way` times the stiffness for each metre that an
+  /// end went since, and a stiffness that is off by the factor `drift_factor`. Sweep: docs/cooperation.md.
+  double drift_force = 0.5;
+  double drift_length = 0.0005;
+  double drift_way = 0.02;
+  double drift_factor = 1.5;
+  double stuck_force = 1.0;    ///< [N] by which a member's length says that its force changed,
+                               ///< while its samples stay the same to the last bit
+  /// [J] largest energy that arms may feed into a member beyond the planned work (PassivityMonitor); a loop that
+  /// swings, or an arm that falls, makes more.
   double largest_energy = std::numeric_limits<double>::infinity();
   double stop_duration = 0.1;  ///< [s] in which the motion stops
   double relief_force = 5.0;   ///< [N] while targets are held, ends yield to readings beyond it,
@@ -79,6 +87,7 @@ enum class CooperativeState {
   kSensorStale,
   kSensorStuck,
   kSensorJumped,  ///< a reading changed by more than the member's length and stiffness explain
+  kSensorDrifted,  ///< likewise, over a longer time
   kArmLost,
   kTargetMissed,
   kEnergyMade,
@@ -143,6 +152,7 @@ class CooperativeController {
   bool sensor_failed() const {
     return state_ == CooperativeState::kSensorStale || state_ == CooperativeState::kSensorStuck ||
            state_ == CooperativeState::kSensorJumped ||
+           state_ == CooperativeState::kSensorDrifted ||
            state_ == CooperativeState::kNotFinite;
   }
   /// Rotation of the object since the start, and its rates.
@@ -168,7 +178,10 @@ class CooperativeController {
     long number = -1;
     double last_force = 0.0, last_length = 0.0;  // of the previous sample
     long last_number = -1;
-    double silent = 0.0;                         // [s] since the start without any sample
+    double silent = 0.0;                         // [s] since the start without any
+    bool compared = false;                       // with these, when the wanted force last arrived:
+    double sound_force = 0.0, sound_length = 0.0;
+    Eigen::Vector3d from{Eigen::Vector3d::Zero()}, to{Eigen::Vector3d::Zero()};
   };
 
   void plan() noexcept;
@@ -181,6 +194,7 @@ class CooperativeController {
                     const CooperativeInput& input) noexcept;
   bool is_stuck(size_t member, const ForceReading& reading, double length) noexcept;
   bool jumps(size_t member, const ForceReading& reading, double length) noexcept;
+  bool drifts(size_t member, const ForceReading& reading, const CooperativeInput& input) noexcept;
   bool commands_allowed() const { return state_ == CooperativeState::kTracking; }
 
   CooperativeOptions options_;
@@ -197,6 +211,7 @@ class CooperativeController {
   Eigen::Matrix3d R_start_{Eigen::Matrix3d::Identity()};
   Eigen::Vector3d axis_{Eigen::Vector3d::UnitZ()};
   VectorXd scratch3_, scratch1_, goal_;
+  bool arrived_ = false;  // the wanted forces, in the cycle before
   CooperativeState state_ = CooperativeState::kTracking;
 };
 

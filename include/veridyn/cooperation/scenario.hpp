@@ -95,11 +95,11 @@ struct ScenarioPhase {
 };
 
 struct ScenarioFault {
-  enum class Kind { kArmLimp, kArmFrozen, kSensorStuck, kSensorStale, kSensorJump };
+  enum class Kind { kArmLimp, kArmFrozen, kSensorStuck, kSensorStale, kSensorJump, kSensorDrift };
   Kind kind = Kind::kArmLimp;
   int arm = -1, member = -1;
   double at = 0.0;        ///< [s]
-  double by = 0.0;        ///< [N] of kSensorJump
+  double by = 0.0;        ///< [N] of kSensorJump, [N/s] of kSensorDrift
   bool reported = false;  ///< the controller is informed of the failed arm
 };
 
@@ -124,9 +124,10 @@ struct ScenarioControl {
   double largest_age = 0.02;          ///< [s] likewise
   double stuck_force = 1.0;           ///< [N] see CooperativeOptions
   double jump_force = 1.0;            ///< [N] likewise
+  double drift_force = 0.5;           ///< [N] likewise
   double largest_energy = 0.0;        ///< [J] largest energy of a member; 0: no bound
   double relief_force = 5.0;          ///< [N] beyond which arms yield while targets are held
-  bool guard = true;  ///< arms yield if a force leaves its bounds while targets are held
+  bool guard = true;                  ///< arms yield if a force leaves its bounds while targets are held
 };
 
 /// A grid of runs; empty lists keep the scenario's own value.

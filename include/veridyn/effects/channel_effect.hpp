@@ -104,6 +104,7 @@ class SensorError : public ChannelEffect {
 class ArmEffect : public ChannelEffect {
  public:
   bool whole_arm() const final { return true; }
+  EffectTraits traits(const ShapeValues& shape) const override;
   bool acts_on(int /*i*/, int /*joint*/) const override { return true; }
 
   /// Gives the arm this property, either through facts that every model has (its gravity) or as a

@@ -40,7 +40,4 @@ struct UrdfExtras {
 /// omitted, and comments in the file say so.
 std::string to_urdf(const Model& arm, const UrdfExtras& extras = {});
 
-/// Writes to_urdf() to a file. @throws InvalidInput  the file cannot be written.
-void save_urdf(const Model& arm, const std::string& path, const UrdfExtras& extras = {});
-
 }  // namespace veridyn

@@ -17,9 +17,10 @@ struct ForceSensorOptions {
   /// samples arrive (stale).
   double stuck_from = std::numeric_limits<double>::infinity();
   double stale_from = std::numeric_limits<double>::infinity();
-  /// Readings have an error of jump_by.
+  /// From jump_from on readings are off by jump_by [N] and by `drift` [N/s] more and more.
   double jump_from = std::numeric_limits<double>::infinity();
-  double jump_by = 0.0;  ///< [N]
+  double jump_by = 0.0;
+  double drift = 0.0;
 };
 
 /// The latest sample that has arrived.

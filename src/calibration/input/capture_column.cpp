@@ -3,15 +3,11 @@
 #include <cctype>
 #include <string>
 
+#include "math/words.hpp"
 #include "capture_table.hpp"
 
 namespace veridyn::internal {
 namespace {
-
-std::string lower(std::string text) {
-  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return text;
-}
 
 // Removes "[mm]" or "(mm)" from the end of a name.
 std::string without_unit(const std::string& name, double& metres) {

@@ -9,7 +9,6 @@
 #include "cli/options/option_checks.hpp"
 #include "cli/options/sound_arguments.hpp"
 #include "dvrk/arms/arm_facts.hpp"
-#include "veridyn/math/require.hpp"
 
 namespace veridyn::cli {
 namespace {
@@ -180,6 +179,13 @@ void add_run(CLI::App& dvrk, Outcome& outcome) {
   CLI::App& motion = add(dvrk, "run", "Plays a motion with a controller and records it",
                          run_dvrk_run, outcome, run);
   add_client_options(motion, *run);
+  motion.add_flag("--emulate", run->emulate,
+                  "On emulated boards in this program, before any real ones: the arm is that of --model, and "
+                  "the clock stands still while the program computes, so that no machine is too busy");
+  motion
+      .add_option("--event", run->events,
+                  "What happens to the emulated boards, as the list of `dvrk emulate --help` has it")
+      ->option_text("EVENT@S");
   motion
       .add_option("--controller", run->controller,
                   "pid: one per joint; computed-torque: the joints follow, with the model as "

@@ -8,7 +8,6 @@
 #include "cli/options/recording_options.hpp"
 #include "veridyn/diagnosis/payload.hpp"
 #include "math/output_file.hpp"
-#include "veridyn/model/model_file.hpp"
 #include "veridyn/report/pages.hpp"
 #include "veridyn/report/payload_json.hpp"
 

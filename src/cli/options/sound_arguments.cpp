@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The type of options whose value is a file to write; messages say it where the value is missing.
+// Type of options whose value is an output file, for messages about a missing value.
 constexpr const char* kOutputType = "FILE to write";
 
 struct NamedFile {
@@ -33,14 +33,14 @@ bool is_number(const std::string& word, double& value) {
   return !word.empty() && end == word.c_str() + word.size();
 }
 
-// The place that a path means, though nothing may be there yet.
+// The absolute path of a file that may not exist yet.
 fs::path place(const std::string& path) {
   std::error_code error;
   const fs::path out = fs::weakly_canonical(fs::absolute(path, error), error);
   return error ? fs::path(path) : out;
 }
 
-// Two names of one file, hard links included.
+// True for two names of one file, hard links included.
 bool same_file(const fs::path& a, const fs::path& b) {
   std::error_code error;
   return a == b || fs::equivalent(a, b, error);
@@ -52,7 +52,7 @@ void expect_finite(const std::string& name, const std::string& word) {
     throw CLI::ValidationError(name, "found " + word + ", expected a finite number");
 }
 
-// Whether what is at a path may have topics: anything but a plain table t,q1,...
+// True if the file at a path may have topics: anything but a plain table t,q1,...
 bool may_have_topics(const std::string& path) {
   std::error_code error;
   if (!fs::is_regular_file(path, error)) return true;  // a pipe

@@ -56,8 +56,8 @@ double minimum(double low, double high, const F& f) {
   return fa < fb ? a : b;
 }
 
-// Scatter of an optimum: the least point of a parabola through three values of the constant, with
-// one part of the recordings left out each; the larger of that and of whole recordings.
+// Scatter of an optimum: the minimum of a parabola through three values of the constant, leaving
+// out one part of the recordings each; the larger of that and of whole recordings.
 void measure_scatter(const Model& arm, const GeometryProfiler& profiler, const std::vector<int>& columns,
                      double step, GeometryFinding& out) {
   const std::array<Model, 3> variants = {with_constant(arm, out.constant, out.found - step),
@@ -103,8 +103,8 @@ GeometryFinding profile(const Model& arm, const KinematicError& constant,
   const auto at = [&](double v) {
     return profiler.criterion(with_constant(arm, constant, v), columns);
   };
-  // Columns that are independent beside the file's value may vanish at it, and others in their place
-  // not: there the arm as it stands is the measure.
+  // Columns that are independent near the file's value may vanish at it, while others do not: there
+  // the unmodified arm is the reference.
   const double centre = std::min(at(v0), profiler.start());
   const double up = at(v0 + range.step);
   const double down = at(v0 - range.step);
@@ -128,8 +128,8 @@ GeometryFinding profile(const Model& arm, const KinematicError& constant,
   out.base_after =
       static_cast<int>(GeometryProfiler::independent(with_constant(arm, constant, out.found)).size());
   const double found = at(out.found);
-  // More base parameters than the arm as it stands are mere flexibility if the other side of the
-  // file's value does nearly as well.
+  // An optimum with more base parameters than the unmodified arm is mere flexibility if the other
+  // side of the file's value fits nearly as well.
   if (static_cast<int>(columns.size()) > base &&
       at(2.0 * v0 - out.found) - found < limits.constant_sharpness * (profiler.start() - found))
     return out;
@@ -175,8 +175,8 @@ std::vector<GeometryFinding> profile_geometry(const Model& arm,
             [](const GeometryFinding& a, const GeometryFinding& b) { return a.gain > b.gain; });
   if (all.size() > kKept) all.resize(kKept);
   if (all.empty()) return all;
-  // An angle between two branches may be wrong in either. The longest chain ends in the tool, where
-  // everyone would see it; the other branch goes first.
+  // An angle between two branches may be wrong in either. An error in the longest chain would be
+  // noticed at the tool, so the other branch is preferred.
   const std::vector<char> main_chain = longest_chain(arm);
   const double tie = limits.rival_share * all.front().gain;
   std::stable_sort(all.begin(), all.end(), [&](const GeometryFinding& a, const GeometryFinding& b) {

@@ -8,7 +8,7 @@
 
 namespace veridyn {
 
-/// A wrong constant that the recordings ask for.
+/// A wrong constant that the recordings indicate.
 struct GeometryFinding {
   KinematicError constant;
   double stated = 0.0;                  ///< its value in the robot file
@@ -20,10 +20,10 @@ struct GeometryFinding {
   int base_before = 0, base_after = 0;  ///< numbers of base parameters
 };
 
-/// Profiles every constant: all parameters are fitted anew at every value. A constant counts if its
-/// optimum lies inside the search range, better than both sides, and does not ask for more base
-/// parameters than the arm as it stands (improvement that comes with more freedom is flexibility,
-/// not geometry). Best first; at most five.
+/// Profiles every constant: all parameters are fitted at every value. A constant is reported if its
+/// optimum lies inside the search range, is better than both sides, and does not need more base
+/// parameters than the unmodified arm (an improvement by more freedom is flexibility, not
+/// geometry). Best first; at most five.
 std::vector<GeometryFinding> profile_geometry(const Model& arm,
                                               const std::vector<std::string>& train,
                                               const IdentificationOptions& options,

@@ -18,7 +18,7 @@ namespace {
 
 constexpr size_t kRivals = 5;
 
-// How well the best effect would do in place of a wrong constant, and which ones come near.
+// Gains of the best effects in place of a wrong constant.
 std::vector<std::pair<Hypothesis, double>> effects_instead(const Inquiry& q,
                                                            const NormalBlocks& data,
                                                            const DiagnosisOptions& options) {

@@ -13,7 +13,7 @@
 namespace veridyn {
 namespace {
 
-// Over all recordings together: their ranges may differ.
+// Motion along an axis over all recordings, whose ranges may differ.
 AxisMotion motion_along(const Model& arm, const Axis& axis,
                         const std::vector<CompressedRecording>& facts) {
   AxisMotion m;
@@ -64,7 +64,7 @@ class Builder {
   }
 
  private:
-  // What tells one term from another, to as many digits as its name shows.
+  // Identifies a term, to the digits that its name shows.
   std::string key(const EffectTerm& term) const {
     std::string out = term.effect + " " + axis_text(arm_, term.axis);
     if (term.from) out += " from " + axis_text(arm_, *term.from);
@@ -92,9 +92,9 @@ class Builder {
     for (const ShapeChoice& choice : find_effect(effect_of(c.cause)).grid(m)) add(c, choice);
   }
 
-  // Constants that have a grid and are not searched: the width of a smooth step of friction may differ
-  // from the robot file's, in shares of one over the largest speed. They are asked together with the
-  // causes because the residual of a wrong one resembles theirs.
+  // Tests another constant of an effect of the arm, for constants with a grid but without a search:
+  // values relative to one over the largest speed (the smoothness of a friction step). It is tested
+  // beside the causes, because its residual would imitate them.
   void ask_other_constants(const Candidate& c, const AxisMotion& m) {
     if (m.speed <= 0.0) return;
     for (const EffectShape& constant : find_effect(effect_of(c.cause)).shapes()) {
@@ -144,7 +144,7 @@ class Builder {
     hypotheses_.push_back(std::move(h));
   }
 
-  // Another body on the link, whose mass is zero until it is fitted.
+  // Adds a body on the link, massless until it is fitted.
   void add_payload(const Candidate& c) {
     const FrameIndex on = *frame_of(c.cause);
     Frame load;

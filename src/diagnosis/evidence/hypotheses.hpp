@@ -24,7 +24,7 @@ struct Hypothesis : Candidate {
   Hypothesis() = default;
   explicit Hypothesis(Candidate c) : Candidate(std::move(c)) {}
 
-  /// What has its columns in the augmented model: an effect, or a load's body.
+  /// Owner of its columns in the augmented model: an effect, or a load's body.
   std::variant<TermIndex, BodyIndex> part;
   double reach = 1.0;  ///< A load's reach: largest distance [m] of its centre along each axis from the frame
   std::vector<std::string> columns;
@@ -32,8 +32,8 @@ struct Hypothesis : Candidate {
   std::vector<double> lowest;    ///< Least value of a change: less would make the parameter impossible
   double tried = 1.0;            ///< how many constants were looked at before this one was proposed
   bool repeats = true;  ///< several constants of it may act on one axis: memories, waves
-  /// It depends on where the arm is or on the time, or is an error of a channel: one motion, in which
-  /// much goes together, may mislead about it.
+  /// It depends on position or time, or is a sensor error: a single motion, in which many
+  /// quantities are correlated, may mislead about it.
   bool extrapolates = false;
   double largest_value = numerics::kHuge;  ///< a parameter beyond this is unusual
   int stage =
@@ -52,13 +52,13 @@ struct AugmentedModel {
   std::vector<Hypothesis> hypotheses;
 };
 
-/// What to ask.
+/// Hypotheses to test.
 struct QuestionList {
   std::vector<std::string> wanted;  ///< names of effects; empty: all
-  /// The arm's values are facts: ask what changed since they were identified. Its own effects may
-  /// have changed, and a payload may sit on every link.
+  /// The arm's values are facts: tests what changed since they were identified. Its own effects may
+  /// have changed, and every link may have a payload.
   bool changes = false;
-  std::vector<std::vector<double>> ripple_orders;  ///< per joint: waves to ask about
+  std::vector<std::vector<double>> ripple_orders;  ///< per joint: ripple orders to test
   Thresholds limits = {};
   /// Asked beside the grid, first: terms whose constants are refined already. With their
   /// hypotheses.

@@ -40,7 +40,7 @@ class LoadProblem {
     }
   }
 
-  // Over the load's ten parameters, nuisances eliminated.
+  // Cost over the load's ten parameters, nuisances eliminated.
   LoadCost without(int cluster) const {
     const LoadCost sums = weighted(cluster);
     const Eigen::Index n = sums.b.size() - kBodyParameters;
@@ -55,7 +55,7 @@ class LoadProblem {
     const VectorXd s = scale();
     out.A = s.asDiagonal() * out.A * s.asDiagonal();
     out.b = s.asDiagonal() * out.b;
-    // Where the torques see nothing of a direction, the load lies at its zero.
+    // In an unobservable direction the load is placed at zero.
     out.A.diagonal().segment(1, 3).array() += unseen_curvature(out);
     return out;
   }

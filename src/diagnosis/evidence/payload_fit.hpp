@@ -18,9 +18,10 @@ PayloadEstimate fit_payload(const AugmentedModel& asked, const NormalBlocks& dat
 std::vector<ColumnSet> nuisance_sets(const AugmentedModel& asked, const NormalBlocks& data,
                                      FrameIndex frame);
 
-/// Of what the ten parameters of a payload explain when they may be anything, the share that they
-/// explain as those of a point mass within the hypothesis's reach; 0 to 1. A rotor's inertia and a
-/// wrong gravity look like a load as long as it need not be one.
+/// Share of the squares explained by ten free parameters of a payload that a point mass within the
+/// hypothesis' reach explains as well; 0 to 1. It separates a load from a rotor's inertia or a
+/// wrong gravity, which need unphysical parameters.
+/// @param beside   columns that are fitted with it.
 /// @param beside   columns that are fitted with it.
 /// @param weights  of the joints.
 double compact_share(const NormalBlocks& data, const Hypothesis& payload, const ColumnSet& beside,

@@ -35,11 +35,11 @@ std::vector<PointLoad> all_point_loads(const LoadCost& f, const Eigen::Vector3d&
 PointLoad fit_point_load(const LoadCost& f, const PointLoad* near,
                          double reach = numerics::kAnywhere);
 
-/// What the torques ask for beyond the point mass, about its centre; least squares.
+/// Inertia about the centre beyond the point mass; least squares.
 Eigen::Matrix<double, 6, 1> load_extent(const LoadCost& f, const PointLoad& s);
 
-/// Whether the torques see the load move along each axis of its frame: more than what holds it at zero
-/// where they do not.
+/// True for each axis of the frame along which the torques determine the load's position, beyond
+/// the regularisation towards zero.
 std::array<bool, 3> seen_directions(const LoadCost& f, const PointLoad& at);
 
 }  // namespace veridyn

@@ -26,8 +26,8 @@ std::vector<Rival> rivals_of(const Inquiry& asked, const NormalBlocks& data, con
 /// @param names  of its parameters there.
 void refresh(const Identification& id, const std::vector<std::string>& names, Finding& f);
 
-/// What the held-out recordings say: their error must fall in sum over the joints, of
-/// ln(mean square), and on the finding's own joint.
+/// Verdict of the held-out recordings: their error, summed over the joints as ln(mean square), must
+/// fall, and on the finding's own joint too.
 FindingStatus status_of(const Finding& f);
 
 }  // namespace veridyn

@@ -56,7 +56,7 @@ const Hypothesis& FindingWriter::accepted(size_t k) const {
   return q_.augmented.hypotheses[k];
 }
 
-// The same payload among all that was asked: with the columns of what may have changed beside it.
+// The same payload among all tested hypotheses, which have columns for accompanying changes.
 const Hypothesis& FindingWriter::asked_hypothesis(const Hypothesis& h) const {
   return *std::find_if(asked_.augmented.hypotheses.begin(), asked_.augmented.hypotheses.end(),
                        [&h](const Hypothesis& other) { return same_candidate(other, h); });
@@ -129,7 +129,7 @@ std::vector<FoundParameter> FindingWriter::parameters_of(const Hypothesis& h) co
   for (const EffectShape& shape : find_effect(term.effect).shapes()) {
     const auto value = term.values.find(shape.name);
     if (value == term.values.end()) continue;
-    // Constants that nobody searched (where a slope is counted from) are no findings.
+    // Constants that were not searched (such as the origin of a slope) are no findings.
     for (const ShapeInterval& interval : fit_.selection.shapes) {
       if (&accepted(static_cast<size_t>(interval.hypothesis)) != &h || interval.shape != shape.name)
         continue;

@@ -10,12 +10,12 @@
 
 namespace veridyn {
 
-/// What a selection found, ready to be named: values, intervals, sentences, held-out errors.
+/// Turns a selection into findings: values, intervals, sentences, held-out errors.
 class FindingWriter {
  public:
-  /// @param asked  all hypotheses, with the factors of their columns and what was selected.
-  /// @param fit    the accepted ones.
-  /// @param start  what the questions stand on: its held-out errors are the first "before".
+  /// @param asked  all hypotheses, with the factors of their columns and the selection. @param fit
+  /// the accepted ones. @param start  baseline of the tests: its held-out errors are the first
+  /// "before".
   FindingWriter(const Inquiry& asked, const NormalBlocks& asked_data, const Selection& selection,
                 const Fit& fit, const Identification& start, bool changes,
                 const DiagnosisOptions& limits);
@@ -28,17 +28,17 @@ class FindingWriter {
   /// them.
   std::vector<std::vector<std::string>> parameter_names() const;
 
-  /// Of every finding that add_findings() writes whether it is another constant of an effect that
-  /// the model has, and no cause.
+  /// For every finding of add_findings() whether it is another constant of an effect of the model,
+  /// and no cause.
   std::vector<char> own_constants() const;
 
-  /// One line for every candidate that was not accepted.
+  /// Adds one line for every candidate that was tested and not accepted.
   void add_the_rest(Diagnosis& d) const;
 
   /// The arm with all that was found; what needs fitting has no values yet.
   Model extended_arm() const;
 
-  /// The same with some of the findings of add_findings() only.
+  /// The same with a subset of the findings of add_findings().
   Model extended_arm(const std::set<size_t>& kept) const;
 
  private:

@@ -8,7 +8,7 @@ namespace {
 
 constexpr int kSlowPasses = 2;
 
-// What `excite` can tell apart from others by the motion of joints: its own words are in
+// True for effects that `excite` can separate from others by joint motion, see
 // ExcitationOptions::between.
 bool can_be_asked(const std::string& effect) {
   if (effect == AddedLoad::kName) return true;
@@ -44,7 +44,8 @@ NextExperiment next_experiment(const Diagnosis& d) {
     bool slow = false;
     for (const std::string& s : f.shape->signals) {
       signals += (signals.empty() ? "" : " and ") + s;
-      slow = slow || s.front() == 'q' || s.front() == 'h';  // positions and ways since a reversal
+      // Positions and displacements since a reversal.
+      slow = slow || s.front() == 'q' || s.front() == 'h';
     }
     out.shows = "what joint " + std::to_string(f.joint->value + 1) + " depends on over " + signals;
     if (slow) out.slow_passes = kSlowPasses;

@@ -33,7 +33,7 @@ double largest_torque(const Identification& fitted, int joint) {
   return out;
 }
 
-// How much larger the mean square error of a joint is, over its standard error between blocks.
+// Increase of a joint's mean square error, in standard errors between blocks.
 double worse_by_standard_errors(const Identification& before, const Identification& after, size_t joint) {
   std::vector<double> differences;
   for (size_t r = 0; r < before.test.size() && r < after.test.size(); ++r) {
@@ -65,8 +65,7 @@ double own_gain(const Finding& f, int joint) {
   return f.test_before[joint] - f.test_after[joint];
 }
 
-// Of the findings on a joint the one that gains least there; where there is none, the one that costs
-// it most.
+// The finding with the smallest gain on a joint, or the one that costs it most.
 std::optional<size_t> least_needed(const Diagnosis& d, size_t first, const std::set<size_t>& kept, int joint) {
   std::optional<size_t> out;
   bool here = false;

@@ -15,16 +15,16 @@ struct LostRight {
   std::string why;
 };
 
-/// Why a finding with these intervals is none: its only size may be nothing, or one is larger than
-/// the torque of its joint ever was in training. Empty: it may keep its name.
+/// Reason for withdrawing a finding with these intervals: its only size may be zero, or one exceeds
+/// all torques of its joint in training. Empty: it is kept.
 std::string why_no_finding(const Finding& f, const Identification& fitted);
 
 /// The first of the kept findings d.findings[first + k] for which why_no_finding() in the extended
 /// model has an answer.
 std::optional<LostRight> without_size(const Diagnosis& d, size_t first, const std::set<size_t>& kept);
 
-/// Of a joint that the extended model predicts worse than the baseline, beyond the standard error of
-/// that difference between blocks of time, the finding that helps it least; not one of `needed`.
+/// For a joint that the extended model predicts worse than the baseline, beyond the standard error
+/// between blocks of time: the finding that helps it least, not one of `needed`.
 std::optional<LostRight> worse_with(const Diagnosis& d, size_t first, const std::set<size_t>& kept,
                                     const std::set<size_t>& needed, const Thresholds& limits);
 

@@ -10,8 +10,8 @@
 
 namespace veridyn {
 
-/// All that one run of questions needs: the arm with all hypotheses, and the factors of its columns
-/// on every recording, in blocks_that_fit().
+/// Data of one run of tests: the arm with all hypotheses, and the factors of its columns on every
+/// recording, in blocks_that_fit().
 struct Inquiry {
   AugmentedModel augmented;
   std::vector<CompressedRecording> train, test;

@@ -44,8 +44,8 @@ ColumnSet all_columns(const Inquiry& q, const NormalBlocks& data) {
   return set;
 }
 
-// Two memories of one joint between two values of the grid may be one memory in between: one of
-// them goes if the other, refined alone, predicts held-out data as well.
+// Two memories of one joint at adjacent grid values may be a single one in between: one is dropped
+// if the other, refined alone, predicts held-out data as well.
 void merge_twins(const Identification& start, const Inquiry& asked, Selection& selection,
                  bool changes, const std::vector<std::string>& train,
                  const DiagnosisOptions& options) {

@@ -17,8 +17,8 @@
 #include "math/signed_rank.hpp"
 #include "veridyn/effects/cause.hpp"
 
-// What is left over once all causes were asked about: how much of it the motion predicts, of which
-// signals it is a function, and what a verdict says of every joint.
+// Accounts for the residual after all tests: its predictable part, the signals on which it depends,
+// and the verdict on every joint.
 
 namespace veridyn {
 namespace {
@@ -33,7 +33,7 @@ bool acts_on(const Finding& f, int joint) {
   return f.status == FindingStatus::kConfirmed && (!f.joint || f.joint->value == joint);
 }
 
-// The error with so much of its mean square predicted.
+// The error after subtracting a predicted share of its mean square.
 double without_share(double error, double share) {
   return error * std::sqrt(std::max(0.0, 1.0 - share));
 }
@@ -65,8 +65,8 @@ class Account {
         train_(motion_rows(d_.extended, d_.extended.train, d_.left_out, signals_)),
         test_(motion_rows(d_.extended, d_.extended.test, d_.left_out, signals_)) {}
 
-  // Names that are small beside what has none on their joint, taken out of the extended model: what
-  // is large and has another shape bends them. True if there were any.
+  // Removes named findings that are small beside an unnamed dependence on their joint, which biases
+  // them. True if there were any.
   bool take_out_small_names() {
     std::vector<size_t> small;
     for (size_t k = 0; k < d_.findings.size(); ++k) {
@@ -184,8 +184,8 @@ class Account {
     return error;
   }
 
-  // Joints that are above their floor and whose residual is no function of what it was asked about:
-  // parameters of the arm may have taken up what they lack.
+  // Tests tables on joints above their floor whose residual depends on no signal: parameters of the
+  // arm may have absorbed the dependence.
   void add_asked_tables(std::vector<double>& left) {
     std::vector<int> joints;
     for (size_t j = 0; j < left.size(); ++j) {
@@ -224,7 +224,7 @@ class Account {
     }
   }
 
-  // Where values are facts nothing is fitted: the table has those that it was accepted with.
+  // With values as facts nothing is fitted: the table has the values with which it was accepted.
   EffectTerm with_values(const AcceptedTable& t) const {
     EffectTerm term = t.term;
     if (!d_.changes) return term;
@@ -245,8 +245,8 @@ class Account {
     });
   }
 
-  // Tables of the findings without a name become part of the extended model, which is fitted again.
-  // A joint that it predicts worse goes without.
+  // Adds tables of unnamed findings to the extended model and fits it again. A joint that it
+  // predicts worse gets none.
   void keep(std::vector<double>& left) {
     std::vector<EffectTerm> tables;
     std::vector<size_t> of;
@@ -301,7 +301,8 @@ class Account {
     return x_.look(Model(std::move(description)));
   }
 
-  // What the training recordings show and the held-out ones confirm, and enough of it.
+  // True if the training recordings show a dependence and the held-out ones confirm a sufficient
+  // part of it.
   bool is_clear(const Dependence& found) const {
     if (found.model.chosen.empty()) return false;
     return std::min(found.predicted_of_folds.back(), found.predicted_of_test.back()) >

@@ -45,7 +45,7 @@ Hypothesis hypothesis_of(const EffectTerm& term, JointIndex joint, const std::st
   return h;
 }
 
-// Values at the nodes with their intervals; nodes where the arm never was are left out.
+// Adds values at the nodes with their intervals, except for nodes that the arm never reached.
 void add_nodes(const Questions& asked, const Selection& selection, const Hypothesis& h,
                const MotionSignal& s, UnnamedShape& shape) {
   const std::vector<EffectParameter> parameters = find_effect(kTabulatedForce).parameters();

@@ -15,9 +15,8 @@ struct CorrectedChannel {
   VectorXd half_widths;         ///< Half widths of their 95 % intervals, from the last step
 };
 
-/// Columns of such an error are derivatives, right for small errors only. Steps of Gauss and Newton
-/// with halving make it right for large ones: whatever its size, what counts is whether the arm
-/// with the error undone predicts the training recordings better.
+/// Columns of such an error are derivatives, valid for small errors only. Gauss-Newton steps with
+/// halving extend them to large ones; the criterion is the training error of the corrected arm.
 ///
 /// @param h      a hypothesis of asked.q that is a channel's error.
 /// @returns nothing if no step lowers the training error.

@@ -69,7 +69,7 @@ void choose_quieter_velocities(Investigation& x) {
   for (const int j : choice.better) say_that_it_is_derived(j, x);
 }
 
-// The recordings are asked many times; their periods stay what they are.
+// Stores the periods of the recordings, which are read many times.
 void remember_periods(Investigation& x) {
   IdentificationOptions& how = x.options.identification;
   std::map<std::string, double>& known = how.preprocessing.known_periods;
@@ -79,7 +79,7 @@ void remember_periods(Investigation& x) {
   if (how.test_preprocessing) how.test_preprocessing->known_periods = known;
 }
 
-// Rows that are left out still show their friction.
+// Excluded rows still show their friction.
 bool is_known(const Snag& snag, const std::vector<Snag>& known) {
   return std::any_of(known.begin(), known.end(), [&snag](const Snag& other) {
     return other.source == snag.source && other.joint == snag.joint && other.from < snag.to &&
@@ -139,14 +139,14 @@ bool fit_baseline(Investigation& x) {
   const JointFriction friction = x.options.identification.friction;
   x.d.baseline = x.look(x.arm);
   if (!x.d.baseline.model) return false;
-  // From now on the arm is the one that was identified, with what its file lacks.
+  // From now on the arm is the identified one, with added effects.
   const size_t given = file.effects().size();
   if (x.d.baseline.model->effects().size() > given) {
     x.arm = with_friction(file, friction);
     if (x.arm.effects().size() > x.d.baseline.model->effects().size())
       x.arm = with_friction_alone(file, friction);
     x.d.friction_remark = friction_remark(file, x.arm);
-    x.d.baseline.remarks.clear();  // it is told once
+    x.d.baseline.remarks.clear();  // reported once
   }
   x.options.identification.friction = JointFriction::kFile;
   choose_quieter_velocities(x);

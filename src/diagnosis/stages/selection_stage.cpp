@@ -25,7 +25,7 @@ constexpr int kCycles = 2;
 constexpr int kSettling = 6;  // findings that may lose their names after the last fit
 constexpr int kChannels = 4;  // errors of channels that are corrected one after the other
 
-// One round of questions and what was accepted of them.
+// One round of tests with the accepted hypotheses.
 struct Round : Questions {
   Selection selection;
   bool changed = true;  // from what it began with
@@ -39,7 +39,7 @@ std::vector<std::pair<Hypothesis, EffectTerm>> known_terms(const AugmentedModel&
   return out;
 }
 
-// Where the fitted hypotheses stand in a longer list that begins with them.
+// Indices of the fitted hypotheses in a longer list that begins with them.
 std::vector<int> same_ones(const AugmentedModel& fitted, const Inquiry& q) {
   std::vector<int> out;
   for (const Hypothesis& h : fitted.hypotheses) {
@@ -53,8 +53,8 @@ std::vector<int> same_ones(const AugmentedModel& fitted, const Inquiry& q) {
   return out;
 }
 
-// What was found before (constants, channels) counts; contacts are moments, and plain friction is
-// what every joint has.
+// Findings so far (constants, channels) count towards the limit; contacts and plain friction do
+// not.
 DiagnosisOptions for_the_rest(const Investigation& x) {
   DiagnosisOptions out = x.options;
   const size_t counted = x.d.findings.size() - x.contacts - x.fitted_by_start.size();
@@ -83,7 +83,7 @@ const Hypothesis& accepted(const Round& round, size_t k) {
       .hypotheses[static_cast<size_t>(round.selection.accepted[k].evidence.hypothesis)];
 }
 
-// The finding of the same error of the same channel; nullptr: none.
+// The finding of the same error of the same channel, or nullptr.
 template <typename SomeDiagnosis>
 auto same_channel(SomeDiagnosis& d, const Hypothesis& h) -> decltype(d.findings.data()) {
   for (auto& f : d.findings) {
@@ -92,8 +92,8 @@ auto same_channel(SomeDiagnosis& d, const Hypothesis& h) -> decltype(d.findings.
   return nullptr;
 }
 
-// The error of a channel that was accepted first, one that was corrected before and asks for more,
-// or one so large that its derivative says little.
+// A channel error that was accepted first, one corrected before that needs more, or one too large
+// for its derivative.
 std::optional<size_t> channel_to_correct(const Investigation& x, const Round& round) {
   for (size_t k = 0; k < round.selection.accepted.size(); ++k) {
     const Hypothesis& h = accepted(round, k);
@@ -121,9 +121,9 @@ bool gives_way(const Hypothesis& h, const Accepted& a, const std::vector<double>
          });
 }
 
-// A channel error that comes first is undone before anything else is asked: its columns are right
-// to first order only, and what they leave over would look like more causes. True if the questions
-// must be asked again: it was undone, or the recordings refused it.
+// Corrects a channel error that comes first before other tests: its columns are of first order, and
+// its residual would imitate other causes. True if the tests must be repeated: it was corrected, or
+// the recordings refused it.
 bool correct_first_channel(Investigation& x, const Round& round) {
   const std::optional<size_t> at = channel_to_correct(x, round);
   if (!at) return false;
@@ -186,15 +186,15 @@ void challenge(const Investigation& x, QuestionList& list, std::optional<Round>&
   if (round->changed) fit.emplace(fitted(x, *round));
 }
 
-// Values of effects that became part of the arm on the way are those of the last fit.
+// Updates values of effects that became part of the arm from the last fit.
 void refresh_findings(Investigation& x) {
   for (const auto& [k, names] : x.fitted_by_start) {
     if (k < x.d.findings.size()) refresh(x.d.extended, names, x.d.findings[k]);
   }
 }
 
-// The errors along the way are of fits without physical conditions. What they contradict is asked once
-// more of the models themselves: with it, the held-out error falls in sum and on its own joint, or not.
+// Tests findings that the unconstrained fits along the way contradict once more with the physical
+// models: the held-out error must fall in sum and on its own joint.
 void ask_again(Investigation& x, size_t first, size_t count,
                const std::function<Identification(const std::set<size_t>&)>& fit,
                std::set<size_t>& kept) {
@@ -217,9 +217,8 @@ void ask_again(Investigation& x, size_t first, size_t count,
   }
 }
 
-// Fits the findings that are kept, and takes out what has no right to its name after that: its sizes
-// are nothing within their intervals, or larger than its joint's torque ever is, or a joint that is
-// predicted worse than by the baseline is better off without it.
+// Fits the kept findings and withdraws those that are then unsupported: sizes that may be zero or
+// exceed their joint's torque, or a joint that is predicted better without them.
 void settle(Investigation& x, const FindingWriter& writer, size_t first, std::set<size_t>& kept) {
   const auto names = writer.parameter_names();
   const auto fit = [&](const std::set<size_t>& some) {
@@ -338,7 +337,8 @@ void select_causes(Investigation& x) {
   }
   size_t selected = round->selection.accepted.size();
   std::optional<Fit> fit(fitted(x, *round));
-  // Refined constants made some findings superfluous: what stood behind them is asked once more.
+  // Refined constants made some findings superfluous: hypotheses that they concealed are tested
+  // once more.
   for (int cycle = 0; cycle < kCycles && round->selection.accepted.size() < selected; ++cycle) {
     list.known = known_terms(fit->inquiry.augmented);
     round.reset();

@@ -14,7 +14,7 @@ struct RawActuator {
   EncoderWords encoder;
   std::uint16_t pot = 0;
   std::uint16_t current = 0;  ///< as measured
-  double seconds = 0.0;       ///< since the read before, see seconds_since_last_read()
+  double seconds = 0.0;       ///< since the read before, see BoardFeedback::seconds()
 };
 
 /// State of an arm in SI units; n entries each [rad, m], [rad/s, m/s], [N m, N], [A].

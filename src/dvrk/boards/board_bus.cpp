@@ -87,7 +87,6 @@ void BoardBus::lose_noted(Board& b, Condition why, std::uint32_t word) noexcept 
 bool BoardBus::read() noexcept {
   ++cycles_;
   exchange_.forget_lay();
-  const double start = link_.now();
   if (state_ == BusState::kRunning && exchange_.generation_changed())
     begin_scan(Condition::kGenerationChanged);
   if (state_ != BusState::kRunning) {
@@ -103,7 +102,6 @@ bool BoardBus::read() noexcept {
   } else {
     read_sequential();
   }
-  read_seconds_ = link_.now() - start;
   if (options_.access == Access::kDrive && boards_.front().info.firmware < 8 &&
       cycles_ % kRegisterEvery == 0)
     look_for_lost_writes();

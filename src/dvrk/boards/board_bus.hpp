@@ -133,9 +133,7 @@ class BoardBus {
   /// Sets all watchdogs and verifies them; forgets that boards were rebooted.
   bool set_watchdog(double seconds) noexcept;
 
-  /// Time [s] from the first to the last datagram of the last read().
-  double read_seconds() const { return read_seconds_; }
-  /// [s] of it in which replies had come, but this program did not run.
+  /// [s] of the last read() in which replies had come, but this program did not run.
   double lay_seconds() const { return exchange_.lay(); }
 
  private:
@@ -219,7 +217,6 @@ class BoardBus {
   std::uint32_t watchdog_counts_ = 0;
   bool link_lost_ = false;
   long cycles_ = 0;
-  double read_seconds_ = 0.0;
   std::array<std::uint8_t, kMaxDatagram> block_{};
 };
 

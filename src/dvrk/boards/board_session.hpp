@@ -16,6 +16,7 @@ struct ChannelSafety {
   bool used = false;
   std::uint16_t zero_command = kZeroCurrent;  ///< DAC bits of no current, by calibration
   double zero_feedback = kZeroCurrent;        ///< ADC bits of no current
+  double feedback_per_command = 1.0;          ///< ADC bits that one DAC bit makes
   double max_current = 0.0;                   ///< largest |command - zero| [bits]
   /// Pot against encoder: positions in any unit. Tolerance 0: not compared.
   LinearScale counts_to_position;
@@ -38,7 +39,12 @@ struct SessionOptions {
   double watchdog = 0.030;         ///< [s]; 0 is refused (section 14.1)
   int lost_reads = 3;              ///< in a row, then power off
   int lost_writes = 3;             ///< in a row, then amplifiers off
-  int current_cycles = 100;        ///< section 14.6
+  int current_cycles = 100;        ///< section 14.6, of channels whose amplifier is off
+  /// An amplifier that is on must give one of the last commands: within `follow_margin` [bits] and
+  /// `follow_share` of that command, or its power goes after so many cycles.
+  int follow_cycles = 10;
+  double follow_margin = 262.0;    ///< 50 mA: section 14.6
+  double follow_share = 0.1;
   double relay_timeout = 0.2;      ///< [s]
   double supply_timeout = 3.0;     ///< [s]
   double amp_grace = 0.0455;       ///< [s] 40 ms, 2.5 ms and 3 for the way: section 14.2
@@ -126,8 +132,6 @@ class BoardSession {
   const BoardBus& bus() const { return bus_; }
   FaultLog& faults() { return bus_.faults(); }
   const FaultLog& faults() const { return bus_.faults(); }
-  /// Encoders have not told of anything wrong since start() or the last preload.
-  bool position_reliable() const { return position_reliable_; }
   bool listens() const { return options_.bus.access != Access::kDrive; }
 
  private:
@@ -137,6 +141,7 @@ class BoardSession {
     std::uint16_t held = kZeroCurrent;
     bool asked = false;
     int excess_cycles = 0;
+    std::array<std::uint16_t, 4> sent{};  ///< last commands, of which lost writes leave older ones
     double amp_missing_since = -1.0;
     double pot_off_since = -1.0;
   };
@@ -180,7 +185,6 @@ class BoardSession {
   double entered_ = 0.0;
   bool all_valid_ = false;
   bool started_ = false;
-  bool position_reliable_ = true;
   bool power_off_asked_ = true;  ///< in kOff and kFault: the supply as well
   int off_cycles_ = 0;
 };

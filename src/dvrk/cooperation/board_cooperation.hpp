@@ -35,7 +35,7 @@ struct EmulatedFault {
     kLimp,       ///< its motors make no torque, and its boards say that all is well
     kWeak,       ///< its motors make half of the torque that their currents are for
     kReversed,   ///< its motors turn the wrong way, as wired so
-    kStuck       ///< its motors go on with the torque of that moment, until amplifiers are off
+    kStuck       ///< its amplifiers keep the currents of that moment, until they are off
   };
   Kind kind = Kind::kSilent;
   int arm = -1;     ///< Index of the arm, from 0

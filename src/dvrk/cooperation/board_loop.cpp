@@ -145,6 +145,29 @@ void BoardLoop::break_down() noexcept {
   }
 }
 
+std::vector<PlannedArm> BoardLoop::planned_arms() const {
+  std::vector<PlannedArm> out;
+  for (const auto& side : sides_)
+    out.push_back({side->models().known, side->models().R_world_base_known,
+                   side->models().p_world_base_known, side->largest_torque()});
+  return out;
+}
+
+std::vector<VectorXd> BoardLoop::standing() const {
+  std::vector<VectorXd> q;
+  for (std::size_t k = 0; k < sides_.size(); ++k) {
+    q.push_back(sides_[k]->session().state().q.head(sides_[k]->joints()));
+    require(q[k].allFinite(), "arm '", scenario_.arms[k].name,
+            "': found no position, expected its boards to answer.");
+  }
+  return q;
+}
+
+void BoardLoop::require_feasible(std::size_t p, double begins, const std::string& why) const {
+  require(why.empty(), "scenario '", scenario_.name, "', phase '", scenario_.phases[p].name, "' (from ",
+          begins, " s): ", why, ". Nothing was switched on.");
+}
+
 BoardLoop::Sensor BoardLoop::open_sensor(const std::string& source, const std::string& of,
                                          ForceChannelOptions options) const {
   options.largest_jump = kJumpShare * scenario_.control.largest_force;

@@ -38,8 +38,10 @@ BoardSide::BoardSide(const Scenario& scenario, std::size_t index, const Cooperat
       q_(VectorXd::Zero(joints_)),
       dq_(q_),
       tau_(q_),
+      rest_(q_),
       all_(VectorXd::Zero(session_.size())),
       state_(models_.known, {scenario.arms[index].frame, scenario.arms[index].offset}),
+      touch_(models_.known, {scenario.arms[index].frame, scenario.arms[index].offset}),
       input_(joints_) {
   require(joints_ <= session_.size(), "arm '", scenario.arms[index].name, "': found a model of ",
           joints_, " joints, but boards for ", session_.size(), ".");
@@ -110,6 +112,9 @@ void BoardSide::read(double now) noexcept {
 void BoardSide::act(const TipTarget& target, const Eigen::Vector3d& exerted, double age,
                     double dt) noexcept {
   if (!valid_ || !session_.ready()) return;
+  state_.update(q_, dq_);
+  touch_.update(state_, tau_, rest_, dt);
+  if (compares_) input_.force_expected = touch_.force();
   const VectorXd& wanted = loop_->torque(target, exerted);
   supervisor_->set_holding_torque(loop_->extra_torque());
   drive(wanted, exerted, age, dt);

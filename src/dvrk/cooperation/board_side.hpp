@@ -5,6 +5,7 @@
 
 #include "cooperation/arm_loop.hpp"
 #include "cooperation/scenario_models.hpp"
+#include "veridyn/control/momentum_observer.hpp"
 #include "veridyn/control/safety_supervisor.hpp"
 #include "veridyn/model/joint_sensors.hpp"
 #include "dvrk/run/arm_session.hpp"
@@ -35,6 +36,9 @@ class BoardSide {
 
   /// The same with torques from elsewhere, (joints).
   void drive(const VectorXd& tau, const Eigen::Vector3d& exerted, double age, double dt) noexcept;
+
+  /// From now on act() compares the measured force with the one that the motors' torques say.
+  void compare_forces() noexcept { compares_ = true; }
 
   /// The controller holds the arm from now on, or not: its supervisor then wants it to come to rest.
   void keeps_still(bool held) noexcept { input_.held = held; }
@@ -77,13 +81,14 @@ class BoardSide {
   ArmSession session_;
   JointSensors sensors_;
   int joints_;
-  VectorXd q_, dq_, tau_, all_;
+  VectorXd q_, dq_, tau_, rest_, all_;
   veridyn::ArmState state_;
+  MomentumObserver touch_;
   SafetyInput input_;
   std::optional<ArmLoop> loop_;
   std::unique_ptr<SafetySupervisor> supervisor_;
   VectorXd velocity_;  // limits
-  bool valid_ = false, deaf_ = false, told_silent_ = false, told_off_ = false, cut_ = false;
+  bool valid_ = false, deaf_ = false, told_silent_ = false, told_off_ = false, cut_ = false, compares_ = false;
   int told_ = 0;  // events of the supervisor
   double now_ = 0.0, heard_ = 0.0;  // [s] of this cycle and of the last valid read
 };

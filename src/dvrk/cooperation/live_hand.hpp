@@ -31,9 +31,9 @@ class LiveHand {
   LiveHand(const LiveHand&) = delete;
   LiveHand& operator=(const LiveHand&) = delete;
 
-  /// Once per cycle: what was asked for goes to the controller. @param time  [s] of the loop.
+  /// Gives the waiting commands to the controller; once per cycle. @param time  [s] of the loop.
   End act(double time, CooperativeController& control) noexcept;
-  /// What is, for LiveReport::state and for plans, in every cycle before act().
+  /// Keeps the state of the loop for LiveReport::state and for plans; in every cycle before act().
   /// @param joints  calls back with the index of each arm and gives its (n) positions.
   template <typename Joints>
   void show(double time, const CooperativeController& control, const CooperativeInput& seen,

@@ -136,10 +136,6 @@ constexpr std::size_t largest_read(std::size_t mtu) {
   const std::size_t whole = mtu - 28 - kTrailerBytes;
   return (whole < kMaxDatagram ? whole : kMaxDatagram) - 24;
 }
-constexpr std::size_t largest_write(std::size_t mtu) {
-  const std::size_t whole = mtu - 28 - kControlBytes;
-  return (whole < kMaxDatagram ? whole : kMaxDatagram) - 24;
-}
 
 // Section 12: a current of zero.
 constexpr std::uint16_t kZeroCurrent = 0x8000;

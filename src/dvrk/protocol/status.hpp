@@ -19,12 +19,9 @@ struct Status {
   bool relay_closed() const { return bit(17); }
   bool relay_requested() const { return bit(16); }
   bool supply_fault() const { return bit(15); }
-  bool chain_live() const { return bit(14); }  ///< Rev 8 on: voltage on the safety chain
   bool io_expander() const { return bit(12); }
   bool amp_on(int channel) const { return bit(8 + channel); }
   bool current_trip(int channel) const { return bit(4 + channel); }
-  /// Rev 7 alone; Rev 8 repeats amp_on() here (section 20).
-  bool amp_requested_rev7(int channel) const { return bit(channel); }
 };
 
 /// The motor status of Rev 8 on: section 9.1.
@@ -34,7 +31,6 @@ struct MotorStatus {
   bool bit(int k) const { return ((word >> k) & 1U) != 0; }
   bool amp_on() const { return bit(29); }
   bool amp_requested() const { return bit(28); }
-  int control_mode() const { return static_cast<int>((word >> 24) & 0xF); }
   bool current_trip() const { return bit(17); }
   bool amp_fault() const { return bit(16); }
   std::uint16_t command() const { return static_cast<std::uint16_t>(word); }

@@ -27,6 +27,7 @@ void guard_current(const LinearScale& amps_to_bits, const LinearScale& bits_to_a
   safety.used = true;
   safety.zero_command = nearest_word(amps_to_bits.offset, kZeroCurrent);
   safety.zero_feedback = bits_to_amps.inverse(0.0);
+  safety.feedback_per_command = 1.0 / (amps_to_bits.scale * bits_to_amps.scale);
   // Half a bit for rounding: the largest current itself is allowed.
   safety.max_current = std::abs(amps_to_bits.scale) * max_current + 0.5;
 }

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <utility>
 
-#include "regressor/arm_columns.hpp"
 #include "regressor/stacked_columns.hpp"
 #include "regressor/random_states.hpp"
 #include "veridyn/regressor/standard_parameters.hpp"

@@ -16,7 +16,8 @@
 namespace veridyn {
 namespace {
 
-constexpr double kLargestCondition2 = 1e14;  // squared; eigenvalues of a Gram matrix know no more
+// Squared; the resolution of a Gram matrix's eigenvalues.
+constexpr double kLargestCondition2 = 1e14;
 
 constexpr double kNoPart = 1e-9;  // share of a standard parameter in a base parameter
 

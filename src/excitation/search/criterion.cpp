@@ -8,8 +8,8 @@
 namespace veridyn {
 namespace {
 
-// Eigenvalues below this share of the largest are rounding errors: the search sees a wall there and
-// not a hole.
+// Eigenvalues below this share of the largest are rounding errors; clamping them makes the
+// criterion large there and not small.
 constexpr double kSmallestShare = 1e-15;
 
 VectorXd inverse_norms(const MatrixXd& gram) {
@@ -78,7 +78,7 @@ SmoothValue smooth_d_optimality(const MatrixXd& gram, const VectorXd& scale) {
 
 namespace {
 
-// A group of columns, and what their parameters may be.
+// A group of columns with the sizes of their parameters.
 struct Group {
   Eigen::Index first;
   const VectorXd& sizes;
@@ -89,7 +89,8 @@ struct Group {
   }
 };
 
-// What `others` leave of a group, and its derivative by the Gram matrix G, scaled.
+// The remainder of a group after regression on `others`, and its derivative by the scaled Gram
+// matrix G.
 double left_of(const MatrixXd& G, const VectorXd& scale, const Group& group,
                const std::vector<Eigen::Index>& others, MatrixXd& by_gram) {
   const MatrixXd side = G(others, group.columns());

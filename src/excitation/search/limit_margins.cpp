@@ -9,8 +9,8 @@ namespace {
 
 constexpr int kInstantsPerWave = 64;
 
-// The range of a signal, with what its curvature may add between two instants. One that does not
-// repeat is held at its ends.
+// Range of a signal, widened by its curvature between instants. The ends of a signal that does not
+// repeat are constant.
 std::pair<double, double> range_of(const VectorXd& v, bool periodic) {
   const Eigen::Index rows = v.size();
   double low = v.minCoeff();
@@ -30,6 +30,23 @@ std::pair<double, double> range_of(const VectorXd& v, bool periodic) {
   return {low, high};
 }
 
+// Of every signal that has a limit; `range` gives the least and the largest value of one.
+template <typename Range>
+std::vector<LimitMargin> margins_of(const LimitSignals& signals, const Range& range) {
+  std::vector<LimitMargin> out;
+  for (int k = 0; k < signals.count(); ++k) {
+    const LimitSignal& signal = signals[k];
+    if (!std::isfinite(signal.lower) && !std::isfinite(signal.upper)) continue;
+    LimitMargin m{signal.name, signal.unit};
+    m.lower = signal.lower;
+    m.upper = signal.upper;
+    std::tie(m.lowest, m.highest) = range(k);
+    m.margin = std::min(m.lowest - m.lower, m.upper - m.highest);
+    out.push_back(m);
+  }
+  return out;
+}
+
 }  // namespace
 
 std::vector<LimitMargin> limit_margins(const LimitSignals& signals,
@@ -41,26 +58,12 @@ std::vector<LimitMargin> limit_margins(const LimitSignals& signals,
     const int instants = std::max(400, kInstantsPerWave * trajectory.harmonics());
     others = signals.values(trajectory.samples(period_instants(trajectory.frequency(), instants)));
   }
-  std::vector<LimitMargin> out;
-  for (int k = 0; k < signals.count(); ++k) {
-    const LimitSignal& signal = signals[k];
-    if (!std::isfinite(signal.lower) && !std::isfinite(signal.upper)) continue;
-    LimitMargin m{signal.name, signal.unit};
-    m.lower = signal.lower;
-    m.upper = signal.upper;
-    if (k < n) {
-      m.lowest = bounds.lower[k];
-      m.highest = bounds.upper[k];
-    } else if (k < 3 * n) {
-      m.highest = k < 2 * n ? bounds.velocity[k - n] : bounds.acceleration[k - 2 * n];
-      m.lowest = -m.highest;
-    } else {
-      std::tie(m.lowest, m.highest) = range_of(others.col(k - 3 * n), true);
-    }
-    m.margin = std::min(m.lowest - m.lower, m.upper - m.highest);
-    out.push_back(m);
-  }
-  return out;
+  return margins_of(signals, [&](int k) -> std::pair<double, double> {
+    if (k < n) return {bounds.lower[k], bounds.upper[k]};
+    if (k >= 3 * n) return range_of(others.col(k - 3 * n), true);
+    const double largest = k < 2 * n ? bounds.velocity[k - n] : bounds.acceleration[k - 2 * n];
+    return {-largest, largest};
+  });
 }
 
 std::vector<LimitMargin> limit_margins(const LimitSignals& signals, const MotionSamples& motion) {
@@ -68,18 +71,7 @@ std::vector<LimitMargin> limit_margins(const LimitSignals& signals, const Motion
   MatrixXd all(motion.rows(), signals.count());
   all.leftCols(3 * n) << motion.q, motion.dq, motion.ddq;
   if (signals.count() > 3 * n) all.rightCols(signals.count() - 3 * n) = signals.values(motion);
-  std::vector<LimitMargin> out;
-  for (int k = 0; k < signals.count(); ++k) {
-    const LimitSignal& signal = signals[k];
-    if (!std::isfinite(signal.lower) && !std::isfinite(signal.upper)) continue;
-    LimitMargin m{signal.name, signal.unit};
-    m.lower = signal.lower;
-    m.upper = signal.upper;
-    std::tie(m.lowest, m.highest) = range_of(all.col(k), false);
-    m.margin = std::min(m.lowest - m.lower, m.upper - m.highest);
-    out.push_back(m);
-  }
-  return out;
+  return margins_of(signals, [&](int k) { return range_of(all.col(k), false); });
 }
 
 std::vector<LimitMargin> joined(const std::vector<LimitMargin>& first,

@@ -1,10 +1,10 @@
-#include <sys/stat.h>
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
 #include <cctype>
 #include <filesystem>
 
+#include "math/words.hpp"
 #include "recordings/bags/bag_sink.hpp"
 #include "recordings/files/mapped_file.hpp"
 #include "veridyn/math/require.hpp"
@@ -15,15 +15,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kProbe = 16;
-
-bool starts_with(std::string_view bytes, std::string_view magic) {
-  return bytes.substr(0, magic.size()) == magic;
-}
-
-bool is_folder(const std::string& path) {
-  struct stat about {};
-  return ::stat(path.c_str(), &about) == 0 && S_ISDIR(about.st_mode);
-}
 
 enum class Container { kNone, kRos1, kMcap, kDb3 };
 
@@ -85,11 +76,6 @@ struct Metadata {
   std::vector<std::string> files;
   bool packed_messages = false;
 };
-
-std::string lower(std::string text) {
-  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return text;
-}
 
 Metadata metadata_of(const std::string& folder, BagSink* sink) {
   const std::string path = folder + "/metadata.yaml";
@@ -159,12 +145,12 @@ bool is_bag(std::string_view first_bytes) {
 }
 
 void read_bag(const std::string& path, BagSink* sink, const ByteStream* opened) {
-  if (!is_folder(path)) {
+  std::error_code ignored;
+  if (!fs::is_directory(path, ignored)) {
     read_file(path, packed_beside(path), sink, opened);
     return;
   }
   Metadata metadata;
-  std::error_code ignored;
   if (fs::exists(path + "/metadata.yaml", ignored)) {
     metadata = metadata_of(path, sink);
   } else {

@@ -1,9 +1,10 @@
 #include "recordings/bags/file_kind.hpp"
 
-#include <sys/stat.h>
-
+#include <filesystem>
 #include <string_view>
+#include <system_error>
 
+#include "math/words.hpp"
 #include "recordings/bags/bag_sink.hpp"
 #include "veridyn/math/require.hpp"
 
@@ -47,10 +48,6 @@ constexpr Refused kRefused[] = {
     {"{"sv, "JSON", "a table (CSV) or MCAP"},
     {"[{"sv, "JSON", "a table (CSV) or MCAP"}};
 
-bool starts_with(std::string_view bytes, std::string_view magic) {
-  return bytes.substr(0, magic.size()) == magic;
-}
-
 // Identifies the kind by the first kProbe bytes.
 FileKind kind_of(std::string_view probe, const std::string& path) {
   if (bags::is_bag(probe)) return FileKind::kBag;
@@ -67,15 +64,11 @@ FileKind kind_of(std::string_view probe, const std::string& path) {
   return FileKind::kText;
 }
 
-bool is_folder(const std::string& path) {
-  struct stat about {};
-  return ::stat(path.c_str(), &about) == 0 && S_ISDIR(about.st_mode);
-}
-
 }  // namespace
 
 OpenedFile::OpenedFile(const std::string& file) : path(file) {
-  if (is_folder(path)) {
+  std::error_code absent;
+  if (std::filesystem::is_directory(path, absent)) {
     kind = FileKind::kBag;
     return;
   }

@@ -1,3 +1,4 @@
+#include "math/words.hpp"
 #include "recordings/bags/topic_decoder.hpp"
 
 #include <algorithm>
@@ -17,10 +18,6 @@ using recordings::RawStream;
 constexpr std::size_t kLongestArray = 256;  // numbers of a field that are kept
 constexpr std::size_t kStreams = 64;        // kinds of messages on a topic
 constexpr int kDeepestJson = 12;
-
-bool ends_with(const std::string& text, const std::string& end) {
-  return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
-}
 
 bool is_last(const std::string& path, const std::string& word) {
   return path == word || ends_with(path, "/" + word);

@@ -5,6 +5,7 @@
 #include <charconv>
 #include <iterator>
 
+#include "math/words.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn {
@@ -32,11 +33,6 @@ ColumnName split(const std::string& name) {
   if (digits < name.size() && name.size() - digits < 6)
     parts.number = std::stoi(name.substr(digits));
   return parts;
-}
-
-std::string lower(std::string text) {
-  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return text;
 }
 
 // The signal that a misspelt column name probably means, or -1: other case, `_` before the number,

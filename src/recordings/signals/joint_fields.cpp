@@ -50,11 +50,6 @@ bool is_unit(const std::string& word) {
   return kUnits.count(word) > 0;
 }
 
-std::string lower(std::string text) {
-  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return text;
-}
-
 bool is_digits(const std::string& word) {
   return !word.empty() && std::all_of(word.begin(), word.end(), [](unsigned char c) {
     return std::isdigit(c) != 0;
@@ -172,4 +167,5 @@ RawField field_of(const std::string& path) {
   return field;
 }
 
-}  // namespace veridyn::recordings
+}  // namespace veridyn::recordings#include "math/words.hpp"
+
