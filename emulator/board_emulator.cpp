@@ -138,7 +138,7 @@ int BoardEmulator::reader_of(const Request& request) const noexcept {
   const BoardSetup& its = boards_[static_cast<size_t>(hub())].setup();
   const bool by_id = local && its.firmware >= 9;
   if (ethernet_only_) {
-    if (!local) return -1;  // nobody is behind the hub
+    if (!local) return -1;  // no board answers behind the hub
     if (request.node == kBroadcastNode) return hub();
     const auto own = std::find_if(boards_.begin(), boards_.end(), [&](const EmulatedBoard& b) {
       return b.setup().id == request.node;

@@ -13,7 +13,7 @@
 
 namespace veridyn::dvrk {
 
-/// What can happen to a reply on its way.
+/// Faults of a reply in transmission.
 enum class ReplyFault {
   kNone,
   kDrop,
@@ -26,7 +26,7 @@ enum class ReplyFault {
   kLength,    ///< the length field is wrong, the datagram is not
   kBus,       ///< source bus is not 0x3FF
   kCrc,       ///< not zero and wrong
-  kForeign    ///< from an address nobody knows
+  kForeign    ///< from an unknown address
 };
 
 struct EmulatorFaults {
@@ -40,7 +40,7 @@ struct EmulatorFaults {
   bool lose_writes = false;           ///< writes never arrive
 };
 
-/// One answer of the emulator; size 0: silence.
+/// One reply of the emulator; size 0: none.
 struct Answer {
   std::size_t size = 0;
   double delay = 0.0;    ///< [s] after which it leaves
@@ -56,7 +56,7 @@ class BoardEmulator {
   /// @throws InvalidInput  no boards, more than 16, an id twice or beyond 15, an unknown firmware.
   explicit BoardEmulator(const std::vector<BoardSetup>& boards, std::uint8_t generation = 1);
 
-  /// What the motors move; not owned. Without one a StandingLoad.
+  /// Attaches the load of the motors; not owned. The default is a StandingLoad.
   void attach(BoardLoad* load);
 
   /// Executes a datagram at a time that never runs back.
@@ -70,7 +70,7 @@ class BoardEmulator {
   int boards() const { return static_cast<int>(boards_.size()); }
   EmulatedBoard& board(int place) { return boards_[static_cast<size_t>(place)]; }
   int node_of(int place) const { return nodes_[static_cast<size_t>(place)]; }
-  /// A board wakes up anew, and the bus is reset because of it.
+  /// Restarts a board, which also resets the bus.
   void reboot(int place);
 
   /// FireWire bus reset: the generation counts up, for `seconds` everything is dropped, and then
@@ -92,12 +92,12 @@ class BoardEmulator {
     long malformed = 0;
     long dropped = 0;
     long wrong_crc = 0;
-    long writes = 0;  ///< write requests of any kind, before anything is lost
+    long writes = 0;  ///< write requests of any kind, before losses
   };
   const Counters& counters() const { return counters_; }
 
  private:
-  /// A board's block in the hub: the one that stands there and the one that comes with `at`.
+  /// A board's block in the hub: the present one and the next one, which arrives at `at`.
   struct HubSlot {
     std::array<std::uint8_t, 4 * 33> now{}, next{};
     Ticks at = 0;

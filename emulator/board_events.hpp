@@ -15,9 +15,8 @@ struct BoardEvent {
   std::function<void(BoardEmulator&)> happen;
 };
 
-/// In the order in which they happen.
-/// @throws InvalidInput  a name that is none, a board that is not emulated, a number that
-///                               is missing.
+/// The events in order of time. @throws InvalidInput  an unknown name, a board that is not
+/// emulated, or a missing number.
 std::vector<BoardEvent> board_events(const std::vector<std::string>& words,
                                      BoardEmulator& emulator);
 

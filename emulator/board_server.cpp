@@ -33,7 +33,7 @@ double seconds_now(clockid_t clock = CLOCK_MONOTONIC) {
   return seconds_of(at);
 }
 
-// One datagram with the time at which it came [s] (CLOCK_REALTIME); 0 if the system does not tell.
+// Receives one datagram with its time of arrival [s] (CLOCK_REALTIME); 0 without a time stamp.
 ssize_t receive(int socket, ByteSpan buffer, sockaddr_in& from, double& came) {
   timespec at{};
   const ssize_t got = receive_stamped(socket, buffer.data, buffer.size, from, at);
@@ -45,8 +45,8 @@ bool is_loopback(in_addr address) {
   return (ntohl(address.s_addr) >> 24) == 127;
 }
 
-// From firmware 9 on hosts send to all boards by multicast (section 2.3), on whatever interface
-// leads to them.
+// From firmware 9 on hosts send to all boards by multicast (section 2.3), so the socket joins the
+// group on all interfaces.
 void join_multicast(int socket, BoardServer::Listens listens) {
   ifaddrs* all = nullptr;
   if (::getifaddrs(&all) != 0) return;
@@ -58,7 +58,7 @@ void join_multicast(int socket, BoardServer::Listens listens) {
     ip_mreq group{};
     group.imr_multiaddr.s_addr = htonl(kMulticastGroup);
     group.imr_interface = own.sin_addr;
-    // An interface that is down, or one without multicast, is none that a host could use.
+    // An interface that is down or has no multicast cannot be used by a host either.
     ::setsockopt(socket, IPPROTO_IP, IP_ADD_MEMBERSHIP, &group, sizeof group);
   }
   ::freeifaddrs(all);
@@ -75,8 +75,8 @@ BoardServer::BoardServer(BoardEmulator& emulator, std::uint16_t port, Listens li
   at.sin_addr.s_addr = htonl(INADDR_ANY);
   at.sin_port = htons(port);
   socklen_t size = sizeof at;
-  // One socket hears the boards' address, their broadcast address and their group. Systems that do
-  // not let it be tied to the loopback interface leave it to the test of every sender.
+  // One socket receives the boards' address, their broadcast address and their group. Where a
+  // socket cannot be bound to the loopback interface, every sender is checked instead.
   constexpr char kLoopback[] = "lo";
   if (listens == Listens::kHere && socket_ >= 0)
     ::setsockopt(socket_, SOL_SOCKET, SO_BINDTODEVICE, kLoopback, sizeof kLoopback);
@@ -104,8 +104,8 @@ Ticks BoardServer::now() const {
   return static_cast<Ticks>((seconds_now() - start_) * kTicksPerSecond);
 }
 
-// Datagrams carry CLOCK_REALTIME. Readings of both clocks between which nobody interrupted us tell
-// how far they are apart.
+// Datagrams carry CLOCK_REALTIME. Its offset to the other clock is measured by reading both without
+// an interruption in between.
 Ticks BoardServer::time_of(double came) {
   const double before = seconds_now();
   const double real = seconds_now(CLOCK_REALTIME);
@@ -127,8 +127,8 @@ void BoardServer::serve(double seconds) {
   latest_ = std::max(latest_, static_cast<double>(now() - emulator_.time()) / kTicksPerSecond);
 }
 
-// One datagram, executed at `at`, or at the time at which it came, as a board would that is never
-// busy. False: there was none.
+// Serves one datagram at time `at`, or at its arrival time, like a board that is never busy. False:
+// there was none.
 bool BoardServer::serve_one(Ticks at, bool as_it_came) {
   std::array<std::uint8_t, kDatagramBuffer> in{}, out{};
   sockaddr_in from{};

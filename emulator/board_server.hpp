@@ -25,7 +25,7 @@ class BoardServer {
 
   std::uint16_t port() const { return port_; }
 
-  /// Whether datagrams from this address are taken, in host byte order.
+  /// True if datagrams from this address are accepted, in host byte order.
   bool is_heard(std::uint32_t address) const {
     return listens_ == Listens::kEverywhere || (address >> 24) == 127;
   }
@@ -35,8 +35,8 @@ class BoardServer {
   /// Waits up to `seconds` for one datagram and answers it; the arm moves on in any case.
   void serve(double seconds);
 
-  /// Answers all datagrams that have come, without waiting, at a time that somebody else keeps.
-  /// @returns how many. @param now  never back.
+  /// Answers all waiting datagrams without blocking, on an external clock. @returns the number of
+  /// datagrams. @param now  never decreases.
   int serve_waiting(Ticks now);
 
   /// [s] since the server was made, by which the arm was late, at most: its simulation could not
@@ -51,7 +51,7 @@ class BoardServer {
   BoardEmulator& emulator_;
   Listens listens_;
   int socket_ = -1;
-  int other_socket_ = -1;  ///< for answers from a place nobody knows
+  int other_socket_ = -1;  ///< for replies from an unknown address
   std::uint16_t port_ = 0;
   double start_ = 0.0;
   double latest_ = 0.0;

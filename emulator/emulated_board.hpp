@@ -36,7 +36,7 @@ struct PowerChain {
   Ticks rise = 983040;         ///< from power enabled to voltage present: 20 ms
 };
 
-/// What can be wrong with a board.
+/// Faults of a board.
 struct BoardFaults {
   bool supply_fault = false;
   bool relay_stuck_open = false;
@@ -56,7 +56,7 @@ struct BoardFaults {
 };
 
 /// One FPGA board with its QLA: registers (section 7), amplifier logic (14.2), watchdog (14.1),
-/// current check (14.3). No sockets, no clock of its own: advance() brings the time.
+/// current check (14.3). It has no sockets and no clock: advance() provides the time.
 class EmulatedBoard {
  public:
   explicit EmulatedBoard(const BoardSetup& setup);

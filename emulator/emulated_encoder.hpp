@@ -7,11 +7,11 @@
 
 namespace veridyn::dvrk {
 
-/// A quadrature encoder and the counters behind it: section 11. Between two calls of move() it
-/// turns evenly; every edge on the way is timed.
+/// A quadrature encoder with its counters: section 11. Between two calls of move() it turns
+/// uniformly; every edge has a time.
 class EmulatedEncoder {
  public:
-  /// Where the shaft stands when the board wakes up.
+  /// Sets the shaft position at power-up.
   void power_up(double counts, Ticks now) noexcept;
 
   /// The shaft has come to `counts`.
@@ -32,7 +32,7 @@ class EmulatedEncoder {
 
   // Faults of the hardware, as long as they are set.
   bool broken_lines = false;      ///< illegal transitions
-  bool stuck = false;             ///< the counter stands still, whatever the shaft does
+  bool stuck = false;             ///< the counter is stuck, whatever the shaft does
   bool overflow_latched = false;  ///< section 11.1: sticky; not cleared by a preload
 
  private:

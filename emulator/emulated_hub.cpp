@@ -14,7 +14,7 @@ constexpr Ticks kHubReadTicks = 200;
 
 }  // namespace
 
-// Section 8.3: every selected board latches now; its block comes to the hub a little later.
+// Section 8.3: every selected board latches now; its block reaches the hub a little later.
 void BoardEmulator::start_query(std::uint32_t word) noexcept {
   settle_hub();
   query_ = word;

@@ -9,8 +9,8 @@
 
 namespace veridyn::dvrk {
 
-/// A link to an emulator in the same process. Its clock moves only when somebody waits, or when
-/// advance() is called: tests of seconds run in microseconds. Not owned: the emulator.
+/// A link to an emulator in the same process. Its clock advances only while a caller waits, or by
+/// advance(), so that tests of seconds run in microseconds. The emulator is not owned.
 class EmulatedLink final : public DatagramLink {
  public:
   explicit EmulatedLink(BoardEmulator& emulator) : emulator_(emulator) {}
@@ -23,7 +23,7 @@ class EmulatedLink final : public DatagramLink {
 
   void advance(double seconds) noexcept;
 
-  /// Puts a datagram into the queue that nobody asked for.
+  /// Queues an unsolicited datagram.
   void push(ByteView datagram, bool known_source = true) noexcept;
 
   bool cut = false;           ///< sends fail

@@ -19,8 +19,8 @@
 namespace veridyn::dvrk {
 
 /// Emulated boards of several arms whose tips hold one object: each arm's motors drive its part of
-/// a scenario's World, and every emulator stands behind a UDP port of its own. Either one thread
-/// serves all of them in real time (run()), or the loop that they are tested with moves their clock
+/// a scenario's World, and every emulator has a UDP port of its own. Either one thread serves all
+/// of them in real time (run()), or the caller's loop advances their clock (SteppedClock).
 /// (SteppedClock).
 ///
 /// Before its first power an arm is held. Afterwards brakes hold it when no amplifier is on, where
@@ -60,9 +60,9 @@ class JoinedArms final : public JoinedBoards, public SteppedClock {
   }
 
  private:
-  // What SimulatedArm takes for its engine: torques go in, the world's joints come out. Between two
-  // steps of the world, which boards look at whenever a datagram comes, joints go evenly to where
-  // the last step took them: a jump would be a velocity to encoders that time their edges.
+  // Engine of a SimulatedArm that exchanges torques and joint positions with the world. Between two
+  // steps of the world, at any datagram, joints are interpolated linearly: a jump would be a
+  // velocity for encoders that time their edges.
   class Joint final : public Engine {
    public:
     Joint(World& world, int arm)
@@ -106,7 +106,7 @@ class JoinedArms final : public JoinedBoards, public SteppedClock {
     World& world_;
     int arm_;
     VectorXd tau_, from_, q_;
-    double elapsed_ = 0.0, duration_ = 0.0;  // [s] on the way from `from_`
+    double elapsed_ = 0.0, duration_ = 0.0;  // [s] since `from_`
     bool driven_ = false;
     std::vector<std::string> none_;
   };

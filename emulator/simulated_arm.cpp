@@ -9,7 +9,7 @@
 namespace veridyn::dvrk {
 namespace {
 
-// What the model moves must not depend on what stands still.
+// Throws if a joint of the model depends on an actuator that stands still.
 void require_apart(const MatrixXd& K, int joints, const std::string& name) {
   const auto rest = K.rows() - joints;
   require(K.topRightCorner(joints, rest).isZero() && K.bottomLeftCorner(rest, joints).isZero(),

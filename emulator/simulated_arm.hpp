@@ -14,14 +14,14 @@ namespace veridyn::dvrk {
 /// A simulated arm behind emulated boards: motor currents drive an Engine, its joints turn encoders
 /// and pots, all through the scales and the coupling of a configuration file.
 ///
-/// The model may have fewer joints than there are actuators: then it is the first ones, and the
-/// others stand still. While no amplifier of the arm is on, it stands where it is, as if it had
+/// The model may have fewer joints than there are actuators: they are the first ones, and the
+/// others stand still. While no amplifier of the arm is on, it holds its position as if it had
 /// brakes, unless it falls_without_power().
 class SimulatedArm final : public BoardLoad {
  public:
   /// @param boards             ids, in the order of the emulator's boards.
   /// @param actuator_to_joint  (n x n) K; empty: identity.
-  /// @param q                  where the arm stands, joints of the model.
+  /// @param q                  initial joint positions of the model.
   /// @throws InvalidInput  more joints than actuators, a board that is not there, a K that is
   ///                       singular, of the wrong size or that mixes joints of the model with
   ///                       others.
@@ -41,7 +41,7 @@ class SimulatedArm final : public BoardLoad {
   /// Without brakes: once its motors have had power, nothing holds the arm when they lose it.
   void falls_without_power() { brakes_ = false; }
 
-  /// How the last step of the engine ended; a failed engine stands still from then on.
+  /// Status of the last step; a failed engine stands still from then on.
   StepStatus status() const { return status_; }
   /// Joint torques that acted last (model's joints) [N m], [N].
   const VectorXd& tau() const { return tau_; }

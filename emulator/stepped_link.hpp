@@ -9,15 +9,15 @@ class SteppedClock {
  public:
   virtual ~SteppedClock() = default;
   virtual double now() const = 0;  ///< [s]
-  /// All datagrams that lie in the boards' sockets are answered, now.
+  /// Answers all datagrams in the boards' sockets, now.
   virtual void serve() = 0;
-  /// The same, then time goes on.
+  /// The same, then advances the time.
   virtual void pass(double seconds) = 0;
 };
 
-/// UDP sockets as UdpLink has them, by a SteppedClock: time stands still while this program
-/// computes, so that a run does not depend on how fast or how busy the machine is. An answer takes
-/// kRoundTrip; one that does not come takes the whole timeout, at once.
+/// UDP sockets like UdpLink's, on a SteppedClock: time stops while this program computes, so that a
+/// run is independent of the machine's speed and load. A reply takes kRoundTrip; a missing one
+/// takes the whole timeout, at once.
 class SteppedLink final : public DatagramLink {
  public:
   static constexpr double kRoundTrip = 50e-6;  ///< [s]

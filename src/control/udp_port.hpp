@@ -47,7 +47,7 @@ class UdpPort {
   double silence_;
   bool owned_ = false;
   sockaddr_in owner_{};
-  double heard_ = 0.0;  // [s] the owner
+  double heard_ = 0.0;  // [s] time of the last datagram of the accepted sender
 };
 
 }  // namespace veridyn

@@ -145,7 +145,7 @@ void MotionPlan::pull(State& state) {
   }
 }
 
-// One period of tips that do what their laws ask for.
+// Advances tips by one period, exactly following their laws.
 void MotionPlan::move(State& state, const std::vector<TipTarget>& targets) {
   const double dt = 1.0 / scenario_.control.rate;
   for (size_t k = 0; k < arms_.size(); ++k) {

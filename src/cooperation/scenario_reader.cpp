@@ -127,8 +127,8 @@ ScenarioSweep read_sweep(const YamlNode& node) {
   return sweep;
 }
 
-// What a calibration leaves of the poses between the bases: every arm but the master stands beside
-// where the controller believes it, in a direction drawn from the seed.
+// Calibration errors between the bases: every arm but the leader is displaced from its believed
+// position, in a direction drawn from the seed.
 void draw_base_errors(const YamlNode& error, Scenario& s) {
   error.allow_keys({"position", "turn"});
   const double metres = nonnegative_or(error, "position", 0.0);
@@ -148,7 +148,7 @@ void draw_base_errors(const YamlNode& error, Scenario& s) {
   }
 }
 
-// All that a run records must fit into memory.
+// Throws if the recorded data would not fit into memory.
 void expect_room(const Scenario& s, const YamlNode& phases) {
   double seconds = 0.0;
   for (const ScenarioPhase& phase : s.phases) seconds += phase.duration;

@@ -98,7 +98,8 @@ std::string small_text(const Diagnosis& d, const Finding& f) {
   return fmt::format("{:>4}. {} p = {:.1e}, {}\n", f.rank, d.sentence(f), f.p_value, status_words(f));
 }
 
-// 12.3 % = 4.1 % floor + 8.2 %, and what became of these.
+// Splits a joint's error into floor and removable part, 12.3 % = 4.1 % floor + 8.2 %, and says how
+// much of the latter the findings explain.
 std::string joint_text(const Diagnosis& d, const JointVerdict& v) {
   const auto& joints = d.baseline.model->coordinates();
   std::string out =

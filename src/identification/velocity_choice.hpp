@@ -23,7 +23,7 @@ VectorXd log_training_errors(const Identification& id);
 /// derivative across late rows may be worse where they are not repaired.
 VectorXd fall_of_errors(const Identification& before, const Identification& after);
 
-/// Which velocities are taken from the position, and the fit with them; no fit: none of them.
+/// Joints whose velocity is derived from the position, and the fit with them; nullopt: none.
 struct VelocityChoice {
   std::set<int> better;
   std::optional<Identification> fit;
@@ -46,12 +46,12 @@ std::vector<RecordingQuality> glance_at(const Model& arm, const std::vector<std:
 /// Takes the velocities of these joints from the position, in training and in held-out recordings.
 void derive_velocities(const std::set<int>& joints, IdentificationOptions& how);
 
-/// What the first rows of these recordings say of their velocities. Nothing where somebody chose
+/// Velocities that the first rows of these recordings show to be wrong. Empty if the choice was made
 /// already: a source of the velocities, joints, filtered signals, or how.choose_velocities is off.
 VelocityTrust trust_in_velocities(const Model& arm, const std::vector<std::string>& recordings,
                                   const IdentificationOptions& how);
 
-/// From now on wrong velocities of any of these recordings are taken from the position.
+/// Derives the wrong velocities of any of these recordings from the position from now on.
 /// @returns  their joints.
 std::set<int> leave_wrong_velocities_out(const Model& arm, const std::vector<std::string>& train,
                                          const std::vector<std::string>& test,

@@ -15,7 +15,7 @@ namespace veridyn {
 
 namespace internal {
 
-// What is made once for each key, by whoever asks first, while there is room.
+// Values that are made once for each key, by the first caller, while there is room.
 template <typename Key, typename Made>
 class MadeOnce {
  public:

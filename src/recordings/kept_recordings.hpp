@@ -38,9 +38,9 @@ class KeptRecordings {
   };
   std::shared_ptr<const Whole> find(const std::string& path, const RecordingOptions& options);
 
-  /// A recording that is in memory, prepared by whoever asks first; nothing if it is not to be kept.
-  /// @param bytes  that it will take.
-  /// @throws  what make() throws; whoever asks then makes it again.
+  /// A recording in memory, prepared by the first caller; null if it is not to be kept. @param
+  /// bytes  of memory that it will take. @throws  the exceptions of make(), which the next caller
+  /// repeats.
   std::shared_ptr<const PreparedRecording> prepared(const PreparationKey& key, long bytes,
                                                     const std::function<PreparedRecording()>& make);
 

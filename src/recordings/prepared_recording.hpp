@@ -15,7 +15,7 @@ struct PreparedRecording {
   PreparationFacts facts;
 };
 
-/// What a prepared recording depends on: the recording and how it is read, what the arm's model knows
+/// Key of a prepared recording: the recording and the reading options, what the arm's model knows
 /// of its sensors, and the settings of the preprocessing. What is left out, slow rows and the
 /// decimation count later, row by row.
 using PreparationKey = std::tuple<std::string, std::vector<double>, std::vector<int>>;

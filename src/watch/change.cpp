@@ -262,7 +262,7 @@ void ChangeFinder::tell_apart(double now, bool last) {
 }
 
 double ChangeFinder::half_width(const Score& score) const {
-  // What was learned while quiet is not exact either, and columns are right to first order.
+  // Quantities learned while quiet are inexact as well, and columns are of first order.
   const double learned = options_.step * static_cast<double>(before_.size() + quiet_.size());
   const double since = std::max(0.0, recent_.empty() ? 0.0 : recent_.back().time - score.onset);
   const double random = student_t_quantile(0.05, quantiles_.freedom()) *

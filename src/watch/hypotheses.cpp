@@ -8,7 +8,7 @@
 namespace veridyn::watching {
 namespace {
 
-// Of the largest speed, below which dry friction is undetermined.
+// Share of the largest speed, below which dry friction is undetermined.
 constexpr double kRestShare = 0.03;
 
 std::string unit_of(const Model& arm, const Candidate& c) {

@@ -47,7 +47,7 @@ const char* name_of(ExcitationSolver solver);
 /// False for Ipopt and NLopt where the library was built without them.
 bool is_built_in(ExcitationSolver solver);
 
-/// How columns of the base regressor are scaled before the condition number.
+/// Scaling of the base regressor's columns before the condition number is computed.
 enum class ColumnScaling {
   kNorm,  ///< to norm one (thesis 5.26)
   kNone,  ///< as they are

@@ -27,8 +27,8 @@ struct FeasibleProblem {
 
 /// Condition for the physical consistency of a body.
 enum class PhysicalCondition {
-  kPseudoInertia,     ///< pseudo_inertia(phi) >= 0: necessary and sufficient for a positive mass
-                      ///< distribution
+  /// pseudo_inertia(phi) >= 0: necessary and sufficient for a positive mass distribution.
+  kPseudoInertia,
   /// I >= 0 and m >= 0, I about the origin of the frame, h ignored: weaker (necessary only),
   /// offered to compare with older work
   kPrincipalMoments,
@@ -72,8 +72,8 @@ enum class FeasibleStatus {
   /// The feasible set has no interior (as with x <= 1 and x >= 1); x satisfies the constraints up
   /// to rounding.
   kNoInterior,
-  kNotConverged  ///< gap above tolerance after the last iteration; x is the best found, see
-                 ///< `feasible`
+  /// The gap is above the tolerance after the last iteration; x is the best found, see `feasible`.
+  kNotConverged
 };
 
 /// Foundation of the lower bound, or of the verdict kInfeasible.

@@ -18,6 +18,7 @@
 #include "veridyn/report/pages.hpp"
 #include "veridyn/report/json.hpp"
 #include "recordings/named_recordings.hpp"
+#include "veridyn/report/setting_names.hpp"
 
 namespace veridyn::cli {
 namespace {

@@ -62,7 +62,7 @@ bool may_have_topics(const std::string& path) {
     CsvLines lines(std::move(*file.bytes));
     return recordings::is_csv_table(lines, {});
   } catch (const InvalidInput&) {
-    return true;  // whoever reads it tells why
+    return true;  // the reader reports the reason
   }
 }
 
@@ -77,7 +77,8 @@ void expect_topics_somewhere(const CLI::App& command) {
       std::error_code error;
       const std::string kind = fs::path(path).extension().string();
       const bool robot = kind == ".yaml" || kind == ".yml" || kind == ".urdf" || kind == ".xml";
-      if (robot || (path != "-" && !fs::exists(path, error))) continue;  // what is missing is told elsewhere
+      // A missing file is reported elsewhere.
+      if (robot || (path != "-" && !fs::exists(path, error))) continue;
       if (path == "-" || may_have_topics(path)) return;
       plain = path;
     }

@@ -41,7 +41,7 @@ class BorderedFit {
   VectorXd residual2_;
   std::vector<OwnColumns> own_;  // per joint
   std::vector<MatrixXd> G_;      // per joint, of the rows to measure, over its own of the set
-  std::vector<VectorXd> Gx_;     // G x - g of them
+  std::vector<VectorXd> Gx_;     // G x - g of these rows
 };
 
 }  // namespace veridyn

@@ -20,13 +20,13 @@ struct Evidence {
   double p_value = 1.0;
   bool taken = false;     ///< it is accepted already
   bool absorbed = false;  ///< its columns lie in the span of the others: these data cannot answer
-  bool sign_broken = false;  ///< a parameter has a sign that nature forbids, beyond its scatter
+  bool sign_broken = false;  ///< a parameter significantly has an impossible sign
 };
 
 /// Column indices of a hypothesis; those of a body that the others do not span.
 ColumnSet columns_of(const NormalBlocks& data, const Hypothesis& hypothesis);
 
-/// Asks hypotheses one at a time, each beside a set of others that are taken for granted.
+/// Tests hypotheses one at a time, each in the presence of a set of accepted ones.
 class Examiner {
  public:
   /// @param base  columns that are always there (independent ones).

@@ -26,7 +26,7 @@ class JointSquares {
         values_(MatrixXd::Zero(static_cast<Eigen::Index>(places_->column_of.size()),
                                static_cast<Eigen::Index>(places_->column_of.size()))) {}
 
-  /// The entry of two of all columns.
+  /// Entry for two columns by their global indices.
   double operator()(int row, int column) const {
     const int r = local(row);
     const int c = local(column);
@@ -52,7 +52,7 @@ class JointSquares {
   MatrixXd values_;
 };
 
-/// Those of a set of columns that act on one joint: their indices in the set, and in the joint.
+/// Columns of a set that act on one joint: their indices in the set, and in the joint.
 struct OwnColumns {
   OwnColumns(const ColumnSet& set, const JointSquares& of);
   Eigen::Index size() const { return static_cast<Eigen::Index>(in_set.size()); }

@@ -51,14 +51,14 @@ constexpr double kSmallestTravel = 1e-6;
 constexpr double kSameAxis = 1e-9;    ///< tolerance of equal directions
 
 // Residuals against signals.
-/// Of the largest speed, below which a reversal is not counted.
+/// Share of the largest speed, below which a reversal is not counted.
 constexpr double kReversalShare = 0.02;
-/// Of the travel: resolution of displacements after a reversal.
+/// Share of the travel: resolution of displacements after a reversal.
 constexpr double kHistoryUnit = 0.005;
 constexpr double kRowsPerCutoff = 5.0;   ///< rows per period of the cut-off frequency
 constexpr double kSparseEnds = 0.01;     ///< of the rows at either end of a signal: too few for a curve
 constexpr double kShapeFlat = 0.15;      ///< of a curve's range, within which it counts as constant
-/// Of a curve's mean square, beyond which it counts as odd, or even.
+/// Share of a curve's mean square, beyond which it counts as odd, or even.
 constexpr double kShapeMost = 0.8;
 
 // Loads.

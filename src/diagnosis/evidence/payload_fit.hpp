@@ -22,7 +22,6 @@ std::vector<ColumnSet> nuisance_sets(const AugmentedModel& asked, const NormalBl
 /// hypothesis' reach explains as well; 0 to 1. It separates a load from a rotor's inertia or a
 /// wrong gravity, which need unphysical parameters.
 /// @param beside   columns that are fitted with it.
-/// @param beside   columns that are fitted with it.
 /// @param weights  of the joints.
 double compact_share(const NormalBlocks& data, const Hypothesis& payload, const ColumnSet& beside,
                      const VectorXd& weights);

@@ -8,8 +8,8 @@
 
 namespace veridyn {
 
-/// phi' A phi - 2 b' phi over the ten parameters of a load: the squares that it leaves, less those
-/// that are there without it; nuisances are fitted.
+/// phi' A phi - 2 b' phi over the ten parameters of a load: change of the sum of squares by the load,
+/// with the nuisance parameters fitted.
 struct LoadCost {
   MatrixXd A;
   VectorXd b;

@@ -7,8 +7,8 @@
 
 namespace veridyn {
 
-/// The error of a channel (gain, delay, zero) or of the base (tilt) after it was corrected as often
-/// as that lowers the training error.
+/// The error of a channel (gain, delay, zero) or of the base (tilt) after corrections, which are
+/// repeated while they lower the training error.
 struct CorrectedChannel {
   Identification corrected;     ///< the arm with the error undone
   std::vector<double> values;   ///< sizes of the error

@@ -67,7 +67,7 @@ Questions ask(const Investigation& x, const QuestionList& list, const Identifica
 /// Sum over joints of ln(mean square) on the training recordings, on the rows that were fitted.
 double log_training_error(const Identification& id);
 
-/// Quality of the recordings; channels that they cannot trust.
+/// Checks the quality of the recordings, and excludes channels that it finds faulty.
 void check_quality(Investigation& x);
 
 /// Fits the arm of the file. False if the data do not suffice: d.baseline.status has the reason.

@@ -28,7 +28,7 @@ constexpr int kChannels = 4;  // errors of channels that are corrected one after
 // One round of tests with the accepted hypotheses.
 struct Round : Questions {
   Selection selection;
-  bool changed = true;  // from what it began with
+  bool changed = true;  // the selection differs from the initial one
 };
 
 std::vector<std::pair<Hypothesis, EffectTerm>> known_terms(const AugmentedModel& fitted) {
@@ -231,7 +231,7 @@ void settle(Investigation& x, const FindingWriter& writer, size_t first, std::se
   };
   x.d.extended = fit(kept);
   if (x.options.extended == ExtendedModel::kConfirmedOnly) ask_again(x, first, names.size(), fit, kept);
-  std::set<size_t> needed;  // taken out once, and the joint was no better off
+  std::set<size_t> needed;  // withdrawn once without a better prediction of the joint
   for (int turn = 0; turn < kSettling && x.d.extended.model && !kept.empty(); ++turn) {
     for (const size_t k : kept) {
       // Several sizes of one curve may trade with the arm's parameters, which are all free there.

@@ -11,7 +11,7 @@
 namespace veridyn {
 namespace {
 
-// Friction terms of one joint: how many standard deviations below zero the power is that they take.
+// Dissipated power of one joint's friction terms, with its deviation: its sign is tested.
 struct Power {
   double sum = 0.0;       // sum of value * size of the column: torque of friction
   double variance = 0.0;

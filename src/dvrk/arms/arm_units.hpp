@@ -9,7 +9,7 @@
 
 namespace veridyn::dvrk {
 
-/// What the boards say about one actuator.
+/// Readings of the boards for one actuator.
 struct RawActuator {
   EncoderWords encoder;
   std::uint16_t pot = 0;
@@ -28,7 +28,7 @@ struct BoardArmState {
   bool encoders_valid = false;  ///< no overflow, and no transition that an encoder cannot make
 };
 
-/// What became of a command.
+/// Result of a command after limits.
 struct ArmCommand {
   explicit ArmCommand(int n = 0);
 

@@ -3,7 +3,7 @@
 
 #include "dvrk/boards/board_session.hpp"
 
-// What a session checks in every cycle: sections 14.6 and 17, #17 to #24.
+// Checks of a session in every cycle: sections 14.6 and 17, #17 to #24.
 
 namespace veridyn::dvrk {
 namespace {

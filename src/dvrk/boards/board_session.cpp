@@ -8,8 +8,8 @@
 namespace veridyn::dvrk {
 namespace {
 
-constexpr int kAmpsFirst = 2;             // cycles with amplifiers off before the supply goes
-constexpr double kObeyBlocks = 0.005;     // [s] in which "off" must show, else by register
+constexpr int kAmpsFirst = 2;  // cycles with amplifiers off before the supply is switched off
+constexpr double kObeyBlocks = 0.005;     // [s] in which blocks must show "off"; otherwise registers are written
 constexpr double kObeyRegisters = 0.020;  // else silence: the watchdog is left to bite
 
 }  // namespace
@@ -83,7 +83,7 @@ void BoardSession::react(Reaction reaction, Condition condition, int board, int 
   cause_board_ = board;
   cause_channel_ = channel;
   enter(PowerState::kFault);
-  if (reaction == Reaction::kPowerOff) off_cycles_ = kAmpsFirst;  // at once
+  if (reaction == Reaction::kPowerOff) off_cycles_ = kAmpsFirst;  // skips the cycles of a normal power-down
 }
 
 std::string BoardSession::cause_words() const {

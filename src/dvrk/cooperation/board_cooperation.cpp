@@ -25,7 +25,7 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kSettled = 0.2;     // [s] at rest after the last phase
-constexpr double kLeastForce = 0.3;  // [N] of pretension that is left before power goes
+constexpr double kLeastForce = 0.3;  // [N] pretension below which power may be switched off
 constexpr double kStands = 1e-3;     // [m/s] of a target
 constexpr double kNever = 1e3;       // [s] age of a reading that is not to be believed
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();  // nothing measures it
@@ -178,7 +178,7 @@ class BoardRun : private BoardLoop {
     }
   }
 
-  // One cycle of the task; also while all is held.
+  // One cycle of the task, also while targets are held.
   void work() noexcept {
     for (size_t k = 0; k < sides_.size(); ++k) {
       input_->position[k] = sides_[k]->loop().position();
@@ -264,7 +264,7 @@ class BoardRun : private BoardLoop {
     }
   }
 
-  // Commands by line, until it says so or is lost.
+  // Executes commands from a line until it ends or is lost.
   void play_by_line() {
     using Clock = std::chrono::steady_clock;
     LiveHand hand(scenario_, *options_.lines, options_.live, options_.live_report,
@@ -322,7 +322,7 @@ class BoardRun : private BoardLoop {
     out_.late = timing_.late;
     out_.mean_cycle = timing_.mean_cycle;
     out_.longest_cycle = timing_.longest_cycle;
-    if (out_.run.arm.empty()) out_.run = empty_run(scenario_, "boards", 0);  // power never came
+    if (out_.run.arm.empty()) out_.run = empty_run(scenario_, "boards", 0);  // the arms were never powered
     cut(out_.run, row_);
     for (const Span& span : spans_)
       out_.run.phases.push_back(

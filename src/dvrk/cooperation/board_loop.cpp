@@ -9,7 +9,7 @@
 namespace veridyn::dvrk {
 namespace {
 
-constexpr double kLooking = 0.1;  // [s] of reading before power is asked for
+constexpr double kLooking = 0.1;  // [s] of reading before power-up
 constexpr double kAfter = 0.02;   // [s] of reading after power went
 constexpr double kJumpShare = 0.5;  // of the largest force: more between two readings is no force
 constexpr double kAtRest = 0.05;  // SafetyLimits::rest_share: of the velocity limits
@@ -96,7 +96,7 @@ void BoardLoop::watch_hold() noexcept {
     if (side.deaf()) arm.known = false;
     if (!side.valid()) continue;
     if (arm.off < 0.0 && !side.powered()) arm.off = time_;
-    if (gives_up_) continue;  // arms give way then
+    if (gives_up_) continue;  // arms yield then
     arm.moved = std::max(arm.moved, (side.tip() - arm.from).norm());
     const bool rests = side.speed() <= kAtRest;
     if (rests && arm.rest < 0.0) arm.rest = time_ - fault_at_;
@@ -213,7 +213,7 @@ bool BoardLoop::power_up() {
   const double until = time_ + options_.power_timeout;
   while (time_ < until) {
     cycle([this] {
-      for (auto& side : sides_) {  // where they stand, before the scenario begins
+      for (auto& side : sides_) {  // initial positions, before the scenario begins
         side->loop().freeze();
         side->act(TipTarget{}, Eigen::Vector3d::Zero(), 0.0, dt_);
       }

@@ -48,16 +48,16 @@ class BoardLoop {
   ///                       carried out.
   void require_feasible(std::size_t p, double begins, const std::string& why) const;
 
-  /// Boards are read, before anything is asked of them.
+  /// Reads the boards for a while before power-up.
   void look();
   /// After look().
   bool power_up();
-  /// Power goes off everywhere, and the boards are asked whether it did.
+  /// Switches power off everywhere, and returns the boards' confirmation.
   OffState power_down();
   void end_serving();
   double clock() { return sides_.front()->link().now(); }
 
-  // All arms are read, `work` is done, all are written. The first arm's link keeps the time.
+  // Reads all arms, calls `work`, writes all arms. The first arm's link provides the time.
   template <typename Work>
   void cycle(Work&& work) {
     double now = clock();
@@ -91,7 +91,7 @@ class BoardLoop {
 
   // The first cause ends the run; later_faults() has the others.
   bool fail(const char* why, int arm, BoardEnd end = BoardEnd::kFault) noexcept;
-  /// The cause in words, with the arm that it is of.
+  /// The cause in words, with the arm concerned.
   std::string cause() const;
   /// Takes the new faults of arm k into the report; the first of all ends the run.
   /// @returns whether there was one.

@@ -10,7 +10,7 @@ namespace veridyn::dvrk {
 namespace {
 
 constexpr double kForceFactor = 1.5;      // of the controller's bound: the supervisor's own
-constexpr double kAgeFactor = 10.0;       // likewise: the controller holds first
+constexpr double kAgeFactor = 10.0;       // the controller stops first
 constexpr double kOverrun = 0.05;         // [s]
 constexpr double kSensorAge = 0.02;       // [s] of positions
 constexpr double kSaturatedSeconds = 0.5;
@@ -143,7 +143,7 @@ void BoardSide::drive(const VectorXd& wanted, const Eigen::Vector3d& exerted, do
 
 BoardSide::News BoardSide::news(double largest_age) noexcept {
   const bool off = session_.boards().state() == PowerState::kFault;
-  // Boards that do not answer cost the others time; they are told to switch off all the same.
+  // Boards that do not answer cost the others time; the switch-off is sent nevertheless.
   if (now_ - heard_ > largest_age && !told_silent_) {
     told_silent_ = true;
     deaf_ = !valid_;

@@ -28,7 +28,7 @@ class LeaderLoop {
     state_.update(q, dq);
     tau_ = gravity_.update(q);
     tau_.noalias() += state_.tip().jacobian().topRows<3>().transpose() * force;
-    // What does not move the tip stays where it is.
+    // Joints that do not move the tip hold their position.
     for (Eigen::Index j = 0; j < q.size(); ++j) {
       if (state_.tip().jacobian().col(j).head<3>().squaredNorm() < kIdle)
         tau_[j] += kIdleStiffness * (rest_[j] - q[j]) - kIdleDamping * dq[j];
@@ -179,7 +179,7 @@ class TeleoperationLoop : private BoardLoop {
     for (std::size_t k = 0; k < sides_.size(); ++k) look_after(k);
     if (why_ != nullptr || holds_) tele_->clutch(false);
     tele_->update(leader().loop().position(), leader().loop().velocity(), force);
-    // Held, the follower must come to rest; the leader is free.
+    // While targets are held the follower must come to rest; the leader is free.
     follower().keeps_still((why_ != nullptr || holds_) && !follower().loop().yields());
     watch_hold();
     follower().act(tele_->follower(), force, force_.age, dt_);
@@ -277,7 +277,7 @@ class TeleoperationLoop : private BoardLoop {
   std::optional<QuinticInterpolator> hand_;
   VectorXd goal_;
   std::optional<ForceSensor> sensor_;
-  std::vector<Sensor> line_;  // none with emulated boards
+  std::vector<Sensor> line_;  // empty with emulated boards
   ForceReading force_;
   MatrixXd rows_;
   std::vector<Span> spans_;

@@ -9,8 +9,8 @@
 
 namespace veridyn::dvrk {
 
-/// Emulated boards of several arms with one world behind their motors, as the loop over boards uses
-/// them. Forces and the hand may be asked and moved from another thread than the serving one.
+/// Emulated boards of several arms with one world behind their motors, for the loop over boards.
+/// Forces and the hand are accessible from other threads.
 class JoinedBoards {
  public:
   virtual ~JoinedBoards() = default;
@@ -18,7 +18,7 @@ class JoinedBoards {
   /// Serves in real time until `stop` is true; with a stepped clock it has nothing to do.
   virtual void run(const std::atomic<bool>& stop) = 0;
 
-  /// True force of a member as it last was [N].
+  /// Latest true force of a member [N].
   virtual double tension(int member) const = 0;
   virtual double rate(int member) const = 0;    ///< [m/s] of its length
   virtual double largest_force() const = 0;     ///< [N] of any member, ever
@@ -29,14 +29,14 @@ class JoinedBoards {
     int arm = -1;
     double stiffness = 0.0, damping = 0.0;
   };
-  /// From now on the hand is there, at `place` [m] in the world.
+  /// Attaches the hand at `place` [m] in the world.
   virtual void take_by_hand(const Hand& hand, const Eigen::Vector3d& place) = 0;
-  virtual void lead(const Eigen::Vector3d& place) = 0;  ///< The hand goes there.
+  virtual void lead(const Eigen::Vector3d& place) = 0;  ///< Moves the hand.
   virtual Eigen::Vector3d hand_force() const = 0;       ///< [N] on the arm, in the world
 
-  /// Called after each step of the world, by the thread that serves. Before that begins.
+  /// Sets a function that the serving thread calls after each step of the world. Call it before serving.
   virtual void watch(std::function<void(const EmulatedInstant&)> watcher) = 0;
-  /// From now on the fault is there.
+  /// Activates the fault.
   virtual void break_down(const EmulatedFault& fault) noexcept = 0;
 };
 

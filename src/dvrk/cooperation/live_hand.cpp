@@ -84,7 +84,7 @@ std::string LiveHand::objection(const LiveCommand& command, const Shown& now) {
   return one == nullptr ? "" : plan_->take(std::move(state), *one);
 }
 
-// A jog goes on for as long as the next half second can be planned.
+// A jog continues while the next half second can be planned.
 void LiveHand::plan_jog(const Shown& now) {
   if (!plan_ || now.time < planned_ + kJogAhead) return;
   planned_ = now.time;

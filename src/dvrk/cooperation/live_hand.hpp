@@ -60,7 +60,7 @@ class LiveHand {
   long refused() const { return refused_by_words_.load() + refused_; }
 
  private:
-  static constexpr std::size_t kRoom = 64;  // commands on their way to the loop
+  static constexpr std::size_t kRoom = 64;  // capacity for commands that wait for the loop
   struct Shown {
     double time = 0.0;
     std::optional<MotionPlan::State> plan;

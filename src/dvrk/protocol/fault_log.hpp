@@ -6,7 +6,7 @@
 
 namespace veridyn::dvrk {
 
-/// What an adapter must notice, with the numbers of section 17.
+/// Conditions that an adapter must detect, with the numbers of section 17.
 enum class Condition : std::uint8_t {
   kNoReply = 1,
   kWrongSize = 2,
@@ -51,11 +51,11 @@ int number_in_section_17(Condition condition);
 /// A few words each: "no reply in time".
 const char* describe(Condition condition);
 
-/// What FaultEntry::value means, in the unit of the condition: "71.5 deg C", "pot 0.02 V",
-/// "status 0x46bf0000".
+/// FaultEntry::value as text, in the unit of the condition: "71.5 deg C", "pot 0.02 V", "status
+/// 0x46bf0000".
 std::string describe_found(Condition condition, std::uint32_t value);
 
-/// One condition's history.
+/// History of one condition.
 struct FaultEntry {
   long count = 0;
   double last = 0.0;        ///< [s] of the link's clock
@@ -73,7 +73,7 @@ class FaultLog {
   long count(Condition condition) const { return (*this)[condition].count; }
   void clear() noexcept { *this = FaultLog(); }
 
-  /// One line for each condition that occurred; empty if none did.
+  /// Text: one line for each condition that occurred; empty if none did.
   std::string report() const;
 
  private:

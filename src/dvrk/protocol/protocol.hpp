@@ -126,7 +126,7 @@ constexpr std::size_t write_quadlets(int firmware) {
 constexpr std::size_t hub_quadlets(int firmware) {
   return 1 + read_quadlets(firmware);
 }
-/// Boards whose blocks may stand in one broadcast: 4-6, 7, 8-9 (sections 5 and 17 #11).
+/// Boards whose blocks may share one broadcast: 4-6, 7, 8-9 (sections 5 and 17 #11).
 constexpr int firmware_group(int firmware) {
   return firmware >= 8 ? 8 : firmware == 7 ? 7 : 6;
 }

@@ -6,7 +6,7 @@
 
 namespace veridyn::dvrk {
 
-/// The status register as it is read: section 7.2. Channels count from 0.
+/// The status register: section 7.2. Channels count from 0.
 struct Status {
   std::uint32_t word = 0;
 
@@ -49,7 +49,7 @@ struct DigitalInputs {
   unsigned outputs() const { return ~(word >> 12) & 0xFU; }
 };
 
-/// What to write to register 6 for logical values: the hardware inverts (section 13).
+/// Value of register 6 for logical outputs: the hardware inverts (section 13).
 constexpr std::uint32_t digital_output_word(unsigned mask, unsigned values) {
   return ((mask & 0xFU) << 8) | (~values & mask & 0xFU);
 }

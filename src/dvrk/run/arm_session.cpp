@@ -132,7 +132,7 @@ void ArmSession::start() {
   homing_ = {};
   require_velocities();
   if (!boards_.listens()) require_own_boards();
-  // Encoders that cannot be loaded stand where they stand.
+  // Encoders that cannot be loaded keep their counts.
   homed_ = !robot().has_encoder_preload || !needs_homing();
   if (homed_ || options_.homing == Homing::kNever || boards_.listens()) return;
   home();
@@ -274,7 +274,7 @@ std::string ArmSession::load_encoders(const VectorXd& actuator_q) {
         actuator_q[static_cast<Eigen::Index>(k)] / robot().actuators[k].bits_to_position;
     if (!(std::abs(counts) < kEncoderZero - 1.0))
       return text("actuator ", k, " stands at ", counts, " counts, more than 24 bits");
-    // Zero counts would look like "never loaded" to whoever asks next: one count instead.
+    // Zero counts would look uninitialised to the next client: one count instead.
     const std::int32_t loaded = encoder_counts(words[k]) == 0 ? 1 : encoder_counts(words[k]);
     if (!boards_.preload(sockets_[k].place, sockets_[k].channel, loaded))
       return text("the encoder of actuator ", k, " does not take its preload");

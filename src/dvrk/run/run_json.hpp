@@ -10,12 +10,12 @@
 
 namespace veridyn::dvrk {
 
-/// What a client's command did: rows, why it ended, timing of the loop [s], every condition of
-/// section 17 that occurred, with its number there.
+/// JSON of a client's command: rows, reason for the end, timing of the loop [s], every condition of
+/// section 17 that occurred, with its number.
 std::string to_json(const RunResult& run, const FaultLog& faults, const std::string& command,
                     const std::string& arm);
 
-/// What a command counted, by name.
+/// Counters of a command, by name.
 std::string to_json(const std::vector<std::pair<std::string, std::int64_t>>& counts,
                     const std::string& command, const std::string& arm);
 

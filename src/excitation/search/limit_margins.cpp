@@ -30,7 +30,8 @@ std::pair<double, double> range_of(const VectorXd& v, bool periodic) {
   return {low, high};
 }
 
-// Of every signal that has a limit; `range` gives the least and the largest value of one.
+// Margins of every signal with a limit; `range` gives the smallest and the largest value of a
+// signal.
 template <typename Range>
 std::vector<LimitMargin> margins_of(const LimitSignals& signals, const Range& range) {
   std::vector<LimitMargin> out;

@@ -16,7 +16,7 @@ constexpr int kStages = 2;
 /// Result of one start.
 struct Found {
   std::vector<VectorXd> ends;  ///< final points of its descents; empty: no motion within the limits
-  bool converged = false;      ///< the last descent
+  bool converged = false;      ///< the last descent converged
   long evaluations = 0;
   VectorXd start;    ///< the first random motion
   VectorXd nearest;  ///< the motion with the smallest violation, where none keeps the limits

@@ -9,7 +9,7 @@ namespace {
 using Column = std::vector<double>;
 
 constexpr std::size_t kFewestSamples = 500;  // fewer would distort a curve
-constexpr std::size_t kNumbers = 330000;     // on a page; about 2.7 bytes each
+constexpr std::size_t kNumbers = 330000;     // numbers on a page at most; about 2.7 bytes each
 constexpr std::size_t kColumns = 6;          // per joint: q, dq, ddq and three torques
 constexpr double kSteps = 65533.0;           // between the ends of a packed column
 constexpr unsigned kMissing = 65535;
