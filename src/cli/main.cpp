@@ -24,6 +24,7 @@ ExitStatus run(int argc, char** argv) {
   add_check_command(tool, outcome);
   add_identify_command(tool, outcome);
   add_diagnose_command(tool, outcome);
+  add_friction_command(tool, outcome);
   add_fleet_command(tool, outcome);
   add_payload_command(tool, outcome);
   add_calibrate_command(tool, outcome);

@@ -518,18 +518,21 @@ Identification identify_compressed(const Model& file, std::vector<CompressedReco
 
 namespace {
 
-// The same fit with those noisy velocities from the position that the torques want so.
-Identification with_chosen_velocities(const Model& arm, Identification id, const VelocityTrust& trust,
+// The same fit with those velocities from the position that the torques want so.
+Identification with_chosen_velocities(const Model& arm, Identification id,
                                       const std::vector<std::string>& train,
                                       const std::vector<std::string>& test,
                                       IdentificationOptions how) {
-  if (trust.doubtful.empty() || !id.model) return id;
+  if (!id.model) return id;
+  const VelocityTrust trust = trust_in_velocities(arm, train, how);
+  std::set<int> doubted = trust.doubtful;
+  doubted.insert(trust.wrong.begin(), trust.wrong.end());
   for (const RecordingError& r : id.train) how.preprocessing.known_periods.emplace(r.source, r.period);
-  VelocityChoice choice = choose_velocities(id, trust.doubtful, kVelocityGain, [&](std::set<int> joints) {
-    joints.insert(trust.wrong.begin(), trust.wrong.end());
-    derive_velocities(joints, how);
-    return identify_named(arm, train, test, how);
-  });
+  VelocityChoice choice =
+      choose_velocities(id, doubted, kVelocityGain, [&](const std::set<int>& joints) {
+        derive_velocities(joints, how);
+        return identify_named(arm, train, test, how);
+      });
   if (!choice.fit) return id;
   for (const int j : choice.better) {
     const std::string& name = arm.coordinates()[static_cast<size_t>(j)].name;
@@ -546,10 +549,8 @@ Identification identify(const Model& arm, const Recordings& train, const Recordi
                         const IdentificationOptions& options) {
   NamedRecordings<IdentificationOptions> named(train, test, options);
   keep_recordings(named.how, KeptRecordings::kFewPasses);
-  const VelocityTrust trust = leave_wrong_velocities_out(arm, named.train, named.test, named.how);
   Identification id = identify_named(arm, named.train, named.test, named.how);
-  id = with_chosen_velocities(arm, std::move(id), trust, named.train, named.test, named.how);
-  for (std::string& remark : remarks_on(trust.wrong, arm)) id.remarks.push_back(std::move(remark));
+  id = with_chosen_velocities(arm, std::move(id), named.train, named.test, named.how);
   forget_recordings(id);
   return id;
 }

@@ -265,9 +265,9 @@ Identification evaluate(const Model& arm, const Recordings& train, const Recordi
                         const IdentificationOptions& options) {
   NamedRecordings<IdentificationOptions> named(train, test, options);
   keep_recordings(named.how, KeptRecordings::kFewPasses);
-  const VelocityTrust trust = leave_wrong_velocities_out(arm, named.train, named.test, named.how);
+  const std::set<int> wrong = leave_wrong_velocities_out(arm, named.train, named.test, named.how);
   Identification id = evaluate_named(arm, named.train, named.test, named.how);
-  for (std::string& remark : remarks_on(trust.wrong, arm)) id.remarks.push_back(std::move(remark));
+  for (std::string& remark : remarks_on(wrong, arm)) id.remarks.push_back(std::move(remark));
   forget_recordings(id);
   return id;
 }

@@ -79,18 +79,23 @@ void derive_velocities(const std::set<int>& joints, IdentificationOptions& how) 
     how.test_preprocessing->derive_velocity_of = how.preprocessing.derive_velocity_of;
 }
 
-VelocityTrust leave_wrong_velocities_out(const Model& arm, const std::vector<std::string>& train,
-                                         const std::vector<std::string>& test,
-                                         IdentificationOptions& how) {
+VelocityTrust trust_in_velocities(const Model& arm, const std::vector<std::string>& recordings,
+                                  const IdentificationOptions& how) {
   const PreprocessingOptions& from = how.preprocessing;
   if (!how.choose_velocities || from.velocity != VelocitySource::kRecorded ||
       from.filtering != Filtering::kMatched || !from.derive_velocity_of.empty())
     return {};
-  VelocityTrust out = trust_in_velocities(glance_at(arm, train, from, how.threads));
-  out.wrong.merge(trust_in_velocities(glance_at(arm, test, how.test_preprocessing.value_or(from), how.threads)).wrong);
-  for (const int joint : out.wrong) out.doubtful.erase(joint);
-  derive_velocities(out.wrong, how);
-  return out;
+  return trust_in_velocities(glance_at(arm, recordings, from, how.threads));
+}
+
+std::set<int> leave_wrong_velocities_out(const Model& arm, const std::vector<std::string>& train,
+                                         const std::vector<std::string>& test,
+                                         IdentificationOptions& how) {
+  std::vector<std::string> all = train;
+  all.insert(all.end(), test.begin(), test.end());
+  const std::set<int> wrong = trust_in_velocities(arm, all, how).wrong;
+  if (!wrong.empty()) derive_velocities(wrong, how);
+  return wrong;
 }
 
 std::vector<std::string> remarks_on(const std::set<int>& wrong, const Model& arm) {

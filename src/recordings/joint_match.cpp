@@ -1,10 +1,10 @@
-#include "math/words.hpp"
 #include "recordings/joint_match.hpp"
 
 #include <algorithm>
 #include <optional>
 #include <set>
 
+#include "math/words.hpp"
 #include "recordings/signals/joint_fields.hpp"
 #include "veridyn/math/require.hpp"
 #include "model/suggestion.hpp"
@@ -79,7 +79,7 @@ std::vector<int> match_joints(const std::vector<std::string>& wanted,
             "; it has ", listed(recorded), ".");
     if (found != recorded.end()) take(j, static_cast<std::size_t>(found - recorded.begin()));
   }
-  const bool numbers = std::all_of(recorded.begin(), recorded.end(), mere_number);
+  const bool numbers = std::all_of(recorded.begin(), recorded.end(), is_number);
   for (std::size_t j = 0; j < wanted.size(); ++j) {
     if (out[j] >= 0 || numbers) continue;
     const Words words = telling_words(wanted[j]);

@@ -8,8 +8,8 @@
 namespace veridyn {
 
 /// Joints (from 0) whose recorded velocities the quality of these recordings doubts. The one rule of
-/// all rooms: what is `wrong` is not used, by anybody; what is `doubtful` is used unless a fit
-/// predicts the torque better without.
+/// all rooms: what is `wrong` is not used; what is `doubtful` is used unless a fit predicts the torque
+/// better without. identify() lets its fit decide of both.
 struct VelocityTrust {
   std::set<int> wrong;     ///< no derivative of the position: another scale, biased steps, late
   std::set<int> doubtful;  ///< noisier than the derivative of the position

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "breakaway_ramps.hpp"
 #include "math/median.hpp"
 #include "math/numbers.hpp"
+#include "recordings/breakaway_ramps.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn {
@@ -105,27 +105,28 @@ Breakaway breakaway(Engine& engine, const Model& arm, const ReplayInput& input,
           "breakaway: found ", rows, " x ", input.motion.joints(), " positions and ",
           input.tau.rows(), " x ", input.tau.cols(), " efforts, expected rows of ", arm.joints(),
           " joints of both.");
-  const bool slides = arm.coordinates()[static_cast<size_t>(joint)].prismatic;
-  const double way = options.way > 0.0 ? options.way : slides ? 1e-3 : 1e-2;
-  const double speed = options.speed > 0.0 ? options.speed : slides ? 5e-3 : 5e-2;
+  RampThresholds limit = ramp_thresholds(arm.coordinates()[static_cast<size_t>(joint)]);
+  if (options.way > 0.0) limit.way = options.way;
+  if (options.speed > 0.0) limit.speed = options.speed;
+  limit.rest = options.rest;
   const VectorXd& time = input.motion.time;
   const PidGains gains = sensible_gains(arm);
   Breakaway out;
   out.joint = joint;
-  out.speed = speed;
+  out.speed = limit.speed;
   out.simulated_q = VectorXd::Constant(rows, kNaN);
   std::vector<double> recorded[2];
   std::vector<double> simulated[2];
   const VectorXd q = input.motion.q.col(joint);
   const VectorXd tau = input.tau.col(joint);
   for (const Ramp& ramp : find_ramps(arm.coordinates()[static_cast<size_t>(joint)], time, q, tau,
-                                     {way, speed, options.rest})) {
+                                     limit)) {
     BreakawayEvent event;
     event.rest_from = time[ramp.rest] - time[0];
     event.recorded_at = time[ramp.onset] - time[0];
     event.direction = q[ramp.onset] > q[ramp.rest] ? 1 : -1;
     event.recorded = effort_at(time, tau, ramp.onset);
-    Push(engine, input, gains, joint).run(ramp, speed, event, out);
+    Push(engine, input, gains, joint).run(ramp, limit.speed, event, out);
     const size_t side = event.direction > 0 ? 0 : 1;
     recorded[side].push_back(event.recorded);
     simulated[side].push_back(event.simulated);

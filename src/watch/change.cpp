@@ -331,7 +331,7 @@ void ChangeFinder::name(const std::vector<Score>& scores, double now) {
 void ChangeFinder::push_is_over(const Push& push, double now) {
   const Change c = *open_;
   open_.reset();
-  const int j = std::max(push.last_joint, 0);
+  const int j = push.last_joint ? push.last_joint->value : 0;
   const Coordinate& joint = arm_.coordinates()[static_cast<size_t>(j)];
   WatchEvent e = event(c, now - push.to < kPushEnds ? WatchStage::kNamed : WatchStage::kOver, now);
   e.cause = ExternalContact{{j}};

@@ -176,11 +176,11 @@ Push best_push(const std::deque<WhiteStep>& steps, const std::vector<int>& offse
         best.from = steps[o].time;
         best.to = steps[k].time;
         best.torque = all_b.cwiseQuotient(all_A.cwiseMax(kNothing));
-        best.last_joint = -1;
+        best.last_joint.reset();
         const VectorXd share = all_b.cwiseAbs2().cwiseQuotient(all_A.cwiseMax(kNothing));
         for (size_t j = 0; j < n; ++j)
           if (share[static_cast<Eigen::Index>(j)] > std::max(price, kActive * share.maxCoeff()))
-            best.last_joint = static_cast<int>(j);
+            best.last_joint = JointIndex{static_cast<int>(j)};
       }
       if (!whole) continue;
       if (settled + open <= 0.0) break;  // no gain so far: a later onset is equivalent

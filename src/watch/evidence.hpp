@@ -47,7 +47,7 @@ class Quantiles {
 
 /// Evidence of the steps since an alarm for one hypothesis.
 struct Score {
-  int hypothesis = -1;
+  int hypothesis = 0;
   double gain = 0.0;    ///< twice the log-likelihood ratio to "nothing changed"
   double onset = 0.0;   ///< [s]
   std::vector<int> columns;  ///< the hypothesis' own, then its companions'
@@ -62,7 +62,7 @@ struct Score {
 struct Push {
   double gain = 0.0, from = 0.0, to = 0.0;
   VectorXd torque;  ///< (n) mean
-  int last_joint = -1;
+  std::optional<JointIndex> last_joint;  ///< the one nearest to the tool that it moves
 };
 
 /// The best onset of a hypothesis among the steps from `earliest` to `latest` [s].

@@ -263,6 +263,20 @@ TEST_F(Stages, EveryRecordingIsOpenedAndParsedOnce) {
   EXPECT_EQ(files_opened() - opened, 3);
 }
 
+// However many questions are asked, a recording is resampled and filtered once for each setting: to be
+// fitted, as recorded to be predicted, and with filtered signals for the constants of the robot file.
+TEST_F(Stages, EveryRecordingIsPreparedOnceForEachSetting) {
+  std::vector<std::string> train;
+  for (unsigned k = 1; k <= 2; ++k) train.push_back(record(k, {"quadratic_drag:elbow"}));
+  const std::string test = record(3, {"quadratic_drag:elbow"});
+  DiagnosisOptions options;
+  options.identification.threads = 2;
+  const long before = recordings_prepared();
+  const Diagnosis d = diagnose(read_model("planar-2r"), train, {test}, options);
+  EXPECT_FALSE(d.findings.empty());
+  EXPECT_LE(recordings_prepared() - before, 9);
+}
+
 TEST_F(Stages, AnIdentificationOpensEveryRecordingOnce) {
   const std::vector<std::string> files = {record(1, {}), record(2, {}), record(3, {})};
   const long before = files_opened();

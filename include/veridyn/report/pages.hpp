@@ -5,6 +5,7 @@
 
 #include "veridyn/comparison/model_comparison.hpp"
 #include "veridyn/diagnosis/diagnosis.hpp"
+#include "veridyn/diagnosis/friction_study.hpp"
 #include "veridyn/diagnosis/payload.hpp"
 #include "veridyn/excitation/excitation.hpp"
 #include "veridyn/identification/fleet.hpp"
@@ -43,6 +44,8 @@ std::string result_page(const std::string& title, const std::string& result,
 std::string to_page(const RobotInfo& info, const std::string& command = "");
 std::string to_page(const std::vector<RecordingQuality>& recordings, const std::string& command = "");
 std::string to_page(const PayloadReport& report, const std::string& command = "");
+/// @param arm  whose joints are named; null: those that move.
+std::string to_page(const FrictionStudy& study, const std::string& command = "", const Model* arm = nullptr);
 std::string to_page(const ModelComparison& comparison, const std::string& command = "");
 std::string to_page(const Fleet& fleet, const std::string& command = "");
 

@@ -40,9 +40,6 @@ struct Breakaway {
   std::string report(const Coordinate& joint, const std::string& recording) const;
 };
 
-/// The mean effort over a tenth of a second around row k.
-double effort_at(const VectorXd& time, const VectorXd& tau, Eigen::Index k);
-
 /// Breakaway efforts of one joint in a recording of slow ramps, that is the efforts at which it
 /// starts to slide, and those of a model under the same efforts: the model starts from each rest at
 /// the recorded position, receives the recorded efforts on this joint, and a PID holds its other

@@ -15,6 +15,7 @@
 #include "veridyn/model/model_file.hpp"
 #include "veridyn/report/diagnosis_json.hpp"
 #include "veridyn/report/pages.hpp"
+#include "veridyn/report/setting_names.hpp"
 
 namespace veridyn::cli {
 namespace {

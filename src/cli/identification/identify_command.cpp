@@ -17,8 +17,8 @@
 #include "veridyn/model/model_file.hpp"
 #include "veridyn/report/pages.hpp"
 #include "veridyn/report/json.hpp"
-#include "identification/velocity_choice.hpp"
 #include "recordings/named_recordings.hpp"
+#include "veridyn/report/setting_names.hpp"
 
 namespace veridyn::cli {
 namespace {
@@ -119,11 +119,10 @@ Identification identified(const IdentifyRequest& request, const Model& arm,
                           const IdentificationOptions& options) {
   if (request.factors.empty() && request.factor_out.empty())
     return identify(arm, request.train, request.test, options);
-  IdentificationOptions how = options;
-  leave_wrong_velocities_out(arm, request.train, request.test, how);
-  const FactorSet factors = compressed(request, arm, how);
+  const FactorSet factors = compressed(request, arm, options);
   const bool all_in = !request.factor_out.empty();
-  return identify(arm, factors, all_in ? std::vector<std::string>() : request.train, request.test, how);
+  return identify(arm, factors, all_in ? std::vector<std::string>() : request.train, request.test,
+                  options);
 }
 
 void write_results(const IdentifyRequest& request, const Identification& id,

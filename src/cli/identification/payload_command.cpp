@@ -58,7 +58,10 @@ void add_payload_command(CLI::App& tool, Outcome& outcome) {
   add_robot_options(command, request->common);
   add_common_options(command, request->common);
   add_report_option(command, request->common);
-  command.callback([request, &outcome] { outcome.status = run(*request, outcome.command_line); });
+  command.callback([request, &command, &outcome] {
+    request->options.choose_velocities = command.count("--velocity") == 0;
+    outcome.status = run(*request, outcome.command_line);
+  });
 }
 
 }  // namespace veridyn::cli

@@ -16,6 +16,7 @@
 #include "cli/options/sound_arguments.hpp"
 #include "math/output_file.hpp"
 #include "veridyn/math/require.hpp"
+#include "veridyn/report/setting_names.hpp"
 
 namespace veridyn::cli {
 namespace {

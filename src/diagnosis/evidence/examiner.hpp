@@ -13,7 +13,7 @@ namespace veridyn {
 
 /// Evidence of the data for one hypothesis beside those already accepted.
 struct Evidence {
-  int hypothesis = -1;
+  int hypothesis = 0;
   double gain = 0.0;        ///< d: fall of the sum over joints of ln(held-out mean square error)
   bool consistent = false;  ///< the folds improve, of four or more all but one
   bool lasting = false;     ///< they do, or by their signed ranks they do beyond chance

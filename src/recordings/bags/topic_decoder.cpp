@@ -1,10 +1,10 @@
-#include "math/words.hpp"
 #include "recordings/bags/topic_decoder.hpp"
 
 #include <algorithm>
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "math/words.hpp"
 #include "recordings/files/byte_reader.hpp"
 #include "recordings/signals/joint_fields.hpp"
 #include "veridyn/math/require.hpp"

@@ -5,6 +5,8 @@
 #include <map>
 #include <set>
 
+#include "math/words.hpp"
+
 namespace veridyn::recordings {
 namespace {
 
@@ -167,5 +169,4 @@ RawField field_of(const std::string& path) {
   return field;
 }
 
-}  // namespace veridyn::recordings#include "math/words.hpp"
-
+}  // namespace veridyn::recordings

@@ -139,6 +139,13 @@ std::string to_page(const PayloadReport& report, const std::string& command) {
   return result_page(report.robot + ": payload", to_json(report), report.report(), command);
 }
 
+std::string to_page(const FrictionStudy& study, const std::string& command, const Model* arm) {
+  const Model* joints = arm == nullptr && study.fitted.model ? &*study.fitted.model : arm;
+  Json series = joints != nullptr ? series_of(command, *joints) : series_of(command);
+  series["arms"] = Json::array();  // nothing here moves
+  return html_page(study.robot + ": friction", to_json(study), series, study.report());
+}
+
 std::string to_page(const ModelComparison& found, const std::string& command) {
   return result_page(found.robot + ": compared", to_json(found), found.report(), command);
 }

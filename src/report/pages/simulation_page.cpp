@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "recordings/breakaway_ramps.hpp"
 #include "report/json/json_value.hpp"
 #include "report/pages/page.hpp"
 #include "report/pages/page_series.hpp"

@@ -134,11 +134,13 @@ pages.fleet = () => {
 
 pages.friction = () => {
   const joints = result.joints || [];
-  const curves = joints.map((j, k) => ({joint: j.joint || k + 1, ...(j.curve || {})})).filter((c) => Array.isArray(c.velocity) && c.velocity.length);
+  const curves = joints.map((j, k) => ({joint: j.joint || k + 1, speeds: j.speeds || [], breakaways: j.breakaways || [], ...(j.curve || {})})).filter((c) => Array.isArray(c.velocity) && c.velocity.length);
   const figure = (c, size) => chart({
     name: 'friction', joint: c.joint, title: jointName(c.joint), x: {name: 'velocity'}, y: {name: (series.joints[c.joint - 1] || {}).torque_unit || 'torque'}, ...size, marks: [
       {kind: 'band', name: '95 %', colour: 'extended', points: (c.interval || []).map((band, k) => Array.isArray(band) ? [c.velocity[k], band[0], band[1]] : [c.velocity[k], c.torque[k] - band, c.torque[k] + band])},
-      {kind: 'line', name: 'friction', colour: 'extended', width: 2.2, points: c.velocity.map((v, k) => [v, c.torque[k]])}]});
+      {kind: 'line', name: 'friction', colour: 'extended', width: 2.2, points: c.velocity.map((v, k) => [v, c.torque[k]])},
+      {kind: 'dots', name: 'constant speeds', colour: 'measured', width: 6, opacity: 0.9, points: c.speeds.map((s) => [s.velocity, s.torque])},
+      {kind: 'dots', name: 'breakaways', colour: 'bad', width: 5, points: c.breakaways.map((b) => [0, b.torque])}]});
   const verdict = (v) => typeof v === 'string' ? v : v.sentence || words(v.effect || v.name || '') + (v.verdict || v.state ? ': ' + words(v.verdict || v.state) : '');
   return {
     title: result.robot || 'Friction', kind: 'Friction', facts: [countOf(curves.length, 'joint')], lead: 'Friction of ' + countOf(curves.length, 'joint') + ' against speed.',

@@ -21,10 +21,19 @@ struct RampThresholds {
   double rest;   ///< [s]
 };
 
+/// What they are where nothing else is asked for: 10 mrad or 1 mm, 50 mrad/s or 5 mm/s, 0.5 s.
+RampThresholds ramp_thresholds(const Coordinate& joint);
+
 /// The ramps of a joint: rests that end in sliding. A jump of the position (a new start) ends a
 /// ramp; a leap of the effort begins a new one. Ramps start low: rests with an effort above 60 % of
 /// the onset are pauses. Rests against an end stop are excluded.
 std::vector<Ramp> find_ramps(const Coordinate& joint, const VectorXd& time, const VectorXd& q,
                              const VectorXd& tau, const RampThresholds& limit);
+
+/// Share of the rows at which the joint slides, by its positions a tenth of a second apart.
+double sliding_share(const VectorXd& time, const VectorXd& q, double speed);
+
+/// The mean effort of a tenth of a second around row k.
+double effort_at(const VectorXd& time, const VectorXd& tau, Eigen::Index k);
 
 }  // namespace veridyn

@@ -1,9 +1,7 @@
-#include "breakaway_ramps.hpp"
+#include "recordings/breakaway_ramps.hpp"
 
 #include <algorithm>
 #include <cmath>
-
-#include "veridyn/simulation/breakaway.hpp"
 
 namespace veridyn {
 namespace {
@@ -71,9 +69,20 @@ bool is_ramp(const Coordinate& joint, const VectorXd& time, const VectorXd& q, c
 
 }  // namespace
 
+double sliding_share(const VectorXd& time, const VectorXd& q, double speed) {
+  const Ramp all{0, 0, q.size()};
+  double rows = 0.0;
+  for (Eigen::Index k = 0; k < q.size(); ++k) rows += slides(time, q, all, k, speed) ? 1.0 : 0.0;
+  return rows / static_cast<double>(std::max<Eigen::Index>(1, q.size()));
+}
+
 double effort_at(const VectorXd& time, const VectorXd& tau, Eigen::Index k) {
   const Window w = window(time, k, 0, tau.size());
   return tau.segment(w.from, w.to - w.from + 1).mean();
+}
+
+RampThresholds ramp_thresholds(const Coordinate& joint) {
+  return joint.prismatic ? RampThresholds{1e-3, 5e-3, 0.5} : RampThresholds{1e-2, 5e-2, 0.5};
 }
 
 std::vector<Ramp> find_ramps(const Coordinate& joint, const VectorXd& time, const VectorXd& q,
