@@ -16,7 +16,7 @@
 namespace veridyn {
 namespace {
 
-// The joints that travel in any of the recordings, and where the others are held.
+// Splits the joints into those that travel in any recording and those that are held at a position.
 struct Travel {
   std::vector<int> moving;
   std::map<std::string, double> held;
@@ -65,7 +65,7 @@ MatrixXd torque_of(const Model& arm, const Recording& r) {
   return tau;
 }
 
-// Friction and offsets are open, bodies of a MODEL are facts.
+// Frees friction and offsets for identification; bodies of a MODEL stay fixed.
 Model with_open_friction(const Model& arm) {
   ModelDescription d = arm.description();
   d.identified.reset();
@@ -140,7 +140,7 @@ void add_breakaways(const Model& arm, const Recording& r, int joint,
   }
 }
 
-// Means over all stretches of nearly constant speed, those of like speed together.
+// Averages friction over the stretches of nearly constant speed; those of like speed are pooled.
 std::vector<FrictionAtSpeed> speeds_of(const Identification& id, const FrictionCurve& curve) {
   struct Run {
     FrictionAtSpeed mean;

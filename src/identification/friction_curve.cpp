@@ -14,7 +14,8 @@ constexpr int kRun = 60;            // steps that friction with a memory slides 
 constexpr double kRunSeconds = 2.0;
 constexpr double kNormal95 = 1.96;  // standard deviations of a normal interval
 
-// The friction of one joint that slides steadily; the parameters' columns where they are asked for.
+// Friction of one joint in steady sliding. `columns`, unless null, receives its derivatives by the
+// parameters.
 double friction_at(std::vector<BoundEffect>& effects, int joint, double speed, double q, double load,
                    VectorXd* columns) {
   double torque = 0.0;
@@ -41,8 +42,8 @@ double friction_at(std::vector<BoundEffect>& effects, int joint, double speed, d
   return torque;
 }
 
-// Rows of F by parameter, where F F' is their covariance: those of the jackknife where a parameter
-// is told by itself, else its own standard deviation in a column of its own.
+// Factor F of the parameters' covariance F F', one row per parameter: the jackknife's scatter if
+// the parameter is identifiable by itself, else its standard deviation in a column of its own.
 MatrixXd scatter_of(const Identification& id, const std::vector<std::string>& names) {
   const auto& identified = id.model->description().identified;
   const auto count = static_cast<Eigen::Index>(names.size());

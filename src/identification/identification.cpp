@@ -518,7 +518,8 @@ Identification identify_compressed(const Model& file, std::vector<CompressedReco
 
 namespace {
 
-// The same fit with those velocities from the position that the torques want so.
+// Repeats the fit with velocities derived from the position for those doubted joints at which that
+// predicts the torque better.
 Identification with_chosen_velocities(const Model& arm, Identification id,
                                       const std::vector<std::string>& train,
                                       const std::vector<std::string>& test,

@@ -46,13 +46,14 @@ std::vector<RecordingQuality> glance_at(const Model& arm, const std::vector<std:
 /// Takes the velocities of these joints from the position, in training and in held-out recordings.
 void derive_velocities(const std::set<int>& joints, IdentificationOptions& how);
 
-/// Velocities that the first rows of these recordings show to be wrong. Empty if the choice was made
-/// already: a source of the velocities, joints, filtered signals, or how.choose_velocities is off.
+/// Judges the velocities by the first rows of these recordings. Empty if the choice was made already:
+/// a source of the velocities, joints, filtered signals, or how.choose_velocities is off.
 VelocityTrust trust_in_velocities(const Model& arm, const std::vector<std::string>& recordings,
                                   const IdentificationOptions& how);
 
-/// Derives the wrong velocities of any of these recordings from the position from now on.
-/// @returns  their joints.
+/// Replaces the velocities of a joint by those derived from its position, in `how`, if the velocities
+/// of any of these recordings are wrong (trust_in_velocities).
+/// @returns  the joints concerned.
 std::set<int> leave_wrong_velocities_out(const Model& arm, const std::vector<std::string>& train,
                                          const std::vector<std::string>& test,
                                          IdentificationOptions& how);

@@ -21,7 +21,7 @@ struct RampThresholds {
   double rest;   ///< [s]
 };
 
-/// What they are where nothing else is asked for: 10 mrad or 1 mm, 50 mrad/s or 5 mm/s, 0.5 s.
+/// Default thresholds: 10 mrad or 1 mm, 50 mrad/s or 5 mm/s, 0.5 s.
 RampThresholds ramp_thresholds(const Coordinate& joint);
 
 /// The ramps of a joint: rests that end in sliding. A jump of the position (a new start) ends a

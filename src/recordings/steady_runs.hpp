@@ -17,15 +17,15 @@ struct SteadyRun {
 /// @param time  [s], growing. @param dq  as many speeds.
 std::vector<SteadyRun> steady_runs(const std::vector<double>& time, const std::vector<double>& dq);
 
-/// True where two speeds differ by less than a tenth.
+/// True if two speeds differ by less than a tenth.
 bool same_speed(double a, double b);
 
-/// True where a joint travels far enough for its friction to show: 20 mrad or 2 mm. A joint that is
-/// held gives by less while its neighbours accelerate.
+/// True if a joint travels far enough for its friction to be measured: 20 mrad or 2 mm. A held
+/// joint yields by less than that while its neighbours accelerate.
 bool travels(double from, double to, bool prismatic);
 
-/// The place at which such a joint is held, to 10 mrad or 1 mm: a hair's breadth of tilt would be one
-/// more parameter that no motion tells.
+/// Position at which a joint that does not travel is held, rounded to 10 mrad or 1 mm: an axis
+/// tilted by less would add an unidentifiable parameter.
 double held_at(double position, bool prismatic);
 
 }  // namespace veridyn

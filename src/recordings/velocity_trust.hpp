@@ -7,16 +7,16 @@
 
 namespace veridyn {
 
-/// Joints (from 0) whose recorded velocities the quality of these recordings doubts. The one rule of
-/// all rooms: what is `wrong` is not used; what is `doubtful` is used unless a fit predicts the torque
-/// better without. identify() lets its fit decide of both.
+/// Joints (from 0) whose recorded velocities failed a quality check. One rule holds in all
+/// commands: a `wrong` velocity is not used; a `doubtful` one is used unless a fit predicts the
+/// torque better without it. identify() decides by its fit in both cases.
 struct VelocityTrust {
   std::set<int> wrong;     ///< no derivative of the position: another scale, biased steps, late
   std::set<int> doubtful;  ///< noisier than the derivative of the position
 };
 VelocityTrust trust_in_velocities(const std::vector<RecordingQuality>& recordings);
 
-/// The finding makes its joint's velocity a wrong one.
+/// True if the finding means that its joint's velocity is wrong.
 bool makes_velocity_wrong(const QualityFinding& finding);
 
 }  // namespace veridyn

@@ -9,8 +9,8 @@
 
 namespace veridyn {
 
-/// What was measured at one speed: all stretches of nearly constant speed whose means lie within a
-/// tenth of each other.
+/// Friction measured at one speed: the mean over all stretches of nearly constant speed whose mean
+/// speeds differ by less than a tenth.
 struct FrictionAtSpeed {
   double velocity = 0.0;   ///< mean [rad/s], [m/s]
   double torque = 0.0;     ///< measured torque without that of bodies and offset [N m], [N]
@@ -19,7 +19,7 @@ struct FrictionAtSpeed {
   int runs = 0;
 };
 
-/// A rest that ended in sliding under a torque that grew slowly.
+/// One breakaway: the joint rested under a slowly growing torque until it began to slide.
 struct FrictionBreakaway {
   std::string source;
   double time = 0.0;    ///< [s] since the recording began
@@ -35,7 +35,7 @@ enum class FrictionState {
 };
 const char* name_of(FrictionState state);
 
-/// One kind of friction on one joint.
+/// The verdict on one kind of friction (an effect of the catalogue) on one joint.
 struct FrictionVerdict {
   std::string effect;
   FrictionState state = FrictionState::kCannotTell;
@@ -51,11 +51,12 @@ struct JointFrictionStudy {
   std::vector<FrictionAtSpeed> speeds;
   std::vector<FrictionBreakaway> breakaways;
   std::vector<FrictionVerdict> verdicts;
-  /// Relative errors on held-out rows, with viscous and Coulomb friction and with what was confirmed.
+  /// Relative errors on held-out rows: with viscous and Coulomb friction alone, and with all
+  /// confirmed kinds of friction.
   double error_plain = 0.0, error = 0.0;
 };
 
-/// Friction of the joints that move. Text, JSON and page show exactly this.
+/// The result of study_friction() for all joints that move. Text, JSON and page show exactly this.
 struct FrictionStudy {
   std::string robot;
   std::vector<std::string> resting;  ///< coordinates that are left out
@@ -68,13 +69,14 @@ struct FrictionStudy {
   std::string report() const;
 };
 
-/// Friction against speed of every joint that moves, and which kinds of friction it has.
+/// Measures friction against speed for every joint that moves, and decides which kinds of friction
+/// the joint has.
 ///
 /// Joints that travel less than 20 mrad or 2 mm in all recordings are held where they are
 /// (with_fixed()), so that neither their errors nor their parameters count. Bodies are facts where
 /// the robot is a MODEL, and identified otherwise; friction and offsets are identified in either
-/// case. Kinds beyond viscous and Coulomb friction are asked about by diagnose(). Recordings that
-/// rest during most of their time tell breakaways alone.
+/// case. diagnose() tests the kinds beyond viscous and Coulomb friction. Recordings that rest
+/// during most of their time yield breakaways only.
 ///
 /// @param test     held out; empty: the last recording, or the last third of a single one.
 /// @param options  of the diagnosis; `effects` empty: all kinds of friction.

@@ -6,8 +6,8 @@
 
 namespace veridyn {
 
-/// Friction of one joint that slides steadily, against its speed: the sum of the model's effects
-/// that are friction, at the mean position and the mean square load of the training recordings.
+/// Friction of one joint in steady sliding as a function of speed: the sum of the model's friction
+/// effects, at the mean position and the mean square load of the training recordings.
 struct FrictionCurve {
   int joint = 0;        ///< from 0
   VectorXd velocity;    ///< [rad/s], [m/s], in growing order, up to the largest recorded speed; never zero
@@ -18,8 +18,9 @@ struct FrictionCurve {
   double at(double speed) const;
 };
 
-/// Curves of all joints that the training recordings move; none where the model has no friction.
-/// @param id  with a model, and with the series of its training recordings.
+/// Computes the curves of all joints that move in the training recordings; empty if the model has
+/// no friction.
+/// @param id  must hold a model and the series of its training recordings.
 std::vector<FrictionCurve> friction_curves(const Identification& id);
 
 }  // namespace veridyn

@@ -11,7 +11,7 @@ namespace veridyn {
 /// @param next_command  as in Diagnosis::report(); the key is next_experiment.trajectory.
 std::string to_json(const Diagnosis& diagnosis, const std::string& next_command = "");
 
-/// What `friction --json` writes.
+/// Writes the document of `friction --json`.
 std::string to_json(const FrictionStudy& study);
 
 }  // namespace veridyn

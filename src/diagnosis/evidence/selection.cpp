@@ -258,7 +258,7 @@ class Selector {
       out.accepted[k].refuted.clear();
       out.accepted[k].evidence.gain = own_gain;
       for (const Evidence& e : rivals) {
-        // Only the best hypothesis of a candidate is listed.
+        // Only the best hypothesis of each candidate is listed.
         if (!named.insert(examiner_.hypothesis(e.hypothesis)).second) continue;
         Accepted& own = out.accepted[k];
         (refuted(e, all[k], others) ? own.refuted : own.rivals).push_back(e);
