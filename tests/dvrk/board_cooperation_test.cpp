@@ -85,7 +85,7 @@ TEST(BoardCooperation, InRealTimeItEndsInADefinedWay) {
     } catch (const InvalidInput&) {  // boards that are not found within milliseconds
     }
   }
-  if (!run) return;  // boards that are not found have moved nothing
+  if (!run) GTEST_SKIP() << "the machine is too busy to find boards within milliseconds";
   const BoardCooperationRun& done = *run;
   EXPECT_LT(done.largest_force, 6.0);
   if (done.end != BoardEnd::kDone) {

@@ -29,18 +29,18 @@ struct CooperativeOptions {
   /// [N] largest change of a reading from one sample to the next, beyond twice the change that the
   /// member's length explains; checked where its stiffness is known.
   double jump_force = 1.0;
-  /// [N] by which a reading may be off what its member's length says, with the reading and the length
-  /// when the wanted force last arrived to compare with; where the stiffness is known. Beyond it come
-  /// `drift_length` [m] times the stiffness, `drift_way` times the stiffness for each metre that an
-  /// end went since, and a stiffness that is off by the factor `drift_factor`. Sweep: docs/cooperation.md.
+  /// [N] largest difference between a reading and the force that the member's length implies, both
+  /// relative to the moment when the wanted force last arrived; checked where the stiffness is known.
+  /// The bound grows by `drift_length` [m] times the stiffness, by `drift_way` times the stiffness for
+  /// each metre that an end moved since, and by a stiffness that is wrong by the factor `drift_factor`.
   double drift_force = 0.5;
   double drift_length = 0.0005;
   double drift_way = 0.02;
   double drift_factor = 1.5;
-  double stuck_force = 1.0;    ///< [N] by which a member's length says that its force changed,
-                               ///< while its samples stay the same to the last bit
-  /// [J] largest energy that arms may feed into a member beyond the planned work (PassivityMonitor); a loop that
-  /// swings, or an arm that falls, makes more.
+  /// [N] change of force that a member's length implies while its samples repeat to the last bit
+  double stuck_force = 1.0;
+  /// [J] largest energy that arms may feed into a member beyond the planned work
+  /// (PassivityMonitor); an oscillating loop or a falling arm feeds more.
   double largest_energy = std::numeric_limits<double>::infinity();
   double stop_duration = 0.1;  ///< [s] in which the motion stops
   double relief_force = 5.0;   ///< [N] while targets are held, ends yield to readings beyond it,

@@ -206,7 +206,7 @@ void watch_arms(std::vector<EmulatedArm>& arms, double t) {
   }
 }
 
-std::vector<dvrk::BoardEvent> events_of(const DvrkRequest& request, const BoardEmulator& emulator) {
+std::vector<dvrk::BoardEvent> events_of(const DvrkRequest& request, BoardEmulator& emulator) {
   try {
     return dvrk::board_events(request.events, emulator);
   } catch (const InvalidInput& error) {
