@@ -46,6 +46,11 @@ class AskedArm {
 bool fit_factors(AskedArm& arm, std::vector<CompressedRecording>& recordings,
                  const IdentificationOptions& options, Identification& id);
 
+/// From factors to the parameters of an arm and its model, over base parameters that the recordings
+/// determine. Leaves id.model empty where a prior does not let it converge.
+void fit_base(const Model& arm, const std::vector<CompressedRecording>& recordings,
+              const BaseParameters& base, const IdentificationOptions& options, Identification& id);
+
 /// The errors of training go into the MODEL file with the statistics.
 void keep_training_error(Identification& id);
 

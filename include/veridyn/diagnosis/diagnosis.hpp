@@ -14,9 +14,8 @@ namespace veridyn {
 
 /// What the extended model contains.
 enum class ExtendedModel {
-  kAllFindings,    ///< the held-out recordings take no part in choosing
-  kConfirmedOnly,  ///< findings that they contradict are left out: its held-out error is no longer
-                   ///< that of recordings which took no part
+  kAllFindings,    ///< every finding that was accepted
+  kConfirmedOnly,  ///< those that are confirmed, see FindingStatus
 };
 
 /// What becomes of dependences without a name.
@@ -64,12 +63,17 @@ struct Rival {
   std::string why;
 };
 
-/// What the held-out recordings say of a finding, which was chosen without them.
+/// What held-out parts of the training recordings say of a finding beside all others. The held-out
+/// recordings take no part in it: they measure what was chosen without them, see Agreement.
 enum class FindingStatus {
-  kConfirmed,     ///< they are predicted better with it, on its own joint too
-  kNotConfirmed,  ///< they are not
+  kConfirmed,     ///< the parts are predicted better with it, its own joint too
+  kNotConfirmed,  ///< they are not, or it lost its name after the last fit
 };
 const char* name_of(FindingStatus status);
+
+/// Whether the held-out recordings are predicted better with a finding, on its own joint too.
+enum class Agreement { kAgrees, kContradicts, kNotMeasured };
+const char* name_of(Agreement agreement);
 
 /// A point of a curve: where on its signals, the torque there and its 95 % band.
 struct CurvePoint {
@@ -111,11 +115,16 @@ struct Finding {
   /// (n) relative error on every row of the test recordings as recorded, without and with it, in
   /// order of discovery.
   VectorXd test_before, test_after;
+  /// (n) relative error on held-out parts of the training recordings, without and with it: what its
+  /// status is made of.
+  VectorXd folds_before, folds_after;
   /// Of a contact: (n) the same on the rows outside of all contacts.
   VectorXd test_outside;
   double explains = 0.0;  ///< share of the removable held-out error; negative where it grows
+
+  Agreement held_out() const;
   FindingStatus status = FindingStatus::kConfirmed;
-  std::string why_not;  ///< of one that is not confirmed although its held-out error fell
+  std::string why_not;  ///< of one that is not confirmed although its error on the parts fell
   bool main = true;  ///< false: one of the small ones, see DiagnosisSummary
   std::vector<Rival> rivals;
   std::optional<UnnamedShape> shape;  ///< of a finding without a name
@@ -185,7 +194,6 @@ struct DiagnosisSummary {
   double explained_by_all = 0.0;
   std::vector<int> worse_joints;   ///< from 1: the extended model predicts them worse than the
                                    ///< baseline does, on the held-out recordings
-  bool held_out_untouched = true;  ///< false: the held-out recordings chose among the findings
 };
 
 /// What a diagnosis found. Plain data: text, JSON and page show exactly this.
@@ -228,8 +236,8 @@ struct Diagnosis {
 };
 
 /// Asks which physical causes the recordings accept beyond the robot's own model. Causes are
-/// selected and fitted on the training recordings only; the test recordings measure what that
-/// gained. Of a test recording itself only faults are looked for: moments of contact, snags, a
+/// selected, confirmed and fitted on the training recordings only, and so is the extended model; the
+/// test recordings measure what that gained. Of a test recording itself only faults are looked for: moments of contact, snags, a
 /// velocity that is not the derivative of its position (it is then taken from the position).
 ///
 /// An arm without values is identified first, and every fit leaves its parameters free. An arm with
