@@ -48,6 +48,10 @@ if(VERIDYN_PYTHON)
   math(EXPR NEXT_MINOR "${Python3_VERSION_MINOR} + 1")
   set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS
     "python3 (>= 3.${Python3_VERSION_MINOR}), python3 (<< 3.${NEXT_MINOR}), python3-numpy")
+  # Compiled when it is installed, so that nothing is left behind when it is removed.
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_CONTROL_EXTRA ${CMAKE_CURRENT_LIST_DIR}/python3-veridyn/postinst
+      ${CMAKE_CURRENT_LIST_DIR}/python3-veridyn/prerm)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_CONTROL_STRICT_PERMISSION ON)
   if(BUILD_SHARED_LIBS)
     string(PREPEND CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "${SAME_VERSION}, ")
   endif()

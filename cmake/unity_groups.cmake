@@ -2,7 +2,8 @@
 # halves the time of a clean build. Files of one first folder go together, by a hash of their names and a power of two of
 # groups: a new file joins one group and leaves all others as they are. Two files that give the same name to different things
 # in their anonymous namespaces do not go together: the second goes to the next group, or stays single. (Where that is not
-# seen here, name one of them in ALONE, as those with flags of their own.) A file compiles by itself too: -DVERIDYN_UNITY=OFF.
+# seen here, name one of them in ALONE, as those with flags of their own.) Functions of one name that differ in their arguments
+# go together where OVERLOADED names them. A file compiles by itself too: -DVERIDYN_UNITY=OFF.
 
 # Names that stand in the first anonymous namespace of a file.
 function(veridyn_local_names source result)
@@ -18,15 +19,17 @@ function(veridyn_local_names source result)
   string(REGEX MATCHALL "\n[a-zA-Z][a-zA-Z0-9_:<>,&* ]* [&*]?[a-zA-Z0-9_]+( = |[[({]| {)" lines "${text}")
   set(names "")
   foreach(line IN LISTS lines)
-    string(REGEX MATCH "([a-zA-Z0-9_]+)( = |[[({]| {)$" name "${line}")
-    list(APPEND names ${CMAKE_MATCH_1})
+    if(NOT line MATCHES "^\n(class|struct|enum class|enum) ([a-zA-Z0-9_]+)")
+      string(REGEX MATCH "()([a-zA-Z0-9_]+)( = |[[({]| {)$" name "${line}")
+    endif()
+    list(APPEND names ${CMAKE_MATCH_2})
   endforeach()
   list(REMOVE_DUPLICATES names)
   set(${result} ${names} PARENT_SCOPE)
 endfunction()
 
 function(veridyn_unity_groups target)
-  cmake_parse_arguments(GROUP "" "SIZE" "ALONE" ${ARGN})
+  cmake_parse_arguments(GROUP "" "SIZE" "ALONE;OVERLOADED" ${ARGN})
   if(NOT VERIDYN_UNITY)
     return()
   endif()
@@ -55,6 +58,7 @@ function(veridyn_unity_groups target)
       string(MD5 hash "${source}")
       string(SUBSTRING "${hash}" 31 1 digit)
       veridyn_local_names(${CMAKE_CURRENT_SOURCE_DIR}/${source} names)
+      list(REMOVE_ITEM names ${GROUP_OVERLOADED} "")
       foreach(try RANGE 1 ${groups})
         math(EXPR number "(0x${digit} + ${try} - 1) % ${groups}")
         set(both ${names})

@@ -1,13 +1,13 @@
 #pragma once
 
-/// The face for controllers: reading a MODEL, undoing what it knows about the sensors, laws,
-/// observers, limits. Each class says in its header what it computes, in which units, and what a
-/// cycle must do; docs/control.md says which one gives what.
+/// Header for controllers: reading a MODEL, correcting sensors by it, control laws, observers,
+/// limits. Each class documents its equations, its units and what a cycle must call;
+/// docs/control.md gives an overview.
 ///
-/// All vectors have an entry for each joint: [rad], [rad/s], [N m], or [m], [m/s], [N] where the joint
-/// is prismatic. update() functions are noexcept and allocate nothing; their vectors have the size
-/// that the constructor knew. Another size is a fault of the program: asserted in debug builds and
-/// undefined in others, since a control loop neither throws nor allocates.
+/// All vectors have an entry for each joint: [rad], [rad/s], [N m], or [m], [m/s], [N] where the
+/// joint is prismatic. update() functions are noexcept and allocate nothing; their vectors must
+/// have the sizes of the constructor. Debug builds assert this; another size is undefined in
+/// release builds, since a control loop neither throws nor allocates.
 
 #include "veridyn/control/arm_state.hpp"
 #include "veridyn/control/computed_torque.hpp"

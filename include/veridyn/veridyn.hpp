@@ -1,8 +1,8 @@
 #pragma once
 
-/// The face of the library: reading robots and recordings, identification, diagnosis, comparison,
-/// design of motions, simulation, control, export. Boards and cooperation have headers of their
-/// own in veridyn/dvrk and veridyn/cooperation.
+/// Main header of the library: reading robots and recordings, identification, diagnosis,
+/// comparison, design of motions, simulation, control, export. Boards and cooperation have headers
+/// of their own in veridyn/dvrk and veridyn/cooperation.
 
 #include "veridyn/comparison/model_comparison.hpp"
 #include "veridyn/control/arm_state.hpp"

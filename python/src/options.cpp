@@ -5,7 +5,7 @@
 #include <limits>
 #include <sstream>
 
-#include "recordings/units.hpp"
+#include "recordings/signals/units.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/fixed_coordinates.hpp"
 #include "veridyn/model/model_file.hpp"

@@ -14,13 +14,14 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kStep = 1e-6;                // [rad], [m] of the differences
-constexpr double kSamePlace = 0.5 * kDegree;  // within which the joints above rest
-constexpr double kSweepShare = 0.5;           // share of a joint's range that it makes while they rest
+constexpr double kSamePlace = 0.5 * kDegree;  // within which the joints above count as resting
+constexpr double kSweepShare = 0.5;  // share of a joint's range that it must cover while they rest
 constexpr std::size_t kFewestAtRest = 10;
 constexpr double kParallel = 0.2 * kDegree;   // closer than this, axes have no common normal
 constexpr double kSharePlane = 10.0 * kDegree;
 
-// Frames at which all joints above rest at one place while this one sweeps; empty: there are none.
+// Frames at which all joints above rest at one position while this one sweeps; empty: there are
+// none.
 std::vector<int> frames_at_rest(const HingeBundle& bundle, int hinge) {
   const std::vector<int> above = bundle.above(hinge);
   const int n = bundle.frames();
@@ -61,12 +62,12 @@ double mean_over(const VectorXd& values, const std::vector<int>& over) {
   return over.empty() ? 0.0 : sum / static_cast<double>(over.size());
 }
 
-// Where the line passes the plane across `n` through `p`.
+// Intersection of the line with the plane through `p` with the normal `n`.
 Vector3d crossing(const Line& line, const Vector3d& n, const Vector3d& p) {
   return line.point + line.direction * ((p - line.point).dot(n) / line.direction.dot(n));
 }
 
-// Derivatives of functions of the shared unknowns; only hinges matter.
+// Derivatives of functions of the shared unknowns, nonzero for hinges only.
 MatrixXd derivatives(const HingeBundle& bundle, const std::vector<int>& hinges,
                      const std::function<VectorXd(const VectorXd&)>& f) {
   VectorXd step = VectorXd::Zero(bundle.shared_size());
@@ -119,7 +120,7 @@ CalibratedAxis axis_result(const HingeBundle& bundle, const std::vector<RigidBod
   const std::vector<int> above = bundle.above(hinge);
   VectorXd mean = VectorXd::Zero(static_cast<Eigen::Index>(bundle.tree().hinges.size()));
   for (const int j : above) mean[j] = mean_over(bundle.angles(j), rest);
-  // The line moved to where the joints above rested.
+  // The line at the position where the joints above rested.
   const auto line_at = [&](const VectorXd& step, const VectorXd& angles) {
     Line line = bundle.line(hinge, step);
     for (auto j = above.rbegin(); j != above.rend(); ++j) {

@@ -8,7 +8,7 @@ namespace veridyn::internal {
 CalibratedAxis axis_result(const HingeBundle& bundle, const std::vector<RigidBody>& bodies,
                            int hinge);
 
-/// What lies between two hinges that one body carries; indices are of the bundle.
+/// Geometry between two hinges of one body; indices are those of the bundle.
 CalibratedLink link_result(const HingeBundle& bundle, int first, int second);
 
 }  // namespace veridyn::internal

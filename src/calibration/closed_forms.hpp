@@ -5,8 +5,8 @@
 
 #include "veridyn/math/types.hpp"
 
-// Poses, axes and centres that have a closed form: starting values of the nonlinear fits, and what
-// tests compare them with.
+// Closed forms for poses, axes and centres: initial values of the nonlinear fits, and references
+// for tests.
 
 namespace veridyn::internal {
 
@@ -27,20 +27,20 @@ Eigen::Matrix3d right_jacobian(const Eigen::Vector3d& w);
 /// [v]x, the matrix of the vector product.
 Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v);
 
-/// The rotation that is nearest to a matrix in the sense of squares.
+/// The rotation nearest to a matrix in the least-squares sense.
 Eigen::Matrix3d nearest_rotation(const Eigen::Matrix3d& M);
 
 /// T with sum || T a_k - b_k ||^2 least. Source: Kabsch, Acta Crystallographica A32, 1976.
 /// @param a, b  (3 x points), at least three points not on a line.
 Eigen::Isometry3d fitted_pose(const MatrixRef& a, const MatrixRef& b);
 
-/// How far orientations spread: eigenvalues and eigenvectors of mean (R - mean R)' (R - mean R),
-/// smallest first. The smallest is zero where all turn about one axis, which is its eigenvector (in
-/// the body); each is the mean square of the way of a unit vector.
+/// Spread of orientations: eigenvalues and eigenvectors of mean (R - mean R)' (R - mean R),
+/// smallest first. The smallest is zero if all rotate about one axis, which is its eigenvector (in
+/// the body); each is the mean square displacement of a unit vector.
 struct RotationSpread {
   Eigen::Vector3d eigenvalues;
   Eigen::Matrix3d axes;
-  Eigen::Matrix3d mean;  ///< Mean of the rotations, not a rotation itself
+  Eigen::Matrix3d mean;  ///< mean of the rotation matrices, not itself a rotation
 };
 RotationSpread rotation_spread(const Isometries& poses);
 
@@ -50,13 +50,13 @@ struct Line {
   Eigen::Vector3d point{0, 0, 0};
 };
 
-/// The axis that is common to two bodies from T_a_b, written in a and in b. What it leaves over is
-/// without the largest twentieth.
+/// The common axis of two bodies from T_a_b, written in a and in b. Residuals omit the largest
+/// twentieth.
 struct CommonAxis {
   Line in_a, in_b;
   double wobble = 0.0;  ///< [rad] rms angle between the two lines
   double play = 0.0;    ///< [m] rms distance of the two points across the axis
-  double slide = 0.0;   ///< [m] rms way along it
+  double slide = 0.0;   ///< [m] rms displacement along it
 };
 CommonAxis common_axis(const Isometries& T_a_b);
 

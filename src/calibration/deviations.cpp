@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kNormalMedian = 0.6744898;   // median of |z|
 constexpr double kLengthMedian = 1.538172;    // median of the length of a normal 3-vector
-constexpr double kUncorrelated = 0.05;        // a correlation below this ends the sum
+constexpr double kUncorrelated = 0.05;        // correlations below this end the sum
 constexpr std::size_t kLongestLag = 200;
 constexpr double kUpperTail = 1.6448536;      // quantile of the normal distribution, 5 %
 
@@ -34,7 +34,7 @@ double error_radius(const MatrixRef& covariance, double degrees_of_freedom) {
   // Wilson and Hilferty's quantile of chi-square.
   const double spread = 2.0 / (9.0 * nu);
   const double chi2 = nu * std::pow(1.0 - spread + kUpperTail * std::sqrt(spread), 3.0);
-  // Few degrees of freedom widen it as they widen an interval.
+  // Few degrees of freedom widen it by the ratio of the t quantiles.
   const double widened =
       student_t_quantile(0.05, std::max(1.0, degrees_of_freedom)) / student_t_quantile(0.05, 1e6);
   return widened * std::sqrt(squares / trace * chi2);

@@ -10,7 +10,8 @@ constexpr double kDegree = 0.017453292519943295;  ///< [rad]
 
 namespace veridyn::internal {
 
-/// Standard deviation of normal values, from the median of their sizes: outliers do not count.
+/// Standard deviation of normal values, from the median of their magnitudes, robust against
+/// outliers.
 double robust_deviation(std::vector<double> values);
 
 /// The same of 3-vectors from their lengths: the deviation of one component.
@@ -24,9 +25,9 @@ double error_radius(const MatrixRef& covariance, double degrees_of_freedom);
 /// Half width of a 95 % interval, from a variance.
 double half_width(double variance, double degrees_of_freedom);
 
-/// By how many times the variance of a mean exceeds that of independent values, from residuals in
-/// the order of time: 1 + 2 sum of correlations, up to the first below 0.05. At least one.
-/// @param series  one per channel; a residual that is not there is NaN.
+/// Factor by which the variance of a mean exceeds that of independent values, from residuals in the
+/// order of time: 1 + 2 sum of correlations, up to the first below 0.05. At least one.
+/// @param series  one per channel; a missing residual is NaN.
 double correlation_factor(const std::vector<std::vector<double>>& series);
 
 }  // namespace veridyn::internal

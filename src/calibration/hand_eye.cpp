@@ -14,25 +14,27 @@ namespace {
 
 using internal::PairFit;
 
-constexpr double kAsGood = 1.5;       // a form whose noise is no more than this times the least fits
-constexpr double kSixDigits = 2e-6;    // [m], [rad] what files with six digits leave over
-constexpr double kCloseFit = 0.005;   // [m] what cannot be compared with another form must fit so well
+constexpr double kAsGood = 1.5;       // a form fits if its noise is at most this times the smallest
+constexpr double kSixDigits = 2e-6;    // [m], [rad] rounding of files with six digits
+// [m] required fit of a form that cannot be compared with another.
+constexpr double kCloseFit = 0.005;
 constexpr double kCloseTurn = 2.0 * kDegree;
-constexpr double kNoTurn = 5.0 * kDegree;  // orientations that differ by more do not go together
+// Orientations with a larger difference do not correspond.
+constexpr double kNoTurn = 5.0 * kDegree;
 
 // Fewest unknowns first.
 constexpr HandEyeForm kForms[] = {HandEyeForm::kCommonPoses, HandEyeForm::kHandEye,
                                   HandEyeForm::kEyeInHand, HandEyeForm::kTwoBases,
                                   HandEyeForm::kCommonPoints};
 
-// The first form that fits as well as any; -1: none can be told.
+// The first form that fits as well as any; -1: undecidable.
 int chosen(const std::vector<PairFit>& fits) {
   double noise = INFINITY;
   double angle = INFINITY;
   bool compared = false;
   for (std::size_t k = 0; k + 1 < fits.size(); ++k) {
     if (!fits[k].reason.empty()) continue;
-    // Position and orientation of one form: the sum decides, each by the least of its kind.
+    // Position and orientation noise of a form, each compared with the smallest of its kind.
     if (fits[k].noise < noise) noise = fits[k].noise;
     if (fits[k].noise_angle < angle) angle = fits[k].noise_angle;
     compared = compared || k > 0;
@@ -42,7 +44,7 @@ int chosen(const std::vector<PairFit>& fits) {
     return f.reason.empty() && f.noise <= kAsGood * noise + kSixDigits &&
            f.noise_angle <= kAsGood * angle + kSixDigits;
   };
-  // Tips that touch with any orientation: only positions agree.
+  // Tips that touch in any orientation: only positions correspond.
   const bool any = std::any_of(fits.begin(), fits.end() - 1, [&](const PairFit& f) {
     return fits_as(f) && f.noise_angle < kNoTurn;
   });
@@ -59,7 +61,7 @@ int chosen(const std::vector<PairFit>& fits) {
   for (std::size_t k = 0; k + 1 < fits.size(); ++k) {
     if (fits_as(fits[k])) return static_cast<int>(k);
   }
-  // None has both positions and orientations nearly best: the most general one.
+  // No form has nearly the best positions and orientations: takes the most general one.
   return fits[3].reason.empty() ? 3 : -1;
 }
 

@@ -17,11 +17,11 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using RowMajor3 = Eigen::Matrix<double, 3, 6, Eigen::RowMajor>;
 
-constexpr double kLeastNoise = 1e-9;  // [m], [rad] noise is never taken for less
+constexpr double kLeastNoise = 1e-9;  // [m], [rad] lower bound of the noise
 constexpr double kHuber = 2.5;        // standard deviations, of a residual of three components
-constexpr double kOutlier = 5.0;      // standard deviations beyond which a pair does not count
-constexpr int kRounds = 4;            // fits, each with the noise that the one before showed
-constexpr double kNarrow = 0.01;  // breadth per length below which points are on a line
+constexpr double kOutlier = 5.0;      // standard deviations beyond which a pair is an outlier
+constexpr int kRounds = 4;            // fits, each with the noise estimated by the previous one
+constexpr double kNarrow = 0.01;  // width per length below which points count as collinear
 
 class PairProblem {
  public:
@@ -138,7 +138,7 @@ class PairProblem {
     out_.covariance_X = scale * information.covariance(pick);
   }
 
-  // The unknowns turn and shift a pose: R exp(w), t + v.
+  // Applies the unknowns, a rotation vector and a translation, to a pose: R exp(w), t + v.
   static Isometry3d moved(const Isometry3d& T, const double* x) {
     Isometry3d out = T;
     out.linear() = T.linear() * rotation_of(Eigen::Map<const Vector3d>(x));
@@ -206,7 +206,7 @@ class PairProblem {
   PairFit out_;
 };
 
-// Why this form cannot be told from these poses, or nothing.
+// Reason why this form is not identifiable from these poses, or empty.
 std::string why_not(const Isometries& A, HandEyeForm form, double smallest_swing) {
   const bool common = form == HandEyeForm::kCommonPoses || form == HandEyeForm::kCommonPoints;
   const std::size_t needed = common ? 3 : 4;

@@ -9,7 +9,7 @@ namespace veridyn::internal {
 
 /// One form of the relation A_k X = Y B_k, fitted.
 struct PairFit {
-  std::string reason;  ///< why not; empty: it is
+  std::string reason;  ///< reason for a missing fit; empty: fitted
   Eigen::Isometry3d X = Eigen::Isometry3d::Identity();
   Eigen::Isometry3d Y = Eigen::Isometry3d::Identity();
   MatrixXd covariance_X, covariance_Y;  ///< (6 x 6): rotation vector in its own frame, translation

@@ -17,7 +17,7 @@ using Eigen::Vector3d;
 
 constexpr double kHuber = 2.5;      // standard deviations of a position's residual
 constexpr int kRounds = 3;          // fits without outliers, each with the last one's noise
-constexpr double kLeast = 2e-7;     // [m] noise is never taken for less
+constexpr double kLeast = 2e-7;     // [m] lower bound of the noise
 
 std::size_t at(int k) {
   return static_cast<std::size_t>(k);
@@ -34,7 +34,7 @@ HingeBundle::HingeBundle(const MarkerCapture& capture, const std::vector<RigidBo
   add_markers();
 }
 
-// Frames that show two markers of each body, and three of a root that moves; the first that shows
+// Selects frames that show two markers of each body, and three of a moving root; the first one with
 // a pose of every body is the reference.
 void HingeBundle::choose_frames() {
   std::vector<int> good;
@@ -69,7 +69,7 @@ void HingeBundle::choose_frames() {
   }
 }
 
-// Axes, angles and poses of the root from the closed forms.
+// Sets axes, angles and poses of the root from the closed forms.
 void HingeBundle::start() {
   const int reference = frames_.front();
   const auto moved = [&](int body, int frame) -> Isometry3d {
@@ -105,7 +105,7 @@ void HingeBundle::start() {
     if (!tree_.root_rests && seen(tree_.root, frame)) root = moved(tree_.root, frame);
     for (std::size_t j = 0; j < tree_.hinges.size(); ++j) {
       const Hinge& hinge = tree_.hinges[j];
-      if (!seen(hinge.a, frame) || !seen(hinge.b, frame)) continue;  // the angle before it
+      if (!seen(hinge.a, frame) || !seen(hinge.b, frame)) continue;  // keeps the previous angle
       const Isometry3d turn = moved(hinge.a, frame).inverse() * moved(hinge.b, frame);
       last[free_root + static_cast<Eigen::Index>(j)] =
           rotation_vector(turn.linear()).dot(start_[j].direction);
@@ -137,7 +137,7 @@ void HingeBundle::add_markers() {
         if (const int own = hinge_of(tree_.bodies[b]); own >= 0)
           o.unknowns.push_back(hinge_unknown_[at(own)]);
         if (frame_unknown_[at(k)] >= 0) o.unknowns.push_back(frame_unknown_[at(k)]);
-        // A root that rests has nothing local.
+        // A resting root has no unknowns per frame.
         if (tree_.root_rests && hinge_of(tree_.bodies[b]) < 0 && frame_unknown_[at(k)] >= 0)
           o.unknowns.pop_back();
         o.residual = residual(seen);
@@ -221,7 +221,7 @@ void HingeBundle::finish() {
   for (auto& [key, three] : series) {
     for (std::vector<double>& one : three) all.push_back(std::move(one));
   }
-  // Each pose came as four markers: twelve coordinates that say six things.
+  // Each pose was given as four markers: twelve coordinates for six degrees of freedom.
   correlation_ = correlation_factor(all);
   const double free = std::max(1.0, 1.0 * information_->residuals() - information_->unknowns());
   variance_ = chi2 / free * correlation_ * (capture_.from_poses ? 2.0 : 1.0);

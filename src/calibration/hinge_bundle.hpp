@@ -21,7 +21,7 @@ class HingeBundle {
   HingeBundle(const MarkerCapture& capture, const std::vector<RigidBody>& bodies,
               const HingeTree& tree, const AxesOptions& options);
 
-  /// True if enough frames show what is needed; else reason() says what is missing.
+  /// True if enough frames show the markers; else reason() says what is missing.
   bool ready() const { return reason_.empty(); }
   const std::string& reason() const { return reason_; }
 
@@ -35,11 +35,11 @@ class HingeBundle {
   double degrees_of_freedom() const { return degrees_of_freedom_; }
   std::vector<double> residuals() const;  ///< [m]
 
-  /// Hinge j at the reference, for shared unknowns moved by `step` (none: empty).
+  /// Hinge j at the reference, with shared unknowns displaced by `step` (empty: none).
   Line line(int hinge, const VectorXd& step = {}) const;
   /// Markers of a tree's body at the reference, (3 x markers).
   MatrixXd shape(int body) const;
-  /// Hinges from the root to hinge j, itself left out.
+  /// Hinges from the root to hinge j, without j.
   std::vector<int> above(int hinge) const;
   /// Angles of a hinge at every frame.
   VectorXd angles(int hinge) const;
@@ -49,7 +49,7 @@ class HingeBundle {
   MatrixXd covariance(const MatrixXd& shared, const MatrixXd& mean_angles,
                       const std::vector<int>& over) const;
   int shared_size() const { return problem_.shared_size(); }
-  /// Where the four unknowns of a hinge begin.
+  /// Index of the first of a hinge's four unknowns.
   int offset(int hinge) const;
 
  private:
@@ -69,7 +69,7 @@ class HingeBundle {
   HingeTree tree_;
   const AxesOptions& options_;
   std::string reason_;
-  std::vector<int> frames_;  // of the capture; the reference stands first
+  std::vector<int> frames_;  // frames of the capture; the reference comes first
   std::vector<Line> start_;
   std::vector<Eigen::Matrix<double, 3, 2>> plane_;  // across each start
   std::vector<Eigen::Isometry3d> root_start_;       // by used frame

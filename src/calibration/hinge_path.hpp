@@ -6,10 +6,10 @@
 
 namespace veridyn::internal {
 
-/// A line moved by four unknowns: two turn its direction, two shift its point across it.
+/// A line displaced by four unknowns: two rotate its direction, two shift its point across it.
 Line moved_line(const Line& start, const Eigen::Matrix<double, 3, 2>& plane, const double* x);
 
-/// A point turned about a line.
+/// A point rotated about a line.
 Eigen::Vector3d turned(const Line& line, double angle, const Eigen::Vector3d& point);
 
 /// One marker at one frame, seen through the hinges between the root and its body.
@@ -19,13 +19,13 @@ struct HingePath {
   std::vector<Eigen::Matrix<double, 3, 2>> plane;
   Eigen::Isometry3d root;
   bool root_rests = true;
-  bool is_reference = false;  ///< all angles are zero, and there is no local unknown
+  bool is_reference = false;  ///< all angles are zero, without unknowns of the frame
   int local_size = 0;
   Eigen::Vector3d measured{0, 0, 0};
 
   /// (model - measured) / noise, with derivatives.
-  /// @param x  the marker (3), each hinge of the path (4), then the frame: turn and shift of a root
-  ///           that moves (6), and the angles of all hinges of the tree.
+  /// @param x  the marker (3), each hinge of the path (4), then the frame: rotation and translation
+  /// of a moving root (6), and the angles of all hinges of the tree.
   void evaluate(const double* const* x, double noise, double* r, double* const* J) const;
 };
 

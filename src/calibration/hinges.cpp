@@ -14,15 +14,15 @@
 namespace veridyn::internal {
 namespace {
 
-constexpr double kDeviations = 4.0;          // multiple of the noise that a hinge may leave over
-constexpr double kLooseTurn = 0.5 * kDegree; // beside the noise: a real hinge has some play
+constexpr double kDeviations = 4.0;  // multiple of the noise that a hinge's residual may reach
+constexpr double kLooseTurn = 0.5 * kDegree; // beyond the noise: a real hinge has some play
 constexpr double kLoosePlay = 0.001;         // [m] likewise
-constexpr double kStill = 4.0;               // standard deviations within which a body rests
+constexpr double kStill = 4.0;  // standard deviations within which a body counts as resting
 
 struct Candidate {
   int a, b;
   CommonAxis axis;
-  std::string reason;  // why it is no hinge; empty: it is
+  std::string reason;  // reason for not being a hinge; empty: it is one
 };
 
 double orientation_noise(const RigidBody& body) {
@@ -30,7 +30,7 @@ double orientation_noise(const RigidBody& body) {
 }
 
 bool rests(const RigidBody& body) {
-  // Positions of its farthest marker, against noise.
+  // Position noise of its farthest marker.
   Eigen::Index far = 0;
   body.shape.colwise().norm().maxCoeff(&far);
   std::vector<Eigen::Vector3d> at;
@@ -114,7 +114,7 @@ class Finder {
   const AxesOptions& options_;
 };
 
-// Sets of bodies that hang together; -1 (world) is the last entry.
+// Sets of connected bodies; -1 (world) is the last entry.
 class Sets {
  public:
   explicit Sets(int bodies) : parent_(static_cast<std::size_t>(bodies) + 1) {
@@ -162,7 +162,7 @@ HingeTree tree_from(int root, const std::vector<Candidate>& edges, const Finder&
   return tree;
 }
 
-// Hinges without a loop: as asked, or nearest neighbours in the file first.
+// Hinges without a loop: the requested ones, or nearest neighbours in the file first.
 std::vector<Candidate> chosen(const Finder& finder, int bodies, const AxesOptions& options,
                               std::vector<std::string>& cannot_tell) {
   std::vector<Candidate> edges;

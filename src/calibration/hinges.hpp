@@ -21,8 +21,8 @@ struct HingeTree {
   std::vector<Hinge> hinges;  ///< parents first
 };
 
-/// Which bodies turn about a common axis, joined to trees. What is asked for or next to each other
-/// and has no axis is said in `cannot_tell`.
+/// Finds bodies that turn about a common axis, joined to trees. Requested or neighbouring pairs
+/// without an axis are listed in `cannot_tell`.
 std::vector<HingeTree> find_hinges(const std::vector<RigidBody>& bodies, const AxesOptions& options,
                                    std::vector<std::string>& cannot_tell);
 

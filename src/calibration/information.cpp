@@ -8,9 +8,9 @@ namespace {
 
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-constexpr double kSingular = 1e-14;  // share of the largest eigenvalue of the scaled matrix
+constexpr double kSingular = 1e-14;  // relative to the largest eigenvalue of the scaled matrix
 
-// The inverse of a symmetric matrix, in the sense of Moore and Penrose after columns have norm one.
+// The Moore-Penrose inverse of a symmetric matrix after scaling its columns to norm one.
 MatrixXd scaled_inverse(const MatrixXd& H) {
   const VectorXd scale =
       H.diagonal().unaryExpr([](double d) { return d > 0.0 ? 1.0 / std::sqrt(d) : 0.0; });

@@ -12,7 +12,7 @@
 namespace veridyn::internal {
 namespace {
 
-constexpr double kCostTolerance = 1e-12;  // relative fall of the cost at which it stops
+constexpr double kCostTolerance = 1e-12;  // relative decrease of the cost at which it stops
 constexpr double kStepTolerance = 1e-12;  // relative step at which it stops
 
 class ObservationCost : public ceres::CostFunction {

@@ -9,11 +9,11 @@
 
 namespace veridyn::internal {
 
-/// What one observation says: its residual r(x), already divided by its standard deviation, and,
-/// where asked, dr/dx for each of its unknowns, row by row.
+/// One observation: its residual r(x), divided by its standard deviation, and on request dr/dx for
+/// each of its unknowns, row by row.
 ///
 /// @param x  the unknowns of the observation, in its order.
-/// @param J  null, or one place per unknown; null where a derivative is not wanted.
+/// @param J  null, or one pointer per unknown; null where a derivative is not needed.
 using Residual = std::function<void(const double* const* x, double* r, double* const* J)>;
 
 struct Observation {
@@ -21,7 +21,7 @@ struct Observation {
   int size = 0;
   Residual residual;
   double loss = 0.0;   ///< Huber's: a residual norm beyond this counts linearly; 0: squares
-  bool active = true;  ///< false: left out
+  bool active = true;  ///< false: excluded
 };
 
 struct Minimum {
@@ -31,9 +31,9 @@ struct Minimum {
   std::string message;
 };
 
-/// Nonlinear least squares over blocks of unknowns. Local unknowns are those of one frame of a
-/// recording: no observation has two of them, so that they are eliminated first (Schur), and the
-/// shared rest is small.
+/// Nonlinear least squares over blocks of unknowns. Local unknowns belong to one frame of a
+/// recording: no observation has two of them, so that they are eliminated first (Schur complement),
+/// and the shared system is small.
 class LeastSquares {
  public:
   enum class Scope { kShared, kLocal };
@@ -41,7 +41,7 @@ class LeastSquares {
   int add_unknown(const VectorXd& start, Scope scope = Scope::kShared);
   int add(Observation observation);
 
-  /// Levenberg and Marquardt; stops where the cost falls by less than 1e-12 of itself.
+  /// Levenberg-Marquardt; stops when the cost falls by less than 1e-12 of itself.
   Minimum minimise(int threads = 1, int iterations = 60);
 
   const VectorXd& value(int unknown) const { return unknowns_[at(unknown)].x; }
@@ -52,7 +52,7 @@ class LeastSquares {
   /// The residual of one observation at the present values.
   VectorXd residual(const Observation& observation) const;
 
-  /// Number of shared unknowns, and where a block stands among them.
+  /// Number of shared unknowns, and the index of a block among them.
   int shared_size() const;
   int shared_offset(int unknown) const;
 
@@ -67,7 +67,7 @@ class LeastSquares {
   std::vector<Observation> observations_;
 };
 
-/// J' J of all active observations at the minimum, kept as the arrow that it is: shared unknowns
+/// J' J of all active observations at the minimum, stored as a block arrow: shared unknowns
 /// densely, local ones block by block.
 class Information {
  public:

@@ -33,7 +33,7 @@ Isometry3d shift(double x, double y, double z) {
   return Isometry3d(Eigen::Translation3d(x, y, z));
 }
 
-// A small turn about a line, or a small shift along it.
+// A small rotation about a line, or a small translation along it.
 struct Motion {
   bool turns = true;
   Vector3d axis{0, 0, 1};
@@ -42,7 +42,7 @@ struct Motion {
 
 using Column = Eigen::Matrix<double, 6, 1>;
 
-// What a motion does to the body whose origin is at p.
+// Effect of a motion on the body whose origin is at p.
 Column effect(const Motion& m, const Vector3d& p) {
   Column out;
   if (m.turns) {
@@ -102,7 +102,7 @@ Isometry3d LinkChain::pose(const VectorRef& recorded, MatrixXd* J) const {
   const Model& arm = parameters_.arm();
   VectorXd q = recorded;
   sensors_.correct_positions(q);
-  // What the fit takes off beyond that.
+  // Further correction by the parameters of the fit.
   for (Eigen::Index i = 0; i < q.size(); ++i) {
     const int zero = zero_parameter_[static_cast<std::size_t>(i)];
     if (zero >= 0) q[i] -= x_[zero];
@@ -122,7 +122,7 @@ Isometry3d LinkChain::pose(const VectorRef& recorded, MatrixXd* J) const {
     const std::size_t own = frame.dh ? 4 : 6;
     const bool turns = frame.type == JointType::kRevolute;
     const bool slides = frame.type == JointType::kPrismatic;
-    // The joint's variable without the constant of its row.
+    // The joint variable without the constant of its row.
     double s = frame.dh ? 0.0 : frame.variable.offset;
     std::size_t ratios = 0;
     while (entry + own + ratios < parameters_.entries().size() &&

@@ -5,17 +5,17 @@
 
 namespace veridyn::internal {
 
-/// The pose of the tracked body in the cameras' frame from joint readings, and how it changes with
+/// The pose of the tracked body in the cameras' frame from joint readings, and its derivatives by
 /// every parameter.
 class LinkChain {
  public:
-  /// @param base, tool  the poses that the parameters of base and tool move.
+  /// @param base, tool  nominal poses, to which the parameters of base and tool are applied.
   LinkChain(const LinkParameters& parameters, const Eigen::Isometry3d& base,
             const Eigen::Isometry3d& tool);
 
   const LinkParameters& parameters() const { return parameters_; }
 
-  /// Numbers of the robot at the parameters x; poses below use them until the next call.
+  /// Sets the parameters x for the poses below.
   void set(const VectorRef& x);
   const VectorXd& x() const { return x_; }
 
@@ -23,8 +23,8 @@ class LinkChain {
   Eigen::Isometry3d tool() const { return tool_; }
 
   /// @param q  as recorded.
-  /// @param J  null, or (6 x parameters): the turn [rad] and the shift [m] of the body in the
-  ///           cameras' frame per parameter, turn first.
+  /// @param J  null, or (6 x parameters): rotation [rad] and translation [m] of the body in the
+  /// cameras' frame per parameter, rotation first.
   Eigen::Isometry3d pose(const VectorRef& q, MatrixXd* J) const;
 
  private:
@@ -35,10 +35,11 @@ class LinkChain {
   VectorXd x_;
   VectorXd values_;       // of the entries
   MatrixXd by_constant_;  // (entries x parameters)
-  std::vector<int> entry_parameter_;  // by entry; -1: none of its own
+  std::vector<int> entry_parameter_;  // by entry; -1: no parameter
   std::vector<int> zero_parameter_;   // by coordinate; -1
   std::vector<int> constants_;        // parameters that are named constants
-  std::vector<Eigen::Isometry3d> rest_;  // by path frame: what follows the origin of a placement
+  // By path frame: fixed transform after the origin of a placement.
+  std::vector<Eigen::Isometry3d> rest_;
 };
 
 }  // namespace veridyn::internal

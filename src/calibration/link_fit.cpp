@@ -14,12 +14,12 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
 constexpr double kHuber = 2.5;       // standard deviations, of a residual of three components
-constexpr double kLeastNoise = 1e-9; // [m], [rad] noise is never taken for less
+constexpr double kLeastNoise = 1e-9; // [m], [rad] lower bound of the noise
 constexpr int kRounds = 3;
 
 using Rows = Eigen::Matrix<double, 6, 1>;
 
-// Turn and shift from the measured pose to the model's.
+// Rotation and translation from the measured pose to the model's.
 Rows error_of(const Isometry3d& model, const Isometry3d& measured, bool oriented) {
   Rows e = Rows::Zero();
   if (oriented)
@@ -28,7 +28,7 @@ Rows error_of(const Isometry3d& model, const Isometry3d& measured, bool oriented
   return e;
 }
 
-// The derivative of error_of() from that of the pose.
+// Converts the derivative of the pose to that of error_of().
 void turn_into_error(const Rows& e, const Isometry3d& measured, MatrixXd& J) {
   const Matrix3d L =
       left_jacobian_inverse(e.head<3>()) * measured.linear().transpose();

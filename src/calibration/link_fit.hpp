@@ -10,7 +10,7 @@ struct LinkNoise {
   double angle = 1e-2;     ///< [rad] about one axis
 };
 
-/// Poses that a fit uses, and how.
+/// Poses of a fit, with their weights.
 struct LinkData {
   const PoseCapture* poses = nullptr;
   std::vector<int> rows;
@@ -22,7 +22,7 @@ struct LinkErrors {
   std::vector<double> position, angle;  ///< [m], [rad] by row of the data
 };
 
-/// J' W J and J' W r over all parameters at some values, outliers left out.
+/// J' W J and J' W r over all parameters, without outliers.
 struct LinkNormal {
   MatrixXd N;
   VectorXd g;
@@ -30,11 +30,11 @@ struct LinkNormal {
   int residuals = 0;
 };
 
-/// Fits the active parameters from x on; the noise and the outliers are kept.
+/// Fits the active parameters starting from x; noise and outliers are fixed.
 VectorXd fitted_links(LinkChain& chain, const LinkData& data, const std::vector<int>& active,
                       const VectorRef& x, double huber);
 
-/// The same with the noise learned on the way and outliers marked in the data.
+/// The same with the noise estimated iteratively and outliers marked in the data.
 VectorXd robustly_fitted_links(LinkChain& chain, LinkData& data, const std::vector<int>& active,
                                const VectorRef& x, double outlier);
 
@@ -42,11 +42,11 @@ LinkErrors link_errors(LinkChain& chain, const LinkData& data, const VectorRef& 
 
 LinkNormal link_normal(LinkChain& chain, const LinkData& data, const VectorRef& x);
 
-/// Root mean square of the errors, outliers left out or not.
+/// Root mean square of the errors, with or without outliers.
 double rms_of(const std::vector<double>& errors, const LinkData& data, bool with_outliers);
 
-/// Poses of base and tool in which the robot as it stands comes nearest to the measured poses:
-/// A X = Y B, or the linear problem of positions alone. Fixed ones stay the identity.
+/// Poses of base and tool for which the unmodified robot comes nearest to the measured poses: A X =
+/// Y B, or the linear problem of positions alone. Fixed ones stay the identity.
 void start_poses(const Model& arm, int frame, const PoseCapture& poses, bool base_free,
                  bool tool_free, Eigen::Isometry3d& base, Eigen::Isometry3d& tool);
 

@@ -7,7 +7,6 @@
 
 #include "model/expression.hpp"
 #include "model/joint_placement.hpp"
-#include "veridyn/math/require.hpp"
 
 namespace veridyn::internal {
 namespace {
@@ -28,7 +27,7 @@ bool is_angle(EntryKind kind) {
          kind == EntryKind::kPitch || kind == EntryKind::kYaw;
 }
 
-// Lengths before angles: where several say the same, the first is named.
+// Lengths before angles: among confounded constants the first is named.
 int rank(EntryKind kind) {
   switch (kind) {
     case EntryKind::kA:
@@ -110,7 +109,7 @@ void LinkParameters::collect_parameters(bool base_free, bool tool_free, bool ori
     const std::string unit = c < 3 ? "rad" : "m";
     if (tool_free) all_.push_back({Kind::kTool, c, std::string("tool ") + kPose[c], "", unit, 0.0});
   }
-  // Constants that place any frame; those of other branches are listed too, and show as such.
+  // Includes constants of other branches, which have no effect here.
   for (const auto& [name, value] : arm_.description().constants) {
     bool angle = false;
     bool places = false;
@@ -160,7 +159,7 @@ std::map<std::string, double> LinkParameters::constants(const VectorRef& x) cons
     set.insert(p.name);
   }
   if (set.empty()) return out;
-  // Constants made of others follow them; a chain of n needs n rounds.
+  // Recomputes constants that depend on others; a chain of n needs n rounds.
   for (std::size_t round = 0; round < out.size(); ++round) {
     for (auto& [name, value] : out) {
       const auto formula = arm_.description().formulas.find("constants/" + name);
@@ -203,7 +202,7 @@ void LinkParameters::evaluate(const VectorRef& x, VectorXd& values, MatrixXd* by
 
 Model LinkParameters::applied(const VectorRef& x) const {
   ModelDescription d = arm_.description();
-  // Frames off the path follow the named constants too.
+  // Frames off the path depend on the named constants too.
   const std::map<std::string, double> c = constants(x);
   d.constants = c;
   const auto at = [&](const std::string& place, double otherwise) {
@@ -262,7 +261,7 @@ Model LinkParameters::applied(const VectorRef& x) const {
     if (parameter.kind == Kind::kZero)
       d.coordinates[static_cast<std::size_t>(parameter.index)].recorded.position_offset += x[p];
   }
-  // Values that were identified with the old geometry keep their numbers, not their statistics.
+  // Values identified with the old geometry keep their numbers and lose their statistics.
   d.identified.reset();
   return Model(std::move(d));
 }

@@ -8,27 +8,28 @@
 
 namespace veridyn::internal {
 
-/// One number that places a frame.
+/// One number in the placement of a frame.
 struct LinkEntry {
   enum class Kind { kA, kAlpha, kD, kTheta, kX, kY, kZ, kRoll, kPitch, kYaw, kRatio };
   int frame = 0;
   Kind kind = Kind::kA;
   int coordinate = -1;  ///< Coordinate of a ratio
-  double value = 0.0;   ///< as it stands in the file
-  std::string formula;  ///< the arithmetic of the file; empty: a number
+  double value = 0.0;   ///< value in the file
+  std::string formula;  ///< expression in the file; empty: a plain number
 };
 
-/// One unknown of a calibration; its value is what is added to the file's.
+/// One unknown of a calibration; its value is added to that of the file.
 struct LinkParameter {
   enum class Kind { kConstant, kEntry, kZero, kBase, kTool };
   Kind kind = Kind::kEntry;
-  int index = 0;  ///< entry, coordinate, or component of a pose (turn 0..2, shift 3..5)
+  int index = 0;  ///< entry, coordinate, or component of a pose (rotation 0..2, translation 3..5)
   std::string name, frame, unit;
   double file = 0.0;
   bool is_angle() const { return unit == "rad"; }
+  std::string full_name() const { return frame.empty() ? name : name + " of " + frame; }
 };
 
-/// The numbers of a robot file on the way from its base to one frame.
+/// The numbers of a robot file between its base and one frame.
 class LinkParameters {
  public:
   LinkParameters(const Model& arm, int frame, bool base_free, bool tool_free, bool oriented);
@@ -39,8 +40,8 @@ class LinkParameters {
   const std::vector<LinkParameter>& all() const { return all_; }
   int size() const { return static_cast<int>(all_.size()); }
 
-  /// Values of the entries, and how fast each changes with each named constant
-  /// (entries x all parameters; zero elsewhere), when the parameters have the values x.
+  /// Values of the entries, and their derivatives by each named constant (entries x all parameters;
+  /// zero elsewhere), at the parameters x.
   void evaluate(const VectorRef& x, VectorXd& values, MatrixXd* by_constant) const;
 
   /// The arm with these values.

@@ -12,8 +12,8 @@
 namespace veridyn::internal {
 namespace {
 
-constexpr double kDependent = 1e-9;  // share of a column's square that the others leave
-// What a parameter may be uncertain by (two standard deviations) and still be worth fitting.
+constexpr double kDependent = 1e-9;  // squared remainder of a column, relative to its square
+// Bounds of a parameter's uncertainty (two standard deviations) for which fitting it is useful.
 constexpr double kLooseLength = 0.02;  // [m]
 constexpr double kLooseAngle = 0.05;   // [rad]
 constexpr double kLooseRatio = 0.2;
@@ -40,18 +40,14 @@ MatrixXd inverse_of(const MatrixXd& N, const std::vector<int>& active) {
   return scale.asDiagonal() * MatrixXd(scaled.ldlt().solve(identity)) * scale.asDiagonal();
 }
 
-std::string full_name(const LinkParameter& p) {
-  return p.frame.empty() ? p.name : p.name + " of " + p.frame;
-}
-
-// The parameters that a dependent one is made of.
+// The independent parameters that a dependent one combines.
 std::string made_of(const LinkParameters& parameters, const BaseParameters& base, int column) {
   std::string names;
   int count = 0;
   for (int i = 0; i < base.size(); ++i) {
     if (base.K(i, column) == 0.0 || ++count > 4) continue;
     const int own = base.independent[static_cast<std::size_t>(i)];
-    names += (names.empty() ? "" : ", ") + full_name(parameters.all()[static_cast<std::size_t>(own)]);
+    names += (names.empty() ? "" : ", ") + parameters.all()[static_cast<std::size_t>(own)].full_name();
   }
   if (count > 4) names += fmt::format(" and {} more", count - 4);
   return names;
@@ -67,7 +63,7 @@ LinkChoice identifiable_links(const LinkParameters& parameters, const LinkNormal
     names.push_back("p" + std::to_string(k));
     preference.push_back(k);
   }
-  // A factor of N: columns scaled to one, small eigenvalues left out.
+  // A factor of N: columns scaled to one, without small eigenvalues.
   const VectorXd scale = normal.N.diagonal().cwiseSqrt();
   const VectorXd inverse =
       scale.unaryExpr([](double s) { return s > 0.0 ? 1.0 / s : 0.0; });
@@ -100,7 +96,7 @@ LinkChoice identifiable_links(const LinkParameters& parameters, const LinkNormal
     for (std::size_t k = 0; k < out.independent.size(); ++k) {
       const LinkParameter& p =
           parameters.all()[static_cast<std::size_t>(out.independent[k])];
-      // Poses of base and tool are needed whatever they cost.
+      // Poses of base and tool are always needed.
       if (p.kind == LinkParameter::Kind::kBase || p.kind == LinkParameter::Kind::kTool) continue;
       const double share = 2.0 * s[static_cast<Eigen::Index>(k)] / loose(p);
       if (share < most) continue;

@@ -20,16 +20,18 @@ using namespace internal;  // NOLINT: the parts of this very calibration
 using Kind = LinkParameter::Kind;
 
 constexpr int kFewestFrames = 10;
-constexpr double kNearPosition = 0.05;         // [m] median, within which poses are the file's own
+// [m] median distance within which poses agree with the file's.
+constexpr double kNearPosition = 0.05;
 constexpr double kNearAngle = 5.0 * M_PI / 180.0;
-constexpr double kAsGood = 1.15;               // noise with known base and tool per noise with free
-constexpr double kSameGain = 1e-6;             // gains this near say the same
-constexpr double kRival = 0.98;                // share of the best gain: cannot be told apart
-constexpr double kSignificant = 5.0;           // standard deviations of a constant that is named
-constexpr double kMisplaced = 0.5;   // share of itself that a named constant changes at most
-constexpr double kPreferred = 0.1;   // a named constant may change ten times as much as a number
+constexpr double kAsGood = 1.15;  // ratio of the noise with known and with free base and tool
+constexpr double kSameGain = 1e-6;             // relative difference of equal gains
+constexpr double kRival = 0.98;  // share of the best gain above which constants are confounded
+constexpr double kSignificant = 5.0;  // standard deviations that a named constant must have
+constexpr double kMisplaced = 0.5;   // largest relative change of a named constant
+// A named constant may change ten times as much as a plain number.
+constexpr double kPreferred = 0.1;
 constexpr int kHeldOutBlocks = 80;
-constexpr double kNoise = 1e-9;  // [m] a difference of constants below this is rounding
+constexpr double kNoise = 1e-9;  // [m] smaller differences of constants are rounding
 
 int last_frame(const Model& arm) {
   std::vector<int> depth(arm.frames().size(), 0);
@@ -41,7 +43,7 @@ int last_frame(const Model& arm) {
   return best;
 }
 
-// One way to attach the arm: its parameters, fitted in full.
+// One hypothesis about base and tool: its parameters, fitted in full.
 struct Attachment {
   bool base_free = false, tool_free = false;
   std::unique_ptr<LinkParameters> parameters;
@@ -78,11 +80,11 @@ Attachment attach(const Model& arm, int frame, const PoseCapture& poses, bool ba
   }
   a.start = VectorXd::Zero(a.parameters->size());
   a.start = robustly_fitted_links(*a.chain, a.data, a.attached, a.start, options.outlier);
-  // What the poses show, with the noise that a full fit leaves.
+  // Finds the identifiable constants with the noise of a full fit.
   std::fill(a.data.is_outlier.begin(), a.data.is_outlier.end(), 0);
   for (int round = 0; round < 2; ++round) {
     const LinkNormal normal = link_normal(*a.chain, a.data, round == 0 ? a.start : a.x);
-    // What a wrong constant leaves over is no noise: at first only rank decides.
+    // The residual includes wrong constants at first, so that only rank decides.
     a.choice = identifiable_links(*a.parameters, normal, round > 0);
     a.x = robustly_fitted_links(*a.chain, a.data, a.choice.independent,
                                 round == 0 ? a.start : a.x, options.outlier);
@@ -129,7 +131,7 @@ Attachment chosen_attachment(const Model& arm, int frame, const PoseCapture& pos
   return as_good ? std::move(known) : std::move(free);
 }
 
-// The fewest constants beside base and tool that explain the poses as well as all do.
+// The fewest constants beside base and tool that explain the poses as well as all of them.
 struct Explanation {
   bool complete = false;
   std::vector<int> named;
@@ -144,22 +146,18 @@ std::vector<int> joined(const std::vector<int>& a, const std::vector<int>& b) {
   return out;
 }
 
-std::string full_name(const LinkParameter& p) {
-  return p.frame.empty() ? p.name : p.name + " of " + p.frame;
-}
-
-// By how much of itself a constant would change; what is zero by design changes last.
+// Relative change of a constant; constants that are zero by design change last.
 double relative_change(const LinkParameter& p, const LinkGain& gain) {
   constexpr double kNever = std::numeric_limits<double>::infinity();
   if (std::abs(p.file) < kNoise) return kNever;
   const double change = std::abs(gain.step / p.file);
   if (p.kind != Kind::kConstant) return change;
-  // A constant that would lose half of its value is rather in the wrong place than wrong.
+  // A constant that would change by more than half is probably not the wrong one.
   return change > kMisplaced ? kNever : kPreferred * change;
 }
 
-// The constant that gains most. Among those that say the same: the one that changes least for its
-// size, named ones preferred, else the first in the file's order.
+// The constant with the largest gain. Among equals: the one with the smallest relative change,
+// named ones preferred, else the first in the file's order.
 int best_gain(const LinkParameters& parameters, const std::vector<LinkGain>& gain,
               std::string& rivals) {
   double most = 0.0;
@@ -178,12 +176,12 @@ int best_gain(const LinkParameters& parameters, const std::vector<LinkGain>& gai
   for (int k = 0; k < parameters.size(); ++k) {
     if (k == best || gain[static_cast<std::size_t>(k)].gain < kRival * most) continue;
     rivals += (rivals.empty() ? "" : ", ") +
-              full_name(parameters.all()[static_cast<std::size_t>(k)]);
+              parameters.all()[static_cast<std::size_t>(k)].full_name();
   }
   return best;
 }
 
-// Constants that a later one made superfluous are taken away again.
+// Drops constants that a later one made superfluous.
 void drop_superfluous(Attachment& a, Explanation& e, double correlation) {
   for (std::size_t k = 0; k < e.named.size() && e.named.size() > 1;) {
     const std::vector<int> active = joined(a.attached, e.named);
@@ -229,7 +227,7 @@ Explanation explain(Attachment& a, const LinksOptions& options, double correlati
   return e;
 }
 
-// Contiguous pieces, every fourth held out.
+// Contiguous segments, every fourth held out.
 std::vector<int> part(int frames, bool held_out) {
   const int length = std::max(1, frames / kHeldOutBlocks);
   std::vector<int> out;

@@ -14,7 +14,7 @@ std::string title(const LinkConstant& c) {
   return c.frame.empty() ? c.name : c.name + " of frame " + c.frame;
 }
 
-// A value in the unit that a person reads: mm, deg or a plain number.
+// A value in mm, deg or as a plain number.
 std::string shown(double value, const std::string& unit) {
   if (!std::isfinite(value)) return "open";
   if (unit == "m") return fmt::format("{:.3f} mm", 1e3 * value);

@@ -16,8 +16,8 @@ namespace {
 
 using namespace internal;  // NOLINT: the parts of this very calibration
 
-constexpr int kSweeps = 20;         // sweeps of exchanges at most
-constexpr double kWorth = 1e-6;     // a smaller rise of the log determinant ends the exchange
+constexpr int kSweeps = 20;         // largest number of exchange sweeps
+constexpr double kWorth = 1e-6;     // increase of the log determinant below which the exchange ends
 constexpr double kSmallest = 1e-9;  // share of the candidates' information that keeps N regular
 
 using RowsOfPose = MatrixXd;  // (6 x constants), per standard deviation
@@ -35,7 +35,7 @@ class Exchange {
     random_start_ = value(chosen);
   }
 
-  // Each pose in turn gives way to the candidate that raises the determinant most.
+  // Replaces each pose in turn by the candidate that raises the determinant most.
   void improve() {
     for (int sweep = 0; sweep < kSweeps; ++sweep) {
       bool better = false;
@@ -44,7 +44,7 @@ class Exchange {
     }
   }
 
-  // Fall of the geometric mean of the deviations, as a factor.
+  // Factor by which the geometric mean of the deviations falls.
   double gain() const {
     return std::exp(0.5 * (value(chosen) - random_start_) / static_cast<double>(scale_.size()));
   }
@@ -93,7 +93,7 @@ class Exchange {
   double random_start_ = 0.0;
 };
 
-// From pose to nearest pose, in seconds at full speed.
+// Orders the poses by nearest neighbour, in seconds at full speed.
 void order(const MotionLimits& limits, double rest, MatrixXd q, PoseDesign& out) {
   const auto seconds = [&](const VectorXd& a, const VectorXd& b) {
     return ((a - b).cwiseAbs().array() / limits.velocity.array()).maxCoeff();
@@ -108,7 +108,7 @@ void order(const MotionLimits& limits, double rest, MatrixXd q, PoseDesign& out)
       if (seconds(q.row(i), at) < seconds(q.row(best), at)) best = i;
     }
     q.row(k).swap(q.row(best));
-    // From rest to rest, the peak speed of a smooth motion is twice its mean.
+    // The peak speed of a smooth move between rests is twice its mean.
     now += 2.0 * seconds(q.row(k), at) + rest;
     at = q.row(k);
     out.q.row(k) = at;
@@ -150,7 +150,7 @@ PoseDesign design_poses(const Model& arm, const PoseDesignOptions& options) {
                     VectorXd::Zero(parameters.size()), 0.0, 0};
   for (int k = 0; k < options.candidates; ++k) {
     VectorXd one(arm.joints());
-    // A third of the values are at a limit: the extremes tell most.
+    // A third of the values are at a limit, because extremes have the most information.
     for (int i = 0; i < arm.joints(); ++i) {
       const double u = std::clamp(random.uniform(-1.5, 1.5), -1.0, 1.0);
       one[i] = middle[i] + u * half[i];

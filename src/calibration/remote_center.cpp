@@ -21,7 +21,7 @@ using Normal = Eigen::Matrix<double, 6, 6>;
 
 constexpr int kIterations = 12;
 constexpr double kHuber = 2.0;          // standard deviations of a frame's residual
-constexpr double kLeastNoise = 1e-9;    // [m], [rad] noise is never taken for less
+constexpr double kLeastNoise = 1e-9;    // [m], [rad] lower bound of the noise
 
 class PivotFit {
  public:
@@ -75,7 +75,7 @@ class PivotFit {
 
   Vector3d residual(std::size_t k) const { return poses_[k] * out_.tip - out_.rcm; }
 
-  // Along the tip only the position errs; across it, the orientation does too.
+  // Along the tip only the position error counts; across it the orientation error too.
   void measure_noise() {
     std::vector<double> along;
     std::vector<double> across;
@@ -97,7 +97,7 @@ class PivotFit {
     weighted_ = true;
   }
 
-  // Huber's weights, and at the end none for outliers.
+  // Huber's weights, and finally zero for outliers.
   void weigh(double outlier) {
     out_.is_outlier.assign(poses_.size(), 0);
     for (std::size_t k = 0; k < poses_.size(); ++k) {
@@ -149,7 +149,7 @@ class PivotFit {
   bool weighted_ = false;
 };
 
-// Why the poses do not show a centre, or nothing.
+// Reason why the poses do not determine a centre, or empty.
 std::string why_not(const PoseCapture& poses, const RemoteCenterOptions& options,
                     RemoteCenter& out) {
   if (!poses.fault.empty()) return poses.fault;
@@ -159,7 +159,7 @@ std::string why_not(const PoseCapture& poses, const RemoteCenterOptions& options
   }
   const internal::RotationSpread spread = internal::rotation_spread(poses.poses);
   for (int c = 0; c < 3; ++c) out.swing[c] = std::sqrt(spread.eigenvalues[c]) / kDegree;
-  // Singular values of (A.10), frames left out: 1 +- sqrt(1 - spread) for every axis.
+  // Singular values of (A.10) without the excluded frames: 1 +- sqrt(1 - spread) for every axis.
   const double least = 0.5 * spread.eigenvalues[0];
   out.condition = std::sqrt(2.0 / std::max(1e-300, least));
   if (out.swing[1] < options.smallest_swing) {

@@ -15,9 +15,9 @@
 namespace veridyn::internal {
 namespace {
 
-constexpr double kFar = 6.0;           // standard deviations: a distance beyond them does not fit
-constexpr double kFewestNoise = 2e-6;  // [m] noise is never taken for less
-constexpr double kNarrow = 0.02;       // breadth per extent below which markers are on a line
+constexpr double kFar = 6.0;           // standard deviations beyond which a distance does not fit
+constexpr double kFewestNoise = 2e-6;  // [m] lower bound of the noise
+constexpr double kNarrow = 0.02;       // width per extent below which markers count as collinear
 constexpr std::size_t kMostPermuted = 5;
 
 class BodyFit {
@@ -51,7 +51,7 @@ class BodyFit {
     return path.col(frame);
   }
 
-  // Medians of the distances over the frames at which both markers are seen.
+  // Medians of the distances over the frames in which both markers are visible.
   bool learn_distances() {
     const auto m = static_cast<Eigen::Index>(body_.markers.size());
     distances_ = MatrixXd::Zero(m, m);
@@ -109,7 +109,7 @@ class BodyFit {
     if (m > 3) choose_hand();
   }
 
-  // Distances do not tell a shape from its mirror image; the first frame does.
+  // Distances leave the mirror image undecided; the first frame decides.
   void choose_hand() {
     double error[2] = {0.0, 0.0};
     MatrixXd mirrored = body_.shape;
@@ -147,7 +147,8 @@ class BodyFit {
     return worst / (std::sqrt(2.0) * noise_);
   }
 
-  // One frame: names changed back, positions that do not fit dropped, the pose fitted to the rest.
+  // Processes one frame: restores swapped names, drops positions that do not fit, fits the pose to
+  // the rest.
   void sort_out(Eigen::Index frame) {
     MatrixXd seen = positions(frame);
     std::vector<int> which;
@@ -176,7 +177,7 @@ class BodyFit {
     body_.seen[static_cast<std::size_t>(frame)] = 1;
   }
 
-  // True if another order of the names fits the distances; then the columns are in that order.
+  // True if another order of the names fits the distances; the columns then have that order.
   bool renamed(MatrixXd& seen, const std::vector<int>& which) {
     if (which.size() < 3 || which.size() > kMostPermuted) return false;
     std::vector<int> names = which;
@@ -195,7 +196,8 @@ class BodyFit {
     return true;
   }
 
-  // The largest set of markers whose distances agree; none where a lone pair says nothing.
+  // The largest set of markers with consistent distances; empty where a single pair is not
+  // sufficient.
   std::vector<int> agreeing(const MatrixXd& seen, std::vector<int> which) const {
     while (which.size() > 2 && misfit(seen, which, which) > kFar) {
       std::size_t best = 0;
@@ -214,8 +216,8 @@ class BodyFit {
     return which;
   }
 
-  // The shape about its mean, turned as the cameras are at the first frame that shows it; and the
-  // noise from what it leaves.
+  // Centres the shape and rotates it to the cameras' axes at the first frame that shows it;
+  // estimates the noise from the residuals.
   void align_with_first_frame() {
     const auto first = std::find(body_.seen.begin(), body_.seen.end(), 1);
     if (first == body_.seen.end()) {

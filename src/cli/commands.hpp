@@ -14,11 +14,11 @@ enum ExitStatus {
   kDataCannotAnswer = 4,
 };
 
-/// What the command that ran leaves behind. A command that returns normally is done; bad input and
-/// wrong usage are thrown (InvalidInput, CLI::ParseError), and main.cpp turns them into a status.
+/// Result of the command that ran. A command that returns normally is done; bad input and wrong
+/// usage are exceptions (InvalidInput, CLI::ParseError), which main.cpp maps to a status.
 struct Outcome {
   ExitStatus status = kDone;
-  std::string command_line;  ///< what the user typed, as a shell reads it; there from the start
+  std::string command_line;  ///< command line of the user, quoted for a shell; set from the start
 };
 
 // One per command, each in its own file `NAME_command.cpp`: adds the subcommand with its options
@@ -32,6 +32,7 @@ void add_check_command(CLI::App& tool, Outcome& outcome);
 void add_identify_command(CLI::App& tool, Outcome& outcome);
 void add_fleet_command(CLI::App& tool, Outcome& outcome);
 void add_diagnose_command(CLI::App& tool, Outcome& outcome);
+void add_friction_command(CLI::App& tool, Outcome& outcome);
 void add_page_command(CLI::App& tool, Outcome& outcome);
 void add_payload_command(CLI::App& tool, Outcome& outcome);
 void add_export_command(CLI::App& tool, Outcome& outcome);

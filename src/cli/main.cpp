@@ -24,6 +24,7 @@ ExitStatus run(int argc, char** argv) {
   add_check_command(tool, outcome);
   add_identify_command(tool, outcome);
   add_diagnose_command(tool, outcome);
+  add_friction_command(tool, outcome);
   add_fleet_command(tool, outcome);
   add_payload_command(tool, outcome);
   add_calibrate_command(tool, outcome);
@@ -39,7 +40,8 @@ ExitStatus run(int argc, char** argv) {
   add_dvrk_command(tool, outcome);
   add_watch_command(tool, outcome);
   expect_sound_arguments(tool);
-  // `veridyn help COMMAND` as `veridyn COMMAND --help`; CLI11 takes its words from the last.
+  // Handles `veridyn help COMMAND` as `veridyn COMMAND --help`; CLI11 takes its arguments in
+  // reverse order.
   std::vector<std::string> words(argv + 1, argv + argc);
   if (!words.empty() && words.front() == "help") {
     words.erase(words.begin());
@@ -65,7 +67,7 @@ ExitStatus run_and_explain(int argc, char** argv) {
     return status;
   } catch (const InvalidInput& error) {
     say(error.what());
-    // What names an option first is a value that the option cannot have, found where it is used.
+    // An error that begins with an option is a bad value of that option, detected where it is used.
     return std::string(error.what()).rfind("--", 0) == 0 ? kWrongUsage : kBadInput;
   } catch (const std::exception& error) {
     say(std::string("internal fault: ") + error.what());

@@ -9,13 +9,13 @@
 namespace veridyn {
 namespace {
 
-// Base parameters agree to this share of their size at best: rounding in files, and what the
-// discretisation of a noise-free recording leaves.
+// Relative accuracy of base parameters at best: rounding in files, and the discretisation of a
+// noise-free recording.
 constexpr double kSameToRounding = 1e-6;
 
-// A sum of squares that a few clusters dominate is known no better than those few are. For normal
-// contributions of variances v_c Satterthwaite has (sum v)^2 / sum v^2; with d_c^4 for 3 v_c^2,
-// less what clusters alike would give by chance.
+// Degrees of freedom of a sum of squares that a few clusters may dominate. For normal contributions
+// of variances v_c Satterthwaite has (sum v)^2 / sum v^2; with d_c^4 for 3 v_c^2, corrected for
+// what equal clusters would give by chance.
 double degrees_of_freedom(const VectorXd& scatter, int clusters) {
   const double most = std::max(1, clusters - 1);
   if (scatter.size() != clusters) return most;  // no longer one column per cluster
@@ -56,7 +56,8 @@ void add_statistics(const VectorXd& scatter_before, const VectorXd& scatter_afte
   d.high = d.difference + reach;
 }
 
-// Holm: the k-th smallest p-value of m times m - k + 1, never below the one before.
+// Holm's correction: the k-th smallest p-value of m is multiplied by m - k + 1, and never below the
+// previous one.
 void correct_for_number(ModelComparison& c) {
   std::vector<ModelDifference*> all;
   for (ModelDifference& d : c.joints) {

@@ -10,10 +10,11 @@
 namespace veridyn {
 namespace {
 
-constexpr double kWeightShare = 0.05;  // share of a column's rms that weight must make to be spoken of
+// Share of a column's rms due to weight above which a sentence mentions it.
+constexpr double kWeightShare = 0.05;
 
 std::string verb(const ModelDifference& d) {
-  // Of what is below zero nobody agrees on what grows.
+  // "Grew" would be ambiguous for negative values.
   if (!(d.before > 0.0 && d.after > 0.0)) return "went";
   return d.after > d.before ? "grew" : "fell";
 }
@@ -70,8 +71,8 @@ std::string effect_sentence(const Model& arm, const EffectTerm& term, const Stan
   return fmt::format("{}{} of {} {} {}.", name, which, where, verb(d), sizes(d));
 }
 
-// "joint 1 (yaw) changed by up to 0.10 N m, on joint 2 (pitch) by 0.08 N m": the main one, then
-// those of its unit that feel at least a fifth as much.
+// "joint 1 (yaw) changed by up to 0.10 N m, on joint 2 (pitch) by 0.08 N m": the main joint, then
+// those with the same unit and at least a fifth of its change.
 std::string joints_text(const Model& arm, const VectorXd& torque, int main) {
   const auto unit = [&arm](int joint) {
     return effort_unit(arm.coordinates()[static_cast<size_t>(joint - 1)]);

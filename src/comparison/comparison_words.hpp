@@ -7,17 +7,17 @@
 
 namespace veridyn {
 
-/// A number with the digits that its deviation leaves it.
+/// A number with the digits that are significant given its deviation.
 std::string number_text(double value, double deviation);
 
-/// What a difference means: friction that grew, a first moment and the weight torque that goes with
-/// it, an inertia that a joint feels.
+/// Interprets a difference: friction that grew, a first moment with its weight torque, the inertia
+/// of a joint.
 ///
 /// @param standard  index of the standard parameter that leads the combination.
 std::string parameter_sentence(const Model& arm, const StandardTorque& torque, int standard,
                                const ModelDifference& difference);
 
-/// The same for what a joint feels.
+/// The same for a quantity of a joint.
 std::string joint_sentence(const Model& arm, JointQuantity which,
                            const ModelDifference& difference);
 

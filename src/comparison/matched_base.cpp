@@ -14,9 +14,11 @@
 namespace veridyn {
 namespace {
 
-constexpr double kFromValues = 1e-6;  // how well a file's base parameters follow from its values
-constexpr double kSameMotion = 0.2;   // share of the spread over clusters, that two motions may differ by
-constexpr double kInSpan = 1e-5;      // part of a combination that may be left over
+// Relative error up to which a file's base parameters agree with its values.
+constexpr double kFromValues = 1e-6;
+// Share of the spread over clusters by which the motions may differ.
+constexpr double kSameMotion = 0.2;
+constexpr double kInSpan = 1e-5;      // part of a combination that may lie outside the span
 
 VectorXd values_of(const Model& arm, const std::vector<StandardParameter>& parameters) {
   require(arm.inertial_values().has_value(), "compare: found a body without values in robot '",
@@ -44,7 +46,7 @@ std::string expression_of(const VectorXd& row, Eigen::Index leading,
   return out;
 }
 
-// From the section of the file; false (with a note) if it does not belong to the file's values.
+// Reads the section of the file; false (with a note) if it is inconsistent with the file's values.
 bool take_identified(const IdentifiedBase& file, const std::vector<StandardParameter>& parameters,
                      const VectorXd& values, BaseNumbers& out) {
   std::unordered_map<std::string, Eigen::Index> index;
@@ -81,8 +83,8 @@ bool take_identified(const IdentifiedBase& file, const std::vector<StandardParam
   return true;
 }
 
-// The same combinations written so that each has a one at its own leading parameter and a zero at
-// those of the others, as identify writes them: x with K x = beta is then beta at the leading ones.
+// Brings the combinations into the form of identify, with a one at each leading parameter and zeros
+// at those of the others: x with K x = beta is then beta at the leading ones.
 void make_canonical(BaseNumbers& numbers) {
   const auto count = numbers.K.rows();
   MatrixXd leading(count, count);
@@ -153,7 +155,7 @@ MatchedBase matched_base(const Model& before, const BaseNumbers& a, const Model&
   };
   const std::vector<Eigen::Index> at_a = columns_of(names.before, scale_before);
   const std::vector<Eigen::Index> at_b = columns_of(names.after, scale_after);
-  // Columns of combinations, all scaled alike, over the parameters of both.
+  // Columns of combinations, scaled alike, over the parameters of both.
   const auto scaled = [&](const MatrixXd& K, const std::vector<Eigen::Index>& at) {
     MatrixXd out = MatrixXd::Zero(static_cast<Eigen::Index>(scale.size()), K.rows());
     for (std::size_t j = 0; j < at.size(); ++j)

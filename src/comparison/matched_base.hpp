@@ -8,8 +8,8 @@
 
 namespace veridyn {
 
-/// A model's base parameters in numbers, from its file or, where that has no (valid) statistics,
-/// from its values. K is one in the column of a row's own leading parameter, zero in those of the
+/// A model's base parameters in numbers, from its file or, without (valid) statistics, from its
+/// values. K has a one in the column of a row's own leading parameter and zeros in those of the
 /// others.
 struct BaseNumbers {
   std::vector<std::string> names;        ///< (base) of the leading standard parameters
@@ -21,7 +21,7 @@ struct BaseNumbers {
   MatrixXd scatter;                      ///< (base x any), covariance = scatter * scatter'
   MatrixXd motion;                       ///< (clusters x n) as in IdentifiedBase, or empty
   int clusters = 0;                      ///< 0: no statistics, scatter is (base x 0)
-  std::string note;                      ///< why statistics that the file has are not used
+  std::string note;                      ///< reason for which statistics of the file are not used
 };
 
 /// @throws InvalidInput  a body or an effect has no values.
@@ -30,7 +30,7 @@ BaseNumbers base_numbers(const Model& arm);
 /// True if both were identified from the same motion, so that their clusters are pairs.
 bool same_motion(const BaseNumbers& a, const BaseNumbers& b);
 
-/// One base parameter of `before` as both models know it.
+/// One base parameter of `before` that both models determine.
 struct MatchedParameter {
   int row = 0;  ///< Row of before's base parameters
   double before = 0.0, after = 0.0;
@@ -44,8 +44,8 @@ struct MatchedBase {
 
 /// Every base parameter k of `before` that is a linear combination of those of `after`: k = w' K.
 ///
-/// @param scale  (standard of before) size of every standard parameter's column: what is zero is
-///               judged in columns of norm one.
+/// @param scale  (standard of before) size of every standard parameter's column; columns are scaled
+/// by it before entries are compared with zero.
 MatchedBase matched_base(const Model& before, const BaseNumbers& a, const Model& after,
                          const BaseNumbers& b, const VectorRef& scale_before,
                          const VectorRef& scale_after);

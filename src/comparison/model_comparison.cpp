@@ -14,7 +14,7 @@
 namespace veridyn {
 namespace {
 
-// One of the two models with all that is needed of it.
+// One of the two models with derived quantities.
 struct Side {
   explicit Side(const Model& model) : arm(model), numbers(base_numbers(model)), torque(model) {}
 
@@ -22,7 +22,7 @@ struct Side {
   BaseNumbers numbers;
   StandardTorque torque;
 
-  // The model's own values, of one kind.
+  // The model's own values, restricted to one kind.
   template <typename Keep>
   VectorXd values(Keep keep) const {
     VectorXd out(static_cast<Eigen::Index>(torque.parameters().size()));
@@ -33,8 +33,8 @@ struct Side {
     return out;
   }
 
-  // Standard parameters that have these base parameters: the leading ones carry the combinations,
-  // for their columns are those of the base parameters.
+  // Standard parameters with these base parameters: the leading ones are set to them, because their
+  // columns equal those of the base parameters.
   VectorXd standard(const VectorRef& base) const {
     VectorXd out = VectorXd::Zero(static_cast<Eigen::Index>(torque.parameters().size()));
     for (size_t r = 0; r < numbers.leading.size(); ++r)
@@ -42,7 +42,7 @@ struct Side {
     return out;
   }
 
-  // Without conditions; facts are what they are.
+  // Unconstrained estimates; facts keep their values.
   VectorXd free_values() const {
     VectorXd out = standard(numbers.free);
     for (size_t j = 0; j < torque.parameters().size(); ++j) {
@@ -52,13 +52,13 @@ struct Side {
     return out;
   }
 
-  // The torque over the standard motion that a column of the scatter stands for.
+  // Torque over the standard motion due to one column of the scatter.
   MatrixXd chance(Eigen::Index column) const {
     return torque.torque(standard(numbers.scatter.col(column)));
   }
 };
 
-// (n) rms torque that the scatter of both models makes.
+// (n) rms torque due to the scatter of both models.
 VectorXd chance_difference(const Side& a, const Side& b, bool paired) {
   VectorXd sum = VectorXd::Zero(a.arm.joints());
   for (Eigen::Index c = 0; c < a.numbers.scatter.cols(); ++c)
@@ -106,7 +106,7 @@ std::vector<TorqueDifference> torque_differences(const Side& a, const Side& b, b
   return out;
 }
 
-// The joint on which a difference weighs most, in shares of its torque.
+// The joint with the largest difference relative to its torque.
 int main_joint(const VectorXd& torque, const std::vector<TorqueDifference>& joints) {
   int best = 0;
   double most = -1.0;
@@ -166,7 +166,7 @@ std::string unit_of(JointQuantity which, const Coordinate& coordinate) {
   return coordinate.prismatic ? "kg" : "kg m^2";
 }
 
-// The base parameter that a quantity is a multiple of; empty if it has several.
+// The base parameter to which a quantity is proportional; empty if there are several.
 std::string only_parameter(const Side& side, const VectorXd& u) {
   std::string found;
   for (size_t r = 0; r < side.numbers.leading.size(); ++r) {

@@ -11,7 +11,7 @@
 namespace veridyn {
 namespace {
 
-constexpr std::ptrdiff_t kListed = 8;  // differences of a list that are told
+constexpr std::ptrdiff_t kListed = 8;  // differences of a list that are printed
 
 std::string model_line(const char* which, const ComparedModel& m) {
   std::string out = fmt::format("{:<7} {}", which, m.name);
@@ -42,7 +42,7 @@ std::string verdict_text(const ModelComparison& c) {
                      c.significant(), c.compared(), 100.0 * c.significance);
 }
 
-// The surest first; of many the rest is counted.
+// Most significant first; the rest of a long list is counted.
 std::string list_text(const char* title, const std::vector<ModelDifference>& all) {
   std::vector<ModelDifference> told;
   for (const ModelDifference& d : all) {

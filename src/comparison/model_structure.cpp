@@ -14,7 +14,8 @@
 namespace veridyn {
 namespace {
 
-constexpr double kLike = 0.2;  // shape constants: with a larger relative difference, not comparable
+// Relative difference of shape constants up to which effects are comparable.
+constexpr double kLike = 0.2;
 constexpr double kSame = 1e-9;  // relative to 1 + |a|: what files lose in rounding is less
 
 bool same(double a, double b) {
@@ -35,7 +36,7 @@ bool same_place(const Frame& a, const Frame& b) {
          a.variable.coefficients.isApprox(b.variable.coefficients, kSame);
 }
 
-// What tells an effect's terms apart, shape constants left away.
+// Identifies an effect's terms, without their shape constants.
 std::string place_of(const Model& arm, const EffectTerm& term) {
   std::string out = term.effect + "(" + axis_text(arm, term.axis);
   if (term.from) out += " from " + axis_text(arm, *term.from);
@@ -63,7 +64,7 @@ std::map<std::string, std::vector<int>> terms_by_place(const Model& arm) {
   return out;
 }
 
-// Shapes that differ this little leave the parameters with the same meaning.
+// True if the shapes differ so little that the parameters keep their meaning.
 bool comparable(const Model& before, int term_before, const Model& after, int term_after) {
   const std::vector<double> a =
       shape_of(before, before.effects()[static_cast<std::size_t>(term_before)]);

@@ -8,15 +8,15 @@
 
 namespace veridyn {
 
-/// @throws InvalidInput  coordinates, frames or bodies differ: these are two robots.
+/// @throws InvalidInput  coordinates, frames or bodies differ, so that these are two robots.
 void require_one_arm(const Model& before, const Model& after);
 
 /// Effects, shapes, constants, gravity, drive gains and facts that differ.
 std::vector<StructureDifference> structure_differences(const Model& before, const Model& after);
 
-/// Names of all standard parameters of both models, alike where they mean the same thing. They do
-/// not depend on the values of shape constants: an effect that stands twice on one axis is numbered
-/// in the order of its constants. Bodies do not match where frames stand elsewhere, effects where a
+/// Names of all standard parameters of both models, equal where parameters correspond. They do not
+/// depend on the values of shape constants: an effect that occurs twice on one axis is numbered in
+/// the order of its constants. Bodies do not correspond where frames differ, effects where a
 /// constant differs by more than a fifth.
 struct MatchingNames {
   std::vector<std::string> before, after;

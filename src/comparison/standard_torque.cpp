@@ -8,7 +8,7 @@
 namespace veridyn {
 namespace {
 
-// Share of a parameter's rms torque below which its part in a quantity is only the grid of samples.
+// Contributions below this share of a parameter's rms torque are due to the grid of samples.
 constexpr double kRoundedAway = 5e-3;
 
 Stretch stretch_of(const MotionSamples& motion) {
@@ -25,7 +25,7 @@ Stretch stretch_of(const MotionSamples& motion) {
   return s;
 }
 
-// Facts have columns, too.
+// Facts get columns as well.
 Model without_facts(const Model& arm) {
   ModelDescription d = arm.description();
   for (Frame& frame : d.frames) {

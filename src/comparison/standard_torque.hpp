@@ -7,7 +7,7 @@
 
 namespace veridyn {
 
-/// What a joint feels, in one number that is linear in the parameters.
+/// A quantity of a joint's torque that is linear in the parameters.
 enum class JointQuantity {
   /// Half the difference of the effects' mean torques forward and backward over
   /// standard_motion() [N m].
@@ -22,8 +22,8 @@ constexpr JointQuantity kJointQuantities[] = {JointQuantity::kFriction, JointQua
                                               JointQuantity::kWeight, JointQuantity::kWeightSlope,
                                               JointQuantity::kInertia};
 
-/// What every standard parameter of an arm (facts as well) does to the torques over
-/// standard_motion().
+/// Torques over standard_motion() as a function of every standard parameter of an arm (facts as
+/// well).
 class StandardTorque {
  public:
   explicit StandardTorque(const Model& arm);
@@ -34,17 +34,17 @@ class StandardTorque {
   /// @param values  (standard).
   MatrixXd torque(const VectorRef& values) const;
 
-  /// (n) rms of the torque per unit of one parameter.
+  /// (n) rms torque per unit of one parameter.
   VectorXd rms_of(int parameter) const;
 
-  /// (n) largest torque per unit of one parameter where the arm rests in the same positions.
+  /// (n) largest torque per unit of one parameter at rest in the same positions.
   VectorXd weight_of(int parameter) const;
 
   /// (standard) rms over all joints: the size of every parameter's column.
   VectorXd column_sizes() const;
 
   /// (standard) the quantity of a joint per unit of every parameter, over whole periods of the
-  /// joint's motion; what is far below a parameter's own torque is rounding and left away.
+  /// joint's motion; contributions far below a parameter's own torque are rounding and set to zero.
   VectorXd quantity(JointQuantity which, int joint) const;
 
  private:
@@ -53,7 +53,7 @@ class StandardTorque {
   MotionSamples motion_;
   std::vector<StandardParameter> parameters_;
   std::vector<JointRows> moving_, resting_;
-  std::vector<JointRows> speeding_up_;  ///< joint i alone accelerates by one from rest
+  std::vector<JointRows> speeding_up_;  ///< joint i alone has an acceleration of one, from rest
 };
 
 /// (n) root mean square of every column.

@@ -32,9 +32,9 @@ void AdaptiveFriction::update(const ArmState& arm, const VectorXd& lacking, doub
     if (!(std::abs(v) > least_speed)) continue;
     const auto at = static_cast<size_t>(k);
     const double direction = v < 0.0 ? -1.0 : 1.0;
-    const double force = friction.sliding(k, direction, v);  // carries the direction's sign
+    const double force = friction.sliding(k, direction, v);  // signed by the direction
     if (std::abs(force) < 1e-9) continue;
-    // What compensation, with its present share and scale, leaves of the friction is lacking.
+    // Friction that the compensation, with its present share and scale, does not cover.
     const double along = c.dot(lacking) / c.squaredNorm();
     const double found = along + friction.share() * friction.scale(k) * force;
     const double wrong = found - offset_[at] - scale_[at] * force;

@@ -9,7 +9,7 @@
 namespace veridyn {
 namespace {
 
-constexpr double kLeastCosine = 0.05;  // share of pitch: 3 degrees from where T has no inverse
+constexpr double kLeastCosine = 0.05;  // cosine of the pitch 3 degrees from the singularity of T
 
 // T^-1, damped where cos(pitch) is small.
 Eigen::Matrix3d omega_to_angle_rates(const Eigen::Vector3d& angles) {
@@ -32,7 +32,7 @@ Eigen::Matrix3d omega_to_angle_rates(const Eigen::Vector3d& angles) {
 Eigen::Vector3d roll_pitch_yaw(const Eigen::Matrix3d& R) noexcept {
   const double across = std::hypot(R(2, 1), R(2, 2));
   if (across < 1e-9) {
-    // Roll and yaw turn about the same axis; all of it is called yaw.
+    // At the singularity roll and yaw turn about the same axis; the rotation is assigned to yaw.
     return {0.0, std::atan2(-R(2, 0), across), std::atan2(-R(0, 1), R(1, 1))};
   }
   return {std::atan2(R(2, 1), R(2, 2)), std::atan2(-R(2, 0), across), std::atan2(R(1, 0), R(0, 0))};

@@ -10,7 +10,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kShortest = 1e-9;  // [m] between tips that have a direction
+constexpr double kShortest = 1e-9;  // [m] smallest distance of tips with a defined direction
 
 Vector3d centroid(const std::vector<Vector3d>& points) {
   Vector3d sum = Vector3d::Zero();
@@ -36,11 +36,13 @@ void check(const CooperativeOptions& o, std::size_t tips) {
     require(m.share > 0.0 && m.share <= 1.0, "cooperative controller: found a share of ", m.share,
             ", expected a number above zero and at most one.");
   }
+  require(o.drift_factor >= 1.0, "cooperative controller: found a drift_factor of ", o.drift_factor,
+          ", expected one or more.");
   require(o.largest_energy > 0.0, "cooperative controller: found a largest energy of ",
           o.largest_energy, " J, expected one above zero.");
   for (const double value :
        {o.period, o.largest_force, o.largest_force_error, o.largest_age, o.largest_error,
-        o.stuck_force, o.stop_duration, o.relief_force, o.relief_gain, o.relief_speed}) {
+        o.stuck_force, o.jump_force, o.drift_force, o.drift_length, o.drift_way, o.stop_duration, o.relief_force, o.relief_gain, o.relief_speed}) {
     require(std::isfinite(value) && value > 0.0, "cooperative controller: found ", value,
             " for a period or a bound, expected a number above zero.");
   }
@@ -75,6 +77,8 @@ const char* describe(CooperativeState state) {
       return "holds: a force sensor repeats one value while its member changes its length";
     case CooperativeState::kSensorJumped:
       return "holds: a force sensor's reading jumps while its member keeps its length";
+    case CooperativeState::kSensorDrifted:
+      return "holds: a force sensor's reading leaves what its member's length says";
     case CooperativeState::kArmLost:
       return "holds: an arm does not follow any more";
     case CooperativeState::kTargetMissed:
@@ -197,7 +201,7 @@ void CooperativeController::stop() noexcept {
   for (QuinticInterpolator& grip : grips_) grip.stop(options_.stop_duration);
 }
 
-// x_d of every tip with its derivatives, from the object's motion.
+// Computes x_d of every tip and its derivatives from the object's motion.
 void CooperativeController::plan() noexcept {
   const Eigen::Matrix3d R = Eigen::AngleAxisd(angle_.x()[0], axis_).toRotationMatrix() * R_start_;
   const Vector3d omega = angle_.dx()[0] * axis_;
@@ -220,7 +224,7 @@ void CooperativeController::plan() noexcept {
   }
 }
 
-// (7.10) to (7.12) for every member.
+// Applies (7.10) to (7.12) to every member.
 void CooperativeController::correct(const CooperativeInput& input) noexcept {
   const bool active = commands_allowed();
   for (size_t k = 0; k < trackers_.size(); ++k) {
@@ -255,13 +259,13 @@ bool CooperativeController::is_stuck(size_t member, const ForceReading& reading,
     return false;
   }
   const double stiffness = options_.members[member].law.stiffness;
-  // Repeated zeros are those of a slack member.
+  // Repeated zeros belong to a slack member.
   return reading.number != watch.number && stiffness > 0.0 && force != 0.0 &&
          std::abs(length - watch.length) * stiffness > options_.stuck_force;
 }
 
-// Between two samples; the length of the member is measured in every cycle, its force as often as
-// the sensor speaks. A slack member carries nothing, whatever its length does.
+// Checks the change between two samples; the length of the member is measured in every cycle, its
+// force at the rate of the sensor. A slack member has no force at any length.
 bool CooperativeController::jumps(size_t member, const ForceReading& reading,
                                   double length) noexcept {
   Watch& watch = watches_[member];
@@ -277,7 +281,34 @@ bool CooperativeController::jumps(size_t member, const ForceReading& reading,
   return !first && stiffness > 0.0 && change > options_.jump_force + 2.0 * stiffness * way;
 }
 
-// While the wanted force stands still: what it means otherwise is not known.
+// A reading is compared with the member's length over the whole time since the wanted force last
+// arrived: a law that tracks a drifting sensor stretches or slackens the member until they disagree.
+// A string that is slack carries nothing, though its length says less.
+bool CooperativeController::drifts(size_t member, const ForceReading& reading,
+                                   const CooperativeInput& input) noexcept {
+  Watch& watch = watches_[member];
+  const CooperativeMember& m = options_.members[member];
+  const Vector3d& from = input.position[static_cast<size_t>(m.from)];
+  const Vector3d& to = input.position[static_cast<size_t>(m.to)];
+  const double length = (to - from).norm();
+  if (!watch.compared || (wanted_.arrived() && !arrived_)) {
+    watch.compared = true;
+    watch.sound_force = reading.force;
+    watch.sound_length = length;
+    watch.from = from;
+    watch.to = to;
+    return false;
+  }
+  const double k = m.law.stiffness;
+  const double change = k * (length - watch.sound_length);
+  const double less = watch.sound_force + std::min(change / options_.drift_factor, change * options_.drift_factor);
+  const double more = watch.sound_force + std::max(change / options_.drift_factor, change * options_.drift_factor);
+  const double way = (from - watch.from).norm() + (to - watch.to).norm();
+  const double margin = options_.drift_force + k * (options_.drift_length + options_.drift_way * way);
+  return k > 0.0 && (reading.force < less - margin || reading.force > std::max(more, 0.0) + margin);
+}
+
+// Checks the generated energy while the wanted force is constant, because it is defined only then.
 bool CooperativeController::makes_energy(size_t member, const ForceReading& reading,
                                          const CooperativeInput& input) noexcept {
   PassivityMonitor& monitor = monitors_[member];
@@ -297,7 +328,7 @@ bool CooperativeController::makes_energy(size_t member, const ForceReading& read
 }
 
 CooperativeState CooperativeController::judge(const CooperativeInput& input) noexcept {
-  // A member stretches under its force, which takes its ends off the way of the motion alone.
+  // The stretch under its force displaces the ends of a member from the path of the motion alone.
   double stretch = 0.0;
   for (size_t k = 0; k < trackers_.size(); ++k) {
     const double stiffness = options_.members[k].law.stiffness;
@@ -331,12 +362,13 @@ CooperativeState CooperativeController::judge(const CooperativeInput& input) noe
             .norm();
     if (reading.number >= 0 && is_stuck(k, reading, length)) return CooperativeState::kSensorStuck;
     if (reading.number >= 0 && jumps(k, reading, length)) return CooperativeState::kSensorJumped;
+    if (reading.number >= 0 && drifts(k, reading, input)) return CooperativeState::kSensorDrifted;
   }
   return CooperativeState::kTracking;
 }
 
-// While all is held: ends that still follow give way along members whose force is beyond the
-// bound, the leader's too. Readings of failed sensors move nothing.
+// While targets are held: ends that still follow yield along members whose force exceeds the bound,
+// the leader's too. Readings of failed sensors are ignored.
 void CooperativeController::relieve(const CooperativeInput& input) noexcept {
   if (sensor_failed()) return;
   for (size_t k = 0; k < trackers_.size(); ++k) {
@@ -364,12 +396,12 @@ void CooperativeController::learn_lengths(const CooperativeInput& input) noexcep
   }
 }
 
-// While all is held: along with an arm that falls, then what forces ask for.
+// While targets are held: follows a falling arm first, then yields to forces.
 void CooperativeController::give_way(const CooperativeInput& input) noexcept {
   if (options_.guard) {
     for (size_t k = 0; k < trackers_.size(); ++k) {
       const CooperativeMember& m = options_.members[k];
-      // Without its arm's place a member has no length: forces alone are left to go by.
+      // The length of a member needs both positions; without them only forces count.
       if (input.located[static_cast<size_t>(m.from)] == 0 ||
           input.located[static_cast<size_t>(m.to)] == 0)
         guard_.forget(static_cast<int>(k));
@@ -392,6 +424,7 @@ const std::vector<TipTarget>& CooperativeController::update(
   if (state_ == CooperativeState::kTracking) {
     state_ = judge(input);
     if (state_ != CooperativeState::kTracking) stop();
+    arrived_ = wanted_.arrived();
   }
   centre_.advance(options_.period);
   angle_.advance(options_.period);

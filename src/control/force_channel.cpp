@@ -8,7 +8,7 @@
 namespace veridyn {
 namespace {
 
-constexpr int kMostReadings = 256;  // of one update: bounded in time
+constexpr int kMostReadings = 256;  // per update, to bound its time
 
 }  // namespace
 
@@ -47,7 +47,7 @@ double ForceChannel::delay() const {
   return options_.latency + filter;
 }
 
-// A jump counts where the next reading agrees with it.
+// Accepts a step only if the next reading agrees with it.
 bool ForceChannel::is_believed(double force) noexcept {
   beyond_ = !(std::abs(force) <= options_.range);
   if (beyond_) {
@@ -62,7 +62,7 @@ bool ForceChannel::is_believed(double force) noexcept {
   return agrees;
 }
 
-// One window after the other.
+// Counts usable and unusable data in consecutive windows.
 void ForceChannel::count(long good, long bad) noexcept {
   good_ += good;
   bad_ += bad;

@@ -8,10 +8,10 @@
 namespace veridyn {
 namespace {
 
-constexpr double kCarried = 1.4;        // [kg] that the member's damping is made for
+constexpr double kCarried = 1.4;        // [kg] at the member, for which its damping is designed
 constexpr double kMostDamping = 120.0;  // [N s/m]
 constexpr double kCrossover = 30.0;     // [rad/s]
-constexpr double kReachForce = 20.0;    // [N] within reach
+constexpr double kReachForce = 20.0;    // [N] covered by the reach
 
 }  // namespace
 
@@ -48,7 +48,7 @@ double ForceTracker::update(double wanted, const ForceReading& reading, double r
   clock_ += dt;
   const double e = wanted - reading.force;
   if (reading.number >= 0 && reading.number != number_) {
-    // Time between samples, so that a lost one counts for the next.
+    // Time between samples, so that a lost sample is counted with the next.
     const double since = number_ < 0 ? dt : clock_ - last_time_;
     const double before = x_f_;
     if (std::abs(e) > law_.deadband) {

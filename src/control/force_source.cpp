@@ -1,4 +1,6 @@
+#include <cerrno>
 #include <cstdlib>
+#include <cstring>
 
 #include "terminal_line.hpp"
 #include "udp_port.hpp"
@@ -11,8 +13,8 @@
 namespace veridyn {
 namespace {
 
-constexpr int kMostReads = 64;         // reads of one poll: bounded in time
-constexpr double kOwnersSilence = 1.0;  // [s] after which another sender may have the port
+constexpr int kMostReads = 64;         // per poll, to bound its time
+constexpr double kOwnersSilence = 1.0;  // [s] after which another sender may take the port
 
 std::vector<std::string> parts_of(const std::string& name) {
   std::vector<std::string> parts(1);
@@ -105,15 +107,11 @@ class SerialForceSource final : public ForceSource {
   SerialForceSource& operator=(const SerialForceSource&) = delete;
 
   int poll() noexcept override {
-    if (bytes_.reading()) return 1;
-    for (int k = 0; k < kMostReads && connected_; ++k) {
-      const int got = sp_nonblocking_read(port_, bytes_.room(), bytes_.size());
-      if (got < 0) connected_ = false;  // the plug was pulled
-      if (got <= 0) break;
-      bytes_.filled(static_cast<std::size_t>(got));
-      if (bytes_.reading()) return 1;
-    }
-    return 0;
+    return bytes_.poll([this]() -> std::size_t {
+      const int got = connected_ ? sp_nonblocking_read(port_, bytes_.room(), bytes_.size()) : 0;
+      if (got < 0) connected_ = false;  // unplugged
+      return got <= 0 ? 0 : static_cast<std::size_t>(got);
+    });
   }
   double raw() const noexcept override { return bytes_.decoder().raw(); }
   bool connected() const noexcept override { return connected_; }

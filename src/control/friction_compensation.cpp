@@ -10,8 +10,8 @@
 namespace veridyn {
 namespace {
 
-constexpr double kFadesBelow = 0.1;  // share of the energy tank
-constexpr double kFar = 1e3;         // [rad], [m]: every memory is sheared after this way
+constexpr double kFadesBelow = 0.1;  // share of the energy tank below which compensation fades out
+constexpr double kFar = 1e3;         // [rad], [m] of displacement that shears every memory fully
 
 double pick(const Deadband& deadband, bool prismatic) {
   return prismatic ? deadband.prismatic : deadband.revolute;
@@ -115,8 +115,8 @@ double FrictionCompensation::by_velocity(const Axis& axis, double v, double v_wa
   return sliding(axis, error < 0.0 ? -1.0 : 1.0, 0.0);
 }
 
-// Terms with a memory by their state; the others sliding at `speed` in the direction of `will`, in
-// proportion to it, -1 to 1.
+// Terms with memory by their state; the others sliding at `speed` in the direction of `will`,
+// scaled by its magnitude, -1 to 1.
 double FrictionCompensation::by_memory(Axis& axis, double will, double speed, double v) noexcept {
   const double direction = will < 0.0 ? -1.0 : 1.0;
   AxisSample x;
@@ -138,7 +138,7 @@ double FrictionCompensation::whole(Axis& axis, double v, double v_wanted,
   if (options_.rule == FrictionRule::kMeasured)
     return by_memory(axis, std::clamp(v / axis.velocity_deadband, -1.0, 1.0), std::abs(v), v);
   if (options_.rule != FrictionRule::kPresliding) return by_velocity(axis, v, v_wanted, error);
-  // In full along a wanted motion, in proportion to the error within the deadband at rest.
+  // Full friction along a wanted motion; within the deadband at rest proportional to the error.
   const double will =
       std::clamp(v_wanted / axis.velocity_deadband + error / axis.position_deadband, -1.0, 1.0);
   return by_memory(axis, will, std::max(0.0, will < 0.0 ? -v_wanted : v_wanted), v);
@@ -157,7 +157,7 @@ void FrictionCompensation::supervise(Axis& axis, double v_wanted, double dt) con
   const double wanted = options_.share * axis.scale *
                         std::abs(sliding(axis, v_wanted < 0.0 ? -1.0 : 1.0, v_wanted) * v_wanted);
   axis.energy += wanted * dt - axis.force * (axis.s - axis.before);
-  // Where the time is NaN the tank counts as empty.
+  // A NaN time empties the tank.
   axis.energy = std::isnan(axis.energy) ? 0.0 : std::clamp(axis.energy, 0.0, axis.largest);
 }
 

@@ -37,7 +37,7 @@ InverseKinematics::InverseKinematics(const Model& arm, const Tip& tip,
   }
 }
 
-// Error of the pose at q; its size in characteristic lengths and radians.
+// Computes the error of the pose at q; returns its norm in characteristic lengths and radians.
 double InverseKinematics::measure(const Eigen::Vector3d& position, const Eigen::Matrix3d& R,
                                   const VectorXd& q, Vector6d& e) noexcept {
   kinematics_.update(q, rest_);
@@ -53,7 +53,7 @@ double InverseKinematics::measure(const Eigen::Vector3d& position, const Eigen::
   return std::hypot(position_error_ / inverse_.length(), angle_error_);
 }
 
-// The step from q, with joints held that would leave their range.
+// Computes the step from q, with those joints held that would leave their range.
 void InverseKinematics::step(const Vector6d& e, const VectorXd& q) noexcept {
   inverse_.release();
   for (Eigen::Index round = 0; round <= q.size(); ++round) {
@@ -92,7 +92,7 @@ ReachStatus InverseKinematics::solve(const Eigen::Vector3d& position, const Eige
     for (int k = 0; k < kMostHalvings && !better; ++k, share *= 0.5) {
       trial_ = (q + share * move_).cwiseMax(lower_).cwiseMin(upper_);
       const double tried = measure(position, R, trial_, e);
-      better = tried < error;  // false for a target that is NaN
+      better = tried < error;  // false for a NaN target
       if (better) error = tried;
     }
     if (!better) break;

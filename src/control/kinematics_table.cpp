@@ -8,23 +8,21 @@
 #include <limits>
 
 #include "veridyn/control/inverse_kinematics.hpp"
-#include "veridyn/kinematics/kinematics.hpp"
 #include "kinematics/motion_limits.hpp"
 #include "math/output_file.hpp"
 #include "veridyn/math/require.hpp"
-#include "model/suggestion.hpp"
 
 namespace veridyn {
 namespace {
 
-constexpr double kSingular = 1e-9;  // share of the largest singular value
+constexpr double kSingular = 1e-9;  // relative to the largest singular value
 constexpr int kPrimes[] = {2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37};
-constexpr Eigen::Index kMostJoints = 12;  // one prime for each
+constexpr Eigen::Index kMostJoints = 12;  // one prime number for each in Halton's sequence
 constexpr int kStarts = 60;
-// Poses are printed with six decimals; arms of fewer than six joints meet none of those exactly.
+// Poses are printed with six decimals; arms with fewer than six joints reach none of those exactly.
 constexpr double kPrintedPosition = 2e-6;  // [m]
 constexpr double kPrintedAngle = 5e-6;     // [rad]
-constexpr double kOnLimit = 2e-6;          // [rad], [m] beyond a limit that printed joints may be
+constexpr double kOnLimit = 2e-6;          // [rad], [m] by which rounded joints may exceed a limit
 
 Conditioning conditioning(const MatrixXd& J) {
   const MatrixXd square = J.rows() <= J.cols() ? MatrixXd(J * J.transpose())
@@ -33,7 +31,7 @@ Conditioning conditioning(const MatrixXd& J) {
   const VectorXd s = solver.eigenvalues().cwiseMax(0.0).cwiseSqrt();
   Conditioning out;
   out.smallest = J.rows() <= J.cols() ? s.minCoeff() : 0.0;
-  // Fewer joints than rows: how well they move what they can.
+  // With fewer joints than rows, the conditioning of the reachable directions.
   const double least = s.minCoeff();
   out.condition = least > kSingular * s.maxCoeff() ? s.maxCoeff() / least
                                                    : std::numeric_limits<double>::infinity();
@@ -102,8 +100,8 @@ VectorXd spread(const MotionLimits& limits, int index) {
   return q;
 }
 
-// From where the joints are, from the start, then from all over the ranges: Newton's steps end at
-// joint limits and in folds between postures.
+// Tries Newton steps from the present joints, from the start, then from the whole ranges: the steps
+// may end at joint limits and at singularities between postures.
 bool reach(InverseKinematics& newton, const Eigen::Isometry3d& wanted, const MotionLimits& limits,
            const VectorXd& start, VectorXd& q) {
   VectorXd trial = q;
@@ -203,16 +201,6 @@ KinematicTable sample_workspace(const Model& arm, const std::string& frame, int 
     rows.table().rows.push_back(rows.row(q));
   }
   return std::move(rows.table());
-}
-
-ArmDrawing arm_drawing(const Model& arm, const VectorXd& q) {
-  ArmDrawing out;
-  for (std::size_t k = 0; k < arm.frames().size(); ++k) {
-    const Eigen::Matrix4d T = frame_pose(arm, q, static_cast<int>(k)).matrix();
-    out.points.push_back(T.topRightCorner<3, 1>());
-    out.parents.push_back(arm.frames()[k].parent);
-  }
-  return out;
 }
 
 std::string KinematicTable::report() const {

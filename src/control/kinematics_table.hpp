@@ -10,35 +10,36 @@
 
 namespace veridyn {
 
-/// How well a posture moves the tip. The Jacobian's angular rows are as they are, its prismatic
+/// Conditioning of the tip's Jacobian at a posture. Its angular rows are unchanged, its prismatic
 /// columns and linear rows are divided by the arm's characteristic_length().
 struct Conditioning {
-  double condition = 0.0;       ///< largest singular value by the smallest; infinite: singular
+  double condition = 0.0;  ///< largest singular value divided by the smallest; infinite: singular
   double smallest = 0.0;        ///< singular value
   double manipulability = 0.0;  ///< product of the singular values (Yoshikawa 1985)
 };
 
-/// One row: joints, the tip's pose, and what is known of both.
+/// One row: joints, the tip's pose, and derived quantities.
 struct KinematicRow {
   double time = 0.0;
   VectorXd q;                                             ///< (n)
   Eigen::Isometry3d T_world_tip = Eigen::Isometry3d::Identity();
   MatrixXd jacobian;                                      ///< (6 x n), linear rows first, world
-  Conditioning position, pose;                            ///< Position of the first three rows, of all six
-  std::string status = "reached";                         ///< Status of inverse kinematics
-  double position_error = 0.0, angle_error = 0.0;         ///< [m], [rad] that it left
-  std::vector<std::string> outside;                       ///< Joints outside the robot file's limits
+  Conditioning position, pose;                            ///< of the first three rows, of all six
+  std::string status = "reached";                         ///< of inverse kinematics
+  double position_error = 0.0, angle_error = 0.0;         ///< [m], [rad] remaining
+  std::vector<std::string> outside;  ///< joints outside the robot file's limits
 };
 
 struct KinematicTable {
   std::string robot, frame, solver;
   std::vector<std::string> joints;
   std::vector<bool> prismatic;
-  std::vector<Limits> limits;  ///< as the robot file has them
+  std::vector<Limits> limits;  ///< limits of the robot file
   bool has_time = false, has_orientation = true;
   std::vector<KinematicRow> rows;
   int unreached() const;
-  /// Joints that any row has outside its limits, with the first such value and the limits; or nothing.
+  /// Joints outside their limits in any row, with the first such value and the limits; empty if
+  /// none is.
   std::string outside_words() const;
   std::string report() const;
 };
@@ -48,7 +49,7 @@ struct KinematicTable {
 KinematicTable forward_kinematics(const Model& arm, const std::string& frame,
                                   const MatrixXd& joints);
 
-/// A pose in, joints and a word for how it went out; `q` begins at the row before.
+/// Solves for a pose and returns a status word; `q` starts at the previous row.
 using InverseSolver =
     std::function<std::string(const Eigen::Isometry3d& T_world_tip, VectorXd& q)>;
 
@@ -58,23 +59,16 @@ struct InverseTask {
   VectorXd start;               ///< (n); empty: the middle of the joints' ranges
 };
 
-/// Joints for given poses, each begun where the one before ended; by Newton steps on any arm, or by
-/// a solver of the caller's, such as a closed form. @throws InvalidInput  as above.
+/// Joints for given poses, each starting from the previous solution; by Newton steps on any arm, or
+/// by a solver of the caller's, such as a closed form. @throws InvalidInput  as above.
 KinematicTable inverse_kinematics(const Model& arm, const std::string& frame,
                                   const InverseTask& task, const InverseSolver& solver = {});
 
 /// `count` postures spread evenly over the joints' ranges (Halton's sequence).
 KinematicTable sample_workspace(const Model& arm, const std::string& frame, int count);
 
-/// The origins of all frames of a posture, each with its parent's index, for drawings; -1: world.
-struct ArmDrawing {
-  std::vector<Eigen::Vector3d> points;  ///< [m]
-  std::vector<int> parents;
-};
-ArmDrawing arm_drawing(const Model& arm, const VectorXd& q);
-
-/// t, q1.., x, y, z, qw, qx, qy, qz, condition, smallest, manipulability, and where asked the
-/// Jacobian's 6 n entries J11.. row by row; status and errors behind inverse kinematics.
+/// Columns: t, q1.., x, y, z, qw, qx, qy, qz, condition, smallest, manipulability, optionally the
+/// Jacobian's 6 n entries J11.. row by row; after inverse kinematics also status and errors.
 enum class JacobianColumns { kWithout, kWith };
 void write_kinematic_rows(const KinematicTable& table, const std::string& path,
                           JacobianColumns jacobian);

@@ -38,7 +38,7 @@ LoadCellCalibration calibrate_load_cell(const std::vector<double>& force,
     Weight& w = weights[force[k]];
     w.squares += (raw[k] - w.mean()) * (raw[k] - w.mean());
   }
-  // raw = offset + slope force, each weight counted by its readings.
+  // raw = offset + slope force; each weight counts as often as it has readings.
   double n = 0.0, f = 0.0, r = 0.0;
   for (const auto& [newtons, w] : weights) {
     n += w.count;

@@ -18,7 +18,7 @@ bool parts_fields(char c) {
   return is_blank(c) || c == ',' || c == ';' || c == ':' || c == '=';
 }
 
-// A whole field in decimal digits: neither "nan" nor "inf" nor "0x1F" nor "3.2N".
+// A field that consists of one decimal number: not "nan", "inf", "0x1F" or "3.2N".
 bool field_number(const char* begin, const char* end, double& out) {
   char number[48] = {};
   const auto length = static_cast<std::size_t>(end - begin);
@@ -32,8 +32,9 @@ bool field_number(const char* begin, const char* end, double& out) {
   return *stop == '\0' && std::isfinite(out);
 }
 
-// Whether a reading may stand behind this part of a line: numbers, as a time, after a name that a
-// colon or an equals sign ends, or none. Other words say something else: "ERR 12".
+// True if the part of a line before its last field is allowed: numbers, such as a time, optionally
+// after a name with a colon or an equals sign, or nothing. Other words have another meaning: "ERR
+// 12".
 bool leads_to_reading(const char* begin, const char* end) {
   while (end > begin && end[-1] != ':' && end[-1] != '=') {
     const char* field = end;
@@ -45,7 +46,7 @@ bool leads_to_reading(const char* begin, const char* end) {
   return true;
 }
 
-// The last field of a line that holds no bytes but printable ones.
+// The last field of a line with printable bytes only.
 bool reading_of_line(const char* line, std::size_t length, double& out) {
   for (std::size_t k = 0; k < length; ++k) {
     const auto c = static_cast<unsigned char>(line[k]);
@@ -116,7 +117,7 @@ bool LoadCellDecoder::take_binary(std::uint8_t byte) noexcept {
       }
       ++refused_;
     }
-    // The next byte may begin a frame.
+    // The next byte may be the start of a frame.
     --length_;
     std::memmove(line_.data(), line_.data() + 1, length_);
   }

@@ -8,7 +8,7 @@
 namespace veridyn {
 namespace {
 
-// Share of the largest torque asked for below which a difference is one of rounding.
+// Relative difference between asked and sent torque that counts as rounding.
 constexpr double kSentShare = 1e-9;
 
 }  // namespace
@@ -50,7 +50,7 @@ const VectorXd& ModelErrorObserver::update(const ArmState& arm, const VectorXd& 
                                            double dt) noexcept {
   assert(y.size() == d_.size() && arm.joints() == d_.size());
   if (!arm.q().allFinite() || !arm.dq().allFinite() || !y.allFinite() || !std::isfinite(dt)) {
-    first_ = true;  // d stays; the change of velocity across the gap does not count
+    first_ = true;  // d is kept; the change of velocity across the gap is not used
     return d_;
   }
   if (!first_) {

@@ -20,8 +20,8 @@ FrictionOptions whole_friction() {
   return options;
 }
 
-// By coordinate: the first frame with a body that it moves; the number of frames where there is
-// none.
+// For each coordinate the first frame with a body that it moves, or the number of frames if there
+// is none.
 std::vector<int> first_frames(const Model& arm) {
   std::vector<int> first(static_cast<size_t>(arm.joints()), static_cast<int>(arm.frames().size()));
   for (int i = 0; i < arm.joints(); ++i) {
@@ -83,7 +83,7 @@ const VectorXd& MomentumObserver::update(const ArmState& arm, const VectorXd& ta
     return r_;
   }
   p_.noalias() = arm.mass_matrix().lazyProduct(arm.dq());
-  // r still shows what was unknown a moment ago.
+  // The residual r decays with the observer's bandwidth, and so must the threshold.
   const double falls = std::exp(-options_.bandwidth * dt);
   const VectorXd& now = uncertainty_.update(arm, ddq);
   threshold_ = now.cwiseMax(now + falls * (threshold_ - now));

@@ -19,7 +19,7 @@ const VectorXd& MovingAverage::update(const VectorXd& sample) noexcept {
   const Eigen::Index window = samples_.cols();
   samples_.col(seen_ % window) = sample;
   ++seen_;
-  // Summed anew each time: a running sum would never forget a rounding error, nor a NaN.
+  // Summed anew each time: a running sum would keep rounding errors and NaN for ever.
   const Eigen::Index used = std::min<Eigen::Index>(seen_, window);
   mean_.setZero();
   for (Eigen::Index k = 0; k < used; ++k) mean_ += samples_.col(k);

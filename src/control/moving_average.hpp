@@ -4,8 +4,8 @@
 
 namespace veridyn {
 
-/// The mean of the last `window` samples of each entry; of all so far while there are fewer. The
-/// thesis smooths joint velocities with ten (7.5). Late by (window - 1) / 2 samples.
+/// Mean of the last `window` samples of each entry, or of all samples while there are fewer. The
+/// thesis smooths joint velocities with ten (7.5). It lags by (window - 1) / 2 samples.
 ///
 ///   MovingAverage smooth(3);
 ///   every cycle: dq = smooth.update(dq_measured);

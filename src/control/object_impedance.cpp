@@ -11,8 +11,8 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-constexpr double kSingular = 1e-6;  // share of the grasps' mean distance squared
-constexpr int kSteps = 3;           // steps of Gauss and Newton in a cycle
+constexpr double kSingular = 1e-6;  // relative to the grasps' mean distance squared
+constexpr int kSteps = 3;           // Gauss-Newton steps per cycle
 
 Matrix3d cross_matrix(const Vector3d& a) {
   Matrix3d m;
@@ -30,7 +30,7 @@ Matrix3d turned(const Vector3d& by) {
                      : Matrix3d::Identity();
 }
 
-// The vector of the turn from R to R_wanted, in the world.
+// The rotation vector from R to R_wanted, in the world.
 Vector3d turn_between(const Matrix3d& R, const Matrix3d& R_wanted) {
   const Eigen::AngleAxisd turn(Matrix3d(R_wanted * R.transpose()));
   return turn.angle() * turn.axis();
@@ -103,8 +103,8 @@ const ObjectMotion& ObjectImpedance::estimate(const std::vector<Vector3d>& posit
   return now_;
 }
 
-// The smallest forces of the hands that add up to F and N: the same share of F for each, and
-// y x (r_i - r), which add up to nothing, for what is left of N.
+// The smallest forces of the hands with the resultants F and N: an equal share of F for each, and y
+// x (r_i - r), whose sum is zero, for the rest of N.
 void ObjectImpedance::distribute(const ObjectMotion& now, const Vector3d& F,
                                  const Vector3d& N) noexcept {
   const double share = 1.0 / static_cast<double>(hands());

@@ -9,12 +9,12 @@ struct PositionRange {
   double lower = 0.0, upper = 0.0;
 };
 
-/// The one test of position limits, for motions that are planned and for arms that move: is the
-/// joint beyond a limit, or too fast to stop before it? Braking with ddq = -braking dq stops within
+/// The test of position limits for planned motions and for moving arms: true if the joint is beyond
+/// a limit, or too fast to stop before it. Braking with ddq = -braking dq stops within
 ///
 ///   dq / braking
 ///
-/// A joint beyond a limit that moves back inside passes.
+/// A joint beyond a limit that moves back inside is allowed.
 ///
 /// @param braking  [1/s], SafetyLimits::braking.
 inline bool leaves_range(double q, double dq, const PositionRange& range, double braking) noexcept {

@@ -52,7 +52,7 @@ bool QuinticInterpolator::stop(double duration) noexcept {
 void QuinticInterpolator::advance(double dt) noexcept {
   if (!(dt >= 0.0) || arrived()) return;
   time_ += dt;
-  // Cycles that add up to the duration but for rounding arrive on the last of them.
+  // Cycles that add up to the duration except for rounding arrive in the last of them.
   if (time_ >= duration_ * (1.0 - 1e-9)) {
     time_ = duration_;
     x_ = goal_;
@@ -71,7 +71,7 @@ void QuinticInterpolator::advance(double dt) noexcept {
 
 double QuinticInterpolator::duration_for(double distance, double velocity,
                                          double acceleration) noexcept {
-  // The fastest point is 15/8 of the mean speed; the hardest pull 10/sqrt(3) of distance per time
+  // The peak speed is 15/8 of the mean speed; the peak acceleration 10/sqrt(3) of distance per time
   // squared.
   const double way = std::abs(distance);
   return std::max(1.875 * way / velocity, std::sqrt(10.0 / std::sqrt(3.0) * way / acceleration));

@@ -9,7 +9,7 @@
 namespace veridyn {
 namespace {
 
-constexpr std::size_t kStack = 256 * 1024;  // [bytes] that a cycle never goes beyond
+constexpr std::size_t kStack = 256 * 1024;  // [bytes] of stack that a cycle uses at most
 
 void touch_stack() noexcept {
   volatile unsigned char page[kStack];
@@ -25,7 +25,7 @@ bool take_real_time_priority(int priority) noexcept {
   return ::sched_setscheduler(0, SCHED_FIFO, &wanted) == 0;
 }
 
-// With a limit on locked memory, what comes later must not fail because of it.
+// If locked memory is limited, later allocations must not fail because of it.
 bool lock_memory() noexcept {
   touch_stack();
   rlimit limit{};

@@ -10,11 +10,12 @@
 namespace veridyn {
 namespace {
 
-constexpr double kHoldStiffness = 100.0;  // [1/s^2] around the place where it stopped
-constexpr double kBlindBraking = 0.8;     // share of the momentum: friction takes the rest
-constexpr double kJumpShare = 5.0;        // times the way of a cycle at the velocity limit
+constexpr double kHoldStiffness = 100.0;  // [1/s^2] about the position where the arm stopped
+constexpr double kBlindBraking = 0.8;     // share of the momentum; friction takes the rest
+// Times the largest displacement in a cycle at the velocity limit.
+constexpr double kJumpShare = 5.0;
 
-// Of two faults the one with the stronger action counts.
+// Rank of a fault's action; the strongest one applies.
 int strength(SafetyFault fault) {
   switch (action_of(fault)) {
     case SafetyAction::kMotorsOff:
@@ -132,7 +133,7 @@ bool SafetySupervisor::reset() noexcept {
 
 void SafetySupervisor::set_holding_torque(const VectorXd& extra) noexcept {
   assert(extra.size() == extra_.size());
-  if (state_ == SafetyState::kFault) return;  // what a controller out of work makes up counts not
+  if (state_ == SafetyState::kFault) return;  // torques of an inactive controller are not checked
   for (Eigen::Index i = 0; i < extra_.size(); ++i)
     extra_[i] = std::isfinite(extra[i]) ? extra[i] : 0.0;
 }
@@ -165,7 +166,7 @@ SafetySupervisor::Finding SafetySupervisor::check_motion(const ArmState& arm,
       return {SafetyFault::kPosition, joint};
     const double share = state_ == SafetyState::kHoming ? limits_.homing_share : 1.0;
     if (std::abs(arm.dq()[i]) > share * limits_.velocity[i]) return {SafetyFault::kVelocity, joint};
-    // A wanted position that is NaN is not compared.
+    // A NaN reference is not compared.
     if (std::abs(input.q_wanted[i] - arm.q()[i]) > limits_.tracking[i])
       return {SafetyFault::kTracking, joint};
   }
@@ -188,7 +189,7 @@ SafetySupervisor::Finding SafetySupervisor::check_force(const SafetyInput& input
   if (!input.force.allFinite() || !(input.force_age <= limits_.force_age))
     return {SafetyFault::kForceSensor, -1};
   if (input.force.norm() > limits_.force) return {SafetyFault::kForce, -1};
-  // Without an expected force (NaN) nothing disagrees.
+  // A NaN expected force never disagrees.
   const bool disagrees = (input.force - input.force_expected).norm() > limits_.force_disagreement;
   disagreed_ = disagrees ? disagreed_ + input.dt : 0.0;
   if (disagreed_ > limits_.disagreement_seconds) return {SafetyFault::kForceSensor, -1};
@@ -199,8 +200,8 @@ bool SafetySupervisor::rests(const ArmState& arm) const noexcept {
   return (arm.dq().cwiseAbs().array() <= limits_.rest_share * limits_.velocity.array()).all();
 }
 
-// The test of "hold": the kinetic energy must fall, unless the arm is at rest. Where the arm gives
-// way, after a fault about forces, it may move, but not run away.
+// The test of "hold": the kinetic energy must fall, unless the arm is at rest. After a force fault
+// the arm yields and may move, but not run away.
 SafetySupervisor::Finding SafetySupervisor::check_held(const ArmState& arm,
                                                        const SafetyInput& input) noexcept {
   const bool brakes = action_ == SafetyAction::kHold;
@@ -237,7 +238,7 @@ SafetySupervisor::Finding SafetySupervisor::check(const ArmState& arm, const Saf
   return found;
 }
 
-// What is kept of a sound position, for when there is none.
+// Stores a valid state, for the time when there is none.
 void SafetySupervisor::trust(const ArmState& arm, const SafetyInput& input) noexcept {
   q_sound_ = arm.q();
   extra_sound_ = extra_;
@@ -248,8 +249,8 @@ void SafetySupervisor::trust(const ArmState& arm, const SafetyInput& input) noex
   seen_ = true;
 }
 
-// At a fault: what holds beside the model, within what the model may be wrong by and what the force
-// at the tip takes, and the torque that holds an arm whose positions are lost.
+// At a fault: limits the holding torque to the uncertainty of the model plus the force at the tip,
+// and computes the torque that holds an arm without valid positions.
 void SafetySupervisor::keep_holding_torque() noexcept {
   rest_.setZero();
   sound_.update(q_sound_, rest_);
@@ -262,7 +263,7 @@ void SafetySupervisor::keep_holding_torque() noexcept {
   frozen_ = gravity_.update(q_sound_) + extra_sound_;
 }
 
-// Brakes with -braking dq; once still, stays there.
+// Brakes with -braking dq; once at rest, holds that position.
 void SafetySupervisor::brake(const ArmState& arm) noexcept {
   if (!stopped_) {
     stopped_ = rests(arm);
@@ -285,7 +286,7 @@ void SafetySupervisor::act(const ArmState& arm, const VectorXd& tau, double dt) 
       brake(arm);
       break;
     case SafetyAction::kRelease:
-      // Without the torque beyond the model: that may be what presses.
+      // Without the torque beyond the model, which may cause the force.
       y_ = -limits_.braking * arm.dq();
       out_ = arm.bias();
       out_.noalias() += arm.mass_matrix().lazyProduct(y_);
@@ -318,7 +319,7 @@ const VectorXd& SafetySupervisor::update(const ArmState& arm, const SafetyInput&
     const bool trusted = action_of(found.fault) != SafetyAction::kFreeze;
     if (state_ == SafetyState::kFault && std::isfinite(input.dt)) fault_for_ += input.dt;
     if (found.fault != SafetyFault::kNone) note(found);
-    // A sensor of forces that fails later changes nothing: an arm that brakes does without.
+    // A force sensor that fails later has no effect, because braking does not use it.
     const bool worse = strength(found.fault) > strength(fault_) &&
                        (fault_ == SafetyFault::kNone || found.fault != SafetyFault::kForceSensor);
     if (worse) {
@@ -328,7 +329,7 @@ const VectorXd& SafetySupervisor::update(const ArmState& arm, const SafetyInput&
       stopped_ = watched_ = false;
       saturated_.setZero();
     }
-    // Only what was measured anew counts; and once blind, blind until reset: velocities are wrong
+    // Only new measurements are stored; and kFreeze lasts until reset, because velocities are wrong
     // for a while after a jump.
     const bool fresh = input.sensor_age < input.dt || !seen_;
     if (trusted && fresh && action_of(fault_) != SafetyAction::kFreeze) trust(arm, input);

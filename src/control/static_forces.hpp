@@ -8,12 +8,12 @@
 
 namespace veridyn {
 
-/// What a controller makes of an effect.
+/// Role of an effect in a controller.
 enum class ControlPart {
   kInertia,   ///< part of the mass matrix
   kFriction,  ///< opposes the motion: FrictionCompensation
   kForce,     ///< any other torque of position and velocity: part of ArmState::bias()
-  kLeftOut    ///< counted from the start of a recording, or of measured motion only
+  kLeftOut    ///< depends on the time since the start of a recording, or on measured motion only
 };
 
 ControlPart control_part(const EffectTraits& traits);
@@ -26,8 +26,8 @@ std::vector<BoundEffect> static_forces(const Model& arm);
 void add_forces(std::vector<BoundEffect>& forces, const VectorXd& q, const VectorXd& dq,
                 const VectorXd& rest, VectorXd& tau) noexcept;
 
-/// The inertial parameters. @throws InvalidInput  a body has no values; the message begins with
-/// `where`.
+/// The inertial parameters of all bodies. @throws InvalidInput  a body has no values; the message
+/// begins with `where`.
 VectorXd control_parameters(const Model& arm, const char* where);
 
 }  // namespace veridyn

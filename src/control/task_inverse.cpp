@@ -71,7 +71,7 @@ void TaskInverse::update(const MatrixXd& J) noexcept {
     factor<6>();
 }
 
-// (J~ J~')^-1 a, damped.
+// (J~ J~')^-1 a with the damping.
 Vector6d TaskInverse::weigh(const Vector6d& a) const noexcept {
   Vector6d out = Vector6d::Zero();
   for (int k = 0; k < rows_; ++k) {
@@ -95,7 +95,7 @@ void TaskInverse::solve_wrench(const VectorXd& tau, Vector6d& h) noexcept {
 
 void TaskInverse::solve(const Vector6d& a, const VectorXd& y0, VectorXd& y) noexcept {
   assert(y0.size() == J_.cols() && y.size() == J_.cols());
-  // The posture's share of the task is taken out first: what is left of it is the free part.
+  // Subtracts the component of the posture that affects the task.
   Vector6d rest = a;
   for (int r = 0; r < rows_; ++r) {
     if (r < 3) rest[r] /= length_;

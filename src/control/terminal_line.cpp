@@ -13,8 +13,6 @@
 namespace veridyn {
 namespace {
 
-constexpr int kMostReads = 64;  // of one poll: bounded in time
-
 speed_t speed_of(int baud, const std::string& device) {
   static constexpr struct {
     int baud;
@@ -53,24 +51,18 @@ class TerminalLine final : public ForceSource {
   TerminalLine& operator=(const TerminalLine&) = delete;
 
   int poll() noexcept override {
-    if (bytes_.reading()) return 1;
-    for (int k = 0; k < kMostReads && connected_; ++k) {
-      const ssize_t got = ::read(line_, bytes_.room(), bytes_.size());
-      if (got <= 0) {
-        connected_ = !pulled(got);
-        break;
-      }
-      bytes_.filled(static_cast<std::size_t>(got));
-      if (bytes_.reading()) return 1;
-    }
-    return 0;
+    return bytes_.poll([this]() -> std::size_t {
+      const ssize_t got = connected_ ? ::read(line_, bytes_.room(), bytes_.size()) : 0;
+      if (got <= 0) connected_ = connected_ && !pulled(got);
+      return got <= 0 ? 0 : static_cast<std::size_t>(got);
+    });
   }
   double raw() const noexcept override { return bytes_.decoder().raw(); }
   bool connected() const noexcept override { return connected_; }
   long refused() const noexcept override { return bytes_.decoder().refused(); }
 
  private:
-  // Nothing to read, or nobody there any more?
+  // True if the device is gone; false if there are merely no data.
   bool pulled(ssize_t got) const noexcept {
     if (got < 0 && errno != EAGAIN && errno != EINTR) return true;
     pollfd state{line_, POLLIN, 0};

@@ -9,25 +9,38 @@
 
 namespace veridyn {
 
-/// Bytes that were read on their way to the decoder: readings come one at a time.
+/// Bytes between the system and the decoder, which returns one reading at a time.
 class WaitingBytes {
  public:
   explicit WaitingBytes(LoadCellFormat format) : decoder_(format) {}
 
   std::uint8_t* room() { return bytes_.data(); }
   std::size_t size() const { return bytes_.size() - 1; }
-  /// So many bytes stand in room() now; `line` ends them with the end of a line.
+  /// Declares that room() now holds `count` bytes; `line` appends the end of a line.
   void filled(std::size_t count, bool line = false) {
     at_ = 0;
     end_ = count;
     if (line) bytes_[end_++] = '\n';
   }
-  /// @returns false: all bytes are taken, and no reading was among them.
+  /// @returns false: all bytes are consumed, without another reading.
   bool reading() {
     while (at_ < end_) {
       if (decoder_.take(bytes_[at_++])) return true;
     }
     return false;
+  }
+  /// One poll of a line: `read` puts bytes into room() and returns how many, zero: no more now. At
+  /// most 64 reads, so that the time is bounded. @returns 1: there is a reading.
+  template <typename Read>
+  int poll(const Read& read) {
+    if (reading()) return 1;
+    for (int k = 0; k < 64; ++k) {
+      const std::size_t got = read();
+      if (got == 0) return 0;
+      filled(got);
+      if (reading()) return 1;
+    }
+    return 0;
   }
   LoadCellDecoder& decoder() { return decoder_; }
   const LoadCellDecoder& decoder() const { return decoder_; }
@@ -38,9 +51,9 @@ class WaitingBytes {
   std::size_t at_ = 0, end_ = 0;
 };
 
-/// A serial line by the system's own terminal interface: for devices that libserialport has no
-/// record of, as pseudo-terminals and lines over Bluetooth, and for builds without it.
-/// @throws InvalidInput  it cannot be opened, is no terminal, or has no such speed.
+/// A serial line through the terminal interface of the system: for devices that libserialport does
+/// not list, such as pseudo-terminals and Bluetooth lines, and for builds without it.
+/// @throws InvalidInput  it cannot be opened, is no terminal, or does not support the speed.
 std::unique_ptr<ForceSource> open_terminal_line(const std::string& device, int baud,
                                                 LoadCellFormat format);
 

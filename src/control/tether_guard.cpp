@@ -12,8 +12,8 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kShortest = 1e-6;  // [m] between tips that have a direction
-constexpr double kLearning = 0.01;  // of a difference, per period
+constexpr double kShortest = 1e-6;  // [m] smallest distance of tips with a defined direction
+constexpr double kLearning = 0.01;  // share of the difference, per period
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
 }  // namespace
@@ -60,7 +60,7 @@ void TetherGuard::learn(int member, double length, double force) noexcept {
   const double stiffness = members_[k].stiffness;
   if (!std::isfinite(length) || !std::isfinite(force)) return;
   feel(member, force);
-  if (!(force > 0.0)) {  // slack, or pushed: at least so long
+  if (!(force > 0.0)) {  // slack or compressed: the unloaded length is at least this
     lengths_[k] = std::isnan(lengths_[k]) ? length : std::max(lengths_[k], length);
     return;
   }
@@ -86,8 +86,8 @@ void TetherGuard::look(const std::vector<Vector3d>& position) noexcept {
   looked_ = true;
 }
 
-// L_max: taut members may carry twice the force (at the force itself others give way, and noise
-// shall move nothing); those that have been slack keep their margin.
+// L_max: taut members may carry twice the force (at the force itself other ends yield, and noise
+// must not move anything); those that have been slack keep their margin.
 void TetherGuard::limit(std::size_t k, double length, double force) noexcept {
   const double stretch = members_[k].stiffness > 0.0 ? 2.0 * force / members_[k].stiffness : 0.0;
   const double taut = lengths_[k] + stretch;
@@ -110,7 +110,7 @@ void TetherGuard::hold_back(std::size_t k, const std::vector<char>& healthy,
   const double rate = u.dot(relative);
   const double turning = (relative - rate * u).squaredNorm() / length;
   const double h = options_.horizon;
-  // Each end alone, whatever the other is told: it may be the one that has no torque.
+  // Each end acts alone, whatever the other one does, because the other may have no torque.
   const auto keep = [&](double sign, double bound) {  // sign d2L/dt2 <= most
     const double most = -sign * 2.0 / h * rate - sign * (length - bound) / (h * h);
     const double by_from = sign * (u.dot(seen_[to].acceleration) + turning) - most;

@@ -22,8 +22,8 @@ int tip_frame(const Model& arm, const Tip& tip) {
   return frame;
 }
 
-// The frames from the world to the tip and nothing else; the tip itself is the only body, so that
-// the tree folds all that is fixed.
+// The frames from the world to the tip; the tip is the only body, so that the tree folds everything
+// fixed.
 Model chain_to(const Model& arm, const Tip& tip) {
   std::vector<int> chain;
   for (int k = tip_frame(arm, tip); k >= 0; k = arm.frames()[static_cast<size_t>(k)].parent)

@@ -14,7 +14,7 @@
 namespace veridyn {
 namespace {
 
-// The names that base parameters carry, "hx_yaw": symbol and frame.
+// Symbols in the names of base parameters: "hx_yaw" has symbol and frame.
 constexpr std::array<const char*, 10> kSymbols = {"m",   "hx",  "hy",  "hz",  "Lxx",
                                                   "Lxy", "Lyy", "Lxz", "Lyz", "Lzz"};
 
@@ -28,7 +28,7 @@ int inertial_column(const Model& arm, const std::string& name) {
   return -1;
 }
 
-// Rms of each joint in the standard motion, friction included.
+// Rms torque of each joint in the standard motion, friction included.
 VectorXd standard_torque(const Model& arm, FrictionCompensation& friction) {
   const MotionSamples motion = standard_motion(arm);
   ArmState state(arm, {arm.frames().back().name});
@@ -74,7 +74,7 @@ TorqueUncertainty::TorqueUncertainty(const Model& arm, const UncertaintyOptions&
   sum_ = MatrixXd::Zero(arm.joints(), factor_.cols());
 }
 
-// Base parameters act through the column of the standard parameter that leads each of them.
+// A base parameter acts through the column of its leading standard parameter.
 void TorqueUncertainty::read_identified(const Model& arm) {
   const IdentifiedBase& base = *arm.description().identified;
   std::vector<const IdentifiedParameter*> inertial;
@@ -96,7 +96,7 @@ void TorqueUncertainty::read_identified(const Model& arm) {
     unexplained_ = base.error.cwiseProduct(standard_torque(arm, friction_));
 }
 
-// Y F, body by body.
+// Adds Y F, body by body.
 void TorqueUncertainty::add_parameters() noexcept {
   const Links links = tree_;
   sum_.setZero();

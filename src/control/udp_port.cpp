@@ -15,7 +15,7 @@
 namespace veridyn {
 namespace {
 
-constexpr int kMostOthers = 64;  // datagrams of other senders that one call throws away
+constexpr int kMostOthers = 64;  // datagrams of other senders discarded per call
 
 double clock_seconds(clockid_t clock) {
   timespec at{};
@@ -85,7 +85,7 @@ UdpPort::~UdpPort() {
   ::close(socket_);
 }
 
-// The system itself throws away what others send to a socket that is connected.
+// The system discards what others send to a connected socket.
 bool UdpPort::is_owner(const sockaddr_in& from, double now) noexcept {
   if (!owned_) {
     owner_ = from;

@@ -9,35 +9,35 @@
 
 namespace veridyn {
 
-/// One datagram, and when the system got it; on a busy machine that is well before now. The socket
-/// has the option SO_TIMESTAMPNS.
+/// Receives one datagram with its time of arrival in the system; on a busy machine that is well
+/// before the call. The socket has the option SO_TIMESTAMPNS.
 ///
-/// @param came  CLOCK_REALTIME; zero where the system put no stamp on it.
-/// @returns as recvmsg(): bytes, cut at the buffer's end, or -1.
+/// @param came  CLOCK_REALTIME; zero without a time stamp of the system.
+/// @returns as recvmsg(): number of bytes, truncated at the buffer's end, or -1.
 ssize_t receive_stamped(int socket, void* buffer, std::size_t room, sockaddr_in& from,
                         timespec& came) noexcept;
 
-/// [s] for which a datagram lay ready, by the stamp that the system put on it; 0 without one.
+/// [s] since the arrival of a datagram, by its time stamp; 0 without one.
 double seconds_since(const timespec& came) noexcept;
 
-/// A UDP port that listens to one sender: the first one owns it until it is silent for long enough.
-/// Datagrams of others are not even queued then. Nothing allocates or blocks after the constructor.
+/// A UDP port that accepts one sender: the first one, until it has been silent for long enough.
+/// Datagrams of others are not queued meanwhile. Nothing allocates or blocks after the constructor.
 class UdpPort {
  public:
   struct Datagram {
-    std::size_t size = 0;  ///< bytes, cut at the buffer's end
-    double lay = 0.0;      ///< [s] for which it lay ready before it was taken
+    std::size_t size = 0;  ///< bytes, truncated at the buffer's end
+    double lay = 0.0;      ///< [s] between arrival and this call
   };
 
   /// @param place  "[ADDRESS:]PORT"; without an address this machine's own 127.0.0.1.
-  /// @param silence  [s] after which another sender may own the port.
-  /// @throws InvalidInput  no IPv4 address, no port, one that is taken; `what` begins the message.
+  /// @param silence  [s] after which another sender may take the port.
+  /// @throws InvalidInput  no IPv4 address, no port, or one in use; `what` begins the message.
   UdpPort(const std::string& place, double silence, const std::string& what);
   ~UdpPort();
   UdpPort(const UdpPort&) = delete;
   UdpPort& operator=(const UdpPort&) = delete;
 
-  /// @returns false: nothing has come from the owner.
+  /// @returns false: nothing has arrived from the accepted sender.
   bool receive(void* buffer, std::size_t room, Datagram& out) noexcept;
 
  private:
@@ -47,7 +47,7 @@ class UdpPort {
   double silence_;
   bool owned_ = false;
   sockaddr_in owner_{};
-  double heard_ = 0.0;  // [s] the owner
+  double heard_ = 0.0;  // [s] time of the last datagram of the accepted sender
 };
 
 }  // namespace veridyn

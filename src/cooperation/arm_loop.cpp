@@ -20,7 +20,7 @@ ImpedanceOptions options(const VectorXd& posture) {
 // binds.
 constexpr double kObserverLimit = 20.0;
 
-// A light mass that gives way to what is beyond a bound.
+// A light virtual mass that yields to forces beyond a bound.
 constexpr double kYieldingMass = 0.5;     // [kg]
 constexpr double kYieldingDamping = 10.0;  // [N s/m]
 constexpr double kCalm = 0.8;              // of the bound
@@ -123,14 +123,14 @@ TaskReference ArmLoop::reference(const TipTarget& target) const noexcept {
 
 const VectorXd& ArmLoop::torque(const TipTarget& target, const Eigen::Vector3d& force) noexcept {
   relief_ = target.relief.position;
-  // An impedance gives way to forces, but it does not go along with what falls.
+  // An impedance yields to forces, but does not follow a falling arm.
   const bool goes_along = target.relief.velocity.norm() > kGoesAlong;
   if (goes_along && gives_way() && !yielding_) freeze();
   TaskReference wanted = reference(target);
   Vector6d wrench = Vector6d::Zero();
   if (gives_way() || yielding_) wrench.head<3>() = setup_.R_world_base.transpose() * force;
   Impedance& loop = acting();
-  if (yielding_) {  // the force within the bound is wanted: what is beyond it moves the tip
+  if (yielding_) {  // The reference is the force within the bound: the excess moves the tip.
     const double size = force.norm();
     wanted = TaskReference();
     wanted.ddx.head<3>() =

@@ -15,7 +15,7 @@
 
 namespace veridyn {
 
-/// What one arm's loop is made with.
+/// Models and settings of one arm's loop.
 struct ArmLoopSetup {
   Model model;  ///< as the controller knows it
   Tip tip{};
@@ -43,21 +43,20 @@ class ArmLoop {
   /// @param force  of the tip on the object as measured, in the world [N].
   const VectorXd& torque(const TipTarget& target, const Eigen::Vector3d& force) noexcept;
 
-  /// What the motors were sent after torque(), (n), where it is not what torque() returned.
+  /// Torques that the motors received after torque(), (n), if they differ from its result.
   void sent(const VectorXd& tau) noexcept { model_error_.sent(asked_, tau); }
 
-  /// From now on a position loop, as an arm has that stops where it stands; from there it goes
-  /// along with TipTarget::relief.
+  /// Switches to a position loop at the present position, plus TipTarget::relief.
   void freeze() noexcept;
 
-  /// While all is held: the arm keeps its place as long as the force on it stays within `bound`
-  /// [N]; beyond that it gives way as a light damped mass does, until the force is back and the tip
-  /// rests, and keeps the place where it then is. Call it every cycle before torque().
-  /// @param force  as torque() takes it.
+  /// While targets are held: keeps the arm's position while the force is within `bound` [N]; beyond
+  /// it the arm yields like a light damped mass, until the force has decreased and the tip rests,
+  /// and then holds the new position. Call it every cycle before torque(). @param force  as for
+  /// torque().
   void hold_within(double bound, const Eigen::Vector3d& force) noexcept;
-  /// An arm that gives way moves: it is not expected to stand.
+  /// True while the arm yields: it is then not expected to stand still.
   bool yields() const { return yielding_; }
-  /// What the observer of model errors adds, (n) [N m], [N].
+  /// Torque of the observer of model errors, (n) [N m], [N].
   const VectorXd& extra_torque() const { return model_error_.torque(); }
 
  private:
@@ -80,7 +79,7 @@ class ArmLoop {
   double bound_ = 0.0;  // [N] of the force while yielding
   Eigen::Vector3d position_{Eigen::Vector3d::Zero()}, velocity_{Eigen::Vector3d::Zero()};
   Eigen::Vector3d frozen_at_{Eigen::Vector3d::Zero()};
-  Eigen::Vector3d relief_{Eigen::Vector3d::Zero()};  // as last asked for
+  Eigen::Vector3d relief_{Eigen::Vector3d::Zero()};  // last requested relief
 };
 
 }  // namespace veridyn

@@ -30,7 +30,7 @@ VectorXd encoder_steps(const Model& model, const std::string& preset) {
   return out;
 }
 
-// Along the unit vector of a member, as far as it has a length.
+// Unit vector along a member, zero without a length.
 Vector3d along(const Vector3d& line) {
   const double length = line.norm();
   return length > 0.0 ? Vector3d(line / length) : Vector3d::Zero();
@@ -236,7 +236,8 @@ bool Experiment::step() {
   read_sensors();
   targets_ = control_->update(*input_);
   for (HeldObject& object : held_objects_) object.update(*control_, *input_, targets_);
-  // An impedance that is lighter than its arm needs the force: without a sensor all stand still.
+  // An impedance that is lighter than its arm needs the force: without a sensor all arms stand
+  // still.
   if (control_->sensor_failed()) {
     for (ArmLoop& loop : loops_) loop.freeze();
   }
@@ -260,7 +261,7 @@ bool Experiment::step() {
 // A joint that has left its range by the whole range, or whose arm flies: no arm follows any more.
 bool Experiment::is_lost() const {
   for (int k = 0; k < world_->arms(); ++k) {
-    if (limp_[static_cast<size_t>(k)] == 1) continue;  // it falls because it was told to
+    if (limp_[static_cast<size_t>(k)] == 1) continue;  // a fault of the scenario
     const std::vector<Coordinate>& joints = arms_[static_cast<size_t>(k)].coordinates();
     for (size_t i = 0; i < joints.size(); ++i) {
       const Limits& limits = joints[i].limits;

@@ -12,7 +12,7 @@
 
 namespace veridyn {
 
-/// A scenario under way: the world, the sensors, the loops, one control period after the other.
+/// A running scenario: the world, the sensors and the loops, advanced by control periods.
 class Experiment {
  public:
   Experiment(const Scenario& scenario, const std::string& engine);
@@ -20,7 +20,7 @@ class Experiment {
   void begin(const ScenarioPhase& phase);
   /// False where the controller refuses it.
   bool command(const ScenarioCommand& c);
-  /// One control period. False where the engine cannot go on.
+  /// Advances by one control period. False if the engine failed.
   bool step();
   /// Row k of the run, of the instant before the step.
   void record(ScenarioRun& run, Eigen::Index k) const;
@@ -29,7 +29,7 @@ class Experiment {
   void stop() { control_->stop(); }
 
   World& world() { return *world_; }
-  /// The arm as it is.
+  /// Model of the true arm.
   const Model& real(int arm) const { return arms_[static_cast<size_t>(arm)]; }
   int arms() const { return static_cast<int>(loops_.size()); }
   /// True place of an arm's tip in the world [m].
@@ -39,6 +39,8 @@ class Experiment {
   /// True force of a wall on its arm now [N].
   double wall_force(int wall);
   const CooperativeController& controller() const { return *control_; }
+  /// What the controller last measured.
+  const CooperativeInput& seen() const { return *input_; }
   StepStatus status() const { return status_; }
   std::vector<std::string> left_out() const;
 
@@ -73,7 +75,7 @@ class Experiment {
   std::vector<Wall> walls_;
   std::vector<Contact> wall_now_;
   std::vector<HeldObject> held_objects_;
-  std::vector<TorquePath> paths_;  // from torques asked for to torques made
+  std::vector<TorquePath> paths_;  // from commanded to actual torques
   std::unique_ptr<CooperativeController> control_;
   std::unique_ptr<CooperativeInput> input_;
   std::vector<TipTarget> targets_;

@@ -9,7 +9,7 @@
 
 namespace veridyn {
 
-/// A body of a scenario that arms hold, and where asked its own impedance.
+/// A body of a scenario that arms hold, optionally with an impedance of its own.
 class HeldObject {
  public:
   /// @param tips  [m] of all arms' tips at the start, as their controllers see them.
@@ -26,7 +26,7 @@ class HeldObject {
               std::vector<TipTarget>& targets) noexcept;
 
   const ScenarioBody& scenario() const { return body_; }
-  /// Where the body's centre shall be now [m].
+  /// Reference of the body's centre [m].
   const Eigen::Vector3d& wanted() const { return wanted_.position; }
 
  private:

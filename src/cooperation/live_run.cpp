@@ -6,6 +6,8 @@
 #include <vector>
 
 #include "experiment.hpp"
+#include "motion_plan.hpp"
+#include "scenario_models.hpp"
 #include "veridyn/cooperation/live.hpp"
 #include "veridyn/math/require.hpp"
 
@@ -18,6 +20,18 @@ using Eigen::Vector3d;
 constexpr double kJogAhead = 0.1;    // [s] that a jog plans ahead
 constexpr double kStopped = 0.5;     // [s] after a loss from which nothing may move
 
+MotionPlan plan_of(const Scenario& scenario) {
+  std::vector<PlannedArm> arms;
+  for (std::size_t k = 0; k < scenario.arms.size(); ++k) {
+    const ScenarioModels models = scenario_models(scenario, k);
+    VectorXd torque(models.known.joints());
+    for (int i = 0; i < models.known.joints(); ++i)
+      torque[i] = models.known.coordinates()[static_cast<std::size_t>(i)].limits.effort;
+    arms.push_back({models.known, models.R_world_base_known, models.p_world_base_known, torque});
+  }
+  return {scenario, std::move(arms)};
+}
+
 class Live {
  public:
   Live(const Scenario& scenario, LineSource& lines, const LiveOptions& options,
@@ -27,6 +41,7 @@ class Live {
         options_(options),
         tell_(tell),
         experiment_(scenario, options.engine),
+        plan_(plan_of(scenario)),
         period_(1.0 / scenario.control.rate) {}
 
   LiveRun run() {
@@ -66,12 +81,28 @@ class Live {
       heard_ = out_.time;
       began_ = true;
       try {
-        act(parse_live_command(line, scenario_));
+        const LiveCommand command = parse_live_command(line, scenario_);
+        const std::string why = objection(command);
+        if (!why.empty()) throw InvalidInput(text("'", line, "': ", why, "."));
+        act(command);
       } catch (const InvalidInput& error) {
         ++out_.refused;
         if (tell_.refused) tell_.refused(error.what());
       }
     }
+  }
+
+  // As for arms on boards: what cannot be carried out is not begun.
+  std::string objection(const LiveCommand& command) {
+    if (experiment_.controller().state() != CooperativeState::kTracking) return "";
+    const auto* jog = std::get_if<LiveJog>(&command);
+    const auto* one = std::get_if<ScenarioCommand>(&command);
+    if (jog == nullptr && one == nullptr) return "";
+    std::vector<VectorXd> q;
+    for (int k = 0; k < experiment_.arms(); ++k) q.push_back(experiment_.world().q(k));
+    MotionPlan::State state = plan_.under_way(experiment_.controller(), experiment_.seen(), q);
+    return jog != nullptr ? plan_.jog(std::move(state), jog->velocity, options_.silence)
+                          : plan_.take(std::move(state), *one);
   }
 
   void act(const LiveCommand& command) {
@@ -102,6 +133,12 @@ class Live {
   void jog() {
     if (out_.time < next_jog_) return;
     next_jog_ = out_.time + 0.5 * kJogAhead;
+    if (const std::string why = objection(LiveJog{velocity_}); !why.empty()) {
+      jogs_ = false;
+      experiment_.stop();
+      if (tell_.refused) tell_.refused(text("the jog ends: ", why, "."));
+      return;
+    }
     ScenarioCommand move;
     move.way = velocity_ * 0.5 * kJogAhead;
     move.over = kJogAhead;
@@ -170,6 +207,7 @@ class Live {
   LiveOptions options_;
   LiveReport tell_;
   Experiment experiment_;
+  MotionPlan plan_;
   double period_;
   LiveRun out_;
   bool quits_ = false, jogs_ = false, began_ = false;

@@ -47,6 +47,7 @@ CooperativeOptions cooperative_options(const Scenario& scenario,
   o.largest_error = c.largest_error;
   o.stuck_force = c.stuck_force;
   o.jump_force = c.jump_force;
+  o.drift_force = c.drift_force;
   if (c.largest_energy > 0.0) o.largest_energy = c.largest_energy;
   o.relief_force = c.relief_force;
   o.guard = c.guard;
@@ -60,9 +61,10 @@ ForceSensorOptions sensor_options(const Scenario& scenario, int member) {
     if (fault.member != member) continue;
     if (fault.kind == ScenarioFault::Kind::kSensorStuck) sensor.stuck_from = fault.at;
     if (fault.kind == ScenarioFault::Kind::kSensorStale) sensor.stale_from = fault.at;
-    if (fault.kind != ScenarioFault::Kind::kSensorJump) continue;
+    const bool jumps = fault.kind == ScenarioFault::Kind::kSensorJump;
+    if (!jumps && fault.kind != ScenarioFault::Kind::kSensorDrift) continue;
     sensor.jump_from = fault.at;
-    sensor.jump_by = fault.by;
+    (jumps ? sensor.jump_by : sensor.drift) = fault.by;
   }
   return sensor;
 }

@@ -6,12 +6,13 @@
 
 namespace veridyn {
 
-// What a scenario's loops are made with; one place for the loops and for their linearisation.
+// Gains of a scenario's loops, shared by the loops and their linearisation.
 
 constexpr double kPostureStiffness = 25.0;  ///< [1/s^2] of what the task leaves free
 constexpr double kPostureDamping = 10.0;    ///< [1/s]
 
-/// Of an impedance, and of a position loop: a mass of one, accelerations whatever the arm weighs.
+/// Gains of an impedance, and of a position loop: unit mass, so that they are independent of the
+/// arm's mass.
 ImpedanceGains impedance_gains(const ScenarioControl& control);
 ImpedanceGains position_gains(const ScenarioControl& control);
 

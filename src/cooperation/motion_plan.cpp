@@ -101,6 +101,11 @@ std::string MotionPlan::play(State& state, const std::vector<ScenarioCommand>& c
   return advance(state, seconds);
 }
 
+std::string MotionPlan::take(State state, ScenarioCommand command) {
+  command.over = std::min(command.over, kLongest);
+  return play(state, {command}, command.over + kSettled);
+}
+
 std::string MotionPlan::jog(State state, const Vector3d& velocity, double seconds) {
   ScenarioCommand move;
   move.way = velocity * 0.5 * kJogMove;
@@ -140,7 +145,7 @@ void MotionPlan::pull(State& state) {
   }
 }
 
-// One period of tips that do what their laws ask for.
+// Advances tips by one period, exactly following their laws.
 void MotionPlan::move(State& state, const std::vector<TipTarget>& targets) {
   const double dt = 1.0 / scenario_.control.rate;
   for (size_t k = 0; k < arms_.size(); ++k) {

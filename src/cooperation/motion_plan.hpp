@@ -19,17 +19,17 @@ struct PlannedArm {
   VectorXd torque;  ///< (n) what the motors give at most [N m], [N]
 };
 
-/// Commands of a scenario carried out by the same controller with arms that do what their laws ask
-/// for: tips follow as a double integrator (position loops) or as their impedance, members pull by
-/// their stiffness. On the way every arm must come where its tip goes, within its joints' limits and
-/// with room to stop before them, within kSpeedShare of their velocities, and within its motors'
-/// torque by inverse dynamics; and the controller must not stop all. One object serves one thread.
+/// Executes commands of a scenario with the same controller and ideal arms: tips follow as a double
+/// integrator (position loops) or as their impedance, members pull by their stiffness. On the way
+/// every arm must reach its tip positions, within its joints' limits with room to brake, within
+/// kSpeedShare of their velocities, and within its motors' torque by inverse dynamics; and the
+/// controller must not stop. One object serves one thread.
 class MotionPlan {
  public:
   /// @throws InvalidInput  as ArmState and the controller.
   MotionPlan(const Scenario& scenario, std::vector<PlannedArm> arms);
 
-  /// Where a plan is. Copies are plans of their own.
+  /// State of a plan. Copies are independent.
   struct State {
     CooperativeController control;
     CooperativeInput seen;          ///< tips and forces
@@ -38,9 +38,9 @@ class MotionPlan {
     std::vector<char> held;
     double time = 0.0;              ///< [s] since the plan began
   };
-  /// The arms stand there, and nothing has been asked of them.
+  /// Initial state at these joints, without commands.
   State standing(const std::vector<VectorXd>& q);
-  /// In the middle of a run.
+  /// State in the middle of a run.
   State under_way(const CooperativeController& control, const CooperativeInput& seen,
                   const std::vector<VectorXd>& q) const;
 
@@ -48,11 +48,16 @@ class MotionPlan {
   /// place and numbers; empty if they can. The state is then where they lead to.
   std::string play(State& state, const std::vector<ScenarioCommand>& commands, double seconds);
 
-  /// The same for a velocity of the object that is kept for so long and then stopped [m/s].
+  /// One command in the middle of a run, until everything has settled after its end; a command that
+  /// takes longer than kLongest is planned with that duration.
+  std::string take(State state, ScenarioCommand command);
+
+  /// The same for a velocity of the object [m/s] that lasts for a time and is then stopped.
   std::string jog(State state, const Eigen::Vector3d& velocity, double seconds);
 
   static constexpr double kSpeedShare = 0.95;  ///< of a joint's velocity limit
   static constexpr double kSettled = 0.3;      ///< [s] that are planned beyond a command's end
+  static constexpr double kLongest = 5.0;      ///< [s] of a command by line: long plans take long
 
  private:
   struct Arm {
@@ -75,7 +80,7 @@ class MotionPlan {
   Scenario scenario_;
   std::vector<Arm> arms_;
   std::vector<Tip> tips_;
-  std::vector<Eigen::Vector3d> walls_;  // a point of each
+  std::vector<Eigen::Vector3d> walls_;  // a point on each wall
 };
 
 }  // namespace veridyn

@@ -15,7 +15,7 @@ namespace {
 using Eigen::AngleAxisd;
 using Eigen::Vector3d;
 
-// With gravity as the turned base feels it, and values where the file has none.
+// The model in the frame of the rotated base, with plausible values where the file has none.
 Model in_base(const std::string& file, const Eigen::Matrix3d& R_world_base, unsigned seed) {
   ModelDescription description = read_model(file).description();
   description.gravity = R_world_base.transpose() * description.gravity;

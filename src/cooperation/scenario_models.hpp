@@ -8,7 +8,7 @@
 
 namespace veridyn {
 
-/// An arm of a scenario as it is, and as its controller knows it.
+/// The true arm of a scenario and the model of its controller.
 struct ScenarioModels {
   Model real, known;
   Eigen::Matrix3d R_world_base;        ///< the true base

@@ -4,7 +4,7 @@
 
 namespace veridyn {
 
-// What lies between arms, as a scenario file has it; each fails as YamlNode does.
+// Readers of the objects between arms; errors are those of YamlNode.
 
 ScenarioMember read_member(const YamlNode& node, const Names& arms);
 ScenarioWall read_wall(const YamlNode& node, const Names& arms);

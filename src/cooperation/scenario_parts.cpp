@@ -158,14 +158,16 @@ ScenarioFault read_fault(const YamlNode& node, const Names& arms, const Names& m
                                                    {"arm_frozen", FaultKind::kArmFrozen},
                                                    {"sensor_stuck", FaultKind::kSensorStuck},
                                                    {"sensor_stale", FaultKind::kSensorStale},
-                                                   {"sensor_jump", FaultKind::kSensorJump}});
+                                                   {"sensor_jump", FaultKind::kSensorJump},
+                                                   {"sensor_drift", FaultKind::kSensorDrift}});
   const bool of_arm = fault.kind == FaultKind::kArmLimp || fault.kind == FaultKind::kArmFrozen;
   if (of_arm) {
     fault.arm = arms.index(node.at("arm"));
   } else {
     fault.member = members.index(node.at("member"));
   }
-  if (fault.kind == FaultKind::kSensorJump) fault.by = node.at("by").number();
+  if (fault.kind == FaultKind::kSensorJump || fault.kind == FaultKind::kSensorDrift)
+    fault.by = node.at("by").number();
   fault.at = node.at("at").positive_number();
   if (const auto reported = node.find("reported")) fault.reported = reported->flag();
   return fault;

@@ -32,7 +32,7 @@ double positive_or(const YamlNode& node, const std::string& key, double otherwis
 double nonnegative_or(const YamlNode& node, const std::string& key, double otherwise);
 long whole_number(const YamlNode& node);
 
-/// One of several words.
+/// Reads one of several words.
 template <typename T>
 T choice(const YamlNode& node, const std::vector<std::pair<std::string, T>>& choices) {
   std::vector<std::string> names;

@@ -65,7 +65,7 @@ ScenarioArm read_arm(const YamlNode& node, const std::string& scenario) {
 ScenarioControl read_control(const YamlNode& node) {
   node.allow_keys({"rate", "position_frequency", "mass", "damping", "stiffness", "friction",
                    "observer", "velocity_cutoff", "largest_force", "largest_force_error",
-                   "largest_error", "largest_age", "stuck_force", "jump_force", "friction_rule",
+                   "largest_error", "largest_age", "stuck_force", "jump_force", "drift_force", "friction_rule",
                    "adaptive_friction", "force_cutoff", "motor_lag", "torque_delay", "guard", "largest_energy", "relief_force"});
   ScenarioControl c;
   c.rate = positive_or(node, "rate", c.rate);
@@ -102,6 +102,7 @@ ScenarioControl read_control(const YamlNode& node) {
   c.largest_age = positive_or(node, "largest_age", c.largest_age);
   c.stuck_force = positive_or(node, "stuck_force", c.stuck_force);
   c.jump_force = positive_or(node, "jump_force", c.jump_force);
+  c.drift_force = positive_or(node, "drift_force", c.drift_force);
   return c;
 }
 
@@ -126,8 +127,8 @@ ScenarioSweep read_sweep(const YamlNode& node) {
   return sweep;
 }
 
-// What a calibration leaves of the poses between the bases: every arm but the master stands beside
-// where the controller believes it, in a direction drawn from the seed.
+// Calibration errors between the bases: every arm but the leader is displaced from its believed
+// position, in a direction drawn from the seed.
 void draw_base_errors(const YamlNode& error, Scenario& s) {
   error.allow_keys({"position", "turn"});
   const double metres = nonnegative_or(error, "position", 0.0);
@@ -147,7 +148,7 @@ void draw_base_errors(const YamlNode& error, Scenario& s) {
   }
 }
 
-// All that a run records must fit into memory.
+// Throws if the recorded data would not fit into memory.
 void expect_room(const Scenario& s, const YamlNode& phases) {
   double seconds = 0.0;
   for (const ScenarioPhase& phase : s.phases) seconds += phase.duration;

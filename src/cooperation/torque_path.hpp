@@ -6,8 +6,8 @@
 
 namespace veridyn {
 
-/// What lies between a torque that is asked for and the motors: whole cycles of delay, then a
-/// first-order lag. Nothing allocates after the constructor.
+/// Delay between a commanded torque and the motors: whole cycles, then a first-order lag. Nothing
+/// allocates after the constructor.
 class TorquePath {
  public:
   /// @param share  of a change that acts within the cycle, 0 to 1. @param delay  [cycles].

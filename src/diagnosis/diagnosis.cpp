@@ -15,7 +15,7 @@ bool are_facts(const Model& arm) {
   return arm.description().values == RobotValues::kFacts && has_all_values(arm);
 }
 
-// The arm of a robot file, whose values are what the caller says.
+// The arm of a robot file, with the provenance of its values that the caller gives.
 Model robot_of(const Model& file, const DiagnosisOptions& options) {
   ModelDescription d = file.description();
   d.values = options.values.value_or(d.values);
@@ -49,8 +49,8 @@ void run_stages(Investigation& x, const Tell& tell) {
   check_errors_in_variables(x);
   exclude_snags(x.start, x);
   ask_everything(x, tell);
-  // Contacts and small snags show once the model's own errors are out of the way; then everything
-  // is asked anew without these moments.
+  // Contacts and small snags are visible once the model's own errors are corrected; then everything
+  // is repeated without these intervals.
   const Identification extended = x.d.extended;
   const bool snags = exclude_snags(extended, x);
   const bool contacts = exclude_contacts(extended, x);
@@ -78,8 +78,8 @@ Diagnosis diagnose(const Model& arm, const Recordings& train, const Recordings& 
   x.d.provisional = named.train.size() == 1;
   Thresholds& limits = x.options.thresholds;
   if (x.d.changes) limits.smallest_gain = std::max(limits.smallest_gain, limits.smallest_change);
-  // Of the many identifications none tells how far it is: the stages do. A bar goes half of what is
-  // left with each.
+  // Progress is reported by stage, since it is unknown for the many identifications: each stage
+  // advances the bar by half of the rest.
   const auto progress = std::exchange(x.options.identification.progress, {});
   double left = 1.0;
   run_stages(x, [&](const char* stage) {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "diagnosis/numerics.hpp"
+#include "diagnosis/evidence/numerics.hpp"
 #include "math/correlated_columns.hpp"
 #include "veridyn/diagnosis/diagnosis.hpp"
 
@@ -80,8 +80,8 @@ std::string finding_text(const Diagnosis& d, const Finding& f) {
   return out;
 }
 
-// Findings stand by what they explain and were added in another order: where small ones came
-// between, the error before one is not the error after the one above it.
+// True if errors before and after successive findings are not contiguous: findings are listed by
+// size and were added in another order.
 bool errors_jump(const Diagnosis& d) {
   const Finding* above = nullptr;
   for (const Finding& f : d.findings) {
@@ -96,7 +96,8 @@ std::string small_text(const Diagnosis& d, const Finding& f) {
   return fmt::format("{:>4}. {} p = {:.1e}, {}\n", f.rank, d.sentence(f), f.p_value, status_words(f));
 }
 
-// 12.3 % = 4.1 % floor + 8.2 %, and what became of these.
+// Splits a joint's error into floor and removable part, 12.3 % = 4.1 % floor + 8.2 %, and says how
+// much of the latter the findings explain.
 std::string joint_text(const Diagnosis& d, const JointVerdict& v) {
   const auto& joints = d.baseline.model->coordinates();
   std::string out =
@@ -135,7 +136,7 @@ std::string worse_words(const Diagnosis& d, int joint) {
                      kPercent * d.extended.test_error.relative[i]);
 }
 
-// What every joint has and the file does not: one line for each joint.
+// Table of friction that was added to the file: one line per joint.
 std::string friction_table(const Diagnosis& d) {
   std::string out = "\nfriction, offset and rotor inertia that were found, +- standard deviation\n";
   int joint = -1;

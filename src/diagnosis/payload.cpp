@@ -7,11 +7,12 @@
 #include <cmath>
 
 #include "diagnosis/shapes/inquiry.hpp"
-#include "diagnosis/causes/payload_fit.hpp"
-#include "diagnosis/numerics.hpp"
+#include "diagnosis/evidence/payload_fit.hpp"
+#include "diagnosis/evidence/numerics.hpp"
 #include "veridyn/effects/cause.hpp"
 #include "veridyn/math/require.hpp"
 #include "model/suggestion.hpp"
+#include "identification/velocity_choice.hpp"
 #include "recordings/named_recordings.hpp"
 
 namespace veridyn {
@@ -28,7 +29,7 @@ void keep_only(const Model& arm, const std::string& link, AugmentedModel& augmen
   all.erase(std::remove_if(all.begin(), all.end(),
                            [&](const Hypothesis& h) {
                              return is_load(h) &&
-                                    !same_link(arm, frame_of(h.cause)->value, wanted);
+                                    !same_link(arm, *frame_of(h.cause), {wanted});
                            }),
             all.end());
 }
@@ -66,8 +67,11 @@ PayloadReport find_payload(const Model& model, const Recordings& loaded,
                                     "identified first"
                                   : "no values",
           "; expected a MODEL that identify or diagnose wrote.");
-  const NamedRecordings<IdentificationOptions> named(loaded, {}, given);
+  NamedRecordings<IdentificationOptions> named(loaded, {}, given);
+  keep_recordings(named.how, KeptRecordings::kManyQuestions);
   const std::vector<std::string>& recordings = named.train;
+  leave_wrong_velocities_out(model, recordings, {}, named.how);
+  named.how.choose_velocities = false;
   const IdentificationOptions& options = named.how;
   const Identification start = evaluate(model, recordings, {}, options);
   if (!start.model) {
@@ -95,7 +99,7 @@ PayloadReport find_payload(const Model& model, const Recordings& loaded,
       continue;
     }
     asked.push_back(&h);
-    out.links.push_back(fit_payload(q, data, h));
+    out.links.push_back(fit_payload(q.augmented, data, h));
     out.links.back().gain = gains[static_cast<size_t>(&h - q.augmented.hypotheses.data())];
   }
   std::stable_sort(out.links.begin(), out.links.end(),
@@ -128,7 +132,7 @@ std::string PayloadReport::report() const {
   out += fmt::format("  {:<22}{:>14}  {:<19}{:>8}{:>8}{:>8}  {:>9}{:>10}\n", "if it is on", "mass kg",
                      "  95 %", "x m", "y m", "z m", "explains", "held out");
   for (const PayloadEstimate& link : links) {
-    // A mass that may be none has no size and no centre.
+    // A mass that may be zero has no centre.
     const bool told = link.mass_low > 0.0;
     const std::string mass = told ? fmt::format("{:.4g}", link.mass) : "not determined";
     const std::string range =

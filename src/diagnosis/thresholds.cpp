@@ -7,10 +7,10 @@
 
 namespace veridyn {
 
-// Seeds: those of `veridyn-hide-and-seek` on which the number was chosen. Most numbers were chosen
-// before seeds were written down: they say "not recorded", and their reasons are arguments, no
-// measurements, until `veridyn-hide-and-seek --sweep NAME` has shown what they do. Numbers without
-// seeds were chosen from what the quantity means, or on the recordings that the reason names.
+// Seeds are those of `veridyn-hide-and-seek` on which the number was chosen. "not recorded" means
+// that they were not written down: the reason is then an argument and no measurement, until
+// `veridyn-hide-and-seek --sweep NAME` is run. Numbers without seeds follow from the meaning of the
+// quantity, or from the recordings that the reason names.
 constexpr const char* kNotRecorded = "not recorded";
 
 const std::vector<ThresholdEntry>& threshold_table() {

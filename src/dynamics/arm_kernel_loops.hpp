@@ -4,10 +4,10 @@
 #include "math/dual.hpp"
 #include "math/pack.hpp"
 
-// Each arm_kernels_<isa>.cpp is compiled with flags of its own, so nothing in here may be shared
-// with the rest of the program: the linker keeps one copy of an inline function, and an old
-// processor would run into the new one. Hence raw pointers, no Eigen, and templates over packs whose
-// tag names the instruction set, single numbers included.
+// Each arm_kernels_<isa>.cpp is compiled with flags of its own, so nothing here may be shared with
+// the rest of the program: the linker keeps one copy of an inline function, and an older processor
+// could then execute instructions that it lacks. Hence raw pointers, no Eigen, and templates over
+// packs whose tag names the instruction set, single numbers included.
 
 namespace veridyn {
 
@@ -22,8 +22,8 @@ struct ArmKernelLoops {
   static const One* ones(const double* x) { return reinterpret_cast<const One*>(x); }
   static One* ones(double* x) { return reinterpret_cast<One*>(x); }
 
-  // Everything in one function each: the compiler's own choice leaves calls in the innermost loops
-  // (a third slower).
+  // The functions below are flattened into one each: otherwise the compiler leaves calls in the
+  // innermost loops (a third slower).
 
   __attribute__((flatten)) static void inverse_dynamics(const InertialLinks& arm, const double* q,
                                                         const double* dq, const double* ddq,
@@ -87,7 +87,7 @@ struct ArmKernelLoops {
 
   struct BatchMemory {
     typename Batch::Memory at;
-    D* duals;  ///< a whole workspace of dual numbers, in the same place
+    D* duals;  ///< a complete workspace of dual numbers, in the same memory
     P* q;
     P* dq;
     P* ddq;
@@ -156,8 +156,8 @@ struct ArmKernelLoops {
     });
   }
 
-  // Calls body(b, i, motion, column) for every body and each coordinate that moves it, link by link:
-  // what is known of one is still in the cache. x holds q, dq and ddq.
+  // Calls body(b, i, motion, column) for every body and each coordinate that moves it, link by
+  // link, so that the data of a link are still in the cache. x holds q, dq and ddq.
   template <typename S, typename Body>
   static void for_entries(const Links& tree, const S* x, const Workspace<S>& r, const Body& body) {
     joint_pass(tree, x, x + tree.joints, x + 2 * tree.joints, r);

@@ -7,7 +7,7 @@ namespace {
 
 ArmKernels widest_kernels() {
   const InstructionSet isa = widest_instruction_set();
-  // Even to ask for kernels runs code of their instruction set.
+  // Each function call below is itself compiled for its instruction set, hence the check before it.
   if (isa >= InstructionSet::kAvx512 && arm_kernels_avx512().lanes > 0) return arm_kernels_avx512();
   if (isa >= InstructionSet::kAvx2 && arm_kernels_avx2().lanes > 0) return arm_kernels_avx2();
   return arm_kernels_baseline();

@@ -15,7 +15,7 @@ struct BatchInput {
   SampleColumns q, dq, ddq;
 };
 
-/// The regressor by joints: column c of joint i stands at Y[i] + c * rows; null: nobody wants it.
+/// The regressor by joints: column c of joint i begins at Y[i] + c * rows; null: not computed.
 template <typename Number>
 struct ColumnsByJoint {
   Number* const* Y;
@@ -24,10 +24,10 @@ struct ColumnsByJoint {
 };
 
 /// The algorithms of arm_algorithms.hpp for doubles, compiled for one instruction set. Vectors hold
-/// n entries, matrices are column-major without gaps; workspaces are aligned to 64 bytes. All null
-/// where the compiler was not allowed to use the instruction set.
+/// n entries, matrices are column-major without gaps; workspaces are aligned to 64 bytes. All
+/// pointers are null if the build does not include the instruction set.
 struct ArmKernels {
-  // Single states: numbers along the tree, columns of matrices in lanes.
+  // Single states: scalars along the tree, columns of matrices in lanes.
   std::size_t (*workspace)(const Links&) = nullptr;
   void (*inverse_dynamics)(const InertialLinks&, const double* q, const double* dq,
                            const double* ddq, const LinkWrench* external, int externals,
@@ -56,10 +56,10 @@ struct ArmKernels {
   std::size_t (*batch_workspace)(const Links&) = nullptr;
   void (*batch_regressor)(const Links&, const BatchInput&, const ColumnsByJoint<double>&,
                           void* workspace) = nullptr;
-  /// tau: (rows x n).
+  /// Writes tau, (rows x n).
   void (*batch_torques)(const InertialLinks&, const BatchInput&, double* tau,
                         void* workspace) = nullptr;
-  /// 3 n matrices (rows x n), one after the other.
+  /// Writes 3 n matrices (rows x n), one after the other.
   void (*batch_derivatives)(const InertialLinks&, const BatchInput&, double* out,
                             void* workspace) = nullptr;
   /// Derivatives of the sum of weights times regressor along q, dq and ddq: (rows x 3 n).
@@ -71,7 +71,7 @@ ArmKernels arm_kernels_baseline();
 ArmKernels arm_kernels_avx2();
 ArmKernels arm_kernels_avx512();
 
-/// The widest that this processor has.
+/// Kernels of the widest instruction set of this processor.
 const ArmKernels& arm_kernels();
 
 }  // namespace veridyn

@@ -2,7 +2,7 @@
 
 namespace veridyn {
 
-// Two lanes are what every 64-bit x86 and ARM processor has.
+// Every 64-bit x86 and ARM processor has vectors of two doubles.
 ArmKernels arm_kernels_baseline() {
   struct Baseline;
   return ArmKernelLoops<2, Baseline>::kernels();

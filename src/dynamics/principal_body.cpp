@@ -5,7 +5,7 @@
 namespace veridyn {
 namespace {
 
-constexpr double kRounding = 1e-9;  // of the largest principal moment
+constexpr double kRounding = 1e-9;  // relative to the largest principal moment
 
 }  // namespace
 

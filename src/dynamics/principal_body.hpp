@@ -11,15 +11,15 @@ struct PrincipalBody {
   Eigen::Matrix3d axes;     ///< columns, right-handed
   Eigen::Vector3d moments;  ///< [kg m^2] ascending
 
-  /// Whether these are the moments of a body, to rounding.
+  /// True if the moments satisfy the triangle inequality, up to rounding.
   bool possible() const;
 };
 
-/// Of ten parameters (m, m c, L about the origin) in the frame that stands at B, seen from where B
-/// is given.
+/// Converts ten parameters (m, m c, L about the origin), given in a frame with pose B, into the
+/// parent frame of B.
 PrincipalBody principal_body(const double* phi, const Posed& B);
 
-/// R as a matrix.
+/// R as an Eigen matrix.
 Eigen::Matrix3d rotation_matrix(const Mat3d& R);
 
 }  // namespace veridyn

@@ -11,10 +11,11 @@
 namespace veridyn {
 namespace {
 
-// An odd number of cache lines: columns of a block do not push each other out of the cache.
+// An odd number of cache lines, so that the columns of a block do not evict each other from the
+// cache.
 constexpr int kBlockRows = 72;
 
-// Bytes aligned for the widest vectors.
+// Byte storage aligned for the widest vectors.
 class AlignedMemory {
  public:
   explicit AlignedMemory(size_t bytes) : bytes_(::operator new(bytes, kAlignment)) {}
@@ -81,8 +82,8 @@ void RegressorBatch::evaluate(const MatrixRef& q, const MatrixRef& dq, const Mat
     arm_kernels().batch_regressor(tree, in, out, workspace.get());
     return;
   }
-  // Columns of many rows lie far apart: blocks are built side by side in the cache, and every
-  // column goes out in runs.
+  // Columns of many rows lie far apart in memory: blocks are computed side by side in the cache,
+  // then copied out column by column.
   thread_local AlignedDoubles memory;
   size_t wide = 0;
   for (int i = first; i < end; ++i) wide += columns(i).size();

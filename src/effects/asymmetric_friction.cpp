@@ -8,17 +8,18 @@
 namespace veridyn {
 namespace {
 
-/// Friction that differs between the two directions; each parameter is forwards minus backwards:
+/// Friction that differs between the two directions; each parameter is the forward minus the
+/// backward value:
 ///
 ///   tau = level_difference * |sign(ds)| / 2 + viscous_difference * |ds| / 2
 ///
 /// with the sign of sliding_direction(). The mean of both directions is coulomb_friction and
 /// viscous_friction.
 ///
-/// What data can tell: |ds| is a shape of its own. |sign(ds)| is 1 whenever the joint moves, a
-/// constant, and so a rival of torque_offset: only samples at rest, where it is 0, keep the two
-/// apart. Recordings without rest leave the sum of both, offset + level_difference / 2. Source:
-/// thesis (4.13) and its errata.
+/// Identifiability: |ds| is a column of its own. |sign(ds)| is 1 whenever the joint moves, a
+/// constant, and so confounded with torque_offset; only samples at rest, where it is 0, separate
+/// the two. Recordings without rest determine only their sum, offset + level_difference / 2.
+/// Source: thesis (4.13) and its errata.
 class AsymmetricFriction final : public AxisEffect, public WrittenInC {
  public:
   std::string name() const override { return "asymmetric_friction"; }

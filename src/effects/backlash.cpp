@@ -9,19 +9,20 @@
 namespace veridyn {
 namespace {
 
-constexpr double kFree = 0.8;  // share of the gap without contact
+constexpr double kFree = 0.8;  // share of the half gap without contact
 
-/// Friction behind a gap: after a reversal the motor crosses the gap without it, then meets it
-/// again.
+/// Friction behind a gap: after a reversal the motor crosses the gap freely, then meets the
+/// friction again.
 ///
-///   p <- clamp(p + step / (gap / 2), -1, 1)                     place between the teeth (play operator)
-///   tau = level * sign(p) * max(0, |p| - free) / (1 - free)     free = 0.8: the teeth are not rigid
+///   p <- clamp(p + step / (gap / 2), -1, 1)                     position in the gap (play operator)
+///   tau = level * sign(p) * max(0, |p| - free) / (1 - free)     free = 0.8: the teeth are compliant
 ///
-/// It is rate independent and passive: inside the gap a potential of p, at its ends friction. It
-/// differs from presliding_hysteresis by its dead zone. Limits: the friction behind the gap must
-/// outweigh gravity there; a load that presses the teeth to one side leaves no play in the torque.
-/// Impacts and the link's lag of half a gap, which are of second order in the gap, are left out.
-/// Place and gap start in the middle. Source: Nordin and Gutman, Automatica 38(10), 2002, for the
+/// The model is rate independent and passive: inside the gap it is a potential of p, at its ends
+/// friction. It differs from presliding_hysteresis by its dead zone. Limits: the friction behind
+/// the gap must exceed the gravity torque there; a load that presses the teeth to one side hides
+/// the gap. Impacts, and the lag of the link by half a gap (a second-order effect), are neglected.
+/// The position in the gap starts in the middle. Source: Nordin and Gutman, Automatica 38(10),
+/// 2002, for the
 /// play and its contact.
 class Backlash final : public AxisEffect, public WrittenInC {
  public:

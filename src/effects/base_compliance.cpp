@@ -9,12 +9,13 @@
 namespace veridyn {
 namespace {
 
-constexpr double kSmallTurn = 1e-4;       // [rad] of the derivative
-constexpr double kRelaxation = 0.005;     // [s]: damping per stiffness, which keeps a base from ringing
+constexpr double kSmallTurn = 1e-4;       // [rad] step of the numerical derivative
+// [s] damping divided by stiffness, which prevents oscillation of the base.
+constexpr double kRelaxation = 0.005;
 constexpr const char* kTurns[] = {"base about x", "base about y"};
 
-/// The arm with a base that turns about x and then about y: two coordinates more, behind the arm's
-/// own, with frames below all others.
+/// The arm on a base that turns about x and then about y: two coordinates after the arm's own, with
+/// frames below all others.
 ModelDescription on_free_base(ModelDescription arm) {
   const auto n = static_cast<Eigen::Index>(arm.coordinates.size());
   const auto widen = [n](VectorXd& c) {
@@ -32,7 +33,7 @@ ModelDescription on_free_base(ModelDescription arm) {
     frame.parent = k - 1;
     frame.type = JointType::kRevolute;
     frame.variable.coefficients = VectorXd::Unit(n + 2, n + k);
-    // Joints turn about z; these lay it on x and on y.
+    // Joints turn about z; these rotations align z with x and with y.
     frame.A.R = k == 0 ? rotation_y(M_PI_2) : rotation_x(-M_PI_2);
     frame.B.R = transpose(frame.A.R);
     frames.push_back(frame);
@@ -58,31 +59,23 @@ MatrixXd with_turns(const MatrixXd& of_joints, const MatrixXd& of_base) {
   return out;
 }
 
-/// The base gives way: it turns by the moment that the arm exerts on it,
+/// A compliant base rotates under the moment that the arm exerts on it,
 ///
 ///   x = -compliance * tau_base(q, dq, ddq),       about x, about y [rad]
 ///
-/// and the arm feels gravity turned by x and the base's acceleration. To first order, with the
-/// base's own inertia left aside: below the resonance of arm and base. A simulation moves the base
-/// as two joints with springs.
+/// and the arm feels gravity rotated by x and the base's acceleration. To first order, without the
+/// base's own inertia: valid below the resonance of arm and base. A simulation moves the base as
+/// two joints with springs.
 class BaseCompliance final : public ArmEffect {
  public:
   std::string name() const override { return "base_compliance"; }
   std::vector<EffectParameter> parameters() const override {
-    constexpr double kLargest = 0.01;  // [rad/(N m)]: no table gives way more
+    constexpr double kLargest = 0.01;  // [rad/(N m)] more than any table
     return {{"about_x", "rad/(N m)", "rad/(N m)", ParameterSign::kNonnegative, kLargest, kLargest},
             {"about_y", "rad/(N m)", "rad/(N m)", ParameterSign::kNonnegative, kLargest, kLargest}};
   }
-  EffectTraits traits(const ShapeValues& /*shape*/) const override {
-    EffectTraits t;
-    t.role = EffectRole::kArm;
-    t.stage = DiagnosisStage::kChannel;
-    t.depends_on_position = true;
-    t.lasting = true;
-    return t;
-  }
 
-  // Of five real recordings of a PSM it is named in all, and predicts three of them worse.
+  // On five real recordings of a PSM it was found in all, and worsened the prediction of three.
   bool asked_unnamed() const override { return false; }
 
   std::vector<MatrixXd> columns(const ChannelMotion& motion, int /*joint*/) const override {
@@ -111,7 +104,7 @@ class BaseCompliance final : public ArmEffect {
   void change(ModelDescription& arm, const std::vector<double>& values) const override {
     EffectTerm& own = term_of(arm);
     const std::vector<EffectParameter> all = parameters();
-    for (size_t k = 0; k < all.size(); ++k)  // a spring cannot be stiffer than rigid
+    for (size_t k = 0; k < all.size(); ++k)  // no base is stiffer than rigid
       own.values[all[k].name] = std::max(0.0, own.values[all[k].name] + values[k]);
   }
 
@@ -144,7 +137,7 @@ class BaseCompliance final : public ArmEffect {
   }
 
  private:
-  static constexpr double kRigid = 1e-9;  // [rad/(N m)]: in a simulation no base is stiffer
+  static constexpr double kRigid = 1e-9;  // [rad/(N m)] lower bound in a simulation
 };
 
 }  // namespace

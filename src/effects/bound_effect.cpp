@@ -19,7 +19,8 @@ bool same_place(const EffectTerm& a, const EffectTerm& b) {
   return !a.from || same(*a.from, *b.from);
 }
 
-// ", distance 0.005" if the arm has the effect on this axis with other constants too; else nothing.
+// ", distance 0.005" if the arm has the effect on this axis with other constants as well; else
+// empty.
 std::string constants_text(const Model& arm, const EffectTerm& term,
                            const std::vector<EffectShape>& shapes) {
   const auto given = [](const EffectTerm& of, const std::string& key) {

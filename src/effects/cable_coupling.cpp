@@ -6,14 +6,14 @@
 namespace veridyn {
 namespace {
 
-/// What another coordinate does to this axis through a cable, hose or tendon that passes by:
+/// Force on this axis from another coordinate, through a cable, hose or tendon:
 ///
 ///   tau = stiffness * from_s + curvature * from_s^2 + drag * sign(from_ds)
 ///
-/// Its tension changes with the other coordinate's position, and its friction follows the other
-/// coordinate's motion (sign of sliding_direction(); thesis (4.14) as a sigmoid differs by less
-/// than the rest speed). The routing decides all signs. It is not a potential force: the reaction
-/// on the other coordinate is a term of its own.
+/// The tension depends on the other coordinate's position, and the friction on the other
+/// coordinate's motion (sign of sliding_direction(); the sigmoid of thesis (4.14) differs only
+/// below the rest speed). The routing determines all signs. The force has no potential: the
+/// reaction on the other coordinate is a term of its own.
 class CableCoupling final : public AxisEffect, public WrittenInC {
  public:
   std::string name() const override { return "cable_coupling"; }

@@ -10,7 +10,7 @@
 namespace veridyn {
 namespace {
 
-constexpr size_t kDigits = 3;  // number of digits of a joint's number
+constexpr size_t kDigits = 3;  // digits of a joint's number
 
 template <typename... Visitors>
 struct Overloaded : Visitors... {
@@ -26,7 +26,7 @@ bool is_number(const std::string& word) {
 
 const char* const kRatioOf = "ratio of ";
 
-// What stands after "elbow." where the word begins so.
+// The rest of `word` after "elbow.", if it begins so.
 std::optional<std::string> after(const std::string& owner, const std::string& word) {
   const std::string start = owner + ".";
   if (word.compare(0, start.size(), start) != 0) return std::nullopt;
@@ -43,7 +43,7 @@ bool is_in_row(const Model& arm, const Frame& frame, const std::string& name) {
   return false;
 }
 
-// The number in a row that a name stands for; nullptr: it is a ratio.
+// The number in a row with this name; nullptr: it is a ratio.
 double* number_of(DhRow& row, const std::string& name) {
   if (name == "theta") return &row.theta;
   if (name == "alpha") return &row.alpha;
@@ -57,7 +57,7 @@ double& ratio_of(Frame& frame, const std::string& name, const ModelDescription& 
   return frame.variable.coefficients[i];
 }
 
-// What a row gives to the joint variable's constant part.
+// Contribution of a row to the joint variable's offset.
 double offset_of(const Frame& frame, const DhRow& row) {
   if (frame.type == JointType::kFixed) return 0.0;
   return frame.type == JointType::kRevolute ? row.theta : row.d;

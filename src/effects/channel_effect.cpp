@@ -22,6 +22,15 @@ void SensorError::apply(ModelDescription& arm, int joint, const std::vector<doub
   }
 }
 
+EffectTraits ArmEffect::traits(const ShapeValues& /*shape*/) const {
+  EffectTraits t;
+  t.role = EffectRole::kArm;
+  t.stage = DiagnosisStage::kChannel;
+  t.depends_on_position = true;
+  t.lasting = true;
+  return t;
+}
+
 EffectTerm& ArmEffect::term_of(ModelDescription& arm) const {
   for (EffectTerm& term : arm.arm_effects) {
     if (term.effect == name()) return term;

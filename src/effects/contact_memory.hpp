@@ -9,7 +9,7 @@
 
 namespace veridyn {
 
-/// The way from the sample before, 0 at the first one. Takes state[1] and state[2].
+/// Displacement since the previous sample, 0 at the first one. Uses state[1] and state[2].
 inline double step_since_last(double s, EffectState& state) noexcept {
   const double step = state[2] != 0.0 ? s - state[1] : 0.0;
   state[1] = s;
@@ -17,12 +17,11 @@ inline double step_since_last(double s, EffectState& state) noexcept {
   return step;
 }
 
-/// How far a contact is sheared, z in [-1, 1]; it depends on the path and not on the speed along
-/// it:
+/// Shear z in [-1, 1] of a contact, which depends on the path and not on the speed along it:
 ///
 ///   dz/ds = (1 - sgn(ds) z) / distance
 ///
-/// solved exactly over each step, as if s went straight from sample to sample:
+/// solved exactly over each step for a straight path between samples:
 ///
 ///   z <- z + (sgn(step) - z) (1 - exp(-|step| / distance))
 ///
@@ -32,12 +31,12 @@ inline double advance_contact(double s, double distance, EffectState& state) noe
   const double step = step_since_last(s, state);
   const double side = step < 0.0 ? -1.0 : 1.0;
   state[0] -= (side - state[0]) * std::expm1(-std::abs(step) / distance);
-  state[0] = std::clamp(state[0], -1.0, 1.0);  // against the last bit
+  state[0] = std::clamp(state[0], -1.0, 1.0);  // removes rounding errors
   return state[0];
 }
 
-/// The direction of friction: that of the velocity, or with a distance above zero that of the
-/// sheared contact, which is right at rest and at reversals too.
+/// Direction of friction: the sign of the velocity, or with a distance above zero the shear of the
+/// contact, which is valid at rest and at reversals too.
 inline double friction_direction(const AxisSample& x, double distance,
                                  EffectState& state) noexcept {
   return distance > 0.0 ? advance_contact(x.s, distance, state) : sliding_direction(x.ds);

@@ -11,7 +11,7 @@ namespace {
 /// tau = level * sign(ds), or level * tanh(slope ds / 2) where the file gives a slope: the sigmoid
 /// 2 / (1 + exp(-slope ds)) - 1 of thesis (4.14) with the errata's sign.
 ///
-/// Without a slope the sign is that of sliding_direction(), a straight line at rest.
+/// Without a slope the sign is sliding_direction(), which is linear near zero speed.
 class CoulombFriction final : public AxisEffect, public WrittenInC {
  public:
   std::string name() const override { return "coulomb_friction"; }
@@ -20,7 +20,8 @@ class CoulombFriction final : public AxisEffect, public WrittenInC {
   }
   std::vector<EffectShape> shapes() const override {
     EffectShape slope{"slope", "s/rad", "s/m", 0.0, 10.0, 1e4, true, false};
-    slope.grid = {50.0, 100.0, 200.0};  // over the largest speed, where the model's own step is smooth
+    // Divided by the largest speed; for arms whose sign function is smooth.
+    slope.grid = {50.0, 100.0, 200.0};
     return {slope};
   }
   EffectTraits traits(const ShapeValues& shape) const override {

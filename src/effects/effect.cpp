@@ -6,7 +6,7 @@
 namespace veridyn {
 namespace {
 
-// Where an effect does not say how its constant is searched.
+// Initial values for effects that do not give a grid.
 const std::vector<double>& usual_lengths() {
   static const std::vector<double> kShares = {1e-3, 1e-2, 0.1};
   return kShares;
@@ -22,7 +22,7 @@ std::vector<double> scaled(std::vector<double> shares, double by) {
   return shares;
 }
 
-// A sixth, a half and five sixths of the way through the range of the search.
+// Points at a sixth, a half and five sixths of the search range.
 std::vector<double> spread(const EffectShape& shape) {
   std::vector<double> out;
   for (const double share : {1.0 / 6.0, 0.5, 5.0 / 6.0}) {
@@ -38,7 +38,7 @@ std::vector<double> by_unit(const EffectShape& shape, const AxisMotion& motion) 
   return spread(shape);
 }
 
-// First choices of one constant; nothing where the constant stays as it is.
+// Initial values of one constant; nullopt where the constant is not searched.
 std::optional<std::vector<double>> choices(const EffectShape& shape, const AxisMotion& motion) {
   switch (shape.scale) {
     case ShapeScale::kMiddle:

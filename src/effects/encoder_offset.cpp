@@ -6,11 +6,12 @@
 namespace veridyn {
 namespace {
 
-constexpr double kStep = 1e-5;  // [rad] or [m] of the derivative by position
+constexpr double kStep = 1e-5;  // [rad] or [m] step of the derivative by position
 
-/// recorded = true + offset, of one joint's position: a wrong zero. Every joint feels it:
+/// Recorded = true + offset, of one joint's position: a wrong zero. All joints' torques depend on
+/// it:
 ///
-///   d tau / d offset = - d tau / d q_joint        of the rigid bodies
+///   d tau / d offset = - d tau / d q_joint        of the rigid bodies.
 class EncoderOffset final : public SensorError {
  public:
   std::string name() const override { return "encoder_offset"; }
@@ -22,7 +23,7 @@ class EncoderOffset final : public SensorError {
     t.role = EffectRole::kSensor;
     t.stage = DiagnosisStage::kChannel;
     t.depends_on_position = true;
-    t.same_as_wrong_constant = true;  // of the zero of this joint in the robot file
+    t.same_as_wrong_constant = true;  // namely of this joint's zero in the robot file
     t.lasting = true;
     return t;
   }

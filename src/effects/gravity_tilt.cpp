@@ -8,9 +8,9 @@
 namespace veridyn {
 namespace {
 
-constexpr double kStep = 1e-4;  // [rad] of the derivative
+constexpr double kStep = 1e-4;  // [rad] step of the numerical derivative
 
-/// R' g - g for R = Ry(pitch) Rx(roll).
+/// Change of gravity, R' g - g, for R = Ry(pitch) Rx(roll).
 Eigen::Vector3d change_of_gravity(const Eigen::Vector3d& gravity, double roll, double pitch) {
   const Eigen::Matrix3d R = (Eigen::AngleAxisd(pitch, Eigen::Vector3d::UnitY()) *
                              Eigen::AngleAxisd(roll, Eigen::Vector3d::UnitX()))
@@ -18,24 +18,16 @@ Eigen::Vector3d change_of_gravity(const Eigen::Vector3d& gravity, double roll, d
   return R.transpose() * gravity - gravity;
 }
 
-/// The base stands turned, R = Ry(pitch) Rx(roll): gravity has another direction in it.
+/// The base is tilted by R = Ry(pitch) Rx(roll), which changes the direction of gravity in it.
 ///
-///   d tau / d angle = the torque at rest under d(R' g) / d angle
+///   d tau / d angle = the static torque under d(R' g) / d angle
 class GravityTilt final : public ArmEffect {
  public:
   std::string name() const override { return "gravity_tilt"; }
   std::vector<EffectParameter> parameters() const override {
-    constexpr double kLargest = 0.3;  // [rad] nobody overlooks more
+    constexpr double kLargest = 0.3;  // [rad] largest plausible tilt
     return {{"roll", "rad", "rad", ParameterSign::kAny, kLargest, kLargest},
             {"pitch", "rad", "rad", ParameterSign::kAny, kLargest, kLargest}};
-  }
-  EffectTraits traits(const ShapeValues& /*shape*/) const override {
-    EffectTraits t;
-    t.role = EffectRole::kArm;
-    t.stage = DiagnosisStage::kChannel;
-    t.depends_on_position = true;
-    t.lasting = true;
-    return t;
   }
   std::vector<MatrixXd> columns(const ChannelMotion& motion, int /*joint*/) const override {
     const MatrixXd rest = MatrixXd::Zero(motion.q.rows(), motion.q.cols());
@@ -49,7 +41,7 @@ class GravityTilt final : public ArmEffect {
     return out;
   }
   bool has_rigid_columns() const override { return true; }
-  // Any two directions across gravity span the tilts.
+  // Any two directions perpendicular to gravity span the tilts.
   std::vector<RigidColumn> rigid_columns(const Model& arm, int /*joint*/) const override {
     const Eigen::Vector3d& g = arm.gravity();
     if (g.isZero(0.0)) return {};

@@ -7,7 +7,7 @@
 namespace veridyn {
 namespace {
 
-/// tau = stiffness * s, with its rest at s = 0 (the axis' offset moves it).
+/// tau = stiffness * s, unloaded at s = 0 (the axis' offset shifts it).
 ///
 /// With a lever: a straight spring between a fixed anchor, `anchor` metres from the axis, and a pin
 /// on the moving part, `lever` metres from it; its length is l^2 = lever^2 + anchor^2 - 2 lever
@@ -15,8 +15,8 @@ namespace {
 ///
 ///   tau = stiffness * (l - rest_length) * dl/ds
 ///
-/// The stiffness is then that of the spring, in N/m. The torque has a jump where the pin meets the
-/// anchor (l = 0).
+/// The stiffness is then that of the spring, in N/m. The torque is discontinuous where the pin
+/// meets the anchor (l = 0).
 class JointSpring final : public AxisEffect, public WrittenInC {
  public:
   std::string name() const override { return "joint_spring"; }

@@ -4,11 +4,11 @@
 
 namespace veridyn {
 
-/// A number of a frame's row as it stands; of a joint's zero nothing. Not of a constant with a name,
-/// which other numbers depend on.
+/// The present value of a wrong constant: a number of a frame's row; zero for a joint's zero.
+/// Constants with a name are not supported, because other numbers depend on them.
 double value_of(const KinematicError& error, const ModelDescription& arm);
 
-/// Gives it another value. A zero moves all joint variables that the coordinate is part of.
+/// Sets that value. A zero shifts all joint variables that the coordinate is part of.
 void set_value(const KinematicError& error, double value, ModelDescription& arm);
 
 }  // namespace veridyn

@@ -8,11 +8,11 @@
 namespace veridyn {
 namespace {
 
-/// Friction that rises with what the gears or guides carry:
+/// Friction that rises with the load of gears or guides:
 ///
 ///   tau = coefficient * |load| * sign(ds)
 ///
-/// where the load is the effort that the rigid bodies ask for along the axis. The sign is
+/// where the load is the torque of the rigid bodies along the axis. The sign is
 /// sliding_direction(), or with `distance` in the file the contact memory of presliding_hysteresis.
 /// Friction without load is coulomb_friction. Source: Hamon, Gautier, Garrec and Janot, IROS 2010;
 /// the load is known only where the bodies have values.

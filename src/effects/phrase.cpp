@@ -8,7 +8,7 @@
 namespace veridyn {
 namespace {
 
-constexpr double kSmall = 0.1;  // below it, thousandths
+constexpr double kSmall = 0.1;  // smaller values are written in thousandths
 
 std::string two_digits(double value) {
   if (value == 0.0 || !std::isfinite(value)) return all_digits(value);
@@ -16,7 +16,7 @@ std::string two_digits(double value) {
   return decimals(value, after_point);
 }
 
-// A prefix before a power would read as part of what is raised to it: no "ms^2".
+// False where the unit starts with a power, which would apply to the prefix as well: no "ms^2".
 bool takes_prefix(const std::string& unit) {
   const std::string first = unit.substr(0, unit.find_first_of(" /"));
   return first == "N" || first == "rad" || first == "m" || first == "s";

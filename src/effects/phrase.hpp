@@ -11,7 +11,7 @@ namespace veridyn {
 /// "0.14 mm", "12 mN m".
 std::string quantity(double value, const std::string& unit);
 
-/// quantity() of parameter p, and of shape constant i.
+/// quantity() of parameter p, and likewise of shape constant i.
 std::string parameter_text(const Effect& effect, const std::vector<double>& values, size_t p,
                            JointType type);
 std::string shape_text(const Effect& effect, const ShapeValues& shape, size_t i, JointType type);

@@ -6,22 +6,21 @@
 
 namespace veridyn {
 
-/// What plain friction is made of, by the names of its effects.
+/// Names of the effects of plain friction.
 constexpr const char* kPlainViscous = "viscous_friction";
 constexpr const char* kPlainCoulomb = "coulomb_friction";
 
-/// What a geared joint has beside it.
+/// Name of the further effect of geared joints.
 constexpr const char* kRotorInertia = "rotor_inertia";
 
-/// True if no effect of the arm is friction. Makers' files seldom have any, and every real joint
-/// does.
+/// True if no effect of the arm is friction, as in most manufacturers' files.
 bool has_no_friction(const Model& arm);
 
-/// The arm with what every joint has: viscous friction, Coulomb friction and a torque offset on
-/// every coordinate that does not have them yet, without values.
+/// Adds viscous friction, Coulomb friction and a torque offset, without values, on every coordinate
+/// that lacks them.
 Model with_plain_friction(const Model& arm);
 
-/// The arm with one effect on every coordinate that does not have it yet, without values.
+/// Adds one effect, without values, on every coordinate that lacks it.
 Model with_effect_of_all_joints(const Model& arm, const std::string& effect);
 
 }  // namespace veridyn

@@ -6,13 +6,13 @@
 namespace veridyn {
 namespace {
 
-/// Friction whose level changes along the way:
+/// Friction whose level depends on the position:
 ///
 ///   tau = sign(ds) * (slope * (s - centre) + curvature * (s - centre)^2)
 ///
 /// The level at the centre is coulomb_friction. The sign is sliding_direction(), or with `distance`
-/// in the file the contact memory of presliding_hysteresis, which is right at rest too; use the
-/// distance found there. On an arm whose gravity torque varies with s it is a rival of
+/// in the file the contact memory of presliding_hysteresis, which is valid at rest too; use the
+/// distance found there. On an arm whose gravity torque varies with s it is confounded with
 /// load_dependent_friction. Source: thesis 5.6, "a change in friction based on the joint position".
 class PositionDependentFriction final : public AxisEffect, public WrittenInC {
  public:

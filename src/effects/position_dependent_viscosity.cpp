@@ -5,12 +5,13 @@
 namespace veridyn {
 namespace {
 
-/// Viscous friction whose coefficient changes along the way:
+/// Viscous friction whose coefficient depends on the position:
 ///
 ///   tau = ds * (slope * (s - centre) + curvature * (s - centre)^2)
 ///
-/// The coefficient at the centre is viscous_friction. Hoses and harnesses that bend do this; cross
-/// terms of the inertia in dq_i dq_j are other columns and no rivals while one joint moves alone.
+/// The coefficient at the centre is viscous_friction. Bending hoses and harnesses cause it; the
+/// inertia's cross terms in dq_i dq_j have other columns and are not confounded with it while one
+/// joint moves alone.
 class PositionDependentViscosity final : public AxisEffect, public WrittenInC {
  public:
   std::string name() const override { return "position_dependent_viscosity"; }

@@ -22,14 +22,13 @@ void chebyshev_terms(double x, EffectColumns& row) noexcept {
   }
 }
 
-/// Any smooth force of position: harnesses, hoses, counter-springs, beyond a constant and a
-/// straight line.
+/// Any smooth force that depends on position beyond a constant and a linear term: harnesses, hoses,
+/// counter-springs.
 ///
 ///   tau = sum_k chebyshev_k T_k(x),   x = (s - centre) / half_range,   k = 2 ... 5
 ///
 /// T_0 is torque_offset and T_1 is joint_spring with an offset. Outside centre +- half_range, which
-/// the caller takes from the data, it continues as a constant: polynomials must not be trusted
-/// there.
+/// the caller takes from the data, the force is constant, because polynomials must not extrapolate.
 class PositionForce final : public AxisEffect, public WrittenInC {
  public:
   std::string name() const override { return "position_force"; }

@@ -11,7 +11,8 @@
 namespace veridyn {
 namespace {
 
-// All effects, sorted by kind. Built in, in the order of CONTRACT.md; then registered ones.
+// All effects, sorted by kind: built-in ones in the order of docs/contract.md, then registered
+// ones.
 class Registry {
  public:
   Registry() {
@@ -166,7 +167,7 @@ const Effect& register_effect(std::unique_ptr<const Effect> effect) {
   return Registry::instance().adopt(std::move(effect));
 }
 
-// What the reader of robot files must know of effects, see model/effect_names.hpp.
+// Defines the functions of model/effect_names.hpp for the reader of robot files.
 
 const std::vector<std::string>& effect_names() {
   return Registry::instance().file_names();

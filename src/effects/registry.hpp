@@ -5,7 +5,7 @@
 
 namespace veridyn {
 
-// One line for each effect; each is defined in the file of its name.
+// One line per effect; each function is defined in the file of its name.
 const Effect& rotor_inertia();
 const Effect& joint_spring();
 const Effect& viscous_friction();

@@ -8,12 +8,12 @@
 namespace veridyn {
 namespace {
 
-/// What friction at rest exceeds Coulomb friction by, fading with speed:
+/// Excess of static over Coulomb friction, which decays with speed:
 ///
 ///   tau = level * sign(ds) * exp(-(|ds| / velocity)^2)
 ///
-/// with the sign of sliding_direction(). It always opposes the motion; where it makes the whole
-/// friction fall as speed rises, a position loop may stick and slip. Source: Armstrong-Helouvry,
+/// with the sign of sliding_direction(). It always opposes the motion; where the total friction
+/// falls with rising speed, a position loop may stick and slip. Source: Armstrong-Helouvry,
 /// Dupont and Canudas de Wit, Automatica 30(7), 1994; thesis 5.6 and its reference [50].
 class StribeckFriction final : public AxisEffect, public WrittenInC {
  public:

@@ -9,12 +9,12 @@
 namespace veridyn {
 namespace {
 
-/// Friction of lubricated gears, which grows slower than speed:
+/// Friction of lubricated gears, which grows less than linearly with speed:
 ///
 ///   tau = coefficient * sign(ds) * |ds|^exponent,   0 < exponent < 1
 ///
-/// Below kRestSpeed a straight line through zero, as the power has no slope there. The coefficient
-/// is the friction at 1 rad/s or 1 m/s.
+/// Below kRestSpeed it is linear, because the power has an infinite derivative at zero. The
+/// coefficient is the friction at 1 rad/s or 1 m/s.
 class SublinearViscous final : public AxisEffect, public WrittenInC {
  public:
   std::string name() const override { return "sublinear_viscous"; }

@@ -12,7 +12,8 @@ namespace veridyn {
 namespace {
 
 constexpr int kNodes = kTableNodes;
-constexpr int kMiddle = kNodes / 2;  // where the table is zero: a constant is torque_offset
+// Node where the table is zero, because a constant is torque_offset.
+constexpr int kMiddle = kNodes / 2;
 
 using Signal = TableSignal;
 
@@ -61,7 +62,7 @@ std::string c_signal(Signal signal) {
   return "0.0";
 }
 
-// 1 everywhere without a second signal; half of the rows on one side of a direction; a triangle.
+// Weight of a row: 1 without a second signal; 0 or 1 for a direction; else a triangle.
 double window(const AxisSample& x, const ShapeValues& shape) noexcept {
   const Signal second = signal_of(shape[kSecond]);
   if (second == Signal::kNone) return 1.0;
@@ -69,16 +70,16 @@ double window(const AxisSample& x, const ShapeValues& shape) noexcept {
   return std::max(0.0, 1.0 - std::abs(value_of(second, x) - shape[kAt]) / shape[kWidth]);
 }
 
-/// A force that was measured and has no name: a table of one signal, or of two where a window
-/// chooses a part of the second,
+/// A measured force without a known cause: a table over one signal, optionally restricted to a
+/// window of a second signal,
 ///
 ///   tau = w(second) sum_k value_k h(12 (x - low) / (high - low) - k + 1),   k = 1 ... 13 but 7
 ///
-/// with triangles h: straight lines between the values, which are zero in the middle (node 7), and
-/// constant outside of low ... high. `signal` and `second` say what x and the window look at: 1
-/// position, 2 velocity, 3 load, 4 direction, 5 and 6 position and velocity of `from`; second: 0
-/// stands for no window. A window is (1 + at sign(ds)) / 2 of a direction, at = -1 or 1, and else
-/// a triangle about `at` that ends `width` away.
+/// with triangles h, that is linear interpolation between the values, which are zero in the middle
+/// (node 7), and constant outside of low ... high. `signal` and `second` select x and the signal of
+/// the window: 1 position, 2 velocity, 3 load, 4 direction, 5 and 6 position and velocity of
+/// `from`; second = 0 means no window. The window of a direction is (1 + at sign(ds)) / 2 with at =
+/// -1 or 1; other windows are triangles about `at` of half width `width`.
 class TabulatedForce final : public AxisEffect, public WrittenInC {
  public:
   std::string name() const override { return kTabulatedForce; }
@@ -96,7 +97,7 @@ class TabulatedForce final : public AxisEffect, public WrittenInC {
     return {constant("signal", 1.0), constant("low", -1.0), constant("high", 1.0),
             constant("second", 0.0),     constant("at", 0.0),   constant("width", 1.0)};
   }
-  /// A table has no first choice: it is what a residual looks like.
+  /// A table has no initial values; they come from a residual.
   std::vector<ShapeChoice> grid(const AxisMotion& /*motion*/) const override { return {}; }
   EffectTraits traits(const ShapeValues& shape) const override {
     EffectTraits t;

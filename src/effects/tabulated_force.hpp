@@ -2,10 +2,10 @@
 
 namespace veridyn {
 
-/// The effect of a residual that no cause of the list explains, see tabulated_force.cpp.
+/// The effect that represents a residual without a known cause, see tabulated_force.cpp.
 constexpr const char* kTabulatedForce = "tabulated_force";
 
-/// What a table is of, and what its window looks at; the numbers are those of robot files.
+/// Signals of a table and of its window, with their numbers in robot files.
 enum class TableSignal {
   kNone = 0,
   kPosition = 1,
@@ -18,7 +18,7 @@ enum class TableSignal {
 
 constexpr int kTableNodes = 13;
 
-/// Place of node k, from 0, of a table between two places.
+/// Position of node k, from 0, of a table between low and high.
 constexpr double table_node(double low, double high, int k) {
   return low + (high - low) * k / (kTableNodes - 1);
 }

@@ -8,14 +8,15 @@
 namespace veridyn {
 namespace {
 
-/// recorded(t) = true(t - seconds), of one joint's torque: a filter or a slow channel.
+/// recorded(t) = true(t - seconds), of one joint's torque, as from a filter or a slow channel.
 ///
 ///   d tau / d seconds = - d tau / dt
 class TimeDelay final : public TorqueChannel {
  public:
   std::string name() const override { return "time_delay"; }
   std::vector<EffectParameter> parameters() const override {
-    constexpr double kLargest = 0.02;  // [s] beyond it the derivative is no longer the delay
+    // [s] beyond it the first-order column no longer describes the delay.
+    constexpr double kLargest = 0.02;
     return {{"seconds", "s", "s", ParameterSign::kAny, kLargest, kLargest}};
   }
   std::vector<MatrixXd> columns(const ChannelMotion& motion, int joint) const override {

@@ -4,7 +4,7 @@
 
 namespace veridyn {
 
-/// An error of the recorded torque of one joint, or of all of them alike, that lasts.
+/// A lasting error of the recorded torque of one joint, or of all joints alike.
 class TorqueChannel : public SensorError {
  public:
   EffectTraits traits(const ShapeValues& /*shape*/) const final {

@@ -4,9 +4,8 @@
 namespace veridyn {
 namespace {
 
-/// tau = rate * time: an effort that grows while the recording lasts, as warming current sensors
-/// show it. Time counts from the start of the recording; what stood there at the start is
-/// torque_offset.
+/// tau = rate * time: a torque that grows during the recording, as from warming current sensors.
+/// Time counts from the start of the recording; its initial value is torque_offset.
 class TorqueDrift final : public AxisEffect {
  public:
   std::string name() const override { return "torque_drift"; }

@@ -15,7 +15,7 @@ class TorqueGain final : public TorqueChannel {
  public:
   std::string name() const override { return "torque_gain"; }
   std::vector<EffectParameter> parameters() const override {
-    constexpr double kLargest = 0.6;  // nobody overlooks more
+    constexpr double kLargest = 0.6;  // largest plausible error
     return {{"error", "1", "1", ParameterSign::kAny, kLargest, kLargest}};
   }
   std::vector<MatrixXd> columns(const ChannelMotion& motion, int /*joint*/) const override {

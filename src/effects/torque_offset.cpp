@@ -6,7 +6,7 @@ namespace veridyn {
 namespace {
 
 /// tau = offset: the zero of the torque measurement, or different friction in the two directions;
-/// one recording of motion cannot tell the two apart (seed errata on thesis 4.13).
+/// one recording of motion cannot separate the two (seed errata on thesis 4.13).
 class TorqueOffset final : public AxisEffect, public WrittenInC {
  public:
   std::string name() const override { return "torque_offset"; }

@@ -8,13 +8,13 @@
 namespace veridyn {
 namespace {
 
-/// A wave along the way: cogging, current sensors, gear teeth.
+/// A torque periodic in position: cogging, current sensors, gear teeth.
 ///
 ///   tau = cosine * cos(order s) + sine * sin(order s)
 ///
-/// The order counts waves per turn of a revolute axis (the gear ratio times a small integer, as a
-/// rule), and is the wave number [rad/m] of a prismatic one. Its evidence is a comb of sharp peaks:
-/// find it on a spectrum over s.
+/// The order counts periods per turn of a revolute axis (usually the gear ratio times a small
+/// integer), and is the wave number [rad/m] of a prismatic one. Find it as a sharp peak of a
+/// spectrum over s.
 class TorqueRipple final : public AxisEffect, public WrittenInC {
  public:
   std::string name() const override { return "torque_ripple"; }

@@ -7,7 +7,7 @@
 namespace veridyn {
 namespace {
 
-// Places in the state; 1 is the sample before, 2 the one before that.
+// Indices in the state; 1 is the previous sample, 2 the one before.
 enum : size_t { kCount, kTime1, kLoad1, kTime2, kLoad2, kResult };
 
 /// An elastic transmission, to first order in its compliance:
@@ -20,10 +20,10 @@ enum : size_t { kCount, kTime1, kLoad1, kTime2, kLoad2, kResult };
 /// other side held; the motion must stay well below. Source: Spong, J. Dyn. Sys. Meas. Control
 /// 109(4), 1987, reduced to first order in 1/K.
 ///
-/// The second derivative is the divided difference of the last three samples, and so that of the
-/// sample before: late by one time step. It is zero until there are three. For models of measured
-/// motion; fed back through the load in a forward simulation it is unstable, which needs the motor
-/// as a body of its own.
+/// The second derivative is the divided difference of the last three samples, so it lags by one
+/// time step. It is zero for the first two. Valid for models of measured motion; fed back through
+/// the load in a forward simulation it is unstable, which would need the motor as a body of its
+/// own.
 class TransmissionCompliance final : public AxisEffect {
  public:
   std::string name() const override { return "transmission_compliance"; }

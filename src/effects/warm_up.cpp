@@ -7,13 +7,13 @@
 namespace veridyn {
 namespace {
 
-/// Friction that fades as grease warms, counted from the start of the recording:
+/// Friction that decays as grease warms, counted from the start of the recording:
 ///
 ///   tau = (level * sign(ds) + viscosity * ds) * exp(-time / time_constant)
 ///
-/// with the sign of sliding_direction(). What stays is coulomb_friction and viscous_friction. It
-/// needs a recording of a good part of the time constant, and one that starts cold: later starts
-/// read smaller levels.
+/// with the sign of sliding_direction(). The steady-state friction is coulomb_friction and
+/// viscous_friction. It requires a recording that starts cold and lasts for a good part of the time
+/// constant; after a warm start the identified levels are smaller.
 class WarmUp final : public AxisEffect {
  public:
   std::string name() const override { return "warm_up"; }

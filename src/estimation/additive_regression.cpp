@@ -11,9 +11,11 @@
 namespace veridyn {
 namespace {
 
-constexpr std::array<double, 4> kSmoothings = {1e-3, 1e-1, 1e1, 1e3};  // of columns and penalty of one size
-constexpr double kAsSmooth = 0.03;  // of the gain that a smoother function may lose
-constexpr double kRidge = 1e-7;  // of the columns' mean square: splines and the constant share one
+// Penalty relative to the columns, both scaled alike.
+constexpr std::array<double, 4> kSmoothings = {1e-3, 1e-1, 1e1, 1e3};
+constexpr double kAsSmooth = 0.03;  // share of the gain that may be traded for smoothness
+// Relative to the columns' mean square: splines and the constant share a direction.
+constexpr double kRidge = 1e-7;
 constexpr double kLeast = 1e-300;
 
 // Sums over the rows of one fold.
@@ -57,7 +59,7 @@ class Regression {
   Eigen::Index begin(size_t f) const { return rows_.fold_begin[f]; }
   Eigen::Index count(size_t f) const { return rows_.fold_begin[f + 1] - rows_.fold_begin[f]; }
 
-  // The columns of the constant and the chosen terms, and what the folds say with them.
+  // Restarts with the columns of the constant and the chosen terms.
   void reset() {
     Eigen::Index size = 1;
     for (const ChosenTerm& c : model_.chosen) size += terms_[static_cast<size_t>(c.term)].size();
@@ -95,7 +97,7 @@ class Regression {
     return Eigen::LDLT<MatrixXd>(A).solve(b);
   }
 
-  // Mean square of every fold from the fit to the others; the fits, where they are wanted.
+  // Mean square of every fold, predicted from the fit to the others; returns these fits on request.
   static std::vector<double> held_out(const std::vector<Sums>& sums, const MatrixXd& P,
                                       MatrixXd* fits = nullptr) {
     MatrixXd A = sums.front().A;
@@ -162,7 +164,7 @@ class Regression {
       tries.push_back({term, smoothing, mean(falls), falls});
       if (own_penalty.isZero(0.0)) break;
     }
-    // The smoothest of those that are about as good.
+    // Chooses the smoothest of those with nearly the largest gain.
     double most = tries.front().gain;
     for (const Try& t : tries) most = std::max(most, t.gain);
     const auto smoothest = std::find_if(tries.rbegin(), tries.rend(), [most](const Try& t) {
@@ -207,7 +209,7 @@ class Regression {
     return true;
   }
 
-  // A term without which the held-out error is no larger goes.
+  // Drops a term without which the held-out error is no larger.
   void drop_superfluous() {
     for (size_t k = model_.chosen.size(); k-- > 0 && model_.chosen.size() > 1;) {
       const std::vector<double> with = before_;
@@ -235,7 +237,7 @@ class Regression {
     model_.coefficients = solve(A, b, P_);
     MatrixXd without = std::move(model_.without);
     model_.chosen.clear();
-    reset();  // the constant alone is what gains are counted from
+    reset();  // gains are relative to the model with a constant alone
     model_.falls = falls_to(after);
     model_.gain = mean(model_.falls);
     model_.chosen = chosen;

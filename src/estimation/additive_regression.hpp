@@ -10,7 +10,8 @@ namespace veridyn {
 struct SmoothTerm {
   std::vector<int> signals;        ///< one or two columns of the signals
   std::vector<SmoothBasis> bases;  ///< one for each
-  /// Its gain counts so much when terms are compared: simpler and nearer ones win ties. In (0, 1].
+  /// Factor on its gain when terms are compared, in (0, 1], so that simpler and closer terms win
+  /// ties.
   double preference = 1.0;
 
   Eigen::Index size() const;
@@ -31,44 +32,44 @@ struct FoldedRows {
 
 struct AdditiveOptions {
   int most_terms = 4;
-  double smallest_gain = 0.05;  ///< of a further term: fall of ln(held-out mean square)
-  double as_good = 0.9;         ///< share of the best gain from which a term is as good
+  double smallest_gain = 0.05;  ///< of a further term: decrease of ln(held-out mean square)
+  double as_good = 0.9;         ///< share of the best gain above which a term is equivalent
   double significance = 0.05;   ///< of the signed-rank test over the folds
 };
 
-/// What one term of an additive model has, and which others would have done as well in its place.
+/// A chosen term of an additive model, and the alternatives that would have done as well.
 struct ChosenTerm {
   int term = -1;
   double smoothing = 0.0;
-  double gain = 0.0;          ///< when it was taken
-  std::vector<int> as_good;   ///< other terms
+  double gain = 0.0;          ///< when it was chosen
+  std::vector<int> as_good;   ///< equivalent terms
 };
 
-/// y = a_0 + f_1(x) + f_2(x) + ...: the terms that lower the held-out error, taken one at a time
-/// until nothing does, the superfluous ones dropped at the end. Smoothing of each by
+/// Y = a_0 + f_1(x) + f_2(x) + ... by forward selection of the terms that lower the held-out error;
+/// superfluous ones are dropped at the end. The smoothing of each is chosen by
 /// cross-validation. Source: Hastie and Tibshirani, Generalized Additive Models, 1990, chapters 3 and 9.
 struct AdditiveModel {
   std::vector<ChosenTerm> chosen;
-  double gain = 0.0;           ///< fall of ln(held-out mean square), mean over the folds
-  std::vector<double> falls;   ///< the same of each fold
+  double gain = 0.0;           ///< decrease of ln(held-out mean square), mean over the folds
+  std::vector<double> falls;   ///< the same for each fold
   VectorXd coefficients;       ///< a_0, then those of the chosen terms
   MatrixXd without;            ///< (coefficients x folds) with each fold left out
 
-  /// Part k of the prediction, centred where its columns are centred by `mean_columns` (size of the
+  /// Index of the first coefficient of term k among the coefficients.
   /// term): one value per row of `columns`.
   Eigen::Index first_of(const std::vector<SmoothTerm>& terms, size_t k) const;
 };
 
-/// @param columns  of every term at the rows, as SmoothTerm::columns().
+/// @param columns  of every term at the rows, see SmoothTerm::columns().
 AdditiveModel additive_regression(const FoldedRows& rows, const std::vector<SmoothTerm>& terms,
                                   const std::vector<MatrixXd>& columns,
                                   const AdditiveOptions& options);
 
-/// The model of these terms, chosen before.
+/// Fits the model with given terms.
 AdditiveModel additive_fit(const FoldedRows& rows, const std::vector<SmoothTerm>& terms,
                            const std::vector<MatrixXd>& columns, std::vector<ChosenTerm> chosen);
 
-/// The model's value at other rows.
+/// Value of the model at other rows.
 VectorXd predicted(const AdditiveModel& model, const std::vector<SmoothTerm>& terms,
                    const MatrixXd& signals);
 

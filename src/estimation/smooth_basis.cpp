@@ -29,7 +29,7 @@ void SmoothBasis::values(double x, double* out) const {
   const double u = std::clamp((x - low_) / (high_ - low_), 0.0, 1.0) * intervals_;
   const int cell = std::min(static_cast<int>(u), intervals_ - 1);
   const double t = u - cell;
-  // The four cubic B-splines that are not zero in this interval.
+  // Values of the four cubic B-splines that are not zero in this interval.
   out[cell] = (1.0 - t) * (1.0 - t) * (1.0 - t) / 6.0;
   out[cell + 1] = (3.0 * t * t * t - 6.0 * t * t + 4.0) / 6.0;
   out[cell + 2] = (-3.0 * t * t * t + 3.0 * t * t + 3.0 * t + 1.0) / 6.0;

@@ -4,11 +4,12 @@
 
 namespace veridyn {
 
-/// Which functions of one signal a basis spans.
+/// Functions of one signal that a basis spans.
 enum class BasisKind {
   kSmooth,  ///< one smooth function
-  kSided,   ///< a smooth function and a step at zero: velocities, ways since a reversal
-  kSides,   ///< one number on either side of zero: a direction
+  /// A smooth function and a step at zero: for velocities and displacements since a reversal.
+  kSided,
+  kSides,  ///< one value on either side of zero: for directions
 };
 
 /// Cubic B-splines over equal intervals of a signal's range, constant outside of it, with a penalty
@@ -19,8 +20,8 @@ enum class BasisKind {
 /// Source: Eilers and Marx, Statistical Science 11(2), 1996 (P-splines).
 class SmoothBasis {
  public:
-  /// @param low, high   range of the signal; low < high. Of kSides they count for nothing.
-  /// @param intervals   of the splines.
+  /// @param low, high   range of the signal; low < high. Ignored for kSides.
+  /// @param intervals   number of spline intervals.
   /// @param step        half the width of the step at zero, in the signal's unit.
   SmoothBasis(BasisKind kind, double low, double high, int intervals, double step);
 

@@ -10,14 +10,14 @@
 #include "regressor/column_choice.hpp"
 #include "regressor/random_states.hpp"
 #include "regressor/stacked_columns.hpp"
-#include "excitation/base_regressor.hpp"
+#include "excitation/search/base_regressor.hpp"
 #include "veridyn/regressor/base_parameters.hpp"
 
 namespace veridyn {
 namespace {
 
-constexpr double kWorthwhile = 0.998;  // share of the condition number before a swap
-constexpr double kAlike = 0.2;         // share of a new column that must be the old one's
+constexpr double kWorthwhile = 0.998;  // improvement of the condition number that a swap must give
+constexpr double kAlike = 0.2;         // share of a new column that the replaced one must explain
 constexpr double kNothing = 1e-9;      // share of the largest column
 constexpr int kMaxSwaps = 50;
 
@@ -63,7 +63,7 @@ std::vector<int> best_conditioned_columns(const std::vector<int>& base, MatrixXd
   std::vector<int> best = base;
   double least = plain_condition_number(part_of(gram, best, best));
   for (int swaps = 0; swaps < kMaxSwaps && std::isfinite(least) && !others.empty(); ++swaps) {
-    // How much of each old column is in each new one; a swap without any loses a parameter.
+    // Share of each old column in each new one; a swap with a zero share would lose a parameter.
     const MatrixXd share =
         part_of(gram, best, best).llt().solve(part_of(gram, best, others)).cwiseAbs();
     double reached = kWorthwhile * least;

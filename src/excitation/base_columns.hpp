@@ -7,10 +7,10 @@
 
 namespace veridyn {
 
-/// A base parameter that hardly any motion tells from the others.
+/// A base parameter that hardly any motion can separate from the others.
 struct WeakColumn {
-  int column;    ///< Column of the bodies and effects
-  double share;  ///< what is left of the column, of norm one, without those before it
+  int column;    ///< column of the bodies and effects
+  double share;  ///< remainder of the column, of norm one, after those before it
 };
 
 /// The base columns that remain when each must add more than `share` of its norm to those chosen
@@ -22,9 +22,9 @@ struct EssentialColumns {
 };
 EssentialColumns essential_columns(const Model& arm, double share);
 
-/// Another choice of as many columns for the same base parameters: single swaps, as long as they
-/// make the condition number along the motion smaller, columns of norm one.
-/// @param base  the choice to begin with.
+/// An equivalent choice of base columns by single swaps, which decrease the condition number along
+/// the motion (columns of norm one).
+/// @param base  initial choice.
 /// @param gram  of all columns of the arm, along the motion.
 std::vector<int> best_conditioned_columns(const std::vector<int>& base, MatrixXd gram);
 

@@ -22,9 +22,10 @@
 namespace veridyn {
 namespace {
 
-constexpr double kUsualShare = 0.01;  // share of essential parameters, where nobody asks
-constexpr double kClose = 0.06;      // of a limit's size: a motion that comes closer is held by it
-constexpr int kRounds = 3;            // rounds of new base columns and descents, at most
+constexpr double kUsualShare = 0.01;  // share of essential parameters that is reported by default
+// Distance relative to a limit's size below which the limit is active.
+constexpr double kClose = 0.06;
+constexpr int kRounds = 3;            // rounds of new base columns and descents
 
 void check(const ExcitationOptions& o) {
   require(o.frequency > 0.0 && std::isfinite(o.frequency), "excitation: found a frequency of ",
@@ -52,12 +53,14 @@ void check(const ExcitationOptions& o) {
           " slow passes, expected 0 to 100.");
 }
 
-constexpr double kRangeOfSupervisor = 1.0 - 2.0 * 0.0025;  // room of MotionCheck at both ends
-// A supervisor stops an arm at its limit of speed, and a loop overshoots: a PID on psm-3dof goes 1.5 %
-// beyond the wanted peak, noise included (simulate --controller pid --noise dvrk on a 0.1 Hz motion).
+// Share of a range within MotionCheck's margins at both ends.
+constexpr double kRangeOfSupervisor = 1.0 - 2.0 * 0.0025;
+// A supervisor stops an arm at its speed limit, and a loop overshoots: a PID on psm-3dof exceeds
+// the wanted peak by 1.5 %, noise included (simulate --controller pid --noise dvrk on a 0.1 Hz
+// motion).
 constexpr double kSpeedOfSupervisor = 0.98;
 
-// What may be used of the joints' limits: a share of speed and acceleration, the middle of the
+// The usable part of the joints' limits: a share of speed and acceleration, the middle of the
 // range.
 MotionLimits share_of(MotionLimits limits, const ExcitationOptions& options) {
   const std::optional<double>& share = options.limit_share;
@@ -70,7 +73,7 @@ MotionLimits share_of(MotionLimits limits, const ExcitationOptions& options) {
   return limits;
 }
 
-// Limits that a joint comes close to, or that tie it to others, beside its own range and speed.
+// Active limits of a joint, and those that couple it to others, beside its own range and speed.
 UsedLimits used_limits(const std::vector<LimitMargin>& margins, const std::string& joint) {
   UsedLimits out{kNaN, kNaN, kNaN};
   for (const LimitMargin& m : margins) {
@@ -90,14 +93,14 @@ UsedLimits used_limits(const std::vector<LimitMargin>& margins, const std::strin
   return out;
 }
 
-// The arm whose values are known, if one is.
+// The arm with values, if there is one.
 std::optional<Model> with_values(const Model& arm, const ExcitationOptions& options) {
   if (options.powered) return options.powered;
   if (arm.inertial_values()) return arm;
   return std::nullopt;
 }
 
-// The parameters that an identification of the arm will print, so that both speak of the same.
+// The parameters that a later identification of the arm will report.
 std::vector<int> reported_base(const Model& arm) {
   const std::vector<int> free = identifiable_base_parameters(arm).independent;
   return free.empty() ? base_parameters(arm).independent : free;
@@ -107,7 +110,7 @@ bool same_parameters(const Model& a, const Model& b) {
   return parameter_names(standard_parameters(a)) == parameter_names(standard_parameters(b));
 }
 
-// Whether a motion keeps all limits.
+// True if a motion keeps all limits.
 std::function<bool(const MotionSamples&)> within_limits(const LimitSignals& signals) {
   return [&signals](const MotionSamples& motion) {
     const std::vector<LimitMargin> margins = limit_margins(signals, motion);
@@ -116,7 +119,7 @@ std::function<bool(const MotionSamples&)> within_limits(const LimitSignals& sign
   };
 }
 
-// Those that the rivals are on, each once, or else all.
+// The joints of the two causes, each once, or else all joints.
 std::vector<int> slow_joints(const Question& question, const Model& arm) {
   const std::set<int> asked(question.rival_joints.begin(), question.rival_joints.end());
   if (!asked.empty()) return {asked.begin(), asked.end()};
@@ -125,7 +128,7 @@ std::vector<int> slow_joints(const Question& question, const Model& arm) {
   return all;
 }
 
-// Columns and what is asked about them.
+// Columns with the question that they serve.
 struct Asked {
   Asked(const Model& arm, const std::vector<int>& columns, const ExcitationOptions& options,
         double seconds)
@@ -137,7 +140,7 @@ struct Asked {
   Question question;
 };
 
-// All that one search after the other needs.
+// Data shared by successive searches.
 class Design {
  public:
   Design(const Model& arm, const ExcitationOptions& options, const NonlinearSolver& solver)
@@ -156,7 +159,7 @@ class Design {
  private:
   double seconds() const { return periods_ / options_.frequency; }
   bool stopped() const { return options_.stop && options_.stop(); }
-  // Whether the choice of base columns matters to the criterion.
+  // True if the criterion depends on the choice of base columns.
   bool choice_matters() const {
     return options_.criterion == ExcitationCriterion::kCondition &&
            options_.scaling == ColumnScaling::kNorm;
@@ -168,8 +171,8 @@ class Design {
     return x.size() > 0 ? asked.question.cost(samples(x)) : kInfinity;
   }
   std::vector<int> best_choice(const std::vector<int>& base, const VectorXd& x) const;
-  // The best that one start came to, in the base columns that suit it; x is empty where nothing is
-  // within the limits.
+  // The best motion of one start, with the base columns that suit it; x is empty where no motion
+  // keeps the limits.
   struct Candidate {
     std::shared_ptr<const Asked> asked;
     VectorXd x{};
@@ -187,7 +190,7 @@ class Design {
   MotionLimits limits_;
   MotionSpace space_;
   LimitSignals signals_;
-  mutable SearchProgress progress_;  // it guards itself
+  mutable SearchProgress progress_;  // synchronises itself
 };
 
 std::vector<int> Design::best_choice(const std::vector<int>& base, const VectorXd& x) const {
@@ -200,7 +203,7 @@ std::vector<int> Design::best_choice(const std::vector<int>& base, const VectorX
   return best_conditioned_columns(base, std::move(gram));
 }
 
-// In turn: the base columns that suit the motion, and a last descent in terms of them.
+// Alternates between choosing the base columns that suit the motion and a final descent with them.
 Design::Candidate Design::polished(Candidate best, int start, Found& found) const {
   best.cost = cost(*best.asked, best.x);
   for (int round = 0; round < kRounds && best.x.size() > 0 && !stopped(); ++round) {
@@ -283,7 +286,7 @@ Excitation Design::run() {
   const auto asked = std::make_shared<const Asked>(arm_, columns, options_, seconds());
   require(asked->exact.size() >= 1, "excitation: the torques of '", arm_.name(),
           "' depend on no parameters: it has neither bodies nor effects.");
-  // The regressor of the whole motion: base columns, and perhaps three times as many others.
+  // Memory of the whole motion's regressor: base columns, and perhaps three times as many others.
   const double most = std::floor(most_rows(4.0 * arm_.joints() * asked->exact.size()));
   require(options_.duration * options_.rate < most, "excitation: found ", options_.duration,
           " s at ", options_.rate, " Hz, expected fewer than ", most,

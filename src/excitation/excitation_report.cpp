@@ -27,7 +27,7 @@ const char* name_of(ColumnScaling scaling) {
 
 namespace {
 
-constexpr size_t kNamed = 5;  // the worst ones in the text; all stand in the JSON
+constexpr size_t kNamed = 5;  // printed in the text; the JSON has all
 
 std::string margin_line(const LimitMargin& m) {
   const auto bound = [](double value) {

@@ -19,7 +19,7 @@ double range_condition_number(const MatrixXd& W) {
   return plain_condition_number(scaled.transpose() * scaled);
 }
 
-// Of the smallest eigenvalue of the Gram matrix, columns of norm one.
+// Eigenvector of the smallest eigenvalue of the Gram matrix, columns of norm one.
 std::vector<std::pair<std::string, double>> weakest_direction(
     const MatrixXd& gram, const BaseRegressor& regressor, const std::vector<StandardParameter>& names) {
   const VectorXd d = gram.diagonal().cwiseSqrt().cwiseMax(1e-100).cwiseInverse();

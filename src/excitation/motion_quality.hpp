@@ -5,8 +5,8 @@
 
 namespace veridyn {
 
-/// What the samples of a motion say about the arm, written into the result.
-/// @param chosen  the base columns of all base parameters.
+/// Writes the quality of a motion's samples into the result.
+/// @param chosen  base columns of all base parameters.
 void judge_motion(const Model& arm, const BaseRegressor& chosen, const MotionSamples& motion,
                   const MotionSamples& random, const ExcitationOptions& options, Excitation& out);
 
@@ -14,7 +14,7 @@ void judge_motion(const Model& arm, const BaseRegressor& chosen, const MotionSam
 EssentialParameters judge_essential(const Model& arm, const EssentialColumns& columns, double share,
                                     const BaseRegressor& chosen, const MotionSamples& motion);
 
-/// How a motion tells two rivals apart. @param gram  of the question's exact columns.
+/// Separation of two causes by a motion. @param gram  of the question's exact columns.
 Discrimination judge_rivals(const Question& question, const MatrixXd& gram,
                             const ExcitationOptions& options);
 

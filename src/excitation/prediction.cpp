@@ -12,15 +12,15 @@
 #include "regressor/arm_columns.hpp"
 #include "regressor/stacked_columns.hpp"
 #include "veridyn/regressor/standard_parameters.hpp"
-#include "excitation/base_regressor.hpp"
+#include "excitation/search/base_regressor.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn {
 namespace {
 
 constexpr int kStates = 200;
-constexpr double kOfRms = 4.0;     // shares of an effort in shares of an rms torque, as arms are built
-constexpr double kBeyondCount = 1e9;  // deviations in units of a value that is zero
+constexpr double kOfRms = 4.0;     // typical ratio of the largest effort to the rms torque
+constexpr double kBeyondCount = 1e9;  // relative deviation reported for a zero value
 
 double lasts(const MotionSamples& motion) {
   require(motion.rows() >= 2, "prediction: found a motion of ", motion.rows(),
@@ -37,7 +37,7 @@ VectorXd rms_torque(const Model& arm, const MotionSamples& motion) {
       .transpose();
 }
 
-// Diagonal of the inverse, columns scaled first; infinite where a parameter is left open.
+// Diagonal of the inverse, columns scaled first; infinite where a parameter is not identifiable.
 VectorXd variances(const MatrixXd& information) {
   const VectorXd d = information.diagonal().cwiseSqrt().cwiseMax(1e-100).cwiseInverse();
   const Eigen::LLT<MatrixXd> llt(d.asDiagonal() * information * d.asDiagonal());
@@ -53,8 +53,7 @@ TorqueNoise noise_of_efforts(const Model& arm, double share) {
   TorqueNoise out;
   out.deviation = VectorXd::Ones(arm.joints());
   if (arm.inertial_values()) out.deviation = rms_torque(arm, random_states(arm, kStates));
-  // A joint without any torque has no noise in this picture: a little, so that nothing divides by
-  // zero.
+  // A joint without torque would have no noise; a small value avoids division by zero.
   const double floor = 1e-6 * std::max(1e-300, out.deviation.maxCoeff());
   out.deviation = kOfRms * share * out.deviation.cwiseMax(floor);
   bool limited = false;
@@ -88,7 +87,7 @@ Prediction predict_identification(const Model& arm, const MotionSamples& motion,
           " positive deviations.");
   const BaseRegressor regressor(arm, base);
   const std::vector<StandardParameter> names = standard_parameters(arm);
-  VectorXd unknown = standard_values(arm);  // facts are no part of what is identified
+  VectorXd unknown = standard_values(arm);  // facts are not identified
   for (size_t k = 0; k < names.size(); ++k) {
     if (names[k].fixed) unknown[static_cast<Eigen::Index>(k)] = 0.0;
   }

@@ -8,14 +8,15 @@ namespace {
 
 constexpr double kSlowest = 0.01;      // share of the largest speed
 constexpr double kFastest = 0.1;       // the same
-constexpr double kWayOut = 3.0;        // [s]
+constexpr double kWayOut = 3.0;        // [s] duration of the way out
 constexpr double kShortestWay = 0.3;   // [s] at a constant speed
 constexpr double kShortestRamp = 0.2;  // [s] from rest to the speed
-constexpr double kRoom = 0.95;         // share of the room may be used
+constexpr double kRoom = 0.95;         // share of the available range that is used
 constexpr int kHalvings = 6;
-constexpr double kOvershoot = 0.3125;  // share of speed times duration: how far a reversal goes on
+// Share of speed times duration by which a reversal overshoots.
+constexpr double kOvershoot = 0.3125;
 
-// The speed goes from one value to another along 3 u^2 - 2 u^3.
+// The speed changes from one value to another along 3 u^2 - 2 u^3.
 struct Part {
   double from, to, seconds;
 };
@@ -46,7 +47,7 @@ Point at(const std::vector<Part>& parts, double t) {
   return out;
 }
 
-// There and back twice. @param v  signed: to which side.
+// To and fro twice. @param v  speed with the sign of the direction.
 std::vector<Part> pass(double v, double hold, double ramp) {
   const double turn = 2.0 * ramp;
   const double back = std::max(kShortestWay, hold - ramp);
@@ -72,7 +73,7 @@ MotionSamples sampled(const std::vector<Part>& parts, const VectorXd& rest, Eige
   return out;
 }
 
-// The pass of one speed with the way that fits into `room`, signed; empty if none does.
+// The pass at one speed with the displacement that fits into `room`, signed; empty if none does.
 std::vector<Part> fitted(double speed, double room, double acceleration) {
   const double way = kRoom * std::abs(room);
   // The acceleration of a ramp is 1.5 times the speed over its duration, at most.

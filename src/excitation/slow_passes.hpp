@@ -8,25 +8,25 @@
 
 namespace veridyn {
 
-/// One joint after the other leaves a pose at a slow, constant speed, comes back, goes and comes
-/// back once more, with a reversal at either end: what friction does at low speed and around
-/// reversals, which a Fourier series passes over in no time.
+/// One joint after the other leaves a pose at a slow, constant speed, returns, and repeats this
+/// once, with a reversal at either end: such passes excite friction at low speed and around
+/// reversals, which a Fourier series passes quickly.
 ///
-/// The speeds of a joint's passes are spread evenly in the logarithm from 1 to 10 % of its largest
-/// one. A way out lasts 3 s, less where there is no room for it.
+/// The speeds of a joint's passes are spread logarithmically from 1 to 10 % of its largest one. A
+/// way out lasts 3 s, less where the range is too short.
 ///
 /// @param limits  of positions, speeds and accelerations.
-/// @param rest    (n) where all of it begins and ends.
-/// @param joints  which of them, from 0.
-/// @param passes  of every one of these, each with a speed of its own.
-/// @param keeps   whether a motion is within all other limits; where it is not, the way is halved,
-///                and the pass is left out where that does not help.
+/// @param rest    (n) pose at the beginning and the end.
+/// @param joints  joints to move, from 0.
+/// @param passes  number of passes of each, each with a speed of its own.
+/// @param keeps   true if a motion keeps all other limits; if not, the displacement is halved, and
+/// the pass is omitted if that does not help.
 /// @returns samples at `rate` [Hz], time from zero; no rows where nothing is possible.
 MotionSamples slow_passes(const MotionLimits& limits, const VectorXd& rest,
                           const std::vector<int>& joints, int passes, double rate,
                           const std::function<bool(const MotionSamples&)>& keeps);
 
-/// One motion after the other; the first row of the second is where the first one ends.
+/// Concatenates motions; the first row of the second equals the last row of the first.
 MotionSamples joined(const MotionSamples& first, const MotionSamples& second);
 
 }  // namespace veridyn

@@ -16,7 +16,7 @@
 namespace veridyn {
 namespace {
 
-constexpr int kMemory = 3;  // numbers that an effect with a memory keeps
+constexpr int kMemory = 3;  // numbers in the memory of an effect
 
 const char* const kSymbols[] = {"m", "hx", "hy", "hz", "Lxx", "Lxy", "Lyy", "Lxz", "Lyz", "Lzz"};
 
@@ -27,7 +27,7 @@ std::string identifier(const std::string& name) {
   return out;
 }
 
-// What may stand in a C comment or string.
+// Removes characters that a C comment or string must not contain.
 std::string plain(std::string words) {
   for (char& c : words) {
     if (c == '*' || c == '\\' || c == '"' || c == '\n') c = ' ';
@@ -140,7 +140,7 @@ class CWriter {
     line("};\n");
   }
 
-  // What expressions of effects call, see Effect::c_columns(); those that are called.
+  // Writes those helper functions of WrittenInC::c_columns() that `functions` calls.
   void helpers(const std::string& functions) {
     const auto called = [&](const char* helper) {
       return functions.find(name_ + "_" + helper + "(") != std::string::npos;
@@ -208,7 +208,7 @@ static double {0}_contact(double s, double distance, double* z) {{
     }
   }
 
-  // One algorithm of ArmDynamics, as it goes for this arm.
+  // Writes one algorithm of ArmDynamics as straight-line code for this arm.
   template <typename Run>
   void traced(const std::string& what, const std::string& function,
               const std::vector<const char*>& in, const std::vector<const char*>& out,
@@ -264,7 +264,7 @@ static double {0}_contact(double s, double distance, double* z) {{
            });
   }
 
-  // `in` and `out` are arrays; of the effects' memory see torque().
+  // Writes a function; `in` and `out` are arrays. torque() explains the effects' memory.
   void function(const std::string& what, const std::string& name,
                 const std::vector<const char*>& in, const std::vector<const char*>& out,
                 const std::string& body) {
@@ -298,7 +298,7 @@ static double {0}_contact(double s, double distance, double* z) {{
     line("#endif\n");
   }
 
-  // One effect: its columns at this state, times its values, along its axis.
+  // Writes one effect: its columns at this state, times its values, along its axis.
   std::string effect(std::size_t index) {
     BoundEffect& one = effects_[index];
     const EffectTerm& term = one.term();

@@ -5,12 +5,11 @@
 #include <utility>
 
 #include "veridyn/effects/effect.hpp"
-#include "veridyn/math/require.hpp"
 
 namespace veridyn {
 namespace {
 
-// The force at one state along the axis, memory fresh.
+// The force at one state along the axis, with unloaded memory.
 double force_at(const BoundEffect& effect, double s, double ds, double dds) {
   BoundEffect fresh = effect;
   fresh.reset();
@@ -21,14 +20,15 @@ double force_at(const BoundEffect& effect, double s, double ds, double dds) {
   return fresh.force(x);
 }
 
-// As the effect's traits say that it is one; all zero where it is none.
+// The effect as a simple force, according to its traits; all zero where it is none.
 SimpleForce simple_force(const BoundEffect& effect) {
   SimpleForce out;
   out.axis = effect.term().axis;
   const EffectTraits& traits = effect.traits();
   if (traits.uses_source || traits.uses_load || traits.depends_on_time || traits.memory) return out;
   if (traits.affine) {
-    // s = c . q + s0 is measured from its own zero here: the axis' offset is a part of the spring.
+    // s = c . q + s0 is measured from its own zero here, so that the axis' offset belongs to the
+    // spring.
     const double s0 = out.axis.offset;
     out.offset = force_at(effect, s0, 0.0, 0.0);
     out.stiffness = force_at(effect, s0 + 1.0, 0.0, 0.0) - out.offset;

@@ -7,7 +7,7 @@
 
 namespace veridyn {
 
-/// What simulators have words for, along one axis s = c . q:
+/// A force that simulators can represent, along one axis s = c . q:
 ///
 ///   force = offset + stiffness s + damping ds + inertia dds + friction sign(ds)
 struct SimpleForce {
@@ -15,23 +15,23 @@ struct SimpleForce {
   double offset = 0.0, stiffness = 0.0, damping = 0.0, inertia = 0.0, friction = 0.0;
 };
 
-/// Effects of an arm, as far as they are such forces.
+/// Effects of an arm, divided into such forces and others.
 struct KnownEffects {
-  std::vector<SimpleForce> forces;    ///< effects along one axis added up
-  std::vector<std::string> left_out;  ///< the others, in words
+  std::vector<SimpleForce> forces;    ///< sums of effects along each axis
+  std::vector<std::string> left_out;  ///< the other effects, in words
 };
 
-/// Forces as simulators take them.
+/// Forces as simulators attach them.
 struct PlacedEffects {
-  std::vector<SimpleForce> along;   ///< by coordinate, whatever their factors were; no axis
+  std::vector<SimpleForce> along;   ///< by coordinate, scaled to its own axis
   std::vector<SimpleForce> across;  ///< along several coordinates at once
-  VectorXd constants;               ///< by coordinate; those of springs stay with them
+  VectorXd constants;               ///< by coordinate; those of springs are in the springs
 };
 
 /// @param joints  number of the arm's coordinates.
 PlacedEffects placed_effects(const std::vector<SimpleForce>& forces, int joints);
 
-/// What the effects' own traits and columns say; no effect is known by its name.
+/// Derived from the traits and columns of the effects, without knowing any name.
 KnownEffects known_effects(const Model& arm);
 
 }  // namespace veridyn

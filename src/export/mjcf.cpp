@@ -14,9 +14,11 @@
 namespace veridyn {
 namespace {
 
-constexpr double kLeastMjcfMass = 1e-12;      // [kg], [kg m^2]: MuJoCo wants some on every moving body
+// [kg], [kg m^2] minimum that MuJoCo requires of every moving body.
+constexpr double kLeastMjcfMass = 1e-12;
 constexpr double kStep = 1e-3;         // [s]
-const char* const kStiff = "0.004 1";  // couplings hold within four steps
+// Time constant and damping ratio of couplings: they settle within four steps.
+const char* const kStiff = "0.004 1";
 
 void set_pose(pugi::xml_node node, const Eigen::Vector3d& p, const Eigen::Matrix3d& R) {
   const Eigen::Quaterniond q(R);
@@ -70,7 +72,7 @@ class MjcfWriter {
   }
 
  private:
-  // What MuJoCo has no words for.
+  // Names the effects that MuJoCo cannot represent.
   void losses(pugi::xml_node root) const {
     for (const std::string& one : effects_.left_out) add_comment(root, "left out: " + one);
     for (const Coordinate& c : arm_.coordinates()) {
@@ -99,7 +101,7 @@ class MjcfWriter {
 
   const std::string& frame_name(int k) const { return arm_.frames()[at(link(k).frame)].name; }
 
-  // Joints of coordinates are called like them.
+  // A joint that is a coordinate has its name.
   std::string joint_name(int k) const {
     const int i = plain_coordinate(k);
     if (i >= 0 && main_link_of(i) == k) return arm_.coordinates()[at(i)].name;
@@ -134,7 +136,7 @@ class MjcfWriter {
     }
   }
 
-  // Where the frame itself is: a link's own frame turns with its joint and stands before B.
+  // Adds a site at the frame: a link's own frame turns with its joint and lies before B.
   void site(pugi::xml_node body, int k, const Posed& T) const {
     pugi::xml_node node = body.append_child("site");
     set(node, "name", frame_name(k));
@@ -167,7 +169,8 @@ class MjcfWriter {
     set(node, "diaginertia", xml_vector(Vec3d{kLeastMjcfMass, kLeastMjcfMass, kLeastMjcfMass}));
   }
 
-  // A coordinate that moves no frame on its own: a joint that the others are coupled to.
+  // Adds a joint for a coordinate that moves no frame by itself, so that others can be coupled to
+  // it.
   void carrier(pugi::xml_node world, int i) {
     const Coordinate& c = arm_.coordinates()[at(i)];
     pugi::xml_node body = world.append_child("body");
@@ -204,7 +207,7 @@ class MjcfWriter {
     set(node, reference, -f.offset / f.stiffness);
   }
 
-  // What acts along several coordinates at once.
+  // Attaches a force along several coordinates to a tendon.
   void along_tendon(pugi::xml_node world, const SimpleForce& f) {
     if (f.inertia != 0.0 && !inertia_along_joint(f)) flywheel(world, f);
     if (f.damping == 0.0 && f.friction == 0.0 && f.stiffness == 0.0) return;
@@ -216,7 +219,7 @@ class MjcfWriter {
     add_terms(tendon, f.axis.coefficients, 1.0);
   }
 
-  // A rotor along c . q: on the joint that moves like it, if there is one.
+  // Adds a rotor along c . q to the joint with that variable; false if there is none.
   bool inertia_along_joint(const SimpleForce& f) {
     for (int k = 0; k < static_cast<int>(tree_.links.size()); ++k) {
       if (link(k).type == JointType::kFixed) continue;
@@ -235,8 +238,8 @@ class MjcfWriter {
     return false;
   }
 
-  // A rotor along several coordinates: armatures belong to single joints, so it is a joint of its
-  // own, on a body without mass, that is coupled to the coordinates.
+  // Adds a rotor along several coordinates: armatures belong to single joints, so it becomes a
+  // joint on a massless body that is coupled to the coordinates.
   void flywheel(pugi::xml_node world, const SimpleForce& f) {
     const std::string name = fmt::format("rotor_{}", ++rotor_count_);
     pugi::xml_node body = world.append_child("body");
@@ -263,14 +266,14 @@ class MjcfWriter {
     }
   }
 
-  // Joints that are no coordinate.
+  // Couples joints that are not coordinates.
   void couple(int k) {
     const int i = plain_coordinate(k);
     if (link(k).type == JointType::kFixed || (i >= 0 && main_link_of(i) == k)) return;
     couple(frame_name(k), joint_name(k), coefficients(k));
   }
 
-  // 0 = joint - c . q.
+  // Constraint 0 = joint - c . q.
   void couple(const std::string& name, const std::string& joint, const VectorXd& c) {
     pugi::xml_node tendon = tendons_.append_child("fixed");
     set(tendon, "name", name + "__coupling");
@@ -283,7 +286,7 @@ class MjcfWriter {
     set(equality, "solref", std::string(kStiff));
   }
 
-  // Effects that are constants act through the motors: force = control - constant.
+  // Constant effects act through the motors: force = control - constant.
   void motors(pugi::xml_node actuators) const {
     for (int i = 0; i < arm_.joints(); ++i) {
       const Coordinate& c = arm_.coordinates()[at(i)];
@@ -308,7 +311,7 @@ class MjcfWriter {
   KnownEffects effects_;
   PlacedEffects placed_;
   VectorXd phi_;
-  std::vector<std::pair<int, int>> main_links_;  // coordinate, link whose joint it is
+  std::vector<std::pair<int, int>> main_links_;  // (coordinate, link whose joint equals it)
   pugi::xml_document document_;
   pugi::xml_node tendons_, equalities_;
   int tendon_count_ = 0;

@@ -17,8 +17,8 @@ namespace {
 constexpr double kRodRadius = 0.025;     // [m]
 constexpr double kRodDensity = 1000.0;   // [kg/m^3]
 constexpr double kShortestRod = 0.05;    // [m]
-constexpr double kSmallestRadius = 0.005;  // [m] of a maker's body, about its centre
-constexpr double kTorquesOverPrior = 1e4;  // weight of the torques' rows over the prior's pull
+constexpr double kSmallestRadius = 0.005;  // [m] of a manufacturer's body, about its centre
+constexpr double kTorquesOverPrior = 1e4;  // weight of the torques' rows relative to the prior
 
 const char* const kSymbols[] = {"m", "hx", "hy", "hz", "Lxx", "Lxy", "Lyy", "Lxz", "Lyz", "Lzz"};
 
@@ -26,7 +26,7 @@ Eigen::Vector3d eigen(const Vec3d& v) {
   return {v.x, v.y, v.z};
 }
 
-// A rod from the joint of the frame over its origin to the joints that hang on it.
+// A rod that connects the frame's joint, its origin and the joints attached to it.
 InertialVector rod(const Model& arm, int frame) {
   std::vector<Eigen::Vector3d> points = {Eigen::Vector3d::Zero(),
                                          eigen(inverse(arm.frames()[static_cast<size_t>(frame)].B).p)};
@@ -56,8 +56,8 @@ InertialVector rod(const Model& arm, int frame) {
   return inertial_parameters(J);
 }
 
-// Of the prior's body of that name where it is one that can be, else what the maker's file had, else
-// the rod.
+// The prior's body of that name if it is physically consistent, else the manufacturer's, else the
+// rod.
 InertialVector prior_of(const Model& arm, int frame, const std::optional<Model>& prior) {
   if (prior) {
     const int there = prior->find_frame(arm.frames()[static_cast<size_t>(frame)].name);
@@ -89,7 +89,7 @@ Model with_phi(const Model& arm, const VectorXd& phi) {
   return Model(std::move(d));
 }
 
-// Columns of the bodies that are no facts.
+// Columns of the bodies that are not facts.
 std::vector<Eigen::Index> free_columns(const Model& arm) {
   std::vector<Eigen::Index> out;
   for (size_t b = 0; b < arm.bodies().size(); ++b) {
@@ -123,7 +123,7 @@ TorqueRows torque_rows(const BaseParameters& base, const VectorXd& phi,
   return out;
 }
 
-// Sizes of a body's ten parameters.
+// Magnitudes of a body's ten parameters.
 VectorXd sizes_of(const std::vector<InertialVector>& priors) {
   VectorXd out(static_cast<Eigen::Index>(kBodyParameters * priors.size()));
   for (size_t b = 0; b < priors.size(); ++b) {
@@ -182,7 +182,7 @@ PortableModel portable_model(const Model& arm, const std::optional<Model>& prior
   options.entropic_prior.phi = priors;
   options.gap_tolerance = 1e-7;
   const FeasibleResult found = solve_feasible_least_squares(problem, options);
-  // To rounding: the shortest step, in the prior's units, that gives the torques back.
+  // Corrects rounding by the shortest step, in the prior's units, that restores the torques.
   const MatrixXd A = rows.A * scale.asDiagonal();
   VectorXd x = found.x;
   for (int step = 0; step < 2; ++step)

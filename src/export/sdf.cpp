@@ -10,7 +10,7 @@
 namespace veridyn {
 namespace {
 
-// SDF gives a link without an inertial the mass of 1 kg.
+// A link without an inertial would have a mass of 1 kg in SDF.
 constexpr double kLeastSdfMass = 1e-9;      // [kg]
 constexpr double kNoInertia = 1e-12;  // [kg m^2]
 
@@ -29,7 +29,7 @@ std::string pose_of(pugi::xml_node node) {
   return given(origin, "xyz", "0 0 0") + " " + given(origin, "rpy", "0 0 0");
 }
 
-// URDF and SDF describe the same tree; this is the one in the words of the other.
+// Translates the tree from URDF's elements to SDF's.
 class SdfWriter {
  public:
   SdfWriter(const Model& arm, const UrdfExtras& extras) {

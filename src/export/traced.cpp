@@ -12,8 +12,8 @@ namespace {
 
 thread_local TracedProgram* opened = nullptr;
 
-constexpr double kNothing = 1e-17;  // of a rotation's entries: rounding of cos(pi/2)
-constexpr size_t kLongest = 110;    // letters of an expression that is not taken apart
+constexpr double kNothing = 1e-17;  // entries of a rotation below it are rounding of cos(pi/2)
+constexpr size_t kLongest = 110;    // longest expression, in letters, that is written in one line
 
 }  // namespace
 
@@ -141,7 +141,7 @@ void sine_cosine(const Traced& x, Traced& sine, Traced& cosine) {
   cosine = Traced::of_node(program.node(TracedProgram::Kind::kCosine, x.node()));
 }
 
-// `around`: how tightly what stands around binds; 0 nothing, 1 a sum, 2 what follows a minus, 3 a
+// `around` is the precedence of the enclosing operator: 0 none, 1 a sum, 2 after a minus, 3 a
 // product, 4 a divisor.
 std::string TracedProgram::expression(int at, const std::vector<int>& uses, int around) const {
   const Node& n = nodes_[static_cast<size_t>(at)];
@@ -182,7 +182,7 @@ std::string TracedProgram::expression(int at, const std::vector<int>& uses, int 
 
 std::string TracedProgram::statements(
     const std::vector<std::pair<std::string, Traced>>& results) const {
-  // How often each is used; children always stand before their parents.
+  // Counts the uses of each node; children precede their parents.
   std::vector<int> uses(nodes_.size(), 0);
   for (const auto& [name, value] : results) ++uses[static_cast<size_t>(value.node())];
   for (size_t k = nodes_.size(); k-- > 0;) {
@@ -191,7 +191,7 @@ std::string TracedProgram::statements(
       if (child >= 0) ++uses[static_cast<size_t>(child)];
     }
   }
-  // What is used once goes into the expression around it, unless that becomes too long to read.
+  // A node that is used once is inlined, unless the expression becomes too long.
   std::string out;
   for (size_t k = 0; k < nodes_.size(); ++k) {
     const Node& n = nodes_[k];

@@ -7,9 +7,8 @@
 
 namespace veridyn {
 
-/// A scalar that remembers how it was computed: the recursions, run once over it, leave their own
-/// arithmetic as straight-line code for one arm, without what is zero or one there and without
-/// computing anything twice.
+/// A scalar that records its own computation: run once over it, the recursions become straight-line
+/// code for one arm, without terms that are zero or one and with common subexpressions shared.
 ///
 /// It belongs to the TracedProgram that is open on this thread.
 class Traced {
@@ -37,10 +36,10 @@ Traced operator*(const Traced& a, const Traced& b);
 Traced operator/(const Traced& a, const Traced& b);
 Traced operator-(const Traced& a);
 
-/// For the recursions, which take both at once.
+/// Overload for the recursions, which compute both at once.
 void sine_cosine(const Traced& x, Traced& sine, Traced& cosine);
 
-/// All that was computed while it was open; one per thread at a time.
+/// Records all computations during its lifetime; one per thread at a time.
 class TracedProgram {
  public:
   TracedProgram();
@@ -48,7 +47,7 @@ class TracedProgram {
   TracedProgram(const TracedProgram&) = delete;
   TracedProgram& operator=(const TracedProgram&) = delete;
 
-  /// An input, written as `name`.
+  /// Declares an input with the name `name`.
   Traced input(const std::string& name);
 
   /// C statements that compute every (left-hand side, value), with temporaries of a type R; indented

@@ -11,7 +11,7 @@ namespace veridyn {
 
 // Small helpers for writers of XML.
 
-/// The shortest digits that give the same number again; no negative zero.
+/// The shortest digits that are read back as the same number; no negative zero.
 std::string xml_number(double value);
 
 /// "x y z".

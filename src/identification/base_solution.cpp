@@ -37,8 +37,8 @@ double condition(const MatrixXd& A) {
   return s[s.size() - 1] > 0.0 ? s[0] / s[s.size() - 1] : std::numeric_limits<double>::infinity();
 }
 
-// The factor of the covariance, from all solutions without one block: what stands before it merged
-// with what stands after it.
+// A factor of the covariance from all solutions without one block: the blocks before it merged with
+// those after it.
 MatrixXd jackknife(const std::vector<SquareRootInformation>& blocks,
                    const std::vector<std::string>& columns) {
   const size_t count = blocks.size();

@@ -10,24 +10,24 @@ namespace veridyn {
 /// Least squares on the base parameters, from factors alone.
 struct BaseSolution {
   VectorXd beta;       ///< (base)
-  VectorXd white_std;  ///< (base) if samples were independent
+  VectorXd white_std;  ///< (base) as for independent samples
   VectorXd std;        ///< (base) block jackknife over the blocks of all recordings
-  /// (base x clusters) F: the covariance of beta that std belongs to is F F'; (base x 0) where
-  /// there are fewer than three clusters.
+  /// (base x clusters) F: the covariance of beta is F F', from which std follows; (base x 0) with
+  /// fewer than three clusters.
   MatrixXd scatter;
   int clusters = 0;                      ///< blocks of all recordings
   double residual2 = 0.0;                ///< weighted sum of squares
-  double condition_number = 0.0;         ///< Condition number of the columns as they are
-  double condition_number_scaled = 0.0;  ///< Condition number of the columns scaled to norm one
-  double effective_samples = 0.0;        ///< rows, times the median ratio of the two variances
+  double condition_number = 0.0;         ///< of the unscaled columns
+  double condition_number_scaled = 0.0;  ///< of the columns scaled to norm one
+  double effective_samples = 0.0;        ///< rows times the median ratio of the two variances
 };
 
-/// All blocks of all recordings, joint i weighted by weights[i], over the given columns.
+/// Merges all blocks of all recordings over the given columns, joint i weighted by weights[i].
 SquareRootInformation weighted_total(const std::vector<CompressedRecording>& recordings,
                                      const VectorRef& weights,
                                      const std::vector<std::string>& columns);
 
-/// @param base  of the arm; its independent columns are solved for.
+/// @param base  of the arm; the unknowns are its independent columns.
 /// Source of the jackknife: Quenouille; Kuensch, Annals of Statistics 17(3), 1989 (blocks for
 /// dependent data).
 BaseSolution solve_base(const std::vector<CompressedRecording>& recordings,
@@ -37,9 +37,9 @@ BaseSolution solve_base(const std::vector<CompressedRecording>& recordings,
 /// 1 / (max - min) of every joint's torque over all recordings; one where it never changes.
 VectorXd range_weights(const std::vector<CompressedRecording>& recordings);
 
-/// 1 / standard deviation of every joint's residual in the fit with the weights `start`: one step of
-/// feasible generalised least squares. Starting from equal weights would not do: a joint with small
-/// torques is fitted badly there where parameters are shared, and would keep a small weight.
+/// 1 / standard deviation of every joint's residual in the fit with the weights `start`: one step
+/// of feasible generalised least squares. Equal initial weights would not do: where parameters are
+/// shared, a joint with small torques is then fitted badly, and would keep a small weight.
 VectorXd residual_weights(const std::vector<CompressedRecording>& recordings,
                           const VectorRef& start, const BaseParameters& base,
                           const std::vector<std::string>& names);

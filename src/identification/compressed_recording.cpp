@@ -10,17 +10,17 @@
 #include "read_ahead.hpp"
 #include "math/parallel.hpp"
 #include "recordings/kept_recordings.hpp"
-#include "veridyn/math/require.hpp"
 
 namespace veridyn {
 namespace {
 
 constexpr size_t kMaxBlocks = 16;
-constexpr size_t kFewestBlocks = 4;       // that any arm has, whatever they take
-constexpr double kMostBytes = 256.0 * 1024.0 * 1024.0;  // of one recording's factors
+constexpr size_t kFewestBlocks = 4;       // lower bound for any arm
+constexpr double kMostBytes = 256.0 * 1024.0 * 1024.0;  // memory of one recording's factors
 constexpr double kFirstBlock = 1.0;       // [s]; doubled whenever there are too many blocks
-constexpr double kPeriodSeconds = 125.0;  // time of the file, looked at to find the period
-constexpr long kPeriodRows = 8192;        // rows of them at most; more are thinned
+// Time at the beginning of the file in which the period is sought.
+constexpr double kPeriodSeconds = 125.0;
+constexpr long kPeriodRows = 8192;        // rows of that part at most; more are thinned
 constexpr int kPieceRows = 2048;
 constexpr size_t kGroupsAtOnce = 16;   // groups of joints
 constexpr double kMovingShare = 0.02;  // share of the largest speed, CONTRACT
@@ -28,11 +28,11 @@ constexpr double kMovingShare = 0.02;  // share of the largest speed, CONTRACT
 using Visit = VisitStretch;
 using Pass = StretchPass;
 
-// Blocks for the jackknife and for held-out folds. Where the motion repeats: phases of the period
-// with the repeats merged, for repeats share their systematic errors and are not independent
-// evidence. Elsewhere: stretches of equal duration, whose number stays between kMaxBlocks / 2 and
-// kMaxBlocks. Half as many, or a quarter, where an arm has so many joints that they would take more
-// than kMostBytes.
+// Blocks for the jackknife and for held-out folds. If the motion repeats they are phases of the
+// period with the repeats merged, because repeats share their systematic errors and are not
+// independent. Otherwise they are segments of equal duration, between kMaxBlocks / 2 and
+// kMaxBlocks. An arm with so many joints that they would exceed kMostBytes gets half or a quarter
+// of them.
 class Blocks {
  public:
   Blocks(const RegressorColumns& columns, int joints, double period) : period_(period) {
@@ -52,8 +52,8 @@ class Blocks {
     while (phases_ > kFewestBlocks && bytes * phases_ > kMostBytes) phases_ /= 2.0;
   }
 
-  // Rows of some joints from `first` on. Their factors do not touch each other: each may have a
-  // thread.
+  // Absorbs the rows of some joints from `first` on. Factors of different joints are independent,
+  // so each may have a thread.
   void absorb(const std::vector<JointRows>& rows, int first, int threads) {
     size_t last = 0;
     for (const JointRows& joint : rows) {
@@ -118,7 +118,7 @@ class Blocks {
   std::vector<std::vector<SquareRootInformation>> blocks_;
 };
 
-// What is left out of other recordings does not matter to this one.
+// Keeps only the excluded intervals of this recording.
 PreprocessingOptions of_this_source(PreprocessingOptions options, const std::string& source) {
   std::vector<LeftOut>& parts = options.left_out;
   parts.erase(std::remove_if(parts.begin(), parts.end(),
@@ -127,8 +127,8 @@ PreprocessingOptions of_this_source(PreprocessingOptions options, const std::str
   return options;
 }
 
-// Rows of every joint go into its factors, groups of joints side by side; never more than
-// kGroupsAtOnce of them are in memory.
+// Absorbs the rows of every joint, groups of joints in parallel; at most kGroupsAtOnce of them are
+// in memory.
 void absorb_all(const RegressorColumns& columns, const Stretch& s, int threads, Blocks& blocks) {
   const std::vector<RegressorColumns::Joints> groups = columns.groups(s.q.rows());
   for (size_t at = 0; at < groups.size(); at += kGroupsAtOnce) {
@@ -144,10 +144,10 @@ void absorb_all(const RegressorColumns& columns, const Stretch& s, int threads, 
   }
 }
 
-// Whether factors are wanted, or only what is known beside them.
+// Extent of a pass: factors, or only the facts.
 enum class Wanted { kFactors, kFacts };
 
-// Samples of one stretch that a fit would take, over all joints.
+// Number of samples of one segment that a fit would use, over all joints.
 double samples_of(const RegressorColumns& columns, const PreprocessingOptions& options,
                   const Stretch& s) {
   const int step = decimation(options, s.dt);
@@ -211,8 +211,8 @@ CompressedRecording run_compress(const Model& arm, const std::string& source,
   return out;
 }
 
-// Time and positions of the first minutes, one row in so many: enough for the period, and no more
-// memory for a file that is longer or faster.
+// Time and positions of the first minutes, decimated: sufficient for the period, with memory that
+// does not depend on the file's length or rate.
 class ThinnedPositions {
  public:
   void add(const Recording& piece, Eigen::Index row) {
@@ -272,8 +272,8 @@ MotionPeriod period_of(const Model& arm, const std::string& path,
   return detect_period(there != nullptr ? *there : first_positions(arm, path, options));
 }
 
-// A series of the samples that are wanted to twice as many, however long the recording: full ones are thinned by
-// half.
+// Collects between the wanted number and twice as many samples of a recording of any length: when
+// full, every second one is dropped.
 class SeriesCollector {
  public:
   SeriesCollector(PredictionSeries* series, int joints) : series_(series) {

@@ -10,7 +10,7 @@
 
 namespace veridyn {
 
-/// Values one after the other, little-endian.
+/// Writes values one after the other, little-endian.
 class ByteWriter {
  public:
   void number(std::uint64_t value) {
@@ -55,7 +55,7 @@ class ByteReader {
     std::memcpy(&value, &bits, sizeof(value));
     return value;
   }
-  /// Of things that take at least `bytes` each.
+  /// Reads the number of items of at least `bytes` each, which the remaining length bounds.
   std::size_t count(std::size_t bytes) {
     const std::uint64_t value = number();
     require(value <= (bytes_.size() - at_) / bytes, source_, ": found ", value,

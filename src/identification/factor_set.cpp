@@ -18,8 +18,8 @@ const std::string kMagic = "veridyn factors\n";
 constexpr std::uint64_t kVersion = 1;
 constexpr double kSameArm = 1e-9;  // share of a fingerprint's entry
 
-// What the regressor of the bodies is like at one fixed state, joint by joint, and the facts: arms
-// that differ in a length, an axis or the direction of gravity differ here.
+// The bodies' regressor at one fixed state, joint by joint, and the facts: arms with different
+// lengths, axes or direction of gravity differ here.
 VectorXd fingerprint_of(const Model& arm) {
   const int n = arm.joints();
   MatrixXd q(1, n);
@@ -143,7 +143,7 @@ CompressedRecording read_recording(ByteReader& in) {
   return r;
 }
 
-// FNV-1a: enough to tell a damaged file.
+// FNV-1a checksum, sufficient to detect a damaged file.
 std::uint64_t checksum(const std::string& bytes, std::size_t from) {
   std::uint64_t hash = 14695981039346656037ULL;
   for (std::size_t k = from; k < bytes.size(); ++k) {

@@ -25,14 +25,18 @@ namespace {
 
 constexpr double kNoticeable = 0.02;
 constexpr int kFewest = 3;        // arms of a fleet
-constexpr int kRounds = 4;        // rounds of weights, gains, and arms that are left out of the bodies
+// Rounds of weights, gains, and exclusion of outliers from the shared bodies.
+constexpr int kRounds = 4;
 constexpr int kGroups = 64;       // groups of arms, for the deviations of the bodies
-constexpr double kFreedom = 30.0; // of robust deviations: fleets have heavier tails than a normal law
-// Of a median deviation against a standard deviation (Rousseeuw and Croux, JASA 88(424), 1993): a
-// ratio to one of few arms scatters as Student's t of so many degrees of freedom fewer.
+// Degrees of freedom for robust deviations: fleets have heavier tails than a normal distribution.
+constexpr double kFreedom = 30.0;
+// Efficiency of the median deviation relative to the standard deviation (Rousseeuw and Croux, JASA
+// 88(424), 1993): ratios to one of few arms follow Student's t with degrees of freedom reduced by
+// it.
 constexpr double kEfficiency = 0.37;
-constexpr double kTelling = 1e-6; // of a column's norm that the others must leave for a value to mean anything
-constexpr double kLeastExcess = 0.02;  // share of the squares that bodies of its own must explain
+// Share of a column's norm outside the span of the others that a value needs to be meaningful.
+constexpr double kTelling = 1e-6;
+constexpr double kLeastExcess = 0.02;  // share of the squares that an arm's own bodies must explain
 
 VectorXd solved(const SquareRootInformation& f) {
   return Eigen::ColPivHouseholderQR<MatrixXd>(f.R()).solve(f.z());
@@ -42,7 +46,7 @@ double median_of(std::vector<double> v) {
   return v.empty() ? kNaN : median(std::move(v));
 }
 
-// Median and robust standard deviation of the finite ones.
+// Median and robust standard deviation of the finite values.
 std::pair<double, double> centre_of(const std::vector<double>& all) {
   std::vector<double> finite;
   for (const double x : all)
@@ -70,16 +74,16 @@ ArmFactor arm_factor(const Model& arm, const FactorSet& set, const std::string& 
   return out;
 }
 
-// One arm with its factor, its own values and what it leaves unexplained.
+// One arm with its factor, its own values and its residuals.
 struct Fitted {
   SquareRootInformation factor;
   VectorXd eta;              // own parameters, then gains as shares
-  VectorXd uncertain;        // standard deviation of each own value that white noise gives it
-  VectorXd telling;          // share of each own column that the other columns leave
+  VectorXd uncertain;        // standard deviation of each own value for white noise
+  VectorXd telling;          // share of each own column outside the span of the others
   VectorXd residual2, alone2;  // per joint, with the fleet's bodies and with its own
-  bool odd = false;          // its bodies are not the fleet's
-  double excess = 0.0;       // see excess(), when that was decided
-  double deviations = 0.0;   // of it from the fleet's median
+  bool odd = false;          // its bodies differ from the fleet's
+  double excess = 0.0;       // see excess(), at that decision
+  double deviations = 0.0;   // of it, from the fleet's median
 };
 
 class FleetSolver {
@@ -111,13 +115,15 @@ class FleetSolver {
                                       return fitted_[a].residual2[i] / std::max(1.0, f.rows());
                                     }));
       }
-      if (round + 1 < kRounds) find_odd();  // who is odd at the end was left out of the last fit
+      // Outliers found in the last round were excluded from the last fit.
+      if (round + 1 < kRounds) find_odd();
     }
   }
 
   double median_excess() const { return median_excess_; }
 
-  // Robust distance of every arm's bodies from the fleet's, on ln of what bodies of its own explain.
+  // Robust distance of every arm's bodies from the fleet's, in ln of the squares that its own
+  // bodies explain.
   std::vector<double> excess() const {
     std::vector<double> out;
     for (const Fitted& f : fitted_) {
@@ -133,13 +139,13 @@ class FleetSolver {
                               std::min(kFreedom, kEfficiency * (arms - 1.0)));
   }
 
-  // Things that are looked at: every own value and the bodies of every arm.
+  // Number of tested quantities: every own value and the bodies of every arm.
   double looked_at() const {
     return static_cast<double>(arms_.size()) *
            (static_cast<double>(problem_.own().size()) + problem_.joints() + 1.0);
   }
 
-  // Deviations of beta from leaving out one group of arms at a time.
+  // Deviations of beta by leaving out one group of arms at a time.
   VectorXd deviations() const {
     const size_t groups = std::min<size_t>(kGroups, arms_.size());
     std::vector<SquareRootInformation> of_group(groups, SquareRootInformation(problem_.shared()));
@@ -194,7 +200,8 @@ class FleetSolver {
                       .solve(MatrixXd::Identity(own, own))
                       .rowwise()
                       .norm();
-    // What the columns left of it do not span: the diagonal of R. Own columns are few.
+    // The part of own columns outside the span of those before them: the diagonal of R. Own columns
+    // are few.
     const VectorXd norms = f.factor.column_norms();
     f.telling = f.factor.R().diagonal().head(own).cwiseAbs().cwiseQuotient(
         norms.head(own).cwiseMax(1e-300));
@@ -213,7 +220,7 @@ class FleetSolver {
       count += static_cast<size_t>(fitted_[a].odd);
     }
     if (2 * count < arms_.size()) return;
-    for (Fitted& f : fitted_) f.odd = false;  // half of a fleet is not odd
+    for (Fitted& f : fitted_) f.odd = false;  // half of a fleet cannot be outliers
   }
 
   FleetProblem problem_;
@@ -224,7 +231,7 @@ class FleetSolver {
   double median_excess_ = 0.0;
 };
 
-// The error that scales a joint's recorded torque, spelled as a cause.
+// Name of the cause that scales a joint's recorded torque.
 std::string gain_name(const Model& arm, int joint) {
   for (const ChannelEffect* effect : channel_effects()) {
     const auto* sensor = dynamic_cast<const SensorError*>(effect);
@@ -292,8 +299,8 @@ void add_spreads(const Model& arm, const FleetSolver& solver, Fleet& fleet) {
     std::tie(spread.median, spread.spread) = centre_of(all);
     spread.arms = static_cast<int>(
         std::count_if(all.begin(), all.end(), [](double x) { return std::isfinite(x); }));
-    // How much less an arm's motion tells of this value than the motions of most: what it deviates
-    // by counts so much less. Noise is not white, so that the fleet's spread gives the size.
+    // Precision of this value on one arm relative to most arms, which weights its deviation. The
+    // noise is not white, so that the spread of the fleet sets the scale.
     std::vector<double> uncertain;
     for (size_t a = 0; a < all.size(); ++a)
       uncertain.push_back(std::isfinite(all[a]) ? solver.fitted(a).uncertain[k] : kNaN);
@@ -303,8 +310,8 @@ void add_spreads(const Model& arm, const FleetSolver& solver, Fleet& fleet) {
     for (size_t a = 0; a < all.size() && spread.arms >= kFewest && spread.spread > 0.0; ++a) {
       const double wider = usual > 0.0 ? std::max(1.0, uncertain[a] / usual) : 1.0;
       const double deviations = (all[a] - spread.median) / (wider * spread.spread);
-      // A robust spread of a dozen arms is itself uncertain: what differs by less than this share of
-      // the median is no news, however narrow the others lie.
+      // A robust spread of a dozen arms is itself uncertain: differences below this share of the
+      // median are not reported, however narrow the distribution is.
       const bool noticeable =
           std::abs(all[a] - spread.median) > kNoticeable * std::abs(spread.median);
       if (std::isfinite(all[a]) && noticeable && std::abs(deviations) > far)
@@ -342,8 +349,8 @@ void add_parameters(const Model& arm, const FleetSolver& solver, Fleet& fleet) {
       with_values(arm, fleet.parameters, VectorXd::Constant(fleet.parameters.size(), kNaN));
 }
 
-// Takes out the arms whose own recordings leave their bodies open: with bodies of its own such an
-// arm explains everything, so that it would always seem to have others.
+// Removes the arms whose own recordings do not determine their bodies: bodies of its own would
+// explain everything on such an arm, so that it would always seem to differ.
 std::vector<UndeterminedArm> take_undetermined(const Model& arm, std::vector<ArmFactor>& arms) {
   const FleetProblem problem(arm, arms);
   std::vector<UndeterminedArm> out;
@@ -360,7 +367,7 @@ std::vector<UndeterminedArm> take_undetermined(const Model& arm, std::vector<Arm
   return out;
 }
 
-// Why so few arms give no fleet.
+// Reason for a missing result with too few arms.
 std::string too_few(size_t left, const std::vector<UndeterminedArm>& undetermined) {
   std::string out = text("found ", left, left == 1 ? " arm" : " arms",
                          undetermined.empty() ? "" : " whose recordings determine the bodies",

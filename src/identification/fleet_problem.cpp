@@ -4,14 +4,13 @@
 #include <cmath>
 #include <unordered_map>
 
-#include "many_recordings.hpp"
 #include "shortfall.hpp"
 
 namespace veridyn {
 namespace {
 
-// Of a column's norm: own columns that an arm does not show stay at zero, and the scale that bodies
-// and all gains share is that at which the gains' mean is one.
+// Relative to a column's norm: regularises own columns without data to zero, and fixes the common
+// scale of bodies and gains by a mean gain of one.
 constexpr double kOwnRidge = 1e-7;
 constexpr double kGainRidge = 1e-3;
 

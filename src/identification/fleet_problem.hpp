@@ -8,7 +8,7 @@
 
 namespace veridyn {
 
-/// All that is known of one arm: a factor per joint over all its recordings.
+/// Data of one arm: a factor per joint over all its recordings.
 struct ArmFactor {
   std::string name;
   int recordings = 0;
@@ -17,7 +17,7 @@ struct ArmFactor {
   std::vector<std::string> still;  ///< coordinates that never move
 };
 
-/// The block arrow of a fleet: columns that all arms share, and columns that each has for itself.
+/// The block arrow of a fleet: columns that all arms share, and own columns of each.
 class FleetProblem {
  public:
   FleetProblem(const Model& arm, const std::vector<ArmFactor>& arms);
@@ -27,15 +27,15 @@ class FleetProblem {
   const BaseParameters& base() const { return base_; }
   const std::vector<StandardParameter>& parameters() const { return parameters_; }
 
-  /// One arm's rows over (own, gains, shared), with joint weights; the gains' columns are the torque
-  /// that `beta` and `eta` give, none where they are empty.
+  /// One arm's rows over (own, gains, shared), with joint weights; the gains' columns are the
+  /// torque for `beta` and `eta`, absent where these are empty.
   SquareRootInformation of_arm(size_t arm, const VectorXd& weights, const VectorXd& beta,
                                const VectorXd& eta) const;
 
-  /// Why an arm's recordings do not determine its base parameters; empty where they do.
+  /// Reason why an arm's recordings do not determine its base parameters; empty if they do.
   std::string shortfall_of(const ArmFactor& arm) const;
 
-  /// What an arm's factor says of the shared columns once its own are eliminated.
+  /// Information of an arm's factor about the shared columns after eliminating its own.
   SquareRootInformation over_shared(const SquareRootInformation& of_arm) const;
 
   /// An arm's own values for given shared ones, from its factor: (own + joints).

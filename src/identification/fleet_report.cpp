@@ -11,7 +11,7 @@
 namespace veridyn {
 namespace {
 
-constexpr size_t kShown = 20;  // outliers in the text; all of them are in the JSON
+constexpr size_t kShown = 20;  // outliers in the text; the JSON has all
 
 double median_error(const Fleet& fleet, Eigen::Index joint, VectorXd FleetMember::*of) {
   std::vector<double> all;

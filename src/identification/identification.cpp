@@ -20,18 +20,19 @@
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/model_file.hpp"
 #include "veridyn/model/model_origin.hpp"
+#include "veridyn/model/physical_faults.hpp"
 
 namespace veridyn {
 namespace {
 
-// [kg, kg m^2] of every pseudo-inertia: a body is not only possible but has a size, so that
-// simulations of it run.
+// [kg, kg m^2] lower bound of every pseudo-inertia's eigenvalues: bodies get a finite size, so that
+// simulations are well-posed.
 constexpr double kSmallestEigenvalue = 1e-8;
 constexpr double kGap =
-    1e-6;  // of the feasible solve; far below what a sample more or less changes
+    1e-6;  // relative duality gap; far below the effect of a single sample
 
-// With a prior whose terms outweigh the residual, rounding bounds the gap that can be shown: 0.1 % of
-// the cost is still far from any parameter's deviation.
+// With a prior whose terms outweigh the residual, rounding limits the certified gap: 0.1 % of the
+// cost is still far below any parameter's deviation.
 constexpr double kGapWithPrior = 1e-3;
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
@@ -42,7 +43,7 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
 std::vector<std::string> undetermined_parameters(const BaseParameters& arm_base,
                                                  const BaseParameters& data_base,
                                                  const VectorXd& scale) {
-  // Rows of K span what is determined; both in columns scaled alike.
+  // Rows of K span the determined combinations; both in columns with the same scaling.
   const MatrixXd determined = (data_base.K * scale.asDiagonal()).transpose();
   const MatrixXd wanted = (arm_base.K * scale.asDiagonal()).transpose();
   std::vector<std::string> out;
@@ -56,7 +57,7 @@ std::vector<std::string> undetermined_parameters(const BaseParameters& arm_base,
   return out;
 }
 
-// True, and says so, if the recordings leave the arm's base parameters open.
+// True, with a status and a reason, if the recordings do not determine the arm's base parameters.
 bool rank_deficient(const Model& arm, const BaseParameters& arm_base,
                     const SquareRootInformation& total, Identification& id) {
   const auto parameters = standard_parameters(arm);
@@ -73,14 +74,14 @@ bool rank_deficient(const Model& arm, const BaseParameters& arm_base,
   std::string open;
   int told = 0;
   for (const std::string& name : id.undetermined) {
-    // Sums of many parameters fill lines and tell little; id.undetermined holds them all.
+    // Sums of many parameters fill lines without helping; id.undetermined has them all.
     if (told == 8 || name.find(' ') != std::string::npos) continue;
     open += (told++ == 0 ? "" : "; ") + name;
   }
   const int rest = static_cast<int>(id.undetermined.size()) - told;
   if (rest > 0) open += text(told > 0 ? " and " : "", rest, told > 0 ? " more" : " sums of parameters");
   id.reason = shortfall(arm_base, data_base, id.still_joints);
-  // Where the gap lies across nearly all of them, their names would tell nothing.
+  // If the gap concerns nearly all of them, listing their names does not help.
   if (!id.still_joints.empty() || static_cast<int>(id.undetermined.size()) <= arm_base.size() / 2) {
     id.reason += "; undetermined: " + open;
   } else {
@@ -90,7 +91,7 @@ bool rank_deficient(const Model& arm, const BaseParameters& arm_base,
   return true;
 }
 
-// What the maker's file says of a body.
+// Values of the manufacturer's file for a body.
 std::optional<InertialParameters> maker_of(const Model& arm, const Body& body) {
   if (body.prior) return body.prior;
   return arm.description().values == RobotValues::kPrior ? body.phi : std::nullopt;
@@ -108,7 +109,7 @@ struct Bounds {
   }
 };
 
-// Signs of effects and the boxes that the robot file declares.
+// Signs of effects, and the boxes of the robot file.
 Bounds parameter_bounds(const Model& arm, const std::vector<StandardParameter>& parameters,
                         EffectSigns signs) {
   Bounds bounds;
@@ -137,8 +138,8 @@ Bounds parameter_bounds(const Model& arm, const std::vector<StandardParameter>& 
     if (mass_max > 0.0)
       bounds.add(unit(first, 1.0), mass_max, text("m_", frame.name, " <= ", mass_max));
     if (reach > 0.0) {
-      // No mass farther than twice the reach: trace of the second moments <= (2 reach)^2 m. It also
-      // keeps what the data leave open from drifting to infinity.
+      // No mass is farther away than twice the reach: trace of the second moments <= (2 reach)^2 m.
+      // This also bounds parameters that the data do not determine.
       VectorXd row = -4.0 * reach * reach * unit(first, 1.0);
       for (const int c : {4, 6, 9}) row[first + c] = 0.5;
       bounds.add(row, 0.0, text("mass of ", frame.name, " lies within ", 2.0 * reach, " m"));
@@ -172,12 +173,12 @@ FeasibleProblem feasible_problem(const Model& arm, const SquareRootInformation& 
   return problem;
 }
 
-// No mass of a prior is closer to its centre than this [m]: a point mass has no inertia, and bodies
-// of a drawing may have moments that no body has. Far below what a link's inertia is known to.
+// [m] Smallest distance of a prior's mass from its centre: a point mass has no inertia, and bodies
+// of a drawing may have inconsistent moments. Far below the accuracy of a link's inertia.
 constexpr double kSmallestRadius = 0.005;
 
-// What each body of the problem is pulled to: the prior that was given, or what the maker's file had;
-// a body without mass is pulled nowhere. Nothing where no body has a prior.
+// Prior of each body: the given one, or the manufacturer's values; none for a body without mass.
+// Nullopt if no body has a prior.
 std::optional<std::vector<InertialParameters>> priors_of(const Model& arm,
                                                          const FeasibleProblem& problem,
                                                          const IdentificationOptions& options) {
@@ -251,7 +252,7 @@ void solve_feasible(const Model& arm, const SquareRootInformation& total,
                  "its bodies the mass and size of this arm's";
 }
 
-// The shortest standard parameters (columns scaled) that have these base parameters.
+// The least-norm standard parameters (columns scaled) with these base parameters.
 VectorXd shortest_parameters(const BaseParameters& base, const VectorXd& beta,
                              const VectorXd& norms) {
   VectorXd scale = norms;
@@ -288,7 +289,7 @@ void describe_base(const Model& arm, const BaseParameters& base, const VectorXd&
   }
 }
 
-// Everything from factors to parameters.
+// Computes all parameters from the factors.
 void solve(const Model& arm, const std::vector<CompressedRecording>& recordings,
            const IdentificationOptions& options, Identification& id) {
   const auto parameters = standard_parameters(arm);
@@ -381,10 +382,10 @@ VectorXd rms_residuals(const Model& arm, const Identification& id) {
   return squares.cwiseQuotient(rows.cwiseMax(1.0)).cwiseSqrt();
 }
 
-// How much larger the residuals would be if they scattered as much as they do with one independent
-// sample in kUsualIndependence: they stay alike for longer.
+// Factor that inflates residuals with a longer correlation time to equivalent ones with one
+// independent sample in kUsualIndependence.
 double as_if_independent(const Model& arm, const Identification& id) {
-  constexpr double kUsualIndependence = 0.1;  // [s], as TorqueNoise::seconds has it
+  constexpr double kUsualIndependence = 0.1;  // [s], equal to TorqueNoise::seconds
   double seconds = 0.0;
   for (const CompressedRecording& r : id.factors) seconds += r.facts.duration;
   if (!(id.effective_samples > 0.0)) return 1.0;
@@ -494,7 +495,7 @@ std::string AskedArm::remark() const { return friction_remark(file_, used_); }
 
 namespace {
 
-// Columns of effects that the arm does not have, as factors of the arm with more of them hold them.
+// Removes columns of effects that the arm does not have, as in factors of an arm with more effects.
 void forget_other_columns(const Model& arm, std::vector<CompressedRecording>& recordings) {
   const std::vector<std::string> names = parameter_names(standard_parameters(arm));
   const std::set<std::string> known(names.begin(), names.end());
@@ -546,12 +547,14 @@ bool fit_factors(AskedArm& arm, std::vector<CompressedRecording>& recordings,
   }
   if (std::string remark = arm.remark(); !remark.empty())
     id.remarks.insert(id.remarks.begin(), std::move(remark));
+  for (const std::string& fault : physical_faults(arm.used()))
+    id.remarks.push_back("The robot file has what no arm has: " + fault + ".");
   return done;
 }
 
 namespace {
 
-// Drive gains first, then the arm from the recordings that carry nothing.
+// Identifies the drive gains first, then the arm from the recordings without a load.
 Identification identify_with_known_masses(const Model& arm, const std::vector<std::string>& train,
                                           const std::vector<std::string>& test,
                                           const IdentificationOptions& options) {
@@ -569,7 +572,7 @@ Identification identify_with_known_masses(const Model& arm, const std::vector<st
   if (open.empty()) {
     IdentificationOptions plain = options;
     plain.known_masses.clear();
-    plain.choose_velocities = false;  // asked of the whole, with the gains
+    plain.choose_velocities = false;  // decided for all recordings together, with the gains
     id = identify(with_drive_gains(arm, gains), gains.unloaded, test, plain);
   } else {
     id = described(arm, options);
@@ -618,26 +621,19 @@ Identification identify_compressed(const Model& file, std::vector<CompressedReco
 
 namespace {
 
-void derive(const std::set<int>& joints, IdentificationOptions& how) {
-  how.preprocessing.derive_velocity_of.assign(joints.begin(), joints.end());
-  if (how.test_preprocessing)
-    how.test_preprocessing->derive_velocity_of = how.preprocessing.derive_velocity_of;
-}
-
 // The same fit with those velocities from the position that the torques want so.
 Identification with_chosen_velocities(const Model& arm, Identification id,
                                       const std::vector<std::string>& train,
                                       const std::vector<std::string>& test,
                                       IdentificationOptions how) {
-  const PreprocessingOptions& from = how.preprocessing;
-  const bool asked = how.choose_velocities && from.velocity == VelocitySource::kRecorded &&
-                     from.filtering == Filtering::kMatched && from.derive_velocity_of.empty();
-  if (!asked || !id.model) return id;
+  if (!id.model) return id;
+  const VelocityTrust trust = trust_in_velocities(arm, train, how);
+  std::set<int> doubted = trust.doubtful;
+  doubted.insert(trust.wrong.begin(), trust.wrong.end());
   for (const RecordingError& r : id.train) how.preprocessing.known_periods.emplace(r.source, r.period);
-  VelocityChoice choice = choose_velocities(
-      id, doubtful_velocities(arm, train, from, how.threads), kVelocityGain,
-      [&](const std::set<int>& joints) {
-        derive(joints, how);
+  VelocityChoice choice =
+      choose_velocities(id, doubted, kVelocityGain, [&](const std::set<int>& joints) {
+        derive_velocities(joints, how);
         return identify_named(arm, train, test, how);
       });
   if (!choice.fit) return id;

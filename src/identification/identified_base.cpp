@@ -11,7 +11,7 @@
 namespace veridyn {
 namespace {
 
-// Nine digits are far below any deviation, and half the length of a double in the file.
+// Nine digits are far below any deviation and halve the length of the file.
 double rounded(double value) {
   return std::strtod(fmt::format("{:.9g}", value).c_str(), nullptr);
 }
@@ -20,7 +20,8 @@ double to_four_digits(double value) {
   return std::strtod(fmt::format("{:.4f}", value).c_str(), nullptr);
 }
 
-// A factor with as many columns as rows has room for any covariance.
+// Compresses a factor of the covariance to at most as many columns as rows, if there are more than
+// kClustersKept.
 MatrixXd compact(const MatrixXd& scatter) {
   if (scatter.cols() <= std::max<Eigen::Index>(kClustersKept, scatter.rows())) return scatter;
   const Eigen::HouseholderQR<MatrixXd> qr(scatter.transpose());
@@ -28,7 +29,7 @@ MatrixXd compact(const MatrixXd& scatter) {
   return MatrixXd(qr.matrixQR().topRows(k).triangularView<Eigen::Upper>()).transpose();
 }
 
-// Root mean share of a cluster in the squares of a joint's columns; it does not depend on units.
+// Root mean share of a cluster in the squares of a joint's columns, which does not depend on units.
 MatrixXd motion_of(const std::vector<CompressedRecording>& recordings, int clusters) {
   const auto n = static_cast<Eigen::Index>(recordings.front().joints.size());
   std::vector<VectorXd> total(static_cast<size_t>(n));

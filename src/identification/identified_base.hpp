@@ -4,10 +4,9 @@
 
 namespace veridyn {
 
-/// What a MODEL file keeps of an identification; numbers are rounded to nine digits.
+/// The statistics of an identification for its MODEL file; numbers are rounded to nine digits.
 ///
-/// @param solution  without conditions.
-/// @param beta      (base) that the model's parameters have.
+/// @param solution  unconstrained. @param beta      (base) of the model's parameters.
 IdentifiedBase identified_base(const BaseParameters& base,
                                const std::vector<StandardParameter>& parameters,
                                const BaseSolution& solution, const VectorRef& beta,

@@ -117,7 +117,7 @@ MeasuredRecording read_measured(ByteReader& in, int joints) {
   return r;
 }
 
-// What is known of recordings: factors of those that could be used.
+// Results of several recordings: factors of those that could be used.
 struct Part {
   FactorSet factors;
   std::vector<UnusedRecording> left_out;
@@ -129,7 +129,8 @@ class Job {
       const KeepFactors& keep)
       : arm_(arm), options_(options), ranks_(ranks), keep_(keep) {}
 
-  // Compresses this rank's share one by one: one that cannot be used does not hold up the others.
+  // Compresses this rank's share one by one, so that an unusable recording does not affect the
+  // others.
   Part compress_share(const std::vector<std::string>& train) const {
     const auto [first, end] = share_of(train.size(), ranks_);
     Part out;
@@ -154,7 +155,7 @@ class Job {
     return out;
   }
 
-  // Factors and names of what was left out, in the order of the list, at rank 0.
+  // Collects factors and names of unusable recordings at rank 0, in the order of the list.
   void bring_together(Part& share) const {
     for (int step = 1; step < ranks_.size(); step *= 2) {
       if (ranks_.rank() % (2 * step) != 0) {
@@ -173,14 +174,14 @@ class Job {
     }
   }
 
-  // Rank 0 tells all others.
+  // Broadcasts bytes from rank 0.
   std::string told(std::string bytes) const {
     if (ranks_.rank() != 0) return ranks_.receive(0);
     for (int r = 1; r < ranks_.size(); ++r) ranks_.send(r, bytes);
     return bytes;
   }
 
-  // Errors of these values on this rank's recordings, and at rank 0 on all of them.
+  // Errors of these values on this rank's recordings, collected at rank 0.
   std::vector<MeasuredRecording> measured(const std::vector<CompressedRecording>& mine,
                                           const PreprocessingOptions& how, const VectorXd& values,
                                           int recordings) const {
@@ -212,7 +213,7 @@ class Job {
   const KeepFactors& keep_;
 };
 
-// Held-out recordings of one rank, one by one as above.
+// Compresses the held-out recordings of one rank one by one.
 std::vector<CompressedRecording> compress_held_out(const Model& arm,
                                                    const std::vector<std::string>& test,
                                                    const Identification& id, int threads,
@@ -230,7 +231,7 @@ std::vector<CompressedRecording> compress_held_out(const Model& arm,
   return out;
 }
 
-// From all factors to a model, at rank 0.
+// Computes the model from all factors, at rank 0.
 void solve(AskedArm& arm, std::vector<CompressedRecording> all, size_t listed,
            const IdentificationOptions& options, Identification& id) {
   const std::string first = id.left_out.empty() ? "" : id.left_out.front().why;
@@ -251,7 +252,8 @@ Identification identify(const Model& file, const std::vector<std::string>& train
   require(options.known_masses.empty(),
           "identify: drive gains are found on one machine; leave known masses away.");
   AskedArm arm(file, options.friction);
-  const Job job(arm.used(), options, ranks, keep);  // compresses first, measures the arm that was used
+  // Compresses first, then measures errors with the arm actually used.
+  const Job job(arm.used(), options, ranks, keep);
   Identification id = described(file, options);
   const auto begin = std::chrono::steady_clock::now();
   Part share = job.compress_share(train);

@@ -8,7 +8,7 @@
 namespace veridyn {
 namespace {
 
-// Of all recordings together: 10 recordings keep the 16 of theirs, 16 eight, 100 one.
+// Blocks of all recordings together: 10 recordings keep 16 each, 16 recordings eight, 100 one.
 constexpr int kMostBlocks = 160;
 
 }  // namespace

@@ -3,7 +3,7 @@
 namespace veridyn {
 namespace {
 
-constexpr double kAdjacent = 0.05;  // [s] samples farther apart than this have a gap between them
+constexpr double kAdjacent = 0.05;  // [s] samples farther apart than this are separated by a gap
 
 }  // namespace
 

@@ -6,14 +6,14 @@
 
 namespace veridyn {
 
-/// Compares torques with those one period earlier; what differs between repeats is what no model
-/// can predict. Holds one period of samples.
+/// Compares torques with those one period earlier; the difference between repeats is the error of a
+/// perfect model. Holds one period of samples.
 class PeriodFold {
  public:
   /// @param period  [s]; 0: nothing is compared.
   PeriodFold(int joints, double period);
 
-  /// Row `row` of tau, at `time` [s]; times ascend.
+  /// Adds row `row` of tau, at `time` [s]; times increase.
   void add(double time, const MatrixXd& tau, Eigen::Index row);
 
   /// Per joint: standard deviation of one repeat over the root mean square of the torque, (joints);

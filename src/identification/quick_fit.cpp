@@ -7,16 +7,15 @@
 #include "identification/base_solution.hpp"
 #include "veridyn/effects/effect.hpp"
 #include "veridyn/identification/compressed_recording.hpp"
-#include "veridyn/identification/identification.hpp"
 #include "veridyn/regressor/base_parameters.hpp"
 
 namespace veridyn {
 namespace {
 
-constexpr double kSmallestShare = 1e-3;  // of a joint's squared torque; what is below is noise
+constexpr double kSmallestShare = 1e-3;  // of a joint's squared torque; smaller shares are noise
 
-// The arm with plain friction on every coordinate: whatever moves loses energy. Facts of the file
-// are facts about sound recordings; here all is open.
+// The arm with plain friction on every coordinate and all parameters free: facts of the file do not
+// hold for wrongly recorded signals.
 Model with_everything_open(const Model& arm) {
   ModelDescription d = with_plain_friction(arm).description();
   for (EffectTerm& term : d.effects) term.fixed = false;
@@ -29,10 +28,10 @@ Model with_everything_open(const Model& arm) {
 
 }  // namespace
 
-// Plain friction along an axis s = c . q: a level against ds, or in proportion to it.
+// Plain friction along an axis s = c . q: constant against ds, or proportional to it.
 struct QuickFitter::Friction {
   VectorXd axis;
-  Eigen::Index parameter;  // of the base
+  Eigen::Index parameter;  // index among the base parameters
   bool dry;
 };
 
@@ -100,8 +99,8 @@ std::vector<QuickFitter::Friction> QuickFitter::frictions() const {
   return out;
 }
 
-// The power that friction takes from each joint, by base parameter (joints x base), of rms torque
-// times rms speed; several axes may share a joint.
+// Power that friction takes from each joint, by base parameter (joints x base), relative to rms
+// torque times rms speed; several axes may share a joint.
 MatrixXd QuickFitter::friction_power(const Recording& recording) const {
   const std::vector<Friction> all = frictions();
   MatrixXd power = MatrixXd::Zero(arm_.joints(), base_size());

@@ -11,17 +11,18 @@
 
 namespace veridyn {
 
-/// What one short identification leaves of a recording's torques.
+/// Result of one short identification.
 struct QuickFit {
-  double unexplained = 1.0;    ///< Share of the weighted squares of the torques
+  double unexplained = 1.0;    ///< share of the weighted squares of the torques
   double misfit = 0.0;         ///< sum over the joints of log(share); shares below 0.001 are noise
-  std::vector<double> shares;  ///< Share of each joint's squared torque that is unexplained
-  VectorXd friction;           ///< by joint: power lost to it, of rms torque times rms speed
-  std::vector<double> told;    ///< by joint: rise of the rms misfit without that loss, as a share
+  std::vector<double> shares;  ///< by joint: unexplained share of its squared torque
+  VectorXd friction;  ///< by joint: power lost to friction, relative to rms torque times rms speed
+  /// By joint: relative rise of the rms misfit without friction, its significance.
+  std::vector<double> told;
   std::vector<SquareRootInformation> joints;  ///< factor of each joint's torques
 };
 
-/// Fits an arm with plain friction and all parameters open to one short recording after the other.
+/// Fits an arm with plain friction and all parameters free to one short recording after the other.
 class QuickFitter {
  public:
   QuickFitter(const Model& arm, const PreprocessingOptions& options);
@@ -29,7 +30,7 @@ class QuickFitter {
   const std::vector<StandardParameter>& parameters() const { return parameters_; }
   int base_size() const { return static_cast<int>(base_columns_.size()); }
 
-  /// How many base parameters the recording determines, and the condition number with which.
+  /// Number of base parameters that the recording determines, and their condition number.
   std::pair<int, double> determined(const Recording& recording) const;
 
   QuickFit fit(const Recording& recording) const;

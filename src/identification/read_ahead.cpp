@@ -10,9 +10,9 @@
 namespace veridyn {
 namespace {
 
-constexpr size_t kAhead = 2;  // stretches
+constexpr size_t kAhead = 2;  // segments
 
-struct NobodyReads {};  // ends the reading thread when the visitor has failed
+struct NobodyReads {};  // thrown in the reading thread after the visitor has failed
 
 class Queue {
  public:
@@ -24,7 +24,7 @@ class Queue {
     changed_.notify_all();
   }
 
-  // False at the end.
+  // False at the end of the recording.
   bool take(Stretch& out) {
     std::unique_lock<std::mutex> lock(guard_);
     changed_.wait(lock, [this] { return ended_ || !stretches_.empty(); });
@@ -65,7 +65,7 @@ PreparationFacts read_ahead(const StretchPass& pass, const VisitStretch& visit) 
     try {
       facts = pass([&queue](const Stretch& s) { queue.put(s); });
     } catch (const NobodyReads&) {
-      // The visitor's own exception says why.
+      // The visitor's own exception has the reason.
     } catch (...) {
       failed = std::current_exception();
     }

@@ -9,8 +9,8 @@ namespace veridyn {
 using VisitStretch = std::function<void(const Stretch&)>;
 using StretchPass = std::function<PreparationFacts(const VisitStretch&)>;
 
-/// A pass over a recording whose reading and preparing run in a thread of their own, at most two
-/// stretches ahead of `visit`. What either side throws comes out here.
+/// A pass over a recording whose reading and preparation run in a separate thread, at most two
+/// segments ahead of `visit`. Exceptions of either side are rethrown here.
 PreparationFacts read_ahead(const StretchPass& pass, const VisitStretch& visit);
 
 }  // namespace veridyn

@@ -10,7 +10,7 @@
 namespace veridyn {
 namespace {
 
-constexpr Eigen::Index kGroupEntries = 1 << 20;  // entries of the columns that are worked on at once
+constexpr Eigen::Index kGroupEntries = 1 << 20;  // entries of columns in memory at once
 
 }  // namespace
 
@@ -31,7 +31,7 @@ RegressorColumns::RegressorColumns(const Model& arm, const PreprocessingOptions&
   }
 }
 
-// Of the joints that are asked for; the other matrices are empty.
+// Columns of the given joints; the other matrices are empty.
 std::vector<MatrixXd> RegressorColumns::raw_columns(const Stretch& s, Joints joints) const {
   const Eigen::Index rows = s.q.rows();
   std::vector<MatrixXd> Y(of_joint_.size());
@@ -75,7 +75,7 @@ std::vector<MatrixXd> RegressorColumns::raw_columns(const Stretch& s, Joints joi
   return Y;
 }
 
-// Derivatives of what the arm's own values ask for, which all other columns together give.
+// Columns of sensor errors: derivatives of the torque predicted by the arm's own values.
 void RegressorColumns::fill_channel_errors(const Stretch& s, const ArmTerms& terms, Joints joints,
                                            std::vector<MatrixXd>& Y) const {
   const auto phi = arm_.inertial_values();
@@ -100,7 +100,7 @@ void RegressorColumns::fill_channel_errors(const Stretch& s, const ArmTerms& ter
   }
 }
 
-// See rigid_load().
+// Low-passes the load, see rigid_load().
 void RegressorColumns::smooth_load(MatrixXd& load, double dt) const {
   if (options_.filtering != Filtering::kMatched || options_.cutoff <= 0.0) return;
   ZeroPhaseFilter(kLoadCutoffShare * options_.cutoff, options_.order, 1.0 / dt).apply(load);
@@ -122,7 +122,7 @@ std::vector<Eigen::Index> RegressorColumns::kept_samples(const Stretch& s,
   const int step = decimation(options_, s.dt);
   std::vector<Eigen::Index> kept;
   for (Eigen::Index k = s.core_begin; k < s.core_end; ++k) {
-    // Counted on the time grid, so that it does not matter where a stretch begins.
+    // Decimates on the time grid, so that the start of a segment does not matter.
     const long index = std::lround((s.time[k] - s.start) / s.dt);
     if (s.use[static_cast<size_t>(k)] == 0 || index % step != 0) continue;
     if (left_out(static_cast<int>(joint), s.time[k] - s.start)) continue;
@@ -168,7 +168,7 @@ std::vector<JointRows> RegressorColumns::rows(const Stretch& s, Joints joints) c
       const int own = of_joint_[static_cast<size_t>(i)][p];
       const StandardParameter& parameter = parameters_[static_cast<size_t>(own)];
       const auto column = static_cast<Eigen::Index>(p);
-      if (parameter.fixed) {  // facts go to the other side
+      if (parameter.fixed) {  // facts move to the right-hand side
         b -= parameter.value * mine.col(column);
         continue;
       }

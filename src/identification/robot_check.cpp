@@ -19,30 +19,30 @@
 namespace veridyn {
 namespace {
 
-constexpr int kMostRows = 5000;  // 25 s at 200 Hz; more tells nothing new about columns
+constexpr int kMostRows = 5000;  // 25 s at 200 Hz; more rows add nothing new
 constexpr int kFewestRows = 300;
 constexpr double kWorstCondition = 2e4;  // columns scaled; whole recordings of a PSM have 4600
-// The misfit is the sum over the joints of the logarithm of the share of a joint's torque (squared)
-// that is left unexplained: a joint that fits badly anyway does not hide another. A way in which
-// signals may have been mistaken must lower it by the first number, as it does where one joint's
-// share falls to 0.4 times what it was; drive gains differ little from joint to joint, and so do
-// their fits.
+// The misfit is the sum over the joints of the logarithm of the unexplained share of a joint's
+// squared torque, so that a joint that fits badly anyway does not hide another. A hypothesis about
+// mistaken signals must lower it by the first number, as if one joint's share fell to 0.4 of its
+// value; drive gains differ little from joint to joint, and so do their fits.
 constexpr double kBetter = 0.9;
 constexpr double kGainsBetter = 0.3;
-constexpr double kWellFitted = 0.02;  // share of a joint; no joints are swapped where all are below
-// Power lost to friction, as a share of rms torque times rms speed, that tells its sign: above the
-// first number, and above the second times the rms share of the torque that is left unexplained,
-// which may do work of its own.
+// Share of a joint; below it for all joints, no joints are exchanged.
+constexpr double kWellFitted = 0.02;
+// Power lost to friction, relative to rms torque times rms speed, that determines its sign: above
+// the first number, and above the second times the rms share of the unexplained torque, which may
+// do work of its own.
 constexpr double kFrictionShare = 0.03;
 constexpr double kFrictionAboveRest = 0.3;
-// Without friction's loss, the rms misfit rises by this share of it at least: it is not lost among
-// other parameters, as in the first seconds of a motion. Real recordings of a PSM have 0.27 to 2.3.
+// Significance of friction: without it the rms misfit rises by at least this share; in the first
+// seconds of a motion other parameters may absorb it. Real recordings of a PSM have 0.27 to 2.3.
 constexpr double kFrictionTold = 0.25;
 const double kDegree = std::acos(-1.0) / 180.0;
 
 using Change = std::function<void(Recording*)>;
 
-// One way in which the signals may have been mistaken.
+// One hypothesis about mistaken signals.
 struct Way {
   std::string finding;
   int joint = 0;  // from 1; 0: all
@@ -72,7 +72,7 @@ class RobotCheck {
     if (!tells_enough()) return std::move(findings_);
     now_ = fitter_.fit(recording_);
     turned_.assign(static_cast<size_t>(joints()), 0);
-    // The best of all ways, and then the best of what may be wrong besides.
+    // Accepts the best hypothesis, then the best further one.
     while (static_cast<int>(findings_.size()) < joints() && accept_best(ways(), kBetter)) {
     }
     let_friction_take_energy();
@@ -83,7 +83,8 @@ class RobotCheck {
   }
 
  private:
-  // Where base parameters stay open, wrong signals fit as well as right ones.
+  // True if the base parameters are identifiable; otherwise wrong signals would fit as well as
+  // right ones.
   bool tells_enough() {
     if (std::none_of(moves_.begin(), moves_.end(), [](bool moves) { return moves; })) {
       warn_of_small_efforts();
@@ -122,7 +123,7 @@ class RobotCheck {
   bool moves(int i) const { return moves_[static_cast<size_t>(i)]; }
   std::string joint(int i) const { return text("joint ", i + 1, " (", names_[static_cast<size_t>(i)], ")"); }
 
-  // Torques may come as currents: then these are what options mend.
+  // Torques may be recorded as currents, to which the options then apply.
   bool amperes() const { return recording_.current.size() > 0; }
   std::string torque_name() const { return amperes() ? "i" : "tau"; }
   std::string torque_unit(int i) const {
@@ -149,7 +150,7 @@ class RobotCheck {
   }
 
   void accept(const Way& way, const QuickFit& fit) {
-    if (way.finding == "torque_sign") {  // told at the end: friction has a say
+    if (way.finding == "torque_sign") {  // reported at the end, after the check of friction
       turned_[static_cast<size_t>(way.joint) - 1] ^= 1;
     } else {
       add(way.finding, way.joint, fit.unexplained,
@@ -161,7 +162,7 @@ class RobotCheck {
     now_ = fit;
   }
 
-  // The best of some ways, if it is much better than the recording as it is.
+  // Accepts the best hypothesis if it is much better than the recording as it is.
   bool accept_best(const std::vector<Way>& ways, double better) {
     if (ways.empty()) return false;
     std::vector<QuickFit> fits(ways.size());
@@ -216,8 +217,8 @@ class RobotCheck {
   }
 
   void let_friction_take_energy() {
-    // All of them, and those that are coupled to none: friction takes energy. A joint whose friction
-    // does not show goes with the others where these agree.
+    // Checks the sign of all torques, or of joints without coupling, by dissipation: friction takes
+    // energy. A joint without visible friction follows the others if these agree.
     int taking = 0;
     int giving = 0;
     for (int i = 0; i < joints(); ++i) {
@@ -240,7 +241,7 @@ class RobotCheck {
   void tell_signs() {
     for (int i = 0; i < joints(); ++i) {
       if (turned_[static_cast<size_t>(i)] == 0) continue;
-      Recording back = recording_;  // all but this joint mended
+      Recording back = recording_;  // with all but this joint corrected
       back.tau.col(i) *= -1.0;
       const QuickFit without = fitter_.fit(back);
       const bool fits =
@@ -313,13 +314,14 @@ class RobotCheck {
   void take_currents() {
     if (!may_be_currents() || warn_of_small_efforts()) return;
     const VectorXd gains = this->gains();
-    if (gains.maxCoeff() < 1.05 * gains.minCoeff()) return;  // as torques they would fit alike
+    // Equal gains would fit torques as well.
+    if (gains.maxCoeff() < 1.05 * gains.minCoeff()) return;
     accept_best({{"current", 0, "Efforts are motor currents", "--units tau=A",
                   [gains](Recording* r) { r->tau = r->tau * gains.asDiagonal(); }}},
                 kGainsBetter);
   }
 
-  // Every joint's largest effort is below the current that its limit of torque stands for.
+  // True if every joint's largest effort is below the current at its torque limit.
   bool look_like_currents(const VectorXd& gains) const {
     double nearest = 0.0;
     for (int i = 0; i < joints(); ++i) {
@@ -334,8 +336,8 @@ class RobotCheck {
     return nearest < 1.0;
   }
 
-  // By what the torques of an arm's values must be multiplied, where the arm has no friction of its
-  // own beside what friction explains: at low gravity most of a joint's torque is that.
+  // Factor between the torques of an arm's values and the recorded ones, for arms without friction
+  // of their own beside fitted friction: at low gravity most of a joint's torque is friction.
   double factor_beside_friction(const SquareRootInformation& f, const VectorXd& phi) const {
     std::vector<Eigen::Index> open;
     if (has_no_friction(given_)) {
@@ -352,7 +354,7 @@ class RobotCheck {
     return least_norm(scaled, f.z())[0] / norms[0];
   }
 
-  // Torques of an arm with values, by one factor a joint.
+  // Compares torques with those of an arm with values, by one factor per joint.
   void compare_with_values() {
     const bool told = std::any_of(findings_.begin(), findings_.end(),
                                   [](const QualityFinding& f) { return f.finding == "current"; });
@@ -393,8 +395,8 @@ class RobotCheck {
   QuickFitter fitter_;
   std::vector<std::string> names_;
   QuickFit now_;
-  std::vector<bool> moves_;   // joints that can be judged
-  std::vector<char> turned_;  // joints whose torques were turned round
+  std::vector<bool> moves_;   // joints that can be checked
+  std::vector<char> turned_;  // joints whose torques were reversed
   std::vector<QualityFinding> findings_;
 };
 
@@ -424,7 +426,7 @@ std::vector<QualityFinding> check_against(const Model& arm, Recording recording,
     recording = rows_of(recording, static_cast<int>(first), static_cast<int>(count));
   if (recording.rows() < kFewestRows) return {};
   if (recording.tau.size() == 0 && recording.current.size() > 0) {
-    // Signs, places and angles are asked of currents through their gains.
+    // Signs, exchanged joints and angles of currents are checked through their gains.
     recording.tau = recording.current;
     for (int i = 0; i < arm.joints(); ++i) {
       const double gain = arm.coordinates()[static_cast<size_t>(i)].drive_gain;

@@ -7,7 +7,7 @@
 namespace veridyn {
 namespace {
 
-// A joint that travels less than this does not move.
+// Travel below which a joint counts as at rest.
 constexpr double kStillRevolute = 2e-3;   // [rad]
 constexpr double kStillPrismatic = 2e-4;  // [m]
 

@@ -12,8 +12,8 @@ namespace veridyn {
 std::vector<std::string> still_joints(const Model& arm,
                                       const std::vector<CompressedRecording>& recordings);
 
-/// Why recordings do not determine the base parameters of their arm, in words: which joints never
-/// move, else how many parameters are determined. Empty where all of them are.
+/// Reason why recordings do not determine the base parameters of their arm: joints that never move,
+/// else the number of determined parameters. Empty if all are determined.
 /// @param arm_base   of the arm. @param data_base  of the recordings' factor.
 std::string shortfall(const BaseParameters& arm_base, const BaseParameters& data_base,
                       const std::vector<std::string>& still);

@@ -9,22 +9,23 @@
 
 #include "many_recordings.hpp"
 #include "math/parallel.hpp"
+#include "identification/velocity_choice.hpp"
 #include "recordings/named_recordings.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn {
 namespace {
 
-constexpr int kSeriesSamples = 30000;  // for plots, of all recordings together
+constexpr int kSeriesSamples = 30000;  // for plots, over all recordings
 
-// Figures that sums of squares do not determine are NaN.
+// Sets quantities that sums of squares do not determine to NaN.
 PredictionError only_relative(PredictionError error) {
   error.maximum.setConstant(std::numeric_limits<double>::quiet_NaN());
   error.moving_relative.setConstant(std::numeric_limits<double>::quiet_NaN());
   return error;
 }
 
-// Errors on the rows of factors whose samples are elsewhere: sums of squares and nothing else.
+// Errors on the rows of factors whose samples are elsewhere: sums of squares only.
 ErrorSums factor_errors(const Model& arm, const CompressedRecording& recording,
                         const VectorXd& values, RecordingError& out) {
   std::unordered_map<std::string, Eigen::Index> index;
@@ -262,8 +263,11 @@ Identification evaluate_named(const Model& arm, const std::vector<std::string>& 
 
 Identification evaluate(const Model& arm, const Recordings& train, const Recordings& test,
                         const IdentificationOptions& options) {
-  const NamedRecordings<IdentificationOptions> named(train, test, options);
+  NamedRecordings<IdentificationOptions> named(train, test, options);
+  keep_recordings(named.how, KeptRecordings::kFewPasses);
+  const std::set<int> wrong = leave_wrong_velocities_out(arm, named.train, named.test, named.how);
   Identification id = evaluate_named(arm, named.train, named.test, named.how);
+  for (std::string& remark : remarks_on(wrong, arm)) id.remarks.push_back(std::move(remark));
   forget_recordings(id);
   return id;
 }

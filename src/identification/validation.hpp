@@ -8,43 +8,44 @@
 
 namespace veridyn {
 
-/// An identification that knows its question and no answer yet.
+/// A result with the settings filled in and no values yet.
 Identification described(const Model& arm, const IdentificationOptions& options);
 
 /// Root mean square of the recordings' noise floors, relative, (n); empty if none has one.
 VectorXd mean_noise_floor(const std::vector<CompressedRecording>& recordings, int joints);
 
-/// Errors of some parameter values on one recording: on every row as recorded, with the rows of a
-/// late publisher filled in, and of these without what is left out. Equal where there is nothing to
-/// fill in or to leave out.
+/// Errors of given parameter values on one recording: on every row as recorded; with interpolated
+/// rows of a late publisher; and of these outside excluded intervals. Equal if there are no such
+/// rows.
 struct MeasuredErrors {
   ErrorSums as_recorded, repaired, without_excluded;
 };
 
-/// Errors on every row; the last argument, if not null, becomes those without what is left out.
+/// Computes errors on every row; the last argument, if not null, is set to those outside excluded
+/// intervals.
 using Predict =
     std::function<ErrorSums(const PreprocessingOptions&, PredictionSeries*, ErrorSums*)>;
 
-/// What the values that `predict` stands for are worth on a recording; fills `out`.
+/// Errors of the values behind `predict` on a recording; fills `out`.
 MeasuredErrors measure_errors(const CompressedRecording& recording, const PreprocessingOptions& how,
                               const Predict& predict, RecordingError& out);
 
-/// One recording with the errors of some parameter values, and the sums behind them.
+/// One recording with the errors of given parameter values, and their sums.
 struct MeasuredRecording {
   RecordingError error;
   MeasuredErrors sums;
-  bool detached = false;  ///< Detached of a factor: its samples are elsewhere
+  bool detached = false;  ///< known by its factor only; its samples are elsewhere
 };
 
 MeasuredRecording measure(const Model& arm, const CompressedRecording& recording,
                           const PreprocessingOptions& how, const VectorXd& values,
                           int series_samples, int threads);
 
-/// Samples of each series for plots, so that memory does not grow with the recordings.
+/// Number of samples of each series for plots, which bounds the memory for many recordings.
 int series_samples_of_each(int recordings);
 
-/// Held-out recordings, of which only the facts are kept.
-/// @throws InvalidInput  one has no usable samples: no error is not an error of 0.
+/// Compresses held-out recordings, of which only the facts are kept.
+/// @throws InvalidInput  one has no usable samples, which must not count as an error of 0.
 std::vector<CompressedRecording> compress_test(const Model& arm,
                                                const std::vector<std::string>& test,
                                                const PreprocessingOptions& how, int threads);
@@ -53,9 +54,10 @@ std::vector<CompressedRecording> compress_test(const Model& arm,
 void take_errors(const Model& arm, std::vector<MeasuredRecording> train,
                  std::vector<MeasuredRecording> test, Identification& id);
 
-/// Fills train, test and their errors: those of id.parameters on the recordings of id.factors and
-/// on held-out ones.
-/// @throws InvalidInput  a held-out recording has no usable samples: no error is not an error of 0.
+/// Fills train, test and their errors for id.parameters, on the recordings of id.factors and on
+/// held-out ones.
+/// @throws InvalidInput  a held-out recording has no usable samples, which must not count as an
+/// error of 0.
 void validate(const Model& arm, const std::vector<std::string>& test,
               const IdentificationOptions& options, Identification& id);
 

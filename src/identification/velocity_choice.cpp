@@ -5,12 +5,13 @@
 
 #include "math/parallel.hpp"
 #include "recordings/kept_recordings.hpp"
+#include "veridyn/math/require.hpp"
 
 namespace veridyn {
 namespace {
 
 constexpr double kLeastError = 1e-300;
-constexpr long kLookedAt = 20000;  // rows of a recording that show its units and noise
+constexpr long kLookedAt = 20000;  // rows of a recording from which units and noise are judged
 
 VectorXd logarithm(const VectorXd& relative) {
   return 2.0 * relative.array().max(kLeastError).log();
@@ -45,17 +46,6 @@ VectorXd fall_of_errors(const Identification& before, const Identification& afte
       .cwiseMin(logarithm(before.train_error.relative) - logarithm(after.train_error.relative));
 }
 
-std::set<int> joints_with_finding(const std::vector<RecordingQuality>& recordings,
-                                  const std::string& finding, Severity least) {
-  std::set<int> out;
-  for (const RecordingQuality& recording : recordings) {
-    for (const QualityFinding& f : recording.findings) {
-      if (f.finding == finding && f.severity >= least && f.joint > 0) out.insert(f.joint - 1);
-    }
-  }
-  return out;
-}
-
 VelocityChoice choose_velocities(const Identification& before, std::set<int> candidates,
                                  double least,
                                  const std::function<Identification(const std::set<int>&)>& look) {
@@ -83,11 +73,37 @@ std::vector<RecordingQuality> glance_at(const Model& arm, const std::vector<std:
   return seen;
 }
 
-std::set<int> doubtful_velocities(const Model& arm, const std::vector<std::string>& recordings,
-                                  const PreprocessingOptions& how, int threads) {
-  const std::vector<RecordingQuality> seen = glance_at(arm, recordings, how, threads);
-  std::set<int> out = joints_with_finding(seen, "velocity_noise", Severity::kInfo);
-  out.merge(joints_with_finding(seen, "velocity_scale", Severity::kWarning));
+void derive_velocities(const std::set<int>& joints, IdentificationOptions& how) {
+  how.preprocessing.derive_velocity_of.assign(joints.begin(), joints.end());
+  if (how.test_preprocessing)
+    how.test_preprocessing->derive_velocity_of = how.preprocessing.derive_velocity_of;
+}
+
+VelocityTrust trust_in_velocities(const Model& arm, const std::vector<std::string>& recordings,
+                                  const IdentificationOptions& how) {
+  const PreprocessingOptions& from = how.preprocessing;
+  if (!how.choose_velocities || from.velocity != VelocitySource::kRecorded ||
+      from.filtering != Filtering::kMatched || !from.derive_velocity_of.empty())
+    return {};
+  return trust_in_velocities(glance_at(arm, recordings, from, how.threads));
+}
+
+std::set<int> leave_wrong_velocities_out(const Model& arm, const std::vector<std::string>& train,
+                                         const std::vector<std::string>& test,
+                                         IdentificationOptions& how) {
+  std::vector<std::string> all = train;
+  all.insert(all.end(), test.begin(), test.end());
+  const std::set<int> wrong = trust_in_velocities(arm, all, how).wrong;
+  if (!wrong.empty()) derive_velocities(wrong, how);
+  return wrong;
+}
+
+std::vector<std::string> remarks_on(const std::set<int>& wrong, const Model& arm) {
+  std::vector<std::string> out;
+  for (const int j : wrong) {
+    out.push_back(text("dq", j + 1, " (", arm.coordinates()[static_cast<size_t>(j)].name,
+                       ") is no derivative of q", j + 1, ", which is used instead"));
+  }
   return out;
 }
 

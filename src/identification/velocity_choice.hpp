@@ -7,47 +7,57 @@
 #include <vector>
 
 #include "veridyn/identification/identification.hpp"
+#include "recordings/velocity_trust.hpp"
 #include "veridyn/recordings/recording_quality.hpp"
 
 namespace veridyn {
 
-/// By how much ln(mean square) of a joint's torque must fall for its velocity to be taken from the
+/// Decrease of ln(mean square) of a joint's torque above which its velocity is derived from the
 /// position: 2 % of the error.
 constexpr double kVelocityGain = 0.04;
 
-/// ln(mean square) per joint on the training recordings, on the rows that were fitted, (n).
+/// ln(mean square) per joint on the training recordings, over the fitted rows, (n).
 VectorXd log_training_errors(const Identification& id);
 
-/// By how much that falls per joint, on the rows as they were fitted and as recorded: of rows that
-/// come late a derivative makes something that no repair will be there to mend.
+/// Decrease of these errors per joint, on the fitted rows and on the rows as recorded: the
+/// derivative across late rows may be worse where they are not repaired.
 VectorXd fall_of_errors(const Identification& before, const Identification& after);
 
-/// Joints of which a recording has a finding of this name, of at least this severity.
-std::set<int> joints_with_finding(const std::vector<RecordingQuality>& recordings,
-                                  const std::string& finding, Severity least);
-
-/// Which velocities are taken from the position, and the fit with them; no fit: none of them.
+/// Joints whose velocity is derived from the position, and the fit with them; nullopt: none.
 struct VelocityChoice {
   std::set<int> better;
   std::optional<Identification> fit;
 };
 
-/// Of the candidates those joints whose torque is predicted better by more than `least` with the
-/// velocity from the position: all of them together first, then those alone that are better for it.
+/// The candidates whose torque is predicted better by more than `least` with derived velocities:
+/// tried all together first, then those that improve by themselves.
 ///
 /// @param before  the fit without any of them.
-/// @param look    the fit with the velocities of these joints from the position.
+/// @param look    computes the fit with derived velocities of these joints.
 VelocityChoice choose_velocities(const Identification& before, std::set<int> candidates,
                                  double least,
                                  const std::function<Identification(const std::set<int>&)>& look);
 
-/// Quality of the first rows of each recording, enough to show units and noise; empty where it cannot
-/// be read: whoever reads it in earnest says why.
+/// Quality of the first rows of each recording, sufficient for units and noise; empty if it cannot
+/// be read, which a later step reports.
 std::vector<RecordingQuality> glance_at(const Model& arm, const std::vector<std::string>& recordings,
                                         const PreprocessingOptions& how, int threads);
 
-/// Joints whose recorded velocity the quality of these recordings doubts.
-std::set<int> doubtful_velocities(const Model& arm, const std::vector<std::string>& recordings,
-                                  const PreprocessingOptions& how, int threads);
+/// Takes the velocities of these joints from the position, in training and in held-out recordings.
+void derive_velocities(const std::set<int>& joints, IdentificationOptions& how);
+
+/// Velocities that the first rows of these recordings show to be wrong. Empty if the choice was made
+/// already: a source of the velocities, joints, filtered signals, or how.choose_velocities is off.
+VelocityTrust trust_in_velocities(const Model& arm, const std::vector<std::string>& recordings,
+                                  const IdentificationOptions& how);
+
+/// Derives the wrong velocities of any of these recordings from the position from now on.
+/// @returns  their joints.
+std::set<int> leave_wrong_velocities_out(const Model& arm, const std::vector<std::string>& train,
+                                         const std::vector<std::string>& test,
+                                         IdentificationOptions& how);
+
+/// "dq3 (insertion) is no derivative of q3, which is used instead", for each of them.
+std::vector<std::string> remarks_on(const std::set<int>& wrong, const Model& arm);
 
 }  // namespace veridyn

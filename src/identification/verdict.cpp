@@ -10,10 +10,11 @@
 namespace veridyn {
 namespace {
 
-// Times the noise floor: beyond twice, more than three quarters of the squares that are left are no noise
-// (floors from repeats hold a little of what differs from period to period, and lie above the noise).
+// Factor on the noise floor: beyond twice, more than three quarters of the squared residual is no
+// noise (floors from repeats include some variation from period to period, and lie above the
+// noise).
 constexpr double kFarAboveFloor = 2.0;
-// And as a share of the torque: 1 % is better than torque sensors are.
+// As a share of the torque: 1 % is better than torque sensors.
 constexpr double kBelowAnySensor = 0.01;
 
 double share_of_range(const Identification& id, const Coordinate& joint, size_t i) {

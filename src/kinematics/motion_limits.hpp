@@ -5,7 +5,7 @@
 
 namespace veridyn {
 
-/// What a motion may use of every coordinate, (n) each.
+/// Bounds of a motion for every coordinate, (n) each.
 struct MotionLimits {
   VectorXd lower;         ///< [rad] or [m], finite
   VectorXd upper;         ///< finite
@@ -13,8 +13,8 @@ struct MotionLimits {
   VectorXd acceleration;  ///< largest acceleration; infinite where the file gives none
 };
 
-/// The limits of the robot file. Where it gives none: 1 rad or 0.1 m to either side of zero (of the
-/// one limit that there is: to its free side, twice as far), 2 rad/s or 0.2 m/s, any acceleration.
+/// The limits of the robot file. Defaults: 1 rad or 0.1 m to either side of zero (with a single
+/// limit: twice as far from it), 2 rad/s or 0.2 m/s, any acceleration.
 MotionLimits motion_limits(const Model& arm);
 
 }  // namespace veridyn

@@ -8,7 +8,7 @@
 namespace veridyn {
 namespace {
 
-// Frames that the dynamics need: bodies and all moving frames above them.
+// Frames that the dynamics need: those with bodies and all moving frames above them.
 std::vector<char> needed_frames(const Model& arm) {
   std::vector<char> needed(arm.frames().size(), 0);
   for (int k = static_cast<int>(arm.frames().size()) - 1; k >= 0; --k) {
@@ -28,8 +28,8 @@ std::vector<JointCoefficient> terms_of(const Axis& axis) {
   return terms;
 }
 
-// Turns by a right angle, exactly: cos(pi/2) is 6e-17 in doubles, and every product with it is one
-// that generated code need not have.
+// Makes right angles exact: cos(pi/2) is 6e-17 in doubles, and generated code would have to
+// multiply by it.
 Posed snapped(Posed T) {
   constexpr double kRounding = 4.0 * std::numeric_limits<double>::epsilon();
   for (Vec3d* row : {&T.R.row0, &T.R.row1, &T.R.row2}) {
@@ -48,7 +48,7 @@ Tree::Tree(const Model& arm, Keep keep)
   const std::vector<char> needed =
       keep == Keep::kBodiesOnly ? needed_frames(arm) : std::vector<char>(all.size(), 1);
   link_of_frame.assign(all.size(), -1);
-  // Where a frame sits on the last link that was kept at or above it.
+  // Place of each frame on the last kept link at or above it.
   frames.assign(all.size(), {-1, true, identity_pose(), -1});
   for (int k = 0; k < static_cast<int>(all.size()); ++k) {
     const Frame& frame = all[k];

@@ -6,7 +6,7 @@
 
 namespace veridyn {
 
-/// Scratch memory for kernels, aligned for the widest vectors; grows and is kept.
+/// Scratch memory for kernels, aligned for the widest vectors; it grows and is never released.
 class AlignedDoubles {
  public:
   AlignedDoubles() = default;
@@ -14,7 +14,7 @@ class AlignedDoubles {
   AlignedDoubles(const AlignedDoubles&) = delete;
   AlignedDoubles& operator=(const AlignedDoubles&) = delete;
 
-  /// At least `count` doubles, with whatever they held before.
+  /// Returns at least `count` doubles with unspecified contents.
   double* get(std::size_t count) {
     if (count > size_) {
       ::operator delete(data_, kAlignment);

@@ -4,9 +4,10 @@
 
 namespace veridyn {
 
-/// A file or folder of the installation, beside the program that runs: /usr/share/veridyn/robots for
-/// /usr/bin/veridyn and "share/veridyn/robots". Empty where the system does not tell its programs.
-/// Installations may be moved, and packages are built elsewhere than they are used.
+/// Finds a file or folder of the installation relative to the running program:
+/// /usr/share/veridyn/robots for /usr/bin/veridyn and "share/veridyn/robots". An absolute path
+/// would break when an installation is moved. Empty where the system does not reveal the program's
+/// path.
 std::string beside_program(const std::string& place);
 
 }  // namespace veridyn

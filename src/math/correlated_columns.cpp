@@ -22,7 +22,7 @@ std::vector<std::vector<int>> correlated_columns(const MatrixXd& values, double 
     const VectorXd x = values.row(r).transpose() - mean;
     products += x * x.transpose();
   }
-  constexpr double kHardly = 1e-6;  // [rad] or [m] rms
+  constexpr double kHardly = 1e-6;  // [rad] or [m] rms; smaller changes count as none
   std::vector<char> taken(static_cast<size_t>(n), 0);
   std::vector<std::vector<int>> out;
   for (Eigen::Index i = 0; i < n; ++i) {

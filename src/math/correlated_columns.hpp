@@ -7,12 +7,11 @@
 
 namespace veridyn {
 
-/// Groups of two or more columns that are straight lines of one another: whose correlation with the
-/// first of the group is above `least` in size. Rows with NaN and columns that hardly change do not
-/// count.
+/// Groups of two or more collinear columns, whose correlation with the first of the group is above
+/// `least` in magnitude. Rows with NaN and nearly constant columns are ignored.
 std::vector<std::vector<int>> correlated_columns(const MatrixXd& values, double least = 0.999);
 
-/// "1, 3 and 4" of numbers from 0.
+/// Text of indices, counted from 1: "1, 3 and 4".
 std::string numbers_from_one(const std::vector<int>& indices);
 
 }  // namespace veridyn

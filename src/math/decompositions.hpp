@@ -25,7 +25,8 @@ extern template class SelfAdjointEigenSolver<Matrix3d>;
 extern template class SelfAdjointEigenSolver<Matrix4d>;
 extern template class LLT<Matrix4d>;
 
-// Member templates are not part of a class's explicit instantiation; those of the usual arguments are named here.
+// Member templates are not part of a class's explicit instantiation; those for the usual arguments
+// are declared here.
 extern template SelfAdjointEigenSolver<MatrixXd>& SelfAdjointEigenSolver<MatrixXd>::compute(const EigenBase<MatrixXd>&, int);
 extern template SelfAdjointEigenSolver<Matrix3d>& SelfAdjointEigenSolver<Matrix3d>::compute(const EigenBase<Matrix3d>&, int);
 extern template SelfAdjointEigenSolver<Matrix4d>& SelfAdjointEigenSolver<Matrix4d>::compute(const EigenBase<Matrix4d>&, int);
@@ -49,7 +50,8 @@ extern template void HouseholderSequence<MatrixXd, VectorXd>::evalTo(MatrixXd&) 
 
 
 #if EIGEN_VERSION_AT_LEAST(3, 4, 0) && !EIGEN_VERSION_AT_LEAST(3, 4, 90)
-// What expressions as arguments still compile: the inside of the decompositions and of products, as Eigen 3.4 names it.
+// Internal parts of decompositions and products that expressions would otherwise instantiate, with
+// Eigen 3.4's names.
 namespace internal {
 
 using Gebp = gebp_traits<double, double>;

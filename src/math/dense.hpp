@@ -7,15 +7,15 @@ namespace veridyn {
 /// An orthonormal basis of the columns' span, (rows x rank).
 MatrixXd orthonormal_basis(const MatrixRef& columns);
 
-/// The shortest x with A x = b (in the least-squares sense where there is none); by complete
-/// orthogonal decomposition.
+/// The least-norm x with A x = b, or the least-norm least-squares solution; by complete orthogonal
+/// decomposition.
 VectorXd least_norm(const MatrixRef& A, const VectorRef& b);
 
-/// The x with the least |A x - b|; by QR with column pivoting. (A.colPivHouseholderQr() of another
-/// expression compiles the decomposition anew wherever it stands: seconds each.)
+/// The x that minimises |A x - b|; by QR with column pivoting. (A.colPivHouseholderQr() of an
+/// expression is compiled again in each file, which takes seconds.)
 VectorXd least_squares_solution(const MatrixRef& A, const VectorRef& b);
 
-/// A x = b for a symmetric A; by LDLT.
+/// Solves A x = b for a symmetric A; by LDLT.
 VectorXd symmetric_solution(const MatrixRef& A, const VectorRef& b);
 
 }  // namespace veridyn

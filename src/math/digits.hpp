@@ -4,7 +4,7 @@
 
 namespace veridyn {
 
-/// A number with that many significant digits, without zeros at its end: "0.0123", "1.5e-07".
+/// A number with that many significant digits, without trailing zeros: "0.0123", "1.5e-07".
 std::string digits(double value, int significant);
 
 /// A number with that many digits after the point.

@@ -7,7 +7,7 @@ namespace {
 
 FilterKernels widest_filter_kernels() {
   const InstructionSet isa = widest_instruction_set();
-  // Even to ask for kernels runs code of their instruction set.
+  // Each function call below is itself compiled for its instruction set, hence the check before it.
   if (isa >= InstructionSet::kAvx512 && filter_kernels_avx512().run != nullptr) return filter_kernels_avx512();
   if (isa >= InstructionSet::kAvx2 && filter_kernels_avx2().run != nullptr) return filter_kernels_avx2();
   return filter_kernels_baseline();

@@ -8,13 +8,13 @@ constexpr int kFilterLanes = 8;  ///< columns that are filtered side by side
 /// s2' = c2 x - a2 s1, which is the transposed direct form II without y in its loop.
 struct FilterSection {
   double b0, c1, c2, a1, a2;
-  double start1, start2;  ///< steady state for an input of one
+  double start1, start2;  ///< steady state for a constant input of one
 };
 
-/// Forward and back over up to kFilterLanes columns.
+/// Filters up to kFilterLanes columns forward and backward.
 struct FilterSweep {
   const FilterSection* sections;
-  int count;  ///< Count of sections
+  int count;  ///< number of sections
   double* const* columns;  ///< kFilterLanes pointers (some may be equal); filtered in place
   long rows;
   long pad;      ///< rows of odd reflection at either end, below `rows`
@@ -22,14 +22,14 @@ struct FilterSweep {
 };
 
 struct FilterKernels {
-  void (*run)(const FilterSweep& in) = nullptr;  ///< null: not compiled for this processor
+  void (*run)(const FilterSweep& in) = nullptr;  ///< null: not compiled for this architecture
 };
 
 FilterKernels filter_kernels_baseline();
 FilterKernels filter_kernels_avx2();
 FilterKernels filter_kernels_avx512();
 
-/// The widest that this processor has.
+/// Kernels of the widest instruction set of this processor.
 const FilterKernels& filter_kernels();
 
 }  // namespace veridyn

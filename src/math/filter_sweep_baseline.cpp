@@ -2,7 +2,7 @@
 
 namespace veridyn {
 
-// Two lanes are what every 64-bit x86 and ARM processor has.
+// Every 64-bit x86 and ARM processor has vectors of two doubles.
 FilterKernels filter_kernels_baseline() {
   struct Baseline;
   return FilterLoops<Pack<2, Baseline>>::kernels();

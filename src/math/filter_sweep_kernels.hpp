@@ -3,8 +3,8 @@
 #include "filter_sweep.hpp"
 #include "math/pack.hpp"
 
-// The inner loops of the zero-phase filter, once per instruction set; see dynamics/arm_kernel_loops.hpp
-// for the rules that such files keep.
+// Inner loops of the zero-phase filter, compiled once per instruction set under the rules of
+// dynamics/arm_kernel_loops.hpp.
 
 namespace veridyn {
 
@@ -12,7 +12,7 @@ template <typename P>
 struct FilterLoops {
   typedef double Aligned __attribute__((vector_size(sizeof(P)), may_alias));
   static constexpr int kAcross = kFilterLanes / P::kSize;
-  // Sections that go through the samples together, their states in registers.
+  // Number of sections that process a sample together, with their states in registers.
   static constexpr int kTogether = P::kSize >= 4 ? 3 : 1;
 
   static P load(const double* from) {
@@ -20,7 +20,7 @@ struct FilterLoops {
   }
   static void store(const P& from, double* to) { *reinterpret_cast<Aligned*>(to) = from.v; }
 
-  // kN sections over all samples, from `first` on in steps of `step` doubles.
+  // Runs kN sections over all samples, from `first` on in steps of `step` doubles.
   template <int kN>
   static void sweep(const FilterSection* sections, double* first, long step, long samples) {
     P s1[kN][kAcross];

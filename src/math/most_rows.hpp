@@ -2,9 +2,9 @@
 
 namespace veridyn {
 
-/// How many rows of this many numbers may be held on this machine: what fills a quarter of its
-/// memory, so that copies and results have room beside them. More are a mistake in a rate or a
-/// duration, and better refused than begun.
+/// Number of rows of this many numbers that fill a quarter of the machine's memory, which leaves
+/// room for copies and results. A request for more is a mistake in a rate or a duration and is
+/// refused.
 double most_rows(double numbers_per_row);
 
 }  // namespace veridyn

@@ -13,7 +13,7 @@ namespace veridyn {
 
 OutputFile::OutputFile(std::string path) : path_(std::move(path)) {
   std::error_code error;
-  // The file that a link points to is replaced, not the link.
+  // A symbolic link is kept, and its target replaced.
   if (std::filesystem::is_symlink(path_, error)) {
     const auto target = std::filesystem::weakly_canonical(path_, error);
     if (!error && std::filesystem::is_regular_file(target, error)) path_ = target.string();

@@ -5,10 +5,10 @@
 
 namespace veridyn {
 
-/// A file that is either whole or not there: written aside, renamed by commit(), removed otherwise.
-/// What is no regular file (a device, a pipe) is written through.
+/// A file that is written atomically: to a temporary name, renamed by commit(), removed otherwise.
+/// Devices and pipes are written directly.
 ///
-/// @throws InvalidInput  the place cannot be written (constructor), or the disk is full (commit).
+/// @throws InvalidInput  the file cannot be created (constructor), or the disk is full (commit).
 class OutputFile {
  public:
   explicit OutputFile(std::string path);
@@ -27,7 +27,7 @@ class OutputFile {
   bool committed_ = false;
 };
 
-/// The whole content at once.
+/// Writes the whole content at once.
 void write_file(const std::string& path, const std::string& content);
 
 }  // namespace veridyn

@@ -4,10 +4,10 @@
 
 namespace veridyn {
 
-/// Eight samples side by side, so that one instruction works on several of them. The tag keeps the
-/// code of one instruction set apart from that of another in one program.
+/// Several samples side by side, processed by one instruction. The tag separates the code of one
+/// instruction set from that of another within one program.
 ///
-/// Compilers lower the vector to what the machine has: two, four or eight lanes an instruction.
+/// Compilers map the vector to the machine's registers: two, four or eight lanes per instruction.
 template <int kLanes, typename Isa>
 struct Pack {
   typedef double Lanes __attribute__((vector_size(kLanes * sizeof(double))));
@@ -40,8 +40,8 @@ struct Pack {
   friend Pack operator-(const Pack& a) { return Pack(-a.v); }
 };
 
-/// One sample with the tag of an instruction set: a number whose functions belong to that set alone,
-/// and which acts on all lanes of a wider pack.
+/// One sample with the tag of an instruction set: a number whose functions belong to that set
+/// alone, and which combines with all lanes of a wider pack.
 template <typename Isa>
 struct Pack<1, Isa> {
   static constexpr int kSize = 1;
@@ -71,13 +71,13 @@ inline bool is_positive(const Pack<1, Isa>& x) {
   return x.v > 0.0;
 }
 
-/// From memory that is aligned for doubles only.
+/// Loads from memory that is aligned for doubles only.
 template <typename P>
 inline void load_lanes(const double* from, P& to) {
   to.v = *reinterpret_cast<const typename P::Unaligned*>(from);
 }
 
-/// To such memory, the first `count` lanes.
+/// Stores the first `count` lanes to such memory.
 template <typename P>
 inline void store_lanes(const P& from, int count, double* to) {
   if (count == P::kSize) {
@@ -87,7 +87,7 @@ inline void store_lanes(const P& from, int count, double* to) {
   }
 }
 
-/// The first `count` lanes; the others repeat the last of these.
+/// Loads the first `count` lanes; the others repeat the last of these.
 template <typename P>
 inline P load_lanes(int count, const double* from) {
   P out(0.0);
@@ -114,8 +114,8 @@ inline void sine_cosine(const Pack<kLanes, Isa>& x, Pack<kLanes, Isa>& sine,
   const Lanes shifted = x.v * (2.0 / M_PI) + magic;
   const Lanes k = shifted - magic;
   const Mask quadrant = reinterpret_cast<Mask>(shifted);  // the same bits
-  // The first two products and the first difference are exact; what the second one rounds away goes
-  // into the third.
+  // The first two products and the first difference are exact; the rounding error of the second is
+  // added to the third.
   const Lanes first = x.v - k * 1.57079632673412561417e+00;
   const Lanes second = k * 6.07710050630396597660e-11;
   const Lanes head = first - second;

@@ -5,8 +5,8 @@
 
 namespace veridyn {
 
-/// Random numbers that are the same on every machine for a seed (the distributions of the standard
-/// library are not).
+/// Random numbers that depend on the seed alone and not on the machine, unlike the distributions of
+/// the standard library.
 class RandomNumbers {
  public:
   /// @param stream  numbers of different streams of one seed are independent.

@@ -11,9 +11,9 @@ double signed_rank_p_value(const std::vector<double>& differences) {
   std::stable_sort(sorted.begin(), sorted.end(),
                    [](double a, double b) { return std::abs(a) < std::abs(b); });
   const size_t n = sorted.size();
-  size_t negative = 0;  // the sum of their ranks
+  size_t negative = 0;  // sum of the ranks of negative differences
   for (size_t k = 0; k < n; ++k) negative += sorted[k] > 0.0 ? 0 : k + 1;
-  // ways[s]: the share of all choices of signs whose negative ranks sum up to s.
+  // ways[s]: share of all choices of signs whose negative ranks sum to s.
   std::vector<double> ways(n * (n + 1) / 2 + 1, 0.0);
   ways[0] = 1.0;
   for (size_t rank = 1; rank <= n; ++rank) {

@@ -18,7 +18,7 @@ constexpr Eigen::Index kPieceRows = 1 << 15;  // rows of a thread's piece
 
 }  // namespace
 
-// The factor [R z; 0 rho] as the kernels read it, and a block of rows below it.
+// The factor [R z; 0 rho] in the layout of the kernels, and a block of rows below it.
 class SquareRootInformation::Triangle {
  public:
   Triangle(const SquareRootInformation& of, Eigen::Index rows)
@@ -143,7 +143,7 @@ void SquareRootInformation::merge(const SquareRootInformation& other, double wei
   for (int j = 0; j < m; ++j)
     triangle.set_column(place[static_cast<size_t>(j)], weight * other.R_.col(j).head(j + 1));
   triangle.set_column(k, weight * other.z_);
-  // Row i begins at place[i], which is not left of i where the columns keep their order.
+  // Row i begins at place[i]: the block is triangular only if the columns keep their order.
   triangle.update(std::is_sorted(place.begin(), place.end()));
   triangle.give_to(*this);
   rho2_ += weight * weight * other.rho2_;

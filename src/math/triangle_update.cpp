@@ -7,7 +7,7 @@ namespace {
 
 TriangleKernels widest_triangle_kernels() {
   const InstructionSet isa = widest_instruction_set();
-  // Even to ask for kernels runs code of their instruction set.
+  // Each function call below is itself compiled for its instruction set, hence the check before it.
   if (isa >= InstructionSet::kAvx512 && triangle_kernels_avx512().update != nullptr) return triangle_kernels_avx512();
   if (isa >= InstructionSet::kAvx2 && triangle_kernels_avx2().update != nullptr) return triangle_kernels_avx2();
   return triangle_kernels_baseline();

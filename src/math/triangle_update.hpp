@@ -3,7 +3,7 @@
 namespace veridyn {
 
 constexpr int kTrianglePanel = 8;  ///< columns that are triangulated together
-constexpr int kTriangleRows = 4;   ///< rows come in multiples of this
+constexpr int kTriangleRows = 4;   ///< rows per call are a multiple of this
 
 /// One step of the streaming QR: the rows A go into the triangle R by Householder reflections,
 ///
@@ -20,14 +20,14 @@ struct TriangleUpdate {
 };
 
 struct TriangleKernels {
-  void (*update)(const TriangleUpdate& in) = nullptr;  ///< null: not compiled for this processor
+  void (*update)(const TriangleUpdate& in) = nullptr;  ///< null: not compiled for this architecture
 };
 
 TriangleKernels triangle_kernels_baseline();
 TriangleKernels triangle_kernels_avx2();
 TriangleKernels triangle_kernels_avx512();
 
-/// The widest that this processor has.
+/// Kernels of the widest instruction set of this processor.
 const TriangleKernels& triangle_kernels();
 
 /// Columns rounded up to whole panels.

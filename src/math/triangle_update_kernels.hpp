@@ -3,23 +3,22 @@
 #include "triangle_update.hpp"
 #include "math/pack.hpp"
 
-// The inner loops of the streaming QR, once per instruction set; see dynamics/arm_kernel_loops.hpp
-// for the rules that such files keep: raw pointers, no standard library, templates over a pack.
+// Inner loops of the streaming QR, compiled once per instruction set under the rules of
+// dynamics/arm_kernel_loops.hpp: raw pointers, no standard library, templates over a pack.
 
 namespace veridyn {
 
 /// Householder reflections in panels of eight columns. A reflection of column j is
-/// I - t [u e_j; x][u e_j; x]', with x as it stands in the rows (it is not scaled to a leading
-/// one), so that a panel's columns hold its reflections when it is done. The panel acts on the
-/// columns to its right as I - V T V' (compact WY; Schreiber and Van Loan, 1989).
+/// I - t [u e_j; x][u e_j; x]', with x in place in the rows (not scaled to a leading one), so that
+/// a panel's columns hold its reflections at the end. The panel acts on the
 template <typename P>
 struct TriangleLoops {
   typedef double Aligned __attribute__((vector_size(sizeof(P)), may_alias));
   static constexpr int kPanel = kTrianglePanel;
   static constexpr int kAcross = kPanel / P::kSize;  // vectors of a panel's row
   static constexpr int kUnroll = 4;                  // rows; their number is a multiple of it
-  static constexpr double kNothing = 1e-200;  // a smaller square has no inverse to multiply with
-  // Vectors of columns and reflections that are worked on at once: as many sums as the registers
+  static constexpr double kNothing = 1e-200;  // a smaller square has no finite inverse
+  // Vectors of columns and reflections that are processed at once: as many sums as the registers
   // hold.
   static constexpr int kWide = P::kSize >= 4 ? 3 : 2;
   static constexpr int kDeep = P::kSize >= 8 ? 8 : 4;
@@ -34,7 +33,7 @@ struct TriangleLoops {
   }
   static void store(const P& from, double* to) { *reinterpret_cast<Aligned*>(to) = from.v; }
 
-  // d = sum over the rows of row[0] * row.
+  // Computes d = sum over the rows of row[0] * row.
   static void first_products(const double* A, long stride, int rows, double* d) {
     P sum[kUnroll][kAcross];
     for (int k = 0; k < kUnroll; ++k)
@@ -51,7 +50,7 @@ struct TriangleLoops {
     add_up(sum, d);
   }
 
-  // row -= row[j] * w, and of the new rows d = sum of row[j + 1] * row.
+  // Computes row -= row[j] * w, and d = sum of row[j + 1] * row over the new rows.
   static void reflect_within(double* A, long stride, int rows, int j, const double* w, double* d) {
     P change[kAcross];
     for (int a = 0; a < kAcross; ++a) change[a] = load(w + a * P::kSize);
@@ -91,7 +90,7 @@ struct TriangleLoops {
       const double below = d[j];
       double u = 0.0;
       double t = 0.0;
-      if (!(below < kNothing)) {  // NaN goes on: it must not be lost
+      if (!(below < kNothing)) {  // true for NaN as well, which must propagate
         const double norm = __builtin_sqrt(top[j] * top[j] + below);
         const double beta = top[j] > 0.0 ? -norm : norm;
         u = top[j] - beta;
@@ -115,7 +114,7 @@ struct TriangleLoops {
     }
   }
 
-  // W[j] += sum over the rows of V[j] * columns, kJ reflections from `from` on.
+  // Computes W[j] += sum over the rows of V[j] * columns, kJ reflections from `from` on.
   template <int kC>
   static void products(const double* V, const double* A, long stride, int rows,
                        P (&W)[kPanel][kC]) {
@@ -142,7 +141,7 @@ struct TriangleLoops {
     }
   }
 
-  // columns -= sum_j V[j] * W[j].
+  // Computes columns -= sum_j V[j] * W[j].
   template <int kC>
   static void subtract(const double* V, double* A, long stride, int rows,
                        const P (&W)[kPanel][kC]) {
@@ -178,7 +177,7 @@ struct TriangleLoops {
     for (int j = 0; j < kPanel; ++j)
       for (int c = 0; c < kC; ++c)
         W[j][c] += P(panel.u[j]) * load(R + j * stride + c * P::kSize);
-    for (int j = kPanel - 1; j >= 0; --j) {  // W = T' W, in place from below
+    for (int j = kPanel - 1; j >= 0; --j) {  // W = T' W, in place from the last row up
       for (int c = 0; c < kC; ++c) {
         P sum = P(panel.T[j][j]) * W[j][c];
         for (int i = 0; i < j; ++i) sum += P(panel.T[i][j]) * W[i][c];

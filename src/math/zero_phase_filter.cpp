@@ -12,9 +12,9 @@
 namespace veridyn {
 namespace {
 
-// A section from the coefficients of y = b0 x + b1 x' + b2 x'' - a1 y' - a2 y''.
+// Builds a section from the coefficients of y = b0 x + b1 x' + b2 x'' - a1 y' - a2 y''.
 FilterSection section(double b0, double b1, double b2, double a1, double a2) {
-  // At rest under a constant input of one; every section has gain one there.
+  // Steady state under a constant input of one; every section has unit gain at zero frequency.
   const double start2 = b2 - a2;
   return {b0, b1 - a1 * b0, b2 - a2 * b0, a1, a2, b1 - a1 + start2, start2};
 }
@@ -62,7 +62,7 @@ void ZeroPhaseFilter::apply(MatrixXd& columns) const {
                     pad,              nullptr};
   sweep.work = memory.get(static_cast<size_t>((rows + 2 * pad) * kFilterLanes));
   std::array<double*, kFilterLanes> lanes{};
-  std::vector<double> idle;  // what lanes without a column of their own work on
+  std::vector<double> idle;  // workspace of lanes without a column
   if (columns.cols() % kFilterLanes != 0) idle.resize(static_cast<size_t>(rows));
   for (Eigen::Index c = 0; c < columns.cols(); c += kFilterLanes) {
     for (int l = 0; l < kFilterLanes; ++l)

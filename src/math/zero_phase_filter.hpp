@@ -8,7 +8,7 @@ namespace veridyn {
 
 struct FilterSection;  // internal
 
-/// A Butterworth low-pass run forward and backward, so that nothing is delayed.
+/// A Butterworth low-pass run forward and backward, so that it has no phase lag.
 ///
 /// Second-order sections by the bilinear transform with pre-warping; any order. One pass damps by 3
 /// dB at the cut-off, the two together by 6 dB (as MATLAB's filtfilt, which the thesis uses). At
@@ -30,7 +30,7 @@ class ZeroPhaseFilter {
   ZeroPhaseFilter(const ZeroPhaseFilter&);
   ZeroPhaseFilter& operator=(const ZeroPhaseFilter&);
 
-  /// After this many samples a disturbance has decayed to `remainder` of its size.
+  /// Number of samples after which a disturbance has decayed to `remainder` of its size.
   int settling_samples(double remainder) const;
 
  private:
@@ -38,8 +38,8 @@ class ZeroPhaseFilter {
   double slowest_pole_ = 0.0;  ///< largest magnitude of a pole
 };
 
-/// d/dt of every column by central differences of fourth order; lower orders at the ends. Rows are
-/// dt apart.
+/// D/dt of every column by central differences of fourth order, of lower order at the ends. The
+/// rows are dt apart.
 MatrixXd differentiate(const MatrixRef& columns, double dt);
 
 }  // namespace veridyn

@@ -7,11 +7,10 @@
 
 namespace veridyn {
 
-// What the reader and writer of robot files must know of effects. Declared here, where it is
-// needed; answered by src/effects/registry.cpp, from what every effect says of itself.
+// Properties of effects that the reader and writer of robot files need. Declared here and defined
+// in src/effects/registry.cpp, because model/ must not include effects/.
 
-/// Every effect that a robot file or a command may name. `none`, the verdict that there is no
-/// effect, is not among them.
+/// Every effect that a robot file or a command may name. The verdict `none` is not among them.
 const std::vector<std::string>& effect_names();
 
 /// Keys of an effect in a robot file that are not the names of its parameters.
@@ -20,11 +19,10 @@ const std::vector<std::string>& effect_keys();
 /// True for effects of the whole arm, which need neither `axis` nor `frame`.
 bool may_lack_axis(const std::string& effect);
 
-/// True where `offset` is the effect's parameter and not that of its axis, which could not be told
-/// from it.
+/// True if `offset` is a parameter of the effect itself, in which case its axis cannot have one.
 bool has_offset_parameter(const std::string& effect);
 
-/// The effect and its parameter that say the same as an attribute of URDF's <dynamics>.
+/// The effect and the parameter that correspond to an attribute of URDF's <dynamics>.
 std::optional<std::pair<std::string, std::string>> effect_of_urdf(const std::string& attribute);
 
 }  // namespace veridyn

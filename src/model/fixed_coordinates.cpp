@@ -8,7 +8,7 @@
 namespace veridyn {
 namespace {
 
-// What is left of an axis, with the fixed share in its offset.
+// The axis without the fixed coordinates, whose share goes into its offset.
 Axis reduced(const Axis& axis, const VectorXd& position, const std::vector<int>& kept) {
   Axis out;
   out.offset = axis.offset;
@@ -30,7 +30,7 @@ bool moves(const Axis& axis) {
   return (axis.coefficients.array() != 0.0).any();
 }
 
-// A joint that moves no more is a fixed frame: T = A J(s0) B.
+// A joint that is locked becomes a fixed frame: T = A J(s0) B.
 void hold(Frame* frame) {
   const bool turns = frame->type == JointType::kRevolute;
   const double s = frame->variable.offset;

@@ -6,11 +6,11 @@
 namespace veridyn {
 namespace {
 
-// A rotation that takes z to the unit vector, the same one for the same axis.
+// A rotation that takes z to the unit vector, unique for each axis.
 Mat3d rotation_z_to(const Vec3d& axis) {
   if (axis.z < 0.0)
     return rotation_z_to({-axis.x, -axis.y, -axis.z}) * Mat3d{{1, 0, 0}, {0, -1, 0}, {0, 0, -1}};
-  // Rodrigues about z x axis, the shortest way.
+  // Rodrigues' formula about z x axis, the smallest rotation.
   const double x = axis.x;
   const double y = axis.y;
   const double k = 1.0 / (1.0 + axis.z);
@@ -40,7 +40,8 @@ Mat3d rotation_from_rpy(const Vec3d& rpy) {
 }
 
 Vec3d rpy_from_rotation(const Mat3d& R) {
-  // Whatever yaw is, pitch and roll follow from Rz(-yaw) R, so nothing is lost near pitch = +-pi/2.
+  // For any choice of yaw, pitch and roll follow from Rz(-yaw) R, so that no accuracy is lost near
+  // pitch = +-pi/2.
   constexpr double kNoise = 4.0 * std::numeric_limits<double>::epsilon();
   const bool upright = std::hypot(R.row0.x, R.row1.x) < kNoise;
   const double yaw = upright ? 0.0 : std::atan2(R.row1.x, R.row0.x);
@@ -73,8 +74,8 @@ JointPlacement joint_placement_with_offset(const Frame& frame) {
   const double s0 = frame.variable.offset;
   const Vec3d& u = placed.axis;
   if (s0 != 0.0 && turns) placed.origin.R = placed.origin.R * rotation_about(u, s0);
-  // What lies along the axis may stand on either side of a turn; on either side of a slide,
-  // anything may.
+  // A translation along the axis commutes with a rotation about it, and every translation with a
+  // slide.
   const double along = dot(u, placed.tip);
   const Vec3d part = turns ? along * u : placed.tip + s0 * u;
   placed.origin = placed.origin * Posed{identity3(), part};

@@ -7,10 +7,10 @@ namespace veridyn {
 /// Roll, pitch, yaw [rad]: R = Rz(yaw) Ry(pitch) Rx(roll), as in URDF.
 Mat3d rotation_from_rpy(const Vec3d& rpy);
 
-/// The inverse; where pitch is +-pi/2, yaw is 0.
+/// The inverse; yaw is 0 where pitch is +-pi/2.
 Vec3d rpy_from_rotation(const Mat3d& R);
 
-/// A frame that turns about, or slides along, any line, as URDF has it:
+/// Placement of a frame that turns about, or slides along, any line, as in URDF:
 ///
 ///   T_parent_frame = origin * J(s about axis) * Trans(tip)
 struct JointPlacement {
@@ -19,14 +19,14 @@ struct JointPlacement {
   Vec3d tip{0, 0, 0};  ///< [m] origin of the frame in the joint's frame at s = 0; zero in URDF
 };
 
-/// The constant parts A and B of a frame; its type must be set.
+/// Sets the constant parts A and B of a frame; its type must be set.
 void place(Frame& frame, const JointPlacement& placement);
 
-/// The placement of any frame, also of one that came from a DH row. s keeps its offset.
+/// The placement of any frame, also of one from a DH row. The offset of s is kept.
 JointPlacement joint_placement(const Frame& frame);
 
-/// The same for s without its offset, which goes into the origin; and so does as much of the tip as
-/// can.
+/// The same for s without its offset, which moves into the origin, as does the tip as far as
+/// possible.
 JointPlacement joint_placement_with_offset(const Frame& frame);
 
 }  // namespace veridyn

@@ -30,13 +30,13 @@ void place(Frame& frame, const DhRow& dh) {
   frame.dh = dh;
   const bool turns = frame.type == JointType::kRevolute;
   const bool slides = frame.type == JointType::kPrismatic;
-  // The constant part of the joint's own number goes into s0, the other one into A or B.
+  // The constant number of the joint's own kind goes into s0, the other one into A or B.
   if (turns) frame.variable.offset += dh.theta;
   if (slides) frame.variable.offset += dh.d;
   const Posed turn{rotation_z(turns ? 0.0 : dh.theta), {0, 0, 0}};
   const Posed slide{identity3(), {0, 0, slides ? 0.0 : dh.d}};
   const Posed link{rotation_x(dh.alpha), {dh.a, 0, 0}};
-  // Rz and Tz commute, so whichever of the two is constant may stand on either side of the joint.
+  // Rz and Tz commute, so the constant one may be placed on either side of the joint.
   if (dh.convention == DhConvention::kStandard) {
     frame.A = turns ? identity_pose() : turn;
     frame.B = slide * link;

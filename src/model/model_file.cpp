@@ -39,7 +39,7 @@ bool is_robot_file(const fs::path& path) {
          is_urdf(path);
 }
 
-// The file of a bare name.
+// Finds the file of a bare name.
 fs::path find_robot(const std::string& name) {
   std::error_code ignored;
   for (const fs::path& folder : robot_folders()) {

@@ -6,7 +6,7 @@
 
 namespace veridyn {
 
-/// A body as people describe it; the inverse of inertial_parameters().
+/// Mass, centre and central inertia of a body; the inverse of inertial_parameters().
 struct PhysicalBody {
   double mass;          ///< [kg]
   Eigen::Vector3d com;  ///< [m]
@@ -14,11 +14,11 @@ struct PhysicalBody {
       inertia;  ///< about the centre of mass [kg m^2]: xx, xy, yy, xz, yz, zz
 };
 
-/// Nothing if the mass is zero.
+/// Nullopt if the mass is zero.
 std::optional<PhysicalBody> physical_body(const InertialParameters& phi);
 
-/// In numbers of 15 digits, fit for people; nothing if these do not give phi back, or mass or a
-/// moment is negative.
+/// The same rounded to 15 digits for readable files; nullopt if the rounded values do not give phi
+/// back, or mass or a moment is negative.
 std::optional<PhysicalBody> rounded_physical_body(const InertialParameters& phi);
 
 }  // namespace veridyn

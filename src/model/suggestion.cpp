@@ -11,7 +11,7 @@ bool same_letter(char a, char b) {
   return std::tolower(static_cast<unsigned char>(a)) == std::tolower(static_cast<unsigned char>(b));
 }
 
-// Levenshtein, row by row; case does not count.
+// Levenshtein distance, row by row, ignoring case.
 std::size_t edit_distance(const std::string& a, const std::string& b) {
   std::vector<std::size_t> row(b.size() + 1);
   std::iota(row.begin(), row.end(), std::size_t{0});
@@ -27,9 +27,9 @@ std::size_t edit_distance(const std::string& a, const std::string& b) {
   return row.back();
 }
 
-constexpr std::size_t kTellsEnough = 3;  // letters: one or two begin anything
+constexpr std::size_t kTellsEnough = 3;  // letters that a prefix needs to identify a name
 
-// "psm" may mean "psm-3dof".
+// The shortest candidate with the prefix `name`: "psm" may mean "psm-3dof".
 std::string shortest_that_begins_with(const std::string& name,
                                       const std::vector<std::string>& candidates) {
   std::string best;

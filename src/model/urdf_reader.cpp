@@ -8,6 +8,7 @@
 #include <tinyxml.h>
 #include <urdf_parser/urdf_parser.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <iterator>
@@ -22,9 +23,35 @@ namespace veridyn {
 namespace {
 
 constexpr double kUnlimited =
-    1e9;  // what to_urdf() writes where URDF wants a number and there is none
+    1e9;  // value of to_urdf() where URDF requires a number and the model has none
 
-// What urdfdom says while it parses; it prints to the console otherwise.
+constexpr int kDeepestXml = 100;  // a URDF has five; TinyXML recurses once for each
+
+// The nesting depth of the elements, found without recursion. Comments, declarations and quoted
+// values hold no tags.
+int depth_of_xml(const std::string& content) {
+  int depth = 0, deepest = 0;
+  for (std::size_t at = content.find('<'); at != std::string::npos; at = content.find('<', at)) {
+    if (content.compare(at, 4, "<!--") == 0 || content.compare(at, 9, "<![CDATA[") == 0) {
+      at = content.find(content[at + 2] == '-' ? "-->" : "]]>", at);
+      continue;
+    }
+    const bool closes = content.compare(at, 2, "</") == 0;
+    const bool declares = content.compare(at, 2, "<?") == 0 || content.compare(at, 2, "<!") == 0;
+    char quote = 0;
+    while (++at < content.size() && (quote != 0 || content[at] != '>')) {
+      const char c = content[at];
+      if (quote == 0 && !declares && (c == '"' || c == '\'')) quote = c;
+      else if (c == quote) quote = 0;
+    }
+    if (declares || at >= content.size()) continue;
+    if (closes) --depth;
+    else if (content[at - 1] != '/') deepest = std::max(deepest, ++depth);
+  }
+  return deepest;
+}
+
+// Collects the messages of urdfdom's parser, which otherwise go to the console.
 class ParserLog : public console_bridge::OutputHandler {
  public:
   ParserLog() { console_bridge::useOutputHandler(this); }
@@ -77,6 +104,9 @@ bool is_finite(const Vec3d& v) {
 class UrdfReader {
  public:
   UrdfReader(std::string file, const std::string& content) : file_(std::move(file)) {
+    if (const int depth = depth_of_xml(content); depth > kDeepestXml) {
+      fail("", text("elements ", depth, " deep"), text("at most ", kDeepestXml));
+    }
     xml_.Parse(content.c_str());
     if (xml_.Error()) {
       fail(text(xml_.ErrorRow(), ":", xml_.ErrorCol(), ":"),
@@ -127,14 +157,15 @@ class UrdfReader {
     } catch (const std::exception& error) {
       log.first_error = error.what();
     }
-    // urdfdom drops what it cannot read and goes on; a body that is silently missing is worse than
-    // no robot.
+    // urdfdom drops elements that it cannot read and continues; a body that is silently missing is
+    // worse than an error.
     if (!urdf_ || !log.first_error.empty()) {
       fail("", "no valid URDF (" + one_line(log.first_error) + ")", "a URDF file");
     }
   }
 
-  // In the order of the file, which urdfdom forgets: recordings number their columns in this order.
+  // Reads coordinates in the order of the file, which urdfdom does not keep: it is the column order
+  // of recordings.
   void read_coordinates() {
     const TiXmlElement* element = xml_.RootElement()->FirstChildElement("joint");
     for (; element != nullptr; element = element->NextSiblingElement("joint")) {
@@ -169,7 +200,7 @@ class UrdfReader {
     return c;
   }
 
-  // s = c . q + s0 of a joint; that of a mimic joint follows from the one that it mimics.
+  // s = c . q + s0 of a joint; that of a mimic joint follows from the joint that it mimics.
   Axis variable(const urdf::Joint& joint, std::size_t depth) const {
     Axis axis{VectorXd::Zero(static_cast<Eigen::Index>(model_.coordinates.size())), 0.0};
     if (!moves(joint)) return axis;
@@ -208,7 +239,7 @@ class UrdfReader {
     return -1;
   }
 
-  // The child link of a joint, after the links that carry it.
+  // Adds the child link of a joint, after the links above it.
   void add_link_of(const urdf::Joint& joint) {
     if (find_frame(joint.child_link_name) >= 0) return;
     const urdf::LinkConstSharedPtr parent = urdf_->getLink(joint.parent_link_name);
@@ -271,6 +302,9 @@ class UrdfReader {
     if (!joint.dynamics || !moves(joint)) return;
     const auto add = [&](const char* attribute, double value) {
       if (value == 0.0) return;
+      if (!(value > 0.0)) {
+        fail_at("joint", joint.name, text("a ", attribute, " of ", value), "one that is not negative");
+      }
       const auto [effect, key] = effect_of_urdf(attribute).value();
       EffectTerm term;
       term.effect = effect;

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "physical_body.hpp"
-#include "math/output_file.hpp"
 #include "model/joint_placement.hpp"
 #include "model/effect_names.hpp"
 #include "veridyn/model/urdf.hpp"
@@ -12,7 +11,7 @@
 namespace veridyn {
 namespace {
 
-constexpr double kWrittenUnlimited = 1e9;  // URDF wants a number where there is no limit
+constexpr double kWrittenUnlimited = 1e9;  // URDF requires a number where there is no limit
 
 std::string number(double value) {
   return fmt::format("{}", value + 0.0);
@@ -118,7 +117,7 @@ class UrdfWriter {
     return found;
   }
 
-  // What URDF has no words for.
+  // Names the parts of the model that URDF cannot represent.
   void losses() {
     remark("", 1);
     if (!arm_.description().source.empty())
@@ -162,7 +161,7 @@ class UrdfWriter {
     return known && plain && term.values.size() == 1;
   }
 
-  // True if the term with its value is what this attribute of <dynamics> says.
+  // True if this attribute of <dynamics> represents the term and its value.
   static bool says(const EffectTerm& term, const char* attribute) {
     const auto same = effect_of_urdf(attribute);
     return same && term.effect == same->first && term.values.count(same->second) == 1;
@@ -268,7 +267,7 @@ class UrdfWriter {
     if (words != extras_.remarks.end()) line(depth, comment(words->second));
   }
 
-  // As they were read; robot-wide materials under the empty name.
+  // Writes visuals and collisions as they were read; robot-wide materials have the empty name.
   void shapes(const std::string& frame) {
     const auto found = extras_.appearance.find(frame);
     if (found == extras_.appearance.end()) return;
@@ -342,10 +341,6 @@ class UrdfWriter {
 
 std::string to_urdf(const Model& arm, const UrdfExtras& extras) {
   return UrdfWriter(arm, extras).urdf();
-}
-
-void save_urdf(const Model& arm, const std::string& path, const UrdfExtras& extras) {
-  write_file(path, to_urdf(arm, extras));
 }
 
 }  // namespace veridyn

@@ -8,15 +8,17 @@
 #include "math/median.hpp"
 #include "recordings/import.hpp"
 #include "recordings/stream_clock.hpp"
-#include "recordings/units.hpp"
+#include "recordings/signals/units.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn::recordings {
 namespace {
 
 constexpr double kGap = std::numeric_limits<double>::quiet_NaN();
-constexpr std::int64_t kSinceAges = 100000000LL * 1000000000LL;  // [ns] later: since 1970
-constexpr double kLongStep = 2.5;  // median steps across which another stream is interpolated
+// [ns] larger times count from 1970.
+constexpr std::int64_t kSinceAges = 100000000LL * 1000000000LL;
+// In median steps: other streams are interpolated across shorter steps only.
+constexpr double kLongStep = 2.5;
 
 // The stream that has the most columns; the longest of these.
 int base_stream(const RawRecording& raw, const ChosenFields& chosen) {
@@ -34,13 +36,7 @@ int base_stream(const RawRecording& raw, const ChosenFields& chosen) {
       ->first;
 }
 
-std::int64_t median_step(const std::vector<std::int64_t>& time) {
-  std::vector<std::int64_t> steps;
-  for (std::size_t k = 1; k < time.size(); ++k) steps.push_back(time[k] - time[k - 1]);
-  return median(std::move(steps));
-}
-
-// A column of another stream at the times of the base, linear between its rows; gaps where these
+// A column of another stream at the times of the base, by linear interpolation; NaN where its rows
 // are further apart than usual.
 VectorXd interpolated(const RawStream& stream, std::size_t field, const StreamClock& clock,
                       std::int64_t shift, const std::vector<std::int64_t>& wanted) {
@@ -111,7 +107,7 @@ class Assembler {
     const auto field = static_cast<std::size_t>(place.field);
     const StreamClock& own = clock_of_stream(base);
     if (place.stream != base) {
-      // Times of recording come after the stamps by what is usual for the base.
+      // Recording times lag the stamps by the base's usual delay.
       const StreamClock& other = clock_of_stream(place.stream);
       const bool own_stamps = own.recorded_after != 0;
       const bool other_stamps = other.recorded_after != 0;
@@ -126,7 +122,7 @@ class Assembler {
     return out;
   }
 
-  // (rows x joints), or empty where the file has no such signal.
+  // (rows x joints), or empty if the file lacks the signal.
   MatrixXd values_of(int signal, int base, RecordingFacts* facts) {
     const std::string name = kRecordingSignals[signal].name;
     MatrixXd values;
@@ -156,7 +152,7 @@ class Assembler {
     return values;
   }
 
-  // Efforts that the user knows to be currents.
+  // Treats efforts as currents where the user declared them so.
   void efforts_in_amperes(Imported* out) const {
     if (!is_current_unit(unit_of(choice_, "tau", 0)) || out->recording.tau.size() == 0) return;
     out->recording.current = std::move(out->recording.tau);

@@ -6,8 +6,9 @@
 #include <optional>
 #include <set>
 
+#include "math/words.hpp"
 #include "recordings/field_map.hpp"
-#include "recordings/joint_fields.hpp"
+#include "recordings/signals/joint_fields.hpp"
 #include "recordings/joint_match.hpp"
 #include "veridyn/math/require.hpp"
 #include "model/suggestion.hpp"
@@ -17,12 +18,7 @@ namespace {
 
 constexpr int kQ = 0, kTau = 3, kCurrent = 4;
 
-bool is_number(const std::string& name) {
-  return !name.empty() && name.find_first_not_of("0123456789") == std::string::npos;
-}
-
-// Joints of a topic that have a position, in the order in which they first appear; mere numbers by
-// value.
+// Joints of a topic that have a position, in the order of first appearance; plain numbers by value.
 std::vector<std::string> joints_with_position(const RawRecording& raw, const std::string& topic) {
   std::vector<std::string> joints;
   for (const RawStream& stream : raw.streams) {
@@ -89,7 +85,7 @@ void require_topics(const RawRecording& raw, const std::string& path, const Sign
   }
 }
 
-// Measured before unnamed before commanded.
+// Rank of a topic: measured, then unnamed, then commanded.
 int rank_of(const std::string& topic) {
   static const std::set<std::string> kCommanded = {"setpoint", "desired", "goal",     "command",
                                                    "target",   "servo",   "commands", "reference",
@@ -109,7 +105,7 @@ struct Candidate {
   int matched = 0;
   int rank = 0;
   bool efforts = false;
-  std::string problem;  // why names could not be told apart
+  std::string problem;  // reason for which names were ambiguous
 };
 
 Candidate candidate_of(const RawRecording& raw, const std::string& topic,
@@ -144,7 +140,7 @@ bool better(const Candidate& a, const Candidate& b) {
   return a.efforts && !b.efforts;
 }
 
-// What a file without positions of joints holds, in a few words.
+// Summary of a file without positions of joints, for messages.
 std::string contents(const RawRecording& raw) {
   std::vector<std::string> words;
   for (const RawTopic& topic : raw.topics)
@@ -188,7 +184,7 @@ Candidate best_candidate(const RawRecording& raw, const std::string& path,
   return first;
 }
 
-// Efforts on a topic of their own: as many numbers as joints, under a name that says so.
+// Adds efforts of a topic of their own: as many numbers as joints, with a matching name.
 void add_separate_efforts(const RawRecording& raw, const std::vector<std::string>& taken_topics,
                           ChosenFields* chosen) {
   const auto lacks = [&](int signal) {
@@ -197,7 +193,7 @@ void add_separate_efforts(const RawRecording& raw, const std::vector<std::string
   };
   if (!lacks(kTau) || !lacks(kCurrent)) return;
   const std::size_t n = chosen->joints.size();
-  for (const RawStream& stream : raw.streams) {  // the same joints elsewhere
+  for (const RawStream& stream : raw.streams) {  // the same joints on another topic
     if (stream.topic == taken_topics.front() || rank_of(stream.topic) > 1) continue;
     for (std::size_t j = 0; j < n; ++j)
       chosen->places[j][kTau] = place_of(raw, stream.topic, chosen->recorded[j], kTau);
@@ -232,7 +228,7 @@ void add_separate_efforts(const RawRecording& raw, const std::vector<std::string
   }
 }
 
-// Joints of the arm that are not in the file: their names and what the file has.
+// Throws for joints of the arm that the file lacks, with their names and those of the file.
 void require_all_joints(const Candidate& c, const std::string& path, const SignalChoice& choice,
                         const std::vector<char>& mapped) {
   std::vector<std::string> missing;
@@ -248,7 +244,7 @@ void require_all_joints(const Candidate& c, const std::string& path, const Signa
                           c.problem.empty() ? "" : " (" + c.problem + ")", "."));
 }
 
-// Columns whose names are those of the joints and nothing else are their positions.
+// Columns named exactly like a joint are its position.
 void name_bare_positions(const SignalChoice& choice, RawRecording* raw) {
   for (const RawStream& stream : raw->streams) {
     for (const RawField& field : stream.fields) {
@@ -291,7 +287,7 @@ ChosenFields choose_fields(const RawRecording& given, const std::string& path,
   ChosenFields chosen;
   std::vector<char> mapped;
   if (map.maps_all_positions()) {
-    // Every position is named: no topic has to be found.
+    // All positions are named, so that no topic has to be found.
     const std::size_t n = choice.joints.empty() ? map.largest_joint() : choice.joints.size();
     for (std::size_t j = 0; j < n; ++j) {
       chosen.joints.push_back(choice.joints.empty() ? std::to_string(j + 1) : choice.joints[j].name);
@@ -315,7 +311,7 @@ ChosenFields choose_fields(const RawRecording& given, const std::string& path,
       for (int signal = 0; signal < kSignalCount; ++signal) {
         FieldPlace& place = chosen.places[j][static_cast<std::size_t>(signal)];
         place = place_of(*raw, c.topic, recorded, signal);
-        // Other topics that were asked for fill what the first does not hold.
+        // Other chosen topics provide signals that the first lacks.
         for (const std::string& other : choice.topics) {
           if (!place.found()) place = place_of(*raw, other, recorded, signal);
         }

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "recordings/raw_recording.hpp"
+#include "recordings/signals/raw_recording.hpp"
 #include "veridyn/recordings/signal_choice.hpp"
 
 namespace veridyn::recordings {
@@ -18,15 +18,15 @@ struct FieldPlace {
 
 constexpr int kSignalCount = 5;  ///< as kRecordingSignals
 
-/// Where each signal of each joint lies.
+/// Location of each signal of each joint.
 struct ChosenFields {
-  std::vector<std::string> joints;    ///< names of the arm, or of the file where none are wanted
+  std::vector<std::string> joints;    ///< names of the arm, or of the file if no arm is given
   std::vector<std::string> recorded;  ///< names in the file, joint by joint
   std::vector<std::array<FieldPlace, kSignalCount>> places;  ///< joint by joint
   std::vector<std::string> remarks;
 };
 
-/// Which columns are the arm's.
+/// Selects the columns of the arm.
 /// @throws InvalidInput  see assemble().
 ChosenFields choose_fields(const RawRecording& raw, const std::string& path,
                            const SignalChoice& choice);

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <optional>
 
-#include "recordings/joint_fields.hpp"
+#include "recordings/signals/joint_fields.hpp"
 #include "veridyn/math/require.hpp"
 #include "model/suggestion.hpp"
 #include "veridyn/recordings/recording.hpp"
@@ -11,7 +11,7 @@
 namespace veridyn::recordings {
 namespace {
 
-// `a[3]/b.c` and `a/3/b/c` are one place.
+// Normalised name: `a[3]/b.c` and `a/3/b/c` are equal.
 std::string plain(std::string name) {
   std::string out;
   for (const char c : name) {
@@ -26,7 +26,7 @@ std::string without_data(const std::string& name) {
   return data == std::string::npos ? name : name.substr(0, data) + name.substr(data + 5);
 }
 
-// The names by which a column may be called.
+// All names by which --map may call a column.
 std::vector<std::string> names_of(const RawStream& stream, const RawField& field) {
   std::vector<std::string> names = {plain(field.path)};
   if (!stream.topic.empty()) {
@@ -36,7 +36,7 @@ std::vector<std::string> names_of(const RawStream& stream, const RawField& field
   return names;
 }
 
-// The number behind a prefix, as 3 in `tau_3` for `tau`, or nothing.
+// The number after a prefix, as 3 in `tau_3` for `tau`, or nullopt.
 std::optional<long> number_behind(const std::string& name, const std::string& prefix) {
   if (name.size() <= prefix.size() || name.compare(0, prefix.size(), prefix) != 0)
     return std::nullopt;
@@ -62,7 +62,7 @@ FieldPlace column(const RawRecording& raw, const std::string& source) {
   return best;
 }
 
-// Columns that begin with the source and go on with a number, by that number.
+// Columns that begin with the source and end with a number, by that number.
 std::vector<FieldPlace> columns(const RawRecording& raw, const std::string& source) {
   std::map<long, FieldPlace> found;
   for (std::size_t s = 0; s < raw.streams.size(); ++s) {
@@ -78,7 +78,7 @@ std::vector<FieldPlace> columns(const RawRecording& raw, const std::string& sour
   return out;
 }
 
-// On a topic with named joints: this signal of each wanted joint is found by the caller.
+// On a topic with named joints the caller finds this signal of each joint.
 std::vector<std::string> all_columns(const RawRecording& raw) {
   std::vector<std::string> names;
   for (const RawStream& stream : raw.streams) {
@@ -123,7 +123,7 @@ FieldMap::FieldMap(const RawRecording& raw, const std::string& path, const Signa
     const auto joint = std::find_if(choice.joints.begin(), choice.joints.end(),
                                     [&k = key](const WantedJoint& j) { return j.name == k; });
     const std::optional<Key> signal = key_of(key);
-    if (key == "t") continue;  // the reader of the table has taken it as the time
+    if (key == "t") continue;  // the reader of the table has used it as the time
     if (joint != choice.joints.end()) {
       renamed_[key] = source;
     } else if (!signal) {

@@ -8,30 +8,30 @@
 
 namespace veridyn::recordings {
 
-/// What --map says, resolved to columns of a file.
+/// The option --map, resolved to columns of a file.
 ///
 /// A source is a column: `/arm/effort/0`, `/arm/effort/data[0]`, `actual_current_0`; for all joints
-/// it is what their columns begin with, in the order of their numbers: `tau=/arm/effort`.
+/// it is their common prefix, in the order of their numbers: `tau=/arm/effort`.
 class FieldMap {
  public:
-  /// @throws InvalidInput  a key that is no signal, joint or t, or a source that is not in the file.
+  /// @throws InvalidInput  a key that is no signal, joint or t, or a source that the file lacks.
   FieldMap(const RawRecording& raw, const std::string& path, const SignalChoice& choice);
 
-  /// Where --map puts a signal of joint `joint` (from 0); not found: it does not say.
+  /// The mapped column of a signal of joint `joint` (from 0); not found() if it is not mapped.
   FieldPlace place(int signal, std::size_t joint) const;
-  /// Where --map takes another joint's signal, as in tau1=tau2: by what is mapped, what is taken.
+  /// Signals that take another joint's, as in tau1=tau2: by the mapped one, the source.
   struct Taken {
     int signal;
     std::size_t joint;
   };
   const std::map<std::pair<int, std::size_t>, Taken>& taken() const { return taken_; }
-  /// Whether any joint's signal is mapped.
+  /// True if any joint's signal is mapped.
   bool touches(int signal) const;
-  /// Whether all positions (of the joints that are wanted, or 1..n) are mapped.
+  /// True if all positions (of the arm's joints, or 1..n) are mapped.
   bool maps_all_positions() const;
   /// The largest joint number among the mapped positions.
   std::size_t largest_joint() const;
-  /// Joints that are recorded under another name.
+  /// Joints that have another name in the recording.
   const std::map<std::string, std::string>& renamed() const { return renamed_; }
 
  private:

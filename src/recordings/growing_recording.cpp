@@ -4,7 +4,7 @@
 #include <thread>
 #include <utility>
 
-#include "recordings/row_source.hpp"
+#include "recordings/csv/row_source.hpp"
 
 namespace veridyn {
 namespace {
@@ -15,7 +15,7 @@ constexpr std::chrono::milliseconds kPause{20};
 
 GrowingRecording::GrowingRecording(const std::string& path, const RecordingOptions& options,
                                    std::function<bool()> go_on) {
-  const bool pipe = path == "-";  // its end is the end; a file may go on after it
+  const bool pipe = path == "-";  // a pipe ends for good; a file may still grow
   const auto wait = [pipe, go_on = std::move(go_on)] {
     if (pipe || !go_on()) return false;
     std::this_thread::sleep_for(kPause);

@@ -14,10 +14,10 @@
 namespace veridyn::recordings {
 namespace {
 
-constexpr std::size_t kKept = 8;                    // recordings kept for the next pass over them
+constexpr std::size_t kKept = 8;                    // recordings kept for further passes
 constexpr std::size_t kKeptNumbers = std::size_t{64} << 20;
 
-// Everything on which the outcome depends.
+// Text of everything that determines the result.
 std::string key_of(const std::string& path, const RecordingOptions& options) {
   std::ostringstream key;
   struct stat about {};
@@ -39,7 +39,7 @@ std::size_t numbers_in(const Recording& r) {
   return count;
 }
 
-// The last few recordings: an identification reads each several times.
+// The most recent recordings, because an identification reads each several times.
 class Kept {
  public:
   std::shared_ptr<const Imported> find(const std::string& key) {
@@ -96,7 +96,7 @@ RawRecording read_raw(const OpenedFile& file, const RecordingOptions& options) {
 template <typename Read>
 std::shared_ptr<const Imported> read_and_keep(const std::string& path,
                                               const RecordingOptions& options, Read read) {
-  const std::string key = key_of(path, options);  // of the file before it is read
+  const std::string key = key_of(path, options);  // computed before the file is read
   auto imported = std::make_shared<const Imported>(assemble(read(), path, options.signals));
   kept().keep(key, imported);
   return imported;

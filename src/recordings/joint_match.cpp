@@ -4,7 +4,8 @@
 #include <optional>
 #include <set>
 
-#include "recordings/joint_fields.hpp"
+#include "math/words.hpp"
+#include "recordings/signals/joint_fields.hpp"
 #include "veridyn/math/require.hpp"
 #include "model/suggestion.hpp"
 
@@ -13,7 +14,7 @@ namespace {
 
 using Words = std::vector<std::string>;
 
-// Words that tell joints apart.
+// Words that distinguish joints.
 Words telling_words(const std::string& name) {
   static const std::set<std::string> kIdle = {"joint", "link", "axis", "jnt"};
   Words words = words_of(name);
@@ -23,7 +24,7 @@ Words telling_words(const std::string& name) {
   return words;
 }
 
-// Words that `longer` has in front of `shorter`, or nothing where it does not end in it.
+// Number of words of `longer` before `shorter`, or nullopt if it does not end with it.
 std::optional<int> words_in_front(const Words& shorter, const Words& longer) {
   if (shorter.empty() || shorter.size() > longer.size()) return std::nullopt;
   const auto behind = longer.end() - static_cast<long>(shorter.size());
@@ -40,7 +41,7 @@ std::optional<long> last_number(const std::string& name) {
   return std::stol(last);
 }
 
-// Numbers 1..n, or 0..n-1, one for each wanted joint; or nothing.
+// Indices of numbers 1..n, or 0..n-1, one for each joint; empty if there are none.
 std::vector<int> by_number(std::size_t wanted, const std::vector<std::string>& recorded) {
   std::vector<std::pair<long, int>> numbers;
   for (std::size_t k = 0; k < recorded.size(); ++k) {
@@ -56,10 +57,6 @@ std::vector<int> by_number(std::size_t wanted, const std::vector<std::string>& r
     out.push_back(numbers[k].second);
   }
   return out;
-}
-
-bool mere_number(const std::string& name) {
-  return !name.empty() && name.find_first_not_of("0123456789") == std::string::npos;
 }
 
 }  // namespace
@@ -82,7 +79,7 @@ std::vector<int> match_joints(const std::vector<std::string>& wanted,
             "; it has ", listed(recorded), ".");
     if (found != recorded.end()) take(j, static_cast<std::size_t>(found - recorded.begin()));
   }
-  const bool numbers = std::all_of(recorded.begin(), recorded.end(), mere_number);
+  const bool numbers = std::all_of(recorded.begin(), recorded.end(), is_number);
   for (std::size_t j = 0; j < wanted.size(); ++j) {
     if (out[j] >= 0 || numbers) continue;
     const Words words = telling_words(wanted[j]);
@@ -103,7 +100,7 @@ std::vector<int> match_joints(const std::vector<std::string>& wanted,
             wanted[j], ", expected --map ", wanted[j], "=NAME.");
     if (!candidates.empty()) take(j, candidates.front());
   }
-  bool none = true;  // but what the user named
+  bool none = true;  // no match apart from those of the user
   for (std::size_t j = 0; j < wanted.size(); ++j)
     none = none && (out[j] < 0 || renamed.count(wanted[j]) > 0);
   if (none || numbers) {

@@ -6,14 +6,14 @@
 
 namespace veridyn::recordings {
 
-/// For every joint that is wanted the index of the name under which it is recorded, or -1.
+/// For every joint of the arm the index of its recorded name, or -1.
 ///
-/// In this order: as `renamed` says; the same name; the same words (`shoulder_pan` is
-/// `shoulder_pan_joint`); the last words (`yaw` is `PSM1_outer_yaw`, unless another name says it in
-/// fewer words); where the recorded names are mere numbers, or none of them says anything of the
-/// wanted ones and all end in a number, the number. The order of the columns is never a reason.
-/// @throws InvalidInput  `renamed` names what is not recorded, or two names fit a joint equally
-/// well.
+/// Tried in this order: `renamed`; the same name; the same words (`shoulder_pan` is
+/// `shoulder_pan_joint`); the last words (`yaw` is `PSM1_outer_yaw`, unless another name matches
+/// with fewer words); the number, if the recorded names are plain numbers, or if none of them
+/// shares a word with the joints and all end in a number. The order of the columns never decides.
+/// @throws InvalidInput  `renamed` names something that is not recorded, or two names fit a joint
+/// equally well.
 std::vector<int> match_joints(const std::vector<std::string>& wanted,
                               const std::vector<std::string>& recorded,
                               const std::map<std::string, std::string>& renamed);

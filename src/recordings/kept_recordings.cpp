@@ -13,12 +13,56 @@
 
 namespace veridyn {
 
-struct KeptRecordings::State {
-  using Kept = std::shared_future<std::shared_ptr<const Whole>>;
+namespace internal {
 
-  std::mutex mutex;
-  long bytes_left = 0;
-  std::map<std::string, Kept> recordings;  // by path and how it is read
+// Values that are made once for each key, by the first caller, while there is room.
+template <typename Key, typename Made>
+class MadeOnce {
+ public:
+  explicit MadeOnce(long most_bytes) : bytes_left_(most_bytes) {}
+
+  // @param bytes  that it takes; below zero: it cannot be kept.
+  template <typename Bytes, typename Make>
+  std::shared_ptr<const Made> find(const Key& key, const Bytes& bytes, const Make& make) {
+    std::promise<std::shared_ptr<const Made>> promise;
+    std::shared_future<std::shared_ptr<const Made>> there;
+    {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      const auto found = all_.find(key);
+      if (found != all_.end()) {
+        there = found->second;
+      } else {
+        const long wanted = bytes();
+        if (wanted < 0 || wanted > bytes_left_) return nullptr;
+        bytes_left_ -= wanted;
+        all_.emplace(key, promise.get_future().share());
+      }
+    }
+    if (there.valid()) return there.get();
+    try {
+      std::shared_ptr<const Made> made = make();
+      promise.set_value(made);
+      return made;
+    } catch (...) {
+      promise.set_exception(std::current_exception());
+      const std::lock_guard<std::mutex> lock(mutex_);
+      all_.erase(key);
+      throw;
+    }
+  }
+
+ private:
+  std::mutex mutex_;
+  long bytes_left_;
+  std::map<Key, std::shared_future<std::shared_ptr<const Made>>> all_;
+};
+
+}  // namespace internal
+
+struct KeptRecordings::State {
+  explicit State(long most_bytes) : recordings(most_bytes), prepared(most_bytes) {}
+  internal::MadeOnce<std::string, Whole> recordings;  // by path and how it is read
+  internal::MadeOnce<PreparationKey, PreparedRecording> prepared;
 };
 
 namespace {
@@ -38,7 +82,7 @@ std::string key_of(const std::string& path, const RecordingOptions& options) {
   return out;
 }
 
-// Nothing of a pipe can be read twice: it is kept, however long it turns out to be.
+// Size of a text file. A pipe cannot be read twice: it counts as small and is kept in any case.
 long text_bytes(const std::string& path) {
   std::error_code error;
   if (std::filesystem::is_fifo(path, error)) return 0;
@@ -55,7 +99,7 @@ std::shared_ptr<const Whole> parsed(const std::string& path, const RecordingOpti
   return whole;
 }
 
-// All rows of a file, where it is kept.
+// All rows of a file, if it is kept.
 std::shared_ptr<const Whole> whole_file(const std::string& path, const RecordingOptions& options,
                                         KeptRecordings* kept) {
   if (kept == nullptr) return nullptr;
@@ -67,38 +111,38 @@ std::shared_ptr<const Whole> whole_file(const std::string& path, const Recording
 
 }  // namespace
 
-KeptRecordings::KeptRecordings(long most_bytes) : state_(std::make_unique<State>()) {
-  state_->bytes_left = most_bytes;
-}
+KeptRecordings::KeptRecordings(long most_bytes) : state_(std::make_unique<State>(most_bytes)) {}
 
 KeptRecordings::~KeptRecordings() = default;
 
 std::shared_ptr<const Whole> KeptRecordings::find(const std::string& path,
                                                   const RecordingOptions& options) {
-  std::promise<std::shared_ptr<const Whole>> promise;
-  State::Kept result;
-  {
-    const std::lock_guard<std::mutex> lock(state_->mutex);
-    const std::string key = key_of(path, options);
-    const auto found = state_->recordings.find(key);
-    if (found != state_->recordings.end()) {
-      result = found->second;
-    } else {
-      const long bytes = text_bytes(path);
-      if (bytes < 0 || bytes > state_->bytes_left) return nullptr;
-      state_->bytes_left -= bytes;
-      state_->recordings.emplace(key, promise.get_future().share());
-    }
+  return state_->recordings.find(
+      key_of(path, options), [&] { return text_bytes(path); }, [&] { return parsed(path, options); });
+}
+
+std::shared_ptr<const PreparedRecording> KeptRecordings::prepared(
+    const PreparationKey& key, long bytes, const std::function<PreparedRecording()>& make) {
+  return state_->prepared.find(
+      key, [&] { return bytes; },
+      [&] { return std::make_shared<const PreparedRecording>(make()); });
+}
+
+PreparationKey preparation_key(const Model& arm, const std::string& recording,
+                               const PreprocessingOptions& o) {
+  std::vector<double> numbers = {o.cutoff, o.signal_cutoff_ratio, o.rate, o.drop_start, o.drop_end};
+  for (const Coordinate& c : arm.coordinates()) {
+    const RecordedChannel& shown = c.recorded;
+    numbers.insert(numbers.end(), {shown.position_offset, shown.torque_gain, shown.torque_delay, c.drive_gain});
   }
-  if (result.valid()) return result.get();
-  try {
-    std::shared_ptr<const Whole> recording = parsed(path, options);
-    promise.set_value(recording);
-    return recording;
-  } catch (...) {
-    promise.set_exception(std::current_exception());
-    throw;
-  }
+  std::vector<int> choices = o.derive_velocity_of;
+  std::sort(choices.begin(), choices.end());
+  choices.insert(choices.end(), {o.order, static_cast<int>(o.filtering), static_cast<int>(o.velocity),
+                                 static_cast<int>(o.stale_rows)});
+  RecordingOptions reading = reading_of(arm, o);
+  reading.first_row = o.first_row;
+  reading.row_count = o.row_count;
+  return {key_of(recording, reading), std::move(numbers), std::move(choices)};
 }
 
 OpenedRows open_rows(const std::string& path, const RecordingOptions& options,

@@ -4,57 +4,64 @@
 #include <memory>
 #include <string>
 
+#include "recordings/prepared_recording.hpp"
 #include "veridyn/recordings/recording.hpp"
 #include "veridyn/recordings/recording_quality.hpp"
 
 namespace veridyn {
 
-/// A recording that is open: its rows, at most so many at a time (none at the end), and what reading
-/// brought up; remarks on rows are complete at the end.
+/// An open recording: a function for its next rows (none at the end), and the facts found by
+/// reading; remarks on rows are complete at the end.
 struct OpenedRows {
   std::function<Recording(int)> next;
   std::function<RecordingFacts()> facts;
 };
 
-/// Files that are parsed once and kept in memory, up to `most_bytes` of text in all; files beyond
-/// that are streamed every time. Pipes are kept in any case. For work that asks many questions of
-/// the same recordings: it makes one and hands it on in PreprocessingOptions::kept. Threads may
-/// share it.
+/// Files that are parsed once and kept in memory, up to `most_bytes` of text in total, and their
+/// prepared forms, up to as many bytes; others are streamed every time. Pipes are always kept. Code
+/// that reads the same recordings many times creates one and passes it on in
+/// PreprocessingOptions::kept. Threads may share it.
 class KeptRecordings {
  public:
   static constexpr long kManyQuestions = 400L << 20;  ///< bound of a diagnosis
-  static constexpr long kFewPasses = 10L << 20;       ///< bound where files are read a few times
+  static constexpr long kFewPasses = 10L << 20;       ///< bound for a few passes over each file
 
   explicit KeptRecordings(long most_bytes = kManyQuestions);
   ~KeptRecordings();
   KeptRecordings(const KeptRecordings&) = delete;
   KeptRecordings& operator=(const KeptRecordings&) = delete;
 
-  /// The recording, parsed by whoever asks first; nothing if it is not to be kept.
+  /// The parsed recording, filled by the first caller; null if it is not to be kept.
   struct Whole {
     Recording rows;
     RecordingFacts facts;
   };
   std::shared_ptr<const Whole> find(const std::string& path, const RecordingOptions& options);
 
+  /// A recording in memory, prepared by the first caller; null if it is not to be kept. @param
+  /// bytes  of memory that it will take. @throws  the exceptions of make(), which the next caller
+  /// repeats.
+  std::shared_ptr<const PreparedRecording> prepared(const PreparationKey& key, long bytes,
+                                                    const std::function<PreparedRecording()>& make);
+
  private:
   struct State;
   std::unique_ptr<State> state_;
 };
 
-/// The rows of a file, from memory where it is kept and options.row_count takes in all of them.
+/// The rows of a file, from memory if it is kept and options.row_count includes all of them.
 /// @throws InvalidInput  as RecordingReader.
 OpenedRows open_rows(const std::string& path, const RecordingOptions& options,
                      KeptRecordings* kept = nullptr);
 
-/// As read_recording(), from memory where the file is kept.
+/// Like read_recording(), from memory where the file is kept.
 Recording read_rows(const std::string& path, const RecordingOptions& options,
                     KeptRecordings* kept);
 
-/// As check_recording(), of rows that are open.
+/// Like check_recording(), for open rows.
 RecordingQuality check_rows(const std::string& path, const OpenedRows& rows);
 
-/// How many files open_rows() has opened and parsed since the program began.
+/// Number of files that open_rows() has opened and parsed since the program began.
 long files_parsed();
 
 }  // namespace veridyn

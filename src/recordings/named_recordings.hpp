@@ -9,8 +9,8 @@
 
 namespace veridyn {
 
-/// A question's recordings by name; those in memory are found in the options' `in_memory`, which
-/// both kinds of recordings share.
+/// Recordings of a call by name; those in memory are stored in the options' `in_memory`, which both
+/// lists of recordings share.
 template <typename Options>
 struct NamedRecordings {
   std::vector<std::string> train, test;
@@ -25,8 +25,8 @@ struct NamedRecordings {
   }
 };
 
-/// Files are parsed once and kept in memory, up to `most_bytes` of text in all; whoever has set
-/// `kept` keeps them already.
+/// Parses files once and keeps them in memory, up to `most_bytes` of text in total; a caller that
+/// has set `kept` does so already.
 template <typename Options>
 void keep_recordings(Options& how, long most_bytes) {
   if (!how.preprocessing.kept)
@@ -34,7 +34,8 @@ void keep_recordings(Options& how, long most_bytes) {
   if (how.test_preprocessing) how.test_preprocessing->kept = how.preprocessing.kept;
 }
 
-/// Results do not keep recordings alive, nor what may interrupt a run.
+/// Removes recordings in memory and callbacks from the options inside a result, which would keep
+/// them alive.
 template <typename Result>
 void forget_recordings(Result& result) {
   for (PreprocessingOptions* how : {&result.preprocessing, &result.test_preprocessing}) {

@@ -1,6 +1,7 @@
 #include "veridyn/recordings/preprocessing.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <memory>
 #include <optional>
@@ -13,12 +14,17 @@
 namespace veridyn {
 namespace {
 
-constexpr Eigen::Index kCore = 4096;  // samples of one stretch, at least
-constexpr Eigen::Index kCorePerHalo = 3;  // so that little is filtered twice
-constexpr double kHaloRemainder = 1e-9;  // what a cut leaves of itself at the core
+constexpr Eigen::Index kCore = 4096;  // samples of one segment, at least
+// Keeps the share of samples that are filtered twice small.
+constexpr Eigen::Index kCorePerHalo = 3;
+constexpr double kHaloRemainder = 1e-9;  // remainder of the filter's transient at the core
 constexpr Eigen::Index kDerivatives =
-    4;  // samples on either side that two central differences lean on
-constexpr double kNyquistShare = 0.45;  // a light filter above this share of the rate is left away
+    4;  // samples on either side that two central differences use
+constexpr double kPreparedBytes = 1.5 * sizeof(double);  // of a number of a stretch, with the rows around its core
+
+std::atomic<long> g_prepared{0};
+
+constexpr double kNyquistShare = 0.45;  // a light filter above this share of the rate is omitted
 
 struct Filters {
   std::optional<ZeroPhaseFilter> main;
@@ -40,7 +46,7 @@ struct Filters {
   }
 };
 
-// Samples near unsound ones lean on interpolation: not used either.
+// Samples near invalid ones depend on interpolation and are excluded as well.
 std::vector<char> widened(const std::vector<char>& sound, Eigen::Index margin) {
   std::vector<char> use(sound.size(), 1);
   const auto n = static_cast<Eigen::Index>(sound.size());
@@ -53,7 +59,7 @@ std::vector<char> widened(const std::vector<char>& sound, Eigen::Index margin) {
   return use;
 }
 
-// Torques that were recorded late are brought forward.
+// Shifts delayed torques forward.
 void undo_delays(const JointSensors& sensors, double dt, MatrixXd& tau) {
   for (int j = 0; j < sensors.joints(); ++j) {
     if (sensors.torque_delay(j) == 0.0) continue;
@@ -107,6 +113,7 @@ Stretch make_stretch(const Model& arm, const UniformStream& stream, Eigen::Index
 PreparationFacts run(const Model& arm, const std::string& name, UniformStream::Source source,
                      const PreprocessingOptions& o,
                      const std::function<void(const Stretch&)>& visit) {
+  ++g_prepared;
   SoundRows sound(source);
   if (o.stale_rows == StaleRows::kFilled)
     source = [&sound](int wanted) { return sound.next(wanted); };
@@ -115,11 +122,11 @@ PreparationFacts run(const Model& arm, const std::string& name, UniformStream::S
   const Filters filters(o, dt);
   PreparationFacts facts;
   facts.dt = dt;
-  // So far is read ahead: the filters settle, and what is dropped at the end is known to be there.
+  // Number of samples to read ahead: the filters settle, and the end to drop is known.
   const Eigen::Index ahead =
       std::max(filters.halo, static_cast<Eigen::Index>(std::ceil(o.drop_end / dt)));
   const Eigen::Index core = std::max(kCore, kCorePerHalo * filters.halo);
-  Eigen::Index behind = 0;  // settled samples held in front of the core
+  Eigen::Index behind = 0;  // settled samples kept in front of the core
   Eigen::Index discard = 0;
   while (true) {
     if (o.interrupted && o.interrupted()) throw Interrupted();
@@ -154,7 +161,7 @@ PreparationFacts run(const Model& arm, const std::string& name, UniformStream::S
   return facts;
 }
 
-// A recording in memory under the name that options and messages have for it.
+// A recording in memory under the name that options and messages use.
 PreparationFacts for_each_stretch_of(const Model& arm, const std::string& name,
                                      const Recording& recording,
                                      const PreprocessingOptions& options,
@@ -187,19 +194,56 @@ RecordingOptions reading_of(const Model& arm, const PreprocessingOptions& option
   return reading;
 }
 
+namespace {
+
+// Bytes of all stretches of a recording of so many rows; less than none: they are not to be kept.
+long prepared_bytes(const Model& arm, const Recording* rows, const PreprocessingOptions& options) {
+  if (rows == nullptr || rows->rows() < 2) return -1;
+  const double seconds = rows->time[rows->rows() - 1] - rows->time[0];
+  const double samples = options.rate > 0.0 ? options.rate * seconds : rows->rows();
+  return static_cast<long>(kPreparedBytes * samples * (4.0 * arm.joints() + 2.0));
+}
+
+PreparationFacts run_named(const Model& arm, const std::string& name,
+                           const PreprocessingOptions& options,
+                           const std::function<void(const Stretch&)>& visit) {
+  if (const Recording* there = find_in_memory(options.in_memory, name))
+    return for_each_stretch_of(arm, name, *there, options, visit);
+  const OpenedRows rows = open_rows(name, reading_of(arm, options), options.kept.get());
+  return run(arm, name, rows.next, options, visit);
+}
+
+}  // namespace
+
 PreparationFacts for_each_stretch(const Model& arm, const std::string& path,
                                   const PreprocessingOptions& options,
                                   const std::function<void(const Stretch&)>& visit) {
-  if (const Recording* there = find_in_memory(options.in_memory, path))
-    return for_each_stretch_of(arm, path, *there, options, visit);
-  const OpenedRows rows = open_rows(path, reading_of(arm, options), options.kept.get());
-  return run(arm, path, rows.next, options, visit);
+  if (!options.kept) return run_named(arm, path, options, visit);
+  const Recording* rows = find_in_memory(options.in_memory, path);
+  std::shared_ptr<const KeptRecordings::Whole> file;
+  if (rows == nullptr && (file = options.kept->find(path, reading_of(arm, options)))) rows = &file->rows;
+  const auto prepared = options.kept->prepared(
+      preparation_key(arm, path, options), prepared_bytes(arm, rows, options), [&] {
+        PreparedRecording out;
+        out.facts = run_named(arm, path, options, [&out](const Stretch& s) { out.stretches.push_back(s); });
+        return out;
+      });
+  if (!prepared) return run_named(arm, path, options, visit);
+  for (const Stretch& s : prepared->stretches) {
+    if (options.interrupted && options.interrupted()) throw Interrupted();
+    visit(s);
+  }
+  return prepared->facts;
 }
 
 PreparationFacts for_each_stretch(const Model& arm, const Recording& recording,
                                   const PreprocessingOptions& options,
                                   const std::function<void(const Stretch&)>& visit) {
   return for_each_stretch_of(arm, recording.source, recording, options, visit);
+}
+
+long recordings_prepared() {
+  return g_prepared.load();
 }
 
 int decimation(const PreprocessingOptions& options, double dt) {

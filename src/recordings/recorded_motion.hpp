@@ -9,12 +9,12 @@
 
 namespace veridyn {
 
-/// How an arm moved in a recording. Accelerations are those of the file where it has them (a motion
-/// that was designed); otherwise positions and velocities are low-passed and differentiated as for
-/// an identification, one motion for every stretch without a gap.
+/// The motion of an arm in a recording. Accelerations come from the file if it has them (a designed
+/// motion); otherwise positions and velocities are low-passed and differentiated as for an
+/// identification. One motion for every segment without a gap.
 ///
-/// @param how  how the file is read (columns, rate, signals), and which of its rows count.
-/// @throws InvalidInput  the file is bad, or is not of an arm with so many joints.
+/// @param how  options for reading the file (columns, rate, signals) and for selecting its rows.
+/// @throws InvalidInput  the file is bad, or its number of joints differs from the arm's.
 std::vector<MotionSamples> recorded_motion(const Model& arm, const std::string& path,
                                            const PreprocessingOptions& how = {});
 

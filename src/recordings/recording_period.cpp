@@ -9,13 +9,14 @@ namespace {
 
 constexpr double kRestingRange = 5e-3;   // [rad, m] below it a joint does not count
 constexpr double kDeep = 0.02;           // d at a repeat
-constexpr double kRisen = 0.25;          // d has to rise above it first: the motion went elsewhere
+// D has to rise above it first, so that the motion has left its start.
+constexpr double kRisen = 0.25;
 constexpr double kKeptShare = 0.8;       // share of the times
-constexpr double kLongestShare = 0.7;    // share of the duration; the rest must overlap
+constexpr double kLongestShare = 0.7;    // share of the duration; the rest has to overlap
 constexpr double kCoarsestStep = 0.025;  // [s]
 constexpr int kCoarseRows = 5000;
 constexpr int kSampledTimes = 256;   // instants of an estimate of d
-constexpr double kSuspected = 4.0;  // estimates up to this times kDeep are looked into
+constexpr double kSuspected = 4.0;  // estimates up to this times kDeep are computed exactly
 
 // Positions of the moving joints on an even grid, each with unit variance.
 struct Grid {
@@ -23,7 +24,7 @@ struct Grid {
   MatrixXd q;  // (rows x moving joints)
 };
 
-// Rows from `first` on whose positions are all there, without rest at either end.
+// Rows from `first` on with complete positions, without rest at either end.
 struct Motion {
   std::vector<double> time;
   MatrixXd q;  // (rows x moving joints)
@@ -110,7 +111,7 @@ double difference(const Grid& grid, double lag, std::vector<double>* scratch) {
          (2.0 * static_cast<double>(grid.q.cols()) * static_cast<double>(kept - scratch->begin()));
 }
 
-// d at whole lags, each computed when it is asked for.
+// d at whole lags, computed on demand.
 class Differences {
  public:
   explicit Differences(const Grid& grid)
@@ -127,8 +128,8 @@ class Differences {
     return value;
   }
 
-  // d from kSampledTimes only. Positions are smooth, so these tell where d can be deep: times that
-  // all fall on one phase of the motion make it look deeper, never less deep.
+  // d from kSampledTimes only, as a lower bound: positions are smooth, and samples that all fall on
+  // one phase of the motion make d look smaller, never larger.
   double estimate(int lag) {
     const Eigen::Index columns = rows_.cols();
     const Eigen::Index times = rows_.rows() - lag;
@@ -151,11 +152,11 @@ class Differences {
   const Grid& grid_;
   Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> rows_;
   int longest_;
-  std::vector<double> values_;  // below 0: not known yet
+  std::vector<double> values_;  // negative: not computed yet
   std::vector<double> scratch_;
 };
 
-// The smallest lag on a coarse grid that is as good a repeat as any, in steps; 0: none.
+// The smallest lag on a coarse grid that repeats as well as any, in steps; 0: none.
 int coarse_period(const Grid& grid) {
   Differences d(grid);
   int lag = 0;
@@ -174,7 +175,7 @@ int coarse_period(const Grid& grid) {
   return 0;
 }
 
-// Minimum of d near `lag`, by parabolas through three points that close in.
+// Minimum of d near `lag`, by successive parabolas through three points.
 double refined(const Grid& grid, double lag, double reach) {
   std::vector<double> scratch;
   for (int pass = 0; pass < 6; ++pass) {

@@ -3,15 +3,15 @@
 
 #include "recordings/csv/csv_table.hpp"
 #include "recordings/import.hpp"
-#include "recordings/row_source.hpp"
-#include "recordings/units.hpp"
+#include "recordings/csv/row_source.hpp"
+#include "recordings/signals/units.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/recordings/recording.hpp"
 
 namespace veridyn {
 namespace {
 
-// Rows of a recording that is in memory.
+// Rows of a recording in memory.
 class ImportedRows : public recordings::RowSource {
  public:
   ImportedRows(std::shared_ptr<const recordings::Imported> imported, const RecordingOptions& options)

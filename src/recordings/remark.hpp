@@ -6,7 +6,8 @@
 
 namespace veridyn {
 
-/// write_recording() with a line "# remark" before the header, which readers skip; empty: none.
+/// Like write_recording(), with a line "# remark" before the header, which readers skip; empty:
+/// none.
 void write_recording(const Recording& recording, const std::string& path,
                      const std::string& remark);
 

@@ -17,7 +17,8 @@ using Index = Eigen::Index;
 
 bool repeats(const MatrixXd& m, Index k) {
   for (Index j = 0; j < m.cols(); ++j) {
-    if (!(m(k, j) == m(k - 1, j))) return false;  // written so that a NaN never repeats
+    // The comparison is false for NaN, which never counts as repeated.
+    if (!(m(k, j) == m(k - 1, j))) return false;
   }
   return true;
 }
@@ -29,7 +30,7 @@ bool sound(const MatrixXd& m, Index k) {
   return true;
 }
 
-// Rows that repeat the one before in every signal.
+// Rows that equal the previous one in every signal.
 std::vector<Index> repeated_rows(const Recording& r) {
   std::vector<Index> out;
   for (Index k = 1; k < r.rows(); ++k) {
@@ -41,9 +42,9 @@ std::vector<Index> repeated_rows(const Recording& r) {
   return out;
 }
 
-// The share u of the way from p0 to p1, whose slopes per whole way are v0 and v1: a cubic that does
-// not turn back (Fritsch and Carlson, SIAM J. Numer. Anal. 17(2), 1980), so that a coarse or wrong
-// velocity does little harm.
+// Value at the share u between p0 and p1, with derivatives v0 and v1 by u: a monotone cubic
+// (Fritsch and Carlson, SIAM J. Numer. Anal. 17(2), 1980), so that a coarse or wrong velocity has
+// little effect.
 double on_cubic(double p0, double v0, double p1, double v1, double u) {
   const double left = 1.0 - u;
   const double steepest = 3.0 * (p1 - p0);
@@ -52,7 +53,7 @@ double on_cubic(double p0, double v0, double p1, double v1, double u) {
   return left * left * ((1.0 + 2.0 * u) * p0 + u * v0) + u * u * ((3.0 - 2.0 * u) * p1 - left * v1);
 }
 
-// Fills in some rows of a recording, beginning with row `first`.
+// Interpolates some rows of a recording, beginning with row `first`.
 class Filling {
  public:
   Filling(const Recording& raw, Index first, Recording& rows)
@@ -118,7 +119,7 @@ class Filling {
   const Recording& raw_;
   Index first_;
   Recording& rows_;
-  std::vector<double> age_;  // [s] of what a filled row showed, by its oldest signal
+  std::vector<double> age_;  // [s] age of an interpolated row's data, by its oldest signal
 };
 
 void append(Recording& r, Recording more) {
@@ -148,7 +149,7 @@ std::string filled_text(const FilledRows& filled, long rows) {
 
 SoundRows::SoundRows(Source source) : source_(std::move(source)) {}
 
-// Held rows that no later row can change any more, of those not yet given out.
+// Number of held rows that are final and not yet returned.
 int SoundRows::settled() const {
   if (held_.rows() == 0) return 0;
   int end = held_.rows();
@@ -159,7 +160,7 @@ int SoundRows::settled() const {
   return end - given_;
 }
 
-// Rows too far back to be a neighbour of one that is still to come.
+// Drops rows that are too old to be neighbours of coming ones.
 void SoundRows::forget() {
   const double next = held_.time[std::min(given_, held_.rows() - 1)];
   int first = 0;

@@ -12,10 +12,10 @@
 namespace veridyn::recordings {
 namespace {
 
-constexpr double kMostStamps = 0.9;  // share of rows that must have a stamp that does not run back
-constexpr double kFewBack = 0.01;    // share of rows out of order that are sorted without a word more
+constexpr double kMostStamps = 0.9;  // share of rows that must have an increasing stamp
+constexpr double kFewBack = 0.01;    // share of rows out of order that are sorted without a remark
 
-// 'nan' repeated counts as the same, so bytes are compared.
+// Compares bytes, so that a repeated 'nan' counts as equal.
 bool same_values(const RawStream& stream, std::size_t a, std::size_t b) {
   const std::size_t width = stream.fields.size();
   return width == 0 || std::memcmp(&stream.values[a * width], &stream.values[b * width],
@@ -42,7 +42,7 @@ std::int64_t median_delay(const RawStream& stream) {
   return median(std::move(delays));
 }
 
-// The stamps, and recorded times in place of those that are missing or do not grow.
+// The stamps, with recording times in place of missing or decreasing ones.
 std::vector<std::int64_t> repaired_stamps(const RawStream& stream, std::int64_t delay,
                                           long* replaced) {
   std::vector<std::int64_t> time = stream.stamped;
@@ -66,7 +66,7 @@ std::vector<std::int64_t> repaired_stamps(const RawStream& stream, std::int64_t 
   return time;
 }
 
-// Rows with the time of the row before: left out, or spread up to the next time.
+// Handles rows that repeat the time of the row before: dropped, or spread up to the next time.
 void settle_repeats(const RawStream& stream, StreamClock* clock) {
   std::vector<std::int64_t> time;
   std::vector<std::size_t> rows;
@@ -131,7 +131,7 @@ StreamClock clock_of(const RawStream& stream, const std::string& where) {
   long back = 0;
   for (std::size_t k = 1; k < clock.time.size(); ++k) back += clock.time[k] < clock.time[k - 1];
   if (back > 0) {
-    const bool bag = !stream.stamped.empty();  // its writer may interleave as it likes
+    const bool bag = !stream.stamped.empty();  // the writer of a bag may interleave messages
     require(bag || static_cast<double>(back) <= std::max(1.0, kFewBack * static_cast<double>(stream.rows())),
             where, ": found ", back, " time stamps that run back, expected a clock that grows.");
     std::stable_sort(clock.rows.begin(), clock.rows.end(),

@@ -12,15 +12,9 @@ namespace veridyn {
 namespace {
 
 constexpr int kPiece = 4096;
-constexpr double kOverhead = 8.0;    // numbers that a held sample takes beside its values
+constexpr double kOverhead = 8.0;    // memory of a held sample beside its values, in numbers
 constexpr double kAbsurd = 1e6;      // no arm has positions, speeds or torques beyond this
 constexpr double kGapInSteps = 2.5;  // one lost row is interpolated, more are a gap
-
-double median_step(const VectorXd& time) {
-  std::vector<double> steps;
-  for (Eigen::Index i = 1; i < time.size(); ++i) steps.push_back(time[i] - time[i - 1]);
-  return median(std::move(steps));
-}
 
 }  // namespace
 
@@ -103,7 +97,7 @@ void UniformStream::read_piece() {
   }
 }
 
-// All grid points between the previous row and this one (the grid starts at the first row).
+// Emits all grid points between the previous row and this one (the grid starts at the first row).
 void UniformStream::emit_until(const Row& row) {
   const double tolerance = 1e-6 * dt_;
   const double wanted = static_cast<double>(samples_.size()) + (row.t - t_first_) / dt_ -

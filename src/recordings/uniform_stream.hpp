@@ -9,7 +9,7 @@
 
 namespace veridyn {
 
-/// Raw rows in, samples on a uniform grid out; holds only a sliding part of the recording.
+/// Resamples raw rows on a uniform grid; holds only a sliding part of the recording.
 class UniformStream {
  public:
   using Source = std::function<Recording(int rows)>;  ///< the next rows, empty at the end
@@ -18,8 +18,8 @@ class UniformStream {
   UniformStream(const Model& arm, std::string name, Source source,
                 const PreprocessingOptions& options);
 
-  /// Reads on until `rows` samples are held after `discard` of them were forgotten, or the
-  /// recording ends. Returns the number held.
+  /// Reads until `rows` samples are held after `discard` of them were dropped, or the recording
+  /// ends. Returns the number held.
   Eigen::Index hold(Eigen::Index rows, Eigen::Index discard);
 
   bool ended() const { return ended_; }
@@ -28,14 +28,14 @@ class UniformStream {
   double start() const { return t_first_; }
   long rows_read() const { return rows_read_; }
 
-  /// Held samples, row-wise: q, dq (if there), tau; and whether each is sound.
+  /// Held samples by row: q, dq (if present), tau; and a flag for each that it is valid.
   const std::vector<std::vector<double>>& samples() const { return samples_; }
   const std::vector<char>& sound() const { return sound_; }
 
   /// Index on the grid of the first held sample.
   long first_index() const { return first_index_; }
 
-  /// What the samples' delays have yet to be undone by; offsets and gains are undone.
+  /// Sensor errors; offsets and gains of the samples are corrected, delays are not.
   const JointSensors& sensors() const { return sensors_; }
 
   /// Time of a row of the file, for options.first_row; valid once that row was read.
@@ -64,13 +64,13 @@ class UniformStream {
   double dt_ = 0.0;
   double step_ = 0.0;  ///< median step of the file [s]
   double t_first_ = 0.0;
-  double t_wanted_first_ = 1e300;  ///< until the first wanted row is read, nothing is wanted
+  double t_wanted_first_ = 1e300;  ///< until the first selected row has been read
   double t_wanted_last_ = 1e300;
   long next_index_ = 0;
   long first_index_ = 0;
   long rows_read_ = 0;
   Row previous_{0.0, {}};
-  double most_held_ = 0.0;  ///< samples
+  double most_held_ = 0.0;  ///< in samples
   std::vector<std::vector<double>> samples_;
   std::vector<char> sound_;
 };

@@ -8,8 +8,8 @@
 namespace veridyn {
 
 /// Bodies and effects of an arm, in this order: the columns of standard_parameters().
-/// @param rounding  speeds, as a share of each joint's largest, within which columns that jump with
-///                  the sign of a velocity are rounded off; 0: the columns as they are.
+/// @param rounding  share of each joint's largest speed within which the sign of the velocity is
+/// smoothed; 0: unmodified columns.
 std::vector<std::shared_ptr<const ColumnSource>> arm_columns(const Model& arm, double rounding);
 
 }  // namespace veridyn

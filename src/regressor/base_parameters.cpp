@@ -16,9 +16,9 @@ namespace veridyn {
 namespace {
 
 constexpr double kNegligible =
-    1e-7;  // a coefficient below this share of its row's largest is rounding
+    1e-7;  // smaller coefficients, relative to the largest of the row, are rounding
 
-// Columns to norm one; zero columns stay.
+// Scales columns to norm one; zero columns are kept.
 MatrixXd scaled(const MatrixXd& R, VectorXd& norms) {
   norms = R.colwise().norm().transpose();
   const double largest = norms.size() > 0 ? norms.maxCoeff() : 0.0;
@@ -41,9 +41,9 @@ int rank_of(const VectorXd& singular_values, double tolerance, double& gap) {
   return rank;
 }
 
-// Gram-Schmidt in the preferred order, twice for accuracy: a column is independent if enough of it
-// is left. The threshold falls between the smallest kept and the largest dropped remainder, so that
-// exactly `rank` are kept.
+// Gram-Schmidt in the preferred order, twice for accuracy: a column is independent if its remainder
+// exceeds a threshold. The threshold lies between the smallest kept and the largest dropped
+// remainder, so that exactly `rank` columns are kept.
 std::vector<int> leading_columns(const MatrixXd& A, const std::vector<int>& order, int rank) {
   for (double threshold = 1e-2; threshold > 1e-13; threshold *= 0.1) {
     MatrixXd Q(A.rows(), rank);
@@ -65,7 +65,7 @@ std::vector<int> leading_columns(const MatrixXd& A, const std::vector<int>& orde
     }
     if (!too_many && static_cast<int>(chosen.size()) == rank) return chosen;
   }
-  // No threshold separates them: the best-conditioned set decides, whatever it reads like.
+  // No threshold separates them: the best-conditioned set is taken, in whatever order.
   const Eigen::ColPivHouseholderQR<MatrixXd> qr(A);
   std::vector<int> chosen;
   for (int i = 0; i < rank; ++i) chosen.push_back(qr.colsPermutation().indices()[i]);
@@ -102,7 +102,7 @@ void describe(BaseParameters& base, const VectorXd& norms, const std::vector<std
     if (alone) base.classes[static_cast<size_t>(own)] = Identifiability::kAlone;
     base.names.push_back(names[static_cast<size_t>(own)]);
     VectorXd row = base.K.row(i).transpose();
-    // The parameter that gives its name stands first.
+    // The leading parameter comes first.
     std::string text = names[static_cast<size_t>(own)];
     row[own] = 0.0;
     const std::string rest = expression(row, names);
@@ -159,7 +159,7 @@ BaseParameters base_parameters_by_svd(const SquareRootInformation& factor, doubl
   BaseParameters base;
   VectorXd norms;
   const MatrixXd A = scaled(factor.R(), norms);
-  // Step one: the null space tells which columns stand alone (rows of V2 that are zero).
+  // Step one: zero rows of the null space V2 belong to columns that are identifiable alone.
   const Eigen::BDCSVD<MatrixXd> svd(A, Eigen::ComputeFullV);
   base.singular_values = svd.singularValues();
   const int rank = rank_of(base.singular_values, tolerance, base.rank_gap);
@@ -173,8 +173,7 @@ BaseParameters base_parameters_by_svd(const SquareRootInformation& factor, doubl
       combined.push_back(j);
     }
   }
-  // Step two: among the others, a permutation with V22 regular; here by pivoting on the rows of
-  // V2'.
+  // Step two: a permutation of the others with a regular V22, by pivoting on the rows of V2'.
   MatrixXd others(A.rows(), static_cast<Eigen::Index>(combined.size()));
   for (size_t j = 0; j < combined.size(); ++j)
     others.col(static_cast<Eigen::Index>(j)) = A.col(combined[j]);

@@ -7,10 +7,10 @@ namespace veridyn {
 namespace {
 
 constexpr double kRoundingError = 1e-12;  // columns below this share of the largest are zero
-constexpr double kTie = 1e-9;             // between equals the first in the order is taken
+constexpr double kTie = 1e-9;             // remainders closer than this count as equal
 
 constexpr double kWorthSwapping = 1.01;
-constexpr int kMaxSwaps = 1000;  // each makes the volume larger, so that there is an end anyway
+constexpr int kMaxSwaps = 1000;  // each swap increases the volume, so that the loop ends anyway
 
 }  // namespace
 
@@ -58,8 +58,8 @@ void improve_choice(const MatrixXd& W, std::vector<int>& chosen) {
   if (others.empty()) return;
   const MatrixXd unit = W.colwise().normalized();
   for (int swaps = 0; swaps < kMaxSwaps; ++swaps) {
-    // What the others are in terms of the chosen ones; an entry above one says that a swap makes
-    // the volume so much larger.
+    // The other columns in terms of the chosen ones; an entry above one is the factor by which a
+    // swap increases the volume.
     const MatrixXd T = unit(Eigen::all, chosen).householderQr().solve(unit(Eigen::all, others));
     Eigen::Index out = 0;
     Eigen::Index in = 0;

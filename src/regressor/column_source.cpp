@@ -52,7 +52,7 @@ class TorqueColumn final : public ColumnSource {
     const MatrixXd still = MatrixXd::Zero(m.rows(), m.joints());
     const bool whole = part_ == TorquePart::kWhole;
     MatrixXd by_state;
-    batch_.torque_slopes(m.q, whole ? m.dq : still, whole ? m.ddq : still, phi_, by_state);
+    batch_.torque_derivatives(m.q, whole ? m.dq : still, whole ? m.ddq : still, phi_, by_state);
     const Eigen::Index n = m.joints();
     for (Eigen::Index d = 0; d < (whole ? 3 * n : n); ++d) {
       for (Eigen::Index i = 0; i < n; ++i) {

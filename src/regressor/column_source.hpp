@@ -9,22 +9,22 @@
 
 namespace veridyn {
 
-/// Columns of a regressor along a motion, and the way back from them to the motion. Immutable:
-/// serves several threads.
+/// Columns of a regressor along a motion, with the chain rule back to the motion. Immutable: serves
+/// several threads.
 class ColumnSource {
  public:
   virtual ~ColumnSource() = default;
 
-  /// How many columns there are.
+  /// Number of columns.
   virtual int count() const = 0;
 
   /// True if a row depends on the rows before it.
   virtual bool remembers() const { return false; }
 
-  /// Those that can differ from zero in the rows of a joint, ascending.
+  /// Columns that can differ from zero in the rows of a joint, ascending.
   virtual std::vector<int> columns(int joint) const = 0;
 
-  /// Y[i](row, c): what column columns(i)[c] holds in joint i's row; sized here.
+  /// Y[i](row, c): entry of column columns(i)[c] in joint i's row; sized here.
   virtual void evaluate(const MotionSamples& motion, std::vector<MatrixXd>& Y) const = 0;
 
   /// Adds the derivatives of sum_i <weights[i], Y[i]> to slopes, (rows x 3 n): by q, dq, ddq of the
@@ -35,30 +35,30 @@ class ColumnSource {
 
 using ColumnSources = std::vector<std::unique_ptr<ColumnSource>>;
 
-/// The inertial parameters of all bodies.
+/// Columns of the inertial parameters of all bodies.
 std::unique_ptr<ColumnSource> body_columns(const Model& arm);
 
-/// The parameters of one effect of the arm.
+/// Columns of the parameters of one effect of the arm.
 ///
-/// @param rounding  (n) speeds below which a sign is rounded off, so that a search finds slopes;
-///                  zero: the effect as it is. Effects with a memory are never rounded.
+/// @param rounding  (n) speeds below which a sign is smoothed, so that a search has derivatives;
+/// zero: unmodified. Effects with memory are never smoothed.
 std::unique_ptr<ColumnSource> effect_columns(const Model& arm, const EffectTerm& term,
                                              const VectorXd& rounding);
 
-/// What happens to the given part of the torques of rigid bodies with parameters phi.
+/// Part of the rigid bodies' torques with parameters phi.
 enum class TorquePart {
-  kWhole,        ///< they are asked for at the motion
-  kGravityOnly,  ///< they are asked for at rest: how the arm's weight acts
+  kWhole,        ///< evaluated at the motion
+  kGravityOnly,  ///< evaluated at rest: the gravity torque
 };
 
-/// One column: the torques of the arm's bodies in the rows of the joints that are chosen, as the
-/// column of a torque gain or of a direction of gravity is.
+/// One column: the torques of the arm's bodies in the rows of selected joints, as for a torque gain
+/// or a direction of gravity.
 ///
 /// @param joints  nonzero where the joint's row counts, (n).
 std::unique_ptr<ColumnSource> torque_column(const Model& arm, const VectorXd& phi, TorquePart part,
                                             const VectorXd& joints);
 
-/// Some columns of another source, in this order.
+/// Selected columns of another source, in this order.
 std::unique_ptr<ColumnSource> some_columns(std::unique_ptr<ColumnSource> from,
                                            std::vector<int> kept);
 

@@ -8,7 +8,7 @@
 
 namespace veridyn {
 
-/// A motion that somebody else owns: rows in order of time.
+/// References to a motion owned by the caller: rows in order of time.
 struct MotionView {
   const VectorXd& time;  ///< (rows) [s]
   const MatrixXd& q;     ///< (rows x n) [rad], [m]
@@ -26,26 +26,26 @@ struct MotionView {
 ///
 ///   load = M(q) ddq + C(q, dq) dq + g(q)        (rows x n)
 ///
-/// Zero where a body has no values. Where the accelerations are measured, whoever asks smooths the
-/// load by kLoadCutoffShare of the filter's cut-off: it carries their noise, as the inertias' own
-/// columns do, and an effect that differentiates it would cancel that noise and look like a cause.
-/// The motion itself lies lower. Every room that has a motion means this by load; a controller,
-/// which has no accelerations, leaves M ddq out.
+/// Zero where a body has no values. With measured accelerations the caller low-passes the load at
+/// kLoadCutoffShare of the filter's cut-off: it carries their noise, as the columns of the inertias
+/// do, and an effect that differentiates it would otherwise cancel that noise and seem significant.
+/// The motion itself has lower frequencies. All code with a motion uses this definition; a
+/// controller, which has no accelerations, omits M ddq.
 MatrixXd rigid_load(const Model& arm, const RegressorBatch& bodies, const MotionView& motion);
 constexpr double kLoadCutoffShare = 0.5;
 
-/// The effort along an axis that does the same work as joint torques, one entry per row: least
-/// squares of c f = tau.
+/// The effort along an axis that corresponds to joint torques, one entry per row: least squares of
+/// c f = tau.
 VectorXd effort_along(const Axis& axis, const MatrixXd& tau);
 
 /// The samples of an effect's axis along a motion.
 /// @param load   as rigid_load(), (rows x n); empty: zero.
-/// @param start  [s] what the effect counts time from.
+/// @param start  [s] origin of the effect's time.
 std::vector<AxisSample> axis_samples(const BoundEffect& effect, const MotionView& motion,
                                      const MatrixXd& load, double start);
 
-/// The columns of an effect along a motion, (rows x parameters) per unit of the axis; a memory
-/// starts fresh. Multiply by the axis' coefficients for the joints.
+/// The columns of an effect along a motion, (rows x parameters) per unit of the axis, with memory
+/// initially unloaded. Multiply by the axis' coefficients for the joints.
 MatrixXd columns_along(const BoundEffect& effect, const MotionView& motion, const MatrixXd& load,
                        double start);
 

@@ -10,15 +10,15 @@
 namespace veridyn {
 namespace {
 
-// What a column may depend on, one number each.
+// Possible inputs of a column, one number each.
 using Input = double AxisSample::*;
 constexpr std::array<Input, 6> kInputs = {&AxisSample::s,       &AxisSample::ds,
                                           &AxisSample::dds,     &AxisSample::from_s,
                                           &AxisSample::from_ds, &AxisSample::load};
 constexpr size_t kVelocity = 1;
 
-/// The slope of f at zero by differences of fourth order. The step is small against the shortest
-/// wave of any effect and large against rounding: about ten digits are right.
+/// Derivative of f at zero by differences of fourth order. The step is small against the shortest
+/// wave of any effect and large against rounding: about ten digits are correct.
 constexpr double kStep = 1e-5;
 
 template <typename Rows>
@@ -107,9 +107,9 @@ class EffectSource final : public ColumnSource {
     return row;
   }
 
-  // Where a column jumps as the velocity changes its sign, the two sides are mixed:
+  // Where a column jumps with the sign of the velocity, both sides are blended:
   //   (1 + v/r)/2 f(r) + (1 - v/r)/2 f(-r),   r = sqrt(v^2 + rounding^2).
-  // What is even or linear in the velocity stays as it is up to rounding^2 / v^2.
+  // Terms that are even or linear in the velocity change by rounding^2 / v^2 only.
   EffectColumns rounded(const AxisSample& x, EffectState& state) const {
     if (rounding_ <= 0.0) return plain(x, state);
     const double r = std::hypot(x.ds, rounding_);
@@ -132,7 +132,7 @@ class EffectSource final : public ColumnSource {
 
   double step_of(size_t input, const AxisSample& x) const {
     if (kInputs[input] == &AxisSample::load) return 1e-4 * (1e-3 + std::abs(x.load));
-    // On one side of a jump, and never across it.
+    // The step stays on one side of a jump.
     if (input == kVelocity && rounding_ > 0.0) return 1e-2 * rounding_;
     return step_;
   }
@@ -156,13 +156,13 @@ class EffectSource final : public ColumnSource {
     }
   }
 
-  // What a sample and the state before it give: columns and the state after.
+  // Result of a sample and the previous state: columns and the next state.
   struct Passed {
     EffectColumns row{};
     EffectState state{};
   };
 
-  // Back through the memory, sample by sample: lambda is the derivative by the state after.
+  // Adjoint pass through the memory, sample by sample: lambda is the derivative by the next state.
   void slopes_with_memory(const std::vector<AxisSample>& samples, const MatrixXd& w,
                           MatrixXd& by_input) const {
     std::vector<EffectState> before(samples.size());
@@ -204,7 +204,7 @@ class EffectSource final : public ColumnSource {
     }
   }
 
-  // From the axis to the coordinates.
+  // Chain rule from the axis to the coordinates.
   void chain(const MotionSamples& m, const MatrixXd& by_input, MatrixXd& slopes) const {
     const Eigen::Index n = m.joints();
     for (Eigen::Index part = 0; part < 3; ++part) {
@@ -222,7 +222,7 @@ class EffectSource final : public ColumnSource {
     }
     if (!uses_load()) return;
     MatrixXd by_state;
-    batch_.torque_slopes(m.q, m.dq, m.ddq, *phi_, by_state);
+    batch_.torque_derivatives(m.q, m.dq, m.ddq, *phi_, by_state);
     const VectorXd share = axis() / axis().squaredNorm();
     for (Eigen::Index d = 0; d < 3 * n; ++d) {
       slopes.col(d).array() +=
@@ -236,7 +236,7 @@ class EffectSource final : public ColumnSource {
   std::optional<VectorXd> phi_;
   double rounding_ = 0.0;
   double step_ = kStep;
-  std::array<bool, kInputs.size()> matters_{};  // of kInputs
+  std::array<bool, kInputs.size()> matters_{};  // inputs of kInputs on which the columns depend
   bool remembers_ = false;
 };
 

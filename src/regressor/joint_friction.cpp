@@ -20,7 +20,7 @@ bool adds(const Model& arm, JointFriction friction) {
 
 bool is_rotor(const EffectTerm& term) { return term.effect == kRotorInertia; }
 
-// The rotor inertia of the joints on which it is no part of another parameter, beside `plain`.
+// Adds to `plain` the rotor inertia of the joints where it is identifiable on its own.
 Model with_told_rotors(const Model& plain) {
   const Model all = with_effect_of_all_joints(plain, kRotorInertia);
   const BaseParameters base = identifiable_base_parameters(all);

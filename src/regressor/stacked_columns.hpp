@@ -13,10 +13,10 @@ class StackedColumns {
  public:
   StackedColumns(int joints, std::vector<std::shared_ptr<const ColumnSource>> sources);
 
-  /// Of all sources; those of the first come first.
+  /// Number of columns of all sources; those of the first source come first.
   int count() const { return count_; }
 
-  /// The columns that gram() speaks about, in its order; at first all of them.
+  /// Selects the columns of gram() and their order; initially all.
   void choose(const std::vector<int>& columns);
   int chosen() const { return chosen_; }
 
@@ -40,7 +40,7 @@ class StackedColumns {
                     const MatrixXd& by_gram) const;
 
  private:
-  // Where a chosen column of a joint's rows is found.
+  // Location of a chosen column in a joint's rows.
   struct Place {
     size_t source;
     int local;   ///< among the source's columns of that joint

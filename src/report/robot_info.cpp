@@ -7,6 +7,8 @@
 
 #include "report/text_table.hpp"
 #include "veridyn/effects/effect.hpp"
+#include "veridyn/identification/identification.hpp"
+#include "veridyn/model/physical_faults.hpp"
 
 namespace veridyn {
 namespace {
@@ -82,13 +84,6 @@ std::string base_parameter_list(const RobotInfo& info) {
   return table.text();
 }
 
-bool has_all_values(const Model& arm) {
-  for (const EffectTerm& term : arm.effects()) {
-    if (!BoundEffect(arm, term).has_values()) return false;
-  }
-  return arm.inertial_values().has_value();
-}
-
 std::string class_list(const RobotInfo& info, const char* title, Identifiability class_wanted) {
   const std::vector<std::string> names = parameters_of_class(info, class_wanted);
   return fmt::format("\n{} ({})\n{}", title, names.size(), paragraph(names));
@@ -124,6 +119,7 @@ std::string RobotInfo::report() const {
                      arm.gravity().z());
   if (has_no_friction(arm))
     out += "no friction: the file has none, and every real joint has (identify --friction plain)\n";
+  for (const std::string& fault : physical_faults(arm)) out += "impossible: " + fault + "\n";
   out += "\n" + coordinates(arm) + "\n" + frames(arm) + "\n" + effects(arm) + "\n";
   out += fmt::format("{} standard parameters, {} base parameters, rank gap {:.1e}\n",
                      parameters.size(), base.size(), base.rank_gap);

@@ -8,7 +8,7 @@ namespace veridyn {
 
 enum class Align { kLeft, kRight };
 
-/// Text in aligned columns, indented by two; what is too long wraps within the last column.
+/// Text in aligned columns, indented by two; long text wraps within the last column.
 class TextTable {
  public:
   static constexpr std::size_t kWidth = 100;
@@ -24,10 +24,10 @@ class TextTable {
   std::vector<std::vector<std::string>> rows_;
 };
 
-/// Words in lines of at most `width` letters, broken at spaces only; never empty.
+/// Words in lines of at most `width` letters, broken at spaces only; at least one line.
 std::vector<std::string> wrapped(const std::string& words, std::size_t width);
 
-/// Names behind each other, wrapped and indented; "(none)" where there are none.
+/// Comma-separated names, wrapped and indented; "(none)" if there are none.
 std::string paragraph(const std::vector<std::string>& names);
 
 }  // namespace veridyn

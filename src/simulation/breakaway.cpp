@@ -3,19 +3,19 @@
 #include <algorithm>
 #include <cmath>
 
-#include "breakaway_ramps.hpp"
 #include "math/median.hpp"
 #include "math/numbers.hpp"
+#include "recordings/breakaway_ramps.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn {
 namespace {
 
-constexpr double kPeriod = 1e-3;   // [s] of the controller that holds the others
-constexpr double kLonger = 2.0;    // times the recorded ramp that the model is pushed
-constexpr double kSettle = 3.0;    // [s] of creeping before a ramp
-constexpr double kHeavy = 3.0;     // times the damping of a held joint, while it creeps
-constexpr double kSettled = 0.02;  // share of the speed of sliding, that still counts as rest
+constexpr double kPeriod = 1e-3;   // [s] of the controller that holds the other joints
+constexpr double kLonger = 2.0;    // times the recorded ramp during which the model is pushed
+constexpr double kSettle = 3.0;    // [s] of creep before a ramp
+constexpr double kHeavy = 3.0;     // times the damping of a held joint, during the creep
+constexpr double kSettled = 0.02;  // share of the sliding speed below which the joint rests
 
 double median_of_known(std::vector<double> values) {
   values.erase(std::remove_if(values.begin(), values.end(), [](double v) { return std::isnan(v); }),
@@ -23,14 +23,14 @@ double median_of_known(std::vector<double> values) {
   return values.empty() ? kNaN : median(std::move(values));
 }
 
-// Pushes the model through one ramp. Where the recording has moved on, the effort goes on rising as
-// it did on the way to the onset.
+// Applies one ramp to the model. Beyond the recorded onset the effort continues to rise at its rate
+// before the onset.
 class Push {
  public:
   Push(Engine& engine, const ReplayInput& input, const PidGains& gains, int joint)
       : engine_(engine), in_(input), gains_(gains), joint_(joint) {}
 
-  // Writes the rows of the ramp; ends where the model slides.
+  // Writes the rows of the ramp; ends when the model slides.
   void run(const Ramp& ramp, double speed, BreakawayEvent& event, Breakaway& out) {
     const VectorXd& time = in_.motion.time;
     const VectorXd home = in_.motion.q.row(ramp.rest).transpose();
@@ -63,9 +63,8 @@ class Push {
   }
 
  private:
-  // Lets the joint creep, heavily damped, until it rests under the effort under which the recorded
-  // one rests: friction with a memory comes to the state that the recording shows it to be in.
-  // False if the model does not rest under it.
+  // Lets the joint creep, heavily damped, until it rests under the recorded effort, so that
+  // friction with memory reaches its recorded state. False if the model does not rest under it.
   bool settle(const VectorXd& home, double effort, double speed) {
     while (engine_.time() < kSettle) {
       const double v = engine_.dq()[joint_];
@@ -74,7 +73,7 @@ class Push {
     return std::abs(engine_.dq()[joint_]) < kSettled * speed;
   }
 
-  // One period: the others are held at home.
+  // Advances one period; the other joints are held at home.
   bool step(const VectorXd& home, double effort) {
     VectorXd tau(home.size());
     for (Eigen::Index i = 0; i < tau.size(); ++i) {
@@ -106,27 +105,28 @@ Breakaway breakaway(Engine& engine, const Model& arm, const ReplayInput& input,
           "breakaway: found ", rows, " x ", input.motion.joints(), " positions and ",
           input.tau.rows(), " x ", input.tau.cols(), " efforts, expected rows of ", arm.joints(),
           " joints of both.");
-  const bool slides = arm.coordinates()[static_cast<size_t>(joint)].prismatic;
-  const double way = options.way > 0.0 ? options.way : slides ? 1e-3 : 1e-2;
-  const double speed = options.speed > 0.0 ? options.speed : slides ? 5e-3 : 5e-2;
+  RampThresholds limit = ramp_thresholds(arm.coordinates()[static_cast<size_t>(joint)]);
+  if (options.way > 0.0) limit.way = options.way;
+  if (options.speed > 0.0) limit.speed = options.speed;
+  limit.rest = options.rest;
   const VectorXd& time = input.motion.time;
   const PidGains gains = sensible_gains(arm);
   Breakaway out;
   out.joint = joint;
-  out.speed = speed;
+  out.speed = limit.speed;
   out.simulated_q = VectorXd::Constant(rows, kNaN);
   std::vector<double> recorded[2];
   std::vector<double> simulated[2];
   const VectorXd q = input.motion.q.col(joint);
   const VectorXd tau = input.tau.col(joint);
   for (const Ramp& ramp : find_ramps(arm.coordinates()[static_cast<size_t>(joint)], time, q, tau,
-                                     {way, speed, options.rest})) {
+                                     limit)) {
     BreakawayEvent event;
     event.rest_from = time[ramp.rest] - time[0];
     event.recorded_at = time[ramp.onset] - time[0];
     event.direction = q[ramp.onset] > q[ramp.rest] ? 1 : -1;
     event.recorded = effort_at(time, tau, ramp.onset);
-    Push(engine, input, gains, joint).run(ramp, speed, event, out);
+    Push(engine, input, gains, joint).run(ramp, limit.speed, event, out);
     const size_t side = event.direction > 0 ? 0 : 1;
     recorded[side].push_back(event.recorded);
     simulated[side].push_back(event.simulated);

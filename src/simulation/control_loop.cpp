@@ -11,17 +11,17 @@
 namespace veridyn {
 namespace {
 
-constexpr double kContactRamp = 0.1;  // [s] in which a contact comes and goes
-constexpr double kFar = 10.0;         // times a joint's range: no controller brings it back
+constexpr double kContactRamp = 0.1;  // [s] in which a contact fades in and out
+constexpr double kFar = 10.0;         // times a joint's range: no controller recovers
 
-// Rows of what happened, cut where it stopped.
+// Records rows up to the end of the run.
 class Log {
  public:
   Log(const VectorXd& time, Eigen::Index n)
       : run_{{time, MatrixXd(time.size(), n), MatrixXd(time.size(), n), MatrixXd(time.size(), n)},
              MatrixXd(time.size(), n)} {}
 
-  // The row at which the engine stands, under these torques of motors and all torques.
+  // Adds the row of the engine's present state, with the motors' and the total torques.
   bool row(Eigen::Index k, Engine& engine, const VectorXd& motors, const VectorXd& all) {
     VectorXd ddq(motors.size());
     const StepStatus status = engine.accelerate(all, ddq);
@@ -37,7 +37,7 @@ class Log {
     return stop(rows, status, engine, engine.failed_joint());
   }
 
-  // Keeps the rows before `rows`.
+  // Ends the record before row `rows`.
   bool stop(Eigen::Index rows, StepStatus status, const Engine& engine, int joint) {
     run_.status = status;
     run_.stopped_at = engine.time();
@@ -54,7 +54,7 @@ class Log {
   EngineRun run_;
 };
 
-// The controller and the motors, one period after the other.
+// The controller and the motors, period by period.
 class Loop {
  public:
   Loop(const Model& arm, const LoopOptions& options)
@@ -74,8 +74,8 @@ class Loop {
     velocity_ = dq;
   }
 
-  // The motors' torques for the next h seconds; a controller that is slower than that leaves them
-  // until its own period has passed.
+  // The motors' torques for the next h seconds; a slower controller keeps them until its own period
+  // has passed.
   const VectorXd& torques(const VectorXd& q, const VectorXd& wanted, const VectorXd& wanted_dq,
                           double h) {
     if (first_ || since_ > 1.0 / options_.rate - 0.5 * h) {
@@ -87,7 +87,7 @@ class Loop {
   }
 
  private:
-  // h: since the update before [s].
+  // @param h  [s] since the previous update.
   void update(const VectorXd& q, const VectorXd& wanted, const VectorXd& wanted_dq, double h) {
     std::rotate(seen_.begin(), seen_.begin() + 1, seen_.end());
     seen_.back() = measured(q);
@@ -104,7 +104,7 @@ class Loop {
       const double whole =
           k.p[i] * e + integral_[i] + k.i[i] * e * h + k.d[i] * (wanted_dq[i] - velocity_[i]);
       const double bounded = std::clamp(whole, -limit_[i], limit_[i]);
-      // The integral rests while the motor gives all it has.
+      // Anti-windup: the integral stops while the motor saturates.
       if (bounded == whole) integral_[i] += k.i[i] * e * h;
       motors_[i] += follow * (in_steps(bounded) - motors_[i]);
     }
@@ -130,7 +130,7 @@ class Loop {
   VectorXd limit_, integral_, velocity_, motors_, last_;
   std::vector<VectorXd> seen_;
   bool first_ = true;
-  double since_ = 0.0;  // [s] since the last update
+  double since_ = 0.0;  // [s] since the previous update
 };
 
 void check(const Model& arm, const MotionSamples& m, const LoopOptions& o) {
@@ -155,7 +155,7 @@ void check(const Model& arm, const MotionSamples& m, const LoopOptions& o) {
           o.start.size(), " joints, expected ", n, ".");
 }
 
-// The joint that has left all bounds, or -1.
+// The joint that has run away, or -1.
 int run_away(const VectorXd& q, const VectorXd& wanted, const VectorXd& range) {
   for (Eigen::Index i = 0; i < q.size(); ++i) {
     if (std::abs(q[i] - wanted[i]) > kFar * range[i]) return static_cast<int>(i);

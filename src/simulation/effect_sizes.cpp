@@ -7,7 +7,6 @@
 #include "regressor/effect_along.hpp"
 #include "plant_torques.hpp"
 #include "kinematics/standard_motion.hpp"
-#include "veridyn/math/require.hpp"
 
 namespace veridyn {
 namespace {
@@ -43,7 +42,7 @@ Model with_sensible_effects(const Model& arm, double least_effort) {
     for (size_t p = 0; p < parameters.size(); ++p) {
       if (std::find(missing.begin(), missing.end(), parameters[p].name) == missing.end()) continue;
       const double size = rms(columns.col(static_cast<Eigen::Index>(p)));
-      // An effect that this motion does not stir (a shape that needs more) is left without force.
+      // An effect that this motion does not excite (some shapes need more) gets no force.
       term.values[parameters[p].name] = size > 0.0 ? part / size : 0.0;
     }
   }

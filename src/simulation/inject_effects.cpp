@@ -16,7 +16,7 @@
 namespace veridyn {
 namespace {
 
-// The value of a key, or its default; every key that is asked for is known.
+// Values of keys with their defaults; all keys used are in the list.
 using Defaults = std::vector<std::pair<std::string, double>>;
 
 std::map<std::string, double> filled(const HiddenEffect& hidden, const Defaults& defaults) {
@@ -36,7 +36,7 @@ std::map<std::string, double> filled(const HiddenEffect& hidden, const Defaults&
   return values;
 }
 
-// Puts one effect after the other into the description.
+// Adds effects one after the other to the description.
 class Injector {
  public:
   explicit Injector(const Model& arm)
@@ -51,7 +51,7 @@ class Injector {
   }
 
   PerturbedArm finish() && {
-    // Terms stand at the end of the model's effects, in the order in which they were asked for.
+    // New terms are at the end of the model's effects, in the order of the request.
     size_t term = out_.arm.effects().size() - terms_.size();
     const Model sized = with_sensible_effects(out_.arm);
     for (const size_t injected : terms_) {
@@ -168,7 +168,7 @@ class Injector {
     add(hidden, hidden.place, 0, std::move(v));
   }
 
-  // The text form of a cause has these only where a diagnosis wrote them.
+  // Only a diagnosis writes this text form of a cause.
   void inject(const HiddenEffect& hidden, const AddedInertia& /*cause*/) {
     throw InvalidInput(text("effect '", hidden.asked, "': found '", hidden.effect,
                             "', which is a load without mass, expected '", AddedLoad::kName, "'."));
@@ -211,8 +211,8 @@ class Injector {
     add(hidden, cause.joint, {});
   }
 
-  // Shape constants that are not given: the effect's own; a range that it wants from its caller is
-  // the joint's.
+  // Missing shape constants get the effect's own values; a range that the caller must set is that
+  // of the joint.
   void fill_shapes(const AxisEffect& effect, int joint, EffectTerm& term) const {
     const MotionLimits limits = motion_limits(out_.arm);
     const ShapeValues initial = BoundEffect(out_.arm, term).shape();
@@ -229,7 +229,7 @@ class Injector {
     }
   }
 
-  // True if the request had all parameters of a term.
+  // True if the request gave all parameters of a term.
   bool was_given(size_t term) const {
     return BoundEffect(out_.arm, out_.arm.effects()[term]).has_values();
   }
@@ -252,7 +252,7 @@ class Injector {
   std::vector<RecordedChannel> shown_;  // by joint
   VectorXd effort_;
   std::vector<std::string> asked_;
-  std::vector<size_t> terms_;  // among effects, those that are terms of the model
+  std::vector<size_t> terms_;  // indices of the new terms among the model's effects
 };
 
 }  // namespace

@@ -3,7 +3,6 @@
 #include "simulation/plant/plant_forces.hpp"
 #include "veridyn/dynamics/rigid_body_dynamics.hpp"
 #include "kinematics/motion_limits.hpp"
-#include "veridyn/math/require.hpp"
 #include "veridyn/simulation/control_loop.hpp"
 
 namespace veridyn {
@@ -11,7 +10,7 @@ namespace {
 
 constexpr double kIntegralShare = 0.1;  // share of the bandwidth
 
-// The inertia that each joint feels alone, rotors included, in the middle of the range.
+// The inertia of each joint by itself, rotors included, at the middle of the range.
 VectorXd middle_inertia(const Model& arm) {
   const MotionLimits limits = motion_limits(arm);
   const VectorXd middle = 0.5 * (limits.lower + limits.upper);

@@ -6,12 +6,11 @@
 
 namespace veridyn {
 
-/// Torques that an arm with values needs for a motion: rigid bodies and all effects with their
-/// values, (rows x n).
+/// Inverse dynamics of an arm with values along a motion: rigid bodies and all effects, (rows x n).
 ///
-/// Effects with memory start fresh and see `substeps` states per row, on quintics through q, dq and
-/// ddq.
-/// @throws InvalidInput  a body has no values, or the registry does not know an effect.
+/// Effects with memory start unloaded and see `substeps` states per row, on quintics through q, dq
+/// and ddq.
+/// @throws InvalidInput  a body has no values, or an effect is unknown.
 MatrixXd plant_torques(const Model& arm, const MotionSamples& motion, int substeps);
 
 /// The rigid bodies alone. @throws InvalidInput  a body has no values.
@@ -22,7 +21,7 @@ MatrixXd rigid_torques(const Model& arm, const MotionSamples& motion);
 MatrixXd term_columns(const Model& arm, const EffectTerm& term, const MotionSamples& motion,
                         const MatrixXd& rigid, int substeps);
 
-/// The sum of those effects that `wanted` accepts, for given loads (rows x n), (rows x n).
+/// The sum of the effects that `wanted` accepts, for given loads (rows x n); (rows x n).
 MatrixXd effect_torques(const Model& arm, const MotionSamples& motion, const MatrixXd& load,
                         int substeps, bool (*wanted)(const EffectTerm&));
 

@@ -4,7 +4,7 @@
 
 namespace veridyn {
 
-/// From what an arm did (out.actual, out.actual_tau) to what its sensors say (out.measured,
+/// Turns the true motion (out.actual, out.actual_tau) into the recorded one (out.measured,
 /// out.tau): encoder offset, gain and delay of the torque, noise.
 void record(const Model& arm, const PerturbedArm& plant, const SimulationOptions& options,
             SimulatedRecording& out);

@@ -12,8 +12,8 @@ namespace veridyn {
 namespace {
 
 constexpr Eigen::Index kFewestRows = 10;
-// As identification builds its columns: one state per row, and loads that are low-passed below the
-// cut-off, since effects that differentiate them would blow up the noise of the motion.
+// As in identification: one state per row, and loads that are low-passed below the cut-off, since
+// effects that differentiate them would amplify the noise of the motion.
 constexpr int kSubsteps = 1;
 constexpr double kCrossover = 0.5;  // [Hz] between recorded positions and recorded velocities
 
@@ -33,7 +33,7 @@ class LowPass {
   double rate_;
 };
 
-// Relative size of the difference, per joint, over the rows in use.
+// Relative norm of the difference, per joint, over the rows in use.
 VectorXd relative_error(const MatrixXd& found, const MatrixXd& expected,
                         const std::vector<char>& use) {
   VectorXd error = VectorXd::Zero(found.cols());
@@ -64,7 +64,7 @@ bool any(const EffectTerm& /*term*/) {
   return true;
 }
 
-// The motion that a PD of these gains was asked for when it gave tau: e = wanted - actual follows
+// The reference that a PD with these gains must have had to give tau: e = wanted - actual follows
 // de/dt = (tau - p e) / d, solved exactly for a torque that is constant over a row.
 void lead(MotionSamples& wanted, const MatrixXd& tau, const PidGains& gains) {
   for (Eigen::Index i = 0; i < tau.cols(); ++i) {
@@ -80,8 +80,8 @@ void lead(MotionSamples& wanted, const MatrixXd& tau, const PidGains& gains) {
   }
 }
 
-// Positions whose slow part is the recorded one and whose fast part is the integral of the recorded
-// velocity: rows that came late by a share of their step make the derivative of q noisier than dq.
+// Positions with the recorded low frequencies and the integrated velocity as high frequencies:
+// jitter in the rows' times makes the derivative of q noisier than dq.
 MatrixXd fused_positions(const MotionSamples& m, const LowPass& low_pass) {
   MatrixXd integral = m.q;
   for (Eigen::Index k = 1; k < m.rows(); ++k)
@@ -107,7 +107,7 @@ Replay replay(Engine& engine, const Model& arm, const ReplayInput& input,
   Replay out;
   LoopOptions loop = options.loop;
   if (loop.gains.p.size() == 0) loop.gains = sensible_gains(arm);
-  // An integral would bring the motion to the commands, which lie ahead of it.
+  // An integral term would move the arm to the commands, which lie ahead of it.
   if (options.drive == ReplayDrive::kCommands) loop.gains.i.setZero();
   out.gains = loop.gains;
   const double dt =
@@ -120,8 +120,8 @@ Replay replay(Engine& engine, const Model& arm, const ReplayInput& input,
     wanted.q = low_pass(fused_positions(wanted, low_pass), options.set_point_cutoff);
     if (options.drive == ReplayDrive::kCommands)
       lead(wanted, low_pass(input.tau, options.set_point_cutoff), loop.gains);
-    // A recorded velocity that is a little late or too large would act through the damping as a
-    // torque of its own: what leads must be the velocity of what leads.
+    // The reference velocity must be the derivative of the reference: a recorded velocity that lags
+    // or has a wrong scale would act through the damping as a torque.
     wanted.dq = differentiate(wanted.q, dt);
     loop.start = input.motion.q.row(0).transpose();
     out.run = run_with_pid(engine, arm, wanted, loop);
@@ -132,8 +132,8 @@ Replay replay(Engine& engine, const Model& arm, const ReplayInput& input,
   const auto load = [&](const MotionSamples& motion) {
     return low_pass(rigid_torques(arm, motion), kLoadCutoffShare * options.cutoff);
   };
-  // Effects of measured motion, which a plant does not have: to first order, the elastic
-  // transmission moves the arm by less than the controller can tell.
+  // Effects of measured motion, which a plant lacks, are added to first order: an elastic
+  // transmission moves the arm by less than the controller resolves.
   const MatrixXd unfelt = effect_torques(arm, out.run.motion, load(out.run.motion), kSubsteps,
                                          describes_measured_motion);
   const MotionSamples recorded = first_rows(input.motion, done);

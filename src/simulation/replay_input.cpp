@@ -1,30 +1,23 @@
+#include <algorithm>
 #include <set>
 
 #include "recordings/remark.hpp"
+#include "recordings/velocity_trust.hpp"
 #include "veridyn/simulation/replay.hpp"
 
 namespace veridyn {
-namespace {
-
-// Joints (from 0) whose recorded velocity is worse than the derivative of their position.
-std::vector<int> faulty_velocities(const RecordingQuality& quality, std::vector<std::string>& remarks) {
-  std::set<int> joints;
-  for (const QualityFinding& f : quality.findings) {
-    const bool velocity = f.finding == "velocity_scale" || f.finding == "velocity_quantised" ||
-                          f.finding == "velocity_delay";
-    if (!velocity || f.severity == Severity::kInfo || f.joint < 1) continue;
-    if (joints.insert(f.joint - 1).second)
-      remarks.push_back(f.sentence + " The replay takes it from the position.");
-  }
-  return {joints.begin(), joints.end()};
-}
-
-}  // namespace
-
 ReplayInput replay_input(const Model& arm, const std::string& recording, PreprocessingOptions how) {
   ReplayInput out;
   out.quality = check_recording(recording, reading_of(arm, how));
-  how.derive_velocity_of = faulty_velocities(out.quality, out.remarks);
+  const std::set<int> wrong = trust_in_velocities({out.quality}).wrong;
+  how.derive_velocity_of.assign(wrong.begin(), wrong.end());
+  for (const int joint : wrong) {
+    const auto why = std::find_if(out.quality.findings.begin(), out.quality.findings.end(),
+                                  [joint](const QualityFinding& f) {
+                                    return makes_velocity_wrong(f) && f.joint == joint + 1;
+                                  });
+    out.remarks.push_back(why->sentence + " The replay takes it from the position.");
+  }
   std::vector<double> time;
   std::vector<MatrixXd> pieces[4];
   const auto collect = [&](const Stretch& s) {

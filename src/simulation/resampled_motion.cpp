@@ -9,7 +9,7 @@
 namespace veridyn {
 namespace {
 
-// Position, velocity and acceleration at a share u of the way from one row to the next: the quintic
+// Position, velocity and acceleration at a share u of the interval between two rows, on the quintic
 // through all three.
 struct Point {
   double q, dq, ddq;
@@ -58,7 +58,7 @@ MotionSamples motion_at(const MotionSamples& m, const VectorXd& times) {
 
 MotionSamples resampled(const MotionSamples& motion, double rate) {
   const double length = motion.time[motion.rows() - 1] - motion.time[0];
-  // Motion wanted, done and measured: positions, velocities, accelerations and torques of each.
+  // Memory for wanted, actual and measured positions, velocities, accelerations and torques.
   const double most = std::floor(most_rows(12.0 * static_cast<double>(motion.joints())));
   require(length * rate >= 1.0 && length * rate < most, "simulation: found a sample rate of ", rate,
           " Hz for ", length, " s, expected one that makes two rows at least and fewer than ", most,

@@ -7,16 +7,16 @@
 
 namespace veridyn {
 
-/// An arm whose rotors all have inertia enough to be moved.
+/// An arm in which every rotor has some inertia.
 struct MovableArm {
   Model arm;
-  std::vector<std::string> changed;  ///< what was changed, a sentence each
+  std::vector<std::string> changed;  ///< one sentence for each change
 };
 
-/// Identification that keeps a rotor's inertia from being negative leaves it at zero where the data
-/// would rather have less. An axis that nothing else loads could not be simulated then: forces
-/// without inertia. Rotors below a tenth of their own standard deviation get that tenth, which the
-/// data cannot tell from what they had. Those without a standard deviation stay.
+/// An identification with nonnegative rotor inertia yields zero where the data would prefer a
+/// negative value. An axis with no other inertia could then not be simulated. Rotors below a tenth
+/// of their own standard deviation are set to that tenth, which the data cannot distinguish from
+/// the estimate. Those without a standard deviation are unchanged.
 MovableArm with_movable_rotors(const Model& arm);
 
 }  // namespace veridyn

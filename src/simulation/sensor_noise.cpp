@@ -16,8 +16,8 @@ constexpr double kSlowestWave = 0.05;  // [Hz]
 constexpr double kFastestWave = 0.5;
 constexpr double kFadeSeconds = 1.0;
 
-// Streams of random numbers, one for each kind of noise and joint: changing one amount leaves the
-// others as they were.
+// Streams of random numbers, one for each kind of noise and joint, so that changing one amount
+// leaves the others unchanged.
 enum Stream : unsigned {
   kTracking = 100,
   kVelocity = 200,
@@ -56,8 +56,8 @@ Wave random_waves(const VectorXd& time, double rms, RandomNumbers& random) {
   return sum;
 }
 
-// From 0 to 1 in the first second and back in the last one, without a jump up to the second
-// derivative: 10 u^3 - 15 u^4 + 6 u^5. Shorter recordings spend half on each.
+// Rises from 0 to 1 in the first second and falls back in the last one, smooth up to the second
+// derivative: 10 u^3 - 15 u^4 + 6 u^5. Shorter recordings use half their length for each.
 Wave fade_in_and_out(const VectorXd& time) {
   const Eigen::Index rows = time.size();
   const double end = time[rows - 1];
@@ -89,14 +89,14 @@ void add_torque_noise(const SensorNoise& noise, unsigned seed, Eigen::Index join
   }
 }
 
-// Every row holds what was true a little before its time.
+// Makes every row show the state shortly before its time.
 void come_late(const SensorNoise& noise, unsigned seed, MotionSamples& motion, MatrixXd& tau) {
   const VectorXd time = motion.time;
   VectorXd shown = time;
   RandomNumbers random = stream(seed, kLate, 0);
   for (Eigen::Index k = 0; k < time.size(); ++k) {
     shown[k] -= noise.delay + noise.late * std::abs(random.normal());
-    // A later row never shows an earlier moment.
+    // Rows never go back in time.
     shown[k] = std::max(shown[k], k > 0 ? shown[k - 1] : time[0]);
   }
   motion = motion_at(motion, shown);
@@ -111,14 +111,14 @@ void come_late(const SensorNoise& noise, unsigned seed, MotionSamples& motion, M
   }
 }
 
-// Rows of a fault that comes in runs of some mean length and hits a share of all rows.
+// Rows of a fault that occurs in runs of a given mean length and affects a given share of all rows.
 class Runs {
  public:
   Runs(double share, double length, RandomNumbers random)
       : stays_(1.0 - 1.0 / length), random_(std::move(random)) {
-    // In the long run share = begins / (begins + ends).
+    // Stationary share = begins / (begins + ends).
     begins_ = length > 1.0 ? share / (length * (1.0 - share)) : share;
-    if (length == 1.0) stays_ = share;  // each row for itself
+    if (length == 1.0) stays_ = share;  // isolated rows
   }
 
   bool next() {

@@ -13,21 +13,23 @@ namespace veridyn::watching {
 namespace {
 
 constexpr double kMemories[] = {0.5, 2.0, 8.0};  // [s]
-constexpr double kRecent = 20.0;        // [s] of steps that are kept to tell causes apart
-constexpr int kAboveInARow = 2;         // steps beyond the threshold that make an alarm
-constexpr double kSoonestName = 2.0;    // [s] from the onset: a push may still end
+constexpr double kRecent = 20.0;        // [s] of steps kept to isolate a cause
+constexpr int kAboveInARow = 2;  // consecutive steps beyond the threshold that raise an alarm
+// [s] from the onset before a cause is named, because a push may still end.
+constexpr double kSoonestName = 2.0;
 constexpr double kOdds = 9.2;           // twice the log of odds of 100 to 1
 constexpr double kPushEnds = 0.8;       // [s] without a push after which it is over
-constexpr double kExplains = 0.6;       // share of what free torques explain that a cause explains
-constexpr double kDeaf = 1.0;           // [s] after an event in which memories fill again
-constexpr double kCalm = 0.5;           // of the threshold: below it a quiet time goes on
-constexpr double kNovel = 1.0;          // [s] of new motion after which learning begins again
-constexpr size_t kMostQuiet = 1200;     // steps of today that are kept
+constexpr double kExplains = 0.6;       // share of the gain of free torques that a cause must reach
+constexpr double kDeaf = 1.0;  // [s] refractory time after an event, in which memories fill again
+constexpr double kCalm = 0.5;           // share of the threshold below which the time is quiet
+constexpr double kNovel = 1.0;          // [s] of unseen motion after which learning resumes
+constexpr size_t kMostQuiet = 1200;     // steps of the current day that are kept
 constexpr double kLargestTorques = 3.0; // times the rms torque: no joint's friction grows beyond it
 constexpr double kSlow = 0.1;           // [rad/s], [m/s] a speed that every joint reaches
-constexpr double kMixed = 2.5;          // steps behind the onset whose innovations still hold both
-constexpr double kSystematic = 0.02;    // of a size: smoothing, columns that are right to first order
-constexpr double kUndone = 0.3;         // share left of a change that was taken back
+constexpr double kMixed = 2.5;          // steps after the onset whose innovations mix both states
+// Relative systematic error of a size: smoothing, first-order columns.
+constexpr double kSystematic = 0.02;
+constexpr double kUndone = 0.3;         // remaining share below which a change was reversed
 
 }  // namespace
 
@@ -43,11 +45,12 @@ ChangeFinder::ChangeFinder(const Model& arm, const std::vector<Hypothesis>& hypo
     m.A = m.b = VectorXd::Zero(known_.size());
     memories_.push_back(m);
   }
-  for (int j = 0; j < arm.joints(); ++j) {  // the effect that moves a joint whatever it does
+  // The constant offset, which acts independently of the motion.
+  for (int j = 0; j < arm.joints(); ++j) {
     for (size_t h = 0; h < hypotheses.size(); ++h) {
       const Hypothesis& one = hypotheses[h];
-      if (one.joint != j || !has_axis_effect(one.effect)) continue;
-      const EffectTraits t = find_effect(one.effect).traits();
+      if (!one.along_axis() || one.of.joint->value != j) continue;
+      const EffectTraits t = find_effect(effect_of(one.of.cause)).traits();
       if (!t.uses_velocity && !t.uses_position && !t.uses_acceleration && !t.depends_on_time)
         offset_of_joint_.push_back(static_cast<int>(h));
     }
@@ -69,7 +72,7 @@ void ChangeFinder::forget() {
   above_ = 0;
 }
 
-// The noise of the quiet steps so far, and what the statistics did along them.
+// Fits the noise of the quiet steps, and the statistics along them.
 void ChangeFinder::calibrate() {
   noise_.fit(before_, quiet_);
   set_largest();
@@ -134,13 +137,13 @@ void ChangeFinder::add(const Step& step, WatchState& state) {
   state.alarmed = open_.has_value();
 }
 
-// While nothing happens more is learned, and always where the arm does what it did not do before.
+// Continues learning while nothing changes, and whenever the arm makes an unseen motion.
 void ChangeFinder::go_on_learning(const Step& step, double strength) {
   const bool relearning = step.time < relearn_until_;
   if (open_ || (!relearning && (refining_ || strength >= 1.0))) return;
   const bool novel = noise_.novel(step);
   novel_ = novel ? novel_ + options_.step : std::max(0.0, novel_ - options_.step);
-  if (!relearning && novel_ >= kNovel) {  // the arm began something else
+  if (!relearning && novel_ >= kNovel) {  // the arm began an unseen motion
     relearn_until_ = deaf_until_ = step.time + options_.learn;
     novel_ = 0.0;
   }
@@ -157,25 +160,26 @@ void ChangeFinder::go_on_learning(const Step& step, double strength) {
   if (learned || (more && !relearning)) calibrate();
 }
 
-// Sizes beyond which a column does not describe what it stands for, or which no joint has.
+// Largest sizes for which the columns hold, or that a joint can have.
 void ChangeFinder::set_largest() {
   largest_ = VectorXd::Constant(known_.size(), 1e300);
-  double mass = 0.0;  // no arm carries more than itself
+  double mass = 0.0;  // no arm carries more than its own mass
   for (const Frame& f : arm_.frames())
     if (f.body && f.body->phi) mass += std::abs((*f.body->phi)[0]);
   for (Eigen::Index h = 0; h < known_.size(); ++h) {
     const Hypothesis& one = hypotheses_[static_cast<size_t>(h)];
-    if (one.effect == AddedLoad::kName) {
+    if (is_load(one.of)) {
       largest_[h] = one.companion ? 0.0 : mass;
       continue;
     }
-    const Coordinate& c = arm_.coordinates()[static_cast<size_t>(std::max(one.joint, 0))];
-    const Effect& effect = find_effect(one.effect);
+    const int joint = one.of.joint ? one.of.joint->value : 0;
+    const Coordinate& c = arm_.coordinates()[static_cast<size_t>(joint)];
+    const Effect& effect = find_effect(effect_of(one.of.cause));
     const EffectParameter p = effect.parameters().front();
     largest_[h] = c.prismatic ? p.largest_prismatic : p.largest_revolute;
-    if (one.joint < 0 || !has_axis_effect(one.effect)) continue;
+    if (!one.along_axis()) continue;
     const bool viscous = effect.traits().affine && effect.traits().uses_velocity;
-    largest_[h] = kLargestTorques * noise_.scale()[one.joint] / (viscous ? kSlow : 1.0);
+    largest_[h] = kLargestTorques * noise_.scale()[joint] / (viscous ? kSlow : 1.0);
   }
 }
 
@@ -193,10 +197,10 @@ void ChangeFinder::look(double now, WatchState& state) {
     hypothesis = static_cast<int>(at);
     memory = m;
   }
-  state.suspect = hypothesis >= 0 ? hypotheses_[static_cast<size_t>(hypothesis)].cause() : "";
+  state.suspect = hypothesis >= 0 ? to_text(arm_, hypotheses_[static_cast<size_t>(hypothesis)].of.cause) : "";
   above_ = state.strength > 1.0 ? above_ + 1 : 0;
   if (open_ || above_ < kAboveInARow || now < deaf_until_) return;
-  if (refining_) {  // what was refined stays as it is
+  if (refining_) {  // values from the refinement are kept
     past_.push_back(*refining_);
     refining_.reset();
   }
@@ -234,7 +238,7 @@ void ChangeFinder::tell_apart(double now, bool last) {
   const double price = quantiles_.dispersion() * std::log(static_cast<double>(recent_.size()));
   const Push lasting = best_push(recent_, offset_of_joint_, earliest, open_->alarm, 0.0, price);
   const Push ended = best_push(recent_, offset_of_joint_, earliest, open_->alarm, kPushEnds, price);
-  const bool still = ended.gain + odds > lasting.gain;  // nothing is left after its end
+  const bool still = ended.gain + odds > lasting.gain;  // no significant residual after its end
   if (still && ended.gain > best.gain + odds) {
     push_is_over(ended, now);
     return;
@@ -248,8 +252,8 @@ void ChangeFinder::tell_apart(double now, bool last) {
   }
   double next = still ? ended.gain : 0.0;  // of another effect
   for (const Score& s : scores) {
-    if (hypotheses_[static_cast<size_t>(s.hypothesis)].effect ==
-        hypotheses_[static_cast<size_t>(best.hypothesis)].effect)
+    if (effect_of(hypotheses_[static_cast<size_t>(s.hypothesis)].of.cause) ==
+        effect_of(hypotheses_[static_cast<size_t>(best.hypothesis)].of.cause))
       continue;
     next = std::max(next, s.gain);
     break;
@@ -258,7 +262,7 @@ void ChangeFinder::tell_apart(double now, bool last) {
 }
 
 double ChangeFinder::half_width(const Score& score) const {
-  // What was learned while quiet is not exact either, and columns are right to first order.
+  // Quantities learned while quiet are inexact as well, and columns are of first order.
   const double learned = options_.step * static_cast<double>(before_.size() + quiet_.size());
   const double since = std::max(0.0, recent_.empty() ? 0.0 : recent_.back().time - score.onset);
   const double random = student_t_quantile(0.05, quantiles_.freedom()) *
@@ -282,10 +286,7 @@ WatchEvent ChangeFinder::event(const Change& c, WatchStage stage, double now) co
   e.time = now;
   e.since = c.score.onset;
   e.until = now;
-  e.cause = h.cause();
-  e.effect = h.effect;
-  e.joint = h.joint >= 0 ? h.joint + 1 : 0;
-  e.place = h.place;
+  e.cause = h.of.cause;
   e.value = c.score.size.size() > 0 ? c.score.size[0] : 0.0;
   const double half = half_width(c.score);
   e.low = e.value - half;
@@ -304,8 +305,8 @@ void ChangeFinder::name(const std::vector<Score>& scores, double now) {
   const double phi = quantiles_.dispersion();
   for (const Score& s : scores) {
     if (s.hypothesis == c.score.hypothesis || c.score.gain - s.gain > phi * kOdds) continue;
-    e.rivals.push_back({hypotheses_[static_cast<size_t>(s.hypothesis)].cause(),
-                        0.5 * (c.score.gain - s.gain) / phi});
+    const Cause& other = hypotheses_[static_cast<size_t>(s.hypothesis)].of.cause;
+    e.rivals.push_back({other, to_text(arm_, other), 0.5 * (c.score.gain - s.gain) / phi});
   }
   // The same change, the other way round: it was taken back.
   const double size = c.score.size[0];
@@ -330,13 +331,10 @@ void ChangeFinder::name(const std::vector<Score>& scores, double now) {
 void ChangeFinder::push_is_over(const Push& push, double now) {
   const Change c = *open_;
   open_.reset();
-  const int j = std::max(push.last_joint, 0);
+  const int j = push.last_joint ? push.last_joint->value : 0;
   const Coordinate& joint = arm_.coordinates()[static_cast<size_t>(j)];
   WatchEvent e = event(c, now - push.to < kPushEnds ? WatchStage::kNamed : WatchStage::kOver, now);
-  e.effect = ExternalContact::kName;
-  e.joint = j + 1;
-  e.place = joint.name;
-  e.cause = e.effect + ":" + e.place;
+  e.cause = ExternalContact{{j}};
   e.since = push.from;
   e.until = push.to;
   e.value = push.torque.size() > j ? push.torque[j] : 0.0;
@@ -366,8 +364,8 @@ void ChangeFinder::refine(const WhiteStep& white, double now) {
 
 void ChangeFinder::jump(const PositionJump& jump, double now) {
   const auto slip = std::find_if(hypotheses_.begin(), hypotheses_.end(), [&](const Hypothesis& h) {
-    return h.joint == jump.joint && !has_axis_effect(h.effect) &&
-           find_effect(h.effect).traits().same_as_wrong_constant;
+    return is_channel(h.of) && h.of.joint == JointIndex{jump.joint} &&
+           find_effect(effect_of(h.of.cause)).traits().same_as_wrong_constant;
   });
   if (slip == hypotheses_.end()) return;
   Change c;
@@ -394,6 +392,7 @@ void ChangeFinder::finish(double now) {
 }
 
 void ChangeFinder::tell(WatchEvent e) {
+  e.text = to_text(arm_, e.cause);
   e.sentence = sentence(e);
   events_.push_back(std::move(e));
 }

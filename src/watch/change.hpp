@@ -12,7 +12,7 @@
 
 namespace veridyn::watching {
 
-/// What is known of the change that is being told apart, or refined.
+/// State of the change that is being isolated, or refined.
 struct Change {
   int id = 0;
   Score score;            ///< least squares since the onset

@@ -6,7 +6,7 @@
 
 namespace veridyn::watching {
 
-/// What happened, for a technician.
+/// Description of an event, for a technician.
 std::string sentence(const WatchEvent& event);
 
 }  // namespace veridyn::watching

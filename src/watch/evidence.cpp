@@ -31,7 +31,7 @@ void Memory::add(const WhiteStep& step) {
 
 namespace {
 
-// What a size can be that is best, and what it brings.
+// The best admissible size, and its gain.
 double bounded_size(double A, double b, double largest) {
   return A > kNothing ? std::clamp(b / A, -largest, largest) : 0.0;
 }
@@ -60,7 +60,7 @@ void Quantiles::learn(const MatrixXd& mean, const std::vector<Memory>& memories,
     threshold.setConstant(kInfinity);
     if (windows < 1.0) continue;
     const double freedom = kPriorFreedom + windows;
-    // What was fitted to a quiet time is too small there by 1 - 1/windows, and too large
+    // Fitted to a quiet time, the statistic is too small there by 1 - 1/windows, and too large
     // afterwards by 1 + 1/windows.
     const double fitted = std::pow(1.0 + 1.0 / windows, 2);
     const double probability = false_alarms_per_hour * memories[m].seconds / (kHour * tests);
@@ -153,7 +153,7 @@ Push best_push(const std::deque<WhiteStep>& steps, const std::vector<int>& offse
   const double end = steps.back().time - still;
   for (size_t o = 0; o < steps.size(); ++o) {
     if (steps[o].time < earliest || steps[o].time > latest) continue;
-    double settled = 0.0;  // of segments that are complete
+    double settled = 0.0;  // of completed segments
     VectorXd A = VectorXd::Zero(static_cast<Eigen::Index>(n)), b = A, all_A = A, all_b = A;
     double segment = steps[o].time;
     for (size_t k = o; k < steps.size() && steps[k].time <= end; ++k) {
@@ -169,21 +169,21 @@ Push best_push(const std::deque<WhiteStep>& steps, const std::vector<int>& offse
       }
       const bool whole = steps[k].time - segment >= kSegment;
       const bool last = k + 1 == steps.size() || steps[k + 1].time > end;
-      // One that has not ended reaches to the last step.
+      // A push that has not ended extends to the last step.
       if (steps[k].time - steps[o].time >= kShortestPush && settled + open > best.gain &&
           (still > 0.0 || last)) {
         best.gain = settled + open;
         best.from = steps[o].time;
         best.to = steps[k].time;
         best.torque = all_b.cwiseQuotient(all_A.cwiseMax(kNothing));
-        best.last_joint = -1;
+        best.last_joint.reset();
         const VectorXd share = all_b.cwiseAbs2().cwiseQuotient(all_A.cwiseMax(kNothing));
         for (size_t j = 0; j < n; ++j)
           if (share[static_cast<Eigen::Index>(j)] > std::max(price, kActive * share.maxCoeff()))
-            best.last_joint = static_cast<int>(j);
+            best.last_joint = JointIndex{static_cast<int>(j)};
       }
       if (!whole) continue;
-      if (settled + open <= 0.0) break;  // nothing yet: a later onset says the same
+      if (settled + open <= 0.0) break;  // no gain so far: a later onset is equivalent
       settled += open;
       A.setZero();
       b.setZero();

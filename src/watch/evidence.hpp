@@ -7,9 +7,9 @@
 
 namespace veridyn::watching {
 
-/// Least squares with a forgetting factor of every hypothesis by itself: A <- f A + x' x.
+/// Recursive least squares with forgetting of every hypothesis by itself: A <- f A + x' x.
 struct Memory {
-  double seconds = 0.0;  ///< [s] over which it forgets
+  double seconds = 0.0;  ///< [s] time constant of the forgetting
   double forgetting = 0.0;
   VectorXd A, b;
 
@@ -18,24 +18,25 @@ struct Memory {
     b.setZero();
   }
   void add(const WhiteStep& step);
-  /// Twice the log-likelihood ratio of each hypothesis, b^2 / A where its size |b| / A can be.
+  /// Twice the log-likelihood ratio of each hypothesis, b^2 / A if its size |b| / A is possible.
   /// @param largest  (hypotheses) sizes.
   VectorXd statistics(const VectorXd& largest) const;
 };
 
-/// The statistics of a quiet arm, and how large they may become.
+/// The statistics of a quiet arm, and their thresholds.
 class Quantiles {
  public:
   Quantiles(int hypotheses, int memories);
 
-  /// From the mean statistics (hypotheses x memories) of a quiet time.
+  /// Learns from the mean statistics (hypotheses x memories) of a quiet time.
   void learn(const MatrixXd& mean, const std::vector<Memory>& memories, double quiet_seconds,
              double false_alarms_per_hour);
 
-  /// (hypotheses) statistic beyond which memory m gives an alarm; infinite where it cannot tell yet.
+  /// (hypotheses) statistic beyond which memory m raises an alarm; infinite until enough is
+  /// learned.
   const VectorXd& threshold(int memory) const { return threshold_[static_cast<size_t>(memory)]; }
-  /// How much more than white innovations' the statistics scatter, the mean of all hypotheses over
-  /// the memory in the middle; and with how many degrees of freedom that is known.
+  /// Dispersion of the statistics relative to white innovations, the mean of all hypotheses over
+  /// the middle memory; and its degrees of freedom.
   double dispersion() const { return dispersion_; }
   double freedom() const { return freedom_; }
 
@@ -44,9 +45,9 @@ class Quantiles {
   double dispersion_ = 1.0, freedom_ = 1.0;
 };
 
-/// What the steps since an alarm say for one hypothesis.
+/// Evidence of the steps since an alarm for one hypothesis.
 struct Score {
-  int hypothesis = -1;
+  int hypothesis = 0;
   double gain = 0.0;    ///< twice the log-likelihood ratio to "nothing changed"
   double onset = 0.0;   ///< [s]
   std::vector<int> columns;  ///< the hypothesis' own, then its companions'
@@ -57,11 +58,11 @@ struct Score {
   double deviation() const;
 };
 
-/// A push from outside: torques of any size on any joint, from onset to end.
+/// An external push: torques of any size on any joint, from onset to end.
 struct Push {
   double gain = 0.0, from = 0.0, to = 0.0;
   VectorXd torque;  ///< (n) mean
-  int last_joint = -1;
+  std::optional<JointIndex> last_joint;  ///< the one nearest to the tool that it moves
 };
 
 /// The best onset of a hypothesis among the steps from `earliest` to `latest` [s].
@@ -69,19 +70,19 @@ struct Push {
 Score best_onset(const std::deque<WhiteStep>& steps, int hypothesis, double largest,
                  double earliest, double latest);
 
-/// The same with companions, where they bring more than their price: the centre of a load of that
-/// mass lies within some centimetres of its frame's origin.
+/// The same with companions, where their gain exceeds the price: the centre of a load of that mass
+/// lies within some centimetres of its frame's origin.
 Score with_companions(const std::deque<WhiteStep>& steps, const Score& alone,
                       const std::vector<int>& companions, double price);
 
-/// The sizes again, from steps that lie wholly behind the onset by `skipped` [s]: the step of the change
-/// is a mixture, and the autoregression looks back to it.
+/// Estimates the sizes again from steps later than the onset by `skipped` [s]: the step of the
+/// change mixes both states, and the autoregression includes it.
 Score measured_again(const std::deque<WhiteStep>& steps, const Score& score, double skipped);
 
-/// The best push that begins there and ends `still` seconds before the last step, or has not ended
+/// The best push that starts there and ends `still` seconds before the last step, or has not ended
 /// (still = 0).
 /// @param offset_of_joint  (n) hypothesis of each joint's torque offset.
-/// @param price  gain that each joint in each half second has to bring.
+/// @param price  gain required of each joint in each half second.
 Push best_push(const std::deque<WhiteStep>& steps, const std::vector<int>& offset_of_joint,
                double earliest, double latest, double still, double price);
 

@@ -3,36 +3,19 @@
 #include <algorithm>
 #include <cmath>
 
-#include "model/suggestion.hpp"
-#include "veridyn/effects/cause.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn::watching {
 namespace {
 
-constexpr double kRestShare = 0.03;  // of the largest speed: below it dry friction may be anything
+// Share of the largest speed, below which dry friction is undetermined.
+constexpr double kRestShare = 0.03;
 
-// What may change on every joint and is different every day.
-std::vector<const AxisEffect*> axis_effects_watched() {
-  std::vector<const AxisEffect*> out;
-  for (const AxisEffect* effect : axis_effects())
-    if (effect->traits().elementary) out.push_back(effect);
-  return out;
-}
-
-// Errors of one joint's recorded signal that may come while it runs.
-std::vector<const ChannelEffect*> channel_effects_watched() {
-  std::vector<const ChannelEffect*> out;
-  for (const ChannelEffect* effect : channel_effects()) {
-    const auto* sensor = dynamic_cast<const SensorError*>(effect);
-    if (sensor != nullptr && sensor->may_begin_suddenly()) out.push_back(sensor);
-  }
-  return out;
-}
-
-std::string unit_on(const Effect& effect, const Coordinate& c) {
-  const EffectParameter p = effect.parameters().front();
-  return c.prismatic ? p.unit_prismatic : p.unit_revolute;
+std::string unit_of(const Model& arm, const Candidate& c) {
+  if (is_load(c)) return "kg";
+  const EffectParameter p = find_effect(effect_of(c.cause)).parameters().front();
+  const bool slides = arm.coordinates()[static_cast<size_t>(c.joint ? c.joint->value : 0)].prismatic;
+  return slides ? p.unit_prismatic : p.unit_revolute;
 }
 
 bool is_last(const Model& arm, int frame) {
@@ -40,30 +23,25 @@ bool is_last(const Model& arm, int frame) {
                       [frame](const Frame& f) { return f.parent == frame; });
 }
 
-std::vector<int> load_frames(const Model& arm, const std::vector<std::string>& links) {
-  std::vector<int> out;
+std::vector<FrameIndex> load_frames(const Model& arm, const std::vector<std::string>& links) {
+  std::vector<FrameIndex> out;
   for (const std::string& link : links) {
-    std::vector<std::string> names;
-    for (const Frame& f : arm.frames()) names.push_back(f.name);
-    const int k = arm.find_frame(link);
-    require(k >= 0, "watch: robot '", arm.name(), "' has no frame '", link, "'",
-            did_you_mean(link, names), ".");
-    out.push_back(k);
+    out.push_back(find_frame(arm, link, "watch: robot '" + arm.name() + "'"));
   }
   for (int k = 0; links.empty() && k < static_cast<int>(arm.frames().size()); ++k) {
     bool moves = false;
     for (int i = 0; i < arm.joints(); ++i) moves = moves || arm.moves(k, i);
-    if (moves && (is_last(arm, k) || arm.frames()[static_cast<size_t>(k)].body)) out.push_back(k);
+    if (moves && (is_last(arm, k) || arm.frames()[static_cast<size_t>(k)].body)) out.push_back({k});
   }
   return out;
 }
 
-// The arm with a body on each of the frames.
-Model with_bodies(const Model& arm, const std::vector<int>& frames) {
+// The arm with an additional body on each of the frames.
+Model with_bodies(const Model& arm, const std::vector<FrameIndex>& frames) {
   ModelDescription d = arm.description();
   d.effects.clear();
-  for (const int k : frames) {
-    std::optional<Body>& body = d.frames[static_cast<size_t>(k)].body;
+  for (const FrameIndex k : frames) {
+    std::optional<Body>& body = d.frames[static_cast<size_t>(k.value)].body;
     if (!body) body.emplace();
   }
   return Model(std::move(d));
@@ -92,29 +70,19 @@ Hypotheses::Hypotheses(const Model& arm, const std::vector<std::string>& links)
             " has no value, expected a MODEL that identify or diagnose wrote.");
     if (effects_.back().traits().dry != DryFriction::kNone) dry_.push_back({effects_.size() - 1});
   }
-  const int n = arm.joints();
-  for (const AxisEffect* effect : axis_effects_watched()) {
-    for (int j = 0; j < n; ++j) {
+  for (const Candidate& c : sudden_candidates(arm, load_frames(arm, links))) {
+    all_.push_back({c, unit_of(arm, c)});
+    if (is_load(c)) {
+      const auto at = std::find(loaded_.bodies().begin(), loaded_.bodies().end(), frame_of(c.cause)->value);
+      body_of_load_.push_back(static_cast<int>(at - loaded_.bodies().begin()));
+    } else if (is_channel(c)) {
+      channel_.push_back(channel_effect(effect_of(c.cause)));
+    } else {
       EffectTerm term;
-      term.effect = effect->name();
-      term.axis.coefficients = VectorXd::Unit(n, j);
-      const Coordinate& c = arm.coordinates()[static_cast<size_t>(j)];
+      term.effect = effect_of(c.cause);
+      term.axis = c.axis;
       axis_.emplace_back(arm, term);
-      all_.push_back({effect->name(), c.name, j, -1, unit_on(*effect, c)});
     }
-  }
-  for (const ChannelEffect* effect : channel_effects_watched()) {
-    for (int j = effect->can_be_common() && n > 1 ? kAllJoints : 0; j < n; ++j) {
-      const bool common = j == kAllJoints;
-      const Coordinate& c = arm.coordinates()[static_cast<size_t>(common ? 0 : j)];
-      channel_.push_back(effect);
-      all_.push_back({effect->name(), common ? "arm" : c.name, j, -1, unit_on(*effect, c)});
-    }
-  }
-  for (const int k : load_frames(arm, links)) {
-    const auto at = std::find(loaded_.bodies().begin(), loaded_.bodies().end(), k);
-    body_of_load_.push_back(static_cast<int>(at - loaded_.bodies().begin()));
-    all_.push_back({AddedLoad::kName, arm.frames()[static_cast<size_t>(k)].name, kAllJoints, k, "kg"});
   }
   const size_t loads = body_of_load_.size();
   const size_t first = all_.size() - loads;
@@ -162,7 +130,8 @@ void Hypotheses::channel_columns(const StepMotion& motion, Answer& out) const {
   const double dt = motion.time.size() > 1 ? motion.time[1] - motion.time[0] : 1.0;
   const ChannelMotion along{arm_, bodies_, phi_, motion.q, motion.dq, motion.ddq, out.torque, dt};
   for (size_t h = 0; h < channel_.size(); ++h) {
-    const int joint = all_[axis_.size() + h].joint;
+    const std::optional<JointIndex> of = all_[axis_.size() + h].of.joint;
+    const int joint = of ? of->value : kAllJoints;
     MatrixXd column = channel_[h]->columns(along, joint).front();
     for (int i = 0; i < arm_.joints(); ++i) {
       if (!channel_[h]->acts_on(i, joint)) column.col(i).setZero();

@@ -3,34 +3,32 @@
 #include <string>
 #include <vector>
 
+#include "causes/candidates.hpp"
 #include "veridyn/dynamics/regressor_batch.hpp"
 #include "veridyn/effects/channel_effect.hpp"
 #include "veridyn/effects/effect.hpp"
 
 namespace veridyn::watching {
 
-/// One thing that may change, of one unknown size.
+/// One possible change, of one unknown size.
 struct Hypothesis {
-  std::string effect;  ///< name of an effect, or "payload"
-  std::string place;   ///< coordinate, frame or "arm"
-  int joint = -1;      ///< from 0; kAllJoints where common or on a frame
-  int frame = -1;
-  std::string unit;
-  /// Columns that are fitted beside it once a change is told apart: the first moments of a load.
-  std::vector<int> companions{};
-  bool companion = false;  ///< such a column: no hypothesis by itself
+  Candidate of;
+  std::string unit = {};
+  /// Columns fitted together with it during isolation: the first moments of a load.
+  std::vector<int> companions = {};
+  bool companion = false;  ///< such a column, no hypothesis of its own
 
-  std::string cause() const { return effect + ":" + place; }
+  bool along_axis() const { return std::holds_alternative<NewEffect>(of.cause); }
 };
 
-/// The motion of a step: (rows x n).
+/// Motion of a step: (rows x n).
 struct StepMotion {
   VectorXd time;
   MatrixXd q, dq, ddq;
 };
 
-/// Torques that a MODEL asks for along a motion that goes on, and what every hypothesis would add to
-/// them. Effects with a memory keep it from step to step.
+/// Torques of a MODEL along a continuing motion, and the contribution of every hypothesis. Effects
+/// with memory keep it from step to step.
 class Hypotheses {
  public:
   /// @throws InvalidInput  the model lacks values; a link is no frame.
@@ -43,11 +41,12 @@ class Hypotheses {
     MatrixXd torque;                ///< (rows x n) of the model
     std::vector<MatrixXd> parts;    ///< (rows x n): gravity, motion of the bodies, effects; absolute
     std::vector<MatrixXd> columns;  ///< (rows x n), one for each hypothesis
-    MatrixXd rest_friction;         ///< (rows x n) dry friction of axes at rest, which may be anything
+    /// (rows x n) dry friction of axes at rest, which is undetermined within this bound.
+    MatrixXd rest_friction;
   };
   void evaluate(const StepMotion& motion, Answer& out);
 
-  /// After a pause: memories start afresh.
+  /// Restarts the memories after a pause.
   void reset();
 
  private:

@@ -10,13 +10,14 @@ namespace veridyn::watching {
 namespace {
 
 constexpr int kOrder = 2;             // of the autoregressions
-constexpr double kDailyShare = 0.1;   // of the rms torque: by how much days differ (prior)
+constexpr double kDailyShare = 0.1;   // of the rms torque: prior of day-to-day differences
 constexpr double kSlow = 0.1;         // [rad/s], [m/s] a speed that every joint reaches
-constexpr double kLeastShare = 2e-3;  // of the rms torque: no innovation is smaller
-constexpr double kLargestPole = 0.98; // beyond it a quiet beginning is too short to tell
-constexpr double kUnlearned = 0.5;    // share by which a model is wrong beyond what was learned
-constexpr double kBeyond = 1.1;       // times the envelope: beyond it is not learned
-constexpr int kRounds = 3;            // of fitting what is different today and the colour in turn
+constexpr double kLeastShare = 2e-3;  // of the rms torque: lower bound of innovations
+constexpr double kLargestPole = 0.98; // a quiet beginning is too short to estimate larger poles
+constexpr double kUnlearned = 0.5;    // relative model error outside the learned range
+constexpr double kBeyond = 1.1;  // factor on the envelope beyond which a motion counts as unseen
+// Alternations between fitting the day's differences and the autoregression.
+constexpr int kRounds = 3;
 
 }  // namespace
 
@@ -28,10 +29,10 @@ NoiseModel::NoiseModel(const Model& arm, const std::vector<Hypothesis>& hypothes
       scale_(VectorXd::Ones(arm.joints())) {
   for (size_t h = 0; h < hypotheses.size(); ++h) {
     const Hypothesis& one = hypotheses[h];
-    joint_of_.push_back(one.joint);
-    if (one.joint < 0 || !has_axis_effect(one.effect)) continue;
+    if (!one.along_axis()) continue;
     daily_.push_back(static_cast<int>(h));
-    const EffectTraits t = find_effect(one.effect).traits();
+    joint_of_.push_back(one.of.joint->value);
+    const EffectTraits t = find_effect(effect_of(one.of.cause)).traits();
     speed_of_.push_back(t.uses_velocity && t.dry == DryFriction::kNone ? kSlow : 1.0);
   }
 }
@@ -74,13 +75,14 @@ void NoiseModel::fit(const std::vector<Step>& before, const std::vector<Step>& t
   fit_colour(all);
 }
 
-// Least squares of every joint's rest on the two steps before; poles are pulled inside the circle.
+// Autoregression of every joint's residual on the two previous steps; poles are moved inside the
+// unit circle.
 void NoiseModel::fit_colour(const std::vector<const std::vector<Step>*>& quiet) {
   std::vector<VectorXd> rest;
   std::vector<const Step*> steps;
   for (const auto* part : quiet) {
     for (const Step& s : *part) {
-      // What is different today is not in the steps of other days.
+      // Earlier days have their own differences subtracted already.
       rest.push_back(part == quiet.back() ? VectorXd(s.residual - s.columns * today_) : s.residual);
       steps.push_back(&s);
     }
@@ -103,7 +105,8 @@ void NoiseModel::fit_colour(const std::vector<const std::vector<Step>*>& quiet) 
     const double least = std::max(kLeastShare * scale_[j], 1e-12);
     ar_.row(j).setZero();
     deviation_[j] = least;
-    if (count < 4.0 * kOrder) {  // at rest or nearly so: what friction may be is all there is to know
+    // At rest or nearly so: only the bound of friction at rest is known.
+    if (count < 4.0 * kOrder) {
       double all = 0.0;
       for (const VectorXd& x : rest) all += x[j] * x[j];
       deviation_[j] = std::max(least, std::sqrt(all / static_cast<double>(rest.size())));
@@ -111,7 +114,7 @@ void NoiseModel::fit_colour(const std::vector<const std::vector<Step>*>& quiet) 
     }
     const double ridge = count * least * least;
     Eigen::Vector2d a = (R + ridge * Eigen::Matrix2d::Identity()).ldlt().solve(r);
-    // Schur's condition for both poles within the circle.
+    // Schur's condition for both poles inside the unit circle.
     a[1] = std::clamp(a[1], -kLargestPole, kLargestPole);
     a[0] = std::clamp(a[0], -kLargestPole * (1.0 - a[1]), kLargestPole * (1.0 - a[1]));
     const double left = power - 2.0 * a.dot(r) + a.dot(R * a);
@@ -134,17 +137,17 @@ void NoiseModel::fit_today(const std::vector<Step>& quiet) {
     const WhiteStep w = whiten(s, none);
     for (Eigen::Index p = 0; p < count; ++p) {
       const int h = daily_[static_cast<size_t>(p)];
-      const int j = joint_of_[static_cast<size_t>(h)];
+      const int j = joint_of_[static_cast<size_t>(p)];
       b[p] += w.X(j, h) * w.e[j];
       for (Eigen::Index o = 0; o < count; ++o) {
         const int other = daily_[static_cast<size_t>(o)];
-        if (joint_of_[static_cast<size_t>(other)] == j) A(p, o) += w.X(j, h) * w.X(j, other);
+        if (joint_of_[static_cast<size_t>(o)] == j) A(p, o) += w.X(j, h) * w.X(j, other);
       }
     }
   }
   past_.clear();
   for (Eigen::Index p = 0; p < count; ++p) {
-    const int j = joint_of_[static_cast<size_t>(daily_[static_cast<size_t>(p)])];
+    const int j = joint_of_[static_cast<size_t>(p)];
     const double prior = kDailyShare * scale_[j] / speed_of_[static_cast<size_t>(p)];
     A(p, p) += 1.0 / std::max(prior * prior, 1e-24);
   }

@@ -8,28 +8,29 @@
 
 namespace veridyn::watching {
 
-/// A step after the autoregression of its joint, over the standard deviation of the innovation; rows
-/// of joints whose friction at rest is not known count less.
+/// A step whitened by the autoregression of its joints, divided by the standard deviation of the
+/// innovation; rows of joints with undetermined friction at rest have less weight.
 struct WhiteStep {
   double time = 0.0;
   VectorXd e;  ///< (n)
   MatrixXd X;  ///< (n x hypotheses)
 };
 
-/// What a quiet arm leaves unexplained: what is different today, and the colour of the rest.
+/// Residual of a quiet arm: its differences from other days, and an autoregression of the rest.
 class NoiseModel {
  public:
   NoiseModel(const Model& arm, const std::vector<Hypothesis>& hypotheses);
 
-  /// From the quiet steps so far: the colour from all, what is different today from those of today.
-  /// @param before  of other days, each with its own differences taken off already.
+  /// Fits the quiet steps so far: the autoregression to all, the day's differences to those of
+  /// today.
+  /// @param before  steps of other days, with their own differences subtracted.
   void fit(const std::vector<Step>& before, const std::vector<Step>& today);
 
-  /// True where the model adds up more, on some joint, than it ever did while quiet.
+  /// True if a torque component of the model exceeds, on some joint, its range while quiet.
   bool novel(const Step& step) const;
 
-  /// The next step in order of time.
-  /// @param known  (hypotheses) sizes of what is known already.
+  /// Whitens the next step in order of time.
+  /// @param known  (hypotheses) sizes of changes that are known already.
   WhiteStep whiten(const Step& step, const VectorXd& known);
 
   const VectorXd& deviation() const { return deviation_; }  ///< (n) of an innovation
@@ -38,7 +39,7 @@ class NoiseModel {
   /// Root mean square of the measured torque while quiet, (n).
   const VectorXd& scale() const { return scale_; }
 
-  /// What is left of a step's residual.
+  /// Residual of a step after known changes.
   VectorXd rest(const Step& step, const VectorXd& known) const;
 
  private:
@@ -49,11 +50,12 @@ class NoiseModel {
   int n_;
   std::vector<int> daily_;  // hypotheses that differ from day to day
   std::vector<int> joint_of_;
-  std::vector<double> speed_of_;  // at which each makes the torque of its prior; 1: at any
+  // Speed at which each gives the torque of its prior; 1: independent of speed.
+  std::vector<double> speed_of_;
   MatrixXd ar_;             // (n x order)
   VectorXd deviation_, today_, scale_;
   MatrixXd envelope_;       // (n x parts) largest parts while quiet
-  std::deque<Step> past_;  // before the next one, the latest first
+  std::deque<Step> past_;  // previous steps, the latest first
 };
 
 }  // namespace veridyn::watching

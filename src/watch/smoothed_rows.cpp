@@ -13,15 +13,16 @@ namespace {
 constexpr double kHalfWindow = 0.05;       // [s] of the smoothing: 5 Hz and slower pass
 constexpr double kHalfWindowOfPosition = 0.08;  // [s] where velocities are derived, twice
 constexpr double kJumpReach = 0.02;        // [s] to either side of a jump
-constexpr int kRowsForStep = 30;           // by which the time step is judged
+constexpr int kRowsForStep = 30;           // rows from which the time step is determined
 constexpr double kPause = 0.5;             // [s]
 constexpr double kAbsurd = 1e6;
-constexpr int kRepeats = 20;               // rows that may repeat the one before; more is rest
-constexpr double kJumpDeviations = 12.0;   // a jump exceeds the statistic's own scatter by this ...
-constexpr double kJumpOverLargest = 2.5;   // ... and the largest that the quiet arm showed by this
-constexpr double kJumpOfWay = 0.3;         // ... and the way that the joint goes by this
-constexpr double kSmallestJump[] = {5e-4, 1e-4};  // [rad], [m]: less than the play of a joint
-constexpr double kQuietLeak = 1e-4;        // share by which later samples renew the scatter
+constexpr int kRepeats = 20;               // repeats of a row that count as stale; more mean rest
+// A jump exceeds the statistic's own scatter by this factor ...
+constexpr double kJumpDeviations = 12.0;
+constexpr double kJumpOverLargest = 2.5;   // ... and the largest value of the quiet arm by this
+constexpr double kJumpOfWay = 0.3;         // ... and the displacement of the joint by this
+constexpr double kSmallestJump[] = {5e-4, 1e-4};  // [rad], [m]: below the play of a joint
+constexpr double kQuietLeak = 1e-4;        // weight of later samples in the scatter
 
 // Row d of the result gives the d-th derivative (in samples) at the middle of 2 half + 1 samples.
 MatrixXd local_polynomial(int half, int degree) {
@@ -41,12 +42,6 @@ MatrixXd local_polynomial(int half, int degree) {
     kernel.row(p) *= factor;
   }
   return kernel;
-}
-
-double median_step(const std::vector<double>& times) {
-  std::vector<double> steps;
-  for (size_t k = 1; k < times.size(); ++k) steps.push_back(times[k] - times[k - 1]);
-  return median(std::move(steps));
 }
 
 }  // namespace
@@ -118,14 +113,14 @@ void SmoothedRows::add(const Recording& rows) {
   }
 }
 
-// One recorded row: the grid points between it and the row before.
+// Processes one recorded row: the grid points between it and the previous row.
 void SmoothedRows::place(const Row& row) {
   if (has_last_) {
     if (row.t <= last_.t) return;
     if (row.t - last_.t > kPause) {
       begin_again();
     } else if (row.q == last_.q && row.tau == last_.tau && repeats_ < kRepeats) {
-      ++repeats_;  // written twice: what lies between is interpolated once a new row comes
+      ++repeats_;  // repeated row: interpolated once a new row arrives
       return;
     }
   }
@@ -159,8 +154,8 @@ void SmoothedRows::put(Row row) {
   if (static_cast<int>(grid_.size()) == 2 * half_ + 1) smooth();
 }
 
-// The position gained over a few samples beside what the velocities around make of it. A row that
-// came late is off to one side and back to the other, so only what stays is seen.
+// Position increment over a few samples minus the integrated velocity. A late row deviates to one
+// side and returns, so that only lasting jumps count.
 void SmoothedRows::look_for_jump() {
   const int end = static_cast<int>(grid_.size()) - 1;
   const int begin = end - 2 * reach_;
@@ -185,7 +180,7 @@ void SmoothedRows::look_for_jump() {
     spread2_[j] += std::max(1.0 / seen_, kQuietLeak) * (gain.size * gain.size - spread2_[j]);
     largest_[j] = std::max(largest_[j], std::abs(gain.size));
   }
-  if (found.size() > 1) {  // no two encoders slip at once: rows are missing, or were joined
+  if (found.size() > 1) {  // simultaneous jumps of several encoders indicate missing or joined rows
     const Row last = grid_.back();
     begin_again();
     first_t_ = last.t;
@@ -200,10 +195,10 @@ void SmoothedRows::look_for_jump() {
 SmoothedRows::Gain SmoothedRows::gained(int j, int begin, int end) const {
   Gain out;
   const auto row = [this](int k) -> const Row& { return grid_[static_cast<size_t>(k)]; };
-  const auto step = [&](int k) {  // from sample k - 1 to k, beside what the velocity makes of it
+  const auto step = [&](int k) {  // from sample k - 1 to k, minus the integrated velocity
     return row(k).q[j] - row(k - 1).q[j] - 0.5 * dt_ * (row(k - 1).dq[j] + row(k).dq[j]);
   };
-  // Without velocities: the increments to either side stand for them.
+  // Without velocities the increments on either side replace them.
   const int mid = (begin + end) / 2;
   const double before = (row(mid).q[j] - row(begin).q[j]) / (mid - begin);
   const double after = (row(end).q[j] - row(mid + 1).q[j]) / std::max(1, end - mid - 1);
@@ -225,7 +220,7 @@ SmoothedRows::Gain SmoothedRows::gained(int j, int begin, int end) const {
   return out;
 }
 
-// The sample of the jump is the first one that is off.
+// The jump is located at the first deviating sample.
 void SmoothedRows::take_off(const PositionJump& jump, int end) {
   if (on_jump) on_jump(jump);
   for (int k = 0; k <= end; ++k) {
@@ -251,7 +246,7 @@ void SmoothedRows::smooth() {
     out.dq += has_velocity_ ? VectorXd(value_[i] * row.dq) : VectorXd(slope_[i] * row.q);
     out.ddq += has_velocity_ ? VectorXd(slope_[i] * row.dq) : VectorXd(curve_[i] * row.q);
   }
-  for (int j = 0; j < n; ++j) {  // torques that were recorded late are brought forward
+  for (int j = 0; j < n; ++j) {  // delayed torques are shifted forward
     out.tau[j] = sensors_.torque_at(j, half_, count, dt_, [&](Eigen::Index k) {
       return grid_[static_cast<size_t>(k)].tau[j];
     });

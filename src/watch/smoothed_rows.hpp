@@ -9,13 +9,13 @@
 
 namespace veridyn::watching {
 
-/// A sample of a uniform grid, smoothed by local polynomials; late by `half` samples.
+/// A sample of a uniform grid, smoothed by local polynomials; it lags by `half` samples.
 struct SmoothedRow {
   double time = 0.0;
   VectorXd q, dq, ddq, tau;
 };
 
-/// A lasting jump of a recorded position that no motion made.
+/// A lasting jump of a recorded position without a corresponding motion.
 struct PositionJump {
   double time = 0.0;
   int joint = 0;
@@ -23,9 +23,9 @@ struct PositionJump {
   double noise = 0.0;  ///< standard deviation of `size`
 };
 
-/// Rows of a running arm, made ready for the equations of motion: gaps and repeated rows left out,
-/// interpolated onto a uniform grid, channels corrected as the MODEL says, jumps of an encoder found
-/// and taken off, velocity and acceleration by local least squares.
+/// Prepares rows of a running arm for the equations of motion: skips gaps and repeated rows,
+/// interpolates on a uniform grid, corrects channels as the MODEL says, detects and removes jumps
+/// of an encoder, and estimates velocity and acceleration by local least squares.
 class SmoothedRows {
  public:
   explicit SmoothedRows(const Model& arm);
@@ -33,12 +33,12 @@ class SmoothedRows {
   /// Called with each finished row and each jump, in the order of time.
   std::function<void(const SmoothedRow&)> on_row;
   std::function<void(const PositionJump&)> on_jump;
-  std::function<void()> on_break;  ///< a pause: what follows does not join on
+  std::function<void()> on_break;  ///< after a pause; the next row is not contiguous
 
   void add(const Recording& rows);
   double dt() const { return dt_; }
 
-  /// Jumps are only told once the noise of positions is known.
+  /// Enables the detection of jumps, once the noise of positions is known.
   void tell_jumps() { tell_jumps_ = true; }
 
  private:
@@ -51,8 +51,8 @@ class SmoothedRows {
   void place(const Row& row);
   void put(Row row);
   struct Gain {
-    double size = 0.0;  ///< beside what velocities make of it [rad] or [m]
-    double way = 0.0;   ///< that the joint goes
+    double size = 0.0;  ///< minus the integrated velocity [rad] or [m]
+    double way = 0.0;   ///< displacement of the joint
     double at = 0.0;    ///< [s] of the largest step
   };
   void look_for_jump();
@@ -65,7 +65,7 @@ class SmoothedRows {
   JointSensors sensors_;
   bool has_velocity_ = false, tell_jumps_ = false;
   double dt_ = 0.0;
-  std::deque<Row> start_;  // until the step is known
+  std::deque<Row> start_;  // until the time step is known
   Row last_;
   bool has_last_ = false;
   int repeats_ = 0;
@@ -73,13 +73,13 @@ class SmoothedRows {
   double first_t_ = 0.0;
   std::deque<Row> grid_;
   int half_ = 0;  // of the smoothing window
-  int reach_ = 0; // of the window in which a jump is sought
+  int reach_ = 0; // half width of the window for jumps
   VectorXd value_, slope_, curve_;  // kernels over 2 half + 1 samples
   VectorXd offset_;                 // jumps found so far
   VectorXd spread2_;                // mean square of the jump statistic
   VectorXd largest_;                // and its largest while quiet
   double seen_ = 0.0;
-  std::vector<int> wait_;           // samples until the next jump of a joint may be told
+  std::vector<int> wait_;           // samples until the next jump of a joint may be reported
 };
 
 }  // namespace veridyn::watching

@@ -11,10 +11,11 @@ struct Step {
   VectorXd torque;         ///< (n) measured
   VectorXd position;       ///< (n) [rad], [m] at its end
   MatrixXd columns;        ///< (n x hypotheses) torque per unit of each hypothesis
-  VectorXd rest_friction2; ///< (n) square of what dry friction at rest may be
-  MatrixXd parts;          ///< (n x 3) sizes of what the model adds up: gravity, the rest of the rigid
-                           ///< bodies' torque, effects
-  bool follows = true;     ///< false: the step before it is not the one in time
+  VectorXd rest_friction2; ///< (n) squared bound of dry friction at rest
+  /// (n x 3) magnitudes of the model's components: gravity, the other torque of the rigid bodies,
+  /// effects.
+  MatrixXd parts;
+  bool follows = true;     ///< false: the previous step is not adjacent in time
 };
 
 }  // namespace veridyn::watching

@@ -9,10 +9,10 @@
 
 namespace veridyn::watching {
 
-/// Smoothed rows become steps.
+/// Combines smoothed rows into steps.
 class StepBuilder {
  public:
-  /// @param seconds  of a step.
+  /// @param seconds  length of a step.
   StepBuilder(Hypotheses& hypotheses, double seconds) : hypotheses_(hypotheses), seconds_(seconds) {}
 
   std::function<void(const Step&)> on_step;

@@ -59,6 +59,7 @@ class EveryPage : public testing::TestWithParam<PageCase> {
     run({"payload", path("ext.yaml"), "--recording", path("rec2.csv"), "--report",
          path("payload.html"), "--quiet"});
     run({"watch", path("ext.yaml"), path("rec2.csv"), "--report", path("watch.html"), "--quiet"});
+    run({"friction", "psm-3dof", path("rec1.csv"), path("rec2.csv"), "--report", path("friction.html"), "--quiet"});
     run({"page", path(""), "-o", path("index.html")});
   }
 
@@ -95,6 +96,7 @@ INSTANTIATE_TEST_SUITE_P(
                     PageCase{"stability", {"plane", "map", "steps"}},
                     PageCase{"kinematics", {"condition", "arm"}}, PageCase{"info", {"arm"}},
                     PageCase{"check", {}}, PageCase{"compare", {"differences"}},
+                    PageCase{"friction", {"friction"}},
                     PageCase{"payload", {"verdict"}}, PageCase{"watch", {"time", "arm"}},
                     PageCase{"index", {"history"}}),
     [](const testing::TestParamInfo<PageCase>& test) { return std::string(test.param.name); });

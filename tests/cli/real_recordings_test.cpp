@@ -3,6 +3,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <functional>
+#include <map>
 
 #include "cli/tool.hpp"
 
@@ -224,6 +225,29 @@ TEST_F(RealRecordings, ABrokenFileIsToldApart) {
     absurd = absurd || finding["finding"] == "absurd_numbers";
   }
   EXPECT_TRUE(absurd) << run.out;
+}
+
+// Section 5.6 of the thesis: constant speeds and ramps of the insertion alone.
+TEST_F(RealRecordings, FrictionOfTheInsertionAlone) {
+  const TemporaryFolder folder;
+  const std::string path = folder.path("f.json");
+  const auto part = [](const char* name) { return file(std::string("psm1-thesis/") + name + ".csv"); };
+  const ToolRun done = run_tool({"friction", "psm-3dof", part("constant-velocity-positive"), part("constant-velocity-negative"),
+                                 part("force-ramp"), "--json", path, "--quiet"});
+  ASSERT_EQ(done.status, 0) << done.err;
+  const json result = json_of(path);
+  EXPECT_EQ(result["resting"], (json{"pitch", "yaw"}));
+  ASSERT_EQ(result["joints"].size(), 1u);
+  const json& joint = result["joints"][0];
+  EXPECT_EQ(joint["joint"], 3);
+  EXPECT_GE(joint["speeds"].size(), 20u);
+  EXPECT_GE(joint["breakaways"].size(), 10u);
+  EXPECT_LT(joint["held_out"]["confirmed"], 0.7 * joint["held_out"]["plain"].get<double>());
+  std::map<std::string, std::string> states;
+  for (const json& v : joint["verdicts"]) states[v["effect"]] = v["state"];
+  EXPECT_EQ(states["presliding_hysteresis"], "confirmed") << done.out;
+  EXPECT_EQ(states["position_dependent_friction"], "confirmed") << done.out;
+  EXPECT_EQ(states["stribeck_friction"], "not_supported") << done.out;
 }
 
 }  // namespace

@@ -184,7 +184,7 @@ TEST(CooperativeController, TracksTheForceOfASpring) {
 }
 
 struct Tracking {
-  Tracking() {
+  explicit Tracking(double drift_force = CooperativeOptions().drift_force) {
     ForceLaw law;
     law.gain = 0.005;
     law.stiffness = 1000.0;
@@ -192,6 +192,7 @@ struct Tracking {
     o.members = {{0, 1, law, 1.0}};
     o.largest_force_error = 8.0;
     o.largest_error = 0.05;
+    o.drift_force = drift_force;
     control = std::make_unique<CooperativeController>(o, tips(2));
     rest = (kTips[1] - kTips[0]).norm();
     control->set_force(0, 5.0, 0.1);
@@ -243,6 +244,26 @@ TEST(CooperativeController, HoldsOnOldSamplesAndOnOnesThatAreStuck) {
   }
   EXPECT_EQ(stuck.control->state(), CooperativeState::kSensorStuck);
   EXPECT_NEAR(stuck.spring(stuck.input), 5.0, 1.2);  // stuck_force of 1 N
+}
+
+// A law that tracks a sensor whose zero creeps stretches the spring until its length gives it away;
+// without the comparison it goes on.
+TEST(CooperativeController, HoldsOnASensorThatDrifts) {
+  for (const double rate : {1.0, -1.0}) {
+    for (const bool compared : {true, false}) {
+      Tracking t(compared ? CooperativeOptions().drift_force : 1e9);
+      t.control->set_force(0, 5.0, 0.5);
+      t.run(1000);
+      double off = 0.0;
+      for (int k = 0; k < 4000 && t.control->state() == CooperativeState::kTracking; ++k) {
+        off += 1e-3 * rate;
+        follow(*t.control, t.input, 1, [&](const CooperativeInput& now) { return t.spring(now) + off; });
+      }
+      EXPECT_EQ(t.control->state(),
+                compared ? CooperativeState::kSensorDrifted : CooperativeState::kTracking) << rate;
+      EXPECT_LT(std::abs(off), compared ? 1.8 : 4.1);  // 1.5 times drift_force and 0.5 mm of 1 kN/m
+    }
+  }
 }
 
 TEST(CooperativeController, GivesWayToAForceThatIsTooLarge) {

@@ -187,14 +187,19 @@ TEST(FaultInjection, ShortDropoutsAreRiddenThrough) {
   EXPECT_NEAR(loop.rig().force().x(), 12.0, 0.1);
 }
 
+// In the middle of a pull on the spring, or of a free motion.
+void begin_moving(Loop& loop, bool with_spring) {
+  if (with_spring)
+    loop.pull(12.0, 2.0);
+  else
+    loop.move({0.05, -0.04, 0.05}, 0.8);
+  loop.run(with_spring ? 1.0 : 0.4);
+}
+
 TEST(FaultInjection, LongDropoutsStopTheArm) {
   for (const bool with_spring : {true, false}) {
     Loop loop(with_spring);
-    if (with_spring)
-      loop.pull(12.0, 2.0);
-    else
-      loop.move({0.05, -0.04, 0.05}, 0.8);
-    loop.run(with_spring ? 1.0 : 0.4);
+    begin_moving(loop, with_spring);
     loop.positions_stale = 1000000;
     loop.run(2.0);
     expect_safe(loop, SafetyFault::kSensorAge);
@@ -204,11 +209,7 @@ TEST(FaultInjection, LongDropoutsStopTheArm) {
 TEST(FaultInjection, LostEncodersStopTheArm) {
   for (const bool with_spring : {true, false}) {
     Loop loop(with_spring);
-    if (with_spring)
-      loop.pull(12.0, 2.0);
-    else
-      loop.move({0.05, -0.04, 0.05}, 0.8);
-    loop.run(with_spring ? 1.0 : 0.4);
+    begin_moving(loop, with_spring);
     loop.positions_lost = true;
     loop.run(2.0);
     expect_safe(loop, SafetyFault::kNotFinite);

@@ -47,7 +47,7 @@ MUTANTS = [
     ("input.sensor_age < input.dt || !seen_", "true"),
     ("seen_ ? action_of(fault_) : SafetyAction::kMotorsOff", "action_of(fault_)"),
     ("kBlindBraking * limits_.braking", "-kBlindBraking * limits_.braking"),
-    ("if (state_ == SafetyState::kFault) return;  // what", "if (false) return;  // what"),
+    ("if (state_ == SafetyState::kFault) return;  // torques", "if (false) return;  // torques"),
     ("    case SafetyFault::kNotHeld:\n      return SafetyAction::kMotorsOff;", "    case SafetyFault::kNotHeld:\n      return SafetyAction::kHold;"),
 ]
 

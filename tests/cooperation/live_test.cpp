@@ -72,6 +72,21 @@ TEST(Live, CommandsMoveTheObjectAndKeepItsForce) {
   EXPECT_NEAR(force, 5.0, 0.2);
 }
 
+// What no arm can do is refused with the place, and nothing moves.
+TEST(Live, CommandsThatCannotBeCarriedOutAreRefused) {
+  Given lines({"force spring 5 0.5", "wait 1", "move 5 0 0 0.1", "move 0.08 0 0 0.03", "tighten 1 0.01",
+               "force spring 1000 0.1", "jog 100 0 0", "wait 0.5", "quit"});
+  std::vector<std::string> refusals;
+  LiveReport tell;
+  tell.refused = [&](const std::string& line) { refusals.push_back(line); };
+  const LiveRun run = run_live(example("two-arms-spring"), lines, at_once(), tell);
+  EXPECT_EQ(run.refused, 5);
+  ASSERT_EQ(refusals.size(), 5U);
+  EXPECT_NE(refusals[0].find("'move 5 0 0 0.1': at "), std::string::npos) << refusals[0];
+  EXPECT_LT(run.largest_force, 5.5);
+  EXPECT_EQ(run.state, CooperativeState::kTracking);
+}
+
 // In the middle of a move the line ends: everything stops and stays.
 TEST(Live, TheEndOfTheLineHolds) {
   Given lines({"force spring 5 0.5", "wait 0.7", "move 0.2 0 0 2", "wait 0.5"});

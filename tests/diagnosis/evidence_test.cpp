@@ -7,7 +7,7 @@
 #include "diagnosis/evidence/folds.hpp"
 #include "diagnosis/evidence/held_out.hpp"
 #include "diagnosis/evidence/normal_blocks.hpp"
-#include "diagnosis/numerics.hpp"
+#include "diagnosis/evidence/numerics.hpp"
 
 // What stands under the selection, on columns of one joint whose rows are known.
 
@@ -128,7 +128,7 @@ TEST(Folds, TheGainIsTheMeanFallOfTheHeldOutError) {
 std::vector<Hypothesis> hypotheses(ParameterSign sign) {
   std::vector<Hypothesis> out(3);
   for (size_t k = 0; k < out.size(); ++k) {
-    out[k].family = names()[k + 1];
+    out[k].cause = NewEffect{names()[k + 1], {0}};
     out[k].columns = {names()[k + 1]};
     out[k].signs = {sign};
   }

@@ -5,7 +5,8 @@
 #include <algorithm>
 
 #include "cli/tool.hpp"
-#include "diagnosis/causes/payload_fit.hpp"
+#include "diagnosis/evidence/payload_fit.hpp"
+#include "diagnosis/shapes/inquiry.hpp"
 #include "simulation/simulation_support.hpp"
 #include "math/output_file.hpp"
 #include "veridyn/math/require.hpp"

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <set>
 
-#include "diagnosis/causes/effect_facts.hpp"
+#include "diagnosis/evidence/effect_facts.hpp"
 #include "diagnosis/causes/extended_arm.hpp"
 #include "diagnosis/causes/geometry.hpp"
-#include "diagnosis/causes/hypotheses.hpp"
+#include "diagnosis/evidence/hypotheses.hpp"
 #include "diagnosis/causes/ripple.hpp"
 #include "veridyn/model/model_file.hpp"
 
@@ -63,9 +63,9 @@ TEST(Hypotheses, HaveColumnsOfTheirOwn) {
   std::set<std::string> seen;
   ASSERT_GT(asked.hypotheses.size(), 20U);
   for (const Hypothesis& h : asked.hypotheses) {
-    EXPECT_FALSE(h.columns.empty()) << h.family;
-    EXPECT_EQ(h.columns, columns_in(parameters, h)) << h.family;
-    EXPECT_EQ(h.columns.size(), h.signs.size()) << h.family;
+    EXPECT_FALSE(h.columns.empty()) << effect_of(h.cause);
+    EXPECT_EQ(h.columns, columns_in(parameters, h)) << effect_of(h.cause);
+    EXPECT_EQ(h.columns.size(), h.signs.size()) << effect_of(h.cause);
     for (const std::string& column : h.columns) EXPECT_TRUE(seen.insert(column).second) << column;
   }
 }
@@ -85,7 +85,7 @@ TEST(Hypotheses, OfAModelWithValuesAreChangesAndLoads) {
       continue;
     }
     ++changes;
-    EXPECT_TRUE(is_change(h)) << h.family;
+    EXPECT_TRUE(is_change(h)) << effect_of(h.cause);
     EXPECT_FALSE(is_other_constant(h));
     ASSERT_EQ(h.lowest.size(), 1U);
     EXPECT_DOUBLE_EQ(h.lowest[0], h.joint->value == 0 ? -0.8 : -0.4);
@@ -98,14 +98,14 @@ TEST(Hypotheses, OfAModelWithValuesAreChangesAndLoads) {
 
 TEST(Hypotheses, FramesThatAreFixedToEachOtherAreOneLink) {
   const Model arm = read_model("psm-3dof");
-  const std::vector<int> frames = payload_frames(arm);
+  const std::vector<FrameIndex> frames = payload_frames(arm);
   for (size_t a = 0; a < frames.size(); ++a) {
     for (size_t b = 0; b < a; ++b) EXPECT_FALSE(same_link(arm, frames[a], frames[b]));
   }
   for (int k = 0; k < static_cast<int>(arm.frames().size()); ++k) {
     const bool moves = arm.moves(k, 0) || arm.moves(k, 1) || arm.moves(k, 2);
     EXPECT_EQ(std::count_if(frames.begin(), frames.end(),
-                            [&](int other) { return moves && same_link(arm, k, other); }),
+                            [&](FrameIndex other) { return moves && same_link(arm, {k}, other); }),
               moves ? 1 : 0);
   }
 }
@@ -143,7 +143,7 @@ TEST(Hypotheses, ThatOneMotionMayMisleadAboutAreKnown) {
   list.wanted = {"joint_spring", "time_delay", "quadratic_drag"};
   const AugmentedModel asked = augmented_model(read_model("planar-2r"), {moving({1.0, 1.0})}, list);
   for (const Hypothesis& h : asked.hypotheses)
-    EXPECT_EQ(h.extrapolates, effect_of(h.cause) != "quadratic_drag") << h.family;
+    EXPECT_EQ(h.extrapolates, effect_of(h.cause) != "quadratic_drag") << effect_of(h.cause);
 }
 
 // An order of a ripple is the best of many that were looked at; its significance pays for that.
@@ -156,7 +156,7 @@ TEST(Hypotheses, OrdersOfARippleHaveBeenTriedManyTimes) {
   for (const Hypothesis& h : asked.hypotheses) {
     const bool ripple = effect_of(h.cause) == "torque_ripple";
     ripples += static_cast<int>(ripple);
-    EXPECT_DOUBLE_EQ(h.tried, ripple ? list.limits.ripple_finest : 1.0) << h.family;
+    EXPECT_DOUBLE_EQ(h.tried, ripple ? list.limits.ripple_finest : 1.0) << effect_of(h.cause);
   }
   EXPECT_EQ(ripples, 1);
 }
@@ -224,20 +224,20 @@ TEST(Ripple, WavesOfTheResidualAlongTheTravel) {
 
 TEST(Geometry, NumbersOfTheRowsAndTheArmWithAnother) {
   const Model arm = read_model("planar-2r");
-  const std::vector<GeometryConstant> constants = geometry_constants(arm);
+  const std::vector<KinematicError> constants = row_constants(arm);
   ASSERT_EQ(constants.size(), 8U);  // four for each of two frames
-  for (const GeometryConstant& c : constants) {
-    const Model other = with_constant(arm, c, c.value + 0.1);
-    const DhRow& row = *other.frames()[static_cast<size_t>(c.frame)].dh;
-    const DhRow& before = *arm.frames()[static_cast<size_t>(c.frame)].dh;
+  for (const KinematicError& c : constants) {
+    const Model other = with_constant(arm, c, value_in(arm, c) + 0.1);
+    const auto frame = static_cast<size_t>(std::get<FrameIndex>(c.of).value);
+    const DhRow& row = *other.frames()[frame].dh;
+    const DhRow& before = *arm.frames()[frame].dh;
     const double changed = std::abs(row.a - before.a) + std::abs(row.alpha - before.alpha) +
                            std::abs(row.d - before.d) + std::abs(row.theta - before.theta);
-    EXPECT_NEAR(changed, 0.1, 1e-12) << c.words;
-    EXPECT_NE(c.words.find(c.name + " of frame "), std::string::npos);
-    EXPECT_EQ(c.angle, c.name == "theta" || c.name == "alpha");
+    EXPECT_NEAR(changed, 0.1, 1e-12) << words_for(arm, c);
+    EXPECT_EQ(words_for(arm, c), c.constant + " of frame " + arm.frames()[frame].name);
+    EXPECT_EQ(unit_of(c), c.constant == "theta" || c.constant == "alpha" ? "rad" : "m");
     // The text form of the cause is read back.
-    const Cause cause = KinematicError{c.name, FrameIndex{c.frame}};
-    EXPECT_TRUE(alike(parse_cause(arm, to_text(arm, cause)), cause)) << to_text(arm, cause);
+    EXPECT_TRUE(alike(parse_cause(arm, to_text(arm, c)), c)) << to_text(arm, c);
   }
 }
 

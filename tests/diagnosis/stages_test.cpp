@@ -242,7 +242,7 @@ TEST_F(Stages, ADelayThatIsNotThereIsNotCorrected) {
       EXPECT_LT(std::abs(corrected->values[0]), 1e-3);
     }
   }
-  x.refused.insert(asked.q.augmented.hypotheses.front().family);
+  x.refused.insert(asked.q.augmented.hypotheses.front());
   EXPECT_EQ(ask(x, list, x.start).q.augmented.hypotheses.size(),
             asked.q.augmented.hypotheses.size() - 1);
 }
@@ -261,6 +261,20 @@ TEST_F(Stages, EveryRecordingIsOpenedAndParsedOnce) {
   EXPECT_TRUE(d.baseline.model.has_value());
   EXPECT_EQ(files_parsed() - before, 3);
   EXPECT_EQ(files_opened() - opened, 3);
+}
+
+// However many questions are asked, a recording is resampled and filtered once for each setting: to be
+// fitted, as recorded to be predicted, and with filtered signals for the constants of the robot file.
+TEST_F(Stages, EveryRecordingIsPreparedOnceForEachSetting) {
+  std::vector<std::string> train;
+  for (unsigned k = 1; k <= 2; ++k) train.push_back(record(k, {"quadratic_drag:elbow"}));
+  const std::string test = record(3, {"quadratic_drag:elbow"});
+  DiagnosisOptions options;
+  options.identification.threads = 2;
+  const long before = recordings_prepared();
+  const Diagnosis d = diagnose(read_model("planar-2r"), train, {test}, options);
+  EXPECT_FALSE(d.findings.empty());
+  EXPECT_LE(recordings_prepared() - before, 9);
 }
 
 TEST_F(Stages, AnIdentificationOpensEveryRecordingOnce) {

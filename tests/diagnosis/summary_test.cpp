@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "diagnosis/finding_words.hpp"
+#include "diagnosis/findings/finding_words.hpp"
 #include "diagnosis/stages/investigation.hpp"
 
 // What a reader sees first, and what the held-out recordings hold against a finding.

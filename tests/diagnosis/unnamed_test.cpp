@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "diagnosis/right_to_a_name.hpp"
+#include "diagnosis/findings/right_to_a_name.hpp"
 #include "diagnosis/unnamed/dependence.hpp"
 #include "diagnosis/unnamed/tables.hpp"
 #include "math/correlated_columns.hpp"

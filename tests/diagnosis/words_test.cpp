@@ -3,8 +3,8 @@
 #include <cctype>
 #include <sstream>
 
-#include "diagnosis/finding_words.hpp"
-#include "diagnosis/next_experiment.hpp"
+#include "diagnosis/findings/finding_words.hpp"
+#include "diagnosis/findings/next_experiment.hpp"
 #include "veridyn/model/model_file.hpp"
 
 // What is said of a finding, and what is proposed to do next.

@@ -6,7 +6,7 @@
 
 #include "dvrk/arms/arm_facts.hpp"
 #include "dvrk/run/arm_session.hpp"
-#include "dvrk/emulator/emulated_link.hpp"
+#include "emulator/emulated_link.hpp"
 
 namespace veridyn::dvrk {
 
@@ -23,7 +23,8 @@ class Inertias final : public BoardLoad {
   }
 
   void advance(double seconds, const MotorDrive* drives, ChannelMotion* motions,
-               std::size_t) noexcept override {
+               std::size_t channels) noexcept override {
+    for (std::size_t k = 0; k < channels; ++k) motions[k].current_bits = drives[k].bits;
     brake_bits[0] = drives[kChannels].bits;
     pots_.noalias() = actuators_to_pots_ * q;
     for (std::size_t k = 0; k < sockets_.size(); ++k) {

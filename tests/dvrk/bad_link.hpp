@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "dvrk/mischief.hpp"
-#include "dvrk/emulator/emulated_link.hpp"
+#include "emulator/emulated_link.hpp"
 
 namespace veridyn::dvrk {
 

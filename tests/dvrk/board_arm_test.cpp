@@ -6,7 +6,7 @@
 #include <thread>
 
 #include "dvrk/arm_bench.hpp"
-#include "dvrk/emulator/board_server.hpp"
+#include "emulator/board_server.hpp"
 #include "veridyn/math/require.hpp"
 
 // The public way to an arm's boards, over sockets and in real time.

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "veridyn/cooperation/scenario.hpp"
+#include "emulator/joined_arms.hpp"
 #include "dvrk/arms/arm_facts.hpp"
 #include "dvrk/cooperation/board_cooperation.hpp"
 
@@ -33,7 +34,7 @@ inline BoardCooperationRun on_emulated_boards(const Scenario& scenario,
                                               const std::vector<EmulatedFault>& faults = {},
                                               bool stepped = true) {
   BoardCooperationOptions options;
-  options.emulate = true;
+  options.emulate = emulate_boards;
   options.stepped = stepped;
   options.faults = faults;
   options.hold = 0.4;

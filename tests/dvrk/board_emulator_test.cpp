@@ -6,7 +6,7 @@
 #include <array>
 
 #include "dvrk/vectors.hpp"
-#include "dvrk/emulator/board_emulator.hpp"
+#include "emulator/board_emulator.hpp"
 #include "dvrk/protocol/hub_block.hpp"
 #include "veridyn/math/require.hpp"
 

@@ -1,3 +1,4 @@
+#include "emulator/joined_arms.hpp"
 #include "dvrk/cooperation/board_teleoperation.hpp"
 
 #include <gtest/gtest.h>
@@ -33,7 +34,8 @@ TeleoperationScenario example() {
 TeleoperationRun run(const TeleoperationScenario& scenario,
                      const std::vector<EmulatedFault>& faults = {}) {
   BoardCooperationOptions options;
-  options.emulate = options.stepped = true;
+  options.emulate = emulate_boards;
+  options.stepped = true;
   options.faults = faults;
   options.hold = 0.3;
   const std::atomic<bool> stop{false};
@@ -92,6 +94,21 @@ TEST(BoardTeleoperation, AFaultHoldsTheFollower) {
     EXPECT_NE(done.why.find(arm == 0 ? "arm mtm" : "arm psm"), std::string::npos) << done.why;
     EXPECT_LT(done.fault_at, 0.65);
     EXPECT_FALSE(done.met());
+  }
+}
+
+// A hand that is faster than the follower's joints, and one that leads it out of reach.
+TEST(BoardTeleoperation, StepsThatCannotBeCarriedOutMoveNothing) {
+  for (const auto& [way, over] : {std::pair{0.08, 0.03}, {0.9, 3.0}}) {
+    TeleoperationScenario scenario = example();
+    scenario.steps[0].way = {way, 0.0, 0.0};
+    scenario.steps[0].over = over;
+    try {
+      run(scenario);
+      ADD_FAILURE() << way;
+    } catch (const InvalidInput& error) {
+      EXPECT_NE(std::string(error.what()).find("Nothing was switched on"), std::string::npos) << error.what();
+    }
   }
 }
 

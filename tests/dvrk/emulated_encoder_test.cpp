@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "dvrk/emulator/emulated_encoder.hpp"
+#include "emulator/emulated_encoder.hpp"
 
 namespace veridyn::dvrk {
 namespace {

@@ -101,7 +101,6 @@ TEST(Analog, NominalConversionsAreThoseOfTheBoard) {
   EXPECT_NEAR(1.0 / kMotorVoltsToBits.scale, 1.39e-3, 1e-5);
   EXPECT_EQ(temperature(0x32), 25.0);
   EXPECT_TRUE(std::isnan(temperature(0xFF)));
-  EXPECT_NEAR(seconds_since_last_read(49151), 1e-3, 1e-15);
   EXPECT_EQ(nearest_word(32767.6, 7), 32768);
   EXPECT_EQ(nearest_word(-3.0, 7), 0);
   EXPECT_EQ(nearest_word(1e9, 7), 65535);

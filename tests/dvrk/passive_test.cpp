@@ -10,7 +10,7 @@
 #include "dvrk/udp_proxy.hpp"
 #include "dvrk/vectors.hpp"
 #include "dvrk/run/arm_run.hpp"
-#include "dvrk/emulator/board_server.hpp"
+#include "emulator/board_server.hpp"
 #include "dvrk/protocol/udp_link.hpp"
 #include "veridyn/math/require.hpp"
 

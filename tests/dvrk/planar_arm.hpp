@@ -5,8 +5,8 @@
 #include <functional>
 
 #include "dvrk/run/arm_session.hpp"
-#include "dvrk/emulator/emulated_link.hpp"
-#include "dvrk/emulator/simulated_arm.hpp"
+#include "emulator/emulated_link.hpp"
+#include "emulator/simulated_arm.hpp"
 #include "veridyn/math/motion_samples.hpp"
 #include "veridyn/model/model_file.hpp"
 #include "veridyn/simulation/plant.hpp"

@@ -3,9 +3,9 @@
 #include <functional>
 #include <vector>
 
-#include "dvrk/emulator/board_emulator.hpp"
+#include "emulator/board_emulator.hpp"
 #include "dvrk/boards/board_session.hpp"
-#include "dvrk/emulator/emulated_link.hpp"
+#include "emulator/emulated_link.hpp"
 
 namespace veridyn::dvrk {
 

@@ -7,7 +7,7 @@
 #include <thread>
 
 #include "dvrk/rig.hpp"
-#include "dvrk/emulator/board_server.hpp"
+#include "emulator/board_server.hpp"
 #include "dvrk/protocol/udp_link.hpp"
 #include "veridyn/math/require.hpp"
 

@@ -126,7 +126,7 @@ TEST_P(BatchOnEverySampleArm, TorqueSlopesAreThoseOfTheTorques) {
   const int n = joints();
   const Samples s = samples(9, n);
   MatrixXd slopes;
-  batch.torque_slopes(s.q, s.dq, s.ddq, phi(), slopes);
+  batch.torque_derivatives(s.q, s.dq, s.ddq, phi(), slopes);
   ASSERT_EQ(slopes.cols(), 3 * n * n);
   MatrixXd high;
   MatrixXd low;
@@ -180,7 +180,7 @@ TEST(RegressorBatch, WrongSizesAreNamed) {
   EXPECT_THROW(batch.evaluate(right, narrow, right, Y), InvalidInput);
   EXPECT_THROW(batch.evaluate(right, right, shorter, Y), InvalidInput);
   EXPECT_THROW(batch.torques(right, right, right, VectorXd::Zero(59), tau), InvalidInput);
-  EXPECT_THROW(batch.torque_slopes(right, right, right, VectorXd::Zero(59), tau), InvalidInput);
+  EXPECT_THROW(batch.torque_derivatives(right, right, right, VectorXd::Zero(59), tau), InvalidInput);
   EXPECT_THROW(batch.gradient(right, right, right, {}, tau), InvalidInput);
 }
 

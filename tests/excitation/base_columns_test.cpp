@@ -10,7 +10,7 @@
 #include "regressor/column_choice.hpp"
 #include "regressor/random_states.hpp"
 #include "regressor/stacked_columns.hpp"
-#include "excitation/base_regressor.hpp"
+#include "excitation/search/base_regressor.hpp"
 #include "veridyn/excitation/excitation.hpp"
 #include "veridyn/model/model_file.hpp"
 

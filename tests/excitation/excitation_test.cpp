@@ -8,7 +8,7 @@
 #include "support/near.hpp"
 #include "support/sample_arms.hpp"
 #include "veridyn/dynamics/rigid_body_dynamics.hpp"
-#include "excitation/base_regressor.hpp"
+#include "excitation/search/base_regressor.hpp"
 #include "kinematics/motion_limits.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/model_file.hpp"

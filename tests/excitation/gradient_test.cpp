@@ -5,7 +5,7 @@
 #include "support/near.hpp"
 #include "support/random.hpp"
 #include "support/sample_arms.hpp"
-#include "excitation/base_regressor.hpp"
+#include "excitation/search/base_regressor.hpp"
 #include "veridyn/excitation/fourier_trajectory.hpp"
 #include "veridyn/model/model_file.hpp"
 

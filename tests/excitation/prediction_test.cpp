@@ -7,7 +7,7 @@
 
 #include "regressor/stacked_columns.hpp"
 #include "support/random.hpp"
-#include "excitation/base_regressor.hpp"
+#include "excitation/search/base_regressor.hpp"
 #include "veridyn/excitation/excitation.hpp"
 #include "veridyn/excitation/fourier_trajectory.hpp"
 #include "math/numbers.hpp"

@@ -44,10 +44,13 @@ void expect_found(const Played& played, const std::string& parameter) {
   EXPECT_EQ(played.verdict.extras, 0) << report;
   EXPECT_LT(played.verdict.error_ratio, 0.85) << report;
   const double truth = played.hidden.causes.front().values.at(parameter);
+  int found = 0;
   for (const FoundParameter& p : played.diagnosis.findings.front().parameters) {
     if (p.name != parameter) continue;
+    ++found;
     EXPECT_NEAR(p.value, truth, 0.15 * std::abs(truth)) << report;
   }
+  EXPECT_EQ(found, 1) << parameter << " is no parameter of the finding\n" << report;
 }
 
 TEST(HideAndSeek, DriftOnASixJointArm) {

@@ -6,7 +6,7 @@
 #include <filesystem>
 
 #include "identification/synthetic_recording.hpp"
-#include "recordings/units.hpp"
+#include "recordings/signals/units.hpp"
 #include "veridyn/model/model_file.hpp"
 #include "veridyn/simulation/plausible_model.hpp"
 

@@ -12,6 +12,7 @@
 #include "math/output_file.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/model_file.hpp"
+#include "veridyn/model/physical_faults.hpp"
 
 #ifdef VERIDYN_WITH_URDF
 
@@ -203,6 +204,51 @@ TEST_F(UrdfFile, BodiesThatCannotBeAreRefused) {
   EXPECT_NE(error_of("<mass value=\"2\"/>", "<mass value=\"-1\"/>").find("a mass of -1 kg"), std::string::npos);
   EXPECT_NE(error_of("iyy=\"0.02\"", "iyy=\"-0.02\"").find("a moment of inertia below zero"),
             std::string::npos);
+}
+
+TEST_F(UrdfFile, FrictionThatDrivesIsRefused) {
+  EXPECT_NE(error_of("damping=\"0.7\"", "damping=\"-0.7\"").find("'zeta' with a damping of -0.7"),
+            std::string::npos);
+  EXPECT_NE(error_of("friction=\"0.2\"", "friction=\"-0.2\"").find("a friction of -0.2"),
+            std::string::npos);
+}
+
+TEST_F(UrdfFile, DeepElementsAreRefusedBeforeTheParserRecurses) {
+  std::string deep, end;
+  for (int k = 0; k < 100000; ++k) {
+    deep += "<a>";
+    end += "</a>";
+  }
+  EXPECT_NE(error_of("<link name=\"base\"/>", "<link name=\"base\"/>" + deep + end)
+                .find("elements 100001 deep, expected at most 100"),
+            std::string::npos);
+  // Brackets in comments, values and declarations are no elements.
+  std::string flat = kGripper;
+  for (int k = 0; k < 200; ++k) flat.insert(flat.find("<link"), "<!-- <a> <b> --><note name='<a>'/>");
+  EXPECT_EQ(error_of(kGripper, flat), "no error");
+}
+
+std::vector<std::string> faults_with(const Model& arm, const std::string& link, double mass,
+                                     const Eigen::Matrix<double, 6, 1>& inertia) {
+  ModelDescription changed = arm.description();
+  changed.frames[static_cast<std::size_t>(arm.find_frame(link))].body->phi =
+      inertial_parameters(mass, {0.1, 0, 0}, inertia);
+  return physical_faults(Model(changed));
+}
+
+TEST_F(UrdfFile, WhatNoArmHasIsNamed) {
+  const Model arm = read(kGripper);
+  Eigen::Matrix<double, 6, 1> plate, beyond;  // xx, xy, yy, xz, yz, zz
+  plate << 0.01, 0, 0.01, 0, 0, 0.0201;
+  beyond << 0.01, 0, 0.01, 0, 0, 0.021;
+  EXPECT_EQ(faults_with(arm, "turret", 2.0, plate), std::vector<std::string>{"'alpha' moves no mass"});
+  const std::vector<std::string> found = faults_with(arm, "turret", 2.0, beyond);
+  ASSERT_EQ(found.size(), 2U);
+  EXPECT_EQ(found[0].find("'turret' has principal moments"), 0U);
+  const std::vector<std::string> massless = faults_with(arm, "turret", 0.0, plate);
+  ASSERT_EQ(massless.size(), 3U);  // the body, and both coordinates
+  EXPECT_EQ(massless[0], "'turret' has moments of inertia and no mass");
+  EXPECT_EQ(massless[1], "'zeta' moves no mass");
 }
 
 }  // namespace

@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "recordings/joint_fields.hpp"
+#include "recordings/signals/joint_fields.hpp"
 #include "recordings/joint_match.hpp"
 #include "veridyn/math/require.hpp"
 

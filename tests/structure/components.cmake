@@ -3,14 +3,7 @@
 #
 #   cmake -DBUILD=... -DSTRANGERS=... -DWORK=... -DCXX=... -P components.cmake
 cmake_policy(VERSION 3.22)
-function(run)
-  execute_process(COMMAND ${ARGN} RESULT_VARIABLE status OUTPUT_VARIABLE said ERROR_VARIABLE said)
-  if(NOT status EQUAL 0)
-    string(REPLACE ";" " " command "${ARGN}")
-    message(FATAL_ERROR "${command}\nended with ${status}:\n${said}")
-  endif()
-  set(said "${said}" PARENT_SCOPE)
-endfunction()
+include(${CMAKE_CURRENT_LIST_DIR}/run.cmake)
 
 # What each may find, and what its program may load beside the language's own libraries.
 set(found_core "")

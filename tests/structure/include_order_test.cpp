@@ -15,8 +15,9 @@ namespace fs = std::filesystem;
 
 // The layers of the house. What stands in a folder's set is what it may include beside itself:
 //   math < model < kinematics < dynamics < effects < regressor,  model < recordings,
+//   {regressor | recordings} < estimation < causes,
 //   {identification < {diagnosis | comparison} | watch | excitation | simulation | control | calibration}
-//     < cooperation < {dvrk | report} < cli.
+//     < cooperation < {dvrk | report} < emulator < cli.
 const std::map<std::string, std::set<std::string>>& below() {
   static const std::map<std::string, std::set<std::string>> kBelow = [] {
     std::map<std::string, std::set<std::string>> all;
@@ -33,6 +34,8 @@ const std::map<std::string, std::set<std::string>>& below() {
     sofar.insert("recordings");
     all["estimation"] = sofar;
     sofar.insert("estimation");
+    all["causes"] = sofar;
+    sofar.insert("causes");
     for (const char* folder :
          {"identification", "excitation", "simulation", "control", "calibration", "watch"})
       all[folder] = sofar;
@@ -47,6 +50,8 @@ const std::map<std::string, std::set<std::string>>& below() {
     all["dvrk"] = sofar;
     all["report"] = sofar;
     sofar.insert({"dvrk", "report"});
+    all["emulator"] = sofar;
+    sofar.insert("emulator");
     all["cli"] = sofar;
     return all;
   }();
@@ -79,11 +84,12 @@ std::string wrong_includes(const fs::path& file, const std::string& own) {
 TEST(IncludeOrder, IncludesPointDownTheHouse) {
   const fs::path root = VERIDYN_SOURCE_DIR;
   int files = 0;
-  for (const fs::path& top : {root / "include/veridyn", root / "src"}) {
+  for (const fs::path& top : {root / "include/veridyn", root / "src", root / "emulator"}) {
     for (const fs::directory_entry& entry : fs::recursive_directory_iterator(top)) {
       const std::string extension = entry.path().extension();
       if (extension != ".hpp" && extension != ".cpp") continue;
-      const std::string own = fs::relative(entry.path(), top).begin()->string();
+      const std::string own =
+          top.filename() == "emulator" ? "emulator" : fs::relative(entry.path(), top).begin()->string();
       if (own == "veridyn.hpp" || own == "control.hpp") continue;  // faces include all
       ASSERT_EQ(below().count(own), 1U)
           << entry.path() << ": found a folder that has no place in the house";
@@ -92,6 +98,68 @@ TEST(IncludeOrder, IncludesPointDownTheHouse) {
     }
   }
   EXPECT_GT(files, 50);
+}
+
+// Parts of rooms and what each includes of its own room. A room's public headers are a part, and so
+// is what lies beside its folders.
+using Parts = std::map<std::string, std::set<std::string>>;
+
+void add_includes(const fs::path& file, const std::string& own, Parts& parts) {
+  std::ifstream stream(file);
+  const std::string room = own.substr(0, own.find('/'));
+  for (std::string line; std::getline(stream, line);) {
+    if (line.rfind("#include \"", 0) != 0) continue;
+    const std::string include = line.substr(10, line.find('"', 10) - 10);
+    const bool in_public = include.rfind("veridyn/", 0) == 0;
+    const std::string path = in_public ? include.substr(8) : include;
+    if (path.rfind('/') == std::string::npos || folder_of(include, own) != room) continue;
+    const std::string folder = path.substr(0, path.rfind('/'));
+    const std::string part = in_public && folder == room ? room + "/(public)" : folder;
+    if (part != own) parts[own].insert(part);
+  }
+}
+
+// What a part includes, and what that includes.
+std::set<std::string> reached_from(const std::string& part, const Parts& parts) {
+  std::set<std::string> out;
+  std::set<std::string> next = {part};
+  while (!next.empty()) {
+    const std::string one = *next.begin();
+    next.erase(next.begin());
+    const auto below = parts.find(one);
+    if (below == parts.end()) continue;
+    for (const std::string& other : below->second)
+      if (out.insert(other).second) next.insert(other);
+  }
+  return out;
+}
+
+std::string parts_in_circles(const Parts& parts) {
+  std::string out;
+  for (const auto& [part, includes] : parts)
+    if (reached_from(part, parts).count(part) != 0) out += part + "\n";
+  return out;
+}
+
+TEST(IncludeOrder, PartsOfARoomHaveNoCircles) {
+  const fs::path root = VERIDYN_SOURCE_DIR;
+  Parts parts;
+  for (const fs::path& top : {root / "include/veridyn", root / "src"}) {
+    for (const fs::directory_entry& entry : fs::recursive_directory_iterator(top)) {
+      const std::string extension = entry.path().extension();
+      const std::string folder = fs::relative(entry.path().parent_path(), top).generic_string();
+      if ((extension != ".hpp" && extension != ".cpp") || folder == ".") continue;
+      const bool face = top != root / "src" && folder.find('/') == std::string::npos;
+      add_includes(entry.path(), face ? folder + "/(public)" : folder, parts);
+    }
+  }
+  EXPECT_GT(parts.size(), 20U);
+  EXPECT_EQ(parts_in_circles(parts), "");
+}
+
+TEST(IncludeOrder, ACircleOfPartsIsNoticed) {
+  const Parts parts = {{"a", {"a/low"}}, {"a/low", {"a/(public)"}}, {"a/x", {"a/y"}}, {"a/y", {"a/low", "a/x"}}};
+  EXPECT_EQ(parts_in_circles(parts), "a/x\na/y\n");
 }
 
 // The test itself notices an include that points up, and one that points across.

@@ -179,7 +179,9 @@ OpenedPage open_page(const std::string& path, int width, const std::string& scri
   page.html = read(work / "dom");
   std::istringstream log(read(work / "log"));
   for (std::string line; std::getline(log, line);) {
-    if (line.find("CONSOLE") != std::string::npos) page.console += line + "\n";
+    // The browser's own windows write to the console too, as when its fonts load slowly.
+    const bool of_browser = line.find("chrome://") != std::string::npos;
+    if (line.find("CONSOLE") != std::string::npos && !of_browser) page.console += line + "\n";
   }
   std::error_code ignored;
   fs::remove_all(work, ignored);

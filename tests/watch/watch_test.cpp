@@ -107,7 +107,7 @@ TEST_P(Change, IsSeenAndNamed) {
     EXPECT_GT(events.front().time, kChange) << all_of(events);
     const WatchEvent* named = first(events, WatchStage::kNamed);
     ASSERT_NE(named, nullptr) << all_of(events);
-    EXPECT_EQ(named->cause, c.cause) << all_of(events);
+    EXPECT_EQ(named->text, c.cause) << all_of(events);
     EXPECT_LT(named->time - kChange, c.latest_name) << all_of(events);
     EXPECT_NEAR(named->since, kChange, 0.5) << all_of(events);
     EXPECT_LT(named->low, c.size) << all_of(events);
@@ -132,8 +132,8 @@ TEST(Watch, APushIsTold) {
       watched(recorded({"external_contact:pitch:from=6,to=6.8,effort=1"}, 16.0, 1));
   const WatchEvent* over = first(events, WatchStage::kOver);
   ASSERT_NE(over, nullptr) << all_of(events);
-  EXPECT_EQ(over->effect, "external_contact") << all_of(events);
-  EXPECT_EQ(over->joint, 2);
+  EXPECT_TRUE(std::holds_alternative<ExternalContact>(over->cause)) << all_of(events);
+  EXPECT_EQ(joint_of(over->cause)->value, 1);
   EXPECT_NEAR(over->since, 6.0, 0.3);
   EXPECT_NEAR(over->until, 6.8, 0.3);
   EXPECT_EQ(events.back().id, 1) << all_of(events);
@@ -175,9 +175,8 @@ TEST(Watch, SurvivesBadRows) {
 TEST(Watch, SpeaksOfEffectsInWords) {
   WatchEvent e;
   e.stage = WatchStage::kRefined;
-  e.joint = 1;
-  e.place = "yaw";
-  e.effect = "coulomb_friction";
+  e.cause = NewEffect{"coulomb_friction", {0}};
+  e.text = "coulomb_friction:yaw";
   e.unit = "N m";
   EXPECT_NE(watching::sentence(e).find("Coulomb friction of joint 1 (yaw) differs by"), std::string::npos)
       << watching::sentence(e);

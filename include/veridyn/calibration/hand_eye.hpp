@@ -10,11 +10,11 @@
 
 namespace veridyn {
 
-/// How two recordings of poses A_k and B_k hang together.
+/// Relation between two recordings of poses A_k and B_k.
 enum class HandEyeForm {
-  kCommonPoses,   ///< A_k = T B_k: both see the same frames; T is the pose of B's base in A's
+  kCommonPoses,   ///< A_k = T B_k: both record the same frames; T is the pose of B's base in A's
   kCommonPoints,  ///< positions only: a_k = T b_k, as of tips that touch
-  kHandEye,       ///< A_k T = T B_k: motions of a hand and of what it carries
+  kHandEye,       ///< A_k T = T B_k: relative motions of a hand and of the sensor that it carries
   kEyeInHand,     ///< A_k T B_k = world: arm and camera on its hand that sees a still target
   kTwoBases,      ///< A_k tool = T B_k: hands that hold one object; T: B's base in A's
 };
@@ -23,21 +23,21 @@ enum class HandEyeForm {
 const char* name_of(HandEyeForm form);
 
 struct HandEyeOptions {
-  std::optional<HandEyeForm> form;  ///< none: the one with fewest unknowns that fits
+  std::optional<HandEyeForm> form;  ///< nullopt: the form with the fewest unknowns that fits
   double smallest_swing = 1.0;      ///< [deg] rms turn about a second axis; less is refused
 };
 
-/// The pose between two arms, or between an arm and a camera. Nonlinear least squares with Huber's
-/// loss on positions and orientations, each by its own noise; closed forms of Kabsch, and Shah for
-/// A X = Y B, as starts. Half widths are 95 %.
+/// Pose between two arms, or between an arm and a camera, by nonlinear least squares with Huber's
+/// loss on positions and orientations, each weighted by its own noise. Closed forms give the
+/// initial values: Kabsch, and Shah for A X = Y B. Half widths are 95 %.
 struct HandEye {
   CalibrationStatus status = CalibrationStatus::kCannotAnswer;
   std::string reason;
   HandEyeForm form = HandEyeForm::kTwoBases;
   Eigen::Isometry3d transform = Eigen::Isometry3d::Identity();  ///< T
-  double radius = 0.0;        ///< [m] within which its translation is
-  double radius_angle = 0.0;  ///< [rad] within which its rotation is
-  /// kTwoBases: the tool, T_handA_handB; kEyeInHand: the target in A's base. Otherwise nothing.
+  double radius = 0.0;        ///< [m] 95 % bound on the error of its translation
+  double radius_angle = 0.0;  ///< [rad] 95 % bound on the error of its rotation
+  /// kTwoBases: the tool, T_handA_handB; kEyeInHand: the target in A's base; else nullopt.
   std::optional<Eigen::Isometry3d> other;
   double other_radius = 0.0, other_radius_angle = 0.0;
   int pairs = 0, outliers = 0;
@@ -49,14 +49,14 @@ struct HandEye {
   struct Alternative {
     HandEyeForm form;
     double rms, rms_angle;
-    std::string reason;  ///< why it cannot be told; empty: it was fitted
+    std::string reason;  ///< reason why it was not identifiable; empty: it was fitted
   };
-  std::vector<Alternative> forms;  ///< all that were tried
+  std::vector<Alternative> forms;  ///< all forms that were tried
 
   std::string report() const;
 };
 
-/// @param A, B  rows in pairs: frames with the same row of the file belong together.
+/// @param A, B  recordings whose rows correspond one to one.
 /// @throws InvalidInput  the files do not have the same number of rows.
 HandEye calibrate_hand_eye(const PoseCapture& A, const PoseCapture& B,
                            const HandEyeOptions& options = {});

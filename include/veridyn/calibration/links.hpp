@@ -11,11 +11,11 @@
 
 namespace veridyn {
 
-/// What is known of the pose of the robot's base in the cameras' frame, or of the tracked body on
-/// the robot's frame.
+/// Prior knowledge of the robot base in the cameras' frame, or of the tracked body on the robot's
+/// frame.
 enum class AttachedPose {
-  kAutomatic,  ///< known where the robot file's own poses come near and fit as well, else free
-  kKnown,      ///< they coincide
+  kAutomatic,  ///< known if the robot file's poses are near and fit as well, else free
+  kKnown,      ///< the two coincide
   kFree,       ///< six unknowns, or three where only positions are recorded
 };
 
@@ -23,31 +23,32 @@ struct LinksOptions {
   std::string frame;  ///< Tracked frame; empty: the last frame of the longest chain
   AttachedPose base = AttachedPose::kAutomatic;
   AttachedPose tool = AttachedPose::kAutomatic;
-  int most_named = 6;     ///< wrong constants named at most; more are taken for many small ones
-  double outlier = 5.0;   ///< standard deviations beyond which a pose does not count
+  int most_named = 6;     ///< wrong constants named at most; more count as many small errors
+  double outlier = 5.0;   ///< standard deviations beyond which a pose is an outlier
   int threads = 1;
 };
 
-/// One number of a robot file, as the poses have it.
+/// One constant of a robot file with its estimate from the poses.
 struct LinkConstant {
   std::string name;   ///< "beta", "a", "theta", "ratio of insertion", "zero of pitch", "base x", ...
-  std::string frame;  ///< whose number it is; empty: of no frame
+  std::string frame;  ///< frame to which the constant belongs; empty: none
   std::string unit;   ///< "m", "rad" or "1"
   double file = 0.0;
   double found = 0.0;
-  double low = 0.0, high = 0.0;  ///< 95 % interval of what the poses say, if this one is free
+  double low = 0.0, high = 0.0;  ///< 95 % interval of the estimate if this constant is free
   bool identifiable = false;
   bool changed = false;  ///< `found` differs from `file`
-  std::string why;       ///< why it cannot be told, or what it cannot be told from
+  /// Reason why it is not identifiable, or the constants that it is confounded with.
+  std::string why;
 };
 
-/// Constants of a robot file from poses or positions of one frame and the joints' readings.
+/// Calibrates constants of a robot file from poses or positions of one frame and joint readings.
 ///
-/// Which constants the poses show is found as for inertial parameters: a rank-revealing choice of
-/// independent columns. Then the fewest constants that explain the poses as well as all of them do
-/// are sought; where some do, only these change, and they are named. Otherwise all that are
-/// identifiable change a little. Nonlinear least squares with Huber's loss, and without outliers at
-/// the end.
+/// Identifiable constants are found as for inertial parameters, by a rank-revealing choice of
+/// independent columns. Then the smallest set is sought that explains the poses as well as all
+/// constants do; if there is one, only its constants change, and they are named. Otherwise all
+/// identifiable constants change a little. Nonlinear least squares with Huber's loss, and without
+/// outliers at the end.
 struct LinksCalibration {
   CalibrationStatus status = CalibrationStatus::kCannotAnswer;
   std::string reason;
@@ -57,7 +58,7 @@ struct LinksCalibration {
   Eigen::Isometry3d base = Eigen::Isometry3d::Identity();  ///< T_camera_base
   Eigen::Isometry3d tool = Eigen::Isometry3d::Identity();  ///< T_frame_body
   std::vector<LinkConstant> constants;
-  /// Constants that differ from the file, most telling first; empty where all changed a little.
+  /// Constants that differ from the file, most significant first; empty where all changed a little.
   std::vector<int> named;
   bool explained = false;  ///< the named ones (or none) explain the poses as well as all
   double rms_file = 0.0;      ///< [m] of positions, with the file's constants
@@ -82,8 +83,8 @@ struct LinksCalibration {
 LinksCalibration calibrate_links(const Model& arm, const PoseCapture& poses,
                                  const LinksOptions& options = {});
 
-/// One line that sets a wrong constant found from torques beside what the poses say of it: the same
-/// constant, another one, or nothing wrong.
+/// Compares a wrong constant found from torques with the estimate from the poses, in one line: the
+/// same constant, another one, or nothing wrong.
 /// @param frame, name, found  of the constant as `diagnose` names it: "theta", "ratio of pitch".
 std::string compare_wrong_constant(const LinksCalibration& links, const std::string& frame,
                                    const std::string& name, double found, double low, double high);

@@ -10,26 +10,27 @@ namespace veridyn {
 
 struct PoseDesignOptions {
   std::string frame;         ///< Tracked frame; empty: the last frame of the longest chain
-  int poses = 30;            ///< to drive to
-  int candidates = 2000;     ///< among random poses within the limits
+  int poses = 30;            ///< number of poses to measure
+  int candidates = 2000;     ///< random poses within the limits to choose from
   double limit_share = 1.0;  ///< share of each coordinate's range to use
-  double rest = 1.0;         ///< [s] at each pose
-  double position_noise = 1e-4;  ///< [m] of the cameras
-  double angle_noise = 1e-3;     ///< [rad]
+  double rest = 1.0;         ///< [s] of rest at each pose
+  double position_noise = 1e-4;  ///< [m] standard deviation of the cameras' positions
+  double angle_noise = 1e-3;     ///< [rad] standard deviation of their orientations
   unsigned seed = 1;
 };
 
-/// Poses that tell the constants of a robot file apart best: among random poses within the limits,
-/// those that make the determinant of the information about all identifiable constants largest
-/// (D-optimal, by exchange), base and tool pose unknown, in an order with short ways.
+/// Poses that identify the constants of a robot file best: out of random poses within the limits,
+/// those that maximise the determinant of the information about all identifiable constants
+/// (D-optimal design by exchange), with base and tool pose unknown, ordered for short moves.
 struct PoseDesign {
   CalibrationStatus status = CalibrationStatus::kCannotAnswer;
   std::string reason;
   std::string robot, frame;
   MatrixXd q;       ///< (poses x joints)
   VectorXd time;    ///< (poses) [s] at which each is reached, speeds within their limits
-  double gain = 0.0;  ///< by how much the mean deviation falls against as many random poses, factor
-  int constants = 0;  ///< identifiable, base and tool included
+  /// Factor by which the mean standard deviation falls against as many random poses.
+  double gain = 0.0;
+  int constants = 0;  ///< identifiable constants, base and tool included
   struct Prediction {
     std::string name, unit;
     double deviation;  ///< standard deviation with the noise of the options

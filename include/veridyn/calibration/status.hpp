@@ -2,7 +2,7 @@
 
 namespace veridyn {
 
-/// Whether the data could answer what a calibration was asked.
+/// Outcome of a calibration.
 enum class CalibrationStatus {
   kDone,
   kCannotAnswer,  ///< `reason` says what is missing

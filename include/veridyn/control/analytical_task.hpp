@@ -24,20 +24,20 @@ Eigen::Matrix3d angle_rates_to_omega_rate(const Eigen::Vector3d& roll_pitch_yaw,
 ///
 ///   dx = J_a dq,   J_a = T_A^-1 J,   T_A = diag(1, R_home T(angles)),   h_a = T_A' h
 ///
-/// T has no inverse where pitch is +-90 degrees from home: choose home near the middle of the work.
-/// Within 3 degrees of it the inverse is damped, like TaskInverse's. With TaskRows::kPosition only
-/// the first three rows are filled and J_a = J. Nothing allocates after the constructor.
+/// T is singular at a pitch of +-90 degrees from home: choose home near the middle of the
+/// workspace. Within 3 degrees of the singularity the inverse is damped, like TaskInverse's. With
+/// TaskRows::kPosition only the first three rows are filled and J_a = J. Nothing allocates after
+/// the constructor.
 ///
 ///   AnalyticalTask task(6, TaskRows::kPose, R_world_home);
 ///   task.update(state.tip());   // then task.x(), task.jacobian(), task.wrench(h)
 class AnalyticalTask {
  public:
-  /// @param home  R_world_home, orthonormal. @throws InvalidInput  it is not.
+  /// @param home  R_world_home. @throws InvalidInput  home is not orthonormal.
   AnalyticalTask(int joints, TaskRows rows,
                  const Eigen::Matrix3d& home = Eigen::Matrix3d::Identity());
 
-  /// Sizes are those of the constructor; another one is a fault of the program, asserted in debug
-  /// builds alone.
+  /// Vectors have the sizes of the constructor; debug builds assert it.
   void update(const TipKinematics& tip) noexcept;
 
   const Vector6d& x() const { return x_; }
@@ -49,7 +49,7 @@ class AnalyticalTask {
   /// h_a of a wrench [force; moment] about the tip, written in the world.
   Vector6d wrench(const Vector6d& h_world) const noexcept;
 
-  /// x_d - x with angles brought to within +-pi.
+  /// x_d - x with angles wrapped to +-pi.
   Vector6d difference(const Vector6d& x_wanted) const noexcept;
 
   /// The task coordinates of a pose.

@@ -11,13 +11,15 @@
 
 namespace veridyn {
 
-/// All that controllers ask of an arm at one instant, evaluated once per cycle (thesis 7.1, 7.2):
+/// All quantities of an arm at one instant that controllers use, evaluated once per cycle (thesis
+/// 7.1, 7.2):
 ///
 ///   tau = M(q) ddq + bias(q, dq) + friction,    bias = C dq + g + springs, offsets, cables, ripple
 ///
-/// M holds the rotors (rotor_inertia); friction is FrictionCompensation's. Effects that count time
-/// from the start of a recording or describe measured motion only are left out, see left_out().
-/// Nothing allocates after the constructor; one object serves one thread.
+/// M includes the rotors (rotor_inertia); friction belongs to FrictionCompensation. Effects that
+/// depend on the time since the start of a recording, or that describe measured motion only, are
+/// not included, see left_out(). Nothing allocates after the constructor; one object serves one
+/// thread.
 ///
 ///   ArmState state(arm);                        // joint control; ArmState(arm, {"tool"}) for a tip
 ///   sensors.correct_positions(q);               // q as encoders show it -> true, see JointSensors
@@ -25,15 +27,15 @@ namespace veridyn {
 ///   tau = state.mass_matrix() * ddq_wanted + state.bias();
 class ArmState {
  public:
-  /// Its tip is default_tip(arm); joint control asks for none. @throws InvalidInput  as below.
+  /// Uses default_tip(arm), which joint control does not need. @throws InvalidInput  as below.
   explicit ArmState(const Model& arm);
 
-  /// @throws InvalidInput  a body or an effect has no values, or the tip's frame is not there.
+  /// @throws InvalidInput  a body or an effect has no values, or the tip's frame does not exist.
   ArmState(const Model& arm, const Tip& tip);
 
-  /// @param q, dq  n entries each, true ones: [rad], [m] where a joint is prismatic. A wrong size is
-  /// a fault of the program: asserted in debug builds, undefined in others, as in every update() of
-  /// this library.
+  /// @param q, dq  n entries each, true positions and velocities: [rad], [m] where a joint is
+  /// prismatic. Debug builds assert the sizes; another size is undefined in release builds, as in
+  /// every update() of this library.
   void update(const VectorXd& q, const VectorXd& dq) noexcept;
 
   int joints() const { return tip_.joints(); }
@@ -51,7 +53,7 @@ class ArmState {
  private:
   TipKinematics tip_;
   EquationOfMotion rigid_;
-  MatrixXd rotors_;  // what effects add to M
+  MatrixXd rotors_;  // inertia that effects add to M
   std::vector<BoundEffect> forces_;
   std::vector<std::string> left_out_;
   VectorXd q_, dq_, rest_, h_, bias_;

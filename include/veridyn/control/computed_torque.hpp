@@ -5,25 +5,25 @@
 
 namespace veridyn {
 
-/// Where the joints shall be, (n) each.
+/// Reference of the joints, (n) each.
 struct JointReference {
   explicit JointReference(int joints) : q(VectorXd::Zero(joints)), dq(q), ddq(q) {}
   VectorXd q, dq, ddq;
 };
 
-/// Diagonals of K_p [1/s^2] and K_d [1/s], (n) each: with them, what is left of a joint's error
-/// obeys e'' + K_d e' + K_p e = 0, whatever the joint's inertia.
+/// Diagonals of K_p [1/s^2] and K_d [1/s], (n) each. They are normalised by the inertia: the error
+/// of a joint obeys e'' + K_d e' + K_p e = 0.
 struct JointGains {
   VectorXd p, d;
 };
 
-/// The model as feed-forward and a double integrator to control (thesis 7.1 to 7.5, with the wanted
-/// acceleration, which the thesis leaves out):
+/// Computed torque: the model linearises the arm to a double integrator (thesis 7.1 to 7.5, with
+/// the reference acceleration, which the thesis omits):
 ///
 ///   y   = ddq_d + K_p (q_d - q) + K_d (dq_d - dq)
 ///   tau = M(q) y + bias(q, dq)
 ///
-/// Friction and what the model gets wrong are added by FrictionCompensation and ModelErrorObserver:
+/// FrictionCompensation and ModelErrorObserver add friction and the model's error:
 ///
 ///   state.update(q, dq);
 ///   tau = control.update(state, wanted);
@@ -31,12 +31,11 @@ struct JointGains {
 ///   tau += model_error.update(state, control.acceleration(), dt);
 class ComputedTorque {
  public:
-  /// @throws InvalidInput  gains that are not `joints` finite numbers, none below zero.
+  /// @throws InvalidInput  gains that are not `joints` finite numbers, or one below zero.
   ComputedTorque(int joints, const JointGains& gains);
 
   /// @returns tau (n), valid until the next update().
-  /// Sizes are those of the constructor; another one is a fault of the program, asserted in debug
-  /// builds alone.
+  /// Vectors have the sizes of the constructor; debug builds assert it.
   const VectorXd& update(const ArmState& arm, const JointReference& wanted) noexcept;
 
   /// y of the last update(), (n).

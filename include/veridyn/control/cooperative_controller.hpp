@@ -19,30 +19,39 @@ struct CooperativeOptions {
   std::vector<CooperativeMember> members;
   double period = 1e-3;  ///< [s] of update()
 
-  // What ends the task: every target is held where it is, see CooperativeState.
-  double largest_force = 20.0;        ///< [N] read at any member
-  double largest_force_error = 20.0;  ///< [N] of a reading from h_d
-  double largest_age = 0.02;          ///< [s] of a reading
-  double largest_error = 0.02;        ///< [m] of any tip from its way, beyond what its members
-                                      ///< stretch under the wanted force, as far as known
-  /// [N] by which a reading may change from one sample to the next beyond twice of what the change
-  /// of the member's length explains; where its stiffness is known.
+  // Bounds that end the task; every target is then held, see CooperativeState.
+  double largest_force = 20.0;        ///< [N] reading of any member
+  double largest_force_error = 20.0;  ///< [N] deviation of a reading from h_d
+  double largest_age = 0.02;          ///< [s] age of a reading
+  /// [m] deviation of any tip from its path, beyond the stretch of its members under the wanted
+  /// force, as far as known
+  double largest_error = 0.02;
+  /// [N] largest change of a reading from one sample to the next, beyond twice the change that the
+  /// member's length explains; checked where its stiffness is known.
   double jump_force = 1.0;
+  /// [N] by which a reading may be off what its member's length says, with the reading and the length
+  /// when the wanted force last arrived to compare with; where the stiffness is known. Beyond it come
+  /// `drift_length` [m] times the stiffness, `drift_way` times the stiffness for each metre that an
+  /// end went since, and a stiffness that is off by the factor `drift_factor`. Sweep: docs/cooperation.md.
+  double drift_force = 0.5;
+  double drift_length = 0.0005;
+  double drift_way = 0.02;
+  double drift_factor = 1.5;
   double stuck_force = 1.0;    ///< [N] by which a member's length says that its force changed,
                                ///< while its samples stay the same to the last bit
-  /// [J] that arms may put into a member beyond what is planned (PassivityMonitor): a loop that
+  /// [J] largest energy that arms may feed into a member beyond the planned work (PassivityMonitor); a loop that
   /// swings, or an arm that falls, makes more.
   double largest_energy = std::numeric_limits<double>::infinity();
-  double stop_duration = 0.1;  ///< [s] in which motion ends
-  double relief_force = 5.0;   ///< [N] while all is held, ends give way to readings beyond it,
-  double relief_gain = 0.02;   ///< [m/(N s)] so fast per newton beyond,
-  double relief_speed = 0.2;   ///< [m/s] and at most so fast; not where a sensor failed
-  /// While all is held: keeps members from being jerked tight by an arm that falls.
+  double stop_duration = 0.1;  ///< [s] in which the motion stops
+  double relief_force = 5.0;   ///< [N] while targets are held, ends yield to readings beyond it,
+  double relief_gain = 0.02;   ///< [m/(N s)] at this rate per newton beyond,
+  double relief_speed = 0.2;   ///< [m/s] and at most at this speed; not where a sensor failed
+  /// While targets are held: keeps a falling arm from jerking members tight.
   bool guard = true;
   TetherGuardOptions tether;  ///< its period is the controller's
 };
 
-/// What is measured, once per update(); sized by the controller's constructor.
+/// Measurements of one update(); sized by the controller's constructor.
 struct CooperativeInput {
   CooperativeInput(int arms, int members)
       : position(static_cast<size_t>(arms), Eigen::Vector3d::Zero()),
@@ -52,31 +61,33 @@ struct CooperativeInput {
         force(static_cast<size_t>(members)) {}
   std::vector<Eigen::Vector3d> position;  ///< [m] of each tip in the world
   std::vector<Eigen::Vector3d> velocity;  ///< [m/s]
-  std::vector<char> healthy;              ///< 0: this arm does not follow any more
-  std::vector<char> located;              ///< 0: nobody knows where it is; positions are old ones
-  std::vector<ForceReading> force;        ///< Force reading of each member
+  std::vector<char> healthy;              ///< 0: this arm no longer follows its targets
+  std::vector<char> located;  ///< 0: its position is unknown, and `position` holds an old one
+  std::vector<ForceReading> force;        ///< reading of each member
 };
 
-/// Where a tip shall be, in the world.
+/// Reference of a tip, in the world.
 struct TipTarget {
   Eigen::Vector3d position{Eigen::Vector3d::Zero()};      ///< x_t of (7.11): motion and force [m]
-  Eigen::Vector3d motion{Eigen::Vector3d::Zero()};        ///< x_d: of the motion alone [m]
-  Eigen::Vector3d velocity{Eigen::Vector3d::Zero()};      ///< Velocity of x_d [m/s]
-  Eigen::Vector3d acceleration{Eigen::Vector3d::Zero()};  ///< Acceleration of x_d [m/s^2]
-  Eigen::Vector3d force{Eigen::Vector3d::Zero()};         ///< wanted of the tip on the object [N]
-  /// The part of position, velocity and acceleration by which the end gives way while all is held:
-  /// for arms that keep a place of their own then.
+  Eigen::Vector3d motion{Eigen::Vector3d::Zero()};  ///< x_d: reference of the motion alone [m]
+  Eigen::Vector3d velocity{Eigen::Vector3d::Zero()};      ///< [m/s] of x_d
+  Eigen::Vector3d acceleration{Eigen::Vector3d::Zero()};  ///< [m/s^2] of x_d
+  Eigen::Vector3d force{Eigen::Vector3d::Zero()};  ///< [N] wanted force of the tip on the object
+  /// Part of position, velocity and acceleration by which the end yields while targets are held,
+  /// for arms that otherwise hold a position of their own.
   TetherGuard::Motion relief{};
 };
 
-/// kTracking; or why everything is held: a defined end that only restart() leaves.
+/// KTracking, or the reason why targets are held; only restart() leaves such a state.
 enum class CooperativeState {
   kTracking,
   kForceTooLarge,
-  kForceMissed,  ///< farther from the force wanted than largest_force_error: a slack member, too
+  /// Deviates from the wanted force by more than largest_force_error, as when a member is slack.
+  kForceMissed,
   kSensorStale,
   kSensorStuck,
   kSensorJumped,  ///< a reading changed by more than the member's length and stiffness explain
+  kSensorDrifted,  ///< likewise, over a longer time
   kArmLost,
   kTargetMissed,
   kEnergyMade,
@@ -86,12 +97,12 @@ enum class CooperativeState {
 /// "holds: a force sensor's samples are too old".
 const char* describe(CooperativeState state);
 
-/// Several arms move one object and keep the forces in it (thesis 6.2 to 6.4 and 7.10 to 7.12, with
-/// the errata). One arm is the leader: it follows the motion alone. The others follow the same
-/// motion of the object and correct the lengths of its members for the forces in them.
+/// Several arms move one object and control the forces in it (thesis 6.2 to 6.4 and 7.10 to 7.12,
+/// with the errata). One arm is the leader: it follows the motion alone. The followers follow the
+/// same motion of the object and correct the lengths of its members for the forces in them.
 ///
-/// All is kept in the world; commands come in the leader's axes, as (6.2) has it, and the targets
-/// of an arm in its own base are R_world_arm' of these:
+/// All quantities are in the world frame; commands are in the leader's axes, as in (6.2), and the
+/// targets of an arm in its own base are R_world_arm' times these:
 ///
 ///   x_i      = p + R r_i            centroid p and orientation R of the object move, r_i is fixed
 ///                                   in the object (6.2, 6.3)
@@ -105,53 +116,54 @@ const char* describe(CooperativeState state);
 ///   every cycle:  const auto& targets = control.update(input);
 class CooperativeController {
  public:
-  /// @param tips  where the arms hold the object now [m], in the world.
-  /// @throws InvalidInput  fewer than one arm, a member between arms that are not there or are the
-  ///                       same, sizes that differ, numbers that cannot be.
+  /// @param tips  [m] where the arms hold the object now, in the world.
+  /// @throws InvalidInput  no arm, a member between arms that do not exist or are the same, sizes
+  /// that differ, numbers out of range.
   CooperativeController(const CooperativeOptions& options,
                         const std::vector<Eigen::Vector3d>& tips);
 
-  // Commands. False, and nothing changes, while the controller holds or for numbers that cannot be.
+  // Commands return false and change nothing while targets are held or if a number is out of range.
 
-  /// The object by `way` in the leader's axes (6.2).
+  /// Moves the object by `way` [m] in the leader's axes (6.2).
   bool move(const Eigen::Vector3d& way, double duration) noexcept;
-  /// The object about its centroid (6.3), by Rz(gamma) Ry(beta) Rx(alpha) in the leader's axes.
-  /// False while another turn is under way.
+  /// Rotates the object about its centroid (6.3) by Rz(gamma) Ry(beta) Rx(alpha) in the leader's
+  /// axes. False while another rotation goes on.
   bool turn(const Eigen::Vector3d& alpha_beta_gamma, double duration) noexcept;
-  /// Every follower away from the centroid, (6.4) with the sign that pulls.
+  /// Moves every follower away from the centroid, (6.4) with the sign that pulls.
   bool tighten(double by, double duration) noexcept;
-  /// One arm alone relative to the object, for regrasping; in the world [m].
+  /// Moves one arm relative to the object, for regrasping; in the world [m].
   bool move_arm(int arm, const Eigen::Vector3d& way, double duration) noexcept;
-  /// h_d of a member [N].
+  /// Changes h_d of a member [N].
   bool set_force(int member, double force, double duration) noexcept;
-  /// Tracks the force of a member or leaves it alone.
+  /// Switches the force control of a member on or off.
   bool track(int member, bool on) noexcept;
-  /// Ends motion and holds what has been reached.
+  /// Ends the motion and holds the position that has been reached.
   void stop() noexcept;
 
-  /// Forgets what ended the task; targets begin where the tips are.
+  /// Clears the state that ended the task; targets start at the tips.
   void restart(const std::vector<Eigen::Vector3d>& tips) noexcept;
 
-  /// Sizes are those of the constructor; another one is a fault of the program, asserted in debug
-  /// builds alone.
+  /// Vectors have the sizes of the constructor; debug builds assert it.
   const std::vector<TipTarget>& update(const CooperativeInput& input) noexcept;
 
   CooperativeState state() const { return state_; }
-  /// Forces are not known any more: each arm shall keep its place with a position loop. (An
+  /// True if forces are unknown: each arm should then hold its position with a position loop. (An
   /// impedance with a wanted mass below the arm's own is many times stiffer without its sensor.)
   bool sensor_failed() const {
     return state_ == CooperativeState::kSensorStale || state_ == CooperativeState::kSensorStuck ||
            state_ == CooperativeState::kSensorJumped ||
+           state_ == CooperativeState::kSensorDrifted ||
            state_ == CooperativeState::kNotFinite;
   }
-  /// Where the object's motion is now: its turn since the start, and how fast that changes.
+  /// Rotation of the object since the start, and its rates.
   Eigen::Matrix3d rotation() const {
     return Eigen::AngleAxisd(angle_.x()[0], axis_).toRotationMatrix() * R_start_;
   }
   Eigen::Vector3d spin() const { return angle_.dx()[0] * axis_; }        ///< [rad/s], world
   Eigen::Vector3d spin_rate() const { return angle_.ddx()[0] * axis_; }  ///< [rad/s^2], world
   double relief_force() const { return options_.relief_force; }
-  /// Changes it, as when a pretension is given up. [N] above zero; others are not taken.
+  /// Changes relief_force, as when a pretension is given up. [N], above zero; other values are
+  /// ignored.
   void relieve_beyond(double force) noexcept {
     if (force > 0.0) options_.relief_force = force;
   }
@@ -161,12 +173,15 @@ class CooperativeController {
   int arms() const { return static_cast<int>(targets_.size()); }
 
  private:
-  struct Watch {  // over one sensor
+  struct Watch {  // state of the checks on one sensor
     double force = 0.0, length = 0.0;
     long number = -1;
-    double last_force = 0.0, last_length = 0.0;  // of the sample before
+    double last_force = 0.0, last_length = 0.0;  // of the previous sample
     long last_number = -1;
     double silent = 0.0;                         // [s] since the start without any
+    bool compared = false;                       // with these, when the wanted force last arrived:
+    double sound_force = 0.0, sound_length = 0.0;
+    Eigen::Vector3d from{Eigen::Vector3d::Zero()}, to{Eigen::Vector3d::Zero()};
   };
 
   void plan() noexcept;
@@ -179,6 +194,7 @@ class CooperativeController {
                     const CooperativeInput& input) noexcept;
   bool is_stuck(size_t member, const ForceReading& reading, double length) noexcept;
   bool jumps(size_t member, const ForceReading& reading, double length) noexcept;
+  bool drifts(size_t member, const ForceReading& reading, const CooperativeInput& input) noexcept;
   bool commands_allowed() const { return state_ == CooperativeState::kTracking; }
 
   CooperativeOptions options_;
@@ -189,11 +205,13 @@ class CooperativeController {
   TetherGuard guard_;
   std::vector<TipTarget> targets_;
   QuinticInterpolator centre_, angle_, wanted_;
-  std::vector<QuinticInterpolator> grips_;                // r_i
-  std::vector<Eigen::Vector3d> relief_;                   // [m] in the world, while all is held
-  Eigen::Matrix3d R_start_{Eigen::Matrix3d::Identity()};  // of the turn under way
+  std::vector<QuinticInterpolator> grips_;                // grasp points r_i
+  std::vector<Eigen::Vector3d> relief_;  // [m] in the world, while targets are held
+  // orientation at the start of the current rotation
+  Eigen::Matrix3d R_start_{Eigen::Matrix3d::Identity()};
   Eigen::Vector3d axis_{Eigen::Vector3d::UnitZ()};
   VectorXd scratch3_, scratch1_, goal_;
+  bool arrived_ = false;  // the wanted forces, in the cycle before
   CooperativeState state_ = CooperativeState::kTracking;
 };
 

@@ -8,8 +8,8 @@
 
 namespace veridyn {
 
-/// The torques that hold an arm where it is: gravity and the springs, offsets and cables of its
-/// model. For hand guiding, and as the last thing left when a fault takes everything else away.
+/// Torques that hold an arm at rest: gravity and the springs, offsets and cables of its model. For
+/// hand guiding, and as a fallback after faults that disable everything else.
 ///
 ///   GravityCompensation hold(arm);
 ///   tau = hold.update(q);
@@ -19,8 +19,7 @@ class GravityCompensation {
   explicit GravityCompensation(const Model& arm);
 
   /// @param q  (n), true positions: see JointSensors. @returns tau (n), valid until the next update().
-  /// Sizes are those of the constructor; another one is a fault of the program, asserted in debug
-  /// builds alone.
+  /// Vectors have the sizes of the constructor; debug builds assert it.
   const VectorXd& update(const VectorXd& q) noexcept;
 
  private:

@@ -14,7 +14,7 @@ struct ImpedanceGains {
   Vector6d stiffness{Vector6d::Zero()};
 };
 
-/// Where the tip shall be, in the coordinates of AnalyticalTask.
+/// Reference of the tip, in the coordinates of AnalyticalTask.
 struct TaskReference {
   Vector6d x{Vector6d::Zero()};
   Vector6d dx{Vector6d::Zero()};
@@ -25,8 +25,8 @@ struct ImpedanceOptions {
   TaskRows rows = TaskRows::kPosition;
   Eigen::Matrix3d home{Eigen::Matrix3d::Identity()};  ///< see AnalyticalTask
   TaskInverseOptions inverse;
-  /// What the task leaves free goes to this posture, (n), and is damped there, each joint by
-  /// itself. Empty: no pull, damping alone.
+  /// Posture, (n), towards which the null space of the task is controlled, each joint separately
+  /// with damping. Empty: damping alone.
   VectorXd posture;
   double posture_p = 25.0;  ///< [1/s^2]
   double posture_d = 10.0;  ///< [1/s]
@@ -41,45 +41,45 @@ struct ImpedanceOptions {
 /// that the tip exerts on the world, as a force sensor between them measures it; h_a = T_A' h.
 /// J_a# is TaskInverse's.
 ///
-/// A force that is T old when the motors answer takes damping away: with M_x the arm's own mass at
-/// the tip and K_e the stiffness of what it touches, keep K_d above K_e T (1 - M_d / M_x). The
-/// gains of the thesis (3 N s/m, 0.35 kg on a spring of 2450 N/m) leave no margin at 1 kHz;
-/// friction held them. A wanted velocity acts through K_d on the force, too: where x_d is only
-/// moved to press harder, leave dx_d at zero. Nothing allocates after the constructor.
+/// A force measurement with a delay T reduces the damping: with M_x the arm's own mass at the tip
+/// and K_e the stiffness of the environment, keep K_d above K_e T (1 - M_d / M_x). The gains of the
+/// thesis (3 N s/m, 0.35 kg on a spring of 2450 N/m) leave no margin at 1 kHz; friction stabilised
+/// them. A wanted velocity acts through K_d on the force, too:
+/// when x_d moves only to press harder, leave dx_d at zero. Nothing allocates after the
+/// constructor.
 ///
 ///   Impedance control(arm, {"tool"}, gains);
 ///   state.update(q, dq);
 ///   tau = control.update(state, wanted, wrench);
 class Impedance {
  public:
-  /// @throws InvalidInput  gains that are not finite, none below zero and masses above it; a
-  ///                       posture of another size; as TaskInverse and AnalyticalTask.
+  /// @throws InvalidInput  gains that are not finite or below zero, masses that are not above zero,
+  /// a posture of another size; as TaskInverse and AnalyticalTask.
   Impedance(const Model& arm, const Tip& tip, const ImpedanceGains& gains,
             const ImpedanceOptions& options = {});
 
-  /// @param arm  of the same tip. @param wrench_world  h: [force; moment] about the tip [N, N m],
-  ///             zero in what is not measured.
+  /// @param arm  state with the same tip. @param wrench_world  h: [force; moment] about the tip [N,
+  /// N m], with zeros for entries that are not measured.
   /// @returns tau (n), valid until the next update().
-  /// Sizes are those of the constructor; another one is a fault of the program, asserted in debug
-  /// builds alone.
+  /// Vectors have the sizes of the constructor; debug builds assert it.
   const VectorXd& update(const ArmState& arm, const TaskReference& wanted,
                          const Vector6d& wrench_world) noexcept;
 
   /// y of the last update(), (n).
   const VectorXd& acceleration() const { return y_; }
 
-  /// How far the law would have the joints move at rest, (n): J_a# (x_d - x - K_p^-1 h_a), where
-  /// K_p is not zero. For FrictionCompensation.
+  /// Joint displacement that the law asks for at rest, (n): J_a# (x_d - x - K_p^-1 h_a), where K_p
+  /// is not zero. For FrictionCompensation.
   const VectorXd& joint_error() const { return error_; }
 
-  /// J_a# dx_d, (n): the joints' share of the wanted velocity. For FrictionCompensation.
+  /// J_a# dx_d, (n): the wanted velocity in joint space. For FrictionCompensation.
   const VectorXd& joint_velocity() const { return velocity_; }
 
   /// x, dx, J_a and its rate at the last update().
   const AnalyticalTask& task() const { return task_; }
   const TaskInverse& inverse() const { return inverse_; }
 
-  /// Other gains from the next update() on; those that could not be are refused: false.
+  /// Sets gains for the next update(); returns false for gains that the constructor would refuse.
   bool set_gains(const ImpedanceGains& gains) noexcept;
   const ImpedanceGains& gains() const { return gains_; }
 

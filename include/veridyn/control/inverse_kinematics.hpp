@@ -7,7 +7,7 @@ namespace veridyn {
 
 enum class ReachStatus {
   kReached,
-  kNotReached  ///< out of reach, beyond the joints' limits, or in need of another start
+  kNotReached  ///< out of reach, beyond the joints' limits, or not reachable from this start
 };
 
 struct InverseKinematicsOptions {
@@ -15,14 +15,15 @@ struct InverseKinematicsOptions {
   double position_tolerance = 1e-7;  ///< [m]: |p_d - p| <= this
   double angle_tolerance = 1e-7;     ///< [rad]: the angle of R_d R' <= this
   int most_iterations = 60;
-  double longest_step = 0.4;  ///< Longest step of any joint per iteration [rad], or characteristic lengths
+  /// Largest change of a joint per iteration [rad], or characteristic lengths.
+  double longest_step = 0.4;
   TaskInverseOptions inverse{0.0, 0.02};
 };
 
 /// Joint positions for a pose of the tip, on any arm, within the limits of its file: Newton steps
-/// through TaskInverse, shortened until the error falls; joints at a limit that would leave it are
-/// held there and the others go on. Bounded in time and free of allocation, so that it may run in a
-/// loop from the joints' last positions. Closest to the start where solutions are many.
+/// through TaskInverse, shortened until the error falls; joints that would leave their limits are
+/// held and the others go on. The run time is bounded and nothing is allocated, so that it may run
+/// in a loop from the last positions. Among many solutions it finds one near the start.
 ///
 ///   InverseKinematics inverse(arm, {"tool"});
 ///   if (inverse.solve(position, rotation, q) == ReachStatus::kReached) ...   // q: start and
@@ -33,13 +34,14 @@ class InverseKinematics {
   InverseKinematics(const Model& arm, const Tip& tip, const InverseKinematicsOptions& options = {});
 
   /// @param position, R_world_tip  of the tip, in the world; the rotation counts for poses only.
-  /// @param q  (n) where to start, overwritten with the best positions found, within limits.
+  /// @param q  (n) initial guess, overwritten with the best positions found, within limits.
   ReachStatus solve(const Eigen::Vector3d& position, const Eigen::Matrix3d& R_world_tip,
                     VectorXd& q) noexcept;
 
   int iterations() const { return iterations_; }             ///< Iterations of the last solve()
-  double position_error() const { return position_error_; }  ///< [m] that it left
-  double angle_error() const { return angle_error_; }        ///< [rad] that it left
+  /// [m] remaining after the last solve()
+  double position_error() const { return position_error_; }
+  double angle_error() const { return angle_error_; }  ///< [rad] remaining after the last solve()
 
  private:
   double measure(const Eigen::Vector3d& position, const Eigen::Matrix3d& R, const VectorXd& q,

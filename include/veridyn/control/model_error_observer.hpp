@@ -7,51 +7,49 @@ namespace veridyn {
 
 struct ModelErrorOptions {
   double bandwidth = 10.0;  ///< [1/s]
-  VectorXd limit;           ///< (n) largest torque that it adds [N m], [N], finite
+  VectorXd limit;           ///< (n) largest |torque| that the observer adds [N m], [N], finite
 };
 
-/// Integral action within the model: what the arm's acceleration lacks of the one that was asked
-/// for is a torque that the model does not know, and it is added,
+/// Integral action through the model: the difference between the commanded and the measured
+/// acceleration is a torque that the model does not predict, and the observer adds it,
 ///
 ///   d <- d + bandwidth * M(q) (y dt - change of dq),   |d_i| <= limit_i
 ///
-/// a first-order observer of that torque. The same for joint and Cartesian control, gains
-/// unchanged: it makes ddq = y true, whatever y asks for, and at rest it raises the torque until
-/// friction gives way. What the motors were not sent of the torque asked for (limits of the motors,
-/// of the boards, a supervisor that brakes) is no error of the model: sent() takes it out,
+/// a first-order disturbance observer. Joint and Cartesian control use it alike, with unchanged
+/// gains: it makes ddq = y, and at rest it raises the torque until friction breaks away. The part
+/// of the torque that the motors were not sent (limits of motors or boards, a supervisor that
+/// brakes) is no model error; sent() subtracts it,
 ///
 ///   d <- d + bandwidth * (M(q) (y dt - change of dq) - (asked - sent) dt)
 ///
-/// and where a joint was sent less than it was asked for, d grows no further in that direction.
-/// Under a contact without a force sensor it pushes with up to `limit` more
-/// than the law wants, so the limit is what the model may be wrong by: TorqueUncertainty gives it,
-/// cycle by cycle where wanted.
+/// and where a joint was sent less than asked, d does not grow further in that direction. In a
+/// contact without a force sensor the observer pushes with up to `limit` beyond the law, so the
+/// limit should be the uncertainty of the model: TorqueUncertainty computes it, every cycle if
+/// wanted.
 ///
 ///   ModelErrorObserver error(3, {10.0, limit});
 ///   every cycle: tau += error.update(state, control.acceleration(), 0.001);
-///                error.sent(tau, within_limits);  // where anything lies between tau and the motors
+///                error.sent(tau, within_limits);  // if anything limits tau before the motors
 class ModelErrorObserver {
  public:
-  /// @throws InvalidInput  limits that are not `joints` finite numbers, none below zero; a
-  ///                       bandwidth that is not above zero.
+  /// @throws InvalidInput  limits that are not `joints` finite numbers, or one below zero; a
+  /// bandwidth that is not above zero.
   ModelErrorObserver(int joints, const ModelErrorOptions& options);
 
-  /// @param y  (n) acceleration that the motors were told to make from now on. @param dt [s] since
-  /// the last update(). @returns d (n), to be added to the torque; as it was where a number is
-  /// none.
-  /// Sizes are those of the constructor; another one is a fault of the program, asserted in debug
-  /// builds alone.
+  /// @param y  (n) acceleration that is commanded from now on. @param dt [s] since the last
+  /// update(). @returns d (n), to be added to the torque; unchanged if an input is not finite.
+  /// Vectors have the sizes of the constructor; debug builds assert it.
   const VectorXd& update(const ArmState& arm, const VectorXd& y, double dt) noexcept;
 
-  /// After update(), as often as there is something new to say about its cycle.
-  /// @param asked  (n) torque with which the arm would make y. @param sent  (n) torque that the
-  /// motors were sent, after every limit. Without a call they are the same.
+  /// To be called after update(), again whenever more is known about its cycle.
+  /// @param asked  (n) torque that would produce y. @param sent  (n) torque that the motors
+  /// received, after all limits. Without a call the two are taken as equal.
   void sent(const VectorXd& asked, const VectorXd& sent) noexcept;
 
-  /// Other limits from the next update() on; those that could not be are refused: false.
+  /// Sets limits for the next update(); returns false for limits that the constructor would refuse.
   bool set_limit(const VectorXd& limit) noexcept;
 
-  /// Forgets everything: after a fault, or before the motors are switched on.
+  /// Clears the estimate: after a fault, or before the motors are switched on.
   void reset() noexcept;
 
   const VectorXd& torque() const { return d_; }

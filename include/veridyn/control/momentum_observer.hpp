@@ -18,7 +18,7 @@ struct MomentumObserverOptions {
   TaskInverseOptions inverse;
 };
 
-/// What touches the arm, without a force sensor: from momentum p = M dq alone,
+/// Estimates external torques without a force sensor, from the momentum p = M dq alone:
 ///
 ///   r = bandwidth (integral of (tau_motor - friction - g - forces + C' dq - r) dt - p + p(0))
 ///

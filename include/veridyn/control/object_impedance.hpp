@@ -7,22 +7,23 @@
 
 namespace veridyn {
 
-/// Where an object is and how it moves, in the world.
+/// Pose and motion of an object, in the world.
 struct ObjectMotion {
   Eigen::Vector3d position{Eigen::Vector3d::Zero()};      ///< [m] of its centre of mass
   Eigen::Matrix3d rotation{Eigen::Matrix3d::Identity()};  ///< R_world_object
   Eigen::Vector3d velocity{Eigen::Vector3d::Zero()};      ///< [m/s]
   Eigen::Vector3d spin{Eigen::Vector3d::Zero()};          ///< [rad/s]
-  Eigen::Vector3d acceleration{Eigen::Vector3d::Zero()};  ///< [m/s^2]; of references only
-  Eigen::Vector3d spin_rate{Eigen::Vector3d::Zero()};     ///< [rad/s^2]; of references only
+  Eigen::Vector3d acceleration{Eigen::Vector3d::Zero()};  ///< [m/s^2]; references only
+  Eigen::Vector3d spin_rate{Eigen::Vector3d::Zero()};     ///< [rad/s^2]; references only
 };
 
 struct ObjectImpedanceOptions {
-  double mass = 0.0;                                 ///< [kg] of the object, as known
-  Eigen::Vector3d inertia{Eigen::Vector3d::Zero()};  ///< [kg m^2] about its axes, as known
-  Eigen::Vector3d gravity{0.0, 0.0, -9.81};          ///< [m/s^2]
-  std::vector<Eigen::Vector3d> grasps;               ///< [m] held points, in the object
-  // The impedance that the object shall have, in all directions.
+  double mass = 0.0;  ///< [kg] of the object's model
+  /// [kg m^2] about its axes, of the object's model
+  Eigen::Vector3d inertia{Eigen::Vector3d::Zero()};
+  Eigen::Vector3d gravity{0.0, 0.0, -9.81};  ///< [m/s^2]
+  std::vector<Eigen::Vector3d> grasps;  ///< [m] points held by the hands, in the object's frame
+  // Desired impedance of the object, in all directions.
   double wanted_mass = 1.0;        ///< M_d [kg]
   double damping = 0.0;            ///< [N s/m]
   double stiffness = 0.0;          ///< [N/m]
@@ -31,36 +32,35 @@ struct ObjectImpedanceOptions {
   double angular_stiffness = 0.0;  ///< [N m/rad]
 };
 
-/// Multiple impedance control: the object itself has an impedance, and so has each hand that holds
-/// it, about the same motion. What the object's inertia and weight take is fed forward to the
-/// hands, so that a heavy one does not lag or sag:
+/// Multiple impedance control: the object has an impedance of its own, and so has each hand, about
+/// the same motion. The force for the object's inertia and weight is fed forward to the hands, so
+/// that a heavy object neither lags nor sags:
 ///
 ///   a   = a_d + (D (v_d - v) + K (x_d - x) + f_env) / M_d        and likewise for turning
 ///   F   = m (a - g) - f_env,   N = I alpha + omega x I omega - n_env
 ///   f_i = F / hands + y x (r_i - mean r) + internal forces along the lines between the hands
 ///
-/// with y such that the f_i turn with N as well: the smallest forces that add up to both. Two hands
-/// cannot turn the object about the line between them; what N asks for there is left undone, and F
-/// is not touched by it.
+/// where y makes the f_i add up to the moment N as well, with the smallest forces. Two hands cannot
+/// exert a moment about the line between them: that part of N is dropped, and F is unaffected.
 ///
-/// Targets hold x_i = x_d + R_d r_i and the force f_i; the hands' own impedance takes both in, as
-/// x_i + f_i / K_hand. Source: Moosavian and Papadopoulos, Robotica 16(4), 1998; the thesis names
-/// it as the better way. Nothing allocates after the constructor.
+/// Targets contain x_i = x_d + R_d r_i and the force f_i; the hands' own impedance combines them as
+/// x_i + f_i / K_hand. Source: Moosavian and Papadopoulos, Robotica 16(4), 1998, which the thesis
+/// recommends. Nothing allocates after the constructor.
 class ObjectImpedance {
  public:
   /// @throws InvalidInput  no grasps, numbers below zero or not finite, a wanted mass or inertia of
-  ///                       zero.
+  /// zero.
   explicit ObjectImpedance(const ObjectImpedanceOptions& options);
 
-  /// Force with which two hands pull against each other [N]; pulling positive.
+  /// Sets the force with which two hands pull against each other [N]; tension is positive.
   bool set_internal_force(int hand, int other, double force) noexcept;
 
-  /// The object's motion from where its hands are: Gauss-Newton steps from the last estimate.
-  /// Two hands do not see a turn about the line between them: it stays as it was.
+  /// Estimates the object's motion from its hands: Gauss-Newton steps from the last estimate. Two
+  /// hands do not observe a rotation about the line between them; it keeps its last value.
   const ObjectMotion& estimate(const std::vector<Eigen::Vector3d>& positions,
                                const std::vector<Eigen::Vector3d>& velocities) noexcept;
 
-  /// Starts the estimate.
+  /// Sets the initial estimate.
   void reset(const ObjectMotion& motion) noexcept { now_ = motion; }
 
   /// @param force, moment  of the environment on the object, where known [N, N m].

@@ -2,15 +2,15 @@
 
 namespace veridyn {
 
-/// Watches the port between arms and object for energy that a control loop makes.
+/// Monitors the port between arms and object for energy that a control loop generates.
 ///
-/// About a point of rest with the force h_d, arms that are passive give no more energy to the
-/// object than they got: E(t) = integral of (h - h_d) dl/dt never rises by more than it fell
-/// before. A loop that oscillates by itself feeds what the object's damping takes, cycle after
-/// cycle, and E rises without end. Meaningful while h_d and the planned length stand still.
+/// About an equilibrium with the force h_d, passive arms give no more energy to the object than
+/// they received: E(t) = integral of (h - h_d) dl/dt never rises by more than it fell before. A
+/// loop that oscillates by itself supplies what the object's damping dissipates, cycle after cycle,
+/// and E rises without end. Valid while h_d and the planned length are constant.
 class PassivityMonitor {
  public:
-  /// Forgets the past, as when h_d changes.
+  /// Restarts the integral, as when h_d changes.
   void reset() noexcept { energy_ = highest_rise_ = lowest_ = 0.0; }
 
   /// @param excess  h - h_d [N]. @param rate  dl/dt beyond what is planned [m/s]. @param dt  [s].
@@ -22,7 +22,7 @@ class PassivityMonitor {
 
   double energy() const { return energy_; }           ///< E now [J]
   double generated() const { return highest_rise_; }  ///< largest rise of E above an earlier value
-  /// Beyond all that was there at the start [J]: max(0, E).
+  /// Energy beyond the initial one [J]: max(0, E).
   double beyond_start() const { return energy_ > 0.0 ? energy_ : 0.0; }
 
  private:

@@ -4,9 +4,9 @@
 
 namespace veridyn {
 
-/// Moves from where a point is, with the velocity and acceleration that it has, to rest somewhere
-/// else: the polynomial of degree five that meets all six conditions of each entry. A new goal in
-/// the middle of a move starts from the state that has been reached, so that velocity and
+/// Moves a point from its present position, velocity and acceleration to rest at a goal: each entry
+/// follows the polynomial of degree five that meets all six conditions. A new goal during a move
+/// starts from the present state, so that velocity and
 /// acceleration never jump. Joint vectors and task coordinates alike (Cartesian moves along a
 /// straight line; the thesis moves 5 mm in 1 s this way). Nothing allocates after the constructor.
 ///
@@ -15,20 +15,20 @@ namespace veridyn {
 ///   every cycle: way.advance(0.001), then way.x(), way.dx(), way.ddx()
 class QuinticInterpolator {
  public:
-  /// Rests at x. @throws InvalidInput  x has no entries or one that is not finite.
+  /// Starts at rest at x. @throws InvalidInput  x has no entries or one that is not finite.
   explicit QuinticInterpolator(const VectorRef& x);
 
-  /// Puts the point there, at rest.
+  /// Sets the point to x, at rest.
   void reset(const VectorXd& x) noexcept;
 
   /// Arrives at `goal` at rest after `duration` [s]. False, and nothing changes, if the goal has
   /// another size or an entry that is not finite, or the duration is not above zero.
   bool move_to(const VectorXd& goal, double duration) noexcept;
 
-  /// Stops within `duration`, as far ahead as half of it at the present velocity.
+  /// Stops within `duration`; the goal lies ahead by half of it at the present velocity.
   bool stop(double duration) noexcept;
 
-  /// Moves on by dt [s] >= 0; rests at the goal from its end on.
+  /// Advances the time by dt [s] >= 0; the point rests at the goal once it is reached.
   void advance(double dt) noexcept;
 
   bool arrived() const { return time_ >= duration_; }
@@ -37,7 +37,7 @@ class QuinticInterpolator {
   const VectorXd& ddx() const { return ddx_; }
   const VectorXd& goal() const { return goal_; }
 
-  /// The duration that keeps a move from rest over `distance` within a velocity and acceleration.
+  /// Duration of a move from rest over `distance` that keeps within a velocity and acceleration.
   static double duration_for(double distance, double velocity, double acceleration) noexcept;
 
  private:

@@ -2,14 +2,14 @@
 
 namespace veridyn {
 
-/// Lets this thread run before all ordinary ones (first in, first out), where the system allows it:
-/// for loops that have a cycle to keep and give the processor back in every one.
+/// Gives this thread real-time priority (SCHED_FIFO), where the system allows it: for loops with a
+/// fixed cycle that release the processor in each.
 /// @param priority  1 to 99. @returns whether it was allowed.
 bool take_real_time_priority(int priority) noexcept;
 
-/// Keeps the memory of this process where it is, so that a loop never waits for a page of it; the
-/// stack is touched in advance. Memory that is made later is kept as soon as it is touched.
-/// @returns whether it was allowed.
+/// Locks the memory of this process, so that a loop never waits for a page; the stack is touched in
+/// advance. Later allocations are locked when they are first touched. @returns true if the system
+/// allowed it.
 bool lock_memory() noexcept;
 
 }  // namespace veridyn

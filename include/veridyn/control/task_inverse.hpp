@@ -9,27 +9,27 @@
 
 namespace veridyn {
 
-/// Which rows of a task count: the tip's position alone, or its orientation too.
+/// Rows of a task: the tip's position alone, or its orientation too.
 enum class TaskRows { kPosition = 3, kPose = 6 };
 
 struct TaskInverseOptions {
-  /// [m] by which metres and radians compare; 0: the arm's own, see characteristic_length().
+  /// [m] that weighs one metre against one radian; 0: characteristic_length() of the arm.
   double length = 0.0;
-  /// A singular value of the normalised Jacobian below this is taken for this much: the inverse
-  /// never asks for more than 1 / threshold normalised units of joint motion per unit of the task.
+  /// Singular values of the normalised Jacobian below this are raised to it: the inverse never asks
+  /// for more than 1 / threshold normalised units of joint motion per unit of the task.
   double threshold = 0.05;
 };
 
-/// The root mean square distance from which turning coordinates move the tip, in the middle of
-/// their ranges [m]; 1 if there is none.
+/// Root mean square distance [m] of the tip from the axes of the revolute coordinates, at the
+/// middle of their ranges; 1 without such coordinates.
 double characteristic_length(const Model& arm, const Tip& tip);
 
-/// Solves J y = a for joint accelerations or velocities, near singularities and for Jacobians that
-/// mix units.
+/// Solves J y = a for joint accelerations or velocities, robustly near singularities and for
+/// Jacobians that mix units.
 ///
 /// The Jacobian of a revolute-revolute-prismatic arm holds metres per radian beside metres per
-/// metre: its singular values mean nothing as they are. Here metres are counted in characteristic
-/// lengths L on both sides,
+/// metre, so its singular values depend on the units. Here metres are divided by the characteristic
+/// length L on both sides,
 ///
 ///   J~ = W_x J W_q,   W_x = 1/L on linear rows,   W_q = L on prismatic columns
 ///
@@ -37,37 +37,36 @@ double characteristic_length(const Model& arm, const Tip& tip);
 ///
 ///   J# = W_q V diag(s_i / max(s_i, threshold)^2) U' W_x
 ///
-/// which is the pseudo-inverse away from singularities, continuous, and still at rest in the lost
-/// direction of a singular pose. What J# leaves free, a posture y0 takes, damped directions
-/// included:
+/// which is the pseudo-inverse away from singularities, continuous, and zero in the singular
+/// direction of a singular pose. The null space of J#, damped directions included, takes a posture
+/// y0:
 ///
 ///   y = J# a + W_q (1 - J~# J~) W_q^-1 y0
 ///
 /// Source: damped least squares with numerical filtering, Maciejewski and Klein, J. Robotic Systems
-/// 5(6), 1988; the choice of damping is ours. Nothing allocates after the constructor.
+/// 5(6), 1988, with another choice of damping. Nothing allocates after the constructor.
 ///
 ///   TaskInverse inverse(arm, {"tool"}, TaskRows::kPosition);
 ///   inverse.update(tip.jacobian());
 ///   inverse.solve(a, y0, y);
 class TaskInverse {
  public:
-  /// @throws InvalidInput  a length or threshold below zero, a threshold of zero.
+  /// @throws InvalidInput  a length below zero, or a threshold that is not above zero.
   TaskInverse(const Model& arm, const Tip& tip, TaskRows rows,
               const TaskInverseOptions& options = {});
 
-  /// Factors J, (rows x n) or (6 x n), of which the first rows are used.
-  /// Sizes are those of the constructor; another one is a fault of the program, asserted in debug
-  /// builds alone.
+  /// Factors J, (rows x n), or (6 x n) of which the first rows are used.
+  /// Vectors have the sizes of the constructor; debug builds assert it.
   void update(const MatrixXd& J) noexcept;
 
-  /// y (n) from a (first `rows` entries used) and a posture y0 (n).
+  /// Computes y (n) from a (first `rows` entries used) and a posture y0 (n).
   void solve(const Vector6d& a, const VectorXd& y0, VectorXd& y) noexcept;
 
-  /// The wrench that joint torques balance, J' h = tau in the least squares sense: h = J#' tau,
-  /// first `rows` entries; in lost directions it stays small, not large. Entries beyond are zero.
+  /// The wrench that balances joint torques, J' h = tau in the least-squares sense: h = J#' tau,
+  /// first `rows` entries; in singular directions it stays small. Other entries are zero.
   void solve_wrench(const VectorXd& tau, Vector6d& h) noexcept;
 
-  /// Holds coordinate i: its column counts as zero from the next update() on, until release().
+  /// Holds coordinate i: from the next update() on its column counts as zero, until release().
   void hold(int i) noexcept { held_[static_cast<size_t>(i)] = 1; }
   void release() noexcept { std::fill(held_.begin(), held_.end(), char{0}); }
   bool held(int i) const noexcept { return held_[static_cast<size_t>(i)] != 0; }

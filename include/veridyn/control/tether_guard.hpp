@@ -7,71 +7,73 @@ namespace veridyn {
 
 struct TetherGuardOptions {
   double period = 1e-3;      ///< [s] of update()
-  double margin = 0.005;     ///< [m] of slack that is kept once a member has had twice as much
+  /// [m] of slack that is kept once a member has had twice as much slack
+  double margin = 0.005;
   double horizon = 0.03;     ///< [s] time constant of the approach to the largest length
-  double least_push = 0.5;   ///< [N] that tells a spring or a bar from a string
-  double rest = 0.1;         ///< [s] in which motion of the guard dies away when nothing presses
-  double acceleration = 40.0;  ///< [m/s^2] and
-  double speed = 3.0;          ///< [m/s] of a tip at most: a free fall of 0.46 m
-  double smoothing = 40.0;     ///< [Hz] of the velocities and accelerations seen
+  /// [N] of compression that identifies a spring or a bar, as opposed to a string
+  double least_push = 0.5;
+  double rest = 0.1;  ///< [s] in which the guard's motion decays when no member is near its limits
+  double acceleration = 40.0;  ///< [m/s^2] largest acceleration and
+  double speed = 3.0;          ///< [m/s] largest speed of a tip: a free fall of 0.46 m
+  double smoothing = 40.0;     ///< [Hz] bandwidth of the estimated velocities and accelerations
 };
 
 /// Keeps members from being jerked tight by an arm that has lost its torque: the ends that still
-/// follow go along with it. A string jerks with k^1/2 m^1/2 v within milliseconds, before any
-/// force sensor tells; but for tenths of a second before that encoders show the arm fall.
+/// follow move along with it. The peak force of a string is k^1/2 m^1/2 v within milliseconds,
+/// before any force sensor reacts; but encoders show the falling arm tenths of a second earlier.
 ///
-/// With the length L of a member between its tips and the largest one L_max allowed, every end
-/// that is healthy gets the acceleration that keeps
+/// With the length L of a member between its tips and the largest allowed length L_max, every
+/// healthy end gets the acceleration that keeps
 ///
 ///   d2L/dt2 <= -2/h dL/dt - (L - L_max)/h^2     (h: horizon)
 ///
-/// so that L approaches L_max at most like exp(-t/h). L_max is the member's length without force,
-/// learnt while the task runs, and the stretch under twice the force that is allowed; where the
-/// member has become slack, `margin` below the length without force. Members that have pushed are
-/// kept from being crushed likewise, with L_min and the signs turned. What presses nothing is not
-/// moved.
+/// so that L approaches L_max at most like exp(-t/h). L_max is the member's unloaded length,
+/// estimated while the task runs, plus the stretch under twice the allowed force; for a member that
+/// has become slack, `margin` below the unloaded length. Members that have carried compression are
+/// kept from being crushed in the same way, with L_min and the signs reversed. Ends of other
+/// members are not moved.
 ///
-/// Velocities and accelerations are taken from the places of the tips alone (fading-memory
-/// polynomial of the second degree, Morrison 1969, section 13.6): observers that are led by the
-/// acceleration asked of an arm are wrong by a / bandwidth where an arm does not follow.
+/// Velocities and accelerations are estimated from the tips' positions alone (fading-memory
+/// polynomial of the second degree, Morrison 1969, section 13.6): observers that are driven by the
+/// commanded acceleration are wrong by a / bandwidth where an arm does not follow.
 ///
 /// Nothing allocates after the constructor, nothing throws.
 class TetherGuard {
  public:
   struct Member {
     int from = 0, to = 1;
-    double stiffness = 0.0;  ///< [N/m] as far as known; 0: its length under force counts as free
+    double stiffness = 0.0;  ///< [N/m] as far as known; 0: the length under load counts as unloaded
   };
-  /// What is to be added to an end's place.
+  /// Correction of an end's reference.
   struct Motion {
     Eigen::Vector3d position{Eigen::Vector3d::Zero()};      ///< [m]
     Eigen::Vector3d velocity{Eigen::Vector3d::Zero()};      ///< [m/s]
     Eigen::Vector3d acceleration{Eigen::Vector3d::Zero()};  ///< [m/s^2]
   };
 
-  /// @throws InvalidInput  ends that are not there, options that are not above zero.
+  /// @throws InvalidInput  ends that do not exist, options that are not above zero.
   TetherGuard(int arms, std::vector<Member> members, const TetherGuardOptions& options);
 
   void reset() noexcept;
-  /// While the task runs: what is the length of a member without force? @param force  [N] read.
+  /// While the task runs: updates the unloaded length of a member. @param force  [N] reading.
   void learn(int member, double length, double force) noexcept;
-  /// While all is held: does the member push? @param force  [N] read.
+  /// While targets are held: detects compression of a member. @param force  [N] reading.
   void feel(int member, double force) noexcept;
-  /// A member was let go or taken anew.
+  /// Clears the estimate of a member that was released or taken anew.
   void forget(int member) noexcept;
 
-  /// While all is held, once per period.
-  /// @param position  of the tips [m]. @param healthy  0: this arm does not follow.
-  /// @param force  [N] that a member may carry.
+  /// While targets are held, once per period.
+  /// @param position  of the tips [m]. @param healthy  0: this arm does not follow its target.
+  /// @param force  [N] allowed in a member.
   void update(const std::vector<Eigen::Vector3d>& position, const std::vector<char>& healthy,
               double force) noexcept;
 
   const Motion& motion(int arm) const { return motions_[static_cast<std::size_t>(arm)]; }
-  /// [m] Length without force; NaN: not known yet.
+  /// [m] unloaded length; NaN: not yet known
   double free_length(int member) const { return lengths_[static_cast<std::size_t>(member)]; }
 
  private:
-  struct Seen {  ///< a tip, as its places tell it
+  struct Seen {  ///< motion of a tip, estimated from its positions
     Eigen::Vector3d position{Eigen::Vector3d::Zero()};
     Eigen::Vector3d velocity{Eigen::Vector3d::Zero()};
     Eigen::Vector3d acceleration{Eigen::Vector3d::Zero()};

@@ -13,18 +13,18 @@ namespace veridyn {
 /// Linear entries first: [v; omega], [force; moment], [position; angles].
 using Vector6d = Eigen::Matrix<double, 6, 1>;
 
-/// The point of an arm that is controlled.
+/// The controlled point of an arm.
 struct Tip {
-  std::string frame;                                      ///< Frame of the model
+  std::string frame;                                      ///< frame of the model
   Eigen::Vector3d offset_frame{Eigen::Vector3d::Zero()};  ///< [m] of the point in that frame
 };
 
-/// The frame behind the most joints; of several, the last.
+/// The frame that the most joints move; the last of several.
 std::string default_tip(const Model& arm);
 
-/// Pose, geometric Jacobian and its rate of the tip, as frame_pose() and its neighbours give them,
-/// for control loops: only the frames above the tip are visited, and nothing allocates after the
-/// constructor.
+/// Pose, geometric Jacobian and its rate of the tip, as frame_pose() and frame_jacobian() define
+/// them, for control loops: only the frames above the tip are visited, and nothing allocates after
+/// the constructor.
 ///
 ///   TipKinematics tip(arm, {"tool", {0, 0, 0.01}});
 ///   tip.update(q, dq);  // then tip.position(), tip.jacobian()
@@ -34,8 +34,7 @@ class TipKinematics {
   TipKinematics(const Model& arm, const Tip& tip);
 
   /// @param q, dq  n entries each, true positions: see JointSensors.
-  /// Sizes are those of the constructor; another one is a fault of the program, asserted in debug
-  /// builds alone.
+  /// Vectors have the sizes of the constructor; debug builds assert it.
   void update(const VectorXd& q, const VectorXd& dq) noexcept;
 
   int joints() const { return tree_.joints; }

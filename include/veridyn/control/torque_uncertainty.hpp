@@ -11,23 +11,23 @@
 namespace veridyn {
 
 struct UncertaintyOptions {
-  /// Of every parameter, where the model does not say how well it was identified.
+  /// Relative deviation of every parameter, for models without the statistics of their
+  /// identification.
   double relative = 0.1;
-  double deviations = 3.0;  ///< standard deviations that a threshold stands for
-  /// Below this speed of an axis its friction may be anything up to its level.
+  double deviations = 3.0;  ///< number of standard deviations of a threshold
+  /// Speed of an axis below which its friction may have any value up to its level.
   Deadband velocity{0.01, 0.005};
 };
 
-/// By how much the torque of a model may be wrong, joint by joint, in this motion:
+/// Uncertainty of a model's torque, joint by joint, for the present motion:
 ///
 ///   u_i = deviations * sqrt( sum over parameters (Y_i sigma)^2 + unexplained_i^2 ) + friction
 ///
-/// A MODEL with a covariance of its base parameters is asked for it; what no parameter explains is
-/// its relative error on the recordings that it learned from times the joint's rms torque in the
-/// standard motion. Of any other model nothing is unexplained, and
-/// every inertial parameter is taken to be `relative` of its value uncertain, independently.
-/// Friction is uncertain by deviations / 3 times `relative`, and wholly so at rest. Nothing
-/// allocates after the constructor.
+/// A MODEL provides the covariance of its base parameters; the unexplained part is the relative
+/// error on its training recordings times the joint's rms torque in the standard motion. For any
+/// other model the unexplained part is zero, and every inertial parameter has a standard deviation
+/// of `relative` times its value, independently. Friction has deviations / 3 times `relative`, and
+/// its whole level at rest. Nothing allocates after the constructor.
 ///
 ///   TorqueUncertainty uncertainty(arm);
 ///   every cycle: error.set_limit(uncertainty.update(state, control.acceleration()));
@@ -36,14 +36,13 @@ class TorqueUncertainty {
   /// @throws InvalidInput  an option that is not above zero; a body or a friction without values.
   explicit TorqueUncertainty(const Model& arm, const UncertaintyOptions& options = {});
 
-  /// @param ddq  (n) acceleration, as wanted. @returns u (n) [N m], [N].
-  /// Sizes are those of the constructor; another one is a fault of the program, asserted in debug
-  /// builds alone.
+  /// @param ddq  (n) wanted acceleration. @returns u (n) [N m], [N].
+  /// Vectors have the sizes of the constructor; debug builds assert it.
   const VectorXd& update(const ArmState& arm, const VectorXd& ddq) noexcept;
 
   const VectorXd& torque() const { return u_; }
 
-  /// True if the covariance is the model's own.
+  /// True if the covariance comes from the model's identification.
   bool identified() const { return identified_; }
 
  private:
@@ -57,7 +56,7 @@ class TorqueUncertainty {
   FrictionCompensation friction_;
   bool identified_ = false;
   VectorXd unexplained_;     // (n) [N m], [N] rms
-  std::vector<int> column_;  // columns of Y that are uncertain
+  std::vector<int> column_;  // columns of Y with uncertain parameters
   MatrixXd factor_;          // (columns x factors) F, covariance F F'
   MatrixXd sum_;             // (n x factors) Y F
   VectorXd u_, none_;

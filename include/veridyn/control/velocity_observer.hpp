@@ -10,9 +10,9 @@ namespace veridyn {
 ///   predict  q^ += dq^ dt + a dt^2 / 2,  dq^ += a dt
 ///   correct  q^ += (1 - p^2)(q - q^),    dq^ += (1 - p)^2 (q - q^) / dt,   p = exp(-bandwidth dt)
 ///
-/// Without the acceleration a the velocity is late by 2 / bandwidth; an encoder step becomes a
-/// pulse of step * bandwidth^2 dt at most. Source: the critically damped alpha-beta filter,
-/// Benedict and Bordner, IRE Trans. Automatic Control 7(4), 1962.
+/// Without the acceleration a the velocity lags by 2 / bandwidth; an encoder step becomes a pulse
+/// of at most step * bandwidth^2 dt. Source: the critically damped alpha-beta filter, Benedict and
+/// Bordner, IRE Trans. Automatic Control 7(4), 1962.
 ///
 ///   VelocityObserver velocity(3);
 ///   every cycle: dq = velocity.update(q, zeros, 0.001);
@@ -21,16 +21,14 @@ class VelocityObserver {
   /// @param bandwidth  [1/s] @throws InvalidInput  not above zero.
   explicit VelocityObserver(int joints, double bandwidth = 300.0);
 
-  /// @param ddq  (n) acceleration that is expected to act; zeros where not known.
-  /// A wrong zero of the encoders does not matter here.
-  /// @returns dq (n), zero at the first update(). Positions that are not finite are passed over:
-  /// give
-  ///          NaN where no new sample came, and the velocity goes on as it was.
-  /// Sizes are those of the constructor; another one is a fault of the program, asserted in debug
-  /// builds alone.
+  /// @param ddq  (n) expected acceleration; zeros where unknown. Constant offsets of the encoders
+  /// have no effect.
+  /// @returns dq (n), zero at the first update(). Positions that are not finite are skipped: pass
+  /// NaN where no new sample arrived, and the velocity is extrapolated.
+  /// Vectors have the sizes of the constructor; debug builds assert it.
   const VectorXd& update(const VectorXd& q, const VectorXd& ddq, double dt) noexcept;
 
-  /// Starts afresh with the next position.
+  /// Restarts with the next position.
   void reset() noexcept;
 
   const VectorXd& dq() const { return dq_; }

@@ -8,23 +8,23 @@
 
 namespace veridyn {
 
-/// One run of a sweep: the scenario with every member this stiff, every sensor this late, the loops
-/// this fast.
+/// One run of a sweep: the scenario with this stiffness of every member, this delay of every sensor
+/// and this rate of the loops.
 struct SweepPoint {
   double stiffness = 0.0;      ///< [N/m]
   double delay = 0.0;          ///< [s]
   double rate = 0.0;           ///< [Hz]
   double steady_error = 0.0;   ///< [N] largest at the end of any phase
-  double force_error = 0.0;    ///< [N] largest at any time of the phases that ask for a bound
+  double force_error = 0.0;    ///< [N] largest at any time of the phases with a bound
   double oscillation = 0.0;    ///< [N] largest at the end of any phase
   double largest_force = 0.0;  ///< [N]
   double generated = 0.0;      ///< [J] largest of any phase after its commands
   bool stable = false;
-  std::string ended;  ///< why it did not go on; empty where it did
+  std::string ended;  ///< reason for an early end; empty: complete
 };
 
-/// The map. A point is stable if the run went on to its end and both the steady error and half the
-/// oscillation stayed within the scenario's `stable_error` in every phase.
+/// Result of a sweep. A point is stable if the run was complete and both the steady error and half
+/// the oscillation stayed within the scenario's `stable_error` in every phase.
 struct ScenarioSweepResult {
   std::string name, engine;
   double stable_error = 0.0;  ///< [N]
@@ -33,10 +33,10 @@ struct ScenarioSweepResult {
   double seconds = 0.0;
 
   const SweepPoint& at(std::size_t stiffness, std::size_t delay, std::size_t rate) const;
-  /// For a stiffness and a rate, the largest delay up to which every delay of the grid is stable;
+  /// For a stiffness and a rate, the largest delay below which all delays of the grid are stable;
   /// -1: none.
   double stable_delay(std::size_t stiffness, std::size_t rate) const;
-  /// [J] the most that the monitor saw at any stable point.
+  /// [J] largest generated energy at any stable point.
   double largest_generated_where_stable() const;
   std::string report() const;
 };

@@ -8,14 +8,14 @@
 
 namespace veridyn {
 
-/// What the operator does in one phase of the scenario.
+/// Action of the operator in one phase of the scenario.
 struct TeleoperationStep {
   Eigen::Vector3d way{0.0, 0.0, 0.0};  ///< [m] of the hand, in the world
   double over = 1.0;                   ///< [s]
-  bool clutch = true;                  ///< in
+  bool clutch = true;                  ///< engaged
 };
 
-/// A scenario with two arms of which one leads the other. Its key `teleoperation`:
+/// A scenario with two arms in bilateral teleoperation. Its key `teleoperation`:
 ///
 ///   teleoperation:
 ///     leader: mtm
@@ -35,7 +35,7 @@ struct TeleoperationScenario {
   std::vector<TeleoperationStep> steps;                ///< one for each phase
 };
 
-/// Is there a key `teleoperation`? False, too, where the file cannot be read.
+/// True if the file has a key `teleoperation`; false if it cannot be read.
 bool is_teleoperation(const std::string& path);
 
 /// @throws InvalidInput  "file:line:column: found ..., expected ...".

@@ -5,9 +5,8 @@
 
 namespace veridyn {
 
-/// Every number that can change a verdict of a diagnosis. threshold_table() says of each what it is
-/// compared with and why it has its value; `veridyn-hide-and-seek --sweep NAME` shows what depends
-/// on it.
+/// All numbers that can change a verdict of a diagnosis. threshold_table() gives the inequality and
+/// the reason of each; `veridyn-hide-and-seek --sweep NAME` measures its effect.
 struct Thresholds {
   // Selection of causes.
   double smallest_gain = 0.04;
@@ -27,7 +26,7 @@ struct Thresholds {
   double held_out_worse = 0.02;
   double main_share = 0.9;
   double negative_friction = 6.0;
-  // Dependences without a name.
+  // Dependences without a named cause.
   double unnamed_gain = 0.05;
   double unnamed_share = 0.2;
   double unnamed_share_of_one = 0.4;
@@ -36,7 +35,7 @@ struct Thresholds {
   double unnamed_other_joint = 0.93;
   double unnamed_two_signals = 0.85;
   double at_floor = 1.15;
-  // What counts as motion.
+  // Smallest motion.
   double still_revolute = 5e-3;
   double still_prismatic = 5e-4;
   double moving_share = 0.02;
@@ -61,28 +60,28 @@ struct Thresholds {
   double contact_most_of_time = 0.5;
   double contact_per_minute = 12.0;
   double contact_repeats = 0.4;
-  // Local friction of one recording.
+  // Local sticking in a single recording.
   double snag_prominence = 6.0;
   double snag_torque_share = 0.2;
   double snag_widest = 0.4;
 
-  /// The largest travel of a joint that does not move, rad or m.
+  /// Largest travel of a joint that counts as at rest, rad or m.
   double still(bool prismatic) const { return prismatic ? still_prismatic : still_revolute; }
 };
 
-/// What one of these numbers decides.
+/// Role of one of these numbers.
 struct ThresholdEntry {
   std::string name;
   double Thresholds::* value;
-  std::string inequality;  ///< what holds when the verdict is the first of the two
-  std::string reason;      ///< why the number is what it is
-  std::string seeds;       ///< seeds of hide-and-seek that it was chosen on; empty: none
+  std::string inequality;  ///< inequality that holds for the first of the two verdicts
+  std::string reason;      ///< reason for the value
+  std::string seeds;       ///< seeds of hide-and-seek on which it was chosen; empty: none
 };
 
-/// All of them, in the order of the struct.
+/// The table of all thresholds, in the order of the struct.
 const std::vector<ThresholdEntry>& threshold_table();
 
-/// The entry of that name. @throws InvalidInput  there is none.
+/// The entry of that name. @throws InvalidInput  it does not exist.
 const ThresholdEntry& find_threshold(const std::string& name);
 
 }  // namespace veridyn

@@ -10,10 +10,11 @@ namespace veridyn {
 /// A tree of moving links with its inertias, see link_inertias().
 struct InertialLinks {
   Links tree;
-  const LinkInertia* inertia;  ///< null where only motion and regressor are asked for
+  const LinkInertia* inertia;  ///< null where only motion and regressor are computed
 };
 
-// Whether a pivot is above zero; scalars that cannot be compared are taken at their word.
+// True if a pivot is above zero. Symbolic scalars cannot be compared; their pivots count as
+// positive.
 inline bool is_positive(double x) {
   return x > 0.0;
 }
@@ -25,9 +26,10 @@ inline bool is_positive(const S&) {
   return true;
 }
 
-/// The dynamics of one state over any scalar S. Columns of matrices go side by side in the lanes of
-/// L: a pack of S, or S itself, then one at a time. Vectors hold n entries, matrices (n x n) are
-/// column-major without gaps. No memory of its own and no state: see ArmDynamics.
+/// Rigid-body dynamics at one state over any scalar S. Columns of matrices are computed side by
+/// side in the lanes of L: a pack of S, or S itself for one at a time. Vectors hold n entries;
+/// matrices (n x n) are column-major without gaps. All functions work in the caller's memory, see
+/// ArmDynamics.
 template <typename S, typename L = S>
 struct ArmAlgorithms {
   static constexpr bool kWide = !std::is_same<S, L>::value;
@@ -42,15 +44,15 @@ struct ArmAlgorithms {
     Tangent<L>* tangent;
     Column<L>* column;
     L* angle;    ///< all angles, then sines, then cosines
-    L* rows;     ///< of (2 n) columns
-    L* inverse;  ///< rows of n columns
-    S* vector;   ///< n
-    S* matrix;   ///< n x n
+    L* rows;     ///< rows of 2 n columns
+    L* inverse;  ///< n rows of n columns
+    S* vector;   ///< n entries
+    S* matrix;   ///< n x n entries
   };
 
   static int groups(int columns) { return (columns + lanes() - 1) / lanes(); }
 
-  /// Bytes of workspace, and its parts; to be aligned for L.
+  /// Size of the workspace in bytes, and its parts; align it for L.
   static std::size_t workspace(const Links& tree) {
     Parts parts{nullptr};
     divide(tree, parts);
@@ -63,7 +65,7 @@ struct ArmAlgorithms {
 
   // ---- motion and torques ------------------------------------------------------------------------
 
-  /// Joint variables, sines, cosines and rotations; null: at rest.
+  /// Computes joint variables, sines, cosines and rotations; a null pointer counts as zeros.
   static void place(const Links& tree, const S* q, const S* dq, const S* ddq, const Memory& at) {
     for (int k = 0; k < tree.count; ++k) {
       const Link& link = tree.link[k];
@@ -83,7 +85,7 @@ struct ArmAlgorithms {
     }
   }
 
-  /// Velocities, accelerations and the forces for them.
+  /// Computes velocities, accelerations and the forces that they require.
   static void motion(const InertialLinks& arm, const Memory& at) {
     const Workspace<S> r{at.state, nullptr, nullptr};
     for (int k = 0; k < arm.tree.count; ++k) {
@@ -95,7 +97,7 @@ struct ArmAlgorithms {
     }
   }
 
-  /// g: every link accelerates against gravity alike, and nothing turns.
+  /// Computes g: all links have one linear acceleration, opposite to gravity, and no angular one.
   static void gravity_torques(const InertialLinks& arm, const S* q, S* g, const Memory& at) {
     const Vec3d& down = arm.tree.gravity;
     using C = typename ConstantOf<S>::type;
@@ -113,7 +115,7 @@ struct ArmAlgorithms {
     backward_pass(arm.tree, {at.state, nullptr, nullptr}, g);
   }
 
-  /// tau of M ddq + C dq + g, without what the environment does; ddq null: zero.
+  /// tau = M ddq + C dq + g minus the torques of the external wrenches; a null ddq counts as zeros.
   static void inverse_dynamics(const InertialLinks& arm, const S* q, const S* dq, const S* ddq,
                                const LinkWrench* external, int externals, S* tau,
                                const Memory& at) {
@@ -132,14 +134,14 @@ struct ArmAlgorithms {
     mass_of(arm, M, at);
   }
 
-  /// M and h = C dq + g.
+  /// Computes M and h = C dq + g.
   static void equation_of_motion(const InertialLinks& arm, const S* q, const S* dq, S* M, S* h,
                                  const Memory& at) {
     inverse_dynamics(arm, q, dq, nullptr, nullptr, 0, h, at);
     mass_of(arm, M, at);
   }
 
-  /// M, h and D = dh/ddq.
+  /// Computes M, h and D = dh/d(dq).
   static void linearized_equation(const InertialLinks& arm, const S* q, const S* dq, S* M, S* h,
                                   S* D, const Memory& at) {
     equation_of_motion(arm, q, dq, M, h, at);
@@ -148,7 +150,7 @@ struct ArmAlgorithms {
     columns(n, groups(n), 0, n, S(1.0), at.rows, D);
   }
 
-  /// The Coriolis matrix of Christoffel's symbols, C = 1/2 d(C dq)/ddq: dM/dt - 2 C is skew.
+  /// The Coriolis matrix of Christoffel's symbols, C = 1/2 d(C dq)/d(dq): dM/dt - 2 C is skew.
   static void coriolis_matrix(const InertialLinks& arm, const S* q, const S* dq, S* C,
                               const Memory& at) {
     const int n = arm.tree.joints;
@@ -157,7 +159,7 @@ struct ArmAlgorithms {
     columns(n, groups(n), 0, n, S(0.5), at.rows, C);
   }
 
-  /// tau and its derivatives by q, dq and ddq, the last of which is M.
+  /// Computes tau and its derivatives by q, dq and ddq, the last of which is M.
   static void derivatives(const InertialLinks& arm, const S* q, const S* dq, const S* ddq, S* tau,
                           S* by_q, S* by_dq, S* M, const Memory& at) {
     const int n = arm.tree.joints;
@@ -170,7 +172,7 @@ struct ArmAlgorithms {
 
   // ---- forward dynamics --------------------------------------------------------------------------
 
-  /// ddq of tau; M is left factored. False if it is not positive definite.
+  /// Solves for ddq of tau; leaves M factored. False if M is not positive definite.
   static bool forward_dynamics(const InertialLinks& arm, const S* q, const S* dq, const S* tau,
                                S* ddq, S* M, const Memory& at) {
     const int n = arm.tree.joints;
@@ -182,7 +184,7 @@ struct ArmAlgorithms {
     return true;
   }
 
-  /// ddq and its derivatives by q, dq and tau: -M^-1 dtau/dx at that ddq, and M^-1.
+  /// Computes ddq and its derivatives by q, dq and tau: -M^-1 dtau/dx at that ddq, and M^-1.
   static bool forward_derivatives(const InertialLinks& arm, const S* q, const S* dq, const S* tau,
                                   S* ddq, S* by_q, S* by_dq, S* by_tau, const Memory& at) {
     const int n = arm.tree.joints;
@@ -208,7 +210,8 @@ struct ArmAlgorithms {
     return true;
   }
 
-  /// M = L D L' in place: L below the diagonal, 1 / D on it. False if it is not positive definite.
+  /// Factors M = L D L' in place: L below the diagonal, 1 / D on it. False if M is not positive
+  /// definite.
   static bool factor(int n, S* M) {
     for (int j = 0; j < n; ++j) {
       S* column = M + j * n;
@@ -225,7 +228,7 @@ struct ArmAlgorithms {
     return true;
   }
 
-  /// X = M^-1 X of a factored M; X has n rows of `width` entries.
+  /// Solves M^-1 X in place with a factored M; X has n rows of `width` entries.
   template <typename X>
   static void solve(int n, const S* M, int width, X* x) {
     for (int j = 0; j < n; ++j) {
@@ -315,8 +318,8 @@ struct ArmAlgorithms {
         }
         Column<L> c = at.column[place.link];
         if (!place.is_identity) recursion_detail::carry(place.T_link_body, c.w, c.v);
-        // A whole pack may be written where what it writes too much is still to come: columns
-        // follow each other in memory and in time.
+        // A whole pack may be stored where its surplus lanes fall into columns that are computed
+        // later.
         const long left = 10L * (tree.bodies - b) * n;
         regressor_entries(body_motion(at.state[place.link], place), c, [&](int k, const L& y) {
           const bool whole = count == lanes() || (n <= lanes() && left - k * n >= lanes());
@@ -326,7 +329,7 @@ struct ArmAlgorithms {
     }
   }
 
-  /// Jacobian columns of the coordinates of a group, in lanes.
+  /// Computes the Jacobian columns of a group of coordinates, side by side in lanes.
   static void jacobians(const Links& tree, int group, const Memory& at) {
     for (int k = 0; k < tree.count; ++k) {
       const Link& link = tree.link[k];
@@ -342,7 +345,7 @@ struct ArmAlgorithms {
   }
 
  private:
-  /// Hands out parts of one block of memory; counts where there is none.
+  /// Hands out parts of one block of memory; with a null block it only adds up their sizes.
   struct Parts {
     char* memory;
     std::size_t used = 0;
@@ -386,7 +389,7 @@ struct ArmAlgorithms {
     if constexpr (!kWide) *to = from;
   }
 
-  /// Columns first .. end - 1 of the matrix whose rows are given, times a factor.
+  /// Writes columns first .. end - 1 of a matrix that is given by rows, times a factor.
   static void columns(int n, int width, int first, int end, const S& by, const L* rows, S* to) {
     for (int d = first; d < end; ++d) {
       for (int i = 0; i < n; ++i) {
@@ -406,18 +409,18 @@ struct ArmAlgorithms {
       for (int g = 0; g < width; ++g) {
         const int entry = i * n + g * lanes();
         const int left = n - g * lanes() < lanes() ? n - g * lanes() : lanes();
-        const bool whole = entry + lanes() <= n * n;  // too much of it is written again
+        const bool whole = entry + lanes() <= n * n;  // the next row overwrites surplus lanes
         store(at.inverse[i * width + g], whole ? lanes() : left, M + entry);
       }
     }
-    for (int i = 0; i < n; ++i) {  // to the last bit
+    for (int i = 0; i < n; ++i) {  // makes M symmetric to the last bit
       for (int j = i + 1; j < n; ++j) M[j * n + i] = M[i * n + j];
     }
   }
 
-  // Sines and cosines of all joints in packs, and the rotations.
+  // Computes sines and cosines of all joints in packs, and the rotations.
   static void sines(const Links& tree, const Memory& at) {
-    constexpr double kQuickAngle = 1e5;  // [rad], beyond it the quick one loses digits
+    constexpr double kQuickAngle = 1e5;  // [rad]; the fast approximation loses digits beyond it
     const int packs = groups(tree.count);
     for (int k = tree.count; k < packs * lanes(); ++k) at.angle[k / lanes()].v[k % lanes()] = 0.0;
     for (int g = 0; g < packs; ++g)

@@ -26,7 +26,8 @@ class ArmDynamics {
   using Vector = Eigen::Matrix<S, Eigen::Dynamic, 1>;
   using Matrix = Eigen::Matrix<S, Eigen::Dynamic, Eigen::Dynamic>;
 
-  /// @param tree  of moving links: B is the identity everywhere. @param phi  ten of every body.
+  /// @param tree  of moving links: B is the identity everywhere. @param phi  ten parameters of
+  /// every body.
   ArmDynamics(const Tree& tree, const double* phi)
       : tree_(tree),
         inertia_(tree.links.size()),
@@ -51,22 +52,22 @@ class ArmDynamics {
   void mass_matrix(const Vector& q, Matrix& M) {
     Algorithms::mass_matrix(links(), q.data(), M.data(), memory());
   }
-  /// That of Christoffel's symbols.
+  /// Coriolis matrix of Christoffel's symbols.
   void coriolis_matrix(const Vector& q, const Vector& dq, Matrix& C) {
     Algorithms::coriolis_matrix(links(), q.data(), dq.data(), C.data(), memory());
   }
-  /// False if M is not positive definite; scalars that cannot be compared are not asked.
+  /// False if M is not positive definite; scalars that cannot be compared are not checked.
   bool forward_dynamics(const Vector& q, const Vector& dq, const Vector& tau, Vector& ddq) {
     return Algorithms::forward_dynamics(links(), q.data(), dq.data(), tau.data(), ddq.data(),
                                         matrix_.data(), memory());
   }
-  /// Also the derivatives of tau; that by ddq is M.
+  /// Computes tau and its derivatives; the one by ddq is M.
   void inverse_dynamics_derivatives(const Vector& q, const Vector& dq, const Vector& ddq,
                                     Vector& tau, Matrix& by_q, Matrix& by_dq, Matrix& M) {
     Algorithms::derivatives(links(), q.data(), dq.data(), ddq.data(), tau.data(), by_q.data(),
                             by_dq.data(), M.data(), memory());
   }
-  /// Also the derivatives of ddq; that by tau is the inverse of M.
+  /// Computes ddq and its derivatives; the one by tau is the inverse of M.
   bool forward_dynamics_derivatives(const Vector& q, const Vector& dq, const Vector& tau,
                                     Vector& ddq, Matrix& by_q, Matrix& by_dq, Matrix& by_tau) {
     return Algorithms::forward_derivatives(links(), q.data(), dq.data(), tau.data(), ddq.data(),

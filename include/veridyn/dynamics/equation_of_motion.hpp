@@ -4,8 +4,8 @@
 
 namespace veridyn {
 
-/// M(q) and h(q, dq) = C(q, dq) dq + g(q) of one state, and how they change nearby: what integrators
-/// ask for. After the constructor nothing allocates; one object serves one thread.
+/// M(q) and h(q, dq) = C(q, dq) dq + g(q) at one state, and their first-order changes, for
+/// integrators. After the constructor nothing allocates; one object serves one thread.
 class EquationOfMotion {
  public:
   /// @param phi  (10 * bodies) of all bodies, ten of each in the order of InertialParameters;
@@ -16,11 +16,11 @@ class EquationOfMotion {
   /// @param q, dq  n entries each. @param M (n x n), @param h (n): of the right size.
   void evaluate(const VectorXd& q, const VectorXd& dq, MatrixXd& M, VectorXd& h) noexcept;
 
-  /// Also D = dh/ddq, (n x n).
+  /// Computes D = dh/d(dq), (n x n), as well.
   void evaluate_with_derivative(const VectorXd& q, const VectorXd& dq, MatrixXd& M, VectorXd& h,
                                 MatrixXd& D) noexcept;
 
-  /// Also by how much M ddq + h changes over a small displacement of q, to first order, (n).
+  /// Computes also the first-order change of M ddq + h over a small displacement of q, (n).
   void evaluate_linearized(const VectorXd& q, const VectorXd& dq, const VectorXd& ddq,
                            const VectorXd& displacement, MatrixXd& M, VectorXd& h, MatrixXd& D,
                            VectorXd& change) noexcept;

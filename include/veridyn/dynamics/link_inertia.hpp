@@ -22,7 +22,7 @@ struct LinkWrench {
 
 namespace inertia_detail {
 
-/// Adds what has mass m at p, first moment h and second moments about its own origin, turned by R.
+/// Adds inertia I, given in a frame whose pose is T, to the inertia `to`.
 inline void add(const LinkInertia& I, const Posed& T, LinkInertia& to) {
   const Vec3d h = rotate(T.R, I.h);
   const Vec3d& p = T.p;
@@ -40,7 +40,7 @@ inline void add(const LinkInertia& I, const Posed& T, LinkInertia& to) {
   to.zz += dot(RX.row2, T.R.row2) + 2.0 * s.z * p.z;
 }
 
-/// phi = [m, h, Lxx, Lxy, Lyy, Lxz, Lyz, Lzz] of InertialParameters.
+/// Converts phi = [m, h, Lxx, Lxy, Lyy, Lxz, Lyz, Lzz] of InertialParameters.
 inline LinkInertia of_body(const double* phi) {
   const double half = 0.5 * (phi[4] + phi[6] + phi[9]);
   return {phi[0], {phi[1], phi[2], phi[3]}, half - phi[4], -phi[5],
@@ -50,10 +50,10 @@ inline LinkInertia of_body(const double* phi) {
 }  // namespace inertia_detail
 
 /// Inertias of the links of a tree of moving links (Tree::Keep::kMovingLinks) that give the same
-/// torques as the bodies with phi, with as many zeros as can be had for every arm: mass on a revolute
-/// joint's axis moves its parent just as well, and so do the second moments of a link that slides.
-/// What is left of a revolute link are h_x, h_y and the moments without zz; of a prismatic one m
-/// and h. Source: Khalil and Dombre, Modeling, Identification and Control of Robots, 2002, ch. 9.
+/// torques as the bodies with phi, with the most zeros that every arm admits: mass on a revolute
+/// joint's axis can be assigned to its parent, and so can the second moments of a prismatic link. A
+/// revolute link keeps h_x, h_y and the moments without zz; a prismatic one m and h. Source: Khalil
+/// and Dombre, Modeling, Identification and Control of Robots, 2002, ch. 9.
 ///
 /// @param phi  ten of every body. @param out  one per link.
 inline void link_inertias(const Links& tree, const double* phi, LinkInertia* out) {
@@ -78,7 +78,7 @@ inline void link_inertias(const Links& tree, const double* phi, LinkInertia* out
       moved.h = {0, 0, 0};
       I = {I.m, I.h, 0, 0, 0, 0, 0, 0};
     }
-    // The axis of a prismatic link has its parent's directions, and couples know no origin.
+    // A prismatic link has the parent's directions, and a couple is the same about every origin.
     if (link.parent >= 0) inertia_detail::add(moved, link.A, out[link.parent]);
   }
 }

@@ -3,9 +3,9 @@
 #include "veridyn/dynamics/link_inertia.hpp"
 #include "veridyn/kinematics/recursion.hpp"
 
-// Forces along the tree, over any scalar S, and their derivatives over any L: one number, or lanes
-// of several directions side by side. Trees are of moving links (Tree::Keep::kMovingLinks) wherever
-// inertias are asked for.
+// Forces along the kinematic tree, over any scalar S, and their derivatives over any L: one number,
+// or lanes of several directions side by side. Functions that take inertias require a tree of
+// moving links (Tree::Keep::kMovingLinks).
 //
 // Source of the forms: Featherstone, Rigid Body Dynamics Algorithms, 2008, ch. 5; regressor:
 // Atkeson, An and Hollerbach, IJRR 5(3), 1986; derivatives: the tangents of the Newton-Euler
@@ -13,7 +13,7 @@
 
 namespace veridyn {
 
-/// What the regressor needs of one body's motion, for all coordinates that move it.
+/// Terms of one body's motion that its regressor entries share, for all coordinates that move it.
 template <typename S>
 struct BodyMotion {
   Vec3<S> accel, alpha;
@@ -31,7 +31,7 @@ inline BodyMotion<S> body_motion(const LinkState<S>& at) {
           {E.y.y - E.z.z, E.z.z - E.x.x, E.x.x - E.y.y}};
 }
 
-/// The motion of a body that sits elsewhere on its link than in the link's frame.
+/// The motion of a body whose frame is not that of its link.
 template <typename S>
 inline BodyMotion<S> body_motion(const LinkState<S>& at, const BodyPlace& place) {
   if (place.is_identity) return body_motion(at);
@@ -48,8 +48,8 @@ inline BodyMotion<S> body_motion(const LinkState<S>& at, const BodyPlace& place)
 /// by side, tau_i = w_i . n + v_i . f; needs forward_pass() and jacobian_pass(). Order:
 /// InertialParameters.
 ///
-/// @param put  called as put(k, entry) for k = 0 .. 9, so that entries go from registers to where
-/// they belong.
+/// @param put  called as put(k, entry) for k = 0 .. 9, so that the caller stores each entry
+/// straight from registers.
 template <typename S, typename L, typename Put>
 inline void regressor_entries(const BodyMotion<S>& b, const Column<L>& c, const Put& put) {
   const Vec3<L>& w = c.w;
@@ -89,7 +89,7 @@ inline void link_wrench(const Link& link, const LinkInertia& I, const Vec3<S>& a
                 hx * accel.y - hy * accel.x};
 }
 
-/// The same for E = [alpha]x: what a link at rest needs.
+/// The same for E = [alpha]x: the wrench of a link without angular velocity.
 template <typename S>
 inline void link_wrench(const Link& link, const LinkInertia& I, const Vec3<S>& accel,
                         const Vec3<S>& alpha, Vec3<S>& force, Vec3<S>& moment) {
@@ -111,7 +111,7 @@ inline void link_wrench(const Link& link, const LinkInertia& I, const Vec3<S>& a
 
 namespace recursion_detail {
 
-/// Force and moment of a link, about its joint's origin, in the frame of its parent.
+/// Transforms force and moment of a link to its joint's origin, in the frame of its parent.
 template <typename S, typename L>
 inline void to_parent(const Link& link, const Mat3<S>& R, const Vec3<L>& force,
                       const Vec3<L>& moment, Vec3<L>& parent_force, Vec3<L>& parent_moment) {
@@ -123,7 +123,7 @@ inline void to_parent(const Link& link, const Mat3<S>& R, const Vec3<L>& force,
 
 }  // namespace recursion_detail
 
-/// Forces that the links' own motions need; needs forward_pass().
+/// Computes the forces for the links' own motions; requires forward_pass().
 template <typename S>
 inline void force_pass(const Links& tree, const LinkInertia* inertia, const Workspace<S>& r) {
   for (int k = 0; k < tree.count; ++k)
@@ -131,8 +131,8 @@ inline void force_pass(const Links& tree, const LinkInertia* inertia, const Work
                 r.link[k].moment);
 }
 
-/// Joint torques from the forces that stand in the links' states, which become those of all that a
-/// link carries.
+/// Projects the links' forces onto the joints; the force in a link's state becomes the sum over all
+/// links that it carries.
 ///
 /// @param tau  n entries, overwritten.
 template <typename S>
@@ -166,16 +166,16 @@ struct Tangent {
   Vec3<L> force, moment;
 };
 
-/// The directions of a sweep of tangents: of q, dq and ddq; sums of them.
+/// Variables along which tangents are taken: q, dq, ddq, or several of them (bitwise or).
 enum : unsigned { kOfPosition = 1, kOfVelocity = 2, kOfAcceleration = 4 };
 
-/// How fast a joint variable and its derivatives change along the directions.
+/// Rates of a joint variable and its derivatives along the directions.
 template <typename L>
 struct Seed {
   L s, ds, dds;
 };
 
-/// One link's tangents from its parent's; needs forward_pass().
+/// Computes one link's tangents from its parent's; requires forward_pass().
 ///
 /// @param above  tangents of the parent; null where they are zero.
 template <unsigned kOf, typename S, typename L>
@@ -199,7 +199,8 @@ inline void tangent_step(const Link& link, const LinkInertia& I, const LinkState
     if constexpr ((kOf & kOfPosition) != 0) {  // d(R' x)/ds = (R' x) x z
       t.omega.x += seed.s * at.omega.y;
       t.omega.y -= seed.s * at.omega.x;
-      t.alpha.x += seed.s * (at.alpha.y + at.ds * at.omega.x);  // alpha before the joint's own
+      // alpha before the joint's own is added
+      t.alpha.x += seed.s * (at.alpha.y + at.ds * at.omega.x);
       t.alpha.y -= seed.s * (at.alpha.x - at.ds * at.omega.y);
       t.accel.x += seed.s * at.accel.y;
       t.accel.y -= seed.s * at.accel.x;
@@ -248,7 +249,7 @@ inline void tangent_step(const Link& link, const LinkInertia& I, const LinkState
   if constexpr (!kMoves) link_wrench(link, I, t.accel, t.alpha, t.force, t.moment);
 }
 
-/// One link's tangents of force and moment on to its parent's, once backward_pass() has been there.
+/// Adds one link's tangents of force and moment to its parent's; requires backward_pass().
 template <unsigned kOf, typename S, typename L>
 inline void tangent_back(const Link& link, const LinkState<S>& at, const Seed<L>& seed,
                          const Tangent<L>& t, Tangent<L>& above) {

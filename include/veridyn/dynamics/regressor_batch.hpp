@@ -14,8 +14,7 @@ namespace veridyn {
 /// rounding only.
 ///
 /// Immutable: one object serves several threads. Each call allocates a workspace of a few
-/// kilobytes. Rows should come in blocks of some hundred, so that what is written stays in the
-/// cache.
+/// kilobytes. Pass rows in blocks of some hundred, so that the results stay in the cache.
 class RegressorBatch {
  public:
   explicit RegressorBatch(const Model& arm);
@@ -48,11 +47,12 @@ class RegressorBatch {
   void torques(const MatrixRef& q, const MatrixRef& dq, const MatrixRef& ddq, const VectorRef& phi,
                MatrixXd& tau) const;
 
-  /// The derivatives of f = sum_i <weights[i], Y[i]> with respect to what each sample holds; the
-  /// way from a criterion of the regressor back to the motion.
+  /// The derivatives of f = sum_i <weights[i], Y[i]> by every entry of q, dq and ddq: the chain
+  /// rule from a criterion of the regressor back to the motion.
   ///
   /// @param weights  one matrix per joint, of the size of Y[i].
-  /// @param slopes   (rows x 3 n): by the row's q (n columns), by its dq, by its ddq; sized here.
+  /// @param slopes   (rows x 3 n): derivatives by the row's q (n columns), by its dq, by its ddq;
+  /// sized here.
   /// @throws InvalidInput  as above, or weights of another size. Cost: about 8 n regressors.
   void gradient(const MatrixRef& q, const MatrixRef& dq, const MatrixRef& ddq,
                 const std::vector<MatrixXd>& weights, MatrixXd& slopes) const;
@@ -63,7 +63,7 @@ class RegressorBatch {
   void torque_derivatives(const MatrixRef& q, const MatrixRef& dq, const MatrixRef& ddq,
                           const VectorRef& phi, MatrixXd& slopes) const;
 
-  /// Former name.
+  /// Former name of torque_derivatives().
   void torque_slopes(const MatrixRef& q, const MatrixRef& dq, const MatrixRef& ddq,
                      const VectorRef& phi, MatrixXd& slopes) const {
     torque_derivatives(q, dq, ddq, phi, slopes);

@@ -30,14 +30,15 @@ class AlignedWorkspace {
 
 }  // namespace internal
 
-/// The rigid bodies of an arm in motion, in one convention (thesis 4.10 with the errata):
+/// Rigid-body dynamics of an arm, in one sign convention (thesis 4.10 with the errata):
 ///
 ///   tau = M(q) ddq + C(q, dq) dq + g(q)
 ///
-/// Friction and the other effects are not in here. Owns its workspace: after the constructor
+/// Friction and the other effects are not included. Owns its workspace: after the constructor
 /// nothing allocates, and one object serves one thread. Inputs must be stored vectors of n entries
-/// (an expression passed for a VectorRef allocates); sizes are asserted, not thrown about, because
-/// this runs in control loops. The algorithms are those of arm_algorithms.hpp, compiled for doubles
+/// (an expression passed for a VectorRef allocates); sizes are asserted and not checked at run
+/// time, because this runs in control loops. The algorithms are those of arm_algorithms.hpp,
+/// compiled for doubles
 /// and for the widest vectors that the processor has.
 class RigidBodyDynamics {
  public:
@@ -52,8 +53,8 @@ class RigidBodyDynamics {
   void inverse_dynamics(const VectorRef& q, const VectorRef& dq, const VectorRef& ddq,
                         VectorXd& tau);
 
-  /// The same where the environment acts on the arm: tau = M ddq + C dq + g - sum of J' w. At most
-  /// as many wrenches as the arm has frames.
+  /// The same under external wrenches w: tau = M ddq + C dq + g - sum of J' w. At most as many
+  /// wrenches as the arm has frames.
   void inverse_dynamics(const VectorRef& q, const VectorRef& dq, const VectorRef& ddq,
                         const std::vector<FrameWrench>& external, VectorXd& tau);
 
@@ -79,7 +80,7 @@ class RigidBodyDynamics {
   };
   using TorqueSlopes = TorqueDerivatives;  ///< former name
 
-  /// tau and its derivatives, analytically: tangents of the Newton-Euler recursion, several
+  /// tau and its analytical derivatives by tangents of the Newton-Euler recursion, several
   /// directions side by side.
   void inverse_dynamics_derivatives(const VectorRef& q, const VectorRef& dq, const VectorRef& ddq,
                                     VectorXd& tau, TorqueDerivatives& derivatives);
@@ -115,7 +116,7 @@ class RigidBodyDynamics {
   MatrixXd M_;
 };
 
-/// torque_regressor() of one arm again and again: after the constructor nothing allocates.
+/// torque_regressor() of one arm for repeated calls: after the constructor nothing allocates.
 class TorqueRegressor {
  public:
   explicit TorqueRegressor(const Model& arm);
@@ -141,15 +142,15 @@ class TorqueRegressor {
 MatrixXd torque_regressor(const Model& arm, const VectorRef& q, const VectorRef& dq,
                           const VectorRef& ddq);
 
-/// Joint torques of the arm's own inertial parameters. @throws InvalidInput as above, or a body has
-/// no values.
+/// Joint torques with the inertial parameters of the model. @throws InvalidInput as above, or a
+/// body has no values.
 VectorXd inverse_dynamics(const Model& arm, const VectorRef& q, const VectorRef& dq,
                           const VectorRef& ddq);
 
-/// M(q) of the arm's own parameters, (n x n).
+/// M(q) with the inertial parameters of the model, (n x n).
 MatrixXd mass_matrix(const Model& arm, const VectorRef& q);
 
-/// C(q, dq) of the arm's own parameters, (n x n).
+/// C(q, dq) with the inertial parameters of the model, (n x n).
 MatrixXd coriolis_matrix(const Model& arm, const VectorRef& q, const VectorRef& dq);
 
 }  // namespace veridyn

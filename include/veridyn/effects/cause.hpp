@@ -38,7 +38,7 @@ struct NewEffect {
   JointIndex joint;  ///< the axis' main coordinate
 };
 
-/// An effect that the model has and whose parameters are no longer what they were.
+/// An effect that the model has and whose parameters have changed.
 struct ChangedEffect {
   std::string effect;
   JointIndex joint;
@@ -59,27 +59,28 @@ struct AddedInertia {
 /// An error of a recorded signal or of the base, see ChannelEffect.
 struct ChannelError {
   std::string effect;
-  std::optional<JointIndex> joint;  ///< nothing: of the whole arm
+  std::optional<JointIndex> joint;  ///< nullopt: an error of the whole arm
 };
 
-/// A constant of the robot file that is wrong: one that has a name there, a number of a frame's row
-/// ("theta", "alpha", "a", "d", "ratio of pitch"), or the zero of a joint ("zero").
+/// A wrong constant of the robot file: a named one, a number of a frame's row ("theta", "alpha",
+/// "a", "d", "ratio of pitch"), or the zero of a joint ("zero").
 struct KinematicError {
   static constexpr const char* kName = "coupling_error";
   static constexpr const char* kZero = "zero";
   std::string constant;
-  /// Whose number it is; nothing: it has a name of its own.
+  /// The frame or joint that the number belongs to; monostate for a constant with a name of its
+  /// own.
   std::variant<std::monostate, FrameIndex, JointIndex> of = {};
 };
 
-/// A push from outside, limited in time.
+/// A force from outside the arm, limited in time.
 struct ExternalContact {
   static constexpr const char* kName = "external_contact";
   JointIndex joint;
 };
 
-/// One thing that may be wrong with a model, at its place. The same type is what a diagnosis finds,
-/// what an excitation is to tell from another, and what a simulation injects.
+/// One thing that may be wrong with a model, with its place. Diagnosis finds causes, excitation
+/// separates them, simulation injects them: all with this type.
 ///
 /// Its text form is EFFECT:PLACE, where PLACE is a joint (name or number from 1), the frame of a
 /// load, "arm", or a constant, by its name or after its frame or joint: "backlash:2",
@@ -87,29 +88,29 @@ struct ExternalContact {
 using Cause = std::variant<NewEffect, ChangedEffect, AddedLoad, AddedInertia, ChannelError,
                            KinematicError, ExternalContact>;
 
-/// The place of a cause of the whole arm.
+/// Place of a cause that concerns the whole arm.
 constexpr const char* kWholeArm = "arm";
 
 /// The two parts of a cause's text form, not yet looked up in an arm.
 struct CauseText {
   std::string effect;
-  std::string place;  ///< may be empty where the whole arm is meant
+  std::string place;  ///< may be empty for a cause of the whole arm
 };
 
-/// Splits "EFFECT:PLACE" or "EFFECT" at the first colon; knows no names.
+/// Splits "EFFECT:PLACE" or "EFFECT" at the first colon, without looking anything up.
 CauseText split_cause(const std::string& words);
 
 /// "EFFECT:PLACE", or "EFFECT" where there is no place.
 std::string to_text(const CauseText& cause);
 
-/// Looks a cause up in an arm.
+/// Resolves the text form of a cause against an arm.
 ///
-/// @param where  what an error message begins with: "excitation: 'backlash:elbw'".
-/// @throws InvalidInput  no such effect, joint, frame or constant; with what there is and, where a
-///                       name is near, a suggestion.
+/// @param where  beginning of an error message: "excitation: 'backlash:elbw'".
+/// @throws InvalidInput  no such effect, joint, frame or constant; the message lists those that
+/// exist and suggests a similar name.
 Cause find_cause(const Model& arm, const CauseText& cause, const std::string& where);
 
-/// split_cause() and find_cause().
+/// Applies split_cause() and then find_cause().
 Cause parse_cause(const Model& arm, const std::string& words);
 
 /// The text form, with the joint's name: "backlash:elbow". parse_cause() reads it back.
@@ -118,35 +119,35 @@ std::string to_text(const Model& arm, const Cause& cause);
 /// The name in files and findings: "backlash", "payload".
 std::string effect_of(const Cause& cause);
 
-/// The joint or the frame it is about, where it has one.
+/// The joint or the frame that the cause names, if any.
 std::optional<JointIndex> joint_of(const Cause& cause);
 std::optional<FrameIndex> frame_of(const Cause& cause);
 
-/// Where it acts: its joint; of a load and of a number of a frame's row the last joint that moves
-/// the frame; nothing: on the whole arm.
+/// The joint at which the cause acts. For a load or a number of a frame's row it is the last joint
+/// that moves the frame; nullopt: the whole arm.
 std::optional<JointIndex> acting_joint(const Model& arm, const Cause& cause);
 
-/// True if they are of one name at one joint or frame: a new effect and a changed one are.
+/// True if both name the same effect at the same joint or frame; a new effect and a changed one do.
 bool alike(const Cause& a, const Cause& b);
 
-/// A cause in the words that reports are made of.
+/// The parts of a cause as reports print them.
 struct CauseWords {
   std::string effect;
   int joint = 0;           ///< number of acting_joint() from 1; 0: the whole arm
-  std::string coordinate;  ///< its name; "arm"
-  std::string frame;       ///< of a load, a frame's row, or the first one that a contact can be on
-  std::string constant;    ///< "theta", "delta"; empty where it is none
+  std::string coordinate;  ///< name of that coordinate, or "arm"
+  /// Frame of a load or of a frame's row, or the first frame that a contact can act on.
+  std::string frame;
+  std::string constant;  ///< "theta", "delta"; empty where the cause is no constant
 };
 CauseWords words_of(const Model& arm, const Cause& cause);
 
-/// Joint by name or by number from 1. @throws InvalidInput  as find_cause().
+/// Looks up a joint by name or by number from 1. @throws InvalidInput  as find_cause().
 JointIndex find_joint(const Model& arm, const std::string& word, const std::string& where);
 
-/// Frame by name. @throws InvalidInput  as find_cause().
+/// Looks up a frame by name. @throws InvalidInput  as find_cause().
 FrameIndex find_frame(const Model& arm, const std::string& word, const std::string& where);
 
-/// Names of causes that are no effects and that files and commands know: loads, wrong constants,
-/// contacts.
+/// Names of the causes that are not effects: loads, wrong constants, contacts.
 std::vector<std::string> names_of_causes();
 
 }  // namespace veridyn

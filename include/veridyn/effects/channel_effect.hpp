@@ -8,10 +8,10 @@
 
 namespace veridyn {
 
-/// A motion of an arm whose bodies have values, and what the arm's own values ask for along it.
+/// A motion of an arm whose bodies have values, and the torques of these values along it.
 struct ChannelMotion {
   const Model& arm;
-  const RegressorBatch& bodies;  ///< Bodies of the arm
+  const RegressorBatch& bodies;  ///< the arm's bodies
   const VectorXd& phi;           ///< inertial parameters of all bodies
   const MatrixXd& q;             ///< (rows x n) [rad] or [m]
   const MatrixXd& dq;
@@ -20,96 +20,101 @@ struct ChannelMotion {
   double dt;               ///< [s] between rows
 };
 
-/// A column that is a torque of the arm's bodies: what an excitation can plan for.
+/// A column that is a torque of the arm's bodies, so that an excitation can be designed for it.
 struct RigidColumn {
   Eigen::Vector3d gravity;  ///< [m/s^2] in place of the arm's own
-  bool at_rest;             ///< true: velocities and accelerations count as zero
-  VectorXd joints;          ///< (n) nonzero where the joint's row counts
+  bool at_rest;             ///< true: velocities and accelerations are taken as zero
+  VectorXd joints;          ///< (n) nonzero for joints whose rows count
 };
 
-/// In place of a joint: the same error on all of them.
+/// Stands in place of a joint index: all joints have the same error.
 constexpr int kAllJoints = -1;
 
 /// A key under which a channel error is injected into a simulation.
 struct InjectedValue {
   std::string key;   ///< "gain"
-  double initial;    ///< Value where the request gives none
-  double zero;       ///< no error at all; parameter = value - zero
-  bool nonnegative;  ///< true: a value below `zero` cannot be
+  double initial;    ///< value where the request gives none
+  double zero;       ///< value without any error; parameter = value - zero
+  bool nonnegative;  ///< true: values below `zero` are refused
 };
 
-/// An error that is no force along an axis: either of a sensor (SensorError) or of the arm as a
+/// An error that is not a force along an axis: either of a sensor (SensorError) or of the arm as a
 /// whole (ArmEffect); derive from one of these. Its columns are derivatives of the torque that the
-/// arm's own values ask for, so they are right to first order and only for an arm with values.
+/// arm's values predict, so they hold to first order and only for an arm with values.
 class ChannelEffect : public Effect {
  public:
-  /// True if it concerns the arm as a whole and needs no joint.
+  /// True if it concerns the whole arm and belongs to no joint.
   virtual bool whole_arm() const = 0;
 
-  /// True if the same error on all joints is one cause: one clock, one amplifier.
+  /// True if one cause may put the same error on all joints, such as a common clock or amplifier.
   virtual bool can_be_common() const { return false; }
 
-  /// True if a diagnosis asks about it of itself; false: only where it is named, since it explains
-  /// too much of whatever else is wrong.
+  /// True if a diagnosis tests it by default; false: only on request, because it can imitate many
+  /// other causes.
   virtual bool asked_unnamed() const { return true; }
 
-  /// True if joint i's torque has columns of it; `joint` is the one whose channel has the error, or
-  /// kAllJoints where all have the same one (can_be_common()).
+  /// True if the torque of joint i depends on it; `joint` is the one whose channel has the error,
+  /// or kAllJoints where all have the same one (can_be_common()).
   virtual bool acts_on(int i, int joint) const = 0;
 
-  /// Torque per unit of every parameter, (rows x n) each; columns of joints that it does not act on
+  /// Torque per unit of every parameter, (rows x n) each; columns of joints that acts_on() denies
   /// are not read.
   virtual std::vector<MatrixXd> columns(const ChannelMotion& motion, int joint) const = 0;
 
-  /// True if the columns are torques of the arm's bodies; an excitation can plan for such only.
+  /// True if the columns are torques of the arm's bodies; an excitation can be designed for these
+  /// only.
   virtual bool has_rigid_columns() const { return false; }
 
-  /// They are; empty where the arm has no such column (no gravity).
+  /// Those columns; empty where the arm has none, such as without gravity.
   virtual std::vector<RigidColumn> rigid_columns(const Model& arm, int joint) const;
 
-  /// Puts the error into an arm; `joint` may be kAllJoints.
+  /// Adds the error to an arm; `joint` may be kAllJoints.
   virtual void apply(ModelDescription& arm, int joint, const std::vector<double>& values) const = 0;
 
-  /// One for each of parameters().
+  /// Keys for injection, one for each of parameters().
   virtual std::vector<InjectedValue> injected(JointType type) const = 0;
 
-  /// Place in a parameter's name: "yaw", or "arm" for the whole arm.
+  /// Place in the name of a parameter: "yaw", or "arm" for the whole arm.
   std::string place(const Model& arm, const EffectTerm& term) const;
 };
 
-/// What a sensor of a joint shows of what is so: a gain, a delay, a wrong zero. A model that knows
-/// it stays right, and JointSensors takes it off every signal: of recordings, in control loops, on
-/// boards. A simulated arm keeps it apart from its dynamics.
+/// An error between a true signal and what the sensor of a joint measures: gain, delay, wrong zero.
+/// It leaves the dynamics as they are; JointSensors removes it from recordings, in control loops
+/// and on boards. A simulation applies it after the dynamics.
 class SensorError : public ChannelEffect {
  public:
   bool whole_arm() const final { return false; }
 
-  /// Puts the error into what the sensors of one joint show.
+  /// Adds the error to the channel of one joint.
   virtual void change(RecordedChannel& shown, const std::vector<double>& values) const = 0;
 
-  /// Puts it into the coordinates' `recorded`.
+  /// Adds it to `recorded` of the coordinates.
   void apply(ModelDescription& arm, int joint, const std::vector<double>& values) const final;
 
-  /// True if it is a factor of the recorded torque alone.
+  /// True if it is a factor on the recorded torque and nothing else.
   virtual bool scales_torque() const { return false; }
 
-  /// True if it may begin while the arm moves, as a slipped encoder does; such are watched.
+  /// True if it may begin while the arm moves, as when an encoder slips; a watch tests for such
+  /// errors.
   virtual bool may_begin_suddenly() const { return false; }
 };
 
-/// What is wrong with the arm as a whole, or missing in it, and is part of its dynamics: how its
-/// base stands. Any rows of the regressor may have columns of it.
+/// A property of the whole arm that is part of its dynamics, such as the mounting of its base. Any
+/// row of the regressor may depend on it.
 class ArmEffect : public ChannelEffect {
  public:
   bool whole_arm() const final { return true; }
+  EffectTraits traits(const ShapeValues& shape) const override;
   bool acts_on(int /*i*/, int /*joint*/) const override { return true; }
 
-  /// Makes the arm one that has it, by facts that the model has anyway (its gravity) or by a term of
-  /// its arm_effects, see term_of(). Predictions of such a term are its columns times its values.
+  /// Gives the arm this property, either through facts that every model has (its gravity) or as a
+  /// term among its arm_effects, see term_of(). Such a term contributes its columns times its
+  /// values.
   virtual void change(ModelDescription& arm, const std::vector<double>& values) const = 0;
 
-  /// The arm with the states that the effect adds to its motion: passive coordinates behind the
-  /// arm's own, which engines move without a motor. Without states: the arm as it is.
+  /// The arm with the states that the effect adds to its motion: passive coordinates after the
+  /// arm's own, which engines integrate without a motor. An effect without states returns the arm
+  /// unchanged.
   virtual ModelDescription with_states(const ModelDescription& arm,
                                        const std::vector<double>& /*values*/) const {
     return arm;
@@ -120,26 +125,26 @@ class ArmEffect : public ChannelEffect {
   }
 
  protected:
-  /// The effect's own entry among arm_effects, where it keeps values; a new one has zeros.
+  /// The effect's own entry among arm_effects; creates one with zeros if there is none.
   EffectTerm& term_of(ModelDescription& arm) const;
 };
 
-/// The torques (rows x n) [N m], [N] of the model's arm_effects along a motion, columns times values;
-/// empty (0 x 0) where it has none, or bodies without values.
+/// Torques (rows x n) [N m], [N] of the model's arm_effects along a motion, columns times values;
+/// empty (0 x 0) without such effects or if a body has no values.
 MatrixXd arm_effect_torques(const Model& arm, const RegressorBatch& bodies, const MatrixXd& q,
                             const MatrixXd& dq, const MatrixXd& ddq, double dt);
 
-/// The arm with all states of its arm_effects, see ArmEffect::with_states().
+/// The arm with the states of all its arm_effects, see ArmEffect::with_states().
 Model with_arm_states(const Model& arm);
 
-/// The channel effect of that name, or nothing.
+/// The channel effect of that name, or nullptr.
 const ChannelEffect* channel_effect(const std::string& name);
 
-/// All of them, in the order of CONTRACT.md; registered ones follow.
+/// All channel effects in the order of docs/contract.md; registered ones follow.
 const std::vector<const ChannelEffect*>& channel_effects();
 
-/// The joint whose channel a term is about; kAllJoints where its axis is zero and the error can be
-/// common to all.
+/// The joint whose channel the term concerns; kAllJoints where its axis is zero and the error can
+/// be common to all.
 int channel_joint(const ChannelEffect& effect, const EffectTerm& term);
 
 /// The arm with the error that `term` describes.

@@ -12,8 +12,8 @@
 
 namespace veridyn {
 
-/// Below this speed friction without a memory has no direction: its sign is a straight line through
-/// zero.
+/// Speed below which friction without memory passes linearly through zero instead of switching its
+/// sign.
 constexpr double kRestSpeed = 1e-4;  ///< [rad/s] or [m/s]
 
 /// One sample along an effect's axis s = c . q + s0.
@@ -22,15 +22,15 @@ struct AxisSample {
   double s = 0.0;       ///< [rad] or [m]
   double ds = 0.0;      ///< [rad/s] or [m/s]
   double dds = 0.0;     ///< [rad/s^2] or [m/s^2]
-  double from_s = 0.0;  ///< the same variable of the other coordinate, for couplings
+  double from_s = 0.0;  ///< same variable of the other coordinate, for couplings
   double from_ds = 0.0;
-  double load = 0.0;  ///< effort that the rigid bodies ask for along the axis [N m] or [N]
+  double load = 0.0;  ///< torque or force of the rigid bodies along the axis [N m] or [N]
 };
 
-/// What a parameter may be in nature.
+/// Physically possible sign of a parameter.
 enum class ParameterSign { kAny, kNonnegative };
 
-/// In the units of a coupling's parameters: "rad" or "m", whichever the other coordinate has.
+/// Unit placeholder of couplings: "rad" or "m", whichever the other coordinate has.
 constexpr const char* kSourceUnit = "(source unit)";
 
 /// A parameter in which the torque is linear.
@@ -39,15 +39,16 @@ struct EffectParameter {
   std::string unit_revolute;
   std::string unit_prismatic;
   ParameterSign sign = ParameterSign::kAny;
-  /// A magnitude beyond this is outside of what the columns describe, and no answer of a diagnosis.
+  /// Magnitudes beyond this lie outside the range in which the columns hold; a diagnosis rejects
+  /// them.
   double largest_revolute = 1e300;
   double largest_prismatic = 1e300;
 };
 
-/// What the first choices of a shape constant are measured in.
+/// Unit of the initial values in the grid of a shape constant.
 enum class ShapeScale {
   kByUnit,    ///< shares of travel for "rad", of speed for "rad/s", else spread over the range
-  kAbsolute,  ///< values
+  kAbsolute,  ///< values as they are
   kTravel,    ///< shares of the axis' travel
   kSpeed,     ///< shares of its largest speed
   kDuration,  ///< shares of the longest recording
@@ -60,15 +61,16 @@ struct EffectShape {
   std::string name;
   std::string unit_revolute;
   std::string unit_prismatic;
-  double initial = 0.0;  ///< Value where the file gives none
+  double initial = 0.0;  ///< value where the file gives none
   double lower = 0.0;    ///< range of the search
   double upper = 0.0;
   bool logarithmic = true;  ///< search in the logarithm; a value from the file must be positive
-  bool searched = true;     ///< false: comes from the file or from the caller; see the effect
-  double initial_prismatic = 0.0;  ///< Value where metres need another start than radians; 0: the same
-  ShapeScale scale = ShapeScale::kByUnit;  ///< Scale of `grid`
-  /// First choices that a search starts from; empty: three of kByUnit where it is searched, and
-  /// otherwise none: the constant stays as it is.
+  bool searched = true;     ///< false: taken from the file or the caller and never searched
+  /// Initial value along prismatic axes, where it differs; 0: the same.
+  double initial_prismatic = 0.0;
+  ShapeScale scale = ShapeScale::kByUnit;  ///< unit of the entries of `grid`
+  /// Initial values of a search. Empty: three of kByUnit for a searched constant; a constant that
+  /// is not searched keeps its value.
   std::vector<double> grid{};
 
   /// `initial` or `initial_prismatic`.
@@ -81,16 +83,17 @@ struct AxisMotion {
   double middle = 0.0;    ///< [rad] or [m] of its travel
   double travel = 0.0;    ///< [rad] or [m]
   double speed = 0.0;     ///< [rad/s] or [m/s] largest
-  double duration = 0.0;  ///< [s] of the longest recording; 0: not known
-  /// Wave numbers that stand out of a spectrum; empty: none does. Nothing: there is no spectrum.
+  double duration = 0.0;  ///< [s] of the longest recording; 0: unknown
+  /// Wave numbers of significant peaks of a spectrum; may be empty. Nullopt: no spectrum was
+  /// computed.
   std::optional<std::vector<double>> waves{};
 };
 
-/// A range of the axis' motion, or of that of `from`, in which an effect's columns change; beyond it
-/// they do not.
+/// A range of the axis' motion, or of that of `from`, outside of which an effect's columns are
+/// constant.
 struct ActiveRange {
   bool of_source = false;
-  bool of_velocity = false;  ///< else of the position
+  bool of_velocity = false;  ///< true: a range of velocity; false: of position
   double low = 0.0, high = 0.0;
 };
 
@@ -105,9 +108,9 @@ using ShapeValues = std::array<double, kMaxEffectShapes>;
 using EffectState = std::array<double, kMaxEffectStates>;
 using EffectColumns = std::array<double, kMaxEffectParameters>;
 
-/// One physical cause beyond the rigid bodies, and everything that others must know of it. An
-/// effect is one class in one file: identification, diagnosis, excitation, simulation and control
-/// ask it, and none of them knows its name. See docs/adding-an-effect.md.
+/// One physical cause of torque beyond the rigid bodies, with all its properties. An effect is one
+/// class in one file: identification, diagnosis, excitation, simulation and control use this
+/// interface, and none of them knows its name. See docs/adding-an-effect.md.
 class Effect {
  public:
   virtual ~Effect() = default;
@@ -118,22 +121,23 @@ class Effect {
   virtual std::vector<EffectParameter> parameters() const = 0;
   virtual std::vector<EffectShape> shapes() const { return {}; }
 
-  /// Facts about the effect with these constants.
+  /// Properties of the effect with these constants.
   virtual EffectTraits traits(const ShapeValues& shape) const = 0;
 
-  /// The facts with the initial constants.
+  /// Properties with the initial constants.
   EffectTraits traits() const;
 
-  /// Choices of constants that are worth asking about on an axis that moves like this: all
-  /// combinations of the constants' own grids. One empty choice where there is nothing to choose;
-  /// none where a spectrum proposes no wave.
+  /// Candidate values of the shape constants for an axis that moves like this: all combinations of
+  /// the constants' own grids. One empty choice where the effect has no searched constant; none
+  /// where the spectrum has no significant wave.
   virtual std::vector<ShapeChoice> grid(const AxisMotion& motion) const;
 
-  /// Where states must lie that are to tell the columns apart; empty: anywhere.
+  /// Ranges that the motion must visit to make the columns distinguishable; empty: any motion will
+  /// do.
   virtual std::vector<ActiveRange> active_ranges(const ShapeValues& /*shape*/) const { return {}; }
 
-  /// What was found, in a technician's words, to stand after "Joint 3 has": "0.50 N of friction
-  /// with memory: after a reversal it builds up over 0.14 mm".
+  /// Describes the identified effect for a technician, to continue "Joint 3 has": "0.50 N of
+  /// friction with memory: after a reversal it builds up over 0.14 mm".
   ///
   /// @param values  one for each of parameters().
   /// @param type    kPrismatic for newtons and metres, anything else for newton metres and radians.
@@ -146,41 +150,41 @@ class Effect {
 ///   tau += c * (columns(sample) . parameters)
 ///
 /// The sign convention is that of the motor's torque: friction is positive in the direction of
-/// motion (seed errata on thesis 4.10 to 4.16). The same columns serve identification (as
-/// regressor), simulation (as force) and control (as compensation), one sample at a time; memory,
-/// if any, is in the state.
+/// motion (seed errata on thesis 4.10 to 4.16). The same columns are the regressor of
+/// identification, the force of simulation and the compensation of control, one sample at a time;
+/// an effect with memory keeps it in the state.
 class AxisEffect : public Effect {
  public:
-  /// One row of columns, parameters().size() entries; a state of all NaN-free zeros is the start.
-  /// A state may change only where traits(shape).memory. Never throws or allocates.
+  /// Computes one row of columns, parameters().size() entries; a state of zeros is the initial one.
+  /// Changes the state only where traits(shape).memory is true. Never throws or allocates.
   virtual void columns(const AxisSample& sample, const ShapeValues& shape, EffectState& state,
                        EffectColumns& row) const noexcept = 0;
 };
 
-/// The effect of that name. @throws InvalidInput  there is none.
+/// The effect of that name. @throws InvalidInput  no effect has it.
 const Effect& find_effect(const std::string& name);
 
-/// The same, among those that act along an axis.
+/// Like find_effect(), restricted to effects along an axis.
 const AxisEffect& find_axis_effect(const std::string& name);
 
 /// True for names that find_effect() or find_axis_effect() knows.
 bool has_effect(const std::string& name);
 bool has_axis_effect(const std::string& name);
 
-/// All effects, and those that act along an axis, in the order of CONTRACT.md; registered ones
+/// All effects, and those that act along an axis, in the order of docs/contract.md; registered ones
 /// follow.
 const std::vector<const Effect*>& all_effects();
 const std::vector<const AxisEffect*>& axis_effects();
 
-/// Adds an effect of one's own: from now on files may name it, and every command and class treats
-/// it like those that are built in. Call it before models are read, from one thread.
+/// Registers a user's effect: from then on robot files may name it, and every command and class
+/// treats it like a built-in one. Call it before models are read, from one thread.
 ///
 /// @returns the effect, which lives as long as the program.
 /// @throws InvalidInput  the name is taken, too many parameters or constants, or a constant whose
 ///                       range is empty.
 const Effect& register_effect(std::unique_ptr<const Effect> effect);
 
-/// An effect of a model made ready for loops: shape constants looked up, axis copied, state owned.
+/// An effect of a model prepared for loops: shape constants looked up, axis copied, state owned.
 class BoundEffect {
  public:
   /// @throws InvalidInput  unknown effect, a key in the file that the effect does not have, a
@@ -197,22 +201,22 @@ class BoundEffect {
   /// Unit of parameter p on this axis.
   const std::string& unit(int p) const;
 
-  /// e.g. "viscous_friction(yaw).coefficient"; couplings read "(1.2178 yaw1 - 0.8306 pitch)". Where
-  /// the arm has the effect several times on one axis, its constants follow:
-  /// "presliding_hysteresis(yaw, distance 0.005).level".
+  /// Name of a parameter, such as "viscous_friction(yaw).coefficient"; couplings read "(1.2178 yaw1
+  /// Parameter values of the file, zero where it gives none.
+  /// follow: "presliding_hysteresis(yaw, distance 0.005).level".
   std::string parameter_name(int p) const;
 
-  /// Values from the file, zero where it gives none.
+  /// Parameter values of the file, zero where it gives none.
   const EffectColumns& values() const { return values_; }
   bool has_values() const { return has_values_; }
 
-  /// Shape constants, from the file or else the effect's initial ones.
+  /// Shape constants of the file, or else the effect's initial ones.
   const ShapeValues& shape() const { return shape_; }
 
-  /// Effect::phrase() with this axis' units and constants.
+  /// Effect::phrase() with the units of this axis and these constants.
   std::string phrase(const std::vector<double>& values) const;
 
-  /// Forgets the past. @param start_time [s] what sample() counts time from.
+  /// Clears the memory. @param start_time [s] origin of the time in sample().
   void reset(double start_time = 0.0) {
     state_ = {};
     start_time_ = start_time;
@@ -227,7 +231,7 @@ class BoundEffect {
     effect_->columns(sample, shape_, state_, row);
   }
 
-  /// The force along the axis with the values from the file; advances the memory.
+  /// The force along the axis with the values of the file; advances the memory.
   double force(const AxisSample& sample) noexcept;
 
   /// Torque per acceleration of an effect whose role is kInertia, with the values from the file.
@@ -238,7 +242,7 @@ class BoundEffect {
   EffectTraits traits_;
   EffectTerm term_;
   std::vector<EffectParameter> parameters_;
-  std::string label_;  ///< what stands in parentheses in parameter_name()
+  std::string label_;  ///< text in parentheses in parameter_name()
   std::string source_unit_;
   JointType type_ = JointType::kRevolute;
   bool has_values_ = false;
@@ -248,7 +252,7 @@ class BoundEffect {
   double start_time_ = 0.0;
 };
 
-/// "yaw" or "1.2178 yaw1 - 0.8306 pitch": the linear form in words.
+/// The linear form as text: "yaw" or "1.2178 yaw1 - 0.8306 pitch".
 std::string axis_text(const Model& arm, const Axis& axis);
 
 }  // namespace veridyn

@@ -2,7 +2,7 @@
 
 namespace veridyn {
 
-/// What an effect is to those who use it.
+/// Kind of contribution that an effect makes.
 enum class EffectRole {
   kInertia,   ///< torque per acceleration: part of the mass matrix
   kFriction,  ///< opposes the motion along its axis
@@ -11,25 +11,25 @@ enum class EffectRole {
   kArm,       ///< no force along an axis: a fact about the whole arm, see ArmEffect
 };
 
-/// When a diagnosis asks about an effect. Errors of the measurement come first, because every other
-/// effect would be fitted to them; friction comes last, because it can imitate the others.
+/// Order in which a diagnosis tests effects. Errors of the measurement come first, because every
+/// other
 enum class DiagnosisStage { kChannel = 0, kInertia = 1, kFriction = 2 };
 
-/// Whether friction at rest is one force or a whole interval of forces.
+/// Form of friction at rest: a single force or a whole interval of forces.
 enum class DryFriction {
   kNone,      ///< one force in every state
   kConstant,  ///< level * sign(ds), whatever the position, speed, load and time
   kVarying,   ///< the sign of ds times a level that depends on them
 };
 
-/// Everything that other rooms must know about an effect to treat it rightly. Traits are facts
-/// about a class *and* its constants: load-dependent friction remembers the path only where it is
-/// given a distance. Tests compare each of them with what the columns do.
+/// Properties by which other folders treat an effect. They belong to a class *and* its constants:
+/// load-dependent friction remembers the path only if it has a distance. Tests compare each
+/// property with the columns.
 struct EffectTraits {
   EffectRole role = EffectRole::kForce;
   DiagnosisStage stage = DiagnosisStage::kFriction;
 
-  // What the columns are computed from: the entries of AxisSample.
+  // Inputs of the columns: entries of AxisSample.
   bool uses_position = false;      ///< s
   bool uses_velocity = false;      ///< ds
   bool uses_acceleration = false;  ///< dds
@@ -40,22 +40,26 @@ struct EffectTraits {
   DryFriction dry = DryFriction::kNone;
   bool affine = false;  ///< torque = constant + a s + b ds + c dds, at all times
 
-  bool depends_on_position = false;  ///< one motion, which ties all positions, may mislead about it
-  bool depends_on_time = false;      ///< counted from the start of the recording
-  /// A wrong constant of the robot file does exactly the same, and data cannot tell which it is.
+  /// Depends on the position; a motion that couples the positions of all joints may mislead about
+  /// it.
+  bool depends_on_position = false;
+  bool depends_on_time = false;  ///< counted from the start of the recording
+  /// A wrong constant of the robot file has exactly the same columns, and data cannot separate
+  /// them.
   bool same_as_wrong_constant = false;
-  bool slow = false;           ///< seen at low speed and after reversals
-  bool holds_at_rest = false;  ///< moves a joint at rest, like a spring or a cable
-  bool lasting = false;        ///< the same on every day; friction and offsets are not
-  bool elementary = false;     ///< in every joint, different every day: level, damping, zero
-  bool tabulated = false;      ///< a measured curve and no cause: it has no name
-  bool mixed_axes = false;     ///< plausible along a combination of coordinates (a tendon, a wrist)
+  bool slow = false;           ///< visible at low speed and after reversals
+  bool holds_at_rest = false;  ///< exerts a force on a joint at rest, like a spring or a cable
+  bool lasting = false;        ///< the same every day; friction and offsets are not
+  /// Present in every joint and different every day: level, damping, zero.
+  bool elementary = false;
+  bool tabulated = false;   ///< a measured curve without a physical cause
+  bool mixed_axes = false;  ///< plausible along a combination of coordinates (a tendon, a wrist)
   /// False: describes measured motion to first order, and would be unstable as a force in a forward
   /// simulation.
   bool forward_simulable = true;
-  /// Why not, to stand after "transmission_compliance on yaw: "; empty where it can be simulated.
+  /// Reason, to follow "transmission_compliance on yaw: "; empty where it can be simulated.
   const char* not_simulable_because = "";
-  /// The attribute of URDF's element `dynamics` that says the same: "damping" or "friction"; empty: none.
+  /// Corresponding attribute of URDF's element `dynamics`: "damping" or "friction"; empty: none.
   const char* urdf_attribute = "";
 };
 

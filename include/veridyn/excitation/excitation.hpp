@@ -15,25 +15,25 @@
 
 namespace veridyn {
 
-/// What a good motion is.
+/// Optimality criterion of a motion.
 enum class ExcitationCriterion {
   /// Smallest condition number of the base regressor (thesis 5.27).
   kCondition,
   /// Largest ln det of its Gram matrix, rows divided by their noise (ExcitationOptions::noise): the
-  /// smallest volume of the confidence ellipsoid, and so the smallest geometric mean of the expected
-  /// standard deviations along its axes. Amplitude counts; a condition number knows none.
+  /// smallest volume of the confidence ellipsoid. Unlike a condition number it depends on the
+  /// amplitude of the motion.
   kDOptimal,
   /// Smallest mean of the base parameters' predicted standard deviations, each relative to the
-  /// parameter's value; one that is nearly nothing counts as one that makes 0.1 % of the torques.
+  /// parameter's value; a parameter near zero is replaced by one that makes 0.1 % of the torques.
   kAOptimal,
-  /// Two named causes told apart best, see RivalCause.
+  /// Best separation of two causes, see RivalCause.
   kDiscriminate,
 };
 
 /// "condition", "d-optimal", "a-optimal", "discriminate".
 const char* name_of(ExcitationCriterion criterion);
 
-/// Who searches.
+/// Optimisation method.
 enum class ExcitationSolver {
   kInteriorPoint,  ///< primal-dual interior point with exact gradients and Jacobian
   kIpopt,          ///< Ipopt, where the library was built with it
@@ -47,77 +47,80 @@ const char* name_of(ExcitationSolver solver);
 /// False for Ipopt and NLopt where the library was built without them.
 bool is_built_in(ExcitationSolver solver);
 
-/// How columns of the base regressor are scaled before the condition number.
+/// Scaling of the base regressor's columns before the condition number is computed.
 enum class ColumnScaling {
   kNorm,  ///< to norm one (thesis 5.26)
   kNone,  ///< as they are
-  /// Combined first into a basis that is orthogonal at random states within the limits, then to
-  /// norm one: without what is near to dependent in the arm's geometry, which no motion can change.
+  /// Combined first into a basis that is orthogonal at random states within the limits, then scaled
+  /// to norm one: this removes dependences of the arm's geometry that no motion can change.
   kOrthogonal,
 };
 
 /// "norm", "none", "orthogonal".
 const char* name_of(ColumnScaling scaling);
 
-/// A cause of torque: an effect of CONTRACT.md and its joint (name or number from 1) or frame.
-/// `payload` and `inertia` (of a body that turns with the frame) stand on a frame; `gravity_tilt`
-/// needs no place; `torque_gain`, `payload` and `gravity_tilt` follow from the arm's own values.
+/// A cause of torque: an effect of docs/contract.md and its joint (name or number from 1) or frame.
+/// `payload` and `inertia` (of a body that turns with the frame) refer to a frame; `gravity_tilt`
+/// needs no place; `torque_gain`, `payload` and `gravity_tilt` use the arm's own values.
 using RivalCause = CauseText;
 
 struct ExcitationOptions {
-  double frequency = 0.13;  ///< [Hz] of the fundamental wave
-  int harmonics = 5;        ///< at least 2: one alone cannot start at rest
+  double frequency = 0.13;  ///< [Hz] of the first harmonic
+  int harmonics = 5;        ///< at least 2: a single harmonic cannot start at rest
   double duration = 30.0;   ///< [s] wanted; rounded to whole periods, at least two
   double rate = 200.0;      ///< [Hz] of the samples
-  /// Of every joint (for kDiscriminate: of the rivals' joints, where they have some) after the last
-  /// period, for friction: there and back at a slow, constant speed, within all limits. The
-  /// criterion does not know of them.
+  /// Slow passes to and fro of every joint (for kDiscriminate: of the joints of the two causes)
+  /// after the last period, for friction: at constant speed and within all limits. The criterion
+  /// does not include them.
   int slow_passes = 0;
   ExcitationCriterion criterion = ExcitationCriterion::kDOptimal;
   std::optional<std::pair<RivalCause, RivalCause>> between{};  ///< for kDiscriminate
   ColumnScaling scaling = ColumnScaling::kNorm;                ///< for kCondition
-  /// Above zero: the criterion is about the essential parameters only, see EssentialParameters;
-  /// below 1. Not for kDiscriminate, which asks about rivals.
+  /// Above zero: the criterion uses the essential parameters only, see EssentialParameters; below
+  /// 1. Not available for kDiscriminate.
   double essential = 0.0;
   ExcitationSolver solver = ExcitationSolver::kInteriorPoint;
-  int starts = 2;  ///< independent searches, of which the best wins
-  /// Iterations of each descent, motions of kRandom in each search; the result depends on this and not on the clock.
+  int starts = 2;  ///< independent searches; the best one is returned
+  /// Iterations of each descent, motions of kRandom in each search. The search ends by this count,
+  /// never by time.
   int iterations = 400;
-  /// Of the limits of joints and torques that may be used, above 0 and at most 1. Nothing: what a
-  /// safety supervisor needs (SafetySupervisor, MotionCheck): 98 % of speeds, 95 % of torques, of ranges
-  /// all but 0.25 % at each end from where the joint still stops before the limit, accelerations
-  /// whole.
+  /// Share of the limits of joints and torques that may be used, above 0 and at most 1. Nullopt:
+  /// margins of a safety supervisor (SafetySupervisor, MotionCheck): 98 % of speeds, 95 % of
+  /// torques, whole accelerations, and ranges reduced by 0.25 % at each end and by the braking
+  /// distance.
   std::optional<double> limit_share{};
-  double braking = 30.0;  ///< [1/s] it stops within dq / braking, as SafetyLimits::braking has it
-  /// Friction beside that of the robot file, as an identification of the recording would have it.
+  /// [1/s] for that distance: a joint stops within dq / braking, see SafetyLimits::braking
+  double braking = 30.0;
+  /// Friction beside that of the robot file, as a later identification will add it.
   JointFriction friction = JointFriction::kAuto;
   WorkspaceLimits workspace{};
   /// The arm with values of its bodies (and effects, where it has them): its efforts limit the
-  /// torques, and rivals are built from it. Nothing: the arm itself, where it has values.
+  /// torques, and the causes of kDiscriminate are built from it. Nullopt: the arm itself, where it
+  /// has values.
   std::optional<Model> powered{};
-  /// Of the torques, for kDOptimal, kAOptimal and the prediction; nothing: usual_noise() of the arm
+  /// Torque noise for kDOptimal, kAOptimal and the prediction; nullopt: usual_noise() of the arm
   /// with values.
   std::optional<TorqueNoise> noise{};
-  /// The arm with values for the prediction and kAOptimal only; nothing: `powered`, or the arm
+  /// The arm with values for the prediction and kAOptimal only; nullopt: `powered`, or the arm
   /// itself.
   std::optional<Model> valued{};
-  /// Motions that are recorded already; their information counts. Samples of their own rate.
+  /// Motions recorded earlier, whose information is added; sampled at their own rate.
   std::vector<MotionSamples> given{};
   unsigned seed = 1;
-  int threads = 0;  ///< Number of threads; 0: one per core; the result does not depend on it
-  /// Called with (what is being done, share done), by one thread at a time.
+  int threads = 0;  ///< 0: one per core; the result does not depend on it
+  /// Called with (current activity, share done), by one thread at a time.
   std::function<void(const std::string&, double)> progress{};
-  /// Asked now and then by all searches; once true, the best motion so far is the result.
+  /// Polled by all searches; once it returns true, the best motion so far is the result.
   std::function<bool()> stop{};
 };
 
 enum class ExcitationStatus {
   kDone,
   kRankDeficient,  ///< no motion was found that excites all base parameters; the best one is given
-  kLimitsNotMet,   ///< no motion was found within the limits; `margins` say by how much not
+  kLimitsNotMet,   ///< no motion was found within the limits; `margins` has the violations
 };
 
-/// How close a motion comes to one limit; also between samples.
+/// Distance of a motion from one limit, between samples as well.
 struct LimitMargin {
   std::string name;  ///< "speed of yaw", "torque of pitch", "x of tool", ...
   std::string unit;
@@ -128,42 +131,44 @@ struct LimitMargin {
   double margin = 0.0;  ///< to the nearer bound, negative where it is crossed
 };
 
-/// What a motion uses of the limits of one joint, as shares; NaN where there is no limit, or where
-/// torques are not known.
+/// Largest use of the limits of one joint, as shares; NaN where there is no limit, or where torques
+/// are unknown.
 struct UsedLimits {
   double range = 0.0;     ///< largest minus smallest position
   double velocity = 0.0;  ///< largest speed
   double effort = 0.0;    ///< largest torque
-  /// Limits that the motion comes closest to and that hold this joint; empty: none does.
+  /// Active limits of the motion that involve this joint; empty: none does.
   std::vector<std::string> held_by{};
 };
 
-/// A joint that uses less than this of its range and of its speed says little of its inertia and
-/// nothing of its friction.
+/// A joint that uses less than this of its range and of its speed hardly identifies its inertia,
+/// and its friction not at all.
 constexpr double kLittleUse = 0.4;
 
-/// What the motion says about two rivals; roots of mean squares of torque in units of the
-/// rows' weights, per unit of the rival's parameter (of a payload: 1 kg within 0.1 m). Zero for a
-/// rival that does nothing which the other one cannot do as well, whatever the motion.
+/// Separation of two causes by the motion: root mean square torques in units of the rows' noise,
+/// per unit of the cause's parameter (for a payload: 1 kg within 0.1 m). Zero for a cause whose
+/// torque the other one can reproduce, whatever the motion.
 struct Discrimination {
   std::string first, second;
-  double first_left = 0.0;   ///< Share of the first cause's torque that remains after everything else
-  double second_left = 0.0;  ///< The same of the second cause
-  /// The same as a share of what the rest of the model leaves of it, 0 to 1.
+  /// Part of the first cause's torque that remains after regression on everything else.
+  double first_left = 0.0;
+  double second_left = 0.0;  ///< the same of the second cause
+  /// The same as a share of the part that remains after regression on the rest of the model, 0 to
+  /// 1.
   double first_share = 0.0, second_share = 0.0;
-  bool bodies_known = false;  ///< the rivals can only be told apart with known bodies
+  bool bodies_known = false;  ///< the two can be separated only if the bodies are known
 };
 
-/// Base parameters that motions tell from each other. A column (of norm one, at random states
-/// within the limits) that adds less than `share` to those chosen before it is regrouped with them:
-/// its parameter acts as a part of theirs and is not asked for.
+/// Base parameters that motions can separate. A column (of norm one, at random states within the
+/// limits) that adds less than `share` to those chosen before it is regrouped with them: its
+/// parameter becomes part of theirs and is not estimated separately.
 struct EssentialParameters {
   double share = 0.0;
   int count = 0;
-  double condition_number = 0.0;        ///< Condition number of their columns scaled to norm one
-  double plain_condition_number = 0.0;  ///< columns as they are
-  double range_condition_number = 0.0;  ///< columns divided by their range
-  /// Names, and what their columns would add; the largest first.
+  double condition_number = 0.0;        ///< of their columns scaled to norm one
+  double plain_condition_number = 0.0;  ///< of the unscaled columns
+  double range_condition_number = 0.0;  ///< of the columns divided by their range
+  /// Regrouped parameters and what their columns would add; the largest first.
   std::vector<std::pair<std::string, double>> left_out{};
 };
 
@@ -174,58 +179,60 @@ struct Excitation {
   ExcitationCriterion criterion = ExcitationCriterion::kCondition;
   ExcitationSolver solver = ExcitationSolver::kInteriorPoint;
   FourierTrajectory trajectory;
-  MotionSamples motion{};  ///< all of it, from rest to rest, at ExcitationOptions::rate
+  MotionSamples motion{};  ///< complete motion, from rest to rest, at ExcitationOptions::rate
   int periods = 0;
-  double slow_seconds = 0.0;  ///< how long the slow passes last that follow
+  double slow_seconds = 0.0;  ///< duration of the slow passes that follow
   int base_parameters = 0;
-  /// The standard parameters that lead them. A base is a choice among columns that say the same
-  /// together; where the condition number of scaled columns is the criterion it is the choice which
-  /// is best conditioned along this motion, otherwise that at random states.
+  /// The leading standard parameters. A base is a choice among columns that span the same space;
+  /// where the condition number of scaled columns is the criterion, the base with the smallest one
+  /// along this motion is chosen, otherwise the base at random states.
   std::vector<std::string> base{};
-  double condition_number = 0.0;        ///< Condition number of the base regressor, columns scaled to norm one
-  double plain_condition_number = 0.0;  ///< columns as they are
-  double range_condition_number = 0.0;  ///< columns divided by their largest minus smallest entry
+  double condition_number = 0.0;        ///< of the base regressor, columns scaled to norm one
+  double plain_condition_number = 0.0;  ///< of the unscaled columns
+  /// Columns divided by the difference of their largest and smallest entries.
+  double range_condition_number = 0.0;
   double orthogonal_condition_number = 0.0;  ///< see ColumnScaling::kOrthogonal
-  /// As condition_number, of this motion and the given recordings together; equal without any.
+  /// Like condition_number, of this motion and the given recordings together; equal without any.
   double condition_number_with_given = 0.0;
-  /// Of its Gram matrix per instant, columns scaled by their size at random states.
+  /// ln det of the Gram matrix per instant, columns scaled by their size at random states.
   double log_determinant = 0.0;
-  double start_condition_number = 0.0;  ///< Condition number of the first random motion, in the same columns
-  /// Of the share asked for; of 0.01 where none was, if that leaves any out.
+  /// Condition number of the first random motion, in the same columns.
+  double start_condition_number = 0.0;
+  /// For ExcitationOptions::essential, or for 0.01 where that is zero and regroups any parameter.
   std::optional<EssentialParameters> essential{};
   std::optional<Discrimination> discrimination{};
-  /// The base parameters that the motion tells least from each other: names and parts (of norm one)
-  /// of the weakest direction, columns scaled to norm one; the largest parts first.
+  /// The combination of base parameters that the motion identifies worst: names and parts (of norm
+  /// one) of the weakest direction, columns scaled to norm one; the largest parts first.
   std::vector<std::pair<std::string, double>> weakest{};
-  std::optional<Prediction> prediction{};  ///< Given where the arm's values are known
+  std::optional<Prediction> prediction{};  ///< nullopt where the arm has no values
   long evaluations = 0;
   bool interrupted = false;
-  bool converged = false;  ///< the solver said so for the motion that won
+  bool converged = false;  ///< the solver reported convergence for the motion that won
   double seconds = 0.0;
   std::vector<LimitMargin> margins{};
   std::vector<UsedLimits> used{};     ///< (n)
-  double limit_share = 0.0;           ///< ExcitationOptions::limit_share; 0: what a supervisor needs
-  std::string friction_remark{};      ///< veridyn::friction_remark()
-  MotionBounds bounds{};              ///< Bounds of the periods
-  MotionBounds limits{};              ///< Limits of the arm, in the same order
+  double limit_share = 0.0;  ///< ExcitationOptions::limit_share; 0: margins of a safety supervisor
+  std::string friction_remark{};      ///< text of veridyn::friction_remark()
+  MotionBounds bounds{};              ///< extremes of the motion's periods
+  MotionBounds limits{};              ///< limits of the arm, in the same order
   std::vector<std::string> joints{};  ///< names of the coordinates
   std::vector<std::string> units{};   ///< "rad" or "m"
 
   /// Status, quality and margins to the limits, as text.
   std::string report() const;
 
-  /// A sentence on every joint of little use (kLittleUse), with the limit that forbids more.
+  /// A sentence on every joint of little use (kLittleUse), with the limit that prevents more.
   std::vector<std::string> warnings() const;
 };
 
-/// Searches a Fourier trajectory that starts and stops at rest, repeats its period, keeps within
-/// all limits (between samples as well) and excites what the criterion asks for.
+/// Searches a Fourier trajectory that starts and stops at rest, repeats its period, keeps all
+/// limits (between samples as well) and optimises the criterion.
 ///
 /// Multi-start: each search makes short descents from some random motions (kInteriorPoint only) and
-/// follows the best of them down a smooth stand-in of the criterion with exact gradients; for the
-/// condition number of scaled columns the base columns are then chosen along the motion, and the
-/// descent goes on. The criterion itself, on the samples of the motion, says which search won. The
-/// same options give the same motion, on any number of threads.
+/// continues the best of them on a smooth approximation of the criterion with exact gradients; for
+/// the condition number of scaled columns the base columns are then chosen along the motion, and
+/// the descent continues. The exact criterion, on the samples of the motion, decides between the
+/// searches. The same options give the same motion, on any number of threads.
 /// @throws InvalidInput  an option is out of range, or names what the arm does not have.
 Excitation optimise_excitation(const Model& arm, const ExcitationOptions& options = {});
 

@@ -5,7 +5,7 @@
 
 namespace veridyn {
 
-/// Sines and cosines of all harmonics at some instants, for all trajectories of one frequency.
+/// Sines and cosines of all harmonics at given instants, for all trajectories of one frequency.
 struct FourierBasis {
   /// @param time  (rows) [s]; frequency [Hz].
   FourierBasis(VectorXd time, double frequency, int harmonics);
@@ -16,10 +16,10 @@ struct FourierBasis {
   MatrixXd cosine;
 };
 
-/// `count` instants over one period, evenly spaced, without the period's end, which is its start.
+/// `count` evenly spaced instants over one period; the end, equal to the start, is not repeated.
 VectorXd period_instants(double frequency, int count);
 
-/// Bounds of a whole motion, (n) each; they also hold between any samples.
+/// Bounds of a whole motion, (n) each, which also hold between samples.
 struct MotionBounds {
   VectorXd lower;         ///< q is above
   VectorXd upper;         ///< q is below
@@ -58,14 +58,15 @@ class FourierTrajectory {
   /// Position, velocity and acceleration at any instants.
   MotionSamples samples(const VectorRef& time) const;
 
-  /// The same, for a basis of this frequency and number of harmonics.
+  /// The same with a precomputed basis of this frequency and number of harmonics.
   MotionSamples samples(const FourierBasis& basis) const;
 
   /// Whole periods sampled at `rate` [Hz] from t = 0 on. The last row is the first instant at or
-  /// after the end, and there the arm is where it began.
+  /// after the end, with the arm at its start.
   MotionSamples motion(int periods, double rate) const;
 
-  /// From 256 samples per shortest wave and the largest curvature between them, h^2 / 8 max|f''|.
+  /// From 256 samples per shortest wave, enlarged by the largest curvature between them, h^2 / 8
+  /// max|f''|.
   MotionBounds bounds() const;
 
  private:
@@ -74,7 +75,7 @@ class FourierTrajectory {
   VectorXd q0_;
 };
 
-/// The nearest coefficients for which the motion rests at the start of its period.
+/// Projects the coefficients onto those for which the motion rests at the start of its period.
 void rest_at_start(MatrixXd& a, MatrixXd& b);
 
 }  // namespace veridyn

@@ -8,29 +8,29 @@
 
 namespace veridyn {
 
-/// The noise of the torques that a design and a prediction assume. It does not depend on the motion:
-/// a larger one says more.
+/// Noise of the torques that a design and a prediction assume. It does not depend on the motion, so
+/// that larger motions carry more information.
 struct TorqueNoise {
   VectorXd deviation;  ///< (n) standard deviation [N m] or [N]
-  /// Torques are a sum of what the model says and of errors that stay alike for about so long;
-  /// samples closer than that are no further evidence [s].
+  /// [s] correlation time of the model's errors: samples closer than this count as one.
   double seconds = 0.1;
-  std::string source;  ///< Origin of the deviations, in words
+  std::string source;  ///< where the deviations come from, in words
 };
 
-/// Share of the largest effort, without better knowledge.
+/// Share of the largest effort that usual_noise() assumes without an identification.
 constexpr double kUsualNoise = 0.01;
 
-/// A share of each joint's largest effort; where the file gives none, four times that share of its
-/// rms torque at random states within the limits (of 1 N m or 1 N where the arm has no values).
+/// Noise as a share of each joint's largest effort; where the file gives none, four times that
+/// share of its rms torque at random states within the limits (of 1 N m or 1 N where the arm has no
+/// values).
 TorqueNoise noise_of_efforts(const Model& arm, double share);
 
-/// What the identification of `arm` left of the torques, or else noise_of_efforts(arm, kUsualNoise).
+/// Residual of the identification of `arm`, or else noise_of_efforts(arm, kUsualNoise).
 TorqueNoise usual_noise(const Model& arm);
 
-/// How well a recording would tell one base parameter.
+/// Predicted accuracy of one base parameter.
 struct PredictedParameter {
-  std::string name;  ///< Name of its leading standard parameter
+  std::string name;  ///< leading standard parameter
   std::string unit;
   double value = 0.0;
   double deviation = 0.0;  ///< standard deviation
@@ -40,20 +40,19 @@ struct PredictedParameter {
 struct Prediction {
   TorqueNoise noise;
   VectorXd rms_torque;  ///< (n) along the motion
-  std::string values;   ///< whose values these are, in words
+  std::string values;   ///< source of the parameter values, in words
   std::vector<PredictedParameter> parameters;
-  double mean_relative = 0.0;  ///< Mean of `relative`, without values that are zero
+  double mean_relative = 0.0;  ///< mean of `relative`, without values that are zero
   double median_relative = 0.0;
 };
 
-/// What weighted least squares would say about the base parameters after recording a motion, beside
-/// what was recorded before.
+/// Covariance of the base parameters that weighted least squares would give after recording a
+/// motion, beside the recordings made before.
 ///
-/// @param arm    with values: they give the torques and what a deviation is relative to.
+/// @param arm    with values, for torques and relative deviations.
 /// @param given  motions recorded before, with the same noise.
-/// @param base   which standard parameters lead the base parameters, as in BaseRegressor; none:
-/// those
-///               that are best conditioned at random states.
+/// @param base   standard parameters that lead the base parameters, as in BaseRegressor; empty:
+/// those that are best conditioned at random states.
 /// @throws InvalidInput  a body has no values, or sizes differ.
 Prediction predict_identification(const Model& arm, const MotionSamples& motion,
                                   const TorqueNoise& noise,

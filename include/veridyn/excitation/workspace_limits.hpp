@@ -14,7 +14,7 @@ struct FrameBox {
   Eigen::Vector3d upper{0, 0, 0};
 };
 
-/// A sphere that moves with a frame, or stands in the world where `frame` is "world".
+/// A sphere attached to a frame, or fixed in the world if `frame` is "world".
 struct Sphere {
   std::string frame;
   double radius = 0.0;              ///< [m]
@@ -29,8 +29,8 @@ struct SpherePair {
   double clearance = 0.0;
 };
 
-/// How far a tool reaches through a remote centre of motion: the way from the centre to the frame's
-/// origin along the frame's z axis [m].
+/// Range of insertion of a tool through a remote centre of motion: the displacement from the centre
+/// to the frame's origin along the frame's z axis [m].
 struct InsertionRange {
   std::string frame;
   Eigen::Vector3d centre{0, 0, 0};  ///< in the world [m]
@@ -38,7 +38,7 @@ struct InsertionRange {
   double upper = 0.0;
 };
 
-/// What a motion must keep beside the ranges and speeds of its joints.
+/// Limits of a motion beside the ranges and speeds of its joints.
 struct WorkspaceLimits {
   std::vector<FrameBox> boxes;
   std::vector<SpherePair> pairs;

@@ -19,14 +19,15 @@ namespace veridyn {
 ///   void NAME_torque(q, dq, ddq, memory, tau)            the sum of the two
 ///
 /// and constants NAME_joints, NAME_parameters, NAME_memory, NAME_phi, NAME_joint_names,
-/// NAME_parameter_names. Numbers are doubles; in C floats where NAME_real is defined as float before,
-/// in C++ either, for the functions are templates there. `memory` starts as zeros, one for every simulated or recorded arm; effects
-/// with a memory see the states of successive calls. The recursions are unrolled for the arm: what
-/// is zero or one in its geometry is not computed. Effects that count time or describe measured
-/// motion are left out; a comment in the file names them.
+/// NAME_parameter_names. Numbers are doubles; in C, define NAME_real as float for floats; in C++
+/// the functions are templates and take both. `memory` starts as zeros, one array for every
+/// simulated or recorded arm; effects with memory see the states of successive calls. The
+/// recursions are unrolled for the arm: products with a zero or a one of its geometry are omitted.
+/// Effects that depend on time or describe measured motion are not included; a comment in the file
+/// names them.
 ///
-/// Compile it, or include it once; with NAME_API defined as `static inline` before, any number of
-/// times.
+/// Compile the file, or include it in one place; with NAME_API defined as `static inline`
+/// beforehand it may be included in many.
 /// @throws InvalidInput  a body or an effect has no values.
 std::string to_c_code(const Model& arm);
 

@@ -9,7 +9,7 @@
 
 namespace veridyn {
 
-/// What one joint's torque was like.
+/// Ranges of one joint's torque, speed and position.
 struct TorqueFacts {
   double minimum = 0.0;  ///< [N m] or [N], filtered
   double maximum = 0.0;
@@ -20,31 +20,31 @@ struct TorqueFacts {
   double travel() const { return highest - lowest; }
 };
 
-/// A recording after its one pass: a factor for every joint and block of time. No samples.
+/// A recording compressed in one pass: a factor for every joint and block of time, without samples.
 struct CompressedRecording {
   std::string source;
   PreparationFacts facts;
-  /// blocks[k][i]: factor of joint i over the k-th phase of the period (eight, repeats merged) or,
-  /// where nothing repeats, over the k-th stretch of time (8 to 16 of them, however long the
-  /// recording).
+  /// blocks[k][i]: factor of joint i over the k-th phase of the period (eight, repeats merged). For
+  /// a motion that does not repeat, k counts segments of time (8 to 16, for any length).
   std::vector<std::vector<SquareRootInformation>> blocks;
   std::vector<TorqueFacts> joints;
   MotionPeriod period;
-  VectorXd noise_floor;  ///< (n) relative error of a perfect model, from repeated periods; empty if
+  /// (n) relative error of a perfect model, from repeated periods; empty without repeats
+  VectorXd noise_floor;
                          ///< none repeat
   double rows = 0.0;     ///< over all joints
-  bool detached = false;  ///< it came as a factor: its samples are elsewhere
+  bool detached = false;  ///< known by its factor only: its samples are elsewhere
 };
 
-/// @param path     a recording; read twice, its first minutes for the period and then all of it.
+/// @param path     a recording; read twice, its first minutes for the period and then as a whole.
 /// @param threads  one reads ahead, the others share the joints; 0: one per core. The result does
-/// not depend on it.
+/// not depend on the number.
 CompressedRecording compress(const Model& arm, const std::string& path,
                              const PreprocessingOptions& options, int threads = 1);
 CompressedRecording compress(const Model& arm, const Recording& recording,
                              const PreprocessingOptions& options);
 
-/// Every recording of a list, in parallel. @param threads  0: one per core.
+/// Compresses every recording of a list, in parallel. @param threads  0: one per core.
 std::vector<CompressedRecording> compress_all(const Model& arm,
                                               const std::vector<std::string>& paths,
                                               const PreprocessingOptions& options, int threads);
@@ -57,7 +57,7 @@ struct PredictionError {
                              ///< largest speed)
 };
 
-/// Whether a joint moves at a sample.
+/// Motion of a joint at a sample, which decides about moving_relative.
 enum class MovingSample { kNo, kYes };
 
 /// Sums behind PredictionError, which add up over recordings.
@@ -71,18 +71,18 @@ struct ErrorSums {
   VectorXd torque2, error2, torque_max, error_max, moving_torque2, moving_error2;
 };
 
-/// One decimated series for plots: measured and modelled torque with the motion.
+/// A decimated series for plots: measured and modelled torque with the motion.
 struct PredictionSeries {
-  int wanted = 3000;         ///< samples: so many to twice as many are kept
+  int wanted = 3000;         ///< number of samples: this many to twice as many are kept
   std::vector<double> time;  ///< [s] since the recording began
   std::vector<std::vector<double>> q, dq, ddq, measured, modelled;  ///< [joint][sample]
 };
 
-/// Second pass: the errors of parameter values on every row of a recording. A series of some
-/// thousand samples is kept if asked for.
+/// Second pass: errors of given parameter values on every row of a recording, and on request a
+/// series of some thousand samples.
 ///
-/// @param without_excluded  if not null, becomes the errors without the moments that
-///                          options.left_out excludes.
+/// @param without_excluded  if not null, set to the errors outside of the intervals that
+/// options.left_out excludes.
 ErrorSums prediction_error(const Model& arm, const std::string& path,
                            const PreprocessingOptions& options, const VectorRef& values,
                            const std::vector<TorqueFacts>& joints,

@@ -8,12 +8,12 @@
 
 namespace veridyn {
 
-/// Least squares over parameters that a real machine can have:
+/// Least squares under physical consistency:
 ///
 ///   minimise    ||R*x - z||^2 + rho2
 ///   subject to  J_k(x) positive semidefinite for every body k,   G*x <= h
 ///
-/// R (rows x n) may have any shape and rank; give the (n x n) square-root factor of long
+/// R (rows x n) may have any shape and rank; pass the (n x n) square-root factor of long
 /// recordings, since every iteration multiplies by R. rho2 is the part of the sum of squares
 /// outside the factor.
 struct FeasibleProblem {
@@ -25,22 +25,24 @@ struct FeasibleProblem {
   VectorXd h;                     ///< (m)
 };
 
-/// What makes a body physical.
+/// Condition for the physical consistency of a body.
 enum class PhysicalCondition {
-  kPseudoInertia,     ///< pseudo_inertia(phi) >= 0: necessary and sufficient for a positive mass
-                      ///< distribution
-  kPrincipalMoments,  ///< I >= 0 and m >= 0, I about the origin of the frame as it stands in phi, h
-                      ///< ignored: weaker (necessary only), offered to compare with older work
+  /// pseudo_inertia(phi) >= 0: necessary and sufficient for a positive mass distribution.
+  kPseudoInertia,
+  /// I >= 0 and m >= 0, I about the origin of the frame, h ignored: weaker (necessary only),
+  /// offered to compare with older work
+  kPrincipalMoments,
   kNone               ///< only G*x <= h
 };
 
-/// Entropic pull of body k toward given parameters: adds weight * entropic_divergence(J_k, J(phi)).
+/// Entropic prior of body k: adds weight * entropic_divergence(J_k, J(phi)).
 struct EntropicPrior {
   double weight = 0.0;              ///< > 0 (in the unit of z squared), or 0: none
-  std::vector<InertialVector> phi;  ///< one per body, pseudo-inertia positive definite; zero: none
+  /// One per body, pseudo-inertia positive definite; zeros: no prior.
+  std::vector<InertialVector> phi;
 };
 
-/// Quadratic pull: adds the sum of weight_j * (x_j - x0_j)^2.
+/// Quadratic prior: adds the sum of weight_j * (x_j - x0_j)^2.
 struct QuadraticPrior {
   VectorXd weight;  ///< (n), >= 0, or empty: none
   VectorXd x;       ///< (n)
@@ -48,9 +50,9 @@ struct QuadraticPrior {
 
 struct FeasibleOptions {
   PhysicalCondition condition = PhysicalCondition::kPseudoInertia;
-  /// Done when  cost - lower_bound <= gap_tolerance * max(cost, floor),
-  /// floor = 1e-4*(||z||^2 + rho2), so that data fitted exactly are no obstacle. If z and rho2 are
-  /// zero, floor = 1e-10*||R||_F^2; a heavy entropic prior raises it to the rounding of its terms.
+  /// Converged when  cost - lower_bound <= gap_tolerance * max(cost, floor), floor = 1e-4*(||z||^2
+  /// + rho2), so that data fitted exactly can converge. If z and rho2 are zero, floor =
+  /// 1e-10*||R||_F^2; a heavy entropic prior raises it to the rounding of its terms.
   double gap_tolerance = 1e-9;
   /// Every J_k (or the matrix of the chosen condition) keeps eigenvalues > margin; SI units, >= 0.
   double eigenvalue_margin = 0.0;
@@ -59,7 +61,7 @@ struct FeasibleOptions {
   /// of ||z||/||R_j|| and the width of the interval that the bounds leave to x_j; a body when
   /// smallest_scaled_eigenvalue(J_k - margin*1) <= active_tolerance.
   double active_tolerance = 1e-6;
-  int max_iterations = 100;  ///< per attempt; up to three if no feasible point is met
+  int max_iterations = 100;  ///< per attempt; up to three attempts if no feasible point is met
   EntropicPrior entropic_prior;
   QuadraticPrior quadratic_prior;
 };
@@ -67,32 +69,34 @@ struct FeasibleOptions {
 enum class FeasibleStatus {
   kOptimal,      ///< x is strictly feasible and the gap is within the tolerance
   kInfeasible,   ///< no x satisfies all constraints; see `certificate` for how sure that is
-  kNoInterior,   ///< the constraints leave no room (as x <= 1 and x >= 1 do); x meets them to
-                 ///< rounding only
-  kNotConverged  ///< gap above tolerance after the last iteration; x is the best found, see
-                 ///< `feasible`
+  /// The feasible set has no interior (as with x <= 1 and x >= 1); x satisfies the constraints up
+  /// to rounding.
+  kNoInterior,
+  /// The gap is above the tolerance after the last iteration; x is the best found, see `feasible`.
+  kNotConverged
 };
 
-/// What the lower bound, or the verdict kInfeasible, rests on.
+/// Foundation of the lower bound, or of the verdict kInfeasible.
 enum class Certificate {
   kRigorous,  ///< weak duality; dual residuals and rounding multiplied by bounds that follow from
               ///< G, h and J >= 0
-  kNoBox  ///< some parameter has no such bound; it was taken to stay within 2*|x_j| + ||z||/||R_j||
-          ///< Bound of |x_j| (2*|x_j| where R does not see it). See `unbounded_columns`.
+  /// some parameter has no such bound; its |x_j| was assumed below 2*|x_j| + ||z||/||R_j|| (2*|x_j|
+  /// where R does not see it). See `unbounded_columns`.
+  kNoBox
 };
 
-/// A row of G without slack.
+/// An active row of G.
 struct ActiveRow {
   int row = 0;
   double slack = 0.0;       ///< h_i - G_i*x > 0
   double multiplier = 0.0;  ///< d cost / d h_i = -multiplier
 };
 
-/// A body at the edge of physics.
+/// A body at the boundary of physical consistency.
 struct ActiveBody {
   int body = 0;                    ///< index into body_columns
   double scaled_eigenvalue = 0.0;  ///< smallest_scaled_eigenvalue of its matrix minus the margin
-  Eigen::Vector4d eigenvalues;     ///< Eigenvalues of its matrix, ascending
+  Eigen::Vector4d eigenvalues;     ///< of its matrix, ascending
   Eigen::Matrix4d multiplier;      ///< Z_k >= 0: d cost = <Z_k, d(margin*1)>
 };
 
@@ -101,16 +105,17 @@ struct FeasibleResult {
   VectorXd x;                ///< (n)
   bool feasible = false;     ///< checked afterwards with plain eigenvalues and G*x < h, strictly
   double objective = 0.0;    ///< ||R*x - z||^2 + rho2 at x
-  double cost = 0.0;         ///< objective plus the priors' terms: what was minimised
-  double lower_bound = 0.0;  ///< Lower bound of the cost over all feasible points; infinity if there are none
+  double cost = 0.0;         ///< objective plus the terms of the priors: the minimised function
+  /// Lower bound of the cost over all feasible points; infinity if there are none.
+  double lower_bound = 0.0;
   double duality_gap = 0.0;  ///< (cost - lower_bound) / max(cost, floor)
   Certificate certificate = Certificate::kNoBox;
-  std::vector<int> unbounded_columns;  ///< columns that the certificate kNoBox had to trust
+  std::vector<int> unbounded_columns;  ///< columns without a bound, see Certificate::kNoBox
   std::vector<ActiveRow> active_rows;
   std::vector<ActiveBody> active_bodies;
   VectorXd row_multipliers;  ///< (m), >= 0
-  /// Z_k >= 0, one per body; zero where an entropic prior alone keeps the body physical, or without
-  /// a condition.
+  /// Z_k >= 0, one per body; zero without a condition, or where an entropic prior alone keeps the
+  /// body consistent.
   std::vector<Eigen::Matrix4d> body_multipliers;
   int iterations = 0;
   double seconds = 0.0;
@@ -120,12 +125,11 @@ struct FeasibleResult {
 };
 
 /// Solves the problem by a primal-dual interior-point method (Nesterov-Todd direction,
-/// predictor-corrector, infeasible start). Where the data do not determine x, the one returned is
-/// near the analytic centre of the optimal set: it can be far out in directions that neither data
-/// nor bounds hold; a prior holds them. The problem cannot be unbounded, since the cost is not
-/// below rho2.
+/// predictor-corrector, infeasible start). Where the data do not determine x, the solution lies
+/// near the analytic centre of the optimal set and can be far out in directions that neither data
+/// nor bounds limit; a prior limits them. The problem is bounded, since the cost is at least rho2.
 ///
-/// The first-order conditions that the multipliers lambda and Z_k meet, without priors:
+/// First-order conditions of the multipliers lambda and Z_k, without priors:
 ///
 ///   2*R'*(R*x - z) + G'*lambda - sum_k adjoint(Z_k) = 0
 ///   lambda_i*(h_i - G_i*x) = 0,   J_k*Z_k = 0,   lambda >= 0,   Z_k >= 0

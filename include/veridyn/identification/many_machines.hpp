@@ -9,7 +9,7 @@
 namespace veridyn {
 
 /// Processes that work on one list of recordings: ranks 0 .. size - 1 that can send bytes to each
-/// other. Behind it may be MPI, or threads in a test.
+/// other, by MPI or between the threads of a test.
 class Communicator {
  public:
   virtual ~Communicator() = default;
@@ -22,16 +22,17 @@ class Communicator {
 
 /// identify() with the recordings spread over ranks; every rank calls it with the same arguments.
 ///
-/// Each rank compresses its share, the factors come together at rank 0 in a fixed binary tree and
-/// in the order of the list, and each rank measures the errors of its own recordings: the result is
-/// that of identify() with choose_velocities = false, whatever the number of ranks. A recording that cannot be read or used is
-/// left out and named in `left_out` of the result.
+/// Each rank compresses its share, the factors are merged at rank 0 in a fixed binary tree and in
+/// the order of the list, and each rank measures the errors of its own recordings. The result is
+/// that of identify() with choose_velocities = false, for any number of ranks. A recording that
+/// cannot be read or used is skipped and named in `left_out` of the result.
 ///
-/// @param keep  called on every rank with its factors so far, now and then, so that they survive a
-/// lost rank; and on rank 0 once with those of all ranks, `whole` then. May be empty.
-/// @returns  at rank 0; elsewhere only status and reason mean anything.
-/// @throws InvalidInput  on every rank alike: not one recording could be used, or known masses were
-/// asked for.
+/// @param keep  called on every rank with its factors so far, from time to time, so that they
+/// survive the failure of a rank; and on rank 0 once with those of all ranks, `whole` is then true.
+/// May be empty.
+/// @returns  the result at rank 0; on other ranks only status and reason are valid.
+/// @throws InvalidInput  on every rank alike: no recording could be used, or known masses were
+/// given.
 using KeepFactors = std::function<void(const FactorSet& factors, bool whole)>;
 Identification identify(const Model& arm, const std::vector<std::string>& train,
                         const std::vector<std::string>& test, const IdentificationOptions& options,

@@ -27,11 +27,11 @@ Eigen::Matrix4d pseudo_inertia(const Eigen::Ref<const InertialVector>& phi);
 
 /// The adjoint of pseudo_inertia: the phi-vector with <J(phi), Z> = phi' * adjoint(Z) for all phi.
 ///
-/// @param Z  (4x4), symmetric; of another matrix the symmetric part counts.
+/// @param Z  (4x4), symmetric; only the symmetric part of another matrix counts.
 InertialVector pseudo_inertia_adjoint(const Eigen::Matrix4d& Z);
 
-/// The nearest body of the same mass and centre whose mass lies at least `radius` [m] (rms) to the
-/// sides of its centre, in all three directions; zero where there is no mass.
+/// The nearest body of the same mass and centre whose mass has an rms distance of at least `radius`
+/// [m] from its centre along all three axes; zero for zero mass.
 InertialVector with_size(const InertialVector& phi, double radius);
 
 /// The inverse of pseudo_inertia: the ten parameters of a given J (4x4, symmetric).
@@ -43,15 +43,14 @@ InertialVector inertial_parameters(const Eigen::Matrix4d& J);
 ///            [ 0  m ]
 ///
 /// D > 0 is necessary and not sufficient for a real body: it ignores h and admits principal moments
-/// that break the triangle inequality. Kept to compare with results of the older literature.
+/// that violate the triangle inequality. Kept to compare with results of older literature.
 Eigen::Matrix4d principal_moment_matrix(const Eigen::Ref<const InertialVector>& phi);
 
 /// Smallest eigenvalue of a symmetric 4x4 matrix.
 double smallest_eigenvalue(const Eigen::Matrix4d& J);
 
-/// How singular a pseudo-inertia is, whatever the units: the smallest eigenvalue of J after scaling
-/// to unit diagonal, J_ij / sqrt(J_ii*J_jj). 1: principal axes about the centre of mass; 0:
-/// singular.
+/// Distance from singularity, independent of units: the smallest eigenvalue of J after scaling to
+/// unit diagonal, J_ij / sqrt(J_ii*J_jj). 1: principal axes about the centre of mass; 0: singular.
 ///
 /// @returns -infinity where a diagonal entry is not positive.
 double smallest_scaled_eigenvalue(const Eigen::Matrix4d& J);

@@ -11,7 +11,7 @@
 
 namespace veridyn {
 
-/// The rows of one joint over a stretch of samples: A * parameters ~ b.
+/// Rows of one joint over a segment of samples: A * parameters ~ b.
 struct JointRows {
   std::vector<int> parameters;  ///< indices of the standard parameters that act on this joint
   MatrixXd A;                   ///< (samples x parameters)
@@ -19,10 +19,11 @@ struct JointRows {
   VectorXd time;                ///< (samples) [s] since the recording began
 };
 
-/// Turns stretches of samples into rows of least squares, filtered and decimated as the options
-/// say.
+/// Turns segments of samples into rows of least squares, filtered and decimated according to the
+/// options.
 ///
-/// Parameters that the robot file declares as facts have no column: their torque is taken from b.
+/// Parameters that the robot file declares as known have no column: their torque is subtracted from
+/// b.
 class RegressorColumns {
  public:
   RegressorColumns(const Model& arm, const PreprocessingOptions& options);
@@ -32,7 +33,7 @@ class RegressorColumns {
     return of_joint_[static_cast<size_t>(joint)];
   }
 
-  /// One JointRows per joint, from the usable samples of the stretch's core.
+  /// One JointRows per joint, from the usable samples of the segment's core.
   std::vector<JointRows> rows(const Stretch& stretch) const;
 
   /// Joints first .. end - 1.
@@ -40,25 +41,25 @@ class RegressorColumns {
     int first, end;
   };
 
-  /// All joints in groups whose columns over so many rows take a few megabytes.
+  /// Divides the joints into groups whose columns over this many rows take a few megabytes.
   std::vector<Joints> groups(Eigen::Index rows) const;
 
-  /// rows() of one group, in the order of its joints.
+  /// Like rows() for the joints of one group, in its order.
   std::vector<JointRows> rows(const Stretch& stretch, Joints joints) const;
 
-  /// The measured torque as rows() and predict() see it, filtered, (rows x n).
+  /// Measured torque with the filter of rows() and predict(), (rows x n).
   MatrixXd filtered_torque(const Stretch& stretch) const;
 
-  /// Modelled torque for given parameters beside the measured one, both filtered alike; rows
-  /// outside the core or not to be used are there too. (rows x n) each.
+  /// Modelled and measured torque, both with the same filter, for given parameters; rows outside
+  /// the core or excluded ones are present. (rows x n) each.
   struct Prediction {
     MatrixXd measured;
     MatrixXd modelled;
   };
   Prediction predict(const Stretch& stretch, const VectorRef& values) const;
 
-  /// True if the options leave this moment of the joint out; `left_out` in the options must be of
-  /// this recording only. @param time  [s] since the recording began.
+  /// True if the options exclude this instant of the joint; `left_out` in the options must belong
+  /// to this recording. @param time  [s] since the recording began.
   bool left_out(int joint, double time) const;
 
  private:

@@ -7,15 +7,16 @@
 
 namespace veridyn {
 
-/// Of a joint's range and speed: what moves less shows friction at one place and inertia in the noise.
+/// Share of a joint's range and speed below which its motion identifies neither friction nor
+/// inertia.
 constexpr double kHardlyMoves = 0.05;
 
-/// How good an identification is on one joint.
+/// Quality of an identification for one joint.
 enum class IdentifiedState {
-  kAtFloor,      ///< the model leaves little more than the noise
-  kUnexplained,  ///< it leaves far more: the model lacks something
-  kHardlyMoved,  ///< the recordings hardly move the joint: record it again
-  kCannotTell,   ///< nothing repeats, so that the noise is not known
+  kAtFloor,      ///< the residual is little above the noise floor
+  kUnexplained,  ///< the residual is far above it: the model lacks something
+  kHardlyMoved,  ///< the recordings hardly move the joint: record them again
+  kCannotTell,   ///< the motion does not repeat, so that the noise floor is unknown
 };
 /// "at_floor", "unexplained", "hardly_moved", "cannot_tell".
 const char* name_of(IdentifiedState state);
@@ -23,20 +24,21 @@ const char* name_of(IdentifiedState state);
 struct IdentifiedJoint {
   std::string joint;
   IdentifiedState state = IdentifiedState::kCannotTell;
-  double error = 0.0;  ///< relative, held out where recordings were, else of training
+  double error = 0.0;  ///< relative, on held-out recordings if there are any, else on the training
   double floor = 0.0;  ///< relative noise floor; NaN where nothing repeats
-  double range = 0.0;  ///< share of the range of the file that training moved over; NaN: no limits
+  /// Share of the joint's range covered by the training; NaN: no limits in the file.
+  double range = 0.0;
   double speed = 0.0;  ///< largest share of the speed limit; NaN: no limit
 };
 
-/// What an identification is worth, joint by joint, and what to do next.
+/// Quality of an identification joint by joint, with the recommended next step.
 struct IdentificationVerdict {
   std::vector<IdentifiedJoint> joints;
   bool held_out = false;  ///< errors are of held-out recordings
-  std::string sentence;   ///< joints by state, with what to do next
+  std::string sentence;   ///< joints by state, with the recommendation
 };
 
-/// @param id  with a model.
+/// @param id  result with a model.
 IdentificationVerdict verdict_of(const Identification& id);
 
 }  // namespace veridyn

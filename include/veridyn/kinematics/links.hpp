@@ -3,9 +3,9 @@
 #include "veridyn/math/vector3.hpp"
 #include "veridyn/model/joint_type.hpp"
 
-// A tree as the recursions read it: plain arrays and nothing that brings inline functions of its
-// own. Kernels for several instruction sets are compiled against this, and must not share code with
-// the rest of the program.
+// The kinematic tree as plain arrays, without inline functions. Kernels are compiled against this
+// header once for each instruction set; an inline function that they shared with the rest of the
+// program could be linked in a version that the processor does not have.
 
 namespace veridyn {
 
@@ -25,10 +25,10 @@ struct SupportingCoordinate {
 /// T_parent_link = A * J(s) * B, where J turns about z or slides along z.
 struct Link {
   int frame;   ///< index in the model; -1: none
-  int parent;  ///< index of the link it hangs on; -1: the world
-  int body;    ///< index of a body on it, or -1; BodyPlace::next has the others
+  int parent;  ///< index of the parent link; -1: the world
+  int body;    ///< index of the first body on this link, or -1; BodyPlace::next leads to the others
   JointType type;
-  bool A_moves;  ///< false: the joint's origin is that of the parent
+  bool A_moves;  ///< false: the joint's origin coincides with the parent's
   bool B_is_identity;
   bool quarter_turn;  ///< A turns about x by exactly +-90 degrees, as most axes of most arms do
   Posed A;        ///< T_parent_joint
@@ -50,15 +50,16 @@ struct BodyPlace {
 struct Links {
   int joints;
   int count;     ///< links
-  int supports;  ///< Number of all links' entries together
+  int supports;  ///< sum over the links of their supporting coordinates
   int bodies;
   const Link* link;
   const JointCoefficient* coefficient;
   const SupportingCoordinate* support;
   const BodyPlace* body;
   Vec3d gravity;
-  /// Directions of the state space as lanes are seeded with them, link by link: `seed_width` entries
-  /// (c of s = c . q, then n zeros) for positions, and as many (n zeros, then c) for velocities.
+  /// Unit directions of the state space that the derivative recursions seed in lanes, link by link:
+  /// `seed_width` entries (c of s = c . q, then n zeros) for positions, then as many (n zeros, then
+  /// c) for velocities.
   const double* seeds;
   int seed_width;
   const int* first_moved;  ///< first link that a coordinate moves, by coordinate; -1: none

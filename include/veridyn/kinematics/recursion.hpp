@@ -5,16 +5,16 @@
 #include "veridyn/kinematics/links.hpp"
 #include "veridyn/math/sine_cosine.hpp"
 
-// Motion along the tree, over any scalar S: double, float, a pack of samples, a dual number, a
-// number that remembers how it was computed, a user's own with + - * and sine_cosine(). One source
-// for all of them, and no dependency. All vectors of a link are written in the link's own frame, at
-// its origin.
+// Motion along the kinematic tree, over any scalar S: double, float, a pack of samples, a dual
+// number, a number that records its own computation, or a user's type with + - * and sine_cosine().
+// The vectors of a link are written in the link's own frame, at its origin.
 //
 // Source of the forms: Featherstone, Rigid Body Dynamics Algorithms, 2008, ch. 5.
 
 namespace veridyn {
 
-/// Constants are doubles; beside floats they become floats, so that arithmetic stays there.
+/// Scalar type of constants in arithmetic with S: float where S is float, so that nothing is
+/// promoted to double.
 template <typename S>
 struct ConstantOf {
   using type = double;
@@ -56,7 +56,7 @@ inline Spin<S> spin(const Vec3<S>& omega, const Vec3<S>& alpha) {
   // clang-format on
 }
 
-/// E p.
+/// The product E p.
 template <typename S, typename C>
 inline Vec3<S> apply(const Spin<S>& E, const Vec3<C>& p) {
   return p.x * E.x + p.y * E.y + p.z * E.z;
@@ -70,8 +70,8 @@ struct LinkState {
   Vec3<S> omega;     ///< angular velocity
   Vec3<S> alpha;     ///< its derivative
   Vec3<S> accel;     ///< acceleration of the origin, minus gravity
-  Spin<S> E;         ///< of omega and alpha
-  Vec3<S> force;     ///< that the link and all that it carries need
+  Spin<S> E;         ///< spin matrix of omega and alpha
+  Vec3<S> force;     ///< force and moment that move the link and all that it carries
   Vec3<S> moment;
 };
 
@@ -81,7 +81,7 @@ struct Column {
   Vec3<S> w, v;
 };
 
-/// What the passes write, as plain arrays: see links.hpp for why.
+/// Arrays that the passes write; links.hpp says why they are plain.
 template <typename S>
 struct Workspace {
   LinkState<S>* link;        ///< one per link
@@ -123,7 +123,7 @@ inline Vec3<S> zero3() {
   return {S(0.0), S(0.0), S(0.0)};
 }
 
-/// omega, alpha, accel from one end of a rigid piece to the other.
+/// Transforms omega, alpha and accel across the fixed pose T (Featherstone's motion transform X).
 template <typename S>
 inline void carry(const Posed& T, Vec3<S>& omega, Vec3<S>& alpha, Vec3<S>& accel) {
   const auto p = constant<S>(T.p);
@@ -134,7 +134,7 @@ inline void carry(const Posed& T, Vec3<S>& omega, Vec3<S>& alpha, Vec3<S>& accel
   alpha = rotate_back(R, alpha);
 }
 
-/// One column of a Jacobian across a rigid piece.
+/// Transforms one column of a Jacobian across the fixed pose T.
 template <typename S>
 inline void carry(const Posed& T, Vec3<S>& w, Vec3<S>& v) {
   const auto R = constant<S>(T.R);
@@ -154,7 +154,7 @@ inline S along_joint(const Links& tree, const Link& link, const S* x) {
   return sum;
 }
 
-/// R_parent_joint from the sine and cosine that stand in the link's state.
+/// Computes R_parent_joint from the sine and cosine in the link's state.
 template <typename S>
 inline void rotation_step(const Link& link, LinkState<S>& at) {
   const auto A = constant<S>(link.A.R);
@@ -176,22 +176,22 @@ inline void rotation_step(const Link& link, LinkState<S>& at) {
           {A.row2.x * c + A.row2.y * s, A.row2.y * c - A.row2.x * s, S(A.row2.z)}};
 }
 
-/// R' a, from the axes of the parent to those of the joint. Five products do where A is a quarter
-/// turn.
+/// R' a: from the axes of the parent to those of the joint. Five products suffice where A is a
+/// quarter turn.
 template <typename S, typename V>
 inline Vec3<V> to_joint(const Link& link, const Mat3<S>& R, const Vec3<V>& a) {
   if (!link.quarter_turn) return rotate_back(R, a);
   return {R.row0.x * a.x + R.row2.x * a.z, R.row0.y * a.x + R.row2.y * a.z, R.row1.z * a.y};
 }
 
-/// R a.
+/// R a: from the axes of the joint to those of the parent.
 template <typename S, typename V>
 inline Vec3<V> from_joint(const Link& link, const Mat3<S>& R, const Vec3<V>& a) {
   if (!link.quarter_turn) return rotate(R, a);
   return {R.row0.x * a.x + R.row0.y * a.y, R.row1.z * a.z, R.row2.x * a.x + R.row2.y * a.y};
 }
 
-/// One link's velocity and acceleration from its parent's.
+/// Computes one link's velocity and acceleration from its parent's.
 template <typename S>
 inline void forward_step(const Links& tree, int k, const Vec3d& gravity, const Workspace<S>& r) {
   namespace d = recursion_detail;
@@ -233,7 +233,7 @@ inline void forward_step(const Links& tree, int k, const Vec3d& gravity, const W
   at.accel = accel;
 }
 
-/// Joint variables and rotations. @param q, dq, ddq  n entries each.
+/// Computes joint variables and rotations. @param q, dq, ddq  n entries each.
 template <typename S>
 inline void joint_pass(const Links& tree, const S* q, const S* dq, const S* ddq,
                        const Workspace<S>& r) {
@@ -249,7 +249,7 @@ inline void joint_pass(const Links& tree, const S* q, const S* dq, const S* ddq,
   }
 }
 
-/// Joint variables, velocities and accelerations of all links.
+/// Computes joint variables, velocities and accelerations of all links.
 ///
 /// @param gravity  in the world [m/s^2]; zero for pure motion.
 template <typename S>
@@ -259,8 +259,8 @@ inline void forward_pass(const Links& tree, const S* q, const S* dq, const S* dd
   for (int k = 0; k < tree.count; ++k) forward_step(tree, k, gravity, r);
 }
 
-/// A column of the parent's Jacobian, or several side by side, at the link's joint: as it moves with
-/// the link.
+/// Transforms one column of the parent's Jacobian, or several side by side, to the link's joint, so
+/// that it describes a motion of the parent with the joint held.
 template <typename S, typename L>
 inline Column<L> to_joint(const Link& link, const LinkState<S>& at, const Column<L>& above) {
   Vec3<L> v = above.v;
@@ -273,7 +273,7 @@ inline Column<L> to_joint(const Link& link, const LinkState<S>& at, const Column
   return c;
 }
 
-/// Body Jacobian of one link from its parent's.
+/// Computes the body Jacobian of one link from its parent's.
 template <typename S>
 inline void jacobian_step(const Links& tree, int k, const Workspace<S>& r) {
   namespace d = recursion_detail;
@@ -291,14 +291,14 @@ inline void jacobian_step(const Links& tree, int k, const Workspace<S>& r) {
   }
 }
 
-/// Body Jacobians of all links; needs forward_pass() of the same q.
+/// Computes the body Jacobians of all links; requires forward_pass() at the same q.
 template <typename S>
 inline void jacobian_pass(const Links& tree, const Workspace<S>& r) {
   for (int k = 0; k < tree.count; ++k) jacobian_step(tree, k, r);
 }
 
-/// Time derivatives of the body Jacobians, taken within each link's frame; needs forward_pass() and
-/// jacobian_pass().
+/// Computes the time derivatives of the body Jacobians, taken within each link's frame; requires
+/// forward_pass() and jacobian_pass().
 template <typename S>
 inline void jacobian_rate_pass(const Links& tree, const Workspace<S>& r) {
   namespace d = recursion_detail;

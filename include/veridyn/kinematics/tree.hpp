@@ -8,13 +8,13 @@ namespace veridyn {
 
 class Model;
 
-/// What the recursions need of an arm, laid out for them.
+/// Kinematic tree and bodies of an arm in the array layout that the recursions read.
 struct Tree {
   enum class Keep {
     kEveryFrame,   ///< every frame is a link: for poses
     kBodiesOnly,   ///< frames that neither move nor carry a body are folded into their children
     kMovingLinks,  ///< moving frames alone, each in the frame of its joint: B is the identity, and
-                   ///< bodies and frames stand where they are on these links: for dynamics
+                   ///< bodies and frames keep their own poses on these links: for dynamics
   };
   explicit Tree(const Model& arm, Keep keep = Keep::kBodiesOnly);
 
@@ -30,7 +30,7 @@ struct Tree {
   int add_link(int parent, JointType type, const std::vector<JointCoefficient>& terms,
                double offset, const Posed& A, const Posed& B = identity_pose());
 
-  /// The next body of phi.
+  /// Adds a body; bodies are numbered in the order of phi.
   void add_body(int link, const Posed& T_link_body = identity_pose()) {
     int next = -1;
     if (link >= 0) {

@@ -7,21 +7,21 @@
 
 namespace veridyn {
 
-/// All that least squares needs to know of any number of rows A x ~ b, in the square of the
-/// columns:
+/// Least-squares information of any number of rows A x ~ b, in memory that depends on the number of
+/// columns alone:
 ///
 ///   || A x - b ||^2  =  || R x - z ||^2 + rho^2
 ///
 /// R is upper triangular (k x k). Rows are absorbed in blocks by QR; factors over the same columns
-/// merge by one more QR, in any order. Columns are known by name, so that a subset is a question
-/// and not a copy of the data. Source: Bierman, Factorization Methods for Discrete Sequential
-/// Estimation, 1977.
+/// merge by one more QR, in any order. Columns have names, so that a subset can be solved without a
+/// copy of the data. Source: Bierman, Factorization Methods for Discrete Sequential Estimation,
+/// 1977.
 class SquareRootInformation {
  public:
   SquareRootInformation() = default;
   explicit SquareRootInformation(std::vector<std::string> columns);
 
-  /// A factor whose parts are known, such as those of a file.
+  /// Builds a factor from its parts, such as those read from a file.
   /// @throws InvalidInput  the sizes differ, R is not upper triangular, or rho2 or rows are
   /// negative.
   SquareRootInformation(std::vector<std::string> columns, MatrixXd R, VectorXd z, double rho2,
@@ -52,15 +52,15 @@ class SquareRootInformation {
   /// @param threads  0: one per core.
   void absorb(const MatrixRef& A, const VectorRef& b, int threads);
 
-  /// Adds the rows that another factor stands for, each scaled by `weight`. Columns that only the
-  /// other one has are appended.
+  /// Adds the rows of another factor, each scaled by `weight`. Columns that only the other one has
+  /// are appended.
   void merge(const SquareRootInformation& other, double weight = 1.0);
 
   /// || A x - b ||^2 for x in the order of columns().
   double residual2(const VectorRef& x) const;
 
-  /// The same rows, seen through these columns only, in this order. A column that is not there is
-  /// zero.
+  /// The same rows restricted to these columns, in this order. A column that the factor does not
+  /// have is zero.
   SquareRootInformation restricted(const std::vector<std::string>& columns) const;
 
   /// The same rows after a change of variables x = T y: columns are named anew. T is (size() x new

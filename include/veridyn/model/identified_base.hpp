@@ -14,9 +14,9 @@ struct IdentifiedParameter {
       name;  ///< Name of the standard parameter that leads the combination, whose coefficient is 1
   std::string unit;
   std::map<std::string, double> combination;  ///< coefficients by names of standard parameters
-  double value = 0.0;                         ///< Value by the model's parameters
-  /// Least squares without any condition: what the scatter belongs to. A physically possible model
-  /// lies beside it where the data ask for the impossible.
+  double value = 0.0;                         ///< value that follows from the model's parameters
+  /// Estimate of unconstrained least squares, to which the scatter belongs. It differs from `value`
+  /// where the unconstrained optimum is not physically consistent.
   double free = 0.0;
   /// This parameter's row of F, where F F' is the covariance of all `free` (jackknife over
   /// clusters: phases of the motion or stretches of time, never single samples). One column per
@@ -24,18 +24,21 @@ struct IdentifiedParameter {
   VectorXd scatter;
 };
 
-/// Beyond this number the columns of F are no longer clusters, only some factor of the covariance.
+/// With more clusters than this, F is compressed: its columns are then a factor of the covariance
+/// and no longer single clusters.
 constexpr int kClustersKept = 128;
 
-/// What an identification leaves in its MODEL file for later statistics: its base parameters with
-/// their covariance.
+/// Statistics that an identification writes into its MODEL file: base parameters with their
+/// covariance.
 struct IdentifiedBase {
-  std::vector<std::string> recordings;  ///< names of the files that it learned from
+  std::vector<std::string> recordings;  ///< names of the training recordings
   int clusters = 0;                     ///< Clusters of the jackknife; its degrees of freedom are one fewer
-  VectorXd error;  ///< (n) relative error on the recordings that it learned from
-  VectorXd noise;  ///< (n) [N m] or [N] white noise, one sample in 0.1 s, as uncertain as what it left; or empty
-  /// (clusters x n) how the information is spread over the clusters, by joint: it is alike where
-  /// the same motion was recorded again, and its clusters are then pairs. Empty where not known.
+  VectorXd error;  ///< (n) relative error on the training recordings
+  /// (n) [N m] or [N] deviation of white noise of one sample in 0.1 s that has the effect of the
+  /// residual; or empty
+  VectorXd noise;
+  /// (clusters x n) share of every cluster in the information of each joint. Where one motion was
+  /// recorded twice the shares repeat, and its clusters are pairs. Empty where not known.
   MatrixXd motion;
   std::vector<IdentifiedParameter> parameters;
 

@@ -57,10 +57,10 @@ struct ParameterBox {
   double effect_max = 0.0;
 };
 
-/// What the values of a robot file are.
+/// Provenance of the values in a robot file.
 enum class RobotValues {
-  kFacts,  ///< of this very arm, as a MODEL's
-  kPrior,  ///< of a series of arms: a maker's file (URDF), or `values: prior` in YAML
+  kFacts,  ///< of this very arm, as in an identified MODEL
+  kPrior,  ///< of its series: a manufacturer's file (URDF), or `values: prior` in YAML
 };
 
 /// "facts", "prior".
@@ -68,13 +68,13 @@ const char* name_of(RobotValues values);
 
 /// A rigid body that moves with its frame.
 struct Body {
-  std::optional<InertialParameters> phi;      ///< known, started or identified values
+  std::optional<InertialParameters> phi;      ///< known, initial or identified values
   std::optional<InertialParameters> std_phi;  ///< their standard deviations, where identified
-  /// What the maker's file had in their place: an identification stays close to it wherever the
-  /// recordings leave a choice.
+  /// Values of the manufacturer's file: an identification is regularised towards them in the
+  /// directions that the recordings do not determine.
   std::optional<InertialParameters> prior;
   bool fixed = false;                         ///< true: the values are facts and are not identified
-  ParameterBox box;                           ///< bounds of its own, where given
+  ParameterBox box;                           ///< bounds of this body, where given
 };
 
 /// One frame of the tree. T_parent_frame = A * J(s) * B, where J turns about z or slides along z.
@@ -85,7 +85,7 @@ struct Frame {
   Axis variable;              ///< s; coefficients are zero where fixed
   Posed A = identity_pose();  ///< T_parent_joint
   Posed B = identity_pose();  ///< T_joint_frame
-  std::optional<DhRow> dh;    ///< as it stands in the file, for hypotheses about wrong constants
+  std::optional<DhRow> dh;    ///< as written in the file, for hypotheses about wrong constants
   std::optional<Body> body;
 };
 
@@ -98,10 +98,10 @@ struct Limits {
   double effort;
 };
 
-/// What the sensors of a joint show wrong, as diagnosed: JointSensors undoes it.
+/// Errors of a joint's sensors, as diagnosed; JointSensors corrects them.
 struct RecordedChannel {
   double torque_gain = 1.0;      ///< recorded torque per true torque
-  double torque_delay = 0.0;     ///< [s] by which the recorded torque is late
+  double torque_delay = 0.0;     ///< [s] by which the recorded torque lags
   double position_offset = 0.0;  ///< [rad] or [m] recorded position minus true position
 };
 
@@ -109,15 +109,16 @@ struct Coordinate {
   std::string name;
   Limits limits;
   double drive_gain = 0.0;  ///< [N m/A] or [N/A]: torque per ampere of motor current; 0: not given
-  bool prismatic = false;   ///< true where it moves prismatic frames only: metres and newtons
+  /// True where the coordinate moves prismatic frames only: metres and newtons.
+  bool prismatic = false;
   double drive_gain_deviation = 0.0;  ///< standard deviation of an identified drive gain; 0: none
   RecordedChannel recorded{};
 };
 
-/// One effect of the model, by its name in CONTRACT.md. What it does is in effects/.
+/// One effect of the model, by its name in docs/contract.md; src/effects/ has its equations.
 struct EffectTerm {
   std::string effect;
-  Axis axis;                                 ///< along which it acts
+  Axis axis;                                 ///< axis along which the effect acts
   std::optional<Axis> from;                  ///< the other coordinate of a coupling
   std::string frame;                         ///< the frame that a payload sits on; empty otherwise
   std::map<std::string, double> values;      ///< parameters and shape constants by name
@@ -126,32 +127,31 @@ struct EffectTerm {
   std::string where;                         ///< file and line, for messages
 };
 
-/// Everything a robot file says.
+/// Contents of a robot file.
 struct ModelDescription {
   std::string name;
-  std::string source;  ///< Origin of the numbers
+  std::string source;  ///< where the numbers come from, in words
   RobotValues values = RobotValues::kFacts;
   Eigen::Vector3d gravity{0.0, 0.0, -9.81};
   std::map<std::string, double> constants;
   std::vector<Coordinate> coordinates;
   std::vector<Frame> frames;  ///< parents before children
   std::vector<EffectTerm> effects;
-  /// Effects on the arm as a whole, with values and without an axis: a base that gives way. See
-  /// ArmEffect, which knows what they do.
+  /// Effects on the arm as a whole, with values and without an axis, such as a compliant base; see
+  /// ArmEffect.
   std::vector<EffectTerm> arm_effects;
   ParameterBox box;
   std::map<std::string, std::string>
-      formulas;  ///< arithmetic of the file by place, as "frames/elbow/dh/3"
-  /// Of the identification that gave the values; empty in a robot file, and wherever values
-  /// changed.
+      formulas;  ///< arithmetic expressions of the file, by path, as "frames/elbow/dh/3"
+  /// Statistics of the identification that gave the values; empty in a robot file, and after any
+  /// change of the values.
   std::optional<IdentifiedBase> identified;
 };
 
 /// An arm: frames, bodies and effects. Immutable.
 class Model {
  public:
-  /// @throws InvalidInput  a parent does not stand before its child, names are not unique, sizes
-  /// differ.
+  /// @throws InvalidInput  a frame precedes its parent, names are not unique, or sizes differ.
   explicit Model(ModelDescription description);
 
   const std::string& name() const { return description_.name; }
@@ -168,7 +168,7 @@ class Model {
   /// Indices of the frames that carry a body, in the order of their columns in the regressor.
   const std::vector<int>& bodies() const { return bodies_; }
 
-  /// Index by name, or -1.
+  /// Index of the name, or -1.
   int find_frame(const std::string& name) const;
   int find_coordinate(const std::string& name) const;
 
@@ -184,10 +184,10 @@ class Model {
   std::vector<std::vector<char>> support_;
 };
 
-/// The constant parts A and B of a frame from its DH row.
+/// Sets the constant parts A and B of a frame from its DH row.
 void place(Frame& frame, const DhRow& dh);
 
-/// "N m" or "N" for the coordinate, and likewise "rad" or "m".
+/// "N m" or "N", the unit of the coordinate's effort; then "rad" or "m".
 std::string effort_unit(const Coordinate& coordinate);
 std::string position_unit(const Coordinate& coordinate);
 

@@ -9,11 +9,12 @@
 namespace veridyn {
 
 struct ModelFileOptions {
-  /// Values that replace constants of the file (`constants:`), for hypotheses about wrong ones.
+  /// Values that replace constants of the file (`constants:`), to test hypotheses about them.
   std::map<std::string, double> constants;
 };
 
-/// Reads a robot, or a model (a robot with identified values), as described in CONTRACT.md.
+/// Reads a robot, or a model (a robot with identified values), in the format of
+/// docs/robot-files.md.
 ///
 /// @param robot  a path that ends in .yaml, .yml, .urdf or .xml, or the bare name of a file in
 ///               data/robots/. Bare names are looked for in the folder $VERIDYN_ROBOTS, then in
@@ -28,11 +29,11 @@ std::string robot_path(const std::string& robot);
 Model read_yaml(const std::string& content, const std::string& file,
                 const ModelFileOptions& options = {});
 
-/// A model's file has, beside the values with their standard deviations (`std:` in bodies and
-/// effects, `drive_gain_std:` in coordinates), what later statistics need:
+/// Statistics in a model's file, beside the values and their standard deviations (`std:` in bodies
+/// and effects, `drive_gain_std:` in coordinates):
 ///
 ///   identified:
-///     recordings: [one.csv]         # it learned from
+///   recordings: [one.csv]         # used for training
 ///     clusters: 8                   # of the jackknife; degrees of freedom are one fewer
 ///     error: [0.04, 0.12]           # relative, per joint, on these recordings
 ///     noise: [0.2, 0.5]             # [N m], [N]: IdentifiedBase::noise
@@ -41,12 +42,12 @@ Model read_yaml(const std::string& content, const std::string& file,
 ///       - {name: hx_upper, unit: kg m, value: 2.25, free: 2.26, std: 0.01,
 ///          of: {hx_upper: 1, m_upper: 0.5}, factor: [..]}   # IdentifiedParameter
 ///
-/// `value` is what the model's parameters have; statistics of a file whose parameters were changed
-/// since are not used. `std` follows from `factor` and is there for readers.
+/// `value` is the combination of the model's parameters; if they were changed since, the statistics
+/// are not used. `std` follows from `factor` and serves human readers.
 ///
-/// The robot file of a model, laid out like a hand-written one. read_yaml(to_yaml(m)) is m; numbers
-/// that came as arithmetic and still have that value stay arithmetic, so constants keep their
-/// effect.
+/// The robot file of a model, laid out like a hand-written one. read_yaml(to_yaml(m)) is m;
+/// expressions of the file are written back where they still have the parameter's value, so that
+/// constants keep their meaning.
 std::string to_yaml(const Model& arm);
 
 /// Writes to_yaml() to a file. @throws InvalidInput  the file cannot be written.

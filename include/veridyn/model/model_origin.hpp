@@ -8,11 +8,12 @@ namespace veridyn {
 
 /// A file that a model was made from.
 struct OriginFile {
-  std::string file;    ///< its name without folders, or what a recording in memory is called
-  std::string sha256;  ///< Sha256 of its bytes, as `sha256sum` prints it; empty: it was in memory
+  std::string file;  ///< its name without folders, or what a recording in memory is called
+  /// SHA-256 of its bytes, as `sha256sum` prints it; empty for a recording in memory
+  std::string sha256;
 };
 
-/// What made a MODEL file, when, and from what. It stands in the file under `made:`
+/// Provenance of a MODEL file: command, date and inputs. The file keeps it under `made:`
 ///
 ///   made:
 ///     date: 2026-11-22T02:13:00Z
@@ -22,7 +23,7 @@ struct OriginFile {
 ///       - {file: one.csv, sha256: 5f7c...}
 struct ModelOrigin {
   std::string date;     ///< UTC
-  std::string version;  ///< Version of veridyn
+  std::string version;  ///< version of veridyn
   std::string command;  ///< "identify", "diagnose"
   std::vector<OriginFile> inputs;
 };
@@ -32,11 +33,11 @@ struct ModelOrigin {
 /// @param inputs  paths of files, or names of recordings in memory; each counts once.
 ModelOrigin origin_now(const std::string& command, const std::vector<std::string>& inputs);
 
-/// What a MODEL file says about its origin; nothing where it does not.
+/// Reads the origin from a MODEL file; nullopt where the file has none.
 /// @throws InvalidInput  the file cannot be read, or is no YAML.
 std::optional<ModelOrigin> read_origin(const std::string& path);
 
-/// A robot file's YAML, with its origin after the header.
+/// The YAML of a robot file with its origin inserted after the header.
 std::string with_origin(const std::string& yaml, const ModelOrigin& origin);
 
 }  // namespace veridyn

@@ -16,30 +16,28 @@ namespace veridyn {
 /// without urdfdom.
 Model read_urdf(const std::string& path);
 
-/// What links look like: elements `visual` and `collision` by the name of the link as XML, and
-/// robot-wide `material` elements under the empty name.
+/// Appearance of the links: their elements `visual` and `collision` as XML, by the name of the
+/// link, and robot-wide `material` elements under the empty name.
 using UrdfAppearance = std::map<std::string, std::string>;
 
-/// The appearance of a URDF file's links, as it stands there; file names of meshes are not touched.
+/// The appearance of a URDF file's links, verbatim; file names of meshes are kept as they are.
 /// @throws InvalidInput  no such file, or no XML.
 UrdfAppearance urdf_appearance(const std::string& path);
 
-/// What an exported URDF has beside the model.
+/// Additions to an exported URDF that the model does not hold.
 struct UrdfExtras {
-  /// Comments on links by the name of their frame; under the empty name one on the whole robot.
+  /// Comments on links, by the name of their frame; the comment on the whole robot has the empty
+  /// name.
   std::map<std::string, std::string> remarks;
-  UrdfAppearance appearance;  ///< Appearance of frames of the same names
+  UrdfAppearance appearance;  ///< appearance of the frames, by name
 };
 
 /// A URDF of the same motion and bodies; its root link is `world`.
 ///
 /// A joint variable of one coordinate that is not the coordinate itself becomes a mimic joint; one
 /// of several coordinates becomes a chain of them along one line with massless links in between.
-/// What URDF has no words for (constants, drive gains, other effects, standard deviations) is left
-/// out, and comments say so.
+/// Whatever URDF cannot express (constants, drive gains, other effects, standard deviations) is
+/// omitted, and comments in the file say so.
 std::string to_urdf(const Model& arm, const UrdfExtras& extras = {});
-
-/// Writes to_urdf() to a file. @throws InvalidInput  the file cannot be written.
-void save_urdf(const Model& arm, const std::string& path, const UrdfExtras& extras = {});
 
 }  // namespace veridyn

@@ -8,22 +8,23 @@
 
 namespace veridyn {
 
-/// A recording that somebody still writes: a CSV file that grows (t, q1..qn, dq1.., tau1..), or
+/// A recording that is still being written: a CSV file that grows (t, q1..qn, dq1.., tau1..), or
 /// standard input.
 ///
 ///   GrowingRecording rows("arm.csv", options, [] { return !stopped; });
 ///   for (Recording row = rows.next(1); row.rows() > 0; row = rows.next(1)) ...
 class GrowingRecording {
  public:
-  /// Waits until there is a first line.
+  /// Waits for the first line.
   /// @param path  a file, or "-" for standard input.
-  /// @param go_on  asked about 50 times a second while nothing comes; false ends the recording.
+  /// @param go_on  called about 50 times a second while no data arrive; false ends the recording.
   /// @throws InvalidInput  as RecordingReader.
   GrowingRecording(const std::string& path, const RecordingOptions& options,
                    std::function<bool()> go_on);
   ~GrowingRecording();
 
-  /// The next rows; waits until there are so many. Fewer only where the recording ended.
+  /// Returns the next rows and waits until there are that many; fewer only at the end of the
+  /// recording.
   /// @throws InvalidInput  as RecordingReader::next().
   Recording next(int rows);
 

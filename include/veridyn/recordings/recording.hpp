@@ -31,13 +31,13 @@ struct Recording {
   int joints() const { return static_cast<int>(q.cols()); }
 };
 
-/// A signal of a recording: its name in files, and where it is kept.
+/// A signal of a recording: its name in files and its member.
 struct RecordingSignal {
   const char* name;
   MatrixXd Recording::*values;
 };
 
-/// All signals that a file may hold, in the order in which they are written.
+/// All signals of a file, in the order in which they are written.
 inline constexpr RecordingSignal kRecordingSignals[] = {{"q", &Recording::q},
                                                         {"dq", &Recording::dq},
                                                         {"ddq", &Recording::ddq},
@@ -47,20 +47,20 @@ inline constexpr RecordingSignal kRecordingSignals[] = {{"q", &Recording::q},
 /// Rows first .. first + count - 1 of every signal.
 Recording rows_of(const Recording& recording, int first, int count);
 
-/// How a file is to be read.
+/// Options for reading a file.
 struct RecordingOptions {
   /// Signals in the order of the columns, e.g. {"q", "dq", "tau"}, each with the same number of
-  /// joints; empty: as the header says. "t" is allowed as the first. A header, if there is one, is
-  /// then passed over.
+  /// joints; "t" may come first. Empty: as the header says. A header, if there is one, is then
+  /// ignored.
   std::vector<std::string> columns;
   double rate = 0.0;  ///< [Hz] time base of a file without a column t, ignored if it has one
   long first_row =
-      0;  ///< the first row to keep, counting from 0; rows before it are not even parsed
+      0;  ///< first row to keep, from 0; rows before it are not parsed
   long row_count = -1;  ///< rows to keep; -1: all
   SignalChoice signals;  ///< topics, names of columns and joints, units
 };
 
-/// Reads a recording in pieces; the length of a plain CSV costs no memory.
+/// Reads a recording in pieces; a plain CSV of any length needs little memory.
 ///
 /// Besides CSV of the form below: ROS 1 bags, ROS 2 bags (sqlite3, MCAP; files and folders), MCAP,
 /// CSV with other headers, .npz, .mat and HDF5, see docs/recordings.md; these are kept in memory.
@@ -71,26 +71,26 @@ struct RecordingOptions {
 /// and its time is interpolated (left out at either end of the file). Lines that start with `#` and
 /// empty lines are skipped, except that the last `#` line before the numbers may be the header.
 /// Infinite and absurd numbers are values: check_recording finds them. A row that repeats the time
-/// before is left out and counted in facts(). A decimal comma is read where another sign separates.
+/// before is dropped and counted in facts(). A decimal comma is accepted where another sign
+/// separates.
 /// Cost: one pass, about 30 ns a number (400 MB/s); 1 MiB of buffer.
 class RecordingReader {
  public:
   /// @throws InvalidInput  the file cannot be opened or is empty, has no header and options.columns
-  /// is
-  ///                       empty, or the header makes no sense.
+  /// is empty, or the header is not understood.
   explicit RecordingReader(const std::string& path, const RecordingOptions& options = {});
   ~RecordingReader();
   RecordingReader(RecordingReader&&) noexcept;
   RecordingReader& operator=(RecordingReader&&) noexcept;
 
   /// The next rows, at most `rows` of them; empty at the end.
-  /// @throws InvalidInput  ragged rows, text in a number, time that is missing or runs back;
-  ///                       the message names file, line and column (the field's number, from 1).
+  /// @throws InvalidInput  ragged rows, text in a number, time that is missing or decreases; the
+  /// message names file, line and column (the field's number, from 1).
   Recording next(int rows);
 
   int joints() const;
 
-  /// Joints' names, topics and remarks; remarks on rows are complete at the end of the file.
+  /// Names of the joints, topics and remarks; remarks on rows are complete at the end of the file.
   RecordingFacts facts() const;
 
  private:
@@ -98,16 +98,16 @@ class RecordingReader {
 };
 
 /// The whole recording in memory.
-/// @throws InvalidInput  as RecordingReader does, or not a single row (left after the selection).
+/// @throws InvalidInput  as RecordingReader, or the selection holds no row.
 Recording read_recording(const std::string& path, const RecordingOptions& options = {});
 
-/// The same, with what reading brought up: joints' names, topics, remarks.
+/// The same, and fills `facts`: names of the joints, topics, remarks.
 Recording read_recording(const std::string& path, const RecordingOptions& options,
                          RecordingFacts& facts);
 
-/// Writes CSV with a header, whole or not at all: t with 15 significant digits, signals with 10,
-/// NaN as an empty field. read_recording() returns the same up to that rounding.
-/// @throws InvalidInput  signals of unequal size, or a place that cannot be written.
+/// Writes CSV with a header, atomically: t with 15 significant digits, signals with 10, NaN as an
+/// empty field. read_recording() returns the same up to that rounding.
+/// @throws InvalidInput  signals of unequal size, or a file that cannot be written.
 void write_recording(const Recording& recording, const std::string& path);
 
 }  // namespace veridyn

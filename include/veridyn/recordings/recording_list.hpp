@@ -10,17 +10,17 @@
 
 namespace veridyn {
 
-/// Recordings that are in memory, by the name under which a question speaks of them.
+/// Recordings in memory, by name.
 using RecordingsInMemory = std::map<std::string, std::shared_ptr<const Recording>>;
 
-/// The recordings of one question: paths of files, recordings in memory, or some of both, in the
-/// order in which they were added.
+/// A list of recordings: paths of files, recordings in memory, or both, in the order in which they
+/// were added.
 ///
 ///   identify(arm, {"one.csv", "two.csv"});        // paths
 ///   identify(arm, {recorded_today}, {"old.csv"}); // in memory, held out from a file
 ///
-/// A recording in memory is known by its `source`, or as "recording 1", "recording 2", ... where
-/// that is empty; a name that is taken already gets a number. It is copied once, or shared.
+/// A recording in memory is named by its `source`, or "recording 1", "recording 2", ... if that is
+/// empty; a name in use gets a number. It is copied once, or shared.
 class Recordings {
  public:
   Recordings() = default;
@@ -37,7 +37,8 @@ class Recordings {
   bool empty() const { return names_.empty(); }
   const std::vector<std::string>& names() const { return names_; }
 
-  /// Names of all of them; those in memory are added to `memory`, under names that are new there.
+  /// Names of all recordings; those in memory are added to `memory`, under names that are unique
+  /// there.
   std::vector<std::string> placed_in(RecordingsInMemory& memory) const;
 
  private:
@@ -45,7 +46,7 @@ class Recordings {
   RecordingsInMemory in_memory_;
 };
 
-/// The recording of that name, or null where it has to be read from a file.
+/// The recording of that name, or null if it has to be read from a file.
 const Recording* find_in_memory(const RecordingsInMemory& memory, const std::string& name);
 
 }  // namespace veridyn

@@ -7,43 +7,41 @@
 
 namespace veridyn {
 
-/// What a late publisher left behind: rows that were filled in.
+/// Rows that a late publisher repeated and that were interpolated.
 struct FilledRows {
   long count = 0;
-  double age = 0.0;  ///< [s] of what these rows showed, summed over them
+  double age = 0.0;  ///< [s] age of their data, summed over these rows
 
-  /// [s] How old what they showed was, on average; 0 if there are none.
+  /// [s] mean age of their data; 0 if there are none.
   double lateness() const { return count > 0 ? age / static_cast<double>(count) : 0.0; }
 };
 
-/// One clause for a reader: "12 % of the rows repeated the row before, 6.9 ms late on average, and
-/// are filled in".
+/// A clause for reports: "12 % of the rows repeated the row before, 6.9 ms late on average, and are
+/// filled in".
 std::string filled_text(const FilledRows& filled, long rows);
 
-/// Rows on their way from a file to whoever prepares them; those that a late publisher wrote twice
-/// are filled in.
+/// A stream of rows in which those that a late publisher repeated are interpolated.
 ///
 /// A row is stale if it repeats the row before in every signal although the arm moves (its velocity
-/// is not zero, or its position is another one afterwards where no velocities are recorded). The
-/// signals of one row may come by several messages and catch up at different rows; so each signal
-/// is filled in from its own last new value before a stale row to its first new one behind it:
-/// positions on the cubic through both and their velocities (straight lines where none are
-/// recorded; it never turns back, whatever the velocities say), every other signal on straight
-/// lines.
+/// is not zero, or, without recorded velocities, its position changes afterwards). The signals of
+/// one row may arrive in several messages and catch up at different rows; so each signal is
+/// interpolated from its own last new value before a stale row to its first new one behind it:
+/// positions on the cubic through both and their velocities (linearly without recorded velocities;
+/// the cubic never reverses, whatever the velocities say), every other signal linearly.
 ///
-/// Repeats of more than a tenth of a second, at the end of the recording, or beside gaps stay as
-/// they are. A recording without stale rows passes through unchanged, bit for bit. Memory: the rows
-/// asked for, and a fifth of a second.
+/// Repeats of more than a tenth of a second, at the end of the recording, or beside gaps are kept.
+/// A recording without stale rows passes through unchanged, bit for bit. Memory: the requested
+/// rows, and a fifth of a second.
 class SoundRows {
  public:
   using Source = std::function<Recording(int rows)>;  ///< the next rows, empty at the end
 
   explicit SoundRows(Source source);
 
-  /// The next rows, as many as asked for; fewer only where the recording ends.
+  /// The next rows, as many as requested; fewer only where the recording ends.
   Recording next(int rows);
 
-  /// Those among the rows given out so far.
+  /// Interpolated rows among those returned so far.
   const FilledRows& filled() const { return filled_; }
 
  private:
@@ -51,8 +49,8 @@ class SoundRows {
   void forget();
 
   Source source_;
-  Recording held_;  ///< as recorded: rows given out already, for their neighbours, and new ones
-  int given_ = 0;   ///< Rows of held_ given out already
+  Recording held_;  ///< recorded rows: some returned already, kept as neighbours, then new ones
+  int given_ = 0;   ///< rows of held_ that were returned already
   bool ended_ = false;
   FilledRows filled_;
 };

@@ -8,20 +8,20 @@
 
 namespace veridyn {
 
-/// What the torques say about one standard parameter.
+/// Identifiability of one standard parameter: alone, in a combination, or not at all.
 enum class Identifiability { kAlone, kInCombination, kNot };
 
 /// The smallest set of parameters that the torques depend on:
 ///
 ///   beta = K * phi,   Y * phi = Y(:, independent) * beta
 ///
-/// Row j of K has a one at independent[j], and what depends on it in the other columns.
+/// Row j of K has a one at independent[j]; its other entries regroup the dependent parameters.
 /// Source: Gautier, J. Robotic Systems 8(4), 1991; thesis 5.1.
 struct BaseParameters {
   std::vector<int> independent;  ///< indices of standard parameters, one for each base parameter
   MatrixXd K;                    ///< (base x standard)
-  std::vector<Identifiability> classes;  ///< Class of every standard parameter
-  std::vector<std::string> names;        ///< "beta1 ..": named after their independent parameter
+  std::vector<Identifiability> classes;  ///< class of every standard parameter
+  std::vector<std::string> names;        ///< "beta1 ..": named after the independent parameter
   std::vector<std::string> expressions;  ///< "m_tool + 0.25 m_counterweight"
   VectorXd singular_values;              ///< Singular values of the scaled columns, largest first
   double rank_gap =
@@ -30,14 +30,15 @@ struct BaseParameters {
   int size() const { return static_cast<int>(independent.size()); }
 };
 
-/// Of the arm itself: from the regressor at random states within its limits (fixed seed).
+/// Base parameters of the arm, from the regressor at random states within its limits (fixed seed).
 BaseParameters base_parameters(const Model& arm);
 
-/// The same without what the robot file declares as facts: what an identification finds, and what
-/// an excitation reports.
+/// Base parameters without those that the robot file declares as facts: the unknowns of an
+/// identification, and the list that an excitation reports.
 BaseParameters identifiable_base_parameters(const Model& arm);
 
-/// Of any factor over standard parameters. Columns are scaled to norm one first; singular values
+/// Base parameters of any factor over standard parameters. Columns are scaled to norm one first;
+/// singular values
 /// below `tolerance` times the largest are zero. Independent columns are those that come first in
 /// `preference`.
 BaseParameters base_parameters(const SquareRootInformation& factor,
@@ -53,12 +54,12 @@ BaseParameters base_parameters_by_svd(const SquareRootInformation& factor, doubl
 
 /// The factor of the regressor at random states within the arm's limits; joints without limits move
 /// within 1 rad or 0.1 m.
-/// Effects with a memory follow the states as a path.
-/// @param still  names of coordinates that stay where they are, at rest.
+/// Effects with memory see the states as one path.
+/// @param still  names of coordinates that are held at rest.
 SquareRootInformation random_state_factor(const Model& arm, int states, unsigned seed,
                                           const std::vector<std::string>& still = {});
 
-/// The same with zero columns for facts, as the factors of recordings have it.
+/// Like random_state_factor(), with zero columns for facts, as the factors of recordings have them.
 SquareRootInformation identifiable_factor(const Model& arm, unsigned seed,
                                           const std::vector<std::string>& still = {});
 

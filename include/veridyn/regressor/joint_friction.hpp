@@ -7,27 +7,27 @@
 
 namespace veridyn {
 
-/// Which friction of the joints is part of an arm that is identified, diagnosed or excited. Every
-/// real joint has some, and makers' files seldom do.
+/// Friction model of the joints for identification, diagnosis and excitation. Every real joint has
+/// friction, and manufacturers' files seldom contain it.
 enum class JointFriction {
-  kAuto,   ///< kPlain for a file whose values are a prior (URDF) and which has no friction, else kFile
+  /// KPlain for a manufacturer's file (URDF, values are a prior) without friction, else kFile.
+  kAuto,
   kPlain,  ///< viscous and Coulomb friction and a torque offset of every joint
-  kFile,   ///< what the robot file has
+  kFile,   ///< only the friction of the robot file
 };
 
 /// "auto", "plain", "file".
 const char* name_of(JointFriction friction);
 
-/// The arm with the friction that is asked for. Plain friction comes with the rotor inertia of those
-/// joints on which the torques of the arm can tell it from the inertia of the links.
+/// The arm with the chosen friction. Plain friction includes the rotor inertia of those joints
+/// where torques can separate it from the inertia of the links.
 Model with_friction(const Model& arm, JointFriction friction);
 
-/// The same without the rotor inertia that with_friction() adds: recordings that cannot tell it
-/// may still tell the rest.
+/// Like with_friction() without the added rotor inertia, for recordings that cannot identify it.
 Model with_friction_alone(const Model& arm, JointFriction friction);
 
-/// A sentence on what with_friction() did to an arm, or could have done; empty where the file has
-/// friction of its own.
+/// A sentence on the friction that with_friction() added, or could have added; empty where the file
+/// has its own.
 std::string friction_remark(const Model& file, const Model& arm);
 
 /// One number of a joint: friction, offset or rotor inertia.
@@ -35,12 +35,13 @@ struct JointNumber {
   std::string effect;
   std::string parameter;
   std::string unit;
-  int joint = 0;  ///< from 0
+  int joint = 0;  ///< index from 0
   double value = 0.0;
-  double deviation = 0.0;  ///< NaN where it is not known
+  double deviation = 0.0;  ///< standard deviation; NaN where unknown
 };
 
-/// Those effects of an arm with values that with_friction() would have added, joint by joint.
+/// Parameters of those effects that with_friction() would have added, joint by joint, of an arm
+/// with values.
 std::vector<JointNumber> plain_friction_of(const Model& arm);
 
 }  // namespace veridyn

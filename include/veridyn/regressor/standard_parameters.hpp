@@ -13,31 +13,30 @@ struct StandardParameter {
   std::string name;  ///< "m_tool", "hx_tool", "Lxx_tool" or "viscous_friction(yaw).coefficient"
   std::string unit;
   int body = -1;       ///< index among the bodies, or -1
-  int component = 0;   ///< Index among InertialParameters, or among the effect's parameters
+  int component = 0;   ///< index among InertialParameters, or among the effect's parameters
   int effect = -1;     ///< index among the model's effects, or -1
-  bool fixed = false;  ///< the robot file declares it as a fact
+  bool fixed = false;  ///< the robot file declares it as known
   double value = 0.0;  ///< from the file, where it has one
   double lower = 0.0;  ///< bounds; infinite where there are none
   double upper = 0.0;
 };
 
-/// All standard parameters of an arm, bodies first (ten each, order of InertialParameters), then
-/// the effects in the order of the file. Effects that the registry does not have along an axis are
-/// refused here.
+/// All standard parameters of an arm: bodies first (ten each, in the order of InertialParameters),
+/// then effects in the order of the file. Throws for an effect that does not act along an axis.
 std::vector<StandardParameter> standard_parameters(const Model& arm);
 
-/// Values of them; zero where an effect has none.
+/// Values of the standard parameters; zero for an effect without values.
 /// @throws InvalidInput  a body has no values.
 VectorXd standard_values(const Model& arm);
 
-/// Their names.
+/// Names of the parameters.
 std::vector<std::string> parameter_names(const std::vector<StandardParameter>& parameters);
 
-/// The arm with these values (and standard deviations; NaN: none) in place of its own.
+/// The arm with these values and standard deviations (NaN: none) instead of its own.
 Model with_values(const Model& arm, const VectorRef& values, const VectorRef& deviations);
 
 /// The regressor of bodies and memoryless effects at one state, (n x parameters); effects with
-/// memory start fresh.
+/// memory start from rest.
 MatrixXd full_regressor(const Model& arm, const VectorRef& q, const VectorRef& dq,
                         const VectorRef& ddq);
 

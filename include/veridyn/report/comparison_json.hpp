@@ -6,8 +6,8 @@
 
 namespace veridyn {
 
-/// What `compare --json` writes: verdict, every parameter with its statistics and sentence, torques
-/// per joint, what is not built alike. Joints count from 1.
+/// JSON of `compare --json`: verdict, every parameter with its statistics and sentence, torques per
+/// joint, structural differences. Joints count from 1.
 std::string to_json(const ModelComparison& comparison);
 
 }  // namespace veridyn

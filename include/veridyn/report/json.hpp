@@ -10,7 +10,7 @@
 
 namespace veridyn {
 
-// What `veridyn COMMAND --json` writes, with the keys of CONTRACT.md. Numbers that are not finite
+// JSON of `veridyn COMMAND --json`, with the keys of docs/contract.md. Numbers that are not finite
 // become null; numbers have all digits, so that reading gives the same double.
 
 /// Command "info".
@@ -19,7 +19,7 @@ std::string to_json(const RobotInfo& info);
 /// Command "check": every recording with its findings, and all findings again under data_quality.
 std::string to_json(const std::vector<RecordingQuality>& recordings);
 
-/// Command "fleet": bodies of the fleet, spreads of what each arm has for itself, members, outliers.
+/// Command "fleet": shared bodies, spread of the individual parameters, members, outliers.
 std::string to_json(const Fleet& fleet);
 
 /// Command "identify". condition_number is the one with columns scaled to norm one; `test` is null

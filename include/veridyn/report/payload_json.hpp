@@ -6,7 +6,7 @@
 
 namespace veridyn {
 
-/// What `payload --json` writes.
+/// JSON of `payload --json`.
 std::string to_json(const PayloadReport& report);
 
 }  // namespace veridyn

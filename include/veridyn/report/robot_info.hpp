@@ -10,19 +10,19 @@
 
 namespace veridyn {
 
-/// What a robot file says, and what torques can say about that robot.
+/// Contents of a robot file, and the identifiability of its parameters.
 struct RobotInfo {
   Model arm;
   std::vector<StandardParameter> parameters;
   BaseParameters base;
-  std::optional<VectorXd> base_values;  ///< K phi, where the file gives all of phi
+  std::optional<VectorXd> base_values;  ///< K phi; nullopt where the file lacks part of phi
 
   /// Coordinates, frames, effects, base parameters and the class of every standard parameter, as
   /// aligned text of at most 100 columns.
   std::string report() const;
 };
 
-/// @throws InvalidInput  an effect that the registry does not have along an axis.
+/// @throws InvalidInput  the arm has an effect that does not act along an axis.
 RobotInfo robot_info(const Model& arm);
 
 /// Names of the standard parameters of one class.

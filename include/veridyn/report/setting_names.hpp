@@ -4,7 +4,7 @@
 
 namespace veridyn {
 
-// Words for settings, the same on the command line and in JSON.
+// Names of settings, the same on the command line and in JSON.
 
 const char* name_of(Method method);                ///< ols, wls, feasible
 const char* name_of(JointWeights weights);         ///< range, residual

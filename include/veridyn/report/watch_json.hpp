@@ -7,27 +7,26 @@
 
 namespace veridyn {
 
-/// What one source was watched for, as reports show it.
+/// Results of watching one source, for reports.
 struct WatchedSource {
   std::string source;
   double from = 0.0, to = 0.0;  ///< [s]
-  double learned = 0.0;         ///< [s] of it in which no alarm could be given
+  double learned = 0.0;         ///< [s] of it in which the noise was learned and no alarm possible
   std::vector<WatchEvent> events;
   std::vector<WatchState> states;  ///< one for each step
 
-  int alarms() const;  ///< changes; stages of one count once
+  int alarms() const;  ///< number of changes; the stages of one change count once
 };
 
-/// One event as one line, without its line end: {"event": "named", "id": 1, "time": ..., ...}.
+/// One event as one line without line end: {"event": "named", "id": 1, "time": ..., ...}.
 std::string json_line(const WatchEvent& event, const std::string& source);
 
 /// Command "watch": {"veridyn", "command", "robot", "sources": [{"source", "seconds", "learned",
 /// "alarms", "alarms_per_hour", "events": [...]}], "running"}.
 std::string to_json(const std::vector<WatchedSource>& sources, const Model& arm, bool running);
 
-/// The same as a page, with the residuals over time; it loads itself anew every two seconds while
-/// `running`.
-/// @param command  the command line that made it.
+/// The same as a page, with the residuals over time; it reloads every two seconds while `running`.
+/// @param command  command line of the run.
 std::string to_page(const std::vector<WatchedSource>& sources, const Model& arm,
                     const std::string& command, bool running);
 

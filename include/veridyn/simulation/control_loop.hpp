@@ -9,24 +9,23 @@
 
 namespace veridyn {
 
-/// tau = p e + i (integral of e) + d de/dt, per joint, with e the set point minus what the encoder
-/// says. (n) each: [N m/rad], [N m/(rad s)], [N m s/rad]; newtons and metres where a joint is
+/// tau = p e + i (integral of e) + d de/dt, per joint, with e the set point minus the encoder
+/// reading. (n) each: [N m/rad], [N m/(rad s)], [N m s/rad]; newtons and metres where a joint is
 /// prismatic.
 struct PidGains {
   VectorXd p, i, d;
 };
 
-/// Gains that fit an arm with values: each joint alone, with the inertia that it has in the middle
-/// of the range, gets a bandwidth of `frequency` [Hz] and critical damping, and an integral ten
-/// times slower.
+/// Gains for an arm with values: each joint by itself, with its inertia at the middle of the range,
+/// gets a bandwidth of `frequency` [Hz], critical damping, and an integral term ten times slower.
 PidGains sensible_gains(const Model& arm, double frequency = 6.0);
 
-/// Damping for given p: critical for the inertia in the middle of the range.
+/// D for given p: critical damping at the inertia in the middle of the range.
 VectorXd critical_damping(const Model& arm, const VectorXd& p);
 
-/// Reads `p: [..]`, `i: [..]`, `d: [..]` from a YAML file, a number per joint. i may be missing
-/// (none), and d (critical damping).
-/// @throws InvalidInput  the file is bad, or has another number of joints.
+/// Reads `p: [..]`, `i: [..]`, `d: [..]` from a YAML file, one number per joint. Without i it is
+/// zero, without d the damping is critical.
+/// @throws InvalidInput  the file is malformed, or its number of joints differs.
 PidGains read_gains(const std::string& path, const Model& arm);
 
 /// The motors and their amplifiers.
@@ -36,50 +35,50 @@ struct Drive {
   double step = 0.0;  ///< torques are multiples of it [N m], [N]; 0: exact
 };
 
-/// What the controller sees.
+/// Sensors of the controller.
 struct LoopSensors {
   VectorXd encoder_step;  ///< (n) positions are multiples of it; empty: exact
-  double delay = 0.0;     ///< [s] by which positions are late; whole periods of the controller
-  double velocity_cutoff = 80.0;  ///< [Hz] low-pass of the differences of position; 0: none
+  double delay = 0.0;     ///< [s] delay of the positions, in whole periods of the controller
+  double velocity_cutoff = 80.0;  ///< [Hz] low-pass of the differentiated positions; 0: none
 };
 
 struct LoopOptions {
   PidGains gains;
   Drive drive;
   LoopSensors sensors;
-  /// [Hz] of the controller, whatever the rows' rate: between two rows it acts a whole number of
-  /// times, or once in a whole number of rows, whichever comes closest.
+  /// [Hz] of the controller, independent of the rows' rate: it runs a whole number of times between
+  /// two rows, or once in a whole number of rows, whichever is closest.
   double rate = 1000.0;
-  VectorXd start;  ///< (n) where the arm stands first; empty: at the first set point
-  std::vector<PerturbedArm::Contact> contacts;  ///< what the world does to the arm
+  VectorXd start;  ///< (n) initial position; empty: the first set point
+  std::vector<PerturbedArm::Contact> contacts;  ///< external forces on the arm
 };
 
-/// What an engine did, up to the row at which it ended or had to stop.
+/// Result of an engine's run, up to its last or its failing row.
 struct EngineRun {
   MotionSamples motion;
   MatrixXd tau;  ///< (rows x n) of the motors
   StepStatus status = StepStatus::kOk;
   double stopped_at = 0.0;  ///< [s] where status is not kOk
-  int joint = -1;           ///< Joint that failed, from 0; -1: none in particular
+  int joint = -1;           ///< joint that failed, from 0; -1: none in particular
 
   bool complete() const { return status == StepStatus::kOk; }
   /// "stopped at 1.2 s: joint insertion has ...", for a run that is not complete.
   std::string why(const Model& arm) const;
 };
 
-/// Lets a PID follow set points, from the first one on; rows are recorded at their times. Between
-/// them set points run straight, with their velocities. Ends with kRanAway where a joint is more
-/// than ten times its range off its set point.
-/// @throws InvalidInput  sizes that do not fit, a rate or a lag that cannot be.
+/// Runs a PID that follows set points from the first one on; rows are recorded at their times. Set
+/// points between rows are interpolated linearly, with their velocities. Ends with kRanAway where a
+/// joint is farther from its set point than ten times its range.
+/// @throws InvalidInput  sizes differ, or a rate or a lag is out of range.
 EngineRun run_with_pid(Engine& engine, const Model& arm, const MotionSamples& set_points,
                        const LoopOptions& options);
 
-/// Lets recorded torques act: row k from its time on until that of row k + 1. Starts at the first
-/// row of `motion`, whose times are used.
+/// Applies recorded torques: row k from its time until that of row k + 1. Starts at the first row
+/// of `motion`, whose times are used.
 EngineRun run_with_torques(Engine& engine, const MotionSamples& motion, const MatrixRef& tau);
 
-/// What a contact adds to the motor's torque at time t [s] since the start: in full within its
-/// time, with ramps of 0.1 s.
+/// Effort of a contact in addition to the motor's torque at time t [s] since the start: the full
+/// value within its interval, with ramps of 0.1 s.
 double contact_effort(const PerturbedArm::Contact& contact, double t);
 
 }  // namespace veridyn

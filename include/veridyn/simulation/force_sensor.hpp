@@ -13,12 +13,14 @@ struct ForceSensorOptions {
   double noise = 0.0;   ///< [N] standard deviation of white noise on every sample
   double step = 0.0;    ///< [N] samples are multiples of it; 0: exact
   unsigned seed = 1;
-  /// Faults, [s] since the start: from then on the reading stays what it was but keeps arriving
-  /// (stuck), or nothing arrives any more (stale).
+  /// Faults, [s] since the start: from then on the reading repeats its last value (stuck), or no
+  /// samples arrive (stale).
   double stuck_from = std::numeric_limits<double>::infinity();
   double stale_from = std::numeric_limits<double>::infinity();
-  double jump_from = std::numeric_limits<double>::infinity();  ///< readings are off by jump_by
-  double jump_by = 0.0;                                        ///< [N]
+  /// From jump_from on readings are off by jump_by [N] and by `drift` [N/s] more and more.
+  double jump_from = std::numeric_limits<double>::infinity();
+  double jump_by = 0.0;
+  double drift = 0.0;
 };
 
 /// The latest sample that has arrived.
@@ -28,8 +30,8 @@ struct ForceSample {
   long number = -1;    ///< counts samples; -1: none has arrived
 };
 
-/// What a controller sees of a force. Call it once per control period, in order of time; nothing
-/// allocates after the constructor.
+/// Simulates a force sensor. Call it once per control period, in order of time; nothing allocates
+/// after the constructor.
 class ForceSensor {
  public:
   /// @param longest_period  [s] between calls.
@@ -39,7 +41,7 @@ class ForceSensor {
   ForceSensor(ForceSensor&&) noexcept;
   ForceSensor& operator=(ForceSensor&&) noexcept;
 
-  /// @param time, force  now [s], true [N].
+  /// @param time, force  present time [s] and true force [N].
   ForceSample read(double time, double force) noexcept;
 
  private:

@@ -9,7 +9,7 @@
 
 namespace veridyn {
 
-/// An effect that a simulated arm has and its robot file does not, as it is asked for:
+/// An effect that a simulated arm has and its robot file does not, parsed from
 /// NAME:PLACE[:KEY=VALUE,...].
 ///
 /// PLACE is a coordinate's name or its number from 1, for effects that act along an axis. Their
@@ -17,40 +17,41 @@ namespace veridyn {
 /// The others:
 ///
 ///   payload:FRAME            mass [kg], x, y, z [m]: a point mass on a frame
-///   gravity_tilt:arm         roll, pitch [rad]: the base stands turned, R = Ry(pitch) Rx(roll)
+///   gravity_tilt:arm         roll, pitch [rad]: the base is tilted, R = Ry(pitch) Rx(roll)
 ///   coupling_error:CONSTANT  change: added to a constant of the robot file
 ///   torque_gain:JOINT        gain: recorded torque per true torque
-///   time_delay:JOINT         seconds: the recorded torque is late
+///   time_delay:JOINT         seconds: lag of the recorded torque
 ///   encoder_offset:JOINT     offset [rad] or [m]: added to the recorded position
-///   external_contact:JOINT   from, to [s], effort [N m]: what the motor gives in addition
+///   external_contact:JOINT   from, to [s], effort [N m]: additional torque of the motor
 ///
-/// Values may be arithmetic. Those that are not given get sensible sizes, see inject_effects().
+/// Values may be arithmetic expressions. Missing values get defaults, see inject_effects().
 struct HiddenEffect {
-  std::string asked;  ///< the text, for messages
+  std::string asked;  ///< original text, for messages
   std::string effect;
   std::string place;
   std::map<std::string, double> values;
-  std::string from;  ///< coordinate that a coupling comes from; empty otherwise
+  std::string from;  ///< second coordinate of a coupling; empty otherwise
 };
 
-/// @throws InvalidInput  not of this form, no such effect (with a suggestion), a key twice, a value
-///                       that is NaN or infinite.
+/// @throws InvalidInput  another form, an unknown effect (with a suggestion), a repeated key, or a
+/// value that is NaN or infinite.
 HiddenEffect parse_hidden_effect(const std::string& asked);
 
-/// A hidden effect with all its numbers.
+/// A hidden effect with all its values.
 struct InjectedEffect {
   std::string effect;
   std::string place;  ///< name of the coordinate, frame or constant; "arm"
-  int joint = 0;      ///< from 1; 0 where it is not of one joint
+  int joint = 0;      ///< from 1; 0 where it belongs to no single joint
   std::map<std::string, double> values;
 };
 
-/// An arm with its hidden effects: physical ones are part of the model, errors of sensors stand
-/// beside it.
+/// An arm with its hidden effects: physical ones are part of the model, errors of sensors are
+/// separate.
 struct PerturbedArm {
   Model arm;
   std::vector<InjectedEffect> effects;
-  JointSensors sensors;  ///< of the arm as it is; the model keeps what its file knew of them
+  /// Sensor errors of the simulated arm; the model keeps those that its file knows.
+  JointSensors sensors;
   struct Contact {
     int coordinate;
     double from, to, effort;
@@ -58,16 +59,16 @@ struct PerturbedArm {
   std::vector<Contact> contacts;
 };
 
-/// Puts effects into an arm with values.
+/// Adds effects to an arm with values.
 ///
-/// What is not given: parameters of effects along an axis together make 10 % of the rms effort
-/// along it, over a standard motion that depends on the arm alone (slow waves of all joints), so
-/// that every recording of an arm has the same effect; shape constants as the effect has them,
-/// `centre` and `half_range` from the joint's limits. payload 10 % of the mean body mass, at the
-/// frame's origin; gain 1.05; delay 4 ms; offset 0.01 rad or 1 mm; tilt 30 and 20 mrad; contact
+/// Defaults: the parameters of an effect along an axis together make 10 % of the rms effort along
+/// it, over a standard motion that depends on the arm alone (slow waves of all joints), so that
+/// every recording of an arm has the same effect; shape constants have the effect's initial values,
+/// `centre` and `half_range` come from the joint's limits. payload 10 % of the mean body mass, at
+/// the frame's origin; gain 1.05; delay 4 ms; offset 0.01 rad or 1 mm; tilt 30 and 20 mrad; contact
 /// half of the rms effort from 5 to 7 s; a constant changes by 10 %, a zero one by 0.05.
 /// @throws InvalidInput  no such coordinate, frame, constant or key (with a suggestion), or a value
-///                       that cannot be.
+/// out of range.
 PerturbedArm inject_effects(const Model& arm, const std::vector<HiddenEffect>& hidden);
 
 }  // namespace veridyn

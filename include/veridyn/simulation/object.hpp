@@ -6,54 +6,55 @@
 
 namespace veridyn {
 
-/// Where an object is held: a point of a frame of an arm, or of the world.
+/// Attachment point of an object, in a frame of an arm or in the world.
 struct Attachment {
   int arm = -1;  ///< index in the World; -1: the world itself
   int frame = -1;
   Eigen::Vector3d offset{0.0, 0.0, 0.0};  ///< [m] in the frame (in the world where arm is -1)
 };
 
-/// A massless member between two points, on which it acts along its line:
+/// A massless spring and damper between two points, which acts along the line between them:
 ///
 ///   tension = K (l - l0) + C dl/dt
 ///
-/// Thesis (6.1) with the errata: damping on velocity, so that it does not depend on the time step.
+/// Thesis (6.1) with the errata: the damping is on the velocity, so that it does not depend on the
+/// time step.
 struct Member {
   std::string name;
   Attachment from, to;
   double stiffness = 0.0;    ///< K [N/m]
   double damping = 0.0;      ///< C [N s/m]
   double rest_length = 0.0;  ///< l0 [m]
-  bool pulls_only = false;   ///< a string: it goes slack and never pushes
+  bool pulls_only = false;   ///< a string: it can be slack and never pushes
   bool attached = true;
 };
 
-/// Stiffness of what passes for rigid: a bar is a member as well, 2e5 N/m and with damping at about
-/// a tenth of the critical one for half a kilogram. It gives way by 0.025 mm under 5 N.
+/// Stiffness of a member that counts as rigid: a bar of 2e5 N/m with about a tenth of the critical
+/// damping for half a kilogram. It stretches by 0.025 mm under 5 N.
 constexpr double kRigidStiffness = 2e5;  ///< [N/m]
 constexpr double kRigidDamping = 60.0;   ///< [N s/m]
 
 /// [N], positive when the member pulls its ends together; zero where it is detached or slack.
 double tension(const Member& member, double length, double rate) noexcept;
 
-/// [J] stored at that length.
+/// Stored energy at that length [J].
 double elastic_energy(const Member& member, double length) noexcept;
 
-/// A plane that pushes a point out along its normal: K * depth + C * rate of the depth, never less
-/// than zero.
+/// A plane that pushes a point out along its normal: K * depth + C * rate of the depth, never below
+/// zero.
 struct Wall {
   Eigen::Vector3d point{0.0, 0.0, 0.0};   ///< [m] on the plane, in the world
-  Eigen::Vector3d normal{0.0, 0.0, 1.0};  ///< out of the wall
+  Eigen::Vector3d normal{0.0, 0.0, 1.0};  ///< outward unit normal
   double stiffness = 0.0;                 ///< [N/m]
   double damping = 0.0;                   ///< [N s/m]
   Attachment touches;
 };
 
-/// [N] along the normal.
+/// Contact force along the normal [N].
 double contact_force(const Wall& wall, double depth, double rate) noexcept;
 
-/// A rigid body that arms hold by compliant grasps, each a spring and a damper in all directions
-/// between a point of an arm and one of the body (a fingertip: forces, no moments).
+/// A rigid body held by compliant grasps, each a spring and a damper in all directions between a
+/// point of an arm and one of the body (a fingertip: forces, no moments).
 struct HeldBody {
   struct Grasp {
     Attachment held_by;

@@ -4,9 +4,9 @@
 
 namespace veridyn {
 
-/// The motion at other instants, on quintics through q, dq and ddq of the rows around them, and
-/// with their derivatives. Before the first row and after the last one it stands where these are,
-/// with their velocities and accelerations as they are.
+/// The motion at other instants, on quintics through q, dq and ddq of the neighbouring rows, with
+/// their derivatives. Before the first and after the last row the values of that row are repeated,
+/// velocities and accelerations included.
 /// @param times  (any number) [s], ascending.
 MotionSamples motion_at(const MotionSamples& motion, const VectorXd& times);
 

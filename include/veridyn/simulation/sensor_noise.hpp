@@ -8,14 +8,14 @@
 
 namespace veridyn {
 
-/// An amount for turning and for sliding joints.
+/// An amount for revolute and for prismatic joints.
 struct JointAmount {
   double revolute = 0.0;   ///< [rad], [rad/s]
   double prismatic = 0.0;  ///< [m], [m/s]
 };
 
-/// How far a controller and its sensors are from perfect. Noise of the torque is in shares of the
-/// joint's rms torque.
+/// Imperfections of a controller and its sensors. Torque noise is a share of the joint's rms
+/// torque.
 struct SensorNoise {
   /// Rms deviation from the wanted motion: twelve waves of 0.05 to 0.5 Hz.
   JointAmount tracking;
@@ -24,19 +24,19 @@ struct SensorNoise {
   double torque_white = 0.0;     ///< standard deviation
   double torque_coloured = 0.0;  ///< standard deviation of a first-order autoregressive process
   double colour_seconds = 0.1;   ///< its correlation time [s]
-  double delay = 0.0;            ///< [s] by which all signals come later than their rows say
-  /// [s]: beyond that a row is late by the size of a normal number of this standard deviation, as
-  /// rows of a publisher without a clock of its own are.
+  double delay = 0.0;            ///< [s] by which all signals lag the rows' times
+  /// [s] standard deviation of an additional random lateness of the rows, as of a publisher without
+  /// a clock of its own.
   double late = 0.0;
   double stale_rows = 0.0;   ///< share of rows that repeat the row before in all signals but time
-  double stale_run = 1.0;    ///< their mean number in a row; 1: each row for itself
+  double stale_run = 1.0;    ///< mean number of repeats in a row; 1: isolated rows
   double dropouts = 0.0;     ///< share of rows without any number but the time
-  double dropout_run = 1.0;  ///< likewise
+  double dropout_run = 1.0;  ///< mean length of a dropout in rows; 1: isolated rows
 };
 
-/// none: ideal. low: a good laboratory arm. dvrk and ur: as the recordings of a da Vinci Research
-/// Kit arm and of a UR10e look (their encoder steps, high-frequency torque noise and stale rows).
-/// dvrk-late: as those of a kit whose publisher fell behind, 12 % of the rows repeats and the rest
+/// Presets. none: ideal. low: a good laboratory arm. dvrk and ur: like recordings of a da Vinci
+/// Research Kit arm and of a UR10e (their encoder steps, high-frequency torque noise and stale
+/// rows). dvrk-late: like a kit whose publisher fell behind, with 12 % repeated rows and the others
 /// late by milliseconds.
 ///
 /// Amounts may follow: "dvrk:stale_rows=0.1,stale_run=2,dropouts=0.01,dropout_run=20,delay=0.005,
@@ -44,20 +44,20 @@ struct SensorNoise {
 /// @throws InvalidInput  no such preset or amount.
 SensorNoise sensor_noise(const std::string& asked);
 
-/// The names that sensor_noise() knows.
+/// Names of the presets.
 const std::vector<std::string>& sensor_noise_names();
 
-/// "tracking 1 mrad, ..." in words, for help texts.
+/// Text for help: "tracking 1 mrad, ...".
 std::string describe(const SensorNoise& noise);
 
-/// The motion that the arm really makes: the wanted one plus the tracking deviation, whose velocity
-/// and acceleration are its exact derivatives. It fades in and out within a second at either end.
-/// Joints that stand still in the wanted motion stand still.
+/// The true motion of the arm: the wanted one plus the tracking deviation, whose velocity and
+/// acceleration are its exact derivatives. The deviation fades in and out within a second at either
+/// end. Joints at rest in the wanted motion stay at rest.
 MotionSamples with_tracking_deviation(const Model& arm, const MotionSamples& wanted,
                                       const SensorNoise& noise, unsigned seed);
 
-/// What sensors make of true signals, in place: delay, steps, noise, stale and missing
-/// rows. tau (rows x n).
+/// Turns true signals into measured ones, in place: delay, steps, noise, stale and missing rows.
+/// tau (rows x n).
 void measure(const Model& arm, const SensorNoise& noise, unsigned seed, MotionSamples& motion,
              MatrixXd& tau);
 

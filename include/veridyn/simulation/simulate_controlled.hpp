@@ -9,22 +9,24 @@
 namespace veridyn {
 
 struct ControlledOptions {
-  SimulationOptions recording;  ///< hidden effects and sensors; its tracking deviation is not used:
-                                ///< the controller makes its own
-  LoopOptions loop;             ///< empty gains: sensible_gains() of the arm with its effects;
-                                ///< encoder steps and contacts come from `recording`
+  /// Hidden effects and sensors; its tracking deviation is not used, because the controller has its
+  /// own.
+  SimulationOptions recording;
+  /// Empty gains: sensible_gains() of the arm with its effects; encoder steps and contacts come
+  /// from `recording`.
+  LoopOptions loop;
   std::string engine = "veridyn";
 };
 
 struct ControlledRecording {
-  SimulatedRecording recording;  ///< up to where the run stopped
+  SimulatedRecording recording;  ///< up to the end of the run
   EngineRun run;
-  PidGains gains;                     ///< The gains that were used
-  std::vector<std::string> left_out;  ///< effects that a forward simulation cannot have
+  PidGains gains;                     ///< gains of the run
+  std::vector<std::string> left_out;  ///< effects that a forward simulation does not support
 };
 
-/// Lets a PID lead an arm with values along a motion, and records it: forward dynamics, where
-/// simulate_recording() takes the motion for granted.
+/// Simulates a PID that moves an arm with values along a motion, and records it: forward dynamics,
+/// whereas simulate_recording() prescribes the motion.
 /// @throws InvalidInput  as Plant, inject_effects() and run_with_pid().
 ControlledRecording simulate_controlled(const Model& arm, const MotionSamples& wanted,
                                         const ControlledOptions& options);

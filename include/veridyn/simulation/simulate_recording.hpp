@@ -12,11 +12,11 @@ namespace veridyn {
 struct SimulationOptions {
   std::vector<HiddenEffect> hidden;
   SensorNoise noise;  ///< default: ideal
-  unsigned seed = 1;  ///< Seed of the noise
+  unsigned seed = 1;  ///< of the noise
   int substeps = 4;   ///< states per row that effects with memory see
 };
 
-/// What a simulated arm did, and what its sensors say about it.
+/// True signals of a simulated arm and their recording.
 struct SimulatedRecording {
   Model truth;                         ///< the arm with its physical hidden effects
   std::vector<InjectedEffect> injected;  ///< hidden effects with all numbers
@@ -26,22 +26,23 @@ struct SimulatedRecording {
   MatrixXd tau;                        ///< (rows x n) as recorded
 };
 
-/// Moves an arm with values along a motion and records it.
+/// Moves an arm with values along a prescribed motion and records it.
 ///
 ///   tau = M ddq + C dq + g + effects
 ///
-/// at the actual motion, the wanted one plus the tracking deviation. Effects see it; the recording
-/// has what sensors make of it: offset and steps of the encoders, noise, gain and delay of the
-/// torques, stale rows.
+/// at the actual motion, the wanted one plus the tracking deviation. Effects act on the actual
+/// motion; the recording contains offset and steps of the encoders, noise, gain and delay of the
+/// torques, and stale rows.
 ///
-/// @param wanted  rows in order of time, with velocity and acceleration that fit the positions.
-/// @throws InvalidInput  wanted does not fit the arm or its time does not rise; a body has no
-///                       values; as inject_effects().
+/// @param wanted  rows in order of time, with velocities and accelerations consistent with the
+/// positions.
+/// @throws InvalidInput  wanted does not fit the arm or its time does not increase; a body has no
+/// values; as inject_effects().
 SimulatedRecording simulate_recording(const Model& arm, const MotionSamples& wanted,
                                       const SimulationOptions& options = {});
 
-/// The motion through positions on the times of `given`, where its dq or ddq are empty: derivatives
-/// of fourth order.
+/// Completes a motion through positions at the times of `given`: empty dq or ddq are derivatives of
+/// fourth order.
 /// @throws InvalidInput  fewer than five rows, or times that are not evenly spaced though a
 /// derivative is missing.
 MotionSamples with_derivatives(const MotionSamples& given);

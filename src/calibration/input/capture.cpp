@@ -15,7 +15,7 @@ namespace {
 using internal::CapturedObject;
 using internal::CaptureTable;
 
-constexpr double kArm = 0.1;  // [m] from a pose's origin to the markers that stand for its axes
+constexpr double kArm = 0.1;  // [m] from a pose's origin to the markers on its axes
 
 Eigen::Isometry3d pose_of(const VectorXd& v, bool oriented) {
   Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
@@ -24,7 +24,7 @@ Eigen::Isometry3d pose_of(const VectorXd& v, bool oriented) {
   return T;
 }
 
-// A rigid pose as the four markers that it carries along.
+// Adds a rigid pose as four markers attached to it.
 void add_pose(const CapturedObject& object, MarkerCapture& out) {
   const std::array<const char*, 4> names = {"origin", "x", "y", "z"};
   for (int m = 0; m < 4; ++m) {
@@ -52,7 +52,7 @@ MarkerCapture markers_of(const CaptureTable& table) {
   for (const CapturedObject& object : table.objects) {
     const std::size_t slash = object.name.find('/');
     if (object.has_orientation) {
-      // Poses beside markers repeat what the markers say.
+      // Poses are redundant where the file has markers.
       if (!any_marker) add_pose(object, out);
       out.from_poses = out.from_poses || !any_marker;
       continue;
@@ -74,7 +74,7 @@ std::string body_of(const CapturedObject& object) {
   return is_marker(object) ? object.name.substr(0, object.name.find('/')) : object.name;
 }
 
-// The body that is asked for, or the only one.
+// The requested body, or the only one.
 std::string chosen_body(const CaptureTable& table, const std::string& asked) {
   std::vector<std::string> names;
   for (const CapturedObject& o : table.objects) {

@@ -3,17 +3,13 @@
 #include <cctype>
 #include <string>
 
+#include "math/words.hpp"
 #include "capture_table.hpp"
 
 namespace veridyn::internal {
 namespace {
 
-std::string lower(std::string text) {
-  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return text;
-}
-
-// Takes "[mm]" or "(mm)" off the end of a name.
+// Removes "[mm]" or "(mm)" from the end of a name.
 std::string without_unit(const std::string& name, double& metres) {
   const char closing = name.empty() ? ' ' : name.back();
   if (closing != ']' && closing != ')') return name;
@@ -30,7 +26,7 @@ int component_index(const std::string& word) {
   return found == kComponents.end() ? -1 : static_cast<int>(found - kComponents.begin());
 }
 
-// BODY/MARKER with '/' whatever stood between them.
+// BODY/MARKER with '/' in place of other separators.
 std::string with_slashes(std::string name) {
   for (const char other : {':', '.'}) {
     if (name.find('/') != std::string::npos) break;

@@ -26,7 +26,7 @@ bool begins_with(const std::string& word, const std::string& start) {
   return word.compare(0, start.size(), start) == 0;
 }
 
-// The value behind a key of a line of keys and values.
+// The value after a key in a line of keys and values.
 std::string value_after(const Fields& fields, const std::string& key) {
   const auto found = std::find(fields.begin(), fields.end(), key);
   return found == fields.end() || found + 1 == fields.end() ? "" : *(found + 1);
@@ -82,7 +82,7 @@ CaptureHeader motive_header(CsvLines& lines, const Fields& first) {
         continue;
       }
       const int at = static_cast<int>(axis);
-      // A body's markers say more than the pose fitted to them by the program.
+      // A body's markers have more information than the pose that the program fitted to them.
       header.columns.push_back(component(marker_object(names[k]),
                                          !quaternion               ? at
                                          : row[k] == "W"           ? 3

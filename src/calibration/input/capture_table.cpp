@@ -15,11 +15,11 @@ namespace {
 
 using Kind = CaptureColumn::Kind;
 
-constexpr double kQuaternionNorm = 0.02;  // by which a recorded quaternion's norm may be off
-constexpr double kLargest = 50.0;         // [m] no camera sees farther: the unit is another one
+constexpr double kQuaternionNorm = 0.02;  // tolerance of a recorded quaternion's norm
+constexpr double kLargest = 50.0;  // [m] beyond the range of cameras: the unit must be another one
 constexpr int kComponents = 7;
 
-// Reads rows into frames; a frame is one row (wide), or the rows of one time (long).
+// Assembles rows into frames; a frame is one row (wide), or the rows of one time (long).
 class Reader {
  public:
   Reader(const std::string& path, const CaptureOptions& options)
@@ -41,7 +41,7 @@ class Reader {
     return text(path_, ":", lines_.number(), ":", column + 1);
   }
 
-  // Track Manager may write names of columns, with frame and time before the markers.
+  // Track Manager may write a row of column names, with frame and time before the markers.
   bool takes_names(const std::vector<std::string>& fields) {
     if (fields[0] != "Frame") return false;
     std::vector<CaptureColumn> before(1);

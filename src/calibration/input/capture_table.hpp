@@ -8,29 +8,29 @@
 
 namespace veridyn::internal {
 
-/// What a column of a motion-capture file holds.
+/// Content of a column of a motion-capture file.
 struct CaptureColumn {
   enum class Kind { kIgnored, kTime, kJoint, kBodyName, kObjectName, kComponent };
   Kind kind = Kind::kIgnored;
   int index = 0;            ///< joint from 0; component: x y z qw qx qy qz
   std::string object;       ///< "BODY/MARKER", "BODY" or ""
-  double metres = 0.0;      ///< Metres of the column's own unit; 0: none stated
+  double metres = 0.0;      ///< metres per unit of the column; 0: no unit given
   std::string name;         ///< as in the file
 };
 
-/// How a file begins.
+/// Header of a motion-capture file.
 struct CaptureHeader {
   char separator = ',';
   std::vector<CaptureColumn> columns;
-  double metres = 0.0;  ///< Metres of the unit that the file states; 0: none
+  double metres = 0.0;  ///< metres per unit of the file; 0: no unit given
   double rate = 0.0;    ///< [Hz]; 0: not stated
-  bool padded = false;  ///< rows may end early, as exports leave trailing gaps away
+  bool padded = false;  ///< rows may be short, as exports omit trailing gaps
 };
 
 /// Metres of "mm", "millimeters", ...; 0 if it is no unit of length.
 double metres_of(std::string unit);
 
-/// The column that a header names.
+/// Parses the name of a column.
 CaptureColumn capture_column(const std::string& name);
 
 /// One marker or one rigid body over time.
@@ -45,7 +45,7 @@ struct CaptureTable {
   std::string source;
   VectorXd time;
   MatrixXd q;                  ///< (frames x joints)
-  std::vector<long> lines;     ///< Lines of the file, by frame
+  std::vector<long> lines;     ///< line numbers of the file, by frame
   std::vector<CapturedObject> objects;
 };
 

@@ -3,13 +3,12 @@
 #include <memory>
 #include <sstream>
 
-#include "cli/boards/dvrk_events.hpp"
+#include "emulator/board_events.hpp"
 #include "cli/boards/dvrk_request.hpp"
 #include "cli/options/messages.hpp"
 #include "cli/options/option_checks.hpp"
 #include "cli/options/sound_arguments.hpp"
 #include "dvrk/arms/arm_facts.hpp"
-#include "veridyn/math/require.hpp"
 
 namespace veridyn::cli {
 namespace {
@@ -132,7 +131,7 @@ void add_emulate(CLI::App& dvrk, Outcome& outcome) {
       .add_option("--event", request->events,
                   "What happens at a time, as the list below has it; may be given several times")
       ->option_text("EVENT@S");
-  command.footer(board_event_help());
+  command.footer(dvrk::board_event_help());
   command.add_option("--pot-noise", request->pot_noise, "Standard deviation of the pots (3)")
       ->option_text("BITS")
       ->check(CLI::NonNegativeNumber);
@@ -180,6 +179,13 @@ void add_run(CLI::App& dvrk, Outcome& outcome) {
   CLI::App& motion = add(dvrk, "run", "Plays a motion with a controller and records it",
                          run_dvrk_run, outcome, run);
   add_client_options(motion, *run);
+  motion.add_flag("--emulate", run->emulate,
+                  "On emulated boards in this program, before any real ones: the arm is that of --model, and "
+                  "the clock stands still while the program computes, so that no machine is too busy");
+  motion
+      .add_option("--event", run->events,
+                  "What happens to the emulated boards, as the list of `dvrk emulate --help` has it")
+      ->option_text("EVENT@S");
   motion
       .add_option("--controller", run->controller,
                   "pid: one per joint; computed-torque: the joints follow, with the model as "

@@ -8,7 +8,6 @@
 #include "cli/options/option_checks.hpp"
 #include "cli/options/sound_arguments.hpp"
 #include "dvrk/arms/arm_facts.hpp"
-#include "veridyn/math/require.hpp"
 
 namespace veridyn::cli {
 namespace {
@@ -23,7 +22,7 @@ bool ends_in(const std::string& path, const std::string& end) {
   return path.size() >= end.size() && path.compare(path.size() - end.size(), end.size(), end) == 0;
 }
 
-// What a laboratory compares with its own papers: degrees and millimetres.
+// Prints values that a laboratory can compare with its documents, in degrees and millimetres.
 void print_actuator(const dvrk::ActuatorConfig& a, int index) {
   const double factor = a.prismatic ? 1e3 : 180.0 / M_PI;
   const char* unit = a.prismatic ? "mm" : "deg";

@@ -4,18 +4,21 @@
 #include <cmath>
 #include <iostream>
 #include <memory>
+#include <optional>
 #include <set>
 
 #include "math/input_file.hpp"
-#include "cli/boards/dvrk_events.hpp"
+#include "emulator/board_events.hpp"
 #include "cli/boards/dvrk_request.hpp"
 #include "math/output_file.hpp"
 #include "cli/options/messages.hpp"
 #include "cli/options/option_checks.hpp"
-#include "dvrk/emulator/board_server.hpp"
+#include "emulator/board_server.hpp"
+#include "emulator/emulated_link.hpp"
+#include "dvrk/protocol/udp_link.hpp"
 #include "veridyn/control/real_time.hpp"
 #include "dvrk/run/run_json.hpp"
-#include "dvrk/emulator/simulated_arm.hpp"
+#include "emulator/simulated_arm.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/model_file.hpp"
 #include "veridyn/simulation/engine.hpp"
@@ -27,14 +30,14 @@ using dvrk::BoardEmulator;
 
 constexpr double kPotNoise = 3.0;      // [bits], standard deviation: 0.2 mV
 constexpr double kCurrentNoise = 4.0;  // [bits]: 0.8 mA
-constexpr double kStopsBeyond = 0.02;  // share of a joint's range: end stops behind its limits
+constexpr double kStopsBeyond = 0.02;  // of a joint's range: distance of end stops from the limits
 
-/// An arm that is emulated: its part of a configuration, and what moves behind it.
+/// An emulated arm: its part of a configuration, and the simulation behind it.
 struct EmulatedArm {
   DvrkArm of;
   std::unique_ptr<Engine> plant;
   std::unique_ptr<dvrk::SimulatedArm> load;
-  bool failed = false;  ///< and it was said
+  bool failed = false;  ///< the failure was reported
 };
 
 /// All arms behind the motors of all boards.
@@ -56,8 +59,8 @@ class Arms final : public dvrk::BoardLoad {
   dvrk::StandingLoad none_;
 };
 
-// Zero where it is well inside the limits, else the middle of the range: an arm that stands at a
-// limit is not driven.
+// Initial position: zero where it is well inside the limits, else the middle of the range, because
+// an arm at a limit cannot be driven.
 VectorXd start_of(const DvrkRequest& request, const Model& model) {
   const int n = model.joints();
   if (!request.start.empty()) {
@@ -82,7 +85,7 @@ VectorXd start_of(const DvrkRequest& request, const Model& model) {
   return q;
 }
 
-// Every robot of the file, or the named ones; or the known arms, each on its usual boards.
+// Every robot of the file, or the selected ones; or the known arms, each on its usual boards.
 std::vector<EmulatedArm> arms_of(const DvrkRequest& request) {
   std::vector<DvrkRequest> each;
   DvrkRequest one = request;
@@ -152,7 +155,7 @@ std::vector<dvrk::BoardSetup> boards_of(const DvrkRequest& request,
   return boards;
 }
 
-// One model for all arms, or one for each.
+// Attaches one model to all arms, or one to each.
 void attach_models(const DvrkRequest& request, const std::vector<dvrk::BoardSetup>& boards,
                    std::vector<EmulatedArm>& arms) {
   if (request.models.empty()) return;
@@ -193,7 +196,7 @@ dvrk::IoConfig config_of(const std::vector<EmulatedArm>& arms) {
   return all;
 }
 
-// Says once what ended the simulation of an arm, which stands still from then on.
+// Reports once why the simulation of an arm ended; the arm then stands still.
 void watch_arms(std::vector<EmulatedArm>& arms, double t) {
   for (EmulatedArm& arm : arms) {
     if (!arm.load || arm.load->status() == StepStatus::kOk || arm.failed) continue;
@@ -203,44 +206,96 @@ void watch_arms(std::vector<EmulatedArm>& arms, double t) {
   }
 }
 
+// Boards, their arms and what happens to them, without a clock.
+struct Emulated {
+  explicit Emulated(const DvrkRequest& request)
+      : arms(arms_of(request)),
+        boards(boards_of(request, arms)),
+        emulator(boards),
+        events(board_events(request.events, emulator)),
+        quiet(request.common.quiet) {
+    expect_value(!request.ethernet_only || request.firmware >= 9, "--ethernet-only", "found firmware ",
+                 request.firmware, ", expected 9");
+    if (request.ethernet_only) emulator.without_firewire();
+    attach_models(request, boards, arms);
+    load.emplace(arms);
+    emulator.attach(&*load);
+  }
+  double time() const { return static_cast<double>(emulator.time()) / dvrk::kTicksPerSecond; }
+  void happen() {
+    const double t = time();
+    for (; next < events.size() && events[next].time <= t; ++next) {
+      events[next].happen(emulator);
+      if (!quiet) say(fmt::format("{:.3f} s: {}", t, events[next].words));
+    }
+    watch_arms(arms, t);
+  }
+
+  std::vector<EmulatedArm> arms;
+  std::vector<dvrk::BoardSetup> boards;
+  BoardEmulator emulator;
+  std::vector<BoardEvent> events;
+  std::optional<Arms> load;
+  std::size_t next = 0;
+  bool quiet;
+};
+
+// Boards in this process: their clock moves when the client waits, however long it computes.
+class LinkInside final : public dvrk::DatagramLink {
+ public:
+  explicit LinkInside(const DvrkRequest& request) : world_(request), link_(world_.emulator) {}
+  bool send(dvrk::ByteView datagram, dvrk::Destination to) noexcept override {
+    return link_.send(datagram, to);
+  }
+  dvrk::Arrival receive(dvrk::ByteSpan buffer, double timeout) noexcept override {
+    world_.happen();
+    return link_.receive(buffer, timeout);
+  }
+  double now() noexcept override { return link_.now(); }
+  void wait(double seconds) noexcept override {
+    world_.happen();
+    link_.wait(seconds);
+  }
+  std::uint32_t address_word() const noexcept override { return link_.address_word(); }
+
+ private:
+  Emulated world_;
+  dvrk::EmulatedLink link_;
+};
+
 }  // namespace
+
+std::unique_ptr<dvrk::DatagramLink> link_to_boards(const DvrkRequest& request) {
+  if (!request.emulate) return std::make_unique<dvrk::UdpLink>(request.host, request.port);
+  DvrkRequest inside = request;
+  inside.robot = dvrk_arm(request).robot.name;
+  if (request.config.empty()) inside.robot.clear();
+  if (!request.model.empty()) inside.models = {request.model};
+  return std::make_unique<LinkInside>(inside);
+}
 
 ExitStatus run_dvrk_emulate(const DvrkRequest& request) {
   require_writable(request.common.json);
   require_writable(request.config_out);
   expect_needs(*request.command, {{"--start", !request.models.empty(), "--model"}});
-  std::vector<EmulatedArm> arms = arms_of(request);
-  const std::vector<dvrk::BoardSetup> boards = boards_of(request, arms);
-  BoardEmulator emulator(boards);
-  expect_value(!request.ethernet_only || request.firmware >= 9, "--ethernet-only", "found firmware ",
-               request.firmware, ", expected 9");
-  if (request.ethernet_only) emulator.without_firewire();
-  const std::vector<BoardEvent> events = board_events(request.events, emulator);
-  attach_models(request, boards, arms);
-  Arms load(arms);
-  if (!request.config_out.empty()) write_file(request.config_out, dvrk::to_io_xml(config_of(arms)));
+  Emulated world(request);
+  BoardEmulator& emulator = world.emulator;
+  if (!request.config_out.empty()) write_file(request.config_out, dvrk::to_io_xml(config_of(world.arms)));
   catch_signals();
   dvrk::BoardServer server(emulator, request.port,
                            request.everywhere ? dvrk::BoardServer::Listens::kEverywhere
                                               : dvrk::BoardServer::Listens::kHere);
-  emulator.attach(&load);
-  std::cout << fmt::format("{}: {} boards on UDP port {}, firmware {}{}\n", names_of(arms),
-                           boards.size(), server.port(), request.firmware,
+  std::cout << fmt::format("{}: {} boards on UDP port {}, firmware {}{}\n", names_of(world.arms),
+                           world.boards.size(), server.port(), request.firmware,
                            request.models.empty() ? ", nothing moves (no --model)" : "")
             << std::flush;
   take_real_time_priority(40);
   lock_memory();
-  size_t next = 0;
   double latest_said = 0.02;
   while (!stop_asked().load()) {
-    const double t = static_cast<double>(emulator.time()) / dvrk::kTicksPerSecond;
-    if (request.seconds > 0.0 && t > request.seconds) break;
-    for (; next < events.size() && events[next].time <= t; ++next) {
-      events[next].happen(emulator);
-      if (!request.common.quiet) say(fmt::format("{:.3f} s: {}", t, events[next].words));
-    }
+    if (request.seconds > 0.0 && world.time() > request.seconds) break;
+    world.happen();
     server.serve(0.001);
-    watch_arms(arms, t);
     if (server.latest() > 2.0 * latest_said && !request.common.quiet) {
       latest_said = server.latest();
       say(fmt::format("the simulated arm is {:.0f} ms late", 1e3 * latest_said));
@@ -250,7 +305,13 @@ ExitStatus run_dvrk_emulate(const DvrkRequest& request) {
   std::cout << fmt::format("{} requests ({} writes), {} malformed, {} dropped\n", counters.requests,
                            counters.writes, counters.malformed, counters.dropped);
   if (!request.common.json.empty())
-    write_file(request.common.json, dvrk::to_json(counters, names_of(arms)));
+    write_file(request.common.json,
+               dvrk::to_json({{"requests", counters.requests},
+                              {"malformed", counters.malformed},
+                              {"dropped", counters.dropped},
+                              {"wrong_crc", counters.wrong_crc},
+                              {"writes", counters.writes}},
+                             "emulate", names_of(world.arms)));
   return kDone;
 }
 

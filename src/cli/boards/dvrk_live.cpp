@@ -17,7 +17,7 @@ namespace {
 using dvrk::ArmSession;
 
 constexpr double kForever = 1e9;     // [s]
-constexpr double kSilence = 0.5;     // [s] without a valid read: the boards are gone
+constexpr double kSilence = 0.5;  // [s] without a valid read, after which the boards count as lost
 constexpr double kTableEvery = 0.5;  // [s]
 
 std::string flags_of(const dvrk::Status& s) {
@@ -63,7 +63,8 @@ void tell_timing(const dvrk::LoopTiming& timing) {
                              1e3 * gap.seconds, gap.at, describe_reason(gap));
 }
 
-// The session of a command that reads. With --home a session of its own loads the encoders first.
+// The session of a reading command. With --home a session of its own initialises the encoders
+// first.
 dvrk::ArmSessionOptions reading_options(const DvrkRequest& request, const DvrkArm& arm,
                                         dvrk::Access access) {
   dvrk::ArmSessionOptions options = session_options(request, arm);
@@ -73,7 +74,7 @@ dvrk::ArmSessionOptions reading_options(const DvrkRequest& request, const DvrkAr
   return options;
 }
 
-// Refused while anybody has switched a motor on, before anything is written: homing writes "off".
+// Refused if any motor is on, before anything is written, because homing writes "off".
 void home_first(const DvrkRequest& request, const DvrkArm& arm, dvrk::UdpLink& link) {
   if (!request.home) return;
   dvrk::require_no_power(link, arm.robot, reading_options(request, arm, dvrk::Access::kListen));

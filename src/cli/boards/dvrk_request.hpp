@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -13,13 +14,13 @@
 
 namespace veridyn::cli {
 
-/// What the commands under `veridyn dvrk` are asked for; each uses a part of it.
+/// Options of the commands under `veridyn dvrk`; each uses a part of them.
 struct DvrkRequest {
-  const CLI::App* command = nullptr;  ///< The command at which the options were given
+  const CLI::App* command = nullptr;  ///< command with these options
   std::string config;                 ///< XML or JSON
   std::string robot;                  ///< name in it
   std::string arm;                    ///< PSM1, ...: nominal configuration, gains
-  std::string instrument;             ///< whose coupling
+  std::string instrument;             ///< instrument whose coupling is used
   std::string model;
   std::string host = "127.0.0.1";
   std::uint16_t port = 1394;
@@ -35,24 +36,26 @@ struct DvrkRequest {
   std::string tip;                 ///< frame of the impedance
   double stiffness = 800.0;        ///< [N/m] of it
   double approach_speed = 0.25;
-  std::vector<double> largest_error;  ///< one per joint, or one for the joints that turn
-  bool home = false;                  ///< a reading command may load encoders
-  bool announce = false;              ///< and send a session's first packets
+  std::vector<double> largest_error;  ///< one per joint, or one for the revolute joints
+  bool home = false;                  ///< a reading command may initialise encoders
+  bool announce = false;              ///< and send the first packets of a session
   int firmware = 8;
   bool ethernet_only = false; ///< emulated boards have no FireWire between them
-  bool firewire = false;      ///< FPGA V3 boards have it all the same
+  bool firewire = false;      ///< FPGA V3 boards have FireWire nevertheless
   bool io_expander = false;   ///< emulated boards are QLA 1.5
+  bool emulate = false;       ///< `run` has emulated boards in this process
   bool everywhere = false;    ///< the emulator listens on all addresses
   std::vector<double> start;  ///< joint positions of the emulated arm
   std::string config_out;
   std::vector<std::string> events;
-  std::vector<std::string> arms, models;          ///< Arms of the emulator, which may have several
+  std::vector<std::string> arms, models;          ///< of the emulator, which may have several arms
   std::vector<std::string> chips;                 ///< BOARD=FILE
-  double pot_noise = -1.0, current_noise = -1.0;  ///< [bits]; negative: as usual
+  double pot_noise = -1.0, current_noise = -1.0;  ///< [bits]; negative: default
   CommonOptions common;
 };
 
-/// Set by every signal that asks a program to end (INT, TERM, HUP, QUIT, PIPE), from the first call of catch_signals() on.
+/// Set by every signal that requests an end (INT, TERM, HUP, QUIT, PIPE), from the first call of
+/// catch_signals() on.
 const std::atomic<bool>& stop_asked();
 void catch_signals();
 
@@ -66,20 +69,24 @@ DvrkArm dvrk_arm(const DvrkRequest& request);
 
 dvrk::ArmSessionOptions session_options(const DvrkRequest& request, const DvrkArm& arm);
 
-/// What the session noticed, on standard error; a warning is no progress, so --quiet keeps it.
+/// Prints the faults of the session on standard error; warnings are printed with --quiet as well.
 void say_faults(const dvrk::FaultLog& faults);
 
-/// Before a loop that has a cycle to keep: priority, memory that stays where it is. What the system
-/// refuses is returned, in words.
+/// The boards at --host, or emulated ones in this process with DvrkRequest::emulate: their clock stands
+/// still while the program computes. @throws InvalidInput, CLI::ValidationError  as `dvrk emulate`.
+std::unique_ptr<dvrk::DatagramLink> link_to_boards(const DvrkRequest& request);
+
+/// Prepares a real-time loop: priority and locked memory. Returns what the system refused, in
+/// words.
 std::vector<std::string> prepare_loop();
 
 /// "power off is NOT CONFIRMED (an amplifier is still on): press the emergency stop".
 std::string not_confirmed(dvrk::OffState power);
 
-/// Where not all rows are in the file: how many are, and why.
+/// Reports the number of rows and the reason if the file does not have all.
 void say_kept(const DvrkRequest& request, const dvrk::RunResult& done);
 
-/// Timing, faults and the JSON file of a client's command.
+/// Prints timing and faults and writes the JSON file of a client's command.
 void finish_dvrk(const DvrkRequest& request, const char* command, const dvrk::RunResult& done,
                  const dvrk::ArmSession& session);
 

@@ -5,12 +5,10 @@
 #include <memory>
 
 #include "cli/boards/dvrk_request.hpp"
-#include "math/output_file.hpp"
 #include "cli/options/messages.hpp"
 #include "cli/options/option_checks.hpp"
 #include "dvrk/arms/arm_facts.hpp"
 #include "dvrk/run/model_controller.hpp"
-#include "dvrk/protocol/udp_link.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/model_file.hpp"
 #include "veridyn/simulation/simulate_recording.hpp"
@@ -20,7 +18,8 @@ namespace {
 
 using dvrk::ArmSession;
 
-// The laboratory's gains of a known arm; those that fit a model in place of the first ones.
+// The laboratory's gains of a known arm; with a model, gains designed for it replace the first
+// ones.
 PidGains gains_of(const DvrkRequest& request, const DvrkArm& arm) {
   const int n = arm.robot.size();
   PidGains gains{VectorXd::Zero(n), VectorXd::Zero(n), VectorXd::Zero(n)};
@@ -68,7 +67,8 @@ void require_inputs(const DvrkRequest& request) {
                 {"--seconds", !plays, "--controller gravity"},
                 {"--trajectory", plays, "another controller than gravity"},
                 {"--approach-speed", plays, "another controller than gravity"},
-                {"--largest-error", plays, "another controller than gravity"}});
+                {"--largest-error", plays, "another controller than gravity"},
+                {"--event", request.emulate, "--emulate"}});
   expect_value(!plays || !request.trajectory.empty(), "--trajectory",
                "expected a motion for --controller ", name);
   expect_value(pid || !request.model.empty(), "--model", "--controller ", name,
@@ -84,7 +84,7 @@ std::unique_ptr<dvrk::ModelController> controller_of(const DvrkRequest& request,
                                                     : dvrk::ControlLaw::kComputedTorque;
   options.tip = request.tip;
   options.stiffness = request.stiffness;
-  options.longest_gap = request.watchdog;  // later, the boards have switched off
+  options.longest_gap = request.watchdog;  // any longer gap lets the boards switch off
   const Model model = read_model(request.model);
   if (!request.tip.empty()) expect_one_of("--tip", request.tip, frame_names(model));
   auto controller =
@@ -94,7 +94,7 @@ std::unique_ptr<dvrk::ModelController> controller_of(const DvrkRequest& request,
   return controller;
 }
 
-// One number is that of the joints that turn.
+// A single number applies to the revolute joints.
 VectorXd largest_errors(const DvrkRequest& request, const dvrk::RobotConfig& robot) {
   VectorXd all = dvrk::default_largest_errors(robot);
   const std::vector<double>& given = request.largest_error;
@@ -129,11 +129,13 @@ ExitStatus run_dvrk_run(const DvrkRequest& request) {
   const MotionSamples motion = in_place ? MotionSamples() : motion_of(request.trajectory);
   const PidGains gains = gains_of(request, arm);
   const dvrk::RunOptions options = run_options(request, arm.robot);
-  dvrk::UdpLink link(request.host, request.port);
+  const std::unique_ptr<dvrk::DatagramLink> boards = link_to_boards(request);
+  dvrk::DatagramLink& link = *boards;
   ArmSession session(link, arm.robot, session_options(request, arm));
   const auto controller = controller_of(request, gains, session);
   catch_signals();
-  const std::vector<std::string> refused = prepare_loop();
+  const std::vector<std::string> refused =
+      request.emulate ? std::vector<std::string>() : prepare_loop();
   const dvrk::RunResult done =
       in_place     ? dvrk::run_in_place(session, link, request.seconds, controller->joints(),
                                         *controller, options, stop_asked())
@@ -145,7 +147,7 @@ ExitStatus run_dvrk_run(const DvrkRequest& request) {
   const std::string power = off ? "power is off" : not_confirmed(done.power);
   if (!done.why.empty()) say("the run ended: " + done.why + "; " + power + ".");
   if (done.why.empty() && !off) say(power + ".");
-  for (const std::string& line : refused) say(line);  // behind what ended the run
+  for (const std::string& line : refused) say(line);  // after the reason for the end of the run
   if (!done.remark.empty()) say(request.output + ": " + done.remark + ".");
   finish_dvrk(request, "run", done, session);
   say_kept(request, done);

@@ -29,7 +29,7 @@ AttachedPose attached(const std::string& word) {
   return word == "free" ? AttachedPose::kFree : AttachedPose::kAutomatic;
 }
 
-// The wrong constant that `diagnose --json` names, compared in one line; empty: it names none.
+// Comparison with the wrong constant in the JSON of `diagnose`, one line; empty: it has none.
 std::string compared(const std::string& file, const LinksCalibration& links) {
   const nlohmann::json diagnosis =
       nlohmann::json::parse(content_of_file(file, "what diagnose --json wrote"), nullptr, false);

@@ -9,14 +9,14 @@
 
 namespace veridyn::cli {
 
-/// Adds --unit and --rate, which say what a motion-capture file leaves open.
+/// Adds --unit and --rate, for what a motion-capture file does not state.
 void add_capture_options(CLI::App& command, CaptureOptions& options);
 
-/// Adds --body, where one body of several is wanted.
+/// Adds --body, to select one body of several.
 void add_body_option(CLI::App& command, CaptureOptions& options);
 
-/// Ends a calibration: writes what was asked for, prints the report, or says why there is none.
-/// @param json, page  what to write where it could be told.
+/// Ends a calibration: writes the files, prints the report, or the reason for a failure.
+/// @param json, page  contents of the files for a successful calibration.
 ExitStatus finish_calibration(bool done, const std::string& reason, const std::string& report,
                               const CommonOptions& common, const std::string& json,
                               const std::string& page);

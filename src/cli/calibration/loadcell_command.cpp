@@ -33,7 +33,7 @@ struct LoadcellRequest {
   double gravity = 9.81;
   double seconds = 2.0;
   double cutoff = 0.0, silence = 15.0, stuck = 15.0;
-  double range = 0.0, jump = 0.0;  // 0: as usual
+  double range = 0.0, jump = 0.0;  // 0: default
   CommonOptions common;
 };
 
@@ -59,7 +59,7 @@ Readings from_file(const LoadcellRequest& request) {
   return out;
 }
 
-// One weight after the other, each announced and waited for.
+// Reads one weight after the other, with a prompt for each.
 Readings from_source(const LoadcellRequest& request) {
   const std::unique_ptr<ForceSource> source = open_force_source(request.source);
   Readings out;
@@ -68,7 +68,7 @@ Readings from_source(const LoadcellRequest& request) {
     std::string line;
     require(static_cast<bool>(std::getline(std::cin, line)),
             "standard input: ended before all weights were read.");
-    while (source->poll() > 0) {  // what came meanwhile belongs to no weight
+    while (source->poll() > 0) {  // readings between the prompts are discarded
     }
     const double end = now() + request.seconds;
     int taken = 0;
@@ -86,7 +86,7 @@ Readings from_source(const LoadcellRequest& request) {
   return out;
 }
 
-// Two readings make a line, and nothing is left to tell how well it lies.
+// Two weights define a line without a residual.
 std::string calibration_report(const LoadCellCalibration& found, std::size_t readings) {
   if (!std::isfinite(found.offset_interval) || !std::isfinite(found.scale_interval)) {
     return fmt::format("{} weights, {} readings: offset {:.1f} counts, scale {:.6g} N per count; no "
@@ -126,7 +126,7 @@ ExitStatus calibrate(const LoadcellRequest& request) {
   return kDone;
 }
 
-constexpr double kUsualRange = 200.0;  // [N] of a cell that is calibrated
+constexpr double kUsualRange = 200.0;  // [N] default range of a cell for calibration
 constexpr double kJumpShare = 0.1;     // of the range
 
 ForceChannelOptions channel_options(const LoadcellRequest& request) {
@@ -145,7 +145,7 @@ ForceChannelOptions channel_options(const LoadcellRequest& request) {
   return options;
 }
 
-// What was read and what was not: every state that the channel was in counts, not the last one.
+// Counts readings and faults: every state of the channel counts, not only the last one.
 struct ReadingTally {
   std::string rows = "t,raw,force\n";
   double worst = 0.0, lowest = 0.0, highest = 0.0, sum = 0.0;

@@ -11,6 +11,7 @@
 #include "cli/options/messages.hpp"
 #include "cli/options/option_checks.hpp"
 #include "cooperation/scenario_models.hpp"
+#include "emulator/joined_arms.hpp"
 #include "dvrk/arms/arm_facts.hpp"
 #include "dvrk/cooperation/board_cooperation.hpp"
 #include "dvrk/cooperation/board_teleoperation.hpp"
@@ -52,7 +53,7 @@ dvrk::BoardCooperationOptions board_options(const BoardsRequest& request, const 
   for (std::size_t k = 0; k < request.hosts.size() && k < arms.size(); ++k)
     place(request.hosts[k], arms[k]);
   dvrk::BoardCooperationOptions options;
-  options.emulate = request.emulate;
+  if (request.emulate) options.emulate = dvrk::emulate_boards;
   options.force_sources = request.sensors;
   options.force_calibrations = request.calibrations;
   options.stepped = request.stepped;
@@ -63,7 +64,7 @@ dvrk::BoardCooperationOptions board_options(const BoardsRequest& request, const 
   return options;
 }
 
-// What a simulated run has, and what became of the boards.
+// JSON of a simulated run, extended by the state of the boards.
 std::string boards_json(const dvrk::BoardCooperationRun& done, const Scenario& scenario) {
   nlohmann::ordered_json out = nlohmann::ordered_json::parse(to_json(done.run, scenario));
   const auto arm = [&]() -> nlohmann::ordered_json {
@@ -96,7 +97,7 @@ std::string boards_json(const dvrk::BoardCooperationRun& done, const Scenario& s
   return out.dump(1) + "\n";
 }
 
-// A leader and a follower.
+// Runs a teleoperation of a leader and a follower.
 ExitStatus run_teleoperation(const BoardsRequest& request, const std::string& path,
                              const CommonOptions& common, const std::string& output) {
   expect_value(common.report.empty(), "--report", "found a teleoperation, which has no page; see --json and -o");

@@ -10,7 +10,7 @@
 
 namespace veridyn::cli {
 
-/// What `cooperate --boards` is asked for.
+/// Options of `cooperate --boards`.
 struct BoardsRequest {
   std::vector<std::string> configs;       ///< XML or JSON, or names of known arms, one per arm
   std::vector<std::string> hosts;         ///< HOST[:PORT], one per arm
@@ -20,7 +20,7 @@ struct BoardsRequest {
   bool emulate = false, stepped = false, unrehearsed = false;
 };
 
-/// What `cooperate --live` is asked for, on boards or not.
+/// Options of `cooperate --live`, with or without boards.
 struct LiveRequest {
   std::string line;  ///< "-" or "udp:..."; empty: the scenario's phases
   double pace = 1.0, silence = 0.5;

@@ -39,14 +39,14 @@ void tell_made_up(const CooperateRequest& request, const Scenario& scenario) {
 template <typename Result>
 void write(const CooperateRequest& request, const Result& done, const Scenario& scenario,
            const std::string& command) {
-  tell_made_up(request, scenario);  // once it has run: a refusal has one line
+  tell_made_up(request, scenario);  // after the run, so that a refusal has one line
   if (!request.common.json.empty()) write_file(request.common.json, to_json(done, scenario));
   if (!request.common.report.empty())
     write_file(request.common.report, to_page(done, scenario, command));
   std::cout << done.report();
 }
 
-// Commands from a line, in real time; what is goes to standard output as it happens.
+// Runs commands from a line in real time; reports go to standard output as they occur.
 ExitStatus run_by_line(const CooperateRequest& request) {
   const Scenario scenario = read_scenario(request.scenario);
   tell_made_up(request, scenario);

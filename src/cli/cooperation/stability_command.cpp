@@ -23,7 +23,7 @@ struct StabilityRequest {
   CommonOptions common;
 };
 
-// "stiffness=1e4".
+// Applies an option such as "stiffness=1e4".
 Scenario changed(Scenario scenario, const std::string& word) {
   const auto equals = word.find('=');
   expect_value(equals != std::string::npos && equals > 0, "--set", "found '", word,

@@ -6,7 +6,7 @@
 
 namespace veridyn::cli {
 
-/// A teleoperation on boards for machines, as TeleoperationRun::report() has it for people.
+/// JSON of a teleoperation on boards, with the contents of TeleoperationRun::report().
 std::string teleoperation_json(const dvrk::TeleoperationRun& run);
 
 }  // namespace veridyn::cli

@@ -4,6 +4,7 @@
 #include <iostream>
 #include <memory>
 
+#include "math/words.hpp"
 #include "cli/commands.hpp"
 #include "cli/options/common_options.hpp"
 #include "math/output_file.hpp"
@@ -20,16 +21,12 @@ namespace veridyn::cli {
 namespace {
 
 struct CheckRequest {
-  std::vector<std::string> files;  // a robot may stand in front of the recordings
+  std::vector<std::string> files;  // a robot may precede the recordings
   PreprocessingOptions reading;
   CommonOptions common;
 };
 
-bool ends_with(const std::string& text, const std::string& end) {
-  return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
-}
-
-// A robot file, or a bare name that is no file.
+// True for a robot file, or a bare name that is no file.
 bool is_robot(const std::string& name) {
   struct stat about {};
   const bool there = ::stat(name.c_str(), &about) == 0;

@@ -30,7 +30,7 @@ struct DiagnoseRequest {
   CommonOptions common;
 };
 
-// Names of effects, or causes EFFECT:PLACE of the arm.
+// Checks that all are names of effects, or causes EFFECT:PLACE of the arm.
 void expect_known_effects(const std::vector<std::string>& names) {
   for (const std::string& name : names)
     expect_one_of("--effects", split_cause(name).effect, effect_names());
@@ -40,15 +40,15 @@ void expect_known_places(const Model& arm, const std::vector<std::string>& names
   for (const std::string& name : names) value_of("--effects", [&] { return asked_cause(arm, name); });
 }
 
-// The command that makes the recording, with the robot as it was named here and with what is
-// recorded and known already.
+// The command that designs the next recording, with the robot as named here and with the recordings
+// and values known so far.
 std::string next_command(const DiagnoseRequest& request, const Model& arm,
                          const NextExperiment& next) {
   if (next.between.empty() && next.shows.empty()) return "";
   std::vector<std::string> words = {"veridyn", "excite", request.robot, "-o", "next.csv", "--criterion"};
   if (next.between.empty()) {
     words.emplace_back("d-optimal");
-    if (!request.model_out.empty()) words[2] = request.model_out;  // whose tables count as parameters
+    if (!request.model_out.empty()) words[2] = request.model_out;  // its tables count as parameters
   } else {
     words.insert(words.end(), {"discriminate", "--between",
                                to_text(arm, next.between[0]) + "," + to_text(arm, next.between[1])});

@@ -80,7 +80,7 @@ void expect_options_that_mean_something(const IdentifyRequest& request) {
                "found one recording, expected one at least with the load and one without");
 }
 
-// On frames of this arm, in recordings to learn from.
+// Checks that the frames exist and the recordings are training recordings.
 void expect_known_masses(const IdentifyRequest& request, const Model& arm,
                          const std::vector<KnownMass>& masses) {
   std::vector<std::string> recordings = request.train;
@@ -150,7 +150,7 @@ FactorSet compressed(const IdentifyRequest& request, const Model& arm,
   return factors;
 }
 
-// --factor-out keeps what the recordings say even where they alone cannot answer.
+// --factor-out writes the factors even if they do not determine a model.
 Identification identified(const IdentifyRequest& request, const Model& arm,
                           const IdentificationOptions& options) {
   if (request.factors.empty() && request.factor_out.empty())
@@ -173,7 +173,7 @@ void write_results(const IdentifyRequest& request, const Identification& id,
   std::cout << id.report();
 }
 
-// A file for what a rank has done so far, beside the one that is asked for.
+// Name of a file for the factors of one rank, beside the requested one.
 std::string part_of(const IdentifyRequest& request, const Communicator& ranks) {
   return text(request.factor_out, ".rank-", ranks.rank());
 }
@@ -196,7 +196,7 @@ Identification identified_by_ranks(const IdentifyRequest& request, const Model& 
   return id;
 }
 
-// Every rank runs this; the first one alone speaks.
+// Runs on every rank; only the first one prints.
 ExitStatus run_on_ranks(const IdentifyRequest& request, const std::string& command_line,
                         Communicator& ranks) {
   const bool first = ranks.rank() == 0;
@@ -221,7 +221,7 @@ ExitStatus run_on_ranks(const IdentifyRequest& request, const std::string& comma
     if (first) say(error.what());
     end_all_ranks(kBadInput);
   } catch (const CLI::Error&) {
-    throw;  // the same on every rank
+    throw;  // thrown on every rank alike
   } catch (const std::exception& error) {
     say(text("rank ", ranks.rank(), ": internal fault: ", error.what()));
     end_all_ranks(kProgramFault);

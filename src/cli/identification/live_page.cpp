@@ -15,8 +15,8 @@ namespace veridyn::cli {
 namespace {
 
 constexpr const char* kHere = "127.0.0.1";
-constexpr std::chrono::seconds kFarewell{1};        // in which a browser fetches the last page
-constexpr std::chrono::milliseconds kSilence{500};  // after which a browser that left is noticed
+constexpr std::chrono::seconds kFarewell{1};        // in which a browser can fetch the last page
+constexpr std::chrono::milliseconds kSilence{500};  // after which a closed browser is noticed
 
 }  // namespace
 
@@ -74,7 +74,7 @@ class LivePage::Implementation {
     return count_;
   }
 
-  // One event for each new page, and a comment now and then.
+  // Sends one event for each new page, and comments to keep the connection.
   bool tell(long& seen, httplib::DataSink& sink) {
     std::unique_lock<std::mutex> hold(guard_);
     changed_.wait_for(hold, kSilence, [&] { return ended_ || count_ != seen; });

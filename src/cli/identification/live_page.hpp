@@ -6,12 +6,11 @@
 
 namespace veridyn::cli {
 
-/// A page in a browser on this machine: http://127.0.0.1:PORT shows what show() gave last, and a
-/// browser that has it open is told of every new one (server-sent events). Nothing else on the
-/// network sees it.
+/// Serves a page on this machine: http://127.0.0.1:PORT has the last page of show(), and an open
+/// browser is notified of every new one (server-sent events). Other machines cannot reach it.
 class LivePage {
  public:
-  /// @param port  0: any that is free. @throws InvalidInput  the port is taken, or the tool was built
+  /// @param port  0: any free one. @throws InvalidInput  the port is in use, or the tool was built
   /// without cpp-httplib.
   explicit LivePage(int port);
   ~LivePage();

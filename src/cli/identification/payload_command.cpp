@@ -8,7 +8,6 @@
 #include "cli/options/recording_options.hpp"
 #include "veridyn/diagnosis/payload.hpp"
 #include "math/output_file.hpp"
-#include "veridyn/model/model_file.hpp"
 #include "veridyn/report/pages.hpp"
 #include "veridyn/report/payload_json.hpp"
 
@@ -59,7 +58,10 @@ void add_payload_command(CLI::App& tool, Outcome& outcome) {
   add_robot_options(command, request->common);
   add_common_options(command, request->common);
   add_report_option(command, request->common);
-  command.callback([request, &outcome] { outcome.status = run(*request, outcome.command_line); });
+  command.callback([request, &command, &outcome] {
+    request->options.choose_velocities = command.count("--velocity") == 0;
+    outcome.status = run(*request, outcome.command_line);
+  });
 }
 
 }  // namespace veridyn::cli

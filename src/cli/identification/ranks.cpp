@@ -19,7 +19,7 @@
 namespace veridyn::cli {
 namespace {
 
-// What mpirun (or srun) tells the processes that it starts; 0: nobody did.
+// Environment variables that mpirun (or srun) sets for its processes; 0: not started by it.
 int from_environment(const char* open_mpi, const char* others) {
   for (const char* name : {open_mpi, others}) {
     const char* value = std::getenv(name);

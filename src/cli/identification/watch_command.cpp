@@ -13,7 +13,6 @@
 #include "cli/options/option_checks.hpp"
 #include "cli/options/recording_options.hpp"
 #include "veridyn/math/require.hpp"
-#include "veridyn/model/model_file.hpp"
 #include "veridyn/recordings/growing_recording.hpp"
 #include "veridyn/recordings/preprocessing.hpp"
 #include "veridyn/report/watch_json.hpp"
@@ -25,7 +24,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr int kRowsAtOnce = 200;
 constexpr std::chrono::seconds kPageEvery{2};
-constexpr size_t kMostStates = 200000;  // five hours and more of steps for the page
+constexpr size_t kMostStates = 200000;  // for the page: more than five hours of steps
 constexpr double kDoubtful = 0.5;  // share of a joint's torque
 
 volatile std::sig_atomic_t interrupted = 0;
@@ -43,7 +42,7 @@ struct WatchRequest {
   CommonOptions common;
 };
 
-// One source after the other, and what reports need of them.
+// Watches one source after the other and collects data for reports.
 class Watching {
  public:
   Watching(const Model& arm, WatchRequest& request, const std::string& command_line)
@@ -80,7 +79,8 @@ class Watching {
   }
 
  private:
-  // What the model does not explain while noise is learned counts as the arm's own from then on.
+  // Warns of a large residual while the noise is learned, since it then counts as normal for the
+  // arm.
   void doubt_model(const std::string& source) {
     std::string shares;
     bool wrong = false;
@@ -178,7 +178,7 @@ ExitStatus run(WatchRequest& request, const std::string& command_line) {
   for (const EffectTerm& term : arm.arm_effects())
     say("warning: " + term.effect + " on the arm is left out here: what it does may be named as something else.");
   for (const std::string& link : request.options.links) expect_one_of("--link", link, frame_names(arm));
-  struct sigaction action {};  // without SA_RESTART: a read that waits ends
+  struct sigaction action {};  // without SA_RESTART, so that a blocking read ends
   action.sa_handler = stop;
   ::sigaction(SIGINT, &action, nullptr);
   ::sigaction(SIGTERM, &action, nullptr);

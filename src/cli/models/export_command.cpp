@@ -35,7 +35,7 @@ ExportedModel exported(const ExportRequest& request, const Model& model) {
   return exported_model(model, prior, request.meshes_from);
 }
 
-// Once the files are there: a refusal stands alone.
+// Prints notes after the files are written, so that a refusal has one line.
 void tell(const ExportRequest& request, const ExportedModel& out) {
   for (const std::string& warning : out.warnings)
     say("warning: " + request.model + ": " + warning + ".");
@@ -43,7 +43,7 @@ void tell(const ExportRequest& request, const ExportedModel& out) {
   for (const std::string& note : out.notes) say(note + ".");
 }
 
-// A MODEL's origin goes with it.
+// Writes the MODEL with its origin.
 void save_yaml(const ExportRequest& request, const Model& model) {
   const std::string path = robot_path(request.model);
   const bool urdf = path.size() > 5 && path.compare(path.size() - 5, 5, ".urdf") == 0;
@@ -51,7 +51,7 @@ void save_yaml(const ExportRequest& request, const Model& model) {
   write_file(request.yaml, origin ? with_origin(to_yaml(model), *origin) : to_yaml(model));
 }
 
-// What a format has no words for stands in the file's comments; here their number.
+// The file's comments list what the format cannot represent; this prints their number.
 void write_xml(const ExportRequest& request, const std::string& file, const char* format,
                const std::string& xml) {
   if (file.empty()) return;

@@ -17,7 +17,7 @@
 namespace veridyn::cli {
 namespace {
 
-// The arm that a model is about, from the first letters of its name.
+// The arm of a model, from the first letters of its name.
 dvrk::ArmFacts find_arm(const Model& model, const std::string& name) {
   if (!name.empty()) {
     expect_one_of("--dvrk-arm", name, dvrk::arm_names());
@@ -56,7 +56,7 @@ void print_gravity(const dvrk::GravityChain& chain) {
     fmt::print("  torques at rest that rows cannot carry: {}\n", listed(chain.left_out));
 }
 
-// Reported efforts against the rows: root mean square of what is left, and of the efforts.
+// Compares reported efforts with the rows: root mean square of the residual and of the efforts.
 void print_static_torques(const dvrk::GravityChain& chain, const std::string& path) {
   const dvrk::StaticTorques measured = dvrk::read_static_torques(path);
   const auto n =

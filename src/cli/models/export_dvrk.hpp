@@ -12,17 +12,17 @@ struct DvrkExport {
   std::string gravity;  ///< file for the rows of gravity compensation
   std::string scales;   ///< file for current per effort
   std::string arm;      ///< "PSM1"; empty: from the model's name
-  std::string config;   ///< configuration that scales correct; empty: the arm's nominal one
+  std::string config;   ///< configuration to correct by the scales; empty: the arm's nominal one
   std::string torques;  ///< static torques to compare the rows with
 };
 
 /// Adds --dvrk-gravity, --dvrk-scales, --dvrk-arm, --dvrk-config, --static-torques.
 void add_dvrk_export_options(CLI::App& command, DvrkExport& request);
 
-/// @throws CLI::ValidationError  an option that belongs to an output which nobody asked for.
+/// @throws CLI::ValidationError  an option without the output that it belongs to.
 void check_dvrk_export(const DvrkExport& request);
 
-/// Writes what is asked for and prints what it is worth.
+/// Writes the requested files and prints their accuracy.
 void export_dvrk(const Model& model, const DvrkExport& request);
 
 }  // namespace veridyn::cli

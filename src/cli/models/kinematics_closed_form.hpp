@@ -7,7 +7,7 @@
 
 namespace veridyn::cli {
 
-/// An arm whose kinematics are wanted, with its closed form where it has one.
+/// An arm with its closed-form kinematics, if it has one.
 struct Arm {
   Model model;
   std::string frame;

@@ -13,13 +13,12 @@
 #include "control/kinematics_table.hpp"
 #include "math/output_file.hpp"
 #include "veridyn/math/require.hpp"
-#include "veridyn/model/model_file.hpp"
 #include "report/json/kinematics_json.hpp"
 
 namespace veridyn::cli {
 namespace {
 
-constexpr int kPostures = 1000;  // of the workspace, where nobody says how many
+constexpr int kPostures = 1000;  // default number of postures of the workspace
 
 struct KinematicsRequest {
   std::string robot, forward, inverse, frame, output, solver = "closed-form";
@@ -29,7 +28,7 @@ struct KinematicsRequest {
   CommonOptions common;
 };
 
-// "0.1,0.2,0.3", or nothing where it is a file's name.
+// Parses "0.1,0.2,0.3"; empty if the word is a file name.
 std::vector<double> numbers_of(const std::string& word) {
   std::vector<double> out;
   std::istringstream parts(word);

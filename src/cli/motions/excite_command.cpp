@@ -36,7 +36,7 @@ struct ExciteRequest {
   std::string coefficients;
   std::string model;
   std::vector<std::string> given;
-  PreprocessingOptions reading;  // of what is given
+  PreprocessingOptions reading;  // of the given recordings
   std::vector<std::string> boxes, spheres, obstacles, insertions;
   std::string between;
   double clearance = 0.0;
@@ -46,7 +46,7 @@ struct ExciteRequest {
   CommonOptions common;
 };
 
-// Ctrl-C asks the search to end with the best motion so far; a second one ends the program.
+// Ctrl-C ends the search with the best motion so far; a second one ends the program.
 volatile std::sig_atomic_t interrupted = 0;
 
 class Interruptible {
@@ -66,7 +66,7 @@ class Interruptible {
   struct sigaction before_ {};
 };
 
-// Plausible values say how an arm behaves, and nothing about how strong it must be.
+// Plausible values define the dynamics of an arm, but no limits of its efforts.
 Model without_efforts(const Model& arm) {
   ModelDescription description = arm.description();
   for (Coordinate& c : description.coordinates)
@@ -74,7 +74,7 @@ Model without_efforts(const Model& arm) {
   return Model(std::move(description));
 }
 
-// The arm of --model. One that was identified with joints held has lost them already.
+// The arm of --model. One identified with locked joints lacks them already.
 Model read_powered(const ExciteRequest& request) {
   const Model arm = read_model(request.model);
   std::map<std::string, double> fixed;
@@ -121,7 +121,7 @@ ExcitationOptions options_of(const ExciteRequest& request, const Model& arm,
   return o;
 }
 
-// The limit that is crossed most, as a share of its size.
+// The most violated limit, relative to its size.
 const LimitMargin& most_crossed(const Excitation& found) {
   const auto share = [](const LimitMargin& m) {
     const double size = std::isfinite(m.upper - m.lower) ? m.upper - m.lower : std::abs(m.lower);
@@ -132,7 +132,7 @@ const LimitMargin& most_crossed(const Excitation& found) {
       [&](const LimitMargin& a, const LimitMargin& b) { return share(a) < share(b); });
 }
 
-// What stands in the way of a motion, or nothing.
+// Reason for a missing motion, or empty.
 std::string why_not(const Excitation& found) {
   if (found.status == ExcitationStatus::kRankDeficient) {
     return text("no motion of ", found.trajectory.harmonics(),
@@ -146,7 +146,7 @@ std::string why_not(const Excitation& found) {
               "; nothing is written.");
 }
 
-// Nobody searches in the place of a solver that is not there.
+// Refuses a solver that was not built; it is not replaced by another.
 void expect_solver(const ExciteRequest& request) {
   const ExcitationSolver solver = request.options.solver;
   expect_value(is_built_in(solver), "--solver", "found '", name_of(solver),
@@ -183,7 +183,7 @@ ExitStatus run(const ExciteRequest& request, const std::string& command_line) {
   const ExcitationOptions options = options_of(request, arm, made_up_words);
   if (!made_up_words.empty()) say(made_up_words);
   const Interruptible until_interrupted;
-  // What it refuses is what an option asks of this arm.
+  // Its exceptions are caused by option values for this arm.
   Excitation found = value_of("excite", [&] { return optimise_excitation(arm, options); });
   const bool known = arm.inertial_values() || !request.model.empty();
   if (found.prediction && !known)

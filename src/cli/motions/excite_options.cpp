@@ -14,7 +14,7 @@ namespace {
   throw CLI::ValidationError(option, "found '" + words + "', expected " + expected);
 }
 
-// Numbers between commas; `counts` says how many there may be.
+// Parses numbers between commas; `counts` are the allowed numbers of them.
 std::vector<double> numbers(const std::string& option, const std::string& words,
                             const std::string& list, const std::vector<size_t>& counts,
                             const std::string& expected) {

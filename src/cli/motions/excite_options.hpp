@@ -9,8 +9,8 @@
 
 namespace veridyn::cli {
 
-// The words behind the options of `excite`; each throws CLI::ValidationError with what was found
-// and what was expected.
+// Parsers of the options of `excite`; each throws CLI::ValidationError with the value found and the
+// form expected.
 
 /// "EFFECT:PLACE,EFFECT:PLACE".
 std::pair<RivalCause, RivalCause> rivals(const std::string& words);
@@ -31,10 +31,10 @@ InsertionRange insertion_range(const std::string& words);
 std::vector<SpherePair> sphere_pairs(const std::vector<Sphere>& spheres,
                                      const std::vector<Sphere>& obstacles, double clearance);
 
-/// Adds what shapes the motion: --frequency to --limit-share.
+/// Adds the options of the motion: --frequency to --limit-share.
 void add_motion_options(CLI::App& command, ExcitationOptions& options);
 
-/// Adds how the motion is looked for: --criterion to --seed.
+/// Adds the options of the search: --criterion to --seed.
 void add_search_options(CLI::App& command, ExcitationOptions& options);
 
 }  // namespace veridyn::cli

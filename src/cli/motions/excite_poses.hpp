@@ -8,7 +8,7 @@
 
 namespace veridyn::cli {
 
-/// What `excite --for calibration` is asked.
+/// Options of `excite --for calibration`.
 struct PosesRequest {
   std::string purpose = "identification";
   std::string frame;
@@ -18,7 +18,7 @@ struct PosesRequest {
 /// Adds --for, --frame and --poses.
 void add_poses_options(CLI::App& command, PosesRequest& request);
 
-/// @throws CLI::ValidationError  an option was given that only shapes a motion.
+/// @throws CLI::ValidationError  an option was given that applies to motions only.
 void expect_no_motion_options(const CLI::App& command);
 
 /// Designs poses to calibrate with and writes them as CSV: t, q.

@@ -13,7 +13,6 @@
 #include "veridyn/recordings/recording.hpp"
 #include "math/output_file.hpp"
 #include "veridyn/math/require.hpp"
-#include "veridyn/model/model_file.hpp"
 #include "model/suggestion.hpp"
 #include "veridyn/report/motion_json.hpp"
 #include "veridyn/simulation/engine.hpp"
@@ -36,7 +35,7 @@ MotionSamples wanted_motion(const Model& arm, const std::string& path) {
   }
 }
 
-// What was made up is told once the motion is read: a bad file has one line.
+// Plausible values are reported after the motion is read, so that a bad file has one line.
 Model arm_with_values(const SimulateRequest& request, std::string& made_up_words) {
   PlausibleModel plausible = plausible_model(read_robot(request.robot, request.common), request.arm_seed);
   const bool made_up = plausible.bodies + plausible.effects > 0;
@@ -51,7 +50,7 @@ Model arm_with_values(const SimulateRequest& request, std::string& made_up_words
   return plausible.arm;
 }
 
-// Forward dynamics need inertia.
+// Gives rotors without inertia a small one, because forward dynamics needs it.
 Model movable_arm(const SimulateRequest& request, const Model& arm) {
   const MovableArm movable = with_movable_rotors(arm);
   for (const std::string& one : movable.changed) {
@@ -148,15 +147,15 @@ void add_simulate_command(CLI::App& tool, Outcome& outcome) {
           ""));
   command
       .add_option("--sample-rate", request->sample_rate,
-                  "Of the recording, whatever that of the trajectory (the same)")
+                  "Sample rate of the recording (default: that of the trajectory)")
       ->option_text("HZ")
       ->check(CLI::PositiveNumber);
   command.add_option("--engine", request->engine, "What computes the motion (veridyn)")
       ->option_text(listed(engine_names()));
-  command.add_option("--seed", request->seed, "Of the noise (1)")->option_text("N");
+  command.add_option("--seed", request->seed, "Seed of the noise (1)")->option_text("N");
   command
       .add_option("--arm-seed", request->arm_seed,
-                  "Of the values of an arm whose file has none; the same in all its recordings (1)")
+                  "Seed of plausible values for a robot file without any (1)")
       ->option_text("N");
   add_output_option(command, "--model-out", request->model_out, "Write the true arm as YAML");
   add_control_options(command, *request);

@@ -9,9 +9,7 @@
 #include "cli/motions/simulate_request.hpp"
 #include "veridyn/recordings/preprocessing.hpp"
 #include "math/output_file.hpp"
-#include "veridyn/math/require.hpp"
 #include "veridyn/model/model_file.hpp"
-#include "model/suggestion.hpp"
 #include "veridyn/report/motion_json.hpp"
 #include "report/pages/simulation_page.hpp"
 

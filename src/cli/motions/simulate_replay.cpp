@@ -9,7 +9,6 @@
 #include "cli/motions/simulate_request.hpp"
 #include "veridyn/recordings/preprocessing.hpp"
 #include "math/output_file.hpp"
-#include "veridyn/math/require.hpp"
 #include "veridyn/report/motion_json.hpp"
 #include "report/pages/simulation_page.hpp"
 #include "veridyn/simulation/engine.hpp"
@@ -17,9 +16,9 @@
 namespace veridyn::cli {
 namespace {
 
-constexpr double kRampCutoff = 20.0;  // [Hz] for positions of slow ramps
+constexpr double kRampCutoff = 20.0;  // [Hz] low-pass for positions of slow ramps
 
-// The recording as its replay takes it, with what reading brought up.
+// The recording as its replay uses it, with the remarks of the reader.
 ReplayInput input_of(const SimulateRequest& request, const Model& arm,
                      const PreprocessingOptions& how) {
   ReplayInput input = replay_input(arm, request.replay, how);
@@ -49,8 +48,8 @@ std::string replay_report(const SimulateRequest& request, const Model& arm, cons
   return out;
 }
 
-// An arm that torques alone have taken farther from the recorded motion than its joint can move has
-// nothing to do with that motion any more.
+// True if the arm under recorded torques has left the recorded motion by more than its joint's
+// range, after which a comparison is meaningless.
 bool lost(const Model& arm, const Replay& r) {
   for (int i = 0; i < arm.joints(); ++i) {
     const Coordinate& c = arm.coordinates()[static_cast<size_t>(i)];
@@ -106,7 +105,8 @@ ExitStatus run_breakaway(const SimulateRequest& request, const Model& arm,
   options.speed = request.breakaway_speed;
   const auto engine = make_engine(request.engine, arm);
   PreprocessingOptions how = request.preprocessing;
-  how.signal_cutoff_ratio = kRampCutoff / how.cutoff;  // a step of position is a new start
+  // Keeps steps of the position, which mark a new start.
+  how.signal_cutoff_ratio = kRampCutoff / how.cutoff;
   const ReplayInput input = input_of(request, arm, how);
   const Breakaway found = breakaway(*engine, arm, input, options);
   tell_left_out(request, engine->left_out());

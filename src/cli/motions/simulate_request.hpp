@@ -10,7 +10,7 @@
 
 namespace veridyn::cli {
 
-/// What `veridyn simulate` was asked.
+/// Options of `veridyn simulate`.
 struct SimulateRequest {
   const CLI::App* command = nullptr;  // the command whose options were given
   std::string robot;
@@ -27,7 +27,7 @@ struct SimulateRequest {
   std::string controller = "none";
   std::string drive = "commands";
   std::string breakaway;         // a joint
-  double breakaway_speed = 0.0;  // [rad/s], [m/s]; 0: the usual
+  double breakaway_speed = 0.0;  // [rad/s], [m/s]; 0: default
   std::string gains;
   std::vector<double> p, i, d, limit;
   LoopOptions loop;
@@ -36,29 +36,29 @@ struct SimulateRequest {
   CommonOptions common;
 };
 
-/// --controller, --gains, --replay and what belongs to them.
+/// Adds --controller, --gains, --replay and their options.
 void add_control_options(CLI::App& command, SimulateRequest& request);
 
-/// @throws CLI::ValidationError  options that do not go together.
+/// @throws CLI::ValidationError  options that exclude each other.
 void check_simulate_request(const SimulateRequest& request);
 
-/// The recording and, if asked for, the true model.
+/// Writes the recording and, on request, the true model.
 void write_simulated(const SimulateRequest& request, const SimulatedRecording& simulated);
 
 std::string simulation_report(const SimulateRequest& request, const SimulatedRecording& simulated);
 
-/// The loop that was asked for. Without gains in words or in a file it has none.
+/// The control loop of the options; without gains on the command line or in a file it has none.
 LoopOptions loop_of(const SimulateRequest& request, const Model& arm);
 
 Recording rows_of(const MotionSamples& motion, const MatrixXd& tau);
 
-/// Tells the user which effects an engine does not have.
+/// Reports the effects that an engine does not support.
 void tell_left_out(const SimulateRequest& request, const std::vector<std::string>& left_out);
 
-/// Tells the user where a run stopped early; nothing of it is written then.
+/// Reports where a run stopped early; its results are not written then.
 bool stopped(const EngineRun& run, const Model& arm);
 
-/// @param command_line  of the run, for its page.
+/// @param command_line  for the page.
 ExitStatus run_controlled(const SimulateRequest& request, const Model& arm,
                           const MotionSamples& wanted, const SimulationOptions& options,
                           const std::string& command_line);

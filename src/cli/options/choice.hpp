@@ -9,8 +9,8 @@
 
 namespace veridyn::cli {
 
-/// An option whose value is one of several words: name_of(choice) for every choice.
-/// @param former  words of earlier versions and what they choose now; not shown in the help.
+/// An option whose value is one of several words: name_of(choice) of every choice.
+/// @param former  words of earlier versions with their present meaning; not shown in the help.
 template <typename T>
 CLI::Option* add_choice(CLI::App& command, const std::string& option, T& target,
                         const std::vector<T>& choices, const std::string& help,

@@ -14,7 +14,7 @@ namespace {
 
 constexpr const char* kBlank = " \t\r";
 
-// Blanks around a field do not count; within one they do.
+// Blanks around a field are removed; those within it are kept.
 std::vector<std::string> fields(const std::string& line) {
   std::vector<std::string> out(1);
   for (const char c : line) {

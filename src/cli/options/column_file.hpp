@@ -15,12 +15,12 @@ struct ColumnFile {
 
   /// The column of that name; -1: there is none.
   int find(const std::string& name) const;
-  /// @throws InvalidInput  there is none: file, line, what was found and expected.
+  /// @throws InvalidInput  there is none; with file, line, names found and expected.
   int at(const std::string& name) const;
 };
 
 /// @throws InvalidInput  no such file, no header, a field that is no finite number, a row of
-///                       another length, no rows.
+/// another length, no rows.
 ColumnFile read_columns(const std::string& path, const std::string& expected);
 
 }  // namespace veridyn::cli

@@ -21,7 +21,7 @@
 namespace veridyn::cli {
 namespace {
 
-// A whole number that is not negative, or -1.
+// Parses a nonnegative whole number; -1 for anything else.
 long row_number(const std::string& digits) {
   long value = -1;
   const char* end = digits.data() + digits.size();
@@ -55,7 +55,7 @@ std::vector<std::string> signal_names(const std::string& option, const std::stri
   return names;
 }
 
-// One file under two names, or a copy of it.
+// True for one file under two names, or a copy of it.
 bool same_recording(const std::string& a, const std::string& b) {
   namespace fs = std::filesystem;
   std::error_code error;

@@ -19,8 +19,8 @@ struct CommonOptions {
   std::string report;  ///< file for the HTML page; empty: none
   int threads = 0;     ///< 0: one per core
   bool quiet = false;
-  std::map<std::string, double> fixed;  ///< coordinates that are not recorded, and where they stay
-  std::vector<double> drive_gains;      ///< torque per ampere of each joint; empty: the file's
+  std::map<std::string, double> fixed;  ///< coordinates that are not recorded, with their positions
+  std::vector<double> drive_gains;  ///< torque per ampere of each joint; empty: those of the file
 };
 
 /// A half-open range of rows; count -1: to the end.
@@ -38,7 +38,7 @@ void add_report_option(CLI::App& command, CommonOptions& options);
 /// Adds ROBOT, the first argument: a file or a bare name.
 void add_robot_argument(CLI::App& command, std::string& robot);
 
-/// Adds an option A:B; A or B may be left away.
+/// Adds an option A:B; A or B may be omitted.
 CLI::Option* add_row_range(CLI::App& command, const std::string& option, const std::string& help,
                            std::function<void(RowRange)> take);
 
@@ -46,21 +46,21 @@ CLI::Option* add_row_range(CLI::App& command, const std::string& option, const s
 void add_headerless_options(CLI::App& command, std::vector<std::string>& columns, double& rate,
                             const std::string& rate_option = "--rate");
 
-/// Adds everything that turns recordings into samples: filter, velocities, grid, rows, edges.
+/// Adds all preprocessing options: filter, velocities, grid, rows, edges.
 void add_preprocessing_options(CLI::App& command, PreprocessingOptions& options);
 
 /// Adds --friction.
 void add_friction_option(CLI::App& command, JointFriction& friction);
 
-/// Finds out before long work whether a file can be written. An empty path is no file.
-/// @throws InvalidInput  it cannot.
+/// Checks before long work that a file can be written. An empty path is no file.
+/// @throws InvalidInput  it cannot be written.
 void require_writable(const std::string& path);
 
-/// Says so where a recording, or a copy of it, is learned from and tested on.
+/// Warns if a recording, or a copy of it, is used for training and for testing.
 void warn_of_shared_recordings(const std::vector<std::string>& train,
                                const std::vector<std::string>& test);
 
-/// Says so where a recording, or a copy of it, is learned from twice.
+/// Warns if a recording, or a copy of it, is used twice for training.
 void warn_of_repeated_recordings(const std::vector<std::string>& train);
 
 }  // namespace veridyn::cli

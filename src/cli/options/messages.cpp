@@ -12,15 +12,16 @@ namespace veridyn::cli {
 namespace {
 
 constexpr int kBarWidth = 30;
-constexpr double kFirstEstimate = 0.1;  // share of the work that must be done before one is made
-constexpr double kShort = 3.0;          // [s] of work that needs none
+constexpr double kFirstEstimate = 0.1;  // share of the work before the first estimate
+constexpr double kShort = 3.0;          // [s] of work without an estimate
 const char* const kClearLine = "\r\033[K";
 
 bool on_terminal() {
   return ::isatty(STDERR_FILENO) != 0;
 }
 
-// One bar for all of the work: it never goes back, and says how long it may take once enough is done.
+// One progress bar for all of the work, which never goes back and shows the remaining time once
+// enough is done.
 class Bar {
  public:
   void operator()(const std::string& what, double share) {
@@ -44,7 +45,7 @@ class Bar {
   Clock::time_point begun_ = Clock::now();
 };
 
-// Anything that a shell could read differently goes between quotes.
+// Quotes a word that a shell could interpret.
 std::string quoted(const std::string& word) {
   const char* const plain =
       "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+=./,:@%";
@@ -63,7 +64,7 @@ std::string quoted(const std::string& word) {
 }  // namespace
 
 std::string command_line(int argc, const char* const* argv) {
-  std::string out = "veridyn";  // wherever it was started from
+  std::string out = "veridyn";  // independent of the path of the program
   for (int k = 1; k < argc; ++k) out += " " + quoted(argv[k]);
   return out;
 }

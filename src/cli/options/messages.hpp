@@ -8,19 +8,19 @@
 
 namespace veridyn::cli {
 
-/// `veridyn: line` on standard error, in place of a progress bar if one stands there.
+/// Prints `veridyn: line` on standard error, and clears a progress bar there.
 void say(const std::string& line);
 
-/// The words as one line that a shell reads as these words again.
+/// The arguments as one line that a shell parses into the same arguments.
 std::string command_line(int argc, const char* const* argv);
 
 std::string command_line(const std::vector<std::string>& words);
 
-/// Called with what is being done and the share that is done, 0 to 1.
+/// Called with the current activity and the share done, 0 to 1.
 using Progress = std::function<void(const std::string&, double)>;
 
-/// A bar where standard error is a terminal, otherwise a plain line for every new thing done; empty
-/// with --quiet.
+/// A progress bar if standard error is a terminal, otherwise a plain line per activity; empty with
+/// --quiet.
 Progress progress(const CommonOptions& options);
 
 }  // namespace veridyn::cli

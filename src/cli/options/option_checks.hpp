@@ -10,19 +10,19 @@
 
 namespace veridyn::cli {
 
-/// What an option needs beside it to mean anything.
+/// A prerequisite of an option.
 struct OptionNeed {
   const char* option;  ///< as "--kp"
-  bool met;            ///< whether it is there
-  const char* needs;   ///< what it is, in words: "--controller pid"
+  bool met;            ///< true if the prerequisite is met
+  const char* needs;   ///< the prerequisite in words: "--controller pid"
 };
 
-/// Refuses options that were given though nothing would use them.
-/// @throws CLI::ValidationError  names the first of them and what it needs.
+/// Refuses options that would have no effect.
+/// @throws CLI::ValidationError  names the first of them and its prerequisite.
 void expect_needs(const CLI::App& command, const std::vector<OptionNeed>& needs);
 
-/// make(). What it refuses is a value that the option cannot have: wrong usage, not bad input.
-/// Files are read elsewhere.
+/// Calls make() and reports its refusal as wrong usage of an option, not as bad input. Files are
+/// read elsewhere.
 /// @throws CLI::ValidationError  in place of InvalidInput, with the option named first.
 template <typename Make>
 auto value_of(const std::string& option, Make&& make) {
@@ -40,8 +40,7 @@ void expect_one_of(const std::string& option, const std::string& value,
 /// The names of an arm's frames, for expect_one_of().
 std::vector<std::string> frame_names(const Model& arm);
 
-/// @throws CLI::ValidationError  with the given parts behind the option, unless the condition
-/// holds.
+/// @throws CLI::ValidationError  with the option and the given parts, unless the condition holds.
 template <typename... Parts>
 void expect_value(bool condition, const std::string& option, const Parts&... parts) {
   if (!condition) throw CLI::ValidationError(option, text(parts...));

@@ -9,7 +9,7 @@
 #include "cli/options/messages.hpp"
 #include "cli/options/option_checks.hpp"
 #include "identification/velocity_choice.hpp"
-#include "recordings/units.hpp"
+#include "recordings/signals/units.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/fixed_coordinates.hpp"
 #include "veridyn/model/model_file.hpp"
@@ -18,7 +18,7 @@ namespace veridyn::cli {
 namespace {
 
 
-// "a=b" and "c=d" out of "a=b,c=d".
+// Splits "a=b,c=d" into pairs.
 std::vector<std::pair<std::string, std::string>> pairs_in(const std::string& option,
                                                           const std::string& words,
                                                           const char* example) {
@@ -32,7 +32,7 @@ std::vector<std::pair<std::string, std::string>> pairs_in(const std::string& opt
   return pairs;
 }
 
-// An option that may be given several times, each with a list of its own.
+// An option that may be repeated, each time with a list.
 void add_list(CLI::App& command, const std::string& option, const char* shape, const char* help,
               const std::function<void(const std::string&)>& take) {
   command
@@ -136,7 +136,7 @@ void look_at_recordings(const Model& arm, const std::vector<std::string>& record
   tell_facts(seen);
   for (const RecordingQuality& quality : seen) {
     for (const QualityFinding& f : quality.findings) {
-      // Where hardly a row is left, whoever reads it in earnest says so.
+      // A recording with hardly any usable row is reported by the reader.
       if (f.finding == "degrees" || (f.severity == Severity::kFault && f.finding != "gaps"))
         say("warning: " + quality.file + ": " + f.sentence);
     }

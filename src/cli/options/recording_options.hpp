@@ -11,7 +11,7 @@
 
 namespace veridyn::cli {
 
-/// Heading in the help above the options that say how recordings are read.
+/// Heading in the help for options of reading recordings.
 inline constexpr const char* kRecordings = "Recordings";
 
 /// Adds --topic, --map and --units.
@@ -20,21 +20,21 @@ void add_signal_options(CLI::App& command, SignalChoice& signals);
 /// Adds --fix and --drive-gains.
 void add_robot_options(CLI::App& command, CommonOptions& options);
 
-/// The robot of a command, without the coordinates that --fix holds, with --drive-gains.
-/// @throws InvalidInput  the file is bad. @throws CLI::ValidationError  --fix names no joint of it, or
-/// there is not one drive gain for each.
+/// Reads the robot of a command, with --fix and --drive-gains applied.
+/// @throws InvalidInput  the file is bad. @throws CLI::ValidationError  --fix names no joint of it,
+/// or the number of drive gains differs from that of the joints.
 Model read_robot(const std::string& robot, const CommonOptions& options);
 
-/// The options by which `excite --given` reads recordings as `how` does: columns, rate, topics, names,
-/// units, rows, and joints that --fix holds.
+/// The options for `excite --given` that correspond to `how`: columns, rate, topics, names, units,
+/// rows, and joints held by --fix.
 std::vector<std::string> words_for_given(const PreprocessingOptions& how,
                                          const std::map<std::string, double>& fixed);
 
-/// Says which joints were matched, and what reading the files brought up.
+/// Reports matched joints and remarks of the readers.
 void tell_facts(const std::vector<RecordingQuality>& recordings);
 
-/// Looks at the first rows of every recording: says which joints were matched, what reading brought
-/// up, and where a recording looks as if it were in degrees or millimetres.
+/// Checks the first rows of every recording: reports matched joints, remarks of the reader, and
+/// recordings that seem to be in degrees or millimetres.
 void look_at_recordings(const Model& arm, const std::vector<std::string>& recordings,
                         const PreprocessingOptions& how, int threads);
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "recordings/csv/csv_table.hpp"
-#include "recordings/files/file_kind.hpp"
+#include "recordings/bags/file_kind.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn::cli {
@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The type of options whose value is a file to write; messages say it where the value is missing.
+// Type of options whose value is an output file, for messages about a missing value.
 constexpr const char* kOutputType = "FILE to write";
 
 struct NamedFile {
@@ -33,14 +33,14 @@ bool is_number(const std::string& word, double& value) {
   return !word.empty() && end == word.c_str() + word.size();
 }
 
-// The place that a path means, though nothing may be there yet.
+// The absolute path of a file that may not exist yet.
 fs::path place(const std::string& path) {
   std::error_code error;
   const fs::path out = fs::weakly_canonical(fs::absolute(path, error), error);
   return error ? fs::path(path) : out;
 }
 
-// Two names of one file, hard links included.
+// True for two names of one file, hard links included.
 bool same_file(const fs::path& a, const fs::path& b) {
   std::error_code error;
   return a == b || fs::equivalent(a, b, error);
@@ -52,7 +52,7 @@ void expect_finite(const std::string& name, const std::string& word) {
     throw CLI::ValidationError(name, "found " + word + ", expected a finite number");
 }
 
-// Whether what is at a path may have topics: anything but a plain table t,q1,...
+// True if the file at a path may have topics: anything but a plain table t,q1,...
 bool may_have_topics(const std::string& path) {
   std::error_code error;
   if (!fs::is_regular_file(path, error)) return true;  // a pipe
@@ -62,7 +62,7 @@ bool may_have_topics(const std::string& path) {
     CsvLines lines(std::move(*file.bytes));
     return recordings::is_csv_table(lines, {});
   } catch (const InvalidInput&) {
-    return true;  // whoever reads it tells why
+    return true;  // the reader reports the reason
   }
 }
 
@@ -77,7 +77,8 @@ void expect_topics_somewhere(const CLI::App& command) {
       std::error_code error;
       const std::string kind = fs::path(path).extension().string();
       const bool robot = kind == ".yaml" || kind == ".yml" || kind == ".urdf" || kind == ".xml";
-      if (robot || (path != "-" && !fs::exists(path, error))) continue;  // what is missing is told elsewhere
+      // A missing file is reported elsewhere.
+      if (robot || (path != "-" && !fs::exists(path, error))) continue;
       if (path == "-" || may_have_topics(path)) return;
       plain = path;
     }

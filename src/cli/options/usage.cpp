@@ -27,10 +27,10 @@ std::vector<std::string> command_names(const CLI::App& tool) {
 struct Meant {
   const CLI::App* command;
   std::string name = "veridyn";
-  std::string odd;  // the first word that nobody understood
+  std::string odd;  // first argument that was not understood
 };
 
-// Options come first among the words that nobody understood, since they make others look odd.
+// Options come first among the arguments that were not understood, because they affect the others.
 std::string odd_word(const CLI::App& command) {
   const std::vector<std::string> rest = command.remaining();
   for (const std::string& word : rest) {
@@ -49,7 +49,7 @@ Meant meant_by(const CLI::App& tool) {
   return out;
 }
 
-// What an option takes: "a whole number" where its type tells nothing better.
+// Value of an option in words: "a whole number", unless its type has a better name.
 std::string kind_of(const CLI::Option* option) {
   const std::string type = option == nullptr ? "" : option->get_type_name();
   if (type.find("NONNEGATIVE") != std::string::npos) return "a number that is not negative";

@@ -5,7 +5,7 @@
 
 namespace veridyn::cli {
 
-/// What is wrong with the command line, in one line, with a suggestion for a misspelt word.
+/// Error in the command line as one line, with a suggestion for a misspelt word.
 std::string usage_message(const CLI::App& tool, const CLI::ParseError& error);
 
 }  // namespace veridyn::cli

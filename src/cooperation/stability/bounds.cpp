@@ -22,7 +22,8 @@ double sampled_radius(Scenario scenario, double factor, unsigned seed) {
 }  // namespace
 
 StabilityBounds bound_stability(const Scenario& scenario, int samples, int threads) {
-  Scenario short_one = scenario;  // points at the ends of the first and the last phase say enough
+  // Points at the ends of the first and the last phase are sufficient.
+  Scenario short_one = scenario;
   if (short_one.phases.size() > 2)
     short_one.phases.erase(short_one.phases.begin() + 1, short_one.phases.end() - 1);
   StabilityBounds out;

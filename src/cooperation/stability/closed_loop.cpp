@@ -350,8 +350,8 @@ MatrixXd ClosedLoop::map() const {
   // Begun late enough for every delayed sample to have a number that is not below zero.
   const long start = 1000L * hyperperiod_;
   for (int k = 0; k < hyperperiod_; ++k) advance(start + k, X);
-  // What nothing moves would stand on the unit circle: a correction without an integral part, an
-  // observer that is switched off.
+  // States without dynamics would have an eigenvalue of one: a correction without an integral part,
+  // an observer that is switched off.
   for (const Element& e : element_) {
     const double gain = e.law.kind == ForceLaw::Kind::kProportional
                             ? settings_.integral * e.law.gain

@@ -7,28 +7,29 @@
 
 namespace veridyn {
 
-/// A member or a wall about a point of rest.
+/// A member or a wall, linearised about an equilibrium.
 struct LinearElement {
   int from = -1, to = -1;  ///< arms; -1: the world
   Eigen::Vector3d u{Eigen::Vector3d::UnitX()};  ///< its line in the world, from `from` to `to`
   double length = 0.0;     ///< [m]; infinite for a wall: its line does not turn
-  double force = 0.0;      ///< [N] at rest, pulling positive
+  double force = 0.0;      ///< [N] at the equilibrium, tension positive
   bool attached = true;    ///< false: let go, nothing acts
 };
 
-/// All arms and what lies between them about one point of rest.
+/// All arms and objects about one equilibrium.
 struct LinearPoint {
   std::vector<LinearArm> arms;
   std::vector<LinearElement> elements;  ///< members, then walls
 };
 
-/// How nonlinear parts enter a linear loop.
+/// Settings for nonlinear parts of the loop.
 struct LoopSettings {
   double reading_gain = 1.0;      ///< by which every force reading is multiplied
   int extra_delay = 0;            ///< [cycles] of every force reading, beyond the scenario's
   double integral = 1.0;          ///< share of a force law's integral gain that acts
   double increment_gain = 0.0;    ///< [m/(N s)] in place of a law of increments
-  double wanted = 0.0;  ///< [N] by which every wanted force is off its point of rest, for responses
+  /// [N] offset of every wanted force from the equilibrium, for step responses.
+  double wanted = 0.0;
   double friction_amplitude = 0;  ///< [m] of the tip, for describing functions; 0: as if far larger
 };
 
@@ -48,10 +49,10 @@ class ClosedLoop {
   /// Every column of X (states x any) through cycle k; the wanted forces are those of the settings.
   void advance(long k, MatrixXd& X) const;
 
-  /// Of a whole hyperperiod, (states x states); wanted forces at rest.
+  /// State transition of a whole hyperperiod, (states x states); wanted forces constant.
   MatrixXd map() const;
 
-  /// What a constant torque on the joints adds to their positions and velocities in one cycle.
+  /// Effect of a constant joint torque on positions and velocities in one cycle.
   const MatrixXd& torque_input() const { return input_; }
   int joints() const { return joints_; }
 
@@ -60,7 +61,7 @@ class ClosedLoop {
   VectorXd tension_row(int element) const;
   /// (states): what the force law of an element reads in cycle k, before the cycle; without filter.
   VectorXd reading_row(int element, long k) const;
-  /// Whether a new sample arrives in cycle k.
+  /// True if a new sample arrives in cycle k.
   bool arrives(int element, long k) const;
 
  private:
@@ -69,7 +70,7 @@ class ClosedLoop {
     int n = 0;
     int observer = 0;  // first row of qh, vh, y, d
     int motor = -1;    // of the lagging torque
-    int queue = -1;    // of torques on their way
+    int queue = -1;    // state index of delayed torques
     bool gives_way = false;
     Eigen::Matrix3d mass_inverse{Eigen::Matrix3d::Zero()};
     Eigen::Matrix3d damping{Eigen::Matrix3d::Zero()}, stiffness{Eigen::Matrix3d::Zero()};
@@ -80,7 +81,7 @@ class ClosedLoop {
     int delay = 0;            // [cycles]
     double ratio = 1.0;       // samples per cycle
     double share_from = 0.0, share_to = 0.0;
-    double value = 0.0;       // x_f at rest [m]
+    double value = 0.0;       // [m] x_f at the equilibrium
     ForceLaw law;
     double stiffness = 0.0, damping = 0.0;
     double smoothing = 1.0;

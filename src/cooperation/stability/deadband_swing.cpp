@@ -8,8 +8,8 @@ namespace veridyn {
 namespace {
 
 constexpr double kLongest = 12.0;  // [s] of the iteration
-constexpr double kSettling = 1.0;  // [s] before the law acts: arms stand where the force is none
-constexpr double kLast = 1.0;      // [s] in which corrections tell whether the loop swings
+constexpr double kSettling = 1.0;  // [s] before the law acts, from a zero force
+constexpr double kLast = 1.0;      // [s] in which corrections show whether the loop oscillates
 
 // Smallest integral gain at which the loop swings.
 double critical_gain(const LinearPoint& point, const Scenario& scenario) {
@@ -50,7 +50,7 @@ DeadbandSwing deadband_swing(const LinearPoint& point, const Scenario& scenario,
   }
   const int row = loop.correction_row(index);
   VectorXd x = VectorXd::Zero(loop.states());
-  // The force begins at none: the correction lacks what stretches the member.
+  // The force starts at zero: the correction lacks the stretch of the member.
   const double start = point.elements[static_cast<size_t>(index)].force / m.stiffness;
   x[row] = -start;
   const auto settling = static_cast<long>(kSettling * scenario.control.rate) / cycles * cycles;

@@ -13,7 +13,7 @@ constexpr double kStep = 1e-5;      // [rad], [m] of central differences: errors
 constexpr double kSlow = 0.01;      // [rad/s], [m/s]: dry friction slides, drag is small
 constexpr double kDeadbandTurn = 0.0015, kDeadbandSlide = 0.0003;
 
-// Torques that hold the arm at rest against a force f on the tip, in the arm's own base.
+// Torques of an arm at rest under a force f on the tip, in the arm's own base.
 VectorXd holding(ArmState& state, const VectorXd& q, const VectorXd& rest,
                  const Eigen::Vector3d& f_base) {
   state.update(q, rest);
@@ -34,7 +34,7 @@ MatrixXd slope(ArmState& state, const VectorXd& q, const Eigen::Vector3d& f_base
   return out;
 }
 
-// Friction of a model where the state stands: levels, and what grows with speed.
+// Friction of a model at the present state: levels, and viscous coefficients.
 struct Sliding {
   std::vector<VectorXd> axis;
   std::vector<double> level, deadband;

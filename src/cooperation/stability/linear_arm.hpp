@@ -27,7 +27,7 @@ struct LinearArm {
   MatrixXd J;                ///< (3 x n) of the tip, in the world
   MatrixXd M_known, G_known; ///< (n x n), as the controller knows them
   MatrixXd J_known;          ///< (3 x n), in the world
-  MatrixXd J_base;           ///< (3 x n) likewise, in the base
+  MatrixXd J_base;           ///< (3 x n) the same in the base
   MatrixXd inverse;          ///< (n x 3): joints' share of an acceleration in the base
   MatrixXd free;             ///< (n x n): what the task leaves of a posture's acceleration
   Eigen::Matrix3d R_world_base{Eigen::Matrix3d::Identity()};

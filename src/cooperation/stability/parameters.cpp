@@ -10,7 +10,7 @@
 namespace veridyn {
 namespace {
 
-// How a parameter is read and written; a scenario without members or walls has no force to change.
+// Accessors of a parameter; a scenario without members or walls has no force to change.
 struct Access {
   StabilityParameter of;
   double (*get)(const Scenario&);

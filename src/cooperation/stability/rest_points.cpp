@@ -15,7 +15,7 @@ using Eigen::Vector3d;
 
 constexpr int kNewtonSteps = 20;
 constexpr double kPeriod = 0.01;     // [s] of the planned motion
-constexpr double kLeastForce = 1.0;  // [N] with which a wall is touched at rest
+constexpr double kLeastForce = 1.0;  // [N] contact force on a wall at the equilibrium
 
 // Joints that put the tip there, from where they are: Newton steps of the task's own inverse.
 void follow(const Model& model, const ScenarioArm& arm, const Vector3d& wanted_base, VectorXd& q) {
@@ -77,7 +77,7 @@ class Points {
   }
 
  private:
-  // Everything follows exactly, every sensor reads what is wanted.
+  // Advances ideal arms that follow exactly; every sensor reads the wanted force.
   void move_on() {
     const std::vector<TipTarget>& targets = control_->update(*input_);
     for (size_t k = 0; k < targets.size(); ++k) {

@@ -47,7 +47,7 @@ double torque_error_gain(const LinearPoint& point, const Scenario& scenario, int
   const Eigen::Index N = loop.states();
   double largest = 0.0;
   for (int k = 0; k <= frequencies; ++k) {
-    // From a thousandth of the highest frequency on, by equal ratios.
+    // Logarithmic grid from a thousandth of the highest frequency.
     const double angle = M_PI * std::pow(1e-3, 1.0 - static_cast<double>(k) / frequencies);
     const Complex resolvent =
         std::polar(1.0, angle) * Complex::Identity(N, N) - s.A.cast<std::complex<double>>();

@@ -34,7 +34,7 @@ bool has_increments(const Scenario& s) {
   });
 }
 
-// Modulus per cycle; above one, too, where a law of increments never comes to rest.
+// Modulus per cycle; also above one if an incremental law never comes to rest.
 double radius_with_deadbands(const RestPoint& point, const Scenario& scenario) {
   const double linear = loop_radius(point.loop, scenario);
   if (linear > kUnstable || !has_increments(scenario)) return linear;
@@ -74,8 +74,8 @@ void find_stiffnesses(const RestPoint& point, const Scenario& scenario, Stabilit
   out.stiffness_bounded = out.stiffness_bounded || most < kStiffest;
 }
 
-// True where the scenario's beginning does not come to rest in the nonlinear simulation: an arm is
-// lost, the controller ends it, or the force swings on, by more than a tenth of what is wanted.
+// True if the beginning of the scenario does not come to rest in the nonlinear simulation: an arm
+// fails, the controller ends it, or the force oscillates by more than a tenth of the wanted one.
 bool swings_in_simulation(Scenario scenario) {
   scenario.phases.resize(std::min<std::size_t>(scenario.phases.size(), 2));
   scenario.faults.clear();

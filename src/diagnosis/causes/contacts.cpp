@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "diagnosis/evidence/clustered_fit.hpp"
-#include "diagnosis/numerics.hpp"
+#include "diagnosis/evidence/numerics.hpp"
 #include "veridyn/effects/cause.hpp"
 #include "math/median.hpp"
 #include "math/student_t.hpp"
@@ -47,9 +47,9 @@ std::vector<double> slow_part(const std::vector<double>& time, const std::vector
   return out;
 }
 
-// Friction of a joint at rest is anything between its two directions; the model cannot know which.
-// The largest force of everything with the role of friction, along a slow pass to and fro over the
-// joint's recorded travel: whatever the effects' parameters are called.
+// Largest friction of a joint at rest, where it may have any value between its two directions: the
+// largest force of all effects with the role of friction, along a slow pass to and fro over the
+// joint's recorded travel.
 double rest_friction(const Model& arm, const PredictionSeries& x, size_t joint, double slow) {
   const auto i = static_cast<Eigen::Index>(joint);
   const auto [low, high] = std::minmax_element(x.q[joint].begin(), x.q[joint].end());
@@ -94,8 +94,8 @@ Residual residual_of(const Model& arm, const PredictionSeries& x, size_t joint,
     fastest = std::max(fastest, std::abs(x.dq[joint][k]));
   }
   out.scatter = std::max(numerics::kMadToDeviation * median(size), numerics::kNoise);
-  // Where the joint moves, what its friction does at a start or a reversal is no contact; where it
-  // holds a pose, friction is part of what it holds.
+  // On a moving joint, friction at a start or a reversal is no contact; on a joint that holds a
+  // pose, it is part of the holding torque.
   const auto [low, high] = std::minmax_element(x.q[joint].begin(), x.q[joint].end());
   const bool moves = *high - *low > limits.still(arm.coordinates()[joint].prismatic);
   const double friction = moves ? rest_friction(arm, x, joint, limits.moving_share * fastest) : 0.0;
@@ -250,7 +250,7 @@ void add_contacts(const std::vector<Contact>& contacts, const Identification& se
                     {"from", "s", c.from, c.from, c.from},
                     {"to", "s", c.to, c.to, c.to}};
     f.p_value = student_t_two_sided(c.peak, numerics::kContactFreedom);
-    // A push says nothing about the model: the held-out error with these moments and without them.
+    // A push is no error of the model: gives the held-out error with and without these intervals.
     f.test_before = seen.test_error.relative;
     f.test_after = seen.test_error.relative;
     f.test_outside = seen.test_without_excluded.relative.size() > 0

@@ -18,17 +18,16 @@ struct Contact {
   double peak = 0.0;     ///< largest residual over its scatter elsewhere
 };
 
-/// Bursts of torque that the model leaves unexplained: well above the residual of the rest of the
-/// recording, lasting, few, and not repeated with the motion's period. What comes back at every
-/// period or at every reversal is a property of the arm and no contact.
+/// Bursts of unexplained torque: well above the residual of the rest of the recording, lasting,
+/// few, and not repeated with the motion's period. A burst at every period or at every reversal is
+/// a property of the arm and no contact.
 std::vector<Contact> find_contacts(const Identification& id, const Thresholds& limits = {});
 
 /// The rows of these moments, for all joints.
 std::vector<LeftOut> left_out_rows(const std::vector<Contact>& contacts);
 
-/// A finding for every contact: when, on which link, with which efforts, and the held-out error
-/// outside of these moments.
-/// @param seen  the arm on the recordings with these moments left out.
+/// Adds a finding for every contact: time, link, efforts, and the held-out error outside of these
+/// intervals. @param seen  the arm on the recordings without these intervals.
 void add_contacts(const std::vector<Contact>& contacts, const Identification& seen, Diagnosis& d);
 
 }  // namespace veridyn

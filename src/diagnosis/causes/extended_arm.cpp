@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <string>
 
-#include "diagnosis/causes/effect_facts.hpp"
+#include "diagnosis/evidence/effect_facts.hpp"
 #include "veridyn/effects/cause.hpp"
 #include "veridyn/effects/channel_effect.hpp"
 
@@ -46,7 +46,7 @@ EffectTerm with_values(EffectTerm term, const std::vector<double>& values) {
 
 Model extended_arm(const Model& arm, const std::vector<FoundCause>& found, bool changes) {
   ModelDescription d = arm.description();
-  if (changes) d.identified.reset();  // statistics of values that are no longer there
+  if (changes) d.identified.reset();  // the statistics belong to values that have changed
   for (const FoundCause& f : found) {
     const Hypothesis& h = f.hypothesis;
     if (is_load(h)) {

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "diagnosis/causes/hypotheses.hpp"
+#include "diagnosis/evidence/hypotheses.hpp"
 
 namespace veridyn {
 

@@ -5,8 +5,7 @@
 #include <cmath>
 
 #include "diagnosis/causes/geometry_profiler.hpp"
-#include "diagnosis/numerics.hpp"
-#include "effects/kinematic_error.hpp"
+#include "diagnosis/evidence/numerics.hpp"
 #include "math/clustered_statistics.hpp"
 #include "math/parallel.hpp"
 #include "math/student_t.hpp"
@@ -25,10 +24,11 @@ constexpr SearchRange kRatios = {numerics::kAngleStep, numerics::kAngleReach};  
 
 constexpr int kRefinements = 14;
 constexpr size_t kKept = 5;
-SearchRange search_range(const GeometryConstant& c) {
-  if (c.kind == GeometryConstant::Kind::kCoefficient)
-    return {kRatios.step * std::abs(c.value), kRatios.reach * std::abs(c.value)};
-  return c.angle ? kAngles : kLengths;
+
+SearchRange search_range(const KinematicError& constant, double stated) {
+  const std::string unit = unit_of(constant);
+  if (unit == "1") return {kRatios.step * std::abs(stated), kRatios.reach * std::abs(stated)};
+  return unit == "rad" ? kAngles : kLengths;
 }
 
 // Golden section on [low, high]; f is smooth with one minimum there.
@@ -56,8 +56,8 @@ double minimum(double low, double high, const F& f) {
   return fa < fb ? a : b;
 }
 
-// Scatter of an optimum: the least point of a parabola through three values of the constant, with
-// one part of the recordings left out each; the larger of that and of whole recordings.
+// Scatter of an optimum: the minimum of a parabola through three values of the constant, leaving
+// out one part of the recordings each; the larger of that and of whole recordings.
 void measure_scatter(const Model& arm, const GeometryProfiler& profiler, const std::vector<int>& columns,
                      double step, GeometryFinding& out) {
   const std::array<Model, 3> variants = {with_constant(arm, out.constant, out.found - step),
@@ -90,20 +90,21 @@ void measure_scatter(const Model& arm, const GeometryProfiler& profiler, const s
 }
 
 // The profile of one constant; gain 0 if there is nothing in it.
-GeometryFinding profile(const Model& arm, const GeometryConstant& constant,
+GeometryFinding profile(const Model& arm, const KinematicError& constant,
                         const GeometryProfiler& profiler, int base, const Thresholds& limits) {
   GeometryFinding out;
   out.constant = constant;
+  out.stated = value_in(arm, constant);
   out.base_before = base;
-  const SearchRange range = search_range(constant);
-  const double v0 = constant.value;
+  const double v0 = out.stated;
+  const SearchRange range = search_range(constant, v0);
   const auto columns =
       GeometryProfiler::independent(with_constant(arm, constant, v0 + numerics::kOffCentre * range.step));
   const auto at = [&](double v) {
     return profiler.criterion(with_constant(arm, constant, v), columns);
   };
-  // Columns that are independent beside the file's value may vanish at it, and others in their place
-  // not: there the arm as it stands is the measure.
+  // Columns that are independent near the file's value may vanish at it, while others do not: there
+  // the unmodified arm is the reference.
   const double centre = std::min(at(v0), profiler.start());
   const double up = at(v0 + range.step);
   const double down = at(v0 - range.step);
@@ -127,8 +128,8 @@ GeometryFinding profile(const Model& arm, const GeometryConstant& constant,
   out.base_after =
       static_cast<int>(GeometryProfiler::independent(with_constant(arm, constant, out.found)).size());
   const double found = at(out.found);
-  // More base parameters than the arm as it stands are mere flexibility if the other side of the
-  // file's value does nearly as well.
+  // An optimum with more base parameters than the unmodified arm is mere flexibility if the other
+  // side of the file's value fits nearly as well.
   if (static_cast<int>(columns.size()) > base &&
       at(2.0 * v0 - out.found) - found < limits.constant_sharpness * (profiler.start() - found))
     return out;
@@ -155,46 +156,12 @@ std::vector<char> longest_chain(const Model& arm) {
 
 }  // namespace
 
-std::vector<GeometryConstant> geometry_constants(const Model& arm) {
-  using Kind = GeometryConstant::Kind;
-  std::vector<GeometryConstant> out;
-  std::vector<char> carries(arm.frames().size(), 0);
-  for (int k = static_cast<int>(arm.frames().size()) - 1; k >= 0; --k) {
-    const Frame& frame = arm.frames()[static_cast<size_t>(k)];
-    if (frame.body) carries[static_cast<size_t>(k)] = 1;
-    if (carries[static_cast<size_t>(k)] != 0 && frame.parent >= 0)
-      carries[static_cast<size_t>(frame.parent)] = 1;
-  }
-  for (int k = 0; k < static_cast<int>(arm.frames().size()); ++k) {
-    const Frame& frame = arm.frames()[static_cast<size_t>(k)];
-    if (!frame.dh || carries[static_cast<size_t>(k)] == 0) continue;
-    const std::string of = " of frame " + frame.name;
-    out.push_back({k, Kind::kTheta, frame.dh->theta, true, "theta", "theta" + of});
-    out.push_back({k, Kind::kAlpha, frame.dh->alpha, true, "alpha", "alpha" + of});
-    out.push_back({k, Kind::kA, frame.dh->a, false, "a", "a" + of});
-    out.push_back({k, Kind::kD, frame.dh->d, false, "d", "d" + of});
-    for (int i = 0; i < arm.joints(); ++i) {
-      const double c = frame.variable.coefficients[i];
-      if (c == 0.0 || std::abs(c) == 1.0) continue;
-      const std::string ratio = "ratio of " + arm.coordinates()[static_cast<size_t>(i)].name;
-      out.push_back({k, Kind::kCoefficient, c, false, ratio, ratio + " in frame " + frame.name});
-    }
-  }
-  return out;
-}
-
-Model with_constant(const Model& arm, const GeometryConstant& constant, double value) {
-  ModelDescription d = arm.description();
-  set_value({constant.name, FrameIndex{constant.frame}}, value, d);
-  return Model(std::move(d));
-}
-
 std::vector<GeometryFinding> profile_geometry(const Model& arm,
                                               const std::vector<std::string>& train,
                                               const IdentificationOptions& options,
                                               const Thresholds& limits) {
   const GeometryProfiler profiler(arm, train, options);
-  const std::vector<GeometryConstant> constants = geometry_constants(arm);
+  const std::vector<KinematicError> constants = row_constants(arm);
   const auto base = static_cast<int>(GeometryProfiler::independent(arm).size());
   std::vector<GeometryFinding> all(constants.size());
   parallel_for(static_cast<int>(constants.size()), options.threads, [&](int k) {
@@ -208,15 +175,17 @@ std::vector<GeometryFinding> profile_geometry(const Model& arm,
             [](const GeometryFinding& a, const GeometryFinding& b) { return a.gain > b.gain; });
   if (all.size() > kKept) all.resize(kKept);
   if (all.empty()) return all;
-  // An angle between two branches may be wrong in either. The longest chain ends in the tool, where
-  // everyone would see it; the other branch goes first.
+  // An angle between two branches may be wrong in either. An error in the longest chain would be
+  // noticed at the tool, so the other branch is preferred.
   const std::vector<char> main_chain = longest_chain(arm);
   const double tie = limits.rival_share * all.front().gain;
   std::stable_sort(all.begin(), all.end(), [&](const GeometryFinding& a, const GeometryFinding& b) {
     const bool tied = a.gain > tie && b.gain > tie;
     if (!tied) return a.gain > b.gain;
-    return main_chain[static_cast<size_t>(a.constant.frame)] <
-           main_chain[static_cast<size_t>(b.constant.frame)];
+    const auto in_main_chain = [&](const GeometryFinding& f) {
+      return main_chain[static_cast<size_t>(std::get<FrameIndex>(f.constant.of).value)];
+    };
+    return in_main_chain(a) < in_main_chain(b);
   });
   return all;
 }

@@ -3,24 +3,15 @@
 #include <string>
 #include <vector>
 
+#include "causes/row_constants.hpp"
 #include "veridyn/diagnosis/diagnosis.hpp"
 
 namespace veridyn {
 
-/// One number of the robot file that may be wrong.
-struct GeometryConstant {
-  enum class Kind { kA, kAlpha, kD, kTheta, kCoefficient };
-  int frame = 0;
-  Kind kind = Kind::kTheta;
-  double value = 0.0;   ///< as it stands
-  bool angle = false;
-  std::string name;   ///< "theta", or "ratio of pitch" where it is a coefficient
-  std::string words;  ///< "theta of frame counterweight_rail"
-};
-
-/// A wrong constant that the recordings ask for.
+/// A wrong constant that the recordings indicate.
 struct GeometryFinding {
-  GeometryConstant constant;
+  KinematicError constant;
+  double stated = 0.0;                  ///< its value in the robot file
   double found = 0.0;                   ///< the value with the smallest error
   double deviation = 0.0;               ///< standard deviation, jackknife over parts of the
                                         ///< recordings and over whole ones
@@ -29,17 +20,10 @@ struct GeometryFinding {
   int base_before = 0, base_after = 0;  ///< numbers of base parameters
 };
 
-/// All DH numbers and joint coefficients of frames that move a body. Constants that change nothing
-/// are left away.
-std::vector<GeometryConstant> geometry_constants(const Model& arm);
-
-/// The arm with one constant replaced.
-Model with_constant(const Model& arm, const GeometryConstant& constant, double value);
-
-/// Profiles every constant: all parameters are fitted anew at every value. A constant counts if its
-/// optimum lies inside the search range, better than both sides, and does not ask for more base
-/// parameters than the arm as it stands (improvement that comes with more freedom is flexibility,
-/// not geometry). Best first; at most five.
+/// Profiles every constant: all parameters are fitted at every value. A constant is reported if its
+/// optimum lies inside the search range, is better than both sides, and does not need more base
+/// parameters than the unmodified arm (an improvement by more freedom is flexibility, not
+/// geometry). Best first; at most five.
 std::vector<GeometryFinding> profile_geometry(const Model& arm,
                                               const std::vector<std::string>& train,
                                               const IdentificationOptions& options,

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "diagnosis/evidence/clustered_fit.hpp"
-#include "diagnosis/numerics.hpp"
+#include "diagnosis/evidence/numerics.hpp"
 #include "identification/base_solution.hpp"
 #include "regressor/effect_along.hpp"
 #include "veridyn/dynamics/regressor_batch.hpp"
@@ -24,7 +24,7 @@ double log_of(const VectorXd& mean_squares) {
 
 }  // namespace
 
-// Which columns act on a joint: their places among all, and where they come from.
+// Columns that act on a joint: their indices among all columns, and their source.
 struct GeometryProfiler::Own {
   std::vector<Eigen::Index> places;
   std::vector<Eigen::Index> from;  // of the batch's columns of this joint; of the effects below 0
@@ -108,7 +108,7 @@ void GeometryProfiler::append(const Stretch& s, Fold& fold) const {
   grow(fold.effects, effects_along(s));
 }
 
-// On every sample: a memory that sees one in ten is another one.
+// Evaluated on every sample, because a memory depends on all of them.
 MatrixXd GeometryProfiler::effects_along(const Stretch& s) const {
   const MotionView motion(s.time, s.q, s.dq, s.ddq);
   MatrixXd load;
@@ -159,7 +159,7 @@ GeometryProfiler::Sums GeometryProfiler::total(const std::vector<Sums>& parts) {
   return out;
 }
 
-// Of every recording in so many parts of equal duration.
+// Divides every recording into parts of equal duration.
 GeometryProfiler::Parts GeometryProfiler::sums_of_parts(const Model& variant,
                                                         const std::vector<int>& columns,
                                                         Eigen::Index parts) const {

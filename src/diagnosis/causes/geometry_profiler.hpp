@@ -9,14 +9,14 @@
 
 namespace veridyn {
 
-/// How well an arm fits recordings when a constant of its geometry is another one: every question
-/// fits all parameters anew, on sparse samples that are read once.
+/// Fit of an arm to recordings as a function of one constant of its geometry: every evaluation fits
+/// all parameters, on sparse samples that are read once.
 class GeometryProfiler {
  public:
   GeometryProfiler(const Model& arm, const std::vector<std::string>& train,
                    const IdentificationOptions& options);
 
-  double start() const { return start_; }  ///< criterion() of the arm as it stands
+  double start() const { return start_; }  ///< criterion() of the unmodified arm
   int recordings() const { return static_cast<int>(folds_.size()); }
 
   /// Sum over joints of ln(mean square residual).

@@ -2,10 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <complex>
 
 #include "math/median.hpp"
-#include "diagnosis/evidence/clustered_fit.hpp"
 
 namespace veridyn {
 namespace {
@@ -35,11 +33,24 @@ Cloud cloud_of(const Identification& id, size_t joint) {
   return out;
 }
 
-double amplitude(const Cloud& c, double order) {
-  std::complex<double> sum = 0.0;
-  const double n = static_cast<double>(c.s.size());
-  for (size_t k = 0; k < c.s.size(); ++k) sum += c.r[k] * std::polar(1.0, -order * c.s[k]);
-  return 2.0 * std::abs(sum) / n;
+// Amplitudes 2/n |sum of r exp(-i order s)| at evenly spaced orders; each order's terms are those of
+// the one before, turned by exp(-i step s).
+std::vector<double> amplitudes(const Cloud& c, double first, double step, size_t count) {
+  const auto n = static_cast<Eigen::Index>(c.s.size());
+  const Eigen::Map<const Eigen::ArrayXd> s(c.s.data(), n), r(c.r.data(), n);
+  const Eigen::ArrayXd turn_re = (step * s).cos();
+  const Eigen::ArrayXd turn_im = -(step * s).sin();
+  Eigen::ArrayXd re = r * (first * s).cos();
+  Eigen::ArrayXd im = -r * (first * s).sin();
+  Eigen::ArrayXd turned(n);
+  std::vector<double> out;
+  for (size_t k = 0; k < count; ++k) {
+    out.push_back(2.0 * std::hypot(re.sum(), im.sum()) / static_cast<double>(n));
+    turned = re * turn_re - im * turn_im;
+    im = re * turn_im + im * turn_re;
+    re.swap(turned);
+  }
+  return out;
 }
 
 std::vector<double> peaks(const Cloud& c, int most, const Thresholds& limits) {
@@ -48,12 +59,10 @@ std::vector<double> peaks(const Cloud& c, int most, const Thresholds& limits) {
   const double travel = *high - *low;
   if (travel <= 0.0) return {};
   const double unit = 2.0 * M_PI / travel;  // one wave per travel
-  std::vector<double> orders;
-  std::vector<double> sizes;
-  for (double waves = limits.ripple_waves; waves < limits.ripple_finest; waves += kStep) {
-    orders.push_back(waves * unit);
-    sizes.push_back(amplitude(c, orders.back()));
-  }
+  const auto count = static_cast<size_t>(
+      std::max(0.0, std::ceil((limits.ripple_finest - limits.ripple_waves) / kStep)));
+  const std::vector<double> sizes = amplitudes(c, limits.ripple_waves * unit, kStep * unit, count);
+  if (sizes.empty()) return {};
   const double floor = limits.ripple_prominence * median(sizes);
   std::vector<std::pair<double, double>> found;
   for (size_t k = 1; k + 1 < sizes.size(); ++k) {
@@ -61,7 +70,8 @@ std::vector<double> peaks(const Cloud& c, int most, const Thresholds& limits) {
     // The top of the parabola through three points.
     const double bend = sizes[k - 1] - 2.0 * sizes[k] + sizes[k + 1];
     const double shift = bend < 0.0 ? 0.5 * (sizes[k - 1] - sizes[k + 1]) / bend : 0.0;
-    found.emplace_back(sizes[k], orders[k] + shift * kStep * unit);
+    const double waves = limits.ripple_waves + kStep * (static_cast<double>(k) + shift);
+    found.emplace_back(sizes[k], waves * unit);
   }
   std::sort(found.rbegin(), found.rend());
   std::vector<double> out;

@@ -8,7 +8,7 @@
 
 #include "math/median.hpp"
 #include "diagnosis/evidence/clustered_fit.hpp"
-#include "diagnosis/numerics.hpp"
+#include "diagnosis/evidence/numerics.hpp"
 
 namespace veridyn {
 namespace {
@@ -100,7 +100,7 @@ void snags_of(const std::vector<const RecordingError*>& all, size_t joint,
       if (!(friction[r][static_cast<size_t>(b)] > limit)) continue;
       int end = b + 1;
       double sum = friction[r][static_cast<size_t>(b)];
-      // On as long as it stays above half of the limit.
+      // The snag extends while the excess stays above half of the limit.
       while (end < kBins && friction[r][static_cast<size_t>(end)] > 0.5 * limit)
         sum += friction[r][static_cast<size_t>(end++)];
       int begin = b;

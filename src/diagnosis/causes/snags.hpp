@@ -8,8 +8,8 @@
 
 namespace veridyn {
 
-/// Extra friction of one joint at one place of its way, in one recording only: a rail that catches,
-/// a cable that rubs. It says nothing about the arm of the other recordings.
+/// Local friction: extra friction of one joint at one place of its travel, in one recording only,
+/// as of a rail that catches or a cable that rubs. It is no property of the arm.
 struct Snag {
   std::string source;  ///< the recording
   int joint = 0;       ///< from 0
@@ -21,10 +21,10 @@ struct Snag {
 /// Compares friction by place between recordings; needs three of them.
 std::vector<Snag> find_snags(const Identification& id, const Thresholds& limits = {});
 
-/// For a technician.
+/// Text for a technician.
 std::string snag_text(const Snag& snag, const Coordinate& joint);
 
-/// The moments at which a joint is in its snag.
+/// The intervals in which a joint is within its snag.
 std::vector<LeftOut> left_out_rows(const std::vector<Snag>& snags, const Identification& id);
 
 }  // namespace veridyn

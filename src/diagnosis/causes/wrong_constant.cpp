@@ -7,7 +7,7 @@
 #include <set>
 #include <utility>
 
-#include "diagnosis/numerics.hpp"
+#include "diagnosis/evidence/numerics.hpp"
 #include "diagnosis/shapes/inquiry.hpp"
 #include "identification/many_recordings.hpp"
 #include "veridyn/effects/cause.hpp"
@@ -18,7 +18,7 @@ namespace {
 
 constexpr size_t kRivals = 5;
 
-// How well the best effect would do in place of a wrong constant, and which ones come near.
+// Gains of the best effects in place of a wrong constant.
 std::vector<std::pair<Hypothesis, double>> effects_instead(const Inquiry& q,
                                                            const NormalBlocks& data,
                                                            const DiagnosisOptions& options) {
@@ -29,10 +29,10 @@ std::vector<std::pair<Hypothesis, double>> effects_instead(const Inquiry& q,
   std::sort(all.begin(), all.end(),
             [](const Evidence& a, const Evidence& b) { return a.gain > b.gain; });
   std::vector<std::pair<Hypothesis, double>> out;
-  std::set<std::string> named;
+  std::set<Candidate> named;
   for (const Evidence& e : all) {
     const Hypothesis& h = q.augmented.hypotheses[static_cast<size_t>(e.hypothesis)];
-    if (e.absorbed || e.sign_broken || !named.insert(h.family).second) continue;
+    if (e.absorbed || e.sign_broken || !named.insert(h).second) continue;
     out.emplace_back(h, e.gain);
   }
   return out;
@@ -75,26 +75,24 @@ std::optional<WrongConstant> wrong_constant(const Model& arm,
     return std::nullopt;
   Finding& f = out.finding;
   f.rank = 1;
-  f.cause = KinematicError{best.constant.name, FrameIndex{best.constant.frame}};
+  f.cause = best.constant;
   f.joint = acting_joint(arm, f.cause);
-  f.unit = best.constant.kind == GeometryConstant::Kind::kCoefficient ? "1"
-           : best.constant.angle                                      ? "rad"
-                                                                      : "m";
+  f.unit = unit_of(best.constant);
   const double t = student_t_quantile(numerics::kOutside, best.degrees_of_freedom);
   f.parameters.push_back({"value", f.unit, best.found, best.found - t * best.deviation,
                           best.found + t * best.deviation});
-  f.parameters.push_back({"correction", f.unit, best.found - best.constant.value,
-                          best.found - best.constant.value - t * best.deviation,
-                          best.found - best.constant.value + t * best.deviation});
+  f.parameters.push_back({"correction", f.unit, best.found - best.stated,
+                          best.found - best.stated - t * best.deviation,
+                          best.found - best.stated + t * best.deviation});
   f.gain = best.gain;
   f.p_value = student_t_two_sided(
-      (best.found - best.constant.value) / std::max(best.deviation, numerics::kTiny),
+      (best.found - best.stated) / std::max(best.deviation, numerics::kTiny),
       best.degrees_of_freedom);
   for (size_t k = 1; k < geometry.size(); ++k) {
     if (geometry[k].gain < limits.rival_share * profiled) continue;
     f.rivals.push_back(
-        {KinematicError{geometry[k].constant.name, FrameIndex{geometry[k].constant.frame}},
-         "another constant, " + geometry[k].constant.words + ", would explain as much"});
+        {geometry[k].constant,
+         "another constant, " + words_for(arm, geometry[k].constant) + ", would explain as much"});
   }
   for (const auto& [h, gain] : instead) {
     if (gain < limits.weaker_rival * best.gain || f.rivals.size() > kRivals) break;
@@ -107,8 +105,8 @@ std::optional<WrongConstant> wrong_constant(const Model& arm,
     return angle ? fmt::format("{:.4g} deg", numerics::kDegrees * v)
                  : fmt::format("{:.5g} {}", v, f.unit);
   };
-  f.phrase = fmt::format("{} is {} there; the recordings ask for {}", best.constant.words,
-                         shown(best.constant.value), shown(best.found));
+  f.phrase = fmt::format("{} is {} there; the recordings ask for {}", words_for(arm, best.constant),
+                         shown(best.stated), shown(best.found));
   return out;
 }
 

@@ -10,20 +10,19 @@
 
 namespace veridyn {
 
-/// A constant of the robot file that the recordings ask for.
+/// A wrong constant that the recordings indicate.
 struct WrongConstant {
   Finding finding;
-  /// What effects would gain in its place, alone: the best hypothesis of every family, best first.
+  /// Gains of effects in its place, alone: the best hypothesis of every candidate, best first.
   std::vector<std::pair<Hypothesis, double>> instead;
 };
 
-/// The held-out gain of a corrected arm over the arm that q asks about, measured as every other gain
-/// is.
+/// The held-out gain of a corrected arm over the arm of q, measured like every other gain.
 double correction_gain(const Model& corrected, const Inquiry& q, const NormalBlocks& data,
                        const std::vector<std::string>& train, const IdentificationOptions& how);
 
-/// A wrong constant goes before any effect that explains no more: asked the other way round it
-/// comes back as several effects. Nothing if the recordings do not ask for one.
+/// The wrong constant that explains at least as much as any effect; tested before the effects,
+/// since otherwise several effects would imitate it. Nullopt if the recordings indicate none.
 ///
 /// @param geometry  profiles of the constants, best first.
 /// @param q         the arm as it stands with all effects, to compare with.

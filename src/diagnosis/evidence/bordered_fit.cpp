@@ -2,12 +2,12 @@
 
 #include <algorithm>
 
-#include "diagnosis/numerics.hpp"
+#include "diagnosis/evidence/numerics.hpp"
 
 namespace veridyn {
 namespace {
 
-// The entries of a joint that belong to these rows and columns.
+// Submatrix of a joint for these rows and columns.
 MatrixXd gathered(const JointSquares& G, const OwnColumns& rows, const OwnColumns& columns) {
   MatrixXd out(rows.size(), columns.size());
   for (Eigen::Index c = 0; c < out.cols(); ++c) {
@@ -25,7 +25,7 @@ VectorXd gathered(const VectorXd& g, const ColumnSet& set, const OwnColumns& row
   return out;
 }
 
-// Those entries of a vector over the whole set that a joint sees.
+// Entries of a vector over the whole set that act on a joint.
 VectorXd seen(const VectorXd& x, const OwnColumns& own) {
   VectorXd out(own.size());
   for (Eigen::Index r = 0; r < out.size(); ++r) out[r] = x[own.in_set[static_cast<size_t>(r)]];

@@ -7,12 +7,12 @@
 
 namespace veridyn {
 
-/// Least squares of a set of columns, factored once and then asked, hundreds of times, what a few
-/// columns more would change: by block elimination, without solving for the set again.
+/// Least squares of a set of columns, factored once for hundreds of evaluations with a few
+/// additional columns: by block elimination, without solving for the set again.
 class BorderedFit {
  public:
-  /// @param sums     rows to fit; `without` (if not null) is taken away from them.
-  /// @param measure  rows on which residuals are measured; null: none are wanted.
+  /// @param sums     rows to fit, minus `without` (if not null). @param measure  rows on which
+  /// residuals are measured; null: none.
   BorderedFit(const ColumnSet& set, const VectorXd& weights, const NormalBlocks::Sums& sums,
               const NormalBlocks::Sums* without, const NormalBlocks::Sums* measure);
 
@@ -41,7 +41,7 @@ class BorderedFit {
   VectorXd residual2_;
   std::vector<OwnColumns> own_;  // per joint
   std::vector<MatrixXd> G_;      // per joint, of the rows to measure, over its own of the set
-  std::vector<VectorXd> Gx_;     // G x - g of them
+  std::vector<VectorXd> Gx_;     // G x - g of these rows
 };
 
 }  // namespace veridyn

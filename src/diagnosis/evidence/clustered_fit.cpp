@@ -2,7 +2,7 @@
 
 #include <Eigen/QR>
 
-#include "diagnosis/numerics.hpp"
+#include "diagnosis/evidence/numerics.hpp"
 #include "math/student_t.hpp"
 
 namespace veridyn {

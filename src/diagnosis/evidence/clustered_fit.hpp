@@ -3,7 +3,7 @@
 #include <Eigen/Cholesky>
 #include <vector>
 
-#include "diagnosis/numerics.hpp"
+#include "diagnosis/evidence/numerics.hpp"
 #include "math/clustered_statistics.hpp"
 
 namespace veridyn {

@@ -5,9 +5,9 @@
 #include <set>
 #include <string>
 
-#include "diagnosis/causes/payload_fit.hpp"
+#include "diagnosis/evidence/payload_fit.hpp"
 #include "diagnosis/evidence/clustered_fit.hpp"
-#include "diagnosis/numerics.hpp"
+#include "diagnosis/evidence/numerics.hpp"
 #include "math/parallel.hpp"
 #include "math/signed_rank.hpp"
 #include "math/student_t.hpp"
@@ -17,14 +17,14 @@ namespace {
 
 constexpr size_t kMayDisagree = 4;
 
-// One fold of four or more may disagree, by however much: a recording can have a fault of its own.
+// One fold of four or more may get worse, by any amount, since a recording can have a fault.
 bool improve(const std::vector<double>& falls) {
   const auto worse =
       std::count_if(falls.begin(), falls.end(), [](double d) { return !(d > 0.0); });
   return worse <= (falls.size() >= kMayDisagree ? 1 : 0);
 }
 
-// Of the columns of a body those that the others do not span, first ones first.
+// Columns of a body outside the span of the others, in their order.
 ColumnSet independent(const NormalBlocks& data, const ColumnSet& all, double new_share) {
   const auto k = static_cast<Eigen::Index>(all.size());
   MatrixXd S = MatrixXd::Zero(k, k);
@@ -66,20 +66,17 @@ Examiner::Examiner(const NormalBlocks& data, const ColumnSet& base,
     if (fold.size() > 1) sums_.push_back(summed(data, fold));
     folds_.push_back(fold.size() > 1 ? &sums_.back() : &data.cluster(fold.front()));
   }
-  std::set<std::string> families;
-  for (const Hypothesis& h : hypotheses) {
-    columns_.push_back(columns_of(data, h));
-    families.insert(h.family);
-  }
-  families_ = static_cast<double>(std::max<size_t>(1, families.size()));
+  for (const Hypothesis& h : hypotheses) columns_.push_back(columns_of(data, h));
+  const std::set<Candidate> asked(hypotheses.begin(), hypotheses.end());
+  asked_ = static_cast<double>(std::max<size_t>(1, asked.size()));
 }
 
-// One recording gives eight clusters only: the folds decide
-// there, except for what one motion cannot show; the names are provisional.
+// A single recording has only eight clusters: the folds decide there, except for causes that one
+// motion can imitate; the names are provisional.
 double Examiner::limit(int h) const {
   const Hypothesis& hypothesis = hypotheses_[static_cast<size_t>(h)];
   const bool strict = several_recordings() || hypothesis.extrapolates;
-  return options_.thresholds.significance / ((strict ? families_ : 1.0) * hypothesis.tried);
+  return options_.thresholds.significance / ((strict ? asked_ : 1.0) * hypothesis.tried);
 }
 
 ColumnSet Examiner::set_with(const std::vector<int>& chosen) const {
@@ -101,8 +98,8 @@ std::unique_ptr<Examiner::Stand> Examiner::stand(const std::vector<int>& chosen)
   return out;
 }
 
-// Of several parameters one may well be nothing: its sign counts where it is beyond the scatter
-// between folds. A single parameter with a sign that nature forbids is no answer at all.
+// Among several parameters one may be zero: its sign counts if it exceeds the scatter between
+// folds. A single parameter with an impossible sign is refused.
 bool Examiner::impossible(const Hypothesis& h, const ColumnSet& own, const VectorXd& values,
                           const VectorXd& deviations) const {
   if (is_load(h)) return false;
@@ -194,11 +191,11 @@ std::vector<Evidence> Examiner::ask_all(const std::vector<int>& chosen) const {
     Evidence& e = all[static_cast<size_t>(h)];
     e.hypothesis = h;
     e.taken = std::find(chosen.begin(), chosen.end(), h) != chosen.end();
-    // A second constant of such a family would only bend the first one's curve.
+    // A second constant of such a candidate would only bend the first one's curve.
     const Hypothesis& mine = hypothesis(h);
     e.absorbed = !mine.repeats && !e.taken &&
                  std::any_of(chosen.begin(), chosen.end(),
-                             [&](int c) { return hypothesis(c).family == mine.family; });
+                             [&](int c) { return same_candidate(hypothesis(c), mine); });
     if (e.absorbed) return;
     if (!e.taken) e = ask(h, *before);
   });

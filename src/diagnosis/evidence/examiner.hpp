@@ -6,27 +6,27 @@
 
 #include "diagnosis/evidence/bordered_fit.hpp"
 #include "diagnosis/evidence/folds.hpp"
-#include "diagnosis/causes/hypotheses.hpp"
+#include "diagnosis/evidence/hypotheses.hpp"
 #include "veridyn/diagnosis/diagnosis.hpp"
 
 namespace veridyn {
 
-/// What the data say of one hypothesis beside those already accepted.
+/// Evidence of the data for one hypothesis beside those already accepted.
 struct Evidence {
-  int hypothesis = -1;
+  int hypothesis = 0;
   double gain = 0.0;        ///< d: fall of the sum over joints of ln(held-out mean square error)
   bool consistent = false;  ///< the folds improve, of four or more all but one
   bool lasting = false;     ///< they do, or by their signed ranks they do beyond chance
   double p_value = 1.0;
-  bool taken = false;     ///< it is one of the accepted: there was nothing to ask
+  bool taken = false;     ///< it is accepted already
   bool absorbed = false;  ///< its columns lie in the span of the others: these data cannot answer
-  bool sign_broken = false;  ///< a parameter has a sign that nature forbids, beyond its scatter
+  bool sign_broken = false;  ///< a parameter significantly has an impossible sign
 };
 
 /// Column indices of a hypothesis; those of a body that the others do not span.
 ColumnSet columns_of(const NormalBlocks& data, const Hypothesis& hypothesis);
 
-/// Asks hypotheses one at a time, each beside a set of others that are taken for granted.
+/// Tests hypotheses one at a time, each in the presence of a set of accepted ones.
 class Examiner {
  public:
   /// @param base  columns that are always there (independent ones).
@@ -42,17 +42,17 @@ class Examiner {
   };
   std::unique_ptr<Stand> stand(const std::vector<int>& chosen) const;
 
-  /// Everything but the Wald test.
+  /// Evaluates a hypothesis, without the Wald test.
   Evidence ask(int hypothesis, const Stand& before) const;
 
-  /// ask() of every hypothesis that is not chosen, beside the chosen ones.
+  /// ask() for every hypothesis that is not chosen, beside the chosen ones.
   std::vector<Evidence> ask_all(const std::vector<int>& chosen) const;
 
-  /// Whether ask() speaks for it.
+  /// True if the evidence suffices for acceptance.
   bool passes(const Evidence& e) const;
 
-  /// Whether one that was taken may stay beside those that came later: what made it enter is not asked
-  /// again as strictly, or causes that share a torque would push each other out.
+  /// True if an accepted hypothesis may stay beside those accepted later: with weaker conditions
+  /// than for acceptance, because causes that share a torque would otherwise displace each other.
   bool stays(const Evidence& e) const;
 
   /// The chosen columns on the rows outside of every cluster, for p_value().
@@ -87,7 +87,7 @@ class Examiner {
   std::deque<NormalBlocks::Sums> sums_;           // of folds of several clusters
   std::vector<const NormalBlocks::Sums*> folds_;
   std::vector<ColumnSet> columns_;
-  double families_ = 1.0;
+  double asked_ = 1.0;  // candidates
 };
 
 }  // namespace veridyn

@@ -6,15 +6,15 @@
 
 namespace veridyn {
 
-/// Clusters that are held out together: whole recordings, of fewer than four the halves of each
-/// (the rest may move too little to say anything about a whole one), or the phases of the period of
-/// a single one.
+/// Clusters that are held out together: whole recordings; halves of each if there are fewer than
+/// four (the others may move too little to predict a whole one); or the phases of the period of a
+/// single one.
 std::vector<std::vector<int>> make_folds(const NormalBlocks& data);
 
-/// What the clusters say together.
+/// Sums over the clusters.
 NormalBlocks::Sums summed(const NormalBlocks& data, const std::vector<int>& clusters);
 
-/// One over the mean square residual of every joint, iterated.
+/// Inverse of the mean square residual of every joint, iterated.
 VectorXd joint_weights(const NormalBlocks& data, const ColumnSet& set);
 
 /// Fall of the sum over joints of ln(mean square).

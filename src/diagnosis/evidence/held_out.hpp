@@ -4,8 +4,8 @@
 
 namespace veridyn {
 
-/// Share of the removable error (held out, above the noise floor) that goes away between two
-/// held-out errors, (n) each; negative where it grows.
+/// Share of the removable error (held out, above the noise floor) that disappears between two
+/// held-out errors, (n) each; negative if it grows.
 double explained_share(const VectorXd& before, const VectorXd& after,
                        const Identification& baseline);
 

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "diagnosis/evidence/clustered_fit.hpp"
-#include "diagnosis/numerics.hpp"
+#include "diagnosis/evidence/numerics.hpp"
 #include "math/decompositions.hpp"
 #include "math/student_t.hpp"
 

@@ -27,7 +27,7 @@ struct RepeatedRows {
 struct InstrumentalEstimate {
   VectorXd least_squares, instrumental;
   VectorXd deviation;            ///< Deviation of their difference
-  VectorXd p_value;              ///< per parameter; 1 where it cannot be told
+  VectorXd p_value;              ///< per parameter; 1 where undetermined
   double degrees_of_freedom = 0.0;
 };
 

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "diagnosis/evidence/clustered_fit.hpp"
-#include "diagnosis/numerics.hpp"
+#include "diagnosis/evidence/numerics.hpp"
 
 namespace veridyn {
 namespace {
@@ -54,7 +54,7 @@ PlacesOfJoints places_of(const std::vector<CompressedRecording>& recordings,
   return out;
 }
 
-// What one factor says of the columns that are asked for.
+// Adds one factor's entries for the requested columns.
 void enter(const SquareRootInformation& factor, const std::unordered_map<std::string, int>& index,
            JointSquares& G, VectorXd& g) {
   const VectorXd mixed = factor.R().transpose() * factor.z();

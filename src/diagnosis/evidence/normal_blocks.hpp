@@ -9,13 +9,13 @@
 
 namespace veridyn {
 
-/// Which columns, by global index.
+/// Global indices of columns.
 using ColumnSet = std::vector<int>;
 
 /// A'A of one joint over the columns that act on it; all others are zero and take no memory.
 class JointSquares {
  public:
-  /// Where the columns of a joint stand: local_of over all columns (-1: it never acts there).
+  /// Local indices of a joint's columns: local_of over all columns (-1: it never acts there).
   struct Places {
     std::vector<int> local_of;
     std::vector<int> column_of;
@@ -26,7 +26,7 @@ class JointSquares {
         values_(MatrixXd::Zero(static_cast<Eigen::Index>(places_->column_of.size()),
                                static_cast<Eigen::Index>(places_->column_of.size()))) {}
 
-  /// The entry of two of all columns.
+  /// Entry for two columns by their global indices.
   double operator()(int row, int column) const {
     const int r = local(row);
     const int c = local(column);
@@ -37,11 +37,11 @@ class JointSquares {
   int local(int column) const { return places_->local_of[static_cast<size_t>(column)]; }
   const std::vector<int>& columns() const { return places_->column_of; }
 
-  /// Over the joint's own columns.
+  /// Entries over the joint's own columns.
   MatrixXd& values() { return values_; }
   const MatrixXd& values() const { return values_; }
 
-  /// The other one has the same columns.
+  /// Requires the same columns.
   JointSquares& operator+=(const JointSquares& other) {
     values_ += other.values_;
     return *this;
@@ -52,7 +52,7 @@ class JointSquares {
   MatrixXd values_;
 };
 
-/// Those of a set of columns that act on one joint: where they stand in the set, and in the joint.
+/// Columns of a set that act on one joint: their indices in the set, and in the joint.
 struct OwnColumns {
   OwnColumns(const ColumnSet& set, const JointSquares& of);
   Eigen::Index size() const { return static_cast<Eigen::Index>(in_set.size()); }
@@ -60,19 +60,18 @@ struct OwnColumns {
   std::vector<Eigen::Index> in_set, in_joint;
 };
 
-/// Normal equations of every joint and cluster over scaled columns: the form in which hundreds of
-/// questions about subsets of columns cost microseconds each. Made from the factors, which keep the
-/// accuracy; questions of evidence need no more than half the digits.
+/// Normal equations of every joint and cluster over scaled columns: evaluating a subset of columns
+/// costs microseconds. Computed from the factors, which keep the accuracy; tests need no more than
+/// half the digits.
 class NormalBlocks {
  public:
-  /// @param columns  names; every factor's column that is not among them is left away.
-  /// @param scale    divisors of the columns, those of the training recordings; empty: the columns'
-  /// own norms.
+  /// @param columns  names; other columns of the factors are dropped. @param scale    divisors of
+  /// the columns, those of the training recordings; empty: the columns' own norms.
   NormalBlocks(const std::vector<CompressedRecording>& recordings, std::vector<std::string> columns,
                const VectorXd& scale = {});
 
-  /// The same, and every factor is emptied once it has been entered: both together would take twice
-  /// the memory. What else is known of the recordings stays.
+  /// The same, and every factor is emptied once it has been entered, because both together would
+  /// take twice the memory. Other facts of the recordings are kept.
   struct EmptiedFactors {};
   NormalBlocks(std::vector<CompressedRecording>& recordings, std::vector<std::string> columns,
                EmptiedFactors);
@@ -86,7 +85,7 @@ class NormalBlocks {
   /// Norm by which a column was divided; zero where it never acts.
   const VectorXd& scale() const { return scale_; }
 
-  /// What one set of rows says about a set of columns; sums of clusters.
+  /// Normal equations of one set of rows; sums of clusters.
   struct Sums {
     std::vector<JointSquares> G;  ///< per joint: A'A
     std::vector<VectorXd> g;      ///< A'b over all columns

@@ -7,7 +7,7 @@
 #include <set>
 #include <string>
 
-#include "diagnosis/numerics.hpp"
+#include "diagnosis/evidence/numerics.hpp"
 #include "math/parallel.hpp"
 
 namespace veridyn {
@@ -66,8 +66,7 @@ class Selector {
     return chosen();
   }
 
-  // All that were accepted to begin with, without what is not needed beside the others, in order of
-  // what each gains beside them.
+  // The initially accepted hypotheses without superfluous ones, by their gain beside the others.
   Selection needed() {
     do {
       drop_until_needed();
@@ -101,7 +100,7 @@ class Selector {
     return out;
   }
 
-  // Of candidates in a tie the earlier stage wins, then the fewer parameters.
+  // In a tie the earlier stage wins, then the smaller number of parameters.
   bool asked_earlier(const Evidence& a, const Evidence& b) const {
     const Hypothesis& ha = examiner_.hypothesis(a.hypothesis);
     const Hypothesis& hb = examiner_.hypothesis(b.hypothesis);
@@ -136,14 +135,14 @@ class Selector {
     if (sure.empty()) return false;
     Evidence best = sure.front();
     for (const Evidence& e : sure) {
-      // A tie between families goes to the earlier question; within one family to the larger gain.
+      // Between candidates the earlier test wins a tie; within one the larger gain.
       if (e.gain > options_.thresholds.tie * sure.front().gain && asked_earlier(e, best)) best = e;
     }
     accepted_.push_back({best});
     return true;
   }
 
-  // An early choice gives way if another hypothesis does clearly better beside the later ones.
+  // Replaces an early choice if another hypothesis is clearly better beside the later ones.
   void swap(size_t early) {
     for (size_t k = 0; k < early; ++k) {
       std::vector<int> others = chosen();
@@ -163,8 +162,8 @@ class Selector {
     }
   }
 
-  // What is no longer needed beside those that came after it goes, and is not asked again. True if any
-  // went: what it hid while it was there may have to be taken instead.
+  // Drops hypotheses that are superfluous beside later ones; they are not tested again. True if any
+  // was dropped: hypotheses that it concealed may then be accepted.
   bool drop_superfluous() {
     const size_t before = accepted_.size();
     for (size_t k = accepted_.size(); k-- > 0;) {
@@ -184,7 +183,7 @@ class Selector {
     return accepted_.size() < before;
   }
 
-  // The least certain one goes if it is not certain enough. True if one went.
+  // Drops the least certain hypothesis if it is not significant. True if one was dropped.
   bool drop_uncertain() {
     size_t worst = accepted_.size();
     double most = 0.0;
@@ -204,16 +203,16 @@ class Selector {
     return true;
   }
 
-  // Of the best hypothesis of every family that was asked and not accepted.
+  // Computes p values of the best hypothesis of every candidate that was tested and not accepted.
   void give_p_values(std::vector<Evidence>& asked) const {
-    std::map<std::string, Evidence*> best;
+    std::map<Candidate, Evidence*> best;
     for (Evidence& e : asked) {
       if (e.taken || e.absorbed) continue;
-      Evidence*& of_family = best[examiner_.hypothesis(e.hypothesis).family];
-      if (of_family == nullptr || of_family->gain < e.gain) of_family = &e;
+      Evidence*& of_candidate = best[examiner_.hypothesis(e.hypothesis)];
+      if (of_candidate == nullptr || of_candidate->gain < e.gain) of_candidate = &e;
     }
     std::vector<Evidence*> list;
-    for (const auto& [family, e] : best) list.push_back(e);
+    for (const auto& [candidate, e] : best) list.push_back(e);
     const std::unique_ptr<Examiner::Stand> with = examiner_.stand(chosen());
     const std::vector<BorderedFit> left_out = examiner_.without_clusters(*with);
     parallel_for(static_cast<int>(list.size()), options_.identification.threads, [&](int k) {
@@ -222,8 +221,8 @@ class Selector {
     });
   }
 
-  // Whether the accepted one is needed beside its rival as well, beyond doubt: the rival, which
-  // adds nothing beside it, is not the cause then (encompassing of models that are not nested).
+  // True if the accepted hypothesis is significant beside its rival as well, while the rival adds
+  // nothing: the rival is then not the cause (encompassing test of non-nested models).
   bool refuted(const Evidence& rival, int own, std::vector<int> others) const {
     others.push_back(rival.hypothesis);
     const std::unique_ptr<Examiner::Stand> beside = examiner_.stand(others);
@@ -242,7 +241,7 @@ class Selector {
       others.erase(others.begin() + static_cast<long>(k));
       const std::vector<Evidence> instead = examiner_.ask_all(others);
       const double own_gain = instead[static_cast<size_t>(all[k])].gain;
-      std::set<std::string> named = {examiner_.hypothesis(all[k]).family};
+      std::set<Candidate> named = {examiner_.hypothesis(all[k])};
       std::vector<Evidence> rivals;
       for (const Evidence& e : instead) {
         const Evidence& left = out.last_asked[static_cast<size_t>(e.hypothesis)];
@@ -259,8 +258,8 @@ class Selector {
       out.accepted[k].refuted.clear();
       out.accepted[k].evidence.gain = own_gain;
       for (const Evidence& e : rivals) {
-        // The best of a family speaks for it.
-        if (!named.insert(examiner_.hypothesis(e.hypothesis).family).second) continue;
+        // Only the best hypothesis of a candidate is listed.
+        if (!named.insert(examiner_.hypothesis(e.hypothesis)).second) continue;
         Accepted& own = out.accepted[k];
         (refuted(e, all[k], others) ? own.refuted : own.rivals).push_back(e);
       }
@@ -278,7 +277,7 @@ class Selector {
   Examiner examiner_;
   const DiagnosisOptions& options_;
   std::vector<Accepted> accepted_;
-  std::set<int> dropped_;  // taken once, superfluous later: each of them is asked once only
+  std::set<int> dropped_;  // accepted once, superfluous later: each is tested only once
 };
 
 std::vector<int> all_of(const std::vector<Hypothesis>& hypotheses) {

@@ -8,11 +8,12 @@ namespace veridyn {
 
 struct Accepted {
   Evidence evidence;
-  std::vector<Evidence> rivals{};   ///< other families that explain as much, the best of each
-  std::vector<Evidence> refuted{};  ///< Rivals in appearance, which leave something that this one explains
+  std::vector<Evidence> rivals{};   ///< other candidates that explain as much, the best of each
+  /// Apparent rivals that leave a part unexplained which this one explains.
+  std::vector<Evidence> refuted{};
 };
 
-/// Where a shape constant of an accepted hypothesis may lie.
+/// Confidence interval of a shape constant of an accepted hypothesis.
 struct ShapeInterval {
   int hypothesis = -1;
   std::string shape;
@@ -30,8 +31,8 @@ struct Selection {
   std::vector<ShapeInterval> shapes;
 };
 
-/// Forward selection with swaps; what is superfluous in the end goes, and what it hid is asked again,
-/// until nothing changes. Weights follow the residual.
+/// Forward selection with swaps; superfluous hypotheses are dropped at the end, and those that they
+/// concealed are tested again, until nothing changes. Weights follow the residual.
 ///
 /// @param base     columns that are always there (independent ones).
 /// @param initial  hypotheses that are accepted to begin with; they may be swapped and dropped.
@@ -39,17 +40,17 @@ Selection select_effects(const NormalBlocks& data, const ColumnSet& base,
                          const std::vector<Hypothesis>& hypotheses, const DiagnosisOptions& options,
                          const std::vector<int>& initial = {});
 
-/// The same hypotheses, all of them accepted, fitted again: for other columns of theirs.
+/// Fits the same hypotheses, all of them accepted, again with other columns.
 Selection refit(const NormalBlocks& data, const ColumnSet& base,
                 const std::vector<Hypothesis>& hypotheses, const DiagnosisOptions& options);
 
-/// Of hypotheses that are all accepted, those that stay when what gains too little or is not certain
-/// beside the others goes, one after the other; the largest gain first.
+/// Drops, one after the other, accepted hypotheses whose gain or significance beside the others is
+/// too small; the largest gain first in the result.
 Selection keep_needed(const NormalBlocks& data, const ColumnSet& base,
                       const std::vector<Hypothesis>& hypotheses, const DiagnosisOptions& options);
 
-/// Of hypotheses that are all accepted, those that these columns no longer support beside the
-/// others, one after the other, the weakest first. Indices that stay, ascending.
+/// Indices, ascending, of the accepted hypotheses that these columns still support beside the
+/// others, after dropping the weakest one after the other.
 std::vector<int> still_needed(const NormalBlocks& data, const ColumnSet& base,
                               const std::vector<Hypothesis>& hypotheses,
                               const DiagnosisOptions& options);

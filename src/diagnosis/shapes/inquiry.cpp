@@ -10,12 +10,12 @@ namespace veridyn {
 
 namespace {
 
-// Of the factors of one run of questions.
+// memory of the factors of one run
 constexpr double kMostBytes = 1 << 28;
 constexpr int kFewestBlocks = 8;  // of all recordings together
 
-// Columns that are asked about beside the bodies', of a joint: by experience, its own and those
-// that other joints give it.
+// Typical number of columns per joint beside the bodies': its own, and those through which other
+// joints act on it.
 constexpr int kAsked = 50;
 constexpr int kAskedFromOthers = 4;
 

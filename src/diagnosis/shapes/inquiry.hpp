@@ -3,15 +3,15 @@
 #include <string>
 #include <vector>
 
-#include "diagnosis/causes/hypotheses.hpp"
+#include "diagnosis/evidence/hypotheses.hpp"
 #include "diagnosis/evidence/normal_blocks.hpp"
 #include "diagnosis/evidence/selection.hpp"
 #include "veridyn/diagnosis/diagnosis.hpp"
 
 namespace veridyn {
 
-/// All that one run of questions needs: the arm with all hypotheses, and the factors of its columns
-/// on every recording, in blocks_that_fit().
+/// Data of one run of tests: the arm with all hypotheses, and the factors of its columns on every
+/// recording, in blocks_that_fit().
 struct Inquiry {
   AugmentedModel augmented;
   std::vector<CompressedRecording> train, test;

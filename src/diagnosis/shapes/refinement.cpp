@@ -10,7 +10,7 @@
 namespace veridyn {
 namespace {
 
-// Two terms of one family whose constants lie near each other.
+// Two terms of one candidate whose constants lie near each other.
 std::optional<size_t> second_twin(const Inquiry& asked, const Selection& selection,
                                   double near_duplicate) {
   const auto hypothesis = [&](size_t k) -> const Hypothesis& {
@@ -21,7 +21,7 @@ std::optional<size_t> second_twin(const Inquiry& asked, const Selection& selecti
     for (size_t first = 0; first < second; ++first) {
       const Hypothesis& a = hypothesis(first);
       const Hypothesis& b = hypothesis(second);
-      if (a.family != b.family || is_load(a)) continue;
+      if (!same_candidate(a, b) || is_load(a)) continue;
       const auto& others = term_of(asked.augmented.model, b).values;
       bool near = true;
       for (const auto& [key, value] : term_of(asked.augmented.model, a).values) {
@@ -44,8 +44,8 @@ ColumnSet all_columns(const Inquiry& q, const NormalBlocks& data) {
   return set;
 }
 
-// Two memories of one joint between two values of the grid may be one memory in between: one of
-// them goes if the other, refined alone, predicts held-out data as well.
+// Two memories of one joint at adjacent grid values may be a single one in between: one is dropped
+// if the other, refined alone, predicts held-out data as well.
 void merge_twins(const Identification& start, const Inquiry& asked, Selection& selection,
                  bool changes, const std::vector<std::string>& train,
                  const DiagnosisOptions& options) {

@@ -9,7 +9,7 @@
 
 namespace veridyn {
 
-/// What was accepted, fitted alone: hypothesis k is the k-th accepted one, with its constants
+/// The accepted hypotheses fitted alone: hypothesis k is the k-th accepted one, with its constants
 /// refined.
 struct Fit {
   Inquiry inquiry;

@@ -7,11 +7,12 @@
 #include <cmath>
 #include <optional>
 #include <set>
+#include <tuple>
 #include <utility>
 
 #include "veridyn/effects/effect.hpp"
 #include "diagnosis/evidence/clustered_fit.hpp"
-#include "diagnosis/numerics.hpp"
+#include "diagnosis/evidence/numerics.hpp"
 #include "math/student_t.hpp"
 
 namespace veridyn {
@@ -26,7 +27,7 @@ struct Variant {
   double factor = 1.0;
 };
 
-// The arm that the questions stand on with these variants in place of all hypotheses.
+// The baseline arm with these variants in place of all hypotheses.
 AugmentedModel model_with(const Model& arm, const AugmentedModel& asked,
                           std::vector<Variant>& variants) {
   ModelDescription d = arm.description();
@@ -66,7 +67,7 @@ bool searched(const Hypothesis& h, const std::string& key) {
   if (is_change(h)) return false;
   const auto shape = shape_of(effect_of(h.cause), key);
   if (!shape) return false;
-  // A wave number comes from a spectrum, near its peak already.
+  // A wave number comes from a spectrum and is close to its peak already.
   const bool asked = shape->searched || is_other_constant(h);
   return shape->scale == ShapeScale::kWaves || (asked && shape->lower > 0.0);
 }
@@ -132,11 +133,11 @@ class Refiner {
 
   void run(const std::array<double, 6>& factors) {
     std::vector<Variant> variants = present();
-    // Two memories of one joint may meet on their way; columns are known by name, so only one of
-    // them may have a value.
-    std::set<std::string> taken;
+    // Two memories of one joint may reach the same value; columns are identified by name, so only
+    // one of them may have it.
+    std::set<std::tuple<Candidate, std::string, std::string>> taken;
     const auto label = [](const Variant& v, const std::string& key) {
-      return fmt::format("{} {} {:.4g}", v.hypothesis.family, key, v.shapes.at(key));
+      return std::make_tuple(Candidate(v.hypothesis), key, fmt::format("{:.4g}", v.shapes.at(key)));
     };
     for (const Variant& v : variants) {
       for (const auto& [key, value] : v.shapes) taken.insert(label(v, key));
@@ -185,7 +186,7 @@ class Refiner {
     for (size_t k = 0; k < chosen_.size(); ++k) shapes_[k] = variants[pick[k]].shapes;
   }
 
-  // The least point of a parabola through ln(factor) and misfit, with one cluster left out each.
+  // The minimum of a parabola through ln(factor) and misfit, leaving out one cluster each.
   template <typename SetOf>
   void measure_intervals(const NormalBlocks& data, const std::vector<Variant>& variants,
                          const SetOf& set_of, const std::vector<size_t>& pick, const VectorXd& w) {

@@ -23,9 +23,9 @@ struct RefinedShapes {
 bool has_searched_shape(const Inquiry& asked, const Hypothesis& hypothesis);
 
 /// Refines the shape constants of the accepted hypotheses, so far from a coarse grid, by variable
-/// projection: the recordings are streamed again with a few values around, and every constant
-/// descends to the least weighted residual.
-/// @param known  constants to begin with, of every accepted hypothesis; empty: as asked.
+/// projection: the recordings are streamed again with a few values around the present ones, and
+/// every constant descends to the least weighted residual. @param known  initial constants of every
+/// accepted hypothesis; empty: those of the hypotheses.
 RefinedShapes refine_shapes(const Identification& start, const Inquiry& asked,
                             const Selection& selection, bool changes,
                             const std::vector<std::string>& train, const IdentificationOptions& how,

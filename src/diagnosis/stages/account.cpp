@@ -7,10 +7,10 @@
 #include <utility>
 
 #include "diagnosis/evidence/held_out.hpp"
-#include "diagnosis/finding_words.hpp"
-#include "diagnosis/next_experiment.hpp"
+#include "diagnosis/findings/finding_words.hpp"
+#include "diagnosis/findings/next_experiment.hpp"
 #include "diagnosis/stages/investigation.hpp"
-#include "diagnosis/unnamed/asked_tables.hpp"
+#include "diagnosis/stages/asked_tables.hpp"
 #include "diagnosis/unnamed/dependence.hpp"
 #include "diagnosis/unnamed/tables.hpp"
 #include "effects/tabulated_force.hpp"
@@ -18,8 +18,8 @@
 #include "math/signed_rank.hpp"
 #include "veridyn/effects/cause.hpp"
 
-// What is left over once all causes were asked about: how much of it the motion predicts, of which
-// signals it is a function, and what a verdict says of every joint.
+// Accounts for the residual after all tests: its predictable part, the signals on which it depends,
+// and the verdict on every joint.
 
 namespace veridyn {
 namespace {
@@ -77,8 +77,8 @@ class Account {
         train_(motion_rows(d_.extended, d_.extended.train, d_.left_out, signals_)),
         test_(motion_rows(d_.extended, d_.extended.test, d_.left_out, signals_)) {}
 
-  // Names that are small beside what has none on their joint, taken out of the extended model: what
-  // is large and has another shape bends them. True if there were any.
+  // Removes named findings that are small beside an unnamed dependence on their joint, which biases
+  // them. True if there were any.
   bool take_out_small_names() {
     std::vector<size_t> small;
     for (size_t k = 0; k < d_.findings.size(); ++k) {
@@ -196,8 +196,8 @@ class Account {
     return error;
   }
 
-  // Joints that are above their floor and whose residual is no function of what it was asked about:
-  // parameters of the arm may have taken up what they lack.
+  // Tests tables on joints above their floor whose residual depends on no signal: parameters of the
+  // arm may have absorbed the dependence.
   void add_asked_tables(std::vector<double>& left) {
     std::vector<int> joints;
     for (size_t j = 0; j < left.size(); ++j) {
@@ -243,7 +243,7 @@ class Account {
     }
   }
 
-  // Where values are facts nothing is fitted: the table has those that it was accepted with.
+  // With values as facts nothing is fitted: the table has the values with which it was accepted.
   EffectTerm with_values(const AcceptedTable& t) const {
     EffectTerm term = t.term;
     if (!d_.changes) return term;
@@ -264,8 +264,8 @@ class Account {
     });
   }
 
-  // Tables of the findings without a name become part of the extended model, which is fitted again.
-  // A joint that it predicts worse goes without.
+  // Adds tables of unnamed findings to the extended model and fits it again. A joint that it
+  // predicts worse gets none.
   void keep(std::vector<double>& left) {
     std::vector<EffectTerm> tables;
     std::vector<size_t> of;

@@ -36,10 +36,10 @@ std::optional<Estimate> estimate(const Questions& asked, const Hypothesis& h,
   return out;
 }
 
-// The same hypothesis asked of another arm.
+// The same hypothesis for another arm.
 const Hypothesis* same(const Questions& asked, const Hypothesis& h) {
   for (const Hypothesis& other : asked.q.augmented.hypotheses) {
-    if (other.family == h.family) return &other;
+    if (same_candidate(other, h)) return &other;
   }
   return nullptr;
 }

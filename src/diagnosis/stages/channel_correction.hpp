@@ -7,17 +7,16 @@
 
 namespace veridyn {
 
-/// The error of a channel (gain, delay, zero) or of the base (tilt) after it was corrected as often
-/// as that lowers the training error.
+/// The error of a channel (gain, delay, zero) or of the base (tilt) after corrections, which are
+/// repeated while they lower the training error.
 struct CorrectedChannel {
   Identification corrected;     ///< the arm with the error undone
   std::vector<double> values;   ///< sizes of the error
   VectorXd half_widths;         ///< Half widths of their 95 % intervals, from the last step
 };
 
-/// Columns of such an error are derivatives, right for small errors only. Steps of Gauss and Newton
-/// with halving make it right for large ones: whatever its size, what counts is whether the arm
-/// with the error undone predicts the training recordings better.
+/// Columns of such an error are derivatives, valid for small errors only. Gauss-Newton steps with
+/// halving extend them to large ones; the criterion is the training error of the corrected arm.
 ///
 /// @param h      a hypothesis of asked.q that is a channel's error.
 /// @returns nothing if no step lowers the training error.

@@ -7,21 +7,21 @@
 #include "diagnosis/causes/geometry.hpp"
 #include "diagnosis/causes/wrong_constant.hpp"
 #include "diagnosis/evidence/held_out.hpp"
-#include "diagnosis/causes/effect_facts.hpp"
-#include "diagnosis/finding_words.hpp"
+#include "diagnosis/evidence/effect_facts.hpp"
+#include "diagnosis/findings/finding_words.hpp"
 #include "diagnosis/stages/channel_correction.hpp"
 #include "diagnosis/stages/investigation.hpp"
 #include "veridyn/effects/cause.hpp"
 
-// Wrong constants of the robot file against errors of the channels and a tilt of the base, which can
-// do much the same: an angle of the table is the zero of an encoder, the pose of the first frame the
-// tilt of the base. Both are judged after they were undone completely; the channel is the commoner
-// fault, and goes first where it does as much.
+// Compares wrong constants of the robot file with sensor errors and a tilt of the base, which have
+// nearly the same effect: a DH angle and the zero of an encoder, the pose of the first frame and
+// the tilt of the base. Both are evaluated after complete correction; the sensor error is the more
+// frequent fault, and is preferred if it explains as much.
 
 namespace veridyn {
 namespace {
 
-// Channel errors that gain so much beside the base that they may stand for the constant.
+// Channel errors whose gain beside the base is large enough to replace the constant.
 std::vector<Hypothesis> channels_in_question(const Investigation& x, const Questions& asked,
                                              const WrongConstant& wrong) {
   std::vector<Hypothesis> out;
@@ -59,15 +59,16 @@ void correct(const Questions& asked, const Hypothesis& h, const CorrectedChannel
   f.explains = explained_share(f.test_before, f.test_after, x.d.baseline);
   f.status = status_of(f);
   f.rivals.push_back(as_rival(x.arm, instead, instead.gain / gain));
-  for (const Rival& other : instead.rivals) {  // what stands for the constant stands for the channel
+  // Alternatives to the constant are alternatives to the channel error.
+  for (const Rival& other : instead.rivals) {
     if (std::holds_alternative<KinematicError>(other.cause)) f.rivals.push_back(other);
   }
   x.d.findings.push_back(std::move(f));
   x.start = channel.corrected;
 }
 
-// The rules of every other cause: significance, and an interval without zero. What breaks them is
-// said, and stays out.
+// Applies the conditions of other causes: significance, and an interval without zero. A constant
+// that fails is reported as not supported.
 bool is_sure(const Finding& f, Investigation& x) {
   const bool holds_zero =
       std::any_of(f.parameters.begin(), f.parameters.end(), [](const FoundParameter& p) {
@@ -88,10 +89,7 @@ void correct_constants(Investigation& x) {
   std::vector<GeometryFinding> geometry =
       profile_geometry(arm, x.train, x.options.identification, x.options.thresholds);
   geometry.erase(std::remove_if(geometry.begin(), geometry.end(),
-                                [&x](const GeometryFinding& g) {
-                                  return !x.asks_about(KinematicError{
-                                      g.constant.name, FrameIndex{g.constant.frame}});
-                                }),
+                                [&x](const GeometryFinding& g) { return !x.asks_about(g.constant); }),
                  geometry.end());
   if (geometry.empty()) return;
   const Questions asked = ask(x, x.list(), x.start);

@@ -55,7 +55,7 @@ Questions ask(const Investigation& x, const QuestionList& list, const Identifica
   auto& all = q.augmented.hypotheses;
   all.erase(std::remove_if(all.begin(), all.end(),
                            [&x](const Hypothesis& h) {
-                             return x.refused.count(h.family) != 0 || !x.asks_about(h.cause);
+                             return x.refused.count(h) != 0 || !x.asks_about(h.cause);
                            }),
             all.end());
   NormalBlocks data(q.train, q.columns, NormalBlocks::EmptiedFactors());

@@ -7,34 +7,35 @@
 #include <vector>
 
 #include "diagnosis/causes/snags.hpp"
-#include "diagnosis/numerics.hpp"
+#include "diagnosis/evidence/numerics.hpp"
 #include "diagnosis/shapes/inquiry.hpp"
 #include "identification/fold_errors.hpp"
 #include "veridyn/diagnosis/diagnosis.hpp"
 
 namespace veridyn {
 
-/// One of DiagnosisOptions::effects with the names of its joint or frame; the name of an effect as
-/// it is. @throws InvalidInput  there is no such cause, or only a simulation knows it.
+/// Normalises an entry of DiagnosisOptions::effects: a cause with the names of its joint or frame,
+/// or the name of an effect. @throws InvalidInput  there is no such cause, or only a simulation
+/// supports it.
 std::string asked_cause(const Model& arm, const std::string& words);
 
-/// What the stages of a diagnosis hand from one to the next. Every stage is a function of it, in
-/// its own file; run_stages() in diagnosis.cpp says their order.
+/// State of a diagnosis, passed from stage to stage. Every stage is a function of it, in its own
+/// file; run_stages() in diagnosis.cpp defines their order.
 struct Investigation {
   Model arm;
   std::vector<std::string> train, test;
   DiagnosisOptions options;
   Diagnosis d;
 
-  /// The arm that questions are asked about, with what is already corrected or added.
+  /// The baseline arm, with corrections and additions so far.
   Identification start;
 
-  /// Findings of d that are contacts; they stand first and outlive another run of the questions.
+  /// Findings of d that are contacts; they come first and are kept when the tests are repeated.
   size_t contacts = 0;
   std::vector<Snag> snags;
 
-  /// Families of hypotheses that the recordings refused once they were applied to the arm.
-  std::set<std::string> refused;
+  /// Candidates that were refused after being applied to the arm.
+  std::set<Candidate> refused;
 
   /// Findings whose effects are part of `start`, with the names of their parameters there: their
   /// values are those of the last fit. Indices of d.findings.
@@ -43,13 +44,13 @@ struct Investigation {
   /// Remarks on the recordings, which outlive another run of the questions.
   std::vector<std::string> remarks = {};
 
-  /// True if the effect is one of those asked for, at whatever place.
+  /// True if the effect is among those to test, at any place.
   bool asks_for(const std::string& effect) const;
 
-  /// True if the cause is asked for, at its place.
+  /// True if the cause is among those to test, at its place.
   bool asks_about(const Cause& cause) const;
 
-  /// An arm on the recordings: identified, or as it stands if its values are facts.
+  /// Fits an arm to the recordings, or evaluates it if its values are facts.
   Identification look(const Model& any) const;
 
   /// Errors of such an arm on held-out parts of the training recordings: what decides between arms.
@@ -59,31 +60,31 @@ struct Investigation {
   QuestionList list() const;
 };
 
-/// Hypotheses of a list with the factors of their columns, without refused families.
+/// Hypotheses of a list with the factors of their columns, without refused ones.
 struct Questions {
   Inquiry q;
   NormalBlocks data;
 };
-/// @param start  what the questions stand on; x.start unless a stage tries something.
+/// @param start  baseline of the tests; x.start unless a stage tries something.
 Questions ask(const Investigation& x, const QuestionList& list, const Identification& start);
 
 /// Sum over joints of ln(mean square) on the training recordings, on the rows that were fitted.
 double log_training_error(const Identification& id);
 
-/// Quality of the recordings; channels that they cannot trust.
+/// Checks the quality of the recordings, and excludes channels that it finds faulty.
 void check_quality(Investigation& x);
 
-/// The arm as the file says. False if the data cannot answer: d.baseline.status says why.
+/// Fits the arm of the file. False if the data do not suffice: d.baseline.status has the reason.
 bool fit_baseline(Investigation& x);
 
-/// Leaves out the rests at either end of the training recordings, says of the joints that move as
-/// one that they do, and fits the arm again where anything was left out.
+/// Excludes rests at either end of the training recordings, reports joints whose motions are
+/// collinear, and fits the arm again if anything was excluded.
 void exclude_rests(Investigation& x);
 
 /// Leaves out parts of recordings from now on.
 void leave_out(const std::vector<LeftOut>& parts, Investigation& x);
 
-/// Reports joints whose friction comes out negative beyond doubt: a torque with the wrong sign.
+/// Reports joints with significantly negative friction, which indicates a torque of the wrong sign.
 void check_torque_signs(Investigation& x);
 
 /// Reports parameters that noise in the motion biases: the instrumental-variable estimate from
@@ -107,8 +108,8 @@ void correct_constants(Investigation& x);
 /// and writes down what was found.
 void select_causes(Investigation& x);
 
-/// Says of every joint what is left over, and of which signals it is a function where no cause of
-/// the list has that shape.
+/// Accounts for the residual of every joint, and for the signals on which it depends where no known
+/// cause has that shape.
 void account_for_errors(Investigation& x);
 
 /// Marks what the held-out recordings contradict, orders by what matters.

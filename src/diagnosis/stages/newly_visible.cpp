@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "diagnosis/numerics.hpp"
+#include "diagnosis/evidence/numerics.hpp"
 #include "diagnosis/shapes/inquiry.hpp"
 #include "math/student_t.hpp"
 #include "veridyn/effects/channel_effect.hpp"
@@ -42,7 +42,7 @@ Model with_additions(const Model& arm, const std::vector<int>& bodies) {
   return Model(std::move(d));
 }
 
-// The correction asked again, and the additions of these names.
+// The correction evaluated again together with these additions.
 AugmentedModel asked_together(const Investigation& x, const Identification& corrected,
                               const Hypothesis& h, const std::vector<std::string>& names) {
   const Model& arm = *corrected.model;
@@ -52,13 +52,12 @@ AugmentedModel asked_together(const Investigation& x, const Identification& corr
   out.model = with_additions(out.model, arm.bodies());
   auto& all = out.hypotheses;
   all.erase(std::remove_if(all.begin(), all.end(),
-                           [&h](const Hypothesis& other) { return other.family != h.family; }),
+                           [&h](const Hypothesis& other) { return !same_candidate(other, h); }),
             all.end());
   const auto bodies = static_cast<int>(arm.bodies().size());
   Hypothesis unknown;
   unknown.cause = AddedLoad{FrameIndex{arm.bodies().front()}};
   unknown.part = BodyIndex{bodies};
-  unknown.family = kAddition;
   const std::vector<StandardParameter> additions = standard_parameters(out.model);
   for (const StandardParameter& p : standard_parameters(arm)) {
     if (std::find(names.begin(), names.end(), p.name) == names.end()) continue;
@@ -115,8 +114,8 @@ std::vector<std::string> newly_visible(const Model& tilted, const Eigen::Vector3
   const BaseParameters before = base_parameters(with_gravity(arm, gravity));
   const BaseParameters now = base_parameters(arm);
   if (now.size() == before.size()) return {};
-  // What of the base parameters may change while those of before stay: phi_j by one, the independent
-  // ones of before by as much as makes up for it.
+  // Changes of the base parameters that leave the earlier ones constant: phi_j by one, compensated
+  // by the earlier independent ones.
   MatrixXd unknown = now.K;
   for (int r = 0; r < before.size(); ++r) {
     const VectorXd makes_up = now.K.col(before.independent[static_cast<size_t>(r)]);

@@ -20,8 +20,8 @@ namespace veridyn {
 /// @return         names of standard parameters (m_LINK, hx_LINK, ..).
 std::vector<std::string> newly_visible(const Model& tilted, const Eigen::Vector3d& gravity);
 
-/// Where the gravity of an arm whose values are facts was corrected: the correction and what is newly
-/// visible estimated together, for one without the other is biased. All other values stay.
+/// Estimates the correction of gravity together with the newly visible parameters, for an arm whose
+/// values are facts, because one without the other is biased. All other values are kept.
 ///
 /// @param h        the hypothesis that was corrected.
 /// @param channel  its correction alone; unchanged where nothing is newly visible.

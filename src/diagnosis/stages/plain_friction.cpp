@@ -1,13 +1,13 @@
 #include <algorithm>
 #include <set>
 
-#include "diagnosis/causes/effect_facts.hpp"
-#include "diagnosis/findings.hpp"
+#include "causes/candidates.hpp"
+#include "diagnosis/findings/findings.hpp"
 #include "diagnosis/stages/investigation.hpp"
 
-// A robot file without friction, as makers publish them: what every joint has is asked first and of
-// all joints together. Asked one at a time beside everything else, the first joint's friction is
-// looked for in residuals that the others fill, and comes back as a power law or a Stribeck curve.
+// Adds plain friction to a robot file without friction, as manufacturers publish them, on all
+// joints together. Tested one at a time, the first joint's friction would be fitted to residuals
+// dominated by the others, and be mistaken for a power law or a Stribeck curve.
 
 namespace veridyn {
 namespace {

@@ -7,6 +7,7 @@
 #include "identification/velocity_choice.hpp"
 #include "math/parallel.hpp"
 #include "recordings/kept_recordings.hpp"
+#include "recordings/velocity_trust.hpp"
 #include "veridyn/effects/cause.hpp"
 
 // The stages that are about recordings and not about the arm.
@@ -14,24 +15,14 @@
 namespace veridyn {
 namespace {
 
-void derive_velocities(const std::set<int>& joints, Investigation& x) {
-  IdentificationOptions& how = x.options.identification;
-  how.preprocessing.derive_velocity_of.assign(joints.begin(), joints.end());
-  if (how.test_preprocessing)
-    how.test_preprocessing->derive_velocity_of = how.preprocessing.derive_velocity_of;
-}
-
-// A velocity that is not the derivative of its position in scale is taken from the position.
-void choose_velocities(Investigation& x) {
-  std::set<int> wrong;
+// A velocity that is no derivative of its position is taken from the position.
+void leave_wrong_velocities_out(Investigation& x) {
   for (RecordingQuality& recording : x.d.data_quality) {
     for (QualityFinding& f : recording.findings) {
-      if (f.finding != "velocity_scale" || f.severity == Severity::kInfo || f.joint < 1) continue;
-      wrong.insert(f.joint - 1);
-      f.sentence += "; the velocity of this joint is taken from its position";
+      if (makes_velocity_wrong(f)) f.sentence += "; the velocity of this joint is taken from its position";
     }
   }
-  derive_velocities(wrong, x);
+  derive_velocities(trust_in_velocities(x.d.data_quality).wrong, x.options.identification);
 }
 
 void say_that_it_is_derived(int joint, Investigation& x) {
@@ -62,23 +53,23 @@ void choose_quieter_velocities(Investigation& x) {
   const PreprocessingOptions& how = x.options.identification.preprocessing;
   if (how.velocity == VelocitySource::kDerived) return;
   const std::set<int> known(how.derive_velocity_of.begin(), how.derive_velocity_of.end());
-  std::set<int> noisy = joints_with_finding(of_training(x), "velocity_noise", Severity::kInfo);
+  std::set<int> noisy = trust_in_velocities(of_training(x)).doubtful;
   for (const int j : known) noisy.erase(j);
   VelocityChoice choice = choose_velocities(x.d.baseline, noisy, x.options.thresholds.smallest_gain,
                                             [&](std::set<int> joints) {
                                               joints.insert(known.begin(), known.end());
-                                              derive_velocities(joints, x);
+                                              derive_velocities(joints, x.options.identification);
                                               return x.look(x.arm);
                                             });
   if (!choice.fit) {
-    derive_velocities(known, x);
+    derive_velocities(known, x.options.identification);
     return;
   }
   x.d.baseline = std::move(*choice.fit);
   for (const int j : choice.better) say_that_it_is_derived(j, x);
 }
 
-// The recordings are asked many times; their periods stay what they are.
+// Stores the periods of the recordings, which are read many times.
 void remember_periods(Investigation& x) {
   IdentificationOptions& how = x.options.identification;
   std::map<std::string, double>& known = how.preprocessing.known_periods;
@@ -88,7 +79,7 @@ void remember_periods(Investigation& x) {
   if (how.test_preprocessing) how.test_preprocessing->known_periods = known;
 }
 
-// Rows that are left out still show their friction.
+// Excluded rows still show their friction.
 bool is_known(const Snag& snag, const std::vector<Snag>& known) {
   return std::any_of(known.begin(), known.end(), [&snag](const Snag& other) {
     return other.source == snag.source && other.joint == snag.joint && other.from < snag.to &&
@@ -140,7 +131,7 @@ void check_quality(Investigation& x) {
                                : check_rows(name, open_rows(name, reading_of(x.arm, how), how.kept.get()));
     quality.file = name;
   });
-  choose_velocities(x);
+  leave_wrong_velocities_out(x);
 }
 
 bool fit_baseline(Investigation& x) {
@@ -148,14 +139,14 @@ bool fit_baseline(Investigation& x) {
   const JointFriction friction = x.options.identification.friction;
   x.d.baseline = x.look(x.arm);
   if (!x.d.baseline.model) return false;
-  // From now on the arm is the one that was identified, with what its file lacks.
+  // From now on the arm is the identified one, with added effects.
   const size_t given = file.effects().size();
   if (x.d.baseline.model->effects().size() > given) {
     x.arm = with_friction(file, friction);
     if (x.arm.effects().size() > x.d.baseline.model->effects().size())
       x.arm = with_friction_alone(file, friction);
     x.d.friction_remark = friction_remark(file, x.arm);
-    x.d.baseline.remarks.clear();  // it is told once
+    x.d.baseline.remarks.clear();  // reported once
   }
   x.options.identification.friction = JointFriction::kFile;
   choose_quieter_velocities(x);

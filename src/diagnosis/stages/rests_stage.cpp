@@ -4,7 +4,7 @@
 #include "diagnosis/stages/investigation.hpp"
 #include "math/correlated_columns.hpp"
 
-// What a recording cannot tell because of how the arm moved, said before anything is asked of it.
+// Reports limits of the recordings that follow from the motion, before any test.
 
 namespace veridyn {
 namespace {

@@ -8,15 +8,15 @@
 #include "diagnosis/causes/ripple.hpp"
 #include "diagnosis/evidence/folds.hpp"
 #include "diagnosis/evidence/held_out.hpp"
-#include "diagnosis/causes/effect_facts.hpp"
-#include "diagnosis/finding_words.hpp"
-#include "diagnosis/findings.hpp"
-#include "diagnosis/right_to_a_name.hpp"
+#include "diagnosis/evidence/effect_facts.hpp"
+#include "diagnosis/findings/finding_words.hpp"
+#include "diagnosis/findings/findings.hpp"
+#include "diagnosis/findings/right_to_a_name.hpp"
 #include "diagnosis/shapes/refinement.hpp"
 #include "diagnosis/stages/channel_correction.hpp"
 #include "diagnosis/stages/investigation.hpp"
 #include "diagnosis/stages/newly_visible.hpp"
-#include "diagnosis/next_experiment.hpp"
+#include "diagnosis/findings/next_experiment.hpp"
 
 namespace veridyn {
 namespace {
@@ -25,10 +25,10 @@ constexpr int kCycles = 2;
 constexpr int kSettling = 6;  // findings that may lose their names after the last fit
 constexpr int kChannels = 4;  // errors of channels that are corrected one after the other
 
-// One round of questions and what was accepted of them.
+// One round of tests with the accepted hypotheses.
 struct Round : Questions {
   Selection selection;
-  bool changed = true;  // from what it began with
+  bool changed = true;  // the selection differs from the initial one
 };
 
 std::vector<std::pair<Hypothesis, EffectTerm>> known_terms(const AugmentedModel& fitted) {
@@ -39,12 +39,12 @@ std::vector<std::pair<Hypothesis, EffectTerm>> known_terms(const AugmentedModel&
   return out;
 }
 
-// Where the fitted hypotheses stand in a longer list that begins with them.
+// Indices of the fitted hypotheses in a longer list that begins with them.
 std::vector<int> same_ones(const AugmentedModel& fitted, const Inquiry& q) {
   std::vector<int> out;
   for (const Hypothesis& h : fitted.hypotheses) {
     for (size_t k = 0; k < q.augmented.hypotheses.size(); ++k) {
-      if (q.augmented.hypotheses[k].family != h.family) continue;
+      if (!same_candidate(q.augmented.hypotheses[k], h)) continue;
       if (std::find(out.begin(), out.end(), static_cast<int>(k)) != out.end()) continue;
       out.push_back(static_cast<int>(k));
       break;
@@ -53,8 +53,8 @@ std::vector<int> same_ones(const AugmentedModel& fitted, const Inquiry& q) {
   return out;
 }
 
-// What was found before (constants, channels) counts; contacts are moments, and plain friction is
-// what every joint has.
+// Findings so far (constants, channels) count towards the limit; contacts and plain friction do
+// not.
 DiagnosisOptions for_the_rest(const Investigation& x) {
   DiagnosisOptions out = x.options;
   const size_t counted = x.d.findings.size() - x.contacts - x.fitted_by_start.size();
@@ -83,7 +83,7 @@ const Hypothesis& accepted(const Round& round, size_t k) {
       .hypotheses[static_cast<size_t>(round.selection.accepted[k].evidence.hypothesis)];
 }
 
-// The finding of the same error of the same channel; nullptr: none.
+// The finding of the same error of the same channel, or nullptr.
 template <typename SomeDiagnosis>
 auto same_channel(SomeDiagnosis& d, const Hypothesis& h) -> decltype(d.findings.data()) {
   for (auto& f : d.findings) {
@@ -92,8 +92,8 @@ auto same_channel(SomeDiagnosis& d, const Hypothesis& h) -> decltype(d.findings.
   return nullptr;
 }
 
-// The error of a channel that was accepted first, one that was corrected before and asks for more,
-// or one so large that its derivative says little.
+// A channel error that was accepted first, one corrected before that needs more, or one too large
+// for its derivative.
 std::optional<size_t> channel_to_correct(const Investigation& x, const Round& round) {
   for (size_t k = 0; k < round.selection.accepted.size(); ++k) {
     const Hypothesis& h = accepted(round, k);
@@ -121,21 +121,21 @@ bool gives_way(const Hypothesis& h, const Accepted& a, const std::vector<double>
          });
 }
 
-// A channel error that comes first is undone before anything else is asked: its columns are right
-// to first order only, and what they leave over would look like more causes. True if the questions
-// must be asked again: it was undone, or the recordings refused it.
+// Corrects a channel error that comes first before other tests: its columns are of first order, and
+// its residual would imitate other causes. True if the tests must be repeated: it was corrected, or
+// the recordings refused it.
 bool correct_first_channel(Investigation& x, const Round& round) {
   const std::optional<size_t> at = channel_to_correct(x, round);
   if (!at) return false;
   const Hypothesis& h = accepted(round, *at);
   std::optional<CorrectedChannel> channel = correct_channel(x, round, h);
   if (!channel) {
-    x.refused.insert(h.family);
+    x.refused.insert(h);
     return true;
   }
   const Accepted& a = round.selection.accepted[*at];
   if (gives_way(h, a, channel->values, x.options.thresholds)) {
-    x.refused.insert(h.family);
+    x.refused.insert(h);
     return true;
   }
   estimate_newly_visible(x, h, *channel);
@@ -165,7 +165,7 @@ bool correct_first_channel(Investigation& x, const Round& round) {
   f.status = status_of(f);
   if (x.options.extended == ExtendedModel::kConfirmedOnly &&
       f.status == FindingStatus::kNotConfirmed) {
-    x.refused.insert(h.family);
+    x.refused.insert(h);
     x.d.not_supported.push_back({h.cause, a.evidence.p_value, "held-out parts of the training recordings contradict it"});
     return true;
   }
@@ -191,7 +191,7 @@ void challenge(const Investigation& x, QuestionList& list, std::optional<Round>&
   if (round->changed) fit.emplace(fitted(x, *round));
 }
 
-// Values of effects that became part of the arm on the way are those of the last fit.
+// Updates values of effects that became part of the arm from the last fit.
 void refresh_findings(Investigation& x) {
   for (const auto& [k, names] : x.fitted_by_start) {
     if (k < x.d.findings.size()) refresh(x.d.extended, names, x.d.findings[k]);
@@ -228,9 +228,8 @@ void ask_again(Investigation& x, size_t first, size_t count,
   }
 }
 
-// Fits the findings that are kept, and takes out what has no right to its name after that: its sizes
-// are nothing within their intervals, or larger than its joint's torque ever is, or a joint that is
-// predicted worse than by the baseline is better off without it.
+// Fits the kept findings and withdraws those that are then unsupported: sizes that may be zero or
+// exceed their joint's torque, or a joint that is predicted better without them.
 void settle(Investigation& x, const FindingWriter& writer, size_t first, std::set<size_t>& kept) {
   const auto names = writer.parameter_names();
   const auto fit = [&](const std::set<size_t>& some) {
@@ -309,9 +308,8 @@ void drop_lost_friction(Investigation& x) {
 }
 
 void write_down(Investigation& x, const Round& round, const Fit& fit) {
-  std::set<std::string> families;
-  for (const Hypothesis& h : round.q.augmented.hypotheses) families.insert(h.family);
-  x.d.hypotheses = static_cast<int>(families.size());
+  const auto& asked = round.q.augmented.hypotheses;
+  x.d.hypotheses = static_cast<int>(std::set<Candidate>(asked.begin(), asked.end()).size());
   const FindingWriter writer(round.q, round.data, round.selection, fit, x.start, x.d.changes,
                              x.options);
   const size_t first = x.d.findings.size();
@@ -350,7 +348,8 @@ void select_causes(Investigation& x) {
   }
   size_t selected = round->selection.accepted.size();
   std::optional<Fit> fit(fitted(x, *round));
-  // Refined constants made some findings superfluous: what stood behind them is asked once more.
+  // Refined constants made some findings superfluous: hypotheses that they concealed are tested
+  // once more.
   for (int cycle = 0; cycle < kCycles && round->selection.accepted.size() < selected; ++cycle) {
     list.known = known_terms(fit->inquiry.augmented);
     round.reset();

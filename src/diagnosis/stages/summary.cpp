@@ -7,8 +7,8 @@
 namespace veridyn {
 namespace {
 
-// The fewest findings that together explain most of what all explain; the first one in any case,
-// and whatever is not about the model's torque.
+// The fewest findings that together explain most of the total; always the first one, and findings
+// that do not concern the model's torque.
 std::vector<char> main_ones(const Diagnosis& d, double share) {
   std::vector<char> out(d.findings.size(), 0);
   std::vector<size_t> order(d.findings.size());

@@ -1,19 +1,19 @@
 #include <algorithm>
 #include <cmath>
 
-#include "diagnosis/causes/effect_facts.hpp"
+#include "causes/candidates.hpp"
 #include "diagnosis/stages/investigation.hpp"
 #include "veridyn/effects/effect.hpp"
 
-// Friction takes power out of the arm. A joint whose friction comes out negative beyond doubt, when
-// no sign is asked for, has its torque recorded with the wrong sign, or another joint's torque.
+// Friction dissipates power. Significantly negative friction, fitted without sign constraints,
+// means that a joint's torque has the wrong sign or belongs to another joint.
 
 namespace veridyn {
 namespace {
 
-// Friction terms of one joint: how many standard deviations below zero the power is that they take.
+// Dissipated power of one joint's friction terms, with its deviation: its sign is tested.
 struct Power {
-  double sum = 0.0;       // of value * size of the column: torque that friction asks for
+  double sum = 0.0;       // sum of value * size of the column: torque of friction
   double variance = 0.0;
 };
 

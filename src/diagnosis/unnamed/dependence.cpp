@@ -100,7 +100,7 @@ class Terms {
   std::vector<SmoothTerm> out_;
 };
 
-// Rows of a joint that are not left out, in the order of their folds.
+// Usable rows of a joint, in the order of their folds.
 std::vector<Eigen::Index> rows_in_folds(const MotionRows& rows, int joint) {
   std::vector<Eigen::Index> out;
   for (Eigen::Index r = 0; r < rows.residual.rows(); ++r) {

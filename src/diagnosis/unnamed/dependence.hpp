@@ -8,7 +8,8 @@
 
 namespace veridyn {
 
-/// What one joint's residual depends on, found on training recordings and measured on others.
+/// Dependence of one joint's residual on signals, found on training recordings and measured on
+/// others.
 struct Dependence {
   int joint = 0;
   AdditiveModel model;
@@ -30,7 +31,7 @@ Dependence find_dependence(int joint, const MotionRows& train, const MotionRows&
 UnnamedShape shape_of(const Dependence& found, size_t k, const MotionRows& train,
                       const std::vector<SmoothTerm>& terms);
 
-/// One-sided, periodic, odd or even, saturating, with a memory: the curve in words.
+/// Describes the curve: one-sided, periodic, odd or even, saturating, with memory.
 std::string shape_words(const UnnamedShape& shape, const std::vector<MotionSignal>& of);
 
 }  // namespace veridyn

@@ -7,7 +7,7 @@ namespace veridyn {
 namespace {
 
 constexpr size_t kMostRows = 6000;    // of all recordings together
-constexpr size_t kFewestRows = 300;   // of each
+constexpr size_t kFewestRows = 300;   // of each recording
 constexpr size_t kPhasesOfPeriod = 8;
 constexpr size_t kManyRecordings = 4;
 

@@ -3,27 +3,28 @@
 #include <string>
 #include <vector>
 
-#include "diagnosis/numerics.hpp"
+#include "diagnosis/evidence/numerics.hpp"
 #include "veridyn/diagnosis/thresholds.hpp"
 #include "veridyn/identification/identification.hpp"
 
 namespace veridyn {
 
-/// What a residual may depend on.
+/// Signals on which a residual may depend.
 enum class SignalKind { kPosition, kVelocity, kAcceleration, kTorque, kHistory, kTime };
 
-/// One signal of a recorded motion. Model torque is what the model says that the motor gives; a
-/// history is the signed travel since the last reversal, as history_coordinate() sees it.
+/// One signal of a recorded motion. Model torque is the model's prediction; a history is the signed
+/// travel since the last reversal, transformed by history_coordinate().
 struct MotionSignal {
   SignalKind kind = SignalKind::kPosition;
-  int joint = -1;  ///< -1: none, of the time
+  int joint = -1;  ///< -1: time, no joint
   std::string name;  ///< "q1", "dq1", "ddq1", "tau1", "history1", "t"
   std::string unit;
   double low = 0.0, high = 0.0;  ///< range in the training recordings
   double unit_travel = 1.0;      ///< of a history: the travel at which the coordinate bends
 };
 
-/// sign(x) ln(1 + |x| / unit_travel): ways just after a reversal are told apart as well as long ones.
+/// sign(x) ln(1 + |x| / unit_travel), which resolves small displacements after a reversal as well
+/// as large ones.
 double history_coordinate(double travel, double unit_travel);
 double travel_of_history(double coordinate, double unit_travel);
 
@@ -33,7 +34,7 @@ struct MotionRows {
   MatrixXd values;    ///< (rows x signals)
   MatrixXd residual;  ///< (rows x n) measured minus modelled, filtered
   MatrixXd measured;  ///< (rows x n)
-  Eigen::Array<bool, Eigen::Dynamic, Eigen::Dynamic> used;  ///< (rows x n): not left out
+  Eigen::Array<bool, Eigen::Dynamic, Eigen::Dynamic> used;  ///< (rows x n): not excluded
   std::vector<int> fold;  ///< of every row: rows of one fold are held out together
   int folds = 0;
 };

@@ -7,9 +7,9 @@
 
 namespace veridyn {
 
-/// The terms of a model that say what a curve without a name says: one table, or one for each part
-/// of the second signal. Empty where its signals are none that a force may be a function of
-/// (accelerations, times and ways since a reversal, torques of other joints).
+/// Terms that reproduce an unnamed curve: one table, or one for each part of the second signal.
+/// Empty if a force cannot depend on its signals (accelerations, times and displacements since a
+/// reversal, torques of other joints).
 /// @param of  the curve's signals.
 std::vector<EffectTerm> tables_of(const Model& arm, JointIndex joint, const UnnamedShape& shape,
                                   const std::vector<MotionSignal>& of);

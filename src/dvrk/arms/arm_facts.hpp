@@ -10,11 +10,11 @@
 
 namespace veridyn::dvrk {
 
-/// One joint, as kinematics and users see it.
+/// One joint, for kinematics and users.
 struct ArmJoint {
   std::string name;
   bool prismatic = false;
-  std::optional<DhRow> dh;  ///< none: it moves no frame (the jaw)
+  std::optional<DhRow> dh;  ///< nullopt: it moves no frame (the jaw)
   double lower = 0.0;       ///< [rad] or [m]
   double upper = 0.0;
   double velocity = 0.0;  ///< largest [rad/s] or [m/s]; 0: not known
@@ -51,12 +51,12 @@ struct ArmInstrument {
   MatrixXd coupling;
 };
 
-/// What is the same on all arms of a kind, and where this one is plugged in.
+/// Facts common to all arms of a kind, and the sockets of this one.
 struct ArmFacts {
   std::string name;                 ///< "PSM1"
   std::string kind;                 ///< "PSM"
   std::vector<int> boards;          ///< usual board ids
-  std::vector<std::string> unsure;  ///< what in the file nobody has checked
+  std::vector<std::string> unsure;  ///< unverified facts of the file
   std::vector<ArmJoint> joints;
   std::vector<ArmActuator> actuators;
   MatrixXd actuator_to_joint;  ///< without an instrument
@@ -80,12 +80,12 @@ ArmFacts read_arm(const std::string& name);
 /// Names that read_arm() knows.
 std::vector<std::string> arm_names();
 
-/// The chain of DH rows with a frame "tip" at its end, for the library's generic functions. Bodies:
-/// none.
+/// The chain of DH rows with a frame "tip" at its end, without bodies, for the library's generic
+/// functions.
 Model arm_model(const ArmFacts& arm);
 
-/// A configuration of nominal scales, as if nobody had calibrated the arm; pots that the facts do
-/// not know cover the actuator's range.
+/// A configuration of nominal scales, as of an uncalibrated arm; pots without facts cover the
+/// actuator's range.
 IoConfig nominal_config(const ArmFacts& arm);
 
 }  // namespace veridyn::dvrk

@@ -61,7 +61,7 @@ class PsmKinematics {
   /// T_base_tip.
   Eigen::Matrix4d forward(const Joints& q) const noexcept;
 
-  /// Of the up to four solutions the one within the limits, nearest to `near`.
+  /// The solution within the limits that is nearest to `near`, out of up to four.
   ///
   /// Singular where the shaft's end is in the remote centre (q3 = 0.0156 m), where the axis of
   /// wrist yaw passes through it (wrist pitch beyond 90 degrees) and where the shaft lies along the

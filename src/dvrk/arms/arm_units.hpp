@@ -9,12 +9,12 @@
 
 namespace veridyn::dvrk {
 
-/// What the boards say about one actuator.
+/// Readings of the boards for one actuator.
 struct RawActuator {
   EncoderWords encoder;
   std::uint16_t pot = 0;
   std::uint16_t current = 0;  ///< as measured
-  double seconds = 0.0;       ///< since the read before, see seconds_since_last_read()
+  double seconds = 0.0;       ///< since the read before, see BoardFeedback::seconds()
 };
 
 /// State of an arm in SI units; n entries each [rad, m], [rad/s, m/s], [N m, N], [A].
@@ -28,7 +28,7 @@ struct BoardArmState {
   bool encoders_valid = false;  ///< no overflow, and no transition that an encoder cannot make
 };
 
-/// What became of a command.
+/// Result of a command after limits.
 struct ArmCommand {
   explicit ArmCommand(int n = 0);
 

@@ -8,17 +8,17 @@
 
 namespace veridyn::dvrk {
 
-/// Current per effort of one actuator, as it stood and as a model says it is.
+/// Current per effort of one actuator, as configured and according to a model.
 struct EffortScale {
   std::string actuator;
   std::string unit;        ///< "A/N m" or "A/N"
   double before = 0.0;     ///< Value in the configuration
   double scale = 0.0;      ///< corrected
   double std_scale = 0.0;  ///< standard deviation; 0: not known
-  std::string source;      ///< Origin of the correction; empty: there is none
+  std::string source;      ///< origin of the correction; empty: there is none
 };
 
-/// What a model knows about the drives, for every actuator whose name is a coordinate of the model:
+/// Scales from a model's drive gains, for every actuator whose name is a coordinate of the model:
 ///
 ///   scale = recorded.torque_gain / drive_gain     (1 / before where no drive gain is identified)
 ///

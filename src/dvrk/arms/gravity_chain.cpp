@@ -24,7 +24,7 @@ constexpr double kCentreOffset = 0.1;  // m, where a mass may be chosen
 constexpr int kMoments = 4;            // per link: hx, hy, hz, m
 constexpr int kInBody[kMoments] = {1, 2, 3, 0};  // places in InertialParameters
 
-// Which coordinate of the model is which row of the chain.
+// Correspondence of the model's coordinates and the rows of the chain.
 struct Match {
   std::vector<int> coordinates;
   std::vector<int> rows;
@@ -125,7 +125,7 @@ std::vector<int> independent_columns(const MatrixXd& Y) {
   return independent;
 }
 
-// Moments of all links: independent ones by least squares, the others as they stand in `chosen`.
+// Moments of all links: independent ones by least squares, the others from `chosen`.
 VectorXd solve(const Samples& samples, const std::vector<int>& independent, VectorXd chosen) {
   for (const int c : independent) chosen[c] = 0.0;
   MatrixXd Y(samples.Y.rows(), static_cast<Eigen::Index>(independent.size()));
@@ -142,8 +142,8 @@ double moment(const VectorXd& x, Eigen::Index row) {
   return h > kNothing ? h : 0.0;
 }
 
-// A link with a moment needs a mass. Where torques do not tell one it is chosen; a chosen mass that
-// does act is taken from the links before, so moments are solved again.
+// A link with a moment needs a mass. Where torques do not determine it, it is chosen; if the chosen
+// mass has an effect, the previous links compensate it, so moments are solved again.
 VectorXd with_masses(const Samples& samples, const std::vector<int>& independent) {
   VectorXd x = solve(samples, independent, VectorXd::Zero(samples.Y.cols()));
   for (int round = 0; round < 2; ++round) {
@@ -199,7 +199,7 @@ void require_upright(const Model& model) {
           "], expected it along -z, as the dVRK's gravity compensation has it.");
 }
 
-// Names of effects that hold torque at rest and are no gravity.
+// Names of effects other than gravity that hold torque at rest.
 std::vector<std::string> holding_effects(const Model& model) {
   std::vector<std::string> names;
   for (const EffectTerm& term : model.effects()) {

@@ -9,7 +9,7 @@
 
 namespace veridyn::dvrk {
 
-/// One link of the chain that the laboratory's gravity compensation computes with.
+/// One link of the chain in the laboratory's gravity compensation.
 struct GravityRow {
   std::string joint;
   bool prismatic = false;
@@ -33,7 +33,8 @@ struct GravityChain {
   std::vector<std::string> joints;    ///< Joints of the model, in the order of the vectors below
   VectorXd largest_torque;            ///< Largest torque of the model over random configurations [N m, N]
   VectorXd largest_error;             ///< Largest error of the chain against the model over other configurations [N m, N]
-  std::vector<std::string> left_out;  ///< effects of the model that hold a torque at rest
+  /// Effects of the model other than gravity that hold a torque at rest.
+  std::vector<std::string> left_out;
 };
 
 /// Least squares over random configurations within the limits of arm and model; exact for a PSM or

@@ -16,7 +16,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 Json row_json(const GravityRow& row) {
-  // The variable adds "offset" to what stands in theta or D, which is zero then.
+  // The joint variable adds "offset" to theta or D, which is then zero.
   return {{"name", row.joint},
           {"type", row.prismatic ? "prismatic" : "revolute"},
           {"mode", "active"},
@@ -64,7 +64,7 @@ GravityRow row_of(const Json& json, const std::string& where) {
   return row;
 }
 
-// The number of a column called prefix + "3": 2; -1 if it is none.
+// The index of a column called prefix + "3": 2; -1 for other columns.
 int joint_of(const std::string& column, const std::string& prefix) {
   if (column.rfind(prefix, 0) != 0 || column.size() == prefix.size()) return -1;
   int joint = 0;

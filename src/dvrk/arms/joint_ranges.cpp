@@ -7,7 +7,7 @@ namespace veridyn::dvrk {
 namespace {
 
 constexpr double kTurn = 2.0 * M_PI;
-// What rounding may push a joint over its limit.
+// tolerance for rounding at a joint's limit
 constexpr double kSlack = 1e-9;
 
 }  // namespace

@@ -11,7 +11,7 @@
 
 namespace veridyn::dvrk {
 
-/// One DH row as a closed form expects it; a free number is read off.
+/// One DH row that a closed form requires; free numbers are read from the model.
 struct ExpectedRow {
   std::optional<double> a, alpha, d, theta;
   bool prismatic = false;

@@ -21,7 +21,7 @@ Eigen::Matrix3d turn_z(double angle) {
   return turn(angle, Eigen::Vector3d::UnitZ());
 }
 
-// From the platform to the last axis but its own angle.
+// Rotation from the platform to the last axis, without that axis' own angle.
 Eigen::Matrix3d gimbal(double pitch, double yaw) {
   return turn_x(kRight) * turn_z(pitch) * turn_x(-kRight) * turn_z(yaw + kRight) * turn_x(-kRight);
 }

@@ -146,7 +146,7 @@ InverseSolution<4> EcmKinematics::inverse(const Eigen::Matrix4d& T_base_tip,
   const Eigen::Vector3d p = T_base_tip.topRightCorner<3, 1>();
   const Eigen::Vector3d u = T_base_tip.block<3, 1>(0, 2);
   const double length = p.dot(u);
-  // Written so that a number that is none is out of reach.
+  // The negated comparison makes NaN count as out of reach.
   if (!((p - length * u).norm() <= kMissing) || !near.allFinite()) return choice.best();
   bool singular = false;
   Joints q;

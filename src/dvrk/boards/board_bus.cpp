@@ -12,7 +12,7 @@ namespace {
 constexpr double kQueryLatency = 10e-6;  // [s] section 8.3, #3
 constexpr double kQueryPerBoard = 10e-6;
 constexpr double kShortestWait = 0.001;  // [s] that a reply gets when the cycle is late already
-constexpr double kLateCycles = 2.5;      // timestamps of so many cycles tell of missed ones
+constexpr double kLateCycles = 2.5;      // cycles between time stamps that indicate a missed one
 constexpr int kRegisterEvery = 4;        // cycles between two looks at a command of Rev 7
 constexpr double kJump = 0.005;          // [s] between timestamp and clock: look at the board
 
@@ -87,7 +87,6 @@ void BoardBus::lose_noted(Board& b, Condition why, std::uint32_t word) noexcept 
 bool BoardBus::read() noexcept {
   ++cycles_;
   exchange_.forget_lay();
-  const double start = link_.now();
   if (state_ == BusState::kRunning && exchange_.generation_changed())
     begin_scan(Condition::kGenerationChanged);
   if (state_ != BusState::kRunning) {
@@ -103,7 +102,6 @@ bool BoardBus::read() noexcept {
   } else {
     read_sequential();
   }
-  read_seconds_ = link_.now() - start;
   if (options_.access == Access::kDrive && boards_.front().info.firmware < 8 &&
       cycles_ % kRegisterEvery == 0)
     look_for_lost_writes();
@@ -186,7 +184,7 @@ void BoardBus::accept(Board& b, QuadletView block) noexcept {
     lose_noted(b, Condition::kWrongHardware, status.word);
     return;
   }
-  // A board that loses what it was told to switch on may have woken up anew (section 17 #25).
+  // A board that loses a switch-on command may have restarted (section 17 #25).
   constexpr std::uint32_t kRequests = (1U << 18) | (1U << 16);
   if (((b.feedback.status.word & ~status.word) & kRequests) != 0) b.suspect = true;
   b.feedback = decode_feedback(block, b.info.firmware);
@@ -212,10 +210,10 @@ void BoardBus::check_timestamp(Board& b) noexcept {
 
 // Section 17 #27: the board shows the last command that it took.
 void BoardBus::check_commands(Board& b) noexcept {
-  if (b.info.firmware < 8) return;  // look_for_lost_writes() asks its registers
+  if (b.info.firmware < 8) return;  // look_for_lost_writes() reads its registers
   for (size_t c = 0; c < kChannels; ++c) {
     const std::uint16_t shown = b.feedback.channel[c].motor.command();
-    // The last write may still be on its way: a network may let a read overtake it.
+    // The last write may still be in transmission: a network may let a read overtake it.
     if (!b.has_sent[c] || shown == b.sent[c] || shown == b.before[c]) continue;
     note(Condition::kNotEffective, b.info.id, static_cast<int>(c),
          b.feedback.channel[c].motor.word);

@@ -8,13 +8,13 @@
 
 #include "dvrk/protocol/command.hpp"
 #include "dvrk/protocol/exchange.hpp"
-#include "dvrk/boards/fault_log.hpp"
+#include "dvrk/protocol/fault_log.hpp"
 #include "dvrk/protocol/feedback.hpp"
 #include "dvrk/protocol/hub_block.hpp"
 
 namespace veridyn::dvrk {
 
-/// How a cycle runs: section 8.
+/// Protocol of a cycle: section 8.
 enum class CycleProtocol {
   kAutomatic,       ///< kBroadcastWrite where the firmware allows it, else kSequential
   kSequential,      ///< 8.1
@@ -22,7 +22,7 @@ enum class CycleProtocol {
   kBroadcast        ///< 8.3: query, one read of all boards, one write
 };
 
-/// What a client does to the boards.
+/// Access of a client to the boards.
 enum class Access {
   kDrive,  ///< reads and writes
   /// Reads alone: no packet is sent that changes a board, so another client may drive it meanwhile.
@@ -34,20 +34,20 @@ enum class Access {
 struct BusOptions {
   std::vector<int> boards;  ///< ids of the boards in use
   Access access = Access::kDrive;
-  /// While listening: send the two packets of a session's start all the same, which tell boards
-  /// that have just been switched on their address (section 5, #1 and #3).
+  /// While listening: still sends the two packets of a session's start, which give boards after
+  /// power-up their address (section 5, #1 and #3).
   bool announce = false;
   CycleProtocol protocol = CycleProtocol::kAutomatic;
   double reply_timeout = 0.020;      ///< [s]; that of a whole cycle too
-  /// [s] after which a read of a cycle without a reply is sent again (Exchange); 0: never. A reply
-  /// takes 0.15 ms; the rest of the cycle makes up for the wait.
+  /// [s] after which a read without a reply is repeated within a cycle (Exchange); 0: never. A
+  /// reply takes 0.15 ms; the rest of the cycle absorbs the wait.
   double repeat_after = 0.001;
   double rescan_timeout = 0.005;     ///< [s] per node while the cycle runs on
   double cycle_time = 1.0 / 1500.0;  ///< [s] nominal; 0: timestamps are not judged
   /// FireWire joins the boards, though the hub is an FPGA V3 with firmware 9, which is taken for
   /// one of a bus that Ethernet alone joins.
   bool firewire = false;
-  std::size_t mtu = 1500;            ///< Largest packet on the way to the boards [bytes]
+  std::size_t mtu = 1500;            ///< [bytes] largest packet on the route to the boards
   int housekeeping = 200;            ///< cycles between two reads of a slow register; 0: none
 };
 
@@ -67,9 +67,9 @@ enum class BusState {
   kRefused    ///< what was found then cannot be used: start() again
 };
 
-/// The client's side of the boards: who is there, the real-time cycle, registers. Detects
-/// conditions 1 to 16 and 25 to 30 of section 17; what the boards say of themselves (17 to 24) is
-/// BoardSession's matter. After start() nothing is allocated and nothing thrown.
+/// The client's side of the boards: bus scan, real-time cycle, registers. Detects conditions 1 to
+/// 16 and 25 to 30 of section 17; BoardSession handles those that boards report (17 to 24). After
+/// start() nothing allocates or throws.
 class BoardBus {
  public:
   /// @throws InvalidInput  no boards, too many, an id twice or beyond 15.
@@ -98,28 +98,28 @@ class BoardBus {
   const BoardFeedback& feedback(int b) const { return boards_[static_cast<size_t>(b)].feedback; }
   /// Cycles in a row without a valid read.
   int lost_reads(int b) const { return boards_[static_cast<size_t>(b)].lost_reads; }
-  /// Why the last one of them was lost.
+  /// Reason for the loss of the last one.
   Condition loss(int b) const { return boards_[static_cast<size_t>(b)].loss; }
   /// Cycles in a row in which a command was not found in the motor status; on Rev 7 in the
   /// registers of its channels, one of them every few cycles.
   int lost_writes(int b) const { return boards_[static_cast<size_t>(b)].lost_writes; }
-  /// The board has woken up anew: watchdog and preloads are those of power-up.
+  /// The board has restarted: watchdog and preloads are those of power-up.
   bool rebooted(int b) const { return boards_[static_cast<size_t>(b)].rebooted; }
   bool link_lost() const { return link_lost_; }
   /// Why the boards are looked for again, while they are.
   Condition unrest() const { return unrest_; }
 
-  /// What the next write() sends; write() sets it back to "nothing".
+  /// Command of the next write(), which resets it to "nothing".
   BoardCommand& command(int b) { return boards_[static_cast<size_t>(b)].command; }
-  /// Sends all commands; keeps the watchdogs quiet even if there is nothing to say. While nodes are
-  /// not known, sends switch_off(false) instead.
+  /// Sends all commands; keeps the watchdogs alive even without commands. While nodes are unknown,
+  /// sends switch_off(false) instead.
   void write() noexcept;
 
-  /// Zero current and amplifiers off, and power off too if asked, for the boards in use: by
-  /// broadcast, which no change of generation can lose (section 6).
+  /// Sets zero current and switches amplifiers off, optionally power too, for the boards in use: by
+  /// broadcast, which a change of generation cannot lose (section 6).
   enum class Off { kAmps, kPower };
   void switch_off(Off what) noexcept;
-  /// The same for one board through its control register, for one that ignores blocks.
+  /// The same for one board through its control register, for boards that ignore blocks.
   bool switch_off_by_register(int b, Off what) noexcept;
   /// DAC bits of zero current, by calibration.
   void set_zero(int b, int channel, std::uint16_t bits) noexcept;
@@ -128,14 +128,12 @@ class BoardBus {
   bool write_register(int b, std::uint16_t address, std::uint32_t value) noexcept;
   /// Writes, reads back, repeats twice. @returns whether it is there.
   bool write_checked(int b, std::uint16_t address, std::uint32_t value) noexcept;
-  /// "1234-56" of a QLA, from its memory: section 7.6. Empty: none is there.
+  /// Serial number "1234-56" of a QLA, from its memory: section 7.6. Empty: it has none.
   std::string qla_serial(int b);
   /// Sets all watchdogs and verifies them; forgets that boards were rebooted.
   bool set_watchdog(double seconds) noexcept;
 
-  /// Time [s] from the first to the last datagram of the last read().
-  double read_seconds() const { return read_seconds_; }
-  /// [s] of it in which replies had come, but this program did not run.
+  /// [s] of the last read() in which replies had come, but this program did not run.
   double lay_seconds() const { return exchange_.lay(); }
 
  private:
@@ -156,13 +154,13 @@ class BoardBus {
     int lost_writes = 0;
   };
 
-  /// What was found on the bus.
+  /// Result of a bus scan.
   struct Scan {
     std::array<BoardInfo, kMaxBoards> found{};  ///< by node
     int node = 0;
   };
 
-  /// What is wrong with the boards that were found.
+  /// Reason for refusing the boards found.
   struct Objection {
     Condition condition = Condition::kNoReply;
     int board = -1;  ///< place in boards_, or the id that is there twice; -1: no objection
@@ -219,7 +217,6 @@ class BoardBus {
   std::uint32_t watchdog_counts_ = 0;
   bool link_lost_ = false;
   long cycles_ = 0;
-  double read_seconds_ = 0.0;
   std::array<std::uint8_t, kMaxDatagram> block_{};
 };
 

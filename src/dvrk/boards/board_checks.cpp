@@ -3,16 +3,14 @@
 
 #include "dvrk/boards/board_session.hpp"
 
-// What a session checks in every cycle: sections 14.6 and 17, #17 to #24.
+// Checks of a session in every cycle: sections 14.6 and 17, #17 to #24.
 
 namespace veridyn::dvrk {
 namespace {
 
-// Section 14.6: excess currents, in bits of the nominal 5242.88 per ampere.
-constexpr double kEnabledMargin = 262.0;    // 50 mA
+// Section 14.6: currents without an amplifier, in bits of the nominal 5242.88 per ampere.
 constexpr double kDisabledLimit = 524.0;    // 100 mA
 constexpr double kUnpoweredLimit = 1049.0;  // 200 mA
-constexpr double kEnabledFactor = 1.2;
 constexpr double kRelayGrace = 0.050;  // [s] for the contacts
 
 }  // namespace
@@ -40,7 +38,6 @@ void BoardSession::check_board(int b) noexcept {
   check_power(b, f);
   check_temperature(b, f);
   if (f.digital.encoder_supply_fault()) {
-    position_reliable_ = false;
     note(Condition::kEncoder, Reaction::kPowerOff, b, -1, f.digital.word);
   }
   for (int c = 0; c < kChannels; ++c) {
@@ -108,18 +105,26 @@ void BoardSession::check_amp(int b, int c, const BoardFeedback& f) noexcept {
   note(Condition::kAmpOff, Reaction::kAmpsOff, b, c, f.status.word);
 }
 
-// #23
+// #23. The current of an amplifier that is on lies between the last commands.
 void BoardSession::check_current(int b, int c, const BoardFeedback& f) noexcept {
   ChannelState& state = channel(b, c);
   const ChannelSafety& s = safety(b, c);
-  const ChannelFeedback& one = f.channel[static_cast<size_t>(c)];
-  const double limit = f.status.amp_on(c) ? kEnabledFactor * s.max_current + kEnabledMargin
-                       : f.status.power_requested() ? kDisabledLimit
-                                                    : kUnpoweredLimit;
-  const bool excess = std::abs(one.current - s.zero_feedback) > limit;
+  const double current = f.channel[static_cast<size_t>(c)].current - s.zero_feedback;
+  double least = 0.0, most = 0.0;
+  double margin = f.status.power_requested() ? kDisabledLimit : kUnpoweredLimit;
+  const bool driven = checked_ == PowerState::kOn && f.status.amp_on(c);
+  if (driven) {
+    const auto [low, high] = std::minmax_element(state.sent.begin(), state.sent.end());
+    const double scale = s.feedback_per_command;
+    least = scale * (*low - s.zero_command);
+    most = scale * (*high - s.zero_command);
+    margin = options_.follow_margin + options_.follow_share * std::max(std::abs(least), std::abs(most));
+  }
+  const bool excess = current < least - margin || current > most + margin;
   state.excess_cycles = excess ? state.excess_cycles + 1 : 0;
-  if (state.excess_cycles > options_.current_cycles)
-    note(Condition::kOutOfBounds, Reaction::kPowerOff, b, c, one.current);
+  if (state.excess_cycles > (driven ? options_.follow_cycles : options_.current_cycles))
+    note(Condition::kOutOfBounds, Reaction::kPowerOff, b, c,
+         f.channel[static_cast<size_t>(c)].current);
 }
 
 // #24
@@ -128,7 +133,6 @@ void BoardSession::check_encoder(int b, int c, const BoardFeedback& f) noexcept 
   const bool overflow = encoder_overflow(words.position);
   const bool error = bus_.info(b).firmware >= 7 && encoder_error(words.period);
   if (!overflow && !error) return;
-  position_reliable_ = false;
   note(Condition::kEncoder, overflow ? Reaction::kPowerOff : Reaction::kAmpsOff, b, c,
        overflow ? words.position : words.period);
 }

@@ -19,8 +19,8 @@ void BoardBus::keep_house() noexcept {
   if (b.valid) look_at(b);
 }
 
-// Section 17 #27: Rev 7 shows its commands in registers alone. One channel at a time; one
-// that differs is asked again, so that a write which was overtaken is none that was lost.
+// Section 17 #27: Rev 7 shows its commands in registers alone. Reads one channel at a time, and
+// again if it differs, so that an overtaken write does not count as lost.
 void BoardBus::look_for_lost_writes() noexcept {
   if (state_ != BusState::kRunning || exchange_.generation_changed() || listens()) return;
   const std::size_t sockets = boards_.size() * kChannels;
@@ -59,7 +59,8 @@ void BoardBus::look_at(Board& b) noexcept {
     note(Condition::kEthernet, b.info.id, -1, value);
 }
 
-// Words 1 to 31 of a real-time block, each from its register. The boards' timestamp has none.
+// Reads words 1 to 31 of a real-time block, each from its register; the boards' time stamp has
+// none.
 bool BoardBus::read_words(Board& b, QuadletSpan words) noexcept {
   constexpr address::Offset kOffsets[] = {
       address::kAnalog,   address::kPosition, address::kPeriod,     address::kQuarter1,

@@ -6,7 +6,7 @@
 #include "dvrk/boards/board_bus.hpp"
 #include "veridyn/math/require.hpp"
 
-// Who is on the bus: section 5, and again whenever nodes may have changed (section 6).
+// Bus scan: section 5, and again whenever nodes may have changed (section 6).
 
 namespace veridyn::dvrk {
 namespace {
@@ -14,7 +14,7 @@ namespace {
 constexpr double kAfterIpAddress = 0.200;  // [s] section 5, #1
 constexpr double kAfterPhyRequest = 0.010;
 constexpr int kScannedNodes = 16;
-constexpr double kRepeatShare = 0.4;  // of the timeout, while nobody waits for a cycle
+constexpr double kRepeatShare = 0.4;  // share of the timeout; outside of a cycle nothing is urgent
 
 // Gap counts that suffice for so many cable hops (IEEE 1394a-2000, annex E.1), from one hop on. The
 // laboratory's library takes them by the number of nodes, one hop more than a chain of them has: in
@@ -61,7 +61,7 @@ void BoardBus::find_hub() {
           "boards: the hub does not tell its status and firmware.");
   link_.hub_is(static_cast<int>(firmware), Status{status}.board());
   if (firmware >= 9) hub.to = Destination::kMulticast;  // section 2.3
-  exchange_.expect_silence(true);                       // it is told again per node
+  exchange_.expect_silence(true);                       // reported again for each node
   exchange_.read(hub, address::kEthernet, timeout, ethernet);
   exchange_.expect_silence(false);
   ethernet_only_ = !options_.firewire && firmware >= 9 && is_fpga_v3(ethernet);
@@ -213,7 +213,7 @@ void BoardBus::start() {
   choose_protocol();
   if (!listens() && !ethernet_only_) settle_gap_count();
   hub_node_ = 0;
-  std::uint32_t status = 0;  // whoever answers to everyone is the hub
+  std::uint32_t status = 0;  // the node that answers a broadcast is the hub
   if (exchange_.read(hub_route(), address::kStatus, options_.reply_timeout, status) ==
       ReadResult::kOk) {
     for (const BoardInfo& found : scan_.found) {
@@ -236,8 +236,8 @@ void BoardBus::begin_scan(Condition why) noexcept {
   scan_ = Scan();
 }
 
-// One node, so that a control loop can go on sending "off" in between (section 20: a scan in one
-// piece takes longer than the watchdog allows).
+// Scans one node per call, so that a control loop can send "off" in between (section 20: a complete
+// scan takes longer than the watchdog allows).
 void BoardBus::scan_step() noexcept {
   const double timeout = options_.rescan_timeout;
   if (scan_.node == 0) {  // the hub answers whatever the generation is

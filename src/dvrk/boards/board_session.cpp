@@ -8,8 +8,8 @@
 namespace veridyn::dvrk {
 namespace {
 
-constexpr int kAmpsFirst = 2;             // cycles with amplifiers off before the supply goes
-constexpr double kObeyBlocks = 0.005;     // [s] in which "off" must show, else by register
+constexpr int kAmpsFirst = 2;  // cycles with amplifiers off before the supply is switched off
+constexpr double kObeyBlocks = 0.005;     // [s] in which blocks must show "off"; otherwise registers are written
 constexpr double kObeyRegisters = 0.020;  // else silence: the watchdog is left to bite
 
 }  // namespace
@@ -67,7 +67,6 @@ void BoardSession::start() {
   all_valid_ = false;
   bus_.start();
   started_ = true;
-  position_reliable_ = true;
   if (listens()) return;
   bus_.switch_off(BoardBus::Off::kPower);
   require(bus_.set_watchdog(options_.watchdog),
@@ -84,7 +83,7 @@ void BoardSession::react(Reaction reaction, Condition condition, int board, int 
   cause_board_ = board;
   cause_channel_ = channel;
   enter(PowerState::kFault);
-  if (reaction == Reaction::kPowerOff) off_cycles_ = kAmpsFirst;  // at once
+  if (reaction == Reaction::kPowerOff) off_cycles_ = kAmpsFirst;  // skips the cycles of a normal power-down
 }
 
 std::string BoardSession::cause_words() const {
@@ -176,6 +175,8 @@ void BoardSession::command_channels(int b, AmpRequest amp) noexcept {
       value = state.asked && all_valid_ ? state.command : all_valid_ ? s.zero_command : state.held;
     }
     state.held = value;
+    std::rotate(state.sent.begin(), state.sent.end() - 1, state.sent.end());
+    state.sent.front() = value;
     bus_.command(b).channel[static_cast<size_t>(c)] = {true, false, amp, 0, value};
   }
 }
@@ -255,7 +256,6 @@ const char* BoardSession::power_on() noexcept {
         return "an encoder reports an error";
     }
   }
-  position_reliable_ = true;
   power_off_asked_ = true;  // what follows a fault or power_off() in later states
   enter(PowerState::kRelay);
   return nullptr;

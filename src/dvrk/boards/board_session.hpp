@@ -10,12 +10,13 @@
 
 namespace veridyn::dvrk {
 
-/// What a motor channel may do. All in bits, so that the safety of the boards does not hang on a
-/// conversion to SI units.
+/// Limits of a motor channel, in bits, so that the boards' safety does not depend on a conversion
+/// to SI units.
 struct ChannelSafety {
   bool used = false;
   std::uint16_t zero_command = kZeroCurrent;  ///< DAC bits of no current, by calibration
   double zero_feedback = kZeroCurrent;        ///< ADC bits of no current
+  double feedback_per_command = 1.0;          ///< ADC bits that one DAC bit makes
   double max_current = 0.0;                   ///< largest |command - zero| [bits]
   /// Pot against encoder: positions in any unit. Tolerance 0: not compared.
   LinearScale counts_to_position;
@@ -25,28 +26,33 @@ struct ChannelSafety {
   bool watch_pot_rail = false;  ///< a pot at an end of its converter refuses power
 };
 
-/// Whether a pot's reading [bits] is an end of the converter: it says nothing then, or its wire is
-/// gone. 16 bits are 1.1 mV.
+/// True if a pot's reading [bits] is at an end of the converter: it is then invalid, or its wire is
+/// broken. 16 bits are 1.1 mV.
 constexpr bool at_rail(double pot_bits) {
   return pot_bits <= 16.0 || pot_bits >= 65535.0 - 16.0;
 }
 
 struct SessionOptions {
   BusOptions bus;
-  /// By place of the board in ascending ids; missing ones have no channel in use.
+  /// By index of the board in ascending ids; missing boards have no channel in use.
   std::vector<std::array<ChannelSafety, kChannels>> channels;
   double watchdog = 0.030;         ///< [s]; 0 is refused (section 14.1)
   int lost_reads = 3;              ///< in a row, then power off
   int lost_writes = 3;             ///< in a row, then amplifiers off
-  int current_cycles = 100;        ///< section 14.6
+  int current_cycles = 100;        ///< section 14.6, of channels whose amplifier is off
+  /// An amplifier that is on must give one of the last commands: within `follow_margin` [bits] and
+  /// `follow_share` of that command, or its power goes after so many cycles.
+  int follow_cycles = 10;
+  double follow_margin = 262.0;    ///< 50 mA: section 14.6
+  double follow_share = 0.1;
   double relay_timeout = 0.2;      ///< [s]
   double supply_timeout = 3.0;     ///< [s]
-  double amp_grace = 0.0455;       ///< [s] 40 ms, 2.5 ms and 3 for the way: section 14.2
+  double amp_grace = 0.0455;       ///< [s] 40 ms, 2.5 ms and 3 for the transmission: section 14.2
   double off_timeout = 0.5;        ///< [s] in which boards must confirm that they are off
   double warm = 60.0, hot = 65.0;  ///< [degC]
 };
 
-/// What the boards said when they were told to switch off.
+/// Status of the boards after switching off.
 enum class OffState {
   kConfirmed,  ///< every board in use was read: amplifiers off, power not requested
   kNotAsked,   ///< the session never wrote, so there is nothing to confirm
@@ -56,11 +62,11 @@ enum class OffState {
 };
 const char* describe(OffState state);
 
-/// Where a session stands on the way to currents.
+/// State of a session between power-up and currents.
 enum class PowerState {
-  kOff,    ///< amplifiers and power are told to be off, again in every cycle
+  kOff,    ///< amplifiers and power are commanded off, again in every cycle
   kRelay,  ///< the safety relay closes
-  kPower,  ///< the motor supply comes up
+  kPower,  ///< the motor supply is being switched on
   kAmps,   ///< amplifiers come up with zero current
   kOn,     ///< commands count
   kFault   ///< off, until acknowledge()
@@ -68,10 +74,10 @@ enum class PowerState {
 
 const char* describe(PowerState state);
 
-/// A session with boards that drive an arm: power-up and power-down (section 14.5), checks in
-/// every cycle (14.6, 17), and no current but in state kOn. Whatever goes wrong ends in kFault,
-/// where amplifiers are told to be off in every cycle; nothing comes back by itself. One cycle is
-/// update(), set_command() for every channel, commit().
+/// A session with boards that drive an arm: power-up and power-down (section 14.5), checks in every
+/// cycle (14.6, 17), and currents in state kOn only. Any fault ends in kFault, where amplifiers are
+/// commanded off in every cycle; nothing restarts by itself. One cycle is update(), set_command()
+/// for every channel, commit().
 ///
 /// With BusOptions::access other than kDrive nothing is written at all: update() reads and checks,
 /// commit() and shutdown() do nothing, power_on() refuses.
@@ -93,8 +99,7 @@ class BoardSession {
 
   /// Reads all boards, checks them, moves on with power-up. @returns whether all are valid.
   bool update() noexcept;
-  /// What the motor shall have in state kOn [DAC bits]; held within the limit. Counts for one
-  /// commit().
+  /// Sets the motor current in state kOn [DAC bits], limited. Valid for one commit().
   void set_command(int board, int channel, double bits) noexcept;
   /// Sends: commands in state kOn, zero currents otherwise. If a read was invalid, the last
   /// commands are held.
@@ -104,30 +109,28 @@ class BoardSession {
   const char* power_on() noexcept;
   /// Amplifiers off with the next commit(), then power.
   void power_off() noexcept;
-  /// From kFault to kOff. @returns false: the bus is not running, or a board was rebooted: start().
+  /// KFault -> kOff. @returns false: the bus is not running, or a board was restarted: call
+  /// start().
   bool acknowledge() noexcept;
-  /// Off, now, by broadcast and by register, and again until every board in use was read to be
-  /// off, for at most SessionOptions::off_timeout. A link that loses writes, or boards that do not
-  /// answer, end in another state than kConfirmed: then nobody knows, and only the emergency stop
-  /// helps.
+  /// Switches off by broadcast and by register, repeatedly until every board in use reads as off,
+  /// for at most SessionOptions::off_timeout. If a link loses writes, or boards do not answer, the
+  /// result differs from kConfirmed: the state is then unknown, and only the emergency stop helps.
   OffState shutdown() noexcept;
 
   /// Loads an encoder and verifies it. @returns false: it is not there, or the overflow bit stays.
   bool preload(int board, int channel, std::int32_t counts) noexcept;
-  /// False only if the board says that it got a preload since it woke up.
+  /// False only if the board reports a preload since its start.
   bool needs_preload(int board, int channel) noexcept;
 
   PowerState state() const { return state_; }
   /// The condition that led to kFault; kNoReply before any.
   Condition cause() const { return cause_; }
-  /// The same in words, with the board and the channel where it was seen.
+  /// The same as text, with the board and the channel concerned.
   std::string cause_words() const;
   BoardBus& bus() { return bus_; }
   const BoardBus& bus() const { return bus_; }
   FaultLog& faults() { return bus_.faults(); }
   const FaultLog& faults() const { return bus_.faults(); }
-  /// Encoders have not told of anything wrong since start() or the last preload.
-  bool position_reliable() const { return position_reliable_; }
   bool listens() const { return options_.bus.access != Access::kDrive; }
 
  private:
@@ -137,6 +140,7 @@ class BoardSession {
     std::uint16_t held = kZeroCurrent;
     bool asked = false;
     int excess_cycles = 0;
+    std::array<std::uint16_t, 4> sent{};  ///< last commands, of which lost writes leave older ones
     double amp_missing_since = -1.0;
     double pot_off_since = -1.0;
   };
@@ -180,7 +184,6 @@ class BoardSession {
   double entered_ = 0.0;
   bool all_valid_ = false;
   bool started_ = false;
-  bool position_reliable_ = true;
   bool power_off_asked_ = true;  ///< in kOff and kFault: the supply as well
   int off_cycles_ = 0;
 };

@@ -1,6 +1,6 @@
 #include "dvrk/boards/board_session.hpp"
 
-// Off, and what the boards say about it.
+// Switching off, and its confirmation by the boards.
 
 namespace veridyn::dvrk {
 namespace {
@@ -27,7 +27,7 @@ const char* describe(OffState state) {
   return "";
 }
 
-// By status registers: what the last block said may be old.
+// Reads status registers, because the last block may be outdated.
 OffState BoardSession::seen_off() noexcept {
   OffState worst = OffState::kConfirmed;
   for (int b = 0; b < bus_.boards(); ++b) {

@@ -3,7 +3,7 @@
 
 #include "dvrk/boards/board_bus.hpp"
 
-// What goes to the boards: real-time blocks, registers, and the word that switches off.
+// Writes to the boards: real-time blocks, registers, and the switch-off command.
 
 namespace veridyn::dvrk {
 namespace {

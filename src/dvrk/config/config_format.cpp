@@ -64,7 +64,7 @@ constexpr std::array<std::pair<const char*, const char*>, 48> kNames{{
     {"Trigger", "trigger"},
     {"Debounce", "debounce"},
 }};
-// Other names that are read, not written: those of the structures behind the JSON, as remembered.
+// Alternative names that are read and never written: those of the data structures behind the JSON.
 constexpr std::array<std::pair<const char*, const char*>, 4> kOtherNames{{
     {"Pressed", "pressed_value"},
     {"Debounce", "debounce_threshold"},

@@ -18,7 +18,8 @@ std::string lower_case(std::string word) {
   return word;
 }
 
-// All of the text as a finite number, whatever the locale; spaces around it are let pass.
+// Parses the whole text as a finite number, independent of the locale; surrounding spaces are
+// allowed.
 std::optional<double> number_in(const std::string& word) {
   const auto first = word.find_first_not_of(" \t\r\n");
   if (first == std::string::npos) return std::nullopt;

@@ -6,13 +6,13 @@
 
 namespace veridyn::dvrk {
 
-/// A configuration file as a tree, the same for XML and JSON: attributes of XML and members of JSON
-/// are both members. Elements that repeat stand one after the other under one name (in JSON: the
-/// items of a list).
+/// A configuration file as a tree, equal for XML and JSON: attributes of XML and members of JSON
+/// are both members. Repeated elements are consecutive under one name (in JSON: the items of a
+/// list).
 struct ConfigTree {
   std::string name;     ///< the name in XML; what JSON calls otherwise is translated
   std::string written;  ///< as the file has it
-  int line = 0;         ///< 0 where the parser does not tell (JSON)
+  int line = 0;         ///< 0 if unknown (JSON)
   bool scalar = false;  ///< has text and no members
   bool quoted = true;   ///< in JSON: text, not a number or true or false
   bool listed = false;  ///< in JSON: an item of a list
@@ -26,19 +26,19 @@ enum class ConfigFormat { kXml, kJson };
 ConfigTree parse_config(const std::string& content, const std::string& file, ConfigFormat format);
 std::string print_config(const ConfigTree& tree, ConfigFormat format);
 
-/// What JSON calls an element of XML ("BoardID": "board_id"), and the way back; unchanged where
-/// they agree.
+/// JSON's name of an XML element ("BoardID": "board_id"), and the inverse; unchanged where they
+/// agree.
 std::string json_name(const std::string& xml_name);
 std::string xml_name(const std::string& json_name);
 
-/// One file while it is read.
+/// State of reading one file.
 struct ConfigSource {
   std::string file;
   ConfigFormat format = ConfigFormat::kXml;
   std::set<const ConfigTree*> used;
 };
 
-/// A node that knows where it stands. Every getter throws InvalidInput "file:line: place: found
+/// A node with its position in the file. Every getter throws InvalidInput "file:line: place: found
 /// ..., expected ...". Names are those of XML; messages have those of the file.
 class ConfigNode {
  public:
@@ -51,7 +51,7 @@ class ConfigNode {
 
   bool has(const std::string& name) const { return count(name) > 0; }
   int count(const std::string& name) const;
-  /// The member of that name. Fails if there is none, or (unless it is asked for by number) more.
+  /// The member of that name. Throws if there is none, or (without an index) several.
   ConfigNode at(const std::string& name) const;
   ConfigNode item(const std::string& name, int index) const;
 
@@ -83,7 +83,7 @@ class ConfigNode {
   std::string place_;
 };
 
-/// Everything that nobody asked for, one line each.
+/// Unused members of the file, one line each.
 std::vector<std::string> unused(const ConfigTree& tree, const ConfigSource& source);
 
 }  // namespace veridyn::dvrk

@@ -24,7 +24,7 @@ struct BrakeConfig {
   double engaged_current = 0.0;   ///< [A]
 };
 
-/// One motor with its encoder and pot. SI units, whatever the file has.
+/// One motor with its encoder and pot, converted to SI units.
 struct ActuatorConfig {
   int board = 0;  ///< 0 .. 15, the rotary switch
   int axis = 0;   ///< 0 .. 9 (QLA: 0 .. 3)
@@ -42,20 +42,20 @@ struct ActuatorConfig {
   std::optional<BrakeConfig> brake;
 };
 
-/// How far pot and encoder may differ, and for how long.
+/// Largest difference of pot and encoder, and its allowed duration.
 struct PotTolerance {
   int axis = 0;
   double distance = 0.0;  ///< [rad] or [m]; 0: not checked
   double latency = 0.0;   ///< [s]
 };
 
-/// Which QLA board carries an id: "1234-56", as its memory and its label have it.
+/// Serial number of the QLA board with an id: "1234-56", from its memory and its label.
 struct BoardSerial {
   int board = 0;
   std::string serial;
 };
 
-/// One arm on its boards.
+/// One arm with its boards.
 struct RobotConfig {
   std::string name;
   std::string hardware;  ///< "QLA1", "DQLA" or "dRA1"
@@ -77,9 +77,9 @@ struct DigitalInputConfig {
   int board = 0;
   int bit = 0;                   ///< Bit of the digital word, 0 .. 31
   bool pressed_when_low = true;  ///< "Pressed" = 1: the line is low while pressed
-  std::string trigger = "all";   ///< all, press, release, none
+  std::string trigger = "all";   ///< "all", "press", "release" or "none"
   double debounce = 0.0;         ///< [s]
-  double debounce_click = 0.0;   ///< [s]; 20 % of debounce where the file gives none
+  double debounce_click = 0.0;   ///< [s]; 20 % of debounce if the file has no value
   bool skip_first_run = false;
 
   /// value = bit ? not Pressed : Pressed.
@@ -102,7 +102,7 @@ struct DallasChipConfig {
   int board = 0;
 };
 
-/// What one configuration file of sawRobotIO1394 says.
+/// Contents of a configuration file of sawRobotIO1394.
 struct IoConfig {
   std::vector<RobotConfig> robots;
   std::vector<DigitalInputConfig> digital_inputs;
@@ -110,12 +110,12 @@ struct IoConfig {
   std::vector<DallasChipConfig> dallas_chips;
   std::vector<std::string> remarks;  ///< what was not understood and not used, and what looks odd
 
-  /// The robot of that name; the only one if the name is empty.
-  /// @throws InvalidInput  there is none, or a choice.
+  /// The robot of that name; the only one if the name is empty. @throws InvalidInput  there is
+  /// none, or several.
   const RobotConfig& robot(const std::string& name = "") const;
 };
 
-/// Reads XML (Config Version 5) or JSON ("$version" 6), told apart by the first character.
+/// Reads XML (Config Version 5) or JSON ("$version" 6), distinguished by the first character.
 ///
 /// @throws InvalidInput  "file:line: Robot PSM1/Actuator 3/Drive: found ..., expected ...".
 IoConfig read_io_config(const std::string& path);

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kMostBits = 65535.0;
 
-// Who has which motor channel.
+// Assignment of motor channels to actuators.
 class Channels {
  public:
   explicit Channels(const std::string& file) : file_(file) {}

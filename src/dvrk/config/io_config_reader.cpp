@@ -96,7 +96,7 @@ class Reader {
 
   void read_actuators(const ConfigNode& node, RobotConfig& robot) const {
     const int there = node.count("Actuator");
-    // In JSON the list tells.
+    // JSON counts them by its list.
     if (!json_ || node.has("NumOfActuator")) {
       const int promised = node.whole("NumOfActuator", 0, 4 * kBoards);
       if (promised != there)
@@ -232,7 +232,7 @@ class Reader {
     input.bit = node.whole("BitID", 0, 31);
     input.pressed_when_low = node.flag("Pressed", true);
     const std::vector<std::string> triggers{"all", "press", "release", "none"};
-    // Two flags may stand for the word: 1 pressed, 2 released.
+    // Two flags may replace the word: 1 pressed, 2 released.
     const int flags = (node.flag("trigger_when_pressed", true) ? 1 : 0) +
                       (node.flag("trigger_when_released", true) ? 2 : 0);
     const int by_flags[] = {3, 1, 2, 0};

@@ -25,13 +25,13 @@ bool in_word(char c) {
          c == '_';
 }
 
-// Where the word around a character begins.
+// Start of the word that contains a character.
 std::size_t word_start(const std::string& content, std::size_t at) {
   while (at > 0 && in_word(content[at]) && in_word(content[at - 1])) --at;
   return at;
 }
 
-// What stands there: a whole word, or one character.
+// The text at a position: a whole word, or one character.
 std::string word_at(const std::string& content, std::size_t at) {
   std::size_t end = at;
   while (end < content.size() && in_word(content[end]) && end - at < kShown) ++end;

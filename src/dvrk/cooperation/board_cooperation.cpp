@@ -25,7 +25,7 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kSettled = 0.2;     // [s] at rest after the last phase
-constexpr double kLeastForce = 0.3;  // [N] of pretension that is left before power goes
+constexpr double kLeastForce = 0.3;  // [N] pretension below which power may be switched off
 constexpr double kStands = 1e-3;     // [m/s] of a target
 constexpr double kNever = 1e3;       // [s] age of a reading that is not to be believed
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();  // nothing measures it
@@ -90,32 +90,16 @@ class BoardRun : private BoardLoop {
     ages_.assign(sides_.size(), 0.0);
   }
 
-  // What can be known to fail is not begun: the phases from where the arms stand.
+  // Plans the phases from where the arms are; a phase that cannot be carried out ends the run before power.
   void plan() {
     if (!options_.planned) return;
     plan_ = std::make_unique<MotionPlan>(scenario_, planned_arms());
     if (options_.lines != nullptr) return;
-    std::vector<VectorXd> q;
-    for (size_t k = 0; k < sides_.size(); ++k) {
-      q.push_back(sides_[k]->session().state().q.head(sides_[k]->joints()));
-      require(q[k].allFinite(), "arm '", scenario_.arms[k].name,
-              "': found no position, expected its boards to answer.");
+    MotionPlan::State state = plan_->standing(standing());
+    for (std::size_t p = 0; p < scenario_.phases.size(); ++p) {
+      const ScenarioPhase& phase = scenario_.phases[p];
+      require_feasible(p, state.time, plan_->play(state, phase.commands, phase.duration));
     }
-    MotionPlan::State state = plan_->standing(q);
-    for (const ScenarioPhase& phase : scenario_.phases) {
-      const double begins = state.time;
-      const std::string why = plan_->play(state, phase.commands, phase.duration);
-      require(why.empty(), "scenario '", scenario_.name, "', phase '", phase.name, "' (from ", begins,
-              " s): ", why, ". Nothing was switched on.");
-    }
-  }
-
-  std::vector<PlannedArm> planned_arms() const {
-    std::vector<PlannedArm> out;
-    for (const auto& side : sides_)
-      out.push_back({side->models().known, side->models().R_world_base_known,
-                     side->models().p_world_base_known, side->largest_torque()});
-    return out;
   }
 
   void begin() {
@@ -126,6 +110,7 @@ class BoardRun : private BoardLoop {
       tips.push_back(sides_[k]->loop().position());
       bases.push_back(sides_[k]->models().R_world_base_known);
     }
+    for (auto& side : sides_) side->compare_forces();
     control_ =
         std::make_unique<CooperativeController>(cooperative_options(scenario_, bases), tips);
     input_ = std::make_unique<CooperativeInput>(static_cast<int>(tips.size()),
@@ -179,7 +164,7 @@ class BoardRun : private BoardLoop {
     ages_[arm] = std::max(ages_[arm], reading.age);
   }
 
-  // Of a member or, behind them, of a wall; emulated ones alone.
+  // Force of a member or a wall of the emulated world; walls follow members in the numbering.
   double true_force(size_t k) const noexcept {
     const size_t members = scenario_.members.size();
     return k < members ? joined_->tension(static_cast<int>(k))
@@ -193,7 +178,7 @@ class BoardRun : private BoardLoop {
     }
   }
 
-  // One cycle of the task; also while all is held.
+  // One cycle of the task, also while targets are held.
   void work() noexcept {
     for (size_t k = 0; k < sides_.size(); ++k) {
       input_->position[k] = sides_[k]->loop().position();
@@ -205,14 +190,18 @@ class BoardRun : private BoardLoop {
     const CooperativeState state = control_->state();
     if (state != CooperativeState::kTracking) fail(describe(state), -1);
     const bool holds = state != CooperativeState::kTracking || winding_;
+    // A sensor or an encoder is wrong, nobody knows which: supervisors release all arms, since neither
+    // places nor forces can be kept.
+    const bool unknown = state == CooperativeState::kSensorDrifted;
+    if (unknown) std::fill(ages_.begin(), ages_.end(), kNever);
     for (size_t k = 0; k < sides_.size(); ++k) {
       BoardSide& side = *sides_[k];
-      if (control_->sensor_failed()) {
+      if (control_->sensor_failed() && !unknown) {
         side.loop().freeze();
       } else if (holds && scenario_.control.guard) {
         side.loop().hold_within(bound_, exerted_[k]);
       }
-      side.keeps_still(holds && !gives_up_ && stands((*targets_)[k]) && !side.loop().yields());
+      side.keeps_still(holds && !gives_up_ && !unknown && stands((*targets_)[k]) && !side.loop().yields());
       side.act((*targets_)[k], exerted_[k], ages_[k], dt_);
     }
     watch_hold();
@@ -275,7 +264,7 @@ class BoardRun : private BoardLoop {
     }
   }
 
-  // Commands by line, until it says so or is lost.
+  // Executes commands from a line until it ends or is lost.
   void play_by_line() {
     using Clock = std::chrono::steady_clock;
     LiveHand hand(scenario_, *options_.lines, options_.live, options_.live_report,
@@ -302,7 +291,7 @@ class BoardRun : private BoardLoop {
     out_.refused = hand.refused();
   }
 
-  // Hold, then release the pretension, then let power go.
+  // Holds all arms, then releases the pretension.
   void wind_down() {
     out_.run.state = control_->state();
     out_.run.held_at = fault_at_;
@@ -333,7 +322,7 @@ class BoardRun : private BoardLoop {
     out_.late = timing_.late;
     out_.mean_cycle = timing_.mean_cycle;
     out_.longest_cycle = timing_.longest_cycle;
-    if (out_.run.arm.empty()) out_.run = empty_run(scenario_, "boards", 0);  // power never came
+    if (out_.run.arm.empty()) out_.run = empty_run(scenario_, "boards", 0);  // the arms were never powered
     cut(out_.run, row_);
     for (const Span& span : spans_)
       out_.run.phases.push_back(
@@ -364,7 +353,7 @@ class BoardRun : private BoardLoop {
   std::unique_ptr<ScenarioRowFile> file_;
 };
 
-// By simulation, without the faults that a drill asks for.
+// Simulates the scenario without its faults, and refuses it where a bound is not met.
 void rehearse(Scenario scenario) {
   scenario.faults.clear();
   bool asks = scenario.asked_largest_force > 0.0;

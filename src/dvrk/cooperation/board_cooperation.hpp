@@ -24,18 +24,18 @@ struct CooperatingArm {
   std::uint16_t port = 1394;
 };
 
-/// What becomes of an emulated arm at a time of the scenario.
+/// Fault of an emulated arm at a time of the scenario.
 struct EmulatedFault {
   enum class Kind {
     kSilent,     ///< its boards do not answer any more
     kAmplifier,  ///< an amplifier has a fault
-    kPower,      ///< its motor supply goes
-    kEncoder,    ///< the encoders of its first board stand still, whatever the joints do
+    kPower,      ///< its motor supply fails
+    kEncoder,    ///< the encoders of its first board freeze, whatever the joints do
     kJump,       ///< the encoder of its first joint jumps by 0.05 rad (m): its supervisor trips
-    kLimp,       ///< its motors make no torque, and its boards say that all is well
+    kLimp,       ///< its motors produce no torque, while its boards report no fault
     kWeak,       ///< its motors make half of the torque that their currents are for
-    kReversed,   ///< its motors turn the wrong way, as wired so
-    kStuck       ///< its motors go on with the torque of that moment, until amplifiers are off
+    kReversed,   ///< its motors turn in the wrong direction, as if miswired
+    kStuck       ///< its amplifiers keep the currents of that moment, until they are off
   };
   Kind kind = Kind::kSilent;
   int arm = -1;     ///< Index of the arm, from 0
@@ -59,37 +59,44 @@ struct EmulatedInstant {
 /// @throws InvalidInput  another form, an arm that is not there, a time that is not above zero.
 EmulatedFault parse_emulated_fault(const std::string& text, const Scenario& scenario);
 
+class JoinedBoards;
+struct BoardCooperationOptions;
+/// Makes emulated boards for the arms of a scenario, see emulator/joined_arms.hpp.
+using EmulateBoards = std::function<std::unique_ptr<JoinedBoards>(
+    const Scenario&, const std::vector<CooperatingArm>&, const BoardCooperationOptions&)>;
+
 struct BoardCooperationOptions {
   /// Boards are emulated in this process, their arms joined through the scenario's world, and
-  /// spoken to over UDP sockets all the same; hosts and ports of the arms are not used.
-  bool emulate = false;
-  /// Time of emulated boards stands still while this program computes: the run does not depend on
-  /// the machine, and takes as long as it takes. Otherwise it is the machine's time.
+  /// spoken to over UDP sockets all the same; hosts and ports of the arms are not used. Empty: the
+  /// arms' own boards.
+  EmulateBoards emulate;
+  /// Time of emulated boards stops while this program computes: the run is independent of the
+  /// machine, and takes as long as it needs. Otherwise it is the machine's time.
   bool stepped = false;
   int firmware = 8;
   double watchdog = 0.030;  ///< [s] of the boards
-  /// [s] in which an arm's boards must answer; it is what one silent arm costs the others in a
-  /// cycle, three times, before it counts as lost.
+  /// [s] timeout of an arm's boards; a silent arm costs the others this much in a cycle, three
+  /// times, before it counts as failed.
   double reply_timeout = 0.004;
-  /// Where the force of member k comes from, then that of the walls, see open_force_source();
-  /// empty: the emulated world's.
+  /// Source of the force of member k, then of the walls, see open_force_source(); empty: the
+  /// emulated world's.
   std::vector<std::string> force_sources;
   std::function<std::unique_ptr<ForceSource>(const std::string&)> open_source = open_force_source;
   double sensor_patience = 2.0;  ///< [s] in which every sensor must have given good readings
   std::vector<std::string> force_calibrations;  ///< files of `loadcell calibrate`; empty: newtons
   double power_timeout = 3.0;                   ///< [s]
   double hold = 1.0;     ///< [s] for which all is held after a fault, forces within relief_force
-  double release = 1.0;  ///< [s] over which pretension is then given up, before power goes
+  double release = 1.0;  ///< [s] in which the pretension is released before power-off
   std::vector<EmulatedFault> faults;  ///< Faults of emulated arms, for drills
   /// After each step of the emulated world, from the thread that serves the boards.
   std::function<void(const EmulatedInstant&)> watch;
-  /// Before power the phases are planned from where the arms stand, and commands by line before
-  /// they are taken. Drills leave it out, to come to where motors saturate.
+  /// Plans the phases before power-up from the present positions, and commands by line before their
+  /// execution. Drills disable it to reach saturation of the motors.
   bool planned = true;
-  /// Before power the scenario is simulated, its faults left out, where it asks for something.
+  /// Simulates the scenario before power-up, without its faults, if it has bounds.
   bool rehearsed = true;
-  /// The rows go to this file while they are made; its first line then says that it is incomplete.
-  /// write_scenario_rows() replaces it. Empty: not.
+  /// Writes the rows to this file during the run; its first line then says that it is incomplete.
+  /// write_scenario_rows() replaces it. Empty: no file.
   std::string rows;
   /// Commands from here take the place of the scenario's phases; not owned. Null: the phases.
   /// `live.engine` and `live.hold` mean nothing here, `live.pace` to a stepped clock alone.
@@ -98,18 +105,18 @@ struct BoardCooperationOptions {
   LiveReport live_report;
 };
 
-/// How the end came, if it was not the scenario's.
+/// Reason for an early end.
 enum class BoardEnd { kDone, kFault, kStopped };
 
-/// What an arm did between the first fault and the time at which pretension is given up, by its own
-/// encoders.
+/// Motion of an arm between the first fault and the release of the pretension, by its own encoders.
 struct ArmAfterFault {
   std::string name;
   bool known = true;          ///< its boards answered throughout
-  double moved = 0.0;         ///< [m] largest way of its tip
-  double rest_after = -1.0;   ///< [s] from which on it was at rest; below zero: it was not at the end
+  double moved = 0.0;         ///< [m] largest displacement of its tip
+  /// [s] after which it was at rest; negative: it was not at rest at the end.
+  double rest_after = -1.0;
   double off_at = -1.0;  ///< [s] at which its own power went, before that of all; below zero: not
-  /// It was under power and came to rest.
+  /// True if it was powered and came to rest.
   bool held() const { return known && rest_after >= 0.0 && off_at < 0.0; }
 };
 
@@ -130,15 +137,15 @@ struct BoardCooperationRun {
   long cycles = 0, late = 0;  ///< Cycles of the loop; late: begun more than a period after their time
   double mean_cycle = 0.0, longest_cycle = 0.0;  ///< [s] from a cycle's begin to its end
   BoardEnd end = BoardEnd::kDone;
-  int faulty_arm = -1;  ///< Arm whose fault stopped all, from 0; -1: none in particular
+  int faulty_arm = -1;  ///< arm whose fault stopped the run, from 0; -1: none in particular
   std::string why;      ///< in words
   double fault_at = 0.0;                  ///< [s] at which it was found
   double release_at = 0.0, off_at = 0.0;  ///< [s]: the pretension is given up; power off everywhere
   double force_at_release = 0.0;          ///< [N] largest true or measured, when that began
-  double force_at_off = 0.0;              ///< [N] likewise at power off
+  double force_at_off = 0.0;              ///< [N] the same at power-off
   double largest_force = 0.0;             ///< [N] true where emulated, else measured
   double largest_force_after_fault = 0.0;  ///< [N]
-  std::vector<ArmAfterFault> after_fault;  ///< one for each arm; empty: there was none
+  std::vector<ArmAfterFault> after_fault;  ///< one for each arm; empty: no fault
   std::vector<LaterFault> later;           ///< in the order in which they came
   std::string not_off;  ///< arms whose boards did not confirm that they are off
   bool live = false;               ///< It ran by commands from a line.
@@ -148,13 +155,14 @@ struct BoardCooperationRun {
   std::string report() const;
 };
 
-/// Runs a scenario on boards, from where the arms stand: one clock, one cooperative controller, a
-/// safety supervisor for every arm. The fault of one (its supervisor, its boards, its line) stops
-/// all: motion ends and all arms hold, giving way to forces beyond the scenario's relief_force and
-/// going along with an arm that falls (TetherGuard), for `hold`; the pretension is then given up
-/// over `release`; then power goes off everywhere. The loss of a line of commands does the same.
+/// Runs a scenario on boards, from the arms' present positions: one clock, one cooperative
+/// controller, a safety supervisor for every arm. A fault of one arm (its supervisor, its boards,
+/// its link) stops all: motion ends and all arms hold for `hold`, yielding to forces beyond the
+/// scenario's relief_force and following a falling arm (TetherGuard); the pretension is then
+/// released over `release`, and power is switched off everywhere. The loss of a line of commands
+/// has the same effect.
 ///
-/// The loop allocates nothing, throws nothing and waits for its clock and its sockets alone.
+/// The loop never allocates or throws, and blocks on its clock and its sockets only.
 /// @throws InvalidInput  another number of boards than arms; as ArmSession::start(); before power: a
 /// phase that cannot be carried out, an `ask` that simulation does not meet, a force sensor that gives
 /// no good readings.

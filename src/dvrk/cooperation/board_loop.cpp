@@ -3,12 +3,13 @@
 #include <algorithm>
 #include <chrono>
 
+#include "dvrk/protocol/udp_link.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn::dvrk {
 namespace {
 
-constexpr double kLooking = 0.1;  // [s] of reading before power is asked for
+constexpr double kLooking = 0.1;  // [s] of reading before power-up
 constexpr double kAfter = 0.02;   // [s] of reading after power went
 constexpr double kJumpShare = 0.5;  // of the largest force: more between two readings is no force
 constexpr double kAtRest = 0.05;  // SafetyLimits::rest_share: of the velocity limits
@@ -40,26 +41,18 @@ BoardLoop::BoardLoop(const Scenario& scenario, const std::vector<CooperatingArm>
 }
 
 void BoardLoop::join(const std::vector<CooperatingArm>& arms) {
-  std::vector<RobotConfig> robots;
-  std::vector<MatrixXd> couplings;
-  for (const CooperatingArm& arm : arms) {
-    robots.push_back(arm.robot);
-    couplings.push_back(arm.coupling);
-  }
   for (const ScenarioFault& fault : scenario_.faults) {
     if (fault.kind == ScenarioFault::Kind::kArmLimp)
       options_.faults.push_back({EmulatedFault::Kind::kLimp, fault.arm, fault.at});
   }
-  joined_ = std::make_unique<JoinedArms>(scenario_, robots, couplings, options_.firmware);
+  joined_ = options_.emulate(scenario_, arms, options_);
   if (options_.watch) joined_->watch(options_.watch);
   if (!options_.stepped) serving_ = std::thread([this] { joined_->run(stop_serving_); });
 }
 
 std::unique_ptr<DatagramLink> BoardLoop::link_to(const CooperatingArm& arm, std::size_t k) {
-  if (!joined_) return std::make_unique<UdpLink>(arm.host, arm.port);
-  const std::uint16_t port = joined_->port(static_cast<int>(k));
-  if (options_.stepped) return std::make_unique<SteppedLink>(port, *joined_);
-  return std::make_unique<UdpLink>("127.0.0.1", port);
+  if (joined_) return joined_->link(static_cast<int>(k));
+  return std::make_unique<UdpLink>(arm.host, arm.port);
 }
 
 void BoardLoop::end_serving() {
@@ -103,7 +96,7 @@ void BoardLoop::watch_hold() noexcept {
     if (side.deaf()) arm.known = false;
     if (!side.valid()) continue;
     if (arm.off < 0.0 && !side.powered()) arm.off = time_;
-    if (gives_up_) continue;  // arms give way then
+    if (gives_up_) continue;  // arms yield then
     arm.moved = std::max(arm.moved, (side.tip() - arm.from).norm());
     const bool rests = side.speed() <= kAtRest;
     if (rests && arm.rest < 0.0) arm.rest = time_ - fault_at_;
@@ -152,6 +145,29 @@ void BoardLoop::break_down() noexcept {
   }
 }
 
+std::vector<PlannedArm> BoardLoop::planned_arms() const {
+  std::vector<PlannedArm> out;
+  for (const auto& side : sides_)
+    out.push_back({side->models().known, side->models().R_world_base_known,
+                   side->models().p_world_base_known, side->largest_torque()});
+  return out;
+}
+
+std::vector<VectorXd> BoardLoop::standing() const {
+  std::vector<VectorXd> q;
+  for (std::size_t k = 0; k < sides_.size(); ++k) {
+    q.push_back(sides_[k]->session().state().q.head(sides_[k]->joints()));
+    require(q[k].allFinite(), "arm '", scenario_.arms[k].name,
+            "': found no position, expected its boards to answer.");
+  }
+  return q;
+}
+
+void BoardLoop::require_feasible(std::size_t p, double begins, const std::string& why) const {
+  require(why.empty(), "scenario '", scenario_.name, "', phase '", scenario_.phases[p].name, "' (from ",
+          begins, " s): ", why, ". Nothing was switched on.");
+}
+
 BoardLoop::Sensor BoardLoop::open_sensor(const std::string& source, const std::string& of,
                                          ForceChannelOptions options) const {
   options.largest_jump = kJumpShare * scenario_.control.largest_force;
@@ -197,7 +213,7 @@ bool BoardLoop::power_up() {
   const double until = time_ + options_.power_timeout;
   while (time_ < until) {
     cycle([this] {
-      for (auto& side : sides_) {  // where they stand, before the scenario begins
+      for (auto& side : sides_) {  // initial positions, before the scenario begins
         side->loop().freeze();
         side->act(TipTarget{}, Eigen::Vector3d::Zero(), 0.0, dt_);
       }

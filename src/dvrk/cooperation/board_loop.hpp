@@ -8,8 +8,9 @@
 #include <vector>
 
 #include "board_side.hpp"
-#include "joined_arms.hpp"
+#include "cooperation/motion_plan.hpp"
 #include "dvrk/cooperation/board_cooperation.hpp"
+#include "dvrk/cooperation/joined_boards.hpp"
 #include "veridyn/control/load_cell.hpp"
 
 namespace veridyn::dvrk {
@@ -40,16 +41,23 @@ class BoardLoop {
   void hear(const std::vector<Sensor>& sensors);
   static constexpr double kHeard = 0.2;  ///< [s]
 
-  /// Boards are read, before anything is asked of them.
+  /// The arms and their joints as the boards have them, for a plan made before power.
+  std::vector<PlannedArm> planned_arms() const;
+  std::vector<VectorXd> standing() const;
+  /// @throws InvalidInput  `why` is not empty: phase p, which begins at that time [s], cannot be
+  ///                       carried out.
+  void require_feasible(std::size_t p, double begins, const std::string& why) const;
+
+  /// Reads the boards for a while before power-up.
   void look();
   /// After look().
   bool power_up();
-  /// Power goes off everywhere, and the boards are asked whether it did.
+  /// Switches power off everywhere, and returns the boards' confirmation.
   OffState power_down();
   void end_serving();
   double clock() { return sides_.front()->link().now(); }
 
-  // All arms are read, `work` is done, all are written. The first arm's link keeps the time.
+  // Reads all arms, calls `work`, writes all arms. The first arm's link provides the time.
   template <typename Work>
   void cycle(Work&& work) {
     double now = clock();
@@ -81,15 +89,16 @@ class BoardLoop {
     for (const double until = time_ + seconds; time_ < until;) cycle(work);
   }
 
-  // The first cause ends the run; what comes later is told beside it.
+  // The first cause ends the run; later_faults() has the others.
   bool fail(const char* why, int arm, BoardEnd end = BoardEnd::kFault) noexcept;
-  /// The cause in words, with the arm that it is of.
+  /// The cause in words, with the arm concerned.
   std::string cause() const;
-  /// What was found of the arms since the cycle before. @returns whether arm k was found lost now.
+  /// Takes the new faults of arm k into the report; the first of all ends the run.
+  /// @returns whether there was one.
   bool look_after(std::size_t k) noexcept;
-  /// Where the arms are since the fault; in every cycle.
+  /// Follows the motion of every arm after a fault; once per cycle.
   void watch_hold() noexcept;
-  /// The end of that: what became of each arm.
+  /// The motion of each arm between the fault and the release of the pretension.
   std::vector<ArmAfterFault> after_fault() const;
   std::vector<LaterFault> later_faults() const;
   bool stopped() const { return stop_.load(std::memory_order_relaxed); }
@@ -98,7 +107,7 @@ class BoardLoop {
   const Scenario& scenario_;
   BoardCooperationOptions options_;
   double period_;
-  std::unique_ptr<JoinedArms> joined_;
+  std::unique_ptr<JoinedBoards> joined_;
   std::vector<std::unique_ptr<BoardSide>> sides_;
   struct {
     long cycles = 0, late = 0;
@@ -110,7 +119,7 @@ class BoardLoop {
   int faulty_joint_ = -1;
   double fault_at_ = 0.0;
   double now_ = 0.0, dt_ = 0.0, time_ = 0.0;
-  bool gives_up_ = false;  // the pretension, after the hold
+  bool gives_up_ = false;  // The pretension is being released: arms may move.
   std::string not_off_;  // arms whose boards did not confirm that they are off
 
  private:

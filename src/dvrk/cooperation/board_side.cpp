@@ -10,7 +10,7 @@ namespace veridyn::dvrk {
 namespace {
 
 constexpr double kForceFactor = 1.5;      // of the controller's bound: the supervisor's own
-constexpr double kAgeFactor = 10.0;       // likewise: the controller holds first
+constexpr double kAgeFactor = 10.0;       // the controller stops first
 constexpr double kOverrun = 0.05;         // [s]
 constexpr double kSensorAge = 0.02;       // [s] of positions
 constexpr double kSaturatedSeconds = 0.5;
@@ -38,8 +38,10 @@ BoardSide::BoardSide(const Scenario& scenario, std::size_t index, const Cooperat
       q_(VectorXd::Zero(joints_)),
       dq_(q_),
       tau_(q_),
+      rest_(q_),
       all_(VectorXd::Zero(session_.size())),
       state_(models_.known, {scenario.arms[index].frame, scenario.arms[index].offset}),
+      touch_(models_.known, {scenario.arms[index].frame, scenario.arms[index].offset}),
       input_(joints_) {
   require(joints_ <= session_.size(), "arm '", scenario.arms[index].name, "': found a model of ",
           joints_, " joints, but boards for ", session_.size(), ".");
@@ -110,6 +112,9 @@ void BoardSide::read(double now) noexcept {
 void BoardSide::act(const TipTarget& target, const Eigen::Vector3d& exerted, double age,
                     double dt) noexcept {
   if (!valid_ || !session_.ready()) return;
+  state_.update(q_, dq_);
+  touch_.update(state_, tau_, rest_, dt);
+  if (compares_) input_.force_expected = touch_.force();
   const VectorXd& wanted = loop_->torque(target, exerted);
   supervisor_->set_holding_torque(loop_->extra_torque());
   drive(wanted, exerted, age, dt);
@@ -138,7 +143,7 @@ void BoardSide::drive(const VectorXd& wanted, const Eigen::Vector3d& exerted, do
 
 BoardSide::News BoardSide::news(double largest_age) noexcept {
   const bool off = session_.boards().state() == PowerState::kFault;
-  // Boards that do not answer cost the others time; they are told to switch off all the same.
+  // Boards that do not answer cost the others time; the switch-off is sent nevertheless.
   if (now_ - heard_ > largest_age && !told_silent_) {
     told_silent_ = true;
     deaf_ = !valid_;

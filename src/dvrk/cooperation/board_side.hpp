@@ -5,6 +5,7 @@
 
 #include "cooperation/arm_loop.hpp"
 #include "cooperation/scenario_models.hpp"
+#include "veridyn/control/momentum_observer.hpp"
 #include "veridyn/control/safety_supervisor.hpp"
 #include "veridyn/model/joint_sensors.hpp"
 #include "dvrk/run/arm_session.hpp"
@@ -12,7 +13,7 @@
 
 namespace veridyn::dvrk {
 
-/// One arm of a scenario on its boards: line, session, control loop, safety supervisor. Nothing
+/// One arm of a scenario on its boards: link, session, control loop, safety supervisor. Nothing
 /// allocates, throws or blocks after begin(), except that a read waits for its reply_timeout.
 class BoardSide {
  public:
@@ -21,7 +22,7 @@ class BoardSide {
   BoardSide(const Scenario& scenario, std::size_t index, const CooperatingArm& arm,
             const BoardCooperationOptions& options, std::unique_ptr<DatagramLink> link);
 
-  /// Control begins where the arm stands. @throws InvalidInput  its boards have never answered.
+  /// Starts control at the arm's present position. @throws InvalidInput  its boards never answered.
   void begin(const Scenario& scenario, std::size_t index);
 
   /// Reads its boards, unless they are deaf.
@@ -33,13 +34,16 @@ class BoardSide {
   void act(const TipTarget& target, const Eigen::Vector3d& exerted, double age,
            double dt) noexcept;
 
-  /// The same with torques from elsewhere, (joints).
+  /// The same with given torques, (joints).
   void drive(const VectorXd& tau, const Eigen::Vector3d& exerted, double age, double dt) noexcept;
 
-  /// The controller holds the arm from now on, or not: its supervisor then wants it to come to rest.
+  /// From now on act() compares the measured force with the estimate from the motors' torques.
+  void compare_forces() noexcept { compares_ = true; }
+
+  /// Declares that the controller holds the arm, whose supervisor then requires it to come to rest.
   void keeps_still(bool held) noexcept { input_.held = held; }
 
-  /// A fault that was not told before, in fixed words; `what` null: there is none.
+  /// A newly detected fault, as fixed text; `what` null: none.
   struct News {
     const char* what = nullptr;
     int joint = -1;
@@ -63,12 +67,12 @@ class BoardSide {
   /// (n) What the motors give, and the robot file allows [N m], [N].
   VectorXd largest_torque() const;
   bool valid() const { return valid_; }
-  /// Its power is up or on its way.
+  /// True if its power is on or being switched on.
   bool powered() const {
     const PowerState state = session_.boards().state();
     return state != PowerState::kOff && state != PowerState::kFault;
   }
-  bool deaf() const { return deaf_; }  ///< It does not answer, and is not asked any more.
+  bool deaf() const { return deaf_; }  ///< True if it does not answer and is no longer polled.
   const SafetySupervisor* supervisor() const { return supervisor_.get(); }  ///< null before power
 
  private:
@@ -77,13 +81,14 @@ class BoardSide {
   ArmSession session_;
   JointSensors sensors_;
   int joints_;
-  VectorXd q_, dq_, tau_, all_;
+  VectorXd q_, dq_, tau_, rest_, all_;
   veridyn::ArmState state_;
+  MomentumObserver touch_;
   SafetyInput input_;
   std::optional<ArmLoop> loop_;
   std::unique_ptr<SafetySupervisor> supervisor_;
   VectorXd velocity_;  // limits
-  bool valid_ = false, deaf_ = false, told_silent_ = false, told_off_ = false, cut_ = false;
+  bool valid_ = false, deaf_ = false, told_silent_ = false, told_off_ = false, cut_ = false, compares_ = false;
   int told_ = 0;  // events of the supervisor
   double now_ = 0.0, heard_ = 0.0;  // [s] of this cycle and of the last valid read
 };

@@ -28,7 +28,7 @@ class LeaderLoop {
     state_.update(q, dq);
     tau_ = gravity_.update(q);
     tau_.noalias() += state_.tip().jacobian().topRows<3>().transpose() * force;
-    // What does not move the tip stays where it is.
+    // Joints that do not move the tip hold their position.
     for (Eigen::Index j = 0; j < q.size(); ++j) {
       if (state_.tip().jacobian().col(j).head<3>().squaredNorm() < kIdle)
         tau_[j] += kIdleStiffness * (rest_[j] - q[j]) - kIdleDamping * dq[j];
@@ -68,6 +68,8 @@ class TeleoperationLoop : private BoardLoop {
   TeleoperationRun run() {
     out_.name = scenario_.name;
     look();
+    plan();
+    look();
     hear(line_);
     if (stopped()) fail("stopped by a signal", -1, BoardEnd::kStopped);
     if (why_ == nullptr && power_up()) {
@@ -93,6 +95,28 @@ class TeleoperationLoop : private BoardLoop {
  private:
   BoardSide& leader() { return *sides_[leader_]; }
   BoardSide& follower() { return *sides_[follower_]; }
+
+  // An operator goes where he likes; the steps of an emulated hand are known, and what the follower
+  // cannot do along them is not begun.
+  void plan() {
+    if (!options_.planned || !options_.emulate) return;
+    MotionPlan plan(scenario_, planned_arms());
+    MotionPlan::State state = plan.standing(standing());
+    for (std::size_t p = 0; p < scenario_.phases.size(); ++p) {
+      const TeleoperationStep& step = wanted_.steps[p];
+      ScenarioCommand hand;
+      hand.kind = ScenarioCommand::Kind::kMoveArm;
+      hand.arm = wanted_.leader;
+      hand.way = step.way;
+      hand.over = step.over;
+      ScenarioCommand tip = hand;
+      tip.arm = wanted_.follower;
+      tip.way = wanted_.options.scale * (wanted_.options.R_follower_leader * step.way);
+      std::vector<ScenarioCommand> commands{hand};
+      if (step.clutch) commands.push_back(tip);
+      require_feasible(p, state.time, plan.play(state, commands, scenario_.phases[p].duration));
+    }
+  }
 
   void begin() {
     for (std::size_t k = 0; k < sides_.size(); ++k) sides_[k]->begin(scenario_, k);
@@ -155,7 +179,7 @@ class TeleoperationLoop : private BoardLoop {
     for (std::size_t k = 0; k < sides_.size(); ++k) look_after(k);
     if (why_ != nullptr || holds_) tele_->clutch(false);
     tele_->update(leader().loop().position(), leader().loop().velocity(), force);
-    // Held, the follower must come to rest; the leader is free.
+    // While targets are held the follower must come to rest; the leader is free.
     follower().keeps_still((why_ != nullptr || holds_) && !follower().loop().yields());
     watch_hold();
     follower().act(tele_->follower(), force, force_.age, dt_);
@@ -253,7 +277,7 @@ class TeleoperationLoop : private BoardLoop {
   std::optional<QuinticInterpolator> hand_;
   VectorXd goal_;
   std::optional<ForceSensor> sensor_;
-  std::vector<Sensor> line_;  // none with emulated boards
+  std::vector<Sensor> line_;  // empty with emulated boards
   ForceReading force_;
   MatrixXd rows_;
   std::vector<Span> spans_;

@@ -10,17 +10,18 @@
 
 namespace veridyn::dvrk {
 
-/// What a teleoperation on boards did.
+/// Result of a teleoperation on boards.
 struct TeleoperationRun {
   std::string name;
   std::vector<std::string> phases;      ///< names; the following have one entry for each
-  std::vector<double> tracking_rms;     ///< [m] of the follower from s R (leader's way), clutch in
+  /// [m] of the follower from s R (leader's displacement), clutch engaged.
+  std::vector<double> tracking_rms;
   std::vector<double> tracking_largest;  ///< [m]
-  std::vector<double> follower_moved;   ///< [m] largest way of the follower in the phase
+  std::vector<double> follower_moved;   ///< [m] largest displacement of the follower in the phase
   std::vector<double> force_follower;   ///< [N] mean true force of the wall in the last fifth
   std::vector<double> force_hand;       ///< [N] mean force of the leader's tip on the hand there
-  /// [s] of the follower's motion after the leader's, by the least squares shift of all phases with
-  /// the clutch in and no contact, beyond their first 0.06 s; none without such a phase.
+  /// [s] lag of the follower behind the leader, by a least-squares shift over all phases with the
+  /// clutch engaged and without contact, beyond their first 0.06 s; nullopt without such a phase.
   std::optional<double> latency;
   double largest_force = 0.0;  ///< [N] of the wall
   long cycles = 0, late = 0;

@@ -12,7 +12,6 @@ namespace veridyn::dvrk {
 namespace {
 
 constexpr double kJogAhead = 0.1;  // [s] that a jog plans ahead
-constexpr double kLongestPlan = 5.0;  // [s] of a command
 constexpr std::chrono::milliseconds kLook{2};
 
 }  // namespace
@@ -82,14 +81,10 @@ std::string LiveHand::objection(const LiveCommand& command, const Shown& now) {
   if (const auto* jog = std::get_if<LiveJog>(&command))
     return plan_->jog(std::move(state), jog->velocity, options_.silence);
   const auto* one = std::get_if<ScenarioCommand>(&command);
-  if (one == nullptr) return "";
-  ScenarioCommand planned = *one;
-  // What can be done in this time can be done slower, and long plans take long.
-  planned.over = std::min(one->over, kLongestPlan);
-  return plan_->play(state, {planned}, planned.over + MotionPlan::kSettled);
+  return one == nullptr ? "" : plan_->take(std::move(state), *one);
 }
 
-// A jog goes on for as long as the next half second can be planned.
+// A jog continues while the next half second can be planned.
 void LiveHand::plan_jog(const Shown& now) {
   if (!plan_ || now.time < planned_ + kJogAhead) return;
   planned_ = now.time;

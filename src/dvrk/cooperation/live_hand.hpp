@@ -31,9 +31,9 @@ class LiveHand {
   LiveHand(const LiveHand&) = delete;
   LiveHand& operator=(const LiveHand&) = delete;
 
-  /// Once per cycle: what was asked for goes to the controller. @param time  [s] of the loop.
+  /// Gives the waiting commands to the controller; once per cycle. @param time  [s] of the loop.
   End act(double time, CooperativeController& control) noexcept;
-  /// What is, for LiveReport::state and for plans, in every cycle before act().
+  /// Keeps the state of the loop for LiveReport::state and for plans; in every cycle before act().
   /// @param joints  calls back with the index of each arm and gives its (n) positions.
   template <typename Joints>
   void show(double time, const CooperativeController& control, const CooperativeInput& seen,
@@ -60,7 +60,7 @@ class LiveHand {
   long refused() const { return refused_by_words_.load() + refused_; }
 
  private:
-  static constexpr std::size_t kRoom = 64;  // commands on their way to the loop
+  static constexpr std::size_t kRoom = 64;  // capacity for commands that wait for the loop
   struct Shown {
     double time = 0.0;
     std::optional<MotionPlan::State> plan;

@@ -14,7 +14,7 @@ ScenarioRowFile::ScenarioRowFile(const std::string& path, const ScenarioRun& run
   std::error_code ignored;
   if (std::filesystem::exists(path, ignored) && !std::filesystem::is_regular_file(path, ignored)) return;
   file_.open(path);
-  if (!file_.good()) return;  // write_scenario_rows() says why
+  if (!file_.good()) return;  // write_scenario_rows() reports the reason
   file_ << "# incomplete: the run had not ended when this was written\n" << scenario_row_names(run) << '\n';
   file_.flush();
   thread_ = std::thread([this] { follow(); });

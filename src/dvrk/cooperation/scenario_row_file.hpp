@@ -9,10 +9,10 @@
 
 namespace veridyn::dvrk {
 
-/// The rows of a run as a file while they are made: a thread of ordinary priority follows them, so
-/// that a program that is killed leaves all but its last moments. The first line says that the file
-/// is incomplete; write_scenario_rows() replaces it when the run has ended. What is no regular file
-/// or cannot be written is left to that.
+/// Writes the rows of a run to a file during the run, in a thread of ordinary priority, so that a
+/// killed program leaves nearly all of them. The first line says that the file is incomplete;
+/// write_scenario_rows() replaces it at the end. Devices, pipes and unwritable files are left to
+/// that function.
 class ScenarioRowFile {
  public:
   /// @param run  outlives this; its matrices stay where they are.

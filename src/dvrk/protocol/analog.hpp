@@ -37,9 +37,4 @@ inline double temperature(std::uint8_t byte) noexcept {
   return byte == 0xFF ? std::nan("") : 0.5 * byte;
 }
 
-/// [s] between this block read and the last one, from the first word of the block.
-inline double seconds_since_last_read(std::uint32_t timestamp) noexcept {
-  return (static_cast<double>(timestamp) + 1.0) / 49.152e6;
-}
-
 }  // namespace veridyn::dvrk

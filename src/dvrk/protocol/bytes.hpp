@@ -18,7 +18,7 @@ struct ByteSpan {
   operator ByteView() const { return {data, size}; }
 };
 
-/// A quadlet (32 bits) as it stands on the wire: most significant byte first.
+/// A quadlet (32 bits) in wire order: most significant byte first.
 inline std::uint32_t load_quadlet(const std::uint8_t* at) {
   return (static_cast<std::uint32_t>(at[0]) << 24) | (static_cast<std::uint32_t>(at[1]) << 16) |
          (static_cast<std::uint32_t>(at[2]) << 8) | static_cast<std::uint32_t>(at[3]);
@@ -53,7 +53,7 @@ class QuadletView {
   ByteView bytes_;
 };
 
-/// Quadlets in wire order that may be written. What goes beyond its end is lost.
+/// Writable quadlets in wire order. Writes beyond the end are ignored.
 class QuadletSpan {
  public:
   QuadletSpan() = default;

@@ -11,17 +11,16 @@ namespace veridyn::dvrk {
 
 enum class AmpRequest : std::uint8_t { kKeep, kOff, kOn };
 
-/// What one channel is told: section 10.3. Value and mode count only if `valid`.
+/// Command of one channel: section 10.3. Value and mode count only if `valid`.
 struct ChannelCommand {
   bool valid = false;
   bool collect = false;
   AmpRequest amp = AmpRequest::kKeep;  ///< Rev 8 on; older ones have the control word for it
   std::uint8_t mode = 0;               ///< 0 current, 1 voltage; Rev 8 on
-  std::uint16_t value = 0;             ///< DAC bits, kZeroCurrent is none
+  std::uint16_t value = 0;             ///< DAC bits; kZeroCurrent is zero current
 };
 
-/// One real-time block write: section 10. As it stands here it changes nothing and keeps the
-/// watchdog quiet.
+/// One real-time block write: section 10. The default changes nothing and keeps the watchdog alive.
 struct BoardCommand {
   std::uint8_t board = 0;
   std::array<ChannelCommand, kChannels> channel;
@@ -35,8 +34,8 @@ void encode_command(const BoardCommand& command, int firmware, QuadletSpan out) 
 /// Rev 7: the control word with the requests of the channels in it.
 std::uint32_t control_word(const BoardCommand& command) noexcept;
 
-/// The command of one block that stands alone. @returns false: too short, or (Rev 8 on) its
-/// header names another length.
+/// Decodes the command of a single block. @returns false: too short, or (Rev 8 on) its header gives
+/// another length.
 bool decode_command(QuadletView block, int firmware, BoardCommand& command) noexcept;
 
 /// Finds the block of `board` in the concatenated blocks of several boards (section 10.2) and

@@ -21,7 +21,7 @@ double direction(std::uint32_t word) {
   return (word & kPositive) != 0 ? 1.0 : -1.0;
 }
 
-// In counts per tick^2; 0 where the two periods cannot be compared.
+// Acceleration in counts per tick^2; 0 if the two periods cannot be compared.
 double acceleration_per_tick2(const EncoderWords& w, double threshold) {
   const double P = ticks(w.period);
   const double q1 = ticks(w.quarter1);
@@ -33,7 +33,7 @@ double acceleration_per_tick2(const EncoderWords& w, double threshold) {
   return direction(w.period) * 8.0 * (q5 - q1) / (P * previous * (q1 + q5));
 }
 
-// In counts per tick.
+// Predicted velocity in counts per tick.
 double predicted_per_tick(double velocity, double acceleration, double P, double running) {
   const double now = velocity + acceleration * (0.5 * P + running);
   if (now * velocity <= 0.0) return 0.0;

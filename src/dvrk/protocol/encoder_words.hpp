@@ -11,8 +11,8 @@ constexpr double kEncoderClockRev6 = 3.072e6;
 /// The counter that means zero.
 constexpr std::int32_t kEncoderZero = 0x800000;
 
-/// What the FPGA says about one encoder (firmware 7 and later), as it stands in the block read.
-/// The values here are those at power-up.
+/// Words of the FPGA for one encoder (firmware 7 and later), in the order of the block read.
+/// Defaults are those at power-up.
 struct EncoderWords {
   std::uint32_t position = 0x800000;
   std::uint32_t period = 0xCBFFFFFF;    ///< time of the last four edges

@@ -6,7 +6,7 @@ namespace veridyn::dvrk {
 namespace {
 
 constexpr std::uint16_t kHubQuery = address::kHubQuery;
-constexpr int kMostStale = 64;  // datagrams that one drain takes out of the queue
+constexpr int kMostStale = 64;  // datagrams that one call discards from the queue
 
 }  // namespace
 
@@ -104,8 +104,8 @@ ReadResult Exchange::judge(const Request& request, ByteView datagram, Malformed 
   return ReadResult::kOk;
 }
 
-// A late answer to an earlier request has an old label: it is thrown away, the wait goes on. Any
-// other reply that is wrong is the answer, and ends it.
+// A late reply to an earlier request has an old label: it is discarded, and the wait continues. Any
+// other wrong reply ends it.
 ReadResult Exchange::await(const Request& request, double until, Reply& reply) noexcept {
   while (true) {
     const double left = until - link_.now();

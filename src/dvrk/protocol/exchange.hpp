@@ -6,14 +6,14 @@
 
 #include "dvrk/protocol/bytes.hpp"
 #include "dvrk/protocol/datagram_link.hpp"
-#include "dvrk/boards/fault_log.hpp"
+#include "dvrk/protocol/fault_log.hpp"
 #include "dvrk/protocol/protocol.hpp"
 #include "dvrk/protocol/reply.hpp"
 #include "dvrk/protocol/request.hpp"
 
 namespace veridyn::dvrk {
 
-/// Which board, and on which way.
+/// Board and route.
 struct Route {
   std::uint8_t node = kBroadcastNode;
   bool local = false;  ///< NOFORWARD: the receiving board alone
@@ -34,8 +34,8 @@ enum class ReadResult {
 /// The condition of section 17 that a read without a result is.
 Condition condition_of(ReadResult result);
 
-/// Reads and writes of one session, one at a time: labels, generation, matching of replies, what
-/// trailers tell. Notes conditions 1 to 8 and 28 to 30. Fixed buffers.
+/// Reads and writes of one session, one at a time: labels, generation, matching of replies,
+/// trailers. Detects conditions 1 to 8 and 28 to 30. Fixed buffers.
 class Exchange {
  public:
   Exchange(DatagramLink& link, FaultLog& log) : link_(link), log_(log) {}
@@ -51,17 +51,16 @@ class Exchange {
   bool write_block(const Route& route, std::uint16_t address, QuadletView block) noexcept;
 
   std::uint8_t generation() const { return generation_; }
-  /// A trailer told another generation than ours: nodes may have other numbers now.
+  /// A trailer had another generation than ours: nodes may have other numbers now.
   bool generation_changed() const { return learnt_ && told_ != generation_; }
   void adopt_generation() noexcept { generation_ = told_; }
-  /// While set, silence is no condition: a scan asks nodes that may not exist.
+  /// While set, a missing reply is no fault: a scan addresses nodes that may not exist.
   void expect_silence(bool expected) noexcept { silence_expected_ = expected; }
-  /// [s] after which a request without a reply is sent again, once more after twice as long, and so
-  /// on until the timeout; 0: never. A board executes a read as often as it comes: whichever reply
-  /// arrives first is the answer.
+  /// [s] after which a request without a reply is repeated, again after twice as long, and so on
+  /// until the timeout; 0: never. A board executes a read each time; the first reply counts.
   void repeat_after(double seconds) noexcept { repeat_after_ = seconds; }
-  /// From now on write() and write_block() send nothing and say that they did. A query of the hub
-  /// may be an exception: it changes no output of a board, but keeps its watchdog quiet.
+  /// From now on write() and write_block() send nothing and report success. A query of the hub may
+  /// be an exception: it changes no output of a board, but keeps its watchdog alive.
   enum class Queries { kNone, kAllowed };
   void listen_only(Queries queries) noexcept {
     listens_ = true;
@@ -70,7 +69,7 @@ class Exchange {
   /// [s] for which replies lay ready before they were taken, since the last forget_lay().
   double lay() const { return lay_; }
   void forget_lay() noexcept { lay_ = 0.0; }
-  /// The last trailer said that a bus reset is under way.
+  /// True if the last trailer reported a bus reset in progress.
   bool resetting() const { return resetting_; }
 
  private:

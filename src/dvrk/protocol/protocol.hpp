@@ -126,7 +126,7 @@ constexpr std::size_t write_quadlets(int firmware) {
 constexpr std::size_t hub_quadlets(int firmware) {
   return 1 + read_quadlets(firmware);
 }
-/// Boards whose blocks may stand in one broadcast: 4-6, 7, 8-9 (sections 5 and 17 #11).
+/// Boards whose blocks may share one broadcast: 4-6, 7, 8-9 (sections 5 and 17 #11).
 constexpr int firmware_group(int firmware) {
   return firmware >= 8 ? 8 : firmware == 7 ? 7 : 6;
 }
@@ -134,10 +134,6 @@ constexpr int firmware_group(int firmware) {
 /// Section 3.2: the largest block that fits an Ethernet of this MTU, in bytes.
 constexpr std::size_t largest_read(std::size_t mtu) {
   const std::size_t whole = mtu - 28 - kTrailerBytes;
-  return (whole < kMaxDatagram ? whole : kMaxDatagram) - 24;
-}
-constexpr std::size_t largest_write(std::size_t mtu) {
-  const std::size_t whole = mtu - 28 - kControlBytes;
   return (whole < kMaxDatagram ? whole : kMaxDatagram) - 24;
 }
 

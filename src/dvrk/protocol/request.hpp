@@ -11,9 +11,9 @@ namespace veridyn::dvrk {
 /// Why a datagram is no packet.
 enum class Malformed {
   kNone,
-  kLength,  ///< too short, or not as long as its own fields say
+  kLength,  ///< too short, or a length that contradicts its own fields
   kBus,     ///< destination bus is not 0x3FF
-  kTcode    ///< none of the protocol's
+  kTcode    ///< not part of the protocol
 };
 
 const char* describe(Malformed why);
@@ -36,12 +36,12 @@ struct Request {
 /// Length of the datagram that encode() makes, section 2.1.
 std::size_t encoded_size(const Request& request) noexcept;
 
-/// Writes the whole datagram, CRCs included.
-/// @returns its length; 0: `out` is too small, the block is larger than kMaxBlockBytes or the
-///          tcode is none of a request.
+/// Writes the whole datagram, CRCs included. @returns its length; 0: `out` is too small, the block
+/// is larger than kMaxBlockBytes, or the tcode is no request.
 std::size_t encode(const Request& request, ByteSpan out) noexcept;
 
-/// Reads a datagram; never a byte outside of it. Wrong CRCs are told, not refused (section 2.4).
+/// Decodes a datagram, without reading outside of it. Wrong CRCs are reported, not refused (section
+/// 2.4).
 Malformed decode(ByteView datagram, Request& request) noexcept;
 
 }  // namespace veridyn::dvrk

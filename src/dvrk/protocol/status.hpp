@@ -6,7 +6,7 @@
 
 namespace veridyn::dvrk {
 
-/// The status register as it is read: section 7.2. Channels count from 0.
+/// The status register: section 7.2. Channels count from 0.
 struct Status {
   std::uint32_t word = 0;
 
@@ -19,12 +19,9 @@ struct Status {
   bool relay_closed() const { return bit(17); }
   bool relay_requested() const { return bit(16); }
   bool supply_fault() const { return bit(15); }
-  bool chain_live() const { return bit(14); }  ///< Rev 8 on: voltage on the safety chain
   bool io_expander() const { return bit(12); }
   bool amp_on(int channel) const { return bit(8 + channel); }
   bool current_trip(int channel) const { return bit(4 + channel); }
-  /// Rev 7 alone; Rev 8 repeats amp_on() here (section 20).
-  bool amp_requested_rev7(int channel) const { return bit(channel); }
 };
 
 /// The motor status of Rev 8 on: section 9.1.
@@ -34,7 +31,6 @@ struct MotorStatus {
   bool bit(int k) const { return ((word >> k) & 1U) != 0; }
   bool amp_on() const { return bit(29); }
   bool amp_requested() const { return bit(28); }
-  int control_mode() const { return static_cast<int>((word >> 24) & 0xF); }
   bool current_trip() const { return bit(17); }
   bool amp_fault() const { return bit(16); }
   std::uint16_t command() const { return static_cast<std::uint16_t>(word); }
@@ -53,7 +49,7 @@ struct DigitalInputs {
   unsigned outputs() const { return ~(word >> 12) & 0xFU; }
 };
 
-/// What to write to register 6 for logical values: the hardware inverts (section 13).
+/// Value of register 6 for logical outputs: the hardware inverts (section 13).
 constexpr std::uint32_t digital_output_word(unsigned mask, unsigned values) {
   return ((mask & 0xFU) << 8) | (~values & mask & 0xFU);
 }

@@ -46,7 +46,7 @@ std::uint32_t look_up(const std::string& host) {
   return ntohl(at.sin_addr.s_addr);
 }
 
-// The address of this machine on the way to `server`: multicast leaves there as well.
+// The address of this machine on the route to `server`, from which multicast is sent as well.
 in_addr own_address(std::uint32_t server, std::uint16_t port) {
   sockaddr_in own{};
   const int probe = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
@@ -59,7 +59,7 @@ in_addr own_address(std::uint32_t server, std::uint16_t port) {
   return own.sin_addr;
 }
 
-// Section 1: by the class of the address.
+// Host part of an IPv4 address by its class: section 1.
 std::uint32_t host_part(std::uint32_t address) {
   const std::uint32_t first = address >> 24;
   return first < 128 ? 0x00FFFFFF : first < 192 ? 0x0000FFFF : first < 224 ? 0x000000FF : ~0U;
@@ -75,7 +75,7 @@ UdpLink::UdpLink(const std::string& host, std::uint16_t port)
   const int yes = 1;
   ::setsockopt(socket_, SOL_SOCKET, SO_BROADCAST, &yes, sizeof yes);
   ::setsockopt(socket_, SOL_SOCKET, SO_TIMESTAMPNS, &yes, sizeof yes);
-  // Answers come to the address on the way to the boards alone, whoever else knows this machine.
+  // Replies are accepted only at the address on the route to the boards.
   sockaddr_in own{};
   own.sin_family = AF_INET;
   own.sin_addr = own_address(server_, port_);

@@ -6,7 +6,7 @@
 
 namespace veridyn::dvrk {
 
-/// A smooth way from where the arm stands to where the motion begins.
+/// A smooth path from the arm's position to the start of the motion.
 struct Approach {
   VectorXd from, to;
   double duration = 0.0;

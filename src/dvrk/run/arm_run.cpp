@@ -49,7 +49,7 @@ VectorXd default_largest_errors(const RobotConfig& robot) {
   return out;
 }
 
-// As if one motor worked at a time.
+// Computed as if one motor worked at a time.
 VectorXd largest_torques(const ArmSession& arm) {
   const int n = arm.size();
   VectorXd effort(n);
@@ -93,7 +93,7 @@ RunResult run_in_place(ArmSession& arm, DatagramLink& link, double seconds, int 
   MotionSamples none;
   none.time = Eigen::Vector2d(0.0, seconds);
   none.q = none.dq = MatrixXd(2, 0);
-  RunOptions at_once = options;  // there is no way to go first
+  RunOptions at_once = options;  // without an approach
   at_once.approach_time = 1.0 / options.rate;
   at_once.settle = 0.0;
   return run_checked(arm, link, none, joints, controller, at_once, stop);
@@ -101,8 +101,8 @@ RunResult run_in_place(ArmSession& arm, DatagramLink& link, double seconds, int 
 
 namespace {
 
-// Watches until the time is over, the signal comes, or `each` says that it is enough.
-// @returns why it ended too early; empty if it did not.
+// Reads until the time is over, the signal arrives, or `each` returns true. @returns the reason for
+// an early end; empty without one.
 std::string watch_while(ArmSession& arm, CycleClock& clock, DatagramLink& link, double seconds,
                         const std::atomic<bool>& stop, const std::function<bool(double)>& each) {
   const double start = link.now();

@@ -16,13 +16,13 @@ namespace veridyn::dvrk {
 struct RunOptions {
   double rate = 1500.0;          ///< [Hz] of the cycle
   double approach_time = 2.0;    ///< [s] at least, to the first set point
-  double approach_speed = 0.25;  ///< [rad/s] or [m/s] at most on that way
+  double approach_speed = 0.25;  ///< [rad/s] or [m/s] largest speed of the approach
   double settle = 0.5;           ///< [s] at rest before and after the motion
   /// Further off its set point a joint ends the run: (n) of the arm, each in its own unit; empty:
   /// those of default_largest_errors().
   VectorXd largest_error;
   double power_timeout = 5.0;  ///< [s] in which power must be up
-  std::string recording;       ///< a file that is written while the run goes on; empty: none
+  std::string recording;       ///< file written during the run; empty: none
 };
 
 struct RunResult {
@@ -31,7 +31,7 @@ struct RunResult {
   std::string why;  ///< what ended it, where it is not complete
   std::string remark;  ///< what a reader of the recording must know of it, complete or not
   LoopTiming timing;
-  /// What the boards said when they were told to switch off.
+  /// Status of the boards after switching off.
   OffState power = OffState::kNotAsked;
   Eigen::Index kept = 0;   ///< rows in RunOptions::recording
   std::string file_error;  ///< why these are not all
@@ -40,15 +40,14 @@ struct RunResult {
 /// Largest error of every joint from its set point: 0.35 rad, or 0.02 m where it slides.
 VectorXd default_largest_errors(const RobotConfig& robot);
 
-/// Powers an arm up, leads it along a motion with a PID per joint, records what the boards say, and
-/// powers it down: on every way out, exceptions included (the session's destructor). Joints beyond
-/// those of the motion hold where they stand.
+/// Powers an arm up, moves it along a motion with a PID per joint, records the boards' readings,
+/// and powers it down in any case, also after an exception (the session's destructor). Joints
+/// beyond those of the motion hold their position.
 ///
-/// Before power comes on, the whole motion and the place where the arm stands pass the test of
-/// position limits (leaves_range()) that the run makes while the arm moves, for the soft limits of
-/// the actuators and the limits of the controller. A loop that has had less than half of its cycles
-/// for half a second ends the run; one that reached less than 95 % of its rate on the whole has
-/// complete = false.
+/// Before power-up, the whole motion and the arm's position are tested against the soft limits of
+/// the actuators and the limits of the controller, with the test (leaves_range()) that is also used
+/// during the run. A loop with less than half of its cycles for half a second ends the run; one
+/// below 95 % of its rate on the whole has complete = false.
 ///
 /// @param motion  rows of q and dq; between them a cubic.
 /// @param gains   one per joint of the arm.
@@ -59,8 +58,8 @@ RunResult run_motion(ArmSession& arm, DatagramLink& link, const MotionSamples& m
                      const PidGains& gains, const RunOptions& options,
                      const std::atomic<bool>& stop);
 
-/// The same with any controller.
-/// @throws InvalidInput  as above, and as MotionController::require_possible().
+/// The same with any controller. @throws InvalidInput  as above, and as
+/// MotionController::require_possible().
 RunResult run_motion(ArmSession& arm, DatagramLink& link, const MotionSamples& motion,
                      MotionController& controller, const RunOptions& options,
                      const std::atomic<bool>& stop);
@@ -82,8 +81,8 @@ VectorXd largest_torques(const ArmSession& arm);
 LoopTiming watch(ArmSession& arm, DatagramLink& link, double seconds, double rate,
                  const std::atomic<bool>& stop, const std::function<void(double)>& each);
 
-/// The same, and records, to a file as well while it goes on (empty: none).
-/// @throws InvalidInput  the session does not start.
+/// Records without moving, optionally to a file as well (empty: none). @throws InvalidInput  the
+/// session does not start.
 RunResult record_at_rest(ArmSession& arm, DatagramLink& link, double seconds, double rate,
                          const std::atomic<bool>& stop, const std::string& recording = "");
 

@@ -27,6 +27,7 @@ void guard_current(const LinearScale& amps_to_bits, const LinearScale& bits_to_a
   safety.used = true;
   safety.zero_command = nearest_word(amps_to_bits.offset, kZeroCurrent);
   safety.zero_feedback = bits_to_amps.inverse(0.0);
+  safety.feedback_per_command = 1.0 / (amps_to_bits.scale * bits_to_amps.scale);
   // Half a bit for rounding: the largest current itself is allowed.
   safety.max_current = std::abs(amps_to_bits.scale) * max_current + 0.5;
 }
@@ -131,7 +132,7 @@ void ArmSession::start() {
   homing_ = {};
   require_velocities();
   if (!boards_.listens()) require_own_boards();
-  // Encoders that cannot be loaded stand where they stand.
+  // Encoders that cannot be loaded keep their counts.
   homed_ = !robot().has_encoder_preload || !needs_homing();
   if (homed_ || options_.homing == Homing::kNever || boards_.listens()) return;
   home();
@@ -273,7 +274,7 @@ std::string ArmSession::load_encoders(const VectorXd& actuator_q) {
         actuator_q[static_cast<Eigen::Index>(k)] / robot().actuators[k].bits_to_position;
     if (!(std::abs(counts) < kEncoderZero - 1.0))
       return text("actuator ", k, " stands at ", counts, " counts, more than 24 bits");
-    // Zero counts would look like "never loaded" to whoever asks next: one count instead.
+    // Zero counts would look uninitialised to the next client: one count instead.
     const std::int32_t loaded = encoder_counts(words[k]) == 0 ? 1 : encoder_counts(words[k]);
     if (!boards_.preload(sockets_[k].place, sockets_[k].channel, loaded))
       return text("the encoder of actuator ", k, " does not take its preload");

@@ -10,7 +10,7 @@
 
 namespace veridyn::dvrk {
 
-/// Where one actuator is plugged in: place of its board among the ascending ids, and channel.
+/// Connector of one actuator: index of its board among the ascending ids, and channel.
 struct Socket {
   int place = 0;
   int channel = 0;
@@ -21,7 +21,7 @@ struct Socket {
 std::vector<int> boards_of(const RobotConfig& robot);
 std::vector<Socket> sockets_of(const RobotConfig& robot);
 
-/// Whether start() loads encoders that nobody has loaded since their board woke up.
+/// Initialisation of encoders by start(), if this was not done since their board's start.
 enum class Homing { kIfNeeded, kNever };
 
 struct ArmSessionOptions {
@@ -31,7 +31,7 @@ struct ArmSessionOptions {
   std::size_t mtu = 1500;
   Access access = Access::kDrive;  ///< listening, start() neither writes nor loads encoders
   bool announce = false;           ///< see BusOptions
-  bool firewire = false;           ///< likewise
+  bool firewire = false;           ///< the same for FireWire
   double watchdog = 0.030;         ///< [s]
   double reply_timeout = 0.020;    ///< [s] for all replies of a cycle
   double repeat_after = BusOptions().repeat_after;  ///< [s] a read without a reply is sent again
@@ -47,7 +47,7 @@ struct ArmSessionOptions {
 /// @throws InvalidInput  as boards_of(); other hardware than QLA boards; a rate that is negative.
 SessionOptions session_options(const RobotConfig& robot, const ArmSessionOptions& options = {});
 
-/// What became of the encoders when they were loaded from the pots.
+/// Result of loading the encoders from the pots.
 struct HomingReport {
   bool done = false;
   std::string reason;   ///< why not, in one line
@@ -61,19 +61,17 @@ struct HomingReport {
 ///
 ///   arm.update();  ... controller on arm.state() ...  arm.set_torques(tau);  arm.commit();
 ///
-/// None of the three throws or allocates. Currents flow in PowerState::kOn alone; brakes open after
-/// power came up, and torques count only when all of them are open. A cycle without set_torques()
-/// is one without current; only where a read was lost the session holds the last currents, for as
-/// many cycles as it allows.
+/// None of the three throws or allocates. Currents flow in PowerState::kOn only; brakes open after
+/// power-up, and torques act only when all of them are open. A cycle without set_torques() has zero
+/// current; after a lost read the session keeps the last currents, for a limited number of cycles.
 class ArmSession {
  public:
   /// @throws InvalidInput  as session_options(), BoardSession and ArmUnits.
   ArmSession(DatagramLink& link, const RobotConfig& robot, const ArmSessionOptions& options = {});
 
-  /// Finds the boards, sets the watchdogs, and loads encoders as the options ask.
-  /// @throws InvalidInput  as BoardSession::start(); the encoders cannot be loaded; velocities
-  /// shall
-  ///                       come from a firmware older than 7.
+  /// Finds the boards, sets the watchdogs, and loads encoders according to the options. @throws
+  /// InvalidInput  as BoardSession::start(); the encoders cannot be loaded; velocities of a
+  /// firmware older than 7 are requested.
   void start();
 
   /// True if an encoder was never loaded since its board woke up: positions mean nothing.
@@ -83,7 +81,7 @@ class ArmSession {
   /// power. Blocks for about 0.1 s. A robot without encoder preload, or one with a lookup table for
   /// its pots, cannot.
   const HomingReport& home();
-  /// What the last start() or home() did to the encoders; empty if start() found them loaded.
+  /// Encoders changed by the last start() or home(); empty if start() found them loaded.
   const HomingReport& homing() const { return homing_; }
   /// Were encoders loaded from pots by start() or home()?
   bool preloaded() const { return homing_.done; }
@@ -95,7 +93,7 @@ class ArmSession {
   /// Torques of the joints [N m, N] for the next commit(); (n), a stored vector. Held within the
   /// largest currents.
   void set_torques(const VectorXd& tau) noexcept;
-  /// What became of them.
+  /// The commands after limits.
   const ArmCommand& command() const { return command_; }
   void commit() noexcept;
 
@@ -139,9 +137,9 @@ class ArmSession {
   HomingReport homing_;
 };
 
-/// Looks whether another program drives the arm, and writes nothing where a board answers; the two
-/// packets of BusOptions::announce are sent only where none does, as after they were switched on.
-/// @throws InvalidInput  a board has motor power, or none answers.
+/// Checks whether another program drives the arm; writes nothing if a board answers. The two
+/// packets of BusOptions::announce are sent only if none does, as after power-up. @throws
+/// InvalidInput  a board has motor power, or none answers.
 void require_no_power(DatagramLink& link, const RobotConfig& robot, ArmSessionOptions options);
 
 }  // namespace veridyn::dvrk

@@ -4,8 +4,8 @@
 
 namespace veridyn::dvrk {
 
-/// The current of one brake over time: a push that opens it, then less to keep it open; none (or
-/// what the configuration says) while it shall hold.
+/// The current of one brake over time: a pulse that opens it, then less to keep it open; zero (or
+/// the configured value) while it holds.
 class BrakeDriver {
  public:
   enum class Wish { kEngaged, kReleased };

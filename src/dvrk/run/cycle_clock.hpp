@@ -39,7 +39,8 @@ class CycleClock {
     return now;
   }
 
-  /// The boards were read. @param lay  [s] for which replies lay ready and nobody took them.
+  /// Call after reading the boards. @param lay  [s] between the arrival of the replies and their
+  /// reading.
   void read(double lay) noexcept {
     const double took = link_.now() - began_;
     const double cpu = processor_seconds();
@@ -61,7 +62,7 @@ class CycleClock {
       gap_.at = now - first_;
       if (gap_.seconds > timing_.longest_gap.seconds) timing_.longest_gap = gap_;
     }
-    // What made a cycle late is in the gap before it, or it was woken late itself.
+    // The cause of a late cycle is in the preceding gap, or the thread was woken late.
     if (late_) count_late(gap_.woken_late > period_ ? gap_ : before_);
     before_ = gap_;
     written_ = now;

@@ -9,11 +9,11 @@ namespace veridyn::dvrk {
 /// torque. Nothing is allocated after the constructor.
 class JointPid {
  public:
-  /// @param integral_limit  (n) [N m], [N] what the integral may ask for at most.
-  /// @throws InvalidInput  vectors of different sizes, or gains that are negative or NaN.
+  /// @param integral_limit  (n) [N m], [N] largest output of the integral. @throws InvalidInput
+  /// vectors of different sizes, or gains that are negative or NaN.
   JointPid(const PidGains& gains, const VectorXd& integral_limit);
 
-  /// All (n), stored vectors. @param dt  [s] since the call before.
+  /// All (n), stored vectors. @param dt  [s] since the previous call.
   void torques(const VectorXd& q, const VectorXd& dq, const VectorXd& wanted_q,
                const VectorXd& wanted_dq, double dt, VectorXd& tau) noexcept;
   void reset() noexcept { integral_.setZero(); }

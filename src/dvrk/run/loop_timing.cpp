@@ -5,7 +5,7 @@
 namespace veridyn::dvrk {
 namespace {
 
-constexpr double kPlanned = 0.1;  // share of a gap that is no reason to name
+constexpr double kPlanned = 0.1;  // share of a gap below which its cause is not reported
 
 }  // namespace
 

@@ -25,16 +25,17 @@ LateReason reason_of(const WriteGap& gap);
 /// "the system (woken 12.1 ms late)".
 std::string describe_reason(const WriteGap& gap);
 
-/// How well a loop kept its time.
+/// Timing of a loop.
 struct LoopTiming {
   long cycles = 0;
   long late = 0;          ///< cycles that began more than one period after their time
-  long late_own = 0;      ///< Late own of them: because of this program's own work
-  long late_replies = 0;  ///< Late replies of them: because of boards or network; the others by the system
+  long late_own = 0;      ///< of these, late because of this program's own computation
+  /// Of these, late because of replies from boards or network; the others are due to the system.
+  long late_replies = 0;
   double longest = 0.0;   ///< [s] from the start of one cycle to its end
   double mean = 0.0;      ///< [s] of that
   double seconds = 0.0;   ///< from the start of the first cycle to the end of the last
-  double rate = 0.0;      ///< [Hz] that was asked for
+  double rate = 0.0;      ///< [Hz] requested rate
   WriteGap longest_gap;
 
   /// Cycles per second as they were.

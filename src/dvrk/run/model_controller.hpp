@@ -15,21 +15,21 @@ namespace veridyn::dvrk {
 
 enum class ControlLaw {
   kComputedTorque,  ///< joints follow, with the model as feed-forward
-  /// The tip follows the path that the joints' set points give, as a spring does. The way to the
-  /// first set point is kComputedTorque's: on it the arm may stretch, where a tip cannot be led.
-  /// Motions with a pose in which the tip can be led in fewer directions than elsewhere on the way
-  /// are refused: what a joint lost there would come back with a jerk.
+  /// The tip follows the path of the joints' set points like a spring. The approach uses
+  /// kComputedTorque, because the arm may be stretched there, where a tip cannot be controlled.
+  /// Motions with a pose near a singularity are refused: a joint that drifts there would return
+  /// with a jerk.
   kImpedance,
   kGravity  ///< the arm is weightless; set points do not count
 };
 
 struct ModelControlOptions {
   ControlLaw law = ControlLaw::kComputedTorque;
-  double frequency = 20.0;   ///< [rad/s] of both poles of what is left of an error
+  double frequency = 20.0;   ///< [rad/s] of both poles of the position error
   std::string tip;           ///< frame of the impedance; empty: see default_tip()
   double tip_mass = 2.0;     ///< [kg] that the tip appears to have
   double stiffness = 800.0;  ///< [N/m] of the tip; damping is critical
-  /// What ModelErrorObserver may add at most, as a share of the largest torque. Under impedance the
+  /// Largest output of ModelErrorObserver, as a share of the largest torque. Under impedance the
   /// tip, which has no force sensor here, pushes with up to that much beyond its spring.
   double model_error = 0.05;
   FrictionOptions friction;
@@ -97,7 +97,7 @@ class ModelController final : public MotionController {
   TaskReference task_;
   SafetyInput input_;
   VectorXd q_, dq_, off_, tau_, sent_;
-  bool moves_ = false;  // the motion, not the way to its start
+  bool moves_ = false;  // during the motion, not during the approach
 };
 
 }  // namespace veridyn::dvrk

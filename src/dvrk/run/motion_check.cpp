@@ -10,8 +10,8 @@
 namespace veridyn::dvrk {
 namespace {
 
-// Left of a range for the way by which an arm misses its set points: the supervisor judges where
-// the arm is, not where it should be.
+// Margin of a range for tracking errors: the supervisor checks the actual position, not the
+// reference.
 constexpr double kRoom = 0.0025;
 
 PositionRange soft_limits(const ActuatorConfig& actuator) {
@@ -37,7 +37,7 @@ MotionCheck::MotionCheck(const ArmSession& arm, const MotionController& controll
     const PositionRange range = soft_limits(arm.robot().actuators[static_cast<size_t>(i)]);
     actuators_.push_back(range);
     const VectorXd row = to_actuator.row(i).transpose();
-    // An actuator that joints beyond the motion move as well has a position that nobody knows yet.
+    // An actuator that other joints move as well has an unknown position.
     if (row.head(joints).isZero() || !row.tail(n - joints).isZero()) continue;
     guards_.push_back({text("actuator ", i), "soft limits", row, range, kInfinity});
   }

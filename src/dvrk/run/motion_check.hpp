@@ -12,9 +12,8 @@
 
 namespace veridyn::dvrk {
 
-/// Limits that a run holds an arm to: those of the controller's joints, and the soft limits of the
-/// actuators. The same test, leaves_range(), judges a motion before power comes on and the arm
-/// while it moves.
+/// Limits of a run: those of the controller's joints, and the soft limits of the actuators.
+/// leaves_range() tests a motion before power-up and the arm during the run.
 class MotionCheck {
  public:
   /// @param joints  that the motion moves, from the first on.
@@ -27,14 +26,15 @@ class MotionCheck {
   /// Why an arm cannot begin here; empty if it can.
   std::string objection_to(const VectorXd& q) const;
 
-  /// The actuator of a moving arm that is about to leave its soft limits; -1: none. No allocation.
+  /// The actuator of a moving arm that is about to leave its soft limits; -1: none. Does not
+  /// allocate.
   int leaving(const BoardArmState& state) const noexcept;
 
  private:
   struct Guard {
     std::string name;
     const char* whose;   ///< whose limits they are
-    VectorXd of_joints;  ///< (n) row: position of what is guarded per joint positions
+    VectorXd of_joints;  ///< (n) row: maps joint positions to the guarded position
     PositionRange range;
     double velocity;  ///< largest
   };
@@ -44,7 +44,7 @@ class MotionCheck {
   Eigen::Index joints_;
   double braking_;
   std::vector<Guard> guards_;
-  std::vector<PositionRange> actuators_;  ///< soft limits; infinite where there are none
+  std::vector<PositionRange> actuators_;  ///< soft limits; infinite where there is none
 };
 
 }  // namespace veridyn::dvrk

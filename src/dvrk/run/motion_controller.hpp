@@ -12,11 +12,11 @@ namespace veridyn::dvrk {
 
 /// Times of a cycle [s].
 struct CycleTimes {
-  double dt = 0.0;   ///< since the cycle before in which torques were asked for
+  double dt = 0.0;   ///< since the previous cycle with torques
   double age = 0.0;  ///< Largest age of the positions
 };
 
-/// Limits that a controller holds its joints to; (m) of its first joints, empty: it has none.
+/// Limits of a controller's joints; (m) of its first joints, empty: none.
 struct MotionLimits {
   VectorXd lower, upper;  ///< [rad], [m]
   VectorXd velocity;      ///< [rad/s], [m/s]
@@ -24,8 +24,8 @@ struct MotionLimits {
   double braking = 30.0;  ///< [1/s], see leaves_range()
 };
 
-/// What makes the torques of a run; a run works with any of them. Torques are asked for while power
-/// is on and brakes are open, after every valid read.
+/// Computes the torques of a run. Called while power is on and brakes are open, after every valid
+/// read.
 class MotionController {
  public:
   virtual ~MotionController() = default;
@@ -34,7 +34,7 @@ class MotionController {
   /// allocates.
   virtual void reset() noexcept = 0;
 
-  /// The arm has come to the first set point and rests there; now the motion begins.
+  /// Called when the arm rests at the first set point and the motion begins.
   virtual void motion_begins() noexcept {}
 
   /// @param wanted  where the joints shall be, (n) of the arm. @param tau  (n), written [N m], [N].
@@ -42,22 +42,20 @@ class MotionController {
   virtual bool torques(const BoardArmState& state, const JointReference& wanted, const CycleTimes& times,
                        VectorXd& tau) noexcept = 0;
 
-  /// What the motors were sent of tau, (n of the arm): currents have limits. Neither throws nor
-  /// allocates.
+  /// Torques that the motors received of tau, (n of the arm), after current limits. Neither throws
+  /// nor allocates.
   virtual void sent(const VectorXd& tau) noexcept { (void)tau; }
 
   /// Why torques() returned false.
   virtual std::string why() const { return ""; }
-  /// Whether joints shall stay near their set points.
+  /// True if joints are expected near their set points.
   virtual bool follows() const { return true; }
-  /// The limits that torques() holds the arm to. A run applies them to the whole motion before
-  /// power comes on.
+  /// The limits that torques() enforces. A run applies them to the whole motion before power-up.
   virtual MotionLimits limits() const { return {}; }
-  /// @throws InvalidInput  a motion that this controller would refuse on the way for another
-  /// reason.
+  /// @throws InvalidInput  a motion that this controller would refuse later for another reason.
   virtual void require_possible(const MotionSamples& motion) const { (void)motion; }
-  /// A motion in positions as the boards show them, which a run goes by: a controller may know errors
-  /// of the encoders. torques() and limits() go by them, too.
+  /// Converts a motion to positions as the boards show them, in which a run works: a controller may
+  /// know errors of the encoders. torques() and limits() use them too.
   virtual MotionSamples as_shown(const MotionSamples& motion) const { return motion; }
 };
 

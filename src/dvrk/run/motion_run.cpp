@@ -10,8 +10,8 @@
 namespace veridyn::dvrk {
 namespace {
 
-constexpr double kLooking = 0.1;       // [s] of reading before power is asked for
-constexpr double kLookingAgain = 0.5;  // [s] of it after a stall
+constexpr double kLooking = 0.1;       // [s] of reading before power-up
+constexpr double kLookingAgain = 0.5;  // [s] of reading after a stall
 constexpr int kLooks = 6;
 constexpr double kLongestGap = 0.5;    // of the watchdog's time, between two writes
 constexpr double kMostLate = 0.05;     // share of cycles that begin late: as of a run on the whole
@@ -53,7 +53,7 @@ RunResult MotionRun::run() {
   return result;
 }
 
-// One cycle; set points were made for this time. @returns false: the run is over.
+// One cycle; set points are those of this time. @returns false: the run is over.
 template <typename Make>
 bool MotionRun::cycle(Make&& make) {
   const double now = clock_.begin();

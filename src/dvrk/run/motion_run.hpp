@@ -13,8 +13,8 @@
 
 namespace veridyn::dvrk {
 
-/// One motion from power-up to power-down: the arm goes to the first set point, follows, holds, and
-/// is switched off, whatever happened on the way.
+/// One motion from power-up to power-down: the arm approaches the first set point, follows, holds,
+/// and is switched off in any case.
 class MotionRun {
  public:
   /// @param recorded  joints that are kept. All references outlive the run.
@@ -56,7 +56,7 @@ class MotionRun {
   LatchTime latch_;
   JointReference wanted_;
   VectorXd tau_;
-  double before_ = -1.0;  // [s] when torques were last asked for
+  double before_ = -1.0;  // [s] of the last call for torques
   std::string why_, busy_;
   bool looks_ = false;  // before power
 };

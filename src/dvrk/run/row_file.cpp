@@ -68,7 +68,7 @@ void RowFile::stop() {
   if (thread_.joinable()) thread_.join();
 }
 
-// Not before the first row: a run that never moves leaves what stands there.
+// Opened at the first row only, so that a run without motion keeps an existing file.
 void RowFile::open() {
   file_ = ::open(path_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
   if (file_ < 0) {
@@ -94,8 +94,8 @@ bool RowFile::put(const std::string& bytes) {
   return true;
 }
 
-// Whole rows in every call of write(): a program that is killed leaves no half of one. A disk that
-// is full takes a part of them; the file is cut behind the last whole row then.
+// Every call of write() has whole rows, so that a killed program leaves no partial one. A full disk
+// may truncate them; the file is then cut after the last whole row.
 void RowFile::append() {
   const Recording& rows = keeper_.rows();
   const Eigen::Index count = keeper_.count();
@@ -145,7 +145,7 @@ void RowFile::remark_in_place(const std::string& remark) {
   if (file_ >= 0 && ::pwrite(file_, line.data(), line.size(), 0) < 0) error_ = std::strerror(errno);
 }
 
-// What was followed, with another first line: rows are made into text once.
+// Copies the rows with another first line, without formatting them again.
 void RowFile::copy_rows(const std::string& remark) const {
   std::ifstream rows(path_, std::ios::binary);
   rows.seekg(static_cast<std::streamoff>(kRemark));

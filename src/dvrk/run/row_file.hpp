@@ -8,11 +8,11 @@
 
 namespace veridyn::dvrk {
 
-/// The recording as a file while it is made: a thread of ordinary priority follows the rows of a
-/// RowKeeper and appends them, so that a program that is killed leaves all but its last moments.
-/// The first line says that the recording is incomplete until finish().
+/// Writes the recording to a file during the run: a thread of ordinary priority appends the rows of
+/// a RowKeeper, so that a killed program leaves nearly all of them. The first line says that the
+/// recording is incomplete until finish().
 ///
-/// What is no regular file (a pipe, a device) is not followed; it is written by finish() alone.
+/// Devices and pipes are not followed; finish() alone writes them.
 class RowFile {
  public:
   /// @param path  empty: nothing is written. @param joints  that are written, from the first on.
@@ -21,10 +21,10 @@ class RowFile {
   RowFile(const RowFile&) = delete;
   RowFile& operator=(const RowFile&) = delete;
 
-  /// Writing failed; error() says why. The rows before are kept.
+  /// Writing failed; error() has the reason. Earlier rows are kept.
   bool failed() const { return failed_.load(std::memory_order_relaxed); }
 
-  /// The last rows, and the first line: "# remark", or none if it is empty. Call it once.
+  /// Writes the last rows, and the first line: "# remark", or none if it is empty. Call it once.
   void finish(const std::string& remark);
 
   /// After finish(): rows in the file, and why there are not all.

@@ -65,7 +65,7 @@ class RowKeeper {
 /// boards restarts their counter: time that is missing for many reads in a row is added.
 class LatchTime {
  public:
-  /// @param seconds  since the latch before, as the board says. @returns [s] since the first call.
+  /// @param seconds  since the previous latch, by the board. @returns [s] since the first call.
   double next(double now, double seconds) noexcept {
     const double passed = now - last_;
     if (!started_) {
@@ -83,14 +83,14 @@ class LatchTime {
     return time_;
   }
   void lost() noexcept { gap_ = true; }
-  /// Latches between which the boards' counter stood still: the link's clock timed them.
+  /// Latches during which the boards' counter stood still, timed by the link's clock.
   long stood_still() const { return stood_still_; }
-  /// How often time was missing.
+  /// Number of missing intervals.
   long foreign_reads() const { return foreign_; }
 
  private:
-  // `behind` is how late a cycle began, against the boards' time. Its lowest values drift with the
-  // two clocks, slowly; a step that stays is time that somebody else's read took away.
+  // `behind` is the delay of a cycle against the boards' time. Its minimum drifts slowly with the
+  // two clocks; a lasting step is time that a foreign read took.
   void find_foreign_reads(double behind) noexcept {
     if (behind - usual_ <= kStep) {
       steps_ = 0;

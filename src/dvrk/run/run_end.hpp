@@ -6,20 +6,20 @@
 #include "row_file.hpp"
 #include "dvrk/run/arm_run.hpp"
 
-// How runs and recordings end.
+// End of runs and recordings.
 
 namespace veridyn::dvrk {
 
-/// A loop that reached a smaller share of its rate is not what was asked for.
+/// A loop below this share of its rate counts as incomplete.
 constexpr double kLeastRate = 0.95;
 
 /// Why a loop is stopped that is late all the time.
 std::string late_words(const CycleClock& clock);
 
-/// Why a loop that came to its end is not what was asked for; empty if it is.
+/// Reason for which a completed loop is unsatisfactory; empty if it is not.
 std::string objection_to(const LoopTiming& timing);
 
-/// Writes the end of the file and its first line, says in `result` what is kept, and sets
+/// Writes the end of the file and its first line, sets the number of rows in `result` and
 /// `complete`.
 void finish(RowFile& file, RunResult& result);
 

@@ -64,13 +64,10 @@ std::string to_json(const RunResult& run, const FaultLog& faults, const std::str
   return out.dump(2) + "\n";
 }
 
-std::string to_json(const BoardEmulator::Counters& counters, const std::string& arm) {
-  Json out = head("emulate", arm);
-  out["requests"] = counters.requests;
-  out["malformed"] = counters.malformed;
-  out["dropped"] = counters.dropped;
-  out["wrong_crc"] = counters.wrong_crc;
-  out["writes"] = counters.writes;
+std::string to_json(const std::vector<std::pair<std::string, std::int64_t>>& counts,
+                    const std::string& command, const std::string& arm) {
+  Json out = head(command, arm);
+  for (const auto& [name, count] : counts) out[name] = count;
   return out.dump(2) + "\n";
 }
 

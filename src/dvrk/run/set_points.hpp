@@ -6,8 +6,8 @@
 namespace veridyn::dvrk {
 
 /// A motion at any time: cubics through q and dq of the rows, at rest outside of them; ddq is that
-/// of the cubics, straight between rows, with steps at them. Asked in ascending time; no allocation
-/// after the constructor.
+/// of the cubics, linear between rows, with steps at them. Call it in ascending time; nothing
+/// allocates after the constructor.
 class SetPoints {
  public:
   explicit SetPoints(const MotionSamples& motion) : motion_(motion) {}

@@ -7,12 +7,13 @@
 
 namespace veridyn {
 
-/// Where frames are, and how that changes with q. Owns its workspace: one object serves one thread.
+/// Positions of points on frames, and their derivatives by q. Owns its workspace: one object serves
+/// one thread.
 class FramePoints {
  public:
   explicit FramePoints(const Model& arm);
 
-  /// Poses of all frames at q.
+  /// Computes the poses of all frames at q.
   void move_to(const VectorXd& q);
 
   /// A point of a frame in the world, and its derivative by q; frame -1 is the world.

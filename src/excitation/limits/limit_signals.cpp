@@ -158,7 +158,7 @@ MatrixXd LimitSignals::torques(const MotionSamples& motion) const {
 void LimitSignals::torque_slopes(const MotionSamples& motion, std::vector<MatrixXd>& slopes) const {
   const Eigen::Index n = motion.joints();
   MatrixXd rigid;
-  bodies_->torque_slopes(motion.q, motion.dq, motion.ddq, phi_, rigid);
+  bodies_->torque_derivatives(motion.q, motion.dq, motion.ddq, phi_, rigid);
   for (const int i : torque_joints_) {
     MatrixXd own(motion.rows(), 3 * n);
     for (Eigen::Index d = 0; d < 3 * n; ++d) own.col(d) = rigid.col(d * n + i);

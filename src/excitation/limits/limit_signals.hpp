@@ -12,25 +12,26 @@
 
 namespace veridyn {
 
-/// A quantity along a motion that has to stay within bounds.
+/// A quantity that has to stay within bounds along a motion.
 struct LimitSignal {
   std::string name;  ///< "speed of yaw", "torque of pitch", "x of tool", ...
   std::string unit;
   double lower;
   double upper;
-  double scale;  ///< its size, so that margins of different units compare
+  double scale;  ///< normalisation for comparing margins of different units
 };
 
-/// Of torques: a supervisor stops an arm whose motors saturate, and friction is not known yet.
+/// Share of torque limits: a supervisor stops an arm whose motors saturate, and friction is unknown
+/// as yet.
 constexpr double kTorqueOfSupervisor = 0.95;
 
-/// Everything that a motion has to keep, as signals along it. Signals 0 .. 3 n - 1 are q, dq, ddq
+/// All bounded quantities as signals along a motion. Signals 0 .. 3 n - 1 are q, dq, ddq
 /// themselves.
 class LimitSignals {
  public:
   /// @param powered  the arm with values, where torques are limited; its efforts are the bounds.
-  /// @param braking  [1/s] above zero: where a joint would stop, q + dq / braking, stays within its
-  ///                 range as well.
+  /// @param braking  [1/s] above zero: the position after braking, q + dq / braking, must stay
+  /// within the range as well.
   /// @throws InvalidInput  an unknown frame, bounds in the wrong order, no values.
   LimitSignals(const Model& arm, const MotionLimits& joints, const WorkspaceLimits& workspace,
                const std::optional<Model>& powered, double braking = 0.0);
@@ -39,11 +40,11 @@ class LimitSignals {
   int joints() const { return joints_; }
   const LimitSignal& operator[](int k) const { return signals_[static_cast<size_t>(k)]; }
 
-  /// Those after q, dq, ddq, (rows x count() - 3 n).
+  /// Signals after q, dq, ddq, (rows x count() - 3 n).
   MatrixXd values(const MotionSamples& motion) const;
 
-  /// Their derivatives by q, dq, ddq of the same row: one matrix (rows x 3 n) per signal. The past
-  /// of effects with a memory is left out.
+  /// Their derivatives by q, dq, ddq of the same row: one matrix (rows x 3 n) per signal. The
+  /// dependence on earlier rows through memories is neglected.
   std::vector<MatrixXd> slopes(const MotionSamples& motion) const;
 
  private:
@@ -55,7 +56,7 @@ class LimitSignals {
   void torque_slopes(const MotionSamples& motion, std::vector<MatrixXd>& slopes) const;
   double geometry(const FramePoints& at, size_t k, Eigen::RowVectorXd* slope) const;
 
-  // A signal of positions: what it measures between which points.
+  // A geometric signal and the points that it measures.
   struct Geometry {
     enum class Kind { kCoordinate, kDistance, kInsertion } kind;
     int axis;
@@ -66,8 +67,8 @@ class LimitSignals {
   int joints_;
   Model arm_;
   std::vector<LimitSignal> signals_;
-  double braking_;  // 0: no stops
-  // Torques.
+  double braking_;  // 0: braking is not considered
+  // Members for torques.
   std::vector<int> torque_joints_;
   std::unique_ptr<RegressorBatch> bodies_;
   VectorXd phi_;

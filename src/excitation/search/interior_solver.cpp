@@ -25,8 +25,8 @@
 //
 //   phi(x, s) = f - mu sum log(s - l) - mu sum log(u - s) + nu |c - s|_1                      (5)
 //
-// has become smaller by the share eta of what its slope promises. The penalty nu is large enough
-// for the slope to be negative (18.36 of the book):
+// has decreased by the share eta of what its slope predicts. The penalty nu is large enough for the
+// slope to be negative (18.36 of the book):
 //
 //   nu >= (grad f' p_x + slope of the logarithms + p_x' B p_x / 2) / ((1 - rho) |c - s|_1)    (6)
 
@@ -42,15 +42,15 @@ namespace veridyn {
 namespace {
 
 constexpr double kFirstMu = 1e-2;
-constexpr double kMuShrinks = 0.9;  // by this factor with every step with alpha > kLongStep
+constexpr double kMuShrinks = 0.9;  // by this factor in every step with alpha > kLongStep
 constexpr double kLongStep = 0.3;
 constexpr double kTau = 0.99;
 constexpr double kEta = 1e-4;
 constexpr double kRho = 0.1;
 constexpr int kHalvings = 12;
-constexpr double kFirstStep = 0.1;   // length of p_x before anything of the curvature is known
+constexpr double kFirstStep = 0.1;   // length of p_x before any curvature is known
 constexpr double kNearCentre = 1e4;  // z stays within this factor of mu / distance
-constexpr int kPatience = 15;        // iterations in which f falls by less than kSmallGain
+constexpr int kPatience = 15;        // iterations in which f may fall by less than kSmallGain
 constexpr double kSmallGain = 3e-5;
 
 // One side of l <= s <= u. Components without a bound have distance 1 and multiplier 0.
@@ -166,7 +166,7 @@ class InteriorPoint {
     A_.set(program_.jacobian(x_));
   }
 
-  // s = c(x), moved inside of the bounds by a hundredth of their distance; z from (2c).
+  // Sets s = c(x), moved inside the bounds by a hundredth of their distance; z from (2c).
   void start_slacks() {
     s_ = c_;
     for (Eigen::Index i = 0; i < m_; ++i) {
@@ -180,7 +180,7 @@ class InteriorPoint {
       side->z = side->exists * mu_ / side->distance(s_);
   }
 
-  // How far (2) with mu = 0 is from being met (19.10 of the book).
+  // Residual of (2) with mu = 0 (19.10 of the book).
   double error() const {
     const VectorXd z = (lower_.z - upper_.z).matrix();
     return std::max({lagrangian_gradient(z).lpNorm<Eigen::Infinity>(),
@@ -189,7 +189,7 @@ class InteriorPoint {
                      (upper_.z * upper_.distance(s_)).maxCoeff()});
   }
 
-  // Equations (3). False where the matrix is not positive definite to machine precision.
+  // Solves equations (3). False if the matrix is not numerically positive definite.
   bool newton_step() {
     const Eigen::ArrayXd s_l = lower_.distance(s_);
     const Eigen::ArrayXd u_s = upper_.distance(s_);

@@ -1,4 +1,4 @@
-#define HAVE_CSTDDEF  // Debian's Ipopt 3.11 asks for it
+#define HAVE_CSTDDEF  // required by Debian's Ipopt 3.11
 #include <IpIpoptApplication.hpp>
 #include <IpTNLP.hpp>
 
@@ -15,15 +15,15 @@ namespace {
 using Ipopt::Index;
 using Ipopt::Number;
 
-constexpr double kUnbounded = 2e19;       // as Ipopt writes infinity
+constexpr double kUnbounded = 2e19;       // Ipopt's infinity
 constexpr double kLimitTolerance = 1e-6;  // share of a limit's scale
 constexpr double kFirstStep = 0.1;        // length of a step before the curvature is known
 constexpr int kPatience = 8;              // iterations that change the objective by less than kSmallestGain
 constexpr double kSmallestGain = 1e-4;
 
-// A program as Ipopt asks for it. Variables and limits come scaled. Its Hessian is a dense BFGS matrix
-// of the Lagrangian, updated at every point: motions have tens of variables, and curvature of a
-// criterion that a short memory forgets.
+// A program in Ipopt's interface. Variables and limits are scaled. The Hessian of the Lagrangian is
+// a dense BFGS matrix, updated at every point: motions have tens of variables, and a limited-memory
+// update would lose curvature of the criterion.
 class IpoptProgram final : public Ipopt::TNLP {
  public:
   IpoptProgram(NonlinearProgram& program, VectorXd start, const SolverOptions& options)
@@ -105,7 +105,7 @@ class IpoptProgram final : public Ipopt::TNLP {
   SolverResult result;
 
  private:
-  // Gradient of f + multipliers' c.
+  // Gradient of the Lagrangian, f + multipliers' c.
   VectorXd lagrangian(const VectorXd& gradient, const VectorXd& jacobian, const VectorXd& multipliers) const {
     VectorXd out = gradient;
     for (Eigen::Index e = 0; e < jacobian.size(); ++e) {
@@ -134,12 +134,12 @@ class IpoptProgram final : public Ipopt::TNLP {
   NonlinearProgram& program_;
   const SolverOptions& options_;
   MatrixXd B_;
-  VectorXd x_, gradient_, jacobian_;  // of the last update
+  VectorXd x_, gradient_, jacobian_;  // at the last update
   bool first_ = true;
 };
 
 SolverResult ipopt(NonlinearProgram& program, const VectorXd& start, const SolverOptions& options) {
-  static std::mutex one_at_a_time;  // MUMPS keeps its state in globals
+  static std::mutex one_at_a_time;  // MUMPS has global state
   const std::lock_guard<std::mutex> lock(one_at_a_time);
   const Ipopt::SmartPtr<Ipopt::IpoptApplication> solver = new Ipopt::IpoptApplication(false);
   const auto set = solver->Options();

@@ -8,24 +8,24 @@
 #include <tuple>
 #include <utility>
 
-#include "veridyn/math/require.hpp"
 
 namespace veridyn {
 namespace {
 
-constexpr int kDraws = 32;            // random motions of which the best begins a search
-constexpr int kTrials = 16;           // random motions from which short descents begin
+constexpr int kDraws = 32;            // random motions of which the best starts a search
+constexpr int kTrials = 16;           // random motions that start short descents
 constexpr int kTrialIterations = 30;  // each
-constexpr int kFollowed = 3;          // descents that are followed to the end
+constexpr int kFollowed = 3;          // descents that are continued to the end
 constexpr int kCriterionInstantsPerWave = 24;  // instants of the shortest wave, for the criterion
-constexpr int kLimitsPerWave = 14;    // and for the limits; what is between is fitted afterwards
+// And for the limits; violations between them are removed afterwards.
+constexpr int kLimitsPerWave = 14;
 static_assert(kStages == 2, "one for each sharpness");
 constexpr double kSharpness[] = {2.0, 16.0};  // sharpness of the smooth condition number, one after the other
 constexpr double kLastSharpness = 100.0;      // for the best motion of all searches
-constexpr int kNarrowings = 5;                // rounds until limits hold between instants too
-constexpr double kInside = 1e-7;              // share of a limit's scale: against rounding
+constexpr int kNarrowings = 5;                // rounds until limits hold between instants as well
+constexpr double kInside = 1e-7;              // share of a limit's scale, as a margin for rounding
 
-constexpr double kRoundingShare = 1e-12;  // share of a joint's limits, that is left free
+constexpr double kRoundingShare = 1e-12;  // share of a joint's limits that stays free
 
 }  // namespace
 
@@ -245,7 +245,7 @@ VectorXd fitted_to_joints(const MotionSpace& space, const VectorXd& x) {
                                    limits.acceleration[i] / bounds.acceleration[i]}) *
                          (1.0 - kRoundingShare);
     own.tail(p - 1) *= share;
-    // The range about its mean position shrinks with the motion.
+    // The range about the mean position shrinks with the motion.
     const double mean = space.middle_of(i) + space.size_of(i) * own[0];
     const double low = share * (bounds.lower[i] - mean);
     const double high = share * (bounds.upper[i] - mean);

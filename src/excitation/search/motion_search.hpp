@@ -10,20 +10,19 @@
 
 namespace veridyn {
 
-/// Descents of one search for the condition number, each with a sharper stand-in.
+/// Descents of one search for the condition number, each with a sharper approximation.
 constexpr int kStages = 2;
 
-/// What one start found.
+/// Result of one start.
 struct Found {
-  std::vector<VectorXd> ends;  ///< Ends of its descents; empty: nothing within the limits
-  bool converged = false;      ///< the last descent
+  std::vector<VectorXd> ends;  ///< final points of its descents; empty: no motion within the limits
+  bool converged = false;      ///< the last descent converged
   long evaluations = 0;
   VectorXd start;    ///< the first random motion
-  VectorXd nearest;  ///< The motion that crosses the limits least, where none is within them
+  VectorXd nearest;  ///< the motion with the smallest violation, where none keeps the limits
 };
 
-/// The searches of one problem; each start is a search of its own. Immutable: starts run side by
-/// side.
+/// The searches of one problem; each start is independent. Immutable: starts run in parallel.
 class MotionSearch {
  public:
   MotionSearch(const MotionSpace& space, const LimitSignals& signals, const Question& question,
@@ -32,16 +31,16 @@ class MotionSearch {
 
   Found run(int start) const;
 
-  /// Iterations of one start, about; descents that are repeated come on top.
+  /// Approximate number of iterations of one start, without repeated descents.
   static int most_steps(const ExcitationOptions& options);
 
-  /// A last descent, for the condition number: with a stand-in that is close to it. Empty where
-  /// nothing within the limits came of it, and for other criteria.
+  /// A final descent on a close approximation of the condition number. Empty if it finds no motion
+  /// within the limits, and for other criteria.
   VectorXd polished(const VectorXd& from, int start, Found& found) const;
 
  private:
   struct Bounds {
-    VectorXd lower, upper;  ///< Bounds of every signal
+    VectorXd lower, upper;  ///< of every signal
   };
   Bounds allowed() const;
   bool has_more_than_joints() const { return signals_.count() > 3 * space_.joints(); }
@@ -73,19 +72,18 @@ Excitation optimise_excitation(const Model& arm, const ExcitationOptions& option
                                const NonlinearSolver& solver);
 
 /// The nearest motion of the same shape within the ranges, speeds and accelerations of the space:
-/// joints that exceed one are made smaller and moved.
+/// joints that exceed one are scaled down and shifted.
 VectorXd fitted_to_joints(const MotionSpace& space, const VectorXd& x);
 
-/// Range and margin of every limit along a motion, also between the instants that are looked at:
-/// joints by bounds that hold for certain, everything else by its curvature at 64 instants per
-/// shortest wave.
+/// Range and margin of every limit along a motion, between instants as well: joints by rigorous
+/// bounds, others by their curvature at 64 instants per shortest wave.
 std::vector<LimitMargin> limit_margins(const LimitSignals& signals,
                                        const FourierTrajectory& trajectory);
 
-/// The same of samples that need not repeat, by the curvature between them.
+/// The same for samples of a motion that need not repeat, by the curvature between them.
 std::vector<LimitMargin> limit_margins(const LimitSignals& signals, const MotionSamples& motion);
 
-/// Of one motion after the other.
+/// Margins of two successive motions.
 std::vector<LimitMargin> joined(const std::vector<LimitMargin>& first,
                                 const std::vector<LimitMargin>& second);
 

@@ -8,7 +8,7 @@
 namespace veridyn {
 namespace {
 
-// Orthonormal columns that span what is orthogonal to v.
+// An orthonormal basis of the complement of v.
 MatrixXd complement(const VectorXd& v) {
   const MatrixXd Q = Eigen::HouseholderQR<MatrixXd>(v).householderQ();
   return Q.rightCols(v.size() - 1);

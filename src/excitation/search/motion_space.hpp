@@ -34,14 +34,15 @@ class MotionSpace {
 
   MotionSamples samples(const Basis& basis, const VectorXd& x) const;
 
-  /// The derivatives by x of a function whose derivatives by the samples are slopes, (rows x 3 n).
+  /// Chain rule: derivatives by x of a function with derivatives `slopes` by the samples, (rows x 3
+  /// n).
   VectorXd gradient(const Basis& basis, const MatrixXd& slopes) const;
 
   /// q_i = middle_i + size_i * (basis . x_i).
   double size_of(int joint) const { return size_[joint]; }
   double middle_of(int joint) const { return middle_[joint]; }
 
-  /// Any shape, within position, speed and acceleration limits: `share` of the largest size.
+  /// A random shape within position, speed and acceleration limits: `share` of the largest size.
   VectorXd random(RandomNumbers& numbers) const;
 
  private:

@@ -18,7 +18,8 @@ struct NloptProblem {
   NonlinearProgram& program;
   const SolverOptions& options;
   nlopt_opt solver;
-  std::vector<std::pair<int, double>> rows;  // and +1 for an upper bound, -1 for a lower one
+  // Index and sign: +1 for an upper bound, -1 for a lower one.
+  std::vector<std::pair<int, double>> rows;
 };
 
 double nlopt_objective(unsigned n, const double* at, double* gradient, void* data) {

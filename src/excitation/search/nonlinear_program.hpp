@@ -8,7 +8,8 @@
 
 namespace veridyn {
 
-/// minimise f(x) subject to lower <= c(x) <= upper, with exact derivatives; what the solvers see.
+/// Minimise f(x) subject to lower <= c(x) <= upper, with exact derivatives: interface of the
+/// solvers.
 class NonlinearProgram {
  public:
   virtual ~NonlinearProgram() = default;
@@ -59,7 +60,7 @@ SolverResult solve_with_nlopt(NonlinearProgram& program, const VectorXd& start,
 
 /// Damped BFGS updating, procedure 18.2 of Nocedal and Wright: B stays positive definite.
 /// @param s_k, y_k  change of x and of the Lagrangian's gradient.
-/// @param first  B says nothing yet about the curvature; its size is chosen first.
+/// @param first  B has no curvature yet; its scale is chosen first.
 void update_hessian(MatrixXd& B, const VectorXd& s_k, const VectorXd& y_k, bool first);
 
 }  // namespace veridyn

@@ -5,13 +5,13 @@
 #include <utility>
 
 #include "regressor/random_states.hpp"
-#include "kinematics/motion_limits.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn {
 namespace {
 
-// The size of each joint's torque: of the arm's own values at random states, or its largest effort.
+// Reference torque of each joint: that of the arm's own values at random states, or its largest
+// effort.
 VectorXd torque_sizes(const Model& arm) {
   const auto phi = arm.inertial_values();
   VectorXd size = VectorXd::Ones(arm.joints());
@@ -33,7 +33,7 @@ VectorXd torque_sizes(const Model& arm) {
   return size;
 }
 
-// Information of recorded motions per second of them, in units of one instant of the new motion.
+// Information of recorded motions per second, in units of one instant of the new motion.
 MatrixXd given_information(const StackedColumns& columns, const VectorXd& row_weights,
                            const std::vector<MotionSamples>& given, double seconds) {
   MatrixXd sum = MatrixXd::Zero(columns.chosen(), columns.chosen());
@@ -95,8 +95,8 @@ double Question::cost(const MotionSamples& motion) const { return verdict(exact_
 
 namespace {
 
-// The thesis's condition number is that of rows as they are; a confidence ellipsoid is that of rows
-// divided by their noise.
+// The thesis' condition number uses unweighted rows; a confidence ellipsoid needs rows divided by
+// their noise.
 VectorXd weights_of_rows(const Model& arm, const ExcitationOptions& options) {
   if (options.criterion == ExcitationCriterion::kCondition) return VectorXd::Ones(arm.joints());
   if (options.criterion == ExcitationCriterion::kDiscriminate)

@@ -17,7 +17,7 @@
 namespace veridyn {
 namespace {
 
-// One of the two causes: as it was asked for, and what it means on this arm.
+// One of the two causes: as given by the user, and resolved on this arm.
 struct KnownRival {
   std::string label;
   Cause cause;
@@ -37,7 +37,7 @@ VectorXd own_values(const Model& arm, const KnownRival& rival) {
 
 using Columns = std::vector<std::shared_ptr<const ColumnSource>>;
 
-// One body on the frame and no other.
+// Columns of the body on the frame alone.
 Columns body_on_frame(const Model& arm, FrameIndex frame, const std::vector<int>& kept) {
   ModelDescription only = arm.description();
   for (Frame& f : only.frames) f.body.reset();
@@ -69,9 +69,9 @@ bool is_on(const EffectTerm& term, const std::string& effect, JointIndex joint) 
          term.axis.coefficients == VectorXd::Unit(term.axis.coefficients.size(), joint.value);
 }
 
-constexpr size_t kMostChoices = 3;  // choices of one rival's constants
+constexpr size_t kMostChoices = 3;  // choices of one cause's constants
 
-// Every second one, where there are many: neighbours of a fine grid have nearly the same columns.
+// Takes every second one of many: neighbours on a fine grid have nearly the same columns.
 std::vector<ShapeChoice> thinned(std::vector<ShapeChoice> choices) {
   while (choices.size() > kMostChoices) {
     std::vector<ShapeChoice> fewer;
@@ -92,8 +92,8 @@ AxisMotion within_limits(const Model& arm, JointIndex joint) {
   return m;
 }
 
-// The effect with the constants that the model found for it there. Without any, one term for each
-// of a few choices: a diagnosis may take whichever suits it best.
+// The effect with the constants that the model has for it there. Without any, one term for each of
+// a few choices, any of which a diagnosis may find.
 std::vector<EffectTerm> effect_terms(const Model& arm, const std::string& effect,
                                      JointIndex joint) {
   for (const EffectTerm& own : arm.effects()) {
@@ -121,7 +121,7 @@ std::vector<int> numbers(int first, int count) {
   return out;
 }
 
-// How large the parameters are beside each other: 1 kg within 0.1 m, or equal torques.
+// Relative sizes of the parameters: 1 kg within 0.1 m, or equal torques.
 VectorXd sizes_of(const KnownRival& rival, const MatrixXd& W, const std::vector<int>& columns,
                   int first) {
   VectorXd out(static_cast<Eigen::Index>(columns.size()));
@@ -161,7 +161,7 @@ Columns rival_columns(const Model& arm, const KnownRival& rival, double rounding
   return axis_columns(arm, rival, *effect, rounding);
 }
 
-// Without the rivals' own terms where they have values: what changed of them is asked then.
+// Removes terms of the two causes that have values: the question is then how they changed.
 Model without_rivals(const Model& arm, const std::array<KnownRival, 2>& rivals) {
   ModelDescription rest = arm.description();
   const auto is_rival = [&](const EffectTerm& term) {
@@ -176,12 +176,12 @@ Model without_rivals(const Model& arm, const std::array<KnownRival, 2>& rivals) 
   return Model(std::move(rest));
 }
 
-// The columns of a discrimination: first those of the arm, then A's, then B's.
+// The columns of a discrimination: those of the arm, then A's, then B's.
 struct Choice {
   std::vector<int> nuisance, first, second;
 };
 
-// Nuisance columns out of `candidates`; what of each rival does not follow from them.
+// Selects nuisance columns among `candidates`, and the independent columns of each cause.
 Choice choose(const MatrixXd& W, const std::vector<int>& candidates, const std::vector<int>& a,
               const std::vector<int>& b) {
   Choice out;
@@ -224,7 +224,8 @@ void add_rivals(const Model& arm, const ExcitationOptions& options, double round
       numbers(arm_count + first_count, exact->count() - arm_count - first_count);
   Choice choice = choose(W, preferred_columns(standard_parameters(others)), of_a, of_b);
   if (choice.first.empty() || choice.second.empty()) {
-    // The bodies' own parameters can take the rival's place; it shows only where they are known.
+    // The bodies' own parameters can imitate the cause, which is identifiable only if they are
+    // known.
     question.bodies_known = true;
     choice = choose(W, numbers(body_count, arm_count - body_count), of_a, of_b);
   }

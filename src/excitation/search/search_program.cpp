@@ -7,8 +7,9 @@
 namespace veridyn {
 namespace {
 
-constexpr double kHeld = 2e-6;      // share of a limit's scale: what a solver leaves open
-constexpr double kPullBack = 1e-4;  // keeps the widest violation's motion from running away
+constexpr double kHeld = 2e-6;  // share of a limit's scale: a solver's tolerance
+// Regularisation that keeps the motion of the widest violation bounded.
+constexpr double kPullBack = 1e-4;
 
 }  // namespace
 
@@ -149,7 +150,7 @@ void SearchProgram::look() {
 WidestViolation::WidestViolation(const GridConstraints& limits, int variables)
     : limits_(limits), variables_(variables) {
   const Eigen::Index rows = limits.lower().size();
-  // c - t <= upper, and c + t >= lower.
+  // Constraints c - t <= upper and c + t >= lower.
   lower_ = VectorXd::Constant(2 * rows, -kInfinity);
   upper_ = VectorXd::Constant(2 * rows, kInfinity);
   upper_.head(rows) = limits.upper();

@@ -14,18 +14,18 @@ class GridConstraints {
  public:
   GridConstraints(const MotionSpace& space, const LimitSignals& signals, int instants);
 
-  /// Bounds of every signal; infinite where it is free. At first those of the signals.
+  /// Sets bounds of every signal; infinite where it is free. Initially those of the signals.
   void set_bounds(const VectorXd& lower, const VectorXd& upper);
 
   const VectorXd& lower() const { return lower_; }
   const VectorXd& upper() const { return upper_; }
   const std::vector<std::pair<int, int>>& pattern() const { return pattern_; }
-  /// Rows of the joints' ranges, speeds and accelerations, which come first.
+  /// Number of rows of the joints' ranges, speeds and accelerations, which come first.
   int joint_rows() const { return joint_rows_; }
   VectorXd values(const VectorXd& x) const;
   VectorXd jacobian(const VectorXd& x) const;
 
-  /// By how much x leaves the bounds, at most, in shares of the scale; and which signal does.
+  /// The largest violation of the bounds at x, relative to the scale, and its signal.
   struct Violation {
     double size = 0.0;
     int signal = -1;
@@ -43,8 +43,8 @@ class GridConstraints {
   VectorXd constant_;  // entries of the Jacobian that belong to q, dq, ddq
 };
 
-/// The smallest criterion within the limits. Remembers the best motion that keeps them, whatever
-/// the solver does.
+/// Minimises the criterion within the limits and records the best motion that keeps them,
+/// independently of the solver.
 class SearchProgram final : public NonlinearProgram {
  public:
   SearchProgram(const MotionObjective& objective, const GridConstraints& limits, int variables);
@@ -58,7 +58,7 @@ class SearchProgram final : public NonlinearProgram {
   const std::vector<std::pair<int, int>>& pattern() const override { return limits_.pattern(); }
   VectorXd jacobian(const VectorXd& x) override { return limits_.jacobian(x); }
 
-  /// The best so far within the limits, as far as the solver has asked.
+  /// The best evaluated motion within the limits.
   struct Best {
     VectorXd x;
     double value = std::numeric_limits<double>::infinity();
@@ -80,8 +80,8 @@ class SearchProgram final : public NonlinearProgram {
   int evaluations_ = 0;
 };
 
-/// The smallest t such that all limits hold when those of torques and places are widened by t times
-/// their scale: whether they can be met at all, and by how much not. The last variable is t.
+/// Minimises t such that all limits hold when those of torques and places are widened by t times
+/// their scale: t tells if they can be met, and the violation otherwise. The last variable is t.
 class WidestViolation final : public NonlinearProgram {
  public:
   explicit WidestViolation(const GridConstraints& limits, int variables);

@@ -8,7 +8,8 @@
 
 namespace veridyn {
 
-/// What several searches have to say, one line now and then. Only messages depend on the clock.
+/// Merges the progress messages of several searches into occasional lines. Only messages depend on
+/// the clock.
 class SearchProgress {
  public:
   using Listener = std::function<void(const std::string&, double)>;
@@ -16,10 +17,10 @@ class SearchProgress {
   /// @param steps  of one search, at most.
   SearchProgress(Listener listener, int searches, int steps);
 
-  /// One more step of a search.
+  /// Reports one more step of a search.
   void step(int search, const std::string& news);
 
-  /// A search is over, whatever steps are left.
+  /// Reports the end of a search.
   void over(int search);
 
  private:

@@ -7,7 +7,7 @@
 
 namespace veridyn {
 
-/// The rows of a sparse Jacobian whose pattern stays the same.
+/// Rows of a sparse Jacobian with a constant pattern.
 class SparseRows {
  public:
   SparseRows(const std::vector<std::pair<int, int>>& pattern, Eigen::Index rows)
@@ -68,7 +68,7 @@ class SparseRows {
 
  private:
   std::vector<size_t> begin_;
-  std::vector<Eigen::Index> place_;  // of an entry of the pattern
+  std::vector<Eigen::Index> place_;  // index of an entry of the pattern
   std::vector<int> column_;
   VectorXd values_;
 };

@@ -8,17 +8,17 @@
 
 namespace veridyn {
 
-/// Those rows of a program that can become active: the problem that general solvers are good at.
+/// The rows of a program that can become active, for general solvers.
 class WorkingSet final : public NonlinearProgram {
  public:
-  /// @param near  rows nearer to a bound than this at the start belong to the set.
+  /// @param near  distance from a bound, below which a row belongs to the initial set.
   WorkingSet(NonlinearProgram& whole, const VectorXd& start, double near)
       : whole_(whole), chosen_(static_cast<size_t>(whole.lower().size()), false) {
     add(whole_.constraints(start), near);
   }
 
   /// Adds rows whose values c are nearer to a bound than `near`, or beyond it by -near.
-  /// @returns how many are new.
+  /// @returns the number of new rows.
   int add(const VectorXd& c, double near) {
     int added = 0;
     for (Eigen::Index r = 0; r < c.size(); ++r) {
@@ -75,8 +75,8 @@ class WorkingSet final : public NonlinearProgram {
   std::vector<std::pair<int, int>> pattern_;
 };
 
-/// Solves with the rows that are near to a bound at the start; rows that the answer violates are
-/// added, and the search goes on from that answer.
+/// Solves with the rows near a bound at the start; violated rows are added, and the search
+/// continues from that solution.
 inline SolverResult with_working_set(const NonlinearSolver& solver, NonlinearProgram& whole,
                                      const VectorXd& start, const SolverOptions& options) {
   constexpr double kNear = 0.15;  // of a limit's scale
@@ -92,7 +92,7 @@ inline SolverResult with_working_set(const NonlinearSolver& solver, NonlinearPro
     all.converged = one.converged;
     all.iterations += one.iterations;
     if (options.stop && options.stop()) break;
-    (void)whole.objective(all.x);  // the program remembers the best motion within all limits
+    (void)whole.objective(all.x);  // records the best motion within all limits
     const VectorXd c = whole.constraints(all.x);
     if (part.add(c, -kHeld) == 0) break;
     part.add(c, kBeside);

@@ -16,13 +16,14 @@
 namespace veridyn {
 namespace {
 
-constexpr double kIdentifiable = 0.25;        // half the 95 % interval, relative: wider ones tell no gain
+// Half the 95 % interval, relative: with a wider one the gain is not identifiable.
+constexpr double kIdentifiable = 0.25;
 constexpr double kNothing = 1e-6;     // share of a joint's torque
 constexpr double kNoWeight = 1e-9;    // [N m/kg]
-constexpr size_t kMostDivisions = 8;  // recordings that are divided by trying all divisions
-constexpr double kHeavier = 4.0;  // t value at which one joint at least must feel the known mass
+constexpr size_t kMostDivisions = 8;  // number of recordings up to which all divisions are tried
+constexpr double kHeavier = 4.0;  // t value that at least one joint must reach
 
-// For every recording the load that it carries, or -1; loads without names are left out.
+// For every recording the index of its load, or -1; loads without names are skipped.
 std::vector<int> named_loads(const std::vector<std::string>& recordings,
                              const std::vector<KnownMass>& loads) {
   std::vector<int> out(recordings.size(), -1);
@@ -91,7 +92,7 @@ DriveGain gain_of(const Coordinate& coordinate, double p, double deviation, doub
   return out;
 }
 
-// Centre of a load from its first moments, where these stand for themselves.
+// The centre of a load from its first moments, if they are identifiable alone.
 void find_centre(const GainFit& fit, int load, MountedLoad& mounted) {
   const std::vector<std::string> names = GainData::load_columns(load);
   const std::vector<std::string>& unknown = fit.columns.unknown;

@@ -7,7 +7,7 @@
 #include "veridyn/math/require.hpp"
 #include "model/suggestion.hpp"
 
-// What users write about known masses, and what they read about drive gains.
+// Parses known masses and reports drive gains.
 
 namespace veridyn {
 

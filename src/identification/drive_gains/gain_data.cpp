@@ -20,13 +20,12 @@ std::string load_frame(int load) {
   return text("known_load_", load);
 }
 
-// Effects that are the same on every day; friction and offsets are not.
+// True for effects that are the same every day, unlike friction and offsets.
 bool lasting(const std::string& effect) {
   return find_effect(effect).traits().lasting;
 }
 
-// The arm in amperes: gains of one, nothing taken to the other side of the equation, and a body for
-// the load.
+// The arm in amperes: unit gains, facts as unknowns, and a body for the load.
 Model arm_with_load(const Model& arm, const KnownMass& load, int index) {
   ModelDescription d = arm.description();
   for (Coordinate& c : d.coordinates) c.drive_gain = 1.0;
@@ -69,7 +68,7 @@ GainData::GainData(const Model& arm, const std::vector<std::string>& recordings,
   for (const int load : load_of) {
     arms_.push_back(arm_with_load(arm, loads[static_cast<size_t>(load)], load));
     std::vector<StandardParameter> parameters = standard_parameters(arms_.back());
-    // What the file holds as facts is known here, too.
+    // Facts of the file are known values here as well.
     const std::vector<StandardParameter> own = standard_parameters(arm);
     for (StandardParameter& p : parameters) {
       const auto same = std::find_if(own.begin(), own.end(),

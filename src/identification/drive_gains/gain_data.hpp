@@ -10,25 +10,27 @@
 
 namespace veridyn {
 
-/// Recordings of currents, compressed once, from which equations for any division into loaded and
-/// unloaded ones are made.
+/// Recordings of currents, compressed once, which provide the equations for any division into
+/// loaded and unloaded ones.
 ///
-/// Columns are standard parameters of the arm, those of effects that drift from day to day apart
-/// for every recording, and the ten of each load, on a frame of its own.
+/// Columns: standard parameters of the arm, a separate set per recording for effects that vary from
+/// day to day, and ten parameters of each load, on a frame of its own.
 class GainData {
  public:
-  /// @param load_of  index into loads for every recording: one that it carries or might carry.
+  /// @param load_of  for every recording the index of the load that it carries or may carry.
   GainData(const Model& arm, const std::vector<std::string>& recordings,
            const std::vector<KnownMass>& loads, const std::vector<int>& load_of,
            const PreprocessingOptions& preprocessing, int threads);
 
-  /// One factor for every cluster and joint, the load's columns only where a recording is loaded.
+  /// One factor for every cluster and joint; the load's columns occur only where a recording is
+  /// loaded.
   std::vector<std::vector<SquareRootInformation>> clusters(const std::vector<bool>& loaded) const;
 
-  /// Names of columns to solve for: as many as motions of any kind can tell apart, and known.
+  /// Names of the columns to solve for, those that are identifiable from any motion, and of the
+  /// known ones.
   struct Columns {
     std::vector<std::string> unknown;
-    std::vector<std::string> alone;  ///< Those that stand for themselves only
+    std::vector<std::string> alone;  ///< columns that are identifiable alone
     std::map<std::string, double> known;
   };
   Columns columns(const std::vector<bool>& loaded) const;
@@ -36,14 +38,14 @@ class GainData {
   size_t recording_count() const { return recordings_.size(); }
   int load_of(size_t recording) const { return load_of_[recording]; }
 
-  /// Of all recordings, one after the other.
+  /// Number of clusters of all recordings, which are numbered one after the other.
   int cluster_count() const;
   size_t recording_of_cluster(size_t cluster) const;
 
   /// A load's ten columns, in the order of InertialParameters.
   static std::vector<std::string> load_columns(int load);
 
-  /// (n) largest torque of one kilogram on the load's frame where the arm rests.
+  /// (n) largest torque of one kilogram on the load's frame at rest.
   VectorXd weight_torque(int load) const;
 
  private:
@@ -56,7 +58,7 @@ class GainData {
   std::vector<CompressedRecording> recordings_;
 };
 
-/// The equation of one joint.
+/// Builds the equation of one joint.
 GainEquation gain_equation(const SquareRootInformation& factor, const GainData::Columns& columns);
 
 }  // namespace veridyn

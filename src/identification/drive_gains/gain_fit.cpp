@@ -10,7 +10,7 @@
 namespace veridyn {
 namespace {
 
-constexpr double kUntied = 1e-6;  // share of a gain's column that is rounding
+constexpr double kUntied = 1e-6;  // share of a gain's column below which it is rounding
 
 using Clusters = std::vector<std::vector<SquareRootInformation>>;
 
@@ -33,7 +33,7 @@ std::vector<GainEquation> all_equations(const Clusters& clusters,
   return equations_of(total, columns);
 }
 
-// Sigma and solution only.
+// Computes sigma and the solution only.
 GainFit solved(const GainData& data, const std::vector<bool>& loaded,
                const std::vector<GainEquation>& equations, const GainData::Columns& columns) {
   GainFit fit;
@@ -47,13 +47,13 @@ GainFit solved(const GainData& data, const std::vector<bool>& loaded,
     fit.sigma[static_cast<Eigen::Index>(j)] = noise > 0.0 ? noise : 1.0;  // no current at all
   }
   fit.solution = solve_gains(equations, fit.sigma, start_gains(equations, fit.sigma));
-  // Once more with the noise that is really left.
+  // Repeats the fit with the noise of its residual.
   fit.sigma = residual_current(equations, fit.solution).cwiseMax(fit.sigma);
   fit.solution = solve_gains(equations, fit.sigma, fit.solution);
   return fit;
 }
 
-// Solutions without one cluster each, (x and p below each other x clusters).
+// Solutions without one cluster each: x and p stacked, by clusters.
 MatrixXd left_out(const Clusters& clusters, const GainFit& fit) {
   const size_t count = clusters.size();
   std::vector<std::vector<SquareRootInformation>> after(count);

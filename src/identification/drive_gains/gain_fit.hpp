@@ -10,27 +10,28 @@ namespace veridyn {
 struct GainFit {
   std::vector<bool> loaded;
   GainData::Columns columns;
-  VectorXd sigma;  ///< (n) rms of the currents that are left
+  VectorXd sigma;  ///< (n) rms of the residual currents
   GainSolution solution;
-  VectorXd deviation;  ///< (unknowns, then joints) of x and p, jackknife over clusters; infinite
-                       ///< for gains that nothing ties to the mass
+  /// (unknowns, then joints) of x and p, jackknife over clusters; infinite for gains without a
+  /// connection to the known mass.
+  VectorXd deviation;
   int clusters = 0;
-  VectorXd mass_share;  ///< (n) of the rms torque in loaded recordings, the known mass makes
+  VectorXd mass_share;  ///< (n) share of the known mass in the rms torque of loaded recordings
 
   Eigen::Index joints() const { return sigma.size(); }
   double p_deviation(Eigen::Index joint) const { return deviation[solution.y.size() + joint]; }
 };
 
-/// Solution and deviations. @param loads  as given to data.
+/// Solves, with standard deviations. @param loads  as given to data.
 GainFit fit_gains(const GainData& data, const std::vector<KnownMass>& loads,
                   const std::vector<bool>& loaded);
 
-/// The division in two groups that fits best, the heavier one loaded. Which that is, is the sign of
-/// the gains: exchanging the groups turns all of them.
+/// The best division in two groups, the heavier one loaded. The sign of the gains decides which
+/// that is: exchanging the groups reverses all of them.
 GainFit best_division(const GainData& data, const std::vector<KnownMass>& loads);
 
-/// Signed number of joints that feel the mass, each by how well it does: below zero where currents
-/// grow when the load is taken off.
+/// Signed sum over the joints that the mass loads, weighted by significance: negative if currents
+/// grow when the load is removed.
 double direction(const GainFit& fit);
 
 }  // namespace veridyn

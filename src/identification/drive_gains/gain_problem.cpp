@@ -10,9 +10,9 @@ namespace veridyn {
 namespace {
 
 constexpr int kIterations = 60;
-constexpr double kConverged = 1e-12;  // relative fall of the cost that ends the search
+constexpr double kConverged = 1e-12;  // relative decrease of the cost that ends the search
 constexpr double kTiny = 1e-300;
-constexpr double kNoScale = 1e-9;  // a gain so far below the largest one is none
+constexpr double kNoScale = 1e-9;  // a gain this far below the largest one counts as zero
 
 Eigen::Index total_rows(const std::vector<GainEquation>& equations) {
   Eigen::Index rows = 0;
@@ -20,7 +20,7 @@ Eigen::Index total_rows(const std::vector<GainEquation>& equations) {
   return rows;
 }
 
-// Columns to norm one, for pivots and for damping; columns of zeros stay.
+// Scales columns to norm one, for pivoting and damping; zero columns are kept.
 VectorXd scale_columns(MatrixXd& A) {
   VectorXd scale(A.cols());
   for (Eigen::Index c = 0; c < A.cols(); ++c) {
@@ -44,7 +44,7 @@ double cost_at(const std::vector<GainEquation>& equations, const VectorRef& sigm
   return cost;
 }
 
-// Joints whose gain has no scale: least squares leave it, and all torque, at zero.
+// Joints without a defined gain: least squares leave the gain, and all torque, at zero.
 std::vector<char> without_scale(const VectorXd& gain) {
   const double least = std::max(kNoScale * gain.cwiseAbs().maxCoeff(), kTiny);
   std::vector<char> out;
@@ -53,7 +53,7 @@ std::vector<char> without_scale(const VectorXd& gain) {
 }
 
 // Derivatives of the weighted residuals by y, the scale and the ratios (zero for the reference
-// joint's); `spare` rows of zeros below.
+// joint's), followed by `spare` rows of zeros.
 MatrixXd jacobian(const std::vector<GainEquation>& equations, const VectorRef& sigma,
                   const GainSolution& at, Eigen::Index spare) {
   const Eigen::Index unknowns = at.y.size();
@@ -72,7 +72,7 @@ MatrixXd jacobian(const std::vector<GainEquation>& equations, const VectorRef& s
   return A;
 }
 
-// The step of Gauss and Newton with damping.
+// A damped Gauss-Newton step.
 VectorXd step_at(const std::vector<GainEquation>& equations, const VectorRef& sigma,
                  const GainSolution& at, double damping) {
   const Eigen::Index columns = at.y.size() + 1 + at.ratio.size();
@@ -90,7 +90,7 @@ VectorXd step_at(const std::vector<GainEquation>& equations, const VectorRef& si
   return scale.cwiseProduct(VectorXd(qr.solve(b)));
 }
 
-// x and K of U x + k = K z, weighted as currents are; K below x. Given gains are one.
+// Solves U x + k = K z for x and K, weighted like the currents; K follows x. Given gains are one.
 VectorXd linear_solution(const std::vector<GainEquation>& equations, const VectorXd& weights,
                          const std::vector<char>& given) {
   const Eigen::Index unknowns = equations.front().U.cols();
@@ -150,7 +150,7 @@ GainSolution start_gains(const std::vector<GainEquation>& equations, const Vecto
   std::vector<char> given(static_cast<size_t>(n), 0);
   given = without_scale(linear_solution(equations, currents, given).tail(n));
   VectorXd solution = linear_solution(equations, currents, given);
-  // Errors of torque are K times those of current: weighted with the gains found before.
+  // Torque errors are K times current errors: weighted with the gains found before.
   for (int round = 0; round < 2; ++round) {
     const VectorXd weights = currents.cwiseQuotient(solution.tail(n).cwiseAbs().cwiseMax(kTiny));
     solution = linear_solution(equations, weights, given);

@@ -30,7 +30,7 @@ Eigen::Matrix4d from_upper_triangle(const InertialVector& s) {
   return S;
 }
 
-// One pass over the rows: each variable against the best case of the others.
+// One pass over the rows: bounds each variable by the best case of the others.
 void tighten_by_rows(const SparseRows& rows, Box& box) {
   for (int i = 0; i < rows.size(); ++i) {
     for (int a = rows.start[i]; a < rows.start[i + 1]; ++a) {
@@ -186,7 +186,7 @@ SparseRows sparse_rows(const MatrixXd& G, const VectorXd& h) {
 }
 
 Box implied_box(const SparseRows& rows, const std::vector<Block>& blocks, int variables) {
-  constexpr int kPasses = 3;  // m, then h from m, then what follows from h
+  constexpr int kPasses = 3;  // m, then h from m, then the bounds that follow from h
   Box box;
   box.lower = VectorXd::Constant(variables, -kInfinity);
   box.upper = VectorXd::Constant(variables, kInfinity);
@@ -219,7 +219,7 @@ double gain_over_box(const Program& program, const VectorXd& x, const VectorXd& 
 
 namespace {
 
-// G'*lambda - sum of adjoint(Z), and how much rounding can have changed it.
+// G'*lambda - sum of adjoint(Z), and a bound of its rounding error.
 VectorXd dual_gradient(const Program& program, const Point& point, VectorXd& error) {
   VectorXd c = VectorXd::Zero(program.variables());
   program.rows.add_transposed(point.lambda, c);

@@ -1,6 +1,6 @@
 #pragma once
 
-// Private to feasible_least_squares: the problem in the form that the interior-point method sees.
+// Private to feasible_least_squares: the problem in the form of the interior-point method.
 
 #include <vector>
 
@@ -20,7 +20,7 @@ struct Block {
   double margin = 0.0;
   double log_det_weight = 0.0;
   InertialVector prior =
-      InertialVector::Zero();  ///< what the log-det term pulls toward; the iteration starts there
+      InertialVector::Zero();  ///< reference of the log-det term, and initial value
 
   Eigen::Matrix4d slack(const VectorXd& x) const;
   Eigen::Matrix4d apply(const VectorXd& direction) const;  ///< A(direction)
@@ -30,7 +30,7 @@ struct Block {
 /// The block of one body; the map of the given condition (not kNone).
 Block make_block(int column, PhysicalCondition condition);
 
-/// Rows of G without their zeros, one after the other.
+/// Nonzero entries of the rows of G.
 struct SparseRows {
   std::vector<int> start{0};
   std::vector<int> column;
@@ -49,11 +49,10 @@ SparseRows sparse_rows(const MatrixXd& G, const VectorXd& h);
 struct Box {
   VectorXd lower;
   VectorXd upper;
-  VectorXd trusted;  ///< a variable without an interval is taken to stay within 2*|x_j| + trusted_j
+  VectorXd trusted;  ///< a variable without an interval is assumed within 2*|x_j| + trusted_j
                      ///< Bound of |x_j|
 
-  /// How far variable j can reasonably move: the width of its interval, or less where the data hold
-  /// it.
+  /// Plausible change of variable j: the width of its interval, or less where the data limit it.
   double reach(int j) const;
 };
 
@@ -78,7 +77,7 @@ Box implied_box(const SparseRows& rows, const std::vector<Block>& blocks, int va
 /// positive definite.
 double cost(const Program& program, const VectorXd& x);
 
-/// Whether all constraints hold up to a small part of their terms, though perhaps not strictly.
+/// True if all constraints hold up to rounding, though perhaps not strictly.
 bool met_to_rounding(const Program& program, const VectorXd& x);
 
 /// The symmetric Z with pseudo_inertia_adjoint(Z) = phi.
@@ -95,19 +94,19 @@ struct Point {
 /// point).
 struct Bound {
   double gap = 0.0;
-  std::vector<int> unbounded_columns;  ///< Columns at which `trusted` was used
+  std::vector<int> unbounded_columns;  ///< columns for which `trusted` was used
 };
 
-/// What the variables can gain over the box against a linear cost:  max over u of  c'*(x - u),
-/// |error| added to each |c_j|. Adds columns that needed `trusted`.
+/// Largest gain over the box against a linear cost:  max over u of  c'*(x - u), with |error| added
+/// to each |c_j|. Adds columns that needed `trusted`.
 double gain_over_box(const Program& program, const VectorXd& x, const VectorXd& c,
                      const VectorXd& error, std::vector<int>& unbounded_columns);
 
 /// @param residual  R*x - z at the point.
 Bound duality_gap(const Program& program, const Point& point, const VectorXd& residual);
 
-/// The multipliers prove that no point is feasible:  lambda'*h - margins < min over the box of
-/// (G'*lambda - adjoint(Z))'*u.  @returns whether they do; fills the columns that needed `trusted`.
+/// True if the multipliers prove infeasibility:  lambda'*h - margins < min over the box of
+/// (G'*lambda - adjoint(Z))'*u. Fills the columns that needed `trusted`.
 bool proves_infeasible(const Program& program, const Point& point,
                        std::vector<int>& unbounded_columns);
 

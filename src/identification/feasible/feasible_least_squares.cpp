@@ -104,8 +104,7 @@ void add_entropic_prior(const EntropicPrior& prior, const std::vector<int>& colu
   }
 }
 
-// The log-det term of an entropic prior already keeps J > 0; a second block would only say it
-// again.
+// The log-det term of an entropic prior keeps J > 0, which makes a second block redundant.
 bool needs_condition_blocks(const FeasibleOptions& options) {
   if (options.condition == PhysicalCondition::kNone) return false;
   return options.entropic_prior.weight == 0.0 || options.eigenvalue_margin > 0.0;
@@ -161,8 +160,8 @@ bool strictly_feasible(const cone::Program& program, const VectorXd& x) {
   });
 }
 
-// Rounding can leave x a few units in the last place outside; a tiny move toward a point inside
-// repairs that.
+// Rounding can leave x a few units in the last place outside; a tiny step towards an interior point
+// corrects this.
 void pull_inside(const cone::Program& program, const VectorXd& interior, VectorXd& x) {
   if (interior.size() == 0 || strictly_feasible(program, x)) return;
   for (double part = 1e-14; part < 1.0; part *= 4.0) {

@@ -12,15 +12,15 @@ namespace {
 using Eigen::Matrix4d;
 
 constexpr double kCloseEnough =
-    0.5;  // relative distance at which a slack is replaced by the true one of x
+    0.5;  // relative distance at which a slack is replaced by its exact value at x
 constexpr double kSmallAbsorption =
-    0.1;  // largest relative change of a multiplier to make it fit the gradient
-constexpr double kBoundary = 0.99;  // part of the way to the boundary of the cones
+    0.1;  // largest relative change of a multiplier for matching the gradient
+constexpr double kBoundary = 0.99;  // share of the step to the boundary of the cones
 constexpr double kFirstRegularisation = 1e-14;
 constexpr double kLastRegularisation = 1e-5;
 constexpr int kPatience = 10;  // iterations without a smaller gap
-// The same with an entropic prior: a body far from its prior comes to its place in many short steps,
-// along which the gap is no measure yet.
+// With an entropic prior a body far from its prior moves there in many short steps, during which
+// the gap is no measure of progress.
 constexpr int kPatienceWithPrior = 50;
 
 class InteriorPoint {
@@ -108,8 +108,8 @@ void InteriorPoint::update_residuals() {
   for (size_t k = 0; k < blocks_.size(); ++k) absorb_dual_residual(k);
 }
 
-// The adjoint of the pseudo-inertia is invertible, so that Z can take up the dual residual of its
-// body: rounding in the Newton system then no longer limits the certified gap.
+// The adjoint of the pseudo-inertia is invertible, so that Z can absorb the dual residual of its
+// body: rounding in the Newton system then does not limit the certified gap.
 void InteriorPoint::absorb_dual_residual(size_t k) {
   const Block& block = program_.blocks[k];
   if (!block.is_pseudo_inertia) return;
@@ -146,9 +146,9 @@ bool InteriorPoint::factor() {
   return false;
 }
 
-// One solve for dx from the residual of the whole dual equation, 2*R'*R*dx + G'*dlambda -
-// adjoint(dZ) + dual_residual = 0, as the directions stand. A second call refines what the first
-// one lost to rounding: next to the boundary the Schur complement has entries of 1/slack^2.
+// Solves once for dx from the residual of the whole dual equation, 2*R'*R*dx + G'*dlambda -
+// adjoint(dZ) + dual_residual = 0, at the present directions. A second call is a step of iterative
+// refinement: near the boundary the Schur complement has entries of 1/slack^2.
 void InteriorPoint::advance_direction() {
   VectorXd rhs = -dual_residual_;
   rhs.noalias() -= hessian_.selfadjointView<Eigen::Lower>() * dx_;
@@ -234,12 +234,12 @@ bool InteriorPoint::feasible() const {
                      [](const ScaledBlock& s) { return s.follows_x; });
 }
 
-// Keeps the best feasible point. @returns whether there is nothing left to gain.
+// Keeps the best feasible point. @returns true if the iteration has converged.
 bool InteriorPoint::finish(Solution& solution) {
   if (solution.interior.size() == 0) solution.interior = point_.x;
   const double tolerance =
       stop_.gap_tolerance * std::max(cost(program_, point_.x), stop_.cost_floor);
-  if (plain_degree_ * complementarity(0.0) > tolerance) {  // a part of the gap, which is costly
+  if (plain_degree_ * complementarity(0.0) > tolerance) {  // part of the gap, which is expensive
     solution.point = point_;
     best_iteration_ = solution.iterations;
     return false;

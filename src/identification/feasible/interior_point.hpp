@@ -15,14 +15,13 @@ struct Stop {
 
 struct Solution {
   FeasibleStatus status = FeasibleStatus::kNotConverged;
-  Point point;        ///< the feasible one with the smallest gap, or the last if none was
-  VectorXd interior;  ///< the first strictly feasible x met, well inside; empty if none
+  Point point;        ///< feasible point with the smallest gap, or the last point if there was none
+  VectorXd interior;  ///< first strictly feasible x, well inside; empty if there was none
   std::vector<int> unbounded_columns;
   int iterations = 0;
 };
 
-/// Where the iteration begins: x of a plausible size, slacks and multipliers well inside their
-/// cones.
+/// Initial point: x of plausible size, slacks and multipliers well inside their cones.
 struct Start {
   VectorXd x;
   VectorXd slack;
@@ -31,16 +30,16 @@ struct Start {
 };
 
 /// @param hessian    2*R'*R, lower triangle.
-/// @param first_gap  expected duality gap relative to the cost of the first x; the larger, the more
-///                   the iteration cares for feasibility before the cost.
+/// @param first_gap  expected duality gap relative to the cost of the first x; a larger one favours
+/// feasibility over the cost.
 Start starting_point(const Program& program, const MatrixXd& hessian, double cost_floor,
                      double first_gap);
 
 /// Primal-dual predictor-corrector method with the Nesterov-Todd direction from an infeasible
 /// start.
 ///
-/// The cost is homogeneous in every choice of units: directions and step lengths do not change when
-/// variables or constraints are scaled, so nothing is scaled beforehand.
+/// The method is invariant to units: directions and step lengths do not change when variables or
+/// constraints are scaled, so nothing is scaled beforehand.
 Solution solve(const Program& program, const Stop& stop);
 
 }  // namespace veridyn::cone

@@ -12,13 +12,13 @@ using Eigen::Vector4d;
 
 namespace {
 
-constexpr double kRidge = 1e-3;  // ridge of the least squares that give the first x
+constexpr double kRidge = 1e-3;  // ridge of the least squares for the initial x
 constexpr double kUnseen =
     1e-26;  // a column with a squared norm this far below the largest is zero
-constexpr double kSmallestSlack = 0.1;   // relative to the size of what the constraint compares
-constexpr double kTypicalRadius = 0.25;  // [m] of gyration, where nothing else is known
+constexpr double kSmallestSlack = 0.1;   // relative to the terms of the constraint
+constexpr double kTypicalRadius = 0.25;  // [m] radius of gyration without other information
 
-// Ridge regression; columns that the data do not see stay zero.
+// Ridge regression; columns without data stay zero.
 VectorXd ridge_solution(const Program& program, const MatrixXd& hessian) {
   MatrixXd M = hessian;
   const double largest = M.diagonal().maxCoeff();
@@ -36,7 +36,7 @@ struct Body {
   double radius = kTypicalRadius;
 };
 
-// Mass and size from the box where there is one, else from the least squares.
+// Mass and size from the box if there is one, else from the least squares.
 Body typical_body(const Box& box, const VectorXd& x, int column, double other_mass) {
   Body body;
   const double lower = box.lower(column);

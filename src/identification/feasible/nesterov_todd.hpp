@@ -37,7 +37,7 @@ struct ScaledBlock {
   /// Updates the scaling. @returns false if S or Z is not positive definite.
   bool scale();
 
-  /// second_order: the direction so far is a predictor to be corrected for.
+  /// second_order: the present direction is a predictor that is to be corrected.
   /// The direction for dx = 0, then what a change of dx adds to it. @param moved  A(change of dx).
   void begin_direction(double target, bool second_order);
   void advance_direction(const Matrix4d& moved);

@@ -8,7 +8,7 @@
 
 namespace veridyn {
 
-/// `effects:`; any key of an effect that is none of effect_keys() is a parameter.
+/// `effects:`; a key of an effect that is not among effect_keys() is a parameter.
 std::vector<EffectTerm> read_effects(const YamlNode& list,
                                      const std::vector<std::string>& coordinates,
                                      const std::vector<std::string>& frames);

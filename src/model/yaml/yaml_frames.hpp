@@ -13,7 +13,7 @@ DhConvention read_convention(const YamlNode& node);
 
 /// `frames:`, parents before children.
 ///
-/// @param convention  that of DH rows which do not name their own, if the file has one.
+/// @param convention  for DH rows that do not name their own, if the file has one.
 std::vector<Frame> read_frames(const YamlNode& list, const std::vector<std::string>& coordinates,
                                const std::optional<DhConvention>& convention);
 

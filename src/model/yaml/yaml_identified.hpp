@@ -8,10 +8,10 @@
 namespace veridyn {
 
 /// `identified: {recordings, clusters, error, motion, base: [{name, unit, value, free, std, of,
-/// factor}]}`; std follows from factor and is there for readers.
+/// factor}]}`; std follows from factor and serves human readers.
 IdentifiedBase read_identified(const YamlNode& node, int joints);
 
-/// The section as lines, with its key.
+/// The section as lines of text, with its key.
 std::string identified_text(const IdentifiedBase& identified);
 
 }  // namespace veridyn

@@ -34,7 +34,8 @@ void YamlNode::fail(const std::string& found, const std::string& expected) const
 }
 
 std::string YamlNode::found() const {
-  constexpr std::size_t kShown = 60;  // of a file that is no YAML all may be one word
+  // Length of an excerpt: a file that is no YAML may be a single word.
+  constexpr std::size_t kShown = 60;
   if (node_.IsScalar() && node_.Scalar().size() > kShown)
     return quoted(node_.Scalar().substr(0, kShown) + "...");
   if (node_.IsScalar()) return quoted(node_.Scalar());

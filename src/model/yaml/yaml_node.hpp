@@ -10,17 +10,16 @@
 
 namespace veridyn {
 
-/// One file while it is read.
+/// State of reading one file.
 struct YamlSource {
   std::string file;
   Constants constants;                          ///< known so far
-  std::map<std::string, std::string> formulas;  ///< arithmetic met so far, by place
-  std::string expected = "a robot file";        ///< what the file shall be, for messages
+  std::map<std::string, std::string> formulas;  ///< expressions read so far, by path
+  std::string expected = "a robot file";        ///< kind of file, for messages
 };
 
-/// A node that knows where it stands, so that each mistake can be shown. Every getter throws
-/// InvalidInput "file:line:column: found ..., expected ...". Keep the source alive while nodes are
-/// used.
+/// A node with its position in the file, for messages. Every getter throws InvalidInput
+/// "file:line:column: found ..., expected ...". The source must outlive its nodes.
 class YamlNode {
  public:
   struct Entry;
@@ -29,7 +28,7 @@ class YamlNode {
   static YamlNode parse(const std::string& content, YamlSource& source);
 
   [[noreturn]] void fail(const std::string& found, const std::string& expected) const;
-  /// What stands here, for messages.
+  /// Content of the node, for messages.
   std::string found() const;
   /// "file:line".
   std::string where() const;
@@ -43,18 +42,18 @@ class YamlNode {
   double number_or_infinity() const;
   bool flag() const;
 
-  /// A list of exactly `size` numbers; `expected` says which.
+  /// A list of exactly `size` numbers; `expected` describes them in messages.
   std::vector<double> numbers(std::size_t size, const std::string& expected) const;
   std::vector<YamlNode> items(const std::string& expected) const;
   /// Entries of a map in the order of the file, keys unique.
   std::vector<Entry> entries(const std::string& expected) const;
 
-  /// Fails unless this is a map all of whose keys are among those given.
+  /// Throws unless this is a map with no other keys than these.
   void allow_keys(const std::vector<std::string>& keys) const;
   std::optional<YamlNode> find(const std::string& key) const;
   YamlNode at(const std::string& key) const;
 
-  /// The same node under another place, for formulas: "frames/elbow" rather than "frames/4".
+  /// The same node under another path, for expressions: "frames/elbow" rather than "frames/4".
   YamlNode placed(const std::string& place) const;
 
  private:

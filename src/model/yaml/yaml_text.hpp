@@ -10,24 +10,24 @@
 namespace veridyn {
 
 constexpr double kYamlRounding =
-    1e-15;  ///< what a file may lose of a number, relative to 1 + |number|
+    1e-15;  ///< rounding allowed in a file, relative to 1 + |number|
 
 bool same_in_yaml(double a, double b);
 
-/// 0 where the number is far below the rounding of poses, which are made of numbers about 1.
+/// Zero for a number far below the rounding of poses, whose entries are about 1.
 double without_noise(double value);
 
-/// A scalar as YAML reads it back as text, also inside {} and [].
+/// A scalar that YAML reads back as text, also inside {} and [].
 std::string quoted_if_needed(const std::string& word);
 
 /// The shortest text that is read back as the same number; .inf and -.inf where it is infinite.
 std::string shortest(double value);
 
-/// True if the arithmetic has that value.
+/// True if the expression has that value.
 bool formula_gives(const std::string& formula, const Constants& constants, double value);
 
-/// Numbers as they stand in the file of a model: as arithmetic where the model came so and it still
-/// holds.
+/// Writes numbers of a model's file: as the expression of the original file where it still has the
+/// same value.
 class YamlNumbers {
  public:
   explicit YamlNumbers(const ModelDescription& arm) : arm_(arm) {}

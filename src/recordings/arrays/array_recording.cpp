@@ -6,8 +6,8 @@
 
 #include "math/median.hpp"
 #include "recordings/csv/time_column.hpp"
-#include "recordings/joint_fields.hpp"
-#include "recordings/units.hpp"
+#include "recordings/signals/joint_fields.hpp"
+#include "recordings/signals/units.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn::recordings {
@@ -30,7 +30,7 @@ std::size_t size_of(const NamedArray& a) {
   return a.rows * a.columns;
 }
 
-// The clock of a group: its own, or that of the file.
+// The clock of a group: its own, or the clock of the file.
 const NamedArray* clock_for(const ArraySet& set, const std::string& group,
                             const std::string& wanted, TimeColumns* found) {
   for (const std::string& place : {group, std::string()}) {
@@ -66,7 +66,7 @@ std::int64_t unit_of_clock(const NamedArray& clock, const TimeColumns& columns,
   return unit;
 }
 
-// Element `k` of sample `row`, whichever way the array lies.
+// Element `k` of sample `row`, in either orientation of the array.
 double element(const NamedArray& a, std::size_t rows, std::size_t row, std::size_t k) {
   const bool lying = a.rows != rows && a.columns == rows;
   return lying ? a.values[k * a.columns + row] : a.values[row * a.columns + k];
@@ -87,7 +87,7 @@ void add_group(const ArraySet& set, const std::string& path, const std::string& 
           ": found no array of times (t, time, timestamp), expected one, or --rate.");
   std::size_t rows = clock != nullptr ? size_of(*clock) : 0;
   for (const NamedArray& a : set.arrays) {
-    // Without a clock the longer side of the positions is the time.
+    // Without a clock the longer dimension of the positions is the time.
     if (clock == nullptr && group_of(a.name) == group && field_of(last_of(a.name) + "/0").signal == 0)
       rows = std::max({rows, a.rows, a.columns});
   }

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "recordings/files/byte_stream.hpp"
-#include "recordings/raw_recording.hpp"
+#include "recordings/signals/raw_recording.hpp"
 #include "veridyn/recordings/recording.hpp"
 
 namespace veridyn::recordings {
@@ -17,15 +17,15 @@ struct NamedArray {
   std::vector<double> values;
 };
 
-/// What an array file holds.
+/// Contents of an array file.
 struct ArraySet {
   std::vector<NamedArray> arrays;
-  std::vector<std::string> joint_names;  ///< Joint names of an array of texts named joints or joint_names
+  std::vector<std::string> joint_names;  ///< from a text array named joints or joint_names
 };
 
-/// Arrays named as columns of a table would be (t, q, dq, tau, ...): rows are samples, or columns
-/// where that fits the time. Without a time, options.rate is the clock.
-/// @throws InvalidInput  neither a time nor a rate.
+/// Assembles arrays named like the columns of a table (t, q, dq, tau, ...): rows are samples, or
+/// columns where that fits the time. Without a time, options.rate is the clock.
+/// @throws InvalidInput  there is neither a time nor a rate.
 RawRecording raw_from_arrays(ArraySet set, const std::string& path, const std::string& format,
                              const RecordingOptions& options);
 

@@ -77,7 +77,7 @@ herr_t visit(hid_t file, const char* name, const ObjectInfo* info, void* set) {
 }  // namespace
 
 ArraySet read_hdf5(const std::string& path) {
-  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);  // messages are ours
+  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);  // the library's own messages are suppressed
   count_opened_file();
   const hid_t file = H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
   require(file >= 0, path, ": cannot be opened as HDF5, expected an intact file.");

@@ -17,7 +17,7 @@ void take_numbers(const matvar_t& var, std::vector<double>* out) {
   const T* data = static_cast<const T*>(var.data);
   const std::size_t rows = var.dims[0];
   const std::size_t columns = var.dims[1];
-  for (std::size_t r = 0; r < rows; ++r) {  // MATLAB keeps columns together
+  for (std::size_t r = 0; r < rows; ++r) {  // MATLAB stores columns contiguously
     for (std::size_t c = 0; c < columns; ++c)
       (*out)[r * columns + c] = static_cast<double>(data[c * rows + r]);
   }

@@ -1,11 +1,13 @@
 #include <zlib.h>
 
 #include <charconv>
+#include <cmath>
 #include <cstring>
 #include <optional>
 
 #include "recordings/arrays/array_recording.hpp"
-#include "recordings/bags/byte_reader.hpp"
+#include "math/most_rows.hpp"
+#include "recordings/files/byte_reader.hpp"
 #include "recordings/files/mapped_file.hpp"
 #include "veridyn/math/require.hpp"
 
@@ -26,7 +28,7 @@ struct Entry {
   std::uint64_t packed = 0, size = 0, offset = 0;
 };
 
-// Sizes beyond 4 GiB, and those that NumPy writes before it knows them, stand in an extra field.
+// An extra field holds sizes beyond 4 GiB, and those that NumPy did not know in advance.
 void take_large_sizes(std::string_view extra, Entry* entry) {
   ByteReader reader(extra);
   while (reader.left() >= 4) {
@@ -165,7 +167,7 @@ Header parse_header(ByteReader* reader) {
   return header;
 }
 
-// Texts of a fixed width, of one or four bytes a letter.
+// Reads texts of a fixed width, of one or four bytes a letter.
 std::vector<std::string> texts_in(const Header& header, ByteReader* reader) {
   std::size_t width = 0;
   std::from_chars(header.type.data() + 2, header.type.data() + header.type.size(), width);
@@ -215,7 +217,7 @@ void take_array(const std::string& name, std::string_view bytes, ArraySet* set) 
   } else if (kind == "u4") {
     convert<std::uint32_t>(&reader, big, &array.values);
   } else {
-    return;  // of no use as a signal
+    return;  // not usable as a signal
   }
   if (header.columns_first && array.columns > 1) {
     std::vector<double> turned(array.values.size());
@@ -235,7 +237,13 @@ ArraySet read_npz(const ByteStream& opened) {
   const MappedFile file(path, &opened);
   ArraySet set;
   try {
-    for (const Entry& entry : directory_of(file.bytes())) {
+    const std::vector<Entry> entries = directory_of(file.bytes());
+    double unpacked = 0.0;
+    for (const Entry& entry : entries) unpacked += static_cast<double>(entry.size);
+    const double most = sizeof(double) * most_rows(1.0);
+    require(unpacked <= most, path, ": found arrays of ", std::ceil(unpacked / 1e6),
+            " MB, expected at most ", std::floor(most / 1e6), " MB, what this machine holds.");
+    for (const Entry& entry : entries) {
       const bool workbook = entry.name.rfind("xl/", 0) == 0;
       require(!workbook, path, ": found an Excel workbook, expected it saved as CSV.");
       const std::size_t end = entry.name.rfind(".npy");

@@ -1,10 +1,10 @@
-#include <sys/stat.h>
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
 #include <cctype>
 #include <filesystem>
 
+#include "math/words.hpp"
 #include "recordings/bags/bag_sink.hpp"
 #include "recordings/files/mapped_file.hpp"
 #include "veridyn/math/require.hpp"
@@ -15,15 +15,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kProbe = 16;
-
-bool starts_with(std::string_view bytes, std::string_view magic) {
-  return bytes.substr(0, magic.size()) == magic;
-}
-
-bool is_folder(const std::string& path) {
-  struct stat about {};
-  return ::stat(path.c_str(), &about) == 0 && S_ISDIR(about.st_mode);
-}
 
 enum class Container { kNone, kRos1, kMcap, kDb3 };
 
@@ -38,7 +29,7 @@ Container container_of(std::string_view probe) {
   return Container::kNone;
 }
 
-// name_2 before name_10: runs of digits by their value.
+// Natural order: runs of digits compare by value, so that name_2 precedes name_10.
 bool in_natural_order(const std::string& a, const std::string& b) {
   const auto digit = [](char c) { return std::isdigit(static_cast<unsigned char>(c)) != 0; };
   std::size_t i = 0;
@@ -62,7 +53,7 @@ bool in_natural_order(const std::string& a, const std::string& b) {
   return a.size() - i < b.size() - j;
 }
 
-// Containers of one kind in a folder.
+// Lists the containers of one kind in a folder.
 std::vector<std::string> pieces_in(const std::string& folder) {
   std::vector<std::string> pieces;
   Container kind = Container::kNone;
@@ -86,11 +77,6 @@ struct Metadata {
   bool packed_messages = false;
 };
 
-std::string lower(std::string text) {
-  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return text;
-}
-
 Metadata metadata_of(const std::string& folder, BagSink* sink) {
   const std::string path = folder + "/metadata.yaml";
   Metadata metadata;
@@ -107,7 +93,7 @@ Metadata metadata_of(const std::string& folder, BagSink* sink) {
     for (const YAML::Node& file : root["relative_file_paths"]) {
       const fs::path listed = file.as<std::string>();
       std::string place = (fs::path(folder) / listed).string();
-      // Some versions write the bag's own name in front.
+      // Some versions prepend the bag's own name.
       if (!fs::exists(place)) place = (fs::path(folder) / listed.filename()).string();
       if (fs::exists(place)) {
         metadata.files.push_back(place);
@@ -139,7 +125,7 @@ void read_file(const std::string& path, bool packed_messages, BagSink* sink,
   throw InvalidInput(path + ": found other first bytes, expected a ROS bag or MCAP.");
 }
 
-// Of a single file in a folder with metadata.yaml: whether its messages are packed.
+// True if metadata.yaml beside a single file says that its messages are compressed.
 bool packed_beside(const std::string& path) {
   const std::string folder = fs::path(path).parent_path().string();
   const std::string place = folder.empty() ? "." : folder;
@@ -159,12 +145,12 @@ bool is_bag(std::string_view first_bytes) {
 }
 
 void read_bag(const std::string& path, BagSink* sink, const ByteStream* opened) {
-  if (!is_folder(path)) {
+  std::error_code ignored;
+  if (!fs::is_directory(path, ignored)) {
     read_file(path, packed_beside(path), sink, opened);
     return;
   }
   Metadata metadata;
-  std::error_code ignored;
   if (fs::exists(path + "/metadata.yaml", ignored)) {
     metadata = metadata_of(path, sink);
   } else {

@@ -17,7 +17,7 @@ using recordings::RawRecording;
 using recordings::RawStream;
 using recordings::RawTopic;
 
-// Named by --topic, or where a source of --map begins.
+// True if --topic names the topic, or a source of --map begins with it.
 bool is_named(const std::string& topic, const SignalChoice& choice) {
   const auto& topics = choice.topics;
   if (std::find(topics.begin(), topics.end(), topic) != topics.end()) return true;
@@ -57,7 +57,8 @@ class Collector {
     std::size_t topic;
   };
 
-  // One entry a channel; the same channel in the next piece of a split bag is the same entry.
+  // One entry per channel; a split bag repeats the channel in its next piece, which gets the same
+  // entry.
   int open(const Channel& channel) {
     const std::string key =
         channel.topic + "\n" + channel.type + "\n" + channel.publisher + "\n" + channel.encoding;

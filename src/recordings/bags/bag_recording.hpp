@@ -1,13 +1,13 @@
 #pragma once
 
-#include "recordings/files/file_kind.hpp"
-#include "recordings/raw_recording.hpp"
+#include "recordings/bags/file_kind.hpp"
+#include "recordings/signals/raw_recording.hpp"
 #include "veridyn/recordings/signal_choice.hpp"
 
 namespace veridyn::bags {
 
-/// All topics of a bag, those decoded that hold joints' signals or plain numbers or that the choice
-/// names.
+/// Reads all topics of a bag; decodes those with joints' signals or plain numbers, and those that
+/// the choice names.
 /// @throws InvalidInput  see read_bag().
 recordings::RawRecording read_bag_recording(const recordings::OpenedFile& file,
                                             const SignalChoice& choice);

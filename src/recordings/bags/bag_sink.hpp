@@ -10,46 +10,47 @@
 
 namespace veridyn::bags {
 
-/// One publisher of one topic, as a container declares it.
+/// One publisher of one topic, as declared in a container.
 struct Channel {
   std::string topic;
   std::string type;        ///< as written: sensor_msgs/JointState or sensor_msgs/msg/JointState
-  std::string encoding;    ///< Encoding of the messages: ros1, cdr, json; others cannot be decoded
+  std::string encoding;    ///< ros1, cdr, json; others cannot be decoded
   std::string definition;  ///< message definition in the text form of ROS 1 or 2; empty: none kept
   std::string publisher;   ///< name of the sending node; empty: not kept
 };
 
-/// Where the readers of containers deliver what they find.
+/// Receiver of the channels and messages of a container.
 struct BagSink {
-  /// Called once for every channel; the answer is handed back with each of its messages.
+  /// Called once for every channel; the result is passed on with each of its messages.
   std::function<int(const Channel&)> open;
-  /// A message and the time at which it was recorded [ns]. The bytes live until the call returns.
+  /// Receives a message and its recording time [ns]. The bytes are valid during the call.
   std::function<void(int channel, std::int64_t recorded, std::string_view bytes)> message;
-  /// What a user should know: a file that ends early, a chunk that is damaged.
+  /// Remarks for the user: a file that ends early, a damaged chunk.
   std::vector<std::string> remarks;
 };
 
-/// A ROS 1 bag, format 2.0. One without an index (a crash) is read up to its last whole message.
+/// Reads a ROS 1 bag, format 2.0; one without an index (after a crash) up to its last whole
+/// message.
 /// @throws InvalidInput  another format, or encrypted.
 void read_ros1_bag(std::string_view bytes, const std::string& path, BagSink* sink);
 
-/// An MCAP file; without a summary or cut short, up to the last whole record.
+/// Reads an MCAP file; without a summary, or truncated, up to the last whole record.
 /// @throws InvalidInput  not MCAP.
 void read_mcap(std::string_view bytes, const std::string& path, BagSink* sink);
 
-/// Storage of ROS 2 in sqlite3, plain (.db3) or as one zstd frame (.db3.zstd). `message_compression`
-/// tells that every message is a zstd frame, as metadata.yaml says.
+/// Reads ROS 2 storage in sqlite3, plain (.db3) or as one zstd frame (.db3.zstd).
+/// `message_compression` says that every message is a zstd frame, as in metadata.yaml.
 /// @throws InvalidInput  not a database, or without the tables of a ROS 2 bag.
 void read_db3(std::string_view bytes, const std::string& path, bool message_compression,
               BagSink* sink);
 
-/// Any of the above, recognised by its first bytes, or a folder: a ROS 2 bag with or without
+/// Reads any of the above, recognised by its first bytes, or a folder: a ROS 2 bag with or without
 /// metadata.yaml, or the pieces of a split ROS 1 bag or MCAP.
-/// @param opened  the file itself, where it is open already.
+/// @param opened  the file, if it is open already.
 /// @throws InvalidInput  see above, or a folder that holds none of them.
 void read_bag(const std::string& path, BagSink* sink, const ByteStream* opened = nullptr);
 
-/// Whether the first bytes of a file are those of a bag.
+/// True if the first bytes of a file are those of a bag.
 bool is_bag(std::string_view first_bytes);
 
 }  // namespace veridyn::bags

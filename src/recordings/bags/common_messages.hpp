@@ -4,7 +4,7 @@
 
 namespace veridyn::bags {
 
-/// The definition of a common ROS type, for files that keep none; null if it is not among them.
+/// The definition of a common ROS type, for files without definitions; null for other types.
 const char* common_message(const std::string& type, bool ros2);
 
 }  // namespace veridyn::bags

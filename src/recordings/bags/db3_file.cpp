@@ -22,7 +22,7 @@ struct EndStatement {
 using Database = std::unique_ptr<sqlite3, CloseDatabase>;
 using Statement = std::unique_ptr<sqlite3_stmt, EndStatement>;
 
-// The database in memory; it refers to the bytes, which are never written.
+// Opens the database in memory; it refers to the bytes, which are never modified.
 Database open_bytes(std::string_view bytes, const std::string& path) {
   sqlite3* raw = nullptr;
   const int opened = sqlite3_open_v2(":memory:", &raw, SQLITE_OPEN_READWRITE, nullptr);
@@ -36,7 +36,7 @@ Database open_bytes(std::string_view bytes, const std::string& path) {
   return database;
 }
 
-// A database whose last writes wait in a file beside it (after a crash): sqlite3 joins the two.
+// Opens a database with a write-ahead log beside it (after a crash), which sqlite3 merges.
 Database open_with_log(const std::string& path) {
   sqlite3* raw = nullptr;
   const int opened = sqlite3_open_v2(path.c_str(), &raw, SQLITE_OPEN_READONLY, nullptr);
@@ -60,7 +60,7 @@ std::string text_at(const Statement& statement, int column) {
                          : std::string(static_cast<const char*>(text), static_cast<size_t>(size));
 }
 
-// Message definitions by type, where the writer kept them (from Iron on).
+// Message definitions by type, if the writer stored them (since Iron).
 std::map<std::string, std::string> definitions_in(const Database& database) {
   std::map<std::string, std::string> definitions;
   const Statement rows = prepared(database,
@@ -133,12 +133,13 @@ void read_db3(std::string_view bytes, const std::string& path, bool message_comp
     bytes = whole.bytes;
   }
   std::string plain;
-  if (bytes.size() > 20 && bytes[18] == 2) {  // last written with a log beside it
+  if (bytes.size() > 20 && bytes[18] == 2) {  // written with a write-ahead log
     if (const Database joined = open_with_log(path)) {
       read_messages(joined, path, message_compression, sink);
       return;
     }
-    // A database in memory cannot have one: say that it has none. What waits in the log is lost.
+    // A database in memory has no write-ahead log, so the flag is cleared; rows in the log are
+    // lost.
     plain.assign(bytes);
     plain[18] = plain[19] = 1;
     bytes = plain;

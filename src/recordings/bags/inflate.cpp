@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::size_t kFirstPiece = 1 << 16;
 
-// Room for the next piece behind what is there: twice as much each time, up to the limit.
+// Enlarges the buffer for the next piece: doubles it, up to the limit.
 std::size_t grow(std::string* bytes, std::size_t used, std::size_t limit) {
   const std::size_t wanted = std::min(limit, std::max(kFirstPiece, 2 * used));
   if (wanted > bytes->size()) bytes->resize(wanted);

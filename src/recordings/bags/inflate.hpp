@@ -6,19 +6,18 @@
 
 namespace veridyn::bags {
 
-/// What a compressed run of bytes became.
+/// Result of decompression.
 struct Inflated {
-  std::string bytes;   ///< what could be unpacked
-  bool whole = false;  ///< false: it ends early or is damaged, and `bytes` is its sound beginning
+  std::string bytes;   ///< the part that could be decompressed
+  bool whole = false;  ///< false: truncated or damaged, and `bytes` is its valid beginning
 };
 
-/// Unpacks one stream of `compression`: none (or empty), bz2, lz4 (a frame) or zstd.
-/// Memory grows with what is really there and never beyond `limit` bytes; a stream that holds more
-/// is not whole.
+/// Decompresses one stream of `compression`: none (or empty), bz2, lz4 (a frame) or zstd. Memory
+/// grows with the actual data and never beyond `limit` bytes; a longer stream is not whole.
 /// @throws InvalidInput  an unknown compression.
 Inflated inflate(std::string_view compression, std::string_view packed, std::size_t limit);
 
-/// No chunk, message or database is unpacked beyond this.
+/// Largest decompressed size of a chunk, message or database.
 constexpr std::size_t kInflateLimit = std::size_t{4} << 30;
 
 }  // namespace veridyn::bags

@@ -3,7 +3,7 @@
 #include <map>
 
 #include "recordings/bags/bag_sink.hpp"
-#include "recordings/bags/byte_reader.hpp"
+#include "recordings/files/byte_reader.hpp"
 #include "recordings/bags/inflate.hpp"
 #include "veridyn/math/require.hpp"
 

@@ -4,7 +4,7 @@
 #include <cstring>
 #include <type_traits>
 
-#include "recordings/bags/byte_reader.hpp"
+#include "recordings/files/byte_reader.hpp"
 
 namespace veridyn::bags {
 namespace {
@@ -12,7 +12,7 @@ namespace {
 constexpr std::int64_t kNanoseconds = 1000000000;
 constexpr std::size_t kStepsPerByte = 4;
 
-// Packed, little-endian, strings without an end mark.
+// ROS 1: packed, little-endian, strings without terminator.
 class Ros1Source {
  public:
   explicit Ros1Source(std::string_view bytes) : reader_(bytes) {}
@@ -27,7 +27,8 @@ class Ros1Source {
   ByteReader reader_;
 };
 
-// Every number aligned to its own size, counted from behind the header; strings end with a zero.
+// CDR: every number aligned to its own size, counted from the end of the header; strings end with a
+// zero.
 class CdrSource {
  public:
   explicit CdrSource(std::string_view bytes) : reader_(open(bytes)) {}
@@ -84,7 +85,7 @@ class Decoder {
       std::uint32_t count = 1;
       if (field.repeat == FieldNode::Repeat::kFixed) count = field.count;
       if (field.repeat == FieldNode::Repeat::kSequence) count = source_.template number<std::uint32_t>();
-      // Nothing is smaller than a byte, so a larger count cannot be true.
+      // Elements have at least one byte each, which bounds the count.
       if (field.repeat != FieldNode::Repeat::kOne && count > source_.left())
         throw CutShort("an array longer than the message");
       for (std::uint32_t k = 0; k < count; ++k) one(field);
@@ -129,7 +130,7 @@ class Decoder {
   Source& source_;
   ValueSink& sink_;
   bool signed_time_;
-  std::size_t steps_;  // left; arrays of messages without any field would never end otherwise
+  std::size_t steps_;  // limit that ends arrays of empty messages
 };
 
 }  // namespace

@@ -8,7 +8,7 @@
 
 namespace veridyn::bags {
 
-/// Where the values of a message go; `leaf` counts as in MessagePlan::paths.
+/// Receiver of the values of a message; `leaf` indexes MessagePlan::paths.
 class ValueSink {
  public:
   virtual ~ValueSink() = default;
@@ -17,12 +17,12 @@ class ValueSink {
   virtual void time(int leaf, std::int64_t nanoseconds) = 0;
 };
 
-/// Packed little-endian values of ROS 1.
-/// @throws CutShort  the bytes end before the message does.
+/// Decodes packed little-endian values of ROS 1.
+/// @throws CutShort  the bytes end too early.
 void decode_ros1(const MessagePlan& plan, std::string_view bytes, ValueSink* sink);
 
-/// CDR behind its header of four bytes: plain, of either byte order, version 1 or 2.
-/// @throws CutShort  the bytes end before the message does, or another encapsulation.
+/// Decodes CDR after its header of four bytes: plain, of either byte order, version 1 or 2.
+/// @throws CutShort  the bytes end too early, or the encapsulation is another one.
 void decode_cdr(const MessagePlan& plan, std::string_view bytes, ValueSink* sink);
 
 }  // namespace veridyn::bags

@@ -28,8 +28,8 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(first, text.find_last_not_of(" \t\r") + 1 - first);
 }
 
-// A line `type name`, `type[] name`, `type[3] name`, `type[<=9] name default`; constants have no
-// place in a message.
+// Parses a line `type name`, `type[] name`, `type[3] name`, `type[<=9] name default`; constants are
+// not part of a message.
 std::optional<Line> parse_line(std::string_view text) {
   text = trimmed(text.substr(0, text.find('#')));
   const std::size_t blank = text.find_first_of(" \t");
@@ -57,7 +57,7 @@ std::string package_of(const std::string& type) {
   return type.substr(0, type.find('/'));
 }
 
-// All definitions of a text: the first is `type` itself.
+// All definitions of a text: the first is that of `type`.
 Definitions parse(const std::string& type, std::string_view text) {
   Definitions out;
   std::vector<Line>* lines = &out[short_type(type)];
@@ -115,7 +115,7 @@ class Planner {
     return definitions_[type] = std::move(parsed[type]);
   }
 
-  // The full name of a type that a definition of `package` mentions.
+  // The full name of a type mentioned in a definition of `package`.
   std::string resolved(const std::string& name, const std::string& package) const {
     const std::string brief = short_type(name);
     if (primitive(brief) || brief.find('/') != std::string::npos) return brief;

@@ -12,25 +12,25 @@ enum class FieldKind {
   kFloat32, kFloat64, kString, kTime, kDuration, kMessage
 };
 
-/// One field of a message, with all that lies below it.
+/// One field of a message, with its subfields.
 struct FieldNode {
   FieldKind kind = FieldKind::kMessage;
   enum class Repeat { kOne, kFixed, kSequence } repeat = Repeat::kOne;
-  std::uint32_t count = 0;           ///< Count of a fixed array
+  std::uint32_t count = 0;           ///< size of a fixed array
   int leaf = -1;                     ///< index into MessagePlan::paths; -1 for a message
-  std::vector<FieldNode> children;   ///< Children of a message, in their order on the wire
+  std::vector<FieldNode> children;   ///< fields of a message, in serialised order
 };
 
-/// How the bytes of one message type are to be read.
+/// Layout of the bytes of one message type.
 struct MessagePlan {
   std::vector<FieldNode> fields;
-  std::vector<std::string> paths;  ///< Paths of the leaves, as "wrench/force/x"
+  std::vector<std::string> paths;  ///< of the leaves, as "wrench/force/x"
 };
 
-/// From the text of a definition (of ROS 1 or 2, dependencies behind lines of '='), or, where that
-/// is empty, from the few common types that are known by name.
+/// Builds a plan from a definition (ROS 1 or 2, dependencies after lines of '='), or, if that is
+/// empty, from the few common types that are built in.
 /// @param ros2  time is int32 and uint32, and a Header has no seq.
-/// @throws InvalidInput  the type is not known, refers to unknown ones, or holds itself.
+/// @throws InvalidInput  the type is unknown, refers to unknown ones, or contains itself.
 MessagePlan plan_of(const std::string& type, const std::string& definition, bool ros2);
 
 /// "sensor_msgs/JointState" for sensor_msgs/msg/JointState.

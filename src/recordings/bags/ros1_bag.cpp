@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "recordings/bags/bag_sink.hpp"
-#include "recordings/bags/byte_reader.hpp"
+#include "recordings/files/byte_reader.hpp"
 #include "recordings/bags/inflate.hpp"
 #include "veridyn/math/require.hpp"
 
@@ -24,7 +24,7 @@ enum Operation : std::uint8_t {
 
 using Fields = std::map<std::string_view, std::string_view>;
 
-// Fields `name=value`, each behind its length. The value is binary and may hold a '='.
+// Fields `name=value`, each after its length. The value is binary and may contain '='.
 Fields fields_of(std::string_view header) {
   Fields fields;
   ByteReader reader(header);
@@ -68,7 +68,7 @@ Record next_record(ByteReader* reader) {
   record.fields = fields_of(reader->sized_text());
   record.operation = number_in<std::uint8_t>(record.fields, "op");
   const auto size = reader->number<std::uint32_t>();
-  // Very old bags announce a wrong size here; the count is right.
+  // Very old bags have a wrong size here; the count is correct.
   const bool by_count = record.operation == kIndexData && record.fields.count("count") > 0;
   record.data = reader->take(
       by_count ? std::uint64_t{12} * number_in<std::uint32_t>(record.fields, "count") : size);
@@ -99,8 +99,8 @@ class Bag {
   }
 
  private:
-  // Chunks as the index at the end of the file lists them. False, and nothing delivered, without a
-  // sound one.
+  // Reads chunks in the order of the index at the end of the file. Returns false, and delivers
+  // nothing, if there is no valid index.
   bool read_by_index(const Fields& header) {
     std::vector<std::uint64_t> chunks;
     try {
@@ -130,7 +130,7 @@ class Bag {
     return true;
   }
 
-  // Record after record, as far as they go.
+  // Reads record after record until the data end.
   void read_on(std::size_t first) {
     sink_->remarks.push_back(
         "the bag has no sound index, as after a crash: it is read up to its last whole message.");
@@ -139,7 +139,8 @@ class Bag {
     try {
       while (reader.left() > 0) {
         const Record record = next_record(&reader);
-        // A chunk that was never closed says 0 bytes; packed, all that follows is its stream.
+        // A chunk that was never closed has a size of 0; if compressed, the rest of the file is its
+        // stream.
         const bool open = record.operation == kChunk && record.data.empty();
         const std::string compression = text_in(record.fields, "compression");
         if (open && compression != "none") {
@@ -196,7 +197,7 @@ class Bag {
     if (channels_.count(id) > 0) return;
     const Fields inner = fields_of(record.data);
     Channel channel;
-    channel.topic = text_in(record.fields, "topic");  // the inner header may lack it
+    channel.topic = text_in(record.fields, "topic");  // the inner header may omit it
     if (channel.topic.empty()) channel.topic = text_in(inner, "topic");
     channel.type = text_in(inner, "type");
     channel.encoding = "ros1";

@@ -4,8 +4,9 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "recordings/bags/byte_reader.hpp"
-#include "recordings/joint_fields.hpp"
+#include "math/words.hpp"
+#include "recordings/files/byte_reader.hpp"
+#include "recordings/signals/joint_fields.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn::bags {
@@ -17,10 +18,6 @@ using recordings::RawStream;
 constexpr std::size_t kLongestArray = 256;  // numbers of a field that are kept
 constexpr std::size_t kStreams = 64;        // kinds of messages on a topic
 constexpr int kDeepestJson = 12;
-
-bool ends_with(const std::string& text, const std::string& end) {
-  return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
-}
 
 bool is_last(const std::string& path, const std::string& word) {
   return path == word || ends_with(path, "/" + word);
@@ -95,7 +92,7 @@ TopicDecoder::TopicDecoder(const Channel& channel, bool definite) : channel_(cha
     useful_ = useful_ || signal;
     leaf_of(path);
   }
-  // The plan counts leaves as they come.
+  // Counts leaves as the plan does.
   if (leaves_.size() != plan_.paths.size()) {
     problem_ = "its definition gives two fields one name";
     return;
@@ -159,8 +156,8 @@ void TopicDecoder::add(std::int64_t recorded, std::string_view bytes) {
   store(recorded);
 }
 
-// The columns of the message at hand. Beside a list of names, the arrays of its length are signals
-// of these joints; without one, joints have numbers from 0.
+// The columns of the current message. Arrays with the length of its list of names are signals of
+// these joints; without such a list, joints have numbers from 0.
 std::vector<RawField> TopicDecoder::fields() const {
   std::vector<RawField> out;
   for (const Leaf& leaf : leaves_) {

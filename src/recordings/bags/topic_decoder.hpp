@@ -7,19 +7,19 @@
 
 #include "recordings/bags/bag_sink.hpp"
 #include "recordings/bags/message_decoder.hpp"
-#include "recordings/raw_recording.hpp"
+#include "recordings/signals/raw_recording.hpp"
 
 namespace veridyn::bags {
 
-/// Messages of one channel, decoded into streams: a new one for every set of names or sizes.
+/// Decodes the messages of one channel into streams, one for every set of names or sizes.
 class TopicDecoder : public ValueSink {
  public:
-  /// @param definite  true: the user asked for this topic, whatever it holds.
+  /// @param definite  true: the user chose this topic explicitly.
   TopicDecoder(const Channel& channel, bool definite);
 
-  /// Whether it is worth decoding: joints' signals, plain numbers, or asked for.
+  /// True if it has joints' signals or plain numbers, or was chosen by the user.
   bool useful() const { return useful_; }
-  /// Why it cannot be decoded; empty: it can.
+  /// Reason for not decoding it; empty: it is decoded.
   const std::string& problem() const { return problem_; }
 
   void add(std::int64_t recorded, std::string_view bytes);
@@ -38,7 +38,7 @@ class TopicDecoder : public ValueSink {
   struct Leaf {
     std::string path;
     Role role = Role::kOther;
-    std::vector<double> numbers;  // of the message at hand
+    std::vector<double> numbers;  // of the current message
   };
 
   int leaf_of(const std::string& path);
@@ -57,7 +57,7 @@ class TopicDecoder : public ValueSink {
   std::vector<std::string> names_;
   std::int64_t stamp_ = 0;
   std::vector<recordings::RawStream> streams_;
-  std::vector<std::string> key_;  // names and sizes of the stream at hand
+  std::vector<std::string> key_;  // names and sizes of the current stream
   std::map<std::vector<std::string>, std::size_t> stream_by_key_;
   std::size_t current_ = 0;
   long bad_ = 0;

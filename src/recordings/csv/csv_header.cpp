@@ -8,7 +8,7 @@
 #include <set>
 
 #include "recordings/csv/csv_layout.hpp"
-#include "recordings/joint_fields.hpp"
+#include "recordings/signals/joint_fields.hpp"
 #include "veridyn/recordings/recording.hpp"
 
 namespace veridyn::recordings {
@@ -92,7 +92,8 @@ bool is_plain(const CsvHeader& header) {
     return std::find(header.names.begin(), header.names.end(), name) != header.names.end();
   };
   if (!has("q1") || (!has("t") && header.time.recorded >= 0)) return false;
-  // A signal under another name, as qd1 beside q1, needs its name read.
+  // A signal that occurs under two names, as qd1 beside q1, has to be distinguished by its full
+  // name.
   int own[kRecordedSignals] = {};
   int other[kRecordedSignals] = {};
   for (const std::string& name : header.names) {

@@ -8,37 +8,37 @@
 
 namespace veridyn::recordings {
 
-/// The header of a table with names of other people's choosing.
+/// The header of a table with arbitrary column names.
 struct CsvHeader {
   char separator = ',';
   std::vector<std::string> names;
-  std::vector<std::string> units;  ///< Units of a second line, or empty
+  std::vector<std::string> units;  ///< of a second line, or empty
   TimeColumns time;
   int positions = 0;  ///< columns that are positions of joints
 };
 
-/// @param time_name  the column of the clock, where the user names it; else empty.
+/// @param time_name  the column of the clock chosen by the user; else empty.
 CsvHeader parse_csv_header(std::string_view line, const std::string& time_name);
 
-/// A header of t, q1..qn, which the plain reader takes, row by row.
+/// True for a header of t, q1..qn, which the plain reader takes row by row.
 bool is_plain(const CsvHeader& header);
 
-/// A column's name: "/joint_states/elbow/position" is elbow/position on /joint_states,
+/// Topic and path of a column: "/joint_states/elbow/position" is elbow/position on /joint_states,
 /// "/arm/effort/data[0]" is data[0] on /arm/effort; other names have no topic.
 struct TopicColumn {
   std::string topic, path;
 };
 TopicColumn split_topic(const std::string& name);
 
-/// A column of rostopic echo -p without the `field.` in front.
+/// A column name of rostopic echo -p without the prefix `field.`.
 std::string plain_name(const std::string& name);
 
-/// Whether a field of a second line may be a unit, and the unit without brackets and signs.
+/// True if a field of a second line may be a unit; bare_unit() removes brackets and signs.
 bool is_unit_word(const std::string& word);
 std::string bare_unit(std::string unit);
 
-/// A number, with a decimal comma where the comma does not separate; NaN where the field is empty
-/// or says that there is none.
+/// Parses a number, with a decimal comma unless the comma separates; NaN for an empty field or a
+/// text for a missing value.
 bool parse_csv_number(std::string* field, char separator, double* value);
 bool all_numbers(const std::vector<std::string>& fields, char separator);
 

@@ -5,6 +5,7 @@
 #include <charconv>
 #include <iterator>
 
+#include "math/words.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn {
@@ -34,13 +35,8 @@ ColumnName split(const std::string& name) {
   return parts;
 }
 
-std::string lower(std::string text) {
-  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return text;
-}
-
-// The signal that a column name is likely meant to be, or -1: other case, `_` before the number,
-// letters swapped, or a common word.
+// The signal that a misspelt column name probably means, or -1: other case, `_` before the number,
+// swapped letters, or a common word.
 int likely_signal(const ColumnName& name) {
   static const std::pair<const char*, const char*> kWords[] = {
       {"pos", "q"},    {"position", "q"}, {"angle", "q"},   {"vel", "dq"},     {"velocity", "dq"},
@@ -80,7 +76,7 @@ std::string first_names(const std::vector<std::string>& names) {
   return names.size() > 8 ? text(list, ", ... (", names.size(), " columns)") : list;
 }
 
-// Largest joint number of a signal; its joints must run from 1 without a hole.
+// Largest joint number of a signal; its joints must be numbered from 1 without a gap.
 int joints_of(int signal, const std::vector<ColumnName>& columns, const std::string& where) {
   const std::string name = kRecordingSignals[signal].name;
   std::vector<int> numbers;
@@ -100,7 +96,7 @@ int joints_of(int signal, const std::vector<ColumnName>& columns, const std::str
   return static_cast<int>(numbers.size());
 }
 
-// The number of joints, from q; the signals that are there must agree on it.
+// Determines the number of joints from q; all other signals must agree.
 void count_joints(const std::vector<ColumnName>& columns, const std::string& where,
                   CsvLayout* layout) {
   std::vector<int> joints(kSignals);

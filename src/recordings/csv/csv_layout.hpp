@@ -8,7 +8,7 @@
 
 namespace veridyn {
 
-/// Which column of a CSV file holds which signal of which joint.
+/// Mapping from columns of a CSV file to signals and joints.
 struct CsvLayout {
   static constexpr int kIgnored = -1;
   static constexpr int kTime = 0;
@@ -20,7 +20,7 @@ struct CsvLayout {
   std::vector<int> slots;          ///< per column: kIgnored, kTime, or slot(signal, joint)
   std::vector<std::string> names;  ///< per column, for messages
 
-  /// Place of a value in a row of numbers: t, then signal by signal, joint by joint (all from 0).
+  /// Index of a value in a row of numbers: t, then signal by signal, joint by joint (all from 0).
   int slot(int signal, int joint) const { return 1 + signal * joints + joint; }
   int slot_count() const { return slot(static_cast<int>(has_signal.size()), 0); }
 };
@@ -28,7 +28,7 @@ struct CsvLayout {
 /// Fields of a line, without blanks and quotes around them.
 std::vector<std::string> csv_fields(std::string_view line, char separator);
 
-/// The separator that a line shows: comma, semicolon, tab, or else blanks (' ').
+/// The separator of a line: comma, semicolon, tab, or else blanks (' ').
 char csv_separator(std::string_view line);
 
 /// True if each field of the line is a number or a gap.
@@ -36,13 +36,12 @@ bool is_row_of_numbers(std::string_view line);
 
 /// Layout from a header line.
 /// @param where  file and line, for messages.
-/// @throws InvalidInput  no q; joints that do not run 1..n, or not the same n for each signal; a
-/// column
-///                       twice; a signal that is missing while a column looks like its misspelling.
+/// @throws InvalidInput  no q; joints that are not numbered 1..n, or not the same n for each
+/// signal; a repeated column; a missing signal whose name resembles that of a column.
 CsvLayout layout_from_header(std::string_view header, const std::string& where);
 
 /// Layout of a file without a header.
-/// @throws InvalidInput  an unknown signal, or columns that cannot be shared out among the signals.
+/// @throws InvalidInput  an unknown signal, or a number of columns that the signals cannot share.
 CsvLayout layout_from_columns(const std::vector<std::string>& columns, std::string_view first_row,
                               const std::string& where);
 

@@ -9,8 +9,8 @@
 #include "recordings/csv/csv_layout.hpp"
 #include "recordings/csv/csv_lines.hpp"
 #include "veridyn/recordings/recording.hpp"
-#include "recordings/row_source.hpp"
-#include "recordings/units.hpp"
+#include "recordings/csv/row_source.hpp"
+#include "recordings/signals/units.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn {
@@ -22,7 +22,7 @@ bool is_blank(char c) {
   return c == ' ' || c == '\t';
 }
 
-// One line, field by field, into a row of numbers.
+// Parses one line into a row of numbers.
 class RowParser {
  public:
   RowParser(const CsvLayout& layout, const CsvLines& lines) : layout_(layout), lines_(lines) {}
@@ -55,7 +55,7 @@ class RowParser {
     while (p_ != end_ && is_blank(*p_)) ++p_;
   }
 
-  // Blanks that do not separate.
+  // Skips blanks that do not separate.
   void skip_padding() {
     while (p_ != end_ && is_blank(*p_) && !at_field_end()) ++p_;
   }
@@ -89,7 +89,7 @@ class RowParser {
     if (const char* comma = decimal_comma()) return number_with_comma(column, first, comma);
     double value = 0.0;
     const auto [rest, error] = std::from_chars(p_, end_, value);
-    // Too large or too small for a double: strtod's infinity or zero is what the file says.
+    // Out of range for a double: strtod returns infinity or zero, as intended.
     if (error == std::errc::result_out_of_range)
       value = std::strtod(std::string(p_, rest).c_str(), nullptr);
     p_ = rest;
@@ -104,7 +104,7 @@ class RowParser {
 
   bool ends_number(char c) const { return c == layout_.separator || c == '"' || is_blank(c); }
 
-  // Where the number has a comma that does not separate, or null.
+  // Position of a decimal comma in the number, or null.
   const char* decimal_comma() const {
     if (layout_.separator == ',') return nullptr;
     for (const char* c = p_; c != end_ && !ends_number(*c); ++c) {
@@ -193,16 +193,16 @@ class CsvRows : public RowSource {
   RecordingOptions options;
   CsvLines lines;
   CsvLayout layout;
-  std::string first_line;  // the first row of numbers, where it had to be looked at
+  std::string first_line;  // the first row of numbers, if it was read ahead
   bool has_first_line = false;
   std::vector<double> row;  // the current row; row[0] is t
   long row_number = 0;      // of the next row in the file, from 0
   double time = kGap;       // of the last row with a time
   double step = 0.0;
-  long gaps_left = 0;  // gap rows without a time, still to be delivered before held_row
+  long gaps_left = 0;  // gap rows without a time, still to be returned before held_row
   std::vector<double> held_row;
-  std::vector<double> factors;  // to SI, by slot; empty: all one
-  long repeated = 0;       // rows left out because their time is that of the row before
+  std::vector<double> factors;  // factors to SI, by slot; empty: all one
+  long repeated = 0;       // rows dropped because they repeat the time of the row before
 };
 
 RecordingFacts CsvRows::facts() const {
@@ -228,7 +228,7 @@ void CsvRows::read_layout() {
   std::string where = text(lines.path(), ":", lines.number());
   bool numbers = is_row_of_numbers(line);
   if (!options.columns.empty()) {
-    if (!numbers) {  // a header, which the user overrules
+    if (!numbers) {  // a header, which options.columns overrides
       require(lines.next(&line), where, ": found a header without rows, expected numbers below it.");
       where = text(lines.path(), ":", lines.number());
       numbers = is_row_of_numbers(line);
@@ -258,7 +258,7 @@ void CsvRows::read_layout() {
   set_factors();
 }
 
-// From the units of the file to SI, for every slot of a row.
+// Sets the factors from the units of the file to SI, for every slot of a row.
 void CsvRows::set_factors() {
   factors.assign(row.size(), 1.0);
   bool any = false;
@@ -286,7 +286,7 @@ bool CsvRows::next_line(std::string_view* line) {
   return true;
 }
 
-// The row's time must come after the last one. False: it repeats it.
+// Checks that the row's time increases. False: it repeats the previous time.
 bool CsvRows::accept_time() {
   const double t = row[CsvLayout::kTime];
   if (t == time) {
@@ -307,7 +307,7 @@ bool CsvRows::accept_time() {
   return true;
 }
 
-// Called at a row without a time: reads on to the next row with one. False if there is none.
+// Called at a row without a time: reads ahead to the next row with one. False if there is none.
 bool CsvRows::hold_gaps() {
   const double before = time;
   std::string_view line;
@@ -327,13 +327,14 @@ bool CsvRows::hold_gaps() {
   }
   accept_time();
   if (std::isnan(before))
-    return gaps_left = 0, true;  // nothing to interpolate from: the rows are left out
+    // Rows at the start or end are dropped, because their time cannot be interpolated.
+    return gaps_left = 0, true;
   step = (time - before) / static_cast<double>(gaps_left + 1);
   held_row = row;
   return true;
 }
 
-// Reads the next row into `row`. False at the end.
+// Reads the next row into `row`. False at the end of the file.
 bool CsvRows::next_row() {
   const long last = options.row_count < 0 ? std::numeric_limits<long>::max()
                                           : options.first_row + options.row_count;

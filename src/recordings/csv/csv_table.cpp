@@ -10,8 +10,8 @@
 #include "math/median.hpp"
 #include "recordings/csv/csv_header.hpp"
 #include "recordings/csv/time_column.hpp"
-#include "recordings/joint_fields.hpp"
-#include "recordings/units.hpp"
+#include "recordings/signals/joint_fields.hpp"
+#include "recordings/signals/units.hpp"
 #include "veridyn/math/require.hpp"
 #include "recordings/csv/csv_layout.hpp"
 
@@ -19,10 +19,10 @@ namespace veridyn::recordings {
 namespace {
 
 constexpr double kGap = std::numeric_limits<double>::quiet_NaN();
-constexpr int kPreamble = 30;        // lines in front of a header
-constexpr std::size_t kProbe = 400;  // rows by which the unit of the time is judged
+constexpr int kPreamble = 30;        // largest number of lines before a header
+constexpr std::size_t kProbe = 400;  // rows used to guess the unit of the time
 
-// A column's place: its stream, and its field in it; stream -1: not kept.
+// Destination of a column: its stream, and its field in it; stream -1: dropped.
 struct Place {
   int stream = -1;
   std::size_t field = 0;
@@ -35,7 +35,7 @@ class Table {
     if (time != options.signals.map.end()) time_name_ = time->second;
   }
 
-  // Finds the header. False: there is none.
+  // Finds the header. False if there is none.
   bool find_header() {
     std::string_view line;
     for (int k = 0; k < kPreamble && lines_.next(&line); ++k) {
@@ -53,7 +53,7 @@ class Table {
       } else if (numbers) {
         return false;
       }
-      // In front of the header others may stand: the header has a clock or positions of joints.
+      // Other lines may precede the header, which is recognised by a clock or positions of joints.
       if (header.names.size() > 1 && (header.time.recorded >= 0 || header.positions > 0)) {
         header_ = std::move(header);
         header_line_ = lines_.number();
@@ -137,7 +137,7 @@ class Table {
     }
   }
 
-  // From the unit that the column's name or the second line gives to SI.
+  // Factor to SI from the unit in the column's name or in the second line.
   double factor_of(std::size_t column, const RawField& field, std::set<std::string>* told) const {
     if (field.signal < 0) return 1.0;
     const std::string unit =
@@ -184,7 +184,7 @@ class Table {
                                   " no time and ", skipped_ == 1 ? "is" : "are", " left out."));
   }
 
-  // Joints' names stand in columns of their own.
+  // Reads the joints' names from columns of their own.
   void take_names(const std::vector<std::string>& fields) {
     if (names_column_.empty()) return;
     for (RawStream& stream : raw_.streams) {
@@ -245,13 +245,14 @@ class Table {
     for (std::size_t s = 0; s < raw_.streams.size(); ++s) {
       if (many && any[s] == 0) continue;
       RawStream& stream = raw_.streams[s];
-      stream.recorded.push_back(static_cast<std::int64_t>(at));  // the row; its time comes at the end
+      // Row number; replaced by its time at the end.
+      stream.recorded.push_back(static_cast<std::int64_t>(at));
       if (header_.time.stamped >= 0) stream.stamped.push_back(stamp);
       stream.values.insert(stream.values.end(), (*rows)[s].begin(), (*rows)[s].end());
     }
   }
 
-  // What one of the clock's numbers is worth, in ns.
+  // Value of one unit of the clock, in ns.
   std::int64_t time_unit() {
     const auto given = options_.signals.units.find("t");
     if (given != options_.signals.units.end())
@@ -330,7 +331,7 @@ bool is_csv_table(CsvLines& lines, const RecordingOptions& options) {
   if (!options.signals.map.empty()) return true;
   if (is_plain(table.header())) return false;
   if (table.header().positions > 0) return true;
-  // Columns that are joints' names and nothing else.
+  // Columns named exactly like joints.
   std::size_t named = 0;
   for (const WantedJoint& joint : options.signals.joints) {
     for (const std::string& name : table.header().names) named += name.find(joint.name) != std::string::npos;

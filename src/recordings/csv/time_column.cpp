@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "recordings/joint_fields.hpp"
+#include "recordings/signals/joint_fields.hpp"
 
 namespace veridyn::recordings {
 namespace {
@@ -25,7 +25,7 @@ bool is_time_word(const std::string& word) {
          word == "times" || word == "clock" || word == "timestamps" || word == "zeit";
 }
 
-// How well a name fits a clock: 0 not at all.
+// Score of a name as a clock's; 0: it is none.
 int fitness(const std::vector<std::string>& words) {
   if (words.empty() || words.size() > 4) return 0;
   bool time = false;
@@ -54,7 +54,7 @@ TimeColumns time_columns(const std::vector<std::string>& names, const std::strin
       continue;
     }
     if (words.empty()) continue;
-    // A stamp in two columns: sec and nsec behind the same words.
+    // A stamp in two columns: sec and nsec after the same words.
     const std::string& last = words.back();
     const bool of_stamp = words.size() > 1 && is_time_word(words[words.size() - 2]);
     if (of_stamp && (last == "sec" || last == "secs")) seconds = column;
@@ -86,7 +86,7 @@ std::int64_t likely_time_unit(double first, double median_step, bool whole_numbe
   if (first > 1e11) return 1000000;
   if (first > 1e8) return kSecond;
   if (!whole_numbers) return kSecond;
-  if (median_step >= 1e5) return 1;     // 10 kHz and slower in ns
+  if (median_step >= 1e5) return 1;     // steps of 10 kHz and slower in ns
   if (median_step >= 100.0) return 1000;
   return median_step >= 1.0 ? 1000000 : kSecond;
 }

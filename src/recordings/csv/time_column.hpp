@@ -7,22 +7,22 @@
 
 namespace veridyn::recordings {
 
-/// Columns that are a clock.
+/// Columns with a clock.
 struct TimeColumns {
   int recorded = -1;             ///< the clock of the rows; -1: none
   int nanoseconds = -1;          ///< a second column with the fraction, where `recorded` has seconds
   int stamped = -1;              ///< stamps of the sender, in nanoseconds; -1: none
-  std::int64_t unit = 0;         ///< [ns] of `recorded`; 0: not said by its name
+  std::int64_t unit = 0;         ///< [ns] of `recorded`; 0: unknown from its name
 };
 
-/// @param wanted  the column that the user names as the time; empty: by name.
+/// @param wanted  the column chosen by the user; empty: found by name.
 TimeColumns time_columns(const std::vector<std::string>& names, const std::string& wanted);
 
-/// The unit [ns] that makes sense of these times: nanoseconds since 1970 and the like by their
-/// size; milliseconds for whole numbers that step by 1 or more. Seconds otherwise.
+/// The plausible unit [ns] of these times: nanoseconds since 1970 and the like by their magnitude;
+/// milliseconds for whole numbers with steps of 1 or more; else seconds.
 std::int64_t likely_time_unit(double first, double median_step, bool whole_numbers);
 
-/// "1.5" times 10^9 without the rounding of a double; nothing for what is no number.
+/// "1.5" times 10^9 without the rounding of a double; nullopt if the text is no number.
 std::optional<std::int64_t> nanoseconds_of(const std::string& number, std::int64_t unit);
 
 }  // namespace veridyn::recordings

@@ -44,7 +44,7 @@ bool ByteStream::read_on() {
     begin_ = 0;
     if (end_ == buffer_.size()) buffer_.resize(2 * buffer_.size());
   }
-  for (;;) {  // read(2) returns what a pipe has by now, where fread() would wait for more
+  for (;;) {  // read(2) returns the bytes that a pipe has now, whereas fread() would wait for more
     const ssize_t got = ::read(descriptor(), buffer_.data() + end_, buffer_.size() - end_);
     error_ = got < 0 ? errno : 0;
     if (error_ == EINTR && (!wait_ || wait_())) continue;

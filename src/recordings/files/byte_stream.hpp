@@ -9,24 +9,24 @@
 
 namespace veridyn {
 
-/// The bytes of a file that is opened once and read in pieces. What was taken can be given back, so
-/// that a look at the first bytes and at the header does not open the file again.
-/// Cost: memory for what is unread or 1 MiB, whichever is more.
+/// The bytes of a file that is opened once and read in pieces. Consumed bytes can be returned, so
+/// that looking at the first bytes and at the header does not open the file again. Cost: memory for
+/// the unread part or 1 MiB, whichever is more.
 class ByteStream {
  public:
   /// @throws InvalidInput  the file is missing, cannot be opened, or is a folder.
-  /// @param wait  asked at the present end of a file that may still grow: whether to look there once
-  ///     more; false ends the recording.
+  /// @param wait  called at the present end of a file that may still grow: true to look again;
+  /// false ends the recording.
   explicit ByteStream(const std::string& path, std::function<bool()> wait = {});
 
-  /// Reads on behind what is unread. False: the file ends here, or reading failed.
+  /// Reads more data. False at the end of the file or on an error.
   bool read_on();
   std::string_view unread() const { return {buffer_.data() + begin_, end_ - begin_}; }
   void take(std::size_t bytes) { begin_ += bytes; }
   bool at_end() const { return at_end_; }
-  int error() const { return error_; }  ///< errno of the last reading, or 0
+  int error() const { return error_; }  ///< errno of the last read, or 0
 
-  /// Back to the first byte. @throws InvalidInput  a pipe of which more than 1 MiB was taken.
+  /// Returns to the first byte. @throws InvalidInput  a pipe of which more than 1 MiB was consumed.
   void rewind();
 
   const std::string& path() const { return path_; }
@@ -42,15 +42,15 @@ class ByteStream {
   std::vector<char> buffer_;
   std::size_t begin_ = 0;  // unread bytes are buffer_[begin_, end_)
   std::size_t end_ = 0;
-  bool dropped_ = false;  // the buffer does not begin with the file's first byte
+  bool dropped_ = false;  // the buffer no longer begins with the file's first byte
   bool at_end_ = false;
   int error_ = 0;
 };
 
-/// How often a recording's file has been opened since the program began.
+/// Number of recordings' files opened since the program began.
 long files_opened();
 
-/// Counts one that is opened by other means than a ByteStream.
+/// Counts a file that is opened by other means than a ByteStream.
 void count_opened_file();
 
 }  // namespace veridyn

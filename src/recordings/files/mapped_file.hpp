@@ -10,7 +10,7 @@ namespace veridyn {
 /// The bytes of a file, mapped into memory for reading.
 class MappedFile {
  public:
-  /// @param opened  the file itself, where it is open already.
+  /// @param opened  the file, if it is open already.
   /// @throws InvalidInput  the file is missing, unreadable or a folder.
   explicit MappedFile(const std::string& path, const ByteStream* opened = nullptr);
   ~MappedFile();

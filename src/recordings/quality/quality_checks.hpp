@@ -7,19 +7,19 @@
 
 #include "veridyn/recordings/recording_quality.hpp"
 
-/// The parts of check_recording(). A *tally* sees every row, piece by piece; a *check* sees the
-/// head only.
+/// The parts of check_recording(). A *tally* processes every row, piece by piece; a *check* sees
+/// the first rows only.
 namespace veridyn::quality {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 constexpr double kRestingRange = 5e-3;  // [rad, m]
-constexpr double kHole = 1.5;           // median steps: rows are missing in a longer one
+constexpr double kHole = 1.5;           // in median steps: rows are missing in a longer one
 constexpr double kTurn = 6.283185307179586;
 constexpr double kHopelessShare =
-    0.002;                   // of rows with absurd numbers: beyond it, motion is not judged
-constexpr int kContext = 6;  // rows of the piece before that a piece starts with
+    0.002;                   // share of rows with absurd numbers beyond which motion is not checked
+constexpr int kContext = 6;  // rows of the previous piece at the start of a piece
 
-/// Where a finding is, and how large; what remains is said in the sentence.
+/// Signal, joint and size of a finding; the sentence has the rest.
 struct Place {
   std::string signal;
   int joint = 0;
@@ -44,13 +44,13 @@ class Findings {
   std::vector<QualityFinding> findings_;
 };
 
-/// A piece of the recording; rows before `fresh` have been seen already.
+/// A piece of the recording; rows before `fresh` were processed before.
 struct Piece {
   const Recording& rows;
   int fresh;
 };
 
-/// The first rows, cleaned of absurd numbers, and scales taken from them.
+/// The first rows, without absurd numbers, and scales computed from them.
 struct Head {
   explicit Head(const Recording& recording);
 
@@ -62,13 +62,13 @@ struct Head {
   std::vector<bool> stale;  // per row: equal to the row before while the arm moves
 };
 
-/// "joint 3 (tau)" and the like.
+/// Text such as "joint 3 (tau)".
 std::string named(const Place& place);
-/// Four significant digits; "12 %" for shares; "1 row", "2 rows".
+/// Text: four significant digits; "12 %" for shares; "1 row", "2 rows".
 std::string number(double value);
 std::string percent(double share);
 std::string counted(long count, const std::string& noun);
-/// "N m" or similar of a signal, of a joint of unknown kind.
+/// "N m" or similar unit of a signal of a joint of unknown type.
 std::string unit_of(const std::string& signal);
 
 /// Value at the given share (0 to 1) of the sorted finite values; NaN if there are none.
@@ -76,7 +76,7 @@ double quantile(std::vector<double> values, double share);
 
 /// True if row k equals row k - 1 in every signal although the arm moves.
 bool is_stale(const Recording& rows, int k);
-/// True if some velocity of row k is not zero; without velocities, if a position changed within 6
+/// True if a velocity of row k is not zero; without velocities, if a position changed within 6
 /// rows.
 bool is_moving(const Recording& rows, int k);
 
@@ -117,7 +117,7 @@ class TimeTally {
   double longest_hole_at_ = 0.0;
 };
 
-/// Stale rows, gaps, signals that never change.
+/// Counts stale rows, gaps, and signals that never change.
 class RowTally {
  public:
   explicit RowTally(const Recording& head);
@@ -165,7 +165,7 @@ class JumpTally {
   std::vector<Joint> joints_;
 };
 
-/// Torque or current exactly at its extreme, row after row, entered and left abruptly.
+/// Detects torque or current exactly at its extreme, row after row, entered and left abruptly.
 class ClipTally {
  public:
   explicit ClipTally(const Head& head);
@@ -190,7 +190,7 @@ class ClipTally {
   long rows_ = 0;
 };
 
-/// Torques and currents, where they are recorded.
+/// Recorded torques and currents.
 struct Load {
   const char* name;
   const MatrixXd* values;
@@ -201,7 +201,7 @@ double share_of(long count, long rows);
 
 void check_motion(const Head& head, Findings* findings);
 void check_velocities(const Head& head, Findings* findings);
-/// How much later dq is than the derivative of q [s], where that is clear.
+/// [s] by which dq lags the derivative of q, if significant.
 std::optional<double> velocity_delay(const Head& head, int joint);
 void check_stale_signals(const Head& head, Findings* findings);
 void check_saturated_plateaus(const Head& head, Findings* findings);

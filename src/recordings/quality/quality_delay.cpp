@@ -1,4 +1,4 @@
-// How late recorded velocities are.
+// Delay of recorded velocities.
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -12,8 +12,8 @@ namespace {
 
 constexpr int kLagRows = 60000;  // rows used for the delay
 
-// Derivative of q, and dq, both averaged over 8 rows symmetrically, which delays neither. Both are
-// NaN where a row is missing or wrong in between.
+// Derivative of q, and dq, both averaged symmetrically over 8 rows, which delays neither. Both are
+// NaN near a missing or wrong row.
 struct Velocities {
   double step = 0.0;  // [s] mean
   VectorXd from_q;
@@ -31,7 +31,7 @@ Velocities smoothed_velocities(const Head& head, int joint) {
   steps.tail(count - 1) =
       (rows.q.col(joint).segment(1, count - 1) - rows.q.col(joint).head(count - 1)).cwiseAbs();
   const double longest = kJump * quantile({steps.data(), steps.data() + count}, 0.99);
-  int broken = 0;  // the last row that must not be crossed
+  int broken = 0;  // last row that must not be included
   for (int last = 1; last < count; ++last) {
     const bool hole = rows.time[last] - rows.time[last - 1] > kHole * head.step;
     if (hole || !(steps[last] <= longest) || std::isnan(rows.dq(last, joint))) broken = last;
@@ -45,7 +45,7 @@ Velocities smoothed_velocities(const Head& head, int joint) {
   return v;
 }
 
-// The whole number of rows by which the recorded velocity is late: the peak of the correlation.
+// The delay of the recorded velocity in whole rows: the peak of the correlation.
 std::optional<int> whole_delay(const Velocities& v) {
   constexpr int kLongest = 40;
   constexpr double kClear = 0.9;
@@ -69,7 +69,7 @@ std::optional<int> whole_delay(const Velocities& v) {
 
 }  // namespace
 
-// How much later dq is than the derivative v of q [s], where it is clear. Past the whole rows,
+// [s] by which dq lags the derivative v of q, if significant. Beyond whole rows,
 //   dq(t) = f v(t - delay) = f v(t) - f delay dv/dt,
 // by least squares, twice, the second time without rows that are more than 4 median errors off.
 std::optional<double> velocity_delay(const Head& head, int joint) {

@@ -1,4 +1,4 @@
-// Position steps that the motion around them cannot explain.
+// Position steps that the neighbouring motion cannot explain.
 #include <algorithm>
 #include <cmath>
 
@@ -15,7 +15,7 @@ JumpTally::JumpTally(const Head& head)
   for (std::size_t joint = 0; joint < joints_.size(); ++joint) {
     const int j = static_cast<int>(joint);
     const std::vector<double> q(rows.q.col(j).data(), rows.q.col(j).data() + count);
-    std::vector<double> change;  // of the step from one row to the next
+    std::vector<double> change;  // step from one row to the next
     for (int k = 2; k < count; ++k)
       change.push_back(std::abs(rows.q(k, j) - 2.0 * rows.q(k - 1, j) + rows.q(k - 2, j)));
     const double noise = change.empty() ? 0.0 : quantile(std::move(change), 0.99);
@@ -24,8 +24,8 @@ JumpTally::JumpTally(const Head& head)
   }
 }
 
-// The step into row k against the steps around it, that into k + 1 excepted: a single wrong value
-// jumps back.
+// Compares the step into row k with its neighbours, except that into k + 1: after a single wrong
+// value the position jumps back.
 bool JumpTally::is_jump(const Recording& rows, int k, int joint) const {
   const auto step = [&](int row) { return std::abs(rows.q(row, joint) - rows.q(row - 1, joint)); };
   double around = std::max({step(k - 2), step(k - 1), step(k + 2), step(k + 3)});

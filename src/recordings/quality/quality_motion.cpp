@@ -1,4 +1,4 @@
-// Checks of what moves, and of torques and currents, on the head of a recording.
+// Checks of motion, torques and currents, on the first rows of a recording.
 #include <algorithm>
 #include <cmath>
 

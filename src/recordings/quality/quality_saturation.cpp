@@ -9,15 +9,15 @@
 namespace veridyn::quality {
 namespace {
 
-// A stretch of rows in which a load stays close to its extreme.
+// A run of rows in which a load stays close to its extreme.
 struct Plateau {
   int first = 0;
   int last = 0;
 };
 
-// Saturated: the load goes from half to full and back in less than half the time that it stays, and
-// the arm speeds up or slows down meanwhile by at least a quarter of its top speed (friction
-// plateaus do not).
+// True for saturation: the load rises from half to full and falls back in less than half the time
+// that it stays there, and meanwhile the arm accelerates or decelerates by at least a quarter of
+// its top speed (unlike on friction plateaus).
 bool is_saturated(const Head& head, const VectorXd& load, const Plateau& plateau, double half,
                   int joint) {
   constexpr int kShortest = 8;
@@ -39,7 +39,7 @@ bool is_saturated(const Head& head, const VectorXd& load, const Plateau& plateau
   return std::abs(speed(plateau.last) - speed(plateau.first)) > 0.25 * top;
 }
 
-// Rows in saturated plateaus within 8 % of the largest value.
+// Number of rows in saturated plateaus within 8 % of the largest value.
 int plateau_rows(const Head& head, const VectorXd& load, int joint, double* limit) {
   constexpr double kNear = 0.92;
   const double largest = *std::max_element(load.data(), load.data() + load.size());
@@ -69,7 +69,7 @@ ClipTally::ClipTally(const Head& head) {
     const MatrixXd& values = head.rows.*signal.values;
     for (int j = 0; j < values.cols(); ++j) {
       std::vector<double> column(values.col(j).data(), values.col(j).data() + values.rows());
-      std::vector<double> changes;  // the finest ones show the resolution
+      std::vector<double> changes;  // the smallest ones show the resolution
       for (int k = 1; k < values.rows(); ++k) {
         if (values(k, j) != values(k - 1, j))
           changes.push_back(std::abs(values(k, j) - values(k - 1, j)));

@@ -8,8 +8,8 @@
 namespace veridyn::quality {
 namespace {
 
-// How often a signal repeats its value after one row and after two, of the rows around which it
-// changes by so many steps of its resolution that equal values do not come by chance.
+// Numbers of repeats of a signal's value after one row and after two, in rows where the signal
+// changes by so many resolution steps that equal values are no coincidence.
 struct Repeats {
   long rows = 0;
   long once = 0;
@@ -38,11 +38,11 @@ Repeats repeats_of(const Head& head, const MatrixXd& values, int joint) {
 
 }  // namespace
 
-// A signal that repeats its value much more often than it returns to it two rows later was not
-// refreshed.
+// A signal was not refreshed if it repeats its value much more often than it returns to it two rows
+// later.
 void check_stale_signals(const Head& head, Findings* findings) {
   constexpr double kShare = 0.1;
-  constexpr double kReturning = 0.7;  // repeats after two rows, of repeats after one
+  constexpr double kReturning = 0.7;  // ratio of repeats after two rows to repeats after one
   constexpr long kFewest = 200;
   for (const RecordingSignal& signal : kRecordingSignals) {
     const MatrixXd& values = head.rows.*signal.values;

@@ -8,8 +8,8 @@
 namespace veridyn::quality {
 namespace {
 
-constexpr double kAbsurd = 1e6;      // in SI units, no joint reaches it
-constexpr double kIrregular = 0.05;  // spread of the steps, of their median
+constexpr double kAbsurd = 1e6;      // SI units; no joint reaches it
+constexpr double kIrregular = 0.05;  // spread of the steps relative to their median
 constexpr double kManyStale = 0.02;
 constexpr double kFewStale = 0.001;
 constexpr double kFrozen = 0.5;
@@ -162,7 +162,7 @@ void RowTally::add_gaps(const Channel& channel, const Place& place, const std::s
                      " of the rows); at most ", channel.longest_gap, " in a row."));
 }
 
-// One finding for the file where all or many channels have gaps, else one per channel.
+// Reports one finding for the file if many channels have gaps, else one per channel.
 void RowTally::conclude_gaps(Findings* findings) const {
   constexpr long kMany = 3;
   const Channel& first = channels_.front();
@@ -187,7 +187,7 @@ void RowTally::conclude_gaps(Findings* findings) const {
   }
 }
 
-// Positions and velocities that stay constant are left to joint_at_rest, unless they are all zero.
+// Constant positions and velocities belong to joint_at_rest, unless they are all zero.
 void RowTally::conclude_constant(Findings* findings) const {
   for (const RecordingSignal& signal : kRecordingSignals) {
     long all = 0;

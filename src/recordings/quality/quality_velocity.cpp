@@ -1,4 +1,4 @@
-// Checks of recorded velocities against recorded positions, on the head of a recording.
+// Checks of recorded velocities against recorded positions, on the first rows of a recording.
 #include <algorithm>
 #include <cmath>
 
@@ -9,13 +9,13 @@ namespace veridyn::quality {
 namespace {
 
 constexpr double kDegrees = 57.29577951308232;
-constexpr double kScaleError = 0.025;  // |factor - 1| from which it is reported
+constexpr double kScaleError = 0.025;  // |factor - 1| above which it is reported
 
 // dq = factor * d/dt q, over windows of 0.1 s.
 struct VelocityFit {
   double factor = 1.0;
   double spread = 0.0;  // half the interquartile range of the ratio, window by window
-  bool clear = false;   // enough windows in motion, of one mind
+  bool clear = false;   // enough windows with motion, which agree
 };
 
 VelocityFit velocity_fit(const Head& head, int joint) {
@@ -29,7 +29,7 @@ VelocityFit velocity_fit(const Head& head, int joint) {
     const double step = 0.5 * dt * (rows.dq(k, joint) + rows.dq(k - 1, joint));
     angle[k] = angle[k - 1] + (std::isnan(step) ? 0.0 : step);
   }
-  int last_gap = -1;  // windows must not reach back to it
+  int last_gap = -1;  // windows must lie after it
   for (int k = 0; k < rows.rows(); ++k) {
     const bool hole = k > 0 && rows.time[k] - rows.time[k - 1] > 5.0 * head.step;
     if (hole || std::isnan(rows.dq(k, joint)) || std::isnan(rows.q(k, joint))) last_gap = k;
@@ -71,7 +71,7 @@ void check_delay(const Head& head, int joint, Findings* findings) {
                      " ms ", *delay > 0.0 ? "later" : "earlier", " than its position says."));
 }
 
-// Steps of dq from row to row, stale rows and the rows after them left out.
+// Quantisation of dq from its steps between rows, without stale rows and the rows after them.
 void check_quantised(const Head& head, int joint, const VelocityFit& fit, Findings* findings) {
   constexpr double kCoarse = 0.07;   // share of the range
   constexpr double kTwoKinds = 3.5;  // 90 % quantile over median; 2.4 for Gaussian noise
@@ -103,11 +103,11 @@ void check_quantised(const Head& head, int joint, const VelocityFit& fit, Findin
                      biased ? ": take it from the position instead." : ", but right on average."));
 }
 
-// Second differences, of which smooth motion has little, of the velocity and of the position's
-// derivative. Windows with stale rows say nothing about either.
+// Noise from second differences, which are small for smooth motion, of the velocity and of the
+// position's derivative. Windows with stale rows are excluded.
 void check_noise(const Head& head, int joint, Findings* findings) {
   constexpr double kNoisier = 2.0;
-  constexpr double kNothing = 1e-4;  // of the range
+  constexpr double kNothing = 1e-4;  // relative to the range
   constexpr int kReach = 2;
   const Recording& rows = head.rows;
   const auto derivative = [&](int k) {
@@ -129,7 +129,7 @@ void check_noise(const Head& head, int joint, Findings* findings) {
   if (windows < 50) return;
   const std::vector<double> all(rows.dq.col(joint).data(), rows.dq.col(joint).data() + rows.rows());
   const double range = quantile(all, 0.99) - quantile(all, 0.01);
-  // White noise of one sample has sqrt(6) of its deviation in a second difference.
+  // The second difference of white noise has sqrt(6) times its standard deviation.
   const double noise = std::sqrt(recorded / (6.0 * windows));
   const double ratio = std::sqrt(recorded / std::max(derived, 1e-300));
   if (ratio < kNoisier || noise < kNothing * range) return;
@@ -161,7 +161,7 @@ void report_joint_scale(const Place& place, const VelocityFit& fit, Findings* fi
   }
 }
 
-// The same factor on all joints points at the clock (or the unit), else at single channels.
+// The same factor on all joints indicates the clock (or the unit), else single channels.
 void report_scales(const Head& head, const std::vector<int>& joints,
                    const std::vector<VelocityFit>& fits, Findings* findings) {
   double low = INFINITY;
@@ -174,7 +174,7 @@ void report_scales(const Head& head, const std::vector<int>& joints,
   }
   if (fits.empty()) return;
   const double common = quantile(factors, 0.5);
-  // One joint alone says little about the clock, unless it is far off.
+  // A single joint indicates the clock only if it is far off.
   const double threshold = fits.size() > 1 ? kScaleError : 0.1;
   const bool clock =
       common > 0.0 && high - low < 0.03 * common && std::abs(common - 1.0) > threshold &&

@@ -15,11 +15,11 @@ namespace {
 
 constexpr int kHeadRows = 200000;
 constexpr int kPieceRows = 50000;
-constexpr int kFewestRows = 50;  // to judge motion and velocities
+constexpr int kFewestRows = 50;  // required for checks of motion and velocities
 
 using Source = std::function<Recording(int)>;
 
-// The last rows of a piece in front of the next one.
+// The last rows of a piece, prepended to the next one.
 Recording joined(const Recording& before, const Recording& next) {
   const int context = std::min(before.rows(), quality::kContext);
   Recording both;
@@ -35,7 +35,7 @@ Recording joined(const Recording& before, const Recording& next) {
   return both;
 }
 
-// All tallies over all rows, the first of them already read.
+// Runs all tallies over all rows, of which the first have been read.
 RecordingQuality judged(Recording head_rows, const std::string& file, const Source& source) {
   require(head_rows.rows() > 0, file, ": found no row, expected numbers below the header.");
   RecordingQuality quality;
@@ -157,7 +157,7 @@ RecordingQuality check_recording(const std::string& path, const RecordingOptions
 RecordingQuality check_rows(const std::string& path, const OpenedRows& rows) {
   RecordingQuality quality = judged(rows.next(kHeadRows), path, rows.next);
   quality.facts = rows.facts();
-  // What reading brought up comes behind faults and warnings.
+  // Remarks of the reader come after faults and warnings.
   auto at = std::find_if(quality.findings.begin(), quality.findings.end(),
                          [](const auto& f) { return f.severity == Severity::kInfo; });
   for (const std::string& remark : quality.facts.remarks) {

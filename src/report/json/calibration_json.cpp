@@ -14,7 +14,7 @@ Json ends(double value, double half) {
   return Json::array({value - half, value + half});
 }
 
-// Of a size, which is not negative.
+// Interval of a magnitude, which is not negative.
 Json ends_of_size(double value, double half) {
   return Json::array({std::max(0.0, value - half), value + half});
 }

@@ -10,9 +10,9 @@
 
 namespace veridyn {
 
-// What `veridyn calibrate PART --json` writes, with the keys of CONTRACT.md. `interval` is the two
-// ends of a 95 % interval; `interval_m` and `interval_deg` are the radius within which a point, a
-// line or a pose is in 95 of 100 cases.
+// JSON of `veridyn calibrate PART --json`, with the keys of docs/contract.md. `interval` has the
+// two ends of a 95 % interval; `interval_m` and `interval_deg` are radii that contain the point,
+// line or pose in 95 of 100 cases.
 
 /// `calibrate axis`: axes, links, bodies, cannot_tell.
 std::string to_json(const AxesCalibration& axes);

@@ -62,7 +62,8 @@ Json settings_json(const Scenario& s) {
   }
   Json out = {{"arms", arms},
               {"leader", s.arms[static_cast<std::size_t>(s.master)].name},
-              {"master", s.arms[static_cast<std::size_t>(s.master)].name},  // of earlier versions
+              // Key of earlier versions.
+              {"master", s.arms[static_cast<std::size_t>(s.master)].name},
               {"seed", s.seed},
               {"model_error", s.model_error},
               {"encoder", s.encoder},

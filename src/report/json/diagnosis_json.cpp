@@ -30,14 +30,14 @@ Json summary_json(const DiagnosisSummary& s) {
           {"held_out_untouched", true}};
 }
 
-// Name and joint of a cause; where there is no arm there is nothing that it could be about.
+// Name and joint of a cause; without an arm there is no joint.
 Json cause_json(const Diagnosis& d, const Cause& cause) {
   if (!d.baseline.model) return {{"effect", effect_of(cause)}};
   const CauseWords w = words_of(*d.baseline.model, cause);
   return {{"effect", w.effect}, {"joint", w.joint}};
 }
 
-// Its place in all other words.
+// Adds its place in all other terms.
 void add_place(const Diagnosis& d, const Cause& cause, Json& out) {
   if (!d.baseline.model) return;
   const CauseWords w = words_of(*d.baseline.model, cause);
@@ -209,7 +209,7 @@ std::string to_json(const Diagnosis& d, const std::string& next_command) {
                                          {"to", part.to},
                                          {"why", part.why}});
   }
-  out["left_out"] = out["excluded_intervals"];  // the key of earlier versions
+  out["left_out"] = out["excluded_intervals"];  // key of earlier versions
   out["data_quality"] = quality_json(d);
   out["settings"] = settings_json(d.baseline);
   out["seconds"] = d.seconds;

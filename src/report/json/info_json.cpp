@@ -1,5 +1,6 @@
 #include "report/json/json_value.hpp"
 #include "veridyn/effects/effect.hpp"
+#include "veridyn/model/physical_faults.hpp"
 #include "veridyn/report/json.hpp"
 #include "veridyn/report/setting_names.hpp"
 
@@ -87,6 +88,7 @@ std::string to_json(const RobotInfo& info) {
   out["robot"] = arm.name();
   out["source"] = arm.description().source;
   out["gravity"] = json_list(arm.gravity());
+  out["impossible"] = physical_faults(arm);
   out["coordinates"] = coordinates_json(arm);
   out["frames"] = frames_json(arm);
   out["effects"] = effects_json(arm);

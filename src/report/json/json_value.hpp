@@ -7,10 +7,10 @@
 
 namespace veridyn {
 
-/// Keys stay in the order in which they are written.
+/// Keys keep the order in which they were added.
 using Json = nlohmann::ordered_json;
 
-/// {"veridyn": version, "command": command}, to which a command adds.
+/// The first members of every result: {"veridyn": version, "command": command}.
 Json json_head(const std::string& command);
 
 /// A list; entries that are not finite become null when written.

@@ -6,8 +6,8 @@
 
 namespace veridyn {
 
-/// What `kinematics --json` writes: rows with q, position, quaternion (w, x, y, z), conditioning,
-/// Jacobian, and what inverse kinematics left.
+/// JSON of `kinematics --json`: rows with q, position, quaternion (w, x, y, z), conditioning,
+/// Jacobian, and the remaining error of inverse kinematics.
 std::string to_json(const KinematicTable& table);
 
 /// The same as one HTML page, with the arm drawn and the conditioning over the workspace.

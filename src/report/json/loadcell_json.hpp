@@ -6,7 +6,7 @@
 
 namespace veridyn {
 
-/// What `loadcell calibrate --json` writes: offset and scale with their 95 % intervals.
+/// JSON of `loadcell calibrate --json`: offset and scale with their 95 % intervals.
 std::string to_json(const LoadCellCalibration& calibration);
 
 }  // namespace veridyn

@@ -61,7 +61,7 @@ std::string to_json(const std::vector<RecordingQuality>& recordings) {
                                  {"severity", name_of(recording.severity())},
                                  {"findings", std::move(findings)}});
   }
-  // Of a single recording the common questions are answered at the top, too.
+  // For a single recording the most used keys are also at the top level.
   if (recordings.size() == 1) {
     for (const char* key : {"rate", "joints", "rows", "topics"}) out[key] = out["recordings"][0][key];
   }

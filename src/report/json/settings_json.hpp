@@ -5,10 +5,10 @@
 
 namespace veridyn {
 
-/// Recordings, method and preprocessing: what it takes to repeat an identification.
+/// Recordings, method and preprocessing, sufficient to repeat an identification.
 Json settings_json(const Identification& id);
 
-/// {"share", "lateness"}: rows of a recording that were filled in.
+/// {"share", "lateness"} of the interpolated rows of a recording.
 Json filled_json(const RecordingError& recording);
 
 }  // namespace veridyn

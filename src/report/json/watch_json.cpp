@@ -9,11 +9,20 @@ namespace {
 
 Json event_json(const WatchEvent& e) {
   Json rivals = Json::array();
-  for (const WatchRival& r : e.rivals) rivals.push_back({{"cause", r.cause}, {"lacks", r.evidence}});
-  Json out = {{"event", name_of(e.stage)}, {"id", e.id},       {"time", e.time},
-              {"since", e.since},          {"cause", e.cause}, {"effect", e.effect},
-              {"joint", e.joint},          {"place", e.place}, {"value", e.value},
-              {"ci95", {e.low, e.high}},   {"unit", e.unit},   {"strength", e.strength}};
+  for (const WatchRival& r : e.rivals) rivals.push_back({{"cause", r.text}, {"lacks", r.evidence}});
+  const std::optional<JointIndex> joint = joint_of(e.cause);
+  Json out = {{"event", name_of(e.stage)},
+              {"id", e.id},
+              {"time", e.time},
+              {"since", e.since},
+              {"cause", e.text},
+              {"effect", effect_of(e.cause)},
+              {"joint", joint ? joint->value + 1 : 0},
+              {"place", split_cause(e.text).place},
+              {"value", e.value},
+              {"ci95", {e.low, e.high}},
+              {"unit", e.unit},
+              {"strength", e.strength}};
   if (e.stage == WatchStage::kOver) out["until"] = e.until;
   out["rivals"] = rivals;
   out["sentence"] = e.sentence;

@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kDegrees = 180.0 / M_PI;
 constexpr int kBins = 40;
-constexpr double kWidest = 4.0;            // deviations that a histogram shows to either side
+constexpr double kWidest = 4.0;  // range of a histogram to either side, in standard deviations
 constexpr std::size_t kMostPoints = 1500;  // points of a drawing
 
 Json series_head(const std::string& command, const std::string& title, const std::string& facts,
@@ -45,7 +45,7 @@ void add_frame(Json& series, const std::string& name, const Eigen::Isometry3d& T
       {{"name", name}, {"origin", json_list(T.translation())}, {"axes", axes}});
 }
 
-// Errors of both signs are shown about zero, sizes from zero on.
+// Signed errors are centred at zero; magnitudes start at zero.
 void add_histogram(Json& series, const std::string& name, const std::string& unit,
                    const std::vector<double>& values, double scale) {
   if (values.empty()) return;

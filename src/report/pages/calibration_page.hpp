@@ -9,10 +9,10 @@
 
 namespace veridyn {
 
-// What `calibrate --report` writes: one HTML file that needs neither a network nor other files, with
-// the numbers of to_json(), axes and frames in space, and histograms of what is left over.
+// Pages of `calibrate --report`: one HTML file that needs neither a network nor other files, with
+// the numbers of to_json(), axes and frames in space, and histograms of the residuals.
 
-/// @param command  the command line of the run, shown as it is; empty: none.
+/// @param command  the command line of the run, shown verbatim; empty: none.
 std::string to_page(const AxesCalibration& axes, const std::string& command = "");
 std::string to_page(const RemoteCenter& centre, const std::string& command = "");
 std::string to_page(const LinksCalibration& links, const std::string& command = "",

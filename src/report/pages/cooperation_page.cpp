@@ -53,7 +53,8 @@ Eigen::Isometry3d base_of(const ScenarioArm& arm) {
   return T;
 }
 
-// Who pulls at whom: members between tips, then walls, in the order of the run's traces.
+// Connections that exert forces: members between tips, then walls, in the order of the run's
+// traces.
 Json held_json(const ScenarioRun& run, const Scenario& scenario, Eigen::Index step) {
   Json out = Json::array();
   for (std::size_t k = 0; k < run.member.size(); ++k) {

@@ -11,7 +11,8 @@
 namespace veridyn {
 namespace {
 
-using Part = std::pair<std::string_view, std::string>;  // name in the page's source, text for it
+// Name in the page's source and the text that replaces it.
+using Part = std::pair<std::string_view, std::string>;
 
 std::string replaced(std::string_view text, char from, std::string_view to) {
   std::string out;
@@ -29,8 +30,8 @@ std::string html_text(std::string_view text) {
   return replaced(replaced(text, '&', "&amp;"), '<', "&lt;");
 }
 
-// JSON between script tags: "</script>" in a file's name must not end it. Only strings can hold
-// '<'.
+// Escapes JSON for a script element: "</script>" in a file name must not end it. Only strings can
+// contain '<'.
 std::string json_in_html(std::string_view json) {
   return replaced(json, '<', "\\u003c");
 }
@@ -57,7 +58,7 @@ std::string part(std::string_view name) {
   return std::string(page_file(name));
 }
 
-// three.js as gzip in base64, for a page that has arms; its licence stands before it.
+// three.js as gzip in base64, for pages with arms, preceded by its licence.
 std::string three(const Json& series) {
   const std::string_view packed = page_file("three.gz");
   const bool has_arms = !packed.empty() && series.contains("arms") && !series["arms"].empty();

@@ -6,11 +6,11 @@
 
 namespace veridyn {
 
-/// One HTML file that needs no other: styles, scripts, plot library and data are inside. What it
-/// shows is a list of sections that its command has in src/report/pages/scripts.
+/// Builds one HTML file that needs no other: it contains styles, scripts, plot library and data.
+/// Its sections are listed for each command in src/report/pages/scripts.
 ///
 /// @param result  JSON: every number that the page's text shows.
-/// @param series  what figures show, see page_series.hpp; a page with arms gets three.js, too.
+/// @param series  data of the figures, see page_series.hpp; a page with arms includes three.js.
 /// @param report  plain text for a reader without scripts.
 std::string html_page(const std::string& title, const std::string& result, const Json& series,
                       const std::string& report);

@@ -8,9 +8,9 @@ namespace {
 
 using Column = std::vector<double>;
 
-constexpr std::size_t kFewestSamples = 500;  // below that a curve loses its shape
-constexpr std::size_t kNumbers = 330000;     // on a page; about 2.7 bytes each
-constexpr std::size_t kColumns = 6;          // columns of a joint: q, dq, ddq and three torques
+constexpr std::size_t kFewestSamples = 500;  // fewer would distort a curve
+constexpr std::size_t kNumbers = 330000;     // numbers on a page at most; about 2.7 bytes each
+constexpr std::size_t kColumns = 6;          // per joint: q, dq, ddq and three torques
 constexpr double kSteps = 65533.0;           // between the ends of a packed column
 constexpr unsigned kMissing = 65535;
 constexpr double kTimeStep = 1e-4;           // [s]
@@ -20,7 +20,7 @@ VectorXd vector_of(const Column& column) {
   return Eigen::Map<const VectorXd>(column.data(), static_cast<Eigen::Index>(column.size()));
 }
 
-// A column on another time grid, interpolated; NaN outside.
+// A column interpolated on another time grid; NaN outside.
 Column on_grid(const Column& time, const Column& values, const Column& wanted) {
   Column out;
   std::size_t k = 0;
@@ -43,9 +43,9 @@ bool same_grid(const PredictionSeries& a, const PredictionSeries& b) {
          std::abs(a.time.back() - b.time.back()) < kSameTime;
 }
 
-// The extended model's torque at the recording's samples. It keeps its distance from the torque
-// that it was fitted to, which a finding may have corrected (a drive gain, a delay), so that one
-// measured curve serves both models.
+// The extended model's torque at the recording's samples. It is shifted by the difference between
+// the torques to which the two models were fitted (a finding may have corrected a drive gain or a
+// delay), so that one measured curve serves both.
 Column extended_torque(const PredictionSeries& model, const PredictionSeries& extended,
                        std::size_t joint) {
   Column error;

@@ -10,7 +10,7 @@
 
 namespace veridyn {
 
-// What the figures of a page show, beside its result. All pages share one form:
+// Data of the figures of a page, in one form for all pages:
 //
 //   command     the command line that made them
 //   joints      [{name, unit, torque_unit}]
@@ -43,24 +43,24 @@ Json arm_json(const Model& arm, const Eigen::Isometry3d& T_world_base = Eigen::I
 Json curve_json(const std::string& name, const std::string& style, Json values);
 Json plot_json(const char* kind, const std::string& title, const std::string& unit, Json curves);
 
-/// How many samples apart a curve of so many is shown.
+/// Decimation of a curve with this many samples.
 Eigen::Index curve_step(Eigen::Index rows);
 
-/// One recording as the plots show it.
+/// One recording in the plots.
 struct PlottedRecording {
   const char* role = "";                     ///< "held out" or "training"
-  const RecordingError* model = nullptr;     ///< the robot as it stands
-  const RecordingError* extended = nullptr;  ///< with what was found; null: nothing was
+  const RecordingError* model = nullptr;     ///< the unmodified robot
+  const RecordingError* extended = nullptr;  ///< with the findings; null: there are none
 };
 
 /// Adds recordings with measured and modelled torques to a page.
 ///
 /// A recording is thinned to about 3000 samples, and to fewer where there are many recordings and
-/// joints. Recordings beyond what a page can hold are left out from the end, and counted.
+/// joints. Recordings beyond the capacity of a page are omitted from the end, and counted.
 void add_recordings(Json& series, const std::vector<PlottedRecording>& recordings);
 
-/// Adds the friction of every joint over its speed, with the band that the parameters' statistics
-/// give it, up to the speeds of the recordings.
+/// Adds the friction of every joint over its speed, with the confidence band of its parameters, up
+/// to the speeds of the recordings.
 void add_friction(Json& series, const Identification& id);
 
 }  // namespace veridyn

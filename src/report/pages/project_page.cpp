@@ -20,7 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kDeepest = 4;                       // folders below the one that is asked
+constexpr int kDeepest = 4;                       // levels of subfolders
 constexpr std::size_t kMostSentences = 6;         // of one page or one change
 constexpr std::uintmax_t kLargestPage = 8u << 20;  // [bytes]
 
@@ -41,7 +41,7 @@ std::string content_of_file(const fs::path& path) {
   return out.str();
 }
 
-// The result that a page or a file of --json holds; null where it is none of ours.
+// The result inside a page or a file of --json; null for other files.
 Json result_in(const fs::path& path) {
   std::error_code error;
   if (fs::file_size(path, error) > kLargestPage || error) return nullptr;
@@ -104,7 +104,7 @@ Json model_json(const DatedModel& one, const ModelOrigin& origin) {
           {"parameters", parameters_of(one.model)}};
 }
 
-// Two models of one robot, one after the other; why not, where they cannot be compared.
+// Differences of two successive models of one robot, or the reason why they cannot be compared.
 Json change_json(const DatedModel& before, const DatedModel& after) {
   Json out = {{"robot", after.model.name()}, {"before", before.file}, {"after", after.file},
               {"date", after.date},          {"sentences", Json::array()}};

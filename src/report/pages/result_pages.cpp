@@ -36,7 +36,7 @@ void plot_errors(const char* role, const std::vector<RecordingError>& model,
   }
 }
 
-// What the robot file says of each base parameter; null where it lacks a value that it needs.
+// Value of each base parameter in the robot file; null where the file lacks a value.
 Json values_in_file(const Identification& id, const Model& robot) {
   Json out = Json::array();
   const auto& identified = id.model->description().identified;
@@ -74,7 +74,7 @@ std::string to_page(const Identification& id, const std::string& command, const 
   add_recordings(series, recordings);
   add_friction(series, id);
   if (robot != nullptr) series["file"] = values_in_file(id, *robot);
-  series["arms"].clear();  // nothing here moves
+  series["arms"].clear();  // no arm is drawn
   return html_page(id.robot + ": identified", to_json(id), series, id.report());
 }
 
@@ -137,6 +137,13 @@ std::string to_page(const std::vector<RecordingQuality>& recordings, const std::
 
 std::string to_page(const PayloadReport& report, const std::string& command) {
   return result_page(report.robot + ": payload", to_json(report), report.report(), command);
+}
+
+std::string to_page(const FrictionStudy& study, const std::string& command, const Model* arm) {
+  const Model* joints = arm == nullptr && study.fitted.model ? &*study.fitted.model : arm;
+  Json series = joints != nullptr ? series_of(command, *joints) : series_of(command);
+  series["arms"] = Json::array();  // nothing here moves
+  return html_page(study.robot + ": friction", to_json(study), series, study.report());
 }
 
 std::string to_page(const ModelComparison& found, const std::string& command) {

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "recordings/breakaway_ramps.hpp"
 #include "report/json/json_value.hpp"
 #include "report/pages/page.hpp"
 #include "report/pages/page_series.hpp"
@@ -11,14 +12,14 @@ namespace veridyn {
 namespace {
 
 constexpr Eigen::Index kRampSamples = 250;  // samples of one ramp
-constexpr double kLeap = 5e-3;              // [rad], [m] between rows: a new start
+constexpr double kLeap = 5e-3;              // [rad], [m] between rows that indicate a new start
 constexpr double kMilli = 1e3;
 
 std::string unit_of(const Coordinate& c) {
   return c.prismatic ? "mm" : "mrad";
 }
 
-// NaN where a row is left out, so that no line is drawn there.
+// NaN for excluded rows, so that no line is drawn there.
 VectorXd in_use(VectorXd values, const std::vector<char>& use) {
   for (Eigen::Index k = 0; k < values.size(); ++k) {
     if (use[static_cast<size_t>(k)] == 0) values[k] = NAN;
@@ -63,8 +64,8 @@ std::string run_page(const Model& arm, const SimulationRun& run, const VectorXd&
   return html_page(arm.name() + title, result, series, run.report);
 }
 
-// The way over the effort of one ramp, from its rest until it slid. Efforts are means
-// of a tenth of a second, so that the noise of the current does not hide the curve.
+// Displacement over effort of one ramp, from its rest to the onset of sliding. Efforts are means
+// over a tenth of a second, because noise of the current would hide the curve.
 Json way_over_effort(const VectorXd& time, const VectorXd& q, const VectorXd& tau, double from,
                      double to) {
   Json points = Json::array();

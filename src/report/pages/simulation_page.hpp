@@ -7,18 +7,18 @@
 
 namespace veridyn {
 
-/// What a page says about the run beside its result.
+/// Texts of a page beside its result.
 struct SimulationRun {
-  std::string source;   ///< the file that led: a recording or a trajectory
-  std::string command;  ///< the command line, shown as it is; empty: none
+  std::string source;   ///< the recording or trajectory that drove the run
+  std::string command;  ///< the command line, shown verbatim; empty: none
   std::string report;   ///< the result as plain text, for a reader without scripts
 };
 
-/// What `simulate --report` writes: one HTML file that needs neither a network nor other files,
-/// with errors per joint in tables, and over time the motion, the torques and what is left of both.
-/// A run that stopped says so, with the time and the joint.
+/// Page of `simulate --report`: one HTML file that needs neither a network nor other files, with
+/// errors per joint in tables, and motion, torques and their errors over time. For an incomplete
+/// run it shows the time and the joint of the failure.
 ///
-/// Every number in its text is one of to_json(), which stands in the page as the element "result".
+/// Every number in its text comes from to_json(), which the page contains as the element "result".
 std::string to_page(const Replay& replay, const Model& arm, const ReplayInput& input,
                     const SimulationRun& run);
 
@@ -26,8 +26,8 @@ std::string to_page(const Replay& replay, const Model& arm, const ReplayInput& i
 std::string to_page(const ControlledRecording& controlled, const MotionSamples& wanted,
                     const SimulationRun& run);
 
-/// Ramps of force: the way over the effort, recorded and simulated, and the efforts at which the
-/// joint began to slide.
+/// Page of breakaway ramps: displacement over effort, recorded and simulated, and the efforts at
+/// the onset of sliding.
 std::string to_page(const Breakaway& found, const Model& arm, const ReplayInput& input,
                     const SimulationRun& run);
 

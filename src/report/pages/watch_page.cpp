@@ -7,7 +7,7 @@
 namespace veridyn {
 namespace {
 
-// Torque, and what the model leaves of it, joint by joint.
+// Torque and residual, joint by joint.
 Json watched_joint(const WatchedSource& source, Eigen::Index joint, const std::string& unit) {
   const auto rows = static_cast<Eigen::Index>(source.states.size());
   VectorXd torque(rows), rest(rows), q(rows);

@@ -12,11 +12,13 @@
 namespace veridyn {
 namespace {
 
-constexpr int kSpread = 2000;       // configurations all over the range
+constexpr int kSpread = 2000;       // configurations spread over the range
 constexpr int kMostCorners = 1024;  // corners of the range
-constexpr int kWorst = 8;           // corners from which the search goes downhill
-constexpr double kTiny = 1e-12;     // smallest eigenvalue of M per largest: no inverse
-constexpr double kShortest = 1e-7;  // [s] in which viscous friction may stop a joint alone
+constexpr int kWorst = 8;           // corners from which the search descends
+// Ratio of the smallest to the largest eigenvalue of M below which it is singular.
+constexpr double kTiny = 1e-12;
+// [s] shortest time in which viscous friction alone may stop a joint.
+constexpr double kShortest = 1e-7;
 
 constexpr int kPrimes[] = {2, 3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37, 41, 43, 47, 53};
 
@@ -32,7 +34,7 @@ struct Candidate {
   double worth;
 };
 
-// What is asked of a configuration: the smallest eigenvalue of a symmetric matrix.
+// Searches configurations for the smallest eigenvalue of a symmetric matrix.
 class Range {
  public:
   explicit Range(const Model& arm) : limits_(motion_limits(arm)) {}
@@ -53,7 +55,7 @@ class Range {
     return all;
   }
 
-  // The lowest value that a coordinate-wise search finds from the worst configurations on.
+  // The lowest value of a coordinate-wise search from the worst configurations.
   template <typename Worth>
   Candidate lowest(const Worth& worth) const {
     std::vector<Candidate> all;
@@ -102,7 +104,7 @@ std::string where(const Model& arm, const VectorXd& q) {
   return out;
 }
 
-// Eigenvalues per unit of the joints' own sizes, so that grams and kilograms count alike.
+// Eigenvalues after scaling by the joints' own sizes, so that light and heavy joints count alike.
 double smallest_share(const MatrixXd& M, const VectorXd& size) {
   const MatrixXd scaled = size.cwiseInverse().asDiagonal() * M * size.cwiseInverse().asDiagonal();
   if (!scaled.allFinite()) return -1.0;
@@ -110,7 +112,7 @@ double smallest_share(const MatrixXd& M, const VectorXd& size) {
   return solver.eigenvalues()[0];
 }
 
-// A joint whose friction stops it in no time: nothing that is identified has so little inertia.
+// Finds a joint whose friction stops it at once: no identified joint has so little inertia.
 std::string without_inertia(const Model& arm, RigidBodyDynamics& rigid, const PlantForces& forces,
                             const Range& range) {
   MatrixXd M(arm.joints(), arm.joints());
@@ -164,7 +166,7 @@ std::string infeasibility(const Model& arm) {
   forces.reset(zero.data(), zero.data());
   const VectorXd speeds = motion_limits(arm).velocity;
   const Candidate drive = range.lowest([&](const VectorXd& q) {
-    double least = 0.0;  // power at full speed of one joint [W]
+    double least = 0.0;  // [W] power at full speed of one joint
     for (int i = 0; i < n; ++i) least = std::min(least, forces.friction_power(q, i, speeds[i]));
     return least;
   });

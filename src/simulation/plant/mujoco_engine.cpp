@@ -22,9 +22,9 @@ namespace {
 
 constexpr double kLongestStep = 1e-3;   // [s]
 constexpr double kFrictionStep = 2e-5;  // [s] where friction has a steep sign
-constexpr double kClear = 2.0;          // times the speed of rest: friction is not steep any more
-constexpr double kStableShare = 2.0;    // units of a decay in one step; Runge-Kutta is stable up to 2.78
-constexpr double kNoMass = 1e-10;       // [kg], [kg m^2]: MuJoCo wants some on every moving body
+constexpr double kClear = 2.0;          // times the rest speed above which friction is smooth
+constexpr double kStableShare = 2.0;    // decay rate times step; Runge-Kutta is stable up to 2.78
+constexpr double kNoMass = 1e-10;       // [kg], [kg m^2] that MuJoCo requires of every moving body
 
 using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
@@ -38,7 +38,7 @@ std::string pose_text(const Eigen::Vector3d& p, const Eigen::Matrix3d& R) {
 }
 
 // Mass, centre and principal inertia, in the joint's frame: MuJoCo's body frame turns with the
-// joint and stands before B.
+// joint and lies before B.
 std::string inertial_text(const double* phi, const Posed& B) {
   std::ostringstream out;
   out << std::setprecision(17) << "<inertial";
@@ -57,7 +57,8 @@ std::string joint_name(int link) {
   return "joint" + std::to_string(link);
 }
 
-// The links that hang on `parent`; `before` is the parent's B, which MuJoCo's body does not know.
+// Writes the child links of `parent`; `before` is the parent's B, which MuJoCo's body does not
+// include.
 void write_children(const Tree& tree, const VectorXd& phi, int parent, const Posed& before,
                     std::ostream& out) {
   for (int k = 0; k < static_cast<int>(tree.links.size()); ++k) {
@@ -180,7 +181,7 @@ class MujocoEngine final : public Engine {
     reduced_.resize(model_->nv, n_);
   }
 
-  // M_ (with the rotors) and bias_ of the rigid bodies, from MuJoCo.
+  // Computes M_ (with the rotors) and bias_ of the rigid bodies with MuJoCo.
   void rigid_bodies(const VectorXd& q, const VectorXd& dq) noexcept {
     Eigen::Map<VectorXd>(data_->qpos, model_->nq).noalias() = S_ * q;
     Eigen::Map<VectorXd>(data_->qvel, model_->nv).noalias() = S_ * dq;
@@ -193,7 +194,7 @@ class MujocoEngine final : public Engine {
     bias_.noalias() = S_.transpose() * Eigen::Map<const VectorXd>(data_->qfrc_bias, model_->nv);
   }
 
-  // Adds all effects but inertias, dry friction with its regularised sign.
+  // Adds all effects except inertias; dry friction has its regularised sign.
   void add_effects(double time, const VectorXd& q, const VectorXd& dq, VectorXd& sum) noexcept {
     forces_.add_smooth(time, q.data(), dq.data(), sum.data());
     for (int k = 0; k < forces_.dry(); ++k) {
@@ -227,7 +228,7 @@ class MujocoEngine final : public Engine {
     return StepStatus::kOk;
   }
 
-  // Viscous friction on a light joint decays faster than the arm moves.
+  // Limits the step by viscous friction of light joints, which decays faster than the arm moves.
   double stable_step() const noexcept {
     double rate = 0.0;
     for (int i = 0; i < n_; ++i)
@@ -235,7 +236,7 @@ class MujocoEngine final : public Engine {
     return rate > 0.0 ? kStableShare / rate : kLongestStep;
   }
 
-  // No axis of dry friction comes near rest within h, and nothing remembers the path.
+  // True if no axis with dry friction comes near rest within h, and no effect has memory.
   bool sliding_clearly(double h) const noexcept {
     if (forces_.dry() == 0) return true;
     if (forces_.memories() > 0) return false;
@@ -247,7 +248,7 @@ class MujocoEngine final : public Engine {
     return true;
   }
 
-  // Runge-Kutta of order four; ddq_ is the acceleration where the arm stands.
+  // Runge-Kutta of order four; ddq_ is the acceleration at the present state.
   template <typename Acceleration>
   StepStatus runge_kutta(const Acceleration& acceleration_of, double h) noexcept {
     const auto stage = [&](double share, const VectorXd& rate, const VectorXd& k, VectorXd& out) {
@@ -276,12 +277,12 @@ class MujocoEngine final : public Engine {
         h);
   }
 
-  // Friction near rest is stiff, the rigid bodies are not: they keep what they are in the middle
-  // of the step, while the effects are followed in small ones.
+  // Friction near rest is stiff, the rigid bodies are not: their terms are frozen at the middle of
+  // the step, while the effects are integrated in small steps.
   StepStatus fine_steps(const VectorRef& tau, double h) noexcept {
     q_trial_ = q_ + 0.5 * h * dq_;
     dq_trial_ = dq_ + 0.5 * h * ddq_;
-    for (int i = 0; i < n_; ++i)  // friction stops a joint, it does not turn it round
+    for (int i = 0; i < n_; ++i)  // friction stops a joint and does not reverse it
       if (dq_[i] * dq_trial_[i] < 0.0) dq_trial_[i] = 0.0;
     if (!finite(tau, q_trial_, dq_trial_)) return StepStatus::kNotFinite;
     rigid_bodies(q_trial_, dq_trial_);
@@ -309,7 +310,7 @@ class MujocoEngine final : public Engine {
   std::vector<std::string> left_out_;
   std::unique_ptr<mjModel, Free> model_;
   std::unique_ptr<mjData, Free> data_;
-  MatrixXd S_, reduced_;  // joints of MuJoCo per coordinate
+  MatrixXd S_, reduced_;  // MuJoCo's joints per coordinate
   RowMatrix full_;
   VectorXd q_, dq_, ddq_, k2_, k3_, k4_, q_trial_, dq_trial_, rate_, bias_, sum_, diagonal_;
   MatrixXd M_;

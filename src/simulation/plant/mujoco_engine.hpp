@@ -11,10 +11,10 @@ namespace veridyn {
 ///
 ///   S' M_mujoco S ddq + S' bias_mujoco + effects = tau
 ///
-/// so that M and bias come from a program that nobody here wrote. Steps are Runge-Kutta of order
-/// four with a fixed step; dry friction has the effects' regularised sign, which creeps at rest
-/// (left_out() says so) but is another way to the same motion than the one of Plant.
-/// @throws InvalidInput  what MuJoCo says against the model.
+/// so that M and bias come from independent software. Steps are Runge-Kutta of order four with a
+/// fixed step; dry friction has the effects' regularised sign, which creeps at rest (left_out()
+/// says so), and so differs from Plant's.
+/// @throws InvalidInput  MuJoCo refuses the model.
 std::unique_ptr<Engine> make_mujoco_engine(const Model& arm);
 
 }  // namespace veridyn

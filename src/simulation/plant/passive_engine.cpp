@@ -8,8 +8,8 @@
 namespace veridyn {
 namespace {
 
-constexpr int kIterations = 6;     // of Newton's method for the balance at rest
-constexpr double kNudge = 1e-6;    // [rad], [m] of its derivatives
+constexpr int kIterations = 6;     // of Newton's method for the equilibrium
+constexpr double kNudge = 1e-6;    // [rad], [m] step of its derivatives
 
 class PassiveEngine final : public Engine {
  public:
@@ -54,7 +54,7 @@ class PassiveEngine final : public Engine {
     dq_ = engine_->dq().head(q_.size());
   }
 
-  // The efforts that motors of the passive coordinates would need at rest are zero there.
+  // The equilibrium, at which the passive coordinates need no effort.
   VectorXd in_balance(const VectorRef& q) const {
     const Eigen::Index n = q_.size(), m = tau_.size() - n;
     const VectorXd rest = VectorXd::Zero(tau_.size());

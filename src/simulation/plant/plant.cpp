@@ -10,7 +10,8 @@
 namespace veridyn {
 namespace {
 
-constexpr double kSmallestStep = 1e-6;  // share of the step asked for: smaller ones are too stiff
+// Share of the whole step; the state is too stiff for smaller ones.
+constexpr double kSmallestStep = 1e-6;
 
 }  // namespace
 
@@ -93,7 +94,7 @@ StepStatus Plant::step(const VectorRef& tau, double dt) noexcept {
   for (int k = 0; left > 0.0; ++k) {
     if (k == s.options.most_substeps) return StepStatus::kTooStiff;
     s.begin(tau);
-    // The last two substeps share what is left: no sliver at the end.
+    // The last two substeps are equal, which avoids a tiny last one.
     double h = s.next_h >= left ? left : std::min(s.next_h, 0.5 * left);
     const StepStatus status = s.substep(tau, &h, kSmallestStep * dt);
     if (status != StepStatus::kOk) return status;

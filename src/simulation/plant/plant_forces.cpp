@@ -29,7 +29,7 @@ double PlantForces::force(const Term& term, const AxisSample& x, EffectState& st
   return sum;
 }
 
-// The four numbers of an affine force: constant + s s + ds ds + dds dds.
+// The coefficients of an affine force: constant + s s + ds ds + dds dds.
 PlantForces::Affine PlantForces::affine(const Term& term) {
   const auto at = [&term](double s, double ds, double dds) {
     EffectState none{};
@@ -223,7 +223,7 @@ double PlantForces::friction_power(const VectorXd& q, int i, double speed) const
 Interval PlantForces::at_rest(int k, double time, const double* q) const {
   const double upper = sliding(k, time, q, 0.0, 1);
   const double lower = sliding(k, time, q, 0.0, -1);
-  // A level below zero (a polynomial beyond its range) holds nothing.
+  // A level below zero (a polynomial outside its range) cannot hold.
   if (lower > upper) return {0.5 * (lower + upper), 0.5 * (lower + upper)};
   return {lower, upper};
 }

@@ -8,20 +8,20 @@
 
 namespace veridyn {
 
-/// True for effects to first order along a given motion (an elastic transmission), which as a force
-/// in a forward simulation would be unstable.
+/// True for first-order effects along a given motion (an elastic transmission), which would be
+/// unstable as a force in a forward simulation.
 bool describes_measured_motion(const EffectTerm& term);
 
-/// Forces between which friction can choose at rest.
+/// Set of forces that dry friction can have at rest.
 struct Interval {
   double lower, upper;
 };
 
-/// The effects of a model, sorted by what a forward simulation must do with them.
+/// The effects of a model, sorted by their treatment in a forward simulation.
 ///
 ///   affine   inertia ddq + damping dq + stiffness q + constant: folded into four arrays
 ///   dry      an interval at rest; one entry for each direction in which friction acts
-///   smooth   the rest: any function of time, position and velocity, with memory or without
+///   smooth   all others: any function of time, position and velocity, with memory or without
 ///
 /// Nothing allocates after the constructor.
 class PlantForces {
@@ -36,15 +36,15 @@ class PlantForces {
   /// Starts the memories at this position, time zero.
   void reset(const double* q, const double* dq);
 
-  /// Moves the memories on to this state.
+  /// Advances the memories to this state.
   void commit(double time, const double* q, const double* dq);
 
   /// Adds affine (without inertia) and smooth forces to `sum` (n). Loads are those of set_loads().
   void add_smooth(double time, const double* q, const double* dq, double* sum) const;
 
-  /// Terms whose force grows with the load that the rigid bodies put on them.
+  /// Number of terms whose force depends on the load of the rigid bodies.
   int loads() const { return static_cast<int>(loads_.size()); }
-  /// Takes the rigid torques (n) as loads. @returns by how much the loads changed, at most.
+  /// Sets the loads from the rigid torques (n). @returns the largest change of a load.
   double set_loads(const double* rigid_torques);
 
   /// Directions of dry friction; entry k acts along axis(k).
@@ -54,15 +54,15 @@ class PlantForces {
     return along(dry_[static_cast<size_t>(k)].line, dq);
   }
 
-  /// The force of axis k sliding in `direction` (+1, -1) at this speed.
+  /// The sliding force of axis k in `direction` (+1, -1) at this speed.
   double sliding(int k, double time, const double* q, double velocity, int direction) const;
   Interval at_rest(int k, double time, const double* q) const;
 
-  /// Power [W] that friction without memory takes out of joint i alone at this speed, in the worse
-  /// of both directions; below zero where it drives.
+  /// Power [W] that friction without memory dissipates at joint i alone at this speed, the smaller
+  /// one of both directions; negative if it drives.
   double friction_power(const VectorXd& q, int i, double speed) const;
 
-  /// Directions in which something remembers the path.
+  /// Number of directions with memory of the path.
   int memories() const { return static_cast<int>(memories_.size()); }
   double memory_velocity(int k, const double* dq) const {
     return along(memories_[static_cast<size_t>(k)], dq);
@@ -73,7 +73,7 @@ class PlantForces {
     int coordinate;
     double coefficient;
   };
-  using Line = std::vector<Entry>;  // the entries of an axis that are not zero
+  using Line = std::vector<Entry>;  // the nonzero entries of an axis
 
   struct Term {
     const AxisEffect* effect;
@@ -93,10 +93,10 @@ class PlantForces {
     VectorXd direction;
     Line line;
     std::vector<Term> terms;
-    double constant = 0.0;  // Coulomb friction of any position and speed
+    double constant = 0.0;  // Coulomb friction independent of position and speed
   };
   struct Load {
-    VectorXd axis;  // the effort is axis . rigid torques
+    VectorXd axis;  // the load is axis . rigid torques
     double value = 0.0;
   };
 

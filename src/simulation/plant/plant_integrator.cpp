@@ -8,10 +8,12 @@
 namespace veridyn {
 namespace {
 
-constexpr double kLanded = 1e-7;     // share of the velocity at the substep's start: close enough to zero
+// Relative to the velocity at the substep's start: close enough to zero.
+constexpr double kLanded = 1e-7;
 constexpr double kStill = 1e-12;     // [rad/s] or [m/s] likewise
-constexpr int kMostLocations = 40;   // tries to hit a velocity of zero
-constexpr int kMostLoadRounds = 60;  // rounds of forces that depend on the load, which depends on them
+constexpr int kMostLocations = 40;   // iterations of locating a zero velocity
+// Iterations for forces that depend on the load, and the load on them.
+constexpr int kMostLoadRounds = 60;
 constexpr double kLoadConverged = 1e-13;
 
 }  // namespace
@@ -21,7 +23,7 @@ void Plant::State::add_biases(Instant& at) {
   forces.add_smooth(at.time, at.q.data(), at.dq.data(), at.bias.data());
 }
 
-// False where the mass matrix has no inverse.
+// False if the mass matrix is not positive definite.
 bool Plant::State::evaluate(Instant& at) {
   rigid.evaluate(at.q, at.dq, at.M, at.h);
   add_biases(at);
@@ -36,15 +38,15 @@ bool Plant::State::factor(Instant& at) {
   return cholesky_in_place(L, n);
 }
 
-// The stage in the middle of a substep, which two slopes share.
+// Evaluates the stage in the middle of a substep, which two slopes share.
 bool Plant::State::evaluate_middle() {
   rigid.evaluate_with_derivative(stage.q, stage.dq, stage.M, stage.h, slopes);
   add_biases(stage);
   return factor(stage);
 }
 
-// From the velocity of the first slope in the middle to that of the second, at the same position.
-// They differ by O(h^2), so that the slope of h is enough for order four.
+// Changes the middle stage from the velocity of its first slope to that of the second, at the same
+// position. The two differ by O(h^2), so that the derivative of h suffices for order four.
 void Plant::State::change_middle_velocity(double h) {
   for (int i = 0; i < n; ++i) white[i] = here.dq[i] + 0.5 * h * k2[i] - stage.dq[i];
   for (int j = 0; j < n; ++j) add_scaled(white[j], slopes.data() + j * n, n, stage.h.data());
@@ -81,7 +83,7 @@ void Plant::State::accelerate(Instant& at, const VectorRef& tau, Friction fricti
   }
 }
 
-// The acceleration at the start of a substep, and which axes slide.
+// Computes the acceleration at the start of a substep, and which axes slide.
 void Plant::State::begin(const VectorRef& tau) {
   for (int k = 0; k < forces.dry(); ++k) {
     const double v = forces.velocity(k, here.dq.data());
@@ -90,8 +92,8 @@ void Plant::State::begin(const VectorRef& tau) {
   accelerate(here, tau, Friction::kDecide, here.ddq);
 }
 
-// From here to there; false if the mass matrix has no inverse on the way. Nystroem's method: both
-// slopes in the middle stand at one position, and share its mass matrix.
+// Advances by h; false if the mass matrix becomes singular. Nystroem's method: both middle slopes
+// have the same position, and share its mass matrix.
 bool Plant::State::nystroem(const VectorRef& tau, double h) {
   stage.time = here.time + 0.5 * h;
   stage.q = here.q + 0.5 * h * here.dq + 0.125 * h * h * here.ddq;
@@ -105,10 +107,10 @@ bool Plant::State::nystroem(const VectorRef& tau, double h) {
   return last_stage(tau, h);
 }
 
-// The last slope, and with it the velocity at the end: one evaluation serves both. The end's position
-// is known before the last slope is, and the stage lies O(h^3) from it: first order there is order
-// four. The end's velocity lies O(h^3) from that of the stage, at the usual tolerance by less than
-// 1e-5 of itself, see error(): to first order the velocity torques there are right to 1e-10.
+// Computes the last slope and the velocity at the end in a single evaluation. The end position is
+// known before the last slope and differs from the stage by O(h^3), so first order there is order
+// four. The end velocity differs by O(h^3) from that of the stage, at the usual tolerance by less
+// than 1e-5 of itself, see error(): to first order the velocity torques are correct to 1e-10.
 bool Plant::State::last_stage(const VectorRef& tau, double h) {
   way = (h * h / 6.0) * (2.0 * k3 - here.ddq - k2);
   stage.time = there.time;
@@ -127,7 +129,7 @@ bool Plant::State::last_stage(const VectorRef& tau, double h) {
   return true;
 }
 
-// The estimated error per allowed error, the worst of all joints; needs nystroem().
+// The estimated error divided by the allowed error, the worst of all joints; requires nystroem().
 double Plant::State::error(const VectorRef& tau, double h) {
   accelerate(there, tau, Friction::kKeep, there.ddq);
   double worst = 0.0;
@@ -137,7 +139,7 @@ double Plant::State::error(const VectorRef& tau, double h) {
     const double of_q = std::abs(here.dq[i] + h * k3[i] - there.dq[i]);
     const double ratio =
         0.1 * h * std::max(of_dq, of_q) / (options.tolerance * (speed * h + options.rest));
-    if (ratio <= worst) continue;  // written so that a NaN goes on
+    if (ratio <= worst) continue;  // the comparison is false for NaN, which is kept
     worst = ratio;
     failed = i;
   }
@@ -149,7 +151,7 @@ double Plant::State::velocity(int axis, const VectorXd& dq) const {
                              : forces.memory_velocity(axis - forces.dry(), dq.data());
 }
 
-// The direction that an axis has during the substep; 0: any.
+// The sign of an axis' velocity during the substep; 0: any.
 int Plant::State::side(int axis) const {
   if (axis < forces.dry()) return sticking.direction(axis);
   const double v = velocity(axis, here.dq);
@@ -160,7 +162,7 @@ double Plant::State::landing(int axis) const {
   return kLanded * std::abs(velocity(axis, here.dq)) + kStill;
 }
 
-// The axis that turns round first between here and there, or -1.
+// The axis that reverses first during the substep, or -1.
 int Plant::State::first_reversal() const {
   int first = -1;
   double least = 2.0;
@@ -177,8 +179,8 @@ int Plant::State::first_reversal() const {
   return first;
 }
 
-// Shortens h until no axis turns round within the substep: the first one that does has just come to
-// rest at its end. By the Illinois rule, since velocities are all but straight over a substep.
+// Shortens h until no axis reverses within the substep: the first one that would then comes to rest
+// at its end. By the Illinois method, since velocities are nearly linear over a substep.
 bool Plant::State::locate(const VectorRef& tau, double* h) {
   for (int axis = first_reversal(); axis >= 0; axis = first_reversal()) {
     const int sign = side(axis);
@@ -205,12 +207,12 @@ bool Plant::State::locate(const VectorRef& tau, double* h) {
       }
       last = which;
     }
-    if (sign * velocity(axis, there.dq) < -landing(axis)) return true;  // as near as it gets
+    if (sign * velocity(axis, there.dq) < -landing(axis)) return true;  // closest approach
   }
   return true;
 }
 
-// One substep of at most *h, committed; *h is what it became.
+// Takes one substep of at most *h and commits it; sets *h to its length.
 StepStatus Plant::State::substep(const VectorRef& tau, double* h, double smallest) {
   const double asked = *h;
   for (;;) {
@@ -221,7 +223,7 @@ StepStatus Plant::State::substep(const VectorRef& tau, double* h, double smalles
     const double ratio = sound ? error(tau, *h) : 1e4;
     if (ratio <= 1.0) {
       const double factor = ratio < 2e-3 ? 4.0 : std::min(4.0, 0.9 / std::pow(ratio, 0.25));
-      // A substep that was cut short for other reasons says nothing against the longer one.
+      // A substep that was shortened for other reasons does not limit the next one.
       next_h = *h < asked ? std::max(asked, factor * *h) : factor * *h;
       commit();
       return StepStatus::kOk;

@@ -17,7 +17,7 @@ inline int first_not_finite(const VectorRef& v) {
   return -1;
 }
 
-/// One instant of the motion, and what is known there before torques act.
+/// One instant of the motion, and the terms there that do not depend on torques.
 struct Instant {
   explicit Instant(int n)
       : q(VectorXd::Zero(n)), dq(q), ddq(q), h(q), bias(q), M(MatrixXd::Zero(n, n)), L(M) {}
@@ -30,7 +30,7 @@ struct Instant {
   MatrixXd L;     // factor of M and the rotors
 };
 
-/// A Plant's memory, and its integrator.
+/// State of a Plant, and its integrator.
 struct Plant::State {
   State(const Model& arm, const VectorXd& phi, const PlantOptions& asked)
       : n(arm.joints()),
@@ -78,8 +78,8 @@ struct Plant::State {
   PlantForces forces;
   Sticking sticking;
   Instant here, there, stage;
-  MatrixXd slopes;     // of h by the velocity
-  VectorXd way, push;  // from there to the last stage, and what that changes in M ddq + h
+  MatrixXd slopes;     // derivatives of h by the velocity
+  VectorXd way, push;  // displacement to the last stage, and the change of M ddq + h over it
   VectorXd k2, k3, k4, white, torques, effects;
   double next_h = 0.0;
   Work work;

@@ -4,9 +4,9 @@
 
 namespace veridyn {
 
-// Triangular factors of the small mass matrices of arms: plain loops over arrays, column by column
-// (entry (i, j) at i + j n), which for a handful of joints beat a library's blocked code and never
-// allocate.
+// Triangular factors of the small mass matrices of arms: plain loops over column-major arrays
+// (entry (i, j) at i + j n), which for a few joints are faster than a library's blocked code and
+// never allocate.
 
 /// A = L L' in place, in the lower triangle, with one over its diagonal on the diagonal. False if A
 /// is not positive definite, or holds NaN.

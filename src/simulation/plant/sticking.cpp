@@ -9,11 +9,12 @@ namespace veridyn {
 namespace {
 
 constexpr int kMostSweeps = 1000;
-constexpr double kConverged = 1e-13;  // change of a sweep, relative to the free acceleration
-constexpr double kHolds = 1e-10;      // acceleration that still counts as none, likewise
-constexpr double kDependent = 1e-9;   // share of a vector outside a span that counts as none
+constexpr double kConverged = 1e-13;  // change per sweep, relative to the free acceleration
+constexpr double kHolds = 1e-10;      // relative acceleration that counts as zero
+// Relative remainder of a vector outside a span that counts as zero.
+constexpr double kDependent = 1e-9;
 
-// Subtracts the orthonormal columns' parts from x.
+// Subtracts the components of x along orthonormal columns.
 void take_out_once(const double* columns, size_t count, int n, double* x) {
   for (size_t c = 0; c < count; ++c) {
     const double* column = columns + c * static_cast<size_t>(n);
@@ -21,7 +22,7 @@ void take_out_once(const double* columns, size_t count, int n, double* x) {
   }
 }
 
-// Twice: once leaves the rounding of the first.
+// Two passes, because the first leaves rounding errors.
 void take_out(const double* columns, size_t count, int n, double* x) {
   take_out_once(columns, count, n, x);
   take_out_once(columns, count, n, x);
@@ -92,7 +93,7 @@ void Sticking::land(double* dq) {
   }
 }
 
-// Projected Gauss-Seidel: each axis in turn takes the force that stops it, as far as it can.
+// Projected Gauss-Seidel: each axis in turn gets the force that stops it, within its bounds.
 void Sticking::solve_box(const double* y_free) {
   const double tolerance = kConverged * std::sqrt(dot(y_free, y_free, n_));
   double* y = residual_.data();
@@ -138,10 +139,10 @@ void Sticking::invert() {
   }
 }
 
-// True if forces within the bounds hold all axes that are at rest: the last ones and the least
-// change that does it. Most instants at rest end here.
+// True if forces within the bounds hold all axes at rest: the previous forces with the smallest
+// change that achieves it. Most instants at rest end here.
 //
-// @param held  what the axes must carry together, inertia of the others included.
+// @param held  total force on the axes, including the inertia of the others.
 bool Sticking::stays(const double* held) {
   std::copy(held, held + n_, residual_.begin());
   for (const int k : rest_)
@@ -179,7 +180,7 @@ void Sticking::decide(const PlantForces& forces, const double* L, double time, c
   hold(L, b);
 }
 
-// Finds which axes cannot be held, and takes their forces out of y.
+// Finds the axes that cannot be held, and subtracts their forces from y.
 void Sticking::release(const double* L, double* y) {
   const double size = std::sqrt(dot(y, y, n_));
   std::copy(y, y + n_, residual_.begin());

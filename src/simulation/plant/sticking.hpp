@@ -7,7 +7,7 @@
 
 namespace veridyn {
 
-/// Which directions of dry friction slide, and which stand still.
+/// Decides which directions of dry friction slide and which stick.
 ///
 /// At rest friction is any force in an interval. Of all accelerations that such forces allow, the
 /// real one solves (Gauss' least constraint with bounds; Moreau 1988 for dry friction)
@@ -28,22 +28,22 @@ class Sticking {
   int direction(int k) const { return direction_[static_cast<size_t>(k)]; }
   void set_direction(int k, int direction) { direction_[static_cast<size_t>(k)] = direction; }
 
-  /// Forgets the forces of the past.
+  /// Clears the forces of previous instants.
   void reset() { std::fill(lambda_.begin(), lambda_.end(), 0.0); }
 
-  /// Directions as they are now, to come back to.
+  /// Saves the present directions for restore().
   void keep() { kept_ = direction_; }
   void restore() { direction_ = kept_; }
 
-  /// Takes what is left of the velocity along axes at rest out of dq, exactly. Axes that cannot
-  /// move then either come to rest too.
+  /// Removes the remaining velocity along axes at rest from dq, exactly. Axes that depend on them
+  /// come to rest too.
   void land(double* dq);
 
-  /// From the other forces b to the whitened acceleration: friction at rest is subtracted, and axes
+  /// Turns the other forces b into the whitened acceleration: subtracts friction at rest, and axes
   /// that it cannot hold get a direction.
   void decide(const PlantForces& forces, const double* L, double time, const double* q, double* b);
 
-  /// The same while nothing begins to slide: axes at rest are held.
+  /// The same without releasing any axis: all axes at rest are held.
   void hold(const double* L, double* y);
 
   /// True if axis k was at rest at the last decide(), which found this force for it.
@@ -51,12 +51,13 @@ class Sticking {
   double force(int k) const { return lambda_[static_cast<size_t>(k)]; }
 
  private:
-  void collect();  // rest_ and what follows from it
+  void collect();  // computes rest_ and its derived members
   bool stays(const double* held);
   void release(const double* L, double* y);
-  void invert();  // shares_: from a force within the span to the least forces of the axes
+  // Computes shares_: the map from a force within the span to the smallest forces of the axes.
+  void invert();
   void solve_box(const double* y_free);
-  void span();  // basis_: of the axes at rest
+  void span();  // computes basis_ of the axes at rest
   int axes() const { return static_cast<int>(direction_.size()); }
   const double* axis(int k) const { return axes_.data() + k * n_; }
   double* white(size_t column) { return white_.data() + column * static_cast<size_t>(n_); }
@@ -66,7 +67,7 @@ class Sticking {
   std::vector<int> direction_, kept_;
   std::vector<int> rest_;         // axes at rest
   std::vector<Interval> bounds_;  // of rest_
-  std::vector<double> lambda_;    // of every axis, kept as the next start
+  std::vector<double> lambda_;    // of every axis, kept as the next initial guess
   std::vector<char> decided_;
   std::vector<double> white_;  // L^-1 C, columns of rest_
   std::vector<double> norms_;  // squared lengths of its columns
@@ -77,8 +78,8 @@ class Sticking {
   std::vector<double> shares_;  // pseudo-inverse of C, a column of n for each of rest_
   std::vector<double> square_;  // scratch of invert()
   std::vector<int> spanned_;    // the axes for which basis_ and shares_ hold
-  std::vector<double> next_;    // forces that stays() tries
-  std::vector<double> free_;    // the acceleration without friction at rest, and what holds it
+  std::vector<double> next_;    // forces tried by stays()
+  std::vector<double> free_;  // acceleration without friction at rest, and the force that holds it
   size_t rank_ = 0;
 };
 

@@ -10,7 +10,7 @@
 
 namespace veridyn {
 
-/// Points of an arm that stands somewhere: positions, velocities and Jacobians in the world.
+/// Points of an arm with a given base pose: positions, velocities and Jacobians in the world.
 /// Nothing allocates after the constructor.
 class ArmPoints {
  public:

@@ -27,7 +27,7 @@ struct ForceSensor::State {
 
   ForceSensorOptions options;
   RandomNumbers random;
-  std::vector<ForceSample> ring;  // samples on the way, by number
+  std::vector<ForceSample> ring;  // samples not yet delivered, by number
   long taken = 0, arrived = 0;
   ForceSample latest;
 };
@@ -48,12 +48,12 @@ ForceSensor& ForceSensor::operator=(ForceSensor&&) noexcept = default;
 ForceSample ForceSensor::read(double time, double force) noexcept {
   State& s = *state_;
   const auto size = static_cast<long>(s.ring.size());
-  // A period of the loop that is longer than one of the sensor takes one sample, at its start.
+  // If the loop's period is longer than the sensor's, one sample is taken at its start.
   if (time + kSameTime >= static_cast<double>(s.taken) / s.options.rate) {
     const ForceSample sample{s.measured(force), time, s.taken};
     s.ring[static_cast<size_t>(s.taken % size)] = sample;
     const long due = static_cast<long>(std::floor((time + kSameTime) * s.options.rate));
-    for (long k = s.taken + 1; k <= due; ++k) {  // missed ones repeat it
+    for (long k = s.taken + 1; k <= due; ++k) {  // the missed ones repeat it
       s.ring[static_cast<size_t>(k % size)] = {sample.force, time, k};
     }
     s.taken = std::max(s.taken, due) + 1;
@@ -64,7 +64,8 @@ ForceSample ForceSensor::read(double time, double force) noexcept {
     if (next.time + s.options.delay > time + kSameTime) break;
     if (next.time < s.options.stale_from) {
       const bool stuck = next.time >= s.options.stuck_from && s.latest.number >= 0;
-      const double off = next.time >= s.options.jump_from ? s.options.jump_by : 0.0;
+      const double since = next.time - s.options.jump_from;
+      const double off = since >= 0.0 ? s.options.jump_by + since * s.options.drift : 0.0;
       s.latest = {stuck ? s.latest.force : next.force + off, next.time, next.number};
     }
     ++s.arrived;

@@ -11,9 +11,9 @@
 namespace veridyn {
 namespace {
 
-constexpr double kSubstepAngle = 1.0 / 12.0;  // [rad] of the fastest oscillation
-constexpr double kSubstepDecay = 0.2;         // share of the fastest decay
-constexpr int kReview = 20;                   // steps between looks at how stiff all is
+constexpr double kSubstepAngle = 1.0 / 12.0;  // [rad] of the fastest oscillation per substep
+constexpr double kSubstepDecay = 0.2;         // decay rate times substep
+constexpr int kReview = 20;                   // steps between updates of the stiffness estimate
 
 void require_positive(double value, const char* what, const std::string& name) {
   require(std::isfinite(value) && value > 0.0, "world: found ", what, " of ", value, " at '", name,
@@ -108,7 +108,7 @@ void World::State::check() const {
   }
 }
 
-// The trace bounds the largest eigenvalue from above. False mobility where M has no inverse: none.
+// The trace is an upper bound of the largest eigenvalue. Zero if M is not positive definite.
 double World::State::Arm::mobility(const Attachment& at) {
   points.jacobian(at.frame, at.offset, J);
   const auto n = static_cast<Eigen::Index>(model.joints());
@@ -138,7 +138,8 @@ void factor_in_place(MatrixXd& M) {
 
 }  // namespace
 
-// Sums over all objects: an upper bound of the fastest oscillation and decay.
+// Number of substeps from an upper bound of the fastest oscillation and decay, summed over all
+// objects.
 int World::State::choose_substeps(double dt) {
   if (until_review-- <= 0) {
     until_review = kReview;
@@ -179,7 +180,7 @@ void World::State::foresee(double h) {
   foresee_bodies(h);
 }
 
-// Points, members and forces where everything stands; clears what belongs to a substep.
+// Updates points, members and forces at the present state; clears the sums of a substep.
 void World::State::settle() {
   for (Arm& arm : arms) arm.ddq.setZero();
   start = bodies;
@@ -189,7 +190,7 @@ void World::State::settle() {
 }
 
 StepStatus World::State::substep(const std::vector<VectorXd>& tau, double h) {
-  // Here forces are still those of the last settle().
+  // At this point the forces are those of the last settle().
   for (size_t k = 0; k < arms.size(); ++k) {
     Arm& arm = arms[k];
     arm.all = tau[k] + arm.external;

@@ -3,7 +3,7 @@
 
 #include "simulation/world/world_state.hpp"
 
-// Forces of a World's objects, and the motion of its bodies.
+// Forces of a World's objects, and motion of its bodies.
 
 namespace veridyn {
 
@@ -85,7 +85,7 @@ void World::State::add_bodies(double share, double h) {
   }
 }
 
-// Bodies at h after the substep's start, as its forces there let expect.
+// Predicts the bodies at h after the substep's start from the forces there.
 void World::State::foresee_bodies(double h) {
   for (size_t k = 0; k < bodies.size(); ++k) {
     const HeldBody& what = objects.bodies[k];
@@ -103,7 +103,7 @@ void World::State::foresee_bodies(double h) {
   }
 }
 
-// From the substep's start, under the mean forces that were added up.
+// Integrates the bodies from the substep's start under the accumulated mean forces.
 void World::State::move_bodies(double h) {
   for (size_t k = 0; k < bodies.size(); ++k) {
     rates[k].force = bodies[k].force;

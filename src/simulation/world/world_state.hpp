@@ -14,18 +14,18 @@ struct World::State {
 
   struct Arm {
     explicit Arm(WorldArm&& given);
-    /// Largest acceleration of the point per newton on it, over all directions [1/kg], or more.
+    /// Upper bound of the acceleration of the point per newton, over all directions [1/kg].
     double mobility(const Attachment& at);
 
     Model model;
     std::unique_ptr<Engine> engine;
     ArmPoints points;
     RigidBodyDynamics rigid;
-    MatrixXd rotors, M, J;  // rotors: what they add to M
+    MatrixXd rotors, M, J;  // rotors: their contribution to M
     VectorXd column;
-    VectorXd q, dq, ddq;  // where the points stand, and the acceleration at the substep's start
+    VectorXd q, dq, ddq;  // state of the points, and the acceleration at the substep's start
     VectorXd external;    // mean torque of the objects over a substep
-    VectorXd all;         // with the motors
+    VectorXd all;         // including the motors
   };
 
   struct BodyMotion {
@@ -39,10 +39,10 @@ struct World::State {
   void check(const Attachment& at, const char* what) const;
   PointMotion point(const Attachment& at) const;
   void push(const Attachment& at, const Eigen::Vector3d& force, double share);
-  /// Places all points at a share of a substep of h [s] along the motion expected.
+  /// Predicts all points after a share of a substep of h [s].
   void foresee(double h);
   void foresee_bodies(double h);
-  /// Adds the forces where everything stands now: `share` of them counts.
+  /// Adds `share` of the forces at the present state.
   void add_forces(double share, double h);
   void add_members(double share, double h);
   void add_walls(double share, double h);
@@ -56,7 +56,7 @@ struct World::State {
   std::vector<Arm> arms;
   WorldObjects objects;
   std::vector<MemberState> members;
-  std::vector<BodyMotion> bodies, start;  // now or foreseen; at the substep's start
+  std::vector<BodyMotion> bodies, start;  // present or predicted; at the substep's start
   std::vector<BodyMotion> rates;          // force and moment at the substep's start
   Eigen::Vector3d gravity{0.0, 0.0, 0.0};
   double time = 0.0, work = 0.0;

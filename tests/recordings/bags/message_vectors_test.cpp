@@ -4,7 +4,7 @@
 #include <map>
 
 #include "recordings/bags/bag_sink.hpp"
-#include "recordings/bags/byte_reader.hpp"
+#include "recordings/files/byte_reader.hpp"
 #include "recordings/bags/inflate.hpp"
 #include "recordings/bags/message_decoder.hpp"
 #include "recordings/bags/topic_decoder.hpp"

@@ -33,10 +33,13 @@ function explainedByMain() {
 // A verdict of an earlier version is one word; of this one a list, one entry a joint.
 function unexplained() {
   const list = verdictList();
-  const said = {unnamed: 'have an error without a name', cannot_tell: 'cannot be told by these recordings'};
-  return Object.entries(said).map(([state, what]) => {
+  const said = {
+    unnamed: ['warning', (joints) => joints + ': part of the error has no known cause.'],
+    cannot_tell: ['', (joints) => joints + ': these recordings do not tell what the error above the noise floor comes from.']
+  };
+  return Object.entries(said).map(([state, [kind, sentence]]) => {
     const joints = list.filter((v) => v.state === state).map((v) => ({joint: v.joint}));
-    return joints.length ? paragraph('warning', (joints.length === 1 ? 'Joint ' : 'Joints ') + jointsOf(joints) + ' ' + (joints.length === 1 ? what.replace('have', 'has') : what) + '.') : null;
+    return joints.length ? paragraph(kind, sentence((joints.length === 1 ? 'Joint ' : 'Joints ') + jointsOf(joints))) : null;
   });
 }
 

@@ -11,6 +11,7 @@ pages.info = () => {
     lead: countOf(result.coordinates.length, 'coordinate') + ', ' + countOf(result.frames.filter((f) => f.body).length, 'body', 'bodies') + ', ' + countOf(result.effects.length, 'effect') + '; torques tell ' +
         countOf(result.base_parameters.length, 'combination') + ' of ' + result.standard_parameters.length + ' parameters.',
     good: [friction ? paragraph('warning', 'The file has no friction, and every real joint has (identify --friction plain).') : null,
+      ...(result.impossible || []).map((fault) => paragraph('warning', 'No arm has this: ' + typeset(fault) + '.')),
       paragraph('', 'Gravity ', numbers('/gravity', 'plain'), ' m/s\u00b2. The three lines of a frame are its x, y and z axes; the slider moves one joint after the other through its range.'),
       table(['Joint', '#From', '#To', '#Speed', '#Effort', 'Unit'], result.coordinates.map((c, k) => [
         strong(k + 1 + ' ' + c.name), bound('/coordinates/' + k + '/position/0'), bound('/coordinates/' + k + '/position/1'), bound('/coordinates/' + k + '/velocity'), bound('/coordinates/' + k + '/effort'),
@@ -133,11 +134,13 @@ pages.fleet = () => {
 
 pages.friction = () => {
   const joints = result.joints || [];
-  const curves = joints.map((j, k) => ({joint: j.joint || k + 1, ...(j.curve || {})})).filter((c) => Array.isArray(c.velocity) && c.velocity.length);
+  const curves = joints.map((j, k) => ({joint: j.joint || k + 1, speeds: j.speeds || [], breakaways: j.breakaways || [], ...(j.curve || {})})).filter((c) => Array.isArray(c.velocity) && c.velocity.length);
   const figure = (c, size) => chart({
     name: 'friction', joint: c.joint, title: jointName(c.joint), x: {name: 'velocity'}, y: {name: (series.joints[c.joint - 1] || {}).torque_unit || 'torque'}, ...size, marks: [
       {kind: 'band', name: '95 %', colour: 'extended', points: (c.interval || []).map((band, k) => Array.isArray(band) ? [c.velocity[k], band[0], band[1]] : [c.velocity[k], c.torque[k] - band, c.torque[k] + band])},
-      {kind: 'line', name: 'friction', colour: 'extended', width: 2.2, points: c.velocity.map((v, k) => [v, c.torque[k]])}]});
+      {kind: 'line', name: 'friction', colour: 'extended', width: 2.2, points: c.velocity.map((v, k) => [v, c.torque[k]])},
+      {kind: 'dots', name: 'constant speeds', colour: 'measured', width: 6, opacity: 0.9, points: c.speeds.map((s) => [s.velocity, s.torque])},
+      {kind: 'dots', name: 'breakaways', colour: 'bad', width: 5, points: c.breakaways.map((b) => [0, b.torque])}]});
   const verdict = (v) => typeof v === 'string' ? v : v.sentence || words(v.effect || v.name || '') + (v.verdict || v.state ? ': ' + words(v.verdict || v.state) : '');
   return {
     title: result.robot || 'Friction', kind: 'Friction', facts: [countOf(curves.length, 'joint')], lead: 'Friction of ' + countOf(curves.length, 'joint') + ' against speed.',

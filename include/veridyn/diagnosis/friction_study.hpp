@@ -1,0 +1,85 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "veridyn/diagnosis/diagnosis.hpp"
+#include "veridyn/identification/friction_curve.hpp"
+
+namespace veridyn {
+
+/// What was measured at one speed: all stretches of nearly constant speed whose means lie within a
+/// tenth of each other.
+struct FrictionAtSpeed {
+  double velocity = 0.0;   ///< mean [rad/s], [m/s]
+  double torque = 0.0;     ///< measured torque without that of bodies and offset [N m], [N]
+  double deviation = 0.0;  ///< scatter of that torque within the stretches
+  double seconds = 0.0;    ///< in all
+  int runs = 0;
+};
+
+/// A rest that ended in sliding under a torque that grew slowly.
+struct FrictionBreakaway {
+  std::string source;
+  double time = 0.0;    ///< [s] since the recording began
+  int direction = 0;    ///< +1, -1
+  double torque = 0.0;  ///< as recorded, without that of bodies and offset [N m], [N]
+};
+
+enum class FrictionState {
+  kConfirmed,     ///< held-out rows are predicted better with it
+  kNotConfirmed,  ///< chosen on the training rows, and contradicted by those held out
+  kNotSupported,  ///< it predicts no better, or its value would be impossible
+  kCannotTell,    ///< the motion does not show it
+};
+const char* name_of(FrictionState state);
+
+/// One kind of friction on one joint.
+struct FrictionVerdict {
+  std::string effect;
+  FrictionState state = FrictionState::kCannotTell;
+  std::optional<double> p_value;
+  std::vector<FoundParameter> parameters;  ///< where it was found
+  std::string words;                       ///< size, or why not
+};
+
+struct JointFrictionStudy {
+  JointIndex joint;      ///< in the robot
+  std::string coordinate, unit, effort;  ///< "insertion", "m", "N"
+  FrictionCurve curve;   ///< its joint is that of the arm without the joints at rest
+  std::vector<FrictionAtSpeed> speeds;
+  std::vector<FrictionBreakaway> breakaways;
+  std::vector<FrictionVerdict> verdicts;
+  /// Relative errors on held-out rows, with viscous and Coulomb friction and with what was confirmed.
+  double error_plain = 0.0, error = 0.0;
+};
+
+/// Friction of the joints that move. Text, JSON and page show exactly this.
+struct FrictionStudy {
+  std::string robot;
+  std::vector<std::string> resting;  ///< coordinates that are left out
+  std::vector<std::string> held_out; ///< recordings, or parts of them, that judged the verdicts
+  std::vector<JointFrictionStudy> joints;
+  Diagnosis diagnosis;    ///< of the arm without the joints at rest
+  Identification fitted;  ///< the same arm with what was confirmed, on all rows: its curves
+  std::string reason;     ///< why there is no answer; empty otherwise
+
+  std::string report() const;
+};
+
+/// Friction against speed of every joint that moves, and which kinds of friction it has.
+///
+/// Joints that travel less than 20 mrad or 2 mm in all recordings are held where they are
+/// (with_fixed()), so that neither their errors nor their parameters count. Bodies are facts where
+/// the robot is a MODEL, and identified otherwise; friction and offsets are identified in either
+/// case. Kinds beyond viscous and Coulomb friction are asked about by diagnose(). Recordings that
+/// rest during most of their time tell breakaways alone.
+///
+/// @param test     held out; empty: the last recording, or the last third of a single one.
+/// @param options  of the diagnosis; `effects` empty: all kinds of friction.
+/// @throws InvalidInput  as diagnose().
+FrictionStudy study_friction(const Model& arm, const Recordings& recordings,
+                             const Recordings& test = {}, const DiagnosisOptions& options = {});
+
+}  // namespace veridyn

@@ -1,0 +1,61 @@
+#include <iostream>
+#include <memory>
+
+#include "cli/commands.hpp"
+#include "cli/options/common_options.hpp"
+#include "cli/options/messages.hpp"
+#include "cli/options/recording_options.hpp"
+#include "math/output_file.hpp"
+#include "veridyn/diagnosis/friction_study.hpp"
+#include "veridyn/report/diagnosis_json.hpp"
+#include "veridyn/report/pages.hpp"
+
+namespace veridyn::cli {
+namespace {
+
+struct FrictionRequest {
+  std::string robot;
+  std::vector<std::string> recordings, test;
+  DiagnosisOptions options;
+  CommonOptions common;
+};
+
+ExitStatus run(FrictionRequest& request, const std::string& command_line) {
+  require_writable(request.common.json);
+  require_writable(request.common.report);
+  const Model arm = read_robot(request.robot, request.common);
+  warn_of_repeated_recordings(request.recordings);
+  warn_of_shared_recordings(request.recordings, request.test);
+  request.options.identification.threads = request.common.threads;
+  request.options.identification.progress = progress(request.common);
+  const FrictionStudy study = study_friction(arm, request.recordings, request.test, request.options);
+  if (!study.reason.empty()) {
+    say(study.reason);
+    return kDataCannotAnswer;
+  }
+  if (!request.common.json.empty()) write_file(request.common.json, to_json(study));
+  if (!request.common.report.empty()) write_file(request.common.report, to_page(study, command_line, &arm));
+  std::cout << study.report();
+  return kDone;
+}
+
+}  // namespace
+
+void add_friction_command(CLI::App& tool, Outcome& outcome) {
+  const auto request = std::make_shared<FrictionRequest>();
+  CLI::App& command = *tool.add_subcommand(
+      "friction", "Friction of every joint that moves: against speed, at breakaway, and of which kind");
+  add_robot_argument(command, request->robot);
+  command.add_option("REC", request->recordings, "Recordings: constant speeds, slow ramps, any motion")
+      ->required()
+      ->option_text("REC...");
+  command.add_option("--test", request->test, "Held out, to judge the kinds (default: the last one, or the last third of one)")
+      ->option_text("REC...");
+  add_preprocessing_options(command, request->options.identification.preprocessing);
+  add_robot_options(command, request->common);
+  add_common_options(command, request->common);
+  add_report_option(command, request->common);
+  command.callback([request, &outcome] { outcome.status = run(*request, outcome.command_line); });
+}
+
+}  // namespace veridyn::cli

@@ -1,0 +1,82 @@
+#pragma once
+
+#include <array>
+
+namespace veridyn::numerics {
+
+/// Numbers that keep arithmetic sound and decide nothing; those that decide are in Thresholds.
+
+// Remainder of a load column outside the span of its other columns, squared and relative.
+constexpr double kLoadRank = 1e-6;
+constexpr double kTiny = 1e-300;  ///< smallest divisor, smallest argument of a logarithm
+constexpr double kHuge = 1e300;   ///< no bound at all
+constexpr double kNoise = 1e-12;  ///< a share that rounding may leave
+/// Relative ridge of the diagonal, so that equal columns can be solved for.
+constexpr double kRidge = 1e-11;
+constexpr double kOutside = 0.05;  ///< probability outside of an interval that is printed
+constexpr double kPercent = 100.0;
+constexpr double kDegrees = 57.29577951308232;  ///< Degrees of a radian
+/// Factor from the MAD to the standard deviation of a normal distribution.
+constexpr double kMadToDeviation = 1.4826;
+
+constexpr double kMinute = 60.0;     ///< [s]
+constexpr double kThousand = 1e3;
+
+// Contacts are sought in the residual minus its slow part.
+constexpr double kContactMedian = 4.0;    ///< [s] half width of the median that gives the slow part
+constexpr double kContactGrid = 0.25;     ///< [s]
+constexpr double kContactJoin = 0.5;      ///< [s] bursts nearer than this are one
+constexpr double kContactMargin = 0.25;   ///< [s] excluded in addition on either side
+constexpr double kContactFreedom = 10.0;  ///< scatter of a residual is known from some tens of
+                                          ///< independent moments
+
+// Search of a constant of the robot file: an optimum beyond the reach is none.
+constexpr double kGeometryRate = 10.0;   ///< [Hz] of the samples: the motions of a rigid arm
+constexpr double kAngleStep = 0.05;      ///< [rad]; also of a ratio
+constexpr double kAngleReach = 0.6;
+constexpr double kLengthStep = 0.01;     ///< [m]
+constexpr double kLengthReach = 0.15;
+/// Evaluation point off the grid node, where nothing vanishes by symmetry.
+constexpr double kOffCentre = 0.7;
+constexpr double kBracketGrowth = 1.6;
+constexpr double kGolden = 0.381966011250105;  ///< 2 - golden ratio
+
+// Search of shape constants: factors around the present value, wide ones first.
+constexpr std::array<std::array<double, 6>, 3> kShapeFactors = {
+    {{0.4, 0.6, 0.8, 1.25, 1.6, 2.5}, {0.7, 0.8, 0.9, 1.12, 1.25, 1.4},
+     {0.85, 0.9, 0.95, 1.05, 1.1, 1.15}}};
+constexpr double kWaveStep = 0.4;     ///< relative step of the wave number, in waves per travel
+constexpr double kShapeOpen = 0.03;   ///< half a step of the last factors: resolution of the search
+constexpr double kSmallestTravel = 1e-6;
+constexpr double kSameAxis = 1e-9;    ///< tolerance of equal directions
+
+// Residuals against signals.
+/// Share of the largest speed, below which a reversal is not counted.
+constexpr double kReversalShare = 0.02;
+/// Share of the travel: resolution of displacements after a reversal.
+constexpr double kHistoryUnit = 0.005;
+constexpr double kRowsPerCutoff = 5.0;   ///< rows per period of the cut-off frequency
+constexpr double kSparseEnds = 0.01;     ///< of the rows at either end of a signal: too few for a curve
+constexpr double kShapeFlat = 0.15;      ///< of a curve's range, within which it counts as constant
+/// Share of a curve's mean square, beyond which it counts as odd, or even.
+constexpr double kShapeMost = 0.8;
+
+// Loads.
+/// Relative curvature below which a direction is unobservable.
+constexpr double kUnseenLoad = 1e-7;
+constexpr double kSameSpan = 1e-5;    ///< tolerance for two loads that span the same columns
+constexpr double kLightest = 1e-4;    ///< [kg] where the torques see the moment only
+constexpr double kHeaviest = 200.0;   ///< [kg]
+constexpr double kAnywhere = 1e6;     ///< [m]
+constexpr double kAsGoodLoad = 2e-3;  ///< relative cost that counts as a tie
+constexpr std::array<double, 5> kFirstMasses = {0.03, 0.15, 0.6, 2.5, 10.0};  ///< [kg]
+constexpr double kFirstDamping = 1e-3;
+constexpr double kMoreDamping = 8.0;
+constexpr double kLessDamping = 0.2;
+constexpr double kMostDamping = 1e8;
+constexpr double kConverged = 1e-13;
+constexpr double kFirstPlaces = 0.3;  ///< initial offsets as a share of the reach
+constexpr double kLoadRidge = 1e-10;
+constexpr double kLoadPrior = 1e-6;
+
+}  // namespace veridyn::numerics

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <optional>
+#include <set>
+#include <string>
+
+#include "identification/fold_errors.hpp"
+#include "veridyn/diagnosis/diagnosis.hpp"
+
+namespace veridyn {
+
+/// A finding that may lose its name, and why.
+struct LostRight {
+  size_t finding = 0;  ///< as in `kept`
+  int joint = 0;       ///< from 0: where it shows
+  std::string why;
+};
+
+/// Reason for withdrawing a finding with these intervals: its only size may be zero, or one exceeds
+/// all torques of its joint in training. Empty: it is kept.
+std::string why_no_finding(const Finding& f, const Identification& fitted);
+
+/// The first of the kept findings d.findings[first + k] for which why_no_finding() in the extended
+/// model has an answer.
+std::optional<LostRight> without_size(const Diagnosis& d, size_t first, const std::set<size_t>& kept);
+
+/// Of a joint that the extended model predicts worse than the baseline on held-out parts of the
+/// training recordings, beyond the standard error of that difference between the parts, the finding
+/// that helps it least; not one of `needed`.
+std::optional<LostRight> worse_with(const Diagnosis& d, size_t first, const std::set<size_t>& kept,
+                                    const std::set<size_t>& needed, const FoldErrors& baseline,
+                                    const FoldErrors& extended, const Thresholds& limits);
+
+}  // namespace veridyn

@@ -1,0 +1,83 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+
+namespace veridyn::dvrk {
+
+/// Conditions that an adapter must detect, with the numbers of section 17.
+enum class Condition : std::uint8_t {
+  kNoReply = 1,
+  kWrongSize = 2,
+  kDropped = 3,
+  kGenerationChanged = 4,
+  kBusReset = 5,
+  kWrongHeader = 6,
+  kStaleReply = 7,
+  kWrongCrc = 8,
+  kWrongBoard = 9,
+  kWrongHardware = 10,
+  kWrongFirmware = 11,
+  kDuplicateBoard = 12,
+  kStaleSequence = 13,
+  kMissingBoard = 14,
+  kWrongBlockSize = 15,
+  kTooLarge = 16,
+  kWatchdog = 17,
+  kNoSupply = 18,
+  kSupplyFault = 19,
+  kRelayOpen = 20,
+  kAmpOff = 21,
+  kCurrentTrip = 22,
+  kOutOfBounds = 23,
+  kEncoder = 24,
+  kRebooted = 25,
+  kTimestamp = 26,
+  kNotEffective = 27,
+  kEthernet = 28,
+  kNotSent = 29,
+  kForeignSender = 30,
+  // Section 17 counts these as 23 as well; number_in_section_17() says so.
+  kTemperature = 31,
+  kPot = 32
+};
+
+constexpr int kConditions = 32;
+
+/// The number under which section 17 lists a condition.
+int number_in_section_17(Condition condition);
+
+/// A few words each: "no reply in time".
+const char* describe(Condition condition);
+
+/// FaultEntry::value as text, in the unit of the condition: "71.5 deg C", "pot 0.02 V", "status
+/// 0x46bf0000".
+std::string describe_found(Condition condition, std::uint32_t value);
+
+/// History of one condition.
+struct FaultEntry {
+  long count = 0;
+  double last = 0.0;        ///< [s] of the link's clock
+  int board = -1;           ///< id, of the last one; -1: the bus
+  int channel = -1;         ///< from 0
+  std::uint32_t value = 0;  ///< what was found
+};
+
+/// Counts of all conditions. note() does not allocate.
+class FaultLog {
+ public:
+  void note(Condition condition, double now, int board = -1, int channel = -1,
+            std::uint32_t value = 0) noexcept;
+  const FaultEntry& operator[](Condition condition) const;
+  long count(Condition condition) const { return (*this)[condition].count; }
+  void clear() noexcept { *this = FaultLog(); }
+
+  /// Text: one line for each condition that occurred; empty if none did.
+  std::string report() const;
+
+ private:
+  std::array<FaultEntry, kConditions> entries_;
+};
+
+}  // namespace veridyn::dvrk

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <vector>
+
+#include "veridyn/math/types.hpp"
+#include "veridyn/model/model.hpp"
+
+namespace veridyn {
+
+/// One ramp: the joint rested, the effort rose, and the joint broke away.
+struct Ramp {
+  Eigen::Index rest;   ///< the first row
+  Eigen::Index onset;  ///< first row of sliding
+  Eigen::Index end;    ///< last row before the next jump of the position, plus one
+};
+
+/// Thresholds for leaving a rest, for sliding, and for having rested.
+struct RampThresholds {
+  double way;    ///< [rad], [m] displacement
+  double speed;  ///< [rad/s], [m/s]
+  double rest;   ///< [s]
+};
+
+/// What they are where nothing else is asked for: 10 mrad or 1 mm, 50 mrad/s or 5 mm/s, 0.5 s.
+RampThresholds ramp_thresholds(const Coordinate& joint);
+
+/// The ramps of a joint: rests that end in sliding. A jump of the position (a new start) ends a
+/// ramp; a leap of the effort begins a new one. Ramps start low: rests with an effort above 60 % of
+/// the onset are pauses. Rests against an end stop are excluded.
+std::vector<Ramp> find_ramps(const Coordinate& joint, const VectorXd& time, const VectorXd& q,
+                             const VectorXd& tau, const RampThresholds& limit);
+
+/// Share of the rows at which the joint slides, by its positions a tenth of a second apart.
+double sliding_share(const VectorXd& time, const VectorXd& q, double speed);
+
+/// The mean effort of a tenth of a second around row k.
+double effort_at(const VectorXd& time, const VectorXd& tau, Eigen::Index k);
+
+}  // namespace veridyn

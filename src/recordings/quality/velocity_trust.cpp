@@ -1,0 +1,25 @@
+#include "recordings/velocity_trust.hpp"
+
+#include <string>
+
+namespace veridyn {
+
+bool makes_velocity_wrong(const QualityFinding& f) {
+  const bool judged = f.finding == "velocity_scale" || f.finding == "velocity_quantised" ||
+                      f.finding == "velocity_delay";
+  return judged && f.severity != Severity::kInfo && f.joint > 0;
+}
+
+VelocityTrust trust_in_velocities(const std::vector<RecordingQuality>& recordings) {
+  VelocityTrust out;
+  for (const RecordingQuality& recording : recordings) {
+    for (const QualityFinding& f : recording.findings) {
+      if (makes_velocity_wrong(f)) out.wrong.insert(f.joint - 1);
+      if (f.finding == "velocity_noise" && f.joint > 0) out.doubtful.insert(f.joint - 1);
+    }
+  }
+  for (const int joint : out.wrong) out.doubtful.erase(joint);
+  return out;
+}
+
+}  // namespace veridyn
