@@ -62,12 +62,6 @@ void run_stages(Investigation& x, const Tell& tell) {
   account_for_errors(x);
   summarize(x.d, x.options.thresholds);
   if (!x.d.friction_remark.empty()) x.d.friction = plain_friction_of(*x.d.extended.model);
-  const bool any_left_out =
-      !x.refused.empty() || std::any_of(x.d.findings.begin(), x.d.findings.end(), [](const Finding& f) {
-        return f.status == FindingStatus::kNotConfirmed;
-      });
-  x.d.summary.held_out_untouched =
-      x.options.extended == ExtendedModel::kAllFindings || !any_left_out;
 }
 
 }  // namespace

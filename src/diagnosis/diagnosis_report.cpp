@@ -46,14 +46,12 @@ std::string share_words(double share) {
 
 std::string status_words(const Finding& f) {
   if (!f.why_not.empty()) return "NOT CONFIRMED: " + f.why_not;
-  if (f.status == FindingStatus::kConfirmed && f.explains < 0.0)
-    return "confirmed on its own joint and in the mean over all joints";
-  if (f.status == FindingStatus::kConfirmed)
-    return "confirmed: explains " + share_words(f.explains) + " of the removable error";
-  return f.explains < 0.0
-             ? "NOT CONFIRMED: the held-out error is larger with it, by " + share_words(f.explains) +
-                   " of the removable error"
-             : "NOT CONFIRMED: the held-out error of its joint is no smaller with it";
+  if (f.status == FindingStatus::kNotConfirmed)
+    return "NOT CONFIRMED: parts of the training recordings that are held out are predicted no better with it";
+  if (f.held_out() == Agreement::kContradicts)
+    return "confirmed in training, yet the held-out recordings are predicted no better with it";
+  if (f.explains < 0.0) return "confirmed on its own joint and in the mean over all joints";
+  return "confirmed: explains " + share_words(f.explains) + " of the removable error";
 }
 
 std::string place_of_joint(const CauseWords& w) {
@@ -191,7 +189,9 @@ std::string Diagnosis::verdict() const {
   }
   std::string out = sentence(findings.front());
   if (findings.front().status == FindingStatus::kNotConfirmed)
-    out += " The held-out recordings do not confirm it.";
+    out += " The training recordings do not confirm it.";
+  if (findings.front().held_out() == Agreement::kContradicts)
+    out += " The held-out recordings are predicted no better with it.";
   for (const int joint : summary.worse_joints) {
     std::string words = worse_words(*this, joint);
     words.front() = 'T';
@@ -241,9 +241,6 @@ std::string Diagnosis::report(const std::string& next_command) const {
   for (const std::string& remark : remarks) out += "remark: " + remark + "\n";
   out += summary_text(*this);
   for (const int joint : summary.worse_joints) out += "WARNING: " + worse_words(*this, joint) + "\n";
-  if (!summary.held_out_untouched)
-    out += "the held-out recordings chose among the findings: the held-out error of the extended "
-           "model is no longer that of recordings that took no part\n";
   out += "\nerrors, % of the torque, per joint; held out: every row as recorded\n";
   const size_t width = table_width(*baseline.model);
   out += fmt::format("  {:<24}", "");

@@ -6,6 +6,7 @@
 #include <set>
 #include <utility>
 
+#include "fold_errors.hpp"
 #include "identified_base.hpp"
 #include "many_recordings.hpp"
 #include "shortfall.hpp"
@@ -294,9 +295,19 @@ void solve(const Model& arm, const std::vector<CompressedRecording>& recordings,
   const auto parameters = standard_parameters(arm);
   const std::vector<std::string> names = parameter_names(parameters);
   const BaseParameters base = identifiable_base_parameters(arm);
+  const SquareRootInformation total = weighted_total(recordings, range_weights(recordings), names);
+  if (rank_deficient(arm, base, total, id)) return;
+  fit_base(arm, recordings, base, options, id);
+}
+
+}  // namespace
+
+void fit_base(const Model& arm, const std::vector<CompressedRecording>& recordings,
+              const BaseParameters& base, const IdentificationOptions& options, Identification& id) {
+  const auto parameters = standard_parameters(arm);
+  const std::vector<std::string> names = parameter_names(parameters);
   VectorXd weights = range_weights(recordings);
   SquareRootInformation total = weighted_total(recordings, weights, names);
-  if (rank_deficient(arm, base, total, id)) return;
   const VectorXd norms = total.column_norms();
   if (options.method == Method::kOls) {
     weights = VectorXd::Ones(weights.size());
@@ -333,27 +344,39 @@ void solve(const Model& arm, const std::vector<CompressedRecording>& recordings,
   id.model = Model(std::move(description));
 }
 
-}  // namespace
-
 namespace {
 
-// Root mean square residual of each joint over the fitted rows.
+using BlockList = std::vector<const std::vector<SquareRootInformation>*>;
+
+VectorXd squared_errors(const BlockList& blocks, const std::map<std::string, double>& values) {
+  VectorXd out = VectorXd::Zero(static_cast<Eigen::Index>(blocks.front()->size()));
+  for (const auto* block : blocks) {
+    for (size_t i = 0; i < block->size(); ++i) {
+      const SquareRootInformation& joint = (*block)[i];
+      VectorXd x(joint.size());
+      for (Eigen::Index c = 0; c < x.size(); ++c)
+        x[c] = values.at(joint.columns()[static_cast<size_t>(c)]);
+      out[static_cast<Eigen::Index>(i)] += joint.residual2(x);
+    }
+  }
+  return out;
+}
+
+std::map<std::string, double> by_name(const std::vector<std::string>& names, const VectorXd& values) {
+  std::map<std::string, double> out;
+  for (size_t p = 0; p < names.size(); ++p) out[names[p]] = values[static_cast<Eigen::Index>(p)];
+  return out;
+}
+
+// Of the rows that were fitted.
 VectorXd rms_residuals(const Model& arm, const Identification& id) {
-  std::map<std::string, double> values;
-  const std::vector<std::string> names = parameter_names(standard_parameters(arm));
-  for (size_t p = 0; p < names.size(); ++p)
-    values[names[p]] = id.parameters[static_cast<Eigen::Index>(p)];
+  const auto values = by_name(parameter_names(standard_parameters(arm)), id.parameters);
   VectorXd squares = VectorXd::Zero(arm.joints());
   VectorXd rows = squares;
   for (const CompressedRecording& r : id.factors) {
     for (const auto& block : r.blocks) {
-      for (size_t i = 0; i < block.size(); ++i) {
-        VectorXd x(block[i].size());
-        for (Eigen::Index c = 0; c < x.size(); ++c)
-          x[c] = values.at(block[i].columns()[static_cast<size_t>(c)]);
-        squares[static_cast<Eigen::Index>(i)] += block[i].residual2(x);
-        rows[static_cast<Eigen::Index>(i)] += block[i].rows();
-      }
+      squares += squared_errors({&block}, values);
+      for (size_t i = 0; i < block.size(); ++i) rows[static_cast<Eigen::Index>(i)] += block[i].rows();
     }
   }
   return squares.cwiseQuotient(rows.cwiseMax(1.0)).cwiseSqrt();
@@ -369,7 +392,87 @@ double as_if_independent(const Model& arm, const Identification& id) {
   return std::sqrt(std::max(1.0, seconds * arm.joints() / id.effective_samples / kUsualIndependence));
 }
 
+constexpr size_t kManyRecordings = 4;  // enough to hold out one as a whole
+constexpr size_t kPartsOfOne = 8;
+constexpr size_t kPartsOfFew = 2;
+
+// BlockList of the recordings that are held out together.
+std::vector<BlockList> parts_of(const std::vector<CompressedRecording>& recordings) {
+  const size_t each = recordings.size() >= kManyRecordings ? 1
+                      : recordings.size() == 1             ? kPartsOfOne
+                                                           : kPartsOfFew;
+  std::vector<BlockList> out;
+  for (const CompressedRecording& r : recordings) {
+    const size_t count = r.blocks.size();
+    for (size_t part = 0; part < each; ++part) {
+      BlockList blocks;
+      for (size_t b = part * count / each; b < (part + 1) * count / each; ++b)
+        blocks.push_back(&r.blocks[b]);
+      if (!blocks.empty()) out.push_back(std::move(blocks));
+    }
+  }
+  return out;
+}
+
+// Sum of squares of every joint's torque, as its series has it, over so many rows.
+VectorXd squared_torques(const Identification& id, const VectorXd& rows) {
+  VectorXd out = rows;
+  for (Eigen::Index j = 0; j < rows.size(); ++j) {
+    double sum = 0.0;
+    size_t count = 0;
+    for (const RecordingError& r : id.train) {
+      if (r.series.measured.empty()) continue;
+      const std::vector<double>& torque = r.series.measured[static_cast<size_t>(j)];
+      for (const double t : torque) sum += t * t;
+      count += torque.size();
+    }
+    if (count > 0) out[j] *= sum / static_cast<double>(count);
+  }
+  return out;
+}
+
 }  // namespace
+
+FoldErrors fold_errors(const Identification& fitted, const IdentificationOptions& options,
+                       FoldValues values) {
+  const Model& arm = *fitted.model;
+  const std::vector<std::string> names = parameter_names(standard_parameters(arm));
+  const std::vector<BlockList> parts = parts_of(fitted.factors);
+  const BaseParameters base =
+      values == FoldValues::kFitted ? identifiable_base_parameters(arm) : BaseParameters();
+  VectorXd weights = range_weights(fitted.factors);
+  if (values == FoldValues::kFitted && options.weights == JointWeights::kResidual)
+    weights = residual_weights(fitted.factors, weights, base, names);
+  FoldErrors out;
+  out.error2.resize(static_cast<Eigen::Index>(parts.size()), arm.joints());
+  VectorXd rows = VectorXd::Zero(arm.joints());
+  std::vector<SquareRootInformation> factors;
+  for (const BlockList& part : parts) {
+    factors.emplace_back(names);
+    for (const auto* block : part) {
+      for (size_t i = 0; i < block->size(); ++i) {
+        factors.back().merge((*block)[i], weights[static_cast<Eigen::Index>(i)]);
+        rows[static_cast<Eigen::Index>(i)] += (*block)[i].rows();
+      }
+    }
+  }
+  for (size_t part = 0; part < parts.size(); ++part) {
+    Identification without;
+    without.parameters = VectorXd::Zero(static_cast<Eigen::Index>(names.size()));
+    if (values == FoldValues::kFitted) {
+      SquareRootInformation rest(names);
+      for (size_t other = 0; other < parts.size(); ++other) {
+        if (other != part || parts.size() == 1) rest.merge(factors[other]);
+      }
+      without.unconstrained_objective = fitted.unconstrained_objective;
+      solve_feasible(arm, rest, options, PriorUse::kPull, without);
+    }
+    out.error2.row(static_cast<Eigen::Index>(part)) =
+        squared_errors(parts[part], by_name(names, without.parameters)).transpose();
+  }
+  out.torque2 = squared_torques(fitted, rows);
+  return out;
+}
 
 void keep_training_error(Identification& id) {
   ModelDescription description = id.model->description();

@@ -45,7 +45,12 @@ class AskedArm {
 bool fit_factors(AskedArm& arm, std::vector<CompressedRecording>& recordings,
                  const IdentificationOptions& options, Identification& id);
 
-/// Copies the training errors to the statistics of the MODEL file.
+/// From factors to the parameters of an arm and its model, over base parameters that the recordings
+/// determine. Leaves id.model empty where a prior does not let it converge.
+void fit_base(const Model& arm, const std::vector<CompressedRecording>& recordings,
+              const BaseParameters& base, const IdentificationOptions& options, Identification& id);
+
+/// The errors of training go into the MODEL file with the statistics.
 void keep_training_error(Identification& id);
 
 /// @throws InvalidInput  the factors belong to another arm, or have other settings.

@@ -1,9 +1,13 @@
 #include <gtest/gtest.h>
 
+#include <set>
+#include <utility>
+
 #include "diagnosis/causes/geometry.hpp"
 #include "diagnosis/shapes/refinement.hpp"
 #include "diagnosis/shapes/shape_search.hpp"
 #include "diagnosis/stage_support.hpp"
+#include "veridyn/model/model_file.hpp"
 
 // Stages that look for one kind of fault each, and the search for constants.
 
@@ -76,30 +80,52 @@ TEST_F(Stages, AnEncodersZeroGoesBeforeTheAngleThatDoesTheSame) {
   EXPECT_NEAR(x.start.model->coordinates()[0].recorded.position_offset, 0.1, 0.002);
 }
 
-// Learned on an arm with another length, held out on one that is as the file says.
-TEST_F(Stages, ALengthThatTheHeldOutRecordingContradictsIsNotConfirmed) {
+// Learned on an arm with another length, held out on one that is as the file says: it is found all the
+// same, and said to be contradicted.
+TEST_F(Stages, AHeldOutRecordingMeasuresALengthAndDoesNotChooseIt) {
   ModelFileOptions longer;
   longer.constants["l1"] = 0.6;
   const Model file = read_model("planar-2r", longer);
   Model as_the_file = plausible_model(file, 3).arm;
-  for (const ExtendedModel extended : {ExtendedModel::kAllFindings, ExtendedModel::kConfirmedOnly}) {
-    Investigation x{file, {}, {}, {}, {}, {}, 0, {}, {}, {}};
-    for (unsigned k = 1; k <= 4; ++k) x.train.push_back(record(k, {}));
-    std::swap(truth_, as_the_file);
-    x.test = {record(5, {})};
-    std::swap(truth_, as_the_file);
-    x.options.identification.threads = 1;
-    x.options.extended = extended;
-    ASSERT_TRUE(fit_baseline(x));
-    correct_constants(x);
-    if (extended == ExtendedModel::kConfirmedOnly) {
-      EXPECT_TRUE(x.d.findings.empty());
-      EXPECT_EQ(x.start.test_error.relative, x.d.baseline.test_error.relative);
-      continue;
-    }
-    ASSERT_EQ(x.d.findings.size(), 1U);
-    EXPECT_EQ(x.d.findings[0].status, FindingStatus::kNotConfirmed);
-  }
+  Investigation x{file, {}, {}, {}, {}, {}, 0, {}, {}, {}};
+  for (unsigned k = 1; k <= 4; ++k) x.train.push_back(record(k, {}));
+  std::swap(truth_, as_the_file);
+  x.test = {record(5, {})};
+  std::swap(truth_, as_the_file);
+  x.options.identification.threads = 1;
+  ASSERT_TRUE(fit_baseline(x));
+  correct_constants(x);
+  ASSERT_EQ(x.d.findings.size(), 1U);
+  EXPECT_EQ(x.d.findings[0].status, FindingStatus::kConfirmed);
+  EXPECT_EQ(x.d.findings[0].held_out(), Agreement::kContradicts);
+}
+
+// Friction with a memory and a force on no list, against what a broken sensor gives: the model that is
+// written and every status are those of the training recordings.
+TEST_F(Stages, HeldOutRowsChangeNothingThatIsChosen) {
+  const std::vector<std::string> hidden = {"presliding_hysteresis:shoulder:level=3,distance=0.04",
+                                           "joint_spring:2"};
+  std::vector<std::string> train;
+  for (unsigned k = 1; k <= 4; ++k) train.push_back(record(k, hidden));
+  const std::string sound = record(5, hidden);
+  Recording turned = read_recording(sound);
+  turned.tau *= -0.5;
+  const std::string broken = folder_.path("broken.csv");
+  write_recording(turned, broken);
+  const auto chosen = [&](const std::string& test) {
+    DiagnosisOptions options;
+    options.effects = {"presliding_hysteresis", "joint_spring", "coulomb_friction", "position_force"};
+    options.identification.threads = 1;
+    const Diagnosis d = diagnose(read_model("planar-2r"), train, {test}, options);
+    std::set<std::string> out;
+    for (const Finding& f : d.findings) out.insert(to_text(truth_, f.cause) + " " + name_of(f.status));
+    return std::make_pair(out, to_yaml(*d.extended.model));
+  };
+  const auto [causes, model] = chosen(sound);
+  const auto [causes_again, model_again] = chosen(broken);
+  EXPECT_GE(causes.size(), 2U);
+  EXPECT_EQ(causes, causes_again);
+  EXPECT_EQ(model, model_again);
 }
 
 // From a grid to the hidden distance.

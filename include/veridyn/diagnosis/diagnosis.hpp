@@ -14,10 +14,8 @@ namespace veridyn {
 
 /// Findings that the extended model contains.
 enum class ExtendedModel {
-  kAllFindings,    ///< all; the held-out recordings take no part in the choice
-  /// Only those that held-out recordings confirm: the held-out error is then no longer that of
-  /// recordings which took no part.
-  kConfirmedOnly,
+  kAllFindings,    ///< every finding that was accepted
+  kConfirmedOnly,  ///< those that are confirmed, see FindingStatus
 };
 
 /// Treatment of dependences without a named cause.
@@ -63,14 +61,19 @@ struct Rival {
   std::string why;
 };
 
-/// Verdict of the held-out recordings on a finding, which was chosen without them.
+/// What held-out parts of the training recordings say of a finding beside all others. The held-out
+/// recordings take no part in it: they measure what was chosen without them, see Agreement.
 enum class FindingStatus {
-  kConfirmed,     ///< their prediction improves, on its own joint too
-  kNotConfirmed,  ///< their prediction does not improve
+  kConfirmed,     ///< the parts are predicted better with it, its own joint too
+  kNotConfirmed,  ///< they are not, or it lost its name after the last fit
 };
 const char* name_of(FindingStatus status);
 
-/// A point of a curve: signal values, the torque there and its 95 % band.
+/// Whether the held-out recordings are predicted better with a finding, on its own joint too.
+enum class Agreement { kAgrees, kContradicts, kNotMeasured };
+const char* name_of(Agreement agreement);
+
+/// A point of a curve: where on its signals, the torque there and its 95 % band.
 struct CurvePoint {
   std::vector<double> at;  ///< one value per signal
   double value = 0.0;      ///< [N m] or [N], relative to its mean over the training recordings
@@ -111,11 +114,16 @@ struct Finding {
   /// (n) relative error on every row of the test recordings as recorded, without and with the
   /// finding, in order of discovery.
   VectorXd test_before, test_after;
+  /// (n) relative error on held-out parts of the training recordings, without and with it: what its
+  /// status is made of.
+  VectorXd folds_before, folds_after;
   /// For a contact: (n) the same on the rows outside of all contacts.
   VectorXd test_outside;
   double explains = 0.0;  ///< share of the removable held-out error; negative where it grows
+
+  Agreement held_out() const;
   FindingStatus status = FindingStatus::kConfirmed;
-  std::string why_not;  ///< reason for not confirming a finding although its held-out error fell
+  std::string why_not;  ///< of one that is not confirmed although its error on the parts fell
   bool main = true;  ///< false: one of the small ones, see DiagnosisSummary
   std::vector<Rival> rivals;
   std::optional<UnnamedShape> shape;  ///< set for a finding without a named cause
@@ -185,7 +193,6 @@ struct DiagnosisSummary {
   double explained_by_all = 0.0;
   std::vector<int> worse_joints;   ///< from 1: the extended model predicts them worse than the
                                    ///< baseline does, on the held-out recordings
-  bool held_out_untouched = true;  ///< false: the held-out recordings chose among the findings
 };
 
 /// Result of a diagnosis. Plain data: text, JSON and page show exactly this.
@@ -227,10 +234,10 @@ struct Diagnosis {
   std::string report(const std::string& next_command = "") const;
 };
 
-/// Tests which physical causes the recordings support beyond the robot's own model. Causes are
-/// selected and fitted on the training recordings only; the test recordings measure the gain. A
-/// test recording itself is checked for faults only: contacts, local sticking, a velocity that is
-/// not the derivative of its position (which is then used instead).
+/// Asks which physical causes the recordings accept beyond the robot's own model. Causes are
+/// selected, confirmed and fitted on the training recordings only, and so is the extended model; the
+/// test recordings measure the gain. A test recording itself is checked for faults only: contacts,
+/// local sticking, a velocity that is not the derivative of its position (which is then used instead).
 ///
 /// An arm without values is identified first, and every fit leaves its parameters free. The values
 /// of a MODEL are kept fixed, and findings say **what changed since**: a payload, a drive gain, an

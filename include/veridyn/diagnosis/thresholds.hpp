@@ -29,6 +29,7 @@ struct Thresholds {
   // Dependences without a named cause.
   double unnamed_gain = 0.05;
   double unnamed_share = 0.2;
+  double unnamed_share_of_one = 0.4;
   double unnamed_term = 0.05;
   double small_beside_unnamed = 0.1;
   double unnamed_other_joint = 0.93;

@@ -122,10 +122,10 @@ void add_diagnose_command(CLI::App& tool, Outcome& outcome) {
   command.add_flag_callback(
       "--confirmed-only",
       [request] { request->options.extended = ExtendedModel::kConfirmedOnly; },
-      "Leave what the held-out recordings contradict out of the extended model (the default)");
+      "Leave what held-out parts of the training recordings contradict out of the extended model (the default)");
   command.add_flag_callback(
       "--all-findings", [request] { request->options.extended = ExtendedModel::kAllFindings; },
-      "Keep it in: the held-out recordings take no part in choosing");
+      "Keep every finding that was accepted in it");
   command.add_flag_callback(
       "--keep-unnamed", [request] { request->options.unnamed = UnnamedForces::kKept; },
       "Keep what was found without a name in the extended model, as tables of its signals");

@@ -129,13 +129,29 @@ void refresh(const Identification& id, const std::vector<std::string>& names, Fi
   renew_phrase(*id.model, names, f);
 }
 
+bool falls(const VectorXd& before, const VectorXd& after, std::optional<JointIndex> joint) {
+  return log_fall(before, after) > 0.0 && (!joint || after[joint->value] <= before[joint->value]);
+}
+
 FindingStatus status_of(const Finding& f) {
-  if (f.test_before.size() == 0 || f.test_after.size() != f.test_before.size())
-    return FindingStatus::kConfirmed;
-  const bool falls = log_fall(f.test_before, f.test_after) > 0.0;
-  const bool own_falls =
-      !f.joint || f.test_after[f.joint->value] <= f.test_before[f.joint->value];
-  return falls && own_falls ? FindingStatus::kConfirmed : FindingStatus::kNotConfirmed;
+  const bool measured = f.folds_before.size() > 0 && f.folds_after.size() == f.folds_before.size();
+  return !measured || falls(f.folds_before, f.folds_after, f.joint) ? FindingStatus::kConfirmed
+                                                                    : FindingStatus::kNotConfirmed;
+}
+
+Agreement Finding::held_out() const {
+  if (test_before.size() == 0 || test_after.size() != test_before.size())
+    return Agreement::kNotMeasured;
+  return falls(test_before, test_after, joint) ? Agreement::kAgrees : Agreement::kContradicts;
+}
+
+const char* name_of(Agreement agreement) {
+  switch (agreement) {
+    case Agreement::kAgrees: return "agrees";
+    case Agreement::kContradicts: return "contradicts";
+    case Agreement::kNotMeasured: return "not_measured";
+  }
+  return "";
 }
 
 const char* name_of(FindingStatus status) {

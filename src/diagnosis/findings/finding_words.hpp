@@ -26,8 +26,10 @@ std::vector<Rival> rivals_of(const Inquiry& asked, const NormalBlocks& data, con
 /// @param names  of its parameters there.
 void refresh(const Identification& id, const std::vector<std::string>& names, Finding& f);
 
-/// Verdict of the held-out recordings: their error, summed over the joints as ln(mean square), must
-/// fall, and on the finding's own joint too.
+/// Whether errors (n) fall in sum over the joints, of ln(mean square), and on a joint.
+bool falls(const VectorXd& before, const VectorXd& after, std::optional<JointIndex> joint);
+
+/// Confirmed where falls() of its errors on held-out parts of the training recordings.
 FindingStatus status_of(const Finding& f);
 
 }  // namespace veridyn

@@ -191,22 +191,34 @@ std::vector<FindingWriter::Group> FindingWriter::groups() const {
   return out;
 }
 
-// Error on every row of the held-out recordings of the models that grow by one finding at a time,
-// relative to what `start` shows.
-std::vector<VectorXd> FindingWriter::errors_along_the_way() const {
-  std::vector<VectorXd> out;
-  if (q_.test.empty()) return out;
-  const NormalBlocks test(q_.test, q_.columns, data_.scale());
+// Root mean square of every joint over the folds, each predicted from the others.
+VectorXd FindingWriter::fold_error(const ColumnSet& set, const VectorXd& w) const {
+  VectorXd sum = VectorXd::Zero(data_.joints());
+  for (const std::vector<int>& fold : make_folds(data_)) {
+    const NormalBlocks::Sums held_out = summed(data_, fold);
+    sum += data_.residual2(set, data_.solve(set, w, data_.total(), &held_out), held_out);
+  }
+  return (sum.array() / data_.total().b2.array().max(numerics::kTiny)).sqrt();
+}
+
+// On every row of the held-out recordings, relative to what `start` shows; and on the folds.
+std::vector<FindingWriter::Step> FindingWriter::errors_along_the_way() const {
+  std::vector<Step> out;
+  std::optional<NormalBlocks> test;
+  if (!q_.test.empty()) test.emplace(q_.test, q_.columns, data_.scale());
   ColumnSet set = q_.base;
   VectorXd first;
   const std::vector<Group> all = groups();
   for (size_t k = 0; k <= all.size(); ++k) {
     const VectorXd w = joint_weights(data_, set);
-    const VectorXd x = data_.solve(set, w, data_.total(), nullptr);
-    const VectorXd r2 = test.residual2(set, x, test.total());
-    if (k == 0) first = r2;
-    out.push_back(start_.test_error.relative.array() *
-                  (r2.array() / first.array().max(numerics::kTiny)).sqrt());
+    out.push_back({{}, fold_error(set, w)});
+    if (test) {
+      const VectorXd x = data_.solve(set, w, data_.total(), nullptr);
+      const VectorXd r2 = test->residual2(set, x, test->total());
+      if (k == 0) first = r2;
+      out.back().test = start_.test_error.relative.array() *
+                        (r2.array() / first.array().max(numerics::kTiny)).sqrt();
+    }
     if (k == all.size()) break;
     for (const size_t member : all[k]) {
       const ColumnSet own = columns_of(data_, accepted(member));
@@ -216,12 +228,13 @@ std::vector<VectorXd> FindingWriter::errors_along_the_way() const {
   return out;
 }
 
-Finding FindingWriter::finding(const Group& group, const VectorXd& before,
-                               const VectorXd& after) const {
+Finding FindingWriter::finding(const Group& group, const Step& before, const Step& after) const {
   const Hypothesis& h = accepted(group.front());
   Finding f = finding_at(h);
-  f.test_before = before;
-  f.test_after = after;
+  f.test_before = before.test;
+  f.test_after = after.test;
+  f.folds_before = before.folds;
+  f.folds_after = after.folds;
   for (size_t k = 0; k < group.size(); ++k) {
     const Accepted& a = selection_.accepted[group[k]];
     for (FoundParameter& p : parameters_of(accepted(group[k]))) {
@@ -246,11 +259,10 @@ Finding FindingWriter::finding(const Group& group, const VectorXd& before,
 }
 
 void FindingWriter::add_findings(Diagnosis& d) const {
-  const std::vector<VectorXd> errors = errors_along_the_way();
+  const std::vector<Step> errors = errors_along_the_way();
   const std::vector<Group> all = groups();
   for (size_t k = 0; k < all.size(); ++k) {
-    Finding f =
-        errors.empty() ? finding(all[k], {}, {}) : finding(all[k], errors[k], errors[k + 1]);
+    Finding f = finding(all[k], errors[k], errors[k + 1]);
     f.rank = static_cast<int>(d.findings.size()) + 1;
     f.explains = explained_share(f.test_before, f.test_after, d.baseline);
     d.findings.push_back(std::move(f));

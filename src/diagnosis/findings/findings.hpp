@@ -44,7 +44,11 @@ class FindingWriter {
  private:
   using Group = std::vector<size_t>;  // accepted hypotheses that are one finding
   std::vector<Group> groups() const;
-  Finding finding(const Group& group, const VectorXd& before, const VectorXd& after) const;
+  // Errors of the arms that grow by one finding at a time.
+  struct Step {
+    VectorXd test, folds;
+  };
+  Finding finding(const Group& group, const Step& before, const Step& after) const;
   Model extended_arm_of(const std::vector<size_t>& chosen) const;
   std::vector<FoundParameter> parameters_of(const Hypothesis& h) const;
   double own_deviation(const Hypothesis& h, const std::string& parameter) const;
@@ -53,7 +57,8 @@ class FindingWriter {
   std::vector<FoundParameter> payload_parameters(const Hypothesis& h) const;
   std::string phrase_of(const Group& group, const Finding& f) const;
   std::string change_text(const Hypothesis& h, const Finding& f) const;
-  std::vector<VectorXd> errors_along_the_way() const;
+  std::vector<Step> errors_along_the_way() const;
+  VectorXd fold_error(const ColumnSet& set, const VectorXd& w) const;
   const Hypothesis& accepted(size_t k) const;
   const Hypothesis& asked_hypothesis(const Hypothesis& h) const;
   const Inquiry& asked_;

@@ -13,8 +13,6 @@
 namespace veridyn {
 namespace {
 
-constexpr size_t kBlocks = 8;  // of every held-out recording
-
 // Parameters in which the torque is linear; shape constants are never nothing.
 bool is_size(const std::string& effect, const std::string& name) {
   if (!has_effect(effect)) return false;
@@ -33,36 +31,19 @@ double largest_torque(const Identification& fitted, int joint) {
   return out;
 }
 
-// Increase of a joint's mean square error, in standard errors between blocks.
-double worse_by_standard_errors(const Identification& before, const Identification& after, size_t joint) {
-  std::vector<double> differences;
-  for (size_t r = 0; r < before.test.size() && r < after.test.size(); ++r) {
-    const PredictionSeries& a = before.test[r].series;
-    const PredictionSeries& b = after.test[r].series;
-    const size_t n = std::min(a.time.size(), b.time.size());
-    for (size_t block = 0; block < kBlocks; ++block) {
-      const size_t from = block * n / kBlocks;
-      const size_t to = (block + 1) * n / kBlocks;
-      double sum = 0.0;
-      for (size_t k = from; k < to; ++k) {
-        sum += std::pow(b.measured[joint][k] - b.modelled[joint][k], 2) -
-               std::pow(a.measured[joint][k] - a.modelled[joint][k], 2);
-      }
-      differences.push_back(sum);
-    }
-  }
-  const auto count = static_cast<double>(differences.size());
+// How much larger the mean square error of a joint is, over its standard error between the parts.
+double worse_by_standard_errors(const VectorXd& before, const VectorXd& after) {
+  const auto count = static_cast<double>(before.size());
   if (count < 2.0) return 0.0;
-  double mean = 0.0;
-  for (const double d : differences) mean += d / count;
-  double square = 0.0;
-  for (const double d : differences) square += (d - mean) * (d - mean);
+  const VectorXd differences = after - before;
+  const double mean = differences.mean();
+  const double square = (differences.array() - mean).square().sum();
   return mean / std::max(std::sqrt(square / (count * (count - 1.0))), numerics::kTiny);
 }
 
 double own_gain(const Finding& f, int joint) {
-  if (f.test_before.size() <= joint || f.test_after.size() <= joint) return 0.0;
-  return f.test_before[joint] - f.test_after[joint];
+  if (f.folds_before.size() <= joint || f.folds_after.size() <= joint) return 0.0;
+  return f.folds_before[joint] - f.folds_after[joint];
 }
 
 // The finding with the smallest gain on a joint, or the one that costs it most.
@@ -116,15 +97,18 @@ std::optional<LostRight> without_size(const Diagnosis& d, size_t first, const st
 }
 
 std::optional<LostRight> worse_with(const Diagnosis& d, size_t first, const std::set<size_t>& kept,
-                                    const std::set<size_t>& needed, const Thresholds& limits) {
+                                    const std::set<size_t>& needed, const FoldErrors& baseline,
+                                    const FoldErrors& extended, const Thresholds& limits) {
   std::set<size_t> some;
   std::set_difference(kept.begin(), kept.end(), needed.begin(), needed.end(),
                       std::inserter(some, some.begin()));
-  const VectorXd& before = d.baseline.test_error.relative;
-  const VectorXd& after = d.extended.test_error.relative;
-  for (Eigen::Index j = 0; j < std::min(before.size(), after.size()); ++j) {
+  const VectorXd before = baseline.relative();
+  const VectorXd after = extended.relative();
+  for (Eigen::Index j = 0; j < before.size(); ++j) {
     if (after[j] <= (1.0 + limits.held_out_worse) * before[j]) continue;
-    if (worse_by_standard_errors(d.baseline, d.extended, static_cast<size_t>(j)) < 1.0) continue;
+    if (worse_by_standard_errors(baseline.error2.col(j) / baseline.torque2[j],
+                                 extended.error2.col(j) / extended.torque2[j]) < 1.0)
+      continue;
     const int joint = static_cast<int>(j);
     if (const std::optional<size_t> k = least_needed(d, first, some, joint))
       return LostRight{*k, joint, fmt::format("without it joint {} is predicted better, which was worse than by the baseline", joint + 1)};

@@ -4,6 +4,7 @@
 #include <set>
 #include <string>
 
+#include "identification/fold_errors.hpp"
 #include "veridyn/diagnosis/diagnosis.hpp"
 
 namespace veridyn {
@@ -23,9 +24,11 @@ std::string why_no_finding(const Finding& f, const Identification& fitted);
 /// model has an answer.
 std::optional<LostRight> without_size(const Diagnosis& d, size_t first, const std::set<size_t>& kept);
 
-/// For a joint that the extended model predicts worse than the baseline, beyond the standard error
-/// between blocks of time: the finding that helps it least, not one of `needed`.
+/// Of a joint that the extended model predicts worse than the baseline on held-out parts of the
+/// training recordings, beyond the standard error of that difference between the parts, the finding
+/// that helps it least; not one of `needed`.
 std::optional<LostRight> worse_with(const Diagnosis& d, size_t first, const std::set<size_t>& kept,
-                                    const std::set<size_t>& needed, const Thresholds& limits);
+                                    const std::set<size_t>& needed, const FoldErrors& baseline,
+                                    const FoldErrors& extended, const Thresholds& limits);
 
 }  // namespace veridyn

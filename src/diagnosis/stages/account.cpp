@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "diagnosis/evidence/held_out.hpp"
+#include "diagnosis/findings/finding_words.hpp"
 #include "diagnosis/findings/next_experiment.hpp"
 #include "diagnosis/stages/investigation.hpp"
 #include "diagnosis/stages/asked_tables.hpp"
@@ -33,7 +34,13 @@ bool acts_on(const Finding& f, int joint) {
   return f.status == FindingStatus::kConfirmed && (!f.joint || f.joint->value == joint);
 }
 
-// The error after subtracting a predicted share of its mean square.
+// Share of a joint's mean square that goes away.
+double gained_share(const VectorXd& before, const VectorXd& after, int joint) {
+  const double ratio = error_of(after, joint) / std::max(error_of(before, joint), numerics::kTiny);
+  return 1.0 - ratio * ratio;
+}
+
+// The error with so much of its mean square predicted.
 double without_share(double error, double share) {
   return error * std::sqrt(std::max(0.0, 1.0 - share));
 }
@@ -44,9 +51,12 @@ std::string joined(const std::vector<std::string>& words, const char* between) {
   return out;
 }
 
-std::string phrase_of(const UnnamedShape& shape, double share) {
-  std::string out = fmt::format("{:.0f} % of what the model leaves over can be predicted from {}: {}",
-                                kPercent * share, joined(shape.signals, " and "), shape.words);
+// The share is that of the held-out recordings where they bear it out.
+std::string phrase_of(const UnnamedShape& shape, double of_folds, Agreement held_out) {
+  const bool measured = held_out == Agreement::kAgrees;
+  std::string out = fmt::format("{:.0f} % of what the model leaves over {}can be predicted from {}: {}",
+                                kPercent * (measured ? shape.share : of_folds), measured ? "" : "in training ",
+                                joined(shape.signals, " and "), shape.words);
   if (!shape.as_good.empty()) {
     std::vector<std::string> others;
     for (const auto& names : shape.as_good) others.push_back(joined(names, " and "));
@@ -61,6 +71,8 @@ class Account {
       : x_(x),
         d_(x.d),
         limits_(x.options.thresholds),
+        folds_(x.fold_errors(d_.extended).relative()),
+        unnamed_(static_cast<size_t>(folds_.size()), 0.0),
         signals_(motion_signals(d_.extended, limits_)),
         train_(motion_rows(d_.extended, d_.extended.train, d_.left_out, signals_)),
         test_(motion_rows(d_.extended, d_.extended.test, d_.left_out, signals_)) {}
@@ -72,13 +84,12 @@ class Account {
     for (size_t k = 0; k < d_.findings.size(); ++k) {
       const Finding& f = d_.findings[k];
       if (f.shape || !f.joint || f.status != FindingStatus::kConfirmed ||
-          !std::holds_alternative<NewEffect>(f.cause) || f.test_before.size() == 0)
+          !std::holds_alternative<NewEffect>(f.cause) || f.folds_before.size() == 0)
         continue;
       const int j = f.joint->value;
-      const JointVerdict& v = d_.joints[static_cast<size_t>(j)];
-      const double unnamed = v.extended * v.extended - v.left * v.left;
-      const double own = f.test_before[j] * f.test_before[j] - f.test_after[j] * f.test_after[j];
-      if (v.state == JointState::kUnnamed && own < limits_.small_beside_unnamed * unnamed) small.push_back(k);
+      const double unnamed = unnamed_[static_cast<size_t>(j)] * folds_[j] * folds_[j];
+      const double own = f.folds_before[j] * f.folds_before[j] - f.folds_after[j] * f.folds_after[j];
+      if (has_unnamed(j) && own < limits_.small_beside_unnamed * unnamed) small.push_back(k);
     }
     if (small.empty() || d_.changes) return false;
     ModelDescription description = d_.extended.model->description();
@@ -151,14 +162,12 @@ class Account {
     const double before = error_of(d_.extended.test_error.relative, j);
     double error = before;
     if (!is_clear(found) || !x_.options.effects.empty()) return error;
-    double so_far = 0.0;
+    double& so_far = unnamed_[static_cast<size_t>(j)];
+    double of_test = 0.0;
+    error = without_share(before, std::max(0.0, found.predicted_of_test.back()));
     for (size_t k = 0; k < found.model.chosen.size(); ++k) {
-      const double share = found.predicted_of_test[k];
-      const bool last = k + 1 == found.model.chosen.size();
-      if (share - so_far < limits_.unnamed_term) {  // in the regression, and too little to speak of
-        if (last) error = without_share(before, std::max(share, so_far));
-        continue;
-      }
+      const double share = found.predicted_of_folds[k];
+      if (share - so_far < limits_.unnamed_term) continue;  // in the regression, and too little to speak of
       UnnamedShape shape = shape_of(found, k, train_, terms);
       Finding f;
       f.cause = NewEffect{UnnamedShape::kName, JointIndex{j}};
@@ -168,17 +177,20 @@ class Account {
       f.p_value = signed_rank_p_value(found.model.falls);
       f.test_before = d_.extended.test_error.relative;
       f.test_after = f.test_before;
+      f.folds_before = f.folds_after = folds_;
+      f.folds_before[j] = without_share(folds_[j], so_far);
+      f.folds_after[j] = without_share(folds_[j], share);
       if (f.test_before.size() > j) {
-        f.test_before[j] = without_share(before, so_far);
-        f.test_after[j] = without_share(before, std::max(share, so_far));
-        error = f.test_after[j];
+        f.test_before[j] = without_share(before, of_test);
+        f.test_after[j] = without_share(before, found.predicted_of_test[k]);
       }
-      f.status = share > so_far ? FindingStatus::kConfirmed : FindingStatus::kNotConfirmed;
+      f.status = status_of(f);
       f.explains = explained_share(f.test_before, f.test_after, d_.baseline);
-      shape.share = share - so_far;
-      f.phrase = phrase_of(shape, shape.share);
+      shape.share = found.predicted_of_test[k] - of_test;
+      f.phrase = phrase_of(shape, share - so_far, f.held_out());
       f.shape = std::move(shape);
-      so_far = std::max(share, so_far);
+      so_far = share;
+      of_test = found.predicted_of_test[k];
       d_.findings.push_back(std::move(f));
     }
     return error;
@@ -195,31 +207,38 @@ class Account {
     }
     std::vector<AcceptedTable> tables = ask_tables(x_, signals_, joints);
     if (tables.empty()) return;
-    ModelDescription description = d_.extended.model->description();
-    description.identified.reset();
-    for (const AcceptedTable& t : tables) description.effects.push_back(with_values(t));
-    const Identification with = x_.look(Model(std::move(description)));
-    if (!with.model) return;
-    const VectorXd& before = d_.extended.test_error.relative;
-    const VectorXd& after = with.test_error.relative;
+    // One after the other: those beside which held-out parts of the training recordings gain.
+    Identification so_far = d_.extended;
+    VectorXd folds = folds_;
     for (AcceptedTable& t : tables) {
       const int j = t.joint.value;
-      const double ratio = error_of(after, j) / std::max(error_of(before, j), numerics::kTiny);
-      const double share = 1.0 - ratio * ratio;
-      if (share < limits_.unnamed_share || has_unnamed(j)) continue;
+      if (has_unnamed(j)) continue;
+      ModelDescription description = so_far.model->description();
+      description.identified.reset();
+      description.effects.push_back(with_values(t));
+      Identification with = x_.look(Model(std::move(description)));
+      if (!with.model) continue;
       Finding f;
       f.cause = NewEffect{UnnamedShape::kName, t.joint};
       f.joint = t.joint;
       f.unit = t.shape.effort;
       f.gain = t.gain;
       f.p_value = t.p_value;
-      f.test_before = before;
-      f.test_after = after;
-      f.explains = explained_share(before, after, d_.baseline);
-      t.shape.share = share;
-      f.phrase = phrase_of(t.shape, share);
+      f.test_before = so_far.test_error.relative;
+      f.test_after = with.test_error.relative;
+      f.folds_before = folds;
+      f.folds_after = x_.fold_errors(with).relative();
+      f.status = status_of(f);
+      const double share = gained_share(f.folds_before, f.folds_after, j);
+      if (f.status == FindingStatus::kNotConfirmed || share < (d_.provisional ? limits_.unnamed_share_of_one : limits_.unnamed_share)) continue;
+      f.explains = explained_share(f.test_before, f.test_after, d_.baseline);
+      t.shape.share = gained_share(f.test_before, f.test_after, j);
+      f.phrase = phrase_of(t.shape, share, f.held_out());
       f.shape = std::move(t.shape);
-      left[static_cast<size_t>(j)] = error_of(after, j);
+      unnamed_[static_cast<size_t>(j)] = share;
+      left[static_cast<size_t>(j)] = std::min(left[static_cast<size_t>(j)], error_of(f.test_after, j));
+      folds = f.folds_after;
+      so_far = std::move(with);
       d_.findings.push_back(std::move(f));
     }
   }
@@ -263,16 +282,15 @@ class Account {
         of.push_back(k);
       }
     }
-    const VectorXd before = d_.extended.test_error.relative;
     std::set<int> worse;
     for (int turn = 0; turn < 2; ++turn) {
       const Identification with = fitted_with(tables, of, worse);
       if (!with.model) return;
-      const VectorXd& after = with.test_error.relative;
+      const VectorXd after = x_.fold_errors(with).relative();
       bool again = false;
       for (const size_t k : of) {
         const int j = d_.findings[k].joint->value;
-        if (worse.count(j) == 0 && error_of(after, j) > error_of(before, j)) again = worse.insert(j).second;
+        if (worse.count(j) == 0 && after[j] > folds_[j]) again = worse.insert(j).second;
       }
       if (again && turn == 0) continue;
       if (again) return;
@@ -280,7 +298,7 @@ class Account {
         const int j = d_.findings[k].joint->value;
         if (worse.count(j) != 0) continue;
         d_.findings[k].shape->kept = true;
-        left[static_cast<size_t>(j)] = error_of(after, j);
+        left[static_cast<size_t>(j)] = error_of(with.test_error.relative, j);
       }
       d_.extended = with;
       return;
@@ -301,12 +319,10 @@ class Account {
     return x_.look(Model(std::move(description)));
   }
 
-  // True if the training recordings show a dependence and the held-out ones confirm a sufficient
-  // part of it.
+  // What held-out parts of the training recordings show, and enough of it.
   bool is_clear(const Dependence& found) const {
-    if (found.model.chosen.empty()) return false;
-    return std::min(found.predicted_of_folds.back(), found.predicted_of_test.back()) >
-           limits_.unnamed_share;
+    const double least = d_.provisional ? limits_.unnamed_share_of_one : limits_.unnamed_share;
+    return !found.model.chosen.empty() && found.predicted_of_folds.back() > least;
   }
 
   JointVerdict verdict_of(int j, const Dependence& found, double extended, double left) const {
@@ -355,6 +371,8 @@ class Account {
   Investigation& x_;
   Diagnosis& d_;
   const Thresholds& limits_;
+  VectorXd folds_;               // error of the extended model on held-out parts of the training recordings
+  std::vector<double> unnamed_;  // share of its square that findings without a name predict there, (n)
   std::vector<MotionSignal> signals_;
   MotionRows train_, test_;
 };

@@ -54,6 +54,8 @@ void correct(const Questions& asked, const Hypothesis& h, const CorrectedChannel
   f.p_value = p_value;
   f.test_before = x.start.test_error.relative;
   f.test_after = channel.corrected.test_error.relative;
+  f.folds_before = x.fold_errors(x.start).relative();
+  f.folds_after = x.fold_errors(channel.corrected).relative();
   f.explains = explained_share(f.test_before, f.test_after, x.d.baseline);
   f.status = status_of(f);
   f.rivals.push_back(as_rival(x.arm, instead, instead.gain / gain));
@@ -111,6 +113,8 @@ void correct_constants(Investigation& x) {
   Finding& f = wrong->finding;
   f.test_before = x.start.test_error.relative;
   f.test_after = corrected.test_error.relative;
+  f.folds_before = x.fold_errors(x.start).relative();
+  f.folds_after = x.fold_errors(corrected).relative();
   f.explains = explained_share(f.test_before, f.test_after, x.d.baseline);
   f.status = status_of(f);
   if (x.options.extended == ExtendedModel::kConfirmedOnly &&

@@ -37,6 +37,11 @@ Identification Investigation::look(const Model& any) const {
                    : identify(any, train, test, options.identification);
 }
 
+FoldErrors Investigation::fold_errors(const Identification& id) const {
+  return veridyn::fold_errors(id, options.identification,
+                              d.changes ? FoldValues::kFacts : FoldValues::kFitted);
+}
+
 QuestionList Investigation::list() const {
   QuestionList out;
   for (const std::string& one : options.effects) out.wanted.push_back(split_cause(one).effect);

@@ -9,6 +9,7 @@
 #include "diagnosis/causes/snags.hpp"
 #include "diagnosis/evidence/numerics.hpp"
 #include "diagnosis/shapes/inquiry.hpp"
+#include "identification/fold_errors.hpp"
 #include "veridyn/diagnosis/diagnosis.hpp"
 
 namespace veridyn {
@@ -51,6 +52,9 @@ struct Investigation {
 
   /// Fits an arm to the recordings, or evaluates it if its values are facts.
   Identification look(const Model& any) const;
+
+  /// Errors of such an arm on held-out parts of the training recordings: what decides between arms.
+  FoldErrors fold_errors(const Identification& id) const;
 
   /// The list of questions that all stages begin with.
   QuestionList list() const;

@@ -139,6 +139,8 @@ bool correct_first_channel(Investigation& x, const Round& round) {
     return true;
   }
   estimate_newly_visible(x, h, *channel);
+  const VectorXd folds_before = x.fold_errors(x.start).relative();
+  const VectorXd folds_after = x.fold_errors(channel->corrected).relative();
   if (Finding* earlier = same_channel(x.d, h)) {
     std::vector<double> before;
     for (size_t p = 0; p < channel->values.size(); ++p)
@@ -149,6 +151,7 @@ bool correct_first_channel(Investigation& x, const Round& round) {
     earlier->phrase = both.phrase;
     earlier->remark = both.remark;
     earlier->test_after = channel->corrected.test_error.relative;
+    earlier->folds_after = folds_after;
     earlier->explains = explained_share(earlier->test_before, earlier->test_after, x.d.baseline);
     earlier->status = status_of(*earlier);
     x.start = channel->corrected;
@@ -157,11 +160,13 @@ bool correct_first_channel(Investigation& x, const Round& round) {
   Finding f = channel_finding(round.q, h, channel->values, channel->half_widths);
   f.test_before = x.start.test_error.relative;
   f.test_after = channel->corrected.test_error.relative;
+  f.folds_before = folds_before;
+  f.folds_after = folds_after;
   f.status = status_of(f);
   if (x.options.extended == ExtendedModel::kConfirmedOnly &&
       f.status == FindingStatus::kNotConfirmed) {
     x.refused.insert(h);
-    x.d.not_supported.push_back({h.cause, a.evidence.p_value, "the held-out recordings contradict it"});
+    x.d.not_supported.push_back({h.cause, a.evidence.p_value, "held-out parts of the training recordings contradict it"});
     return true;
   }
   f.p_value = a.evidence.p_value;
@@ -193,11 +198,13 @@ void refresh_findings(Investigation& x) {
   }
 }
 
-// Tests findings that the unconstrained fits along the way contradict once more with the physical
-// models: the held-out error must fall in sum and on its own joint.
+// The errors along the way are of fits without physical conditions. What they contradict is asked once
+// more of the models themselves: with it, the error on held-out parts of the training recordings falls in
+// sum and on its own joint, or not.
 void ask_again(Investigation& x, size_t first, size_t count,
                const std::function<Identification(const std::set<size_t>&)>& fit,
                std::set<size_t>& kept) {
+  VectorXd folds;  // of the extended model
   for (size_t k = 0; k < count && x.d.extended.model; ++k) {
     Finding& f = x.d.findings[first + k];
     if (kept.count(k) != 0 || !f.joint) continue;
@@ -205,12 +212,16 @@ void ask_again(Investigation& x, size_t first, size_t count,
     more.insert(k);
     Identification with = fit(more);
     if (!with.model) continue;
+    if (folds.size() == 0) folds = x.fold_errors(x.d.extended).relative();
     Finding again = f;
     again.test_before = x.d.extended.test_error.relative;
     again.test_after = with.test_error.relative;
+    again.folds_before = folds;
+    again.folds_after = x.fold_errors(with).relative();
     again.status = status_of(again);
     if (again.status == FindingStatus::kNotConfirmed) continue;
     again.explains = explained_share(again.test_before, again.test_after, x.d.baseline);
+    folds = again.folds_after;
     f = std::move(again);
     kept = std::move(more);
     x.d.extended = std::move(with);
@@ -231,7 +242,8 @@ void settle(Investigation& x, const FindingWriter& writer, size_t first, std::se
   };
   x.d.extended = fit(kept);
   if (x.options.extended == ExtendedModel::kConfirmedOnly) ask_again(x, first, names.size(), fit, kept);
-  std::set<size_t> needed;  // withdrawn once without a better prediction of the joint
+  std::set<size_t> needed;  // taken out once, and the joint was no better off
+  const FoldErrors baseline = x.fold_errors(x.d.baseline);
   for (int turn = 0; turn < kSettling && x.d.extended.model && !kept.empty(); ++turn) {
     for (const size_t k : kept) {
       // Several sizes of one curve may trade with the arm's parameters, which are all free there.
@@ -244,16 +256,13 @@ void settle(Investigation& x, const FindingWriter& writer, size_t first, std::se
       x.d.extended = fit(kept);
       continue;
     }
-    const std::optional<LostRight> lost =
-        worse_with(x.d, first, kept, needed, x.options.thresholds);
+    const FoldErrors extended = x.fold_errors(x.d.extended);
+    const std::optional<LostRight> lost = worse_with(x.d, first, kept, needed, baseline, extended, x.options.thresholds);
     if (!lost) return;
     std::set<size_t> others = kept;
     others.erase(lost->finding);
     Identification without = fit(others);
-    const Eigen::Index j = lost->joint;
-    if (without.model &&
-        log_fall(x.d.extended.test_error.relative, without.test_error.relative) > 0.0 &&
-        without.test_error.relative[j] < x.d.extended.test_error.relative[j]) {
+    if (without.model && falls(extended.relative(), x.fold_errors(without).relative(), JointIndex{lost->joint})) {
       take_out(lost->finding, lost->why);
       x.d.extended = std::move(without);
     } else {
@@ -262,7 +271,8 @@ void settle(Investigation& x, const FindingWriter& writer, size_t first, std::se
   }
 }
 
-// Plain friction that is nothing once the causes are there, where the held-out error does without it.
+// Plain friction that is nothing once the causes are there, where held-out parts of the training recordings
+// do without it.
 void drop_lost_friction(Investigation& x) {
   if (x.options.extended == ExtendedModel::kAllFindings || !x.d.extended.model) return;
   const Model& arm = *x.d.extended.model;
@@ -286,8 +296,9 @@ void drop_lost_friction(Investigation& x) {
                 effects.end());
   description.identified.reset();
   Identification without = x.look(Model(std::move(description)));
-  if (!without.model || log_fall(x.d.extended.test_error.relative, without.test_error.relative) <
-                            -x.options.thresholds.held_out_worse)
+  if (!without.model ||
+      log_fall(x.fold_errors(x.d.extended).relative(), x.fold_errors(without).relative()) <
+          -x.options.thresholds.held_out_worse)
     return;
   x.d.extended = std::move(without);
   for (const auto& [k, why] : lost) {

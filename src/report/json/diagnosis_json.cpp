@@ -27,7 +27,7 @@ Json summary_json(const DiagnosisSummary& s) {
           {"explained_by_main", s.explained_by_main},
           {"explained_by_all", s.explained_by_all},
           {"worse_joints", s.worse_joints},
-          {"held_out_untouched", s.held_out_untouched}};
+          {"held_out_untouched", true}};
 }
 
 // Name and joint of a cause; without an arm there is no joint.
@@ -94,6 +94,7 @@ Json finding_json(const Diagnosis& d, const Finding& f) {
   add_place(d, f.cause, out);
   out["unit"] = f.unit;
   out["status"] = name_of(f.status);
+  out["held_out"] = name_of(f.held_out());
   if (!f.why_not.empty()) out["why_not"] = f.why_not;
   out["main"] = f.main;
   if (!f.source.empty()) out["recording"] = f.source;

@@ -6,12 +6,15 @@ const kPictures = 13;        // of causes
 const kNoticeable = 0.5;     // other joints are shown where they change by more than this share of the largest change
 const kVisibleStep = 0.005;  // of the joint's error as it stands
 
-// What the held-out recordings say of a finding: confirmed with its share, or not.
+// Whether a finding is confirmed in training, and what it explains of the held-out recordings.
 function statusWords(finding, k) {
   const share = number('/findings/' + k + '/explains', 'share');
   if (finding.outside) return element('span', {class: 'small'}, 'Left out of the fit.');
-  return finding.status === 'confirmed' ? element('span', {class: 'small'}, 'Explains ', share, '\u00a0%.') :
-      element('strong', {class: 'warning'}, 'Not confirmed: the held-out error is no smaller with it (', share, '\u00a0%).');
+  if (finding.status !== 'confirmed')
+    return element('strong', {class: 'warning'}, 'Not confirmed: parts of the training recordings that are held out are predicted no better with it (', share, '\u00a0%).');
+  if (finding.held_out === 'contradicts')
+    return element('strong', {class: 'warning'}, 'The held-out recordings are predicted no better with it (', share, '\u00a0%).');
+  return element('span', {class: 'small'}, 'Explains ', share, '\u00a0%.');
 }
 
 function worseJoints() {
@@ -60,8 +63,6 @@ function diagnosisWords() {
     findings.length ? explainedByMain() : null, ...unexplained(),
     verdictParts() || verdictBars(verdictRows()),
     ...(findings.length ? worseJoints() : []),
-    findings.length && result.summary && !result.summary.held_out_untouched ?
-        paragraph('warning', 'The held-out recordings chose among the findings: the extended model\u2019s held-out error is no longer that of recordings that took no part.') : null,
     ...faults.map((item) => paragraph('warning', fileName(item.file) + ': ' + typeset(item.sentence))),
     ...heldOutWarnings(result.baseline.test, {sources: (result.settings || {}).train}),
     result.provisional ? paragraph('warning', 'Learned from one recording only: the names of causes are provisional.') : null,

@@ -1,0 +1,377 @@
+#include "veridyn/identification/rest_poses.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "effects/plain_friction.hpp"
+#include "many_recordings.hpp"
+#include "identification/base_solution.hpp"
+#include "validation.hpp"
+#include "recordings/kept_recordings.hpp"
+#include "veridyn/effects/channel_effect.hpp"
+#include "veridyn/effects/effect.hpp"
+#include "veridyn/math/require.hpp"
+#include "veridyn/model/joint_sensors.hpp"
+
+namespace veridyn {
+namespace {
+
+// A joint that is slower is at rest.
+constexpr double kStillTurning = 5e-3;  // [rad/s]
+constexpr double kStillSliding = 1e-3;  // [m/s]
+constexpr Eigen::Index kFewestRows = 5;  // of a pose between motions: fewer are a reversal
+constexpr Eigen::Index kFewestBlocks = 8;
+constexpr double kRank = 1e-6;  // share of the largest singular value: poses that hardly differ tell nothing
+constexpr double kBand = 0.95;  // share of the poses within the band that is printed
+constexpr double kBallMass = 1.0;     // [kg]
+constexpr double kBallRadius = 0.1;  // [m]
+constexpr double kSolidBall = 0.4;    // of m r^2
+
+RecordingOptions reading_poses(const Model& arm, const PreprocessingOptions& how, double rate) {
+  RecordingOptions reading = reading_of(arm, how);
+  if (reading.rate <= 0.0) reading.rate = rate;  // of a file without time
+  reading.first_row = how.first_row;
+  reading.row_count = how.row_count;
+  return reading;
+}
+
+bool all_zero(const MatrixXd& m) { return (m.array() == 0.0 || m.array().isNaN()).all(); }
+
+bool are_signs(const MatrixXd& m) {
+  return (m.array() == 0.0 || m.array().abs() == 1.0 || m.array().isNaN()).all();
+}
+
+// Torques and positions as they are, not as sensors show them; rows with gaps are left out.
+Recording corrected(const Model& arm, const Recording& r) {
+  const int n = arm.joints();
+  require(r.joints() == n, r.source, ": found ", r.joints(), " joints, expected the ", n, " of robot '",
+          arm.name(), "'.");
+  const JointSensors sensors(arm);
+  const bool torques = r.tau.size() > 0;
+  require(torques || r.current.size() > 0, r.source, ": found neither torques (tau1..tau", n,
+          ") nor motor currents (i1..i", n, ").");
+  if (!torques) sensors.require_drive_gains(arm, r.source);
+  Recording out = r;
+  Eigen::Index kept = 0;
+  out.tau.resize(r.rows(), n);
+  for (Eigen::Index k = 0; k < r.rows(); ++k) {
+    VectorXd q = r.q.row(k).transpose();
+    VectorXd tau = (torques ? r.tau : r.current).row(k).transpose();
+    if (!q.allFinite() || !tau.allFinite()) continue;
+    sensors.correct_positions(q);
+    torques ? sensors.correct_torques(tau) : sensors.correct_currents(tau);
+    out.time[kept] = r.time[k];
+    out.q.row(kept) = q.transpose();
+    out.tau.row(kept) = tau.transpose();
+    if (r.dq.size() > 0) out.dq.row(kept) = r.dq.row(k);
+    ++kept;
+  }
+  require(kept > 0, r.source, ": found no row with finite positions and torques.");
+  Recording rows = rows_of(out, 0, static_cast<int>(kept));
+  rows.source = r.source;
+  return rows;
+}
+
+// Stretches in which nothing moves, one pose each.
+RestPoses poses_between_motions(const Model& arm, const Recording& r) {
+  const int n = arm.joints();
+  const auto moves = [&](Eigen::Index k, int j) {
+    const double still = arm.coordinates()[static_cast<size_t>(j)].prismatic ? kStillSliding : kStillTurning;
+    return std::abs(r.dq(k, j)) > still;
+  };
+  RestPoses out;
+  out.source = r.source;
+  Eigen::RowVectorXd last = Eigen::RowVectorXd::Zero(n);
+  std::vector<Eigen::RowVectorXd> q, tau, approach;
+  Eigen::Index first = 0;
+  for (Eigen::Index k = 0; k <= r.rows(); ++k) {
+    bool rests = k < r.rows();
+    for (int j = 0; j < n && rests; ++j) rests = !moves(k, j);
+    if (rests) continue;
+    const Eigen::Index count = k - first;
+    if (count >= kFewestRows) {
+      q.emplace_back(r.q.middleRows(first, count).colwise().mean());
+      tau.emplace_back(r.tau.middleRows(first, count).colwise().mean());
+      approach.push_back(last);
+    }
+    for (int j = 0; j < n && k < r.rows(); ++j) {
+      if (moves(k, j)) last[j] = r.dq(k, j) > 0.0 ? 1.0 : -1.0;
+    }
+    first = k + 1;
+  }
+  const auto rows = static_cast<Eigen::Index>(q.size());
+  out.q.resize(rows, n);
+  out.tau.resize(rows, n);
+  out.approach.resize(rows, n);
+  for (Eigen::Index k = 0; k < rows; ++k) {
+    out.q.row(k) = q[static_cast<size_t>(k)];
+    out.tau.row(k) = tau[static_cast<size_t>(k)];
+    out.approach.row(k) = approach[static_cast<size_t>(k)];
+  }
+  return out;
+}
+
+// The arm with what a resting arm shows. Whether dry friction is part of it depends on what is known.
+Model resting_arm(const Model& file, bool approached) {
+  ModelDescription d = file.description();
+  d.identified.reset();
+  d.effects.erase(std::remove_if(d.effects.begin(), d.effects.end(),
+                                 [&](const EffectTerm& term) {
+                                   if (channel_effect(term.effect) != nullptr) return true;
+                                   const EffectTraits t = BoundEffect(file, term).traits();
+                                   const bool dry = t.dry == DryFriction::kConstant && approached;
+                                   return t.memory || t.depends_on_time || t.uses_acceleration ||
+                                          (t.uses_velocity && !dry);
+                                 }),
+                  d.effects.end());
+  Model out = with_effect_of_all_joints(Model(std::move(d)), "torque_offset");
+  return approached ? with_effect_of_all_joints(out, kPlainCoulomb) : out;
+}
+
+// Rows of every joint: gravity of the bodies at rest, effects as if just stopped.
+std::vector<JointRows> rows_of_poses(const Model& arm, const RestPoses& poses) {
+  PreprocessingOptions as_they_are;
+  as_they_are.cutoff = 0.0;
+  Stretch s;
+  s.dt = 1.0;
+  s.time = VectorXd::LinSpaced(poses.poses(), 0.0, static_cast<double>(poses.poses() - 1));
+  s.q = poses.q;
+  s.dq = kRestSpeed * poses.approach;
+  s.ddq = MatrixXd::Zero(poses.poses(), arm.joints());
+  s.tau = poses.tau;
+  s.use.assign(static_cast<size_t>(poses.poses()), 1);
+  s.core_end = poses.poses();
+  const RegressorColumns all(arm, as_they_are);
+  std::vector<JointRows> out = all.rows(s);
+  s.dq.setZero();
+  const std::vector<JointRows> still = all.rows(s);
+  for (size_t i = 0; i < out.size(); ++i) {
+    for (size_t p = 0; p < out[i].parameters.size(); ++p) {
+      const StandardParameter& parameter = all.parameters()[static_cast<size_t>(out[i].parameters[p])];
+      const auto column = static_cast<Eigen::Index>(p);
+      if (parameter.effect < 0) out[i].A.col(column) = still[i].A.col(column);
+    }
+  }
+  return out;
+}
+
+CompressedRecording compressed(const Model& arm, const RestPoses& poses) {
+  const std::vector<JointRows> rows = rows_of_poses(arm, poses);
+  const std::vector<std::string> names = parameter_names(standard_parameters(arm));
+  const Eigen::Index blocks = std::min(kFewestBlocks, poses.poses());
+  CompressedRecording out;
+  out.source = poses.source;
+  out.facts.dt = 1.0;
+  out.facts.samples = out.facts.rows_read = static_cast<long>(poses.poses());
+  out.detached = true;
+  out.blocks.resize(static_cast<size_t>(blocks));
+  for (size_t i = 0; i < rows.size(); ++i) {
+    std::vector<std::string> mine;
+    for (const int p : rows[i].parameters) mine.push_back(names[static_cast<size_t>(p)]);
+    for (Eigen::Index b = 0; b < blocks; ++b) {
+      const Eigen::Index from = b * poses.poses() / blocks;
+      const Eigen::Index count = (b + 1) * poses.poses() / blocks - from;
+      SquareRootInformation factor(mine);
+      factor.absorb(rows[i].A.middleRows(from, count), rows[i].b.segment(from, count));
+      out.blocks[static_cast<size_t>(b)].push_back(std::move(factor));
+    }
+    const auto j = static_cast<Eigen::Index>(i);
+    TorqueFacts facts;
+    facts.minimum = poses.tau.col(j).minCoeff();
+    facts.maximum = poses.tau.col(j).maxCoeff();
+    facts.lowest = poses.q.col(j).minCoeff();
+    facts.highest = poses.q.col(j).maxCoeff();
+    out.joints.push_back(facts);
+  }
+  out.rows = static_cast<double>(poses.poses() * arm.joints());
+  return out;
+}
+
+// Without effects that no pose shows: friction along an axis that was never approached would be any size.
+Model without_idle_effects(const Model& arm, const std::vector<RestPoses>& poses) {
+  const std::vector<StandardParameter> parameters = standard_parameters(arm);
+  std::vector<char> acts(arm.effects().size(), 0);
+  for (const RestPoses& some : poses) {
+    for (const JointRows& joint : rows_of_poses(arm, some)) {
+      for (size_t c = 0; c < joint.parameters.size(); ++c) {
+        const int effect = parameters[static_cast<size_t>(joint.parameters[c])].effect;
+        if (effect >= 0 && joint.A.col(static_cast<Eigen::Index>(c)).squaredNorm() > 0.0)
+          acts[static_cast<size_t>(effect)] = 1;
+      }
+    }
+  }
+  ModelDescription d = arm.description();
+  d.effects.clear();
+  for (size_t e = 0; e < acts.size(); ++e) {
+    const EffectTerm& term = arm.effects()[e];
+    if (acts[e] != 0 || term.fixed) d.effects.push_back(term);
+  }
+  return Model(std::move(d));
+}
+
+// Torques that the parameters give, (poses x n).
+MatrixXd modelled(const Model& arm, const RestPoses& poses, const VectorXd& values) {
+  MatrixXd out(poses.poses(), arm.joints());
+  const std::vector<JointRows> rows = rows_of_poses(arm, poses);
+  for (size_t i = 0; i < rows.size(); ++i) {
+    VectorXd mine(rows[i].A.cols());
+    for (Eigen::Index p = 0; p < mine.size(); ++p)
+      mine[p] = values[rows[i].parameters[static_cast<size_t>(p)]];
+    const auto j = static_cast<Eigen::Index>(i);
+    out.col(j) = poses.tau.col(j) - rows[i].b + rows[i].A * mine;  // facts are on the side of b
+  }
+  return out;
+}
+
+std::vector<std::vector<double>> columns(const MatrixXd& m) {
+  std::vector<std::vector<double>> out;
+  for (Eigen::Index j = 0; j < m.cols(); ++j) out.emplace_back(m.col(j).data(), m.col(j).data() + m.rows());
+  return out;
+}
+
+RecordingError error_on(const Model& arm, const RestPoses& poses, const VectorXd& values, ErrorSums& all,
+                        MatrixXd& residuals) {
+  const MatrixXd torque = modelled(arm, poses, values);
+  ErrorSums sums(arm.joints());
+  for (Eigen::Index k = 0; k < poses.poses(); ++k) {
+    for (int i = 0; i < arm.joints(); ++i) sums.add(i, poses.tau(k, i), torque(k, i), MovingSample::kNo);
+  }
+  all.add(sums);
+  RecordingError out;
+  out.source = poses.source;
+  out.error = sums.error();
+  out.rows = static_cast<long>(poses.poses());
+  for (Eigen::Index k = 0; k < poses.poses(); ++k) out.series.time.push_back(static_cast<double>(k));
+  out.series.q = columns(poses.q);
+  out.series.dq = out.series.ddq = columns(MatrixXd::Zero(poses.poses(), arm.joints()));
+  out.series.measured = columns(poses.tau);
+  out.series.modelled = columns(torque);
+  const Eigen::Index before = residuals.rows();
+  residuals.conservativeResize(before + poses.poses(), arm.joints());
+  residuals.bottomRows(poses.poses()) = poses.tau - torque;
+  return out;
+}
+
+// Bodies that weigh what nobody knows, to keep what rest does not tell within reason.
+Model balls(const Model& arm) {
+  ModelDescription d = arm.description();
+  for (Frame& frame : d.frames) {
+    if (!frame.body) continue;
+    InertialParameters phi = InertialParameters::Zero();
+    phi[0] = kBallMass;
+    phi[4] = phi[7] = phi[9] = kSolidBall * kBallMass * kBallRadius * kBallRadius;
+    frame.body->phi = phi;
+  }
+  return Model(std::move(d));
+}
+
+bool has_prior(const Model& arm) {
+  return std::any_of(arm.bodies().begin(), arm.bodies().end(), [&arm](int frame) {
+    return arm.frames()[static_cast<size_t>(frame)].body->prior.has_value();
+  });
+}
+
+double quantile(VectorXd values, double share) {
+  std::sort(values.data(), values.data() + values.size());
+  return values[static_cast<Eigen::Index>(share * static_cast<double>(values.size() - 1))];
+}
+
+// How far torques spread about the model: dry friction of an approach that nobody wrote down, and what
+// else the model lacks.
+void say_bands(const Model& arm, const MatrixXd& residuals, bool approached, Identification& id) {
+  std::string words;
+  for (int i = 0; i < arm.joints(); ++i) {
+    const Coordinate& c = arm.coordinates()[static_cast<size_t>(i)];
+    const double band = quantile(residuals.col(i).cwiseAbs(), kBand);
+    words += text(i > 0 ? ", " : "", c.name, " ", static_cast<double>(std::round(1e4 * band)) * 1e-4, " ",
+                  c.prismatic ? "N" : "N m");
+  }
+  id.remarks.push_back(text(
+      approached ? "What 95 % of the poses leave over, friction of the approach taken off, is within: "
+                 : "Dry friction holds a resting joint anywhere within a band; 95 % of the poses are within, "
+                   "on either side: ",
+      words, "."));
+}
+
+}  // namespace
+
+RestPoses read_rest_poses(const Model& arm, const std::string& path, const PreprocessingOptions& how,
+                          std::optional<double> approach) {
+  const Recording* there = find_in_memory(how.in_memory, path);
+  Recording r = corrected(arm, there != nullptr ? *there : read_recording(path, reading_poses(arm, how, 1.0)));
+  r.source = path;
+  RestPoses out;
+  if (r.dq.size() == 0 || all_zero(r.dq) || are_signs(r.dq)) {
+    out = {path, r.q, r.tau, r.dq.size() > 0 ? r.dq : MatrixXd::Zero(r.rows(), arm.joints())};
+    out.approach = out.approach.array().isNaN().select(0.0, out.approach);
+  } else {
+    out = poses_between_motions(arm, r);
+  }
+  require(out.poses() > 0, path, ": found no moment at which all joints rest, expected poses at rest.");
+  if (approach) out.approach.setConstant(*approach);
+  return out;
+}
+
+bool is_at_rest(const Model& arm, const std::string& path, const PreprocessingOptions& how) {
+  constexpr int kPiece = 4096;
+  if (find_in_memory(how.in_memory, path) != nullptr) return false;
+  const OpenedRows rows = open_rows(path, reading_of(arm, how), how.kept.get());
+  Recording piece = rows.next(kPiece);
+  if (piece.rows() == 0 || piece.dq.size() == 0) return false;
+  while (piece.rows() > 0 && all_zero(piece.dq)) piece = rows.next(kPiece);
+  return piece.rows() == 0;
+}
+
+Identification identify_at_rest(const Model& file, const std::vector<RestPoses>& train,
+                                const std::vector<RestPoses>& test, const IdentificationOptions& options) {
+  require(!train.empty(), "identify_at_rest: there is no recording to train on.");
+  for (const auto* list : {&train, &test}) {
+    for (const RestPoses& poses : *list) {
+      require(poses.q.cols() == file.joints() && poses.tau.cols() == file.joints() &&
+                  poses.approach.cols() == file.joints() && poses.tau.rows() == poses.poses() &&
+                  poses.approach.rows() == poses.poses(),
+              poses.source, ": found poses of ", poses.q.cols(), " joints, expected the ", file.joints(),
+              " of robot '", file.name(), "'.");
+    }
+  }
+  const bool approached = std::any_of(train.begin(), train.end(), [](const RestPoses& p) {
+    return (p.approach.array() != 0.0).any();
+  });
+  const Model arm = without_idle_effects(resting_arm(file, approached), train);
+  IdentificationOptions how = options;
+  if (!how.prior && !has_prior(arm)) how.prior = arm.inertial_values() ? arm : balls(arm);
+  Identification id = described(arm, options);
+  std::vector<CompressedRecording> factors;
+  for (const RestPoses& poses : train) factors.push_back(compressed(arm, poses));
+  for (const CompressedRecording& r : factors) id.rows += r.rows;
+  const std::vector<std::string> names = parameter_names(standard_parameters(arm));
+  const SquareRootInformation total = weighted_total(factors, range_weights(factors), names);
+  const BaseParameters base = base_parameters(total, preferred_columns(standard_parameters(arm)), kRank);
+  if (base.size() == 0) {
+    id.reason = "the poses determine no parameter";
+    return id;
+  }
+  fit_base(arm, factors, base, how, id);
+  if (!id.model) return id;
+  id.rank_gap = base.rank_gap;
+  ErrorSums of_train(arm.joints());
+  ErrorSums of_test(arm.joints());
+  MatrixXd residuals(0, arm.joints());
+  for (const RestPoses& poses : train)
+    id.train.push_back(error_on(arm, poses, id.parameters, of_train, residuals));
+  say_bands(arm, residuals, approached, id);
+  for (const RestPoses& poses : test)
+    id.test.push_back(error_on(arm, poses, id.parameters, of_test, residuals));
+  id.train_error = of_train.error();
+  if (!test.empty()) id.test_error = of_test.error();
+  id.factors = std::move(factors);
+  keep_training_error(id);
+  id.remarks.insert(id.remarks.begin(),
+                    text("Identified from ", static_cast<long>(of_train.torque2.size() > 0 ? id.rows / arm.joints() : 0.0),
+                         " poses at rest: they determine ", base.size(),
+                         " parameters of gravity, offsets and forces of position. Inertia and viscous friction "
+                         "are not in them: the model is for gravity, not for motion."));
+  return id;
+}
+
+}  // namespace veridyn

@@ -1,0 +1,172 @@
+#include "veridyn/identification/rest_poses.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+#include <random>
+
+#include "cli/tool.hpp"
+#include "veridyn/dynamics/rigid_body_dynamics.hpp"
+#include "veridyn/math/require.hpp"
+#include "veridyn/model/model_file.hpp"
+#include "veridyn/simulation/plausible_model.hpp"
+
+// A resting arm whose gravity, offsets and dry friction are known.
+
+namespace veridyn {
+namespace {
+
+const VectorXd kLevel = Eigen::Vector3d(0.4, 0.3, 1.5);     // of dry friction
+const VectorXd kOffset = Eigen::Vector3d(0.2, -0.1, 0.8);
+
+class Resting : public testing::Test {
+ protected:
+  Resting() : truth_(plausible_model(read_model("psm-3dof"), 3).arm) {}
+
+  // Poses at random; the torque is that of gravity, of an offset and of friction on the side that the
+  // joint came from.
+  RestPoses poses(unsigned seed, int count, double noise = 0.01) const {
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<double> share(-0.9, 0.9);
+    std::normal_distribution<double> error(0.0, noise);
+    RigidBodyDynamics bodies(truth_, *truth_.inertial_values());
+    RestPoses out;
+    out.source = "poses" + std::to_string(seed);
+    out.q.resize(count, 3);
+    out.tau.resize(count, 3);
+    out.approach.resize(count, 3);
+    VectorXd g(3);
+    for (int k = 0; k < count; ++k) {
+      const Eigen::Vector3d q(share(random), 0.6 * share(random), 0.12 + 0.06 * share(random));
+      bodies.gravity_torques(q, g);
+      out.q.row(k) = q.transpose();
+      for (int i = 0; i < 3; ++i) {
+        out.approach(k, i) = random() % 2 == 0 ? 1.0 : -1.0;
+        out.tau(k, i) = g[i] + kOffset[i] + kLevel[i] * out.approach(k, i) + error(random);
+      }
+    }
+    return out;
+  }
+
+  static RestPoses without_approach(RestPoses p) {
+    p.approach.setZero();
+    return p;
+  }
+
+  Model truth_;
+};
+
+double coulomb_of(const Model& arm, int joint) {
+  for (const EffectTerm& term : arm.effects()) {
+    if (term.effect == "coulomb_friction" && term.axis.coefficients[joint] != 0.0)
+      return term.values.at("level");
+  }
+  return 0.0;
+}
+
+// Friction is as large as a joint's torque here, and is told from gravity by the sides of the approach.
+TEST_F(Resting, GravityAndDryFrictionComeApartWhereTheApproachIsKnown) {
+  const Identification id = identify_at_rest(read_model("psm-3dof"), {poses(1, 60), poses(2, 60)}, {poses(3, 40)});
+  ASSERT_TRUE(id.model.has_value()) << id.reason;
+  EXPECT_TRUE(id.feasible);
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_NEAR(coulomb_of(*id.model, i), kLevel[i], 0.01);
+    EXPECT_LT(id.test_error.relative[i], 0.04);
+  }
+  RigidBodyDynamics found(*id.model, *id.model->inertial_values());
+  RigidBodyDynamics wanted(truth_, *truth_.inertial_values());
+  VectorXd g(3);
+  VectorXd expected(3);
+  const VectorXd a = Eigen::Vector3d(0.1, 0.2, 0.1);
+  const VectorXd b = Eigen::Vector3d(-0.5, -0.4, 0.15);
+  found.gravity_torques(a, g);
+  wanted.gravity_torques(a, expected);
+  const VectorXd change = g;
+  const VectorXd expected_change = expected;
+  found.gravity_torques(b, g);
+  wanted.gravity_torques(b, expected);
+  EXPECT_LT((change - g - expected_change + expected).norm(), 0.02 * (expected_change - expected).norm() + 0.02);
+}
+
+// Without it, no level is made up: the band says how far friction spreads the torques.
+TEST_F(Resting, WithoutAnApproachFrictionIsABand) {
+  const Identification id = identify_at_rest(read_model("psm-3dof"), {without_approach(poses(1, 200))});
+  ASSERT_TRUE(id.model.has_value()) << id.reason;
+  for (int i = 0; i < 3; ++i) EXPECT_EQ(coulomb_of(*id.model, i), 0.0);
+  ASSERT_FALSE(id.remarks.empty());
+  EXPECT_NE(id.remarks.back().find("Dry friction holds"), std::string::npos);
+}
+
+// One joint stands still in all poses: the others tell less, and an answer is there.
+TEST_F(Resting, AJointThatStandsStillIsNoObstacle) {
+  RestPoses p = poses(1, 80);
+  RigidBodyDynamics bodies(truth_, *truth_.inertial_values());
+  VectorXd g(3);
+  for (Eigen::Index k = 0; k < p.poses(); ++k) {
+    p.q(k, 0) = 0.3;
+    bodies.gravity_torques(p.q.row(k).transpose(), g);
+    p.tau.row(k) = (g + kOffset).transpose().array() + 0.01 * std::sin(7.0 * static_cast<double>(k));
+  }
+  p.approach.setZero();
+  const Identification some = identify_at_rest(read_model("psm-3dof"), {p});
+  const Identification all = identify_at_rest(read_model("psm-3dof"), {without_approach(poses(1, 80))});
+  ASSERT_TRUE(some.model && all.model);
+  EXPECT_LE(some.base.size(), all.base.size());
+  EXPECT_LT(some.train_error.relative.maxCoeff(), 0.1);
+}
+
+// A file without time, its approach in columns of signs; and moments of rest within a motion.
+TEST_F(Resting, PosesAreReadFromRowsAndFromRests) {
+  TemporaryFolder folder;
+  const std::string rows = folder.path("rows.csv");
+  std::ofstream(rows) << "q1,q2,q3,dq1,dq2,dq3,tau1,tau2,tau3\n0.1,0.2,0.1,1,-1,0,1,2,3\n0.3,0.2,0.1,-1,0,1,4,5,6\n";
+  const RestPoses two = read_rest_poses(truth_, rows, {});
+  ASSERT_EQ(two.poses(), 2);
+  EXPECT_EQ(two.approach.row(0), Eigen::RowVector3d(1, -1, 0));
+  EXPECT_EQ(two.tau.row(1), Eigen::RowVector3d(4, 5, 6));
+  EXPECT_EQ(read_rest_poses(truth_, rows, {}, -1.0).approach, Eigen::MatrixXd::Constant(2, 3, -1.0));
+
+  const std::string motion = folder.path("motion.csv");
+  std::ofstream file(motion);
+  file << "t,q1,q2,q3,dq1,dq2,dq3,tau1,tau2,tau3\n";
+  for (int k = 0; k < 60; ++k) {
+    const double speed = k < 20 ? 0.0 : k < 30 ? 0.5 : k < 45 ? 0.0 : k < 50 ? -0.4 : 0.0;
+    file << 0.01 * k << ",0.1,0.2,0.1," << speed << ",0,0," << (k < 20 ? 1 : 2) << ",0,0\n";
+  }
+  file.close();
+  const RestPoses three = read_rest_poses(truth_, motion, {});
+  ASSERT_EQ(three.poses(), 3);
+  EXPECT_EQ(three.approach.col(0), Eigen::Vector3d(0, 1, -1));
+  EXPECT_EQ(three.tau.col(0), Eigen::Vector3d(1, 2, 2));
+  EXPECT_FALSE(is_at_rest(truth_, motion, {}));
+}
+
+TEST_F(Resting, TheToolIdentifiesAModelForTheGravityOfADvrk) {
+  TemporaryFolder folder;
+  const RestPoses p = without_approach(poses(5, 60));
+  const std::string path = folder.path("rest.csv");
+  std::ofstream file(path);
+  file << "t,q1,q2,q3,dq1,dq2,dq3,tau1,tau2,tau3\n";
+  for (Eigen::Index k = 0; k < p.poses(); ++k) {
+    file << k;
+    for (int i = 0; i < 3; ++i) file << "," << p.q(k, i);
+    file << ",0,0,0";
+    for (int i = 0; i < 3; ++i) file << "," << p.tau(k, i);
+    file << "\n";
+  }
+  file.close();
+  EXPECT_TRUE(is_at_rest(truth_, path, {}));
+  const std::string model = folder.path("model.yaml");
+  ToolRun run = run_tool({"identify", "psm-3dof", "--train", path, "--model-out", model});
+  EXPECT_EQ(run.status, 0) << run.err;
+  EXPECT_NE(run.out.find("poses at rest"), std::string::npos) << run.out;
+  run = run_tool({"export", model, "--dvrk-gravity", folder.path("gravity.json")});
+  EXPECT_EQ(run.status, 0) << run.err;
+  run = run_tool({"identify", "psm-3dof", "--train", path, "--approach", "1,-1"});
+  EXPECT_EQ(run.status, 2);
+  EXPECT_NE(run.err.find("--approach: found 2 numbers"), std::string::npos) << run.err;
+}
+
+}  // namespace
+}  // namespace veridyn
