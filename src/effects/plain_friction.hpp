@@ -9,6 +9,7 @@ namespace veridyn {
 /// Names of the effects of plain friction.
 constexpr const char* kPlainViscous = "viscous_friction";
 constexpr const char* kPlainCoulomb = "coulomb_friction";
+constexpr const char* kPlainOffset = "torque_offset";
 
 /// Name of the further effect of geared joints.
 constexpr const char* kRotorInertia = "rotor_inertia";

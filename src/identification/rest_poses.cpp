@@ -124,7 +124,7 @@ Model resting_arm(const Model& file, bool approached) {
                                           (t.uses_velocity && !dry);
                                  }),
                   d.effects.end());
-  Model out = with_effect_of_all_joints(Model(std::move(d)), "torque_offset");
+  Model out = with_effect_of_all_joints(Model(std::move(d)), kPlainOffset);
   return approached ? with_effect_of_all_joints(out, kPlainCoulomb) : out;
 }
 
