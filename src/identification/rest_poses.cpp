@@ -318,8 +318,13 @@ bool is_at_rest(const Model& arm, const std::string& path, const PreprocessingOp
   const OpenedRows rows = open_rows(path, reading_of(arm, how), how.kept.get());
   Recording piece = rows.next(kPiece);
   if (piece.rows() == 0 || piece.dq.size() == 0) return false;
-  while (piece.rows() > 0 && all_zero(piece.dq)) piece = rows.next(kPiece);
-  return piece.rows() == 0;
+  const Eigen::RowVectorXd first = piece.q.row(0);
+  bool one_pose = true;  // which tells nothing about gravity
+  while (piece.rows() > 0 && all_zero(piece.dq)) {
+    one_pose = one_pose && all_zero(piece.q.rowwise() - first);
+    piece = rows.next(kPiece);
+  }
+  return piece.rows() == 0 && !one_pose;
 }
 
 Identification identify_at_rest(const Model& file, const std::vector<RestPoses>& train,
