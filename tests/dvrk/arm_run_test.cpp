@@ -183,6 +183,8 @@ TEST_F(ArmRun, ABrakeOpensBeforeTheMotion) {
   RobotConfig robot = planar_config();
   robot.actuators[0].brake =
       BrakeConfig{6, 2, kNominalAmpsToBits, kNominalBitsToAmps, 0.9, 0.9, 0.02, 0.2, 0.0};
+  SimulatedArm braked(plant_, robot, MatrixXd(), {6}, Eigen::Vector2d(0.4, -0.7));
+  emulator_.attach(&braked);
   ArmSession arm(link_, robot);
   const RunResult run =
       run_motion(arm, link_, motion(4.0), sensible_gains(model_), RunOptions(), stop_);

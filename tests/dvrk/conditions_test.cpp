@@ -137,7 +137,7 @@ const std::vector<Row>& rows() {
        clean},
       {"CurrentStuck", Condition::kOutOfBounds, kAuto,
        [](Rig& rig) {
-         rig.cycle(0.0);
+         rig.cycles(2, 0.0);  // the amplifier carries the first command out in the second
          rig.emulator.board(1).faults.stuck[2] = true;
        },
        Asked::kPowerOff, 0.02, clean},
