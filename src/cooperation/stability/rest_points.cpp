@@ -15,6 +15,7 @@ using Eigen::Vector3d;
 
 constexpr int kNewtonSteps = 20;
 constexpr double kPeriod = 0.01;     // [s] of the planned motion
+constexpr double kNoCheck = 1e9;      // [N] a bound that nothing reaches
 constexpr double kLeastForce = 1.0;  // [N] contact force on a wall at the equilibrium
 
 // Joints that put the tip there, from where they are: Newton steps of the task's own inverse.
@@ -51,6 +52,7 @@ class Points {
     }
     options.leader = scenario.master;
     options.period = kPeriod;
+    options.drift_force = kNoCheck;  // readings are the wanted forces, whatever the lengths imply
     for (const ScenarioMember& m : scenario.members)
       options.members.push_back({m.from, m.to, m.law, member_share(scenario, m)});
     control_ = std::make_unique<CooperativeController>(options, tips);
