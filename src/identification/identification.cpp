@@ -392,6 +392,9 @@ double as_if_independent(const Model& arm, const Identification& id) {
   return std::sqrt(std::max(1.0, seconds * arm.joints() / id.effective_samples / kUsualIndependence));
 }
 
+// Relative to a column's norm: directions with less information (asymmetric Coulomb friction beside an
+// offset differs at rest alone) stay at the values of all parts, which they would else leave by far.
+constexpr double kHardlyDetermined = 1e-3;
 constexpr size_t kManyRecordings = 4;  // enough to hold out one as a whole
 constexpr size_t kPartsOfOne = 8;
 constexpr size_t kPartsOfFew = 2;
@@ -456,6 +459,9 @@ FoldErrors fold_errors(const Identification& fitted, const IdentificationOptions
       }
     }
   }
+  SquareRootInformation total(names);
+  for (const SquareRootInformation& factor : factors) total.merge(factor);
+  const MatrixXd anchor = (kHardlyDetermined * total.column_norms()).asDiagonal();
   for (size_t part = 0; part < parts.size(); ++part) {
     Identification without;
     without.parameters = VectorXd::Zero(static_cast<Eigen::Index>(names.size()));
@@ -464,6 +470,7 @@ FoldErrors fold_errors(const Identification& fitted, const IdentificationOptions
       for (size_t other = 0; other < parts.size(); ++other) {
         if (other != part || parts.size() == 1) rest.merge(factors[other]);
       }
+      rest.absorb(anchor, anchor * fitted.parameters);
       without.unconstrained_objective = fitted.unconstrained_objective;
       solve_feasible(arm, rest, options, PriorUse::kPull, without);
     }
