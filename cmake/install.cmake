@@ -66,6 +66,11 @@ install(FILES ${CMAKE_CURRENT_BINARY_DIR}/veridyn.pc DESTINATION ${CMAKE_INSTALL
 # The components below are Debian packages, see packages.cmake.
 if(TARGET veridyn_tool)
   install(TARGETS veridyn_tool RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT tool)
+  # Man pages and completion come from the tool's own help; they are written when it is installed.
+  install(CODE "execute_process(COMMAND $<TARGET_FILE:veridyn_tool> help --man ${CMAKE_CURRENT_BINARY_DIR}/man COMMAND_ERROR_IS_FATAL ANY)
+    execute_process(COMMAND $<TARGET_FILE:veridyn_tool> help --bash ${CMAKE_CURRENT_BINARY_DIR}/veridyn.bash COMMAND_ERROR_IS_FATAL ANY)" COMPONENT tool)
+  install(DIRECTORY ${CMAKE_CURRENT_BINARY_DIR}/man/ DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT tool)
+  install(FILES ${CMAKE_CURRENT_BINARY_DIR}/veridyn.bash DESTINATION share/bash-completion/completions RENAME veridyn COMPONENT tool)
 endif()
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/include/veridyn DESTINATION include COMPONENT dev)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/data/robots ${PROJECT_SOURCE_DIR}/data/dvrk DESTINATION share/veridyn COMPONENT tool)

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "cli/commands.hpp"
+#include "cli/options/manual.hpp"
 #include "cli/options/messages.hpp"
 #include "cli/options/sound_arguments.hpp"
 #include "cli/options/usage.hpp"
@@ -14,8 +15,9 @@ namespace veridyn::cli {
 namespace {
 
 ExitStatus run(int argc, char** argv) {
-  CLI::App tool("Dynamic models of real robot arms: identified, diagnosed, put to work.",
+  CLI::App tool("Identify, diagnose, simulate and control robot arms with measured dynamics",
                 "veridyn");
+  show_manual_as_help(tool);
   tool.set_version_flag("--version", "veridyn " VERIDYN_VERSION);
   tool.require_subcommand(1);
   Outcome outcome;
@@ -45,6 +47,7 @@ ExitStatus run(int argc, char** argv) {
   std::vector<std::string> words(argv + 1, argv + argc);
   if (!words.empty() && words.front() == "help") {
     words.erase(words.begin());
+    if (write_manual(tool, words)) return kDone;
     words.emplace_back("--help");
   }
   std::reverse(words.begin(), words.end());

@@ -40,7 +40,7 @@ long ToolRun::error_lines() const {
   return std::count(err.begin(), err.end(), '\n');
 }
 
-ToolRun run_tool(const Words& arguments) {
+ToolRun run_tool(const Words& arguments, const std::string& working_folder) {
   const TemporaryFolder folder;
   const std::string out = folder.path("out");
   const std::string err = folder.path("err");
@@ -49,6 +49,7 @@ ToolRun run_tool(const Words& arguments) {
     redirect(STDIN_FILENO, folder.path("in"));
     redirect(STDOUT_FILENO, out);
     redirect(STDERR_FILENO, err);
+    if (!working_folder.empty() && ::chdir(working_folder.c_str()) != 0) ::_exit(126);
     become_tool(Words{"veridyn"} + arguments);
   }
   int status = 0;

@@ -20,7 +20,8 @@ struct ToolRun {
 };
 
 /// Runs build/bin/veridyn as a user would, without a terminal.
-ToolRun run_tool(const Words& arguments);
+/// @param working_folder  where it runs; empty: here
+ToolRun run_tool(const Words& arguments, const std::string& working_folder = "");
 
 /// a with b behind it.
 Words operator+(Words a, const Words& b);

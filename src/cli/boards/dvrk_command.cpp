@@ -23,19 +23,20 @@ extern "C" void ask_to_stop(int) {
 void add_config_options(CLI::App& command, DvrkRequest& request) {
   command.add_option("--config", request.config, "sawRobotIO1394 file of the arm, XML or JSON")
       ->option_text("FILE");
-  command.add_option("--robot", request.robot, "The robot in it, where there are several")
+  command.add_option("--robot", request.robot, "Robot in the configuration, if there are several")
       ->option_text("NAME");
-  command.add_option("--instrument", request.instrument, "The instrument that couples the discs")
+  command
+      .add_option("--instrument", request.instrument,
+                  "Instrument, which sets the coupling of the last joints")
       ->option_text("NAME");
 }
 
 void add_arm_options(CLI::App& command, DvrkRequest& request) {
   add_config_options(command, request);
   command
-      .add_option(
-          "--arm", request.arm,
-          "A known arm, PSM1 to PSM3, MTML, MTMR, ECM: its nominal configuration, or beside "
-          "--config the arm whose coupling and gains hold for a robot of another name")
+      .add_option("--arm", request.arm,
+                  "Nominal configuration of a known arm (PSM1 to PSM3, MTML, MTMR, ECM); with "
+                  "--config: the known arm whose coupling and gains apply")
       ->option_text("NAME");
 }
 
@@ -44,16 +45,17 @@ void add_client_options(CLI::App& command, DvrkRequest& request) {
   command.add_option("--host", request.host, "Address of the boards (127.0.0.1)")
       ->option_text("HOST");
   command.add_option("--port", request.port, "UDP port of the boards (1394)")->option_text("PORT");
-  command.add_option("--rate", request.rate, "Of the cycle (monitor 25, else 1500)")
+  command.add_option("--rate", request.rate, "Cycle rate [Hz] (default: monitor 25, else 1500)")
       ->option_text("HZ")
       ->check(CLI::Range(1.0, 10000.0));
   command
       .add_option("--watchdog", request.watchdog,
-                  "Amplifiers go off after so long without a word from here; a reading command "
-                  "sets it with --home alone (0.03)")
+                  "Watchdog period, after which boards without a packet switch their amplifiers "
+                  "off [s]; read and monitor set it only with --home (0.03)")
       ->option_text("S")
       ->check(CLI::Range(0.001, 0.34));
-  command.add_option("--mtu", request.mtu, "Of the network to the boards (1500)")
+  command
+      .add_option("--mtu", request.mtu, "Largest packet of the network to the boards [byte] (1500)")
       ->option_text("BYTES")
       ->check(CLI::Range(576, 65535));
   command.add_flag("--firewire", request.firewire,
@@ -70,10 +72,10 @@ void add_client_options(CLI::App& command, DvrkRequest& request) {
 
 void add_reading_options(CLI::App& command, DvrkRequest& request) {
   command.add_flag("--home", request.home,
-                   "Writes to the boards first: encoders that nobody has loaded since power-up are "
-                   "loaded from the pots, watchdogs are set. Refused while any motor has power");
+                   "First load encoders that were not loaded since power-up from the "
+                   "potentiometers, and set watchdogs; refused while any motor has power");
   command.add_flag("--announce", request.announce,
-                   "Writes the first two packets of a session (IP address, PHY request), which "
+                   "Send the first two packets of a session (IP address, PHY request), which "
                    "boards need once after they were switched on");
 }
 
@@ -96,79 +98,83 @@ CLI::App& add(CLI::App& dvrk, const char* name, const char* help, Action action,
 
 void add_emulate(CLI::App& dvrk, Outcome& outcome) {
   const auto request = std::make_shared<DvrkRequest>();
-  CLI::App& command = add(dvrk, "emulate", "Boards with a simulated arm behind them, in real time",
+  CLI::App& command = add(dvrk, "emulate", "Emulate boards with a simulated arm, in real time",
                           run_dvrk_emulate, outcome, request);
   add_config_options(command, *request);
   command
       .add_option("--arm", request->arms,
-                  "A known arm, PSM1 to PSM3, MTML, MTMR, ECM: its nominal configuration. Several: "
-                  "all of them on one bus. Beside --config the arm whose coupling holds")
+                  "Nominal configuration of known arms (PSM1 to PSM3, MTML, MTMR, ECM) on one bus; "
+                  "with --config: the known arm whose coupling applies")
       ->option_text("NAME...");
   command
       .add_option("--model", request->models,
-                  "What moves: a robot with values, one for all arms or one for each (nothing "
-                  "moves)")
+                  "Model of the simulated arm, one for all arms or one for each (default: the "
+                  "joints do not move)")
       ->option_text("MODEL...");
   command.add_option("--port", request->port, "UDP port to listen on; 0: any (1394)")
       ->option_text("PORT");
   command.add_flag("--all-addresses", request->everywhere,
-                   "Listens to other machines too: whoever reaches the port drives the arm (programs "
-                   "of this machine alone)");
-  command.add_option("--firmware", request->firmware, "Of the boards (8)")
+                   "Also accept packets from other machines: any of them can then drive the arm "
+                   "(default: this machine only)");
+  command.add_option("--firmware", request->firmware, "Firmware version of the boards (8)")
       ->option_text("7|8|9")
       ->check(CLI::Range(7, 9));
   command.add_flag("--ethernet-only", request->ethernet_only,
-                   "Boards are FPGA V3 (firmware 9) that Ethernet alone joins");
-  command.add_flag("--io-expander", request->io_expander,
-                   "Boards are QLA 1.5: I/O expander, voltage mode, comparator of the motor supply");
+                   "Emulate FPGA V3 boards (firmware 9) that are connected by Ethernet only");
+  command.add_flag(
+      "--io-expander", request->io_expander,
+      "Emulate QLA 1.5 boards: I/O expander, voltage mode, comparator of the motor supply");
   command
-      .add_option(
-          "--start", request->start,
-          "Where the joints stand (0 where that is well inside their limits, else the middle)")
+      .add_option("--start", request->start,
+                  "Initial joint positions (default: 0 where that is well inside the limits, else "
+                  "the middle)")
       ->option_text("Q,Q,...")
       ->delimiter(',');
   command
       .add_option("--event", request->events,
-                  "What happens at a time, as the list below has it; may be given several times")
+                  "Fault or event at a time, from the list below; can be repeated")
       ->option_text("EVENT@S");
   command.footer(dvrk::board_event_help());
-  command.add_option("--pot-noise", request->pot_noise, "Standard deviation of the pots (3)")
+  command
+      .add_option("--pot-noise", request->pot_noise,
+                  "Standard deviation of the potentiometers [bit] (3)")
       ->option_text("BITS")
       ->check(CLI::NonNegativeNumber);
   command
       .add_option("--current-noise", request->current_noise,
-                  "Standard deviation of measured currents (4)")
+                  "Standard deviation of measured currents [bit] (4)")
       ->option_text("BITS")
       ->check(CLI::NonNegativeNumber);
   command
       .add_option("--instrument-chip", request->chips,
                   "Memory of the Dallas chip on a board, up to 2048 bytes (no chip)")
       ->option_text("BOARD=FILE");
-  add_output_option(command, "--config-out", request->config_out, "Writes the configuration in use (XML)");
-  add_seconds(command, *request, "Ends after so long (Ctrl-C)");
+  add_output_option(command, "--config-out", request->config_out,
+                    "Write the configuration in use (XML)");
+  add_seconds(command, *request, "Duration [s] (default: until Ctrl-C)");
 }
 
 void add_clients(CLI::App& dvrk, Outcome& outcome) {
   const auto monitor = std::make_shared<DvrkRequest>();
   monitor->rate = 25.0;
   CLI::App& live = add(dvrk, "monitor",
-                       "Joints, currents, temperatures and faults, live. Sends no write, so it may "
-                       "run beside the program that drives the arm",
+                       "Show joints, currents, temperatures and faults; sends no write packet, so "
+                       "it can run beside the program that drives the arm",
                        run_dvrk_monitor, outcome, monitor);
   add_client_options(live, *monitor);
   add_reading_options(live, *monitor);
-  add_seconds(live, *monitor, "Ends after so long (Ctrl-C)");
+  add_seconds(live, *monitor, "Duration [s] (default: until Ctrl-C)");
 
   const auto read = std::make_shared<DvrkRequest>();
   read->seconds = 30.0;
   CLI::App& recording =
       add(dvrk, "read",
-          "Records positions, velocities and efforts, and sends no write; power stays as it is",
+          "Record positions, velocities and efforts; sends no write packet, power stays as it is",
           run_dvrk_read, outcome, read);
   add_client_options(recording, *read);
   add_reading_options(recording, *read);
-  add_seconds(recording, *read, "How long (30)");
-  add_output_option(recording, "-o,--output", read->output, "The recording")
+  add_seconds(recording, *read, "Duration [s] (30)");
+  add_output_option(recording, "-o,--output", read->output, "Output file of the recording")
       ->option_text("REC.csv")
       ->required();
 }
@@ -176,15 +182,16 @@ void add_clients(CLI::App& dvrk, Outcome& outcome) {
 void add_run(CLI::App& dvrk, Outcome& outcome) {
   const auto run = std::make_shared<DvrkRequest>();
   run->seconds = 30.0;
-  CLI::App& motion = add(dvrk, "run", "Plays a motion with a controller and records it",
+  CLI::App& motion = add(dvrk, "run", "Follow a trajectory with a controller and record it",
                          run_dvrk_run, outcome, run);
   add_client_options(motion, *run);
-  motion.add_flag("--emulate", run->emulate,
-                  "On emulated boards in this program, before any real ones: the arm is that of --model, and "
-                  "the clock stands still while the program computes, so that no machine is too busy");
+  motion.add_flag(
+      "--emulate", run->emulate,
+      "Run on emulated boards within this program, with the arm of --model and simulated time");
   motion
-      .add_option("--event", run->events,
-                  "What happens to the emulated boards, as the list of `dvrk emulate --help` has it")
+      .add_option(
+          "--event", run->events,
+          "With --emulate: fault or event at a time, from the list of `dvrk emulate --help`")
       ->option_text("EVENT@S");
   motion
       .add_option("--controller", run->controller,
@@ -193,9 +200,9 @@ void add_run(CLI::App& dvrk, Outcome& outcome) {
                   "weightless, without a trajectory. All but pid need --model (pid)")
       ->option_text("pid|computed-torque|impedance|gravity")
       ->check(CLI::IsMember({"pid", "computed-torque", "impedance", "gravity"}));
-  motion.add_option("--trajectory", run->trajectory, "CSV with t and q; dq if there")
+  motion.add_option("--trajectory", run->trajectory, "CSV file with t and q, optionally dq")
       ->option_text("TRAJ.csv");
-  add_output_option(motion, "-o,--output", run->output, "The recording")
+  add_output_option(motion, "-o,--output", run->output, "Output file of the recording")
       ->option_text("REC.csv")
       ->required();
   motion
@@ -205,21 +212,23 @@ void add_run(CLI::App& dvrk, Outcome& outcome) {
       ->option_text("MODEL");
   motion.add_option("--gains", run->gains, "YAML file with lists p, i and d; needs --model")
       ->option_text("FILE");
-  motion.add_option("--tip", run->tip, "Frame of the impedance (the one behind most joints)")
+  motion
+      .add_option("--tip", run->tip, "Frame of the impedance (default: the one with most joints)")
       ->option_text("FRAME");
-  motion.add_option("--stiffness", run->stiffness, "Of the impedance (800 N/m)")
+  motion.add_option("--stiffness", run->stiffness, "Stiffness of the impedance (800 N/m)")
       ->option_text("K")
       ->check(CLI::PositiveNumber);
-  add_seconds(motion, *run, "How long the arm is weightless (30)");
-  motion.add_option("--approach-speed", run->approach_speed, "To the first set point (0.25 rad/s)")
+  add_seconds(motion, *run, "Duration of gravity compensation [s] (30)");
+  motion
+      .add_option("--approach-speed", run->approach_speed,
+                  "Speed of the approach to the first set point (0.25 rad/s)")
       ->option_text("V")
       ->check(CLI::PositiveNumber);
   motion
-      .add_option(
-          "--largest-error", run->largest_error,
-          "Of a joint from its set point, then power goes off: one number per joint, each in its "
-          "own unit, or one in rad for the joints that turn (0.35 rad; 0.02 m where a joint "
-          "slides); not for gravity")
+      .add_option("--largest-error", run->largest_error,
+                  "Largest tracking error, beyond which power goes off: one number per joint in "
+                  "its own unit, or one in rad for the revolute joints (0.35 rad, 0.02 m for "
+                  "prismatic ones); not for gravity")
       ->option_text("Q[,Q...]")
       ->delimiter(',')
       ->check(CLI::PositiveNumber);
@@ -294,8 +303,8 @@ void say_faults(const dvrk::FaultLog& faults) {
 }
 
 void add_dvrk_command(CLI::App& tool, Outcome& outcome) {
-  CLI::App& dvrk = *tool.add_subcommand(
-      "dvrk", "Speaks to the controller boards of a da Vinci Research Kit, or emulates them");
+  CLI::App& dvrk =
+      *tool.add_subcommand("dvrk", "Drive, monitor or emulate boards of a da Vinci Research Kit");
   dvrk.require_subcommand(1);
   add_emulate(dvrk, outcome);
   add_clients(dvrk, outcome);

@@ -81,12 +81,15 @@ void run(const DvrkConfigRequest& request) {
 void add_dvrk_config(CLI::App& dvrk) {
   const auto request = std::make_shared<DvrkConfigRequest>();
   CLI::App& command =
-      *dvrk.add_subcommand("config", "Checks a configuration and turns XML into JSON and back");
+      *dvrk.add_subcommand("config", "Check a configuration, convert it between XML and JSON");
   command.add_option("--config", request->config, "sawRobotIO1394 file, XML (version 5) or JSON")
       ->option_text("FILE");
-  command.add_option("--arm", request->arm, "Or the nominal configuration of a known arm")
+  command
+      .add_option("--arm", request->arm,
+                  "Nominal configuration of a known arm, instead of --config")
       ->option_text("NAME");
-  add_output_option(command, "-o,--output", request->output, "Write it, in the format of the ending")
+  add_output_option(command, "-o,--output", request->output,
+                    "Write the configuration; the ending of the file name decides the format")
       ->option_text("FILE.xml|FILE.json");
   command.set_version_flag("--version", "veridyn " VERIDYN_VERSION);
   command.callback([request] { run(*request); });

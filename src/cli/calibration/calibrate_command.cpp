@@ -8,18 +8,19 @@
 namespace veridyn::cli {
 
 void add_capture_options(CLI::App& command, CaptureOptions& options) {
-  command.add_option("--unit", options.unit, "Of positions (default: as the file states, else m)")
+  command
+      .add_option("--unit", options.unit, "Unit of positions (default: as the file states, else m)")
       ->option_text("m|cm|mm")
       ->check(CLI::IsMember({"m", "cm", "mm"}))
       ->group("Recordings");
-  command.add_option("--rate", options.rate, "Of files without a time column [Hz]")
+  command.add_option("--rate", options.rate, "Sample rate of files without a time column [Hz]")
       ->option_text("HZ")
       ->check(CLI::PositiveNumber)
       ->group("Recordings");
 }
 
 void add_body_option(CLI::App& command, CaptureOptions& options) {
-  command.add_option("--body", options.body, "The rigid body to take, where a file has several")
+  command.add_option("--body", options.body, "Rigid body to use, if a file has several")
       ->option_text("NAME")
       ->group("Recordings");
 }
@@ -39,7 +40,7 @@ ExitStatus finish_calibration(bool done, const std::string& reason, const std::s
 
 void add_calibrate_command(CLI::App& tool, Outcome& outcome) {
   CLI::App& command = *tool.add_subcommand(
-      "calibrate", "Axes, remote centre, link constants and poses between bases, from poses");
+      "calibrate", "Kinematic calibration: axes, remote centre, links, hand-eye");
   command.require_subcommand(1);
   add_calibrate_axis(command, outcome);
   add_calibrate_rcm(command, outcome);

@@ -34,10 +34,10 @@ ExitStatus run(CalibrateHandeyeRequest& request, const std::string& command_line
 
 void add_calibrate_handeye(CLI::App& calibrate, Outcome& outcome) {
   const auto request = std::make_shared<CalibrateHandeyeRequest>();
-  CLI::App& command = *calibrate.add_subcommand(
-      "handeye", "The pose between two arms, or between an arm and a camera");
+  CLI::App& command =
+      *calibrate.add_subcommand("handeye", "Pose between two arms, or between an arm and a camera");
   command.add_option("A", request->a, "t,x,y,z,qw,qx,qy,qz")->required()->option_text(" ");
-  command.add_option("B", request->b, "The same, rows in pairs with those of A")
+  command.add_option("B", request->b, "The same, each row paired with that of A")
       ->required()
       ->option_text(" ");
   CLI::Option* form = add_choice(

@@ -94,25 +94,26 @@ ExitStatus run(CalibrateLinksRequest& request, const std::string& command_line) 
 void add_calibrate_links(CLI::App& calibrate, Outcome& outcome) {
   const auto request = std::make_shared<CalibrateLinksRequest>();
   CLI::App& command = *calibrate.add_subcommand(
-      "links", "Constants of a robot file from poses of one frame and the joints' readings");
+      "links", "Kinematic parameters of a robot, from poses of one frame and joint positions");
   add_robot_argument(command, request->robot);
   command.add_option("POSES", request->poses, "t,q1..qn,x,y,z,qw,qx,qy,qz; orientation may miss")
       ->required()
       ->option_text(" ");
   command.add_option("--frame", request->options.frame, "Frame that was tracked (default: the last)")
       ->option_text("NAME");
-  add_output_option(command, "--robot-out", request->robot_out, "Write the robot with the constants found");
+  add_output_option(command, "--robot-out", request->robot_out, "Write the calibrated robot file");
   const auto pose = [&](const char* option, std::string& target, const char* help) {
     command.add_option(option, target, help)
         ->option_text("auto|known|free")
         ->check(CLI::IsMember({"auto", "known", "free"}));
   };
   pose("--base", request->base,
-       "Pose of the robot's base in the poses' frame: the same, free, or as fits (auto)");
-  pose("--tool", request->tool, "Likewise of the tracked body on the frame (auto)");
+       "Pose of the robot's base in the frame of the poses: known (identity), free, or chosen by "
+       "fit (auto)");
+  pose("--tool", request->tool, "Pose of the tracked body on the frame, likewise (auto)");
   command
       .add_option("--diagnosis", request->diagnosis,
-                  "What diagnose --json wrote: its wrong constant is compared in one line")
+                  "Result of diagnose --json, whose wrong constant is compared")
       ->option_text("FILE");
   add_body_option(command, request->capture);
   add_capture_options(command, request->capture);

@@ -34,8 +34,8 @@ ExitStatus run(const CalibrateRcmRequest& request, const std::string& command_li
 
 void add_calibrate_rcm(CLI::App& calibrate, Outcome& outcome) {
   const auto request = std::make_shared<CalibrateRcmRequest>();
-  CLI::App& command = *calibrate.add_subcommand(
-      "rcm", "The remote centre that a body turns about, by pivot calibration");
+  CLI::App& command =
+      *calibrate.add_subcommand("rcm", "Remote centre of motion of a body, by pivot calibration");
   command
       .add_option("POSES", request->poses,
                   "t,x,y,z,qw,qx,qy,qz of one rigid body, or its markers")

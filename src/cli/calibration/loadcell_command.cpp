@@ -226,12 +226,14 @@ void add_calibrate(CLI::App& parent, Outcome& outcome) {
   CLI::App& command = *parent.add_subcommand("calibrate", "Offset and scale from known weights");
   command.add_option("READINGS", request->readings, "CSV: mass,raw or force,raw; rows per weight")
       ->option_text(" ");
-  command.add_option("--source", request->source, "Read the cell itself, weight after weight")
+  command
+      .add_option("--source", request->source, "Read the sensor itself, one weight after the other")
       ->option_text("serial:DEVICE[:BAUD][:text|binary]|udp:[ADDRESS:]PORT[:text|binary]");
-  command.add_option("--weights", request->weights, "Masses that are hung on it [kg]")
+  command.add_option("--weights", request->weights, "Masses to hang on the sensor [kg]")
       ->option_text("M1,M2,...")
       ->delimiter(',');
-  command.add_option("--seconds", request->seconds, "Of readings under each weight (2)")
+  command
+      .add_option("--seconds", request->seconds, "Duration of the reading for each weight [s] (2)")
       ->option_text("S")
       ->check(CLI::Range(0.01, 3600.0));
   command.add_option("--gravity", request->gravity, "[m/s^2] (9.81)")
@@ -244,17 +246,20 @@ void add_calibrate(CLI::App& parent, Outcome& outcome) {
 
 void add_read(CLI::App& parent, Outcome& outcome) {
   const auto request = std::make_shared<LoadcellRequest>();
-  CLI::App& command = *parent.add_subcommand("read", "Readings, and whether the sensor lives");
+  CLI::App& command =
+      *parent.add_subcommand("read", "Show readings, and whether the sensor is alive");
   command.add_option("SOURCE", request->source,
                      "serial:DEVICE[:BAUD][:text|binary] or udp:[ADDRESS:]PORT[:text|binary]")
       ->required()
       ->option_text(" ");
-  command.add_option("--calibration", request->calibration, "YAML that calibrate wrote; none: counts")
+  command
+      .add_option("--calibration", request->calibration,
+                  "Calibration file; without it readings are in counts")
       ->option_text("FILE");
-  command.add_option("--seconds", request->seconds, "How long (2)")
+  command.add_option("--seconds", request->seconds, "Duration [s] (2)")
       ->option_text("S")
       ->check(CLI::Range(0.01, 1e6));
-  command.add_option("--cutoff", request->cutoff, "Low-pass of the readings [Hz]; 0: none")
+  command.add_option("--cutoff", request->cutoff, "Cut-off of the low-pass filter [Hz]; 0: none")
       ->option_text("HZ")
       ->check(CLI::NonNegativeNumber);
   command.add_option("--range", request->range,
@@ -280,7 +285,7 @@ void add_read(CLI::App& parent, Outcome& outcome) {
 }  // namespace
 
 void add_loadcell_command(CLI::App& tool, Outcome& outcome) {
-  CLI::App& command = *tool.add_subcommand("loadcell", "Force sensors: calibration and readings");
+  CLI::App& command = *tool.add_subcommand("loadcell", "Calibrate and read force sensors");
   command.require_subcommand(1);
   add_calibrate(command, outcome);
   add_read(command, outcome);

@@ -120,21 +120,26 @@ void add_boards_options(CLI::App& command, BoardsRequest& request) {
       .add_option("--boards", request.configs,
                   "Run on dVRK boards: a configuration (XML, JSON, or PSM1, ...) for each arm")
       ->option_text("IO...");
-  command.add_option("--board-hosts", request.hosts, "Where they are, one for each arm")
+  command.add_option("--board-hosts", request.hosts, "Address of the boards of each arm")
       ->option_text("HOST[:PORT]...");
   command.add_flag("--emulate", request.emulate,
-                   "Emulate the boards, arms joined through the scenario's world, over UDP sockets");
-  command.add_option("--force-sensor", request.sensors, "For each member, then each wall: serial:... or udp:PORT")
+                   "Emulate the boards over UDP; the emulated arms hold the scenario's object");
+  command
+      .add_option("--force-sensor", request.sensors,
+                  "Force sensor of each member, then of each wall: serial:... or udp:PORT")
       ->option_text("SOURCE...");
-  command.add_option("--force-calibration", request.calibrations, "For each sensor")
+  command
+      .add_option("--force-calibration", request.calibrations,
+                  "Calibration file of each force sensor")
       ->option_text("FILE...");
   command.add_flag("--unrehearsed", request.unrehearsed,
-                   "Do not simulate the scenario before power, to see whether it keeps what it asks for");
+                   "Skip the simulation that checks the scenario's requirements before power");
   command.add_flag("--stepped", request.stepped,
-                   "Emulated boards whose time does not depend on this machine's");
+                   "With --emulate: simulated time, independent of this machine's speed");
   command
       .add_option("--board-fault", request.faults,
-                  "Of emulated boards: silent, amplifier, power, encoder, jump, limp, weak, reversed or stuck")
+                  "With --emulate, a fault: silent, amplifier, power, encoder, jump, limp, weak, "
+                  "reversed or stuck")
       ->option_text("KIND:ARM@S...");
 }
 

@@ -104,25 +104,30 @@ ExitStatus run(const CooperateRequest& request, const std::string& command) {
 
 void add_cooperate_command(CLI::App& tool, Outcome& outcome) {
   const auto request = std::make_shared<CooperateRequest>();
-  CLI::App& command =
-      *tool.add_subcommand("cooperate", "Arms that hold one object together: simulated, or on boards");
+  CLI::App& command = *tool.add_subcommand(
+      "cooperate", "Control arms that hold one object, simulated or on dVRK boards");
   request->command = &command;
   command.add_option("SCENARIO", request->scenario, "YAML: arms, object, loops, phases")
       ->required()
       ->option_text(" ");
-  add_output_option(command, "-o,--output", request->output, "Write what happened as CSV");
-  command.add_option("--engine", request->engine, "What computes the motion (veridyn)")
+  add_output_option(command, "-o,--output", request->output, "Write the recorded signals as CSV");
+  command.add_option("--engine", request->engine, "Simulation engine (veridyn)")
       ->option_text(listed(engine_names()))
       ->check(CLI::IsMember(engine_names()));
-  command.add_flag("--sweep", request->sweep,
-                   "Run the scenario's sweep instead: a map of stability");
+  command.add_flag("--sweep", request->sweep, "Run the scenario's sweep: a map of stability");
   add_boards_options(command, request->boards);
-  command.add_option("--live", request->live.line, "Take commands from a line instead of the phases")
+  command
+      .add_option("--live", request->live.line,
+                  "Read commands from standard input or a socket instead of the phases")
       ->option_text("-|udp:[ADDRESS:]PORT");
-  command.add_option("--pace", request->live.pace, "Simulated seconds per second (1); 0: at once")
+  command
+      .add_option("--pace", request->live.pace,
+                  "With --live: simulated seconds per second (1); 0: as fast as possible")
       ->option_text("X")
       ->check(CLI::NonNegativeNumber);
-  command.add_option("--silence", request->live.silence, "After which a socket's line is lost [s] (0.5)")
+  command
+      .add_option("--silence", request->live.silence,
+                  "With --live udp: seconds without a command until the line counts as lost (0.5)")
       ->option_text("S")
       ->check(CLI::PositiveNumber);
   add_common_options(command, request->common);

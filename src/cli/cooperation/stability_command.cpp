@@ -111,33 +111,35 @@ ExitStatus run(const StabilityRequest& request, const std::string& command) {
 void add_stability_command(CLI::App& tool, Outcome& outcome) {
   const auto request = std::make_shared<StabilityRequest>();
   CLI::App& command = *tool.add_subcommand(
-      "stability", "Whether a cooperation loop is stable: eigenvalues, margins, maps");
+      "stability", "Linear stability of a cooperation loop: eigenvalues, margins, maps");
   command
       .add_option("SCENARIO", request->scenario,
                   "YAML of a scenario; or a MODEL: its impedance against a wall")
       ->required()
       ->option_text(" ");
-  command.add_option("--set", request->set, "Change a parameter first: NAME=VALUE")
+  command.add_option("--set", request->set, "Change a parameter of the scenario first")
       ->option_text("NAME=VALUE")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-  command.add_option("--map", request->map, "Stability over two parameters")
+  command.add_option("--map", request->map, "Map of stability over two parameters")
       ->option_text("A=FROM:TO:COUNT,B=FROM:TO:COUNT");
-  command.add_option("--locus", request->locus, "Eigenvalues over one parameter")
+  command.add_option("--locus", request->locus, "Root locus over one parameter")
       ->option_text("A=FROM:TO:COUNT");
   command
       .add_option("--recommend", request->recommend,
-                  "Recommend gains with at least this phase margin")
+                  "Recommend gains with at least this phase margin [deg]")
       ->option_text("DEGREES")
       ->check(CLI::Range(1.0, 120.0));
   command
       .add_option("--bounds", request->bounds,
-                  "Bounds over all parameters in their intervals, from so many samples")
+                  "Worst margins over the intervals of all parameters, from so many samples")
       ->option_text("COUNT")
       ->check(CLI::Range(1, 10000));
-  command.add_option("--frame", request->frame, "Of a MODEL: the frame that touches the wall")
+  command.add_option("--frame", request->frame, "With a MODEL: frame that is in contact")
       ->option_text("NAME");
-  command.add_option("--pose", request->pose, "Of a MODEL: joints at rest (middle of the ranges)")
+  command
+      .add_option("--pose", request->pose,
+                  "With a MODEL: joint positions (default: middle of the ranges)")
       ->option_text("Q1,Q2,...")
       ->delimiter(',');
   add_common_options(command, request->common);

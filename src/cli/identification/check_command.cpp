@@ -83,7 +83,7 @@ void run(CheckRequest& request, const std::string& command_line) {
 void add_check_command(CLI::App& tool, Outcome& outcome) {
   const auto request = std::make_shared<CheckRequest>();
   CLI::App& command =
-      *tool.add_subcommand("check", "Quality of recordings, and whether they fit a robot");
+      *tool.add_subcommand("check", "Data quality of recordings, and whether they fit a robot");
   command
       .add_option("REC", request->files,
                   "Recordings (CSV, bags, MCAP, .npz, .mat, HDF5); a ROBOT may stand in front")
@@ -92,7 +92,7 @@ void add_check_command(CLI::App& tool, Outcome& outcome) {
   add_headerless_options(command, request->reading.columns, request->reading.header_rate);
   add_signal_options(command, request->reading.signals);
   add_robot_options(command, request->common);
-  add_row_range(command, "--rows", "Rows to look at", [request](RowRange rows) {
+  add_row_range(command, "--rows", "Samples to check", [request](RowRange rows) {
     request->reading.first_row = rows.first;
     request->reading.row_count = rows.count;
   });

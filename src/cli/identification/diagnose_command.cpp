@@ -106,43 +106,46 @@ ExitStatus run(DiagnoseRequest& request, const std::string& command_line) {
 void add_diagnose_command(CLI::App& tool, Outcome& outcome) {
   const auto request = std::make_shared<DiagnoseRequest>();
   CLI::App& command =
-      *tool.add_subcommand("diagnose", "What the model gets wrong, why, and what that costs");
+      *tool.add_subcommand("diagnose", "Name the causes of a model's error and extend the model");
   add_robot_argument(command, request->robot);
-  command.add_option("--train", request->train, "Recordings to learn from")
+  command.add_option("--train", request->train, "Training recordings")
       ->required()
       ->option_text("REC...");
-  command.add_option("--test", request->test, "Recordings held out, to measure the gain on")
+  command.add_option("--test", request->test, "Held-out recordings, on which the gain is measured")
       ->required()
       ->option_text("REC...");
-  command.add_option("--effects", request->options.effects, "Ask about these effects only, at every place or at one")
+  command
+      .add_option("--effects", request->options.effects,
+                  "Test these effects only, at every joint or at one")
       ->delimiter(',')
       ->option_text("EFFECT[:PLACE],...");
-  command.add_option("--max-effects", request->options.max_effects, "Findings at most")
+  command.add_option("--max-effects", request->options.max_effects, "Largest number of findings")
       ->check(CLI::Range(0, 100));
   command.add_flag_callback(
-      "--confirmed-only",
-      [request] { request->options.extended = ExtendedModel::kConfirmedOnly; },
-      "Leave what held-out parts of the training recordings contradict out of the extended model (the default)");
+      "--confirmed-only", [request] { request->options.extended = ExtendedModel::kConfirmedOnly; },
+      "Write only findings that cross-validation on the training recordings confirms (the "
+      "default)");
   command.add_flag_callback(
       "--all-findings", [request] { request->options.extended = ExtendedModel::kAllFindings; },
-      "Keep every finding that was accepted in it");
+      "Write every accepted finding into the extended model");
   command.add_flag_callback(
       "--keep-unnamed", [request] { request->options.unnamed = UnnamedForces::kKept; },
-      "Keep what was found without a name in the extended model, as tables of its signals");
+      "Write unnamed findings into the extended model, as tabulated forces");
   command
       .add_option("--values", request->values,
-                  "What values in the robot file are: facts of a MODEL (what changed since?) or a "
-                  "prior, as in a maker's file (identified first; default of URDF)")
+                  "Meaning of values in the robot file: facts of a MODEL, from which changes are "
+                  "sought, or a prior that is identified first (default for URDF)")
       ->check(CLI::IsMember({"facts", "prior"}))
       ->option_text("facts|prior");
   add_friction_option(command, request->options.identification.friction);
   add_output_option(command, "--model-out", request->model_out, "Write the extended model as YAML");
   add_choice(command, "--weights", request->options.identification.weights,
              {JointWeights::kResidual, JointWeights::kRange},
-             "Joints weighted by their residual or by the range of their torque");
+             "Weights of the joints: one over the standard deviation of the residual, or over the "
+             "range of the torque");
   add_preprocessing_options(command, request->options.identification.preprocessing);
   add_robot_options(command, request->common);
-  add_row_range(command, "--test-rows", "Rows of the held-out recordings (default: as --rows)",
+  add_row_range(command, "--test-rows", "Samples of the held-out recordings (default: as --rows)",
                 [request](RowRange rows) { request->test_rows = rows; });
   add_common_options(command, request->common);
   add_report_option(command, request->common);

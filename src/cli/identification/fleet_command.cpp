@@ -51,7 +51,7 @@ ExitStatus run(const FleetRequest& request, const std::string& command_line) {
 void add_fleet_command(CLI::App& tool, Outcome& outcome) {
   const auto request = std::make_shared<FleetRequest>();
   CLI::App& command = *tool.add_subcommand(
-      "fleet", "One model for many arms of one type: what they share, and which stands out");
+      "fleet", "One model for many arms of a type, and the arms that differ from it");
   add_robot_argument(command, request->robot);
   command
       .add_option("LIST", request->list,
@@ -60,7 +60,7 @@ void add_fleet_command(CLI::App& tool, Outcome& outcome) {
       ->option_text(" ");
   command
       .add_option("--significance", request->options.significance,
-                  "Chance of naming an arm of a fleet without an odd one (0.01)")
+                  "Probability of naming an arm although all are alike (0.01)")
       ->option_text("P")
       ->check(CLI::Range(1e-12, 0.5));
   add_output_option(command, "--model-out", request->model_out, "Write the fleet's model as YAML");

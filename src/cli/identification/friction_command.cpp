@@ -44,12 +44,17 @@ ExitStatus run(FrictionRequest& request, const std::string& command_line) {
 void add_friction_command(CLI::App& tool, Outcome& outcome) {
   const auto request = std::make_shared<FrictionRequest>();
   CLI::App& command = *tool.add_subcommand(
-      "friction", "Friction of every joint that moves: against speed, at breakaway, and of which kind");
+      "friction", "Friction of each joint: against speed, at breakaway, and its kind");
   add_robot_argument(command, request->robot);
-  command.add_option("REC", request->recordings, "Recordings: constant speeds, slow ramps, any motion")
+  command
+      .add_option("REC", request->recordings,
+                  "Recordings: constant speeds, slow ramps, or any motion")
       ->required()
       ->option_text("REC...");
-  command.add_option("--test", request->test, "Held out, to judge the kinds (default: the last one, or the last third of one)")
+  command
+      .add_option("--test", request->test,
+                  "Held-out recordings, which decide the kind of friction (default: the last one, "
+                  "or the last third of a single one)")
       ->option_text("REC...");
   add_preprocessing_options(command, request->options.identification.preprocessing);
   add_robot_options(command, request->common);

@@ -262,21 +262,26 @@ ExitStatus run(const IdentifyRequest& request, const std::string& command_line) 
 void add_fit_options(CLI::App& command, IdentifyRequest& request) {
   IdentificationOptions& options = request.options;
   add_choice(command, "--method", options.method, {Method::kOls, Method::kWls, Method::kFeasible},
-             "Ordinary or weighted least squares, or weighted and physically feasible");
+             "Ordinary or weighted least squares, or weighted and physically consistent");
   add_choice(command, "--weights", options.weights, {JointWeights::kRange, JointWeights::kResidual},
-             "Joints weighted by the range of their torque or by their residual");
+             "Weights of the joints: one over the range of the torque, or over the standard "
+             "deviation of the residual");
   add_choice(command, "--condition", options.condition,
              {PhysicalCondition::kPseudoInertia, PhysicalCondition::kPrincipalMoments},
-             "What makes a body physical, with --method feasible");
+             "Condition of physical consistency, with --method feasible");
   add_choice(command, "--signs", options.signs, {EffectSigns::kPhysical, EffectSigns::kAny},
              "Signs of friction, inertia and stiffness, with --method feasible");
   add_friction_option(command, options.friction);
-  command.add_option("--prior", request.prior, "Model to stay close to, with --method feasible")
+  command
+      .add_option(
+          "--prior", request.prior,
+          "Prior model (CAD) for parameters that the data leave open, with --method feasible")
       ->option_text("MODEL");
   command
-      .add_option("--known-mass", request.known_masses,
-                  "Find the drive gains of an arm that reports currents: KG is mounted on FRAME in "
-                  "the training recordings REC; without REC the data tell which are heavier")
+      .add_option(
+          "--known-mass", request.known_masses,
+          "Find the drive gains of an arm that reports motor currents: a mass of KG is mounted on "
+          "FRAME in the training recordings REC (default: the data decide which)")
       ->option_text("KG@FRAME[=REC,REC]")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
@@ -286,32 +291,33 @@ void add_fit_options(CLI::App& command, IdentifyRequest& request) {
 
 void add_identify_command(CLI::App& tool, Outcome& outcome) {
   const auto request = std::make_shared<IdentifyRequest>();
-  CLI::App& command = *tool.add_subcommand("identify", "Parameters of an arm from its recordings");
+  CLI::App& command =
+      *tool.add_subcommand("identify", "Identify the dynamic parameters of an arm from recordings");
   request->command = &command;
   add_robot_argument(command, request->robot);
-  command.add_option("--train", request->train, "Recordings to identify from")
-      ->option_text("REC...");
-  command.add_option("--factors", request->factors, "Factor files of recordings to identify from")
+  command.add_option("--train", request->train, "Training recordings")->option_text("REC...");
+  command.add_option("--factors", request->factors, "Factor files to use as training data")
       ->option_text("FILE...");
-  add_output_option(command, "--factor-out", request->factor_out,
-                  "Write what the training recordings say as a factor file, without a sample");
-  command.add_option("--test", request->test, "Recordings held out, to validate on")
+  add_output_option(
+      command, "--factor-out", request->factor_out,
+      "Write the information of the training recordings as a factor file, which holds no samples");
+  command.add_option("--test", request->test, "Held-out recordings for validation")
       ->option_text("REC...");
   add_fit_options(command, *request);
   add_output_option(command, "--model-out", request->model_out, "Write the identified model as YAML");
   command.add_flag("--at-rest", request->at_rest,
-                   "Poses at which the arm stood still: identify gravity, offsets and forces of position from "
-                   "them, with or without time (by itself where every recorded velocity is zero)");
+                   "Identify gravity, offsets and position-dependent forces from poses at rest, "
+                   "with or without time (default if every recorded velocity is zero)");
   command
       .add_option("--approach", request->approach,
-                  "With --at-rest, side from which every recording's poses were approached (default: as "
-                  "columns dq1.. of -1, 0 and 1 say)")
+                  "With --at-rest: direction from which the poses of each recording were "
+                  "approached (default: columns dq1.. of -1, 0 and 1)")
       ->delimiter(',')
       ->check(CLI::IsMember({-1, 0, 1}))
       ->option_text("1,-1,...");
   add_preprocessing_options(command, request->options.preprocessing);
   add_robot_options(command, request->common);
-  add_row_range(command, "--test-rows", "Rows of the held-out recordings (default: as --rows)",
+  add_row_range(command, "--test-rows", "Samples of the held-out recordings (default: as --rows)",
                 [request](RowRange rows) { request->test_rows = rows; });
   add_common_options(command, request->common);
   add_report_option(command, request->common);

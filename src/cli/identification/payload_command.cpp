@@ -46,13 +46,13 @@ ExitStatus run(PayloadRequest& request, const std::string& command_line) {
 void add_payload_command(CLI::App& tool, Outcome& outcome) {
   const auto request = std::make_shared<PayloadRequest>();
   CLI::App& command = *tool.add_subcommand(
-      "payload", "Mass, centre and inertia of a load that the model does not have, per link");
-  command.add_option("MODEL", request->model, "A YAML file that identify or diagnose wrote")
+      "payload", "Mass, centre of mass and inertia of a load that the model lacks");
+  command.add_option("MODEL", request->model, "Model file written by identify or diagnose")
       ->required();
   command.add_option("--recording", request->recordings, "Recordings with the load")
       ->required()
       ->option_text("REC...");
-  command.add_option("--link", request->link, "Only the link of this frame (default: all)")
+  command.add_option("--link", request->link, "Test only the link of this frame (default: all)")
       ->option_text("FRAME");
   add_preprocessing_options(command, request->options.preprocessing);
   add_robot_options(command, request->common);

@@ -190,29 +190,42 @@ ExitStatus run(WatchRequest& request, const std::string& command_line) {
 void add_watch_command(CLI::App& tool, Outcome& outcome) {
   const auto request = std::make_shared<WatchRequest>();
   CLI::App& command = *tool.add_subcommand(
-      "watch", "Follow a running arm against its MODEL: what changed, since when, by how much");
-  command.add_option("MODEL", request->model, "A YAML file that identify or diagnose wrote")->required();
+      "watch", "Monitor a running arm: detect changes, isolate their cause, size it");
+  command.add_option("MODEL", request->model, "Model file written by identify or diagnose")
+      ->required();
   command.add_option("SOURCE", request->sources, "Recordings, one after the other; - is standard input")
       ->required()
       ->option_text("SOURCE...");
-  command.add_flag("--follow", request->follow, "The file still grows: wait for more rows");
-  command.add_option("--idle", request->idle, "With --follow: end after so long without a row; 0: never")
+  command.add_flag("--follow", request->follow, "Wait for more samples of a file that grows");
+  command
+      .add_option("--idle", request->idle,
+                  "With --follow: end after so many seconds without a sample; 0: never")
       ->option_text("S")
       ->check(CLI::NonNegativeNumber);
-  command.add_option("--serve", request->port, "Show the page at http://127.0.0.1:PORT while it runs; 0: any port")
+  command
+      .add_option("--serve", request->port,
+                  "Serve the live page at http://127.0.0.1:PORT; 0: any free port")
       ->option_text("PORT")
       ->check(CLI::Range(0, 65535));
-  command.add_option("--learn", request->options.learn, "Quiet beginning in which noise is learned")
+  command
+      .add_option("--learn", request->options.learn,
+                  "Duration of the fault-free beginning from which noise is learned [s]")
       ->option_text("S")
       ->check(CLI::PositiveNumber);
-  command.add_option("--learn-from", request->learn_from, "Quiet recordings of the same arm to learn noise from")
+  command
+      .add_option("--learn-from", request->learn_from,
+                  "Fault-free recordings of the same arm to learn noise from")
       ->option_text("REC...");
-  command.add_option("--false-alarms", request->options.false_alarms, "Alarms per hour that a quiet arm may give")
+  command
+      .add_option("--false-alarms", request->options.false_alarms,
+                  "Allowed rate of false alarms [1/h]")
       ->option_text("N")
       ->check(CLI::PositiveNumber);
-  command.add_option("--link", request->options.links, "Links that may take up a load (default: all)")
+  command
+      .add_option("--link", request->options.links, "Links that may carry a load (default: all)")
       ->option_text("FRAME...");
-  command.add_flag("--json-lines", request->json_lines, "Each event as a line of JSON on standard output");
+  command.add_flag("--json-lines", request->json_lines,
+                   "Print each event as a line of JSON on standard output");
   add_signal_options(command, request->reading.signals);
   add_robot_options(command, request->common);
   add_common_options(command, request->common);

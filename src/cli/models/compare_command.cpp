@@ -33,7 +33,7 @@ void run(const CompareRequest& request, const std::string& command_line) {
 void add_compare_command(CLI::App& tool, Outcome& outcome) {
   const auto request = std::make_shared<CompareRequest>();
   CLI::App& command =
-      *tool.add_subcommand("compare", "What differs between two models of one arm, beyond chance");
+      *tool.add_subcommand("compare", "Significant differences between two models of one arm");
   command.add_option("BEFORE", request->before, "MODEL that identify or diagnose wrote")
       ->required()
       ->option_text(" ");
@@ -42,7 +42,7 @@ void add_compare_command(CLI::App& tool, Outcome& outcome) {
       ->option_text(" ");
   command
       .add_option("--significance", request->options.significance,
-                  "Chance of calling an unchanged arm different (0.05)")
+                  "Significance level: probability of calling an unchanged arm different (0.05)")
       ->option_text("P")
       ->check(CLI::Range(1e-12, 0.5));
   add_common_options(command, request->common);

@@ -101,15 +101,16 @@ void run(const ExportRequest& request) {
 
 void add_export_command(CLI::App& tool, Outcome&) {
   const auto request = std::make_shared<ExportRequest>();
-  CLI::App& command = *tool.add_subcommand("export", "A model in another format");
+  CLI::App& command = *tool.add_subcommand(
+      "export", "Convert a model: URDF, MJCF, SDF, C, YAML, JSON, dVRK gravity");
   command.add_option("MODEL", request->model, "Identified model, or any robot")
       ->required()
       ->option_text(" ");
   const auto file = [&command](const char* option, std::string& target, const char* help) {
     add_output_option(command, option, target, help);
   };
-  file("--urdf", request->urdf, "Write URDF; meshes that came from URDF stay");
-  file("--mjcf", request->mjcf, "Write MuJoCo's XML");
+  file("--urdf", request->urdf, "Write URDF; meshes of the original URDF are kept");
+  file("--mjcf", request->mjcf, "Write MJCF for MuJoCo");
   file("--sdf", request->sdf, "Write SDFormat, for Gazebo");
   file("--cpp,--c", request->cpp,
        "Write one file of C and C++: inverse dynamics, regressor, friction; no dependencies");
@@ -117,15 +118,15 @@ void add_export_command(CLI::App& tool, Outcome&) {
   file("--yaml", request->yaml, "Write YAML");
   command
       .add_option("--prior", request->prior,
-                  "For --urdf, --mjcf and --sdf: model (CAD) near which the values are chosen that "
-                  "torques do not determine (small rods)")
+                  "With --urdf, --mjcf and --sdf: prior model (CAD) for values that torques do not "
+                  "determine (default: small rods)")
       ->option_text("MODEL");
   command
       .add_option("--meshes-from", request->meshes_from,
-                  "For --urdf and --sdf: URDF file whose links look like this arm's (the one that "
-                  "the model came from)")
+                  "With --urdf and --sdf: URDF file to take meshes from (default: the one that the "
+                  "model came from)")
       ->option_text("URDF");
-  command.add_flag("--quiet", request->quiet, "Nothing on standard error but errors");
+  command.add_flag("--quiet", request->quiet, "Print only errors on standard error");
   add_dvrk_export_options(command, request->dvrk);
   command.set_version_flag("--version", "veridyn " VERIDYN_VERSION);
   command.callback([request] { run(*request); });

@@ -34,8 +34,8 @@ void run(const InfoRequest& request, const std::string& command_line) {
 
 void add_info_command(CLI::App& tool, Outcome& outcome) {
   const auto request = std::make_shared<InfoRequest>();
-  CLI::App& command =
-      *tool.add_subcommand("info", "What a robot file says, and which parameters torques can tell");
+  CLI::App& command = *tool.add_subcommand(
+      "info", "Structure of a robot file, and the parameters that torques can identify");
   add_robot_argument(command, request->robot);
   add_output_option(command, "--yaml", request->yaml,
                     "Write the robot as YAML, to go on with: drive gains, effects, boxes, constants");

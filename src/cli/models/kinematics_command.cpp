@@ -145,30 +145,35 @@ ExitStatus run(const CLI::App& used, KinematicsRequest request, const std::strin
 
 void add_kinematics_command(CLI::App& tool, Outcome& outcome) {
   const auto request = std::make_shared<KinematicsRequest>();
-  CLI::App& command = *tool.add_subcommand(
-      "kinematics", "Poses, joints, Jacobians and conditioning of an arm");
+  CLI::App& command =
+      *tool.add_subcommand("kinematics", "Forward and inverse kinematics, Jacobians, conditioning");
   command
       .add_option("ROBOT", request->robot,
                   "Robot file or name, or an arm of the dVRK by its closed form: PSM1, MTMR, ECM")
       ->required()
       ->option_text(" ");
-  command.add_option("--forward", request->forward, "Poses of these joints")
+  command.add_option("--forward", request->forward, "Forward kinematics of these joint positions")
       ->option_text("FILE.csv|Q1,Q2,...");
-  command.add_option("--inverse", request->inverse, "Joints for these poses")
+  command.add_option("--inverse", request->inverse, "Inverse kinematics of these poses")
       ->option_text("FILE.csv|X,Y,Z[,QW,QX,QY,QZ]");
-  command.add_option("--workspace", request->workspace, "Conditioning of postures over the ranges (1000, where nothing else is asked)")
+  command
+      .add_option("--workspace", request->workspace,
+                  "Conditioning over the joint ranges, at so many random postures (1000 if no "
+                  "other output is selected)")
       ->option_text("COUNT")
       ->check(CLI::Range(1, 1000000));
-  command.add_option("--frame", request->frame, "The frame that counts (tip, tool, or the last)")
+  command.add_option("--frame", request->frame, "Frame (default: tip, tool, or the last)")
       ->option_text("NAME");
-  command.add_option("--start", request->start, "Where inverse kinematics begins")
+  command.add_option("--start", request->start, "Start of inverse kinematics")
       ->option_text("Q1,Q2,...")
       ->delimiter(',');
-  command.add_option("--solver", request->solver, "For an arm with a closed form")
+  command
+      .add_option("--solver", request->solver,
+                  "Solver of inverse kinematics; closed-form where the arm has one")
       ->option_text("closed-form|newton")
       ->check(CLI::IsMember({"closed-form", "newton"}));
-  command.add_flag("--jacobian", request->jacobian, "Write the Jacobian's entries too");
-  add_output_option(command, "-o,--output", request->output, "Write the rows as CSV");
+  command.add_flag("--jacobian", request->jacobian, "Also write the Jacobian");
+  add_output_option(command, "-o,--output", request->output, "Write the results as CSV");
   add_common_options(command, request->common);
   add_report_option(command, request->common);
   command.callback([request, &outcome, &command] {

@@ -17,12 +17,12 @@ struct PageRequest {
 
 void add_page_command(CLI::App& tool, Outcome& outcome) {
   const auto request = std::make_shared<PageRequest>();
-  CLI::App& command = *tool.add_subcommand(
-      "page", "One page for a folder: its models over time, what changed when, and the other pages");
+  CLI::App& command =
+      *tool.add_subcommand("page", "One HTML page for a folder of models and results");
   command.add_option("FOLDER", request->folder, "MODEL files, pages, results and recordings of one arm")
       ->required()
       ->option_text(" ");
-  command.add_option("-o,--output", request->output, "The page (FOLDER/index.html)")
+  command.add_option("-o,--output", request->output, "Output file (default: FOLDER/index.html)")
       ->option_text("F.html");
   add_common_options(command, request->common);
   command.callback([request, &outcome] {

@@ -220,27 +220,28 @@ void add_limit_options(CLI::App& command, ExciteRequest& r) {
   };
   command
       .add_option("--model", r.model,
-                  "The arm with values: its efforts limit the torques, rivals follow from it")
+                  "Model with values, for torque limits and for causes to discriminate")
       ->option_text("FILE")
       ->group(group);
-  several("--box", r.boxes, "FRAME:X,X,Y,Y,Z,Z", "A frame's origin stays in a box of the world");
+  several("--box", r.boxes, "FRAME:X,X,Y,Y,Z,Z",
+          "Keep the origin of a frame inside a box, in world coordinates");
   several("--sphere", r.spheres, "FRAME:R[,X,Y,Z]",
-          "A sphere on a frame; it keeps away from the others and from obstacles");
-  several("--obstacle", r.obstacles, "X,Y,Z,R", "A sphere that stands in the world");
-  command.add_option("--clearance", r.clearance, "Between spheres [m]")
+          "Sphere around a point of a frame, kept clear of other spheres and of obstacles");
+  several("--obstacle", r.obstacles, "X,Y,Z,R", "Spherical obstacle in world coordinates");
+  command.add_option("--clearance", r.clearance, "Clearance between spheres [m]")
       ->option_text("M")
       ->check(CLI::NonNegativeNumber)
       ->group(group);
   several("--insertion", r.insertions, "FRAME:LOW,HIGH[,X,Y,Z]",
-          "How far a frame reaches through a remote centre (the world's origin), along its z axis");
+          "Bounds of a frame's insertion depth through a remote centre (default: the world's "
+          "origin), along its z axis");
 }
 
 }  // namespace
 
 void add_excite_command(CLI::App& tool, Outcome& outcome) {
   const auto request = std::make_shared<ExciteRequest>();
-  CLI::App& command = *tool.add_subcommand(
-      "excite", "A motion that starts and stops at rest and tells the parameters apart");
+  CLI::App& command = *tool.add_subcommand("excite", "Design an excitation trajectory");
   add_robot_argument(command, request->robot);
   add_output_option(command, "-o,--output", request->output, "Write the motion as CSV: t, q, dq, ddq")->required();
   add_output_option(command, "--coefficients", request->coefficients, "Write the series' coefficients as YAML");
@@ -248,25 +249,27 @@ void add_excite_command(CLI::App& tool, Outcome& outcome) {
   add_search_options(command, request->options);
   command
       .add_option("--between", request->between,
-                  "The two causes of --criterion discriminate, as payload:tool,torque_gain:2")
+                  "Two causes to discriminate, with --criterion discriminate")
       ->option_text("EFFECT:PLACE,EFFECT:PLACE")
       ->group("Search");
-  command.add_option("--given", request->given, "Recordings whose information counts")
+  command.add_option("--given", request->given, "Recordings to add information to")
       ->option_text("FILE...")
       ->group("Search");
   command
-      .add_option("--torque-noise", request->torque_noise,
-                  "Share of the largest effort, for what is designed and predicted (the model's error, or 0.01)")
+      .add_option(
+          "--torque-noise", request->torque_noise,
+          "Torque noise as a share of the largest effort (default: the model's error, or 0.01)")
       ->option_text("X")
       ->check(CLI::Range(1e-6, 10.0))
       ->group("Search");
   add_limit_options(command, *request);
   add_headerless_options(command, request->reading.columns, request->reading.header_rate, "--given-rate");
   add_signal_options(command, request->reading.signals);
-  add_row_range(command, "--rows", "Rows of the recordings given", [request](RowRange rows) {
-    request->reading.first_row = rows.first;
-    request->reading.row_count = rows.count;
-  });
+  add_row_range(command, "--rows", "Samples of the recordings of --given",
+                [request](RowRange rows) {
+                  request->reading.first_row = rows.first;
+                  request->reading.row_count = rows.count;
+                });
   add_robot_options(command, request->common);
   add_poses_options(command, request->poses);
   add_report_option(command, request->common);

@@ -105,23 +105,26 @@ void add_motion_options(CLI::App& command, ExcitationOptions& o) {
         ->capture_default_str()
         ->group(group);
   };
-  number("--frequency", o.frequency, "HZ", "Of the slowest wave (0.13)");
-  command.add_option("--harmonics", o.harmonics, "Waves per joint (5)")
+  number("--frequency", o.frequency, "HZ", "Base frequency of the Fourier series [Hz] (0.13)");
+  command.add_option("--harmonics", o.harmonics, "Harmonics per joint (5)")
       ->option_text("N")
       ->check(CLI::Range(2, 100))
       ->group(group);
-  number("--duration", o.duration, "S", "Rounded to whole periods, at least two (30)");
+  number("--duration", o.duration, "S",
+         "Duration [s]; rounded to whole periods, at least two (30)");
   command
       .add_option("--slow-passes", o.slow_passes,
-                  "Of every joint afterwards, there and back at 1 to 10 % of its speed (0)")
+                  "Constant-velocity segments of every joint at the end, at 1 to 10 % of its speed "
+                  "limit (0)")
       ->option_text("N")
       ->check(CLI::Range(0, 100))
       ->group(group);
-  number("--rate", o.rate, "HZ", "Rows per second (200)");
+  number("--rate", o.rate, "HZ", "Sample rate [Hz] (200)");
   command
-      .add_option("--limit-share", o.limit_share,
-                  "Share of range, speed, acceleration and torque to use (what a safety supervisor "
-                  "needs: 0.98 of speed, 0.95 of torque, the range as far as the arm can stop before its end)")
+      .add_option(
+          "--limit-share", o.limit_share,
+          "Share of each limit to use (default: the margin of the safety supervisor, 0.98 of "
+          "speed, 0.95 of torque, and the range as far as the arm can stop before its end)")
       ->option_text("X")
       ->check(CLI::Range(0.01, 1.0))
       ->group(group);
@@ -138,31 +141,29 @@ void add_search_options(CLI::App& command, ExcitationOptions& o) {
   add_friction_option(command, o.friction);
   add_choice(command, "--columns-scaled", o.scaling,
              {ColumnScaling::kNorm, ColumnScaling::kNone, ColumnScaling::kOrthogonal},
-             "Columns of the regressor before its condition number")
+             "Scaling of the regressor's columns before its condition number")
       ->group(group);
   command
-      .add_option(
-          "--essential", o.essential,
-          "Regroup base parameters whose columns add less than this to the others' (0: keep all)")
+      .add_option("--essential", o.essential,
+                  "Regroup base parameters that contribute less than this share (0: keep all)")
       ->option_text("SHARE")
       ->check(CLI::Range(0.0, 0.99))
       ->group(group);
   add_choice(command, "--solver", o.solver,
              {ExcitationSolver::kInteriorPoint, ExcitationSolver::kIpopt, ExcitationSolver::kNlopt,
               ExcitationSolver::kRandom},
-             "Who searches", {{"nlopt-derivative-free", ExcitationSolver::kNlopt}})
+             "Optimiser", {{"nlopt-derivative-free", ExcitationSolver::kNlopt}})
       ->group(group);
-  command.add_option("--starts", o.starts, "Independent searches (2)")
+  command.add_option("--starts", o.starts, "Number of independent starts (2)")
       ->option_text("N")
       ->check(CLI::Range(1, 100000))
       ->group(group);
-  command.add_option("--iterations,--evaluations", o.iterations, "Of each search, at most (400)")
+  command
+      .add_option("--iterations,--evaluations", o.iterations, "Iteration limit of each start (400)")
       ->option_text("N")
       ->check(CLI::Range(1, 100000000))
       ->group(group);
-  command.add_option("--seed", o.seed, "The same seed gives the same motion (1)")
-      ->option_text("N")
-      ->group(group);
+  command.add_option("--seed", o.seed, "Random seed (1)")->option_text("N")->group(group);
 }
 
 }  // namespace veridyn::cli

@@ -32,14 +32,15 @@ void add_poses_options(CLI::App& command, PosesRequest& request) {
   const char* const group = "Poses (--for calibration)";
   command
       .add_option("--for", request.purpose,
-                  "A motion to identify with, or poses to calibrate with (identification)")
+                  "Design a trajectory for identification, or poses for kinematic calibration "
+                  "(identification)")
       ->option_text("identification|calibration")
       ->check(CLI::IsMember({"identification", "calibration"}))
       ->group(group);
-  command.add_option("--frame", request.frame, "Frame that cameras track (default: the last)")
+  command.add_option("--frame", request.frame, "Frame tracked by cameras (default: the last)")
       ->option_text("NAME")
       ->group(group);
-  command.add_option("--poses", request.poses, "To drive to (30)")
+  command.add_option("--poses", request.poses, "Number of poses (30)")
       ->option_text("N")
       ->check(CLI::Range(1, 10000))
       ->group(group);

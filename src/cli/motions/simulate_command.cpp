@@ -122,18 +122,22 @@ std::string footer() {
 
 void add_simulate_command(CLI::App& tool, Outcome& outcome) {
   const auto request = std::make_shared<SimulateRequest>();
-  CLI::App& command =
-      *tool.add_subcommand("simulate", "A recording of an arm along a motion, with hidden effects");
+  CLI::App& command = *tool.add_subcommand(
+      "simulate", "Simulate the recording of an arm, with faults of your choice");
   request->command = &command;
   add_robot_argument(command, request->robot);
-  command.add_option("--trajectory", request->trajectory, "CSV with t and q; dq and ddq if there")
+  command
+      .add_option("--trajectory", request->trajectory,
+                  "CSV file with t and q, optionally dq and ddq")
       ->option_text("TRAJ");
   add_output_option(command, "-o,--output", request->output, "Write the recording as CSV: t, q, dq, tau");
-  command.add_option("--effect", request->effects, "What the arm has beyond its file; see below")
+  command
+      .add_option("--effect", request->effects,
+                  "Add an effect that the robot file lacks; see below")
       ->option_text("NAME:JOINT[:KEY=VALUE,...]")
       ->expected(1)
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-  command.add_option("--noise", request->noise, "Sensors and controller; see below (low)")
+  command.add_option("--noise", request->noise, "Preset of sensor noise; see below (low)")
       ->option_text(listed(sensor_noise_names()) + "[:KEY=VALUE,...]")
       ->check(CLI::Validator(
           [](const std::string& asked) {
@@ -150,14 +154,15 @@ void add_simulate_command(CLI::App& tool, Outcome& outcome) {
                   "Sample rate of the recording (default: that of the trajectory)")
       ->option_text("HZ")
       ->check(CLI::PositiveNumber);
-  command.add_option("--engine", request->engine, "What computes the motion (veridyn)")
+  command.add_option("--engine", request->engine, "Simulation engine (veridyn)")
       ->option_text(listed(engine_names()));
-  command.add_option("--seed", request->seed, "Seed of the noise (1)")->option_text("N");
+  command.add_option("--seed", request->seed, "Random seed of the noise (1)")->option_text("N");
   command
       .add_option("--arm-seed", request->arm_seed,
-                  "Seed of plausible values for a robot file without any (1)")
+                  "Random seed of plausible parameters for a robot file without values (1)")
       ->option_text("N");
-  add_output_option(command, "--model-out", request->model_out, "Write the true arm as YAML");
+  add_output_option(command, "--model-out", request->model_out,
+                    "Write the simulated arm's true model as YAML");
   add_control_options(command, *request);
   add_common_options(command, request->common);
   add_report_option(command, request->common);

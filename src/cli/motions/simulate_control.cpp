@@ -83,7 +83,7 @@ void add_control_options(CLI::App& command, SimulateRequest& request) {
       ->group(kControl);
   command
       .add_option("--replay", request.replay,
-                  "Drive the arm with this recording and compare, instead of a trajectory")
+                  "Drive the simulated arm with a recording instead of a trajectory, and compare")
       ->option_text("REC")
       ->group(kControl);
   command
@@ -96,29 +96,31 @@ void add_control_options(CLI::App& command, SimulateRequest& request) {
       ->group(kControl);
   command
       .add_option("--breakaway", request.breakaway,
-                  "With --replay of slow ramps: the effort at which this joint gives way")
+                  "With --replay of slow ramps: report the breakaway effort of this joint")
       ->option_text("JOINT")
       ->group(kControl);
   number("--breakaway-speed", request.breakaway_speed, "M/S",
-         "Above which it slides and no longer creeps (5 mm/s, 50 mrad/s)");
+         "Speed above which the joint slides (5 mm/s, 50 mrad/s)");
   command.add_option("--gains", request.gains, "YAML file with lists p, i and d")
       ->option_text("FILE")
       ->group(kControl);
-  numbers("--kp", request.p, "Gains of position (6 Hz of bandwidth)");
-  numbers("--ki", request.i, "Gains of its integral (none with --kp)");
-  numbers("--kd", request.d, "Gains of velocity (critical damping)");
-  command.add_option("--control-rate", request.loop.rate, "Of the controller (1000)")
+  numbers("--kp", request.p, "Position gains (default: 6 Hz of bandwidth)");
+  numbers("--ki", request.i, "Integral gains (default: none with --kp)");
+  numbers("--kd", request.d, "Velocity gains (default: critical damping)");
+  command.add_option("--control-rate", request.loop.rate, "Rate of the controller [Hz] (1000)")
       ->option_text("HZ")
       ->check(CLI::Range(1.0, 1e6))
       ->group(kControl);
-  numbers("--torque-limit", request.limit, "Of the motors (the robot file's)");
-  number("--current-lag", request.loop.drive.lag, "S", "Time constant of the current loop (0)");
-  number("--torque-step", request.loop.drive.step, "NM", "Quantum of the amplifiers (0)");
-  number("--encoder-delay", request.loop.sensors.delay, "S", "Of what the controller sees (0)");
+  numbers("--torque-limit", request.limit,
+          "Torque limits of the motors (default: the robot file's)");
+  number("--current-lag", request.loop.drive.lag, "S", "Time constant of the current loop [s] (0)");
+  number("--torque-step", request.loop.drive.step, "NM", "Torque resolution of the amplifiers (0)");
+  number("--encoder-delay", request.loop.sensors.delay, "S",
+         "Delay of the positions that the controller reads [s] (0)");
   number("--set-point-cutoff", request.set_point_cutoff, "HZ",
-         "A further low-pass of the recorded motion and torque before they lead (none)");
+         "Low-pass filter of the recorded motion and torque before they are used (default: none)");
   number("--filter-cutoff", request.preprocessing.cutoff, "HZ",
-         "Low-pass of both torques before they are compared (5)");
+         "Low-pass filter of both torques before comparison [Hz] (5)");
   add_signal_options(command, request.preprocessing.signals);
   add_robot_options(command, request.common);
 }

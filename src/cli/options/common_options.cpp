@@ -79,12 +79,14 @@ void add_common_options(CLI::App& command, CommonOptions& options) {
       ->option_text("N")
       ->check(CLI::NonNegativeNumber)
       ->group(group);
-  command.add_flag("--quiet", options.quiet, "No progress on standard error")->group(group);
+  command.add_flag("--quiet", options.quiet, "Do not print progress on standard error")
+      ->group(group);
   command.set_version_flag("--version", "veridyn " VERIDYN_VERSION)->group(group);
 }
 
 void add_report_option(CLI::App& command, CommonOptions& options) {
-  add_output_option(command, "--report", options.report, "Write the result as one HTML page, with plots")
+  add_output_option(command, "--report", options.report,
+                    "Write the result as one HTML page with plots")
       ->group("Common");
 }
 
@@ -113,10 +115,11 @@ void add_headerless_options(CLI::App& command, std::vector<std::string>& columns
   };
   command
       .add_option_function<std::string>("--columns", parse,
-                                        "Signals of CSV files in their order, as q,dq,tau; a header is passed over")
+                                        "Signals of CSV files in the order of their columns, as "
+                                        "q,dq,tau; a header line is skipped")
       ->option_text("NAMES")
       ->group(kRecordings);
-  command.add_option(rate_option, rate, "Rate of CSV files without a time column [Hz]")
+  command.add_option(rate_option, rate, "Sample rate of CSV files without a time column [Hz]")
       ->option_text("HZ")
       ->check(CLI::PositiveNumber)
       ->group(kRecordings);
@@ -125,10 +128,11 @@ void add_headerless_options(CLI::App& command, std::vector<std::string>& columns
 void add_preprocessing_options(CLI::App& command, PreprocessingOptions& o) {
   add_headerless_options(command, o.columns, o.header_rate);
   add_signal_options(command, o.signals);
-  add_row_range(command, "--rows", "Rows to use; the filter sees the others", [&o](RowRange rows) {
-    o.first_row = rows.first;
-    o.row_count = rows.count;
-  });
+  add_row_range(command, "--rows", "Samples to use; filters still see the others",
+                [&o](RowRange rows) {
+                  o.first_row = rows.first;
+                  o.row_count = rows.count;
+                });
   const auto number = [&command](const char* option, double& target, const char* unit,
                                  const char* help) {
     command.add_option(option, target, help)
@@ -137,28 +141,30 @@ void add_preprocessing_options(CLI::App& command, PreprocessingOptions& o) {
         ->capture_default_str()
         ->group(kRecordings);
   };
-  number("--filter-cutoff", o.cutoff, "HZ", "Low-pass, zero phase; 0: none");
-  command.add_option("--filter-order", o.order, "Order of one of its two passes")
+  number("--filter-cutoff", o.cutoff, "HZ",
+         "Cut-off of the zero-phase low-pass filter [Hz]; 0: none");
+  command.add_option("--filter-order", o.order, "Filter order of each of the two passes")
       ->option_text("N")
       ->check(CLI::Range(1, 20))
       ->group(kRecordings);
   add_choice(command, "--filtering", o.filtering, {Filtering::kMatched, Filtering::kSignals},
-             "Filter torque and regressor columns alike, or the signals before")
+             "Filter torque and regressor columns alike (matched), or the measured signals")
       ->group(kRecordings);
   add_choice(command, "--velocity", o.velocity,
-             {VelocitySource::kRecorded, VelocitySource::kDerived}, "Where velocities come from")
+             {VelocitySource::kRecorded, VelocitySource::kDerived},
+             "Use recorded velocities, or differentiate positions")
       ->group(kRecordings);
   add_choice(command, "--stale-rows", o.stale_rows, {StaleRows::kFilled, StaleRows::kKept},
-             "Rows that a late publisher wrote twice: filled in, or kept as recorded")
+             "Duplicated samples of a late publisher: interpolate, or keep")
       ->group(kRecordings);
-  number("--resample", o.rate, "HZ", "Uniform grid; 0: one over the median time step");
-  number("--drop-start", o.drop_start, "S", "Left out at the start of each file");
-  number("--drop-end", o.drop_end, "S", "Left out at the end of each file");
+  number("--resample", o.rate, "HZ", "Uniform sample rate [Hz]; 0: one over the median time step");
+  number("--drop-start", o.drop_start, "S", "Seconds to drop at the start of each file");
+  number("--drop-end", o.drop_end, "S", "Seconds to drop at the end of each file");
   number("--min-speed", o.min_speed, "V",
-         "Leave a joint's slower rows out of the fit, rad/s or m/s");
+         "Exclude samples at which a joint is slower than this [rad/s or m/s]");
   command
       .add_option("--decimation", o.decimation,
-                  "Keep one filtered sample in N; 0: as the cut-off allows")
+                  "Keep every N-th filtered sample; 0: as many as the cut-off frequency needs")
       ->option_text("N")
       ->check(CLI::NonNegativeNumber)
       ->group(kRecordings);
@@ -167,9 +173,9 @@ void add_preprocessing_options(CLI::App& command, PreprocessingOptions& o) {
 void add_friction_option(CLI::App& command, JointFriction& friction) {
   add_choice(command, "--friction", friction,
              {JointFriction::kAuto, JointFriction::kPlain, JointFriction::kFile},
-             "Friction of the joints: plain adds viscous and Coulomb friction, an offset and, where "
-             "it can be told, the rotor inertia of every joint; file takes the file's; auto is plain "
-             "for a maker's file (URDF) without any");
+             "Friction of the joints: plain adds viscous and Coulomb friction, an offset and, "
+             "where identifiable, rotor inertia; file keeps the robot file's; auto is plain for a "
+             "URDF without friction");
 }
 
 void require_writable(const std::string& path) {

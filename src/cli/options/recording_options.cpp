@@ -51,7 +51,7 @@ void add_list(CLI::App& command, const std::string& option, const char* shape, c
 }  // namespace
 
 void add_signal_options(CLI::App& command, SignalChoice& signals) {
-  add_list(command, "--topic", "NAME", "Topic with the joints, where a bag has several",
+  add_list(command, "--topic", "NAME", "Topic of the joint states, if a bag has several",
            [&signals](const std::string& words) {
              for (const std::string& topic : CLI::detail::split(words, ','))
                signals.topics.push_back(topic);
@@ -64,7 +64,7 @@ void add_signal_options(CLI::App& command, SignalChoice& signals) {
                signals.map[key] = source;
            });
   add_list(command, "--units", "SIGNAL=UNIT",
-           "Units that are not SI, as q=deg,t=ms; tau=A: efforts are motor currents",
+           "Units other than SI, as q=deg,t=ms; tau=A: efforts are motor currents",
            [&signals](const std::string& words) {
              for (const auto& [key, unit] : pairs_in("--units", words, "q=deg,t=ms"))
                signals.units[key] = unit;
@@ -83,8 +83,7 @@ void add_robot_options(CLI::App& command, CommonOptions& options) {
       ->delimiter(',')
       ->option_text("K,K,...");
   std::map<std::string, double>& fixed = options.fixed;
-  add_list(command, "--fix", "JOINT=VALUE",
-           "A joint that is not recorded stays at this position, rad or m",
+  add_list(command, "--fix", "JOINT=VALUE", "Position of a joint that is not recorded [rad or m]",
            [&fixed](const std::string& words) {
              for (const auto& [joint, value] : pairs_in("--fix", words, "finger=0")) {
                const char* end = value.data() + value.size();
