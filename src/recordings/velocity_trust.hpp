@@ -11,7 +11,7 @@ namespace veridyn {
 /// commands: a `wrong` velocity is not used; a `doubtful` one is used unless a fit predicts the
 /// torque better without it. identify() decides by its fit in both cases.
 struct VelocityTrust {
-  std::set<int> wrong;     ///< no derivative of the position: another scale, biased steps, late
+  std::set<int> wrong;     ///< no derivative of the position: another unit, scale or sign, biased steps, late
   std::set<int> doubtful;  ///< noisier than the derivative of the position
 };
 VelocityTrust trust_in_velocities(const std::vector<RecordingQuality>& recordings);

@@ -79,7 +79,17 @@ TEST_F(Payload, MassAndCentreOnTheLastLinkAreFound) {
     EXPECT_LE(report.error_after[i], report.error_before[i] + 0.01);
 }
 
-// Ten free parameters of a body can follow a rotor's inertia; a load of whatever mass cannot.
+TEST_F(Payload, AVelocityInDegreesIsNoLoad) {
+  const std::string last = arm_.frames().back().name;
+  Recording r = read_recording(recording_with("payload:" + last + ":mass=1.5,x=0.05,y=-0.02,z=0.08", 2));
+  r.dq.col(0) *= 180.0 / M_PI;
+  const std::string path = folder_.path("degrees.csv");
+  write_recording(r, path);
+  const PayloadReport found = find_payload(arm_, {path}, {}, last);
+  ASSERT_EQ(found.links.size(), 1U) << found.reason;
+  EXPECT_NEAR(found.links[0].mass, 1.5, 0.075);
+}
+
 // The axes of a SCARA are all vertical: no torque tells at which height a load hangs, and an interval
 // that says so cannot be narrow.
 TEST_F(Payload, AHeightThatNoTorqueSeesIsBoundedByTheReachOnly) {
@@ -97,6 +107,7 @@ TEST_F(Payload, AHeightThatNoTorqueSeesIsBoundedByTheReachOnly) {
   EXPECT_NEAR(load.com[0], 0.02, 0.02);
 }
 
+// Ten free parameters of a body can follow a rotor's inertia; a load of whatever mass cannot.
 TEST_F(Payload, ARotorsInertiaIsNoCompactLoad) {
   const std::string last = arm_.frames().back().name;
   // Of the torques that the columns of a load on the last link explain.

@@ -60,6 +60,21 @@ TEST(VelocityChoice, ACoarseVelocityComesFromThePositionAndItsJointOnly) {
   EXPECT_LT(distance(r, true), distance(r, false));
 }
 
+// The same rule without a fit: the error of a model must not be that of a velocity in degrees.
+TEST(VelocityChoice, AModelIsNotBlamedForAVelocityThatIsWrong) {
+  Recording r = recording();
+  const Identification good = identify(arm(), r);
+  ASSERT_TRUE(good.model.has_value());
+  const double honest = evaluate(*good.model, r).train_error.relative.maxCoeff();
+  r.dq.col(0) *= 180.0 / M_PI;
+  const Identification judged = evaluate(*good.model, r);
+  EXPECT_EQ(judged.preprocessing.derive_velocity_of, std::vector<int>{0});
+  EXPECT_LT(judged.train_error.relative.maxCoeff(), 1.2 * honest);
+  IdentificationOptions as_recorded;
+  as_recorded.choose_velocities = false;
+  EXPECT_GT(evaluate(*good.model, r, {}, as_recorded).train_error.relative.maxCoeff(), 2.0 * honest);
+}
+
 // Published identifications filter the signals and take the velocity as it is; to compare with them
 // this must too.
 TEST(VelocityChoice, FilteredSignalsKeepTheRecordedVelocity) {

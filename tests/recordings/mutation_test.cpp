@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <cstdint>
 #include <iterator>
 #include <random>
 #include <vector>
@@ -107,6 +108,48 @@ TEST(ADamagedTable, IsNamedWithItsPlace) {
   } catch (const InvalidInput& refused) {
     EXPECT_NE(std::string(refused.what()).find(":3:2: found '1 x,5'"), std::string::npos)
         << refused.what();
+  }
+}
+
+// An archive of one deflated array, with the size that its directory states.
+std::string archive_of_size(std::uint64_t size) {
+  std::string out = "PK\x03\x04";
+  const auto put = [&out](std::uint64_t value, int bytes) {
+    for (int k = 0; k < bytes; ++k) out += static_cast<char>(value >> (8 * k) & 0xFF);
+  };
+  const std::string name = "q.npy";
+  put(0x02014b50, 4);
+  put(0, 6);
+  put(8, 2);  // deflate
+  put(0, 8);
+  put(100, 4);  // packed
+  put(0xFFFFFFFF, 4);
+  put(name.size(), 2);
+  put(12, 2);
+  put(0, 10);
+  put(0, 4);  // offset
+  out += name;
+  put(1, 2);  // the field of large sizes
+  put(8, 2);
+  put(size, 8);
+  put(0x06054b50, 4);
+  put(0, 6);
+  put(1, 2);
+  put(0, 4);
+  put(4, 4);  // offset of the directory
+  put(0, 2);
+  return out;
+}
+
+// No memory is asked for what a directory alone states, of any size.
+TEST(AnArchive, ThatUnpacksToMoreThanTheMachineHoldsIsRefused) {
+  for (const std::uint64_t size : {std::uint64_t{1} << 50, ~std::uint64_t{0}}) {
+    try {
+      read_probe(archive_of_size(size));
+      FAIL() << size;
+    } catch (const InvalidInput& refused) {
+      EXPECT_NE(std::string(refused.what()).find("expected at most"), std::string::npos) << refused.what();
+    }
   }
 }
 
