@@ -3,7 +3,7 @@ BUILD := build
 JOBS  ?= $(shell nproc)
 CMAKE_FLAGS ?= --preset dev
 
-.PHONY: all tool build demo test python ros ros-test mpi growth deb build-times readme thesis bare sanitize packages packages-tests clean
+.PHONY: all tool build demo test python ros ros-test mpi growth deb build-times readme docs thesis bare sanitize packages packages-tests clean
 
 all: tool
 
@@ -59,6 +59,11 @@ deb: packages
 	@cd $(BUILD) && cpack -B packages >cpack.log || { cat cpack.log; exit 1; }
 	@ls $(BUILD)/packages/*.deb
 
+# The book as a site with search and the reference of the C++ headers: $(BUILD)/site/html/index.html. Dead links are errors.
+docs:
+	@cmake/install-packages.sh cmake/debian-packages-docs.txt
+	@docs/build-site.sh $(BUILD)/site
+
 # The thesis's tables and figures beside ours: docs/thesis-figures.md, made anew.
 thesis:
 	@$(MAKE) --no-print-directory readme PAGES=docs/thesis-figures.md
@@ -70,7 +75,7 @@ build-times:
 
 # Every list of packages in cmake/, tried in a bare Debian root: tool, tests, python, mpi, ros and deb; as root.
 bare: build
-	@for what in root tool tests python mpi ros deb; do tests/bare/bare_debian.sh $(BUILD) $$what || exit 1; done
+	@for what in root tool tests python mpi ros docs deb; do tests/bare/bare_debian.sh $(BUILD) $$what || exit 1; done
 
 demo: tool
 	@examples/demo.sh $(BUILD)/bin/veridyn out/demo

@@ -1,6 +1,6 @@
 #!/bin/sh
 # Runs one of the Makefile's targets in a bare Debian 12 root, so that a package missing from cmake/debian-packages*.txt
-# cannot go unseen: bare_debian.sh BUILD root|tool|tests|python|mpi|ros|deb
+# cannot go unseen: bare_debian.sh BUILD root|tool|tests|python|mpi|ros|docs|deb
 #
 # `root` unpacks Debian's minimal system plus make once, into BUILD/bare; every other word copies it, puts the sources and
 # what BUILD has compiled at their own paths in the copy, and works there as root. Skipped (77), with the reason, where this
@@ -84,17 +84,20 @@ mpi)
 ros)
   inside "$root" "make ros-test $tool && for program in rostopic rosrun roslaunch; do command -v \$program; done"
   ;;
+docs)
+  inside "$root" "make docs BUILD=/tmp/docs"
+  ;;
 deb)
   inside "$root" "make deb $tool"
   copy_of_root "$cache/stranger"
   mkdir -p "$cache/stranger/packages" "$cache/stranger$source_dir"
   cp "$root$build"/packages/*.deb "$cache/stranger/packages/"
   inside "$cache/stranger" "apt-get update -qq; apt-get install -y -qq --no-install-recommends /packages/*.deb >/dev/null
-    cd /; veridyn info psm-3dof >/dev/null; python3 -c 'import veridyn' ; apt-get purge -y -qq '*veridyn*' >/dev/null
+    cd /; veridyn info psm-3dof >/dev/null; ls /usr/share/man/man1/veridyn-identify.1* >/dev/null; python3 -c 'import veridyn' ; apt-get purge -y -qq '*veridyn*' >/dev/null
     left=\$(find / -xdev -path /packages -prune -o -path /proc -prune -o -path '*$source_dir*' -prune -o -name '*veridyn*' -print); [ -z \"\$left\" ] || { echo \"left behind: \$left\"; exit 1; }"
   ;;
 *)
-  echo "bare_debian.sh: found '$what', expected root, tool, tests, python, mpi, ros or deb" >&2
+  echo "bare_debian.sh: found '$what', expected root, tool, tests, python, mpi, ros, docs or deb" >&2
   exit 2
   ;;
 esac
