@@ -171,9 +171,11 @@ pages.watch = () => {
   const seconds = (place) => number(place, 'plain', fixed(2));
   const alarms = result.sources.reduce((sum, source) => sum + source.alarms, 0);
   const watched = result.sources.reduce((sum, source) => sum + source.seconds - source.learned, 0);
+  const said = (event) => event.sentence.replace(/^[0-9.]+ s: /, '');  // the time has a column of its own
+  const named = result.sources.flatMap((source) => source.events).filter((event) => event.event === 'named' || event.event === 'refined').pop();
   const events = result.sources.flatMap((source, s) => source.events.map((event, e) => {
     const place = '/sources/' + s + '/events/' + e;
-    return [fileName(source.source), seconds(place + '/time'), seconds(place + '/since'), event.event, typeset(event.sentence)];
+    return [fileName(source.source), seconds(place + '/time'), seconds(place + '/since'), event.event, typeset(said(event))];
   }));
   if (result.running && location.protocol === 'http:') {
     new EventSource('/events').onmessage = () => fetch('/').then(() => location.reload(), () => 0);  // it may have ended
@@ -182,7 +184,7 @@ pages.watch = () => {
   }
   return {
     title: result.robot, kind: 'Watch', facts: [result.running ? 'running; this page follows it' : 'ended'],
-    lead: alarms === 0 ? 'Nothing changed.' : countOf(alarms, 'change') + ' in ' + countOf(result.sources.length, 'source') + '.', state: alarms ? 'bad' : 'good',
+    lead: alarms === 0 ? 'Nothing changed.' : alarms === 1 && named ? said(named)[0].toUpperCase() + said(named).slice(1) : countOf(alarms, 'change') + ' in ' + countOf(result.sources.length, 'source') + '.', state: alarms ? 'bad' : 'good',
     good: [paragraph('', countOf(result.sources.length, 'source') + ' watched for ' + short(watched, 3) + ' s after ' +
                      short(result.sources.reduce((sum, s) => sum + s.learned, 0), 3) + ' s in which it learned today\u2019s friction and offsets.'),
            events.length ? table(['Source', '#Said at [s]', '#Since [s]', 'State', 'What'], events, 'events') : null],

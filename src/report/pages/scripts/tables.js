@@ -141,12 +141,24 @@ pages.friction = () => {
       {kind: 'line', name: 'friction', colour: 'extended', width: 2.2, points: c.velocity.map((v, k) => [v, c.torque[k]])},
       {kind: 'dots', name: 'constant speeds', colour: 'measured', width: 6, opacity: 0.9, points: c.speeds.map((s) => [s.velocity, s.torque])},
       {kind: 'dots', name: 'breakaways', colour: 'bad', width: 5, points: c.breakaways.map((b) => [0, b.torque])}]});
-  const verdict = (v) => typeof v === 'string' ? v : v.sentence || words(v.effect || v.name || '') + (v.verdict || v.state ? ': ' + words(v.verdict || v.state) : '');
+  // Kinds of friction beyond viscous and Coulomb, by the state of their verdict.
+  const kinds = (joint, ...states) => (joint.verdicts || []).filter((v) => states.includes(v.state));
+  const list = (found) => found.map((v) => words(v.effect)).join(', ');
+  const more = joints.filter((j) => kinds(j, 'confirmed').length);
+  const open = joints.filter((j) => kinds(j, 'cannot_tell', 'not_confirmed').length);
+  const lead = more.length ? 'More than viscous and Coulomb friction on ' + more.map((j) => jointName(j.joint)).join(', ') + '.'
+    : joints.length ? 'Viscous and Coulomb friction describe ' + (open.length ? 'what these recordings can tell.' : 'every joint that moves.') : 'No joint moves.';
+  const summary = (j) => [strong(jointName(j.joint)), ': ', list(kinds(j, 'confirmed')) || 'viscous and Coulomb friction',
+    kinds(j, 'not_confirmed').length ? '; found, not confirmed: ' + list(kinds(j, 'not_confirmed')) : '',
+    kinds(j, 'cannot_tell').length ? '; cannot be told: ' + list(kinds(j, 'cannot_tell')) : ''];
+  const tested = joints.flatMap((j, at) => (j.verdicts || []).map((v, k) => [strong(jointName(j.joint)), words(v.effect), words(v.state),
+    v.p_value === null ? '' : number('/joints/' + at + '/verdicts/' + k + '/p_value', 'chance'), typeset(v.sentence.slice(v.sentence.indexOf(': ') + 2))]));
   return {
-    title: result.robot || 'Friction', kind: 'Friction', facts: [countOf(curves.length, 'joint')], lead: 'Friction of ' + countOf(curves.length, 'joint') + ' against speed.',
-    good: element('ul', {}, joints.flatMap((j) => [].concat(j.verdicts || []).slice(0, 3).map((v) => element('li', {}, jointName(j.joint) + ': ' + typeset(verdict(v)))))),
+    title: result.robot || 'Friction', kind: 'Friction', facts: [countOf(curves.length, 'joint')], lead,
+    good: element('ul', {}, joints.map((j) => element('li', {}, summary(j)))),
     next: [{why: 'Identify the whole arm with these causes:', command: 'veridyn diagnose ' + (result.robot || 'ROBOT') + ' --train RECORDING.csv --test OTHER.csv'}],
     picture: curves.length ? figure(curves[0], {width: 520, height: 300}) : null,
-    sections: [section('curves', 'All joints', null, grid(curves.slice(1).map((c) => figure(c, {width: 420, height: 240}))))]
+    sections: [section('curves', 'All joints', null, grid(curves.slice(1).map((c) => figure(c, {width: 420, height: 240})))),
+      section('kinds', 'Kinds of friction that were tested', 'Beside viscous and Coulomb friction, on held-out parts of the recordings.', table(['Joint', 'Kind', 'Verdict', '#p', 'Why'], tested, 'kinds'))]
   };
 };
