@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <string>
 
 #include "veridyn/cooperation/scenario_sweep.hpp"
@@ -72,6 +73,23 @@ TEST(ScenarioRun, PositionBasedTrackingSwingsWithTheNarrowDeadbandOnly) {
     EXPECT_GT(phase(narrow, name).members[0].generated,
               10.0 * phase(wide, name).members[0].generated);
   }
+}
+
+// Half of the friction is known: ten strokes later the tip is as near to its way as with all of it.
+// Without the observer of model errors, which would hide what friction does.
+TEST(ScenarioRun, FrictionThatIsHalfKnownIsLearnedInTenStrokes) {
+  const auto last_strokes = [](double friction, bool adaptive) {
+    Scenario s = example("adaptive-friction");
+    s.control.friction = friction;
+    s.control.adaptive_friction = adaptive;
+    s.control.observer = 0.0;
+    const ScenarioRun run = run_scenario(s);
+    EXPECT_TRUE(run.complete());
+    return std::max(phase(run, "11 to").position_error, phase(run, "12 fro").position_error);
+  };
+  const double known = last_strokes(1.0, false);
+  EXPECT_LT(last_strokes(0.5, true), 1.1 * known);
+  EXPECT_GT(last_strokes(0.5, false), 1.5 * known);
 }
 
 TEST(ScenarioRun, TheGazeboExperimentKeepsItsForce) {

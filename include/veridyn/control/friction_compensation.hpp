@@ -80,8 +80,8 @@ class FrictionCompensation {
   bool prismatic(int k) const { return axes_[static_cast<size_t>(k)].prismatic; }
   double share() const { return options_.share; }
 
-  /// Scales the friction of one axis, see AdaptiveFriction. Returns false unless scale is in 0 ..
-  /// 2.
+  /// Scales the friction of one axis, see AdaptiveFriction. Returns false unless the scale times the
+  /// share is in 0 .. 2.
   bool set_scale(int k, double scale) noexcept;
   double scale(int k) const { return axes_[static_cast<size_t>(k)].scale; }
 
