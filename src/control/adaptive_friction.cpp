@@ -53,15 +53,20 @@ void AdaptiveFriction::update(const ArmState& arm, const VectorXd& missing, doub
   if (!options_.enabled || !(dt > 0.0) || !missing.allFinite() || !(friction.share() > 0.0)) return;
   for (int k = 0; k < friction.axes(); ++k) {
     const VectorXd& c = friction.axis(k);
-    const double v = c.dot(arm.dq());
+    Learned& axis = axes_[static_cast<size_t>(k)];
+    // The mean over the cycle that `missing` belongs to: noise that lifts its end over the deadband
+    // would make the acceleration of the chosen cycles too large.
+    const double v = 0.5 * (axis.speed + c.dot(arm.dq()));
+    const double applied = axis.applied;
+    axis.speed = c.dot(arm.dq());
+    axis.applied = friction.force(k);
     const double least_speed =
         friction.prismatic(k) ? options_.velocity.prismatic : options_.velocity.revolute;
     if (!(std::abs(v) > least_speed)) continue;
     const double force =
         friction.sliding(k, v < 0.0 ? -1.0 : 1.0, v);  // carries the direction's sign
     if (std::abs(force) < kNoFriction) continue;
-    Learned& axis = axes_[static_cast<size_t>(k)];
-    const double needed = c.dot(missing) / c.squaredNorm() + axis.share * force;
+    const double needed = c.dot(missing) / c.squaredNorm() + applied;
     learn(axis, force, c.dot(arm.q()), needed, dt);
     friction.set_scale(k, axis.share / friction.share());
   }

@@ -11,27 +11,27 @@ struct AdaptiveFrictionOptions {
   double rate = 0.5;     ///< [1/s] of motion
   double least = 0.0;    ///< bounds of k, as a share of the identified friction
   double most = 2.0;
-  Deadband velocity{0.02, 0.01};  ///< below which nothing is learned
+  Deadband velocity{0.01, 0.005};  ///< below which nothing is learned
 };
 
-/// Online update of friction (an outlook of the thesis, chapter 8): grease ages and warms. In motion,
-/// an axis whose friction k F(direction, v) is compensated needs the torque
+/// Online update of friction (an outlook of the thesis, chapter 8): grease ages and warms. The torque
+/// that an axis needs beside that of the model's bodies, in motion, is
 ///
-///   y = missing + k F = k* F + b + c s,      k* the share that the arm has,
+///   y = compensation + missing = k* F(direction, v) + b + c s,
 ///
 /// where k* is the share of the identified friction F that the arm has, s the place, and b + c s every
 /// other error of the model near it, mainly gravity. Least squares over the last 1 / rate seconds of
-/// motion (exponential forgetting) give estimates of k*, b and c, and k follows:
+/// motion (exponential forgetting) estimate k*, b and c, and the compensated share k follows:
 ///
 ///   dk/dt = rate (clamp(estimate of k*, least, most) - k).
 ///
 /// Proof of convergence. y does not contain k, so the estimate does not depend on k: there is no
 /// feedback through which k could drift. If y is k* F + b + c s + e, the estimate is
-/// k* + sum(w r e) / sum(w r^2) with the weights w of the forgetting and r the part of F that
+/// k* + sum(w r e) / sum(w r^2), with w the weights of the forgetting and r the part of F that
 /// b + c s do not explain. Without e it is k* exactly, and |k - k*| falls as exp(-rate t) if k* lies
-/// within the bounds. With e of root mean square E, the error of the estimate is at most
-/// E / rms(r), by Cauchy and Schwarz. Excitation: motion in one direction, or a direction that
-/// depends on the place, makes r vanish. k is held unless sum(w r^2) is above a fifth of sum(w F^2), so
+/// within the bounds. With an e of root mean square E, the error of the estimate is at most
+/// E / rms(r), by Cauchy and Schwarz. Excitation: motion in one direction only, or in a direction that
+/// depends on the place, makes r vanish. k rests unless sum(w r^2) exceeds a fifth of sum(w F^2), so
 /// that E / rms(r) < sqrt(5) E / rms(F). Source: Slotine and Li, Applied Nonlinear Control, 1991,
 /// section 8.7 (least squares with exponential forgetting, persistent excitation).
 ///
@@ -55,7 +55,9 @@ class AdaptiveFriction {
  private:
   struct Learned {
     double share = 1.0;
-    double place = 0.0;  // s counts from here
+    double speed = 0.0;    // at the previous update
+    double applied = 0.0;  // compensation since the previous update
+    double place = 0.0;    // s counts from here
     bool first = true;
     Eigen::Matrix3d information = Eigen::Matrix3d::Zero();  // of F, 1, s
     Eigen::Vector3d right = Eigen::Vector3d::Zero();

@@ -89,6 +89,9 @@ class FrictionCompensation {
   /// share and scale, at the position of the last update().
   double sliding(int k, double direction, double speed) const noexcept;
 
+  /// Compensation along axis k at the last update() [N m], [N].
+  double force(int k) const { return axes_[static_cast<size_t>(k)].force; }
+
   /// Content of the energy tank of axis k as a share of its capacity, 0 to 1.
   double tank_level(int k) const noexcept;
 
