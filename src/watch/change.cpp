@@ -31,6 +31,8 @@ constexpr double kMixed = 2.5;          // steps after the onset whose innovatio
 // Relative systematic error of a size: smoothing, first-order columns.
 constexpr double kSystematic = 0.02;
 constexpr double kUndone = 0.3;         // remaining share below which a change was reversed
+constexpr double kPresentOdds = 3.0;    // times the odds of a name: all hypotheses are compared
+constexpr double kPresentShare = 0.1;   // share of a joint's rms torque: less differs from day to day
 constexpr int kMostWithdrawn = 2;       // names of one change, so that two causes do not alternate
 
 }  // namespace
@@ -117,6 +119,7 @@ void ChangeFinder::add(const Step& step, WatchState& state) {
     if (quiet_live_ >= options_.learn - 0.5 * options_.step) {
       learning_ = false;
       calibrate();
+      tell_present(step.time);
     }
     state.learning = learning_;
     return;
@@ -198,6 +201,37 @@ void ChangeFinder::set_bounds() {
     }
     least_[h] = std::max(least_[h], -std::max(whole, 0.0));
   }
+}
+
+// The cause that explains most of the quiet beginning's residual, if its torque matters. What the
+// differences of a day cannot absorb, such as a load, counts as known from then on.
+void ChangeFinder::tell_present(double now) {
+  std::deque<WhiteStep> whole;
+  for (const Step& step : quiet_) whole.push_back(noise_.whiten(step, -noise_.today()));
+  Change c;
+  c.alarm = quiet_.front().time;
+  c.lookback = options_.step;
+  const std::vector<Score> all = scores(c, whole);
+  c.score = all.front();
+  const double odds = quantiles_.dispersion() * kOdds;
+  if (c.score.size.size() == 0 || c.score.gain < odds * kPresentOdds) return;
+  VectorXd power = VectorXd::Zero(arm_.joints());
+  for (const Step& step : quiet_)
+    power += (step.columns(Eigen::all, c.score.columns) * c.score.size).cwiseAbs2() /
+             static_cast<double>(quiet_.size());
+  const VectorXd share = power.cwiseSqrt().cwiseQuotient(noise_.scale().cwiseMax(1e-12));
+  if (share.maxCoeff() < kPresentShare || std::abs(c.score.size[0]) <= half_width(c.score)) return;
+  c.id = ++ids_;
+  WatchEvent e = event(c, WatchStage::kPresent, now);
+  add_rivals(all, c.score, e);
+  tell(std::move(e));
+  if (hypotheses_[static_cast<size_t>(c.score.hypothesis)].along_axis()) return;
+  for (Step& step : quiet_)
+    step.residual -= step.columns(Eigen::all, c.score.columns) * c.score.size;
+  know(c.score, 1.0);
+  c.named = now;
+  past_.push_back(c);
+  calibrate();
 }
 
 void ChangeFinder::look(double now, WatchState& state) {
@@ -324,18 +358,23 @@ WatchEvent ChangeFinder::event(const Change& c, WatchStage stage, double now) co
   return e;
 }
 
+void ChangeFinder::add_rivals(const std::vector<Score>& scores, const Score& best,
+                              WatchEvent& e) const {
+  const double phi = quantiles_.dispersion();
+  for (const Score& s : scores) {
+    if (s.hypothesis == best.hypothesis || best.gain - s.gain > phi * kOdds) continue;
+    const Cause& other = hypotheses_[static_cast<size_t>(s.hypothesis)].of.cause;
+    e.rivals.push_back({other, to_text(arm_, other), 0.5 * (best.gain - s.gain) / phi});
+  }
+}
+
 void ChangeFinder::name(const std::vector<Score>& scores, double now) {
   Change c = *open_;
   open_.reset();
   c.score = measured_again(recent_, scores.front(), kMixed * options_.step);
   c.named = now;
   WatchEvent e = event(c, WatchStage::kNamed, now);
-  const double phi = quantiles_.dispersion();
-  for (const Score& s : scores) {
-    if (s.hypothesis == c.score.hypothesis || c.score.gain - s.gain > phi * kOdds) continue;
-    const Cause& other = hypotheses_[static_cast<size_t>(s.hypothesis)].of.cause;
-    e.rivals.push_back({other, to_text(arm_, other), 0.5 * (c.score.gain - s.gain) / phi});
-  }
+  add_rivals(scores, c.score, e);
   // The same change, the other way round: it was taken back.
   const double size = c.score.size[0];
   const auto before = std::find_if(past_.rbegin(), past_.rend(), [&](const Change& p) {

@@ -43,6 +43,8 @@ class ChangeFinder {
  private:
   void calibrate();
   void set_bounds();
+  void tell_present(double now);
+  void add_rivals(const std::vector<Score>& scores, const Score& best, WatchEvent& e) const;
   void look(double now, WatchState& state);
   void go_on_learning(const Step& step, double strength);
   void tell_apart(double now, bool last);

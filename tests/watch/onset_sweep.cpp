@@ -33,7 +33,7 @@ int main(int count, char** words) {
       }
     }
   }
-  fmt::print("{} of {} right within 3 s, {} impossible, {} with one change and no other\n", right, all,
-             impossible, alone);
+  fmt::print("{} of {} right within 3 s, {} impossible, {} with one change and no other\n", right,
+             all, impossible, alone);
   return 0;
 }

@@ -63,8 +63,9 @@ inline MotionSamples watched_waves(double seconds, double period = 0.0) {
   const double whole[] = {3.0, 2.0, 1.0};
   for (int j = 0; j < 3; ++j) {
     for (const double overtone : {1.0, 2.3}) {
-      const double w = period > 0.0 ? 2.0 * M_PI / period * (overtone > 1.0 ? 2.0 * whole[j] + 1.0 : whole[j])
-                                    : pace[j] * overtone;
+      const double w =
+          period > 0.0 ? 2.0 * M_PI / period * (overtone > 1.0 ? 2.0 * whole[j] + 1.0 : whole[j])
+                       : pace[j] * overtone;
       const double a = size[j] / (2.0 * overtone);
       m.q.col(j).array() += a * (w * m.time.array() + j).sin();
       m.dq.col(j).array() += a * w * (w * m.time.array() + j).cos();
@@ -78,14 +79,14 @@ inline MotionSamples watched_waves(double seconds, double period = 0.0) {
 /// How a watch answered a change at one onset.
 struct OnsetAnswer {
   double onset = 0.0;
-  bool right = false;       ///< the first name is the cause, within 3 s, its interval holds the size
+  bool right = false;  ///< the first name is the cause, within 3 s, its interval holds the size
   bool impossible = false;  ///< an event whose whole interval is impossible: a negative load
   int changes = 0;          ///< changes reported
   std::string events;       ///< in words
 };
 
-inline OnsetAnswer answer(const std::vector<WatchEvent>& events, double onset, const std::string& cause,
-                          double size) {
+inline OnsetAnswer answer(const std::vector<WatchEvent>& events, double onset,
+                          const std::string& cause, double size) {
   constexpr double kLatest = 3.0;  // [s]
   OnsetAnswer a;
   a.onset = onset;
@@ -93,10 +94,12 @@ inline OnsetAnswer answer(const std::vector<WatchEvent>& events, double onset, c
   for (const WatchEvent& e : events) {
     a.changes = std::max(a.changes, e.id);
     a.impossible = a.impossible || (e.unit == "kg" && e.high < 0.0);
-    a.events += std::string(name_of(e.stage)) + " at " + std::to_string(e.time) + ": " + e.sentence + "\n";
+    a.events +=
+        std::string(name_of(e.stage)) + " at " + std::to_string(e.time) + ": " + e.sentence + "\n";
     if (e.stage != WatchStage::kNamed || named) continue;
     named = true;
-    a.right = e.text == cause && e.time > onset && e.time - onset <= kLatest && e.low < size && size < e.high;
+    a.right = e.text == cause && e.time > onset && e.time - onset <= kLatest && e.low < size &&
+              size < e.high;
   }
   return a;
 }
