@@ -7,41 +7,68 @@
 #include "veridyn/math/require.hpp"
 
 namespace veridyn {
+namespace {
+
+constexpr double kTold = 0.2;  // share of F's square that an offset and a slope do not explain
+constexpr double kNoFriction = 1e-9;  // [N m], [N]
+constexpr double kNoPlace = 1e-9;  // share of its square that a place varies by: there is no slope
+
+}  // namespace
 
 AdaptiveFriction::AdaptiveFriction(const FrictionCompensation& friction,
                                    const AdaptiveFrictionOptions& options)
-    : options_(options),
-      scale_(static_cast<size_t>(friction.axes()), 1.0),
-      offset_(scale_.size(), 0.0) {
-  require(options.least >= 0.0 && options.least <= 1.0 && options.most >= 1.0 &&
-              options.most <= 2.0 && options.rate >= 0.0 && std::isfinite(options.rate),
+    : options_(options), axes_(static_cast<size_t>(friction.axes())) {
+  for (Learned& axis : axes_) axis.share = friction.share();
+  require(options.least >= 0.0 && options.least <= friction.share() &&
+              options.most >= friction.share() && options.most <= 2.0 && options.rate >= 0.0 &&
+              std::isfinite(options.rate),
           "AdaptiveFriction: found bounds of ", options.least, " and ", options.most,
-          " and a rate of ", options.rate,
-          ", expected bounds from 0 to 2 with 1 between them and a rate that is not below zero.");
+          " and a rate of ", options.rate, ", expected bounds from 0 to 2 with the share of ",
+          friction.share(), " between them and a rate that is not below zero.");
 }
 
-void AdaptiveFriction::update(const ArmState& arm, const VectorXd& lacking, double dt,
+void AdaptiveFriction::learn(Learned& axis, double force, double s, double needed,
+                             double dt) const noexcept {
+  if (axis.first) axis.place = s;
+  axis.first = false;
+  const double step = std::min(0.5, options_.rate * dt);
+  const Eigen::Vector3d row(force, 1.0, s - axis.place);
+  axis.information += step * (row * row.transpose() - axis.information);
+  axis.right += step * (needed * row - axis.right);
+  // F without what 1 and s explain of it, and y likewise.
+  const Eigen::Matrix3d& J = axis.information;
+  const double spread = J(2, 2) - J(1, 2) * J(1, 2) / J(1, 1);
+  const double slope =
+      spread > kNoPlace * J(2, 2) ? (J(0, 2) - J(0, 1) * J(1, 2) / J(1, 1)) / spread : 0.0;
+  const double offset = (J(0, 1) - slope * J(1, 2)) / J(1, 1);
+  const double alone = J(0, 0) - offset * J(0, 1) - slope * J(0, 2);
+  if (!(alone > kTold * J(0, 0))) return;
+  const double found = (axis.right[0] - offset * axis.right[1] - slope * axis.right[2]) / alone;
+  axis.share += step * (std::clamp(found, options_.least, options_.most) - axis.share);
+}
+
+void AdaptiveFriction::update(const ArmState& arm, const VectorXd& missing, double dt,
                               FrictionCompensation& friction) noexcept {
-  assert(lacking.size() == arm.joints());
-  if (!options_.enabled || !(dt > 0.0) || !lacking.allFinite()) return;
+  assert(missing.size() == arm.joints());
+  if (!options_.enabled || !(dt > 0.0) || !missing.allFinite() || !(friction.share() > 0.0)) return;
   for (int k = 0; k < friction.axes(); ++k) {
     const VectorXd& c = friction.axis(k);
-    const double v = c.dot(arm.dq());
+    Learned& axis = axes_[static_cast<size_t>(k)];
+    // The mean over the cycle that `missing` belongs to: noise that lifts its end over the deadband
+    // would make the acceleration of the chosen cycles too large.
+    const double v = 0.5 * (axis.speed + c.dot(arm.dq()));
+    const double applied = axis.applied;
+    axis.speed = c.dot(arm.dq());
+    axis.applied = friction.force(k);
     const double least_speed =
         friction.prismatic(k) ? options_.velocity.prismatic : options_.velocity.revolute;
     if (!(std::abs(v) > least_speed)) continue;
-    const auto at = static_cast<size_t>(k);
-    const double direction = v < 0.0 ? -1.0 : 1.0;
-    const double force = friction.sliding(k, direction, v);  // signed by the direction
-    if (std::abs(force) < 1e-9) continue;
-    // Friction that the compensation, with its present share and scale, does not cover.
-    const double along = c.dot(lacking) / c.squaredNorm();
-    const double found = along + friction.share() * friction.scale(k) * force;
-    const double wrong = found - offset_[at] - scale_[at] * force;
-    const double step = std::min(0.5, options_.rate * dt);
-    offset_[at] += step * wrong;
-    scale_[at] = std::clamp(scale_[at] + step * wrong / force, options_.least, options_.most);
-    friction.set_scale(k, scale_[at]);
+    const double force =
+        friction.sliding(k, v < 0.0 ? -1.0 : 1.0, v);  // carries the direction's sign
+    if (std::abs(force) < kNoFriction) continue;
+    const double needed = c.dot(missing) / c.squaredNorm() + applied;
+    learn(axis, force, c.dot(arm.q()), needed, dt);
+    friction.set_scale(k, axis.share / friction.share());
   }
 }
 

@@ -67,7 +67,7 @@ void FrictionCompensation::reset() noexcept {
 }
 
 bool FrictionCompensation::set_scale(int k, double scale) noexcept {
-  if (k < 0 || k >= axes() || !(scale >= 0.0 && scale <= 2.0)) return false;
+  if (k < 0 || k >= axes() || !(scale >= 0.0 && options_.share * scale <= 2.0)) return false;
   axes_[static_cast<size_t>(k)].scale = scale;
   return true;
 }

@@ -14,7 +14,14 @@ constexpr double kSentShare = 1e-9;
 }  // namespace
 
 ModelErrorObserver::ModelErrorObserver(int joints, const ModelErrorOptions& options)
-    : options_(options), d_(VectorXd::Zero(joints)), y_(d_), dq_(d_), lacking_(d_), step_(d_), not_sent_(d_) {
+    : options_(options),
+      d_(VectorXd::Zero(joints)),
+      y_(d_),
+      dq_(d_),
+      lacking_(d_),
+      step_(d_),
+      not_sent_(d_),
+      missing_(d_) {
   require(options.limit.size() == joints && options.limit.allFinite() &&
               options.limit.minCoeff() >= 0.0,
           "ModelErrorObserver: found limits that are not ", joints,
@@ -27,6 +34,7 @@ ModelErrorObserver::ModelErrorObserver(int joints, const ModelErrorOptions& opti
 void ModelErrorObserver::reset() noexcept {
   d_.setZero();
   not_sent_.setZero();
+  missing_.setZero();
   first_ = true;
 }
 
@@ -56,7 +64,10 @@ const VectorXd& ModelErrorObserver::update(const ArmState& arm, const VectorXd& 
   if (!first_) {
     lacking_ = y_ * dt - (arm.dq() - dq_);
     step_.noalias() = arm.mass_matrix().lazyProduct(lacking_);
-    step_ = options_.bandwidth * (step_ - dt * not_sent_);
+    step_ -= dt * not_sent_;
+    missing_ = d_;
+    if (dt > 0.0) missing_ += step_ / dt;
+    step_ *= options_.bandwidth;
     for (Eigen::Index i = 0; i < d_.size(); ++i) {
       if (step_[i] * not_sent_[i] <= 0.0) d_[i] += step_[i];
     }

@@ -141,6 +141,8 @@ const VectorXd& ArmLoop::torque(const TipTarget& target, const Eigen::Vector3d& 
   tau_ = loop.update(state_, wanted, wrench);
   if (friction_ && !yielding_ && (!frozen_ || goes_along)) compensate_friction(wanted);
   tau_ += model_error_.update(state_, loop.acceleration(), period_);
+  if (adaptive_ && !yielding_ && !frozen_)
+    adaptive_->update(state_, model_error_.missing(), period_, *friction_);
   asked_ = tau_;
   for (Eigen::Index i = 0; i < tau_.size(); ++i) {
     const double limit = setup_.model.coordinates()[static_cast<size_t>(i)].limits.effort;
@@ -157,7 +159,6 @@ void ArmLoop::compensate_friction(const TaskReference& wanted) noexcept {
   error.head<3>() = wanted.x.head<3>() - state_.tip().position();
   inverse_.solve(error, rest_, joint_error_);
   tau_ += friction_->update(state_, wanted_dq_, joint_error_, period_);
-  if (adaptive_) adaptive_->update(state_, model_error_.torque(), period_, *friction_);
 }
 
 }  // namespace veridyn

@@ -4,8 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "kinematics/motion_limits.hpp"
+#include "veridyn/control/friction_compensation.hpp"
+#include "veridyn/control/quintic_interpolator.hpp"
 #include "veridyn/math/require.hpp"
 
 namespace veridyn {
@@ -13,6 +16,9 @@ namespace {
 
 constexpr double kContactRamp = 0.1;  // [s] in which a contact fades in and out
 constexpr double kFar = 10.0;         // times a joint's range: no controller recovers
+constexpr double kStepSeconds = 1.0;  // of a joint's step
+constexpr double kStepRest = 2.0;     // [s] after it
+constexpr double kStepPeriod = 1e-3;  // [s]
 
 // Records rows up to the end of the run.
 class Log {
@@ -64,7 +70,13 @@ class Loop {
       for (Eigen::Index i = 0; i < n_; ++i)
         limit_[i] = arm.coordinates()[static_cast<size_t>(i)].limits.effort;
     }
-    integral_ = velocity_ = motors_ = VectorXd::Zero(n_);
+    integral_ = velocity_ = motors_ = whole_ = error_ = VectorXd::Zero(n_);
+    if (!options.model) return;
+    state_.emplace(*options.model);
+    law_.emplace(static_cast<int>(n_), JointGains{options.gains.p, options.gains.d});
+    FrictionOptions share;
+    share.share = options.friction;
+    if (options.friction > 0.0) friction_.emplace(*options.model, share);
   }
 
   void start(const VectorXd& q, const VectorXd& dq) {
@@ -76,10 +88,9 @@ class Loop {
 
   // The motors' torques for the next h seconds; a slower controller keeps them until its own period
   // has passed.
-  const VectorXd& torques(const VectorXd& q, const VectorXd& wanted, const VectorXd& wanted_dq,
-                          double h) {
+  const VectorXd& torques(const VectorXd& q, const JointReference& wanted, double h) {
     if (first_ || since_ > 1.0 / options_.rate - 0.5 * h) {
-      update(q, wanted, wanted_dq, first_ ? h : since_);
+      update(q, wanted, first_ ? h : since_);
       since_ = 0.0;
     }
     since_ += h;
@@ -88,7 +99,7 @@ class Loop {
 
  private:
   // @param h  [s] since the previous update.
-  void update(const VectorXd& q, const VectorXd& wanted, const VectorXd& wanted_dq, double h) {
+  void update(const VectorXd& q, const JointReference& wanted, double h) {
     std::rotate(seen_.begin(), seen_.begin() + 1, seen_.end());
     seen_.back() = measured(q);
     const VectorXd& now = seen_.front();
@@ -97,15 +108,21 @@ class Loop {
     if (!first_) velocity_ += share * ((now - last_) / h - velocity_);
     first_ = false;
     last_ = now;
-    const PidGains& k = options_.gains;
+    error_ = wanted.q - now;
+    if (law_) {
+      state_->update(now, velocity_);
+      whole_ = law_->update(*state_, wanted);
+      if (friction_) whole_ += friction_->update(*state_, wanted.dq, error_, h);
+    } else {
+      const PidGains& k = options_.gains;
+      whole_ = k.p.cwiseProduct(error_) + integral_ + h * k.i.cwiseProduct(error_) +
+               k.d.cwiseProduct(wanted.dq - velocity_);
+    }
     const double follow = options_.drive.lag > 0.0 ? 1.0 - std::exp(-h / options_.drive.lag) : 1.0;
     for (Eigen::Index i = 0; i < n_; ++i) {
-      const double e = wanted[i] - now[i];
-      const double whole =
-          k.p[i] * e + integral_[i] + k.i[i] * e * h + k.d[i] * (wanted_dq[i] - velocity_[i]);
-      const double bounded = std::clamp(whole, -limit_[i], limit_[i]);
+      const double bounded = std::clamp(whole_[i], -limit_[i], limit_[i]);
       // Anti-windup: the integral stops while the motor saturates.
-      if (bounded == whole) integral_[i] += k.i[i] * e * h;
+      if (bounded == whole_[i]) integral_[i] += options_.gains.i[i] * error_[i] * h;
       motors_[i] += follow * (in_steps(bounded) - motors_[i]);
     }
   }
@@ -127,7 +144,10 @@ class Loop {
 
   const LoopOptions& options_;
   Eigen::Index n_;
-  VectorXd limit_, integral_, velocity_, motors_, last_;
+  std::optional<ArmState> state_;  // of computed torque
+  std::optional<ComputedTorque> law_;
+  std::optional<FrictionCompensation> friction_;
+  VectorXd limit_, integral_, velocity_, motors_, last_, whole_, error_;
   std::vector<VectorXd> seen_;
   bool first_ = true;
   double since_ = 0.0;  // [s] since the previous update
@@ -151,6 +171,10 @@ void check(const Model& arm, const MotionSamples& m, const LoopOptions& o) {
   require(
       o.drive.limit.size() == 0 || (o.drive.limit.size() == n && o.drive.limit.minCoeff() > 0.0),
       "control loop: found torque limits that are not ", n, " numbers above zero.");
+  require(!o.model || (o.model->joints() == n && o.friction >= 0.0),
+          "control loop: found a model of ", o.model ? o.model->joints() : 0,
+          " joints and a share of friction of ", o.friction, ", expected ", n,
+          " joints and none below zero.");
   require(o.start.size() == 0 || o.start.size() == n, "control loop: found a start of ",
           o.start.size(), " joints, expected ", n, ".");
 }
@@ -184,12 +208,14 @@ EngineRun run_with_pid(Engine& engine, const Model& arm, const MotionSamples& se
   const Eigen::Index rows = set_points.rows();
   const VectorXd& time = set_points.time;
   Log log(time, arm.joints());
-  VectorXd wanted = set_points.q.row(0).transpose();
-  VectorXd wanted_dq = set_points.dq.row(0).transpose();
-  const VectorXd home = options.start.size() > 0 ? options.start : wanted;
-  engine.set_state(home, wanted_dq);
+  JointReference wanted(arm.joints());
+  wanted.q = set_points.q.row(0).transpose();
+  wanted.dq = set_points.dq.row(0).transpose();
+  const VectorXd home = options.start.size() > 0 ? options.start : wanted.q;
+  engine.set_state(home, wanted.dq);
   Loop loop(arm, options);
-  loop.start(home, wanted_dq);
+  loop.start(home, wanted.dq);
+  const bool accelerations = set_points.ddq.rows() == rows;
   VectorXd all(arm.joints());
   const MotionLimits limits = motion_limits(arm);
   const VectorXd range = limits.upper - limits.lower;
@@ -201,9 +227,11 @@ EngineRun run_with_pid(Engine& engine, const Model& arm, const MotionSamples& se
     for (int p = 0; p < periods; ++p) {
       const double u = static_cast<double>(p) / periods;
       const Eigen::Index next = last ? k : k + 1;
-      wanted = ((1.0 - u) * set_points.q.row(k) + u * set_points.q.row(next)).transpose();
-      wanted_dq = ((1.0 - u) * set_points.dq.row(k) + u * set_points.dq.row(next)).transpose();
-      const VectorXd& motors = loop.torques(engine.q(), wanted, wanted_dq, h);
+      wanted.q = ((1.0 - u) * set_points.q.row(k) + u * set_points.q.row(next)).transpose();
+      wanted.dq = ((1.0 - u) * set_points.dq.row(k) + u * set_points.dq.row(next)).transpose();
+      if (accelerations)
+        wanted.ddq = ((1.0 - u) * set_points.ddq.row(k) + u * set_points.ddq.row(next)).transpose();
+      const VectorXd& motors = loop.torques(engine.q(), wanted, h);
       all = motors;
       for (const PerturbedArm::Contact& contact : options.contacts)
         all[contact.coordinate] -= contact_effort(contact, time[k] - time[0] + u * whole);
@@ -214,13 +242,35 @@ EngineRun run_with_pid(Engine& engine, const Model& arm, const MotionSamples& se
         log.stop(k + 1, status, engine);
         return log.take();
       }
-      const int lost = run_away(engine.q(), wanted, range);
+      const int lost = run_away(engine.q(), wanted.q, range);
       if (lost < 0) continue;
       log.stop(k + 1, StepStatus::kRanAway, engine, lost);
       return log.take();
     }
   }
   return log.take();
+}
+
+MotionSamples joint_steps(const VectorXd& start, const VectorXd& steps) {
+  require(start.size() > 0 && start.size() == steps.size(), "joint steps: found ", steps.size(),
+          " steps, expected ", start.size(), ", one per joint.");
+  const Eigen::Index n = start.size();
+  const auto each =
+      static_cast<Eigen::Index>(std::lround((kStepSeconds + kStepRest) / kStepPeriod));
+  MotionSamples m{VectorXd(n * each), MatrixXd(n * each, n), MatrixXd(n * each, n),
+                  MatrixXd(n * each, n)};
+  QuinticInterpolator way(start);
+  for (Eigen::Index k = 0; k < m.rows(); ++k) {
+    const Eigen::Index joint = k / each;
+    if (k % each == 0)
+      way.move_to(way.goal() + steps[joint] * VectorXd::Unit(n, joint), kStepSeconds);
+    m.time[k] = kStepPeriod * static_cast<double>(k);
+    m.q.row(k) = way.x().transpose();
+    m.dq.row(k) = way.dx().transpose();
+    m.ddq.row(k) = way.ddx().transpose();
+    way.advance(kStepPeriod);
+  }
+  return m;
 }
 
 EngineRun run_with_torques(Engine& engine, const MotionSamples& motion, const MatrixRef& tau) {

@@ -17,6 +17,13 @@ VectorXd middle_inertia(const Model& arm) {
   return mass_matrix(arm, middle).diagonal() + PlantForces(arm).inertia().diagonal();
 }
 
+YamlNode gains_file(const std::string& path, const std::string& expected) {
+  const std::string content = content_of_file(path, "gains (YAML with " + expected + ")");
+  YamlSource source{path, {}, {}};
+  source.expected = expected;
+  return YamlNode::parse(content, source);
+}
+
 VectorXd list(const YamlNode& node, int joints) {
   const std::vector<double> numbers =
       node.numbers(static_cast<size_t>(joints), "one gain per joint");
@@ -36,15 +43,35 @@ PidGains sensible_gains(const Model& arm, double frequency) {
 }
 
 PidGains read_gains(const std::string& path, const Model& arm) {
-  const std::string content = content_of_file(path, "gains (YAML with lists p, i and d)");
-  YamlSource source{path, {}, {}};
-  source.expected = "lists p, i and d";
-  const YamlNode root = YamlNode::parse(content, source);
+  const YamlNode root = gains_file(path, "lists p, i and d");
   root.allow_keys({"p", "i", "d"});
   PidGains gains{list(root.at("p"), arm.joints()), VectorXd::Zero(arm.joints()), {}};
   if (const auto i = root.find("i")) gains.i = list(*i, arm.joints());
   const auto d = root.find("d");
   gains.d = d ? list(*d, arm.joints()) : critical_damping(arm, gains.p);
+  return gains;
+}
+
+JointGains read_joint_gains(const std::string& path, const Model& arm) {
+  const YamlNode root = gains_file(path, "lists p and d");
+  root.allow_keys({"p", "d"});
+  JointGains gains{list(root.at("p"), arm.joints()), {}};
+  const auto d = root.find("d");
+  gains.d = d ? list(*d, arm.joints()) : VectorXd(2.0 * gains.p.cwiseMax(0.0).cwiseSqrt());
+  return gains;
+}
+
+ImpedanceGains read_tip_gains(const std::string& path) {
+  const YamlNode root = gains_file(path, "lists mass, damping and stiffness");
+  root.allow_keys({"mass", "damping", "stiffness"});
+  ImpedanceGains gains;
+  const auto three = [&](const char* key, auto& all) {
+    const VectorXd numbers = list(root.at(key), 3);
+    all << numbers, numbers;
+  };
+  three("mass", gains.mass);
+  three("damping", gains.damping);
+  three("stiffness", gains.stiffness);
   return gains;
 }
 

@@ -18,6 +18,7 @@ constexpr int kAboveInARow = 2;  // consecutive steps beyond the threshold that 
 // [s] from the onset before a cause is named, because a push may still end.
 constexpr double kSoonestName = 2.0;
 constexpr double kOdds = 9.2;           // twice the log of odds of 100 to 1
+constexpr int kLikelyInARow = 4;  // steps at which one cause has these odds, before it is named
 constexpr double kPushEnds = 0.8;       // [s] without a push after which it is over
 constexpr double kExplains = 0.6;       // share of the gain of free torques that a cause must reach
 constexpr double kDeaf = 1.0;  // [s] refractory time after an event, in which memories fill again
@@ -30,6 +31,9 @@ constexpr double kMixed = 2.5;          // steps after the onset whose innovatio
 // Relative systematic error of a size: smoothing, first-order columns.
 constexpr double kSystematic = 0.02;
 constexpr double kUndone = 0.3;         // remaining share below which a change was reversed
+constexpr double kPresentOdds = 3.0;    // times the odds of a name: all hypotheses are compared
+constexpr double kPresentShare = 0.1;   // share of a joint's rms torque: less differs from day to day
+constexpr int kMostWithdrawn = 2;       // names of one change, so that two causes do not alternate
 
 }  // namespace
 
@@ -75,7 +79,7 @@ void ChangeFinder::forget() {
 // Fits the noise of the quiet steps, and the statistics along them.
 void ChangeFinder::calibrate() {
   noise_.fit(before_, quiet_);
-  set_largest();
+  set_bounds();
   forget();
   novel_ = 0.0;
   MatrixXd sum = MatrixXd::Zero(known_.size(), static_cast<Eigen::Index>(memories_.size()));
@@ -93,7 +97,7 @@ void ChangeFinder::calibrate() {
       if (!step.follows) memories_[m].clear();
       memories_[m].add(white);
       if (since < std::min(memories_[m].seconds, 0.25 * options_.learn)) continue;
-      sum.col(i) += memories_[m].statistics(largest_);
+      sum.col(i) += memories_[m].statistics(least_, largest_);
       counts[i] += 1.0;
     }
   }
@@ -115,6 +119,7 @@ void ChangeFinder::add(const Step& step, WatchState& state) {
     if (quiet_live_ >= options_.learn - 0.5 * options_.step) {
       learning_ = false;
       calibrate();
+      tell_present(step.time);
     }
     state.learning = learning_;
     return;
@@ -160,8 +165,8 @@ void ChangeFinder::go_on_learning(const Step& step, double strength) {
   if (learned || (more && !relearning)) calibrate();
 }
 
-// Largest sizes for which the columns hold, or that a joint can have.
-void ChangeFinder::set_largest() {
+// Sizes for which the columns hold, or that a joint can have.
+void ChangeFinder::set_bounds() {
   largest_ = VectorXd::Constant(known_.size(), 1e300);
   double mass = 0.0;  // no arm carries more than its own mass
   for (const Frame& f : arm_.frames())
@@ -181,6 +186,52 @@ void ChangeFinder::set_largest() {
     const bool viscous = effect.traits().affine && effect.traits().uses_velocity;
     largest_[h] = kLargestTorques * noise_.scale()[joint] / (viscous ? kSlow : 1.0);
   }
+  least_ = -largest_;
+  for (Eigen::Index h = 0; h < known_.size(); ++h) {  // friction does not fall below zero
+    const Hypothesis& one = hypotheses_[static_cast<size_t>(h)];
+    if (!one.along_axis()) continue;
+    const Effect& effect = find_effect(effect_of(one.of.cause));
+    if (!effect.traits().uses_velocity) continue;
+    const VectorXd axis = VectorXd::Unit(arm_.joints(), one.of.joint->value);
+    double whole = noise_.today()[h] + known_[h];
+    for (const EffectTerm& term : arm_.effects()) {
+      const auto value = term.values.find(effect.parameters().front().name);
+      if (term.effect == effect.name() && term.axis.coefficients == axis && value != term.values.end())
+        whole += value->second;
+    }
+    least_[h] = std::max(least_[h], -std::max(whole, 0.0));
+  }
+}
+
+// The cause that explains most of the quiet beginning's residual, if its torque matters. What the
+// differences of a day cannot absorb, such as a load, counts as known from then on.
+void ChangeFinder::tell_present(double now) {
+  std::deque<WhiteStep> whole;
+  for (const Step& step : quiet_) whole.push_back(noise_.whiten(step, -noise_.today()));
+  Change c;
+  c.alarm = quiet_.front().time;
+  c.lookback = options_.step;
+  const std::vector<Score> all = scores(c, whole);
+  c.score = all.front();
+  const double odds = quantiles_.dispersion() * kOdds;
+  if (c.score.size.size() == 0 || c.score.gain < odds * kPresentOdds) return;
+  VectorXd power = VectorXd::Zero(arm_.joints());
+  for (const Step& step : quiet_)
+    power += (step.columns(Eigen::all, c.score.columns) * c.score.size).cwiseAbs2() /
+             static_cast<double>(quiet_.size());
+  const VectorXd share = power.cwiseSqrt().cwiseQuotient(noise_.scale().cwiseMax(1e-12));
+  if (share.maxCoeff() < kPresentShare || std::abs(c.score.size[0]) <= half_width(c.score)) return;
+  c.id = ++ids_;
+  WatchEvent e = event(c, WatchStage::kPresent, now);
+  add_rivals(all, c.score, e);
+  tell(std::move(e));
+  if (hypotheses_[static_cast<size_t>(c.score.hypothesis)].along_axis()) return;
+  for (Step& step : quiet_)
+    step.residual -= step.columns(Eigen::all, c.score.columns) * c.score.size;
+  know(c.score, 1.0);
+  c.named = now;
+  past_.push_back(c);
+  calibrate();
 }
 
 void ChangeFinder::look(double now, WatchState& state) {
@@ -189,7 +240,7 @@ void ChangeFinder::look(double now, WatchState& state) {
   size_t memory = 0;
   for (size_t m = 0; m < memories_.size(); ++m) {
     const VectorXd strength =
-        memories_[m].statistics(largest_).cwiseQuotient(quantiles_.threshold(static_cast<int>(m)));
+        memories_[m].statistics(least_, largest_).cwiseQuotient(quantiles_.threshold(static_cast<int>(m)));
     Eigen::Index at = 0;
     const double most = strength.maxCoeff(&at);
     if (most <= state.strength) continue;
@@ -200,6 +251,7 @@ void ChangeFinder::look(double now, WatchState& state) {
   state.suspect = hypothesis >= 0 ? to_text(arm_, hypotheses_[static_cast<size_t>(hypothesis)].of.cause) : "";
   above_ = state.strength > 1.0 ? above_ + 1 : 0;
   if (open_ || above_ < kAboveInARow || now < deaf_until_) return;
+  if (refining_ && ask_again(now)) return;
   if (refining_) {  // values from the refinement are kept
     past_.push_back(*refining_);
     refining_.reset();
@@ -209,21 +261,27 @@ void ChangeFinder::look(double now, WatchState& state) {
   c.alarm = now;
   c.strength = state.strength;
   c.lookback = 2.0 * memories_[memory].seconds + 0.5;
-  c.score = best_onset(recent_, hypothesis, largest_[hypothesis], now - c.lookback, now);
+  c.score = best_onset(recent_, hypothesis, least_[hypothesis], largest_[hypothesis],
+                       now - c.lookback, now);
   open_ = c;
   tell(event(c, WatchStage::kSuspected, now));
 }
 
 // Every hypothesis with its own best onset, the most likely first.
-std::vector<Score> ChangeFinder::scores() const {
+std::vector<Score> ChangeFinder::scores(const Change& change,
+                                        const std::deque<WhiteStep>& steps) const {
   std::vector<Score> out;
-  const double price = quantiles_.dispersion() * std::log(static_cast<double>(recent_.size()));
+  const double price = quantiles_.dispersion() * std::log(static_cast<double>(steps.size()));
   for (int h = 0; h < static_cast<int>(hypotheses_.size()); ++h) {
     const Hypothesis& one = hypotheses_[static_cast<size_t>(h)];
     if (one.companion) continue;
-    const Score alone =
-        best_onset(recent_, h, largest_[h], open_->alarm - open_->lookback, open_->alarm);
-    out.push_back(with_companions(recent_, alone, one.companions, price));
+    const Score alone = best_onset(steps, h, least_[h], largest_[h],
+                                   change.alarm - change.lookback, change.alarm);
+    Score whole = with_companions(steps, alone, one.companions, price);
+    // First moments without a mass are no load.
+    const Score later = measured_again(steps, whole, kMixed * options_.step);
+    const bool load = whole.columns.size() < 2 || std::abs(later.size[0]) > half_width(later);
+    out.push_back(load ? std::move(whole) : alone);
   }
   std::stable_sort(out.begin(), out.end(),
                    [](const Score& a, const Score& b) { return a.gain > b.gain; });
@@ -232,7 +290,7 @@ std::vector<Score> ChangeFinder::scores() const {
 
 void ChangeFinder::tell_apart(double now, bool last) {
   const double earliest = open_->alarm - open_->lookback;
-  const std::vector<Score> scores = this->scores();
+  const std::vector<Score> scores = this->scores(*open_, recent_);
   const Score& best = scores.front();
   const double odds = quantiles_.dispersion() * kOdds;
   const double price = quantiles_.dispersion() * std::log(static_cast<double>(recent_.size()));
@@ -244,21 +302,25 @@ void ChangeFinder::tell_apart(double now, bool last) {
     return;
   }
   const bool late = last || now - open_->alarm >= options_.longest_naming;
-  if (!late && now - best.onset < kSoonestName) return;
   const bool explained = best.gain > kExplains * lasting.gain;
   if (late && !explained) {
     push_is_over(lasting, now);
     return;
   }
+  const auto effect = [&](const Score& s) {
+    return effect_of(hypotheses_[static_cast<size_t>(s.hypothesis)].of.cause);
+  };
   double next = still ? ended.gain : 0.0;  // of another effect
   for (const Score& s : scores) {
-    if (effect_of(hypotheses_[static_cast<size_t>(s.hypothesis)].of.cause) ==
-        effect_of(hypotheses_[static_cast<size_t>(best.hypothesis)].of.cause))
-      continue;
+    if (effect(s) == effect(best)) continue;
     next = std::max(next, s.gain);
     break;
   }
-  if (late || (explained && best.gain - next > odds)) name(scores, now);
+  const bool likely = explained && best.gain - next > odds;
+  open_->likely = !likely ? 0 : effect(best) == open_->effect ? open_->likely + 1 : 1;
+  open_->effect = effect(best);
+  const bool soon = now - best.onset < kSoonestName;
+  if (late || (open_->likely >= kLikelyInARow && !soon)) name(scores, now);
 }
 
 double ChangeFinder::half_width(const Score& score) const {
@@ -296,18 +358,23 @@ WatchEvent ChangeFinder::event(const Change& c, WatchStage stage, double now) co
   return e;
 }
 
+void ChangeFinder::add_rivals(const std::vector<Score>& scores, const Score& best,
+                              WatchEvent& e) const {
+  const double phi = quantiles_.dispersion();
+  for (const Score& s : scores) {
+    if (s.hypothesis == best.hypothesis || best.gain - s.gain > phi * kOdds) continue;
+    const Cause& other = hypotheses_[static_cast<size_t>(s.hypothesis)].of.cause;
+    e.rivals.push_back({other, to_text(arm_, other), 0.5 * (best.gain - s.gain) / phi});
+  }
+}
+
 void ChangeFinder::name(const std::vector<Score>& scores, double now) {
   Change c = *open_;
   open_.reset();
   c.score = measured_again(recent_, scores.front(), kMixed * options_.step);
   c.named = now;
   WatchEvent e = event(c, WatchStage::kNamed, now);
-  const double phi = quantiles_.dispersion();
-  for (const Score& s : scores) {
-    if (s.hypothesis == c.score.hypothesis || c.score.gain - s.gain > phi * kOdds) continue;
-    const Cause& other = hypotheses_[static_cast<size_t>(s.hypothesis)].of.cause;
-    e.rivals.push_back({other, to_text(arm_, other), 0.5 * (c.score.gain - s.gain) / phi});
-  }
+  add_rivals(scores, c.score, e);
   // The same change, the other way round: it was taken back.
   const double size = c.score.size[0];
   const auto before = std::find_if(past_.rbegin(), past_.rend(), [&](const Change& p) {
@@ -321,7 +388,8 @@ void ChangeFinder::name(const std::vector<Score>& scores, double now) {
     past_.erase(std::next(before).base());
   } else {
     know(c.score, 1.0);
-    refining_ = c;
+    c.seen = recent_;
+    refining_ = std::move(c);
   }
   tell(std::move(e));
   forget();
@@ -352,6 +420,9 @@ void ChangeFinder::push_is_over(const Push& push, double now) {
 void ChangeFinder::refine(const WhiteStep& white, double now) {
   Change& c = *refining_;
   const MatrixXd X = white.X(Eigen::all, c.score.columns);
+  c.seen.push_back(white);
+  c.seen.back().e += X * c.score.size;
+  if (ask_again(now)) return;
   c.score.A += X.transpose() * X;
   know(c.score, -1.0);
   c.score.size += c.score.A.ldlt().solve(X.transpose() * white.e);
@@ -360,6 +431,27 @@ void ChangeFinder::refine(const WhiteStep& white, double now) {
   tell(event(c, WatchStage::kRefined, now));
   past_.push_back(c);
   refining_.reset();
+}
+
+// Withdraws the name if the steps since make another cause more likely, at the odds of a name, and
+// opens the change again.
+bool ChangeFinder::ask_again(double now) {
+  Change& c = *refining_;
+  if (c.withdrawn >= kMostWithdrawn) return false;
+  const std::vector<Score> all = scores(c, c.seen);
+  const auto same = std::find_if(all.begin(), all.end(), [&](const Score& s) {
+    return s.hypothesis == c.score.hypothesis;
+  });
+  if (all.front().gain - same->gain <= quantiles_.dispersion() * kOdds) return false;
+  tell(event(c, WatchStage::kWithdrawn, now));
+  know(c.score, -1.0);
+  open_ = std::move(c);
+  refining_.reset();
+  recent_.swap(open_->seen);
+  open_->seen.clear();
+  ++open_->withdrawn;
+  open_->named = -1.0;
+  return true;
 }
 
 void ChangeFinder::jump(const PositionJump& jump, double now) {

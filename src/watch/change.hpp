@@ -20,6 +20,11 @@ struct Change {
   double strength = 0.0;
   double lookback = 0.0;  ///< [s] before the alarm in which it may have begun
   double named = -1.0;    ///< [s]; below zero: not yet
+  int withdrawn = 0;      ///< names that were withdrawn
+  std::string effect = {};  ///< the most likely one at the last step
+  int likely = 0;           ///< steps at which it has had the odds of a name
+  /// Steps since before the alarm, from whose innovations this change is not subtracted.
+  std::deque<WhiteStep> seen = {};
 };
 
 /// From steps to events: learns, raises alarms, tells causes apart, takes what is known off.
@@ -37,14 +42,17 @@ class ChangeFinder {
 
  private:
   void calibrate();
-  void set_largest();
+  void set_bounds();
+  void tell_present(double now);
+  void add_rivals(const std::vector<Score>& scores, const Score& best, WatchEvent& e) const;
   void look(double now, WatchState& state);
   void go_on_learning(const Step& step, double strength);
   void tell_apart(double now, bool last);
-  std::vector<Score> scores() const;
+  std::vector<Score> scores(const Change& change, const std::deque<WhiteStep>& steps) const;
   void name(const std::vector<Score>& scores, double now);
   void push_is_over(const Push& push, double now);
   void refine(const WhiteStep& white, double now);
+  bool ask_again(double now);
   void forget();
   double half_width(const Score& score) const;
   void know(const Score& score, double share);
@@ -58,7 +66,7 @@ class ChangeFinder {
   std::vector<Memory> memories_;
   Quantiles quantiles_;
   std::vector<Step> before_, quiet_;  // of other days; of today
-  VectorXd largest_;                  // (hypotheses) size that each can have
+  VectorXd least_, largest_;          // (hypotheses) sizes that each can have
   double novel_ = 0.0;                // [s] of new motion since the last calibration
   double relearn_until_ = -1e300;     // [s] new motion is learned until then
   double quiet_live_ = 0.0, calibrated_at_ = 0.0;

@@ -54,6 +54,11 @@ std::string sentence(const WatchEvent& e) {
     case WatchStage::kOver:
       return fmt::format("{:.2f} s: over again; from {:.2f} to {:.2f} s {}.", e.time, e.since,
                          e.until, what(e));
+    case WatchStage::kPresent:
+      return fmt::format("{:.2f} s: from the beginning on, {}.{}", e.time, what(e),
+                         rivals_words(e));
+    case WatchStage::kWithdrawn:
+      return fmt::format("{:.2f} s: withdrawn: since {:.2f} s {}.", e.time, e.since, what(e));
   }
   return {};
 }

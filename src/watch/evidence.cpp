@@ -32,8 +32,8 @@ void Memory::add(const WhiteStep& step) {
 namespace {
 
 // The best admissible size, and its gain.
-double bounded_size(double A, double b, double largest) {
-  return A > kNothing ? std::clamp(b / A, -largest, largest) : 0.0;
+double bounded_size(double A, double b, double least, double largest) {
+  return A > kNothing ? std::clamp(b / A, least, largest) : 0.0;
 }
 double gain(double A, double b, double size) {
   return size * (2.0 * b - A * size);
@@ -41,10 +41,10 @@ double gain(double A, double b, double size) {
 
 }  // namespace
 
-VectorXd Memory::statistics(const VectorXd& largest) const {
+VectorXd Memory::statistics(const VectorXd& least, const VectorXd& largest) const {
   VectorXd out(A.size());
   for (Eigen::Index h = 0; h < A.size(); ++h)
-    out[h] = gain(A[h], b[h], bounded_size(A[h], b[h], largest[h]));
+    out[h] = gain(A[h], b[h], bounded_size(A[h], b[h], least[h], largest[h]));
   return out;
 }
 
@@ -80,7 +80,7 @@ void Quantiles::learn(const MatrixXd& mean, const std::vector<Memory>& memories,
   }
 }
 
-Score best_onset(const std::deque<WhiteStep>& steps, int hypothesis, double largest,
+Score best_onset(const std::deque<WhiteStep>& steps, int hypothesis, double least, double largest,
                  double earliest, double latest) {
   Score best;
   best.hypothesis = hypothesis;
@@ -90,7 +90,7 @@ Score best_onset(const std::deque<WhiteStep>& steps, int hypothesis, double larg
   for (auto step = steps.rbegin(); step != steps.rend() && step->time >= earliest; ++step) {
     A += step->X.col(hypothesis).squaredNorm();
     b += step->X.col(hypothesis).dot(step->e);
-    const double size = bounded_size(A, b, largest);
+    const double size = bounded_size(A, b, least, largest);
     if (step->time > latest || gain(A, b, size) <= best.gain) continue;
     best.gain = gain(A, b, size);
     best.onset = step->time;

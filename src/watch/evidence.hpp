@@ -18,9 +18,9 @@ struct Memory {
     b.setZero();
   }
   void add(const WhiteStep& step);
-  /// Twice the log-likelihood ratio of each hypothesis, b^2 / A if its size |b| / A is possible.
-  /// @param largest  (hypotheses) sizes.
-  VectorXd statistics(const VectorXd& largest) const;
+  /// Twice the log-likelihood ratio of each hypothesis, b^2 / A if its size b / A is possible.
+  /// @param least, largest  (hypotheses) sizes.
+  VectorXd statistics(const VectorXd& least, const VectorXd& largest) const;
 };
 
 /// The statistics of a quiet arm, and their thresholds.
@@ -66,8 +66,8 @@ struct Push {
 };
 
 /// The best onset of a hypothesis among the steps from `earliest` to `latest` [s].
-/// @param largest  its size.
-Score best_onset(const std::deque<WhiteStep>& steps, int hypothesis, double largest,
+/// @param least, largest  its size.
+Score best_onset(const std::deque<WhiteStep>& steps, int hypothesis, double least, double largest,
                  double earliest, double latest);
 
 /// The same with companions, where their gain exceeds the price: the centre of a load of that mass

@@ -104,6 +104,8 @@ const char* name_of(WatchStage stage) {
     case WatchStage::kNamed: return "named";
     case WatchStage::kRefined: return "refined";
     case WatchStage::kOver: return "over";
+    case WatchStage::kPresent: return "present";
+    case WatchStage::kWithdrawn: return "withdrawn";
   }
   return "";
 }

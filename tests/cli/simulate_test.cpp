@@ -168,5 +168,28 @@ TEST_F(Simulate, AnExtendedModelRunsLikeTheRealArm) {
   }
 }
 
+// Figure 7.3 of the thesis, with its gains: friction that the law does not know keeps joints off, and
+// compensation brings them back.
+TEST(SimulateSteps, ComputedTorqueTakesGainsOfOnesOwn) {
+  const TemporaryFolder folder;
+  const auto left = [&](const Words& more) {
+    const ToolRun done =
+        run_tool(Words{"simulate", "psm-3dof", "--controller", "computed-torque", "--steps",
+                       "0.05,0.05,0.005", "--kp", "25,20,75", "--kd", "10,11,15", "--noise", "none",
+                       "-o", folder.path("steps.csv"), "--quiet"} +
+                 more);
+    EXPECT_EQ(done.status, 0) << done.err;
+    const size_t at = done.out.find("(insertion): at most ");
+    EXPECT_NE(at, std::string::npos) << done.out;
+    return std::stod(done.out.substr(at + 21));
+  };
+  const double alone = left({}), with = left({"--friction-share", "0.9"});
+  EXPECT_GT(alone, 0.1);
+  EXPECT_LT(with, 0.8 * alone);
+  const ToolRun other =
+      run_tool({"simulate", "psm-3dof", "--steps", "0.05,0.05,0.005", "-o", folder.path("s.csv")});
+  EXPECT_EQ(other.status, 2);
+}
+
 }  // namespace
 }  // namespace veridyn

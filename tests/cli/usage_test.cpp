@@ -129,10 +129,13 @@ TEST(Usage, OptionsThatMeanNothingAreRefused) {
       {run, "--seconds", "3", "--controller gravity"},
       {run, "--robot", "PSM2", "--config"},
       {weightless, "--largest-error", "1", "another controller"},
-      {weightless, "--gains", "g.yaml", "--controller pid"},
+      {weightless, "--gains", "g.yaml", "another controller than gravity"},
       {{"dvrk", "emulate", "--arm", "PSM1", "--port", "0"}, "--start", "1,1,1", "--model"},
       {{"kinematics", "planar-2r", "--forward", "0,0"}, "--start", "0,0", "--inverse"},
-      {{"kinematics", "planar-2r", "--inverse", "0.5,0,0"}, "--solver", "closed-form", "a closed form"},
+      {{"kinematics", "planar-2r", "--inverse", "0.5,0,0"},
+       "--solver",
+       "closed-form",
+       "a closed form"},
       {{"watch", "planar-2r", "rec.csv"}, "--idle", "3", "--follow"},
   };
   for (const auto& one : cases) {

@@ -101,7 +101,7 @@ TEST(Allocation, NoUpdateTakesMemory) {
       friction.update(state, c.dq, c.q, 1e-3);
       error.update(state, c.q, 1e-3);
       error.set_limit(ones);
-      adaptive.update(state, error.torque(), 1e-3, friction);
+      adaptive.update(state, error.missing(), 1e-3, friction);
       momentum.update(state, c.q, c.dq, 1e-3);
     });
   }

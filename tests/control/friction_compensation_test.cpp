@@ -204,9 +204,9 @@ TEST(FrictionCompensation, WhatCannotBeIsRefused) {
   EXPECT_TRUE(friction.set_scale(0, 0.5));
 }
 
-// Friction that is 70 % of the identified, gravity that is wrong: the scale finds 0.7 and no more,
+// Friction that is 70 % of the identified, gravity that is wrong: the share finds 0.7 and no more,
 // stays within its bounds, and does nothing unless it is switched on.
-double learned_scale(double real_share, const AdaptiveFrictionOptions& options) {
+double learned_share(double real_share, const AdaptiveFrictionOptions& options) {
   const Model model = plausible_model(read_model("psm-3dof"), 1).arm;
   ArmRig rig(with_scaled_friction(model, real_share), {"tool"});
   const Model wrong = [&] {
@@ -239,20 +239,20 @@ double learned_scale(double real_share, const AdaptiveFrictionOptions& options) 
     tau = control.update(state, wanted);
     tau += friction.update(state, wanted.dq, wanted.q - rig.q(), kPeriod);
     tau += error.update(state, control.acceleration(), kPeriod);
-    adaptive.update(state, error.torque(), kPeriod, friction);
+    adaptive.update(state, error.missing(), kPeriod, friction);
     EXPECT_EQ(rig.cycle(tau), StepStatus::kOk);
   }
-  return adaptive.scale(2);
+  return adaptive.share(2);
 }
 
 TEST(AdaptiveFriction, FindsTheFrictionThatThereIsWithinItsBounds) {
   AdaptiveFrictionOptions options;
-  EXPECT_EQ(learned_scale(0.7, options), 1.0);
+  EXPECT_EQ(learned_share(0.7, options), FrictionOptions().share);
   options.enabled = true;
-  options.rate = 0.5;
-  EXPECT_NEAR(learned_scale(0.7, options), 0.7, 0.06);
-  EXPECT_NEAR(learned_scale(1.2, options), 1.2, 0.06);
-  EXPECT_NEAR(learned_scale(0.2, options), 0.5, 0.01);
+  EXPECT_NEAR(learned_share(0.7, options), 0.7, 0.06);
+  EXPECT_NEAR(learned_share(1.2, options), 1.2, 0.06);
+  options.least = 0.5;
+  EXPECT_NEAR(learned_share(0.2, options), 0.5, 0.01);
   options.least = 1.1;
   const FrictionCompensation friction(thesis_friction());
   EXPECT_THROW(AdaptiveFriction(friction, options), InvalidInput);

@@ -16,7 +16,7 @@ namespace fs = std::filesystem;
 // The layers of the house. What stands in a folder's set is what it may include beside itself:
 //   math < model < kinematics < dynamics < effects < regressor,  model < recordings,
 //   {regressor | recordings} < estimation < causes,
-//   {identification < {diagnosis | comparison} | watch | excitation | simulation | control | calibration}
+//   {identification < {diagnosis | comparison} | watch | excitation | control < simulation | calibration}
 //     < cooperation < {dvrk | report} < emulator < cli.
 const std::map<std::string, std::set<std::string>>& below() {
   static const std::map<std::string, std::set<std::string>> kBelow = [] {
@@ -39,6 +39,7 @@ const std::map<std::string, std::set<std::string>>& below() {
     for (const char* folder :
          {"identification", "excitation", "simulation", "control", "calibration", "watch"})
       all[folder] = sofar;
+    all["simulation"].insert("control");
     for (const char* folder : {"diagnosis", "comparison", "export"}) {
       all[folder] = sofar;
       all[folder].insert("identification");

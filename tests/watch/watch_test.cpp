@@ -5,72 +5,30 @@
 #include <limits>
 
 #include "veridyn/math/require.hpp"
-#include "veridyn/model/model_file.hpp"
-#include "veridyn/simulation/plausible_model.hpp"
-#include "veridyn/simulation/simulate_recording.hpp"
-#include "support/simulated.hpp"
 #include "watch/event_words.hpp"
+#include "watch/onsets.hpp"
 
 namespace veridyn {
 namespace {
 
-constexpr double kRate = 200.0;   // [Hz]
-constexpr double kChange = 5.0;   // [s]
+constexpr double kChange = 5.0;  // [s]
 
-const Model& arm() {
-  static const Model kArm = plausible_model(read_model("psm-3dof"), 3).arm;
-  return kArm;
-}
-
-// Slow waves of all joints whose periods have no common multiple within the recording.
-MotionSamples waves(double seconds) {
-  const auto rows = static_cast<Eigen::Index>(seconds * kRate);
-  MotionSamples m;
-  m.time = VectorXd::LinSpaced(rows, 0.0, (static_cast<double>(rows) - 1.0) / kRate);
-  m.q = m.dq = m.ddq = MatrixXd::Zero(rows, 3);
-  const double middle[] = {0.0, 0.0, 0.12};
-  const double size[] = {0.6, 0.5, 0.05};
-  const double pace[] = {2.1, 1.7, 1.3};  // [rad/s]
-  for (int j = 0; j < 3; ++j) {
-    for (const double overtone : {1.0, 2.3}) {
-      const double w = pace[j] * overtone;
-      const double a = size[j] / (2.0 * overtone);
-      m.q.col(j).array() += a * (w * m.time.array() + j).sin();
-      m.dq.col(j).array() += a * w * (w * m.time.array() + j).cos();
-      m.ddq.col(j).array() -= a * w * w * (w * m.time.array() + j).sin();
-    }
-    m.q.col(j).array() += middle[j];
-  }
-  return m;
+const WatchedArm& bench() {
+  static const WatchedArm kBench;
+  return kBench;
 }
 
 Recording recorded(const std::vector<std::string>& hidden, double seconds, unsigned seed) {
-  SimulationOptions options;
-  for (const std::string& one : hidden) options.hidden.push_back(parse_hidden_effect(one));
-  options.noise = sensor_noise("low");
-  options.seed = seed;
-  return recording_of(simulate_recording(arm(), waves(seconds), options));
+  return bench().recorded(watched_waves(seconds), hidden, seed);
 }
 
 // The arm as it is, and from kChange on with something hidden in it.
 Recording with_change(const std::string& hidden, double seconds, unsigned seed) {
-  Recording out = recorded({}, seconds, seed);
-  const Recording after = recorded({hidden}, seconds, seed);
-  const auto from = static_cast<Eigen::Index>(kChange * kRate);
-  const Eigen::Index rows = out.rows() - from;
-  for (const RecordingSignal& signal : kRecordingSignals) {
-    MatrixXd& values = out.*signal.values;
-    if (values.size() > 0) values.bottomRows(rows) = (after.*signal.values).bottomRows(rows);
-  }
-  return out;
+  return joined(recorded({}, seconds, seed), recorded({hidden}, seconds, seed), kChange, seconds);
 }
 
 std::vector<WatchEvent> watched(const Recording& recording) {
-  Watch watch(arm());
-  for (int k = 0; k < recording.rows(); k += 37)  // in pieces of any size
-    watch.add(rows_of(recording, k, std::min(37, recording.rows() - k)));
-  watch.finish();
-  return watch.events();
+  return bench().watched(recording);
 }
 
 const WatchEvent* first(const std::vector<WatchEvent>& events, WatchStage stage) {
@@ -139,6 +97,48 @@ TEST(Watch, APushIsTold) {
   EXPECT_EQ(events.back().id, 1) << all_of(events);
 }
 
+// A torque offset of pitch at onsets every half second of two motions: named within 3 s, and every
+// name that is wrong at first is withdrawn.
+TEST(Watch, ACauseIsNamedAtAnyOnset) {
+  int right = 0;
+  int withdrawn = 0;
+  for (const double period : {0.0, 10.0}) {
+    const MotionSamples motion = watched_waves(36.0, period);
+    const Recording before = bench().recorded(motion, {}, 1);
+    const Recording after = bench().recorded(motion, {"torque_offset:pitch:offset=0.3"}, 1);
+    for (double onset = 5.0; onset < (period > 0.0 ? 15.0 : 30.0); onset += 0.5) {
+      const std::vector<WatchEvent> events = watched(joined(before, after, onset, onset + 6.0));
+      const OnsetAnswer a = answer(events, onset, "torque_offset:pitch", 0.3);
+      right += a.right ? 1 : 0;
+      withdrawn += first(events, WatchStage::kWithdrawn) != nullptr ? 1 : 0;
+      EXPECT_FALSE(a.impossible) << a.events;
+      EXPECT_EQ(a.changes, 1) << onset << ":\n" << a.events;
+      ASSERT_FALSE(events.empty()) << onset;
+      EXPECT_EQ(events.back().text, "torque_offset:pitch") << onset << ":\n" << a.events;
+    }
+  }
+  EXPECT_GE(right, 69);  // of 70
+  EXPECT_GE(withdrawn, 1);
+}
+
+// A change that the watch finds when it begins is told, and is no alarm.
+TEST(Watch, WhatIsThereFromTheBeginningIsTold) {
+  struct There {
+    const char* hidden;
+    const char* cause;
+    double size;
+  };
+  for (const There& there : {There{"torque_offset:pitch:offset=0.3", "torque_offset:pitch", 0.3},
+                             There{"payload:tool:mass=0.3", "payload:tool", 0.3}}) {
+    const std::vector<WatchEvent> events = watched(recorded({there.hidden}, 20.0, 1));
+    ASSERT_EQ(events.size(), 1U) << all_of(events);
+    EXPECT_EQ(events[0].stage, WatchStage::kPresent);
+    EXPECT_EQ(events[0].text, there.cause) << all_of(events);
+    EXPECT_LT(events[0].low, there.size) << all_of(events);
+    EXPECT_GT(events[0].high, there.size) << all_of(events);
+  }
+}
+
 // Eight minutes with other noise each, and a model that is right.
 TEST(Watch, AQuietArmGivesNoAlarm) {
   for (const unsigned seed : {11U, 12U, 13U, 14U}) {
@@ -150,9 +150,9 @@ TEST(Watch, AQuietArmGivesNoAlarm) {
 TEST(Watch, BadInputIsRefused) {
   WatchOptions options;
   options.links = {"tol"};
-  EXPECT_THROW(Watch(arm(), options), InvalidInput);
+  EXPECT_THROW(Watch(bench().arm, options), InvalidInput);
   EXPECT_THROW(Watch(read_model("psm-3dof")), InvalidInput);  // bodies without values
-  Watch watch(arm());
+  Watch watch(bench().arm);
   Recording two;
   two.time = VectorXd::LinSpaced(50, 0.0, 1.0);
   two.q = two.tau = MatrixXd::Zero(50, 2);

@@ -8,40 +8,63 @@ namespace veridyn {
 
 struct AdaptiveFrictionOptions {
   bool enabled = false;  ///< off by default
-  double rate = 0.05;    ///< [1/s] of motion
-  double least = 0.5;    ///< lower bound, as a share of the identified friction
-  double most = 1.5;
-  Deadband velocity{0.02, 0.01};  ///< below which nothing is learned
+  double rate = 0.5;     ///< [1/s] of motion
+  double least = 0.0;    ///< bounds of k, as a share of the identified friction
+  double most = 2.0;
+  Deadband velocity{0.01, 0.005};  ///< below which nothing is learned
 };
 
-/// Slow online update of friction (an outlook of the thesis, chapter 8): grease ages and warms.
-/// While the axis moves, the torque that the model lacks along it is split into an offset, which
-/// decays, and a part in the direction of motion, which scales the axis' friction:
+/// Online update of friction (an outlook of the thesis, chapter 8): grease ages and warms. The torque
+/// that an axis needs beside that of the model's bodies, in motion, is
 ///
-///   lacking = offset + (s* - s) F(direction) direction
+///   y = compensation + missing = k* F(direction, v) + b + c s,
 ///
-/// by normalised gradient steps within physical bounds. The offset absorbs errors of gravity as
-/// long as the axis moves both ways.
+/// where k* is the share of the identified friction F that the arm has, s the place, and b + c s every
+/// other error of the model near it, mainly gravity. Least squares over the last 1 / rate seconds of
+/// motion (exponential forgetting) estimate k*, b and c, and the compensated share k follows:
+///
+///   dk/dt = rate (clamp(estimate of k*, least, most) - k).
+///
+/// Proof of convergence. y does not contain k, so the estimate does not depend on k: there is no
+/// feedback through which k could drift. If y is k* F + b + c s + e, the estimate is
+/// k* + sum(w r e) / sum(w r^2), with w the weights of the forgetting and r the part of F that
+/// b + c s do not explain. Without e it is k* exactly, and |k - k*| falls as exp(-rate t) if k* lies
+/// within the bounds. With an e of root mean square E, the error of the estimate is at most
+/// E / rms(r), by Cauchy and Schwarz. Excitation: motion in one direction only, or in a direction that
+/// depends on the place, makes r vanish. k rests unless sum(w r^2) exceeds a fifth of sum(w F^2), so
+/// that E / rms(r) < sqrt(5) E / rms(F). Source: Slotine and Li, Applied Nonlinear Control, 1991,
+/// section 8.7 (least squares with exponential forgetting, persistent excitation).
 ///
 ///   AdaptiveFriction adaptive(friction, options);   // options.enabled = true
-///   every cycle: adaptive.update(state, error.torque(), 0.001, friction);
+///   every cycle: adaptive.update(state, error.missing(), 0.001, friction);
 class AdaptiveFriction {
  public:
-  /// @throws InvalidInput  bounds that do not contain 1, or a rate below zero.
+  /// @throws InvalidInput  bounds that do not contain the share of `friction`, or a rate below zero.
   explicit AdaptiveFriction(const FrictionCompensation& friction,
                             const AdaptiveFrictionOptions& options = {});
 
-  /// @param lacking  (n) torque that is missing beyond the compensation by `friction`:
-  /// ModelErrorObserver::torque(), while the arm touches nothing. @param dt [s].
+  /// @param missing  (n) torque that is missing beyond the compensation by `friction`:
+  /// ModelErrorObserver::missing(), while the arm touches nothing. @param dt [s].
   /// Vectors have the sizes of the constructor; debug builds assert it.
-  void update(const ArmState& arm, const VectorXd& lacking, double dt,
+  void update(const ArmState& arm, const VectorXd& missing, double dt,
               FrictionCompensation& friction) noexcept;
 
-  double scale(int axis) const { return scale_[static_cast<size_t>(axis)]; }
+  /// k: what is compensated, as a share of the identified friction.
+  double share(int axis) const { return axes_[static_cast<size_t>(axis)].share; }
 
  private:
+  struct Learned {
+    double share = 1.0;
+    double speed = 0.0;    // at the previous update
+    double applied = 0.0;  // compensation since the previous update
+    double place = 0.0;    // s counts from here
+    bool first = true;
+    Eigen::Matrix3d information = Eigen::Matrix3d::Zero();  // of F, 1, s
+    Eigen::Vector3d right = Eigen::Vector3d::Zero();
+  };
+  void learn(Learned& axis, double force, double s, double needed, double dt) const noexcept;
   AdaptiveFrictionOptions options_;
-  std::vector<double> scale_, offset_;
+  std::vector<Learned> axes_;
 };
 
 }  // namespace veridyn

@@ -54,9 +54,13 @@ class ModelErrorObserver {
 
   const VectorXd& torque() const { return d_; }
 
+  /// (n) torque that the law lacked in the last cycle: d of the update() before and what even with it
+  /// was missing, M(q) (y - change of dq / dt), noise of the velocities included. For estimators.
+  const VectorXd& missing() const { return missing_; }
+
  private:
   ModelErrorOptions options_;
-  VectorXd d_, y_, dq_, lacking_, step_, not_sent_;
+  VectorXd d_, y_, dq_, lacking_, step_, not_sent_, missing_;
   bool first_ = true;
 };
 

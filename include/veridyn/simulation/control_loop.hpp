@@ -1,8 +1,11 @@
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
+#include "veridyn/control/computed_torque.hpp"
+#include "veridyn/control/impedance.hpp"
 #include "veridyn/math/motion_samples.hpp"
 #include "veridyn/simulation/hidden_effect.hpp"
 #include "veridyn/simulation/plant.hpp"
@@ -28,6 +31,13 @@ VectorXd critical_damping(const Model& arm, const VectorXd& p);
 /// @throws InvalidInput  the file is malformed, or its number of joints differs.
 PidGains read_gains(const std::string& path, const Model& arm);
 
+/// Likewise `p` [1/s^2] and `d` [1/s] of computed torque; without d critical damping, 2 sqrt(p).
+JointGains read_joint_gains(const std::string& path, const Model& arm);
+
+/// Likewise `mass` [kg], `damping` [N s/m] and `stiffness` [N/m] of an impedance, three numbers each,
+/// of the tip's position.
+ImpedanceGains read_tip_gains(const std::string& path);
+
 /// The motors and their amplifiers.
 struct Drive {
   VectorXd limit;     ///< (n) largest torque [N m], [N]; empty: the robot file's effort limits
@@ -44,6 +54,10 @@ struct LoopSensors {
 
 struct LoopOptions {
   PidGains gains;
+  /// Set: computed torque with this model in place of the PID; `gains` are then those of ComputedTorque,
+  /// p [1/s^2] and d [1/s], whatever the joints' inertia, and i is not used.
+  std::shared_ptr<const Model> model;
+  double friction = 0.0;  ///< share of the model's friction that is compensated beside that law
   Drive drive;
   LoopSensors sensors;
   /// [Hz] of the controller, independent of the rows' rate: it runs a whole number of times between
@@ -66,12 +80,16 @@ struct EngineRun {
   std::string why(const Model& arm) const;
 };
 
-/// Runs a PID that follows set points from the first one on; rows are recorded at their times. Set
-/// points between rows are interpolated linearly, with their velocities. Ends with kRanAway where a
-/// joint is farther from its set point than ten times its range.
+/// Runs a PID, or computed torque, that follows set points from the first one on; rows are recorded
+/// at their times. Set points between rows are interpolated linearly, with their velocities. Ends
+/// with kRanAway where a joint is farther from its set point than ten times its range.
 /// @throws InvalidInput  sizes differ, or a rate or a lag is out of range.
 EngineRun run_with_pid(Engine& engine, const Model& arm, const MotionSamples& set_points,
                        const LoopOptions& options);
+
+/// Steps of one joint after the other from rest to rest, as in figure 7.3 of the thesis: quintic, 1 s
+/// each, with 2 s of rest after it; rows at 1 kHz. @param start, steps  (n) [rad], [m].
+MotionSamples joint_steps(const VectorXd& start, const VectorXd& steps);
 
 /// Applies recorded torques: row k from its time until that of row k + 1. Starts at the first row
 /// of `motion`, whose times are used.

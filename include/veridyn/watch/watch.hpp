@@ -29,6 +29,8 @@ enum class WatchStage {
   kNamed,      ///< isolated: one cause explains it
   kRefined,    ///< the same size estimated from more data
   kOver,       ///< a contact that has ended
+  kPresent,    ///< there when the watch began: learned, and no reason for an alarm
+  kWithdrawn,  ///< the name was wrong: another one explains more, and follows with the same id
 };
 const char* name_of(WatchStage stage);
 

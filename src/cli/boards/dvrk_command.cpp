@@ -210,7 +210,10 @@ void add_run(CLI::App& dvrk, Outcome& outcome) {
                   "A robot with values: the controller's, or the one whose inertia the PID's gains "
                   "shall fit (those of the laboratory for a known arm)")
       ->option_text("MODEL");
-  motion.add_option("--gains", run->gains, "YAML file with lists p, i and d; needs --model")
+  motion
+      .add_option("--gains", run->gains,
+                  "YAML file, with --model: lists p, i and d of a PID, p [1/s^2] and d [1/s] of "
+                  "computed torque, or mass, damping and stiffness (3 each) of an impedance")
       ->option_text("FILE");
   motion
       .add_option("--tip", run->tip, "Frame of the impedance (default: the one with most joints)")

@@ -39,8 +39,9 @@ PidGains gains_of(const DvrkRequest& request, const DvrkArm& arm) {
   const Model model = read_model(request.model);
   require(model.joints() <= n, model.name(), " has ", model.joints(),
           " joints, expected at most the ", n, " actuators of the arm (--model).");
-  const PidGains fit =
-      request.gains.empty() ? sensible_gains(model) : read_gains(request.gains, model);
+  const PidGains fit = request.gains.empty() || request.controller != "pid"
+                           ? sensible_gains(model)
+                           : read_gains(request.gains, model);
   gains.p.head(model.joints()) = fit.p;
   gains.i.head(model.joints()) = fit.i;
   gains.d.head(model.joints()) = fit.d;
@@ -60,15 +61,17 @@ void require_inputs(const DvrkRequest& request) {
   const std::string& name = request.controller;
   const bool pid = name == "pid";
   const bool plays = name != "gravity";
-  expect_needs(*request.command,
-               {{"--gains", pid && !request.model.empty(), "--controller pid and --model"},
-                {"--tip", name == "impedance", "--controller impedance"},
-                {"--stiffness", name == "impedance", "--controller impedance"},
-                {"--seconds", !plays, "--controller gravity"},
-                {"--trajectory", plays, "another controller than gravity"},
-                {"--approach-speed", plays, "another controller than gravity"},
-                {"--largest-error", plays, "another controller than gravity"},
-                {"--event", request.emulate, "--emulate"}});
+  expect_needs(*request.command, {{"--gains", name != "gravity" && !request.model.empty(),
+                                   "--model and another controller than gravity"},
+                                  {"--tip", name == "impedance", "--controller impedance"},
+                                  {"--stiffness", name == "impedance", "--controller impedance"},
+                                  {"--seconds", !plays, "--controller gravity"},
+                                  {"--trajectory", plays, "another controller than gravity"},
+                                  {"--approach-speed", plays, "another controller than gravity"},
+                                  {"--largest-error", plays, "another controller than gravity"},
+                                  {"--event", request.emulate, "--emulate"}});
+  expect_value(request.gains.empty() || request.command->count("--stiffness") == 0, "--stiffness",
+               "found --gains beside it, expected one of them");
   expect_value(!plays || !request.trajectory.empty(), "--trajectory",
                "expected a motion for --controller ", name);
   expect_value(pid || !request.model.empty(), "--model", "--controller ", name,
@@ -86,6 +89,10 @@ std::unique_ptr<dvrk::ModelController> controller_of(const DvrkRequest& request,
   options.stiffness = request.stiffness;
   options.longest_gap = request.watchdog;  // any longer gap lets the boards switch off
   const Model model = read_model(request.model);
+  if (!request.gains.empty() && options.law == dvrk::ControlLaw::kComputedTorque)
+    options.joint_gains = read_joint_gains(request.gains, model);
+  if (!request.gains.empty() && options.law == dvrk::ControlLaw::kImpedance)
+    options.tip_gains = read_tip_gains(request.gains);
   if (!request.tip.empty()) expect_one_of("--tip", request.tip, frame_names(model));
   auto controller =
       std::make_unique<dvrk::ModelController>(model, gains, dvrk::largest_torques(arm), options);

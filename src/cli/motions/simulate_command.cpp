@@ -4,22 +4,23 @@
 #include <memory>
 
 #include "cli/commands.hpp"
+#include "cli/motions/simulate_request.hpp"
 #include "cli/options/common_options.hpp"
 #include "cli/options/messages.hpp"
 #include "cli/options/option_checks.hpp"
 #include "cli/options/recording_options.hpp"
-#include "cli/motions/simulate_request.hpp"
 #include "cli/options/sound_arguments.hpp"
-#include "veridyn/recordings/recording.hpp"
+#include "kinematics/motion_limits.hpp"
 #include "math/output_file.hpp"
-#include "veridyn/math/require.hpp"
 #include "model/suggestion.hpp"
+#include "simulation/rotors_at_zero.hpp"
+#include "veridyn/math/require.hpp"
+#include "veridyn/recordings/recording.hpp"
 #include "veridyn/report/motion_json.hpp"
 #include "veridyn/simulation/engine.hpp"
 #include "veridyn/simulation/plant.hpp"
 #include "veridyn/simulation/plausible_model.hpp"
 #include "veridyn/simulation/resampled_motion.hpp"
-#include "simulation/rotors_at_zero.hpp"
 #include "veridyn/simulation/simulate_recording.hpp"
 
 namespace veridyn::cli {
@@ -59,6 +60,16 @@ Model movable_arm(const SimulateRequest& request, const Model& arm) {
   return movable.arm;
 }
 
+// From the middle of the range.
+MotionSamples wanted_steps(const Model& arm, const std::vector<double>& steps) {
+  expect_value(static_cast<int>(steps.size()) == arm.joints(), "--steps", "found ", steps.size(),
+               " numbers, expected ", arm.joints(), ", one per joint of ", arm.name());
+  const MotionLimits limits = motion_limits(arm);
+  return joint_steps(
+      0.5 * (limits.lower + limits.upper),
+      Eigen::Map<const VectorXd>(steps.data(), static_cast<Eigen::Index>(steps.size())));
+}
+
 ExitStatus run(const SimulateRequest& request, const std::string& command_line) {
   check_simulate_request(request);
   for (const std::string& path :
@@ -74,11 +85,12 @@ ExitStatus run(const SimulateRequest& request, const std::string& command_line) 
   }
   std::string made_up_words;
   Model arm = arm_with_values(request, made_up_words);
-  if (!request.replay.empty() || request.controller == "pid") arm = movable_arm(request, arm);
+  if (!request.replay.empty() || request.controller != "none") arm = movable_arm(request, arm);
   if (!request.breakaway.empty()) return run_breakaway(request, arm, command_line);
   if (!request.replay.empty()) return run_replay(request, arm, command_line);
   value_of("--effect", [&] { inject_effects(arm, options.hidden); });
-  MotionSamples wanted = wanted_motion(arm, request.trajectory);
+  MotionSamples wanted = request.steps.empty() ? wanted_motion(arm, request.trajectory)
+                                               : wanted_steps(arm, request.steps);
   require(wanted.q.cols() == arm.joints(), request.trajectory, ": found ", wanted.q.cols(),
           " joints, expected the ", arm.joints(), " of ", arm.name(), ".");
   for (Eigen::Index k = 0; k < wanted.q.rows(); ++k)
@@ -87,7 +99,7 @@ ExitStatus run(const SimulateRequest& request, const std::string& command_line) 
   if (!made_up_words.empty()) say(made_up_words);
   if (request.sample_rate > 0.0)
     wanted = value_of("--sample-rate", [&] { return resampled(wanted, request.sample_rate); });
-  if (request.controller == "pid")
+  if (request.controller != "none")
     return run_controlled(request, arm, wanted, options, command_line);
   const std::string trouble = infeasibility(arm);
   if (!trouble.empty()) say("warning: " + trouble);
@@ -130,6 +142,12 @@ void add_simulate_command(CLI::App& tool, Outcome& outcome) {
       .add_option("--trajectory", request->trajectory,
                   "CSV file with t and q, optionally dq and ddq")
       ->option_text("TRAJ");
+  command
+      .add_option(
+          "--steps", request->steps,
+          "In place of a trajectory: one joint after the other steps by this, each over 1 s")
+      ->option_text("X,X,...")
+      ->delimiter(',');
   add_output_option(command, "-o,--output", request->output, "Write the recording as CSV: t, q, dq, tau");
   command
       .add_option("--effect", request->effects,

@@ -17,6 +17,7 @@ namespace veridyn::cli {
 namespace {
 
 const char* const kControl = "Control";
+constexpr double kFrequency = 20.0;  // [rad/s] of both poles that computed torque gives an error
 
 VectorXd per_joint(const std::vector<double>& numbers, const Model& arm, const char* option) {
   if (numbers.empty()) return {};
@@ -33,14 +34,25 @@ VectorXd per_joint(const std::vector<double>& numbers, const Model& arm, const c
 
 LoopOptions loop_of(const SimulateRequest& request, const Model& arm) {
   LoopOptions loop = request.loop;
+  if (request.controller == "computed-torque") {
+    const auto n = static_cast<Eigen::Index>(arm.joints());
+    loop.model = std::make_shared<const Model>(
+        request.controller_model.empty() ? arm
+                                         : read_robot(request.controller_model, request.common));
+    loop.gains = {VectorXd::Constant(n, kFrequency * kFrequency), VectorXd::Zero(n),
+                  VectorXd::Constant(n, 2.0 * kFrequency)};
+  }
   loop.drive.limit = per_joint(request.limit, arm, "--torque-limit");
   if (!request.gains.empty()) loop.gains = read_gains(request.gains, arm);
   if (request.p.empty()) return loop;
   loop.gains.p = per_joint(request.p, arm, "--kp");
   loop.gains.i = request.i.empty() ? VectorXd(VectorXd::Zero(arm.joints()))
                                    : per_joint(request.i, arm, "--ki");
-  loop.gains.d =
-      request.d.empty() ? critical_damping(arm, loop.gains.p) : per_joint(request.d, arm, "--kd");
+  const auto critical = [&] {
+    return loop.model ? VectorXd(2.0 * loop.gains.p.cwiseSqrt())
+                      : critical_damping(arm, loop.gains.p);
+  };
+  loop.gains.d = request.d.empty() ? critical() : per_joint(request.d, arm, "--kd");
   return loop;
 }
 
@@ -75,12 +87,21 @@ void add_control_options(CLI::App& command, SimulateRequest& request) {
         ->group(kControl);
   };
   command
-      .add_option("--controller", request.controller,
-                  "pid: forward dynamics under a PID per joint; none: the arm makes the motion "
-                  "exactly, its torques by inverse dynamics (none)")
-      ->option_text("none|pid")
-      ->check(CLI::IsMember({"none", "pid"}))
+      .add_option(
+          "--controller", request.controller,
+          "pid: forward dynamics under a PID per joint; computed-torque: under that law, whose "
+          "--kp [1/s^2] and --kd [1/s] are the same for any inertia; none: the arm makes the "
+          "motion exactly, its torques by inverse dynamics (none)")
+      ->option_text("none|pid|computed-torque")
+      ->check(CLI::IsMember({"none", "pid", "computed-torque"}))
       ->group(kControl);
+  command
+      .add_option("--controller-model", request.controller_model,
+                  "What computed torque takes the arm for (the arm without its hidden effects)")
+      ->option_text("MODEL")
+      ->group(kControl);
+  number("--friction-share", request.loop.friction, "X",
+         "Of the model's friction that computed torque compensates (0)");
   command
       .add_option("--replay", request.replay,
                   "Drive the simulated arm with a recording instead of a trajectory, and compare")
@@ -130,7 +151,8 @@ namespace {
 std::vector<OptionNeed> simulate_needs(const SimulateRequest& request) {
   const bool replay = !request.replay.empty();
   const bool ramps = !request.breakaway.empty();
-  const bool moves = replay || request.controller == "pid";
+  const bool moves = replay || request.controller != "none";
+  const bool torque_law = !replay && request.controller == "computed-torque";
   const bool loop = replay ? request.drive != "torques" && !ramps : moves;
   std::vector<OptionNeed> needs = {
       {"--breakaway", replay, "--replay"},
@@ -141,6 +163,9 @@ std::vector<OptionNeed> simulate_needs(const SimulateRequest& request) {
       {"--map", replay, "--replay"},
       {"--units", replay, "--replay"},
       {"--set-point-cutoff", replay && loop, "--replay led by commands or set-points"},
+      {"--controller-model", torque_law, "--controller computed-torque"},
+      {"--friction-share", torque_law, "--controller computed-torque"},
+      {"--steps", moves && !replay, "--controller pid or computed-torque"},
       {"--report", moves, "--controller pid or --replay"},
       {"--engine", moves, "--controller pid or --replay"}};
   for (const char* option :
@@ -155,8 +180,9 @@ std::vector<OptionNeed> simulate_needs(const SimulateRequest& request) {
 }  // namespace
 
 void check_simulate_request(const SimulateRequest& request) {
-  if (request.trajectory.empty() == request.replay.empty())
-    throw CLI::ValidationError("simulate", "expected either --trajectory or --replay");
+  const bool motion = !request.trajectory.empty() || !request.steps.empty();
+  if (motion != request.replay.empty() || (!request.trajectory.empty() && !request.steps.empty()))
+    throw CLI::ValidationError("simulate", "expected one of --trajectory, --steps and --replay");
   if (request.output.empty() && request.replay.empty()) throw CLI::RequiredError("--output");
   expect_needs(*request.command, simulate_needs(request));
   if (!request.gains.empty() && !request.p.empty())
@@ -202,9 +228,14 @@ ExitStatus run_controlled(const SimulateRequest& request, const Model& arm,
   const MatrixXd& q = done.run.motion.q;
   for (int i = 0; i < arm.joints(); ++i) {
     const Coordinate& c = arm.coordinates()[static_cast<size_t>(i)];
-    report += fmt::format("joint {} ({}): at most {:.3g} {} off its set point\n", i + 1, c.name,
-                          1e3 * (q.col(i) - wanted.q.col(i).head(q.rows())).cwiseAbs().maxCoeff(),
-                          c.prismatic ? "mm" : "mrad");
+    const VectorXd off = (q.col(i) - wanted.q.col(i).head(q.rows())).cwiseAbs();
+    report += fmt::format("joint {} ({}): at most {:.3g} {} off its set point", i + 1, c.name,
+                          1e3 * off.maxCoeff(), c.prismatic ? "mm" : "mrad");
+    if (!request.steps.empty()) {  // when the next joint begins
+      const Eigen::Index last = std::min(off.size(), (i + 1) * wanted.rows() / arm.joints()) - 1;
+      report += fmt::format(", {:.3g} at the end of its step", 1e3 * off[last]);
+    }
+    report += "\n";
   }
   if (!request.common.report.empty())
     write_file(request.common.report,

@@ -30,6 +30,8 @@ struct SimulateRequest {
   double breakaway_speed = 0.0;  // [rad/s], [m/s]; 0: default
   std::string gains;
   std::vector<double> p, i, d, limit;
+  std::vector<double> steps;     // [rad], [m] of joint after joint, in place of a trajectory
+  std::string controller_model;  // of computed torque; empty: the arm as its file says
   LoopOptions loop;
   double set_point_cutoff = 0.0;  // [Hz]; 0: none
   PreprocessingOptions preprocessing;

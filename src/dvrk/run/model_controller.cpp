@@ -36,12 +36,15 @@ SafetyLimits limits_of(const Model& model, const VectorXd& largest, double longe
   return limits;
 }
 
-JointGains joint_gains(int joints, double frequency) {
+JointGains joint_gains(int joints, const ModelControlOptions& options) {
+  if (options.joint_gains) return *options.joint_gains;
+  const double frequency = options.frequency;
   return {VectorXd::Constant(joints, frequency * frequency),
           VectorXd::Constant(joints, 2.0 * frequency)};
 }
 
 ImpedanceGains tip_gains(const ModelControlOptions& options) {
+  if (options.tip_gains) return *options.tip_gains;
   ImpedanceGains gains;
   gains.mass.setConstant(options.tip_mass);
   gains.stiffness.setConstant(options.stiffness);
@@ -69,7 +72,7 @@ ModelController::ModelController(const Model& model, const PidGains& rest, const
       sensors_(model),
       limits_(limits_of(model, largest, options.longest_gap)),
       state_(model, tip_of(options, model)),
-      computed_torque_(model.joints(), joint_gains(model.joints(), options.frequency)),
+      computed_torque_(model.joints(), joint_gains(model.joints(), options)),
       path_(model, tip_of(options, model)),
       impedance_(model, tip_of(options, model), tip_gains(options)),
       gravity_(model),

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -29,6 +30,9 @@ struct ModelControlOptions {
   std::string tip;           ///< frame of the impedance; empty: see default_tip()
   double tip_mass = 2.0;     ///< [kg] that the tip appears to have
   double stiffness = 800.0;  ///< [N/m] of the tip; damping is critical
+  /// The user's own gains in place of those that `frequency`, `tip_mass` and `stiffness` give.
+  std::optional<JointGains> joint_gains;
+  std::optional<ImpedanceGains> tip_gains;
   /// Largest output of ModelErrorObserver, as a share of the largest torque. Under impedance the
   /// tip, which has no force sensor here, pushes with up to that much beyond its spring.
   double model_error = 0.05;
