@@ -3,7 +3,7 @@ BUILD := build
 JOBS  ?= $(shell nproc)
 CMAKE_FLAGS ?= --preset dev
 
-.PHONY: all tool build demo test python ros ros-test mpi growth deb build-times readme docs thesis bare sanitize packages packages-tests clean
+.PHONY: all tool build demo test python notebooks wheel ros ros-test mpi growth deb build-times readme docs thesis bare sanitize packages packages-tests clean
 
 all: tool
 
@@ -28,6 +28,16 @@ python: packages
 	@cmake $(CMAKE_FLAGS) -B $(BUILD) -DVERIDYN_PYTHON=ON >$(BUILD).log 2>&1 || { cat $(BUILD).log; exit 1; }
 	@cmake --build $(BUILD) -j $(JOBS) --target veridyn_python
 	@echo "import veridyn works with PYTHONPATH=$(BUILD)/python"
+
+# The notebooks' outputs, stored in them; needs what tests need.
+notebooks: python packages-tests
+	@PYTHONPATH=$(BUILD)/python /usr/bin/python3 python/notebooks/run.py python/notebooks/*.ipynb
+
+# A wheel of the Python module for this machine's Python, in $(BUILD)/wheel; pip installs it without a compiler.
+wheel: python
+	@cmake/install-packages.sh cmake/debian-packages-wheel.txt
+	@VERIDYN_BUILD_DIR=$(BUILD) /usr/bin/python3 -m pip wheel --quiet --no-build-isolation --no-deps --no-index -w $(BUILD)/wheel .
+	@ls $(BUILD)/wheel/*.whl
 
 # The ROS 1 packages, in $(BUILD)/ros; see docs/ros.md. The library never needs them.
 ros: tool

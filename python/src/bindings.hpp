@@ -16,5 +16,6 @@ void bind_factors(pybind11::module_& m);
 void bind_motion(pybind11::module_& m);
 void bind_control(pybind11::module_& m);
 void bind_watching(pybind11::module_& m);
+void bind_studies(pybind11::module_& m);
 
 }  // namespace veridyn::python

@@ -56,4 +56,5 @@ PYBIND11_MODULE(_veridyn, m) {
   veridyn::python::bind_motion(m);
   veridyn::python::bind_control(m);
   veridyn::python::bind_watching(m);
+  veridyn::python::bind_studies(m);
 }

@@ -1,9 +1,11 @@
 #include <pybind11/eigen.h>
 #include <pybind11/stl.h>
 
+#include <array>
 #include <limits>
 
 #include "bindings.hpp"
+#include "math/numbers.hpp"
 #include "model_handle.hpp"
 #include "options.hpp"
 #include "veridyn/excitation/excitation.hpp"
@@ -57,6 +59,40 @@ void read_between(Keywords& keywords, ExcitationOptions& o) {
   o.criterion = ExcitationCriterion::kDiscriminate;
 }
 
+Obstacle obstacle_of(const std::array<double, 6>& b) {
+  return {"box", {b[0], b[2], b[4]}, {b[1], b[3], b[5]}};
+}
+
+// Links keep apart where their shapes are known: of a URDF file, or along lines of a given radius.
+CollisionLimits read_collisions(Keywords& keywords, const py::object& robot, const Model& arm) {
+  bool collisions = true;
+  double radius = 0.0, clearance = kLinkClearance;
+  std::string shapes;
+  std::vector<std::array<double, 6>> keep_out;
+  std::optional<double> floor;
+  keywords.read("collisions", collisions);
+  keywords.read("link_radius", radius);
+  keywords.read("clearance", clearance);
+  keywords.read("shapes", shapes);
+  keywords.read("keep_out", keep_out);
+  if (keywords.given("floor")) keywords.read("floor", floor.emplace());
+  if (!collisions) return {};
+  const bool is_path = py::isinstance<py::str>(robot) || py::hasattr(robot, "__fspath__");
+  if (shapes.empty() && is_path) shapes = py::str(robot).cast<std::string>();
+  const bool urdf = shapes.size() > 5 && shapes.compare(shapes.size() - 5, 5, ".urdf") == 0;
+  std::vector<std::string> remarks;
+  const std::vector<Capsule> capsules = radius > 0.0 ? capsules_along_links(arm, radius)
+                                        : urdf       ? collision_capsules(shapes, remarks)
+                                                     : std::vector<Capsule>();
+  for (const std::string& remark : remarks) PyErr_WarnEx(PyExc_UserWarning, remark.c_str(), 1);
+  std::vector<Obstacle> around;
+  if (floor) around.push_back({"floor", {-kInfinity, -kInfinity, -kInfinity}, {kInfinity, kInfinity, *floor}});
+  for (const auto& box : keep_out) around.push_back(obstacle_of(box));
+  require(!capsules.empty() || around.empty(), "excite: the links of '", arm.name(),
+          "' have no shapes; expected link_radius=, or shapes= with a URDF file.");
+  return collision_limits(arm, capsules, around, clearance);
+}
+
 std::shared_ptr<Excitation> excite_call(const py::object& model, const py::dict& words) {
   Keywords keywords("excite", words);
   const py::object callback = keywords.take("progress");
@@ -84,6 +120,7 @@ std::shared_ptr<Excitation> excite_call(const py::object& model, const py::dict&
   keywords.read("seed", o.seed);
   keywords.read("threads", o.threads);
   if (const py::object powered = keywords.take("model")) o.powered = model_of(powered);
+  o.workspace.collisions = read_collisions(keywords, model, arm);
   keywords.expect_all_taken();
   if (!o.powered && !arm.inertial_values())
     o.valued = plausible_model(with_friction(arm, o.friction), 1).arm;

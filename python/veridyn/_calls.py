@@ -4,29 +4,41 @@ from __future__ import annotations
 
 import json
 import os
-from typing import TYPE_CHECKING, Any, Iterator, Mapping, Optional, Sequence, Union
+from typing import TYPE_CHECKING, Any, Callable, Iterator, List, Mapping, Optional, Sequence, TypeVar, Union
 
 import numpy as np
 
 from . import _veridyn
 from ._options import (
+    AxisOptions,
+    CaptureOptions,
     DiagnosisOptions,
     ExcitationOptions,
     FitOptions,
+    FleetOptions,
+    HandEyeOptions,
+    KinematicsOptions,
+    LinksOptions,
     PreprocessingOptions,
     RecordingOptions,
     SimulationOptions,
+    StabilityOptions,
     WatchOptions,
 )
 from ._recording import Recording
 from ._results import (
+    Calibration,
     Comparison,
     Diagnosis,
     Excitation,
+    Fleet,
+    Friction,
     Identification,
+    Kinematics,
     Payload,
     Quality,
     Simulation,
+    Stability,
 )
 
 if TYPE_CHECKING:
@@ -73,8 +85,11 @@ _FIT = """
 """
 
 
-def _documented(function: Any) -> Any:
-    function.__doc__ = function.__doc__.replace("{fit}", _FIT.strip("\n")).replace(
+_Function = TypeVar("_Function", bound=Callable[..., Any])
+
+
+def _documented(function: _Function) -> _Function:
+    function.__doc__ = (function.__doc__ or "").replace("{fit}", _FIT.strip("\n")).replace(
         "{preprocessing}", _PREPROCESSING.strip("\n")
     ).replace("{signals}", _SIGNALS.strip("\n"))
     return function
@@ -209,7 +224,7 @@ def find_payload(
 
 def watch(
     model: Any, rows: Any, *, learn_from: Any = None, block: int = 200, **options: Unpack[WatchOptions]
-) -> Iterator[dict]:
+) -> Iterator[dict[str, Any]]:
     """Follows an arm against its MODEL and yields what changed as soon as it is sure.
 
     model : a MODEL with values
@@ -225,7 +240,7 @@ def watch(
     """
     native = _veridyn.watch(model, options)
 
-    def whole(given: Any) -> Recording:
+    def whole(given: Any) -> Any:
         return given if isinstance(given, _veridyn.NativeRecording) else Recording(given)
 
     single = isinstance(rows, (str, os.PathLike, _veridyn.NativeRecording)) or hasattr(rows, "columns")
@@ -260,6 +275,11 @@ def excite(robot: Any, **options: Unpack[ExcitationOptions]) -> Excitation:
     between : ("EFFECT:JOINT", "EFFECT:JOINT"), the two causes to tell apart
     essential, starts, iterations, limit_share, seed, threads : as the options of `veridyn excite`
     model : the arm with values, whose efforts limit the torques
+    collisions : bool (True): links whose shapes are known keep apart; of a URDF file they are
+    shapes : URDF file whose collision shapes the links have;  link_radius : float, m, of capsules
+        along the lines from joint to joint
+    floor : float, m, height that links stay above;  clearance : float, m (0.01)
+    keep_out : boxes (x, x, y, y, z, z) [m] of the world that links stay out of
     progress : callable(what, share)
 
     Ctrl-C raises KeyboardInterrupt. `.motion` is the Recording to play.
@@ -280,6 +300,112 @@ def simulate(robot: Any, motion: Any, **options: Unpack[SimulationOptions]) -> S
     `.recording` is what the sensors say, `.truth` the arm with the effects.
     """
     return Simulation(_veridyn.simulate(robot, motion, options))
+
+
+_CAPTURE = """
+    unit : "m" or "mm", for motion-capture files that do not say so;  rate : float, Hz, likewise
+    body : name of the body whose pose counts, of a file with several
+"""
+
+
+def calibrate_links(model: Any, poses: Any, **options: Unpack[LinksOptions]) -> Calibration:
+    """Constants of a robot file from poses of one frame and the joints' readings.
+
+    poses : file with t, q1..qn, x, y, z, qw, qx, qy, qz; orientation may miss
+    frame : the frame that was tracked (the last one)
+    base, tool : "auto", "known" or "free": the base in the poses' frame, the body on the frame
+{capture}
+    threads : int
+
+    `.model` is the robot with the constants found.
+    """
+    return Calibration(_veridyn.calibrate_links(model, os.fspath(poses), options), "veridyn.calibrate_links(...)")
+
+
+def calibrate_axis(markers: Any, **options: Unpack[AxisOptions]) -> Calibration:
+    """Axes of rotation between bodies, and the links between them, from markers.
+
+    markers : file with t, BODY/MARKER/x, BODY/MARKER/y, BODY/MARKER/z, ...
+    between : pairs of bodies; all that turn about one axis where it is not given
+    frames : int, used at most (1500)
+{capture}
+    threads : int
+    """
+    return Calibration(_veridyn.calibrate_axis(os.fspath(markers), options), "veridyn.calibrate_axis(...)")
+
+
+def calibrate_rcm(poses: Any, **options: Unpack[CaptureOptions]) -> Calibration:
+    """The remote centre that a body turns about, by pivot calibration.
+
+    poses : file with t, x, y, z, qw, qx, qy, qz of one rigid body, or its markers
+{capture}
+    """
+    return Calibration(_veridyn.calibrate_rcm(os.fspath(poses), options), "veridyn.calibrate_rcm(...)")
+
+
+def calibrate_handeye(a: Any, b: Any, **options: Unpack[HandEyeOptions]) -> Calibration:
+    """The pose between two arms, or between an arm and a camera.
+
+    a, b : files with t, x, y, z, qw, qx, qy, qz; rows in pairs
+    form : "common-poses", "common-points", "hand-eye", "eye-in-hand" or "two-bases"; the one with
+        the fewest unknowns that fits where it is not given
+{capture}
+    """
+    return Calibration(_veridyn.calibrate_handeye(os.fspath(a), os.fspath(b), options), "veridyn.calibrate_handeye(...)")
+
+
+for _function in (calibrate_links, calibrate_axis, calibrate_rcm, calibrate_handeye):
+    _function.__doc__ = (_function.__doc__ or "").replace("{capture}", _CAPTURE.strip("\n"))
+
+
+@_documented
+def fleet(model: Any, arms: Any, **options: Unpack[FleetOptions]) -> Fleet:
+    """One model for many arms of one type: what they share, and which stands out.
+
+    arms : {name: file or list of files}, or the path of a list with lines ARM,FILE; recordings, or
+        factor files of `veridyn identify --factor-out`
+    significance : chance of naming an arm of a fleet without an odd one (0.01)
+{preprocessing}
+    """
+    return Fleet(_veridyn.fleet(model, arms, options), "veridyn.fleet(...)")
+
+
+@_documented
+def friction(model: Any, recordings: Any, test: Any = None, **options: Unpack[FitOptions]) -> Friction:
+    """Friction of every joint that moves: against speed, at breakaway, and of which kind.
+
+    model : Model, or the name of its file
+    recordings, test : as identify(); without test the last recording, or the last third of one,
+        judges the kinds
+{preprocessing}
+    """
+    return Friction(_veridyn.friction(model, recordings, test, options), "veridyn.friction(...)")
+
+
+def stability(scenario: Any, **options: Unpack[StabilityOptions]) -> Stability:
+    """Whether a cooperation loop is stable: eigenvalues, margins, maps.
+
+    scenario : YAML of a scenario; or a MODEL: its impedance against a wall
+    set : {parameter: value} to change first
+    map : ("NAME=FROM:TO:COUNT", "NAME=FROM:TO:COUNT");  locus : one of them
+    recommend : float, degrees of phase margin that recommended gains have at least
+    bounds : int, samples over all parameters in their intervals
+    frame, pose : of a MODEL: what touches the wall, and its joints at rest
+    threads : int
+    """
+    return Stability(_veridyn.stability(os.fspath(scenario), options), "veridyn.stability(...)")
+
+
+def kinematics(robot: Any, **options: Unpack[KinematicsOptions]) -> Kinematics:
+    """Poses, joints, Jacobians and conditioning of an arm.
+
+    forward : joints (n) or (N, n), of which poses are wanted
+    inverse : poses (3), (7), (N, 3) or (N, 7): x, y, z [m] and perhaps qw, qx, qy, qz
+    workspace : int, postures over the ranges, where neither is given (1000)
+    frame : the frame that counts (tip, tool, or the last)
+    start : joints at which inverse kinematics begins
+    """
+    return Kinematics(_veridyn.kinematics(robot, options), "veridyn.kinematics(...)")
 
 
 _Array = Union[np.ndarray, Sequence[float], Sequence[Sequence[float]]]
@@ -336,11 +462,11 @@ def coriolis_matrix(model: _veridyn.Model, q: _Array, dq: _Array) -> np.ndarray:
     return _veridyn.coriolis_matrix(model, q, dq)
 
 
-def robot_names() -> list:
+def robot_names() -> List[str]:
     """Bare names that read_model() knows."""
     return _veridyn.robot_names()
 
 
-def effect_names() -> list:
+def effect_names() -> List[str]:
     """Names of effects that diagnose() can ask about."""
     return _veridyn.effect_names()

@@ -75,6 +75,12 @@ class ExcitationOptions(TypedDict, total=False):
     seed: int
     threads: int
     model: Any
+    collisions: bool
+    shapes: str
+    link_radius: float
+    floor: float
+    keep_out: Sequence[Tuple[float, float, float, float, float, float]]
+    clearance: float
     progress: Callable[[str, float], Any]
 
 
@@ -95,3 +101,49 @@ class WatchOptions(TypedDict, total=False):
     links: Sequence[str]
     fix: Mapping[str, float]
     drive_gains: Sequence[float]
+
+
+class CaptureOptions(TypedDict, total=False):
+    unit: Literal["m", "mm", "cm"]
+    body: str
+    rate: float
+
+
+class LinksOptions(CaptureOptions, total=False):
+    frame: str
+    base: Literal["auto", "known", "free"]
+    tool: Literal["auto", "known", "free"]
+    threads: int
+
+
+class AxisOptions(CaptureOptions, total=False):
+    between: Sequence[Tuple[str, str]]
+    frames: int
+    threads: int
+
+
+class HandEyeOptions(CaptureOptions, total=False):
+    form: Literal["common-poses", "common-points", "hand-eye", "eye-in-hand", "two-bases"]
+
+
+class FleetOptions(PreprocessingOptions, total=False):
+    significance: float
+
+
+class StabilityOptions(TypedDict, total=False):
+    set: Mapping[str, float]
+    map: Tuple[str, str]
+    locus: str
+    recommend: float
+    bounds: int
+    frame: str
+    pose: Sequence[float]
+    threads: int
+
+
+class KinematicsOptions(TypedDict, total=False):
+    forward: Any
+    inverse: Any
+    workspace: int
+    frame: str
+    start: Sequence[float]

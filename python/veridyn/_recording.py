@@ -135,8 +135,15 @@ class Recording(_veridyn.NativeRecording):
         def cut(signal: Any) -> Any:
             return None if signal is None else signal[first:end]
 
-        arrays = (self.time, self.q, self.dq, self.ddq, self.tau, self.current)
-        return Recording(*(cut(a) for a in arrays), self.source)  # type: ignore[arg-type]
+        return Recording(
+            cut(self.time),
+            cut(self.q),
+            dq=cut(self.dq),
+            ddq=cut(self.ddq),
+            tau=cut(self.tau),
+            current=cut(self.current),
+            source=self.source,
+        )
 
     def __len__(self) -> int:
         return self.rows

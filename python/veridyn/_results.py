@@ -7,6 +7,8 @@ import json
 import os
 from typing import Any, Optional
 
+import numpy as np
+
 from . import _veridyn
 from ._recording import Recording
 
@@ -97,7 +99,7 @@ class _WithModel(Result):
 
 
 def _axes(rows: int, title: str) -> Any:
-    from matplotlib import pyplot
+    from matplotlib import pyplot  # only here: veridyn itself does not need it
 
     figure, axes = pyplot.subplots(rows, 1, sharex=True, squeeze=False, figsize=(9, 1.8 * rows))
     figure.suptitle(title)
@@ -140,6 +142,35 @@ class Diagnosis(_WithModel):
         """The findings, the most important first; empty where nothing was found."""
         return self["findings"]
 
+    def plot(self) -> Any:
+        """Held-out error of every joint before and after, and what each finding explains, as a figure."""
+        from matplotlib import pyplot
+
+        joints = [one["coordinate"] for one in self["verdict"]]
+        before, after = ([100.0 * e for e in self[k]["test"]["relative_error"]] for k in ("baseline", "extended"))
+        figure, (errors, shares) = pyplot.subplots(1, 2, figsize=(11, 1.2 + 0.45 * max(len(joints), len(self.findings), 3)))
+        rows = range(len(joints))
+        errors.barh([r - 0.2 for r in rows], before, 0.38, label="model", color="#b0b8c4")
+        errors.barh([r + 0.2 for r in rows], after, 0.38, label="with the findings", color="#2f6db3")
+        floors = [None if one["floor"] is None else 100.0 * one["floor"] for one in self["verdict"]]
+        known = [(floor, row) for floor, row in zip(floors, rows) if floor is not None]
+        errors.plot([k[0] for k in known], [k[1] for k in known], "k|", markersize=14, label="floor")
+        errors.set_yticks(list(rows))
+        errors.set_yticklabels(joints)
+        errors.set_xlabel("held-out error [% of the torque]")
+        errors.legend(loc="best")
+        found = self.findings
+        shares.barh(range(len(found)), [100.0 * (f["explains"] or 0.0) for f in found],
+                    color=["#2f6db3" if f["main"] else "#b0b8c4" for f in found])
+        shares.set_yticks(range(len(found)))
+        shares.set_yticklabels([f["cause"] for f in found])
+        shares.set_xlabel("explains [% of the removable error]")
+        for axis in (errors, shares):
+            axis.invert_yaxis()
+        figure.suptitle(self["robot"])
+        figure.tight_layout()
+        return figure
+
 
 class Payload(Result):
     """What find_payload() found."""
@@ -148,6 +179,106 @@ class Payload(Result):
     def found(self) -> bool:
         """True if there surely is a load."""
         return self._native.found
+
+
+def plot_friction(model: _veridyn.Model, joint: Any, axis: Any = None) -> Any:
+    """Friction of one joint against its speed, as the model has it, as a matplotlib figure.
+
+    joint : its name, or its number from 1
+    axis : matplotlib axes to draw into
+    """
+    names = [c["name"] for c in model.coordinates]
+    if joint not in names and joint not in range(1, len(names) + 1):
+        raise _veridyn.InvalidInput(f"plot_friction: found the joint {joint!r}, expected one of: {', '.join(names)}.")
+    index = names.index(joint) if joint in names else int(joint) - 1
+    limits = model.coordinates[index]
+    fastest = limits["velocity"] if np.isfinite(limits["velocity"]) else 2.0
+    # Closer together about zero, where friction changes most.
+    speed = fastest * np.linspace(-1.0, 1.0, 401) ** 3
+    dq = np.zeros((len(speed), len(names)))
+    dq[:, index] = speed
+    zero = np.zeros_like(dq)
+    effects = [
+        _veridyn.joint_torques(model, zero, v, zero, None, 4)[:, index]
+        - _veridyn.inverse_dynamics(model, zero, v, zero)[:, index]
+        for v in (dq, zero)
+    ]
+    if axis is None:
+        from matplotlib import pyplot
+
+        axis = pyplot.subplots(figsize=(6, 3.6))[1]
+    axis.plot(speed, effects[0] - effects[1][0])
+    axis.axhline(0.0, color="0.8", linewidth=0.8)
+    axis.set_xlabel(f"{names[index]} [{limits['unit']}/s]")
+    axis.set_ylabel(f"friction [{limits['effort_unit']}]")
+    return axis.figure
+
+
+class Calibration(_WithModel):
+    """What calibrate_links(), calibrate_axis(), calibrate_rcm() or calibrate_handeye() found."""
+
+
+class Fleet(_WithModel):
+    """What the arms of a type share, and which of them stands out."""
+
+
+class Stability(Result):
+    """Eigenvalues and margins of a loop."""
+
+    @property
+    def stable(self) -> bool:
+        return bool(self["stable"])
+
+
+class Kinematics(Result):
+    """Poses, joints and conditioning; arrays over the rows."""
+
+    def _column(self, key: str) -> np.ndarray:
+        return np.array([row[key] for row in self["rows"]])
+
+    @property
+    def q(self) -> np.ndarray:
+        """Joints (N, n)."""
+        return self._column("q")
+
+    @property
+    def position(self) -> np.ndarray:
+        """Of the frame in the world (N, 3) [m]."""
+        return self._column("position")
+
+    @property
+    def quaternion(self) -> np.ndarray:
+        """Of the frame in the world (N, 4): w, x, y, z."""
+        return self._column("quaternion")
+
+    @property
+    def jacobian(self) -> np.ndarray:
+        """(N, 6, n), linear rows first, in the world."""
+        return self._column("jacobian")
+
+
+class Friction(_WithModel):
+    """Friction of every joint: curve, steady speeds, breakaways and verdicts."""
+
+    def plot(self) -> Any:
+        """Friction against speed: curve with its 95 % band, and what steady speeds measured."""
+        from matplotlib import pyplot
+
+        joints = self["joints"]
+        figure, axes = pyplot.subplots(1, len(joints), squeeze=False, figsize=(4.2 * len(joints), 3.6))
+        for axis, joint in zip(axes[0], joints):
+            curve = joint["curve"]
+            band = np.array(curve["interval"], dtype=float).reshape(-1, 2)
+            axis.fill_between(curve["velocity"], band[:, 0], band[:, 1], alpha=0.25)
+            axis.plot(curve["velocity"], curve["torque"])
+            speeds = joint["speeds"]
+            axis.plot([s["velocity"] for s in speeds], [s["torque"] for s in speeds], "k.", label="steady speeds")
+            axis.set_title(joint["coordinate"])
+            axis.set_xlabel(f"speed [{joint['velocity_unit']}]")
+            axis.set_ylabel(f"friction [{joint['unit']}]")
+        figure.suptitle(self["robot"])
+        figure.tight_layout()
+        return figure
 
 
 class Comparison(Result):

@@ -25,6 +25,7 @@ namespace {
 constexpr double kUsualShare = 0.01;  // share of essential parameters that is reported by default
 // Distance relative to a limit's size below which the limit is active.
 constexpr double kClose = 0.06;
+constexpr double kSmallestSize = 0.1;  // [m] of a limit with one side, whose size is that of its bound
 constexpr int kRounds = 3;            // rounds of new base columns and descents
 
 void check(const ExcitationOptions& o) {
@@ -87,7 +88,7 @@ UsedLimits used_limits(const std::vector<LimitMargin>& margins, const std::strin
     const bool of_a_joint = m.name.rfind("position of", 0) == 0 || m.name.rfind("speed of", 0) == 0 ||
                             m.name.rfind("acceleration of", 0) == 0 ||
                             m.name.rfind("torque of", 0) == 0 || m.name.rfind("stop of", 0) == 0;
-    const double scale = std::isfinite(size) ? size : std::abs(std::isfinite(m.lower) ? m.lower : m.upper);
+    const double scale = std::isfinite(size) ? size : std::max(kSmallestSize, std::abs(std::isfinite(m.lower) ? m.lower : m.upper));
     if ((own || !of_a_joint) && m.margin < kClose * scale) out.held_by.push_back(m.name);
   }
   return out;
@@ -355,6 +356,7 @@ Excitation optimise_excitation(const Model& file, const ExcitationOptions& optio
   const auto begun = std::chrono::steady_clock::now();
   require(arm.joints() >= 1, "excitation: the arm '", arm.name(), "' has no coordinates.");
   Excitation out = Design(arm, options, solver).run();
+  out.touching = options.workspace.collisions.touching;
   out.friction_remark = friction_remark(file, arm);
   out.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
   return out;

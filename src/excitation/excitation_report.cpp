@@ -27,6 +27,8 @@ const char* name_of(ColumnScaling scaling) {
 
 namespace {
 
+constexpr const char* kGap = "gap of ";  // limits between links
+constexpr size_t kNamedGaps = 5;         // of them that the text lists
 constexpr size_t kNamed = 5;  // printed in the text; the JSON has all
 
 std::string margin_line(const LimitMargin& m) {
@@ -163,7 +165,16 @@ std::string Excitation::report() const {
   out += used_text(*this);
   out += fmt::format("{:<28}{:>8} {:>21} {:>21} {:>10}\n", "limit", "unit", "motion", "limit",
                      "margin");
-  for (const LimitMargin& m : margins) out += margin_line(m);
+  std::vector<LimitMargin> gaps;
+  for (const LimitMargin& m : margins) {
+    if (m.name.rfind(kGap, 0) == 0) gaps.push_back(m);
+    else out += margin_line(m);
+  }
+  std::sort(gaps.begin(), gaps.end(), [](const auto& a, const auto& b) { return a.margin < b.margin; });
+  for (size_t k = 0; k < std::min(kNamedGaps, gaps.size()); ++k) out += margin_line(gaps[k]);
+  if (gaps.size() > kNamedGaps) out += fmt::format("{} more pairs of links stay farther apart.\n", gaps.size() - kNamedGaps);
+  if (!touching.empty())
+    out += fmt::format("Not kept apart, since their shapes overlap at nearly every posture: {}.\n", fmt::join(touching, ", "));
   return out;
 }
 

@@ -65,6 +65,33 @@ TEST(Excite, LimitsThatCannotBeMetAreNamedAndNothingIsWritten) {
   EXPECT_TRUE(folder.files().empty());
 }
 
+TEST(Excite, LinksKeepAboveAFloorUnlessCollisionsAreOff) {
+  const TemporaryFolder folder;
+  const Words arm = {"excite", "elbow-6r", "-o", folder.path("m.csv"), "--json", folder.path("m.json"), "--link-radius", "0.05",
+                     "--criterion", "d-optimal", "--harmonics", "3", "--starts", "1", "--iterations", "5", "--quiet"};
+  const ToolRun run = run_tool(arm + Words{"--floor", "-0.2"});
+  ASSERT_EQ(run.status, 0) << run.err;
+  EXPECT_NE(run.out.find("gap of column and floor"), std::string::npos) << run.out;
+  int gaps = 0;
+  const nlohmann::json with_floor = json_of(folder.path("m.json"));
+  for (const auto& margin : with_floor["margins"]) {
+    if (margin["limit"].get<std::string>().rfind("gap of ", 0) != 0) continue;
+    ++gaps;
+    EXPECT_GE(margin["margin"], 0.0) << margin;
+  }
+  EXPECT_GT(gaps, 5);
+  const ToolRun off = run_tool(Words{"excite", "elbow-6r", "-o", folder.path("m.csv"), "--json", folder.path("m.json"), "--collisions", "off",
+                                     "--starts", "1", "--iterations", "2", "--harmonics", "3", "--quiet"});
+  ASSERT_EQ(off.status, 0) << off.err;
+  EXPECT_EQ(content_of(folder.path("m.json")).find("gap of "), std::string::npos);
+  for (const Words& wrong : {Words{"--collisions", "off", "--floor", "0"}, Words{"--floor", "0"}, Words{"--keep-out", "0,1,0,1"},
+                             Words{"--link-radius", "0.1", "--keep-out", "1,0,0,1,0,1"}, Words{"--link-radius", "-1"}}) {
+    const ToolRun refused = run_tool(Words{"excite", "elbow-6r", "-o", folder.path("m.csv")} + wrong);
+    EXPECT_EQ(refused.status, 2) << wrong.front();
+    EXPECT_EQ(refused.error_lines(), 1) << refused.err;
+  }
+}
+
 TEST(Excite, ToldRivalsItSaysWhatIsLeftOfThem) {
   const TemporaryFolder folder;
   const ToolRun run =

@@ -212,6 +212,7 @@ struct Excitation {
   std::vector<LimitMargin> margins{};
   std::vector<UsedLimits> used{};     ///< (n)
   double limit_share = 0.0;  ///< ExcitationOptions::limit_share; 0: margins of a safety supervisor
+  std::vector<std::string> touching{};  ///< CollisionLimits::touching of the options
   std::string friction_remark{};      ///< text of veridyn::friction_remark()
   MotionBounds bounds{};              ///< extremes of the motion's periods
   MotionBounds limits{};              ///< limits of the arm, in the same order

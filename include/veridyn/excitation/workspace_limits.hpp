@@ -1,9 +1,11 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "veridyn/math/types.hpp"
+#include "veridyn/model/link_shapes.hpp"
 
 namespace veridyn {
 
@@ -38,13 +40,48 @@ struct InsertionRange {
   double upper = 0.0;
 };
 
+/// A box that stands in the world [m]: a table, a mount, a wall; infinite where a side is open, so
+/// that a floor is a box without an end below.
+struct Obstacle {
+  std::string name;
+  Eigen::Vector3d lower{0, 0, 0};
+  Eigen::Vector3d upper{0, 0, 0};
+};
+
+/// A link keeps `clearance` [m] from another, or from an obstacle.
+struct CollisionPair {
+  std::string first, second;
+  std::vector<Capsule> capsules;      ///< of the first
+  std::vector<Capsule> others;        ///< of the second; empty: it is the obstacle
+  std::optional<Obstacle> obstacle{};
+  double clearance = 0.0;
+};
+
+/// Distance between links that is kept unless another is given: some encoder and mounting errors, and
+/// what a controller overshoots.
+constexpr double kLinkClearance = 0.01;
+
+struct CollisionLimits {
+  std::vector<CollisionPair> pairs;
+  /// "A and B": pairs that touch at nearly every posture, since their shapes overlap where they are
+  /// joined; they are not kept apart.
+  std::vector<std::string> touching;
+};
+
+/// The pairs of links that are to be kept apart: links that one joint connects are not, nor are
+/// frames that do not move against each other.
+/// @param shapes  capsules on frames of the arm, or in the world.
+/// @throws InvalidInput  a capsule on an unknown frame, or an obstacle without size.
+CollisionLimits collision_limits(const Model& arm, const std::vector<Capsule>& shapes,
+                                 const std::vector<Obstacle>& obstacles = {},
+                                 double clearance = kLinkClearance);
+
 /// Limits of a motion beside the ranges and speeds of its joints.
 struct WorkspaceLimits {
   std::vector<FrameBox> boxes;
   std::vector<SpherePair> pairs;
   std::vector<InsertionRange> insertions;
-
-  bool empty() const { return boxes.empty() && pairs.empty() && insertions.empty(); }
+  CollisionLimits collisions{};
 };
 
 }  // namespace veridyn

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <csignal>
+#include <filesystem>
 #include <iostream>
 #include <limits>
 #include <memory>
@@ -18,6 +19,7 @@
 #include "veridyn/excitation/excitation.hpp"
 #include "recordings/recorded_motion.hpp"
 #include "veridyn/recordings/recording.hpp"
+#include "math/numbers.hpp"
 #include "math/output_file.hpp"
 #include "veridyn/math/require.hpp"
 #include "veridyn/model/fixed_coordinates.hpp"
@@ -39,7 +41,10 @@ struct ExciteRequest {
   PreprocessingOptions reading;  // of the given recordings
   std::vector<std::string> boxes, spheres, obstacles, insertions;
   std::string between;
-  double clearance = 0.0;
+  std::optional<double> clearance;  // [m]; nullopt: 0 between spheres, kLinkClearance between links
+  std::string collisions = "auto", shapes;
+  std::vector<std::string> keep_out;
+  std::optional<double> link_radius, floor;
   std::optional<double> torque_noise;
   PosesRequest poses;
   ExcitationOptions options;
@@ -85,6 +90,34 @@ Model read_powered(const ExciteRequest& request) {
   return with_fixed(arm, fixed);
 }
 
+bool is_urdf_file(const std::string& path) {
+  const std::string ending = std::filesystem::path(path).extension();
+  return ending == ".urdf" || ending == ".xml";
+}
+
+// Capsules of the links: from the collision shapes of a URDF, or along the links of a given radius.
+std::vector<Capsule> capsules_of(const ExciteRequest& request, const Model& arm) {
+  if (request.link_radius) return capsules_along_links(arm, *request.link_radius);
+  const std::string& file = request.shapes.empty() ? request.robot : request.shapes;
+  if (!is_urdf_file(file)) return {};
+  std::vector<std::string> remarks;
+  std::vector<Capsule> out = collision_capsules(file, remarks);
+  for (const std::string& remark : remarks) say("warning: " + remark);
+  return out;
+}
+
+CollisionLimits collisions_of(const ExciteRequest& request, const Model& arm) {
+  if (request.collisions == "off") return {};
+  const std::vector<Capsule> shapes = capsules_of(request, arm);
+  std::vector<Obstacle> around;
+  if (request.floor) around.push_back({"floor", {-kInfinity, -kInfinity, -kInfinity}, {kInfinity, kInfinity, *request.floor}});
+  for (const std::string& words : request.keep_out) around.push_back(obstacle_box(words));
+  expect_value(!shapes.empty() || around.empty(), around.empty() || request.floor ? "--floor" : "--keep-out",
+               "'", request.robot, "' has no collision shapes; expected --link-radius, or --shapes with a URDF file");
+  expect_value(!shapes.empty() || request.shapes.empty(), "--shapes", "'", request.shapes, "' has no collision shapes");
+  return collision_limits(arm, shapes, around, request.clearance.value_or(kLinkClearance));
+}
+
 ExcitationOptions options_of(const ExciteRequest& request, const Model& arm,
                              std::string& made_up_words) {
   ExcitationOptions o = request.options;
@@ -98,7 +131,8 @@ ExcitationOptions options_of(const ExciteRequest& request, const Model& arm,
   std::vector<Sphere> obstacles;
   for (const std::string& words : request.spheres) spheres.push_back(sphere(words));
   for (const std::string& words : request.obstacles) obstacles.push_back(obstacle(words));
-  o.workspace.pairs = sphere_pairs(spheres, obstacles, request.clearance);
+  o.workspace.pairs = sphere_pairs(spheres, obstacles, request.clearance.value_or(0.0));
+  o.workspace.collisions = collisions_of(request, arm);
   for (const std::string& path : request.given) {
     for (MotionSamples& motion : recorded_motion(arm, path, request.reading)) o.given.push_back(std::move(motion));
   }
@@ -172,7 +206,9 @@ ExitStatus run(const ExciteRequest& request, const std::string& command_line) {
                {{"--between", discriminates || request.command->count("--criterion") == 0,
                  "--criterion discriminate"},
                 {"--obstacle", !request.spheres.empty(), "--sphere"},
-                {"--clearance", !request.spheres.empty(), "--sphere"}});
+                {"--shapes", !request.link_radius, "no --link-radius"}});
+  for (const char* option : {"--shapes", "--link-radius", "--floor", "--keep-out"})
+    expect_needs(*request.command, {{option, request.collisions != "off", "--collisions auto"}});
   for (const char* option : {"--columns", "--given-rate", "--topic", "--map", "--units", "--rows"})
     expect_needs(*request.command, {{option, !request.given.empty(), "--given"}});
   expect_value(!discriminates || !request.between.empty(), "--criterion",
@@ -182,6 +218,9 @@ ExitStatus run(const ExciteRequest& request, const std::string& command_line) {
   std::string made_up_words;
   const ExcitationOptions options = options_of(request, arm, made_up_words);
   if (!made_up_words.empty()) say(made_up_words);
+  expect_needs(*request.command,
+               {{"--clearance", !request.spheres.empty() || !options.workspace.collisions.pairs.empty(),
+                 "--sphere, or an arm with collision shapes"}});
   const Interruptible until_interrupted;
   // Its exceptions are caused by option values for this arm.
   Excitation found = value_of("excite", [&] { return optimise_excitation(arm, options); });
@@ -228,7 +267,33 @@ void add_limit_options(CLI::App& command, ExciteRequest& r) {
   several("--sphere", r.spheres, "FRAME:R[,X,Y,Z]",
           "Sphere around a point of a frame, kept clear of other spheres and of obstacles");
   several("--obstacle", r.obstacles, "X,Y,Z,R", "Spherical obstacle in world coordinates");
-  command.add_option("--clearance", r.clearance, "Clearance between spheres [m]")
+  command
+      .add_option("--collisions", r.collisions,
+                  "Keep links apart from each other, from the mount and from obstacles; auto: where "
+                  "their shapes are known")
+      ->option_text("auto|off")
+      ->check(CLI::IsMember({"auto", "off"}))
+      ->group(group);
+  command
+      .add_option("--shapes", r.shapes,
+                  "URDF file with the collision shapes of the links (default: ROBOT)")
+      ->option_text("FILE")
+      ->check(CLI::ExistingFile)
+      ->group(group);
+  command
+      .add_option("--link-radius", r.link_radius,
+                  "Model links as capsules of this radius along the lines between joints [m]")
+      ->option_text("M")
+      ->check(CLI::PositiveNumber)
+      ->group(group);
+  command.add_option("--floor", r.floor, "Height of a floor, above which links stay [m]")
+      ->option_text("Z")
+      ->group(group);
+  several("--keep-out", r.keep_out, "X,X,Y,Y,Z,Z",
+          "Box in world coordinates that links stay out of, as a table or a mount");
+  command
+      .add_option("--clearance", r.clearance,
+                  "Clearance between spheres (default: 0) and between links (default: 0.01) [m]")
       ->option_text("M")
       ->check(CLI::NonNegativeNumber)
       ->group(group);

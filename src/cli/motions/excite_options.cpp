@@ -61,6 +61,13 @@ FrameBox frame_box(const std::string& words) {
           {n.numbers[1], n.numbers[3], n.numbers[5]}};
 }
 
+Obstacle obstacle_box(const std::string& words) {
+  const std::string expected = "X,X,Y,Y,Z,Z from and to, in m; inf is open";
+  const std::vector<double> v = numbers("--keep-out", words, words, {6}, expected);
+  if (!(v[0] < v[1] && v[2] < v[3] && v[4] < v[5])) fail("--keep-out", words, expected);
+  return {"box " + words, {v[0], v[2], v[4]}, {v[1], v[3], v[5]}};
+}
+
 Sphere sphere(const std::string& words) {
   const Named n = named("--sphere", words, {1, 4}, "FRAME:R or FRAME:R,X,Y,Z in m");
   if (!(n.numbers[0] > 0.0)) fail("--sphere", words, "a positive radius");

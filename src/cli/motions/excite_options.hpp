@@ -21,6 +21,9 @@ FrameBox frame_box(const std::string& words);
 /// "FRAME:R" or "FRAME:R,X,Y,Z".
 Sphere sphere(const std::string& words);
 
+/// "X,X,Y,Y,Z,Z", from and to, of --keep-out.
+Obstacle obstacle_box(const std::string& words);
+
 /// "X,Y,Z,R".
 Sphere obstacle(const std::string& words);
 

@@ -11,6 +11,7 @@ namespace veridyn {
 namespace {
 
 constexpr double kRoomOfSupervisor = 0.0025;  // share of a range that MotionCheck leaves at each end
+constexpr double kSizeOfGap = 0.1;      // [m] normalisation of gaps, as of boxes
 constexpr double kRoundedShare = 0.01;  // share of the largest speed, for signs in torques
 
 }  // namespace
@@ -115,6 +116,10 @@ void LimitSignals::add_workspace(const Model& arm, const WorkspaceLimits& worksp
     signals_.push_back({text("insertion of ", range.frame), "m", range.lower, range.upper,
                         range.upper - range.lower});
   }
+  for (const CollisionPair& pair : workspace.collisions.pairs) {
+    gaps_.emplace_back(arm, pair);
+    signals_.push_back({text("gap of ", pair.first, " and ", pair.second), "m", pair.clearance, kInfinity, kSizeOfGap});
+  }
 }
 
 double LimitSignals::geometry(const FramePoints& at, size_t k, Eigen::RowVectorXd* slope) const {
@@ -139,6 +144,16 @@ double LimitSignals::geometry(const FramePoints& at, size_t k, Eigen::RowVectorX
              way.transpose() * at.z_axis_slope(g.frame);
   }
   return way.dot(z);
+}
+
+double LimitSignals::gap(const FramePoints& at, size_t k, Eigen::RowVectorXd* slope) const {
+  const LinkGap::Nearest nearest = gaps_[k].nearest(at);
+  if (slope != nullptr) {
+    *slope = nearest.direction.transpose() * at.point_slope(nearest.frame, nearest.point);
+    if (nearest.other >= 0)
+      *slope -= nearest.direction.transpose() * at.point_slope(nearest.other, nearest.other_point);
+  }
+  return nearest.gap;
 }
 
 MatrixXd LimitSignals::torques(const MotionSamples& motion) const {
@@ -185,12 +200,12 @@ MatrixXd LimitSignals::values(const MotionSamples& motion) const {
     const MatrixXd tau = torques(motion);
     for (const int i : torque_joints_) out.col(next++) = tau.col(i);
   }
-  if (geometries_.empty()) return out;
+  if (geometric_count() == 0) return out;
   FramePoints at(arm_);
   for (Eigen::Index row = 0; row < motion.rows(); ++row) {
     at.move_to(motion.q.row(row));
-    for (size_t k = 0; k < geometries_.size(); ++k) {
-      out(row, next + static_cast<Eigen::Index>(k)) = geometry(at, k, nullptr);
+    for (size_t k = 0; k < geometric_count(); ++k) {
+      out(row, next + static_cast<Eigen::Index>(k)) = geometric(at, k, nullptr);
     }
   }
   return out;
@@ -205,16 +220,16 @@ std::vector<MatrixXd> LimitSignals::slopes(const MotionSamples& motion) const {
   }
   if (!torque_joints_.empty()) torque_slopes(motion, out);
   const size_t first = out.size();
-  for (size_t k = 0; k < geometries_.size(); ++k) {
+  for (size_t k = 0; k < geometric_count(); ++k) {
     out.push_back(MatrixXd::Zero(motion.rows(), 3 * motion.joints()));
   }
-  if (geometries_.empty()) return out;
+  if (geometric_count() == 0) return out;
   FramePoints at(arm_);
   Eigen::RowVectorXd slope;
   for (Eigen::Index row = 0; row < motion.rows(); ++row) {
     at.move_to(motion.q.row(row));
-    for (size_t k = 0; k < geometries_.size(); ++k) {
-      geometry(at, k, &slope);
+    for (size_t k = 0; k < geometric_count(); ++k) {
+      geometric(at, k, &slope);
       out[first + k].row(row).head(motion.joints()) = slope;
     }
   }

@@ -7,6 +7,7 @@
 
 #include "regressor/column_source.hpp"
 #include "excitation/limits/frame_points.hpp"
+#include "excitation/limits/link_gap.hpp"
 #include "veridyn/excitation/workspace_limits.hpp"
 #include "kinematics/motion_limits.hpp"
 
@@ -64,6 +65,12 @@ class LimitSignals {
     Eigen::Vector3d point, other_point;
   };
 
+  double gap(const FramePoints& at, size_t k, Eigen::RowVectorXd* slope) const;
+  double geometric(const FramePoints& at, size_t k, Eigen::RowVectorXd* slope) const {
+    return k < geometries_.size() ? geometry(at, k, slope) : gap(at, k - geometries_.size(), slope);
+  }
+  size_t geometric_count() const { return geometries_.size() + gaps_.size(); }
+
   int joints_;
   Model arm_;
   std::vector<LimitSignal> signals_;
@@ -75,6 +82,7 @@ class LimitSignals {
   std::vector<std::shared_ptr<const ColumnSource>> effects_;
   std::vector<VectorXd> effect_values_;
   std::vector<Geometry> geometries_;
+  std::vector<LinkGap> gaps_;  // after the other geometric signals
 };
 
 }  // namespace veridyn

@@ -120,6 +120,7 @@ std::string to_json(const Excitation& e) {
   out["warnings"] = e.warnings();
   out["remarks"] = Json::array();
   if (!e.friction_remark.empty()) out["remarks"].push_back(e.friction_remark);
+  if (!e.touching.empty()) out["touching"] = e.touching;
   out["margins"] = Json::array();
   for (const LimitMargin& m : e.margins) {
     out["margins"].push_back({{"limit", m.name},

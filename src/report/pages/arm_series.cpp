@@ -50,7 +50,8 @@ Json arm_json(const Model& arm, const Eigen::Isometry3d& T_world_base) {
               {"tip", tip_of(arm)},
               {"middle", Json::array()},
               {"range", Json::array()},
-              {"frames", Json::array()}};
+              {"frames", Json::array()},
+              {"meshes", meshes_json(arm)}};
   for (const Coordinate& c : arm.coordinates()) {
     const double open = c.prismatic ? kOpenWay : kOpenTurn;
     const double low = std::isfinite(c.limits.lower) ? c.limits.lower : -open;

@@ -14,7 +14,7 @@ namespace veridyn {
 //
 //   command     the command line that made them
 //   joints      [{name, unit, torque_unit}]
-//   arms        [{name, base, tip, middle, range, frames: [{name, parent, kind, c, s0, A, B}]}]
+//   arms        [{name, base, tip, middle, range, frames: [{name, parent, kind, c, s0, A, B}], meshes}]
 //   recordings  [{source, role, time, joints: [{q, ...}]}]; instead of `joints`: `q`, columns of all
 //               arms one after the other. A joint has `plots` [{kind, title, unit, curves: [{name,
 //               style, values}]}], or q, dq, ddq, measured, model and extended
@@ -36,6 +36,11 @@ std::string base64(std::string_view bytes);
 /// Command, joints and the arm of a page, without recordings.
 Json series_of(const std::string& command, const Model& arm);
 Json series_of(const std::string& command);
+
+/// The surfaces of the links, [{frame, colour, x, y, z, corners}], thinned to what a page can move:
+/// the visuals (else the collision shapes) of the URDF file that the arm was read from, where it is
+/// still there.
+Json meshes_json(const Model& arm);
 
 /// An arm that a page can move.
 Json arm_json(const Model& arm, const Eigen::Isometry3d& T_world_base = Eigen::Isometry3d::Identity());

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 
 #include "report/pages/page.hpp"
@@ -58,6 +59,31 @@ Json values_in_file(const Identification& id, const Model& robot) {
   return out;
 }
 
+constexpr std::size_t kWorst = 10;  // parameters whose correlations are shown
+
+// The parameters with the largest relative standard deviations and their correlations, {names,
+// relative, matrix}; empty where no covariance is known.
+Json correlations_of_worst(const Identification& id) {
+  const auto& identified = id.model->description().identified;
+  if (!identified || !identified->has_scatter()) return Json::object();
+  std::vector<const IdentifiedParameter*> worst;
+  for (const IdentifiedParameter& one : identified->parameters)
+    if (one.value != 0.0 && one.scatter.size() > 0 && one.scatter.norm() > 0.0) worst.push_back(&one);
+  const auto relative = [](const IdentifiedParameter* p) { return p->scatter.norm() / std::abs(p->value); };
+  std::stable_sort(worst.begin(), worst.end(), [&](const auto* a, const auto* b) { return relative(a) > relative(b); });
+  if (worst.size() > kWorst) worst.resize(kWorst);
+  Json out = {{"names", Json::array()}, {"relative", Json::array()}, {"matrix", Json::array()}};
+  for (const IdentifiedParameter* a : worst) {
+    out["names"].push_back(a->name);
+    out["relative"].push_back(relative(a));
+    Json row = Json::array();
+    for (const IdentifiedParameter* b : worst)
+      row.push_back(std::round(1e3 * a->scatter.dot(b->scatter) / (a->scatter.norm() * b->scatter.norm())) / 1e3);
+    out["matrix"].push_back(std::move(row));
+  }
+  return out;
+}
+
 Json limits_json(double lower, double upper) {
   return {lower, upper};
 }
@@ -73,6 +99,7 @@ std::string to_page(const Identification& id, const std::string& command, const 
   plot_errors("training", id.train, nullptr, recordings);
   add_recordings(series, recordings);
   add_friction(series, id);
+  series["correlations"] = correlations_of_worst(id);
   if (robot != nullptr) series["file"] = values_in_file(id, *robot);
   series["arms"].clear();  // no arm is drawn
   return html_page(id.robot + ": identified", to_json(id), series, id.report());

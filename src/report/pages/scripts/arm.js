@@ -51,10 +51,25 @@ function depthOf(arm, k) {
   return arm.frames[k].parent < 0 ? 0 : depthOf(arm, arm.frames[k].parent) + (arm.frames[k].kind === 'fixed' ? 0 : 1);
 }
 
+// The joint (from 0) that moves a frame, of several the nearest one; -1: none.
+function moverOf(arm, k) {
+  for (; k >= 0; k = arm.frames[k].parent) {
+    const c = arm.frames[k].c;
+    if (c.length) return c.reduce((a, b) => Math.abs(b[1]) > Math.abs(a[1]) ? b : a)[0];
+  }
+  return -1;
+}
+
 /** @param tint  colour of the link that a joint (from 0) moves, or nothing */
 function armParts(arm, q, tint, look) {
   const {poses, joints} = posesOf(arm, q);
   const out = [];
+  const meshes = arm.meshes || [];
+  for (const mesh of meshes) {
+    const own = moverOf(arm, mesh.frame);
+    const T = poses[mesh.frame];
+    out.push({kind: 'mesh', mesh, T, a: origin(T), b: along(T, [0, 0, 1]), colour: (own >= 0 && tint && tint(own)) || (look && look.colour) || mesh.colour || 'link'});
+  }
   arm.frames.forEach((frame, k) => {
     const from = frame.parent < 0 ? origin(arm.base) : origin(poses[frame.parent]);
     const r = arm.reach * kThick * Math.max(0.4, 1 - 0.09 * depthOf(arm, k));
@@ -62,11 +77,14 @@ function armParts(arm, q, tint, look) {
     const shade = (own >= 0 && tint && tint(own)) || (look && look.colour) || 'link';
     const at = origin(joints[k]);
     const add = (a, b, radius, colour) => lengthOf(minus(a, b)) > 0.15 * r ? out.push({kind: 'capsule', a, b, r: radius, colour}) : 0;
+    // Surfaces of a file stand in for the rods.
+    if (!meshes.length) {
     if (frame.parent >= 0 || !arm.mounted) add(from, at, r, (look && look.colour) || 'link');
     add(at, origin(poses[k]), frame.kind === 'prismatic' ? 0.7 * r : r, shade);
     if (frame.kind === 'revolute') {
       const z = [joints[k][2], joints[k][6], joints[k][10]];
       out.push({kind: 'capsule', a: plus(at, z, -1.1 * r), b: plus(at, z, 1.1 * r), r: 1.25 * r, colour: shade === 'link' ? 'hub' : shade});
+    }
     }
     if (look && look.axes && frame.named !== false) {
       ['model', 'forward', 'extended'].forEach((colour, c) => out.push(
@@ -126,6 +144,30 @@ function camera(view, box, width, height) {
   };
 }
 
+/** Corners of a mesh, [x, y, z] each. */
+function pointsOf(mesh) {
+  if (!mesh.points) mesh.points = mesh.x.map((x, k) => [x, mesh.y[k], mesh.z[k]]);
+  return mesh.points;
+}
+
+/** Convex outline of points [x, y, ...] in a plane, by Andrew's monotone chain (1979). */
+function hullOf(points) {
+  const sorted = points.slice().sort((a, b) => a[0] - b[0] || a[1] - b[1]);
+  const half = (list) => {
+    const out = [];
+    for (const p of list) {
+      while (out.length > 1) {
+        const [a, b] = out.slice(-2);
+        if ((b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0]) > 0) break;
+        out.pop();
+      }
+      out.push(p);
+    }
+    return out.slice(0, -1);
+  };
+  return half(sorted).concat(half(sorted.reverse()));
+}
+
 function svgStage(box) {
   const svg = drawing('svg', {class: 'stage', role: 'img', viewBox: '0 0 600 420'});
   const shapes = (part, project) => {
@@ -139,6 +181,11 @@ function svgStage(box) {
     if (part.kind === 'capsule') {
       const w = 2 * part.r * (points[0][3] + points[1][3]) / 2;
       return {depth, nodes: [line(w, mixed(hex, '#000000', 0.38)), line(0.8 * w, hex, -0.03 * w), line(0.24 * w, mixed(hex, '#ffffff', 0.5), -0.15 * w)]};
+    }
+    if (part.kind === 'mesh') {
+      const outline = hullOf(pointsOf(part.mesh).map((p) => project(along(part.T, p))));
+      const middle = outline.reduce((sum, p) => sum + p[2] / outline.length, 0);
+      return {depth: middle, nodes: [drawing('path', {d: 'M' + outline.map(at).join('L') + 'Z', fill: hex, stroke: mixed(hex, '#000000', 0.38), 'stroke-width': 1.2, 'stroke-linejoin': 'round'})]};
     }
     if (part.kind === 'label') return {depth: -1, nodes: [drawing('text', {x: points[0][0] + 7, y: points[0][1] - 7, class: 'tick'}, part.text)]};
     if (part.kind === 'arrow') {
@@ -196,7 +243,7 @@ function stage(scene) {
     clock.textContent = scene.clock ? scene.clock(at) : moves ? at.toFixed(2) + ' s' : '';
     figure.dataset.points = 'parts:' + parts.filter((p) => p.kind !== 'label').length;
     figure.dataset.moment = at.toFixed(3);
-    figure.dataset.pose = parts.filter((p) => p.kind === 'capsule').map((p) => p.b.map((v) => v.toFixed(3)).join(',')).join(' ');
+    figure.dataset.pose = parts.filter((p) => p.kind === 'capsule' || p.kind === 'mesh').map((p) => p.b.map((v) => v.toFixed(3)).join(',')).join(' ');
   };
   const show = (t) => {
     at = Math.min(to, Math.max(from, t));
@@ -294,7 +341,15 @@ const kSamples = 9;  // postures that a view must hold
 
 function samplesOf(arm, columns) {
   const last = columns[0].length - 1;
-  return Array.from({length: kSamples}, (_, k) => posesOf(arm, jointsAt(columns, Math.round(k * last / (kSamples - 1)))).poses.map(origin)).flat();
+  return Array.from({length: kSamples}, (_, k) => {
+    const {poses} = posesOf(arm, jointsAt(columns, Math.round(k * last / (kSamples - 1))));
+    return poses.map(origin).concat((arm.meshes || []).flatMap((m) => extremesOf(m).map((p) => along(poses[m.frame], p))));
+  }).flat();
+}
+
+/** Two opposite corners of the box around a mesh. */
+function extremesOf(mesh) {
+  return [Math.min, Math.max].map((f) => [mesh.x, mesh.y, mesh.z].map((c) => c.reduce((a, b) => f(a, b))));
 }
 
 /** The arm of a recording, or nothing. @param kind  "diagnose": links in the colour of what the model leaves of their joint */

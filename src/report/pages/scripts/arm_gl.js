@@ -36,6 +36,13 @@ async function webGlStage(box, held) {
   const ball = new THREE.SphereBufferGeometry(1, 24, 16);
   const cone = new THREE.ConeBufferGeometry(1, 2.4, 20).rotateX(Math.PI / 2);
   const vector = (p) => new THREE.Vector3(p[0], p[1], p[2]);
+  const surfaceOf = (mesh) => {
+    if (mesh.surface) return mesh.surface;
+    const flat = new THREE.BufferGeometry();
+    flat.setAttribute('position', new THREE.Float32BufferAttribute(mesh.corners.flatMap((k) => pointsOf(mesh)[Math.round(k)]), 3));
+    flat.computeVertexNormals();
+    return mesh.surface = flat;
+  };
   const pool = new Map();  // by kind and place among its kind
   const used = new Set();
   const take = (name, make) => {
@@ -48,7 +55,7 @@ async function webGlStage(box, held) {
     return pool.get(name);
   };
   const solid = (name, geometry, hex) => {
-    const mesh = take(name, () => new THREE.Mesh(geometry, new THREE.MeshPhongMaterial({shininess: 40, specular: 0x333333})));
+    const mesh = take(name, () => new THREE.Mesh(geometry, new THREE.MeshPhongMaterial({shininess: 40, specular: 0x333333, side: THREE.DoubleSide})));
     mesh.material.color.set(hex);
     return mesh;
   };
@@ -72,6 +79,11 @@ async function webGlStage(box, held) {
       head.position.copy(b);
       head.scale.setScalar(2.6 * r);
       if (a.distanceTo(b) > 1e-9) head.lookAt(b.clone().add(b.clone().sub(a)));
+    } else if (part.kind === 'mesh') {
+      const one = solid(name, surfaceOf(part.mesh), hex);
+      const T = part.T;
+      one.matrixAutoUpdate = false;
+      one.matrix.set(T[0], T[1], T[2], T[3], T[4], T[5], T[6], T[7], T[8], T[9], T[10], T[11], 0, 0, 0, 1);
     } else if (part.kind === 'line' || part.kind === 'points') {
       const dots = part.kind === 'points';
       const one = take(name, () => dots ? new THREE.Points(new THREE.BufferGeometry(), new THREE.PointsMaterial({size: part.width || 3, sizeAttenuation: false})) :

@@ -17,6 +17,36 @@ function identifyNext(rows) {
   return advice.concat(command ? [{why, command}] : []);
 }
 
+const kCell = 26;
+const kLabels = 230;  // width of the names beside the cells
+
+/** Cells in colour: how the errors of the least certain parameters go together. */
+function correlationPicture(list) {
+  if (!list || !(list.names || []).length || list.names.length < 2) return null;
+  const n = list.names.length;
+  const width = kLabels + n * kCell + 70, height = n * kCell + 22;
+  const brief = (name) => name.length > 32 ? name.slice(0, 31) + '\u2026' : name;
+  const cells = list.matrix.flatMap((row, i) => row.map((r, k) => drawing(
+      'g', {}, drawing('title', {}, list.names[i] + ' and ' + list.names[k] + ': ' + short(r, 2)),
+      drawing('rect', {x: kLabels + k * kCell, y: i * kCell, width: kCell - 1, height: kCell - 1, fill: 'var(--' + (r < 0 ? 'backward' : 'forward') + ')', 'fill-opacity': Math.abs(r).toFixed(2)}),
+      Math.abs(r) >= 0.5 && i !== k ? drawing('text', {x: kLabels + (k + 0.5) * kCell, y: i * kCell + 17, 'text-anchor': 'middle', class: 'tick'}, withMinus(r.toFixed(1)).replace('0.', '.')) : null)));
+  const names = list.names.map((name, i) => drawing(
+      'g', {}, drawing('text', {x: 0, y: i * kCell + 17, class: 'label'}, i + 1 + '\u2002' + brief(name)),
+      drawing('text', {x: width, y: i * kCell + 17, 'text-anchor': 'end', class: 'value'}, '\u00b1' + short(100 * list.relative[i], 2) + ' %'),
+      drawing('text', {x: kLabels + (i + 0.5) * kCell, y: n * kCell + 14, 'text-anchor': 'middle', class: 'tick'}, String(i + 1))));
+  const svg = drawing('svg', {viewBox: '0 0 ' + width + ' ' + height, role: 'img', 'aria-label': 'Correlations of the least certain parameters', class: 'chart', style: 'max-width:' + 1.25 * width + 'px'}, names, cells);
+  const csv = () => ['', ...list.names].map((name) => '"' + name + '"').join(',') + '\n' + list.matrix.map((row, i) => '"' + list.names[i] + '",' + row.join(',')).join('\n') + '\n';
+  let most = [0, 1];
+  list.matrix.forEach((row, i) => row.forEach((r, k) => i < k && Math.abs(r) > Math.abs(list.matrix[most[0]][most[1]]) && (most = [i, k])));
+  const strongest = list.matrix[most[0]][most[1]];
+  return element(
+      'figure', {class: 'plot drawn', 'data-plot': 'correlations', 'data-joint': 0, 'data-points': 'cells:' + n * n},
+      element('figcaption', {}, 'Correlation of the least certain', saveButtons('correlations', () => svgFile(svg), csv)),
+      paragraph('keys', [key('errors alike', 'forward'), key('errors opposite', 'backward')]), svg,
+      paragraph('caption', 'Strongest: ' + list.names[most[0]] + ' and ' + list.names[most[1]] + ', ' + withMinus(strongest.toFixed(2)) +
+          '. Near \u00b11 the recordings tell a combination of the two and not each of them.'));
+}
+
 pages.identify = () => {
   const file = new Map((series.file || []).filter((one) => isNumber(one.value)).map((one) => [one.name, one.value]));
   const rows = verdictRows();
@@ -42,7 +72,7 @@ pages.identify = () => {
       section('parameters', 'Parameters', 'Friction, rotor and offset of each joint; then the combinations of inertial and effect parameters that torques determine, with ' +
                   'standard deviations that respect autocorrelation, and their 95 % intervals as bars' + (file.size ? '; orange ticks: the robot file.' : '.'),
               jointTable(result.standard_parameters || [], '/standard_parameters'), baseTable(result.base_parameters, '/base_parameters'),
-              grid(parameterDots(result.base_parameters, file))),
+              grid(parameterDots(result.base_parameters, file)), grid([correlationPicture(series.correlations)])),
       ...torqueSections(worst && worst.joint),
       section('numerics', 'Numerics', null, folded('How well the equations are posed', factList([
         ['Condition number, columns scaled', '/condition_number'], ['Condition number, as they are', '/condition_number_unscaled'], ['Rank gap', '/rank_gap'],

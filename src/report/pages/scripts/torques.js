@@ -1,11 +1,6 @@
 // What pages about torques share: verdict per joint, errors, torque over time, residuals against
 // the motion, friction against speed, parameters with their intervals.
 
-// An error over its noise floor: up to the first it is as good as the repeats of a motion are
-// alike; above the second a cause is worth looking for. Shown in words and colour, nothing else.
-const kAtFloor = 1.5;
-const kAboveFloor = 3;
-
 const kStates = {
   at_floor: ['good', 'at the floor'], named: ['good', 'named'], unnamed: ['bad', 'not named'], cannot_tell: ['fair', 'cannot be told'],
   unexplained: ['bad', 'something is missing'], hardly_moved: ['fair', 'hardly moved: record it again'],
@@ -46,7 +41,7 @@ function verdictRows() {
     const floor = '/noise_floor/relative_error/' + i;
     const said = saidOf(i + 1);
     const ratio = isNumber(valueAt(floor)) && valueAt(floor) > 0 && isNumber(valueAt(error)) ? valueAt(error) / valueAt(floor) : null;
-    const state = said && kStates[said.state] ? said.state : ratio === null ? 'unknown' : ratio <= kAtFloor ? 'good' : ratio <= kAboveFloor ? 'fair' : 'bad';
+    const state = said && kStates[said.state] ? said.state : 'unknown';  // the judgement is the result's own
     return {joint: i + 1, error, floor, ratio, state, advice: said && said.advice};
   });
 }

@@ -1,0 +1,196 @@
+#include "excitation/limits/link_gap.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "math/numbers.hpp"
+#include "model/suggestion.hpp"
+#include "veridyn/math/require.hpp"
+
+namespace veridyn {
+namespace {
+
+constexpr int kPostures = 1000;        // random ones, that tell which links always touch
+// A pair that touches in more of them is taken for two parts of one joint: joined links overlap
+// in all postures, while links that the joints can bring together do so in some.
+constexpr double kTouchesAlways = 0.9;
+constexpr int kSections = 60;          // of the search along a capsule's axis; each leaves 0.618 of it
+constexpr double kGoldenSection = 0.6180339887498949;
+
+double within_one(double share) {
+  return std::clamp(share, 0.0, 1.0);
+}
+
+// Shares s, t along two segments at which these are nearest. The squared distance is convex, so that
+// its least value is at the stationary point or on an edge of the square 0 .. 1.
+std::pair<double, double> nearest_shares(const Eigen::Vector3d& a, const Eigen::Vector3d& along_a,
+                                         const Eigen::Vector3d& b, const Eigen::Vector3d& along_b) {
+  const Eigen::Vector3d apart = a - b;
+  const double aa = along_a.squaredNorm(), bb = along_b.squaredNorm(), ab = along_a.dot(along_b);
+  const double ra = along_a.dot(apart), rb = along_b.dot(apart);
+  const double determinant = aa * bb - ab * ab;
+  if (determinant > 1e-12 * aa * bb) {
+    const double s = (ab * rb - bb * ra) / determinant;
+    const double t = (aa * rb - ab * ra) / determinant;
+    if (s >= 0.0 && s <= 1.0 && t >= 0.0 && t <= 1.0) return {s, t};
+  }
+  const auto s_for = [&](double t) { return aa > 0.0 ? within_one((t * ab - ra) / aa) : 0.0; };
+  const auto t_for = [&](double s) { return bb > 0.0 ? within_one((s * ab + rb) / bb) : 0.0; };
+  const std::pair<double, double> edges[] = {{0.0, t_for(0.0)}, {1.0, t_for(1.0)}, {s_for(0.0), 0.0}, {s_for(1.0), 1.0}};
+  const auto distance = [&](const std::pair<double, double>& at) {
+    return (apart + at.first * along_a - at.second * along_b).squaredNorm();
+  };
+  return *std::min_element(std::begin(edges), std::end(edges),
+                           [&](const auto& x, const auto& y) { return distance(x) < distance(y); });
+}
+
+// Distance of a point from a box, negative inside, and the direction in which it grows.
+double outside(const Obstacle& box, const Eigen::Vector3d& p, Eigen::Vector3d* direction) {
+  const Eigen::Vector3d below = box.lower - p, above = p - box.upper;
+  const Eigen::Vector3d beyond = below.cwiseMax(above);
+  if (beyond.maxCoeff() <= 0.0) {
+    Eigen::Index axis = 0;
+    const double depth = beyond.maxCoeff(&axis);
+    if (direction != nullptr) *direction = (below[axis] > above[axis] ? -1.0 : 1.0) * Eigen::Vector3d::Unit(axis);
+    return depth;
+  }
+  Eigen::Vector3d way = beyond.cwiseMax(0.0);
+  for (int axis = 0; axis < 3; ++axis)
+    if (below[axis] > above[axis]) way[axis] = -way[axis];
+  if (direction != nullptr) *direction = way.normalized();
+  return way.norm();
+}
+
+// The frame that moves last on the way to a frame: frames of one mover are one rigid body.
+int mover_of(const Model& arm, int frame) {
+  while (frame >= 0 && arm.frames()[static_cast<size_t>(frame)].type == JointType::kFixed)
+    frame = arm.frames()[static_cast<size_t>(frame)].parent;
+  return frame;
+}
+
+struct RigidBody {
+  int mover;
+  std::string name;
+  std::vector<Capsule> capsules;
+};
+
+std::vector<RigidBody> rigid_bodies(const Model& arm, const std::vector<Capsule>& shapes) {
+  std::vector<RigidBody> out;
+  for (const Capsule& capsule : shapes) {
+    const int frame = capsule.frame == "world" ? -1 : arm.find_frame(capsule.frame);
+    require(frame >= 0 || capsule.frame == "world", "excitation: found a shape on the frame '", capsule.frame,
+            "', which '", arm.name(), "' does not have.");
+    const int mover = mover_of(arm, frame);
+    const auto own = std::find_if(out.begin(), out.end(), [&](const RigidBody& b) { return b.mover == mover; });
+    if (own != out.end()) {
+      own->capsules.push_back(capsule);
+    } else {
+      out.push_back({mover, capsule.frame, {capsule}});
+    }
+  }
+  return out;
+}
+
+bool joined_by_one_joint(const Model& arm, int a, int b) {
+  const auto before = [&](int mover) {
+    return mover < 0 ? -2 : mover_of(arm, arm.frames()[static_cast<size_t>(mover)].parent);
+  };
+  return before(a) == b || before(b) == a;
+}
+
+VectorXd random_posture(const Model& arm, RandomNumbers& random) {
+  VectorXd q(arm.joints());
+  for (int i = 0; i < arm.joints(); ++i) {
+    const Limits& limits = arm.coordinates()[static_cast<size_t>(i)].limits;
+    const double lower = std::isfinite(limits.lower) ? limits.lower : -M_PI;
+    const double upper = std::isfinite(limits.upper) ? limits.upper : M_PI;
+    q[i] = random.uniform(lower, upper);
+  }
+  return q;
+}
+
+}  // namespace
+
+LinkGap::Rod LinkGap::rod_of(const Model& arm, const Capsule& capsule) {
+  const int frame = capsule.frame == "world" ? -1 : arm.find_frame(capsule.frame);
+  require(frame >= 0 || capsule.frame == "world", "excitation: found a shape on the frame '", capsule.frame,
+          "', which '", arm.name(), "' does not have.");
+  return {frame, capsule.from, capsule.to, capsule.radius};
+}
+
+LinkGap::LinkGap(const Model& arm, const CollisionPair& pair) : obstacle_(pair.obstacle) {
+  for (const Capsule& capsule : pair.capsules) first_.push_back(rod_of(arm, capsule));
+  for (const Capsule& capsule : pair.others) second_.push_back(rod_of(arm, capsule));
+}
+
+LinkGap::Nearest LinkGap::nearest(const FramePoints& at) const {
+  Nearest best;
+  best.gap = kInfinity;
+  for (const Rod& a : first_) {
+    const Eigen::Vector3d from = at.point(a.frame, a.from);
+    const Eigen::Vector3d along = at.point(a.frame, a.to) - from;
+    if (obstacle_) {
+      // The distance from a convex body is convex along the axis: a golden section finds its least value.
+      double low = 0.0, high = 1.0;
+      for (int k = 0; k < kSections && along.squaredNorm() > 0.0; ++k) {
+        const double left = high - kGoldenSection * (high - low), right = low + kGoldenSection * (high - low);
+        const bool go_left = outside(*obstacle_, from + left * along, nullptr) < outside(*obstacle_, from + right * along, nullptr);
+        (go_left ? high : low) = go_left ? right : left;
+      }
+      for (const double s : {0.0, 0.5 * (low + high), 1.0}) {
+        Eigen::Vector3d direction;
+        const double gap = outside(*obstacle_, from + s * along, &direction) - a.radius;
+        if (gap < best.gap) best = {gap, direction, a.frame, a.from + s * (a.to - a.from)};
+      }
+    }
+    for (const Rod& b : second_) {
+      const Eigen::Vector3d other = at.point(b.frame, b.from);
+      const Eigen::Vector3d other_along = at.point(b.frame, b.to) - other;
+      const auto [s, t] = nearest_shares(from, along, other, other_along);
+      const Eigen::Vector3d way = from + s * along - other - t * other_along;
+      const double distance = std::max(way.norm(), 1e-9);
+      const double gap = distance - a.radius - b.radius;
+      if (gap < best.gap)
+        best = {gap, way / distance, a.frame, a.from + s * (a.to - a.from), b.frame, b.from + t * (b.to - b.from)};
+    }
+  }
+  return best;
+}
+
+CollisionLimits collision_limits(const Model& arm, const std::vector<Capsule>& shapes,
+                                 const std::vector<Obstacle>& obstacles, double clearance) {
+  for (const Obstacle& o : obstacles)
+    require((o.lower.array() < o.upper.array()).all(), "excitation: found the obstacle '", o.name,
+            "' with a lower bound that is not below its upper one.");
+  const std::vector<RigidBody> bodies = rigid_bodies(arm, shapes);
+  std::vector<CollisionPair> asked;
+  for (size_t a = 0; a < bodies.size(); ++a) {
+    for (size_t b = a + 1; b < bodies.size(); ++b) {
+      if (joined_by_one_joint(arm, bodies[a].mover, bodies[b].mover)) continue;
+      asked.push_back({bodies[a].name, bodies[b].name, bodies[a].capsules, bodies[b].capsules, {}, clearance});
+    }
+    if (bodies[a].mover < 0) continue;
+    for (const Obstacle& o : obstacles) asked.push_back({bodies[a].name, o.name, bodies[a].capsules, {}, o, clearance});
+  }
+  std::vector<LinkGap> gaps;
+  for (const CollisionPair& pair : asked) gaps.emplace_back(arm, pair);
+  std::vector<int> touches(asked.size(), 0);
+  FramePoints at(arm);
+  RandomNumbers random(1, 0);
+  for (int k = 0; k < kPostures; ++k) {
+    at.move_to(random_posture(arm, random));
+    for (size_t p = 0; p < gaps.size(); ++p)
+      if (gaps[p].nearest(at).gap < clearance) ++touches[p];
+  }
+  CollisionLimits out;
+  for (size_t p = 0; p < asked.size(); ++p) {
+    if (touches[p] > kTouchesAlways * kPostures) {
+      out.touching.push_back(asked[p].first + " and " + asked[p].second);
+    } else {
+      out.pairs.push_back(std::move(asked[p]));
+    }
+  }
+  return out;
+}
+
+}  // namespace veridyn

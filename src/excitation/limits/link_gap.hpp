@@ -1,0 +1,41 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "excitation/limits/frame_points.hpp"
+#include "veridyn/excitation/workspace_limits.hpp"
+
+namespace veridyn {
+
+/// The smallest distance between the surfaces of two links, or of a link and an obstacle; negative
+/// where they overlap.
+class LinkGap {
+ public:
+  /// @throws InvalidInput  a capsule on an unknown frame.
+  LinkGap(const Model& arm, const CollisionPair& pair);
+
+  /// Where the two are nearest: points on the axes of their capsules.
+  struct Nearest {
+    double gap = 0.0;
+    Eigen::Vector3d direction{0, 0, 0};  ///< in the world, from the second to the first; of norm one
+    int frame = -1;                      ///< -1: the world
+    Eigen::Vector3d point{0, 0, 0};      ///< in the frame
+    int other = -1;
+    Eigen::Vector3d other_point{0, 0, 0};
+  };
+  Nearest nearest(const FramePoints& at) const;
+
+ private:
+  struct Rod {
+    int frame;
+    Eigen::Vector3d from, to;
+    double radius;
+  };
+  static Rod rod_of(const Model& arm, const Capsule& capsule);
+
+  std::vector<Rod> first_, second_;
+  std::optional<Obstacle> obstacle_;
+};
+
+}  // namespace veridyn

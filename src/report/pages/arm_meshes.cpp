@@ -1,0 +1,129 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <map>
+
+#include "report/pages/page_series.hpp"
+#include "veridyn/math/require.hpp"
+#include "veridyn/model/link_shapes.hpp"
+
+namespace veridyn {
+namespace {
+
+constexpr int kTrianglesOfArm = 9000;  // all bodies together: 150 kB of a page, and a picture without jerks in software
+constexpr int kFinestGrid = 64;        // cells along a body's longest edge
+constexpr int kRoundSides = 24;        // of cylinders and spheres
+
+struct Triangles {
+  std::vector<Eigen::Vector3d> points;
+  std::vector<std::array<int, 3>> corners;
+};
+
+// A surface of rings of points about z, from the lowest to the highest.
+Triangles of_rings(const std::vector<std::pair<double, double>>& radius_and_height) {
+  Triangles out;
+  for (const auto& [radius, height] : radius_and_height) {
+    for (int k = 0; k < kRoundSides; ++k) {
+      const double angle = 2.0 * M_PI * k / kRoundSides;
+      out.points.emplace_back(radius * std::cos(angle), radius * std::sin(angle), height);
+    }
+  }
+  const int rings = static_cast<int>(radius_and_height.size());
+  for (int r = 0; r + 1 < rings; ++r) {
+    for (int k = 0; k < kRoundSides; ++k) {
+      const int a = r * kRoundSides + k, b = r * kRoundSides + (k + 1) % kRoundSides;
+      out.corners.push_back({a, b, b + kRoundSides});
+      out.corners.push_back({a, b + kRoundSides, a + kRoundSides});
+    }
+  }
+  return out;
+}
+
+Triangles box_of(const Eigen::Vector3d& size) {
+  Triangles out;
+  for (int k = 0; k < 8; ++k)
+    out.points.emplace_back(0.5 * size.x() * ((k & 1) != 0 ? 1 : -1), 0.5 * size.y() * ((k & 2) != 0 ? 1 : -1), 0.5 * size.z() * ((k & 4) != 0 ? 1 : -1));
+  out.corners = {{0, 2, 3}, {0, 3, 1}, {4, 5, 7}, {4, 7, 6}, {0, 1, 5}, {0, 5, 4}, {2, 6, 7}, {2, 7, 3}, {0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}};
+  return out;
+}
+
+Triangles surface_of(const LinkShape& shape) {
+  using Kind = LinkShape::Kind;
+  if (shape.kind == Kind::kMesh) return {shape.points, shape.triangles};
+  if (shape.kind == Kind::kBox) return box_of(shape.size);
+  const double r = shape.size.x();
+  if (shape.kind == Kind::kCylinder) {
+    const double half = 0.5 * shape.size.z();
+    return of_rings({{0.0, -half}, {r, -half}, {r, half}, {0.0, half}});
+  }
+  std::vector<std::pair<double, double>> rings;
+  for (int k = 0; k <= kRoundSides / 2; ++k) {
+    const double angle = 2.0 * M_PI * k / kRoundSides;
+    rings.emplace_back(r * std::sin(angle), -r * std::cos(angle));
+  }
+  return of_rings(rings);
+}
+
+// Points of one cell of a grid become one; triangles that lose a corner by it are dropped.
+Triangles on_coarse_grid(const Triangles& fine, double cell) {
+  Triangles out;
+  std::map<std::array<long, 3>, int> known;
+  std::vector<int> where;
+  for (const Eigen::Vector3d& p : fine.points) {
+    const std::array<long, 3> at = {std::lround(p.x() / cell), std::lround(p.y() / cell), std::lround(p.z() / cell)};
+    const auto [place, is_new] = known.try_emplace(at, static_cast<int>(out.points.size()));
+    if (is_new) out.points.push_back(p);
+    where.push_back(place->second);
+  }
+  for (const auto& t : fine.corners) {
+    const std::array<int, 3> c = {where[static_cast<size_t>(t[0])], where[static_cast<size_t>(t[1])], where[static_cast<size_t>(t[2])]};
+    if (c[0] != c[1] && c[1] != c[2] && c[2] != c[0]) out.corners.push_back(c);
+  }
+  return out;
+}
+
+Triangles thinned(const Triangles& whole, int most) {
+  if (static_cast<int>(whole.corners.size()) <= most) return whole;
+  Eigen::Vector3d low = whole.points.front(), high = low;
+  for (const Eigen::Vector3d& p : whole.points) {
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+  }
+  const double longest = (high - low).maxCoeff();
+  for (int cells = kFinestGrid; cells > 3; cells = cells * 4 / 5) {
+    Triangles coarse = on_coarse_grid(whole, longest / cells);
+    if (static_cast<int>(coarse.corners.size()) <= most) return coarse;
+  }
+  return box_of(high - low);
+}
+
+Json mesh_json(int frame, const LinkShape& shape, const Triangles& surface) {
+  const auto n = static_cast<Eigen::Index>(surface.points.size());
+  MatrixXd points(n, 3);
+  for (Eigen::Index k = 0; k < n; ++k) points.row(k) = (shape.pose * surface.points[static_cast<size_t>(k)]).transpose();
+  VectorXd corners(3 * static_cast<Eigen::Index>(surface.corners.size()));
+  for (Eigen::Index k = 0; k < corners.size(); ++k) corners[k] = surface.corners[static_cast<size_t>(k / 3)][static_cast<size_t>(k % 3)];
+  return {{"frame", frame}, {"colour", shape.colour}, {"x", packed(points.col(0))}, {"y", packed(points.col(1))},
+          {"z", packed(points.col(2))}, {"corners", packed(corners)}};
+}
+
+}  // namespace
+
+Json meshes_json(const Model& arm) {
+  Json out = Json::array();
+  const std::filesystem::path file = arm.description().source;
+  std::error_code ignored;
+  if ((file.extension() != ".urdf" && file.extension() != ".xml") || !std::filesystem::is_regular_file(file, ignored)) return out;
+  LinkShapes read = urdf_shapes(file.string(), UrdfShapes::kVisual);
+  if (read.shapes.empty()) read = urdf_shapes(file.string(), UrdfShapes::kCollision);
+  if (read.shapes.empty()) return out;
+  const int most = kTrianglesOfArm / static_cast<int>(read.shapes.size());
+  for (const LinkShape& shape : read.shapes) {
+    const int frame = arm.find_frame(shape.frame);
+    if (frame >= 0) out.push_back(mesh_json(frame, shape, thinned(surface_of(shape), std::max(12, most))));
+  }
+  return out;
+}
+
+}  // namespace veridyn
