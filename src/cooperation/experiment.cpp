@@ -237,8 +237,8 @@ bool Experiment::step() {
   targets_ = control_->update(*input_);
   for (HeldObject& object : held_objects_) object.update(*control_, *input_, targets_);
   // An impedance that is lighter than its arm needs the force: without a sensor all arms stand
-  // still.
-  if (control_->sensor_failed()) {
+  // still. A target that its tip cannot follow comes to its own rest far from where the arm is.
+  if (control_->sensor_failed() || control_->state() == CooperativeState::kTargetMissed) {
     for (ArmLoop& loop : loops_) loop.freeze();
   }
   const bool guards = scenario_.control.guard && !control_->sensor_failed() &&

@@ -1,5 +1,6 @@
 #include <arpa/inet.h>
 #include <poll.h>
+#include <sched.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -18,16 +19,19 @@
 #include "dvrk/rig.hpp"
 #include "veridyn/control/real_time.hpp"
 
-// Two emulated boards over loopback at 1 kHz for so many seconds, by a session, and by bare sockets
-// that send and receive the datagrams of one of its cycles again and do nothing else: how many
-// cycles are late, and how much processor time a cycle takes. The bare client is a lower bound of
-// any host library.
+// Two emulated boards over loopback at 1 kHz for so many seconds, in turns by a session and by bare
+// sockets that send and receive the datagrams of one of its cycles again and do nothing else: how
+// many cycles are late, and how much processor time a cycle takes. The bare client is a lower bound
+// of any host library.
 
 namespace veridyn::dvrk {
 namespace {
 
 constexpr double kPeriod = 1e-3;  // [s]
-constexpr std::size_t kCopied = 1500;  // the cycle whose datagrams are sent again
+constexpr double kToPower = 1.0;  // [s] until currents flow
+constexpr int kTurns = 11;
+constexpr int kPatience = 5;  // [ms] for a reply
+constexpr int kMostWaits = 100;
 
 struct Packet {
   std::vector<std::uint8_t> bytes;
@@ -65,6 +69,15 @@ class Copier final : public DatagramLink {
   DatagramLink& link_;
 };
 
+// Boards and client have a processor each, as they have on a robot: where both share one, a datagram
+// that is sent runs the boards before the call returns.
+void take_processor(int number) {
+  cpu_set_t set;
+  CPU_ZERO(&set);
+  CPU_SET(number, &set);
+  ::sched_setaffinity(0, sizeof set, &set);
+}
+
 double seconds_of(clockid_t clock) {
   timespec at{};
   ::clock_gettime(clock, &at);
@@ -75,13 +88,17 @@ double at_share(const std::vector<double>& sorted, double share) {
   return sorted[static_cast<std::size_t>(share * static_cast<double>(sorted.size() - 1))];
 }
 
-// So many cycles by the machine's clock. @returns processor time per cycle [s], all of the thread's.
-template <typename Cycle>
-double beat(const char* name, double seconds, Cycle&& cycle) {
-  const auto cycles = static_cast<std::size_t>(seconds / kPeriod);
+struct Beat {
+  double each = 0.0;  // [s] processor time of a cycle, all of the thread's
+  long cycles = 0, late = 0;
   std::vector<double> took;
-  took.reserve(cycles);
-  long late = 0;
+};
+
+// So many cycles by the machine's clock.
+template <typename Cycle>
+void beat(double seconds, Beat& out, Cycle&& cycle) {
+  const auto cycles = static_cast<std::size_t>(seconds / kPeriod);
+  out.took.reserve(out.took.size() + cycles);
   const double cpu = seconds_of(CLOCK_THREAD_CPUTIME_ID);
   double next = seconds_of(CLOCK_MONOTONIC);
   for (std::size_t k = 0; k < cycles; ++k, next += kPeriod) {
@@ -89,70 +106,90 @@ double beat(const char* name, double seconds, Cycle&& cycle) {
     ::clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &at, nullptr);
     const double start = seconds_of(CLOCK_MONOTONIC);
     if (start - next > kPeriod) {
-      ++late;
+      ++out.late;
       next = start;
     }
-    cycle(k);
-    took.push_back(seconds_of(CLOCK_MONOTONIC) - start);
+    cycle();
+    out.took.push_back(seconds_of(CLOCK_MONOTONIC) - start);
   }
-  const double each = (seconds_of(CLOCK_THREAD_CPUTIME_ID) - cpu) / static_cast<double>(cycles);
-  std::sort(took.begin(), took.end());
-  std::printf("%-8s %zu cycles, %ld late; took us: median %.0f, 99 %% %.0f, longest %.0f; processor time %.1f us a cycle\n",
-              name, cycles, late, 1e6 * at_share(took, 0.5), 1e6 * at_share(took, 0.99), 1e6 * took.back(), 1e6 * each);
-  return each;
+  out.each = (seconds_of(CLOCK_THREAD_CPUTIME_ID) - cpu) / static_cast<double>(cycles);
+  out.cycles += static_cast<long>(cycles);
 }
 
-double bare(const std::vector<Packet>& packets, std::uint16_t port, double seconds) {
-  const int line = ::socket(AF_INET, SOCK_DGRAM, 0);
-  sockaddr_in board{};
-  board.sin_family = AF_INET;
-  board.sin_port = htons(port);
-  board.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  std::array<std::uint8_t, kDatagramBuffer> reply{};
-  const double each = beat("sockets", seconds, [&](std::size_t) {
-    for (const Packet& packet : packets) {
-      ::sendto(line, packet.bytes.data(), packet.bytes.size(), 0, reinterpret_cast<const sockaddr*>(&board), sizeof board);
+void tell(const char* name, Beat& all, std::vector<double>& each) {
+  std::sort(all.took.begin(), all.took.end());
+  std::sort(each.begin(), each.end());
+  std::printf("%-8s %ld cycles, %ld late; took us: median %.0f, 99 %% %.0f, longest %.0f; processor time us a cycle: %.1f (%.1f to %.1f)\n",
+              name, all.cycles, all.late, 1e6 * at_share(all.took, 0.5), 1e6 * at_share(all.took, 0.99), 1e6 * all.took.back(),
+              1e6 * at_share(each, 0.5), 1e6 * each.front(), 1e6 * each.back());
+}
+
+class Bare {
+ public:
+  Bare(const std::vector<Packet>& packets, std::uint16_t port) : packets_(packets), line_(::socket(AF_INET, SOCK_DGRAM, 0)) {
+    board_.sin_family = AF_INET;
+    board_.sin_port = htons(port);
+    board_.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  }
+  ~Bare() { ::close(line_); }
+  Bare(const Bare&) = delete;
+  Bare& operator=(const Bare&) = delete;
+
+  void cycle() {
+    for (const Packet& packet : packets_) {
+      ::sendto(line_, packet.bytes.data(), packet.bytes.size(), 0, reinterpret_cast<const sockaddr*>(&board_), sizeof board_);
       const double until = seconds_of(CLOCK_MONOTONIC) + packet.pause;
       while (packet.pause > 0.0 && seconds_of(CLOCK_MONOTONIC) < until) {
       }
       for (int k = 0; k < packet.replies; ++k) {
-        pollfd waits{line, POLLIN, 0};
-        if (::poll(&waits, 1, 5) > 0) ::recv(line, reply.data(), reply.size(), 0);
+        pollfd waits{line_, POLLIN, 0};
+        int left = kMostWaits;  // no reply is left for the next wait, which it would end at once
+        while (::poll(&waits, 1, kPatience) <= 0 && --left > 0) {
+        }
+        if (left > 0) ::recv(line_, reply_.data(), reply_.size(), 0);
       }
     }
-  });
-  ::close(line);
-  return each;
-}
+  }
 
+ private:
+  const std::vector<Packet>& packets_;
+  int line_;
+  sockaddr_in board_{};
+  std::array<std::uint8_t, kDatagramBuffer> reply_{};
+};
+
+// Both take turns, so that what else the machine does is the same for both.
 void run(CycleProtocol protocol, const char* name, double seconds) {
   BoardEmulator emulator({Rig::setup(6), Rig::setup(7)});
   BoardServer server(emulator, 0);
   std::atomic<bool> stop{false};
   std::thread thread([&] {
+    take_processor(1);
     take_real_time_priority(40);
     server.run(stop);
   });
-  double own = 0.0, least = 0.0;
   {
     UdpLink link("127.0.0.1", server.port());
     Copier copier(link);
     BoardSession session(copier, Rig::options(protocol));
     session.start();
+    take_processor(0);
     const bool priority = take_real_time_priority(30);
     std::printf("%s protocol, %s priority\n", name, priority ? "real-time" : "ordinary");
     long invalid = 0;
-    own = beat("session", seconds, [&](std::size_t k) {
-      copier.copies = k == kCopied;
+    const auto cycle = [&] {
       if (!session.update()) ++invalid;
       for (int b = 0; b < 2; ++b)
         for (int c = 0; c < kChannels; ++c) session.set_command(b, c, 33000.0);
       session.commit();
-      if (k == 100) session.power_on();
-    });
-    std::printf("state at the end: %s; reads that were not valid: %ld\n%s", describe(session.state()), invalid,
-                session.faults().report().c_str());
-    session.shutdown();
+    };
+    Beat first, own, least;
+    beat(0.1, first, cycle);
+    session.power_on();
+    beat(kToPower, first, cycle);
+    copier.copies = true;
+    cycle();
+    copier.copies = false;
     int replies = 0;
     double pauses = 0.0;
     for (const Packet& packet : copier.packets) {
@@ -160,11 +197,25 @@ void run(CycleProtocol protocol, const char* name, double seconds) {
       pauses += packet.pause;
     }
     std::printf("a cycle: %zu datagrams sent, %d received, %.0f us of pauses\n", copier.packets.size(), replies, 1e6 * pauses);
-    least = bare(copier.packets, server.port(), seconds);
+    Bare sockets(copier.packets, server.port());
+    std::vector<double> mine, theirs, ratios;
+    for (int k = 0; k < kTurns; ++k) {
+      beat(seconds / kTurns, own, cycle);
+      beat(seconds / kTurns, least, [&] { sockets.cycle(); });
+      mine.push_back(own.each);
+      theirs.push_back(least.each);
+      ratios.push_back(own.each / least.each);
+    }
+    std::printf("state at the end: %s; reads that were not valid: %ld\n", describe(session.state()), invalid);
+    tell("session", own, mine);
+    tell("sockets", least, theirs);
+    std::sort(ratios.begin(), ratios.end());
+    std::printf("processor time, session to sockets, %d turns: median %.2f (%.2f to %.2f)\n", kTurns,
+                at_share(ratios, 0.5), ratios.front(), ratios.back());
+    session.shutdown();
   }
   stop = true;
   thread.join();
-  std::printf("processor time, session to sockets: %.2f\n", own / least);
 }
 
 }  // namespace

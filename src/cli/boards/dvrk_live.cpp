@@ -54,7 +54,11 @@ std::string table(ArmSession& arm) {
   return out;
 }
 
-void tell_timing(const dvrk::LoopTiming& timing) {
+void tell_timing(const dvrk::LoopTiming& timing, const DvrkRequest& request) {
+  if (request.emulate) {
+    std::cout << fmt::format("{} cycles by the boards' clock, which stands still while the program computes\n", timing.cycles);
+    return;
+  }
   const dvrk::WriteGap& gap = timing.longest_gap;
   std::cout << fmt::format("{} cycles, {} late; a cycle took {:.0f} us, at most {:.0f} us\n",
                            timing.cycles, timing.late, 1e6 * timing.mean, 1e6 * timing.longest);
@@ -110,7 +114,7 @@ void say_kept(const DvrkRequest& request, const dvrk::RunResult& done) {
 
 void finish_dvrk(const DvrkRequest& request, const char* command, const dvrk::RunResult& done,
                  const ArmSession& session) {
-  tell_timing(done.timing);
+  tell_timing(done.timing, request);
   const dvrk::FaultLog& faults = session.boards().faults();
   say_faults(faults);
   if (!request.common.json.empty())

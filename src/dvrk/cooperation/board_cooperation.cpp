@@ -196,11 +196,10 @@ class BoardRun : private BoardLoop {
     if (unknown) std::fill(ages_.begin(), ages_.end(), kNever);
     for (size_t k = 0; k < sides_.size(); ++k) {
       BoardSide& side = *sides_[k];
-      if (control_->sensor_failed() && !unknown) {
-        side.loop().freeze();
-      } else if (holds && scenario_.control.guard) {
-        side.loop().hold_within(bound_, exerted_[k]);
-      }
+      const bool blind = control_->sensor_failed() && !unknown;
+      // A target that its tip cannot follow comes to its own rest far from where the arm is.
+      if (blind || state == CooperativeState::kTargetMissed) side.loop().freeze();
+      if (!blind && holds && scenario_.control.guard) side.loop().hold_within(bound_, exerted_[k]);
       side.keeps_still(holds && !gives_up_ && !unknown && stands((*targets_)[k]) && !side.loop().yields());
       side.act((*targets_)[k], exerted_[k], ages_[k], dt_);
     }
@@ -320,6 +319,7 @@ class BoardRun : private BoardLoop {
     out_.fault_at = fault_at_;
     out_.cycles = timing_.cycles;
     out_.late = timing_.late;
+    out_.stepped = options_.stepped;
     out_.mean_cycle = timing_.mean_cycle;
     out_.longest_cycle = timing_.longest_cycle;
     if (out_.run.arm.empty()) out_.run = empty_run(scenario_, "boards", 0);  // the arms were never powered

@@ -136,6 +136,7 @@ struct BoardCooperationRun {
   ScenarioRun run;      ///< what was measured: tips from encoders, forces from sensors
   long cycles = 0, late = 0;  ///< Cycles of the loop; late: begun more than a period after their time
   double mean_cycle = 0.0, longest_cycle = 0.0;  ///< [s] from a cycle's begin to its end
+  bool stepped = false;  ///< by a clock that stands still while the program computes
   BoardEnd end = BoardEnd::kDone;
   int faulty_arm = -1;  ///< arm whose fault stopped the run, from 0; -1: none in particular
   std::string why;      ///< in words

@@ -13,6 +13,9 @@ constexpr double kLooking = 0.1;  // [s] of reading before power-up
 constexpr double kAfter = 0.02;   // [s] of reading after power went
 constexpr double kJumpShare = 0.5;  // of the largest force: more between two readings is no force
 constexpr double kAtRest = 0.05;  // SafetyLimits::rest_share: of the velocity limits
+constexpr double kExplained = 3.0;  // [N]: half of SafetyLimits::force_disagreement
+constexpr const char* kNoTorque =
+    "its torques do not explain the force that the other arms' torques do: motors without torque, a wrong encoder, or a contact elsewhere";
 constexpr std::size_t kMostTold = 64;  // later faults
 
 }  // namespace
@@ -69,16 +72,30 @@ bool BoardLoop::fail(const char* why, int arm, BoardEnd end) noexcept {
   return false;
 }
 
+bool BoardLoop::others_explain(std::size_t k) const noexcept {
+  const auto arm = static_cast<int>(k);
+  bool any = false;
+  for (const ScenarioMember& member : scenario_.members) {
+    if (member.from != arm && member.to != arm) continue;
+    const auto other = static_cast<std::size_t>(member.from == arm ? member.to : member.from);
+    if (!(sides_[other]->unexplained_force() < kExplained)) return false;
+    any = true;
+  }
+  return any;
+}
+
 bool BoardLoop::look_after(std::size_t k) noexcept {
   bool found = false;
   for (;;) {
-    const BoardSide::News news = sides_[k]->news(scenario_.control.largest_age);
+    BoardSide::News news = sides_[k]->news(scenario_.control.largest_age);
     if (news.what == nullptr) return found;
     found = true;
+    // A wrong sensor contradicts the motors at both ends of its member, a limp arm its own alone.
+    if (news.unexplained && others_explain(k)) news.what = kNoTorque;
     if (why_ == nullptr) {
       fail(news.what, static_cast<int>(k));
       faulty_joint_ = news.joint;
-    } else if (later_.size() < later_.capacity()) {
+    } else if (!news.old_force && later_.size() < later_.capacity()) {  // the task noticed it before
       later_.push_back({news.what, static_cast<int>(k), news.joint, time_});
     }
   }

@@ -143,6 +143,8 @@ class BoardLoop {
     double at = 0.0;
   };
   std::string words(const char* what, int arm, int joint) const;
+  /// True if the torques of all arms that share a member with arm k explain the measured forces.
+  bool others_explain(std::size_t k) const noexcept;
   std::vector<Watched> watched_;
   std::vector<Later> later_;  // has room
 };

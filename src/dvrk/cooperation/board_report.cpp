@@ -68,8 +68,10 @@ std::string BoardCooperationRun::report() const {
     out = fmt::format("{}: {:.4g} s by commands from a line, {} of them, {} refused.\n"
                       "Largest force: {:.3g} N.\n",
                       run.name, off_at, commands, refused, largest_force);
-  out += fmt::format("{} cycles, {} late; a cycle took {:.0f} us, at most {:.0f} us.\n", cycles,
-                     late, 1e6 * mean_cycle, 1e6 * longest_cycle);
+  out += stepped ? fmt::format("{} cycles, {} late by the boards' clock, which stands still while the program computes.\n",
+                               cycles, late)
+                 : fmt::format("{} cycles, {} late; a cycle took {:.0f} us, at most {:.0f} us.\n", cycles,
+                               late, 1e6 * mean_cycle, 1e6 * longest_cycle);
   const bool all = std::all_of(after_fault.begin(), after_fault.end(),
                                [](const ArmAfterFault& arm) { return arm.held(); });
   if (end != BoardEnd::kDone && release_at > 0.0 && fault_at > release_at)

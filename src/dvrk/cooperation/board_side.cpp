@@ -156,7 +156,9 @@ BoardSide::News BoardSide::news(double largest_age) noexcept {
   }
   if (told_ >= supervisor_->events()) return {};
   const SafetyEvent& event = supervisor_->event(told_++);
-  return {describe(event.fault), event.joint};
+  const bool of_force = event.fault == SafetyFault::kForceSensor;
+  const bool unexplained = of_force && unexplained_force() > SafetyLimits().force_disagreement;
+  return {describe(event.fault), event.joint, unexplained, of_force && !unexplained};
 }
 
 }  // namespace veridyn::dvrk

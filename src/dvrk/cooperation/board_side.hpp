@@ -47,9 +47,15 @@ class BoardSide {
   struct News {
     const char* what = nullptr;
     int joint = -1;
+    /// The measured force is of no use: its motors' torques do not explain it, or it is too old.
+    bool unexplained = false, old_force = false;
   };
   /// @param largest_age  [s] without a valid read.
   News news(double largest_age) noexcept;
+
+  /// Difference between the measured force and the one that its motors' torques explain [N]; NaN
+  /// where they are not compared.
+  double unexplained_force() const noexcept { return (input_.force - input_.force_expected).norm(); }
 
   /// Position of the tip and largest speed of a joint, as a share of its limit, by the last read.
   const Eigen::Vector3d& tip() const { return loop_->position(); }

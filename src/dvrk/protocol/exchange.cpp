@@ -7,6 +7,11 @@ namespace {
 
 constexpr std::uint16_t kHubQuery = address::kHubQuery;
 constexpr int kMostStale = 64;  // datagrams that one call discards from the queue
+// A timer that ends before the next tick of the system's clock (4 ms apart at 250 Hz) is set in
+// hardware and costs as much as the rest of a read. So a read waits longer than a tick, unless a
+// reply was missed in the last seconds.
+constexpr double kLongerThanTick = 0.005;  // [s]
+constexpr double kWary = 10.0;             // [s]
 
 }  // namespace
 
@@ -145,11 +150,13 @@ ReadResult Exchange::read(const Request& request, const Route& route, double tim
   if (!send(request, route)) return ReadResult::kNotSent;
   const double until = link_.now() + timeout;
   const bool repeats = repeat_after_ > 0.0 && !silence_expected_;
-  double pause = repeats ? repeat_after_ : timeout;
-  double next = link_.now() + pause;
+  const double first = link_.now() < wary_until_ ? repeat_after_ : std::max(repeat_after_, kLongerThanTick);
+  double pause = repeat_after_;
+  double next = repeats ? link_.now() + first : until;
   while (true) {
     const ReadResult result = await(request, std::min(next, until), reply);
     if (result != ReadResult::kNoReply) return result;
+    if (!silence_expected_) wary_until_ = link_.now() + kWary;
     if (!(next < until) || link_.now() >= until) break;
     repeated_ = request.label;
     if (!link_.send({out_.data(), sent_}, route.to)) break;

@@ -57,7 +57,8 @@ class Exchange {
   /// While set, a missing reply is no fault: a scan addresses nodes that may not exist.
   void expect_silence(bool expected) noexcept { silence_expected_ = expected; }
   /// [s] after which a request without a reply is repeated, again after twice as long, and so on
-  /// until the timeout; 0: never. A board executes a read each time; the first reply counts.
+  /// until the timeout; 0: never. The first time after 5 ms, where no reply was missed for 10 s. A
+  /// board executes a read each time; the first reply counts.
   void repeat_after(double seconds) noexcept { repeat_after_ = seconds; }
   /// From now on write() and write_block() send nothing and report success. A query of the hub may
   /// be an exception: it changes no output of a board, but keeps its watchdog alive.
@@ -96,6 +97,7 @@ class Exchange {
   bool listens_ = false;
   bool queries_ = false;
   double repeat_after_ = 0.0;
+  double wary_until_ = 0.0;  // [s] of the link's clock
   int repeated_ = -1;  ///< Label of the last request that was sent twice: it may be answered twice
   std::size_t sent_ = 0;  ///< bytes of the last request in out_
   double lay_ = 0.0;
