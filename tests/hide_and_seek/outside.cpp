@@ -299,7 +299,8 @@ Played play_one(const OutsideRequest& request, const std::string& arm, const std
   }
   std::string findings;
   for (const Finding& f : d.findings) {
-    findings += fmt::format(" {}@{}", effect_of(f.cause), f.joint ? f.joint->value + 1 : 0);
+    findings += fmt::format(" {}@{}{}", effect_of(f.cause), f.joint ? f.joint->value + 1 : 0,
+                            f.status == FindingStatus::kConfirmed ? "" : "?");
     if (f.shape) findings += fmt::format("({} {:.0f}% {})", fmt::join(f.shape->signals, ","), 100.0 * f.shape->share, f.shape->words.substr(0, 40));
   }
   std::string states;
