@@ -12,6 +12,7 @@
 namespace veridyn {
 namespace {
 
+constexpr int kHalves = 2;
 constexpr double kSmallestShare = 1e-3;  // of a joint's squared torque; smaller shares are noise
 
 // The arm with plain friction on every coordinate and all parameters free: facts of the file do not
@@ -24,6 +25,20 @@ Model with_everything_open(const Model& arm) {
   }
   d.identified.reset();
   return Model(std::move(d));
+}
+
+// Share of a joint's squared torques that the parameters leave unexplained in each half of the blocks.
+VectorXd shares_of_halves(const CompressedRecording& c, int joint, const std::vector<std::string>& names,
+                          const VectorXd& beta) {
+  VectorXd left = VectorXd::Zero(kHalves);
+  VectorXd all = left;
+  for (std::size_t k = 0; k < c.blocks.size(); ++k) {
+    const auto half = static_cast<Eigen::Index>(kHalves * k / c.blocks.size());
+    const SquareRootInformation own = c.blocks[k][static_cast<std::size_t>(joint)].restricted(names);
+    left[half] += own.residual2(beta);
+    all[half] += own.rhs_norm2();
+  }
+  return left.cwiseQuotient(all.cwiseMax(1e-300));
 }
 
 }  // namespace
@@ -69,7 +84,10 @@ QuickFit QuickFitter::fit(const Recording& recording) const {
   const SquareRootInformation base = total.restricted(base_columns_);
   const VectorXd beta = base.R().triangularView<Eigen::Upper>().solve(base.z());
   out.unexplained = base.rho2() / std::max(base.rhs_norm2(), 1e-300);
-  for (const SquareRootInformation& joint : out.joints) {
+  out.halves.resize(arm_.joints(), kHalves);
+  for (int i = 0; i < arm_.joints(); ++i) {
+    const SquareRootInformation& joint = out.joints[static_cast<std::size_t>(i)];
+    out.halves.row(i) = shares_of_halves(c, i, base_columns_, beta).transpose();
     const SquareRootInformation own = joint.restricted(base_columns_);
     const double share = own.residual2(beta) / std::max(own.rhs_norm2(), 1e-300);
     out.misfit += std::log(std::max(share, kSmallestShare));

@@ -16,6 +16,7 @@ struct QuickFit {
   double unexplained = 1.0;    ///< share of the weighted squares of the torques
   double misfit = 0.0;         ///< sum over the joints of log(share); shares below 0.001 are noise
   std::vector<double> shares;  ///< by joint: unexplained share of its squared torque
+  MatrixXd halves;             ///< joints x 2: the same over the first and the second half
   VectorXd friction;  ///< by joint: power lost to friction, relative to rms torque times rms speed
   /// By joint: relative rise of the rms misfit without friction, its significance.
   std::vector<double> told;

@@ -2,9 +2,11 @@
 #include "veridyn/identification/robot_check.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include "effects/plain_friction.hpp"
@@ -38,6 +40,8 @@ constexpr double kFrictionAboveRest = 0.3;
 // Significance of friction: without it the rms misfit rises by at least this share; in the first
 // seconds of a motion other parameters may absorb it. Real recordings of a PSM have 0.27 to 2.3.
 constexpr double kFrictionTold = 0.25;
+// Share of a joint's range by which a position may lie outside of its limits.
+constexpr double kBeyondLimits = 0.05;
 const double kDegree = std::acos(-1.0) / 180.0;
 
 using Change = std::function<void(Recording*)>;
@@ -49,6 +53,16 @@ struct Way {
   std::string what;
   std::string option;
   Change mend;
+  int second = 0;      // from 1; 0: none
+  bool whole = false;  // of both joints everything is exchanged
+
+  // True if at most one of both can hold. That torques of two joints are exchanged and that their motions
+  // are is one mistake, seen from either side.
+  bool excludes(const Way& other) const {
+    if (second != 0 && joint == other.joint && second == other.second && !whole && !other.whole) return false;
+    const auto concerns = [&other](int k) { return k != 0 && (k == other.joint || k == other.second); };
+    return joint == 0 || other.joint == 0 || concerns(joint) || concerns(second);
+  }
 };
 
 void swap_columns(MatrixXd* values, int i, int j) {
@@ -162,19 +176,90 @@ class RobotCheck {
     now_ = fit;
   }
 
-  // Accepts the best hypothesis if it is much better than the recording as it is.
+  // Accepts the best hypothesis if it is much better than the recording as it is and than every other
+  // one that excludes it. Hypotheses that come close to each other are what joints that move alike make
+  // of a torque that the arm does not explain.
   bool accept_best(const std::vector<Way>& ways, double better) {
-    if (ways.empty()) return false;
     std::vector<QuickFit> fits(ways.size());
+    std::vector<char> possible(ways.size());
     parallel_for(static_cast<int>(ways.size()), 0, [&](int k) {
-      fits[static_cast<size_t>(k)] = tried(ways[static_cast<size_t>(k)]);
+      const auto at = static_cast<size_t>(k);
+      fits[at] = tried(ways[at]);
+      possible[at] = is_possible(ways[at]) ? 1 : 0;
     });
-    const auto best = std::min_element(fits.begin(), fits.end(), [](const QuickFit& a, const QuickFit& b) {
-      return a.misfit < b.misfit;
-    });
-    if (best->misfit > now_.misfit - better || best->unexplained >= now_.unexplained) return false;
-    accept(ways[static_cast<size_t>(best - fits.begin())], *best);
+    const auto gains = [&](size_t k) {
+      return fits[k].misfit <= now_.misfit - better && fits[k].unexplained < now_.unexplained;
+    };
+    std::optional<size_t> best;
+    for (size_t k = 0; k < ways.size(); ++k) {
+      const bool first = !best || possible[k] > possible[*best];
+      if (gains(k) && (first || (possible[k] == possible[*best] && fits[k].misfit < fits[*best].misfit))) best = k;
+    }
+    if (!best) return false;
+    if (possible[*best] == 0) {
+      say_perhaps(ways[*best], fits[*best], "as recorded, all positions lie within the limits of the joints");
+      return false;
+    }
+    for (size_t k = 0; k < ways.size(); ++k) {
+      if (k == *best || possible[k] == 0 || !ways[*best].excludes(ways[k])) continue;
+      if (fits[k].misfit > fits[*best].misfit + better) continue;
+      say_perhaps(ways[*best], fits[*best], "another exchange does nearly as well, so that none of them is sure");
+      return false;
+    }
+    if (!holds_throughout(ways[*best], fits[*best])) {
+      say_perhaps(ways[*best], fits[*best], "a joint that it concerns is explained no better in a half of the recording");
+      return false;
+    }
+    accept(ways[*best], fits[*best]);
     return true;
+  }
+
+  // True if either half of the recording explains every joint concerned better than before.
+  bool holds_throughout(const Way& way, const QuickFit& fit) const {
+    for (const int k : {way.joint, way.second}) {
+      if (k == 0) continue;
+      if ((fit.halves.row(k - 1).array() > now_.halves.row(k - 1).array()).any()) return false;
+    }
+    return true;
+  }
+
+  // Number of joints whose positions leave their limits.
+  static int beyond_limits(const Recording& recording, const std::vector<Coordinate>& coordinates) {
+    int out = 0;
+    for (size_t i = 0; i < coordinates.size(); ++i) {
+      const Limits& limits = coordinates[i].limits;
+      if (!std::isfinite(limits.upper - limits.lower)) continue;
+      const double margin = kBeyondLimits * (limits.upper - limits.lower);
+      const auto q = recording.q.col(static_cast<Eigen::Index>(i)).array();
+      out += (q < limits.lower - margin || q > limits.upper + margin).any() ? 1 : 0;
+    }
+    return out;
+  }
+
+  // The limits of the joints admit the positions that follow, no worse than those recorded; degrees also
+  // need positions that are none in radians.
+  bool is_possible(const Way& way) const {
+    const int as_recorded = beyond_limits(recording_, given_.coordinates());
+    if (way.finding == "degrees") return as_recorded > 0 || !has_limits();
+    Recording changed = recording_;
+    way.mend(&changed);
+    return beyond_limits(changed, given_.coordinates()) <= as_recorded;
+  }
+
+  bool has_limits() const {
+    return std::any_of(given_.coordinates().begin(), given_.coordinates().end(), [](const Coordinate& c) {
+      return !c.prismatic && std::isfinite(c.limits.upper - c.limits.lower);
+    });
+  }
+
+  void say_perhaps(const Way& way, const QuickFit& fit, const std::string& but) {
+    if (way.what.empty()) return;  // a sign: friction is asked next
+    std::string what = way.what;
+    what.front() = static_cast<char>(std::tolower(static_cast<unsigned char>(what.front())));
+    add(way.finding, way.joint, fit.unexplained,
+        text("Perhaps ", what, ": so the arm leaves ", percent(fit.unexplained), " of the torques' squares unexplained instead of ",
+             percent(now_.unexplained), ", but ", but, "."));
+    findings_.back().severity = Severity::kInfo;
   }
 
   std::vector<Way> ways() const {
@@ -275,15 +360,15 @@ class RobotCheck {
           swap_columns(&r->ddq, i, j);
         };
         all->push_back({"swapped_joints", i + 1, "The torques of " + pair + " are swapped",
-                        "--map " + torques, swap_torques});
+                        "--map " + torques, swap_torques, j + 1});
         all->push_back({"swapped_joints", i + 1,
                         "Positions and velocities of " + pair + " are swapped", "--map " + motion,
-                        swap_motion});
+                        swap_motion, j + 1});
         all->push_back({"swapped_joints", i + 1, "The whole of " + pair + " is swapped",
                         "--map " + motion + "," + torques, [=](Recording* r) {
                           swap_torques(r);
                           swap_motion(r);
-                        }});
+                        }, j + 1, true});
       }
     }
   }

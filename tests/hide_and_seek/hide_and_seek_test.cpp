@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "hide_and_seek/judge.hpp"
+#include "hide_and_seek/outside.hpp"
 #include "veridyn/model/model_file.hpp"
 
 // A few cases of the scoreboard that must never be lost: different arms, different effects, and
@@ -157,6 +158,17 @@ TEST(TemperatureDrift, IsSmallFromTheModelToTodayAndNoMistakeToName) {
     }
     asked.mode = Mode::kBare;
     EXPECT_TRUE(hide(asked).also_true.empty());
+  }
+}
+
+// Crosstalk looks like a cable from the other joint until its torque is asked about, and a damper that acts
+// above a speed looks like pushes at the fastest moments.
+TEST(HideAndSeek, CausesThatAreOnNoListBringNoOtherName) {
+  for (const char* cause : {"crosstalk", "one_way_damper"}) {
+    const OutsideScore score = outside_score({}, "pallet-4", cause, 31);
+    EXPECT_TRUE(score.joint && score.signals) << cause;
+    EXPECT_EQ(score.false_names, 0) << cause;
+    EXPECT_GT(score.explained, 0.8) << cause;
   }
 }
 

@@ -233,6 +233,7 @@ namespace {
 struct Played {
   std::string name;
   OutsideScore score;
+  std::string line = {};
 };
 
 void print_outside(const std::vector<Played>& all) {
@@ -289,7 +290,7 @@ Played play_one(const OutsideRequest& request, const std::string& arm, const std
   const Identification clean = identify(bench.robot, clean_train, clean_test, options.identification);
   const Diagnosis d = diagnose(bench.robot, train, test, options);
   if (request.keep.empty()) fs::remove_all(folder);
-  Played out{name, {}};
+  Played out{name, {}, {}};
   if (name == "none") {
     out.score.false_names = static_cast<int>(d.findings.size());
     out.score.state = "at_floor";
@@ -299,7 +300,8 @@ Played play_one(const OutsideRequest& request, const std::string& arm, const std
   }
   std::string findings;
   for (const Finding& f : d.findings) {
-    findings += fmt::format(" {}@{}", effect_of(f.cause), f.joint ? f.joint->value + 1 : 0);
+    findings += fmt::format(" {}@{}{}", effect_of(f.cause), f.joint ? f.joint->value + 1 : 0,
+                            f.status == FindingStatus::kConfirmed ? "" : "?");
     if (f.shape) findings += fmt::format("({} {:.0f}% {})", fmt::join(f.shape->signals, ","), 100.0 * f.shape->share, f.shape->words.substr(0, 40));
   }
   std::string states;
@@ -308,15 +310,20 @@ Played play_one(const OutsideRequest& request, const std::string& arm, const std
     states += fmt::format(" {}:{} {:.1f}/{:.1f}/{:.1f}/{:.1f}", v.joint.value + 1, name_of(v.state),
                           100.0 * v.held_out, 100.0 * v.left, 100.0 * v.floor, 100.0 * c);
   }
-  fmt::print("{:<10} {} {} on {} from {}: {}{}{}{} explained {:.0f} % |{} |{} | {:.1f} s\n", arm, seed, name, cause.joint + 1,
-             cause.from + 1, out.score.joint ? "joint " : "JOINT MISSED ", out.score.signals ? "signals " : "",
-             out.score.worded ? "worded " : "", out.score.silent ? "SILENT " : "", 100.0 * out.score.explained,
-             findings.empty() ? " none" : findings, states, d.seconds);
-  std::fflush(stdout);
+  out.line = fmt::format("{:<10} {} {} on {} from {}: {}{}{}{} explained {:.0f} % |{} |{} | {:.1f} s", arm, seed, name,
+                         cause.joint + 1, cause.from + 1, out.score.joint ? "joint " : "JOINT MISSED ",
+                         out.score.signals ? "signals " : "", out.score.worded ? "worded " : "",
+                         out.score.silent ? "SILENT " : "", 100.0 * out.score.explained,
+                         findings.empty() ? " none" : findings, states, d.seconds);
   return out;
 }
 
 }  // namespace
+
+OutsideScore outside_score(const OutsideRequest& request, const std::string& arm, const std::string& cause,
+                           unsigned seed) {
+  return play_one(request, arm, cause, seed).score;
+}
 
 void play_outside(const OutsideRequest& request) {
   std::vector<Played> all;
@@ -325,6 +332,8 @@ void play_outside(const OutsideRequest& request) {
       for (const unsigned seed : request.seeds) {
         try {
           all.push_back(play_one(request, arm, name, seed));
+          fmt::print("{}\n", all.back().line);
+          std::fflush(stdout);
         } catch (const std::exception& error) {
           fmt::print("{} {} {}: ERROR {}\n", arm, seed, name, error.what());
         }

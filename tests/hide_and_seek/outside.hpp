@@ -51,6 +51,10 @@ struct OutsideRequest {
   DiagnosisOptions options;
 };
 
+/// One case: the recordings are made, identified without the cause and diagnosed with it.
+OutsideScore outside_score(const OutsideRequest& request, const std::string& arm, const std::string& cause,
+                           unsigned seed);
+
 /// Plays all cases, prints a line for each and a table.
 void play_outside(const OutsideRequest& request);
 

@@ -141,6 +141,22 @@ TEST_F(AMistakenRecording, InDegreesIsMendedByUnits) {
   EXPECT_NE(sentences_.find("--units q=deg,dq=deg/s mends it"), std::string::npos) << sentences_;
 }
 
+// Every position lies within its joint's limits, which in degrees it would leave.
+TEST_F(AMistakenRecording, IsNotInDegreesWhereRadiansAreWithinTheLimits) {
+  Recording r = recorded("elbow-6r", 8);
+  r.q *= 180.0 / M_PI;
+  r.dq *= 180.0 / M_PI;
+  ModelDescription d = arm_->description();
+  for (Coordinate& c : d.coordinates) {
+    c.limits.lower = -1e3;
+    c.limits.upper = 1e3;
+  }
+  arm_.emplace(Model(std::move(d)));
+  findings(r);
+  EXPECT_EQ(sentences_.find("mends it"), std::string::npos) << sentences_;
+  EXPECT_NE(sentences_.find("Perhaps positions and velocities are degrees"), std::string::npos) << sentences_;
+}
+
 TEST_F(AMistakenRecording, OfCurrentsIsSeenByAnArmWithValues) {
   Recording r = recorded("elbow-6r", 9);
   ModelDescription d = plausible_model(*arm_, 9).arm.description();

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <optional>
 #include <set>
 #include <utility>
@@ -25,6 +26,8 @@ namespace veridyn {
 namespace {
 
 using numerics::kPercent;
+
+constexpr int kWithdrawals = 3;
 
 double error_of(const VectorXd& relative, int joint) {
   return relative.size() > joint ? relative[joint] : 0.0;
@@ -65,6 +68,23 @@ std::string phrase_of(const UnnamedShape& shape, double of_folds, Agreement held
   return out + "; nothing on the list has that shape";
 }
 
+// True if the effect's torque is a function of this signal.
+bool acts_through(const Finding& f, const MotionSignal& signal) {
+  const EffectTraits traits = find_effect(effect_of(f.cause)).traits();
+  if (signal.kind == SignalKind::kTime) return traits.depends_on_time;
+  const bool motion = signal.kind == SignalKind::kPosition || signal.kind == SignalKind::kVelocity;
+  if (signal.joint != f.joint->value) return traits.uses_source && motion;
+  switch (signal.kind) {
+    case SignalKind::kPosition: return traits.uses_position || traits.memory;
+    case SignalKind::kVelocity: return traits.uses_velocity || traits.memory;
+    case SignalKind::kAcceleration: return traits.uses_acceleration;
+    case SignalKind::kTorque: return traits.uses_load;
+    case SignalKind::kHistory: return traits.memory;
+    case SignalKind::kTime: break;
+  }
+  return false;
+}
+
 class Account {
  public:
   explicit Account(Investigation& x)
@@ -77,53 +97,46 @@ class Account {
         train_(motion_rows(d_.extended, d_.extended.train, d_.left_out, signals_)),
         test_(motion_rows(d_.extended, d_.extended.test, d_.left_out, signals_)) {}
 
-  // Removes named findings that are small beside an unnamed dependence on their joint, which biases
-  // them. True if there were any.
-  bool take_out_small_names() {
-    std::vector<size_t> small;
+  // Withdraws names on joints with more than their floor: those small beside an unnamed dependence, which
+  // biases them, and those without which smooth functions of signals that the effect does not act through
+  // predict the held-out parts as well (an encompassing test, Mizon and Richard 1986). Joints that move as
+  // one and a single recording leave open which signal it is. True if there were any.
+  bool withdraw_names() {
+    if (d_.changes) return false;
+    Reasons lost;
     for (size_t k = 0; k < d_.findings.size(); ++k) {
-      const Finding& f = d_.findings[k];
-      if (f.shape || !f.joint || f.status != FindingStatus::kConfirmed ||
-          !std::holds_alternative<NewEffect>(f.cause) || f.folds_before.size() == 0)
-        continue;
-      const int j = f.joint->value;
-      const double unnamed = unnamed_[static_cast<size_t>(j)] * folds_[j] * folds_[j];
-      const double own = f.folds_before[j] * f.folds_before[j] - f.folds_after[j] * f.folds_after[j];
-      if (has_unnamed(j) && own < limits_.small_beside_unnamed * unnamed) small.push_back(k);
+      if (is_small(d_.findings[k]))
+        lost[k] = "it is small beside what has no name on its joint, which may be what it stands for";
     }
-    if (small.empty() || d_.changes) return false;
-    ModelDescription description = d_.extended.model->description();
-    const auto is_in = [](const std::vector<EffectTerm>& all, const EffectTerm& one) {
-      return std::any_of(all.begin(), all.end(), [&one](const EffectTerm& e) {
-        return e.effect == one.effect && e.axis.coefficients == one.axis.coefficients;
-      });
-    };
-    auto& effects = description.effects;
-    const size_t before = effects.size();
-    for (const size_t k : small) {
-      const Finding& f = d_.findings[k];
-      effects.erase(std::remove_if(effects.begin(), effects.end(),
-                                   [&](const EffectTerm& e) {
-                                     return e.effect == effect_of(f.cause) &&
-                                            e.axis.coefficients[f.joint->value] != 0.0 &&
-                                            !is_in(x_.arm.effects(), e);
-                                   }),
-                    effects.end());
+    std::optional<Identification> without;
+    if (!lost.empty()) without = refitted_without(lost);
+    const bool told_apart = !d_.provisional && d_.moving_as_one.empty();
+    for (size_t k = 0; told_apart && !without && k < d_.findings.size(); ++k) {
+      if (!may_stand_for_another(d_.findings[k])) continue;
+      lost = {{k, "without it smooth functions of other signals predict its joint as well"}};
+      without = refitted_without(lost);
+      if (without && !is_encompassed(d_.findings[k], *without)) without.reset();
     }
-    if (effects.size() == before) return false;
-    description.identified.reset();
-    Identification without = x_.look(Model(std::move(description)));
-    if (!without.model) return false;
-    for (const size_t k : small) {
-      d_.findings[k].status = FindingStatus::kNotConfirmed;
-      d_.findings[k].why_not = "small beside what has no name on its joint, which may be what it stands for";
-    }
+    if (!without) return false;
+    withdraw(lost);
     d_.findings.erase(std::remove_if(d_.findings.begin(), d_.findings.end(),
                                      [](const Finding& f) { return f.shape.has_value(); }),
                       d_.findings.end());
     d_.joints.clear();
-    d_.extended = std::move(without);
+    d_.extended = std::move(*without);
     return true;
+  }
+
+  // Names that held-out parts contradict, beside a dependence that has none.
+  void withdraw_contradicted() {
+    Reasons lost;
+    for (size_t k = 0; k < d_.findings.size(); ++k) {
+      const Finding& f = d_.findings[k];
+      if (!f.shape && f.joint && f.status == FindingStatus::kNotConfirmed && std::holds_alternative<NewEffect>(f.cause) &&
+          has_unnamed(f.joint->value))
+        lost[k] = "held-out parts of the training recordings contradict it beside what has no name on its joint";
+    }
+    withdraw(lost);
   }
 
   // Findings without a name as tables of the extended model.
@@ -156,6 +169,90 @@ class Account {
   }
 
  private:
+  using Reasons = std::map<size_t, const char*>;  // by index of a finding
+
+  void withdraw(const Reasons& lost) {
+    std::vector<Finding> kept;
+    for (size_t k = 0; k < d_.findings.size(); ++k) {
+      Finding& f = d_.findings[k];
+      const auto why = lost.find(k);
+      if (why == lost.end()) {
+        kept.push_back(std::move(f));
+        continue;
+      }
+      d_.not_supported.insert(d_.not_supported.begin(), {f.cause, f.p_value, why->second});
+      d_.remarks.push_back(fmt::format("Withdrawn: {} Not named, for {}.", d_.sentence(f), why->second));
+    }
+    d_.findings = std::move(kept);
+  }
+
+  bool is_withdrawable(const Finding& f) const {
+    return !f.shape && f.joint && f.status == FindingStatus::kConfirmed &&
+           std::holds_alternative<NewEffect>(f.cause) && f.folds_before.size() > 0;
+  }
+
+  bool is_small(const Finding& f) const {
+    if (!is_withdrawable(f) || !has_unnamed(f.joint->value)) return false;
+    const int j = f.joint->value;
+    const double unnamed = unnamed_[static_cast<size_t>(j)] * folds_[j] * folds_[j];
+    const double own = f.folds_before[j] * f.folds_before[j] - f.folds_after[j] * f.folds_after[j];
+    return own < limits_.small_beside_unnamed * unnamed;
+  }
+
+  bool may_stand_for_another(const Finding& f) const {
+    if (!is_withdrawable(f) || find_effect(effect_of(f.cause)).traits().elementary) return false;
+    const JointState state = d_.joints[static_cast<size_t>(f.joint->value)].state;
+    return state == JointState::kUnnamed || state == JointState::kCannotTell;
+  }
+
+  // The extended arm without the effects of these findings.
+  std::optional<Identification> refitted_without(const Reasons& lost) const {
+    ModelDescription description = d_.extended.model->description();
+    const auto is_in = [](const std::vector<EffectTerm>& all, const EffectTerm& one) {
+      return std::any_of(all.begin(), all.end(), [&one](const EffectTerm& e) {
+        return e.effect == one.effect && e.axis.coefficients == one.axis.coefficients;
+      });
+    };
+    auto& effects = description.effects;
+    const size_t before = effects.size();
+    for (const auto& [k, why] : lost) {
+      const Finding& f = d_.findings[k];
+      effects.erase(std::remove_if(effects.begin(), effects.end(),
+                                   [&f = f, &is_in, this](const EffectTerm& e) {
+                                     return e.effect == effect_of(f.cause) &&
+                                            e.axis.coefficients[f.joint->value] != 0.0 &&
+                                            !is_in(x_.arm.effects(), e);
+                                   }),
+                    effects.end());
+    }
+    if (effects.size() == before) return std::nullopt;
+    description.identified.reset();
+    Identification out = x_.look(Model(std::move(description)));
+    if (!out.model) return std::nullopt;
+    return out;
+  }
+
+  // True if smooth terms beside the model without a finding, the first of them of a signal that it does not
+  // act through, leave no more of a joint's held-out parts than those beside the extended model; where the
+  // extended model needs none, clearly less: smooth functions imitate any cause.
+  bool is_encompassed(const Finding& f, const Identification& without) const {
+    const int j = f.joint->value;
+    const auto rows = [&](const std::vector<RecordingError>& of) {
+      return motion_rows(without, of, d_.left_out, signals_);
+    };
+    const std::vector<SmoothTerm> terms = smooth_terms(signals_, j, limits_);
+    const Dependence found = find_dependence(j, rows(without.train), rows(without.test), terms, limits_);
+    if (!is_clear(found)) return false;
+    const std::vector<int>& main = terms[static_cast<size_t>(found.model.chosen.front().term)].signals;
+    const bool own = std::all_of(main.begin(), main.end(), [&](int s) {
+      return acts_through(f, signals_[static_cast<size_t>(s)]);
+    });
+    if (own) return false;
+    const double left = without_share(x_.fold_errors(without).relative()[j], found.predicted_of_folds.back());
+    const double so_far = unnamed_[static_cast<size_t>(j)];
+    return left <= without_share(folds_[j], has_unnamed(j) ? so_far : limits_.unnamed_share);
+  }
+
   // Findings of a joint's dependence; the held-out error that is left after them.
   double add_findings(const Dependence& found, const std::vector<SmoothTerm>& terms) {
     const int j = found.joint;
@@ -389,10 +486,11 @@ void account_for_errors(Investigation& x) {
   }
   std::optional<Account> account(std::in_place, x);
   account->run();
-  if (x.options.extended == ExtendedModel::kConfirmedOnly && account->take_out_small_names()) {
+  for (int turn = 0; turn < kWithdrawals && x.options.extended == ExtendedModel::kConfirmedOnly && account->withdraw_names(); ++turn) {
     account.emplace(x);
     account->run();
   }
+  if (x.options.extended == ExtendedModel::kConfirmedOnly) account->withdraw_contradicted();
   if (x.options.unnamed == UnnamedForces::kKept) account->keep_tables();
   x.d.next_experiment = next_experiment(x.d);
 }

@@ -4,6 +4,7 @@
 
 #include "diagnosis/causes/contacts.hpp"
 #include "diagnosis/stages/investigation.hpp"
+#include "diagnosis/unnamed/dependence.hpp"
 #include "identification/velocity_choice.hpp"
 #include "math/parallel.hpp"
 #include "recordings/kept_recordings.hpp"
@@ -171,12 +172,47 @@ bool exclude_snags(const Identification& seen, Investigation& x) {
   return true;
 }
 
+namespace {
+
+// True if smooth functions of the signals, as the other recordings give them, predict most of a burst: it
+// belongs to the motion and is no push.
+bool belongs_to_motion(const Contact& c, const Identification& seen, const Investigation& x) {
+  std::vector<RecordingError> others;
+  std::vector<RecordingError> own;
+  for (const RecordingError& r : seen.train) (r.source == c.source ? own : others).push_back(r);
+  for (const RecordingError& r : seen.test) {
+    if (own.empty() && r.source == c.source) own.push_back(r);
+  }
+  if (others.empty() || own.empty()) return false;
+  const Thresholds& limits = x.options.thresholds;
+  const std::vector<MotionSignal> signals = motion_signals(seen, limits);
+  const MotionRows rows = motion_rows(seen, others, x.d.left_out, signals);
+  const MotionRows there = motion_rows(seen, own, {}, signals);
+  const std::vector<SmoothTerm> terms = smooth_terms(signals, c.last_joint, limits);
+  const Dependence found = find_dependence(c.last_joint, rows, there, terms, limits);
+  if (found.model.chosen.empty()) return false;
+  const VectorXd expected = predicted(found.model, terms, there.values);
+  const auto time = static_cast<Eigen::Index>(signals.size()) - 1;
+  double all = 0.0;
+  double rest = 0.0;
+  for (Eigen::Index r = 0; r < there.values.rows(); ++r) {
+    if (there.values(r, time) < c.from || there.values(r, time) > c.to) continue;
+    const double residual = there.residual(r, c.last_joint);
+    all += residual * residual;
+    rest += (residual - expected[r]) * (residual - expected[r]);
+  }
+  return rest < 0.5 * all;
+}
+
+}  // namespace
+
 bool exclude_contacts(const Identification& seen, Investigation& x) {
   if (!x.asks_for(ExternalContact::kName) || !seen.model) return false;
   std::vector<Contact> contacts = find_contacts(seen, x.options.thresholds);
   contacts.erase(std::remove_if(contacts.begin(), contacts.end(),
-                                [&x](const Contact& c) {
-                                  return !x.asks_about(ExternalContact{JointIndex{c.last_joint}});
+                                [&](const Contact& c) {
+                                  return !x.asks_about(ExternalContact{JointIndex{c.last_joint}}) ||
+                                         belongs_to_motion(c, seen, x);
                                 }),
                  contacts.end());
   if (contacts.empty()) return false;
